@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+# stroma_module(NAME COMPONENTS stem... [LIBRARIES lib...] [LEVELS])
+#   Builds the components stem.cpp of the current folder as one runtime module. With LEVELS it is built once for each
+#   instruction set of STROMA_LEVELS. The generated registry lists every component by name, so nothing depends on
+#   static initialisers.
+
+define_property(GLOBAL PROPERTY STROMA_MODULES BRIEF_DOCS "names of the modules" FULL_DOCS "names of the modules")
+
+# What every target of the project compiles with.
+add_library(stroma_flags INTERFACE)
+target_compile_options(stroma_flags INTERFACE -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual
+  -fopenmp-simd -fno-math-errno -fno-trapping-math -fvisibility-inlines-hidden)
+if(STROMA_WERROR)
+  target_compile_options(stroma_flags INTERFACE -Werror)
+endif()
+if(STROMA_SANITIZE)
+  target_compile_options(stroma_flags INTERFACE -fsanitize=${STROMA_SANITIZE} -fno-omit-frame-pointer)
+  target_link_options(stroma_flags INTERFACE -fsanitize=${STROMA_SANITIZE})
+endif()
+
+function(stroma_module name)
+  cmake_parse_arguments(arg "LEVELS" "" "COMPONENTS;LIBRARIES" ${ARGN})
+  set(registry ${CMAKE_CURRENT_BINARY_DIR}/${name}_registry.cpp)
+  set(declarations "")
+  set(calls "")
+  set(sources ${registry})
+  set(manual_sources "")
+  foreach(stem ${arg_COMPONENTS})
+    string(APPEND declarations "void stroma_register_${stem}(stroma::Factory&);\n")
+    string(APPEND calls "  stroma_register_${stem}(factory);\n")
+    list(APPEND sources ${stem}.cpp)
+    list(APPEND manual_sources ${CMAKE_CURRENT_SOURCE_DIR}/${stem}.cpp)
+  endforeach()
+  set(text "// generated: the components of module ${name}\n#include \"framework/scene/modules.h\"\n\n${declarations}
+static void registerComponents(stroma::Factory& factory) {\n${calls}}\n
+extern \"C\" __attribute__((visibility(\"default\"))) const stroma::ModuleInfo* stroma_module() {
+  static const stroma::ModuleInfo info{STROMA_ABI, \"${name}\", registerComponents};
+  return &info;\n}\n")
+  file(CONFIGURE OUTPUT ${registry} CONTENT "${text}" @ONLY)
+
+  if(arg_LEVELS)
+    set(levels ${STROMA_LEVELS})
+  else()
+    set(levels baseline)
+  endif()
+  set(built "")
+  foreach(level ${levels})
+    set(target stroma_${name}_${level})
+    add_library(${target} MODULE ${sources})
+    target_link_libraries(${target} PRIVATE stroma ${arg_LIBRARIES})
+    set_target_properties(${target} PROPERTIES PREFIX "" OUTPUT_NAME ${name} CXX_VISIBILITY_PRESET hidden)
+    if(level STREQUAL baseline)
+      set(folder stroma)
+    else()
+      set(folder stroma/${level})
+      target_compile_options(${target} PRIVATE -march=${level})
+      if(level STREQUAL x86-64-v4)
+        target_compile_options(${target} PRIVATE -mprefer-vector-width=512)
+      endif()
+    endif()
+    set_target_properties(${target} PROPERTIES
+      LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib/${folder}
+      INSTALL_RPATH "$ORIGIN/..:$ORIGIN/../..")
+    install(TARGETS ${target} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/${folder})
+    list(APPEND built ${target})
+  endforeach()
+  set_property(GLOBAL APPEND PROPERTY STROMA_MODULES ${name})
+  set_property(GLOBAL PROPERTY STROMA_MODULE_${name}_TARGETS ${built})
+  set_property(GLOBAL PROPERTY STROMA_MODULE_${name}_MANUAL ${manual_sources})
+endfunction()
+
+# One index for all modules, made by opening each of them once after the build.
+function(stroma_write_module_index)
+  get_property(modules GLOBAL PROPERTY STROMA_MODULES)
+  set(commands "")
+  set(depends stroma-index)
+  foreach(name ${modules})
+    get_property(targets GLOBAL PROPERTY STROMA_MODULE_${name}_TARGETS)
+    get_property(manual GLOBAL PROPERTY STROMA_MODULE_${name}_MANUAL)
+    list(GET targets 0 first)
+    list(APPEND commands --module ${name} $<TARGET_FILE:${first}> ${manual})
+    list(APPEND depends ${targets} ${manual})
+  endforeach()
+  add_custom_command(
+    OUTPUT ${CMAKE_BINARY_DIR}/lib/stroma/modules.index
+    COMMAND stroma-index ${CMAKE_BINARY_DIR}/lib/stroma ${commands}
+    DEPENDS ${depends}
+    COMMENT "Indexing modules" VERBATIM)
+  add_custom_target(stroma_modules_index ALL DEPENDS ${CMAKE_BINARY_DIR}/lib/stroma/modules.index)
+  install(FILES ${CMAKE_BINARY_DIR}/lib/stroma/modules.index ${CMAKE_BINARY_DIR}/lib/stroma/modules.manual
+          DESTINATION ${CMAKE_INSTALL_LIBDIR}/stroma)
+endfunction()

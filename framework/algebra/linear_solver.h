@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <string_view>
+
+#include "framework/algebra/block_matrix.h"
+#include "framework/scene/component.h"
+
+namespace stroma {
+
+/// The matrix of one linear solve, P (m M + k K) P + (I - P), seen as a product or as an assembled matrix; P projects
+/// onto the free directions. Implemented by System.
+class SystemMatrix {
+ public:
+  virtual ~SystemMatrix() = default;
+  virtual Index rows() const = 0;
+  /// out = A p, without building the matrix; fixed directions of p must be zero and stay zero.
+  virtual void multiply(ConstRows p, Rows out) const = 0;
+  /// The matrix in a pattern that never changes (the same object at each call; eliminated directions carry 1 on the
+  /// diagonal). Assembled at most once for each revision().
+  virtual const BlockMatrix& assemble() = 0;
+  /// The 3x3 diagonal blocks, shape (rows, 9), row-major: for preconditioners, without assembling the rest.
+  virtual void diagonalBlocks(std::vector<double>& blocks) const = 0;
+  /// Changes when any value of the matrix may have changed, and only then.
+  virtual long revision() const = 0;
+  /// False when some term is not symmetric.
+  virtual bool symmetric() const = 0;
+  /// True when every term of the matrix is already kept assembled or is cheaper assembled than as a product.
+  virtual bool prefersAssembled(int expected_products) const = 0;
+  /// Name (path) of the component to blame for row `row`, for messages.
+  virtual std::string describeRow(Index row) const = 0;
+};
+
+/// Why an iterative or direct solve ended.
+enum class SolveStop { converged, iteration_limit, breakdown, not_definite, not_finite, zero_right_side };
+std::string_view describe(SolveStop stop);
+
+struct SolveReport {
+  SolveStop stop = SolveStop::converged;
+  int iterations = 0;            ///< 1 for a direct solve
+  double relative_residual = 0;  ///< |b - A x| / |b| as the solver knows it
+  bool factored = false;         ///< a factorisation was made in this solve
+  Index row = -1;                ///< the row where a factorisation broke down, -1 otherwise
+  bool usable() const { return stop != SolveStop::not_finite && stop != SolveStop::not_definite; }
+};
+
+/// Solves A x = b. One solver serves one integrator; it may keep work space and factors between calls.
+class LinearSolver : public Component {
+ public:
+  std::string roleText() const override { return "linear solver"; }
+  /// x on entry is the initial guess (zero unless the caller knows better).
+  virtual SolveReport solve(SystemMatrix& matrix, ConstRows b, Rows x) = 0;
+  /// True for solvers that need a symmetric matrix; System refuses the pairing at compile time with a sentence.
+  virtual bool needsSymmetric() const = 0;
+};
+
+}  // namespace stroma

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Vectors over the nodes of a system. A node's three components fill a row of four doubles (x, y, z, 0), 32-byte
+// aligned: an element loop loads and stores a node with one instruction, and no store straddles a cache line. The
+// fourth number is zero in every vector at all times, so sums over all numbers are sums over the components.
+#pragma once
+#include <cassert>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+#include <new>
+
+#include "framework/scene/types.h"
+
+namespace stroma {
+
+constexpr int row_doubles = 4;
+
+/// Read-only view of `count` rows.
+struct ConstRows {
+  const double* data = nullptr;
+  Index count = 0;
+  Eigen::Map<const Vec3> operator[](Index row) const {
+    assert(row >= 0 && row < count);
+    return Eigen::Map<const Vec3>(data + std::size_t(row) * row_doubles);
+  }
+  std::size_t doubles() const { return std::size_t(count) * row_doubles; }
+};
+
+/// Writable view of `count` rows.
+struct Rows {
+  double* data = nullptr;
+  Index count = 0;
+  Eigen::Map<Vec3> operator[](Index row) const {
+    assert(row >= 0 && row < count);
+    return Eigen::Map<Vec3>(data + std::size_t(row) * row_doubles);
+  }
+  operator ConstRows() const { return {data, count}; }
+  std::size_t doubles() const { return std::size_t(count) * row_doubles; }
+};
+
+/// Owns rows; 64-byte aligned, zero after resize().
+class Vector {
+ public:
+  Vector() = default;
+  explicit Vector(Index count) { resize(count); }
+  void resize(Index count) {
+    count_ = count;
+    const std::size_t bytes = (std::size_t(count) * row_doubles * sizeof(double) + 127) / 64 * 64;
+    data_.reset(static_cast<double*>(std::aligned_alloc(64, bytes)));
+    if (!data_) throw std::bad_alloc();
+    std::memset(data_.get(), 0, bytes);
+  }
+  Index count() const { return count_; }
+  operator Rows() { return {data_.get(), count_}; }
+  operator ConstRows() const { return {data_.get(), count_}; }
+  Rows rows() { return *this; }
+  ConstRows rows() const { return *this; }
+  Eigen::Map<Vec3> operator[](Index row) { return rows()[row]; }
+  Eigen::Map<const Vec3> operator[](Index row) const { return rows()[row]; }
+
+ private:
+  struct Free {
+    void operator()(double* pointer) const { std::free(pointer); }
+  };
+  std::unique_ptr<double[], Free> data_;
+  Index count_ = 0;
+};
+
+// ---- vector operations: inline, so that a module compiled for wide registers gets wide loops ----
+
+inline void clear(Rows a) { std::memset(a.data, 0, a.doubles() * sizeof(double)); }
+inline void copy(ConstRows a, Rows out) {
+  assert(a.count == out.count);
+  std::memcpy(out.data, a.data, a.doubles() * sizeof(double));
+}
+/// y += s x
+inline void axpy(double s, ConstRows x, Rows y) {
+  assert(x.count == y.count);
+  const double* __restrict px = x.data;
+  double* __restrict py = y.data;
+#pragma omp simd
+  for (std::size_t i = 0; i < x.doubles(); ++i) py[i] += s * px[i];
+}
+/// y = x + s y
+inline void xpay(ConstRows x, double s, Rows y) {
+  const double* __restrict px = x.data;
+  double* __restrict py = y.data;
+#pragma omp simd
+  for (std::size_t i = 0; i < x.doubles(); ++i) py[i] = px[i] + s * py[i];
+}
+inline void scale(double s, Rows y) {
+  double* __restrict py = y.data;
+#pragma omp simd
+  for (std::size_t i = 0; i < y.doubles(); ++i) py[i] *= s;
+}
+/// Sum of products. The order of summation is fixed by the code, not by the number of threads.
+inline double dot(ConstRows a, ConstRows b) {
+  assert(a.count == b.count);
+  const double* __restrict pa = a.data;
+  const double* __restrict pb = b.data;
+  double sum = 0;
+#pragma omp simd reduction(+ : sum)
+  for (std::size_t i = 0; i < a.doubles(); ++i) sum += pa[i] * pb[i];
+  return sum;
+}
+
+}  // namespace stroma

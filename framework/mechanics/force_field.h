@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include "framework/algebra/block_matrix.h"
+#include "framework/mechanics/state.h"
+
+namespace stroma {
+
+/// What a force field is, so that the plan can skip work.
+struct ForceTraits {
+  bool linear = false;              ///< force is affine in x
+  bool constant_stiffness = false;  ///< K does not change: assemble and factor once
+  bool symmetric = true;            ///< K = K^T
+  bool conservative = true;         ///< force = -grad energy
+  bool has_stiffness = true;        ///< false: K = 0, products and assembly are skipped
+  bool exact_tangent = true;        ///< K is the derivative of the force, not an approximation of it
+  bool velocity_dependent = false;  ///< addForce reads v
+};
+
+/// A force on the nodes of one state. Vectors are the whole system's (rows as in State::firstRow()).
+/// K is the derivative of the force with respect to x at the x of the last addForce() call.
+class ForceField : public Component {
+ public:
+  std::string roleText() const override { return "force field"; }
+  void declare(DataTable& table) override;  ///< mstate, rayleighStiffness
+  void init() override;                     ///< finds the state
+  State& state() const { return *state_; }
+
+  virtual ForceTraits traits() const = 0;
+  /// Called once by the System when rows are known: build what depends on row numbers.
+  virtual void compile() {}
+  /// Potential energy [J] at x. Where traits().conservative is false: the stored elastic energy, for monitoring.
+  virtual double energy(ConstRows x) const = 0;
+  /// f += force [N] at (x, v); prepares the stiffness at x.
+  virtual void addForce(ConstRows x, ConstRows v, Rows f) = 0;
+  /// df += factor * K dx.
+  virtual void addStiffnessProduct(ConstRows dx, double factor, Rows df) const = 0;
+  /// Which blocks of the system matrix K touches.
+  virtual void addPattern(BlockPattern& pattern) const = 0;
+  /// Called once when the matrix's pattern exists: look up slots.
+  virtual void prepareAssembly(const BlockMatrix&) {}
+  /// matrix += factor * K.
+  virtual void addStiffness(double factor, BlockMatrix& matrix) const = 0;
+  /// blocks[row] += factor * K[row][row], shape (rows, 9).
+  virtual void addStiffnessDiagonal(double factor, std::vector<double>& blocks) const = 0;
+  /// Both f += force(x) and df += factor * K(x) dx in one pass; a field that can share the work overrides it.
+  virtual void addForceAndProduct(ConstRows x, ConstRows v, ConstRows dx, double factor, Rows f, Rows df) {
+    addForce(x, v, f);
+    addStiffnessProduct(dx, factor, df);
+  }
+  /// Estimated nanoseconds of one product and of one assembly on one core, for the choice matrix-free or assembled.
+  struct Cost {
+    double product = 0, assembly = 0;
+  };
+  virtual Cost cost() const { return {}; }
+  /// A sentence on the worst element at x, for a report of divergence ("tetrahedron 12 (nodes 3 4 8 9): J = -0.3"),
+  /// or empty.
+  virtual std::string worstElement(ConstRows) const { return {}; }
+  /// Named per-cell fields for output ("vonMises", "J"): computed only when an observer asks. Empty name list: none.
+  virtual std::vector<std::string> cellFields() const { return {}; }
+  virtual void cellField(const std::string&, ConstRows /*x*/, std::vector<double>& /*out*/) const {}
+
+  double rayleigh_stiffness = 0;  ///< [s], local Rayleigh factor added to the integrator's
+
+ protected:
+  Link<State> mstate_{"mechanical state"};
+
+ private:
+  State* state_ = nullptr;
+};
+
+}  // namespace stroma

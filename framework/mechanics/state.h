@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include "framework/algebra/vector.h"
+#include "framework/scene/component.h"
+
+namespace stroma {
+
+/// The role of a MechanicalObject: the nodes of a body. After compilation its current x and v are rows
+/// [firstRow(), firstRow() + size()) of its System's vectors; before, they are the initial values below.
+class State : public Component {
+ public:
+  std::string roleText() const override { return "mechanical state"; }
+
+  Index size() const { return Index(rest_position.size()); }
+  Index firstRow() const { return first_row_; }
+  Rows x() const { return {x_.data + std::size_t(first_row_) * row_doubles, size()}; }
+  Rows v() const { return {v_.data + std::size_t(first_row_) * row_doubles, size()}; }
+  /// The net force of the last evaluation [N]; what observers read.
+  ConstRows f() const { return {f_.data + std::size_t(first_row_) * row_doubles, size()}; }
+  bool isBound() const { return x_.data != nullptr; }
+  /// Called by System: the whole vectors and where this state starts in them.
+  void bind(Index first_row, Rows x, Rows v, ConstRows f) { first_row_ = first_row, x_ = x, v_ = v, f_ = f; }
+
+  std::vector<Vec3> rest_position;  ///< [m], shape (size); does not change
+  std::vector<Vec3> position;       ///< [m], initial positions, shape (size)
+  std::vector<Vec3> velocity;       ///< [m/s], initial velocities, shape (size)
+
+ private:
+  Index first_row_ = 0;
+  Rows x_, v_;
+  ConstRows f_;
+};
+
+}  // namespace stroma

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "framework/scene/types.h"
+
+namespace stroma {
+
+/// A compressed list of lists: entries of item i are values[start[i]] ... values[start[i + 1] - 1].
+struct Adjacency {
+  std::vector<Index> start{0}, values;
+  Index size() const { return Index(start.size()) - 1; }
+};
+
+/// What a check of a mesh found. Volumes in m^3 (the mesh's unit cubed).
+struct MeshReport {
+  Index nodes = 0, edges = 0, triangles = 0, quads = 0, tetrahedra = 0, hexahedra = 0;
+  double volume = 0;                ///< sum of signed volumes of tetrahedra and hexahedra
+  double worst_quality = 1;         ///< smallest mean-ratio quality of a volume cell: 1 regular, 0 flat, < 0 inverted
+  Index worst_cell = -1;            ///< its index (tetrahedra first, then hexahedra), -1 when there is none
+  std::vector<Index> inverted;      ///< volume cells with a negative volume
+  std::vector<Index> flat;          ///< volume cells with a volume below 1e-12 of their longest edge cubed
+  std::vector<Index> unused_nodes;  ///< nodes that no cell uses
+  Vec3 low = Vec3::Zero(), high = Vec3::Zero();  ///< bounding box
+  std::string text() const;         ///< one line
+};
+
+/// Positions and cells. Tables derived from the cells are built when first asked for and kept.
+class Mesh {
+ public:
+  std::vector<Vec3> position;             ///< [m], shape (nodes)
+  std::vector<Edge> edges;
+  std::vector<Triangle> triangles;
+  std::vector<Quad> quads;
+  std::vector<Tetrahedron> tetrahedra;    ///< positive volume: (b-a) x (c-a) . (d-a) > 0
+  std::vector<Hexahedron> hexahedra;      ///< VTK order: bottom face counter-clockwise, then the top face
+
+  Index nodes() const { return Index(position.size()); }
+  /// The first problem that makes the mesh unusable (an index out of range, a repeated node in a cell, a position
+  /// that is not finite) as a sentence, or empty.
+  std::string firstError() const;
+  MeshReport report() const;
+
+  // ---- derived on demand ----
+  const std::vector<Edge>& allEdges() const;             ///< unique edges of all cells, sorted
+  const std::vector<Triangle>& tetrahedronFaces() const; ///< unique faces of tetrahedra
+  const std::vector<Triangle>& boundaryTriangles() const;///< faces of one tetrahedron only, outward
+  const std::vector<Quad>& boundaryQuads() const;        ///< faces of one hexahedron only, outward
+  const Adjacency& tetrahedraAroundNode() const;
+  const Adjacency& hexahedraAroundNode() const;
+  const Adjacency& nodesAroundNode() const;              ///< by edges of cells, without itself, ascending
+  /// How many derived tables have been built: a scene that needs none pays for none.
+  int derivedTables() const;
+
+ private:
+  mutable std::optional<std::vector<Edge>> all_edges_;
+  mutable std::optional<std::vector<Triangle>> tetrahedron_faces_, boundary_triangles_;
+  mutable std::optional<std::vector<Quad>> boundary_quads_;
+  mutable std::optional<Adjacency> tetrahedra_around_node_, hexahedra_around_node_, nodes_around_node_;
+};
+
+/// 1/6 (b-a) x (c-a) . (d-a)
+double tetrahedronVolume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
+
+}  // namespace stroma

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// One table of everything that SOFA renamed, so that old and new scenes load: the loader maps old names (with one
+// note), and a test checks that every replacement exists.
+#pragma once
+#include <string_view>
+#include <vector>
+
+namespace stroma {
+
+struct TypeChange {
+  std::string_view old_type, new_type, since;
+};
+struct AttributeChange {
+  std::string_view type, old_attribute, new_attribute;
+};
+
+const std::vector<TypeChange>& typeChanges();
+const std::vector<AttributeChange>& attributeChanges();
+/// Components of SOFA that only draw, load plugins or schedule: accepted without effect, summed up in one line.
+const std::vector<std::string_view>& acceptedWithoutEffect();
+/// Attributes any component may carry that only matter for drawing or for SOFA's own bookkeeping.
+const std::vector<std::string_view>& visualAttributes();
+
+}  // namespace stroma

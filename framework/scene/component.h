@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "framework/scene/data.h"
+
+namespace stroma {
+
+class Node;
+
+/// Base of everything a scene can name. A component declares its parameters once, is initialised once after all that
+/// it reads, and is then used through the role it plays (ForceField, Mass, Integrator, ...).
+class Component {
+ public:
+  Component() = default;
+  Component(const Component&) = delete;
+  Component& operator=(const Component&) = delete;
+  virtual ~Component() = default;
+
+  /// Declares every attribute, once; called by the factory right after construction.
+  virtual void declare(DataTable& table) = 0;
+  /// Checks the parameters together and prepares what does not change in a step. Called once, when all linked sources
+  /// are ready. What it looks up through find...() or a Link is initialised before it is returned, so the order of
+  /// the file does not matter. Throws ComponentError.
+  virtual void init() {}
+  /// The word for the role, for messages: "force field".
+  virtual std::string roleText() const = 0;
+
+  const std::string& type() const { return type_; }
+  const std::string& name() const { return name_; }
+  const SourceLocation& where() const { return where_; }
+  std::string path() const;  ///< "/liver/fem"
+  Node& node() const { return *node_; }
+  DataTable& data() { return data_; }
+  const DataTable& data() const { return data_; }
+
+  /// Runs init() now unless it has run; used by look-ups. Throws DependencyFailed when it failed before, and
+  /// ComponentError with the chain printed when components need each other in a circle.
+  void ensureReady();
+  bool isReady() const { return stage_ == Stage::ready; }
+  bool hasFailed() const { return stage_ == Stage::failed; }
+  void markFailed() { stage_ = Stage::failed; }
+
+  /// The component of role `Role` in this node, else (upwards = true) in the nearest ancestor that has one; null when
+  /// there is none. Throws ComponentError when a node has several. The result is initialised.
+  template <class Role>
+  Role* find(bool upwards = false) const;
+
+  /// A warning or a note raised while initialising, shown with this component's location and path.
+  void warn(std::string message, std::string suggestion = {}) const;
+  void inform(std::string message) const;
+
+ private:
+  friend class Factory;
+  friend class Node;
+  friend class Instantiation;
+  enum class Stage { created, initialising, ready, failed };
+
+  std::string type_, name_, folder_;
+  SourceLocation where_;
+  Node* node_ = nullptr;
+  Diagnostics* diagnostics_ = nullptr;
+  Stage stage_ = Stage::created;
+  DataTable data_;
+  std::vector<Component*> sources_;  ///< components whose attributes are linked to ours
+};
+
+/// Thrown when a component needs another that has already been reported as broken: nothing more to say.
+class DependencyFailed : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// A typed link. `get()` initialises the target before it returns it.
+template <class Role>
+class Link : public LinkBase {
+ public:
+  explicit Link(std::string role_text) : role_text_(std::move(role_text)) {}
+  bool accepts(Component& target) const override { return dynamic_cast<Role*>(&target) != nullptr; }
+  std::string roleText() const override { return role_text_; }
+  Role* get() const {
+    if (!target_) return nullptr;
+    target_->ensureReady();
+    return dynamic_cast<Role*>(target_);
+  }
+
+ private:
+  std::string role_text_;
+};
+
+}  // namespace stroma
+
+#include "framework/scene/node.h"
+
+namespace stroma {
+
+template <class Role>
+Role* Component::find(bool upwards) const {
+  return node_->find<Role>(this, upwards);
+}
+
+}  // namespace stroma

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The parameters of a component, declared once. The same table parses and checks attributes, serves overrides and
+// links, and prints the manual. Numerics see plain members; only the loader sees the table.
+#pragma once
+#include <limits>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "framework/scene/diagnostics.h"
+#include "framework/scene/types.h"
+
+namespace stroma {
+
+class Component;
+class LinkBase;
+
+/// A file named in a scene. `given` as written; `found` the full path after the search of the scene's folder, then
+/// STROMA_DATA_PATH, then SOFA_DATA_PATH. An output file is not searched: `found` is `given` made absolute.
+struct FileName {
+  std::string given;
+  std::string found;
+  bool empty() const { return given.empty(); }
+};
+
+/// An enumeration in a scene: `value` points to the member (as int), `words[i]` is the word for the value i.
+struct ChoiceRef {
+  int* value = nullptr;
+  std::vector<std::string> words;
+};
+
+/// Every type an attribute can have. A new type is added here, in the parser and in the printer (data.cpp).
+using DataPointer =
+    std::variant<bool*, int*, double*, std::string*, Vec3*, std::array<int, 3>*, std::array<double, 16>*,
+                 std::vector<bool>*, std::vector<int>*, std::vector<double>*, std::vector<Vec3>*,
+                 std::vector<std::string>*, std::vector<Edge>*, std::vector<Triangle>*, std::vector<Quad>*,
+                 std::vector<std::array<Index, 6>>*, std::vector<std::array<Index, 5>>*, std::vector<Hexahedron>*,
+                 FileName*, ChoiceRef, LinkBase*>;
+
+/// How a value reached an attribute.
+enum class DataOrigin { by_default, written, linked, by_override };
+
+/// One attribute. Filled by the fluent calls below inside Component::declare().
+class Data {
+ public:
+  Data(std::string name, DataPointer pointer);
+
+  // ---- declaration (each returns *this) ----
+  Data& help(std::string text);                   ///< one line; every attribute has one
+  Data& unit(std::string text);                   ///< "Pa", "m", "s"; "-" for a pure number
+  Data& alias(std::string other);                 ///< another accepted name (SOFA's)
+  Data& min(double value, bool inclusive = true); ///< applies to every number of the value
+  Data& max(double value, bool inclusive = true);
+  Data& required();                               ///< not giving it is an error
+  Data& physical();                               ///< not giving it is a warning that states the default used
+  Data& output();                                 ///< computed by the component: can be linked from, not written
+  Data& input();                                  ///< FileName only: the file must exist
+  Data& shorthand();                              ///< read by the component into another attribute; not in the manual's main table
+
+  // ---- use ----
+  const std::string& name() const { return name_; }
+  const std::vector<std::string>& aliases() const { return aliases_; }
+  const std::string& helpText() const { return help_; }
+  const std::string& unitText() const { return unit_; }
+  bool isRequired() const { return required_; }
+  bool isPhysical() const { return physical_; }
+  bool isOutput() const { return output_; }
+  bool isInputFile() const { return input_; }
+  bool isShorthand() const { return shorthand_; }
+  bool isSet() const { return origin_ != DataOrigin::by_default; }
+  DataOrigin origin() const { return origin_; }
+  const DataPointer& pointer() const { return pointer_; }
+  LinkBase* link() const;                 ///< not null for an attribute that names a component
+  std::string typeText() const;           ///< "list of 3 reals", "one of: small, large"
+  std::string defaultText() const { return default_; }
+  std::string rangeText() const;          ///< "[0, 0.5)" or empty
+
+  /// Parses `text` into the member. On failure the member keeps its value and the returned problem has message,
+  /// expected and suggestion (where and path are the caller's).
+  [[nodiscard]] std::optional<Problem> parse(std::string_view text, DataOrigin origin);
+  /// Copies the value of another attribute (a data link); converts between lists of numbers of equal meaning
+  /// (one value to a list of one, flat reals to Vec3 and back).
+  [[nodiscard]] std::optional<Problem> copyFrom(const Data& source);
+  /// The value in the scene's notation; reals with the digits that read back to the same bits.
+  std::string print() const;
+
+ private:
+  friend class DataTable;
+  std::optional<Problem> checkRange() const;
+
+  std::string name_, help_, unit_, default_;
+  std::vector<std::string> aliases_;
+  DataPointer pointer_;
+  double min_ = -std::numeric_limits<double>::infinity(), max_ = std::numeric_limits<double>::infinity();
+  bool min_inclusive_ = true, max_inclusive_ = true;
+  bool required_ = false, physical_ = false, output_ = false, input_ = false, shorthand_ = false;
+  DataOrigin origin_ = DataOrigin::by_default;
+};
+
+/// All attributes of a component, in the order of declaration.
+class DataTable {
+ public:
+  /// Declares an attribute stored in `member`; its value at this moment is the default.
+  template <class T>
+  Data& add(std::string name, T& member) {
+    return insert(Data(std::move(name), DataPointer(&member)));
+  }
+  /// Declares an enumeration stored in `member` (an enum with values 0, 1, ... in the order of `words`).
+  template <class Enum>
+  Data& addChoice(std::string name, Enum& member, std::vector<std::string> words) {
+    static_assert(std::is_enum_v<Enum> && sizeof(Enum) == sizeof(int));
+    return insert(Data(std::move(name), ChoiceRef{reinterpret_cast<int*>(&member), std::move(words)}));
+  }
+  /// Declares a link to another component.
+  Data& addLink(std::string name, LinkBase& link);
+  /// A SOFA attribute that only matters for drawing: accepted, listed in one line, without effect.
+  void addVisualOnly(std::string name);
+
+  Data* find(std::string_view name_or_alias);
+  const Data* find(std::string_view name_or_alias) const;
+  bool isVisualOnly(std::string_view name) const;
+  std::vector<Data>& all() { return data_; }
+  const std::vector<Data>& all() const { return data_; }
+  std::vector<std::string> names() const;  ///< names and aliases, for suggestions
+
+ private:
+  Data& insert(Data data);
+  std::vector<Data> data_;
+  std::vector<std::string> visual_only_;
+};
+
+/// A link of a component to another one, by path ("@../mesh", "@loader"). Empty until resolved.
+class LinkBase {
+ public:
+  virtual ~LinkBase() = default;
+  /// False when `target` does not play the role that the link wants.
+  virtual bool accepts(Component& target) const = 0;
+  virtual std::string roleText() const = 0;  ///< "a mechanical state", for messages
+  void set(Component* target) { target_ = target; }
+  Component* target() const { return target_; }
+  std::string path;  ///< as written
+
+ protected:
+  Component* target_ = nullptr;
+};
+
+}  // namespace stroma

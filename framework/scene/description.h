@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// A scene as it was written: plain data, no component exists yet.
+#pragma once
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "framework/scene/diagnostics.h"
+
+namespace stroma {
+
+struct AttributeDescription {
+  std::string name;
+  std::string value;
+  SourceLocation where;
+};
+
+/// `<Type name="..." attribute="value"/>`.
+struct ComponentDescription {
+  std::string type;
+  std::vector<AttributeDescription> attributes;
+  SourceLocation where;
+  std::string folder;  ///< folder of the file that holds the element: relative file names start here
+
+  const AttributeDescription* find(std::string_view attribute) const;
+  std::string name() const;  ///< the attribute `name`, or empty
+};
+
+/// `<Node name="...">`: attributes, components and children, each in the order of the file.
+struct NodeDescription {
+  std::vector<AttributeDescription> attributes;
+  std::vector<ComponentDescription> components;
+  std::vector<NodeDescription> children;
+  SourceLocation where;
+  std::string folder;
+
+  const AttributeDescription* find(std::string_view attribute) const;
+  std::string name() const;
+};
+
+struct SceneDescription {
+  NodeDescription root;
+  std::string file;
+  std::vector<std::string> files;       ///< the scene and everything it included
+  std::vector<std::string> data_paths;  ///< folders searched for files after the element's own
+};
+
+}  // namespace stroma

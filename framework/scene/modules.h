@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Modules: shared libraries of components, opened only when a scene names something in them.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "framework/scene/factory.h"
+
+namespace stroma {
+
+/// What a module exports as `extern "C" const stroma::ModuleInfo* stroma_module()`. `abi` is compared before anything
+/// else is touched: a module built against another version is refused with a sentence.
+struct ModuleInfo {
+  const char* abi;
+  const char* name;
+  void (*register_components)(Factory&);
+};
+
+/// The ABI tag of this build: version, compiler and the definitions that change layouts.
+#define STROMA_ABI "stroma-" STROMA_VERSION "-gcc" STROMA_STRINGIFY(__GNUC__) "-eigen64"
+#define STROMA_STRINGIFY_(x) #x
+#define STROMA_STRINGIFY(x) STROMA_STRINGIFY_(x)
+
+/// Finds and opens modules. The index (made at build time, one text line a component: name, module, one-line help)
+/// answers which module holds a name without opening any. A module built for several instruction sets lies in
+/// x86-64-v4/, -v3/ and -v2/ beside the index; the best one that this machine runs is opened.
+class Modules {
+ public:
+  /// Reads the index beside the framework library, then those in the folders of STROMA_MODULE_PATH.
+  explicit Modules(Factory& factory);
+  ~Modules();
+
+  struct IndexEntry {
+    std::string type, module, help;
+  };
+  const std::vector<IndexEntry>& index() const { return index_; }
+
+  /// Opens the module that holds `type` (after the change table) unless the factory knows it. False: no module has it.
+  bool provide(const std::string& type);
+  /// Opens a third-party module by path. Throws SceneError's cause as std::runtime_error with a sentence.
+  void open(const std::string& path);
+  void openAll();
+
+  std::vector<std::string> opened() const;     ///< names of modules opened so far, in order
+  std::vector<std::string> notOpened() const;  ///< names in the index that were not
+  /// The text of a component's manual page (leading comment of its source), or empty.
+  std::string manual(const std::string& type) const;
+
+ private:
+  struct Impl;
+  Factory& factory_;
+  std::vector<IndexEntry> index_;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// The microarchitecture level whose modules this machine uses: "x86-64-v4", "-v3" or "-v2". STROMA_LEVEL lowers it.
+std::string instructionLevel();
+
+}  // namespace stroma

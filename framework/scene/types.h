@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The vocabulary of sizes: 32-bit indices, double precision, 3-vectors and 3x3 matrices.
+#pragma once
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace stroma {
+
+using Index = std::int32_t;
+using Real = double;
+using Vec3 = Eigen::Vector3d;
+using Mat3 = Eigen::Matrix3d;
+
+using Edge = std::array<Index, 2>;
+using Triangle = std::array<Index, 3>;
+using Quad = std::array<Index, 4>;
+using Tetrahedron = std::array<Index, 4>;
+using Hexahedron = std::array<Index, 8>;
+
+}  // namespace stroma

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "framework/scene/load.h"
+#include "framework/simulation/integrator.h"
+#include "framework/simulation/observer.h"
+#include "framework/simulation/system.h"
+
+namespace stroma {
+
+/// A loaded scene as it runs: systems in document order, observers after them.
+class Simulation {
+ public:
+  /// Compiles the tree. Throws SceneError with every problem found.
+  explicit Simulation(Scene scene);
+  ~Simulation();
+
+  double time() const { return time_; }
+  double dt() const { return scene_.root->dt(); }
+  long steps() const { return steps_; }
+  Node& root() const { return *scene_.root; }
+  const Scene& scene() const { return scene_; }
+  const std::vector<std::unique_ptr<System>>& systems() const { return systems_; }
+  std::vector<State*> states() const;
+  const std::vector<Observer*>& observers() const { return observers_; }
+
+  /// Observers see t = 0. Called by the first step when the caller has not.
+  void begin();
+  /// One step. When it diverges the states are rolled back to the last good step and the report says why.
+  StepReport step();
+  /// Observers see the end.
+  void end();
+  /// Back to the initial state, bit for bit.
+  void reset();
+
+  /// A 64-bit hash over the bits of all x and v: the same for any number of threads.
+  std::uint64_t stateHash() const;
+  /// The compiled plan in lines: what runs each step, how often, what was skipped and why.
+  std::vector<std::string> explain() const;
+
+ private:
+  Scene scene_;
+  std::vector<std::unique_ptr<System>> systems_;
+  std::vector<Observer*> observers_;
+  std::vector<std::pair<Vector, Vector>> good_;  ///< x and v of each system before the step
+  double time_ = 0;
+  long steps_ = 0;
+  bool begun_ = false;
+};
+
+}  // namespace stroma

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <string>
+
+#include "framework/algebra/linear_solver.h"
+
+namespace stroma {
+
+/// Everything derived from the time step, computed once.
+struct StepContext {
+  long index = 0;      ///< number of the step, from 1
+  double t = 0;        ///< time at the start [s]
+  double dt = 0;       ///< [s]
+  double t_end = 0;    ///< t + dt
+  double inverse_dt = 0;
+};
+
+/// What a step did. Not converging is said here, not in a log.
+struct StepReport {
+  bool diverged = false;       ///< the state is not usable: the run stops
+  std::string reason;          ///< a sentence, when diverged or not converged
+  int newton_iterations = 0;
+  int linear_iterations = 0;   ///< summed over the Newton iterations
+  int factorisations = 0;
+  double linear_residual = 0;  ///< relative, of the last linear solve
+  bool linear_converged = true;
+  SolveStop linear_stop = SolveStop::converged;
+  double newton_residual = 0;  ///< relative, where a Newton method ran
+  bool newton_converged = true;
+};
+
+}  // namespace stroma

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <chrono>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "framework/algebra/linear_solver.h"
+#include "framework/mechanics/force_field.h"
+#include "framework/mechanics/mapping.h"
+#include "framework/mechanics/mass.h"
+#include "framework/mechanics/projective_constraint.h"
+#include "framework/simulation/step.h"
+
+namespace stroma {
+
+class Integrator;
+
+/// Wall time spent in the parts of a step [s].
+struct PhaseTimes {
+  double force = 0, product = 0, assembly = 0, solve = 0, observers = 0, total = 0;
+};
+
+/// The unknowns below one integrator as one contiguous vector each, and flat lists of what acts on them. Independent
+/// states come first (rows [0, independentRows())), mapped ones after them.
+class System final : public SystemMatrix {
+ public:
+  /// Collects from `node` and below. Problems are thrown as ComponentError.
+  System(Node& node, Integrator& integrator);
+
+  // ---- unknowns; shape (allRows()) ----
+  Vector x, v, f;
+  Index allRows() const { return all_rows_; }
+  Index independentRows() const { return independent_rows_; }
+
+  const std::vector<State*>& states() const { return states_; }
+  const std::vector<ForceField*>& forceFields() const { return force_fields_; }
+  const std::vector<Mass*>& masses() const { return masses_; }
+  const std::vector<ProjectiveConstraint*>& constraints() const { return constraints_; }
+  const std::vector<Mapping*>& mappings() const { return mappings_; }
+  Integrator& integrator() const { return integrator_; }
+  LinearSolver* linearSolver() const { return linear_solver_; }
+  Node& node() const { return node_; }
+
+  // ---- what integrators use ----
+  /// f = sum of forces at (x, v), gravity included; prepares the stiffness at x. Not projected.
+  void computeForce(ConstRows x, ConstRows v, Rows f);
+  /// The same, and df = sum of (k + k_rayleigh rayleighStiffness of the field) K p for all fields, in one pass.
+  void computeForceAndProduct(ConstRows x, ConstRows v, ConstRows p, double k, double k_rayleigh, Rows f, Rows df);
+  void addMassProduct(ConstRows p, double factor, Rows out) const;
+  /// out += sum of (rayleigh + rayleighMass of the mass) * factor * M p
+  void addRayleighMassProduct(ConstRows p, double rayleigh, double factor, Rows out) const;
+  /// 1 / m for each independent row, zero for rows held in all directions; throws ComponentError when a free row has no mass.
+  std::vector<double> inverseLumpedMass() const;
+  bool massIsDiagonal() const;
+
+  /// Projects onto the free directions of constraints active at the time of beginStep().
+  void project(Rows vector) const;
+  /// Rows and projectors in force, sorted by row, at most one a row.
+  const std::vector<NodeProjector>& projectors() const { return projectors_; }
+  /// Constraints at the end of the step: activates or ends them, imposes prescribed motion, projects velocities.
+  void beginStep(const StepContext& context);
+  void applyMappings();
+
+  double kineticEnergy() const;
+  double potentialEnergy(ConstRows x) const;  ///< elastic + gravity + loads [J]
+  double elasticEnergy(ConstRows x) const;    ///< force fields only [J]
+  double gravityEnergy(ConstRows x) const;    ///< [J]
+  bool isConservative() const;                ///< every force field is
+
+  // ---- the matrix of a linear solve ----
+  /// Sets A = P (sum (m + m_rayleigh rayleighMass) M + sum (k + k_rayleigh rayleighStiffness) K) P + (I - P).
+  SystemMatrix& matrix(double m, double k, double k_rayleigh = 0, double m_rayleigh = 0);
+  Index rows() const override { return independent_rows_; }
+  void multiply(ConstRows p, Rows out) const override;
+  const BlockMatrix& assemble() override;
+  void diagonalBlocks(std::vector<double>& blocks) const override;
+  long revision() const override { return revision_; }
+  bool symmetric() const override;
+  bool prefersAssembled(int expected_products) const override;
+  std::string describeRow(Index row) const override;
+
+  /// Empty when x and v are finite; else a sentence naming the state, the node and the component to suspect.
+  std::string firstNonFinite() const;
+  /// A line each for what runs and what is skipped, with the reason.
+  std::vector<std::string> explain() const;
+
+  mutable PhaseTimes times;
+  struct Counts {
+    long forces = 0, products = 0, assemblies = 0, gravity = 0;
+  };
+  mutable Counts counts;
+
+ private:
+  void collect(Node& node);
+  void layOut();
+  void gatherConstraints(double t);
+  double stiffnessFactor(const ForceField& field) const;
+
+  Node& node_;
+  Integrator& integrator_;
+  LinearSolver* linear_solver_ = nullptr;
+  std::vector<State*> states_;
+  std::vector<ForceField*> force_fields_;
+  std::vector<ForceField*> stiff_fields_;  ///< those with a stiffness
+  std::vector<Mass*> masses_;
+  std::vector<ProjectiveConstraint*> constraints_;
+  std::vector<Mapping*> mappings_;
+  Index all_rows_ = 0, independent_rows_ = 0;
+
+  Vector gravity_force_;                    ///< constant, computed once
+  bool has_gravity_ = false;
+  std::vector<NodeProjector> projectors_;
+  std::vector<bool> active_;
+  bool constraints_change_ = false;
+
+  double m_ = 0, k_ = 0, k_rayleigh_ = 0, m_rayleigh_ = 0;
+  long revision_ = 0, assembled_revision_ = -1;
+  bool stiffness_changed_ = true;
+  BlockMatrix matrix_;
+  bool pattern_ready_ = false;
+};
+
+}  // namespace stroma
