@@ -17,7 +17,8 @@ struct Adjacency {
 /// What a check of a mesh found. Volumes in m^3 (the mesh's unit cubed).
 struct MeshReport {
   Index nodes = 0, edges = 0, triangles = 0, quads = 0, tetrahedra = 0, hexahedra = 0;
-  double volume = 0;                ///< sum of signed volumes of tetrahedra and hexahedra
+  double volume = 0;                ///< sum of signed volumes of tetrahedra and hexahedra, over `overlap`
+  double overlap = 1;               ///< Mesh::overlap
   double worst_quality = 1;         ///< smallest mean-ratio quality of a volume cell: 1 regular, 0 flat, < 0 inverted
   Index worst_cell = -1;            ///< its index (tetrahedra first, then hexahedra), -1 when there is none
   std::vector<Index> inverted;      ///< volume cells with a negative volume
@@ -36,6 +37,9 @@ class Mesh {
   std::vector<Quad> quads;
   std::vector<Tetrahedron> tetrahedra;    ///< positive volume: (b-a) x (c-a) . (d-a) > 0
   std::vector<Hexahedron> hexahedra;      ///< VTK order: bottom face counter-clockwise, then the top face
+  /// How many times the volume cells cover the body: 2 for the superposition of two cuttings (ten tetrahedra a
+  /// hexahedron), else 1. Masses and elastic force fields divide each cell's contribution by it.
+  double overlap = 1;
 
   Index nodes() const { return Index(position.size()); }
   /// The first problem that makes the mesh unusable (an index out of range, a repeated node in a cell, a position
@@ -63,5 +67,11 @@ class Mesh {
 
 /// 1/6 (b-a) x (c-a) . (d-a)
 double tetrahedronVolume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
+/// Exact volume of the trilinear hexahedron (VTK order), whose faces may be warped.
+double hexahedronVolume(const std::array<Vec3, 8>& corner);
+/// Mean ratio: sign(V) 12 (3 |V|)^(2/3) / (sum of squared edge lengths); 1 for a regular tetrahedron, 0 when flat.
+double tetrahedronQuality(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
+/// The worst of the eight tetrahedra at the corners, scaled so that a cube has 1.
+double hexahedronQuality(const std::array<Vec3, 8>& corner);
 
 }  // namespace stroma

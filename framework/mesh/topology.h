@@ -18,6 +18,19 @@ class Topology : public Component {
   Mesh mesh_;
 };
 
+/// A topology made from another one. With an output (linked, or a container in its node) it fills that container and
+/// look-ups in its node answer the container; without one it is the topology of its node itself.
+class TopologicalMapping : public Topology {
+ public:
+  std::string roleText() const override { return "topological mapping"; }
+  /// The container that this mapping fills, or null; known before init().
+  Topology* output() const;
+  bool answersLookup() const override { return output() == nullptr; }
+
+ protected:
+  Link<Topology> input_{"topology"}, output_{"topology"};
+};
+
 /// The role of a component that reads a mesh from a file; found by `src`, never by searching a node.
 class MeshSource : public Component {
  public:

@@ -25,6 +25,8 @@ class Component {
   /// are ready. What it looks up through find...() or a Link is initialised before it is returned, so the order of
   /// the file does not matter. Throws ComponentError.
   virtual void init() {}
+  /// False when another component of the node stands for this one: searches by role pass it over. Asked before init().
+  virtual bool answersLookup() const { return true; }
   /// The word for the role, for messages: "force field".
   virtual std::string roleText() const = 0;
 

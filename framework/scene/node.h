@@ -39,7 +39,7 @@ class Node {
   Role* find(const Component* self, bool upwards) const {
     Component* found = nullptr;
     for (const auto& component : components_) {
-      if (component.get() == self || !dynamic_cast<Role*>(component.get())) continue;
+      if (component.get() == self || !dynamic_cast<Role*>(component.get()) || !component->answersLookup()) continue;
       if (found) ambiguous(*found, *component);
       found = component.get();
     }
