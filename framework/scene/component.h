@@ -25,6 +25,9 @@ class Component {
   /// are ready. What it looks up through find...() or a Link is initialised before it is returned, so the order of
   /// the file does not matter. Throws ComponentError.
   virtual void init() {}
+  /// Forgets what steps have left behind (a history, a warm start): the simulation goes back to its initial state and
+  /// must repeat itself bit for bit. Nothing to do for a component whose steps read only x, v and the time.
+  virtual void reset() {}
   /// False when another component of the node stands for this one: searches by role pass it over. Asked before init().
   virtual bool answersLookup() const { return true; }
   /// The word for the role, for messages: "force field".

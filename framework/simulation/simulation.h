@@ -24,7 +24,7 @@ class Simulation {
   Node& root() const { return *scene_.root; }
   const Scene& scene() const { return scene_; }
   const std::vector<std::unique_ptr<System>>& systems() const { return systems_; }
-  std::vector<State*> states() const;
+  std::vector<State*> states() const;  ///< those a system moves, in document order
   const std::vector<Observer*>& observers() const { return observers_; }
 
   /// Observers see t = 0. Called by the first step when the caller has not.
@@ -42,10 +42,15 @@ class Simulation {
   std::vector<std::string> explain() const;
 
  private:
+  StepContext nextStep() const;
+  void advance(std::size_t index, const StepContext& context, StepReport& report);
+  void notify(const StepContext& context);
+
   Scene scene_;
   std::vector<std::unique_ptr<System>> systems_;
   std::vector<Observer*> observers_;
-  std::vector<std::pair<Vector, Vector>> good_;  ///< x and v of each system before the step
+  std::vector<std::pair<Vector, Vector>> initial_;  ///< x and v of each system at the start, for reset()
+  std::vector<std::pair<Vector, Vector>> good_;     ///< x and v of each system before the step
   double time_ = 0;
   long steps_ = 0;
   bool begun_ = false;

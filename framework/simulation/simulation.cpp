@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "framework/simulation/simulation.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <chrono>
+
+namespace stroma {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+double seconds(Clock::duration duration) { return std::chrono::duration<double>(duration).count(); }
+
+/// A system owns everything below its integrator, so on any way from the root to a leaf at most one is allowed.
+void collectIntegrators(const Node& node, Integrator* above, std::vector<Integrator*>& found,
+                        Diagnostics& diagnostics) {
+  for (const auto& component : node.components()) {
+    auto* integrator = dynamic_cast<Integrator*>(component.get());
+    if (!integrator) continue;
+    if (above) {
+      diagnostics.error(integrator->where(), integrator->path(),
+                        fmt::format("this integrator lies below the integrator {}, which already moves every state "
+                                    "of {} and below",
+                                    above->path(), above->node().path()),
+                        "one integrator on the way from the root to a state",
+                        "remove one of the two, or make their nodes siblings");
+      continue;
+    }
+    above = integrator;
+    found.push_back(integrator);
+  }
+  for (const auto& child : node.children()) collectIntegrators(*child, above, found, diagnostics);
+}
+
+/// Null when the integrator, or what it found below itself, cannot work as written: the reason is in `diagnostics`.
+std::unique_ptr<System> compileSystem(Integrator& integrator, Diagnostics& diagnostics) {
+  try {
+    auto system = std::make_unique<System>(integrator.node(), integrator);
+    integrator.compile(*system);
+    return system;
+  } catch (const ComponentError& error) {
+    diagnostics.error(integrator.where(), integrator.path(), error.what(), error.expected, error.suggestion);
+  } catch (const DependencyFailed&) {
+    // the component that failed has been reported already
+  }
+  return nullptr;
+}
+
+template <class Role>
+void addActorsOn(const State& state, const Node& root, std::vector<const Component*>& out) {
+  std::vector<Role*> all;
+  root.collect(all);
+  for (const Role* actor : all)
+    if (&actor->state() == &state) out.push_back(actor);
+}
+
+/// What would act on a state if something moved it.
+std::vector<const Component*> actorsOn(const State& state, const Node& root) {
+  std::vector<const Component*> actors;
+  addActorsOn<ForceField>(state, root, actors);
+  addActorsOn<Mass>(state, root, actors);
+  addActorsOn<ProjectiveConstraint>(state, root, actors);
+  std::vector<Mapping*> mappings;
+  root.collect(mappings);
+  for (const Mapping* mapping : mappings)
+    if (&mapping->input() == &state || &mapping->output() == &state) actors.push_back(mapping);
+  return actors;
+}
+
+/// A state that no integrator reaches stays where it is: fine for a marker, a mistake for a body.
+void checkUnmovedStates(const Node& root, Diagnostics& diagnostics) {
+  std::vector<State*> states;
+  root.collect(states);
+  for (const State* state : states) {
+    if (state->isBound()) continue;
+    const auto actors = actorsOn(*state, root);
+    if (actors.empty()) {
+      diagnostics.note(state->where(), state->path(), "no integrator in this node or above: the state does not move");
+    } else {
+      diagnostics.error(state->where(), state->path(),
+                        fmt::format("{} acts on this state, but no integrator moves it", actors.front()->path()),
+                        "an integrator in the state's node or above",
+                        "add <EulerImplicitSolver/> and a linear solver to " + state->node().path());
+    }
+  }
+}
+
+/// FNV-1a, 64 bits, over the bytes of the bits of a number, lowest byte first.
+void hashNumber(std::uint64_t& hash, double number) {
+  const auto bits = std::bit_cast<std::uint64_t>(number);
+  for (int shift = 0; shift < 64; shift += 8) hash = (hash ^ (bits >> shift & 0xff)) * 1099511628211ull;
+}
+
+void hashRows(std::uint64_t& hash, ConstRows rows) {
+  for (Index i = 0; i < rows.count; ++i)
+    for (int c = 0; c < 3; ++c) hashNumber(hash, rows[i][c]);
+}
+
+/// Adds what one system did to the report of the whole step: counts are summed, of the rest the worst is kept.
+void merge(StepReport&& part, StepReport& whole) {
+  whole.newton_iterations += part.newton_iterations;
+  whole.linear_iterations += part.linear_iterations;
+  whole.factorisations += part.factorisations;
+  whole.linear_residual = std::max(whole.linear_residual, part.linear_residual);
+  whole.newton_residual = std::max(whole.newton_residual, part.newton_residual);
+  whole.newton_converged = whole.newton_converged && part.newton_converged;
+  if (whole.linear_converged) whole.linear_stop = part.linear_stop;
+  whole.linear_converged = whole.linear_converged && part.linear_converged;
+  if (whole.reason.empty()) whole.reason = std::move(part.reason);
+}
+
+/// The sentence of a diverged step. The states have been rolled back, so the worst elements are those of the last good
+/// step: where the trouble began, not where it ended.
+std::string divergence(const System& system, const StepContext& context, const std::string& cause) {
+  std::string text = fmt::format("step {} (from t = {:.6g} s, dt = {:.6g} s), {}: {}", context.index, context.t,
+                                 context.dt, system.integrator().path(), cause);
+  for (const ForceField* field : system.forceFields()) {
+    const std::string worst = field->worstElement(system.x);
+    if (!worst.empty()) text += fmt::format("; worst of {} before the step: {}", field->path(), worst);
+  }
+  return text;
+}
+
+}  // namespace
+
+Simulation::Simulation(Scene scene) : scene_(std::move(scene)) {
+  Diagnostics& diagnostics = scene_.diagnostics;
+  std::vector<Integrator*> integrators;
+  collectIntegrators(root(), nullptr, integrators, diagnostics);
+  for (Integrator* integrator : integrators)
+    if (auto system = compileSystem(*integrator, diagnostics)) systems_.push_back(std::move(system));
+  if (!diagnostics.hasErrors()) checkUnmovedStates(root(), diagnostics);
+  if (diagnostics.hasErrors()) throw SceneError(diagnostics);
+
+  if (integrators.empty())
+    diagnostics.warning(root().where(), root().path(), "the scene has no integrator: time passes and nothing moves");
+  for (const auto& system : systems_) {
+    good_.emplace_back(Vector(system->allRows()), Vector(system->allRows()));
+    initial_.emplace_back(Vector(system->allRows()), Vector(system->allRows()));
+    copy(system->x, initial_.back().first);
+    copy(system->v, initial_.back().second);
+  }
+  root().collect(observers_);
+  time_ = root().root_time;
+}
+
+Simulation::~Simulation() = default;
+
+std::vector<State*> Simulation::states() const {
+  std::vector<State*> states;
+  root().collect(states);
+  std::erase_if(states, [](const State* state) { return !state->isBound(); });
+  return states;
+}
+
+void Simulation::begin() {
+  if (begun_) return;
+  begun_ = true;
+  for (Observer* observer : observers_) observer->begin(*this);
+}
+
+StepReport Simulation::step() {
+  begin();
+  const StepContext context = nextStep();
+  StepReport report;
+  for (std::size_t i = 0; i < systems_.size() && !report.diverged; ++i) advance(i, context, report);
+  if (report.diverged) return report;
+  ++steps_;
+  time_ = context.t_end;
+  notify(context);
+  return report;
+}
+
+StepContext Simulation::nextStep() const {
+  StepContext context;
+  context.index = steps_ + 1;
+  context.t = time_;
+  context.dt = dt();
+  // a product rather than a sum: the time of step n does not carry the round-off of n additions
+  context.t_end = root().root_time + double(context.index) * context.dt;
+  context.inverse_dt = 1 / context.dt;
+  return context;
+}
+
+void Simulation::advance(std::size_t index, const StepContext& context, StepReport& report) {
+  System& system = *systems_[index];
+  const auto start = Clock::now();
+  copy(system.x, good_[index].first);
+  copy(system.v, good_[index].second);
+  StepReport part = system.integrator().step(system, context);
+  std::string cause = part.diverged ? part.reason : system.firstNonFinite();
+  system.times.total += seconds(Clock::now() - start);
+  if (!part.diverged && cause.empty()) return merge(std::move(part), report);
+
+  if (cause.empty()) cause = "the integrator gave the step up";
+  for (std::size_t i = 0; i <= index; ++i) {
+    copy(good_[i].first, systems_[i]->x);
+    copy(good_[i].second, systems_[i]->v);
+  }
+  merge(std::move(part), report);
+  report.diverged = true;
+  report.reason = divergence(system, context, cause);
+}
+
+void Simulation::notify(const StepContext& context) {
+  if (observers_.empty()) return;
+  const auto start = Clock::now();
+  for (Observer* observer : observers_) observer->afterStep(*this, context);
+  if (!systems_.empty()) systems_.front()->times.observers += seconds(Clock::now() - start);
+}
+
+void Simulation::end() {
+  if (!begun_) return;
+  begun_ = false;
+  for (Observer* observer : observers_) observer->end(*this);
+}
+
+void Simulation::reset() {
+  end();
+  for (std::size_t i = 0; i < systems_.size(); ++i) {
+    System& system = *systems_[i];
+    copy(initial_[i].first, system.x);
+    copy(initial_[i].second, system.v);
+    clear(system.f);
+    system.times = {};
+    system.counts = {};
+  }
+  std::vector<Component*> components;
+  root().collect(components);
+  for (Component* component : components) component->reset();
+  steps_ = 0;
+  time_ = root().root_time;
+}
+
+std::uint64_t Simulation::stateHash() const {
+  std::uint64_t hash = 14695981039346656037ull;
+  for (const State* state : states()) {
+    hashRows(hash, state->x());
+    hashRows(hash, state->v());
+  }
+  return hash;
+}
+
+}  // namespace stroma
