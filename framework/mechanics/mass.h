@@ -38,6 +38,8 @@ class Mass : public Component {
 
  private:
   State* state_ = nullptr;
+  bool separate_gravity_ = false;
+  mutable Vector work_;  ///< M v of kineticEnergy(), allocated when first asked for a mass that is not diagonal
 };
 
 }  // namespace stroma

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
+#include <array>
 #include <chrono>
 #include <memory>
 #include <string>
@@ -19,6 +20,19 @@ class Integrator;
 /// Wall time spent in the parts of a step [s].
 struct PhaseTimes {
   double force = 0, product = 0, assembly = 0, solve = 0, observers = 0, total = 0;
+};
+
+/// Adds the wall time of its own life to a phase.
+class PhaseTimer {
+ public:
+  explicit PhaseTimer(double& total) : total_(total) {}
+  ~PhaseTimer() { total_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+  PhaseTimer(const PhaseTimer&) = delete;
+  PhaseTimer& operator=(const PhaseTimer&) = delete;
+
+ private:
+  double& total_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
 /// The unknowns below one integrator as one contiguous vector each, and flat lists of what acts on them. Independent
@@ -50,9 +64,12 @@ class System final : public SystemMatrix {
   void addMassProduct(ConstRows p, double factor, Rows out) const;
   /// out += sum of (rayleigh + rayleighMass of the mass) * factor * M p
   void addRayleighMassProduct(ConstRows p, double rayleigh, double factor, Rows out) const;
-  /// 1 / m for each independent row, zero for rows held in all directions; throws ComponentError when a free row has no mass.
+  /// 1 / m for each independent row, zero for rows held in all directions at all times; throws as requireMass().
   std::vector<double> inverseLumpedMass() const;
   bool massIsDiagonal() const;
+  /// Throws ComponentError naming a state or a node that can move and has no mass: integrators of dynamics call it
+  /// once.
+  void requireMass() const;
 
   /// Projects onto the free directions of constraints active at the time of beginStep().
   void project(Rows vector) const;
@@ -92,10 +109,26 @@ class System final : public SystemMatrix {
   mutable Counts counts;
 
  private:
-  void collect(Node& node);
+  void collect();
+  void findLinearSolver();
+  void checkActors() const;
+  void orderMappings();
   void layOut();
-  void gatherConstraints(double t);
-  double stiffnessFactor(const ForceField& field) const;
+  void computeGravity();
+  void gatherConstraints(double t_start, double t_end);
+  std::vector<double> lumpedMass() const;
+  std::vector<char> rowsAlwaysHeld() const;
+  double stiffnessFactor(const ForceField& field) const { return k_ + k_rayleigh_ * field.rayleigh_stiffness; }
+  double massFactor(const Mass& mass) const { return m_ + m_rayleigh_ * mass.rayleigh_mass; }
+  void noteForceEvaluation(ConstRows f_now);
+  void preparePattern() const;
+  void addConstantParts();
+  void eliminateProjectors();
+  ConstRows onAllRows(ConstRows p, Vector& work, bool is_position) const;
+  void pullBack(Rows all) const;
+  void pullBackProduct(ConstRows p, double k, Rows all) const;
+  template <class Factor>
+  void addMassProducts(ConstRows p, Rows out, Factor factor) const;
 
   Node& node_;
   Integrator& integrator_;
@@ -108,17 +141,27 @@ class System final : public SystemMatrix {
   std::vector<Mapping*> mappings_;
   Index all_rows_ = 0, independent_rows_ = 0;
 
-  Vector gravity_force_;                    ///< constant, computed once
+  Vector gravity_force_;  ///< constant, computed once
   bool has_gravity_ = false;
-  std::vector<NodeProjector> projectors_;
-  std::vector<bool> active_;
-  bool constraints_change_ = false;
+  std::vector<NodeProjector> projectors_, gathered_;
+  std::vector<NodeProjector> velocity_projectors_;  ///< of constraints that also project velocities
+  std::vector<Index> projector_of_row_;             ///< shape (independentRows()): index in projectors_ or -1
+  bool constraints_change_ = false;                 ///< some constraint ends or depends on time
 
   double m_ = 0, k_ = 0, k_rayleigh_ = 0, m_rayleigh_ = 0;
   long revision_ = 0, assembled_revision_ = -1;
-  bool stiffness_changed_ = true;
-  BlockMatrix matrix_;
-  bool pattern_ready_ = false;
+  bool stiffness_varies_ = false;  ///< some K changes with x
+  bool mappings_linear_ = true;
+  mutable BlockMatrix matrix_;
+  mutable bool pattern_ready_ = false;
+  mutable Index block_count_ = -1;     ///< of the pattern, -1 until it was built once
+  std::vector<double> constant_part_;  ///< values of the terms that do not change, shape (blocks, 9)
+  std::array<double, 4> constant_factors_{};
+  bool constant_part_ready_ = false;
+
+  /// Work space, shape (allRows()), only with mappings: positions, velocities, a direction and a force on all rows.
+  mutable Vector mapped_x_, mapped_v_, mapped_p_, mapped_f_;
+  Vector last_force_;  ///< of the last evaluation, shape (allRows()), only with mappings that are not linear
 };
 
 }  // namespace stroma

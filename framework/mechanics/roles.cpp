@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// What force fields, masses and projective constraints share: the common attributes and the search for their state.
+#include "framework/mechanics/force_field.h"
+#include "framework/mechanics/mass.h"
+#include "framework/mechanics/projective_constraint.h"
+
+namespace stroma {
+
+namespace {
+
+/// The state that `link` names, else the one of the component's node, else the nearest above.
+State* findState(const Component& component, const Link<State>& link) {
+  if (State* linked = link.get()) return linked;
+  if (State* found = component.find<State>(true)) return found;
+  throw ComponentError("this " + component.roleText() + " has no mechanical state to act on",
+                       "a MechanicalObject in the same node or above, or mstate=\"@path\"");
+}
+
+}  // namespace
+
+void ForceField::declare(DataTable& table) {
+  table.addLink("mstate", mstate_)
+      .help("mechanical state to act on; the one of this node or the nearest above when not given");
+  table.add("rayleighStiffness", rayleigh_stiffness)
+      .help("stiffness-proportional damping of this force field, added to the integrator's")
+      .unit("s")
+      .min(0);
+}
+
+void ForceField::init() { state_ = findState(*this, mstate_); }
+
+void ProjectiveConstraint::declare(DataTable& table) {
+  table.addLink("mstate", mstate_)
+      .help("mechanical state to act on; the one of this node or the nearest above when not given");
+  table.add("endTime", end_time_)
+      .help("the constraint holds in steps that start up to this time; negative: always")
+      .unit("s");
+  for (const char* name : {"showObject", "drawSize"}) table.addVisualOnly(name);
+}
+
+void ProjectiveConstraint::init() { state_ = findState(*this, mstate_); }
+
+void Mass::declare(DataTable& table) {
+  table.addLink("mstate", mstate_)
+      .help("mechanical state to act on; the one of this node or the nearest above when not given");
+  table.add("rayleighMass", rayleigh_mass)
+      .help("mass-proportional damping of this mass, added to the integrator's")
+      .unit("1/s")
+      .min(0);
+  table.add("separateGravity", separate_gravity_)
+      .help("accepted for SOFA's sake; gravity is always a constant force that is computed once");
+  for (const char* name : {"showGravityCenter", "showAxisSizeFactor", "showInitialCenterOfGravity", "showX0"})
+    table.addVisualOnly(name);
+}
+
+void Mass::init() {
+  state_ = findState(*this, mstate_);
+  if (separate_gravity_) inform("separateGravity has no effect: gravity is a constant force that is computed once");
+}
+
+}  // namespace stroma

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// What a system says about itself: energies, the plan, and where a state stopped being finite.
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "framework/simulation/integrator.h"
+#include "framework/simulation/system.h"
+
+namespace stroma {
+
+// ---- energies ----
+
+double System::kineticEnergy() const {
+  double sum = 0;
+  for (const Mass* mass : masses_) sum += mass->kineticEnergy(v);
+  return sum;
+}
+
+double System::elasticEnergy(ConstRows x_now) const {
+  const ConstRows all = onAllRows(x_now, mapped_x_, true);
+  double sum = 0;
+  for (const ForceField* field : force_fields_) sum += field->energy(all);
+  return sum;
+}
+
+double System::gravityEnergy(ConstRows x_now) const {
+  if (!has_gravity_) return 0;
+  const ConstRows all = onAllRows(x_now, mapped_x_, true);
+  double sum = 0;
+  for (const Mass* mass : masses_) sum += mass->gravityEnergy(all);
+  return sum;
+}
+
+double System::potentialEnergy(ConstRows x_now) const { return elasticEnergy(x_now) + gravityEnergy(x_now); }
+
+bool System::isConservative() const {
+  for (const ForceField* field : force_fields_)
+    if (!field->traits().conservative) return false;
+  return true;
+}
+
+// ---- where something went wrong ----
+
+namespace {
+
+/// A number times zero is zero unless it is infinite or not a number: one pass without a branch.
+bool allFinite(ConstRows rows) {
+  double sum = 0;
+  const double* __restrict numbers = rows.data;
+#pragma omp simd reduction(+ : sum)
+  for (std::size_t i = 0; i < rows.doubles(); ++i) sum += numbers[i] * 0.0;
+  return sum == 0;
+}
+
+Index firstBadRow(ConstRows rows) {
+  for (Index i = 0; i < rows.count; ++i)
+    if (!rows[i].allFinite()) return i;
+  return -1;
+}
+
+}  // namespace
+
+std::string System::firstNonFinite() const {
+  const bool x_good = allFinite(x), v_good = allFinite(v);
+  if (x_good && v_good) return {};
+  const ConstRows rows = x_good ? v.rows() : x.rows();
+  const Index row = firstBadRow(rows);
+  const auto value = rows[row];
+  std::string text = fmt::format("{} has a {} that is not finite ({} {} {})", describeRow(row),
+                                 x_good ? "velocity" : "position", value[0], value[1], value[2]);
+  for (const ForceField* field : force_fields_) {
+    const Index local = row - field->state().firstRow();
+    if (local < 0 || local >= field->state().size()) continue;
+    const std::string worst = field->worstElement(x);
+    text += "; " + field->path() + " acts on it" + (worst.empty() ? "" : ", its worst element: " + worst);
+  }
+  return text;
+}
+
+std::string System::describeRow(Index row) const {
+  for (const State* state : states_)
+    if (row >= state->firstRow() && row < state->firstRow() + state->size())
+      return fmt::format("node {} of {}", row - state->firstRow(), state->path());
+  return fmt::format("row {} of no state", row);
+}
+
+// ---- the plan ----
+
+namespace {
+
+std::string traitsText(const ForceTraits& traits) {
+  std::string text;
+  const auto say = [&text](const char* word) { text += (text.empty() ? "" : ", ") + std::string(word); };
+  if (!traits.has_stiffness) {
+    say("no stiffness: left out of products and matrices");
+  } else {
+    say(traits.constant_stiffness ? "constant stiffness: assembled once" : "stiffness changes with the shape");
+    if (!traits.symmetric) say("not symmetric");
+    if (!traits.exact_tangent) say("approximate tangent");
+  }
+  if (traits.linear) say("linear");
+  if (traits.velocity_dependent) say("depends on velocity");
+  if (!traits.conservative) say("not conservative");
+  return text;
+}
+
+}  // namespace
+
+std::vector<std::string> System::explain() const {
+  std::vector<std::string> lines;
+  lines.push_back(fmt::format("system of {}: {} nodes in one vector, {} of them independent", integrator_.path(),
+                              all_rows_, independent_rows_));
+  for (const State* state : states_)
+    lines.push_back(fmt::format("  state {}: {} nodes{}", state->path(), state->size(),
+                                state->firstRow() < independent_rows_ ? "" : ", mapped"));
+  for (const Mass* mass : masses_)
+    lines.push_back(fmt::format("  mass {}: {:.6g} kg, {}", mass->path(), mass->totalMass(),
+                                mass->isDiagonal() ? "diagonal" : "sparse matrix"));
+  lines.push_back(has_gravity_ ? "  gravity: a constant force, computed once"
+                               : "  gravity: skipped, there is no mass under a gravity");
+  for (const ForceField* field : force_fields_)
+    lines.push_back(fmt::format("  force {}: each evaluation; {}", field->path(), traitsText(field->traits())));
+  if (force_fields_.empty()) lines.push_back("  forces: none but gravity");
+  for (const ProjectiveConstraint* constraint : constraints_)
+    lines.push_back(
+        fmt::format("  constraint {}{}", constraint->path(),
+                    constraint->endTime() < 0 ? "" : fmt::format(": until t = {} s", constraint->endTime())));
+  if (!constraints_.empty())
+    lines.push_back(fmt::format("  {} nodes held or guided, {}", projectors_.size(),
+                                constraints_change_ ? "looked up at each step" : "looked up once"));
+  for (const Mapping* mapping : mappings_)
+    lines.push_back(fmt::format("  mapping {}: each evaluation", mapping->path()));
+  if (mappings_.empty()) lines.push_back("  mappings: none, skipped");
+  lines.push_back(fmt::format("  integrator {}: {}", integrator_.path(), integrator_.describe()));
+  if (!linear_solver_) lines.push_back("  linear solver: none");
+  if (linear_solver_)
+    lines.push_back(fmt::format("  linear solver {}: {}", linear_solver_->path(),
+                                pattern_ready_ ? fmt::format("matrix of {} blocks of 3x3", block_count_)
+                                               : std::string("no matrix is kept so far")));
+  return lines;
+}
+
+}  // namespace stroma
