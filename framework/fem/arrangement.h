@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// In which order elements are visited: batches of SIMD width, batches in blocks that are compact in space, blocks in
+// colours such that blocks of one colour share no node. Threads take blocks of one colour at a time, and every node
+// receives its sums in the order colour, block, batch, lane, whatever the number of threads.
+#pragma once
+#include <vector>
+
+#include "framework/scene/types.h"
+
+namespace stroma {
+
+struct Arrangement {
+  std::vector<Index> element;      ///< shape (batches * lanes): element of each lane, -1 for padding
+  std::vector<Index> block_start;  ///< shape (blocks + 1): first batch of each block
+  std::vector<Index> colour_start; ///< shape (colours + 1): first block of each colour
+  Index batches = 0;
+  Index elements = 0;
+};
+
+/// Arranges `count` elements of `nodes_per_element` nodes, connectivity flat in `nodes`. Meshes below one block keep
+/// the order of the file; larger ones follow a Morton curve through the elements' centres. The result depends on the
+/// mesh and on `lanes` only.
+Arrangement arrangeElements(const Index* nodes, int nodes_per_element, Index count, const std::vector<Vec3>& position,
+                            int lanes);
+
+/// Elements in a block: large enough to repay waking a thread, small enough for a level-2 cache.
+constexpr Index block_elements = 2048;
+
+}  // namespace stroma

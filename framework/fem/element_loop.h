@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The one element loop: gather nodes to packs, call the element's mathematics, scatter; energies; assembly. A force field
+// supplies pure functions of packs and never sees a node number, a thread or a matrix slot.
+#pragma once
+#include <array>
+
+#include "framework/algebra/block_matrix.h"
+#include "framework/algebra/parallel.h"
+#include "framework/fem/arrangement.h"
+#include "framework/fem/pack.h"
+
+namespace stroma {
+
+/// Meshes with fewer elements run on one thread: waking another costs more than it saves.
+constexpr Index parallel_elements = 16 * block_elements;
+
+/// The loop over elements of N nodes. Node numbers are rows of the system.
+template <int N>
+class ElementLoop {
+ public:
+  using Nodes = V3<Pack>[N];
+
+  /// `cells` index `position` (shape (nodes)); `first_row` is added to give rows of the system.
+  void build(const std::vector<std::array<Index, N>>& cells, const std::vector<Vec3>& position, Index first_row) {
+    arrangement_ = arrangeElements(cells.empty() ? nullptr : cells[0].data(), N, Index(cells.size()), position, pack_lanes);
+    partial_.assign(arrangement_.block_start.size() - 1, 0.);
+    nodes_.resize(std::size_t(arrangement_.batches) * N * pack_lanes);
+    for (Index b = 0; b < arrangement_.batches; ++b)
+      for (int l = 0; l < pack_lanes; ++l) {
+        // a padding lane repeats the nodes of lane 0: it stays inside the block and, having no stiffness, adds zero
+        const Index e = elementOf(b, l) >= 0 ? elementOf(b, l) : elementOf(b, 0);
+        for (int a = 0; a < N; ++a)
+          nodes_[(std::size_t(b) * N + a) * pack_lanes + l] = cells[std::size_t(e)][std::size_t(a)] + first_row;
+      }
+  }
+  Index batches() const { return arrangement_.batches; }
+  Index elements() const { return arrangement_.elements; }
+  /// The element in lane l of a batch, -1 for padding.
+  Index elementOf(Index batch, int lane) const { return arrangement_.element[std::size_t(batch) * pack_lanes + lane]; }
+
+  /// kernel(batch, in, out): in[i][a] is node a of input i, out[o][a] starts undefined and is added to output o.
+  template <int In, int Out, class Kernel>
+  void run(const std::array<ConstRows, In>& input, const std::array<Rows, Out>& output, Kernel&& kernel) const {
+    forEachBatch([&](Index b) {
+      Nodes in[In > 0 ? In : 1], out[Out > 0 ? Out : 1];
+      for (int i = 0; i < In; ++i)
+        for (int a = 0; a < N; ++a) in[i][a] = gatherRows(input[std::size_t(i)].data, node(b, a));
+      kernel(b, in, out);
+      for (int o = 0; o < Out; ++o)
+        for (int a = 0; a < N; ++a) addToRows(out[o][a], node(b, a), output[std::size_t(o)].data);
+    });
+  }
+
+  /// Sum over elements of kernel(batch, nodes of x), a pack; blocks are summed in their order.
+  template <class Kernel>
+  double sum(ConstRows x, Kernel&& kernel) const {
+    forEachBlock([&](Index block) {
+      Pack total(0.);
+      for (Index b = arrangement_.block_start[std::size_t(block)]; b < arrangement_.block_start[std::size_t(block) + 1]; ++b) {
+        Nodes in;
+        for (int a = 0; a < N; ++a) in[a] = gatherRows(x.data, node(b, a));
+        total += kernel(b, in);
+      }
+      alignas(64) double lane[pack_lanes];
+      total.store_aligned(lane);
+      double& partial = partial_[std::size_t(block)];
+      partial = 0;
+      for (double value : lane) partial += value;
+    });
+    double result = 0;
+    for (double value : partial_) result += value;
+    return result;
+  }
+
+  // ---- assembly ----
+
+  void addPattern(BlockPattern& pattern) const {
+    forEachLane([&](Index b, int l) {
+      Index rows[N];
+      for (int a = 0; a < N; ++a) rows[a] = node(b, a)[l];
+      pattern.addClique(rows, N);
+    });
+  }
+  /// Looks up the slots of every pair of nodes, shape (batches, N, N, lanes).
+  std::vector<Index> slots(const BlockMatrix& matrix) const {
+    std::vector<Index> result(std::size_t(batches()) * N * N * pack_lanes, 0);
+    forEachLane([&](Index b, int l) {
+      for (int i = 0; i < N; ++i)
+        for (int j = 0; j < N; ++j)
+          result[((std::size_t(b) * N + i) * N + j) * pack_lanes + l] = matrix.slot(node(b, i)[l], node(b, j)[l]);
+    });
+    return result;
+  }
+  /// values (of the matrix the slots belong to) += factor * K, K column by column from product(batch, dx, df).
+  template <class Product>
+  void assemble(double factor, const std::vector<Index>& slots, std::vector<double>& values, Product&& product) const {
+    forEachBatch([&](Index b) {
+      alignas(64) double element[N * N * 9][pack_lanes];  // [i][j][row][column]
+      elementMatrix(b, factor, product, element);
+      for (int l = 0; l < pack_lanes; ++l) {
+        if (elementOf(b, l) < 0) break;
+        for (int ij = 0; ij < N * N; ++ij) {
+          double* block = values.data() + std::size_t(slots[(std::size_t(b) * N * N + std::size_t(ij)) * pack_lanes + std::size_t(l)]) * 9;
+          for (int k = 0; k < 9; ++k) block[k] += element[ij * 9 + k][l];
+        }
+      }
+    });
+  }
+  /// blocks[row] += factor * diagonal blocks of K, shape (rows, 9).
+  template <class Product>
+  void assembleDiagonal(double factor, std::vector<double>& blocks, Product&& product) const {
+    forEachBatch([&](Index b) {
+      alignas(64) double element[N * N * 9][pack_lanes];
+      elementMatrix(b, factor, product, element);
+      for (int l = 0; l < pack_lanes; ++l) {
+        if (elementOf(b, l) < 0) break;
+        for (int a = 0; a < N; ++a)
+          for (int k = 0; k < 9; ++k)
+            blocks[std::size_t(node(b, a)[l]) * 9 + std::size_t(k)] += element[(a * N + a) * 9 + k][l];
+      }
+    });
+  }
+
+  /// Runs body(batch) for all batches, blocks of one colour at a time on the threads.
+  template <class Body>
+  void forEachBatch(Body&& body) const {
+    forEachBlock([&](Index block) {
+      const Index last = arrangement_.block_start[std::size_t(block) + 1];
+      for (Index b = arrangement_.block_start[std::size_t(block)]; b < last; ++b) body(b);
+    });
+  }
+  /// Runs body(batch, lane) for all elements, on one thread.
+  template <class Body>
+  void forEachLane(Body&& body) const {
+    for (Index b = 0; b < batches(); ++b)
+      for (int l = 0; l < pack_lanes && elementOf(b, l) >= 0; ++l) body(b, l);
+  }
+
+ private:
+  const Index* node(Index batch, int a) const { return nodes_.data() + (std::size_t(batch) * N + std::size_t(a)) * pack_lanes; }
+
+  template <class Body>
+  void forEachBlock(Body&& body) const {
+    const auto& colour_start = arrangement_.colour_start;
+    for (std::size_t c = 0; c + 1 < colour_start.size(); ++c) {
+      const Index first = colour_start[c], count = colour_start[c + 1] - first;
+      if (elements() < parallel_elements)
+        for (Index block = 0; block < count; ++block) body(first + block);
+      else
+        parallelFor(count, [&](int block) { body(first + block); });
+    }
+  }
+
+  /// K of one batch by products with unit vectors; a translation costs nothing, so node 0 follows from the others.
+  template <class Product>
+  static void elementMatrix(Index b, double factor, Product&& product, double (&element)[N * N * 9][pack_lanes]) {
+    const Pack scale(factor);
+    const auto store = [&](int i, int j, int column, const V3<Pack>& value) {
+      value.x.store_aligned(element[((i * N + j) * 3 + 0) * 3 + column]);
+      value.y.store_aligned(element[((i * N + j) * 3 + 1) * 3 + column]);
+      value.z.store_aligned(element[((i * N + j) * 3 + 2) * 3 + column]);
+    };
+    for (int column = 0; column < 3; ++column) {
+      Nodes minus_sum{};
+      for (int j = 1; j < N; ++j) {
+        Nodes dx{}, df;
+        (column == 0 ? dx[j].x : column == 1 ? dx[j].y : dx[j].z) = Pack(1.);
+        product(b, dx, df);
+        for (int i = 0; i < N; ++i) {
+          const V3<Pack> value = df[i] * scale;
+          store(i, j, column, value);
+          minus_sum[i] = minus_sum[i] - value;
+        }
+      }
+      for (int i = 0; i < N; ++i) store(i, 0, column, minus_sum[i]);
+    }
+  }
+
+  Arrangement arrangement_;
+  mutable std::vector<double> partial_;  ///< scratch of sum(), shape (blocks)
+  std::vector<Index> nodes_;  ///< shape (batches, N, lanes)
+};
+
+}  // namespace stroma

@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Packs: as many doubles as the registers of the instruction set hold; lane l of every pack belongs to element l of a
+// batch. Small vectors and matrices of packs, and the transposes between rows of a Vector and packs. Everything is a
+// template on the number type, so that the same mathematics runs on a double in a test.
+#pragma once
+#include <immintrin.h>
+
+#include <cmath>
+#include <xsimd/xsimd.hpp>
+
+#include "framework/algebra/vector.h"
+
+namespace stroma {
+
+using Pack = xsimd::batch<double>;
+constexpr int pack_lanes = int(Pack::size);
+
+// ---- the operations that kernels use, also for a plain double ----
+
+inline double fma(double a, double b, double c) { return a * b + c; }
+inline double select(bool condition, double a, double b) { return condition ? a : b; }
+inline bool any(bool condition) { return condition; }
+using std::abs;
+using std::sqrt;
+inline double maximum(double a, double b) { return a > b ? a : b; }
+
+inline Pack fma(Pack a, Pack b, Pack c) { return xsimd::fma(a, b, c); }
+inline Pack select(Pack::batch_bool_type condition, Pack a, Pack b) { return xsimd::select(condition, a, b); }
+inline bool any(Pack::batch_bool_type condition) { return xsimd::any(condition); }
+inline Pack abs(Pack a) { return xsimd::abs(a); }
+inline Pack sqrt(Pack a) { return xsimd::sqrt(a); }
+inline Pack maximum(Pack a, Pack b) { return xsimd::max(a, b); }
+
+// ---- 3-vectors and 3x3 matrices (columns) ----
+
+template <class T>
+struct V3 {
+  T x{0.}, y{0.}, z{0.};
+  V3 operator+(const V3& b) const { return {x + b.x, y + b.y, z + b.z}; }
+  V3 operator-(const V3& b) const { return {x - b.x, y - b.y, z - b.z}; }
+  V3 operator*(T s) const { return {x * s, y * s, z * s}; }
+  V3 operator-() const { return {-x, -y, -z}; }
+};
+template <class T>
+T dot(const V3<T>& a, const V3<T>& b) {
+  return fma(a.x, b.x, fma(a.y, b.y, a.z * b.z));
+}
+template <class T>
+V3<T> cross(const V3<T>& a, const V3<T>& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+/// a + s b
+template <class T>
+V3<T> fma(T s, const V3<T>& b, const V3<T>& a) {
+  return {fma(s, b.x, a.x), fma(s, b.y, a.y), fma(s, b.z, a.z)};
+}
+template <class Condition, class T>
+V3<T> select(Condition condition, const V3<T>& a, const V3<T>& b) {
+  return {select(condition, a.x, b.x), select(condition, a.y, b.y), select(condition, a.z, b.z)};
+}
+
+/// Columns c0, c1, c2.
+template <class T>
+struct M3 {
+  V3<T> c0, c1, c2;
+  M3 operator+(const M3& b) const { return {c0 + b.c0, c1 + b.c1, c2 + b.c2}; }
+  M3 operator-(const M3& b) const { return {c0 - b.c0, c1 - b.c1, c2 - b.c2}; }
+  M3 operator*(T s) const { return {c0 * s, c1 * s, c2 * s}; }
+  /// this * v
+  V3<T> operator*(const V3<T>& v) const { return fma(v.x, c0, fma(v.y, c1, c2 * v.z)); }
+  M3 operator*(const M3& b) const { return {*this * b.c0, *this * b.c1, *this * b.c2}; }
+};
+template <class T>
+V3<T> transposedTimes(const M3<T>& a, const V3<T>& v) {
+  return {dot(a.c0, v), dot(a.c1, v), dot(a.c2, v)};
+}
+/// a^T b
+template <class T>
+M3<T> transposedTimes(const M3<T>& a, const M3<T>& b) {
+  return {transposedTimes(a, b.c0), transposedTimes(a, b.c1), transposedTimes(a, b.c2)};
+}
+template <class T>
+M3<T> transpose(const M3<T>& a) {
+  return {{a.c0.x, a.c1.x, a.c2.x}, {a.c0.y, a.c1.y, a.c2.y}, {a.c0.z, a.c1.z, a.c2.z}};
+}
+/// Cofactor matrix: cof(A) = det(A) A^-T; its columns are cross products of columns of A.
+template <class T>
+M3<T> cofactor(const M3<T>& a) {
+  return {cross(a.c1, a.c2), cross(a.c2, a.c0), cross(a.c0, a.c1)};
+}
+template <class T>
+T squaredNorm(const M3<T>& a) {
+  return dot(a.c0, a.c0) + dot(a.c1, a.c1) + dot(a.c2, a.c2);
+}
+template <class T>
+M3<T> identity() {
+  return {{T(1.), T(0.), T(0.)}, {T(0.), T(1.), T(0.)}, {T(0.), T(0.), T(1.)}};
+}
+template <class Condition, class T>
+M3<T> select(Condition condition, const M3<T>& a, const M3<T>& b) {
+  return {select(condition, a.c0, b.c0), select(condition, a.c1, b.c1), select(condition, a.c2, b.c2)};
+}
+/// Symmetric 3x3 matrix.
+template <class T>
+struct S3 {
+  T xx{0.}, yy{0.}, zz{0.}, xy{0.}, yz{0.}, zx{0.};
+  V3<T> operator*(const V3<T>& v) const {
+    return {fma(xx, v.x, fma(xy, v.y, zx * v.z)), fma(xy, v.x, fma(yy, v.y, yz * v.z)),
+            fma(zx, v.x, fma(yz, v.y, zz * v.z))};
+  }
+};
+
+// ---- rows of a Vector to packs and back; node[l] is the row of lane l ----
+
+#if defined(__AVX512F__)
+
+/// Rows node[0..7] as packs x, y, z: eight 32-byte loads and 4x4 transposes in both halves of the registers.
+inline V3<Pack> gatherRows(const double* data, const Index* node) {
+  const auto row = [&](int l) { return _mm256_load_pd(data + std::size_t(node[l]) * row_doubles); };
+  const auto pair = [&](int l) {
+    return _mm512_insertf64x4(_mm512_castpd256_pd512(row(l)), row(l + 4), 1);
+  };
+  const __m512d r0 = pair(0), r1 = pair(1), r2 = pair(2), r3 = pair(3);  // x y z 0 of lanes l and l + 4
+  const __m512d xz01_lo = _mm512_unpacklo_pd(r0, r1), xz23_lo = _mm512_unpacklo_pd(r2, r3);  // x0 x1 z0 z1 | ...
+  const __m512d y01 = _mm512_unpackhi_pd(r0, r1), y23 = _mm512_unpackhi_pd(r2, r3);          // y0 y1 0 0 | ...
+  const __m512i first = _mm512_setr_epi64(0, 1, 8, 9, 4, 5, 12, 13);
+  const __m512i second = _mm512_setr_epi64(2, 3, 10, 11, 6, 7, 14, 15);
+  return {Pack(_mm512_permutex2var_pd(xz01_lo, first, xz23_lo)), Pack(_mm512_permutex2var_pd(y01, first, y23)),
+          Pack(_mm512_permutex2var_pd(xz01_lo, second, xz23_lo))};
+}
+
+/// rows node[0..7] += v, lane by lane, in the order of the lanes: lanes may share a row.
+inline void addToRows(const V3<Pack>& v, const Index* node, double* data) {
+  const __m512d x = v.x, y = v.y, z = v.z, zero = _mm512_setzero_pd();
+  const __m512d xy_even = _mm512_unpacklo_pd(x, y), xy_odd = _mm512_unpackhi_pd(x, y);       // x0 y0 x2 y2 | ...
+  const __m512d z_even = _mm512_unpacklo_pd(z, zero), z_odd = _mm512_unpackhi_pd(z, zero);   // z0 0 z2 0 | ...
+  const __m512i low = _mm512_setr_epi64(0, 1, 8, 9, 4, 5, 12, 13);
+  const __m512i high = _mm512_setr_epi64(2, 3, 10, 11, 6, 7, 14, 15);
+  const __m512d r04 = _mm512_permutex2var_pd(xy_even, low, z_even), r15 = _mm512_permutex2var_pd(xy_odd, low, z_odd);
+  const __m512d r26 = _mm512_permutex2var_pd(xy_even, high, z_even), r37 = _mm512_permutex2var_pd(xy_odd, high, z_odd);
+  const auto add = [&](int l, __m256d value) {
+    double* row = data + std::size_t(node[l]) * row_doubles;
+    _mm256_store_pd(row, _mm256_add_pd(_mm256_load_pd(row), value));
+  };
+  add(0, _mm512_castpd512_pd256(r04));
+  add(1, _mm512_castpd512_pd256(r15));
+  add(2, _mm512_castpd512_pd256(r26));
+  add(3, _mm512_castpd512_pd256(r37));
+  add(4, _mm512_extractf64x4_pd(r04, 1));
+  add(5, _mm512_extractf64x4_pd(r15, 1));
+  add(6, _mm512_extractf64x4_pd(r26, 1));
+  add(7, _mm512_extractf64x4_pd(r37, 1));
+}
+
+#elif defined(__AVX__)
+
+inline V3<Pack> gatherRows(const double* data, const Index* node) {
+  const auto row = [&](int l) { return _mm256_load_pd(data + std::size_t(node[l]) * row_doubles); };
+  const __m256d r0 = row(0), r1 = row(1), r2 = row(2), r3 = row(3);
+  const __m256d xz01 = _mm256_unpacklo_pd(r0, r1), xz23 = _mm256_unpacklo_pd(r2, r3);
+  const __m256d y01 = _mm256_unpackhi_pd(r0, r1), y23 = _mm256_unpackhi_pd(r2, r3);
+  return {Pack(_mm256_permute2f128_pd(xz01, xz23, 0x20)), Pack(_mm256_permute2f128_pd(y01, y23, 0x20)),
+          Pack(_mm256_permute2f128_pd(xz01, xz23, 0x31))};
+}
+inline void addToRows(const V3<Pack>& v, const Index* node, double* data) {
+  const __m256d x = v.x, y = v.y, z = v.z, zero = _mm256_setzero_pd();
+  const __m256d xy02 = _mm256_unpacklo_pd(x, y), xy13 = _mm256_unpackhi_pd(x, y);
+  const __m256d z02 = _mm256_unpacklo_pd(z, zero), z13 = _mm256_unpackhi_pd(z, zero);
+  const auto add = [&](int l, __m256d value) {
+    double* row = data + std::size_t(node[l]) * row_doubles;
+    _mm256_store_pd(row, _mm256_add_pd(_mm256_load_pd(row), value));
+  };
+  add(0, _mm256_permute2f128_pd(xy02, z02, 0x20));
+  add(1, _mm256_permute2f128_pd(xy13, z13, 0x20));
+  add(2, _mm256_permute2f128_pd(xy02, z02, 0x31));
+  add(3, _mm256_permute2f128_pd(xy13, z13, 0x31));
+}
+
+#else
+
+inline V3<Pack> gatherRows(const double* data, const Index* node) {
+  alignas(64) double x[pack_lanes], y[pack_lanes], z[pack_lanes];
+  for (int l = 0; l < pack_lanes; ++l) {
+    const double* row = data + std::size_t(node[l]) * row_doubles;
+    x[l] = row[0], y[l] = row[1], z[l] = row[2];
+  }
+  return {Pack::load_aligned(x), Pack::load_aligned(y), Pack::load_aligned(z)};
+}
+inline void addToRows(const V3<Pack>& v, const Index* node, double* data) {
+  alignas(64) double x[pack_lanes], y[pack_lanes], z[pack_lanes];
+  v.x.store_aligned(x), v.y.store_aligned(y), v.z.store_aligned(z);
+  for (int l = 0; l < pack_lanes; ++l) {
+    double* row = data + std::size_t(node[l]) * row_doubles;
+    row[0] += x[l], row[1] += y[l], row[2] += z[l];
+  }
+}
+
+#endif
+
+}  // namespace stroma

@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The rotation R of a deformation gradient F, one struct a method, each with
+//   R = of(F)                          always orthonormal and right-handed, for any finite F
+//   dR = differential(F, R, dF)        the derivative of R in the direction dF
+// Source: Nesme et al. 2005, sections 2.4, 3.2 and 5.1; Irving et al. 2004 for the inverted case; Higham 1986 for the
+// iteration. T is a Pack or a double.
+#pragma once
+#include "framework/fem/pack.h"
+
+namespace stroma::rotation {
+
+/// A unit vector along v; `fallback` (a unit vector) where v is shorter than 1e-12.
+template <class T>
+V3<T> unit(const V3<T>& v, const V3<T>& fallback) {
+  const T squared = dot(v, v);
+  const auto degenerate = squared < T(1e-24);
+  return select(degenerate, fallback, v * (T(1.) / sqrt(select(degenerate, T(1.), squared))));
+}
+
+/// Some unit vector across the unit vector a.
+template <class T>
+V3<T> across(const V3<T>& a) {
+  const auto along_x = abs(a.x) > T(0.9);
+  const V3<T> axis = select(along_x, V3<T>{T(0.), T(1.), T(0.)}, V3<T>{T(1.), T(0.), T(0.)});
+  const V3<T> v = cross(a, axis);
+  return v * (T(1.) / sqrt(dot(v, v)));
+}
+
+/// Gram-Schmidt on the columns: first axis along c0, second in the plane of c0 and c1, third their cross product.
+template <class T>
+M3<T> gramSchmidt(const M3<T>& f) {
+  M3<T> r;
+  r.c0 = unit(f.c0, V3<T>{T(1.), T(0.), T(0.)});
+  const V3<T> in_plane = fma(-dot(r.c0, f.c1), r.c0, f.c1);
+  const auto flat = dot(in_plane, in_plane) < T(1e-24);
+  if (any(flat))
+    r.c1 = unit(in_plane, across(r.c0));
+  else
+    r.c1 = in_plane * (T(1.) / sqrt(dot(in_plane, in_plane)));
+  r.c2 = cross(r.c0, r.c1);
+  return r;
+}
+
+/// The nearest orthogonal matrix to F (a reflection when det F < 0): scaled Newton iteration
+/// Q <- (gamma Q + (gamma Q)^-T) / 2, quadratically convergent for every regular F. A flat F (rank 2) gives its rotation
+/// in the limit; lanes crushed to a line or a point get the Gram-Schmidt frame.
+template <class T>
+M3<T> orthogonalFactor(const M3<T>& f) {
+  M3<T> q = f;
+  M3<T> c = cofactor(q);
+  const T norm = squaredNorm(q);
+  const auto crushed = squaredNorm(c) <= norm * norm * T(1e-28) || norm < T(1e-200);
+  if (any(crushed)) {
+    q = select(crushed, gramSchmidt(f), q);
+    c = cofactor(q);
+  }
+  for (int iteration = 0; iteration < 30; ++iteration) {
+    T determinant = dot(q.c0, c.c0);
+    // a flat element has determinant zero: any tiny positive number in its place leads to the same limit
+    const T size = squaredNorm(q), floor = size * sqrt(size) * T(1e-30);
+    determinant = select(abs(determinant) < floor, select(determinant < T(0.), -floor, floor), determinant);
+    const T inverse = T(1.) / determinant;
+    T gamma(1.);
+    if (iteration < 12) gamma = sqrt(sqrt(squaredNorm(c) * inverse * inverse / size));
+    const T a = T(0.5) * gamma, b = T(0.5) * inverse / gamma;
+    const M3<T> next{c.c0 * b + q.c0 * a, c.c1 * b + q.c1 * a, c.c2 * b + q.c2 * a};
+    const T change = squaredNorm(next - q);
+    q = next;
+    // the error after a step is about half the square of its length: below 1e-16 nothing is left to gain
+    if (!any(change > T(1e-16))) break;
+    c = cofactor(q);
+  }
+  return q;
+}
+
+/// S = R^T F, the lower triangle taken from the symmetric part.
+template <class T>
+S3<T> stretch(const M3<T>& r, const M3<T>& f) {
+  const T half(0.5);
+  return {dot(r.c0, f.c0),
+          dot(r.c1, f.c1),
+          dot(r.c2, f.c2),
+          half * (dot(r.c0, f.c1) + dot(r.c1, f.c0)),
+          half * (dot(r.c1, f.c2) + dot(r.c2, f.c1)),
+          half * (dot(r.c2, f.c0) + dot(r.c0, f.c2))};
+}
+
+/// The unit eigenvector of the smallest eigenvalue of a symmetric matrix: cyclic Jacobi, five sweeps (the off-diagonal
+/// part shrinks to round-off cubically after the second).
+template <class T>
+V3<T> smallestEigenvector(const S3<T>& s) {
+  T a[3][3] = {{s.xx, s.xy, s.zx}, {s.xy, s.yy, s.yz}, {s.zx, s.yz, s.zz}};
+  T v[3][3] = {{T(1.), T(0.), T(0.)}, {T(0.), T(1.), T(0.)}, {T(0.), T(0.), T(1.)}};
+  for (int sweep = 0; sweep < 5; ++sweep)
+    for (int p = 0; p < 2; ++p)
+      for (int q = p + 1; q < 3; ++q) {
+        const int r = 3 - p - q;
+        const T apq = a[p][q];
+        const auto none = abs(apq) < T(1e-300);
+        const T theta = (a[q][q] - a[p][p]) / (T(2.) * select(none, T(1.), apq));
+        T t = T(1.) / (abs(theta) + sqrt(theta * theta + T(1.)));
+        t = select(none, T(0.), select(theta < T(0.), -t, t));
+        const T cosine = T(1.) / sqrt(t * t + T(1.)), sine = t * cosine;
+        a[p][p] = a[p][p] - t * apq;
+        a[q][q] = a[q][q] + t * apq;
+        a[p][q] = a[q][p] = T(0.);
+        const T arp = a[r][p], arq = a[r][q];
+        a[r][p] = a[p][r] = cosine * arp - sine * arq;
+        a[r][q] = a[q][r] = sine * arp + cosine * arq;
+        for (auto& row : v) {
+          const T vp = row[p], vq = row[q];
+          row[p] = cosine * vp - sine * vq;
+          row[q] = sine * vp + cosine * vq;
+        }
+      }
+  const auto column = [&](int k) { return V3<T>{v[0][k], v[1][k], v[2][k]}; };
+  const auto second = a[1][1] < a[0][0];
+  const V3<T> best = select(second, column(1), column(0));
+  const T least = select(second, a[1][1], a[0][0]);
+  return select(a[2][2] < least, column(2), best);
+}
+
+/// omega of dQ = Q [omega]x for Q = orthogonalFactor(F): (tr(S) I - S) omega = axial(Q^T dF - dF^T Q), S = Q^T F.
+template <class T>
+V3<T> polarSpin(const M3<T>& q, const M3<T>& f, const M3<T>& df) {
+  const S3<T> s = stretch(q, f);
+  const M3<T> w = transposedTimes(q, df);
+  const V3<T> axial{w.c1.z - w.c2.y, w.c2.x - w.c0.z, w.c0.y - w.c1.x};
+  const M3<T> g{{s.yy + s.zz, -s.xy, -s.zx}, {-s.xy, s.zz + s.xx, -s.yz}, {-s.zx, -s.yz, s.xx + s.yy}};
+  const M3<T> c = cofactor(g);
+  T determinant = dot(g.c0, c.c0);
+  // two opposite singular values (an inverted element at its switching point): the rotation has no derivative there
+  const T floor = T(1e-9) * sqrt(squaredNorm(c)) * sqrt(squaredNorm(g)) + T(1e-300);
+  determinant = select(abs(determinant) < floor, select(determinant < T(0.), -floor, floor), determinant);
+  return (c * axial) * (T(1.) / determinant);  // g is symmetric, so its cofactor matrix is its adjugate
+}
+
+/// r [omega]x
+template <class T>
+M3<T> timesCross(const M3<T>& r, const V3<T>& w) {
+  return {r.c1 * w.z - r.c2 * w.y, r.c2 * w.x - r.c0 * w.z, r.c0 * w.y - r.c1 * w.x};
+}
+
+/// method = small: no rotation.
+struct None {
+  static constexpr bool rotates = false, has_energy = true;
+  template <class T>
+  static M3<T> of(const M3<T>&) {
+    return identity<T>();
+  }
+  template <class T>
+  static M3<T> differential(const M3<T>&, const M3<T>&, const M3<T>&) {
+    return M3<T>{};
+  }
+};
+
+/// method = large: the frame of the first edge and of the plane of the first two (QR). F's columns are combinations of
+/// the edges a-b; a-b, a-c; ... with positive factors on the diagonal, so the frame of the columns is that of the edges.
+/// An inversion is always seen as one of the fourth vertex: the frame stays right-handed at no cost.
+struct Qr {
+  static constexpr bool rotates = true, has_energy = false;
+  template <class T>
+  static M3<T> of(const M3<T>& f) {
+    return gramSchmidt(f);
+  }
+  /// With F = R U, U upper triangular: the strict lower part of R^T dF U^-1 is that of the spin R^T dR.
+  template <class T>
+  static M3<T> differential(const M3<T>& f, const M3<T>& r, const M3<T>& df) {
+    const T u00 = dot(r.c0, f.c0), u01 = dot(r.c0, f.c1), u11 = dot(r.c1, f.c1);
+    const T tiny(1e-12);
+    const T i00 = T(1.) / maximum(u00, tiny), i11 = T(1.) / maximum(u11, tiny);
+    const T m10 = dot(r.c1, df.c0) * i00, m20 = dot(r.c2, df.c0) * i00;
+    const T m21 = (dot(r.c2, df.c1) - u01 * m20) * i11;
+    return timesCross(r, V3<T>{m21, -m20, m10});
+  }
+};
+
+/// method = polar: the nearest orthogonal matrix; where it is a reflection (det F < 0) the axis of the rest frame that is
+/// stretched least is flipped, so that the element does not settle in its mirror image.
+struct Polar {
+  static constexpr bool rotates = true, has_energy = true;
+  template <class T>
+  static M3<T> of(const M3<T>& f) {
+    const M3<T> q = orthogonalFactor(f);
+    const auto reflected = dot(q.c0, cross(q.c1, q.c2)) < T(0.);
+    return any(reflected) ? select(reflected, flipLeastStretched(q, f), q) : q;
+  }
+  template <class T>
+  static M3<T> differential(const M3<T>& f, const M3<T>& r, const M3<T>& df) {
+    const T determinant = dot(f.c0, cross(f.c1, f.c2));
+    const auto reflected = determinant < T(0.);
+    if (!any(reflected)) return timesCross(r, polarSpin(r, f, df));
+    // R = Q D with D a diagonal of signs: find D again and differentiate Q
+    const M3<T> q = select(reflected, orthogonalFactor(f), r);
+    const M3<T> dq = timesCross(q, polarSpin(q, f, df));
+    const T one(1.);
+    const auto sign = [&](const V3<T>& a, const V3<T>& b) { return select(dot(a, b) < T(0.), -one, one); };
+    return {dq.c0 * sign(q.c0, r.c0), dq.c1 * sign(q.c1, r.c1), dq.c2 * sign(q.c2, r.c2)};
+  }
+
+ private:
+  template <class T>
+  static M3<T> flipLeastStretched(const M3<T>& q, const M3<T>& f) {
+    const T s0 = dot(q.c0, f.c0), s1 = dot(q.c1, f.c1), s2 = dot(q.c2, f.c2);
+    const auto first = s0 < s1 && s0 < s2;
+    const auto second = !first && s1 < s2;
+    const auto third = !(first || second);
+    return {select(first, -q.c0, q.c0), select(second, -q.c1, q.c1), select(third, -q.c2, q.c2)};
+  }
+};
+
+/// method = svd: R = U V^T of F = U diag(s) V^T with the smallest singular value taken negative when det F < 0: the
+/// smallest inversion (Irving et al. 2004). Equal to the nearest rotation for every F; only the lanes that are inverted
+/// need the direction of the smallest singular value.
+struct Svd {
+  static constexpr bool rotates = true, has_energy = true;
+  template <class T>
+  static M3<T> of(const M3<T>& f) {
+    const M3<T> q = orthogonalFactor(f);
+    const auto reflected = dot(q.c0, cross(q.c1, q.c2)) < T(0.);
+    if (!any(reflected)) return q;
+    const V3<T> v = smallestEigenvector(stretch(q, f));
+    const V3<T> qv = (q * v) * T(2.);
+    return select(reflected, M3<T>{fma(-v.x, qv, q.c0), fma(-v.y, qv, q.c1), fma(-v.z, qv, q.c2)}, q);
+  }
+  /// R^T F is symmetric for det F < 0 too, so the formula of the polar factor holds as it is.
+  template <class T>
+  static M3<T> differential(const M3<T>& f, const M3<T>& r, const M3<T>& df) {
+    return timesCross(r, polarSpin(r, f, df));
+  }
+};
+
+}  // namespace stroma::rotation
