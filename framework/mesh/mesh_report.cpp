@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The check of a mesh: counts, volume, the worst cell, and what a person would want to know before a run.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "framework/mesh/cell_faces.h"
+#include "framework/mesh/mesh.h"
+
+namespace stroma {
+
+namespace {
+
+/// A volume below this share of the longest edge cubed counts as flat: the cell's shape gradients then lose about
+/// all digits of a double.
+constexpr double flat_share = 1e-12;
+
+void addCell(double volume, double quality, double longest_edge, MeshReport& report, Index cell) {
+  report.volume += volume;
+  if (std::abs(volume) <= flat_share * longest_edge * longest_edge * longest_edge)
+    report.flat.push_back(cell);
+  else if (volume < 0)
+    report.inverted.push_back(cell);
+  if (report.worst_cell < 0 || quality < report.worst_quality) report.worst_quality = quality, report.worst_cell = cell;
+}
+
+template <std::size_t N, std::size_t Edges>
+double longestEdge(const std::array<Vec3, N>& corner, const std::array<std::array<int, 2>, Edges>& edges) {
+  double square = 0;
+  for (const auto& [i, j] : edges)
+    square = std::max(square, (corner[std::size_t(i)] - corner[std::size_t(j)]).squaredNorm());
+  return std::sqrt(square);
+}
+
+template <class Cell>
+void markUsed(const std::vector<Cell>& cells, std::vector<char>& used) {
+  for (const Cell& cell : cells)
+    for (Index node : cell) used[std::size_t(node)] = 1;
+}
+
+/// "3 unused nodes (0 1 2)", at most five of them named.
+std::string named(const std::vector<Index>& list, std::string_view what) {
+  const std::size_t shown = std::min<std::size_t>(list.size(), 5);
+  return fmt::format("{} {} ({}{})", list.size(), what, fmt::join(list.begin(), list.begin() + std::ptrdiff_t(shown), " "),
+                     shown < list.size() ? " ..." : "");
+}
+
+}  // namespace
+
+MeshReport Mesh::report() const {
+  MeshReport out;
+  out.nodes = nodes(), out.edges = Index(edges.size()), out.triangles = Index(triangles.size());
+  out.quads = Index(quads.size()), out.tetrahedra = Index(tetrahedra.size()), out.hexahedra = Index(hexahedra.size());
+  out.overlap = overlap;
+  for (std::size_t c = 0; c < tetrahedra.size(); ++c) {
+    std::array<Vec3, 4> p;
+    for (std::size_t i = 0; i < 4; ++i) p[i] = position[std::size_t(tetrahedra[c][i])];
+    addCell(tetrahedronVolume(p[0], p[1], p[2], p[3]), tetrahedronQuality(p[0], p[1], p[2], p[3]),
+            longestEdge(p, tetrahedron_edges), out, Index(c));
+  }
+  for (std::size_t c = 0; c < hexahedra.size(); ++c) {
+    std::array<Vec3, 8> p;
+    for (std::size_t i = 0; i < 8; ++i) p[i] = position[std::size_t(hexahedra[c][i])];
+    addCell(hexahedronVolume(p), hexahedronQuality(p), longestEdge(p, hexahedron_edges), out,
+            Index(tetrahedra.size() + c));
+  }
+  out.volume /= overlap;
+
+  std::vector<char> used(position.size(), 0);
+  markUsed(edges, used), markUsed(triangles, used), markUsed(quads, used);
+  markUsed(tetrahedra, used), markUsed(hexahedra, used);
+  for (std::size_t n = 0; n < used.size(); ++n)
+    if (!used[n]) out.unused_nodes.push_back(Index(n));
+
+  if (!position.empty()) out.low = out.high = position.front();
+  for (const Vec3& p : position) out.low = out.low.cwiseMin(p), out.high = out.high.cwiseMax(p);
+  return out;
+}
+
+std::string MeshReport::text() const {
+  std::vector<std::string> parts{fmt::format("{} nodes", nodes)};
+  const auto count = [&parts](Index number, const char* word) {
+    if (number > 0) parts.push_back(fmt::format("{} {}", number, word));
+  };
+  count(edges, "edges"), count(triangles, "triangles"), count(quads, "quads");
+  count(tetrahedra, "tetrahedra"), count(hexahedra, "hexahedra");
+  if (worst_cell >= 0) {
+    parts.push_back(fmt::format("volume {:.6g} m^3", volume));
+    if (overlap != 1) parts.push_back(fmt::format("cells cover the body {:g} times", overlap));
+    parts.push_back(fmt::format("worst quality {:.3g} ({} {})", worst_quality,
+                                worst_cell < tetrahedra ? "tetrahedron" : "hexahedron",
+                                worst_cell < tetrahedra ? worst_cell : worst_cell - tetrahedra));
+  }
+  if (!inverted.empty()) parts.push_back(named(inverted, "inverted cells"));
+  if (!flat.empty()) parts.push_back(named(flat, "flat cells"));
+  if (!unused_nodes.empty()) parts.push_back(named(unused_nodes, "unused nodes"));
+  parts.push_back(fmt::format("box ({:.4g} {:.4g} {:.4g}) to ({:.4g} {:.4g} {:.4g})", low.x(), low.y(), low.z(),
+                              high.x(), high.y(), high.z()));
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+}  // namespace stroma

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The tables that Mesh derives from its cells. Each takes time linear in the number of cells and gives the same
+// order whatever the order of evaluation.
+#include <algorithm>
+
+#include "framework/mesh/cell_faces.h"
+#include "framework/mesh/mesh.h"
+
+namespace stroma {
+
+namespace {
+
+/// Calls `visit(a, b)` with a < b for each edge of each cell.
+template <class Visit>
+void forEachEdge(const Mesh& mesh, Visit&& visit) {
+  const auto ordered = [&visit](Index a, Index b) { a < b ? visit(a, b) : visit(b, a); };
+  for (const Edge& e : mesh.edges) ordered(e[0], e[1]);
+  for (const Triangle& t : mesh.triangles)
+    for (std::size_t i = 0; i < 3; ++i) ordered(t[i], t[(i + 1) % 3]);
+  for (const Quad& q : mesh.quads)
+    for (std::size_t i = 0; i < 4; ++i) ordered(q[i], q[(i + 1) % 4]);
+  for (const Tetrahedron& t : mesh.tetrahedra)
+    for (const auto& [i, j] : tetrahedron_edges) ordered(t[std::size_t(i)], t[std::size_t(j)]);
+  for (const Hexahedron& h : mesh.hexahedra)
+    for (const auto& [i, j] : hexahedron_edges) ordered(h[std::size_t(i)], h[std::size_t(j)]);
+}
+
+std::vector<Edge> uniqueEdges(const Mesh& mesh) {
+  const std::size_t nodes = mesh.position.size();
+  std::vector<std::size_t> start(nodes + 1, 0);
+  forEachEdge(mesh, [&](Index a, Index) { ++start[std::size_t(a) + 1]; });
+  for (std::size_t n = 0; n < nodes; ++n) start[n + 1] += start[n];
+  std::vector<Index> other(start.back());
+  std::vector<std::size_t> next(start.begin(), start.end());
+  forEachEdge(mesh, [&](Index a, Index b) { other[next[std::size_t(a)]++] = b; });
+  std::vector<Edge> edges;
+  for (std::size_t n = 0; n < nodes; ++n) {
+    const auto first = other.begin() + std::ptrdiff_t(start[n]), last = other.begin() + std::ptrdiff_t(start[n + 1]);
+    std::sort(first, last);
+    for (auto it = first, end = std::unique(first, last); it != end; ++it) edges.push_back({Index(n), *it});
+  }
+  return edges;
+}
+
+template <class Cell>
+Adjacency cellsAroundNodes(const std::vector<Cell>& cells, std::size_t nodes) {
+  Adjacency out;
+  out.start.assign(nodes + 1, 0);
+  for (const Cell& cell : cells)
+    for (Index node : cell) ++out.start[std::size_t(node) + 1];
+  for (std::size_t n = 0; n < nodes; ++n) out.start[n + 1] += out.start[n];
+  out.values.resize(std::size_t(out.start.back()));
+  std::vector<Index> next(out.start.begin(), out.start.end());
+  for (std::size_t c = 0; c < cells.size(); ++c)
+    for (Index node : cells[c]) out.values[std::size_t(next[std::size_t(node)]++)] = Index(c);
+  return out;
+}
+
+Adjacency nodesAroundNodes(const std::vector<Edge>& edges, std::size_t nodes) {
+  Adjacency out;
+  out.start.assign(nodes + 1, 0);
+  for (const auto& [a, b] : edges) ++out.start[std::size_t(a) + 1], ++out.start[std::size_t(b) + 1];
+  for (std::size_t n = 0; n < nodes; ++n) out.start[n + 1] += out.start[n];
+  out.values.resize(std::size_t(out.start.back()));
+  std::vector<Index> next(out.start.begin(), out.start.end());
+  // Edges ascend in (a, b) with a < b: a first pass over the smaller ends, then one over the larger, fills every list
+  // in ascending order.
+  for (const auto& [a, b] : edges) out.values[std::size_t(next[std::size_t(b)]++)] = a;
+  for (const auto& [a, b] : edges) out.values[std::size_t(next[std::size_t(a)]++)] = b;
+  return out;
+}
+
+}  // namespace
+
+const std::vector<Edge>& Mesh::allEdges() const {
+  if (!all_edges_) all_edges_ = uniqueEdges(*this);
+  return *all_edges_;
+}
+
+const std::vector<Triangle>& Mesh::tetrahedronFaces() const {
+  if (!tetrahedron_faces_) tetrahedron_faces_ = uniqueFaces(tetrahedra, false);
+  return *tetrahedron_faces_;
+}
+
+const std::vector<Triangle>& Mesh::boundaryTriangles() const {
+  if (!boundary_triangles_) boundary_triangles_ = uniqueFaces(tetrahedra, true);
+  return *boundary_triangles_;
+}
+
+const std::vector<Quad>& Mesh::boundaryQuads() const {
+  if (!boundary_quads_) boundary_quads_ = uniqueFaces(hexahedra, true);
+  return *boundary_quads_;
+}
+
+const Adjacency& Mesh::tetrahedraAroundNode() const {
+  if (!tetrahedra_around_node_) tetrahedra_around_node_ = cellsAroundNodes(tetrahedra, position.size());
+  return *tetrahedra_around_node_;
+}
+
+const Adjacency& Mesh::hexahedraAroundNode() const {
+  if (!hexahedra_around_node_) hexahedra_around_node_ = cellsAroundNodes(hexahedra, position.size());
+  return *hexahedra_around_node_;
+}
+
+const Adjacency& Mesh::nodesAroundNode() const {
+  if (!nodes_around_node_) nodes_around_node_ = nodesAroundNodes(allEdges(), position.size());
+  return *nodes_around_node_;
+}
+
+int Mesh::derivedTables() const {
+  return int(all_edges_.has_value()) + int(tetrahedron_faces_.has_value()) + int(boundary_triangles_.has_value()) +
+         int(boundary_quads_.has_value()) + int(tetrahedra_around_node_.has_value()) +
+         int(hexahedra_around_node_.has_value()) + int(nodes_around_node_.has_value());
+}
+
+}  // namespace stroma

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "framework/mesh/topology.h"
+
+namespace stroma {
+
+Topology* TopologicalMapping::output() const {
+  if (auto* linked = dynamic_cast<Topology*>(output_.target())) return linked;
+  for (const auto& component : node().components())
+    if (component.get() != this && component->type() == "TetrahedronSetTopologyContainer")
+      return dynamic_cast<Topology*>(component.get());
+  return nullptr;
+}
+
+}  // namespace stroma
