@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// EnergyMonitor: the energies of the scene over time, in columns.
+//
+// Columns: time [s]; kinetic energy 1/2 v^T M v; elastic energy (the sum over the force fields); gravity energy
+// -sum m g.x; their total E; and the defect E(t) - E(0) of the energy balance, all in joule and summed over every
+// system of the scene. The defect is the work that damping, the integration scheme and prescribed motion took out
+// (negative) or put in (positive): it is zero for an exact scheme without damping, implicit Euler makes it negative,
+// and a defect that grows without bound announces a divergence. The second line of the file warns when a force field
+// has no potential, because the defect then contains its work. The first row is the start, then one every
+// `exportEveryNumberOfSteps` steps.
+//
+// Example:
+// <Node name="root" dt="0.01" gravity="0 -9.81 0">
+//   <EulerExplicitSolver/>
+//   <MechanicalObject name="dofs" position="0 0 0"/>
+//   <UniformMass totalMass="2"/>
+//   <EnergyMonitor filename="energy.txt" exportEveryNumberOfSteps="5"/>
+// </Node>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+
+#include "framework/scene/factory.h"
+#include "framework/simulation/simulation.h"
+#include "framework/simulation/state_file.h"
+
+namespace stroma {
+namespace {
+
+struct CloseFile {
+  void operator()(std::FILE* file) const { std::fclose(file); }
+};
+
+class EnergyMonitor final : public Observer {
+ public:
+  void declare(DataTable& table) override {
+    table.add("filename", file_name_).help("text file to write").required();
+    table.add("exportEveryNumberOfSteps", every_).min(1).help("steps between two lines");
+  }
+
+  void begin(const Simulation& simulation) override {
+    file_.reset(std::fopen(file_name_.found.c_str(), "w"));
+    if (!file_) throw ComponentError(fmt::format("{}: cannot write {}", path(), file_name_.found));
+    const bool conservative =
+        std::ranges::all_of(simulation.systems(), [](const auto& system) { return system->isConservative(); });
+    fmt::print(file_.get(), "# time [s], energies [J]: kinetic elastic gravity total defect\n{}",
+               conservative ? "" : "# some force fields have no potential: the defect contains their work\n");
+    write(simulation, simulation.time(), true);
+  }
+
+  void afterStep(const Simulation& simulation, const StepContext& context) override {
+    if (context.index % every_ == 0) write(simulation, context.t_end, false);
+  }
+
+  void end(const Simulation&) override { file_.reset(); }
+
+  std::string describe() const override {
+    return fmt::format("evaluates the energies and writes them to {} every {} step{}", file_name_.given, every_,
+                       every_ == 1 ? "" : "s");
+  }
+
+ private:
+  void write(const Simulation& simulation, double t, bool first) {
+    double kinetic = 0, elastic = 0, gravity = 0, total = 0;
+    for (const auto& system : simulation.systems()) {
+      kinetic += system->kineticEnergy();
+      elastic += system->elasticEnergy(system->x);
+      gravity += system->gravityEnergy(system->x);
+      total += system->kineticEnergy() + system->potentialEnergy(system->x);
+    }
+    if (first) total_at_start_ = total;
+    line_.clear();
+    appendNumber(line_, t);
+    for (const double energy : {kinetic, elastic, gravity, total, total - total_at_start_})
+      appendNumber(line_ += ' ', energy);
+    line_ += '\n';
+    if (std::fwrite(line_.data(), 1, line_.size(), file_.get()) != line_.size())
+      throw ComponentError(fmt::format("{}: cannot write: is the disk full?", path()));
+  }
+
+  FileName file_name_;
+  int every_ = 1;
+
+  std::unique_ptr<std::FILE, CloseFile> file_;
+  double total_at_start_ = 0;
+  std::string line_;
+};
+
+}  // namespace
+}  // namespace stroma
+
+STROMA_COMPONENT(energy_monitor) {
+  factory.add<stroma::EnergyMonitor>("EnergyMonitor", "writes kinetic, elastic, gravity and total energy over time");
+}

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Monitor: positions, velocities and forces of chosen nodes over time, in columns for gnuplot.
+//
+// One text file for each quantity asked for: <fileName>_x.txt (positions [m]), <fileName>_v.txt (velocities [m/s]),
+// <fileName>_f.txt (net force of the last evaluation [N]). A line starts with the time [s]; then follow the three
+// components of each node in the order of `indices`. The first line is the start, then one a step. Numbers have the
+// fewest digits that read back to the same bits. To plot the height of the first node:
+// `plot "tip_x.txt" using 1:3 with lines`.
+//
+// Example:
+// <Node name="root" dt="0.01" gravity="0 -9.81 0">
+//   <EulerExplicitSolver/>
+//   <MechanicalObject name="dofs" position="0 0 0  1 0 0"/>
+//   <UniformMass totalMass="2"/>
+//   <Monitor name="tip" indices="1" ExportPositions="true" ExportVelocities="true"/>
+// </Node>
+#include <fmt/format.h>
+
+#include <cstdio>
+
+#include "framework/scene/factory.h"
+#include "framework/simulation/simulation.h"
+#include "framework/simulation/state_file.h"
+
+namespace stroma {
+namespace {
+
+struct CloseFile {
+  void operator()(std::FILE* file) const { std::fclose(file); }
+};
+using File = std::unique_ptr<std::FILE, CloseFile>;
+
+class Monitor final : public Observer {
+ public:
+  void declare(DataTable& table) override {
+    table.addLink("mstate", mstate_).help("state to watch; the one of this node when not given");
+    table.add("indices", nodes_).help("nodes to watch").required();
+    table.add("ExportPositions", export_x_).help("write <fileName>_x.txt");
+    table.add("ExportVelocities", export_v_).help("write <fileName>_v.txt");
+    table.add("ExportForces", export_f_).help("write <fileName>_f.txt");
+    table.add("fileName", file_name_).help("start of the names of the files; the component's name when not given");
+    for (const char* drawing :
+         {"showPositions", "showVelocities", "showForces", "showTrajectories", "PositionsColor", "VelocitiesColor",
+          "ForcesColor", "TrajectoriesColor", "sizeFactor", "showMinThreshold", "TrajectoriesPrecision"})
+      table.addVisualOnly(drawing);
+  }
+
+  void init() override {
+    state_ = mstate_.get() ? mstate_.get() : find<State>();
+    if (!state_) throw ComponentError("no state to watch", "a MechanicalObject in this node, or mstate=\"@path\"");
+    if (nodes_.empty()) throw ComponentError("indices is empty", "the nodes to watch");
+    for (const int node : nodes_)
+      if (node < 0 || node >= state_->size())
+        throw ComponentError(fmt::format("indices names node {}", node),
+                             fmt::format("nodes 0 to {} of {}", state_->size() - 1, state_->path()));
+    if (!export_x_ && !export_v_ && !export_f_)
+      warn("writes nothing", "set ExportPositions, ExportVelocities or ExportForces to true");
+  }
+
+  void begin(const Simulation& simulation) override {
+    if (!state_->isBound())
+      throw ComponentError(fmt::format("{}: no integrator moves the state {}", path(), state_->path()));
+    files_.clear();
+    if (export_x_) open("x", "positions [m]");
+    if (export_v_) open("v", "velocities [m/s]");
+    if (export_f_) open("f", "forces [N]");
+    if (export_f_)
+      for (const auto& system : simulation.systems()) system->computeForce(system->x, system->v, system->f);
+    write(simulation.time());
+  }
+
+  void afterStep(const Simulation&, const StepContext& context) override { write(context.t_end); }
+  void end(const Simulation&) override { files_.clear(); }
+
+  std::string describe() const override {
+    return fmt::format("writes {}{}{}of {} nodes of {} to {}_*.txt every step", export_x_ ? "positions " : "",
+                       export_v_ ? "velocities " : "", export_f_ ? "forces " : "", nodes_.size(), state_->path(),
+                       stem());
+  }
+
+ private:
+  std::string stem() const { return file_name_.empty() ? name() : file_name_.found; }
+
+  void open(const char* ending, const char* quantity) {
+    const std::string file_name = fmt::format("{}_{}.txt", stem(), ending);
+    File file(std::fopen(file_name.c_str(), "w"));
+    if (!file) throw ComponentError(fmt::format("{}: cannot write {}", path(), file_name));
+    fmt::print(file.get(), "# {} of {}\n# column 1: time [s]; then x y z of nodes", quantity, state_->path());
+    for (const int node : nodes_) fmt::print(file.get(), " {}", node);
+    fmt::print(file.get(), "\n");
+    files_.push_back(std::move(file));
+  }
+
+  void write(double t) {
+    auto file = files_.begin();
+    if (export_x_) writeLine(*file++, t, state_->x());
+    if (export_v_) writeLine(*file++, t, state_->v());
+    if (export_f_) writeLine(*file++, t, state_->f());
+  }
+
+  void writeLine(File& file, double t, ConstRows rows) {
+    line_.clear();
+    appendNumber(line_, t);
+    for (const int node : nodes_)
+      for (int c = 0; c < 3; ++c) appendNumber(line_ += ' ', rows[node][c]);
+    line_ += '\n';
+    if (std::fwrite(line_.data(), 1, line_.size(), file.get()) != line_.size())
+      throw ComponentError(fmt::format("{}: cannot write: is the disk full?", path()));
+  }
+
+  Link<State> mstate_{"mechanical state"};
+  std::vector<int> nodes_;
+  bool export_x_ = false, export_v_ = false, export_f_ = false;
+  FileName file_name_;
+
+  State* state_ = nullptr;
+  std::vector<File> files_;
+  std::string line_;
+};
+
+}  // namespace
+}  // namespace stroma
+
+STROMA_COMPONENT(monitor) {
+  factory.add<stroma::Monitor>("Monitor", "writes positions, velocities and forces of chosen nodes in columns");
+}

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// WriteState: the positions of a state over time, in a text file.
+//
+// For every instant written, the file has a line `T= t` and, indented below it, `X= x0 y0 z0 x1 ...` [m] and on request
+// `X0=` (rest positions [m]), `V=` (velocities [m/s]) and `F=` (forces [N]). Numbers have the fewest digits that read
+// back to the same bits. A name that ends in ".gz" gives a compressed file. The file gets its name when the run ends,
+// also when it ends because a step diverged; until then it is called <filename>.part.
+//
+// Instants: `time` lists times to write; after the last of them, or from the start when there are none, one instant
+// every `period`. With neither, every step. An instant is written by the first step that reaches it. Where SOFA acts
+// before a step, so that the result of the last one is missing, this component acts at the start and after each step.
+// F is the net force of the last evaluation: for a scheme that solves one linear system a step, the force at the start
+// of the step; at t = 0 it is evaluated for this file.
+//
+// Example:
+// <Node name="root" dt="0.01" gravity="0 -9.81 0">
+//   <EulerExplicitSolver/>
+//   <MechanicalObject name="dofs" position="0 0 0  1 0 0" velocity="0 0 0  0 2 0"/>
+//   <UniformMass totalMass="2"/>
+//   <WriteState filename="fall.state.gz" writeV="true" period="0.1"/>
+// </Node>
+#include <fmt/format.h>
+
+#include "framework/scene/factory.h"
+#include "framework/simulation/simulation.h"
+#include "framework/simulation/state_file.h"
+
+namespace stroma {
+namespace {
+
+class WriteState final : public Observer {
+ public:
+  void declare(DataTable& table) override {
+    table.addLink("mstate", mstate_).help("state to write; the one of this node when not given");
+    table.add("filename", file_name_).help("file to write; compressed when it ends in .gz").required();
+    table.add("writeX", write_x_).help("write positions");
+    table.add("writeX0", write_x0_).help("write rest positions");
+    table.add("writeV", write_v_).help("write velocities");
+    table.add("writeF", write_f_).help("write forces");
+    table.add("time", times_).unit("s").help("times to write, ascending");
+    table.add("period", period_)
+        .unit("s")
+        .min(0)
+        .help(
+            "time between writes after the last of `time`; 0: every step if "
+            "`time` is empty, else nothing more");
+    table.add("DOFsX", nodes_x_).help("nodes whose positions are written; all when empty");
+    table.add("DOFsV", nodes_v_).help("nodes whose velocities are written; all when empty");
+  }
+
+  void init() override {
+    state_ = mstate_.get() ? mstate_.get() : find<State>();
+    if (!state_) throw ComponentError("no state to write", "a MechanicalObject in this node, or mstate=\"@path\"");
+    if (!write_x_ && !write_x0_ && !write_v_ && !write_f_)
+      throw ComponentError("nothing to write", "one of writeX, writeX0, writeV, writeF true");
+    checkNodes("DOFsX", nodes_x_);
+    checkNodes("DOFsV", nodes_v_);
+    for (std::size_t i = 1; i < times_.size(); ++i)
+      if (!(times_[i - 1] < times_[i])) throw ComponentError("the values of time are not ascending");
+  }
+
+  void begin(const Simulation& simulation) override {
+    if (!state_->isBound())
+      throw ComponentError(fmt::format("{}: no integrator moves the state {}", path(), state_->path()));
+    writer_.emplace(file_name_.found);
+    next_time_ = 0;
+    periods_ = 0;
+    start_ = simulation.time();
+    if (write_f_)
+      for (const auto& system : simulation.systems()) system->computeForce(system->x, system->v, system->f);
+    if (isDue(simulation.time(), simulation.dt())) write(simulation.time());
+  }
+
+  void afterStep(const Simulation&, const StepContext& context) override {
+    if (isDue(context.t_end, context.dt)) write(context.t_end);
+  }
+
+  void end(const Simulation&) override {
+    if (writer_) writer_->close();
+    writer_.reset();
+  }
+
+  std::string describe() const override {
+    std::string when = times_.empty() ? "" : fmt::format("at {} given times", times_.size());
+    if (period_ > 0) when += fmt::format("{}every {:.6g} s", when.empty() ? "" : ", then ", period_);
+    if (when.empty()) when = "every step";
+    return fmt::format("writes {}{}{}{}of {} to {} {}", write_x_ ? "X " : "", write_x0_ ? "X0 " : "",
+                       write_v_ ? "V " : "", write_f_ ? "F " : "", state_->path(), file_name_.given, when);
+  }
+
+ private:
+  void checkNodes(const char* attribute, const std::vector<int>& nodes) const {
+    for (const int node : nodes)
+      if (node < 0 || node >= state_->size())
+        throw ComponentError(fmt::format("{} names node {}", attribute, node),
+                             fmt::format("nodes 0 to {} of {}", state_->size() - 1, state_->path()));
+  }
+
+  bool isDue(double t, double dt) {
+    const double reached = t + 1e-6 * dt;  // a time that round-off put just after the step belongs to the step
+    bool due = times_.empty() && period_ == 0;
+    for (; next_time_ < times_.size() && times_[next_time_] <= reached; ++next_time_) due = true;
+    if (period_ == 0 || next_time_ < times_.size()) return due;
+    const double first = times_.empty() ? start_ : times_.back();
+    for (; first + double(periods_) * period_ <= reached; ++periods_) due = true;
+    return due;
+  }
+
+  void write(double t) {
+    writer_->time(t);
+    if (write_x0_) writer_->rows("X0", state_->rest_position);
+    if (write_x_) writeRows("X", state_->x(), nodes_x_);
+    if (write_v_) writeRows("V", state_->v(), nodes_v_);
+    if (write_f_) writer_->rows("F", state_->f());
+  }
+
+  void writeRows(const char* label, ConstRows rows, const std::vector<int>& nodes) {
+    if (nodes.empty())
+      writer_->rows(label, rows);
+    else
+      writer_->rows(label, rows, nodes);
+  }
+
+  Link<State> mstate_{"mechanical state"};
+  FileName file_name_;
+  bool write_x_ = true, write_x0_ = false, write_v_ = false, write_f_ = false;
+  std::vector<double> times_;
+  double period_ = 0;
+  std::vector<int> nodes_x_, nodes_v_;
+
+  State* state_ = nullptr;
+  std::optional<StateWriter> writer_;
+  double start_ = 0;
+  std::size_t next_time_ = 0;
+  long periods_ = 0;
+};
+
+}  // namespace
+}  // namespace stroma
+
+STROMA_COMPONENT(write_state) {
+  factory.add<stroma::WriteState>("WriteState", "writes positions, velocities and forces of a state over time");
+}

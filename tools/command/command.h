@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The subcommands of `stroma`, one .cpp each.
+#pragma once
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace stroma::command {
+
+/// What the command returns to the shell.
+enum ExitCode : int {
+  exit_done = 0,
+  exit_comparison_failed = 1,
+  exit_bad_input = 2,      ///< nothing was written
+  exit_diverged = 3,       ///< the last good state was written and named
+  exit_interrupted = 130,  ///< stopped by the user after a whole step; what was recorded is complete
+};
+
+using Arguments = std::vector<std::string>;  ///< what follows the subcommand
+
+/// A mistake in the arguments: a sentence for the user, exit code 2.
+class UsageError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+int run(const Arguments& arguments);
+int check(const Arguments& arguments);
+int explain(const Arguments& arguments);
+int list(const Arguments& arguments);
+int doc(const Arguments& arguments);
+int regress(const Arguments& arguments);
+int bench(const Arguments& arguments);
+
+}  // namespace stroma::command

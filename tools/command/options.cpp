@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tools/command/options.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <sstream>
+
+#include "framework/scene/diagnostics.h"
+
+namespace po = boost::program_options;
+
+namespace stroma::command {
+namespace {
+
+std::string helpText(const Manual& manual, const OptionList& options) {
+  std::ostringstream text;
+  text << "usage: " << manual.usage << "\n\n"
+       << manual.purpose << "\n\n"
+       << options << "\nexamples:\n"
+       << manual.examples;
+  return text.str();
+}
+
+std::string unknownOption(const std::string& given, const OptionList& options, const Manual& manual) {
+  std::vector<std::string> names{"--help"};
+  for (const auto& option : options.options()) names.push_back("--" + option->long_name());
+  const std::string near = nearest(given, names);
+  return fmt::format("there is no option {} ({}); usage: {}", given,
+                     near.empty() ? fmt::format("options: {}", fmt::join(names, " ")) : "did you mean " + near + "?",
+                     manual.usage);
+}
+
+}  // namespace
+
+std::optional<Values> parseOptions(const Manual& manual, const OptionList& options,
+                                   const std::vector<std::string>& positions, const Arguments& arguments) {
+  po::options_description all;
+  all.add(options);
+  all.add_options()("help,h", "this text");
+  po::positional_options_description order;
+  for (const std::string& position : positions) {
+    all.add_options()(position.c_str(), po::value<std::string>());
+    order.add(position.c_str(), 1);
+  }
+  Values values;
+  try {
+    // an option must be spelled out: a prefix that is right today becomes ambiguous with the next option
+    const int style = po::command_line_style::default_style & ~po::command_line_style::allow_guessing;
+    po::store(po::command_line_parser(arguments).options(all).positional(order).style(style).run(), values);
+    po::notify(values);
+  } catch (const po::unknown_option& error) {
+    throw UsageError(unknownOption(error.get_option_name(), options, manual));
+  } catch (const po::too_many_positional_options_error&) {
+    throw UsageError(fmt::format("too many arguments; usage: {}", manual.usage));
+  } catch (const po::error& error) {
+    throw UsageError(fmt::format("{}; usage: {}", error.what(), manual.usage));
+  }
+  if (!values.count("help")) return values;
+  fmt::print("{}", helpText(manual, options));
+  return std::nullopt;
+}
+
+std::string required(const Values& values, const std::string& name, const Manual& manual) {
+  if (values.count(name)) return values[name].as<std::string>();
+  throw UsageError(fmt::format("{} is missing; usage: {}", name, manual.usage));
+}
+
+}  // namespace stroma::command

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Options of a subcommand: parsing with sentences instead of codes, and --help with examples.
+#pragma once
+#include <boost/program_options.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tools/command/command.h"
+
+namespace stroma::command {
+
+using Values = boost::program_options::variables_map;
+using OptionList = boost::program_options::options_description;
+
+/// What --help prints around the options.
+struct Manual {
+  std::string usage;     ///< "stroma run SCENE [options]"
+  std::string purpose;   ///< a paragraph
+  std::string examples;  ///< lines
+};
+
+/// The values of `options` and of the positional arguments `positions` (the names of options declared hidden). Prints
+/// the help and returns nothing when it was asked for. Throws UsageError with the nearest right option.
+std::optional<Values> parseOptions(const Manual& manual, const OptionList& options,
+                                   const std::vector<std::string>& positions, const Arguments& arguments);
+
+/// The positional argument `name`, or a UsageError that names what is missing.
+std::string required(const Values& values, const std::string& name, const Manual& manual);
+
+}  // namespace stroma::command

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <string>
+#include <vector>
+
+#include "framework/simulation/simulation.h"
+#include "framework/simulation/state_file.h"
+
+namespace stroma::command {
+
+/// Writes positions and velocities of every state to one file each in `folder`.
+class Recorder {
+ public:
+  /// Opens the files; nothing has its final name before finish().
+  Recorder(const Simulation& simulation, const std::string& folder);
+  /// The present instant, unless it has been written already.
+  void write();
+  /// The last instant, and the final names.
+  void finish();
+  std::vector<std::string> files() const;
+
+ private:
+  const Simulation& simulation_;
+  std::vector<State*> states_;
+  std::vector<StateWriter> writers_;
+  long last_step_ = -1;
+};
+
+}  // namespace stroma::command

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tools/command/session.h"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+
+#include "framework/algebra/parallel.h"
+
+namespace po = boost::program_options;
+
+namespace stroma::command {
+
+void addSceneOptions(OptionList& options) {
+  options.add_options()  //
+      ("set", po::value<std::vector<std::string>>()->value_name("PATH.ATTR=VALUE"),
+       "override an attribute of the scene, as --set /liver/fem.method=polar; may be repeated")  //
+      ("module", po::value<std::vector<std::string>>()->value_name("FILE.so"),
+       "open a module of components by its path; may be repeated")  //
+      ("threads", po::value<int>()->value_name("N"), "threads to use, 1 when not given; no result depends on it");
+}
+
+Session::Session(const Values& values) {
+  if (values.count("module"))
+    for (const std::string& file : values["module"].as<std::vector<std::string>>()) modules_.open(file);
+  if (values.count("set")) overrides_ = values["set"].as<std::vector<std::string>>();
+  if (!values.count("threads")) return;
+  const int count = values["threads"].as<int>();
+  if (count < 1 || count > 1024) throw UsageError(fmt::format("--threads {}: expected 1 to 1024", count));
+  setThreads(count);
+}
+
+std::unique_ptr<Simulation> Session::load(const std::string& scene_file,
+                                          const std::vector<std::string>& more_overrides) {
+  std::vector<Override> overrides;
+  for (const std::string& text : overrides_) overrides.push_back(Override::parse(text));
+  for (const std::string& text : more_overrides) overrides.push_back(Override::parse(text));
+  return std::make_unique<Simulation>(loadScene(scene_file, overrides, factory_, modules_));
+}
+
+std::vector<std::string> reportProblems(const Scene& scene, bool quiet) {
+  std::vector<std::string> warnings;
+  for (const Problem& problem : scene.diagnostics.problems()) {
+    if (problem.severity == Severity::warning) warnings.push_back(problem.text());
+    if (problem.severity != Severity::note || !quiet) fmt::print(stderr, "{}\n", problem.text());
+  }
+  if (!scene.no_effect.empty() && !quiet)
+    fmt::print(stderr, "accepted without effect: {}\n", fmt::join(scene.no_effect, ", "));
+  return warnings;
+}
+
+}  // namespace stroma::command
