@@ -52,7 +52,7 @@ def organ(p):
     body = smooth_min(right, left, 0.040)
     hollow = ellipsoid(p, np.array([0.060, -0.092, 0.0]), np.array([0.105, 0.094, 0.110]))
     body = smooth_subtract(body, hollow, 0.014)
-    gall_bladder = ellipsoid(p, np.array([-0.002, -0.036, 0.050]), np.array([0.016, 0.022, 0.026]))
+    gall_bladder = ellipsoid(p, np.array([-0.002, -0.024, 0.050]), np.array([0.017, 0.026, 0.030]))
     return smooth_subtract(body, gall_bladder, 0.010)
 
 
