@@ -18,8 +18,8 @@ class GmshCursor {
  public:
   GmshCursor(std::string_view bytes, const std::string& name) : bytes_(bytes), name_(name) {}
 
-  bool binary = false;  ///< numbers are binary from here on
-  bool swapped = false; ///< in the other byte order
+  bool binary = false;   ///< numbers are binary from here on
+  bool swapped = false;  ///< in the other byte order
 
   std::size_t remaining() const { return bytes_.size() - at_; }
   std::string_view rest() const { return bytes_.substr(at_); }
@@ -89,7 +89,8 @@ class GmshCursor {
     const std::size_t begin = at_;
     const std::string found(word().substr(0, 40));
     at_ = begin;
-    fail(fmt::format("'{}' is not {}", found, error == std::errc::result_out_of_range ? "a number in range" : "a number"),
+    fail(fmt::format("'{}' is not {}", found,
+                     error == std::errc::result_out_of_range ? "a number in range" : "a number"),
          fmt::format("a number in {}", what));
   }
 

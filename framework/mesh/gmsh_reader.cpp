@@ -22,26 +22,46 @@ struct ElementType {
 
 ElementType elementType(int code) {
   switch (code) {
-    case 1: return {2, 1, "edges"};
-    case 2: return {3, 2, "triangles"};
-    case 3: return {4, 2, "quads"};
-    case 4: return {4, 3, "tetrahedra"};
-    case 5: return {8, 3, "hexahedra"};
-    case 6: return {6, 3, "prisms"};
-    case 7: return {5, 3, "pyramids"};
-    case 15: return {1, 0, "points"};
-    case 8: return {3, 1, "quadratic edges (3 nodes)", true};
-    case 9: return {6, 2, "quadratic triangles (6 nodes)", true};
-    case 10: return {9, 2, "quadratic quads (9 nodes)", true};
-    case 11: return {10, 3, "quadratic tetrahedra (10 nodes)", true};
-    case 12: return {27, 3, "quadratic hexahedra (27 nodes)", true};
-    case 13: return {18, 3, "quadratic prisms (18 nodes)", true};
-    case 14: return {14, 3, "quadratic pyramids (14 nodes)", true};
-    case 16: return {8, 2, "quadratic quads (8 nodes)", true};
-    case 17: return {20, 3, "quadratic hexahedra (20 nodes)", true};
-    case 18: return {15, 3, "quadratic prisms (15 nodes)", true};
-    case 19: return {13, 3, "quadratic pyramids (13 nodes)", true};
-    default: return {0, 0, nullptr};
+    case 1:
+      return {2, 1, "edges"};
+    case 2:
+      return {3, 2, "triangles"};
+    case 3:
+      return {4, 2, "quads"};
+    case 4:
+      return {4, 3, "tetrahedra"};
+    case 5:
+      return {8, 3, "hexahedra"};
+    case 6:
+      return {6, 3, "prisms"};
+    case 7:
+      return {5, 3, "pyramids"};
+    case 15:
+      return {1, 0, "points"};
+    case 8:
+      return {3, 1, "quadratic edges (3 nodes)", true};
+    case 9:
+      return {6, 2, "quadratic triangles (6 nodes)", true};
+    case 10:
+      return {9, 2, "quadratic quads (9 nodes)", true};
+    case 11:
+      return {10, 3, "quadratic tetrahedra (10 nodes)", true};
+    case 12:
+      return {27, 3, "quadratic hexahedra (27 nodes)", true};
+    case 13:
+      return {18, 3, "quadratic prisms (18 nodes)", true};
+    case 14:
+      return {14, 3, "quadratic pyramids (14 nodes)", true};
+    case 16:
+      return {8, 2, "quadratic quads (8 nodes)", true};
+    case 17:
+      return {20, 3, "quadratic hexahedra (20 nodes)", true};
+    case 18:
+      return {15, 3, "quadratic prisms (15 nodes)", true};
+    case 19:
+      return {13, 3, "quadratic pyramids (13 nodes)", true};
+    default:
+      return {0, 0, nullptr};
   }
 }
 
@@ -185,7 +205,8 @@ class GmshParser {
         for (int k = 0; k < parameters; ++k) in_.number<double>("a node's parameter");
       }
     }
-    if (tags_.size() != nodes) in_.fail(fmt::format("{} nodes are declared, but the blocks hold {}", nodes, tags_.size()));
+    if (tags_.size() != nodes)
+      in_.fail(fmt::format("{} nodes are declared, but the blocks hold {}", nodes, tags_.size()));
   }
 
   void readElementBlocks() {
@@ -194,7 +215,8 @@ class GmshParser {
     if (!v40) in_.number<std::uint64_t>("the smallest tag"), in_.number<std::uint64_t>("the largest tag");
     std::size_t total = 0;
     for (std::size_t b = 0; b < blocks; ++b) {
-      const int first = in_.number<int>("an element block's entity"), second = in_.number<int>("an element block's entity");
+      const int first = in_.number<int>("an element block's entity"),
+                second = in_.number<int>("an element block's entity");
       const std::pair<int, int> entity = v40 ? std::pair(second, first) : std::pair(first, second);
       const int code = in_.number<int>("an element block's type");
       const ElementType type = checkedType(code);
@@ -204,7 +226,8 @@ class GmshParser {
         v40 ? std::int64_t(in_.number<int>("an element's tag")) : in_.number<std::int64_t>("an element's tag");
         std::array<std::int64_t, 8> tags{};
         for (int k = 0; k < type.nodes; ++k)
-          tags[std::size_t(k)] = v40 ? in_.number<int>("an element's node") : in_.number<std::int64_t>("an element's node");
+          tags[std::size_t(k)] =
+              v40 ? in_.number<int>("an element's node") : in_.number<std::int64_t>("an element's node");
         addElement(code, type, tags, group == entity_group_.end() ? 0 : group->second);
       }
       total += count;
@@ -330,7 +353,8 @@ class GmshParser {
     }
     std::sort(sparse_.begin(), sparse_.end());
     for (std::size_t i = 0; i + 1 < sparse_.size(); ++i)
-      if (sparse_[i].first == sparse_[i + 1].first) in_.fail(fmt::format("node number {} appears twice", sparse_[i].first));
+      if (sparse_[i].first == sparse_[i + 1].first)
+        in_.fail(fmt::format("node number {} appears twice", sparse_[i].first));
   }
 
   Index nodeOf(std::int64_t tag) {
@@ -357,12 +381,18 @@ class GmshParser {
       groups.push_back(group);
     };
     switch (code) {
-      case 1: return add(out_.mesh.edges, out_.edge_groups);
-      case 2: return add(out_.mesh.triangles, out_.triangle_groups);
-      case 3: return add(out_.mesh.quads, out_.quad_groups);
-      case 4: return add(out_.mesh.tetrahedra, out_.tetrahedron_groups);
-      case 5: return add(out_.mesh.hexahedra, out_.hexahedron_groups);
-      default: ++out_.skipped[type.name];
+      case 1:
+        return add(out_.mesh.edges, out_.edge_groups);
+      case 2:
+        return add(out_.mesh.triangles, out_.triangle_groups);
+      case 3:
+        return add(out_.mesh.quads, out_.quad_groups);
+      case 4:
+        return add(out_.mesh.tetrahedra, out_.tetrahedron_groups);
+      case 5:
+        return add(out_.mesh.hexahedra, out_.hexahedron_groups);
+      default:
+        ++out_.skipped[type.name];
     }
   }
 

@@ -54,8 +54,8 @@ double hexahedronVolume(const std::array<Vec3, 8>& corner) {
 
 double tetrahedronQuality(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   const double volume = tetrahedronVolume(a, b, c, d);
-  const double squares = (b - a).squaredNorm() + (c - a).squaredNorm() + (d - a).squaredNorm() +
-                         (c - b).squaredNorm() + (d - b).squaredNorm() + (d - c).squaredNorm();
+  const double squares = (b - a).squaredNorm() + (c - a).squaredNorm() + (d - a).squaredNorm() + (c - b).squaredNorm() +
+                         (d - b).squaredNorm() + (d - c).squaredNorm();
   if (!(squares > 0)) return 0;
   return std::copysign(12 * std::cbrt(9 * volume * volume) / squares, volume);
 }

@@ -43,7 +43,8 @@ void markUsed(const std::vector<Cell>& cells, std::vector<char>& used) {
 /// "3 unused nodes (0 1 2)", at most five of them named.
 std::string named(const std::vector<Index>& list, std::string_view what) {
   const std::size_t shown = std::min<std::size_t>(list.size(), 5);
-  return fmt::format("{} {} ({}{})", list.size(), what, fmt::join(list.begin(), list.begin() + std::ptrdiff_t(shown), " "),
+  return fmt::format("{} {} ({}{})", list.size(), what,
+                     fmt::join(list.begin(), list.begin() + std::ptrdiff_t(shown), " "),
                      shown < list.size() ? " ..." : "");
 }
 

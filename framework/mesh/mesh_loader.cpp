@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "framework/mesh/mesh_loader.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <numbers>
+
+#include "framework/mesh/cell_faces.h"
+
+namespace stroma {
+
+namespace {
+
+/// Appends the `candidates` whose set of nodes no cell of `cells` has.
+template <class Cell>
+void appendMissing(std::vector<Cell>& cells, const std::vector<Cell>& candidates) {
+  const auto sorted = [](Cell cell) {
+    std::sort(cell.begin(), cell.end());
+    return cell;
+  };
+  std::vector<Cell> present;
+  present.reserve(cells.size());
+  for (const Cell& cell : cells) present.push_back(sorted(cell));
+  std::sort(present.begin(), present.end());
+  for (const Cell& cell : candidates)
+    if (!std::binary_search(present.begin(), present.end(), sorted(cell))) cells.push_back(cell);
+}
+
+bool hasCells(const Mesh& mesh) {
+  return !(mesh.edges.empty() && mesh.triangles.empty() && mesh.quads.empty() && mesh.tetrahedra.empty() &&
+           mesh.hexahedra.empty());
+}
+
+}  // namespace
+
+void MeshLoader::declare(DataTable& table) {
+  table.add("filename", filename_).help("mesh file").required().input();
+  table.add("translation", translation_).unit("m").help("moves the mesh, after rotation and scale");
+  table.add("rotation", rotation_).unit("degree").help("Euler angles about x, then y, then z");
+  table.add("scale3d", scale3d_).unit("-").help("factor for each axis, applied first");
+  table.add("scale", scale_).unit("-").help("one factor for the three axes").shorthand();
+  table.add("transformation", transformation_).help("4x4 matrix by rows; replaces translation, rotation and scale");
+  table.add("flipNormals", flip_normals_).help("turn triangles and quads over");
+  table.add("triangulate", triangulate_).help("split quads into triangles");
+  table.add("createSubelements", create_subelements_).help("add the faces and edges of the volume cells");
+  table.addVisualOnly("onlyAttachedPoints");
+  table.add("position", mesh_.position).alias("points").unit("m").help("nodes").output();
+  table.add("edges", mesh_.edges).alias("lines").help("edges of the file").output();
+  table.add("triangles", mesh_.triangles).help("triangles of the file").output();
+  table.add("quads", mesh_.quads).help("quads of the file").output();
+  table.add("tetrahedra", mesh_.tetrahedra).alias("tetras").help("tetrahedra of the file").output();
+  table.add("hexahedra", mesh_.hexahedra).alias("hexas").help("hexahedra of the file").output();
+}
+
+void MeshLoader::init() {
+  read(filename_.found, mesh_);
+  if (mesh_.position.empty()) throw ComponentError(fmt::format("{} has no nodes", filename_.given), "a mesh");
+  if (!hasCells(mesh_))
+    throw ComponentError(fmt::format("{} has {} nodes but no cell that can be used", filename_.given, mesh_.nodes()),
+                         "edges, triangles, quads, tetrahedra or hexahedra");
+  if (const std::string error = mesh_.firstError(); !error.empty())
+    throw ComponentError(fmt::format("{}: {}", filename_.given, error));
+  transform();
+  if (triangulate_) splitQuads();
+  if (flip_normals_) {
+    for (Triangle& t : mesh_.triangles) std::swap(t[1], t[2]);
+    for (Quad& q : mesh_.quads) std::swap(q[1], q[3]);
+  }
+  // The complaint is about what the file has: faces added below would use every node of a cell anyway.
+  if (const std::string complaint = meshComplaint(mesh_); !complaint.empty())
+    warn(fmt::format("{}: {}", filename_.given, complaint));
+  if (create_subelements_) addSubelements(mesh_);
+}
+
+void MeshLoader::transform() {
+  const DataTable& table = data();
+  const bool parts = table.find("translation")->isSet() || table.find("rotation")->isSet() ||
+                     table.find("scale3d")->isSet() || table.find("scale")->isSet();
+  if (table.find("scale")->isSet() && table.find("scale3d")->isSet())
+    throw ComponentError("both scale and scale3d are given", "one of them");
+  if (table.find("scale")->isSet()) scale3d_ = Vec3::Constant(scale_);
+  Mat3 linear;
+  Vec3 shift;
+  if (table.find("transformation")->isSet()) {
+    if (parts) warn("transformation is given: translation, rotation and scale are not used");
+    const auto& m = transformation_;
+    if (m[12] != 0 || m[13] != 0 || m[14] != 0 || m[15] != 1)
+      throw ComponentError("the last row of transformation is not that of an affine map", "0 0 0 1");
+    linear << m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10];
+    shift << m[3], m[7], m[11];
+  } else {
+    if (!parts) return;
+    linear = rotationFromDegrees(rotation_) * scale3d_.asDiagonal();
+    shift = translation_;
+  }
+  for (Vec3& p : mesh_.position) p = linear * p + shift;
+}
+
+void MeshLoader::splitQuads() {
+  for (const Quad& q : mesh_.quads) {
+    mesh_.triangles.push_back({q[0], q[1], q[2]});
+    mesh_.triangles.push_back({q[0], q[2], q[3]});
+  }
+  mesh_.quads.clear();
+}
+
+Mat3 rotationFromDegrees(const Vec3& angles) {
+  const Vec3 a = angles * (std::numbers::pi / 180);
+  using Turn = Eigen::AngleAxisd;
+  return (Turn(a.z(), Vec3::UnitZ()) * Turn(a.y(), Vec3::UnitY()) * Turn(a.x(), Vec3::UnitX())).toRotationMatrix();
+}
+
+void addSubelements(Mesh& mesh) {
+  appendMissing(mesh.triangles, uniqueFaces(mesh.tetrahedra, false));
+  appendMissing(mesh.quads, uniqueFaces(mesh.hexahedra, false));
+  // A mesh of its own, so that the lists derived from the cells before the new ones are not kept.
+  const Mesh complete{mesh};
+  appendMissing(mesh.edges, complete.allEdges());
+}
+
+std::string meshComplaint(const Mesh& mesh) {
+  const MeshReport report = mesh.report();
+  const bool volume_cells = report.tetrahedra + report.hexahedra > 0;
+  const bool no_volume = volume_cells && !(report.volume > 0);
+  if (report.inverted.empty() && report.flat.empty() && report.unused_nodes.empty() && !no_volume) return {};
+  return fmt::format("{}{}", no_volume ? "the mesh has no volume: " : "the mesh has faults: ", report.text());
+}
+
+}  // namespace stroma

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <array>
+
+#include "framework/mesh/topology.h"
+
+namespace stroma {
+
+/// Base of the mesh loaders: attributes, transform, sub-elements, check and report. A loader of a format overrides
+/// read() only. The outputs carry the names that topologies use, so that `src="@loader"` connects them all.
+class MeshLoader : public MeshSource {
+ public:
+  void declare(DataTable& table) override;
+  void init() override;
+  /// Positions [m] and cells after the transform; valid after init().
+  const Mesh& mesh() const { return mesh_; }
+
+ protected:
+  /// Fills `mesh` from the file. Throws ComponentError with a sentence; an empty mesh is reported by the caller.
+  virtual void read(const std::string& file, Mesh& mesh) = 0;
+
+  bool create_subelements_ = false;
+
+ private:
+  void transform();
+  void splitQuads();
+
+  FileName filename_;
+  Mesh mesh_;
+  bool flip_normals_ = false, triangulate_ = false;
+  Vec3 translation_ = Vec3::Zero(), rotation_ = Vec3::Zero(), scale3d_ = Vec3::Ones();
+  double scale_ = 1;
+  std::array<double, 16> transformation_{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+};
+
+/// Rotation by Euler angles [degrees]: about x, then y, then z, all fixed axes (R = Rz Ry Rx, as SOFA's).
+Mat3 rotationFromDegrees(const Vec3& angles);
+
+/// Adds the faces of the volume cells to the triangles and quads, and the edges of all cells to the edges, each after
+/// those that are there and only when missing.
+void addSubelements(Mesh& mesh);
+
+/// What a person should know of a mesh before using it (inverted or flat cells, unused nodes, no volume) with the
+/// report, or empty.
+std::string meshComplaint(const Mesh& mesh);
+
+}  // namespace stroma
