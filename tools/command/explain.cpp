@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// stroma explain: the compiled plan.
+#include <fmt/format.h>
+
+#include "framework/algebra/parallel.h"
+#include "tools/command/session.h"
+
+namespace stroma::command {
+namespace {
+
+const Manual manual{"stroma explain SCENE [options]",
+                    "Prints the compiled plan of a scene: what runs each step and how often, what was skipped and why, "
+                    "which modules were\nopened and which were not needed.",
+                    "  stroma explain liver.xml\n  stroma explain liver.xml --set /liver/solver.iterations=50\n"};
+
+std::string names(const std::vector<std::string>& list) {
+  return list.empty() ? "none" : fmt::format("{}", fmt::join(list, ", "));
+}
+
+}  // namespace
+
+int explain(const Arguments& arguments) {
+  OptionList options("options");
+  addSceneOptions(options);
+  const auto values = parseOptions(manual, options, {"SCENE"}, arguments);
+  if (!values) return exit_done;
+  Session session(*values);
+  const auto simulation = session.load(required(*values, "SCENE", manual));
+  reportProblems(simulation->scene(), true);
+  for (const std::string& line : simulation->explain()) fmt::print("{}\n", line);
+  fmt::print("modules opened: {} (instructions: {})\n", names(session.modules().opened()), instructionLevel());
+  fmt::print("modules not opened, the scene names nothing in them: {}\n", names(session.modules().notOpened()));
+  fmt::print("threads: {}\n", threads());
+  return exit_done;
+}
+
+}  // namespace stroma::command

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// stroma run: load, step, record, report.
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+
+#include "framework/algebra/parallel.h"
+#include "tools/command/progress.h"
+#include "tools/command/recorder.h"
+#include "tools/command/session.h"
+#include "tools/command/statistics.h"
+
+namespace po = boost::program_options;
+
+namespace stroma::command {
+namespace {
+
+constexpr long default_steps = 100;
+
+const Manual manual{
+    "stroma run SCENE [options]",
+    "Simulates a scene: 100 steps unless -n or --until says otherwise. Progress and messages go to standard error, the "
+    "summary\nto standard output. When a step diverges, the last good state is recorded and named, and the exit code "
+    "is "
+    "3.",
+    "  stroma run liver.xml -n 200\n"
+    "  stroma run liver.xml --until 2 --set /liver/fem.method=polar --record results/liver --record-every 10\n"
+    "  stroma run liver.xml -n 50 --json --quiet | python3 -m json.tool\n"};
+
+using Clock = std::chrono::steady_clock;
+double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+volatile std::sig_atomic_t interrupted = 0;
+
+OptionList runOptions() {
+  OptionList options("options");
+  options.add_options()                                                                                               //
+      ("steps,n", po::value<long>()->value_name("STEPS"), "number of steps; 0 loads, compiles and records t = 0")     //
+      ("until", po::value<double>()->value_name("T"), "run to this time [s] instead")                                 //
+      ("record", po::value<std::string>()->value_name("DIR"), "write positions and velocities of every state there")  //
+      ("record-every", po::value<long>()->value_name("K"),
+       "record every K steps; the first and last instant always")  //
+      ("json", po::value<std::string>()->implicit_value("-")->value_name("FILE"),
+       "print the summary as JSON; --json=FILE writes it to a file")  //
+      ("quiet,q", "no progress, no notes");
+  addSceneOptions(options);
+  return options;
+}
+
+/// The run as the user asked for it.
+struct Request {
+  std::string scene, record_folder, json_file;
+  std::optional<long> steps;
+  std::optional<double> until;
+  long record_every = 1;
+  bool quiet = false;
+
+  explicit Request(const Values& values) : scene(required(values, "SCENE", manual)), quiet(values.count("quiet") > 0) {
+    if (values.count("steps")) steps = values["steps"].as<long>();
+    if (values.count("until")) until = values["until"].as<double>();
+    if (values.count("record")) record_folder = values["record"].as<std::string>();
+    if (values.count("json")) json_file = values["json"].as<std::string>();
+    if (steps && until) throw UsageError("-n and --until exclude each other");
+    if (steps && *steps < 0) throw UsageError(fmt::format("-n {}: expected 0 or more steps", *steps));
+    if (values.count("record-every")) {
+      if (record_folder.empty()) throw UsageError("--record-every needs --record DIR");
+      record_every = values["record-every"].as<long>();
+      if (record_every < 1) throw UsageError(fmt::format("--record-every {}: expected 1 or more", record_every));
+    }
+  }
+  long stepsOf(const Simulation& simulation) const {
+    if (!until) return steps.value_or(default_steps);
+    const double count = std::ceil((*until - simulation.time()) / simulation.dt() - 1e-9);
+    if (!(count >= 0 && count < 1e15))
+      throw UsageError(fmt::format("--until {}: expected a time from {} s on", *until, simulation.time()));
+    return long(count);
+  }
+};
+
+/// What the loop leaves behind.
+struct Outcome {
+  StepReport last;
+  bool interrupted = false;
+  double seconds = 0;
+  const char* word() const { return last.diverged ? "diverged" : interrupted ? "interrupted" : "done"; }
+};
+
+Outcome loop(Simulation& simulation, long steps, const Request& request, Recorder* recorder, Statistics& statistics) {
+  const auto start = Clock::now();
+  Outcome outcome;
+  Progress progress(steps, request.quiet);
+  simulation.begin();
+  if (recorder) recorder->write();
+  while (simulation.steps() < steps && !outcome.last.diverged && !outcome.interrupted) {
+    const auto step_start = Clock::now();
+    outcome.last = simulation.step();
+    if (outcome.last.diverged) break;
+    statistics.add(outcome.last, secondsSince(step_start));
+    if (recorder && simulation.steps() % request.record_every == 0) recorder->write();
+    progress.show(simulation, outcome.last);
+    outcome.interrupted = interrupted;
+  }
+  progress.finish();
+  simulation.end();
+  outcome.seconds = secondsSince(start);
+  return outcome;
+}
+
+/// Where the recording of a diverged run goes when the user named no folder.
+std::string divergedFolder(const std::string& scene) {
+  return std::filesystem::path(scene).stem().string() + ".diverged";
+}
+
+nlohmann::ordered_json toJson(const Energies& energies) {
+  return {{"kinetic", energies.kinetic}, {"elastic", energies.elastic}, {"gravity", energies.gravity}};
+}
+
+nlohmann::ordered_json summary(const Request& request, const Simulation& simulation, const Outcome& outcome,
+                               const Statistics& statistics) {
+  nlohmann::ordered_json json;
+  json["scene"] = request.scene;
+  json["outcome"] = outcome.word();
+  if (outcome.last.diverged) json["reason"] = outcome.last.reason;
+  json["steps"] = simulation.steps();
+  json["simulated_time"] = simulation.time() - simulation.root().root_time;
+  json["wall_seconds"] = outcome.seconds;
+  json["ms_per_step"] = statistics.timing();
+  json["phase_seconds"] = phaseSeconds(simulation);
+  json.update(statistics.solvers());
+  json["threads"] = threads();
+  json["state_hash"] = fmt::format("{:016x}", simulation.stateHash());
+  return json;
+}
+
+void printText(const Request& request, const Simulation& simulation, const Outcome& outcome,
+               const Statistics& statistics) {
+  fmt::print("{}: {} after {} steps, t = {:.6g} s; {:.3g} s of wall time", request.scene, outcome.word(),
+             simulation.steps(), simulation.time(), outcome.seconds);
+  if (simulation.steps() > 0)
+    fmt::print(", {:.3g} ms a step (median {:.3g}, p99 {:.3g})", statistics.meanMs(), statistics.quantileMs(0.5),
+               statistics.quantileMs(0.99));
+  fmt::print("\nstate hash {:016x}\n", simulation.stateHash());
+}
+
+void writeJson(const nlohmann::ordered_json& json, const std::string& file) {
+  // file names need not be UTF-8; a byte that is not is replaced rather than losing the summary of a run
+  const std::string text = json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  if (file == "-") {
+    fmt::print("{}", text);
+    return;
+  }
+  std::ofstream stream(file);
+  if (!(stream << text).flush()) throw std::runtime_error(fmt::format("{}: cannot write", file));
+}
+
+}  // namespace
+
+int run(const Arguments& arguments) {
+  const auto start = Clock::now();
+  const auto values = parseOptions(manual, runOptions(), {"SCENE"}, arguments);
+  if (!values) return exit_done;
+  const Request request(*values);
+  Session session(*values);
+  const auto simulation = session.load(request.scene);
+  const long steps = request.stepsOf(*simulation);
+  const double load_seconds = secondsSince(start);
+
+  std::vector<std::string> warnings = reportProblems(simulation->scene(), request.quiet);
+  const bool wants_json = !request.json_file.empty();
+  const Energies at_start = wants_json ? energiesOf(*simulation) : Energies{};
+  std::optional<Recorder> recorder;
+  if (!request.record_folder.empty()) recorder.emplace(*simulation, request.record_folder);
+  std::signal(SIGINT, [](int) { interrupted = 1; });
+
+  Statistics statistics(steps);
+  const Outcome outcome = loop(*simulation, steps, request, recorder ? &*recorder : nullptr, statistics);
+
+  if (outcome.last.diverged) {
+    if (!recorder) recorder.emplace(*simulation, divergedFolder(request.scene));
+    fmt::print(stderr, "diverged: {}\n", outcome.last.reason);
+  }
+  if (recorder) {
+    recorder->finish();
+    if (outcome.last.diverged)
+      fmt::print(stderr, "the last good state (t = {:.6g} s) is in {}\n", simulation->time(),
+                 fmt::join(recorder->files(), ", "));
+  }
+  for (const std::string& warning : statistics.warnings()) {
+    fmt::print(stderr, "warning: {}\n", warning);
+    warnings.push_back(warning);
+  }
+  if (wants_json) {
+    auto json = summary(request, *simulation, outcome, statistics);
+    json["load_seconds"] = load_seconds;
+    json["energies"] = {{"start", toJson(at_start)}, {"end", toJson(energiesOf(*simulation))}};
+    json["peak_memory_bytes"] = peakMemory();
+    json["modules_opened"] = session.modules().opened();
+    if (recorder) json["recorded"] = recorder->files();
+    json["warnings"] = warnings;
+    writeJson(json, request.json_file);
+  }
+  if (request.json_file != "-" && !request.quiet) printText(request, *simulation, outcome, statistics);
+  return outcome.last.diverged ? exit_diverged : outcome.interrupted ? exit_interrupted : exit_done;
+}
+
+}  // namespace stroma::command
