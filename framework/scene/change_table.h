@@ -13,8 +13,15 @@ struct TypeChange {
 struct AttributeChange {
   std::string_view type, old_attribute, new_attribute;
 };
+/// A component of SOFA without a successor of one name: what to write instead.
+struct TypeRemoval {
+  std::string_view type, advice;
+};
 
 const std::vector<TypeChange>& typeChanges();
+const std::vector<TypeRemoval>& typeRemovals();
+/// The present name of `type`: itself unless the table renames it.
+std::string_view presentType(std::string_view type);
 const std::vector<AttributeChange>& attributeChanges();
 /// Components of SOFA that only draw, load plugins or schedule: accepted without effect, summed up in one line.
 const std::vector<std::string_view>& acceptedWithoutEffect();

@@ -69,7 +69,18 @@ class Component {
   Diagnostics* diagnostics_ = nullptr;
   Stage stage_ = Stage::created;
   DataTable data_;
-  std::vector<Component*> sources_;  ///< components whose attributes are linked to ours
+  /// An attribute of ours that takes the value of another component's.
+  struct DataLink {
+    Data* target;
+    Component* source;
+    const Data* from;
+    SourceLocation where;
+    bool by_src;  ///< made by `src`: copied only when the source has something to give
+  };
+  void copyLinkedValues();
+  void reportFailure(const std::string& message, const std::string& expected, const std::string& suggestion) const;
+
+  std::vector<DataLink> data_links_;
 };
 
 /// Thrown when a component needs another that has already been reported as broken: nothing more to say.
@@ -97,13 +108,4 @@ class Link : public LinkBase {
 
 }  // namespace stroma
 
-#include "framework/scene/node.h"
-
-namespace stroma {
-
-template <class Role>
-Role* Component::find(bool upwards) const {
-  return node_->find<Role>(this, upwards);
-}
-
-}  // namespace stroma
+#include "framework/scene/node.h"  // completes Node and defines Component::find

@@ -28,6 +28,8 @@ class Modules {
  public:
   /// Reads the index beside the framework library, then those in the folders of STROMA_MODULE_PATH.
   explicit Modules(Factory& factory);
+  /// Reads the indexes (*.index) of these folders only; none: no module is known.
+  Modules(Factory& factory, const std::vector<std::string>& index_folders);
   ~Modules();
 
   struct IndexEntry {

@@ -66,4 +66,9 @@ class Node {
   std::vector<std::unique_ptr<Node>> children_;
 };
 
+template <class Role>
+Role* Component::find(bool upwards) const {
+  return node_->find<Role>(this, upwards);
+}
+
 }  // namespace stroma

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "framework/scene/component.h"
+
+#include <cstdio>
+
+namespace stroma {
+
+namespace {
+
+/// A component whose initialisation is under way, and the attribute it is fetching, if any.
+struct Frame {
+  const Component* component;
+  const Data* fetching;
+};
+
+/// Who waits for whom, to print a circle. Empty whenever no scene is being initialised.
+thread_local std::vector<Frame> under_way;
+
+std::string chainTo(const Component& component) {
+  std::string chain;
+  bool inside = false;
+  for (const Frame& frame : under_way) {
+    inside = inside || frame.component == &component;
+    if (!inside) continue;
+    chain += frame.component->path() + (frame.fetching ? "." + frame.fetching->name() : "") + " -> ";
+  }
+  return chain + component.path();
+}
+
+}  // namespace
+
+std::string Component::path() const {
+  if (!node_) return name_;
+  const std::string parent = node_->path();
+  return parent == "/" ? "/" + name_ : parent + "/" + name_;
+}
+
+void Component::ensureReady() {
+  if (stage_ == Stage::ready) return;
+  if (stage_ == Stage::failed) throw DependencyFailed(path() + " could not be initialised");
+  if (stage_ == Stage::initialising)
+    throw ComponentError("components need each other in a circle: " + chainTo(*this), {},
+                         "break the circle by giving one of the values directly");
+  stage_ = Stage::initialising;
+  under_way.push_back({this, nullptr});
+  try {
+    copyLinkedValues();
+    init();
+    stage_ = Stage::ready;
+    under_way.pop_back();
+  } catch (const DependencyFailed&) {
+    under_way.pop_back();
+    stage_ = Stage::failed;
+    throw;
+  } catch (const ComponentError& error) {
+    under_way.pop_back();
+    stage_ = Stage::failed;
+    if (!diagnostics_) throw;
+    reportFailure(error.what(), error.expected, error.suggestion);
+    throw DependencyFailed(path() + " could not be initialised");
+  } catch (const std::exception& error) {
+    under_way.pop_back();
+    stage_ = Stage::failed;
+    if (!diagnostics_) throw;
+    reportFailure(error.what(), {}, {});
+    throw DependencyFailed(path() + " could not be initialised");
+  }
+}
+
+void Component::copyLinkedValues() {
+  for (const DataLink& link : data_links_) {
+    under_way.back().fetching = link.target;
+    link.source->ensureReady();
+    if (link.by_src && !link.from->isSet() && !link.from->isOutput()) continue;
+    std::optional<Problem> problem = link.target->copyFrom(*link.from);
+    if (!problem) continue;
+    if (!diagnostics_) throw ComponentError(problem->message, problem->expected, problem->suggestion);
+    problem->where = link.where;
+    problem->path = path() + "." + link.target->name();
+    problem->message += ", linked from " + link.source->path();
+    diagnostics_->add(std::move(*problem));
+    throw DependencyFailed(path() + " could not be initialised");
+  }
+  under_way.back().fetching = nullptr;
+}
+
+void Component::reportFailure(const std::string& message, const std::string& expected,
+                              const std::string& suggestion) const {
+  diagnostics_->error(where_, path(), message, expected, suggestion);
+}
+
+void Component::warn(std::string message, std::string suggestion) const {
+  if (diagnostics_) return diagnostics_->warning(where_, path(), std::move(message), std::move(suggestion));
+  const Problem problem{Severity::warning, where_, path(), std::move(message), {}, std::move(suggestion)};
+  std::fprintf(stderr, "%s\n", problem.text().c_str());  // after loading nobody collects any more: never silent
+}
+
+void Component::inform(std::string message) const {
+  if (diagnostics_) return diagnostics_->note(where_, path(), std::move(message));
+  const Problem problem{Severity::note, where_, path(), std::move(message), {}, {}};
+  std::fprintf(stderr, "%s\n", problem.text().c_str());
+}
+
+}  // namespace stroma

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// XML text to plain data. An <include> stays a component description of type "include"; resolve.cpp splices it.
+#include <tinyxml2.h>
+
+#include <filesystem>
+#include <unordered_set>
+
+#include "framework/scene/load.h"
+#include "framework/scene/text.h"
+#include "framework/scene/xml_scan.h"
+
+namespace stroma {
+
+namespace {
+
+class Reader {
+ public:
+  Reader(const std::string& file, const XmlPositions& positions, Diagnostics& diagnostics)
+      : file_(file),
+        folder_(std::filesystem::path(file).parent_path().string()),
+        positions_(positions),
+        diagnostics_(diagnostics) {
+    if (folder_.empty()) folder_ = ".";
+  }
+
+  /// Depth is bounded by the scan, so the recursion is too. Must be called in the order of the file.
+  void readNode(const tinyxml2::XMLElement& element, NodeDescription& node) {
+    node.folder = folder_;
+    node.where = attributesOf(element, node.attributes);
+    for (const auto* child = element.FirstChild(); child; child = child->NextSibling()) {
+      reportText(*child, "<Node>");
+      const auto* inner = child->ToElement();
+      if (!inner) continue;
+      if (inner->Name() == std::string_view("Node")) {
+        readNode(*inner, node.children.emplace_back());
+      } else {
+        readComponent(*inner, node.components.emplace_back());
+        if (node.components.back().type.empty()) node.components.pop_back();
+      }
+    }
+  }
+
+ private:
+  SourceLocation attributesOf(const tinyxml2::XMLElement& element, std::vector<AttributeDescription>& attributes) {
+    const XmlPositions::Tag& tag = positions_.tags.at(next_tag_++);
+    std::unordered_set<std::string_view> seen;
+    std::size_t position = tag.first_attribute;
+    for (const auto* attribute = element.FirstAttribute(); attribute; attribute = attribute->Next(), ++position) {
+      const TextPosition at = positions_.attributes.at(position);
+      SourceLocation where{file_, at.line, at.column};
+      if (!seen.insert(attribute->Name()).second) {
+        diagnostics_.error(where, {}, "attribute " + inQuotes(attribute->Name()) + " is written twice in one element");
+        continue;
+      }
+      attributes.push_back({attribute->Name(), attribute->Value(), std::move(where)});
+    }
+    return {file_, tag.where.line, tag.where.column};
+  }
+
+  void readComponent(const tinyxml2::XMLElement& element, ComponentDescription& component) {
+    component.folder = folder_;
+    component.type = element.Name();
+    component.where = attributesOf(element, component.attributes);
+    if (component.type == "Object") takeType(component);
+    const std::string tag = "<" + std::string(element.Name()) + ">";
+    for (const auto* child = element.FirstChild(); child; child = child->NextSibling()) {
+      reportText(*child, tag);
+      if (child->ToElement()) refuseInside(*child->ToElement(), tag);
+    }
+  }
+
+  /// <Object type="X" .../> is <X .../>.
+  void takeType(ComponentDescription& component) {
+    component.type.clear();
+    for (auto attribute = component.attributes.begin(); attribute != component.attributes.end(); ++attribute) {
+      if (attribute->name != "type") continue;
+      component.type = trimmed(attribute->value);
+      component.attributes.erase(attribute);
+      break;
+    }
+    if (component.type.empty())
+      diagnostics_.error(component.where, {}, "<Object> does not say which component it is", "type=\"...\"");
+  }
+
+  void refuseInside(const tinyxml2::XMLElement& element, const std::string& tag) {
+    std::vector<AttributeDescription> unused;
+    const SourceLocation where = attributesOf(element, unused);
+    diagnostics_.error(where, {}, "<" + std::string(element.Name()) + "> stands inside " + tag + ", a component",
+                       "components beside each other in a <Node>");
+    for (const auto* child = element.FirstChildElement(); child; child = child->NextSiblingElement()) skip(*child);
+  }
+
+  void skip(const tinyxml2::XMLElement& element) {
+    ++next_tag_;
+    for (const auto* child = element.FirstChildElement(); child; child = child->NextSiblingElement()) skip(*child);
+  }
+
+  void reportText(const tinyxml2::XMLNode& node, const std::string& tag) {
+    const auto* text = node.ToText();
+    if (!text || trimmed(text->Value()).empty()) return;
+    diagnostics_.warning({file_, text->GetLineNum(), 0}, {},
+                         "the text " + inQuotes(trimmed(text->Value())) + " inside " + tag + " has no meaning");
+  }
+
+  const std::string& file_;
+  std::string folder_;
+  const XmlPositions& positions_;
+  Diagnostics& diagnostics_;
+  std::size_t next_tag_ = 0;
+};
+
+}  // namespace
+
+NodeDescription readXml(const std::string& text, const std::string& file, const ReadLimits& limits,
+                        Diagnostics& diagnostics) {
+  NodeDescription root;
+  XmlPositions positions;
+  const auto megabytes = [](std::size_t bytes) { return std::to_string(bytes >> 20) + " MB"; };
+  if (text.size() > limits.file_bytes) {
+    // The first bytes may say which attribute is to blame.
+    Diagnostics scratch;
+    XmlPositions unused;
+    if (!scanXml(std::string_view(text).substr(0, limits.file_bytes), file, limits, unused, scratch) &&
+        scratch.problems().front().message.find("longer than") != std::string::npos) {
+      diagnostics.add(scratch.problems().front());
+    } else {
+      diagnostics.error({file, 1, 1}, {}, "the file is larger than " + megabytes(limits.file_bytes),
+                        "meshes in files of their own, read by a loader");
+    }
+    return root;
+  }
+  if (!scanXml(text, file, limits, positions, diagnostics)) return root;
+
+  tinyxml2::XMLDocument document;
+  if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) {
+    diagnostics.error({file, document.ErrorLineNum(), 0}, {},
+                      std::string("this is not well-formed XML: ") + document.ErrorName());
+    return root;
+  }
+  const tinyxml2::XMLElement* top = document.RootElement();
+  const std::string_view tag = top->Name();
+  const SourceLocation where{file, positions.tags[0].where.line, positions.tags[0].where.column};
+  const bool is_group = tag == "Group" || tag == "_Group_" || tag == "_Merge_";
+  if (tag != "Node" && !is_group) {
+    diagnostics.error(where, {}, "the outermost element is <" + std::string(tag) + ">", "<Node>", nearest(tag, {"Node"}));
+    return root;
+  }
+  if (top->NextSiblingElement()) {
+    diagnostics.error({file, top->NextSiblingElement()->GetLineNum(), 0}, {}, "a second outermost element",
+                      "one <Node> that holds everything");
+    return root;
+  }
+  Reader(file, positions, diagnostics).readNode(*top, root);
+  if (is_group && !root.find("name")) root.attributes.push_back({"name", std::string(tag), where});
+  return root;
+}
+
+}  // namespace stroma

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// One pass over the text of an XML file before it is parsed. tinyxml2 knows lines only, recurses into nested elements
+// and copies attributes: this pass finds line and column of every element and attribute, and refuses what is too deep,
+// too long or cut off, in memory that depends on the number of tags only.
+#pragma once
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "framework/scene/diagnostics.h"
+#include "framework/scene/load.h"
+
+namespace stroma {
+
+struct TextPosition {
+  int line = 0, column = 0;
+};
+
+/// Start tags and their attributes in the order of the file.
+struct XmlPositions {
+  struct Tag {
+    TextPosition where;
+    std::size_t first_attribute = 0;  ///< in attributes
+  };
+  std::vector<Tag> tags;
+  std::vector<TextPosition> attributes;
+};
+
+/// False when the file cannot be used: exactly one sentence has gone to `diagnostics`.
+bool scanXml(std::string_view text, const std::string& file, const ReadLimits& limits, XmlPositions& positions,
+             Diagnostics& diagnostics);
+
+}  // namespace stroma

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "framework/scene/load.h"
+
+namespace stroma {
+
+namespace {
+
+void appendEscaped(std::string& out, const std::string& value) {
+  for (char c : value) {
+    switch (c) {
+      case '&': out += "&amp;"; break;
+      case '<': out += "&lt;"; break;
+      case '>': out += "&gt;"; break;
+      case '"': out += "&quot;"; break;
+      case '\n': out += "&#10;"; break;
+      case '\r': out += "&#13;"; break;
+      case '\t': out += "&#9;"; break;
+      default: out += c;
+    }
+  }
+}
+
+void appendTag(std::string& out, int depth, const std::string& name, const std::vector<AttributeDescription>& attributes) {
+  out.append(std::size_t(2 * depth), ' ');
+  out += "<" + name;
+  for (const AttributeDescription& attribute : attributes) {
+    out += " " + attribute.name + "=\"";
+    appendEscaped(out, attribute.value);
+    out += '"';
+  }
+}
+
+void appendNode(std::string& out, int depth, const NodeDescription& node) {
+  appendTag(out, depth, "Node", node.attributes);
+  if (node.components.empty() && node.children.empty()) {
+    out += "/>\n";
+    return;
+  }
+  out += ">\n";
+  for (const ComponentDescription& component : node.components) {
+    appendTag(out, depth + 1, component.type, component.attributes);
+    out += "/>\n";
+  }
+  for (const NodeDescription& child : node.children) appendNode(out, depth + 1, child);
+  out.append(std::size_t(2 * depth), ' ');
+  out += "</Node>\n";
+}
+
+}  // namespace
+
+std::string writeXml(const NodeDescription& root) {
+  std::string out;
+  appendNode(out, 0, root);
+  return out;
+}
+
+}  // namespace stroma
