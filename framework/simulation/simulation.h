@@ -26,6 +26,8 @@ class Simulation {
   const std::vector<std::unique_ptr<System>>& systems() const { return systems_; }
   std::vector<State*> states() const;  ///< those a system moves, in document order
   const std::vector<Observer*>& observers() const { return observers_; }
+  /// From now on nothing observes: for runs that must not write files. Before begin().
+  void dropObservers() { observers_.clear(); }
 
   /// Observers see t = 0. Called by the first step when the caller has not.
   void begin();

@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// stroma regress: runs the scenes of a list and compares every state, positions and velocities, with stored ones.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "tools/command/comparison.h"
+#include "tools/command/regression_list.h"
+#include "tools/command/session.h"
+
+namespace po = boost::program_options;
+namespace fs = std::filesystem;
+
+namespace stroma::command {
+namespace {
+
+const Manual manual{
+    "stroma regress LIST [options]",
+    "Runs every scene of a list and compares the positions and velocities of every state with stored ones at the "
+    "start, "
+    "three\ninstants between and the last. A case fails when a node differs by more than the tolerance times the size "
+    "of "
+    "the body, when\nthe relative L2 error exceeds the tolerance, at a number that is not finite, a missing reference, "
+    "another size, name or time.\nLIST: the folder of the references on the first line, then lines `SCENE STEPS "
+    "TOLERANCE [PATH.ATTR=VALUE ...]`; # starts a\ncomment; paths are relative to the list. A reference that this "
+    "program "
+    "wrote proves only that nothing has changed.",
+    "  stroma regress scenes/regression/list\n  stroma regress scenes/regression/list --filter cantilever --update\n"};
+
+using Json = nlohmann::ordered_json;
+using Recording = std::map<std::string, std::vector<StateFrame>>;  ///< frames by file name of the state
+
+struct Result {
+  std::string name, failure;
+  double seconds = 0;
+  std::map<std::string, Comparison> states;
+};
+
+std::set<long> storedSteps(long steps) { return {0, steps / 4, steps / 2, 3 * steps / 4, steps}; }
+
+std::vector<Vec3> points(ConstRows rows) {
+  std::vector<Vec3> out;
+  for (Index i = 0; i < rows.count; ++i) out.emplace_back(rows[i]);
+  return out;
+}
+
+void store(const Simulation& simulation, Recording& recording) {
+  for (const State* state : simulation.states())
+    recording[stateFileName(state->path())].push_back(
+        {.time = simulation.time(), .x0 = {}, .x = points(state->x()), .v = points(state->v()), .f = {}});
+}
+
+/// Runs the scene without its observers: a regression run leaves no files behind.
+Recording runCase(const RegressionCase& test, Session& session) {
+  const auto simulation = session.load(test.scene, test.overrides);
+  simulation->dropObservers();
+  const std::set<long> stored = storedSteps(test.steps);
+  Recording recording;
+  store(*simulation, recording);
+  while (simulation->steps() < test.steps) {
+    const StepReport report = simulation->step();
+    if (report.diverged) throw std::runtime_error("diverged: " + report.reason);
+    if (stored.count(simulation->steps())) store(*simulation, recording);
+  }
+  if (recording.empty()) throw std::runtime_error("the scene has no state that moves: there is nothing to compare");
+  return recording;
+}
+
+void writeReference(const fs::path& folder, const Recording& recording) {
+  fs::remove_all(folder);
+  for (const auto& [file, frames] : recording) {
+    StateWriter writer((folder / file).string());
+    for (const StateFrame& frame : frames) {
+      writer.time(frame.time);
+      writer.rows("X", frame.x);
+      writer.rows("V", frame.v);
+    }
+    writer.close();
+  }
+}
+
+void compareWithReference(const RegressionCase& test, const fs::path& folder, const Recording& recording,
+                          Result& result) {
+  if (!fs::is_directory(folder))
+    throw std::runtime_error(fmt::format("there is no reference {} (--update writes it)", folder.string()));
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (!recording.count(entry.path().filename().string()))
+      throw std::runtime_error(fmt::format("the scene has no state for the reference {}", entry.path().string()));
+  for (const auto& [file, frames] : recording) {
+    const fs::path reference = folder / file;
+    if (!fs::exists(reference))
+      throw std::runtime_error(fmt::format("there is no reference {} (--update writes it)", reference.string()));
+    const Comparison& comparison = result.states[file] =
+        compare(readStateFile(reference.string()), frames, test.tolerance);
+    if (!comparison.passed && result.failure.empty()) result.failure = file + ": " + comparison.failure;
+  }
+}
+
+Result runAndJudge(const RegressionCase& test, const fs::path& folder, Session& session, bool update) {
+  const auto start = std::chrono::steady_clock::now();
+  Result result{.name = test.name, .failure = {}, .seconds = 0, .states = {}};
+  try {
+    const Recording recording = runCase(test, session);
+    if (update)
+      writeReference(folder, recording);
+    else
+      compareWithReference(test, folder, recording, result);
+  } catch (const SceneError& error) {
+    result.failure = "the scene does not load:\n" + error.diagnostics().text();
+  } catch (const std::exception& error) {
+    result.failure = error.what();
+  }
+  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return result;
+}
+
+double worstError(const Result& result) {
+  double worst = 0;
+  for (const auto& [file, state] : result.states)
+    worst =
+        std::max({worst, state.position_error, state.position_l2_error, state.velocity_error, state.velocity_l2_error});
+  return worst;
+}
+
+void print(const Result& result, bool update) {
+  if (!result.failure.empty())
+    fmt::print("FAILED  {}: {}\n", result.name, result.failure);
+  else if (update)
+    fmt::print("updated {} ({:.2f} s)\n", result.name, result.seconds);
+  else
+    fmt::print("passed  {} (largest difference {:.2g}, {:.2f} s)\n", result.name, worstError(result), result.seconds);
+  std::fflush(stdout);
+}
+
+Json toJson(const Result& result) {
+  Json states = Json::object();
+  for (const auto& [file, state] : result.states)
+    states[file] = {{"passed", state.passed},
+                    {"position_error", state.position_error},
+                    {"position_l2_error", state.position_l2_error},
+                    {"velocity_error", state.velocity_error},
+                    {"velocity_l2_error", state.velocity_l2_error}};
+  return {{"name", result.name},
+          {"passed", result.failure.empty()},
+          {"failure", result.failure},
+          {"seconds", result.seconds},
+          {"states", states}};
+}
+
+void writeJson(const std::vector<Result>& results, const std::string& file) {
+  Json json = Json::array();
+  for (const Result& result : results) json.push_back(toJson(result));
+  std::ofstream stream(file);
+  if (!(stream << json.dump(2, ' ', false, Json::error_handler_t::replace) << '\n').flush())
+    throw std::runtime_error(fmt::format("{}: cannot write", file));
+}
+
+}  // namespace
+
+int regress(const Arguments& arguments) {
+  OptionList options("options");
+  options.add_options()  //
+      ("update", "write the references instead of comparing")("filter", po::value<std::string>()->value_name("TEXT"),
+                                                              "only cases whose name contains TEXT")  //
+      ("json", po::value<std::string>()->value_name("FILE"), "write all figures as JSON");
+  addSceneOptions(options);
+  const auto values = parseOptions(manual, options, {"LIST"}, arguments);
+  if (!values) return exit_done;
+  const RegressionList list = readRegressionList(required(*values, "LIST", manual));
+  const std::string filter = values->count("filter") ? (*values)["filter"].as<std::string>() : "";
+  const bool update = values->count("update") > 0;
+
+  Session session(*values);
+  std::vector<Result> results;
+  for (const RegressionCase& test : list.cases) {
+    if (test.name.find(filter) == std::string::npos) continue;
+    results.push_back(runAndJudge(test, fs::path(list.reference_folder) / test.name, session, update));
+    print(results.back(), update);
+  }
+  if (results.empty()) throw UsageError(fmt::format("--filter {}: no case of the list has that in its name", filter));
+  const auto failed = std::ranges::count_if(results, [](const Result& result) { return !result.failure.empty(); });
+  fmt::print("{} passed, {} failed\n", std::ssize(results) - failed, failed);
+  if (values->count("json")) writeJson(results, (*values)["json"].as<std::string>());
+  return failed == 0 ? exit_done : exit_comparison_failed;
+}
+
+}  // namespace stroma::command

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tools/command/regression_list.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+#include "tools/command/command.h"
+
+namespace stroma::command {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string caseName(const std::string& scene, const std::vector<std::string>& overrides) {
+  std::string name = fs::path(scene).replace_extension().lexically_normal().string();
+  for (const std::string& text : overrides) name += "+" + text.substr(text.find_first_not_of('/'));
+  std::ranges::replace(name, '/', '.');
+  return name;
+}
+
+std::string trimmed(const std::string& text) {
+  const auto first = text.find_first_not_of(" \t\r");
+  return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
+}
+
+RegressionCase readCase(const std::string& line, const fs::path& folder) {
+  std::istringstream words(line);
+  RegressionCase result;
+  std::string scene;
+  if (!(words >> scene >> result.steps >> result.tolerance) || result.steps < 0 || !(result.tolerance >= 0) ||
+      std::isinf(result.tolerance))
+    throw UsageError("expected SCENE STEPS TOLERANCE [PATH.ATTR=VALUE ...]");
+  for (std::string word; words >> word;) {
+    if (word.find('=') == std::string::npos)
+      throw UsageError(fmt::format("'{}' is not PATH.ATTR=VALUE; positions and velocities are always compared", word));
+    result.overrides.push_back(word);
+  }
+  result.scene = (folder / scene).lexically_normal().string();
+  result.name = caseName(scene, result.overrides);
+  return result;
+}
+
+}  // namespace
+
+RegressionList readRegressionList(const std::string& file) {
+  std::ifstream stream(file);
+  if (!stream) throw UsageError(fmt::format("{}: cannot open", file));
+  const fs::path folder = fs::path(file).parent_path();
+  RegressionList list;
+  std::set<std::string> names;
+  std::string line;
+  for (int number = 1; std::getline(stream, line); ++number) {
+    line = trimmed(line.substr(0, line.find('#')));
+    if (line.empty()) continue;
+    if (list.reference_folder.empty()) {
+      list.reference_folder = (folder / line).lexically_normal().string();
+      continue;
+    }
+    try {
+      list.cases.push_back(readCase(line, folder));
+      if (!names.insert(list.cases.back().name).second)
+        throw UsageError("the same scene and overrides are listed twice");
+    } catch (const UsageError& error) {
+      throw UsageError(fmt::format("{}:{}: {}", file, number, error.what()));
+    }
+  }
+  if (list.cases.empty()) throw UsageError(fmt::format("{}: no scene is listed", file));
+  return list;
+}
+
+}  // namespace stroma::command
