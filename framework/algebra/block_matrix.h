@@ -30,10 +30,10 @@ class BlockMatrix {
 
   Index rows() const { return Index(row_start_.size()) - 1; }
   Index blocks() const { return row_start_.empty() ? 0 : row_start_.back(); }
-  const std::vector<Index>& rowStart() const { return row_start_; }   ///< shape (rows + 1)
-  const std::vector<Index>& columns() const { return columns_; }      ///< shape (blocks), ascending in a row
-  const std::vector<Index>& diagonal() const { return diagonal_; }    ///< shape (rows): slot of the diagonal block
-  std::vector<double>& values() { return values_; }                   ///< shape (blocks, 9)
+  const std::vector<Index>& rowStart() const { return row_start_; }  ///< shape (rows + 1)
+  const std::vector<Index>& columns() const { return columns_; }     ///< shape (blocks), ascending in a row
+  const std::vector<Index>& diagonal() const { return diagonal_; }   ///< shape (rows): slot of the diagonal block
+  std::vector<double>& values() { return values_; }                  ///< shape (blocks, 9)
   const std::vector<double>& values() const { return values_; }
 
   /// The slot of block (row, column); -1 when it is not in the pattern. Logarithmic in the row's length.
@@ -46,8 +46,24 @@ class BlockMatrix {
   }
   void add(Index row, Index column, const Mat3& block) { add(slot(row, column), block); }
 
-  /// y = A x, or y += A x. Inline for the reason given in vector.h. 18 flops and 76 bytes a block.
-  void multiply(ConstRows x, Rows y, bool accumulate = false) const {
+  /// y = A x. Inline for the reason given in vector.h. 18 flops and 76 bytes a block.
+  void multiply(ConstRows x, Rows y) const {
+    forEachRow(x, [&](Index row, double a, double b, double c) {
+      double* q = y.data + std::size_t(row) * row_doubles;
+      q[0] = a, q[1] = b, q[2] = c, q[3] = 0;
+    });
+  }
+  /// y += factor A x
+  void multiplyAdd(double factor, ConstRows x, Rows y) const {
+    forEachRow(x, [&](Index row, double a, double b, double c) {
+      double* q = y.data + std::size_t(row) * row_doubles;
+      q[0] += factor * a, q[1] += factor * b, q[2] += factor * c;
+    });
+  }
+
+ private:
+  template <class Store>
+  void forEachRow(ConstRows x, Store&& store) const {
     const double* __restrict v = values_.data();
     const Index* __restrict columns = columns_.data();
     for (Index i = 0; i < rows(); ++i) {
@@ -59,16 +75,10 @@ class BlockMatrix {
         b += m[3] * p[0] + m[4] * p[1] + m[5] * p[2];
         c += m[6] * p[0] + m[7] * p[1] + m[8] * p[2];
       }
-      double* q = y.data + std::size_t(i) * row_doubles;
-      if (accumulate) {
-        q[0] += a, q[1] += b, q[2] += c;
-      } else {
-        q[0] = a, q[1] = b, q[2] = c, q[3] = 0;
-      }
+      store(i, a, b, c);
     }
   }
 
- private:
   std::vector<Index> row_start_{0}, columns_, diagonal_;
   std::vector<double> values_;
 };

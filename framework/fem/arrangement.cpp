@@ -31,7 +31,8 @@ std::vector<Index> mortonOrder(const Index* nodes, int per_element, Index count,
   std::vector<std::uint64_t> code(static_cast<std::size_t>(count));
   for (Index e = 0; e < count; ++e) {
     const Vec3 p = (centre[std::size_t(e)] - low) / extent * double((1 << 21) - 1);
-    code[std::size_t(e)] = spread(std::uint64_t(p.x())) | spread(std::uint64_t(p.y())) << 1 | spread(std::uint64_t(p.z())) << 2;
+    code[std::size_t(e)] =
+        spread(std::uint64_t(p.x())) | spread(std::uint64_t(p.y())) << 1 | spread(std::uint64_t(p.z())) << 2;
   }
   std::vector<Index> order(static_cast<std::size_t>(count));
   std::iota(order.begin(), order.end(), 0);

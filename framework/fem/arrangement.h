@@ -10,9 +10,9 @@
 namespace stroma {
 
 struct Arrangement {
-  std::vector<Index> element;      ///< shape (batches * lanes): element of each lane, -1 for padding
-  std::vector<Index> block_start;  ///< shape (blocks + 1): first batch of each block
-  std::vector<Index> colour_start; ///< shape (colours + 1): first block of each colour
+  std::vector<Index> element;       ///< shape (batches * lanes): element of each lane, -1 for padding
+  std::vector<Index> block_start;   ///< shape (blocks + 1): first batch of each block
+  std::vector<Index> colour_start;  ///< shape (colours + 1): first block of each colour
   Index batches = 0;
   Index elements = 0;
 };

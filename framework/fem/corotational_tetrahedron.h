@@ -2,15 +2,15 @@
 // The mathematics of a corotational linear tetrahedron, free of meshes and nodes. Source: Nesme et al. 2005, sections 2
 // and 3 and appendix A, in the form below.
 //
-// Vertices a, b, c, d; edges e_i = x_i - x_a, i = 1..3. The rest shape is stored in its own frame (first edge on x, second in
-// the xy plane), so the rest edges are the columns of an upper triangular D_m, and F = [e_1 e_2 e_3] D_m^-1.
+// Vertices a, b, c, d; edges e_i = x_i - x_a, i = 1..3. The rest shape is stored in its own frame (first edge on x,
+// second in the xy plane), so the rest edges are the columns of an upper triangular D_m, and F = [e_1 e_2 e_3] D_m^-1.
 // R = rotation of F; g_i the gradient of the shape function of vertex i (g_a = -sum), in world axes.
 //   B not updated:      g_i = R G_i,  G_i row i of D_m^-1            H = F R^T - I
 //   B updated:          g_i = n_i / 6V_0,  n_1 = e_2 x e_3, ...      H = sum (e_i - R X_i) (x) g_i
 //   B and V updated:    g_i = n_i / 6V scaled by (V/V_0)^1/2, which turns the weight V_0 below into V
 // strain eps = sym H (all in world axes: for an isotropic law R B^T D B R^T = B(Rg)^T D B(Rg)), stress
-// sigma = lambda tr(eps) I + 2 mu eps, force f_i = -V_0 sigma g_i, f_a = -sum. The tangent with R and g held ("warped") is the
-// same map from dx: one function serves both.
+// sigma = lambda tr(eps) I + 2 mu eps, force f_i = -V_0 sigma g_i, f_a = -sum. The tangent with R and g held ("warped")
+// is the same map from dx: one function serves both.
 #pragma once
 #include "framework/fem/rotation.h"
 
@@ -93,7 +93,8 @@ constexpr double smallest_volume_ratio = 1e-3;
 template <class T>
 T volumeScale(T six_volume, T inverse_six_volume) {
   T ratio = six_volume * inverse_six_volume;
-  ratio = select(abs(ratio) < T(smallest_volume_ratio), select(ratio < T(0.), T(-smallest_volume_ratio), T(smallest_volume_ratio)), ratio);
+  ratio = select(abs(ratio) < T(smallest_volume_ratio),
+                 select(ratio < T(0.), T(-smallest_volume_ratio), T(smallest_volume_ratio)), ratio);
   return inverse_six_volume * select(ratio < T(0.), T(-1.), T(1.)) / sqrt(abs(ratio));
 }
 

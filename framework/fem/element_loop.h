@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The one element loop: gather nodes to packs, call the element's mathematics, scatter; energies; assembly. A force field
-// supplies pure functions of packs and never sees a node number, a thread or a matrix slot.
+// The one element loop: gather nodes to packs, call the element's mathematics, scatter; energies; assembly. A force
+// field supplies pure functions of packs and never sees a node number, a thread or a matrix slot.
 #pragma once
 #include <array>
 
@@ -22,7 +22,8 @@ class ElementLoop {
 
   /// `cells` index `position` (shape (nodes)); `first_row` is added to give rows of the system.
   void build(const std::vector<std::array<Index, N>>& cells, const std::vector<Vec3>& position, Index first_row) {
-    arrangement_ = arrangeElements(cells.empty() ? nullptr : cells[0].data(), N, Index(cells.size()), position, pack_lanes);
+    arrangement_ =
+        arrangeElements(cells.empty() ? nullptr : cells[0].data(), N, Index(cells.size()), position, pack_lanes);
     partial_.assign(arrangement_.block_start.size() - 1, 0.);
     nodes_.resize(std::size_t(arrangement_.batches) * N * pack_lanes);
     for (Index b = 0; b < arrangement_.batches; ++b)
@@ -51,12 +52,18 @@ class ElementLoop {
     });
   }
 
+  /// The nodes of one batch.
+  void gather(Index batch, ConstRows x, Nodes& out) const {
+    for (int a = 0; a < N; ++a) out[a] = gatherRows(x.data, node(batch, a));
+  }
+
   /// Sum over elements of kernel(batch, nodes of x), a pack; blocks are summed in their order.
   template <class Kernel>
   double sum(ConstRows x, Kernel&& kernel) const {
     forEachBlock([&](Index block) {
       Pack total(0.);
-      for (Index b = arrangement_.block_start[std::size_t(block)]; b < arrangement_.block_start[std::size_t(block) + 1]; ++b) {
+      for (Index b = arrangement_.block_start[std::size_t(block)]; b < arrangement_.block_start[std::size_t(block) + 1];
+           ++b) {
         Nodes in;
         for (int a = 0; a < N; ++a) in[a] = gatherRows(x.data, node(b, a));
         total += kernel(b, in);
@@ -100,7 +107,9 @@ class ElementLoop {
       for (int l = 0; l < pack_lanes; ++l) {
         if (elementOf(b, l) < 0) break;
         for (int ij = 0; ij < N * N; ++ij) {
-          double* block = values.data() + std::size_t(slots[(std::size_t(b) * N * N + std::size_t(ij)) * pack_lanes + std::size_t(l)]) * 9;
+          double* block =
+              values.data() +
+              std::size_t(slots[(std::size_t(b) * N * N + std::size_t(ij)) * pack_lanes + std::size_t(l)]) * 9;
           for (int k = 0; k < 9; ++k) block[k] += element[ij * 9 + k][l];
         }
       }
@@ -137,7 +146,9 @@ class ElementLoop {
   }
 
  private:
-  const Index* node(Index batch, int a) const { return nodes_.data() + (std::size_t(batch) * N + std::size_t(a)) * pack_lanes; }
+  const Index* node(Index batch, int a) const {
+    return nodes_.data() + (std::size_t(batch) * N + std::size_t(a)) * pack_lanes;
+  }
 
   template <class Body>
   void forEachBlock(Body&& body) const {
@@ -178,7 +189,7 @@ class ElementLoop {
 
   Arrangement arrangement_;
   mutable std::vector<double> partial_;  ///< scratch of sum(), shape (blocks)
-  std::vector<Index> nodes_;  ///< shape (batches, N, lanes)
+  std::vector<Index> nodes_;             ///< shape (batches, N, lanes)
 };
 
 }  // namespace stroma

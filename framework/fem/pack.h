@@ -35,7 +35,7 @@ inline Pack maximum(Pack a, Pack b) { return xsimd::max(a, b); }
 
 template <class T>
 struct V3 {
-  T x{0.}, y{0.}, z{0.};
+  T x = T(0.), y = T(0.), z = T(0.);
   V3 operator+(const V3& b) const { return {x + b.x, y + b.y, z + b.z}; }
   V3 operator-(const V3& b) const { return {x - b.x, y - b.y, z - b.z}; }
   V3 operator*(T s) const { return {x * s, y * s, z * s}; }
@@ -103,7 +103,7 @@ M3<T> select(Condition condition, const M3<T>& a, const M3<T>& b) {
 /// Symmetric 3x3 matrix.
 template <class T>
 struct S3 {
-  T xx{0.}, yy{0.}, zz{0.}, xy{0.}, yz{0.}, zx{0.};
+  T xx = T(0.), yy = T(0.), zz = T(0.), xy = T(0.), yz = T(0.), zx = T(0.);
   V3<T> operator*(const V3<T>& v) const {
     return {fma(xx, v.x, fma(xy, v.y, zx * v.z)), fma(xy, v.x, fma(yy, v.y, yz * v.z)),
             fma(zx, v.x, fma(yz, v.y, zz * v.z))};
@@ -117,9 +117,7 @@ struct S3 {
 /// Rows node[0..7] as packs x, y, z: eight 32-byte loads and 4x4 transposes in both halves of the registers.
 inline V3<Pack> gatherRows(const double* data, const Index* node) {
   const auto row = [&](int l) { return _mm256_load_pd(data + std::size_t(node[l]) * row_doubles); };
-  const auto pair = [&](int l) {
-    return _mm512_insertf64x4(_mm512_castpd256_pd512(row(l)), row(l + 4), 1);
-  };
+  const auto pair = [&](int l) { return _mm512_insertf64x4(_mm512_castpd256_pd512(row(l)), row(l + 4), 1); };
   const __m512d r0 = pair(0), r1 = pair(1), r2 = pair(2), r3 = pair(3);  // x y z 0 of lanes l and l + 4
   const __m512d xz01_lo = _mm512_unpacklo_pd(r0, r1), xz23_lo = _mm512_unpacklo_pd(r2, r3);  // x0 x1 z0 z1 | ...
   const __m512d y01 = _mm512_unpackhi_pd(r0, r1), y23 = _mm512_unpackhi_pd(r2, r3);          // y0 y1 0 0 | ...
@@ -132,8 +130,8 @@ inline V3<Pack> gatherRows(const double* data, const Index* node) {
 /// rows node[0..7] += v, lane by lane, in the order of the lanes: lanes may share a row.
 inline void addToRows(const V3<Pack>& v, const Index* node, double* data) {
   const __m512d x = v.x, y = v.y, z = v.z, zero = _mm512_setzero_pd();
-  const __m512d xy_even = _mm512_unpacklo_pd(x, y), xy_odd = _mm512_unpackhi_pd(x, y);       // x0 y0 x2 y2 | ...
-  const __m512d z_even = _mm512_unpacklo_pd(z, zero), z_odd = _mm512_unpackhi_pd(z, zero);   // z0 0 z2 0 | ...
+  const __m512d xy_even = _mm512_unpacklo_pd(x, y), xy_odd = _mm512_unpackhi_pd(x, y);      // x0 y0 x2 y2 | ...
+  const __m512d z_even = _mm512_unpacklo_pd(z, zero), z_odd = _mm512_unpackhi_pd(z, zero);  // z0 0 z2 0 | ...
   const __m512i low = _mm512_setr_epi64(0, 1, 8, 9, 4, 5, 12, 13);
   const __m512i high = _mm512_setr_epi64(2, 3, 10, 11, 6, 7, 14, 15);
   const __m512d r04 = _mm512_permutex2var_pd(xy_even, low, z_even), r15 = _mm512_permutex2var_pd(xy_odd, low, z_odd);

@@ -42,8 +42,8 @@ M3<T> gramSchmidt(const M3<T>& f) {
 }
 
 /// The nearest orthogonal matrix to F (a reflection when det F < 0): scaled Newton iteration
-/// Q <- (gamma Q + (gamma Q)^-T) / 2, quadratically convergent for every regular F. A flat F (rank 2) gives its rotation
-/// in the limit; lanes crushed to a line or a point get the Gram-Schmidt frame.
+/// Q <- (gamma Q + (gamma Q)^-T) / 2, quadratically convergent for every regular F. A flat F (rank 2) gives its
+/// rotation in the limit; lanes crushed to a line or a point get the Gram-Schmidt frame.
 template <class T>
 M3<T> orthogonalFactor(const M3<T>& f) {
   M3<T> q = f;
@@ -141,24 +141,11 @@ M3<T> timesCross(const M3<T>& r, const V3<T>& w) {
   return {r.c1 * w.z - r.c2 * w.y, r.c2 * w.x - r.c0 * w.z, r.c0 * w.y - r.c1 * w.x};
 }
 
-/// method = small: no rotation.
-struct None {
-  static constexpr bool rotates = false, has_energy = true;
-  template <class T>
-  static M3<T> of(const M3<T>&) {
-    return identity<T>();
-  }
-  template <class T>
-  static M3<T> differential(const M3<T>&, const M3<T>&, const M3<T>&) {
-    return M3<T>{};
-  }
-};
-
 /// method = large: the frame of the first edge and of the plane of the first two (QR). F's columns are combinations of
-/// the edges a-b; a-b, a-c; ... with positive factors on the diagonal, so the frame of the columns is that of the edges.
-/// An inversion is always seen as one of the fourth vertex: the frame stays right-handed at no cost.
+/// the edges a-b; a-b, a-c; ... with positive factors on the diagonal, so the frame of the columns is that of the
+/// edges. An inversion is always seen as one of the fourth vertex: the frame stays right-handed at no cost.
 struct Qr {
-  static constexpr bool rotates = true, has_energy = false;
+  static constexpr bool has_energy = false;
   template <class T>
   static M3<T> of(const M3<T>& f) {
     return gramSchmidt(f);
@@ -175,10 +162,10 @@ struct Qr {
   }
 };
 
-/// method = polar: the nearest orthogonal matrix; where it is a reflection (det F < 0) the axis of the rest frame that is
-/// stretched least is flipped, so that the element does not settle in its mirror image.
+/// method = polar: the nearest orthogonal matrix; where it is a reflection (det F < 0) the axis of the rest frame that
+/// is stretched least is flipped, so that the element does not settle in its mirror image.
 struct Polar {
-  static constexpr bool rotates = true, has_energy = true;
+  static constexpr bool has_energy = true;  ///< the elastic force is the gradient of the stored energy
   template <class T>
   static M3<T> of(const M3<T>& f) {
     const M3<T> q = orthogonalFactor(f);
@@ -213,7 +200,7 @@ struct Polar {
 /// smallest inversion (Irving et al. 2004). Equal to the nearest rotation for every F; only the lanes that are inverted
 /// need the direction of the smallest singular value.
 struct Svd {
-  static constexpr bool rotates = true, has_energy = true;
+  static constexpr bool has_energy = true;  ///< the elastic force is the gradient of the stored energy
   template <class T>
   static M3<T> of(const M3<T>& f) {
     const M3<T> q = orthogonalFactor(f);
