@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include "framework/mechanics/mass.h"
+#include "framework/mesh/topology.h"
+
+namespace stroma {
+
+/// integral of N_i N_j over a cell, row-major count x count, [m^d] with d the cell's dimension.
+using CellMatrix = std::array<double, 64>;
+
+/// A cell that carries mass: `count` node indices at `nodes` (2 edge, 3 triangle, 4 tetrahedron or quad, 8 hexahedron).
+struct MassCell {
+  enum class Shape { edge, triangle, quad, tetrahedron, hexahedron };
+  Shape shape = Shape::tetrahedron;
+  const Index* nodes = nullptr;
+  int count = 0;
+};
+
+/// Fills the first count * count numbers. Simplices: V (1 + delta_ij) / ((d + 1)(d + 2)), with the sign of V for a
+/// tetrahedron; quads and hexahedra: two Gauss points an axis.
+void cellMassMatrix(const MassCell& cell, const std::vector<Vec3>& position, CellMatrix& out);
+
+/// What masses given by a mesh share: where the cells and positions are, and how density, total mass and nodal masses
+/// go together.
+class MeshMass : public Mass {
+ public:
+  void declare(DataTable& table) override;
+  void init() override;
+
+ protected:
+  /// True when the nodal masses were given: then nodalMasses() is all there is, and no cell carries mass.
+  bool isNodal() const { return source_ == Source::nodes; }
+  const std::vector<double>& nodalMasses() const { return vertex_mass_; }  ///< [kg], shape (nodes)
+  /// Cells of the highest dimension in the mesh: volumes, else faces, else edges.
+  const std::vector<MassCell>& cells() const { return cells_; }
+  /// Mass of a cell over its size, [kg/m^d], the mesh's overlap taken into account.
+  double density(std::size_t cell) const { return densities_.size() == 1 ? densities_[0] : densities_[cell]; }
+  const std::vector<Vec3>& geometry() const { return *geometry_; }  ///< positions that give the sizes, shape (nodes)
+  /// Throws for a node with a mass that is not positive; warns of nodes that no cell uses. `masses` are the row sums.
+  void checkMasses(const std::vector<double>& masses) const;
+  /// Frees what only init() needs.
+  void finish();
+
+  bool compute_on_rest_ = true;
+
+ private:
+  enum class Source { total, density, nodes };
+  Source chooseSource();
+  void findMesh();
+  void collectCells(const Mesh& mesh);
+  void findDensities(double overlap);
+  std::string cellName(std::size_t cell) const;
+
+  std::vector<double> mass_density_{1}, vertex_mass_;
+  double total_mass_ = 1;
+  Link<Topology> topology_{"topology"};
+  Link<State> geometry_state_{"mechanical state"};
+
+  Source source_ = Source::total;
+  const Topology* mesh_owner_ = nullptr;
+  const std::vector<Vec3>* geometry_ = nullptr;
+  std::vector<MassCell> cells_;
+  std::vector<double> densities_;
+};
+
+}  // namespace stroma

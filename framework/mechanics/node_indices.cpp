@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "framework/mechanics/node_indices.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace stroma {
+
+void checkNode(int index, std::size_t position, const State& state, const std::string& attribute) {
+  if (index >= 0 && index < state.size()) return;
+  throw ComponentError(
+      fmt::format("{}[{}] is {}, and {} has {} nodes", attribute, position, index, state.path(), state.size()),
+      fmt::format("indices in 0 ... {}", state.size() - 1));
+}
+
+std::vector<Index> checkedNodes(const std::vector<int>& indices, const State& state, const std::string& attribute) {
+  if (indices.empty())
+    throw ComponentError(fmt::format("{} lists no node of {}", attribute, state.path()), "at least one node",
+                         "when a selection is linked here, check that its box or sphere holds nodes");
+  for (std::size_t i = 0; i < indices.size(); ++i) checkNode(indices[i], i, state, attribute);
+  std::vector<Index> nodes(indices.begin(), indices.end());
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  return nodes;
+}
+
+}  // namespace stroma
