@@ -1,0 +1,386 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SparseLDLSolver: a direct solver, A x = b by a factorisation of the assembled matrix.
+//
+// A symmetric positive definite matrix is factored as P A P^T = L L^T by CHOLMOD's supernodal method (Chen, Davis,
+// Hager, Rajamanickam 2008) on 3x3 blocks. The pattern is ordered and analysed once (nested dissection by METIS and
+// minimum degree by AMD; the one with fewer flops is kept); the numbers are factored again only when the matrix may
+// have changed, so a scene of constant stiffness, mass and time step is factored once. The residual of each solve is
+// measured, and one step of iterative refinement made when it is above 1e-10 |b|.
+//
+// SOFA's solver of this name computes L D L^T without pivoting and gives some x for an indefinite matrix too. Here a
+// matrix that is not positive definite is reported with the node at which it shows, and the integrator decides what to
+// do. When some force field has an unsymmetric stiffness, the matrix is factored as L U (Eigen, COLAMD ordering)
+// without being asked.
+//
+// Example:
+// <Node name="root" dt="0.01" gravity="0 -9.81 0">
+//   <EulerImplicitSolver/>
+//   <SparseLDLSolver/>
+//   <MechanicalObject position="0 0 0  1 0 0  0 1 0  0 0 1"/>
+//   <UniformMass totalMass="1"/>
+//   <FixedProjectiveConstraint indices="0 1 2"/>
+// </Node>
+#include <cholmod.h>
+#include <omp.h>
+
+#include <Eigen/SparseLU>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <stdexcept>
+
+#include "framework/algebra/linear_solver.h"
+#include "framework/algebra/parallel.h"
+#include "framework/scene/factory.h"
+
+// of OpenBLAS; absent from other libraries
+extern "C" __attribute__((weak)) void openblas_set_num_threads(int);
+
+namespace stroma {
+namespace {
+
+// ---- L L^T ----
+// Three things make a factorisation several times as fast as a plain call:
+// - the nodes are ordered, not the unknowns (a ninth of the pattern), and the matrix is handed over already permuted,
+// so
+//   that CHOLMOD neither permutes nor copies it again at each factorisation;
+// - CHOLMOD 5 opens OpenMP regions of four threads in loops that are too short for them (28 ms against 7 for 3,993
+//   unknowns), so its regions are switched off around the call;
+// - the BLAS gets the number of threads that suits the sizes met here.
+
+/// Keeps CHOLMOD's short loops on one thread.
+class NoRegions {
+ public:
+  NoRegions() : before_(omp_get_max_active_levels()) { omp_set_max_active_levels(0); }
+  ~NoRegions() { omp_set_max_active_levels(before_); }
+
+ private:
+  int before_;
+};
+
+/// A supernodal factor of a symmetric block matrix, kept over many matrices of one pattern.
+class CholeskyFactor {
+ public:
+  CholeskyFactor();
+  ~CholeskyFactor() {
+    release();
+    cholmod_finish(&common_);
+  }
+  /// Orders the pattern and lays out the factor.
+  void analyse(const BlockMatrix& matrix);
+  /// Factors values in the analysed pattern, of which the upper triangle is read. Returns -1, or the block row at which
+  /// a pivot was not positive.
+  Index factor(const BlockMatrix& matrix);
+  /// x = A^-1 b; both of shape (rows).
+  void solve(ConstRows b, Rows x);
+  const std::string& ordering() const { return ordering_; }
+
+ private:
+  void release();
+  void check(bool good, const char* what) const;
+  cholmod_sparse* nodeGraph(const BlockMatrix& matrix);
+  std::vector<int> orderUnknowns(const BlockMatrix& matrix);
+  void buildLower(const BlockMatrix& matrix, const std::vector<int>& order);
+  std::size_t place(std::size_t k) const { return std::size_t(unknown_[k] / 3 * row_doubles + unknown_[k] % 3); }
+
+  cholmod_common common_;
+  cholmod_sparse* lower_ = nullptr;  ///< permuted lower triangle
+  cholmod_factor* factor_ = nullptr;
+  cholmod_dense *right_ = nullptr, *solution_ = nullptr, *work_y_ = nullptr, *work_e_ = nullptr;
+  std::vector<int> source_;   ///< shape (entries of lower_): where each value lies in the block matrix
+  std::vector<int> unknown_;  ///< shape (3 rows): the unknown at each place of the permuted order
+  std::string ordering_;
+};
+
+CholeskyFactor::CholeskyFactor() {
+  cholmod_start(&common_);
+  common_.supernodal = CHOLMOD_SUPERNODAL;
+  common_.nmethods = 1;
+  common_.print = 0;
+  common_.quick_return_if_not_posdef = 1;
+}
+
+void CholeskyFactor::release() {
+  cholmod_free_sparse(&lower_, &common_);
+  cholmod_free_factor(&factor_, &common_);
+  for (cholmod_dense** dense : {&right_, &solution_, &work_y_, &work_e_}) cholmod_free_dense(dense, &common_);
+}
+
+void CholeskyFactor::check(bool good, const char* what) const {
+  if (good && common_.status >= 0) return;
+  const char* cause = common_.status == CHOLMOD_OUT_OF_MEMORY ? ": out of memory"
+                      : common_.status == CHOLMOD_TOO_LARGE ? ": the factor has more entries than a 32-bit index counts"
+                                                            : "";
+  throw std::runtime_error(std::string("SparseLDLSolver could not ") + what + cause);
+}
+
+/// The permuted lower triangle: its column k holds unknown order[k], and the source of each value is noted.
+void CholeskyFactor::buildLower(const BlockMatrix& matrix, const std::vector<int>& order) {
+  const int count = 3 * matrix.rows();
+  std::vector<int> place_of(order.size()), start(order.size() + 1, 0), rows;
+  for (int k = 0; k < count; ++k) place_of[std::size_t(order[std::size_t(k)])] = k;
+  std::vector<std::pair<int, int>> column;  // row, source
+  source_.clear();
+  for (int k = 0; k < count; ++k) {
+    const int block_row = order[std::size_t(k)] / 3, component = order[std::size_t(k)] % 3;
+    column.clear();
+    for (Index s = matrix.rowStart()[std::size_t(block_row)]; s < matrix.rowStart()[std::size_t(block_row) + 1]; ++s)
+      for (int c = 0; c < 3; ++c) {
+        const int row = place_of[std::size_t(3 * matrix.columns()[std::size_t(s)] + c)];
+        if (row < k) continue;
+        // an entry is read from the upper triangle, whichever side of the permuted diagonal it lies on
+        const int i = 3 * block_row + component, j = 3 * matrix.columns()[std::size_t(s)] + c;
+        const Index slot = i <= j ? s : matrix.slot(j / 3, i / 3);
+        column.emplace_back(row, i <= j ? 9 * slot + 3 * component + c : 9 * slot + 3 * c + component);
+      }
+    std::sort(column.begin(), column.end());
+    for (const auto& [row, from] : column) rows.push_back(row), source_.push_back(from);
+    start[std::size_t(k) + 1] = int(rows.size());
+  }
+  cholmod_free_sparse(&lower_, &common_);
+  lower_ = cholmod_allocate_sparse(order.size(), order.size(), rows.size(), 1, 1, -1, CHOLMOD_REAL, &common_);
+  check(lower_, "allocate the matrix");
+  std::copy(start.begin(), start.end(), static_cast<int*>(lower_->p));
+  std::copy(rows.begin(), rows.end(), static_cast<int*>(lower_->i));
+}
+
+cholmod_sparse* CholeskyFactor::nodeGraph(const BlockMatrix& matrix) {
+  const std::size_t nodes = std::size_t(matrix.rows());
+  cholmod_sparse* graph =
+      cholmod_allocate_sparse(nodes, nodes, std::size_t(matrix.blocks()), 1, 1, -1, CHOLMOD_PATTERN, &common_);
+  check(graph, "allocate the graph");
+  int entries = 0;
+  int* start = static_cast<int*>(graph->p);
+  for (std::size_t i = 0; i < nodes; ++i) {
+    start[i] = entries;
+    for (Index s = matrix.diagonal()[i]; s < matrix.rowStart()[i + 1]; ++s)
+      static_cast<int*>(graph->i)[entries++] = matrix.columns()[std::size_t(s)];
+  }
+  start[nodes] = entries;
+  return graph;
+}
+
+/// The order of the unknowns that costs the fewest flops, postordered.
+std::vector<int> CholeskyFactor::orderUnknowns(const BlockMatrix& matrix) {
+  std::vector<int> order(std::size_t(matrix.rows()) * 3), node_order(std::size_t(matrix.rows())), best;
+  std::iota(order.begin(), order.end(), 0);
+  buildLower(matrix, order);
+  cholmod_sparse* graph = nodeGraph(matrix);
+  common_.method[0].ordering = CHOLMOD_GIVEN;
+  common_.postorder = 1;
+  double flops = 0;
+  for (const char* method : {"METIS", "AMD"}) {
+    const bool good = *method == 'M' ? cholmod_metis(graph, nullptr, 0, 1, node_order.data(), &common_)
+                                     : cholmod_amd(graph, nullptr, 0, node_order.data(), &common_);
+    if (!good) continue;
+    for (std::size_t k = 0; k < order.size(); ++k) order[k] = 3 * node_order[k / 3] + int(k % 3);
+    cholmod_factor* trial = cholmod_analyze_p(lower_, order.data(), nullptr, 0, &common_);
+    if (trial && (best.empty() || common_.fl < flops)) {
+      const int* permutation = static_cast<int*>(trial->Perm);
+      best.assign(permutation, permutation + order.size());
+      flops = common_.fl;
+      ordering_ = method;
+    }
+    cholmod_free_factor(&trial, &common_);
+  }
+  cholmod_free_sparse(&graph, &common_);
+  check(!best.empty(), "order the matrix");
+  return best;
+}
+
+void CholeskyFactor::analyse(const BlockMatrix& matrix) {
+  const NoRegions no_regions;
+  release();
+  unknown_ = orderUnknowns(matrix);
+  buildLower(matrix, unknown_);
+  common_.method[0].ordering = CHOLMOD_NATURAL;
+  common_.postorder = 0;
+  factor_ = cholmod_analyze(lower_, &common_);
+  check(factor_, "analyse the matrix");
+  right_ = cholmod_allocate_dense(unknown_.size(), 1, unknown_.size(), CHOLMOD_REAL, &common_);
+  check(right_, "allocate a vector");
+}
+
+Index CholeskyFactor::factor(const BlockMatrix& matrix) {
+  const NoRegions no_regions;
+  if (openblas_set_num_threads) openblas_set_num_threads(threads());
+  const double* __restrict values = matrix.values().data();
+  double* __restrict out = static_cast<double*>(lower_->x);
+  for (std::size_t i = 0; i < source_.size(); ++i) out[i] = values[source_[i]];
+  cholmod_factorize(lower_, factor_, &common_);
+  check(true, "factor the matrix");
+  return factor_->minor < factor_->n ? unknown_[factor_->minor] / 3 : -1;
+}
+
+void CholeskyFactor::solve(ConstRows b, Rows x) {
+  const NoRegions no_regions;
+  double* right = static_cast<double*>(right_->x);
+  for (std::size_t k = 0; k < unknown_.size(); ++k) right[k] = b.data[place(k)];
+  check(cholmod_solve2(CHOLMOD_A, factor_, right_, nullptr, &solution_, nullptr, &work_y_, &work_e_, &common_),
+        "solve");
+  const double* solution = static_cast<const double*>(solution_->x);
+  for (std::size_t k = 0; k < unknown_.size(); ++k) x.data[place(k)] = solution[k];
+}
+
+// ---- L U ----
+
+/// L U of a matrix that is not symmetric.
+class LUFactor {
+ public:
+  void analyse(const BlockMatrix& matrix) {
+    const Index count = 3 * matrix.rows();
+    std::vector<Eigen::Triplet<double, int>> entries;
+    entries.reserve(matrix.values().size());
+    for (Index i = 0; i < matrix.rows(); ++i)
+      for (Index s = matrix.rowStart()[std::size_t(i)]; s < matrix.rowStart()[std::size_t(i) + 1]; ++s)
+        for (int k = 0; k < 9; ++k)
+          entries.emplace_back(3 * i + k / 3, 3 * matrix.columns()[std::size_t(s)] + k % 3, double(9 * s + k));
+    matrix_.resize(count, count);
+    matrix_.setFromTriplets(entries.begin(), entries.end());
+    // the values above are positions: where each entry of the compressed columns comes from
+    source_.assign(matrix_.valuePtr(), matrix_.valuePtr() + matrix_.nonZeros());
+    lu_.analyzePattern(matrix_);
+    right_.resize(count);
+    solution_.resize(count);
+  }
+  bool factor(const BlockMatrix& matrix) {
+    for (std::size_t i = 0; i < source_.size(); ++i) matrix_.valuePtr()[i] = matrix.values()[std::size_t(source_[i])];
+    lu_.factorize(matrix_);
+    return lu_.info() == Eigen::Success;
+  }
+  void solve(ConstRows b, Rows x) {
+    for (Index i = 0; i < b.count; ++i) right_.segment<3>(3 * i) = b[i];
+    solution_ = lu_.solve(right_);
+    for (Index i = 0; i < x.count; ++i) x[i] = solution_.segment<3>(3 * i);
+  }
+
+ private:
+  Eigen::SparseMatrix<double, Eigen::ColMajor, int> matrix_;
+  std::vector<double> source_;
+  Eigen::SparseLU<Eigen::SparseMatrix<double, Eigen::ColMajor, int>> lu_;
+  Eigen::VectorXd right_, solution_;
+};
+
+// ---- the component ----
+
+class SparseLDLSolver final : public LinearSolver {
+ public:
+  void declare(DataTable& table) override;
+  SolveReport solve(SystemMatrix& matrix, ConstRows b, Rows x) override;
+  bool needsSymmetric() const override { return false; }
+
+ private:
+  bool analyse(const BlockMatrix& a, bool symmetric);
+  bool refactor(SystemMatrix& matrix, const BlockMatrix& a, SolveReport& report);
+  void applyFactor(ConstRows b, Rows x) { symmetric_ ? cholesky_.solve(b, x) : lu_.solve(b, x); }
+  double residual(const BlockMatrix& a, ConstRows b, ConstRows x);
+
+  std::string template_ = "CompressedRowSparseMatrixMat3x3";
+  bool precompute_ = true, parallel_inverse_ = false;
+  int factorisations_ = 0;
+  std::string ordering_;
+
+  CholeskyFactor cholesky_;
+  LUFactor lu_;
+  bool symmetric_ = true, factored_ = false;
+  std::vector<Index> row_start_, columns_;  ///< the pattern that was analysed
+  long revision_ = 0;
+  Vector residual_, correction_;
+};
+
+void SparseLDLSolver::declare(DataTable& table) {
+  table.add("template", template_)
+      .help("the form of matrix: any CompressedRowSparseMatrix; the solver works on 3x3 blocks");
+  table.add("precomputeSymbolicDecomposition", precompute_)
+      .help("SOFA's; without effect: the analysis is always made once for each pattern");
+  table.add("parallelInverseProduct", parallel_inverse_).help("SOFA's; without effect");
+  table.add("factorisations", factorisations_).help("how often numbers were factored so far").unit("-").output();
+  table.add("ordering", ordering_).help("METIS, AMD, or COLAMD for an unsymmetric matrix").output();
+}
+
+/// Analyses a new pattern; true when there was one.
+bool SparseLDLSolver::analyse(const BlockMatrix& a, bool symmetric) {
+  if (symmetric == symmetric_ && a.rowStart() == row_start_ && a.columns() == columns_) return false;
+  symmetric_ = symmetric;
+  row_start_ = a.rowStart();
+  columns_ = a.columns();
+  if (symmetric) {
+    cholesky_.analyse(a);
+    ordering_ = cholesky_.ordering();
+  } else {
+    lu_.analyse(a);
+    ordering_ = "COLAMD";
+  }
+  residual_.resize(a.rows());
+  correction_.resize(a.rows());
+  return true;
+}
+
+/// False when the matrix cannot be factored; the report then says why and where.
+bool SparseLDLSolver::refactor(SystemMatrix& matrix, const BlockMatrix& a, SolveReport& report) {
+  const bool is_new = analyse(a, matrix.symmetric());
+  if (factored_ && !is_new && revision_ == matrix.revision()) return true;
+  factored_ = false;
+  report.factored = true;
+  ++factorisations_;
+  const auto bad =
+      std::find_if(a.values().begin(), a.values().end(), [](double value) { return !std::isfinite(value); });
+  if (bad != a.values().end()) {
+    const Index slot = Index((bad - a.values().begin()) / 9);
+    const auto after = std::upper_bound(row_start_.begin(), row_start_.end(), slot);
+    report.row = Index(after - row_start_.begin()) - 1;
+    report.stop = SolveStop::not_finite;
+    return false;
+  }
+  if (symmetric_) report.row = cholesky_.factor(a);
+  const bool good = symmetric_ ? report.row < 0 : lu_.factor(a);
+  if (!good) report.stop = SolveStop::not_definite;
+  factored_ = good;
+  revision_ = matrix.revision();
+  return good;
+}
+
+/// residual_ = b - A x; returns its norm.
+double SparseLDLSolver::residual(const BlockMatrix& a, ConstRows b, ConstRows x) {
+  a.multiply(x, residual_);
+  xpay(b, -1, residual_);
+  return std::sqrt(dot(residual_, residual_));
+}
+
+SolveReport SparseLDLSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x) {
+  SolveReport report;
+  const double norm_b = std::sqrt(dot(b, b));
+  if (norm_b == 0) {
+    clear(x);
+    report.stop = SolveStop::zero_right_side;
+    return report;
+  }
+  report.iterations = 1;
+  report.relative_residual = 1;
+  if (!std::isfinite(norm_b)) {
+    report.stop = SolveStop::not_finite;
+    return report;
+  }
+  const BlockMatrix& a = matrix.assemble();
+  if (!refactor(matrix, a, report)) return report;
+  applyFactor(b, x);
+  double error = residual(a, b, x);
+  if (error > 1e-10 * norm_b) {
+    applyFactor(residual_, correction_);
+    axpy(1, correction_, x);
+    error = residual(a, b, x);
+  }
+  report.relative_residual = error / norm_b;
+  if (!std::isfinite(error)) report.stop = SolveStop::not_finite;
+  // a factor without one right digit: the matrix is singular to round-off
+  if (error > 0.1 * norm_b) report.stop = SolveStop::not_definite;
+  return report;
+}
+
+}  // namespace
+
+STROMA_COMPONENT(sparse_ldl_solver) {
+  factory.add<SparseLDLSolver>("SparseLDLSolver", "direct solver: sparse Cholesky, factored only when values changed");
+}
+
+}  // namespace stroma

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "framework/algebra/linear_solver.h"
+
+namespace stroma {
+
+std::string_view describe(SolveStop stop) {
+  switch (stop) {
+    case SolveStop::converged:
+      return "converged";
+    case SolveStop::iteration_limit:
+      return "reached its iteration limit";
+    case SolveStop::breakdown:
+      return "broke down (p.A p is zero to round-off)";
+    case SolveStop::not_definite:
+      return "met a matrix that is not positive definite";
+    case SolveStop::not_finite:
+      return "met a number that is not finite";
+    case SolveStop::zero_right_side:
+      return "had nothing to solve (zero right side)";
+  }
+  return "ended for an unknown reason";
+}
+
+}  // namespace stroma

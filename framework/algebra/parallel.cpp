@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "framework/algebra/parallel.h"
+
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <atomic>
+#include <memory>
+
+namespace stroma {
+namespace {
+
+// The arena fixes how many threads share a loop (also beyond the cores of the machine, so that a test on a small
+// machine can show that results do not depend on it); the control lets the library make that many.
+struct Pool {
+  explicit Pool(int count) : control(tbb::global_control::max_allowed_parallelism, std::size_t(count)), arena(count) {}
+  tbb::global_control control;
+  tbb::task_arena arena;
+};
+
+std::atomic<int> thread_count{1};
+std::unique_ptr<Pool>& pool() {
+  static std::unique_ptr<Pool> instance;
+  return instance;
+}
+
+}  // namespace
+
+int threads() { return thread_count.load(std::memory_order_relaxed); }
+
+void setThreads(int count) {
+  count = std::max(count, 1);
+  if (count == threads()) return;
+  pool() = count > 1 ? std::make_unique<Pool>(count) : nullptr;
+  thread_count = count;
+}
+
+namespace detail {
+
+void runParallel(int count, void (*body)(void*, int), void* data) {
+  if (!pool()) {
+    for (int i = 0; i < count; ++i) body(data, i);
+    return;
+  }
+  pool()->arena.execute([=] {
+    tbb::parallel_for(
+        0, count, [=](int i) { body(data, i); }, tbb::simple_partitioner());
+  });
+}
+
+}  // namespace detail
+}  // namespace stroma

@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "framework/simulation/newton.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace stroma {
+namespace {
+
+double norm(ConstRows a) { return std::sqrt(dot(a, a)); }
+
+double largest(ConstRows a) {
+  double value = 0;
+  for (std::size_t i = 0; i < a.doubles(); ++i) value = std::max(value, std::abs(a.data[i]));
+  return value;
+}
+
+/// A + shift * D, D the mean of each row's diagonal block: positive definite once the shift is large enough.
+class ShiftedMatrix final : public SystemMatrix {
+ public:
+  explicit ShiftedMatrix(SystemMatrix& base) : base_(base) {
+    std::vector<double> blocks;
+    base.diagonalBlocks(blocks);
+    scale_.resize(std::size_t(base.rows()));
+    double mean = 0;
+    for (std::size_t i = 0; i < scale_.size(); ++i) {
+      scale_[i] = std::abs(blocks[9 * i] + blocks[9 * i + 4] + blocks[9 * i + 8]) / 3;
+      mean += scale_[i] / double(scale_.size());
+    }
+    // a row whose own diagonal vanishes still needs a shift
+    for (double& value : scale_) value = std::max(value, 1e-3 * mean);
+  }
+  void setShift(double shift) {
+    shift_ = shift;
+    // numbers that no other matrix of the solver carries
+    revision_ = --last_revision;
+  }
+  Index rows() const override { return base_.rows(); }
+  void multiply(ConstRows p, Rows out) const override {
+    base_.multiply(p, out);
+    for (Index i = 0; i < rows(); ++i) out[i] += shift_ * scale_[std::size_t(i)] * p[i];
+  }
+  const BlockMatrix& assemble() override {
+    matrix_ = base_.assemble();
+    for (Index i = 0; i < rows(); ++i)
+      matrix_.add(matrix_.diagonal()[std::size_t(i)], shift_ * scale_[std::size_t(i)] * Mat3::Identity());
+    return matrix_;
+  }
+  void diagonalBlocks(std::vector<double>& blocks) const override {
+    base_.diagonalBlocks(blocks);
+    for (std::size_t i = 0; i < scale_.size(); ++i)
+      for (int c = 0; c < 3; ++c) blocks[9 * i + 4 * std::size_t(c)] += shift_ * scale_[i];
+  }
+  long revision() const override { return revision_; }
+  bool symmetric() const override { return base_.symmetric(); }
+  bool prefersAssembled(int expected_products) const override { return base_.prefersAssembled(expected_products); }
+  std::string describeRow(Index row) const override { return base_.describeRow(row); }
+
+ private:
+  static inline long last_revision = -1;
+  SystemMatrix& base_;
+  std::vector<double> scale_;  ///< shape (rows)
+  double shift_ = 0;
+  long revision_ = -1;
+  BlockMatrix matrix_;
+};
+
+SolveReport solveOnce(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows x, StepReport& report) {
+  const SolveReport solve = solver.solve(matrix, b, x);
+  report.linear_iterations += solve.iterations;
+  report.factorisations += solve.factored;
+  report.linear_residual = solve.relative_residual;
+  return solve;
+}
+
+std::string placeOf(const SolveReport& solve, const SystemMatrix& matrix) {
+  return solve.row >= 0 ? " at " + matrix.describeRow(solve.row) : std::string();
+}
+
+}  // namespace
+
+bool solveOrShift(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows x, StepReport& report) {
+  clear(x);
+  SolveReport solve = solveOnce(solver, matrix, b, x, report);
+  report.linear_stop = solve.stop;
+  report.linear_converged =
+      report.linear_converged && (solve.stop == SolveStop::converged || solve.stop == SolveStop::zero_right_side);
+  if (solve.usable()) return true;
+  if (solve.stop == SolveStop::not_definite) {
+    report.reason = fmt::format("the linear solver {} met a matrix that is not positive definite{}", solver.path(),
+                                placeOf(solve, matrix));
+    const double downhill = dot(b, x);
+    if (downhill > 0 && std::isfinite(downhill)) {
+      report.reason += "; the direction found before was used";
+      return true;
+    }
+    ShiftedMatrix shifted(matrix);
+    for (double shift = 1e-3; shift < 2e3; shift *= 10) {
+      shifted.setShift(shift);
+      clear(x);
+      solve = solveOnce(solver, shifted, b, x, report);
+      if (solve.usable()) {
+        report.reason += fmt::format("; {:g} times its diagonal was added", shift);
+        return true;
+      }
+    }
+  }
+  report.diverged = true;
+  report.linear_stop = solve.stop;
+  report.reason = fmt::format("the linear solver {} {}{}", solver.path(), describe(solve.stop), placeOf(solve, matrix));
+  return false;
+}
+
+void Newton::compile(Index rows) {
+  for (Vector* vector : {&residual_, &direction_, &trial_}) vector->resize(rows);
+  history_.reserve(std::size_t(std::min(settings.iterations, 100000)) + 2);
+}
+
+bool Newton::converged(double residual) const {
+  return residual <= settings.relative_residual * scale_ || residual <= settings.absolute_residual;
+}
+
+/// True when the step that was made is small enough to stop, or too small to change positions in double precision.
+bool Newton::stalled(const NonlinearProblem& problem, double step) const {
+  const double displacement = step * problem.displacementPerUnknown();
+  if (displacement * largest(direction_) <= 2 * std::numeric_limits<double>::epsilon() * largest(problem.positions()))
+    return true;
+  if (settings.absolute_correction <= 0 && settings.relative_correction <= 0) return false;
+  const double length = displacement * norm(direction_);
+  return length <= settings.absolute_correction || length <= settings.relative_correction * problem.travelled();
+}
+
+StepReport Newton::solve(NonlinearProblem& problem, LinearSolver& solver) {
+  StepReport report;
+  history_.clear();
+  problem.residual(residual_);
+  double now = norm(residual_);
+  if (std::isfinite(now)) scale_ = std::max(scale_, now);
+  for (;;) {
+    history_.push_back(now);
+    report.newton_residual = scale_ > 0 ? now / scale_ : now;
+    if (!std::isfinite(now)) {
+      report.diverged = true;
+      report.reason = "the force is not finite where the step starts";
+      return report;
+    }
+    if (converged(now)) return report;
+    if (report.newton_iterations == settings.iterations) {
+      report.newton_converged = false;
+      report.reason = fmt::format(
+          "Newton's method stopped at its limit of {} iterations with a relative residual of {:.2g} "
+          "(tolerance {:.2g})",
+          settings.iterations, report.newton_residual, settings.relative_residual);
+      return report;
+    }
+    ++report.newton_iterations;
+    if (!solveOrShift(solver, problem.tangent(), residual_, direction_, report)) return report;
+    const double before = now;
+    const double step = search(problem, now);
+    if (step == 0) {
+      report.newton_converged = false;
+      report.reason = fmt::format("the line search found no decrease at Newton iteration {}, relative residual {:.2g}",
+                                  report.newton_iterations, report.newton_residual);
+      return report;
+    }
+    if (settings.stop_when_residual_grows && now > before) {
+      report.diverged = true;
+      report.newton_converged = false;
+      report.reason = fmt::format("the residual grew from {:.3g} to {:.3g} N at Newton iteration {}", before, now,
+                                  report.newton_iterations);
+      return report;
+    }
+    if (stalled(problem, step)) {
+      history_.push_back(now);
+      report.newton_residual = now / scale_;
+      return report;
+    }
+  }
+}
+
+/// Makes the step that the line search accepts; residual_ and `now` become those of the new iterate. 0: none accepted,
+/// the iterate is unchanged.
+double Newton::search(NonlinearProblem& problem, double& now) {
+  const double slope = dot(residual_, direction_);
+  problem.keep();
+  if (!std::isfinite(slope)) return 0;
+  const double step =
+      settings.use_energy && slope > 0 ? searchEnergy(problem, slope, now) : searchResidual(problem, now);
+  if (step == 0) {
+    problem.move(0, direction_);
+  } else {
+    std::swap(residual_, trial_);
+  }
+  return step;
+}
+
+/// Armijo: E(u + s d) <= E(u) - 1e-4 s R.d. Where the difference drowns in the round-off of E, |R| decides.
+double Newton::searchEnergy(NonlinearProblem& problem, double slope, double& now) {
+  const double before = problem.energy();
+  double step = 1;
+  for (int trial = 0; trial < 40; ++trial) {
+    problem.move(step, direction_);
+    const double after = problem.energy();
+    const double noise = 1e-13 * std::max(std::abs(before), std::abs(after));
+    const bool enough = after <= before - 1e-4 * step * slope;
+    const bool drowned = step * slope <= noise;
+    if (enough || drowned) {
+      problem.residual(trial_);
+      const double candidate = norm(trial_);
+      if (std::isfinite(candidate) && (candidate < now || (enough && !drowned))) {
+        now = candidate;
+        return step;
+      }
+      if (drowned) return 0;
+    }
+    // the parabola through E(0), its slope and E(step)
+    const double parabola = slope * step * step / (2 * (after - before + slope * step));
+    step = std::isfinite(parabola) ? std::clamp(parabola, 0.1 * step, 0.5 * step) : 0.25 * step;
+  }
+  return 0;
+}
+
+double Newton::searchResidual(NonlinearProblem& problem, double& now) {
+  double step = 1;
+  for (int trial = 0; trial < 20; ++trial, step *= 0.5) {
+    problem.move(step, direction_);
+    problem.residual(trial_);
+    const double candidate = norm(trial_);
+    if (candidate <= (1 - 1e-4 * step) * now) {
+      now = candidate;
+      return step;
+    }
+  }
+  return 0;
+}
+
+}  // namespace stroma

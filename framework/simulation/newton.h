@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Newton's method with line search on the unknowns of a system, for statics and for implicit steps; and the linear
+// solve that does not give up on a matrix that is not definite.
+#pragma once
+#include <vector>
+
+#include "framework/algebra/linear_solver.h"
+#include "framework/simulation/step.h"
+
+namespace stroma {
+
+/// Equations R(u) = 0 seen from a current iterate u, which the problem holds. Where there is an energy, R = -grad E.
+class NonlinearProblem {
+ public:
+  virtual ~NonlinearProblem() = default;
+  virtual void residual(Rows out) = 0;                      ///< R(u), projected; shape (rows)
+  virtual SystemMatrix& tangent() = 0;                      ///< -dR/du at the u of the last residual()
+  virtual double energy() = 0;                              ///< E(u); called only when NewtonSettings::use_energy
+  virtual void keep() = 0;                                  ///< the current iterate becomes the base of move()
+  virtual void move(double step, ConstRows direction) = 0;  ///< u = base + step * direction
+  virtual double displacementPerUnknown() const = 0;        ///< dx/du: 1, or seconds when u is a velocity
+  virtual ConstRows positions() const = 0;                  ///< x(u) [m]
+  virtual double travelled() const = 0;                     ///< |x(u) - x at the start| [m]
+};
+
+struct NewtonSettings {
+  int iterations = 25;
+  double relative_residual = 1e-8;  ///< |R| <= this * the largest |R| seen by this solver
+  double absolute_residual = 0;     ///< |R| <= this; 0: not used
+  double relative_correction = 0;   ///< |dx| <= this * travelled(); 0: not used
+  double absolute_correction = 0;   ///< |dx| <= this [m]; 0: not used
+  bool use_energy = true;           ///< line search on the energy (Armijo), else on |R|
+  bool stop_when_residual_grows = false;
+};
+
+/// Solves A x = b; x enters as zero. When the solver reports a matrix that is not positive definite, the direction it
+/// has reached is kept if it goes downhill, else a growing multiple of the matrix's own diagonal is added (Levenberg)
+/// until the solve is usable. Adds to the counts of `report`; its linear_stop is the first solve's, so a shift stays
+/// visible. False when nothing helped: `report` then carries the sentence.
+bool solveOrShift(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows x, StepReport& report);
+
+class Newton {
+ public:
+  NewtonSettings settings;
+
+  void compile(Index rows);
+  /// From the problem's current iterate to a root. Not converging leaves the best iterate and a reason; `diverged` is
+  /// set when no usable iterate exists.
+  StepReport solve(NonlinearProblem& problem, LinearSolver& solver);
+  /// |R| before each iteration and after the last one, of the last solve().
+  const std::vector<double>& history() const { return history_; }
+  /// Forgets the scale of the residual.
+  void reset() { scale_ = 0; }
+
+ private:
+  bool converged(double norm) const;
+  bool stalled(const NonlinearProblem& problem, double step) const;
+  double search(NonlinearProblem& problem, double& norm);
+  double searchEnergy(NonlinearProblem& problem, double slope, double& norm);
+  double searchResidual(NonlinearProblem& problem, double& norm);
+
+  Vector residual_, direction_, trial_;
+  std::vector<double> history_;
+  double scale_ = 0;  ///< largest |R| since reset()
+};
+
+}  // namespace stroma
