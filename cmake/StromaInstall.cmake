@@ -4,7 +4,8 @@
 include(CMakePackageConfigHelpers)
 install(DIRECTORY framework DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/stroma FILES_MATCHING PATTERN "*.h")
 install(TARGETS stroma stroma_flags EXPORT stroma-targets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
-install(TARGETS stroma-command stroma-index RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+set_target_properties(stroma-index PROPERTIES INSTALL_RPATH "$ORIGIN/../${CMAKE_INSTALL_LIBDIR}")
+install(TARGETS stroma-index EXPORT stroma-targets RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(EXPORT stroma-targets NAMESPACE stroma:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/stroma)
 install(FILES cmake/StromaModule.cmake DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/stroma)
 configure_package_config_file(cmake/stroma-config.cmake.in ${CMAKE_BINARY_DIR}/stroma-config.cmake

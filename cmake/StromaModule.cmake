@@ -3,13 +3,17 @@
 #   Builds the components stem.cpp of the current folder as one runtime module. With LEVELS it is built once for each
 #   instruction set of STROMA_LEVELS. The generated registry lists every component by name, so nothing depends on
 #   static initialisers.
+#   Outside this tree, after find_package(stroma), the same call builds NAME.so with NAME.index and NAME.manual beside it in
+#   the current build folder; a folder like that is named in STROMA_MODULE_PATH.
 
 define_property(GLOBAL PROPERTY STROMA_MODULES BRIEF_DOCS "names of the modules" FULL_DOCS "names of the modules")
 
-# What every target of the project compiles with.
-add_library(stroma_flags INTERFACE)
-target_compile_options(stroma_flags INTERFACE -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual
-  -fopenmp-simd -fno-math-errno -fno-trapping-math -fvisibility-inlines-hidden)
+# What every target of the project compiles with. (The installed package brings it along.)
+if(NOT TARGET stroma::stroma_flags)
+  add_library(stroma_flags INTERFACE)
+  target_compile_options(stroma_flags INTERFACE -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual
+    -fopenmp-simd -fno-math-errno -fno-trapping-math -fvisibility-inlines-hidden)
+endif()
 if(STROMA_WERROR)
   target_compile_options(stroma_flags INTERFACE -Werror)
 endif()
@@ -37,6 +41,14 @@ extern \"C\" __attribute__((visibility(\"default\"))) const stroma::ModuleInfo* 
   static const stroma::ModuleInfo info{STROMA_ABI, \"${name}\", registerComponents};
   return &info;\n}\n")
   file(CONFIGURE OUTPUT ${registry} CONTENT "${text}" @ONLY)
+
+  if(TARGET stroma::stroma_flags)
+    if(arg_LEVELS)
+      message(FATAL_ERROR "stroma_module(${name}): LEVELS is only for modules inside the Stroma tree; use target_compile_options")
+    endif()
+    stroma_outside_module(${name} "${sources}" "${manual_sources}" "${arg_LIBRARIES}")
+    return()
+  endif()
 
   if(arg_LEVELS)
     set(levels ${STROMA_LEVELS})
@@ -68,6 +80,17 @@ extern \"C\" __attribute__((visibility(\"default\"))) const stroma::ModuleInfo* 
   set_property(GLOBAL APPEND PROPERTY STROMA_MODULES ${name})
   set_property(GLOBAL PROPERTY STROMA_MODULE_${name}_TARGETS ${built})
   set_property(GLOBAL PROPERTY STROMA_MODULE_${name}_MANUAL ${manual_sources})
+endfunction()
+
+function(stroma_outside_module name sources manual_sources libraries)
+  add_library(${name} MODULE ${sources})
+  target_compile_features(${name} PRIVATE cxx_std_20)
+  target_link_libraries(${name} PRIVATE stroma::stroma ${libraries})
+  set_target_properties(${name} PROPERTIES PREFIX "" CXX_EXTENSIONS ON CXX_VISIBILITY_PRESET hidden
+    LIBRARY_OUTPUT_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR})
+  add_custom_command(TARGET ${name} POST_BUILD
+    COMMAND stroma::stroma-index ${CMAKE_CURRENT_BINARY_DIR} --single --module ${name} $<TARGET_FILE:${name}> ${manual_sources}
+    COMMENT "Indexing ${name}" VERBATIM)
 endfunction()
 
 # One index for all modules, made by opening each of them once after the build.

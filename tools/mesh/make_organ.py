@@ -9,6 +9,7 @@ replaced by a few tetrahedra. The same arguments give the same file, byte for by
 
   make_organ.py --tets 600 --out organ_600.msh     about 600 tetrahedra (the lattice spacing is searched)
   make_organ.py --spacing 0.012 --out organ.msh    a spacing in metres
+  make_organ.py --tets 300 --out organ_300.vtk     legacy VTK instead of Gmsh
   make_organ.py --report organ_600.msh             quality of an existing file of this tool
 
 Lengths are metres; x points to the organ's left, y up, z to the front. Needs numpy only. Exit codes: 0 written, 1 the
@@ -324,6 +325,19 @@ def write_msh(path, position, tetrahedra):
         file.write("$EndElements\n")
 
 
+def write_vtk(path, position, tetrahedra):
+    """Legacy VTK, ASCII."""
+    with open(path, "w", encoding="ascii", newline="\n") as file:
+        file.write("# vtk DataFile Version 3.0\norgan\nASCII\nDATASET UNSTRUCTURED_GRID\n")
+        file.write(f"POINTS {len(position)} double\n")
+        for point in position:
+            file.write(" ".join(f"{value:.{DECIMALS}f}" for value in point) + "\n")
+        file.write(f"CELLS {len(tetrahedra)} {5 * len(tetrahedra)}\n")
+        for tet in tetrahedra:
+            file.write("4 " + " ".join(str(v) for v in tet) + "\n")
+        file.write(f"CELL_TYPES {len(tetrahedra)}\n" + "10\n" * len(tetrahedra))
+
+
 def read_msh(path):
     """Reads what write_msh wrote."""
     with open(path, encoding="ascii") as file:
@@ -343,7 +357,7 @@ def main():
     what.add_argument("--tets", type=int, help="about so many tetrahedra (100 to 100000)")
     what.add_argument("--spacing", type=float, help="lattice spacing [m], 0.002 to 0.06")
     what.add_argument("--report", metavar="FILE.msh", help="only print the quality of a file")
-    parser.add_argument("--out", help="file to write (.msh)")
+    parser.add_argument("--out", help="file to write (.msh, or .vtk for legacy VTK)")
     arguments = parser.parse_args()
     if arguments.report:
         sys.exit(0 if report(*read_msh(arguments.report)) else 1)
@@ -355,7 +369,8 @@ def main():
         parser.error(f"--spacing {arguments.spacing}: expected 0.002 to 0.06 m")
     position, tetrahedra = make_with_count(arguments.tets) if arguments.tets else make(arguments.spacing)
     good = report(position, tetrahedra)
-    write_msh(arguments.out, position, tetrahedra)
+    write = write_vtk if arguments.out.endswith(".vtk") else write_msh
+    write(arguments.out, position, tetrahedra)
     print(f"written: {arguments.out}")
     sys.exit(0 if good else 1)
 

@@ -1,0 +1,144 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Holds the rules of the tree: which folder may include which, a licence line in every source, no path of one machine in
+any text. Usage: check_rules.py TREE, or check_rules.py --self-test (plants violations and expects each to be found)."""
+import os
+import re
+import sys
+import tempfile
+
+# A folder of framework/ and those it may include.
+FRAMEWORK = {
+    "scene": {"scene"},
+    "mesh": {"scene", "mesh"},
+    "algebra": {"scene", "algebra"},
+    "mechanics": {"scene", "mesh", "algebra", "mechanics"},
+    "fem": {"scene", "mesh", "algebra", "mechanics", "fem"},
+    "simulation": {"scene", "mesh", "algebra", "mechanics", "fem", "simulation"},
+}
+# Libraries that only some folders may include: header pattern, folders.
+GUARDED = [
+    (re.compile(r"vtk\w+\.h$"), ("components/vtk_io/", "tests/")),
+    (re.compile(r"gmsh\.h(_cwrap)?$"), ("tests/",)),
+    (re.compile(r"tinyxml2\.h$"), ("framework/scene/", "tests/")),
+    (re.compile(r"cholmod\.h$"), ("components/direct_solvers/", "tests/")),
+]
+SKIPPED_FOLDERS = {".git", "build", "results", "__pycache__"}
+SOURCE = re.compile(r"(\.(h|cpp|py|cmake|in|xml|sh)|CMakeLists\.txt)$")
+BINARY = re.compile(r"\.(png|gz|vtu|pdf|so|o|pyc)$")
+MACHINE_PATH = re.compile(r"(?<![\w.$}*\]/-])/(work|tmp|root|home)/")
+INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.M)
+
+
+def included_problem(path, quoted, header, exists):
+    """Why the file at `path` may not include `header`, or None."""
+    top = path.split("/")
+    for pattern, folders in GUARDED:
+        if pattern.search(header) and not path.startswith(folders):
+            return f"includes {header}, which only {', '.join(folders)} may"
+    if not quoted:
+        return None
+    target = header.split("/")
+    if top[0] == "framework":
+        if len(target) < 3 or target[0] != "framework":
+            return f'includes "{header}": write "framework/<folder>/..."'
+        if target[1] not in FRAMEWORK.get(top[1], set()):
+            return f"framework/{top[1]} must not include framework/{target[1]}"
+    elif top[0] == "components":
+        if target[0] != "framework":
+            return f'includes "{header}": a component includes framework/ only'
+    elif top[0] == "tools":
+        own_folder = "/".join(top[:-1])
+        if target[0] != "framework" and not (header.startswith(own_folder + "/") or exists(own_folder + "/" + header)):
+            return f'includes "{header}": a tool includes framework/ and its own folder only'
+    return None
+
+
+def files(tree):
+    for folder, folders, names in os.walk(tree):
+        folders[:] = sorted(name for name in folders if name not in SKIPPED_FOLDERS and not name.startswith("build"))
+        for name in sorted(names):
+            yield os.path.relpath(os.path.join(folder, name), tree).replace(os.sep, "/")
+
+
+def is_source(path, text):
+    return bool(SOURCE.search(path)) or text.startswith("#!")
+
+
+def problems(tree):
+    found, counted = [], 0
+    for path in files(tree):
+        if BINARY.search(path):
+            continue
+        with open(os.path.join(tree, path), encoding="utf-8", errors="replace") as file:
+            text = file.read()
+        counted += 1
+        if is_source(path, text) and "SPDX-License-Identifier: LGPL-2.1-or-later" not in "\n".join(text.split("\n")[:3]):
+            found.append(f"{path}: no SPDX licence line at the top")
+        for match in MACHINE_PATH.finditer(text):
+            line = text.count("\n", 0, match.start()) + 1
+            found.append(f"{path}:{line}: a path of one machine: {text[match.start():match.start() + 30].split()[0]}")
+        if path.endswith((".h", ".cpp")):
+            if path.startswith("components/") and path.endswith(".h"):
+                found.append(f"{path}: a component is one .cpp with no header")
+            for match in INCLUDE.finditer(text):
+                why = included_problem(path, match.group(1) == '"', match.group(2),
+                                       lambda other: os.path.exists(os.path.join(tree, other)))
+                if why:
+                    found.append(f"{path}:{text.count(chr(10), 0, match.start()) + 1}: {why}")
+    return found, counted
+
+
+LICENCE = "// SPDX-License-Identifier: LGPL-2.1-or-later\n"
+PLANTED = {  # path: (text, part of the expected finding, or None where there is nothing to find)
+    "framework/scene/a.h": (LICENCE + '#include "framework/mesh/mesh.h"\n', "framework/scene must not include framework/mesh"),
+    "framework/mesh/b.cpp": (LICENCE + '#include "framework/simulation/s.h"\n', "must not include framework/simulation"),
+    "framework/algebra/c.h": (LICENCE + '#include "framework/mechanics/state.h"\n', "must not include framework/mechanics"),
+    "framework/fem/d.h": (LICENCE + '#include "d_private.h"\n', 'write "framework/<folder>/..."'),
+    "framework/fem/e.cpp": (LICENCE + "#include <vtkPolyData.h>\n", "which only components/vtk_io/"),
+    "components/elasticity/f.cpp": (LICENCE + '#include "components/mechanics/g.cpp"\n', "framework/ only"),
+    "components/elasticity/g.h": (LICENCE, "one .cpp with no header"),
+    "tools/command/h.cpp": (LICENCE + '#include "components/elasticity/f.cpp"\n', "its own folder only"),
+    "tools/command/i.cpp": (LICENCE + '#include "i.h"\n#include "framework/scene/node.h"\n', None),
+    "tools/command/i.h": (LICENCE, None),
+    "framework/simulation/j.cpp": (LICENCE + '#include "framework/fem/d.h"\n#include <vector>\n', None),
+    "tests/scene/k.cpp": ('#include "anything.h"\n', "no SPDX"),
+    "tools/l": ("#!/bin/sh\n\n\n\n# SPDX-License-Identifier: LGPL-2.1-or-later\n", "no SPDX"),
+    "docs/m.md": ("see /" + "tmp/x and a/" + "tmp/x\n", "a path of one machine"),
+    "docs/n.md": ("work/energy, a/work/b and https://host/home/page\n", None),
+}
+
+
+def self_test():
+    with tempfile.TemporaryDirectory() as tree:
+        for path, (text, _) in PLANTED.items():
+            os.makedirs(os.path.dirname(os.path.join(tree, path)), exist_ok=True)
+            with open(os.path.join(tree, path), "w", encoding="utf-8") as file:
+                file.write(text)
+        found, counted = problems(tree)
+    assert counted == len(PLANTED), (counted, len(PLANTED))
+    for path, (_, expected) in PLANTED.items():
+        here = [finding for finding in found if finding.split(":")[0] == path]
+        if expected is None:
+            assert not here, here
+        else:
+            assert len(here) == 1 and expected in here[0], (path, expected, here)
+    print(f"{len(PLANTED)} planted files judged as expected")
+
+
+def main():
+    if len(sys.argv) != 2:
+        sys.exit(__doc__)
+    if sys.argv[1] == "--self-test":
+        return self_test()
+    found, counted = problems(sys.argv[1])
+    for finding in found:
+        print(finding)
+    if counted < 50:
+        sys.exit(f"only {counted} files were read: this is not the tree")
+    print(f"{counted} files read, {len(found)} problems")
+    sys.exit(1 if found else 0)
+
+
+if __name__ == "__main__":
+    main()
