@@ -17,8 +17,8 @@ using Corners = std::array<int, 4>;
 // Appendix B of Nesme et al. 2005 names a corner by the binary number zyx; here in VTK's numbering (0 1 3 2 4 5 7 6 for
 // 0 to 7), the last two nodes exchanged where the printed order has a negative volume. The first node, on which the
 // frame of the method `large` depends, is the paper's.
-constexpr std::array<Corners, 5> five1_corners{{{1, 4, 5, 6}, {0, 1, 4, 3}, {1, 2, 3, 6}, {3, 4, 7, 6}, {1, 3, 4, 6}}};
-constexpr std::array<Corners, 5> five2_corners{{{5, 0, 1, 2}, {4, 5, 0, 7}, {5, 6, 7, 2}, {7, 0, 3, 2}, {5, 7, 0, 2}}};
+constexpr std::array<Corners, 5> five1_corners{{{1, 4, 5, 6}, {0, 1, 3, 4}, {1, 2, 3, 6}, {3, 4, 6, 7}, {1, 3, 4, 6}}};
+constexpr std::array<Corners, 5> five2_corners{{{5, 0, 2, 1}, {4, 5, 0, 7}, {5, 6, 2, 7}, {7, 0, 3, 2}, {5, 7, 2, 0}}};
 // SOFA's six around the diagonal 0-6, in its order; the second table for a cell turned inside out by an odd number of
 // mirrors.
 constexpr std::array<Corners, 6> six_corners{

@@ -35,7 +35,10 @@ void MeshContainer::finish() {
   const bool volume_written = (data().find("tetrahedra")->isSet() || data().find("hexahedra")->isSet()) &&
                               data().find("tetrahedra")->origin() != DataOrigin::linked &&
                               data().find("hexahedra")->origin() != DataOrigin::linked;
-  if (!volume_written) return;
+  if (volume_written) complainOfCells();
+}
+
+void MeshContainer::complainOfCells() const {
   if (const std::string complaint = meshComplaint(mesh_); !complaint.empty()) warn(complaint);
 }
 

@@ -11,9 +11,12 @@ class MeshContainer : public Topology {
   void declare(DataTable& table) override;
 
  protected:
-  /// Completes missing positions from the state of the node, then checks. Throws ComponentError; raises a warning
-  /// with the mesh report for cells that no loader has checked before.
+  /// Completes missing positions from the state of the node, then checks. Throws ComponentError; complains of cells
+  /// that were written in the scene.
   void finish();
+
+  /// Raises a warning with the mesh report for cells that no loader has checked.
+  void complainOfCells() const;
 
   int point_count_ = 0;  ///< attribute nbPoints; 0: from the positions
 

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// A mesh given in the scene, taken from a loader (src="@loader") or read directly from a Gmsh file (filename).
+//
+// Cells keep the order in which they are given; edges and faces of volume cells are derived when something asks for
+// them, not before. A node without positions takes those of the state beside it.
+//
+// Source: the attributes are those of SOFA's MeshTopology.
+//
+// Example:
+// <Node name="root">
+//   <MeshTopology name="mesh" position="0 0 0  1 0 0  0 1 0  0 0 1" tetrahedra="0 1 2 3"/>
+// </Node>
+#include <fmt/format.h>
+
+#include "framework/mesh/gmsh_reader.h"
+#include "framework/mesh/mesh_container.h"
+#include "framework/scene/factory.h"
+
+namespace stroma {
+namespace {
+
+class MeshTopology : public MeshContainer {
+ public:
+  void declare(DataTable& table) override {
+    table.add("filename", filename_).alias("fileTopology").help("Gmsh file to read the mesh from").input();
+    MeshContainer::declare(table);
+  }
+  void init() override {
+    if (!filename_.empty()) readFile();
+    finish();
+    if (!filename_.empty()) complainOfCells();
+  }
+
+ private:
+  void readFile() {
+    for (const char* name : {"position", "edges", "triangles", "quads", "tetrahedra", "hexahedra"})
+      if (data().find(name)->isSet())
+        throw ComponentError(fmt::format("both filename and {} are given", name), "one of them");
+    if (!filename_.given.ends_with(".msh"))
+      throw ComponentError(fmt::format("filename {} is not a Gmsh file", filename_.given), "a .msh file",
+                           "a loader of the format, and src=\"@loader\"");
+    mesh_ = readGmsh(filename_.found).mesh;
+  }
+
+  FileName filename_;
+};
+
+}  // namespace
+}  // namespace stroma
+
+STROMA_COMPONENT(mesh_topology) {
+  factory.add<stroma::MeshTopology>("MeshTopology",
+                                    "a mesh given by lists of nodes and cells, or read from a .msh file");
+}

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The containers of SOFA's topologies (EdgeSet-, TriangleSet-, QuadSet-, TetrahedronSet- and
+// HexahedronSetTopologyContainer): a mesh whose main cells are of one kind.
+//
+// The cells come from attributes, from a loader (src="@loader") or, for tetrahedra, from a topological mapping that
+// names the container as its output or lies beside it. Edges and faces of the main cells are derived when something
+// asks for them; createTriangleArray and createQuadArray make them a part of the mesh at once.
+//
+// Source: the attributes are those of SOFA.
+//
+// Example:
+// <Node name="root">
+//   <TetrahedronSetTopologyContainer name="tets" position="0 0 0  1 0 0  0 1 0  0 0 1" tetrahedra="0 1 2 3"
+//                                    createTriangleArray="true"/>
+// </Node>
+#include <fmt/format.h>
+
+#include "framework/mesh/cell_faces.h"
+#include "framework/mesh/mesh_container.h"
+#include "framework/scene/factory.h"
+
+namespace stroma {
+namespace {
+
+enum class CellKind { edge, triangle, quad, tetrahedron, hexahedron };
+
+class SetTopologyContainer : public MeshContainer {
+ public:
+  void declare(DataTable& table) override {
+    MeshContainer::declare(table);
+    table.add("createTriangleArray", create_triangles_)
+        .help("add the faces of the tetrahedra when no triangle is given");
+    table.add("createQuadArray", create_quads_).help("add the faces of the hexahedra when no quad is given");
+    table.add("createEdgeArray", create_edges_).help("add the edges of all cells when no edge is given");
+  }
+
+  void init() override {
+    if (kind == CellKind::tetrahedron) takeFromMapping();
+    finish();
+    if (mainCells() == 0)
+      throw ComponentError(fmt::format("there are no {}", mainWord()),
+                           fmt::format("{}=\"...\", or src=\"@loader\"", mainWord()));
+    if (create_triangles_ && mesh_.triangles.empty()) mesh_.triangles = uniqueFaces(mesh_.tetrahedra, false);
+    if (create_quads_ && mesh_.quads.empty()) mesh_.quads = uniqueFaces(mesh_.hexahedra, false);
+    if (create_edges_ && mesh_.edges.empty()) mesh_.edges = Mesh(mesh_).allEdges();
+  }
+
+  CellKind kind = CellKind::edge;
+
+ private:
+  void takeFromMapping();
+  std::size_t mainCells() const;
+  const char* mainWord() const;
+
+  bool create_triangles_ = false, create_quads_ = false, create_edges_ = false;
+};
+
+void SetTopologyContainer::takeFromMapping() {
+  std::vector<TopologicalMapping*> mappings;
+  node().root().collect(mappings);
+  TopologicalMapping* mine = nullptr;
+  for (TopologicalMapping* mapping : mappings) {
+    if (mapping->output() != this) continue;
+    if (mine) throw ComponentError(fmt::format("both {} and {} fill this container", mine->path(), mapping->path()));
+    mine = mapping;
+  }
+  if (!mine) return;
+  if (!mesh_.tetrahedra.empty())
+    throw ComponentError(fmt::format("tetrahedra are given, and {} fills this container too", mine->path()),
+                         "one of them");
+  mine->ensureReady();
+  // Hexahedra that came with the positions would count the body a second time.
+  mesh_ = mine->mesh();
+}
+
+std::size_t SetTopologyContainer::mainCells() const {
+  switch (kind) {
+    case CellKind::edge:
+      return mesh_.edges.size();
+    case CellKind::triangle:
+      return mesh_.triangles.size();
+    case CellKind::quad:
+      return mesh_.quads.size();
+    case CellKind::tetrahedron:
+      return mesh_.tetrahedra.size();
+    default:
+      return mesh_.hexahedra.size();
+  }
+}
+
+const char* SetTopologyContainer::mainWord() const {
+  constexpr const char* words[] = {"edges", "triangles", "quads", "tetrahedra", "hexahedra"};
+  return words[int(kind)];
+}
+
+}  // namespace
+}  // namespace stroma
+
+STROMA_COMPONENT(set_topology_containers) {
+  using stroma::CellKind, stroma::SetTopologyContainer;
+  const auto add = [&factory](const char* type, const char* help, CellKind kind) {
+    factory.add<SetTopologyContainer>(type, help, [kind](SetTopologyContainer& made) { made.kind = kind; });
+  };
+  add("EdgeSetTopologyContainer", "a mesh of edges", CellKind::edge);
+  add("TriangleSetTopologyContainer", "a mesh of triangles", CellKind::triangle);
+  add("QuadSetTopologyContainer", "a mesh of quads", CellKind::quad);
+  add("TetrahedronSetTopologyContainer", "a mesh of tetrahedra", CellKind::tetrahedron);
+  add("HexahedronSetTopologyContainer", "a mesh of hexahedra", CellKind::hexahedron);
+}
