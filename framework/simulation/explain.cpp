@@ -8,15 +8,6 @@
 namespace stroma {
 namespace {
 
-void explainSystem(const System& system, std::size_t number, std::vector<std::string>& lines) {
-  const Integrator& integrator = system.integrator();
-  lines.push_back(fmt::format("system {}: {} moves {} nodes of {} state{} ({} independent)", number, integrator.path(),
-                              system.allRows(), system.states().size(), system.states().size() == 1 ? "" : "s",
-                              system.independentRows()));
-  lines.push_back("  each step: " + integrator.describe());
-  for (const std::string& line : system.explain()) lines.push_back("  " + line);
-}
-
 void explainObservers(const std::vector<Observer*>& observers, std::vector<std::string>& lines) {
   if (observers.empty()) {
     lines.push_back("observers: none, so energies, stresses and files are not computed");
@@ -48,7 +39,8 @@ std::vector<std::string> Simulation::explain() const {
   std::vector<std::string> lines;
   lines.push_back(fmt::format("time step {:.6g} s from t = {:.6g} s", dt(), root().root_time));
   if (systems_.empty()) lines.push_back("no integrator: nothing moves");
-  for (std::size_t i = 0; i < systems_.size(); ++i) explainSystem(*systems_[i], i + 1, lines);
+  for (const auto& system : systems_)
+    for (std::string& line : system->explain()) lines.push_back(std::move(line));
   explainTopologies(root(), lines);
   explainObservers(observers_, lines);
   explainIgnored(scene_.no_effect, lines);

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The command as a user meets it: exit codes, sentences, recordings, JSON.
+#include <nlohmann/json.hpp>
+
+#include "framework/simulation/state_file.h"
+#include "tests/tools/shell.h"
+
+namespace stroma::test {
+namespace {
+
+using Command = CommandTest;
+
+bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+// ---- usage ----
+
+TEST_F(Command, EverySubcommandHasHelpWithExamples) {
+  for (const char* name : {"run", "check", "explain", "list", "doc", "regress"}) {
+    const Run run = stroma(std::string(name) + " --help");
+    EXPECT_EQ(run.code, 0) << name;
+    EXPECT_TRUE(has(run.out, "usage: stroma " + std::string(name))) << run.out;
+    EXPECT_TRUE(has(run.out, "examples:")) << run.out;
+    EXPECT_EQ(run.err, "");
+  }
+  EXPECT_EQ(stroma("--help").code, 0);
+  EXPECT_EQ(stroma("").code, 2);
+}
+
+TEST_F(Command, MisspeltWordsAreAnsweredWithTheNearest) {
+  write("fall.xml", falling_scene);
+  const std::pair<const char*, const char*> cases[] = {
+      {"rnu fall.xml", "did you mean 'run'?"},
+      {"run fall.xml --recrod out", "did you mean --record?"},
+      {"run fall.xml --jsn", "did you mean --json?"},
+      {"check fall.xml --thread 2", "did you mean --threads?"},
+      {"doc MechanicalObjct", "did you mean MechanicalObject?"},
+      {"run", "SCENE is missing"},
+      {"run fall.xml -n 1 --until 2", "exclude each other"},
+      {"run fall.xml -n -3", "expected 0 or more"},
+      {"run fall.xml --until nan", "--until"},
+      {"run fall.xml --record-every 2", "needs --record"},
+      {"run fall.xml --threads 0", "expected 1 to 1024"},
+      {"run fall.xml extra.xml", "too many arguments"},
+      {"run absent.xml", "absent.xml"},
+      {"run fall.xml --set nonsense", "nonsense"},
+      {"run fall.xml --set /stone/dof.position=1", "dofs"},
+  };
+  for (const auto& [arguments, expected] : cases) {
+    const Run run = stroma(arguments);
+    EXPECT_EQ(run.code, 2) << arguments << "\n" << run.err;
+    EXPECT_TRUE(has(run.err, expected)) << arguments << "\n" << run.err;
+    EXPECT_EQ(run.out, "") << arguments;
+  }
+}
+
+// ---- run ----
+
+TEST_F(Command, RunRecordsFirstEveryKthAndLast) {
+  write("fall.xml", falling_scene);
+  const Run run = stroma("run fall.xml -n 7 --record out --record-every 3 --quiet");
+  EXPECT_EQ(run.code, 0) << run.err;
+  EXPECT_EQ(run.out + run.err, "");
+  const auto frames = readStateFile((folder_ / "out/stone.dofs.state.gz").string());
+  ASSERT_EQ(frames.size(), 4u);
+  const double times[] = {0, 0.03, 0.06, 0.07};
+  for (int i = 0; i < 4; ++i) EXPECT_NEAR(frames[i].time, times[i], 1e-15);
+  EXPECT_EQ(frames[0].x[1], Vec3(1, 0, 0));
+  EXPECT_EQ(frames[0].v[1], Vec3(0, 2, 0));
+  // the velocity under a constant acceleration is exact for every scheme of order one
+  EXPECT_NEAR(frames[3].v[0].y(), -10 * 0.07, 1e-12);
+  EXPECT_NEAR(frames[3].v[1].y(), 2 - 10 * 0.07, 1e-12);
+  EXPECT_FALSE(exists("out/stone.dofs.state.gz.part"));
+}
+
+TEST_F(Command, JsonIsAllThereIsOnStandardOutput) {
+  write("fall.xml", falling_scene);
+  const Run run = stroma("run fall.xml --until 0.05 --json");
+  ASSERT_EQ(run.code, 0) << run.err;
+  const auto json = nlohmann::json::parse(run.out);
+  EXPECT_EQ(json.at("outcome"), "done");
+  EXPECT_EQ(json.at("steps"), 5);
+  EXPECT_NEAR(json.at("simulated_time").get<double>(), 0.05, 1e-15);
+  for (const char* key : {"wall_seconds", "load_seconds", "peak_memory_bytes"}) EXPECT_GT(json.at(key), 0) << key;
+  for (const char* key : {"mean", "median", "p99"}) EXPECT_GE(json.at("ms_per_step").at(key), 0) << key;
+  for (const char* key : {"force", "product", "assembly", "solve", "observers", "other"})
+    EXPECT_GE(json.at("phase_seconds").at(key), 0) << key;
+  EXPECT_EQ(json.at("threads"), 1);
+  EXPECT_EQ(json.at("state_hash").get<std::string>().size(), 16u);
+  EXPECT_FALSE(json.at("modules_opened").empty());
+  // 1/2 m v^2 with 1 kg each: 0 and 2 m/s at the start
+  EXPECT_NEAR(json.at("energies").at("start").at("kinetic").get<double>(), 2, 1e-14);
+  EXPECT_TRUE(has(run.err, "step 5/5"));
+
+  EXPECT_EQ(stroma("run fall.xml -n 5 --json=summary.json").code, 0);
+  EXPECT_EQ(nlohmann::json::parse(readText(folder_ / "summary.json")).at("state_hash"), json.at("state_hash"));
+}
+
+TEST_F(Command, OverridesAndThreadsDoWhatTheySay) {
+  write("fall.xml", falling_scene);
+  const auto hash = [&](const std::string& options) {
+    return nlohmann::json::parse(stroma("run fall.xml -n 3 --json " + options).out).at("state_hash").get<std::string>();
+  };
+  EXPECT_EQ(hash(""), hash("--threads 2"));
+  EXPECT_NE(hash(""), hash("--set /.gravity='0 -5 0'"));
+}
+
+TEST_F(Command, ADivergedRunKeepsTheLastGoodState) {
+  write("burst.xml", R"(<Node name="root" dt="0.01" gravity="0 -10 0">
+  <EulerExplicitSolver/>
+  <MechanicalObject name="dofs" position="0 0 0" velocity="1e308 0 0"/>
+  <UniformMass totalMass="2"/>
+  <ConstantForceField name="push" indices="0" forces="1.7e308 0 0"/>
+</Node>
+)");
+  const Run run = stroma("run burst.xml --set /.dt=1 -n 50 --quiet");
+  EXPECT_EQ(run.code, 3) << run.err;
+  EXPECT_TRUE(has(run.err, "diverged: step 1 ")) << run.err;
+  EXPECT_TRUE(has(run.err, "node 0 of /dofs")) << run.err;
+  EXPECT_TRUE(has(run.err, "burst.diverged/dofs.state.gz")) << run.err;
+  const auto frames = readStateFile((folder_ / "burst.diverged/dofs.state.gz").string());
+  ASSERT_EQ(frames.size(), 1u);
+  EXPECT_EQ(frames[0].time, 0);
+  EXPECT_EQ(frames[0].v[0], Vec3(1e308, 0, 0));
+
+  const Run json = stroma("run burst.xml --set /.dt=1 --record out --json --quiet");
+  EXPECT_EQ(json.code, 3);
+  EXPECT_EQ(nlohmann::json::parse(json.out).at("outcome"), "diverged");
+  EXPECT_TRUE(exists("out/dofs.state.gz"));
+}
+
+// ---- check, explain, list, doc ----
+
+TEST_F(Command, BadInputWritesNothing) {
+  write("bad.xml", R"(<Node name="root">
+  <EulerExplicitSolver/>
+  <MechanicalObject name="dofs" positon="0 0 0"/>
+  <UniformMas totalMass="2"/>
+</Node>
+)");
+  const Run run = stroma("run bad.xml --record out");
+  EXPECT_EQ(run.code, 2);
+  EXPECT_FALSE(exists("out"));
+  EXPECT_TRUE(has(run.err, "bad.xml:3")) << run.err;
+  EXPECT_TRUE(has(run.err, "position")) << run.err;
+  EXPECT_TRUE(has(run.err, "bad.xml:4")) << run.err;
+  EXPECT_TRUE(has(run.err, "UniformMass")) << run.err;
+
+  const Run check = stroma("check bad.xml --json");
+  EXPECT_EQ(check.code, 2);
+  const auto json = nlohmann::json::parse(check.out);
+  EXPECT_EQ(json.at("ok"), false);
+  EXPECT_GE(json.at("problems").size(), 2u);
+  EXPECT_EQ(json.at("problems")[0].at("severity"), "error");
+}
+
+TEST_F(Command, CheckAndExplainAGoodScene) {
+  write("fall.xml", falling_scene);
+  const Run check = stroma("check fall.xml");
+  EXPECT_EQ(check.code, 0) << check.err;
+  EXPECT_TRUE(has(check.out, "ok: 2 nodes in 1 state, 0 force fields, 1 mass")) << check.out;
+  EXPECT_EQ(nlohmann::json::parse(stroma("check fall.xml --json").out).at("ok"), true);
+
+  const Run explain = stroma("explain fall.xml");
+  EXPECT_EQ(explain.code, 0) << explain.err;
+  EXPECT_TRUE(has(explain.out, "/stone/dofs")) << explain.out;
+  EXPECT_TRUE(has(explain.out, "modules opened: ")) << explain.out;
+  EXPECT_TRUE(has(explain.out, "modules not opened")) << explain.out;
+  EXPECT_TRUE(has(explain.out, "observers: none")) << explain.out;
+}
+
+TEST_F(Command, ListAndDoc) {
+  const Run list = stroma("list WriteSt");
+  EXPECT_EQ(list.code, 0) << list.err;
+  EXPECT_EQ(list.out.rfind("WriteState", 0), 0u) << list.out;
+  EXPECT_TRUE(has(list.out, "output"));
+  EXPECT_GT(stroma("list").out.size(), list.out.size());
+  EXPECT_EQ(stroma("list NoSuchThing").code, 2);
+
+  const Run doc = stroma("doc WriteState");
+  EXPECT_EQ(doc.code, 0) << doc.err;
+  EXPECT_TRUE(has(doc.out, "period (")) << doc.out;
+  EXPECT_TRUE(has(doc.out, "[s]")) << doc.out;
+  EXPECT_TRUE(has(doc.out, "Example:")) << doc.out;
+}
+
+}  // namespace
+}  // namespace stroma::test

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// A regression test is worth what it notices: every way in which a reference can differ must fail.
+#include <nlohmann/json.hpp>
+
+#include "framework/simulation/state_file.h"
+#include "tests/tools/shell.h"
+
+namespace stroma::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Regress : public CommandTest {
+ protected:
+  void SetUp() override {
+    CommandTest::SetUp();
+    write("fall.xml", falling_scene);
+    write("list", "# falling stones\nreferences\nfall.xml 8 1e-9\n");
+    ASSERT_EQ(stroma("regress list --update").code, 0);
+  }
+  std::string reference() const { return (folder_ / "references/fall/stone.dofs.state.gz").string(); }
+
+  /// Replaces the reference by what `change` makes of it.
+  template <class Change>
+  void tamper(Change change) const {
+    auto frames = readStateFile(reference());
+    change(frames);
+    StateWriter writer(reference());
+    for (const StateFrame& frame : frames) {
+      writer.time(frame.time);
+      writer.rows("X", frame.x);
+      writer.rows("V", frame.v);
+    }
+    writer.close();
+  }
+  /// Expects failure with `text` in what is said.
+  void expectFailure(const std::string& text) const {
+    const Run run = stroma("regress list");
+    EXPECT_EQ(run.code, 1) << run.out << run.err;
+    EXPECT_NE(run.out.find("FAILED"), std::string::npos) << run.out;
+    EXPECT_NE(run.out.find(text), std::string::npos) << run.out;
+    EXPECT_NE(run.out.find("0 passed, 1 failed"), std::string::npos) << run.out;
+  }
+};
+
+using Frames = std::vector<StateFrame>;
+
+TEST_F(Regress, PassesOnItsOwnReferences) {
+  const Run run = stroma("regress list --json figures.json");
+  EXPECT_EQ(run.code, 0) << run.out << run.err;
+  EXPECT_NE(run.out.find("1 passed, 0 failed"), std::string::npos);
+  const auto json = nlohmann::json::parse(readText(folder_ / "figures.json"));
+  EXPECT_EQ(json.at(0).at("states").at("stone.dofs.state.gz").at("position_error"), 0);
+  const auto frames = readStateFile(reference());
+  ASSERT_EQ(frames.size(), 5u);
+  EXPECT_NEAR(frames.back().time, 0.08, 1e-15) << "the last step is compared";
+}
+
+TEST_F(Regress, NoticesANumberThatIsNotFinite) {
+  tamper([](Frames& frames) { frames[2].x[1].y() = std::nan(""); });
+  expectFailure("node 1 at t = 0.04 s is not finite");
+  tamper([](Frames& frames) { frames[2].x[1].y() = 0, frames[1].v[0].z() = HUGE_VAL; });
+  expectFailure("node 0 at t = 0.02 s is not finite");
+}
+
+TEST_F(Regress, NoticesADifferenceAtTheLastInstantOnly) {
+  tamper([](Frames& frames) { frames.back().x[1].x() += 1e-7; });
+  expectFailure("position differs");
+}
+
+TEST_F(Regress, NoticesAVelocity) {
+  tamper([](Frames& frames) { frames.back().v[0].x() += 1e-5; });
+  expectFailure("velocity differs");
+}
+
+TEST_F(Regress, NoticesPermutedNodes) {
+  tamper([](Frames& frames) {
+    for (StateFrame& frame : frames) std::swap(frame.x[0], frame.x[1]), std::swap(frame.v[0], frame.v[1]);
+  });
+  expectFailure("position differs");
+}
+
+TEST_F(Regress, NoticesAnotherSizeTimeOrNumberOfInstants) {
+  tamper([](Frames& frames) {
+    for (StateFrame& frame : frames) frame.x.pop_back(), frame.v.pop_back();
+  });
+  expectFailure("2 positions and 2 velocities, in the reference 1 and 1");
+  stroma("regress list --update");
+  tamper([](Frames& frames) { frames[3].time += 1e-4; });
+  expectFailure("instant 3 is at t = ");
+  stroma("regress list --update");
+  tamper([](Frames& frames) { frames.pop_back(); });
+  expectFailure("5 instants, the reference holds 4");
+}
+
+TEST_F(Regress, NoticesATruncatedReference) {
+  fs::resize_file(reference(), fs::file_size(reference()) - 20);
+  expectFailure("cut short");
+  fs::resize_file(reference(), 0);
+  expectFailure("holds no instant");
+}
+
+TEST_F(Regress, NoticesMissingAndSuperfluousReferences) {
+  fs::copy(reference(), folder_ / "references/fall/ghost.state.gz");
+  expectFailure("no state for the reference");
+  fs::remove(folder_ / "references/fall/ghost.state.gz");
+  fs::remove(reference());
+  expectFailure("there is no reference");
+  fs::remove_all(folder_ / "references");
+  expectFailure("there is no reference");
+}
+
+TEST_F(Regress, ASceneThatDoesNotLoadOrDivergesFails) {
+  write("fall.xml", "<Node name=\"root\"><Nonsense/></Node>\n");
+  expectFailure("does not load");
+}
+
+TEST_F(Regress, OverridesMakeCasesOfTheirOwn) {
+  write("list", "references\nfall.xml 8 1e-9\nfall.xml 8 1e-9 /stone/dofs.velocity=0,0,0,0,1,0\n");
+  Run run = stroma("regress list");
+  EXPECT_EQ(run.code, 1) << "the new case has no reference";
+  write("list", "references\nfall.xml 8 1e-9\nfall.xml 4 1e-9 /.dt=0.02\n");
+  EXPECT_EQ(stroma("regress list --update --filter dt").code, 0);
+  run = stroma("regress list");
+  EXPECT_EQ(run.code, 0) << run.out;
+  EXPECT_NE(run.out.find("2 passed, 0 failed"), std::string::npos) << run.out;
+}
+
+TEST_F(Regress, AListThatCannotBeReadIsBadInput) {
+  const std::pair<const char*, const char*> cases[] = {
+      {"references\nfall.xml 8\n", "list:2: expected SCENE STEPS TOLERANCE"},
+      {"references\nfall.xml 8 nan\n", "list:2: expected SCENE STEPS TOLERANCE"},
+      {"references\nfall.xml 8 1e-9 1\n", "list:2: '1' is not PATH.ATTR=VALUE"},
+      {"references\nfall.xml 8 1e-9\nfall.xml 9 1e-9\n", "list:3: the same scene and overrides"},
+      {"references\n", "no scene is listed"},
+  };
+  for (const auto& [text, expected] : cases) {
+    write("list", text);
+    const Run run = stroma("regress list");
+    EXPECT_EQ(run.code, 2);
+    EXPECT_NE(run.err.find(expected), std::string::npos) << run.err;
+  }
+  EXPECT_EQ(stroma("regress absent").code, 2);
+}
+
+}  // namespace
+}  // namespace stroma::test
