@@ -12,7 +12,8 @@ namespace stroma {
 std::string_view trimmed(std::string_view text) {
   constexpr std::string_view space = " \t\n\r\f\v";
   const auto first = text.find_first_not_of(space);
-  return first == std::string_view::npos ? std::string_view() : text.substr(first, text.find_last_not_of(space) - first + 1);
+  return first == std::string_view::npos ? std::string_view()
+                                         : text.substr(first, text.find_last_not_of(space) - first + 1);
 }
 
 std::string_view Words::next() {
@@ -55,7 +56,8 @@ bool readNumber(std::string_view word, int& out, Failure& why) {
   if (word.size() > 1 && word[0] == '+' && word[1] != '-') word.remove_prefix(1);
   const auto [end, code] = std::from_chars(word.data(), word.data() + word.size(), out);
   if (code == std::errc() && end == word.data() + word.size()) return true;
-  why.message = inQuotes(written) + (code == std::errc::result_out_of_range ? " does not fit a 32-bit integer" : " is not an integer");
+  why.message = inQuotes(written) +
+                (code == std::errc::result_out_of_range ? " does not fit a 32-bit integer" : " is not an integer");
   return false;
 }
 
@@ -90,7 +92,9 @@ bool readValue(std::string_view text, bool& out, Failure& why) { return readScal
 bool readValue(std::string_view text, int& out, Failure& why) { return readScalar(text, out, why); }
 bool readValue(std::string_view text, double& out, Failure& why) { return readScalar(text, out, why); }
 bool readValue(std::string_view text, std::string& out, Failure&) { return out = text, true; }
-bool readValue(std::string_view text, FileName& out, Failure&) { return out.given = trimmed(text), out.found.clear(), true; }
+bool readValue(std::string_view text, FileName& out, Failure&) {
+  return out.given = trimmed(text), out.found.clear(), true;
+}
 bool readValue(std::string_view text, Vec3& out, Failure& why) { return readFixed(text, out.data(), 3, why); }
 template <class T, std::size_t n>
 bool readValue(std::string_view text, std::array<T, n>& out, Failure& why) {

@@ -40,9 +40,12 @@ bool startsWithIgnoringCase(std::string_view text, std::string_view start) {
 
 const char* severityText(Severity severity) {
   switch (severity) {
-    case Severity::note: return "note";
-    case Severity::warning: return "warning";
-    default: return "error";
+    case Severity::note:
+      return "note";
+    case Severity::warning:
+      return "warning";
+    default:
+      return "error";
   }
 }
 
@@ -113,7 +116,8 @@ std::string nearest(std::string_view word, const std::vector<std::string>& candi
   const std::string* best = nullptr;
   int best_distance = 0;
   for (const std::string& candidate : candidates) {
-    const std::size_t longer = std::max(word.size(), candidate.size()), shorter = std::min(word.size(), candidate.size());
+    const std::size_t longer = std::max(word.size(), candidate.size()),
+                      shorter = std::min(word.size(), candidate.size());
     if ((longer - shorter) * 10 > longer * 4) continue;  // also keeps the cost of a huge word at nothing
     const int distance = editDistance(word, candidate);
     if (std::size_t(distance) * 10 > longer * 4) continue;

@@ -155,8 +155,8 @@ void Modules::open(const std::string& path) {
   if (!entry) throw std::runtime_error(path + " is not a module: it exports no function stroma_module");
   const ModuleInfo* info = entry();
   if (std::string_view(info->abi) != STROMA_ABI)
-    throw std::runtime_error("the module " + path + " was built for " + info->abi + " and this is " STROMA_ABI
-                             ": build it again against this version");
+    throw std::runtime_error("the module " + path + " was built for " + info->abi +
+                             " and this is " STROMA_ABI ": build it again against this version");
   if (std::find(impl_->opened.begin(), impl_->opened.end(), info->name) != impl_->opened.end()) return;
 
   // A trial registration first: a name that exists must not leave half a module in the factory.

@@ -112,7 +112,8 @@ class Scanner {
                   "name=\"value\", '/>' or '>'");
     spaces();
     if (at_ >= text_.size() || text_[at_] != '=')
-      return fail(where, "attribute " + inQuotes(attribute_name) + " has no value", std::string(attribute_name.substr(0, 60)) + "=\"...\"");
+      return fail(where, "attribute " + inQuotes(attribute_name) + " has no value",
+                  std::string(attribute_name.substr(0, 60)) + "=\"...\"");
     ++at_;
     spaces();
     const char quote = at_ < text_.size() ? text_[at_] : '\0';
@@ -121,11 +122,13 @@ class Scanner {
     const std::size_t end = text_.find(quote, at_ + 1);
     const std::size_t length = (end == std::string_view::npos ? text_.size() : end) - at_ - 1;
     if (length > limits_.attribute_bytes || attribute_name.size() > limits_.attribute_bytes)
-      return fail(where, "the value of attribute " + inQuotes(attribute_name) + " is longer than " +
-                             std::to_string(limits_.attribute_bytes) + " bytes",
+      return fail(where,
+                  "the value of attribute " + inQuotes(attribute_name) + " is longer than " +
+                      std::to_string(limits_.attribute_bytes) + " bytes",
                   "a mesh loader and a file for data of this size");
     if (end == std::string_view::npos)
-      return fail(where, "the file ends inside the value of attribute " + inQuotes(attribute_name), std::string(1, quote));
+      return fail(where, "the file ends inside the value of attribute " + inQuotes(attribute_name),
+                  std::string(1, quote));
     at_ = end + 1;
     positions_.attributes.push_back(where);
     return true;
@@ -141,8 +144,9 @@ class Scanner {
     ++at_;
     if (open_.empty()) return fail(where, "</" + std::string(tag.substr(0, 60)) + "> closes nothing");
     if (open_.back().name != tag)
-      return fail(where, "</" + std::string(tag.substr(0, 60)) + "> does not close <" + std::string(open_.back().name) +
-                             "> of line " + std::to_string(open_.back().where.line),
+      return fail(where,
+                  "</" + std::string(tag.substr(0, 60)) + "> does not close <" + std::string(open_.back().name) +
+                      "> of line " + std::to_string(open_.back().where.line),
                   "</" + std::string(open_.back().name) + ">");
     open_.pop_back();
     return true;

@@ -8,19 +8,35 @@ namespace {
 void appendEscaped(std::string& out, const std::string& value) {
   for (char c : value) {
     switch (c) {
-      case '&': out += "&amp;"; break;
-      case '<': out += "&lt;"; break;
-      case '>': out += "&gt;"; break;
-      case '"': out += "&quot;"; break;
-      case '\n': out += "&#10;"; break;
-      case '\r': out += "&#13;"; break;
-      case '\t': out += "&#9;"; break;
-      default: out += c;
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      case '\n':
+        out += "&#10;";
+        break;
+      case '\r':
+        out += "&#13;";
+        break;
+      case '\t':
+        out += "&#9;";
+        break;
+      default:
+        out += c;
     }
   }
 }
 
-void appendTag(std::string& out, int depth, const std::string& name, const std::vector<AttributeDescription>& attributes) {
+void appendTag(std::string& out, int depth, const std::string& name,
+               const std::vector<AttributeDescription>& attributes) {
   out.append(std::size_t(2 * depth), ' ');
   out += "<" + name;
   for (const AttributeDescription& attribute : attributes) {

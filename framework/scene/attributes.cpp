@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The attributes of nodes and components: read, or refused with the nearest right name.
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <map>
+
+#include "framework/scene/change_table.h"
+#include "framework/scene/files.h"
+#include "framework/scene/instantiation.h"
+#include "framework/scene/overrides.h"
+#include "framework/scene/text.h"
+
+namespace stroma {
+
+namespace {
+
+/// Attributes of every component that SOFA keeps for itself. `name`, `src` and `template` have a meaning here.
+const std::vector<std::string> common = {"name",      "template", "src",  "printLog",
+                                         "listening", "tags",     "bbox", "componentState"};
+const std::vector<std::string> node_attributes = {"name",
+                                                  "gravity",
+                                                  "dt",
+                                                  "time",
+                                                  "activated",
+                                                  "animate",
+                                                  "sleeping",
+                                                  "tags",
+                                                  "bbox",
+                                                  "canChangeSleepingState",
+                                                  "printLog",
+                                                  "listening",
+                                                  "componentState"};
+
+bool contains(const std::vector<std::string>& list, std::string_view word) {
+  return std::find(list.begin(), list.end(), word) != list.end();
+}
+
+bool isVisualAttribute(std::string_view name) {
+  const auto& list = visualAttributes();
+  return std::find(list.begin(), list.end(), name) != list.end() || name.starts_with("show") ||
+         name.starts_with("draw");
+}
+
+/// Reads one value that is not an attribute of a component; reports failure.
+template <class T>
+bool readInto(T& member, const AttributeDescription& attribute, const std::string& path, Diagnostics& diagnostics) {
+  std::optional<Problem> problem = Data(attribute.name, &member).parse(attribute.value, DataOrigin::written);
+  if (!problem) return true;
+  problem->where = attribute.where;
+  problem->path = path + "." + attribute.name;
+  diagnostics.add(std::move(*problem));
+  return false;
+}
+
+}  // namespace
+
+bool Instantiation::isSwitchedOffOrVisual(const AttributeDescription& attribute, const std::string& owner,
+                                          const Component* component) {
+  if (attribute.name.starts_with("_") || attribute.name.starts_with("NO")) return true;
+  if (!isVisualAttribute(attribute.name) && !(component && component->data().isVisualOnly(attribute.name)))
+    return false;
+  noEffect(owner + "." + attribute.name);
+  return true;
+}
+
+// ---- nodes ----
+
+void Instantiation::readNodeAttributes(const NodeDescription& description, Node& node) {
+  for (const AttributeDescription& attribute : description.attributes) {
+    if (isSwitchedOffOrVisual(attribute, "Node", nullptr)) continue;
+    if (contains(node_attributes, attribute.name)) {
+      readNodeAttribute(attribute, node);
+    } else {
+      diagnostics_.error(attribute.where, node.path() + "." + attribute.name,
+                         "a Node has no attribute " + inQuotes(attribute.name), "gravity, dt, time, name or activated",
+                         nearest(attribute.name, node_attributes));
+    }
+  }
+}
+
+void Instantiation::readNodeAttribute(const AttributeDescription& attribute, Node& node) {
+  const std::string path = node.path();
+  if (attribute.name == "gravity") {
+    Vec3 gravity = Vec3::Zero();
+    if (readInto(gravity, attribute, path, diagnostics_)) node.own_gravity = gravity;
+  } else if (attribute.name == "dt") {
+    double dt = 0;
+    if (!readInto(dt, attribute, path, diagnostics_)) return;
+    if (!(dt > 0)) {
+      diagnostics_.error(attribute.where, path + ".dt", "the time step is " + printReal(dt), "a value > 0 s");
+    } else if (!node.parent()) {
+      node.root_dt = dt;
+    } else if (dt != node.dt()) {
+      diagnostics_.error(attribute.where, path + ".dt", "a child node has no time step of its own",
+                         "dt on the outermost Node only, where it is " + printReal(node.dt()) + " s");
+    }
+  } else if (attribute.name == "time") {
+    double time = 0;
+    if (readInto(time, attribute, path, diagnostics_) && !node.parent()) node.root_time = time;
+  } else if (attribute.name == "activated") {
+    bool activated = true;
+    if (readInto(activated, attribute, path, diagnostics_) && !activated && !node.parent())
+      diagnostics_.error(attribute.where, path, "the outermost node is not activated: nothing would run");
+  }
+}
+
+// ---- components ----
+
+void Instantiation::readAttributes(const ComponentDescription& description, Component& component) {
+  std::map<const Data*, const AttributeDescription*> given;
+  for (const AttributeDescription& attribute : description.attributes) {
+    const Data* data = component.data().find(attribute.name);
+    if (data && !data->link()) {
+      const auto [first, is_new] = given.emplace(data, &attribute);
+      if (!is_new && isOverride(attribute.where)) {
+        std::erase_if(pending_,
+                      [&](const PendingLink& link) { return link.component == &component && link.data == data; });
+      } else if (!is_new) {
+        fail(component, {Severity::error,
+                         attribute.where,
+                         component.path() + "." + attribute.name,
+                         attribute.name + " and " + first->second->name + " are the same attribute, given twice",
+                         "one of them",
+                         {}});
+        continue;
+      }
+    }
+    readAttribute(attribute, component);
+  }
+}
+
+void Instantiation::readAttribute(const AttributeDescription& attribute, Component& component) {
+  Data* data = component.data().find(attribute.name);
+  if (!data)
+    for (const AttributeChange& change : attributeChanges())
+      if (change.type == component.type() && change.old_attribute == attribute.name)
+        data = component.data().find(change.new_attribute);
+  if (!data) return unknownAttribute(attribute, component);
+
+  const std::string_view text = trimmed(attribute.value);
+  if (data->link() && text.empty()) return;
+  if (!data->link() && text.starts_with("@") && !data->isOutput()) {
+    pending_.push_back({&component, data, std::string(text), attribute.where});
+    return;
+  }
+  const DataOrigin origin = isOverride(attribute.where) ? DataOrigin::by_override : DataOrigin::written;
+  if (std::optional<Problem> problem = data->parse(attribute.value, origin)) {
+    problem->where = attribute.where;
+    problem->path = component.path() + "." + attribute.name;
+    return fail(component, std::move(*problem));
+  }
+  if (data->link()) pending_.push_back({&component, data, std::string(text), attribute.where});
+  if (std::holds_alternative<FileName*>(data->pointer())) findInputFile(attribute, *data, component);
+}
+
+void Instantiation::unknownAttribute(const AttributeDescription& attribute, Component& component) {
+  if (readCommonAttribute(attribute, component)) return;
+  if (isSwitchedOffOrVisual(attribute, component.type(), &component)) return;
+  std::vector<std::string> names = component.data().names();
+  names.insert(names.end(), common.begin(), common.end());
+  const std::string guess = nearest(attribute.name, names);
+  fail(component,
+       {Severity::error, attribute.where, component.path() + "." + attribute.name,
+        component.type() + " has no attribute " + inQuotes(attribute.name),
+        guess.empty() ? "one of those that 'stroma doc " + component.type() + "' lists" : std::string(), guess});
+}
+
+bool Instantiation::readCommonAttribute(const AttributeDescription& attribute, Component& component) {
+  if (!contains(common, attribute.name)) return false;
+  if (attribute.name == "name") {
+    if (attribute.value.find_first_of("/@.[") != std::string::npos)
+      diagnostics_.warning(attribute.where, component.path(), "no link can reach a name that contains one of / @ . [");
+  } else if (attribute.name == "src") {
+    pending_.push_back({&component, nullptr, std::string(trimmed(attribute.value)), attribute.where});
+  } else if (attribute.name == "template") {
+    checkTemplate(attribute, component);
+  }
+  return true;
+}
+
+/// There is one set of types: 3-vectors of doubles. SOFA's names for it, and those of its matrices, are accepted.
+void Instantiation::checkTemplate(const AttributeDescription& attribute, Component& component) {
+  static constexpr std::array<std::string_view, 13> accepted = {
+      "Vec3", "Vec3d",       "Vec3f",      "StdVec3Types", "GraphScattered", "Edge",  "Triangle",
+      "Quad", "Tetrahedron", "Hexahedron", "Prism",        "Pyramid",        "double"};
+  Words words(attribute.value);
+  for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
+    if (std::find(accepted.begin(), accepted.end(), word) != accepted.end()) continue;
+    if (word.starts_with("CompressedRowSparseMatrix")) continue;
+    return fail(component, {Severity::error,
+                            attribute.where,
+                            component.path() + ".template",
+                            "there is no template " + inQuotes(word) + " of " + component.type(),
+                            "Vec3 (or nothing: there is one); on linear solvers GraphScattered or "
+                            "CompressedRowSparseMatrixMat3x3",
+                            {}});
+  }
+}
+
+void Instantiation::findInputFile(const AttributeDescription& attribute, Data& data, Component& component) {
+  FileName& file = *std::get<FileName*>(data.pointer());
+  if (file.empty()) return;
+  if (!data.isInputFile()) {
+    file.found = std::filesystem::absolute(file.given).lexically_normal().string();
+    return;
+  }
+  std::vector<std::string> searched;
+  // Who types a file name in a command means the folder they are in.
+  if (isOverride(attribute.where)) file.found = findFileIn(file.given, ".", {}, &searched);
+  if (file.found.empty())
+    file.found = findFileIn(file.given, component.folder_, scene_.description.data_paths, &searched);
+  if (file.found.empty())
+    fail(component, {Severity::error,
+                     attribute.where,
+                     component.path() + "." + attribute.name,
+                     "the file " + inQuotes(file.given) + " is not found",
+                     {},
+                     searchedText(searched)});
+}
+
+/// After the links: what nobody gave, neither written nor linked.
+void Instantiation::checkGiven(Component& component) {
+  const auto isGiven = [&](const Data& data) {
+    if (data.isSet()) return true;
+    return std::any_of(component.data_links_.begin(), component.data_links_.end(),
+                       [&](const Component::DataLink& link) { return link.target == &data; }) ||
+           (component.hasFailed() && std::any_of(pending_.begin(), pending_.end(), [&](const PendingLink& link) {
+              return link.component == &component && link.data == &data;  // a broken link is no second problem
+            }));
+  };
+  const bool failed_before = component.hasFailed();
+  for (const Data& data : component.data().all()) {
+    if ((!data.isRequired() && !data.isPhysical()) || isGiven(data)) continue;
+    const std::string path = component.path() + "." + data.name();
+    if (data.isRequired()) {
+      // A component that was refused may have this attribute under a wrong name: one message is enough.
+      if (failed_before) continue;
+      fail(component, {Severity::error, component.where(), path, data.name() + " is not given", data.typeText(), {}});
+    } else {
+      const std::string unit = data.unitText().empty() || data.unitText() == "-" ? "" : " " + data.unitText();
+      diagnostics_.warning(component.where(), path,
+                           data.name() + " is not given: the default " + data.defaultText() + unit + " is used");
+    }
+  }
+}
+
+}  // namespace stroma

@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The first and the last pass over a scene: the tree of components, and its initialisation.
+#include <algorithm>
+#include <filesystem>
+#include <unordered_map>
+
+#include "framework/scene/change_table.h"
+#include "framework/scene/files.h"
+#include "framework/scene/instantiation.h"
+#include "framework/scene/names.h"
+#include "framework/scene/text.h"
+
+namespace stroma {
+
+namespace {
+
+bool contains(const std::vector<std::string_view>& list, std::string_view word) {
+  return std::find(list.begin(), list.end(), word) != list.end();
+}
+
+bool hasNoEffect(const ComponentDescription& component) { return contains(acceptedWithoutEffect(), component.type); }
+
+bool isVisualModel(const ComponentDescription& component) {
+  static const std::vector<std::string_view> types = {"OglModel",   "VisualModelImpl",  "VisualModel",
+                                                      "VisualMesh", "OglCylinderModel", "SlicedVolumetricModel"};
+  return contains(types, component.type);
+}
+
+/// What a node that only carries a visual model holds beside it: the mapping that moves it and the mesh it is made of.
+bool servesVisualModel(const ComponentDescription& component) {
+  const std::string_view type = component.type;
+  return type.ends_with("Mapping") || type.ends_with("Loader") || type.ends_with("Topology") ||
+         type.ends_with("SetTopologyContainer") || type == "Mesh";
+}
+
+bool holdsVisualModel(const NodeDescription& node) {
+  return std::any_of(node.components.begin(), node.components.end(), isVisualModel) ||
+         std::any_of(node.children.begin(), node.children.end(), holdsVisualModel);
+}
+
+bool holdsOnlyVisuals(const NodeDescription& node) {
+  return std::all_of(node.components.begin(), node.components.end(),
+                     [](const auto& component) { return hasNoEffect(component) || servesVisualModel(component); }) &&
+         std::all_of(node.children.begin(), node.children.end(), holdsOnlyVisuals);
+}
+
+bool isOff(const NodeDescription& node) {
+  const AttributeDescription* activated = node.find("activated");
+  return activated && (trimmed(activated->value) == "false" || trimmed(activated->value) == "0");
+}
+
+}  // namespace
+
+Instantiation::Instantiation(Scene& scene, Factory& factory, Modules& modules)
+    : scene_(scene), factory_(factory), modules_(modules), diagnostics_(scene.diagnostics) {}
+
+void Instantiation::run() {
+  const NodeDescription& description = scene_.description.root;
+  prepare(description);
+  const std::string name = description.name();
+  scene_.root = std::make_unique<Node>(name.empty() ? "root" : name, nullptr, description.where);
+  build(description, *scene_.root);
+  resolveLinks();
+  std::vector<Component*> components;
+  scene_.root->collect(components);
+  for (Component* component : components) checkGiven(*component);
+  initialise(*scene_.root);
+  release(*scene_.root);
+}
+
+/// Plugins by path come before everything: what they bring may be used anywhere.
+void Instantiation::prepare(const NodeDescription& node) {
+  for (const ComponentDescription& component : node.components)
+    if (component.type == "RequiredPlugin") openPlugins(component);
+  for (const NodeDescription& child : node.children) prepare(child);
+}
+
+void Instantiation::openPlugins(const ComponentDescription& component) {
+  for (const char* attribute_name : {"pluginName", "name"}) {
+    const AttributeDescription* attribute = component.find(attribute_name);
+    Words words(attribute ? attribute->value : std::string_view());
+    for (std::string word(words.next()); !word.empty(); word = words.next()) {
+      if (!word.ends_with(".so")) continue;  // SOFA's own plugins: their components come from the module index
+      std::vector<std::string> searched;
+      const std::string file = findFileIn(word, component.folder, scene_.description.data_paths, &searched);
+      if (file.empty()) {
+        diagnostics_.error(attribute->where, {}, "the plugin " + inQuotes(word) + " is not found", {},
+                           searchedText(searched));
+        continue;
+      }
+      try {
+        modules_.open(file);
+      } catch (const std::exception& error) {
+        diagnostics_.error(attribute->where, {}, error.what());
+      }
+    }
+  }
+}
+
+void Instantiation::build(const NodeDescription& description, Node& node) {
+  readNodeAttributes(description, node);
+  const std::vector<std::string> names = componentNames(description), children = childNames(description);
+  reportDuplicates(description, node);
+  for (std::size_t i = 0; i < names.size(); ++i) makeComponent(description.components[i], names[i], node);
+  for (std::size_t i = 0; i < children.size(); ++i) buildChild(description.children[i], children[i], node);
+}
+
+void Instantiation::buildChild(const NodeDescription& description, const std::string& name, Node& parent) {
+  const std::string path = joinPath(parent.path(), name);
+  if (isOff(description)) {
+    diagnostics_.note(description.where, path, "the node is not activated: nothing in it takes part");
+  } else if (holdsVisualModel(description) && holdsOnlyVisuals(description)) {
+    noEffect("node " + path);
+  } else {
+    build(description, parent.addChild(std::make_unique<Node>(name, &parent, description.where)));
+  }
+}
+
+void Instantiation::reportDuplicates(const NodeDescription& description, const Node& node) {
+  const auto check = [&](const auto& list, const char* what) {
+    std::unordered_map<std::string, const SourceLocation*> seen;
+    for (const auto& item : list) {
+      const std::string name = item.name();
+      if (name.empty()) continue;
+      const auto [first, is_new] = seen.emplace(name, &item.where);
+      if (is_new) continue;
+      diagnostics_.error(
+          item.find("name")->where, joinPath(node.path(), name),
+          std::string("another ") + what + " of this node has the same name, at " + first->second->text(),
+          "a name of its own");
+    }
+  };
+  check(description.components, "component");
+  check(description.children, "child");
+}
+
+void Instantiation::makeComponent(const ComponentDescription& description, const std::string& name, Node& node) {
+  if (hasNoEffect(description) && !factory_.find(description.type)) return noEffect(description.type);
+  bool misspelt = false;
+  std::unique_ptr<Component> made = create(description, joinPath(node.path(), name), misspelt);
+  made->name_ = name;
+  made->where_ = description.where;
+  made->folder_ = description.folder;
+  made->diagnostics_ = &diagnostics_;
+  Component& component = node.add(std::move(made));
+  if (misspelt) {
+    component.markFailed();  // reported once; what needs it stays silent
+  } else {
+    readAttributes(description, component);
+  }
+}
+
+std::unique_ptr<Component> Instantiation::create(const ComponentDescription& description, const std::string& path,
+                                                 bool& misspelt) {
+  const std::string present(presentType(description.type));
+  try {
+    if (modules_.provide(description.type)) {
+      if (std::unique_ptr<Component> component = factory_.make(description.type)) return component;
+      for (const TypeChange& change : typeChanges())
+        if (change.old_type == description.type)
+          diagnostics_.note(description.where, path,
+                            description.type + " is called " + present + " since SOFA " + std::string(change.since));
+      return factory_.make(present);
+    }
+    misspelt = true;
+    return createUnknown(description, path);
+  } catch (const std::runtime_error& error) {  // the module cannot be opened
+    misspelt = true;
+    diagnostics_.error(description.where, path, error.what());
+    return std::make_unique<UnknownComponent>();
+  }
+}
+
+/// Reports the type. The component most likely meant is made in its place, to be marked as failed: what looks for that
+/// role finds it and stays silent.
+std::unique_ptr<Component> Instantiation::createUnknown(const ComponentDescription& description,
+                                                        const std::string& path) {
+  const std::string present(presentType(description.type));
+  if (present != description.type) {
+    diagnostics_.error(description.where, path, description.type + ", now called " + present + ", is not available");
+    return std::make_unique<UnknownComponent>();
+  }
+  for (const TypeRemoval& removal : typeRemovals()) {
+    if (removal.type != description.type) continue;
+    diagnostics_.error(description.where, path, description.type + " does not exist any more", {},
+                       std::string(removal.advice));
+    return std::make_unique<UnknownComponent>();
+  }
+  std::vector<std::string> names{"Node", "include"};
+  for (const Modules::IndexEntry& entry : modules_.index()) names.push_back(entry.type);
+  for (const ComponentEntry* entry : factory_.entries()) names.push_back(entry->type);
+  const std::string guess = nearest(description.type, names);
+  diagnostics_.error(description.where, path, "there is no component " + inQuotes(description.type),
+                     "a name from 'stroma list'", guess);
+  if (!guess.empty() && guess != "Node" && guess != "include" && modules_.provide(guess)) return factory_.make(guess);
+  return std::make_unique<UnknownComponent>();
+}
+
+void Instantiation::noEffect(const std::string& what) {
+  if (std::find(scene_.no_effect.begin(), scene_.no_effect.end(), what) == scene_.no_effect.end())
+    scene_.no_effect.push_back(what);
+}
+
+void Instantiation::fail(Component& component, Problem problem) {
+  component.markFailed();
+  diagnostics_.add(std::move(problem));
+}
+
+void Instantiation::initialise(const Node& node) {
+  for (const auto& component : node.components()) {
+    try {
+      component->ensureReady();
+    } catch (const DependencyFailed&) {
+      // reported where it happened
+    }
+  }
+  for (const auto& child : node.children()) initialise(*child);
+}
+
+/// The diagnostics move with the scene; components must not keep their address.
+void Instantiation::release(const Node& node) {
+  for (const auto& component : node.components()) component->diagnostics_ = nullptr;
+  for (const auto& child : node.children()) release(*child);
+}
+
+}  // namespace stroma

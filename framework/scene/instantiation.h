@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// From a description to a tree of initialised components. Three passes over the scene: make every component and read
+// its attributes; resolve the links, when everything that they can name exists; initialise in document order, each
+// component after what it reads.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "framework/scene/load.h"
+
+namespace stroma {
+
+class Instantiation {
+ public:
+  Instantiation(Scene& scene, Factory& factory, Modules& modules);
+  void run();
+
+ private:
+  /// An attribute that names something in the tree, kept until the whole tree exists.
+  struct PendingLink {
+    Component* component;
+    Data* data;  ///< null for `src`
+    std::string text;
+    SourceLocation where;
+  };
+
+  // ---- instantiate.cpp: the tree ----
+  void prepare(const NodeDescription& node);
+  void openPlugins(const ComponentDescription& component);
+  void build(const NodeDescription& description, Node& node);
+  void buildChild(const NodeDescription& description, const std::string& name, Node& parent);
+  void reportDuplicates(const NodeDescription& description, const Node& node);
+  void makeComponent(const ComponentDescription& description, const std::string& name, Node& node);
+  std::unique_ptr<Component> create(const ComponentDescription& description, const std::string& path, bool& misspelt);
+  std::unique_ptr<Component> createUnknown(const ComponentDescription& description, const std::string& path);
+  void noEffect(const std::string& what);
+
+  // ---- attributes.cpp ----
+  void readNodeAttributes(const NodeDescription& description, Node& node);
+  void readNodeAttribute(const AttributeDescription& attribute, Node& node);
+  void readAttributes(const ComponentDescription& description, Component& component);
+  void readAttribute(const AttributeDescription& attribute, Component& component);
+  void unknownAttribute(const AttributeDescription& attribute, Component& component);
+  bool readCommonAttribute(const AttributeDescription& attribute, Component& component);
+  void checkTemplate(const AttributeDescription& attribute, Component& component);
+  void findInputFile(const AttributeDescription& attribute, Data& data, Component& component);
+  bool isSwitchedOffOrVisual(const AttributeDescription& attribute, const std::string& owner,
+                             const Component* component);
+  void checkGiven(Component& component);
+
+  // ---- links.cpp ----
+  void resolveLinks();
+  void resolveComponentLink(const PendingLink& link);
+  void resolveDataLink(const PendingLink& link);
+  void resolveSrc(const PendingLink& link);
+  void linkData(const PendingLink& link, Component& source, const Data& from);
+
+  void fail(Component& component, Problem problem);
+  void initialise(const Node& node);
+  void release(const Node& node);
+
+  Scene& scene_;
+  Factory& factory_;
+  Modules& modules_;
+  Diagnostics& diagnostics_;
+  std::vector<PendingLink> pending_;
+};
+
+/// Stands where a component could not be made, so that links to it do not raise a second message.
+class UnknownComponent final : public Component {
+ public:
+  void declare(DataTable&) override {}
+  std::string roleText() const override { return "unknown component"; }
+};
+
+}  // namespace stroma

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "framework/scene/load.h"
+
+#include "framework/scene/files.h"
+#include "framework/scene/instantiation.h"
+
+namespace stroma {
+
+Scene instantiate(SceneDescription description, Factory& factory, Modules& modules, Diagnostics diagnostics) {
+  Scene scene;
+  scene.description = std::move(description);
+  scene.diagnostics = std::move(diagnostics);
+  if (scene.description.data_paths.empty()) scene.description.data_paths = environmentDataPaths();
+  Instantiation(scene, factory, modules).run();
+  if (scene.diagnostics.hasErrors()) throw SceneError(std::move(scene.diagnostics));
+  return scene;
+}
+
+Scene loadScene(const std::string& file, const std::vector<Override>& overrides, Factory& factory, Modules& modules,
+                const ReadLimits& limits) {
+  Diagnostics diagnostics;
+  SceneDescription description = readScene(file, overrides, limits, diagnostics);
+  // Without a tree there is nothing more to find; with one, an unreadable include does not hide the other problems.
+  if (description.root.where.file.empty()) throw SceneError(std::move(diagnostics));
+  return instantiate(std::move(description), factory, modules, std::move(diagnostics));
+}
+
+Component* findComponent(Node& root, std::string_view path) {
+  if (path.starts_with("/")) path.remove_prefix(1);
+  const auto search = [&root](std::string_view rest) -> Component* {
+    Node* node = &root;
+    for (auto slash = rest.find('/'); slash != std::string_view::npos; slash = rest.find('/')) {
+      node = node->findChild(rest.substr(0, slash));
+      if (!node) return nullptr;
+      rest.remove_prefix(slash + 1);
+    }
+    return node->findByName(rest);
+  };
+  if (Component* found = search(path)) return found;
+  const std::string prefix = root.name() + "/";
+  return path.starts_with(prefix) ? search(path.substr(prefix.size())) : nullptr;
+}
+
+}  // namespace stroma
