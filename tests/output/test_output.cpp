@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// WriteState, Monitor and EnergyMonitor on particles whose motion is known.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "framework/simulation/simulation.h"
+#include "framework/simulation/state_file.h"
+
+namespace stroma {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Output : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::path(testing::TempDir()) /
+              (std::string("output_") + testing::UnitTest::GetInstance()->current_test_info()->name());
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+    before_ = fs::current_path();
+    fs::current_path(folder_);
+  }
+  void TearDown() override {
+    fs::current_path(before_);
+    fs::remove_all(folder_);
+  }
+
+  Scene scene(const std::string& observers) {
+    const std::string xml = R"(<Node name="root" dt="0.1" gravity="0 -10 0">
+      <EulerExplicitSolver/>
+      <MechanicalObject name="dofs" position="0 0 0  1 0 0  2 0 0" velocity="0 0 0  0 3 0  1 0 0"/>
+      <UniformMass totalMass="6"/>)" +
+                            observers + "</Node>";
+    Diagnostics diagnostics;
+    SceneDescription description;
+    description.root = readXml(xml, "test.xml", {}, diagnostics);
+    description.file = "test.xml";
+    return instantiate(std::move(description), factory_, modules_, std::move(diagnostics));
+  }
+  void run(const std::string& observers, int steps) {
+    Simulation simulation(scene(observers));
+    simulation.begin();
+    for (int i = 0; i < steps; ++i) ASSERT_FALSE(simulation.step().diverged);
+    simulation.end();
+  }
+  std::string errorOf(const std::string& observers) {
+    try {
+      Simulation simulation(scene(observers));
+    } catch (const SceneError& error) {
+      return error.diagnostics().text();
+    }
+    return "no error";
+  }
+
+  Factory factory_;
+  Modules modules_{factory_};
+  fs::path folder_, before_;
+};
+
+std::vector<double> times(const std::vector<StateFrame>& frames) {
+  std::vector<double> out;
+  for (const StateFrame& frame : frames) out.push_back(std::round(1e6 * frame.time) / 1e6);
+  return out;
+}
+
+/// The rows of numbers of a text file; lines that start with # are left out.
+std::vector<std::vector<double>> columns(const std::string& file) {
+  std::ifstream stream(file);
+  std::vector<std::vector<double>> rows;
+  for (std::string line; std::getline(stream, line);) {
+    if (line.starts_with('#')) continue;
+    std::istringstream words(line);
+    rows.emplace_back(std::istream_iterator<double>(words), std::istream_iterator<double>());
+  }
+  return rows;
+}
+
+bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+TEST_F(Output, WriteStateWritesEveryStepFromTheStartToTheLast) {
+  run(R"(<WriteState filename="a.state.gz" writeV="true" writeX0="true"/>)", 4);
+  const auto frames = readStateFile("a.state.gz");
+  EXPECT_EQ(times(frames), (std::vector<double>{0, 0.1, 0.2, 0.3, 0.4}));
+  EXPECT_EQ(frames[4].x0[2], Vec3(2, 0, 0));
+  EXPECT_EQ(frames[0].v[1], Vec3(0, 3, 0));
+  EXPECT_NEAR(frames[4].v[1].y(), 3 - 10 * 0.4, 1e-13);
+  EXPECT_TRUE(frames[4].f.empty());
+}
+
+TEST_F(Output, WriteStateKeepsToItsTimesAndPeriod) {
+  run(R"(<WriteState name="a" filename="a.state" period="0.2"/>
+         <WriteState name="b" filename="b.state" time="0.1 0.25"/>
+         <WriteState name="c" filename="c.state" time="0.1 0.3" period="0.4"/>)",
+      9);
+  EXPECT_EQ(times(readStateFile("a.state")), (std::vector<double>{0, 0.2, 0.4, 0.6, 0.8}));
+  EXPECT_EQ(times(readStateFile("b.state")), (std::vector<double>{0.1, 0.3}));
+  EXPECT_EQ(times(readStateFile("c.state")), (std::vector<double>{0.1, 0.3, 0.7}));
+}
+
+TEST_F(Output, WriteStateWritesSubsetsAndForces) {
+  run(R"(<WriteState filename="a.state" DOFsX="2 0" writeV="true" DOFsV="1" writeF="true"/>)", 1);
+  const auto frames = readStateFile("a.state");
+  ASSERT_EQ(frames.size(), 2u);
+  EXPECT_EQ(frames[0].x, (std::vector<Vec3>{{2, 0, 0}, {0, 0, 0}}));
+  EXPECT_EQ(frames[0].v, (std::vector<Vec3>{{0, 3, 0}}));
+  for (const StateFrame& frame : frames)
+    for (const Vec3& force : frame.f) EXPECT_NEAR((force - Vec3(0, -20, 0)).norm(), 0, 1e-13);
+}
+
+TEST_F(Output, WriteStateStartsAfreshAfterReset) {
+  Simulation simulation(scene(R"(<WriteState filename="a.state"/>)"));
+  for (int i = 0; i < 3; ++i) simulation.step();
+  simulation.reset();
+  EXPECT_EQ(readStateFile("a.state").size(), 4u);
+  simulation.step();
+  simulation.end();
+  EXPECT_EQ(readStateFile("a.state").size(), 2u);
+}
+
+TEST_F(Output, MonitorWritesColumns) {
+  run(R"(<Monitor name="tip" indices="2 1" ExportPositions="true" ExportVelocities="true" ExportForces="true"/>)", 2);
+  const auto x = columns("tip_x.txt"), v = columns("tip_v.txt"), f = columns("tip_f.txt");
+  ASSERT_EQ(x.size(), 3u);
+  EXPECT_EQ(x[0], (std::vector<double>{0, 2, 0, 0, 1, 0, 0}));
+  EXPECT_NEAR(x[2][1], 2.2, 1e-14);
+  ASSERT_EQ(v.size(), 3u);
+  EXPECT_NEAR(v[2][5], 3 - 2, 1e-13);
+  ASSERT_EQ(f.size(), 3u);
+  for (const auto& row : f) EXPECT_NEAR(row[2], -20, 1e-13);
+}
+
+TEST_F(Output, EnergyMonitorWritesTheBalance) {
+  run(R"(<EnergyMonitor filename="energy.txt" exportEveryNumberOfSteps="2"/>)", 5);
+  const auto rows = columns("energy.txt");
+  ASSERT_EQ(rows.size(), 3u);
+  EXPECT_NEAR(rows[1][0], 0.2, 1e-15);
+  // 2 kg each, 3 m/s and 1 m/s: 9 + 1 J; potential zero at height zero
+  EXPECT_NEAR(rows[0][1], 10, 1e-13);
+  EXPECT_EQ(rows[0][2], 0);
+  EXPECT_NEAR(rows[0][3], 0, 1e-13);
+  EXPECT_EQ(rows[0][5], 0);
+  for (const auto& row : rows) {
+    EXPECT_NEAR(row[4], row[1] + row[2] + row[3], 1e-12);
+    EXPECT_NEAR(row[5], row[4] - rows[0][4], 1e-12);
+  }
+  // Euler's error in a constant field: half of m g^2 dt^2 a step and body, down or up with the order of the updates
+  EXPECT_NEAR(std::abs(rows[2][5]), 0.5 * 6 * 100 * 0.01 * 4, 1e-10);
+}
+
+TEST_F(Output, MistakesAreNamed) {
+  const std::pair<const char*, const char*> cases[] = {
+      {R"(<WriteState/>)", "filename"},
+      {R"(<WriteState filename="a" writeX="false"/>)", "nothing to write"},
+      {R"(<WriteState filename="a" DOFsX="3"/>)", "nodes 0 to 2"},
+      {R"(<WriteState filename="a" time="1 0.5"/>)", "not ascending"},
+      {R"(<WriteState filename="a" period="-1"/>)", "period"},
+      {R"(<Monitor indices="-1" ExportForces="true"/>)", "nodes 0 to 2"},
+      {R"(<Monitor ExportForces="true"/>)", "indices"},
+      {R"(<EnergyMonitor filename="e" exportEveryNumberOfSteps="0"/>)", "exportEveryNumberOfSteps"},
+  };
+  for (const auto& [observer, expected] : cases) EXPECT_TRUE(has(errorOf(observer), expected)) << errorOf(observer);
+  EXPECT_TRUE(fs::is_empty(folder_)) << "a scene that does not load writes nothing";
+}
+
+}  // namespace
+}  // namespace stroma
