@@ -1,0 +1,57 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""tools/setup without doing any of its work: usage, and what it says when packages are missing and cannot be installed.
+Programs that it calls are replaced by small ones in a folder at the front of PATH."""
+import os
+import subprocess
+import sys
+import tempfile
+
+
+def main():
+    setup = os.path.join(sys.argv[1], "tools", "setup")
+    assert subprocess.run(["bash", "-n", setup]).returncode == 0
+    assert subprocess.run(["bash", "-n", os.path.join(sys.argv[1], ".ci", "run")]).returncode == 0
+
+    def run(*arguments, programs=None):
+        with tempfile.TemporaryDirectory() as folder:
+            for name, body in (programs or {}).items():
+                path = os.path.join(folder, name)
+                with open(path, "w", encoding="ascii") as file:
+                    file.write("#!/bin/sh\n" + body + "\n")
+                os.chmod(path, 0o755)
+            environment = dict(os.environ, PATH=folder + ":" + os.environ["PATH"])
+            return subprocess.run(["bash", setup, *arguments], capture_output=True, text=True, env=environment,
+                                  stdin=subprocess.DEVNULL, timeout=60)
+
+    result = run("--help")
+    assert result.returncode == 0 and "tools/setup run" in result.stdout, result
+    for wrong in ((), ("tset",), ("test", "--fast"), ("test", "-j", "many")):
+        result = run(*wrong)
+        assert result.returncode == 2 and "tools/setup" in result.stderr, (wrong, result)
+
+    none_installed = {"dpkg-query": "exit 1"}
+    result = run("install", programs={**none_installed, "id": "echo 1000", "sudo": "exit 1"})
+    assert result.returncode == 3, result
+    assert "apt-get install" in result.stderr and "libvtk9-dev" in result.stderr and "nobody" in result.stderr, result
+
+    result = run("install", programs={**none_installed, "id": "echo 0", "apt-get": "exit 100"})
+    assert result.returncode == 3 and "could not install" in result.stderr, result
+
+    # As root without a terminal it installs, once, everything that is missing.
+    with tempfile.TemporaryDirectory() as folder:
+        log = os.path.join(folder, "log")
+        result = run("install", programs={"dpkg-query": 'case "$*" in *libgmsh*) exit 1;; *) printf installed;; esac',
+                                          "id": "echo 0", "apt-get": f'echo "$@" >> {log}'})
+        assert result.returncode == 0, result
+        with open(log, encoding="ascii") as file:
+            calls = file.read().strip().split("\n")
+        assert len(calls) == 1 and calls[0].endswith("libgmsh-dev") and "install -y" in calls[0], calls
+
+    result = run("install", programs={"dpkg-query": "printf installed", "apt-get": "exit 1", "sudo": "exit 1"})
+    assert result.returncode == 0 and result.stdout == "", result
+    print("tools/setup says and does what it should")
+
+
+if __name__ == "__main__":
+    main()

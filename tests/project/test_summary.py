@@ -1,0 +1,41 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""tools/summarise_tests.py must count what ctest's JUnit file says, and must not be good by mistake."""
+import os
+import subprocess
+import sys
+import tempfile
+
+PASS = '<testcase name="a" status="run"/>'
+FAIL = '<testcase name="b" status="fail"><failure message=""/><system-out>bad \x01</system-out></testcase>'
+SKIP = '<testcase name="c" status="notrun"><skipped message="SKIP_REGULAR_EXPRESSION_MATCHED"/></testcase>'
+CODE = '<testcase name="d" status="notrun"><skipped message="SKIP_RETURN_CODE=77"/></testcase>'
+GONE = '<testcase name="e" status="notrun"><skipped message="Unable to find executable"/></testcase>'
+OFF = '<testcase name="f" status="disabled"/>'
+CASES = [  # cases, exit code of ctest, last line, exit code
+    ([PASS, PASS], 0, "2 passed, 0 failed", 0),
+    ([PASS, FAIL], 8, "1 passed, 1 failed", 1),
+    ([PASS, SKIP, CODE, OFF], 0, "1 passed, 0 failed, 3 skipped", 0),
+    ([PASS, GONE], 8, "1 passed, 1 failed", 1),
+    ([PASS, GONE], 0, "1 passed, 1 failed", 1),
+    ([PASS], 8, "1 passed, 1 failed", 1),  # ctest says that something went wrong
+    ([SKIP], 0, "0 passed, 0 failed, 1 skipped", 1),
+    ([], 0, "0 passed, 0 failed", 1),
+]
+
+
+def main():
+    script = os.path.join(sys.argv[1], "tools", "summarise_tests.py")
+    with tempfile.TemporaryDirectory() as folder:
+        for cases, ctest_code, last_line, code in CASES:
+            path = os.path.join(folder, "tests.xml")
+            with open(path, "w", encoding="utf-8") as file:
+                file.write('<?xml version="1.0" encoding="UTF-8"?><testsuite>' + "".join(cases) + "</testsuite>")
+            result = subprocess.run([sys.executable, script, path, str(ctest_code)], capture_output=True, text=True)
+            got = result.stdout.strip().split("\n")[-1]
+            assert (got, result.returncode) == (last_line, code), (cases, got, result.returncode, result.stderr)
+    print(f"{len(CASES)} summaries as expected")
+
+
+if __name__ == "__main__":
+    main()
