@@ -1,0 +1,294 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Selects the nodes and cells of a mesh that lie in a region: boxes (BoxROI) or spheres (SphereROI).
+//
+// The outputs are link sources: indices="@roi.indices". A node on the border is inside. A cell is inside when all its
+// nodes are (strict="true") or when the mean of its nodes is (strict="false"). The nodes tested are `position`, else
+// the rest positions of the state of the node, else those of its topology, else the nearest state or topology above.
+// The cells tested are those given, else the lists of the topology of the node or above; their indices count in these
+// lists.
+//
+// BoxROI: `box` lists axis-aligned boxes (x y z of one corner, x y z of the opposite one). `orientedBox` lists boxes of
+// ten numbers, three corners p0 p1 p2 of a parallelogram and a depth d: points p1 + a (p0 - p1) + b (p2 - p1) + c n
+// with 0 <= a, b <= 1, |c| <= d/2 and n the unit normal (borders widened by 1e-9 of the box, for round-off). SphereROI:
+// `centers` and `radii`, one radius for each centre or one for all.
+//
+// Unlike SOFA a region that is not given is an error (there: the unit cube), and so is an empty selection, unless
+// allowEmpty="true": a clamp that holds nothing is otherwise seen only in the result.
+//
+// Source: the attributes are SOFA's.
+//
+// Example:
+// <Node name="root">
+//   <RegularGridTopology name="grid" n="5 3 3" min="0 0 0" max="4 2 2"/>
+//   <BoxROI name="clamped" box="-0.1 -0.1 -0.1 0.1 2.1 2.1"/>
+//   <SphereROI name="pulled" centers="4 1 1" radii="0.5"/>
+// </Node>
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <cmath>
+
+#include "framework/mechanics/state.h"
+#include "framework/mesh/topology.h"
+#include "framework/scene/factory.h"
+
+namespace stroma {
+namespace {
+
+class RegionOfInterest : public Component {
+ public:
+  std::string roleText() const override { return "selection"; }
+  void declare(DataTable& table) override;
+  void init() override;
+
+ protected:
+  virtual void prepare() = 0;  ///< checks the region; throws ComponentError
+  virtual bool contains(const Vec3& p) const = 0;
+  virtual std::string describeRegion() const = 0;
+
+ private:
+  template <class Cell>
+  struct Selection {
+    std::vector<Cell> cells;  ///< tested
+    std::vector<int> indices, outside;
+    std::vector<Cell> inside_cells;
+  };
+  template <class Cell>
+  void declareCells(DataTable& table, Selection<Cell>& selection, const std::string& one, const std::string& many,
+                    const std::string& alias);
+  void findPositions();
+  template <class Cell>
+  void takeCells(Selection<Cell>& selection, const char* attribute, const std::vector<Cell>& from);
+  template <class Cell>
+  void select(Selection<Cell>& selection, bool wanted) const;
+  [[noreturn]] void failEmpty() const;
+
+  std::vector<Vec3> position_, points_inside_, points_outside_;
+  std::vector<int> indices_, outside_;
+  int count_ = 0;
+  Selection<Edge> edges_;
+  Selection<Triangle> triangles_;
+  Selection<Quad> quads_;
+  Selection<Tetrahedron> tetrahedra_;
+  Selection<Hexahedron> hexahedra_;
+  bool do_edges_ = true, do_triangles_ = true, do_quads_ = true, do_tetrahedra_ = true, do_hexahedra_ = true;
+  bool strict_ = true, allow_empty_ = false, update_ = false;
+  std::vector<char> inside_;  ///< of each node
+};
+
+template <class Cell>
+void RegionOfInterest::declareCells(DataTable& table, Selection<Cell>& selection, const std::string& one,
+                                    const std::string& many, const std::string& alias) {
+  Data& given = table.add(many, selection.cells).help(many + " tested; default: those of the topology");
+  if (!alias.empty()) given.alias(alias);
+  table.add(one + "Indices", selection.indices).help(many + " inside, by index").output();
+  table.add(one + "OutIndices", selection.outside).help(many + " outside, by index").output();
+  table.add(many + "InROI", selection.inside_cells).help(many + " inside, by nodes").output();
+}
+
+void RegionOfInterest::declare(DataTable& table) {
+  table.add("position", position_)
+      .alias("rest_position")
+      .unit("m")
+      .help("nodes tested; default: those of the state or topology");
+  table.add("strict", strict_).help("a cell is inside when all its nodes are; false: when its centre is");
+  table.add("allowEmpty", allow_empty_).help("an empty selection is no error");
+  table.add("computeEdges", do_edges_).help("select edges");
+  table.add("computeTriangles", do_triangles_).help("select triangles");
+  table.add("computeQuads", do_quads_).help("select quads");
+  table.add("computeTetrahedra", do_tetrahedra_).help("select tetrahedra");
+  table.add("computeHexahedra", do_hexahedra_).help("select hexahedra");
+  table.add("doUpdate", update_).help("accepted for SOFA's scenes: the selection is made once, at rest");
+  declareCells(table, edges_, "edge", "edges", "");
+  declareCells(table, triangles_, "triangle", "triangles", "");
+  declareCells(table, quads_, "quad", "quads", "");
+  declareCells(table, tetrahedra_, "tetrahedron", "tetrahedra", "tetras");
+  declareCells(table, hexahedra_, "hexahedron", "hexahedra", "hexas");
+  table.add("indices", indices_).help("nodes inside, ascending").output();
+  table.add("indicesOut", outside_).alias("indicesOutside").help("nodes outside, ascending").output();
+  table.add("pointsInROI", points_inside_).unit("m").help("positions of the nodes inside").output();
+  table.add("pointsOutROI", points_outside_).unit("m").help("positions of the nodes outside").output();
+  table.add("nbIndices", count_).help("number of nodes inside").output();
+  for (const char* name : {"drawROI", "drawBoxes", "drawSphere", "drawPoints", "drawEdges", "drawTriangles",
+                           "drawQuads", "drawTetrahedra", "drawHexahedra", "drawSize"})
+    table.addVisualOnly(name);
+}
+
+void RegionOfInterest::init() {
+  if (update_) warn("the selection is made once, at rest: doUpdate is not used", "doUpdate=\"false\"");
+  prepare();
+  findPositions();
+  if (const auto* topology = find<Topology>(true)) {
+    const Mesh& mesh = topology->mesh();
+    takeCells(edges_, "edges", mesh.edges);
+    takeCells(triangles_, "triangles", mesh.triangles);
+    takeCells(quads_, "quads", mesh.quads);
+    takeCells(tetrahedra_, "tetrahedra", mesh.tetrahedra);
+    takeCells(hexahedra_, "hexahedra", mesh.hexahedra);
+  }
+  inside_.resize(position_.size());
+  for (std::size_t n = 0; n < position_.size(); ++n) {
+    inside_[n] = contains(position_[n]);
+    (inside_[n] ? indices_ : outside_).push_back(int(n));
+    (inside_[n] ? points_inside_ : points_outside_).push_back(position_[n]);
+  }
+  count_ = int(indices_.size());
+  select(edges_, do_edges_);
+  select(triangles_, do_triangles_);
+  select(quads_, do_quads_);
+  select(tetrahedra_, do_tetrahedra_);
+  select(hexahedra_, do_hexahedra_);
+  const bool any_cell = !edges_.indices.empty() || !triangles_.indices.empty() || !quads_.indices.empty() ||
+                        !tetrahedra_.indices.empty() || !hexahedra_.indices.empty();
+  if (indices_.empty() && !any_cell && !allow_empty_) failEmpty();
+}
+
+void RegionOfInterest::findPositions() {
+  if (data().find("position")->isSet()) {
+    if (position_.empty()) throw ComponentError("position is empty", "a list of nodes");
+    return;
+  }
+  for (const bool upwards : {false, true}) {
+    if (const auto* state = find<State>(upwards)) return void(position_ = state->rest_position);
+    if (const auto* topology = find<Topology>(upwards)) return void(position_ = topology->mesh().position);
+  }
+  throw ComponentError("there are no nodes to select from", "a state or topology in the node or above, or position");
+}
+
+template <class Cell>
+void RegionOfInterest::takeCells(Selection<Cell>& selection, const char* attribute, const std::vector<Cell>& from) {
+  if (!data().find(attribute)->isSet()) selection.cells = from;
+}
+
+template <class Cell>
+void RegionOfInterest::select(Selection<Cell>& selection, bool wanted) const {
+  if (!wanted) return;
+  for (std::size_t c = 0; c < selection.cells.size(); ++c) {
+    const Cell& cell = selection.cells[c];
+    bool all = true;
+    Vec3 centre = Vec3::Zero();
+    for (const Index node : cell) {
+      if (node < 0 || std::size_t(node) >= position_.size())
+        throw ComponentError(fmt::format("a cell names node {}, but there are {} positions", node, position_.size()),
+                             "cells and positions of one mesh");
+      all = all && inside_[std::size_t(node)];
+      centre += position_[std::size_t(node)] / double(cell.size());
+    }
+    const bool is_inside = strict_ ? all : contains(centre);
+    (is_inside ? selection.indices : selection.outside).push_back(int(c));
+    if (is_inside) selection.inside_cells.push_back(cell);
+  }
+}
+
+void RegionOfInterest::failEmpty() const {
+  Vec3 low = position_.front(), high = low;
+  for (const Vec3& p : position_) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  throw ComponentError(
+      fmt::format("the selection is empty: none of {} nodes is in {}; they lie in ({:.4g} {:.4g} {:.4g}) to ({:.4g} "
+                  "{:.4g} {:.4g})",
+                  position_.size(), describeRegion(), low.x(), low.y(), low.z(), high.x(), high.y(), high.z()),
+      "a region with nodes, or allowEmpty=\"true\"");
+}
+
+class BoxROI : public RegionOfInterest {
+ public:
+  void declare(DataTable& table) override {
+    table.add("box", box_).unit("m").help("boxes of six numbers: one corner and the opposite one");
+    table.add("orientedBox", oriented_box_)
+        .unit("m")
+        .help("boxes of ten numbers: three corners of a face, and the depth");
+    RegionOfInterest::declare(table);
+  }
+
+ protected:
+  void prepare() override;
+  bool contains(const Vec3& p) const override;
+  std::string describeRegion() const override {
+    return low_.size() + oriented_.size() == 1 ? "the box"
+                                               : fmt::format("the {} boxes", low_.size() + oriented_.size());
+  }
+
+ private:
+  /// Corner, and the map of p - corner to (a, b, c): a box is 0 <= a, b <= 1, |c| <= 1/2.
+  struct Oriented {
+    Vec3 corner;
+    Mat3 to_unit;
+  };
+  std::vector<double> box_, oriented_box_;
+  std::vector<Vec3> low_, high_;
+  std::vector<Oriented> oriented_;
+};
+
+void BoxROI::prepare() {
+  if (box_.empty() && oriented_box_.empty()) throw ComponentError("no box is given", "box or orientedBox");
+  if (box_.size() % 6 != 0)
+    throw ComponentError(fmt::format("box has {} numbers", box_.size()), "six for each box: x y z of two corners");
+  if (oriented_box_.size() % 10 != 0)
+    throw ComponentError(fmt::format("orientedBox has {} numbers", oriented_box_.size()),
+                         "ten for each box: three points and a depth");
+  for (std::size_t i = 0; i < box_.size(); i += 6) {
+    const Vec3 a(box_[i], box_[i + 1], box_[i + 2]), b(box_[i + 3], box_[i + 4], box_[i + 5]);
+    low_.push_back(a.cwiseMin(b)), high_.push_back(a.cwiseMax(b));
+  }
+  for (std::size_t i = 0; i < oriented_box_.size(); i += 10) {
+    const double* v = oriented_box_.data() + i;
+    const Vec3 p0(v[0], v[1], v[2]), p1(v[3], v[4], v[5]), p2(v[6], v[7], v[8]);
+    const Vec3 normal = (p1 - p0).cross(p2 - p0);
+    if (!(normal.norm() > 0) || v[9] == 0)
+      throw ComponentError("an oriented box has no volume", "three points that are not in a line, and a depth");
+    Mat3 axes;
+    axes << p0 - p1, p2 - p1, normal.normalized() * std::abs(v[9]);
+    oriented_.push_back({p1, axes.inverse()});
+  }
+}
+
+bool BoxROI::contains(const Vec3& p) const {
+  for (std::size_t b = 0; b < low_.size(); ++b)
+    if ((p.array() >= low_[b].array()).all() && (p.array() <= high_[b].array()).all()) return true;
+  constexpr double slack = 1e-9;
+  for (const Oriented& box : oriented_) {
+    const Vec3 abc = box.to_unit * (p - box.corner);
+    if (abc[0] >= -slack && abc[0] <= 1 + slack && abc[1] >= -slack && abc[1] <= 1 + slack &&
+        std::abs(abc[2]) <= 0.5 + slack)
+      return true;
+  }
+  return false;
+}
+
+class SphereROI : public RegionOfInterest {
+ public:
+  void declare(DataTable& table) override {
+    table.add("centers", centers_).unit("m").help("centres of the spheres");
+    table.add("radii", radii_).unit("m").help("a radius for each centre, or one for all").min(0);
+    RegionOfInterest::declare(table);
+  }
+
+ protected:
+  void prepare() override {
+    if (centers_.empty()) throw ComponentError("no sphere is given", "centers and radii");
+    if (radii_.size() != 1 && radii_.size() != centers_.size())
+      throw ComponentError(fmt::format("there are {} radii for {} centers", radii_.size(), centers_.size()),
+                           "one radius for each centre, or one for all");
+  }
+  bool contains(const Vec3& p) const override {
+    for (std::size_t s = 0; s < centers_.size(); ++s)
+      if ((p - centers_[s]).norm() <= radii_[radii_.size() == 1 ? 0 : s]) return true;
+    return false;
+  }
+  std::string describeRegion() const override {
+    return centers_.size() == 1 ? "the sphere" : fmt::format("the {} spheres", centers_.size());
+  }
+
+ private:
+  std::vector<Vec3> centers_;
+  std::vector<double> radii_;
+};
+
+}  // namespace
+}  // namespace stroma
+
+STROMA_COMPONENT(region_of_interest) {
+  factory.add<stroma::BoxROI>("BoxROI", "selects the nodes and cells in boxes");
+  factory.add<stroma::SphereROI>("SphereROI", "selects the nodes and cells in spheres");
+}

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Reads a mesh in VTK's formats: legacy .vtk (ASCII or binary, versions 1 to 5.1) and XML .vtu and .vtp.
+//
+// Which of them it is, is seen from the content. Lines, triangles, quads, tetrahedra and hexahedra are read, pixels and
+// voxels turned into quads and hexahedra, polylines into edges, strips and polygons into triangles (around their first
+// corner). Vertices, wedges and pyramids are counted and reported; quadratic cells are an error.
+//
+// Source: VTK's readers (vtkGenericDataObjectReader, vtkXMLGenericDataObjectReader); the attributes are SOFA's.
+//
+// Example:
+// <Node name="root">
+//   <MeshVTKLoader name="loader" filename="meshes/block.vtk"/>
+//   <TetrahedronSetTopologyContainer name="tets" src="@loader"/>
+// </Node>
+#include <fmt/format.h>
+#include <vtkCell.h>
+#include <vtkCellType.h>
+#include <vtkCellTypes.h>
+#include <vtkDataSet.h>
+#include <vtkGenericDataObjectReader.h>
+#include <vtkIdList.h>
+#include <vtkObjectFactory.h>
+#include <vtkOutputWindow.h>
+#include <vtkSmartPointer.h>
+#include <vtkXMLGenericDataObjectReader.h>
+
+#include <fstream>
+#include <map>
+
+#include "framework/mesh/mesh_loader.h"
+#include "framework/scene/factory.h"
+
+namespace stroma {
+namespace {
+
+/// Keeps what VTK would print, and gives VTK its own window back at the end.
+class CapturedOutput : public vtkOutputWindow {
+ public:
+  static CapturedOutput* New();
+  vtkTypeMacro(CapturedOutput, vtkOutputWindow);
+  void DisplayText(const char* text) override { text_ += text; }
+  const std::string& text() const { return text_; }
+
+ private:
+  std::string text_;
+};
+vtkStandardNewMacro(CapturedOutput);
+
+class Capture {
+ public:
+  Capture() : before_(vtkOutputWindow::GetInstance()), window_(vtkSmartPointer<CapturedOutput>::New()) {
+    vtkOutputWindow::SetInstance(window_);
+  }
+  ~Capture() { vtkOutputWindow::SetInstance(before_); }
+  Capture(const Capture&) = delete;
+  Capture& operator=(const Capture&) = delete;
+  bool hasError() const { return window_->text().find("ERROR") != std::string::npos; }
+  /// The first error, without VTK's own file, line and address.
+  std::string message() const {
+    std::string text = window_->text();
+    const std::size_t begin = text.find("): ");
+    if (begin != std::string::npos) text = text.substr(begin + 3);
+    text = text.substr(0, text.find('\n'));
+    return text;
+  }
+
+ private:
+  vtkSmartPointer<vtkOutputWindow> before_;
+  vtkSmartPointer<CapturedOutput> window_;
+};
+
+class MeshVTKLoader : public MeshLoader {
+ protected:
+  void read(const std::string& file, Mesh& mesh) override {
+    const std::string name = file.substr(file.rfind('/') + 1);
+    Capture capture;
+    const vtkSmartPointer<vtkDataSet> data = readDataSet(file, name);
+    if (capture.hasError()) throw ComponentError(fmt::format("{}: VTK says: {}", name, capture.message()));
+    if (!data)
+      throw ComponentError(fmt::format("{} holds no mesh that VTK can read", name),
+                           "an unstructured grid, poly data or a grid");
+    convert(*data, name, mesh);
+    for (const auto& [what, count] : skipped_) inform(fmt::format("{} cells of kind {} are not used", count, what));
+  }
+
+ private:
+  vtkSmartPointer<vtkDataSet> readDataSet(const std::string& file, const std::string& name) const;
+  void convert(vtkDataSet& data, const std::string& name, Mesh& mesh);
+  void addCell(int type, const std::vector<Index>& n, const std::string& name, Mesh& mesh);
+
+  std::map<std::string, long> skipped_;
+};
+
+vtkSmartPointer<vtkDataSet> MeshVTKLoader::readDataSet(const std::string& file, const std::string& name) const {
+  std::ifstream stream(file, std::ios::binary);
+  std::string start(256, '\0');
+  stream.read(start.data(), std::streamsize(start.size()));
+  start.resize(std::size_t(stream.gcount()));
+  if (start.starts_with("# vtk")) {
+    const auto reader = vtkSmartPointer<vtkGenericDataObjectReader>::New();
+    reader->SetFileName(file.c_str());
+    reader->Update();
+    return vtkDataSet::SafeDownCast(reader->GetOutput());
+  }
+  if (start.find("<VTKFile") != std::string::npos) {
+    const auto reader = vtkSmartPointer<vtkXMLGenericDataObjectReader>::New();
+    reader->SetFileName(file.c_str());
+    reader->Update();
+    return vtkDataSet::SafeDownCast(reader->GetOutput());
+  }
+  throw ComponentError(fmt::format("{} is not a file of VTK", name),
+                       "a first line '# vtk DataFile' or an element <VTKFile");
+}
+
+void MeshVTKLoader::convert(vtkDataSet& data, const std::string& name, Mesh& mesh) {
+  mesh.position.resize(std::size_t(data.GetNumberOfPoints()));
+  for (std::size_t n = 0; n < mesh.position.size(); ++n) data.GetPoint(vtkIdType(n), mesh.position[n].data());
+  const auto ids = vtkSmartPointer<vtkIdList>::New();
+  std::vector<Index> nodes;
+  for (vtkIdType c = 0; c < data.GetNumberOfCells(); ++c) {
+    data.GetCellPoints(c, ids);
+    nodes.clear();
+    for (vtkIdType k = 0; k < ids->GetNumberOfIds(); ++k) {
+      if (ids->GetId(k) < 0 || ids->GetId(k) >= data.GetNumberOfPoints())
+        throw ComponentError(fmt::format("{}: cell {} names node {}, but there are {} nodes", name, c, ids->GetId(k),
+                                         data.GetNumberOfPoints()));
+      nodes.push_back(Index(ids->GetId(k)));
+    }
+    addCell(data.GetCellType(c), nodes, name, mesh);
+  }
+}
+
+void MeshVTKLoader::addCell(int type, const std::vector<Index>& n, const std::string& name, Mesh& mesh) {
+  const auto fan = [&mesh, &n] {
+    for (std::size_t i = 1; i + 1 < n.size(); ++i) mesh.triangles.push_back({n[0], n[i], n[i + 1]});
+  };
+  switch (type) {
+    case VTK_LINE:
+    case VTK_POLY_LINE:
+      for (std::size_t i = 0; i + 1 < n.size(); ++i) mesh.edges.push_back({n[i], n[i + 1]});
+      return;
+    case VTK_TRIANGLE:
+    case VTK_POLYGON:
+      return n.size() == 4 ? mesh.quads.push_back({n[0], n[1], n[2], n[3]}) : fan();
+    case VTK_TRIANGLE_STRIP:
+      // Every second triangle of a strip turns the other way.
+      for (std::size_t i = 0; i + 2 < n.size(); ++i)
+        mesh.triangles.push_back(i % 2 ? Triangle{n[i + 1], n[i], n[i + 2]} : Triangle{n[i], n[i + 1], n[i + 2]});
+      return;
+    case VTK_QUAD:
+      return mesh.quads.push_back({n[0], n[1], n[2], n[3]});
+    case VTK_PIXEL:
+      return mesh.quads.push_back({n[0], n[1], n[3], n[2]});
+    case VTK_TETRA:
+      return mesh.tetrahedra.push_back({n[0], n[1], n[2], n[3]});
+    case VTK_VOXEL:
+      return mesh.hexahedra.push_back({n[0], n[1], n[3], n[2], n[4], n[5], n[7], n[6]});
+    case VTK_HEXAHEDRON:
+      return mesh.hexahedra.push_back({n[0], n[1], n[2], n[3], n[4], n[5], n[6], n[7]});
+    default:
+      break;
+  }
+  const std::string kind = vtkCellTypes::GetClassNameFromTypeId(type);
+  if (!vtkCellTypes::IsLinear(static_cast<unsigned char>(type)))
+    throw ComponentError(fmt::format("{}: cells of kind {} are not supported", name, kind), "linear cells");
+  ++skipped_[kind];
+}
+
+}  // namespace
+}  // namespace stroma
+
+STROMA_COMPONENT(mesh_vtk_loader) {
+  factory.add<stroma::MeshVTKLoader>("MeshVTKLoader", "reads a mesh in VTK's formats (.vtk, .vtu, .vtp)");
+}
