@@ -3,7 +3,6 @@
 #include <tinyxml2.h>
 
 #include <filesystem>
-#include <unordered_set>
 
 #include "framework/scene/load.h"
 #include "framework/scene/text.h"
@@ -43,15 +42,10 @@ class Reader {
  private:
   SourceLocation attributesOf(const tinyxml2::XMLElement& element, std::vector<AttributeDescription>& attributes) {
     const XmlPositions::Tag& tag = positions_.tags.at(next_tag_++);
-    std::unordered_set<std::string_view> seen;
     std::size_t position = tag.first_attribute;
     for (const auto* attribute = element.FirstAttribute(); attribute; attribute = attribute->Next(), ++position) {
       const TextPosition at = positions_.attributes.at(position);
       SourceLocation where{file_, at.line, at.column};
-      if (!seen.insert(attribute->Name()).second) {
-        diagnostics_.error(where, {}, "attribute " + inQuotes(attribute->Name()) + " is written twice in one element");
-        continue;
-      }
       attributes.push_back({attribute->Name(), attribute->Value(), std::move(where)});
     }
     return {file_, tag.where.line, tag.where.column};

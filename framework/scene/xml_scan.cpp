@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "framework/scene/xml_scan.h"
 
+#include <algorithm>
+
 #include "framework/scene/text.h"
 
 namespace stroma {
@@ -89,17 +91,20 @@ class Scanner {
     positions_.tags.push_back({where, positions_.attributes.size()});
     ++at_;
     const std::string_view tag = name();
+    names_.clear();
     if (tag.empty()) return fail(where, "'<' is not followed by the name of an element", "&lt; inside a text");
     while (true) {
       spaces();
       if (at_ >= text_.size()) return fail(where, "the file ends inside the tag <" + std::string(tag) + ">", "'>'");
-      if (text_[at_] == '>') {
-        ++at_;
+      const bool closes = text_[at_] == '>';
+      if (closes || text_.substr(at_, 2) == "/>") {
+        at_ += closes ? 1 : 2;
+        if (!namesDiffer()) return false;
+        if (!closes) return true;
         open_.push_back({tag, where});
         return int(open_.size()) <= limits_.depth ||
                fail(where, "elements are nested more than " + std::to_string(limits_.depth) + " deep");
       }
-      if (text_.substr(at_, 2) == "/>") return at_ += 2, true;
       if (!attribute(tag)) return false;
     }
   }
@@ -131,7 +136,17 @@ class Scanner {
                   std::string(1, quote));
     at_ = end + 1;
     positions_.attributes.push_back(where);
+    names_.emplace_back(attribute_name, positions_.attributes.size() - 1);
     return true;
+  }
+
+  /// No attribute is written twice in the tag just read.
+  bool namesDiffer() {
+    std::sort(names_.begin(), names_.end());
+    const auto twin = std::adjacent_find(names_.begin(), names_.end(),
+                                         [](const auto& a, const auto& b) { return a.first == b.first; });
+    return twin == names_.end() || fail(positions_.attributes[(twin + 1)->second],
+                                        "attribute " + inQuotes(twin->first) + " is written twice in one element");
   }
 
   bool endTag() {
@@ -160,6 +175,7 @@ class Scanner {
   std::size_t at_ = 0, counted_ = 0;
   TextPosition position_{1, 1};
   std::vector<Open> open_;
+  std::vector<std::pair<std::string_view, std::size_t>> names_;  ///< of the tag being read, with their positions
 };
 
 }  // namespace

@@ -21,7 +21,7 @@ TEST(Nearest, findsTheNameMeant) {
 TEST(Nearest, aHugeWordCostsNothing) { EXPECT_EQ(nearest(std::string(50'000'000, 'a'), {"abc", "abcd"}), ""); }
 
 TEST(Problem, readsAsOneLine) {
-  const Problem problem{Severity::error, {"a.scn", 3, 7}, "/liver/fem.method", "'lrge' is not a word for it",
+  const Problem problem{Severity::error,        {"a.scn", 3, 7}, "/liver/fem.method", "'lrge' is not a word for it",
                         "one of: small, large", "large"};
   EXPECT_EQ(problem.text(),
             "a.scn:3:7: error: /liver/fem.method: 'lrge' is not a word for it (expected one of: small, large; did you "
