@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The one element loop: gather nodes to packs, call the element's mathematics, scatter; energies; assembly. A force
-// field supplies pure functions of packs and never sees a node number, a thread or a matrix slot.
+// field supplies pure functions of packs and never sees a node number, a thread or a matrix slot. The bodies are
+// flattened: all of an element's mathematics is inlined, so that packs live in registers.
 #pragma once
 #include <array>
 
@@ -42,7 +43,7 @@ class ElementLoop {
   /// kernel(batch, in, out): in[i][a] is node a of input i, out[o][a] starts undefined and is added to output o.
   template <int In, int Out, class Kernel>
   void run(const std::array<ConstRows, In>& input, const std::array<Rows, Out>& output, Kernel&& kernel) const {
-    forEachBatch([&](Index b) {
+    forEachBatch([&](Index b) __attribute__((flatten)) {
       Nodes in[In > 0 ? In : 1], out[Out > 0 ? Out : 1];
       for (int i = 0; i < In; ++i)
         for (int a = 0; a < N; ++a) in[i][a] = gatherRows(input[std::size_t(i)].data, node(b, a));
@@ -60,7 +61,7 @@ class ElementLoop {
   /// Sum over elements of kernel(batch, nodes of x), a pack; blocks are summed in their order.
   template <class Kernel>
   double sum(ConstRows x, Kernel&& kernel) const {
-    forEachBlock([&](Index block) {
+    forEachBlock([&](Index block) __attribute__((flatten)) {
       Pack total(0.);
       for (Index b = arrangement_.block_start[std::size_t(block)]; b < arrangement_.block_start[std::size_t(block) + 1];
            ++b) {
@@ -101,7 +102,7 @@ class ElementLoop {
   /// values (of the matrix the slots belong to) += factor * K, K column by column from product(batch, dx, df).
   template <class Product>
   void assemble(double factor, const std::vector<Index>& slots, std::vector<double>& values, Product&& product) const {
-    forEachBatch([&](Index b) {
+    forEachBatch([&](Index b) __attribute__((flatten)) {
       alignas(64) double element[N * N * 9][pack_lanes];  // [i][j][row][column]
       elementMatrix(b, factor, product, element);
       for (int l = 0; l < pack_lanes; ++l) {
@@ -118,7 +119,7 @@ class ElementLoop {
   /// blocks[row] += factor * diagonal blocks of K, shape (rows, 9).
   template <class Product>
   void assembleDiagonal(double factor, std::vector<double>& blocks, Product&& product) const {
-    forEachBatch([&](Index b) {
+    forEachBatch([&](Index b) __attribute__((flatten)) {
       alignas(64) double element[N * N * 9][pack_lanes];
       elementMatrix(b, factor, product, element);
       for (int l = 0; l < pack_lanes; ++l) {

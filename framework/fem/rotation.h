@@ -14,7 +14,7 @@ template <class T>
 V3<T> unit(const V3<T>& v, const V3<T>& fallback) {
   const T squared = dot(v, v);
   const auto degenerate = squared < T(1e-24);
-  return select(degenerate, fallback, v * (T(1.) / sqrt(select(degenerate, T(1.), squared))));
+  return select(degenerate, fallback, v * reciprocalSqrt(select(degenerate, T(1.), squared)));
 }
 
 /// Some unit vector across the unit vector a.
@@ -23,7 +23,7 @@ V3<T> across(const V3<T>& a) {
   const auto along_x = abs(a.x) > T(0.9);
   const V3<T> axis = select(along_x, V3<T>{T(0.), T(1.), T(0.)}, V3<T>{T(1.), T(0.), T(0.)});
   const V3<T> v = cross(a, axis);
-  return v * (T(1.) / sqrt(dot(v, v)));
+  return v * reciprocalSqrt(dot(v, v));
 }
 
 /// Gram-Schmidt on the columns: first axis along c0, second in the plane of c0 and c1, third their cross product.
@@ -32,42 +32,51 @@ M3<T> gramSchmidt(const M3<T>& f) {
   M3<T> r;
   r.c0 = unit(f.c0, V3<T>{T(1.), T(0.), T(0.)});
   const V3<T> in_plane = fma(-dot(r.c0, f.c1), r.c0, f.c1);
-  const auto flat = dot(in_plane, in_plane) < T(1e-24);
-  if (any(flat))
+  const T squared = dot(in_plane, in_plane);
+  if (any(squared < T(1e-24)))
     r.c1 = unit(in_plane, across(r.c0));
   else
-    r.c1 = in_plane * (T(1.) / sqrt(dot(in_plane, in_plane)));
+    r.c1 = in_plane * reciprocalSqrt(squared);
   r.c2 = cross(r.c0, r.c1);
   return r;
 }
 
-/// The nearest orthogonal matrix to F (a reflection when det F < 0): scaled Newton iteration
-/// Q <- (gamma Q + (gamma Q)^-T) / 2, quadratically convergent for every regular F. A flat F (rank 2) gives its
-/// rotation in the limit; lanes crushed to a line or a point get the Gram-Schmidt frame.
+/// The nearest orthogonal matrix to F (a reflection when det F < 0): the Newton iteration Q <- (gamma Q + (gamma Q)^-T)
+/// / 2, whose singular values are at least 1 after the first step and fall to 1 quadratically. gamma (the scaling of
+/// Higham 1986) only matters while Q is far from orthogonal. A flat F (rank 2) gives its rotation in the limit; lanes
+/// crushed to a line or a point get the Gram-Schmidt frame.
 template <class T>
 M3<T> orthogonalFactor(const M3<T>& f) {
   M3<T> q = f;
   M3<T> c = cofactor(q);
-  const T norm = squaredNorm(q);
-  const auto crushed = squaredNorm(c) <= norm * norm * T(1e-28) || norm < T(1e-200);
+  T size = squaredNorm(q);
+  const auto crushed = squaredNorm(c) <= size * size * T(1e-28) || size < T(1e-200);
   if (any(crushed)) {
     q = select(crushed, gramSchmidt(f), q);
     c = cofactor(q);
+    size = squaredNorm(q);
   }
-  for (int iteration = 0; iteration < 30; ++iteration) {
+  bool close = false;
+  for (int iteration = 0; iteration < 40; ++iteration) {
     T determinant = dot(q.c0, c.c0);
-    // a flat element has determinant zero: any tiny positive number in its place leads to the same limit
-    const T size = squaredNorm(q), floor = size * sqrt(size) * T(1e-30);
-    determinant = select(abs(determinant) < floor, select(determinant < T(0.), -floor, floor), determinant);
+    const auto flat = determinant * determinant < size * size * size * T(1e-40);
+    // a flat element has determinant zero: any tiny number in its place leads to the same limit
+    if (any(flat)) {
+      const T floor = size * sqrt(size) * T(1e-20);
+      determinant = select(flat, select(determinant < T(0.), -floor, floor), determinant);
+    }
     const T inverse = T(1.) / determinant;
-    T gamma(1.);
-    if (iteration < 12) gamma = sqrt(sqrt(squaredNorm(c) * inverse * inverse / size));
-    const T a = T(0.5) * gamma, b = T(0.5) * inverse / gamma;
-    const M3<T> next{c.c0 * b + q.c0 * a, c.c1 * b + q.c1 * a, c.c2 * b + q.c2 * a};
-    const T change = squaredNorm(next - q);
-    q = next;
-    // the error after a step is about half the square of its length: below 1e-16 nothing is left to gain
-    if (!any(change > T(1e-16))) break;
+    T a(0.5), b = T(0.5) * inverse;
+    if (any(abs(size - T(3.)) > T(0.1))) {
+      const T gamma = roughFourthRoot(squaredNorm(c) * inverse * inverse / size);
+      a = a * gamma;
+      b = b / gamma;
+    }
+    q = {fma(a, q.c0, c.c0 * b), fma(a, q.c1, c.c1 * b), fma(a, q.c2, c.c2 * b)};
+    if (close) break;
+    // |Q|^2 - 3 is about twice the error, and a step squares the error: below 3e-8 one more step reaches round-off
+    size = squaredNorm(q);
+    close = !any(size > T(3. + 3e-8));
     c = cofactor(q);
   }
   return q;

@@ -69,22 +69,23 @@ class StoredTangent : public Method {
   using Method::Method;
   void addProduct(ConstRows dx, double factor, Rows df) const override {
     const Pack scale(factor);
-    storage_.loop.run<1, 1>({dx}, {df}, [&](Index b, const auto& in, auto& out) {
-      batchProduct(b, in[0], out[0]);
-      for (auto& v : out[0]) v = v * scale;
-    });
+    storage_.loop.run<1, 1>({dx}, {df},
+                            [&](Index b, const auto& in, auto& out) { batchProduct(b, scale, in[0], out[0]); });
   }
   void assemble(double factor, const std::vector<Index>& slots, std::vector<double>& values) const override {
-    storage_.loop.assemble(factor, slots, values, [&](Index b, const auto& dx, auto& df) { batchProduct(b, dx, df); });
+    storage_.loop.assemble(factor, slots, values,
+                           [&](Index b, const auto& dx, auto& df) { batchProduct(b, Pack(1.), dx, df); });
   }
   void assembleDiagonal(double factor, std::vector<double>& blocks) const override {
-    storage_.loop.assembleDiagonal(factor, blocks, [&](Index b, const auto& dx, auto& df) { batchProduct(b, dx, df); });
+    storage_.loop.assembleDiagonal(factor, blocks,
+                                   [&](Index b, const auto& dx, auto& df) { batchProduct(b, Pack(1.), dx, df); });
   }
 
  protected:
-  void batchProduct(Index b, const V3<Pack> (&dx)[4], V3<Pack> (&df)[4]) const {
+  void batchProduct(Index b, Pack factor, const V3<Pack> (&dx)[4], V3<Pack> (&df)[4]) const {
     const TangentBatch& t = storage_.tangent[std::size_t(b)];
-    stiffnessProduct(loadGradients(t), Pack::load_aligned(t.lambda), Pack::load_aligned(t.mu), dx, df);
+    stiffnessProduct(loadGradients(t), factor * Pack::load_aligned(t.lambda), factor * Pack::load_aligned(t.mu), dx,
+                     df);
   }
 };
 
@@ -99,8 +100,7 @@ class Linear final : public StoredTangent {
     const Pack scale(factor);
     storage_.loop.run<2, 2>({x, dx}, {f, df}, [&](Index b, const auto& in, auto& out) {
       force(b, in[0], out[0]);
-      batchProduct(b, in[1], out[1]);
-      for (auto& v : out[1]) v = v * scale;
+      batchProduct(b, scale, in[1], out[1]);
     });
   }
   double energy(ConstRows x) const override {
@@ -178,10 +178,8 @@ class ExactCorotational final : public Corotational<Rotation, update> {
   }
   void addProduct(ConstRows dx, double factor, Rows df) const override {
     const Pack scale(factor);
-    storage_.loop.template run<2, 1>({x_.rows(), dx}, {df}, [&](Index b, const auto& in, auto& out) {
-      product(b, in[0], in[1], out[0]);
-      for (auto& v : out[0]) v = v * scale;
-    });
+    storage_.loop.template run<2, 1>(
+        {x_.rows(), dx}, {df}, [&](Index b, const auto& in, auto& out) { product(b, scale, in[0], in[1], out[0]); });
   }
   void assemble(double factor, const std::vector<Index>& slots, std::vector<double>& values) const override {
     storage_.loop.assemble(factor, slots, values, [&](Index b, const auto& dx, auto& df) { productAtKept(b, dx, df); });
@@ -196,15 +194,15 @@ class ExactCorotational final : public Corotational<Rotation, update> {
     if (x_.count() != x.count) x_.resize(x.count);
     copy(x, x_);
   }
-  void product(Index b, const V3<Pack> (&x)[4], const V3<Pack> (&dx)[4], V3<Pack> (&df)[4]) const {
+  void product(Index b, Pack factor, const V3<Pack> (&x)[4], const V3<Pack> (&dx)[4], V3<Pack> (&df)[4]) const {
     const TangentBatch& t = storage_.tangent[std::size_t(b)];
-    exactProduct<Rotation, update>(loadRest(storage_.rest[std::size_t(b)]), Pack::load_aligned(t.lambda),
-                                   Pack::load_aligned(t.mu), x, dx, df);
+    exactProduct<Rotation, update>(loadRest(storage_.rest[std::size_t(b)]), factor * Pack::load_aligned(t.lambda),
+                                   factor * Pack::load_aligned(t.mu), x, dx, df);
   }
   void productAtKept(Index b, const V3<Pack> (&dx)[4], V3<Pack> (&df)[4]) const {
     V3<Pack> x[4];
     storage_.loop.gather(b, x_.rows(), x);
-    product(b, x, dx, df);
+    product(b, Pack(1.), x, dx, df);
   }
   Vector x_;
 };
@@ -241,8 +239,7 @@ class NodalWarping final : public Method {
     const Pack scale(factor);
     storage_.loop.run<4, 1>({dx, r0_.rows(), r1_.rows(), r2_.rows()}, {df}, [&](Index b, const auto& in, auto& out) {
       const M3<Pack> r[4] = {nodeRotation(in, 0), nodeRotation(in, 1), nodeRotation(in, 2), nodeRotation(in, 3)};
-      product(b, in[0], r, out[0]);
-      for (auto& v : out[0]) v = v * scale;
+      product(b, scale, in[0], r, out[0]);
     });
   }
   void assemble(double factor, const std::vector<Index>& slots, std::vector<double>& values) const override {
@@ -258,16 +255,17 @@ class NodalWarping final : public Method {
   static M3<Pack> nodeRotation(const In& in, int a) {
     return {in[1][a], in[2][a], in[3][a]};
   }
-  void product(Index b, const V3<Pack> (&dx)[4], const M3<Pack> (&r)[4], V3<Pack> (&df)[4]) const {
+  void product(Index b, Pack factor, const V3<Pack> (&dx)[4], const M3<Pack> (&r)[4], V3<Pack> (&df)[4]) const {
     const TangentBatch& t = storage_.tangent[std::size_t(b)];
-    nodalWarpingProduct(loadGradients(t), Pack::load_aligned(t.lambda), Pack::load_aligned(t.mu), dx, r, df);
+    nodalWarpingProduct(loadGradients(t), factor * Pack::load_aligned(t.lambda), factor * Pack::load_aligned(t.mu), dx,
+                        r, df);
   }
   void productAtKept(Index b, const V3<Pack> (&dx)[4], V3<Pack> (&df)[4]) const {
     V3<Pack> c0[4], c1[4], c2[4];
     storage_.loop.gather(b, r0_.rows(), c0), storage_.loop.gather(b, r1_.rows(), c1),
         storage_.loop.gather(b, r2_.rows(), c2);
     const M3<Pack> r[4] = {{c0[0], c1[0], c2[0]}, {c0[1], c1[1], c2[1]}, {c0[2], c1[2], c2[2]}, {c0[3], c1[3], c2[3]}};
-    product(b, dx, r, df);
+    product(b, Pack(1.), dx, r, df);
   }
   /// R_i: the nearest rotation of the mean of F over the elements around node i, weighted by volume.
   void updateNodeRotations(ConstRows x) {
