@@ -12,7 +12,6 @@
 //
 // Example:
 // <Node name="root" gravity="0 0 0" dt="0.001">
-//   <RequiredPlugin pluginName="radial_springs"/>
 //   <EulerExplicitSolver/>
 //   <MechanicalObject name="dofs" position="1 0 0  0 2 0"/>
 //   <UniformMass vertexMass="1"/>
