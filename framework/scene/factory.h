@@ -49,4 +49,4 @@ class Factory {
 
 /// In a component's .cpp: `STROMA_COMPONENT(file_stem) { factory.add<T>("Name", "one line"); }`, the stem of the .cpp's own
 /// name. The build lists every stem of a module in its generated registry.
-#define STROMA_COMPONENT(stem) void stroma_register_##stem([[maybe_unused]] ::stroma::Factory& factory)
+#define STROMA_COMPONENT(stem) extern "C" void stroma_register_##stem([[maybe_unused]] ::stroma::Factory& factory)
