@@ -30,7 +30,6 @@
 #include <stdexcept>
 
 #include "framework/algebra/linear_solver.h"
-#include "framework/algebra/parallel.h"
 #include "framework/scene/factory.h"
 
 // of OpenBLAS; absent from other libraries
@@ -46,7 +45,7 @@ namespace {
 //   that CHOLMOD neither permutes nor copies it again at each factorisation;
 // - CHOLMOD 5 opens OpenMP regions of four threads in loops that are too short for them (28 ms against 7 for 3,993
 //   unknowns), so its regions are switched off around the call;
-// - the BLAS gets the number of threads that suits the sizes met here.
+// - the BLAS runs on one thread: OpenBLAS sums in another order on two, and no result may depend on their number.
 
 /// Keeps CHOLMOD's short loops on one thread.
 class NoRegions {
@@ -203,7 +202,7 @@ void CholeskyFactor::analyse(const BlockMatrix& matrix) {
 
 Index CholeskyFactor::factor(const BlockMatrix& matrix) {
   const NoRegions no_regions;
-  if (openblas_set_num_threads) openblas_set_num_threads(threads());
+  if (openblas_set_num_threads) openblas_set_num_threads(1);
   const double* __restrict values = matrix.values().data();
   double* __restrict out = static_cast<double*>(lower_->x);
   for (std::size_t i = 0; i < source_.size(); ++i) out[i] = values[source_[i]];
@@ -378,9 +377,9 @@ SolveReport SparseLDLSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x) {
 }
 
 }  // namespace
+}  // namespace stroma
 
 STROMA_COMPONENT(sparse_ldl_solver) {
-  factory.add<SparseLDLSolver>("SparseLDLSolver", "direct solver: sparse Cholesky, factored only when values changed");
+  factory.add<stroma::SparseLDLSolver>("SparseLDLSolver",
+                                       "direct solver: sparse Cholesky, factored only when values changed");
 }
-
-}  // namespace stroma

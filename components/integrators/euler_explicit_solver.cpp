@@ -111,9 +111,8 @@ std::string EulerExplicitSolver::describe() const {
 }
 
 }  // namespace
+}  // namespace stroma
 
 STROMA_COMPONENT(euler_explicit_solver) {
-  factory.add<EulerExplicitSolver>("EulerExplicitSolver", "explicit or symplectic Euler");
+  factory.add<stroma::EulerExplicitSolver>("EulerExplicitSolver", "explicit or symplectic Euler");
 }
-
-}  // namespace stroma

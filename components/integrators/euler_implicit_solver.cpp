@@ -229,6 +229,7 @@ void EulerImplicitSolver::compile(System& system) {
     throw ComponentError("an implicit step needs a linear solver, and " + node().path() + " has none",
                          "a linear solver in the same node",
                          "add <CGLinearSolver iterations=\"25\" tolerance=\"1e-5\"/>");
+  system.requireMass();
   has_rayleigh_mass_ = rayleigh_mass_ != 0;
   for (const Mass* mass : system.masses()) has_rayleigh_mass_ = has_rayleigh_mass_ || mass->rayleigh_mass != 0;
   has_rayleigh_stiffness_ = rayleigh_stiffness_ != 0;
@@ -332,10 +333,9 @@ std::string EulerImplicitSolver::describe() const {
 }
 
 }  // namespace
+}  // namespace stroma
 
 STROMA_COMPONENT(euler_implicit_solver) {
-  factory.add<EulerImplicitSolver>("EulerImplicitSolver",
-                                   "backward Euler or trapezoidal rule, one linear solve or Newton");
+  factory.add<stroma::EulerImplicitSolver>("EulerImplicitSolver",
+                                           "backward Euler or trapezoidal rule, one linear solve or Newton");
 }
-
-}  // namespace stroma

@@ -190,7 +190,8 @@ std::string StaticSolver::freeBody(System& system) {
     const Eigen::SelfAdjointEigenSolver<Mat3> modes(0.5 * (stiffness + stiffness.transpose()));
     for (int m = 0; m < 3; ++m) {
       const Vec3 direction = modes.eigenvectors().col(m);
-      if (modes.eigenvalues()[m] > 1e-11 * diagonal || std::abs(direction.dot(load)) <= 1e-9 * loads) continue;
+      if (std::abs(modes.eigenvalues()[m]) > 1e-11 * diagonal || std::abs(direction.dot(load)) <= 1e-9 * loads)
+        continue;
       return fmt::format(
           "{} is not held in the direction ({:.3g} {:.3g} {:.3g}) and the forces on it there sum to {:.3g} N: "
           "it has no equilibrium. Hold some of its nodes (FixedProjectiveConstraint)",
@@ -207,9 +208,8 @@ std::string StaticSolver::describe() const {
 }
 
 }  // namespace
+}  // namespace stroma
 
 STROMA_COMPONENT(static_solver) {
-  factory.add<StaticSolver>("StaticSolver", "static equilibrium by Newton's method with line search");
+  factory.add<stroma::StaticSolver>("StaticSolver", "static equilibrium by Newton's method with line search");
 }
-
-}  // namespace stroma

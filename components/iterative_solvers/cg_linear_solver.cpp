@@ -43,6 +43,7 @@ class CGLinearSolver final : public LinearSolver {
   void init() override;
   SolveReport solve(SystemMatrix& matrix, ConstRows b, Rows x) override;
   bool needsSymmetric() const override { return true; }
+  void reset() override { previous_.resize(previous_.count()); }
 
  private:
   void prepare(SystemMatrix& matrix, Index rows);
@@ -211,9 +212,8 @@ SolveReport CGLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x) {
 }
 
 }  // namespace
+}  // namespace stroma
 
 STROMA_COMPONENT(cg_linear_solver) {
-  factory.add<CGLinearSolver>("CGLinearSolver", "conjugate gradients, matrix-free or assembled");
+  factory.add<stroma::CGLinearSolver>("CGLinearSolver", "conjugate gradients, matrix-free or assembled");
 }
-
-}  // namespace stroma

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "framework/algebra/parallel.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <mutex>
+#include <set>
+#include <thread>
+#include <vector>
+
+using namespace stroma;
+
+TEST(Parallel, everyPieceRunsOnceForAnyNumberOfThreads) {
+  for (const int count : {1, 2, 5, 1}) {
+    setThreads(count);
+    EXPECT_EQ(threads(), count);
+    std::vector<std::atomic<int>> runs(1000);
+    parallelFor(1000, [&](int i) { ++runs[std::size_t(i)]; });
+    for (const auto& run : runs) ASSERT_EQ(run, 1);
+  }
+}
+
+TEST(Parallel, severalThreadsTakePartAndNoMoreThanAsked) {
+  setThreads(2);
+  std::mutex mutex;
+  std::set<std::thread::id> seen;
+  // two pieces that wait for each other can only end when two threads run them
+  std::atomic<int> arrived{0};
+  parallelFor(2, [&](int) {
+    ++arrived;
+    while (arrived < 2) std::this_thread::yield();
+    const std::lock_guard lock(mutex);
+    seen.insert(std::this_thread::get_id());
+  });
+  EXPECT_EQ(seen.size(), 2u);
+  parallelFor(200, [&](int) {
+    const std::lock_guard lock(mutex);
+    seen.insert(std::this_thread::get_id());
+  });
+  setThreads(1);
+  EXPECT_EQ(seen.size(), 2u);
+}
+
+TEST(Parallel, lessThanOneThreadIsOne) {
+  setThreads(0);
+  EXPECT_EQ(threads(), 1);
+}

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "framework/algebra/parallel.h"
+#include "tests/support/solver_fixture.h"
+
+using namespace stroma;
+using namespace stroma::test;
+
+TEST(SparseLDLSolver, equalsADenseFactorisation) {
+  for (unsigned seed = 1; seed < 6; ++seed) {
+    StoredMatrix matrix = randomMatrix(Index(5 + 40 * seed), 3, 0.05, seed);
+    const Vector b = randomVector(matrix.rows(), seed);
+    SolverInScene ldl("<SparseLDLSolver/>");
+    Vector x;
+    const SolveReport report = ldl.solve(matrix, b, x);
+    EXPECT_EQ(report.stop, SolveStop::converged);
+    EXPECT_TRUE(report.factored);
+    EXPECT_LT(report.relative_residual, 1e-10);
+    EXPECT_LT(relativeError(x, matrix.dense().ldlt().solve(dense(b))), 1e-9);
+  }
+}
+
+TEST(SparseLDLSolver, factorsAgainOnlyWhenTheMatrixChanged) {
+  StoredMatrix matrix = randomMatrix(50, 3, 0.5, 1);
+  SolverInScene ldl("<SparseLDLSolver/>");
+  Vector x;
+  EXPECT_TRUE(ldl.solve(matrix, randomVector(50, 1), x).factored);
+  EXPECT_FALSE(ldl.solve(matrix, randomVector(50, 2), x).factored);
+  const Vector b = randomVector(50, 3);
+  EXPECT_FALSE(ldl.solve(matrix, b, x).factored);
+  EXPECT_LT(relativeError(x, matrix.dense().ldlt().solve(dense(b))), 1e-10);
+  matrix.values.add(3, 3, Mat3::Identity());
+  ++matrix.revision_number;
+  EXPECT_TRUE(ldl.solve(matrix, b, x).factored);
+  EXPECT_LT(relativeError(x, matrix.dense().ldlt().solve(dense(b))), 1e-10);
+  EXPECT_EQ(*std::get<int*>(ldl.solver->data().find("factorisations")->pointer()), 2);
+}
+
+TEST(SparseLDLSolver, followsAPatternThatChanges) {
+  SolverInScene ldl("<SparseLDLSolver/>");
+  Vector x;
+  for (const unsigned seed : {1u, 2u}) {
+    StoredMatrix matrix = randomMatrix(40, 3, 0.5, seed);  // the same revision number, another pattern
+    const Vector b = randomVector(40, 3);
+    EXPECT_TRUE(ldl.solve(matrix, b, x).factored);
+    EXPECT_LT(relativeError(x, matrix.dense().ldlt().solve(dense(b))), 1e-10);
+  }
+}
+
+TEST(SparseLDLSolver, namesTheRowWhereTheMatrixIsNotDefinite) {
+  for (const Index row : {0, 7, 29}) {
+    BlockMatrix values{BlockPattern(30)};
+    for (Index i = 0; i < 30; ++i) values.add(i, i, (i == row ? -1.0 : 2.0) * Mat3::Identity());
+    StoredMatrix matrix(std::move(values));
+    SolverInScene ldl("<SparseLDLSolver/>");
+    Vector x;
+    const SolveReport report = ldl.solve(matrix, randomVector(30, 1), x);
+    EXPECT_EQ(report.stop, SolveStop::not_definite);
+    EXPECT_EQ(report.row, row);
+    EXPECT_FALSE(report.usable());
+    matrix.values.add(row, row, 5 * Mat3::Identity());
+    ++matrix.revision_number;
+    EXPECT_EQ(ldl.solve(matrix, randomVector(30, 1), x).stop, SolveStop::converged);
+  }
+}
+
+TEST(SparseLDLSolver, namesTheRowThatIsNotFinite) {
+  StoredMatrix matrix = randomMatrix(30, 3, 0.5, 1);
+  matrix.values.add(11, 11, std::numeric_limits<double>::quiet_NaN() * Mat3::Ones());
+  SolverInScene ldl("<SparseLDLSolver/>");
+  Vector x;
+  const SolveReport report = ldl.solve(matrix, randomVector(30, 1), x);
+  EXPECT_EQ(report.stop, SolveStop::not_finite);
+  EXPECT_EQ(report.row, 11);
+  Vector bad = randomVector(30, 1);
+  bad[2][0] = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(ldl.solve(matrix, bad, x).stop, SolveStop::not_finite);
+}
+
+TEST(SparseLDLSolver, aSingularMatrixIsNotSolvedSilently) {
+  // without ground the chain can move as a whole
+  BlockPattern pattern(20);
+  for (Index i = 0; i + 1 < 20; ++i) {
+    const Index pair[] = {i, i + 1};
+    pattern.addClique(pair, 2);
+  }
+  BlockMatrix values(std::move(pattern));
+  for (Index i = 0; i + 1 < 20; ++i)
+    for (int p = 0; p < 2; ++p)
+      for (int q = 0; q < 2; ++q) values.add(i + p, i + q, (p == q ? 1.0 : -1.0) * Mat3::Identity());
+  StoredMatrix matrix(std::move(values));
+  SolverInScene ldl("<SparseLDLSolver/>");
+  Vector x;
+  EXPECT_FALSE(ldl.solve(matrix, randomVector(20, 1), x).usable());
+}
+
+TEST(SparseLDLSolver, factorsAnUnsymmetricMatrixAsLU) {
+  StoredMatrix matrix = randomMatrix(40, 3, 0.5, 3);
+  for (Index i = 0; i < 40; ++i) matrix.values.add(i, i, (Mat3() << 0, 1, 2, -1, 0, 3, -2, -3, 0).finished());
+  matrix.is_symmetric = false;
+  const Vector b = randomVector(40, 1);
+  SolverInScene ldl("<SparseLDLSolver/>");
+  Vector x;
+  const SolveReport report = ldl.solve(matrix, b, x);
+  EXPECT_EQ(report.stop, SolveStop::converged);
+  EXPECT_LT(relativeError(x, matrix.dense().partialPivLu().solve(dense(b))), 1e-10);
+  EXPECT_FALSE(ldl.solve(matrix, b, x).factored);
+}
+
+TEST(SparseLDLSolver, theSolutionDoesNotDependOnTheNumberOfThreads) {
+  StoredMatrix matrix = randomMatrix(900, 4, 0.5, 3);
+  const Vector b = randomVector(900, 1);
+  Vector x[2];
+  for (const int count : {1, 2}) {
+    setThreads(count);
+    SolverInScene ldl("<SparseLDLSolver/>");
+    ldl.solve(matrix, b, x[count - 1]);
+  }
+  setThreads(1);
+  EXPECT_EQ(std::memcmp(x[0].rows().data, x[1].rows().data, x[0].rows().doubles() * sizeof(double)), 0);
+}

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/support/ground_spring.h"
+#include "tests/support/scene_fixture.h"
+
+using namespace stroma;
+using namespace stroma::test;
+
+namespace {
+
+Simulation statics(const std::string& attributes, const std::string& spring, const std::string& extra,
+                   const std::string& solver = "<SparseLDLSolver/>") {
+  registerGroundSpring(factory());
+  return simulationFromText(fmt::format(
+      R"(<Node name="root" dt="1" gravity="0 -10 0">
+           <StaticSolver {}/> {}
+           <MechanicalObject name="body" rest_position="0 0 0  1 0 0  2 0 0" velocity="1 1 1  1 1 1  1 1 1"/>
+           <UniformMass vertexMass="0.5"/>
+           <TestGroundSpring {}/> {}
+         </Node>)",
+      attributes, solver, spring, extra));
+}
+
+}  // namespace
+
+TEST(StaticSolver, aLinearSpringUnderGravityTakesOneIterationAndOneFactorisation) {
+  for (const char* solver : {"<SparseLDLSolver/>", "<CGLinearSolver tolerance='1e-14'/>"}) {
+    Simulation simulation = statics("", "stiffness='20'", "", solver);
+    const StepReport report = simulation.step();
+    EXPECT_TRUE(report.newton_converged) << report.reason;
+    EXPECT_EQ(report.newton_iterations, 1);
+    for (int i = 0; i < 3; ++i) {
+      EXPECT_LT((simulation.systems()[0]->x[i] - Vec3(i, -0.25, 0)).norm(), 1e-14);
+      EXPECT_EQ(simulation.systems()[0]->v[i].norm(), 0);
+    }
+    const StepReport second = simulation.step();
+    EXPECT_EQ(second.newton_iterations, 0);
+    EXPECT_TRUE(second.newton_converged);
+  }
+}
+
+TEST(StaticSolver, aHardeningSpringConvergesQuadratically) {
+  Simulation simulation = statics("", "stiffness='1' cubic='100'", "");
+  const StepReport report = simulation.step();
+  EXPECT_TRUE(report.newton_converged) << report.reason;
+  // k d + c d^3 = 5
+  const double d = -simulation.systems()[0]->x[1][1];
+  EXPECT_NEAR(d + 100 * d * d * d, 5, 5e-8);
+  const auto& graph =
+      *std::get<std::vector<double>*>(simulation.systems()[0]->integrator().data().find("residualGraph")->pointer());
+  ASSERT_GE(graph.size(), 4u);
+  const double before = graph[graph.size() - 2] / graph[0], last = graph.back() / graph[0];
+  EXPECT_LT(last, 100 * before * before);
+}
+
+TEST(StaticSolver, aDoubleWellIsLeftForAMinimum) {
+  // at rest the tangent is negative definite: K is shifted, and the energy decides
+  for (const char* solver : {"<SparseLDLSolver/>", "<CGLinearSolver tolerance='1e-10'/>"}) {
+    Simulation simulation = statics("newton_iterations='100'", "stiffness='-50' cubic='100'", "", solver);
+    const StepReport report = simulation.step();
+    EXPECT_FALSE(report.diverged) << report.reason;
+    EXPECT_TRUE(report.newton_converged) << report.reason;
+    const double d = simulation.systems()[0]->x[1][1];
+    EXPECT_NEAR(-(-50 * d + 100 * d * d * d), 5, 1e-6);
+    EXPECT_LT(d, 0);                  // the well that gravity points to
+    EXPECT_GT(-50 + 300 * d * d, 0);  // a minimum
+  }
+}
+
+TEST(StaticSolver, aFreeBodyEndsInASentence) {
+  for (const char* solver : {"<SparseLDLSolver/>", "<CGLinearSolver/>"}) {
+    Simulation simulation = statics("", "couple='100'", "", solver);
+    const StepReport report = simulation.step();
+    EXPECT_TRUE(report.diverged);
+    EXPECT_NE(report.reason.find("not held"), std::string::npos) << report.reason;
+    EXPECT_NE(report.reason.find("/body"), std::string::npos) << report.reason;
+    EXPECT_EQ(simulation.systems()[0]->x[1], Vec3(1, 0, 0));
+  }
+}
+
+TEST(StaticSolver, oneHeldNodeIsEnoughForAChain) {
+  Simulation simulation = statics("", "couple='100'", "<FixedProjectiveConstraint indices='0'/>");
+  const StepReport report = simulation.step();
+  EXPECT_FALSE(report.diverged) << report.reason;
+  EXPECT_TRUE(report.newton_converged);
+  EXPECT_NEAR(simulation.systems()[0]->x[1][1], -0.10, 1e-12);
+  EXPECT_NEAR(simulation.systems()[0]->x[2][1], -0.15, 1e-12);
+}
+
+TEST(StaticSolver, aBodyHeldInTwoDirectionsOnlyIsNotHeld) {
+  Simulation simulation =
+      statics("", "couple='100'", "<PartialFixedProjectiveConstraint indices='0 1 2' fixedDirections='1 0 1'/>");
+  const StepReport report = simulation.step();
+  EXPECT_TRUE(report.diverged);
+  EXPECT_NE(report.reason.find("not held"), std::string::npos) << report.reason;
+}
+
+TEST(StaticSolver, loadsThatCancelNeedNoSupport) {
+  Simulation simulation =
+      statics("", "couple='100'", "<ConstantForceField indices='0 1 2' forces='-3 5 0  0 5 0  3 5 0'/>",
+              "<CGLinearSolver iterations='100' tolerance='1e-12'/>");
+  const StepReport report = simulation.step();
+  EXPECT_FALSE(report.diverged) << report.reason;
+  EXPECT_TRUE(report.newton_converged) << report.reason;
+  EXPECT_NEAR((simulation.systems()[0]->x[2] - simulation.systems()[0]->x[0]).norm(), 2.06, 1e-9);
+}
+
+TEST(StaticSolver, reachingTheLimitIsSaid) {
+  Simulation simulation = statics("newton_iterations='2'", "stiffness='1' cubic='1000'", "");
+  const StepReport report = simulation.step();
+  EXPECT_FALSE(report.diverged);
+  EXPECT_FALSE(report.newton_converged);
+  EXPECT_EQ(report.newton_iterations, 2);
+  EXPECT_NE(report.reason.find("limit of 2"), std::string::npos) << report.reason;
+}
+
+TEST(StaticSolver, aMissingLinearSolverIsAnError) {
+  registerGroundSpring(factory());
+  for (const char* integrator : {"StaticSolver", "EulerImplicitSolver"}) {
+    const std::string text = problemsOf(fmt::format(
+        "<Node name='root'><{}/><MechanicalObject position='0 0 0'/><UniformMass vertexMass='1'/></Node>", integrator));
+    EXPECT_NE(text.find("linear solver"), std::string::npos) << text;
+  }
+}

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// TestGroundSpring: each node is tied to its rest position, d = x - x_rest,
+//   E = k/2 |d|^2 + c/4 |d|^4,   f = -(k + c |d|^2) d + t axis x d
+// A negative k with a positive c is a double well; the twist t (axis z) makes the stiffness unsymmetric and not
+// conservative. `couple` adds a spring (k_couple/2 |d_i - d_{i+1}|^2) between neighbours in the list of nodes.
+#pragma once
+#include <Eigen/Geometry>
+
+#include "framework/mechanics/force_field.h"
+#include "framework/scene/factory.h"
+
+namespace stroma::test {
+
+class GroundSpring final : public ForceField {
+ public:
+  void declare(DataTable& table) override {
+    ForceField::declare(table);
+    table.add("stiffness", stiffness_).help("k").unit("N/m");
+    table.add("cubic", cubic_).help("c").unit("N/m^3");
+    table.add("twist", twist_).help("t").unit("N/m");
+    table.add("couple", couple_).help("k_couple").unit("N/m");
+  }
+  ForceTraits traits() const override {
+    ForceTraits traits;
+    traits.linear = traits.constant_stiffness = cubic_ == 0;
+    traits.symmetric = traits.conservative = twist_ == 0;
+    return traits;
+  }
+  double energy(ConstRows x) const override {
+    double sum = 0;
+    for (Index i = 0; i < state().size(); ++i) {
+      const double square = offset(x, i).squaredNorm();
+      sum += stiffness_ / 2 * square + cubic_ / 4 * square * square;
+      if (i > 0) sum += couple_ / 2 * (offset(x, i) - offset(x, i - 1)).squaredNorm();
+    }
+    return sum;
+  }
+  void addForce(ConstRows x, ConstRows, Rows f) override {
+    x_.resize(std::size_t(state().size()));
+    for (Index i = 0; i < state().size(); ++i) {
+      const Vec3 d = x_[std::size_t(i)] = offset(x, i);
+      f[row(i)] += -(stiffness_ + cubic_ * d.squaredNorm()) * d + twist_ * Vec3::UnitZ().cross(d);
+      if (i == 0) continue;
+      const Vec3 pull = couple_ * (d - x_[std::size_t(i) - 1]);
+      f[row(i)] -= pull;
+      f[row(i - 1)] += pull;
+    }
+  }
+  void addStiffnessProduct(ConstRows dx, double factor, Rows df) const override {
+    for (Index i = 0; i < state().size(); ++i) {
+      df[row(i)] += factor * (block(i) * dx[row(i)]);
+      if (i == 0) continue;
+      const Vec3 pull = factor * couple_ * (dx[row(i)] - dx[row(i - 1)]);
+      df[row(i)] -= pull;
+      df[row(i - 1)] += pull;
+    }
+  }
+  void addPattern(BlockPattern& pattern) const override {
+    for (Index i = 1; i < state().size(); ++i) {
+      pattern.addBlock(row(i), row(i - 1));
+      pattern.addBlock(row(i - 1), row(i));
+    }
+  }
+  void addStiffness(double factor, BlockMatrix& matrix) const override {
+    const Mat3 couple = factor * couple_ * Mat3::Identity();
+    for (Index i = 0; i < state().size(); ++i) {
+      matrix.add(row(i), row(i), factor * block(i));
+      if (i == 0) continue;
+      matrix.add(row(i), row(i), -couple);
+      matrix.add(row(i - 1), row(i - 1), -couple);
+      matrix.add(row(i), row(i - 1), couple);
+      matrix.add(row(i - 1), row(i), couple);
+    }
+  }
+  void addStiffnessDiagonal(double factor, std::vector<double>& blocks) const override {
+    for (Index i = 0; i < state().size(); ++i) {
+      Mat3 k = block(i);
+      k.diagonal().array() -= couple_ * ((i > 0) + (i + 1 < state().size()));
+      for (int r = 0; r < 3; ++r)
+        for (int c = 0; c < 3; ++c) blocks[9 * std::size_t(row(i)) + std::size_t(3 * r + c)] += factor * k(r, c);
+    }
+  }
+
+ private:
+  Index row(Index i) const { return state().firstRow() + i; }
+  Vec3 offset(ConstRows x, Index i) const { return x[row(i)] - state().rest_position[std::size_t(i)]; }
+  Mat3 block(Index i) const {
+    const Vec3& d = x_[std::size_t(i)];
+    Mat3 k = -(stiffness_ + cubic_ * d.squaredNorm()) * Mat3::Identity() - 2 * cubic_ * d * d.transpose();
+    k(0, 1) -= twist_;
+    k(1, 0) += twist_;
+    return k;
+  }
+  double stiffness_ = 0, cubic_ = 0, twist_ = 0, couple_ = 0;
+  std::vector<Vec3> x_;  ///< offsets of the last addForce()
+};
+
+inline void registerGroundSpring(Factory& factory) {
+  if (!factory.find("TestGroundSpring")) factory.add<GroundSpring>("TestGroundSpring", "springs to the rest positions");
+}
+
+}  // namespace stroma::test
