@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// After the first step a system allocates nothing.
+#include <cstdlib>
+#include <new>
+
+#include "tests/mechanics/scene_text.h"
+
+namespace {
+long allocations = 0;
+}
+
+[[gnu::noinline]] void* operator new(std::size_t size) {
+  ++allocations;
+  if (void* memory = std::malloc(size)) return memory;
+  throw std::bad_alloc();
+}
+[[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
+[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+
+namespace stroma::test {
+namespace {
+
+TEST(System, AllocatesNothingAfterTheFirstStep) {
+  Simulation simulation(sceneFromText(R"(<Node name="root"><TestIntegrator/><TestMesh name="mesh" cells="3 2 2"/>
+    <MechanicalObject name="dofs"/><MeshMatrixMass massDensity="5"/><TestSprings/><TestLinearNet name="net"/>
+    <ConstantForceField indices="3" totalForce="1 0 0"/><FixedProjectiveConstraint indices="0 1" endTime="0.03"/>
+    <TestPlane name="plane" indices="1 5" turning="1"/></Node>)"));
+  System& system = *simulation.systems()[0];
+  Vector p(system.rows()), out(system.rows()), f(system.allRows());
+  std::vector<double> blocks;
+  const auto step = [&](long index) {
+    StepContext context;
+    context.index = index, context.dt = 0.01, context.t = 0.01 * double(index), context.t_end = context.t + 0.01;
+    system.beginStep(context);
+    p[4] = Vec3(1, 2, 3);
+    system.computeForceAndProduct(system.x, system.v, p, -0.1, 0, f, out);
+    system.matrix(1, -0.01).multiply(p, out);
+    system.assemble();
+    system.diagonalBlocks(blocks);
+    system.project(f);
+    if (system.kineticEnergy() + system.potentialEnergy(system.x) == 0) std::abort();
+    if (!system.firstNonFinite().empty()) std::abort();
+  };
+  step(0);
+  const long before = allocations;
+  EXPECT_GT(before, 0) << "the counter counts";
+  for (long i = 1; i < 8; ++i) step(i);
+  EXPECT_EQ(allocations, before);
+}
+
+}  // namespace
+}  // namespace stroma::test

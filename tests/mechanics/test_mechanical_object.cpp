@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <fmt/format.h>
+
+#include "tests/mechanics/scene_text.h"
+
+namespace stroma::test {
+namespace {
+
+std::string scene(const std::string& attributes, const std::string& more = "") {
+  return fmt::format("<Node name='root'>{}<MechanicalObject name='dofs' {}/></Node>", more, attributes);
+}
+
+/// The state of a scene that is never stepped.
+struct Loaded {
+  explicit Loaded(const std::string& xml) : loaded(sceneFromText(xml)) {
+    state = dynamic_cast<State*>(findComponent(*loaded.root, "/dofs"));
+  }
+  Scene loaded;
+  State* state;
+};
+
+void expectNear(const Vec3& found, const Vec3& expected) {
+  EXPECT_LT((found - expected).norm(), 1e-14) << found.transpose() << " is not " << expected.transpose();
+}
+
+TEST(MechanicalObject, TakesPositionsFromAttributeRestMeshOrSize) {
+  EXPECT_EQ(Loaded(scene("position='1 2 3 4 5 6'")).state->size(), 2);
+  const Loaded rest(scene("rest_position='1 2 3 4 5 6'"));
+  expectNear(rest.state->position[1], Vec3(4, 5, 6));
+  const Loaded mesh(scene("", "<TestMesh size='1 2 3'/>"));
+  ASSERT_EQ(mesh.state->size(), 8);
+  expectNear(mesh.state->rest_position[7], Vec3(1, 2, 3));
+  EXPECT_EQ(Loaded(scene("size='3'")).state->size(), 3);
+  const Loaded none(scene(""));
+  EXPECT_EQ(none.state->size(), 1);
+  expectContains(none.loaded.diagnostics.text(), "one node at the origin");
+  EXPECT_EQ(Loaded(scene("useTopology='false'", "<TestMesh/>")).state->size(), 1);
+}
+
+TEST(MechanicalObject, ScalesThenRotatesThenTranslates) {
+  const Loaded a(scene("position='1 0 0' scale3d='2 1 1' rotation='0 0 90' translation='0 0 5'"));
+  expectNear(a.state->position[0], Vec3(0, 2, 5));
+  expectNear(a.state->rest_position[0], Vec3(0, 2, 5));
+  // about x first, then y, then z: y -> z -> x -> y
+  const Loaded b(scene("position='0 1 0' rotation='90 90 90'"));
+  expectNear(b.state->position[0], Vec3(0, 1, 0));
+  const Loaded c(scene("position='0 1 0' rotation='90 90 0'"));
+  expectNear(c.state->position[0], Vec3(1, 0, 0));
+  const Loaded shorthand(scene("position='1 1 1' scale='3' dx='1' ry='180' rz='0'"));
+  expectNear(shorthand.state->position[0], Vec3(-2, 3, -3));
+}
+
+TEST(MechanicalObject, SecondTransformLeavesTheRestShape) {
+  const Loaded a(scene("position='1 0 0' translation='1 0 0' rotation2='0 0 90' translation2='0 0 1'"));
+  expectNear(a.state->position[0], Vec3(0, 2, 1));
+  expectNear(a.state->rest_position[0], Vec3(2, 0, 0));
+  const Loaded scaled(scene("position='1 2 3' restScale='0.5'"));
+  expectNear(scaled.state->rest_position[0], Vec3(0.5, 1, 1.5));
+  expectNear(scaled.state->position[0], Vec3(1, 2, 3));
+  const Loaded given(scene("position='1 2 3' rest_position='7 8 9' translation='1 0 0'"));
+  expectNear(given.state->rest_position[0], Vec3(7, 8, 9));
+  expectNear(given.state->position[0], Vec3(2, 2, 3));
+}
+
+TEST(MechanicalObject, SaysWhatIsWrong) {
+  expectContains(problemsOf(scene("position='1 2 3 4 5 6' velocity='1 2 3'")),
+                 "velocity has 1 entries and there are 2");
+  expectContains(problemsOf(scene("position='1 2 3 4 5 6' rest_position='1 2 3'")), "rest_position has 1 entries");
+  expectContains(problemsOf(scene("position='0 0 0' scale='2' scale3d='1 1 1'")), "scale and scale3d are both given");
+  expectContains(problemsOf(scene("position='0 0 0' dx='2' translation='1 1 1'")), "dx and translation are both given");
+  expectContains(problemsOf(scene("position='0 0 0' sx='0'")), "a scale of zero");
+  expectContains(problemsOf(scene("position='0 0 0' size='4'")), "size is 4 and there are 1 positions");
+  expectContains(problemsOf(scene("position='0 0 0' template='Rigid3'")), "Rigid3");
+  expectContains(problemsOf(scene("positon='0 0 0'")), "position");
+  EXPECT_EQ(problemsOf(scene("position='0 0 0' template='Vec3d' showObject='1'")), "");
+}
+
+}  // namespace
+}  // namespace stroma::test

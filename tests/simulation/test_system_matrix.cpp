@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The matrix P (m M + k K) P + (I - P): products against the assembled form, revisions, and projection.
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+
+#include "tests/mechanics/scene_text.h"
+
+namespace stroma::test {
+namespace {
+
+/// A bent line of five nodes, one held, one in a slanted plane, one along an axis.
+std::string scene(const std::string& fields, const std::string& more = "") {
+  return fmt::format(R"(<Node name="root"><TestIntegrator/>
+    <MechanicalObject name="dofs" position="0 0 0  1 0.3 0  2 0 0.4  3 0.2 0.1  4 0 0"
+                      rest_position="0 0 0  1 0 0  2 0 0  3 0 0  4 0 0"/>
+    <UniformMass name="mass" totalMass="10" rayleighMass="0.5"/>{}
+    <FixedProjectiveConstraint indices="0"/>
+    <TestPlane name="plane" indices="2 3" normal="1 2 3"/>
+    <PartialFixedProjectiveConstraint indices="3" fixedDirections="0 1 0"/>{}</Node>)",
+                     fields, more);
+}
+const std::string springs = "<TestSprings name='springs' rayleighStiffness='0.02' stiffness='80'/>";
+const std::string net = "<TestLinearNet name='net' rayleighStiffness='0.01'/>";
+const std::string curl = "<TestUnsymmetric name='curl'/>";
+
+Eigen::MatrixXd dense(const BlockMatrix& matrix) {
+  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(3 * matrix.rows(), 3 * matrix.rows());
+  for (Index i = 0; i < matrix.rows(); ++i)
+    for (Index s = matrix.rowStart()[std::size_t(i)]; s < matrix.rowStart()[std::size_t(i) + 1]; ++s)
+      for (int c = 0; c < 9; ++c)
+        out(3 * i + c / 3, 3 * matrix.columns()[std::size_t(s)] + c % 3) =
+            matrix.values()[std::size_t(s) * 9 + std::size_t(c)];
+  return out;
+}
+
+/// The matrix by its products with unit vectors that are projected first.
+Eigen::MatrixXd byProducts(const System& system) {
+  const Index rows = system.rows();
+  Eigen::MatrixXd out(3 * rows, 3 * rows);
+  Vector p(rows), product(rows);
+  for (Index j = 0; j < 3 * rows; ++j) {
+    clear(p);
+    p[j / 3][j % 3] = 1;
+    system.project(p);
+    system.multiply(p, product);
+    for (Index i = 0; i < 3 * rows; ++i) out(i, j) = product[i / 3][i % 3];
+  }
+  return out;
+}
+
+Eigen::MatrixXd projector(const System& system) {
+  Eigen::MatrixXd p = Eigen::MatrixXd::Identity(3 * system.rows(), 3 * system.rows());
+  for (const NodeProjector& held : system.projectors()) p.block<3, 3>(3 * held.row, 3 * held.row) = held.projector;
+  return p;
+}
+
+class Matrices : public testing::TestWithParam<std::string> {};
+
+TEST_P(Matrices, AssembledIsTheProductsPlusOneInHeldDirections) {
+  Simulation simulation(sceneFromText(scene(GetParam())));
+  System& system = *simulation.systems()[0];
+  system.computeForce(system.x, system.v, system.f);
+  system.matrix(2, -0.3, -0.7, 0.4);
+  const Eigen::MatrixXd p = projector(system), identity = Eigen::MatrixXd::Identity(p.rows(), p.cols());
+  const Eigen::MatrixXd products = byProducts(system), assembled = dense(system.assemble());
+  EXPECT_GT((products - p * 4.4 * p).norm(), 1) << "more than the mass";
+  EXPECT_LT((assembled - products - (identity - p)).norm(), 1e-12 * assembled.norm());
+  EXPECT_EQ((assembled - assembled.transpose()).norm() < 1e-12 * assembled.norm(), system.symmetric());
+  std::vector<double> blocks;
+  system.diagonalBlocks(blocks);
+  for (Index i = 0; i < system.rows(); ++i)
+    for (int c = 0; c < 9; ++c)
+      EXPECT_NEAR(blocks[std::size_t(i) * 9 + std::size_t(c)], assembled(3 * i + c / 3, 3 * i + c % 3), 1e-12);
+  // held: row and column of the identity
+  EXPECT_EQ(assembled.block(0, 0, 3, 3), Mat3::Identity());
+  EXPECT_EQ(assembled.block(0, 3, 3, 12).norm(), 0);
+  EXPECT_EQ(assembled.block(3, 0, 12, 3).norm(), 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Fields, Matrices, testing::Values(springs, net, springs + net, springs + curl),
+                         [](const auto& fields) { return fmt::format("Case{}", fields.index); });
+
+TEST(SystemMatrix, HasTheFactorsOfEachTerm) {
+  Simulation simulation(sceneFromText(scene(springs)));
+  System& system = *simulation.systems()[0];
+  system.computeForce(system.x, system.v, system.f);
+  const Eigen::MatrixXd p = projector(system), rest = Eigen::MatrixXd::Identity(p.rows(), p.cols()) - p;
+  const auto terms = [&](double m, double k, double k_rayleigh, double m_rayleigh) -> Eigen::MatrixXd {
+    return dense(system.matrix(m, k, k_rayleigh, m_rayleigh).assemble()) - rest;
+  };
+  EXPECT_LT((terms(3, 0, 0, 0) - 6 * p).norm(), 1e-12);  // 2 kg a node
+  EXPECT_LT((terms(0, 0, 0, 3) - 3 * p).norm(), 1e-12);  // times rayleighMass
+  const Eigen::MatrixXd stiffness = terms(0, 1, 0, 0);
+  EXPECT_GT(stiffness.norm(), 100);
+  EXPECT_LT((terms(0, 0, 10, 0) - 0.2 * stiffness).norm(), 1e-12 * stiffness.norm());
+  Vector out(system.rows()), v(system.rows());
+  for (Index i = 0; i < system.rows(); ++i) v[i] = Vec3(1, 2, i);
+  system.addRayleighMassProduct(v, 0.25, 3, out);
+  EXPECT_LT((Vec3(out[4]) - (0.25 + 0.5) * 3 * 2 * Vec3(1, 2, 4)).norm(), 1e-13);
+}
+
+TEST(SystemMatrix, TwoConstraintsLeaveWhatBothLeave) {
+  Simulation simulation(sceneFromText(scene(springs)));
+  System& system = *simulation.systems()[0];
+  ASSERT_EQ(system.projectors().size(), 3u);
+  const Vec3 n = Vec3(1, 2, 3).normalized(), free = Vec3::UnitY().cross(n).normalized();
+  EXPECT_LT((system.projectors()[1].projector - (Mat3::Identity() - n * n.transpose())).norm(), 1e-15);
+  EXPECT_LT((system.projectors()[2].projector - free * free.transpose()).norm(), 1e-7);
+}
+
+TEST(SystemMatrix, RevisionChangesWithValuesOnly) {
+  Simulation simulation(sceneFromText(scene(net)));
+  System& system = *simulation.systems()[0];
+  system.computeForce(system.x, system.v, system.f);
+  const long first = system.matrix(1, -1).revision();
+  system.assemble();
+  system.computeForce(system.x, system.v, system.f);
+  EXPECT_EQ(system.matrix(1, -1).revision(), first) << "a constant stiffness does not change with a force evaluation";
+  system.assemble();
+  EXPECT_EQ(system.counts.assemblies, 1);
+  EXPECT_NE(system.matrix(1, -2).revision(), first);
+  system.assemble();
+  EXPECT_EQ(system.counts.assemblies, 2);
+
+  Simulation changing(sceneFromText(scene(springs)));
+  System& other = *changing.systems()[0];
+  other.computeForce(other.x, other.v, other.f);
+  const long before = other.matrix(1, -1).revision();
+  EXPECT_EQ(other.matrix(1, -1).revision(), before);
+  other.computeForce(other.x, other.v, other.f);
+  EXPECT_NE(other.matrix(1, -1).revision(), before);
+}
+
+TEST(SystemMatrix, ConstantStiffnessBesideAChangingOneIsAssembledOnce) {
+  Simulation simulation(sceneFromText(scene(springs + net)));
+  System& system = *simulation.systems()[0];
+  auto& constant = dynamic_cast<Net&>(*findComponent(simulation.root(), "/net"));
+  auto& changing = dynamic_cast<Net&>(*findComponent(simulation.root(), "/springs"));
+  for (int step = 0; step < 4; ++step) {
+    system.x[4] += Vec3(0, 0.1, 0);
+    system.computeForce(system.x, system.v, system.f);
+    const Eigen::MatrixXd assembled = dense(system.matrix(1, -0.1, -0.2).assemble());
+    const Eigen::MatrixXd p = projector(system);
+    EXPECT_LT((assembled - byProducts(system) - (Eigen::MatrixXd::Identity(p.rows(), p.cols()) - p)).norm(), 1e-12);
+  }
+  EXPECT_EQ(constant.assemblies, 1);
+  EXPECT_EQ(changing.assemblies, 4);
+}
+
+TEST(SystemMatrix, TurningConstraintIsFollowed) {
+  Simulation simulation(sceneFromText(scene(net, "<TestPlane name='turn' indices='4' turning='1'/>")));
+  System& system = *simulation.systems()[0];
+  const long before = system.revision();
+  simulation.step();
+  EXPECT_NE(system.revision(), before);
+  const Vec3 n(std::cos(0.01), std::sin(0.01), 0);
+  EXPECT_LT((system.projectors()[3].projector - (Mat3::Identity() - n * n.transpose())).norm(), 1e-14);
+}
+
+TEST(SystemMatrix, ChoosesTheCheaperForm) {
+  const auto prefers = [](const std::string& field, int products) {
+    Simulation simulation(sceneFromText(scene(field)));
+    return simulation.systems()[0]->prefersAssembled(products);
+  };
+  // 19 blocks at 2.9 ns are 55 ns a product
+  EXPECT_FALSE(prefers("<TestSprings/>", 1000)) << "costs are not known";
+  EXPECT_FALSE(prefers("<TestSprings productCost='50' assemblyCost='100'/>", 1000)) << "a block product costs more";
+  EXPECT_TRUE(prefers("<TestSprings productCost='155' assemblyCost='1000'/>", 20));
+  EXPECT_FALSE(prefers("<TestSprings productCost='155' assemblyCost='1000'/>", 8));
+  EXPECT_TRUE(prefers("<TestLinearNet productCost='155' assemblyCost='1000'/>", 8)) << "assembled once for all steps";
+}
+
+}  // namespace
+}  // namespace stroma::test
