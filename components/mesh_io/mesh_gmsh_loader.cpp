@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Reads a Gmsh mesh: .msh formats 1, 2.2, 4.0 and 4.1, ASCII or binary.
+// Reads a Gmsh mesh: .msh formats 1, 2.2, 4.0 and 4.1, ASCII or binary (4.0: ASCII).
 //
 // Edges, triangles, quads, tetrahedra and hexahedra are read; points, prisms and pyramids are counted and reported;
 // quadratic elements are an error. Nodes keep the order of the file, whatever their tags. As in SOFA the faces and

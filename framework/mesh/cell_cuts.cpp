@@ -104,7 +104,7 @@ std::vector<char> alternate(const std::vector<Hexahedron>& cells) {
       });
   if (!fits)
     throw ComponentError(
-        "the hexahedra cannot be cut in five so that all faces match (a ring of an odd number of cells)",
+        "the hexahedra cannot be cut in five so that all faces match (a closed ring of an odd number of cells)",
         "cutting=\"ten\", which needs no matching faces");
   return choice;
 }

@@ -138,6 +138,7 @@ class GmshParser {
     if (!known) in_.fail(fmt::format("format {} is not known", out_.version), "format 1, 2.2, 4.0 or 4.1");
     if (size != 8) in_.fail(fmt::format("reals and counts of {} bytes", size), "8 bytes");
     out_.binary = binary == 1;
+    if (out_.binary && out_.version == 4) in_.fail("format 4.0 is read in ASCII only", "format 4.1 or 2.2");
     if (out_.binary) {
       in_.line();
       in_.binary = true;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Reader of Gmsh meshes: .msh formats 1, 2.2, 4.0 and 4.1, ASCII and binary, both byte orders. Small and without
-// dependencies, because opening the Gmsh library takes longer than the rest of a start.
+// Reader of Gmsh meshes: .msh formats 1, 2.2, 4.0 and 4.1 in ASCII, 2.2 and 4.1 in binary of both byte orders. Small
+// and without dependencies, because opening the Gmsh library takes longer than the rest of a start.
 #pragma once
 #include <map>
 #include <string>
