@@ -20,6 +20,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 
 #include "framework/scene/factory.h"
 #include "framework/simulation/simulation.h"
@@ -40,6 +41,9 @@ class EnergyMonitor final : public Observer {
   }
 
   void begin(const Simulation& simulation) override {
+    const std::filesystem::path folder = std::filesystem::path(file_name_.found).parent_path();
+    std::error_code ignored;  // opening the file says what is wrong
+    if (!folder.empty()) std::filesystem::create_directories(folder, ignored);
     file_.reset(std::fopen(file_name_.found.c_str(), "w"));
     if (!file_) throw ComponentError(fmt::format("{}: cannot write {}", path(), file_name_.found));
     const bool conservative =

@@ -17,6 +17,7 @@
 #include <fmt/format.h>
 
 #include <cstdio>
+#include <filesystem>
 
 #include "framework/scene/factory.h"
 #include "framework/simulation/simulation.h"
@@ -83,6 +84,9 @@ class Monitor final : public Observer {
 
   void open(const char* ending, const char* quantity) {
     const std::string file_name = fmt::format("{}_{}.txt", stem(), ending);
+    const std::filesystem::path folder = std::filesystem::path(file_name).parent_path();
+    std::error_code ignored;  // opening the file says what is wrong
+    if (!folder.empty()) std::filesystem::create_directories(folder, ignored);
     File file(std::fopen(file_name.c_str(), "w"));
     if (!file) throw ComponentError(fmt::format("{}: cannot write {}", path(), file_name));
     fmt::print(file.get(), "# {} of {}\n# column 1: time [s]; then x y z of nodes", quantity, state_->path());
