@@ -197,7 +197,9 @@ def main():
     top = float(np.percentile(values[1], 98)) or 1.0
     norm, colours = Normalize(0, top, clip=True), pyplot.get_cmap("YlOrRd")
     eye = view(arguments.azimuth, arguments.elevation)
-    figure, axes = pyplot.subplots(1, 2, figsize=(10, 4.6), sharex=True, sharey=True)
+    flat = np.concatenate([rest, moved]) @ eye.T[:, :2]
+    aspect = float(np.ptp(flat[:, 1]) / np.ptp(flat[:, 0]))
+    figure, axes = pyplot.subplots(1, 2, figsize=(10, 1.2 + 4.2 * aspect), sharex=True, sharey=True)
     drawn = [draw(panel, position, triangles, value, colours, norm, eye)
              for panel, position, value in zip(axes, (rest, moved), values)]
     everything = np.concatenate(drawn)
