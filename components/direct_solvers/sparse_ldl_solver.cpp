@@ -370,9 +370,11 @@ SolveReport SparseLDLSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x) {
     error = residual(a, b, x);
   }
   report.relative_residual = error / norm_b;
-  if (!std::isfinite(error)) report.stop = SolveStop::not_finite;
   // a factor without one right digit: the matrix is singular to round-off
-  if (error > 0.1 * norm_b) report.stop = SolveStop::not_definite;
+  if (!(error < 0.1 * norm_b)) {
+    report.stop = SolveStop::not_definite;
+    clear(x);
+  }
   return report;
 }
 

@@ -80,6 +80,9 @@ std::string placeOf(const SolveReport& solve, const SystemMatrix& matrix) {
   return solve.row >= 0 ? " at " + matrix.describeRow(solve.row) : std::string();
 }
 
+/// A solve that ended for a reason that lies in the matrix has no result to rely on.
+bool isSolved(const SolveReport& solve) { return solve.usable() && solve.stop != SolveStop::breakdown; }
+
 }  // namespace
 
 bool solveOrShift(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows x, StepReport& report) {
@@ -88,10 +91,10 @@ bool solveOrShift(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows 
   report.linear_stop = solve.stop;
   report.linear_converged =
       report.linear_converged && (solve.stop == SolveStop::converged || solve.stop == SolveStop::zero_right_side);
-  if (solve.usable()) return true;
-  if (solve.stop == SolveStop::not_definite) {
-    report.reason = fmt::format("the linear solver {} met a matrix that is not positive definite{}", solver.path(),
-                                placeOf(solve, matrix));
+  if (isSolved(solve)) return true;
+  if (solve.stop != SolveStop::not_finite) {
+    report.reason =
+        fmt::format("the linear solver {} {}{}", solver.path(), describe(solve.stop), placeOf(solve, matrix));
     const double downhill = dot(b, x);
     if (downhill > 0 && std::isfinite(downhill)) {
       report.reason += "; the direction found before was used";
@@ -102,7 +105,7 @@ bool solveOrShift(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows 
       shifted.setShift(shift);
       clear(x);
       solve = solveOnce(solver, shifted, b, x, report);
-      if (solve.usable()) {
+      if (isSolved(solve)) {
         report.reason += fmt::format("; {:g} times its diagonal was added", shift);
         return true;
       }
