@@ -12,7 +12,7 @@
 
 namespace stroma::test {
 
-struct Run {
+struct Finished {
   int code = -1;  ///< exit code; -1 when the command died by a signal
   std::string out, err;
 };
@@ -36,7 +36,7 @@ class CommandTest : public testing::Test {
   }
 
   /// `stroma <arguments>` through the shell.
-  Run stroma(const std::string& arguments) const {
+  Finished stroma(const std::string& arguments) const {
     const auto out = folder_ / ".out", err = folder_ / ".err";
     const std::string line = "cd '" + folder_.string() + "' && '" STROMA_COMMAND "' " + arguments + " >.out 2>.err";
     const int status = std::system(line.c_str());

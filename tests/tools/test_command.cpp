@@ -16,7 +16,7 @@ bool has(const std::string& text, const std::string& part) { return text.find(pa
 
 TEST_F(Command, EverySubcommandHasHelpWithExamples) {
   for (const char* name : {"run", "check", "explain", "list", "doc", "regress"}) {
-    const Run run = stroma(std::string(name) + " --help");
+    const Finished run = stroma(std::string(name) + " --help");
     EXPECT_EQ(run.code, 0) << name;
     EXPECT_TRUE(has(run.out, "usage: stroma " + std::string(name))) << run.out;
     EXPECT_TRUE(has(run.out, "examples:")) << run.out;
@@ -46,7 +46,7 @@ TEST_F(Command, MisspeltWordsAreAnsweredWithTheNearest) {
       {"run fall.xml --set /stone/dof.position=1", "dofs"},
   };
   for (const auto& [arguments, expected] : cases) {
-    const Run run = stroma(arguments);
+    const Finished run = stroma(arguments);
     EXPECT_EQ(run.code, 2) << arguments << "\n" << run.err;
     EXPECT_TRUE(has(run.err, expected)) << arguments << "\n" << run.err;
     EXPECT_EQ(run.out, "") << arguments;
@@ -57,7 +57,7 @@ TEST_F(Command, MisspeltWordsAreAnsweredWithTheNearest) {
 
 TEST_F(Command, RunRecordsFirstEveryKthAndLast) {
   write("fall.xml", falling_scene);
-  const Run run = stroma("run fall.xml -n 7 --record out --record-every 3 --quiet");
+  const Finished run = stroma("run fall.xml -n 7 --record out --record-every 3 --quiet");
   EXPECT_EQ(run.code, 0) << run.err;
   EXPECT_EQ(run.out + run.err, "");
   const auto frames = readStateFile((folder_ / "out/stone.dofs.state.gz").string());
@@ -74,7 +74,7 @@ TEST_F(Command, RunRecordsFirstEveryKthAndLast) {
 
 TEST_F(Command, JsonIsAllThereIsOnStandardOutput) {
   write("fall.xml", falling_scene);
-  const Run run = stroma("run fall.xml --until 0.05 --json");
+  const Finished run = stroma("run fall.xml --until 0.05 --json");
   ASSERT_EQ(run.code, 0) << run.err;
   const auto json = nlohmann::json::parse(run.out);
   EXPECT_EQ(json.at("outcome"), "done");
@@ -112,7 +112,7 @@ TEST_F(Command, ADivergedRunKeepsTheLastGoodState) {
   <ConstantForceField name="push" indices="0" forces="1.7e308 0 0"/>
 </Node>
 )");
-  const Run run = stroma("run burst.xml --set /.dt=1 -n 50 --quiet");
+  const Finished run = stroma("run burst.xml --set /.dt=1 -n 50 --quiet");
   EXPECT_EQ(run.code, 3) << run.err;
   EXPECT_TRUE(has(run.err, "diverged: step 1 ")) << run.err;
   EXPECT_TRUE(has(run.err, "node 0 of /dofs")) << run.err;
@@ -122,7 +122,7 @@ TEST_F(Command, ADivergedRunKeepsTheLastGoodState) {
   EXPECT_EQ(frames[0].time, 0);
   EXPECT_EQ(frames[0].v[0], Vec3(1e308, 0, 0));
 
-  const Run json = stroma("run burst.xml --set /.dt=1 --record out --json --quiet");
+  const Finished json = stroma("run burst.xml --set /.dt=1 --record out --json --quiet");
   EXPECT_EQ(json.code, 3);
   EXPECT_EQ(nlohmann::json::parse(json.out).at("outcome"), "diverged");
   EXPECT_TRUE(exists("out/dofs.state.gz"));
@@ -137,7 +137,7 @@ TEST_F(Command, BadInputWritesNothing) {
   <UniformMas totalMass="2"/>
 </Node>
 )");
-  const Run run = stroma("run bad.xml --record out");
+  const Finished run = stroma("run bad.xml --record out");
   EXPECT_EQ(run.code, 2);
   EXPECT_FALSE(exists("out"));
   EXPECT_TRUE(has(run.err, "bad.xml:3")) << run.err;
@@ -145,7 +145,7 @@ TEST_F(Command, BadInputWritesNothing) {
   EXPECT_TRUE(has(run.err, "bad.xml:4")) << run.err;
   EXPECT_TRUE(has(run.err, "UniformMass")) << run.err;
 
-  const Run check = stroma("check bad.xml --json");
+  const Finished check = stroma("check bad.xml --json");
   EXPECT_EQ(check.code, 2);
   const auto json = nlohmann::json::parse(check.out);
   EXPECT_EQ(json.at("ok"), false);
@@ -155,12 +155,12 @@ TEST_F(Command, BadInputWritesNothing) {
 
 TEST_F(Command, CheckAndExplainAGoodScene) {
   write("fall.xml", falling_scene);
-  const Run check = stroma("check fall.xml");
+  const Finished check = stroma("check fall.xml");
   EXPECT_EQ(check.code, 0) << check.err;
   EXPECT_TRUE(has(check.out, "ok: 2 nodes in 1 state, 0 force fields, 1 mass")) << check.out;
   EXPECT_EQ(nlohmann::json::parse(stroma("check fall.xml --json").out).at("ok"), true);
 
-  const Run explain = stroma("explain fall.xml");
+  const Finished explain = stroma("explain fall.xml");
   EXPECT_EQ(explain.code, 0) << explain.err;
   EXPECT_TRUE(has(explain.out, "/stone/dofs")) << explain.out;
   EXPECT_TRUE(has(explain.out, "modules opened: ")) << explain.out;
@@ -169,14 +169,14 @@ TEST_F(Command, CheckAndExplainAGoodScene) {
 }
 
 TEST_F(Command, ListAndDoc) {
-  const Run list = stroma("list WriteSt");
+  const Finished list = stroma("list WriteSt");
   EXPECT_EQ(list.code, 0) << list.err;
   EXPECT_EQ(list.out.rfind("WriteState", 0), 0u) << list.out;
   EXPECT_TRUE(has(list.out, "output"));
   EXPECT_GT(stroma("list").out.size(), list.out.size());
   EXPECT_EQ(stroma("list NoSuchThing").code, 2);
 
-  const Run doc = stroma("doc WriteState");
+  const Finished doc = stroma("doc WriteState");
   EXPECT_EQ(doc.code, 0) << doc.err;
   EXPECT_TRUE(has(doc.out, "period (")) << doc.out;
   EXPECT_TRUE(has(doc.out, "[s]")) << doc.out;

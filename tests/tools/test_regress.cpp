@@ -35,7 +35,7 @@ class Regress : public CommandTest {
   }
   /// Expects failure with `text` in what is said.
   void expectFailure(const std::string& text) const {
-    const Run run = stroma("regress list");
+    const Finished run = stroma("regress list");
     EXPECT_EQ(run.code, 1) << run.out << run.err;
     EXPECT_NE(run.out.find("FAILED"), std::string::npos) << run.out;
     EXPECT_NE(run.out.find(text), std::string::npos) << run.out;
@@ -46,7 +46,7 @@ class Regress : public CommandTest {
 using Frames = std::vector<StateFrame>;
 
 TEST_F(Regress, PassesOnItsOwnReferences) {
-  const Run run = stroma("regress list --json figures.json");
+  const Finished run = stroma("regress list --json figures.json");
   EXPECT_EQ(run.code, 0) << run.out << run.err;
   EXPECT_NE(run.out.find("1 passed, 0 failed"), std::string::npos);
   const auto json = nlohmann::json::parse(readText(folder_ / "figures.json"));
@@ -117,7 +117,7 @@ TEST_F(Regress, ASceneThatDoesNotLoadOrDivergesFails) {
 
 TEST_F(Regress, OverridesMakeCasesOfTheirOwn) {
   write("list", "references\nfall.xml 8 1e-9\nfall.xml 8 1e-9 /stone/dofs.velocity=0,0,0,0,1,0\n");
-  Run run = stroma("regress list");
+  Finished run = stroma("regress list");
   EXPECT_EQ(run.code, 1) << "the new case has no reference";
   write("list", "references\nfall.xml 8 1e-9\nfall.xml 4 1e-9 /.dt=0.02\n");
   EXPECT_EQ(stroma("regress list --update --filter dt").code, 0);
@@ -136,7 +136,7 @@ TEST_F(Regress, AListThatCannotBeReadIsBadInput) {
   };
   for (const auto& [text, expected] : cases) {
     write("list", text);
-    const Run run = stroma("regress list");
+    const Finished run = stroma("regress list");
     EXPECT_EQ(run.code, 2);
     EXPECT_NE(run.err.find(expected), std::string::npos) << run.err;
   }

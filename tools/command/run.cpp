@@ -93,9 +93,9 @@ struct Outcome {
 Outcome loop(Simulation& simulation, long steps, const Request& request, Recorder* recorder, Statistics& statistics) {
   const auto start = Clock::now();
   Outcome outcome;
-  Progress progress(steps, request.quiet);
   simulation.begin();
   if (recorder) recorder->write();
+  Progress progress(steps, request.quiet);
   while (simulation.steps() < steps && !outcome.last.diverged && !outcome.interrupted) {
     const auto step_start = Clock::now();
     outcome.last = simulation.step();
