@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The loaders of .msh and .obj files in scenes: lists, transform, groups, warnings and errors.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "framework/mesh/mesh_loader.h"
+#include "tests/support/scene_fixture.h"
+
+namespace stroma::test {
+namespace {
+
+const char* const two_tetrahedra =
+    "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n2 5 \"skin\"\n3 1 \"body\"\n$EndPhysicalNames\n"
+    "$Nodes\n5\n10 0 0 0\n20 1 0 0\n30 0 1 0\n40 0 0 1\n50 1 1 1\n$EndNodes\n"
+    "$Elements\n4\n1 15 2 0 1 10\n2 2 2 5 1 20 30 40\n3 4 2 1 1 10 20 30 40\n4 4 2 1 1 20 30 40 50\n$EndElements\n";
+
+class Loaders : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::temp_directory_path() / ("loaders" + std::to_string(::getpid()));
+    std::filesystem::create_directories(folder_);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  std::string file(const std::string& name, const std::string& content) const {
+    std::ofstream(folder_ / name, std::ios::binary) << content;
+    return folder_ / name;
+  }
+  static std::string sceneText(const std::string& type, const std::string& file, const std::string& attributes = {}) {
+    return "<Node name=\"root\"><" + type + " name=\"loader\" filename=\"" + file + "\" " + attributes + "/></Node>";
+  }
+  static const Mesh& mesh(const Scene& scene) {
+    return dynamic_cast<MeshLoader&>(*findComponent(*scene.root, "/loader")).mesh();
+  }
+  static std::string errors(const std::string& text) {
+    try {
+      sceneFromText(text);
+    } catch (const SceneError& error) {
+      return error.diagnostics().text();
+    }
+    return {};
+  }
+  static void expectIn(const std::string& text, const std::string& part) {
+    EXPECT_NE(text.find(part), std::string::npos) << "'" << part << "' is not in:\n" << text;
+  }
+  std::filesystem::path folder_;
+};
+
+TEST_F(Loaders, GmshIntoAContainer) {
+  const std::string path = file("two.msh", two_tetrahedra);
+  const Scene scene = sceneFromText(
+      "<Node name=\"root\"><TetrahedronSetTopologyContainer name=\"t\" src=\"@loader\"/>"
+      "<MeshGmshLoader name=\"loader\" filename=\"" +
+      path + "\"/></Node>");
+  const Mesh& held = dynamic_cast<Topology&>(*findComponent(*scene.root, "/t")).mesh();
+  EXPECT_EQ(held.nodes(), 5);
+  EXPECT_EQ(held.tetrahedra, (std::vector<Tetrahedron>{{0, 1, 2, 3}, {1, 2, 3, 4}}));
+  EXPECT_EQ(held.triangles.size(), 7u);  // the one of the file, then the other faces
+  EXPECT_EQ(held.triangles.front(), (Triangle{1, 2, 3}));
+  EXPECT_EQ(held.edges.size(), 9u);
+  expectIn(scene.diagnostics.text(), "1 points of the file are not used");
+  EXPECT_EQ(mesh(sceneFromText(sceneText("MeshGmshLoader", path, "createSubelements=\"false\""))).triangles.size(), 1u);
+}
+
+TEST_F(Loaders, GmshGroups) {
+  const std::string path = file("two.msh", two_tetrahedra);
+  const auto indices = [&](const std::string& group) {
+    const Scene scene = sceneFromText(sceneText("MeshGmshLoader", path, "group=\"" + group + "\""));
+    return findComponent(*scene.root, "/loader")->data().find("groupIndices")->print();
+  };
+  EXPECT_EQ(indices("skin"), "1 2 3");
+  EXPECT_EQ(indices("5"), "1 2 3");
+  EXPECT_EQ(indices("body"), "0 1 2 3 4");
+  const std::string text = errors(sceneText("MeshGmshLoader", path, "group=\"skim\""));
+  expectIn(text, "no physical group 'skim'");
+  expectIn(text, "skin");
+}
+
+TEST_F(Loaders, TransformScalesThenTurnsThenMoves) {
+  const std::string path = file("two.msh", two_tetrahedra);
+  const Scene parts =
+      sceneFromText(sceneText("MeshGmshLoader", path, R"(scale3d="2 3 4" rotation="0 0 90" translation="10 0 0")"));
+  EXPECT_TRUE(mesh(parts).position[1].isApprox(Vec3(10, 2, 0), 1e-14));
+  EXPECT_TRUE(mesh(parts).position[2].isApprox(Vec3(7, 0, 0), 1e-14));
+  EXPECT_TRUE(mesh(parts).position[3].isApprox(Vec3(10, 0, 4), 1e-14));
+  const Scene matrix =
+      sceneFromText(sceneText("MeshGmshLoader", path, R"(transformation="0 -3 0 10  2 0 0 0  0 0 4 0  0 0 0 1")"));
+  for (std::size_t n = 0; n < 5; ++n) EXPECT_TRUE(mesh(matrix).position[n].isApprox(mesh(parts).position[n], 1e-14));
+  EXPECT_TRUE(
+      mesh(sceneFromText(sceneText("MeshGmshLoader", path, "scale=\"2\""))).position[4].isApprox(Vec3(2, 2, 2)));
+  expectIn(errors(sceneText("MeshGmshLoader", path, R"(scale="2" scale3d="1 1 2")")), "both scale and scale3d");
+  expectIn(errors(sceneText("MeshGmshLoader", path, R"(transformation="1 0 0 0 0 1 0 0 0 0 1 0 0 0 1 1")")),
+           "last row");
+}
+
+TEST_F(Loaders, WarnOfFaultsAndRefuseAnEmptyMesh) {
+  std::string inverted = two_tetrahedra;
+  inverted.replace(inverted.find("10 20 30 40\n"), 12, "20 10 30 40\n");
+  expectIn(sceneFromText(sceneText("MeshGmshLoader", file("a.msh", inverted))).diagnostics.text(),
+           "1 inverted cells (0)");
+  std::string unused = two_tetrahedra;
+  unused.replace(unused.find("$Nodes\n5\n"), 9, "$Nodes\n6\n60 9 9 9\n");
+  expectIn(sceneFromText(sceneText("MeshGmshLoader", file("b.msh", unused))).diagnostics.text(), "1 unused nodes (0)");
+  expectIn(errors(sceneText("MeshGmshLoader", file("c.msh", "$NOD\n0\n$ENDNOD\n$ELM\n0\n$ENDELM\n"))), "has no nodes");
+  expectIn(errors(sceneText("MeshGmshLoader", file("d.msh", "$NOD\n1\n1 0 0 0\n$ENDNOD\n$ELM\n0\n$ENDELM\n"))),
+           "has 1 nodes but no cell that can be used");
+  expectIn(errors(sceneText("MeshGmshLoader", file("e.msh", "$NOD\n1\n1 nan 0 0\n$ENDNOD\n$ELM\n0\n$ENDELM\n"))),
+           "no cell");
+  expectIn(errors(sceneText("MeshGmshLoader", "absent.msh")), "absent.msh");
+}
+
+TEST_F(Loaders, ObjKeepsTheNodesOfTheFile) {
+  const std::string text =
+      "# comment\nmtllib x.mtl\nv 0 0 0\nv 1 0 0\r\nv 1 1 0\nv 0 1 0\nv 0.5 2 0\nvn 0 0 1\nvt 0 0\ng a b\n"
+      "f 1/1/1 2/1/1 3//1\nf 1 2 3 4\nf -5 -4 -3 -1 -2\nl 1 2 3\n";
+  const Scene scene = sceneFromText(sceneText("MeshOBJLoader", file("a.obj", text)));
+  const Mesh& m = mesh(scene);
+  EXPECT_EQ(m.nodes(), 5);
+  EXPECT_EQ(m.position[4], Vec3(0.5, 2, 0));
+  EXPECT_EQ(m.triangles, (std::vector<Triangle>{{0, 1, 2}, {0, 1, 2}, {0, 2, 4}, {0, 4, 3}}));
+  EXPECT_EQ(m.quads, (std::vector<Quad>{{0, 1, 2, 3}}));
+  EXPECT_EQ(m.edges, (std::vector<Edge>{{0, 1}, {1, 2}}));
+  expectIn(scene.diagnostics.text(), "1 polygons of more than four corners were cut");
+  const Scene split =
+      sceneFromText(sceneText("MeshOBJLoader", file("a.obj", text), R"(triangulate="1" flipNormals="1")"));
+  EXPECT_TRUE(mesh(split).quads.empty());
+  EXPECT_EQ(mesh(split).triangles.size(), 6u);
+  EXPECT_EQ(mesh(split).triangles[0], (Triangle{0, 2, 1}));
+}
+
+TEST_F(Loaders, ObjErrorsHaveTheLine) {
+  expectIn(errors(sceneText("MeshOBJLoader", file("a.obj", "v 0 0 0\nv 0 x 0\n"))), "a.obj:2: 'x' is not a number");
+  expectIn(errors(sceneText("MeshOBJLoader", file("b.obj", "v 0 0 0\nf 1 2 3\n"))),
+           "b.obj:2: node 2 is not one of the 1");
+  expectIn(errors(sceneText("MeshOBJLoader", file("c.obj", "v 0 0 0\nf 1 0 1\n"))), "c.obj:2: node 0");
+  expectIn(errors(sceneText("MeshOBJLoader", file("d.obj", "v 0 0 0\nf 1 1\n"))), "needs three nodes");
+  expectIn(errors(sceneText("MeshOBJLoader", file("e.obj", "v 0 0\n"))), "e.obj:1");
+}
+
+TEST_F(Loaders, RealSurfaces) {
+  const std::string folder = STROMA_SHARED_DATA "/meshes/";
+  if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is absent";
+  EXPECT_EQ(mesh(sceneFromText(sceneText("MeshOBJLoader", folder + "liver-smooth.obj"))).nodes(), 2194);
+  EXPECT_EQ(mesh(sceneFromText(sceneText("MeshOBJLoader", folder + "truthcylinder1.obj"))).nodes(), 830);
+  const Scene bad = sceneFromText(sceneText("MeshGmshLoader", folder + "6_tetra_bad.msh"));
+  expectIn(bad.diagnostics.text(), "inverted");
+}
+
+}  // namespace
+}  // namespace stroma::test

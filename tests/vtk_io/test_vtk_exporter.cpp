@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// What the exporter writes, read back by VTK: positions and fields of each time, the list of files, options and errors.
+#include <tinyxml2.h>
+#include <vtkCellData.h>
+#include <vtkDataArray.h>
+#include <vtkFieldData.h>
+#include <vtkPointData.h>
+#include <vtkSmartPointer.h>
+#include <vtkUnstructuredGrid.h>
+#include <vtkXMLUnstructuredGridReader.h>
+
+#include <cmath>
+
+#include "tests/vtk_io/vtk_fixture.h"
+
+namespace stroma::test {
+namespace {
+
+/// A hanging beam of tetrahedra with an exporter.
+std::string beam(const std::string& exporter) {
+  return R"(<Node name="root" dt="0.02"><Node name="body">
+    <EulerImplicitSolver/><CGLinearSolver iterations="50" tolerance="1e-9" threshold="1e-30"/>
+    <RegularGridTopology name="grid" n="4 2 2" min="0 0 0" max="3 1 1"/>
+    <MechanicalObject name="state"/><UniformMass totalMass="3"/>
+    <BoxROI name="clamp" box="-0.1 -1 -1 0.1 2 2"/><FixedProjectiveConstraint indices="@clamp.indices"/>
+    <Node name="tets">
+      <TetrahedronSetTopologyContainer name="mesh"/><Hexa2TetraTopologicalMapping input="@../grid" output="@mesh"/>
+      <TetrahedronFEMForceField name="fem" mstate="@../state" youngModulus="2000" poissonRatio="0.3" method="polar"/>
+      )" +
+         exporter + "</Node></Node></Node>";
+}
+
+vtkSmartPointer<vtkUnstructuredGrid> read(const std::filesystem::path& path) {
+  const auto reader = vtkSmartPointer<vtkXMLUnstructuredGridReader>::New();
+  reader->SetFileName(path.c_str());
+  reader->Update();
+  return reader->GetOutput();
+}
+
+/// (time, file) of each entry of a .pvd file.
+std::vector<std::pair<double, std::string>> entries(const std::filesystem::path& path) {
+  tinyxml2::XMLDocument document;
+  std::vector<std::pair<double, std::string>> out;
+  if (document.LoadFile(path.c_str()) != tinyxml2::XML_SUCCESS) return out;
+  const auto* set = document.RootElement()->FirstChildElement("Collection")->FirstChildElement("DataSet");
+  for (; set; set = set->NextSiblingElement("DataSet"))
+    out.emplace_back(set->DoubleAttribute("timestep"), set->Attribute("file"));
+  return out;
+}
+
+class Exporter : public VtkTest {
+ protected:
+  std::string exporter(const std::string& attributes) const {
+    return "<VTKExporter name=\"out\" filename=\"" + (folder_ / "new" / "beam").string() + "\" " + attributes + "/>";
+  }
+  std::filesystem::path at(const std::string& name) const { return folder_ / "new" / name; }
+};
+
+TEST_F(Exporter, WritesEveryStepByDefaultAndTheListIsAlwaysValid) {
+  Simulation simulation = simulationFromText(beam(exporter("")));
+  for (int step = 1; step <= 3; ++step) {
+    simulation.step();
+    const auto list = entries(at("beam.pvd"));
+    ASSERT_EQ(list.size(), std::size_t(step));
+    EXPECT_NEAR(list.back().first, 0.02 * step, 1e-12);
+    EXPECT_TRUE(std::filesystem::exists(at(list.back().second)));
+  }
+  EXPECT_EQ(entries(at("beam.pvd"))[0].second, "beam00000.vtu");
+  long files = 0;
+  for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(folder_ / "new")) ++files;
+  EXPECT_EQ(files, 4);  // no temporary file is left
+}
+
+TEST_F(Exporter, ValuesComeBackToTheLastBit) {
+  Simulation simulation =
+      simulationFromText(beam(exporter(R"(pointsDataFields="velocity u=displacement force rest=state.rest_position"
+                       cellsDataFields="stress=fem.vonMises" mstate="@../state")")));
+  simulation.step();
+  simulation.step();
+  const auto grid = read(at("beam00001.vtu"));
+  const State& state = *simulation.states().front();
+  ASSERT_EQ(grid->GetNumberOfPoints(), state.size());
+  ASSERT_EQ(grid->GetNumberOfCells(), 18);
+  EXPECT_EQ(grid->GetFieldData()->GetArray("TimeValue")->GetTuple1(0), simulation.time());
+  double moved = 0;
+  for (Index n = 0; n < state.size(); ++n) {
+    double value[3];
+    const auto expect = [&](const char* name, const Vec3& expected) {
+      if (!name)
+        grid->GetPoint(n, value);
+      else
+        grid->GetPointData()->GetArray(name)->GetTuple(n, value);
+      EXPECT_EQ(Vec3(value[0], value[1], value[2]), expected) << (name ? name : "position") << " of node " << n;
+    };
+    expect(nullptr, state.x()[n]);
+    expect("velocity", state.v()[n]);
+    expect("force", state.f()[n]);
+    expect("u", state.x()[n] - state.rest_position[std::size_t(n)]);
+    expect("rest", state.rest_position[std::size_t(n)]);
+    moved = std::max(moved, (Vec3(state.x()[n]) - state.rest_position[std::size_t(n)]).norm());
+  }
+  EXPECT_GT(moved, 1e-4);
+  const auto* fem = dynamic_cast<ForceField*>(findComponent(simulation.root(), "/body/tets/fem"));
+  std::vector<double> stress;
+  fem->cellField("vonMises", simulation.systems().front()->x, stress);
+  double largest = 0;
+  for (vtkIdType c = 0; c < 18; ++c) {
+    EXPECT_EQ(grid->GetCellData()->GetArray("stress")->GetTuple1(c), stress[std::size_t(c)]);
+    largest = std::max(largest, stress[std::size_t(c)]);
+  }
+  EXPECT_GT(largest, 0);
+}
+
+TEST_F(Exporter, RoundTripThroughTheLoader) {
+  for (const bool xml : {true, false}) {
+    Simulation simulation = simulationFromText(beam(exporter(xml ? "" : "XMLformat=\"false\"")));
+    simulation.step();
+    const Mesh mesh = load("MeshVTKLoader", at(xml ? "beam00000.vtu" : "beam00000.vtk"));
+    const State& state = *simulation.states().front();
+    ASSERT_EQ(mesh.nodes(), state.size());
+    for (Index n = 0; n < mesh.nodes(); ++n) EXPECT_EQ(mesh.position[std::size_t(n)], Vec3(state.x()[n]));
+    const auto& original = dynamic_cast<Topology&>(*findComponent(simulation.root(), "/body/tets/mesh")).mesh();
+    EXPECT_EQ(mesh.tetrahedra, original.tetrahedra);
+  }
+}
+
+TEST_F(Exporter, WhenAndHowOften) {
+  const auto times = [this](const std::string& attributes, int steps) {
+    std::filesystem::remove_all(folder_ / "new");
+    Simulation simulation = simulationFromText(beam(exporter(attributes)));
+    simulation.begin();
+    for (int i = 0; i < steps; ++i) simulation.step();
+    simulation.end();
+    std::vector<long> out;
+    for (const auto& [time, file] : entries(at("beam.pvd"))) out.push_back(std::lround(time / 0.02));
+    return out;
+  };
+  using Times = std::vector<long>;
+  EXPECT_EQ(times("exportEveryNumberOfSteps=\"2\"", 5), (Times{2, 4}));
+  EXPECT_EQ(times("exportEveryNumberOfSteps=\"2\" exportAtBegin=\"1\" exportAtEnd=\"1\"", 5), (Times{0, 2, 4, 5}));
+  EXPECT_EQ(times("exportEveryNumberOfSteps=\"2\" exportAtEnd=\"1\"", 4), (Times{2, 4}));
+  EXPECT_EQ(times("exportEveryNumberOfSteps=\"0\" exportAtEnd=\"1\"", 3), (Times{3}));
+  EXPECT_EQ(times("enable=\"0\"", 3), Times{});
+  EXPECT_EQ(times("overwrite=\"1\"", 3), (Times{3}));
+  EXPECT_TRUE(std::filesystem::exists(at("beam.vtu")));
+  EXPECT_FALSE(std::filesystem::exists(at("beam00000.vtu")));
+}
+
+TEST_F(Exporter, CellsThatAreAskedFor) {
+  const std::string start = R"(<Node name="root"><MeshTopology name="m" position="0 0 0 1 0 0 0 1 0 0 0 1" edges="0 1"
+    triangles="0 1 2 0 2 3" )";
+  const auto cells = [&](const std::string& tetrahedra, const std::string& attributes) {
+    Simulation simulation = simulationFromText(
+        start + tetrahedra + "/><EulerExplicitSolver/><MechanicalObject/><UniformMass totalMass=\"1\"/>" +
+        exporter(attributes) + "</Node>");
+    simulation.step();
+    return read(at("beam00000.vtu"))->GetNumberOfCells();
+  };
+  EXPECT_EQ(cells("tetrahedra=\"0 1 2 3\"", ""), 1);
+  EXPECT_EQ(cells("tetrahedra=\"0 1 2 3\"", "triangles=\"1\""), 3);
+  EXPECT_EQ(cells("tetrahedra=\"0 1 2 3\"", "tetras=\"0\" edges=\"1\""), 1);
+  EXPECT_EQ(cells("", ""), 2);
+}
+
+TEST_F(Exporter, SaysWhatIsWrong) {
+  const auto with = [this](const std::string& attributes) { return problemsOf(beam(exporter(attributes))); };
+  EXPECT_EQ(with(""), "");
+  expectIn(with("pointsDataFields=\"velocitty\""), "did you mean velocity");
+  expectIn(with("cellsDataFields=\"fem.vonMisses\""), "vonMises");
+  expectIn(with("cellsDataFields=\"nobody.vonMises\""), "no component 'nobody'");
+  expectIn(with("cellsDataFields=\"mesh.vonMises\""), "is not a force field");
+  expectIn(with("cellsDataFields=\"nothing\""), "0 force fields of the node have 'nothing'");
+  expectIn(with("topology=\"@../state\""), "topology");
+  expectIn(problemsOf("<Node name=\"root\">" + exporter("") + "</Node>"), "there is no state to export");
+}
+
+TEST_F(Exporter, AFolderThatCannotBeMadeIsASentence) {
+  file("new", "a file where the folder should be");
+  Simulation simulation = simulationFromText(beam(exporter("")));
+  EXPECT_THROW(simulation.step(), std::exception);
+}
+
+}  // namespace
+}  // namespace stroma::test

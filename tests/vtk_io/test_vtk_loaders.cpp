@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// MeshVTKLoader and MeshSTLLoader on files that VTK's own writers made, in every version and encoding, and on wrong
+// ones.
+#include <vtkCellType.h>
+#include <vtkPoints.h>
+#include <vtkPolyData.h>
+#include <vtkPolyDataWriter.h>
+#include <vtkSTLWriter.h>
+#include <vtkSmartPointer.h>
+#include <vtkUnstructuredGrid.h>
+#include <vtkUnstructuredGridWriter.h>
+#include <vtkXMLPolyDataWriter.h>
+#include <vtkXMLUnstructuredGridWriter.h>
+
+#include "tests/vtk_io/vtk_fixture.h"
+
+namespace stroma::test {
+namespace {
+
+template <class T>
+using Pointer = vtkSmartPointer<T>;
+
+/// One cell of every kind that is read, on the corners of a unit cube and a point above it.
+Pointer<vtkUnstructuredGrid> allKinds() {
+  const auto points = Pointer<vtkPoints>::New();
+  points->SetDataTypeToDouble();
+  for (int k = 0; k < 2; ++k)
+    for (int j = 0; j < 2; ++j)
+      for (int i = 0; i < 2; ++i) points->InsertNextPoint(i, j, k);
+  points->InsertNextPoint(1.0 / 3, 0.5, 2);
+  auto grid = Pointer<vtkUnstructuredGrid>::New();
+  grid->SetPoints(points);
+  const auto add = [&grid](int type, std::vector<vtkIdType> nodes) {
+    grid->InsertNextCell(type, vtkIdType(nodes.size()), nodes.data());
+  };
+  add(VTK_LINE, {0, 8});
+  add(VTK_POLY_LINE, {1, 2, 3});
+  add(VTK_TRIANGLE, {0, 1, 8});
+  add(VTK_TRIANGLE_STRIP, {0, 1, 2, 3});
+  add(VTK_POLYGON, {0, 1, 3, 8, 2});
+  add(VTK_QUAD, {0, 1, 3, 2});
+  add(VTK_PIXEL, {4, 5, 6, 7});
+  add(VTK_TETRA, {4, 5, 6, 8});
+  add(VTK_HEXAHEDRON, {0, 1, 3, 2, 4, 5, 7, 6});
+  add(VTK_VOXEL, {0, 1, 2, 3, 4, 5, 6, 7});
+  add(VTK_VERTEX, {5});
+  return grid;
+}
+
+void expectAllKinds(const Mesh& mesh) {
+  ASSERT_EQ(mesh.nodes(), 9);
+  EXPECT_EQ(mesh.position[8], Vec3(1.0 / 3, 0.5, 2));
+  EXPECT_EQ(mesh.edges, (std::vector<Edge>{{0, 8}, {1, 2}, {2, 3}}));
+  EXPECT_EQ(mesh.triangles, (std::vector<Triangle>{{0, 1, 8}, {0, 1, 2}, {2, 1, 3}, {0, 1, 3}, {0, 3, 8}, {0, 8, 2}}));
+  EXPECT_EQ(mesh.quads, (std::vector<Quad>{{0, 1, 3, 2}, {4, 5, 7, 6}}));
+  EXPECT_EQ(mesh.tetrahedra, (std::vector<Tetrahedron>{{4, 5, 6, 8}}));
+  EXPECT_EQ(mesh.hexahedra, (std::vector<Hexahedron>{{0, 1, 3, 2, 4, 5, 7, 6}, {0, 1, 3, 2, 4, 5, 7, 6}}));
+}
+
+TEST_F(VtkTest, LegacyVersionsAndEncodings) {
+  for (const int version : {42, 51})
+    for (const bool binary : {false, true}) {
+      SCOPED_TRACE(testing::Message() << version << (binary ? " binary" : " ASCII"));
+      const auto writer = Pointer<vtkUnstructuredGridWriter>::New();
+      const std::string path = folder_ / "mesh.vtk";
+      writer->SetFileName(path.c_str());
+      writer->SetInputData(allKinds());
+      writer->SetFileVersion(version);
+      binary ? writer->SetFileTypeToBinary() : writer->SetFileTypeToASCII();
+      writer->Write();
+      const Mesh mesh = load("MeshVTKLoader", path);
+      if (binary) {
+        expectAllKinds(mesh);
+      } else {
+        EXPECT_EQ(mesh.hexahedra.size(), 2u);  // ASCII holds fewer digits
+        EXPECT_TRUE(mesh.position[8].isApprox(Vec3(1.0 / 3, 0.5, 2), 1e-6));
+      }
+    }
+}
+
+TEST_F(VtkTest, XmlEncodings) {
+  for (const int mode : {0, 1, 2}) {
+    const auto writer = Pointer<vtkXMLUnstructuredGridWriter>::New();
+    const std::string path = folder_ / "mesh.vtu";
+    writer->SetFileName(path.c_str());
+    writer->SetInputData(allKinds());
+    writer->SetDataMode(mode);
+    writer->Write();
+    expectAllKinds(load("MeshVTKLoader", path));
+  }
+  const Scene scene = sceneFromText(sceneText("MeshVTKLoader", folder_ / "mesh.vtu"));
+  expectIn(scene.diagnostics.text(), "1 cells of kind vtkVertex are not used");
+}
+
+TEST_F(VtkTest, PolyData) {
+  const auto points = Pointer<vtkPoints>::New();
+  for (const auto& [x, y] : {std::pair(0, 0), {1, 0}, {1, 1}, {0, 1}}) points->InsertNextPoint(x, y, 0.5);
+  const auto data = Pointer<vtkPolyData>::New();
+  data->SetPoints(points);
+  data->Allocate(2);
+  const vtkIdType triangle[] = {0, 1, 2}, quad[] = {0, 1, 2, 3};
+  data->InsertNextCell(VTK_TRIANGLE, 3, triangle);
+  data->InsertNextCell(VTK_QUAD, 4, quad);
+  const auto writer = Pointer<vtkXMLPolyDataWriter>::New();
+  writer->SetFileName((folder_ / "a.vtp").c_str());
+  writer->SetInputData(data);
+  writer->Write();
+  const auto legacy = Pointer<vtkPolyDataWriter>::New();
+  legacy->SetFileName((folder_ / "a.vtk").c_str());
+  legacy->SetInputData(data);
+  legacy->Write();
+  for (const char* name : {"a.vtp", "a.vtk"}) {
+    const Mesh mesh = load("MeshVTKLoader", folder_ / name);
+    EXPECT_EQ(mesh.triangles.size(), 1u) << name;
+    EXPECT_EQ(mesh.quads, (std::vector<Quad>{{0, 1, 2, 3}})) << name;
+  }
+}
+
+TEST_F(VtkTest, StlSharesItsNodes) {
+  const auto points = Pointer<vtkPoints>::New();
+  for (const auto& [x, y] : {std::pair(0.1, 0.2), {1, 0}, {1, 1}, {0, 1}}) points->InsertNextPoint(x, y, 0.5);
+  const auto data = Pointer<vtkPolyData>::New();
+  data->SetPoints(points);
+  data->Allocate(2);
+  const vtkIdType first[] = {0, 1, 2}, second[] = {0, 2, 3};
+  data->InsertNextCell(VTK_TRIANGLE, 3, first);
+  data->InsertNextCell(VTK_TRIANGLE, 3, second);
+  for (const bool binary : {false, true}) {
+    const auto writer = Pointer<vtkSTLWriter>::New();
+    const std::string path = folder_ / "a.stl";
+    writer->SetFileName(path.c_str());
+    writer->SetInputData(data);
+    binary ? writer->SetFileTypeToBinary() : writer->SetFileTypeToASCII();
+    writer->Write();
+    const Mesh mesh = load("MeshSTLLoader", path);
+    EXPECT_EQ(mesh.nodes(), 4);
+    EXPECT_EQ(mesh.triangles, (std::vector<Triangle>{{0, 1, 2}, {0, 2, 3}}));
+    EXPECT_TRUE(mesh.position[0].isApprox(Vec3(0.1, 0.2, 0.5), 1e-6));
+  }
+}
+
+TEST_F(VtkTest, WrongFilesAreSentencesAndPrintNothing) {
+  const auto with = [this](const std::string& type, const std::string& name, const std::string& content) {
+    testing::internal::CaptureStderr();
+    testing::internal::CaptureStdout();
+    const std::string text = errors(sceneText(type, file(name, content)));
+    EXPECT_EQ(testing::internal::GetCapturedStderr() + testing::internal::GetCapturedStdout(), "") << name;
+    EXPECT_NE(text, "") << name;
+    return text;
+  };
+  expectIn(with("MeshVTKLoader", "a.vtk", "hello"), "a.vtk is not a file of VTK");
+  with("MeshVTKLoader", "b.vtk",
+       "# vtk DataFile Version 3.0\nx\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 9 float\n0 0");
+  with("MeshVTKLoader", "c.vtu", "<VTKFile type=\"UnstructuredGrid\"><UnstructuredGrid><Piece Numb");
+  with("MeshVTKLoader", "d.vtk", "# vtk DataFile Version 3.0\nx\nASCII\nDATASET NONSENSE\n");
+  with("MeshVTKLoader", "e.vtk",
+       "# vtk DataFile Version 3.0\nx\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 4 float\n0 0 0 1 0 0 0 1 0 0 0 1\n"
+       "CELLS 1 5\n4 0 1 2 9\nCELL_TYPES 1\n10\n");
+  expectIn(with("MeshVTKLoader", "f.vtk",
+                "# vtk DataFile Version 3.0\nx\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 3 float\n0 0 0 1 0 0 2 0 0\n"
+                "CELLS 1 4\n3 0 1 2\nCELL_TYPES 1\n21\n"),
+           "vtkQuadraticEdge are not supported");
+  with("MeshSTLLoader", "g.stl", "");
+  with("MeshSTLLoader", "h.stl", "nonsense");
+}
+
+TEST_F(VtkTest, RealFiles) {
+  const std::string folder = STROMA_SHARED_DATA "/meshes/";
+  if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is absent";
+  const Mesh raptor = load("MeshVTKLoader", folder + "raptorTetra_8418.vtu");
+  EXPECT_EQ(raptor.nodes(), 2996);
+  EXPECT_EQ(raptor.tetrahedra.size(), 8418u);
+  const Mesh liver = load("MeshVTKLoader", folder + "liver.vtk");
+  EXPECT_EQ(liver.nodes(), 5008);
+  EXPECT_EQ(liver.triangles.size(), 10000u);
+}
+
+}  // namespace
+}  // namespace stroma::test
