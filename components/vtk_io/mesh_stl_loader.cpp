@@ -13,6 +13,7 @@
 // </Node>
 #include <fmt/format.h>
 #include <vtkIdList.h>
+#include <vtkLogger.h>
 #include <vtkObjectFactory.h>
 #include <vtkOutputWindow.h>
 #include <vtkPolyData.h>
@@ -49,6 +50,7 @@ class MeshSTLLoader : public MeshLoader {
     const std::string name = file.substr(file.rfind('/') + 1);
     const vtkSmartPointer<vtkOutputWindow> before = vtkOutputWindow::GetInstance();
     const auto window = vtkSmartPointer<CapturedOutput>::New();
+    vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);  // a second way to the terminal
     vtkOutputWindow::SetInstance(window);
     const auto reader = vtkSmartPointer<vtkSTLReader>::New();
     reader->SetFileName(file.c_str());

@@ -19,6 +19,7 @@
 #include <vtkDataSet.h>
 #include <vtkGenericDataObjectReader.h>
 #include <vtkIdList.h>
+#include <vtkLogger.h>
 #include <vtkObjectFactory.h>
 #include <vtkOutputWindow.h>
 #include <vtkSmartPointer.h>
@@ -49,6 +50,7 @@ vtkStandardNewMacro(CapturedOutput);
 class Capture {
  public:
   Capture() : before_(vtkOutputWindow::GetInstance()), window_(vtkSmartPointer<CapturedOutput>::New()) {
+    vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);  // a second way to the terminal
     vtkOutputWindow::SetInstance(window_);
   }
   ~Capture() { vtkOutputWindow::SetInstance(before_); }

@@ -78,6 +78,7 @@ class VTKExporter : public Observer {
   void makeGrid();
   void addPointField(const std::string& word);
   void addCellField(const std::string& word);
+  ForceField& forceFieldWith(const std::string& field) const;
   Component& componentAt(std::string_view path) const;
   std::vector<double> fieldOfCells(const CellOutput& output) const;
   void fill();
@@ -230,22 +231,10 @@ void VTKExporter::addCellField(const std::string& word) {
     Component& owner = componentAt(what.substr(0, dot));
     source = dynamic_cast<ForceField*>(&owner);
     if (!source) throw ComponentError(fmt::format("cellsDataFields: {} is not a force field", owner.path()));
-    source->ensureReady();
   } else {
-    std::vector<ForceField*> fields;
-    node().collect(fields);
-    const auto has = [&what](ForceField* field) {
-      const auto names = field->cellFields();
-      return std::find(names.begin(), names.end(), what) != names.end();
-    };
-    const auto others = std::remove_if(fields.begin(), fields.end(), [&](ForceField* f) { return !has(f); });
-    fields.erase(others, fields.end());
-    if (fields.size() != 1)
-      throw ComponentError(fmt::format("cellsDataFields: {} force fields of the node have '{}'", fields.size(), what),
-                           "component.field");
-    source = fields.front();
-    source->ensureReady();
+    source = &forceFieldWith(what);
   }
+  source->ensureReady();
   const std::string field = names_owner ? what.substr(dot + 1) : what;
   const auto known = source->cellFields();
   if (std::find(known.begin(), known.end(), field) == known.end())
@@ -258,7 +247,23 @@ void VTKExporter::addCellField(const std::string& word) {
   grid_->GetCellData()->AddArray(cell_outputs_.back().values);
 }
 
-/// "fem", "@fem", "@../body/fem", "@/body/fem".
+/// The only force field of the node and below that has the cell field.
+ForceField& VTKExporter::forceFieldWith(const std::string& field) const {
+  std::vector<ForceField*> all, matching;
+  node().collect(all);
+  std::vector<std::string> names;
+  for (ForceField* candidate : all)
+    for (const std::string& name : candidate->cellFields()) {
+      names.push_back(name);
+      if (name == field) matching.push_back(candidate);
+    }
+  if (matching.size() != 1)
+    throw ComponentError(fmt::format("cellsDataFields: {} force fields of the node have '{}'", matching.size(), field),
+                         "component.field", matching.empty() ? nearest(field, names) : std::string{});
+  return *matching.front();
+}
+
+/// "fem" (here, else in the nearest node above), "@fem", "@../body/fem", "@/body/fem".
 Component& VTKExporter::componentAt(std::string_view path) const {
   const std::string whole(path);
   if (path.starts_with('@')) path.remove_prefix(1);
@@ -275,7 +280,9 @@ Component& VTKExporter::componentAt(std::string_view path) const {
       at = at->findChild(part);
     path.remove_prefix(slash + 1);
   }
+  const bool name_only = whole.find('/') == std::string::npos;
   Component* found = at ? at->findByName(path) : nullptr;
+  for (; !found && name_only && at->parent(); found = at->findByName(path)) at = at->parent();
   if (!found) throw ComponentError(fmt::format("there is no component '{}'", whole), "a path like fem or @../body/fem");
   return *found;
 }

@@ -165,7 +165,7 @@ TEST_F(Exporter, CellsThatAreAskedFor) {
 TEST_F(Exporter, SaysWhatIsWrong) {
   const auto with = [this](const std::string& attributes) { return problemsOf(beam(exporter(attributes))); };
   EXPECT_EQ(with(""), "");
-  expectIn(with("pointsDataFields=\"velocitty\""), "did you mean velocity");
+  expectIn(with("pointsDataFields=\"velocitty\""), "did you mean 'velocity'");
   expectIn(with("cellsDataFields=\"fem.vonMisses\""), "vonMises");
   expectIn(with("cellsDataFields=\"nobody.vonMises\""), "no component 'nobody'");
   expectIn(with("cellsDataFields=\"mesh.vonMises\""), "is not a force field");
