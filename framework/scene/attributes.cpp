@@ -110,7 +110,7 @@ void Instantiation::readNodeAttribute(const AttributeDescription& attribute, Nod
 void Instantiation::readAttributes(const ComponentDescription& description, Component& component) {
   std::map<const Data*, const AttributeDescription*> given;
   for (const AttributeDescription& attribute : description.attributes) {
-    const Data* data = component.data().find(attribute.name);
+    const Data* data = findAttribute(attribute.name, component);
     if (data && !data->link()) {
       const auto [first, is_new] = given.emplace(data, &attribute);
       if (!is_new && isOverride(attribute.where)) {
@@ -131,12 +131,11 @@ void Instantiation::readAttributes(const ComponentDescription& description, Comp
 }
 
 void Instantiation::readAttribute(const AttributeDescription& attribute, Component& component) {
-  Data* data = component.data().find(attribute.name);
-  if (!data)
-    for (const AttributeChange& change : attributeChanges())
-      if (change.type == component.type() && change.old_attribute == attribute.name)
-        data = component.data().find(change.new_attribute);
+  Data* data = findAttribute(attribute.name, component);
   if (!data) return unknownAttribute(attribute, component);
+  if (!component.data().find(attribute.name))
+    diagnostics_.note(attribute.where, component.path() + "." + attribute.name,
+                      "this attribute is called " + data->name() + " now");
 
   const std::string_view text = trimmed(attribute.value);
   if (data->link() && text.empty()) return;
@@ -152,6 +151,15 @@ void Instantiation::readAttribute(const AttributeDescription& attribute, Compone
   }
   if (data->link()) pending_.push_back({&component, data, std::string(text), attribute.where});
   if (std::holds_alternative<FileName*>(data->pointer())) findInputFile(attribute, *data, component);
+}
+
+/// The attribute by its name, an alias or the name it once had.
+Data* Instantiation::findAttribute(const std::string& name, Component& component) {
+  if (Data* data = component.data().find(name)) return data;
+  for (const AttributeChange& change : attributeChanges())
+    if (change.type == component.type() && change.old_attribute == name)
+      return component.data().find(change.new_attribute);
+  return nullptr;
 }
 
 void Instantiation::unknownAttribute(const AttributeDescription& attribute, Component& component) {

@@ -57,10 +57,8 @@ std::string_view presentType(std::string_view type) {
 
 const std::vector<AttributeChange>& attributeChanges() {
   static const std::vector<AttributeChange> table = {
-      {"MeshTopology", "pentahedra", "prisms"},       {"MeshGmshLoader", "pentahedra", "prisms"},
-      {"MeshVTKLoader", "pentahedra", "prisms"},      {"StaticSolver", "newton_iterations", "newtonIterations"},
-      {"UniformMass", "totalmass", "totalMass"},      {"UniformMass", "mass", "vertexMass"},
-      {"DiagonalMass", "massdensity", "massDensity"},
+      {"UniformMass", "totalmass", "totalMass"},
+      {"UniformMass", "mass", "vertexMass"},
   };
   return table;
 }

@@ -40,6 +40,7 @@ class Instantiation {
   void readNodeAttribute(const AttributeDescription& attribute, Node& node);
   void readAttributes(const ComponentDescription& description, Component& component);
   void readAttribute(const AttributeDescription& attribute, Component& component);
+  Data* findAttribute(const std::string& name, Component& component);
   void unknownAttribute(const AttributeDescription& attribute, Component& component);
   bool readCommonAttribute(const AttributeDescription& attribute, Component& component);
   void checkTemplate(const AttributeDescription& attribute, Component& component);

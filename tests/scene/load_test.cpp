@@ -137,6 +137,25 @@ TEST_F(Load, renamedAndRemovedComponents) {
   EXPECT_NE(scene.diagnostics.text().find("Mesh is called MeshTopology since SOFA 24.12"), std::string::npos);
 }
 
+/// Stands for the mass whose attributes were renamed.
+class OldMass : public Component {
+ public:
+  void declare(DataTable& table) override { table.add("totalMass", total_mass_).help("mass").unit("kg"); }
+  std::string roleText() const override { return "mass"; }
+
+ private:
+  double total_mass_ = 1;
+};
+
+TEST_F(Load, renamedAttributes) {
+  factory.add<OldMass>("UniformMass", "mass");
+  const Scene scene = load("<Node><UniformMass totalmass='3'/></Node>");
+  EXPECT_EQ(findComponent(*scene.root, "/UniformMass")->data().find("totalMass")->print(), "3");
+  EXPECT_NE(scene.diagnostics.text().find("called totalMass now"), std::string::npos);
+  EXPECT_NE(problemOf("<Node><UniformMass totalmass='3' totalMass='4'/></Node>").message.find("given twice"),
+            std::string::npos);
+}
+
 TEST_F(Load, overrides) {
   const std::string text =
       "<Node name='root'><TestState position='0 0 0'/><Node name='liver'>"

@@ -180,5 +180,53 @@ TEST(ChangeTable, everyReplacementExists) {
     EXPECT_FALSE(existing.count(std::string(type))) << type << " has an effect after all";
 }
 
+/// The components of this build.
+class BuiltModules : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (!std::filesystem::exists(STROMA_BINARY_DIR "/lib/stroma/modules.index"))
+      GTEST_SKIP() << "the modules are not built";
+    modules = std::make_unique<Modules>(factory, std::vector<std::string>{STROMA_BINARY_DIR "/lib/stroma"});
+    modules->openAll();
+    ASSERT_GT(factory.entries().size(), 20u);
+  }
+  Factory factory;
+  std::unique_ptr<Modules> modules;
+};
+
+TEST_F(BuiltModules, renamedAttributesExist) {
+  for (const AttributeChange& change : attributeChanges()) {
+    const std::unique_ptr<Component> component = factory.make(std::string(change.type));
+    ASSERT_NE(component, nullptr) << change.type;
+    EXPECT_NE(component->data().find(change.new_attribute), nullptr) << change.type << "." << change.new_attribute;
+    EXPECT_EQ(component->data().find(change.old_attribute), nullptr) << change.type << "." << change.old_attribute;
+  }
+}
+
+TEST_F(BuiltModules, everyAttributeHasANameOfItsOwnAndALineOfHelp) {
+  for (const ComponentEntry* entry : factory.entries()) {
+    EXPECT_FALSE(entry->help.empty()) << entry->type;
+    EXPECT_FALSE(modules->manual(entry->type).empty()) << entry->type << " has no manual page";
+    const std::unique_ptr<Component> component = factory.make(entry->type);
+    std::set<std::string> seen;
+    for (const std::string& name : component->data().names())
+      EXPECT_TRUE(seen.insert(name).second) << entry->type << "." << name << " means two attributes";
+    for (const Data& data : component->data().all())
+      EXPECT_FALSE(data.helpText().empty()) << entry->type << "." << data.name();
+  }
+}
+
+TEST_F(BuiltModules, defaultsReadBack) {
+  for (const ComponentEntry* entry : factory.entries()) {
+    const std::unique_ptr<Component> component = factory.make(entry->type);
+    for (Data& data : component->data().all()) {
+      if (data.isOutput() || data.link() || data.defaultText().empty()) continue;
+      const auto problem = data.parse(data.defaultText(), DataOrigin::written);
+      EXPECT_FALSE(problem) << entry->type << "." << data.name() << ": " << problem->text();
+      EXPECT_EQ(data.print(), data.defaultText()) << entry->type << "." << data.name();
+    }
+  }
+}
+
 }  // namespace
 }  // namespace stroma::testing
