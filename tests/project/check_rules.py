@@ -26,7 +26,7 @@ GUARDED = [
 SKIPPED_FOLDERS = {".git", "build", "results", "__pycache__"}
 SOURCE = re.compile(r"(\.(h|cpp|py|cmake|in|xml|sh)|CMakeLists\.txt)$")
 BINARY = re.compile(r"\.(png|gz|vtu|pdf|so|o|pyc)$")
-MACHINE_PATH = re.compile(r"(?<![\w.$}*\]/-])/(work|tmp|root|home)/")
+MACHINE_PATH = re.compile(r"(?<![\w.$}*\]/-])/(work|tmp|home)/")
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.M)
 
 

@@ -41,7 +41,7 @@ def main():
         run("cmake", "--install", BUILD, "--prefix", prefix)
         stroma = os.path.join(prefix, "bin", "stroma")
         used = run("ldd", stroma)
-        assert os.path.join(prefix, "lib") in used, f"the installed command does not use the installed library:\n{used}"
+        assert prefix + os.sep in used and BUILD + os.sep not in used, f"the installed command does not use the installed library:\n{used}"
 
         shutil.copytree(os.path.join(TREE, "examples", "out_of_tree_module"), os.path.join(folder, "source"))
         run("cmake", "-S", os.path.join(folder, "source"), "-B", module, f"-DCMAKE_PREFIX_PATH={prefix}")

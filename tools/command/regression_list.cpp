@@ -20,6 +20,7 @@ namespace fs = std::filesystem;
 std::string caseName(const std::string& scene, const std::vector<std::string>& overrides) {
   std::string name = fs::path(scene).replace_extension().lexically_normal().string();
   for (const std::string& text : overrides) name += "+" + text.substr(text.find_first_not_of('/'));
+  while (name.starts_with("../")) name.erase(0, 3);  // a folder that begins with a dot is easily overlooked
   std::ranges::replace(name, '/', '.');
   return name;
 }
