@@ -160,8 +160,15 @@ TEST_F(VtkTest, WrongFilesAreSentencesAndPrintNothing) {
                 "# vtk DataFile Version 3.0\nx\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 3 float\n0 0 0 1 0 0 2 0 0\n"
                 "CELLS 1 4\n3 0 1 2\nCELL_TYPES 1\n21\n"),
            "vtkQuadraticEdge are not supported");
-  with("MeshSTLLoader", "g.stl", "");
-  with("MeshSTLLoader", "h.stl", "nonsense");
+  expectIn(with("MeshSTLLoader", "g.stl", ""), "cannot be read as STL");
+  expectIn(with("MeshSTLLoader", "h.stl", "nonsense"), "cannot be read as STL");
+  expectIn(with("MeshSTLLoader", "i.stl", "solid\nfacet\nvertex 0 0 0\nvertex 0 x 0\n"),
+           "i.stl:4: 'x' is not a number");
+  expectIn(with("MeshSTLLoader", "j.stl", "solid\nvertex 0 0 0\nendfacet\nendsolid\n"),
+           "j.stl:3: a facet has 1 corners");
+  expectIn(with("MeshSTLLoader", "k.stl", "solid\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendfacet\n"),
+           "is cut short");
+  expectIn(with("MeshSTLLoader", "l.stl", std::string(84, 'x')), "cannot be read as STL");
 }
 
 TEST_F(VtkTest, RealFiles) {
