@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <limits>
 
@@ -69,7 +70,9 @@ class ShiftedMatrix final : public SystemMatrix {
 };
 
 SolveReport solveOnce(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows x, StepReport& report) {
+  const auto start = std::chrono::steady_clock::now();
   const SolveReport solve = solver.solve(matrix, b, x);
+  report.solve_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   report.linear_iterations += solve.iterations;
   report.factorisations += solve.factored;
   report.linear_residual = solve.relative_residual;

@@ -103,6 +103,7 @@ void merge(StepReport&& part, StepReport& whole) {
   whole.newton_iterations += part.newton_iterations;
   whole.linear_iterations += part.linear_iterations;
   whole.factorisations += part.factorisations;
+  whole.solve_seconds += part.solve_seconds;
   whole.linear_residual = std::max(whole.linear_residual, part.linear_residual);
   whole.newton_residual = std::max(whole.newton_residual, part.newton_residual);
   whole.newton_converged = whole.newton_converged && part.newton_converged;
@@ -192,6 +193,7 @@ void Simulation::advance(std::size_t index, const StepContext& context, StepRepo
   StepReport part = system.integrator().step(system, context);
   std::string cause = part.diverged ? part.reason : system.firstNonFinite();
   system.times.total += seconds(Clock::now() - start);
+  system.times.solve += part.solve_seconds;
   if (!part.diverged && cause.empty()) return merge(std::move(part), report);
 
   if (cause.empty()) cause = "the integrator gave the step up";

@@ -22,6 +22,7 @@ struct StepReport {
   int newton_iterations = 0;
   int linear_iterations = 0;   ///< summed over the Newton iterations
   int factorisations = 0;
+  double solve_seconds = 0;    ///< wall time of the linear solves, their products and assembly included
   double linear_residual = 0;  ///< relative, of the last linear solve
   bool linear_converged = true;
   SolveStop linear_stop = SolveStop::converged;

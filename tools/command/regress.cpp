@@ -185,7 +185,7 @@ int regress(const Arguments& arguments) {
   }
   if (results.empty()) throw UsageError(fmt::format("--filter {}: no case of the list has that in its name", filter));
   const auto failed = std::ranges::count_if(results, [](const Result& result) { return !result.failure.empty(); });
-  fmt::print("{} passed, {} failed\n", std::ssize(results) - failed, failed);
+  fmt::print("{} {}, {} failed\n", std::ssize(results) - failed, update ? "updated" : "passed", failed);
   if (values->count("json")) writeJson(results, (*values)["json"].as<std::string>());
   return failed == 0 ? exit_done : exit_comparison_failed;
 }
