@@ -227,23 +227,18 @@ void Instantiation::findInputFile(const AttributeDescription& attribute, Data& d
                      searchedText(searched)});
 }
 
-/// After the links: what nobody gave, neither written nor linked.
+/// After the links: what nobody gave, neither written nor linked. A component that was refused is passed over: it may
+/// have the attribute under a wrong name or with a wrong value, and one message is enough.
 void Instantiation::checkGiven(Component& component) {
+  if (component.hasFailed()) return;
   const auto isGiven = [&](const Data& data) {
-    if (data.isSet()) return true;
-    return std::any_of(component.data_links_.begin(), component.data_links_.end(),
-                       [&](const Component::DataLink& link) { return link.target == &data; }) ||
-           (component.hasFailed() && std::any_of(pending_.begin(), pending_.end(), [&](const PendingLink& link) {
-              return link.component == &component && link.data == &data;  // a broken link is no second problem
-            }));
+    return data.isSet() || std::any_of(component.data_links_.begin(), component.data_links_.end(),
+                                       [&](const Component::DataLink& link) { return link.target == &data; });
   };
-  const bool failed_before = component.hasFailed();
   for (const Data& data : component.data().all()) {
     if ((!data.isRequired() && !data.isPhysical()) || isGiven(data)) continue;
     const std::string path = component.path() + "." + data.name();
     if (data.isRequired()) {
-      // A component that was refused may have this attribute under a wrong name: one message is enough.
-      if (failed_before) continue;
       fail(component, {Severity::error, component.where(), path, data.name() + " is not given", data.typeText(), {}});
     } else {
       const std::string unit = data.unitText().empty() || data.unitText() == "-" ? "" : " " + data.unitText();

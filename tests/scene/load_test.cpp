@@ -66,6 +66,12 @@ TEST_F(Load, aMisspeltComponentSilencesWhatNeedsIt) {
 TEST_F(Load, requiredPhysicalAndTwiceGivenAttributes) {
   const Problem problem = problemOf("<Node><TestLoader name='l'/></Node>");
   EXPECT_EQ(problem.path, "/l.filename");
+  try {
+    load("<Node><TestState/><TestForce youngModulus='soft'/></Node>");
+    ADD_FAILURE();
+  } catch (const SceneError& error) {
+    EXPECT_EQ(error.diagnostics().problems().size(), 1u) << "a wrong value is not also a missing one";
+  }
   const Scene scene = load("<Node><TestState/><TestForce name='f'/></Node>");
   ASSERT_EQ(scene.diagnostics.problems().size(), 1u);
   EXPECT_NE(scene.diagnostics.text().find("youngModulus is not given: the default 5000 Pa is used"), std::string::npos);
