@@ -163,29 +163,22 @@ class ElementLoop {
     }
   }
 
-  /// K of one batch by products with unit vectors; a translation costs nothing, so node 0 follows from the others.
+  /// K of one batch, column by column: products with unit vectors.
   template <class Product>
   static void elementMatrix(Index b, double factor, Product&& product, double (&element)[N * N * 9][pack_lanes]) {
     const Pack scale(factor);
-    const auto store = [&](int i, int j, int column, const V3<Pack>& value) {
-      value.x.store_aligned(element[((i * N + j) * 3 + 0) * 3 + column]);
-      value.y.store_aligned(element[((i * N + j) * 3 + 1) * 3 + column]);
-      value.z.store_aligned(element[((i * N + j) * 3 + 2) * 3 + column]);
-    };
-    for (int column = 0; column < 3; ++column) {
-      Nodes minus_sum{};
-      for (int j = 1; j < N; ++j) {
+    for (int j = 0; j < N; ++j)
+      for (int column = 0; column < 3; ++column) {
         Nodes dx{}, df;
         (column == 0 ? dx[j].x : column == 1 ? dx[j].y : dx[j].z) = Pack(1.);
         product(b, dx, df);
         for (int i = 0; i < N; ++i) {
           const V3<Pack> value = df[i] * scale;
-          store(i, j, column, value);
-          minus_sum[i] = minus_sum[i] - value;
+          value.x.store_aligned(element[((i * N + j) * 3 + 0) * 3 + column]);
+          value.y.store_aligned(element[((i * N + j) * 3 + 1) * 3 + column]);
+          value.z.store_aligned(element[((i * N + j) * 3 + 2) * 3 + column]);
         }
       }
-      for (int i = 0; i < N; ++i) store(i, 0, column, minus_sum[i]);
-    }
   }
 
   Arrangement arrangement_;

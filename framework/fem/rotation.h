@@ -26,17 +26,22 @@ V3<T> across(const V3<T>& a) {
   return v * reciprocalSqrt(dot(v, v));
 }
 
-/// Gram-Schmidt on the columns: first axis along c0, second in the plane of c0 and c1, third their cross product.
+/// Gram-Schmidt on the columns: first axis along c0, second in the plane of c0 and c1, third their cross product. Columns
+/// that are nearly parallel are made orthogonal twice, parallel ones get some plane.
 template <class T>
 M3<T> gramSchmidt(const M3<T>& f) {
   M3<T> r;
   r.c0 = unit(f.c0, V3<T>{T(1.), T(0.), T(0.)});
   const V3<T> in_plane = fma(-dot(r.c0, f.c1), r.c0, f.c1);
   const T squared = dot(in_plane, in_plane);
-  if (any(squared < T(1e-24)))
-    r.c1 = unit(in_plane, across(r.c0));
-  else
+  const auto narrow = squared < T(0.01) * dot(f.c1, f.c1) || squared < T(1e-24);
+  if (any(narrow)) {
+    const V3<T> other = across(r.c0);
+    const V3<T> rough = unit(in_plane, other);
+    r.c1 = unit(fma(-dot(r.c0, rough), r.c0, rough), other);
+  } else {
     r.c1 = in_plane * reciprocalSqrt(squared);
+  }
   r.c2 = cross(r.c0, r.c1);
   return r;
 }

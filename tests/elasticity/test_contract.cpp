@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The contract of force fields, for every one in the factory: a component that is added is tested without a word here.
+#include "tests/elasticity/field_under_test.h"
+
+namespace stroma::test {
+namespace {
+
+/// The scene below the line `Example:` of a component's manual page.
+std::string exampleOf(const std::string& type) {
+  const std::string page = modules().manual(type), mark = "\nExample:\n";
+  const auto at = page.find(mark);
+  return at == std::string::npos ? "" : page.substr(at + mark.size());
+}
+
+/// `example` with the first element of type `type` given other attributes in front.
+std::string withAttributes(std::string example, const std::string& type, const std::string& original,
+                           const std::string& attributes) {
+  const auto at = example.find("<" + original);
+  EXPECT_NE(at, std::string::npos) << original;
+  auto end = example.find('>', at);
+  std::string element = example.substr(at, end - at);
+  for (std::string name : {"method", "updateStiffnessMatrix", "updateVolume", "tangent"}) {  // ours win
+    const auto found = attributes.find(name) == std::string::npos ? std::string::npos : element.find(" " + name + "=");
+    if (found == std::string::npos) continue;
+    const auto quote = element.find('"', element.find('"', found) + 1);
+    element.erase(found, quote + 1 - found);
+  }
+  element.replace(1, original.size(), type + " " + attributes);
+  return example.replace(at, end - at, element);
+}
+
+/// `mild`: no element is near a singular shape, where differences of forces and approximate tangents lose their
+/// meaning.
+void expectConsistent(FieldUnderTest& t, const std::string& what, bool mild = true) {
+  SCOPED_TRACE(what);
+  const ForceTraits traits = t.field().traits();
+  Vector f = t.force();
+  const double magnitude = std::sqrt(dot(f, f));
+  ASSERT_GT(magnitude, 0) << "the thing tested is zero";
+  ASSERT_TRUE(std::isfinite(magnitude));
+
+  const double step = 1e-6 * t.typicalEdge();
+  if (traits.conservative) {
+    Vector a(t.x.count()), b(t.x.count());
+    copy(t.x, a), copy(t.x, b);
+    axpy(100 * step, t.direction, a), axpy(-100 * step, t.direction, b);
+    const double slope = (t.field().energy(a) - t.field().energy(b)) / (200 * step);
+    const double scale = magnitude * std::sqrt(dot(t.direction, t.direction));
+    EXPECT_NEAR(-slope, dot(f, t.direction), 1e-6 * scale) << "force is not -grad energy";
+  }
+
+  Vector product = t.product(t.direction);
+  if (!traits.has_stiffness) {
+    EXPECT_EQ(dot(product, product), 0);
+    return;
+  }
+  ASSERT_GT(dot(product, product), 0);
+  Vector difference = t.differenceOfForces(step);
+  const double error = relativeDifference(product, difference);
+  if (traits.exact_tangent)
+    EXPECT_LT(error, mild ? 1e-6 : 1e-5) << "product is not the derivative of the force";
+  else {  // approximate by design: say by how much, and that it is the same in kind
+    ::testing::Test::RecordProperty("tangent error of " + what, std::to_string(error));
+    if (mild) {
+      EXPECT_LT(error, 1);
+      EXPECT_GT(dot(product, difference), 0);
+    }
+  }
+
+  const BlockMatrix k = t.matrix();
+  Vector assembled(t.x.count());
+  k.multiply(t.direction, assembled);
+  product = t.product(t.direction);
+  EXPECT_LT(relativeDifference(assembled, product), 1e-12) << "matrix and product differ";
+  Vector scaled = t.product(t.direction, -2.5);
+  axpy(2.5, product, scaled);
+  EXPECT_LT(std::sqrt(dot(scaled, scaled) / dot(product, product)), 1e-13) << "factor";
+
+  std::vector<double> diagonal(std::size_t(t.x.count()) * 9, 0.);
+  t.force();
+  t.field().addStiffnessDiagonal(1, diagonal);
+  double worst = 0, largest = 0;
+  for (Index row = 0; row < t.x.count(); ++row)
+    for (int i = 0; i < 9; ++i) {
+      const double value = k.values()[std::size_t(k.diagonal()[std::size_t(row)]) * 9 + std::size_t(i)];
+      worst = std::max(worst, std::abs(value - diagonal[std::size_t(row) * 9 + std::size_t(i)]));
+      largest = std::max(largest, std::abs(value));
+    }
+  EXPECT_LT(worst, 1e-12 * largest) << "diagonal blocks differ from the matrix";
+
+  if (traits.symmetric) {
+    Vector other(t.x.count());
+    for (Index i = 0; i < other.count(); ++i) other[i] = Vec3(std::sin(i), std::cos(3 * i), std::sin(7 * i + 1));
+    Vector ko = t.product(other);
+    const double scale = std::sqrt(dot(ko, ko) * dot(t.direction, t.direction));
+    EXPECT_NEAR(dot(other, product), dot(t.direction, ko), 1e-12 * scale) << "not symmetric";
+  }
+
+  Vector f2(t.x.count()), df2(t.x.count());
+  t.field().addForceAndProduct(t.x, t.v_zero, t.direction, 1.5, f2, df2);
+  f = t.force();
+  EXPECT_LT(relativeDifference(f, f2), 1e-13) << "force in one pass";
+  axpy(-1.5, product, df2);
+  EXPECT_LT(std::sqrt(dot(df2, df2) / dot(product, product)), 1e-12) << "product in one pass";
+}
+
+TEST(ForceFieldContract, EveryRegisteredForceField) {
+  modules().openAll();
+  int tested = 0;
+  for (const ComponentEntry* entry : factory().entries()) {
+    if (!dynamic_cast<ForceField*>(factory().make(entry->type).get())) continue;
+    const std::string example = exampleOf(entry->type);
+    ASSERT_FALSE(example.empty()) << entry->type;
+    const std::string original =
+        example.find("<" + entry->type) != std::string::npos ? entry->type : "TetrahedronFEMForceField";
+    FieldUnderTest t(withAttributes(example, entry->type, original, ""), entry->type);
+    t.deform(0.03);
+    expectConsistent(t, entry->type);
+    ++tested;
+  }
+  EXPECT_GE(tested, 5);
+}
+
+TEST(ForceFieldContract, EveryVariantOfTheTetrahedra) {
+  for (const Variant& variant : tetrahedraVariants())
+    for (double noise : {0.02, 0.25}) {
+      FieldUnderTest t(tetrahedraScene(variant.attributes), "TetrahedronFEMForceField");
+      t.deform(noise);
+      // at strong noise some elements are inverted: the flipped axis of polar has no potential there
+      if (noise > 0.1 && variant.name.rfind("polar", 0) == 0 && !variant.b_current) continue;
+      expectConsistent(t, variant.name + " noise " + std::to_string(noise), noise < 0.1);
+    }
+}
+
+TEST(ForceFieldContract, OwnMatrixGivesTheSameProduct) {
+  for (const Variant& variant : tetrahedraVariants()) {
+    SCOPED_TRACE(variant.name);
+    FieldUnderTest free(tetrahedraScene(variant.attributes + " assembling=\"false\""), "TetrahedronFEMForceField");
+    FieldUnderTest kept(tetrahedraScene(variant.attributes + " assembling=\"true\""), "TetrahedronFEMForceField");
+    free.deform(0.1), kept.deform(0.1);
+    EXPECT_LT(relativeDifference(free.product(free.direction), kept.product(kept.direction)), 1e-12);
+    kept.deform(0.1, 5), free.deform(0.1, 5);  // the matrix follows the shape
+    EXPECT_LT(relativeDifference(free.product(free.direction), kept.product(kept.direction)), 1e-12);
+  }
+}
+
+TEST(ForceFieldContract, RestAndRigidMotion) {
+  for (const Variant& variant : tetrahedraVariants(false)) {
+    SCOPED_TRACE(variant.name);
+    FieldUnderTest t(tetrahedraScene(variant.attributes), "TetrahedronFEMForceField");
+    t.deform(0.1);
+    Vector strong = t.force();
+    const double scale = std::sqrt(dot(strong, strong));
+    t.rest();
+    Vector f = t.force();
+    EXPECT_LT(std::sqrt(dot(f, f)), 1e-12 * scale);
+    EXPECT_LT(t.field().energy(t.x), 1e-20 * scale);
+    t.moveRigidly();
+    f = t.force();
+    if (variant.name == "small")
+      EXPECT_GT(std::sqrt(dot(f, f)), 0.1 * scale) << "pure linear elasticity swells when it turns";
+    else
+      EXPECT_LT(std::sqrt(dot(f, f)), 1e-11 * scale);
+  }
+}
+
+TEST(ForceFieldContract, MaterialOneATetrahedron) {
+  FieldUnderTest one(tetrahedraScene("method=\"polar\""), "TetrahedronFEMForceField");
+  const std::size_t count = [&] {
+    std::vector<double> j;
+    one.field().cellField("J", one.x, j);
+    return j.size();
+  }();
+  std::string list, twice;
+  for (std::size_t e = 0; e < count; ++e) list += "3000 ", twice += e < count / 2 ? "3000 " : "6000 ";
+  FieldUnderTest same(
+      tetrahedraScene("method=\"polar\" localStiffnessFactor=\"1\" topology=\"@TetrahedronSetTopologyContainer\""),
+      "TetrahedronFEMForceField");
+  one.deform(0.1), same.deform(0.1);
+  EXPECT_EQ(relativeDifference(one.force(), same.force()), 0);
+  const std::string base = tetrahedraScene("method=\"polar\"");
+  auto with = [&](const std::string& moduli) {
+    std::string text = base;
+    const std::string old = "youngModulus=\"3000\"";
+    return text.replace(text.find(old), old.size(), "youngModulus=\"" + moduli + "\"");
+  };
+  FieldUnderTest listed(with(list), "TetrahedronFEMForceField"), stiffer(with(twice), "TetrahedronFEMForceField");
+  listed.deform(0.1), stiffer.deform(0.1);
+  EXPECT_EQ(relativeDifference(one.force(), listed.force()), 0);
+  const double energy = one.field().energy(one.x), more = stiffer.field().energy(stiffer.x);
+  EXPECT_GT(more, 1.2 * energy);
+  EXPECT_LT(more, 2 * energy);
+  EXPECT_NE(problemsOf(with("3000 4000")).find("youngModulus has 2 values"), std::string::npos);
+}
+
+TEST(ForceFieldContract, VariantsWithoutMeaningAreRefused) {
+  EXPECT_NE(problemsOf(tetrahedraScene("method=\"small\" updateStiffnessMatrix=\"true\""))
+                .find("no meaning for method small"),
+            std::string::npos);
+  EXPECT_NE(problemsOf(tetrahedraScene("method=\"nodal\" updateStiffnessMatrix=\"true\""))
+                .find("no meaning for method nodal"),
+            std::string::npos);
+  EXPECT_NE(problemsOf(tetrahedraScene("method=\"polar\" updateVolume=\"true\"")).find("updateVolume"),
+            std::string::npos);
+  EXPECT_NE(problemsOf(tetrahedraScene("method=\"nodal\" tangent=\"exact\"")).find("no exact tangent"),
+            std::string::npos);
+  EXPECT_NE(problemsOf(tetrahedraScene("method=\"poler\"")).find("polar"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace stroma::test

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The same bits for one and two threads, and for two runs in one process.
+#include "framework/algebra/parallel.h"
+#include "tests/elasticity/field_under_test.h"
+
+namespace stroma::test {
+namespace {
+
+/// 45,000 tetrahedra: enough for the loop to use its threads.
+std::uint64_t hashOfSteps(const std::string& attributes, int thread_count, int cells, const std::string& solver) {
+  setThreads(thread_count);
+  const std::string n = std::to_string(cells + 1);
+  Simulation simulation = simulationFromText(
+      "<Node name=\"root\" dt=\"0.01\"><RegularGridTopology name=\"grid\" n=\"" + n + " " + n + " " + n +
+      "\" min=\"0 0 0\" max=\"1 1 1\"/><EulerImplicitSolver/>" + solver +
+      "<Node name=\"body\"><TetrahedronSetTopologyContainer name=\"tets\"/>"
+      "<Hexa2TetraTopologicalMapping input=\"@../grid\" output=\"@tets\" cutting=\"five\"/>"
+      "<MechanicalObject/><DiagonalMass massDensity=\"1000\"/><TetrahedronFEMForceField youngModulus=\"1e4\" "
+      "poissonRatio=\"0.4\" " +
+      attributes +
+      "/><BoxROI name=\"held\" box=\"-1 -0.001 -1 2 0.001 2\"/><FixedProjectiveConstraint indices=\"@held.indices\"/>"
+      "</Node></Node>");
+  for (int i = 0; i < 3; ++i) EXPECT_FALSE(simulation.step().diverged);
+  setThreads(1);
+  return simulation.stateHash();
+}
+
+TEST(Determinism, OneAndTwoThreadsAndTwoRuns) {
+  const std::string cg = "<CGLinearSolver iterations=\"8\" tolerance=\"1e-12\"/>";
+  for (const Variant& variant : tetrahedraVariants(false)) {
+    SCOPED_TRACE(variant.name);
+    const std::uint64_t once = hashOfSteps(variant.attributes, 1, 21, cg);
+    EXPECT_EQ(once, hashOfSteps(variant.attributes, 2, 21, cg));
+    EXPECT_EQ(once, hashOfSteps(variant.attributes, 1, 21, cg));
+  }
+}
+TEST(Determinism, MatricesToo) {
+  const std::string assembled =
+      "<CGLinearSolver template=\"CompressedRowSparseMatrixMat3x3\" preconditioner=\"block_jacobi\" iterations=\"8\" "
+      "tolerance=\"1e-12\"/>";
+  for (const char* method : {"method=\"large\"", "method=\"polar\" updateStiffnessMatrix=\"true\""}) {
+    const std::uint64_t once = hashOfSteps(method, 1, 21, assembled);
+    EXPECT_EQ(once, hashOfSteps(method, 2, 21, assembled)) << method;
+  }
+  EXPECT_EQ(hashOfSteps("method=\"polar\"", 1, 6, "<SparseLDLSolver/>"),
+            hashOfSteps("method=\"polar\"", 2, 6, "<SparseLDLSolver/>"));
+}
+
+}  // namespace
+}  // namespace stroma::test

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <gtest/gtest.h>
+
+#include <random>
+#include <set>
+
+#include "framework/fem/arrangement.h"
+
+namespace stroma {
+namespace {
+
+/// Every element once, padding only at the ends of blocks, blocks of one colour without a common node.
+void expectValid(const std::vector<Tetrahedron>& cells, const std::vector<Vec3>& position, int lanes) {
+  const Arrangement a = arrangeElements(cells[0].data(), 4, Index(cells.size()), position, lanes);
+  ASSERT_EQ(a.element.size(), std::size_t(a.batches) * std::size_t(lanes));
+  std::multiset<Index> seen;
+  for (Index e : a.element)
+    if (e >= 0) seen.insert(e);
+  ASSERT_EQ(seen.size(), cells.size());
+  EXPECT_EQ(std::set<Index>(seen.begin(), seen.end()).size(), cells.size());
+  ASSERT_EQ(a.colour_start.back() + 1, Index(a.block_start.size()));
+  for (std::size_t c = 0; c + 1 < a.colour_start.size(); ++c) {
+    std::vector<int> owner(position.size(), -1);
+    for (Index block = a.colour_start[c]; block < a.colour_start[c + 1]; ++block)
+      for (Index i = a.block_start[std::size_t(block)] * lanes; i < a.block_start[std::size_t(block) + 1] * lanes;
+           ++i) {
+        const Index e = a.element[std::size_t(i)];
+        if (e < 0) continue;
+        for (Index n : cells[std::size_t(e)]) {
+          ASSERT_TRUE(owner[std::size_t(n)] < 0 || owner[std::size_t(n)] == block)
+              << "colour " << c << " shares node " << n;
+          owner[std::size_t(n)] = block;
+        }
+      }
+  }
+}
+
+TEST(Arrangement, RandomMeshes) {
+  std::mt19937 random(1);
+  for (int count : {1, 7, 8, 9, 2047, 2048, 2049, 30000}) {
+    std::vector<Vec3> position;
+    std::uniform_real_distribution<double> uniform(0, 1);
+    for (int i = 0; i < count / 5 + 4; ++i) position.emplace_back(uniform(random), uniform(random), uniform(random));
+    std::vector<Tetrahedron> cells;
+    std::uniform_int_distribution<Index> node(0, Index(position.size()) - 1);
+    for (int e = 0; e < count; ++e) cells.push_back({node(random), node(random), node(random), node(random)});
+    for (int lanes : {2, 4, 8}) expectValid(cells, position, lanes);
+  }
+}
+
+TEST(Arrangement, AllPositionsAtOnePoint) {
+  const std::vector<Vec3> position(5000, Vec3(1, 1, 1));
+  std::vector<Tetrahedron> cells;
+  for (Index e = 0; e + 3 < 5000; ++e) cells.push_back({e, e + 1, e + 2, e + 3});
+  expectValid(cells, position, 8);
+}
+
+TEST(Arrangement, NoElements) {
+  const Arrangement a = arrangeElements(nullptr, 4, 0, {}, 8);
+  EXPECT_EQ(a.batches, 0);
+}
+
+}  // namespace
+}  // namespace stroma
