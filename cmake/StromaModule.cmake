@@ -12,7 +12,9 @@ define_property(GLOBAL PROPERTY STROMA_MODULES BRIEF_DOCS "names of the modules"
 if(NOT TARGET stroma::stroma_flags)
   add_library(stroma_flags INTERFACE)
   target_compile_options(stroma_flags INTERFACE -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual
-    -fopenmp-simd -fno-math-errno -fno-trapping-math -fvisibility-inlines-hidden)
+    -fopenmp-simd -fno-math-errno -fno-trapping-math -fvisibility-inlines-hidden
+  # false alarms of GCC 12 in ordinary string and variant code
+  -Wno-restrict -Wno-maybe-uninitialized)
 endif()
 if(STROMA_WERROR)
   target_compile_options(stroma_flags INTERFACE -Werror)
