@@ -13,20 +13,23 @@
 //   <TetrahedronSetTopologyContainer name="tets" src="@loader"/>
 // </Node>
 #include <fmt/format.h>
-#include <vtkCell.h>
 #include <vtkCellType.h>
 #include <vtkCellTypes.h>
-#include <vtkDataSet.h>
 #include <vtkGenericDataObjectReader.h>
 #include <vtkIdList.h>
 #include <vtkLogger.h>
 #include <vtkObjectFactory.h>
 #include <vtkOutputWindow.h>
+#include <vtkPointSet.h>
 #include <vtkSmartPointer.h>
 #include <vtkXMLGenericDataObjectReader.h>
 
+#include <algorithm>
+#include <cctype>
+#include <charconv>
 #include <fstream>
 #include <map>
+#include <sstream>
 
 #include "framework/mesh/mesh_loader.h"
 #include "framework/scene/factory.h"
@@ -76,45 +79,83 @@ class MeshVTKLoader : public MeshLoader {
   void read(const std::string& file, Mesh& mesh) override {
     const std::string name = file.substr(file.rfind('/') + 1);
     Capture capture;
-    const vtkSmartPointer<vtkDataSet> data = readDataSet(file, name);
+    const vtkSmartPointer<vtkPointSet> data = readPoints(file, name);
     if (capture.hasError()) throw ComponentError(fmt::format("{}: VTK says: {}", name, capture.message()));
     if (!data)
       throw ComponentError(fmt::format("{} holds no mesh that VTK can read", name),
-                           "an unstructured grid, poly data or a grid");
+                           "an unstructured grid, poly data or a structured grid");
     convert(*data, name, mesh);
     for (const auto& [what, count] : skipped_) inform(fmt::format("{} cells of kind {} are not used", count, what));
   }
 
  private:
-  vtkSmartPointer<vtkDataSet> readDataSet(const std::string& file, const std::string& name) const;
-  void convert(vtkDataSet& data, const std::string& name, Mesh& mesh);
+  vtkSmartPointer<vtkPointSet> readPoints(const std::string& file, const std::string& name) const;
+  void convert(vtkPointSet& data, const std::string& name, Mesh& mesh);
   void addCell(int type, const std::vector<Index>& n, const std::string& name, Mesh& mesh);
 
   std::map<std::string, long> skipped_;
 };
 
-vtkSmartPointer<vtkDataSet> MeshVTKLoader::readDataSet(const std::string& file, const std::string& name) const {
-  std::ifstream stream(file, std::ios::binary);
-  std::string start(256, '\0');
-  stream.read(start.data(), std::streamsize(start.size()));
-  start.resize(std::size_t(stream.gcount()));
-  if (start.starts_with("# vtk")) {
-    const auto reader = vtkSmartPointer<vtkGenericDataObjectReader>::New();
-    reader->SetFileName(file.c_str());
-    reader->Update();
-    return vtkDataSet::SafeDownCast(reader->GetOutput());
+/// Refuses a legacy file in which a line of keywords holds a number greater than the file has bytes: VTK would allocate
+/// what such a line declares. The second line is a free title.
+void checkLegacyCounts(const std::string& bytes, const std::string& name) {
+  std::size_t line = 1, at = 0;
+  for (; at < bytes.size(); ++line) {
+    const std::size_t end = std::min(bytes.find('\n', at), bytes.size());
+    const bool keywords = line > 2 && std::isalpha(static_cast<unsigned char>(bytes[at]));
+    for (std::size_t word = at; keywords && word < end;) {
+      const std::size_t stop = std::min(bytes.find_first_of(" \t\r", word), end);
+      std::uint64_t count = 0;
+      const auto [parsed, error] = std::from_chars(bytes.data() + word, bytes.data() + stop, count);
+      const bool is_number = parsed == bytes.data() + stop && error != std::errc::invalid_argument;
+      if (is_number && (error == std::errc::result_out_of_range || count > bytes.size()))
+        throw ComponentError(fmt::format("{}:{}: {} are declared, but the file has {} bytes", name, line,
+                                         bytes.substr(at, std::min<std::size_t>(stop - at, 60)), bytes.size()));
+      word = stop + 1;
+    }
+    at = end + 1;
   }
-  if (start.find("<VTKFile") != std::string::npos) {
-    const auto reader = vtkSmartPointer<vtkXMLGenericDataObjectReader>::New();
+}
+
+/// The same for the attributes NumberOfPoints and the like of an XML file, whose data may be compressed (by at most
+/// about a thousand).
+void checkXmlCounts(const std::string& bytes, const std::string& name) {
+  const std::string key = "NumberOf";
+  for (std::size_t at = bytes.find(key); at != std::string::npos; at = bytes.find(key, at + 1)) {
+    const std::size_t quote = bytes.find('"', at);
+    if (quote == std::string::npos) return;
+    std::uint64_t count = 0;
+    const auto [parsed, error] = std::from_chars(bytes.data() + quote + 1, bytes.data() + bytes.size(), count);
+    if (error == std::errc::result_out_of_range || (error == std::errc() && count / 1100 > bytes.size()))
+      throw ComponentError(fmt::format("{}: {} is declared, but the file has {} bytes", name,
+                                       bytes.substr(at, std::size_t(parsed - bytes.data()) + 1 - at), bytes.size()));
+  }
+}
+
+vtkSmartPointer<vtkPointSet> MeshVTKLoader::readPoints(const std::string& file, const std::string& name) const {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) throw ComponentError(fmt::format("the file {} cannot be opened", file));
+  std::ostringstream text;
+  text << stream.rdbuf();
+  const std::string bytes = std::move(text).str();
+  const auto read_with = [&file](auto reader) {
     reader->SetFileName(file.c_str());
     reader->Update();
-    return vtkDataSet::SafeDownCast(reader->GetOutput());
+    return vtkSmartPointer<vtkPointSet>(vtkPointSet::SafeDownCast(reader->GetOutput()));
+  };
+  if (bytes.starts_with("# vtk")) {
+    checkLegacyCounts(bytes, name);
+    return read_with(vtkSmartPointer<vtkGenericDataObjectReader>::New());
+  }
+  if (bytes.substr(0, 1024).find("<VTKFile") != std::string::npos) {
+    checkXmlCounts(bytes, name);
+    return read_with(vtkSmartPointer<vtkXMLGenericDataObjectReader>::New());
   }
   throw ComponentError(fmt::format("{} is not a file of VTK", name),
                        "a first line '# vtk DataFile' or an element <VTKFile");
 }
 
-void MeshVTKLoader::convert(vtkDataSet& data, const std::string& name, Mesh& mesh) {
+void MeshVTKLoader::convert(vtkPointSet& data, const std::string& name, Mesh& mesh) {
   mesh.position.resize(std::size_t(data.GetNumberOfPoints()));
   for (std::size_t n = 0; n < mesh.position.size(); ++n) data.GetPoint(vtkIdType(n), mesh.position[n].data());
   const auto ids = vtkSmartPointer<vtkIdList>::New();

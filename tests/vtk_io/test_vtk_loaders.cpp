@@ -153,6 +153,19 @@ TEST_F(VtkTest, WrongFilesAreSentencesAndPrintNothing) {
        "# vtk DataFile Version 3.0\nx\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 9 float\n0 0");
   with("MeshVTKLoader", "c.vtu", "<VTKFile type=\"UnstructuredGrid\"><UnstructuredGrid><Piece Numb");
   with("MeshVTKLoader", "d.vtk", "# vtk DataFile Version 3.0\nx\nASCII\nDATASET NONSENSE\n");
+  expectIn(
+      with(
+          "MeshVTKLoader", "m.vtk",
+          "# vtk DataFile Version 3.0\nx 999999999\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 999999999 float\n0 0 0\n"),
+      "m.vtk:5: POINTS 999999999 are declared");
+  expectIn(with("MeshVTKLoader", "n.vtu",
+                "<VTKFile type=\"UnstructuredGrid\"><UnstructuredGrid><Piece NumberOfPoints=\"999999999999\" "
+                "NumberOfCells=\"1\"></Piece></UnstructuredGrid></VTKFile>"),
+           "NumberOfPoints=\"999999999999\" is declared");
+  expectIn(with("MeshVTKLoader", "o.vtk",
+                "# vtk DataFile Version 3.0\nx\nASCII\nDATASET STRUCTURED_POINTS\nDIMENSIONS 3 3 3\nORIGIN 0 0 0\n"
+                "SPACING 1 1 1\n"),
+           "holds no mesh");
   with("MeshVTKLoader", "e.vtk",
        "# vtk DataFile Version 3.0\nx\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 4 float\n0 0 0 1 0 0 0 1 0 0 0 1\n"
        "CELLS 1 5\n4 0 1 2 9\nCELL_TYPES 1\n10\n");
