@@ -141,6 +141,10 @@ TEST_F(Regress, AListThatCannotBeReadIsBadInput) {
     EXPECT_NE(run.err.find(expected), std::string::npos) << run.err;
   }
   EXPECT_EQ(stroma("regress absent").code, 2);
+  write("list", "references\nfall.xml 8 1e-9\n");
+  EXPECT_EQ(stroma("regress list --filter nothing").code, 2);
+  EXPECT_EQ(stroma("regress list --set nonsense").code, 2);
+  EXPECT_EQ(stroma("regress list --update --set /.dt=0.02").code, 2);
 }
 
 }  // namespace

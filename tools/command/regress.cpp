@@ -175,6 +175,8 @@ int regress(const Arguments& arguments) {
   const RegressionList list = readRegressionList(required(*values, "LIST", manual));
   const std::string filter = values->count("filter") ? (*values)["filter"].as<std::string>() : "";
   const bool update = values->count("update") > 0;
+  if (update && values->count("set"))
+    throw UsageError("--update with --set would store what the list does not say: write the setting into the list");
 
   Session session(*values);
   std::vector<Result> results;

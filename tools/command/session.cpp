@@ -23,7 +23,9 @@ void addSceneOptions(OptionList& options) {
 Session::Session(const Values& values) {
   if (values.count("module"))
     for (const std::string& file : values["module"].as<std::vector<std::string>>()) modules_.open(file);
-  if (values.count("set")) overrides_ = values["set"].as<std::vector<std::string>>();
+  if (values.count("set"))
+    for (const std::string& text : values["set"].as<std::vector<std::string>>())
+      overrides_.push_back(Override::parse(text));
   if (!values.count("threads")) return;
   const int count = values["threads"].as<int>();
   if (count < 1 || count > 1024) throw UsageError(fmt::format("--threads {}: expected 1 to 1024", count));
@@ -32,8 +34,7 @@ Session::Session(const Values& values) {
 
 std::unique_ptr<Simulation> Session::load(const std::string& scene_file,
                                           const std::vector<std::string>& more_overrides) {
-  std::vector<Override> overrides;
-  for (const std::string& text : overrides_) overrides.push_back(Override::parse(text));
+  std::vector<Override> overrides = overrides_;
   for (const std::string& text : more_overrides) overrides.push_back(Override::parse(text));
   return std::make_unique<Simulation>(loadScene(scene_file, overrides, factory_, modules_));
 }

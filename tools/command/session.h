@@ -28,7 +28,7 @@ class Session {
  private:
   Factory factory_;
   Modules modules_{factory_};
-  std::vector<std::string> overrides_;
+  std::vector<Override> overrides_;
 };
 
 /// Warnings (and notes, unless `quiet`) of a scene that loaded, to standard error; returns the warnings.
