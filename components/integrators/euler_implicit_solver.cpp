@@ -12,10 +12,13 @@
 //   [(1 + theta h rM) M - theta h (theta h + rK) K] dv = h (f + (theta h + rK) K v0 - rM M v0)
 //
 // which is SOFA's scheme. dv is projected onto the directions that constraints leave free. With newtonIterations > 1
-// the equations themselves are solved, starting from x0: the first Newton iteration is the linear solve above, and the
-// line search runs on the incremental potential 1/2 (v - v0) M (v - v0) + U(x(v)) + ... whenever all forces come from
-// an energy and no stiffness damping acts, else on the norm of the residual. newtonTolerance is relative to the largest
-// residual since the start of the simulation.
+// the equations themselves are solved, the damping rK K v with the K of (x0, v0), starting from x0: the first Newton
+// iteration is the linear solve above. The line search runs on the incremental potential
+//
+//   1/2 (v - v0) M (v - v0) + U(x(v)) + theta h/2 v (rM M - rK K) v - (1 - theta) h F(x0, v0) v
+//
+// whenever all forces come from an energy, else on the work of the residual along the step. newtonTolerance is relative
+// to the largest residual since the start of the simulation.
 //
 // firstOrder moves an overdamped body: (M - theta h K) v = f, x1 = x0 + h v; Rayleigh factors do not enter.
 // vdamping multiplies v by exp(-h vdamping) after the positions have moved.
@@ -32,7 +35,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "framework/scene/factory.h"
 #include "framework/simulation/integrator.h"
@@ -55,86 +57,109 @@ struct Scheme {
 
 Rows independent(System& system, Rows all) { return {all.data, system.independentRows()}; }
 
-/// The step as equations in v1, held in System::v and System::x.
+/// The step as equations in v1, held in System::v and System::x. Vectors are those of the independent rows.
 class ImplicitStep final : public NonlinearProblem {
  public:
   void compile(System& system) {
     system_ = &system;
-    for (Vector* vector : {&x0_, &v0_, &base_, &difference_, &force_, &initial_force_, &work_})
-      vector->resize(system.allRows());
+    for (Vector* vector :
+         {&x0_, &v0_, &base_, &difference_, &constant_, &work_, &damping_, &base_damping_, &slope_damping_})
+      vector->resize(system.independentRows());
   }
   void begin(const Scheme& scheme);
   void residual(Rows out) override;
   SystemMatrix& tangent() override { return scheme_.matrix(*system_); }
   double energy() override;
-  void keep() override { copy(system_->v, base_); }
+  void keep() override;
   void move(double step, ConstRows direction) override;
   double displacementPerUnknown() const override { return scheme_.forceWeight(); }
-  ConstRows positions() const override { return std::as_const(system_->x).rows(); }
+  ConstRows positions() const override { return x(); }
   double travelled() const override;
 
  private:
-  void wholeForce(double weight, Rows out);
+  Rows x() const { return independent(*system_, system_->x); }
+  Rows v() const { return independent(*system_, system_->v); }
+  void stiffnessDamping(ConstRows velocity, Rows out);
   void placePositions();
 
   System* system_ = nullptr;
   Scheme scheme_;
-  Vector x0_, v0_, base_, difference_, force_, initial_force_, work_;
+  Vector x0_, v0_, base_;  ///< positions and velocities before the step; the velocity that move() starts from
+  Vector constant_;        ///< (1 - theta) h F(x0, v0)
+  Vector difference_, work_;
+  Vector damping_, base_damping_, slope_damping_;  ///< rK K0 times v, base_ and the direction of move()
+  bool direction_is_new_ = true;
 };
 
-/// out = weight F(x, v), not projected.
-void ImplicitStep::wholeForce(double weight, Rows out) {
-  System& s = *system_;
-  if (scheme_.has_rayleigh_stiffness) {
-    s.computeForceAndProduct(s.x, s.v, s.v, scheme_.rayleigh_stiffness, 1, s.f, work_);
-    copy(work_, force_);
-    axpy(1, s.f, force_);
-  } else {
-    s.computeForce(s.x, s.v, s.f);
-    copy(s.f, force_);
-  }
-  scale(weight, force_);
-  if (scheme_.has_rayleigh_mass) s.addRayleighMassProduct(s.v, scheme_.rayleigh_mass, -weight, force_);
-  copy(ConstRows{force_.rows().data, out.count}, out);
+/// out = rK K0 velocity, K0 the stiffness before the step. The force fields then hold K0.
+void ImplicitStep::stiffnessDamping(ConstRows velocity, Rows out) {
+  system_->computeForceAndProduct(x0_, v0_, velocity, scheme_.rayleigh_stiffness, 1, system_->f, out);
 }
 
 /// Starts from the positions before the step, where every energy is finite; directions that are held keep their
 /// velocity.
 void ImplicitStep::begin(const Scheme& scheme) {
   scheme_ = scheme;
-  copy(system_->x, x0_);
-  copy(system_->v, v0_);
-  clear(initial_force_);
-  if (scheme.theta < 1) wholeForce((1 - scheme.theta) * scheme.h, initial_force_);
+  copy(x(), x0_);
+  copy(v(), v0_);
+  if (scheme.theta < 1) {
+    const double weight = (1 - scheme.theta) * scheme.h;
+    if (scheme.has_rayleigh_stiffness) {
+      stiffnessDamping(v0_, constant_);
+    } else {
+      system_->computeForce(x0_, v0_, system_->f);
+      clear(constant_);
+    }
+    axpy(1, independent(*system_, system_->f), constant_);
+    scale(weight, constant_);
+    if (scheme.has_rayleigh_mass) system_->addRayleighMassProduct(v0_, scheme.rayleigh_mass, -weight, constant_);
+  }
   copy(v0_, work_);
   system_->project(work_);
-  axpy(-1 / scheme.theta, work_, system_->v);
+  axpy(-1 / scheme.theta, work_, v());
   placePositions();
+  if (scheme.has_rayleigh_stiffness) stiffnessDamping(v(), damping_);
 }
 
 void ImplicitStep::placePositions() {
   const double old_part = scheme_.h * (1 - scheme_.theta), new_part = scheme_.h * scheme_.theta;
   const double* __restrict x0 = x0_.rows().data;
   const double* __restrict v0 = v0_.rows().data;
-  const double* __restrict v = system_->v.rows().data;
-  double* __restrict x = system_->x.rows().data;
-  const std::size_t count = independent(*system_, system_->x).doubles();
+  const double* __restrict v1 = v().data;
+  double* __restrict x1 = x().data;
+  const std::size_t count = x().doubles();
 #pragma omp simd
-  for (std::size_t i = 0; i < count; ++i) x[i] = x0[i] + old_part * v0[i] + new_part * v[i];
+  for (std::size_t i = 0; i < count; ++i) x1[i] = x0[i] + old_part * v0[i] + new_part * v1[i];
+}
+
+void ImplicitStep::keep() {
+  copy(v(), base_);
+  copy(damping_, base_damping_);
+  direction_is_new_ = true;
 }
 
 void ImplicitStep::move(double step, ConstRows direction) {
-  const Rows v = independent(*system_, system_->v);
-  copy(ConstRows{base_.rows().data, v.count}, v);
-  axpy(step, direction, v);
+  if (scheme_.has_rayleigh_stiffness) {
+    if (direction_is_new_) stiffnessDamping(direction, slope_damping_);
+    direction_is_new_ = false;
+    copy(base_damping_, damping_);
+    axpy(step, slope_damping_, damping_);
+  }
+  copy(base_, v());
+  axpy(step, direction, v());
   placePositions();
 }
 
 void ImplicitStep::residual(Rows out) {
   System& s = *system_;
-  wholeForce(scheme_.forceWeight(), out);
-  if (scheme_.theta < 1) axpy(1, ConstRows{initial_force_.rows().data, out.count}, out);
-  copy(s.v, difference_);
+  const double weight = scheme_.forceWeight();
+  s.computeForce(x(), v(), s.f);
+  copy(independent(s, s.f), out);
+  if (scheme_.has_rayleigh_stiffness) axpy(1, damping_, out);
+  scale(weight, out);
+  if (scheme_.has_rayleigh_mass) s.addRayleighMassProduct(v(), scheme_.rayleigh_mass, -weight, out);
+  if (scheme_.theta < 1) axpy(1, constant_, out);
+  copy(v(), difference_);
   axpy(-1, v0_, difference_);
   s.addMassProduct(difference_, -1, out);
   s.project(out);
@@ -142,23 +167,24 @@ void ImplicitStep::residual(Rows out) {
 
 double ImplicitStep::energy() {
   System& s = *system_;
-  copy(s.v, difference_);
+  copy(v(), difference_);
   axpy(-1, v0_, difference_);
   clear(work_);
   s.addMassProduct(difference_, 0.5, work_);
   double sum = s.potentialEnergy(s.x) + dot(difference_, work_);
-  if (scheme_.theta < 1) sum -= dot(initial_force_, s.v);
+  if (scheme_.theta < 1) sum -= dot(constant_, v());
+  if (scheme_.has_rayleigh_stiffness) sum -= 0.5 * scheme_.forceWeight() * dot(damping_, v());
   if (scheme_.has_rayleigh_mass) {
     clear(work_);
-    s.addRayleighMassProduct(s.v, scheme_.rayleigh_mass, 0.5 * scheme_.forceWeight(), work_);
-    sum += dot(s.v, work_);
+    s.addRayleighMassProduct(v(), scheme_.rayleigh_mass, 0.5 * scheme_.forceWeight(), work_);
+    sum += dot(v(), work_);
   }
   return sum;
 }
 
 double ImplicitStep::travelled() const {
   double sum = 0;
-  for (Index i = 0; i < system_->independentRows(); ++i) sum += (system_->x[i] - x0_[i]).squaredNorm();
+  for (Index i = 0; i < x0_.count(); ++i) sum += (x()[i] - x0_[i]).squaredNorm();
   return std::sqrt(sum);
 }
 
@@ -242,7 +268,7 @@ void EulerImplicitSolver::compile(System& system) {
   if (newton_iterations_ == 1) return;
   newton_.settings.iterations = newton_iterations_;
   newton_.settings.relative_residual = newton_tolerance_;
-  newton_.settings.use_energy = from_energy && !has_rayleigh_stiffness_;
+  newton_.settings.use_energy = from_energy;
   newton_.compile(system.independentRows());
   problem_.compile(system);
   graph_.reserve(std::size_t(newton_iterations_) + 2);
@@ -329,7 +355,7 @@ std::string EulerImplicitSolver::describe() const {
   if (newton_iterations_ == 1) return text + ", linearised once: 1 force evaluation with its product, 1 linear solve";
   return text + fmt::format(", up to {} Newton iterations to a relative residual of {:g}, line search on {}",
                             newton_iterations_, newton_tolerance_,
-                            newton_.settings.use_energy ? "the incremental potential" : "the residual");
+                            newton_.settings.use_energy ? "the incremental potential" : "the work of the residual");
 }
 
 }  // namespace

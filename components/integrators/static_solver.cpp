@@ -204,7 +204,7 @@ std::string StaticSolver::freeBody(System& system) {
 std::string StaticSolver::describe() const {
   return fmt::format("static equilibrium: up to {} Newton iterations to a relative residual of {:g}, line search on {}",
                      settings_.iterations, settings_.relative_residual,
-                     settings_.use_energy ? "the potential energy" : "the residual");
+                     settings_.use_energy ? "the potential energy" : "the work of the residual");
 }
 
 }  // namespace

@@ -193,8 +193,7 @@ double Newton::search(NonlinearProblem& problem, double& now) {
   const double slope = dot(residual_, direction_);
   problem.keep();
   if (!std::isfinite(slope)) return 0;
-  const double step =
-      settings.use_energy && slope > 0 ? searchEnergy(problem, slope, now) : searchResidual(problem, now);
+  const double step = settings.use_energy && slope > 0 ? searchEnergy(problem, slope, now) : searchWork(problem, now);
   if (step == 0) {
     problem.move(0, direction_);
   } else {
@@ -229,13 +228,18 @@ double Newton::searchEnergy(NonlinearProblem& problem, double slope, double& now
   return 0;
 }
 
-double Newton::searchResidual(NonlinearProblem& problem, double& now) {
+/// Without an energy: |R(u + s d).d| <= 0.9 |R(u).d|, the criterion of Matthies and Strang 1979, or a smaller |R|. The
+/// work along d plays the part of the energy's slope; |R| alone would reject good steps of a body that turns, whose
+/// stiff directions are out of balance by the square of the rotation until the next iteration.
+double Newton::searchWork(NonlinearProblem& problem, double& now) {
+  const double before = std::abs(dot(residual_, direction_));
   double step = 1;
   for (int trial = 0; trial < 20; ++trial, step *= 0.5) {
     problem.move(step, direction_);
     problem.residual(trial_);
     const double candidate = norm(trial_);
-    if (candidate <= (1 - 1e-4 * step) * now) {
+    if (!std::isfinite(candidate)) continue;
+    if (candidate <= (1 - 1e-4 * step) * now || std::abs(dot(trial_, direction_)) <= 0.9 * before) {
       now = candidate;
       return step;
     }

@@ -29,7 +29,7 @@ struct NewtonSettings {
   double absolute_residual = 0;     ///< |R| <= this; 0: not used
   double relative_correction = 0;   ///< |dx| <= this * travelled(); 0: not used
   double absolute_correction = 0;   ///< |dx| <= this [m]; 0: not used
-  bool use_energy = true;           ///< line search on the energy (Armijo), else on |R|
+  bool use_energy = true;           ///< line search on the energy (Armijo), else on the work R.d
   bool stop_when_residual_grows = false;
 };
 
@@ -57,7 +57,7 @@ class Newton {
   bool stalled(const NonlinearProblem& problem, double step) const;
   double search(NonlinearProblem& problem, double& norm);
   double searchEnergy(NonlinearProblem& problem, double slope, double& norm);
-  double searchResidual(NonlinearProblem& problem, double& norm);
+  double searchWork(NonlinearProblem& problem, double& norm);
 
   Vector residual_, direction_, trial_;
   std::vector<double> history_;

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Newton's method on a soft beam that bends by half its length: steps, equilibrium, and that both agree.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/scene_fixture.h"
+
+using namespace stroma;
+using namespace stroma::test;
+
+namespace {
+
+Simulation beam(const std::string& integrator, const std::string& solver, double dt, const std::string& tangent) {
+  return simulationFromText(fmt::format(
+      R"(<Node name="root" dt="{}" gravity="0 -9.81 0">
+           {} {}
+           <RegularGridTopology name="grid" n="9 3 3" min="0 0 0" max="0.2 0.04 0.04"/>
+           <MechanicalObject name="dofs"/>
+           <UniformMass totalMass="0.3"/>
+           <BoxROI name="end" box="-0.001 -1 -1  0.001 1 1" position="@dofs.rest_position"/>
+           <FixedProjectiveConstraint indices="@end.indices"/>
+           <Node name="cells">
+             <TetrahedronSetTopologyContainer name="tetrahedra"/>
+             <Hexa2TetraTopologicalMapping input="@../grid" output="@tetrahedra"/>
+             <TetrahedronFEMForceField mstate="@../dofs" topology="@tetrahedra" youngModulus="60000" poissonRatio="0.3"
+                                       method="polar" tangent="{}"/>
+           </Node>
+         </Node>)",
+      dt, integrator, solver, tangent));
+}
+
+std::vector<double> residuals(Simulation& simulation) {
+  return *std::get<std::vector<double>*>(simulation.systems()[0]->integrator().data().find("residualGraph")->pointer());
+}
+
+double lowest(const Simulation& simulation) {
+  double value = 0;
+  for (Index i = 0; i < simulation.systems()[0]->independentRows(); ++i)
+    value = std::min(value, simulation.systems()[0]->x[i][1]);
+  return value;
+}
+
+}  // namespace
+
+TEST(NewtonOnTetrahedra, equilibriumConvergesQuadraticallyWithTheExactTangent) {
+  Simulation simulation = beam("<StaticSolver newton_iterations='40' relative_residual_tolerance_threshold='1e-12'/>",
+                               "<SparseLDLSolver/>", 1, "exact");
+  const StepReport report = simulation.step();
+  ASSERT_TRUE(report.newton_converged) << report.reason;
+  EXPECT_LE(report.newton_iterations, 15);
+  const std::vector<double> graph = residuals(simulation);
+  const std::size_t n = graph.size();
+  const double last = graph[n - 1] / graph[0], before = graph[n - 2] / graph[0];
+  EXPECT_LT(last, 1e-12);
+  EXPECT_LT(last, 1e4 * before * before + 1e-14);
+  EXPECT_LT(lowest(simulation), -0.05);
+}
+
+TEST(NewtonOnTetrahedra, theWarpedTangentReachesTheSameEquilibrium) {
+  Simulation exact = beam("<StaticSolver newton_iterations='40'/>", "<SparseLDLSolver/>", 1, "exact");
+  Simulation warped = beam("<StaticSolver newton_iterations='200'/>", "<SparseLDLSolver/>", 1, "warped");
+  ASSERT_TRUE(exact.step().newton_converged);
+  const StepReport report = warped.step();
+  ASSERT_TRUE(report.newton_converged) << report.reason;
+  EXPECT_NEAR(lowest(exact), lowest(warped), 1e-6);
+}
+
+TEST(NewtonOnTetrahedra, stepsConvergeWithAndWithoutDampingOfEitherKind) {
+  for (const char* damping : {"", "rayleighMass='2'", "rayleighStiffness='0.02'", "trapezoidalScheme='true'"})
+    for (const char* tangent : {"warped", "exact"}) {
+      Simulation simulation = beam(fmt::format("<EulerImplicitSolver newtonIterations='60' {}/>", damping),
+                                   "<SparseLDLSolver/>", 0.02, tangent);
+      for (int n = 0; n < 5; ++n) {
+        const StepReport report = simulation.step();
+        ASSERT_TRUE(report.newton_converged) << damping << ' ' << tangent << ": " << report.reason;
+        ASSERT_LT(report.newton_residual, 1e-8);
+      }
+    }
+}
+
+TEST(NewtonOnTetrahedra, hugeDampedStepsEndInTheStaticEquilibrium) {
+  Simulation still = beam("<StaticSolver newton_iterations='40'/>", "<SparseLDLSolver/>", 1, "exact");
+  ASSERT_TRUE(still.step().newton_converged);
+  Simulation moving =
+      beam("<EulerImplicitSolver newtonIterations='100'/>",
+           "<CGLinearSolver iterations='2000' tolerance='1e-10' preconditioner='block_jacobi'/>", 5, "exact");
+  for (int n = 0; n < 25; ++n) {
+    const StepReport report = moving.step();
+    ASSERT_TRUE(report.newton_converged) << n << ": " << report.reason;
+  }
+  EXPECT_NEAR(lowest(still), lowest(moving), 1e-5);
+}
