@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "framework/simulation/simulation.h"
+
+namespace stroma::bench {
+
+/// The folder that holds benchmarks/, examples/ and meshes/: the one given, else beside the installed program, else the
+/// source tree's.
+std::string sceneFolder();
+void setSceneFolder(const std::string& folder);
+
+/// The folder of this program; `stroma` lies beside it.
+std::string programFolder();
+
+/// A scene ready to run; no observer writes anything. `scene` is relative to sceneFolder(). Throws SceneError.
+std::unique_ptr<Simulation> loadSimulation(const std::string& scene, const std::vector<std::string>& overrides);
+
+/// The shape on which kernels are timed.
+enum class Shape {
+  deformed,  ///< twisted by two radians along x, nodes moved at random by up to a tenth of their distance
+  crumpled,  ///< nodes moved by up to six tenths of it: many elements are inverted
+};
+
+/// The one elastic body of a scene with everything a kernel call needs; the force has been evaluated once at `x`.
+struct Body {
+  Body(const std::string& scene, const std::vector<std::string>& overrides, Shape shape);
+  std::unique_ptr<Simulation> simulation;
+  System* system = nullptr;
+  ForceField* field = nullptr;
+  Vector x, v, dx, f, df;
+  double elements = 0;
+  double invertedShare() const;  ///< elements with J < 0 at x, of all
+};
+
+/// The last body asked for is kept: repetitions of one benchmark share it.
+Body& bodyOf(const std::string& scene, const std::vector<std::string>& overrides, Shape shape);
+
+}  // namespace stroma::bench

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// What is measured, one function a group.
+#pragma once
+#include "tools/bench/figure.h"
+
+namespace stroma::bench {
+
+/// Products, forces, energy and assembly, reached through the role of a force field.
+void addKernelFigures(Catalogue& catalogue);
+/// The same work on one thread and on two.
+void addThreadFigures(Catalogue& catalogue);
+/// Whole steps of the scenes of scenes/benchmarks and of the organs.
+void addStepFigures(Catalogue& catalogue);
+/// Processes from start to end.
+void addStartFigures(Catalogue& catalogue);
+
+}  // namespace stroma::bench

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// stroma-bench: measures the machine and Stroma in one run.
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <stdexcept>
+
+#include "framework/scene/diagnostics.h"
+#include "tools/bench/accuracy.h"
+#include "tools/bench/body.h"
+#include "tools/bench/figures.h"
+#include "tools/bench/report.h"
+
+namespace {
+
+using namespace stroma::bench;
+
+constexpr const char* help =
+    "usage: stroma bench [options]\n\n"
+    "Measures the limits of this machine and, as shares of them, what Stroma does: products, forces, assembly, whole "
+    "steps,\nstart-up. Prints a table; never fails because something was slow.\n\n"
+    "  --json FILE              write everything, each repetition too\n"
+    "  --scenes DIR             the folder that holds benchmarks/, examples/ and meshes/\n"
+    "  --accuracy [--csv FILE]  error against run time of a cantilever instead\n"
+    "  --benchmark_filter=EXPR  only the figures that match, as in --benchmark_filter=step; so every option of Google\n"
+    "                           Benchmark (--benchmark_list_tests, --benchmark_repetitions=N, "
+    "--benchmark_min_time=S)\n\n"
+    "examples:\n"
+    "  stroma bench\n"
+    "  stroma bench --benchmark_filter='product|force' --json figures.json\n"
+    "  stroma bench --accuracy --csv cantilever.csv\n";
+
+class UsageError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+struct Request {
+  bool help = false, accuracy = false, list = false;
+  std::string json_file, csv_file;
+  std::vector<std::string> passed_on{"stroma-bench", "--benchmark_repetitions=9", "--benchmark_min_time=0.05"};
+
+  Request(int count, char** values) {
+    const auto isOption = [](const std::string& word) { return word.rfind("--", 0) == 0; };
+    for (int i = 1; i < count; ++i) {
+      std::string word = values[i], value;
+      const auto equal = word.find('=');
+      const bool own = word.rfind("--benchmark", 0) != 0;
+      if (own && equal != std::string::npos) value = word.substr(equal + 1), word.resize(equal);
+      const auto argument = [&] {
+        if (equal == std::string::npos && i + 1 < count && !isOption(values[i + 1])) value = values[++i];
+        if (value.empty()) throw UsageError(fmt::format("{} needs a value", word));
+        return value;
+      };
+      if (word == "--help" || word == "-h")
+        help = true;
+      else if (word == "--accuracy")
+        accuracy = true;
+      else if (word == "--json")
+        json_file = argument();
+      else if (word == "--csv")
+        csv_file = argument();
+      else if (word == "--scenes")
+        setSceneFolder(argument());
+      else if (own)
+        throw UsageError(fmt::format("there is no option '{}'; --help lists them", word));
+      else
+        passed_on.push_back(word);
+      list = list || word.rfind("--benchmark_list_tests", 0) == 0;
+    }
+    if (!csv_file.empty() && !accuracy) throw UsageError("--csv goes with --accuracy");
+  }
+};
+
+void measure(Request& request) {
+  std::vector<char*> arguments;
+  for (std::string& word : request.passed_on) arguments.push_back(word.data());
+  int count = int(arguments.size());
+  benchmark::Initialize(&count, arguments.data());
+  if (count > 1) throw UsageError(fmt::format("Google Benchmark has no option '{}'", arguments[1]));
+
+  Catalogue catalogue;
+  addKernelFigures(catalogue);
+  addThreadFigures(catalogue);
+  addStepFigures(catalogue);
+  addStartFigures(catalogue);
+  Collector collector(catalogue);
+  if (request.list) {
+    benchmark::RunSpecifiedBenchmarks(&collector);
+    return;
+  }
+#ifndef NDEBUG
+  fmt::print(stderr, "this build is not optimised: the figures say nothing\n");
+#endif
+  const Machine machine = measureMachine();
+  printMachine(machine);
+  if (benchmark::RunSpecifiedBenchmarks(&collector) == 0) throw UsageError("no figure matches the filter");
+  printTable(catalogue, machine);
+  if (!request.json_file.empty()) writeJson(request.json_file, catalogue, machine);
+}
+
+}  // namespace
+
+int main(int count, char** values) {
+  try {
+    Request request(count, values);
+    if (request.help) {
+      fmt::print("{}", help);
+    } else if (request.accuracy) {
+      compareAccuracy(request.csv_file);
+    } else {
+      measure(request);
+    }
+    return 0;
+  } catch (const stroma::SceneError& error) {
+    fmt::print(stderr, "{}\n", error.diagnostics().text());
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "stroma bench: {}\n", error.what());
+  }
+  return 2;
+}

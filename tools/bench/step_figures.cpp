@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <fmt/format.h>
+
+#include "framework/algebra/parallel.h"
+#include "tools/bench/body.h"
+#include "tools/bench/figures.h"
+#include "tools/bench/tetrahedron_work.h"
+
+namespace stroma::bench {
+namespace {
+
+constexpr int warm_up_steps = 20;
+
+struct Scene {
+  std::string name, file;
+  std::vector<std::string> overrides;
+  std::optional<double> target = {};
+  std::string peers = {};
+  Work work = {};
+  double working_set = 0;
+};
+
+/// A simulation past its first steps. The last one is kept, as bodies are.
+Simulation& simulationOf(const Scene& scene) {
+  static std::string kept_name;
+  static std::unique_ptr<Simulation> kept;
+  if (scene.name == kept_name) return *kept;
+  kept_name.clear();
+  kept.reset();
+  kept = loadSimulation(scene.file, scene.overrides);
+  for (int i = 0; i < warm_up_steps; ++i) kept->step();
+  kept_name = scene.name;
+  return *kept;
+}
+
+void time(benchmark::State& state, const Scene& scene) {
+  setThreads(1);
+  Simulation& simulation = simulationOf(scene);
+  long iterations = 0, factorisations = 0, steps = 0;
+  for (auto _ : state) {
+    const StepReport report = simulation.step();
+    if (report.diverged) {
+      state.SkipWithError(report.reason.c_str());
+      break;
+    }
+    iterations += report.linear_iterations, factorisations += report.factorisations, ++steps;
+  }
+  if (steps == 0) return;
+  const double each = 1 / double(steps);
+  state.SetLabel(factorisations ? fmt::format("{:.3g} factorisations a step", double(factorisations) * each)
+                                : fmt::format("{:.3g} CG iterations a step", double(iterations) * each));
+}
+
+void add(Catalogue& catalogue, const Scene& scene) {
+  Figure figure;
+  figure.name = "step " + scene.name;
+  figure.unit = "ms/step";
+  figure.per_second = 1e3;
+  figure.target = scene.target;
+  figure.peers = scene.peers;
+  figure.work = scene.work;
+  figure.working_set = scene.working_set;
+  catalogue.add(figure, [scene](benchmark::State& state) { time(state, scene); }).UseRealTime();
+}
+
+/// One force with its product, then `iterations` products and the vectors of conjugate gradients.
+Work stepWork(const Variant& variant, double elements, double nodes, int iterations) {
+  const double share = nodes / elements;
+  return forceAndProductWork(variant, share) * elements + productWork(variant, share) * (elements * iterations) +
+         conjugateGradientWork() * (nodes * iterations);
+}
+
+}  // namespace
+
+void addStepFigures(Catalogue& catalogue) {
+  const double nodes = 11 * 11 * 11, element_bytes = 200;  // tangent, rest shape and node numbers
+  struct Row {
+    const char *method, *peers;
+    double target;
+  };
+  for (const Row& row : {Row{"small", "SOFA 1.6", 0.22}, Row{"large", "SOFA 2.0, SOFA edge-based 1.1", 0.22},
+                         Row{"polar", "SOFA 3.9, Vega FEM assembled 3.6", 0.40}, Row{"svd", "SOFA 3.5", 0.60}})
+    add(catalogue, {fmt::format("cube 5,000 {}", row.method),
+                    "benchmarks/cube.xml",
+                    {fmt::format("/cube/cells/fem.method={}", row.method)},
+                    row.target,
+                    row.peers,
+                    stepWork({row.method}, 5000, nodes, 5),
+                    5000 * element_bytes});
+  add(catalogue, {"cube 5,000 large, direct", "benchmarks/cube_direct.xml", {}, 12.0, "SOFA 60"});
+  for (const Row& row : {Row{"polar", "the paper, 2005: 80", 0.8}, Row{"large", "the paper, 2005: 58", 0.7}})
+    add(catalogue, {fmt::format("truth cube {}, B", row.method),
+                    "benchmarks/truth_cube.xml",
+                    {fmt::format("/cube/cells/fem.method={}", row.method)},
+                    row.target,
+                    row.peers,
+                    stepWork({row.method, true}, 10000, nodes, 5),
+                    10000 * element_bytes});
+  add(catalogue, {"organ, 600", "examples/organ.xml", {}});
+  add(catalogue, {"organ, 5,000", "examples/organ_fine.xml", {}});
+}
+
+}  // namespace stroma::bench
