@@ -145,27 +145,7 @@ class TetrahedronFEMForceField final : public ForceField {
         .unit("-")
         .min(0)
         .help("largest plastic strain; only 0 (no plasticity) is available");
-    for (const char* name : {"plasticYieldThreshold",
-                             "plasticCreep",
-                             "computeVonMisesStress",
-                             "showStressColorMap",
-                             "showStressAlpha",
-                             "showVonMisesStressPerNode",
-                             "showVonMisesStressPerNodeColorMap",
-                             "showVonMisesStressPerElement",
-                             "showElementGapScale",
-                             "drawHeterogeneousTetra",
-                             "drawing",
-                             "drawColor1",
-                             "drawColor2",
-                             "drawColor3",
-                             "drawColor4",
-                             "gatherPt",
-                             "gatherBsize",
-                             "elementSpace",
-                             "computeForceStrategy",
-                             "computeForceDerivStrategy"})
-      table.addVisualOnly(name);
+    declareWithoutEffect(table);
   }
 
   void init() override {
@@ -279,6 +259,31 @@ class TetrahedronFEMForceField final : public ForceField {
   }
 
  private:
+  /// SOFA's attributes for drawing, for its GPU and for choosing between its implementations.
+  static void declareWithoutEffect(DataTable& table) {
+    for (const char* name : {"plasticYieldThreshold",
+                             "plasticCreep",
+                             "computeVonMisesStress",
+                             "showStressColorMap",
+                             "showStressAlpha",
+                             "showVonMisesStressPerNode",
+                             "showVonMisesStressPerNodeColorMap",
+                             "showVonMisesStressPerElement",
+                             "showElementGapScale",
+                             "drawHeterogeneousTetra",
+                             "drawing",
+                             "drawColor1",
+                             "drawColor2",
+                             "drawColor3",
+                             "drawColor4",
+                             "gatherPt",
+                             "gatherBsize",
+                             "elementSpace",
+                             "computeForceStrategy",
+                             "computeForceDerivStrategy"})
+      table.addVisualOnly(name);
+  }
+
   void checkVariant() const {
     if (update_volume_ && !update_b_)
       throw ComponentError("updateVolume has no meaning while B is constant", "updateStiffnessMatrix=\"true\" with it");

@@ -2,6 +2,7 @@
 #include "framework/fem/arrangement.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <numeric>
 
@@ -18,39 +19,72 @@ std::uint64_t spread(std::uint64_t v) {
   return (v | v << 2) & 0x1249249249249249ull;
 }
 
-std::vector<Index> mortonOrder(const Index* nodes, int per_element, Index count, const std::vector<Vec3>& position) {
-  Vec3 low = position[std::size_t(nodes[0])], high = low;
+/// An order of the elements and its blocks; block b holds
+/// order[start[b]] ... order[start[b + 1] - 1]. Slabs of two layers of cells or more only touch their neighbours, so
+/// two colours do, and nearly every node's sums are finished while it is in cache.
+struct Slabs {
+  std::vector<Index> order;
+  std::vector<std::size_t> start;
+};
+
+std::vector<Vec3> centresOf(const Index* nodes, int per_element, Index count, const std::vector<Vec3>& position) {
   std::vector<Vec3> centre(std::size_t(count), Vec3::Zero());
   for (Index e = 0; e < count; ++e) {
     for (int a = 0; a < per_element; ++a) centre[std::size_t(e)] += position[std::size_t(nodes[e * per_element + a])];
     centre[std::size_t(e)] /= per_element;
-    low = low.cwiseMin(centre[std::size_t(e)]);
-    high = high.cwiseMax(centre[std::size_t(e)]);
   }
-  const double extent = std::max((high - low).maxCoeff(), 1e-300);
+  return centre;
+}
+
+/// Two layers of cells in each block, as far as the smallest size allows.
+std::size_t blockCount(Index count) {
+  const double layers = std::cbrt(double(count) / 5);  // of a cube cut in five tetrahedra a cell
+  return std::size_t(std::max(1.0, std::min(double(count) / block_elements, layers / 2.5)));
+}
+
+/// The order of the file, cut in equal pieces.
+Slabs fileOrder(Index count) {
+  Slabs slabs;
+  slabs.order.resize(std::size_t(count));
+  std::iota(slabs.order.begin(), slabs.order.end(), 0);
+  const std::size_t blocks = blockCount(count);
+  for (std::size_t b = 0; b <= blocks; ++b) slabs.start.push_back(std::size_t(count) * b / blocks);
+  return slabs;
+}
+
+Slabs geometricOrder(const Index* nodes, int per_element, Index count, const std::vector<Vec3>& position) {
+  const std::vector<Vec3> centre = centresOf(nodes, per_element, count, position);
+  Vec3 low = centre[0], high = centre[0];
+  for (const Vec3& c : centre) low = low.cwiseMin(c), high = high.cwiseMax(c);
+  int axis = 0;
+  const double extent = std::max((high - low).maxCoeff(&axis), 1e-300);
+
+  Slabs slabs = fileOrder(count);
+  std::stable_sort(slabs.order.begin(), slabs.order.end(),
+                   [&](Index a, Index b) { return centre[std::size_t(a)][axis] < centre[std::size_t(b)][axis]; });
   std::vector<std::uint64_t> code(static_cast<std::size_t>(count));
   for (Index e = 0; e < count; ++e) {
     const Vec3 p = (centre[std::size_t(e)] - low) / extent * double((1 << 21) - 1);
     code[std::size_t(e)] =
         spread(std::uint64_t(p.x())) | spread(std::uint64_t(p.y())) << 1 | spread(std::uint64_t(p.z())) << 2;
   }
-  std::vector<Index> order(static_cast<std::size_t>(count));
-  std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(),
-                   [&](Index a, Index b) { return code[std::size_t(a)] < code[std::size_t(b)]; });
-  return order;
+  for (std::size_t b = 0; b + 1 < slabs.start.size(); ++b)
+    std::stable_sort(slabs.order.begin() + std::ptrdiff_t(slabs.start[b]),
+                     slabs.order.begin() + std::ptrdiff_t(slabs.start[b + 1]),
+                     [&](Index x, Index y) { return code[std::size_t(x)] < code[std::size_t(y)]; });
+  return slabs;
 }
 
 /// The smallest colour that no block sharing a node has; blocks in order. Nodes remember the colours around them in
 /// bits (the last bit collects everything beyond 63, where a block gets a colour of its own).
-std::vector<int> colourBlocks(const std::vector<Index>& order, const Index* nodes, int per_element,
-                              std::size_t node_count) {
-  const std::size_t blocks = (order.size() + block_elements - 1) / block_elements;
+std::vector<int> colourBlocks(const Slabs& slabs, const Index* nodes, int per_element, std::size_t node_count) {
+  const std::vector<Index>& order = slabs.order;
+  const std::size_t blocks = slabs.start.size() - 1;
   std::vector<std::uint64_t> around(node_count, 0);
   std::vector<int> colour(blocks);
   int overflow = 63;
   for (std::size_t b = 0; b < blocks; ++b) {
-    const std::size_t first = b * block_elements, last = std::min(order.size(), first + block_elements);
+    const std::size_t first = slabs.start[b], last = slabs.start[b + 1];
     std::uint64_t taken = 0;
     for (std::size_t i = first; i < last; ++i)
       for (int a = 0; a < per_element; ++a) taken |= around[std::size_t(nodes[order[i] * per_element + a])];
@@ -74,14 +108,14 @@ Arrangement arrangeElements(const Index* nodes, int nodes_per_element, Index cou
   result.colour_start.push_back(0);
   if (count == 0) return result;
 
-  std::vector<Index> order;
-  if (count <= block_elements) {
-    order.resize(static_cast<std::size_t>(count));
-    std::iota(order.begin(), order.end(), 0);
-  } else {
-    order = mortonOrder(nodes, nodes_per_element, count, position);
+  // A file whose pieces only touch their neighbours (a grid, a mesh numbered by layers) is as good an order as any, and
+  // its nodes lie in memory as it visits them.
+  Slabs slabs = fileOrder(count);
+  std::vector<int> colour = colourBlocks(slabs, nodes, nodes_per_element, position.size());
+  if (*std::max_element(colour.begin(), colour.end()) > 2) {
+    slabs = geometricOrder(nodes, nodes_per_element, count, position);
+    colour = colourBlocks(slabs, nodes, nodes_per_element, position.size());
   }
-  const std::vector<int> colour = colourBlocks(order, nodes, nodes_per_element, position.size());
   std::vector<Index> block(colour.size());
   std::iota(block.begin(), block.end(), 0);
   std::stable_sort(block.begin(), block.end(),
@@ -90,10 +124,9 @@ Arrangement arrangeElements(const Index* nodes, int nodes_per_element, Index cou
   for (std::size_t i = 0; i < block.size(); ++i) {
     if (i > 0 && colour[std::size_t(block[i])] != colour[std::size_t(block[i - 1])])
       result.colour_start.push_back(Index(i));
-    const std::size_t first = std::size_t(block[i]) * block_elements;
-    const std::size_t last = std::min(order.size(), first + block_elements);
-    result.element.insert(result.element.end(), order.begin() + std::ptrdiff_t(first),
-                          order.begin() + std::ptrdiff_t(last));
+    const auto first = slabs.order.begin() + std::ptrdiff_t(slabs.start[std::size_t(block[i])]);
+    const auto last = slabs.order.begin() + std::ptrdiff_t(slabs.start[std::size_t(block[i]) + 1]);
+    result.element.insert(result.element.end(), first, last);
     while (result.element.size() % std::size_t(lanes)) result.element.push_back(-1);
     result.block_start.push_back(Index(result.element.size() / std::size_t(lanes)));
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// In which order elements are visited: batches of SIMD width, batches in blocks that are compact in space, blocks in
+// In which order elements are visited: batches of SIMD width, batches in blocks that are slabs of space, blocks in
 // colours such that blocks of one colour share no node. Threads take blocks of one colour at a time, and every node
 // receives its sums in the order colour, block, batch, lane, whatever the number of threads.
 #pragma once
@@ -17,13 +17,14 @@ struct Arrangement {
   Index elements = 0;
 };
 
-/// Arranges `count` elements of `nodes_per_element` nodes, connectivity flat in `nodes`. Meshes below one block keep
-/// the order of the file; larger ones follow a Morton curve through the elements' centres. The result depends on the
+/// Arranges `count` elements of `nodes_per_element` nodes, connectivity flat in `nodes`. The order of the file
+/// is kept where its pieces only touch their neighbours; other meshes are cut in slabs across the longest axis, along a
+/// Morton curve inside each. The result depends on the
 /// mesh and on `lanes` only.
 Arrangement arrangeElements(const Index* nodes, int nodes_per_element, Index count, const std::vector<Vec3>& position,
                             int lanes);
 
-/// Elements in a block: large enough to repay waking a thread, small enough for a level-2 cache.
-constexpr Index block_elements = 2048;
+/// The smallest block: large enough to repay waking a thread.
+constexpr Index block_elements = 8192;
 
 }  // namespace stroma

@@ -13,7 +13,7 @@
 namespace stroma {
 
 /// Meshes with fewer elements run on one thread: waking another costs more than it saves.
-constexpr Index parallel_elements = 16 * block_elements;
+constexpr Index parallel_elements = 4 * block_elements;
 
 /// The loop over elements of N nodes. Node numbers are rows of the system.
 template <int N>
@@ -26,13 +26,14 @@ class ElementLoop {
     arrangement_ =
         arrangeElements(cells.empty() ? nullptr : cells[0].data(), N, Index(cells.size()), position, pack_lanes);
     partial_.assign(arrangement_.block_start.size() - 1, 0.);
-    nodes_.resize(std::size_t(arrangement_.batches) * N * pack_lanes);
+    offsets_.resize(std::size_t(arrangement_.batches) * N * pack_lanes);
     for (Index b = 0; b < arrangement_.batches; ++b)
       for (int l = 0; l < pack_lanes; ++l) {
         // a padding lane repeats the nodes of lane 0: it stays inside the block and, having no stiffness, adds zero
         const Index e = elementOf(b, l) >= 0 ? elementOf(b, l) : elementOf(b, 0);
         for (int a = 0; a < N; ++a)
-          nodes_[(std::size_t(b) * N + a) * pack_lanes + l] = cells[std::size_t(e)][std::size_t(a)] + first_row;
+          offsets_[(std::size_t(b) * N + a) * pack_lanes + l] =
+              (cells[std::size_t(e)][std::size_t(a)] + first_row) * row_doubles;
       }
   }
   Index batches() const { return arrangement_.batches; }
@@ -46,16 +47,16 @@ class ElementLoop {
     forEachBatch([&](Index b) __attribute__((flatten)) {
       Nodes in[In > 0 ? In : 1], out[Out > 0 ? Out : 1];
       for (int i = 0; i < In; ++i)
-        for (int a = 0; a < N; ++a) in[i][a] = gatherRows(input[std::size_t(i)].data, node(b, a));
+        for (int a = 0; a < N; ++a) in[i][a] = gatherRows(input[std::size_t(i)].data, offset(b, a));
       kernel(b, in, out);
       for (int o = 0; o < Out; ++o)
-        for (int a = 0; a < N; ++a) addToRows(out[o][a], node(b, a), output[std::size_t(o)].data);
+        for (int a = 0; a < N; ++a) addToRows(out[o][a], offset(b, a), output[std::size_t(o)].data);
     });
   }
 
   /// The nodes of one batch.
   void gather(Index batch, ConstRows x, Nodes& out) const {
-    for (int a = 0; a < N; ++a) out[a] = gatherRows(x.data, node(batch, a));
+    for (int a = 0; a < N; ++a) out[a] = gatherRows(x.data, offset(batch, a));
   }
 
   /// Sum over elements of kernel(batch, nodes of x), a pack; blocks are summed in their order.
@@ -66,7 +67,7 @@ class ElementLoop {
       for (Index b = arrangement_.block_start[std::size_t(block)]; b < arrangement_.block_start[std::size_t(block) + 1];
            ++b) {
         Nodes in;
-        for (int a = 0; a < N; ++a) in[a] = gatherRows(x.data, node(b, a));
+        for (int a = 0; a < N; ++a) in[a] = gatherRows(x.data, offset(b, a));
         total += kernel(b, in);
       }
       alignas(64) double lane[pack_lanes];
@@ -85,7 +86,7 @@ class ElementLoop {
   void addPattern(BlockPattern& pattern) const {
     forEachLane([&](Index b, int l) {
       Index rows[N];
-      for (int a = 0; a < N; ++a) rows[a] = node(b, a)[l];
+      for (int a = 0; a < N; ++a) rows[a] = row(b, a, l);
       pattern.addClique(rows, N);
     });
   }
@@ -95,7 +96,7 @@ class ElementLoop {
     forEachLane([&](Index b, int l) {
       for (int i = 0; i < N; ++i)
         for (int j = 0; j < N; ++j)
-          result[((std::size_t(b) * N + i) * N + j) * pack_lanes + l] = matrix.slot(node(b, i)[l], node(b, j)[l]);
+          result[((std::size_t(b) * N + i) * N + j) * pack_lanes + l] = matrix.slot(row(b, i, l), row(b, j, l));
     });
     return result;
   }
@@ -126,7 +127,7 @@ class ElementLoop {
         if (elementOf(b, l) < 0) break;
         for (int a = 0; a < N; ++a)
           for (int k = 0; k < 9; ++k)
-            blocks[std::size_t(node(b, a)[l]) * 9 + std::size_t(k)] += element[(a * N + a) * 9 + k][l];
+            blocks[std::size_t(row(b, a, l)) * 9 + std::size_t(k)] += element[(a * N + a) * 9 + k][l];
       }
     });
   }
@@ -147,9 +148,10 @@ class ElementLoop {
   }
 
  private:
-  const Index* node(Index batch, int a) const {
-    return nodes_.data() + (std::size_t(batch) * N + std::size_t(a)) * pack_lanes;
+  const Index* offset(Index batch, int a) const {
+    return offsets_.data() + (std::size_t(batch) * N + std::size_t(a)) * pack_lanes;
   }
+  Index row(Index batch, int a, int lane) const { return offset(batch, a)[lane] / row_doubles; }
 
   template <class Body>
   void forEachBlock(Body&& body) const {
@@ -183,7 +185,7 @@ class ElementLoop {
 
   Arrangement arrangement_;
   mutable std::vector<double> partial_;  ///< scratch of sum(), shape (blocks)
-  std::vector<Index> nodes_;             ///< shape (batches, N, lanes)
+  std::vector<Index> offsets_;           ///< rows times row_doubles, shape (batches, N, lanes)
 };
 
 }  // namespace stroma

@@ -128,13 +128,14 @@ struct S3 {
   }
 };
 
-// ---- rows of a Vector to packs and back; node[l] is the row of lane l ----
+// ---- rows of a Vector to packs and back; offset[l] is the row of lane l times row_doubles: an address needs no shift
+// ----
 
 #if defined(__AVX512F__)
 
-/// Rows node[0..7] as packs x, y, z: eight 32-byte loads and 4x4 transposes in both halves of the registers.
-inline V3<Pack> gatherRows(const double* data, const Index* node) {
-  const auto row = [&](int l) { return _mm256_load_pd(data + std::size_t(node[l]) * row_doubles); };
+/// Rows offset[0..7] as packs x, y, z: eight 32-byte loads and 4x4 transposes in both halves of the registers.
+inline V3<Pack> gatherRows(const double* data, const Index* offset) {
+  const auto row = [&](int l) { return _mm256_load_pd(data + offset[l]); };
   const auto pair = [&](int l) { return _mm512_insertf64x4(_mm512_castpd256_pd512(row(l)), row(l + 4), 1); };
   const __m512d r0 = pair(0), r1 = pair(1), r2 = pair(2), r3 = pair(3);  // x y z 0 of lanes l and l + 4
   const __m512d xz01_lo = _mm512_unpacklo_pd(r0, r1), xz23_lo = _mm512_unpacklo_pd(r2, r3);  // x0 x1 z0 z1 | ...
@@ -145,8 +146,8 @@ inline V3<Pack> gatherRows(const double* data, const Index* node) {
           Pack(_mm512_permutex2var_pd(xz01_lo, second, xz23_lo))};
 }
 
-/// rows node[0..7] += v, lane by lane, in the order of the lanes: lanes may share a row.
-inline void addToRows(const V3<Pack>& v, const Index* node, double* data) {
+/// rows offset[0..7] += v, lane by lane, in the order of the lanes: lanes may share a row.
+inline void addToRows(const V3<Pack>& v, const Index* offset, double* data) {
   const __m512d x = v.x, y = v.y, z = v.z, zero = _mm512_setzero_pd();
   const __m512d xy_even = _mm512_unpacklo_pd(x, y), xy_odd = _mm512_unpackhi_pd(x, y);      // x0 y0 x2 y2 | ...
   const __m512d z_even = _mm512_unpacklo_pd(z, zero), z_odd = _mm512_unpackhi_pd(z, zero);  // z0 0 z2 0 | ...
@@ -155,7 +156,7 @@ inline void addToRows(const V3<Pack>& v, const Index* node, double* data) {
   const __m512d r04 = _mm512_permutex2var_pd(xy_even, low, z_even), r15 = _mm512_permutex2var_pd(xy_odd, low, z_odd);
   const __m512d r26 = _mm512_permutex2var_pd(xy_even, high, z_even), r37 = _mm512_permutex2var_pd(xy_odd, high, z_odd);
   const auto add = [&](int l, __m256d value) {
-    double* row = data + std::size_t(node[l]) * row_doubles;
+    double* row = data + offset[l];
     _mm256_store_pd(row, _mm256_add_pd(_mm256_load_pd(row), value));
   };
   add(0, _mm512_castpd512_pd256(r04));
@@ -170,20 +171,20 @@ inline void addToRows(const V3<Pack>& v, const Index* node, double* data) {
 
 #elif defined(__AVX__)
 
-inline V3<Pack> gatherRows(const double* data, const Index* node) {
-  const auto row = [&](int l) { return _mm256_load_pd(data + std::size_t(node[l]) * row_doubles); };
+inline V3<Pack> gatherRows(const double* data, const Index* offset) {
+  const auto row = [&](int l) { return _mm256_load_pd(data + offset[l]); };
   const __m256d r0 = row(0), r1 = row(1), r2 = row(2), r3 = row(3);
   const __m256d xz01 = _mm256_unpacklo_pd(r0, r1), xz23 = _mm256_unpacklo_pd(r2, r3);
   const __m256d y01 = _mm256_unpackhi_pd(r0, r1), y23 = _mm256_unpackhi_pd(r2, r3);
   return {Pack(_mm256_permute2f128_pd(xz01, xz23, 0x20)), Pack(_mm256_permute2f128_pd(y01, y23, 0x20)),
           Pack(_mm256_permute2f128_pd(xz01, xz23, 0x31))};
 }
-inline void addToRows(const V3<Pack>& v, const Index* node, double* data) {
+inline void addToRows(const V3<Pack>& v, const Index* offset, double* data) {
   const __m256d x = v.x, y = v.y, z = v.z, zero = _mm256_setzero_pd();
   const __m256d xy02 = _mm256_unpacklo_pd(x, y), xy13 = _mm256_unpackhi_pd(x, y);
   const __m256d z02 = _mm256_unpacklo_pd(z, zero), z13 = _mm256_unpackhi_pd(z, zero);
   const auto add = [&](int l, __m256d value) {
-    double* row = data + std::size_t(node[l]) * row_doubles;
+    double* row = data + offset[l];
     _mm256_store_pd(row, _mm256_add_pd(_mm256_load_pd(row), value));
   };
   add(0, _mm256_permute2f128_pd(xy02, z02, 0x20));
@@ -194,19 +195,19 @@ inline void addToRows(const V3<Pack>& v, const Index* node, double* data) {
 
 #else
 
-inline V3<Pack> gatherRows(const double* data, const Index* node) {
+inline V3<Pack> gatherRows(const double* data, const Index* offset) {
   alignas(64) double x[pack_lanes], y[pack_lanes], z[pack_lanes];
   for (int l = 0; l < pack_lanes; ++l) {
-    const double* row = data + std::size_t(node[l]) * row_doubles;
+    const double* row = data + offset[l];
     x[l] = row[0], y[l] = row[1], z[l] = row[2];
   }
   return {Pack::load_aligned(x), Pack::load_aligned(y), Pack::load_aligned(z)};
 }
-inline void addToRows(const V3<Pack>& v, const Index* node, double* data) {
+inline void addToRows(const V3<Pack>& v, const Index* offset, double* data) {
   alignas(64) double x[pack_lanes], y[pack_lanes], z[pack_lanes];
   v.x.store_aligned(x), v.y.store_aligned(y), v.z.store_aligned(z);
   for (int l = 0; l < pack_lanes; ++l) {
-    double* row = data + std::size_t(node[l]) * row_doubles;
+    double* row = data + offset[l];
     row[0] += x[l], row[1] += y[l], row[2] += z[l];
   }
 }
