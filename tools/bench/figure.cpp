@@ -2,6 +2,7 @@
 #include "tools/bench/figure.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace stroma::bench {
 
@@ -17,12 +18,21 @@ double least(const std::vector<double>& values) {
   return values.empty() ? 0 : *std::min_element(values.begin(), values.end());
 }
 
+double Limits::readRate(double working_set) const {
+  for (std::size_t i = 0; i < read.size(); ++i) {
+    if (working_set > read[i].bytes) continue;
+    if (i == 0) break;
+    const Bandwidth &below = read[i - 1], &above = read[i];
+    const double part = std::log(working_set / below.bytes) / std::log(above.bytes / below.bytes);
+    return below.rate + part * (above.rate - below.rate);
+  }
+  return working_set <= read.front().bytes ? read.front().rate : read.back().rate;
+}
+
 Bound bound(const Figure& figure, const Limits& limits) {
-  const bool cached = figure.working_set <= limits.cache_bytes;
-  const double moving = figure.work.bytes / (cached ? limits.cache_read : limits.memory_read);
+  const double moving = figure.work.bytes / limits.readRate(figure.working_set);
   const double computing = figure.work.flops / limits.peak;
-  if (moving > computing) return {moving, cached ? "cache" : "memory"};
-  return {computing, "arithmetic"};
+  return moving > computing ? Bound{moving, "memory"} : Bound{computing, "arithmetic"};
 }
 
 benchmark::internal::Benchmark& Catalogue::add(Figure figure, std::function<void(benchmark::State&)> body) {

@@ -20,9 +20,13 @@ struct Work {
 
 /// Limits of one core.
 struct Limits {
-  double cache_read = 0, memory_read = 0;  ///< [bytes/s]
-  double peak = 0;                         ///< [flops/s]
-  double cache_bytes = 0;                  ///< size of the level-2 cache
+  struct Bandwidth {
+    double bytes, rate;  ///< an array of this size, read again and again [bytes/s]
+  };
+  std::vector<Bandwidth> read;  ///< by ascending size
+  double peak = 0;              ///< [flops/s]
+  /// Between the measured sizes: linear in the logarithm of the size.
+  double readRate(double working_set) const;
 };
 
 struct Figure {
@@ -48,7 +52,7 @@ struct Measurement {
 double median(std::vector<double> values);
 double least(const std::vector<double>& values);
 
-/// The time that the limits of the machine allow for `work` [s], and which of the two binds.
+/// The time that the limits of the machine allow for a figure's work [s], and which of the two binds.
 struct Bound {
   double seconds = 0;
   const char* by = "";

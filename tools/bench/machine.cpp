@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tools/bench/machine.h"
 
+#include <fmt/format.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -15,7 +16,7 @@ namespace stroma::bench {
 namespace {
 
 constexpr int repetitions = 15;
-constexpr std::size_t large_doubles = std::size_t(1) << 24;   // 128 MB an array: many times a level-2 cache
+constexpr std::size_t large_doubles = std::size_t(1) << 24;   // 128 MB: many times a level-2 cache
 constexpr std::size_t triad_doubles = std::size_t(1) << 23;   // three arrays of 64 MB
 constexpr std::size_t fallback_cache = std::size_t(1) << 20;  // where the system does not tell the size
 
@@ -44,6 +45,8 @@ std::vector<double> rates(double amount, int calls, Call&& call) {
   return result;
 }
 
+double best(const std::vector<double>& values) { return *std::ranges::max_element(values); }
+
 Vector filled(std::size_t doubles) {
   Vector vector(Index(doubles / row_doubles));
   std::fill_n(vector.rows().data, doubles, 1e-9);
@@ -65,17 +68,19 @@ Machine measureMachine() {
   machine.level = instructionLevel();
   const MachineKernels& kernels = kernelsFor(machine.level);
   machine.lanes = kernels.lanes;
-  const long cache = sysconf(_SC_LEVEL2_CACHE_SIZE);
-  machine.limits.cache_bytes = double(cache > 0 ? std::size_t(cache) : fallback_cache);
+  const long reported = sysconf(_SC_LEVEL2_CACHE_SIZE);
+  const double cache = double(reported > 0 ? std::size_t(reported) : fallback_cache);
+  machine.cache_bytes = cache;
 
   const Vector large = filled(large_doubles);
-  const auto read = [&](std::size_t doubles, int calls) {
-    return rates(double(doubles) * sizeof(double), calls,
-                 [&] { benchmark::DoNotOptimize(kernels.sum(large.rows().data, doubles)); });
-  };
-  const std::size_t cached = std::size_t(machine.limits.cache_bytes) / sizeof(double) / 2 / 64 * 64;
-  machine.figures.push_back({"read bandwidth, half of the level-2 cache", "GB/s", read(cached, 200)});
-  machine.figures.push_back({"read bandwidth, 128 MB", "GB/s", read(large_doubles, 1)});
+  for (const double part : {0.5, 1.0, 1.5, 2.0, 4.0, 16.0, 64.0}) {
+    const std::size_t doubles = std::min(large_doubles, std::size_t(part * cache / sizeof(double)) / 64 * 64);
+    const double bytes = double(doubles) * sizeof(double);
+    machine.figures.push_back({fmt::format("read bandwidth, {:.3g} MB", bytes / (1 << 20)), "GB/s",
+                               rates(bytes, int(1 + large_doubles / 8 / doubles),
+                                     [&] { benchmark::DoNotOptimize(kernels.sum(large.rows().data, doubles)); })});
+    machine.limits.read.push_back({bytes, best(machine.figures.back().rates)});
+  }
   Vector a = filled(triad_doubles);
   const Vector b = filled(triad_doubles), c = filled(triad_doubles);
   machine.figures.push_back({"triad a = b + s c, 192 MB", "GB/s", rates(3.0 * triad_doubles * sizeof(double), 1, [&] {
@@ -86,8 +91,7 @@ Machine measureMachine() {
   machine.figures.push_back({"multiply-add peak", "Gflop/s", rates(double(kernels.round_flops) * rounds, 2, [&] {
                                benchmark::DoNotOptimize(kernels.multiplyAdd(rounds));
                              })});
-  const auto best = [&](int i) { return *std::ranges::max_element(machine.figures[std::size_t(i)].rates); };
-  machine.limits.cache_read = best(0), machine.limits.memory_read = best(1), machine.limits.peak = best(3);
+  machine.limits.peak = best(machine.figures.back().rates);
   for (MachineFigure& figure : machine.figures)
     for (double& rate : figure.rates) rate *= 1e-9;
   return machine;

@@ -16,6 +16,7 @@ struct MachineFigure {
 struct Machine {
   std::string processor, level;  ///< model name; instruction set whose loops ran
   int lanes = 0;
+  double cache_bytes = 0;  ///< level 2
   Limits limits;
   std::vector<MachineFigure> figures;
 };

@@ -106,7 +106,7 @@ void printMachine(const Machine& machine) {
   double load[3] = {0, 0, 0};
   getloadavg(load, 3);
   fmt::print("{}, instruction set {} ({} doubles a register), level-2 cache {:.3g} MB, load {:.1f}\n\n",
-             machine.processor, machine.level, machine.lanes, machine.limits.cache_bytes / (1 << 20), load[0]);
+             machine.processor, machine.level, machine.lanes, machine.cache_bytes / (1 << 20), load[0]);
   fmt::print("{:<44} {:>9} {:>9}\n", "limits of one core", "median", "best");
   for (const MachineFigure& figure : machine.figures)
     fmt::print("{:<44} {:>9.1f} {:>9.1f} {}\n", figure.name, median(figure.rates),
@@ -137,7 +137,7 @@ void writeJson(const std::string& file, const Catalogue& catalogue, const Machin
   json["machine"] = {{"processor", machine.processor},
                      {"level", machine.level},
                      {"lanes", machine.lanes},
-                     {"cache_bytes", machine.limits.cache_bytes}};
+                     {"cache_bytes", machine.cache_bytes}};
   for (const MachineFigure& figure : machine.figures)
     json["limits"].push_back({{"name", figure.name}, {"unit", figure.unit}, {"rates", figure.rates}});
   for (const Measurement& m : catalogue.measurements())

@@ -60,7 +60,7 @@ void add(Catalogue& catalogue, const Scene& scene) {
   figure.peers = scene.peers;
   figure.work = scene.work;
   figure.working_set = scene.working_set;
-  catalogue.add(figure, [scene](benchmark::State& state) { time(state, scene); }).UseRealTime();
+  catalogue.add(figure, [scene](benchmark::State& state) { time(state, scene); });
 }
 
 /// One force with its product, then `iterations` products and the vectors of conjugate gradients.

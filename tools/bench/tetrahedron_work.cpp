@@ -182,10 +182,10 @@ Work polarEnergyWork(double nodes) {
   return {node_numbers + lame + restBytes(variant) + vector_row * nodes, energyFlops<rotation::Polar>()};
 }
 
-Work assemblyWork(const Variant& variant) {
+Work assemblyWork(const Variant& variant, double blocks) {
   constexpr double slots = 16 * 4;
   // nine products give the matrix; scaled, summed for node 0 and added to 16 blocks
-  return {node_numbers + gradients + lame + slots + 2 * 16 * block,
+  return {node_numbers + gradients + lame + slots + 3 * block * blocks,
           9 * (productFlops(variant) - scatter_flops) + 9 * 4 * 3 * 2 + 16 * 9};
 }
 

@@ -19,8 +19,8 @@ Work productWork(const Variant& variant, double nodes_per_element);
 Work forceWork(const Variant& variant, double nodes_per_element);
 Work forceAndProductWork(const Variant& variant, double nodes_per_element);
 Work polarEnergyWork(double nodes_per_element);
-/// Into a matrix of 3x3 blocks: 16 blocks read and written an element.
-Work assemblyWork(const Variant& variant);
+/// Into a matrix with this many 3x3 blocks an element, which are cleared, read and written once.
+Work assemblyWork(const Variant& variant, double blocks_per_element);
 /// The vectors of one iteration of conjugate gradients, a node.
 Work conjugateGradientWork();
 
