@@ -107,6 +107,9 @@ void printMachine(const Machine& machine) {
   getloadavg(load, 3);
   fmt::print("{}, instruction set {} ({} doubles a register), level-2 cache {:.3g} MB, load {:.1f}\n\n",
              machine.processor, machine.level, machine.lanes, machine.cache_bytes / (1 << 20), load[0]);
+  if (load[0] > 0.5)
+    fmt::print(
+        "Other programs are running: every figure below is an upper bound, and two threads share what is left.\n\n");
   fmt::print("{:<44} {:>9} {:>9}\n", "limits of one core", "median", "best");
   for (const MachineFigure& figure : machine.figures)
     fmt::print("{:<44} {:>9.1f} {:>9.1f} {}\n", figure.name, median(figure.rates),
