@@ -22,6 +22,9 @@ struct Variant {
   std::string name() const { return method + "_" + update + "_" + tangent; }
 };
 
+/// The name of the test, which must not hold an address.
+void PrintTo(const Variant& variant, std::ostream* out) { *out << variant.name(); }
+
 std::vector<Variant> variants() {
   std::vector<Variant> out{{"small", "none", "warped"}, {"nodal", "none", "warped"}};
   for (const char* method : {"large", "polar", "svd"})

@@ -78,6 +78,8 @@ TEST(Elastica, ShootingGivesThePublishedNumbers) {
 struct Variant {
   std::string method, update;
 };
+/// The name of the test, which must not hold an address.
+void PrintTo(const Variant& variant, std::ostream* out) { *out << variant.method << " " << variant.update; }
 class ElasticaOfMethod : public testing::TestWithParam<Variant> {};
 
 TEST_P(ElasticaOfMethod, FollowsTheElasticaOfTheMeshsOwnStiffness) {
