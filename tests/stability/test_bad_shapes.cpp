@@ -119,6 +119,7 @@ bool isFinite(ConstRows rows) {
 
 struct Tally {
   int runs = 0, stopped = 0;
+  std::string last;  ///< the sentence of the last one that stopped
 };
 
 /// Runs up to ten steps and checks each.
@@ -131,6 +132,7 @@ void run(Simulation& simulation, const std::string& what, Tally& tally) {
     ASSERT_TRUE(isFinite(state.x()) && isFinite(state.v())) << what << " step " << step;
     if (!report.diverged) continue;
     ++tally.stopped;
+    tally.last = report.reason;
     EXPECT_EQ(simulation.stateHash(), before) << what << ": not rolled back";
     for (const std::string& word :
          {fmt::format("step {} ", step), std::string("/body/"), std::string("tetrahedron "), std::string("dt = ")})
@@ -153,8 +155,8 @@ TEST_P(BadShapes, StayFiniteOrStopWithASentence) {
       if (HasFatalFailure()) return;
     }
     if (tally.stopped > 0)
-      fmt::print("{} {}: {} of {} integrators stopped with a sentence\n", GetParam().name(), trouble.name,
-                 tally.stopped, tally.runs);
+      fmt::print("{} {}: {} of {} integrators stopped: {}\n", GetParam().name(), trouble.name, tally.stopped,
+                 tally.runs, tally.last);
   }
 }
 
