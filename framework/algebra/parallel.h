@@ -23,7 +23,8 @@ void parallelFor(int count, Body&& body) {
   }
   using Plain = std::remove_reference_t<Body>;
   detail::runParallel(
-      count, [](void* data, int i) { (*static_cast<Plain*>(data))(i); }, const_cast<void*>(static_cast<const void*>(&body)));
+      count, [](void* data, int i) { (*static_cast<Plain*>(data))(i); },
+      const_cast<void*>(static_cast<const void*>(&body)));
 }
 
 }  // namespace stroma

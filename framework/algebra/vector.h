@@ -9,6 +9,7 @@
 #include <memory>
 #include <new>
 
+#include "framework/algebra/memory.h"
 #include "framework/scene/types.h"
 
 namespace stroma {
@@ -45,9 +46,8 @@ class Vector {
   explicit Vector(Index count) { resize(count); }
   void resize(Index count) {
     count_ = count;
-    const std::size_t bytes = (std::size_t(count) * row_doubles * sizeof(double) + 127) / 64 * 64;
-    data_.reset(static_cast<double*>(std::aligned_alloc(64, bytes)));
-    if (!data_) throw std::bad_alloc();
+    const std::size_t bytes = std::size_t(count) * row_doubles * sizeof(double) + 64;
+    data_.reset(static_cast<double*>(allocateArray(bytes)));
     std::memset(data_.get(), 0, bytes);
   }
   Index count() const { return count_; }

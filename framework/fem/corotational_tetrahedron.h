@@ -38,29 +38,70 @@ M3<T> outerSum(const V3<T> (&d)[3], const Gradients<T>& g) {
           fma(g.g1.z, d[0], fma(g.g2.z, d[1], d[2] * g.g3.z))};
 }
 
-/// V_0 sigma of the strain sym H; `lambda`, `mu` are Lame's constants times V_0 [J].
+// Strains are held as eps_xx eps_yy eps_zz and 2 eps_xy 2 eps_yz 2 eps_zx.
+
+/// a . b + c . d
 template <class T>
-S3<T> weightedStress(const M3<T>& h, T lambda, T mu) {
-  const T pressure = lambda * (h.c0.x + h.c1.y + h.c2.z), two_mu = mu + mu;
-  return {fma(two_mu, h.c0.x, pressure), fma(two_mu, h.c1.y, pressure), fma(two_mu, h.c2.z, pressure),
-          mu * (h.c0.y + h.c1.x),        mu * (h.c1.z + h.c2.y),        mu * (h.c2.x + h.c0.z)};
+T dotSum(T a1, T b1, T a2, T b2, T a3, T b3) {
+  return fma(a1, b1, fma(a2, b2, a3 * b3));
+}
+template <class T>
+T dotSum(T a1, T b1, T a2, T b2, T a3, T b3, T rest) {
+  return fma(a1, b1, fma(a2, b2, fma(a3, b3, rest)));
 }
 
-/// f_i = -s g_i, f_a = -sum.
+/// The strain sym(sum d_i (x) g_i).
+template <class T>
+S3<T> strainOf(const V3<T> (&d)[3], const Gradients<T>& g) {
+  return {
+      dotSum(d[0].x, g.g1.x, d[1].x, g.g2.x, d[2].x, g.g3.x),
+      dotSum(d[0].y, g.g1.y, d[1].y, g.g2.y, d[2].y, g.g3.y),
+      dotSum(d[0].z, g.g1.z, d[1].z, g.g2.z, d[2].z, g.g3.z),
+      dotSum(d[0].x, g.g1.y, d[1].x, g.g2.y, d[2].x, g.g3.y, dotSum(d[0].y, g.g1.x, d[1].y, g.g2.x, d[2].y, g.g3.x)),
+      dotSum(d[0].y, g.g1.z, d[1].y, g.g2.z, d[2].y, g.g3.z, dotSum(d[0].z, g.g1.y, d[1].z, g.g2.y, d[2].z, g.g3.y)),
+      dotSum(d[0].z, g.g1.x, d[1].z, g.g2.x, d[2].z, g.g3.x, dotSum(d[0].x, g.g1.z, d[1].x, g.g2.z, d[2].x, g.g3.z))};
+}
+
+/// The strain sym(A B^T) of two matrices: columns of A against columns of B.
+template <class T>
+S3<T> strainOfProduct(const M3<T>& a, const M3<T>& b) {
+  const V3<T> d[3] = {a.c0, a.c1, a.c2};
+  return strainOf(d, Gradients<T>{b.c0, b.c1, b.c2});
+}
+
+template <class T>
+S3<T> minusIdentity(S3<T> strain) {
+  strain.xx -= T(1.), strain.yy -= T(1.), strain.zz -= T(1.);
+  return strain;
+}
+
+/// -V_0 sigma of a strain; `lambda`, `mu` are Lame's constants times V_0 [J].
+template <class T>
+S3<T> restoringStress(const S3<T>& strain, T lambda, T mu) {
+  const T minus_mu = -mu, minus_two_mu = minus_mu + minus_mu;
+  const T pressure = -lambda * (strain.xx + strain.yy + strain.zz);
+  return {fma(minus_two_mu, strain.xx, pressure),
+          fma(minus_two_mu, strain.yy, pressure),
+          fma(minus_two_mu, strain.zz, pressure),
+          minus_mu * strain.xy,
+          minus_mu * strain.yz,
+          minus_mu * strain.zx};
+}
+
+/// f_i = s g_i, f_a = -sum, for s = -V_0 sigma.
 template <class T>
 void nodalForces(const S3<T>& s, const Gradients<T>& g, V3<T> (&f)[4]) {
-  const V3<T> f1 = s * g.g1, f2 = s * g.g2, f3 = s * g.g3;
-  f[0] = f1 + f2 + f3;
-  f[1] = -f1;
-  f[2] = -f2;
-  f[3] = -f3;
+  f[1] = s * g.g1;
+  f[2] = s * g.g2;
+  f[3] = s * g.g3;
+  f[0] = -(f[1] + f[2] + f[3]);
 }
 
 /// df = -(B^T D B) dx with the gradients g: the warped tangent, and the whole of a linear element.
 template <class T>
 void stiffnessProduct(const Gradients<T>& g, T lambda, T mu, const V3<T> (&dx)[4], V3<T> (&df)[4]) {
   const V3<T> d[3] = {dx[1] - dx[0], dx[2] - dx[0], dx[3] - dx[0]};
-  nodalForces(weightedStress(outerSum(d, g), lambda, mu), g, df);
+  nodalForces(restoringStress(strainOf(d, g), lambda, mu), g, df);
 }
 
 /// F = D_s D_m^-1; also dF for differences of vertices.
@@ -98,12 +139,12 @@ T volumeScale(T six_volume, T inverse_six_volume) {
   return inverse_six_volume * select(ratio < T(0.), T(-1.), T(1.)) / sqrt(abs(ratio));
 }
 
-/// What a force evaluation makes of an element: R, g and H.
+/// What a force evaluation makes of an element: R, g and the strain sym H.
 template <class T>
 struct Kinematics {
   M3<T> rotation;
   Gradients<T> g;
-  M3<T> h;
+  S3<T> strain;
 };
 
 template <class Rotation, Update update, class T>
@@ -114,9 +155,7 @@ Kinematics<T> kinematics(const Rest<T>& rest, const V3<T> (&x)[4]) {
   k.rotation = Rotation::of(f);
   if constexpr (update == Update::none) {
     k.g = rotatedRestGradients(rest, k.rotation);
-    // columns of F R^T - I
-    k.h = f * transpose(k.rotation);
-    k.h.c0.x -= T(1.), k.h.c1.y -= T(1.), k.h.c2.z -= T(1.);
+    k.strain = minusIdentity(strainOfProduct(f, k.rotation));
   } else {
     const M3<T> n = cofactor(M3<T>{e[0], e[1], e[2]});
     T scale = rest.inverse_six_volume;
@@ -126,18 +165,18 @@ Kinematics<T> kinematics(const Rest<T>& rest, const V3<T> (&x)[4]) {
     V3<T> rest_edges[3];
     rotatedRestEdges(rest, k.rotation, rest_edges);
     const V3<T> d[3] = {e[0] - rest_edges[0], e[1] - rest_edges[1], e[2] - rest_edges[2]};
-    k.h = outerSum(d, k.g);
+    k.strain = strainOf(d, k.g);
   }
   return k;
 }
 
 /// 1/2 V_0 sigma : eps
 template <class T>
-T storedEnergy(const M3<T>& h, T lambda, T mu) {
-  const T half(0.5), trace = h.c0.x + h.c1.y + h.c2.z;
-  const T xy = h.c0.y + h.c1.x, yz = h.c1.z + h.c2.y, zx = h.c2.x + h.c0.z;  // 2 eps
-  return half * lambda * trace * trace +
-         mu * (fma(h.c0.x, h.c0.x, fma(h.c1.y, h.c1.y, h.c2.z * h.c2.z)) + half * fma(xy, xy, fma(yz, yz, zx * zx)));
+T storedEnergy(const S3<T>& strain, T lambda, T mu) {
+  const T half(0.5), trace = strain.xx + strain.yy + strain.zz;
+  const T normal = dotSum(strain.xx, strain.xx, strain.yy, strain.yy, strain.zz, strain.zz);
+  const T shear = dotSum(strain.xy, strain.xy, strain.yz, strain.yz, strain.zx, strain.zx);
+  return half * lambda * trace * trace + mu * fma(half, shear, normal);
 }
 
 /// df = derivative of the force in the direction dx at x: dR and dg included.
@@ -149,10 +188,10 @@ void exactProduct(const Rest<T>& rest, T lambda, T mu, const V3<T> (&x)[4], cons
   const M3<T> f = deformationGradient(rest, e), df_gradient = deformationGradient(rest, de);
   const M3<T> dr = Rotation::differential(f, k.rotation, df_gradient);
   Gradients<T> dg;
-  M3<T> dh;
+  S3<T> dstrain;
   if constexpr (update == Update::none) {
     dg = rotatedRestGradients(rest, dr);
-    dh = df_gradient * transpose(k.rotation) + f * transpose(dr);
+    dstrain = strainOfProduct(df_gradient, k.rotation) + strainOfProduct(f, dr);
   } else {
     const M3<T> n = cofactor(M3<T>{e[0], e[1], e[2]});
     const M3<T> dn{cross(de[1], e[2]) + cross(e[1], de[2]), cross(de[2], e[0]) + cross(e[2], de[0]),
@@ -170,11 +209,11 @@ void exactProduct(const Rest<T>& rest, T lambda, T mu, const V3<T> (&x)[4], cons
     rotatedRestEdges(rest, dr, drest_edges);
     const V3<T> d[3] = {e[0] - rest_edges[0], e[1] - rest_edges[1], e[2] - rest_edges[2]};
     const V3<T> dd[3] = {de[0] - drest_edges[0], de[1] - drest_edges[1], de[2] - drest_edges[2]};
-    dh = outerSum(dd, k.g) + outerSum(d, dg);
+    dstrain = strainOf(dd, k.g) + strainOf(d, dg);
   }
   V3<T> from_strain[4], from_gradients[4];
-  nodalForces(weightedStress(dh, lambda, mu), k.g, from_strain);
-  nodalForces(weightedStress(k.h, lambda, mu), dg, from_gradients);
+  nodalForces(restoringStress(dstrain, lambda, mu), k.g, from_strain);
+  nodalForces(restoringStress(k.strain, lambda, mu), dg, from_gradients);
   for (int a = 0; a < 4; ++a) df[a] = from_strain[a] + from_gradients[a];
 }
 

@@ -19,10 +19,9 @@ void nodalWarpingForce(const Gradients<T>& g, T lambda, T mu, const V3<T> (&x)[4
   const V3<T> e[3] = {x[1] - x[0], x[2] - x[0], x[3] - x[0]};
   const M3<T> deformation = outerSum(e, g);
   for (int i = 0; i < 4; ++i) {
-    M3<T> h = deformation * transpose(r[i]);
-    h.c0.x -= T(1.), h.c1.y -= T(1.), h.c2.z -= T(1.);
     V3<T> forces[4];
-    nodalForces(weightedStress(h, lambda, mu), rotated(r[i], g), forces);
+    const S3<T> strain = minusIdentity(strainOfProduct(deformation, r[i]));
+    nodalForces(restoringStress(strain, lambda, mu), rotated(r[i], g), forces);
     f[i] = forces[i];
   }
 }

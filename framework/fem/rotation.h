@@ -26,8 +26,8 @@ V3<T> across(const V3<T>& a) {
   return v * reciprocalSqrt(dot(v, v));
 }
 
-/// Gram-Schmidt on the columns: first axis along c0, second in the plane of c0 and c1, third their cross product. Columns
-/// that are nearly parallel are made orthogonal twice, parallel ones get some plane.
+/// Gram-Schmidt on the columns: first axis along c0, second in the plane of c0 and c1, third their cross product.
+/// Columns that are nearly parallel are made orthogonal twice, parallel ones get some plane.
 template <class T>
 M3<T> gramSchmidt(const M3<T>& f) {
   M3<T> r;
@@ -159,7 +159,6 @@ M3<T> timesCross(const M3<T>& r, const V3<T>& w) {
 /// the edges a-b; a-b, a-c; ... with positive factors on the diagonal, so the frame of the columns is that of the
 /// edges. An inversion is always seen as one of the fourth vertex: the frame stays right-handed at no cost.
 struct Qr {
-  static constexpr bool has_energy = false;
   template <class T>
   static M3<T> of(const M3<T>& f) {
     return gramSchmidt(f);
@@ -177,9 +176,9 @@ struct Qr {
 };
 
 /// method = polar: the nearest orthogonal matrix; where it is a reflection (det F < 0) the axis of the rest frame that
-/// is stretched least is flipped, so that the element does not settle in its mirror image.
+/// is stretched least is flipped, so that the element does not settle in its mirror image. R^T F is then not symmetric:
+/// the force of an inverted element has no potential.
 struct Polar {
-  static constexpr bool has_energy = true;  ///< the elastic force is the gradient of the stored energy
   template <class T>
   static M3<T> of(const M3<T>& f) {
     const M3<T> q = orthogonalFactor(f);
@@ -214,7 +213,6 @@ struct Polar {
 /// smallest inversion (Irving et al. 2004). Equal to the nearest rotation for every F; only the lanes that are inverted
 /// need the direction of the smallest singular value.
 struct Svd {
-  static constexpr bool has_energy = true;  ///< the elastic force is the gradient of the stored energy
   template <class T>
   static M3<T> of(const M3<T>& f) {
     const M3<T> q = orthogonalFactor(f);

@@ -43,8 +43,8 @@ inline Rest<Pack> loadRest(const RestBatch& r) {
 /// The mesh of a method: loop and arrays, shape (batches).
 struct Storage {
   ElementLoop<4> loop;
-  std::vector<TangentBatch> tangent;  ///< gradients at the last force evaluation; world rest gradients before the first
-  std::vector<RestBatch> rest;
+  Array<TangentBatch> tangent;  ///< gradients at the last force evaluation; world rest gradients before the first
+  Array<RestBatch> rest;
 };
 
 class Method {
@@ -89,7 +89,7 @@ class StoredTangent : public Method {
   }
 };
 
-/// method = small: H = sum e_i (x) g_i - I with the rest gradients.
+/// method = small: the strain of sum e_i (x) g_i - I with the rest gradients.
 class Linear final : public StoredTangent {
  public:
   using StoredTangent::StoredTangent;
@@ -98,31 +98,26 @@ class Linear final : public StoredTangent {
   }
   void addForceAndProduct(ConstRows x, ConstRows dx, double factor, Rows f, Rows df) override {
     const Pack scale(factor);
-    storage_.loop.run<2, 2>({x, dx}, {f, df}, [&](Index b, const auto& in, auto& out) {
-      force(b, in[0], out[0]);
-      batchProduct(b, scale, in[1], out[1]);
-    });
+    storage_.loop.runBoth(
+        x, f, dx, df, [&](Index b, const auto& in, auto& out) { force(b, in, out); },
+        [&](Index b, const auto& in, auto& out) { batchProduct(b, scale, in, out); });
   }
   double energy(ConstRows x) const override {
     return storage_.loop.sum(x, [&](Index b, const auto& in) {
       const TangentBatch& t = storage_.tangent[std::size_t(b)];
-      return storedEnergy(displacementGradient(in, loadGradients(t)), Pack::load_aligned(t.lambda),
-                          Pack::load_aligned(t.mu));
+      return storedEnergy(strain(in, loadGradients(t)), Pack::load_aligned(t.lambda), Pack::load_aligned(t.mu));
     });
   }
 
  private:
-  static M3<Pack> displacementGradient(const V3<Pack> (&x)[4], const Gradients<Pack>& g) {
+  static S3<Pack> strain(const V3<Pack> (&x)[4], const Gradients<Pack>& g) {
     const V3<Pack> e[3] = {x[1] - x[0], x[2] - x[0], x[3] - x[0]};
-    M3<Pack> h = outerSum(e, g);
-    h.c0.x -= Pack(1.), h.c1.y -= Pack(1.), h.c2.z -= Pack(1.);
-    return h;
+    return minusIdentity(strainOf(e, g));
   }
   void force(Index b, const V3<Pack> (&x)[4], V3<Pack> (&f)[4]) const {
     const TangentBatch& t = storage_.tangent[std::size_t(b)];
     const Gradients<Pack> g = loadGradients(t);
-    nodalForces(weightedStress(displacementGradient(x, g), Pack::load_aligned(t.lambda), Pack::load_aligned(t.mu)), g,
-                f);
+    nodalForces(restoringStress(strain(x, g), Pack::load_aligned(t.lambda), Pack::load_aligned(t.mu)), g, f);
   }
 };
 
@@ -136,27 +131,24 @@ class Corotational : public StoredTangent {
   }
   void addForceAndProduct(ConstRows x, ConstRows dx, double factor, Rows f, Rows df) override {
     const Pack scale(factor);
-    storage_.loop.run<2, 2>({x, dx}, {f, df}, [&](Index b, const auto& in, auto& out) {
-      const Gradients<Pack> g = force(b, in[0], out[0]);
-      const TangentBatch& t = storage_.tangent[std::size_t(b)];
-      stiffnessProduct(g, Pack::load_aligned(t.lambda) * scale, Pack::load_aligned(t.mu) * scale, in[1], out[1]);
-    });
+    storage_.loop.runBoth(
+        x, f, dx, df, [&](Index b, const auto& in, auto& out) { force(b, in, out); },
+        [&](Index b, const auto& in, auto& out) { batchProduct(b, scale, in, out); });
   }
   double energy(ConstRows x) const override {
     return storage_.loop.sum(x, [&](Index b, const auto& in) {
       const TangentBatch& t = storage_.tangent[std::size_t(b)];
       const auto k = kinematics<Rotation, update>(loadRest(storage_.rest[std::size_t(b)]), in);
-      return storedEnergy(k.h, Pack::load_aligned(t.lambda), Pack::load_aligned(t.mu));
+      return storedEnergy(k.strain, Pack::load_aligned(t.lambda), Pack::load_aligned(t.mu));
     });
   }
 
  protected:
-  Gradients<Pack> force(Index b, const V3<Pack> (&x)[4], V3<Pack> (&f)[4]) {
+  void force(Index b, const V3<Pack> (&x)[4], V3<Pack> (&f)[4]) {
     TangentBatch& t = storage_.tangent[std::size_t(b)];
     const auto k = kinematics<Rotation, update>(loadRest(storage_.rest[std::size_t(b)]), x);
     storeGradients(k.g, t);
-    nodalForces(weightedStress(k.h, Pack::load_aligned(t.lambda), Pack::load_aligned(t.mu)), k.g, f);
-    return k.g;
+    nodalForces(restoringStress(k.strain, Pack::load_aligned(t.lambda), Pack::load_aligned(t.mu)), k.g, f);
   }
 };
 
@@ -230,9 +222,8 @@ class NodalWarping final : public Method {
       const TangentBatch& t = storage_.tangent[std::size_t(b)];
       const V3<Pack> e[3] = {in[1] - in[0], in[2] - in[0], in[3] - in[0]};
       const M3<Pack> f = outerSum(e, loadGradients(t));
-      M3<Pack> h = f * transpose(rotation::Svd::of(f));
-      h.c0.x -= Pack(1.), h.c1.y -= Pack(1.), h.c2.z -= Pack(1.);
-      return storedEnergy(h, Pack::load_aligned(t.lambda), Pack::load_aligned(t.mu));
+      const S3<Pack> strain = minusIdentity(strainOfProduct(f, rotation::Svd::of(f)));
+      return storedEnergy(strain, Pack::load_aligned(t.lambda), Pack::load_aligned(t.mu));
     });
   }
   void addProduct(ConstRows dx, double factor, Rows df) const override {
@@ -276,7 +267,10 @@ class NodalWarping final : public Method {
     storage_.loop.run<1, 3>({x}, {r0_.rows(), r1_.rows(), r2_.rows()}, [&](Index b, const auto& in, auto& out) {
       const TangentBatch& t = storage_.tangent[std::size_t(b)];
       const V3<Pack> e[3] = {in[0][1] - in[0][0], in[0][2] - in[0][0], in[0][3] - in[0][0]};
-      const M3<Pack> f = outerSum(e, loadGradients(t)) * Pack::load_aligned(t.mu);  // mu V_0: volume for one material
+      const Pack weight = abs(Pack(1.) / Pack::load_aligned(storage_.rest[std::size_t(b)].inverse_six_volume));
+      // a padding lane repeats an element and has no stiffness: it must not count twice
+      const auto padding = Pack::load_aligned(t.mu) == Pack(0.);
+      const M3<Pack> f = outerSum(e, loadGradients(t)) * select(padding, Pack(0.), weight);
       for (int a = 0; a < 4; ++a) out[0][a] = f.c0, out[1][a] = f.c1, out[2][a] = f.c2;
     });
     for (Index row = 0; row < x.count; ++row) {

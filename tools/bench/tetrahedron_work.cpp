@@ -90,12 +90,12 @@ double rotatedForceFlops() {
   return meanFlops([](Sample& s) {
     V3<Counted> f[4];
     const auto k = kinematics<Rotation, update>(s.rest, s.x);
-    nodalForces(weightedStress(k.h, lambda, mu), k.g, f);
+    nodalForces(restoringStress(k.strain, lambda, mu), k.g, f);
   });
 }
 template <class Rotation>
 double energyFlops() {
-  return 1 + meanFlops([](Sample& s) { storedEnergy(kinematics<Rotation, Update::none>(s.rest, s.x).h, lambda, mu); });
+  return 1 + meanFlops([](Sample& s) { storedEnergy(kinematics<Rotation, Update::none>(s.rest, s.x).strain, lambda, mu); });
 }
 template <class Rotation>
 double rotatedForceFlops(const Variant& variant) {
@@ -123,9 +123,7 @@ double forceFlops(const Variant& variant) {
   return scatter_flops + meanFlops([](Sample& s) {
            V3<Counted> f[4];
            const V3<Counted> e[3] = {s.x[1] - s.x[0], s.x[2] - s.x[0], s.x[3] - s.x[0]};
-           M3<Counted> h = outerSum(e, s.g);
-           h.c0.x -= Counted(1), h.c1.y -= Counted(1), h.c2.z -= Counted(1);
-           nodalForces(weightedStress(h, lambda, mu), s.g, f);
+           nodalForces(restoringStress(minusIdentity(strainOf(e, s.g)), lambda, mu), s.g, f);
          });
 }
 
