@@ -14,13 +14,15 @@
 // identity are taken as large, small, polar, large, svd and small.
 //
 // updateStiffnessMatrix rebuilds B from the current shape: forces then exert no torque on a body (Euler's law), which a
-// constant B ensures only where stress and stretch share their axes (polar, svd). updateVolume also updates the factor
-// 1/6V of B and the volume. Both have a meaning for large, polar and svd.
-// tangent = exact adds the derivatives of R and B: Newton's method converges quadratically. It is symmetric where the
-// force has a potential (polar and svd without updates); large and the updated variants have none.
+// constant B ensures only where stress and stretch share their axes (svd, and polar until an element inverts).
+// updateVolume also updates the factor 1/6V of B and the volume. Both have a meaning for large, polar and svd. tangent
+// = exact adds the derivatives of R and B: Newton's method converges quadratically. It is symmetric where the force has
+// a potential: small, and svd without updates. polar has one until an element inverts; large and the updated variants
+// have none. An unsymmetric tangent needs SparseLDLSolver.
 //
 // Cell fields for exporters: vonMises [Pa], J, strain (6 a cell: xx yy zz xy yz zx,
-// co-rotated, in the axes of the rest shape).
+// sym(R^T F) - I for every variant, in the
+// axes of the rest shape).
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 0 -9.81">
@@ -163,12 +165,14 @@ class TetrahedronFEMForceField final : public ForceField {
 
   ForceTraits traits() const override {
     const bool linear = method_ == MethodWord::small, nodal = method_ == MethodWord::nodal;
-    const bool potential = linear || (!update_b_ && (method_ == MethodWord::polar || method_ == MethodWord::svd));
+    const bool potential = linear || (!update_b_ && method_ == MethodWord::svd);
     ForceTraits t;
     t.linear = t.constant_stiffness = linear;
     t.conservative = potential;
     t.exact_tangent = linear || tangent_ == TangentWord::exact;
     t.symmetric = nodal || tangent_ == TangentWord::warped || potential;
+    t.forces_balance = !nodal;
+    t.torques_balance = update_b_ || method_ == MethodWord::svd;
     return t;
   }
 
@@ -222,6 +226,7 @@ class TetrahedronFEMForceField final : public ForceField {
   Cost cost() const override {
     const double lanes = 8. / pack_lanes, n = double(storage_.loop.elements());
     if (assembling_ == AssemblingWord::no) return {0, 1e30};
+    if (assembling_ == AssemblingWord::yes) return {2.5 * own_matrix_.blocks(), 1e30};  // one matrix is enough
     return {n * (tangent_ == TangentWord::exact ? 40 : method_ == MethodWord::nodal ? 30 : 4.6) * lanes, n * 100};
   }
 
@@ -328,8 +333,7 @@ class TetrahedronFEMForceField final : public ForceField {
     return values.empty() ? empty : values.size() == 1 ? values[0] : values[e];
   }
   Lame lame(std::size_t e) const {
-    return Lame::from(at(young_modulus_, e, 0) * at(stiffness_factor_, e, 1) / mesh_->overlap,
-                      at(poisson_ratio_, e, 0));
+    return Lame::from(at(young_modulus_, e, 0) * at(stiffness_factor_, e, 1), at(poisson_ratio_, e, 0));
   }
   Mat3 edgesOf(std::size_t e, auto&& position) const {
     const auto& t = mesh_->tetrahedra[e];
@@ -379,7 +383,8 @@ class TetrahedronFEMForceField final : public ForceField {
     rest.inverse_six_volume[l] = 1 / six_volume;
     const Mat3 gradients = (inverse * q.transpose()).transpose();  // column i: g_{i+1}
     for (int i = 0; i < 9; ++i) tangent.g[i][l] = gradients(i % 3, i / 3);
-    const double volume = cell >= 0 ? std::abs(six_volume) / 6 : 0;
+    // cells that cover the body twice share its stiffness
+    const double volume = cell >= 0 ? std::abs(six_volume) / 6 / mesh_->overlap : 0;
     tangent.lambda[l] = lame(e).lambda * volume;
     tangent.mu[l] = lame(e).mu * volume;
   }

@@ -52,6 +52,7 @@ void EulerExplicitSolver::declare(DataTable& table) {
 }
 
 void EulerExplicitSolver::compile(System& system) {
+  system.refuseRayleighFactors("an explicit step");
   acceleration_.resize(system.allRows());
   if (system.massIsDiagonal()) {
     inverse_mass_ = system.inverseLumpedMass();

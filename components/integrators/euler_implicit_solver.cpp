@@ -256,6 +256,7 @@ void EulerImplicitSolver::compile(System& system) {
                          "a linear solver in the same node",
                          "add <CGLinearSolver iterations=\"25\" tolerance=\"1e-5\"/>");
   system.requireMass();
+  system.refuseVelocityDependence("an implicit step");
   has_rayleigh_mass_ = rayleigh_mass_ != 0;
   for (const Mass* mass : system.masses()) has_rayleigh_mass_ = has_rayleigh_mass_ || mass->rayleigh_mass != 0;
   has_rayleigh_stiffness_ = rayleigh_stiffness_ != 0;

@@ -11,7 +11,7 @@
 // A step ends when |f| <= relative_residual_tolerance_threshold * the largest |f| since the start of the simulation, or
 // when one of the other thresholds (off by default: they are absolute, or measure the step instead of the balance of
 // forces) is met, or when dx no longer changes x in double precision. After newton_iterations without that, the step
-// says that it has not converged and the state is the best one found. SOFA's defaults are 1 iteration and 1e-5 for all
+// says that it has not converged and the state is the last iterate. SOFA's defaults are 1 iteration and 1e-5 for all
 // four.
 //
 // A body that is not held and whose loads do not cancel has no equilibrium: the step then ends with a sentence naming
@@ -128,6 +128,8 @@ void StaticSolver::declare(DataTable& table) {
 }
 
 void StaticSolver::compile(System& system) {
+  system.refuseRayleighFactors("statics");
+  system.refuseVelocityDependence("statics");
   solver_ = system.linearSolver();
   if (!solver_)
     throw ComponentError("statics needs a linear solver, and " + node().path() + " has none",

@@ -54,7 +54,7 @@ class ConstantForceField final : public ForceField {
 
   ForceTraits traits() const override {
     ForceTraits traits;
-    traits.linear = traits.constant_stiffness = true;
+    traits.linear = traits.constant_stiffness = traits.symmetric = traits.conservative = traits.exact_tangent = true;
     traits.has_stiffness = false;
     return traits;
   }

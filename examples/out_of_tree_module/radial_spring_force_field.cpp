@@ -50,6 +50,7 @@ class RadialSpringForceField final : public ForceField {
 
   ForceTraits traits() const override {
     ForceTraits traits;
+    traits.symmetric = traits.conservative = traits.exact_tangent = true;
     traits.linear = traits.constant_stiffness = rest_length_ == 0;
     return traits;
   }

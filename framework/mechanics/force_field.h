@@ -5,15 +5,17 @@
 
 namespace stroma {
 
-/// What a force field is, so that the plan can skip work.
+/// What a force field is, so that the plan can skip work. A trait that is forgotten promises nothing.
 struct ForceTraits {
   bool linear = false;              ///< force is affine in x
   bool constant_stiffness = false;  ///< K does not change: assemble and factor once
-  bool symmetric = true;            ///< K = K^T
-  bool conservative = true;         ///< force = -grad energy
+  bool symmetric = false;           ///< K = K^T
+  bool conservative = false;        ///< force = -grad energy, for every shape
   bool has_stiffness = true;        ///< false: K = 0, products and assembly are skipped
-  bool exact_tangent = true;        ///< K is the derivative of the force, not an approximation of it
-  bool velocity_dependent = false;  ///< addForce reads v
+  bool exact_tangent = false;       ///< K is the derivative of the force, not an approximation of it
+  bool velocity_dependent = false;  ///< addForce reads v; integrators that need the derivative refuse it
+  bool forces_balance = false;      ///< internal: forces sum to zero and vanish at the rest shape
+  bool torques_balance = false;     ///< internal: torques sum to zero too
 };
 
 /// A force on the nodes of one state. Vectors are the whole system's (rows as in State::firstRow()).

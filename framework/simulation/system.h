@@ -99,6 +99,12 @@ class System final : public SystemMatrix {
 
   /// Empty when x and v are finite; else a sentence naming the state, the node and the component to suspect.
   std::string firstNonFinite() const;
+  /// Throws ComponentError when a mass or a force field has a Rayleigh factor and `method` (a sentence's subject) has
+  /// no damping: it would be ignored.
+  void refuseRayleighFactors(const std::string& method) const;
+  /// Throws ComponentError when a force depends on velocity: the roles have no derivative with respect to it yet, and a
+  /// step that is implicit in everything else would lose its stability without a word.
+  void refuseVelocityDependence(const std::string& method) const;
   /// A line each for what runs and what is skipped, with the reason.
   std::vector<std::string> explain() const;
 

@@ -102,7 +102,7 @@ void System::preparePattern() const {
   if (pattern_ready_) return;
   if (!mappings_.empty())
     throw ComponentError("the matrix of a scene with mappings (" + mappings_.front()->path() + ") cannot be assembled",
-                         "a matrix-free solver", "CGLinearSolver with assembling=\"false\"");
+                         "a matrix-free solver", "CGLinearSolver with template=\"GraphScattered\"");
   BlockPattern pattern(independent_rows_);
   for (const Mass* mass : masses_) mass->addPattern(pattern);
   for (const ForceField* field : stiff_fields_) field->addPattern(pattern);

@@ -141,4 +141,22 @@ std::vector<std::string> System::explain() const {
   return lines;
 }
 
+void System::refuseRayleighFactors(const std::string& method) const {
+  const auto refuse = [&](const Component& component, const char* attribute) {
+    throw ComponentError(fmt::format("{} has no damping, and {} has {}", method, component.path(), attribute),
+                         "an implicit dynamic integrator, or no damping", fmt::format("{}=\"0\"", attribute));
+  };
+  for (const Mass* mass : masses_)
+    if (mass->rayleigh_mass != 0) refuse(*mass, "rayleighMass");
+  for (const ForceField* field : force_fields_)
+    if (field->rayleigh_stiffness != 0) refuse(*field, "rayleighStiffness");
+}
+
+void System::refuseVelocityDependence(const std::string& method) const {
+  for (const ForceField* field : force_fields_)
+    if (field->traits().velocity_dependent)
+      throw ComponentError(fmt::format("{} cannot treat {}, whose force depends on velocity", method, field->path()),
+                           "an explicit integrator");
+}
+
 }  // namespace stroma

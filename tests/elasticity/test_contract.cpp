@@ -61,10 +61,7 @@ void expectConsistent(FieldUnderTest& t, const std::string& what, bool mild = tr
     EXPECT_LT(error, mild ? 1e-6 : 1e-5) << "product is not the derivative of the force";
   else {  // approximate by design: say by how much, and that it is the same in kind
     ::testing::Test::RecordProperty("tangent error of " + what, std::to_string(error));
-    if (mild) {
-      EXPECT_LT(error, 1);
-      EXPECT_GT(dot(product, difference), 0);
-    }
+    if (mild) EXPECT_LT(error, 0.5);
   }
 
   const BlockMatrix k = t.matrix();
@@ -104,6 +101,25 @@ void expectConsistent(FieldUnderTest& t, const std::string& what, bool mild = tr
   EXPECT_LT(std::sqrt(dot(df2, df2) / dot(product, product)), 1e-12) << "product in one pass";
 }
 
+/// Internal forces: they vanish at rest, and their sums vanish at any shape. A warped tangent is exact where nothing is
+/// strained, in any orientation.
+void expectBalanced(FieldUnderTest& t, const std::string& what, bool rotation_free) {
+  SCOPED_TRACE(what);
+  const ForceTraits traits = t.field().traits();
+  t.deform(0.03);
+  Vector f = t.force();
+  const double scale = std::sqrt(dot(f, f));
+  if (traits.forces_balance) EXPECT_LT(momentumOf(t.x, f).force, 1e-12) << "Newton's law";
+  if (traits.torques_balance) EXPECT_LT(momentumOf(t.x, f).torque, 1e-12) << "Euler's law";
+  if (!traits.forces_balance) return;
+  t.rest();
+  f = t.force();
+  EXPECT_LT(std::sqrt(dot(f, f)), 1e-11 * scale) << "force at rest";
+  if (rotation_free) t.moveRigidly();
+  const double error = relativeDifference(t.product(t.direction), t.differenceOfForces(1e-6 * t.typicalEdge()));
+  EXPECT_LT(error, 1e-5) << "tangent of the unstrained shape";
+}
+
 TEST(ForceFieldContract, EveryRegisteredForceField) {
   modules().openAll();
   int tested = 0;
@@ -116,6 +132,7 @@ TEST(ForceFieldContract, EveryRegisteredForceField) {
     FieldUnderTest t(withAttributes(example, entry->type, original, ""), entry->type);
     t.deform(0.03);
     expectConsistent(t, entry->type);
+    expectBalanced(t, entry->type, true);
     ++tested;
   }
   EXPECT_GE(tested, 5);
@@ -126,8 +143,6 @@ TEST(ForceFieldContract, EveryVariantOfTheTetrahedra) {
     for (double noise : {0.02, 0.25}) {
       FieldUnderTest t(tetrahedraScene(variant.attributes), "TetrahedronFEMForceField");
       t.deform(noise);
-      // at strong noise some elements are inverted: the flipped axis of polar has no potential there
-      if (noise > 0.1 && variant.name.rfind("polar", 0) == 0 && !variant.b_current) continue;
       expectConsistent(t, variant.name + " noise " + std::to_string(noise), noise < 0.1);
     }
 }
@@ -148,6 +163,7 @@ TEST(ForceFieldContract, RestAndRigidMotion) {
   for (const Variant& variant : tetrahedraVariants(false)) {
     SCOPED_TRACE(variant.name);
     FieldUnderTest t(tetrahedraScene(variant.attributes), "TetrahedronFEMForceField");
+    expectBalanced(t, variant.name, variant.name != "small");
     t.deform(0.1);
     Vector strong = t.force();
     const double scale = std::sqrt(dot(strong, strong));
@@ -191,6 +207,29 @@ TEST(ForceFieldContract, MaterialOneATetrahedron) {
   EXPECT_GT(more, 1.2 * energy);
   EXPECT_LT(more, 2 * energy);
   EXPECT_NE(problemsOf(with("3000 4000")).find("youngModulus has 2 values"), std::string::npos);
+}
+
+/// Cells that cover the body twice share its stiffness, not its stress.
+TEST(ForceFieldContract, StressDoesNotDependOnTheCutting) {
+  const auto stress = [](const std::string& cutting) {
+    FieldUnderTest t(
+        "<Node name=\"root\"><RegularGridTopology name=\"grid\" n=\"3 3 3\" min=\"0 0 0\" max=\"1 1 1\"/>"
+        "<Node name=\"body\"><EulerImplicitSolver/><CGLinearSolver/><TetrahedronSetTopologyContainer name=\"tets\"/>"
+        "<Hexa2TetraTopologicalMapping input=\"@../grid\" output=\"@tets\" cutting=\"" +
+            cutting +
+            "\"/>"
+            "<MechanicalObject/><UniformMass totalMass=\"1\"/><TetrahedronFEMForceField youngModulus=\"3000\" "
+            "poissonRatio=\"0.25\" method=\"small\"/></Node></Node>",
+        "TetrahedronFEMForceField");
+    for (Index i = 0; i < t.x.count(); ++i) t.x[i] += Vec3(0.01 * t.x[i].x(), 0, 0);
+    std::vector<double> von_mises;
+    t.field().cellField("vonMises", t.x, von_mises);
+    for (double value : von_mises) EXPECT_NEAR(value, 3000 / 1.25 * 0.01, 1e-9);  // 2 mu eps
+    return std::make_pair(von_mises.size(), t.field().energy(t.x));
+  };
+  const auto five = stress("five"), ten = stress("ten");
+  EXPECT_EQ(five.first * 2, ten.first);
+  EXPECT_NEAR(five.second, ten.second, 1e-12 * five.second);
 }
 
 TEST(ForceFieldContract, VariantsWithoutMeaningAreRefused) {

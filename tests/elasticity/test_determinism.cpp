@@ -34,6 +34,11 @@ TEST(Determinism, OneAndTwoThreadsAndTwoRuns) {
     EXPECT_EQ(once, hashOfSteps(variant.attributes, 1, 21, cg));
   }
 }
+TEST(Determinism, ExactTangentsAndOwnMatrices) {
+  const std::string cg = "<CGLinearSolver iterations=\"4\" tolerance=\"1e-12\"/>";
+  for (const char* attributes : {"method=\"svd\" tangent=\"exact\"", "method=\"polar\" assembling=\"true\""})
+    EXPECT_EQ(hashOfSteps(attributes, 1, 21, cg), hashOfSteps(attributes, 2, 21, cg)) << attributes;
+}
 TEST(Determinism, MatricesToo) {
   const std::string assembled =
       "<CGLinearSolver template=\"CompressedRowSparseMatrixMat3x3\" preconditioner=\"block_jacobi\" iterations=\"8\" "

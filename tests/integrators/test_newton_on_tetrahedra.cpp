@@ -23,7 +23,7 @@ Simulation beam(const std::string& integrator, const std::string& solver, double
              <TetrahedronSetTopologyContainer name="tetrahedra"/>
              <Hexa2TetraTopologicalMapping input="@../grid" output="@tetrahedra"/>
              <TetrahedronFEMForceField mstate="@../dofs" topology="@tetrahedra" youngModulus="60000" poissonRatio="0.3"
-                                       method="polar" tangent="{}"/>
+                                       method='svd' tangent="{}"/>
            </Node>
          </Node>)",
       dt, integrator, solver, tangent));

@@ -147,6 +147,7 @@ class TestLinearNet final : public Net {
  public:
   ForceTraits traits() const override {
     ForceTraits traits;
+    traits.symmetric = traits.conservative = traits.exact_tangent = true;
     traits.linear = traits.constant_stiffness = true;
     return traits;
   }
@@ -167,7 +168,11 @@ class TestLinearNet final : public Net {
 /// Energy k/2 (|x_b - x_a| - |X_b - X_a|)^2: the tangent turns with the spring.
 class TestSprings final : public Net {
  public:
-  ForceTraits traits() const override { return {}; }
+  ForceTraits traits() const override {
+    ForceTraits traits;
+    traits.symmetric = traits.conservative = traits.exact_tangent = true;
+    return traits;
+  }
   double energy(ConstRows x) const override {
     double sum = 0;
     forEach([&](std::size_t p, Index a, Index b) {
@@ -194,7 +199,7 @@ class TestUnsymmetric final : public ForceField {
   void declare(DataTable& table) override { ForceField::declare(table); }
   ForceTraits traits() const override {
     ForceTraits traits;
-    traits.symmetric = traits.conservative = false;
+    traits.exact_tangent = true;
     return traits;
   }
   double energy(ConstRows) const override { return 0; }

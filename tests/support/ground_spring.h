@@ -24,6 +24,7 @@ class GroundSpring final : public ForceField {
     ForceTraits traits;
     traits.linear = traits.constant_stiffness = cubic_ == 0;
     traits.symmetric = traits.conservative = twist_ == 0;
+    traits.exact_tangent = true;
     return traits;
   }
   double energy(ConstRows x) const override {
