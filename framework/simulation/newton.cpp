@@ -19,7 +19,8 @@ double largest(ConstRows a) {
   return value;
 }
 
-/// A + shift * D, D the mean of each row's diagonal block: positive definite once the shift is large enough.
+/// A + shift * D, D the mean size of the numbers on each row's diagonal: positive definite once the shift is large
+/// enough.
 class ShiftedMatrix final : public SystemMatrix {
  public:
   explicit ShiftedMatrix(SystemMatrix& base) : base_(base) {
@@ -28,7 +29,8 @@ class ShiftedMatrix final : public SystemMatrix {
     scale_.resize(std::size_t(base.rows()));
     double mean = 0;
     for (std::size_t i = 0; i < scale_.size(); ++i) {
-      scale_[i] = std::abs(blocks[9 * i] + blocks[9 * i + 4] + blocks[9 * i + 8]) / 3;
+      // sizes, not their sum: the diagonal of an indefinite block can sum to nothing
+      scale_[i] = (std::abs(blocks[9 * i]) + std::abs(blocks[9 * i + 4]) + std::abs(blocks[9 * i + 8])) / 3;
       mean += scale_[i] / double(scale_.size());
     }
     // a row whose own diagonal vanishes still needs a shift

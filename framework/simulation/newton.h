@@ -44,7 +44,7 @@ class Newton {
   NewtonSettings settings;
 
   void compile(Index rows);
-  /// From the problem's current iterate to a root. Not converging leaves the best iterate and a reason; `diverged` is
+  /// From the problem's current iterate to a root. Not converging leaves the last iterate and a reason; `diverged` is
   /// set when no usable iterate exists.
   StepReport solve(NonlinearProblem& problem, LinearSolver& solver);
   /// |R| before each iteration and after the last one, of the last solve().

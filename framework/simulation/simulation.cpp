@@ -181,7 +181,6 @@ StepContext Simulation::nextStep() const {
   context.dt = dt();
   // a product rather than a sum: the time of step n does not carry the round-off of n additions
   context.t_end = root().root_time + double(context.index) * context.dt;
-  context.inverse_dt = 1 / context.dt;
   return context;
 }
 

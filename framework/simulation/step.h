@@ -8,19 +8,18 @@ namespace stroma {
 
 /// Everything derived from the time step, computed once.
 struct StepContext {
-  long index = 0;      ///< number of the step, from 1
-  double t = 0;        ///< time at the start [s]
-  double dt = 0;       ///< [s]
-  double t_end = 0;    ///< t + dt
-  double inverse_dt = 0;
+  long index = 0;    ///< number of the step, from 1
+  double t = 0;      ///< time at the start [s]
+  double dt = 0;     ///< [s]
+  double t_end = 0;  ///< t + dt
 };
 
 /// What a step did. Not converging is said here, not in a log.
 struct StepReport {
-  bool diverged = false;       ///< the state is not usable: the run stops
-  std::string reason;          ///< a sentence, when diverged or not converged
+  bool diverged = false;  ///< the state is not usable: the run stops
+  std::string reason;     ///< a sentence, when diverged or not converged
   int newton_iterations = 0;
-  int linear_iterations = 0;   ///< summed over the Newton iterations
+  int linear_iterations = 0;  ///< summed over the Newton iterations
   int factorisations = 0;
   double solve_seconds = 0;    ///< wall time of the linear solves, their products and assembly included
   double linear_residual = 0;  ///< relative, of the last linear solve
