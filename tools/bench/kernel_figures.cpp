@@ -124,7 +124,7 @@ void addKernelFigures(Catalogue& catalogue) {
   const Variant large{"large"}, polar{"polar"}, svd{"svd"}, nodal{"nodal"};
   add(catalogue, {"product 10k", block, large, product, productWork(large, share), 5.0});
   add(catalogue, {"product 10k nodal", block, nodal, product, productWork(nodal, share)});
-  add(catalogue, {"product 10k polar, exact tangent", block, polar, product, {}, {}, Shape::deformed, "exact"});
+  add(catalogue, {"product 10k svd, exact tangent", block, svd, product, {}, {}, Shape::deformed, "exact"});
   addForces(catalogue, block);
   for (const Variant& variant : {polar, svd})
     add(catalogue,
