@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Ten mistakes of ten kinds in one scene of real components: all are reported in one run, each where it stands, with
+// what was expected or the nearest right name.
+#include "tests/tools/shell.h"
+
+namespace stroma::test {
+namespace {
+
+using PlantedMistakes = CommandTest;
+
+TEST_F(PlantedMistakes, AllTenInOneRun) {
+  write("ten.xml", R"(<Node name="root" dt="0.01" gravty="0 -9.81 0">
+  <RequiredPlugin name="Sofa.Component.ODESolver"/>
+  <RegularGridTopology name="grid" n="3 3 5" min="0 0 0" max="1 1 2"/>
+  <Node name="body">
+    <EulerImplicitSolvr name="odesolver"/>
+    <CGLinearSolver iterations="25" tolerence="1e-5"/>
+    <TetrahedronSetTopologyContainer name="tets"/>
+    <Hexa2TetraTopologicalMapping input="@../grid" output="@tets"/>
+    <MechanicalObject name="dofs"/>
+    <UniformMass totalMass="one kilo"/>
+    <TetrahedronFEMForceField name="fem" method="pollar" youngModulus="1000" poissonRatio="0.3"/>
+    <FixedProjectiveConstraint indices="@emty.indices"/>
+    <BoxROI name="empty" box="10 10 10 11 11 11"/>
+    <BoxROI name="loopA" box="@loopB.box"/>
+    <BoxROI name="loopB" box="@loopA.box"/>
+  </Node>
+  <Node name="other">
+    <MeshGmshLoader name="loader" filename="no_such_liver.msh"/>
+    <TetrahedronSetTopologyContainer src="@loader"/>
+    <MechanicalObject/>
+    <TetrahedronFEMForceField youngModulus="1000" poissonRatio="0.6"/>
+  </Node>
+</Node>
+)");
+  const Finished check = stroma("check ten.xml");
+  EXPECT_EQ(check.code, 2);
+  for (const char* line : {"ten.xml:1:29: error: /.gravty",                                       // attribute of Node
+                           "ten.xml:5:5: error: /body/odesolver",                                 // component
+                           "ten.xml:6:37: error: /body/CGLinearSolver.tolerence",                 // attribute
+                           "ten.xml:10:18: error: /body/UniformMass.totalMass",                   // type
+                           "ten.xml:11:42: error: /body/fem.method",                              // word
+                           "ten.xml:12:32: error: /body/FixedProjectiveConstraint.indices",       // broken link
+                           "ten.xml:13:5: error: /body/empty: the selection is empty",            // empty selection
+                           "components need each other in a circle",                              // link cycle
+                           "ten.xml:18:35: error: /other/loader.filename",                        // missing file
+                           "ten.xml:21:51: error: /other/TetrahedronFEMForceField.poissonRatio",  // range
+                           "did you mean 'gravity'", "did you mean 'EulerImplicitSolver'", "did you mean 'tolerance'",
+                           "did you mean 'polar'", "in (-1, 0.5)", "10 errors"})
+    EXPECT_NE(check.err.find(line), std::string::npos) << line << "\nis missing in\n" << check.err;
+}
+
+}  // namespace
+}  // namespace stroma::test
