@@ -106,7 +106,8 @@ bool solveOrShift(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows 
       return true;
     }
     ShiftedMatrix shifted(matrix);
-    for (double shift = 1e-3; shift < 2e3; shift *= 10) {
+    double shift = 1e-3;
+    for (int attempt = 0; attempt < 7; ++attempt, shift *= 10) {
       shifted.setShift(shift);
       clear(x);
       solve = solveOnce(solver, shifted, b, x, report);
