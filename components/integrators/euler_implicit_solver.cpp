@@ -18,7 +18,7 @@
 //   1/2 (v - v0) M (v - v0) + U(x(v)) + theta h/2 v (rM M - rK K) v - (1 - theta) h F(x0, v0) v
 //
 // whenever all forces come from an energy, else on the work of the residual along the step. newtonTolerance is relative
-// to the largest residual since the start of the simulation.
+// to the residual where the step starts, or to the forces with the reactions of held nodes where these are larger.
 //
 // firstOrder moves an overdamped body: (M - theta h K) v = f, x1 = x0 + h v; Rayleigh factors do not enter.
 // vdamping multiplies v by exp(-h vdamping) after the positions have moved.
@@ -75,6 +75,7 @@ class ImplicitStep final : public NonlinearProblem {
   double displacementPerUnknown() const override { return scheme_.forceWeight(); }
   ConstRows positions() const override { return x(); }
   double travelled() const override;
+  double loadScale() const override { return scheme_.forceWeight() * std::sqrt(dot(system_->f, system_->f)); }
 
  private:
   Rows x() const { return independent(*system_, system_->x); }
@@ -195,7 +196,6 @@ class EulerImplicitSolver final : public Integrator {
   void compile(System& system) override;
   StepReport step(System& system, const StepContext& context) override;
   std::string describe() const override;
-  void reset() override { newton_.reset(); }
 
  private:
   Scheme scheme(double h) const;

@@ -8,11 +8,11 @@
 // velocities are zero after a step. A tangent that is not positive definite (buckling, an inverted element) gets a
 // multiple of its own diagonal until it can be solved; the report says so.
 //
-// A step ends when |f| <= relative_residual_tolerance_threshold * the largest |f| since the start of the simulation, or
-// when one of the other thresholds (off by default: they are absolute, or measure the step instead of the balance of
-// forces) is met, or when dx no longer changes x in double precision. After newton_iterations without that, the step
-// says that it has not converged and the state is the last iterate. SOFA's defaults are 1 iteration and 1e-5 for all
-// four.
+// A step ends when |f| <= relative_residual_tolerance_threshold * the |f| where the step starts (reactions of held
+// nodes included), or when one of the other thresholds (off by default: they are absolute, or measure the step instead
+// of the balance of forces) is met, or when dx no longer changes x in double precision. After newton_iterations without
+// that, the step says that it has not converged and the state is the last iterate. SOFA's defaults are 1 iteration and
+// 1e-5 for all four.
 //
 // A body that is not held and whose loads do not cancel has no equilibrium: the step then ends with a sentence naming
 // the body and the direction.
@@ -56,6 +56,7 @@ class Equilibrium final : public NonlinearProblem {
   }
   SystemMatrix& tangent() override { return system_->matrix(0, -1); }
   double energy() override { return system_->potentialEnergy(system_->x); }
+  double loadScale() const override { return std::sqrt(dot(system_->f, system_->f)); }
   void keep() override { copy(rows(), base_); }
   void move(double step, ConstRows direction) override {
     copy(base_, rows());
@@ -81,10 +82,7 @@ class StaticSolver final : public Integrator {
   void compile(System& system) override;
   StepReport step(System& system, const StepContext& context) override;
   std::string describe() const override;
-  void reset() override {
-    newton_.reset();
-    checked_projectors_ = std::size_t(-1);
-  }
+  void reset() override { checked_projectors_ = std::size_t(-1); }
 
  private:
   std::string freeBody(System& system);
@@ -106,7 +104,7 @@ void StaticSolver::declare(DataTable& table) {
       .unit("-")
       .min(1);
   table.add("relative_residual_tolerance_threshold", settings_.relative_residual)
-      .help("converged when |f| is below this times the largest |f| since the start")
+      .help("converged when |f| is below this times the |f| where the step starts, reactions included")
       .unit("-")
       .min(0);
   table.add("absolute_residual_tolerance_threshold", settings_.absolute_residual)

@@ -147,7 +147,7 @@ StepReport Newton::solve(NonlinearProblem& problem, LinearSolver& solver) {
   history_.clear();
   problem.residual(residual_);
   double now = norm(residual_);
-  if (std::isfinite(now)) scale_ = std::max(scale_, now);
+  scale_ = std::isfinite(now) ? std::max(now, problem.loadScale()) : 0;
   for (;;) {
     history_.push_back(now);
     report.newton_residual = scale_ > 0 ? now / scale_ : now;

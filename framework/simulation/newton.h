@@ -21,11 +21,13 @@ class NonlinearProblem {
   virtual double displacementPerUnknown() const = 0;        ///< dx/du: 1, or seconds when u is a velocity
   virtual ConstRows positions() const = 0;                  ///< x(u) [m]
   virtual double travelled() const = 0;                     ///< |x(u) - x at the start| [m]
+  /// The size of what R balances at the u of the last residual(), in R's unit: forces with the reactions of held nodes.
+  virtual double loadScale() const = 0;
 };
 
 struct NewtonSettings {
   int iterations = 25;
-  double relative_residual = 1e-8;  ///< |R| <= this * the largest |R| seen by this solver
+  double relative_residual = 1e-8;  ///< |R| <= this * the larger of |R| and loadScale() where the solve starts
   double absolute_residual = 0;     ///< |R| <= this; 0: not used
   double relative_correction = 0;   ///< |dx| <= this * travelled(); 0: not used
   double absolute_correction = 0;   ///< |dx| <= this [m]; 0: not used
@@ -49,8 +51,6 @@ class Newton {
   StepReport solve(NonlinearProblem& problem, LinearSolver& solver);
   /// |R| before each iteration and after the last one, of the last solve().
   const std::vector<double>& history() const { return history_; }
-  /// Forgets the scale of the residual.
-  void reset() { scale_ = 0; }
 
  private:
   bool converged(double norm) const;
@@ -61,7 +61,7 @@ class Newton {
 
   Vector residual_, direction_, trial_;
   std::vector<double> history_;
-  double scale_ = 0;  ///< largest |R| since reset()
+  double scale_ = 0;  ///< the larger of |R| and loadScale() where the solve starts
 };
 
 }  // namespace stroma
