@@ -75,7 +75,7 @@ bool EulerExplicitSolver::accelerate(System& system, StepReport& report) {
     const Rows b{right_side_.rows().data, a.count};
     copy(ConstRows{system.f.rows().data, a.count}, b);
     system.project(b);
-    if (!solveOrShift(*solver_, system.matrix(1, 0), b, a, report)) return false;
+    if (!solveOrShift(*solver_, system.matrix({.mass = 1}), b, a, report)) return false;
   } else {
     const double* __restrict f = system.f.rows().data;
     const double* __restrict inverse = inverse_mass_.data();

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // EulerImplicitSolver: backward Euler and its trapezoidal variant, linearised once a step or solved by Newton's method.
 //
-// With h the time step, K = df/dx, rM and rK the Rayleigh factors (the solver's plus each mass's and force field's own)
-// and F(x, v) = f(x, v) + rK K v - rM M v the whole force, a step finds v1 = v0 + dv from
+// With h the time step, K = df/dx, C = df/dv, rM and rK the Rayleigh factors (the solver's plus each mass's and force
+// field's own) and F(x, v) = f(x, v) + rK K v - rM M v the whole force, a step finds v1 = v0 + dv from
 //
 //   M dv = h (theta F(x1, v1) + (1 - theta) F(x0, v0)),   x1 = x0 + h (theta v1 + (1 - theta) v0)
 //
 // with theta = 1 (backward Euler: first order, damps) or, with trapezoidalScheme, theta = 1/2 (second order, damps
 // nothing). Linearised at (x0, v0), after Baraff and Witkin 1998:
 //
-//   [(1 + theta h rM) M - theta h (theta h + rK) K] dv = h (f + (theta h + rK) K v0 - rM M v0)
+//   [(1 + theta h rM) M - theta h C - theta h (theta h + rK) K] dv = h (f + (theta h + rK) K v0 - rM M v0)
 //
 // which is SOFA's scheme. dv is projected onto the directions that constraints leave free. With newtonIterations > 1
 // the equations themselves are solved, the damping rK K v with the K of (x0, v0), starting from x0: the first Newton
@@ -50,8 +50,12 @@ struct Scheme {
   bool has_rayleigh_mass = false, has_rayleigh_stiffness = false;
   double forceWeight() const { return theta * h; }
   SystemMatrix& matrix(System& system) const {
-    return system.matrix(1 + theta * h * rayleigh_mass, -theta * h * (theta * h + rayleigh_stiffness), -theta * h,
-                         theta * h);
+    MatrixFactors factors;
+    factors.mass = 1 + theta * h * rayleigh_mass;
+    factors.stiffness = -theta * h * (theta * h + rayleigh_stiffness);
+    factors.damping = factors.rayleigh_stiffness = -theta * h;
+    factors.rayleigh_mass = theta * h;
+    return system.matrix(factors);
   }
 };
 
@@ -256,7 +260,6 @@ void EulerImplicitSolver::compile(System& system) {
                          "a linear solver in the same node",
                          "add <CGLinearSolver iterations=\"25\" tolerance=\"1e-5\"/>");
   system.requireMass();
-  system.refuseVelocityDependence("an implicit step");
   has_rayleigh_mass_ = rayleigh_mass_ != 0;
   for (const Mass* mass : system.masses()) has_rayleigh_mass_ = has_rayleigh_mass_ || mass->rayleigh_mass != 0;
   has_rayleigh_stiffness_ = rayleigh_stiffness_ != 0;
@@ -334,7 +337,7 @@ StepReport EulerImplicitSolver::firstOrderStep(System& system, const Scheme& sch
   copy(ConstRows{system.f.rows().data, b.count}, b);
   system.project(b);
   StepReport report;
-  SystemMatrix& matrix = system.matrix(1, -scheme.theta * scheme.h, 0, 0);
+  SystemMatrix& matrix = system.matrix({.mass = 1, .stiffness = -scheme.theta * scheme.h});
   if (!solveOrShift(*solver_, matrix, b, velocity, report)) return report;
   system.project(velocity);
   copy(velocity, independent(system, system.v));

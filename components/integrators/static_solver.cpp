@@ -54,7 +54,7 @@ class Equilibrium final : public NonlinearProblem {
     copy(ConstRows{system_->f.rows().data, out.count}, out);
     system_->project(out);
   }
-  SystemMatrix& tangent() override { return system_->matrix(0, -1); }
+  SystemMatrix& tangent() override { return system_->matrix({.stiffness = -1}); }
   double energy() override { return system_->potentialEnergy(system_->x); }
   double loadScale() const override { return std::sqrt(dot(system_->f, system_->f)); }
   void keep() override { copy(rows(), base_); }
@@ -127,7 +127,6 @@ void StaticSolver::declare(DataTable& table) {
 
 void StaticSolver::compile(System& system) {
   system.refuseRayleighFactors("statics");
-  system.refuseVelocityDependence("statics");
   solver_ = system.linearSolver();
   if (!solver_)
     throw ComponentError("statics needs a linear solver, and " + node().path() + " has none",

@@ -13,30 +13,36 @@ struct ForceTraits {
   bool conservative = false;        ///< force = -grad energy, for every shape
   bool has_stiffness = true;        ///< false: K = 0, products and assembly are skipped
   bool exact_tangent = false;       ///< K is the derivative of the force, not an approximation of it
-  bool velocity_dependent = false;  ///< addForce reads v; integrators that need the derivative refuse it
+  bool velocity_dependent = false;  ///< addForce reads v: C = df/dv is asked for
+  bool time_dependent = false;      ///< setTime() changes the force
   bool forces_balance = false;      ///< internal: forces sum to zero and vanish at the rest shape
   bool torques_balance = false;     ///< internal: torques sum to zero too
 };
 
-/// A force on the nodes of one state. Vectors are the whole system's (rows as in State::firstRow()).
-/// K is the derivative of the force with respect to x at the x of the last addForce() call.
+/// A force on the nodes of a state, or between states. Vectors are the whole system's (rows as in State::firstRow()).
+/// K = df/dx and C = df/dv are derivatives of the force at the (x, v) of the last addForce() call; one pattern of
+/// blocks serves both.
 class ForceField : public Component {
  public:
   std::string roleText() const override { return "force field"; }
   void declare(DataTable& table) override;  ///< mstate, rayleighStiffness
   void init() override;                     ///< finds the state
   State& state() const { return *state_; }
+  /// Every state that the force acts on or depends on.
+  virtual std::vector<State*> states() const { return {state_}; }
 
   virtual ForceTraits traits() const = 0;
   /// Called once by the System when rows are known: build what depends on row numbers.
   virtual void compile() {}
+  /// With traits().time_dependent: the time [s] that the forces are evaluated for, the end of a step.
+  virtual void setTime(double) {}
   /// Potential energy [J] at x. Where traits().conservative is false: the stored elastic energy, for monitoring.
   virtual double energy(ConstRows x) const = 0;
   /// f += force [N] at (x, v); prepares the stiffness at x.
   virtual void addForce(ConstRows x, ConstRows v, Rows f) = 0;
   /// df += factor * K dx.
   virtual void addStiffnessProduct(ConstRows dx, double factor, Rows df) const = 0;
-  /// Which blocks of the system matrix K touches.
+  /// Which blocks of the system matrix K and C touch.
   virtual void addPattern(BlockPattern& pattern) const = 0;
   /// Called once when the matrix's pattern exists: look up slots.
   virtual void prepareAssembly(const BlockMatrix&) {}
@@ -44,6 +50,10 @@ class ForceField : public Component {
   virtual void addStiffness(double factor, BlockMatrix& matrix) const = 0;
   /// blocks[row] += factor * K[row][row], shape (rows, 9).
   virtual void addStiffnessDiagonal(double factor, std::vector<double>& blocks) const = 0;
+  /// The same three for C; called only with traits().velocity_dependent, and then to be overridden.
+  virtual void addDampingProduct(ConstRows dv, double factor, Rows df) const;
+  virtual void addDamping(double factor, BlockMatrix& matrix) const;
+  virtual void addDampingDiagonal(double factor, std::vector<double>& blocks) const;
   /// Both f += force(x) and df += factor * K(x) dx in one pass; a field that can share the work overrides it.
   virtual void addForceAndProduct(ConstRows x, ConstRows v, ConstRows dx, double factor, Rows f, Rows df) {
     addForce(x, v, f);

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What force fields, masses and projective constraints share: the common attributes and the search for their state.
+#include <stdexcept>
+
 #include "framework/mechanics/force_field.h"
 #include "framework/mechanics/mass.h"
 #include "framework/mechanics/projective_constraint.h"
@@ -28,6 +30,13 @@ void ForceField::declare(DataTable& table) {
 }
 
 void ForceField::init() { state_ = findState(*this, mstate_); }
+
+// Reached only by a field whose traits promise a derivative that it does not override.
+void ForceField::addDampingProduct(ConstRows, double, Rows) const {
+  throw std::logic_error(type() + " depends on velocity and gives no derivative with respect to it");
+}
+void ForceField::addDamping(double, BlockMatrix&) const { addDampingProduct({}, 0, {}); }
+void ForceField::addDampingDiagonal(double, std::vector<double>&) const { addDampingProduct({}, 0, {}); }
 
 void ProjectiveConstraint::declare(DataTable& table) {
   table.addLink("mstate", mstate_)

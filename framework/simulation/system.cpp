@@ -25,6 +25,9 @@ System::System(Node& node, Integrator& integrator) : node_(node), integrator_(in
   for (Mapping* mapping : mappings_) mapping->compile();
   for (ForceField* field : force_fields_) {
     const ForceTraits traits = field->traits();
+    if (traits.velocity_dependent) damped_fields_.push_back(field);
+    if (traits.time_dependent) timed_fields_.push_back(field);
+    stiffness_varies_ = stiffness_varies_ || traits.velocity_dependent;
     if (!traits.has_stiffness) continue;
     stiff_fields_.push_back(field);
     stiffness_varies_ = stiffness_varies_ || !traits.constant_stiffness;
@@ -37,6 +40,7 @@ System::System(Node& node, Integrator& integrator) : node_(node), integrator_(in
 
   const double start = node_.root().root_time;
   gatherConstraints(start, start);
+  setTime(start);
   applyMappings();
   computeGravity();
   findLinearSolver();
@@ -59,12 +63,19 @@ void System::collect() {
 namespace {
 
 template <class Actor>
+std::vector<State*> statesOf(const Actor& actor) {
+  return {&actor.state()};
+}
+std::vector<State*> statesOf(const ForceField& field) { return field.states(); }
+
+template <class Actor>
 void requireStateIn(const std::vector<State*>& states, const std::vector<Actor*>& actors) {
   for (const Actor* actor : actors)
-    if (std::find(states.begin(), states.end(), &actor->state()) == states.end())
-      throw ComponentError(fmt::format("the {} {} acts on {}, which this integrator does not move", actor->roleText(),
-                                       actor->path(), actor->state().path()),
-                           "components and their state below the same integrator");
+    for (const State* state : statesOf(*actor))
+      if (std::find(states.begin(), states.end(), state) == states.end())
+        throw ComponentError(fmt::format("the {} {} acts on {}, which this integrator does not move", actor->roleText(),
+                                         actor->path(), state->path()),
+                             "components and their state below the same integrator");
 }
 
 }  // namespace
@@ -164,14 +175,19 @@ void System::findLinearSolver() {
     linear_solver_ = node_.find<LinearSolver>(&integrator_, false);
   }
   if (linear_solver_ && linear_solver_->needsSymmetric() && !symmetric())
-    for (const ForceField* field : stiff_fields_)
-      if (!field->traits().symmetric)
-        throw ComponentError(fmt::format("{} solves symmetric systems only, and the stiffness of {} is not symmetric",
+    for (const ForceField* field : force_fields_)
+      if (const ForceTraits traits = field->traits();
+          !traits.symmetric && (traits.has_stiffness || traits.velocity_dependent))
+        throw ComponentError(fmt::format("{} solves symmetric systems only, and the derivative of {} is not symmetric",
                                          linear_solver_->path(), field->path()),
                              "a solver for unsymmetric matrices");
 }
 
 // ---- forces ----
+
+void System::setTime(double t) {
+  for (ForceField* field : timed_fields_) field->setTime(t);
+}
 
 void System::computeGravity() {
   gravity_force_.resize(all_rows_);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
-#include <array>
 #include <chrono>
 #include <memory>
 #include <string>
@@ -11,6 +10,7 @@
 #include "framework/mechanics/mapping.h"
 #include "framework/mechanics/mass.h"
 #include "framework/mechanics/projective_constraint.h"
+#include "framework/simulation/mapped_matrix.h"
 #include "framework/simulation/step.h"
 
 namespace stroma {
@@ -33,6 +33,12 @@ class PhaseTimer {
  private:
   double& total_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+/// The factors of the terms of a system's matrix. Rayleigh factors multiply each mass's and force field's own.
+struct MatrixFactors {
+  double mass = 0, stiffness = 0, damping = 0, rayleigh_mass = 0, rayleigh_stiffness = 0;
+  bool operator==(const MatrixFactors&) const = default;
 };
 
 /// The unknowns below one integrator as one contiguous vector each, and flat lists of what acts on them. Independent
@@ -86,8 +92,9 @@ class System final : public SystemMatrix {
   bool isConservative() const;                ///< every force field is
 
   // ---- the matrix of a linear solve ----
-  /// Sets A = P (sum (m + m_rayleigh rayleighMass) M + sum (k + k_rayleigh rayleighStiffness) K) P + (I - P).
-  SystemMatrix& matrix(double m, double k, double k_rayleigh = 0, double m_rayleigh = 0);
+  /// Sets A = P (sum (m + m_r rayleighMass) M + sum (k + k_r rayleighStiffness) K + sum c C) P + (I - P), with the
+  /// factors m, m_r, k, k_r, c in the order of masses, force fields and those that depend on velocity.
+  SystemMatrix& matrix(const MatrixFactors& factors);
   Index rows() const override { return independent_rows_; }
   void multiply(ConstRows p, Rows out) const override;
   const BlockMatrix& assemble() override;
@@ -102,9 +109,6 @@ class System final : public SystemMatrix {
   /// Throws ComponentError when a mass or a force field has a Rayleigh factor and `method` (a sentence's subject) has
   /// no damping: it would be ignored.
   void refuseRayleighFactors(const std::string& method) const;
-  /// Throws ComponentError when a force depends on velocity: the roles have no derivative with respect to it yet, and a
-  /// step that is implicit in everything else would lose its stability without a word.
-  void refuseVelocityDependence(const std::string& method) const;
   /// A line each for what runs and what is skipped, with the reason.
   std::vector<std::string> explain() const;
 
@@ -124,11 +128,15 @@ class System final : public SystemMatrix {
   void gatherConstraints(double t_start, double t_end);
   std::vector<double> lumpedMass() const;
   std::vector<char> rowsAlwaysHeld() const;
-  double stiffnessFactor(const ForceField& field) const { return k_ + k_rayleigh_ * field.rayleigh_stiffness; }
-  double massFactor(const Mass& mass) const { return m_ + m_rayleigh_ * mass.rayleigh_mass; }
+  double stiffnessFactor(const ForceField& field) const {
+    return factors_.stiffness + factors_.rayleigh_stiffness * field.rayleigh_stiffness;
+  }
+  double massFactor(const Mass& mass) const { return factors_.mass + factors_.rayleigh_mass * mass.rayleigh_mass; }
+  void setTime(double t);
   void noteForceEvaluation(ConstRows f_now);
   void preparePattern() const;
-  void addConstantParts();
+  void addConstantParts(BlockMatrix& matrix);
+  void addChangingParts(BlockMatrix& matrix);
   void eliminateProjectors();
   ConstRows onAllRows(ConstRows p, Vector& work, bool is_position) const;
   void pullBack(Rows all) const;
@@ -141,7 +149,9 @@ class System final : public SystemMatrix {
   LinearSolver* linear_solver_ = nullptr;
   std::vector<State*> states_;
   std::vector<ForceField*> force_fields_;
-  std::vector<ForceField*> stiff_fields_;  ///< those with a stiffness
+  std::vector<ForceField*> stiff_fields_;   ///< those with a stiffness
+  std::vector<ForceField*> damped_fields_;  ///< those that depend on velocity
+  std::vector<ForceField*> timed_fields_;   ///< those that depend on time
   std::vector<Mass*> masses_;
   std::vector<ProjectiveConstraint*> constraints_;
   std::vector<Mapping*> mappings_;
@@ -154,15 +164,16 @@ class System final : public SystemMatrix {
   std::vector<Index> projector_of_row_;             ///< shape (independentRows()): index in projectors_ or -1
   bool constraints_change_ = false;                 ///< some constraint ends or depends on time
 
-  double m_ = 0, k_ = 0, k_rayleigh_ = 0, m_rayleigh_ = 0;
+  MatrixFactors factors_;
   long revision_ = 0, assembled_revision_ = -1;
-  bool stiffness_varies_ = false;  ///< some K changes with x
+  bool stiffness_varies_ = false;  ///< some K or C may change with x or v
   bool mappings_linear_ = true;
   mutable BlockMatrix matrix_;
+  mutable MappedMatrix mapped_matrix_;  ///< only with mappings
   mutable bool pattern_ready_ = false;
   mutable Index block_count_ = -1;     ///< of the pattern, -1 until it was built once
   std::vector<double> constant_part_;  ///< values of the terms that do not change, shape (blocks, 9)
-  std::array<double, 4> constant_factors_{};
+  MatrixFactors constant_factors_;
   bool constant_part_ready_ = false;
 
   /// Work space, shape (allRows()), only with mappings: positions, velocities, a direction and a force on all rows.

@@ -72,6 +72,7 @@ void System::gatherConstraints(double t_start, double t_end) {
 }
 
 void System::beginStep(const StepContext& context) {
+  setTime(context.t_end);
   if (constraints_change_) gatherConstraints(context.t, context.t_end);
   applyProjectors(velocity_projectors_, v);
   for (const ProjectiveConstraint* constraint : constraints_)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The matrix of a linear solve, A = P (m M + k K) P + (I - P): its products, its assembled form and the choice between
-// the two.
+// The matrix of a linear solve, A = P (m M + k K + c C) P + (I - P): its products, its assembled form and the choice
+// between the two.
 #include <algorithm>
 #include <cassert>
 #include <cstring>
@@ -53,9 +53,9 @@ bool System::massIsDiagonal() const {
 
 // ---- products ----
 
-SystemMatrix& System::matrix(double m, double k, double k_rayleigh, double m_rayleigh) {
-  if (m != m_ || k != k_ || k_rayleigh != k_rayleigh_ || m_rayleigh != m_rayleigh_) ++revision_;
-  m_ = m, k_ = k, k_rayleigh_ = k_rayleigh, m_rayleigh_ = m_rayleigh;
+SystemMatrix& System::matrix(const MatrixFactors& factors) {
+  if (factors != factors_) ++revision_;
+  factors_ = factors;
   return *this;
 }
 
@@ -70,8 +70,10 @@ void System::multiply(ConstRows p, Rows out) const {
     if (const double factor = massFactor(*mass); factor != 0) mass->addProduct(p_all, factor, all);
   for (const ForceField* field : stiff_fields_)
     if (const double factor = stiffnessFactor(*field); factor != 0) field->addStiffnessProduct(p_all, factor, all);
+  if (factors_.damping != 0)
+    for (const ForceField* field : damped_fields_) field->addDampingProduct(p_all, factors_.damping, all);
   if (!mappings_.empty()) {
-    pullBackProduct(p_all, k_, all);
+    pullBackProduct(p_all, factors_.stiffness, all);
     copy(ConstRows{all.data, independent_rows_}, out);
   }
   project(out);
@@ -84,6 +86,8 @@ void System::diagonalBlocks(std::vector<double>& blocks) const {
     if (const double factor = massFactor(*mass); factor != 0) mass->addDiagonal(factor, blocks);
   for (const ForceField* field : stiff_fields_)
     if (const double factor = stiffnessFactor(*field); factor != 0) field->addStiffnessDiagonal(factor, blocks);
+  if (factors_.damping != 0)
+    for (const ForceField* field : damped_fields_) field->addDampingDiagonal(factors_.damping, blocks);
   blocks.resize(std::size_t(independent_rows_) * 9);
   for (const NodeProjector& held : projectors_) {
     Block block = blockAt(blocks, held.row);
@@ -92,24 +96,32 @@ void System::diagonalBlocks(std::vector<double>& blocks) const {
 }
 
 bool System::symmetric() const {
-  return std::all_of(stiff_fields_.begin(), stiff_fields_.end(),
-                     [](const ForceField* field) { return field->traits().symmetric; });
+  const auto is_symmetric = [](const ForceField* field) { return field->traits().symmetric; };
+  return std::all_of(stiff_fields_.begin(), stiff_fields_.end(), is_symmetric) &&
+         std::all_of(damped_fields_.begin(), damped_fields_.end(), is_symmetric);
 }
 
 // ---- the assembled matrix ----
 
 void System::preparePattern() const {
   if (pattern_ready_) return;
-  if (!mappings_.empty())
-    throw ComponentError("the matrix of a scene with mappings (" + mappings_.front()->path() + ") cannot be assembled",
-                         "a matrix-free solver", "CGLinearSolver with template=\"GraphScattered\"");
-  BlockPattern pattern(independent_rows_);
+  BlockPattern pattern(all_rows_);
   for (const Mass* mass : masses_) mass->addPattern(pattern);
-  for (const ForceField* field : stiff_fields_) field->addPattern(pattern);
-  matrix_ = BlockMatrix(std::move(pattern));
+  for (const ForceField* field : force_fields_)
+    if (const ForceTraits traits = field->traits(); traits.has_stiffness || traits.velocity_dependent)
+      field->addPattern(pattern);
+  for (const Mapping* mapping : mappings_)
+    if (!mapping->isLinear()) mapping->addGeometricPattern(pattern);
+  if (mappings_.empty()) {
+    matrix_ = BlockMatrix(std::move(pattern));
+  } else {
+    mapped_matrix_.prepare(std::move(pattern), mappings_, independent_rows_);
+    matrix_ = mapped_matrix_.reducedPattern();
+  }
   block_count_ = matrix_.blocks();
-  for (Mass* mass : masses_) mass->prepareAssembly(matrix_);
-  for (ForceField* field : stiff_fields_) field->prepareAssembly(matrix_);
+  const BlockMatrix& target = mappings_.empty() ? matrix_ : mapped_matrix_.full();
+  for (Mass* mass : masses_) mass->prepareAssembly(target);
+  for (ForceField* field : force_fields_) field->prepareAssembly(target);
   pattern_ready_ = true;
 }
 
@@ -118,40 +130,52 @@ const BlockMatrix& System::assemble() {
   if (assembled_revision_ == revision_) return matrix_;
   const PhaseTimer timer(times.assembly);
   ++counts.assemblies;
-  addConstantParts();
-  for (const ForceField* field : stiff_fields_)
-    if (const double factor = stiffnessFactor(*field); factor != 0 && !field->traits().constant_stiffness)
-      field->addStiffness(factor, matrix_);
+  BlockMatrix& target = mappings_.empty() ? matrix_ : mapped_matrix_.full();
+  addConstantParts(target);
+  addChangingParts(target);
+  if (!mappings_.empty()) {
+    if (!mappings_linear_) mapped_matrix_.updateJacobian(mappings_);
+    mapped_matrix_.reduce(matrix_);
+  }
   eliminateProjectors();
   assembled_revision_ = revision_;
   return matrix_;
 }
 
+void System::addChangingParts(BlockMatrix& matrix) {
+  for (const ForceField* field : stiff_fields_)
+    if (const double factor = stiffnessFactor(*field); factor != 0 && !field->traits().constant_stiffness)
+      field->addStiffness(factor, matrix);
+  if (factors_.damping != 0)
+    for (const ForceField* field : damped_fields_) field->addDamping(factors_.damping, matrix);
+  for (const Mapping* mapping : mappings_)
+    if (!mapping->isLinear()) mapping->addGeometricStiffness(last_force_, factors_.stiffness, matrix);
+}
+
 // Masses and constant stiffnesses are assembled again only when a factor changed. Without a constant stiffness and
 // with diagonal masses, adding them anew costs less than keeping their sum.
-void System::addConstantParts() {
-  const auto addAll = [this] {
-    matrix_.clear();
+void System::addConstantParts(BlockMatrix& matrix) {
+  const auto addAll = [this, &matrix] {
+    matrix.clear();
     for (const Mass* mass : masses_)
-      if (const double factor = massFactor(*mass); factor != 0) mass->addTo(factor, matrix_);
+      if (const double factor = massFactor(*mass); factor != 0) mass->addTo(factor, matrix);
     for (const ForceField* field : stiff_fields_)
       if (const double factor = stiffnessFactor(*field); factor != 0 && field->traits().constant_stiffness)
-        field->addStiffness(factor, matrix_);
+        field->addStiffness(factor, matrix);
   };
   const bool worth_keeping =
       stiffness_varies_ &&
       (!massIsDiagonal() || std::any_of(stiff_fields_.begin(), stiff_fields_.end(),
                                         [](const auto* field) { return field->traits().constant_stiffness; }));
   if (!worth_keeping) return addAll();
-  const std::array<double, 4> factors{m_, k_, k_rayleigh_, m_rayleigh_};
-  if (!constant_part_ready_ || factors != constant_factors_) {
+  if (!constant_part_ready_ || factors_ != constant_factors_) {
     addAll();
-    constant_part_ = matrix_.values();
-    constant_factors_ = factors;
+    constant_part_ = matrix.values();
+    constant_factors_ = factors_;
     constant_part_ready_ = true;
     return;
   }
-  std::copy(constant_part_.begin(), constant_part_.end(), matrix_.values().begin());
+  std::copy(constant_part_.begin(), constant_part_.end(), matrix.values().begin());
 }
 
 // Block (i, j) becomes P_i A_ij P_j, and I - P_i is added on the diagonal.

@@ -101,6 +101,7 @@ std::string traitsText(const ForceTraits& traits) {
   }
   if (traits.linear) say("linear");
   if (traits.velocity_dependent) say("depends on velocity");
+  if (traits.time_dependent) say("depends on time");
   if (!traits.conservative) say("not conservative");
   return text;
 }
@@ -150,13 +151,6 @@ void System::refuseRayleighFactors(const std::string& method) const {
     if (mass->rayleigh_mass != 0) refuse(*mass, "rayleighMass");
   for (const ForceField* field : force_fields_)
     if (field->rayleigh_stiffness != 0) refuse(*field, "rayleighStiffness");
-}
-
-void System::refuseVelocityDependence(const std::string& method) const {
-  for (const ForceField* field : force_fields_)
-    if (field->traits().velocity_dependent)
-      throw ComponentError(fmt::format("{} cannot treat {}, whose force depends on velocity", method, field->path()),
-                           "an explicit integrator");
 }
 
 }  // namespace stroma

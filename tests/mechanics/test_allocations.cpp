@@ -34,7 +34,7 @@ TEST(System, AllocatesNothingAfterTheFirstStep) {
     system.beginStep(context);
     p[4] = Vec3(1, 2, 3);
     system.computeForceAndProduct(system.x, system.v, p, -0.1, 0, f, out);
-    system.matrix(1, -0.01).multiply(p, out);
+    system.matrix({.mass = 1, .stiffness = -0.01}).multiply(p, out);
     system.assemble();
     system.diagonalBlocks(blocks);
     system.project(f);

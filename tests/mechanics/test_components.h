@@ -227,6 +227,53 @@ class TestUnsymmetric final : public ForceField {
   }
 };
 
+/// f = -(d + c |v|) v at each node: linear and quadratic drag.
+class TestDrag final : public ForceField {
+ public:
+  void declare(DataTable& table) override {
+    ForceField::declare(table);
+    table.add("linear", linear_).help("d");
+    table.add("quadratic", quadratic_).help("c");
+  }
+  ForceTraits traits() const override {
+    ForceTraits traits;
+    traits.has_stiffness = false;
+    traits.symmetric = traits.velocity_dependent = traits.exact_tangent = true;
+    return traits;
+  }
+  double energy(ConstRows) const override { return 0; }
+  void addForce(ConstRows, ConstRows v, Rows f) override {
+    blocks_.resize(std::size_t(state().size()));
+    for (Index i = 0; i < state().size(); ++i) {
+      const Vec3 u = v[row(i)];
+      const double speed = u.norm();
+      f[row(i)] -= (linear_ + quadratic_ * speed) * u;
+      blocks_[std::size_t(i)] = -(linear_ + quadratic_ * speed) * Mat3::Identity();
+      if (speed > 0) blocks_[std::size_t(i)] -= quadratic_ / speed * u * u.transpose();
+    }
+  }
+  void addStiffnessProduct(ConstRows, double, Rows) const override {}
+  void addPattern(BlockPattern&) const override {}
+  void addStiffness(double, BlockMatrix&) const override {}
+  void addStiffnessDiagonal(double, std::vector<double>&) const override {}
+  void addDampingProduct(ConstRows dv, double factor, Rows df) const override {
+    for (Index i = 0; i < state().size(); ++i) df[row(i)] += factor * (blocks_[std::size_t(i)] * dv[row(i)]);
+  }
+  void addDamping(double factor, BlockMatrix& matrix) const override {
+    for (Index i = 0; i < state().size(); ++i) matrix.add(row(i), row(i), factor * blocks_[std::size_t(i)]);
+  }
+  void addDampingDiagonal(double factor, std::vector<double>& blocks) const override {
+    for (Index i = 0; i < state().size(); ++i)
+      for (int k = 0; k < 9; ++k)
+        blocks[9 * std::size_t(row(i)) + std::size_t(k)] += factor * blocks_[std::size_t(i)](k / 3, k % 3);
+  }
+
+ private:
+  Index row(Index i) const { return state().firstRow() + i; }
+  double linear_ = 0, quadratic_ = 0;
+  std::vector<Mat3> blocks_;
+};
+
 /// Lets nodes slide in the plane with this normal.
 class TestPlane final : public ProjectiveConstraint {
  public:
@@ -282,6 +329,28 @@ class TestMean final : public Mapping {
       f[a + 1] += 0.5 * force;
     });
   }
+  void addJacobian(std::vector<JacobianBlock>& out) const override {
+    forEach([&](Index i, Index a, Index c) {
+      Mat3 block = 0.5 * Mat3::Identity();
+      block(0, 1) = bend_ * y_[std::size_t(i)];
+      out.push_back({c, a, block});
+      out.push_back({c, a + 1, block});
+    });
+  }
+  void addGeometricPattern(BlockPattern& pattern) const override {
+    forEach([&](Index, Index a, Index) {
+      const Index rows[2] = {a, a + 1};
+      pattern.addClique(rows, 2);
+    });
+  }
+  void addGeometricStiffness(ConstRows f, double factor, BlockMatrix& matrix) const override {
+    forEach([&](Index, Index a, Index c) {
+      Mat3 block = Mat3::Zero();
+      block(1, 1) = factor * 2 * bend_ * f[c].x() * 0.25;
+      for (Index i : {a, a + 1})
+        for (Index j : {a, a + 1}) matrix.add(i, j, block);
+    });
+  }
   void addGeometricProduct(ConstRows f, ConstRows dx, double factor, Rows df) const override {
     forEach([&](Index, Index a, Index c) {
       const double force = factor * 2 * bend_ * f[c].x() * 0.5 * (dx[a].y() + dx[a + 1].y());
@@ -307,6 +376,7 @@ inline void registerTestComponents(Factory& factory) {
   factory.add<TestLinearNet>("TestLinearNet", "test");
   factory.add<TestSprings>("TestSprings", "test");
   factory.add<TestUnsymmetric>("TestUnsymmetric", "test");
+  factory.add<TestDrag>("TestDrag", "test");
   factory.add<TestPlane>("TestPlane", "test");
   factory.add<TestMean>("TestMean", "test");
 }

@@ -77,7 +77,7 @@ TEST_P(Boxes, ProductsAreTheAssembledMatrix) {
   System& system = *simulation.systems()[0];
   const Mass& mass = *system.masses()[0];
   EXPECT_FALSE(mass.isDiagonal());
-  const BlockMatrix& matrix = system.matrix(2, 0).assemble();
+  const BlockMatrix& matrix = system.matrix({.mass = 2, .stiffness = 0}).assemble();
   Vector p(system.rows()), product(system.rows()), assembled(system.rows());
   for (Index i = 0; i < system.rows(); ++i) p[i] = Vec3(std::sin(i), std::cos(3 * i), std::sin(2 + 5 * i));
   system.multiply(p, product);
@@ -100,7 +100,7 @@ TEST(MeshMatrixMass, OneTetrahedronAndOneCubeHaveTheKnownEntries) {
   // a cube: product of three matrices h/6 [2 1; 1 2], so 8/216, 4/216, 2/216 and 1/216 of its mass
   Simulation cube(sceneFromText(body("", "<MeshMatrixMass massDensity='216'/>")));
   System& system = *cube.systems()[0];
-  const BlockMatrix& matrix = system.matrix(1, 0).assemble();
+  const BlockMatrix& matrix = system.matrix({.mass = 1, .stiffness = 0}).assemble();
   const double expected[4] = {8, 4, 2, 1};
   for (int other = 0; other < 8; ++other) {
     const int apart = (other & 1) + (other >> 1 & 1) + (other >> 2 & 1);
@@ -109,7 +109,7 @@ TEST(MeshMatrixMass, OneTetrahedronAndOneCubeHaveTheKnownEntries) {
   }
   // node 1 of a cube cut around the diagonal 0-7 is in two tetrahedra of volume 1/6: 2 * rho V 2/20
   Simulation tets(sceneFromText(body("tetrahedra='true'", "<MeshMatrixMass massDensity='60'/>")));
-  const BlockMatrix& m = tets.systems()[0]->matrix(1, 0).assemble();
+  const BlockMatrix& m = tets.systems()[0]->matrix({.mass = 1}).assemble();
   EXPECT_NEAR(m.values()[std::size_t(m.slot(1, 1)) * 9], 2.0, 1e-13);
   EXPECT_NEAR(m.values()[std::size_t(m.slot(0, 7)) * 9], 3.0, 1e-13);
   EXPECT_EQ(m.slot(1, 2), -1);

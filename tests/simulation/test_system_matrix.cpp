@@ -61,7 +61,7 @@ TEST_P(Matrices, AssembledIsTheProductsPlusOneInHeldDirections) {
   Simulation simulation(sceneFromText(scene(GetParam())));
   System& system = *simulation.systems()[0];
   system.computeForce(system.x, system.v, system.f);
-  system.matrix(2, -0.3, -0.7, 0.4);
+  system.matrix({.mass = 2, .stiffness = -0.3, .rayleigh_mass = 0.4, .rayleigh_stiffness = -0.7});
   const Eigen::MatrixXd p = projector(system), identity = Eigen::MatrixXd::Identity(p.rows(), p.cols());
   const Eigen::MatrixXd products = byProducts(system), assembled = dense(system.assemble());
   EXPECT_GT((products - p * 4.4 * p).norm(), 1) << "more than the mass";
@@ -87,7 +87,10 @@ TEST(SystemMatrix, HasTheFactorsOfEachTerm) {
   system.computeForce(system.x, system.v, system.f);
   const Eigen::MatrixXd p = projector(system), rest = Eigen::MatrixXd::Identity(p.rows(), p.cols()) - p;
   const auto terms = [&](double m, double k, double k_rayleigh, double m_rayleigh) -> Eigen::MatrixXd {
-    return dense(system.matrix(m, k, k_rayleigh, m_rayleigh).assemble()) - rest;
+    return dense(
+               system.matrix({.mass = m, .stiffness = k, .rayleigh_mass = m_rayleigh, .rayleigh_stiffness = k_rayleigh})
+                   .assemble()) -
+           rest;
   };
   EXPECT_LT((terms(3, 0, 0, 0) - 6 * p).norm(), 1e-12);  // 2 kg a node
   EXPECT_LT((terms(0, 0, 0, 3) - 3 * p).norm(), 1e-12);  // times rayleighMass
@@ -113,23 +116,24 @@ TEST(SystemMatrix, RevisionChangesWithValuesOnly) {
   Simulation simulation(sceneFromText(scene(net)));
   System& system = *simulation.systems()[0];
   system.computeForce(system.x, system.v, system.f);
-  const long first = system.matrix(1, -1).revision();
+  const long first = system.matrix({.mass = 1, .stiffness = -1}).revision();
   system.assemble();
   system.computeForce(system.x, system.v, system.f);
-  EXPECT_EQ(system.matrix(1, -1).revision(), first) << "a constant stiffness does not change with a force evaluation";
+  EXPECT_EQ(system.matrix({.mass = 1, .stiffness = -1}).revision(), first)
+      << "a constant stiffness does not change with a force evaluation";
   system.assemble();
   EXPECT_EQ(system.counts.assemblies, 1);
-  EXPECT_NE(system.matrix(1, -2).revision(), first);
+  EXPECT_NE(system.matrix({.mass = 1, .stiffness = -2}).revision(), first);
   system.assemble();
   EXPECT_EQ(system.counts.assemblies, 2);
 
   Simulation changing(sceneFromText(scene(springs)));
   System& other = *changing.systems()[0];
   other.computeForce(other.x, other.v, other.f);
-  const long before = other.matrix(1, -1).revision();
-  EXPECT_EQ(other.matrix(1, -1).revision(), before);
+  const long before = other.matrix({.mass = 1, .stiffness = -1}).revision();
+  EXPECT_EQ(other.matrix({.mass = 1, .stiffness = -1}).revision(), before);
   other.computeForce(other.x, other.v, other.f);
-  EXPECT_NE(other.matrix(1, -1).revision(), before);
+  EXPECT_NE(other.matrix({.mass = 1, .stiffness = -1}).revision(), before);
 }
 
 TEST(SystemMatrix, ConstantStiffnessBesideAChangingOneIsAssembledOnce) {
@@ -140,12 +144,37 @@ TEST(SystemMatrix, ConstantStiffnessBesideAChangingOneIsAssembledOnce) {
   for (int step = 0; step < 4; ++step) {
     system.x[4] += Vec3(0, 0.1, 0);
     system.computeForce(system.x, system.v, system.f);
-    const Eigen::MatrixXd assembled = dense(system.matrix(1, -0.1, -0.2).assemble());
+    const Eigen::MatrixXd assembled =
+        dense(system.matrix({.mass = 1, .stiffness = -0.1, .rayleigh_stiffness = -0.2}).assemble());
     const Eigen::MatrixXd p = projector(system);
     EXPECT_LT((assembled - byProducts(system) - (Eigen::MatrixXd::Identity(p.rows(), p.cols()) - p)).norm(), 1e-12);
   }
   EXPECT_EQ(constant.assemblies, 1);
   EXPECT_EQ(changing.assemblies, 4);
+}
+
+TEST(SystemMatrix, VelocityDerivativeIsInProductsAndMatrix) {
+  Simulation simulation(sceneFromText(scene(net + "<TestDrag name='drag' linear='3' quadratic='2'/>")));
+  System& system = *simulation.systems()[0];
+  for (Index i = 0; i < system.rows(); ++i) system.v[i] = Vec3(std::sin(1 + i), std::cos(i), 0.2 * i);
+  system.project(system.v);
+  Vector p(system.rows()), product(system.rows()), v(system.rows()), plus(system.rows()), minus(system.rows());
+  for (Index i = 0; i < system.rows(); ++i) p[i] = Vec3(1 - i, std::sin(i), 0.3);
+  system.project(p);
+  const double step = 1e-5;
+  copy(system.v, v), axpy(step, p, v), system.computeForce(system.x, v, plus);
+  copy(system.v, v), axpy(-step, p, v), system.computeForce(system.x, v, minus);
+  axpy(-1, minus, plus), scale(1 / (2 * step), plus), system.project(plus);
+  system.computeForce(system.x, system.v, system.f);
+  system.matrix({.damping = 1}).multiply(p, product);
+  const double size = std::sqrt(dot(product, product));
+  EXPECT_GT(size, 1);
+  axpy(-1, product, plus);
+  EXPECT_LT(std::sqrt(dot(plus, plus)), 1e-8 * size);
+  const Eigen::MatrixXd assembled = dense(system.matrix({.mass = 1, .damping = -0.5}).assemble());
+  const Eigen::MatrixXd held = projector(system);
+  EXPECT_LT((assembled - byProducts(system) - (Eigen::MatrixXd::Identity(held.rows(), held.cols()) - held)).norm(),
+            1e-12);
 }
 
 TEST(SystemMatrix, TurningConstraintIsFollowed) {

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "framework/simulation/mapped_matrix.h"
+
+#include <algorithm>
+
+namespace stroma {
+
+void MappedMatrix::prepare(BlockPattern&& pattern, const std::vector<Mapping*>& mappings, Index independent_rows) {
+  independent_rows_ = independent_rows;
+  full_ = BlockMatrix(std::move(pattern));
+  jacobian_.assign(std::size_t(full_.rows()), {});
+  for (Index row = 0; row < independent_rows; ++row) jacobian_[std::size_t(row)] = {Term{row, Mat3::Identity()}};
+  updateJacobian(mappings);
+}
+
+// The row of a mapped node: its blocks times the rows of their parents, terms of one independent row summed.
+void MappedMatrix::updateJacobian(const std::vector<Mapping*>& mappings) {
+  for (const Mapping* mapping : mappings) {
+    blocks_.clear();
+    mapping->addJacobian(blocks_);
+    for (const JacobianBlock& block : blocks_) jacobian_[std::size_t(block.child)].clear();
+    for (const JacobianBlock& block : blocks_) {
+      std::vector<Term>& child = jacobian_[std::size_t(block.child)];
+      for (const Term& term : jacobian_[std::size_t(block.parent)]) {
+        const Mat3 product = block.block * term.block;
+        const auto same = std::find_if(child.begin(), child.end(), [&](const Term& t) { return t.row == term.row; });
+        if (same == child.end())
+          child.push_back({term.row, product});
+        else
+          same->block += product;
+      }
+    }
+  }
+}
+
+BlockMatrix MappedMatrix::reducedPattern() const {
+  BlockPattern pattern(independent_rows_);
+  for (Index row = 0; row < full_.rows(); ++row)
+    for (Index slot = full_.rowStart()[std::size_t(row)]; slot < full_.rowStart()[std::size_t(row) + 1]; ++slot)
+      for (const Term& left : jacobian_[std::size_t(row)])
+        for (const Term& right : jacobian_[std::size_t(full_.columns()[std::size_t(slot)])])
+          pattern.addBlock(left.row, right.row);
+  return BlockMatrix(std::move(pattern));
+}
+
+void MappedMatrix::reduce(BlockMatrix& out) const {
+  out.clear();
+  for (Index row = 0; row < full_.rows(); ++row)
+    for (Index slot = full_.rowStart()[std::size_t(row)]; slot < full_.rowStart()[std::size_t(row) + 1]; ++slot) {
+      const Index column = full_.columns()[std::size_t(slot)];
+      const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> block(full_.values().data() +
+                                                                                 std::size_t(slot) * 9);
+      if (row < independent_rows_ && column < independent_rows_) {
+        out.add(row, column, block);
+        continue;
+      }
+      for (const Term& left : jacobian_[std::size_t(row)]) {
+        const Mat3 half = left.block.transpose() * block;
+        for (const Term& right : jacobian_[std::size_t(column)]) out.add(left.row, right.row, half * right.block);
+      }
+    }
+}
+
+}  // namespace stroma

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <vector>
+
+#include "framework/algebra/block_matrix.h"
+#include "framework/mechanics/mapping.h"
+
+namespace stroma {
+
+/// The matrix of a system with mappings. Masses and force fields add to full(), over all rows; reduce() makes
+/// J^T A J over the independent rows, J the product of the mappings' Jacobians, row by row.
+class MappedMatrix {
+ public:
+  /// `pattern`: blocks over all rows, those of geometric stiffnesses included. `mappings`: parents first, applied.
+  void prepare(BlockPattern&& pattern, const std::vector<Mapping*>& mappings, Index independent_rows);
+  BlockMatrix& full() { return full_; }
+  /// An empty matrix with the pattern of J^T A J.
+  BlockMatrix reducedPattern() const;
+  /// Takes the mappings' Jacobians anew, where they are not constant.
+  void updateJacobian(const std::vector<Mapping*>& mappings);
+  /// out = J^T full() J
+  void reduce(BlockMatrix& out) const;
+
+ private:
+  /// A row of J: how much of which independent row.
+  struct Term {
+    Index row = 0;
+    Mat3 block = Mat3::Identity();
+  };
+  Index independent_rows_ = 0;
+  BlockMatrix full_;
+  std::vector<std::vector<Term>> jacobian_;  ///< shape (all rows)
+  std::vector<JacobianBlock> blocks_;
+};
+
+}  // namespace stroma
