@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <numeric>
 
 namespace stroma {
 
@@ -14,14 +15,25 @@ void checkNode(int index, std::size_t position, const State& state, const std::s
       fmt::format("indices in 0 ... {}", state.size() - 1));
 }
 
-std::vector<Index> checkedNodes(const std::vector<int>& indices, const State& state, const std::string& attribute) {
+std::vector<Index> checkedNodesInOrder(const std::vector<int>& indices, const State& state,
+                                       const std::string& attribute) {
   if (indices.empty())
     throw ComponentError(fmt::format("{} lists no node of {}", attribute, state.path()), "at least one node",
                          "when a selection is linked here, check that its box or sphere holds nodes");
   for (std::size_t i = 0; i < indices.size(); ++i) checkNode(indices[i], i, state, attribute);
-  std::vector<Index> nodes(indices.begin(), indices.end());
+  return {indices.begin(), indices.end()};
+}
+
+std::vector<Index> checkedNodes(const std::vector<int>& indices, const State& state, const std::string& attribute) {
+  std::vector<Index> nodes = checkedNodesInOrder(indices, state, attribute);
   std::sort(nodes.begin(), nodes.end());
   nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  return nodes;
+}
+
+std::vector<Index> allNodes(const State& state) {
+  std::vector<Index> nodes(std::size_t(state.size()));
+  std::iota(nodes.begin(), nodes.end(), 0);
   return nodes;
 }
 

@@ -11,7 +11,25 @@ namespace stroma {
 /// that names `attribute` when the list is empty or an index lies outside [0, state.size()).
 std::vector<Index> checkedNodes(const std::vector<int>& indices, const State& state, const std::string& attribute);
 
+/// The same, in the order of the list.
+std::vector<Index> checkedNodesInOrder(const std::vector<int>& indices, const State& state,
+                                       const std::string& attribute);
+
 /// Throws as above for one index; `position` is its place in the list.
 void checkNode(int index, std::size_t position, const State& state, const std::string& attribute);
+
+/// 0, 1, ... state.size() - 1
+std::vector<Index> allNodes(const State& state);
+
+/// A list that may give one value for all: `values` becomes `count` values. Throws ComponentError when it has another
+/// number of them; `attribute` and `of_what` ("springs") are for the sentence.
+template <class T>
+void spread(std::vector<T>& values, std::size_t count, const std::string& attribute, const std::string& of_what) {
+  if (values.size() == 1) values.resize(count, T(values[0]));
+  if (values.size() == count) return;
+  throw ComponentError(
+      attribute + " has " + std::to_string(values.size()) + " values for " + std::to_string(count) + " " + of_what,
+      "1 value or " + std::to_string(count));
+}
 
 }  // namespace stroma

@@ -44,16 +44,18 @@ class FieldUnderTest {
         if (candidate->type() == type && !field_) field_ = candidate, system_ = system.get();
     if (!field_) throw std::runtime_error("the scene has no " + type);
     const Index rows = system_->allRows();
-    for (Vector* v : {&x, &v_zero, &direction}) v->resize(rows);
+    for (Vector* v : {&x, &v_zero, &direction, &velocity}) v->resize(rows);
+    if (field_->traits().time_dependent) field_->setTime(0.37);
     rest();
     std::mt19937 random(7);
     std::uniform_real_distribution<double> uniform(-1, 1);
     for (Index i = 0; i < rows; ++i) direction[i] = Vec3(uniform(random), uniform(random), uniform(random));
+    for (Index i = 0; i < rows; ++i) velocity[i] = Vec3(uniform(random), uniform(random), uniform(random));
   }
 
   void rest() {
-    const State& state = field_->state();
-    for (Index i = 0; i < state.size(); ++i) x[state.firstRow() + i] = state.rest_position[std::size_t(i)];
+    for (const State* state : system_->states())
+      for (Index i = 0; i < state->size(); ++i) x[state->firstRow() + i] = state->rest_position[std::size_t(i)];
   }
   /// A smooth stretch and twist of the whole body, a rotation, and noise of `noise` times the shortest edge scale.
   void deform(double noise, unsigned seed = 1) {
@@ -80,6 +82,18 @@ class FieldUnderTest {
     Vector f(x.count());
     field_->addForce(at, v_zero, f);
     return f;
+  }
+  Vector forceAt(ConstRows at, ConstRows v) {
+    Vector f(x.count());
+    field_->addForce(at, v, f);
+    return f;
+  }
+  /// C d at (x, velocity).
+  Vector dampingProduct(ConstRows d, double factor = 1) {
+    forceAt(x, velocity);
+    Vector df(x.count());
+    field_->addDampingProduct(d, factor, df);
+    return df;
   }
   /// K d at x (the tangent of a fresh force evaluation).
   Vector product(ConstRows d, double factor = 1) {
@@ -118,6 +132,7 @@ class FieldUnderTest {
   Simulation& simulation() { return simulation_; }
 
   Vector x, v_zero, direction;
+  Vector velocity;  ///< random [m/s]
 
  private:
   Simulation simulation_;

@@ -34,10 +34,11 @@ std::string withAttributes(std::string example, const std::string& type, const s
 void expectConsistent(FieldUnderTest& t, const std::string& what, bool mild = true) {
   SCOPED_TRACE(what);
   const ForceTraits traits = t.field().traits();
-  Vector f = t.force();
+  Vector f = traits.velocity_dependent ? t.forceAt(t.x, t.velocity) : t.force();
+  ASSERT_GT(dot(f, f), 0) << "the thing tested is zero";
+  ASSERT_TRUE(std::isfinite(dot(f, f)));
+  f = t.force();
   const double magnitude = std::sqrt(dot(f, f));
-  ASSERT_GT(magnitude, 0) << "the thing tested is zero";
-  ASSERT_TRUE(std::isfinite(magnitude));
 
   const double step = 1e-6 * t.typicalEdge();
   if (traits.conservative) {
@@ -101,6 +102,41 @@ void expectConsistent(FieldUnderTest& t, const std::string& what, bool mild = tr
   EXPECT_LT(std::sqrt(dot(df2, df2) / dot(product, product)), 1e-12) << "product in one pass";
 }
 
+/// C is the derivative of the force with respect to velocity, in all its forms.
+void expectDamping(FieldUnderTest& t, const std::string& what) {
+  SCOPED_TRACE(what);
+  if (!t.field().traits().velocity_dependent) return;
+  const double step = 1e-4;
+  Vector a(t.x.count()), b(t.x.count());
+  copy(t.velocity, a), copy(t.velocity, b);
+  axpy(step, t.direction, a), axpy(-step, t.direction, b);
+  const Vector fa = t.forceAt(t.x, a), fb = t.forceAt(t.x, b);
+  Vector difference(t.x.count());
+  axpy(0.5 / step, fa, difference), axpy(-0.5 / step, fb, difference);
+  Vector product = t.dampingProduct(t.direction);
+  ASSERT_GT(dot(product, product), 0);
+  EXPECT_LT(relativeDifference(product, difference), 1e-8) << "C is not the derivative of the force";
+  EXPECT_LE(dot(t.direction, product), 0) << "the damping drives";
+  Vector scaled = t.dampingProduct(t.direction, -2.5);
+  axpy(2.5, product, scaled);
+  EXPECT_LT(std::sqrt(dot(scaled, scaled) / dot(product, product)), 1e-13) << "factor";
+
+  BlockPattern pattern(t.x.count());
+  t.field().addPattern(pattern);
+  BlockMatrix c(std::move(pattern));
+  t.field().prepareAssembly(c);
+  t.field().addDamping(1, c);
+  Vector assembled(t.x.count());
+  c.multiply(t.direction, assembled);
+  EXPECT_LT(relativeDifference(assembled, product), 1e-12) << "matrix and product differ";
+  std::vector<double> diagonal(std::size_t(t.x.count()) * 9, 0.);
+  t.field().addDampingDiagonal(1, diagonal);
+  for (Index row = 0; row < t.x.count(); ++row)
+    for (std::size_t i = 0; i < 9; ++i)
+      EXPECT_NEAR(diagonal[std::size_t(row) * 9 + i], c.values()[std::size_t(c.diagonal()[std::size_t(row)]) * 9 + i],
+                  1e-12 * std::sqrt(dot(product, product)));
+}
+
 /// Internal forces: they vanish at rest, and their sums vanish at any shape. A warped tangent is exact where nothing is
 /// strained, in any orientation.
 void expectBalanced(FieldUnderTest& t, const std::string& what, bool rotation_free) {
@@ -132,6 +168,7 @@ TEST(ForceFieldContract, EveryRegisteredForceField) {
     FieldUnderTest t(withAttributes(example, entry->type, original, ""), entry->type);
     t.deform(0.03);
     expectConsistent(t, entry->type);
+    expectDamping(t, entry->type);
     expectBalanced(t, entry->type, true);
     ++tested;
   }

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Damping of the nodes' velocity against the ground.
+//
+//   UniformVelocityDampingForceField:   f_i = -c v_i,              C = -c I
+//   DiagonalVelocityDampingForceField:  f_i = -diag(c_i) v_i,      C = -diag(c_i)
+//
+// dampingCoefficient is c, or three coefficients (x, y, z) for each node or for all. Without `indices` every node is
+// damped. There is no energy and no stiffness; implicit integrators take C into their matrix, so any c is stable there,
+// and an explicit step is stable while dt c is below twice the mass of a node.
+//
+// Source: the names and attributes are SOFA's; its `implicit` has no effect, since C is always used.
+//
+// Example:
+// <Node name="root" dt="0.01" gravity="0 -9.81 0">
+//   <EulerImplicitSolver/>
+//   <CGLinearSolver iterations="50" tolerance="1e-10"/>
+//   <MechanicalObject position="0 0 0  1 0 0  2 0 0"/>
+//   <UniformMass totalMass="0.3"/>
+//   <UniformVelocityDampingForceField dampingCoefficient="0.5"/>
+//   <DiagonalVelocityDampingForceField dampingCoefficient="1 0 2"/>
+// </Node>
+#include <fmt/format.h>
+
+#include "framework/mechanics/node_group_field.h"
+#include "framework/mechanics/node_indices.h"
+#include "framework/scene/factory.h"
+
+namespace stroma {
+namespace {
+
+class VelocityDamping : public NodeGroupField<1> {
+ public:
+  void declare(DataTable& table) override {
+    ForceField::declare(table);
+    table.add("indices", indices_).help("damped nodes; every node when not given");
+  }
+  void init() override {
+    ForceField::init();
+    nodes_ = data().find("indices")->isSet() ? checkedNodesInOrder(indices_, state(), "indices") : allNodes(state());
+  }
+  ForceTraits traits() const override {
+    ForceTraits traits;
+    traits.linear = traits.symmetric = traits.exact_tangent = traits.conservative = true;
+    traits.has_stiffness = false;
+    traits.velocity_dependent = true;
+    return traits;
+  }
+  void compile() override {
+    std::vector<Group> rows;
+    for (Index node : nodes_) rows.push_back({state().firstRow() + node});
+    setGroups(std::move(rows), true);
+    for (std::size_t i = 0; i < nodes_.size(); ++i)
+      damping_[i].blocks[0] = -coefficientsOf(i).asDiagonal().toDenseMatrix();
+  }
+  double energy(ConstRows) const override { return 0; }
+  void addForce(ConstRows, ConstRows v, Rows f) override { addDampingProduct(v, 1, f); }
+
+ protected:
+  virtual Vec3 coefficientsOf(std::size_t node) const = 0;  ///< [N s/m], of the node at that place in the list
+  std::size_t count() const { return nodes_.size(); }
+
+ private:
+  std::vector<int> indices_;
+  std::vector<Index> nodes_;
+};
+
+class UniformVelocityDampingForceField final : public VelocityDamping {
+ public:
+  void declare(DataTable& table) override {
+    VelocityDamping::declare(table);
+    table.add("dampingCoefficient", coefficient_).help("force over velocity").unit("N s/m").min(0);
+    table.addVisualOnly("implicit");
+  }
+
+ protected:
+  Vec3 coefficientsOf(std::size_t) const override { return Vec3::Constant(coefficient_); }
+
+ private:
+  double coefficient_ = 0.1;
+};
+
+class DiagonalVelocityDampingForceField final : public VelocityDamping {
+ public:
+  void declare(DataTable& table) override {
+    VelocityDamping::declare(table);
+    table.add("dampingCoefficient", coefficients_)
+        .help("force over velocity along x, y and z, for each node or for all")
+        .unit("N s/m")
+        .min(0)
+        .required();
+  }
+  void init() override {
+    VelocityDamping::init();
+    spread(coefficients_, count(), "dampingCoefficient", "nodes (three numbers each)");
+  }
+
+ protected:
+  Vec3 coefficientsOf(std::size_t node) const override { return coefficients_[node]; }
+
+ private:
+  std::vector<Vec3> coefficients_;
+};
+
+}  // namespace
+}  // namespace stroma
+
+STROMA_COMPONENT(velocity_damping_force_fields) {
+  factory.add<stroma::UniformVelocityDampingForceField>("UniformVelocityDampingForceField",
+                                                        "damping of the nodes' velocity");
+  factory.add<stroma::DiagonalVelocityDampingForceField>("DiagonalVelocityDampingForceField",
+                                                         "damping of the nodes' velocity, along each axis");
+}

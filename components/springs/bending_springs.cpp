@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Resistance of a surface to bending, by springs across the edges that two of its cells share.
+//
+// TriangularBendingSprings: a spring joins the two nodes opposite each inner edge of the triangles.
+// QuadBendingSprings: two springs across each inner edge of the quads, each in line with a side of them: with the
+// shared edge (i, j) and the quads (a, i, j, b) and (j, i, c, d), from a to c and from b to d.
+//
+//   E = sum k/2 (L - L0)^2, force and tangent as in SpringForceField; L0 is the distance in the rest shape
+//
+// A flat surface that is bent shortens these springs in second order only: about flat shapes they resist weakly, about
+// curved ones in first order. An edge that more than two cells share has a spring for each pair of them.
+//
+// Source: the names and attributes are SOFA's.
+//
+// Example:
+// <Node name="root" dt="0.01" gravity="0 -9.81 0">
+//   <EulerImplicitSolver/>
+//   <CGLinearSolver iterations="100" tolerance="1e-10"/>
+//   <Node name="triangles">
+//     <MechanicalObject position="0 0 0  1 0 0  0.5 1 0  0.5 -1 0.2"/>
+//     <MeshTopology position="0 0 0  1 0 0  0.5 1 0  0.5 -1 0.2" triangles="0 1 2  1 0 3"/>
+//     <UniformMass totalMass="0.1"/>
+//     <FixedProjectiveConstraint indices="0 1"/>
+//     <MeshSpringForceField linesStiffness="500"/>
+//     <TriangularBendingSprings stiffness="300" damping="0"/>
+//   </Node>
+//   <Node name="quads">
+//     <RegularGridTopology n="4 3 1" min="0 0 1" max="3 2 1"/>
+//     <MechanicalObject/>
+//     <UniformMass totalMass="0.1"/>
+//     <FixedProjectiveConstraint indices="0 4 8"/>
+//     <MeshSpringForceField quadsStiffness="500"/>
+//     <QuadBendingSprings stiffness="300" damping="0"/>
+//   </Node>
+// </Node>
+#include <fmt/format.h>
+
+#include <map>
+
+#include "framework/mechanics/spring_field.h"
+#include "framework/mesh/topology.h"
+#include "framework/scene/factory.h"
+
+namespace stroma {
+namespace {
+
+/// A cell seen from one of its edges: the nodes that follow the edge's ends around the cell.
+struct Wing {
+  Index after_first, after_second;  ///< neighbours of the edge's lower and higher node, not on the edge
+};
+
+template <class Cell>
+std::map<Edge, std::vector<Wing>> wingsOf(const std::vector<Cell>& cells) {
+  std::map<Edge, std::vector<Wing>> wings;
+  constexpr std::size_t n = std::tuple_size_v<Cell>;
+  for (const Cell& cell : cells)
+    for (std::size_t i = 0; i < n; ++i) {
+      const Index a = cell[i], b = cell[(i + 1) % n], before_a = cell[(i + n - 1) % n], after_b = cell[(i + 2) % n];
+      wings[{std::min(a, b), std::max(a, b)}].push_back(a < b ? Wing{before_a, after_b} : Wing{after_b, before_a});
+    }
+  return wings;
+}
+
+template <class Cell>
+const std::vector<Cell>& cellsOf(const Mesh& mesh);
+template <>
+const std::vector<Triangle>& cellsOf<Triangle>(const Mesh& mesh) {
+  return mesh.triangles;
+}
+template <>
+const std::vector<Quad>& cellsOf<Quad>(const Mesh& mesh) {
+  return mesh.quads;
+}
+
+template <class Cell>
+class BendingSprings final : public SpringField {
+ public:
+  void declare(DataTable& table) override {
+    ForceField::declare(table);
+    table.addLink("topology", topology_).help("surface; the mesh of this node or the nearest above when not given");
+    table.add("stiffness", stiffness_).help("spring constant").unit("N/m").min(0);
+    table.add("damping", damping_).help("force along a spring over its speed of elongation").unit("N s/m").min(0);
+    table.add("localRange", range_).help("first and last node that springs may join; -1 -1: all nodes");
+    for (const char* name : {"showSprings", "drawMode", "showArrowSize"}) table.addVisualOnly(name);
+  }
+
+  void init() override {
+    ForceField::init();
+    const Topology* topology = topology_.get() ? topology_.get() : this->template find<Topology>(true);
+    constexpr const char* word = std::tuple_size_v<Cell> == 3 ? "triangles" : "quads";
+    if (!topology || cellsOf<Cell>(topology->mesh()).empty())
+      throw ComponentError(fmt::format("no mesh in this node or above has {}", word),
+                           fmt::format("a topology with {}", word));
+    if (topology->mesh().nodes() != state().size())
+      throw ComponentError(fmt::format("{} has {} nodes and {} has {}", topology->path(), topology->mesh().nodes(),
+                                       state().path(), state().size()),
+                           "a mesh and a state of the same nodes");
+    if (range_.size() != 2) throw ComponentError(fmt::format("localRange has {} values", range_.size()), "2 values");
+    std::map<Edge, bool> springs;
+    for (const auto& [edge, wings] : wingsOf(cellsOf<Cell>(topology->mesh())))
+      for (std::size_t i = 0; i < wings.size(); ++i)
+        for (std::size_t j = 0; j < i; ++j) {
+          addPair(wings[i].after_first, wings[j].after_first, springs);
+          addPair(wings[i].after_second, wings[j].after_second, springs);
+        }
+    if (springs.empty()) throw ComponentError("no two cells of the surface share an edge", "a connected surface");
+    std::vector<Spring> list;
+    for (const auto& [pair, unused] : springs) {
+      list.push_back({pair[0], pair[1], stiffness_, damping_, 0});
+      list.back().length = restDistance(list.back());
+    }
+    setSprings(std::move(list));
+  }
+
+ private:
+  void addPair(Index i, Index j, std::map<Edge, bool>& springs) const {
+    const Edge pair{std::min(i, j), std::max(i, j)};
+    const bool outside = range_[0] >= 0 && range_[1] >= 0 && (pair[0] < range_[0] || pair[1] > range_[1]);
+    if (i != j && !outside) springs[pair] = true;
+  }
+
+  Link<Topology> topology_{"topology"};
+  double stiffness_ = 1e5, damping_ = 1;
+  std::vector<int> range_{-1, -1};
+};
+
+}  // namespace
+}  // namespace stroma
+
+STROMA_COMPONENT(bending_springs) {
+  factory.add<stroma::BendingSprings<stroma::Triangle>>("TriangularBendingSprings",
+                                                        "springs across the inner edges of triangles");
+  factory.add<stroma::BendingSprings<stroma::Quad>>("QuadBendingSprings", "springs across the inner edges of quads");
+}

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Forces on small groups of nodes (a node, the two ends of a spring, a triangle): products, assembly and diagonals of
+// their derivatives. A component evaluates energy and force, and leaves one tangent a group.
+#pragma once
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include "framework/mechanics/force_field.h"
+
+namespace stroma {
+
+/// A derivative of the forces of N nodes with a block of its own for each pair of nodes.
+template <int N>
+struct DenseTangent {
+  std::array<Mat3, std::size_t(N) * N> blocks;  ///< row-major
+  void setZero() { blocks.fill(Mat3::Zero()); }
+  Mat3 block(int i, int j) const { return blocks[std::size_t(i * N + j)]; }
+  Mat3& block(int i, int j) { return blocks[std::size_t(i * N + j)]; }
+  void addProduct(const std::array<Index, std::size_t(N)>& rows, ConstRows dx, double factor, Rows df) const {
+    for (int i = 0; i < N; ++i) {
+      Vec3 sum = Vec3::Zero();
+      for (int j = 0; j < N; ++j) sum += block(i, j) * dx[rows[std::size_t(j)]];
+      df[rows[std::size_t(i)]] += factor * sum;
+    }
+  }
+};
+
+/// The same for two nodes with opposite forces that depend on the difference of the nodes: k = df_i/dx_i.
+struct PairTangent {
+  Mat3 k;
+  void setZero() { k.setZero(); }
+  Mat3 block(int i, int j) const { return i == j ? k : Mat3(-k); }
+  void addProduct(const std::array<Index, 2>& rows, ConstRows dx, double factor, Rows df) const {
+    const Vec3 force = factor * (k * (dx[rows[0]] - dx[rows[1]]));
+    df[rows[0]] += force;
+    df[rows[1]] -= force;
+  }
+};
+
+/// Base of force fields on groups of N nodes. Derived classes call setGroups() in compile() and write stiffness_ (and
+/// damping_, when they asked for it) in addForce().
+template <int N, class Tangent = DenseTangent<N>>
+class NodeGroupField : public ForceField {
+ public:
+  using Group = std::array<Index, std::size_t(N)>;
+
+  void addStiffnessProduct(ConstRows dx, double factor, Rows df) const override {
+    addProduct(stiffness_, dx, factor, df);
+  }
+  void addDampingProduct(ConstRows dv, double factor, Rows df) const override { addProduct(damping_, dv, factor, df); }
+  void addPattern(BlockPattern& pattern) const override {
+    for (const Group& group : rows_) pattern.addClique(group.data(), N);
+  }
+  void prepareAssembly(const BlockMatrix& matrix) override {
+    slots_.clear();
+    for (const Group& group : rows_)
+      for (Index row : group)
+        for (Index column : group) slots_.push_back(matrix.slot(row, column));
+  }
+  void addStiffness(double factor, BlockMatrix& matrix) const override { addTo(stiffness_, factor, matrix); }
+  void addDamping(double factor, BlockMatrix& matrix) const override { addTo(damping_, factor, matrix); }
+  void addStiffnessDiagonal(double factor, std::vector<double>& blocks) const override {
+    addDiagonal(stiffness_, factor, blocks);
+  }
+  void addDampingDiagonal(double factor, std::vector<double>& blocks) const override {
+    addDiagonal(damping_, factor, blocks);
+  }
+
+ protected:
+  /// `rows`: rows of the system. Tangents start at zero.
+  void setGroups(std::vector<Group> rows, bool damped) {
+    rows_ = std::move(rows);
+    stiffness_.resize(rows_.size());
+    for (Tangent& tangent : stiffness_) tangent.setZero();
+    damping_.resize(damped ? rows_.size() : 0);
+    for (Tangent& tangent : damping_) tangent.setZero();
+  }
+
+  std::vector<Group> rows_;         ///< shape (groups)
+  std::vector<Tangent> stiffness_;  ///< df/dx [N/m], shape (groups)
+  std::vector<Tangent> damping_;    ///< df/dv [N s/m], shape (groups) or empty
+
+ private:
+  void addProduct(const std::vector<Tangent>& tangents, ConstRows p, double factor, Rows out) const {
+    for (std::size_t g = 0; g < tangents.size(); ++g) tangents[g].addProduct(rows_[g], p, factor, out);
+  }
+  void addTo(const std::vector<Tangent>& tangents, double factor, BlockMatrix& matrix) const {
+    for (std::size_t g = 0; g < tangents.size(); ++g)
+      for (int i = 0; i < N; ++i)
+        for (int j = 0; j < N; ++j)
+          matrix.add(slots_[(g * N + std::size_t(i)) * N + std::size_t(j)], factor * tangents[g].block(i, j));
+  }
+  void addDiagonal(const std::vector<Tangent>& tangents, double factor, std::vector<double>& blocks) const {
+    for (std::size_t g = 0; g < tangents.size(); ++g)
+      for (int i = 0; i < N; ++i) {
+        const Mat3 block = tangents[g].block(i, i);
+        double* out = blocks.data() + std::size_t(rows_[g][std::size_t(i)]) * 9;
+        for (int k = 0; k < 9; ++k) out[k] += factor * block(k / 3, k % 3);
+      }
+  }
+
+  std::vector<Index> slots_;  ///< shape (groups, N, N)
+};
+
+}  // namespace stroma
