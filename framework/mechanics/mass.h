@@ -27,9 +27,9 @@ class Mass : public Component {
   virtual void addDiagonal(double factor, std::vector<double>& blocks) const;
   /// f += M g, with the gravity of the component's node [m/s^2]. The default uses lumped().
   void addGravity(Rows f) const;
-  double kineticEnergy(ConstRows v) const;    ///< 1/2 v^T M v [J]
-  double gravityEnergy(ConstRows x) const;    ///< -sum m g.x [J]
-  double totalMass() const;                   ///< [kg]
+  double kineticEnergy(ConstRows v) const;  ///< 1/2 v^T M v [J]
+  double gravityEnergy(ConstRows x) const;  ///< -sum m g.x [J]
+  double totalMass() const;                 ///< [kg]
 
   double rayleigh_mass = 0;  ///< [1/s], local Rayleigh factor added to the integrator's
 

@@ -59,6 +59,11 @@ class NodeGroupField : public ForceField {
         for (Index column : group) slots_.push_back(matrix.slot(row, column));
   }
   void addStiffness(double factor, BlockMatrix& matrix) const override { addTo(stiffness_, factor, matrix); }
+  /// Rounded: 2.5 ns a block in products, 6 ns in assembly.
+  Cost cost() const override {
+    const double blocks = double(stiffness_.size()) * N * N;
+    return {2.5 * blocks, 6 * blocks};
+  }
   void addDamping(double factor, BlockMatrix& matrix) const override { addTo(damping_, factor, matrix); }
   void addStiffnessDiagonal(double factor, std::vector<double>& blocks) const override {
     addDiagonal(stiffness_, factor, blocks);
