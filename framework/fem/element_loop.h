@@ -113,12 +113,16 @@ class ElementLoop {
     });
     return result;
   }
-  /// values (of the matrix the slots belong to) += factor * K, K column by column from product(batch, dx, df).
-  template <class Product>
-  void assemble(double factor, const std::vector<Index>& slots, std::vector<double>& values, Product&& product) const {
+  /// K of the elements of one batch, [i][j][row][column].
+  using Matrix = Pack[N * N * 9];
+
+  /// values (of the matrix the slots belong to) += factor * K, K from matrix(batch, out).
+  template <class ElementMatrix>
+  void assemble(double factor, const std::vector<Index>& slots, std::vector<double>& values,
+                ElementMatrix&& matrix) const {
     forEachBatch([&](Index b) __attribute__((flatten)) {
-      alignas(64) double element[N * N * 9][pack_lanes];  // [i][j][row][column]
-      elementMatrix(b, factor, product, element);
+      alignas(64) double element[N * N * 9][pack_lanes];
+      scaledMatrix(b, factor, matrix, element);
       for (int l = 0; l < pack_lanes; ++l) {
         if (elementOf(b, l) < 0) break;
         for (int ij = 0; ij < N * N; ++ij) {
@@ -131,11 +135,11 @@ class ElementLoop {
     });
   }
   /// blocks[row] += factor * diagonal blocks of K, shape (rows, 9).
-  template <class Product>
-  void assembleDiagonal(double factor, std::vector<double>& blocks, Product&& product) const {
+  template <class ElementMatrix>
+  void assembleDiagonal(double factor, std::vector<double>& blocks, ElementMatrix&& matrix) const {
     forEachBatch([&](Index b) __attribute__((flatten)) {
       alignas(64) double element[N * N * 9][pack_lanes];
-      elementMatrix(b, factor, product, element);
+      scaledMatrix(b, factor, matrix, element);
       for (int l = 0; l < pack_lanes; ++l) {
         if (elementOf(b, l) < 0) break;
         for (int a = 0; a < N; ++a)
@@ -143,6 +147,20 @@ class ElementLoop {
             blocks[std::size_t(row(b, a, l)) * 9 + std::size_t(k)] += element[(a * N + a) * 9 + k][l];
       }
     });
+  }
+  /// K column by column: product(dx, df) with unit vectors.
+  template <class Product>
+  static void matrixFromProducts(Product&& product, Matrix& matrix) {
+    for (int j = 0; j < N; ++j)
+      for (int column = 0; column < 3; ++column) {
+        Nodes dx{}, df;
+        (column == 0 ? dx[j].x : column == 1 ? dx[j].y : dx[j].z) = Pack(1.);
+        product(dx, df);
+        for (int i = 0; i < N; ++i) {
+          Pack* block = matrix + (i * N + j) * 9;
+          block[column] = df[i].x, block[3 + column] = df[i].y, block[6 + column] = df[i].z;
+        }
+      }
   }
 
   /// Runs body(batch) for all batches, blocks of one colour at a time on the threads.
@@ -186,22 +204,12 @@ class ElementLoop {
     }
   }
 
-  /// K of one batch, column by column: products with unit vectors.
-  template <class Product>
-  static void elementMatrix(Index b, double factor, Product&& product, double (&element)[N * N * 9][pack_lanes]) {
+  template <class ElementMatrix>
+  static void scaledMatrix(Index b, double factor, ElementMatrix& matrix, double (&element)[N * N * 9][pack_lanes]) {
+    Matrix k;
+    matrix(b, k);
     const Pack scale(factor);
-    for (int j = 0; j < N; ++j)
-      for (int column = 0; column < 3; ++column) {
-        Nodes dx{}, df;
-        (column == 0 ? dx[j].x : column == 1 ? dx[j].y : dx[j].z) = Pack(1.);
-        product(b, dx, df);
-        for (int i = 0; i < N; ++i) {
-          const V3<Pack> value = df[i] * scale;
-          value.x.store_aligned(element[((i * N + j) * 3 + 0) * 3 + column]);
-          value.y.store_aligned(element[((i * N + j) * 3 + 1) * 3 + column]);
-          value.z.store_aligned(element[((i * N + j) * 3 + 2) * 3 + column]);
-        }
-      }
+    for (int i = 0; i < N * N * 9; ++i) (k[i] * scale).store_aligned(element[i]);
   }
 
   Arrangement arrangement_;

@@ -4,14 +4,9 @@
 //   f_i = -R_i sum_j K_ij (R_i^T x_j - X_j) = -V_0 sigma_i g_i^(i),   g_j^(i) = R_i G_j,  H_i = F R_i^T - I,
 // so the rows of one element belong to different frames, do not sum to zero, and leave ghost forces.
 #pragma once
-#include "framework/fem/corotational_tetrahedron.h"
+#include "framework/fem/tetrahedron.h"
 
 namespace stroma::tetrahedron {
-
-template <class T>
-Gradients<T> rotated(const M3<T>& r, const Gradients<T>& g) {
-  return {r * g.g1, r * g.g2, r * g.g3};
-}
 
 /// `g`: rest gradients in world axes; `r[a]`: rotation of node a.
 template <class T>

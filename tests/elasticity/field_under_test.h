@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <functional>
 #include <random>
+#include <sstream>
 
 #include "tests/support/scene_fixture.h"
 
@@ -152,28 +154,85 @@ inline std::string tetrahedraScene(const std::string& attributes,
          attributes + "/></Node></Node>";
 }
 
-/// A variant of the tetrahedral methods; `name` for messages, `attributes` for the scene.
+/// A block of hexahedra: boxes of three different edges, turned, or with every node moved by up to a fifth of an edge.
+inline std::string hexahedraScene(const std::string& attributes, bool boxes,
+                                  const std::string& solver = "<SparseLDLSolver/>") {
+  constexpr int n[3] = {4, 5, 3};
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> uniform(-0.2, 0.2);
+  const Mat3 turn = Eigen::AngleAxisd(0.8, Vec3(1, -1, 2).normalized()).toRotationMatrix();
+  const Vec3 edge(0.02, 0.015, 0.03);
+  std::ostringstream position, cells;
+  position.precision(17);
+  for (int k = 0; k < n[2]; ++k)
+    for (int j = 0; j < n[1]; ++j)
+      for (int i = 0; i < n[0]; ++i) {
+        Vec3 p(i, j, k);
+        if (!boxes) p += Vec3(uniform(random), uniform(random), uniform(random));
+        position << (turn * edge.cwiseProduct(p)).transpose() << " ";
+        if (i + 1 == n[0] || j + 1 == n[1] || k + 1 == n[2]) continue;
+        const int first = (k * n[1] + j) * n[0] + i, row = n[0], layer = n[0] * n[1];
+        for (int c : {0, 1, row + 1, row, layer, layer + 1, layer + row + 1, layer + row}) cells << first + c << " ";
+      }
+  return "<Node name=\"root\" dt=\"0.01\"><Node name=\"body\"><EulerImplicitSolver/>" + solver +
+         "<HexahedronSetTopologyContainer position=\"" + position.str() + "\" hexahedra=\"" + cells.str() +
+         "\"/><MechanicalObject/><UniformMass totalMass=\"1\"/>"
+         "<HexahedronFEMForceField youngModulus=\"3000\" poissonRatio=\"0.4\" " +
+         attributes + "/></Node></Node>";
+}
+
+/// A variant of a method; `name` for messages, `attributes` for the scene.
 struct Variant {
   std::string name, attributes;
-  bool b_current = false, momentum_of_torque = false;
+  bool b_current = false;
+  bool torque_free = false;  ///< Euler's law, at every shape without inverted elements
+  bool is(const std::string& method) const { return name.rfind(method, 0) == 0; }
 };
-inline std::vector<Variant> tetrahedraVariants(bool with_exact = true) {
-  std::vector<Variant> variants;
-  for (const char* method : {"small", "large", "polar", "svd", "nodal"}) {
-    const std::string word(method);
-    const bool rotated = word != "small" && word != "nodal";
-    for (int update = 0; update < (rotated ? 3 : 1); ++update)
-      for (int exact = 0; exact < (with_exact && word != "nodal" ? 2 : 1); ++exact) {
-        Variant v;
-        v.name = word + (update == 1 ? " B" : update == 2 ? " B and V" : "") + (exact ? " exact" : "");
-        v.attributes = "method=\"" + word + "\"" + (update > 0 ? " updateStiffnessMatrix=\"true\"" : "") +
-                       (update > 1 ? " updateVolume=\"true\"" : "") + (exact ? " tangent=\"exact\"" : "");
-        v.b_current = update > 0;
-        v.momentum_of_torque = update > 0 || word == "polar" || word == "svd";
-        variants.push_back(v);
-      }
+
+/// A kind of element on a mesh, with all variants that it has.
+struct ElasticBody {
+  std::string name, type;
+  bool tetrahedra;
+  std::function<std::string(const std::string& attributes)> scene;
+
+  /// The rotation of a tetrahedron minimises its energy, so that polar and svd exert no torque with any B.
+  std::vector<Variant> variants(bool with_exact = true) const {
+    std::vector<Variant> variants;
+    for (const std::string word : {"small", "large", "polar", "svd", "nodal", "green"}) {
+      if (word == "nodal" && !tetrahedra) continue;
+      const bool rotated = word == "large" || word == "polar" || word == "svd";
+      for (int update = 0; update < (rotated ? 3 : 1); ++update)
+        for (int exact = 0; exact < (with_exact && word != "nodal" ? 2 : 1); ++exact) {
+          Variant v;
+          v.name = word + (update == 1 ? " B" : update == 2 ? " B and V" : "") + (exact ? " exact" : "");
+          v.attributes = "method=\"" + word + "\"" + (update > 0 ? " updateStiffnessMatrix=\"true\"" : "") +
+                         (update > 1 ? " updateVolume=\"true\"" : "") + (exact ? " tangent=\"exact\"" : "");
+          v.b_current = update > 0;
+          v.torque_free = update > 0 || word == "green" || (tetrahedra && (word == "polar" || word == "svd"));
+          variants.push_back(v);
+        }
+    }
+    return variants;
   }
-  return variants;
+};
+
+inline const std::vector<ElasticBody>& elasticBodies() {
+  static const std::vector<ElasticBody> bodies{
+      {"tetrahedra", "TetrahedronFEMForceField", true, [](const std::string& a) { return tetrahedraScene(a); }},
+      {"boxes", "HexahedronFEMForceField", false, [](const std::string& a) { return hexahedraScene(a, true); }},
+      {"hexahedra", "HexahedronFEMForceField", false, [](const std::string& a) { return hexahedraScene(a, false); }}};
+  return bodies;
+}
+inline const ElasticBody& bodyOfTetrahedra() { return elasticBodies()[0]; }
+
+/// test(body, variant) for all, named in failures.
+template <class Test>
+void forEachElasticVariant(bool with_exact, Test&& test) {
+  for (const ElasticBody& body : elasticBodies())
+    for (const Variant& variant : body.variants(with_exact)) {
+      SCOPED_TRACE(body.name + " " + variant.name);
+      test(body, variant);
+    }
 }
 
 }  // namespace stroma::test

@@ -175,31 +175,30 @@ TEST(ForceFieldContract, EveryRegisteredForceField) {
   EXPECT_GE(tested, 5);
 }
 
-TEST(ForceFieldContract, EveryVariantOfTheTetrahedra) {
-  for (const Variant& variant : tetrahedraVariants())
+TEST(ForceFieldContract, EveryElasticVariant) {
+  forEachElasticVariant(true, [](const ElasticBody& body, const Variant& variant) {
     for (double noise : {0.02, 0.25}) {
-      FieldUnderTest t(tetrahedraScene(variant.attributes), "TetrahedronFEMForceField");
+      FieldUnderTest t(body.scene(variant.attributes), body.type);
       t.deform(noise);
-      expectConsistent(t, variant.name + " noise " + std::to_string(noise), noise < 0.1);
+      expectConsistent(t, body.name + " " + variant.name + " noise " + std::to_string(noise), noise < 0.1);
     }
+  });
 }
 
 TEST(ForceFieldContract, OwnMatrixGivesTheSameProduct) {
-  for (const Variant& variant : tetrahedraVariants()) {
-    SCOPED_TRACE(variant.name);
-    FieldUnderTest free(tetrahedraScene(variant.attributes + " assembling=\"false\""), "TetrahedronFEMForceField");
-    FieldUnderTest kept(tetrahedraScene(variant.attributes + " assembling=\"true\""), "TetrahedronFEMForceField");
+  forEachElasticVariant(true, [](const ElasticBody& body, const Variant& variant) {
+    FieldUnderTest free(body.scene(variant.attributes + " assembling=\"false\""), body.type);
+    FieldUnderTest kept(body.scene(variant.attributes + " assembling=\"true\""), body.type);
     free.deform(0.1), kept.deform(0.1);
     EXPECT_LT(relativeDifference(free.product(free.direction), kept.product(kept.direction)), 1e-12);
     kept.deform(0.1, 5), free.deform(0.1, 5);  // the matrix follows the shape
     EXPECT_LT(relativeDifference(free.product(free.direction), kept.product(kept.direction)), 1e-12);
-  }
+  });
 }
 
 TEST(ForceFieldContract, RestAndRigidMotion) {
-  for (const Variant& variant : tetrahedraVariants(false)) {
-    SCOPED_TRACE(variant.name);
-    FieldUnderTest t(tetrahedraScene(variant.attributes), "TetrahedronFEMForceField");
+  forEachElasticVariant(false, [](const ElasticBody& body, const Variant& variant) {
+    FieldUnderTest t(body.scene(variant.attributes), body.type);
     expectBalanced(t, variant.name, variant.name != "small");
     t.deform(0.1);
     Vector strong = t.force();
@@ -214,11 +213,12 @@ TEST(ForceFieldContract, RestAndRigidMotion) {
       EXPECT_GT(std::sqrt(dot(f, f)), 0.1 * scale) << "pure linear elasticity swells when it turns";
     else
       EXPECT_LT(std::sqrt(dot(f, f)), 1e-11 * scale);
-  }
+  });
 }
 
-TEST(ForceFieldContract, MaterialOneATetrahedron) {
-  FieldUnderTest one(tetrahedraScene("method=\"polar\""), "TetrahedronFEMForceField");
+void expectMaterialOneACell(const ElasticBody& body) {
+  SCOPED_TRACE(body.name);
+  FieldUnderTest one(body.scene("method=\"polar\""), body.type);
   const std::size_t count = [&] {
     std::vector<double> j;
     one.field().cellField("J", one.x, j);
@@ -226,24 +226,25 @@ TEST(ForceFieldContract, MaterialOneATetrahedron) {
   }();
   std::string list, twice;
   for (std::size_t e = 0; e < count; ++e) list += "3000 ", twice += e < count / 2 ? "3000 " : "6000 ";
-  FieldUnderTest same(
-      tetrahedraScene("method=\"polar\" localStiffnessFactor=\"1\" topology=\"@TetrahedronSetTopologyContainer\""),
-      "TetrahedronFEMForceField");
+  FieldUnderTest same(body.scene("method=\"polar\" localStiffnessFactor=\"1\""), body.type);
   one.deform(0.1), same.deform(0.1);
   EXPECT_EQ(relativeDifference(one.force(), same.force()), 0);
-  const std::string base = tetrahedraScene("method=\"polar\"");
+  const std::string base = body.scene("method=\"polar\"");
   auto with = [&](const std::string& moduli) {
     std::string text = base;
     const std::string old = "youngModulus=\"3000\"";
     return text.replace(text.find(old), old.size(), "youngModulus=\"" + moduli + "\"");
   };
-  FieldUnderTest listed(with(list), "TetrahedronFEMForceField"), stiffer(with(twice), "TetrahedronFEMForceField");
+  FieldUnderTest listed(with(list), body.type), stiffer(with(twice), body.type);
   listed.deform(0.1), stiffer.deform(0.1);
   EXPECT_EQ(relativeDifference(one.force(), listed.force()), 0);
   const double energy = one.field().energy(one.x), more = stiffer.field().energy(stiffer.x);
   EXPECT_GT(more, 1.2 * energy);
   EXPECT_LT(more, 2 * energy);
   EXPECT_NE(problemsOf(with("3000 4000")).find("youngModulus has 2 values"), std::string::npos);
+}
+TEST(ForceFieldContract, MaterialOneACell) {
+  for (const ElasticBody& body : elasticBodies()) expectMaterialOneACell(body);
 }
 
 /// Cells that cover the body twice share its stiffness, not its stress.
@@ -270,17 +271,22 @@ TEST(ForceFieldContract, StressDoesNotDependOnTheCutting) {
 }
 
 TEST(ForceFieldContract, VariantsWithoutMeaningAreRefused) {
-  EXPECT_NE(problemsOf(tetrahedraScene("method=\"small\" updateStiffnessMatrix=\"true\""))
-                .find("no meaning for method small"),
-            std::string::npos);
-  EXPECT_NE(problemsOf(tetrahedraScene("method=\"nodal\" updateStiffnessMatrix=\"true\""))
-                .find("no meaning for method nodal"),
-            std::string::npos);
-  EXPECT_NE(problemsOf(tetrahedraScene("method=\"polar\" updateVolume=\"true\"")).find("updateVolume"),
-            std::string::npos);
-  EXPECT_NE(problemsOf(tetrahedraScene("method=\"nodal\" tangent=\"exact\"")).find("no exact tangent"),
-            std::string::npos);
-  EXPECT_NE(problemsOf(tetrahedraScene("method=\"poler\"")).find("polar"), std::string::npos);
+  const auto expectRefused = [](const ElasticBody& body, const std::string& attributes, const std::string& words) {
+    const std::string problems = problemsOf(body.scene(attributes));
+    EXPECT_NE(problems.find(words), std::string::npos) << attributes << ": " << problems;
+  };
+  for (const ElasticBody& body : elasticBodies()) {
+    SCOPED_TRACE(body.name);
+    expectRefused(body, "method=\"small\" updateStiffnessMatrix=\"true\"", "no meaning for method small");
+    expectRefused(body, "method=\"green\" updateStiffnessMatrix=\"true\"", "no meaning for method green");
+    expectRefused(body, "method=\"green\" tangent=\"warped\"", "no warped tangent");
+    expectRefused(body, "method=\"polar\" updateVolume=\"true\"", "updateVolume");
+    expectRefused(body, "method=\"poler\"", "polar");
+    expectRefused(body, "template=\"Vec3,Prism\"", "Vec3,");
+    expectRefused(body, body.tetrahedra ? "method=\"nodal\" tangent=\"exact\"" : "method=\"nodal\"",
+                  body.tetrahedra ? "no exact tangent" : "method nodal does not exist for a hexahedron");
+  }
+  expectRefused(bodyOfTetrahedra(), "method=\"nodal\" updateStiffnessMatrix=\"true\"", "no meaning for method nodal");
 }
 
 }  // namespace

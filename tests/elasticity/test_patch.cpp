@@ -91,7 +91,7 @@ std::string patchScene(const std::string& attributes, const Mat3& r, bool solve)
 
 TEST(PatchTest, SolvedAndTurned) {
   const Mat3 turn = Eigen::AngleAxisd(1.1, Vec3(1, -2, 0.7).normalized()).toRotationMatrix();
-  for (const Variant& variant : tetrahedraVariants()) {
+  for (const Variant& variant : bodyOfTetrahedra().variants()) {
     if (variant.name == "nodal") continue;  // ghost forces: no patch test
     for (const Mat3& r : {Mat3(Mat3::Identity()), turn}) {
       const bool turned = !r.isIdentity();

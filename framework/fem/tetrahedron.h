@@ -13,11 +13,11 @@
 // is the same map from dx: one function serves both.
 #pragma once
 #include "framework/fem/rotation.h"
+#include "framework/fem/strain.h"
 
 namespace stroma::tetrahedron {
 
-/// How much of B follows the deformation: the paper's "no B", "B" and "B and V" rows.
-enum class Update : int { none, strain_displacement, strain_displacement_and_volume };
+using namespace elastic;
 
 /// The rest shape: D_m^-1 and D_m, both upper triangular (00, 01, 11, 02, 12, 22), and 1/6V_0 [1/m^3] (V_0 signed).
 template <class T>
@@ -25,68 +25,20 @@ struct Rest {
   T inverse[6], edges[6], inverse_six_volume;
 };
 
-/// Gradients g_1, g_2, g_3 [1/m] in world axes.
+/// What a product reads: the gradients in world axes at the last force evaluation, Lame's constants times V_0 [J]. 88
+/// bytes an element, 104 with the node numbers.
 template <class T>
-struct Gradients {
-  V3<T> g1, g2, g3;
+struct Tangent {
+  Gradients<T> g;
+  T lambda, mu;
 };
 
-/// sum d_i (x) g_i, columns.
+/// Differences from vertex a.
 template <class T>
-M3<T> outerSum(const V3<T> (&d)[3], const Gradients<T>& g) {
-  return {fma(g.g1.x, d[0], fma(g.g2.x, d[1], d[2] * g.g3.x)), fma(g.g1.y, d[0], fma(g.g2.y, d[1], d[2] * g.g3.y)),
-          fma(g.g1.z, d[0], fma(g.g2.z, d[1], d[2] * g.g3.z))};
-}
-
-// Strains are held as eps_xx eps_yy eps_zz and 2 eps_xy 2 eps_yz 2 eps_zx.
-
-/// a . b + c . d
-template <class T>
-T dotSum(T a1, T b1, T a2, T b2, T a3, T b3) {
-  return fma(a1, b1, fma(a2, b2, a3 * b3));
-}
-template <class T>
-T dotSum(T a1, T b1, T a2, T b2, T a3, T b3, T rest) {
-  return fma(a1, b1, fma(a2, b2, fma(a3, b3, rest)));
-}
-
-/// The strain sym(sum d_i (x) g_i).
-template <class T>
-S3<T> strainOf(const V3<T> (&d)[3], const Gradients<T>& g) {
-  return {
-      dotSum(d[0].x, g.g1.x, d[1].x, g.g2.x, d[2].x, g.g3.x),
-      dotSum(d[0].y, g.g1.y, d[1].y, g.g2.y, d[2].y, g.g3.y),
-      dotSum(d[0].z, g.g1.z, d[1].z, g.g2.z, d[2].z, g.g3.z),
-      dotSum(d[0].x, g.g1.y, d[1].x, g.g2.y, d[2].x, g.g3.y, dotSum(d[0].y, g.g1.x, d[1].y, g.g2.x, d[2].y, g.g3.x)),
-      dotSum(d[0].y, g.g1.z, d[1].y, g.g2.z, d[2].y, g.g3.z, dotSum(d[0].z, g.g1.y, d[1].z, g.g2.y, d[2].z, g.g3.y)),
-      dotSum(d[0].z, g.g1.x, d[1].z, g.g2.x, d[2].z, g.g3.x, dotSum(d[0].x, g.g1.z, d[1].x, g.g2.z, d[2].x, g.g3.z))};
-}
-
-/// The strain sym(A B^T) of two matrices: columns of A against columns of B.
-template <class T>
-S3<T> strainOfProduct(const M3<T>& a, const M3<T>& b) {
-  const V3<T> d[3] = {a.c0, a.c1, a.c2};
-  return strainOf(d, Gradients<T>{b.c0, b.c1, b.c2});
-}
-
-template <class T>
-S3<T> minusIdentity(S3<T> strain) {
-  strain.xx -= T(1.), strain.yy -= T(1.), strain.zz -= T(1.);
-  return strain;
-}
-
-/// -V_0 sigma of a strain; `lambda`, `mu` are Lame's constants times V_0 [J].
-template <class T>
-S3<T> restoringStress(const S3<T>& strain, T lambda, T mu) {
-  const T minus_mu = -mu, minus_two_mu = minus_mu + minus_mu;
-  const T pressure = -lambda * (strain.xx + strain.yy + strain.zz);
-  return {fma(minus_two_mu, strain.xx, pressure),
-          fma(minus_two_mu, strain.yy, pressure),
-          fma(minus_two_mu, strain.zz, pressure),
-          minus_mu * strain.xy,
-          minus_mu * strain.yz,
-          minus_mu * strain.zx};
-}
+struct Edges {
+  V3<T> e[3];
+  explicit Edges(const V3<T> (&x)[4]) : e{x[1] - x[0], x[2] - x[0], x[3] - x[0]} {}
+};
 
 /// f_i = s g_i, f_a = -sum, for s = -V_0 sigma.
 template <class T>
@@ -127,18 +79,6 @@ void rotatedRestEdges(const Rest<T>& rest, const M3<T>& r, V3<T> (&out)[3]) {
   out[2] = fma(m[3], r.c0, fma(m[4], r.c1, r.c2 * m[5]));
 }
 
-/// The scale of n_i in g_i for "B and V": sign(V) / (6 sqrt(|V| |V_0|)). A flat element would make it infinite: |V| is
-/// not taken below this part of |V_0|. The paper's remedy is not to update V; this bound is ours.
-constexpr double smallest_volume_ratio = 1e-3;
-
-template <class T>
-T volumeScale(T six_volume, T inverse_six_volume) {
-  T ratio = six_volume * inverse_six_volume;
-  ratio = select(abs(ratio) < T(smallest_volume_ratio),
-                 select(ratio < T(0.), T(-smallest_volume_ratio), T(smallest_volume_ratio)), ratio);
-  return inverse_six_volume * select(ratio < T(0.), T(-1.), T(1.)) / sqrt(abs(ratio));
-}
-
 /// What a force evaluation makes of an element: R, g and the strain sym H.
 template <class T>
 struct Kinematics {
@@ -160,7 +100,7 @@ Kinematics<T> kinematics(const Rest<T>& rest, const V3<T> (&x)[4]) {
     const M3<T> n = cofactor(M3<T>{e[0], e[1], e[2]});
     T scale = rest.inverse_six_volume;
     if constexpr (update == Update::strain_displacement_and_volume)
-      scale = volumeScale(dot(e[0], n.c0), rest.inverse_six_volume);
+      scale = volumeScale(dot(e[0], n.c0) * rest.inverse_six_volume, rest.inverse_six_volume);
     k.g = {n.c0 * scale, n.c1 * scale, n.c2 * scale};
     V3<T> rest_edges[3];
     rotatedRestEdges(rest, k.rotation, rest_edges);
@@ -168,15 +108,6 @@ Kinematics<T> kinematics(const Rest<T>& rest, const V3<T> (&x)[4]) {
     k.strain = strainOf(d, k.g);
   }
   return k;
-}
-
-/// 1/2 V_0 sigma : eps
-template <class T>
-T storedEnergy(const S3<T>& strain, T lambda, T mu) {
-  const T half(0.5), trace = strain.xx + strain.yy + strain.zz;
-  const T normal = dotSum(strain.xx, strain.xx, strain.yy, strain.yy, strain.zz, strain.zz);
-  const T shear = dotSum(strain.xy, strain.xy, strain.yz, strain.yz, strain.zx, strain.zx);
-  return half * lambda * trace * trace + mu * fma(half, shear, normal);
 }
 
 /// df = derivative of the force in the direction dx at x: dR and dg included.
@@ -198,10 +129,10 @@ void exactProduct(const Rest<T>& rest, T lambda, T mu, const V3<T> (&x)[4], cons
                    cross(de[0], e[1]) + cross(e[0], de[1])};
     T scale = rest.inverse_six_volume, dscale(0.);
     if constexpr (update == Update::strain_displacement_and_volume) {
-      const T six_volume = dot(e[0], n.c0), dsix_volume = dot(de[0], n.c0) + dot(de[1], n.c1) + dot(de[2], n.c2);
-      scale = volumeScale(six_volume, rest.inverse_six_volume);
-      const auto bounded = abs(six_volume * rest.inverse_six_volume) < T(smallest_volume_ratio);
-      dscale = select(bounded, T(0.), T(-0.5) * scale * dsix_volume / select(bounded, T(1.), six_volume));
+      const T ratio = dot(e[0], n.c0) * rest.inverse_six_volume;
+      const T dratio = (dot(de[0], n.c0) + dot(de[1], n.c1) + dot(de[2], n.c2)) * rest.inverse_six_volume;
+      scale = volumeScale(ratio, rest.inverse_six_volume);
+      dscale = volumeScaleDifferential(ratio, dratio, rest.inverse_six_volume);
     }
     dg = {dn.c0 * scale + n.c0 * dscale, dn.c1 * scale + n.c1 * dscale, dn.c2 * scale + n.c2 * dscale};
     V3<T> rest_edges[3], drest_edges[3];

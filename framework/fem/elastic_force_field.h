@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The elastic force fields of meshes: attributes, material, checks and fields, whatever the kind of element.
+#pragma once
+#include "framework/fem/elastic_elements.h"
+#include "framework/mechanics/force_field.h"
+#include "framework/mesh/topology.h"
+
+namespace stroma {
+
+class ElasticForceField : public ForceField {
+ public:
+  /// The words of `method`: first those of ElasticMethod, then other components' words for the same.
+  enum class Word : int {
+    small, large, polar, svd, nodal, green, qr, none, polar2, triangle, hexahedron, stable_polar, identity,
+    green_lagrange
+  };
+
+  // ---- set by the registration of a name ----
+  std::vector<std::string> kinds;  ///< words of the kinds that it serves; empty: all
+  Word method_word = Word::large;
+  bool only_small = false;         ///< a name that stands for method small
+
+  void declare(DataTable& table) override;
+  void init() override;
+  ForceTraits traits() const override;
+  void compile() override;
+
+  double energy(ConstRows x) const override { return method_->energy(x); }
+  void addForce(ConstRows x, ConstRows, Rows f) override { method_->addForce(x, f); }
+  void addForceAndProduct(ConstRows x, ConstRows, ConstRows dx, double factor, Rows f, Rows df) override {
+    method_->addForceAndProduct(x, dx, factor, f, df);
+  }
+  void addStiffnessProduct(ConstRows dx, double factor, Rows df) const override {
+    method_->addProduct(dx, factor, df);
+  }
+  void addPattern(BlockPattern& pattern) const override { method_->addPattern(pattern); }
+  void prepareAssembly(const BlockMatrix& matrix) override { slots_ = method_->slots(matrix); }
+  void addStiffness(double factor, BlockMatrix& matrix) const override {
+    method_->assemble(factor, slots_, matrix.values());
+  }
+  void addStiffnessDiagonal(double factor, std::vector<double>& blocks) const override {
+    method_->assembleDiagonal(factor, blocks);
+  }
+  Cost cost() const override;
+  std::string worstElement(ConstRows x) const override;
+  std::vector<std::string> cellFields() const override { return {"vonMises", "J", "strain"}; }
+  void cellField(const std::string& name, ConstRows x, std::vector<double>& out) const override;
+
+ private:
+  enum class Tangent : int { warped, exact };
+  enum class Assembling : int { automatic, yes, no };
+
+  void chooseKind(const Topology& topology);
+  std::vector<ElasticKind> servedKinds() const;
+  void checkVariant() const;
+  void checkMaterial() const;
+  Lame lame(std::size_t cell) const;
+  ConstRows ownRows(ConstRows x) const;
+  bool isSet(const char* attribute) const { return data().find(attribute)->isSet(); }
+
+  Link<Topology> topology_{"topology"};
+  std::string template_;
+  std::vector<double> young_modulus_{5000}, poisson_ratio_{0.45}, stiffness_factor_;
+  bool update_b_ = false, update_volume_ = false;
+  Tangent tangent_ = Tangent::warped;
+  Assembling assembling_ = Assembling::automatic;
+  double plastic_max_threshold_ = 0;
+
+  const Mesh* mesh_ = nullptr;
+  ElasticVariant variant_;
+  std::string kind_word_;  ///< "tetrahedron", for messages
+  std::unique_ptr<ElasticElements> elements_;
+  std::unique_ptr<ElementMethod> method_;
+  std::vector<Index> slots_;
+};
+
+}  // namespace stroma

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+namespace stroma {
+
+namespace elastic {
+/// How much of B follows the deformation: the "no B", "B" and "B and V" rows of Nesme et al. 2005.
+enum class Update : int { none, strain_displacement, strain_displacement_and_volume };
+}  // namespace elastic
+
+enum class ElasticMethod : int { small, large, polar, svd, nodal, green };
+
+/// What a scene chooses; checked by ElasticForceField.
+struct ElasticVariant {
+  ElasticMethod method = ElasticMethod::large;
+  elastic::Update update = elastic::Update::none;
+  bool exact_tangent = false;  ///< of the rotated methods
+  bool own_matrix = false;     ///< products through the field's own assembled matrix
+};
+
+}  // namespace stroma

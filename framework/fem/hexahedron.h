@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The mathematics of the trilinear hexahedron with 2x2x2 Gauss points, free of meshes and nodes.
+//
+// Modes. With s_a = (xi_a, eta_a, zeta_a) = (+-1, +-1, +-1) the corners in the order of VTK, the position in an element is
+//   x = x_0 + xi u_xi + eta u_eta + zeta u_zeta + xi eta u_xi_eta + eta zeta u_eta_zeta + zeta xi u_zeta_xi
+//       + xi eta zeta u_all,                        8 u_m = sum_a m(s_a) x_a: 23 sums a component, no products.
+// Everything here works with the 21 numbers of 8 u_m ("modes"); forces on modes go back to nodes by the transpose of the
+// same sums. Derivatives at the Gauss points (+-1, +-1, +-1)/sqrt 3 follow from modes with 8 multiply-adds a component and
+// axis, because the one along xi depends on eta and zeta alone.
+//
+// Rest shape: modes X in the frame of the mean edges (xi on x, eta in the xy plane); J_0 = dX/d(xi, eta, zeta) at a Gauss
+// point and a = J_0^-1, whose rows are the gradients of xi, eta, zeta. F = J a; weight w = |det J_0|.
+// R = rotation of F of the mean edges: F_mean = [u_xi u_eta u_zeta] [X_xi X_eta X_zeta]^-1. In all variants
+//   H = sum_i (J - R J_0)_i (x) g_i over the columns i, eps = sym H, sigma = lambda tr(eps) I + 2 mu eps,
+// and the force is -sum over Gauss points of w sigma g (the same B gives strain and force), with
+//   B not updated:   g = R a
+//   B updated:       g_i = n_i / det J_0, n_i the columns of the cofactor matrix of J
+//   B and V updated: g_i = n_i / det J, and the weight |det J|
+// Source: M. Nesme et al. 2005, sections 2, 3 and 5.1 and appendix A. Gradients are stored with w^1/2 / 8, so that
+// products need no weight.
+#pragma once
+#include "framework/fem/rotation.h"
+#include "framework/fem/strain.h"
+
+namespace stroma::hexahedron {
+
+using namespace elastic;
+
+constexpr double gauss = 0.577350269189625764509;  // 1/sqrt 3
+
+/// 8 u_m, see above; or forces on u_m, over 8. The mean position is left out: nothing depends on it.
+template <class T>
+struct Modes {
+  V3<T> xi, eta, zeta, xi_eta, eta_zeta, zeta_xi, all;
+};
+
+/// Calls f(mode of a, mode of b) for each of the seven.
+template <class A, class B, class F>
+void forEachMode(A& a, B& b, F&& f) {
+  f(a.xi, b.xi), f(a.eta, b.eta), f(a.zeta, b.zeta), f(a.xi_eta, b.xi_eta), f(a.eta_zeta, b.eta_zeta),
+      f(a.zeta_xi, b.zeta_xi), f(a.all, b.all);
+}
+
+template <class T>
+Modes<T> modesOf(const V3<T> (&x)[8]) {
+  struct Level {  // of one face zeta = const
+    V3<T> sum, xi, eta, xi_eta;
+    Level(const V3<T>& a, const V3<T>& b, const V3<T>& c, const V3<T>& d) {
+      const V3<T> front = b - a, back = c - d, front_sum = a + b, back_sum = c + d;
+      sum = back_sum + front_sum, xi = back + front, eta = back_sum - front_sum, xi_eta = back - front;
+    }
+  };
+  const Level low(x[0], x[1], x[2], x[3]), high(x[4], x[5], x[6], x[7]);
+  return {high.xi + low.xi,     high.eta + low.eta, high.sum - low.sum,      high.xi_eta + low.xi_eta,
+          high.eta - low.eta,   high.xi - low.xi,   high.xi_eta - low.xi_eta};
+}
+
+/// f_a = sum over modes m(s_a) f_m: the transpose of modesOf.
+template <class T>
+void nodesOf(const Modes<T>& m, V3<T> (&f)[8]) {
+  const auto level = [&](const V3<T>& sum, const V3<T>& xi, const V3<T>& eta, const V3<T>& xi_eta, int first) {
+    const V3<T> front = xi - xi_eta, back = xi + xi_eta, front_sum = sum - eta, back_sum = sum + eta;
+    f[first] = front_sum - front, f[first + 1] = front_sum + front;
+    f[first + 2] = back_sum + back, f[first + 3] = back_sum - back;
+  };
+  level(-m.zeta, m.xi - m.zeta_xi, m.eta - m.eta_zeta, m.xi_eta - m.all, 0);
+  level(m.zeta, m.xi + m.zeta_xi, m.eta + m.eta_zeta, m.xi_eta + m.all, 4);
+}
+
+template <class T>
+Modes<T> rotated(const M3<T>& r, const Modes<T>& m) {
+  Modes<T> out;
+  forEachMode(out, m, [&](V3<T>& a, const V3<T>& b) { a = r * b; });
+  return out;
+}
+/// R^T m
+template <class T>
+Modes<T> rotatedBack(const M3<T>& r, const Modes<T>& m) {
+  Modes<T> out;
+  forEachMode(out, m, [&](V3<T>& a, const V3<T>& b) { a = transposedTimes(r, b); });
+  return out;
+}
+template <class T>
+Modes<T> operator-(const Modes<T>& a, const Modes<T>& b) {
+  Modes<T> out = a;
+  forEachMode(out, b, [](V3<T>& c, const V3<T>& d) { c = c - d; });
+  return out;
+}
+template <class T>
+Modes<T> operator+(const Modes<T>& a, const Modes<T>& b) {
+  Modes<T> out = a;
+  forEachMode(out, b, [](V3<T>& c, const V3<T>& d) { c = c + d; });
+  return out;
+}
+template <class T>
+T dot(const Modes<T>& a, const Modes<T>& b) {
+  T sum(0.);
+  forEachMode(a, b, [&](const V3<T>& c, const V3<T>& d) { sum += stroma::dot(c, d); });
+  return sum;
+}
+template <class T>
+M3<T> meanEdges(const Modes<T>& m) {
+  return {m.xi, m.eta, m.zeta};
+}
+
+// ---- Gauss points; point p has xi = +- for its first bit, eta for the second, zeta for the third (1: plus) ----
+
+/// Derivatives along the axes at the Gauss points: xi[i] at (eta, zeta) = bits of i, eta[i] at (zeta, xi), zeta[i] at
+/// (xi, eta).
+template <class T>
+struct PointValues {
+  V3<T> xi[4], eta[4], zeta[4];
+  /// The index of Gauss point p in xi, eta and zeta.
+  static constexpr int ofXi(int p) { return p >> 1; }
+  static constexpr int ofEta(int p) { return (p >> 2) | (p & 1) << 1; }
+  static constexpr int ofZeta(int p) { return p & 3; }
+};
+
+/// a + first b + second c + first second d at the four combinations of (+-1/sqrt 3, +-1/sqrt 3).
+template <class T>
+void bilinear(const V3<T>& a, const V3<T>& b, const V3<T>& c, const V3<T>& d, V3<T> (&out)[4]) {
+  const T g(gauss), minus(-gauss);
+  const V3<T> a_minus = fma(minus, b, a), a_plus = fma(g, b, a), c_minus = fma(minus, d, c), c_plus = fma(g, d, c);
+  out[0] = fma(minus, c_minus, a_minus), out[1] = fma(minus, c_plus, a_plus);
+  out[2] = fma(g, c_minus, a_minus), out[3] = fma(g, c_plus, a_plus);
+}
+/// Its transpose: adds to a, b, c, d.
+template <class T>
+void bilinearTransposed(const V3<T> (&in)[4], V3<T>& a, V3<T>& b, V3<T>& c, V3<T>& d) {
+  const T g(gauss);
+  const V3<T> sum_minus = in[2] + in[0], sum_plus = in[3] + in[1];
+  const V3<T> difference_minus = (in[2] - in[0]) * g, difference_plus = (in[3] - in[1]) * g;
+  a = a + (sum_plus + sum_minus), b = fma(g, sum_plus - sum_minus, b);
+  c = c + (difference_plus + difference_minus), d = fma(g, difference_plus - difference_minus, d);
+}
+
+template <class T>
+PointValues<T> atPoints(const Modes<T>& m) {
+  PointValues<T> p;
+  bilinear(m.xi, m.xi_eta, m.zeta_xi, m.all, p.xi);
+  bilinear(m.eta, m.eta_zeta, m.xi_eta, m.all, p.eta);
+  bilinear(m.zeta, m.zeta_xi, m.eta_zeta, m.all, p.zeta);
+  return p;
+}
+template <class T>
+Modes<T> fromPoints(const PointValues<T>& p) {
+  Modes<T> m;
+  bilinearTransposed(p.xi, m.xi, m.xi_eta, m.zeta_xi, m.all);
+  bilinearTransposed(p.eta, m.eta, m.eta_zeta, m.xi_eta, m.all);
+  bilinearTransposed(p.zeta, m.zeta, m.zeta_xi, m.eta_zeta, m.all);
+  return m;
+}
+
+/// J at Gauss point p: its columns.
+template <class T>
+struct Columns {
+  V3<T> d[3];
+  Columns(const PointValues<T>& v, int p)
+      : d{v.xi[v.ofXi(p)], v.eta[v.ofEta(p)], v.zeta[v.ofZeta(p)]} {}
+  M3<T> matrix() const { return {d[0], d[1], d[2]}; }
+};
+template <class T>
+void addColumns(const V3<T>& a, const V3<T>& b, const V3<T>& c, int p, PointValues<T>& out) {
+  V3<T>&x = out.xi[out.ofXi(p)], &e = out.eta[out.ofEta(p)], &z = out.zeta[out.ofZeta(p)];
+  x = x + a, e = e + b, z = z + c;
+}
+
+/// Adds s g_i at Gauss point p.
+template <class T>
+void addStress(const S3<T>& s, const Gradients<T>& g, int p, PointValues<T>& out) {
+  addColumns(s * g.g1, s * g.g2, s * g.g3, p, out);
+}
+
+/// -B^T D B of modes, with the gradients g of each Gauss point: the warped tangent, and the whole of a linear element.
+template <class T>
+Modes<T> stiffnessProduct(const Gradients<T> (&g)[8], T lambda, T mu, const Modes<T>& modes) {
+  const PointValues<T> d = atPoints(modes);
+  PointValues<T> forces;
+  for (int p = 0; p < 8; ++p)
+    addStress(restoringStress(strainOf(Columns<T>(d, p).d, g[p]), lambda, mu), g[p], p, forces);
+  return fromPoints(forces);
+}
+
+// ---- boxes: a = diag(i, j, k) is the same at all Gauss points, and modes separate ----
+// H is a sum of 1, xi, eta, zeta, xi eta, eta zeta, zeta xi with a coefficient each, whose squares integrate to 1, 1/3 and
+// 1/9: K falls apart in one full strain, three strains of two columns and a diagonal.
+
+template <class T>
+V3<T> cycled(const V3<T>& v) {
+  return {v.y, v.z, v.x};
+}
+template <class T>
+V3<T> cycledBack(const V3<T>& v) {
+  return {v.z, v.x, v.y};
+}
+
+/// H = [a i, b j, 0]: adds -sigma_x i to fa and -sigma_y j to fb.
+template <class T>
+void addTwoColumns(const V3<T>& a, const V3<T>& b, T i, T j, T lambda, T mu, V3<T>& fa, V3<T>& fb) {
+  const T minus_mu = -mu, xx = a.x * i, yy = b.y * j, two_mu = minus_mu + minus_mu;
+  const T pressure = lambda * (xx + yy), shear = minus_mu * fma(a.y, i, b.x * j);
+  const T xz = minus_mu * (a.z * i), yz = minus_mu * (b.z * j);
+  const V3<T> sx{fma(two_mu, xx, -pressure), shear, xz}, sy{shear, fma(two_mu, yy, -pressure), yz};
+  fa = fma(i, sx, fa), fb = fma(j, sy, fb);
+}
+
+/// What a box needs: inverse = (i, j, k) = 2 / edge lengths [1/m]; Lame's constants times w/8.
+template <class T>
+struct BoxStiffness {
+  T inverse[3], lambda, mu;
+};
+
+/// -K of a box's modes in its own axes.
+template <class T>
+Modes<T> boxProduct(const BoxStiffness<T>& box, T lambda, T mu, const Modes<T>& m) {
+  const T i = box.inverse[0], j = box.inverse[1], k = box.inverse[2];
+  Modes<T> f;
+  {
+    const S3<T> strain{m.xi.x * i,
+                       m.eta.y * j,
+                       m.zeta.z * k,
+                       fma(m.xi.y, i, m.eta.x * j),
+                       fma(m.eta.z, j, m.zeta.y * k),
+                       fma(m.zeta.x, k, m.xi.z * i)};
+    const S3<T> s = restoringStress(strain, lambda, mu);
+    f.xi = V3<T>{s.xx, s.xy, s.zx} * i, f.eta = V3<T>{s.xy, s.yy, s.yz} * j, f.zeta = V3<T>{s.zx, s.yz, s.zz} * k;
+  }
+  const T third(1. / 3), ninth(1. / 9), lambda3 = lambda * third, mu3 = mu * third;
+  // zeta: columns x, y; xi: columns y, z; eta: columns z, x
+  addTwoColumns(m.zeta_xi, m.eta_zeta, i, j, lambda3, mu3, f.zeta_xi, f.eta_zeta);
+  V3<T> fa, fb;
+  addTwoColumns(cycled(m.xi_eta), cycled(m.zeta_xi), j, k, lambda3, mu3, fa, fb);
+  f.xi_eta = f.xi_eta + cycledBack(fa), f.zeta_xi = f.zeta_xi + cycledBack(fb);
+  V3<T> fc, fd;
+  addTwoColumns(cycledBack(m.eta_zeta), cycledBack(m.xi_eta), k, i, lambda3, mu3, fc, fd);
+  f.eta_zeta = f.eta_zeta + cycled(fc), f.xi_eta = f.xi_eta + cycled(fd);
+
+  const T ii = i * i, jj = j * j, kk = k * k, minus = -ninth;
+  const T shear = mu * (ii + jj + kk), direct = lambda + mu;
+  f.all = {minus * fma(direct, ii, shear) * m.all.x, minus * fma(direct, jj, shear) * m.all.y,
+           minus * fma(direct, kk, shear) * m.all.z};
+  return f;
+}
+
+}  // namespace stroma::hexahedron

@@ -1,0 +1,314 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The methods of a mesh of hexahedra: models for ModelMethod (model_method.h). Meshes of boxes (of any size and
+// orientation) under a constant B have models of their own, four times as fast.
+#pragma once
+#include "framework/fem/hexahedron.h"
+#include "framework/fem/model_method.h"
+
+namespace stroma::hexahedron {
+
+struct HexahedronModel {
+  static constexpr int nodes = 8;
+  static constexpr bool reads_position = false;
+};
+
+// ---- boxes ----
+
+/// Edge lengths in the modes' measure: X_xi = 4 a and so on [m].
+template <class T>
+struct BoxRest {
+  T edges[3];
+};
+/// What a box's product reads: its axes at the last force, and its stiffness. 112 bytes, 144 with the node numbers.
+template <class T>
+struct BoxTangent {
+  M3<T> axes;
+  BoxStiffness<T> stiffness;
+};
+
+struct BoxModel : HexahedronModel {
+  template <class T>
+  using Rest = BoxRest<T>;
+  template <class T>
+  using Tangent = BoxTangent<T>;
+
+  template <class T>
+  static void product(const BoxRest<T>&, const BoxTangent<T>& t, T factor, const V3<T> (&)[8], const V3<T> (&dx)[8],
+                      V3<T> (&df)[8]) {
+    const M3<T> r = t.axes;
+    const Modes<T> own = rotatedBack(r, modesOf(dx));
+    nodesOf(rotated(r, boxProduct(t.stiffness, factor * t.stiffness.lambda, factor * t.stiffness.mu, own)), df);
+  }
+
+ protected:
+  /// R^T u - X
+  template <class T>
+  static Modes<T> displacement(const BoxRest<T>& rest, const M3<T>& r, const Modes<T>& m) {
+    Modes<T> d = rotatedBack(r, m);
+    d.xi.x -= rest.edges[0], d.eta.y -= rest.edges[1], d.zeta.z -= rest.edges[2];
+    return d;
+  }
+  template <class T>
+  static void forceIn(const BoxRest<T>& rest, const BoxTangent<T>& t, const M3<T>& r, const Modes<T>& m,
+                      V3<T> (&f)[8]) {
+    const Modes<T> own =
+        boxProduct(t.stiffness, t.stiffness.lambda, t.stiffness.mu, displacement(rest, r, m));
+    nodesOf(rotated(r, own), f);
+  }
+  template <class T>
+  static T energyIn(const BoxRest<T>& rest, const BoxTangent<T>& t, const M3<T>& r, const Modes<T>& m) {
+    const Modes<T> d = displacement(rest, r, m);
+    return T(-0.5) * dot(d, boxProduct(t.stiffness, t.stiffness.lambda, t.stiffness.mu, d));
+  }
+  /// F of the mean edges: columns times 1/X.
+  template <class T>
+  static M3<T> meanDeformation(const BoxTangent<T>& t, const Modes<T>& m) {
+    const T* inverse = t.stiffness.inverse;
+    const T eighth(0.125);
+    return {m.xi * (inverse[0] * eighth), m.eta * (inverse[1] * eighth), m.zeta * (inverse[2] * eighth)};
+  }
+};
+
+/// method = small: the axes stay those of the rest shape.
+struct BoxLinear : BoxModel {
+  template <class T>
+  static void force(const BoxRest<T>& rest, const BoxTangent<T>& t, const V3<T> (&x)[8], V3<T> (&f)[8]) {
+    forceIn(rest, t, t.axes, modesOf(x), f);
+  }
+  template <class T>
+  static T energy(const BoxRest<T>& rest, const BoxTangent<T>& t, const V3<T> (&x)[8]) {
+    return energyIn(rest, t, t.axes, modesOf(x));
+  }
+};
+
+/// method = large, polar, svd with a constant B and the warped tangent.
+template <class Rotation>
+struct BoxCorotational : BoxModel {
+  template <class T>
+  static void force(const BoxRest<T>& rest, BoxTangent<T>& t, const V3<T> (&x)[8], V3<T> (&f)[8]) {
+    const Modes<T> m = modesOf(x);
+    const M3<T> r = Rotation::of(meanDeformation(t, m));
+    t.axes = r;
+    forceIn(rest, t, r, m, f);
+  }
+  template <class T>
+  static T energy(const BoxRest<T>& rest, const BoxTangent<T>& t, const V3<T> (&x)[8]) {
+    const Modes<T> m = modesOf(x);
+    return energyIn(rest, t, Rotation::of(meanDeformation(t, m)), m);
+  }
+};
+
+// ---- any shape ----
+
+/// The rest shape in its own frame (that of its mean edges; world axes for method small). 840 bytes.
+template <class T>
+struct PointRest {
+  T inverse_edges[6];          ///< [X_xi X_eta X_zeta]^-1, upper triangular (00, 01, 11, 02, 12, 22)
+  Modes<T> modes;              ///< X
+  Gradients<T> g[8];           ///< w^1/2 / 8 times the rows of J_0^-1
+  T scale[8];                  ///< of the cofactors of a J made of modes: sign(det J_0) / (512 w^1/2)
+  T inverse_determinant[8];    ///< of a J_0 made of modes, 512 det J_0
+};
+/// What a product reads: gradients in world axes at the last force (of the rest shape before the first), Lame's
+/// constants [Pa]. 592 bytes, 624 with the node numbers.
+template <class T>
+struct PointTangent {
+  Gradients<T> g[8];
+  T lambda, mu;
+};
+
+/// E U for an upper triangular U.
+template <class T>
+M3<T> timesUpper(const M3<T>& e, const T (&u)[6]) {
+  return {e.c0 * u[0], fma(u[1], e.c0, e.c1 * u[2]), fma(u[3], e.c0, fma(u[4], e.c1, e.c2 * u[5]))};
+}
+
+struct PointModel : HexahedronModel {
+  template <class T>
+  using Rest = PointRest<T>;
+  template <class T>
+  using Tangent = PointTangent<T>;
+
+  template <class T>
+  static void product(const PointRest<T>&, const PointTangent<T>& t, T factor, const V3<T> (&)[8],
+                      const V3<T> (&dx)[8], V3<T> (&df)[8]) {
+    nodesOf(stiffnessProduct(t.g, factor * t.lambda, factor * t.mu, modesOf(dx)), df);
+  }
+};
+
+/// method = small.
+struct PointLinear : PointModel {
+  template <class T>
+  static void force(const PointRest<T>& rest, const PointTangent<T>& t, const V3<T> (&x)[8], V3<T> (&f)[8]) {
+    nodesOf(stiffnessProduct(t.g, t.lambda, t.mu, modesOf(x) - rest.modes), f);
+  }
+  template <class T>
+  static T energy(const PointRest<T>& rest, const PointTangent<T>& t, const V3<T> (&x)[8]) {
+    const PointValues<T> d = atPoints(modesOf(x) - rest.modes);
+    T sum(0.);
+    for (int p = 0; p < 8; ++p) sum += storedEnergy(strainOf(Columns<T>(d, p).d, t.g[p]), t.lambda, t.mu);
+    return sum;
+  }
+};
+
+/// R, J and J - R J_0 of a shape; gradients of each Gauss point on demand.
+template <class Rotation, Update update, class T>
+struct Kinematics {
+  M3<T> deformation, rotation;
+  PointValues<T> j, d;
+
+  Kinematics(const PointRest<T>& rest, const V3<T> (&x)[8]) {
+    const Modes<T> m = modesOf(x);
+    deformation = timesUpper(meanEdges(m), rest.inverse_edges);
+    rotation = Rotation::of(deformation);
+    if constexpr (update != Update::none) j = atPoints(m);
+    d = atPoints(m - rotated(rotation, rest.modes));
+  }
+  Gradients<T> gradients(const PointRest<T>& rest, int p) const {
+    if constexpr (update == Update::none) return elastic::rotated(rotation, rest.g[p]);
+    const M3<T> c = Columns<T>(j, p).matrix(), n = cofactor(c);
+    T scale = rest.scale[p];
+    if constexpr (update == Update::strain_displacement_and_volume)
+      scale = volumeScale(stroma::dot(c.c0, n.c0) * rest.inverse_determinant[p], scale);
+    return {n.c0 * scale, n.c1 * scale, n.c2 * scale};
+  }
+};
+
+/// method = large, polar, svd with the warped tangent.
+template <class Rotation, Update update>
+struct PointCorotational : PointModel {
+  template <class T>
+  static void force(const PointRest<T>& rest, PointTangent<T>& t, const V3<T> (&x)[8], V3<T> (&f)[8]) {
+    const Kinematics<Rotation, update, T> k(rest, x);
+    PointValues<T> forces;
+    for (int p = 0; p < 8; ++p) {
+      const Gradients<T> g = k.gradients(rest, p);
+      t.g[p] = g;
+      addStress(restoringStress(strainOf(Columns<T>(k.d, p).d, g), t.lambda, t.mu), g, p, forces);
+    }
+    nodesOf(fromPoints(forces), f);
+  }
+  template <class T>
+  static T energy(const PointRest<T>& rest, const PointTangent<T>& t, const V3<T> (&x)[8]) {
+    const Kinematics<Rotation, update, T> k(rest, x);
+    T sum(0.);
+    for (int p = 0; p < 8; ++p)
+      sum += storedEnergy(strainOf(Columns<T>(k.d, p).d, k.gradients(rest, p)), t.lambda, t.mu);
+    return sum;
+  }
+};
+
+/// The same with the exact tangent: dR and dg are differentiated at the x of the last force.
+template <class Rotation, Update update>
+struct ExactPointCorotational : PointCorotational<Rotation, update> {
+  static constexpr bool reads_position = true;
+  template <class T>
+  static void product(const PointRest<T>& rest, const PointTangent<T>& t, T factor, const V3<T> (&x)[8],
+                      const V3<T> (&dx)[8], V3<T> (&df)[8]) {
+    const Kinematics<Rotation, update, T> k(rest, x);
+    const Modes<T> dm = modesOf(dx);
+    const M3<T> dr =
+        Rotation::differential(k.deformation, k.rotation, timesUpper(meanEdges(dm), rest.inverse_edges));
+    const PointValues<T> dj = atPoints(dm), dd = atPoints(dm - rotated(dr, rest.modes));
+    const T lambda = factor * t.lambda, mu = factor * t.mu;
+    PointValues<T> forces;
+    for (int p = 0; p < 8; ++p) {
+      const Gradients<T> g = k.gradients(rest, p), dg = differential(k, rest, dr, dj, p);
+      const Columns<T> d(k.d, p), change(dd, p);
+      addStress(restoringStress(strainOf(change.d, g) + strainOf(d.d, dg), lambda, mu), g, p, forces);
+      addStress(restoringStress(strainOf(d.d, g), lambda, mu), dg, p, forces);
+    }
+    nodesOf(fromPoints(forces), df);
+  }
+
+ private:
+  /// dg of Gauss point p for changes dR and dJ.
+  template <class T>
+  static Gradients<T> differential(const Kinematics<Rotation, update, T>& k, const PointRest<T>& rest, const M3<T>& dr,
+                                   const PointValues<T>& dj, int p) {
+    if constexpr (update == Update::none) return elastic::rotated(dr, rest.g[p]);
+    const Columns<T> c(k.j, p), dc(dj, p);
+    const V3<T>(&e)[3] = c.d, (&de)[3] = dc.d;
+    const M3<T> n = cofactor(c.matrix());
+    const M3<T> dn{cross(de[1], e[2]) + cross(e[1], de[2]), cross(de[2], e[0]) + cross(e[2], de[0]),
+                   cross(de[0], e[1]) + cross(e[0], de[1])};
+    T scale = rest.scale[p], dscale(0.);
+    if constexpr (update == Update::strain_displacement_and_volume) {
+      const T inverse = rest.inverse_determinant[p], ratio = stroma::dot(e[0], n.c0) * inverse;
+      const T dratio =
+          (stroma::dot(de[0], n.c0) + stroma::dot(de[1], n.c1) + stroma::dot(de[2], n.c2)) * inverse;
+      dscale = volumeScaleDifferential(ratio, dratio, scale);
+      scale = volumeScale(ratio, scale);
+    }
+    return {dn.c0 * scale + n.c0 * dscale, dn.c1 * scale + n.c1 * dscale, dn.c2 * scale + n.c2 * dscale};
+  }
+};
+
+// ---- method = green: St. Venant-Kirchhoff, no rotation ----
+
+/// Gradients and 1/w at a Gauss point of a rest shape.
+template <class T>
+struct RestPoint {
+  Gradients<T> g;
+  T inverse_weight;
+};
+template <class T>
+RestPoint<T> restPoint(const PointRest<T>& rest, int p) {
+  return {rest.g[p], abs(rest.inverse_determinant[p]) * T(512.)};
+}
+
+template <class T>
+struct Material {
+  T lambda, mu;  ///< Lame's constants [Pa]
+};
+
+struct PointGreen : HexahedronModel {
+  static constexpr bool reads_position = true;
+  template <class T>
+  using Rest = PointRest<T>;
+  template <class T>
+  using Tangent = Material<T>;
+
+  template <class T>
+  static void force(const PointRest<T>& rest, const Material<T>& t, const V3<T> (&x)[8], V3<T> (&f)[8]) {
+    const PointValues<T> j = atPoints(modesOf(x));
+    PointValues<T> forces;
+    for (int p = 0; p < 8; ++p) {
+      const RestPoint<T> at = restPoint(rest, p);
+      addForces(greenStress(outerSum(Columns<T>(j, p).d, at.g), at.inverse_weight, t.lambda, t.mu), at.g, p, forces);
+    }
+    nodesOf(fromPoints(forces), f);
+  }
+  template <class T>
+  static T energy(const PointRest<T>& rest, const Material<T>& t, const V3<T> (&x)[8]) {
+    const PointValues<T> j = atPoints(modesOf(x));
+    T sum(0.);
+    for (int p = 0; p < 8; ++p) {
+      const RestPoint<T> at = restPoint(rest, p);
+      const S3<T> strain = greenStrain(outerSum(Columns<T>(j, p).d, at.g), at.inverse_weight);
+      sum += storedEnergy(strain, t.lambda, t.mu) / at.inverse_weight;
+    }
+    return sum;
+  }
+  template <class T>
+  static void product(const PointRest<T>& rest, const Material<T>& t, T factor, const V3<T> (&x)[8],
+                      const V3<T> (&dx)[8], V3<T> (&df)[8]) {
+    const PointValues<T> j = atPoints(modesOf(x)), dj = atPoints(modesOf(dx));
+    const T lambda = factor * t.lambda, mu = factor * t.mu;
+    PointValues<T> forces;
+    for (int p = 0; p < 8; ++p) {
+      const RestPoint<T> at = restPoint(rest, p);
+      const M3<T> f = outerSum(Columns<T>(j, p).d, at.g), dgradient = outerSum(Columns<T>(dj, p).d, at.g);
+      addForces(greenStressDifferential(f, dgradient, at.inverse_weight, lambda, mu), at.g, p, forces);
+    }
+    nodesOf(fromPoints(forces), df);
+  }
+
+ private:
+  template <class T>
+  static void addForces(const M3<T>& stress, const Gradients<T>& g, int p, PointValues<T>& forces) {
+    addColumns(stress * g.g1, stress * g.g2, stress * g.g3, p, forces);
+  }
+};
+
+}  // namespace stroma::hexahedron
