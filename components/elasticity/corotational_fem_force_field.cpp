@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The names that stand for a method, not for an element: they take the kind of cell that their mesh holds, or the one that
-// template="Vec3,Tetrahedron" or template="Vec3,Hexahedron" names where it holds several.
+// The names that stand for a method, not for an element: they take the kind of cell that their mesh holds, or the one
+// that template="Vec3,Tetrahedron" or template="Vec3,Hexahedron" names where it holds several.
 //
 // CorotationalFEMForceField: TetrahedronFEMForceField or HexahedronFEMForceField, whose pages say what is computed.
 // LinearSmallStrainFEMForceField: the same with method small, pure linear elasticity without rotations.
@@ -12,7 +12,7 @@
 //   <RegularGridTopology name="grid" n="3 3 9" min="0 0 0" max="0.02 0.02 0.1"/>
 //   <MechanicalObject/>
 //   <UniformMass totalMass="0.04"/>
-//   <CorotationalFEMForceField template="Vec3,Hexahedron" method="polar" youngModulus="1e5" poissonRatio="0.4"/>
+//   <CorotationalFEMForceField template="Vec3,Hexahedron" youngModulus="1e5" poissonRatio="0.4"/>
 //   <BoxROI name="held" box="-1 -1 -0.001 1 1 0.001"/>
 //   <FixedProjectiveConstraint indices="@held.indices"/>
 // </Node>

@@ -9,10 +9,11 @@
 // simulation for biological soft tissues", Recent Research Developments in Biomechanics 2, 2005 (sections 2 to 3, 5.1,
 // appendix A). The shape is any isoparametric hexahedron; nodes are in the order of VTK.
 //
-// R belongs to F = [means of the four edges in each direction, now] [at rest]^-1. method = small: R = I; large: QR (first
-// mean edge, plane of the first two); polar: nearest orthogonal matrix, the least stretched axis flipped in an inverted
-// element; svd: the smallest inversion (Irving et al. 2004); green: no rotation, St. Venant-Kirchhoff,
-//   E = (F^T F - I)/2,   S = lambda tr(E) I + 2 mu E,   f_a = -sum w F S grad N_a,   W = sum w (lambda/2 tr(E)^2 + mu E : E)
+// R belongs to F = [means of the four edges in each direction, now] [at rest]^-1. method = small: R = I; large: QR
+// (first mean edge, plane of the first two); polar: nearest orthogonal matrix, the least stretched axis flipped in an
+// inverted element; svd: the smallest inversion (Irving et al. 2004); green: no rotation, St. Venant-Kirchhoff,
+//   E = (F^T F - I)/2,   S = lambda tr(E) I + 2 mu E,   f_a = -sum w F S grad N_a,   W = sum w (lambda/2 tr(E)^2 + mu E
+//   : E)
 // with F at each Gauss point: the nonlinear geometric reference, with a potential and an exact, symmetric tangent.
 //
 // updateStiffnessMatrix rebuilds B from the current shape at each Gauss point: forces then exert no torque on a body
@@ -21,8 +22,8 @@
 // small and green only, because the rotation of the mean edges minimises no energy: an unsymmetric tangent needs
 // SparseLDLSolver.
 //
-// Cell fields for exporters: vonMises [Pa], J (the smallest of the eight Gauss points), strain (6 a cell: xx yy zz xy yz
-// zx, the mean of sym(R^T F) - I for every variant, of E for green, in the axes of the rest shape).
+// Cell fields for exporters: vonMises [Pa], J (the smallest of the eight Gauss points), strain (6 a cell: xx yy zz xy
+// yz zx, the mean of sym(R^T F) - I for every variant, of E for green, in the axes of the rest shape).
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 0 -9.81">
@@ -75,16 +76,15 @@ class Hexahedra final : public ElasticElements {
       const double size = std::sqrt(squaredNorm(meanEdges(shape.modes))) / 8;
       const double tiny = 1e-12 * size * size * size;
       if (!(shape.low > tiny || shape.high < -tiny))
-        throw ComponentError(fmt::format("{} is flat or folded at rest: its volume ratio goes from {:.3g} to {:.3g}",
-                                         describe(e), shape.low / (size * size * size),
-                                         shape.high / (size * size * size)),
-                             "a volume whose corners are all on the right side");
+        throw ComponentError(
+            fmt::format("{} is flat or folded at rest: its volume ratio goes from {:.3g} to {:.3g}", describe(e),
+                        shape.low / (size * size * size), shape.high / (size * size * size)),
+            "a volume whose corners are all on the right side");
       boxes_ = boxes_ && shape.box;
     }
   }
 
-  std::unique_ptr<ElementMethod> make(Index first_row,
-                                      const std::function<Lame(std::size_t)>& lame) const override {
+  std::unique_ptr<ElementMethod> make(Index first_row, const std::function<Lame(std::size_t)>& lame) const override {
     return withOwnMatrix(variant_, makeMethod(first_row, lame));
   }
 
@@ -242,8 +242,8 @@ class Hexahedra final : public ElasticElements {
 }  // namespace
 
 STROMA_COMPONENT(hexahedron_fem_force_field) {
-  offerElasticKind({"Hexahedron", "hexahedra",
-                    []() -> std::unique_ptr<ElasticElements> { return std::make_unique<Hexahedra>(); }});
+  offerElasticKind(
+      {"Hexahedron", "hexahedra", []() -> std::unique_ptr<ElasticElements> { return std::make_unique<Hexahedra>(); }});
   factory.add<ElasticForceField>("HexahedronFEMForceField",
                                  "trilinear hexahedra: corotational (large, polar, svd), small strains, Green-Lagrange",
                                  [](ElasticForceField& f) { f.kinds = {"Hexahedron"}; });

@@ -73,8 +73,7 @@ class Tetrahedra final : public ElasticElements {
     }
   }
 
-  std::unique_ptr<ElementMethod> make(Index first_row,
-                                      const std::function<Lame(std::size_t)>& lame) const override {
+  std::unique_ptr<ElementMethod> make(Index first_row, const std::function<Lame(std::size_t)>& lame) const override {
     tetrahedron::Storage storage;
     storage.build(mesh_->tetrahedra, *rest_, first_row, [&](std::size_t e, bool padding, auto& rest, auto& tangent) {
       setRestShape(e, rest, tangent);

@@ -6,9 +6,7 @@ namespace stroma {
 
 inline V3<double> vectorOf(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 inline Vec3 toEigen(const V3<double>& v) { return {v.x, v.y, v.z}; }
-inline M3<double> fromEigen(const Mat3& m) {
-  return {vectorOf(m.col(0)), vectorOf(m.col(1)), vectorOf(m.col(2))};
-}
+inline M3<double> fromEigen(const Mat3& m) { return {vectorOf(m.col(0)), vectorOf(m.col(1)), vectorOf(m.col(2))}; }
 inline Mat3 toEigen(const M3<double>& m) {
   Mat3 out;
   out << toEigen(m.c0), toEigen(m.c1), toEigen(m.c2);

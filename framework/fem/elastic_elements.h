@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// One kind of element (tetrahedra, hexahedra) as ElasticForceField sees it: which methods it has, what shapes it refuses,
-// its kernels and its fields. A component offers its kind once; names that serve several kinds find all of them.
+// One kind of element (tetrahedra, hexahedra) as ElasticForceField sees it: which methods it has, what shapes it
+// refuses, its kernels and its fields. A component offers its kind once; names that serve several kinds find all of
+// them.
 #pragma once
 #include <functional>
 #include <memory>
@@ -26,8 +27,7 @@ class ElasticElements {
   /// Looks at the rest shapes; throws ComponentError for a cell without a volume. `rest` is kept by reference.
   virtual void bind(const Mesh& mesh, const std::vector<Vec3>& rest, const ElasticVariant& variant) = 0;
   /// `first_row`: row of node 0; `lame`: Lame's constants of a cell.
-  virtual std::unique_ptr<ElementMethod> make(Index first_row,
-                                              const std::function<Lame(std::size_t)>& lame) const = 0;
+  virtual std::unique_ptr<ElementMethod> make(Index first_row, const std::function<Lame(std::size_t)>& lame) const = 0;
   /// "tetrahedron 12 (nodes 3 4 8 9)"
   virtual std::string describe(std::size_t cell) const = 0;
   /// The smallest det F at the cell's integration points; x starts at node 0.

@@ -116,8 +116,9 @@ void ElasticForceField::declare(DataTable& table) {
                  {"small", "large", "polar", "svd", "nodal", "green", "qr", "none", "polar2", "triangle", "hexahedron",
                   "stable_polar", "identity", "green_lagrange"})
       .alias("rotationMethod")
-      .help("how an element's rotation is found: small (none), large (QR), polar, svd, nodal; or green: no rotation, "
-            "Green-Lagrange strain");
+      .help(
+          "how an element's rotation is found: small (none), large (QR), polar, svd, nodal; or green: no rotation, "
+          "Green-Lagrange strain");
   table.add("updateStiffnessMatrix", update_b_)
       .help("rebuild the strain-displacement matrix B from the current shape at every evaluation");
   table.add("updateVolume", update_volume_).help("update the volume factor of B too (needs updateStiffnessMatrix)");
@@ -150,8 +151,8 @@ void ElasticForceField::chooseKind(const Topology& topology) {
   const auto comma = template_.find(',');
   const std::string vector = template_.substr(0, comma),
                     wanted = comma == std::string::npos ? "" : template_.substr(comma + 1);
-  const bool known = wanted.empty() || std::any_of(served.begin(), served.end(),
-                                                   [&](const auto& kind) { return kind.word == wanted; });
+  const bool known = wanted.empty() ||
+                     std::any_of(served.begin(), served.end(), [&](const auto& kind) { return kind.word == wanted; });
   if (!known || (!vector.empty() && vector != "Vec3" && vector != "Vec3d" && vector != "Vec3f"))
     throw ComponentError(fmt::format("template '{}' is none that {} has", template_, type()),
                          fmt::format("Vec3, {}", fmt::join(words, ", ")), nearest(template_, words));
@@ -204,8 +205,7 @@ void ElasticForceField::checkVariant() const {
                          "method small, large, polar, svd or green");
   if (update_volume_ && !update_b_)
     throw ComponentError("updateVolume has no meaning while B is constant", "updateStiffnessMatrix=\"true\" with it");
-  const bool rotated =
-      method == ElasticMethod::large || method == ElasticMethod::polar || method == ElasticMethod::svd;
+  const bool rotated = method == ElasticMethod::large || method == ElasticMethod::polar || method == ElasticMethod::svd;
   if (update_b_ && !rotated)
     throw ComponentError(fmt::format("updateStiffnessMatrix has no meaning for method {}", wordOf(method)),
                          "method large, polar or svd");

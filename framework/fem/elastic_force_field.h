@@ -11,14 +11,26 @@ class ElasticForceField : public ForceField {
  public:
   /// The words of `method`: first those of ElasticMethod, then other components' words for the same.
   enum class Word : int {
-    small, large, polar, svd, nodal, green, qr, none, polar2, triangle, hexahedron, stable_polar, identity,
+    small,
+    large,
+    polar,
+    svd,
+    nodal,
+    green,
+    qr,
+    none,
+    polar2,
+    triangle,
+    hexahedron,
+    stable_polar,
+    identity,
     green_lagrange
   };
 
   // ---- set by the registration of a name ----
   std::vector<std::string> kinds;  ///< words of the kinds that it serves; empty: all
   Word method_word = Word::large;
-  bool only_small = false;         ///< a name that stands for method small
+  bool only_small = false;  ///< a name that stands for method small
 
   void declare(DataTable& table) override;
   void init() override;
@@ -30,9 +42,7 @@ class ElasticForceField : public ForceField {
   void addForceAndProduct(ConstRows x, ConstRows, ConstRows dx, double factor, Rows f, Rows df) override {
     method_->addForceAndProduct(x, dx, factor, f, df);
   }
-  void addStiffnessProduct(ConstRows dx, double factor, Rows df) const override {
-    method_->addProduct(dx, factor, df);
-  }
+  void addStiffnessProduct(ConstRows dx, double factor, Rows df) const override { method_->addProduct(dx, factor, df); }
   void addPattern(BlockPattern& pattern) const override { method_->addPattern(pattern); }
   void prepareAssembly(const BlockMatrix& matrix) override { slots_ = method_->slots(matrix); }
   void addStiffness(double factor, BlockMatrix& matrix) const override {

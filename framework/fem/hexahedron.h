@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The mathematics of the trilinear hexahedron with 2x2x2 Gauss points, free of meshes and nodes.
 //
-// Modes. With s_a = (xi_a, eta_a, zeta_a) = (+-1, +-1, +-1) the corners in the order of VTK, the position in an element is
+// Modes. With s_a = (xi_a, eta_a, zeta_a) = (+-1, +-1, +-1) the corners in the order of VTK, the position in an element
+// is
 //   x = x_0 + xi u_xi + eta u_eta + zeta u_zeta + xi eta u_xi_eta + eta zeta u_eta_zeta + zeta xi u_zeta_xi
 //       + xi eta zeta u_all,                        8 u_m = sum_a m(s_a) x_a: 23 sums a component, no products.
-// Everything here works with the 21 numbers of 8 u_m ("modes"); forces on modes go back to nodes by the transpose of the
-// same sums. Derivatives at the Gauss points (+-1, +-1, +-1)/sqrt 3 follow from modes with 8 multiply-adds a component and
-// axis, because the one along xi depends on eta and zeta alone.
+// Everything here works with the 21 numbers of 8 u_m ("modes"); forces on modes go back to nodes by the transpose of
+// the same sums. Derivatives at the Gauss points (+-1, +-1, +-1)/sqrt 3 follow from modes with 8 multiply-adds a
+// component and axis, because the one along xi depends on eta and zeta alone.
 //
-// Rest shape: modes X in the frame of the mean edges (xi on x, eta in the xy plane); J_0 = dX/d(xi, eta, zeta) at a Gauss
-// point and a = J_0^-1, whose rows are the gradients of xi, eta, zeta. F = J a; weight w = |det J_0|.
-// R = rotation of F of the mean edges: F_mean = [u_xi u_eta u_zeta] [X_xi X_eta X_zeta]^-1. In all variants
+// Rest shape: modes X in the frame of the mean edges (xi on x, eta in the xy plane); J_0 = dX/d(xi, eta, zeta) at a
+// Gauss point and a = J_0^-1, whose rows are the gradients of xi, eta, zeta. F = J a; weight w = |det J_0|. R =
+// rotation of F of the mean edges: F_mean = [u_xi u_eta u_zeta] [X_xi X_eta X_zeta]^-1. In all variants
 //   H = sum_i (J - R J_0)_i (x) g_i over the columns i, eps = sym H, sigma = lambda tr(eps) I + 2 mu eps,
 // and the force is -sum over Gauss points of w sigma g (the same B gives strain and force), with
 //   B not updated:   g = R a
@@ -51,8 +52,8 @@ Modes<T> modesOf(const V3<T> (&x)[8]) {
     }
   };
   const Level low(x[0], x[1], x[2], x[3]), high(x[4], x[5], x[6], x[7]);
-  return {high.xi + low.xi,     high.eta + low.eta, high.sum - low.sum,      high.xi_eta + low.xi_eta,
-          high.eta - low.eta,   high.xi - low.xi,   high.xi_eta - low.xi_eta};
+  return {high.xi + low.xi,   high.eta + low.eta, high.sum - low.sum,      high.xi_eta + low.xi_eta,
+          high.eta - low.eta, high.xi - low.xi,   high.xi_eta - low.xi_eta};
 }
 
 /// f_a = sum over modes m(s_a) f_m: the transpose of modesOf.
@@ -155,8 +156,7 @@ Modes<T> fromPoints(const PointValues<T>& p) {
 template <class T>
 struct Columns {
   V3<T> d[3];
-  Columns(const PointValues<T>& v, int p)
-      : d{v.xi[v.ofXi(p)], v.eta[v.ofEta(p)], v.zeta[v.ofZeta(p)]} {}
+  Columns(const PointValues<T>& v, int p) : d{v.xi[v.ofXi(p)], v.eta[v.ofEta(p)], v.zeta[v.ofZeta(p)]} {}
   M3<T> matrix() const { return {d[0], d[1], d[2]}; }
 };
 template <class T>
@@ -182,8 +182,8 @@ Modes<T> stiffnessProduct(const Gradients<T> (&g)[8], T lambda, T mu, const Mode
 }
 
 // ---- boxes: a = diag(i, j, k) is the same at all Gauss points, and modes separate ----
-// H is a sum of 1, xi, eta, zeta, xi eta, eta zeta, zeta xi with a coefficient each, whose squares integrate to 1, 1/3 and
-// 1/9: K falls apart in one full strain, three strains of two columns and a diagonal.
+// H is a sum of 1, xi, eta, zeta, xi eta, eta zeta, zeta xi with a coefficient each, whose squares integrate to 1, 1/3
+// and 1/9: K falls apart in one full strain, three strains of two columns and a diagonal.
 
 template <class T>
 V3<T> cycled(const V3<T>& v) {

@@ -51,8 +51,7 @@ struct BoxModel : HexahedronModel {
   template <class T>
   static void forceIn(const BoxRest<T>& rest, const BoxTangent<T>& t, const M3<T>& r, const Modes<T>& m,
                       V3<T> (&f)[8]) {
-    const Modes<T> own =
-        boxProduct(t.stiffness, t.stiffness.lambda, t.stiffness.mu, displacement(rest, r, m));
+    const Modes<T> own = boxProduct(t.stiffness, t.stiffness.lambda, t.stiffness.mu, displacement(rest, r, m));
     nodesOf(rotated(r, own), f);
   }
   template <class T>
@@ -103,11 +102,11 @@ struct BoxCorotational : BoxModel {
 /// The rest shape in its own frame (that of its mean edges; world axes for method small). 840 bytes.
 template <class T>
 struct PointRest {
-  T inverse_edges[6];          ///< [X_xi X_eta X_zeta]^-1, upper triangular (00, 01, 11, 02, 12, 22)
-  Modes<T> modes;              ///< X
-  Gradients<T> g[8];           ///< w^1/2 / 8 times the rows of J_0^-1
-  T scale[8];                  ///< of the cofactors of a J made of modes: sign(det J_0) / (512 w^1/2)
-  T inverse_determinant[8];    ///< of a J_0 made of modes, 512 det J_0
+  T inverse_edges[6];        ///< [X_xi X_eta X_zeta]^-1, upper triangular (00, 01, 11, 02, 12, 22)
+  Modes<T> modes;            ///< X
+  Gradients<T> g[8];         ///< w^1/2 / 8 times the rows of J_0^-1
+  T scale[8];                ///< of the cofactors of a J made of modes: sign(det J_0) / (512 w^1/2)
+  T inverse_determinant[8];  ///< of a J_0 made of modes, 512 det J_0
 };
 /// What a product reads: gradients in world axes at the last force (of the rest shape before the first), Lame's
 /// constants [Pa]. 592 bytes, 624 with the node numbers.
@@ -130,8 +129,8 @@ struct PointModel : HexahedronModel {
   using Tangent = PointTangent<T>;
 
   template <class T>
-  static void product(const PointRest<T>&, const PointTangent<T>& t, T factor, const V3<T> (&)[8],
-                      const V3<T> (&dx)[8], V3<T> (&df)[8]) {
+  static void product(const PointRest<T>&, const PointTangent<T>& t, T factor, const V3<T> (&)[8], const V3<T> (&dx)[8],
+                      V3<T> (&df)[8]) {
     nodesOf(stiffnessProduct(t.g, factor * t.lambda, factor * t.mu, modesOf(dx)), df);
   }
 };
@@ -207,8 +206,7 @@ struct ExactPointCorotational : PointCorotational<Rotation, update> {
                       const V3<T> (&dx)[8], V3<T> (&df)[8]) {
     const Kinematics<Rotation, update, T> k(rest, x);
     const Modes<T> dm = modesOf(dx);
-    const M3<T> dr =
-        Rotation::differential(k.deformation, k.rotation, timesUpper(meanEdges(dm), rest.inverse_edges));
+    const M3<T> dr = Rotation::differential(k.deformation, k.rotation, timesUpper(meanEdges(dm), rest.inverse_edges));
     const PointValues<T> dj = atPoints(dm), dd = atPoints(dm - rotated(dr, rest.modes));
     const T lambda = factor * t.lambda, mu = factor * t.mu;
     PointValues<T> forces;
@@ -235,8 +233,7 @@ struct ExactPointCorotational : PointCorotational<Rotation, update> {
     T scale = rest.scale[p], dscale(0.);
     if constexpr (update == Update::strain_displacement_and_volume) {
       const T inverse = rest.inverse_determinant[p], ratio = stroma::dot(e[0], n.c0) * inverse;
-      const T dratio =
-          (stroma::dot(de[0], n.c0) + stroma::dot(de[1], n.c1) + stroma::dot(de[2], n.c2)) * inverse;
+      const T dratio = (stroma::dot(de[0], n.c0) + stroma::dot(de[1], n.c1) + stroma::dot(de[2], n.c2)) * inverse;
       dscale = volumeScaleDifferential(ratio, dratio, scale);
       scale = volumeScale(ratio, scale);
     }

@@ -139,8 +139,7 @@ class ModelMethod final : public StoredMethod<StorageOf<Model>> {
     if constexpr (requires { Model::matrix(storage_.rest[0], storage_.tangent[0], x, k); })
       Model::matrix(storage_.rest[std::size_t(b)], storage_.tangent[std::size_t(b)], x, k);
     else
-      ElementLoop<N>::matrixFromProducts(
-          [&](const Nodes& dx, Nodes& df) { product(b, Pack(1.), x, dx, df); }, k);
+      ElementLoop<N>::matrixFromProducts([&](const Nodes& dx, Nodes& df) { product(b, Pack(1.), x, dx, df); }, k);
   }
   Vector x_;  ///< of the last force
 };

@@ -101,8 +101,7 @@ T volumeScale(T ratio, T scale) {
 template <class T>
 T volumeScaleDifferential(T ratio, T dratio, T scale) {
   const auto bounded = abs(ratio) < T(smallest_volume_ratio);
-  return select(bounded, T(0.),
-                T(-0.5) * volumeScale(ratio, scale) * dratio / select(bounded, T(1.), ratio));
+  return select(bounded, T(0.), T(-0.5) * volumeScale(ratio, scale) * dratio / select(bounded, T(1.), ratio));
 }
 
 // ---- St. Venant-Kirchhoff: E = (F^T F - I)/2, S = lambda tr(E) I + 2 mu E, P = F S, W = lambda/2 tr(E)^2 + mu E : E
@@ -122,9 +121,8 @@ S3<T> greenStrainDifferential(const M3<T>& f, const M3<T>& df, T inverse_weight)
   const auto shear = [&](const V3<T>& a, const V3<T>& da, const V3<T>& b, const V3<T>& db) {
     return inverse_weight * (dot(a, db) + dot(da, b));
   };
-  return {inverse_weight * dot(f.c0, df.c0),   inverse_weight * dot(f.c1, df.c1),
-          inverse_weight * dot(f.c2, df.c2),   shear(f.c0, df.c0, f.c1, df.c1),
-          shear(f.c1, df.c1, f.c2, df.c2),     shear(f.c2, df.c2, f.c0, df.c0)};
+  return {inverse_weight * dot(f.c0, df.c0), inverse_weight * dot(f.c1, df.c1), inverse_weight * dot(f.c2, df.c2),
+          shear(f.c0, df.c0, f.c1, df.c1),   shear(f.c1, df.c1, f.c2, df.c2),   shear(f.c2, df.c2, f.c0, df.c0)};
 }
 
 /// M S

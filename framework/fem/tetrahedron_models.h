@@ -145,8 +145,7 @@ class NodalWarping final : public StoredMethod<StorageOf<Model>> {
   }
   void product(Index b, Pack factor, const V3<Pack> (&dx)[4], const M3<Pack> (&r)[4], V3<Pack> (&df)[4]) const {
     const Tangent<Pack>& t = storage_.tangent[std::size_t(b)];
-    nodalWarpingProduct(t.g, factor * t.lambda, factor * t.mu, dx,
-                        r, df);
+    nodalWarpingProduct(t.g, factor * t.lambda, factor * t.mu, dx, r, df);
   }
   void matrix(Index b, ElementLoop<4>::Matrix& k) const {
     V3<Pack> c0[4], c1[4], c2[4];

@@ -14,8 +14,8 @@ std::uint64_t hashOfSteps(const ElasticBody& body, const std::string& attributes
   const std::string field =
       "<" + body.type + " youngModulus=\"1e4\" poissonRatio=\"0.4\" " + attributes +
       "/><BoxROI name=\"held\" box=\"-1 -0.001 -1 2 0.001 2\"/><FixedProjectiveConstraint indices=\"@held.indices\"/>";
-  const std::string grid = "<RegularGridTopology name=\"grid\" n=\"" + n + " " + n + " " + n +
-                           "\" min=\"0 0 0\" max=\"1 1 1\"/>";
+  const std::string grid =
+      "<RegularGridTopology name=\"grid\" n=\"" + n + " " + n + " " + n + "\" min=\"0 0 0\" max=\"1 1 1\"/>";
   const std::string start = "<Node name=\"root\" dt=\"0.01\">" + grid + "<EulerImplicitSolver/>" + solver;
   Simulation simulation = simulationFromText(
       body.tetrahedra ? start +
@@ -42,7 +42,9 @@ TEST(Determinism, OneAndTwoThreadsAndTwoRuns) {
 TEST(Determinism, ExactTangentsAndOwnMatrices) {
   const std::string cg = "<CGLinearSolver iterations=\"4\" tolerance=\"1e-12\"/>";
   for (const char* attributes : {"method=\"svd\" tangent=\"exact\"", "method=\"polar\" assembling=\"true\""})
-    EXPECT_EQ(hashOfSteps(bodyOfTetrahedra(), attributes, 1, 21, cg), hashOfSteps(bodyOfTetrahedra(), attributes, 2, 21, cg)) << attributes;
+    EXPECT_EQ(hashOfSteps(bodyOfTetrahedra(), attributes, 1, 21, cg),
+              hashOfSteps(bodyOfTetrahedra(), attributes, 2, 21, cg))
+        << attributes;
 }
 TEST(Determinism, MatricesToo) {
   const std::string assembled =

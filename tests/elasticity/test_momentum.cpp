@@ -28,14 +28,14 @@ void expectMomentumLaws(const ElasticBody& body, const Variant& variant, double 
       EXPECT_LT(momentum.torque, 1e-12) << "Euler's law";
     else  // a constant B whose stress and stretch have different axes
       EXPECT_GT(momentum.torque, 1e-5) << "a constant B breaks Euler's law";
-    if (seed == 1) ::testing::Test::RecordProperty("torque " + body.name + variant.name, std::to_string(momentum.torque));
+    if (seed == 1)
+      ::testing::Test::RecordProperty("torque " + body.name + variant.name, std::to_string(momentum.torque));
   }
 }
 
 TEST(MomentumLaws, LargeRandomDeformation) {
-  forEachElasticVariant(false, [](const ElasticBody& body, const Variant& variant) {
-    expectMomentumLaws(body, variant, 0.04);
-  });
+  forEachElasticVariant(
+      false, [](const ElasticBody& body, const Variant& variant) { expectMomentumLaws(body, variant, 0.04); });
 }
 TEST(MomentumLaws, LiverUnderLargeRandomDeformation) {
   const std::string liver = STROMA_SHARED_DATA "/meshes/liver.msh";
@@ -56,8 +56,9 @@ TEST(MomentumLaws, HoldWhenElementsAreInverted) {
     ASSERT_GT(std::count_if(j.begin(), j.end(), [](double v) { return v < 0; }), 20);
     const Momentum momentum = momentumOf(t.x, t.force());
     EXPECT_LT(momentum.force, 1e-12);
-    if (variant.b_current || variant.is("green") || (body.tetrahedra && variant.is("svd")))
+    if (variant.b_current || variant.is("green") || (body.tetrahedra && variant.is("svd"))) {
       EXPECT_LT(momentum.torque, 1e-12);
+    }
   });
 }
 
