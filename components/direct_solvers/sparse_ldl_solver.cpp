@@ -29,7 +29,8 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "framework/algebra/linear_solver.h"
+#include "framework/algebra/direct_solver.h"
+#include "framework/algebra/sparse_copy.h"
 #include "framework/scene/factory.h"
 
 // of OpenBLAS; absent from other libraries
@@ -73,6 +74,8 @@ class CholeskyFactor {
   /// x = A^-1 b; both of shape (rows).
   void solve(ConstRows b, Rows x);
   const std::string& ordering() const { return ordering_; }
+  /// Fitted to 1,331 to 15,625 nodes of hexahedra on a core of 65 Gflop/s.
+  DirectSolver::Cost cost() const { return {flops_ / 40e9 + 8e-9 * entries_, 2e-9 * entries_}; }
 
  private:
   void release();
@@ -89,6 +92,7 @@ class CholeskyFactor {
   std::vector<int> source_;   ///< shape (entries of lower_): where each value lies in the block matrix
   std::vector<int> unknown_;  ///< shape (3 rows): the unknown at each place of the permuted order
   std::string ordering_;
+  double flops_ = 0, entries_ = 0;  ///< of a factorisation, and in the factor
 };
 
 CholeskyFactor::CholeskyFactor() {
@@ -196,6 +200,7 @@ void CholeskyFactor::analyse(const BlockMatrix& matrix) {
   common_.postorder = 0;
   factor_ = cholmod_analyze(lower_, &common_);
   check(factor_, "analyse the matrix");
+  flops_ = common_.fl, entries_ = common_.lnz;
   right_ = cholmod_allocate_dense(unknown_.size(), 1, unknown_.size(), CHOLMOD_REAL, &common_);
   check(right_, "allocate a vector");
 }
@@ -227,155 +232,74 @@ void CholeskyFactor::solve(ConstRows b, Rows x) {
 class LUFactor {
  public:
   void analyse(const BlockMatrix& matrix) {
-    const Index count = 3 * matrix.rows();
-    std::vector<Eigen::Triplet<double, int>> entries;
-    entries.reserve(matrix.values().size());
-    for (Index i = 0; i < matrix.rows(); ++i)
-      for (Index s = matrix.rowStart()[std::size_t(i)]; s < matrix.rowStart()[std::size_t(i) + 1]; ++s)
-        for (int k = 0; k < 9; ++k)
-          entries.emplace_back(3 * i + k / 3, 3 * matrix.columns()[std::size_t(s)] + k % 3, double(9 * s + k));
-    matrix_.resize(count, count);
-    matrix_.setFromTriplets(entries.begin(), entries.end());
-    // the values above are positions: where each entry of the compressed columns comes from
-    source_.assign(matrix_.valuePtr(), matrix_.valuePtr() + matrix_.nonZeros());
-    lu_.analyzePattern(matrix_);
-    right_.resize(count);
-    solution_.resize(count);
+    copy_.layOut(matrix);
+    lu_.analyzePattern(copy_.matrix);
   }
   bool factor(const BlockMatrix& matrix) {
-    for (std::size_t i = 0; i < source_.size(); ++i) matrix_.valuePtr()[i] = matrix.values()[std::size_t(source_[i])];
-    lu_.factorize(matrix_);
+    copy_.fill(matrix);
+    lu_.factorize(copy_.matrix);
     return lu_.info() == Eigen::Success;
   }
   void solve(ConstRows b, Rows x) {
-    for (Index i = 0; i < b.count; ++i) right_.segment<3>(3 * i) = b[i];
+    gather(b, right_);
     solution_ = lu_.solve(right_);
-    for (Index i = 0; i < x.count; ++i) x[i] = solution_.segment<3>(3 * i);
+    scatter(solution_, x);
   }
+  double entries() const { return double(lu_.nnzL() + lu_.nnzU()); }
 
  private:
-  Eigen::SparseMatrix<double, Eigen::ColMajor, int> matrix_;
-  std::vector<double> source_;
-  Eigen::SparseLU<Eigen::SparseMatrix<double, Eigen::ColMajor, int>> lu_;
+  SparseCopy copy_;
+  Eigen::SparseLU<SparseCopy::Matrix> lu_;
   Eigen::VectorXd right_, solution_;
 };
 
 // ---- the component ----
 
-class SparseLDLSolver final : public LinearSolver {
+class SparseLDLSolver final : public DirectSolver {
  public:
   void declare(DataTable& table) override;
-  SolveReport solve(SystemMatrix& matrix, ConstRows b, Rows x) override;
   bool needsSymmetric() const override { return false; }
+  void applyFactors(ConstRows b, Rows x) override { symmetric_ ? cholesky_.solve(b, x) : lu_.solve(b, x); }
+  Cost cost() const override {
+    return symmetric_ ? cholesky_.cost() : Cost{5e-8 * lu_.entries(), 1e-9 * lu_.entries()};
+  }
+
+ protected:
+  void analyse(const BlockMatrix& matrix, bool symmetric) override;
+  SolveStop factorValues(const BlockMatrix& matrix, Index& row) override;
+  SolveStop uselessFactor() const override { return SolveStop::not_definite; }
 
  private:
-  bool analyse(const BlockMatrix& a, bool symmetric);
-  bool refactor(SystemMatrix& matrix, const BlockMatrix& a, SolveReport& report);
-  void applyFactor(ConstRows b, Rows x) { symmetric_ ? cholesky_.solve(b, x) : lu_.solve(b, x); }
-  double residual(const BlockMatrix& a, ConstRows b, ConstRows x);
-
-  std::string template_ = "CompressedRowSparseMatrixMat3x3";
   bool precompute_ = true, parallel_inverse_ = false;
-  int factorisations_ = 0;
   std::string ordering_;
-
   CholeskyFactor cholesky_;
   LUFactor lu_;
-  bool symmetric_ = true, factored_ = false;
-  std::vector<Index> row_start_, columns_;  ///< the pattern that was analysed
-  long revision_ = 0;
-  Vector residual_, correction_;
+  bool symmetric_ = true;
 };
 
 void SparseLDLSolver::declare(DataTable& table) {
-  table.add("template", template_)
-      .help("the form of matrix: any CompressedRowSparseMatrix; the solver works on 3x3 blocks");
+  DirectSolver::declare(table);
   table.add("precomputeSymbolicDecomposition", precompute_)
       .help("SOFA's; without effect: the analysis is always made once for each pattern");
   table.add("parallelInverseProduct", parallel_inverse_).help("SOFA's; without effect");
-  table.add("factorisations", factorisations_).help("how often numbers were factored so far").unit("-").output();
   table.add("ordering", ordering_).help("METIS, AMD, or COLAMD for an unsymmetric matrix").output();
 }
 
-/// Analyses a new pattern; true when there was one.
-bool SparseLDLSolver::analyse(const BlockMatrix& a, bool symmetric) {
-  if (symmetric == symmetric_ && a.rowStart() == row_start_ && a.columns() == columns_) return false;
+void SparseLDLSolver::analyse(const BlockMatrix& matrix, bool symmetric) {
   symmetric_ = symmetric;
-  row_start_ = a.rowStart();
-  columns_ = a.columns();
   if (symmetric) {
-    cholesky_.analyse(a);
+    cholesky_.analyse(matrix);
     ordering_ = cholesky_.ordering();
   } else {
-    lu_.analyse(a);
+    lu_.analyse(matrix);
     ordering_ = "COLAMD";
   }
-  residual_.resize(a.rows());
-  correction_.resize(a.rows());
-  return true;
 }
 
-/// False when the matrix cannot be factored; the report then says why and where.
-bool SparseLDLSolver::refactor(SystemMatrix& matrix, const BlockMatrix& a, SolveReport& report) {
-  const bool is_new = analyse(a, matrix.symmetric());
-  if (factored_ && !is_new && revision_ == matrix.revision()) return true;
-  factored_ = false;
-  report.factored = true;
-  ++factorisations_;
-  const auto bad =
-      std::find_if(a.values().begin(), a.values().end(), [](double value) { return !std::isfinite(value); });
-  if (bad != a.values().end()) {
-    const Index slot = Index((bad - a.values().begin()) / 9);
-    const auto after = std::upper_bound(row_start_.begin(), row_start_.end(), slot);
-    report.row = Index(after - row_start_.begin()) - 1;
-    report.stop = SolveStop::not_finite;
-    return false;
-  }
-  if (symmetric_) report.row = cholesky_.factor(a);
-  const bool good = symmetric_ ? report.row < 0 : lu_.factor(a);
-  if (!good) report.stop = SolveStop::not_definite;
-  factored_ = good;
-  revision_ = matrix.revision();
-  return good;
-}
-
-/// residual_ = b - A x; returns its norm.
-double SparseLDLSolver::residual(const BlockMatrix& a, ConstRows b, ConstRows x) {
-  a.multiply(x, residual_);
-  xpay(b, -1, residual_);
-  return std::sqrt(dot(residual_, residual_));
-}
-
-SolveReport SparseLDLSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x) {
-  SolveReport report;
-  const double norm_b = std::sqrt(dot(b, b));
-  if (norm_b == 0) {
-    clear(x);
-    report.stop = SolveStop::zero_right_side;
-    return report;
-  }
-  report.iterations = 1;
-  report.relative_residual = 1;
-  if (!std::isfinite(norm_b)) {
-    report.stop = SolveStop::not_finite;
-    return report;
-  }
-  const BlockMatrix& a = matrix.assemble();
-  if (!refactor(matrix, a, report)) return report;
-  applyFactor(b, x);
-  double error = residual(a, b, x);
-  if (error > 1e-10 * norm_b) {
-    applyFactor(residual_, correction_);
-    axpy(1, correction_, x);
-    error = residual(a, b, x);
-  }
-  report.relative_residual = error / norm_b;
-  // a factor without one right digit: the matrix is singular to round-off
-  if (!(error < 0.1 * norm_b)) {
-    report.stop = SolveStop::not_definite;
-    clear(x);
-  }
-  return report;
+SolveStop SparseLDLSolver::factorValues(const BlockMatrix& matrix, Index& row) {
+  if (symmetric_) row = cholesky_.factor(matrix);
+  const bool good = symmetric_ ? row < 0 : lu_.factor(matrix);
+  return good ? SolveStop::converged : SolveStop::not_definite;
 }
 
 }  // namespace

@@ -24,47 +24,31 @@
 //   <UniformMass totalMass="1"/>
 //   <FixedProjectiveConstraint indices="0 1 2"/>
 // </Node>
-#include <algorithm>
 #include <cmath>
 
 #include "framework/algebra/conjugate_gradients.h"
-#include "framework/algebra/linear_solver.h"
+#include "framework/algebra/krylov_solver.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
 namespace {
 
 enum class Preconditioner { none, block_jacobi };
-enum class Form { automatic, product, assembled };
 
-class CGLinearSolver final : public LinearSolver {
+class CGLinearSolver final : public KrylovSolver {
  public:
   void declare(DataTable& table) override;
-  void init() override;
   SolveReport solve(SystemMatrix& matrix, ConstRows b, Rows x) override;
-  bool needsSymmetric() const override { return true; }
   void reset() override { previous_.resize(previous_.count()); }
 
  private:
-  void prepare(SystemMatrix& matrix, Index rows);
-  void product(const SystemMatrix& matrix, ConstRows p, Rows out) const {
-    assembled_ ? assembled_->multiply(p, out) : matrix.multiply(p, out);
-  }
-  double startFrom(const SystemMatrix& matrix, ConstRows b, Rows x);
-  SolveReport iterate(const SystemMatrix& matrix, Rows x, double norm_b, double residual);
-  void record(double relative_residual) {
-    if (graph_.size() < graph_.capacity()) graph_.push_back(relative_residual);
-  }
+  void resize(Index rows) override;
+  void prepare(const SystemMatrix& matrix);
+  SolveReport iterate(const SystemMatrix& matrix, Rows x, double residual);
 
-  int iterations_ = 25;
-  double tolerance_ = 1e-5, threshold_ = 1e-5;
+  double threshold_ = 1e-5;
   bool warm_start_ = false;
   Preconditioner preconditioner_ = Preconditioner::none;
-  std::string template_ = "auto";
-  std::vector<double> graph_;
-
-  Form form_ = Form::automatic;
-  const BlockMatrix* assembled_ = nullptr;  ///< null while products are matrix-free
   Vector r_, p_, q_, z_, previous_;
   std::vector<double> blocks_;
   cg::BlockJacobi jacobi_;
@@ -73,8 +57,7 @@ class CGLinearSolver final : public LinearSolver {
 };
 
 void CGLinearSolver::declare(DataTable& table) {
-  table.add("iterations", iterations_).help("largest number of iterations").unit("-").min(1);
-  table.add("tolerance", tolerance_).help("stop when |b - A x| <= tolerance |b|").unit("-").min(0);
+  KrylovSolver::declare(table);
   table.add("threshold", threshold_)
       .help("stop as broken down when |p.A p| <= threshold^2 |p| |A p| (relative, unlike SOFA's)")
       .unit("-")
@@ -83,69 +66,28 @@ void CGLinearSolver::declare(DataTable& table) {
   table.add("warmStart", warm_start_).help("start from the solution of the previous solve");
   table.addChoice("preconditioner", preconditioner_, {"none", "block_jacobi"})
       .help("none reproduces SOFA's iterates; block_jacobi divides by the 3x3 diagonal blocks");
-  table.add("template", template_)
-      .help(
-          "auto, GraphScattered (matrix-free) or CompressedRowSparseMatrix, CompressedRowSparseMatrixMat3x3 "
-          "(assembled)");
-  table.add("graph", graph_).help("relative residual after each iteration of the last solve").unit("-").output();
 }
 
-void CGLinearSolver::init() {
-  const std::vector<std::string> assembled = {"CompressedRowSparseMatrix", "CompressedRowSparseMatrixd",
-                                              "CompressedRowSparseMatrixMat3x3", "CompressedRowSparseMatrixMat3x3d"};
-  if (template_ == "auto" || template_.empty()) {
-    form_ = Form::automatic;
-  } else if (template_ == "GraphScattered") {
-    form_ = Form::product;
-  } else if (std::find(assembled.begin(), assembled.end(), template_) != assembled.end()) {
-    form_ = Form::assembled;
-  } else {
-    const std::vector<std::string> words = {"auto", "GraphScattered", assembled[0], assembled[2]};
-    throw ComponentError("template '" + template_ + "' is not a form of matrix that this solver has",
-                         "auto, GraphScattered, CompressedRowSparseMatrix or CompressedRowSparseMatrixMat3x3",
-                         nearest(template_, words));
-  }
-  graph_.reserve(std::size_t(std::min(iterations_, 100000)) + 1);
+void CGLinearSolver::resize(Index rows) {
+  for (Vector* vector : {&r_, &p_, &q_}) vector->resize(rows);
+  if (preconditioner_ != Preconditioner::none) z_.resize(rows);
+  if (warm_start_) previous_.resize(rows);
+  jacobi_revision_ = -1;
 }
 
-/// Work space, the form of the product and the preconditioner for this solve.
-void CGLinearSolver::prepare(SystemMatrix& matrix, Index rows) {
-  if (r_.count() != rows) {
-    for (Vector* vector : {&r_, &p_, &q_}) vector->resize(rows);
-    if (preconditioner_ != Preconditioner::none) z_.resize(rows);
-    if (warm_start_) previous_.resize(rows);
-    jacobi_revision_ = -1;
-  }
-  const bool assemble = form_ == Form::assembled || (form_ == Form::automatic && matrix.prefersAssembled(iterations_));
-  assembled_ = assemble ? &matrix.assemble() : nullptr;
-  if (preconditioner_ != Preconditioner::none && jacobi_revision_ != matrix.revision()) {
-    matrix.diagonalBlocks(blocks_);
-    bad_block_ = jacobi_.factor(blocks_);
-    jacobi_revision_ = matrix.revision();
-  }
+void CGLinearSolver::prepare(const SystemMatrix& matrix) {
+  if (preconditioner_ == Preconditioner::none || jacobi_revision_ == matrix.revision()) return;
+  matrix.diagonalBlocks(blocks_);
+  bad_block_ = jacobi_.factor(blocks_);
+  jacobi_revision_ = matrix.revision();
 }
 
-/// r = b - A x; returns r.r.
-double CGLinearSolver::startFrom(const SystemMatrix& matrix, ConstRows b, Rows x) {
-  if (warm_start_) {
-    copy(previous_, x);
-  }
-  if (dot(x, x) == 0) {
-    copy(b, r_);
-  } else {
-    product(matrix, x, q_);
-    copy(b, r_);
-    axpy(-1, q_, r_);
-  }
-  return dot(r_, r_);
-}
-
-SolveReport CGLinearSolver::iterate(const SystemMatrix& matrix, Rows x, double norm_b, double residual) {
+SolveReport CGLinearSolver::iterate(const SystemMatrix& matrix, Rows x, double residual) {
   const bool precondition = preconditioner_ != Preconditioner::none;
   SolveReport report;
   double rho = precondition ? jacobi_.apply(r_, z_) : residual;
   copy(precondition ? z_.rows() : r_.rows(), p_);
-  const double enough = tolerance_ * norm_b;
+  const double enough = tolerance_ * norm_b_;
   for (;;) {
     product(matrix, p_, q_);
     ++report.iterations;
@@ -161,7 +103,7 @@ SolveReport CGLinearSolver::iterate(const SystemMatrix& matrix, Rows x, double n
     }
     const double alpha = rho / curve.pq;
     residual = cg::reduceResidual(alpha, q_, r_);
-    record(std::sqrt(residual) / norm_b);
+    record(std::sqrt(residual) / norm_b_);
     if (!std::isfinite(residual)) {
       report.stop = SolveStop::not_finite;
       break;
@@ -176,36 +118,26 @@ SolveReport CGLinearSolver::iterate(const SystemMatrix& matrix, Rows x, double n
     rho = precondition ? jacobi_.apply(r_, z_) : residual;
     cg::advance(alpha, rho / rho_before, precondition ? z_.rows() : r_.rows(), p_, x);
   }
-  report.relative_residual = std::sqrt(residual) / norm_b;
+  report.relative_residual = std::sqrt(residual) / norm_b_;
   return report;
 }
 
 SolveReport CGLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x) {
-  graph_.clear();
   SolveReport report;
-  const double norm_b = std::sqrt(dot(b, b));
-  if (!std::isfinite(norm_b)) {
-    report.stop = SolveStop::not_finite;
-    report.relative_residual = norm_b;
-    return report;
-  }
-  if (norm_b == 0) {
-    clear(x);
-    report.stop = SolveStop::zero_right_side;
-    return report;
-  }
-  prepare(matrix, b.count);
+  if (!begin(matrix, b, x, report)) return report;
+  prepare(matrix);
   if (bad_block_ >= 0) {
     report.stop = SolveStop::not_definite;
     report.row = bad_block_;
     report.relative_residual = 1;
     return report;
   }
-  const double residual = startFrom(matrix, b, x);
-  if (std::sqrt(residual) <= tolerance_ * norm_b) {
-    report.relative_residual = std::sqrt(residual) / norm_b;
+  if (warm_start_) copy(previous_, x);
+  const double residual = KrylovSolver::residual(matrix, b, x, r_, q_);
+  if (std::sqrt(residual) <= tolerance_ * norm_b_) {
+    report.relative_residual = std::sqrt(residual) / norm_b_;
   } else {
-    report = iterate(matrix, x, norm_b, residual);
+    report = iterate(matrix, x, residual);
   }
   if (warm_start_ && report.stop != SolveStop::not_finite) copy(x, previous_);
   return report;

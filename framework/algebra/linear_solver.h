@@ -26,12 +26,15 @@ class SystemMatrix {
   virtual bool symmetric() const = 0;
   /// True when every term of the matrix is already kept assembled or is cheaper assembled than as a product.
   virtual bool prefersAssembled(int expected_products) const = 0;
+  /// Where the nodes of the rows are, near enough to tell how the matrix has turned since another one; nothing (count
+  /// 0) when rows are not nodes in space.
+  virtual ConstRows positions() const { return {}; }
   /// Name (path) of the component to blame for row `row`, for messages.
   virtual std::string describeRow(Index row) const = 0;
 };
 
 /// Why an iterative or direct solve ended.
-enum class SolveStop { converged, iteration_limit, breakdown, not_definite, not_finite, zero_right_side };
+enum class SolveStop { converged, iteration_limit, breakdown, not_definite, not_finite, zero_right_side, stagnated };
 std::string_view describe(SolveStop stop);
 
 struct SolveReport {

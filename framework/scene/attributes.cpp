@@ -130,6 +130,16 @@ void Instantiation::readAttributes(const ComponentDescription& description, Comp
   }
 }
 
+/// A word instead of a path, where the link has words.
+void Instantiation::checkWord(const AttributeDescription& attribute, const LinkBase& link, Component& component) {
+  if (std::find(link.words.begin(), link.words.end(), link.path) != link.words.end()) return;
+  std::string expected = "one of:";
+  for (const std::string& word : link.words) expected += (word == link.words[0] ? " " : ", ") + word;
+  fail(component, {Severity::error, attribute.where, component.path() + "." + attribute.name,
+                   inQuotes(link.path) + " is not a " + link.roleText(), expected + ", or a link (@name)",
+                   nearest(link.path, link.words)});
+}
+
 void Instantiation::readAttribute(const AttributeDescription& attribute, Component& component) {
   Data* data = findAttribute(attribute.name, component);
   if (!data) return unknownAttribute(attribute, component);
@@ -149,6 +159,8 @@ void Instantiation::readAttribute(const AttributeDescription& attribute, Compone
     problem->path = component.path() + "." + attribute.name;
     return fail(component, std::move(*problem));
   }
+  if (data->link() && !data->link()->words.empty() && !text.starts_with("@"))
+    return checkWord(attribute, *data->link(), component);
   if (data->link()) pending_.push_back({&component, data, std::string(text), attribute.where});
   if (std::holds_alternative<FileName*>(data->pointer())) findInputFile(attribute, *data, component);
 }

@@ -140,6 +140,8 @@ class LinkBase {
   void set(Component* target) { target_ = target; }
   Component* target() const { return target_; }
   std::string path;  ///< as written
+  /// Words that a scene may write instead of a path, for what needs no component of its own; `path` is then the word.
+  std::vector<std::string> words;
 
  protected:
   Component* target_ = nullptr;

@@ -39,6 +39,7 @@ class Instantiation {
   void readNodeAttributes(const NodeDescription& description, Node& node);
   void readNodeAttribute(const AttributeDescription& attribute, Node& node);
   void readAttributes(const ComponentDescription& description, Component& component);
+  void checkWord(const AttributeDescription& attribute, const LinkBase& link, Component& component);
   void readAttribute(const AttributeDescription& attribute, Component& component);
   Data* findAttribute(const std::string& name, Component& component);
   void unknownAttribute(const AttributeDescription& attribute, Component& component);

@@ -60,6 +60,7 @@ class ShiftedMatrix final : public SystemMatrix {
   long revision() const override { return revision_; }
   bool symmetric() const override { return base_.symmetric(); }
   bool prefersAssembled(int expected_products) const override { return base_.prefersAssembled(expected_products); }
+  ConstRows positions() const override { return base_.positions(); }
   std::string describeRow(Index row) const override { return base_.describeRow(row); }
 
  private:

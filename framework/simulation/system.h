@@ -102,6 +102,7 @@ class System final : public SystemMatrix {
   long revision() const override { return revision_; }
   bool symmetric() const override;
   bool prefersAssembled(int expected_products) const override;
+  ConstRows positions() const override { return {x.rows().data, independent_rows_}; }
   std::string describeRow(Index row) const override;
 
   /// Empty when x and v are finite; else a sentence naming the state, the node and the component to suspect.

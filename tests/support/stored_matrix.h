@@ -35,6 +35,13 @@ class StoredMatrix final : public SystemMatrix {
   long revision() const override { return revision_number; }
   bool symmetric() const override { return is_symmetric; }
   bool prefersAssembled(int) const override { return prefers_assembled; }
+  std::vector<Vec3> nodes;  ///< where the rows are, or empty
+  ConstRows positions() const override {
+    if (nodes.empty()) return {};
+    if (placed_.count() != rows()) placed_.resize(rows());
+    for (Index i = 0; i < rows(); ++i) placed_[i] = nodes[std::size_t(i)];
+    return placed_;
+  }
   std::string describeRow(Index row) const override { return "row " + std::to_string(row); }
 
   Eigen::MatrixXd dense() const {
@@ -45,6 +52,9 @@ class StoredMatrix final : public SystemMatrix {
           a(3 * i + k / 3, 3 * values.columns()[std::size_t(s)] + k % 3) = values.values()[std::size_t(9 * s + k)];
     return a;
   }
+
+ private:
+  mutable Vector placed_;
 };
 
 /// Each node is coupled to `neighbours` random others by B^T B with B random 3x6, and to the ground by `ground`:

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// PCGLinearSolver: preconditioned conjugate gradients for A x = b with A symmetric and positive definite (Hestenes and
+// Stiefel 1952; in this form Shewchuk 1994, after whom SOFA called it before).
+//
+//   q = A p,  alpha = r.z / p.q,  x += alpha p,  r -= alpha q,  z = B r,  beta = r.z / (r.z)_before,  p = z + beta p
+//
+// B ~ A^-1 is the preconditioner, a word or a link to a component:
+//
+//   none                 plain conjugate gradients
+//   jacobi               the diagonal
+//   block_jacobi         the 3x3 diagonal blocks of the nodes; costs next to nothing (the default)
+//   ssor                 a forward and a backward sweep (omega = 1): about half the iterations, each twice the price
+//   incomplete_cholesky  factors without fill, by blocks: about a third of the iterations; where a pivot fails, a
+//                        multiple of the diagonal is added, which the attribute `shift` tells
+//   warped               the factors that a direct solver of the same node made of a former matrix, turned with the
+//                        body (see WarpPreconditioner): few iterations whatever the mesh or Poisson's ratio
+//
+// It stops when |r| <= tolerance |b|, after `iterations` products, when b = 0, when a number is not finite, and when
+// the matrix shows itself to be singular or not definite; x then keeps the last iterate. Where |r| of the recurrence is
+// small enough, b - A x itself is computed, and the iteration goes on from there if round-off kept it larger.
+//
+// Example:
+// <Node name="root" dt="0.01" gravity="0 -9.81 0">
+//   <EulerImplicitSolver/>
+//   <PCGLinearSolver iterations="100" tolerance="1e-9" preconditioner="incomplete_cholesky"/>
+//   <MechanicalObject position="0 0 0  1 0 0  0 1 0  0 0 1"/>
+//   <UniformMass totalMass="1"/>
+//   <FixedProjectiveConstraint indices="0 1 2"/>
+// </Node>
+#include "framework/algebra/incomplete_cholesky.h"
+#include "framework/algebra/krylov_solver.h"
+#include "framework/algebra/preconditioned_conjugate_gradients.h"
+#include "framework/algebra/warped_factor.h"
+#include "framework/scene/factory.h"
+
+namespace stroma {
+namespace {
+
+class PCGLinearSolver final : public KrylovSolver, public FactorUser {
+ public:
+  PCGLinearSolver() {
+    link_.words = {"none", "jacobi", "block_jacobi", "ssor", "incomplete_cholesky", "warped"};
+    link_.path = "block_jacobi";
+  }
+  void declare(DataTable& table) override;
+  void init() override;
+  void reset() override {
+    if (inverse_) inverse_->reset();
+  }
+  SolveReport solve(SystemMatrix& matrix, ConstRows b, Rows x) override;
+  bool usesFactorOf(const Component&) const override { return use_ && link_.path == "warped"; }
+
+ private:
+  void resize(Index rows) override { work_.resize(rows); }
+
+  bool use_ = true;
+  Link<Preconditioner> link_{"preconditioner"};
+  Link<DirectSolver> factors_{"direct solver"};
+  double shift_ = 0;
+  int factorisations_ = 0;
+
+  std::unique_ptr<ApproximateInverse> own_;
+  ApproximateInverse* inverse_ = nullptr;  ///< null: none
+  cg::Directions work_;
+};
+
+void PCGLinearSolver::declare(DataTable& table) {
+  KrylovSolver::declare(table);
+  table.add("use_precond", use_).help("false: plain conjugate gradients, whatever the preconditioner");
+  table.addLink("preconditioner", link_)
+      .alias("preconditioners")
+      .help(
+          "none, jacobi, block_jacobi (the default), ssor, incomplete_cholesky, warped, or a link to a preconditioner");
+  table.add("shift", shift_).help("multiple of the diagonal that incomplete_cholesky had to add").unit("-").output();
+  table.add("factorisations", factorisations_).help("how often warped factored so far").unit("-").output();
+}
+
+void PCGLinearSolver::init() {
+  KrylovSolver::init();
+  const std::string& word = link_.path;
+  if (!use_) return;
+  if (Preconditioner* linked = link_.get()) {
+    inverse_ = &linked->inverse();
+    return;
+  }
+  if (word == "jacobi") own_ = std::make_unique<Jacobi>();
+  if (word == "block_jacobi") own_ = std::make_unique<BlockJacobiInverse>();
+  if (word == "ssor") own_ = std::make_unique<Ssor>();
+  if (word == "incomplete_cholesky") own_ = std::make_unique<IncompleteCholesky>();
+  if (word == "warped") own_ = std::make_unique<WarpedFactor>(&factorSource(*this, factors_));
+  inverse_ = own_.get();
+}
+
+SolveReport PCGLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x) {
+  SolveReport report;
+  if (!begin(matrix, b, x, report)) return report;
+  SolveReport prepared;
+  if (inverse_ && !inverse_->follow(matrix, prepared)) {
+    prepared.relative_residual = 1;
+    return prepared;
+  }
+  shift_ = inverse_ ? inverse_->shift() : 0;
+  factorisations_ += prepared.factored;
+  const auto multiply = [&](ConstRows p, Rows out) { product(matrix, p, out); };
+  const auto precondition = [&](ConstRows r, Rows z) { inverse_ ? inverse_->apply(r, z) : copy(r, z); };
+  const auto note = [&](double residual) { record(residual / norm_b_); };
+  report = cg::preconditioned(multiply, precondition, note, {iterations_, tolerance_ * norm_b_}, b, work_, x);
+  report.relative_residual /= norm_b_;
+  report.factored = prepared.factored;
+  if (inverse_) inverse_->solved(report.iterations);
+  return report;
+}
+
+}  // namespace
+}  // namespace stroma
+
+STROMA_COMPONENT(pcg_linear_solver) {
+  factory.add<stroma::PCGLinearSolver>("PCGLinearSolver", "conjugate gradients with a choice of preconditioners");
+}

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <memory>
+
+#include "framework/algebra/linear_solver.h"
+
+namespace stroma {
+
+/// B, symmetric and positive definite, close to A^-1 and cheap to apply: what preconditions conjugate gradients.
+class ApproximateInverse {
+ public:
+  virtual ~ApproximateInverse() = default;
+  /// Brings B up to date with the matrix; `expected` products are to come. False when there is none: the report says
+  /// why and, where it is known, in which row.
+  virtual bool follow(SystemMatrix& matrix, SolveReport& report) = 0;
+  /// z = B r.
+  virtual void apply(ConstRows r, Rows z) = 0;
+  /// Told after each solve how many iterations it took: what is kept over several matrices is renewed by it.
+  virtual void solved(int /*iterations*/) {}
+  /// Forgets the matrices seen so far.
+  virtual void reset() = 0;
+  /// The multiple of its own diagonal that was added to the matrix so that a factorisation exists; 0: none.
+  virtual double shift() const { return 0; }
+};
+
+/// A preconditioner as a component, for solvers that name it by a link.
+class Preconditioner : public Component {
+ public:
+  std::string roleText() const override { return "preconditioner"; }
+  virtual ApproximateInverse& inverse() = 0;
+  void reset() override { inverse().reset(); }
+};
+
+}  // namespace stroma

@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// What holds for every linear solver, on systems of an elastic block that no component made.
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "framework/algebra/parallel.h"
+#include "tests/support/elastic_block.h"
+#include "tests/support/solver_fixture.h"
+
+namespace stroma::test {
+namespace {
+
+constexpr double tolerance = 1e-11;
+
+struct Kind {
+  std::string name, element;
+  bool definite_only = false;  ///< conjugate gradients and L L^T
+  bool is_direct = false;
+};
+
+std::vector<Kind> kinds() {
+  std::vector<Kind> all;
+  const std::string limits = " iterations=\"20000\" tolerance=\"1e-11\"";
+  all.push_back({"CG", "<CGLinearSolver" + limits + "/>", true});
+  all.push_back({"MinRes", "<MinResLinearSolver" + limits + "/>"});
+  all.push_back({"MinResAssembled", "<MinResLinearSolver template=\"CompressedRowSparseMatrix\"" + limits + "/>"});
+  for (const char* word : {"none", "jacobi", "block_jacobi", "ssor", "incomplete_cholesky"})
+    all.push_back({std::string("PCG_") + word,
+                   "<PCGLinearSolver preconditioner=\"" + std::string(word) + "\"" + limits + "/>", true});
+  all.push_back({"PCG_warped", "<PCGLinearSolver preconditioner=\"warped\"" + limits + "/><SparseLDLSolver/>", true});
+  for (const char* type : {"Jacobi", "BlockJacobi", "SSOR", "IncompleteCholesky"})
+    all.push_back({std::string("PCG_linked_") + type,
+                   "<PCGLinearSolver preconditioner=\"@p\"" + limits + "/><" + type + "Preconditioner name=\"p\"/>",
+                   true});
+  all.push_back(
+      {"PCG_linked_Warp",
+       "<PCGLinearSolver preconditioner=\"@p\"" + limits + "/><WarpPreconditioner name=\"p\"/><EigenSimplicialLLT/>",
+       true});
+  for (const char* type : {"SparseLDLSolver", "EigenSimplicialLLT", "SparseCholeskySolver", "CholeskySolver"})
+    all.push_back({type, "<" + std::string(type) + "/>", true, true});
+  for (const char* type :
+       {"EigenSimplicialLDLT", "EigenSparseLU", "SparseLUSolver", "EigenSparseQR", "SVDLinearSolver"})
+    all.push_back({type, "<" + std::string(type) + "/>", false, true});
+  return all;
+}
+
+class EveryLinearSolver : public testing::TestWithParam<Kind> {};
+INSTANTIATE_TEST_SUITE_P(Solvers, EveryLinearSolver, testing::ValuesIn(kinds()),
+                         [](const auto& info) { return info.param.name; });
+
+ElasticBlock block(Index n) {
+  ElasticBlock result;
+  result.cells = {n, n, n};
+  return result;
+}
+
+std::vector<std::pair<std::string, ElasticBlock>> systems() {
+  ElasticBlock held = block(3), sliding = block(3), dynamic = block(3), stiff = block(3), incompressible = block(3);
+  sliding.slide_wall = true;
+  dynamic.hold_floor = false, dynamic.density = 0.1;
+  stiff.stiffer = [](Vec3 at) { return at.x() > 1 ? 1e4 : 1.; };
+  incompressible.poisson = 0.499;
+  return {{"held", held},
+          {"sliding wall", sliding},
+          {"consistent mass", dynamic},
+          {"stiff half", stiff},
+          {"nearly incompressible", incompressible}};
+}
+
+/// The same matrix with the diagonal blocks of some rows made negative: indefinite and regular.
+StoredMatrix indefinite() {
+  StoredMatrix matrix = block(3).matrix();
+  for (const Index row : {20, 30, 50})
+    matrix.values.add(matrix.values.diagonal()[std::size_t(row)], -3 * Mat3::Identity());
+  return matrix;
+}
+
+bool solved(const SolveReport& report) { return report.stop == SolveStop::converged; }
+
+TEST_P(EveryLinearSolver, FindsTheSolutionToItsTolerance) {
+  for (const auto& [name, system] : systems()) {
+    StoredMatrix matrix = system.matrix();
+    const Eigen::MatrixXd a = matrix.dense();
+    const Vector b = randomVector(matrix.rows(), 5);
+    SolverInScene solver(GetParam().element);
+    Vector x;
+    const SolveReport report = solver.solve(matrix, b, x);
+    EXPECT_TRUE(solved(report)) << name << ": " << describe(report.stop);
+    EXPECT_EQ(report.factored, GetParam().is_direct || GetParam().name.find("arp") != std::string::npos) << name;
+    const double measured = (dense(b) - a * dense(x)).norm() / dense(b).norm();
+    EXPECT_LE(measured, GetParam().is_direct ? 1e-10 : 1.2 * tolerance) << name;
+    EXPECT_NEAR(report.relative_residual, measured, 1e-11) << name;
+    const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(a).eigenvalues();
+    const double condition = values.maxCoeff() / values.minCoeff();
+    const double bound = condition * std::max(measured, 1e-15) * 2;
+    EXPECT_LE(relativeError(x, a.ldlt().solve(dense(b))), bound) << name;
+  }
+}
+
+TEST_P(EveryLinearSolver, GivesZeroForAZeroRightSide) {
+  StoredMatrix matrix = block(2).matrix();
+  SolverInScene solver(GetParam().element);
+  Vector x = randomVector(matrix.rows(), 1);
+  const SolveReport report = solver.solve(matrix, Vector(matrix.rows()).rows(), x);
+  EXPECT_EQ(report.stop, SolveStop::zero_right_side);
+  EXPECT_EQ(dot(x, x), 0);
+}
+
+TEST_P(EveryLinearSolver, NamesWhatIsNotFinite) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  StoredMatrix matrix = block(2).matrix();
+  SolverInScene solver(GetParam().element);
+  Vector b = randomVector(matrix.rows(), 1), x;
+  b[4][2] = nan;
+  EXPECT_EQ(solver.solve(matrix, b, x).stop, SolveStop::not_finite);
+  matrix.values.add(13, 13, nan * Mat3::Ones());
+  ++matrix.revision_number;
+  const SolveReport report = solver.solve(matrix, randomVector(matrix.rows(), 1), x);
+  EXPECT_FALSE(report.usable()) << describe(report.stop);
+  if (report.row >= 0) {
+    EXPECT_EQ(report.row, 13);
+  }
+}
+
+TEST_P(EveryLinearSolver, SolvesAnIndefiniteSystemOrSaysThatItIsOne) {
+  StoredMatrix matrix = indefinite();
+  ASSERT_LT(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(matrix.dense()).eigenvalues().minCoeff(), -0.1);
+  const Vector b = randomVector(matrix.rows(), 3);
+  SolverInScene solver(GetParam().element);
+  Vector x;
+  const SolveReport report = solver.solve(matrix, b, x);
+  if (GetParam().definite_only) {
+    EXPECT_EQ(report.stop, SolveStop::not_definite) << describe(report.stop);
+  } else {
+    EXPECT_TRUE(solved(report)) << describe(report.stop);
+    EXPECT_LT(relativeError(x, matrix.dense().partialPivLu().solve(dense(b))), 1e-8);
+  }
+}
+
+TEST_P(EveryLinearSolver, DoesNotSolveASingularSystemSilently) {
+  ElasticBlock free = block(2);
+  free.hold_floor = false;
+  StoredMatrix matrix = free.matrix();
+  const Vector b = randomVector(matrix.rows(), 3);  // pushes the body along its rigid motions: no solution
+  SolverInScene solver(GetParam().element);
+  Vector x;
+  const SolveReport report = solver.solve(matrix, b, x);
+  EXPECT_FALSE(solved(report)) << describe(report.stop);
+}
+
+TEST_P(EveryLinearSolver, DoesNotDependOnTheNumberOfThreads) {
+  StoredMatrix matrix = block(6).matrix();
+  const Vector b = randomVector(matrix.rows(), 3);
+  Vector x[2];
+  for (const int count : {1, 2}) {
+    setThreads(count);
+    SolverInScene solver(GetParam().element);
+    EXPECT_TRUE(solved(solver.solve(matrix, b, x[count - 1])));
+  }
+  setThreads(1);
+  EXPECT_EQ(std::memcmp(x[0].rows().data, x[1].rows().data, x[0].rows().doubles() * sizeof(double)), 0);
+}
+
+TEST_P(EveryLinearSolver, FollowsAMatrixThatChanges) {
+  StoredMatrix matrix = block(3).matrix();
+  const Vector b = randomVector(matrix.rows(), 3);
+  SolverInScene solver(GetParam().element);
+  for (int change = 0; change < 4; ++change) {
+    for (Index row = change; row < matrix.rows(); row += 3) matrix.values.add(row, row, 0.5 * Mat3::Identity());
+    ++matrix.revision_number;
+    Vector x;
+    EXPECT_TRUE(solved(solver.solve(matrix, b, x)));
+    EXPECT_LT((dense(b) - matrix.dense() * dense(x)).norm(), 1e-10 * dense(b).norm());
+  }
+}
+
+TEST(LinearSolvers, LUAndQRSolveUnsymmetricSystems) {
+  StoredMatrix matrix = block(3).matrix();
+  for (Index i = 16; i < matrix.rows(); ++i)
+    matrix.values.add(i, i, (Mat3() << 0, 1, 2, -1, 0, 3, -2, -3, 0).finished());
+  matrix.is_symmetric = false;
+  const Vector b = randomVector(matrix.rows(), 1);
+  for (const char* type : {"EigenSparseLU", "EigenSparseQR", "SVDLinearSolver", "SparseLDLSolver"}) {
+    SolverInScene solver("<" + std::string(type) + "/>");
+    EXPECT_FALSE(solver.solver->needsSymmetric());
+    Vector x;
+    EXPECT_TRUE(solved(solver.solve(matrix, b, x))) << type;
+    EXPECT_LT(relativeError(x, matrix.dense().partialPivLu().solve(dense(b))), 1e-10) << type;
+  }
+  for (const char* type : {"EigenSimplicialLLT", "EigenSimplicialLDLT", "CholeskySolver", "MinResLinearSolver",
+                           "PCGLinearSolver", "CGLinearSolver"})
+    EXPECT_TRUE(SolverInScene("<" + std::string(type) + "/>").solver->needsSymmetric()) << type;
+}
+
+TEST(LinearSolvers, SingularValuesGiveTheShortestLeastSquaresSolution) {
+  ElasticBlock free = block(2);
+  free.hold_floor = false;
+  StoredMatrix matrix = free.matrix();
+  const Vector b = randomVector(matrix.rows(), 3);
+  SolverInScene solver("<SVDLinearSolver minSingularValue=\"1e-10\"/>");
+  Vector x;
+  solver.solve(matrix, b, x);
+  const Eigen::VectorXd exact = matrix.dense().completeOrthogonalDecomposition().solve(dense(b));
+  EXPECT_LT(relativeError(x, exact), 1e-9);
+}
+
+TEST(MinRes, TheResidualNeverGrowsAndEndsAtTheLeastSquares) {
+  StoredMatrix matrix = indefinite();
+  SolverInScene solver("<MinResLinearSolver iterations=\"2000\" tolerance=\"1e-9\"/>");
+  Vector x;
+  solver.solve(matrix, randomVector(matrix.rows(), 3), x);
+  const std::vector<double> history = solver.reals("graph");
+  ASSERT_GT(history.size(), 10u);
+  for (std::size_t i = 1; i < history.size(); ++i) EXPECT_LE(history[i], history[i - 1]);
+
+  ElasticBlock free = block(2);
+  free.hold_floor = false;
+  StoredMatrix singular = free.matrix();
+  const Vector b = randomVector(singular.rows(), 3);
+  SolverInScene again("<MinResLinearSolver iterations=\"2000\" tolerance=\"1e-13\"/>");
+  EXPECT_EQ(again.solve(singular, b, x).stop, SolveStop::breakdown);
+  const Eigen::VectorXd residual = dense(b) - singular.dense() * dense(x);
+  const Eigen::VectorXd least =
+      dense(b) - singular.dense() * singular.dense().completeOrthogonalDecomposition().solve(dense(b));
+  EXPECT_NEAR(residual.norm(), least.norm(), 1e-9 * least.norm());
+}
+
+TEST(MinRes, EachIterateMinimisesTheResidualOverItsKrylovSpace) {
+  StoredMatrix matrix = indefinite();
+  const Vector b = randomVector(matrix.rows(), 3);
+  const Eigen::MatrixXd a = matrix.dense();
+  Eigen::MatrixXd basis = dense(b).normalized();
+  for (int iterations = 1; iterations <= 8; ++iterations) {
+    SolverInScene solver("<MinResLinearSolver tolerance=\"0\" iterations=\"" + std::to_string(iterations) + "\"/>");
+    Vector x;
+    const SolveReport report = solver.solve(matrix, b, x);
+    EXPECT_EQ(report.stop, SolveStop::iteration_limit);
+    const Eigen::VectorXd weights = (a * basis).colPivHouseholderQr().solve(dense(b));
+    EXPECT_NEAR(report.relative_residual, (dense(b) - a * basis * weights).norm() / dense(b).norm(), 1e-10);
+    Eigen::VectorXd next = a * basis.rightCols(1);
+    for (int pass = 0; pass < 2; ++pass) next -= basis * (basis.transpose() * next);
+    basis.conservativeResize(Eigen::NoChange, basis.cols() + 1);
+    basis.rightCols(1) = next.normalized();
+  }
+}
+
+}  // namespace
+}  // namespace stroma::test

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The stiffness of an elastic block of trilinear hexahedra as a stored matrix, assembled here from the textbook alone
+// (2x2x2 Gauss points), so that solvers are tested on systems that no component of the project made.
+#pragma once
+#include <array>
+#include <cmath>
+#include <functional>
+
+#include "tests/support/stored_matrix.h"
+
+namespace stroma::test {
+
+struct ElasticBlock {
+  std::array<Index, 3> cells{4, 4, 4};
+  double size = 1;          ///< edge of a cell [m]
+  double young = 1;         ///< [Pa]
+  double poisson = 0.3;     ///< [-]
+  double density = 0;       ///< of a consistent mass added to the stiffness [kg/m^3]
+  bool hold_floor = true;   ///< the nodes at z = 0 are held in all directions (their rows are those of the identity)
+  bool slide_wall = false;  ///< the nodes at x = 0 slide in their plane
+  std::function<double(Vec3)> stiffer = {};  ///< factor of E at a point (cells as unit), 1 when not given
+
+  Index nodes(int axis) const { return cells[std::size_t(axis)] + 1; }
+  Index node(Index i, Index j, Index k) const { return i + nodes(0) * (j + nodes(1) * k); }
+  Index count() const { return nodes(0) * nodes(1) * nodes(2); }
+  StoredMatrix matrix() const;
+
+ private:
+  using ElementMatrix = Eigen::Matrix<double, 24, 24>;
+  ElementMatrix element(bool mass) const;
+  void hold(BlockMatrix& matrix, Index row, const Mat3& projector) const;
+};
+
+/// Corner c of a cell: its bits are x, y and z.
+inline ElasticBlock::ElementMatrix ElasticBlock::element(bool mass) const {
+  const double lambda = young * poisson / ((1 + poisson) * (1 - 2 * poisson)), mu = young / (2 * (1 + poisson));
+  ElementMatrix result = ElementMatrix::Zero();
+  for (int q = 0; q < 8; ++q) {
+    const auto sign = [](int bits, int axis) { return bits >> axis & 1 ? 1. : -1.; };
+    std::array<Vec3, 8> gradient;
+    std::array<double, 8> shape;
+    for (int c = 0; c < 8; ++c) {
+      shape[std::size_t(c)] = 1;
+      for (int axis = 0; axis < 3; ++axis) {
+        double slope = sign(c, axis) / size;
+        for (int other = 0; other < 3; ++other) {
+          const double value = (1 + sign(c, other) * sign(q, other) / std::sqrt(3.)) / 2;
+          if (other != axis) slope *= value;
+          if (axis == 0) shape[std::size_t(c)] *= value;
+        }
+        gradient[std::size_t(c)][axis] = slope;
+      }
+    }
+    const double weight = size * size * size / 8;
+    for (int a = 0; a < 8; ++a)
+      for (int b = 0; b < 8; ++b) {
+        const Vec3 &g = gradient[std::size_t(a)], &h = gradient[std::size_t(b)];
+        Mat3 block = lambda * g * h.transpose() + mu * h * g.transpose() + mu * g.dot(h) * Mat3::Identity();
+        if (mass) block = density * shape[std::size_t(a)] * shape[std::size_t(b)] * Mat3::Identity();
+        result.block<3, 3>(3 * a, 3 * b) += weight * block;
+      }
+  }
+  return result;
+}
+
+/// Rows and columns of `row` become P A P + I - P.
+inline void ElasticBlock::hold(BlockMatrix& matrix, Index row, const Mat3& projector) const {
+  using Block = Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>;
+  for (Index s = matrix.rowStart()[std::size_t(row)]; s < matrix.rowStart()[std::size_t(row) + 1]; ++s) {
+    const Index column = matrix.columns()[std::size_t(s)];
+    Block mine(matrix.values().data() + 9 * s), mirrored(matrix.values().data() + 9 * matrix.slot(column, row));
+    mine = (projector * mine).eval();
+    mirrored = (mirrored * projector).eval();
+  }
+  matrix.add(row, row, Mat3::Identity() - projector);
+}
+
+inline StoredMatrix ElasticBlock::matrix() const {
+  BlockPattern pattern(count());
+  const auto forEachCell = [this](auto&& visit) {
+    for (Index k = 0; k < cells[2]; ++k)
+      for (Index j = 0; j < cells[1]; ++j)
+        for (Index i = 0; i < cells[0]; ++i) {
+          std::array<Index, 8> corners;
+          for (int c = 0; c < 8; ++c) corners[std::size_t(c)] = node(i + (c & 1), j + (c >> 1 & 1), k + (c >> 2));
+          visit(corners, Vec3(i + 0.5, j + 0.5, k + 0.5));
+        }
+  };
+  forEachCell([&](const std::array<Index, 8>& corners, const Vec3&) { pattern.addClique(corners.data(), 8); });
+  BlockMatrix matrix(std::move(pattern));
+  const ElementMatrix stiffness = element(false);
+  const ElementMatrix mass = element(true);
+  forEachCell([&](const std::array<Index, 8>& corners, const Vec3& centre) {
+    const double factor = stiffer ? stiffer(centre) : 1;
+    for (int a = 0; a < 8; ++a)
+      for (int b = 0; b < 8; ++b)
+        matrix.add(corners[std::size_t(a)], corners[std::size_t(b)],
+                   Mat3(factor * stiffness.block<3, 3>(3 * a, 3 * b) + mass.block<3, 3>(3 * a, 3 * b)));
+  });
+  if (hold_floor)
+    for (Index n = 0; n < nodes(0) * nodes(1); ++n) hold(matrix, n, Mat3::Zero());
+  if (slide_wall)
+    for (Index k = hold_floor ? 1 : 0; k < nodes(2); ++k)
+      for (Index j = 0; j < nodes(1); ++j) hold(matrix, node(0, j, k), Vec3(0, 1, 1).asDiagonal());
+  return StoredMatrix(std::move(matrix));
+}
+
+}  // namespace stroma::test
