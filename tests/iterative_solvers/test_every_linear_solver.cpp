@@ -47,7 +47,7 @@ std::vector<Kind> kinds() {
 
 class EveryLinearSolver : public testing::TestWithParam<Kind> {};
 INSTANTIATE_TEST_SUITE_P(Solvers, EveryLinearSolver, testing::ValuesIn(kinds()),
-                         [](const auto& info) { return info.param.name; });
+                         [](const auto& tested) { return tested.param.name; });
 
 ElasticBlock block(Index n) {
   ElasticBlock result;
