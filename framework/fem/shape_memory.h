@@ -24,6 +24,7 @@ class ShapeMemory {
     const std::vector<double>& stiffness;    ///< [N/m], one, or shape (nodes)
     double own_weight;                       ///< of the node in the fit, a neighbour has 1
     bool reaction;                           ///< act() spreads a force to the neighbours too
+    bool only_upright;                       ///< but not where the neighbourhood is turned inside out
     Index first_row;
   };
   void build(const Input& input);
@@ -67,8 +68,8 @@ class ShapeMemory {
     for (const double part : partial_) result += part;
     return result;
   }
-  /// visit(nodes, blocks, stiffness) for each node: the nodes that P - P_target depends on, itself first, and the
-  /// derivatives by their positions.
+  /// visit(nodes, blocks, stiffness, passes) for each node: the nodes that P - P_target depends on, itself first, the
+  /// derivatives by their positions, and false where the neighbours feel no reaction (if there is one at all).
   template <class Visit>
   void forEachJacobian(const Adjacency& neighbours, Visit&& visit) const;
 
@@ -87,6 +88,7 @@ class ShapeMemory {
   struct Frame {
     M3<Pack> r;
     S3<Pack> spin;  ///< G^-1 of local_frame::spinInverse
+    Pack passes;    ///< 1, or 0 where nothing reaches the neighbours
   };
   /// What a node does to a neighbour at rest position X: -(g + U X). Rows of four doubles: columns of U, then g.
   struct alignas(64) Reaction {
@@ -109,6 +111,12 @@ class ShapeMemory {
   Sums sums(ConstRows x, Index batch) const;
   V3<Pack> drawnAt(ConstRows x, Index batch, Frame* keep) const;
   bool isFramed(Index batch) const { return around_.batches[std::size_t(batch)].kind == framed; }
+  /// A flat neighbourhood counts as upright: the sign of its determinant is round-off.
+  Pack passes(const M3<Pack>& a) const {
+    if (!only_upright_) return Pack(1.);
+    const Pack size = squaredNorm(a);
+    return select(dot(a.c0, cross(a.c1, a.c2)) < Pack(-1e-6) * size * sqrt(size), Pack(0.), Pack(1.));
+  }
   static M3<Pack> withOwn(const Sums& s, const Rest& rest, const V3<Pack>& mean) {
     const V3<Pack> own = rest.r * rest.own;
     return {fma(-own.x, mean, s.outer.c0), fma(-own.y, mean, s.outer.c1), fma(-own.z, mean, s.outer.c2)};
@@ -121,6 +129,7 @@ class ShapeMemory {
   Array<V3<Pack>> rest_neighbour_;  ///< scale (X_j - C), as Neighbourhoods::neighbour; 0 in padding
   Vector rest_;                     ///< rest positions from their mean, shape (nodes)
   Index first_row_ = 0;
+  bool only_upright_ = false;
   mutable Array<Reaction> reactions_;  ///< shape (nodes), only with reaction
   mutable std::vector<double> partial_;
   mutable std::vector<Index> nodes_;  ///< of one node's Jacobian, as large as the longest list needs
@@ -132,6 +141,7 @@ class ShapeMemory {
 inline void ShapeMemory::build(const Input& input) {
   const std::size_t nodes = input.rest_position.size();
   first_row_ = input.first_row;
+  only_upright_ = input.only_upright;
   Vec3 origin = Vec3::Zero();
   for (const Vec3& p : input.rest_position) origin += p / double(nodes);
   rest_.resize(Index(nodes));
@@ -142,7 +152,7 @@ inline void ShapeMemory::build(const Input& input) {
   }
   around_ = arrangeNeighbourhoods(input.neighbours, kind, first_row_, pack_lanes);
   rest_of_.assign(std::size_t(batches()), {});
-  frame_of_.assign(std::size_t(batches()), {identity<Pack>(), {}});
+  frame_of_.assign(std::size_t(batches()), {identity<Pack>(), {}, Pack(1.)});
   rest_neighbour_.assign(around_.neighbour.size() / pack_lanes, {});
   partial_.assign(std::size_t(chunks()), 0);
   for (Index b = 0; b < batches(); ++b) storeRest(b, input, origin);
@@ -231,7 +241,7 @@ inline V3<Pack> ShapeMemory::drawnAt(ConstRows x, Index batch, Frame* keep) cons
   const Sums s = sums<true>(x, batch);
   const V3<Pack> mean = s.difference * rest.share;
   const M3<Pack> a = withOwn(s, rest, mean), r = local_frame::bestRotation(a);
-  if (keep) *keep = {r, local_frame::spinInverse(r, a)};
+  if (keep) *keep = {r, local_frame::spinInverse(r, a), passes(a)};
   return mean + r * rest.r;
 }
 
@@ -258,11 +268,11 @@ inline void ShapeMemory::act(Index batch, const V3<Pack>& force, Rows f) const {
   const bool has_frame = isFramed(batch);
   if (has_frame) {
     const Frame& frame = frame_of_[std::size_t(batch)];
-    const V3<Pack> mu = frame.spin * cross(rest.r, transposedTimes(frame.r, force));
+    const V3<Pack> mu = frame.spin * cross(rest.r, transposedTimes(frame.r, force)) * frame.passes;
     own = force - frame.r * (cross(mu, rest.r) * rest.own);
     const M3<Pack> u = rotation::timesCross(frame.r, mu) * rest.scale;
     store(0, u.c0), store(1, u.c1), store(2, u.c2);
-    store(3, own * rest.share - u * rest.centre);
+    store(3, own * (rest.share * frame.passes) - u * rest.centre);
   } else {
     store(3, own * rest.share);
   }
@@ -327,7 +337,7 @@ void ShapeMemory::forEachJacobian(const Adjacency& neighbours, Visit&& visit) co
         nodes.push_back(neighbours.values[std::size_t(k)]);
         blocks.push_back(lever * crossMatrix(edge - share * own) * r.transpose() - share * Mat3::Identity());
       }
-      visit(nodes, blocks, rest.stiffness.get(l));
+      visit(nodes, blocks, rest.stiffness.get(l), frame.passes.get(l) > 0);
     }
   }
 }

@@ -14,7 +14,7 @@ const std::string type = "ShapeMemoryForceField";
 std::string organ(const std::string& attributes, const std::string& solver = "<SparseLDLSolver/>",
                   const std::string& more = "", const std::string& integrator = "<EulerImplicitSolver/>",
                   const std::string& dt = "0.01") {
-  return "<Node name=\"root\" dt=\"" + dt + "\"><Node name=\"body\">" + integrator + solver +
+  return "<Node name=\"root\" dt=\"" + dt + "\" gravity=\"0 0 0\"><Node name=\"body\">" + integrator + solver +
          "<MeshGmshLoader name=\"loader\" filename=\"" STROMA_SOURCE_DIR
          "/scenes/meshes/organ_600.msh\"/><TetrahedronSetTopologyContainer src=\"@loader\"/><MechanicalObject/>"
          "<UniformMass totalMass=\"1\"/><ShapeMemoryForceField stiffness=\"100\" " +
@@ -119,6 +119,21 @@ TEST(ShapeMemory, ReactionHoldsNewtonsAndEulersLawsAndThePaperDoesNot) {
       EXPECT_GT(without.force, 1e-3);
       RecordProperty("plain form, sum of forces at noise " + std::to_string(noise), std::to_string(without.force));
     }
+}
+
+TEST(ShapeMemory, UprightIsTheSameUntilANeighbourhoodInverts) {
+  FieldUnderTest full(organ(""), type), upright(organ("reaction=\"upright\""), type);
+  full.deform(0.05), upright.deform(0.05);
+  EXPECT_EQ(relativeDifference(full.force(), upright.force()), 0);
+  EXPECT_EQ(relativeDifference(full.product(full.direction), upright.product(full.direction)), 0);
+  for (FieldUnderTest* t : {&full, &upright}) {
+    t->rest();
+    for (Index i = 0; i < t->x.count(); ++i) t->x[i].x() *= -1;
+  }
+  EXPECT_GT(relativeDifference(full.force(), upright.force()), 0.1);
+  Vector product = upright.product(upright.direction), assembled(product.count());
+  upright.matrix().multiply(upright.direction, assembled);
+  EXPECT_LT(relativeDifference(product, assembled), 1e-12);
 }
 
 TEST(ShapeMemory, PlainTangentIsExactOnCollapsedShapesToo) {
@@ -234,22 +249,29 @@ void crush(System& system, const std::string& how) {
   }
 }
 
+struct Recovery {
+  const char *attributes, *solver;
+  std::vector<const char*> shapes;
+};
+
 TEST(ShapeMemory, RegainsItsShapeFromPlaneLinePointAndDisorder) {
-  for (const std::string attributes : {"", "reaction=\"false\" tangent=\"target\"", "frame=\"triangle\""})
-    for (const std::string how : {"plane", "line", "point", "random", "dragged", "mirrored"}) {
-      SCOPED_TRACE(attributes + std::string(" ") + how);
-      Simulation simulation =
-          simulationFromText(organ(attributes, "<CGLinearSolver iterations=\"100\" tolerance=\"1e-8\"/>", "",
-                                   "<EulerImplicitSolver rayleighMass=\"1\"/>", "0.1"));
-      System& system = *simulation.systems()[0];
-      crush(system, how);
-      EXPECT_GT(distanceToRest(*system.states()[0]), 0.05);
-      int steps = 0;
-      for (; steps < 20000 && (steps % 100 || distanceToRest(*system.states()[0]) > 1e-6); ++steps)
+  const char* cg = "<CGLinearSolver iterations=\"100\" tolerance=\"1e-8\"/>";
+  // With a reaction always passed on there is an energy, and it has minima that disorder or a mirror image lead to.
+  const Recovery recoveries[]{
+      {"reaction=\"false\" tangent=\"target\"", cg, {"plane", "line", "point", "random", "dragged", "mirrored"}},
+      {"reaction=\"upright\"", "<SparseLDLSolver/>", {"plane", "line", "point", "random", "dragged", "mirrored"}},
+      {"", cg, {"plane", "line", "point", "dragged"}}};
+  for (const Recovery& recovery : recoveries)
+    for (const char* how : recovery.shapes) {
+      SCOPED_TRACE(recovery.attributes + std::string(" ") + how);
+      Simulation simulation = simulationFromText(
+          organ(recovery.attributes, recovery.solver, "", "<EulerImplicitSolver rayleighMass=\"1\"/>", "0.1"));
+      const State& state = *simulation.systems()[0]->states()[0];
+      crush(*simulation.systems()[0], how);
+      EXPECT_GT(distanceToRest(state), 0.05);
+      for (int step = 0; step < 3000 && (step % 100 || distanceToRest(state) > 1e-6); ++step)
         ASSERT_FALSE(simulation.step().diverged);
-      EXPECT_LT(distanceToRest(*system.states()[0]), 1e-6);
-      RecordProperty("steps", steps);
-      std::printf("%s %s: %d steps, %g\n", attributes.c_str(), how.c_str(), steps, distanceToRest(*system.states()[0]));
+      EXPECT_LT(distanceToRest(state), 1e-6);
     }
 }
 
@@ -271,6 +293,7 @@ TEST(ShapeMemory, SameBitsForOneAndTwoThreads) {
 
 TEST(ShapeMemory, BadInputIsSaid) {
   EXPECT_NE(problemsOf(organ("tangent=\"target\"")).find("reaction"), std::string::npos);
+  EXPECT_NE(problemsOf(organ("reaction=\"upright\" frame=\"triangle\"")).find("plane"), std::string::npos);
   EXPECT_NE(problemsOf(organ("frame=\"tringle\"")).find("triangle"), std::string::npos);
   EXPECT_NE(problemsOf("<Node name=\"root\"><EulerExplicitSolver/><MechanicalObject position=\"0 0 0 1 0 0\"/>"
                        "<MeshTopology position=\"0 0 0 1 0 0\"/><UniformMass totalMass=\"1\"/>"
