@@ -11,11 +11,13 @@
 // A step ends when |f| <= relative_residual_tolerance_threshold * the |f| where the step starts (reactions of held
 // nodes included), or when one of the other thresholds (off by default: they are absolute, or measure the step instead
 // of the balance of forces) is met, or when dx no longer changes x in double precision. After newton_iterations without
-// that, the step says that it has not converged and the state is the last iterate. SOFA's defaults are 1 iteration and
-// 1e-5 for all four.
+// that, the step says that it has not converged and leaves the best iterate; a run that ends with such a step has no
+// result, and its exit code is 3. SOFA's defaults are 1 iteration and 1e-5 for all four. A NewtonRaphsonSolver in the
+// node, or linked, holds the settings instead.
 //
-// A body that is not held and whose loads do not cancel has no equilibrium: the step then ends with a sentence naming
-// the body and the direction.
+// A body that is free to move or turn as a whole and whose loads push it that way has no equilibrium: the step then
+// ends with a sentence naming the body and the direction or the axis. A body is what forces tie together, so a state
+// can hold several.
 //
 // Example:
 // <Node name="root" dt="1" gravity="0 -9.81 0">
@@ -29,12 +31,12 @@
 // </Node>
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 
 #include "framework/scene/factory.h"
+#include "framework/simulation/free_body.h"
 #include "framework/simulation/integrator.h"
-#include "framework/simulation/newton.h"
+#include "framework/simulation/newton_solver.h"
 #include "framework/simulation/system.h"
 
 namespace stroma {
@@ -45,10 +47,10 @@ class Equilibrium final : public NonlinearProblem {
  public:
   void compile(System& system) {
     system_ = &system;
-    base_.resize(system.independentRows());
     start_.resize(system.independentRows());
   }
   void begin() { copy(rows(), start_); }
+  void giveUp() { copy(start_, rows()); }
   void residual(Rows out) override {
     system_->computeForce(system_->x, system_->v, system_->f);
     copy(ConstRows{system_->f.rows().data, out.count}, out);
@@ -57,23 +59,20 @@ class Equilibrium final : public NonlinearProblem {
   SystemMatrix& tangent() override { return system_->matrix({.stiffness = -1}); }
   double energy() override { return system_->potentialEnergy(system_->x); }
   double loadScale() const override { return std::sqrt(dot(system_->f, system_->f)); }
-  void keep() override { copy(rows(), base_); }
-  void move(double step, ConstRows direction) override {
-    copy(base_, rows());
-    axpy(step, direction, rows());
-  }
+  Rows unknowns() override { return rows(); }
+  void unknownsChanged() override {}
   double displacementPerUnknown() const override { return 1; }
   ConstRows positions() const override { return rows(); }
   double travelled() const override {
     double sum = 0;
-    for (Index i = 0; i < base_.count(); ++i) sum += (system_->x[i] - start_[i]).squaredNorm();
+    for (Index i = 0; i < start_.count(); ++i) sum += (system_->x[i] - start_[i]).squaredNorm();
     return std::sqrt(sum);
   }
 
  private:
   Rows rows() const { return {system_->x.rows().data, system_->independentRows()}; }
   System* system_ = nullptr;
-  Vector base_, start_;
+  Vector start_;
 };
 
 class StaticSolver final : public Integrator {
@@ -85,16 +84,17 @@ class StaticSolver final : public Integrator {
   void reset() override { checked_projectors_ = std::size_t(-1); }
 
  private:
-  std::string freeBody(System& system);
+  void checkSettings() const;
 
   NewtonSettings settings_;
   std::vector<double> graph_;
   Link<LinearSolver> solver_link_{"linear solver"};
+  Link<NewtonSolver> newton_link_{"Newton solver"};
   LinearSolver* solver_ = nullptr;
+  NewtonSolver* settings_component_ = nullptr;
   Equilibrium problem_;
   Newton newton_;
-  Vector force_, mode_, product_[3];
-  std::vector<double> blocks_;
+  Vector force_;
   std::size_t checked_projectors_ = std::size_t(-1);  ///< how many projectors were active at the last check
 };
 
@@ -123,6 +123,8 @@ void StaticSolver::declare(DataTable& table) {
       .help("end the run when an iteration makes the residual larger");
   table.add("residualGraph", graph_).help("|f| of the last step's Newton iterations").unit("N").output();
   table.addLink("linearSolver", solver_link_).help("the linear solver; without it, the one of the same node");
+  table.addLink("newtonSolver", newton_link_)
+      .help("a NewtonRaphsonSolver, whose settings stand for this component's; without it, the one of the same node");
 }
 
 void StaticSolver::compile(System& system) {
@@ -131,14 +133,30 @@ void StaticSolver::compile(System& system) {
   if (!solver_)
     throw ComponentError("statics needs a linear solver, and " + node().path() + " has none",
                          "a linear solver in the same node", "add <SparseLDLSolver/>");
+  settings_component_ = findNewtonSolver(*this, newton_link_);
+  if (settings_component_) {
+    checkSettings();
+    const bool stop = settings_.stop_when_residual_grows;
+    settings_ = settings_component_->settings();
+    settings_.stop_when_residual_grows = stop;
+  }
   settings_.use_energy = system.isConservative();
   newton_.settings = settings_;
   newton_.compile(system.independentRows());
   problem_.compile(system);
   force_.resize(system.independentRows());
-  mode_.resize(system.independentRows());
-  for (Vector& product : product_) product.resize(system.independentRows());
   graph_.reserve(std::size_t(settings_.iterations) + 2);
+  if (settings_component_) settings_component_->prepare(graph_.capacity());
+}
+
+/// Two places for one setting: which one holds must not be a guess.
+void StaticSolver::checkSettings() const {
+  for (const Data& attribute : data().all())
+    if (attribute.isSet() && !attribute.link())
+      if (attribute.name().find("threshold") != std::string::npos || attribute.name() == "newton_iterations")
+        throw ComponentError(fmt::format("{} is set here, and {} holds the settings of Newton's method",
+                                         attribute.name(), settings_component_->path()),
+                             "the settings in one of the two");
 }
 
 StepReport StaticSolver::step(System& system, const StepContext& context) {
@@ -147,57 +165,22 @@ StepReport StaticSolver::step(System& system, const StepContext& context) {
   StepReport report;
   if (checked_projectors_ != system.projectors().size()) {
     checked_projectors_ = system.projectors().size();
-    report.reason = freeBody(system);
+    problem_.residual(force_);
+    report.reason = freeBody(system, force_);
     report.diverged = !report.reason.empty();
     if (report.diverged) return report;
   }
   problem_.begin();
   report = newton_.solve(problem_, *solver_);
+  report.unsolved = !report.newton_converged;
   graph_.assign(newton_.history().begin(), newton_.history().end());
+  if (settings_component_) settings_component_->noteResult(report, newton_);
+  if (report.unsolved && !settings_.keep_unconverged) {
+    problem_.giveUp();
+    report.reason += "; the state before the step was kept";
+  }
   system.applyMappings();
   return report;
-}
-
-/// A sentence when some body can be shifted as a whole without any force resisting while its loads push it that way.
-/// The stiffness felt by the three translations of a body is T^T A T, T its three columns.
-std::string StaticSolver::freeBody(System& system) {
-  problem_.residual(force_);
-  SystemMatrix& matrix = problem_.tangent();
-  matrix.diagonalBlocks(blocks_);
-  for (const State* state : system.states()) {
-    if (state->firstRow() >= system.independentRows()) continue;
-    const Index first = state->firstRow(), last = first + state->size();
-    Mat3 stiffness = Mat3::Zero();
-    Vec3 load = Vec3::Zero();
-    double diagonal = 0, loads = 0;
-    for (Index i = first; i < last; ++i) {
-      load += force_[i];
-      loads += force_[i].norm();
-      for (int c = 0; c < 3; ++c) diagonal += std::abs(blocks_[9 * std::size_t(i) + 4 * std::size_t(c)]);
-    }
-    for (int c = 0; c < 3; ++c) {
-      clear(mode_);
-      for (Index i = first; i < last; ++i) mode_[i][c] = 1;
-      Vec3 held = Vec3::Zero();
-      system.project(mode_);
-      for (Index i = first; i < last; ++i) held += Vec3::Unit(c) - mode_[i];
-      matrix.multiply(mode_, product_[c]);
-      for (Index i = first; i < last; ++i) stiffness.col(c) += product_[c][i];
-      // directions that constraints hold resist with what a row resists
-      stiffness.col(c) += held * (diagonal / double(3 * state->size()));
-    }
-    const Eigen::SelfAdjointEigenSolver<Mat3> modes(0.5 * (stiffness + stiffness.transpose()));
-    for (int m = 0; m < 3; ++m) {
-      const Vec3 direction = modes.eigenvectors().col(m);
-      if (std::abs(modes.eigenvalues()[m]) > 1e-11 * diagonal || std::abs(direction.dot(load)) <= 1e-9 * loads)
-        continue;
-      return fmt::format(
-          "{} is not held in the direction ({:.3g} {:.3g} {:.3g}) and the forces on it there sum to {:.3g} N: "
-          "it has no equilibrium. Hold some of its nodes (FixedProjectiveConstraint)",
-          state->path(), direction[0], direction[1], direction[2], direction.dot(load));
-    }
-  }
-  return {};
 }
 
 std::string StaticSolver::describe() const {

@@ -16,6 +16,8 @@ class BlockPattern {
   /// Every pair of the listed rows is coupled (both ways, and each with itself).
   void addClique(const Index* rows, int count);
   void addBlock(Index row, Index column) { columns_[std::size_t(row)].push_back(column); }
+  /// Of one row, in the order they were added, with repetitions.
+  const std::vector<Index>& columns(Index row) const { return columns_[std::size_t(row)]; }
 
  private:
   friend class BlockMatrix;

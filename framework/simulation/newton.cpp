@@ -125,17 +125,19 @@ bool solveOrShift(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows 
 }
 
 void Newton::compile(Index rows) {
-  for (Vector* vector : {&residual_, &direction_, &trial_}) vector->resize(rows);
+  for (Vector* vector : {&residual_, &direction_, &trial_, &base_, &best_}) vector->resize(rows);
   history_.reserve(std::size_t(std::min(settings.iterations, 100000)) + 2);
 }
 
-bool Newton::converged(double residual) const {
-  return residual <= settings.relative_residual * scale_ || residual <= settings.absolute_residual;
+bool Newton::converged(double now) const {
+  return now <= settings.relative_residual * scale_ || now <= settings.absolute_residual ||
+         (history_.size() > 1 && now <= settings.successive_residual * history_[history_.size() - 2]);
 }
 
-/// True when the step that was made is small enough to stop, or too small to change positions in double precision.
-bool Newton::stalled(const NonlinearProblem& problem, double step) const {
-  const double displacement = step * problem.displacementPerUnknown();
+/// True when the correction is small enough to stop, or too small to change positions in double precision. It is the
+/// whole correction that counts: a step can be short because the line search shortened it, far from a solution.
+bool Newton::stalled(const NonlinearProblem& problem) const {
+  const double displacement = problem.displacementPerUnknown();
   if (displacement * largest(direction_) <= 2 * std::numeric_limits<double>::epsilon() * largest(problem.positions()))
     return true;
   if (settings.absolute_correction <= 0 && settings.relative_correction <= 0) return false;
@@ -143,9 +145,25 @@ bool Newton::stalled(const NonlinearProblem& problem, double step) const {
   return length <= settings.absolute_correction || length <= settings.relative_correction * problem.travelled();
 }
 
+void Newton::keepIfBest(NonlinearProblem& problem, double now) {
+  if (settings.use_energy || !(now < best_norm_)) return;
+  copy(problem.unknowns(), best_);
+  best_norm_ = now;
+}
+
+void Newton::leaveBest(NonlinearProblem& problem, double now, StepReport& report) {
+  report.newton_converged = false;
+  if (!(best_norm_ < now)) return;
+  copy(best_, problem.unknowns());
+  problem.unknownsChanged();
+  problem.residual(residual_);
+  report.newton_residual = best_norm_ / scale_;
+}
+
 StepReport Newton::solve(NonlinearProblem& problem, LinearSolver& solver) {
   StepReport report;
   history_.clear();
+  best_norm_ = std::numeric_limits<double>::infinity();
   problem.residual(residual_);
   double now = norm(residual_);
   scale_ = std::isfinite(now) ? std::max(now, problem.loadScale()) : 0;
@@ -158,48 +176,71 @@ StepReport Newton::solve(NonlinearProblem& problem, LinearSolver& solver) {
       return report;
     }
     if (converged(now)) return report;
+    if (report.newton_iterations > 0) keepIfBest(problem, now);
     if (report.newton_iterations == settings.iterations) {
-      report.newton_converged = false;
+      leaveBest(problem, now, report);
       report.reason = fmt::format(
           "Newton's method stopped at its limit of {} iterations with a relative residual of {:.2g} "
           "(tolerance {:.2g})",
           settings.iterations, report.newton_residual, settings.relative_residual);
       return report;
     }
-    ++report.newton_iterations;
-    if (!solveOrShift(solver, problem.tangent(), residual_, direction_, report)) return report;
-    const double before = now;
-    const double step = search(problem, now);
-    if (step == 0) {
-      report.newton_converged = false;
-      report.reason = fmt::format("the line search found no decrease at Newton iteration {}, relative residual {:.2g}",
-                                  report.newton_iterations, report.newton_residual);
-      return report;
-    }
-    if (settings.stop_when_residual_grows && now > before) {
-      report.diverged = true;
-      report.newton_converged = false;
-      report.reason = fmt::format("the residual grew from {:.3g} to {:.3g} N at Newton iteration {}", before, now,
-                                  report.newton_iterations);
-      return report;
-    }
-    if (stalled(problem, step)) {
-      history_.push_back(now);
-      report.newton_residual = now / scale_;
-      return report;
-    }
+    if (!iterate(problem, solver, now, report)) return report;
   }
+}
+
+/// One iteration. False when it is the last: converged by its correction, or failed as the report says.
+bool Newton::iterate(NonlinearProblem& problem, LinearSolver& solver, double& now, StepReport& report) {
+  ++report.newton_iterations;
+  if (!solveOrShift(solver, problem.tangent(), residual_, direction_, report)) return false;
+  const bool shifted = report.linear_stop == SolveStop::not_definite || report.linear_stop == SolveStop::breakdown;
+  const double before = now;
+  if (search(problem, now) == 0) {
+    leaveBest(problem, now, report);
+    report.reason = fmt::format("the line search found no decrease at Newton iteration {}, relative residual {:.2g}",
+                                report.newton_iterations, report.newton_residual);
+    return false;
+  }
+  if (settings.stop_when_residual_grows && now > before) {
+    report.diverged = true;
+    report.newton_converged = false;
+    report.reason = fmt::format("the residual grew from {:.3g} to {:.3g} N at Newton iteration {}", before, now,
+                                report.newton_iterations);
+    return false;
+  }
+  if (shifted || !stalled(problem)) return true;
+  history_.push_back(now);
+  report.newton_residual = now / scale_;
+  return false;
+}
+
+void Newton::move(NonlinearProblem& problem, double step) {
+  const Rows u = problem.unknowns();
+  copy(base_, u);
+  axpy(step, direction_, u);
+  problem.unknownsChanged();
 }
 
 /// Makes the step that the line search accepts; residual_ and `now` become those of the new iterate. 0: none accepted,
 /// the iterate is unchanged.
 double Newton::search(NonlinearProblem& problem, double& now) {
   const double slope = dot(residual_, direction_);
-  problem.keep();
   if (!std::isfinite(slope)) return 0;
-  const double step = settings.use_energy && slope > 0 ? searchEnergy(problem, slope, now) : searchWork(problem, now);
+  copy(problem.unknowns(), base_);
+  double step = 1;
+  if (settings.line_search_iterations > 0) {
+    step = settings.use_energy && slope > 0 ? searchEnergy(problem, slope, now) : searchWork(problem, now);
+  } else {
+    move(problem, 1);
+    problem.residual(trial_);
+    const double candidate = norm(trial_);
+    if (std::isfinite(candidate))
+      now = candidate;
+    else
+      step = 0;
+  }
   if (step == 0) {
-    problem.move(0, direction_);
+    move(problem, 0);
   } else {
     std::swap(residual_, trial_);
   }
@@ -210,8 +251,8 @@ double Newton::search(NonlinearProblem& problem, double& now) {
 double Newton::searchEnergy(NonlinearProblem& problem, double slope, double& now) {
   const double before = problem.energy();
   double step = 1;
-  for (int trial = 0; trial < 40; ++trial) {
-    problem.move(step, direction_);
+  for (int trial = 0; trial < settings.line_search_iterations; ++trial) {
+    move(problem, step);
     const double after = problem.energy();
     const double noise = 1e-13 * std::max(std::abs(before), std::abs(after));
     const bool enough = after <= before - 1e-4 * step * slope;
@@ -227,7 +268,8 @@ double Newton::searchEnergy(NonlinearProblem& problem, double slope, double& now
     }
     // the parabola through E(0), its slope and E(step)
     const double parabola = slope * step * step / (2 * (after - before + slope * step));
-    step = std::isfinite(parabola) ? std::clamp(parabola, 0.1 * step, 0.5 * step) : 0.25 * step;
+    const double longest = settings.line_search_coefficient * step;
+    step = std::isfinite(parabola) ? std::clamp(parabola, std::min(0.1 * step, longest), longest) : 0.5 * longest;
   }
   return 0;
 }
@@ -238,8 +280,9 @@ double Newton::searchEnergy(NonlinearProblem& problem, double slope, double& now
 double Newton::searchWork(NonlinearProblem& problem, double& now) {
   const double before = std::abs(dot(residual_, direction_));
   double step = 1;
-  for (int trial = 0; trial < 20; ++trial, step *= 0.5) {
-    problem.move(step, direction_);
+  const int trials = std::min(20, settings.line_search_iterations);
+  for (int trial = 0; trial < trials; ++trial, step *= settings.line_search_coefficient) {
+    move(problem, step);
     problem.residual(trial_);
     const double candidate = norm(trial_);
     if (!std::isfinite(candidate)) continue;

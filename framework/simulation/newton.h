@@ -13,14 +13,14 @@ namespace stroma {
 class NonlinearProblem {
  public:
   virtual ~NonlinearProblem() = default;
-  virtual void residual(Rows out) = 0;                      ///< R(u), projected; shape (rows)
-  virtual SystemMatrix& tangent() = 0;                      ///< -dR/du at the u of the last residual()
-  virtual double energy() = 0;                              ///< E(u); called only when NewtonSettings::use_energy
-  virtual void keep() = 0;                                  ///< the current iterate becomes the base of move()
-  virtual void move(double step, ConstRows direction) = 0;  ///< u = base + step * direction
-  virtual double displacementPerUnknown() const = 0;        ///< dx/du: 1, or seconds when u is a velocity
-  virtual ConstRows positions() const = 0;                  ///< x(u) [m]
-  virtual double travelled() const = 0;                     ///< |x(u) - x at the start| [m]
+  virtual void residual(Rows out) = 0;                ///< R(u), projected; shape (rows)
+  virtual SystemMatrix& tangent() = 0;                ///< -dR/du at the u of the last residual()
+  virtual double energy() = 0;                        ///< E(u); called only when NewtonSettings::use_energy
+  virtual Rows unknowns() = 0;                        ///< u, for Newton to write; shape (rows)
+  virtual void unknownsChanged() = 0;                 ///< called after u was written
+  virtual double displacementPerUnknown() const = 0;  ///< dx/du: 1, or seconds when u is a velocity
+  virtual ConstRows positions() const = 0;            ///< x(u) [m]
+  virtual double travelled() const = 0;               ///< |x(u) - x at the start| [m]
   /// The size of what R balances at the u of the last residual(), in R's unit: forces with the reactions of held nodes.
   virtual double loadScale() const = 0;
 };
@@ -29,10 +29,14 @@ struct NewtonSettings {
   int iterations = 25;
   double relative_residual = 1e-8;  ///< |R| <= this * the larger of |R| and loadScale() where the solve starts
   double absolute_residual = 0;     ///< |R| <= this; 0: not used
-  double relative_correction = 0;   ///< |dx| <= this * travelled(); 0: not used
-  double absolute_correction = 0;   ///< |dx| <= this [m]; 0: not used
-  bool use_energy = true;           ///< line search on the energy (Armijo), else on the work R.d
+  double successive_residual = 0;   ///< |R| <= this * |R| one iteration before; 0: not used
+  double relative_correction = 0;   ///< |dx| <= this * travelled(); 0: not used. dx is the whole Newton correction,
+  double absolute_correction = 0;   ///< |dx| <= this [m]; 0: not used.       however short the step along it was
+  int line_search_iterations = 40;  ///< steps tried along a correction; 0: the whole one is made untested
+  double line_search_coefficient = 0.5;  ///< a step that is refused is shortened at least by this
+  bool use_energy = true;                ///< line search on the energy (Armijo), else on the work R.d
   bool stop_when_residual_grows = false;
+  bool keep_unconverged = true;  ///< for callers: an iterate that has not converged becomes the state
 };
 
 /// Solves A x = b; x enters as zero. When the solver reports a matrix that is not positive definite, the direction it
@@ -46,22 +50,29 @@ class Newton {
   NewtonSettings settings;
 
   void compile(Index rows);
-  /// From the problem's current iterate to a root. Not converging leaves the last iterate and a reason; `diverged` is
-  /// set when no usable iterate exists.
+  /// From the problem's current iterate to a root. Not converging leaves a reason and the best iterate: the last one
+  /// where the line search is on the energy, which never rises; else the one of the smallest |R| after the first
+  /// iteration. `diverged` is set when no usable iterate exists.
   StepReport solve(NonlinearProblem& problem, LinearSolver& solver);
   /// |R| before each iteration and after the last one, of the last solve().
   const std::vector<double>& history() const { return history_; }
 
  private:
   bool converged(double norm) const;
-  bool stalled(const NonlinearProblem& problem, double step) const;
+  bool stalled(const NonlinearProblem& problem) const;
+  bool iterate(NonlinearProblem& problem, LinearSolver& solver, double& norm, StepReport& report);
+  void keepIfBest(NonlinearProblem& problem, double norm);
+  void leaveBest(NonlinearProblem& problem, double norm, StepReport& report);
+  void move(NonlinearProblem& problem, double step);
   double search(NonlinearProblem& problem, double& norm);
   double searchEnergy(NonlinearProblem& problem, double slope, double& norm);
   double searchWork(NonlinearProblem& problem, double& norm);
 
   Vector residual_, direction_, trial_;
+  Vector base_, best_;  ///< the iterate that move() starts from; the one that is left when nothing converges
   std::vector<double> history_;
-  double scale_ = 0;  ///< the larger of |R| and loadScale() where the solve starts
+  double scale_ = 0;      ///< the larger of |R| and loadScale() where the solve starts
+  double best_norm_ = 0;  ///< |R| of best_
 };
 
 }  // namespace stroma

@@ -107,6 +107,7 @@ void merge(StepReport&& part, StepReport& whole) {
   whole.linear_residual = std::max(whole.linear_residual, part.linear_residual);
   whole.newton_residual = std::max(whole.newton_residual, part.newton_residual);
   whole.newton_converged = whole.newton_converged && part.newton_converged;
+  whole.unsolved = whole.unsolved || part.unsolved;
   if (whole.linear_converged) whole.linear_stop = part.linear_stop;
   whole.linear_converged = whole.linear_converged && part.linear_converged;
   if (whole.reason.empty()) whole.reason = std::move(part.reason);
@@ -199,6 +200,8 @@ void Simulation::advance(std::size_t index, const StepContext& context, StepRepo
   for (std::size_t i = 0; i <= index; ++i) {
     copy(good_[i].first, systems_[i]->x);
     copy(good_[i].second, systems_[i]->v);
+    // what an integrator remembers of the step that was taken back
+    systems_[i]->integrator().reset();
   }
   merge(std::move(part), report);
   report.diverged = true;

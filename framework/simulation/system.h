@@ -67,6 +67,10 @@ class System final : public SystemMatrix {
   void computeForce(ConstRows x, ConstRows v, Rows f);
   /// The same, and df = sum of (k + k_rayleigh rayleighStiffness of the field) K p for all fields, in one pass.
   void computeForceAndProduct(ConstRows x, ConstRows v, ConstRows p, double k, double k_rayleigh, Rows f, Rows df);
+  /// The time [s] of forces that depend on it; beginStep() sets the end of the step.
+  void setTime(double t);
+  /// out += sum of (k + k_rayleigh rayleighStiffness of the field) K p, K of the last force; on independent rows.
+  void addStiffnessProduct(ConstRows p, double k, double k_rayleigh, Rows out) const;
   void addMassProduct(ConstRows p, double factor, Rows out) const;
   /// out += sum of (rayleigh + rayleighMass of the mass) * factor * M p
   void addRayleighMassProduct(ConstRows p, double rayleigh, double factor, Rows out) const;
@@ -133,7 +137,6 @@ class System final : public SystemMatrix {
     return factors_.stiffness + factors_.rayleigh_stiffness * field.rayleigh_stiffness;
   }
   double massFactor(const Mass& mass) const { return factors_.mass + factors_.rayleigh_mass * mass.rayleigh_mass; }
-  void setTime(double t);
   void noteForceEvaluation(ConstRows f_now);
   void preparePattern() const;
   void addConstantParts(BlockMatrix& matrix);

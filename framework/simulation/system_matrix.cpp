@@ -59,6 +59,19 @@ SystemMatrix& System::matrix(const MatrixFactors& factors) {
   return *this;
 }
 
+void System::addStiffnessProduct(ConstRows p, double k, double k_rayleigh, Rows out) const {
+  const PhaseTimer timer(times.product);
+  const ConstRows p_all = onAllRows(p, mapped_p_, false);
+  const Rows all = mappings_.empty() ? out : mapped_f_.rows();
+  if (!mappings_.empty()) clear(all);
+  for (const ForceField* field : stiff_fields_)
+    if (const double factor = k + k_rayleigh * field->rayleigh_stiffness; factor != 0)
+      field->addStiffnessProduct(p_all, factor, all);
+  if (mappings_.empty()) return;
+  pullBackProduct(p_all, k, all);
+  axpy(1, ConstRows{all.data, independent_rows_}, Rows{out.data, independent_rows_});
+}
+
 void System::multiply(ConstRows p, Rows out) const {
   const PhaseTimer timer(times.product);
   ++counts.products;

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // TestGroundSpring: each node is tied to its rest position, d = x - x_rest,
-//   E = k/2 |d|^2 + c/4 |d|^4,   f = -(k + c |d|^2) d + t axis x d
-// A negative k with a positive c is a double well; the twist t (axis z) makes the stiffness unsymmetric and not
-// conservative. `couple` adds a spring (k_couple/2 |d_i - d_{i+1}|^2) between neighbours in the list of nodes.
+//   E = k/2 |d|^2 + c/4 |d|^4,   f = -(k + c |d|^2) d + t axis x d - b v + p cos(w time)
+// with a damping b and a push p that the energy leaves out. A negative k with a positive c is a double well; the twist
+// t (axis z) makes the stiffness unsymmetric and not conservative. `couple` adds a spring (k_couple/2 |d_i -
+// d_{i+1}|^2) between neighbours in the list of nodes.
 #pragma once
 #include <Eigen/Geometry>
+#include <cmath>
 
 #include "framework/mechanics/force_field.h"
 #include "framework/scene/factory.h"
@@ -19,11 +21,17 @@ class GroundSpring final : public ForceField {
     table.add("cubic", cubic_).help("c").unit("N/m^3");
     table.add("twist", twist_).help("t").unit("N/m");
     table.add("couple", couple_).help("k_couple").unit("N/m");
+    table.add("damping", damping_).help("b").unit("N s/m");
+    table.add("push", push_).help("p").unit("N");
+    table.add("push_rate", push_rate_).help("w").unit("rad/s");
   }
   ForceTraits traits() const override {
     ForceTraits traits;
     traits.linear = traits.constant_stiffness = cubic_ == 0;
-    traits.symmetric = traits.conservative = twist_ == 0;
+    traits.symmetric = twist_ == 0;
+    traits.velocity_dependent = damping_ != 0;
+    traits.time_dependent = !push_.isZero();
+    traits.conservative = traits.symmetric && !traits.velocity_dependent && !traits.time_dependent;
     traits.exact_tangent = true;
     return traits;
   }
@@ -36,11 +44,13 @@ class GroundSpring final : public ForceField {
     }
     return sum;
   }
-  void addForce(ConstRows x, ConstRows, Rows f) override {
+  void setTime(double time) override { push_now_ = std::cos(push_rate_ * time) * push_; }
+  void addForce(ConstRows x, ConstRows v, Rows f) override {
     x_.resize(std::size_t(state().size()));
     for (Index i = 0; i < state().size(); ++i) {
       const Vec3 d = x_[std::size_t(i)] = offset(x, i);
-      f[row(i)] += -(stiffness_ + cubic_ * d.squaredNorm()) * d + twist_ * Vec3::UnitZ().cross(d);
+      f[row(i)] += -(stiffness_ + cubic_ * d.squaredNorm()) * d + twist_ * Vec3::UnitZ().cross(d) -
+                   damping_ * v[row(i)] + push_now_;
       if (i == 0) continue;
       const Vec3 pull = couple_ * (d - x_[std::size_t(i) - 1]);
       f[row(i)] -= pull;
@@ -55,6 +65,16 @@ class GroundSpring final : public ForceField {
       df[row(i)] -= pull;
       df[row(i - 1)] += pull;
     }
+  }
+  void addDampingProduct(ConstRows dv, double factor, Rows df) const override {
+    for (Index i = 0; i < state().size(); ++i) df[row(i)] -= factor * damping_ * dv[row(i)];
+  }
+  void addDamping(double factor, BlockMatrix& matrix) const override {
+    for (Index i = 0; i < state().size(); ++i) matrix.add(row(i), row(i), -factor * damping_ * Mat3::Identity());
+  }
+  void addDampingDiagonal(double factor, std::vector<double>& blocks) const override {
+    for (Index i = 0; i < state().size(); ++i)
+      for (int c : {0, 4, 8}) blocks[9 * std::size_t(row(i)) + std::size_t(c)] -= factor * damping_;
   }
   void addPattern(BlockPattern& pattern) const override {
     for (Index i = 1; i < state().size(); ++i) {
@@ -92,7 +112,8 @@ class GroundSpring final : public ForceField {
     k(1, 0) += twist_;
     return k;
   }
-  double stiffness_ = 0, cubic_ = 0, twist_ = 0, couple_ = 0;
+  double stiffness_ = 0, cubic_ = 0, twist_ = 0, couple_ = 0, damping_ = 0, push_rate_ = 0;
+  Vec3 push_ = Vec3::Zero(), push_now_ = Vec3::Zero();
   std::vector<Vec3> x_;  ///< offsets of the last addForce()
 };
 

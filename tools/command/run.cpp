@@ -26,8 +26,7 @@ const Manual manual{
     "stroma run SCENE [options]",
     "Simulates a scene: 100 steps unless -n or --until says otherwise. Progress and messages go to standard error, the "
     "summary\nto standard output. When a step diverges, the last good state is recorded and named, and the exit code "
-    "is "
-    "3.",
+    "is 3;\nso it is when the last step of a static scene has not reached its equilibrium.",
     "  stroma run liver.xml -n 200\n"
     "  stroma run liver.xml --until 2 --set /liver/fem.method=polar --record results/liver --record-every 10\n"
     "  stroma run liver.xml -n 50 --json --quiet | python3 -m json.tool\n"};
@@ -87,7 +86,10 @@ struct Outcome {
   StepReport last;
   bool interrupted = false;
   double seconds = 0;
-  const char* word() const { return last.diverged ? "diverged" : interrupted ? "interrupted" : "done"; }
+  bool failed() const { return last.diverged || last.unsolved; }
+  const char* word() const {
+    return last.diverged ? "diverged" : interrupted ? "interrupted" : last.unsolved ? "not converged" : "done";
+  }
 };
 
 Outcome loop(Simulation& simulation, long steps, const Request& request, Recorder* recorder, Statistics& statistics) {
@@ -111,7 +113,7 @@ Outcome loop(Simulation& simulation, long steps, const Request& request, Recorde
   return outcome;
 }
 
-/// Where the recording of a diverged run goes when the user named no folder.
+/// Where the recording of a run without a result goes when the user named no folder.
 std::string divergedFolder(const std::string& scene) {
   return std::filesystem::path(scene).stem().string() + ".diverged";
 }
@@ -125,7 +127,7 @@ nlohmann::ordered_json summary(const Request& request, const Simulation& simulat
   nlohmann::ordered_json json;
   json["scene"] = request.scene;
   json["outcome"] = outcome.word();
-  if (outcome.last.diverged) json["reason"] = outcome.last.reason;
+  if (outcome.failed()) json["reason"] = outcome.last.reason;
   json["steps"] = simulation.steps();
   json["simulated_time"] = simulation.time() - simulation.root().root_time;
   json["wall_seconds"] = outcome.seconds;
@@ -180,15 +182,15 @@ int run(const Arguments& arguments) {
   Statistics statistics(steps);
   const Outcome outcome = loop(*simulation, steps, request, recorder ? &*recorder : nullptr, statistics);
 
-  if (outcome.last.diverged) {
+  if (outcome.failed()) {
     if (!recorder) recorder.emplace(*simulation, divergedFolder(request.scene));
-    fmt::print(stderr, "diverged: {}\n", outcome.last.reason);
+    fmt::print(stderr, "{}: {}\n", outcome.last.diverged ? "diverged" : "not converged", outcome.last.reason);
   }
   if (recorder) {
     recorder->finish();
-    if (outcome.last.diverged)
-      fmt::print(stderr, "the last good state (t = {:.6g} s) is in {}\n", simulation->time(),
-                 fmt::join(recorder->files(), ", "));
+    if (outcome.failed())
+      fmt::print(stderr, "the last {} (t = {:.6g} s) is in {}\n", outcome.last.diverged ? "good state" : "state",
+                 simulation->time(), fmt::join(recorder->files(), ", "));
   }
   for (const std::string& warning : statistics.warnings()) {
     fmt::print(stderr, "warning: {}\n", warning);
@@ -205,7 +207,10 @@ int run(const Arguments& arguments) {
     writeJson(json, request.json_file);
   }
   if (request.json_file != "-" && !request.quiet) printText(request, *simulation, outcome, statistics);
-  return outcome.last.diverged ? exit_diverged : outcome.interrupted ? exit_interrupted : exit_done;
+  return outcome.last.diverged   ? exit_diverged
+         : outcome.interrupted   ? exit_interrupted
+         : outcome.last.unsolved ? exit_diverged
+                                 : exit_done;
 }
 
 }  // namespace stroma::command

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// BDFOdeSolver: backward differentiation formulas of order 1 (backward Euler) and 2.
+//
+// With F = f + rK K v - rM M v as in EulerImplicitSolver, h the step, r its ratio to the step before, and
+//
+//   order 1:  rho = 0,  w = h                                    order 2:  rho = r^2 / (1 + 2 r),  w = h (1 + r) / (1 +
+//   2 r)
+//
+//   x1 - x0 = rho (x0 - x_-1) + w v1,   M (v1 - v0) = rho M (v0 - v_-1) + w F(x1, v1)
+//
+// For equal steps rho = 1/3, w = 2h/3: (3 x1 - 4 x0 + x_-1) / 2 = h v1. Order 2 is A-stable and damps fast motions away
+// (of slow ones it takes a share of order h^3 where backward Euler takes one of order h). Its first step is a
+// trapezoidal one, of order 2 as well. The differences of the last step are kept, not its state, so that nodes moved
+// from outside between steps keep a finite velocity.
+//
+// Example:
+// <Node name="root" dt="0.01" gravity="0 -9.81 0">
+//   <BDFOdeSolver order="2" newtonSolver="@newton"/>
+//   <NewtonRaphsonSolver name="newton"/>
+//   <CGLinearSolver iterations="50" tolerance="1e-9"/>
+//   <MechanicalObject position="0 0 0  1 0 0"/>
+//   <UniformMass totalMass="1"/>
+//   <FixedProjectiveConstraint indices="0"/>
+// </Node>
+#include <fmt/format.h>
+
+#include "framework/scene/factory.h"
+#include "framework/simulation/implicit_step.h"
+
+namespace stroma {
+namespace {
+
+class BDFOdeSolver final : public Integrator {
+ public:
+  void declare(DataTable& table) override;
+  void compile(System& system) override;
+  StepReport step(System& system, const StepContext& context) override;
+  std::string describe() const override { return fmt::format("BDF step of order {}", order_) + implicit_.describe(); }
+  void reset() override { last_step_ = 0; }
+
+ private:
+  ImplicitScheme schemeOfOrder2(System& system, double h);
+
+  int order_ = 1;
+  ImplicitStep implicit_;
+  Vector way_, change_;   ///< x0 - x_-1 and v0 - v_-1, shape (independentRows())
+  double last_step_ = 0;  ///< their h; 0: there is no step before
+};
+
+void BDFOdeSolver::declare(DataTable& table) {
+  table.add("order", order_).help("1 (backward Euler) or 2").unit("-").min(1).max(2);
+  implicit_.declareDamping(table);
+  implicit_.declareNewton(table);
+  implicit_.declareSolvers(table);
+}
+
+void BDFOdeSolver::compile(System& system) {
+  implicit_.compile(*this, system);
+  if (order_ == 2)
+    for (Vector* vector : {&way_, &change_}) vector->resize(system.independentRows());
+}
+
+ImplicitScheme BDFOdeSolver::schemeOfOrder2(System& system, double h) {
+  ImplicitScheme scheme;
+  if (last_step_ == 0) {
+    scheme.weight = scheme.old_weight = scheme.displacement = h / 2;
+    scheme.drift = h;
+    return scheme;
+  }
+  const double r = h / last_step_, rho = r * r / (1 + 2 * r), w = h * (1 + r) / (1 + 2 * r);
+  scheme.weight = scheme.displacement = w;
+  scheme.drift = h;
+  scheme.has_history = true;
+  copy(change_, implicit_.lag);
+  scale(rho, implicit_.lag);
+  copy(way_, implicit_.extra);
+  scale(rho, implicit_.extra);
+  axpy(w - h, ConstRows{system.v.rows().data, system.independentRows()}, implicit_.extra);
+  return scheme;
+}
+
+StepReport BDFOdeSolver::step(System& system, const StepContext& context) {
+  system.beginStep(context);
+  const double h = context.dt;
+  ImplicitScheme scheme;
+  scheme.weight = scheme.displacement = scheme.drift = h;
+  if (order_ == 2) scheme = schemeOfOrder2(system, h);
+  scheme.time = context.t_end;
+  scheme.old_time = context.t;
+  const ConstRows x{system.x.rows().data, system.independentRows()};
+  if (order_ == 2) copy(x, way_);
+  StepReport report = implicit_.solve(scheme);
+  if (report.diverged) return report;
+  if (order_ == 2) {
+    xpay(x, -1, way_);
+    copy(implicit_.change(), change_);
+    last_step_ = h;
+  }
+  system.applyMappings();
+  return report;
+}
+
+}  // namespace
+}  // namespace stroma
+
+STROMA_COMPONENT(bdf_ode_solver) {
+  factory.add<stroma::BDFOdeSolver>("BDFOdeSolver", "backward differentiation formulas of order 1 and 2");
+}

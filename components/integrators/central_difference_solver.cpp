@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// CentralDifferenceSolver: central differences in the form with velocities at the middle of steps; damping by the mass
+// is implicit.
+//
+//   M (v+ - v-) / H = f(x0, v-) - rM M (v+ + v-) / 2,   x1 = x0 + h v+
+//   so  v+ = ((1 - H rM/2) v- + H M^-1 f) / (1 + H rM/2)
+//
+// v- and v+ are the velocities at the middle of the last and of this step, H = (h_last + h) / 2 the time between them.
+// The first step starts from the velocity at its beginning, with H = h/2: positions are then of second order. What the
+// scene shows as velocity after a step belongs to its middle, as in SOFA; NewtonCotesSolver (degree 1) has the same
+// positions without damping and velocities at the end of steps. Stable while h w < 2, w the highest angular frequency
+// of the body, whatever rM is. A scene above the estimated limit is warned of.
+//
+// Example:
+// <Node name="root" dt="0.001" gravity="0 -9.81 0">
+//   <CentralDifferenceSolver rayleighMass="0.1"/>
+//   <MechanicalObject position="0 0 0  1 0 0"/>
+//   <UniformMass totalMass="1"/>
+//   <FixedProjectiveConstraint indices="0"/>
+// </Node>
+#include "framework/scene/factory.h"
+#include "framework/simulation/explicit_step.h"
+#include "framework/simulation/stable_step.h"
+
+namespace stroma {
+namespace {
+
+class CentralDifferenceSolver final : public Integrator {
+ public:
+  void declare(DataTable& table) override;
+  void compile(System& system) override;
+  StepReport step(System& system, const StepContext& context) override;
+  std::string describe() const override {
+    return "central differences, velocities at the middle of steps: 1 force evaluation, " + acceleration_.describe();
+  }
+  void reset() override { last_step_ = 0; }
+
+ private:
+  double rayleigh_mass_ = 0;
+  Link<LinearSolver> solver_link_{"linear solver"};
+  Acceleration acceleration_;
+  Vector a_;
+  std::vector<double> damping_;  ///< rM of each row [1/s], shape (independentRows())
+  bool depends_on_time_ = false;
+  double last_step_ = 0;  ///< [s]; 0: v is still that of the beginning
+};
+
+void CentralDifferenceSolver::declare(DataTable& table) {
+  table.add("rayleighMass", rayleigh_mass_).help("damping proportional to the mass").unit("1/s").min(0);
+  table.addLink("linearSolver", solver_link_)
+      .help("solves for the acceleration when the mass is not diagonal; without it, the one of the same node");
+  table.addVisualOnly("threadSafeVisitor");
+}
+
+void CentralDifferenceSolver::compile(System& system) {
+  const std::string name = "the central difference method";
+  for (const ForceField* field : system.forceFields()) {
+    depends_on_time_ = depends_on_time_ || field->traits().time_dependent;
+    if (field->rayleigh_stiffness != 0)
+      throw ComponentError(name + " has no damping by the stiffness, and " + field->path() + " has rayleighStiffness",
+                           "an implicit integrator, or no such damping", "rayleighStiffness=\"0\"");
+  }
+  acceleration_.compile(system, name);
+  a_.resize(system.independentRows());
+  damping_.assign(std::size_t(system.independentRows()), rayleigh_mass_);
+  for (const Mass* mass : system.masses()) {
+    const Index first = mass->state().firstRow();
+    if (first >= system.independentRows() && mass->rayleigh_mass != 0)
+      throw ComponentError(mass->path() + " acts on a mapped state, where " + name + " has no rayleighMass",
+                           "rayleighMass of the integrator");
+    for (Index i = first; i < std::min(first + mass->state().size(), system.independentRows()); ++i)
+      damping_[std::size_t(i)] += mass->rayleigh_mass;
+  }
+  warnAboveStableStep(*this, system, acceleration_, name, {.largest_angle = 2, .grows = false});
+}
+
+StepReport CentralDifferenceSolver::step(System& system, const StepContext& context) {
+  system.beginStep(context);
+  if (depends_on_time_) system.setTime(context.t);
+  StepReport report;
+  system.computeForce(system.x, system.v, system.f);
+  if (!acceleration_.solve({system.f.rows().data, system.independentRows()}, a_, report)) return report;
+  if (depends_on_time_) system.setTime(context.t_end);
+  const double h = context.dt, between = (last_step_ + h) / 2;
+  last_step_ = h;
+  // a becomes v+ - v-, of which constraints let through what they leave free
+  for (Index row = 0; row < system.independentRows(); ++row) {
+    const double damping = damping_[std::size_t(row)];
+    a_[row] = between / (1 + between * damping / 2) * (a_[row] - damping * system.v[row]);
+  }
+  system.project(a_);
+  const Rows v{system.v.rows().data, system.independentRows()}, x{system.x.rows().data, system.independentRows()};
+  axpy(1, a_, v);
+  axpy(h, v, x);
+  system.applyMappings();
+  return report;
+}
+
+}  // namespace
+}  // namespace stroma
+
+STROMA_COMPONENT(central_difference_solver) {
+  factory.add<stroma::CentralDifferenceSolver>("CentralDifferenceSolver", "central differences, rayleighMass implicit");
+}

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// NewmarkImplicitSolver: Newmark's family of 1959, one linear solve a step or Newton's method.
+//
+//   M a1 = F(x1, v1),   v1 = v0 + h ((1 - gamma) a0 + gamma a1),   x1 = x0 + h v0 + h^2 ((1/2 - beta) a0 + beta a1)
+//
+// with F = f + rK K v - rM M v as in EulerImplicitSolver. gamma = 1/2 is of second order, a larger one of first and
+// damps; beta >= gamma/2 >= 1/4 is stable for every step. With beta = 1/4, gamma = 1/2 (the defaults) the mean
+// acceleration is constant over the step: a linear motion keeps its energy. Solved for v1,
+//
+//   M (v1 - v0 - (1 - gamma) h a0) = gamma h F(x1, v1),
+//   x1 = x0 + h v0 + h^2 (1/2 - beta/gamma) a0 + (beta h / gamma) (v1 - v0)
+//
+// The first a0 is M^-1 F(x0, v0); later ones are the a1 of the step before, so that accelerations are continuous. Where
+// positions or velocities are changed from outside between steps, a0 is still the one that the last step ended with.
+// vdamping multiplies v by exp(-h vdamping) after the step.
+//
+// Example:
+// <Node name="root" dt="0.01" gravity="0 -9.81 0">
+//   <NewmarkImplicitSolver gamma="0.5" beta="0.25"/>
+//   <CGLinearSolver iterations="50" tolerance="1e-9"/>
+//   <MechanicalObject position="0 0 0  1 0 0"/>
+//   <UniformMass totalMass="1"/>
+//   <FixedProjectiveConstraint indices="0"/>
+// </Node>
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "framework/scene/factory.h"
+#include "framework/simulation/explicit_step.h"
+#include "framework/simulation/implicit_step.h"
+
+namespace stroma {
+namespace {
+
+class NewmarkImplicitSolver final : public Integrator {
+ public:
+  void declare(DataTable& table) override;
+  void init() override;
+  void compile(System& system) override;
+  StepReport step(System& system, const StepContext& context) override;
+  std::string describe() const override {
+    return fmt::format("Newmark step, beta {:g}, gamma {:g}", beta_, gamma_) + implicit_.describe();
+  }
+  void reset() override { started_ = false; }
+
+ private:
+  bool start(const StepContext& context, StepReport& report);
+
+  double gamma_ = 0.5, beta_ = 0.25, velocity_damping_ = 0;
+  ImplicitStep implicit_;
+  Acceleration acceleration_;
+  Vector force_, a_;      ///< a0 [m/s^2], shape (independentRows())
+  bool started_ = false;  ///< a_ is that of the state
+};
+
+void NewmarkImplicitSolver::declare(DataTable& table) {
+  table.add("gamma", gamma_).help("weight of the new acceleration in the velocity").unit("-").min(0, false).max(1);
+  table.add("beta", beta_).help("weight of the new acceleration in the position").unit("-").min(0, false).max(0.5);
+  implicit_.declareDamping(table);
+  table.add("vdamping", velocity_damping_)
+      .help("decay rate of the velocity, applied after the step")
+      .unit("1/s")
+      .min(0);
+  implicit_.declareNewton(table);
+  implicit_.declareSolvers(table);
+}
+
+void NewmarkImplicitSolver::init() {
+  if (gamma_ < 0.5)
+    warn(fmt::format("gamma = {:g} adds energy at every step", gamma_), "gamma=\"0.5\" or more");
+  else if (2 * beta_ < gamma_)
+    warn(fmt::format("beta = {:g} is below gamma/2 = {:g}: the step is stable only when it is short enough", beta_,
+                     gamma_ / 2),
+         fmt::format("beta=\"{:g}\" or more", gamma_ / 2));
+}
+
+void NewmarkImplicitSolver::compile(System& system) {
+  implicit_.compile(*this, system);
+  acceleration_.compile(system, "the first step of Newmark's method");
+  for (Vector* vector : {&force_, &a_}) vector->resize(system.independentRows());
+}
+
+bool NewmarkImplicitSolver::start(const StepContext& context, StepReport& report) {
+  implicit_.wholeForce(context.t, force_);
+  return started_ = acceleration_.solve(force_, a_, report);
+}
+
+StepReport NewmarkImplicitSolver::step(System& system, const StepContext& context) {
+  system.beginStep(context);
+  StepReport first;
+  if (!started_ && !start(context, first)) return first;
+  const double h = context.dt;
+  ImplicitScheme scheme;
+  scheme.weight = gamma_ * h;
+  scheme.displacement = beta_ / gamma_ * h;
+  scheme.drift = h;
+  scheme.time = context.t_end;
+  scheme.has_history = true;
+  copy(a_, implicit_.lag);
+  scale((1 - gamma_) * h, implicit_.lag);
+  copy(a_, implicit_.extra);
+  scale(h * h * (0.5 - beta_ / gamma_), implicit_.extra);
+  StepReport report = implicit_.solve(scheme);
+  if (report.diverged) return report;
+  xpay(implicit_.change(), -(1 - gamma_) * h, a_);
+  scale(1 / (gamma_ * h), a_);
+  if (velocity_damping_ != 0) scale(std::exp(-h * velocity_damping_), system.v);
+  system.applyMappings();
+  return report;
+}
+
+}  // namespace
+}  // namespace stroma
+
+STROMA_COMPONENT(newmark_implicit_solver) {
+  factory.add<stroma::NewmarkImplicitSolver>("NewmarkImplicitSolver", "Newmark's method (beta, gamma)");
+}

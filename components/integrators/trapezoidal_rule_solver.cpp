@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// TrapezoidalRuleSolver: the trapezoidal rule, of second order and without damping of its own.
+//
+//   M (v1 - v0) = h/2 (F(x0, v0) + F(x1, v1)),   x1 = x0 + h/2 (v0 + v1)
+//
+// An oscillator of angular frequency w turns at (2/h) atan(w h/2) and keeps its energy. The same scheme as
+// EulerImplicitSolver with trapezoidalScheme; F, the Rayleigh factors and Newton's method are described there. A step
+// too large for the fastest motion does not damp it: it then rings with a period of two steps.
+//
+// Example:
+// <Node name="root" dt="0.01" gravity="0 -9.81 0">
+//   <TrapezoidalRuleSolver newtonIterations="10"/>
+//   <CGLinearSolver iterations="50" tolerance="1e-9"/>
+//   <MechanicalObject position="0 0 0  1 0 0"/>
+//   <UniformMass totalMass="1"/>
+//   <FixedProjectiveConstraint indices="0"/>
+// </Node>
+#include "framework/scene/factory.h"
+#include "framework/simulation/implicit_step.h"
+
+namespace stroma {
+namespace {
+
+class TrapezoidalRuleSolver final : public Integrator {
+ public:
+  void declare(DataTable& table) override {
+    implicit_.declareDamping(table);
+    implicit_.declareNewton(table);
+    implicit_.declareSolvers(table);
+  }
+  void compile(System& system) override { implicit_.compile(*this, system); }
+  StepReport step(System& system, const StepContext& context) override {
+    system.beginStep(context);
+    ImplicitScheme scheme;
+    scheme.weight = scheme.old_weight = scheme.displacement = context.dt / 2;
+    scheme.drift = context.dt;
+    scheme.time = context.t_end;
+    scheme.old_time = context.t;
+    StepReport report = implicit_.solve(scheme);
+    if (!report.diverged) system.applyMappings();
+    return report;
+  }
+  std::string describe() const override { return "trapezoidal step" + implicit_.describe(); }
+
+ private:
+  ImplicitStep implicit_;
+};
+
+}  // namespace
+}  // namespace stroma
+
+STROMA_COMPONENT(trapezoidal_rule_solver) {
+  factory.add<stroma::TrapezoidalRuleSolver>("TrapezoidalRuleSolver", "trapezoidal rule: second order, no damping");
+}

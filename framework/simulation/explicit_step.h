@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// What explicit integrators share: accelerations from forces, and the steps that are sums of them.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "framework/algebra/linear_solver.h"
+#include "framework/simulation/integrator.h"
+#include "framework/simulation/system.h"
+
+namespace stroma {
+
+/// a = M^-1 f in the directions that constraints leave free: masses inverted once where M is diagonal, else a linear
+/// solve with the node's solver.
+class Acceleration {
+ public:
+  /// `method` is the subject of a sentence for the user. Throws ComponentError when a mass or a needed linear solver is
+  /// missing.
+  void compile(System& system, const std::string& method);
+  /// f [N], a [m/s^2], shape (independentRows()). False when the solve failed: the report says why.
+  bool solve(ConstRows f, Rows a, StepReport& report);
+  bool isDiagonal() const { return solver_ == nullptr; }
+  std::string describe() const;
+  /// 1 / m [1/kg], shape (independentRows()), 0 for rows held for ever; empty where the mass is not diagonal.
+  const std::vector<double>& inverseMass() const { return inverse_mass_; }
+
+ private:
+  System* system_ = nullptr;
+  LinearSolver* solver_ = nullptr;    ///< null with a diagonal mass
+  std::vector<double> inverse_mass_;  ///< [1/kg], shape (independentRows())
+  Vector right_side_;                 ///< of the solve
+};
+
+/// An explicit method for x'' = a(t, x, x') that evaluates a at stages i:
+///   x_i = x0 + time_i h v0 + h^2 sum_j x_ij a_j,   v_i = v0 + h sum_j v_ij a_j   (j < i)
+///   x1  = x0 + h v0 + h^2 sum_j x_j a_j,           v1  = v0 + h sum_j v_j a_j
+struct ExplicitScheme {
+  struct Stage {
+    double time = 0;           ///< in steps
+    std::vector<double> x, v;  ///< x_ij and v_ij, shape (i)
+  };
+  std::string name;           ///< as the subject of a sentence
+  std::vector<Stage> stages;  ///< the first one is the start of the step
+  std::vector<double> x, v;   ///< x_j and v_j, shape (stages)
+};
+
+/// What an explicit method bears of an undamped oscillator of angular frequency w.
+struct StabilityLimit {
+  double largest_angle = 2;  ///< h w up to which nothing grows
+  bool grows = false;        ///< something grows at any step; then by 1 % a step at largest_angle
+};
+/// From the eigenvalues of the 2 x 2 matrix that a step of the oscillator is.
+StabilityLimit stabilityLimit(const ExplicitScheme& scheme);
+
+/// A Runge-Kutta method for first-order equations, `a` its coefficients row by row (below the diagonal), `b` its
+/// weights, as a scheme: x_ij = (A A)_ij and x_j = (b A)_j.
+ExplicitScheme fromRungeKutta(std::string name, const std::vector<std::vector<double>>& a,
+                              const std::vector<double>& b);
+
+class ExplicitStep {
+ public:
+  ExplicitScheme scheme;
+
+  /// Allocates; warns when the time step is too large for the highest frequency of the elements.
+  void compile(Integrator& integrator, System& system);
+  /// The whole step, beginStep() included.
+  StepReport step(System& system, const StepContext& context);
+  std::string describe() const;
+
+ private:
+  void placeStage(System& system, const ExplicitScheme::Stage& stage, double h);
+  void finish(System& system, double h);
+
+  Acceleration acceleration_;
+  std::vector<Vector> accelerations_;  ///< a_j, each of shape (independentRows())
+  Vector stage_x_, stage_v_;           ///< shape (allRows())
+  bool depends_on_time_ = false;
+};
+
+}  // namespace stroma

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "framework/simulation/stable_step.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "framework/scene/node.h"
+
+namespace stroma {
+namespace {
+
+/// sqrt(T / m) of each row [1/s], T the trace of the row's diagonal block of -K: 0 where the row is held or has no
+/// stiffness. Gives each element of a node a share of its mass in proportion to what it adds to T.
+std::vector<double> shareScales(const System& system, const std::vector<double>& inverse_mass) {
+  std::vector<double> blocks(std::size_t(system.allRows()) * 9), scales(std::size_t(system.allRows()));
+  for (const ForceField* field : system.forceFields())
+    if (field->traits().has_stiffness) field->addStiffnessDiagonal(-1, blocks);
+  for (std::size_t i = 0; i < inverse_mass.size(); ++i) {
+    const double trace = blocks[9 * i] + blocks[9 * i + 4] + blocks[9 * i + 8];
+    scales[i] = std::sqrt(std::max(0., trace * inverse_mass[i]));
+  }
+  return scales;
+}
+
+/// Nothing when some force field does not know its elements.
+std::optional<HighestFrequency> fromElements(const System& system, const Acceleration& acceleration) {
+  if (!acceleration.isDiagonal() || !system.mappings().empty()) return {};
+  HighestFrequency highest;
+  std::vector<double> scales;
+  for (const ForceField* field : system.forceFields()) {
+    if (!field->traits().has_stiffness) continue;
+    if (scales.empty()) scales = shareScales(system, acceleration.inverseMass());
+    const auto stiffest = field->stiffestElement(scales);
+    if (!stiffest) return {};
+    const double frequency = std::sqrt(stiffest->squared_frequency);
+    if (frequency > highest.value) highest = {frequency, stiffest->name + " of " + field->path()};
+  }
+  return highest;
+}
+
+/// Numbers between -1/2 and 1/2 without an order that a mesh could share.
+void fillAtRandom(Rows rows) {
+  std::uint64_t seed = 88172645463325252ull;
+  for (Index i = 0; i < rows.count; ++i)
+    for (int c = 0; c < 3; ++c) {
+      seed = seed * 6364136223846793005ull + 1442695040888963407ull;
+      rows[i][c] = double(seed >> 11) * 0x1p-53 - 0.5;
+    }
+}
+
+/// Power iteration. With a = M^-1 K p, (a.Kp) / (p.Kp) is a Rayleigh quotient: never above the largest eigenvalue.
+double byPowerIteration(System& system, Acceleration& acceleration) {
+  Vector p(system.independentRows()), force(system.independentRows()), a(system.independentRows());
+  StepReport report;
+  fillAtRandom(p);
+  system.project(p);
+  double square = 0;
+  for (int iteration = 0; iteration < 100; ++iteration) {
+    system.matrix({.stiffness = -1}).multiply(p, force);
+    const double energy = dot(p, force);
+    if (energy == 0 || !acceleration.solve(force, a, report)) break;
+    const double before = square;
+    square = std::abs(dot(a, force) / energy);
+    if (std::abs(square - before) < 1e-4 * square) break;
+    const double size = std::sqrt(dot(a, a));
+    if (!(size > 0)) break;
+    copy(a, p);
+    scale(1 / size, p);
+  }
+  return std::sqrt(square);
+}
+
+}  // namespace
+
+HighestFrequency highestFrequency(System& system, Acceleration& acceleration) {
+  const auto counts = system.counts;
+  const auto times = system.times;
+  system.computeForce(system.x, system.v, system.f);
+  HighestFrequency highest;
+  if (const auto found = fromElements(system, acceleration))
+    highest = *found;
+  else
+    highest.value = byPowerIteration(system, acceleration);
+  clear(system.f);
+  system.counts = counts;
+  system.times = times;
+  return highest;
+}
+
+void warnAboveStableStep(Integrator& integrator, System& system, Acceleration& acceleration, const std::string& method,
+                         const StabilityLimit& limit) {
+  const HighestFrequency highest = highestFrequency(system, acceleration);
+  const double dt = system.node().dt();
+  if (!(highest.value > 0) || dt * highest.value <= limit.largest_angle) return;
+  const double largest = limit.largest_angle / highest.value;
+  const std::string origin =
+      highest.element.empty() ? fmt::format("the fastest motion has about {:.3g} rad/s", highest.value)
+                              : fmt::format("{} has {:.3g} rad/s, no motion is faster", highest.element, highest.value);
+  integrator.warn(
+      limit.grows
+          ? fmt::format("with dt = {:g} s {} adds energy to fast motions, by more than 1 % a step where nothing "
+                        "damps them; up to {:.3g} s it stays below that ({})",
+                        dt, method, largest, origin)
+          : fmt::format("dt = {:g} s is above the estimated stable step of {}, {:.3g} s ({})", dt, method, largest,
+                        origin),
+      fmt::format("dt=\"{:.2g}\", or an implicit integrator", 0.95 * largest));
+}
+
+}  // namespace stroma
