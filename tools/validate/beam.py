@@ -35,7 +35,7 @@ def theory():
     return bending + LOAD / SHEAR * (LENGTH * x - x**2 / 2)
 
 
-def run(stroma, data, out, report):
+def run(stroma, out, report):
     curves, rows = {"Timoshenko, nu 0": theory()}, []
     for poisson in (0, 0.3, 0.45):
         for method in METHODS:

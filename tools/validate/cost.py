@@ -71,5 +71,5 @@ def against_iterations(stroma, out):
             sr.markdown(header, rows) + "\n![cost](cost_iterations.png)\n")
 
 
-def run(stroma, data, out, report):
+def run(stroma, out, report):
     report.append("## Time a step\n\n" + against_size(stroma, out) + "\n" + against_iterations(stroma, out))

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""The dragged liver (figures 5 and 6 of Nesme et al. 2005) and the artificial torque (figure 3)."""
+"""The artificial torque (figure 3 of Nesme et al. 2005)."""
 import os
 
 import numpy as np
 
 import stroma_run as sr
 
-LIVER, FREE = "scenes/validation/liver_drag.xml", "scenes/validation/free_body.xml"
+FREE = "scenes/validation/free_body.xml"
 VARIANTS = [("large", 0, 0), ("large", 1, 0), ("polar", 0, 0), ("polar", 1, 0), ("polar", 1, 1), ("svd", 0, 0), ("svd", 1, 0)]
 
 
@@ -17,35 +17,6 @@ def settings(method, update_b, update_v, fem):
 
 def variant_name(method, update_b, update_v):
     return method + (", B and V" if update_v else ", B" if update_b else "")
-
-
-def drag(stroma, data, out):
-    mesh = os.path.join(data, "meshes", "liver.msh")
-    rest = stroma.run(LIVER, [f"/organ/loader.filename={mesh}"] if os.path.exists(mesh) else [], steps=0)
-    mesh_setting = [f"/organ/loader.filename={mesh}"] if os.path.exists(mesh) else []
-    x = rest["frames"]["organ.dofs"][0]
-    size = np.linalg.norm(x.max(axis=0) - x.min(axis=0))
-    # four nodes spread over one end, and the farthest node dragged through the body past them
-    axis = np.argmax(x.max(axis=0) - x.min(axis=0))
-    order = np.argsort(x[:, axis])
-    held, dragged = order[:4], order[-1]
-    path = (x[held].mean(axis=0) - x[dragged]) * 0.8
-    path_text = "0 0 0  " + "  ".join([" ".join(f"{v:.9g}" for v in path)] * 2)
-    common = mesh_setting + ["/organ/held.indices=" + " ".join(map(str, held)), f"/organ/drag.indices={dragged}",
-                             "/organ/drag.movements=" + path_text]
-    rows = []
-    for variant in VARIANTS:
-        result = stroma.run(LIVER, common + settings(*variant, "/organ/fem"), until=30, every=50)
-        frames = result["frames"]["organ.dofs"]
-        distance = np.linalg.norm(frames - x, axis=2).max(axis=1) / size
-        back = np.flatnonzero(distance[4:] < 1e-6)
-        rows.append([variant_name(*variant), f"{distance.max():.2f}", f"{distance[-1]:.1e}",
-                     f"{4 + back[0]} s" if len(back) else "no", "" if result["code"] == 0 else result["message"]])
-        print("   liver", *rows[-1], flush=True)
-    header = ["method", "largest displacement / size", "at t = 30 s", "within 1e-6 of the size at", "end"]
-    sr.write_csv(os.path.join(out, "liver_drag.csv"), header, rows)
-    return (f"### Dragged and released (figures 5 and 6)\n\n{len(x)} nodes, held at four; one node is dragged through the body "
-            f"by {np.linalg.norm(path) / size:.2f} of its size in 1 s, held for 2 s and let go.\n\n" + sr.markdown(header, rows))
 
 
 def torque(stroma, out):
@@ -74,5 +45,5 @@ def torque(stroma, out):
             "that it gains are its own forces' doing.\n\n" + sr.markdown(header, rows))
 
 
-def run(stroma, data, out, report):
-    report.append("## Robustness and the laws of motion\n\n" + drag(stroma, data, out) + "\n" + torque(stroma, out))
+def run(stroma, out, report):
+    report.append("## The laws of motion\n\n" + torque(stroma, out))
