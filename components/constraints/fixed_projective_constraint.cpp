@@ -4,7 +4,8 @@
 //   P_i = 0 for each listed node: the change of velocity, and the residual force, are projected to zero
 //
 // A listed node that starts with a velocity keeps it; activate_projectVelocity sets it to zero. After `endTime` the
-// nodes are free. The nodes must be named: `indices`, or `fixAll` for all of them.
+// nodes are free. The nodes must be named: `indices`, or `fixAll` for all of them. FixedTranslationProjectiveConstraint
+// is the same: it differs where nodes have a rotation.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">
@@ -13,47 +14,23 @@
 //   <UniformMass totalMass="3"/>
 //   <FixedProjectiveConstraint indices="0 2"/>
 // </Node>
-#include <numeric>
-
-#include "framework/mechanics/node_indices.h"
-#include "framework/mechanics/projective_constraint.h"
+#include "framework/mechanics/held_nodes.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
 namespace {
 
-class FixedProjectiveConstraint final : public ProjectiveConstraint {
+class FixedProjectiveConstraint final : public HeldNodes {
  public:
   void declare(DataTable& table) override {
-    ProjectiveConstraint::declare(table);
-    table.add("indices", indices_).help("nodes to hold");
-    table.add("fixAll", fix_all_).help("hold every node");
+    HeldNodes::declare(table);
     table.add("activate_projectVelocity", project_velocity_).help("also set the velocity of the nodes to zero");
-    table.addVisualOnly("topology");
-  }
-
-  void init() override {
-    ProjectiveConstraint::init();
-    if (fix_all_) {
-      nodes_.resize(std::size_t(state().size()));
-      std::iota(nodes_.begin(), nodes_.end(), 0);
-      return;
-    }
-    if (!data().find("indices")->isSet())
-      throw ComponentError("no indices: which nodes are held?",
-                           "indices=\"0 3 7\", indices=\"@roi.indices\" or fixAll=\"true\"");
-    nodes_ = checkedNodes(indices_, state(), "indices");
-  }
-
-  void addProjectors(double, std::vector<NodeProjector>& out) const override {
-    for (Index node : nodes_) out.push_back({state().firstRow() + node, Mat3::Zero()});
+    table.addVisualOnly("coordinates");
   }
   bool projectsVelocity() const override { return project_velocity_; }
 
  private:
-  std::vector<int> indices_;
-  bool fix_all_ = false, project_velocity_ = false;
-  std::vector<Index> nodes_;
+  bool project_velocity_ = false;
 };
 
 }  // namespace
@@ -61,4 +38,6 @@ class FixedProjectiveConstraint final : public ProjectiveConstraint {
 
 STROMA_COMPONENT(fixed_projective_constraint) {
   factory.add<stroma::FixedProjectiveConstraint>("FixedProjectiveConstraint", "Holds nodes in place");
+  factory.add<stroma::FixedProjectiveConstraint>("FixedTranslationProjectiveConstraint",
+                                                 "Holds nodes in place: nodes here have no rotation to leave free");
 }

@@ -16,58 +16,37 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <numeric>
 
-#include "framework/mechanics/node_indices.h"
-#include "framework/mechanics/projective_constraint.h"
+#include "framework/mechanics/held_nodes.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
 namespace {
 
-class PartialFixedProjectiveConstraint final : public ProjectiveConstraint {
+class PartialFixedProjectiveConstraint final : public HeldNodes {
  public:
   void declare(DataTable& table) override {
-    ProjectiveConstraint::declare(table);
-    table.add("indices", indices_).help("nodes to hold");
-    table.add("fixAll", fix_all_).help("hold every node");
+    HeldNodes::declare(table);
     table.add("fixedDirections", directions_).help("for x, y and z: 1 held, 0 free");
     table.add("projectVelocity", project_velocity_)
         .alias("activate_projectVelocity")
         .help("also set the velocity along the held directions to zero");
-    table.addVisualOnly("topology");
   }
 
   void init() override {
-    ProjectiveConstraint::init();
+    HeldNodes::init();
     if (directions_.size() != 3)
       throw ComponentError(fmt::format("fixedDirections has {} values", directions_.size()),
                            "3 values, one for each of x, y, z");
     if (std::none_of(directions_.begin(), directions_.end(), [](bool held) { return held; }))
       warn("fixedDirections holds no direction: the constraint does nothing", "write 1 for each direction to hold");
     for (int c = 0; c < 3; ++c) projector_(c, c) = directions_[std::size_t(c)] ? 0 : 1;
-    if (fix_all_) {
-      nodes_.resize(std::size_t(state().size()));
-      std::iota(nodes_.begin(), nodes_.end(), 0);
-      return;
-    }
-    if (!data().find("indices")->isSet())
-      throw ComponentError("no indices: which nodes are held?",
-                           "indices=\"0 3 7\", indices=\"@roi.indices\" or fixAll=\"true\"");
-    nodes_ = checkedNodes(indices_, state(), "indices");
-  }
-
-  void addProjectors(double, std::vector<NodeProjector>& out) const override {
-    for (Index node : nodes_) out.push_back({state().firstRow() + node, projector_});
   }
   bool projectsVelocity() const override { return project_velocity_; }
 
  private:
-  std::vector<int> indices_;
   std::vector<bool> directions_{true, true, true};
-  bool fix_all_ = false, project_velocity_ = false;
-  std::vector<Index> nodes_;
-  Mat3 projector_ = Mat3::Zero();
+  bool project_velocity_ = false;
 };
 
 }  // namespace

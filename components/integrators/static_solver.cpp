@@ -85,6 +85,7 @@ class StaticSolver final : public Integrator {
 
  private:
   void checkSettings() const;
+  bool advancePrescribed(System& system, const StepContext& context);
 
   NewtonSettings settings_;
   std::vector<double> graph_;
@@ -94,7 +95,8 @@ class StaticSolver final : public Integrator {
   NewtonSolver* settings_component_ = nullptr;
   Equilibrium problem_;
   Newton newton_;
-  Vector force_;
+  Vector force_, mode_;
+  Vector moved_, moved_v_, displacement_;  ///< work space of advancePrescribed(), shape (all rows)
   std::size_t checked_projectors_ = std::size_t(-1);  ///< how many projectors were active at the last check
 };
 
@@ -145,6 +147,8 @@ void StaticSolver::compile(System& system) {
   newton_.compile(system.independentRows());
   problem_.compile(system);
   force_.resize(system.independentRows());
+  mode_.resize(system.independentRows());
+  for (Vector* vector : {&moved_, &moved_v_, &displacement_}) vector->resize(system.allRows());
   graph_.reserve(std::size_t(settings_.iterations) + 2);
   if (settings_component_) settings_component_->prepare(graph_.capacity());
 }
@@ -171,7 +175,16 @@ StepReport StaticSolver::step(System& system, const StepContext& context) {
     if (report.diverged) return report;
   }
   problem_.begin();
+  advancePrescribed(system, context);
   report = newton_.solve(problem_, *solver_);
+  // what follows a node that has moved in the solve has its place only now
+  for (int again = 0; again < 3 && report.newton_converged && advancePrescribed(system, context); ++again) {
+    const StepReport before = report;
+    report = newton_.solve(problem_, *solver_);
+    report.newton_iterations += before.newton_iterations;
+    report.linear_iterations += before.linear_iterations;
+    report.factorisations += before.factorisations;
+  }
   report.unsolved = !report.newton_converged;
   graph_.assign(newton_.history().begin(), newton_.history().end());
   if (settings_component_) settings_component_->noteResult(report, newton_);
@@ -181,6 +194,35 @@ StepReport StaticSolver::step(System& system, const StepContext& context) {
   }
   system.applyMappings();
   return report;
+}
+
+/// Moves what has a prescribed motion to the end of the step; false when it is there. The rest is carried along by the
+/// tangent where the step starts, -K du = f + K d with d the prescribed displacements: moved alone, a face would crush
+/// the elements behind it. Where that costs more energy than moving it alone, it is moved alone.
+bool StaticSolver::advancePrescribed(System& system, const StepContext& context) {
+  if (!system.hasPrescribed()) return false;
+  copy(system.x, moved_);
+  system.placePrescribed(context, moved_, moved_v_);
+  const Rows x{system.x.rows().data, system.independentRows()}, d{displacement_.rows().data, system.independentRows()};
+  copy(ConstRows{moved_.rows().data, d.count}, d);
+  axpy(-1, x, d);
+  if (dot(d, d) <= 1e-30 * dot(x, x)) return false;
+  // f + K d on all rows: the free ones see the prescribed displacement
+  system.computeForceAndProduct(system.x, system.v, displacement_, 1, 0, system.f, moved_v_);
+  copy(ConstRows{moved_v_.rows().data, d.count}, force_);
+  axpy(1, ConstRows{system.f.rows().data, d.count}, force_);
+  clear(moved_v_);
+  system.project(force_);
+  StepReport ignored;
+  const bool solved = solveOrShift(*solver_, problem_.tangent(), force_, mode_, ignored);
+  axpy(1, d, x);
+  if (!solved) return true;
+  const double alone = system.potentialEnergy(system.x);
+  axpy(1, mode_, x);
+  const double together = system.potentialEnergy(system.x);
+  if (std::isfinite(together) && (!settings_.use_energy || together <= alone)) return true;
+  axpy(-1, mode_, x);
+  return true;
 }
 
 std::string StaticSolver::describe() const {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
+#include "framework/algebra/block_matrix.h"
 #include "framework/mechanics/state.h"
 
 namespace stroma {
@@ -11,25 +12,46 @@ struct NodeProjector {
   Mat3 projector = Mat3::Zero();
 };
 
-/// Constraints that act node by node. System merges all projectors into one list, projects vectors with it and
-/// eliminates it from matrices; a constraint only says which.
+/// Two rows of the system that have one velocity; several ties make a group. The projector of a group of n is the mean
+/// (each block 1/n): orthogonal, so P M P and P f give the group the sum of its masses and of its forces.
+struct Tie {
+  Index a = 0, b = 0;
+  bool operator==(const Tie&) const = default;
+};
+
+/// Constraints on the velocities of nodes. System merges all projectors and ties, projects vectors with them and
+/// eliminates them from matrices; a constraint only says which.
+///
+/// Prescribed motion: at the start of a step System gives the held directions the velocity that carries them to where
+/// prescribe() puts them at the step's end, so that integrators need to know nothing of it; after the step prescribe()
+/// places positions and velocities exactly.
 class ProjectiveConstraint : public Component {
  public:
   std::string roleText() const override { return "projective constraint"; }
   void declare(DataTable& table) override;  ///< mstate, endTime and SOFA's drawing attributes
   void init() override;                     ///< finds the state
   State& state() const { return *state_; }
+  /// Every state whose nodes it holds or reads.
+  virtual std::vector<State*> states() const { return {state_}; }
+  /// True in a step from t to t_end. The base class: while t is not after endTime.
+  virtual bool activeIn(double t, double /*t_end*/) const { return end_time_ < 0 || t <= end_time_; }
   double endTime() const { return end_time_; }  ///< [s]; negative: never ends
-  bool activeAt(double t) const { return end_time_ < 0 || t <= end_time_; }
 
   /// Appends the projectors at time t (rows of the system).
   virtual void addProjectors(double t, std::vector<NodeProjector>& out) const = 0;
-  /// True when addProjectors does not depend on t (endTime is handled by the System).
+  /// Appends the pairs of rows that move as one.
+  virtual void addTies(std::vector<Tie>&) const {}
+  /// True when projectors, and activeIn() but for endTime, do not depend on time.
   virtual bool isConstant() const { return true; }
-  /// Imposes prescribed positions and velocities at the end of a step from t to t + dt, before forces are evaluated.
-  virtual void impose(double /*t*/, double /*dt*/, Rows /*x*/, Rows /*v*/) const {}
   /// True when held velocities are also set to zero, not only kept from changing.
   virtual bool projectsVelocity() const { return false; }
+
+  // ---- prescribed motion ----
+  virtual bool prescribesMotion() const { return false; }
+  /// Called at the start of each step in which it is active, with the positions there: what the motion starts from.
+  virtual void beginMotion(double /*t*/, ConstRows /*x*/) {}
+  /// Writes positions and velocities at time t in the directions that it holds; may read other rows.
+  virtual void prescribe(double /*t*/, Rows /*x*/, Rows /*v*/) const {}
 
  protected:
   Link<State> mstate_{"mechanical state"};

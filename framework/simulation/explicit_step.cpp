@@ -16,7 +16,7 @@ void Acceleration::compile(System& system, const std::string& method) {
   system_ = &system;
   solver_ = nullptr;
   if (system.massIsDiagonal()) {
-    inverse_mass_ = system.inverseLumpedMass();
+    inverse_mass_ = &system.inverseLumpedMass();
     return;
   }
   system.requireMass();
@@ -36,7 +36,7 @@ bool Acceleration::solve(ConstRows f, Rows a, StepReport& report) {
     if (!solveOrShift(*solver_, system_->matrix({.mass = 1}), right_side_, a, report)) return false;
   } else {
     const double* __restrict force = f.data;
-    const double* __restrict inverse = inverse_mass_.data();
+    const double* __restrict inverse = inverse_mass_->data();
     double* __restrict out = a.data;
     for (Index i = 0; i < a.count; ++i)
       for (int l = 0; l < row_doubles; ++l) out[row_doubles * i + l] = force[row_doubles * i + l] * inverse[i];

@@ -27,7 +27,7 @@ class Acceleration {
  private:
   System* system_ = nullptr;
   LinearSolver* solver_ = nullptr;    ///< null with a diagonal mass
-  std::vector<double> inverse_mass_;  ///< [1/kg], shape (independentRows())
+  const std::vector<double>* inverse_mass_ = nullptr;  ///< [1/kg], shape (independentRows())
   Vector right_side_;                 ///< of the solve
 };
 

@@ -191,6 +191,7 @@ void Simulation::advance(std::size_t index, const StepContext& context, StepRepo
   copy(system.x, good_[index].first);
   copy(system.v, good_[index].second);
   StepReport part = system.integrator().step(system, context);
+  if (!part.diverged) system.endStep(context);
   std::string cause = part.diverged ? part.reason : system.firstNonFinite();
   system.times.total += seconds(Clock::now() - start);
   system.times.solve += part.solve_seconds;

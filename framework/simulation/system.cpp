@@ -39,7 +39,9 @@ System::System(Node& node, Integrator& integrator) : node_(node), integrator_(in
     constraints_change_ = constraints_change_ || !constraint->isConstant() || constraint->endTime() >= 0;
 
   const double start = node_.root().root_time;
+  reserveConstraints();
   gatherConstraints(start, start);
+  gatherGroups();
   setTime(start);
   applyMappings();
   computeGravity();
@@ -67,6 +69,7 @@ std::vector<State*> statesOf(const Actor& actor) {
   return {&actor.state()};
 }
 std::vector<State*> statesOf(const ForceField& field) { return field.states(); }
+std::vector<State*> statesOf(const ProjectiveConstraint& constraint) { return constraint.states(); }
 
 template <class Actor>
 void requireStateIn(const std::vector<State*>& states, const std::vector<Actor*>& actors) {
@@ -102,11 +105,12 @@ void System::checkActors() const {
                                          mappings_[j]->path(), mappings_[i]->path()),
                              "one mapping a state");
     for (const ProjectiveConstraint* constraint : constraints_)
-      if (&constraint->state() == &mappings_[i]->output())
-        throw ComponentError(
-            fmt::format("{} holds nodes of {}, whose positions follow from {} by {}", constraint->path(),
-                        constraint->state().path(), mappings_[i]->input().path(), mappings_[i]->path()),
-            "constraints on the state that is mapped from");
+      for (const State* state : constraint->states())
+        if (state == &mappings_[i]->output())
+          throw ComponentError(
+              fmt::format("{} holds nodes of {}, whose positions follow from {} by {}", constraint->path(),
+                          state->path(), mappings_[i]->input().path(), mappings_[i]->path()),
+              "constraints on the state that is mapped from");
   }
 }
 

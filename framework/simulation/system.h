@@ -11,6 +11,7 @@
 #include "framework/mechanics/mass.h"
 #include "framework/mechanics/projective_constraint.h"
 #include "framework/simulation/mapped_matrix.h"
+#include "framework/simulation/node_groups.h"
 #include "framework/simulation/step.h"
 
 namespace stroma {
@@ -74,8 +75,9 @@ class System final : public SystemMatrix {
   void addMassProduct(ConstRows p, double factor, Rows out) const;
   /// out += sum of (rayleigh + rayleighMass of the mass) * factor * M p
   void addRayleighMassProduct(ConstRows p, double rayleigh, double factor, Rows out) const;
-  /// 1 / m for each independent row, zero for rows held in all directions at all times; throws as requireMass().
-  std::vector<double> inverseLumpedMass() const;
+  /// 1 / m for each independent row, zero for rows held in all directions at all times; throws as requireMass(). To be
+  /// used with project(): rows tied to others have the inverse of their group's mean. Kept up to date.
+  const std::vector<double>& inverseLumpedMass();
   bool massIsDiagonal() const;
   /// Throws ComponentError naming a state or a node that can move and has no mass: integrators of dynamics call it
   /// once.
@@ -85,8 +87,17 @@ class System final : public SystemMatrix {
   void project(Rows vector) const;
   /// Rows and projectors in force, sorted by row, at most one a row.
   const std::vector<NodeProjector>& projectors() const { return projectors_; }
-  /// Constraints at the end of the step: activates or ends them, imposes prescribed motion, projects velocities.
+  /// Rows that have one velocity; project() takes their mean.
+  const NodeGroups& groups() const { return groups_; }
+  /// Constraints at the end of the step: activates or ends them, projects velocities, and gives what has a prescribed
+  /// motion the constant velocity that gets it there.
   void beginStep(const StepContext& context);
+  /// Writes positions and velocities at the end of the step of what has a prescribed motion. endStep() does it for x
+  /// and v; an integrator that solves for positions (statics, multi-step methods) does it for its own.
+  void placePrescribed(const StepContext& context, Rows x, Rows v) const;
+  bool hasPrescribed() const { return !moving_projectors_.empty(); }
+  /// After the integrator: prescribed motion and tied rows, exactly.
+  void endStep(const StepContext& context);
   void applyMappings();
 
   double kineticEnergy() const;
@@ -131,6 +142,10 @@ class System final : public SystemMatrix {
   void layOut();
   void computeGravity();
   void gatherConstraints(double t_start, double t_end);
+  void gatherGroups();
+  void reserveConstraints();
+  void updateInverseMass();
+  void aimAtPrescribed(const StepContext& context);
   std::vector<double> lumpedMass() const;
   std::vector<char> rowsAlwaysHeld() const;
   double stiffnessFactor(const ForceField& field) const {
@@ -141,6 +156,7 @@ class System final : public SystemMatrix {
   void preparePattern() const;
   void addConstantParts(BlockMatrix& matrix);
   void addChangingParts(BlockMatrix& matrix);
+  void eliminateConstraints();
   void eliminateProjectors();
   ConstRows onAllRows(ConstRows p, Vector& work, bool is_position) const;
   void pullBack(Rows all) const;
@@ -165,8 +181,15 @@ class System final : public SystemMatrix {
   bool has_gravity_ = false;
   std::vector<NodeProjector> projectors_, gathered_;
   std::vector<NodeProjector> velocity_projectors_;  ///< of constraints that also project velocities
+  std::vector<NodeProjector> moving_projectors_;    ///< of prescribed motion
+  std::vector<NodeProjector> placed_;               ///< the same without the rows that only follow their group
   std::vector<Index> projector_of_row_;             ///< shape (independentRows()): index in projectors_ or -1
-  bool constraints_change_ = false;                 ///< some constraint ends or depends on time
+  std::vector<Tie> gathered_ties_;
+  NodeGroups groups_;
+  std::vector<double> inverse_mass_;  ///< [1/kg], shape (independentRows()), when it was asked for
+  bool wants_inverse_mass_ = false;
+  Vector target_x_, target_v_;       ///< work space of prescribed motion
+  bool constraints_change_ = false;  ///< some constraint ends or depends on time
 
   MatrixFactors factors_;
   long revision_ = 0, assembled_revision_ = -1;

@@ -2,7 +2,6 @@
 // Projective constraints of a system: which directions of which nodes may change, and what that means for masses.
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cstring>
 
@@ -13,18 +12,6 @@ namespace stroma {
 namespace {
 
 bool byRow(const NodeProjector& a, const NodeProjector& b) { return a.row < b.row; }
-
-/// The projector onto the directions that both leave free: the null space of (I - P_a) + (I - P_b).
-Mat3 intersection(const Mat3& a, const Mat3& b) {
-  if (a.isZero(0) || b.isZero(0)) return Mat3::Zero();
-  Eigen::SelfAdjointEigenSolver<Mat3> eigen;
-  eigen.computeDirect(2 * Mat3::Identity() - a - b);
-  Mat3 result = Mat3::Zero();
-  for (int i = 0; i < 3; ++i)
-    if (std::abs(eigen.eigenvalues()[i]) < 1e-7)
-      result += eigen.eigenvectors().col(i) * eigen.eigenvectors().col(i).transpose();
-  return result;
-}
 
 /// Sorts by row and leaves one projector a row.
 void merge(std::vector<NodeProjector>& list) {
@@ -52,19 +39,45 @@ void applyProjectors(const std::vector<NodeProjector>& projectors, Rows vector) 
 
 }  // namespace
 
+// Room for all constraints at once, so that one that begins later allocates nothing.
+void System::reserveConstraints() {
+  std::vector<NodeProjector> all;
+  bool prescribed = false;
+  for (const ProjectiveConstraint* constraint : constraints_) {
+    constraint->addProjectors(node_.root().root_time, all);
+    constraint->addTies(gathered_ties_);
+    prescribed = prescribed || constraint->prescribesMotion();
+  }
+  for (std::vector<NodeProjector>* list :
+       {&gathered_, &projectors_, &velocity_projectors_, &moving_projectors_, &placed_})
+    list->reserve(all.size() + 2 * gathered_ties_.size());
+  if (prescribed) target_x_.resize(all_rows_), target_v_.resize(all_rows_);
+}
+
 // A constraint holds in a step that starts at or before its endTime (as in SOFA); its projectors are those of the
 // step's end.
 void System::gatherConstraints(double t_start, double t_end) {
   gathered_.clear();
   velocity_projectors_.clear();
-  for (const ProjectiveConstraint* constraint : constraints_) {
-    if (!constraint->activeAt(t_start)) continue;
+  moving_projectors_.clear();
+  gathered_ties_.clear();
+  for (ProjectiveConstraint* constraint : constraints_) {
+    if (!constraint->activeIn(t_start, t_end)) continue;
     constraint->addProjectors(t_end, gathered_);
+    constraint->addTies(gathered_ties_);
     if (constraint->projectsVelocity()) constraint->addProjectors(t_end, velocity_projectors_);
+    if (constraint->prescribesMotion()) constraint->addProjectors(t_end, moving_projectors_);
   }
-  merge(gathered_);
-  merge(velocity_projectors_);
-  if (same(gathered_, projectors_)) return;
+  const bool regrouped = groups_.set(gathered_ties_, independent_rows_);
+  if (regrouped) updateInverseMass();
+  for (std::vector<NodeProjector>* list : {&gathered_, &velocity_projectors_, &moving_projectors_}) merge(*list);
+  placed_.assign(moving_projectors_.begin(), moving_projectors_.end());
+  for (std::vector<NodeProjector>* list : {&gathered_, &velocity_projectors_, &moving_projectors_})
+    groups_.share(*list);
+  if (same(gathered_, projectors_)) {
+    revision_ += regrouped;
+    return;
+  }
   for (const NodeProjector& held : projectors_) projector_of_row_[std::size_t(held.row)] = -1;
   projectors_.swap(gathered_);
   for (std::size_t i = 0; i < projectors_.size(); ++i) projector_of_row_[std::size_t(projectors_[i].row)] = Index(i);
@@ -75,12 +88,81 @@ void System::beginStep(const StepContext& context) {
   setTime(context.t_end);
   if (constraints_change_) gatherConstraints(context.t, context.t_end);
   applyProjectors(velocity_projectors_, v);
-  for (const ProjectiveConstraint* constraint : constraints_)
-    if (constraint->activeAt(context.t)) constraint->impose(context.t, context.dt, x, v);
+  if (!moving_projectors_.empty()) aimAtPrescribed(context);
   applyMappings();
 }
 
-void System::project(Rows vector) const { applyProjectors(projectors_, vector); }
+void System::placePrescribed(const StepContext& context, Rows x_now, Rows v_now) const {
+  if (moving_projectors_.empty()) return;
+  // twice: a constraint may follow a node that another one, later in the list, places
+  for (int pass = 0; pass < 2; ++pass)
+    for (const ProjectiveConstraint* constraint : constraints_)
+      if (constraint->prescribesMotion() && constraint->activeIn(context.t, context.t_end))
+        constraint->prescribe(context.t_end, x_now, v_now);
+  // a group goes where its placed member is
+  for (const NodeProjector& placed : placed_) {
+    const Index group = groups_.of(placed.row);
+    if (group < 0) continue;
+    const Mat3 held = Mat3::Identity() - placed.projector;
+    for (const Index* row = groups_.begin(group); row != groups_.end(group); ++row) {
+      x_now[*row] += held * (x_now[placed.row] - x_now[*row]);
+      v_now[*row] += held * (v_now[placed.row] - v_now[*row]);
+    }
+  }
+}
+
+// The held directions get the constant velocity that reaches the end of the step where prescribe() wants them. What
+// follows other nodes is aimed at where their present velocity takes them.
+void System::aimAtPrescribed(const StepContext& context) {
+  for (ProjectiveConstraint* constraint : constraints_)
+    if (constraint->prescribesMotion() && constraint->activeIn(context.t, context.t_end))
+      constraint->beginMotion(context.t, x);
+  copy(x, target_x_);
+  copy(v, target_v_);
+  axpy(context.dt, v, target_x_);
+  placePrescribed(context, target_x_, target_v_);
+  for (const NodeProjector& moved : moving_projectors_) {
+    const Vec3 speed = (target_x_[moved.row] - x[moved.row]) / context.dt;
+    v[moved.row] += (Mat3::Identity() - moved.projector) * (speed - v[moved.row]);
+  }
+}
+
+void System::endStep(const StepContext& context) {
+  if (moving_projectors_.empty() && groups_.empty()) return;
+  // what a direct solve leaves between tied rows is round-off; it must not add up
+  groups_.average(x);
+  groups_.average(v);
+  placePrescribed(context, x, v);
+  applyMappings();
+}
+
+void System::project(Rows vector) const {
+  applyProjectors(projectors_, vector);
+  groups_.average(vector);
+}
+
+// The nodes of a group start together: where one of them is held, else at their centre of mass and with its velocity.
+void System::gatherGroups() {
+  if (groups_.empty()) return;
+  const std::vector<double> mass = lumpedMass();
+  std::vector<NodeProjector> own;
+  for (const ProjectiveConstraint* constraint : constraints_) constraint->addProjectors(node_.root().root_time, own);
+  std::vector<char> is_held(std::size_t(independent_rows_), 0);
+  for (const NodeProjector& held : own) is_held[std::size_t(held.row)] |= held.projector.isZero(0);
+  for (Index g = 0; g < groups_.count(); ++g) {
+    const Index* held =
+        std::find_if(groups_.begin(g), groups_.end(g), [&](Index row) { return is_held[std::size_t(row)]; });
+    double whole = 0;
+    for (const Index* row = groups_.begin(g); row != groups_.end(g); ++row) whole += mass[std::size_t(*row)];
+    for (Vector* vector : {&x, &v}) {
+      Vec3 meeting = Vec3::Zero();
+      for (const Index* row = groups_.begin(g); row != groups_.end(g); ++row)
+        meeting += (whole > 0 ? mass[std::size_t(*row)] / whole : 1 / double(groups_.size(g))) * (*vector)[*row];
+      if (held != groups_.end(g)) meeting = (*vector)[*held];
+      for (const Index* row = groups_.begin(g); row != groups_.end(g); ++row) (*vector)[*row] = meeting;
+    }
+  }
+}
 
 // ---- masses and what is held ----
 
@@ -131,18 +213,27 @@ void System::requireMass() const {
   }
 }
 
-std::vector<double> System::inverseLumpedMass() const {
+const std::vector<double>& System::inverseLumpedMass() {
   requireMass();
+  wants_inverse_mass_ = true;
+  updateInverseMass();
+  return inverse_mass_;
+}
+
+// The rows of a group get one over the mean of their masses: the mean that project() takes of their accelerations is
+// then the sum of the forces over the sum of the masses.
+void System::updateInverseMass() {
+  if (!wants_inverse_mass_) return;
   const std::vector<char> held = rowsAlwaysHeld();
-  std::vector<double> inverse = lumpedMass();
-  for (std::size_t row = 0; row < inverse.size(); ++row) {
-    if (!held[row] && !(inverse[row] > 0))
+  inverse_mass_ = lumpedMass();
+  groups_.average(inverse_mass_);
+  for (std::size_t row = 0; row < inverse_mass_.size(); ++row) {
+    if (!held[row] && !(inverse_mass_[row] > 0))
       throw ComponentError(
           "masses on mapped states (" + describeRow(Index(row)) + " has no other) have no lumped inverse",
           "an implicit integrator, or a mass on the state that is mapped from");
-    inverse[row] = held[row] ? 0 : 1 / inverse[row];
+    inverse_mass_[row] = held[row] ? 0 : 1 / inverse_mass_[row];
   }
-  return inverse;
 }
 
 }  // namespace stroma

@@ -106,6 +106,7 @@ void System::diagonalBlocks(std::vector<double>& blocks) const {
     Block block = blockAt(blocks, held.row);
     block = (held.projector * block * held.projector + Mat3::Identity() - held.projector).eval();
   }
+  groups_.completeDiagonal(projectors_, blocks);
 }
 
 bool System::symmetric() const {
@@ -131,6 +132,9 @@ void System::preparePattern() const {
     mapped_matrix_.prepare(std::move(pattern), mappings_, independent_rows_);
     matrix_ = mapped_matrix_.reducedPattern();
   }
+  std::vector<Tie> ties;  // those of all times: the pattern never changes
+  for (const ProjectiveConstraint* constraint : constraints_) constraint->addTies(ties);
+  if (NodeGroups all; all.set(ties, independent_rows_)) matrix_ = all.withFill(matrix_);
   block_count_ = matrix_.blocks();
   const BlockMatrix& target = mappings_.empty() ? matrix_ : mapped_matrix_.full();
   for (Mass* mass : masses_) mass->prepareAssembly(target);
@@ -150,7 +154,7 @@ const BlockMatrix& System::assemble() {
     if (!mappings_linear_) mapped_matrix_.updateJacobian(mappings_);
     mapped_matrix_.reduce(matrix_);
   }
-  eliminateProjectors();
+  eliminateConstraints();
   assembled_revision_ = revision_;
   return matrix_;
 }
@@ -192,6 +196,12 @@ void System::addConstantParts(BlockMatrix& matrix) {
 }
 
 // Block (i, j) becomes P_i A_ij P_j, and I - P_i is added on the diagonal.
+void System::eliminateConstraints() {
+  groups_.average(matrix_);
+  eliminateProjectors();
+  groups_.complete(projectors_, matrix_);
+}
+
 void System::eliminateProjectors() {
   if (projectors_.empty()) return;
   const auto& start = matrix_.rowStart();

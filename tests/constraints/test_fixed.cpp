@@ -67,45 +67,5 @@ TEST(Constraints, SayWhatIsWrong) {
                  "holds no direction");
 }
 
-std::vector<Vec3> forcesOf(const std::string& attributes) {
-  Simulation simulation(sceneFromText(scene("<ConstantForceField " + attributes + "/>")));
-  System& system = *simulation.systems()[0];
-  system.computeForce(system.x, system.v, system.f);
-  // the force is minus the gradient of the energy, which is linear: any difference serves
-  for (Index i = 0; i < 4; ++i)
-    for (int c = 0; c < 3; ++c) {
-      const double before = system.potentialEnergy(system.x);
-      system.x[i][c] += 0.5;
-      EXPECT_NEAR((system.potentialEnergy(system.x) - before) / -0.5, system.f[i][c], 1e-13);
-      system.x[i][c] -= 0.5;
-    }
-  std::vector<Vec3> forces;
-  for (Index i = 0; i < 4; ++i) forces.push_back(system.f[i]);
-  return forces;
-}
-
-TEST(ConstantForceField, LoadsNodes) {
-  const Vec3 f(0, -2, 1), zero = Vec3::Zero();
-  EXPECT_EQ(forcesOf("indices='1 3' forces='0 -2 1 0 -4 2'"), (std::vector<Vec3>{zero, f, zero, 2 * f}));
-  EXPECT_EQ(forcesOf("indices='1 3' forces='0 -2 1'"), (std::vector<Vec3>{zero, f, zero, f}));
-  EXPECT_EQ(forcesOf("indices='1 3' force='0 -2 1'"), (std::vector<Vec3>{zero, f, zero, f}));
-  EXPECT_EQ(forcesOf("indices='1 3' totalForce='0 -4 2'"), (std::vector<Vec3>{zero, f, zero, f}));
-  EXPECT_EQ(forcesOf("indices='2 2' totalForce='0 -2 1'"), (std::vector<Vec3>{zero, zero, f, zero}));
-  EXPECT_EQ(forcesOf("indices='0' indexFromEnd='true' totalForce='0 -2 1'"), (std::vector<Vec3>{zero, zero, zero, f}));
-  EXPECT_EQ(forcesOf("totalForce='0 -8 4'"), (std::vector<Vec3>{f, f, f, f}));
-}
-
-TEST(ConstantForceField, SaysWhatIsWrong) {
-  const auto problems = [](const std::string& attributes) {
-    return problemsOf(scene("<ConstantForceField " + attributes + "/>"));
-  };
-  expectContains(problems("indices='0'"), "there is no force");
-  expectContains(problems("indices='0' totalForce='1 0 0' forces='1 0 0'"), "more than one");
-  expectContains(problems("indices='0 1' forces='1 0 0 2 0 0 3 0 0'"), "3 values for 2 nodes");
-  expectContains(problems("indices='9' totalForce='1 0 0'"), "indices in 0 ... 3");
-  expectContains(problems("indices='' totalForce='1 0 0'"), "lists no node");
-  expectContains(sceneFromText(scene("<ConstantForceField totalForce='1 0 0'/>")).diagnostics.text(), "all 4 nodes");
-}
-
 }  // namespace
 }  // namespace stroma::test

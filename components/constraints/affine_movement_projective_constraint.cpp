@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// AffineMovementProjectiveConstraint: nodes that go to an affine image of where they start, on straight lines.
+//
+//   x(t) = (1 - s) X + s (A X + b),   s = (t - t_begin) / (t_end - t_begin) within [0, 1],   v = s' (A X + b - X)
+//
+// with X the initial positions, A the matrix `rotation` (nine numbers, row by row) times that of `quaternion`
+// (x y z w), and b the `translation`. The nodes of `indices` are held before and after; those of `meshIndices` move
+// along between the two times and are free otherwise. A straight path shrinks what turns: half-way through a rotation
+// by the angle a, lengths across its axis are cos(a/2) of what they were.
+//
+// Source: the attributes are SOFA's.
+//
+// Example:
+// <Node name="root" dt="0.01" gravity="0 -9.81 0">
+//   <EulerImplicitSolver/>
+//   <CGLinearSolver iterations="50" tolerance="1e-10"/>
+//   <MechanicalObject position="0 0 0  1 0 0  2 0 0"/>
+//   <UniformMass totalMass="0.3"/>
+//   <SpringForceField springsIndices1="0 1" springsIndices2="1 2" lengths="1 1" stiffness="200"/>
+//   <AffineMovementProjectiveConstraint indices="0 2" beginConstraintTime="0" endConstraintTime="1"
+//                                       rotation="0 -1 0  1 0 0  0 0 1" translation="0 0 0.5"/>
+// </Node>
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+
+#include "framework/mechanics/held_nodes.h"
+#include "framework/mechanics/key_times.h"
+#include "framework/mechanics/node_indices.h"
+#include "framework/scene/factory.h"
+
+namespace stroma {
+namespace {
+
+class AffineMovementProjectiveConstraint final : public HeldNodes {
+ public:
+  void declare(DataTable& table) override {
+    HeldNodes::declare(table);
+    table.add("meshIndices", guided_indices_).help("nodes that move along between the two times");
+    table.add("beginConstraintTime", begin_).help("start of the movement").unit("s");
+    table.add("endConstraintTime", end_).help("end of the movement").unit("s");
+    table.add("rotation", rotation_).help("matrix applied to the positions, nine numbers row by row").unit("-");
+    table.add("quaternion", quaternion_).help("rotation applied to the positions first, as x y z w").unit("-");
+    table.add("translation", translation_).help("added last").unit("m");
+    table.addVisualOnly("drawConstrainedPoints");
+  }
+
+  void init() override {
+    HeldNodes::init();
+    if (!(end_ > begin_))
+      throw ComponentError(
+          fmt::format("endConstraintTime = {:g} is not after beginConstraintTime = {:g}", end_, begin_),
+          "a later time");
+    const Mat3 matrix = readMatrix();
+    if (data().find("meshIndices")->isSet()) {
+      guided_ = checkedNodes(guided_indices_, state(), "meshIndices");
+      std::erase_if(guided_, [this](Index node) { return std::binary_search(nodes().begin(), nodes().end(), node); });
+    }
+    for (const std::vector<Index>* list : {&nodes(), static_cast<const std::vector<Index>*>(&guided_)})
+      for (Index node : *list) {
+        const Vec3& start = state().position[std::size_t(node)];
+        path_.push_back({node, start, matrix * start + translation_});
+      }
+  }
+
+  bool isConstant() const override { return guided_.empty(); }
+  bool prescribesMotion() const override { return true; }
+
+  void addProjectors(double t, std::vector<NodeProjector>& out) const override {
+    for (std::size_t i = 0; i < movedAt(t); ++i) out.push_back({state().firstRow() + path_[i].node, Mat3::Zero()});
+  }
+  void prescribe(double t, Rows x, Rows v) const override {
+    const bool moving = t > begin_ && (t < end_ || KeyTimes::same(t, end_));
+    double s = std::clamp((t - begin_) / (end_ - begin_), 0., 1.);
+    if (KeyTimes::same(t, end_)) s = 1;
+    for (std::size_t i = 0; i < movedAt(t); ++i) {
+      const Path& path = path_[i];
+      x[state().firstRow() + path.node] = (1 - s) * path.from + s * path.to;
+      v[state().firstRow() + path.node] = moving ? Vec3((path.to - path.from) / (end_ - begin_)) : Vec3::Zero();
+    }
+  }
+
+ private:
+  struct Path {
+    Index node;
+    Vec3 from, to;
+  };
+
+  Mat3 readMatrix() const {
+    if (rotation_.size() != 9)
+      throw ComponentError(fmt::format("rotation has {} numbers", rotation_.size()), "9 numbers");
+    if (quaternion_.size() != 4)
+      throw ComponentError(fmt::format("quaternion has {} numbers", quaternion_.size()), "4 numbers: x y z w");
+    const Eigen::Quaterniond turn(quaternion_[3], quaternion_[0], quaternion_[1], quaternion_[2]);
+    if (!(turn.norm() > 0)) throw ComponentError("quaternion is zero", "a unit quaternion");
+    Mat3 matrix;
+    for (int i = 0; i < 9; ++i) matrix(i / 3, i % 3) = rotation_[std::size_t(i)];
+    return matrix * turn.normalized().toRotationMatrix();
+  }
+  /// How many of path_ move at the end t of a step: the guided nodes, which come last, only between the two times.
+  std::size_t movedAt(double t) const {
+    return t > begin_ && (t < end_ || KeyTimes::same(t, end_)) ? path_.size() : nodes().size();
+  }
+
+  std::vector<int> guided_indices_;
+  std::vector<double> rotation_{1, 0, 0, 0, 1, 0, 0, 0, 1}, quaternion_{0, 0, 0, 1};
+  Vec3 translation_ = Vec3::Zero();
+  double begin_ = 0, end_ = 20;
+  std::vector<Index> guided_;
+  std::vector<Path> path_;  ///< shape (nodes + guided nodes)
+};
+
+}  // namespace
+}  // namespace stroma
+
+STROMA_COMPONENT(affine_movement_projective_constraint) {
+  factory.add<stroma::AffineMovementProjectiveConstraint>("AffineMovementProjectiveConstraint",
+                                                          "Moves nodes to an affine image of where they start");
+}

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// AttachProjectiveConstraint: pairs of nodes, of two bodies or of one, that are one node from then on.
+//
+// twoWay="true": both ends of a pair have one velocity, and their masses and forces add up, exactly: with P the mean
+// over the pair, the step solves P (m M + k K + c C) P. Two bodies attached at matching nodes are the merged body. Ends
+// that lie apart at the start are brought together at their mass-weighted mean, and so are their velocities.
+//
+// twoWay="false" (the default, as in SOFA): the nodes of indices2 follow those of indices1, which feel nothing.
+// Positions and velocities coincide at the end of every step; inside a step the follower moves with the velocity that
+// the other had at its start.
+//
+// Node indices1[i] of object1 is joined to node indices2[i] of object2; without the objects both are of the state of
+// this node. Both bodies must have the same integrator. A node may be attached to several others.
+//
+// Source: the attributes are SOFA's; there a two-way pair shares positions but not its inertia.
+//
+// Example:
+// <Node name="root" dt="0.01" gravity="0 -9.81 0">
+//   <EulerImplicitSolver/>
+//   <CGLinearSolver iterations="50" tolerance="1e-10"/>
+//   <Node name="a">
+//     <MechanicalObject name="dofs" position="0 0 0  1 0 0"/>
+//     <UniformMass totalMass="0.2"/>
+//     <SpringForceField springsIndices1="0" springsIndices2="1" lengths="1" stiffness="200"/>
+//     <FixedProjectiveConstraint indices="0"/>
+//   </Node>
+//   <Node name="b">
+//     <MechanicalObject name="dofs" position="1 0 0  2 0 0"/>
+//     <UniformMass totalMass="0.4"/>
+//     <SpringForceField springsIndices1="0" springsIndices2="1" lengths="1" stiffness="200"/>
+//   </Node>
+//   <AttachProjectiveConstraint object1="@a/dofs" object2="@b/dofs" indices1="1" indices2="0" twoWay="true"/>
+// </Node>
+#include <fmt/format.h>
+
+#include "framework/mechanics/node_indices.h"
+#include "framework/mechanics/projective_constraint.h"
+#include "framework/scene/factory.h"
+
+namespace stroma {
+namespace {
+
+class AttachProjectiveConstraint final : public ProjectiveConstraint {
+ public:
+  void declare(DataTable& table) override {
+    ProjectiveConstraint::declare(table);
+    table.addLink("object1", object1_).help("state of indices1; the one of this node when not given");
+    table.addLink("object2", object2_).help("state of indices2; that of object1 when not given");
+    table.add("indices1", indices1_).help("nodes of object1, one for each pair").required();
+    table.add("indices2", indices2_).help("nodes of object2, one for each pair").required();
+    table.add("twoWay", two_way_).help("both ends share mass and forces, else the second follows the first");
+  }
+
+  void init() override {
+    if (object1_.target()) mstate_.set(object1_.target());
+    ProjectiveConstraint::init();
+    second_ = object2_.get() ? object2_.get() : &state();
+    leaders_ = checkedNodesInOrder(indices1_, state(), "indices1");
+    followers_ = checkedNodesInOrder(indices2_, *second_, "indices2");
+    if (leaders_.size() != followers_.size())
+      throw ComponentError(fmt::format("indices1 has {} nodes and indices2 {}", leaders_.size(), followers_.size()),
+                           "as many of each");
+    double farthest = 0;
+    for (std::size_t i = 0; i < leaders_.size(); ++i) {
+      if (second_ == &state() && leaders_[i] == followers_[i])
+        throw ComponentError(fmt::format("node {} is attached to itself", leaders_[i]), "two different nodes");
+      farthest =
+          std::max(farthest,
+                   (state().position[std::size_t(leaders_[i])] - second_->position[std::size_t(followers_[i])]).norm());
+    }
+    if (farthest > 0)
+      inform(fmt::format("attached nodes lie up to {:.3g} m apart: they are brought together", farthest));
+  }
+
+  std::vector<State*> states() const override { return {&state(), second_}; }
+  bool prescribesMotion() const override { return !two_way_; }
+  void addProjectors(double, std::vector<NodeProjector>& out) const override {
+    if (two_way_) return;
+    for (std::size_t i = 0; i < followers_.size(); ++i) out.push_back({follower(i), Mat3::Zero()});
+  }
+  void addTies(std::vector<Tie>& out) const override {
+    if (!two_way_) return;
+    for (std::size_t i = 0; i < followers_.size(); ++i) out.push_back({leader(i), follower(i)});
+  }
+  void prescribe(double, Rows x, Rows v) const override {
+    if (two_way_) return;
+    for (std::size_t i = 0; i < followers_.size(); ++i) {
+      x[follower(i)] = Vec3(x[leader(i)]);
+      v[follower(i)] = Vec3(v[leader(i)]);
+    }
+  }
+
+ private:
+  Index leader(std::size_t i) const { return state().firstRow() + leaders_[i]; }
+  Index follower(std::size_t i) const { return second_->firstRow() + followers_[i]; }
+
+  Link<State> object1_{"mechanical state"}, object2_{"mechanical state"};
+  std::vector<int> indices1_, indices2_;
+  bool two_way_ = false;
+  State* second_ = nullptr;
+  std::vector<Index> leaders_, followers_;  ///< shape (pairs)
+};
+
+}  // namespace
+}  // namespace stroma
+
+STROMA_COMPONENT(attach_projective_constraint) {
+  factory.add<stroma::AttachProjectiveConstraint>("AttachProjectiveConstraint", "Makes pairs of nodes one node");
+}

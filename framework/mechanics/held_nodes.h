@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <vector>
+
+#include "framework/mechanics/projective_constraint.h"
+
+namespace stroma {
+
+/// Base of constraints on listed nodes that all have the same projector.
+class HeldNodes : public ProjectiveConstraint {
+ public:
+  void declare(DataTable& table) override;  ///< also indices and fixAll
+  void init() override;                     ///< finds the nodes; throws ComponentError when none are named
+  void addProjectors(double, std::vector<NodeProjector>& out) const override;
+
+ protected:
+  const std::vector<Index>& nodes() const { return nodes_; }  ///< ascending, each once
+  Index row(std::size_t i) const { return state().firstRow() + nodes_[i]; }
+  /// Replaces the nodes that init() found.
+  void setNodes(std::vector<Index> nodes) { nodes_ = std::move(nodes); }
+
+  Mat3 projector_ = Mat3::Zero();  ///< onto the free directions
+
+ private:
+  std::vector<int> indices_;
+  bool fix_all_ = false;
+  std::vector<Index> nodes_;
+};
+
+}  // namespace stroma

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "framework/simulation/node_groups.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <numeric>
+
+namespace stroma {
+
+namespace {
+
+using Block = Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>;
+
+Block blockAt(std::vector<double>& values, Index slot) { return Block(values.data() + std::size_t(slot) * 9); }
+
+bool byRow(const NodeProjector& a, const NodeProjector& b) { return a.row < b.row; }
+
+const NodeProjector* findRow(const std::vector<NodeProjector>& list, std::size_t count, Index row) {
+  const auto last = list.begin() + std::ptrdiff_t(count);
+  const auto at = std::lower_bound(list.begin(), last, NodeProjector{row, Mat3::Zero()}, byRow);
+  return at != last && at->row == row ? &*at : nullptr;
+}
+
+}  // namespace
+
+// The null space of (I - P_a) + (I - P_b).
+Mat3 intersection(const Mat3& a, const Mat3& b) {
+  if (a.isZero(0) || b.isZero(0)) return Mat3::Zero();
+  if (a.isIdentity(0)) return b;
+  if (b.isIdentity(0)) return a;
+  Eigen::SelfAdjointEigenSolver<Mat3> eigen;
+  eigen.computeDirect(2 * Mat3::Identity() - a - b);
+  Mat3 result = Mat3::Zero();
+  for (int i = 0; i < 3; ++i)
+    if (std::abs(eigen.eigenvalues()[i]) < 1e-7)
+      result += eigen.eigenvectors().col(i) * eigen.eigenvectors().col(i).transpose();
+  return result;
+}
+
+bool NodeGroups::set(const std::vector<Tie>& ties, Index rows) {
+  if (ties == ties_) return false;
+  ties_ = ties;
+  start_ = {0};
+  rows_.clear();
+  group_of_row_.assign(ties.empty() ? 0 : std::size_t(rows), -1);
+  std::vector<Index> lowest(rows, 0);
+  std::iota(lowest.begin(), lowest.end(), 0);
+  const auto root = [&lowest](Index row) {
+    while (lowest[std::size_t(row)] != row) row = lowest[std::size_t(row)];
+    return row;
+  };
+  for (const Tie& tie : ties) {
+    const Index a = root(tie.a), b = root(tie.b);
+    lowest[std::size_t(std::max(a, b))] = std::min(a, b);
+  }
+  std::vector<Edge> members;  // lowest row of the group, row
+  for (const Tie& tie : ties)
+    for (Index row : {tie.a, tie.b}) members.push_back({root(row), row});
+  std::sort(members.begin(), members.end());
+  members.erase(std::unique(members.begin(), members.end()), members.end());
+  for (std::size_t i = 0; i < members.size(); ++i) {
+    group_of_row_[std::size_t(members[i][1])] = count();
+    rows_.push_back(members[i][1]);
+    if (i + 1 == members.size() || members[i + 1][0] != members[i][0]) start_.push_back(Index(rows_.size()));
+  }
+  return true;
+}
+
+void NodeGroups::share(std::vector<NodeProjector>& list) const {
+  const std::size_t given = list.size();
+  for (Index g = 0; g < count(); ++g) {
+    const Mat3 shared = [&] {
+      Mat3 all = Mat3::Identity();
+      for (const Index* row = begin(g); row != end(g); ++row)
+        if (const NodeProjector* held = findRow(list, given, *row)) all = intersection(all, held->projector);
+      return all;
+    }();
+    if (shared.isIdentity(0)) continue;
+    for (const Index* row = begin(g); row != end(g); ++row) {
+      if (const NodeProjector* held = findRow(list, given, *row)) {
+        list[std::size_t(held - list.data())].projector = shared;
+      } else {
+        list.push_back({*row, shared});
+      }
+    }
+  }
+  if (list.size() > given) std::sort(list.begin(), list.end(), byRow);
+}
+
+void NodeGroups::average(Rows vector) const {
+  for (Index g = 0; g < count(); ++g) {
+    Vec3 mean = Vec3::Zero();
+    for (const Index* row = begin(g); row != end(g); ++row) mean += vector[*row];
+    mean /= double(size(g));
+    for (const Index* row = begin(g); row != end(g); ++row) vector[*row] = mean;
+  }
+}
+
+void NodeGroups::average(std::vector<double>& numbers) const {
+  for (Index g = 0; g < count(); ++g) {
+    double mean = 0;
+    for (const Index* row = begin(g); row != end(g); ++row) mean += numbers[std::size_t(*row)] / double(size(g));
+    for (const Index* row = begin(g); row != end(g); ++row) numbers[std::size_t(*row)] = mean;
+  }
+}
+
+BlockMatrix NodeGroups::withFill(const BlockMatrix& matrix) const {
+  BlockPattern pattern(matrix.rows());
+  const auto together = [this](const Index& row) {
+    const Index group = of(row);
+    return group < 0 ? std::pair(&row, &row + 1) : std::pair(begin(group), end(group));
+  };
+  for (Index row = 0; row < matrix.rows(); ++row)
+    for (Index slot = matrix.rowStart()[std::size_t(row)]; slot < matrix.rowStart()[std::size_t(row) + 1]; ++slot) {
+      const auto [left, left_end] = together(row);
+      const auto [right, right_end] = together(matrix.columns()[std::size_t(slot)]);
+      for (const Index* i = left; i != left_end; ++i)
+        for (const Index* j = right; j != right_end; ++j) pattern.addBlock(*i, *j);
+    }
+  return BlockMatrix(std::move(pattern));
+}
+
+void NodeGroups::average(BlockMatrix& matrix) const {
+  std::vector<double>& values = matrix.values();
+  for (Index g = 0; g < count(); ++g) {  // rows: those of a group have blocks in the same columns
+    const Index first = matrix.rowStart()[std::size_t(*begin(g))];
+    const Index blocks = matrix.rowStart()[std::size_t(*begin(g)) + 1] - first;
+    for (Index k = 0; k < blocks; ++k) {
+      Mat3 mean = Mat3::Zero();
+      for (const Index* row = begin(g); row != end(g); ++row)
+        mean += blockAt(values, matrix.rowStart()[std::size_t(*row)] + k) / double(size(g));
+      for (const Index* row = begin(g); row != end(g); ++row)
+        blockAt(values, matrix.rowStart()[std::size_t(*row)] + k) = mean;
+    }
+  }
+  for (Index g = 0; g < count(); ++g) {  // columns: the pattern is symmetric
+    const Index head = *begin(g);
+    for (Index k = matrix.rowStart()[std::size_t(head)]; k < matrix.rowStart()[std::size_t(head) + 1]; ++k) {
+      const Index row = matrix.columns()[std::size_t(k)];
+      Mat3 mean = Mat3::Zero();
+      for (const Index* column = begin(g); column != end(g); ++column)
+        mean += blockAt(values, matrix.slot(row, *column)) / double(size(g));
+      for (const Index* column = begin(g); column != end(g); ++column)
+        blockAt(values, matrix.slot(row, *column)) = mean;
+    }
+  }
+}
+
+Mat3 NodeGroups::sharedProjector(Index group, const std::vector<NodeProjector>& projectors) const {
+  const NodeProjector* held = findRow(projectors, projectors.size(), *begin(group));
+  return held ? held->projector : Mat3::Identity();
+}
+
+void NodeGroups::complete(const std::vector<NodeProjector>& projectors, BlockMatrix& matrix) const {
+  for (Index g = 0; g < count(); ++g) {
+    const Mat3 shared = sharedProjector(g, projectors);
+    for (const Index* i = begin(g); i != end(g); ++i)
+      for (const Index* j = begin(g); j != end(g); ++j)
+        matrix.add(*i, *j, ((i == j ? 1. : 0.) - 1. / double(size(g))) * shared);
+  }
+}
+
+void NodeGroups::completeDiagonal(const std::vector<NodeProjector>& projectors, std::vector<double>& blocks) const {
+  for (Index g = 0; g < count(); ++g) {
+    const double n = double(size(g));
+    Mat3 sum = Mat3::Zero();
+    for (const Index* row = begin(g); row != end(g); ++row) sum += blockAt(blocks, *row);
+    const Mat3 shared = sharedProjector(g, projectors);
+    const Mat3 block = shared * sum * shared / (n * n) + Mat3::Identity() - shared / n;
+    for (const Index* row = begin(g); row != end(g); ++row) blockAt(blocks, *row) = block;
+  }
+}
+
+}  // namespace stroma

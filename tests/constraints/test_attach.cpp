@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Attached nodes: two bodies are the merged body.
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+
+#include "tests/mechanics/scene_text.h"
+#include "tests/support/stored_matrix.h"
+
+namespace stroma::test {
+namespace {
+
+/// A block of 2 x 2 x 2 unit cells from x = `from`, in a node of its own.
+std::string block(const std::string& name, int cells, double from, const std::string& more) {
+  return fmt::format(R"(<Node name="{0}"><RegularGridTopology name="grid" n="{1} 3 3" min="{2} 0 0" max="{3} 2 2"/>
+    <MechanicalObject name="dofs"/><DiagonalMass topology="@grid" massDensity="{4}"/>{5}
+    <Node name="cells"><TetrahedronSetTopologyContainer name="tets"/>
+    <Hexa2TetraTopologicalMapping input="@../grid" output="@tets" cutting="ten"/>
+    <TetrahedronFEMForceField mstate="@../dofs" topology="@tets" youngModulus="3000" poissonRatio="0.3" method="svd"/></Node></Node>)",
+                     name, cells + 1, from, from + cells, 10, more);
+}
+
+std::string held(const std::string& name) {
+  return "<BoxROI name='" + name +
+         "' box='-0.1 -0.1 -0.1 0.1 2.1 2.1' position='@dofs.rest_position'/><FixedProjectiveConstraint indices='@" +
+         name + ".indices'/>";
+}
+
+std::string root(const std::string& integrator, const std::string& solver, const std::string& bodies) {
+  return "<Node name='root' dt='0.01' gravity='0 -9.81 0'>" + integrator + solver + bodies + "</Node>";
+}
+
+/// Nodes (2, j, k) of the first block and (0, j, k) of the second.
+std::string attach(bool two_way = true) {
+  std::string first, second;
+  for (int jk = 0; jk < 9; ++jk) first += fmt::format("{} ", 2 + 3 * jk), second += fmt::format("{} ", 3 * jk);
+  return fmt::format(
+      "<AttachProjectiveConstraint object1='@a/dofs' object2='@b/dofs' indices1='{}' indices2='{}' twoWay='{}'/>",
+      first, second, two_way ? "true" : "false");
+}
+
+class AttachedBlocks : public ::testing::TestWithParam<std::array<const char*, 2>> {};
+
+TEST_P(AttachedBlocks, MoveAsTheMergedBlock) {
+  const auto& [integrator, solver] = GetParam();
+  Simulation two =
+      simulationFromText(root(integrator, solver, block("a", 2, 0, held("wall")) + block("b", 2, 2, "") + attach()));
+  Simulation one = simulationFromText(root(integrator, solver, block("whole", 4, 0, held("wall"))));
+  System &apart = *two.systems().at(0), &merged = *one.systems().at(0);
+  double moved = 0;
+  const bool is_static = std::string(integrator).find("Static") != std::string::npos;
+  for (int step = 0; step < (is_static ? 1 : 40); ++step) {
+    ASSERT_FALSE(two.step().diverged);
+    ASSERT_FALSE(one.step().diverged);
+  }
+  for (int body = 0; body < 2; ++body)
+    for (int jk = 0; jk < 9; ++jk)
+      for (int i = 0; i < 3; ++i) {
+        const Index in_two = 27 * body + i + 3 * jk, in_one = i + 2 * body + 5 * jk;
+        EXPECT_LT((apart.x[in_two] - merged.x[in_one]).norm(), 1e-8);
+        EXPECT_LT((apart.v[in_two] - merged.v[in_one]).norm(), 1e-7);
+        moved = std::max(
+            moved,
+            (apart.x[in_two] - two.states().at(std::size_t(body))->rest_position[std::size_t(i + 3 * jk)]).norm());
+      }
+  EXPECT_GT(moved, 0.05) << "something happened";
+  for (int jk = 0; jk < 9; ++jk) EXPECT_EQ(Vec3(apart.x[2 + 3 * jk]), Vec3(apart.x[27 + 3 * jk])) << "to the bit";
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Integrators, AttachedBlocks,
+    ::testing::Values(std::array<const char*, 2>{"<EulerImplicitSolver/>",
+                                                 "<CGLinearSolver iterations='400' tolerance='1e-13'/>"},
+                      std::array<const char*, 2>{
+                          "<EulerImplicitSolver/>",
+                          "<CGLinearSolver iterations='400' tolerance='1e-13' template='CompressedRowSparseMatrix'/>"},
+                      std::array<const char*, 2>{"<EulerImplicitSolver/>", "<SparseLDLSolver/>"},
+                      std::array<const char*, 2>{"<EulerImplicitSolver newtonIterations='20' newtonTolerance='1e-12'/>",
+                                                 "<SparseLDLSolver/>"},
+                      std::array<const char*, 2>{"<EulerExplicitSolver/>", "<SparseLDLSolver/>"},
+                      std::array<const char*, 2>{"<StaticSolver newton_iterations='40'/>", "<SparseLDLSolver/>"}));
+
+/// Nodes without forces between them.
+std::string points(const std::string& positions, const std::string& velocities, const std::string& masses,
+                   const std::string& constraints, const std::string& integrator = "<EulerExplicitSolver/>") {
+  return fmt::format(R"(<Node name="root" dt="0.1" gravity="0 0 0">{}<CGLinearSolver iterations="50" tolerance="1e-14"/>
+    <MechanicalObject name="dofs" position="{}" velocity="{}"/><DiagonalMass vertexMass="{}"/>{}</Node>)",
+                     integrator, positions, velocities, masses, constraints);
+}
+
+TEST(Attach, MassesAndForcesAddUp) {
+  for (const char* integrator : {"<EulerExplicitSolver/>", "<EulerImplicitSolver/>"}) {
+    Simulation simulation =
+        simulationFromText(points("0 0 0 0 0 0 5 5 5", "0 0 0 0 0 0 0 0 0", "1 3 2",
+                                  "<ConstantForceField indices='0' forces='8 0 0'/><AttachProjectiveConstraint "
+                                  "indices1='0' indices2='1' twoWay='1'/>",
+                                  integrator));
+    simulation.step();
+    System& system = *simulation.systems().at(0);
+    for (Index i = 0; i < 2; ++i) EXPECT_NEAR(system.v[i].x(), 0.1 * 8 / 4, 1e-14);
+    EXPECT_EQ(Vec3(system.v[2]), Vec3::Zero());
+  }
+}
+
+TEST(Attach, EndsThatLieApartMeetAtTheirCentreOfMass) {
+  Simulation simulation =
+      simulationFromText(points("0 0 0 4 0 0 0 8 0", "4 0 0 0 4 0 0 0 4", "1 3 4",
+                                "<AttachProjectiveConstraint indices1='0 1' indices2='1 2' twoWay='1'/>"));
+  System& system = *simulation.systems().at(0);
+  for (Index i = 0; i < 3; ++i) {
+    EXPECT_LT((system.x[i] - Vec3(1.5, 4, 0)).norm(), 1e-15) << "a chain is one group";
+    EXPECT_LT((system.v[i] - Vec3(0.5, 1.5, 2)).norm(), 1e-15) << "momentum is kept";
+  }
+}
+
+TEST(Attach, WhatIsHeldOrMovedTakesTheOthersAlong) {
+  for (const char* integrator : {"<EulerExplicitSolver/>", "<EulerImplicitSolver/>"}) {
+    Simulation simulation = simulationFromText(
+        points("0 0 0 0 0 0 4 0 0 4 0 0", "0 0 0 0 0 0 0 0 0 0 0 0", "1 3 2 2",
+               "<ConstantForceField indices='0 2' forces='8 4 0'/>"
+               "<PartialFixedProjectiveConstraint indices='1' fixedDirections='1 0 0'/>"
+               "<LinearMovementProjectiveConstraint indices='3' keyTimes='0 1' movements='0 0 0 0 0 3'/>"
+               "<AttachProjectiveConstraint indices1='0 2' indices2='1 3' twoWay='1'/>",
+               integrator));
+    System& system = *simulation.systems().at(0);
+    simulation.step();
+    for (Index i = 0; i < 2; ++i) EXPECT_LT((system.v[i] - Vec3(0, 0.1 * 4 / 4, 0)).norm(), 1e-14);
+    for (Index i = 2; i < 4; ++i) EXPECT_LT((system.x[i] - Vec3(4, 0, 0.3)).norm(), 1e-14);
+  }
+}
+
+TEST(Attach, EndsWithItsTime) {
+  for (const char* integrator : {"<EulerExplicitSolver/>", "<EulerImplicitSolver/>"}) {
+    Simulation simulation =
+        simulationFromText(points("0 0 0 0 0 0", "0 0 0 0 0 0", "1 3",
+                                  "<ConstantForceField indices='0' forces='8 0 0'/>"
+                                  "<AttachProjectiveConstraint indices1='0' indices2='1' twoWay='1' endTime='0.05'/>",
+                                  integrator));
+    System& system = *simulation.systems().at(0);
+    simulation.step();
+    simulation.step();
+    EXPECT_NEAR(system.v[0].x(), 0.2 + 0.8, 1e-14) << "alone it has its own mass again";
+    EXPECT_NEAR(system.v[1].x(), 0.2, 1e-14);
+  }
+}
+
+/// P A P + I - P made densely against what products and assembly give.
+TEST(Attach, MatrixIsTheProjectedOne) {
+  Simulation simulation(
+      sceneFromText(R"(<Node name="root" gravity="0 0 0"><TestIntegrator/><TestMesh name="mesh" cells="2 1 1"/>
+    <MechanicalObject name="dofs"/><MeshMatrixMass massDensity="5"/><TestSprings/>
+    <FixedProjectiveConstraint indices="0"/><TestPlane indices="3" normal="1 2 2"/>
+    <AttachProjectiveConstraint indices1="1 4 2" indices2="7 7 3" twoWay="1"/></Node>)"));
+  System& system = *simulation.systems()[0];
+  for (Index i = 0; i < system.x.count(); ++i) system.x[i] += 0.1 * Vec3(std::sin(i), std::cos(2 * i), std::sin(5 * i));
+  Vector f(system.allRows());
+  system.computeForce(system.x, system.v, f);
+  const Index rows = system.rows();
+  const auto dense = [&](auto&& apply) {
+    Eigen::MatrixXd m(3 * rows, 3 * rows);
+    Vector p(rows), out(rows);
+    for (Index j = 0; j < 3 * rows; ++j) {
+      clear(p);
+      p[j / 3][j % 3] = 1;
+      clear(out);
+      apply(p, out);
+      for (Index i = 0; i < 3 * rows; ++i) m(i, j) = out[i / 3][i % 3];
+    }
+    return m;
+  };
+  const Eigen::MatrixXd p = dense([&](Vector& in, Vector& out) { copy(in, out), system.project(out); });
+  EXPECT_LT((p * p - p).norm(), 1e-14);
+  EXPECT_LT((p - p.transpose()).norm(), 1e-15);
+  EXPECT_NEAR(p.trace(), 3 * rows - 3 - 6 - 3 - 1, 1e-12) << "one fixed, a group of three, a pair in a plane";
+  SystemMatrix& matrix = system.matrix({.mass = 1, .stiffness = -0.01});
+  const Eigen::MatrixXd projected = dense([&](Vector& in, Vector& out) {
+    Vector free(rows);
+    copy(in, free), system.project(free);
+    matrix.multiply(free, out);
+  });
+  const BlockMatrix& assembled = matrix.assemble();
+  const Eigen::MatrixXd full = dense([&](Vector& in, Vector& out) { assembled.multiply(in, out); });
+  const Eigen::MatrixXd expected = projected + Eigen::MatrixXd::Identity(3 * rows, 3 * rows) - p;
+  EXPECT_LT((full - expected).norm(), 1e-12 * full.norm());
+  EXPECT_LT((full - full.transpose()).norm(), 1e-12 * full.norm());
+}
+
+TEST(Attach, OneWayFollowsWithoutBeingFelt) {
+  const std::string bodies = block("a", 2, 0, held("wall")) + block("b", 2, 2, "");
+  const std::string solver = "<SparseLDLSolver/>";
+  for (const char* integrator : {"<EulerImplicitSolver/>", "<EulerExplicitSolver/>"}) {
+    Simulation both = simulationFromText(root(integrator, solver, bodies + attach(false)));
+    Simulation alone = simulationFromText(root(integrator, solver, block("a", 2, 0, held("wall"))));
+    System &two = *both.systems().at(0), &one = *alone.systems().at(0);
+    for (int step = 0; step < 20; ++step) {
+      both.step(), alone.step();
+      for (int jk = 0; jk < 9; ++jk) {
+        EXPECT_EQ(Vec3(two.x[2 + 3 * jk]), Vec3(two.x[27 + 3 * jk]));
+        EXPECT_EQ(Vec3(two.v[2 + 3 * jk]), Vec3(two.v[27 + 3 * jk]));
+      }
+    }
+    for (Index i = 0; i < 27; ++i) EXPECT_LT((two.x[i] - one.x[i]).norm(), 1e-12);
+  }
+  // statics: the follower's body is in equilibrium with where the leader ends
+  Simulation both = simulationFromText(root("<StaticSolver newton_iterations='40'/>", solver, bodies + attach(false)));
+  ASSERT_FALSE(both.step().diverged);
+  System& two = *both.systems().at(0);
+  for (int jk = 0; jk < 9; ++jk) EXPECT_EQ(Vec3(two.x[2 + 3 * jk]), Vec3(two.x[27 + 3 * jk]));
+  Vector f(two.allRows());
+  two.computeForce(two.x, two.v, f);
+  const double loads = std::sqrt(dot(f, f));
+  two.project(f);
+  EXPECT_LT(std::sqrt(dot(f, f)), 1e-7 * loads);
+}
+
+TEST(Attach, SaysWhatIsWrong) {
+  const auto problems = [](const std::string& attributes) {
+    return problemsOf(points("0 0 0 1 0 0", "0 0 0 0 0 0", "1 1", "<AttachProjectiveConstraint " + attributes + "/>"));
+  };
+  expectContains(problems("indices1='0' indices2='0'"), "attached to itself");
+  expectContains(problems("indices1='0' indices2='0 1'"), "1 nodes and indices2 2");
+  expectContains(problems("indices1='0' indices2='2'"), "/dofs has 2 nodes");
+  expectContains(problems("indices1='0'"), "indices2");
+  expectContains(sceneFromText(points("0 0 0 1 0 0", "0 0 0 0 0 0", "1 1",
+                                      "<AttachProjectiveConstraint indices1='0' indices2='1'/>"))
+                     .diagnostics.text(),
+                 "up to 1 m apart");
+}
+
+}  // namespace
+}  // namespace stroma::test

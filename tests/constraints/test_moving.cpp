@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Prescribed motion: exact at the end of every step, whatever the integrator.
+#include <fmt/format.h>
+
+#include "tests/mechanics/scene_text.h"
+
+namespace stroma::test {
+namespace {
+
+const std::vector<std::string> integrators = {
+    "<EulerExplicitSolver/>",
+    "<EulerExplicitSolver symplectic='false'/>",
+    "<EulerImplicitSolver rayleighStiffness='0.01'/>",
+    "<EulerImplicitSolver newtonIterations='10'/>",
+    "<EulerImplicitSolver trapezoidalScheme='true' newtonIterations='10'/>",
+    "<EulerImplicitSolver firstOrder='true'/>",
+    "<StaticSolver/>",
+};
+
+/// Three nodes in a row on two springs of rest length 0, so that statics puts the second half-way.
+std::string chain(const std::string& integrator, const std::string& constraint, double dt = 0.1) {
+  return fmt::format(R"(<Node name="root" dt="{}" gravity="0 0 0">{}<CGLinearSolver iterations="100" tolerance="1e-13"/>
+    <MechanicalObject name="dofs" position="0 0 0 1 0 0 2 0 0"/><UniformMass totalMass="3"/>
+    <SpringForceField springsIndices1="0 1" springsIndices2="1 2" lengths="0 0" stiffness="20" damping="0"/>
+    <FixedProjectiveConstraint name="end" indices="2"/>{}</Node>)",
+                     dt, integrator, constraint);
+}
+
+void expectNear(const Vec3& a, const Vec3& b, double tolerance, const std::string& what) {
+  EXPECT_LT((a - b).norm(), tolerance) << what << ": " << a.transpose() << " and " << b.transpose();
+}
+
+TEST(LinearMovement, PositionsAndVelocitiesAreExactAtStepEndsOfEveryIntegrator) {
+  const auto movement = [](double t) {  // keys at 0, 0.45 (inside a step) and 1 (at a step's end)
+    return t < 0.45 ? Vec3(0, t / 0.45, 0) : Vec3((t - 0.45) / 0.55, 1, -2 * (t - 0.45) / 0.55);
+  };
+  for (const std::string& integrator : integrators) {
+    SCOPED_TRACE(integrator);
+    Simulation simulation = simulationFromText(
+        chain(integrator,
+              "<LinearMovementProjectiveConstraint indices='0' keyTimes='0 0.45 1' movements='0 0 0 0 1 0 1 1 -2'/>"));
+    System& system = *simulation.systems().at(0);
+    for (int i = 1; i <= 10; ++i) {
+      ASSERT_FALSE(simulation.step().diverged);
+      const double t = simulation.time();
+      expectNear(system.x[0], movement(t), 1e-14, fmt::format("x at {}", t));
+      const Vec3 slope = t < 0.45 ? Vec3(0, 1 / 0.45, 0) : Vec3(1 / 0.55, 0, -2 / 0.55);
+      expectNear(system.v[0], slope, 1e-13, fmt::format("v at {}", t));
+      if (integrator == "<StaticSolver/>") expectNear(system.x[1], (system.x[0] + system.x[2]) / 2, 1e-10, "statics");
+    }
+    EXPECT_EQ(Vec3(system.x[0]), Vec3(1, 1, -2)) << "the last key, to the bit";
+    EXPECT_EQ(Vec3(system.x[2]), Vec3(2, 0, 0));
+  }
+}
+
+TEST(LinearMovement, FreeOrHeldOutsideTheKeys) {
+  const std::string keys = "indices='0' keyTimes='0.2 0.75' movements='0 0 0 0 1 0' ";
+  Simulation free =
+      simulationFromText(chain("<EulerImplicitSolver/>", "<LinearMovementProjectiveConstraint " + keys + "/>"));
+  System& system = *free.systems().at(0);
+  free.step(), free.step();
+  const Vec3 start = system.x[0];
+  EXPECT_GT(start.x(), 0.1) << "pulled by its spring until then";
+  free.step();
+  expectNear(system.x[0], start + Vec3(0, 0.1 / 0.55, 0), 1e-14, "relative to where the movement begins");
+  for (int i = 3; i < 8; ++i) free.step();
+  expectNear(system.x[0], start + Vec3(0, 1, 0), 1e-14, "the step that passes the last key ends there");
+  EXPECT_EQ(system.projectors().size(), 2u);
+  free.step();
+  EXPECT_EQ(system.projectors().size(), 1u);
+  EXPECT_GT((system.x[0] - start - Vec3(0, 1, 0)).norm(), 1e-3) << "free again";
+
+  Simulation hold = simulationFromText(
+      chain("<EulerImplicitSolver/>", "<LinearMovementProjectiveConstraint outside='hold' " + keys + "/>"));
+  System& held = *hold.systems().at(0);
+  for (int i = 0; i < 12; ++i) {
+    hold.step();
+    const double t = hold.time();
+    expectNear(held.x[0], Vec3(0, std::clamp((t - 0.2) / 0.55, 0., 1.), 0), 1e-14, fmt::format("held at {}", t));
+  }
+  EXPECT_EQ(Vec3(held.v[0]), Vec3::Zero());
+  expectContains(sceneFromText(chain("<EulerImplicitSolver/>", "<LinearMovementProjectiveConstraint " + keys + "/>"))
+                     .diagnostics.text(),
+                 "free before t = 0.2 s and after t = 0.75 s");
+}
+
+TEST(LinearMovement, AbsoluteAndPartial) {
+  Simulation simulation = simulationFromText(chain(
+      "<EulerImplicitSolver/>",
+      "<LinearMovementProjectiveConstraint indices='0' keyTimes='0 1' movements='0 0 0 0 4 0' relativeMovements='0'/>"
+      "<PartialLinearMovementProjectiveConstraint indices='1' keyTimes='0 1' movements='9 9 9 9 9 8' "
+      "movedDirections='0 0 1'/>"));
+  System& system = *simulation.systems().at(0);
+  for (int i = 0; i < 5; ++i) simulation.step();
+  expectNear(system.x[0], Vec3(0, 2, 0), 1e-14, "absolute");
+  EXPECT_NEAR(system.x[1].z(), 8.5, 1e-14) << "an initial movement that is not zero counts, as in SOFA";
+  EXPECT_GT(system.x[1].y(), 0.01) << "free to follow its neighbour";
+  EXPECT_LT(system.x[1].y(), 1);
+}
+
+TEST(LinearMovement, RunsTheSameAfterAReset) {
+  Simulation simulation = simulationFromText(
+      chain("<EulerImplicitSolver/>",
+            "<LinearMovementProjectiveConstraint indices='0' keyTimes='0.2 1' movements='0 0 0 0 1 0'/>"));
+  const auto run = [&simulation] {
+    for (int i = 0; i < 12; ++i) simulation.step();
+    return simulation.stateHash();
+  };
+  const auto first = run();
+  simulation.reset();
+  EXPECT_EQ(run(), first);
+}
+
+TEST(LinearVelocity, PositionsAreTheIntegral) {
+  for (const std::string& integrator : integrators) {
+    SCOPED_TRACE(integrator);
+    Simulation simulation = simulationFromText(
+        chain(integrator,
+              "<LinearVelocityProjectiveConstraint indices='0' keyTimes='0 0.45 1' velocities='0 0 0 0 9 0 0 -2 0'/>"));
+    System& system = *simulation.systems().at(0);
+    for (int i = 1; i <= 10; ++i) {
+      ASSERT_FALSE(simulation.step().diverged);
+      const double t = simulation.time(), s = t - 0.45;
+      const double y = t < 0.45 ? 10 * t * t : 9 * 0.225 + 9 * s - 10 * s * s, v = t < 0.45 ? 20 * t : 9 - 20 * s;
+      EXPECT_NEAR(system.x[0].y(), y, 1e-13);
+      EXPECT_NEAR(system.v[0].y(), v, 1e-13);
+    }
+  }
+  Simulation on = simulationFromText(chain("<EulerImplicitSolver/>",
+                                           "<LinearVelocityProjectiveConstraint indices='0' keyTimes='0 0.5' "
+                                           "velocities='0 0 0 0 1 0' coordinates='1' continueAfterEnd='1'/>"));
+  System& system = *on.systems().at(0);
+  for (int i = 0; i < 10; ++i) on.step();
+  EXPECT_NEAR(system.x[0].y(), 0.25 + 0.5, 1e-14);
+  EXPECT_GT(std::abs(system.x[0].x()), 0.01) << "x is free";
+}
+
+TEST(AffineMovement, GoesStraightToTheImage) {
+  Simulation simulation = simulationFromText(chain(
+      "<EulerImplicitSolver/>",
+      "<AffineMovementProjectiveConstraint indices='0' meshIndices='0 1' beginConstraintTime='0.2' "
+      "endConstraintTime='0.7' "
+      "quaternion='0 0 0.7071067811865476 0.7071067811865476' rotation='2 0 0 0 2 0 0 0 2' translation='0 0 1'/>"));
+  System& system = *simulation.systems().at(0);
+  simulation.step(), simulation.step();
+  EXPECT_EQ(Vec3(system.x[0]), Vec3::Zero()) << "held before";
+  const Vec3 from = system.x[1];
+  EXPECT_EQ(from, Vec3(1, 0, 0)) << "balanced, so free and at rest";
+  for (int i = 2; i < 7; ++i) {
+    simulation.step();
+    const double s = (simulation.time() - 0.2) / 0.5;
+    expectNear(system.x[0], s * Vec3(0, 0, 1), 1e-14, "path of 0");
+    expectNear(system.x[1], Vec3(1, 0, 0) + s * Vec3(-1, 2, 1), 1e-13,
+               "path of 1: rotated by 90 degrees, doubled, moved");
+  }
+  simulation.step();
+  EXPECT_EQ(Vec3(system.x[0]), Vec3(0, 0, 1)) << "held after";
+  EXPECT_GT((system.x[1] - Vec3(0, 2, 1)).norm(), 1e-3) << "free after";
+}
+
+TEST(FixedPlane, ChoosesAndProjects) {
+  Simulation simulation = simulationFromText(
+      chain("<EulerImplicitSolver/>", "<FixedPlaneProjectiveConstraint direction='0 3 0' dmin='-0.1' dmax='0.1'/>"));
+  System& system = *simulation.systems().at(0);
+  ASSERT_EQ(system.projectors().size(), 3u);
+  Vector f(3);
+  for (Index i = 0; i < 3; ++i) f[i] = Vec3(1, 2, 3);
+  system.project(f);
+  EXPECT_EQ(Vec3(f[0]), Vec3(1, 0, 3));
+  EXPECT_EQ(Vec3(f[2]), Vec3::Zero()) << "also fixed";
+  const auto problems = [](const std::string& a) {
+    return problemsOf(chain("<EulerImplicitSolver/>", "<FixedPlaneProjectiveConstraint " + a + "/>"));
+  };
+  expectContains(problems("direction='0 1 0' dmin='5' dmax='6'"), "no node of /dofs lies between");
+  expectContains(problems("direction='0 0 0' indices='1'"), "direction is zero");
+  expectContains(problems("direction='0 1 0'"), "which nodes are held");
+}
+
+TEST(ProjectTo, ArrivesInTheFirstStepAndStays) {
+  for (const std::string& integrator : integrators) {
+    SCOPED_TRACE(integrator);
+    Simulation simulation =
+        simulationFromText(chain(integrator,
+                                 "<ProjectToLineProjectiveConstraint indices='1' origin='1 1 0' direction='2 0 2'/>"
+                                 "<ProjectToPlaneProjectiveConstraint indices='0' origin='0 0 1' normal='0 0 5'/>"));
+    System& system = *simulation.systems().at(0);
+    for (int i = 0; i < 5; ++i) {
+      ASSERT_FALSE(simulation.step().diverged);
+      const Vec3 d = Vec3(1, 0, 1).normalized(), from = system.x[1] - Vec3(1, 1, 0);
+      EXPECT_LT((from - d * d.dot(from)).norm(), 1e-14);
+      EXPECT_NEAR(system.x[0].z(), 1, 1e-15);
+      EXPECT_NEAR(system.v[0].z(), 0, 1e-15);
+    }
+    if (integrator != "<StaticSolver/>") continue;
+    // the energy 10 (|x0 - x1|^2 + |x1 - x2|^2), x0 in z = 1, x1 on the line, x2 = (2, 0, 0), is lowest with x0 above
+    // x1
+    const double a = system.x[1].x() - 1;  // x1 = (1 + a, 1, a): (a - 1)^2 + (a - 1)^2 + 1 + a^2, so a = 2/3
+    EXPECT_NEAR(a, 2. / 3, 1e-7);
+  }
+  Simulation point = simulationFromText(
+      chain("<EulerImplicitSolver/>", "<ProjectToPointProjectiveConstraint indices='0' point='5 6 7'/>"));
+  point.step();
+  EXPECT_EQ(Vec3(point.systems().at(0)->x[0]), Vec3(5, 6, 7));
+}
+
+/// A face pressed half-way into a block of elements in one static step: the tangent carries the inside along.
+TEST(MovingConstraints, StaticsCarriesTheBodyAlong) {
+  Simulation simulation =
+      simulationFromText(R"(<Node name="root" dt="1" gravity="0 0 0"><StaticSolver newton_iterations="30"/>
+    <SparseLDLSolver/><RegularGridTopology name="grid" n="9 3 3" min="0 0 0" max="8 2 2"/><MechanicalObject name="dofs"/>
+    <UniformMass totalMass="1"/>
+    <Node name="cells"><TetrahedronSetTopologyContainer name="tets"/>
+    <Hexa2TetraTopologicalMapping input="@../grid" output="@tets" cutting="ten"/>
+    <TetrahedronFEMForceField mstate="@../dofs" topology="@tets" youngModulus="1000" poissonRatio="0" method="svd" tangent="exact"/></Node>
+    <BoxROI name="low" box="-0.1 -0.1 -0.1 0.1 2.1 2.1" position="@dofs.rest_position"/>
+    <BoxROI name="high" box="7.9 -0.1 -0.1 8.1 2.1 2.1" position="@dofs.rest_position"/>
+    <FixedProjectiveConstraint indices="@low.indices"/>
+    <LinearMovementProjectiveConstraint indices="@high.indices" keyTimes="0 1" movements="0 0 0 -4 0 0"/></Node>)");
+  System& system = *simulation.systems().at(0);
+  const StepReport report = simulation.step();
+  ASSERT_FALSE(report.diverged) << report.reason;
+  EXPECT_TRUE(report.newton_converged);
+  for (Index i = 0; i < system.x.count(); ++i)
+    EXPECT_NEAR(system.x[i].x(), simulation.states().at(0)->rest_position[std::size_t(i)].x() / 2, 1e-6);
+  EXPECT_LE(report.newton_iterations, 2) << "with nu = 0 the tangent's answer is the answer";
+}
+
+TEST(MovingConstraints, SayWhatIsWrong) {
+  const auto problems = [](const std::string& text) { return problemsOf(chain("<EulerImplicitSolver/>", text)); };
+  expectContains(problems("<LinearMovementProjectiveConstraint indices='0' keyTimes='0' movements='0 0 0'/>"),
+                 "at least 2 times");
+  expectContains(problems("<LinearMovementProjectiveConstraint indices='0' keyTimes='0 1' movements='0 0 0'/>"),
+                 "movements has 1 values for 2 keyTimes");
+  expectContains(
+      problems("<LinearMovementProjectiveConstraint indices='0' keyTimes='0 1 1' movements='0 0 0 1 1 1 2 2 2'/>"),
+      "keyTimes[2] = 1 is not after keyTimes[1] = 1");
+  expectContains(problems("<LinearMovementProjectiveConstraint keyTimes='0 1' movements='0 0 0 1 1 1'/>"),
+                 "which nodes are held");
+  expectContains(problems("<LinearMovementProjectiveConstraint indices='0' movements='0 0 0 1 1 1'/>"), "keyTimes");
+  expectContains(
+      problems(
+          "<LinearVelocityProjectiveConstraint indices='0' keyTimes='0 1' velocities='0 0 0 1 1 1' coordinates='3'/>"),
+      "axis 3");
+  expectContains(problems("<AffineMovementProjectiveConstraint indices='0' rotation='1 0 0 1'/>"), "4 numbers");
+  expectContains(problems("<AffineMovementProjectiveConstraint indices='0' endConstraintTime='-1'/>"), "is not after");
+  expectContains(problems("<ProjectToLineProjectiveConstraint indices='0' direction='0 0 0'/>"), "direction is zero");
+}
+
+}  // namespace
+}  // namespace stroma::test
