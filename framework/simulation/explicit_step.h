@@ -21,14 +21,14 @@ class Acceleration {
   bool solve(ConstRows f, Rows a, StepReport& report);
   bool isDiagonal() const { return solver_ == nullptr; }
   std::string describe() const;
-  /// 1 / m [1/kg], shape (independentRows()), 0 for rows held for ever; empty where the mass is not diagonal.
-  const std::vector<double>& inverseMass() const { return inverse_mass_; }
+  /// 1 / m [1/kg], shape (independentRows()), 0 for rows held for ever. Only where isDiagonal().
+  const std::vector<double>& inverseMass() const { return *inverse_mass_; }
 
  private:
   System* system_ = nullptr;
-  LinearSolver* solver_ = nullptr;    ///< null with a diagonal mass
-  const std::vector<double>* inverse_mass_ = nullptr;  ///< [1/kg], shape (independentRows())
-  Vector right_side_;                 ///< of the solve
+  LinearSolver* solver_ = nullptr;                     ///< null with a diagonal mass
+  const std::vector<double>* inverse_mass_ = nullptr;  ///< the system's, which follows what is held
+  Vector right_side_;                                  ///< of the solve
 };
 
 /// An explicit method for x'' = a(t, x, x') that evaluates a at stages i:
