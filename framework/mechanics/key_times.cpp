@@ -18,7 +18,7 @@ void KeyTimes::check() const {
   if (times_.size() < 2) throw ComponentError(fmt::format("keyTimes has {} values", times_.size()), "at least 2 times");
   if (values_.size() != times_.size())
     throw ComponentError(fmt::format("{} has {} values for {} keyTimes", values_name_, values_.size(), times_.size()),
-                         fmt::format("{} values, of three numbers each", times_.size()));
+                         fmt::format("{} values, one for each time", times_.size()));
   for (std::size_t i = 1; i < times_.size(); ++i)
     if (!(times_[i] > times_[i - 1]))
       throw ComponentError(

@@ -15,6 +15,10 @@ class KeyTimes {
   /// Declares "keyTimes" and `values_name`.
   void declare(DataTable& table, const std::string& values_name, const std::string& values_help,
                const std::string& unit);
+  /// Instead of attributes of its own.
+  void assign(std::vector<double> times, std::vector<Vec3> values, const std::string& values_name) {
+    times_ = std::move(times), values_ = std::move(values), values_name_ = values_name;
+  }
   /// Throws ComponentError: at least two times, ascending, and as many values.
   void check() const;
   double first() const { return times_.front(); }  ///< [s]

@@ -24,6 +24,7 @@ TEST(System, AllocatesNothingAfterTheFirstStep) {
   Simulation simulation(sceneFromText(R"(<Node name="root"><TestIntegrator/><TestMesh name="mesh" cells="3 2 2"/>
     <MechanicalObject name="dofs"/><MeshMatrixMass massDensity="5"/><TestSprings/><TestLinearNet name="net"/>
     <ConstantForceField indices="3" totalForce="1 0 0"/><FixedProjectiveConstraint indices="0 1" endTime="0.03"/>
+    <SurfacePressureForceField pressure="3" pulseMode="1" pressureSpeed="40" volumeConservationMode="1"/>
     <TestPlane name="plane" indices="1 5" turning="1"/></Node>)"));
   System& system = *simulation.systems()[0];
   Vector p(system.rows()), out(system.rows()), f(system.allRows());

@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SurfacePressureForceField: a pressure on triangles and quads that follows them.
+//
+//   f_a = p A_a,   A_a = integral of N_a n dA,   E = -p V on a closed surface
+//
+// A positive pressure pushes along the normals, which turn counter-clockwise around a face: outward on the boundary of
+// a body or of a cavity filled from inside. A body under pressure from outside has a negative one. The forces are exact
+// for triangles and for bilinear quads, warped or not; on a closed surface they have no resultant and no moment, and
+// their work is p dV.
+//
+// Loaded are the listed triangles and quads; without lists all of the mesh, or the boundary of its volume cells when it
+// lists no faces, that lie in the box from min to max in the rest shape. With a mainDirection d of unit length a face
+// of normal n at rest is loaded by |n.d| times the pressure.
+//
+// Over time the pressure is constant; or linear between keyTimes; or with pulseMode it starts at 0, moves to `pressure`
+// at pressureSpeed, and then goes to and fro between pressureLowerBound and it. With volumeConservationMode it is that
+// of a gas at constant temperature, p V_0/V, E = -p V_0 ln(V/V_0); below a thousandth of V_0 it stays what it is there.
+// V_0 is defaultVolume, or for -1 the volume at rest. Its change with V, a stiffness between all nodes of the surface,
+// is left out of the tangent.
+//
+// tangent: see the attribute. On an open surface whose rim can move the load has no potential.
+//
+// Source: the names and attributes are SOFA's, but keyTimes, keyPressures and tangent.
+//
+// Example:
+// <Node name="root" dt="0.01" gravity="0 0 0">
+//   <EulerImplicitSolver/>
+//   <CGLinearSolver iterations="100" tolerance="1e-10"/>
+//   <MeshTopology position="0 0 0  1 0 0  1 1 0  0 1 0  0 0 1  1 0 1  1 1 1  0 1 1  0.5 0.5 1.5" edges="0 1  1 2  2 3
+//       3 0  4 5  5 6  6 7  7 4  0 4  1 5  2 6  3 7  0 8  1 8  2 8  3 8  4 8  5 8  6 8  7 8  0 6  1 7"
+//     triangles="4 5 8  5 6 8  6 7 8  7 4 8" quads="0 3 2 1  0 1 5 4  1 2 6 5  2 3 7 6  3 0 4 7"/>
+//   <MechanicalObject/>
+//   <UniformMass totalMass="0.1"/>
+//   <MeshSpringForceField linesStiffness="100"/>
+//   <SurfacePressureForceField pressure="20" pulseMode="true" pressureSpeed="40"/>
+// </Node>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "framework/mechanics/key_times.h"
+#include "framework/mechanics/surface_load.h"
+#include "framework/scene/factory.h"
+
+namespace stroma {
+namespace {
+
+/// |p V_0/V| is limited to this times |p|.
+constexpr double largest_compression = 1000;
+
+class SurfacePressureForceField final : public SurfaceLoad {
+ public:
+  void declare(DataTable& table) override;
+  void init() override;
+  ForceTraits traits() const override {
+    ForceTraits traits = SurfaceLoad::traits();
+    traits.time_dependent = pulse_ || !key_times_.empty();
+    return traits;
+  }
+  void setTime(double t) override { now_ = pressureAt(t); }
+  double energy(ConstRows x) const override;
+
+ protected:
+  Mat3 stress(ConstRows x) const override;
+  bool hasPotential() const override { return isClosed() && !isWeighted(); }
+
+ private:
+  bool isSet(const char* attribute) const { return data().find(attribute)->isSet(); }
+  void checkTimes();
+  void checkGas();
+  std::vector<Face> selectFaces(const Mesh& mesh) const;
+  void selectInBox(const Mesh& mesh, std::vector<Face>& faces) const;
+  std::vector<double> weightsOf(const std::vector<Face>& faces) const;
+  double pressureAt(double t) const;
+
+  double pressure_ = 0, lower_bound_ = 0, speed_ = 0, default_volume_ = -1;
+  Vec3 low_ = Vec3::Zero(), high_ = Vec3::Zero(), main_direction_ = Vec3::Zero();
+  std::vector<int> triangle_indices_, quad_indices_;
+  std::vector<double> key_times_, key_pressures_;
+  bool pulse_ = false, gas_ = false, use_tangent_ = true;
+  KeyTimes keys_;
+  double now_ = 0;  ///< p [Pa]
+};
+
+void SurfacePressureForceField::declare(DataTable& table) {
+  SurfaceLoad::declare(table);
+  table.add("pressure", pressure_).help("pressure along the normals").unit("Pa");
+  table.add("triangleIndices", triangle_indices_).help("loaded triangles of the mesh");
+  table.add("quadIndices", quad_indices_).help("loaded quads of the mesh");
+  table.add("min", low_).help("a corner of the box that faces must lie in, when none are listed").unit("m");
+  table.add("max", high_).help("the other corner; the same as min: everywhere").unit("m");
+  table.add("mainDirection", main_direction_)
+      .help("faces are loaded in proportion to the cosine of their normal with it; 0 0 0: all alike")
+      .unit("-");
+  table.add("pulseMode", pulse_).help("the pressure goes to and fro between pressureLowerBound and pressure");
+  table.add("pressureLowerBound", lower_bound_).help("the other end of the pulse").unit("Pa");
+  table.add("pressureSpeed", speed_).help("change of the pressure in pulseMode").unit("Pa/s").min(0);
+  table.add("keyTimes", key_times_)
+      .help(
+          "times, ascending; before the first and after the last the pressure is "
+          "constant")
+      .unit("s");
+  table.add("keyPressures", key_pressures_).help("pressure at each of keyTimes, instead of pressure").unit("Pa");
+  table.add("volumeConservationMode", gas_).help("the pressure goes with the inverse of the volume behind the surface");
+  table.add("defaultVolume", default_volume_)
+      .help("volume at which a gas has the given pressure; -1: the volume at rest")
+      .unit("m^3");
+  table.add("useTangentStiffness", use_tangent_).help("false: the load has no stiffness");
+  table.addVisualOnly("drawForceScale");
+}
+
+void SurfacePressureForceField::init() {
+  ForceField::init();
+  checkTimes();
+  std::vector<Face> faces = selectFaces(surfaceMesh());
+  if (faces.empty()) throw ComponentError("no face of the mesh is loaded", "a triangle or a quad");
+  std::vector<double> weights = weightsOf(faces);
+  setFaces(std::move(faces), std::move(weights));
+  has_tangent = use_tangent_;
+  stress_is_fixed = !gas_;
+  if (gas_) checkGas();
+  now_ = pressureAt(0);
+}
+
+void SurfacePressureForceField::checkTimes() {
+  if (!pulse_)
+    for (const char* name : {"pressureLowerBound", "pressureSpeed"})
+      if (isSet(name))
+        throw ComponentError(fmt::format("{} has no meaning without pulseMode", name), "pulseMode=\"1\"");
+  if (key_times_.empty() != key_pressures_.empty())
+    throw ComponentError("keyTimes and keyPressures are not given together", "both or none of them");
+  if (!key_times_.empty()) {
+    if (pulse_ || isSet("pressure"))
+      throw ComponentError("keyPressures are given with pressure or pulseMode", "one of them");
+    std::vector<Vec3> values;
+    for (double p : key_pressures_) values.push_back(Vec3(p, 0, 0));
+    keys_.assign(key_times_, std::move(values), "keyPressures");
+    keys_.check();
+    return;
+  }
+  if (pressure_ == 0) warn("the pressure is zero: the component does nothing", "pressure or keyPressures");
+  if (!pulse_) return;
+  if (!isSet("pressureSpeed")) {
+    speed_ = std::abs(pressure_);
+    warn(fmt::format("pressureSpeed is not given: {:g} Pa/s, `pressure` in one second", speed_));
+  }
+  if (!(speed_ > 0)) throw ComponentError("pressureSpeed is zero", "a positive number");
+}
+
+void SurfacePressureForceField::checkGas() {
+  if (!isClosed())
+    throw ComponentError(
+        fmt::format("volumeConservationMode needs a volume, and the loaded surface is open at the edge "
+                    "of nodes {}",
+                    openEdge()),
+        "a closed surface");
+  if (isWeighted()) throw ComponentError("volumeConservationMode and mainDirection are both given", "one of them");
+  if (default_volume_ == -1) {
+    default_volume_ = restVolume();
+    if (!(default_volume_ > 0))
+      throw ComponentError(fmt::format("the volume behind the surface is {:g} at rest", default_volume_),
+                           "normals that point outward");
+  }
+  if (!(default_volume_ > 0))
+    throw ComponentError(fmt::format("defaultVolume is {:g}", default_volume_), "a positive volume, or -1");
+}
+
+std::vector<Face> SurfacePressureForceField::selectFaces(const Mesh& mesh) const {
+  std::vector<Face> faces;
+  const bool listed = isSet("triangleIndices") || isSet("quadIndices"), boxed = isSet("min") || isSet("max");
+  if (!listed) {
+    selectInBox(mesh, faces);
+    return faces;
+  }
+  if (boxed) throw ComponentError("faces are listed and the box min, max is given too", "one of them");
+  const auto take = [&](const char* name, const std::vector<int>& indices, const auto& cells, const char* word) {
+    if (isSet(name) && indices.empty())
+      throw ComponentError(fmt::format("{} lists no face", name), fmt::format("at least one of the {}", word),
+                           "when a selection is linked here, check that its box holds faces");
+    for (std::size_t i = 0; i < indices.size(); ++i) {
+      if (indices[i] < 0 || std::size_t(indices[i]) >= cells.size())
+        throw ComponentError(
+            fmt::format("{}[{}] is {}, and the mesh lists {} {}", name, i, indices[i], cells.size(), word),
+            cells.empty() ? "min and max, which select faces of volume cells as well"
+                          : fmt::format("indices in 0 ... {}", cells.size() - 1));
+      faces.push_back(cells[std::size_t(indices[i])]);
+    }
+    if (!isSet(name) && !cells.empty())
+      inform(fmt::format("{} is not given: none of the {} {} of the mesh is loaded", name, cells.size(), word));
+  };
+  take("triangleIndices", triangle_indices_, mesh.triangles, "triangles");
+  take("quadIndices", quad_indices_, mesh.quads, "quads");
+  return faces;
+}
+
+void SurfacePressureForceField::selectInBox(const Mesh& mesh, std::vector<Face>& faces) const {
+  const bool everywhere = low_ == high_, given = !mesh.triangles.empty() || !mesh.quads.empty();
+  const Vec3 lower = low_.cwiseMin(high_), upper = low_.cwiseMax(high_);
+  const auto take = [&](const auto& cells) {
+    for (const auto& cell : cells)
+      if (everywhere || std::all_of(cell.begin(), cell.end(), [&](Index node) {
+            const Vec3& p = state().rest_position[std::size_t(node)];
+            return p.cwiseMax(lower).cwiseMin(upper) == p;
+          }))
+        faces.push_back(cell);
+  };
+  take(given ? mesh.triangles : mesh.boundaryTriangles());
+  take(given ? mesh.quads : mesh.boundaryQuads());
+}
+
+std::vector<double> SurfacePressureForceField::weightsOf(const std::vector<Face>& faces) const {
+  std::vector<double> weights;
+  if (main_direction_.isZero()) return weights;
+  for (const Face& face : faces) {
+    area_vectors::Corners at;
+    for (std::size_t a = 0; a < 4; ++a) at[a] = state().rest_position[std::size_t(face.nodes[a])];
+    const area_vectors::Corners areas = area_vectors::of(at, face.corners);
+    const Vec3 normal = areas[0] + areas[1] + areas[2] + areas[3];
+    weights.push_back(std::abs(normal.normalized().dot(main_direction_)));
+  }
+  return weights;
+}
+
+double SurfacePressureForceField::pressureAt(double t) const {
+  if (!key_times_.empty()) return keys_.at(t).x();
+  if (!pulse_) return pressure_;
+  const double way = speed_ * std::max(t, 0.), first = std::abs(pressure_), swing = pressure_ - lower_bound_;
+  if (way <= first) return std::copysign(way, pressure_);
+  if (swing == 0) return pressure_;
+  const double turns = std::fmod((way - first) / std::abs(swing), 2.);
+  return pressure_ - swing * (turns < 1 ? turns : 2 - turns);
+}
+
+Mat3 SurfacePressureForceField::stress(ConstRows x) const {
+  const double factor =
+      gas_ ? std::min(largest_compression, default_volume_ / std::max(volume(x), 1e-9 * default_volume_)) : 1;
+  return now_ * factor * Mat3::Identity();
+}
+
+double SurfacePressureForceField::energy(ConstRows x) const {
+  if (!hasPotential()) return 0;
+  const double v = volume(x);
+  if (!gas_) return -now_ * v;
+  // beyond the limit of the pressure linear in V
+  const double ratio = v / default_volume_, least = 1 / largest_compression;
+  return -now_ * default_volume_ * (ratio >= least ? std::log(ratio) : std::log(least) + ratio / least - 1);
+}
+
+}  // namespace
+}  // namespace stroma
+
+STROMA_COMPONENT(surface_pressure_force_field) {
+  factory.add<stroma::SurfacePressureForceField>("SurfacePressureForceField",
+                                                 "a pressure on triangles and quads that follows them");
+}
