@@ -130,19 +130,20 @@ class Hexahedra final : public ElasticElements {
  private:
   /// Boxes have a kernel of their own where B is constant.
   bool usesBoxes() const {
-    return boxes_ && !variant_.exact_tangent && variant_.update == Update::none &&
-           variant_.method != ElasticMethod::green;
+    const bool small = variant_.method == ElasticMethod::small, green = variant_.method == ElasticMethod::green;
+    return boxes_ && variant_.update == Update::none && (small || green || !variant_.exact_tangent);
   }
 
   std::unique_ptr<ElementMethod> makeMethod(Index first_row, const std::function<Lame(std::size_t)>& lame) const {
     const ElasticMethod method = variant_.method;
-    if (method == ElasticMethod::green) return fill<PointGreen>(first_row, lame);
     if (usesBoxes()) {
+      if (method == ElasticMethod::green) return fill<Green<BoxShape>>(first_row, lame);
       if (method == ElasticMethod::small) return fill<BoxLinear>(first_row, lame);
       if (method == ElasticMethod::large) return fill<BoxCorotational<rotation::Qr>>(first_row, lame);
       if (method == ElasticMethod::polar) return fill<BoxCorotational<rotation::Polar>>(first_row, lame);
       return fill<BoxCorotational<rotation::Svd>>(first_row, lame);
     }
+    if (method == ElasticMethod::green) return fill<Green<PointShape>>(first_row, lame);
     if (method == ElasticMethod::small) return fill<PointLinear>(first_row, lame);
     return makeRotated(variant_, [&]<class Rotation, Update update>() -> std::unique_ptr<ElementMethod> {
       if (variant_.exact_tangent) return fill<ExactPointCorotational<Rotation, update>>(first_row, lame);
@@ -168,6 +169,11 @@ class Hexahedra final : public ElasticElements {
     const double weight = std::abs(shape.low);
     tangent.stiffness.lambda = constants.lambda * weight / 8;
     tangent.stiffness.mu = constants.mu * weight / 8;
+  }
+  static void set(const RestShape& shape, const Lame& constants, BoxRest<double>&, BoxShape::Tangent<double>& tangent) {
+    const double edges[3] = {shape.modes.xi.x, shape.modes.eta.y, shape.modes.zeta.z}, weight = std::abs(shape.low);
+    for (int i = 0; i < 3; ++i) tangent.gradient[i] = std::sqrt(weight) / edges[i];
+    tangent.inverse_weight = 1 / weight, tangent.lambda = constants.lambda, tangent.mu = constants.mu;
   }
   /// In the frame of the mean edges, but world axes for method small, which turns nothing.
   void set(const RestShape& shape, const Lame& constants, PointRest<double>& rest, auto& tangent) const {

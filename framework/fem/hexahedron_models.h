@@ -2,7 +2,7 @@
 // The methods of a mesh of hexahedra: models for ModelMethod (model_method.h). Meshes of boxes (of any size and
 // orientation) under a constant B have models of their own, four times as fast.
 #pragma once
-#include "framework/fem/hexahedron.h"
+#include "framework/fem/hexahedron_matrix.h"
 #include "framework/fem/model_method.h"
 
 namespace stroma::hexahedron {
@@ -38,6 +38,15 @@ struct BoxModel : HexahedronModel {
     const M3<T> r = t.axes;
     const Modes<T> own = rotatedBack(r, modesOf(dx));
     nodesOf(rotated(r, boxProduct(t.stiffness, factor * t.stiffness.lambda, factor * t.stiffness.mu, own)), df);
+  }
+
+  template <class T>
+  static void matrix(const BoxRest<T>&, const BoxTangent<T>& t, const V3<T> (&)[8], T (&k)[8 * 8 * 9]) {
+    const T* inverse = t.stiffness.inverse;
+    const T eighth(0.125);  // of the gradients, twice, but for the one that the constants hold
+    Gradients<T> g[8];
+    for (Gradients<T>& point : g) point = {t.axes.c0 * inverse[0], t.axes.c1 * inverse[1], t.axes.c2 * inverse[2]};
+    stiffnessMatrix(g, eighth * t.stiffness.lambda, eighth * t.stiffness.mu, k);
   }
 
  protected:
@@ -133,6 +142,10 @@ struct PointModel : HexahedronModel {
                       V3<T> (&df)[8]) {
     nodesOf(stiffnessProduct(t.g, factor * t.lambda, factor * t.mu, modesOf(dx)), df);
   }
+  template <class T>
+  static void matrix(const PointRest<T>&, const PointTangent<T>& t, const V3<T> (&)[8], T (&k)[8 * 8 * 9]) {
+    stiffnessMatrix(t.g, t.lambda, t.mu, k);
+  }
 };
 
 /// method = small.
@@ -218,6 +231,8 @@ struct ExactPointCorotational : PointCorotational<Rotation, update> {
     }
     nodesOf(fromPoints(forces), df);
   }
+  /// By products: it is not symmetric.
+  static void matrix() = delete;
 
  private:
   /// dg of Gauss point p for changes dR and dJ.
@@ -241,70 +256,119 @@ struct ExactPointCorotational : PointCorotational<Rotation, update> {
   }
 };
 
-// ---- method = green: St. Venant-Kirchhoff, no rotation ----
+// ---- method = green: St. Venant-Kirchhoff, no rotation. Gradients hold w^1/2 / 8, so that F is w^1/2 F ----
 
-/// Gradients and 1/w at a Gauss point of a rest shape.
-template <class T>
-struct RestPoint {
-  Gradients<T> g;
-  T inverse_weight;
-};
-template <class T>
-RestPoint<T> restPoint(const PointRest<T>& rest, int p) {
-  return {rest.g[p], abs(rest.inverse_determinant[p]) * T(512.)};
-}
-
-template <class T>
-struct Material {
-  T lambda, mu;  ///< Lame's constants [Pa]
-};
-
-struct PointGreen : HexahedronModel {
-  static constexpr bool reads_position = true;
+/// Gauss points of any shape.
+struct PointShape {
   template <class T>
   using Rest = PointRest<T>;
   template <class T>
-  using Tangent = Material<T>;
+  struct Tangent {
+    T lambda, mu;  ///< Lame's constants [Pa]
+  };
+  template <class T>
+  static T inverseWeight(const PointRest<T>& rest, const Tangent<T>&, int p) {
+    return abs(rest.inverse_determinant[p]) * T(512.);
+  }
+  template <class T>
+  static Gradients<T> gradients(const PointRest<T>& rest, const Tangent<T>&, int p) {
+    return rest.g[p];
+  }
+  template <class T>
+  static M3<T> deformation(const PointRest<T>& rest, const Tangent<T>&, const PointValues<T>& j, int p) {
+    return outerSum(Columns<T>(j, p).d, rest.g[p]);
+  }
+  template <class T>
+  static void addForces(const PointRest<T>& rest, const Tangent<T>&, const M3<T>& stress, int p, PointValues<T>& f) {
+    const Gradients<T>& g = rest.g[p];
+    addColumns(stress * g.g1, stress * g.g2, stress * g.g3, p, f);
+  }
+};
+
+/// Gauss points of a box, in its own axes.
+struct BoxShape {
+  template <class T>
+  using Rest = BoxRest<T>;
+  template <class T>
+  struct Tangent {
+    T gradient[3];     ///< w^1/2 / 8 times 2 / edge length
+    T inverse_weight;  ///< 1/w
+    T lambda, mu;      ///< Lame's constants [Pa]
+  };
+  template <class T>
+  static T inverseWeight(const BoxRest<T>&, const Tangent<T>& t, int) {
+    return t.inverse_weight;
+  }
+  template <class T>
+  static Gradients<T> gradients(const BoxRest<T>&, const Tangent<T>& t, int) {
+    const T zero(0.);
+    return {{t.gradient[0], zero, zero}, {zero, t.gradient[1], zero}, {zero, zero, t.gradient[2]}};
+  }
+  template <class T>
+  static M3<T> deformation(const BoxRest<T>&, const Tangent<T>& t, const PointValues<T>& j, int p) {
+    const Columns<T> c(j, p);
+    return {c.d[0] * t.gradient[0], c.d[1] * t.gradient[1], c.d[2] * t.gradient[2]};
+  }
+  template <class T>
+  static void addForces(const BoxRest<T>&, const Tangent<T>& t, const M3<T>& stress, int p, PointValues<T>& f) {
+    addColumns(stress.c0 * t.gradient[0], stress.c1 * t.gradient[1], stress.c2 * t.gradient[2], p, f);
+  }
+};
+
+template <class Shape>
+struct Green : HexahedronModel {
+  static constexpr bool reads_position = true;
+  template <class T>
+  using Rest = typename Shape::template Rest<T>;
+  template <class T>
+  using Tangent = typename Shape::template Tangent<T>;
 
   template <class T>
-  static void force(const PointRest<T>& rest, const Material<T>& t, const V3<T> (&x)[8], V3<T> (&f)[8]) {
+  static void force(const auto& rest, const auto& t, const V3<T> (&x)[8], V3<T> (&f)[8]) {
     const PointValues<T> j = atPoints(modesOf(x));
     PointValues<T> forces;
     for (int p = 0; p < 8; ++p) {
-      const RestPoint<T> at = restPoint(rest, p);
-      addForces(greenStress(outerSum(Columns<T>(j, p).d, at.g), at.inverse_weight, t.lambda, t.mu), at.g, p, forces);
+      const M3<T> deformation = Shape::deformation(rest, t, j, p);
+      Shape::addForces(rest, t, greenStress(deformation, Shape::inverseWeight(rest, t, p), t.lambda, t.mu), p, forces);
     }
     nodesOf(fromPoints(forces), f);
   }
   template <class T>
-  static T energy(const PointRest<T>& rest, const Material<T>& t, const V3<T> (&x)[8]) {
+  static T energy(const auto& rest, const auto& t, const V3<T> (&x)[8]) {
     const PointValues<T> j = atPoints(modesOf(x));
     T sum(0.);
     for (int p = 0; p < 8; ++p) {
-      const RestPoint<T> at = restPoint(rest, p);
-      const S3<T> strain = greenStrain(outerSum(Columns<T>(j, p).d, at.g), at.inverse_weight);
-      sum += storedEnergy(strain, t.lambda, t.mu) / at.inverse_weight;
+      const T inverse_weight = Shape::inverseWeight(rest, t, p);
+      const S3<T> strain = greenStrain(Shape::deformation(rest, t, j, p), inverse_weight);
+      sum += storedEnergy(strain, t.lambda, t.mu) / inverse_weight;
     }
     return sum;
   }
   template <class T>
-  static void product(const PointRest<T>& rest, const Material<T>& t, T factor, const V3<T> (&x)[8],
-                      const V3<T> (&dx)[8], V3<T> (&df)[8]) {
+  static void product(const auto& rest, const auto& t, T factor, const V3<T> (&x)[8], const V3<T> (&dx)[8],
+                      V3<T> (&df)[8]) {
     const PointValues<T> j = atPoints(modesOf(x)), dj = atPoints(modesOf(dx));
     const T lambda = factor * t.lambda, mu = factor * t.mu;
     PointValues<T> forces;
     for (int p = 0; p < 8; ++p) {
-      const RestPoint<T> at = restPoint(rest, p);
-      const M3<T> f = outerSum(Columns<T>(j, p).d, at.g), dgradient = outerSum(Columns<T>(dj, p).d, at.g);
-      addForces(greenStressDifferential(f, dgradient, at.inverse_weight, lambda, mu), at.g, p, forces);
+      const M3<T> f = Shape::deformation(rest, t, j, p), change = Shape::deformation(rest, t, dj, p);
+      const M3<T> stress = greenStressDifferential(f, change, Shape::inverseWeight(rest, t, p), lambda, mu);
+      Shape::addForces(rest, t, stress, p, forces);
     }
     nodesOf(fromPoints(forces), df);
   }
-
- private:
   template <class T>
-  static void addForces(const M3<T>& stress, const Gradients<T>& g, int p, PointValues<T>& forces) {
-    addColumns(stress * g.g1, stress * g.g2, stress * g.g3, p, forces);
+  static void matrix(const auto& rest, const auto& t, const V3<T> (&x)[8], T (&k)[8 * 8 * 9]) {
+    const PointValues<T> j = atPoints(modesOf(x));
+    Gradients<T> g[8];
+    GreenState<T> state[8];
+    for (int p = 0; p < 8; ++p) {
+      g[p] = Shape::gradients(rest, t, p);
+      state[p].f = Shape::deformation(rest, t, j, p);
+      state[p].inverse_weight = Shape::inverseWeight(rest, t, p);
+      state[p].minus_s = restoringStress(greenStrain(state[p].f, state[p].inverse_weight), t.lambda, t.mu);
+    }
+    greenMatrix(g, state, t.lambda, t.mu, k);
   }
 };
 

@@ -7,6 +7,8 @@ namespace stroma::bench {
 
 /// Products, forces, energy and assembly, reached through the role of a force field.
 void addKernelFigures(Catalogue& catalogue);
+/// Products, forces and assembly of hexahedra.
+void addHexahedronFigures(Catalogue& catalogue);
 /// The same work on one thread and on two.
 void addThreadFigures(Catalogue& catalogue);
 /// Whole steps of the scenes of scenes/benchmarks and of the organs.

@@ -81,6 +81,7 @@ void measure(Request& request) {
 
   Catalogue catalogue;
   addKernelFigures(catalogue);
+  addHexahedronFigures(catalogue);
   addThreadFigures(catalogue);
   addStepFigures(catalogue);
   addStartFigures(catalogue);

@@ -4,6 +4,7 @@
 #include "framework/algebra/parallel.h"
 #include "tools/bench/body.h"
 #include "tools/bench/figures.h"
+#include "tools/bench/hexahedron_work.h"
 #include "tools/bench/tetrahedron_work.h"
 
 namespace stroma::bench {
@@ -70,6 +71,13 @@ Work stepWork(const Variant& variant, double elements, double nodes, int iterati
          conjugateGradientWork() * (nodes * iterations);
 }
 
+Work hexahedronStepWork(HexahedronVariant variant, double elements, double nodes, int iterations) {
+  const double share = nodes / elements;
+  return hexahedronForceWork(variant, share) * elements +
+         hexahedronProductWork(variant, share) * (elements * (iterations + 1)) +
+         conjugateGradientWork() * (nodes * iterations);
+}
+
 }  // namespace
 
 void addStepFigures(Catalogue& catalogue) {
@@ -96,6 +104,21 @@ void addStepFigures(Catalogue& catalogue) {
                     row.peers,
                     stepWork({row.method, true}, 10000, nodes, 5),
                     10000 * element_bytes});
+  struct HexahedronRow {
+    const char *word, *update, *peers;
+    HexahedronVariant variant;
+    double target, element_bytes;
+  };
+  for (const HexahedronRow& row :
+       {HexahedronRow{"polar", "false", "SOFA 1.4", HexahedronVariant::polar_boxes, 0.28, 170},
+        HexahedronRow{"polar, B", "true", "SOFA 5.5", HexahedronVariant::polar_b, 1.0, 624}})
+    add(catalogue, {fmt::format("hexahedra 1,000 {}", row.word),
+                    "benchmarks/hexahedra.xml",
+                    {fmt::format("/cube/fem.updateStiffnessMatrix={}", row.update)},
+                    row.target,
+                    row.peers,
+                    hexahedronStepWork(row.variant, 1000, nodes, 5),
+                    1000 * row.element_bytes});
   add(catalogue, {"organ, 600", "examples/organ.xml", {}});
   add(catalogue, {"organ, 5,000", "examples/organ_fine.xml", {}});
 }

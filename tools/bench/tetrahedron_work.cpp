@@ -2,41 +2,13 @@
 #include "tools/bench/tetrahedron_work.h"
 
 #include <array>
-#include <cmath>
 #include <random>
 
 #include "framework/fem/nodal_warping.h"
+#include "tools/bench/counted.h"
 
 namespace stroma::bench {
 namespace {
-
-/// A double that counts the operations done with it: + - * / and a square root one each, a multiply-add two;
-/// comparisons, selections, signs and absolute values none.
-struct Counted {
-  double value = 0;
-  Counted() = default;
-  explicit Counted(double v) : value(v) {}
-  static inline long flops = 0;
-};
-Counted counted(double value, int flops) {
-  Counted::flops += flops;
-  return Counted(value);
-}
-Counted operator+(Counted a, Counted b) { return counted(a.value + b.value, 1); }
-Counted operator-(Counted a, Counted b) { return counted(a.value - b.value, 1); }
-Counted operator*(Counted a, Counted b) { return counted(a.value * b.value, 1); }
-Counted operator/(Counted a, Counted b) { return counted(a.value / b.value, 1); }
-Counted operator-(Counted a) { return Counted(-a.value); }
-Counted& operator-=(Counted& a, Counted b) { return a = a - b; }
-bool operator<(Counted a, Counted b) { return a.value < b.value; }
-bool operator>(Counted a, Counted b) { return a.value > b.value; }
-bool operator<=(Counted a, Counted b) { return a.value <= b.value; }
-Counted fma(Counted a, Counted b, Counted c) { return counted(a.value * b.value + c.value, 2); }
-Counted sqrt(Counted a) { return counted(std::sqrt(a.value), 1); }
-Counted reciprocalSqrt(Counted a) { return counted(1 / std::sqrt(a.value), 2); }
-Counted roughFourthRoot(Counted a) { return counted(std::sqrt(std::sqrt(a.value)), 2); }
-Counted abs(Counted a) { return Counted(std::abs(a.value)); }
-Counted select(bool condition, Counted a, Counted b) { return condition ? a : b; }
 
 using namespace stroma::tetrahedron;
 using stroma::M3;
@@ -95,7 +67,8 @@ double rotatedForceFlops() {
 }
 template <class Rotation>
 double energyFlops() {
-  return 1 + meanFlops([](Sample& s) { storedEnergy(kinematics<Rotation, Update::none>(s.rest, s.x).strain, lambda, mu); });
+  return 1 +
+         meanFlops([](Sample& s) { storedEnergy(kinematics<Rotation, Update::none>(s.rest, s.x).strain, lambda, mu); });
 }
 template <class Rotation>
 double rotatedForceFlops(const Variant& variant) {
