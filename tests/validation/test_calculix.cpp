@@ -209,7 +209,7 @@ std::string scene(const Case& tested) {
   const Vec3& g = tested.specimen.gravity;
   return fmt::format(R"(<Node name="root" dt="1" gravity="{} {} {}">
   <MeshTopology name="mesh" position="{}" hexahedra="{}"/>
-  <Node name="body"><StaticSolver newton_iterations="100" relative_residual_tolerance_threshold="1e-11"/><SparseLDLSolver/>
+  <Node name="body"><StaticSolver newton_iterations="100" relative_residual_tolerance_threshold="1e-10"/><SparseLDLSolver/>
     {}<MechanicalObject/><DiagonalMass massDensity="1000"/>
     <{}FEMForceField method="{}" tangent="exact" youngModulus="{}" poissonRatio="{}"/>{}
   </Node></Node>)",
