@@ -2,12 +2,12 @@
 // The elastic force fields of meshes: attributes, material, checks and fields, whatever the kind of element.
 #pragma once
 #include "framework/fem/elastic_elements.h"
-#include "framework/mechanics/force_field.h"
+#include "framework/fem/element_method_field.h"
 #include "framework/mesh/topology.h"
 
 namespace stroma {
 
-class ElasticForceField : public ForceField {
+class ElasticForceField : public ElementMethodField {
  public:
   /// The words of `method`: first those of ElasticMethod, then other components' words for the same.
   enum class Word : int {
@@ -37,20 +37,6 @@ class ElasticForceField : public ForceField {
   ForceTraits traits() const override;
   void compile() override;
 
-  double energy(ConstRows x) const override { return method_->energy(x); }
-  void addForce(ConstRows x, ConstRows, Rows f) override { method_->addForce(x, f); }
-  void addForceAndProduct(ConstRows x, ConstRows, ConstRows dx, double factor, Rows f, Rows df) override {
-    method_->addForceAndProduct(x, dx, factor, f, df);
-  }
-  void addStiffnessProduct(ConstRows dx, double factor, Rows df) const override { method_->addProduct(dx, factor, df); }
-  void addPattern(BlockPattern& pattern) const override { method_->addPattern(pattern); }
-  void prepareAssembly(const BlockMatrix& matrix) override { slots_ = method_->slots(matrix); }
-  void addStiffness(double factor, BlockMatrix& matrix) const override {
-    method_->assemble(factor, slots_, matrix.values());
-  }
-  void addStiffnessDiagonal(double factor, std::vector<double>& blocks) const override {
-    method_->assembleDiagonal(factor, blocks);
-  }
   Cost cost() const override;
   std::string worstElement(ConstRows x) const override;
   std::vector<std::string> cellFields() const override { return {"vonMises", "J", "strain"}; }
@@ -80,8 +66,6 @@ class ElasticForceField : public ForceField {
   ElasticVariant variant_;
   std::string kind_word_;  ///< "tetrahedron", for messages
   std::unique_ptr<ElasticElements> elements_;
-  std::unique_ptr<ElementMethod> method_;
-  std::vector<Index> slots_;
 };
 
 }  // namespace stroma
