@@ -57,7 +57,7 @@ class TriangularFEMForceField final : public ElementMethodField {
     return traits;
   }
   void compile() override;
-  /// Measured on one core at 2.6 GHz with 8 lanes.
+  /// Estimated from a tetrahedron's, for one core.
   Cost cost() const override {
     const double triangles = double(method_->elements()), lanes = 8. / pack_lanes;
     return {(tangent_ == TangentWord::exact ? 12. : 4.) * lanes * triangles, 60 * triangles};
