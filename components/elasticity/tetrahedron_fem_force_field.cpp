@@ -48,6 +48,7 @@
 
 #include "framework/fem/eigen_matrix.h"
 #include "framework/fem/elastic_force_field.h"
+#include "framework/fem/fan_model.h"
 #include "framework/fem/tetrahedron_models.h"
 #include "framework/scene/factory.h"
 
@@ -66,7 +67,7 @@ class Tetrahedra final : public ElasticElements {
   void bind(const Mesh& mesh, const std::vector<Vec3>& rest, const ElasticVariant& variant) override {
     mesh_ = &mesh, rest_ = &rest, variant_ = variant;
     for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e) {
-      const Mat3 edges = restEdges(e);
+      const Mat3 edges = restEdges(mesh.tetrahedra[e]);
       const double longest = edges.colwise().norm().maxCoeff();
       if (!(std::abs(edges.determinant()) > 1e-12 * longest * longest * longest))
         throw ComponentError(describe(e) + " is flat at rest", "a volume");
@@ -74,15 +75,8 @@ class Tetrahedra final : public ElasticElements {
   }
 
   std::unique_ptr<ElementMethod> make(Index first_row, const std::function<Lame(std::size_t)>& lame) const override {
-    tetrahedron::Storage storage;
-    storage.build(mesh_->tetrahedra, *rest_, first_row, [&](std::size_t e, bool padding, auto& rest, auto& tangent) {
-      setRestShape(e, rest, tangent);
-      // cells that cover the body twice share its stiffness; a padding lane has none
-      const double volume = padding ? 0 : 1 / (6 * std::abs(rest.inverse_six_volume) * mesh_->overlap);
-      tangent.lambda = lame(e).lambda * volume;
-      tangent.mu = lame(e).mu * volume;
-    });
-    return withOwnMatrix(variant_, makeMethod(std::move(storage)));
+    const bool nodal = variant_.method == ElasticMethod::nodal;
+    return withOwnMatrix(variant_, nodal ? makeNodal(first_row, lame) : makeFans(first_row, lame));
   }
 
   std::string describe(std::size_t e) const override {
@@ -108,46 +102,80 @@ class Tetrahedra final : public ElasticElements {
   }
 
  private:
-  std::unique_ptr<ElementMethod> makeMethod(tetrahedron::Storage&& storage) const {
+  using LameOf = std::function<Lame(std::size_t)>;
+
+  std::unique_ptr<ElementMethod> makeNodal(Index first_row, const LameOf& lame) const {
+    tetrahedron::Storage storage;
+    storage.build(mesh_->tetrahedra, *rest_, first_row, [&](std::size_t e, bool padding, auto& rest, auto& tangent) {
+      setElement(e, mesh_->tetrahedra[e], padding, lame, rest, tangent);
+    });
+    return std::make_unique<tetrahedron::NodalWarping>(std::move(storage));
+  }
+
+  std::unique_ptr<ElementMethod> makeFans(Index first_row, const LameOf& lame) const {
     using namespace tetrahedron;
-    if (variant_.method == ElasticMethod::small) return std::make_unique<ModelMethod<Linear>>(std::move(storage));
-    if (variant_.method == ElasticMethod::green) return std::make_unique<ModelMethod<Green>>(std::move(storage));
-    if (variant_.method == ElasticMethod::nodal) return std::make_unique<NodalWarping>(std::move(storage));
+    const std::vector<Fan> fans = gatherFans(mesh_->tetrahedra, rest_->size());
+    std::vector<std::array<Index, fan_nodes>> cells;
+    for (const Fan& fan : fans) cells.push_back(fan.nodes);
+    StorageOf<FanOf<Linear>> storage;  // the same for all models
+    storage.build(cells, *rest_, first_row, [&](std::size_t f, bool padding, auto& rest, auto& tangent) {
+      for (int i = 0; i < fan_size; ++i) {
+        const Index e = fans[f].element[std::size_t(i)];
+        Tetrahedron nodes;
+        for (int a = 0; a < 4; ++a) nodes[std::size_t(a)] = cells[f][std::size_t(corner(i, a))];
+        setElement(std::size_t(e >= 0 ? e : fans[f].element[0]), nodes, padding || e < 0, lame, rest.of[i],
+                   tangent.of[i]);
+      }
+    });
+    return makeMethod(std::move(storage));
+  }
+
+  template <class Storage>
+  std::unique_ptr<ElementMethod> makeMethod(Storage&& storage) const {
+    using namespace tetrahedron;
+    if (variant_.method == ElasticMethod::small)
+      return std::make_unique<ModelMethod<FanOf<Linear>>>(std::move(storage));
+    if (variant_.method == ElasticMethod::green) return std::make_unique<ModelMethod<FanOf<Green>>>(std::move(storage));
     return makeRotated(variant_, [&]<class Rotation, Update update>() -> std::unique_ptr<ElementMethod> {
       if (variant_.exact_tangent)
-        return std::make_unique<ModelMethod<ExactCorotational<Rotation, update>>>(std::move(storage));
-      return std::make_unique<ModelMethod<Corotational<Rotation, update>>>(std::move(storage));
+        return std::make_unique<ModelMethod<FanOf<ExactCorotational<Rotation, update>>>>(std::move(storage));
+      return std::make_unique<ModelMethod<FanOf<Corotational<Rotation, update>>>>(std::move(storage));
     });
   }
 
-  Mat3 edgesOf(std::size_t e, auto&& position) const {
-    const auto& t = mesh_->tetrahedra[e];
+  static Mat3 edgesOf(const Tetrahedron& t, auto&& position) {
     const Vec3 a = position(t[0]);
     Mat3 edges;
     edges << position(t[1]) - a, position(t[2]) - a, position(t[3]) - a;
     return edges;
   }
-  Mat3 restEdges(std::size_t e) const {
-    return edgesOf(e, [&](Index n) -> Vec3 { return (*rest_)[std::size_t(n)]; });
+  Mat3 restEdges(const Tetrahedron& t) const {
+    return edgesOf(t, [&](Index n) -> Vec3 { return (*rest_)[std::size_t(n)]; });
   }
   Mat3 deformationGradient(std::size_t e, ConstRows x) const {
-    return edgesOf(e, [&](Index n) -> Vec3 { return x[n]; }) * restEdges(e).inverse();
+    const Tetrahedron& t = mesh_->tetrahedra[e];
+    return edgesOf(t, [&](Index n) -> Vec3 { return x[n]; }) * restEdges(t).inverse();
   }
   /// The frame in which the rest shape is stored: first edge on x, second in the xy plane. Columns are its axes.
   Mat3 restFrame(std::size_t e) const {
-    const Mat3 edges = restEdges(e);
+    const Mat3 edges = restEdges(mesh_->tetrahedra[e]);
     return toEigen(rotation::gramSchmidt(fromEigen(edges / edges.norm())));
   }
-  /// D_m in the element's own frame and the rest gradients in world axes.
-  void setRestShape(std::size_t e, tetrahedron::Rest<double>& rest, tetrahedron::Tangent<double>& tangent) const {
-    const Mat3 q = restFrame(e);
-    const Mat3 local = (q.transpose() * restEdges(e)).triangularView<Eigen::Upper>();
-    const Mat3 inverse = local.inverse();
-    const int row[6] = {0, 0, 1, 0, 1, 2}, column[6] = {0, 1, 1, 2, 2, 2};
-    for (int i = 0; i < 6; ++i) rest.edges[i] = local(row[i], column[i]), rest.inverse[i] = inverse(row[i], column[i]);
-    rest.inverse_six_volume = 1 / local.diagonal().prod();
-    const M3<double> gradients = fromEigen((inverse * q.transpose()).transpose());  // column i: g_{i+1}
-    tangent.g = {gradients.c0, gradients.c1, gradients.c2};
+  /// Cell e with its vertices in the order of `nodes`, in the frame that the order of the cell gives: method large
+  /// depends on it.
+  void setElement(std::size_t e, const Tetrahedron& nodes, bool padding, const LameOf& lame,
+                  tetrahedron::Rest<double>& rest, tetrahedron::Tangent<double>& tangent) const {
+    const Mat3 axes = restFrame(e), edges = restEdges(nodes), inverse = edges.inverse();
+    const M3<double> local = fromEigen(axes.transpose() * edges);
+    rest.edges[0] = local.c0, rest.edges[1] = local.c1, rest.edges[2] = local.c2;
+    const M3<double> own = fromEigen((inverse * axes).transpose()), world = fromEigen(inverse.transpose());
+    rest.g = {own.c0, own.c1, own.c2};
+    tangent.g = {world.c0, world.c1, world.c2};
+    rest.inverse_six_volume = 1 / edges.determinant();
+    // cells that cover the body twice share its stiffness; a padding lane has none
+    const double volume = padding ? 0 : std::abs(edges.determinant()) / (6 * mesh_->overlap);
+    tangent.lambda = lame(e).lambda * volume;
+    tangent.mu = lame(e).mu * volume;
   }
 
   const Mesh* mesh_ = nullptr;

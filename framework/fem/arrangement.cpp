@@ -126,8 +126,12 @@ Arrangement arrangeElements(const Index* nodes, int nodes_per_element, Index cou
       result.colour_start.push_back(Index(i));
     const auto first = slabs.order.begin() + std::ptrdiff_t(slabs.start[std::size_t(block[i])]);
     const auto last = slabs.order.begin() + std::ptrdiff_t(slabs.start[std::size_t(block[i]) + 1]);
-    result.element.insert(result.element.end(), first, last);
-    while (result.element.size() % std::size_t(lanes)) result.element.push_back(-1);
+    const std::ptrdiff_t in_block = last - first, rows = (in_block + lanes - 1) / lanes;
+    for (std::ptrdiff_t b = 0; b < rows; ++b)
+      for (int l = 0; l < lanes; ++l) {
+        const std::ptrdiff_t i = l * rows + b;
+        result.element.push_back(i < in_block ? first[i] : -1);
+      }
     result.block_start.push_back(Index(result.element.size() / std::size_t(lanes)));
   }
   result.colour_start.push_back(Index(block.size()));

@@ -15,8 +15,13 @@ namespace stroma {
 /// Meshes with fewer elements run on one thread: waking another costs more than it saves.
 constexpr Index parallel_elements = 4 * block_elements;
 
+/// Which nodes of an element have a block in its matrix: all pairs, unless an element says otherwise.
+struct EveryPair {
+  static constexpr bool coupled(int, int) { return true; }
+};
+
 /// The loop over elements of N nodes. Node numbers are rows of the system.
-template <int N>
+template <int N, class Coupling = EveryPair>
 class ElementLoop {
  public:
   using Nodes = V3<Pack>[N];
@@ -46,11 +51,9 @@ class ElementLoop {
   void run(const std::array<ConstRows, In>& input, const std::array<Rows, Out>& output, Kernel&& kernel) const {
     forEachBatch([&](Index b) __attribute__((flatten)) {
       Nodes in[In > 0 ? In : 1], out[Out > 0 ? Out : 1];
-      for (int i = 0; i < In; ++i)
-        for (int a = 0; a < N; ++a) in[i][a] = gatherRows(input[std::size_t(i)].data, offset(b, a));
+      for (int i = 0; i < In; ++i) gather(b, input[std::size_t(i)], in[i]);
       kernel(b, in, out);
-      for (int o = 0; o < Out; ++o)
-        for (int a = 0; a < N; ++a) addToRows(out[o][a], offset(b, a), output[std::size_t(o)].data);
+      for (int o = 0; o < Out; ++o) scatter(b, out[o], output[std::size_t(o)]);
     });
   }
 
@@ -69,6 +72,7 @@ class ElementLoop {
 
   /// The nodes of one batch.
   void gather(Index batch, ConstRows x, Nodes& out) const {
+#pragma GCC unroll 8  // else the packs go through memory
     for (int a = 0; a < N; ++a) out[a] = gatherRows(x.data, offset(batch, a));
   }
 
@@ -80,7 +84,7 @@ class ElementLoop {
       for (Index b = arrangement_.block_start[std::size_t(block)]; b < arrangement_.block_start[std::size_t(block) + 1];
            ++b) {
         Nodes in;
-        for (int a = 0; a < N; ++a) in[a] = gatherRows(x.data, offset(b, a));
+        gather(b, x, in);
         total += kernel(b, in);
       }
       alignas(64) double lane[pack_lanes];
@@ -98,22 +102,23 @@ class ElementLoop {
 
   void addPattern(BlockPattern& pattern) const {
     forEachLane([&](Index b, int l) {
-      Index rows[N];
-      for (int a = 0; a < N; ++a) rows[a] = row(b, a, l);
-      pattern.addClique(rows, N);
+      for (int i = 0; i < N; ++i)
+        for (int j = 0; j < N; ++j)
+          if (Coupling::coupled(i, j)) pattern.addBlock(row(b, i, l), row(b, j, l));
     });
   }
-  /// Looks up the slots of every pair of nodes, shape (batches, N, N, lanes).
+  /// Looks up the slots of every pair of nodes, shape (batches, N, N, lanes); 0 for pairs that are not coupled.
   std::vector<Index> slots(const BlockMatrix& matrix) const {
     std::vector<Index> result(std::size_t(batches()) * N * N * pack_lanes, 0);
     forEachLane([&](Index b, int l) {
       for (int i = 0; i < N; ++i)
         for (int j = 0; j < N; ++j)
-          result[((std::size_t(b) * N + i) * N + j) * pack_lanes + l] = matrix.slot(row(b, i, l), row(b, j, l));
+          if (Coupling::coupled(i, j))
+            result[((std::size_t(b) * N + i) * N + j) * pack_lanes + l] = matrix.slot(row(b, i, l), row(b, j, l));
     });
     return result;
   }
-  /// K of the elements of one batch, [i][j][row][column].
+  /// K of the elements of one batch, [i][j][row][column]; what is not coupled is not read.
   using Matrix = Pack[N * N * 9];
 
   /// values (of the matrix the slots belong to) += factor * K, K from matrix(batch, out).
@@ -126,6 +131,7 @@ class ElementLoop {
       for (int l = 0; l < pack_lanes; ++l) {
         if (elementOf(b, l) < 0) break;
         for (int ij = 0; ij < N * N; ++ij) {
+          if (!Coupling::coupled(ij / N, ij % N)) continue;
           double* block =
               values.data() +
               std::size_t(slots[(std::size_t(b) * N * N + std::size_t(ij)) * pack_lanes + std::size_t(l)]) * 9;
@@ -184,7 +190,11 @@ class ElementLoop {
     Nodes in, out;
     gather(batch, input, in);
     kernel(batch, in, out);
-    for (int a = 0; a < N; ++a) addToRows(out[a], offset(batch, a), output.data);
+    scatter(batch, out, output);
+  }
+  void scatter(Index batch, const Nodes& values, Rows output) const {
+#pragma GCC unroll 8
+    for (int a = 0; a < N; ++a) addToRows(values[a], offset(batch, a), output.data);
   }
 
   const Index* offset(Index batch, int a) const {

@@ -26,9 +26,9 @@ void setLane(Struct<Pack>& batch, int lane, const Struct<double>& value) {
 
 /// Loop and arrays of a mesh of elements of N nodes, shape (batches). Rest is the rest shape, Tangent what products
 /// read; both are structs of numbers.
-template <int N, template <class> class RestShape, template <class> class TangentData>
+template <int N, template <class> class RestShape, template <class> class TangentData, class Coupling = EveryPair>
 struct ElementStorage {
-  ElementLoop<N> loop;
+  ElementLoop<N, Coupling> loop;
   Array<RestShape<Pack>> rest;
   Array<TangentData<Pack>> tangent;
 
@@ -70,9 +70,21 @@ class StoredMethod : public ElementMethod {
 ///   force(rest, tangent, x, f)   f = the nodal forces, and the tangent at x
 ///   energy(rest, tangent, x)
 ///   product(rest, tangent, factor, x, dx, df)   df = factor * K dx; x only when reads_position
-/// and may have matrix(rest, tangent, x, k), which is otherwise made of products.
+/// and may have
+///   matrix(rest, tangent, x, k)  which is otherwise made of products
+///   Coupling                     pairs of nodes without a block in the matrix (element_loop.h)
 template <class Model>
-using StorageOf = ElementStorage<Model::nodes, Model::template Rest, Model::template Tangent>;
+struct CouplingOf {
+  using type = EveryPair;
+};
+template <class Model>
+requires requires { typename Model::Coupling; }
+struct CouplingOf<Model> {
+  using type = typename Model::Coupling;
+};
+template <class Model>
+using StorageOf =
+    ElementStorage<Model::nodes, Model::template Rest, Model::template Tangent, typename CouplingOf<Model>::type>;
 
 template <class Model>
 class ModelMethod final : public StoredMethod<StorageOf<Model>> {

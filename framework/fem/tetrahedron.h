@@ -2,10 +2,11 @@
 // The mathematics of a corotational linear tetrahedron, free of meshes and nodes. Source: Nesme et al. 2005, sections 2
 // and 3 and appendix A, in the form below.
 //
-// Vertices a, b, c, d; edges e_i = x_i - x_a, i = 1..3. The rest shape is stored in its own frame (first edge on x,
-// second in the xy plane), so the rest edges are the columns of an upper triangular D_m, and F = [e_1 e_2 e_3] D_m^-1.
-// R = rotation of F; g_i the gradient of the shape function of vertex i (g_a = -sum), in world axes.
-//   B not updated:      g_i = R G_i,  G_i row i of D_m^-1            H = F R^T - I
+// Vertices a, b, c, d; edges e_i = x_i - x_a, i = 1..3. The rest shape is stored in a frame of its own (which one
+// matters to method large alone: rotation::Qr takes the frame's first two axes along): rest edges X_i, and gradients
+// G_i of the shape functions of vertex i, so that F = sum e_i (x) G_i. R = rotation of F; g_i the gradients in world
+// axes (g_a = -sum).
+//   B not updated:      g_i = R G_i                                  H = F R^T - I
 //   B updated:          g_i = n_i / 6V_0,  n_1 = e_2 x e_3, ...      H = sum (e_i - R X_i) (x) g_i
 //   B and V updated:    g_i = n_i / 6V scaled by (V/V_0)^1/2, which turns the weight V_0 below into V
 // strain eps = sym H (all in world axes: for an isotropic law R B^T D B R^T = B(Rg)^T D B(Rg)), stress
@@ -19,10 +20,12 @@ namespace stroma::tetrahedron {
 
 using namespace elastic;
 
-/// The rest shape: D_m^-1 and D_m, both upper triangular (00, 01, 11, 02, 12, 22), and 1/6V_0 [1/m^3] (V_0 signed).
+/// The rest shape: G_i [1/m], X_i [m], and 1/6V_0 [1/m^3] (V_0 signed).
 template <class T>
 struct Rest {
-  T inverse[6], edges[6], inverse_six_volume;
+  Gradients<T> g;
+  V3<T> edges[3];
+  T inverse_six_volume;
 };
 
 /// What a product reads: the gradients in world axes at the last force evaluation, Lame's constants times V_0 [J]. 88
@@ -56,27 +59,10 @@ void stiffnessProduct(const Gradients<T>& g, T lambda, T mu, const V3<T> (&dx)[4
   nodalForces(restoringStress(strainOf(d, g), lambda, mu), g, df);
 }
 
-/// F = D_s D_m^-1; also dF for differences of vertices.
-template <class T>
-M3<T> deformationGradient(const Rest<T>& rest, const V3<T> (&e)[3]) {
-  const T* i = rest.inverse;
-  return {e[0] * i[0], fma(i[1], e[0], e[1] * i[2]), fma(i[3], e[0], fma(i[4], e[1], e[2] * i[5]))};
-}
-
-/// R G_i for the upper triangular D_m^-1.
-template <class T>
-Gradients<T> rotatedRestGradients(const Rest<T>& rest, const M3<T>& r) {
-  const T* i = rest.inverse;
-  return {fma(i[0], r.c0, fma(i[1], r.c1, r.c2 * i[3])), fma(i[2], r.c1, r.c2 * i[4]), r.c2 * i[5]};
-}
-
 /// R X_i: the rest edges in the rotated frame.
 template <class T>
 void rotatedRestEdges(const Rest<T>& rest, const M3<T>& r, V3<T> (&out)[3]) {
-  const T* m = rest.edges;
-  out[0] = r.c0 * m[0];
-  out[1] = fma(m[1], r.c0, r.c1 * m[2]);
-  out[2] = fma(m[3], r.c0, fma(m[4], r.c1, r.c2 * m[5]));
+  for (int i = 0; i < 3; ++i) out[i] = r * rest.edges[i];
 }
 
 /// What a force evaluation makes of an element: R, g and the strain sym H.
@@ -90,11 +76,11 @@ struct Kinematics {
 template <class Rotation, Update update, class T>
 Kinematics<T> kinematics(const Rest<T>& rest, const V3<T> (&x)[4]) {
   const V3<T> e[3] = {x[1] - x[0], x[2] - x[0], x[3] - x[0]};
-  const M3<T> f = deformationGradient(rest, e);
+  const M3<T> f = outerSum(e, rest.g);
   Kinematics<T> k;
   k.rotation = Rotation::of(f);
   if constexpr (update == Update::none) {
-    k.g = rotatedRestGradients(rest, k.rotation);
+    k.g = rotated(k.rotation, rest.g);
     k.strain = minusIdentity(strainOfProduct(f, k.rotation));
   } else {
     const M3<T> n = cofactor(M3<T>{e[0], e[1], e[2]});
@@ -116,12 +102,12 @@ void exactProduct(const Rest<T>& rest, T lambda, T mu, const V3<T> (&x)[4], cons
   const Kinematics<T> k = kinematics<Rotation, update>(rest, x);
   const V3<T> e[3] = {x[1] - x[0], x[2] - x[0], x[3] - x[0]};
   const V3<T> de[3] = {dx[1] - dx[0], dx[2] - dx[0], dx[3] - dx[0]};
-  const M3<T> f = deformationGradient(rest, e), df_gradient = deformationGradient(rest, de);
+  const M3<T> f = outerSum(e, rest.g), df_gradient = outerSum(de, rest.g);
   const M3<T> dr = Rotation::differential(f, k.rotation, df_gradient);
   Gradients<T> dg;
   S3<T> dstrain;
   if constexpr (update == Update::none) {
-    dg = rotatedRestGradients(rest, dr);
+    dg = rotated(dr, rest.g);
     dstrain = strainOfProduct(df_gradient, k.rotation) + strainOfProduct(f, dr);
   } else {
     const M3<T> n = cofactor(M3<T>{e[0], e[1], e[2]});

@@ -31,11 +31,10 @@ Sample makeSample(std::mt19937& random) {
     for (int i = 0; i < 3; ++i) p[i] = rest[a][i] + noise(random);
     sample.x[a] = {Counted(c * p[0] - s * p[1]), Counted(s * p[0] + c * p[1]), Counted(p[2])};
   }
-  const double unit[6] = {1, 0, 1, 0, 0, 1};
-  for (int i = 0; i < 6; ++i) sample.rest.inverse[i] = sample.rest.edges[i] = Counted(unit[i]);
   sample.rest.inverse_six_volume = Counted(1);
   const Counted one(1), zero(0);
-  sample.g = {{one, zero, zero}, {zero, one, zero}, {zero, zero, one}};
+  sample.rest.g = sample.g = {{one, zero, zero}, {zero, one, zero}, {zero, zero, one}};
+  sample.rest.edges[0].x = sample.rest.edges[1].y = sample.rest.edges[2].z = one;
   return sample;
 }
 

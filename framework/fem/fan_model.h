@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include "framework/fem/model_method.h"
+#include "framework/fem/tetrahedron.h"
+#include "framework/fem/tetrahedron_fans.h"
+
+namespace stroma::tetrahedron {
+
+/// Two nodes of the ring share a tetrahedron when they follow each other.
+struct FanCoupling {
+  static constexpr bool coupled(int i, int j) { return i < 2 || j < 2 || (i - j <= 1 && j - i <= 1); }
+};
+template <class T>
+struct FanRest {
+  tetrahedron::Rest<T> of[fan_size];
+};
+template <class T>
+struct FanTangent {
+  tetrahedron::Tangent<T> of[fan_size];
+};
+
+/// A model of ModelMethod for fans, from one for tetrahedra.
+template <class Single>
+struct FanOf {
+  static constexpr int nodes = fan_nodes;
+  static constexpr bool reads_position = Single::reads_position;
+  using Coupling = FanCoupling;
+  template <class T>
+  using Rest = FanRest<T>;
+  template <class T>
+  using Tangent = FanTangent<T>;
+
+  template <class T>
+  static void force(const Rest<T>& rest, Tangent<T>& t, const V3<T> (&x)[nodes], V3<T> (&f)[nodes]) {
+    gatherForces(f, [&](int i, V3<T>(&out)[4]) {
+      const Corners<T> c(x, i);
+      Single::force(rest.of[i], t.of[i], c.x, out);
+    });
+  }
+  template <class T>
+  static T energy(const Rest<T>& rest, const Tangent<T>& t, const V3<T> (&x)[nodes]) {
+    T sum(0.);
+    for (int i = 0; i < fan_size; ++i) sum = sum + Single::energy(rest.of[i], t.of[i], Corners<T>(x, i).x);
+    return sum;
+  }
+  template <class T>
+  static void product(const Rest<T>& rest, const Tangent<T>& t, T factor, const V3<T> (&x)[nodes],
+                      const V3<T> (&dx)[nodes], V3<T> (&df)[nodes]) {
+    gatherForces(df, [&](int i, V3<T>(&out)[4]) {
+      const Corners<T> c(x, i), dc(dx, i);
+      Single::product(rest.of[i], t.of[i], factor, c.x, dc.x, out);
+    });
+  }
+  static void matrix(const Rest<Pack>& rest, const Tangent<Pack>& t, const V3<Pack> (&x)[nodes],
+                     Pack (&k)[nodes * nodes * 9]) {
+    for (Pack& value : k) value = Pack(0.);
+    for (int i = 0; i < fan_size; ++i) {
+      const Corners<Pack> c(x, i);
+      Pack own[4 * 4 * 9];
+      ElementLoop<4>::matrixFromProducts(
+          [&](const V3<Pack>(&dx)[4], V3<Pack>(&df)[4]) {
+            Single::product(rest.of[i], t.of[i], Pack(1.), c.x, dx, df);
+          },
+          own);
+      for (int a = 0; a < 4; ++a)
+        for (int b = 0; b < 4; ++b)
+          for (int e = 0; e < 9; ++e) k[(corner(i, a) * nodes + corner(i, b)) * 9 + e] += own[(a * 4 + b) * 9 + e];
+    }
+  }
+
+ private:
+  template <class T>
+  struct Corners {
+    V3<T> x[4];
+    Corners(const V3<T> (&of)[nodes], int i) : x{of[0], of[1], of[2 + i], of[3 + i]} {}
+  };
+  template <class T, class Force>
+  static void gatherForces(V3<T> (&f)[nodes], Force&& force) {
+    V3<T> first[4];
+    force(0, first);
+    for (int a = 0; a < 4; ++a) f[a] = first[a];
+    for (int i = 1; i < fan_size; ++i) {
+      V3<T> own[4];
+      force(i, own);
+      f[0] = f[0] + own[0], f[1] = f[1] + own[1], f[2 + i] = f[2 + i] + own[2];
+      f[3 + i] = own[3];
+    }
+  }
+};
+
+}  // namespace stroma::tetrahedron
