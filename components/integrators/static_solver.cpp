@@ -208,9 +208,8 @@ bool StaticSolver::advancePrescribed(System& system, const StepContext& context)
   axpy(-1, x, d);
   if (dot(d, d) <= 1e-30 * dot(x, x)) return false;
   // f + K d on all rows: the free ones see the prescribed displacement
-  system.computeForceAndProduct(system.x, system.v, displacement_, 1, 0, system.f, moved_v_);
+  system.computeForceAndProduct(system.x, system.v, displacement_, 1, 0, moved_v_);
   copy(ConstRows{moved_v_.rows().data, d.count}, force_);
-  axpy(1, ConstRows{system.f.rows().data, d.count}, force_);
   clear(moved_v_);
   system.project(force_);
   StepReport ignored;

@@ -91,6 +91,7 @@ void VariationalSymplecticSolver::init() {
 
 void VariationalSymplecticSolver::compile(System& system) {
   start_.resize(system.independentRows());
+  if (computes_hamiltonian_ && incremental_) system.askForForce();
   if (!is_explicit_) return implicit_.compile(*this, system);
   explicit_.scheme = fromRungeKutta("symplectic Euler", {{}}, {1});
   explicit_.scheme.x = {1};

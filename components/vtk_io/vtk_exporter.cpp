@@ -217,7 +217,9 @@ void VTKExporter::addPointField(const std::string& word) {
     throw ComponentError(fmt::format("pointsDataFields: '{}' is not a field of nodes", what),
                          "position, restPosition, displacement, velocity or force", nearest(what, point_field_words));
   const std::string label = equals == std::string::npos ? what : word.substr(0, equals);
-  point_outputs_.push_back({label, PointField(found - point_field_words.begin()), newArray(label, 3)});
+  const PointField field = PointField(found - point_field_words.begin());
+  if (field == PointField::force) state_->askForForce();
+  point_outputs_.push_back({label, field, newArray(label, 3)});
   grid_->GetPointData()->AddArray(point_outputs_.back().values);
 }
 

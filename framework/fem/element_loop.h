@@ -57,19 +57,6 @@ class ElementLoop {
     });
   }
 
-  /// first(batch, nodes of a, out) added to f, then second(batch, nodes of b, out) added to g, block by block: the
-  /// second finds the first's data in the level-2 cache. (Batch by batch is slower: two chains of scattered sums in
-  /// flight.)
-  template <class First, class Second>
-  void runBoth(ConstRows a, Rows f, ConstRows b, Rows g, First&& first, Second&& second) const {
-    forEachBlock([&](Index block) {
-      const Index begin = arrangement_.block_start[std::size_t(block)];
-      const Index end = arrangement_.block_start[std::size_t(block) + 1];
-      for (Index batch = begin; batch < end; ++batch) runBatch(batch, a, f, first);
-      for (Index batch = begin; batch < end; ++batch) runBatch(batch, b, g, second);
-    });
-  }
-
   /// The nodes of one batch.
   void gather(Index batch, ConstRows x, Nodes& out) const {
 #pragma GCC unroll 8  // else the packs go through memory
@@ -185,13 +172,6 @@ class ElementLoop {
   }
 
  private:
-  template <class Kernel>
-  __attribute__((flatten)) void runBatch(Index batch, ConstRows input, Rows output, Kernel& kernel) const {
-    Nodes in, out;
-    gather(batch, input, in);
-    kernel(batch, in, out);
-    scatter(batch, out, output);
-  }
   void scatter(Index batch, const Nodes& values, Rows output) const {
 #pragma GCC unroll 8
     for (int a = 0; a < N; ++a) addToRows(values[a], offset(batch, a), output.data);

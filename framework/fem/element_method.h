@@ -14,7 +14,8 @@ class ElementMethod {
   virtual ~ElementMethod() = default;
   virtual Index elements() const = 0;
   virtual void addForce(ConstRows x, Rows f) = 0;
-  virtual void addForceAndProduct(ConstRows x, ConstRows dx, double factor, Rows f, Rows df) = 0;
+  /// f += force + factor * K dx
+  virtual void addForceAndProduct(ConstRows x, ConstRows dx, double factor, Rows f) = 0;
   virtual double energy(ConstRows x) const = 0;
   /// df += factor * K dx
   virtual void addProduct(ConstRows dx, double factor, Rows df) const = 0;

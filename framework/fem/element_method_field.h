@@ -12,8 +12,8 @@ class ElementMethodField : public ForceField {
  public:
   double energy(ConstRows x) const override { return method_->energy(x); }
   void addForce(ConstRows x, ConstRows, Rows f) override { method_->addForce(x, f); }
-  void addForceAndProduct(ConstRows x, ConstRows, ConstRows dx, double factor, Rows f, Rows df) override {
-    method_->addForceAndProduct(x, dx, factor, f, df);
+  void addForceAndProduct(ConstRows x, ConstRows, ConstRows dx, double factor, Rows f) override {
+    method_->addForceAndProduct(x, dx, factor, f);
   }
   void addStiffnessProduct(ConstRows dx, double factor, Rows df) const override { method_->addProduct(dx, factor, df); }
   void addPattern(BlockPattern& pattern) const override { method_->addPattern(pattern); }

@@ -38,6 +38,17 @@ struct FanOf {
     });
   }
   template <class T>
+  static void forceAndProduct(const Rest<T>& rest, Tangent<T>& t, T factor, const V3<T> (&x)[nodes],
+                              const V3<T> (&dx)[nodes], V3<T> (&f)[nodes]) requires requires(V3<T> (&own)[4]) {
+    Single::forceAndProduct(rest.of[0], t.of[0], factor, own, own, own);
+  }
+  {
+    gatherForces(f, [&](int i, V3<T>(&out)[4]) {
+      const Corners<T> c(x, i), dc(dx, i);
+      Single::forceAndProduct(rest.of[i], t.of[i], factor, c.x, dc.x, out);
+    });
+  }
+  template <class T>
   static T energy(const Rest<T>& rest, const Tangent<T>& t, const V3<T> (&x)[nodes]) {
     T sum(0.);
     for (int i = 0; i < fan_size; ++i) sum = sum + Single::energy(rest.of[i], t.of[i], Corners<T>(x, i).x);

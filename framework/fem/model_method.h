@@ -71,6 +71,7 @@ class StoredMethod : public ElementMethod {
 ///   energy(rest, tangent, x)
 ///   product(rest, tangent, factor, x, dx, df)   df = factor * K dx; x only when reads_position
 /// and may have
+///   forceAndProduct(rest, tangent, factor, x, dx, f)   f = the forces and factor * K dx, sharing work
 ///   matrix(rest, tangent, x, k)  which is otherwise made of products
 ///   Coupling                     pairs of nodes without a block in the matrix (element_loop.h)
 template <class Model>
@@ -100,16 +101,11 @@ class ModelMethod final : public StoredMethod<StorageOf<Model>> {
     keep(x);
     storage_.loop.template run<1, 1>({x}, {f}, [&](Index b, const auto& in, auto& out) { force(b, in[0], out[0]); });
   }
-  void addForceAndProduct(ConstRows x, ConstRows dx, double factor, Rows f, Rows df) override {
-    if constexpr (Model::reads_position) {
-      addForce(x, f);
-      addProduct(dx, factor, df);
-    } else {
-      const Pack scale(factor);
-      storage_.loop.runBoth(
-          x, f, dx, df, [&](Index b, const auto& in, auto& out) { force(b, in, out); },
-          [&](Index b, const auto& in, auto& out) { product(b, scale, in, in, out); });
-    }
+  void addForceAndProduct(ConstRows x, ConstRows dx, double factor, Rows f) override {
+    keep(x);
+    const Pack scale(factor);
+    storage_.loop.template run<2, 1>(
+        {x, dx}, {f}, [&](Index b, const auto& in, auto& out) { forceAndProduct(b, scale, in[0], in[1], out[0]); });
   }
   double energy(ConstRows x) const override {
     return storage_.loop.sum(x, [&](Index b, const auto& in) {
@@ -141,6 +137,18 @@ class ModelMethod final : public StoredMethod<StorageOf<Model>> {
   }
   void force(Index b, const Nodes& x, Nodes& f) {
     Model::force(storage_.rest[std::size_t(b)], storage_.tangent[std::size_t(b)], x, f);
+  }
+  void forceAndProduct(Index b, Pack factor, const Nodes& x, const Nodes& dx, Nodes& f) {
+    auto& rest = storage_.rest[std::size_t(b)];
+    auto& tangent = storage_.tangent[std::size_t(b)];
+    if constexpr (requires { Model::forceAndProduct(rest, tangent, factor, x, dx, f); }) {
+      Model::forceAndProduct(rest, tangent, factor, x, dx, f);
+    } else {
+      Nodes df;
+      Model::force(rest, tangent, x, f);
+      Model::product(rest, tangent, factor, x, dx, df);
+      for (int a = 0; a < N; ++a) f[a] = f[a] + df[a];
+    }
   }
   void product(Index b, Pack factor, const Nodes& x, const Nodes& dx, Nodes& df) const {
     Model::product(storage_.rest[std::size_t(b)], storage_.tangent[std::size_t(b)], factor, x, dx, df);
@@ -184,9 +192,9 @@ class KeptMatrix final : public ElementMethod {
     method_->addForce(x, f);
     refresh(x.count);
   }
-  void addForceAndProduct(ConstRows x, ConstRows dx, double factor, Rows f, Rows df) override {
+  void addForceAndProduct(ConstRows x, ConstRows dx, double factor, Rows f) override {
     addForce(x, f);
-    addProduct(dx, factor, df);
+    addProduct(dx, factor, f);
   }
   double energy(ConstRows x) const override { return method_->energy(x); }
   void addProduct(ConstRows dx, double factor, Rows df) const override { matrix_.multiplyAdd(factor, dx, df); }

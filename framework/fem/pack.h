@@ -123,6 +123,7 @@ template <class T>
 struct S3 {
   T xx = T(0.), yy = T(0.), zz = T(0.), xy = T(0.), yz = T(0.), zx = T(0.);
   S3 operator+(const S3& b) const { return {xx + b.xx, yy + b.yy, zz + b.zz, xy + b.xy, yz + b.yz, zx + b.zx}; }
+  S3 operator*(T s) const { return {xx * s, yy * s, zz * s, xy * s, yz * s, zx * s}; }
   V3<T> operator*(const V3<T>& v) const {
     return {fma(xx, v.x, fma(xy, v.y, zx * v.z)), fma(xy, v.x, fma(yy, v.y, yz * v.z)),
             fma(zx, v.x, fma(yz, v.y, zz * v.z))};

@@ -33,6 +33,12 @@ struct Linear : Model {
     nodalForces(restoringStress(strain(t, x), t.lambda, t.mu), t.g, f);
   }
   template <class T>
+  static void forceAndProduct(const Rest<T>&, Tangent<T>& t, T factor, const V3<T> (&x)[4], const V3<T> (&dx)[4],
+                              V3<T> (&f)[4]) {
+    const S3<T> both = strain(t, x) + strainOf(Edges(dx).e, t.g) * factor;
+    nodalForces(restoringStress(both, t.lambda, t.mu), t.g, f);
+  }
+  template <class T>
   static T energy(const Rest<T>&, const Tangent<T>& t, const V3<T> (&x)[4]) {
     return storedEnergy(strain(t, x), t.lambda, t.mu);
   }
@@ -54,6 +60,14 @@ struct Corotational : Model {
     nodalForces(restoringStress(k.strain, t.lambda, t.mu), k.g, f);
   }
   template <class T>
+  static void forceAndProduct(const Rest<T>& rest, Tangent<T>& t, T factor, const V3<T> (&x)[4], const V3<T> (&dx)[4],
+                              V3<T> (&f)[4]) {
+    const auto k = kinematics<Rotation, update>(rest, x);
+    t.g = k.g;
+    const S3<T> both = k.strain + strainOf(Edges(dx).e, k.g) * factor;
+    nodalForces(restoringStress(both, t.lambda, t.mu), k.g, f);
+  }
+  template <class T>
   static T energy(const Rest<T>& rest, const Tangent<T>& t, const V3<T> (&x)[4]) {
     return storedEnergy(kinematics<Rotation, update>(rest, x).strain, t.lambda, t.mu);
   }
@@ -63,6 +77,9 @@ struct Corotational : Model {
 template <class Rotation, Update update>
 struct ExactCorotational : Corotational<Rotation, update> {
   static constexpr bool reads_position = true;
+  template <class T>  // the base's is for the warped tangent
+  static void forceAndProduct(const Rest<T>&, Tangent<T>&, T, const V3<T> (&)[4], const V3<T> (&)[4], V3<T> (&)[4]) =
+      delete;
   template <class T>
   static void product(const Rest<T>& rest, const Tangent<T>& t, T factor, const V3<T> (&x)[4], const V3<T> (&dx)[4],
                       V3<T> (&df)[4]) {
@@ -109,9 +126,9 @@ class NodalWarping final : public StoredMethod<StorageOf<Model>> {
       nodalWarpingForce(t.g, t.lambda, t.mu, in[0], r, out[0]);
     });
   }
-  void addForceAndProduct(ConstRows x, ConstRows dx, double factor, Rows f, Rows df) override {
+  void addForceAndProduct(ConstRows x, ConstRows dx, double factor, Rows f) override {
     addForce(x, f);
-    addProduct(dx, factor, df);
+    addProduct(dx, factor, f);
   }
   /// The energy of each element in the frame of its mean nodal rotation: for monitoring, not the potential of the
   /// force.

@@ -56,10 +56,10 @@ class ForceField : public Component {
   virtual void addDampingProduct(ConstRows dv, double factor, Rows df) const;
   virtual void addDamping(double factor, BlockMatrix& matrix) const;
   virtual void addDampingDiagonal(double factor, std::vector<double>& blocks) const;
-  /// Both f += force(x) and df += factor * K(x) dx in one pass; a field that can share the work overrides it.
-  virtual void addForceAndProduct(ConstRows x, ConstRows v, ConstRows dx, double factor, Rows f, Rows df) {
+  /// f += force(x) + factor * K(x) dx in one pass; a field that can share the work overrides it.
+  virtual void addForceAndProduct(ConstRows x, ConstRows v, ConstRows dx, double factor, Rows f) {
     addForce(x, v, f);
-    addStiffnessProduct(dx, factor, df);
+    addStiffnessProduct(dx, factor, f);
   }
   /// Estimated nanoseconds of one product and of one assembly on one core, for the choice matrix-free or assembled.
   struct Cost {

@@ -15,8 +15,11 @@ class State : public Component {
   Index firstRow() const { return first_row_; }
   Rows x() const { return {x_.data + std::size_t(first_row_) * row_doubles, size()}; }
   Rows v() const { return {v_.data + std::size_t(first_row_) * row_doubles, size()}; }
-  /// The net force of the last evaluation [N]; what observers read.
+  /// The net force of the last evaluation [N], for observers that asked for it before the first step: implicit steps
+  /// that nobody asks have it only together with other terms.
   ConstRows f() const { return {f_.data + std::size_t(first_row_) * row_doubles, size()}; }
+  void askForForce() { force_asked_ = true; }
+  bool forceAsked() const { return force_asked_; }
   bool isBound() const { return x_.data != nullptr; }
   /// Called by System: the whole vectors and where this state starts in them.
   void bind(Index first_row, Rows x, Rows v, ConstRows f) { first_row_ = first_row, x_ = x, v_ = v, f_ = f; }
@@ -29,6 +32,7 @@ class State : public Component {
   Index first_row_ = 0;
   Rows x_, v_;
   ConstRows f_;
+  bool force_asked_ = false;
 };
 
 }  // namespace stroma

@@ -113,20 +113,15 @@ StepReport ImplicitStep::solveLinearised() {
   const double total = scheme_.weight + (two_times ? 0 : scheme_.old_weight);
   const double k = scheme_.weight * scheme_.drift / total + rayleigh_stiffness;
   if (!scheme_.has_history) {
-    s.computeForceAndProduct(s.x, s.v, s.v, k, 1, s.f, right_side_);
+    s.computeForceAndProduct(s.x, s.v, s.v, k, 1, right_side_);
   } else {
     copy(extra, work_);
     scale(scheme_.weight / total, work_);
     axpy(k, v(), work_);
-    s.computeForceAndProduct(s.x, s.v, work_, 1, 0, s.f, right_side_);
+    s.computeForceAndProduct(s.x, s.v, work_, 1, 0, right_side_);
     if (has_own_stiffness_damping_) s.addStiffnessProduct(v(), 0, 1, b);
   }
-  {
-    const double* __restrict f = s.f.rows().data;
-    double* __restrict out = b.data;
-#pragma omp simd
-    for (std::size_t i = 0; i < b.doubles(); ++i) out[i] = total * (f[i] + out[i]);
-  }
+  scale(total, b);
   if (has_rayleigh_mass_) s.addRayleighMassProduct(v(), rayleigh_mass, -total, b);
   if (two_times) axpy(scheme_.old_weight, constant_, b);
   if (scheme_.has_history) s.addMassProduct(lag, 1, b);

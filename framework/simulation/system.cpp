@@ -240,28 +240,29 @@ void System::computeForce(ConstRows x_now, ConstRows v_now, Rows f_now) {
 }
 
 void System::computeForceAndProduct(ConstRows x_now, ConstRows v_now, ConstRows p, double k, double k_rayleigh,
-                                    Rows f_now, Rows df) {
+                                    Rows out) {
+  const bool asked = std::any_of(states_.begin(), states_.end(), [](const State* s) { return s->forceAsked(); });
+  if (asked || !mappings_linear_) {  // the geometric stiffness of mappings needs the force alone too
+    computeForce(x_now, v_now, f);
+    copy(f, out);
+    addStiffnessProduct(p, k, k_rayleigh, {out.data, independent_rows_});
+    return;
+  }
   const PhaseTimer timer(times.force);
-  assert(f_now.count == all_rows_);
+  assert(out.count == all_rows_);
   const ConstRows x_all = onAllRows(x_now, mapped_x_, true), v_all = onAllRows(v_now, mapped_v_, false);
   const ConstRows p_all = onAllRows(p, mapped_p_, false);
-  const Rows df_all = mappings_.empty() ? df : mapped_f_.rows();
-  copy(gravity_force_, f_now);
-  clear(df_all);
+  copy(gravity_force_, out);
   for (ForceField* field : force_fields_) {
     const double factor = k + k_rayleigh * field->rayleigh_stiffness;
     if (factor == 0 || !field->traits().has_stiffness) {
-      field->addForce(x_all, v_all, f_now);
+      field->addForce(x_all, v_all, out);
     } else {
-      field->addForceAndProduct(x_all, v_all, p_all, factor, f_now, df_all);
+      field->addForceAndProduct(x_all, v_all, p_all, factor, out);
     }
   }
-  pullBack(f_now);
-  noteForceEvaluation(f_now);
-  if (mappings_.empty()) return;
-  pullBackProduct(p_all, k, df_all);
-  clear(df);
-  std::memcpy(df.data, df_all.data, std::size_t(independent_rows_) * row_doubles * sizeof(double));
+  pullBack(out);
+  noteForceEvaluation(out);
 }
 
 void System::applyMappings() {

@@ -66,8 +66,11 @@ class System final : public SystemMatrix {
   // ---- what integrators use ----
   /// f = sum of forces at (x, v), gravity included; prepares the stiffness at x. Not projected.
   void computeForce(ConstRows x, ConstRows v, Rows f);
-  /// The same, and df = sum of (k + k_rayleigh rayleighStiffness of the field) K p for all fields, in one pass.
-  void computeForceAndProduct(ConstRows x, ConstRows v, ConstRows p, double k, double k_rayleigh, Rows f, Rows df);
+  /// The same, plus the sum of (k + k_rayleigh rayleighStiffness of the field) K p for all fields, in one pass;
+  /// System::f becomes the force alone where it was asked for.
+  void computeForceAndProduct(ConstRows x, ConstRows v, ConstRows p, double k, double k_rayleigh, Rows out);
+  /// An integrator that reads System::f after computeForceAndProduct() says so once; observers ask a State.
+  void askForForce() { states_.front()->askForForce(); }
   /// The time [s] of forces that depend on it; beginStep() sets the end of the step.
   void setTime(double t);
   /// out += sum of (k + k_rayleigh rayleighStiffness of the field) K p, K of the last force; on independent rows.

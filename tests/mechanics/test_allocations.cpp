@@ -34,7 +34,7 @@ TEST(System, AllocatesNothingAfterTheFirstStep) {
     context.index = index, context.dt = 0.01, context.t = 0.01 * double(index), context.t_end = context.t + 0.01;
     system.beginStep(context);
     p[4] = Vec3(1, 2, 3);
-    system.computeForceAndProduct(system.x, system.v, p, -0.1, 0, f, out);
+    system.computeForceAndProduct(system.x, system.v, p, -0.1, 0, f);
     system.matrix({.mass = 1, .stiffness = -0.01}).multiply(p, out);
     system.assemble();
     system.diagonalBlocks(blocks);
