@@ -6,8 +6,8 @@
 
 namespace stroma {
 
-/// A factor that a scene prescribes over time: `factors` at `times`, linear between them, constant outside; repeated with
-/// `period` when it is given. Without any it is 1 at all times.
+/// A factor that a scene prescribes over time: `factors` at `times`, linear between them, constant outside; repeated
+/// with `period` when it is given. Without any it is 1 at all times.
 class FactorOverTime {
  public:
   /// Declares `times`, `factors` and `period`; `what` names the quantity in the help.

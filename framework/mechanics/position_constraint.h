@@ -44,10 +44,10 @@ struct PositionStep {
   Mobility& mobility;  ///< shared by all constraints of the system
 };
 
-/// After the integrator has moved x and v, the system lets its position constraints correct x in turns until all hold, then
-/// v: v += (correction of x) / dt, and again in turns until no velocity breaks a constraint. Corrections go along W times
-/// the gradient at the START of the step for x (then angular momentum is that of the unconstrained step, to round-off)
-/// and at its end for v.
+/// After the integrator has moved x and v, the system lets its position constraints correct x in turns until all hold,
+/// then v: v += (correction of x) / dt, and again in turns until no velocity breaks a constraint. Corrections go along
+/// W times the gradient at the START of the step for x (then angular momentum is that of the unconstrained step, to
+/// round-off) and at its end for v.
 class PositionConstraint : public Component {
  public:
   std::string roleText() const override { return "position constraint"; }

@@ -67,17 +67,17 @@ void System::enforcePositions(const StepContext& context, ConstRows x_start, Ste
   const double rate = 1 / context.dt;
   const double* reference = position_reference_.rows().data;
   for (std::size_t i = 0; i < v_now.doubles(); ++i) v_now.data[i] += rate * (x_now.data[i] - reference[i]);
-  const Sweeps turned = correctInTurns(position_constraints_, most_velocity_sweeps, [&](PositionConstraint& constraint) {
-    return constraint.correctVelocities(step, x_now, v_now);
-  });
+  const Sweeps turned =
+      correctInTurns(position_constraints_, most_velocity_sweeps,
+                     [&](PositionConstraint& constraint) { return constraint.correctVelocities(step, x_now, v_now); });
   applyMappings();
   report.constraint_sweeps += moved.count;
   report.constraints_converged = moved.converged() && turned.converged();
   if (report.constraints_converged || !report.reason.empty()) return;
-  report.reason = moved.converged()
-                      ? fmt::format("velocities still break {} after {} corrections", turned.culprit->path(), turned.count)
-                      : fmt::format("{} does not hold after {} corrections: {}", moved.culprit->path(), moved.count,
-                                    moved.culprit->violation());
+  report.reason = moved.converged() ? fmt::format("velocities still break {} after {} corrections",
+                                                  turned.culprit->path(), turned.count)
+                                    : fmt::format("{} does not hold after {} corrections: {}", moved.culprit->path(),
+                                                  moved.count, moved.culprit->violation());
 }
 
 }  // namespace stroma
