@@ -143,14 +143,16 @@ double PlaneConstraint::correctPositions(const PositionStep& step, Rows x, Rows 
 }
 
 double PlaneConstraint::correctVelocities(const PositionStep&, ConstRows, Rows v) {
-  double worst = 0;
+  if (contacts_.empty()) return 0;
+  double worst = 0, fastest = 0;
+  for (const Index node : nodes_) fastest = std::max(fastest, v[row(node)].squaredNorm());
   for (const Contact& contact : contacts_) {
-    const double speed = normals_[contact.plane].dot(v[contact.row]), scale = v[contact.row].norm();
+    const double speed = normals_[contact.plane].dot(v[contact.row]);
     if (!(speed < 0) || contact.along.isZero()) continue;
     v[contact.row] -= speed * contact.along;
-    worst = std::max(worst, -speed / (1e-12 * scale));
+    worst = std::max(worst, -speed);
   }
-  return worst;
+  return worst > 0 ? worst / (1e-12 * std::sqrt(fastest)) : 0;
 }
 
 }  // namespace

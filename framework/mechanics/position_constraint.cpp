@@ -3,10 +3,10 @@
 
 namespace stroma {
 
-void Mobility::allocate(std::vector<double> inverse_mass) {
-  inverse_mass_ = std::move(inverse_mass);
-  slot_of_row_.assign(inverse_mass_.size(), -1);
-  projectors_.reserve(inverse_mass_.size());
+void Mobility::allocate(const std::vector<double>& inverse_mass) {
+  inverse_mass_ = &inverse_mass;
+  slot_of_row_.assign(inverse_mass.size(), -1);
+  projectors_.reserve(inverse_mass.size());
 }
 
 void Mobility::reset(const std::vector<NodeProjector>& projectors) {

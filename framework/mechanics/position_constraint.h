@@ -10,14 +10,14 @@
 namespace stroma {
 
 /// How a correction may move nodes: W = P / m, m the lumped mass, P the projector of what holds the node. Rows of the
-/// system.
+/// system. Of nodes that are tied to others each is corrected for itself; the system takes the mean at every turn.
 class Mobility {
  public:
-  /// 1/m of each independent row [1/kg], 0 where the node never moves.
-  void allocate(std::vector<double> inverse_mass);
+  /// 1/m of each independent row [1/kg], 0 where the node never moves; to outlive this.
+  void allocate(const std::vector<double>& inverse_mass);
   /// Forgets all restrictions but those of projective constraints.
   void reset(const std::vector<NodeProjector>& projectors);
-  double inverseMass(Index row) const { return inverse_mass_[std::size_t(row)]; }  ///< [1/kg]
+  double inverseMass(Index row) const { return (*inverse_mass_)[std::size_t(row)]; }  ///< [1/kg]
   /// P g
   Vec3 freePart(Index row, const Vec3& g) const {
     const Index slot = slot_of_row_[std::size_t(row)];
@@ -31,9 +31,9 @@ class Mobility {
   void restrict(Index row, const Vec3& n);
 
  private:
-  std::vector<double> inverse_mass_;       ///< shape (rows)
-  std::vector<Index> slot_of_row_;         ///< shape (rows), -1: free
-  std::vector<NodeProjector> projectors_;  ///< at most one a row; memory for all rows
+  const std::vector<double>* inverse_mass_ = nullptr;  ///< shape (rows)
+  std::vector<Index> slot_of_row_;                     ///< shape (rows), -1: free
+  std::vector<NodeProjector> projectors_;              ///< at most one a row; memory for all rows
 };
 
 /// The step that is being corrected.
@@ -46,8 +46,9 @@ struct PositionStep {
 
 /// After the integrator has moved x and v, the system lets its position constraints correct x in turns until all hold,
 /// then v: v += (correction of x) / dt, and again in turns until no velocity breaks a constraint. Corrections go along
-/// W times the gradient at the START of the step for x (then angular momentum is that of the unconstrained step, to
-/// round-off) and at its end for v.
+/// W times the gradient at the START of the step for x and at its end for v. Momentum is then that of the unconstrained
+/// step, to round-off; so is angular momentum where x1 = x0 + dt v1 (Euler methods), else up to dt times the
+/// correction.
 class PositionConstraint : public Component {
  public:
   std::string roleText() const override { return "position constraint"; }

@@ -101,7 +101,7 @@ class System final : public SystemMatrix {
   /// After the integrator: prescribed motion and tied rows, exactly.
   void endStep(const StepContext& context);
   void applyMappings();
-  /// Position constraints after the integrator's step from positions `x_start`; nothing when there are none.
+  /// Position constraints after endStep(), for a step from positions `x_start`. Only when there are some.
   void enforcePositions(const StepContext& context, ConstRows x_start, StepReport& report);
 
   double kineticEnergy() const;

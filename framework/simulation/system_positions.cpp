@@ -12,27 +12,29 @@ namespace stroma {
 
 namespace {
 
-constexpr int most_position_sweeps = 1000, most_velocity_sweeps = 200;
+constexpr int most_sweeps = 1000;
 
-/// correct(constraint) in turns until none was off by more than its tolerance; the sweeps made, and whether it ended so
-/// and the one that was off most. A single constraint is checked, not corrected a second time without need.
+/// correct(constraint) in turns until none was off by more than its tolerance; the sweeps made, and the one that was
+/// off most. settle() restores what the projective constraints say before each turn and after the last.
 struct Sweeps {
   int count = 0;
   double worst = 0;
   PositionConstraint* culprit = nullptr;
   bool converged() const { return !(worst > 1); }
 };
-template <class Correct>
-Sweeps correctInTurns(const std::vector<PositionConstraint*>& constraints, int most, Correct&& correct) {
+template <class Settle, class Correct>
+Sweeps correctInTurns(const std::vector<PositionConstraint*>& constraints, Settle&& settle, Correct&& correct) {
   Sweeps sweeps;
   do {
     sweeps.worst = 0;
+    settle();
     for (PositionConstraint* constraint : constraints) {
       const double violation = correct(*constraint);
       if (!(violation <= sweeps.worst)) sweeps.worst = violation, sweeps.culprit = constraint;
     }
     ++sweeps.count;
-  } while (sweeps.worst > 1 && sweeps.count < most);
+  } while (sweeps.worst > 1 && sweeps.count < most_sweeps);
+  settle();
   return sweeps;
 }
 
@@ -55,23 +57,27 @@ void System::preparePositionConstraints() {
 }
 
 void System::enforcePositions(const StepContext& context, ConstRows x_start, StepReport& report) {
-  if (position_constraints_.empty()) return;
   const Rows x_now{x.rows().data, independent_rows_}, v_now{v.rows().data, independent_rows_};
   const PositionStep step{context.dt, context.t_end, {x_start.data, independent_rows_}, mobility_};
   copy(x_now, position_reference_);
   mobility_.reset(projectors_);
   for (PositionConstraint* constraint : position_constraints_) constraint->begin(step);
-  const Sweeps moved = correctInTurns(position_constraints_, most_position_sweeps, [&](PositionConstraint& constraint) {
-    return constraint.correctPositions(step, x_now, position_reference_);
-  });
+  const auto settle = [&](Rows tied) {
+    groups_.average(tied);
+    placePrescribed(context, x, v);
+  };
+  const Sweeps moved = correctInTurns(
+      position_constraints_, [&] { settle(x_now); },
+      [&](PositionConstraint& constraint) { return constraint.correctPositions(step, x_now, position_reference_); });
+  groups_.average(position_reference_);
   const double rate = 1 / context.dt;
   const double* reference = position_reference_.rows().data;
   for (std::size_t i = 0; i < v_now.doubles(); ++i) v_now.data[i] += rate * (x_now.data[i] - reference[i]);
-  const Sweeps turned =
-      correctInTurns(position_constraints_, most_velocity_sweeps,
-                     [&](PositionConstraint& constraint) { return constraint.correctVelocities(step, x_now, v_now); });
+  const Sweeps turned = correctInTurns(
+      position_constraints_, [&] { settle(v_now); },
+      [&](PositionConstraint& constraint) { return constraint.correctVelocities(step, x_now, v_now); });
   applyMappings();
-  report.constraint_sweeps += moved.count;
+  report.constraint_sweeps += moved.count + turned.count;
   report.constraints_converged = moved.converged() && turned.converged();
   if (report.constraints_converged || !report.reason.empty()) return;
   report.reason = moved.converged() ? fmt::format("velocities still break {} after {} corrections",
