@@ -4,7 +4,7 @@
 //   x_i = c + Q a_i,   a_i = R X_i: the rest shape from its centre of mass, turned as it was at the start of the step
 //
 // c is the centre of mass of the nodes that the integrator has moved, and Q the rotation of the step for which
-//   sum m_i a_i x (Q a_i) = sum m_i a_i x (x_i - c)
+//   sum m_i s_i x (Q a_i) = sum m_i s_i x (x_i - c),   s_i the position from the centre at the start (a_i to round-off)
 // (Moser and Veselov's discrete rigid body, what SHAKE converges to with all distances held): momentum and angular
 // momentum are those of the unconstrained nodes. Then v_i = v_c + w x (x_i - c) with the same momenta. The distances
 // between the nodes are those of the rest shape to round-off, however long the run: no error piles up.
@@ -102,6 +102,7 @@ class RigidConstraint final : public PositionConstraint {
   std::vector<Index> nodes_;
   std::vector<Vec3> rest_;            ///< from the mean of the set [m], shape (nodes_)
   std::vector<Vec3> arm_;             ///< a_i of this step [m]
+  std::vector<Vec3> start_;           ///< s_i of this step [m]
   std::vector<double> mass_;          ///< [kg]
   std::vector<std::size_t> leaders_;  ///< nodes of the set that are held or moved as prescribed
   bool leaders_in_line_ = false;
@@ -140,6 +141,7 @@ void RigidConstraint::init() {
 void RigidConstraint::compile() {
   rest_.resize(nodes_.size());
   arm_.resize(nodes_.size());
+  start_.resize(nodes_.size());
   mass_.resize(nodes_.size());
   leaders_.reserve(nodes_.size());
 }
@@ -183,10 +185,13 @@ void RigidConstraint::begin(const PositionStep& step) {
   for (std::size_t i = 0; i < nodes_.size(); ++i) {
     rest_[i] = state().rest_position[std::size_t(nodes_[i])] - rest_centre;
     const double weight = mass_[i] > 0 ? mass_[i] : 1;
-    a += weight * (step.x_start[rowOf(i)] - centre) * rest_[i].transpose();
+    start_[i] = step.x_start[rowOf(i)] - centre;
+    a += weight * start_[i] * rest_[i].transpose();
   }
   const Mat3 r = bestRotation(a);
-  for (std::size_t i = 0; i < nodes_.size(); ++i) arm_[i] = r * rest_[i];
+  Vec3 rest = Vec3::Zero();  // round-off in the centre of the arms would push the body at every step
+  for (std::size_t i = 0; i < nodes_.size(); ++i) arm_[i] = r * rest_[i], rest += mass_[i] / total * arm_[i];
+  for (Vec3& arm : arm_) arm -= leaders_.empty() ? rest : Vec3::Zero();
   leaders_in_line_ = true;
   for (std::size_t k = 2; k < leaders_.size(); ++k) {
     const Vec3 along = rest_[leaders_.back()] - rest_[leaders_[0]], other = rest_[leaders_[k - 1]] - rest_[leaders_[0]];
@@ -207,15 +212,15 @@ Mat3 RigidConstraint::fit(ConstRows x, const Vec3& centre) const {
   return Eigen::Quaterniond::FromTwoVectors(turned, axis(x)).toRotationMatrix() * q;
 }
 
-/// From near, the rotation with sum m a x (Q a) = sum m a x b, b = x - centre; about the axis only when there is one.
-/// With M = sum m (Q a) a^T, a turn by d changes the left side by (tr(M) I - M) d. Steps are halved where the equation
+/// From near, the rotation with sum m s x (Q a) = sum m s x b, b = x - centre; about the axis only when there is one.
+/// With M = sum m (Q a) s^T, a turn by d changes the left side by (tr(M) I - M) d. Steps are halved where the equation
 /// is far from linear (a turn of more than a quarter in one step), and the best fit stays when there is no solution.
 Mat3 RigidConstraint::turn(Mat3 q, ConstRows x, const Vec3& centre) const {
   Mat3 inertia = Mat3::Zero();
   Vec3 moment = Vec3::Zero();
   for (std::size_t i = 0; i < nodes_.size(); ++i) {
-    inertia += mass_[i] * arm_[i] * arm_[i].transpose();
-    moment += mass_[i] * arm_[i].cross(x[rowOf(i)] - centre);
+    inertia += mass_[i] * arm_[i] * start_[i].transpose();
+    moment += mass_[i] * start_[i].cross(x[rowOf(i)] - centre);
   }
   const Mat3 start = q;
   const Vec3 line = hasAxis() ? axis(x) : Vec3::Zero();
