@@ -289,6 +289,9 @@ TEST(RigidConstraint, AFreeBodyTumblesWithItsMomenta) {
   for (Index i = 0; i < system.x.count(); ++i)
     system.v[i] =
         Vec3(0.01, 3, 0.02).cross(Vec3(system.x[i])) + Vec3(0.1 * std::sin(double(i)), 0.2 * std::cos(double(i)), 0);
+  // it stays where it is, because round-off of positions far away enters velocities over dt
+  const Motion given = motionOf(system);
+  for (Index i = 0; i < system.x.count(); ++i) system.v[i] -= given.linear / given.mass;
   const Motion start = motionOf(system);
   run(simulation, 1);
   const double energy = system.kineticEnergy();
@@ -302,10 +305,9 @@ TEST(RigidConstraint, AFreeBodyTumblesWithItsMomenta) {
   }
   EXPECT_GT(most_turned, 1) << "it tumbles";
   const Motion end = motionOf(system);
-  EXPECT_LT((end.linear - start.linear).norm(), 1e-11 * start.linear.norm());
+  EXPECT_LT(end.linear.norm(), 1e-11 * given.linear.norm());
   EXPECT_LT((end.angular - start.angular).norm(), 1e-11 * start.angular.norm());
-  // round-off of positions enters velocities over dt
-  EXPECT_LT((end.centre - start.centre - 100.01 * start.linear / start.mass).norm(), 1e-9);
+  EXPECT_LT((end.centre - start.centre).norm(), 1e-11);
 }
 
 /// A free symmetric top: its axis turns about the angular momentum L at |L| / I_across. Second order in dt.

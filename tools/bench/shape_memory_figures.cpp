@@ -17,7 +17,7 @@ struct Form {
 
 Body& bodyOf(const Form& form) {
   return bodyOf("benchmarks/shape_memory.xml",
-                {fmt::format("/root/grid.n={0} {0} {0}", form.side), "/root/cells/memory.reaction=" + form.reaction},
+                {fmt::format("/grid.n={0} {0} {0}", form.side), "/cells/memory.reaction=" + form.reaction},
                 Shape::deformed);
 }
 
