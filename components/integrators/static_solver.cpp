@@ -81,6 +81,7 @@ class StaticSolver final : public Integrator {
   void compile(System& system) override;
   StepReport step(System& system, const StepContext& context) override;
   std::string describe() const override;
+  bool movesInTime() const override { return false; }
   void reset() override { checked_projectors_ = std::size_t(-1); }
 
  private:

@@ -4,6 +4,7 @@
 
 #include "framework/mechanics/force_field.h"
 #include "framework/mechanics/mass.h"
+#include "framework/mechanics/position_constraint.h"
 #include "framework/mechanics/projective_constraint.h"
 
 namespace stroma {
@@ -48,6 +49,13 @@ void ProjectiveConstraint::declare(DataTable& table) {
 }
 
 void ProjectiveConstraint::init() { state_ = findState(*this, mstate_); }
+
+void PositionConstraint::declare(DataTable& table) {
+  table.addLink("mstate", mstate_)
+      .help("mechanical state to act on; the one of this node or the nearest above when not given");
+}
+
+void PositionConstraint::init() { state_ = findState(*this, mstate_); }
 
 void Mass::declare(DataTable& table) {
   table.addLink("mstate", mstate_)

@@ -38,6 +38,8 @@ class SpringField : public NodeGroupField<2, PairTangent> {
   void setSprings(std::vector<Spring> springs, State* second = nullptr);
   State& second() const { return second_ ? *second_ : state(); }
   const std::vector<Spring>& springs() const { return springs_; }
+  /// From the next addForce() on. A field whose lengths change over time says so in its traits.
+  void setLength(std::size_t spring, double length) { springs_[spring].length = length; }
   /// Distance of the ends at rest [m].
   double restDistance(const Spring& spring) const;
 

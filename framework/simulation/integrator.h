@@ -14,6 +14,8 @@ class Integrator : public Component {
   /// Called once: allocate every vector the steps need; check that the system has what the method needs.
   virtual void compile(System& system) = 0;
   virtual StepReport step(System& system, const StepContext& context) = 0;
+  /// False for statics: a step then has no velocities that a position constraint could correct.
+  virtual bool movesInTime() const { return true; }
   /// One line for `explain`: what a step does.
   virtual std::string describe() const = 0;
 };

@@ -62,6 +62,7 @@ std::vector<const Component*> actorsOn(const State& state, const Node& root) {
   addActorsOn<ForceField>(state, root, actors);
   addActorsOn<Mass>(state, root, actors);
   addActorsOn<ProjectiveConstraint>(state, root, actors);
+  addActorsOn<PositionConstraint>(state, root, actors);
   std::vector<Mapping*> mappings;
   root.collect(mappings);
   for (const Mapping* mapping : mappings)
@@ -108,6 +109,8 @@ void merge(StepReport&& part, StepReport& whole) {
   whole.newton_residual = std::max(whole.newton_residual, part.newton_residual);
   whole.newton_converged = whole.newton_converged && part.newton_converged;
   whole.unsolved = whole.unsolved || part.unsolved;
+  whole.constraint_sweeps += part.constraint_sweeps;
+  whole.constraints_converged = whole.constraints_converged && part.constraints_converged;
   if (whole.linear_converged) whole.linear_stop = part.linear_stop;
   whole.linear_converged = whole.linear_converged && part.linear_converged;
   if (whole.reason.empty()) whole.reason = std::move(part.reason);
@@ -192,6 +195,8 @@ void Simulation::advance(std::size_t index, const StepContext& context, StepRepo
   copy(system.v, good_[index].second);
   StepReport part = system.integrator().step(system, context);
   if (!part.diverged) system.endStep(context);
+  if (!part.diverged && !system.positionConstraints().empty())
+    system.enforcePositions(context, good_[index].first, part);
   std::string cause = part.diverged ? part.reason : system.firstNonFinite();
   system.times.total += seconds(Clock::now() - start);
   system.times.solve += part.solve_seconds;

@@ -46,6 +46,7 @@ System::System(Node& node, Integrator& integrator) : node_(node), integrator_(in
   applyMappings();
   computeGravity();
   findLinearSolver();
+  preparePositionConstraints();
 }
 
 // ---- collection ----
@@ -55,6 +56,7 @@ void System::collect() {
   node_.collect(force_fields_);
   node_.collect(masses_);
   node_.collect(constraints_);
+  node_.collect(position_constraints_);
   node_.collect(mappings_);
   if (states_.empty())
     throw ComponentError(
@@ -87,6 +89,7 @@ void System::checkActors() const {
   requireStateIn(states_, force_fields_);
   requireStateIn(states_, masses_);
   requireStateIn(states_, constraints_);
+  requireStateIn(states_, position_constraints_);
   for (std::size_t i = 0; i < masses_.size(); ++i)
     for (std::size_t j = 0; j < i; ++j)
       if (&masses_[i]->state() == &masses_[j]->state())

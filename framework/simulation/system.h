@@ -9,6 +9,7 @@
 #include "framework/mechanics/force_field.h"
 #include "framework/mechanics/mapping.h"
 #include "framework/mechanics/mass.h"
+#include "framework/mechanics/position_constraint.h"
 #include "framework/mechanics/projective_constraint.h"
 #include "framework/simulation/mapped_matrix.h"
 #include "framework/simulation/node_groups.h"
@@ -58,6 +59,7 @@ class System final : public SystemMatrix {
   const std::vector<ForceField*>& forceFields() const { return force_fields_; }
   const std::vector<Mass*>& masses() const { return masses_; }
   const std::vector<ProjectiveConstraint*>& constraints() const { return constraints_; }
+  const std::vector<PositionConstraint*>& positionConstraints() const { return position_constraints_; }
   const std::vector<Mapping*>& mappings() const { return mappings_; }
   Integrator& integrator() const { return integrator_; }
   LinearSolver* linearSolver() const { return linear_solver_; }
@@ -102,6 +104,8 @@ class System final : public SystemMatrix {
   /// After the integrator: prescribed motion and tied rows, exactly.
   void endStep(const StepContext& context);
   void applyMappings();
+  /// Position constraints after endStep(), for a step from positions `x_start`. Only when there are some.
+  void enforcePositions(const StepContext& context, ConstRows x_start, StepReport& report);
 
   double kineticEnergy() const;
   double potentialEnergy(ConstRows x) const;  ///< elastic + gravity + loads [J]
@@ -143,6 +147,7 @@ class System final : public SystemMatrix {
   void checkActors() const;
   void orderMappings();
   void layOut();
+  void preparePositionConstraints();
   void computeGravity();
   void gatherConstraints(double t_start, double t_end);
   void gatherGroups();
@@ -177,6 +182,7 @@ class System final : public SystemMatrix {
   std::vector<ForceField*> timed_fields_;   ///< those that depend on time
   std::vector<Mass*> masses_;
   std::vector<ProjectiveConstraint*> constraints_;
+  std::vector<PositionConstraint*> position_constraints_;
   std::vector<Mapping*> mappings_;
   Index all_rows_ = 0, independent_rows_ = 0;
 
@@ -195,6 +201,9 @@ class System final : public SystemMatrix {
   bool constraints_change_ = false;  ///< some constraint ends or depends on time
 
   MatrixFactors factors_;
+  Mobility mobility_;          ///< of position constraints
+  Vector position_reference_;  ///< shape (independentRows()), only with position constraints
+
   long revision_ = 0, assembled_revision_ = -1;
   bool stiffness_varies_ = false;  ///< some K or C may change with x or v
   bool mappings_linear_ = true;

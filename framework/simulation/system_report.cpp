@@ -130,6 +130,9 @@ std::vector<std::string> System::explain() const {
   if (!constraints_.empty())
     lines.push_back(fmt::format("  {} nodes held or guided, {}", projectors_.size(),
                                 constraints_change_ ? "looked up at each step" : "looked up once"));
+  for (const PositionConstraint* constraint : position_constraints_)
+    lines.push_back(
+        fmt::format("  position constraint {}: after each step; {}", constraint->path(), constraint->describe()));
   for (const Mapping* mapping : mappings_)
     lines.push_back(fmt::format("  mapping {}: each evaluation", mapping->path()));
   if (mappings_.empty()) lines.push_back("  mappings: none, skipped");

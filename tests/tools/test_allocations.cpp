@@ -77,7 +77,7 @@ TEST_P(AllocationsOfScene, NoneAfterTheFirstStep) {
 
 INSTANTIATE_TEST_SUITE_P(Examples, AllocationsOfScene,
                          testing::Values("organ.xml", "cantilever.xml", "explicit.xml", "ten_tetrahedra.xml",
-                                         "mesh_matrix_mass.xml", "partial_fixed.xml"));
+                                         "mesh_matrix_mass.xml", "partial_fixed.xml", "breathing.xml"));
 
 }  // namespace
 }  // namespace stroma

@@ -13,6 +13,8 @@ void addHexahedronFigures(Catalogue& catalogue);
 void addThreadFigures(Catalogue& catalogue);
 /// Whole steps of the scenes of scenes/benchmarks and of the organs.
 void addStepFigures(Catalogue& catalogue);
+/// The shape memory of neighbourhoods: forces and whole explicit steps.
+void addShapeMemoryFigures(Catalogue& catalogue);
 /// Processes from start to end.
 void addStartFigures(Catalogue& catalogue);
 

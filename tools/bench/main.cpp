@@ -84,6 +84,7 @@ void measure(Request& request) {
   addHexahedronFigures(catalogue);
   addThreadFigures(catalogue);
   addStepFigures(catalogue);
+  addShapeMemoryFigures(catalogue);
   addStartFigures(catalogue);
   Collector collector(catalogue);
   if (request.list) {

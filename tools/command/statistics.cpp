@@ -31,6 +31,8 @@ void Statistics::add(const StepReport& report, double step_seconds) {
   factorisations_ += report.factorisations;
   linear_unconverged_ += report.linear_converged ? 0 : 1;
   newton_unconverged_ += report.newton_converged ? 0 : 1;
+  constraints_unconverged_ += report.constraints_converged ? 0 : 1;
+  if (!report.constraints_converged && constraint_reason_.empty()) constraint_reason_ = report.reason;
   residual_sum_ += report.linear_residual;
   residual_worst_ = std::max(residual_worst_, report.linear_residual);
   newton_residual_worst_ = std::max(newton_residual_worst_, report.newton_residual);
@@ -47,6 +49,9 @@ std::vector<std::string> Statistics::warnings() const {
     warnings.push_back(
         fmt::format("Newton's method did not converge in {} of {} steps (worst relative residual {:.2g})",
                     newton_unconverged_, step_ms_.size(), newton_residual_worst_));
+  if (constraints_unconverged_ > 0)
+    warnings.push_back(fmt::format("position constraints did not hold in {} of {} steps; the first time: {}",
+                                   constraints_unconverged_, step_ms_.size(), constraint_reason_));
   return warnings;
 }
 

@@ -33,7 +33,8 @@ class Statistics {
   std::vector<double> step_ms_;
   std::map<SolveStop, long> stops_;
   long linear_iterations_ = 0, newton_iterations_ = 0, factorisations_ = 0;
-  long linear_unconverged_ = 0, newton_unconverged_ = 0;
+  long linear_unconverged_ = 0, newton_unconverged_ = 0, constraints_unconverged_ = 0;
+  std::string constraint_reason_;  ///< of the first step in which position constraints did not hold
   double residual_sum_ = 0, residual_worst_ = 0, newton_residual_worst_ = 0;
 };
 

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Conditions on positions that hold exactly after each step, whatever force that takes ("non-quantified force
+// components" in Nesme et al. 2005, section 4; the forces of constraint of SHAKE and RATTLE, Ryckaert 1977, Andersen
+// 1983).
+#pragma once
+#include <vector>
+
+#include "framework/mechanics/projective_constraint.h"
+
+namespace stroma {
+
+/// How a correction may move nodes: W = P / m, m the lumped mass, P the projector of what holds the node. Rows of the
+/// system. Of nodes that are tied to others each is corrected for itself; the system takes the mean at every turn.
+class Mobility {
+ public:
+  /// 1/m of each independent row [1/kg], 0 where the node never moves; to outlive this.
+  void allocate(const std::vector<double>& inverse_mass);
+  /// Forgets all restrictions but those of projective constraints.
+  void reset(const std::vector<NodeProjector>& projectors);
+  double inverseMass(Index row) const { return (*inverse_mass_)[std::size_t(row)]; }  ///< [1/kg]
+  /// P g
+  Vec3 freePart(Index row, const Vec3& g) const {
+    const Index slot = slot_of_row_[std::size_t(row)];
+    return slot < 0 ? g : Vec3(projectors_[std::size_t(slot)].projector * g);
+  }
+  /// W g
+  Vec3 times(Index row, const Vec3& g) const { return inverseMass(row) * freePart(row, g); }
+  bool isHeld(Index row) const;    ///< cannot move at all
+  bool isGuided(Index row) const;  ///< can move in some directions only
+  /// For the rest of the step the node does not move along the unit vector n.
+  void restrict(Index row, const Vec3& n);
+
+ private:
+  const std::vector<double>* inverse_mass_ = nullptr;  ///< shape (rows)
+  std::vector<Index> slot_of_row_;                     ///< shape (rows), -1: free
+  std::vector<NodeProjector> projectors_;              ///< at most one a row; memory for all rows
+};
+
+/// The step that is being corrected.
+struct PositionStep {
+  double dt = 0;       ///< [s]
+  double t_end = 0;    ///< [s]
+  ConstRows x_start;   ///< positions at the start of the step [m], shape (rows)
+  Mobility& mobility;  ///< shared by all constraints of the system
+};
+
+/// After the integrator has moved x and v, the system lets its position constraints correct x in turns until all hold,
+/// then v: v += (correction of x) / dt, and again in turns until no velocity breaks a constraint. Corrections go along
+/// W times the gradient at the START of the step for x and at its end for v. Momentum is then that of the unconstrained
+/// step, to round-off; so is angular momentum where x1 = x0 + dt v1 (Euler methods), else up to dt times the
+/// correction.
+class PositionConstraint : public Component {
+ public:
+  std::string roleText() const override { return "position constraint"; }
+  void declare(DataTable& table) override;  ///< mstate
+  void init() override;                     ///< finds the state
+  State& state() const { return *state_; }
+  Index row(Index node) const { return state_->firstRow() + node; }
+
+  /// Called once when rows are known: allocate what steps need.
+  virtual void compile() {}
+  /// The start of a correction: positions and velocities are those of the integrator.
+  virtual void begin(const PositionStep&) {}
+  /// Makes x satisfy this constraint. Returns by how much it did not, in units of its tolerance: at most 1 is good.
+  /// `reference` are the positions from which the change of v is taken; a correction that is not to enter v is made to
+  /// both.
+  virtual double correctPositions(const PositionStep& step, Rows x, Rows reference) = 0;
+  /// Makes v satisfy the derivative of this constraint at x. Returns as above.
+  virtual double correctVelocities(const PositionStep& step, ConstRows x, Rows v) = 0;
+  /// A sentence on what was wrong at the last correctPositions(): "the volume is 3.1e-4 m^3 instead of 3e-4 m^3".
+  virtual std::string violation() const = 0;
+  /// One line for `explain`.
+  virtual std::string describe() const = 0;
+
+ protected:
+  Link<State> mstate_{"mechanical state"};
+
+ private:
+  State* state_ = nullptr;
+};
+
+}  // namespace stroma

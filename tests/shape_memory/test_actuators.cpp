@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Forces prescribed over time: contractile fibres and moving targets, against their formulas.
+#include "tests/elasticity/field_under_test.h"
+
+namespace stroma::test {
+namespace {
+
+std::string chain(const std::string& field, const std::string& more = "") {
+  return "<Node name=\"root\" dt=\"0.01\" gravity=\"0 0 0\"><EulerImplicitSolver/><SparseLDLSolver/>"
+         "<MechanicalObject position=\"0 0 0  2 0 0  2 1 0\"/><UniformMass vertexMass=\"0.1\"/>" +
+         field + more + "</Node>";
+}
+
+std::string fibres(const std::string& attributes) {
+  return "<ContractileForceField edges=\"0 1  1 2\" stiffness=\"50\" " + attributes + "/>";
+}
+
+TEST(ContractileForceField, RestLengthsFollowTheTable) {
+  FieldUnderTest t(chain(fibres("times=\"0 1 3\" factors=\"1 0.5 1\" period=\"3\"")), "ContractileForceField");
+  struct At {
+    double time, factor;
+  };
+  for (const At& at : {At{0, 1}, At{0.5, 0.75}, At{1, 0.5}, At{2, 0.75}, At{3, 1}, At{7, 0.5}, At{30.5, 0.75}}) {
+    t.field().setTime(at.time);
+    t.rest();
+    const Vector f = t.force();
+    const Vec3 first(50 * 2 * (1 - at.factor), 0, 0), second(0, 50 * (1 - at.factor), 0);
+    EXPECT_LT((f[0] - first).norm(), 1e-12) << at.time;
+    EXPECT_LT((f[1] - second + first).norm(), 1e-12) << at.time;
+    EXPECT_LT((f[2] + second).norm(), 1e-12) << at.time;
+    EXPECT_NEAR(t.field().energy(t.x), 25 * 5 * (1 - at.factor) * (1 - at.factor), 1e-12);
+  }
+}
+
+TEST(ContractileForceField, WithoutAPeriodTheLastFactorStaysAndASlackFibreMayBeWithoutForce) {
+  FieldUnderTest t(chain(fibres("times=\"1 2\" factors=\"1 1.5\" elongationOnly=\"true\"")), "ContractileForceField");
+  t.field().setTime(100);
+  EXPECT_EQ(dot(t.force(), t.force()), 0) << "shorter than 1.5 times its rest length";
+  t.x[0] = Vec3(-4, 0, 0);
+  EXPECT_NEAR(t.force()[0].x(), 50 * (6 - 3), 1e-12);
+  t.field().setTime(0);
+  EXPECT_NEAR(t.force()[0].x(), 50 * (6 - 2), 1e-12);
+}
+
+TEST(ContractileForceField, AMuscleShortensToItsLength) {
+  for (const char* integrator : {"<EulerImplicitSolver rayleighMass=\"20\"/>", "<RungeKutta4Solver/>"}) {
+    Simulation simulation = simulationFromText(
+        std::string("<Node name=\"root\" dt=\"0.01\" gravity=\"0 0 0\">") + integrator +
+        "<SparseLDLSolver/><MechanicalObject position=\"0 0 0  2 0 0\"/><UniformMass vertexMass=\"0.1\"/>"
+        "<MeshTopology position=\"0 0 0  2 0 0\" edges=\"0 1\"/><FixedProjectiveConstraint indices=\"0\"/>"
+        "<ContractileForceField stiffness=\"50\" damping=\"2\" times=\"0 1\" factors=\"1 0.7\"/></Node>");
+    for (int i = 0; i < 400; ++i) ASSERT_FALSE(simulation.step().diverged);
+    EXPECT_NEAR(simulation.systems()[0]->x[1].x(), 1.4, 1e-6) << integrator;
+  }
+}
+
+TEST(TargetForceField, DrawsToPlacesThatMove) {
+  FieldUnderTest t(chain("<TargetForceField indices=\"2 0\" targets=\"1 1 1  0 0 0\" stiffness=\"30\" "
+                         "displacement=\"0 0 2\" times=\"0 1\" factors=\"1 2\"/>"),
+                   "TargetForceField");
+  for (const double time : {0., 0.25, 1., 5.}) {
+    t.field().setTime(time);
+    t.rest();
+    const Vec3 moved = (1 + std::min(time, 1.)) * Vec3(0, 0, 2);
+    const Vector f = t.force();
+    EXPECT_LT((f[2] - 30 * (Vec3(1, 1, 1) + moved - Vec3(2, 1, 0))).norm(), 1e-12);
+    EXPECT_LT((f[0] - 30 * moved).norm(), 1e-12);
+    EXPECT_EQ(f[1].norm(), 0);
+  }
+}
+
+/// A node on a spring whose target moves with speed c, damped by the mass: at last it trails by rM m c / k.
+TEST(TargetForceField, ANodeTrailsItsTarget) {
+  Simulation simulation = simulationFromText(
+      "<Node name=\"root\" dt=\"0.01\" gravity=\"0 0 0\"><EulerImplicitSolver rayleighMass=\"4\"/><SparseLDLSolver/>"
+      "<MechanicalObject position=\"0 0 0\"/><UniformMass vertexMass=\"0.5\"/><TargetForceField indices=\"0\" "
+      "stiffness=\"20\" displacement=\"0.3 0 0\" times=\"0 1000\" factors=\"1 1001\"/></Node>");
+  for (int i = 0; i < 3000; ++i) ASSERT_FALSE(simulation.step().diverged);
+  const System& system = *simulation.systems()[0];
+  EXPECT_NEAR(system.v[0].x(), 0.3, 1e-9);
+  EXPECT_NEAR(0.3 * (1 + simulation.time()) - system.x[0].x(), 4 * 0.5 * 0.3 / 20, 1e-9);
+}
+
+TEST(Actuators, BadInputIsSaid) {
+  const auto says = [](const std::string& field, const std::string& words) {
+    const std::string problems = problemsOf(chain(field));
+    EXPECT_NE(problems.find(words), std::string::npos) << problems;
+  };
+  says(fibres("times=\"0 1\" factors=\"1\""), "2 times and 1 factors");
+  says(fibres("times=\"0 0\" factors=\"1 1\""), "ascending");
+  says(fibres("times=\"0 1\" factors=\"1 2\" period=\"1\""), "jump");
+  says(fibres("times=\"0 2\" factors=\"1 1\" period=\"1\""), "up to the period");
+  says(fibres("period=\"1\""), "nothing to repeat");
+  says("<ContractileForceField stiffness=\"1\"/>", "no fibres");
+  says("<ContractileForceField stiffness=\"1\" edges=\"0 9\"/>", "9");
+  says("<TargetForceField stiffness=\"1\" indices=\"0\" targets=\"0 0 0  1 1 1\"/>", "2 places for 1 nodes");
+  says("<TargetForceField stiffness=\"1\" indices=\"7\"/>", "7");
+}
+
+}  // namespace
+}  // namespace stroma::test
