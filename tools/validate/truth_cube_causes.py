@@ -78,12 +78,14 @@ CONCLUSION = """Read from the tables:
 
 - **Poisson's ratio** is what separates our polar rows with B from the paper's. At 0.499 they lie 0.1 and 0.23 points above at 12.5
   and 18.25 %, at rest and converged alike; at 0.48, with every other setting of the paper, tets polar B gives 1.05, 1.44 and 1.78
-  (paper 1.05, 1.44, 1.77). Mesh, gravity and registration move the mean by 0.1 at most, sliding faces the wrong way. An updated B
+  (paper 1.05, 1.44, 1.77). The number of cells, gravity and small shifts of the cube move the mean by 0.1 at most; sliding faces,
+  nominal bead places and other cuts of a cell move it the wrong way. The likely reason: an updated B
   measures volume by tr(J (I - F^-1)), which lets the cube bulge too far when it is kept to 1e-3.
 - **No stable answer at 0.499** is physics of the formulation, not of the solver: a constant B or Green's strain rests in
-  another shape or flies apart with 5, 20 and more iterations, with slow and with ten times faster loading. lambda is 500 mu, and a
-  trace of the strain is no volume: its pressure acts as a negative stiffness against turning elements. At 0.48 all rows are at
-  rest in the converged shape, to the digits shown.
+  another shape or flies apart with 5 and with 20 iterations, with slow and with ten times faster loading. The likely reason: lambda is
+  500 mu, and a
+  trace of the strain is no volume: its pressure acts as a negative stiffness against turning elements. At 0.48 the rows of finite
+  elements come to rest.
 - **hexes, polar, no B** of the paper is the field without any bulge: that row of the paper, mean, deviation and largest, is what
   a Poisson's ratio of 0 gives. Hexahedra with a constant B do not behave so here.
 - **Phymul** without a constraint on its volume is the same field without bulge; the paper's had its volume kept.
