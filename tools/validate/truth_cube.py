@@ -1,0 +1,160 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""The truth cube: tables 1 to 3 of Nesme et al. 2005 against the measured beads of Kerdok et al. 2003.
+
+The model is centred on the mean of the 343 beads at rest, its z the negative of the data's. A bead's computed place is its
+place at rest plus the displacement there, interpolated trilinearly in its cell; the deviation is the distance to the measured
+place over 80 mm. "shift removed" takes the mean of the difference vectors out first.
+"""
+import os
+
+import numpy as np
+
+import stroma_run as sr
+import truth_cube_paper as paper
+from truth_cube_causes import causes
+
+SIZE = 0.08
+COMPRESSIONS = ("5", "12.5", "18.25")
+TETS, HEXES, PHYMUL = ("scenes/validation/truth_cube_" + name for name in ("tetrahedra", "hexahedra", "phymul"))
+SCENES = {"tets": TETS, "hexes": HEXES, "Phymul": PHYMUL}
+REST = 0.1  # [%] of the size: a body that moved further in the half second before the measurement is not at rest
+LIKE_PAPER = {"until": 9, "every": 1250}  # 19 instants, half a second apart, six to a stage
+STATIC = {"steps": 18, "every": 1}
+
+
+def beads(data):
+    """Measured places in the model's frame, shape (4, 343, 3) [m]: at rest and at the three compressions."""
+    table = np.genfromtxt(os.path.join(data, "truthcube", "uniaxial_positions.csv"), delimiter=",", skip_header=7)
+    places = table[:, 3:15].reshape(-1, 4, 3).transpose(1, 0, 2) * np.array([1, 1, -1]) / 1000
+    return places - places[0].mean(axis=0)
+
+
+def interpolate(grid, at):
+    """The nodal field `grid`, shape (n^3, 3), x fastest, at the points `at`."""
+    cells = round(len(grid) ** (1 / 3)) - 1
+    field = grid.reshape(cells + 1, cells + 1, cells + 1, 3)
+    local = np.clip(at / SIZE + 0.5, 0, 1) * cells
+    cell = np.clip(local.astype(int), 0, cells - 1)
+    t = local - cell
+    value = np.zeros_like(at)
+    for corner in range(8):
+        bit = np.array([corner & 1, corner >> 1 & 1, corner >> 2])
+        weight = np.prod(np.where(bit, t, 1 - t), axis=1)
+        i = cell + bit
+        value += weight[:, None] * field[i[:, 2], i[:, 1], i[:, 0]]
+    return value
+
+
+def deviation(computed, measured):
+    """Mean, min, max, standard deviation [%]; and the mean without the rigid shift."""
+    difference = computed - measured
+    size = np.linalg.norm(difference, axis=1) / SIZE * 100
+    shifted = np.linalg.norm(difference - difference.mean(axis=0), axis=1) / SIZE * 100
+    return size.mean(), size.min(), size.max(), size.std(ddof=1), shifted.mean()
+
+
+def settings(row, poisson=None):
+    """Overrides for a row of the paper's tables."""
+    kind, method, update_b, update_v = row.model
+    fem = "/cells/fem." if kind == "tets" else "/fem."
+    chosen = [fem + "poissonRatio=" + poisson] if poisson and method else []
+    if method:
+        chosen.append(fem + "method=" + method)
+    if method in ("large", "polar", "svd"):
+        chosen += [f"{fem}updateStiffnessMatrix={'true' if update_b else 'false'}",
+                   f"{fem}updateVolume={'true' if update_v else 'false'}"]
+    elif kind != "Phymul":
+        chosen.append(fem + "updateStiffnessMatrix=false")
+    return chosen
+
+
+def far(a, b):
+    """Largest distance of two shapes in percent of the cube; infinite where one is not finite."""
+    distance = np.linalg.norm(a - b, axis=1).max() / SIZE * 100
+    return distance if np.isfinite(distance) else np.inf
+
+
+def verdict(frames, k, equilibrium, result):
+    """Why stage k (1 to 3) has no answer, or what is to be said of it; an answer, yes or no."""
+    whole = len(frames) > 6 * k + (1 if result["code"] and len(frames) < 19 else 0)
+    if not whole:
+        return False, "stopped: " + last_line(result)
+    here = frames[6 * k]
+    if not far(here, frames[0]) < 100:
+        return False, "flew apart: a node is more than 80 mm from its place at rest"
+    moved = far(here, frames[6 * k - 1])
+    if moved > REST:
+        return True, f"not at rest: {moved:.1f} % of the size in the last half second"
+    if equilibrium is not None and far(here, equilibrium) > 5:
+        return True, f"at rest in another shape, {far(here, equilibrium):.0f} % of the size from the converged one"
+    return True, ""
+
+
+def stage_rows(row, result, measured, equilibria):
+    frames = result["frames"].get("cube.dofs", np.zeros((0, 0, 0)))
+    ms = result["summary"].get("ms_per_step", {}).get("median")
+    rows, shapes = [], []
+    for k, compression in enumerate(COMPRESSIONS, 1):
+        answer, word = verdict(frames, k, equilibria[k - 1] if equilibria else None, result)
+        values = ["-"] * 5
+        if answer:
+            computed = measured[0] + interpolate(frames[6 * k] - frames[0], measured[0])
+            values = [f"{value:.2f}" for value in deviation(computed, measured[k])]
+        printed = [f"{p:.2f}" for p in row.printed[k - 1]] if row.printed else [""] * 4
+        rows.append([row.name, compression + " %"] + values + printed + [f"{ms:.3f}" if ms else "-", row.ms or "", word])
+        shapes.append(frames[6 * k] if answer and not word else None)
+    return rows, shapes if all(shape is not None for shape in shapes) else None
+
+
+HEADER = ["method", "compression", "mean", "min", "max", "std", "shift removed", "paper: mean", "min", "max", "std",
+          "ms a step", "paper: ms", "remark"]
+
+
+def table(stroma, measured, poisson, static, equilibria):
+    """Rows of the table; for statics `equilibria` is filled, for dynamics it is what the shapes are compared with."""
+    rows = []
+    for row in paper.ROWS:
+        scene = SCENES[row.model[0]]
+        if static and scene == PHYMUL:
+            continue
+        run = STATIC if static else LIKE_PAPER
+        result = stroma.run(scene + ("_static.xml" if static else ".xml"), settings(row, poisson), **run)
+        added, shapes = stage_rows(row, result, measured, None if static else equilibria.get(row.name))
+        if static:
+            if result["code"] and shapes:
+                for line in added:
+                    line[-1] = last_line(result)
+                shapes = None
+            equilibria[row.name] = shapes
+        rows += added
+        print("  ", poisson, "static" if static else "as in the paper", row.name, *[r[2] for r in added], flush=True)
+    return rows
+
+
+def last_line(result):
+    return result["message"].splitlines()[-1] if result["message"] else f"exit {result['code']}"
+
+
+TITLES = {
+    False: "As in the paper, Poisson's ratio {}: dynamics, gravity, steps of 0.4 ms, five conjugate gradient iterations",
+    True: "Converged, Poisson's ratio {}: statics without gravity",
+}
+FILES = {False: "truth_cube_{}.csv", True: "truth_cube_static_{}.csv"}
+
+
+def run(stroma, out, report):
+    data = os.path.join(sr.ROOT, "..", "shared", "data")
+    if not os.path.exists(os.path.join(data, "truthcube")):
+        report.append("## Truth cube\n\nSkipped: the measured bead positions are absent.\n")
+        return
+    measured = beads(data)
+    text = {}
+    for poisson in ("0.499", "0.48"):
+        equilibria = {}
+        for static in (True, False):
+            rows = table(stroma, measured, poisson, static, equilibria)
+            sr.write_csv(os.path.join(out, FILES[static].format(poisson)), HEADER, rows)
+            text[poisson, static] = f"### {TITLES[static].format(poisson)}\n\n" + sr.markdown(HEADER, rows) + "\n"
+    why = causes(stroma, measured, out)
+    report.append("## Truth cube\n\n" + paper.INTRODUCTION + "\n" + text["0.499", False] + text["0.499", True] +
+                  text["0.48", False] + text["0.48", True] + why)
