@@ -8,6 +8,10 @@
 // velocities are zero after a step. A tangent that is not positive definite (buckling, an inverted element) gets a
 // multiple of its own diagonal until it can be solved; the report says so.
 //
+// With forcing_term above 0 a solver by products solves early iterations loosely, and as well as Newton converges later
+// (Eisenstat and Walker 1996). With PCGLinearSolver preconditioner="warped" one factorisation then serves many
+// iterations: for large bodies the fastest way to an equilibrium. What ends a step does not change.
+//
 // A step ends when |f| <= relative_residual_tolerance_threshold * the |f| where the step starts (reactions of held
 // nodes included), or when one of the other thresholds (off by default: they are absolute, or measure the step instead
 // of the balance of forces) is met, or when dx no longer changes x in double precision. After newton_iterations without
@@ -86,7 +90,7 @@ class StaticSolver final : public Integrator {
 
  private:
   void checkSettings() const;
-  bool advancePrescribed(System& system, const StepContext& context);
+  bool advancePrescribed(System& system, const StepContext& context, StepReport& report);
 
   NewtonSettings settings_;
   std::vector<double> graph_;
@@ -97,7 +101,7 @@ class StaticSolver final : public Integrator {
   Equilibrium problem_;
   Newton newton_;
   Vector force_, mode_;
-  Vector moved_, moved_v_, displacement_;  ///< work space of advancePrescribed(), shape (all rows)
+  Vector moved_, moved_v_, displacement_;             ///< work space of advancePrescribed(), shape (all rows)
   std::size_t checked_projectors_ = std::size_t(-1);  ///< how many projectors were active at the last check
 };
 
@@ -122,6 +126,13 @@ void StaticSolver::declare(DataTable& table) {
       .help("converged when |dx| is below this; 0: not used")
       .unit("m")
       .min(0);
+  table.add("forcing_term", settings_.forcing)
+      .help(
+          "largest |K dx + f| / |f| that linear solves by products may leave in early iterations; 0: the linear "
+          "solver's own tolerance")
+      .unit("-")
+      .min(0)
+      .max(1, false);
   table.add("should_diverge_when_residual_is_growing", settings_.stop_when_residual_grows)
       .help("end the run when an iteration makes the residual larger");
   table.add("residualGraph", graph_).help("|f| of the last step's Newton iterations").unit("N").output();
@@ -139,9 +150,10 @@ void StaticSolver::compile(System& system) {
   settings_component_ = findNewtonSolver(*this, newton_link_);
   if (settings_component_) {
     checkSettings();
-    const bool stop = settings_.stop_when_residual_grows;
+    const NewtonSettings own = settings_;
     settings_ = settings_component_->settings();
-    settings_.stop_when_residual_grows = stop;
+    settings_.stop_when_residual_grows = own.stop_when_residual_grows;
+    settings_.forcing = own.forcing;
   }
   settings_.use_energy = system.isConservative();
   newton_.settings = settings_;
@@ -164,6 +176,13 @@ void StaticSolver::checkSettings() const {
                              "the settings in one of the two");
 }
 
+void addCounts(const StepReport& from, StepReport& to) {
+  to.newton_iterations += from.newton_iterations;
+  to.linear_iterations += from.linear_iterations;
+  to.factorisations += from.factorisations;
+  to.solve_seconds += from.solve_seconds;
+}
+
 StepReport StaticSolver::step(System& system, const StepContext& context) {
   system.beginStep(context);
   clear(system.v);
@@ -176,15 +195,14 @@ StepReport StaticSolver::step(System& system, const StepContext& context) {
     if (report.diverged) return report;
   }
   problem_.begin();
-  advancePrescribed(system, context);
-  report = newton_.solve(problem_, *solver_);
-  // what follows a node that has moved in the solve has its place only now
-  for (int again = 0; again < 3 && report.newton_converged && advancePrescribed(system, context); ++again) {
+  // what follows a node that has moved in the solve has its place only after it
+  for (int again = 0; again < 4 && report.newton_converged; ++again) {
     const StepReport before = report;
+    StepReport advance;
+    if (!advancePrescribed(system, context, advance) && again > 0) break;
     report = newton_.solve(problem_, *solver_);
-    report.newton_iterations += before.newton_iterations;
-    report.linear_iterations += before.linear_iterations;
-    report.factorisations += before.factorisations;
+    addCounts(before, report);
+    addCounts(advance, report);
   }
   report.unsolved = !report.newton_converged;
   graph_.assign(newton_.history().begin(), newton_.history().end());
@@ -200,7 +218,7 @@ StepReport StaticSolver::step(System& system, const StepContext& context) {
 /// Moves what has a prescribed motion to the end of the step; false when it is there. The rest is carried along by the
 /// tangent where the step starts, -K du = f + K d with d the prescribed displacements: moved alone, a face would crush
 /// the elements behind it. Where that costs more energy than moving it alone, it is moved alone.
-bool StaticSolver::advancePrescribed(System& system, const StepContext& context) {
+bool StaticSolver::advancePrescribed(System& system, const StepContext& context, StepReport& report) {
   if (!system.hasPrescribed()) return false;
   copy(system.x, moved_);
   system.placePrescribed(context, moved_, moved_v_);
@@ -213,8 +231,9 @@ bool StaticSolver::advancePrescribed(System& system, const StepContext& context)
   copy(ConstRows{moved_v_.rows().data, d.count}, force_);
   clear(moved_v_);
   system.project(force_);
-  StepReport ignored;
-  const bool solved = solveOrShift(*solver_, problem_.tangent(), force_, mode_, ignored);
+  solver_->setEnough(settings_.forcing);
+  const bool solved = solveOrShift(*solver_, problem_.tangent(), force_, mode_, report);
+  solver_->setEnough(0);
   axpy(1, d, x);
   if (!solved) return true;
   const double alone = system.potentialEnergy(system.x);

@@ -87,7 +87,7 @@ SolveReport CGLinearSolver::iterate(const SystemMatrix& matrix, Rows x, double r
   SolveReport report;
   double rho = precondition ? jacobi_.apply(r_, z_) : residual;
   copy(precondition ? z_.rows() : r_.rows(), p_);
-  const double enough = tolerance_ * norm_b_;
+  const double enough = target();
   for (;;) {
     product(matrix, p_, q_);
     ++report.iterations;
@@ -134,7 +134,7 @@ SolveReport CGLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x) {
   }
   if (warm_start_) copy(previous_, x);
   const double residual = KrylovSolver::residual(matrix, b, x, r_, q_);
-  if (std::sqrt(residual) <= tolerance_ * norm_b_) {
+  if (std::sqrt(residual) <= target()) {
     report.relative_residual = std::sqrt(residual) / norm_b_;
   } else {
     report = iterate(matrix, x, residual);

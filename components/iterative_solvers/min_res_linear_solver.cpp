@@ -90,7 +90,7 @@ SolveStop MinResLinearSolver::iterate(const SystemMatrix& matrix, Rows x, double
     phi *= sine;
     report.relative_residual = phi / norm_b_;
     record(report.relative_residual);
-    if (phi <= tolerance_ * norm_b_) return SolveStop::converged;
+    if (phi <= target()) return SolveStop::converged;
     if (report.iterations == iterations_) return SolveStop::iteration_limit;
 
     std::swap(w_before_, w_), std::swap(w_, w_next_);
@@ -105,7 +105,7 @@ SolveReport MinResLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x)
   if (!begin(matrix, b, x, report)) return report;
   double now = std::sqrt(residual(matrix, b, x, v_, product_));
   report.relative_residual = now / norm_b_;
-  if (!(now > tolerance_ * norm_b_)) return report;
+  if (!(now > target())) return report;
   for (;;) {
     const double before = now;
     report.stop = iterate(matrix, x, now, report);
@@ -113,7 +113,7 @@ SolveReport MinResLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x)
     // what the recurrence says differs from b - A x by round-off: the report gives the latter
     now = std::sqrt(residual(matrix, b, x, v_, product_));
     report.relative_residual = now / norm_b_;
-    if (report.stop != SolveStop::converged || now <= 1.1 * tolerance_ * norm_b_) return report;
+    if (report.stop != SolveStop::converged || now <= 1.1 * target()) return report;
     report.stop = report.iterations == iterations_ ? SolveStop::iteration_limit : SolveStop::stagnated;
     if (report.stop == SolveStop::iteration_limit || now > 0.5 * before) return report;
   }

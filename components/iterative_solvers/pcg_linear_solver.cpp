@@ -104,7 +104,7 @@ SolveReport PCGLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x) {
   const auto multiply = [&](ConstRows p, Rows out) { product(matrix, p, out); };
   const auto precondition = [&](ConstRows r, Rows z) { inverse_ ? inverse_->apply(r, z) : copy(r, z); };
   const auto note = [&](double residual) { record(residual / norm_b_); };
-  report = cg::preconditioned(multiply, precondition, note, {iterations_, tolerance_ * norm_b_}, b, work_, x);
+  report = cg::preconditioned(multiply, precondition, note, {iterations_, target()}, b, work_, x);
   report.relative_residual /= norm_b_;
   report.factored = prepared.factored;
   if (inverse_) inverse_->solved(report.iterations);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
+#include <algorithm>
 #include <cmath>
 
 #include "framework/algebra/linear_solver.h"
@@ -53,6 +54,8 @@ class KrylovSolver : public LinearSolver {
     }
     return dot(r, r);
   }
+  /// The |b - A x| at which a solve ends.
+  double target() const { return std::max(tolerance_, enough()) * norm_b_; }
   void record(double relative_residual) {
     if (graph_.size() < graph_.capacity()) graph_.push_back(relative_residual);
   }

@@ -18,6 +18,8 @@ class SystemMatrix {
   /// The matrix in a pattern that never changes (the same object at each call; eliminated directions carry 1 on the
   /// diagonal). Assembled at most once for each revision().
   virtual const BlockMatrix& assemble() = 0;
+  /// The same object where its pattern alone is wanted: its values may be of another revision.
+  virtual const BlockMatrix& pattern() { return assemble(); }
   /// The 3x3 diagonal blocks, shape (rows, 9), row-major: for preconditioners, without assembling the rest.
   virtual void diagonalBlocks(std::vector<double>& blocks) const = 0;
   /// Changes when any value of the matrix may have changed, and only then.
@@ -54,6 +56,15 @@ class LinearSolver : public Component {
   virtual SolveReport solve(SystemMatrix& matrix, ConstRows b, Rows x) = 0;
   /// True for solvers that need a symmetric matrix; System refuses the pairing at compile time with a sentence.
   virtual bool needsSymmetric() const = 0;
+  /// The |b - A x| / |b| that the caller of the next solves is content with: solvers by products stop there where their
+  /// own tolerance asks for more. 0: their tolerance.
+  void setEnough(double relative_residual) { enough_ = relative_residual; }
+
+ protected:
+  double enough() const { return enough_; }
+
+ private:
+  double enough_ = 0;
 };
 
 }  // namespace stroma

@@ -45,7 +45,7 @@ bool WarpedFactor::follow(SystemMatrix& matrix, SolveReport& report) {
   const bool factor = renew_ || rows_ != matrix.rows();
   fresh_ = factor;
   if (!factor) {
-    if (positions.count > 0) turn(matrix.assemble(), positions);
+    if (positions.count > 0) turn(matrix.pattern(), positions);
     revision_ = matrix.revision();
     return true;
   }

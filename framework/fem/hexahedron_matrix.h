@@ -51,9 +51,10 @@ void fillSymmetric(T (&k)[8 * 8 * 9], AddBlock&& add) {
     }
 }
 
-/// K of small strains with the gradients g of each Gauss point.
+/// K of small strains with the gradients g of each Gauss point. Not inlined, nor the other: element loops are
+/// flattened, and a copy in each of two dozen takes the compiler minutes.
 template <class T>
-void stiffnessMatrix(const Gradients<T> (&g)[8], T lambda, T mu, T (&k)[8 * 8 * 9]) {
+__attribute__((noinline, flatten)) void stiffnessMatrix(const Gradients<T> (&g)[8], T lambda, T mu, T (&k)[8 * 8 * 9]) {
   V3<T> n[8][8];  // [node][point]
   for (int p = 0; p < 8; ++p)
     for (int a = 0; a < 8; ++a) n[a][p] = nodeGradient(g[p], a, p);
@@ -79,7 +80,8 @@ struct GreenState {
 
 /// K of St. Venant-Kirchhoff.
 template <class T>
-void greenMatrix(const Gradients<T> (&g)[8], const GreenState<T> (&state)[8], T lambda, T mu, T (&k)[8 * 8 * 9]) {
+__attribute__((noinline, flatten)) void greenMatrix(const Gradients<T> (&g)[8], const GreenState<T> (&state)[8],
+                                                    T lambda, T mu, T (&k)[8 * 8 * 9]) {
   V3<T> n[8][8], m[8][8];  // [node][point]
   S3<T> left_cauchy_green[8];
   for (int p = 0; p < 8; ++p) {

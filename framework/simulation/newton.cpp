@@ -46,6 +46,7 @@ class ShiftedMatrix final : public SystemMatrix {
     base_.multiply(p, out);
     for (Index i = 0; i < rows(); ++i) out[i] += shift_ * scale_[std::size_t(i)] * p[i];
   }
+  const BlockMatrix& pattern() override { return base_.pattern(); }
   const BlockMatrix& assemble() override {
     matrix_ = base_.assemble();
     for (Index i = 0; i < rows(); ++i)
@@ -145,6 +146,16 @@ bool Newton::stalled(const NonlinearProblem& problem) const {
   return length <= settings.absolute_correction || length <= settings.relative_correction * problem.travelled();
 }
 
+/// The relative residual that the next linear solve must reach; 0: what its solver is set to.
+double Newton::forcingTerm(double now) const {
+  if (settings.forcing <= 0) return 0;
+  double term = settings.forcing;
+  if (history_.size() > 1) term = 0.9 * std::pow(now / history_[history_.size() - 2], 2);
+  // more than what ends the iteration is wasted
+  term = std::max(term, 0.5 * std::max(settings.relative_residual * scale_, settings.absolute_residual) / now);
+  return std::min(term, settings.forcing);
+}
+
 void Newton::keepIfBest(NonlinearProblem& problem, double now) {
   if (settings.use_energy || !(now < best_norm_)) return;
   copy(problem.unknowns(), best_);
@@ -192,7 +203,10 @@ StepReport Newton::solve(NonlinearProblem& problem, LinearSolver& solver) {
 /// One iteration. False when it is the last: converged by its correction, or failed as the report says.
 bool Newton::iterate(NonlinearProblem& problem, LinearSolver& solver, double& now, StepReport& report) {
   ++report.newton_iterations;
-  if (!solveOrShift(solver, problem.tangent(), residual_, direction_, report)) return false;
+  solver.setEnough(forcingTerm(now));
+  const bool solved = solveOrShift(solver, problem.tangent(), residual_, direction_, report);
+  solver.setEnough(0);
+  if (!solved) return false;
   const bool shifted = report.linear_stop == SolveStop::not_definite || report.linear_stop == SolveStop::breakdown;
   const double before = now;
   if (search(problem, now) == 0) {

@@ -35,6 +35,9 @@ struct NewtonSettings {
   int line_search_iterations = 40;  ///< steps tried along a correction; 0: the whole one is made untested
   double line_search_coefficient = 0.5;  ///< a step that is refused is shortened at least by this
   bool use_energy = true;                ///< line search on the energy (Armijo), else on the work R.d
+  /// Largest relative residual that a linear solve by products may leave, and leaves in the first iteration; then 0.9
+  /// times the square of the last reduction of |R| (Eisenstat and Walker 1996, choice 2). 0: the solver's tolerance.
+  double forcing = 0;
   bool stop_when_residual_grows = false;
   bool keep_unconverged = true;  ///< for callers: an iterate that has not converged becomes the state
 };
@@ -59,6 +62,7 @@ class Newton {
 
  private:
   bool converged(double norm) const;
+  double forcingTerm(double norm) const;
   bool stalled(const NonlinearProblem& problem) const;
   bool iterate(NonlinearProblem& problem, LinearSolver& solver, double& norm, StepReport& report);
   void keepIfBest(NonlinearProblem& problem, double norm);

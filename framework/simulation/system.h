@@ -120,6 +120,10 @@ class System final : public SystemMatrix {
   Index rows() const override { return independent_rows_; }
   void multiply(ConstRows p, Rows out) const override;
   const BlockMatrix& assemble() override;
+  const BlockMatrix& pattern() override {
+    preparePattern();
+    return matrix_;
+  }
   void diagonalBlocks(std::vector<double>& blocks) const override;
   long revision() const override { return revision_; }
   bool symmetric() const override;
