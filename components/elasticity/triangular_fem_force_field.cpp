@@ -10,9 +10,10 @@
 // momentum and angular momentum are kept exactly; SOFA's force with the same frame differs from it in second order of
 // the strain. method = small: R is the frame at rest, linear.
 //
-// tangent = warped leaves the turning of R out: a tense membrane then has no stiffness across its plane. tangent =
-// exact has it, Newton's method needs it for inflated surfaces, and so do large steps of a tense one; under compression
-// it is not definite. Neither resists bending: TriangularBendingSprings or FastTriangularBendingSprings do.
+// tangent = warped holds R, with the stiffness across the plane that tension gives and without the one that compression
+// takes: it is definite, so that long implicit steps of inflated and of buckling surfaces stay solvable. tangent =
+// exact is the derivative of the force, for Newton's method; under compression it is not definite. Neither resists
+// bending: TriangularBendingSprings or FastTriangularBendingSprings do.
 //
 // Source: the name, method, moduli and drawing attributes are SOFA's; thickness (1 there), planeStrain of its
 // TriangleFEMForceField, which is the same here, and tangent.
@@ -110,7 +111,7 @@ void TriangularFEMForceField::declare(DataTable& table) {
   table.addChoice("method", method_word_, {"small", "large"})
       .help("large: the strain in the frame of the triangle (QR); small: in its frame at rest, linear");
   table.addChoice("tangent", tangent_, {"warped", "exact"})
-      .help("stiffness: R K R^T, or the exact derivative of the force");
+      .help("stiffness: R K R^T and that of tension, or the exact derivative of the force");
   for (const char* name : {"hosfordExponant", "criteriaValue", "showStressValue", "showStressVector",
                            "showFracturableTriangles", "computePrincipalStress"})
     table.addVisualOnly(name);

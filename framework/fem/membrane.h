@@ -21,24 +21,26 @@ struct Rest {
   T inverse[3];
 };
 
+/// eps_00, eps_11, 2 eps_01, or stresses s_00, s_11, s_01.
+template <class T>
+struct Plane {
+  T xx, yy, xy;
+};
+
 /// What a product reads: the axes at the last force evaluation (until then those of the rest shape), D_m^-1, Lame's
-/// constants in the plane times V_0 [J].
+/// constants in the plane times V_0 [J], and the tension there, the positive part of the stress times V_0 [J].
 template <class T>
 struct Tangent {
   V3<T> axis0, axis1;
   T inverse[3];
   T lambda, mu;
+  Plane<T> tension;
 };
 
 /// Two columns: of F, of its change, of a stress.
 template <class T>
 struct Columns {
   V3<T> c0, c1;
-};
-/// eps_00, eps_11, 2 eps_01, or stresses s_00, s_11, s_01.
-template <class T>
-struct Plane {
-  T xx, yy, xy;
 };
 
 template <class T>
@@ -62,6 +64,15 @@ template <class T>
 T energyOf(const Plane<T>& strain, T lambda, T mu) {
   const Plane<T> s = stressOf(strain, lambda, mu);
   return T(0.5) * fma(s.xx, strain.xx, fma(s.yy, strain.yy, s.xy * strain.xy));
+}
+
+/// The part of a stress with the positive principal stresses.
+template <class T>
+Plane<T> tensionOf(const Plane<T>& s) {
+  const T mean = T(0.5) * (s.xx + s.yy), half = T(0.5) * (s.xx - s.yy), radius = sqrt(half * half + s.xy * s.xy);
+  const T larger = maximum(mean + radius, T(0.)), smaller = maximum(mean - radius, T(0.));
+  const T middle = T(0.5) * (larger + smaller), scale = T(0.5) * (larger - smaller) / maximum(radius, T(1e-300));
+  return {middle + scale * half, middle - scale * half, scale * s.xy};
 }
 
 /// The triangle's frame (c2: its normal) and the upper triangular m. A triangle crushed to a line or a point has some
@@ -89,7 +100,7 @@ struct Model {
   template <class T>
   using Tangent = membrane::Tangent<T>;
 
-  /// -V r (sigma of sym(r^T dF)) with the axes r held: the warped tangent, and the whole of a linear triangle.
+  /// -V r (sigma of sym(r^T dF)) with the axes r held: the whole of a linear triangle.
   template <class T>
   static void product(const Rest<T>&, const Tangent<T>& t, T factor, const V3<T> (&)[3], const V3<T> (&dx)[3],
                       V3<T> (&df)[3]) {
@@ -130,18 +141,32 @@ struct Linear : Model {
   }
 };
 
-/// method = large with the warped tangent.
+/// method = large with the warped tangent: the axes held, and across the plane the stiffness that tension gives, which
+/// leaves it definite.
 struct Large : Model {
   template <class T>
   static void force(const Rest<T>& rest, Tangent<T>& t, const V3<T> (&x)[3], V3<T> (&f)[3]) {
     const Qr<T> qr(gradientOf(rest.inverse, x));
     t.axis0 = qr.r.c0, t.axis1 = qr.r.c1;
+    t.tension = tensionOf(stressOf(qr.strain(), t.lambda, t.mu));
     const Plane<T> s = stressOf(qr.strain(), -t.lambda, -t.mu);
     nodalForces(t.inverse, fma(s.xx, qr.r.c0, qr.r.c1 * qr.p10(s)), fma(s.xy, qr.r.c0, qr.r.c1 * s.yy), f);
   }
   template <class T>
   static T energy(const Rest<T>& rest, const Tangent<T>& t, const V3<T> (&x)[3]) {
     return energyOf(Qr<T>(gradientOf(rest.inverse, x)).strain(), t.lambda, t.mu);
+  }
+  template <class T>
+  static void product(const Rest<T>& rest, const Tangent<T>& t, T factor, const V3<T> (&x)[3], const V3<T> (&dx)[3],
+                      V3<T> (&df)[3]) {
+    Model::product(rest, t, factor, x, dx, df);
+    const Columns<T> d = gradientOf(t.inverse, dx);
+    const V3<T> normal = cross(t.axis0, t.axis1), pull = normal * -factor;
+    const T a = dot(normal, d.c0), b = dot(normal, d.c1);
+    V3<T> across[3];
+    nodalForces(t.inverse, pull * fma(t.tension.xx, a, t.tension.xy * b), pull * fma(t.tension.xy, a, t.tension.yy * b),
+                across);
+    for (int i = 0; i < 3; ++i) df[i] = df[i] + across[i];
   }
 };
 
