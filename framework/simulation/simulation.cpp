@@ -198,6 +198,7 @@ void Simulation::advance(std::size_t index, const StepContext& context, StepRepo
   if (!part.diverged && !system.positionConstraints().empty())
     system.enforcePositions(context, good_[index].first, part);
   std::string cause = part.diverged ? part.reason : system.firstNonFinite();
+  if (!part.diverged && cause.empty()) cause = system.firstBurst(good_[index].first);
   system.times.total += seconds(Clock::now() - start);
   system.times.solve += part.solve_seconds;
   if (!part.diverged && cause.empty()) return merge(std::move(part), report);
@@ -242,6 +243,25 @@ void Simulation::reset() {
   for (Component* component : components) component->reset();
   steps_ = 0;
   time_ = root().root_time;
+}
+
+std::vector<std::string> Simulation::foldedElements() const {
+  // a crushed element has the round-off of its nodes' positions for a volume
+  constexpr double flat = 1e-12;
+  std::vector<std::string> sentences;
+  std::vector<double> j;
+  for (const auto& system : systems_)
+    for (const ForceField* field : system->forceFields()) {
+      const auto names = field->cellFields();
+      if (std::find(names.begin(), names.end(), "J") == names.end()) continue;
+      j.clear();
+      field->cellField("J", system->x, j);
+      const auto folded = std::count_if(j.begin(), j.end(), [](double value) { return !(value > flat); });
+      if (folded > 0)
+        sentences.push_back(fmt::format("{} at t = {:.6g} s: {} of {} elements are inverted or flat; the worst is {}",
+                                        field->path(), time_, folded, j.size(), field->worstElement(system->x)));
+    }
+  return sentences;
 }
 
 std::uint64_t Simulation::stateHash() const {

@@ -133,6 +133,9 @@ class System final : public SystemMatrix {
 
   /// Empty when x and v are finite; else a sentence naming the state, the node and the component to suspect.
   std::string firstNonFinite() const;
+  /// Empty, or a sentence on an elastic body that is more than a million times its size at rest and larger than at
+  /// `before` [m]: it will not come back, and long before it overflows nothing about it means anything.
+  std::string firstBurst(ConstRows before);
   /// Throws ComponentError when a mass or a force field has a Rayleigh factor and `method` (a sentence's subject) has
   /// no damping: it would be ignored.
   void refuseRayleighFactors(const std::string& method) const;
@@ -191,6 +194,7 @@ class System final : public SystemMatrix {
   Index all_rows_ = 0, independent_rows_ = 0;
 
   Vector gravity_force_;  ///< constant, computed once
+  double burst_size_ = -1;  ///< [m], see firstBurst(); -1: not looked up yet
   bool has_gravity_ = false;
   std::vector<NodeProjector> projectors_, gathered_;
   std::vector<NodeProjector> velocity_projectors_;  ///< of constraints that also project velocities

@@ -2,7 +2,9 @@
 // What a system says about itself: energies, the plan, and where a state stopped being finite.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "framework/simulation/integrator.h"
 #include "framework/simulation/system.h"
@@ -53,6 +55,14 @@ bool allFinite(ConstRows rows) {
   return sum == 0;
 }
 
+double largestCoordinate(ConstRows rows) {
+  double largest = 0;
+  const double* __restrict numbers = rows.data;
+#pragma omp simd reduction(max : largest)
+  for (std::size_t i = 0; i < rows.doubles(); ++i) largest = std::max(largest, std::abs(numbers[i]));
+  return largest;
+}
+
 Index firstBadRow(ConstRows rows) {
   for (Index i = 0; i < rows.count; ++i)
     if (!rows[i].allFinite()) return i;
@@ -76,6 +86,39 @@ std::string System::firstNonFinite() const {
     text += "; " + field->path() + " acts on it" + (worst.empty() ? "" : ", its worst element: " + worst);
   }
   return text;
+}
+
+std::string System::firstBurst(ConstRows before) {
+  constexpr double too_large = 1e6;
+  const auto diagonal = [](Index first, Index count, auto&& position) {
+    Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+    for (Index i = first; i < first + count; ++i) {
+      const Vec3 p = position(i);
+      low = low.cwiseMin(p), high = high.cwiseMax(p);
+    }
+    return (high - low).norm();
+  };
+  const auto restSize = [&](const State& state) {
+    return diagonal(0, state.size(), [&](Index i) { return state.rest_position[std::size_t(i)]; });
+  };
+  if (burst_size_ < 0) {
+    burst_size_ = std::numeric_limits<double>::infinity();
+    for (const ForceField* field : force_fields_)
+      if (field->traits().forces_balance) burst_size_ = std::min(burst_size_, too_large * restSize(field->state()));
+  }
+  // no box is larger than four times the farthest coordinate
+  if (4 * largestCoordinate(x) <= burst_size_) return {};
+  for (const ForceField* field : force_fields_) {
+    if (!field->traits().forces_balance) continue;
+    const State& state = field->state();
+    const double rest = restSize(state);
+    const double now = diagonal(state.firstRow(), state.size(), [&](Index i) -> Vec3 { return x[i]; });
+    const double was = diagonal(state.firstRow(), state.size(), [&](Index i) -> Vec3 { return before[i]; });
+    if (rest > 0 && now > too_large * rest && now > was)
+      return fmt::format("{} has grown to {:.2g} times its size at rest; {} acts on it", state.path(), now / rest,
+                         field->path());
+  }
+  return {};
 }
 
 std::string System::describeRow(Index row) const {

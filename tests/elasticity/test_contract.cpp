@@ -1,25 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The contract of force fields, for every one in the factory: a component that is added is tested without a word here.
 #include "tests/elasticity/field_under_test.h"
+#include "tests/support/force_field_examples.h"
 
 namespace stroma::test {
 namespace {
-
-/// The scene below the line `Example:` of a component's manual page.
-std::string exampleOf(const std::string& type) {
-  const std::string page = modules().manual(type), mark = "\nExample:\n";
-  const auto at = page.find(mark);
-  return at == std::string::npos ? "" : page.substr(at + mark.size());
-}
-
-/// The force field of an example: `type` itself, or the other name of the component under which the example has it.
-std::string fieldOf(const std::string& example, const std::string& type) {
-  const auto has = [&](const std::string& name) { return example.find("<" + name + " ") != std::string::npos; };
-  if (has(type)) return type;
-  for (const ComponentEntry* entry : factory().entries())
-    if (has(entry->type) && dynamic_cast<ForceField*>(factory().make(entry->type).get())) return entry->type;
-  return "";
-}
 
 /// `example` with the first element of type `type` given other attributes in front.
 std::string withAttributes(std::string example, const std::string& type, const std::string& original,

@@ -192,9 +192,11 @@ int run(const Arguments& arguments) {
       fmt::print(stderr, "the last {} (t = {:.6g} s) is in {}\n", outcome.last.diverged ? "good state" : "state",
                  simulation->time(), fmt::join(recorder->files(), ", "));
   }
-  for (const std::string& warning : statistics.warnings()) {
+  std::vector<std::string> found = statistics.warnings();
+  for (std::string& sentence : simulation->foldedElements()) found.push_back(std::move(sentence));
+  for (std::string& warning : found) {
     fmt::print(stderr, "warning: {}\n", warning);
-    warnings.push_back(warning);
+    warnings.push_back(std::move(warning));
   }
   if (wants_json) {
     auto json = summary(request, *simulation, outcome, statistics);

@@ -1,0 +1,408 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tests/stability/matrix.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <random>
+#include <regex>
+
+#include "tests/support/force_field_examples.h"
+
+namespace stroma::test::matrix {
+
+const std::vector<Condition>& conditions() {
+  static const std::vector<Condition> all{{"inverted", "inverted"},
+                                          {"flat", "flat"},
+                                          {"line", "line"},
+                                          {"point", "point"},
+                                          {"random", "random"},
+                                          {"E=1", "pulled", 1},
+                                          {"E=1e3", "pulled", 1e3},
+                                          {"E=1e6", "pulled", 1e6},
+                                          {"E=1e9", "pulled", 1e9},
+                                          {"nu=0.4999", "pulled", 5000, 0.4999},
+                                          {"dt=1e-5", "pulled", 5000, 0.4, 1e-5},
+                                          {"dt=1e-3", "pulled", 5000, 0.4, 1e-3},
+                                          {"dt=0.1", "pulled", 5000, 0.4, 0.1},
+                                          {"dt=1", "pulled", 5000, 0.4, 1},
+                                          {"dt=10", "pulled", 5000, 0.4, 10},
+                                          {"E=1 dt=10", "pulled", 1, 0.4, 10},
+                                          {"E=1e9 dt=1e-5", "pulled", 1e9, 0.4, 1e-5}};
+  return all;
+}
+
+const std::vector<IntegratorChoice>& integrators() {
+  static const std::vector<IntegratorChoice> all{
+      {"Euler", "<EulerImplicitSolver name='solver' {}/>"},
+      {"Euler, Newton", "<EulerImplicitSolver name='solver' newtonIterations='10' {}/>"},
+      {"trapezoid", "<TrapezoidalRuleSolver name='solver' {}/>", false},
+      {"trapezoid, Newton", "<TrapezoidalRuleSolver name='solver' newtonIterations='10' {}/>", false},
+      {"Newmark", "<NewmarkImplicitSolver name='solver' {}/>", false},
+      {"Newmark, Newton", "<NewmarkImplicitSolver name='solver' newtonIterations='10' {}/>", false},
+      {"BDF 1", "<BDFOdeSolver name='solver' order='1' {}/>"},
+      {"BDF 1, Newton", "<BDFOdeSolver name='solver' order='1' newtonIterations='10' {}/>"},
+      {"BDF 2", "<BDFOdeSolver name='solver' order='2' {}/>"},
+      {"BDF 2, Newton", "<BDFOdeSolver name='solver' order='2' newtonIterations='10' {}/>"},
+      {"midpoint", "<VariationalSymplecticSolver name='solver' steps='1' {}/>", false},
+      {"midpoint, Newton", "<VariationalSymplecticSolver name='solver' steps='10' {}/>", false},
+      {"static", "<StaticSolver name='solver' newton_iterations='1'/>", true, true},
+      {"static, Newton", "<StaticSolver name='solver' newton_iterations='50'/>", true, true}};
+  return all;
+}
+
+// ---- rows ----
+
+namespace {
+
+constexpr double block_size = 0.2, density = 1000;  // [m], [kg/m^3]
+
+/// The first mode of a bar held at one end: the square root of E / density times pi over twice the length.
+double slowestOfBlock(const Condition& c) { return std::sqrt(c.young / density) * 1.5708 / block_size; }
+
+enum class Cells { tetrahedra, boxes, hexahedra };
+
+/// 3 x 3 x 3 nodes, held at four corners that do not lie in a plane. `hexahedra`: the inner node is moved.
+std::string block(Cells cells, const std::string& field, const std::string& integrator, const Condition& c) {
+  std::string position, corners;
+  for (int n = 0; n < 27; ++n) {
+    const bool moved = n == 13 && cells == Cells::hexahedra;
+    position += fmt::format("{} {} {} ", 0.1 * (n % 3) + (moved ? 0.02 : 0), 0.1 * (n / 3 % 3) - (moved ? 0.015 : 0),
+                            0.1 * (n / 9) + (moved ? 0.01 : 0));
+  }
+  for (int e = 0; e < 8; ++e) {
+    const int first = e % 2 + 3 * (e / 2 % 2) + 9 * (e / 4);
+    for (int corner : {0, 1, 4, 3, 9, 10, 13, 12}) corners += fmt::format("{} ", first + corner);
+  }
+  return fmt::format(
+      R"(<Node name="root" dt="{}" gravity="0 0 0"><MeshTopology name="mesh" position="{}" hexahedra="{}"/>
+  <Node name="body">{}<SparseLDLSolver/>{}<MechanicalObject/><DiagonalMass massDensity="{}"/>
+    <{} youngModulus="{}" poissonRatio="{}"/><FixedProjectiveConstraint indices="0 2 6 18"/></Node></Node>)",
+      c.dt, position, corners, integrator,
+      cells == Cells::tetrahedra ? "<TetrahedronSetTopologyContainer name=\"cells\"/><Hexa2TetraTopologicalMapping "
+                                   "input=\"@../mesh\" output=\"@cells\" cutting=\"five\"/>"
+                                 : "<HexahedronSetTopologyContainer name=\"cells\" src=\"@../mesh\"/>",
+      density, field, c.young, c.poisson);
+}
+
+void addBlock(std::vector<Row>& out, Cells cells, const std::string& type, const std::string& variant,
+              const std::string& attributes) {
+  const char* names[] = {"tetrahedra", "boxes", "hexahedra"};
+  const std::string field = type + " " + attributes;
+  out.push_back({fmt::format("{} {}", variant.empty() ? type : names[int(cells)], variant), type,
+                 [=](const std::string& integrator, const Condition& c) { return block(cells, field, integrator, c); },
+                 slowestOfBlock, true, variant.empty()});
+}
+
+void addElasticVariants(std::vector<Row>& out, Cells cells) {
+  const std::string type = cells == Cells::tetrahedra ? "TetrahedronFEMForceField" : "HexahedronFEMForceField";
+  addBlock(out, cells, type, "small", "method=\"small\"");
+  addBlock(out, cells, type, "green", "method=\"green\"");
+  if (cells == Cells::tetrahedra) addBlock(out, cells, type, "nodal", "method=\"nodal\"");
+  for (const std::string method : {"large", "polar", "svd"})
+    for (const std::string update : {"", "B", "BV"})
+      for (const std::string tangent : {"warped", "exact"})
+        addBlock(out, cells, type, method + (update.empty() ? "" : " " + update) + (tangent == "exact" ? " exact" : ""),
+                 fmt::format("method=\"{}\" updateStiffnessMatrix=\"{}\" updateVolume=\"{}\" tangent=\"{}\"", method,
+                             update != "", update == "BV", tangent));
+}
+
+/// The example of a manual page without gravity, with another integrator, and with every stiffness scaled as E is. What
+/// has no rest shape of its own gets one: a spring to its place for every node.
+std::string adapted(std::string text, const std::string& type, const std::string& attributes, bool supported,
+                    const std::string& integrator, const Condition& c) {
+  const auto replace = [&](const char* pattern, const std::string& by) {
+    text = std::regex_replace(text, std::regex(pattern), by);
+  };
+  replace("<(EulerImplicit|EulerExplicit|Static)Solver[^>]*/>", "");
+  replace("<[A-Z]*[a-z]*LinearSolver[^>]*/>|<SparseLDLSolver[^>]*/>", "");
+  replace("gravity=\"[^\"]*\"", "gravity=\"0 0 0\"");
+  replace("n=\"4 4 6\"", "n=\"3 3 4\"");  // shorter runs
+  replace("dt=\"[^\"]*\"", fmt::format("dt=\"{}\"", c.dt));
+  const auto first_line = text.find('>') + 1;
+  text.insert(first_line, integrator + "<SparseLDLSolver/>");
+  std::string scaled;
+  const std::regex stiffness("([sS]tiffness=\")([^\"]*)\"");
+  auto from = text.cbegin();
+  for (std::sregex_iterator it(text.begin(), text.end(), stiffness), end; it != end; ++it) {
+    std::istringstream numbers((*it)[2]);
+    scaled.append(from, (*it)[0].first);
+    scaled += (*it)[1];
+    for (double value; numbers >> value;) scaled += fmt::format("{} ", value * c.young / 5000);
+    scaled += "\"";
+    from = (*it)[0].second;
+  }
+  text = scaled + std::string(from, text.cend());
+  auto at = text.find("<" + type + " ");
+  if (at == std::string::npos) throw std::runtime_error("no " + type + " in its example");
+  text.insert(at + 1 + type.size(), " " + attributes);
+  if (supported)
+    text.insert(at, fmt::format("<RestShapeSpringsForceField name=\"support\" stiffness=\"{}\"/>", c.young / 500));
+  return text;
+}
+
+void addExample(std::vector<Row>& out, const std::string& type, const std::string& attributes = {}) {
+  static const std::vector<std::string> with_rest_shape{"MeshSpringForceField", "RegularGridSpringForceField",
+                                                        "ShapeMemoryForceField", "Phymul",
+                                                        "RestShapeSpringsForceField"};
+  const bool supported = std::find(with_rest_shape.begin(), with_rest_shape.end(), type) == with_rest_shape.end();
+  std::string example = exampleOf(type);
+  const std::string named = fieldOf(example, type);
+  if (named != type) example = std::regex_replace(example, std::regex("<" + named + " "), "<" + type + " ");
+  out.push_back({type + (attributes.empty() ? "" : " " + std::regex_replace(attributes, std::regex("\""), "")) +
+                     (supported ? " (supported)" : ""),
+                 type,
+                 [=](const std::string& integrator, const Condition& c) {
+                   return adapted(example, type, attributes, supported, integrator, c);
+                 },
+                 [](const Condition& c) { return 5 * std::sqrt(c.young / 5000); }, false, false});
+}
+
+std::vector<Row> makeRows() {
+  std::vector<Row> out;
+  addElasticVariants(out, Cells::tetrahedra);
+  addElasticVariants(out, Cells::boxes);
+  addElasticVariants(out, Cells::hexahedra);
+  modules().openAll();
+  for (const ComponentEntry* entry : factory().entries()) {
+    const auto component = factory().make(entry->type);
+    if (!dynamic_cast<ForceField*>(component.get())) continue;
+    const std::string& type = entry->type;
+    if (type == "TetrahedronFEMForceField" || type == "HexahedronFEMForceField") continue;
+    if (component->data().find("youngModulus")) {
+      addBlock(out, type.find("Tetra") != std::string::npos ? Cells::tetrahedra : Cells::boxes, type, "", "");
+    } else if (component->data().find("reaction")) {
+      for (const char* reaction : {"true", "false", "upright"})
+        addExample(out, type, fmt::format("reaction=\"{}\"", reaction));
+    } else {
+      addExample(out, type);
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+const std::vector<Row>& rows() {
+  static const std::vector<Row> all = makeRows();
+  return all;
+}
+
+std::string wordOf(Ending ending) {
+  static const char* words[] = {"recovered", "stopped", "under way", "rings", "kept, said", "elsewhere", "moving", "broken"};
+  return words[int(ending)];
+}
+
+// ---- one cell ----
+
+namespace {
+
+class Run {
+ public:
+  Run(const Row& row, const IntegratorChoice& integrator, const Condition& condition)
+      : row_(row), integrator_(integrator), condition_(condition), slowest_(row.slowest(condition)) {}
+
+  Outcome operator()() {
+    std::vector<Vec3> target = reference();
+    slowest_ = slowestAt();
+    simulation_ = std::make_unique<Simulation>(sceneFromText(sceneText(integrator_.element, condition_.dt)));
+    target_ = std::move(target);
+    measure();
+    disturb();
+    energy_start_ = energy();
+    int steady = 0;
+    for (outcome_.steps = 1; outcome_.steps <= limit(); ++outcome_.steps) {
+      const StepReport report = simulation_->step();
+      if (!finite()) return ended(Ending::broken, "a position or a velocity is not finite");
+      if (report.diverged) return stop(report.reason, true);
+      if (report.unsolved)
+        unsolved_ = report.reason;
+      else
+        unsolved_.clear();
+      const double apart = distance();
+      steady = apart < 1e-6 ? steady + 1 : 0;
+      if (steady == 5) {
+        outcome_.steps -= 4;
+        return ended(Ending::recovered);
+      }
+      way_ = std::max(apart, 0.9 * way_);
+    }
+    return settle();
+  }
+
+ private:
+  std::string sceneText(const std::string& element, double dt) const {
+    const double mass = std::min(2 * slowest_, 0.5 / dt);
+    Condition condition = condition_;
+    condition.dt = dt;
+    return row_.scene(fmt::format(fmt::runtime(element), fmt::format("rayleighMass='{}'", mass)), condition);
+  }
+
+  /// Where the undisturbed body comes to rest: its rest shape, unless loads act.
+  std::vector<Vec3> reference() {
+    simulation_ = std::make_unique<Simulation>(sceneFromText(sceneText(integrators()[1].element, 0.5 / slowest_)));
+    System& s = system();
+    Vector before(s.allRows());
+    for (int step = 0; step < 2000; ++step) {
+      copy(s.x, before);
+      simulation_->step();
+      axpy(-1, s.x, before);
+      if (std::sqrt(dot(before, before)) < 1e-13) break;
+    }
+    std::vector<Vec3> out;
+    for (Index i = 0; i < s.allRows(); ++i) out.push_back(s.x[i]);
+    return out;
+  }
+
+  /// Of the small motions about the place of rest, by inverse iteration on K y = w^2 M y.
+  double slowestAt() const {
+    System& s = system();
+    Vector y(s.rows()), momentum(s.rows());
+    for (Index i = 0; i < s.rows(); ++i) y[i] = Vec3(std::sin(1 + i), std::cos(2 * i), std::sin(3 * i));
+    s.project(y);
+    double squared = 0;
+    for (int iteration = 0; iteration < 12; ++iteration) {
+      s.computeForce(s.x, s.v, s.f);
+      clear(momentum);
+      s.addMassProduct(y, 1, momentum);
+      s.project(momentum);
+      if (!s.linearSolver()->solve(s.matrix({.stiffness = -1}), momentum, y).usable()) return slowest_;
+      const double work = dot(y, momentum);
+      clear(momentum);
+      s.addMassProduct(y, 1, momentum);
+      squared = work / dot(y, momentum);
+      scale(1 / std::sqrt(dot(y, y)), y);
+    }
+    return squared > 1e-6 * slowest_ * slowest_ ? std::sqrt(squared) : slowest_;
+  }
+
+  void measure() {
+    for (const Vec3& p : target_) box_.extend(p);
+    size_ = box_.diagonal().norm();
+  }
+  System& system() const { return *simulation_->systems().at(0); }
+
+  /// The map of the condition on what the constraints leave free.
+  void disturb() {
+    System& s = system();
+    std::vector<Mat3> free(target_.size(), Mat3::Identity());
+    for (const NodeProjector& held : s.projectors()) free[std::size_t(held.row)] = held.projector;
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> uniform(0, 1);
+    const Vec3 low = box_.min(), extent = box_.sizes(), centre = box_.center();
+    for (std::size_t i = 0; i < target_.size(); ++i) {
+      const Vec3 p = s.x[Index(i)], noise(uniform(random), uniform(random), uniform(random));
+      Vec3 to = p;
+      if (condition_.shape == "inverted") to.x() = 2 * centre.x() - p.x();
+      if (condition_.shape == "flat") to.z() = centre.z();
+      if (condition_.shape == "line") to = Vec3(p.x(), centre.y(), centre.z());
+      if (condition_.shape == "point") to = centre;
+      if (condition_.shape == "random") to = low + extent.cwiseProduct(noise);
+      if (condition_.shape == "pulled")
+        to += 0.1 * size_ * Vec3(std::sin(7 * p.y() / size_), (p.z() - low.z()) / size_, std::cos(5 * p.x() / size_)) +
+              0.02 * size_ * noise;
+      s.x[Index(i)] += free[i] * (to - p);
+    }
+  }
+
+  int limit() const {
+    if (integrator_.is_static) return 100;
+    // the slowest motion is critically damped, the others lose a factor e in 1 / slowest or in a few steps
+    return std::clamp(int(std::min(1e6, 40 / (slowest_ * condition_.dt))), 60, 1000);
+  }
+  bool finite() const {
+    for (const State* state : simulation_->states())
+      for (Index i = 0; i < state->size(); ++i)
+        if (!state->x()[i].allFinite() || !state->v()[i].allFinite()) return false;
+    return true;
+  }
+  double distance() const {
+    double worst = 0;
+    for (std::size_t i = 0; i < target_.size(); ++i)
+      worst = std::max(worst, (system().x[Index(i)] - target_[i]).norm() / size_);
+    return worst;
+  }
+  double energy() const { return system().kineticEnergy() + system().potentialEnergy(system().x); }
+  int inverted() const {
+    int count = 0;
+    for (const ForceField* field : system().forceFields())
+      for (const std::string& name : field->cellFields()) {
+        std::vector<double> j;
+        if (name != "J") continue;
+        field->cellField("J", system().x, j);
+        count += int(std::count_if(j.begin(), j.end(), [](double value) { return value <= 0; }));
+      }
+    return count;
+  }
+
+  Outcome ended(Ending ending, const std::string& text = {}) {
+    outcome_.ending = ending;
+    outcome_.text = text;
+    const auto folded = simulation_->foldedElements();
+    if ((ending == Ending::elsewhere || ending == Ending::moving) && !folded.empty()) {
+      outcome_.ending = Ending::kept;
+      outcome_.text = folded[0];
+    }
+    outcome_.distance = distance();
+    outcome_.inverted = inverted();
+    return outcome_;
+  }
+
+  /// A stop must say which step, which component, which element where there are elements, and why.
+  Outcome stop(const std::string& reason, bool diverged) {
+    std::vector<std::string> words{"/solver"};
+    if (diverged) words.push_back(fmt::format("step {} ", outcome_.steps));
+    if (diverged)
+      for (const ForceField* field : system().forceFields())
+        if (!field->worstElement(system().x).empty()) words.push_back(field->path());
+    for (const std::string& word : words)
+      if (diverged && reason.find(word) == std::string::npos)
+        return ended(Ending::broken, fmt::format("no \"{}\" in: {}", word, reason));
+    return reason.empty() ? ended(Ending::broken, "stopped without a sentence") : ended(Ending::stopped, reason);
+  }
+
+  /// Not at its shape after all steps: at rest elsewhere, too early to tell, or moving?
+  Outcome settle() {
+    --outcome_.steps;
+    if (integrator_.is_static && !unsolved_.empty()) return stop(unsolved_, false);
+    System& s = system();
+    double lowest = distance(), highest = lowest, shift = 0;
+    Vector before(s.allRows());
+    copy(s.x, before);
+    for (int step = 0; step < 10; ++step) {
+      const StepReport report = simulation_->step();
+      ++outcome_.steps;
+      if (report.diverged) return stop(report.reason, true);
+      const double now = distance();
+      lowest = std::min(lowest, now), highest = std::max(highest, now);
+      for (Index i = 0; i < s.allRows(); ++i) shift = std::max(shift, (s.x[i] - before[i]).norm() / size_);
+    }
+    const double seconds = simulation_->time(), grown = energy() / energy_start_;
+    const double speed = shift / std::max(10 * condition_.dt * slowest_, 1e-12);  // in sizes and slowest periods
+    if (integrator_.is_static || (speed < 1e-5 && shift < 1e-7)) return ended(Ending::elsewhere);
+    if (seconds * slowest_ < 30)
+      return grown < 1 + 1e-6 ? ended(Ending::under_way)
+                              : ended(Ending::moving, fmt::format("the energy has grown {:.3g} times", grown));
+    if (!integrator_.damps && highest < 3) return ended(Ending::rings);
+    return ended(Ending::moving, fmt::format("moves by {:.1e} sizes, energy {:.1e} of the start", shift, grown));
+  }
+
+  const Row& row_;
+  const IntegratorChoice& integrator_;
+  const Condition& condition_;
+  double slowest_, size_ = 0, energy_start_ = 0, way_ = 0;
+  std::unique_ptr<Simulation> simulation_;
+  std::vector<Vec3> target_;
+  Eigen::AlignedBox3d box_;
+  std::string unsolved_;
+  Outcome outcome_;
+};
+
+}  // namespace
+
+Outcome run(const Row& row, const IntegratorChoice& integrator, const Condition& condition) {
+  return Run(row, integrator, condition)();
+}
+
+}  // namespace stroma::test::matrix
