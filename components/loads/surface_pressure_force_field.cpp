@@ -9,8 +9,8 @@
 // their work is p dV.
 //
 // Loaded are the listed triangles and quads; without lists all of the mesh, or the boundary of its volume cells when it
-// lists no faces, that lie in the box from min to max in the rest shape. With a mainDirection d of unit length a face
-// of normal n at rest is loaded by |n.d| times the pressure.
+// lists no faces, that lie in the box from min to max in the rest shape (both corners, or neither for everywhere). With
+// a mainDirection d of unit length a face of normal n at rest is loaded by |n.d| times the pressure.
 //
 // Over time the pressure is constant; or linear between keyTimes; or with pulseMode it starts at 0, moves to `pressure`
 // at pressureSpeed, and then goes to and fro between pressureLowerBound and it. With volumeConservationMode it is that
@@ -48,6 +48,8 @@ namespace {
 
 /// |p V_0/V| is limited to this times |p|.
 constexpr double largest_compression = 1000;
+/// How far mainDirection may be from unit length: that of a vector written with three digits.
+constexpr double unit_tolerance = 2e-3;
 
 class SurfacePressureForceField final : public SurfaceLoad {
  public:
@@ -89,7 +91,7 @@ void SurfacePressureForceField::declare(DataTable& table) {
   table.add("triangleIndices", triangle_indices_).help("loaded triangles of the mesh");
   table.add("quadIndices", quad_indices_).help("loaded quads of the mesh");
   table.add("min", low_).help("a corner of the box that faces must lie in, when none are listed").unit("m");
-  table.add("max", high_).help("the other corner; the same as min: everywhere").unit("m");
+  table.add("max", high_).help("the other corner; neither given: everywhere").unit("m");
   table.add("mainDirection", main_direction_)
       .help("faces are loaded in proportion to the cosine of their normal with it; 0 0 0: all alike")
       .unit("-");
@@ -195,7 +197,14 @@ std::vector<Face> SurfacePressureForceField::selectFaces(const Mesh& mesh) const
 }
 
 void SurfacePressureForceField::selectInBox(const Mesh& mesh, std::vector<Face>& faces) const {
-  const bool everywhere = low_ == high_, given = !mesh.triangles.empty() || !mesh.quads.empty();
+  if (isSet("min") != isSet("max"))
+    throw ComponentError(
+        fmt::format("{} is given without {}", isSet("min") ? "min" : "max", isSet("min") ? "max" : "min"),
+        "both corners of the box, or none of them");
+  const bool everywhere = !isSet("min"), given = !mesh.triangles.empty() || !mesh.quads.empty();
+  if (!everywhere && low_ == high_)
+    throw ComponentError(fmt::format("min and max are the same point {:g} {:g} {:g}", low_.x(), low_.y(), low_.z()),
+                         "two corners of a box, or none of them for the whole surface");
   const Vec3 lower = low_.cwiseMin(high_), upper = low_.cwiseMax(high_);
   const auto take = [&](const auto& cells) {
     for (const auto& cell : cells)
@@ -212,6 +221,12 @@ void SurfacePressureForceField::selectInBox(const Mesh& mesh, std::vector<Face>&
 std::vector<double> SurfacePressureForceField::weightsOf(const std::vector<Face>& faces) const {
   std::vector<double> weights;
   if (main_direction_.isZero()) return weights;
+  if (const double length = main_direction_.norm(); !(std::abs(length - 1) < unit_tolerance)) {
+    const Vec3 unit = main_direction_ / length;
+    throw ComponentError(fmt::format("mainDirection has the length {:g}, which would multiply the pressure", length),
+                         "a vector of length 1",
+                         fmt::format("mainDirection=\"{:.6g} {:.6g} {:.6g}\"", unit.x(), unit.y(), unit.z()));
+  }
   for (const Face& face : faces) {
     area_vectors::Corners at;
     for (std::size_t a = 0; a < 4; ++a) at[a] = state().rest_position[std::size_t(face.nodes[a])];

@@ -284,6 +284,11 @@ TEST(SurfacePressure, SaysWhatIsWrong) {
   expectContains(problems("pressure='1' quadIndices=''"), "lists no face");
   expectContains(problems("pressure='1' quadIndices='0' min='0 0 0'"), "min, max is given too");
   expectContains(problems("pressure='1' min='8 8 8' max='9 9 9'"), "no face of the mesh is loaded");
+  expectContains(problems("pressure='1' min='-1 -1 -1'"), "min is given without max");
+  expectContains(problems("pressure='1' max='1 1 1'"), "max is given without min");
+  expectContains(problems("pressure='1' min='1 1 1' max='1 1 1'"), "min and max are the same point 1 1 1");
+  expectContains(problems("pressure='1' mainDirection='0 0 2'"), "mainDirection has the length 2");
+  EXPECT_EQ(problems("pressure='1' mainDirection='0.577 0.577 0.577'"), "");
   expectContains(problems("pressure='1' pressureSpeed='4'"), "no meaning without pulseMode");
   expectContains(problems("pressure='1' pulseMode='1' pressureSpeed='0'"), "pressureSpeed is zero");
   expectContains(problems("pressure='1' volumeConservationMode='1'"), "open at the edge of nodes 0 1");
