@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Tetrahedra around a common edge as one element of the loop: a fan of K tetrahedra has K + 3 nodes, so that a node is
-// read and its force added 1 + 3/K times a tetrahedron instead of four. Gathering and scattering are what a product
-// costs: a lane holds a fan.
+// Two tetrahedra that share a face as one element of the loop: five nodes are read and five forces added for the two
+// instead of eight. Gathering and scattering are what a product costs: a lane holds a fan.
 #pragma once
 #include <array>
 #include <vector>
@@ -13,15 +12,18 @@ namespace stroma::tetrahedron {
 constexpr int fan_size = 2;
 constexpr int fan_nodes = fan_size + 3;
 
-/// Nodes 0 and 1 are the ends of the common edge, the others the ring around it; tetrahedron i of the fan has the nodes
-/// corner(i, .). Where the mesh gives a fan too few tetrahedra, element is -1 and the nodes repeat a tetrahedron.
+/// Nodes 0, 1 and 3 are the common face, 2 and 4 the nodes that face each other across it; tetrahedron i of the fan has
+/// the nodes corner(i, .). A tetrahedron without a partner has element[1] = -1 and repeats its node 2 as node 4.
 struct Fan {
   std::array<Index, fan_nodes> nodes;
   std::array<Index, fan_size> element;
 };
 constexpr int corner(int tetrahedron, int a) { return a < 2 ? a : tetrahedron + a; }
 
-/// Every tetrahedron in one fan, as few fans as a walk from the most enclosed ones finds; ordered as the cells are.
+/// Every tetrahedron in one fan; ordered as the cells are. The pairs are a matching of neighbours across faces by Karp
+/// and Sipser's rule (1981): a tetrahedron with a single free neighbour left takes it at once, as it would stay alone
+/// otherwise; when there is none, the next in the order of the cells takes its free neighbour that has the fewest
+/// others. Not always the largest matching, in time linear in the cells.
 std::vector<Fan> gatherFans(const std::vector<Tetrahedron>& cells, std::size_t node_count);
 
 }  // namespace stroma::tetrahedron

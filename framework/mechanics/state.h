@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
+#include <cassert>
+
 #include "framework/algebra/vector.h"
 #include "framework/scene/component.h"
 
@@ -15,9 +17,12 @@ class State : public Component {
   Index firstRow() const { return first_row_; }
   Rows x() const { return {x_.data + std::size_t(first_row_) * row_doubles, size()}; }
   Rows v() const { return {v_.data + std::size_t(first_row_) * row_doubles, size()}; }
-  /// The net force of the last evaluation [N], for observers that asked for it before the first step: implicit steps
-  /// that nobody asks have it only together with other terms.
-  ConstRows f() const { return {f_.data + std::size_t(first_row_) * row_doubles, size()}; }
+  /// The net force of the last evaluation [N], for observers that called askForForce() in their init(): implicit steps
+  /// that nobody asks have it only together with other terms, and what stands here is then that of no instant.
+  ConstRows f() const {
+    assert(force_asked_ && "askForForce() comes before the first step");
+    return {f_.data + std::size_t(first_row_) * row_doubles, size()};
+  }
   void askForForce() { force_asked_ = true; }
   bool forceAsked() const { return force_asked_; }
   bool isBound() const { return x_.data != nullptr; }
