@@ -136,8 +136,9 @@ def picture(out, curves, shapes):
 
 
 def run(stroma, out, report):
-    mesh = os.path.abspath(os.path.join(sr.ROOT, "..", "shared", "data", "meshes", "liver.msh"))
-    mesh = mesh if os.path.exists(mesh) else None
+    mesh = stroma.shared_file("meshes", "liver.msh")
+    if mesh is None:
+        print("   the liver of the shared data is absent, see --data: the example organ takes its place", flush=True)
     rows, curves, shapes = [], [], []
     for row in ROWS:
         result, x, cells, size = drag(stroma, row, mesh)

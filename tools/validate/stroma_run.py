@@ -11,13 +11,26 @@ import tempfile
 import numpy as np
 
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
+BESIDE = os.path.join(ROOT, "..", "shared", "data")  # shared data beside the checkout
+
+
+def default_data():
+    """STROMA_SHARED_DATA, else the shared data beside the checkout."""
+    return os.environ.get("STROMA_SHARED_DATA") or BESIDE
 
 
 class Stroma:
-    """The command at `path`; scenes are named from the project's root."""
+    """The command at `path`; scenes are named from the project's root. `data`: the folder of real measurements and meshes,
+    which need not exist."""
 
-    def __init__(self, path):
+    def __init__(self, path, data):
         self.path = os.path.abspath(path)
+        self.data = os.path.abspath(data)
+
+    def shared_file(self, *parts):
+        """Path of a file of the shared data, or None when it is absent."""
+        path = os.path.join(self.data, *parts)
+        return path if os.path.exists(path) else None
 
     def run(self, scene, settings=(), steps=None, until=None, every=1):
         """A run: dict with `summary` (the command's JSON), `message` (standard error), `code`, and `frames`: for each

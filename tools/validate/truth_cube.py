@@ -22,9 +22,9 @@ LIKE_PAPER = {"until": 9, "every": 1250}  # 19 instants, half a second apart, si
 STATIC = {"steps": 18, "every": 1}
 
 
-def beads(data):
+def beads(file):
     """Measured places in the model's frame, shape (4, 343, 3) [m]: at rest and at the three compressions."""
-    table = np.genfromtxt(os.path.join(data, "truthcube", "uniaxial_positions.csv"), delimiter=",", skip_header=7)
+    table = np.genfromtxt(file, delimiter=",", skip_header=7)
     places = table[:, 3:15].reshape(-1, 4, 3).transpose(1, 0, 2) * np.array([1, 1, -1]) / 1000
     return places - places[0].mean(axis=0)
 
@@ -143,18 +143,20 @@ FILES = {False: "truth_cube_{}.csv", True: "truth_cube_static_{}.csv"}
 
 
 def run(stroma, out, report):
-    data = os.path.join(sr.ROOT, "..", "shared", "data")
-    if not os.path.exists(os.path.join(data, "truthcube")):
+    file = stroma.shared_file("truthcube", "uniaxial_positions.csv")
+    if file is None:
+        print("   skipped: the measured bead positions are absent, see --data", flush=True)
         report.append("## Truth cube\n\nSkipped: the measured bead positions are absent.\n")
         return
-    measured = beads(data)
-    text = {}
+    measured = beads(file)
+    text, tables = {}, {}
     for poisson in ("0.499", "0.48"):
         equilibria = {}
         for static in (True, False):
             rows = table(stroma, measured, poisson, static, equilibria)
             sr.write_csv(os.path.join(out, FILES[static].format(poisson)), HEADER, rows)
+            tables[poisson, static] = rows
             text[poisson, static] = f"### {TITLES[static].format(poisson)}\n\n" + sr.markdown(HEADER, rows) + "\n"
-    why = causes(stroma, measured, out)
+    why = causes(stroma, measured, out, tables)
     report.append("## Truth cube\n\n" + paper.INTRODUCTION + "\n" + text["0.499", False] + text["0.499", True] +
                   text["0.48", False] + text["0.48", True] + why)

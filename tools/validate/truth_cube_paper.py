@@ -25,6 +25,5 @@ ROWS = [
 INTRODUCTION = """Relative deviation in percent of 80 mm, 343 beads. 14.9 kPa, 980 kg/m3, 8 x 8 x 8 cells of 10 mm; base and top
 glued; the plate reaches 4, 10 and 14.6 mm within one second each and rests for two, then the cube is measured. The printed
 Poisson's ratio is 0.499. "Remark" says when the body was not at rest, rested in another shape than the converged one, or
-flew apart; such a row has no answer at that ratio. At 0.48 the rows of finite elements have one under the
-paper's settings. What explains the differences is measured in the last table.
+flew apart; such a row has no answer at that ratio. What moves the numbers is measured in the last table.
 """

@@ -6,9 +6,10 @@
   tools/validate/validate.py --stroma ... --out ... --only torque beam
 
 Fixed beam (figures 8 and 9), time a step (figures 4 and 7), artificial torque (figure 3), dragged liver (figures 5 and 6),
-truth cube (tables 1 to 3; without the measured beads in ../shared/data it says so). Writes OUT/README.md, of the experiments
-run, and for each CSV and most a picture. The truth cube takes about five minutes on a quiet machine, the rest two. Needs numpy
-and matplotlib.
+truth cube (tables 1 to 3). The measured beads of the truth cube and the liver are read from --data: without them the truth cube
+is skipped and the example organ is dragged, and the text says so. Writes OUT/README.md, of the experiments run, and for each CSV
+and most a picture. The truth cube takes about five minutes on a quiet machine, the rest two. Needs numpy and matplotlib.
+The matrix of tests/stability has a program of its own, tools/validate/stability.py.
 """
 import argparse
 import datetime
@@ -35,11 +36,16 @@ def main():
     parser.add_argument("--stroma", required=True, help="the stroma command")
     parser.add_argument("--out", required=True, help="folder for the tables and figures")
     parser.add_argument("--only", nargs="+", choices=EXPERIMENTS, help="experiments to run; all when not given")
+    parser.add_argument("--data", metavar="FOLDER",
+                        help="real measurements and meshes; the environment variable STROMA_SHARED_DATA, or the shared data "
+                        "beside the checkout when not given")
     arguments = parser.parse_args()
     if not os.access(arguments.stroma, os.X_OK):
         sys.exit(f"{arguments.stroma} is not a program: expected the stroma command, as build/release/bin/stroma")
+    if arguments.data and not os.path.isdir(arguments.data):
+        sys.exit(f"{arguments.data} is not a folder: expected that of the real measurements and meshes")
     os.makedirs(arguments.out, exist_ok=True)
-    stroma, report = sr.Stroma(arguments.stroma), []
+    stroma, report = sr.Stroma(arguments.stroma, arguments.data or sr.default_data()), []
     for name in arguments.only or EXPERIMENTS:
         print(name, flush=True)
         EXPERIMENTS[name](stroma, arguments.out, report)

@@ -1,0 +1,141 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""The tables of the truth cube in words. Every number is read from their rows; a reason that no row shows is called likely."""
+import truth_cube_paper as paper
+
+BASE = "tets, polar, B"
+NO_MODEL = "no model: the travel spread evenly, no bulge"
+HEXES, GREEN = "hexes, polar, no B", "hexes, large deformation (Ansys)"
+LITTLE = 0.1  # points of the mean deviation
+MEAN, REMARK = 2, -1  # columns of the tables
+PRINTED = {row.name: [stage[0] for stage in row.printed] for row in paper.ROWS if row.printed}
+SETTINGS = {False: "the paper's settings", True: "statics"}
+
+
+def numbers(values):
+    """As numbers, or None where one has no answer."""
+    try:
+        return [float(value) for value in values]
+    except ValueError:
+        return None
+
+
+def means(rows, name):
+    """Mean deviations of a method at the three compressions, or None."""
+    return numbers([row[MEAN] for row in rows if row[0] == name]) or None
+
+
+def listed(words, limit=6):
+    words = list(words)
+    shown = ", ".join(words[:limit])
+    return (shown + f" and {len(words) - limit} more" if len(words) > limit else shown) or "none"
+
+
+def quoted(name):
+    """Names have commas of their own."""
+    return f'"{name}"'
+
+
+def spoken(values):
+    return "no answer" if values is None else "{:.2f}, {:.2f} and {:.2f}".format(*values)
+
+
+def apart(a, b):
+    """Largest difference of two rows of numbers."""
+    return max(abs(x - y) for x, y in zip(a, b))
+
+
+def compared(tables, name, printed):
+    """A phrase for each table: the means of a method, and how far they are from the printed ones."""
+    for (poisson, static), rows in tables.items():
+        if any(row[0] == name for row in rows):
+            values = means(rows, name)
+            off = f" (at most {apart(values, printed):.2f} off)" if values else ""
+            yield f"{spoken(values)}{off} at {poisson} with {SETTINGS[static]}"
+
+
+def what_moves(tables, varied):
+    """The row with B by the polar method, and what brings it nearer to the paper's."""
+    printed, base = PRINTED[BASE], numbers(varied[0][1:4])
+    text = f"- **{BASE}**: {'; '.join(compared(tables, BASE, printed))}; the paper prints {spoken(printed)}."
+    if base is None:
+        return text + "\n"
+    groups = {"nearer": [], "farther": [], "little": []}
+    for row in varied[1:]:
+        values = numbers(row[1:4])
+        if values and row[0] != NO_MODEL and not row[0].startswith(("hexes", "paper: ")):
+            off = apart(values, printed)
+            little = apart(values, base) < LITTLE
+            groups["little" if little else "nearer" if off < apart(base, printed) else "farther"].append((off, row[0]))
+    named = {key: listed(f"{quoted(name)} ({off:.2f})" for off, name in sorted(group)) for key, group in groups.items()}
+    text += (f" In statics without gravity it is at most {apart(base, printed):.2f} off. Nearer to the paper come: {named['nearer']}. "
+             f"Away from it go: {named['farther']}. Less than {LITTLE} points of change: {named['little']}.")
+    if any(name.startswith("Poisson") for _, name in groups["nearer"]):
+        text += (" Likely, not measured: an updated B measures volume by tr(J (I - F^-1)), which lets the cube bulge too far "
+                 "when it is kept nearly exactly.")
+    return text + "\n"
+
+
+def unanswered(rows):
+    """Methods without a number, or with a remark, at some compression; and the number of methods."""
+    bad = {row[0]: None for row in rows if row[MEAN] == "-" or row[REMARK]}
+    return list(bad), len({row[0] for row in rows})
+
+
+def where_no_answer(tables):
+    """How many rows have no answer at each ratio."""
+    counts, phrases = {}, []
+    for (poisson, static), rows in tables.items():
+        bad, count = unanswered(rows)
+        counts[poisson] = counts.get(poisson, 0) + len(bad)
+        phrases.append(f"{len(bad)} of {count} at {poisson} with {SETTINGS[static]} ({listed((quoted(name) for name in bad), 14)})")
+    text = "- **Rows without an answer, or with a remark**: " + "; ".join(phrases) + "."
+    highest, lowest = max(counts), min(counts)
+    if counts[highest] > counts[lowest]:
+        ratio = 2 * float(highest) / (1 - 2 * float(highest))
+        text += (f" Likely, not measured: at {highest} lambda is {ratio:.0f} mu, and a trace of the strain is no volume: its pressure "
+                 "acts as a negative stiffness against turning elements.")
+    return text + "\n"
+
+
+def without_bulge(tables, varied):
+    """The paper's hexahedra without B and Phymul against the field that has no bulge."""
+    lines = {row[0]: numbers(row[1:6]) for row in varied}
+    field, printed, free = (lines.get(name) for name in (NO_MODEL, "paper: " + HEXES, HEXES + ", Poisson's ratio 0"))
+    text = f"- **{HEXES}**: " + "; ".join(compared(tables, HEXES, PRINTED[HEXES])) + ". "
+    text += (f"The paper's row (means {spoken(printed[:3])}, deviation {printed[3]:.2f}, largest {printed[4]:.2f}) is in all of "
+             f"these at most {apart(field, printed):.2f} off the field without any bulge")
+    text += f" and {apart(free, printed):.2f} off a run with a Poisson's ratio of 0.\n" if free else ".\n"
+    ours = next((values for rows in tables.values() if (values := means(rows, "Phymul"))), None)
+    text += f"- **Phymul**: {spoken(ours)} without a constraint on its volume"
+    text += f", at most {apart(ours, field[:3]):.2f} off the field without bulge" if ours else ""
+    text += f"; the paper prints {spoken(PRINTED['Phymul'])}. Likely, not measured: the paper's had its volume kept.\n"
+    return text
+
+
+def nearest(tables, printed):
+    """Distance, name and table of the row whose means are nearest to the printed ones; None when no row has an answer."""
+    found = [(apart(values, printed), name, poisson, SETTINGS[static]) for (poisson, static), rows in tables.items()
+             for name in dict.fromkeys(row[0] for row in rows) if (values := means(rows, name))]
+    return min(found, default=None)
+
+
+def large_deformation(tables):
+    text = f"- **{GREEN}**, Green's strain with Hooke's law: " + "; ".join(compared(tables, GREEN, PRINTED[GREEN]))
+    text += f"; the paper prints {spoken(PRINTED[GREEN])}."
+    best = nearest(tables, PRINTED[GREEN])
+    if best and best[1] != GREEN:
+        text += (" Nearest to it of all our rows is {1} at {2} with {3} (at most {0:.2f} off). Likely, not measured: another law "
+                 "is behind the paper's row; Hooke's law on Green's strain softens in compression.").format(*best)
+    return text + "\n"
+
+
+def conclusion(tables, varied):
+    """`tables`: rows by (Poisson's ratio, statics or not); `varied`: rows of what is varied, the first unchanged."""
+    finer = [row for row in varied if row[0].endswith("cells")]
+    text = ("Read from the tables; \"off\" is the largest of the differences between two rows, in points.\n\n" +
+            what_moves(tables, varied) + where_no_answer(tables) + without_bulge(tables, varied) + large_deformation(tables))
+    if finer:
+        text += ("- **Cells**: " + "; ".join(f"{row[0]}: {spoken(numbers(row[1:4]))}" for row in finer) +
+                 f"; 8 x 8 x 8: {spoken(numbers(varied[0][1:4]))}. Likely, not measured: near incompressibility locks linear tetrahedra "
+                 "and fully integrated hexahedra, which keeps coarse meshes near the linear rows.\n")
+    return text
