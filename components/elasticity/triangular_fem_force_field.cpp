@@ -60,7 +60,7 @@ class TriangularFEMForceField final : public ElementMethodField {
   void compile() override;
   /// Estimated from a tetrahedron's, for one core.
   Cost cost() const override {
-    const double triangles = double(method_->elements()), lanes = 8. / pack_lanes;
+    const double triangles = double(triangles_->size()), lanes = 8. / pack_lanes;
     return {(tangent_ == TangentWord::exact ? 12. : 4.) * lanes * triangles, 60 * triangles};
   }
   std::string worstElement(ConstRows x) const override;

@@ -5,8 +5,8 @@
 //
 // with the free directions of the constraints only. s comes from a line search: Armijo backtracking on the potential
 // energy when every force has one, else the norm of the residual must fall. Masses matter through gravity alone;
-// velocities are zero after a step. A tangent that is not positive definite (buckling, an inverted element) gets a
-// multiple of its own diagonal until it can be solved; the report says so.
+// velocities are zero after a step but for nodes with a prescribed motion. A tangent that is not positive definite
+// (buckling, an inverted element) gets a multiple of its own diagonal until it can be solved; the report says so.
 //
 // With forcing_term above 0 a solver by products solves early iterations loosely, and as well as Newton converges later
 // (Eisenstat and Walker 1996). With PCGLinearSolver preconditioner="warped" one factorisation then serves many
@@ -196,10 +196,16 @@ StepReport StaticSolver::step(System& system, const StepContext& context) {
   }
   problem_.begin();
   // what follows a node that has moved in the solve has its place only after it
-  for (int again = 0; again < 4 && report.newton_converged; ++again) {
+  constexpr int most_solves = 4;
+  for (int again = 0; report.newton_converged; ++again) {
     const StepReport before = report;
     StepReport advance;
     if (!advancePrescribed(system, context, advance) && again > 0) break;
+    if (again == most_solves) {
+      report.newton_converged = false;
+      report.reason = fmt::format("nodes that follow others still moved after {} solves", most_solves);
+      break;
+    }
     report = newton_.solve(problem_, *solver_);
     addCounts(before, report);
     addCounts(advance, report);

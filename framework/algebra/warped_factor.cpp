@@ -69,9 +69,12 @@ bool WarpedFactor::follow(SystemMatrix& matrix, SolveReport& report) {
 }
 
 void WarpedFactor::apply(ConstRows r, Rows z) {
-  if (!turned_) return solver_->applyFactorsRoughly(r, z);
+  const auto applyFactors = [this](ConstRows in, Rows out) {
+    rough_ ? solver_->applyFactorsRoughly(in, out) : solver_->applyFactors(in, out);
+  };
+  if (!turned_) return applyFactors(r, z);
   for (Index i = 0; i < r.count; ++i) work_[i] = matrices_[std::size_t(i)].transpose() * r[i];
-  solver_->applyFactorsRoughly(work_, z);
+  applyFactors(work_, z);
   for (Index i = 0; i < r.count; ++i) z[i] = (matrices_[std::size_t(i)] * z[i]).eval();
 }
 
@@ -80,6 +83,9 @@ void WarpedFactor::solved(int iterations) {
   const double cost = renewal_ == Renewal::clock ? took.count() : iterations * iteration_seconds_;
   spent_ += cost;
   ++solves_;
+  // a factor of the very matrix that needs this many is ill-conditioned beyond single precision
+  constexpr int most_of_a_fresh_factor = 20;
+  if (fresh_ && iterations > most_of_a_fresh_factor) rough_ = false;
   renew_ = renewal_ != Renewal::never && !fresh_ && cost > spent_ / solves_;
 }
 

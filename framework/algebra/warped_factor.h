@@ -45,6 +45,7 @@ class WarpedFactor final : public ApproximateInverse {
   Index rows_ = -1;
   long revision_ = 0;
   bool renew_ = false, fresh_ = false, turned_ = false;
+  bool rough_ = true;             ///< factors are applied in single precision
   double iteration_seconds_ = 0;  ///< estimate of one product and one application
   double spent_ = 0;              ///< seconds since the last factorisation, with it
   int solves_ = 0;                ///< since then

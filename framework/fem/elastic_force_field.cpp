@@ -260,7 +260,7 @@ Lame ElasticForceField::lame(std::size_t cell) const {
 
 /// Measured on one core at 2.6 GHz with 8 lanes; in proportion for fewer. An element's own assembly is its scatter.
 ForceField::Cost ElasticForceField::cost() const {
-  const double cells = double(method_->elements());
+  const double cells = double(elements_->count(*mesh_));
   const ElasticElements::Nanoseconds each = elements_->cost();
   // a matrix of its own is enough, and so is none
   const bool fixed = assembling_ != Assembling::automatic;

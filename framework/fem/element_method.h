@@ -12,7 +12,6 @@ namespace stroma {
 class ElementMethod {
  public:
   virtual ~ElementMethod() = default;
-  virtual Index elements() const = 0;
   virtual void addForce(ConstRows x, Rows f) = 0;
   /// f += force + factor * K dx
   virtual void addForceAndProduct(ConstRows x, ConstRows dx, double factor, Rows f) = 0;

@@ -56,7 +56,6 @@ template <class StorageType>
 class StoredMethod : public ElementMethod {
  public:
   explicit StoredMethod(StorageType&& storage) : storage_(std::move(storage)) {}
-  Index elements() const final { return storage_.loop.elements(); }
   void addPattern(BlockPattern& pattern) const final { storage_.loop.addPattern(pattern); }
   std::vector<Index> slots(const BlockMatrix& matrix) const final { return storage_.loop.slots(matrix); }
 
@@ -187,7 +186,6 @@ std::unique_ptr<ElementMethod> makeRotated(const ElasticVariant& variant, Make&&
 class KeptMatrix final : public ElementMethod {
  public:
   KeptMatrix(std::unique_ptr<ElementMethod> method, bool constant) : method_(std::move(method)), constant_(constant) {}
-  Index elements() const override { return method_->elements(); }
   void addForce(ConstRows x, Rows f) override {
     method_->addForce(x, f);
     refresh(x.count);

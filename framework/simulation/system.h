@@ -98,7 +98,7 @@ class System final : public SystemMatrix {
   /// motion the constant velocity that gets it there.
   void beginStep(const StepContext& context);
   /// Writes positions and velocities at the end of the step of what has a prescribed motion. endStep() does it for x
-  /// and v; an integrator that solves for positions (statics, multi-step methods) does it for its own.
+  /// and v; an integrator that solves for positions (statics) does it for its own.
   void placePrescribed(const StepContext& context, Rows x, Rows v) const;
   bool hasPrescribed() const { return !moving_projectors_.empty(); }
   /// After the integrator: prescribed motion and tied rows, exactly.

@@ -94,8 +94,10 @@ void System::beginStep(const StepContext& context) {
 
 void System::placePrescribed(const StepContext& context, Rows x_now, Rows v_now) const {
   if (moving_projectors_.empty()) return;
-  // twice: a constraint may follow a node that another one, later in the list, places
-  for (int pass = 0; pass < 2; ++pass)
+  // a constraint may follow a node that another one, later in the list, places: a chain of n needs n passes
+  const auto moving = std::count_if(constraints_.begin(), constraints_.end(),
+                                    [](const ProjectiveConstraint* c) { return c->prescribesMotion(); });
+  for (std::ptrdiff_t pass = 0; pass < std::max<std::ptrdiff_t>(2, moving); ++pass)
     for (const ProjectiveConstraint* constraint : constraints_)
       if (constraint->prescribesMotion() && constraint->activeIn(context.t, context.t_end))
         constraint->prescribe(context.t_end, x_now, v_now);
@@ -191,6 +193,14 @@ std::vector<double> System::lumpedMass() const {
 // A mass on a mapped state gives mass to the nodes it is mapped from; which ones, only the mapping knows, so a state
 // with a mapped one below it is let through.
 void System::requireMass() const {
+  const auto moving = std::find_if(constraints_.begin(), constraints_.end(),
+                                   [](const ProjectiveConstraint* c) { return c->prescribesMotion(); });
+  if (moving != constraints_.end() && !massIsDiagonal())
+    throw ComponentError(
+        fmt::format("{} moves nodes, and their inertia would not reach their neighbours through a mass "
+                    "that is not diagonal",
+                    (*moving)->path()),
+        "a diagonal mass", "use DiagonalMass, or lumping=\"true\"");
   const std::vector<char> held = rowsAlwaysHeld();
   const std::vector<double> mass = lumpedMass();
   for (const State* state : states_) {

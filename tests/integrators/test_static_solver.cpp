@@ -149,7 +149,7 @@ Simulation compressedCube(const std::string& attributes, const std::string& solv
 
 }  // namespace
 
-TEST(StaticSolver, looseSolvesWithOneFactorisationFindTheEquilibriumOfPlainNewton) {
+TEST(StaticSolver, looseSolvesWithAFormerFactorFindTheEquilibriumOfPlainNewton) {
   Simulation plain = compressedCube("", "<SparseLDLSolver/>");
   Simulation loose =
       compressedCube("forcing_term='0.1'",
@@ -160,7 +160,7 @@ TEST(StaticSolver, looseSolvesWithOneFactorisationFindTheEquilibriumOfPlainNewto
     EXPECT_LE(report->newton_residual, 1e-8);
   }
   EXPECT_EQ(exact.factorisations, exact.newton_iterations + 1) << "and one for the motion of the plate";
-  EXPECT_EQ(inexact.factorisations, 1);
+  EXPECT_LT(inexact.factorisations, exact.factorisations) << "a former factor serves while it pays";
   // early iterations are solved to a tenth, not to 1e-9, which takes ten times the iterations
   EXPECT_LE(inexact.linear_iterations, 8 * inexact.newton_iterations);
   // residuals of 1e-8 of the load: displacements agree to about that times how soft the softest mode is
