@@ -141,7 +141,7 @@ void VolumeConstraint::declare(DataTable& table) {
   PositionConstraint::declare(table);
   table.addLink("topology", topology_).help("mesh that holds the surface; the node's own, or the nearest above");
   table.add("volume", volume_).unit("m^3").help("volume to keep; that of the rest shape when not given").min(0, false);
-  factor_.declare(table, "the volume");
+  factor_.declare(table, "the volume", FactorOverTime::Sign::positive);
   table.add("tolerance", tolerance_).unit("-").min(0, false).help("relative error of the volume that counts as none");
 }
 
