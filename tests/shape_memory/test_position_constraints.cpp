@@ -197,6 +197,38 @@ TEST(VolumeConstraint, ABodyThatCannotMoveIsSaid) {
   EXPECT_NE(report.reason.find("no node that may move would change it"), std::string::npos) << report.reason;
 }
 
+/// A box of one cell, of which the nodes in `held` are fixed, and whose volume is to be `factor` times as large.
+std::string box(double height, const std::string& held, double factor) {
+  const std::string h = std::to_string(height);
+  const std::string corners = "0 0 0  1 0 0  1 1 0  0 1 0  0 0 " + h + "  1 0 " + h + "  1 1 " + h + "  0 1 " + h;
+  return root("<EulerExplicitSolver/><MeshTopology position=\"" + corners +
+              "\" hexahedra=\"0 1 2 3 4 5 6 7\"/><MechanicalObject/><UniformMass totalMass=\"1\"/>" +
+              (held.empty() ? "" : "<FixedProjectiveConstraint indices=\"" + held + "\"/>") +
+              "<VolumeConstraint times=\"0\" factors=\"" + std::to_string(factor) + "\"/>");
+}
+
+TEST(VolumeConstraint, AFlatHeldBoxGetsTwiceAsHigh) {
+  Simulation simulation = simulationFromText(box(0.02, "0 1 2 3", 2));
+  run(simulation, 1);
+  const System& system = *simulation.systems()[0];
+  // the four upper corners rise alike, and move outward by the share of their sides: h (1 + 2 d) to first order of d = O(h)
+  for (Index node = 4; node < 8; ++node) EXPECT_NEAR(system.x[node].z(), 0.04, 0.04 * 2 * 0.04) << node;
+}
+
+TEST(VolumeConstraint, WhatOnlyAFarPlaceWouldReachIsSaid) {
+  // one free corner of a cube: its gradient is a quarter of three faces, so twice the volume takes a diagonal move by
+  // 4 / sqrt(3) > 1 / 2 cube sides; corners of a free cube go 0.9 sqrt(3) / 2 inward for a thousandth of it
+  for (const std::string& scene : {box(1, "0 1 2 3 4 5 7", 2), box(1, "", 1e-3)}) {
+    Simulation simulation = simulationFromText(scene);
+    const System& system = *simulation.systems()[0];
+    const StepReport report = simulation.step();
+    EXPECT_FALSE(report.constraints_converged);
+    EXPECT_NE(report.reason.find("no displacement by up to half the size"), std::string::npos) << report.reason;
+    for (Index node = 0; node < 8; ++node)
+      EXPECT_EQ(system.x[node], system.states()[0]->rest_position[std::size_t(node)]) << node;
+  }
+}
+
 TEST(VolumeConstraint, StaticsHasNoMotionToCorrect) {
   EXPECT_NE(problemsOf(hangingOrgan("<StaticSolver/><SparseLDLSolver/>", "<VolumeConstraint/>", "1")).find("dynamics"),
             std::string::npos);
