@@ -6,7 +6,8 @@
 // c is the centre of mass of the nodes that the integrator has moved, and Q the rotation of the step for which
 //   sum m_i s_i x (Q a_i) = sum m_i s_i x (x_i - c),   s_i the position from the centre at the start (a_i to round-off)
 // (Moser and Veselov's discrete rigid body, what SHAKE converges to with all distances held): momentum and angular
-// momentum are those of the unconstrained nodes. Then v_i = v_c + w x (x_i - c) with the same momenta. The distances
+// momentum are those of the unconstrained nodes. A set that turns by more than a quarter in one step (w dt > 1,
+// as I sin(angle) = dt L) has no such Q: it turns by a quarter, and the step's report says so. Then v_i = v_c + w x (x_i - c) with the same momenta. The distances
 // between the nodes are those of the rest shape to round-off, however long the run: no error piles up.
 //
 // Nodes of the set that projective constraints hold, or move as prescribed, lead the body: one is a pivot, two an axis,
@@ -68,6 +69,15 @@ Vec3 solveInertia(const Mat3& m, const Vec3& b) {
   return x;
 }
 
+/// The turn d with A d = missing, A = tr(M) I - M, along `line` only where that is not zero. Least squares with a
+/// trace of damping: |missing| falls along d where A is singular too (a quarter turn; about the line of a bar).
+Vec3 turnFor(const Mat3& m, const Vec3& missing, const Vec3& line) {
+  Mat3 a = m.trace() * Mat3::Identity() - m;
+  if (!line.isZero(0)) a = line.dot(a * line) * line * line.transpose();
+  const Mat3 square = a.transpose() * a;
+  return Mat3(square + 1e-14 * square.trace() * Mat3::Identity()).ldlt().solve(a.transpose() * missing);
+}
+
 class RigidConstraint final : public PositionConstraint {
  public:
   void declare(DataTable& table) override;
@@ -81,6 +91,11 @@ class RigidConstraint final : public PositionConstraint {
     if (misfit_)
       return fmt::format("the nodes that are held do not keep their distances: one is {:.3g} m off",
                          worst_ * tolerance_);
+    if (unturned_ > 0)
+      return fmt::format(
+          "it would have to turn by more than a quarter in one step; {:.2g} of its angular momentum is lost (a smaller "
+          "dt)",
+          unturned_);
     return fmt::format("a node is {:.3g} m from its place in the rigid set", worst_ * tolerance_);
   }
   std::string describe() const override { return fmt::format("{} nodes move as one rigid body", nodes_.size()); }
@@ -88,7 +103,7 @@ class RigidConstraint final : public PositionConstraint {
  private:
   Index rowOf(std::size_t i) const { return row(nodes_[i]); }
   Mat3 fit(ConstRows x, const Vec3& centre) const;
-  Mat3 turn(Mat3 q, ConstRows x, const Vec3& centre) const;
+  Mat3 turn(Mat3 q, ConstRows x, const Vec3& centre);
   Vec3 spin(ConstRows x, ConstRows v, const Vec3& centre, const Vec3& velocity) const;
   bool isPlaced() const { return leaders_.size() > 2 && !leaders_in_line_; }
   bool hasAxis() const { return leaders_.size() > 1 && leaders_in_line_; }
@@ -107,6 +122,7 @@ class RigidConstraint final : public PositionConstraint {
   std::vector<std::size_t> leaders_;  ///< nodes of the set that are held or moved as prescribed
   bool leaders_in_line_ = false;
   double worst_ = 0;
+  double unturned_ = 0;  ///< share of the angular momentum that no turn of this step keeps
   Index guided_ = -1;
   bool misfit_ = false;
 };
@@ -172,6 +188,7 @@ void RigidConstraint::weighNodes(const PositionStep& step) {
 
 void RigidConstraint::begin(const PositionStep& step) {
   weighNodes(step);
+  unturned_ = 0;
   // rest shape from the point that it turns about, and its orientation at the start of the step
   Vec3 rest_centre = Vec3::Zero();
   double total = 0;
@@ -213,34 +230,34 @@ Mat3 RigidConstraint::fit(ConstRows x, const Vec3& centre) const {
 }
 
 /// From near, the rotation with sum m s x (Q a) = sum m s x b, b = x - centre; about the axis only when there is one.
-/// With M = sum m (Q a) s^T, a turn by d changes the left side by (tr(M) I - M) d. Steps are halved where the equation
-/// is far from linear (a turn of more than a quarter in one step), and the best fit stays when there is no solution.
-Mat3 RigidConstraint::turn(Mat3 q, ConstRows x, const Vec3& centre) const {
+/// With M = sum m (Q a) s^T, a turn by d changes the left side by (tr(M) I - M) d. A turn is halved until what is
+/// missing falls, so that where there is no solution (I sin(angle) = dt L, a quarter turn is the largest) Q is the turn
+/// that misses least; unturned_ says what share it misses.
+Mat3 RigidConstraint::turn(Mat3 q, ConstRows x, const Vec3& centre) {
   Mat3 inertia = Mat3::Zero();
   Vec3 moment = Vec3::Zero();
   for (std::size_t i = 0; i < nodes_.size(); ++i) {
     inertia += mass_[i] * arm_[i] * start_[i].transpose();
     moment += mass_[i] * start_[i].cross(x[rowOf(i)] - centre);
   }
-  const Mat3 start = q;
   const Vec3 line = hasAxis() ? axis(x) : Vec3::Zero();
-  for (int iteration = 0; iteration < 30; ++iteration) {
-    const Mat3 m = q * inertia;
-    const Vec3 missing = moment - axial(m);
-    Vec3 turn;
-    if (hasAxis()) {
-      const double resistance = m.trace() - line.dot(m * line);
-      turn = resistance > 0 ? Vec3(line.dot(missing) / resistance * line) : Vec3::Zero();
-    } else {
-      turn = (m.trace() * Mat3::Identity() - m).colPivHouseholderQr().solve(missing);
-      if (!turn.allFinite()) turn = solveInertia(m, missing);
-    }
-    const double angle = turn.norm();
-    if (!(angle < 3)) return start;
-    if (angle == 0) break;
-    q = Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix() * q;
-    if (angle < 1e-15) break;
+  const auto counted = [&](const Vec3& moments) { return hasAxis() ? Vec3(line.dot(moments) * line) : moments; };
+  const auto missingAt = [&](const Mat3& rotation) { return counted(moment - axial(rotation * inertia)); };
+  const double round_off = 1e-13 * inertia.norm();
+  Vec3 missing = missingAt(q);
+  for (int iteration = 0; iteration < 60; ++iteration) {
+    Vec3 d = turnFor(q * inertia, missing, line);
+    if (!(d.norm() > 0)) break;
+    if (d.norm() > 1) d.normalize();
+    double share = 1;
+    const auto turned = [&] { return Mat3(Eigen::AngleAxisd(share * d.norm(), d.normalized()).toRotationMatrix() * q); };
+    while (share > 1e-12 && !(missingAt(turned()).norm() < missing.norm()))
+      share = missing.norm() > round_off ? share / 2 : 0;
+    if (!(share > 1e-12)) break;
+    q = turned();
+    missing = missingAt(q);
   }
+  if (missing.norm() > 1e-12 * inertia.norm()) unturned_ = std::max(unturned_, missing.norm() / counted(moment).norm());
   return q;
 }
 
@@ -260,7 +277,7 @@ double RigidConstraint::correctPositions(const PositionStep&, Rows x, Rows) {
   // prescribed motions carry more round-off than a solution of our own
   misfit_ = misfit > 1e3 * tolerance_;
   worst_ = std::max(farthest, misfit_ ? misfit : 0) / tolerance_;
-  return guided_ >= 0 ? std::max(worst_, 2.) : worst_;
+  return guided_ >= 0 || unturned_ > 0 ? std::max(worst_, 2.) : worst_;
 }
 
 /// The angular velocity of the body about `centre`, which moves with `velocity`.

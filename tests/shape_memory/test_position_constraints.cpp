@@ -362,6 +362,40 @@ TEST(RigidConstraint, ASymmetricTopPrecesses) {
   EXPECT_NEAR(coarse / fine, 4, 0.3);
 }
 
+/// About a principal axis sin(angle) = w dt, which no angle satisfies from w dt = 1 on: the angular momentum is kept, or
+/// its loss is said. A bar has no inertia about its length.
+TEST(RigidConstraint, AngularMomentumIsKeptOrItsLossIsSaid) {
+  for (const char* positions : {"0.1 0 0  -0.1 0 0  0 0.2 0  0 -0.2 0  0 0 0.3  0 0 -0.3", "0 0.2 0  0 -0.2 0"})
+    for (const double turn : {0.1, 0.7, 0.99, 1., 1.5, 2., 10.}) {
+      SCOPED_TRACE(turn);
+      Simulation simulation = simulationFromText(rigid(positions, "", "0.01"));
+      System& system = *simulation.systems()[0];
+      for (Index i = 0; i < system.x.count(); ++i) system.v[i] = Vec3(0, 0, turn / 0.01).cross(Vec3(system.x[i]));
+      for (int i = 0; i < 20; ++i) {
+        const Vec3 momentum = motionOf(system).angular, before = system.x[0];
+        const StepReport report = simulation.step();
+        ASSERT_FALSE(report.diverged) << report.reason;
+        ASSERT_LT(distortion(system), 1e-12);
+        const double loss = (motionOf(system).angular - momentum).norm() / momentum.norm();
+        if (turn < 1) {
+          ASSERT_TRUE(report.constraints_converged) << report.reason;
+          const double angle = std::atan2(before.cross(Vec3(system.x[0])).z(), before.dot(system.x[0]));
+          ASSERT_NEAR(std::sin(angle), turn, 1e-11);
+        }
+        if (turn > 1 && i == 0) {
+          ASSERT_FALSE(report.constraints_converged);
+          EXPECT_NE(report.reason.find("more than a quarter"), std::string::npos) << report.reason;
+        }
+        if (report.constraints_converged) {
+          ASSERT_LT(loss, 1e-10);
+        } else {
+          ASSERT_NEAR(loss, 1 - 1 / turn, 1e-3);
+          break;  // the next one starts from what is left
+        }
+      }
+    }
+}
+
 /// A compound pendulum on one held node: small swings of period 2 pi sqrt(I / (m g d)).
 TEST(RigidConstraint, OneHeldNodeIsAPivot) {
   Simulation simulation = simulationFromText(rigid("0 0 0  0 0 -0.4  0 0.1 -0.5  0 -0.1 -0.5",
