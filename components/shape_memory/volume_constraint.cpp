@@ -7,9 +7,10 @@
 // nodes; grad V points along their normals, at the start of the step). V(x + lambda d) is a cubic in lambda, so lambda
 // is found exactly. No node moves by more than half the size of the body (cube root of its volume) at a time, and not
 // beyond the lambda at which the volume turns: what cannot be reached so does not hold, and the step's report says it,
-// because the other roots of the cubic turn a body inside out. Where nothing is held, the momentum and angular momentum of the
-// step do not change: grad V of a closed surface sums to zero, and so does its moment. Then the velocities lose the
-// part that would change the volume (or get the part that the prescribed change asks for).
+// because the other roots of the cubic turn a body inside out. Where nothing is held, the momentum and angular momentum
+// of the step (of lumped masses, whatever the mass of the scene) do not change: grad V of a closed surface sums to
+// zero, and so does its moment. Then the velocities lose the part that would change the volume (or get the part that
+// the prescribed change asks for).
 //
 // The surface: the border of the tetrahedra and hexahedra of the topology, or its triangles and quads (turned outward
 // all alike) when there are none. A quad counts as the mean of its two cuttings, which is the volume under its bilinear
@@ -94,8 +95,7 @@ class VolumeConstraint final : public PositionConstraint {
   double correctPositions(const PositionStep& step, Rows x, Rows reference) override;
   double correctVelocities(const PositionStep& step, ConstRows x, Rows v) override;
   std::string violation() const override {
-    return fmt::format("the volume is {:.10g} m^3 instead of {:.10g} m^3{}", reached_, target_,
-                       stuck_);
+    return fmt::format("the volume is {:.10g} m^3 instead of {:.10g} m^3{}", reached_, target_, stuck_);
   }
   std::string describe() const override {
     return fmt::format("volume of {} triangles kept at {:.6g} m^3{}", faces_.size(), volume_,
@@ -122,6 +122,7 @@ class VolumeConstraint final : public PositionConstraint {
   Vector gradient_;   ///< grad V [m^2], shape (nodes_)
   Vector direction_;  ///< W grad V, shape (nodes_)
   double target_ = 0, rate_ = 0, reached_ = 0;
+  double allowed_ = 0;      ///< tolerance of this step [m^3]
   const char* stuck_ = "";  ///< why the volume cannot be reached, the end of a sentence
   bool gradient_is_new_ = false;
 };
@@ -129,9 +130,12 @@ class VolumeConstraint final : public PositionConstraint {
 void VolumeConstraint::declare(DataTable& table) {
   PositionConstraint::declare(table);
   table.addLink("topology", topology_).help("mesh that holds the surface; the node's own, or the nearest above");
-  table.add("volume", volume_).unit("m^3").help("volume to keep; that of the rest shape when not given").min(0, false);
+  table.add("volume", volume_).unit("m^3").help("volume to keep; 0: that of the rest shape").min(0);
   factor_.declare(table, "the volume", FactorOverTime::Sign::positive);
-  table.add("tolerance", tolerance_).unit("-").min(0, false).help("relative error of the volume that counts as none");
+  table.add("tolerance", tolerance_)
+      .unit("-")
+      .min(0, false)
+      .help("relative error of the volume that counts as none; never below what the round-off of positions makes");
 }
 
 void VolumeConstraint::init() {
@@ -153,7 +157,7 @@ void VolumeConstraint::init() {
   if (!(rest > 0))
     throw ComponentError(fmt::format("the surface holds a volume of {:.6g} m^3", rest), "faces that are turned outward",
                          "turn every triangle and quad round");
-  if (!data().find("volume")->isSet()) volume_ = rest;
+  if (volume_ == 0) volume_ = rest;
 }
 
 void VolumeConstraint::collectSurface(const Mesh& mesh) {
@@ -243,6 +247,9 @@ void VolumeConstraint::begin(const PositionStep& step) {
   rate_ = factor_.varies() ? (target_ - volume_ * factor_.at(step.t_end - step.dt)) / step.dt : 0;
   gradientAt(step.x_start);
   gradient_is_new_ = false;
+  double sizes = 0;
+  for (std::size_t i = 0; i < nodes_.size(); ++i) sizes += gradient_[Index(i)].norm();
+  allowed_ = std::max(tolerance_ * target_, roundOff(step.x_start, nodes_) * sizes);
 }
 
 double VolumeConstraint::correctPositions(const PositionStep& step, Rows x, Rows) {
@@ -256,7 +263,7 @@ double VolumeConstraint::correctPositions(const PositionStep& step, Rows x, Rows
   if (largest > 0) scale(span / largest, direction_);
   Cubic volume = along(x);
   reached_ = volume.a[0];
-  const double violation = std::abs(reached_ - target_) / (tolerance_ * target_);
+  const double violation = std::abs(reached_ - target_) / allowed_;
   if (*stuck_ || !(violation > 0)) return violation;
   for (double& coefficient : volume.a) coefficient /= target_;
   volume.a[0] -= 1;

@@ -97,11 +97,12 @@ void System::enforcePositions(const StepContext& context, ConstRows x_start, Ste
   applyMappings();
   report.constraint_sweeps += moved.count + turned.count;
   report.constraints_converged = moved.converged() && turned.converged();
-  if (report.constraints_converged || !report.reason.empty()) return;
-  report.reason = moved.converged() ? fmt::format("velocities still break {} after {} corrections",
-                                                  turned.culprit->path(), turned.count)
-                                    : fmt::format("{} does not hold after {} corrections: {}", moved.culprit->path(),
-                                                  moved.count, moved.culprit->violation());
+  if (!moved.converged())
+    report.constraint_reason = fmt::format("{} does not hold after {} corrections: {}", moved.culprit->path(),
+                                           moved.count, moved.culprit->violation());
+  else if (!turned.converged())
+    report.constraint_reason =
+        fmt::format("velocities still break {} after {} corrections", turned.culprit->path(), turned.count);
 }
 
 }  // namespace stroma

@@ -42,6 +42,20 @@ TEST(ContractileForceField, WithoutAPeriodTheLastFactorStaysAndASlackFibreMayBeW
   EXPECT_NEAR(t.force()[0].x(), 50 * (6 - 2), 1e-12);
 }
 
+TEST(ContractileForceField, PullingFibresBalance) {
+  FieldUnderTest t(chain(fibres("damping=\"3\" times=\"0 1\" factors=\"1 0.5\"")), "ContractileForceField");
+  for (const double time : {0.2, 0.7, 2.}) {
+    t.field().setTime(time);
+    t.rest();
+    EXPECT_GT(t.force()[0].norm(), 1) << "at rest it pulls";
+    for (const double noise : {0.03, 0.3}) {
+      t.deform(noise);
+      EXPECT_LT(momentumOf(t.x, t.force()).force, 1e-12) << "Newton's law";
+      EXPECT_LT(momentumOf(t.x, t.force()).torque, 1e-12) << "Euler's law";
+    }
+  }
+}
+
 TEST(ContractileForceField, AMuscleShortensToItsLength) {
   for (const char* integrator : {"<EulerImplicitSolver rayleighMass=\"20\"/>", "<RungeKutta4Solver/>"}) {
     Simulation simulation = simulationFromText(
