@@ -37,7 +37,7 @@ class ContractileForceField final : public SpringField {
     table.add("stiffness", stiffness_).unit("N/m").min(0).physical().help("spring constant of a fibre");
     table.add("damping", damping_).unit("N s/m").min(0).help("force along a fibre over its speed of elongation");
     table.add("elongationOnly", elongation_only_).help("a fibre that is shorter than its rest length has no force");
-    factor_.declare(table, "the rest length");
+    factor_.declare(table, "the rest length", FactorOverTime::Sign::positive);
   }
 
   void init() override {
@@ -57,6 +57,7 @@ class ContractileForceField final : public SpringField {
   ForceTraits traits() const override {
     ForceTraits traits = SpringField::traits();
     traits.time_dependent = factor_.varies();
+    // they balance at any time, but not by vanishing at the rest shape
     if (factor_.varies() || factor_.at(0) != 1) traits.forces_balance = traits.torques_balance = false;
     return traits;
   }

@@ -6,8 +6,10 @@
 // c is the centre of mass of the nodes that the integrator has moved, and Q the rotation of the step for which
 //   sum m_i s_i x (Q a_i) = sum m_i s_i x (x_i - c),   s_i the position from the centre at the start (a_i to round-off)
 // (Moser and Veselov's discrete rigid body, what SHAKE converges to with all distances held): momentum and angular
-// momentum are those of the unconstrained nodes. Then v_i = v_c + w x (x_i - c) with the same momenta. The distances
-// between the nodes are those of the rest shape to round-off, however long the run: no error piles up.
+// momentum are those of the unconstrained nodes, m_i their lumped masses whatever the mass of the scene. A set that
+// turns by more than a quarter in one step (w dt > 1, as I sin(angle) = dt L) has no such Q: it turns by a quarter, and
+// the step's report says so. Then v_i = v_c + w x (x_i - c) with the same momenta. The distances between the nodes are
+// those of the rest shape to round-off, however long the run: no error piles up.
 //
 // Nodes of the set that projective constraints hold, or move as prescribed, lead the body: one is a pivot, two an axis,
 // three or more that are not in a line place it entirely. A node that is held in some directions only cannot be part of
@@ -68,6 +70,15 @@ Vec3 solveInertia(const Mat3& m, const Vec3& b) {
   return x;
 }
 
+/// The turn d with A d = missing, A = tr(M) I - M, along `line` only where that is not zero. Least squares with a
+/// trace of damping: |missing| falls along d where A is singular too (a quarter turn; about the line of a bar).
+Vec3 turnFor(const Mat3& m, const Vec3& missing, const Vec3& line) {
+  Mat3 a = m.trace() * Mat3::Identity() - m;
+  if (!line.isZero(0)) a = line.dot(a * line) * line * line.transpose();
+  const Mat3 square = a.transpose() * a;
+  return Mat3(square + 1e-14 * square.trace() * Mat3::Identity()).ldlt().solve(a.transpose() * missing);
+}
+
 class RigidConstraint final : public PositionConstraint {
  public:
   void declare(DataTable& table) override;
@@ -79,16 +90,20 @@ class RigidConstraint final : public PositionConstraint {
   std::string violation() const override {
     if (guided_ >= 0) return fmt::format("node {} is held in some directions only", guided_);
     if (misfit_)
-      return fmt::format("the nodes that are held do not keep their distances: one is {:.3g} m off",
-                         worst_ * tolerance_);
-    return fmt::format("a node is {:.3g} m from its place in the rigid set", worst_ * tolerance_);
+      return fmt::format("the nodes that are held do not keep their distances: one is {:.3g} m off", worst_ * allowed_);
+    if (unturned_ > 0)
+      return fmt::format(
+          "it would have to turn by more than a quarter in one step; {:.2g} of its angular momentum is lost (a smaller "
+          "dt)",
+          unturned_);
+    return fmt::format("a node is {:.3g} m from its place in the rigid set", worst_ * allowed_);
   }
   std::string describe() const override { return fmt::format("{} nodes move as one rigid body", nodes_.size()); }
 
  private:
   Index rowOf(std::size_t i) const { return row(nodes_[i]); }
   Mat3 fit(ConstRows x, const Vec3& centre) const;
-  Mat3 turn(Mat3 q, ConstRows x, const Vec3& centre) const;
+  Mat3 turn(Mat3 q, ConstRows x, const Vec3& centre);
   Vec3 spin(ConstRows x, ConstRows v, const Vec3& centre, const Vec3& velocity) const;
   bool isPlaced() const { return leaders_.size() > 2 && !leaders_in_line_; }
   bool hasAxis() const { return leaders_.size() > 1 && leaders_in_line_; }
@@ -106,7 +121,9 @@ class RigidConstraint final : public PositionConstraint {
   std::vector<double> mass_;          ///< [kg]
   std::vector<std::size_t> leaders_;  ///< nodes of the set that are held or moved as prescribed
   bool leaders_in_line_ = false;
+  double allowed_ = 0;  ///< tolerance of this step [m]
   double worst_ = 0;
+  double unturned_ = 0;  ///< share of the angular momentum that no turn of this step keeps
   Index guided_ = -1;
   bool misfit_ = false;
 };
@@ -116,8 +133,10 @@ void RigidConstraint::declare(DataTable& table) {
   table.add("indices", indices_).help("nodes of the rigid set; every node when not given");
   table.add("tolerance", tolerance_)
       .unit("m")
-      .min(0, false)
-      .help("distance from the rigid place that counts as none; 1e-12 of the set's size when not given");
+      .min(0)
+      .help(
+          "distance from the rigid place that counts as none; 0: 1e-12 of the set's size. Never below the round-off of "
+          "positions");
 }
 
 void RigidConstraint::init() {
@@ -135,7 +154,7 @@ void RigidConstraint::init() {
                     (state().rest_position[std::size_t(node)] - state().rest_position[std::size_t(nodes_[0])]).norm());
   if (!(size > 0))
     throw ComponentError("all nodes of the rigid set lie in one place at rest", "nodes apart from each other");
-  if (!data().find("tolerance")->isSet()) tolerance_ = 1e-12 * size;
+  if (tolerance_ == 0) tolerance_ = 1e-12 * size;
 }
 
 void RigidConstraint::compile() {
@@ -148,14 +167,16 @@ void RigidConstraint::compile() {
 
 /// The point that the body turns about, from `x`: the mean of the leaders, else the centre of mass.
 Vec3 RigidConstraint::centreOf(ConstRows x) const {
+  // from a node of the set: far from the origin, sums of positions lose what distances keep
+  const Vec3 first = x[rowOf(0)];
   Vec3 sum = Vec3::Zero();
   if (!leaders_.empty()) {
-    for (const std::size_t i : leaders_) sum += x[rowOf(i)];
-    return sum / double(leaders_.size());
+    for (const std::size_t i : leaders_) sum += x[rowOf(i)] - first;
+    return first + sum / double(leaders_.size());
   }
   double mass = 0;
-  for (std::size_t i = 0; i < nodes_.size(); ++i) sum += mass_[i] * x[rowOf(i)], mass += mass_[i];
-  return sum / mass;
+  for (std::size_t i = 0; i < nodes_.size(); ++i) sum += mass_[i] * (x[rowOf(i)] - first), mass += mass_[i];
+  return first + sum / mass;
 }
 
 /// Which nodes lead, and the masses of the others (leaders count as 1 where nothing else has mass).
@@ -172,6 +193,8 @@ void RigidConstraint::weighNodes(const PositionStep& step) {
 
 void RigidConstraint::begin(const PositionStep& step) {
   weighNodes(step);
+  unturned_ = 0;
+  allowed_ = std::max(tolerance_, roundOff(step.x_start, nodes_));
   // rest shape from the point that it turns about, and its orientation at the start of the step
   Vec3 rest_centre = Vec3::Zero();
   double total = 0;
@@ -213,34 +236,36 @@ Mat3 RigidConstraint::fit(ConstRows x, const Vec3& centre) const {
 }
 
 /// From near, the rotation with sum m s x (Q a) = sum m s x b, b = x - centre; about the axis only when there is one.
-/// With M = sum m (Q a) s^T, a turn by d changes the left side by (tr(M) I - M) d. Steps are halved where the equation
-/// is far from linear (a turn of more than a quarter in one step), and the best fit stays when there is no solution.
-Mat3 RigidConstraint::turn(Mat3 q, ConstRows x, const Vec3& centre) const {
+/// With M = sum m (Q a) s^T, a turn by d changes the left side by (tr(M) I - M) d. A turn is halved until what is
+/// missing falls, so that where there is no solution (I sin(angle) = dt L, a quarter turn is the largest) Q is the turn
+/// that misses least; unturned_ says what share it misses.
+Mat3 RigidConstraint::turn(Mat3 q, ConstRows x, const Vec3& centre) {
   Mat3 inertia = Mat3::Zero();
   Vec3 moment = Vec3::Zero();
   for (std::size_t i = 0; i < nodes_.size(); ++i) {
     inertia += mass_[i] * arm_[i] * start_[i].transpose();
     moment += mass_[i] * start_[i].cross(x[rowOf(i)] - centre);
   }
-  const Mat3 start = q;
   const Vec3 line = hasAxis() ? axis(x) : Vec3::Zero();
-  for (int iteration = 0; iteration < 30; ++iteration) {
-    const Mat3 m = q * inertia;
-    const Vec3 missing = moment - axial(m);
-    Vec3 turn;
-    if (hasAxis()) {
-      const double resistance = m.trace() - line.dot(m * line);
-      turn = resistance > 0 ? Vec3(line.dot(missing) / resistance * line) : Vec3::Zero();
-    } else {
-      turn = (m.trace() * Mat3::Identity() - m).colPivHouseholderQr().solve(missing);
-      if (!turn.allFinite()) turn = solveInertia(m, missing);
-    }
-    const double angle = turn.norm();
-    if (!(angle < 3)) return start;
-    if (angle == 0) break;
-    q = Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix() * q;
-    if (angle < 1e-15) break;
+  const auto counted = [&](const Vec3& moments) { return hasAxis() ? Vec3(line.dot(moments) * line) : moments; };
+  const auto missingAt = [&](const Mat3& rotation) { return counted(moment - axial(rotation * inertia)); };
+  const double round_off = 1e-13 * inertia.norm();
+  Vec3 missing = missingAt(q);
+  for (int iteration = 0; iteration < 60; ++iteration) {
+    Vec3 d = turnFor(q * inertia, missing, line);
+    if (!(d.norm() > 0)) break;
+    if (d.norm() > 1) d.normalize();
+    double share = 1;
+    const auto turned = [&] {
+      return Mat3(Eigen::AngleAxisd(share * d.norm(), d.normalized()).toRotationMatrix() * q);
+    };
+    while (share > 1e-12 && !(missingAt(turned()).norm() < missing.norm()))
+      share = missing.norm() > round_off ? share / 2 : 0;
+    if (!(share > 1e-12)) break;
+    q = turned();
+    missing = missingAt(q);
   }
+  if (missing.norm() > 1e-12 * inertia.norm()) unturned_ = std::max(unturned_, missing.norm() / counted(moment).norm());
   return q;
 }
 
@@ -258,9 +283,9 @@ double RigidConstraint::correctPositions(const PositionStep&, Rows x, Rows) {
       misfit = std::max(misfit, distance);
   }
   // prescribed motions carry more round-off than a solution of our own
-  misfit_ = misfit > 1e3 * tolerance_;
-  worst_ = std::max(farthest, misfit_ ? misfit : 0) / tolerance_;
-  return guided_ >= 0 ? std::max(worst_, 2.) : worst_;
+  misfit_ = misfit > 1e3 * allowed_;
+  worst_ = std::max(farthest, misfit_ ? misfit : 0) / allowed_;
+  return guided_ >= 0 || unturned_ > 0 ? std::max(worst_, 2.) : worst_;
 }
 
 /// The angular velocity of the body about `centre`, which moves with `velocity`.

@@ -16,7 +16,7 @@
 //   <CGLinearSolver iterations="50" tolerance="1e-8"/>
 //   <MechanicalObject position="0 0 0  1 0 0  2 0 0"/>
 //   <UniformMass totalMass="3"/>
-//   <TargetForceField indices="0 2" stiffness="100" displacement="0 0 0.5" times="0 1 2" factors="1 2 1" period="2"/>
+//   <TargetForceField indices="0 2" stiffness="100" displacement="0 0 0.5" times="0 1 2" factors="0 1 0" period="2"/>
 // </Node>
 #include <fmt/format.h>
 
@@ -36,7 +36,7 @@ class TargetForceField final : public ForceField {
     table.add("targets", targets_).unit("m").help("a place for each index; the node's rest position when not given");
     table.add("displacement", displacement_).unit("m").help("added to every target, times the factor");
     table.add("stiffness", stiffness_).alias("kElas").unit("N/m").min(0).physical().help("elastic modulus k");
-    factor_.declare(table, "the displacement");
+    factor_.declare(table, "the displacement", FactorOverTime::Sign::any);
   }
 
   void init() override {

@@ -5,9 +5,12 @@
 //
 // After each step nodes of the surface move by lambda d with d = W grad V (W: inverse masses and free directions of the
 // nodes; grad V points along their normals, at the start of the step). V(x + lambda d) is a cubic in lambda, so lambda
-// is found exactly; the root nearest to zero is taken. Where nothing is held, the momentum and angular momentum of the
-// step do not change: grad V of a closed surface sums to zero, and so does its moment. Then the velocities lose the
-// part that would change the volume (or get the part that the prescribed change asks for).
+// is found exactly. No node moves by more than half the size of the body (cube root of its volume) at a time, and not
+// beyond the lambda at which the volume turns: what cannot be reached so does not hold, and the step's report says it,
+// because the other roots of the cubic turn a body inside out. Where nothing is held, the momentum and angular momentum
+// of the step (of lumped masses, whatever the mass of the scene) do not change: grad V of a closed surface sums to
+// zero, and so does its moment. Then the velocities lose the part that would change the volume (or get the part that
+// the prescribed change asks for).
 //
 // The surface: the border of the tetrahedra and hexahedra of the topology, or its triangles and quads (turned outward
 // all alike) when there are none. A quad counts as the mean of its two cuttings, which is the volume under its bilinear
@@ -50,7 +53,25 @@ struct Cubic {
   double a[4]{};
   double at(double s) const { return ((a[3] * s + a[2]) * s + a[1]) * s + a[0]; }
   double slope(double s) const { return (3 * a[3] * s + 2 * a[2]) * s + a[1]; }
-  /// The root of smallest |s| that lies in [low, high], where the cubic is monotonic and changes its sign.
+  /// The root in the piece around zero in which the cubic is monotonic, at most `reach` from zero; NaN when there is
+  /// none. Roots of other pieces are solutions too, with a body that is turned inside out.
+  double rootNearZero(double reach) const {
+    double low = -reach, high = reach;
+    const auto cut = [&](double turning) {
+      if (turning <= 0) low = std::max(low, turning);
+      if (turning >= 0) high = std::min(high, turning);
+    };
+    const double discriminant = a[2] * a[2] - 3 * a[1] * a[3];
+    if (discriminant > 0) {
+      const double q = -(a[2] + std::copysign(std::sqrt(discriminant), a[2]));
+      if (a[3] != 0) cut(q / (3 * a[3]));
+      if (q != 0) cut(a[1] / q);
+    }
+    return at(low) * at(high) > 0 ? NAN : rootBetween(low, high);
+  }
+
+ private:
+  /// The root in [low, high], where the cubic is monotonic and changes its sign.
   double rootBetween(double low, double high) const {
     const bool rising = at(low) < 0;
     double s = std::clamp(0.0, low, high);
@@ -63,38 +84,6 @@ struct Cubic {
     }
     return s;
   }
-  /// The real root nearest to zero; NaN when there is none.
-  double rootNearestZero() const {
-    // the turning points cut the line in pieces on which the cubic is monotonic
-    double cuts[4] = {-INFINITY, NAN, NAN, INFINITY};
-    const double discriminant = a[2] * a[2] - 3 * a[1] * a[3];
-    if (discriminant > 0 && a[3] != 0) {
-      const double q = -(a[2] + std::copysign(std::sqrt(discriminant), a[2]));
-      cuts[1] = q / (3 * a[3]), cuts[2] = q != 0 ? a[1] / q : 0;
-      if (cuts[1] > cuts[2]) std::swap(cuts[1], cuts[2]);
-    } else if (a[3] == 0 && a[2] != 0) {
-      cuts[1] = -a[1] / (2 * a[2]);
-    }
-    double best = NAN, low = cuts[0];
-    const double reach = bound();
-    for (int piece = 1; piece < 4; ++piece) {
-      const double high = cuts[piece];
-      if (std::isnan(high)) continue;
-      const double from = std::max(low, -reach), to = std::min(high, reach);
-      low = high;
-      if (!(from < to) || at(from) * at(to) > 0) continue;
-      const double root = rootBetween(from, to);
-      if (!(std::abs(root) >= std::abs(best))) best = root;
-    }
-    return best;
-  }
-
- private:
-  /// No root lies farther from zero (Cauchy's bound of the leading coefficient).
-  double bound() const {
-    const double lead = a[3] != 0 ? a[3] : a[2] != 0 ? a[2] : a[1];
-    return lead == 0 ? 0 : 1 + std::max({std::abs(a[0]), std::abs(a[1]), std::abs(a[2])}) / std::abs(lead);
-  }
 };
 
 class VolumeConstraint final : public PositionConstraint {
@@ -106,8 +95,7 @@ class VolumeConstraint final : public PositionConstraint {
   double correctPositions(const PositionStep& step, Rows x, Rows reference) override;
   double correctVelocities(const PositionStep& step, ConstRows x, Rows v) override;
   std::string violation() const override {
-    return fmt::format("the volume is {:.10g} m^3 instead of {:.10g} m^3{}", reached_, target_,
-                       stuck_ ? ", and no node that may move would change it" : "");
+    return fmt::format("the volume is {:.10g} m^3 instead of {:.10g} m^3{}", reached_, target_, stuck_);
   }
   std::string describe() const override {
     return fmt::format("volume of {} triangles kept at {:.6g} m^3{}", faces_.size(), volume_,
@@ -134,15 +122,20 @@ class VolumeConstraint final : public PositionConstraint {
   Vector gradient_;   ///< grad V [m^2], shape (nodes_)
   Vector direction_;  ///< W grad V, shape (nodes_)
   double target_ = 0, rate_ = 0, reached_ = 0;
-  bool stuck_ = false, gradient_is_new_ = false;
+  double allowed_ = 0;      ///< tolerance of this step [m^3]
+  const char* stuck_ = "";  ///< why the volume cannot be reached, the end of a sentence
+  bool gradient_is_new_ = false;
 };
 
 void VolumeConstraint::declare(DataTable& table) {
   PositionConstraint::declare(table);
   table.addLink("topology", topology_).help("mesh that holds the surface; the node's own, or the nearest above");
-  table.add("volume", volume_).unit("m^3").help("volume to keep; that of the rest shape when not given").min(0, false);
-  factor_.declare(table, "the volume");
-  table.add("tolerance", tolerance_).unit("-").min(0, false).help("relative error of the volume that counts as none");
+  table.add("volume", volume_).unit("m^3").help("volume to keep; 0: that of the rest shape").min(0);
+  factor_.declare(table, "the volume", FactorOverTime::Sign::positive);
+  table.add("tolerance", tolerance_)
+      .unit("-")
+      .min(0, false)
+      .help("relative error of the volume that counts as none; never below what the round-off of positions makes");
 }
 
 void VolumeConstraint::init() {
@@ -164,7 +157,7 @@ void VolumeConstraint::init() {
   if (!(rest > 0))
     throw ComponentError(fmt::format("the surface holds a volume of {:.6g} m^3", rest), "faces that are turned outward",
                          "turn every triangle and quad round");
-  if (!data().find("volume")->isSet()) volume_ = rest;
+  if (volume_ == 0) volume_ = rest;
 }
 
 void VolumeConstraint::collectSurface(const Mesh& mesh) {
@@ -254,6 +247,9 @@ void VolumeConstraint::begin(const PositionStep& step) {
   rate_ = factor_.varies() ? (target_ - volume_ * factor_.at(step.t_end - step.dt)) / step.dt : 0;
   gradientAt(step.x_start);
   gradient_is_new_ = false;
+  double sizes = 0;
+  for (std::size_t i = 0; i < nodes_.size(); ++i) sizes += gradient_[Index(i)].norm();
+  allowed_ = std::max(tolerance_ * target_, roundOff(step.x_start, nodes_) * sizes);
 }
 
 double VolumeConstraint::correctPositions(const PositionStep& step, Rows x, Rows) {
@@ -263,17 +259,19 @@ double VolumeConstraint::correctPositions(const PositionStep& step, Rows x, Rows
     direction_[Index(i)] = step.mobility.times(row(nodes_[i]), gradient_[Index(i)]);
     largest = std::max(largest, direction_[Index(i)].norm());
   }
-  stuck_ = !(largest > 0);
-  if (!stuck_) scale(span / largest, direction_);
+  stuck_ = largest > 0 ? "" : ", and no node that may move would change it";
+  if (largest > 0) scale(span / largest, direction_);
   Cubic volume = along(x);
   reached_ = volume.a[0];
-  const double violation = std::abs(reached_ - target_) / (tolerance_ * target_);
-  if (stuck_ || !(violation > 0)) return violation;
+  const double violation = std::abs(reached_ - target_) / allowed_;
+  if (*stuck_ || !(violation > 0)) return violation;
   for (double& coefficient : volume.a) coefficient /= target_;
   volume.a[0] -= 1;
-  const double lambda = volume.rootNearestZero();
-  stuck_ = std::isnan(lambda);
-  if (stuck_) return violation;
+  const double lambda = volume.rootNearZero(0.5);
+  if (std::isnan(lambda)) {
+    if (violation > 1) stuck_ = ", and no displacement by up to half the size of the body along its normals reaches it";
+    return violation;
+  }
   for (std::size_t i = 0; i < nodes_.size(); ++i) x[row(nodes_[i])] += lambda * direction_[Index(i)];
   return violation;
 }

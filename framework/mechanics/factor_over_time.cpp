@@ -8,12 +8,12 @@
 
 namespace stroma {
 
-void FactorOverTime::declare(DataTable& table, const std::string& what) {
+void FactorOverTime::declare(DataTable& table, const std::string& what, Sign sign) {
   table.add("times", times_).help("times at which " + what + " is given, ascending").unit("s");
-  table.add("factors", factors_)
-      .help("factor on " + what + " at each of the times, linear between them; 1 when not given")
-      .unit("-")
-      .min(0, false);
+  auto& factors = table.add("factors", factors_)
+                      .help("factor on " + what + " at each of the times, linear between them; 1 when not given")
+                      .unit("-");
+  if (sign == Sign::positive) factors.min(0, false);
   table.add("period", period_).help("repeats times and factors; 0: the last factor stays").unit("s").min(0);
 }
 

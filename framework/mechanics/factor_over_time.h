@@ -10,8 +10,10 @@ namespace stroma {
 /// with `period` when it is given. Without any it is 1 at all times.
 class FactorOverTime {
  public:
-  /// Declares `times`, `factors` and `period`; `what` names the quantity in the help.
-  void declare(DataTable& table, const std::string& what);
+  enum class Sign { any, positive };
+  /// Declares `times`, `factors` and `period`; `what` names the quantity in the help. Lengths and volumes take positive
+  /// factors only.
+  void declare(DataTable& table, const std::string& what, Sign sign);
   /// Throws ComponentError with a sentence when the lists do not fit.
   void check() const;
   bool varies() const { return factors_.size() > 1; }

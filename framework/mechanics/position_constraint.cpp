@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "framework/mechanics/position_constraint.h"
 
+#include <algorithm>
+#include <limits>
+
 namespace stroma {
 
 void Mobility::allocate(const std::vector<double>& inverse_mass) {
@@ -22,6 +25,12 @@ bool Mobility::isHeld(Index row) const {
 }
 
 bool Mobility::isGuided(Index row) const { return !isHeld(row) && slot_of_row_[std::size_t(row)] >= 0; }
+
+double PositionConstraint::roundOff(ConstRows x, const std::vector<Index>& nodes) const {
+  double largest = 0;
+  for (const Index node : nodes) largest = std::max(largest, x[row(node)].cwiseAbs().maxCoeff());
+  return 8 * std::numeric_limits<double>::epsilon() * largest;
+}
 
 // Of the free directions u = P u those with n.u = 0 stay: (P n).u = 0.
 void Mobility::restrict(Index row, const Vec3& n) {

@@ -46,9 +46,9 @@ struct PositionStep {
 
 /// After the integrator has moved x and v, the system lets its position constraints correct x in turns until all hold,
 /// then v: v += (correction of x) / dt, and again in turns until no velocity breaks a constraint. Corrections go along
-/// W times the gradient at the START of the step for x and at its end for v. Momentum is then that of the unconstrained
-/// step, to round-off; so is angular momentum where x1 = x0 + dt v1 (Euler methods), else up to dt times the
-/// correction.
+/// W times the gradient at the START of the step for x and at its end for v. Momentum of the
+/// lumped masses is then that of the unconstrained step, to round-off; so is angular momentum where x1 = x0 + dt v1
+/// (Euler methods), else up to dt times the correction.
 class PositionConstraint : public Component {
  public:
   std::string roleText() const override { return "position constraint"; }
@@ -73,6 +73,9 @@ class PositionConstraint : public Component {
   virtual std::string describe() const = 0;
 
  protected:
+  /// What positions of these nodes cannot tell apart [m]: 8 eps of the largest coordinate. No tolerance is smaller.
+  double roundOff(ConstRows x, const std::vector<Index>& nodes) const;
+
   Link<State> mstate_{"mechanical state"};
 
  private:

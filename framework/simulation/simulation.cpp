@@ -113,6 +113,7 @@ void merge(StepReport&& part, StepReport& whole) {
   whole.constraints_converged = whole.constraints_converged && part.constraints_converged;
   if (whole.linear_converged) whole.linear_stop = part.linear_stop;
   whole.linear_converged = whole.linear_converged && part.linear_converged;
+  if (whole.constraint_reason.empty()) whole.constraint_reason = std::move(part.constraint_reason);
   if (whole.reason.empty()) whole.reason = std::move(part.reason);
 }
 

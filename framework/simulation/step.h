@@ -28,8 +28,9 @@ struct StepReport {
   SolveStop linear_stop = SolveStop::converged;
   double newton_residual = 0;  ///< relative, where a Newton method ran
   bool newton_converged = true;
-  int constraint_sweeps = 0;  ///< turns of the position constraints, for positions and for velocities
-  bool constraints_converged = true;
+  int constraint_sweeps = 0;          ///< turns of the position constraints, for positions and for velocities
+  bool constraints_converged = true;  ///< false: positions or velocities break a position constraint, no result
+  std::string constraint_reason;      ///< a sentence, when not constraints_converged
 };
 
 }  // namespace stroma

@@ -211,6 +211,7 @@ class System final : public SystemMatrix {
   MatrixFactors factors_;
   Mobility mobility_;          ///< of position constraints
   Vector position_reference_;  ///< shape (independentRows()), only with position constraints
+  Vector position_before_;     ///< what a turn of the position constraints started from
 
   long revision_ = 0, assembled_revision_ = -1;
   bool stiffness_varies_ = false;  ///< some K or C may change with x or v

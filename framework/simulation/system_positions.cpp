@@ -2,7 +2,9 @@
 // Position constraints of a system: corrections of x and v after the integrator's step.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "framework/simulation/integrator.h"
@@ -14,8 +16,19 @@ namespace {
 
 constexpr int most_sweeps = 1000;
 
-/// correct(constraint) in turns until none was off by more than its tolerance; the sweeps made, and the one that was
-/// off most. settle() restores what the projective constraints say before each turn and after the last.
+/// Whether no number differs by more than round-off of the largest.
+bool same(ConstRows now, ConstRows before) {
+  double largest = 0, change = 0;
+  for (std::size_t i = 0; i < now.doubles(); ++i) {
+    largest = std::max(largest, std::abs(now.data[i]));
+    change = std::max(change, std::abs(now.data[i] - before.data[i]));
+  }
+  return change <= 4 * std::numeric_limits<double>::epsilon() * largest;
+}
+
+/// correct(constraint) in turns until none was off by more than its tolerance, or a turn has changed nothing in `rows`
+/// (a held node behind a plane: no further one would); the sweeps made, and the one that was off most. settle()
+/// restores what the projective constraints say before each turn and after the last. `before` is memory for a copy.
 struct Sweeps {
   int count = 0;
   double worst = 0;
@@ -23,11 +36,15 @@ struct Sweeps {
   bool converged() const { return !(worst > 1); }
 };
 template <class Settle, class Correct>
-Sweeps correctInTurns(const std::vector<PositionConstraint*>& constraints, Settle&& settle, Correct&& correct) {
+Sweeps correctInTurns(const std::vector<PositionConstraint*>& constraints, ConstRows rows, Rows before, Settle&& settle,
+                      Correct&& correct) {
   Sweeps sweeps;
   do {
-    sweeps.worst = 0;
     settle();
+    // the first two turns end most steps
+    if (sweeps.count > 2 && same(rows, before)) break;
+    if (sweeps.count > 1) copy(rows, before);
+    sweeps.worst = 0;
     for (PositionConstraint* constraint : constraints) {
       const double violation = correct(*constraint);
       if (!(violation <= sweeps.worst)) sweeps.worst = violation, sweeps.culprit = constraint;
@@ -53,6 +70,7 @@ void System::preparePositionConstraints() {
                            "position constraints on the state that is mapped from");
   mobility_.allocate(inverseLumpedMass());
   position_reference_.resize(independent_rows_);
+  position_before_.resize(independent_rows_);
   for (PositionConstraint* constraint : position_constraints_) constraint->compile();
 }
 
@@ -67,23 +85,24 @@ void System::enforcePositions(const StepContext& context, ConstRows x_start, Ste
     placePrescribed(context, x, v);
   };
   const Sweeps moved = correctInTurns(
-      position_constraints_, [&] { settle(x_now); },
+      position_constraints_, x_now, position_before_, [&] { settle(x_now); },
       [&](PositionConstraint& constraint) { return constraint.correctPositions(step, x_now, position_reference_); });
   groups_.average(position_reference_);
   const double rate = 1 / context.dt;
   const double* reference = position_reference_.rows().data;
   for (std::size_t i = 0; i < v_now.doubles(); ++i) v_now.data[i] += rate * (x_now.data[i] - reference[i]);
   const Sweeps turned = correctInTurns(
-      position_constraints_, [&] { settle(v_now); },
+      position_constraints_, v_now, position_before_, [&] { settle(v_now); },
       [&](PositionConstraint& constraint) { return constraint.correctVelocities(step, x_now, v_now); });
   applyMappings();
   report.constraint_sweeps += moved.count + turned.count;
   report.constraints_converged = moved.converged() && turned.converged();
-  if (report.constraints_converged || !report.reason.empty()) return;
-  report.reason = moved.converged() ? fmt::format("velocities still break {} after {} corrections",
-                                                  turned.culprit->path(), turned.count)
-                                    : fmt::format("{} does not hold after {} corrections: {}", moved.culprit->path(),
-                                                  moved.count, moved.culprit->violation());
+  if (!moved.converged())
+    report.constraint_reason = fmt::format("{} does not hold after {} corrections: {}", moved.culprit->path(),
+                                           moved.count, moved.culprit->violation());
+  else if (!turned.converged())
+    report.constraint_reason =
+        fmt::format("velocities still break {} after {} corrections", turned.culprit->path(), turned.count);
 }
 
 }  // namespace stroma

@@ -42,6 +42,20 @@ TEST(ContractileForceField, WithoutAPeriodTheLastFactorStaysAndASlackFibreMayBeW
   EXPECT_NEAR(t.force()[0].x(), 50 * (6 - 2), 1e-12);
 }
 
+TEST(ContractileForceField, PullingFibresBalance) {
+  FieldUnderTest t(chain(fibres("damping=\"3\" times=\"0 1\" factors=\"1 0.5\"")), "ContractileForceField");
+  for (const double time : {0.2, 0.7, 2.}) {
+    t.field().setTime(time);
+    t.rest();
+    EXPECT_GT(t.force()[0].norm(), 1) << "at rest it pulls";
+    for (const double noise : {0.03, 0.3}) {
+      t.deform(noise);
+      EXPECT_LT(momentumOf(t.x, t.force()).force, 1e-12) << "Newton's law";
+      EXPECT_LT(momentumOf(t.x, t.force()).torque, 1e-12) << "Euler's law";
+    }
+  }
+}
+
 TEST(ContractileForceField, AMuscleShortensToItsLength) {
   for (const char* integrator : {"<EulerImplicitSolver rayleighMass=\"20\"/>", "<RungeKutta4Solver/>"}) {
     Simulation simulation = simulationFromText(
@@ -69,6 +83,20 @@ TEST(TargetForceField, DrawsToPlacesThatMove) {
   }
 }
 
+TEST(TargetForceField, RampsFromRestAndMovesToAndFro) {
+  FieldUnderTest t(chain("<TargetForceField indices=\"0\" stiffness=\"30\" displacement=\"0 0 2\" times=\"0 1 2 4 5\" "
+                         "factors=\"0 1 0 -2 0\" period=\"5\"/>"),
+                   "TargetForceField");
+  struct At {
+    double time, factor;
+  };
+  for (const At& at : {At{0, 0}, At{0.25, 0.25}, At{1, 1}, At{2, 0}, At{3, -1}, At{4, -2}, At{4.5, -1}, At{8, -1}}) {
+    t.field().setTime(at.time);
+    t.rest();
+    EXPECT_LT((t.force()[0] - 30 * at.factor * Vec3(0, 0, 2)).norm(), 1e-12) << at.time;
+  }
+}
+
 /// A node on a spring whose target moves with speed c, damped by the mass: at last it trails by rM m c / k.
 TEST(TargetForceField, ANodeTrailsItsTarget) {
   Simulation simulation = simulationFromText(
@@ -93,6 +121,7 @@ TEST(Actuators, BadInputIsSaid) {
   says(fibres("period=\"1\""), "nothing to repeat");
   says("<ContractileForceField stiffness=\"1\"/>", "no fibres");
   says("<ContractileForceField stiffness=\"1\" edges=\"0 9\"/>", "9");
+  says(fibres("times=\"0 1\" factors=\"1 0\""), "factors");
   says("<TargetForceField stiffness=\"1\" indices=\"0\" targets=\"0 0 0  1 1 1\"/>", "2 places for 1 nodes");
   says("<TargetForceField stiffness=\"1\" indices=\"7\"/>", "7");
 }

@@ -55,6 +55,20 @@ TEST_F(Command, MisspeltWordsAreAnsweredWithTheNearest) {
 
 // ---- run ----
 
+TEST_F(Command, AConstraintThatDoesNotHoldEndsTheRun) {
+  write("behind.xml",
+        "<Node name=\"root\" dt=\"0.01\" gravity=\"0 0 0\"><EulerExplicitSolver/>"
+        "<MechanicalObject position=\"0 0 -0.5  0 1 0\"/><UniformMass totalMass=\"2\"/>"
+        "<FixedProjectiveConstraint indices=\"0\"/><PlaneConstraint normal=\"0 0 1\" d=\"0\"/></Node>");
+  const Finished run = stroma("run behind.xml -n 5 --quiet --json report.json");
+  EXPECT_EQ(run.code, 3) << run.err;
+  EXPECT_TRUE(has(run.err, "not converged: ")) << run.err;
+  EXPECT_TRUE(has(run.err, "held there")) << run.err;
+  const auto report = nlohmann::json::parse(readText(folder_ / "report.json"));
+  EXPECT_EQ(report["outcome"], "not converged");
+  EXPECT_TRUE(has(report["reason"].get<std::string>(), "node 0 is 0.5 m behind plane 0"));
+}
+
 TEST_F(Command, RunRecordsFirstEveryKthAndLast) {
   write("fall.xml", falling_scene);
   const Finished run = stroma("run fall.xml -n 7 --record out --record-every 3 --quiet");

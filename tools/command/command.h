@@ -12,7 +12,7 @@ enum ExitCode : int {
   exit_done = 0,
   exit_comparison_failed = 1,
   exit_bad_input = 2,      ///< nothing was written
-  exit_diverged = 3,       ///< or no equilibrium was found; the last good state was written and named
+  exit_diverged = 3,       ///< or no equilibrium, or broken constraints; the last good state was written and named
   exit_interrupted = 130,  ///< stopped by the user after a whole step; what was recorded is complete
 };
 

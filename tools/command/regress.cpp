@@ -66,6 +66,7 @@ Recording runCase(const RegressionCase& test, Session& session) {
   while (simulation->steps() < test.steps) {
     const StepReport report = simulation->step();
     if (report.diverged) throw std::runtime_error("diverged: " + report.reason);
+    if (!report.constraints_converged) throw std::runtime_error("not converged: " + report.constraint_reason);
     if (stored.count(simulation->steps())) store(*simulation, recording);
   }
   if (recording.empty()) throw std::runtime_error("the scene has no state that moves: there is nothing to compare");

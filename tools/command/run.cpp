@@ -26,7 +26,8 @@ const Manual manual{
     "stroma run SCENE [options]",
     "Simulates a scene: 100 steps unless -n or --until says otherwise. Progress and messages go to standard error, the "
     "summary\nto standard output. When a step diverges, the last good state is recorded and named, and the exit code "
-    "is 3;\nso it is when the last step of a static scene has not reached its equilibrium.",
+    "is 3;\nso it is when the last step of a static scene has not reached its equilibrium, and at the first step in "
+    "which a\nposition constraint does not hold: the run ends there.",
     "  stroma run liver.xml -n 200\n"
     "  stroma run liver.xml --until 2 --set /liver/fem.method=polar --record results/liver --record-every 10\n"
     "  stroma run liver.xml -n 50 --json --quiet | python3 -m json.tool\n"};
@@ -86,9 +87,14 @@ struct Outcome {
   StepReport last;
   bool interrupted = false;
   double seconds = 0;
-  bool failed() const { return last.diverged || last.unsolved; }
+  /// Without a result: no equilibrium, or a position constraint that does not hold.
+  bool unsolved() const { return last.unsolved || !last.constraints_converged; }
+  bool failed() const { return last.diverged || unsolved(); }
   const char* word() const {
-    return last.diverged ? "diverged" : interrupted ? "interrupted" : last.unsolved ? "not converged" : "done";
+    return last.diverged ? "diverged" : interrupted ? "interrupted" : unsolved() ? "not converged" : "done";
+  }
+  const std::string& reason() const {
+    return last.diverged || last.unsolved || last.constraint_reason.empty() ? last.reason : last.constraint_reason;
   }
 };
 
@@ -106,6 +112,8 @@ Outcome loop(Simulation& simulation, long steps, const Request& request, Recorde
     if (recorder && simulation.steps() % request.record_every == 0) recorder->write();
     progress.show(simulation, outcome.last);
     outcome.interrupted = interrupted;
+    // every later step would start from what is no result
+    if (!outcome.last.constraints_converged) break;
   }
   progress.finish();
   simulation.end();
@@ -127,7 +135,7 @@ nlohmann::ordered_json summary(const Request& request, const Simulation& simulat
   nlohmann::ordered_json json;
   json["scene"] = request.scene;
   json["outcome"] = outcome.word();
-  if (outcome.failed()) json["reason"] = outcome.last.reason;
+  if (outcome.failed()) json["reason"] = outcome.reason();
   json["steps"] = simulation.steps();
   json["simulated_time"] = simulation.time() - simulation.root().root_time;
   json["wall_seconds"] = outcome.seconds;
@@ -184,7 +192,7 @@ int run(const Arguments& arguments) {
 
   if (outcome.failed()) {
     if (!recorder) recorder.emplace(*simulation, divergedFolder(request.scene));
-    fmt::print(stderr, "{}: {}\n", outcome.last.diverged ? "diverged" : "not converged", outcome.last.reason);
+    fmt::print(stderr, "{}: {}\n", outcome.last.diverged ? "diverged" : "not converged", outcome.reason());
   }
   if (recorder) {
     recorder->finish();
@@ -209,10 +217,10 @@ int run(const Arguments& arguments) {
     writeJson(json, request.json_file);
   }
   if (request.json_file != "-" && !request.quiet) printText(request, *simulation, outcome, statistics);
-  return outcome.last.diverged   ? exit_diverged
-         : outcome.interrupted   ? exit_interrupted
-         : outcome.last.unsolved ? exit_diverged
-                                 : exit_done;
+  return outcome.last.diverged ? exit_diverged
+         : outcome.interrupted ? exit_interrupted
+         : outcome.unsolved()  ? exit_diverged
+                               : exit_done;
 }
 
 }  // namespace stroma::command

@@ -32,7 +32,7 @@ void Statistics::add(const StepReport& report, double step_seconds) {
   linear_unconverged_ += report.linear_converged ? 0 : 1;
   newton_unconverged_ += report.newton_converged ? 0 : 1;
   constraints_unconverged_ += report.constraints_converged ? 0 : 1;
-  if (!report.constraints_converged && constraint_reason_.empty()) constraint_reason_ = report.reason;
+  if (!report.constraints_converged && constraint_reason_.empty()) constraint_reason_ = report.constraint_reason;
   residual_sum_ += report.linear_residual;
   residual_worst_ = std::max(residual_worst_, report.linear_residual);
   newton_residual_worst_ = std::max(newton_residual_worst_, report.newton_residual);
