@@ -117,14 +117,14 @@ void merge(StepReport&& part, StepReport& whole) {
   if (whole.reason.empty()) whole.reason = std::move(part.reason);
 }
 
-/// The sentence of a diverged step. The states have been rolled back, so the worst elements are those of the last good
-/// step: where the trouble began, not where it ended.
-std::string divergence(const System& system, const StepContext& context, const std::string& cause) {
+/// The sentence of a step that failed: which, of what, why, and the worst elements at the system's positions.
+std::string whereAndWhy(const System& system, const StepContext& context, const std::string& cause,
+                        const std::string& when) {
   std::string text = fmt::format("step {} (from t = {:.6g} s, dt = {:.6g} s), {}: {}", context.index, context.t,
                                  context.dt, system.integrator().path(), cause);
   for (const ForceField* field : system.forceFields()) {
     const std::string worst = field->worstElement(system.x);
-    if (!worst.empty()) text += fmt::format("; worst of {} before the step: {}", field->path(), worst);
+    if (!worst.empty()) text += fmt::format("; worst of {}{}: {}", field->path(), when, worst);
   }
   return text;
 }
@@ -198,11 +198,13 @@ void Simulation::advance(std::size_t index, const StepContext& context, StepRepo
   if (!part.diverged) system.endStep(context);
   if (!part.diverged && !system.positionConstraints().empty())
     system.enforcePositions(context, good_[index].first, part);
-  std::string cause = part.diverged ? part.reason : system.firstNonFinite();
-  if (!part.diverged && cause.empty()) cause = system.firstBurst(good_[index].first);
+  std::string cause = part.diverged ? part.reason : system.firstFault(good_[index].first);
   system.times.total += seconds(Clock::now() - start);
   system.times.solve += part.solve_seconds;
-  if (!part.diverged && cause.empty()) return merge(std::move(part), report);
+  if (!part.diverged && cause.empty()) {
+    if (part.unsolved) part.reason = whereAndWhy(system, context, part.reason, "");
+    return merge(std::move(part), report);
+  }
 
   if (cause.empty()) cause = "the integrator gave the step up";
   for (std::size_t i = 0; i <= index; ++i) {
@@ -213,7 +215,8 @@ void Simulation::advance(std::size_t index, const StepContext& context, StepRepo
   }
   merge(std::move(part), report);
   report.diverged = true;
-  report.reason = divergence(system, context, cause);
+  // the states are those of the last good step: the worst elements are where the trouble began, not where it ended
+  report.reason = whereAndWhy(system, context, cause, " before the step");
 }
 
 void Simulation::notify(const StepContext& context) {
@@ -246,12 +249,12 @@ void Simulation::reset() {
   time_ = root().root_time;
 }
 
-std::vector<std::string> Simulation::foldedElements() const {
+std::vector<std::string> Simulation::doubts() const {
   // a crushed element has the round-off of its nodes' positions for a volume
   constexpr double flat = 1e-12;
   std::vector<std::string> sentences;
   std::vector<double> j;
-  for (const auto& system : systems_)
+  for (const auto& system : systems_) {
     for (const ForceField* field : system->forceFields()) {
       const auto names = field->cellFields();
       if (std::find(names.begin(), names.end(), "J") == names.end()) continue;
@@ -262,6 +265,8 @@ std::vector<std::string> Simulation::foldedElements() const {
         sentences.push_back(fmt::format("{} at t = {:.6g} s: {} of {} elements are inverted or flat; the worst is {}",
                                         field->path(), time_, folded, j.size(), field->worstElement(system->x)));
     }
+    for (std::string& sentence : system->grownBodies()) sentences.push_back(std::move(sentence));
+  }
   return sentences;
 }
 

@@ -40,8 +40,9 @@ class Simulation {
 
   /// A 64-bit hash over the bits of all x and v: the same for any number of threads.
   std::uint64_t stateHash() const;
-  /// A sentence for each force field with elements that are flat or inverted: a body may come to rest so.
-  std::vector<std::string> foldedElements() const;
+  /// Why the present shapes may be no result: a sentence for each force field with elements that are flat or inverted
+  /// (a body may come to rest so), and for each elastic body far larger than at rest.
+  std::vector<std::string> doubts() const;
   /// The compiled plan in lines: what runs each step, how often, what was skipped and why.
   std::vector<std::string> explain() const;
 

@@ -131,11 +131,12 @@ class System final : public SystemMatrix {
   ConstRows positions() const override { return {x.rows().data, independent_rows_}; }
   std::string describeRow(Index row) const override;
 
-  /// Empty when x and v are finite; else a sentence naming the state, the node and the component to suspect.
-  std::string firstNonFinite() const;
-  /// Empty, or a sentence on an elastic body that is more than a million times its size at rest and larger than at
-  /// `before` [m]: it will not come back, and long before it overflows nothing about it means anything.
-  std::string firstBurst(ConstRows before);
+  /// Empty, or a sentence: x or v is not finite (with the state, the node and the component to suspect), or an elastic
+  /// body is more than a million times its size at rest and larger than at `before` [m]. It will not come back, and
+  /// long before it overflows nothing about it means anything.
+  std::string firstFault(ConstRows before);
+  /// A sentence for every elastic body that is more than ten times its size at rest.
+  std::vector<std::string> grownBodies() const;
   /// Throws ComponentError when a mass or a force field has a Rayleigh factor and `method` (a sentence's subject) has
   /// no damping: it would be ignored.
   void refuseRayleighFactors(const std::string& method) const;
@@ -167,6 +168,8 @@ class System final : public SystemMatrix {
     return factors_.stiffness + factors_.rayleigh_stiffness * field.rayleigh_stiffness;
   }
   double massFactor(const Mass& mass) const { return factors_.mass + factors_.rayleigh_mass * mass.rayleigh_mass; }
+  std::string firstNonFinite(bool x_good) const;
+  std::string firstBurst(ConstRows before) const;
   void noteForceEvaluation(ConstRows f_now);
   void preparePattern() const;
   void addConstantParts(BlockMatrix& matrix);
@@ -194,7 +197,7 @@ class System final : public SystemMatrix {
   Index all_rows_ = 0, independent_rows_ = 0;
 
   Vector gravity_force_;  ///< constant, computed once
-  double burst_size_ = -1;  ///< [m], see firstBurst(); -1: not looked up yet
+  double burst_size_ = -1;  ///< [m], see firstFault(); -1: not looked up yet
   bool has_gravity_ = false;
   std::vector<NodeProjector> projectors_, gathered_;
   std::vector<NodeProjector> velocity_projectors_;  ///< of constraints that also project velocities

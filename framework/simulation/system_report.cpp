@@ -46,21 +46,42 @@ bool System::isConservative() const {
 
 namespace {
 
+constexpr double too_large = 1e6;  ///< times its size at rest: a body has burst
+
 /// A number times zero is zero unless it is infinite or not a number: one pass without a branch.
-bool allFinite(ConstRows rows) {
-  double sum = 0;
+struct Survey {
+  bool finite = true;
+  double largest = 0;  ///< coordinate
+};
+
+Survey survey(ConstRows rows) {
+  double sum = 0, largest = 0;
   const double* __restrict numbers = rows.data;
-#pragma omp simd reduction(+ : sum)
-  for (std::size_t i = 0; i < rows.doubles(); ++i) sum += numbers[i] * 0.0;
-  return sum == 0;
+#pragma omp simd reduction(+ : sum) reduction(max : largest)
+  for (std::size_t i = 0; i < rows.doubles(); ++i) {
+    sum += numbers[i] * 0.0;
+    largest = std::max(largest, std::abs(numbers[i]));
+  }
+  return {sum == 0, largest};
 }
 
-double largestCoordinate(ConstRows rows) {
-  double largest = 0;
-  const double* __restrict numbers = rows.data;
-#pragma omp simd reduction(max : largest)
-  for (std::size_t i = 0; i < rows.doubles(); ++i) largest = std::max(largest, std::abs(numbers[i]));
-  return largest;
+/// The diagonal of the box around `count` positions.
+template <class Position>
+double diagonal(Index count, Position&& position) {
+  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  for (Index i = 0; i < count; ++i) {
+    const Vec3 p = position(i);
+    low = low.cwiseMin(p), high = high.cwiseMax(p);
+  }
+  return (high - low).norm();
+}
+
+double restSize(const State& state) {
+  return diagonal(state.size(), [&](Index i) { return state.rest_position[std::size_t(i)]; });
+}
+
+double sizeAt(const State& state, ConstRows x) {
+  return diagonal(state.size(), [&](Index i) -> Vec3 { return x[state.firstRow() + i]; });
 }
 
 Index firstBadRow(ConstRows rows) {
@@ -71,9 +92,21 @@ Index firstBadRow(ConstRows rows) {
 
 }  // namespace
 
-std::string System::firstNonFinite() const {
-  const bool x_good = allFinite(x), v_good = allFinite(v);
-  if (x_good && v_good) return {};
+std::string System::firstFault(ConstRows before) {
+  const Survey positions = survey(x);
+  if (!positions.finite || !survey(v).finite) return firstNonFinite(positions.finite);
+  if (burst_size_ < 0) {
+    burst_size_ = std::numeric_limits<double>::infinity();
+    for (const ForceField* field : force_fields_) {
+      const double rest = field->traits().forces_balance ? restSize(field->state()) : 0;
+      if (rest > 0) burst_size_ = std::min(burst_size_, too_large * rest);
+    }
+  }
+  // no box is larger than four times the farthest coordinate
+  return 4 * positions.largest <= burst_size_ ? std::string() : firstBurst(before);
+}
+
+std::string System::firstNonFinite(bool x_good) const {
   const ConstRows rows = x_good ? v.rows() : x.rows();
   const Index row = firstBadRow(rows);
   const auto value = rows[row];
@@ -88,37 +121,32 @@ std::string System::firstNonFinite() const {
   return text;
 }
 
-std::string System::firstBurst(ConstRows before) {
-  constexpr double too_large = 1e6;
-  const auto diagonal = [](Index first, Index count, auto&& position) {
-    Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
-    for (Index i = first; i < first + count; ++i) {
-      const Vec3 p = position(i);
-      low = low.cwiseMin(p), high = high.cwiseMax(p);
-    }
-    return (high - low).norm();
-  };
-  const auto restSize = [&](const State& state) {
-    return diagonal(0, state.size(), [&](Index i) { return state.rest_position[std::size_t(i)]; });
-  };
-  if (burst_size_ < 0) {
-    burst_size_ = std::numeric_limits<double>::infinity();
-    for (const ForceField* field : force_fields_)
-      if (field->traits().forces_balance) burst_size_ = std::min(burst_size_, too_large * restSize(field->state()));
-  }
-  // no box is larger than four times the farthest coordinate
-  if (4 * largestCoordinate(x) <= burst_size_) return {};
+std::string System::firstBurst(ConstRows before) const {
   for (const ForceField* field : force_fields_) {
     if (!field->traits().forces_balance) continue;
     const State& state = field->state();
-    const double rest = restSize(state);
-    const double now = diagonal(state.firstRow(), state.size(), [&](Index i) -> Vec3 { return x[i]; });
-    const double was = diagonal(state.firstRow(), state.size(), [&](Index i) -> Vec3 { return before[i]; });
-    if (rest > 0 && now > too_large * rest && now > was)
+    const double rest = restSize(state), now = sizeAt(state, x);
+    if (rest > 0 && now > too_large * rest && now > sizeAt(state, before))
       return fmt::format("{} has grown to {:.2g} times its size at rest; {} acts on it", state.path(), now / rest,
                          field->path());
   }
   return {};
+}
+
+std::vector<std::string> System::grownBodies() const {
+  constexpr double large = 10;
+  std::vector<std::string> sentences;
+  std::vector<const State*> told;
+  for (const ForceField* field : force_fields_) {
+    const State& state = field->state();
+    if (!field->traits().forces_balance || std::find(told.begin(), told.end(), &state) != told.end()) continue;
+    const double rest = restSize(state), now = sizeAt(state, x);
+    if (!(rest > 0 && now > large * rest)) continue;
+    told.push_back(&state);
+    sentences.push_back(fmt::format("{} is {:.2g} times its size at rest; {} acts on it", state.path(), now / rest,
+                                    field->path()));
+  }
+  return sentences;
 }
 
 std::string System::describeRow(Index row) const {

@@ -40,7 +40,7 @@ TEST(System, AllocatesNothingAfterTheFirstStep) {
     system.diagonalBlocks(blocks);
     system.project(f);
     if (system.kineticEnergy() + system.potentialEnergy(system.x) == 0) std::abort();
-    if (!system.firstNonFinite().empty()) std::abort();
+    if (!system.firstFault(system.x).empty()) std::abort();
   };
   step(0);
   const long before = allocations;

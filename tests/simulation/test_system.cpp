@@ -226,12 +226,12 @@ TEST(SystemErrors, MassIsRequiredWhereNodesCanMove) {
 TEST(SystemReports, TheFirstNumberThatIsNotFinite) {
   Simulation simulation(sceneFromText(two_bodies));
   System& system = *simulation.systems()[0];
-  EXPECT_EQ(system.firstNonFinite(), "");
+  EXPECT_EQ(system.firstFault(system.x), "");
   system.v[3][2] = std::numeric_limits<double>::infinity();
-  expectContains(system.firstNonFinite(), "node 1 of /b/dofs has a velocity that is not finite (0 0 inf)");
+  expectContains(system.firstFault(system.x), "node 1 of /b/dofs has a velocity that is not finite (0 0 inf)");
   system.x[4][0] = std::nan("");
-  expectContains(system.firstNonFinite(), "node 2 of /b/dofs has a position that is not finite");
-  expectContains(system.firstNonFinite(), "/b/springs acts on it, its worst element: spring 0 of 5");
+  expectContains(system.firstFault(system.x), "node 2 of /b/dofs has a position that is not finite");
+  expectContains(system.firstFault(system.x), "/b/springs acts on it, its worst element: spring 0 of 5");
 }
 
 TEST(SystemReports, ThePlan) {

@@ -182,7 +182,7 @@ TEST_P(BadShapes, ConjugateGradientsRefuseAnUnsymmetricTangent) {
   }
 }
 
-/// A step that cannot be finite is refused, so that no NaN reaches a state.
+/// A body that bursts is refused long before a number is not finite, so that no NaN reaches a state.
 TEST(Divergence, NamesStepComponentElementAndReason) {
   const Trouble trouble{.name = "explicit beyond its limit", .young = "1e12", .dt = 1};
   Simulation simulation =
@@ -190,9 +190,33 @@ TEST(Divergence, NamesStepComponentElementAndReason) {
   StepReport report;
   for (int step = 0; step < 200 && !report.diverged; ++step) report = simulation.step();
   ASSERT_TRUE(report.diverged);
-  for (const char* word : {"step ", "/body/explicit", "not finite", "/body/fem", "tetrahedron ", "nodes ", "J = "})
+  for (const char* word : {"step ", "/body/explicit", "has grown to", "/body/fem", "tetrahedron ", "nodes ", "J = "})
     EXPECT_NE(report.reason.find(word), std::string::npos) << report.reason;
   EXPECT_TRUE(isFinite(simulation.states()[0]->x()));
+}
+
+/// A million times its size at rest, and growing; a body whose nodes lie in one point at rest has no size to compare.
+TEST(Divergence, ABodyThatHasBurstIsNamed) {
+  Simulation simulation = simulationFromText(R"(<Node name="root" dt="0.01" gravity="0 0 0"><EulerExplicitSolver/>
+    <Node name="point"><MechanicalObject position="1 1 1  1 1 1"/><UniformMass totalMass="1"/>
+      <SpringForceField springsIndices1="0" springsIndices2="1" lengths="0" stiffness="1" damping="0"/></Node>
+    <Node name="line"><MechanicalObject name="dofs" position="0 0 0  2 0 0"/><UniformMass totalMass="1"/>
+      <SpringForceField name="spring" springsIndices1="0" springsIndices2="1" lengths="2" stiffness="1" damping="0"/>
+    </Node></Node>)");
+  System& system = *simulation.systems().at(0);
+  Vector before(system.allRows());
+  copy(system.x, before);
+  const Index end = 3;
+  system.x[end] = Vec3(-1.9e6, 0, 0);
+  EXPECT_EQ(system.firstFault(before), "") << "large, and not yet burst";
+  ASSERT_EQ(system.grownBodies().size(), 1u);
+  EXPECT_NE(system.grownBodies()[0].find("/line/dofs is 9.5e+05 times its size at rest"), std::string::npos)
+      << system.grownBodies()[0];
+  system.x[end] = Vec3(-2.2e6, 0, 0);
+  EXPECT_NE(system.firstFault(before).find("/line/dofs has grown to 1.1e+06 times its size at rest; /line/spring"),
+            std::string::npos)
+      << system.firstFault(before);
+  EXPECT_EQ(system.firstFault(system.x), "") << "no longer growing";
 }
 
 }  // namespace

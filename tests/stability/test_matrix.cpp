@@ -14,10 +14,17 @@ namespace {
 
 class Matrix : public testing::TestWithParam<Row> {};
 
+/// FNV-1a: the same sample with every standard library.
+std::size_t hashOf(const std::string& text) {
+  std::uint32_t hash = 2166136261u;
+  for (const char letter : text) hash = (hash ^ static_cast<unsigned char>(letter)) * 16777619u;
+  return hash;
+}
+
 TEST_P(Matrix, EveryCellRecoversOrStopsWithASentence) {
   const Row& row = GetParam();
   const bool all = std::getenv("STROMA_WHOLE_MATRIX") != nullptr;
-  const std::size_t row_index = std::hash<std::string>{}(row.name);
+  const std::size_t row_index = hashOf(row.name);
   for (std::size_t c = 0; c < conditions().size(); ++c)
     for (std::size_t i = 0; i < integrators().size(); ++i) {
       if (!all && i != (row_index + c) % integrators().size()) continue;

@@ -201,7 +201,7 @@ int run(const Arguments& arguments) {
                  simulation->time(), fmt::join(recorder->files(), ", "));
   }
   std::vector<std::string> found = statistics.warnings();
-  for (std::string& sentence : simulation->foldedElements()) found.push_back(std::move(sentence));
+  for (std::string& sentence : simulation->doubts()) found.push_back(std::move(sentence));
   for (std::string& warning : found) {
     fmt::print(stderr, "warning: {}\n", warning);
     warnings.push_back(std::move(warning));
