@@ -45,15 +45,32 @@ def main():
     if arguments.data and not os.path.isdir(arguments.data):
         sys.exit(f"{arguments.data} is not a folder: expected that of the real measurements and meshes")
     os.makedirs(arguments.out, exist_ok=True)
-    stroma, report = sr.Stroma(arguments.stroma, arguments.data or sr.default_data()), []
+    stroma = sr.Stroma(arguments.stroma, arguments.data or sr.default_data())
     for name in arguments.only or EXPERIMENTS:
         print(name, flush=True)
+        report = []
         EXPERIMENTS[name](stroma, arguments.out, report)
-    title = (f"# Experiments of Nesme et al. 2005\n\nWritten by `tools/validate/validate.py` on {datetime.date.today()}; "
-             f"{sr.machine()}.\n\n")
-    with open(os.path.join(arguments.out, "README.md"), "w") as file:
-        file.write(title + "\n".join(report))
+        write_page(os.path.join(arguments.out, name + ".md"), report)
+    write_index(arguments.out)
     print(os.path.join(arguments.out, "README.md"), "written")
+
+
+def write_page(path, report):
+    with open(path, "w") as file:
+        file.write(f"Written by `tools/validate/validate.py` on {datetime.date.today()}; {sr.machine()}.\n\n" + "\n".join(report))
+
+
+def write_index(folder):
+    """The list of the pages that are there: those of earlier runs keep their date."""
+    lines = ["# Experiments of Nesme et al. 2005\n"]
+    for name in EXPERIMENTS:
+        path = os.path.join(folder, name + ".md")
+        if os.path.exists(path):
+            with open(path) as file:
+                title = next((line.strip("# \n") for line in file if line.startswith("#")), name)
+            lines.append(f"- [{title}]({name}.md)")
+    with open(os.path.join(folder, "README.md"), "w") as file:
+        file.write("\n".join(lines) + "\n")
 
 
 if __name__ == "__main__":
