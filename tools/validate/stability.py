@@ -24,9 +24,9 @@ Written by `tools/validate/stability.py --build build/release --out docs/stabili
 
 A body of 27 nodes (0.2 m, E = 5000 Pa, nu = 0.4, density 1000 kg/m3, dt = 0.01 s where the column does not say otherwise),
 held at four corners; for force fields without elements the example of their manual page, "(supported)" where a spring to
-its place had to give every node a rest shape. Mass damping makes the slowest motion, which is measured, critically damped, and it decides how many steps are made. "inverted" to
-"random": the free nodes start mirrored, in a plane, on a line, in a point, at random places; the other columns start pulled
-and twisted by a tenth of the size. Solver: SparseLDLSolver.
+its place had to give every node a rest shape. The slowest motion is measured: mass damping makes it critically damped, and
+it decides how many steps are made. "inverted" to "random": the free nodes start mirrored, in a plane, on a line, in a
+point, at random places; the other columns start pulled and twisted by a tenth of the size. Solver: SparseLDLSolver.
 
 | letter | what a cell ends with |
 |---|---|
