@@ -46,6 +46,9 @@ const std::vector<Known>& known() {
       {Ending::grows, any, "trapezoid|Newmark|midpoint", any,
        "one linear solve a step without damping is bounded for linear forces alone; Newton's method or an integrator "
        "that damps is needed at such steps"},
+      {Ending::grows, ".*(Spring|BendingSprings|TrianglePressure).*", "(trapezoid|Newmark|midpoint), Newton",
+       "E=1e[69]|dt=0.1|dt=10?|E=1 dt=10",
+       "without damping the energy is kept for small motions or linear forces alone, at a step far above the motions"},
       {Ending::grows, "(ShapeMemoryForceField|Phymul) reaction=(false|upright).*", "(trapezoid|Newmark|midpoint).*",
        any, "without the reaction the forces have no potential, and nothing damps what they feed"}};
   return all;
