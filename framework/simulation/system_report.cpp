@@ -143,8 +143,8 @@ std::vector<std::string> System::grownBodies() const {
     const double rest = restSize(state), now = sizeAt(state, x);
     if (!(rest > 0 && now > large * rest)) continue;
     told.push_back(&state);
-    sentences.push_back(fmt::format("{} is {:.2g} times its size at rest; {} acts on it", state.path(), now / rest,
-                                    field->path()));
+    sentences.push_back(
+        fmt::format("{} is {:.2g} times its size at rest; {} acts on it", state.path(), now / rest, field->path()));
   }
   return sentences;
 }

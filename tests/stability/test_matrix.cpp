@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <regex>
 
 #include "tests/stability/matrix.h"
 
@@ -12,7 +13,58 @@ void PrintTo(const Row& row, std::ostream* out) { *out << row.name; }
 
 namespace {
 
-class Matrix : public testing::TestWithParam<Row> {};
+/// Cells that end in silence away from their shape, by patterns for the whole name of row, integrator and condition.
+struct Known {
+  Ending ending;
+  const char *row, *integrator, *condition, *reason;
+};
+
+constexpr const char *shapes = "inverted|flat|line|point|random", *any = ".*";
+
+const std::vector<Known>& known() {
+  static const std::vector<Known> all{
+      {Ending::elsewhere, ".* BV?( exact)?", any, "inverted|flat|line|point|random|nu=0.4999",
+       "gradients of the present shape keep no memory of the turns made on the way to it: a body that went through "
+       "itself has other places of rest"},
+      {Ending::elsewhere, "(tetrahedra|boxes|hexahedra) (large|polar|svd)( exact)?|HexahedralFEM.*", any,
+       "inverted|flat|line|point|random|nu=0.4999",
+       "every element has a frame of its own: elements turned against each other can balance with all of them upright"},
+      {Ending::elsewhere, "(Mesh|RegularGrid)?SpringForceField.*", ".*, Newton", "E=1e[69]|dt=0.1|dt=10?|E=1 dt=10",
+       "springs know lengths alone, and a step far above the motions reaches folded shapes from a pulled one"},
+      {Ending::moving, "tetrahedra .* BV?( exact)?", any, shapes,
+       "a defect: forces with gradients of the present shape have no potential and can feed a motion that does not "
+       "end"},
+      {Ending::elsewhere,
+       "(Mesh|RegularGrid)?SpringForceField.*|.*BendingSprings.*|Contractile.*|(Triangle|Surface)Pressure.*|"
+       "Triang(le|ular)FEM.*",
+       any, shapes, "sheets and springs know lengths alone: folded or mirrored parts have lengths of rest too"},
+      {Ending::elsewhere, "(ShapeMemoryForceField|Phymul).*", any, any,
+       "a place to go is told by the frame of the neighbours: turned and twisted neighbourhoods agree with each other"},
+      {Ending::elsewhere, any, "static.*", shapes,
+       "statics finds an equilibrium, which need not be the stable one: from a line or a point no direction is "
+       "favoured"},
+      {Ending::grows, any, "trapezoid|Newmark|midpoint", any,
+       "one linear solve a step without damping is bounded for linear forces alone; Newton's method or an integrator "
+       "that damps is needed at such steps"},
+      {Ending::grows, ".*(Spring|BendingSprings|TrianglePressure).*", "(trapezoid|Newmark|midpoint), Newton",
+       "E=1e[69]|dt=0.1|dt=10?|E=1 dt=10",
+       "without damping the energy is kept for small motions or linear forces alone, at a step far above the motions"},
+      {Ending::grows, "(ShapeMemoryForceField|Phymul) reaction=(false|upright).*", "(trapezoid|Newmark|midpoint).*",
+       any, "without the reaction the forces have no potential, and nothing damps what they feed"}};
+  return all;
+}
+
+/// Why a cell is let pass, or nothing.
+const char* reasonOf(const Row& row, const IntegratorChoice& integrator, const Condition& condition, Ending ending) {
+  const auto fits = [](const std::string& text, const char* pattern) {
+    return std::regex_match(text, std::regex(pattern));
+  };
+  for (const Known& cell : known())
+    if (cell.ending == ending && fits(row.name, cell.row) && fits(integrator.name, cell.integrator) &&
+        fits(condition.name, cell.condition))
+      return cell.reason;
+  return nullptr;
+}
 
 /// FNV-1a: the same sample with every standard library.
 std::size_t hashOf(const std::string& text) {
@@ -21,19 +73,30 @@ std::size_t hashOf(const std::string& text) {
   return hash;
 }
 
+/// Without STROMA_WHOLE_MATRIX: every condition of a row under one integrator, all integrators in turn; another name
+/// of a component has every fourth of them.
+bool isInSample(const Row& row, std::size_t integrator, std::size_t condition) {
+  const std::size_t start = hashOf(row.name) + condition;
+  return integrator == start % integrators().size() && (!row.is_alias || start % 4 == 0);
+}
+
+class Matrix : public testing::TestWithParam<Row> {};
+
 TEST_P(Matrix, EveryCellRecoversOrStopsWithASentence) {
   const Row& row = GetParam();
   const bool all = std::getenv("STROMA_WHOLE_MATRIX") != nullptr;
-  const std::size_t row_index = hashOf(row.name);
   for (std::size_t c = 0; c < conditions().size(); ++c)
     for (std::size_t i = 0; i < integrators().size(); ++i) {
-      if (!all && i != (row_index + c) % integrators().size()) continue;
       const Condition& condition = conditions()[c];
-      if (condition.poisson != 0.4 && !row.has_poisson) continue;
+      if ((!all && !isInSample(row, i, c)) || (condition.poisson != 0.4 && !row.has_poisson)) continue;
       const Outcome outcome = run(row, integrators()[i], condition);
-      fmt::print("cell|{}|{}|{}|{}|{}|{:.2g}|{}|{}\n", row.name, integrators()[i].name, condition.name,
-                 wordOf(outcome.ending), outcome.steps, outcome.distance, outcome.inverted, outcome.text);
-      EXPECT_NE(outcome.ending, Ending::broken) << outcome.text;
+      const bool silent = outcome.ending >= Ending::grows;
+      const char* reason = silent ? reasonOf(row, integrators()[i], condition, outcome.ending) : "";
+      fmt::print("cell|{}|{}|{}|{}|{}|{:.2g}|{}|{}|{}\n", row.name, integrators()[i].name, condition.name,
+                 wordOf(outcome.ending), outcome.steps, outcome.distance, outcome.inverted, reason ? reason : "",
+                 outcome.text);
+      EXPECT_TRUE(reason) << fmt::format("{}, {}, {}: {}, {:.2g} sizes away. {}", row.name, integrators()[i].name,
+                                         condition.name, wordOf(outcome.ending), outcome.distance, outcome.text);
     }
 }
 
