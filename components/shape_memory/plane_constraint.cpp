@@ -7,10 +7,10 @@
 // free of it; then the part of its velocity that points into the plane is removed. The other parts stay: a node slides
 // without friction and leaves the plane when anything draws it away. The push back does not enter the velocity, so
 // nothing bounces. Until the end of the step the other position constraints move a node in contact along the plane
-// only, so that they agree in a few turns; rigid sets do not know this, and each turn lifts a touching
-// node by its share of the set's inertia only: a set of n nodes takes 5 n to 20 n turns, and one of more than some 50
-// (flat on) or 200 nodes (on a corner) does not hold within the 1000 that a step makes. A node that is held behind a
-// plane cannot be moved: the step's report says so.
+// only, so that they agree in a few turns; rigid sets do not know this, and each turn lifts a touching node by its share
+// of the set's inertia only: the more nodes a set has, the more turns a contact on an edge or a corner takes, and a set
+// that does not hold within the 1000 turns of a step is reported. A node that is held behind a plane cannot be moved:
+// the step's report says so.
 //
 // Source: the non-penetrating area of Nesme et al. 2005, section 4; the update of positions and velocities is that of
 // an inelastic, frictionless contact (Moreau).
@@ -146,7 +146,7 @@ double PlaneConstraint::correctPositions(const PositionStep& step, Rows x, Rows 
   return worst / allowed_;
 }
 
-double PlaneConstraint::correctVelocities(const PositionStep&, ConstRows, Rows v) {
+double PlaneConstraint::correctVelocities(const PositionStep& step, ConstRows, Rows v) {
   if (contacts_.empty()) return 0;
   double worst = 0, fastest = 0;
   for (const Index node : nodes_) fastest = std::max(fastest, v[row(node)].squaredNorm());
@@ -156,7 +156,8 @@ double PlaneConstraint::correctVelocities(const PositionStep&, ConstRows, Rows v
     v[contact.row] -= speed * contact.along;
     worst = std::max(worst, -speed);
   }
-  return worst > 0 ? worst / (1e-12 * std::sqrt(fastest)) : 0;
+  // of a body that comes to rest, what would not move it by the tolerance in a step is no velocity
+  return worst / std::max(1e-12 * std::sqrt(fastest), allowed_ / step.dt);
 }
 
 }  // namespace

@@ -306,7 +306,7 @@ Vec3 RigidConstraint::spin(ConstRows x, ConstRows v, const Vec3& centre, const V
   return across + (resistance > 0 ? line.dot(momentum - full * across) / resistance : 0) * line;
 }
 
-double RigidConstraint::correctVelocities(const PositionStep&, ConstRows x, Rows v) {
+double RigidConstraint::correctVelocities(const PositionStep& step, ConstRows x, Rows v) {
   const Vec3 centre = centreOf(x), velocity = centreOf(v), w = spin(x, v, centre, velocity);
   double change = 0, fastest = 0;
   for (std::size_t i = 0; i < nodes_.size(); ++i) {
@@ -316,7 +316,7 @@ double RigidConstraint::correctVelocities(const PositionStep&, ConstRows x, Rows
     change = std::max(change, (rigid - v[rowOf(i)]).norm());
     v[rowOf(i)] = rigid;
   }
-  return change / (1e-12 * fastest + 1e-300);
+  return change / std::max(1e-12 * fastest, allowed_ / step.dt);
 }
 
 }  // namespace

@@ -293,7 +293,7 @@ double VolumeConstraint::correctVelocities(const PositionStep& step, ConstRows x
     const Index at = row(nodes_[i]);
     v[at] -= change / stiffness * step.mobility.times(at, gradient_[Index(i)]);
   }
-  return std::abs(change) / (1e-12 * (sizes * fastest + std::abs(rate_)) + 1e-300);
+  return std::abs(change) / std::max(1e-12 * (sizes * fastest + std::abs(rate_)), allowed_ / step.dt);
 }
 
 }  // namespace
