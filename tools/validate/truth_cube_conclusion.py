@@ -105,10 +105,11 @@ def without_bulge(tables, varied):
     text += (f"The paper's row (means {spoken(printed[:3])}, deviation {printed[3]:.2f}, largest {printed[4]:.2f}) is in all of "
              f"these at most {apart(field, printed):.2f} off the field without any bulge")
     text += f" and {apart(free, printed):.2f} off a run with a Poisson's ratio of 0.\n" if free else ".\n"
-    ours = next((values for rows in tables.values() if (values := means(rows, "Phymul"))), None)
-    text += f"- **Phymul**: {spoken(ours)} without a constraint on its volume"
-    text += f", at most {apart(ours, field[:3]):.2f} off the field without bulge" if ours else ""
-    text += f"; the paper prints {spoken(PRINTED['Phymul'])}. Likely, not measured: the paper's had its volume kept.\n"
+    kept, ours = (next((values for rows in tables.values() if (values := means(rows, name))), None)
+                  for name in ("Phymul", "Phymul, volume free"))
+    text += f"- **Phymul**: {spoken(kept)} with its volume kept by a VolumeConstraint, {spoken(ours)} without"
+    text += f", which is at most {apart(ours, field[:3]):.2f} off the field without bulge" if ours else ""
+    text += f"; the paper prints {spoken(PRINTED['Phymul'])}.\n"
     return text
 
 

@@ -20,6 +20,7 @@ ROWS = [
     Row("hexes, small deformation (Ansys)", ("hexes", "small", 0, 0), ((1.07, .03, 2.94, .63), (1.49, .1, 4.29, .87), (1.97, .44, 5.18, 1.)), None),
     Row("hexes, large deformation (Ansys)", ("hexes", "green", 0, 0), ((1.06, .04, 2.93, .63), (1.45, .05, 4.12, .83), (1.78, .2, 4.83, .91)), None),
     Row("Phymul", ("Phymul", None, 0, 0), ((1.19, .19, 3.3, .54), (1.98, .34, 5.52, .88), (2.69, .33, 6.72, 1.16)), 12),
+    Row("Phymul, volume free", ("Phymul, volume free", None, 0, 0), None, None),
 ]
 
 INTRODUCTION = """Relative deviation in percent of 80 mm, 343 beads. 14.9 kPa, 980 kg/m3, 8 x 8 x 8 cells of 10 mm; base and top
