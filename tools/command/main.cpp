@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // `stroma`: finds the subcommand, turns what goes wrong into a sentence and an exit code.
+#include <stdlib.h>
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -53,6 +55,8 @@ int dispatch(const std::string& name, const Arguments& arguments) {
 }  // namespace
 
 int main(int count, char** values) {
+  // OpenBLAS would start a thread for every core when a module opens it, and let them spin; factorisations use one
+  setenv("OPENBLAS_NUM_THREADS", "1", 0);
   const Arguments arguments(values + 1, values + count);
   if (arguments.empty()) {
     printHelp(stderr);
