@@ -2,6 +2,8 @@
 // Prescribed motion: exact at the end of every step, whatever the integrator.
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "tests/mechanics/scene_text.h"
 
 namespace stroma::test {
@@ -14,6 +16,17 @@ const std::vector<std::string> integrators = {
     "<EulerImplicitSolver newtonIterations='10'/>",
     "<EulerImplicitSolver trapezoidalScheme='true' newtonIterations='10'/>",
     "<EulerImplicitSolver firstOrder='true'/>",
+    "<TrapezoidalRuleSolver/>",
+    "<NewmarkImplicitSolver/>",
+    "<NewmarkImplicitSolver gamma='0.7' beta='0.4' newtonIterations='10'/>",
+    "<BDFOdeSolver/>",
+    "<BDFOdeSolver order='2'/>",
+    "<VariationalSymplecticSolver/>",
+    "<VariationalSymplecticSolver explicitIntegration='true'/>",
+    "<CentralDifferenceSolver/>",
+    "<RungeKutta2Solver/>",
+    "<RungeKutta4Solver/>",
+    "<NewtonCotesSolver degree='3'/>",
     "<StaticSolver/>",
 };
 
@@ -50,6 +63,30 @@ TEST(LinearMovement, PositionsAndVelocitiesAreExactAtStepEndsOfEveryIntegrator) 
     }
     EXPECT_EQ(Vec3(system.x[0]), Vec3(1, 1, -2)) << "the last key, to the bit";
     EXPECT_EQ(Vec3(system.x[2]), Vec3(2, 0, 0));
+  }
+}
+
+/// Node 0 moves at V from the start: with w^2 = 2 k/m the middle node is at (x_0 + x_2)/2 - V/(2 w) sin w t.
+TEST(LinearMovement, TheFreeNeighbourConvergesToTheClosedFormWithEveryIntegrator) {
+  const double w = std::sqrt(40.), end = 0.4;
+  const Vec3 speed(0.5, 1, -2);
+  const auto errorWith = [&](const std::string& integrator, int steps) {
+    Simulation simulation = simulationFromText(
+        chain(integrator, "<LinearMovementProjectiveConstraint indices='0' keyTimes='0 1' movements='0 0 0 0.5 1 -2'/>",
+              end / steps));
+    for (int i = 0; i < steps; ++i) EXPECT_FALSE(simulation.step().diverged);
+    const System& system = *simulation.systems().at(0);
+    const Vec3 exact = (system.x[0] + system.x[2]) / 2 - speed / (2 * w) * std::sin(w * end);
+    return (Vec3(system.x[1]) - exact).norm();
+  };
+  for (const std::string& integrator : integrators) {
+    if (integrator == "<StaticSolver/>" || integrator.find("firstOrder") != std::string::npos ||
+        integrator.find("rayleigh") != std::string::npos)
+      continue;  // no inertia, or damped
+    SCOPED_TRACE(integrator);
+    const double coarse = errorWith(integrator, 100), fine = errorWith(integrator, 200);
+    EXPECT_LT(coarse, 0.05 * speed.norm() / w) << "of the first order at least: w dt is 0.025";
+    EXPECT_LT(fine, 0.6 * coarse + 1e-10) << "halving dt";
   }
 }
 
