@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "framework/scene/node.h"
@@ -34,7 +35,7 @@ std::optional<HighestFrequency> fromElements(const System& system, const Acceler
     const auto stiffest = field->stiffestElement(scales);
     if (!stiffest) return {};
     const double frequency = std::sqrt(stiffest->squared_frequency);
-    if (frequency > highest.value) highest = {frequency, stiffest->name + " of " + field->path()};
+    if (frequency > highest.value) highest = {frequency, stiffest->name + " of " + field->path(), {}};
   }
   return highest;
 }
@@ -49,8 +50,38 @@ void fillAtRandom(Rows rows) {
     }
 }
 
+/// "element 12 of /beam/fem": where the strain of the motion p is largest; empty where no force field knows strains.
+std::string mostStrained(const System& system, const Vector& p) {
+  Vector moved(system.allRows());
+  copy(system.x, moved);
+  double farthest = 0, apart = 0;
+  for (Index i = 0; i < p.count(); ++i) {
+    farthest = std::max(farthest, Vec3(p[i]).norm());
+    apart = std::max(apart, (Vec3(system.x[i]) - Vec3(system.x[0])).norm());
+  }
+  if (!(farthest > 0)) return {};
+  const double small = 1e-6 * apart / farthest;  // strains by differences
+  for (Index i = 0; i < p.count(); ++i) moved[i] += small * p[i];
+  for (const Mapping* mapping : system.mappings()) mapping->apply(moved);
+  std::string name;
+  double largest = 0;
+  std::vector<double> before, after;
+  for (const ForceField* field : system.forceFields()) {
+    const auto fields = field->cellFields();
+    if (std::find(fields.begin(), fields.end(), "strain") == fields.end()) continue;
+    field->cellField("strain", system.x, before);
+    field->cellField("strain", moved, after);
+    for (std::size_t cell = 0; 6 * cell < after.size(); ++cell) {
+      double square = 0;
+      for (std::size_t k = 6 * cell; k < 6 * cell + 6; ++k) square += (after[k] - before[k]) * (after[k] - before[k]);
+      if (square > largest) largest = square, name = fmt::format("element {} of {}", cell, field->path());
+    }
+  }
+  return name;
+}
+
 /// Power iteration. With a = M^-1 K p, (a.Kp) / (p.Kp) is a Rayleigh quotient: never above the largest eigenvalue.
-double byPowerIteration(System& system, Acceleration& acceleration) {
+HighestFrequency byPowerIteration(System& system, Acceleration& acceleration) {
   Vector p(system.independentRows()), force(system.independentRows()), a(system.independentRows());
   StepReport report;
   fillAtRandom(p);
@@ -68,7 +99,7 @@ double byPowerIteration(System& system, Acceleration& acceleration) {
     copy(a, p);
     scale(1 / size, p);
   }
-  return std::sqrt(square);
+  return {std::sqrt(square), {}, mostStrained(system, p)};
 }
 
 }  // namespace
@@ -81,7 +112,7 @@ HighestFrequency highestFrequency(System& system, Acceleration& acceleration) {
   if (const auto found = fromElements(system, acceleration))
     highest = *found;
   else
-    highest.value = byPowerIteration(system, acceleration);
+    highest = byPowerIteration(system, acceleration);
   clear(system.f);
   system.counts = counts;
   system.times = times;
@@ -95,7 +126,8 @@ void warnAboveStableStep(Integrator& integrator, System& system, Acceleration& a
   if (!(highest.value > 0) || dt * highest.value <= limit.largest_angle) return;
   const double largest = limit.largest_angle / highest.value;
   const std::string origin =
-      highest.element.empty() ? fmt::format("the fastest motion has about {:.3g} rad/s", highest.value)
+      highest.element.empty() ? fmt::format("the fastest motion has about {:.3g} rad/s{}{}", highest.value,
+                                            highest.strongest.empty() ? "" : ", strongest in ", highest.strongest)
                               : fmt::format("{} has {:.3g} rad/s, no motion is faster", highest.element, highest.value);
   integrator.warn(
       limit.grows

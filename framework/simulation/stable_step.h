@@ -9,8 +9,9 @@ namespace stroma {
 
 /// An estimate of the highest angular frequency of a system at its initial shape, undamped.
 struct HighestFrequency {
-  double value = 0;     ///< [rad/s]
-  std::string element;  ///< the element that it comes from, or empty: then it is one of the whole system
+  double value = 0;       ///< [rad/s]
+  std::string element;    ///< the element that it comes from, or empty: then it is one of the whole system
+  std::string strongest;  ///< of a motion of the whole system: the element that it strains most, or empty
 };
 
 /// From the elements when every force field with a stiffness offers ForceField::stiffestElement() and the mass is
