@@ -9,7 +9,8 @@
 // the energy of an undamped body within a bound for ever as long as h w < 2, w the highest angular frequency of the
 // mesh (about the speed of sound over the smallest height of an element); beyond that it diverges. The other variant
 // gains energy at every step and is there for comparison. A step above the estimated limit is warned of, with the
-// element that sets it. A diagonal mass is inverted once; a consistent one is solved for with the node's linear solver.
+// element that the fastest motion strains most. A diagonal mass is inverted once; a consistent one is solved for with
+// the node's linear solver.
 //
 // Example:
 // <Node name="root" dt="0.001" gravity="0 -9.81 0">
@@ -24,29 +25,24 @@
 namespace stroma {
 namespace {
 
-class EulerExplicitSolver final : public Integrator {
+class EulerExplicitSolver final : public ExplicitIntegrator {
  public:
   void declare(DataTable& table) override {
+    ExplicitIntegrator::declare(table);
     table.add("symplectic", symplectic_).help("move the positions with the new velocity: keeps the energy bounded");
-    table.addLink("linearSolver", solver_link_)
-        .help("solves for the acceleration when the mass is not diagonal; without it, the one of the same node");
     table.addVisualOnly("threadSafeVisitor");
   }
-  void compile(System& system) override {
-    explicit_.scheme = fromRungeKutta("explicit Euler", {{}}, {1});
-    if (symplectic_) {
-      explicit_.scheme.name = "symplectic Euler";
-      explicit_.scheme.x = {1};
-    }
-    explicit_.compile(*this, system);
-  }
-  StepReport step(System& system, const StepContext& context) override { return explicit_.step(system, context); }
-  std::string describe() const override { return explicit_.describe(); }
 
  private:
+  ExplicitScheme scheme() const override {
+    ExplicitScheme scheme = fromRungeKutta("explicit Euler", {{}}, {1});
+    if (symplectic_) {
+      scheme.name = "symplectic Euler";
+      scheme.x = {1};
+    }
+    return scheme;
+  }
   bool symplectic_ = true;
-  Link<LinearSolver> solver_link_{"linear solver"};
-  ExplicitStep explicit_;
 };
 
 }  // namespace

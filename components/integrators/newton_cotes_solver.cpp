@@ -55,29 +55,24 @@ ExplicitScheme schemeOf(int degree) {
                         {7. / 90, 0, 32. / 90, 12. / 90, 32. / 90, 7. / 90});
 }
 
-class NewtonCotesSolver final : public Integrator {
+class NewtonCotesSolver final : public ExplicitIntegrator {
  public:
   void declare(DataTable& table) override {
+    ExplicitIntegrator::declare(table);
     table.add("degree", degree_)
         .help("1: trapezoid, 2: Simpson's rule, 3: the 3/8 rule, 4: Boole's rule")
         .unit("-")
         .min(1)
         .max(4);
-    table.addLink("linearSolver", solver_link_)
-        .help("solves for the acceleration when the mass is not diagonal; without it, the one of the same node");
   }
-  void compile(System& system) override {
-    explicit_.scheme = schemeOf(degree_);
-    explicit_.scheme.name = fmt::format("the Newton-Cotes method of degree {}", degree_);
-    explicit_.compile(*this, system);
-  }
-  StepReport step(System& system, const StepContext& context) override { return explicit_.step(system, context); }
-  std::string describe() const override { return explicit_.describe(); }
 
  private:
+  ExplicitScheme scheme() const override {
+    ExplicitScheme scheme = schemeOf(degree_);
+    scheme.name = fmt::format("the Newton-Cotes method of degree {}", degree_);
+    return scheme;
+  }
   int degree_ = 1;
-  Link<LinearSolver> solver_link_{"linear solver"};
-  ExplicitStep explicit_;
 };
 
 }  // namespace

@@ -21,22 +21,10 @@
 namespace stroma {
 namespace {
 
-class RungeKutta2Solver final : public Integrator {
- public:
-  void declare(DataTable& table) override {
-    table.addLink("linearSolver", solver_link_)
-        .help("solves for the acceleration when the mass is not diagonal; without it, the one of the same node");
+class RungeKutta2Solver final : public ExplicitIntegrator {
+  ExplicitScheme scheme() const override {
+    return fromRungeKutta("the second-order Runge-Kutta method", {{}, {0.5}}, {0, 1});
   }
-  void compile(System& system) override {
-    explicit_.scheme = fromRungeKutta("the second-order Runge-Kutta method", {{}, {0.5}}, {0, 1});
-    explicit_.compile(*this, system);
-  }
-  StepReport step(System& system, const StepContext& context) override { return explicit_.step(system, context); }
-  std::string describe() const override { return explicit_.describe(); }
-
- private:
-  Link<LinearSolver> solver_link_{"linear solver"};
-  ExplicitStep explicit_;
 };
 
 }  // namespace

@@ -20,23 +20,11 @@
 namespace stroma {
 namespace {
 
-class RungeKutta4Solver final : public Integrator {
- public:
-  void declare(DataTable& table) override {
-    table.addLink("linearSolver", solver_link_)
-        .help("solves for the acceleration when the mass is not diagonal; without it, the one of the same node");
+class RungeKutta4Solver final : public ExplicitIntegrator {
+  ExplicitScheme scheme() const override {
+    return fromRungeKutta("the fourth-order Runge-Kutta method", {{}, {0.5}, {0, 0.5}, {0, 0, 1}},
+                          {1. / 6, 1. / 3, 1. / 3, 1. / 6});
   }
-  void compile(System& system) override {
-    explicit_.scheme = fromRungeKutta("the fourth-order Runge-Kutta method", {{}, {0.5}, {0, 0.5}, {0, 0, 1}},
-                                      {1. / 6, 1. / 3, 1. / 3, 1. / 6});
-    explicit_.compile(*this, system);
-  }
-  StepReport step(System& system, const StepContext& context) override { return explicit_.step(system, context); }
-  std::string describe() const override { return explicit_.describe(); }
-
- private:
-  Link<LinearSolver> solver_link_{"linear solver"};
-  ExplicitStep explicit_;
 };
 
 }  // namespace

@@ -129,8 +129,8 @@ Arrangement arrangeElements(const Index* nodes, int nodes_per_element, Index cou
     const std::ptrdiff_t in_block = last - first, rows = (in_block + lanes - 1) / lanes;
     for (std::ptrdiff_t b = 0; b < rows; ++b)
       for (int l = 0; l < lanes; ++l) {
-        const std::ptrdiff_t i = l * rows + b;
-        result.element.push_back(i < in_block ? first[i] : -1);
+        const std::ptrdiff_t at = l * rows + b;  // far apart: lanes that share nodes wait for each other's sums
+        result.element.push_back(at < in_block ? first[at] : -1);
       }
     result.block_start.push_back(Index(result.element.size() / std::size_t(lanes)));
   }

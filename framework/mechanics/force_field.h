@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
-#include <optional>
 
 #include "framework/algebra/block_matrix.h"
 #include "framework/mechanics/state.h"
@@ -66,14 +65,6 @@ class ForceField : public Component {
     double product = 0, assembly = 0;
   };
   virtual Cost cost() const { return {}; }
-  /// The element with the largest eigenvalue of M_e^-1 K_e, no smaller than it, at the x of the last addForce().
-  struct StiffestElement {
-    double squared_frequency = 0;  ///< [1/s^2]
-    std::string name;              ///< "tetrahedron 12 (nodes 3 4 8 9)"
-  };
-  /// For the stable step of explicit methods. An element has the mass t / scale^2 at its node a, t the trace of its own
-  /// diagonal block -K_aa; `scale` [1/s] has shape (rows), 0: a node that is held. Nothing: elements are not known.
-  virtual std::optional<StiffestElement> stiffestElement(const std::vector<double>& /*scale*/) const { return {}; }
   /// A sentence on the worst element at x, for a report of divergence ("tetrahedron 12 (nodes 3 4 8 9): J = -0.3"),
   /// or empty.
   virtual std::string worstElement(ConstRows) const { return {}; }

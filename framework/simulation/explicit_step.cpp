@@ -183,4 +183,16 @@ std::string ExplicitStep::describe() const {
                      acceleration_.describe());
 }
 
+// ---- the integrator ----
+
+void ExplicitIntegrator::declare(DataTable& table) {
+  table.addLink("linearSolver", solver_link_)
+      .help("solves for the acceleration when the mass is not diagonal; without it, the one of the same node");
+}
+
+void ExplicitIntegrator::compile(System& system) {
+  explicit_.scheme = scheme();
+  explicit_.compile(*this, system);
+}
+
 }  // namespace stroma

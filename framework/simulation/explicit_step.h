@@ -21,8 +21,6 @@ class Acceleration {
   bool solve(ConstRows f, Rows a, StepReport& report);
   bool isDiagonal() const { return solver_ == nullptr; }
   std::string describe() const;
-  /// 1 / m [1/kg], shape (independentRows()), 0 for rows held for ever. Only where isDiagonal().
-  const std::vector<double>& inverseMass() const { return *inverse_mass_; }
 
  private:
   System* system_ = nullptr;
@@ -75,6 +73,23 @@ class ExplicitStep {
   std::vector<Vector> accelerations_;  ///< a_j, each of shape (independentRows())
   Vector stage_x_, stage_v_;           ///< shape (allRows())
   bool depends_on_time_ = false;
+};
+
+/// An integrator that is a scheme; a component supplies the scheme and its own attributes.
+class ExplicitIntegrator : public Integrator {
+ public:
+  void declare(DataTable& table) override;  ///< linearSolver
+  void compile(System& system) final;
+  StepReport step(System& system, const StepContext& context) final { return explicit_.step(system, context); }
+  std::string describe() const final { return explicit_.describe(); }
+
+ protected:
+  /// With its name; called once, after init().
+  virtual ExplicitScheme scheme() const = 0;
+
+ private:
+  Link<LinearSolver> solver_link_{"linear solver"};
+  ExplicitStep explicit_;
 };
 
 }  // namespace stroma

@@ -11,35 +11,6 @@
 namespace stroma {
 namespace {
 
-/// sqrt(T / m) of each row [1/s], T the trace of the row's diagonal block of -K: 0 where the row is held or has no
-/// stiffness. Gives each element of a node a share of its mass in proportion to what it adds to T.
-std::vector<double> shareScales(const System& system, const std::vector<double>& inverse_mass) {
-  std::vector<double> blocks(std::size_t(system.allRows()) * 9), scales(std::size_t(system.allRows()));
-  for (const ForceField* field : system.forceFields())
-    if (field->traits().has_stiffness) field->addStiffnessDiagonal(-1, blocks);
-  for (std::size_t i = 0; i < inverse_mass.size(); ++i) {
-    const double trace = blocks[9 * i] + blocks[9 * i + 4] + blocks[9 * i + 8];
-    scales[i] = std::sqrt(std::max(0., trace * inverse_mass[i]));
-  }
-  return scales;
-}
-
-/// Nothing when some force field does not know its elements.
-std::optional<HighestFrequency> fromElements(const System& system, const Acceleration& acceleration) {
-  if (!acceleration.isDiagonal() || !system.mappings().empty()) return {};
-  HighestFrequency highest;
-  std::vector<double> scales;
-  for (const ForceField* field : system.forceFields()) {
-    if (!field->traits().has_stiffness) continue;
-    if (scales.empty()) scales = shareScales(system, acceleration.inverseMass());
-    const auto stiffest = field->stiffestElement(scales);
-    if (!stiffest) return {};
-    const double frequency = std::sqrt(stiffest->squared_frequency);
-    if (frequency > highest.value) highest = {frequency, stiffest->name + " of " + field->path(), {}};
-  }
-  return highest;
-}
-
 /// Numbers between -1/2 and 1/2 without an order that a mesh could share.
 void fillAtRandom(Rows rows) {
   std::uint64_t seed = 88172645463325252ull;
@@ -99,7 +70,7 @@ HighestFrequency byPowerIteration(System& system, Acceleration& acceleration) {
     copy(a, p);
     scale(1 / size, p);
   }
-  return {std::sqrt(square), {}, mostStrained(system, p)};
+  return {std::sqrt(square), mostStrained(system, p)};
 }
 
 }  // namespace
@@ -108,11 +79,7 @@ HighestFrequency highestFrequency(System& system, Acceleration& acceleration) {
   const auto counts = system.counts;
   const auto times = system.times;
   system.computeForce(system.x, system.v, system.f);
-  HighestFrequency highest;
-  if (const auto found = fromElements(system, acceleration))
-    highest = *found;
-  else
-    highest = byPowerIteration(system, acceleration);
+  HighestFrequency highest = byPowerIteration(system, acceleration);
   clear(system.f);
   system.counts = counts;
   system.times = times;
@@ -125,10 +92,8 @@ void warnAboveStableStep(Integrator& integrator, System& system, Acceleration& a
   const double dt = system.node().dt();
   if (!(highest.value > 0) || dt * highest.value <= limit.largest_angle) return;
   const double largest = limit.largest_angle / highest.value;
-  const std::string origin =
-      highest.element.empty() ? fmt::format("the fastest motion has about {:.3g} rad/s{}{}", highest.value,
-                                            highest.strongest.empty() ? "" : ", strongest in ", highest.strongest)
-                              : fmt::format("{} has {:.3g} rad/s, no motion is faster", highest.element, highest.value);
+  const std::string origin = fmt::format("the fastest motion has about {:.3g} rad/s{}{}", highest.value,
+                                         highest.element.empty() ? "" : ", strongest in ", highest.element);
   integrator.warn(
       limit.grows
           ? fmt::format("with dt = {:g} s {} adds energy to fast motions, by more than 1 % a step where nothing "

@@ -9,15 +9,11 @@ namespace stroma {
 
 /// An estimate of the highest angular frequency of a system at its initial shape, undamped.
 struct HighestFrequency {
-  double value = 0;       ///< [rad/s]
-  std::string element;    ///< the element that it comes from, or empty: then it is one of the whole system
-  std::string strongest;  ///< of a motion of the whole system: the element that it strains most, or empty
+  double value = 0;     ///< [rad/s]
+  std::string element;  ///< the element that the motion strains most, "element 12 of /beam/fem"; empty: none known
 };
 
-/// From the elements when every force field with a stiffness offers ForceField::stiffestElement() and the mass is
-/// diagonal: then no smaller than the true one, by the theorem of B. Irons and M. Treharne 1971 (the eigenvalues of an
-/// assembly lie within those of its elements) for nodal masses shared out in proportion to the stiffness of the
-/// elements. Else by power iteration on M^-1 K, which stays a few per cent below the true one at most of its starts.
+/// By power iteration on M^-1 K, which stays a few per cent below the true one at most of its starts.
 HighestFrequency highestFrequency(System& system, Acceleration& acceleration);
 
 /// Warns, with the numbers and the element, when the scene's dt exceeds the limit. `method` is the subject of a

@@ -133,7 +133,8 @@ def large_deformation(tables):
 def conclusion(tables, varied):
     """`tables`: rows by (Poisson's ratio, statics or not); `varied`: rows of what is varied, the first unchanged."""
     finer = [row for row in varied if row[0].endswith("cells")]
-    text = ("Read from the tables; \"off\" is the largest of the differences between two rows, in points.\n\n" +
+    text = ("Read from the tables; \"off\" is the largest of the differences between two rows, in points; in brackets: off the "
+            "paper.\n\n" +
             what_moves(tables, varied) + where_no_answer(tables) + without_bulge(tables, varied) + large_deformation(tables))
     if finer:
         text += ("- **Cells**: " + "; ".join(f"{row[0]}: {spoken(numbers(row[1:4]))}" for row in finer) +
