@@ -105,19 +105,20 @@ class Tetrahedra final : public ElasticElements {
   using LameOf = std::function<Lame(std::size_t)>;
 
   std::unique_ptr<ElementMethod> makeNodal(Index first_row, const LameOf& lame) const {
-    tetrahedron::Storage storage;
+    StorageOf<tetrahedron::NodalModel> storage;
     storage.build(mesh_->tetrahedra, *rest_, first_row, [&](std::size_t e, bool padding, auto& rest, auto& tangent) {
       setElement(e, mesh_->tetrahedra[e], padding, lame, rest, tangent);
     });
     return std::make_unique<tetrahedron::NodalWarping>(std::move(storage));
   }
 
-  std::unique_ptr<ElementMethod> makeFans(Index first_row, const LameOf& lame) const {
+  template <class Storage>
+  Storage gatheredFans(Index first_row, const LameOf& lame) const {
     using namespace tetrahedron;
     const std::vector<Fan> fans = gatherFans(mesh_->tetrahedra, rest_->size());
     std::vector<std::array<Index, fan_nodes>> cells;
     for (const Fan& fan : fans) cells.push_back(fan.nodes);
-    StorageOf<FanOf<Linear>> storage;  // the same for all models
+    Storage storage;
     storage.build(cells, *rest_, first_row, [&](std::size_t f, bool padding, auto& rest, auto& tangent) {
       for (int i = 0; i < fan_size; ++i) {
         const Index e = fans[f].element[std::size_t(i)];
@@ -127,19 +128,18 @@ class Tetrahedra final : public ElasticElements {
                    tangent.of[i]);
       }
     });
-    return makeMethod(std::move(storage));
+    return storage;
   }
-
-  template <class Storage>
-  std::unique_ptr<ElementMethod> makeMethod(Storage&& storage) const {
+  std::unique_ptr<ElementMethod> makeFans(Index first_row, const LameOf& lame) const {
     using namespace tetrahedron;
-    if (variant_.method == ElasticMethod::small)
-      return std::make_unique<ModelMethod<FanOf<Linear>>>(std::move(storage));
-    if (variant_.method == ElasticMethod::green) return std::make_unique<ModelMethod<FanOf<Green>>>(std::move(storage));
+    const auto make = [&]<class Single>() -> std::unique_ptr<ElementMethod> {
+      return std::make_unique<ModelMethod<FanOf<Single>>>(gatheredFans<StorageOf<FanOf<Single>>>(first_row, lame));
+    };
+    if (variant_.method == ElasticMethod::small) return make.template operator()<Linear>();
+    if (variant_.method == ElasticMethod::green) return make.template operator()<Green>();
     return makeRotated(variant_, [&]<class Rotation, Update update>() -> std::unique_ptr<ElementMethod> {
-      if (variant_.exact_tangent)
-        return std::make_unique<ModelMethod<FanOf<ExactCorotational<Rotation, update>>>>(std::move(storage));
-      return std::make_unique<ModelMethod<FanOf<Corotational<Rotation, update>>>>(std::move(storage));
+      if (variant_.exact_tangent) return make.template operator()<ExactCorotational<Rotation, update>>();
+      return make.template operator()<Corotational<Rotation, update>>();
     });
   }
 
@@ -164,18 +164,17 @@ class Tetrahedra final : public ElasticElements {
   /// Cell e with its vertices in the order of `nodes`, in the frame that the order of the cell gives: method large
   /// depends on it.
   void setElement(std::size_t e, const Tetrahedron& nodes, bool padding, const LameOf& lame,
-                  tetrahedron::Rest<double>& rest, tetrahedron::Tangent<double>& tangent) const {
+                  tetrahedron::Rest<double>& rest, auto& tangent) const {
     const Mat3 axes = restFrame(e), edges = restEdges(nodes), inverse = edges.inverse();
     const M3<double> local = fromEigen(axes.transpose() * edges);
     rest.edges[0] = local.c0, rest.edges[1] = local.c1, rest.edges[2] = local.c2;
     const M3<double> own = fromEigen((inverse * axes).transpose()), world = fromEigen(inverse.transpose());
     rest.g = {own.c0, own.c1, own.c2};
-    tangent.g = {world.c0, world.c1, world.c2};
     rest.inverse_six_volume = 1 / edges.determinant();
     // cells that cover the body twice share its stiffness; a padding lane has none
     const double volume = padding ? 0 : std::abs(edges.determinant()) / (6 * mesh_->overlap);
-    tangent.lambda = lame(e).lambda * volume;
-    tangent.mu = lame(e).mu * volume;
+    rest.root = std::sqrt(lame(e).mu * volume);
+    setTangent(tangent, {world.c0, world.c1, world.c2}, lame(e), volume);
   }
 
   const Mesh* mesh_ = nullptr;

@@ -10,13 +10,13 @@ namespace stroma::tetrahedron {
 struct FanCoupling {
   static constexpr bool coupled(int i, int j) { return i < 2 || j < 2 || (i - j <= 1 && j - i <= 1); }
 };
-template <class T>
-struct FanRest {
-  tetrahedron::Rest<T> of[fan_size];
-};
-template <class T>
-struct FanTangent {
-  tetrahedron::Tangent<T> of[fan_size];
+/// What each tetrahedron of a fan keeps.
+template <template <class> class Data>
+struct Fanned {
+  template <class T>
+  struct Of {
+    Data<T> of[fan_size];
+  };
 };
 
 /// A model of ModelMethod for fans, from one for tetrahedra.
@@ -26,9 +26,9 @@ struct FanOf {
   static constexpr bool reads_position = Single::reads_position;
   using Coupling = FanCoupling;
   template <class T>
-  using Rest = FanRest<T>;
+  using Rest = typename Fanned<Single::template Rest>::template Of<T>;
   template <class T>
-  using Tangent = FanTangent<T>;
+  using Tangent = typename Fanned<Single::template Tangent>::template Of<T>;
 
   template <class T>
   static void force(const Rest<T>& rest, Tangent<T>& t, const V3<T> (&x)[nodes], V3<T> (&f)[nodes]) {

@@ -21,6 +21,13 @@ void nodalWarpingForce(const Gradients<T>& g, T lambda, T mu, const V3<T> (&x)[4
   }
 }
 
+/// df = -(B^T D B) dx with the gradients g.
+template <class T>
+void linearProduct(const Gradients<T>& g, T lambda, T mu, const V3<T> (&dx)[4], V3<T> (&df)[4]) {
+  const V3<T> d[3] = {dx[1] - dx[0], dx[2] - dx[0], dx[3] - dx[0]};
+  nodalForces(restoringStress(strainOf(d, g), lambda, mu), g, df);
+}
+
 /// The symmetric part of the warped tangent, df_i = -1/2 sum_j (R_i K_ij R_i^T + R_j K_ij R_j^T) dx_j: the tangent
 /// itself is not symmetric, and a conjugate gradient needs it to be.
 template <class T>
@@ -30,11 +37,11 @@ void nodalWarpingProduct(const Gradients<T>& g, T lambda, T mu, const V3<T> (&dx
   for (int j = 0; j < 4; ++j) {
     const Gradients<T> gj = rotated(r[j], g);
     V3<T> out[4];
-    stiffnessProduct(gj, lambda, mu, dx, out);
+    linearProduct(gj, lambda, mu, dx, out);
     rows[j] = out[j];
     V3<T> only[4];
     only[j] = dx[j];
-    stiffnessProduct(gj, lambda, mu, only, out);
+    linearProduct(gj, lambda, mu, only, out);
     for (int i = 0; i < 4; ++i) columns[i] = columns[i] + out[i];
   }
   for (int i = 0; i < 4; ++i) df[i] = (rows[i] + columns[i]) * T(0.5);

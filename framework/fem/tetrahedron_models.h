@@ -8,7 +8,7 @@
 
 namespace stroma::tetrahedron {
 
-/// What all models share: the tangent holds world gradients, those of the rest shape until a force sets others.
+/// What most models share: the tangent holds world gradients, those of the rest shape until a force sets others.
 struct Model {
   static constexpr int nodes = 4;
   static constexpr bool reads_position = false;
@@ -20,33 +20,34 @@ struct Model {
   template <class T>
   static void product(const Rest<T>&, const Tangent<T>& t, T factor, const V3<T> (&)[4], const V3<T> (&dx)[4],
                       V3<T> (&df)[4]) {
-    stiffnessProduct(t.g, factor * t.lambda, factor * t.mu, dx, df);
+    stiffnessProduct(t, factor, dx, df);
   }
 };
-
-using Storage = StorageOf<Model>;
 
 /// method = small: the strain of sum e_i (x) g_i - I with the rest gradients.
 struct Linear : Model {
   template <class T>
-  static void force(const Rest<T>&, Tangent<T>& t, const V3<T> (&x)[4], V3<T> (&f)[4]) {
-    nodalForces(restoringStress(strain(t, x), t.lambda, t.mu), t.g, f);
+  static void force(const Rest<T>& rest, Tangent<T>& t, const V3<T> (&x)[4], V3<T> (&f)[4]) {
+    nodalForces(restoringStress(strain(rest, t, x), t.ratio, T(1.)), t.g, f);
   }
   template <class T>
-  static void forceAndProduct(const Rest<T>&, Tangent<T>& t, T factor, const V3<T> (&x)[4], const V3<T> (&dx)[4],
+  static void forceAndProduct(const Rest<T>& rest, Tangent<T>& t, T factor, const V3<T> (&x)[4], const V3<T> (&dx)[4],
                               V3<T> (&f)[4]) {
-    const S3<T> both = strain(t, x) + strainOf(Edges(dx).e, t.g) * factor;
-    nodalForces(restoringStress(both, t.lambda, t.mu), t.g, f);
+    const S3<T> both = strain(rest, t, x) + strainOf(Edges(dx).e, t.g) * factor;
+    nodalForces(restoringStress(both, t.ratio, T(1.)), t.g, f);
   }
   template <class T>
-  static T energy(const Rest<T>&, const Tangent<T>& t, const V3<T> (&x)[4]) {
-    return storedEnergy(strain(t, x), t.lambda, t.mu);
+  static T energy(const Rest<T>& rest, const Tangent<T>& t, const V3<T> (&x)[4]) {
+    return storedEnergy(strain(rest, t, x), t.ratio, T(1.));
   }
 
  private:
+  /// (mu V_0)^1/2 eps
   template <class T>
-  static S3<T> strain(const Tangent<T>& t, const V3<T> (&x)[4]) {
-    return minusIdentity(strainOf(Edges(x).e, t.g));
+  static S3<T> strain(const Rest<T>& rest, const Tangent<T>& t, const V3<T> (&x)[4]) {
+    S3<T> scaled = strainOf(Edges(x).e, t.g);
+    scaled.xx -= rest.root, scaled.yy -= rest.root, scaled.zz -= rest.root;
+    return scaled;
   }
 };
 
@@ -55,33 +56,46 @@ template <class Rotation, Update update>
 struct Corotational : Model {
   template <class T>
   static void force(const Rest<T>& rest, Tangent<T>& t, const V3<T> (&x)[4], V3<T> (&f)[4]) {
-    const auto k = kinematics<Rotation, update>(rest, x);
-    t.g = k.g;
-    nodalForces(restoringStress(k.strain, t.lambda, t.mu), k.g, f);
+    nodalForces(restoringStress(strain(rest, t, x), t.ratio, T(1.)), t.g, f);
   }
   template <class T>
   static void forceAndProduct(const Rest<T>& rest, Tangent<T>& t, T factor, const V3<T> (&x)[4], const V3<T> (&dx)[4],
                               V3<T> (&f)[4]) {
-    const auto k = kinematics<Rotation, update>(rest, x);
-    t.g = k.g;
-    const S3<T> both = k.strain + strainOf(Edges(dx).e, k.g) * factor;
-    nodalForces(restoringStress(both, t.lambda, t.mu), k.g, f);
+    const S3<T> own = strain(rest, t, x);
+    nodalForces(restoringStress(own + strainOf(Edges(dx).e, t.g) * factor, t.ratio, T(1.)), t.g, f);
   }
   template <class T>
   static T energy(const Rest<T>& rest, const Tangent<T>& t, const V3<T> (&x)[4]) {
-    return storedEnergy(kinematics<Rotation, update>(rest, x).strain, t.lambda, t.mu);
+    return storedEnergy(kinematics<Rotation, update>(rest, x).strain * rest.root, t.ratio, T(1.));
+  }
+
+ private:
+  /// (mu V_0)^1/2 eps, and the gradients at x for the tangent
+  template <class T>
+  static S3<T> strain(const Rest<T>& rest, Tangent<T>& t, const V3<T> (&x)[4]) {
+    const auto k = kinematics<Rotation, update>(rest, x);
+    t.g = {k.g.g1 * rest.root, k.g.g2 * rest.root, k.g.g3 * rest.root};
+    return k.strain * rest.root;
   }
 };
 
 /// The same with the exact tangent: dR and dg are differentiated at the x of the last force.
 template <class Rotation, Update update>
-struct ExactCorotational : Corotational<Rotation, update> {
+struct ExactCorotational : Model {
   static constexpr bool reads_position = true;
-  template <class T>  // the base's is for the warped tangent
-  static void forceAndProduct(const Rest<T>&, Tangent<T>&, T, const V3<T> (&)[4], const V3<T> (&)[4], V3<T> (&)[4]) =
-      delete;
   template <class T>
-  static void product(const Rest<T>& rest, const Tangent<T>& t, T factor, const V3<T> (&x)[4], const V3<T> (&dx)[4],
+  using Tangent = Constants<T>;
+  template <class T>
+  static void force(const Rest<T>& rest, const Constants<T>& t, const V3<T> (&x)[4], V3<T> (&f)[4]) {
+    const auto k = kinematics<Rotation, update>(rest, x);
+    nodalForces(restoringStress(k.strain, t.lambda, t.mu), k.g, f);
+  }
+  template <class T>
+  static T energy(const Rest<T>& rest, const Constants<T>& t, const V3<T> (&x)[4]) {
+    return storedEnergy(kinematics<Rotation, update>(rest, x).strain, t.lambda, t.mu);
+  }
+  template <class T>
+  static void product(const Rest<T>& rest, const Constants<T>& t, T factor, const V3<T> (&x)[4], const V3<T> (&dx)[4],
                       V3<T> (&df)[4]) {
     exactProduct<Rotation, update>(rest, factor * t.lambda, factor * t.mu, x, dx, df);
   }
@@ -91,18 +105,20 @@ struct ExactCorotational : Corotational<Rotation, update> {
 struct Green : Model {
   static constexpr bool reads_position = true;
   template <class T>
-  static void force(const Rest<T>&, const Tangent<T>& t, const V3<T> (&x)[4], V3<T> (&f)[4]) {
-    columnForces(greenStress(outerSum(Edges(x).e, t.g), T(1.), t.lambda, t.mu), t.g, f);
+  using Tangent = Constants<T>;
+  template <class T>
+  static void force(const Rest<T>& rest, const Constants<T>& t, const V3<T> (&x)[4], V3<T> (&f)[4]) {
+    columnForces(greenStress(outerSum(Edges(x).e, rest.g), T(1.), t.lambda, t.mu), rest.g, f);
   }
   template <class T>
-  static T energy(const Rest<T>&, const Tangent<T>& t, const V3<T> (&x)[4]) {
-    return storedEnergy(greenStrain(outerSum(Edges(x).e, t.g), T(1.)), t.lambda, t.mu);
+  static T energy(const Rest<T>& rest, const Constants<T>& t, const V3<T> (&x)[4]) {
+    return storedEnergy(greenStrain(outerSum(Edges(x).e, rest.g), T(1.)), t.lambda, t.mu);
   }
   template <class T>
-  static void product(const Rest<T>&, const Tangent<T>& t, T factor, const V3<T> (&x)[4], const V3<T> (&dx)[4],
+  static void product(const Rest<T>& rest, const Constants<T>& t, T factor, const V3<T> (&x)[4], const V3<T> (&dx)[4],
                       V3<T> (&df)[4]) {
-    const M3<T> f = outerSum(Edges(x).e, t.g), dgradient = outerSum(Edges(dx).e, t.g);
-    columnForces(greenStressDifferential(f, dgradient, T(1.), factor * t.lambda, factor * t.mu), t.g, df);
+    const M3<T> f = outerSum(Edges(x).e, rest.g), dgradient = outerSum(Edges(dx).e, rest.g);
+    columnForces(greenStressDifferential(f, dgradient, T(1.), factor * t.lambda, factor * t.mu), rest.g, df);
   }
 
  private:
@@ -115,13 +131,17 @@ struct Green : Model {
 };
 
 /// method = nodal.
-class NodalWarping final : public StoredMethod<StorageOf<Model>> {
+struct NodalModel : Model {
+  template <class T>
+  using Tangent = WorldGradients<T>;
+};
+class NodalWarping final : public StoredMethod<StorageOf<NodalModel>> {
  public:
   using StoredMethod::StoredMethod;
   void addForce(ConstRows x, Rows f) override {
     updateNodeRotations(x);
     storage_.loop.run<4, 1>({x, r0_.rows(), r1_.rows(), r2_.rows()}, {f}, [&](Index b, const auto& in, auto& out) {
-      const Tangent<Pack>& t = storage_.tangent[std::size_t(b)];
+      const WorldGradients<Pack>& t = storage_.tangent[std::size_t(b)];
       const M3<Pack> r[4] = {nodeRotation(in, 0), nodeRotation(in, 1), nodeRotation(in, 2), nodeRotation(in, 3)};
       nodalWarpingForce(t.g, t.lambda, t.mu, in[0], r, out[0]);
     });
@@ -134,7 +154,7 @@ class NodalWarping final : public StoredMethod<StorageOf<Model>> {
   /// force.
   double energy(ConstRows x) const override {
     return storage_.loop.sum(x, [&](Index b, const auto& in) {
-      const Tangent<Pack>& t = storage_.tangent[std::size_t(b)];
+      const WorldGradients<Pack>& t = storage_.tangent[std::size_t(b)];
       const V3<Pack> e[3] = {in[1] - in[0], in[2] - in[0], in[3] - in[0]};
       const M3<Pack> f = outerSum(e, t.g);
       const S3<Pack> strain = minusIdentity(strainOfProduct(f, rotation::Svd::of(f)));
@@ -161,7 +181,7 @@ class NodalWarping final : public StoredMethod<StorageOf<Model>> {
     return {in[1][a], in[2][a], in[3][a]};
   }
   void product(Index b, Pack factor, const V3<Pack> (&dx)[4], const M3<Pack> (&r)[4], V3<Pack> (&df)[4]) const {
-    const Tangent<Pack>& t = storage_.tangent[std::size_t(b)];
+    const WorldGradients<Pack>& t = storage_.tangent[std::size_t(b)];
     nodalWarpingProduct(t.g, factor * t.lambda, factor * t.mu, dx, r, df);
   }
   void matrix(Index b, ElementLoop<4>::Matrix& k) const {
@@ -179,7 +199,7 @@ class NodalWarping final : public StoredMethod<StorageOf<Model>> {
       clear(*column);
     }
     storage_.loop.run<1, 3>({x}, {r0_.rows(), r1_.rows(), r2_.rows()}, [&](Index b, const auto& in, auto& out) {
-      const Tangent<Pack>& t = storage_.tangent[std::size_t(b)];
+      const WorldGradients<Pack>& t = storage_.tangent[std::size_t(b)];
       const V3<Pack> e[3] = {in[0][1] - in[0][0], in[0][2] - in[0][0], in[0][3] - in[0][0]};
       const Pack weight = abs(Pack(1.) / storage_.rest[std::size_t(b)].inverse_six_volume);
       // a padding lane repeats an element and has no stiffness: it must not count twice

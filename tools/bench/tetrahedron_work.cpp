@@ -106,14 +106,15 @@ double productFlops(const Variant& variant) {
            if (variant.method == "nodal")
              nodalWarpingProduct(s.g, lambda, mu, s.x, r, f);
            else
-             stiffnessProduct(s.g, lambda, mu, s.x, f);
+             stiffnessProduct(Tangent<Counted>{s.g, lambda}, mu, s.x, f);
          });
 }
 
 constexpr double number = sizeof(double);
 constexpr double node_numbers = 2.5 * 4;   // 32-bit integers; two elements share three
 constexpr double gradients = 9 * number;   // g_1, g_2, g_3
-constexpr double lame = 2 * number;        // lambda V, mu V
+constexpr double material = 2 * number;    // lambda/mu and the root of mu V, or lambda V and mu V
+constexpr double ratio = number;           // lambda/mu: gradients that a product reads hold the rest
 constexpr double vector_row = 4 * number;  // x, y, z and the padding
 constexpr double block = 9 * number;       // of an assembled matrix
 constexpr double node_rotation = 3 * vector_row;
@@ -127,15 +128,15 @@ double restBytes(const Variant& variant) {
 }  // namespace
 
 Work productWork(const Variant& variant, double nodes) {
-  double bytes = node_numbers + gradients + lame + 3 * vector_row * nodes;  // dx read, df read and written
-  if (variant.method == "nodal") bytes += node_rotation * nodes;
+  double bytes = node_numbers + gradients + ratio + 3 * vector_row * nodes;  // dx read, df read and written
+  if (variant.method == "nodal") bytes += number + node_rotation * nodes;
   return {bytes, productFlops(variant)};
 }
 
 Work forceWork(const Variant& variant, double nodes) {
-  double bytes = node_numbers + lame + restBytes(variant) + 3 * vector_row * nodes;
+  double bytes = node_numbers + material + restBytes(variant) + 3 * vector_row * nodes;
   if (variant.method == "nodal")  // a pass before it, which makes the rotations
-    bytes += node_numbers + gradients + lame + (vector_row + 4 * node_rotation) * nodes;
+    bytes += node_numbers + gradients + material + (vector_row + 4 * node_rotation) * nodes;
   else if (variant.method != "small")
     bytes += gradients;  // written for the products
   return {bytes, forceFlops(variant)};
@@ -149,13 +150,13 @@ Work forceAndProductWork(const Variant& variant, double nodes) {
 
 Work polarEnergyWork(double nodes) {
   const Variant variant{"polar"};
-  return {node_numbers + lame + restBytes(variant) + vector_row * nodes, energyFlops<rotation::Polar>()};
+  return {node_numbers + material + restBytes(variant) + vector_row * nodes, energyFlops<rotation::Polar>()};
 }
 
 Work assemblyWork(const Variant& variant, double blocks) {
   constexpr double slots = 16 * 4;
   // nine products give the matrix; scaled, summed for node 0 and added to 16 blocks
-  return {node_numbers + gradients + lame + slots + 3 * block * blocks,
+  return {node_numbers + gradients + ratio + slots + 3 * block * blocks,
           9 * (productFlops(variant) - scatter_flops) + 9 * 4 * 3 * 2 + 16 * 9};
 }
 
