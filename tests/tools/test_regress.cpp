@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // A regression test is worth what it notices: every way in which a reference can differ must fail.
+#include <tinyxml2.h>
+
 #include <nlohmann/json.hpp>
 
 #include "framework/simulation/state_file.h"
@@ -145,6 +147,73 @@ TEST_F(Regress, AListThatCannotBeReadIsBadInput) {
   EXPECT_EQ(stroma("regress list --filter nothing").code, 2);
   EXPECT_EQ(stroma("regress list --set nonsense").code, 2);
   EXPECT_EQ(stroma("regress list --update --set /.dt=0.02").code, 2);
+}
+
+TEST_F(Regress, WritesJunitForBuildServers) {
+  write("list", "references\nfall.xml 8 1e-9\nfall.xml 4 1e-9 /.gravity=\"<&>\"\n");
+  EXPECT_EQ(stroma("regress list --junit results.xml").code, 1);
+  tinyxml2::XMLDocument document;
+  ASSERT_EQ(document.LoadFile((folder_ / "results.xml").c_str()), tinyxml2::XML_SUCCESS);
+  const tinyxml2::XMLElement* suite = document.FirstChildElement("testsuite");
+  ASSERT_NE(suite, nullptr);
+  EXPECT_EQ(suite->IntAttribute("tests"), 2);
+  EXPECT_EQ(suite->IntAttribute("failures"), 1);
+  const tinyxml2::XMLElement* good = suite->FirstChildElement("testcase");
+  ASSERT_NE(good, nullptr);
+  EXPECT_STREQ(good->Attribute("name"), "fall");
+  EXPECT_EQ(good->FirstChildElement(), nullptr);
+  const tinyxml2::XMLElement* bad = good->NextSiblingElement("testcase");
+  ASSERT_NE(bad, nullptr);
+  ASSERT_NE(bad->FirstChildElement("failure"), nullptr);
+  EXPECT_NE(std::string(bad->FirstChildElement("failure")->GetText()).find("gravity"), std::string::npos);
+  EXPECT_EQ(stroma("regress list --filter nothing --junit other.xml").code, 2);
+  EXPECT_FALSE(exists("other.xml"));
+}
+
+// ---- bits ----
+
+TEST_F(Regress, StoresAndComparesTheBitsOfTheLastState) {
+  Finished run = stroma("regress list --bits");
+  EXPECT_EQ(run.code, 0) << run.out << run.err;
+  EXPECT_NE(run.out.find("none is stored"), std::string::npos) << run.out;
+  EXPECT_EQ(stroma("regress list --bits --update").code, 0);
+  run = stroma("regress list --bits");
+  EXPECT_EQ(run.code, 0) << run.out << run.err;
+  EXPECT_NE(run.out.find("as stored"), std::string::npos) << run.out;
+  const std::string hash = nlohmann::json::parse(stroma("run fall.xml -n 8 --json").out).at("state_hash");
+  EXPECT_NE(readText(folder_ / "references/hashes").find(hash), std::string::npos);
+
+  // one bit of one number
+  std::string scene = readText(folder_ / "fall.xml");
+  scene.replace(scene.find("0 2 0"), 5, "0 2.0000000000000004 0");
+  write("fall.xml", scene);
+  run = stroma("regress list --bits");
+  EXPECT_EQ(run.code, 1);
+  EXPECT_NE(run.out.find("its bits have changed"), std::string::npos) << run.out;
+}
+
+TEST_F(Regress, HashesOfAnotherBuildAreNotCompared) {
+  write("references/hashes", "build gcc-1.0-Release\nfall x86-64-v2 0123456789abcdef\n");
+  const Finished run = stroma("regress list --bits");
+  EXPECT_EQ(run.code, 0) << run.out << run.err;
+  EXPECT_NE(run.out.find("stored are those of gcc-1.0-Release"), std::string::npos) << run.out;
+  write("references/hashes", "build gcc-1.0-Release\nfall x86-64-v2 123\n");
+  EXPECT_EQ(stroma("regress list --bits").code, 2);
+}
+
+TEST_F(Regress, NoticesBitsThatDependOnThreadsOrOnFormerRuns) {
+  std::string scene = falling_scene;
+  const std::string mass = "<UniformMass totalMass=\"2\"/>";
+  scene.insert(scene.find(mass) + mass.size(), "<FickleForceField name=\"odd\" what=\"calls\"/>");
+  write("fickle.xml", scene);
+  write("list", "references\nfickle.xml 8 1e-9\n");
+  const std::string command = "regress list --bits --module '" STROMA_TEST_MODULES "/fickle.so'";
+  Finished run = stroma(command);
+  EXPECT_EQ(run.code, 1) << run.err;
+  EXPECT_NE(run.out.find("the run after a reset differs from step 1 on"), std::string::npos) << run.out;
+  run = stroma(command + " --set /stone/odd.what=threads");
+  EXPECT_EQ(run.code, 1) << run.err;
+  EXPECT_NE(run.out.find("the run with two threads differs from step 1 on"), std::string::npos) << run.out;
 }
 
 }  // namespace

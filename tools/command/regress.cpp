@@ -10,7 +10,9 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "tools/command/bits.h"
 #include "tools/command/comparison.h"
+#include "tools/command/junit.h"
 #include "tools/command/regression_list.h"
 #include "tools/command/session.h"
 
@@ -30,14 +32,18 @@ const Manual manual{
     "another size, name or time.\nLIST: the folder of the references on the first line, then lines `SCENE STEPS "
     "TOLERANCE [PATH.ATTR=VALUE ...]`; # starts a\ncomment; paths are relative to the list. A reference that this "
     "program "
-    "wrote proves only that nothing has changed.",
-    "  stroma regress scenes/regression/list\n  stroma regress scenes/regression/list --filter cantilever --update\n"};
+    "wrote proves only that nothing has changed.\nWith --bits nothing is compared with references: each scene runs "
+    "with one thread, once more after a reset and with two\nthreads, and every bit of every step must be the same; "
+    "the hash of the last one must be the stored one, where one is\nstored for this compiler and instruction set.",
+    "  stroma regress scenes/regression/list\n  stroma regress scenes/regression/list --filter cantilever --update\n"
+    "  stroma regress scenes/regression/list --bits\n"};
 
 using Json = nlohmann::ordered_json;
 using Recording = std::map<std::string, std::vector<StateFrame>>;  ///< frames by file name of the state
 
 struct Result {
   std::string name, failure;
+  std::string remark;  ///< what --bits has to say of a case that passed
   double seconds = 0;
   std::map<std::string, Comparison> states;
 };
@@ -103,15 +109,13 @@ void compareWithReference(const RegressionCase& test, const fs::path& folder, co
   }
 }
 
-Result runAndJudge(const RegressionCase& test, const fs::path& folder, Session& session, bool update) {
+/// `judge` fills the result; what it throws is the failure.
+template <class Judge>
+Result timed(const RegressionCase& test, Judge&& judge) {
   const auto start = std::chrono::steady_clock::now();
-  Result result{.name = test.name, .failure = {}, .seconds = 0, .states = {}};
+  Result result{.name = test.name, .failure = {}, .remark = {}, .seconds = 0, .states = {}};
   try {
-    const Recording recording = runCase(test, session);
-    if (update)
-      writeReference(folder, recording);
-    else
-      compareWithReference(test, folder, recording, result);
+    judge(result);
   } catch (const SceneError& error) {
     result.failure = "the scene does not load:\n" + error.diagnostics().text();
   } catch (const std::exception& error) {
@@ -119,6 +123,23 @@ Result runAndJudge(const RegressionCase& test, const fs::path& folder, Session& 
   }
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;
+}
+
+Result runAndCompare(const RegressionCase& test, const fs::path& folder, Session& session, bool update) {
+  return timed(test, [&](Result& result) {
+    const Recording recording = runCase(test, session);
+    if (update)
+      writeReference(folder, recording);
+    else
+      compareWithReference(test, folder, recording, result);
+  });
+}
+
+Result runForBits(const RegressionCase& test, StoredHashes& stored, Session& session, bool update) {
+  return timed(test, [&](Result& result) {
+    const Bits bits = bitsOfEveryRun(test, session);
+    result.remark = update ? stored.store(test.name, bits) : stored.compare(test.name, bits);
+  });
 }
 
 double worstError(const Result& result) {
@@ -132,6 +153,8 @@ double worstError(const Result& result) {
 void print(const Result& result, bool update) {
   if (!result.failure.empty())
     fmt::print("FAILED  {}: {}\n", result.name, result.failure);
+  else if (!result.remark.empty())
+    fmt::print("passed  {} ({}, {:.2f} s)\n", result.name, result.remark, result.seconds);
   else if (update)
     fmt::print("updated {} ({:.2f} s)\n", result.name, result.seconds);
   else
@@ -147,11 +170,8 @@ Json toJson(const Result& result) {
                     {"position_l2_error", state.position_l2_error},
                     {"velocity_error", state.velocity_error},
                     {"velocity_l2_error", state.velocity_l2_error}};
-  return {{"name", result.name},
-          {"passed", result.failure.empty()},
-          {"failure", result.failure},
-          {"seconds", result.seconds},
-          {"states", states}};
+  return {{"name", result.name},     {"passed", result.failure.empty()}, {"failure", result.failure},
+          {"remark", result.remark}, {"seconds", result.seconds},        {"states", states}};
 }
 
 void writeJson(const std::vector<Result>& results, const std::string& file) {
@@ -162,34 +182,59 @@ void writeJson(const std::vector<Result>& results, const std::string& file) {
     throw std::runtime_error(fmt::format("{}: cannot write", file));
 }
 
-}  // namespace
+std::vector<JunitCase> junitCases(const std::vector<Result>& results) {
+  std::vector<JunitCase> cases;
+  for (const Result& result : results) cases.push_back({result.name, result.seconds, result.failure});
+  return cases;
+}
 
-int regress(const Arguments& arguments) {
+OptionList regressOptions() {
   OptionList options("options");
   options.add_options()  //
-      ("update", "write the references instead of comparing")("filter", po::value<std::string>()->value_name("TEXT"),
-                                                              "only cases whose name contains TEXT")  //
-      ("json", po::value<std::string>()->value_name("FILE"), "write all figures as JSON");
+      ("update", "write the references (with --bits the hashes) instead of comparing")(
+          "filter", po::value<std::string>()->value_name("TEXT"), "only cases whose name contains TEXT")  //
+      ("bits", "compare every bit between runs with 1 and 2 threads and after a reset, and the stored hash")(
+          "json", po::value<std::string>()->value_name("FILE"), "write all figures as JSON")  //
+      ("junit", po::value<std::string>()->value_name("FILE"), "write the results as JUnit's XML, for build servers");
   addSceneOptions(options);
-  const auto values = parseOptions(manual, options, {"LIST"}, arguments);
-  if (!values) return exit_done;
-  const RegressionList list = readRegressionList(required(*values, "LIST", manual));
-  const std::string filter = values->count("filter") ? (*values)["filter"].as<std::string>() : "";
-  const bool update = values->count("update") > 0;
-  if (update && values->count("set"))
-    throw UsageError("--update with --set would store what the list does not say: write the setting into the list");
+  return options;
+}
 
-  Session session(*values);
+std::vector<Result> runList(const RegressionList& list, const Values& values) {
+  const std::string filter = values.count("filter") ? values["filter"].as<std::string>() : "";
+  const bool update = values.count("update") > 0, bits = values.count("bits") > 0;
+  Session session(values);
+  std::optional<StoredHashes> stored;
+  if (bits) stored.emplace(list.reference_folder + "/hashes");
   std::vector<Result> results;
   for (const RegressionCase& test : list.cases) {
     if (test.name.find(filter) == std::string::npos) continue;
-    results.push_back(runAndJudge(test, fs::path(list.reference_folder) / test.name, session, update));
+    results.push_back(bits ? runForBits(test, *stored, session, update)
+                           : runAndCompare(test, fs::path(list.reference_folder) / test.name, session, update));
     print(results.back(), update);
   }
   if (results.empty()) throw UsageError(fmt::format("--filter {}: no case of the list has that in its name", filter));
+  if (bits && update) stored->write();
+  return results;
+}
+
+}  // namespace
+
+int regress(const Arguments& arguments) {
+  const auto values = parseOptions(manual, regressOptions(), {"LIST"}, arguments);
+  if (!values) return exit_done;
+  const RegressionList list = readRegressionList(required(*values, "LIST", manual));
+  const bool update = values->count("update") > 0;
+  if (update && values->count("set"))
+    throw UsageError("--update with --set would store what the list does not say: write the setting into the list");
+  if (values->count("bits") && values->count("threads"))
+    throw UsageError("--bits compares runs with one and with two threads: leave --threads out");
+
+  const std::vector<Result> results = runList(list, *values);
   const auto failed = std::ranges::count_if(results, [](const Result& result) { return !result.failure.empty(); });
   fmt::print("{} {}, {} failed\n", std::ssize(results) - failed, update ? "updated" : "passed", failed);
   if (values->count("json")) writeJson(results, (*values)["json"].as<std::string>());
+  if (values->count("junit")) writeJunit("stroma regress", junitCases(results), (*values)["junit"].as<std::string>());
   return failed == 0 ? exit_done : exit_comparison_failed;
 }
 
