@@ -2,18 +2,31 @@
 #include "tools/command/junit.h"
 
 #include <fmt/format.h>
-#include <tinyxml2.h>
 
 #include <algorithm>
+#include <fstream>
 #include <stdexcept>
 
 namespace stroma::command {
 namespace {
 
-std::string printable(std::string text) {
-  std::ranges::replace_if(
-      text, [](char c) { return static_cast<unsigned char>(c) < 0x20 && c != '\n' && c != '\t'; }, '?');
-  return text;
+/// As the text of an attribute or an element.
+std::string escaped(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    const bool is_control = static_cast<unsigned char>(c) < 0x20 && c != '\n' && c != '\t';
+    if (c == '&')
+      out += "&amp;";
+    else if (c == '<')
+      out += "&lt;";
+    else if (c == '>')
+      out += "&gt;";
+    else if (c == '"')
+      out += "&quot;";
+    else
+      out += is_control ? '?' : c;
+  }
+  return out;
 }
 
 std::string firstLine(const std::string& text) { return text.substr(0, text.find('\n')); }
@@ -24,29 +37,22 @@ void writeJunit(const std::string& suite, const std::vector<JunitCase>& cases, c
   const auto failures = std::ranges::count_if(cases, [](const JunitCase& test) { return !test.failure.empty(); });
   double seconds = 0;
   for (const JunitCase& test : cases) seconds += test.seconds;
-
-  tinyxml2::XMLDocument document;
-  document.InsertEndChild(document.NewDeclaration());
-  tinyxml2::XMLElement* root = document.NewElement("testsuite");
-  document.InsertEndChild(root);
-  root->SetAttribute("name", printable(suite).c_str());
-  root->SetAttribute("tests", std::int64_t(cases.size()));
-  root->SetAttribute("failures", std::int64_t(failures));
-  root->SetAttribute("errors", 0);
-  root->SetAttribute("skipped", 0);
-  root->SetAttribute("time", fmt::format("{:.3f}", seconds).c_str());
+  std::ofstream stream(file);
+  stream << "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
+         << fmt::format(
+                "<testsuite name=\"{}\" tests=\"{}\" failures=\"{}\" errors=\"0\" skipped=\"0\" time=\"{:.3f}\">\n",
+                escaped(suite), cases.size(), failures, seconds);
   for (const JunitCase& test : cases) {
-    tinyxml2::XMLElement* element = root->InsertNewChildElement("testcase");
-    element->SetAttribute("classname", printable(suite).c_str());
-    element->SetAttribute("name", printable(test.name).c_str());
-    element->SetAttribute("time", fmt::format("{:.3f}", test.seconds).c_str());
-    if (test.failure.empty()) continue;
-    tinyxml2::XMLElement* failure = element->InsertNewChildElement("failure");
-    failure->SetAttribute("message", printable(firstLine(test.failure)).c_str());
-    failure->SetText(printable(test.failure).c_str());
+    stream << fmt::format("  <testcase classname=\"{}\" name=\"{}\" time=\"{:.3f}\"", escaped(suite),
+                          escaped(test.name), test.seconds);
+    if (test.failure.empty())
+      stream << "/>\n";
+    else
+      stream << fmt::format(">\n    <failure message=\"{}\">{}</failure>\n  </testcase>\n",
+                            escaped(firstLine(test.failure)), escaped(test.failure));
   }
-  if (document.SaveFile(file.c_str()) != tinyxml2::XML_SUCCESS)
-    throw std::runtime_error(fmt::format("{}: cannot write", file));
+  stream << "</testsuite>\n";
+  if (!stream.flush()) throw std::runtime_error(fmt::format("{}: cannot write", file));
 }
 
 }  // namespace stroma::command
