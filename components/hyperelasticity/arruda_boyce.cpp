@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Arruda-Boyce, five terms of the series of eight-chain cells, with N = 8 links' locking stretch:
+//   W = mu sum_{n = 1..5} C_n (J^-2n/3 I1^n - 3^n) + k0/2 (ln J)^2,
+//   C = 1/2, 1/(20 N), 11/(1050 N^2), 19/(7000 N^3), 519/(673750 N^4)
+// At small strains the shear modulus is 1.085137 mu, the bulk modulus k0. Infinite at J = 0.
+#include "framework/fem/hyperelastic_kernels.h"
+#include "framework/scene/factory.h"
+
+using namespace stroma;
+using namespace stroma::hyperelastic;
+
+namespace {
+
+constexpr double N = 8;
+constexpr double C[5] = {1. / 2, 1 / (20 * N), 11 / (1050 * N * N), 19 / (7000 * N * N * N),
+                         519 / (673750 * N * N * N * N)};
+
+struct ArrudaBoyce {
+  using Set = First;
+  static constexpr bool anisotropic = false;
+  template <class T>
+  struct Parameters {
+    T mu, k0;
+  };
+  /// sum C_n (i^n - 3^n)
+  static auto energy(const auto& J, const auto& I1, const auto& p) {
+    const auto L = log(J);
+    const auto i = exp((-2. / 3) * L) * I1;
+    constexpr double at_rest = 3 * (C[0] + 3 * (C[1] + 3 * (C[2] + 3 * (C[3] + 3 * C[4]))));
+    const auto series = i * ((i * ((i * ((i * (C[4] * i + C[3])) + C[2])) + C[1])) + C[0]) - at_rest;
+    return p.mu * series + 0.5 * p.k0 * (L * L);
+  }
+};
+
+/// The shear modulus of small strains over mu: 2 sum n C_n 3^(n-1).
+constexpr double shear_factor = 2 * (C[0] + 3 * (2 * C[1] + 3 * (3 * C[2] + 3 * (4 * C[3] + 3 * 5 * C[4]))));
+
+}  // namespace
+
+STROMA_COMPONENT(arruda_boyce) {
+  HyperelasticLaw law;
+  law.name = "ArrudaBoyce";
+  law.formula = "mu sum C_n (J^-2n/3 I1^n - 3^n) + k0/2 (ln J)^2, n = 1..5";
+  law.parameters = {{"mu", "Pa", "shear modulus", true}, {"k0", "Pa", "bulk modulus", true}};
+  law.infinite_at_zero = true;
+  law.from_lame = [](const Lame& lame, std::vector<double>& values) -> std::string {
+    if (std::isnan(values[0])) values[0] = lame.mu / shear_factor;
+    if (std::isnan(values[1])) values[1] = lame.lambda + 2. / 3 * lame.mu;
+    return {};
+  };
+  offerHyperelasticLaw(lawOf<ArrudaBoyce>(law));
+}

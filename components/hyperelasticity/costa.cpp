@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Costa's orthotropic exponential: W = a/2 (exp(J^-4/3 Q) - 1) + k0 (J ln J - J + 1),
+//   Q = bff Eff^2 + bss Ess^2 + bnn Enn^2 + 2 bfs Efs^2 + 2 bfn Efn^2 + 2 bsn Esn^2
+// with E = (C - Id)/2 in the axes fibre, sheet, normal of AnisotropyDirections. J^-4/3 Q(E) is not Q of the isochoric
+// strain (a pure dilation has one); it is what the method uses, and identical at J = 1. With bff = bf, bss = bnn = bsn
+// = bt, bfs = bfn = bfs it is Guccione's law. The energy is finite down to J = 0, where its Q is not.
+#include "framework/fem/hyperelastic_kernels.h"
+#include "framework/scene/factory.h"
+
+using namespace stroma;
+using namespace stroma::hyperelastic;
+
+namespace {
+
+struct Costa {
+  using Set = Quadratic;
+  static constexpr bool anisotropic = true;
+  template <class T>
+  struct Parameters {
+    T a, k0, bff, bfs, bss, bfn, bsn, bnn;
+  };
+  static auto energy(const auto& J, const auto& Q, const auto& p) {
+    const auto L = log(J);
+    return 0.5 * p.a * (exp(exp((-4. / 3) * L) * Q) - 1.) + p.k0 * (J * (L - 1.) + 1.);
+  }
+};
+
+}  // namespace
+
+STROMA_COMPONENT(costa) {
+  HyperelasticLaw law;
+  law.name = "Costa";
+  law.formula = "a/2 (exp(J^-4/3 Q) - 1) + k0 (J ln J - J + 1), Q = sum b_ij E_ij^2 in fibre axes";
+  law.parameters = {{"a", "Pa", "factor of the exponential", true},
+                    {"k0", "Pa", "bulk modulus of the volumetric part", true},
+                    {"bff", "-", "stiffness along the fibre"},
+                    {"bfs", "-", "of shear between fibre and sheet"},
+                    {"bss", "-", "along the sheet"},
+                    {"bfn", "-", "of shear between fibre and normal"},
+                    {"bsn", "-", "of shear between sheet and normal"},
+                    {"bnn", "-", "along the normal"}};
+  for (std::size_t i = 2; i < 8; ++i) law.parameters[i].positive = true;
+  law.directions = 3;
+  law.infinite_at_zero = true;
+  offerHyperelasticLaw(lawOf<Costa>(law));
+}

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Mooney-Rivlin: W = c1 (J^-2/3 I1 - 3) + c2 (J^-4/3 I2 - 3) + k0/2 (ln J)^2; at small strains mu = 2 (c1 + c2) and the
+// bulk modulus is k0. Infinite at J = 0.
+#include "framework/fem/hyperelastic_kernels.h"
+#include "framework/scene/factory.h"
+
+using namespace stroma;
+using namespace stroma::hyperelastic;
+
+namespace {
+
+struct MooneyRivlin {
+  using Set = FirstAndSecond;
+  static constexpr bool anisotropic = false;
+  template <class T>
+  struct Parameters {
+    T c1, c2, k0;
+  };
+  static auto energy(const auto& J, const auto& I1, const auto& I2, const auto& p) {
+    const auto L = log(J);
+    const auto isochoric = exp((-2. / 3) * L);
+    return p.c1 * (isochoric * I1 - 3.) + p.c2 * (isochoric * isochoric * I2 - 3.) + 0.5 * p.k0 * (L * L);
+  }
+};
+
+/// mu = 2 (c1 + c2): one of them must be given.
+std::string fromLame(const Lame& lame, std::vector<double>& values) {
+  const double sum = lame.mu / 2;
+  if (std::isnan(values[0]) && std::isnan(values[1])) return "MooneyRivlin needs c1 or c2 besides youngModulus";
+  if (std::isnan(values[0])) values[0] = sum - values[1];
+  if (std::isnan(values[1])) values[1] = sum - values[0];
+  if (std::isnan(values[2])) values[2] = lame.lambda + 2. / 3 * lame.mu;
+  return {};
+}
+
+}  // namespace
+
+STROMA_COMPONENT(mooney_rivlin) {
+  HyperelasticLaw law;
+  law.name = "MooneyRivlin";
+  law.formula = "c1 (J^-2/3 I1 - 3) + c2 (J^-4/3 I2 - 3) + k0/2 (ln J)^2";
+  law.parameters = {
+      {"c1", "Pa", "factor of the first invariant"},
+      {"c2", "Pa", "factor of the second invariant; of its exponential part in VerondaWestman without unit"},
+      {"k0", "Pa", "bulk modulus", true}};
+  law.infinite_at_zero = true;
+  law.from_lame = fromLame;
+  law.check = [](const double* p) {
+    return p[0] + p[1] > 0 ? "" : "c1 + c2 of MooneyRivlin is not above 0: the shear modulus is twice that";
+  };
+  offerHyperelasticLaw(lawOf<MooneyRivlin>(law));
+}

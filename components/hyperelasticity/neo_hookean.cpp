@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Neo-Hooke, compressible: W = mu/2 (I1 - 3) - mu ln J + lambda/2 (ln J)^2. Infinite at J = 0.
+#include "framework/fem/hyperelastic_kernels.h"
+#include "framework/scene/factory.h"
+
+using namespace stroma;
+using namespace stroma::hyperelastic;
+
+namespace {
+
+struct NeoHookean {
+  using Set = First;
+  static constexpr bool anisotropic = false;
+  template <class T>
+  struct Parameters {
+    T mu, lambda;
+  };
+  static auto energy(const auto& J, const auto& I1, const auto& p) {
+    const auto L = log(J);
+    return 0.5 * p.mu * (I1 - 3.) + (0.5 * p.lambda * L - p.mu) * L;
+  }
+};
+
+}  // namespace
+
+STROMA_COMPONENT(neo_hookean) {
+  HyperelasticLaw law;
+  law.name = "NeoHookean";
+  law.formula = "mu/2 (I1 - 3) - mu ln J + lambda/2 (ln J)^2";
+  law.parameters = {{"mu", "Pa", "shear modulus", true}, {"lambda", "Pa", "Lame's first constant"}};
+  law.infinite_at_zero = true;
+  law.from_lame = lameParameters;
+  law.check = checkLame;
+  offerHyperelasticLaw(lawOf<NeoHookean>(law));
+}

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Hyperelastic tetrahedra: a law of large strains, exact forces and tangents, no rotations taken out.
+//
+// A law is an energy density W(J, I1, I2, ...) of J = det F and invariants of C = F^T F, a sum of terms f(J) g(I) and
+// of exponentials of such sums. The forces are its derivatives by the nodal positions,
+//   f_i = -V_0 P G_i,   P = dW/dJ cof F + F S,   S = 2 sum_a dW/dI_a dI_a/dC
+// with G_i the gradients of the shape functions: no inverse of C, no fourth-order tensor. Source: S. Marchesseau,
+// T. Heimann, S. Chatelin, R. Willinger, H. Delingette, "Multiplicative Jacobian energy decomposition method for fast
+// porous visco-hyperelastic soft tissue model", MICCAI 2010, section 2. discretization = standard computes the same
+// forces and tangents the textbook's way, to compare (StandardTetrahedralFEMForceField has it from the start).
+//
+// materialName and the order of ParameterSet; L = ln J, I1' = J^-2/3 I1, I2' = J^-4/3 I2, E = (C - Id)/2:
+//   StVenantKirchhoff  mu lambda           lambda/2 tr(E)^2 + mu tr(E^2)
+//   NeoHookean         mu lambda           mu/2 (I1 - 3) - mu L + lambda/2 L^2
+//   StableNeoHookean   mu lambda           mu/2 (I1 - 3) + (lambda + mu)/2 ((J - a)^2 - (1 - a)^2), a = 1 + mu/(lambda
+//   + mu) MooneyRivlin       c1 c2 k0            c1 (I1' - 3) + c2 (I2' - 3) + k0/2 L^2 VerondaWestman     c1 c2 k0 c1
+//   (exp(c2 (I1' - 3)) - 1) - c1 c2/2 (I2' - 3) + k0/2 L^2 ArrudaBoyce        mu k0               mu sum C_n (I1'^n -
+//   3^n) + k0/2 L^2, n = 1..5, eight-chain series of N = 8 Costa              a k0 bff bfs bss bfn bsn bnn
+//                                          a/2 (exp(J^-4/3 Q) - 1) + k0 (J L - J + 1), Q = sum b_ij E_ij^2
+//   TransverselyIsotropic  mu lambda k1 k2 NeoHookean + k1/(2 k2) (exp(k2 max(0, J^-2/3 I4 - 1)^2) - 1), I4 = a C a
+// AnisotropyDirections are the fibres a of TransverselyIsotropic, or fibre and sheet (and normal) of Costa: for all
+// cells, or for each cell one after the other; they are made orthogonal and of length 1.
+// Instead of ParameterSet parameters can be given by name, each one value or one a cell; youngModulus and poissonRatio
+// stand for those that are not given, so that small strains follow Hooke's law.
+//
+// Laws with ln J are infinite at J = 0: a step that turns an element inside out ends with a report of that element.
+// StVenantKirchhoff and StableNeoHookean are finite there and recover; the first softens under strong compression.
+// matrixRegularization = true replaces, where J < 1, the part d2W/dJ2 dJ_i dJ_j of the tangent by
+// d2W/dJ2 ((1 - b) dJ_i dJ_j + b (dJ_i . dJ_j) Id), b = 1 - J, at most 1 (section 2.3): a Newton iteration then needs
+// more steps and survives more. projectedTangent = true takes the negative eigenvalues out of each element's tangent.
+// Neither changes what is in equilibrium.
+//
+// Cell fields for exporters: vonMises of Cauchy's stress [Pa], J, strain (E: xx yy zz xy yz zx).
+//
+// Example:
+// <Node name="root" dt="0.02" gravity="0 0 -9.81">
+//   <RegularGridTopology name="grid" n="3 3 9" min="0 0 0" max="0.02 0.02 0.1"/>
+//   <EulerImplicitSolver/>
+//   <CGLinearSolver iterations="100" tolerance="1e-8"/>
+//   <Node name="beam">
+//     <TetrahedronSetTopologyContainer name="tets"/>
+//     <Hexa2TetraTopologicalMapping input="@../grid" output="@tets" swapping="true"/>
+//     <MechanicalObject/>
+//     <DiagonalMass massDensity="1000"/>
+//     <TetrahedronHyperelasticityFEMForceField materialName="NeoHookean" youngModulus="2e4" poissonRatio="0.45"/>
+//     <BoxROI name="held" box="-1 -1 -0.001 1 1 0.001"/>
+//     <FixedProjectiveConstraint indices="@held.indices"/>
+//   </Node>
+// </Node>
+#include "framework/fem/hyperelastic_force_field.h"
+#include "framework/scene/factory.h"
+
+using namespace stroma;
+
+STROMA_COMPONENT(tetrahedron_hyperelasticity_fem_force_field) {
+  using Field = HyperelasticForceField;
+  const std::string help = "hyperelastic tetrahedra: laws of large strains (StVenantKirchhoff, NeoHookean, ...)";
+  factory.add<Field>("TetrahedronHyperelasticityFEMForceField", help);
+  factory.add<Field>("MJEDTetrahedralForceField", help);
+  factory.add<Field>("StandardTetrahedralFEMForceField", help + ", in the textbook's discretisation",
+                     [](Field& f) { f.discretization = Field::Discretization::standard; });
+}

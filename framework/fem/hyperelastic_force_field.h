@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The hyperelastic force fields of meshes: law, parameters, fibres, checks and cell fields, whatever the kind of cell.
+#pragma once
+#include <map>
+
+#include "framework/fem/element_method_field.h"
+#include "framework/fem/hyperelastic_law.h"
+#include "framework/mesh/topology.h"
+
+namespace stroma {
+
+class HyperelasticForceField : public ElementMethodField {
+ public:
+  enum class Discretization : int { mjed, standard };
+
+  // ---- set by the registration of a name ----
+  bool hexahedra = false;
+  Discretization discretization = Discretization::mjed;
+
+  void declare(DataTable& table) override;
+  void init() override;
+  ForceTraits traits() const override;
+  void compile() override;
+  void reset() override { fault_.clear(); }
+  void addForce(ConstRows x, ConstRows v, Rows f) override;
+  void addForceAndProduct(ConstRows x, ConstRows v, ConstRows dx, double factor, Rows f) override;
+
+  Cost cost() const override;
+  std::string worstElement(ConstRows x) const override;
+  std::vector<std::string> cellFields() const override { return {"vonMises", "J", "strain"}; }
+  void cellField(const std::string& name, ConstRows x, std::vector<double>& out) const override;
+
+  const hyperelastic::HyperelasticLaw& law() const { return *law_; }
+  const Mesh& mesh() const { return *mesh_; }
+  /// In the order of the law's parameters.
+  const double* parameters(std::size_t cell) const;
+
+ protected:
+  /// What the kernels are built on.
+  hyperelastic::Cells cells() const;
+
+ private:
+  void chooseMesh();
+  void chooseLaw();
+  std::vector<std::string> givenNames() const;
+  void readParameters();
+  void fillNamed(std::size_t set, std::vector<double>& values) const;
+  void readDirections();
+  Mat3 axes(std::size_t cell) const;
+  std::size_t cellCount() const;
+  std::string describe(std::size_t cell) const;
+  /// Columns of F at the cell's integration points; x starts at node 0.
+  std::vector<Mat3> deformations(std::size_t cell, ConstRows x) const;
+  double smallestJacobian(std::size_t cell, ConstRows x) const;
+  ConstRows ownRows(ConstRows x) const;
+  std::size_t worstCell(ConstRows x, double& jacobian) const;
+  void checkFinite(ConstRows x, ConstRows f);
+  void checkShapes() const;
+
+  Link<Topology> topology_{"topology"};
+  std::string template_, material_name_ = "ArrudaBoyce";
+  std::vector<double> parameter_set_, young_modulus_, poisson_ratio_;
+  std::map<std::string, std::vector<double>> named_;
+  std::vector<Vec3> directions_;
+  bool regularised_ = false, projected_ = false;
+
+  const Mesh* mesh_ = nullptr;
+  const hyperelastic::HyperelasticLaw* law_ = nullptr;
+  std::vector<double> values_;  ///< parameters, of one cell for all or of each
+  std::vector<Mat3> axes_;      ///< one for all or one a cell
+  std::string fault_;           ///< why the last force was not finite
+};
+
+}  // namespace stroma

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "framework/fem/hyperelastic_law.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace stroma::hyperelastic {
+namespace {
+std::vector<HyperelasticLaw>& offeredLaws() {
+  static std::vector<HyperelasticLaw> laws;
+  return laws;
+}
+}  // namespace
+
+std::string HyperelasticLaw::expectation() const {
+  std::vector<std::string> words;
+  for (const ParameterInfo& p : parameters)
+    words.push_back(p.unit == "-" ? p.name : fmt::format("{} [{}]", p.name, p.unit));
+  return fmt::format("{} values: {}", parameters.size(), fmt::join(words, ", "));
+}
+
+const std::vector<HyperelasticLaw>& hyperelasticLaws() { return offeredLaws(); }
+
+void offerHyperelasticLaw(HyperelasticLaw law) {
+  auto& laws = offeredLaws();
+  const auto known = std::find_if(laws.begin(), laws.end(), [&](const HyperelasticLaw& other) {
+    return other.name == law.name && other.parameters.size() == law.parameters.size();
+  });
+  if (known != laws.end())
+    *known = std::move(law);
+  else
+    laws.push_back(std::move(law));
+}
+
+std::string lameParameters(const Lame& lame, std::vector<double>& values) {
+  if (std::isnan(values[0])) values[0] = lame.mu;
+  if (std::isnan(values[1])) values[1] = lame.lambda;
+  return {};
+}
+std::string checkLame(const double* values) {
+  if (values[1] + 2. / 3 * values[0] > 0) return {};
+  return fmt::format("mu = {} and lambda = {} have no bulk modulus lambda + 2/3 mu above 0", values[0], values[1]);
+}
+
+}  // namespace stroma::hyperelastic

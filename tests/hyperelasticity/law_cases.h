@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Every law with parameters of a soft tissue, and scenes of it.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "tests/elasticity/field_under_test.h"
+
+namespace stroma::test {
+
+struct LawCase {
+  std::string name;                ///< for messages
+  std::string attributes;          ///< materialName and parameters
+  double mu, bulk;                 ///< at small strains [Pa]
+  bool finite = false;             ///< has an energy at J <= 0
+  std::vector<Vec3> directions{};  ///< AnisotropyDirections, orthogonal
+  Mat3 axes() const {
+    if (directions.empty()) return Mat3::Identity();
+    Mat3 axes;
+    axes.col(0) = directions[0].normalized();
+    axes.col(1) = directions.size() > 1 ? directions[1].normalized() : directions[0].unitOrthogonal();
+    axes.col(2) = Vec3(axes.col(0)).cross(Vec3(axes.col(1)));
+    return axes;
+  }
+};
+
+inline const std::vector<LawCase>& lawCases() {
+  static const std::vector<LawCase> cases{
+      {"StVenantKirchhoff", "materialName=\"StVenantKirchhoff\" ParameterSet=\"1000 4000\"", 1000, 4000 + 2000. / 3,
+       true},
+      {"NeoHookean", "materialName=\"NeoHookean\" ParameterSet=\"1000 4000\"", 1000, 4000 + 2000. / 3},
+      {"MooneyRivlin", "materialName=\"MooneyRivlin\" ParameterSet=\"300 200 5000\"", 1000, 5000},
+      {"StableNeoHookean", "materialName=\"StableNeoHookean\" ParameterSet=\"1000 4000\"", 1000, 4000 + 2000. / 3,
+       true},
+      {"VerondaWestman", "materialName=\"VerondaWestman\" ParameterSet=\"500 2 5000\"", 1000, 5000},
+      {"ArrudaBoyce", "materialName=\"ArrudaBoyce\" ParameterSet=\"1000 5000\"", 1085.137, 5000},
+      {"Costa",
+       "materialName=\"Costa\" ParameterSet=\"500 5000 8 4 2 4 2 3\" AnisotropyDirections=\"1 2 0  2 -1 3\"",
+       0,
+       0,
+       false,
+       {Vec3(1, 2, 0), Vec3(2, -1, 3)}},
+      {"TransverselyIsotropic",
+       "materialName=\"TransverselyIsotropic\" ParameterSet=\"1000 4000 3000 1.5\" AnisotropyDirections=\"1 2 1\"",
+       0,
+       0,
+       false,
+       {Vec3(1, 2, 1)}},
+  };
+  return cases;
+}
+
+const std::string tetrahedral = "TetrahedronHyperelasticityFEMForceField";
+
+/// The organ of the repository under a law.
+inline std::string lawScene(const std::string& attributes, const std::string& type = tetrahedral,
+                            const std::string& mesh = STROMA_SOURCE_DIR "/scenes/meshes/organ_600.msh") {
+  return "<Node name=\"root\" dt=\"0.01\"><Node name=\"body\"><EulerImplicitSolver/><CGLinearSolver/>"
+         "<MeshGmshLoader name=\"loader\" filename=\"" +
+         mesh +
+         "\"/><TetrahedronSetTopologyContainer src=\"@loader\"/><MechanicalObject/><UniformMass totalMass=\"1\"/><" +
+         type + " " + attributes + "/></Node></Node>";
+}
+
+}  // namespace stroma::test
