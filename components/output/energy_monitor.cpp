@@ -57,6 +57,7 @@ class EnergyMonitor final : public Observer {
     if (context.index % every_ == 0) write(simulation, context.t_end, false);
   }
 
+  bool readsAllNodes(const StepContext& context) const override { return context.index % every_ == 0; }
   void end(const Simulation&) override { file_.reset(); }
 
   std::string describe() const override {

@@ -73,6 +73,10 @@ class Monitor final : public Observer {
 
   void afterStep(const Simulation&, const StepContext& context) override { write(context.t_end); }
   void end(const Simulation&) override { files_.clear(); }
+  bool readsAllNodes(const StepContext&) const override { return false; }
+  void addWatchedNodes(const State& state, std::vector<Index>& nodes) const override {
+    if (&state == state_) nodes.insert(nodes.end(), nodes_.begin(), nodes_.end());
+  }
 
   std::string describe() const override {
     return fmt::format("writes {}{}{}of {} nodes of {} to {}_*.txt every step", export_x_ ? "positions " : "",

@@ -59,6 +59,9 @@ class VTKExporter : public Observer {
   void init() override;
   void begin(const Simulation& simulation) override;
   void afterStep(const Simulation& simulation, const StepContext&) override;
+  bool readsAllNodes(const StepContext& context) const override {
+    return enable_ && every_ > 0 && context.index % every_ == 0;
+  }
   void end(const Simulation& simulation) override;
   std::string describe() const override;
 

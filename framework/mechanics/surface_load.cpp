@@ -75,6 +75,11 @@ void SurfaceLoad::compile() {
   for (std::size_t i = 0; i < faces_.size(); ++i) stiffness_[i].corners = faces_[i].corners;
 }
 
+void SurfaceLoad::addLoadedRows(std::vector<Index>& rows) const {
+  for (const Face& face : faces_)
+    for (int a = 0; a < face.corners; ++a) rows.push_back(state().firstRow() + face.nodes[std::size_t(a)]);
+}
+
 void SurfaceLoad::addForce(ConstRows x, ConstRows, Rows f) {
   using namespace area_vectors;
   const Mat3 s = stress(x);

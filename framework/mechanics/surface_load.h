@@ -9,6 +9,7 @@
 // it is summed, and the symmetric part of each face is as good. On an open surface what is not symmetric lies in the
 // blocks of the nodes on its rim: where the rim is held, the symmetric part is the derivative too.
 #pragma once
+#include "framework/mechanics/local_load.h"
 #include "framework/mechanics/node_group_field.h"
 #include "framework/mesh/area_vectors.h"
 #include "framework/mesh/topology.h"
@@ -27,12 +28,15 @@ struct FaceTangent : DenseTangent<4> {
   }
 };
 
-class SurfaceLoad : public NodeGroupField<4, FaceTangent> {
+class SurfaceLoad : public NodeGroupField<4, FaceTangent>, public LocalLoad {
  public:
   void declare(DataTable& table) override;  ///< topology, tangent
   ForceTraits traits() const override;
   void compile() override;
   void addForce(ConstRows x, ConstRows v, Rows f) override;
+  /// False when S depends on x: the load is then no dead load to first order either.
+  bool stressIsFixed() const { return stress_is_fixed; }
+  void addLoadedRows(std::vector<Index>& rows) const override;
 
  protected:
   /// The mesh that `topology` names, else the one of this node or the nearest above; of the state's nodes.

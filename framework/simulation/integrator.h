@@ -16,6 +16,14 @@ class Integrator : public Component {
   virtual StepReport step(System& system, const StepContext& context) = 0;
   /// False for statics: a step then has no velocities that a position constraint could correct.
   virtual bool movesInTime() const { return true; }
+  /// True for an integrator that answers for x and v itself: when it gives a step up it has left them as they were, it
+  /// reports what is not finite, and it may leave rows behind until complete(). A step of it then costs nothing that
+  /// grows with nodes that nobody reads.
+  virtual bool answersForState() const { return false; }
+  /// Brings the rows that steps have left behind to the present.
+  virtual void complete(System&) {}
+  /// A sentence on why what the steps have shown so far may be no result, or empty.
+  virtual std::string doubt() const { return {}; }
   /// One line for `explain`: what a step does.
   virtual std::string describe() const = 0;
 };

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
+#include <vector>
+
+#include "framework/mechanics/state.h"
 #include "framework/scene/component.h"
 #include "framework/simulation/step.h"
 
@@ -14,6 +17,11 @@ class Observer : public Component {
   virtual void begin(const Simulation&) {}  ///< at t = 0, before the first step
   virtual void afterStep(const Simulation&, const StepContext&) = 0;
   virtual void end(const Simulation&) {}  ///< after the last step, also when the run diverged
+  /// False when after this step it reads no other nodes than those of addWatchedNodes(). Asked before afterStep(), for
+  /// integrators that bring the others to the present only when somebody reads them.
+  virtual bool readsAllNodes(const StepContext&) const { return true; }
+  /// Appends the nodes of `state` that it reads after steps for which readsAllNodes() is false.
+  virtual void addWatchedNodes(const State& /*state*/, std::vector<Index>& /*nodes*/) const {}
   /// What it will do and how often, for `explain`: "writes out.vtu every 10 steps".
   virtual std::string describe() const = 0;
 };

@@ -192,13 +192,17 @@ StepContext Simulation::nextStep() const {
 void Simulation::advance(std::size_t index, const StepContext& context, StepReport& report) {
   System& system = *systems_[index];
   const auto start = Clock::now();
-  copy(system.x, good_[index].first);
-  copy(system.v, good_[index].second);
+  // where several systems move, one may have to go back because another one failed
+  const bool lean = system.integrator().answersForState() && systems_.size() == 1;
+  if (!lean) {
+    copy(system.x, good_[index].first);
+    copy(system.v, good_[index].second);
+  }
   StepReport part = system.integrator().step(system, context);
   if (!part.diverged) system.endStep(context);
   if (!part.diverged && !system.positionConstraints().empty())
     system.enforcePositions(context, good_[index].first, part);
-  std::string cause = part.diverged ? part.reason : system.firstFault(good_[index].first);
+  std::string cause = part.diverged ? part.reason : lean ? std::string() : system.firstFault(good_[index].first);
   system.times.total += seconds(Clock::now() - start);
   system.times.solve += part.solve_seconds;
   if (!part.diverged && cause.empty()) {
@@ -207,7 +211,7 @@ void Simulation::advance(std::size_t index, const StepContext& context, StepRepo
   }
 
   if (cause.empty()) cause = "the integrator gave the step up";
-  for (std::size_t i = 0; i <= index; ++i) {
+  for (std::size_t i = 0; i <= index && !lean; ++i) {
     copy(good_[i].first, systems_[i]->x);
     copy(good_[i].second, systems_[i]->v);
     // what an integrator remembers of the step that was taken back
@@ -219,7 +223,14 @@ void Simulation::advance(std::size_t index, const StepContext& context, StepRepo
   report.reason = whereAndWhy(system, context, cause, " before the step");
 }
 
+void Simulation::complete() const {
+  for (const auto& system : systems_) system->integrator().complete(*system);
+}
+
 void Simulation::notify(const StepContext& context) {
+  if (!on_demand_ || std::any_of(observers_.begin(), observers_.end(),
+                                 [&context](const Observer* observer) { return observer->readsAllNodes(context); }))
+    complete();
   if (observers_.empty()) return;
   const auto start = Clock::now();
   for (Observer* observer : observers_) observer->afterStep(*this, context);
@@ -227,6 +238,7 @@ void Simulation::notify(const StepContext& context) {
 }
 
 void Simulation::end() {
+  complete();
   if (!begun_) return;
   begun_ = false;
   for (Observer* observer : observers_) observer->end(*this);
@@ -250,6 +262,7 @@ void Simulation::reset() {
 }
 
 std::vector<std::string> Simulation::doubts() const {
+  complete();
   // a crushed element has the round-off of its nodes' positions for a volume
   constexpr double flat = 1e-12;
   std::vector<std::string> sentences;
@@ -266,11 +279,14 @@ std::vector<std::string> Simulation::doubts() const {
                                         field->path(), time_, folded, j.size(), field->worstElement(system->x)));
     }
     for (std::string& sentence : system->grownBodies()) sentences.push_back(std::move(sentence));
+    if (std::string sentence = system->integrator().doubt(); !sentence.empty())
+      sentences.push_back(std::move(sentence));
   }
   return sentences;
 }
 
 std::uint64_t Simulation::stateHash() const {
+  complete();
   std::uint64_t hash = 14695981039346656037ull;
   for (const State* state : states()) {
     hashRows(hash, state->x());

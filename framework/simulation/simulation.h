@@ -33,6 +33,11 @@ class Simulation {
   void begin();
   /// One step. When it diverges the states are rolled back to the last good step and the report says why.
   StepReport step();
+  /// Some integrators compute nodes that nobody reads only on demand. Off (the default): every step ends with
+  /// complete(). On: who reads x or v after a step calls complete() before; observers have it done for them.
+  void computeOnDemand(bool on) { on_demand_ = on; }
+  /// Brings every node to the present.
+  void complete() const;
   /// Observers see the end.
   void end();
   /// Back to the initial state, bit for bit.
@@ -59,6 +64,7 @@ class Simulation {
   double time_ = 0;
   long steps_ = 0;
   bool begun_ = false;
+  bool on_demand_ = false;
 };
 
 }  // namespace stroma

@@ -21,7 +21,7 @@ GUARDED = [
     (re.compile(r"vtk\w+\.h$"), ("components/vtk_io/", "tests/")),
     (re.compile(r"gmsh\.h(_cwrap)?$"), ("tests/",)),
     (re.compile(r"tinyxml2\.h$"), ("framework/scene/", "tests/")),
-    (re.compile(r"cholmod\.h$"), ("components/direct_solvers/", "tests/")),
+    (re.compile(r"cholmod\.h$"), ("components/direct_solvers/", "components/condensation/", "tests/")),
 ]
 SKIPPED_FOLDERS = {".git", "build", "results", "__pycache__"}
 SOURCE = re.compile(r"(\.(h|cpp|py|cmake|in|xml|sh)|CMakeLists\.txt)$")

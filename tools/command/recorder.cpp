@@ -22,6 +22,7 @@ Recorder::Recorder(const Simulation& simulation, const std::string& folder)
 void Recorder::write() {
   if (last_step_ == simulation_.steps()) return;
   last_step_ = simulation_.steps();
+  simulation_.complete();
   for (std::size_t i = 0; i < states_.size(); ++i) {
     writers_[i].time(simulation_.time());
     writers_[i].rows("X", states_[i]->x());

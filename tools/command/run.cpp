@@ -177,6 +177,7 @@ int run(const Arguments& arguments) {
   const Request request(*values);
   Session session(*values);
   const auto simulation = session.load(request.scene);
+  simulation->computeOnDemand(true);
   const long steps = request.stepsOf(*simulation);
   const double load_seconds = secondsSince(start);
 

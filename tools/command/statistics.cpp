@@ -12,6 +12,7 @@ namespace stroma::command {
 using Json = nlohmann::ordered_json;
 
 Energies energiesOf(const Simulation& simulation) {
+  simulation.complete();
   Energies energies;
   for (const auto& system : simulation.systems()) {
     energies.kinetic += system->kineticEnergy();

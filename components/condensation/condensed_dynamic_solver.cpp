@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// CondensedDynamicSolver: the motion of a linear body with one constant matrix, inverted beforehand (Bro-Nielsen and
+// Cotin 1996: CD; with condensed="false" FD).
+//
+// Lumped masses m_i, damping alpha m_i, and the paper's finite differences of u at times t - dt, t and t + dt:
+//
+//   (M/dt^2 + D/2dt + K) u(t+dt) = f(t+dt) + M (2 u(t) - u(t-dt))/dt^2 + D u(t-dt)/2dt,   D = alpha M
+//
+// alpha is rayleighMass, the masses' own added to it. u(t-dt) = u(t) - dt v(t), v(t+dt) = (u(t+dt) - u(t))/dt:
+// velocities are those of the middle of steps. Condensed, only the kept nodes (the surface) have inertia:
+//
+//   (M_ss/dt^2 + D_ss/2dt + K*_ss) u_s(t+dt) = f*_s + ...,   K*_ss = K_ss - K_si K_ii^-1 K_is
+//
+// and the inside follows without any, u_i = K_ii^-1 (f_i - K_is u_s), when somebody reads it. interiorMass says what
+// becomes of its mass: "shared" gives it to the kept nodes that carry it (Guyan's reduction T^T M T, T = -K_ii^-1 K_is,
+// lumped by sums of rows), "neglected" leaves it out, as the paper has it.
+//
+// Stable at every time step: an undamped oscillation of angular frequency w is multiplied by 1/sqrt(1 + (w dt)^2) in
+// each step, a damped one by less, since (1 + a + (w dt)^2) z^2 - 2 z + (1 - a) with a = alpha dt/2 has its roots
+// within the unit circle. So fast oscillations die out by the method: of a period of n steps, about (2 pi)^2/2n is left
+// out in each period. explain names the body's own damping.
+//
+// The inverse of the kept nodes is stored by half and multiplied in one pass over it. With condensed="false" it is
+// compared with the sparse factor, which usually reads less; solve="inverse" or "factor" decides.
+// A node that a constraint moves is a load that is not known: see CondensedStaticSolver.
+//
+// Example:
+// <Node name="root" dt="0.01" gravity="0 0 -9.81">
+//   <CondensedDynamicSolver rayleighMass="2"/>
+//   <RegularGridTopology n="3 3 5" min="0 0 0" max="0.1 0.1 0.2"/>
+//   <MechanicalObject/>
+//   <UniformMass totalMass="1"/>
+//   <HexahedronFEMForceField youngModulus="50000" poissonRatio="0.4" method="small"/>
+//   <FixedProjectiveConstraint indices="0 1 2 3 4 5 6 7 8"/>
+// </Node>
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "framework/scene/factory.h"
+#include "framework/simulation/condensed_integrator.h"
+
+namespace stroma {
+namespace {
+
+class CondensedDynamicSolver final : public CondensedIntegrator {
+ public:
+  void declare(DataTable& table) override {
+    CondensedIntegrator::declare(table);
+    table.add("rayleighMass", rayleigh_mass_).help("alpha: damping proportional to the mass").unit("1/s").min(0);
+    table.addChoice("interiorMass", interior_mass_, {"shared", "neglected"})
+        .help("what becomes of the mass of inside nodes: the kept ones carry it, or nobody");
+    table.addChoice("solve", solve_, {"auto", "inverse", "factor"})
+        .help("with condensed=\"false\": by the inverse, by the sparse factor, or by what reads less");
+  }
+  StepReport step(System& system, const StepContext& context) override;
+
+ protected:
+  bool isDynamic() const override { return true; }
+  double rayleighMass() const override { return rayleigh_mass_; }
+  bool sharesInteriorMass() const override { return condensed_ && interior_mass_ == InteriorMass::shared; }
+  Form form() const override { return condensed_ || solve_ == Solve::inverse ? Form::symmetric : Form::factor; }
+  bool mayInvert() const override { return solve_ == Solve::automatic; }
+  std::unique_ptr<PartialCholesky> makeFactor() const override { return makePartialCholesky(); }
+  void prepare(System& system) override;
+  std::string stepText() const override;
+  void complianceOf(const Touch& touch, double* column) override;
+  void forward(double* y) override { eliminated_.forward(y, sweep_work_.data()); }
+  void backward(double* y) override { eliminated_.backward(y, sweep_work_.data()); }
+
+ private:
+  enum class InteriorMass : int { shared, neglected };
+  enum class Solve : int { automatic, inverse, factor };
+  void multiply(const double* r, double* u);
+  void gatherState(const System& system);
+  void formRightSide();
+  void addTimedForces();
+
+  double rayleigh_mass_ = 0;
+  InteriorMass interior_mass_ = InteriorMass::shared;
+  Solve solve_ = Solve::automatic;
+
+  Array<double> u_, v_, next_, right_, reduced_, work_;  ///< shape (padded); work_ once for each piece
+  Array<double> of_u_, of_v_;                            ///< right side per u and per v, shape (padded)
+};
+
+void CondensedDynamicSolver::prepare(System&) {
+  for (Array<double>* vector : {&u_, &v_, &next_, &right_, &of_u_, &of_v_}) vector->assign(padded(), 0.0);
+  if (!body_.timedNodes().empty()) reduced_.assign(padded(), 0.0);
+  const double dt = timeStep();
+  // M (u + dt v)/dt^2 + D (u - dt v)/2dt
+  for (std::size_t i = 0; i < 3 * std::size_t(active()); ++i) {
+    const double m = inertia()[i], d = m * massDamping()[i / 3];
+    of_u_[i] = m / (dt * dt) + d / (2 * dt);
+    of_v_[i] = m / dt - d / 2;
+  }
+  if (used_form_ == Form::symmetric)
+    work_.assign(SymmetricPanels<double>{nullptr, 3 * std::size_t(active())}.pieces() * padded(), 0.0);
+}
+
+std::string CondensedDynamicSolver::stepText() const {
+  return fmt::format(
+      "{} dynamic, stable at every time step (like backward Euler it damps what is fast): {} of {} nodes{}",
+      condensed_ ? "condensed" : "full",
+      used_form_ == Form::factor ? "a sweep forth and back through the sparse factor"
+                                 : "one product with half of the inverse",
+      active(), isSingle() && used_form_ != Form::factor ? " in single precision" : "");
+}
+
+void CondensedDynamicSolver::multiply(const double* r, double* u) {
+  if (used_form_ == Form::factor) {
+    std::copy(r, r + 3 * active(), u);
+    forward(u);
+    backward(u);
+    return;
+  }
+  const std::size_t rows = 3 * std::size_t(active());
+  if (isSingle()) {
+    SymmetricPanels<float>{static_cast<const float*>(compliance()), rows}.multiply(r, u, work_.data());
+  } else {
+    SymmetricPanels<double>{static_cast<const double*>(compliance()), rows}.multiply(r, u, work_.data());
+  }
+}
+
+void CondensedDynamicSolver::complianceOf(const Touch& touch, double* column) {
+  Array<double> load(padded(), 0.0), result(padded(), 0.0);
+  for (Index c = 0; c < 3; ++c) load[std::size_t(3 * touch.node + c)] = touch.direction[c];
+  multiply(load.data(), result.data());
+  std::copy(result.begin(), result.end(), column);
+}
+
+void CondensedDynamicSolver::gatherState(const System& system) {
+  const double *x = system.x.rows().data, *v = system.v.rows().data;
+  for (Index node = 0; node < active(); ++node)
+    for (int c = 0; c < 3; ++c) {
+      const std::size_t at = std::size_t(activeRow(node)) * row_doubles + std::size_t(c), i = std::size_t(3 * node + c);
+      u_[i] = x[at] - origin()[i];
+      v_[i] = v[at];
+    }
+}
+
+void CondensedDynamicSolver::formRightSide() {
+  const double* __restrict f = constantForce().data();
+#pragma omp simd
+  for (std::size_t i = 0; i < right_.size(); ++i) right_[i] = f[i] + of_u_[i] * u_[i] + of_v_[i] * v_[i];
+}
+
+void CondensedDynamicSolver::addTimedForces() {
+  if (body_.timedNodes().empty()) return;
+  body_.updateTimedForces();
+  if (reduceTimedInterior(reduced_.data()))
+    for (std::size_t i = 0; i < right_.size(); ++i) right_[i] += reduced_[i];
+  for (const Index node : body_.timedNodes())
+    if (node >= firstActive()) Eigen::Map<Vec3>(right_.data() + 3 * (node - firstActive())) += body_.timedForce(node);
+}
+
+StepReport CondensedDynamicSolver::step(System& system, const StepContext& context) {
+  if (context.dt != timeStep())
+    return failure(fmt::format("the matrix was made for dt = {:g} s, and the step has {:g} s", timeStep(), context.dt));
+  gatherState(system);
+  formRightSide();
+  moveTouched(system, context);
+  addTimedForces();
+  multiply(right_.data(), next_.data());
+  if (!touches().empty()) {
+    const Eigen::VectorXd& reaction = solveTouches(next_.data());
+    Eigen::Map<Eigen::VectorXd>(next_.data(), Index(next_.size())).noalias() += touchColumns() * reaction;
+  }
+  for (std::size_t i = 0; i < v_.size(); ++i) right_[i] = (next_[i] - u_[i]) / context.dt;
+  if (!writeActive(system, next_.data(), right_.data())) {
+    restoreTouched(system);
+    for (Index node = 0; node < active(); ++node) system.v[activeRow(node)] = Eigen::Map<Vec3>(v_.data() + 3 * node);
+    return failure("a load is not finite, or the body has left the range of numbers");
+  }
+  finish(system, context, next_.data());
+  return {};
+}
+
+}  // namespace
+}  // namespace stroma
+
+STROMA_COMPONENT(condensed_dynamic_solver) {
+  factory.add<stroma::CondensedDynamicSolver>("CondensedDynamicSolver",
+                                              "linear dynamics by a constant matrix inverted beforehand");
+}

@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// CondensedStaticSolver: the equilibrium of a linear body by an inverse that was computed beforehand, and of that only
+// the columns of loaded nodes (Bro-Nielsen and Cotin 1996: CS; with condensed="false" FS).
+//
+// With K = -df/dx constant, f the loads at the initial positions, s the kept nodes (the surface) and i those inside:
+//
+//   K*_ss = K_ss - K_si K_ii^-1 K_is,   f*_s = f_s - K_si K_ii^-1 f_i,   u_s = K*_ss^-1 f*_s
+//   u_i = K_ii^-1 (f_i - K_is u_s), when somebody reads it
+//
+// Held nodes are left out of K. The inside is eliminated by a sparse Cholesky factorisation and K*_ss^-1 computed from
+// the dense factor that this leaves; a step then costs nothing for the inside. Constant loads are multiplied once. Of
+// loads that change, u_s = sum over the loaded nodes j of column_j f_j: three columns for each loaded node (selective
+// product), or, where fewer have changed since the last step than are loaded, for each changed one, added to the last
+// u_s. After 256 such steps u_s is summed anew, so that round-off does not add up.
+//
+// A node that a constraint moves (LinearMovementProjectiveConstraint) is a load that is not known: with E its
+// directions and d where it goes, lambda = (E^T C E)^-1 (d - E^T C f). lambda is what the motion takes [N]: dragForces,
+// for draggedNodes.
+//
+// Pressure on a surface is a dead load on the shape at rest. Everything is right for small turns and strains only; runs
+// that leave rotationBound or strainBound on the surface are warned of at their end. Velocities are zero but for nodes
+// with a prescribed motion. The time step does not matter.
+//
+// Example:
+// <Node name="root" dt="0.02" gravity="0 0 0">
+//   <CondensedStaticSolver/>
+//   <RegularGridTopology n="3 3 5" min="0 0 0" max="0.1 0.1 0.2"/>
+//   <MechanicalObject/>
+//   <HexahedronFEMForceField youngModulus="5000" poissonRatio="0.4" method="small"/>
+//   <FixedProjectiveConstraint indices="0 1 2 3 4 5 6 7 8"/>
+//   <ConstantForceField indices="40" totalForce="0.01 0 0"/>
+// </Node>
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "framework/scene/factory.h"
+#include "framework/simulation/condensed_integrator.h"
+
+namespace stroma {
+namespace {
+
+/// Steps by differences between two that sum anew.
+constexpr int longest_chain = 256;
+
+class CondensedStaticSolver final : public CondensedIntegrator {
+ public:
+  void declare(DataTable& table) override {
+    CondensedIntegrator::declare(table);
+    table.add("incremental", incremental_).help("add only what changed in the loads since the last step");
+    table.add("multipliedNodes", multiplied_).help("columns of how many nodes the last step multiplied").output();
+  }
+  StepReport step(System& system, const StepContext& context) override;
+  bool movesInTime() const override { return false; }
+  void reset() override;
+
+ protected:
+  bool isDynamic() const override { return false; }
+  Form form() const override { return Form::columns; }
+  std::unique_ptr<PartialCholesky> makeFactor() const override { return makePartialCholesky(); }
+  void prepare(System& system) override;
+  std::string stepText() const override {
+    return fmt::format("{} static: K^-1 of {} nodes, {} numbers; three columns for each loaded node",
+                       condensed_ ? "condensed" : "full", active(),
+                       isSingle() ? "single precision" : "double precision");
+  }
+  void complianceOf(const Touch& touch, double* column) override;
+  void forward(double* y) override { eliminated_.forward(y, sweep_work_.data()); }
+  void backward(double* y) override { eliminated_.backward(y, sweep_work_.data()); }
+
+ private:
+  using Force = std::array<double, 3>;
+  void addColumns(const std::vector<Index>& nodes, const std::vector<Force>& forces, double* u) const;
+  double entry(Index i, Index j) const;
+  void gatherLoads();
+  void addTouches();
+  void update();
+
+  bool incremental_ = true;
+  int multiplied_ = 0;
+
+  Array<double> base_, u_, reduced_;  ///< of constant loads; now; of inside loads; shape (padded)
+  std::vector<Index> candidates_;     ///< nodes that can have a load that changes
+  std::vector<Force> load_, last_;    ///< on candidates, now and in u_
+  std::vector<Index> nodes_, changed_nodes_;
+  std::vector<Force> forces_, changes_;  ///< those that are not zero
+  std::vector<Index> place_;             ///< of an active node in candidates_, or -1
+  Array<double> at_touches_;             ///< u without reactions, where touches read it
+  int chain_ = longest_chain;
+  bool started_ = false;
+};
+
+void CondensedStaticSolver::prepare(System& system) {
+  for (Array<double>* vector : {&base_, &u_, &at_touches_}) vector->assign(padded(), 0.0);
+  std::vector<Index> loaded;
+  std::vector<Force> forces;
+  for (Index node = 0; node < active(); ++node) {
+    const double* f = constantForce().data() + 3 * node;
+    if (f[0] == 0 && f[1] == 0 && f[2] == 0) continue;
+    loaded.push_back(node);
+    forces.push_back({f[0], f[1], f[2]});
+  }
+  addColumns(loaded, forces, base_.data());
+  std::vector<char> can_change(std::size_t(active()), 0);
+  const auto& timed = body_.timedNodes();
+  const bool inside = !timed.empty() && timed.front() < firstActive();
+  if (inside) {
+    reduced_.assign(padded(), 0.0);
+    std::fill(can_change.begin(), can_change.end(), 1);
+  }
+  for (const Index node : timed)
+    if (node >= firstActive()) can_change[std::size_t(node - firstActive())] = 1;
+  if (const auto* moving = body_.movingRows())
+    for (Index node = 0; node < active(); ++node)
+      can_change[std::size_t(node)] |= (*moving)[std::size_t(activeRow(node))];
+  place_.assign(std::size_t(active()), -1);
+  candidates_.clear();
+  for (Index node = 0; node < active(); ++node)
+    if (can_change[std::size_t(node)]) {
+      place_[std::size_t(node)] = Index(candidates_.size());
+      candidates_.push_back(node);
+    }
+  load_.assign(candidates_.size(), Force{});
+  last_ = load_;
+  for (auto* list : {&nodes_, &changed_nodes_}) list->reserve(candidates_.size());
+  for (auto* list : {&forces_, &changes_}) list->reserve(candidates_.size());
+  clear(system.v);
+}
+
+void CondensedStaticSolver::addColumns(const std::vector<Index>& nodes, const std::vector<Force>& forces,
+                                       double* u) const {
+  const auto add = [&](const auto& panels) { panels.addColumns(nodes.data(), forces.data(), nodes.size(), u); };
+  if (isSingle()) {
+    add(ColumnPanels<float>{static_cast<const float*>(compliance()), std::size_t(active())});
+  } else {
+    add(ColumnPanels<double>{static_cast<const double*>(compliance()), std::size_t(active())});
+  }
+}
+
+double CondensedStaticSolver::entry(Index i, Index j) const {
+  const std::size_t row = std::size_t(i), column = std::size_t(j), count = std::size_t(active());
+  return isSingle() ? ColumnPanels<float>{static_cast<const float*>(compliance()), count}.at(row, column)
+                    : ColumnPanels<double>{static_cast<const double*>(compliance()), count}.at(row, column);
+}
+
+void CondensedStaticSolver::complianceOf(const Touch& touch, double* column) {
+  const std::vector<Index> node{touch.node};
+  const Vec3& d = touch.direction;
+  Array<double> sum(padded(), 0.0);  // aligned, which the caller's column need not be
+  addColumns(node, {Force{d[0], d[1], d[2]}}, sum.data());
+  std::copy(sum.begin(), sum.end(), column);
+}
+
+/// Loads that change in time, on candidates.
+void CondensedStaticSolver::gatherLoads() {
+  std::fill(load_.begin(), load_.end(), Force{});
+  if (body_.timedNodes().empty()) return;
+  body_.updateTimedForces();
+  if (!reduced_.empty()) {
+    reduceTimedInterior(reduced_.data());
+    for (std::size_t i = 0; i < load_.size(); ++i)
+      for (std::size_t c = 0; c < 3; ++c) load_[i][c] = reduced_[3 * std::size_t(candidates_[i]) + c];
+  }
+  for (const Index node : body_.timedNodes()) {
+    if (node < firstActive()) continue;
+    const Vec3 force = body_.timedForce(node);
+    Force& sum = load_[std::size_t(place_[std::size_t(node - firstActive())])];
+    for (std::size_t c = 0; c < 3; ++c) sum[c] += force[Index(c)];
+  }
+}
+
+/// The reactions of touched nodes as loads: u without them is needed at these nodes alone.
+void CondensedStaticSolver::addTouches() {
+  if (touches().empty()) return;
+  for (const Touch& touch : touches())
+    for (Index c = 0; c < 3; ++c) {
+      const Index row = 3 * touch.node + c;
+      double sum = base_[std::size_t(row)];
+      for (std::size_t k = 0; k < load_.size(); ++k) {
+        const Force& f = load_[k];
+        if (f[0] == 0 && f[1] == 0 && f[2] == 0) continue;
+        for (Index d = 0; d < 3; ++d) sum += entry(row, 3 * candidates_[k] + d) * f[std::size_t(d)];
+      }
+      at_touches_[std::size_t(row)] = sum;
+    }
+  const Eigen::VectorXd& reaction = solveTouches(at_touches_.data());
+  for (std::size_t k = 0; k < touches().size(); ++k) {
+    Force& sum = load_[std::size_t(place_[std::size_t(touches()[k].node)])];
+    for (std::size_t c = 0; c < 3; ++c) sum[c] += reaction[Index(k)] * touches()[k].direction[Index(c)];
+  }
+}
+
+/// u_ follows load_ by the shorter of two lists: what is loaded, or what has changed.
+void CondensedStaticSolver::update() {
+  nodes_.clear(), forces_.clear(), changed_nodes_.clear(), changes_.clear();
+  for (std::size_t i = 0; i < load_.size(); ++i) {
+    const Force &f = load_[i], &g = last_[i];
+    if (f[0] != 0 || f[1] != 0 || f[2] != 0) {
+      nodes_.push_back(candidates_[i]);
+      forces_.push_back(f);
+    }
+    if (f != g) {
+      changed_nodes_.push_back(candidates_[i]);
+      changes_.push_back({f[0] - g[0], f[1] - g[1], f[2] - g[2]});
+    }
+  }
+  last_ = load_;
+  if (started_ && changed_nodes_.empty()) {
+    multiplied_ = 0;
+    return;
+  }
+  if (started_ && incremental_ && changed_nodes_.size() < nodes_.size() && chain_ < longest_chain) {
+    addColumns(changed_nodes_, changes_, u_.data());
+    ++chain_;
+    multiplied_ = int(changed_nodes_.size());
+    return;
+  }
+  std::copy(base_.begin(), base_.end(), u_.begin());
+  addColumns(nodes_, forces_, u_.data());
+  chain_ = 0;
+  started_ = true;
+  multiplied_ = int(nodes_.size());
+}
+
+StepReport CondensedStaticSolver::step(System& system, const StepContext& context) {
+  moveTouched(system, context);
+  gatherLoads();
+  addTouches();
+  update();
+  StepReport report;
+  if (writeActive(system, u_.data(), nullptr)) {
+    finish(system, context, u_.data());
+    return report;
+  }
+  restoreTouched(system);
+  started_ = false;
+  return failure("a load is not finite");
+}
+
+void CondensedStaticSolver::reset() {
+  CondensedIntegrator::reset();
+  started_ = false;
+  chain_ = longest_chain;
+}
+
+}  // namespace
+}  // namespace stroma
+
+STROMA_COMPONENT(condensed_static_solver) {
+  factory.add<stroma::CondensedStaticSolver>("CondensedStaticSolver",
+                                             "linear statics by an inverse of the surface computed beforehand");
+}

@@ -1,0 +1,323 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// PartialCholesky by CHOLMOD: the eliminated nodes are ordered for little fill, those that are kept come last, so that
+// the last columns of L are the dense factor of the Schur complement; nothing of the interior is ever inverted. Two
+// orders are tried, nested dissection of the eliminated nodes (METIS) and minimum degree with the kept nodes held back
+// (CAMD); the one with fewer operations is taken. It registers no component: the condensed solvers of the module use
+// it.
+#include "framework/algebra/partial_cholesky.h"
+
+#include <cholmod.h>
+#include <fmt/format.h>
+#include <omp.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <mutex>
+#include <numeric>
+#include <stdexcept>
+
+#include "framework/algebra/parallel.h"
+#include "framework/scene/factory.h"
+
+// of OpenBLAS; absent from other libraries
+extern "C" __attribute__((weak)) void openblas_set_num_threads(int);
+
+extern "C" {
+void dtrsm_(const char* side, const char* uplo, const char* trans, const char* diag, const int* m, const int* n,
+            const double* alpha, const double* a, const int* lda, double* b, const int* ldb);
+void dsyrk_(const char* uplo, const char* trans, const int* n, const int* k, const double* alpha, const double* a,
+            const int* lda, const double* beta, double* c, const int* ldc);
+void dpotrf_(const char* uplo, const int* n, double* a, const int* lda, int* info);
+}
+
+namespace stroma {
+namespace {
+
+/// A pivot below this times the diagonal entry it started from has no right digit.
+constexpr double lost_pivot = 1e-13;
+
+/// CHOLMOD 5 opens OpenMP regions in loops that are too short for them.
+class NoRegions {
+ public:
+  NoRegions() : before_(omp_get_max_active_levels()) {
+    omp_set_max_active_levels(0);
+    // on two threads OpenBLAS sums in another order, and no result may depend on their number
+    if (openblas_set_num_threads) openblas_set_num_threads(1);
+  }
+  ~NoRegions() { omp_set_max_active_levels(before_); }
+
+ private:
+  int before_;
+};
+
+class CholmodPartialCholesky final : public PartialCholesky {
+ public:
+  CholmodPartialCholesky();
+  ~CholmodPartialCholesky() override;
+  std::vector<Index> analyse(const BlockMatrix& matrix, Index eliminated) override;
+  double peakBytes() const override;
+  double flops() const override { return flops_; }
+  Index factor() override;
+  SupernodalColumns eliminated() const override;
+  Array<double>& kept() override { return kept_; }
+  bool shift(const std::vector<double>& diagonal) override;
+  void invert(const Sink& sink, const std::function<void(double)>& progress) override;
+
+ private:
+  void check(bool good, const char* what) const;
+  cholmod_sparse* graph(const BlockMatrix& matrix, Index nodes);
+  void tryOrder(cholmod_sparse* graph, std::vector<int> order, Index eliminated);
+  void buildLower(const BlockMatrix& matrix);
+  void copyColumns();
+  Index lostPivot() const;
+  Index keptUnknowns() const { return Index(3 * (order_.size() - std::size_t(eliminated_))); }
+
+  cholmod_common common_;
+  cholmod_sparse* lower_ = nullptr;
+  cholmod_factor* factor_ = nullptr;
+  std::vector<Index> order_;
+  std::vector<double> diagonal_;  ///< of the matrix, in the new order
+  Index eliminated_ = 0;
+  double flops_ = 0;
+  std::vector<std::int32_t> first_, rows_;
+  std::vector<std::int64_t> row_start_, start_;
+  Array<double> values_, kept_;
+};
+
+CholmodPartialCholesky::CholmodPartialCholesky() {
+  cholmod_start(&common_);
+  common_.supernodal = CHOLMOD_SUPERNODAL;
+  common_.nmethods = 1;
+  common_.print = 0;
+  common_.quick_return_if_not_posdef = 1;
+}
+
+CholmodPartialCholesky::~CholmodPartialCholesky() {
+  cholmod_free_sparse(&lower_, &common_);
+  cholmod_free_factor(&factor_, &common_);
+  cholmod_finish(&common_);
+}
+
+void CholmodPartialCholesky::check(bool good, const char* what) const {
+  if (good && common_.status >= 0) return;
+  throw std::runtime_error(std::string("the condensation could not ") + what +
+                           (common_.status == CHOLMOD_OUT_OF_MEMORY ? ": out of memory" : ""));
+}
+
+// ---- the order ----
+
+/// The upper triangle of the pattern among the first `nodes` block rows.
+cholmod_sparse* CholmodPartialCholesky::graph(const BlockMatrix& matrix, Index nodes) {
+  cholmod_sparse* result = cholmod_allocate_sparse(std::size_t(nodes), std::size_t(nodes), std::size_t(matrix.blocks()),
+                                                   1, 1, -1, CHOLMOD_PATTERN, &common_);
+  check(result, "allocate the graph");
+  int entries = 0;
+  int *start = static_cast<int*>(result->p), *rows = static_cast<int*>(result->i);
+  for (Index i = 0; i < nodes; ++i) {
+    start[i] = entries;
+    for (Index s = matrix.diagonal()[std::size_t(i)]; s < matrix.rowStart()[std::size_t(i) + 1]; ++s)
+      if (matrix.columns()[std::size_t(s)] < nodes) rows[entries++] = matrix.columns()[std::size_t(s)];
+  }
+  start[nodes] = entries;
+  return result;
+}
+
+/// Keeps the postordered `order` when it costs less than the one before. What is kept is moved behind the rest, which
+/// leaves the fill as it is: all ancestors of a kept node are kept.
+void CholmodPartialCholesky::tryOrder(cholmod_sparse* nodes, std::vector<int> order, Index eliminated) {
+  common_.method[0].ordering = CHOLMOD_GIVEN;
+  common_.supernodal = CHOLMOD_SIMPLICIAL;
+  common_.postorder = 1;
+  cholmod_factor* trial = cholmod_analyze_p(nodes, order.data(), nullptr, 0, &common_);
+  common_.supernodal = CHOLMOD_SUPERNODAL;
+  if (trial && (order_.empty() || common_.fl < flops_)) {
+    flops_ = common_.fl;
+    const int* found = static_cast<int*>(trial->Perm);
+    order_.clear();
+    for (std::size_t k = 0; k < order.size(); ++k)
+      if (found[k] < eliminated) order_.push_back(found[k]);
+    for (Index i = eliminated; i < Index(order.size()); ++i) order_.push_back(i);
+  }
+  cholmod_free_factor(&trial, &common_);
+}
+
+std::vector<Index> CholmodPartialCholesky::analyse(const BlockMatrix& matrix, Index eliminated) {
+  const NoRegions no_regions;
+  eliminated_ = eliminated;
+  order_.clear();
+  std::vector<int> order(std::size_t(matrix.rows()));
+  std::iota(order.begin(), order.end(), 0);
+  cholmod_sparse* all = graph(matrix, matrix.rows());
+  if (eliminated > 1) {
+    cholmod_sparse* inside = graph(matrix, eliminated);
+    std::vector<int> found = order;
+    if (cholmod_metis(inside, nullptr, 0, 1, found.data(), &common_)) tryOrder(all, found, eliminated);
+    cholmod_free_sparse(&inside, &common_);
+    std::vector<int> member(order.size(), 1);
+    std::fill(member.begin(), member.begin() + eliminated, 0);
+    if (cholmod_camd(all, nullptr, 0, member.data(), found.data(), &common_)) tryOrder(all, found, eliminated);
+  }
+  if (order_.empty()) tryOrder(all, order, eliminated);
+  cholmod_free_sparse(&all, &common_);
+  check(!order_.empty(), "order the matrix");
+  buildLower(matrix);
+  common_.method[0].ordering = CHOLMOD_NATURAL;
+  common_.postorder = 0;
+  factor_ = cholmod_analyze(lower_, &common_);
+  check(factor_, "analyse the matrix");
+  flops_ = common_.fl;
+  return order_;
+}
+
+/// The permuted lower triangle.
+void CholmodPartialCholesky::buildLower(const BlockMatrix& matrix) {
+  std::vector<Index> place(order_.size());
+  for (std::size_t k = 0; k < order_.size(); ++k) place[std::size_t(order_[k])] = Index(k);
+  const std::size_t unknowns = 3 * order_.size();
+  lower_ = cholmod_allocate_sparse(unknowns, unknowns, std::size_t(matrix.blocks()) * 9 / 2 + 5 * unknowns, 1, 1, -1,
+                                   CHOLMOD_REAL, &common_);
+  check(lower_, "allocate the matrix");
+  int *start = static_cast<int*>(lower_->p), *rows = static_cast<int*>(lower_->i), entries = 0;
+  double* values = static_cast<double*>(lower_->x);
+  diagonal_.resize(unknowns);
+  std::vector<std::pair<Index, Index>> below;  // place, slot
+  for (std::size_t k = 0; k < order_.size(); ++k) {
+    const std::size_t node = std::size_t(order_[k]);
+    below.clear();
+    for (Index s = matrix.rowStart()[node]; s < matrix.rowStart()[node + 1]; ++s)
+      if (const Index at = place[std::size_t(matrix.columns()[std::size_t(s)])]; at >= Index(k))
+        below.emplace_back(at, s);
+    std::sort(below.begin(), below.end());
+    for (int c = 0; c < 3; ++c) {
+      start[3 * k + std::size_t(c)] = entries;
+      for (const auto& [at, slot] : below)
+        for (int r = at == Index(k) ? c : 0; r < 3; ++r) {
+          rows[entries] = 3 * at + r;
+          values[entries++] = matrix.values()[std::size_t(slot) * 9 + std::size_t(3 * c + r)];
+        }
+      diagonal_[3 * k + std::size_t(c)] = values[start[3 * k + std::size_t(c)]];
+    }
+  }
+  start[unknowns] = entries;
+}
+
+// ---- the factor ----
+
+double CholmodPartialCholesky::peakBytes() const {
+  const double kept = double(keptUnknowns()), factor = double(factor_->xsize);
+  return 8 * (factor + std::max(factor - kept * kept, 0.0) + kept * kept);
+}
+
+Index CholmodPartialCholesky::factor() {
+  const NoRegions no_regions;
+  cholmod_factorize(lower_, factor_, &common_);
+  check(true, "factor the matrix");
+  if (factor_->minor < factor_->n) return order_[factor_->minor / 3];
+  copyColumns();
+  const Index lost = lostPivot();
+  cholmod_free_factor(&factor_, &common_);
+  cholmod_free_sparse(&lower_, &common_);
+  return lost;
+}
+
+/// Takes CHOLMOD's factor apart. A supernode may reach from the eliminated columns into the kept ones; its rows start
+/// with its own columns, so that the first of them are a supernode by themselves.
+void CholmodPartialCholesky::copyColumns() {
+  const int *first = static_cast<int*>(factor_->super), *start = static_cast<int*>(factor_->pi);
+  const int *offset = static_cast<int*>(factor_->px), *rows = static_cast<int*>(factor_->s);
+  const double* values = static_cast<const double*>(factor_->x);
+  const int border = 3 * eliminated_;
+  const std::size_t n = std::size_t(keptUnknowns());
+  first_.clear(), rows_.clear();
+  row_start_ = {0}, start_ = {0};
+  std::int64_t size = 0;
+  for (std::size_t s = 0; s < factor_->nsuper; ++s)
+    size += std::int64_t(std::clamp(border - first[s], 0, first[s + 1] - first[s])) * (start[s + 1] - start[s]);
+  values_.resize(std::size_t(size));
+  kept_.assign(n * n, 0.0);
+  for (std::size_t s = 0; s < factor_->nsuper; ++s) {
+    const int columns = first[s + 1] - first[s], height = start[s + 1] - start[s];
+    const int inside = std::clamp(border - first[s], 0, columns);
+    const double* block = values + offset[s];
+    const int* row = rows + start[s];
+    if (inside > 0) {
+      first_.push_back(first[s]);
+      rows_.insert(rows_.end(), row + inside, row + height);
+      std::copy(block, block + std::int64_t(inside) * height, values_.data() + start_.back());
+      row_start_.push_back(std::int64_t(rows_.size()));
+      start_.push_back(start_.back() + std::int64_t(inside) * height);
+    }
+    for (int c = inside; c < columns; ++c) {
+      double* column = kept_.data() + std::size_t(first[s] + c - border) * n;
+      for (int i = c; i < height; ++i) column[row[i] - border] = block[std::int64_t(c) * height + i];
+    }
+  }
+  first_.push_back(border);
+}
+
+Index CholmodPartialCholesky::lostPivot() const {
+  const auto lost = [this](std::size_t k, double pivot) { return !(pivot * pivot > lost_pivot * diagonal_[k]); };
+  for (std::size_t s = 0; s + 1 < first_.size(); ++s) {
+    const std::size_t width = std::size_t(first_[s + 1] - first_[s]);
+    const std::size_t height = width + std::size_t(row_start_[s + 1] - row_start_[s]);
+    for (std::size_t c = 0; c < width; ++c)
+      if (lost(std::size_t(first_[s]) + c, values_[std::size_t(start_[s]) + c * (height + 1)]))
+        return order_[(std::size_t(first_[s]) + c) / 3];
+  }
+  const std::size_t n = std::size_t(keptUnknowns()), border = std::size_t(3 * eliminated_);
+  for (std::size_t k = 0; k < n; ++k)
+    if (lost(border + k, kept_[k * (n + 1)])) return order_[(border + k) / 3];
+  return -1;
+}
+
+SupernodalColumns CholmodPartialCholesky::eliminated() const {
+  return {Index(first_.size()) - 1, first_.data(), row_start_.data(), start_.data(), rows_.data(), values_.data()};
+}
+
+// ---- the dense part ----
+
+bool CholmodPartialCholesky::shift(const std::vector<double>& diagonal) {
+  const NoRegions no_regions;
+  const int n = keptUnknowns();
+  const double one = 1, zero = 0;
+  Array<double> sum(std::size_t(n) * std::size_t(n), 0.0);
+  dsyrk_("L", "N", &n, &n, &one, kept_.data(), &n, &zero, sum.data(), &n);
+  for (std::size_t i = 0; i < std::size_t(n); ++i) sum[i * std::size_t(n + 1)] += diagonal[i];
+  int info = 0;
+  dpotrf_("L", &n, sum.data(), &n, &info);
+  kept_.swap(sum);
+  return info == 0;
+}
+
+// Columns j ... of the inverse, from row j down, need only the trailing part of L_SS: with T that part,
+// T T^T x = the first columns of I, whose solution is theirs.
+void CholmodPartialCholesky::invert(const Sink& sink, const std::function<void(double)>& progress) {
+  const NoRegions no_regions;
+  constexpr Index block = 192;
+  const Index n = keptUnknowns();
+  std::mutex telling;
+  std::atomic<double> done{0};
+  parallelFor((n + block - 1) / block, [&](int piece) {
+    const Index j = piece * block;
+    const int count = std::min(block, n - j), height = n - j, stride = n;
+    Array<double> x(std::size_t(count) * std::size_t(height), 0.0);
+    for (Index c = 0; c < count; ++c) x[std::size_t(c) * std::size_t(height + 1)] = 1;
+    const double* trailing = kept_.data() + std::size_t(j) * std::size_t(n + 1);
+    const double one = 1;
+    dtrsm_("L", "L", "N", "N", &height, &count, &one, trailing, &stride, x.data(), &height);
+    dtrsm_("L", "L", "T", "N", &height, &count, &one, trailing, &stride, x.data(), &height);
+    sink(j, count, x.data(), height);
+    const std::lock_guard lock(telling);
+    done = done + 3 * double(count) * height / n * height / n / n;
+    progress(done);
+  });
+}
+
+}  // namespace
+
+std::unique_ptr<PartialCholesky> makePartialCholesky() { return std::make_unique<CholmodPartialCholesky>(); }
+
+}  // namespace stroma
+
+STROMA_COMPONENT(partial_cholesky) { (void)factory; }

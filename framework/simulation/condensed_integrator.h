@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// What the condensed solvers share: precomputation, its cache on disk, nodes moved by position, the interior on demand
+// and the range of linear elasticity.
+#pragma once
+#include <Eigen/Dense>
+#include <string>
+#include <vector>
+
+#include "framework/algebra/compliance.h"
+#include "framework/algebra/memory.h"
+#include "framework/algebra/partial_cholesky.h"
+#include "framework/simulation/condensed_body.h"
+#include "framework/simulation/integrator.h"
+#include "framework/simulation/linear_range.h"
+#include "framework/simulation/section_file.h"
+
+namespace stroma {
+
+/// u_S = C f*_S with C = (A^-1)_SS, A the matrix of a static or of a dynamic step. Active nodes are those of u: the
+/// kept ones, or every free node when the sparse factor is used instead of C. Vectors over them have 3 numbers a node
+/// and are padded to chunks of 8.
+class CondensedIntegrator : public Integrator {
+ public:
+  void declare(DataTable& table) override;
+  void compile(System& system) final;
+  bool answersForState() const final { return true; }
+  void complete(System& system) final;
+  std::string doubt() const final;
+  void reset() override;
+
+ protected:
+  /// How u follows from f.
+  enum class Form { columns, symmetric, factor };
+  enum class Precision : int { double_precision, single_precision };
+  /// A direction in which a node is moved by position, and the force that this takes.
+  struct Touch {
+    Index node = 0;  ///< active
+    Vec3 direction = Vec3::Zero();
+  };
+
+  virtual bool isDynamic() const = 0;
+  /// Dynamic: damping by the mass [1/s].
+  virtual double rayleighMass() const { return 0; }
+  /// Dynamic: masses of inside nodes go to the kept ones.
+  virtual bool sharesInteriorMass() const { return false; }
+  /// The form that the matrix should have; `factor` only where every node is kept.
+  virtual Form form() const = 0;
+  /// True when `symmetric` may replace `factor` where it costs less.
+  virtual bool mayInvert() const { return false; }
+  virtual std::unique_ptr<PartialCholesky> makeFactor() const = 0;
+  /// After compile(): allocate.
+  virtual void prepare(System& system) = 0;
+  virtual std::string stepText() const = 0;
+  /// columns(k) = C times direction k, shape (padded); for touches.
+  virtual void complianceOf(const Touch& touch, double* column) = 0;
+  /// SupernodalColumns::forward and backward, compiled for the machine.
+  virtual void forward(double* y) = 0;
+  virtual void backward(double* y) = 0;
+  std::string describe() const final;
+
+  // ---- for steps ----
+  /// Prescribed motion at the end of the step: x of the touched nodes has it, touches() and wanted() say what it means.
+  void moveTouched(System& system, const StepContext& context);
+  /// Takes moveTouched() back.
+  void restoreTouched(System& system);
+  const std::vector<Touch>& touches() const { return touches_; }
+  /// lambda = (E^T C E)^-1 (wanted - E^T u), u the displacement without it; shape (touches).
+  const Eigen::VectorXd& solveTouches(const double* u);
+  const Eigen::MatrixXd& touchColumns() const { return touch_columns_; }  ///< C E, shape (padded, touches)
+  /// Forces on inside nodes that change in time, reduced to kept ones: active f changes by out.
+  bool reduceTimedInterior(double* out);
+  /// Writes x = x_0 + u, and v where it is given, into the rows of active nodes; false, and nothing written, when u is
+  /// not finite.
+  bool writeActive(System& system, const double* u, const double* v);
+  /// The end of a step: outputs, range of linear elasticity, forces when somebody asked.
+  void finish(System& system, const StepContext& context, const double* u);
+  StepReport failure(const std::string& reason) const;
+
+  Index active() const { return active_; }
+  Index firstActive() const { return first_active_; }
+  std::size_t padded() const { return chunksOf(3 * std::size_t(active_)) * lanes; }
+  Index activeRow(Index node) const { return active_rows_[std::size_t(node)]; }
+  const void* compliance() const { return compliance_; }
+  bool isSingle() const { return precision_ == Precision::single_precision; }
+  const Array<double>& origin() const { return origin_; }                 ///< x_0 of active nodes, shape (padded)
+  const Array<double>& constantForce() const { return constant_force_; }  ///< reduced to active nodes, shape (padded)
+  const std::vector<double>& inertia() const { return inertia_; }         ///< masses of active nodes, shape (active, 3)
+  const std::vector<double>& massDamping() const { return damping_; }     ///< alpha [1/s], shape (active)
+  double timeStep() const { return dt_; }
+  CondensedBody body_;
+  Form used_form_ = Form::columns;
+  SupernodalColumns eliminated_;
+  Array<double> sweep_work_;
+  bool condensed_ = true;
+
+ private:
+  struct Problem;
+  ContentKey keyOf(const Problem& problem) const;
+  void decideForm(Problem& problem);
+  void computeAnew(Problem& problem);
+  bool loadStored(Problem& problem);
+  void store(const Problem& problem);
+  void refuseTooLarge(double bytes, const char* what) const;
+  void shareInteriorMass(const Problem& problem, PartialCholesky& factor);
+  void packInverse(PartialCholesky& factor, const std::function<void(double)>& progress);
+  void useStored(Problem& problem);
+  void prepareActive(System& system, const std::vector<Index>& order, const std::vector<double>& force);
+  void updateTouches(System& system);
+  std::string cacheFolder() const;
+  [[noreturn]] void refuseFree(System& system, Index node) const;
+
+  std::vector<int> surface_indices_;
+  Precision precision_ = Precision::double_precision;
+  std::string cache_folder_;
+  double memory_limit_ = 0, rotation_bound_ = 0.1, strain_bound_ = 0.1;
+  int kept_count_ = 0, interior_count_ = 0;
+  bool from_cache_ = false;
+  double precomputation_ = 0;
+  std::vector<int> dragged_nodes_;
+  std::vector<Vec3> drag_forces_;
+
+  Index active_ = 0, first_active_ = 0;
+  std::vector<Index> active_rows_;
+  double dt_ = 0;
+  Array<double> owned_compliance_;
+  const void* compliance_ = nullptr;
+  std::size_t compliance_bytes_ = 0;
+  SectionFile file_;
+  std::string file_name_;
+  std::unique_ptr<PartialCholesky> factor_;
+  std::vector<double> inertia_, damping_;
+  Array<double> constant_force_;
+  std::vector<double> interior_constant_;  ///< L_II^-1 f_I of what does not change, shape (3 interior)
+  Array<double> sweep_, timed_reduced_;    ///< over all free nodes
+  bool behind_ = false, asks_force_ = false, first_look_ = true;
+  Array<double> origin_;  ///< x_0 of active nodes, shape (padded)
+  std::vector<Touch> touches_;
+  std::vector<NodeProjector> touching_, touching_now_;
+  std::vector<Vec3> touched_before_;
+  Eigen::MatrixXd touch_columns_;
+  Eigen::LLT<Eigen::MatrixXd> touch_factor_;
+  Eigen::VectorXd wanted_, reaction_;
+  LinearRange range_;
+};
+
+}  // namespace stroma

@@ -1,0 +1,317 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// What the condensed solvers compute once: the matrix, its factor, the inverse that is kept, and the files they go to.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+
+#include "framework/scene/node.h"
+#include "framework/simulation/condensed_integrator.h"
+
+namespace stroma {
+
+/// What the precomputation depends on.
+struct CondensedIntegrator::Problem {
+  System& system;
+  BlockMatrix matrix{};
+  std::vector<double> mass{}, per_mass{};  ///< m_i [kg] and 1/dt^2 + alpha_i/2dt [1/s^2] of free nodes
+  std::vector<Index> order{};
+  ContentKey key{};
+};
+
+namespace {
+
+enum Part : std::size_t { inverse, order, inertias, first, row_start, start, rows, values, parts };
+
+double availableBytes() {
+  std::ifstream info("/proc/meminfo");
+  std::string word;
+  double number = 0;
+  while (info >> word)
+    if (word == "MemAvailable:" && info >> number) return 1024 * number;
+  return 0;
+}
+
+template <class T>
+Section sectionOf(const T* data, std::size_t count) {
+  return {data, count * sizeof(T)};
+}
+
+/// Tells of long work on standard error: in place on a terminal, else a line each quarter.
+class Telling {
+ public:
+  Telling(std::string what, double operations) : what_(std::move(what)), silent_(operations < 1e11) {}
+  void say(double share) {
+    const int step = int(share * (isatty(2) ? 100 : 4));
+    if (silent_ || step <= last_) return;
+    last_ = step;
+    fmt::print(stderr, "{}{}: {:.0f} %{}", isatty(2) ? "\r" : "", what_, 100 * share,
+               isatty(2) && share < 0.999 ? "" : "\n");
+    std::fflush(stderr);
+  }
+
+ private:
+  std::string what_;
+  bool silent_;
+  int last_ = -1;
+};
+
+}  // namespace
+
+void CondensedIntegrator::compile(System& system) {
+  const auto begin = std::chrono::steady_clock::now();
+  dt_ = node().root().dt();
+  body_.collect(system, *this, {condensed_, surface_indices_, isDynamic()});
+  Problem problem{system};
+  for (const State* state : system.states()) asks_force_ = asks_force_ || state->forceAsked();
+  const std::vector<double> force = body_.constantForce();  // first: stiffnesses are those of the last force
+  std::vector<double> shift;
+  if (isDynamic()) {
+    if (!(dt_ > 0)) throw ComponentError("the time step is not positive", "dt of the root node");
+    problem.mass = body_.masses();
+    const std::vector<double> own = body_.massDamping();
+    for (std::size_t i = 0; i < own.size(); ++i) {
+      problem.per_mass.push_back(1 / (dt_ * dt_) + (rayleighMass() + own[i]) / (2 * dt_));
+      shift.push_back(Index(i) < body_.interior() ? 0 : problem.mass[i] * problem.per_mass[i]);
+    }
+  }
+  problem.matrix = body_.matrix(shift);
+  decideForm(problem);
+  problem.key = keyOf(problem);
+  from_cache_ = loadStored(problem);
+  if (!from_cache_) {
+    computeAnew(problem);
+    store(problem);
+  }
+  body_.renumber(problem.order);
+  kept_count_ = used_form_ == Form::factor ? body_.free() : body_.kept();
+  interior_count_ = body_.free() - kept_count_;
+  prepareActive(system, problem.order, force);
+  precomputation_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  if (!from_cache_ && cache_folder_.empty() && precomputation_ > 5)
+    inform(fmt::format("the precomputation took {:.0f} s; cacheFolder=\"auto\" keeps it for the next run",
+                       precomputation_));
+  for (const std::string& note : body_.notes()) inform(note);
+  prepare(system);
+}
+
+ContentKey CondensedIntegrator::keyOf(const Problem& problem) const {
+  ContentKey key;
+  key.add(fmt::format("condensed 1 {} {} {} {}", STROMA_VERSION, int(used_form_), int(precision_), body_.interior()));
+  key.add(problem.matrix.rowStart());
+  key.add(problem.matrix.columns());
+  key.add(problem.matrix.values());
+  key.add(problem.per_mass);
+  if (sharesInteriorMass()) key.add(problem.mass);
+  return key;
+}
+
+// Where every node is kept, a solve with the sparse factor may read less than a product with the inverse. A sparse
+// solve reads the factor twice, at about half the speed of a product because its pieces are short.
+void CondensedIntegrator::decideForm(Problem& problem) {
+  used_form_ = form();
+  if (used_form_ != Form::factor || !mayInvert()) return;
+  const auto trial = makeFactor();
+  trial->analyse(problem.matrix, problem.matrix.rows());
+  const double unknowns = 3.0 * problem.matrix.rows(), number = isSingle() ? 4 : 8;
+  if (unknowns * unknowns / 2 * number < 2 * trial->peakBytes()) used_form_ = Form::symmetric;
+}
+
+void CondensedIntegrator::refuseTooLarge(double bytes, const char* what) const {
+  const double limit = memory_limit_ > 0 ? 1e9 * memory_limit_ : availableBytes();
+  if (limit > 0 && bytes > limit)
+    throw ComponentError(fmt::format("{} takes {:.2g} GB for {} kept nodes over {} inside, and {} GB are {}", what,
+                                     1e-9 * bytes, body_.kept(), body_.interior(), fmt::format("{:.2g}", 1e-9 * limit),
+                                     memory_limit_ > 0 ? "allowed by memoryLimit" : "available"),
+                         condensed_ ? "fewer kept nodes (surfaceIndices)" : "condensed=\"true\"",
+                         isSingle() ? "" : "precision=\"single\" halves the inverse");
+}
+
+void CondensedIntegrator::computeAnew(Problem& problem) {
+  factor_ = makeFactor();
+  const Index eliminated = used_form_ == Form::factor ? body_.free() : body_.interior();
+  const std::size_t nodes = std::size_t(body_.free() - eliminated), number = isSingle() ? 4 : 8;
+  const std::size_t count = used_form_ == Form::factor    ? 0
+                            : used_form_ == Form::columns ? ColumnPanels<double>::size(nodes)
+                                                          : SymmetricPanels<double>::size(3 * nodes);
+  // before anything that is quadratic in the number of kept nodes: its factor alone, then all of it
+  refuseTooLarge(double(count * number) + 8 * 9 * double(nodes) * double(nodes), "the inverse");
+  problem.order = factor_->analyse(problem.matrix, eliminated);
+  compliance_bytes_ = count * number;
+  refuseTooLarge(double(compliance_bytes_) + factor_->peakBytes(), "the precomputation");
+  const double kept = 3.0 * double(nodes);
+  Telling telling(fmt::format("{}: {} kept nodes over {}", path(), nodes, eliminated),
+                  factor_->flops() + kept * kept * kept);
+  telling.say(0);
+  const Index bad = factor_->factor();
+  if (bad >= 0) refuseFree(problem.system, bad);
+  eliminated_ = factor_->eliminated();
+  sweep_work_.resize(std::size_t(eliminated_.longest()));
+  inertia_.clear();
+  for (std::size_t i = 0; i < problem.mass.size(); ++i)
+    for (int c = 0; c < 3; ++c) inertia_.push_back(problem.mass[std::size_t(problem.order[i])]);
+  if (sharesInteriorMass() && used_form_ != Form::factor) shareInteriorMass(problem, *factor_);
+  if (used_form_ == Form::factor) return;
+  inertia_.erase(inertia_.begin(), inertia_.begin() + (inertia_.empty() ? 0 : 3 * eliminated));
+  owned_compliance_.assign(compliance_bytes_ / sizeof(double) + 1, 0.0);
+  const double before = factor_->flops() / (factor_->flops() + kept * kept * kept);
+  packInverse(*factor_, [&](double share) { telling.say(before + (1 - before) * share); });
+  compliance_ = owned_compliance_.data();
+  Array<double>().swap(factor_->kept());
+}
+
+// Guyan's reduction T^T M T, T = -K_II^-1 K_IS, lumped by sums of rows, each direction by itself: a body that is moved
+// as a whole keeps its mass. Sums that came out negative are left out.
+void CondensedIntegrator::shareInteriorMass(const Problem& problem, PartialCholesky& factor) {
+  const std::size_t inside = 3 * std::size_t(body_.interior()), all = 3 * std::size_t(body_.free());
+  std::vector<double> moved(all), shift(all - inside, 0.0);
+  for (std::size_t c = 0; c < 3; ++c) {
+    for (std::size_t i = 0; i < all; ++i) moved[i] = i >= inside && i % 3 == c ? 1 : 0;
+    backward(moved.data());
+    double whole = 0, shared = 0;
+    for (std::size_t i = 0; i < inside; ++i) {
+      whole += inertia_[i] * moved[i] * moved[i];
+      moved[i] *= inertia_[i];
+    }
+    std::fill(moved.begin() + std::ptrdiff_t(inside), moved.end(), 0.0);
+    forward(moved.data());
+    for (std::size_t i = inside + c; i < all; i += 3) shared += std::max(moved[i], 0.0);
+    for (std::size_t i = inside + c; i < all && shared > 0; i += 3) {
+      const double more = std::max(moved[i], 0.0) * whole / shared;
+      inertia_[i] += more;
+      shift[i - inside] = more * problem.per_mass[std::size_t(problem.order[i / 3])];
+    }
+  }
+  if (!factor.shift(shift)) refuseFree(problem.system, problem.order[inside / 3]);
+}
+
+void CondensedIntegrator::packInverse(PartialCholesky& factor, const std::function<void(double)>& progress) {
+  const std::size_t nodes = std::size_t(body_.kept());
+  const auto pack = [&](auto* data) {
+    using Number = std::remove_reference_t<decltype(*data)>;
+    const ColumnPanels<Number> columns{data, nodes};
+    const SymmetricPanels<Number> symmetric{data, 3 * nodes};
+    factor.invert(
+        [&](Index j0, Index count, const double* x, Index height) {
+          for (std::size_t c = 0; c < std::size_t(count); ++c)
+            for (std::size_t i = c; i < std::size_t(height); ++i) {
+              const std::size_t row = std::size_t(j0) + i, column = std::size_t(j0) + c;
+              const double value = x[c * std::size_t(height) + i];
+              if (used_form_ == Form::columns) {
+                data[columns.offset(row, column)] = data[columns.offset(column, row)] = Number(value);
+              } else {
+                const bool diagonal = row / lanes == column / lanes;
+                data[symmetric.offset(row, column)] = Number(diagonal ? value / 2 : value);
+                if (diagonal) data[symmetric.offset(column, row)] = Number(value / 2);
+              }
+            }
+        },
+        progress);
+  };
+  if (isSingle()) {
+    pack(reinterpret_cast<float*>(owned_compliance_.data()));
+  } else {
+    pack(owned_compliance_.data());
+  }
+}
+
+void CondensedIntegrator::refuseFree(System& system, Index node) const {
+  throw ComponentError(fmt::format("the matrix is singular at {}: the body can move there without any force resisting",
+                                   system.describeRow(body_.row(node))),
+                       "bodies that cannot move as a whole, and elements or masses at every node",
+                       "hold some nodes, as with <FixedProjectiveConstraint indices=\"...\"/>");
+}
+
+// ---- files ----
+
+std::string CondensedIntegrator::cacheFolder() const {
+  if (cache_folder_ != "auto") return cache_folder_;
+  if (const char* folder = std::getenv("XDG_CACHE_HOME"); folder && *folder) return std::string(folder) + "/stroma";
+  const char* home = std::getenv("HOME");
+  return std::string(home ? home : ".") + "/.cache/stroma";
+}
+
+bool CondensedIntegrator::loadStored(Problem& problem) {
+  if (cache_folder_.empty()) return false;
+  file_name_ = fmt::format("{}/{}.condensed", cacheFolder(), problem.key.text());
+  std::string reason;
+  if (file_.open(file_name_, problem.key, parts, reason))
+    for (std::size_t i = 0; i < parts && reason.empty(); ++i)
+      if (!file_.isIntact(i)) reason = "its numbers are damaged";
+  if (!reason.empty()) {
+    file_.close();
+    warn(fmt::format("{} is not used and made anew: {}", file_name_, reason));
+  }
+  if (file_.isOpen()) useStored(problem);
+  return file_.isOpen();
+}
+
+void CondensedIntegrator::store(const Problem& problem) {
+  if (cache_folder_.empty()) return;
+  const std::size_t count = std::size_t(eliminated_.supernodes);
+  const std::vector<Section> sections{{compliance_, compliance_bytes_},
+                                      sectionOf(problem.order.data(), problem.order.size()),
+                                      sectionOf(inertia_.data(), inertia_.size()),
+                                      sectionOf(eliminated_.first, count + 1),
+                                      sectionOf(eliminated_.row_start, count + 1),
+                                      sectionOf(eliminated_.start, count + 1),
+                                      sectionOf(eliminated_.rows, std::size_t(eliminated_.row_start[count])),
+                                      sectionOf(eliminated_.values, eliminated_.entries())};
+  const std::string reason = SectionFile::write(file_name_, problem.key, sections);
+  if (!reason.empty()) warn(fmt::format("{} cannot be written ({}): the next run computes again", file_name_, reason));
+}
+
+void CondensedIntegrator::useStored(Problem& problem) {
+  const auto* new_order = file_.array<Index>(order);
+  problem.order.assign(new_order, new_order + body_.free());
+  const Section stored = file_.section(inertias);
+  const auto* numbers = static_cast<const double*>(stored.data);
+  inertia_.assign(numbers, numbers + stored.bytes / sizeof(double));
+  compliance_ = file_.section(inverse).data;
+  compliance_bytes_ = file_.section(inverse).bytes;
+  eliminated_ = {Index(file_.section(first).bytes / sizeof(std::int32_t)) - 1,
+                 file_.array<std::int32_t>(first),
+                 file_.array<std::int64_t>(row_start),
+                 file_.array<std::int64_t>(start),
+                 file_.array<std::int32_t>(rows),
+                 file_.array<double>(values)};
+  sweep_work_.resize(std::size_t(eliminated_.longest()));
+}
+
+// ---- what steps need ----
+
+void CondensedIntegrator::prepareActive(System& system, const std::vector<Index>& new_order,
+                                        const std::vector<double>& force) {
+  first_active_ = used_form_ == Form::factor ? 0 : body_.interior();
+  active_ = body_.free() - first_active_;
+  active_rows_.clear(), damping_.clear();
+  std::vector<Index> active_of_row(std::size_t(system.allRows()), -1);
+  const std::vector<double> own = body_.massDamping();
+  origin_.assign(padded(), 0.0);
+  for (Index node = 0; node < active_; ++node) {
+    const Index row = body_.row(first_active_ + node);
+    active_rows_.push_back(row);
+    active_of_row[std::size_t(row)] = node;
+    damping_.push_back(rayleighMass() + own[std::size_t(first_active_ + node)]);
+    Eigen::Map<Vec3>(origin_.data() + 3 * node) = body_.reference()[row];
+  }
+  sweep_.assign(3 * std::size_t(body_.free()), 0.0);
+  for (Index node = 0; node < body_.free(); ++node)
+    for (std::size_t c = 0; c < 3; ++c)
+      sweep_[3 * std::size_t(node) + c] = force[3 * std::size_t(new_order[std::size_t(node)]) + c];
+  const std::size_t inside = 3 * std::size_t(first_active_);
+  if (std::any_of(sweep_.begin(), sweep_.begin() + std::ptrdiff_t(inside), [](double f) { return f != 0; }))
+    forward(sweep_.data());
+  interior_constant_.assign(sweep_.begin(), sweep_.begin() + std::ptrdiff_t(inside));
+  constant_force_.assign(padded(), 0.0);
+  std::copy(sweep_.begin() + std::ptrdiff_t(inside), sweep_.end(), constant_force_.begin());
+  const auto& timed = body_.timedNodes();
+  timed_reduced_.assign(!timed.empty() && timed.front() < first_active_ ? sweep_.size() : 0, 0.0);
+  range_.compile(system, body_, active_of_row);
+}
+
+}  // namespace stroma

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "framework/simulation/section_file.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <bit>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+
+namespace stroma {
+namespace {
+
+constexpr std::size_t page = 4096, most_sections = 16;
+constexpr std::array<char, 8> magic{'S', 'T', 'R', 'O', 'M', 'A', 'S', 'F'};
+constexpr std::uint32_t format_version = 1, byte_order = 0x01020304;
+
+struct Header {
+  std::array<char, 8> magic{};
+  std::uint32_t format = 0, order = 0;
+  std::array<std::uint64_t, 2> key{};
+  std::uint64_t sections = 0, file_size = 0;
+  std::array<std::uint64_t, most_sections> start{}, bytes{}, check{};
+  std::uint64_t own_check = 0;
+};
+static_assert(sizeof(Header) <= page);
+
+/// Four independent sums over words of eight bytes, so that memory is what it waits for.
+std::uint64_t mix(const void* data, std::size_t bytes, std::uint64_t seed) {
+  constexpr std::uint64_t odd = 0x9e3779b97f4a7c15ull;
+  std::array<std::uint64_t, 4> sums{seed, seed ^ 0x5bd1e995, seed + odd, seed * odd + 1};
+  const auto* from = static_cast<const unsigned char*>(data);
+  const auto word = [](const unsigned char* at) {
+    std::uint64_t value;
+    std::memcpy(&value, at, sizeof value);
+    return value;
+  };
+  std::size_t i = 0;
+  for (; i + 32 <= bytes; i += 32)
+    for (std::size_t k = 0; k < 4; ++k) sums[k] = std::rotl(sums[k] ^ word(from + i + 8 * k), 29) * odd;
+  std::array<unsigned char, 32> rest{};
+  if (i < bytes) std::memcpy(rest.data(), from + i, bytes - i);
+  for (std::size_t k = 0; k < 4; ++k) sums[k] = std::rotl(sums[k] ^ word(rest.data() + 8 * k), 29) * odd;
+  std::uint64_t sum = bytes * odd;
+  for (std::uint64_t part : sums) sum = std::rotl(sum ^ part ^ part >> 31, 31) * odd;
+  return sum ^ sum >> 29;
+}
+
+std::uint64_t ownCheck(Header header) {
+  header.own_check = 0;
+  return mix(&header, sizeof header, 1);
+}
+
+std::size_t roundedUp(std::size_t bytes) { return (bytes + page - 1) / page * page; }
+
+bool writeAll(std::FILE* file, const void* data, std::size_t bytes) {
+  static const std::array<unsigned char, page> zeros{};
+  return (bytes == 0 || std::fwrite(data, 1, bytes, file) == bytes) &&
+         std::fwrite(zeros.data(), 1, roundedUp(bytes) - bytes, file) == roundedUp(bytes) - bytes;
+}
+
+}  // namespace
+
+void ContentKey::add(const void* data, std::size_t bytes) {
+  for (std::uint64_t& part : value_) part = mix(data, bytes, part);
+}
+
+std::string ContentKey::text() const { return fmt::format("{:016x}{:016x}", value_[0], value_[1]); }
+
+bool SectionFile::open(const std::string& path, const ContentKey& key, std::size_t sections, std::string& reason) {
+  close();
+  reason.clear();
+  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (file < 0) {
+    if (errno != ENOENT) reason = std::strerror(errno);
+    return false;
+  }
+  struct stat status {};
+  const bool known = fstat(file, &status) == 0;
+  const std::size_t size = known ? std::size_t(status.st_size) : 0;
+  void* memory = size >= page ? mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file, 0) : MAP_FAILED;
+  ::close(file);
+  if (memory == MAP_FAILED) {
+    reason = "it is too short";
+    return false;
+  }
+  data_ = static_cast<const unsigned char*>(memory);
+  size_ = size;
+  Header header;
+  std::memcpy(&header, data_, sizeof header);
+  if (header.magic != magic)
+    reason = "it is no such file";
+  else if (header.order != byte_order || header.format != format_version)
+    reason = "it has another format";
+  else if (header.own_check != ownCheck(header))
+    reason = "its header is damaged";
+  else if (header.key != key.value())
+    reason = "it is of something else";
+  else if (header.sections != sections || header.file_size != size)
+    reason = "it is cut short";
+  if (reason.empty()) return true;
+  close();
+  return false;
+}
+
+Section SectionFile::section(std::size_t i) const {
+  Header header;
+  std::memcpy(&header, data_, sizeof header);
+  return {data_ + header.start[i], std::size_t(header.bytes[i])};
+}
+
+bool SectionFile::isIntact(std::size_t i) const {
+  Header header;
+  std::memcpy(&header, data_, sizeof header);
+  const Section found = section(i);
+  return header.start[i] + found.bytes <= size_ && mix(found.data, found.bytes, i) == header.check[i];
+}
+
+void SectionFile::close() {
+  if (data_) munmap(const_cast<unsigned char*>(data_), size_);
+  data_ = nullptr;
+}
+
+std::string SectionFile::write(const std::string& path, const ContentKey& key, const std::vector<Section>& sections) {
+  Header header{.magic = magic, .format = format_version, .order = byte_order, .key = key.value()};
+  header.sections = sections.size();
+  std::size_t at = page;
+  for (std::size_t i = 0; i < sections.size(); ++i) {
+    header.start[i] = at, header.bytes[i] = sections[i].bytes;
+    header.check[i] = mix(sections[i].data, sections[i].bytes, i);
+    at += roundedUp(sections[i].bytes);
+  }
+  header.file_size = at;
+  header.own_check = ownCheck(header);
+
+  std::error_code error;
+  std::filesystem::create_directories(std::filesystem::path(path).parent_path(), error);
+  if (error) return error.message();
+  std::string temporary = path + ".XXXXXX";
+  const int descriptor = mkstemp(temporary.data());
+  std::FILE* file = descriptor < 0 ? nullptr : fdopen(descriptor, "wb");
+  if (!file) return std::strerror(errno);
+  bool good = writeAll(file, &header, sizeof header);
+  for (const Section& section : sections) good = good && writeAll(file, section.data, section.bytes);
+  good = std::fflush(file) == 0 && good && fchmod(descriptor, 0644) == 0 && fsync(descriptor) == 0;
+  good = std::fclose(file) == 0 && good;
+  if (good && std::rename(temporary.c_str(), path.c_str()) == 0) return {};
+  const std::string reason = std::strerror(errno);
+  std::remove(temporary.c_str());
+  return reason;
+}
+
+}  // namespace stroma

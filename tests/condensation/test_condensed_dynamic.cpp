@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The condensed dynamic solver against the paper's scheme on the whole matrix, formed here, and against closed forms.
+#include <Eigen/Dense>
+
+#include "tests/condensation/bodies.h"
+
+using namespace stroma;
+using namespace stroma::test;
+
+namespace {
+
+/// Masses on the boundary of the block alone (elsewhere nothing to speak of): what condensation keeps is then all there
+/// is.
+std::string surfaceMasses() {
+  std::string list;
+  for (int k = 0; k < 7; ++k)
+    for (int j = 0; j < 4; ++j)
+      for (int i = 0; i < 5; ++i) {
+        const bool inside = i > 0 && i < 4 && j > 0 && j < 3 && k > 0 && k < 6;
+        list += inside ? "1e-25 " : std::to_string(0.004 + 0.001 * (i + j)) + " ";
+      }
+  return "<DiagonalMass vertexMass=\"" + list + "\"/>";
+}
+
+}  // namespace
+
+TEST(CondensedDynamic, equalsTheFullSystemWithTheSameMasses) {
+  Block block{.solver = "", .loads = "<ConstantForceField indices=\"139 138\" totalForce=\"0.05 0.02 -0.03\"/>"};
+  block.mass = surfaceMasses();
+  for (const int steps : {1, 7, 60}) {
+    block.solver = "<CondensedDynamicSolver condensed=\"false\" solve=\"factor\" rayleighMass=\"1.5\"/>";
+    const Vector expected = after(block.text(), steps);
+    EXPECT_GT(norm(expected), 1e-5);
+    for (const std::string other :
+         {"interiorMass=\"shared\"", "interiorMass=\"neglected\"", "condensed=\"false\" solve=\"inverse\""}) {
+      block.solver = "<CondensedDynamicSolver rayleighMass=\"1.5\" " + other + "/>";
+      EXPECT_LT(difference(after(block.text(), steps), expected), 1e-10) << other << " after " << steps;
+    }
+  }
+}
+
+TEST(CondensedDynamic, isThePapersSchemeOnTheWholeMatrix) {
+  Block block{.solver = "<CondensedDynamicSolver condensed=\"false\" rayleighMass=\"3\"/>",
+              .loads = "<ConstantForceField indices=\"139\" totalForce=\"0.05 0.02 -0.03\"/>"};
+  Simulation simulation = simulationFromText(block.text());
+  System& system = *simulation.systems().front();
+  const Index n = 3 * system.allRows();
+  // K by columns of forces, so that nothing of the solver's own assembly is used
+  Vector f0(system.allRows()), f1(system.allRows()), x(system.allRows()), v(system.allRows());
+  copy(system.x, x);
+  system.computeForce(x, v, f0);
+  Eigen::MatrixXd k = Eigen::MatrixXd::Zero(n, n);
+  Eigen::VectorXd load(n);
+  std::vector<char> held(std::size_t(n), 0);
+  for (Index j = 0; j < n; ++j) {
+    held[std::size_t(j)] = j < 60;
+    load[j] = f0[j / 3][j % 3];
+    x[j / 3][j % 3] += 0.5;
+    system.computeForce(x, v, f1);
+    x[j / 3][j % 3] -= 0.5;
+    for (Index i = 0; i < n; ++i) k(i, j) = -2 * (f1[i / 3][i % 3] - f0[i / 3][i % 3]);
+  }
+  const double m = 0.7 / system.allRows(), d = 3 * m, dt = 0.02;
+  Eigen::MatrixXd a = k + (m / (dt * dt) + d / (2 * dt)) * Eigen::MatrixXd::Identity(n, n);
+  for (Index j = 0; j < n; ++j)
+    if (held[std::size_t(j)]) a.row(j).setZero(), a.col(j).setZero(), a(j, j) = 1, load[j] = 0;
+  const Eigen::LDLT<Eigen::MatrixXd> inverse(a);
+  Eigen::VectorXd before = Eigen::VectorXd::Zero(n), now = before;
+  for (int i = 0; i < 20; ++i) {
+    simulation.step();
+    const Eigen::VectorXd next = inverse.solve(load + m / (dt * dt) * (2 * now - before) + d / (2 * dt) * before);
+    before = now, now = next;
+    const Vector u = displacement(simulation);
+    double error = 0;
+    for (Index j = 0; j < n; ++j) error = std::max(error, std::abs(u[j / 3][j % 3] - now[j]));
+    ASSERT_LT(error, 1e-10 * now.norm()) << "step " << i;
+  }
+  EXPECT_GT(now.norm(), 1e-3);
+}
+
+TEST(CondensedDynamic, oscillatorHasTheSchemesRoots) {
+  // one node on a spring: m u'' + alpha m u' + k u = 0 from u_0
+  const double m = 0.5, spring = 200, alpha = 1.2, dt = 0.01, u0 = 0.3;
+  const std::string scene =
+      "<Node name=\"root\" dt=\"0.01\" gravity=\"0 0 0\"><CondensedDynamicSolver rayleighMass=\"1.2\"/>"
+      "<MechanicalObject position=\"1.3 0 0\" rest_position=\"1 0 0\"/><UniformMass totalMass=\"0.5\"/>"
+      "<RestShapeSpringsForceField points=\"0\" stiffness=\"200\"/></Node>";
+  Simulation simulation = simulationFromText(scene);
+  // (1 + a + w^2 dt^2) u+ = 2 u - (1 - a) u-
+  const double a = alpha * dt / 2, w2 = spring / m * dt * dt;
+  double before = u0, now = u0;
+  for (int i = 0; i < 200; ++i) {
+    simulation.step();
+    const double next = (2 * now - (1 - a) * before) / (1 + a + w2);
+    before = now, now = next;
+    const double x = simulation.systems().front()->x[0][0] - 1;
+    ASSERT_NEAR(x, now, 1e-12) << "step " << i;
+  }
+}
+
+TEST(CondensedDynamic, tendsToTheDampedOscillationAtFirstOrder) {
+  const double m = 0.5, spring = 200, alpha = 1.2, u0 = 0.3, end = 0.5;
+  const double decay = alpha / 2, w = std::sqrt(spring / m - decay * decay);
+  const double exact = u0 * std::exp(-decay * end) * (std::cos(w * end) + decay / w * std::sin(w * end));
+  std::vector<double> errors;
+  for (const int steps : {500, 1000, 2000, 4000}) {
+    Simulation simulation = simulationFromText(
+        "<Node name=\"root\" dt=\"" + std::to_string(end / steps) +
+        "\" gravity=\"0 0 0\"><CondensedDynamicSolver rayleighMass=\"1.2\"/><MechanicalObject position=\"1.3 0 0\" "
+        "rest_position=\"1 0 0\"/><UniformMass totalMass=\"0.5\"/><RestShapeSpringsForceField points=\"0\" "
+        "stiffness=\"200\"/></Node>");
+    for (int i = 0; i < steps; ++i) simulation.step();
+    errors.push_back(std::abs(simulation.systems().front()->x[0][0] - 1 - exact));
+  }
+  for (std::size_t i = 1; i < errors.size(); ++i) EXPECT_NEAR(errors[i - 1] / errors[i], 2, 0.15);
+}
