@@ -95,6 +95,18 @@ function(stroma_outside_module name sources manual_sources libraries)
     COMMENT "Indexing ${name}" VERBATIM)
 endfunction()
 
+# stroma_service(NAME SOURCES file... LIBRARIES lib...)
+#   Builds a shared library beside the modules that framework/scene/services.h opens by name. It has no level: what it does
+#   is not done in a step.
+function(stroma_service name)
+  cmake_parse_arguments(arg "" "" "SOURCES;LIBRARIES" ${ARGN})
+  add_library(${name} MODULE ${arg_SOURCES})
+  target_link_libraries(${name} PRIVATE stroma ${arg_LIBRARIES})
+  set_target_properties(${name} PROPERTIES PREFIX "" CXX_VISIBILITY_PRESET hidden
+    LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib/stroma INSTALL_RPATH "$ORIGIN/..")
+  install(TARGETS ${name} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/stroma OPTIONAL)
+endfunction()
+
 # One index for all modules, made by opening each of them once after the build.
 function(stroma_write_module_index)
   get_property(modules GLOBAL PROPERTY STROMA_MODULES)

@@ -22,7 +22,6 @@
 //   <VTKExporter filename="grid" pointsDataFields="velocity" exportAtBegin="true"/>
 // </Node>
 #include <fmt/format.h>
-#include <unistd.h>
 #include <vtkCellArray.h>
 #include <vtkCellData.h>
 #include <vtkCellType.h>
@@ -36,12 +35,12 @@
 #include <vtkXMLUnstructuredGridWriter.h>
 
 #include <filesystem>
-#include <fstream>
 #include <limits>
 
 #include "framework/mechanics/force_field.h"
 #include "framework/mesh/topology.h"
 #include "framework/scene/factory.h"
+#include "framework/scene/whole_file.h"
 #include "framework/simulation/observer.h"
 #include "framework/simulation/simulation.h"
 
@@ -367,28 +366,12 @@ std::vector<double> VTKExporter::fieldOfCells(const CellOutput& output) const {
   return out;
 }
 
-/// Writes to another name and renames, so that a reader never sees half a file.
-void writeWhole(const fs::path& file, const std::string& bytes) {
-  const fs::path temporary = file.string() + fmt::format(".part{}", ::getpid());
-  std::ofstream stream(temporary, std::ios::binary);
-  stream.write(bytes.data(), std::streamsize(bytes.size()));
-  stream.close();
-  std::error_code error;
-  if (stream) fs::rename(temporary, file, error);
-  if (!stream || error) {
-    std::error_code ignored;
-    fs::remove(temporary, ignored);
-    throw std::runtime_error(
-        fmt::format("{} cannot be written{}{}", file.string(), error ? ": " : "", error ? error.message() : ""));
-  }
-}
-
 void VTKExporter::write(const Simulation& simulation) {
   fill();
   time_->SetValue(0, simulation.time());
   const std::string number = overwrite_ ? "" : fmt::format("{:05}", written_.size());
   const fs::path file = stem_.string() + number + (xml_ ? ".vtu" : ".vtk");
-  writeWhole(file, contents());
+  writeWholeFile(file.string(), contents());
   if (overwrite_) written_.clear();
   written_.emplace_back(simulation.time(), file.filename().string());
   last_step_ = simulation.steps();
@@ -420,7 +403,7 @@ void VTKExporter::writeCollection() const {
       "<Collection>\n";
   for (const auto& [time, file] : written_)
     text += fmt::format("    <DataSet timestep=\"{}\" group=\"\" part=\"0\" file=\"{}\"/>\n", time, file);
-  writeWhole(stem_.string() + ".pvd", text + "  </Collection>\n</VTKFile>\n");
+  writeWholeFile(stem_.string() + ".pvd", text + "  </Collection>\n</VTKFile>\n");
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include <stdexcept>
 
 #include "framework/scene/change_table.h"
+#include "framework/scene/services.h"
 #include "framework/scene/text.h"
 
 namespace stroma {
@@ -29,17 +30,8 @@ std::size_t machineLevel() {
   return __builtin_cpu_supports("x86-64-v3") ? 1 : 2;
 }
 
-/// The folder stroma/ beside the framework library.
-std::string ownFolder() {
-  Dl_info info{};
-  if (!dladdr(reinterpret_cast<const void*>(&instructionLevel), &info) || !info.dli_fname) return {};
-  std::error_code none;
-  const fs::path library = fs::canonical(info.dli_fname, none);
-  return none ? std::string() : (library.parent_path() / "stroma").string();
-}
-
 std::vector<std::string> defaultFolders() {
-  std::vector<std::string> folders{ownFolder()};
+  std::vector<std::string> folders{moduleFolder()};
   const char* list = std::getenv("STROMA_MODULE_PATH");
   std::istringstream parts(list ? list : "");
   for (std::string part; std::getline(parts, part, ':');)

@@ -18,7 +18,8 @@ FRAMEWORK = {
 }
 # Libraries that only some folders may include: header pattern, folders.
 GUARDED = [
-    (re.compile(r"vtk\w+\.h$"), ("components/vtk_io/", "tests/")),
+    (re.compile(r"vtk\w+\.h$"), ("components/vtk_io/", "services/image_io/", "tests/")),
+    (re.compile(r"^CGAL/"), ("services/meshing/",)),
     (re.compile(r"gmsh\.h(_cwrap)?$"), ("tests/",)),
     (re.compile(r"tinyxml2\.h$"), ("framework/scene/", "tests/")),
     (re.compile(r"cholmod\.h$"), ("components/direct_solvers/", "components/condensation/", "tests/")),
@@ -47,10 +48,10 @@ def included_problem(path, quoted, header, exists):
     elif top[0] == "components":
         if target[0] != "framework":
             return f'includes "{header}": a component includes framework/ only'
-    elif top[0] == "tools":
+    elif top[0] in ("tools", "services"):
         own_folder = "/".join(top[:-1])
         if target[0] != "framework" and not (header.startswith(own_folder + "/") or exists(own_folder + "/" + header)):
-            return f'includes "{header}": a tool includes framework/ and its own folder only'
+            return f'includes "{header}": a {top[0][:-1]} includes framework/ and its own folder only'
     return None
 
 
@@ -101,6 +102,9 @@ PLANTED = {  # path: (text, part of the expected finding, or None where there is
     "tools/command/h.cpp": (LICENCE + '#include "components/elasticity/f.cpp"\n', "its own folder only"),
     "tools/command/i.cpp": (LICENCE + '#include "i.h"\n#include "framework/scene/node.h"\n', None),
     "tools/command/i.h": (LICENCE, None),
+    "services/meshing/o.cpp": (LICENCE + '#include <CGAL/Random.h>\n#include "services/meshing/o.h"\n', None),
+    "services/meshing/o.h": (LICENCE + '#include "services/image_io/p.h"\n', "its own folder only"),
+    "framework/mesh/p.cpp": (LICENCE + "#include <CGAL/Random.h>\n", "which only services/meshing/"),
     "framework/simulation/j.cpp": (LICENCE + '#include "framework/fem/d.h"\n#include <vector>\n', None),
     "tests/scene/k.cpp": ('#include "anything.h"\n', "no SPDX"),
     "tools/l": ("#!/bin/sh\n\n\n\n# SPDX-License-Identifier: LGPL-2.1-or-later\n", "no SPDX"),

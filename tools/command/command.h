@@ -30,6 +30,7 @@ int explain(const Arguments& arguments);
 int list(const Arguments& arguments);
 int doc(const Arguments& arguments);
 int regress(const Arguments& arguments);
+int mesh(const Arguments& arguments);
 int bench(const Arguments& arguments);
 
 }  // namespace stroma::command

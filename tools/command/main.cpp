@@ -21,13 +21,14 @@ struct Subcommand {
   const char* purpose;
 };
 
-constexpr std::array<Subcommand, 7> subcommands{{
+constexpr std::array<Subcommand, 8> subcommands{{
     {"run", run, "simulate a scene"},
     {"check", check, "report every problem of a scene without running it"},
     {"explain", explain, "print the compiled plan: what each step does, what was skipped and why"},
     {"list", list, "list the components, or those that match a pattern"},
     {"doc", doc, "print the manual page of a component"},
     {"regress", regress, "run scenes and compare their states with stored ones"},
+    {"mesh", mesh, "make a tetrahedral mesh from a segmented image or a closed surface"},
     {"bench", bench, "measure the speed of the kernels and solvers"},
 }};
 

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Services: what a module offers besides components, to the command and not to scenes (the mesh generator, the reader
+// of images). A service is an abstract class in framework/, its implementation a shared library beside the modules that
+// is opened when somebody asks for it: heavy libraries, and those under the GPL, stay out of everything else.
+#pragma once
+#include <memory>
+#include <string>
+
+namespace stroma {
+
+/// What a service exports as `extern "C" const stroma::ServiceInfo* stroma_service()`. `abi` is STROMA_ABI and is
+/// compared before anything else is touched; `role` is the name of the abstract class.
+struct ServiceInfo {
+  const char* abi;
+  const char* role;
+  void* (*make)();  ///< a new object of the role; owned by the caller
+};
+
+/// The folder of the modules, stroma/ beside the framework library; empty when it cannot be found.
+std::string moduleFolder();
+
+/// Opens NAME.so in moduleFolder() and makes its object. Throws ComponentError with `missing` (why it may not be there
+/// and what helps) when there is no such library, and when it is another version's or plays another role.
+void* makeService(const std::string& name, const std::string& role, const std::string& missing);
+
+/// The same with the type of the role, which names itself in `Role::role`, its library in `Role::library` and what to
+/// do when it is missing in `Role::missing`.
+template <class Role>
+std::unique_ptr<Role> service() {
+  return std::unique_ptr<Role>(static_cast<Role*>(makeService(Role::library, Role::role, Role::missing)));
+}
+
+}  // namespace stroma

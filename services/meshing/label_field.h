@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <Eigen/Core>
+#include <vector>
+
+#include "framework/mesh/label_image.h"
+
+namespace stroma::meshing {
+
+/// The label of every point of space. Each voxel's indicator of a label is spread by a quadratic B-spline (width three
+/// voxels, a partition of unity); the label of a point is the one with the largest sum. Boundaries lie half way between
+/// voxels and are smooth instead of stairs; parts at least two voxels thick keep their place to a few hundredths of a
+/// voxel.
+class LabelField {
+ public:
+  explicit LabelField(const LabelImage& image);
+  /// 0 outside, i + 1 for the i-th label of the image.
+  int at(const Vec3& p) const;
+
+  /// A point where the region changes from `low` to `high` > `low`.
+  struct BoundaryPoint {
+    Vec3 position;
+    int low, high;
+  };
+  /// Points on the boundary of every connected part of every region, at least `spacing[region]` apart within a part
+  /// and nearer to each other on parts that are small; always in the same order.
+  std::vector<BoundaryPoint> boundaryPoints(const std::vector<double>& spacing) const;
+  /// Corners of a box, aligned with the axes of space, around all voxels and a voxel more.
+  std::array<Vec3, 2> box() const;
+
+ private:
+  std::size_t place(Index x, Index y, Index z) const {
+    return std::size_t(x) + std::size_t(padded_[0]) * (std::size_t(y) + std::size_t(padded_[1]) * std::size_t(z));
+  }
+  Vec3 centre(Index x, Index y, Index z) const { return origin_ + steps_ * Vec3(x - border, y - border, z - border); }
+  std::vector<Index> parts(std::vector<long>& voxels) const;
+  BoundaryPoint between(Vec3 a, Vec3 b) const;
+
+  static constexpr Index border = 2;  ///< voxels of region 0 around the image
+  std::array<Index, 3> padded_;
+  std::vector<std::uint8_t> region_;
+  Vec3 origin_;
+  Mat3 steps_, inverse_;
+};
+
+}  // namespace stroma::meshing
