@@ -72,6 +72,7 @@ class CondensedStaticSolver final : public CondensedIntegrator {
   using Force = std::array<double, 3>;
   void addColumns(const std::vector<Index>& nodes, const std::vector<Force>& forces, double* u) const;
   double entry(Index i, Index j) const;
+  void multiplyConstantLoads();
   void gatherLoads();
   void addTouches();
   void update();
@@ -79,9 +80,9 @@ class CondensedStaticSolver final : public CondensedIntegrator {
   bool incremental_ = true;
   int multiplied_ = 0;
 
-  Array<double> base_, u_, reduced_;  ///< of constant loads; now; of inside loads; shape (padded)
-  std::vector<Index> candidates_;     ///< nodes that can have a load that changes
-  std::vector<Force> load_, last_;    ///< on candidates, now and in u_
+  Array<double> u_, reduced_;       ///< now; of inside loads; shape (padded)
+  std::vector<Index> candidates_;   ///< nodes that can have a load that changes
+  std::vector<Force> load_, last_;  ///< on candidates, now and in u_
   std::vector<Index> nodes_, changed_nodes_;
   std::vector<Force> forces_, changes_;  ///< those that are not zero
   std::vector<Index> place_;             ///< of an active node in candidates_, or -1
@@ -91,16 +92,8 @@ class CondensedStaticSolver final : public CondensedIntegrator {
 };
 
 void CondensedStaticSolver::prepare(System& system) {
-  for (Array<double>* vector : {&base_, &u_, &at_touches_}) vector->assign(padded(), 0.0);
-  std::vector<Index> loaded;
-  std::vector<Force> forces;
-  for (Index node = 0; node < active(); ++node) {
-    const double* f = constantForce().data() + 3 * node;
-    if (f[0] == 0 && f[1] == 0 && f[2] == 0) continue;
-    loaded.push_back(node);
-    forces.push_back({f[0], f[1], f[2]});
-  }
-  addColumns(loaded, forces, base_.data());
+  for (Array<double>* vector : {&u_, &at_touches_}) vector->assign(padded(), 0.0);
+  if (base_.empty()) multiplyConstantLoads();
   std::vector<char> can_change(std::size_t(active()), 0);
   const auto& timed = body_.timedNodes();
   const bool inside = !timed.empty() && timed.front() < firstActive();
@@ -125,6 +118,19 @@ void CondensedStaticSolver::prepare(System& system) {
   for (auto* list : {&nodes_, &changed_nodes_}) list->reserve(candidates_.size());
   for (auto* list : {&forces_, &changes_}) list->reserve(candidates_.size());
   clear(system.v);
+}
+
+void CondensedStaticSolver::multiplyConstantLoads() {
+  base_.assign(padded(), 0.0);
+  std::vector<Index> loaded;
+  std::vector<Force> forces;
+  for (Index node = 0; node < active(); ++node) {
+    const double* f = constantForce().data() + 3 * node;
+    if (f[0] == 0 && f[1] == 0 && f[2] == 0) continue;
+    loaded.push_back(node);
+    forces.push_back({f[0], f[1], f[2]});
+  }
+  addColumns(loaded, forces, base_.data());
 }
 
 void CondensedStaticSolver::addColumns(const std::vector<Index>& nodes, const std::vector<Force>& forces,

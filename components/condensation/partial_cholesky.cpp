@@ -55,7 +55,7 @@ class CholmodPartialCholesky final : public PartialCholesky {
  public:
   CholmodPartialCholesky();
   ~CholmodPartialCholesky() override;
-  std::vector<Index> analyse(const BlockMatrix& matrix, Index eliminated) override;
+  std::vector<Index> analyse(const BlockMatrix& matrix, Index eliminated, bool as_they_are) override;
   double peakBytes() const override;
   double flops() const override { return flops_; }
   Index factor() override;
@@ -142,14 +142,15 @@ void CholmodPartialCholesky::tryOrder(cholmod_sparse* nodes, std::vector<int> or
   cholmod_free_factor(&trial, &common_);
 }
 
-std::vector<Index> CholmodPartialCholesky::analyse(const BlockMatrix& matrix, Index eliminated) {
+std::vector<Index> CholmodPartialCholesky::analyse(const BlockMatrix& matrix, Index eliminated, bool as_they_are) {
   const NoRegions no_regions;
   eliminated_ = eliminated;
   order_.clear();
   std::vector<int> order(std::size_t(matrix.rows()));
   std::iota(order.begin(), order.end(), 0);
   cholmod_sparse* all = graph(matrix, matrix.rows());
-  if (eliminated > 1) {
+  if (as_they_are) order_ = order;
+  if (eliminated > 1 && !as_they_are) {
     cholmod_sparse* inside = graph(matrix, eliminated);
     std::vector<int> found = order;
     if (cholmod_metis(inside, nullptr, 0, 1, found.data(), &common_)) tryOrder(all, found, eliminated);

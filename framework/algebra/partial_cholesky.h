@@ -18,8 +18,8 @@ class PartialCholesky {
  public:
   virtual ~PartialCholesky() = default;
   /// Orders the first `eliminated` block rows of the matrix for little fill and lays the factor out; the others keep
-  /// their order. Returns the order: old block rows, shape (rows).
-  virtual std::vector<Index> analyse(const BlockMatrix& matrix, Index eliminated) = 0;
+  /// their order. `as_they_are`: no other order is looked for. Returns the order: old block rows, shape (rows).
+  virtual std::vector<Index> analyse(const BlockMatrix& matrix, Index eliminated, bool as_they_are = false) = 0;
   /// After analyse(): bytes that factor() takes at its peak, and operations.
   virtual double peakBytes() const = 0;
   virtual double flops() const = 0;

@@ -125,6 +125,7 @@ bool CondensedIntegrator::reduceTimedInterior(double* out) {
     if (node >= body_.interior()) break;
     Eigen::Map<Vec3>(timed_reduced_.data() + 3 * node) = body_.timedForce(node);
   }
+  checkFactor();
   forward(timed_reduced_.data());
   std::copy(timed_reduced_.begin() + 3 * body_.interior(), timed_reduced_.end(), out);
   return true;
@@ -133,6 +134,7 @@ bool CondensedIntegrator::reduceTimedInterior(double* out) {
 void CondensedIntegrator::complete(System& system) {
   if (!behind_) return;
   behind_ = false;
+  checkFactor();
   const std::size_t inside = 3 * std::size_t(body_.interior());
   const auto sweep = [&](const Rows& rows, ConstRows origin, bool loads) {
     for (std::size_t i = 0; i < inside; ++i)

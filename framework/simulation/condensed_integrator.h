@@ -92,6 +92,7 @@ class CondensedIntegrator : public Integrator {
   SupernodalColumns eliminated_;
   Array<double> sweep_work_;
   bool condensed_ = true;
+  Array<double> base_;  ///< C f*_s of constant loads, where a form keeps it; empty: prepare() has to make it
 
  private:
   struct Problem;
@@ -104,6 +105,8 @@ class CondensedIntegrator : public Integrator {
   void shareInteriorMass(const Problem& problem, PartialCholesky& factor);
   void packInverse(PartialCholesky& factor, const std::function<void(double)>& progress);
   void useStored(Problem& problem);
+  void checkFactor();
+  void sweepConstantForce();
   void prepareActive(System& system, const std::vector<Index>& order, const std::vector<double>& force);
   void updateTouches(System& system);
   std::string cacheFolder() const;
@@ -129,10 +132,12 @@ class CondensedIntegrator : public Integrator {
   std::string file_name_;
   std::unique_ptr<PartialCholesky> factor_;
   std::vector<double> inertia_, damping_;
+  std::vector<double> force_, shift_;  ///< constant loads and shifts of the diagonal on free nodes
+  Array<double> swept_;                ///< force_ after forward()
   Array<double> constant_force_;
   std::vector<double> interior_constant_;  ///< L_II^-1 f_I of what does not change, shape (3 interior)
   Array<double> sweep_, timed_reduced_;    ///< over all free nodes
-  bool behind_ = false, asks_force_ = false, first_look_ = true;
+  bool behind_ = false, asks_force_ = false, first_look_ = true, factor_checked_ = false;
   Array<double> origin_;  ///< x_0 of active nodes, shape (padded)
   std::vector<Touch> touches_;
   std::vector<NodeProjector> touching_, touching_now_;

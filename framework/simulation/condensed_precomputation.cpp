@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 
 #include "framework/scene/node.h"
@@ -25,7 +26,8 @@ struct CondensedIntegrator::Problem {
 
 namespace {
 
-enum Part : std::size_t { inverse, order, inertias, first, row_start, start, rows, values, parts };
+/// Sections of a file. The last three are the constant loads of the run that wrote it and what became of them.
+enum Part : std::size_t { inverse, order, inertias, first, row_start, start, rows, values, force, swept, based, parts };
 
 double availableBytes() {
   std::ifstream info("/proc/meminfo");
@@ -46,6 +48,7 @@ class Telling {
  public:
   Telling(std::string what, double operations) : what_(std::move(what)), silent_(operations < 1e11) {}
   void say(double share) {
+    share = std::min(share, 1.0);
     const int step = int(share * (isatty(2) ? 100 : 4));
     if (silent_ || step <= last_) return;
     last_ = step;
@@ -83,20 +86,20 @@ void CondensedIntegrator::compile(System& system) {
   decideForm(problem);
   problem.key = keyOf(problem);
   from_cache_ = loadStored(problem);
-  if (!from_cache_) {
-    computeAnew(problem);
-    store(problem);
-  }
+  if (!from_cache_) computeAnew(problem);
   body_.renumber(problem.order);
+  shift_.clear();
+  for (std::size_t i = 0; i < shift.size(); ++i) shift_.push_back(shift[std::size_t(problem.order[i])]);
   kept_count_ = used_form_ == Form::factor ? body_.free() : body_.kept();
   interior_count_ = body_.free() - kept_count_;
   prepareActive(system, problem.order, force);
+  for (const std::string& note : body_.notes()) inform(note);
+  prepare(system);
+  if (!from_cache_) store(problem);
   precomputation_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   if (!from_cache_ && cache_folder_.empty() && precomputation_ > 5)
     inform(fmt::format("the precomputation took {:.0f} s; cacheFolder=\"auto\" keeps it for the next run",
                        precomputation_));
-  for (const std::string& note : body_.notes()) inform(note);
-  prepare(system);
 }
 
 ContentKey CondensedIntegrator::keyOf(const Problem& problem) const {
@@ -241,7 +244,7 @@ bool CondensedIntegrator::loadStored(Problem& problem) {
   std::string reason;
   if (file_.open(file_name_, problem.key, parts, reason))
     for (std::size_t i = 0; i < parts && reason.empty(); ++i)
-      if (!file_.isIntact(i)) reason = "its numbers are damaged";
+      if ((i != values || used_form_ == Form::factor) && !file_.isIntact(i)) reason = "its numbers are damaged";
   if (!reason.empty()) {
     file_.close();
     warn(fmt::format("{} is not used and made anew: {}", file_name_, reason));
@@ -260,7 +263,10 @@ void CondensedIntegrator::store(const Problem& problem) {
                                       sectionOf(eliminated_.row_start, count + 1),
                                       sectionOf(eliminated_.start, count + 1),
                                       sectionOf(eliminated_.rows, std::size_t(eliminated_.row_start[count])),
-                                      sectionOf(eliminated_.values, eliminated_.entries())};
+                                      sectionOf(eliminated_.values, eliminated_.entries()),
+                                      sectionOf(force_.data(), force_.size()),
+                                      sectionOf(swept_.data(), swept_.size()),
+                                      sectionOf(base_.data(), base_.size())};
   const std::string reason = SectionFile::write(file_name_, problem.key, sections);
   if (!reason.empty()) warn(fmt::format("{} cannot be written ({}): the next run computes again", file_name_, reason));
 }
@@ -282,6 +288,21 @@ void CondensedIntegrator::useStored(Problem& problem) {
   sweep_work_.resize(std::size_t(eliminated_.longest()));
 }
 
+// The factor of the inside is the larger part of a file and not needed for steps: it is checked when somebody needs it.
+void CondensedIntegrator::checkFactor() {
+  if (!file_.isOpen() || used_form_ == Form::factor || factor_checked_) return;
+  factor_checked_ = true;
+  if (file_.isIntact(values)) return;
+  fmt::print(stderr, "{}: the factor of the inside in {} is damaged: made anew, and so is the file in the next run\n",
+             path(), file_name_);
+  std::error_code ignored;
+  std::filesystem::remove(file_name_, ignored);
+  factor_ = makeFactor();
+  factor_->analyse(body_.matrix(shift_), body_.interior(), true);
+  factor_->factor();
+  eliminated_ = factor_->eliminated();
+}
+
 // ---- what steps need ----
 
 void CondensedIntegrator::prepareActive(System& system, const std::vector<Index>& new_order,
@@ -299,19 +320,34 @@ void CondensedIntegrator::prepareActive(System& system, const std::vector<Index>
     damping_.push_back(rayleighMass() + own[std::size_t(first_active_ + node)]);
     Eigen::Map<Vec3>(origin_.data() + 3 * node) = body_.reference()[row];
   }
-  sweep_.assign(3 * std::size_t(body_.free()), 0.0);
-  for (Index node = 0; node < body_.free(); ++node)
-    for (std::size_t c = 0; c < 3; ++c)
-      sweep_[3 * std::size_t(node) + c] = force[3 * std::size_t(new_order[std::size_t(node)]) + c];
-  const std::size_t inside = 3 * std::size_t(first_active_);
-  if (std::any_of(sweep_.begin(), sweep_.begin() + std::ptrdiff_t(inside), [](double f) { return f != 0; }))
-    forward(sweep_.data());
-  interior_constant_.assign(sweep_.begin(), sweep_.begin() + std::ptrdiff_t(inside));
-  constant_force_.assign(padded(), 0.0);
-  std::copy(sweep_.begin() + std::ptrdiff_t(inside), sweep_.end(), constant_force_.begin());
+  force_.clear();
+  for (const Index node : new_order)
+    for (std::size_t c = 0; c < 3; ++c) force_.push_back(force[3 * std::size_t(node) + c]);
+  sweepConstantForce();
   const auto& timed = body_.timedNodes();
   timed_reduced_.assign(!timed.empty() && timed.front() < first_active_ ? sweep_.size() : 0, 0.0);
   range_.compile(system, body_, active_of_row);
+}
+
+// Constant loads on the inside reach the kept nodes, f*_s = f_s - K_si K_ii^-1 f_i. A file has the result for the loads
+// of the run that wrote it.
+void CondensedIntegrator::sweepConstantForce() {
+  const std::size_t inside = 3 * std::size_t(first_active_), all = force_.size();
+  base_.clear();
+  swept_.assign(force_.begin(), force_.end());
+  const bool known = file_.isOpen() && file_.section(force).bytes == all * sizeof(double) &&
+                     std::equal(force_.begin(), force_.end(), file_.array<double>(force));
+  if (known) {
+    std::copy_n(file_.array<double>(swept), all, swept_.begin());
+    base_.assign(file_.array<double>(based), file_.array<double>(based) + file_.section(based).bytes / sizeof(double));
+  } else if (std::any_of(force_.begin(), force_.begin() + std::ptrdiff_t(inside), [](double f) { return f != 0; })) {
+    checkFactor();
+    forward(swept_.data());
+  }
+  sweep_.assign(all, 0.0);
+  interior_constant_.assign(swept_.begin(), swept_.begin() + std::ptrdiff_t(inside));
+  constant_force_.assign(padded(), 0.0);
+  std::copy(swept_.begin() + std::ptrdiff_t(inside), swept_.end(), constant_force_.begin());
 }
 
 }  // namespace stroma

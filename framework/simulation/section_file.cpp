@@ -141,17 +141,23 @@ std::string SectionFile::write(const std::string& path, const ContentKey& key, c
   std::error_code error;
   std::filesystem::create_directories(std::filesystem::path(path).parent_path(), error);
   if (error) return error.message();
-  std::string temporary = path + ".XXXXXX";
-  const int descriptor = mkstemp(temporary.data());
+  // a file without a name, so that a run that is killed leaves none; then a name of its own, then the final one
+  const std::string folder = std::filesystem::path(path).parent_path().string();
+  const std::string temporary = fmt::format("{}.{}", path, getpid());
+  int descriptor = ::open(folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0644);
+  const bool nameless = descriptor >= 0;  // not every file system has such files
+  if (!nameless) descriptor = ::open(temporary.c_str(), O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, 0644);
   std::FILE* file = descriptor < 0 ? nullptr : fdopen(descriptor, "wb");
   if (!file) return std::strerror(errno);
   bool good = writeAll(file, &header, sizeof header);
   for (const Section& section : sections) good = good && writeAll(file, section.data, section.bytes);
-  good = std::fflush(file) == 0 && good && fchmod(descriptor, 0644) == 0 && fsync(descriptor) == 0;
-  good = std::fclose(file) == 0 && good;
-  if (good && std::rename(temporary.c_str(), path.c_str()) == 0) return {};
-  const std::string reason = std::strerror(errno);
-  std::remove(temporary.c_str());
+  good = std::fflush(file) == 0 && good && fsync(descriptor) == 0;
+  const std::string own = fmt::format("/proc/self/fd/{}", descriptor);
+  if (nameless) good = good && linkat(AT_FDCWD, own.c_str(), AT_FDCWD, temporary.c_str(), AT_SYMLINK_FOLLOW) == 0;
+  good = good && std::rename(temporary.c_str(), path.c_str()) == 0;
+  const std::string reason = good ? "" : std::strerror(errno);
+  std::fclose(file);
+  if (!good && !nameless) std::remove(temporary.c_str());
   return reason;
 }
 

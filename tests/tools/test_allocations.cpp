@@ -77,7 +77,8 @@ TEST_P(AllocationsOfScene, NoneAfterTheFirstStep) {
 
 INSTANTIATE_TEST_SUITE_P(Examples, AllocationsOfScene,
                          testing::Values("organ.xml", "cantilever.xml", "explicit.xml", "ten_tetrahedra.xml",
-                                         "mesh_matrix_mass.xml", "partial_fixed.xml", "breathing.xml"));
+                                         "mesh_matrix_mass.xml", "partial_fixed.xml", "breathing.xml",
+                                         "organ_condensed.xml"));
 
 }  // namespace
 }  // namespace stroma

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Files of precomputed arrays, and the condensed solvers that use them: damaged, foreign, cut and half-written ones.
+#include <fcntl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <fstream>
+#include <functional>
+
+#include "framework/simulation/section_file.h"
+#include "tests/condensation/bodies.h"
+
+using namespace stroma;
+using namespace stroma::test;
+namespace fs = std::filesystem;
+
+namespace {
+
+class CacheFolder : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder = fs::temp_directory_path() / ("stroma_cache_" + std::to_string(getpid()));
+    fs::remove_all(folder);
+  }
+  void TearDown() override { fs::remove_all(folder); }
+
+  std::string scene(const std::string& solver = "Static", const std::string& young = "5000") const {
+    Block block{.solver = "<Condensed" + solver + "Solver cacheFolder=\"" + folder.string() + "\"/>",
+                .loads = "<ConstantForceField indices=\"139 47\" totalForce=\"0.05 0.02 -0.03\"/>"};
+    block.young = young;
+    return block.text();
+  }
+  /// The one file of the folder.
+  fs::path file() const {
+    std::vector<fs::path> found;
+    for (const auto& entry : fs::directory_iterator(folder)) found.push_back(entry.path());
+    EXPECT_EQ(found.size(), 1u);
+    return found.front();
+  }
+  static bool fromCache(const Simulation& simulation) {
+    return *std::get<bool*>(simulation.systems().front()->integrator().data().find("fromCache")->pointer());
+  }
+  void flip(std::uintmax_t at) const {
+    std::fstream stream(file(), std::ios::in | std::ios::out | std::ios::binary);
+    stream.seekg(std::streamoff(at));
+    const char byte = char(stream.get());
+    stream.seekp(std::streamoff(at));
+    stream.put(char(byte ^ 0x10));
+  }
+  static std::uint64_t hashAfterSteps(Simulation& simulation) {
+    for (int i = 0; i < 3; ++i) simulation.step();
+    return simulation.stateHash();
+  }
+
+  fs::path folder;
+};
+
+}  // namespace
+
+TEST_F(CacheFolder, secondRunTakesTheSameNumbersFromTheFile) {
+  for (const std::string solver : {"Static", "Dynamic"}) {
+    Simulation first = simulationFromText(scene(solver)), second = simulationFromText(scene(solver));
+    EXPECT_FALSE(fromCache(first));
+    EXPECT_TRUE(fromCache(second));
+    EXPECT_EQ(hashAfterSteps(first), hashAfterSteps(second));
+  }
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 2);
+}
+
+TEST_F(CacheFolder, anotherMaterialIsAnotherFile) {
+  Simulation first = simulationFromText(scene()), second = simulationFromText(scene("Static", "5001"));
+  EXPECT_FALSE(fromCache(second));
+  EXPECT_NE(hashAfterSteps(first), hashAfterSteps(second));
+}
+
+TEST_F(CacheFolder, whatIsWrongWithAFileIsSaidAndItIsMadeAnew) {
+  const auto wholeSize = [&] { return fs::file_size(file()); };
+  Simulation first = simulationFromText(scene());
+  const std::uint64_t expected = hashAfterSteps(first);
+  const std::vector<std::pair<std::function<void()>, std::string>> harms{
+      {[&] { flip(5000); }, "numbers are damaged"},
+      {[&] { flip(20); }, "header is damaged"},
+      {[&] { flip(2); }, "no such file"},
+      {[&] { flip(8); }, "another format"},
+      {[&] { fs::resize_file(file(), wholeSize() - 4096); }, "cut short"},
+      {[&] { fs::resize_file(file(), 100); }, "too short"}};
+  for (const auto& [harm, sentence] : harms) {
+    harm();
+    testing::internal::CaptureStderr();
+    Simulation again = simulationFromText(scene());
+    const std::string said = testing::internal::GetCapturedStderr();
+    EXPECT_FALSE(fromCache(again)) << sentence;
+    EXPECT_NE(said.find(sentence), std::string::npos) << said;
+    EXPECT_EQ(hashAfterSteps(again), expected);
+    Simulation mended = simulationFromText(scene());
+    EXPECT_TRUE(fromCache(mended)) << sentence;
+  }
+}
+
+TEST_F(CacheFolder, theFileOfAnotherBodyIsNotTaken) {
+  simulationFromText(scene());
+  const fs::path mine = file();
+  const fs::path kept = folder.string() + "_kept";
+  fs::rename(mine, kept);
+  simulationFromText(scene("Static", "7000"));
+  fs::rename(file(), mine);
+  testing::internal::CaptureStderr();
+  Simulation again = simulationFromText(scene());
+  EXPECT_NE(testing::internal::GetCapturedStderr().find("of something else"), std::string::npos);
+  EXPECT_FALSE(fromCache(again));
+  fs::remove(kept);
+}
+
+TEST_F(CacheFolder, aDamagedFactorOfTheInsideIsMadeAnewWhenItIsNeeded) {
+  Simulation first = simulationFromText(scene());
+  const std::uint64_t expected = hashAfterSteps(first);
+  // the factor's numbers end three padded sections before the end of the file
+  const auto pages = [](std::size_t bytes) { return (bytes + 4095) / 4096 * 4096; };
+  const std::size_t free = 120, kept = 90;
+  flip(fs::file_size(file()) - 2 * pages(free * 24) - pages((3 * kept + 7) / 8 * 64) - 5000);
+  Simulation again = simulationFromText(scene());
+  EXPECT_TRUE(fromCache(again));
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(hashAfterSteps(again), expected);
+  EXPECT_NE(testing::internal::GetCapturedStderr().find("factor of the inside"), std::string::npos);
+  EXPECT_FALSE(fs::exists(folder) && std::distance(fs::directory_iterator(folder), {}) > 0);
+}
+
+TEST_F(CacheFolder, runsAtOnceLeaveOneWholeFile) {
+  std::vector<pid_t> runs;
+  for (int i = 0; i < 4; ++i) {
+    const pid_t child = fork();
+    if (child == 0) {
+      Simulation simulation = simulationFromText(scene());
+      _exit(hashAfterSteps(simulation) == 0);
+    }
+    runs.push_back(child);
+  }
+  for (const pid_t run : runs) {
+    int status = 1;
+    waitpid(run, &status, 0);
+    EXPECT_EQ(status, 0);
+  }
+  file();
+  const Simulation later = simulationFromText(scene());
+  EXPECT_TRUE(fromCache(later));
+}
+
+TEST_F(CacheFolder, aFolderThatCannotBeWrittenIsAWarning) {
+  fs::create_directories(folder);
+  std::ofstream(folder / "file").put('x');
+  const Block block{.solver = "<CondensedStaticSolver cacheFolder=\"" + (folder / "file" / "sub").string() + "\"/>"};
+  testing::internal::CaptureStderr();
+  after(block.text(), 1);
+  EXPECT_NE(testing::internal::GetCapturedStderr().find("cannot be written"), std::string::npos);
+}
+
+TEST_F(CacheFolder, aHalfWrittenFileIsNeverSeen) {
+  // a writer that dies leaves nothing under the final name: the data go to a file without a name first
+  fs::create_directories(folder);
+  const pid_t child = fork();
+  if (child == 0) {
+    const std::vector<char> zeros(std::size_t(1) << 28);
+    ContentKey key;
+    alarm(1);
+    for (;;) SectionFile::write((folder / "x.sections").string(), key, {{zeros.data(), zeros.size()}});
+  }
+  usleep(500000);
+  kill(child, SIGKILL);
+  waitpid(child, nullptr, 0);
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    SectionFile found;
+    std::string reason;
+    EXPECT_TRUE(found.open(entry.path().string(), ContentKey(), 1, reason)) << entry.path() << reason;
+  }
+}
