@@ -46,6 +46,9 @@ class ProjectiveConstraint : public Component {
   /// True when held velocities are also set to zero, not only kept from changing.
   virtual bool projectsVelocity() const { return false; }
 
+  /// Positions [m] and velocities [m/s] before the first step, where they are not those of the states; `t`: the start.
+  virtual void placeStart(double /*t*/, Rows /*x*/, Rows /*v*/) const {}
+
   // ---- prescribed motion ----
   virtual bool prescribesMotion() const { return false; }
   /// Called at the start of each step in which it is active, with the positions there: what the motion starts from.

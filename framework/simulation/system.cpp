@@ -40,7 +40,9 @@ System::System(Node& node, Integrator& integrator) : node_(node), integrator_(in
 
   const double start = node_.root().root_time;
   reserveConstraints();
+  for (const ProjectiveConstraint* constraint : constraints_) constraint->placeStart(start, x, v);
   gatherConstraints(start, start);
+  checkSharedPlaces(start);
   gatherGroups();
   setTime(start);
   applyMappings();

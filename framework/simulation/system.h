@@ -13,6 +13,7 @@
 #include "framework/mechanics/projective_constraint.h"
 #include "framework/simulation/mapped_matrix.h"
 #include "framework/simulation/node_groups.h"
+#include "framework/simulation/shared_placements.h"
 #include "framework/simulation/step.h"
 
 namespace stroma {
@@ -131,7 +132,7 @@ class System final : public SystemMatrix {
   ConstRows positions() const override { return {x.rows().data, independent_rows_}; }
   std::string describeRow(Index row) const override;
 
-  /// Empty, or a sentence: x or v is not finite (with the state, the node and the component to suspect), or an elastic
+  /// Empty, or a sentence: prescribed motions put a node at places without a common point, or x or v is not finite (with the state, the node and the component to suspect), or an elastic
   /// body is more than a million times its size at rest and larger than at `before` [m]. It will not come back, and
   /// long before it overflows nothing about it means anything.
   std::string firstFault(ConstRows before);
@@ -162,6 +163,8 @@ class System final : public SystemMatrix {
   void reserveConstraints();
   void updateInverseMass();
   void aimAtPrescribed(const StepContext& context);
+  void checkSharedPlaces(double start);
+  std::string describeConflict(const SharedPlacements::Conflict& conflict) const;
   std::vector<double> lumpedMass() const;
   std::vector<char> rowsAlwaysHeld() const;
   double stiffnessFactor(const ForceField& field) const {
@@ -203,6 +206,8 @@ class System final : public SystemMatrix {
   std::vector<NodeProjector> velocity_projectors_;  ///< of constraints that also project velocities
   std::vector<NodeProjector> moving_projectors_;    ///< of prescribed motion
   std::vector<NodeProjector> placed_;               ///< the same without the rows that only follow their group
+  mutable SharedPlacements shared_places_;          ///< of nodes with more than one prescribed motion
+  mutable std::string misplaced_;                   ///< the sentence when such a node has no place
   std::vector<Index> projector_of_row_;             ///< shape (independentRows()): index in projectors_ or -1
   std::vector<Tie> gathered_ties_;
   NodeGroups groups_;

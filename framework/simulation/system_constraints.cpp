@@ -51,6 +51,7 @@ void System::reserveConstraints() {
   for (std::vector<NodeProjector>* list :
        {&gathered_, &projectors_, &velocity_projectors_, &moving_projectors_, &placed_})
     list->reserve(all.size() + 2 * gathered_ties_.size());
+  shared_places_.reserve(all.size());
   if (prescribed) target_x_.resize(all_rows_), target_v_.resize(all_rows_);
 }
 
@@ -61,13 +62,20 @@ void System::gatherConstraints(double t_start, double t_end) {
   velocity_projectors_.clear();
   moving_projectors_.clear();
   gathered_ties_.clear();
-  for (ProjectiveConstraint* constraint : constraints_) {
+  shared_places_.clear();
+  for (std::size_t i = 0; i < constraints_.size(); ++i) {
+    const ProjectiveConstraint* constraint = constraints_[i];
     if (!constraint->activeIn(t_start, t_end)) continue;
     constraint->addProjectors(t_end, gathered_);
     constraint->addTies(gathered_ties_);
     if (constraint->projectsVelocity()) constraint->addProjectors(t_end, velocity_projectors_);
-    if (constraint->prescribesMotion()) constraint->addProjectors(t_end, moving_projectors_);
+    if (!constraint->prescribesMotion()) continue;
+    const std::size_t first = moving_projectors_.size();
+    constraint->addProjectors(t_end, moving_projectors_);
+    shared_places_.add(int(i), moving_projectors_.data() + first,
+                       moving_projectors_.data() + moving_projectors_.size());
   }
+  shared_places_.keepShared();
   const bool regrouped = groups_.set(gathered_ties_, independent_rows_);
   if (regrouped) updateInverseMass();
   for (std::vector<NodeProjector>* list : {&gathered_, &velocity_projectors_, &moving_projectors_}) merge(*list);
@@ -86,6 +94,7 @@ void System::gatherConstraints(double t_start, double t_end) {
 
 void System::beginStep(const StepContext& context) {
   setTime(context.t_end);
+  misplaced_.clear();
   if (constraints_change_) gatherConstraints(context.t, context.t_end);
   applyProjectors(velocity_projectors_, v);
   if (!moving_projectors_.empty()) aimAtPrescribed(context);
@@ -97,10 +106,16 @@ void System::placePrescribed(const StepContext& context, Rows x_now, Rows v_now)
   // a constraint may follow a node that another one, later in the list, places: a chain of n needs n passes
   const auto moving = std::count_if(constraints_.begin(), constraints_.end(),
                                     [](const ProjectiveConstraint* c) { return c->prescribesMotion(); });
-  for (std::ptrdiff_t pass = 0; pass < std::max<std::ptrdiff_t>(2, moving); ++pass)
-    for (const ProjectiveConstraint* constraint : constraints_)
-      if (constraint->prescribesMotion() && constraint->activeIn(context.t, context.t_end))
-        constraint->prescribe(context.t_end, x_now, v_now);
+  SharedPlacements::Conflict conflict;
+  for (std::ptrdiff_t pass = 0; pass < std::max<std::ptrdiff_t>(2, moving); ++pass) {
+    for (std::size_t i = 0; i < constraints_.size(); ++i) {
+      if (!constraints_[i]->prescribesMotion() || !constraints_[i]->activeIn(context.t, context.t_end)) continue;
+      constraints_[i]->prescribe(context.t_end, x_now, v_now);
+      if (!shared_places_.empty()) shared_places_.note(int(i), x_now, v_now);
+    }
+    if (!shared_places_.empty()) conflict = shared_places_.meet(x_now, v_now);
+  }
+  if (!shared_places_.empty()) misplaced_ = describeConflict(conflict);
   // a group goes where its placed member is
   for (const NodeProjector& placed : placed_) {
     const Index group = groups_.of(placed.row);
@@ -111,6 +126,32 @@ void System::placePrescribed(const StepContext& context, Rows x_now, Rows v_now)
       v_now[*row] += held * (v_now[placed.row] - v_now[*row]);
     }
   }
+}
+
+std::string System::describeConflict(const SharedPlacements::Conflict& conflict) const {
+  if (conflict.row < 0) return {};
+  return fmt::format(
+      "{} cannot be where {} and {} put it: at the place between it is {:.3g} m from where the first does",
+      describeRow(conflict.row), constraints_[std::size_t(conflict.a)]->path(),
+      constraints_[std::size_t(conflict.b)]->path(), conflict.distance);
+}
+
+// What never moves can be judged before the first step.
+void System::checkSharedPlaces(double start) {
+  if (shared_places_.empty()) return;
+  const auto isStill = [](const ProjectiveConstraint* c) {
+    return !c->prescribesMotion() || (c->isConstant() && c->endTime() < 0);
+  };
+  if (!std::all_of(constraints_.begin(), constraints_.end(), isStill)) return;
+  for (ProjectiveConstraint* constraint : constraints_)
+    if (constraint->prescribesMotion()) constraint->beginMotion(start, x);
+  StepContext context;
+  context.t = context.t_end = start;
+  copy(x, target_x_);
+  copy(v, target_v_);
+  placePrescribed(context, target_x_, target_v_);
+  if (!misplaced_.empty())
+    throw ComponentError(misplaced_, "constraints whose points, lines and planes have a point in common");
 }
 
 // The held directions get the constant velocity that reaches the end of the step where prescribe() wants them. What

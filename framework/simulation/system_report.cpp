@@ -93,6 +93,7 @@ Index firstBadRow(ConstRows rows) {
 }  // namespace
 
 std::string System::firstFault(ConstRows before) {
+  if (!misplaced_.empty()) return misplaced_;
   const Survey positions = survey(x);
   if (!positions.finite || !survey(v).finite) return firstNonFinite(positions.finite);
   if (burst_size_ < 0) {

@@ -240,6 +240,67 @@ TEST(ProjectTo, ArrivesInTheFirstStepAndStays) {
   EXPECT_EQ(Vec3(point.systems().at(0)->x[0]), Vec3(5, 6, 7));
 }
 
+TEST(ProjectTo, TwoOnOneNodeMeetExactly) {
+  // planes that are almost parallel: going from one to the other in turns gains a part in 1e4 each time
+  const std::string planes =
+      "<ProjectToPlaneProjectiveConstraint indices='0 1' origin='0 1 0' normal='0 1 0'/>"
+      "<ProjectToPlaneProjectiveConstraint indices='0' origin='0 1 3' normal='0 1 0.01'/>";
+  const std::string line_and_plane =
+      "<ProjectToLineProjectiveConstraint indices='0' origin='0 1 0' direction='1 1 0'/>"
+      "<ProjectToPlaneProjectiveConstraint indices='0' origin='0 0 1' normal='1 0 1'/>";
+  for (const std::string& integrator : integrators) {
+    SCOPED_TRACE(integrator);
+    Simulation two = simulationFromText(chain(integrator, planes));
+    Simulation three = simulationFromText(chain(integrator, line_and_plane));
+    for (int i = 0; i < 3; ++i) {
+      ASSERT_FALSE(two.step().diverged);
+      const Vec3 x = two.systems().at(0)->x[0], v = two.systems().at(0)->v[0];
+      EXPECT_NEAR(x.y(), 1, 1e-15);
+      EXPECT_NEAR(x.z(), 3, 1e-11) << "round-off over the square of the angle";
+      EXPECT_NEAR(v.y(), 0, 1e-12);
+      EXPECT_NEAR(v.z(), 0, 1e-10);
+      ASSERT_FALSE(three.step().diverged);
+      EXPECT_NEAR((three.systems().at(0)->x[0] - Vec3(1, 2, 0)).norm(), 0, 1e-14);
+    }
+  }
+}
+
+TEST(ProjectTo, AMovementAlongOneAxisMeetsAPlane) {
+  const std::string both =
+      "<PartialLinearMovementProjectiveConstraint indices='0' keyTimes='0 1' movements='0 0 0 4 0 0' "
+      "movedDirections='1 0 0'/><ProjectToPlaneProjectiveConstraint indices='0' origin='0 0 0' normal='1 1 0'/>";
+  Simulation simulation = simulationFromText(chain("<EulerImplicitSolver/>", both));
+  const Vec3 start = simulation.systems().at(0)->x[0];
+  for (int i = 0; i < 5; ++i) ASSERT_FALSE(simulation.step().diverged);
+  const Vec3 x = simulation.systems().at(0)->x[0], v = simulation.systems().at(0)->v[0];
+  EXPECT_NEAR(x.x(), start.x() + 4 * simulation.time(), 1e-14);
+  EXPECT_NEAR(x.y(), -x.x(), 1e-14);
+  EXPECT_NEAR(v.x(), 4, 1e-13);
+  EXPECT_NEAR(v.y(), -4, 1e-13);
+}
+
+TEST(ProjectTo, PlacesWithoutACommonPointAreRefused) {
+  const auto problems = [](const std::string& text) { return problemsOf(chain("<EulerImplicitSolver/>", text)); };
+  const std::string parallel = problems(
+      "<ProjectToPlaneProjectiveConstraint name='low' indices='0' origin='0 1 0' normal='0 1 0'/>"
+      "<ProjectToPlaneProjectiveConstraint name='high' indices='0' origin='0 2 0' normal='0 1 0'/>");
+  expectContains(parallel, "node 0 of /dofs cannot be where /low and /high put it");
+  expectContains(parallel, "0.5 m");
+  expectContains(parallel, "a point in common");
+  expectContains(problems("<ProjectToPointProjectiveConstraint indices='0' point='0 1 0'/>"
+                          "<ProjectToLineProjectiveConstraint indices='0' origin='0 2 0' direction='1 0 0'/>"),
+                 "cannot be where");
+
+  // that a movement leaves a plane shows when it does
+  Simulation leaving = simulationFromText(
+      chain("<EulerImplicitSolver/>",
+            "<LinearMovementProjectiveConstraint name='up' indices='0' keyTimes='0 1' movements='0 0 0 0 1 0'/>"
+            "<ProjectToPlaneProjectiveConstraint name='floor' indices='0' origin='0 0 0' normal='0 1 0'/>"));
+  const StepReport report = leaving.step();
+  EXPECT_TRUE(report.diverged);
+  expectContains(report.reason, "cannot be where /up and /floor put it");
+}
+
 /// A face pressed half-way into a block of elements in one static step: the tangent carries the inside along.
 TEST(MovingConstraints, StaticsCarriesTheBodyAlong) {
   Simulation simulation =
