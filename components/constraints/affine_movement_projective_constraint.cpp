@@ -71,9 +71,9 @@ class AffineMovementProjectiveConstraint final : public HeldNodes {
     for (std::size_t i = 0; i < movedAt(t); ++i) out.push_back({state().firstRow() + path_[i].node, Mat3::Zero()});
   }
   void prescribe(double t, Rows x, Rows v) const override {
-    const bool moving = t > begin_ && (t < end_ || KeyTimes::same(t, end_));
+    const bool moving = t > begin_ && (t < end_ || sameTime(t, end_));
     double s = std::clamp((t - begin_) / (end_ - begin_), 0., 1.);
-    if (KeyTimes::same(t, end_)) s = 1;
+    if (sameTime(t, end_)) s = 1;
     for (std::size_t i = 0; i < movedAt(t); ++i) {
       const Path& path = path_[i];
       x[state().firstRow() + path.node] = (1 - s) * path.from + s * path.to;
@@ -100,7 +100,7 @@ class AffineMovementProjectiveConstraint final : public HeldNodes {
   }
   /// How many of path_ move at the end t of a step: the guided nodes, which come last, only between the two times.
   std::size_t movedAt(double t) const {
-    return t > begin_ && (t < end_ || KeyTimes::same(t, end_)) ? path_.size() : nodes().size();
+    return t > begin_ && (t < end_ || sameTime(t, end_)) ? path_.size() : nodes().size();
   }
 
   std::vector<int> guided_indices_;

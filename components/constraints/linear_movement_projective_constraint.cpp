@@ -84,7 +84,7 @@ class LinearMovement : public HeldNodes {
  private:
   enum class Outside : int { free, hold };
 
-  KeyTimes movement_;
+  KeyTimes<Vec3> movement_;
   bool relative_ = true;
   Outside outside_ = Outside::free;
   std::vector<Vec3> start_;  ///< [m], shape (nodes); empty until the movement begins

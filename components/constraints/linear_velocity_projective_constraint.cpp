@@ -51,7 +51,7 @@ class LinearVelocityProjectiveConstraint final : public HeldNodes {
   }
 
   bool activeIn(double t, double t_end) const override {
-    const bool after = continue_ && (t > velocity_.last() || KeyTimes::same(t, velocity_.last()));
+    const bool after = continue_ && (t > velocity_.last() || sameTime(t, velocity_.last()));
     return ProjectiveConstraint::activeIn(t, t_end) && (after || velocity_.touches(t, t_end));
   }
   bool isConstant() const override { return false; }
@@ -75,7 +75,7 @@ class LinearVelocityProjectiveConstraint final : public HeldNodes {
   }
 
  private:
-  KeyTimes velocity_;
+  KeyTimes<Vec3> velocity_;
   std::vector<int> axes_;
   bool continue_ = false;
   double start_time_ = 0;    ///< [s]

@@ -81,7 +81,7 @@ class SurfacePressureForceField final : public SurfaceLoad {
   std::vector<int> triangle_indices_, quad_indices_;
   std::vector<double> key_times_, key_pressures_;
   bool pulse_ = false, gas_ = false, use_tangent_ = true;
-  KeyTimes keys_;
+  KeyTimes<double> keys_;
   double now_ = 0;  ///< p [Pa]
 };
 
@@ -135,9 +135,7 @@ void SurfacePressureForceField::checkTimes() {
   if (!key_times_.empty()) {
     if (pulse_ || isSet("pressure"))
       throw ComponentError("keyPressures are given with pressure or pulseMode", "one of them");
-    std::vector<Vec3> values;
-    for (double p : key_pressures_) values.push_back(Vec3(p, 0, 0));
-    keys_.assign(key_times_, std::move(values), "keyPressures");
+    keys_.assign(key_times_, key_pressures_, "keyTimes", "keyPressures");
     keys_.check();
     return;
   }
@@ -238,7 +236,7 @@ std::vector<double> SurfacePressureForceField::weightsOf(const std::vector<Face>
 }
 
 double SurfacePressureForceField::pressureAt(double t) const {
-  if (!key_times_.empty()) return keys_.at(t).x();
+  if (!key_times_.empty()) return keys_.at(t);
   if (!pulse_) return pressure_;
   const double way = speed_ * std::max(t, 0.), first = std::abs(pressure_), swing = pressure_ - lower_bound_;
   if (way <= first) return std::copysign(way, pressure_);

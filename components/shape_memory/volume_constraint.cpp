@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // VolumeConstraint: the volume inside a closed surface is kept, whatever force that takes.
 //
-//   V(x) = 1/6 sum over triangles a.(b x c) = V_target(t)
+//   V(x) = 1/3 sum x_a . A_a(x) = V_target(t)
+//
+// with A_a the area vectors of the nodes of the faces, so that grad V at a node is the sum of those of its faces.
 //
 // After each step nodes of the surface move by lambda d with d = W grad V (W: inverse masses and free directions of the
 // nodes; grad V points along their normals, at the start of the step). V(x + lambda d) is a cubic in lambda, so lambda
@@ -13,8 +15,7 @@
 // the prescribed change asks for).
 //
 // The surface: the border of the tetrahedra and hexahedra of the topology, or its triangles and quads (turned outward
-// all alike) when there are none. A quad counts as the mean of its two cuttings, which is the volume under its bilinear
-// patch.
+// all alike) when there are none. A quad is a bilinear patch.
 //
 // V_target is `volume`, or that of the rest shape, times a factor that may change over time (breathing). With fixed
 // nodes, rigid sets and planes, all constraints of a system correct in turns until all hold.
@@ -37,11 +38,12 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <map>
 
 #include "framework/mechanics/factor_over_time.h"
 #include "framework/mechanics/position_constraint.h"
+#include "framework/mesh/closed_surface.h"
 #include "framework/mesh/topology.h"
 #include "framework/scene/factory.h"
 
@@ -50,7 +52,7 @@ namespace {
 
 /// a0 + a1 s + a2 s^2 + a3 s^3
 struct Cubic {
-  double a[4]{};
+  std::array<double, 4> a{};
   double at(double s) const { return ((a[3] * s + a[2]) * s + a[1]) * s + a[0]; }
   double slope(double s) const { return (3 * a[3] * s + 2 * a[2]) * s + a[1]; }
   /// The root in the piece around zero in which the cubic is monotonic, at most `reach` from zero; NaN when there is
@@ -98,29 +100,23 @@ class VolumeConstraint final : public PositionConstraint {
     return fmt::format("the volume is {:.10g} m^3 instead of {:.10g} m^3{}", reached_, target_, stuck_);
   }
   std::string describe() const override {
-    return fmt::format("volume of {} triangles kept at {:.6g} m^3{}", faces_.size(), volume_,
+    return fmt::format("volume behind {} faces kept at {:.6g} m^3{}", faces_.size(), volume_,
                        factor_.varies() ? " times a factor over time" : "");
   }
 
  private:
-  struct Face {
-    Index a, b, c;  ///< indices in nodes_
-    double weight;  ///< 1, or 1/2 for the halves of both cuttings of a quad
-  };
-  void addFace(Index a, Index b, Index c, double weight) { faces_.push_back({a, b, c, weight}); }
   void collectSurface(const Mesh& mesh);
-  static void checkClosed(const std::vector<Triangle>& triangles, const std::vector<Quad>& quads);
+  void checkClosed() const;
   void gradientAt(ConstRows x);
-  Cubic along(ConstRows x) const;
 
   Link<Topology> topology_{"topology"};
   double volume_ = 0, tolerance_ = 1e-12;
   FactorOverTime factor_;
 
   std::vector<Index> nodes_;  ///< of the surface, ascending
-  std::vector<Face> faces_;
-  Vector gradient_;   ///< grad V [m^2], shape (nodes_)
-  Vector direction_;  ///< W grad V, shape (nodes_)
+  std::vector<Face> faces_;   ///< of indices in nodes_
+  Vector gradient_;           ///< grad V [m^2], shape (nodes_)
+  Vector direction_;          ///< W grad V, shape (nodes_)
   double target_ = 0, rate_ = 0, reached_ = 0;
   double allowed_ = 0;      ///< tolerance of this step [m^3]
   const char* stuck_ = "";  ///< why the volume cannot be reached, the end of a sentence
@@ -146,14 +142,8 @@ void VolumeConstraint::init() {
   collectSurface(topology->mesh());
   if (faces_.empty())
     throw ComponentError(fmt::format("{} has no surface", topology->path()), "volume cells, or triangles or quads");
-  double rest = 0;
-  for (const Face& face : faces_) {
-    const auto p = [&](Index i) {
-      return Vec3(state().rest_position[std::size_t(nodes_[std::size_t(i)])] -
-                  state().rest_position[std::size_t(nodes_[0])]);
-    };
-    rest += face.weight / 6 * p(face.a).dot(p(face.b).cross(p(face.c)));
-  }
+  const double rest = area_vectors::volumeBehind(
+      faces_, [this](Index i) -> const Vec3& { return state().rest_position[std::size_t(nodes_[std::size_t(i)])]; });
   if (!(rest > 0))
     throw ComponentError(fmt::format("the surface holds a volume of {:.6g} m^3", rest), "faces that are turned outward",
                          "turn every triangle and quad round");
@@ -167,79 +157,47 @@ void VolumeConstraint::collectSurface(const Mesh& mesh) {
                          "a mesh that covers it once, or its surface as triangles");
   const auto& triangles = solid ? mesh.boundaryTriangles() : mesh.triangles;
   const auto& quads = solid ? mesh.boundaryQuads() : mesh.quads;
-  checkClosed(triangles, quads);
+  faces_.assign(triangles.begin(), triangles.end());
+  faces_.insert(faces_.end(), quads.begin(), quads.end());
+  checkClosed();
   std::vector<Index> index(std::size_t(state().size()), -1);
-  const auto mark = [&](const auto& cells) {
-    for (const auto& cell : cells)
-      for (const Index node : cell) {
-        if (node >= state().size())
-          throw ComponentError(
-              fmt::format("the surface names node {} and {} has {}", node, state().path(), state().size()),
-              "a mesh of the state's nodes");
-        index[std::size_t(node)] = 0;
-      }
-  };
-  mark(triangles), mark(quads);
+  for (const Face& face : faces_)
+    for (const Index node : face.nodes) {
+      if (node >= state().size())
+        throw ComponentError(
+            fmt::format("the surface names node {} and {} has {}", node, state().path(), state().size()),
+            "a mesh of the state's nodes");
+      index[std::size_t(node)] = 0;
+    }
   for (std::size_t node = 0; node < index.size(); ++node)
     if (index[node] == 0) index[node] = Index(nodes_.size()), nodes_.push_back(Index(node));
-  const auto at = [&index](Index node) { return index[std::size_t(node)]; };
-  for (const Triangle& t : triangles) addFace(at(t[0]), at(t[1]), at(t[2]), 1);
-  for (const Quad& q : quads)
-    for (std::size_t i = 0; i < 4; ++i) addFace(at(q[i]), at(q[(i + 1) % 4]), at(q[(i + 2) % 4]), 0.5);
+  for (Face& face : faces_)
+    for (Index& node : face.nodes) node = index[std::size_t(node)];
 }
 
-/// Each edge must occur once in each direction.
-void VolumeConstraint::checkClosed(const std::vector<Triangle>& triangles, const std::vector<Quad>& quads) {
-  std::map<Edge, int> seen;
-  const auto count = [&seen](const auto& cells) {
-    for (const auto& cell : cells)
-      for (std::size_t i = 0; i < cell.size(); ++i) ++seen[{cell[i], cell[(i + 1) % cell.size()]}];
-  };
-  count(triangles), count(quads);
-  for (const auto& [edge, times] : seen) {
-    const auto back = seen.find({edge[1], edge[0]});
-    const int opposite = back == seen.end() ? 0 : back->second;
-    if (times == opposite) continue;
-    if (times + opposite == 1)
-      throw ComponentError(fmt::format("the surface is open: edge {} {} belongs to one face only", edge[0], edge[1]),
-                           "a closed surface");
-    throw ComponentError(
-        fmt::format("the surface is badly turned: {} of the {} faces at edge {} {} run along it in the same direction",
-                    std::max(times, opposite), times + opposite, edge[0], edge[1]),
-        "faces that are all turned outward");
-  }
+void VolumeConstraint::checkClosed() const {
+  const auto open = firstOpenEdge(faces_);
+  if (!open) return;
+  const auto [a, b] = open->nodes;
+  if (open->along + open->back == 1)
+    throw ComponentError(fmt::format("the surface is open: edge {} {} belongs to one face only", a, b),
+                         "a closed surface");
+  throw ComponentError(
+      fmt::format("the surface is badly turned: {} of the {} faces at edge {} {} run along it in the same direction",
+                  std::max(open->along, open->back), open->along + open->back, a, b),
+      "faces that are all turned outward");
 }
 
 // ---- a step ----
 
 void VolumeConstraint::gradientAt(ConstRows x) {
   clear(gradient_);
-  const Vec3 origin = x[row(nodes_[0])];
+  const auto position = [&](Index i) -> Vec3 { return x[row(nodes_[std::size_t(i)])]; };
+  const Vec3 origin = position(0);
   for (const Face& face : faces_) {
-    const auto p = [&](Index i) { return Vec3(x[row(nodes_[std::size_t(i)])] - origin); };
-    const Vec3 a = p(face.a), b = p(face.b), c = p(face.c);
-    const double share = face.weight / 6;
-    gradient_[face.a] += share * b.cross(c);
-    gradient_[face.b] += share * c.cross(a);
-    gradient_[face.c] += share * a.cross(b);
+    const auto areas = area_vectors::of(area_vectors::cornersOf(face, position, origin), face.corners);
+    for (std::size_t a = 0; a < std::size_t(face.corners); ++a) gradient_[face.nodes[a]] += areas[a];
   }
-}
-
-/// V(x + s direction_)
-Cubic VolumeConstraint::along(ConstRows x) const {
-  Cubic v;
-  const Vec3 origin = x[row(nodes_[0])];
-  for (const Face& face : faces_) {
-    const auto p = [&](Index i) { return Vec3(x[row(nodes_[std::size_t(i)])] - origin); };
-    const Vec3 a = p(face.a), b = p(face.b), c = p(face.c);
-    const Vec3 da = direction_[face.a], db = direction_[face.b], dc = direction_[face.c];
-    const double share = face.weight / 6;
-    v.a[0] += share * a.dot(b.cross(c));
-    v.a[1] += share * (da.dot(b.cross(c)) + a.dot(db.cross(c)) + a.dot(b.cross(dc)));
-    v.a[2] += share * (da.dot(db.cross(c)) + da.dot(b.cross(dc)) + a.dot(db.cross(dc)));
-    v.a[3] += share * da.dot(db.cross(dc));
-  }
-  return v;
 }
 
 void VolumeConstraint::begin(const PositionStep& step) {
@@ -261,7 +219,9 @@ double VolumeConstraint::correctPositions(const PositionStep& step, Rows x, Rows
   }
   stuck_ = largest > 0 ? "" : ", and no node that may move would change it";
   if (largest > 0) scale(span / largest, direction_);
-  Cubic volume = along(x);
+  Cubic volume{area_vectors::volumeAlong(
+      faces_, [&](Index i) -> Vec3 { return x[row(nodes_[std::size_t(i)])]; },
+      [this](Index i) -> Vec3 { return direction_[i]; })};
   reached_ = volume.a[0];
   const double violation = std::abs(reached_ - target_) / allowed_;
   if (*stuck_ || !(violation > 0)) return violation;

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 
 namespace stroma {
@@ -17,15 +16,12 @@ void FactorOverTime::declare(DataTable& table, const std::string& what, Sign sig
   table.add("period", period_).help("repeats times and factors; 0: the last factor stays").unit("s").min(0);
 }
 
-void FactorOverTime::check() const {
+void FactorOverTime::check() {
   if (times_.size() != factors_.size())
     throw ComponentError(fmt::format("there are {} times and {} factors", times_.size(), factors_.size()),
                          "as many of each");
-  for (std::size_t i = 1; i < times_.size(); ++i)
-    if (!(times_[i] > times_[i - 1]))
-      throw ComponentError(
-          fmt::format("times[{}] = {:g} s is not after times[{}] = {:g} s", i, times_[i], i - 1, times_[i - 1]),
-          "ascending times");
+  keys_.assign(times_, factors_, "times", "factors");
+  keys_.checkAscending();
   if (period_ == 0) return;
   if (times_.size() < 2) throw ComponentError("there is a period but nothing to repeat", "times and factors");
   if (times_.front() != 0 || times_.back() > period_ * (1 + 1e-12))
@@ -41,12 +37,7 @@ void FactorOverTime::check() const {
 double FactorOverTime::at(double t) const {
   if (factors_.empty()) return 1;
   if (period_ > 0) t -= period_ * std::floor(t / period_);
-  const auto after = std::upper_bound(times_.begin(), times_.end(), t);
-  if (after == times_.begin()) return factors_.front();
-  if (after == times_.end()) return factors_.back();
-  const std::size_t i = std::size_t(after - times_.begin());
-  const double s = (t - times_[i - 1]) / (times_[i] - times_[i - 1]);
-  return (1 - s) * factors_[i - 1] + s * factors_[i];
+  return keys_.at(t);
 }
 
 }  // namespace stroma

@@ -2,7 +2,7 @@
 #pragma once
 #include <vector>
 
-#include "framework/scene/component.h"
+#include "framework/mechanics/key_times.h"
 
 namespace stroma {
 
@@ -14,14 +14,15 @@ class FactorOverTime {
   /// Declares `times`, `factors` and `period`; `what` names the quantity in the help. Lengths and volumes take positive
   /// factors only.
   void declare(DataTable& table, const std::string& what, Sign sign);
-  /// Throws ComponentError with a sentence when the lists do not fit.
-  void check() const;
+  /// In init(), before at(): throws ComponentError with a sentence when the lists do not fit.
+  void check();
   bool varies() const { return factors_.size() > 1; }
   double at(double t) const;  ///< t [s]
 
  private:
-  std::vector<double> times_, factors_;
-  double period_ = 0;  ///< [s]; 0: not repeated
+  std::vector<double> times_, factors_;  ///< [s] and [-], as written
+  KeyTimes<double> keys_;                ///< the same, once checked
+  double period_ = 0;                    ///< [s]; 0: not repeated
 };
 
 }  // namespace stroma

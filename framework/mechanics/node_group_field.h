@@ -39,14 +39,15 @@ struct PairTangent {
 };
 
 /// Base of force fields on groups of N nodes. Derived classes call setGroups() in compile() and write stiffness_ (and
-/// damping_, when they asked for it) in addForce().
+/// damping_, when they asked for it) in addForce(). Where a tangent costs more than the force, addForce() calls
+/// outdateTangents() instead, and computeTangents() writes stiffness_ when somebody asks for it: explicit steps do not.
 template <int N, class Tangent = DenseTangent<N>>
 class NodeGroupField : public ForceField {
  public:
   using Group = std::array<Index, std::size_t(N)>;
 
   void addStiffnessProduct(ConstRows dx, double factor, Rows df) const override {
-    addProduct(stiffness_, dx, factor, df);
+    addProduct(stiffness(), dx, factor, df);
   }
   void addDampingProduct(ConstRows dv, double factor, Rows df) const override { addProduct(damping_, dv, factor, df); }
   void addPattern(BlockPattern& pattern) const override {
@@ -58,7 +59,7 @@ class NodeGroupField : public ForceField {
       for (Index row : group)
         for (Index column : group) slots_.push_back(matrix.slot(row, column));
   }
-  void addStiffness(double factor, BlockMatrix& matrix) const override { addTo(stiffness_, factor, matrix); }
+  void addStiffness(double factor, BlockMatrix& matrix) const override { addTo(stiffness(), factor, matrix); }
   /// Rounded: 2.5 ns a block in products, 6 ns in assembly.
   Cost cost() const override {
     const double blocks = double(stiffness_.size()) * N * N;
@@ -66,7 +67,7 @@ class NodeGroupField : public ForceField {
   }
   void addDamping(double factor, BlockMatrix& matrix) const override { addTo(damping_, factor, matrix); }
   void addStiffnessDiagonal(double factor, std::vector<double>& blocks) const override {
-    addDiagonal(stiffness_, factor, blocks);
+    addDiagonal(stiffness(), factor, blocks);
   }
   void addDampingDiagonal(double factor, std::vector<double>& blocks) const override {
     addDiagonal(damping_, factor, blocks);
@@ -82,11 +83,20 @@ class NodeGroupField : public ForceField {
     for (Tangent& tangent : damping_) tangent.setZero();
   }
 
-  std::vector<Group> rows_;         ///< shape (groups)
-  std::vector<Tangent> stiffness_;  ///< df/dx [N/m], shape (groups)
-  std::vector<Tangent> damping_;    ///< df/dv [N s/m], shape (groups) or empty
+  void outdateTangents() { tangents_outdated_ = true; }
+  /// Writes stiffness_ at the positions of the last addForce().
+  virtual void computeTangents() const {}
+
+  std::vector<Group> rows_;                 ///< shape (groups)
+  mutable std::vector<Tangent> stiffness_;  ///< df/dx [N/m], shape (groups)
+  std::vector<Tangent> damping_;            ///< df/dv [N s/m], shape (groups) or empty
 
  private:
+  const std::vector<Tangent>& stiffness() const {
+    if (tangents_outdated_) computeTangents();
+    tangents_outdated_ = false;
+    return stiffness_;
+  }
   void addProduct(const std::vector<Tangent>& tangents, ConstRows p, double factor, Rows out) const {
     for (std::size_t g = 0; g < tangents.size(); ++g) tangents[g].addProduct(rows_[g], p, factor, out);
   }
@@ -106,6 +116,7 @@ class NodeGroupField : public ForceField {
   }
 
   std::vector<Index> slots_;  ///< shape (groups, N, N)
+  mutable bool tangents_outdated_ = false;
 };
 
 }  // namespace stroma

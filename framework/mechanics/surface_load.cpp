@@ -3,8 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <map>
-
 namespace stroma {
 
 namespace {
@@ -13,19 +11,6 @@ Mat3 crossMatrix(const Vec3& w) {
   Mat3 m;
   m << 0, -w.z(), w.y(), w.z(), 0, -w.x(), -w.y(), w.x(), 0;
   return m;
-}
-
-/// The nodes of an edge that the faces do not run through as often one way as the other, or empty.
-std::string firstOpenEdge(const std::vector<Face>& faces) {
-  std::map<Edge, int> turns;
-  for (const Face& face : faces)
-    for (int i = 0; i < face.corners; ++i) {
-      const Index a = face.nodes[std::size_t(i)], b = face.nodes[std::size_t((i + 1) % face.corners)];
-      turns[{std::min(a, b), std::max(a, b)}] += a < b ? 1 : -1;
-    }
-  for (const auto& [edge, sum] : turns)
-    if (sum != 0) return fmt::format("{} {}", edge[0], edge[1]);
-  return {};
 }
 
 }  // namespace
@@ -52,7 +37,8 @@ const Mesh& SurfaceLoad::surfaceMesh() const {
 void SurfaceLoad::setFaces(std::vector<Face> faces, std::vector<double> weights) {
   faces_ = std::move(faces);
   weights_ = std::move(weights);
-  open_edge_ = firstOpenEdge(faces_);
+  const auto open = firstOpenEdge(faces_);
+  open_edge_ = open ? fmt::format("{} {}", open->nodes[0], open->nodes[1]) : "";
 }
 
 ForceTraits SurfaceLoad::traits() const {
@@ -73,6 +59,7 @@ void SurfaceLoad::compile() {
   }
   setGroups(std::move(rows), false);
   for (std::size_t i = 0; i < faces_.size(); ++i) stiffness_[i].corners = faces_[i].corners;
+  if (has_tangent) corners_.resize(faces_.size());
 }
 
 void SurfaceLoad::addLoadedRows(std::vector<Index>& rows) const {
@@ -81,18 +68,26 @@ void SurfaceLoad::addLoadedRows(std::vector<Index>& rows) const {
 }
 
 void SurfaceLoad::addForce(ConstRows x, ConstRows, Rows f) {
-  using namespace area_vectors;
   const Mat3 s = stress(x);
+  for (std::size_t i = 0; i < faces_.size(); ++i) {
+    const int corners = faces_[i].corners;
+    area_vectors::Corners at;
+    for (std::size_t a = 0; a < 4; ++a) at[a] = x[rows_[i][a]];
+    const area_vectors::Corners areas = area_vectors::of(at, corners);
+    const Mat3 weighted = weight(i) * s;
+    for (int a = 0; a < corners; ++a) f[rows_[i][std::size_t(a)]] += weighted * areas[std::size_t(a)];
+    if (has_tangent) corners_[i] = at;
+  }
+  last_stress_ = s;
+  if (has_tangent) outdateTangents();
+}
+
+void SurfaceLoad::computeTangents() const {
   const bool exact = tangent_ == TangentWord::exact && !hasPotential();
   for (std::size_t i = 0; i < faces_.size(); ++i) {
     const int corners = faces_[i].corners;
-    const Mat3 weighted = (weights_.empty() ? 1. : weights_[i]) * s;
-    Corners at;
-    for (std::size_t a = 0; a < 4; ++a) at[a] = x[rows_[i][a]];
-    const Corners areas = of(at, corners);
-    for (int a = 0; a < corners; ++a) f[rows_[i][std::size_t(a)]] += weighted * areas[std::size_t(a)];
-    if (!has_tangent) continue;
-    const Gradients w = gradients(at, corners);
+    const Mat3 weighted = weight(i) * last_stress_;
+    const area_vectors::Gradients w = area_vectors::gradients(corners_[i], corners);
     for (int a = 0; a < corners; ++a)
       for (int b = 0; b < corners; ++b) {
         const Mat3 k = weighted * crossMatrix(w[std::size_t(4 * a + b)]);
@@ -102,26 +97,13 @@ void SurfaceLoad::addForce(ConstRows x, ConstRows, Rows f) {
   }
 }
 
-template <class Position>
-double SurfaceLoad::volumeAt(Position&& position) const {
-  // from a node of the surface: far from the origin the terms would cancel
-  const Vec3 origin = position(faces_[0].nodes[0]);
-  double sum = 0;
-  for (const Face& face : faces_) {
-    area_vectors::Corners at;
-    for (std::size_t a = 0; a < 4; ++a) at[a] = position(face.nodes[a]) - origin;
-    const area_vectors::Corners areas = area_vectors::of(at, face.corners);
-    for (int a = 0; a < face.corners; ++a) sum += at[std::size_t(a)].dot(areas[std::size_t(a)]) / 3;
-  }
-  return sum;
-}
-
 double SurfaceLoad::volume(ConstRows x) const {
-  return volumeAt([&](Index node) -> Vec3 { return x[state().firstRow() + node]; });
+  return area_vectors::volumeBehind(faces_, [&](Index node) -> Vec3 { return x[state().firstRow() + node]; });
 }
 
 double SurfaceLoad::restVolume() const {
-  return volumeAt([&](Index node) -> Vec3 { return state().rest_position[std::size_t(node)]; });
+  return area_vectors::volumeBehind(faces_,
+                                    [&](Index node) -> Vec3 { return state().rest_position[std::size_t(node)]; });
 }
 
 }  // namespace stroma

@@ -11,7 +11,7 @@
 #pragma once
 #include "framework/mechanics/local_load.h"
 #include "framework/mechanics/node_group_field.h"
-#include "framework/mesh/area_vectors.h"
+#include "framework/mesh/closed_surface.h"
 #include "framework/mesh/topology.h"
 
 namespace stroma {
@@ -39,6 +39,7 @@ class SurfaceLoad : public NodeGroupField<4, FaceTangent>, public LocalLoad {
   void addLoadedRows(std::vector<Index>& rows) const override;
 
  protected:
+  void computeTangents() const override;
   /// The mesh that `topology` names, else the one of this node or the nearest above; of the state's nodes.
   const Mesh& surfaceMesh() const;
   /// Called in init(), with at least one face. `weights`: c of each face [-], empty: 1.
@@ -62,14 +63,18 @@ class SurfaceLoad : public NodeGroupField<4, FaceTangent>, public LocalLoad {
 
  private:
   enum class TangentWord : int { symmetric, exact };
-  template <class Position>
-  double volumeAt(Position&& position) const;
+
+  double weight(std::size_t face) const { return weights_.empty() ? 1 : weights_[face]; }
 
   Link<Topology> topology_{"topology"};
   TangentWord tangent_ = TangentWord::symmetric;
   std::vector<Face> faces_;
   std::vector<double> weights_;
   std::string open_edge_;
+
+  // what the tangents are made of, when somebody asks for them
+  std::vector<area_vectors::Corners> corners_;  ///< positions of the last force [m], shape (faces)
+  Mat3 last_stress_ = Mat3::Zero();             ///< S of the last force [Pa]
 };
 
 }  // namespace stroma

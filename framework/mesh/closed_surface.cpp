@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "framework/mesh/closed_surface.h"
+
+#include <map>
+
+namespace stroma {
+
+std::optional<OpenEdge> firstOpenEdge(const std::vector<Face>& faces) {
+  std::map<Edge, OpenEdge> edges;
+  for (const Face& face : faces)
+    for (int i = 0; i < face.corners; ++i) {
+      const Index a = face.nodes[std::size_t(i)], b = face.nodes[std::size_t((i + 1) % face.corners)];
+      OpenEdge& edge = edges[{std::min(a, b), std::max(a, b)}];
+      ++(a < b ? edge.along : edge.back);
+    }
+  for (auto& [nodes, edge] : edges)
+    if (edge.along != edge.back) return OpenEdge{nodes, edge.along, edge.back};
+  return {};
+}
+
+}  // namespace stroma
