@@ -42,7 +42,7 @@ class DiagonalMass final : public MeshMass {
       }
     }
     checkMasses(masses_);
-    finish();
+    finish(masses_);
   }
 
   const std::vector<double>& lumped() const override { return masses_; }

@@ -7,7 +7,9 @@
 // for parallelepipeds. On a mesh without volumes rho is a mass per area (triangles and quads) or per length (edges).
 // With `lumping` the rows are summed onto the diagonal, which gives the masses of DiagonalMass.
 //
-// Of totalMass, massDensity and vertexMass the first that is given is used (vertexMass gives a diagonal matrix). As in
+// Of totalMass, massDensity and vertexMass the first that is given is used. vertexMass m_i gives the diagonal matrix of
+// them; with edgeMass, one for each of the mesh's edges (those that it lists, else all of its cells, ascending),
+// M_ii = m_i and M_ij = the mass of the edge i j. Links to vertexMass read M_ii, whatever it came from. As in
 // SOFA the volumes are those of the initial positions unless computeMassOnRest="true"; the two are the same for a body
 // that starts undeformed.
 //
@@ -19,10 +21,14 @@
 //   <MechanicalObject name="dofs"/>
 //   <MeshMatrixMass massDensity="1000"/>
 // </Node>
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 
 #include "framework/algebra/parallel.h"
 #include "framework/mechanics/mesh_mass.h"
+#include "framework/mechanics/node_indices.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
@@ -35,20 +41,30 @@ class MeshMatrixMass final : public MeshMass {
   void declare(DataTable& table) override {
     MeshMass::declare(table);
     table.add("lumping", lumping_).help("sum the rows onto the diagonal");
+    table.add("edgeMass", edge_mass_)
+        .help("with vertexMass: what couples the two nodes of each edge, one for all or one an edge")
+        .unit("kg");
     table.addVisualOnly("printMass");
   }
 
   void init() override {
     MeshMass::init();
-    if (isNodal()) {
+    if (!edge_mass_.empty() && !isNodal())
+      throw ComponentError("edgeMass has no meaning without the masses of the nodes",
+                           "vertexMass beside it, without massDensity and totalMass");
+    if (!edge_mass_.empty()) {
+      buildFromEdges();
+    } else if (isNodal()) {
       lumping_ = true;
       row_sums_ = nodalMasses();
     } else {
       build();
     }
     checkMasses(row_sums_);
+    std::vector<double> diagonal = row_sums_;
+    for (Index i = 0; !lumping_ && i < state().size(); ++i) diagonal[std::size_t(i)] = values_[std::size_t(find(i, i))];
     if (lumping_) start_ = columns_ = slots_ = {}, values_ = {};
-    finish();
+    finish(std::move(diagonal));
   }
 
   const std::vector<double>& lumped() const override { return row_sums_; }
@@ -128,6 +144,35 @@ class MeshMatrixMass final : public MeshMass {
     }
   }
 
+  /// M from vertexMass and edgeMass.
+  void buildFromEdges() {
+    const std::vector<Edge>& edges = mesh().edges.empty() ? mesh().allEdges() : mesh().edges;
+    spread(edge_mass_, edges.size(), "edgeMass", "edges of the mesh");
+    std::vector<std::vector<Index>> neighbours(std::size_t(state().size()));
+    for (Index i = 0; i < state().size(); ++i) neighbours[std::size_t(i)] = {i};
+    for (const Edge& edge : edges)
+      for (int end = 0; end < 2; ++end)
+        neighbours[std::size_t(edge[std::size_t(end)])].push_back(edge[std::size_t(1 - end)]);
+    compress(neighbours);
+    values_.assign(columns_.size(), 0.0);
+    row_sums_ = nodalMasses();
+    for (Index i = 0; i < state().size(); ++i) values_[std::size_t(find(i, i))] = nodalMasses()[std::size_t(i)];
+    for (std::size_t e = 0; e < edges.size(); ++e) {
+      const auto [a, b] = edges[e];
+      const double mass = edge_mass_[e], limit = nodalMasses()[std::size_t(a)] * nodalMasses()[std::size_t(b)];
+      if (!(mass * mass < limit))
+        throw ComponentError(
+            fmt::format("edge {} (nodes {} {}) couples with {:.3g} kg, so the mass matrix is not "
+                        "positive definite",
+                        e, a, b, mass),
+            fmt::format("less than the root of the product of its nodes' masses, {:.3g} kg", std::sqrt(limit)));
+      for (const auto& [row, column] : {std::pair(a, b), std::pair(b, a)}) {
+        values_[std::size_t(find(row, column))] += mass;
+        row_sums_[std::size_t(row)] += mass;
+      }
+    }
+  }
+
   void findPairs() {
     std::vector<std::vector<Index>> neighbours(std::size_t(state().size()));
     for (const MassCell& cell : cells())
@@ -135,6 +180,11 @@ class MeshMatrixMass final : public MeshMass {
         auto& list = neighbours[std::size_t(cell.nodes[i])];
         list.insert(list.end(), cell.nodes, cell.nodes + cell.count);
       }
+    compress(neighbours);
+  }
+
+  /// `neighbours` of each row, with repetitions and in any order, become start_ and columns_.
+  void compress(std::vector<std::vector<Index>>& neighbours) {
     start_.assign(1, 0);
     for (auto& list : neighbours) {
       std::sort(list.begin(), list.end());
@@ -151,8 +201,11 @@ class MeshMatrixMass final : public MeshMass {
   }
 
   bool lumping_ = false;
-  std::vector<Index> start_, columns_, slots_;
-  std::vector<double> values_, row_sums_;
+  std::vector<double> edge_mass_;       ///< [kg], as given
+  std::vector<Index> start_, columns_;  ///< compressed rows of M: shapes (nodes + 1), (pairs)
+  std::vector<Index> slots_;            ///< blocks of the system's matrix, shape (pairs)
+  std::vector<double> values_;          ///< M_ij [kg], shape (pairs)
+  std::vector<double> row_sums_;        ///< [kg], shape (nodes)
 };
 
 }  // namespace

@@ -36,6 +36,8 @@ class RestShapeSpringsForceField final : public NodeGroupField<1> {
     table.add("stiffness", stiffness_constants_).help("spring constant, one a point or one for all").unit("N/m").min(0);
     table.addLink("external_rest_shape", external_).help("state whose nodes are the targets");
     table.add("external_points", external_points_).help("its nodes, one for each point");
+    table.add("pivot_points", pivot_points_)
+        .help("of rigid bodies only: a node here is a point and turns about nothing");
     table.add("activeDirections", directions_).help("for x, y and z: 1 pulled, 0 free");
     for (const char* name : {"drawSpring", "springColor", "recompute_indices", "angularStiffness"})
       table.addVisualOnly(name);
@@ -49,6 +51,10 @@ class RestShapeSpringsForceField final : public NodeGroupField<1> {
       inform(fmt::format("no points: all {} nodes of {} have a spring", state().size(), state().path()));
       nodes_ = allNodes(state());
     }
+    if (!pivot_points_.empty())
+      throw ComponentError(
+          fmt::format("pivot_points are of rigid bodies, and the nodes of {} are points", state().path()),
+          "points, or external_points of another state");
     spread(stiffness_constants_, nodes_.size(), "stiffness", "points");
     if (directions_.size() != 3)
       throw ComponentError(fmt::format("activeDirections has {} values", directions_.size()), "3 values");
@@ -110,7 +116,7 @@ class RestShapeSpringsForceField final : public NodeGroupField<1> {
                                : state().rest_position[std::size_t(nodes_[i])]);
   }
 
-  std::vector<int> points_, external_points_;
+  std::vector<int> points_, external_points_, pivot_points_;
   std::vector<double> stiffness_constants_{100};
   std::vector<bool> directions_{true, true, true};
   Link<State> external_{"mechanical state"};

@@ -7,6 +7,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace stroma {
 
@@ -121,13 +122,10 @@ void MeshMass::init() {
       throw ComponentError(
           fmt::format("vertexMass has {} values for the {} nodes of {}", vertex_mass_.size(), nodes, state().path()),
           fmt::format("1 value or {}", nodes));
-    total_mass_ = 0;
-    for (double m : vertex_mass_) total_mass_ += m;
     return;
   }
-  findMesh();
-  collectCells(mesh_owner_->mesh());
-  findDensities(mesh_owner_->mesh().overlap);
+  collectCells(mesh());
+  findDensities(mesh().overlap);
 }
 
 void MeshMass::findMesh() {
@@ -219,7 +217,9 @@ void MeshMass::checkMasses(const std::vector<double>& masses) const {
                            "a positive mass at every node", "look for flat cells around this node");
 }
 
-void MeshMass::finish() {
+void MeshMass::finish(std::vector<double> nodal) {
+  vertex_mass_ = std::move(nodal);
+  if (isNodal()) total_mass_ = std::accumulate(lumped().begin(), lumped().end(), 0.0);
   cells_ = {};
   densities_ = {};
 }

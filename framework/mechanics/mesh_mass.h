@@ -38,8 +38,13 @@ class MeshMass : public Mass {
   const std::vector<Vec3>& geometry() const { return *geometry_; }  ///< positions that give the sizes, shape (nodes)
   /// Throws for a node with a mass that is not positive; warns of nodes that no cell uses. `masses` are the row sums.
   void checkMasses(const std::vector<double>& masses) const;
-  /// Frees what only init() needs.
-  void finish();
+  /// Frees what only init() needs; `nodal` [kg], shape (nodes), is what links to vertexMass read.
+  void finish(std::vector<double> nodal);
+  /// The mesh of the cells; throws ComponentError when there is none or its nodes are not the state's.
+  const Mesh& mesh() {
+    if (!mesh_owner_) findMesh();
+    return mesh_owner_->mesh();
+  }
 
   bool compute_on_rest_ = true;
 

@@ -1,8 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "framework/scene/load.h"
 
+#include <algorithm>
+#include <memory>
+#include <unordered_set>
+
+#include "framework/scene/change_table.h"
 #include "framework/scene/files.h"
 #include "framework/scene/instantiation.h"
+#include "framework/scene/prefab.h"
 
 namespace stroma {
 
@@ -16,10 +22,20 @@ Scene instantiate(SceneDescription description, Factory& factory, Modules& modul
   return scene;
 }
 
+KnownType knownTypes(const Factory& factory, const Modules& modules) {
+  const auto types = std::make_shared<std::unordered_set<std::string_view>>();
+  for (const Modules::IndexEntry& entry : modules.index()) types->insert(entry.type);
+  for (const TypeChange& change : typeChanges()) types->insert(change.old_type);
+  for (const TypeRemoval& removal : typeRemovals()) types->insert(removal.type);
+  types->insert(acceptedWithoutEffect().begin(), acceptedWithoutEffect().end());
+  return [types, &factory](const std::string& type) { return types->count(type) > 0 || factory.find(type); };
+}
+
 Scene loadScene(const std::string& file, const std::vector<Override>& overrides, Factory& factory, Modules& modules,
                 const ReadLimits& limits) {
   Diagnostics diagnostics;
-  SceneDescription description = readScene(file, overrides, limits, diagnostics);
+  SceneDescription description =
+      readSceneWithPrefabs(file, overrides, limits, knownTypes(factory, modules), diagnostics);
   // Without a tree there is nothing more to find; with one, an unreadable include does not hide the other problems.
   if (description.root.where.file.empty()) throw SceneError(std::move(diagnostics));
   return instantiate(std::move(description), factory, modules, std::move(diagnostics));

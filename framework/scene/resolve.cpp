@@ -9,6 +9,7 @@
 #include "framework/scene/files.h"
 #include "framework/scene/load.h"
 #include "framework/scene/overrides.h"
+#include "framework/scene/prefab.h"
 #include "framework/scene/text.h"
 
 namespace stroma {
@@ -19,8 +20,12 @@ namespace {
 
 class Resolver {
  public:
-  Resolver(const ReadLimits& limits, SceneDescription& scene, Diagnostics& diagnostics)
-      : limits_(limits), scene_(scene), diagnostics_(diagnostics), bytes_left_(limits.file_bytes) {}
+  Resolver(const ReadLimits& limits, const KnownType& is_known, SceneDescription& scene, Diagnostics& diagnostics)
+      : limits_(limits),
+        is_known_(is_known),
+        scene_(scene),
+        diagnostics_(diagnostics),
+        bytes_left_(limits.file_bytes) {}
 
   /// Reads `file` and everything that it includes. False when it cannot be used; the reason has been reported at
   /// `where`.
@@ -87,6 +92,8 @@ class Resolver {
     for (ComponentDescription& component : written) {
       if (component.type == "include") {
         include(component, depth, node);
+      } else if (const std::string prefab = prefabOf(component); !prefab.empty()) {
+        spliceFile(prefab, component.where, component, depth, node);
       } else {
         node.components.push_back(std::move(component));
       }
@@ -102,8 +109,19 @@ class Resolver {
     if (file.empty())
       return diagnostics_.error(href->where, {}, "the included file " + inQuotes(href->value) + " is not found", {},
                                 searchedText(searched));
+    spliceFile(file, href->where, element, depth, into);
+  }
+
+  /// The file that stands for an element of an unknown type, or empty.
+  std::string prefabOf(const ComponentDescription& element) const {
+    if (!is_known_ || is_known_(element.type)) return {};
+    return findFileIn("Objects/" + element.type + ".xml", element.folder, scene_.data_paths, nullptr);
+  }
+
+  void spliceFile(const std::string& file, const SourceLocation& where, const ComponentDescription& element, int depth,
+                  NodeDescription& into) {
     NodeDescription root;
-    if (!read(file, href->where, depth + 1, root)) return;
+    if (!read(file, where, depth + 1, root)) return;
     const std::string kind = root.name();
     for (const AttributeDescription& attribute : element.attributes)
       if (attribute.name != "href") replace(attribute, root);
@@ -187,6 +205,7 @@ class Resolver {
   }
 
   const ReadLimits& limits_;
+  const KnownType& is_known_;
   SceneDescription& scene_;
   Diagnostics& diagnostics_;
   std::size_t bytes_left_;
@@ -207,6 +226,11 @@ void collectRepositories(const NodeDescription& node, std::vector<std::string>& 
 
 SceneDescription readScene(const std::string& file, const std::vector<Override>& overrides, const ReadLimits& limits,
                            Diagnostics& diagnostics) {
+  return readSceneWithPrefabs(file, overrides, limits, {}, diagnostics);
+}
+
+SceneDescription readSceneWithPrefabs(const std::string& file, const std::vector<Override>& overrides,
+                                      const ReadLimits& limits, const KnownType& is_known, Diagnostics& diagnostics) {
   SceneDescription scene;
   scene.file = file;
   scene.data_paths = environmentDataPaths();
@@ -214,7 +238,7 @@ SceneDescription readScene(const std::string& file, const std::vector<Override>&
     diagnostics.error({file, 0, 0}, {}, "the scene file is not found");
     return scene;
   }
-  if (!Resolver(limits, scene, diagnostics).read(file, {file, 1, 1}, 1, scene.root)) {
+  if (!Resolver(limits, is_known, scene, diagnostics).read(file, {file, 1, 1}, 1, scene.root)) {
     scene.root = {};
     return scene;
   }

@@ -115,6 +115,40 @@ TEST(MeshMatrixMass, OneTetrahedronAndOneCubeHaveTheKnownEntries) {
   EXPECT_EQ(m.slot(1, 2), -1);
 }
 
+TEST(MeshMatrixMass, NodesAndEdgesGiveTheMatrixThatTheyWereTakenFrom) {
+  const std::string mesh = "cells='2 2 1' size='1 2 3' tetrahedra='true'";
+  Simulation whole(sceneFromText(body(mesh, "<MeshMatrixMass name='mass' massDensity='60'/>")));
+  const BlockMatrix& m = whole.systems()[0]->matrix({.mass = 1}).assemble();
+  const auto entry = [](const BlockMatrix& matrix, Index i, Index j) {
+    return matrix.values()[std::size_t(matrix.slot(i, j)) * 9];
+  };
+  std::string nodes, edges;
+  for (Index i = 0; i < m.rows(); ++i) {
+    nodes += " " + std::to_string(entry(m, i, i));
+    for (Index j = i + 1; j < m.rows(); ++j)
+      if (m.slot(i, j) >= 0) edges += " " + std::to_string(entry(m, i, j));
+  }
+  Simulation parts(sceneFromText(body(mesh, "<MeshMatrixMass vertexMass='" + nodes + "' edgeMass='" + edges + "'/>")));
+  const BlockMatrix& n = parts.systems()[0]->matrix({.mass = 1}).assemble();
+  for (Index i = 0; i < m.rows(); ++i)
+    for (Index j = 0; j < m.rows(); ++j) {
+      ASSERT_EQ(n.slot(i, j) >= 0, m.slot(i, j) >= 0);
+      if (m.slot(i, j) < 0) continue;
+      EXPECT_NEAR(entry(n, i, j), entry(m, i, j), 1e-6) << "six decimals were written";
+    }
+  EXPECT_NEAR(parts.systems()[0]->masses()[0]->totalMass(), 360, 1e-3);
+  EXPECT_FALSE(parts.systems()[0]->masses()[0]->isDiagonal());
+  const Data* given = findComponent(whole.root(), "/mass")->data().find("vertexMass");
+  EXPECT_EQ(std::get<std::vector<double>*>(given->pointer())->at(0), entry(m, 0, 0)) << "for links";
+
+  const auto problems = [&](const std::string& attributes) {
+    return problemsOf(body(mesh, "<MeshMatrixMass " + attributes + "/>"));
+  };
+  expectContains(problems("edgeMass='1'"), "edgeMass has no meaning without");
+  expectContains(problems("vertexMass='1' edgeMass='1 2'"), "edgeMass has 2 values");
+  expectContains(problems("vertexMass='1' edgeMass='1'"), "not positive definite");
+}
+
 TEST(MeshMass, TotalMassDensityPerCellFacesAndOverlap) {
   const auto total = [](const std::string& mesh, const std::string& mass) {
     Simulation simulation(sceneFromText(body(mesh, mass)));

@@ -285,6 +285,27 @@ TEST_F(Load, includesThatCannotBe) {
   EXPECT_NE(problemOf("<Node><include href='broken.xml'/></Node>").where.file.find("broken.xml"), std::string::npos);
 }
 
+TEST_F(Load, anUnknownTypeMayBeAPrefab) {
+  std::filesystem::create_directories(folder.path("Objects"));
+  folder.write("Objects/Leg.xml", "<Node name='leg'><TestForce name='f' youngModulus='1'/><TestState/></Node>");
+  folder.write("Objects/TestMesh.xml", "<Node name='never'/>");
+  const Scene scene = load("<Node><Leg/><Leg name='left' youngModulus='7'/><TestMesh name='mesh'/></Node>");
+  EXPECT_EQ(get<TestForce>(scene, "/leg/f").young[0], 1);
+  EXPECT_EQ(get<TestForce>(scene, "/left/f").young[0], 7);
+  EXPECT_NE(findComponent(*scene.root, "/mesh"), nullptr) << "a component comes before a prefab";
+  EXPECT_EQ(problemOf("<Node><TestMehs/></Node>").suggestion, "TestMesh");
+
+  std::filesystem::create_directories(folder.path("library/Objects"));
+  folder.write("library/Objects/Arm.xml", "<Group><TestState name='arm'/></Group>");
+  folder.write("library/Objects/Circle.xml", "<Node><Circle/></Node>");
+  EXPECT_EQ(problemsOf("<Node><Arm/></Node>").size(), 1u);
+  setenv("SOFA_DATA_PATH", folder.path("library").c_str(), 1);
+  const Scene with_path = load("<Node><Arm/></Node>");
+  EXPECT_NE(problemOf("<Node><Circle/></Node>").message.find("includes itself"), std::string::npos);
+  unsetenv("SOFA_DATA_PATH");
+  EXPECT_NE(findComponent(*with_path.root, "/arm"), nullptr);
+}
+
 TEST_F(Load, aTowerOfIncludesIsBounded) {
   for (int i = 0; i < 40; ++i)
     folder.write("f" + std::to_string(i) + ".xml", "<Group><include href='f" + std::to_string(i + 1) +

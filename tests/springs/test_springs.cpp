@@ -249,6 +249,7 @@ TEST(RestShapeSprings, SaysWhatIsWrong) {
   expectContains(problems("points='0 2'"), "indices in 0 ... 1");
   expectContains(problems("points='0 1' stiffness='1 2 3'"), "3 values for 2 points");
   expectContains(problems("points='0' external_points='0'"), "external_rest_shape is not given");
+  expectContains(problems("points='0' pivot_points='0'"), "pivot_points are of rigid bodies");
 }
 
 /// A strip of two equilateral triangles folded by the angle a: |R| = h sin(a/2) with h their height, so

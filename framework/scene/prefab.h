@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SOFA's prefabs: <Leg name="left"/> where there is no component Leg, but a file Objects/Leg.xml in the element's
+// folder or on the data path, is <include href="Objects/Leg.xml" name="left"/>.
+#pragma once
+#include <functional>
+
+#include "framework/scene/load.h"
+
+namespace stroma {
+
+/// True for a type that needs no prefab: a component, known under its present or an old name.
+using KnownType = std::function<bool(const std::string& type)>;
+
+/// As readScene(), with prefabs for the types that are not known.
+SceneDescription readSceneWithPrefabs(const std::string& file, const std::vector<Override>& overrides,
+                                      const ReadLimits& limits, const KnownType& is_known, Diagnostics& diagnostics);
+
+/// The types that `factory` and `modules` know without opening any, and those that the change table speaks of.
+KnownType knownTypes(const Factory& factory, const Modules& modules);
+
+}  // namespace stroma
