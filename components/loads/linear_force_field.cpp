@@ -69,7 +69,7 @@ class LinearForceField final : public ForceField, public LocalLoad {
 
  private:
   std::vector<int> points_;
-  KeyTimes force_;
+  KeyTimes<Vec3> force_;
   std::vector<Index> nodes_;
   Vec3 now_ = Vec3::Zero();  ///< [N]
 };
