@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Reads a Gmsh mesh: .msh formats 1, 2.2, 4.0 and 4.1, ASCII or binary (4.0: ASCII).
+// Reads a Gmsh mesh: .msh formats 1, 2.2, 4.0 and 4.1, ASCII or binary (4.0: ASCII, as Gmsh itself).
 //
 // Edges, triangles, quads, tetrahedra and hexahedra are read; points, prisms and pyramids are counted and reported;
 // quadratic elements are an error. Nodes keep the order of the file, whatever their tags. As in SOFA the faces and
@@ -7,7 +7,7 @@
 //
 // Physical groups: `tetrahedraGroups` and its like hold the tag of each cell of the file (0: none). With group="NAME"
 // (or a tag), `groupIndices` holds the nodes of the cells of that group, ascending: a surface named in the mesher is a
-// selection in the scene.
+// selection in the scene. ValuesFromLabels turns tetrahedraGroups into a material of each tetrahedron.
 //
 // Source: the chapter "File formats" of the Gmsh reference manual; the attributes are SOFA's.
 //

@@ -5,6 +5,9 @@
 // voxels turned into quads and hexahedra, polylines into edges, strips and polygons into triangles (around their first
 // corner). Vertices, wedges and pyramids are counted and reported; quadratic cells are an error.
 //
+// Labels: when the file has cell data of whole numbers under the name `groupArray` (default "label"),
+// `tetrahedraGroups` and its like hold the value of each cell, as MeshGmshLoader's hold the physical group.
+//
 // Source: VTK's readers (vtkGenericDataObjectReader, vtkXMLGenericDataObjectReader); the attributes are SOFA's.
 //
 // Example:
@@ -13,8 +16,10 @@
 //   <TetrahedronSetTopologyContainer name="tets" src="@loader"/>
 // </Node>
 #include <fmt/format.h>
+#include <vtkCellData.h>
 #include <vtkCellType.h>
 #include <vtkCellTypes.h>
+#include <vtkDataArray.h>
 #include <vtkGenericDataObjectReader.h>
 #include <vtkIdList.h>
 #include <vtkLogger.h>
@@ -27,6 +32,7 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
+#include <cmath>
 #include <fstream>
 #include <map>
 #include <sstream>
@@ -75,6 +81,17 @@ class Capture {
 };
 
 class MeshVTKLoader : public MeshLoader {
+ public:
+  void declare(DataTable& table) override {
+    MeshLoader::declare(table);
+    table.add("groupArray", group_array_).help("cell data of whole numbers that go to tetrahedraGroups and its like");
+    table.add("edgesGroups", groups_.edges).help("label of each edge of the file").output();
+    table.add("trianglesGroups", groups_.triangles).help("label of each triangle of the file").output();
+    table.add("quadsGroups", groups_.quads).help("label of each quad of the file").output();
+    table.add("tetrahedraGroups", groups_.tetrahedra).help("label of each tetrahedron").output();
+    table.add("hexahedraGroups", groups_.hexahedra).help("label of each hexahedron").output();
+  }
+
  protected:
   void read(const std::string& file, Mesh& mesh) override {
     const std::string name = file.substr(file.rfind('/') + 1);
@@ -92,7 +109,19 @@ class MeshVTKLoader : public MeshLoader {
   vtkSmartPointer<vtkPointSet> readPoints(const std::string& file, const std::string& name) const;
   void convert(vtkPointSet& data, const std::string& name, Mesh& mesh);
   void addCell(int type, const std::vector<Index>& n, const std::string& name, Mesh& mesh);
+  vtkDataArray* findLabels(vtkPointSet& data, const std::string& name) const;
 
+  struct Groups {
+    std::vector<int> edges, triangles, quads, tetrahedra, hexahedra;
+    /// The cells that `mesh` has more than lists have labels get this one.
+    void extend(const Mesh& mesh, int label) {
+      edges.resize(mesh.edges.size(), label), triangles.resize(mesh.triangles.size(), label);
+      quads.resize(mesh.quads.size(), label), tetrahedra.resize(mesh.tetrahedra.size(), label);
+      hexahedra.resize(mesh.hexahedra.size(), label);
+    }
+  };
+  Groups groups_;
+  std::string group_array_ = "label";
   std::map<std::string, long> skipped_;
 };
 
@@ -155,11 +184,36 @@ vtkSmartPointer<vtkPointSet> MeshVTKLoader::readPoints(const std::string& file, 
                        "a first line '# vtk DataFile' or an element <VTKFile");
 }
 
+/// The array of labels, or null when the file has none and none was asked for.
+vtkDataArray* MeshVTKLoader::findLabels(vtkPointSet& data, const std::string& name) const {
+  vtkDataArray* labels = data.GetCellData()->GetArray(group_array_.c_str());
+  const bool asked_for = this->data().find("groupArray")->isSet();
+  std::vector<std::string> names;
+  for (int k = 0; k < data.GetCellData()->GetNumberOfArrays(); ++k)
+    if (const char* word = data.GetCellData()->GetArrayName(k)) names.emplace_back(word);
+  if (!labels && asked_for)
+    throw ComponentError(fmt::format("{} has no cell data '{}'", name, group_array_),
+                         names.empty() ? "a file with cell data" : "an array of the file",
+                         nearest(group_array_, names));
+  if (!labels) return nullptr;
+  bool whole = labels->GetNumberOfComponents() == 1;
+  for (vtkIdType c = 0; whole && c < labels->GetNumberOfTuples(); ++c) {
+    const double value = labels->GetComponent(c, 0);
+    whole = std::abs(value) <= 1e9 && value == std::floor(value);
+  }
+  if (whole) return labels;
+  if (asked_for)
+    throw ComponentError(fmt::format("{}: the cell data '{}' are no labels", name, group_array_),
+                         "one whole number a cell");
+  return nullptr;
+}
+
 void MeshVTKLoader::convert(vtkPointSet& data, const std::string& name, Mesh& mesh) {
   mesh.position.resize(std::size_t(data.GetNumberOfPoints()));
   for (std::size_t n = 0; n < mesh.position.size(); ++n) data.GetPoint(vtkIdType(n), mesh.position[n].data());
   const auto ids = vtkSmartPointer<vtkIdList>::New();
   std::vector<Index> nodes;
+  vtkDataArray* labels = findLabels(data, name);
   for (vtkIdType c = 0; c < data.GetNumberOfCells(); ++c) {
     data.GetCellPoints(c, ids);
     nodes.clear();
@@ -170,6 +224,7 @@ void MeshVTKLoader::convert(vtkPointSet& data, const std::string& name, Mesh& me
       nodes.push_back(Index(ids->GetId(k)));
     }
     addCell(data.GetCellType(c), nodes, name, mesh);
+    if (labels) groups_.extend(mesh, int(labels->GetComponent(c, 0)));
   }
 }
 
