@@ -66,6 +66,7 @@ class Hexahedra final : public ElasticElements {
  public:
   Index count(const Mesh& mesh) const override { return Index(mesh.hexahedra.size()); }
   bool has(ElasticMethod method) const override { return method != ElasticMethod::nodal; }
+  bool hasMeanDilatation(ElasticMethod method) const override { return method != ElasticMethod::green; }
   bool rotationHasPotential() const override { return false; }
 
   void bind(const Mesh& mesh, const std::vector<Vec3>& rest, const ElasticVariant& variant) override {
@@ -144,10 +145,16 @@ class Hexahedra final : public ElasticElements {
       return fill<BoxCorotational<rotation::Svd>>(first_row, lame);
     }
     if (method == ElasticMethod::green) return fill<Green<PointShape>>(first_row, lame);
-    if (method == ElasticMethod::small) return fill<PointLinear>(first_row, lame);
+    if (variant_.mean_dilatation) return makePoints<MeanDilatation>(first_row, lame);
+    return makePoints<LocalDilatation>(first_row, lame);
+  }
+  template <template <class> class Law>
+  std::unique_ptr<ElementMethod> makePoints(Index first_row, const std::function<Lame(std::size_t)>& lame) const {
+    if (variant_.method == ElasticMethod::small) return fill<PointLinear<Law>>(first_row, lame);
     return makeRotated(variant_, [&]<class Rotation, Update update>() -> std::unique_ptr<ElementMethod> {
-      if (variant_.exact_tangent) return fill<ExactPointCorotational<Rotation, update>>(first_row, lame);
-      return fill<PointCorotational<Rotation, update>>(first_row, lame);
+      if constexpr (std::is_same_v<Law<double>, LocalDilatation<double>>)
+        if (variant_.exact_tangent) return fill<ExactPointCorotational<Rotation, update>>(first_row, lame);
+      return fill<PointCorotational<Law, Rotation, update>>(first_row, lame);
     });
   }
   template <class Model>
@@ -162,13 +169,14 @@ class Hexahedra final : public ElasticElements {
     return std::make_unique<ModelMethod<Model>>(std::move(storage));
   }
 
-  static void set(const RestShape& shape, const Lame& constants, BoxRest<double>& rest, BoxTangent<double>& tangent) {
+  void set(const RestShape& shape, const Lame& constants, BoxRest<double>& rest, BoxTangent<double>& tangent) const {
     const double edges[3] = {shape.modes.xi.x, shape.modes.eta.y, shape.modes.zeta.z};
     for (int i = 0; i < 3; ++i) rest.edges[i] = edges[i], tangent.stiffness.inverse[i] = 8 / edges[i];
     tangent.axes = shape.frame;
     const double weight = std::abs(shape.low);
-    tangent.stiffness.lambda = constants.lambda * weight / 8;
-    tangent.stiffness.mu = constants.mu * weight / 8;
+    BoxStiffness<double>& s = tangent.stiffness;
+    s.lambda = constants.lambda * weight / 8, s.mu = constants.mu * weight / 8;
+    s.varying = variant_.mean_dilatation ? -2. / 3 * s.mu : s.lambda;
   }
   static void set(const RestShape& shape, const Lame& constants, BoxRest<double>&, BoxShape::Tangent<double>& tangent) {
     const double edges[3] = {shape.modes.xi.x, shape.modes.eta.y, shape.modes.zeta.z}, weight = std::abs(shape.low);
@@ -177,7 +185,10 @@ class Hexahedra final : public ElasticElements {
   }
   /// In the frame of the mean edges, but world axes for method small, which turns nothing.
   void set(const RestShape& shape, const Lame& constants, PointRest<double>& rest, auto& tangent) const {
-    tangent.lambda = constants.lambda, tangent.mu = constants.mu;
+    if constexpr (requires { tangent.law; })
+      setLaw(shape, constants, tangent.law);
+    else
+      tangent.lambda = constants.lambda, tangent.mu = constants.mu;
     const bool turned = variant_.method != ElasticMethod::small;
     rest.modes = turned ? shape.modes : rotated(shape.frame, shape.modes);
     const Mat3 inverse = toEigen(meanEdges(rest.modes)).inverse();
@@ -193,6 +204,20 @@ class Hexahedra final : public ElasticElements {
       if constexpr (requires { tangent.g; })
         tangent.g[p] = turned ? elastic::rotated(shape.frame, rest.g[p]) : rest.g[p];
     }
+  }
+
+  static void setLaw(const RestShape&, const Lame& constants, LocalDilatation<double>& law) {
+    law = {constants.lambda, constants.mu};
+  }
+  static void setLaw(const RestShape& shape, const Lame& constants, MeanDilatation<double>& law) {
+    law.lambda = -2. / 3 * constants.mu, law.mu = constants.mu;
+    const PointValues<double> j = atPoints(shape.modes);
+    double volume = 0;
+    for (int p = 0; p < 8; ++p) {
+      const double weight = std::abs(determinant(j, p)) / 512;
+      law.root[p] = std::sqrt(weight), volume += weight;
+    }
+    law.bulk = (constants.lambda + 2. / 3 * constants.mu) / volume;
   }
 
   static double determinant(const PointValues<double>& j, int p) {

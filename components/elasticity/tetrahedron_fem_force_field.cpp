@@ -48,8 +48,7 @@
 
 #include "framework/fem/eigen_matrix.h"
 #include "framework/fem/elastic_force_field.h"
-#include "framework/fem/fan_model.h"
-#include "framework/fem/tetrahedron_models.h"
+#include "framework/fem/nodal_dilatation.h"
 #include "framework/scene/factory.h"
 
 using namespace stroma;
@@ -62,6 +61,9 @@ class Tetrahedra final : public ElasticElements {
  public:
   Index count(const Mesh& mesh) const override { return Index(mesh.tetrahedra.size()); }
   bool has(ElasticMethod) const override { return true; }
+  bool hasMeanDilatation(ElasticMethod method) const override {
+    return method != ElasticMethod::green && method != ElasticMethod::nodal;
+  }
   bool rotationHasPotential() const override { return true; }
 
   void bind(const Mesh& mesh, const std::vector<Vec3>& rest, const ElasticVariant& variant) override {
@@ -113,9 +115,8 @@ class Tetrahedra final : public ElasticElements {
   }
 
   template <class Storage>
-  Storage gatheredFans(Index first_row, const LameOf& lame) const {
+  Storage fanStorage(const std::vector<tetrahedron::Fan>& fans, Index first_row, const LameOf& lame) const {
     using namespace tetrahedron;
-    const std::vector<Fan> fans = gatherFans(mesh_->tetrahedra, rest_->size());
     std::vector<std::array<Index, fan_nodes>> cells;
     for (const Fan& fan : fans) cells.push_back(fan.nodes);
     Storage storage;
@@ -130,15 +131,32 @@ class Tetrahedra final : public ElasticElements {
     });
     return storage;
   }
+  template <class Single>
+  std::unique_ptr<ElementMethod> makeAveraged(Index first_row, const LameOf& lame) const {
+    using namespace tetrahedron;
+    const std::vector<Fan> fans = gatherFans(mesh_->tetrahedra, rest_->size());
+    std::vector<double> bulk, volume;
+    for (std::size_t e = 0; e < mesh_->tetrahedra.size(); ++e) {
+      bulk.push_back(lame(e).lambda + 2. / 3 * lame(e).mu);
+      volume.push_back(weight(restEdges(mesh_->tetrahedra[e])));
+    }
+    return std::make_unique<NodalDilatation<Single>>(
+        fanStorage<StorageOf<FanOf<Deviatoric<Single>>>>(fans, first_row, lame), fans, mesh_->tetrahedra, bulk, volume,
+        Index(rest_->size()), first_row);
+  }
   std::unique_ptr<ElementMethod> makeFans(Index first_row, const LameOf& lame) const {
     using namespace tetrahedron;
     const auto make = [&]<class Single>() -> std::unique_ptr<ElementMethod> {
-      return std::make_unique<ModelMethod<FanOf<Single>>>(gatheredFans<StorageOf<FanOf<Single>>>(first_row, lame));
+      const std::vector<Fan> fans = gatherFans(mesh_->tetrahedra, rest_->size());
+      return std::make_unique<ModelMethod<FanOf<Single>>>(fanStorage<StorageOf<FanOf<Single>>>(fans, first_row, lame));
     };
-    if (variant_.method == ElasticMethod::small) return make.template operator()<Linear>();
     if (variant_.method == ElasticMethod::green) return make.template operator()<Green>();
+    if (variant_.method == ElasticMethod::small)
+      return variant_.mean_dilatation ? makeAveraged<Linear>(first_row, lame) : make.template operator()<Linear>();
     return makeRotated(variant_, [&]<class Rotation, Update update>() -> std::unique_ptr<ElementMethod> {
       if (variant_.exact_tangent) return make.template operator()<ExactCorotational<Rotation, update>>();
+      if constexpr (update != Update::strain_displacement_and_volume)
+        if (variant_.mean_dilatation) return makeAveraged<Corotational<Rotation, update>>(first_row, lame);
       return make.template operator()<Corotational<Rotation, update>>();
     });
   }
@@ -161,6 +179,8 @@ class Tetrahedra final : public ElasticElements {
     const Mat3 edges = restEdges(mesh_->tetrahedra[e]);
     return toEigen(rotation::gramSchmidt(fromEigen(edges / edges.norm())));
   }
+  /// The volume [m^3]; cells that cover the body twice share it.
+  double weight(const Mat3& edges) const { return std::abs(edges.determinant()) / (6 * mesh_->overlap); }
   /// Cell e with its vertices in the order of `nodes`, in the frame that the order of the cell gives: method large
   /// depends on it.
   void setElement(std::size_t e, const Tetrahedron& nodes, bool padding, const LameOf& lame,
@@ -171,8 +191,7 @@ class Tetrahedra final : public ElasticElements {
     const M3<double> own = fromEigen((inverse * axes).transpose()), world = fromEigen(inverse.transpose());
     rest.g = {own.c0, own.c1, own.c2};
     rest.inverse_six_volume = 1 / edges.determinant();
-    // cells that cover the body twice share its stiffness; a padding lane has none
-    const double volume = padding ? 0 : std::abs(edges.determinant()) / (6 * mesh_->overlap);
+    const double volume = padding ? 0 : weight(edges);  // a padding lane has no stiffness
     rest.root = std::sqrt(lame(e).mu * volume);
     setTangent(tangent, {world.c0, world.c1, world.c2}, lame(e), volume);
   }

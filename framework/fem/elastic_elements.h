@@ -21,6 +21,8 @@ class ElasticElements {
   virtual ~ElasticElements() = default;
   virtual Index count(const Mesh& mesh) const = 0;
   virtual bool has(ElasticMethod method) const = 0;
+  /// Does a method have ElasticVariant::mean_dilatation?
+  virtual bool hasMeanDilatation(ElasticMethod method) const = 0;
   /// With a constant B: the forces of method svd are the gradient of an energy, so that they exert no torque.
   virtual bool rotationHasPotential() const = 0;
 

@@ -124,6 +124,10 @@ void ElasticForceField::declare(DataTable& table) {
   table.add("updateVolume", update_volume_).help("update the volume factor of B too (needs updateStiffnessMatrix)");
   table.addChoice("tangent", tangent_, {"warped", "exact"})
       .help("stiffness: R K R^T, or the exact derivative of the force");
+  table.addChoice("dilatation", dilatation_, {"local", "mean"})
+      .help(
+          "volume change: that at each integration point, or its mean, which does not lock at Poisson ratios near 1/2 "
+          "(hexahedra)");
   table.addChoice("assembling", assembling_, {"auto", "true", "false"})
       .alias("computeGlobalMatrix")
       .help(
@@ -190,6 +194,7 @@ void ElasticForceField::init() {
                     : update_b_    ? elastic::Update::strain_displacement
                                    : elastic::Update::none;
   variant_.exact_tangent = tangent_ == Tangent::exact;
+  variant_.mean_dilatation = dilatation_ == Dilatation::mean;
   variant_.own_matrix = assembling_ == Assembling::yes;
   checkVariant();
   checkMaterial();
@@ -213,7 +218,19 @@ void ElasticForceField::checkVariant() const {
     throw ComponentError("method nodal has no exact tangent", "tangent=\"warped\" (its symmetric part)");
   if (method == ElasticMethod::green && isSet("tangent") && !variant_.exact_tangent)
     throw ComponentError("method green turns nothing: it has no warped tangent", "tangent=\"exact\"");
+  if (variant_.mean_dilatation) checkMeanDilatation();
   if (plastic_max_threshold_ > 0) throw ComponentError("plasticity is not available", "plasticMaxThreshold=\"0\"");
+}
+
+void ElasticForceField::checkMeanDilatation() const {
+  const std::string expected = "dilatation=\"local\"";
+  if (!elements_->hasMeanDilatation(variant_.method))
+    throw ComponentError(fmt::format("method {} has no mean dilatation for a {}", wordOf(variant_.method), kind_word_),
+                         expected);
+  if (variant_.exact_tangent)
+    throw ComponentError("the mean dilatation has a warped tangent only", "tangent=\"warped\"");
+  if (update_volume_)
+    throw ComponentError("the mean dilatation is taken over the volume at rest", "updateVolume=\"false\"");
 }
 
 void ElasticForceField::checkMaterial() const {

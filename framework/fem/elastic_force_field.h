@@ -45,10 +45,12 @@ class ElasticForceField : public ElementMethodField {
  private:
   enum class Tangent : int { warped, exact };
   enum class Assembling : int { automatic, yes, no };
+  enum class Dilatation : int { local, mean };
 
   void chooseKind(const Topology& topology);
   std::vector<ElasticKind> servedKinds() const;
   void checkVariant() const;
+  void checkMeanDilatation() const;
   void checkMaterial() const;
   Lame lame(std::size_t cell) const;
   ConstRows ownRows(ConstRows x) const;
@@ -60,6 +62,7 @@ class ElasticForceField : public ElementMethodField {
   bool update_b_ = false, update_volume_ = false;
   Tangent tangent_ = Tangent::warped;
   Assembling assembling_ = Assembling::automatic;
+  Dilatation dilatation_ = Dilatation::local;
   double plastic_max_threshold_ = 0;
 
   const Mesh* mesh_ = nullptr;

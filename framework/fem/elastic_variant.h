@@ -14,8 +14,9 @@ enum class ElasticMethod : int { small, large, polar, svd, nodal, green };
 struct ElasticVariant {
   ElasticMethod method = ElasticMethod::large;
   elastic::Update update = elastic::Update::none;
-  bool exact_tangent = false;  ///< of the rotated methods
-  bool own_matrix = false;     ///< products through the field's own assembled matrix
+  bool exact_tangent = false;    ///< of the rotated methods
+  bool mean_dilatation = false;  ///< the volume change is one number an element
+  bool own_matrix = false;       ///< products through the field's own assembled matrix
 };
 
 }  // namespace stroma

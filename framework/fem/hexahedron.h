@@ -19,6 +19,12 @@
 //   B and V updated: g_i = n_i / det J, and the weight |det J|
 // Source: M. Nesme et al. 2005, sections 2, 3 and 5.1 and appendix A. Gradients are stored with w^1/2 / 8, so that
 // products need no weight.
+//
+// Mean dilatation (Nagtegaal, Parks and Rice 1974; the B-bar of Hughes 1980): the volume change is one number an
+// element,
+//   theta = 1/V sum w tr(eps),   sigma = K theta I + 2 mu dev(eps),   K = lambda + 2/3 mu,   V = sum w
+// at every Gauss point, so that a nearly incompressible element does not lock. In the constants below: lambda becomes
+// -2/3 mu, the local part of dev, and `bulk` = K/V acts on sum w tr(eps).
 #pragma once
 #include "framework/fem/rotation.h"
 #include "framework/fem/strain.h"
@@ -171,14 +177,70 @@ void addStress(const S3<T>& s, const Gradients<T>& g, int p, PointValues<T>& out
   addColumns(s * g.g1, s * g.g2, s * g.g3, p, out);
 }
 
-/// -B^T D B of modes, with the gradients g of each Gauss point: the warped tangent, and the whole of a linear element.
+/// Hooke's law at the Gauss points: of the strain there.
 template <class T>
-Modes<T> stiffnessProduct(const Gradients<T> (&g)[8], T lambda, T mu, const Modes<T>& modes) {
+struct LocalDilatation {
+  T lambda, mu;  ///< [Pa]
+};
+/// The same with the mean dilatation.
+template <class T>
+struct MeanDilatation {
+  T lambda, mu;  ///< -2/3 mu and mu [Pa]
+  T root[8];     ///< w^1/2 of the Gauss points [m^3/2]
+  T bulk;        ///< K/V [Pa/m^3]
+};
+
+/// tr(sum d_i (x) g_i)
+template <class T>
+T traceOf(const V3<T> (&d)[3], const Gradients<T>& g) {
+  return stroma::dot(d[0], g.g1) + (stroma::dot(d[1], g.g2) + stroma::dot(d[2], g.g3));
+}
+/// -K/V sum w tr(eps) for the differences d at the Gauss points, zero where there is no mean.
+template <class T>
+T meanPressure(const LocalDilatation<T>&, const PointValues<T>&, const Gradients<T> (&)[8]) {
+  return T(0.);
+}
+template <class T>
+T meanPressure(const MeanDilatation<T>& law, const PointValues<T>& d, const Gradients<T> (&g)[8]) {
+  T sum(0.);
+  for (int p = 0; p < 8; ++p) sum = fma(law.root[p], traceOf(Columns<T>(d, p).d, g[p]), sum);
+  return -law.bulk * sum;
+}
+/// -sigma, all times w^1/2, of a strain times w^1/2 at Gauss point p.
+template <class T>
+S3<T> stressAt(const LocalDilatation<T>& law, int, const S3<T>& strain, T factor, T) {
+  return restoringStress(strain, factor * law.lambda, factor * law.mu);
+}
+template <class T>
+S3<T> stressAt(const MeanDilatation<T>& law, int p, const S3<T>& strain, T factor, T mean_pressure) {
+  S3<T> s = restoringStress(strain, factor * law.lambda, factor * law.mu);
+  const T pressure = factor * mean_pressure * law.root[p];
+  s.xx += pressure, s.yy += pressure, s.zz += pressure;
+  return s;
+}
+
+/// -factor B^T D B of modes, with the gradients g of each Gauss point: the warped tangent, and the whole of a linear
+/// element.
+template <class T>
+Modes<T> stiffnessProduct(const Gradients<T> (&g)[8], const auto& law, T factor, const Modes<T>& modes) {
   const PointValues<T> d = atPoints(modes);
+  const T pressure = meanPressure(law, d, g);
   PointValues<T> forces;
   for (int p = 0; p < 8; ++p)
-    addStress(restoringStress(strainOf(Columns<T>(d, p).d, g[p]), lambda, mu), g[p], p, forces);
+    addStress(stressAt(law, p, strainOf(Columns<T>(d, p).d, g[p]), factor, pressure), g[p], p, forces);
   return fromPoints(forces);
+}
+
+/// The stored energy of the differences d at the Gauss points.
+template <class T>
+T elementEnergy(const Gradients<T> (&g)[8], const auto& law, const PointValues<T>& d) {
+  T sum(0.);
+  for (int p = 0; p < 8; ++p) sum += storedEnergy(strainOf(Columns<T>(d, p).d, g[p]), law.lambda, law.mu);
+  if constexpr (requires { law.bulk; }) {
+    const T pressure = meanPressure(law, d, g);
+    sum += T(0.5) * pressure * pressure / select(law.bulk == T(0.), T(1.), law.bulk);
+  }
+  return sum;
 }
 
 // ---- boxes: a = diag(i, j, k) is the same at all Gauss points, and modes separate ----
@@ -204,16 +266,18 @@ void addTwoColumns(const V3<T>& a, const V3<T>& b, T i, T j, T lambda, T mu, V3<
   fa = fma(i, sx, fa), fb = fma(j, sy, fb);
 }
 
-/// What a box needs: inverse = (i, j, k) = 2 / edge lengths [1/m]; Lame's constants times w/8.
+/// What a box needs: inverse = (i, j, k) = 2 / edge lengths [1/m]; Lame's constants times w/8. `varying` is lambda for
+/// the part of the volume change that varies over the box and has no mean: lambda, or -2/3 mu with the mean dilatation.
 template <class T>
 struct BoxStiffness {
-  T inverse[3], lambda, mu;
+  T inverse[3], lambda, varying, mu;
 };
 
-/// -K of a box's modes in its own axes.
+/// -factor K of a box's modes in its own axes.
 template <class T>
-Modes<T> boxProduct(const BoxStiffness<T>& box, T lambda, T mu, const Modes<T>& m) {
+Modes<T> boxProduct(const BoxStiffness<T>& box, T factor, const Modes<T>& m) {
   const T i = box.inverse[0], j = box.inverse[1], k = box.inverse[2];
+  const T lambda = factor * box.lambda, varying = factor * box.varying, mu = factor * box.mu;
   Modes<T> f;
   {
     const S3<T> strain{m.xi.x * i,
@@ -225,7 +289,7 @@ Modes<T> boxProduct(const BoxStiffness<T>& box, T lambda, T mu, const Modes<T>& 
     const S3<T> s = restoringStress(strain, lambda, mu);
     f.xi = V3<T>{s.xx, s.xy, s.zx} * i, f.eta = V3<T>{s.xy, s.yy, s.yz} * j, f.zeta = V3<T>{s.zx, s.yz, s.zz} * k;
   }
-  const T third(1. / 3), ninth(1. / 9), lambda3 = lambda * third, mu3 = mu * third;
+  const T third(1. / 3), ninth(1. / 9), lambda3 = varying * third, mu3 = mu * third;
   // zeta: columns x, y; xi: columns y, z; eta: columns z, x
   addTwoColumns(m.zeta_xi, m.eta_zeta, i, j, lambda3, mu3, f.zeta_xi, f.eta_zeta);
   V3<T> fa, fb;
@@ -236,7 +300,7 @@ Modes<T> boxProduct(const BoxStiffness<T>& box, T lambda, T mu, const Modes<T>& 
   f.eta_zeta = f.eta_zeta + cycled(fc), f.xi_eta = f.xi_eta + cycled(fd);
 
   const T ii = i * i, jj = j * j, kk = k * k, minus = -ninth;
-  const T shear = mu * (ii + jj + kk), direct = lambda + mu;
+  const T shear = mu * (ii + jj + kk), direct = varying + mu;
   f.all = {minus * fma(direct, ii, shear) * m.all.x, minus * fma(direct, jj, shear) * m.all.y,
            minus * fma(direct, kk, shear) * m.all.z};
   return f;

@@ -70,6 +70,23 @@ __attribute__((noinline, flatten)) void stiffnessMatrix(const Gradients<T> (&g)[
   });
 }
 
+/// K -= bulk N_a (x) N_b with N_a = sum of root n_a over the Gauss points: the part of the mean dilatation.
+template <class T>
+__attribute__((noinline, flatten)) void addMeanMatrix(const Gradients<T> (&g)[8], const T (&root)[8], T bulk,
+                                                      T (&k)[8 * 8 * 9]) {
+  V3<T> n[8];
+  for (int a = 0; a < 8; ++a)
+    for (int p = 0; p < 8; ++p) n[a] = fma(root[p], nodeGradient(g[p], a, p), n[a]);
+  const T minus = -bulk;
+  for (int a = 0; a < 8; ++a)
+    for (int b = 0; b < 8; ++b) {
+      const T left[3] = {minus * n[a].x, minus * n[a].y, minus * n[a].z}, right[3] = {n[b].x, n[b].y, n[b].z};
+      T* block = k + (a * 8 + b) * 9;
+      for (int r = 0; r < 3; ++r)
+        for (int c = 0; c < 3; ++c) block[3 * r + c] = fma(left[r], right[c], block[3 * r + c]);
+    }
+}
+
 /// A Gauss point of St. Venant-Kirchhoff: F with the root of its weight w, -S, and 1/w.
 template <class T>
 struct GreenState {

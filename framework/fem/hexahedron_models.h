@@ -19,7 +19,7 @@ template <class T>
 struct BoxRest {
   T edges[3];
 };
-/// What a box's product reads: its axes at the last force, and its stiffness. 112 bytes, 144 with the node numbers.
+/// What a box's product reads: its axes at the last force, and its stiffness. 120 bytes, 152 with the node numbers.
 template <class T>
 struct BoxTangent {
   M3<T> axes;
@@ -37,7 +37,7 @@ struct BoxModel : HexahedronModel {
                       V3<T> (&df)[8]) {
     const M3<T> r = t.axes;
     const Modes<T> own = rotatedBack(r, modesOf(dx));
-    nodesOf(rotated(r, boxProduct(t.stiffness, factor * t.stiffness.lambda, factor * t.stiffness.mu, own)), df);
+    nodesOf(rotated(r, boxProduct(t.stiffness, factor, own)), df);
   }
 
   template <class T>
@@ -46,7 +46,10 @@ struct BoxModel : HexahedronModel {
     const T eighth(0.125);  // of the gradients, twice, but for the one that the constants hold
     Gradients<T> g[8];
     for (Gradients<T>& point : g) point = {t.axes.c0 * inverse[0], t.axes.c1 * inverse[1], t.axes.c2 * inverse[2]};
-    stiffnessMatrix(g, eighth * t.stiffness.lambda, eighth * t.stiffness.mu, k);
+    const BoxStiffness<T>& s = t.stiffness;
+    stiffnessMatrix(g, eighth * s.varying, eighth * s.mu, k);
+    const T one(1.), roots[8] = {one, one, one, one, one, one, one, one};
+    addMeanMatrix(g, roots, eighth * eighth * (s.lambda - s.varying), k);
   }
 
  protected:
@@ -60,13 +63,13 @@ struct BoxModel : HexahedronModel {
   template <class T>
   static void forceIn(const BoxRest<T>& rest, const BoxTangent<T>& t, const M3<T>& r, const Modes<T>& m,
                       V3<T> (&f)[8]) {
-    const Modes<T> own = boxProduct(t.stiffness, t.stiffness.lambda, t.stiffness.mu, displacement(rest, r, m));
+    const Modes<T> own = boxProduct(t.stiffness, T(1.), displacement(rest, r, m));
     nodesOf(rotated(r, own), f);
   }
   template <class T>
   static T energyIn(const BoxRest<T>& rest, const BoxTangent<T>& t, const M3<T>& r, const Modes<T>& m) {
     const Modes<T> d = displacement(rest, r, m);
-    return T(-0.5) * dot(d, boxProduct(t.stiffness, t.stiffness.lambda, t.stiffness.mu, d));
+    return T(-0.5) * dot(d, boxProduct(t.stiffness, T(1.), d));
   }
   /// F of the mean edges: columns times 1/X.
   template <class T>
@@ -117,12 +120,15 @@ struct PointRest {
   T scale[8];                ///< of the cofactors of a J made of modes: sign(det J_0) / (512 w^1/2)
   T inverse_determinant[8];  ///< of a J_0 made of modes, 512 det J_0
 };
-/// What a product reads: gradients in world axes at the last force (of the rest shape before the first), Lame's
-/// constants [Pa]. 592 bytes, 624 with the node numbers.
-template <class T>
+/// What a product reads: gradients in world axes at the last force (of the rest shape before the first), and the law.
+/// 592 bytes with LocalDilatation, 624 with the node numbers.
+template <template <class> class Law>
 struct PointTangent {
-  Gradients<T> g[8];
-  T lambda, mu;
+  template <class T>
+  struct Of {
+    Gradients<T> g[8];
+    Law<T> law;
+  };
 };
 
 /// E U for an upper triangular U.
@@ -131,35 +137,37 @@ M3<T> timesUpper(const M3<T>& e, const T (&u)[6]) {
   return {e.c0 * u[0], fma(u[1], e.c0, e.c1 * u[2]), fma(u[3], e.c0, fma(u[4], e.c1, e.c2 * u[5]))};
 }
 
+template <template <class> class Law>
 struct PointModel : HexahedronModel {
   template <class T>
   using Rest = PointRest<T>;
   template <class T>
-  using Tangent = PointTangent<T>;
+  using Tangent = typename PointTangent<Law>::template Of<T>;
 
   template <class T>
-  static void product(const PointRest<T>&, const PointTangent<T>& t, T factor, const V3<T> (&)[8], const V3<T> (&dx)[8],
+  static void product(const PointRest<T>&, const Tangent<T>& t, T factor, const V3<T> (&)[8], const V3<T> (&dx)[8],
                       V3<T> (&df)[8]) {
-    nodesOf(stiffnessProduct(t.g, factor * t.lambda, factor * t.mu, modesOf(dx)), df);
+    nodesOf(stiffnessProduct(t.g, t.law, factor, modesOf(dx)), df);
   }
   template <class T>
-  static void matrix(const PointRest<T>&, const PointTangent<T>& t, const V3<T> (&)[8], T (&k)[8 * 8 * 9]) {
-    stiffnessMatrix(t.g, t.lambda, t.mu, k);
+  static void matrix(const PointRest<T>&, const Tangent<T>& t, const V3<T> (&)[8], T (&k)[8 * 8 * 9]) {
+    stiffnessMatrix(t.g, t.law.lambda, t.law.mu, k);
+    if constexpr (requires { t.law.bulk; }) addMeanMatrix(t.g, t.law.root, t.law.bulk, k);
   }
 };
 
 /// method = small.
-struct PointLinear : PointModel {
+template <template <class> class Law>
+struct PointLinear : PointModel<Law> {
   template <class T>
-  static void force(const PointRest<T>& rest, const PointTangent<T>& t, const V3<T> (&x)[8], V3<T> (&f)[8]) {
-    nodesOf(stiffnessProduct(t.g, t.lambda, t.mu, modesOf(x) - rest.modes), f);
+  using Tangent = typename PointTangent<Law>::template Of<T>;
+  template <class T>
+  static void force(const PointRest<T>& rest, const Tangent<T>& t, const V3<T> (&x)[8], V3<T> (&f)[8]) {
+    nodesOf(stiffnessProduct(t.g, t.law, T(1.), modesOf(x) - rest.modes), f);
   }
   template <class T>
-  static T energy(const PointRest<T>& rest, const PointTangent<T>& t, const V3<T> (&x)[8]) {
-    const PointValues<T> d = atPoints(modesOf(x) - rest.modes);
-    T sum(0.);
-    for (int p = 0; p < 8; ++p) sum += storedEnergy(strainOf(Columns<T>(d, p).d, t.g[p]), t.lambda, t.mu);
-    return sum;
+  static T energy(const PointRest<T>& rest, const Tangent<T>& t, const V3<T> (&x)[8]) {
+    return elementEnergy(t.g, t.law, atPoints(modesOf(x) - rest.modes));
   }
 };
 
@@ -187,41 +195,43 @@ struct Kinematics {
 };
 
 /// method = large, polar, svd with the warped tangent.
-template <class Rotation, Update update>
-struct PointCorotational : PointModel {
+template <template <class> class Law, class Rotation, Update update>
+struct PointCorotational : PointModel<Law> {
   template <class T>
-  static void force(const PointRest<T>& rest, PointTangent<T>& t, const V3<T> (&x)[8], V3<T> (&f)[8]) {
+  using Tangent = typename PointTangent<Law>::template Of<T>;
+  template <class T>
+  static void force(const PointRest<T>& rest, Tangent<T>& t, const V3<T> (&x)[8], V3<T> (&f)[8]) {
     const Kinematics<Rotation, update, T> k(rest, x);
+    for (int p = 0; p < 8; ++p) t.g[p] = k.gradients(rest, p);
+    const T pressure = meanPressure(t.law, k.d, t.g);
     PointValues<T> forces;
-    for (int p = 0; p < 8; ++p) {
-      const Gradients<T> g = k.gradients(rest, p);
-      t.g[p] = g;
-      addStress(restoringStress(strainOf(Columns<T>(k.d, p).d, g), t.lambda, t.mu), g, p, forces);
-    }
+    for (int p = 0; p < 8; ++p)
+      addStress(stressAt(t.law, p, strainOf(Columns<T>(k.d, p).d, t.g[p]), T(1.), pressure), t.g[p], p, forces);
     nodesOf(fromPoints(forces), f);
   }
   template <class T>
-  static T energy(const PointRest<T>& rest, const PointTangent<T>& t, const V3<T> (&x)[8]) {
+  static T energy(const PointRest<T>& rest, const Tangent<T>& t, const V3<T> (&x)[8]) {
     const Kinematics<Rotation, update, T> k(rest, x);
-    T sum(0.);
-    for (int p = 0; p < 8; ++p)
-      sum += storedEnergy(strainOf(Columns<T>(k.d, p).d, k.gradients(rest, p)), t.lambda, t.mu);
-    return sum;
+    Gradients<T> g[8];
+    for (int p = 0; p < 8; ++p) g[p] = k.gradients(rest, p);
+    return elementEnergy(g, t.law, k.d);
   }
 };
 
 /// The same with the exact tangent: dR and dg are differentiated at the x of the last force.
 template <class Rotation, Update update>
-struct ExactPointCorotational : PointCorotational<Rotation, update> {
+struct ExactPointCorotational : PointCorotational<LocalDilatation, Rotation, update> {
   static constexpr bool reads_position = true;
   template <class T>
-  static void product(const PointRest<T>& rest, const PointTangent<T>& t, T factor, const V3<T> (&x)[8],
+  using Tangent = typename PointTangent<LocalDilatation>::template Of<T>;
+  template <class T>
+  static void product(const PointRest<T>& rest, const Tangent<T>& t, T factor, const V3<T> (&x)[8],
                       const V3<T> (&dx)[8], V3<T> (&df)[8]) {
     const Kinematics<Rotation, update, T> k(rest, x);
     const Modes<T> dm = modesOf(dx);
     const M3<T> dr = Rotation::differential(k.deformation, k.rotation, timesUpper(meanEdges(dm), rest.inverse_edges));
     const PointValues<T> dj = atPoints(dm), dd = atPoints(dm - rotated(dr, rest.modes));
-    const T lambda = factor * t.lambda, mu = factor * t.mu;
+    const T lambda = factor * t.law.lambda, mu = factor * t.law.mu;
     PointValues<T> forces;
     for (int p = 0; p < 8; ++p) {
       const Gradients<T> g = k.gradients(rest, p), dg = differential(k, rest, dr, dj, p);

@@ -56,8 +56,8 @@ template <class StorageType>
 class StoredMethod : public ElementMethod {
  public:
   explicit StoredMethod(StorageType&& storage) : storage_(std::move(storage)) {}
-  void addPattern(BlockPattern& pattern) const final { storage_.loop.addPattern(pattern); }
-  std::vector<Index> slots(const BlockMatrix& matrix) const final { return storage_.loop.slots(matrix); }
+  void addPattern(BlockPattern& pattern) const override { storage_.loop.addPattern(pattern); }
+  std::vector<Index> slots(const BlockMatrix& matrix) const override { return storage_.loop.slots(matrix); }
 
  protected:
   StorageType storage_;

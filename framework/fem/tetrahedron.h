@@ -84,7 +84,7 @@ void nodalForces(const S3<T>& s, const Gradients<T>& g, V3<T> (&f)[4]) {
 
 /// df = -factor (B^T D B) dx with the gradients of the tangent: the warped tangent, and the whole of a linear element.
 template <class T>
-void stiffnessProduct(const Tangent<T>& t, T factor, const V3<T> (&dx)[4], V3<T> (&df)[4]) {
+void stiffnessProduct(const auto& t, T factor, const V3<T> (&dx)[4], V3<T> (&df)[4]) {
   const V3<T> d[3] = {dx[1] - dx[0], dx[2] - dx[0], dx[3] - dx[0]};
   nodalForces(restoringStress(strainOf(d, t.g), factor * t.ratio, factor), t.g, df);
 }

@@ -18,7 +18,7 @@ struct Model {
   using Tangent = tetrahedron::Tangent<T>;
 
   template <class T>
-  static void product(const Rest<T>&, const Tangent<T>& t, T factor, const V3<T> (&)[4], const V3<T> (&dx)[4],
+  static void product(const Rest<T>&, const auto& t, T factor, const V3<T> (&)[4], const V3<T> (&dx)[4],
                       V3<T> (&df)[4]) {
     stiffnessProduct(t, factor, dx, df);
   }
@@ -37,14 +37,12 @@ struct Linear : Model {
     nodalForces(restoringStress(both, t.ratio, T(1.)), t.g, f);
   }
   template <class T>
-  static T energy(const Rest<T>& rest, const Tangent<T>& t, const V3<T> (&x)[4]) {
+  static T energy(const Rest<T>& rest, const auto& t, const V3<T> (&x)[4]) {
     return storedEnergy(strain(rest, t, x), t.ratio, T(1.));
   }
-
- private:
   /// (mu V_0)^1/2 eps
   template <class T>
-  static S3<T> strain(const Rest<T>& rest, const Tangent<T>& t, const V3<T> (&x)[4]) {
+  static S3<T> strain(const Rest<T>& rest, const auto& t, const V3<T> (&x)[4]) {
     S3<T> scaled = strainOf(Edges(x).e, t.g);
     scaled.xx -= rest.root, scaled.yy -= rest.root, scaled.zz -= rest.root;
     return scaled;
@@ -65,14 +63,12 @@ struct Corotational : Model {
     nodalForces(restoringStress(own + strainOf(Edges(dx).e, t.g) * factor, t.ratio, T(1.)), t.g, f);
   }
   template <class T>
-  static T energy(const Rest<T>& rest, const Tangent<T>& t, const V3<T> (&x)[4]) {
+  static T energy(const Rest<T>& rest, const auto& t, const V3<T> (&x)[4]) {
     return storedEnergy(kinematics<Rotation, update>(rest, x).strain * rest.root, t.ratio, T(1.));
   }
-
- private:
   /// (mu V_0)^1/2 eps, and the gradients at x for the tangent
   template <class T>
-  static S3<T> strain(const Rest<T>& rest, Tangent<T>& t, const V3<T> (&x)[4]) {
+  static S3<T> strain(const Rest<T>& rest, auto& t, const V3<T> (&x)[4]) {
     const auto k = kinematics<Rotation, update>(rest, x);
     t.g = {k.g.g1 * rest.root, k.g.g2 * rest.root, k.g.g3 * rest.root};
     return k.strain * rest.root;
