@@ -22,6 +22,11 @@
 // small and green only, because the rotation of the mean edges minimises no energy: an unsymmetric tangent needs
 // SparseLDLSolver.
 //
+// dilatation = mean takes the volume change as one number an element, its mean at rest weights (Nagtegaal, Parks and
+// Rice 1974; the B-bar of Hughes 1980): near nu = 1/2 the element does not lock, and a compressed body does not buckle
+// element by element under the pressures of locking. For green it is the mean of tr(E). With updateVolume a point
+// counts with the root of its weight times the one at rest.
+//
 // Cell fields for exporters: vonMises [Pa], J (the smallest of the eight Gauss points), strain (6 a cell: xx yy zz xy
 // yz zx, the mean of sym(R^T F) - I for every variant, of E for green, in the axes of the rest shape).
 //
@@ -66,7 +71,7 @@ class Hexahedra final : public ElasticElements {
  public:
   Index count(const Mesh& mesh) const override { return Index(mesh.hexahedra.size()); }
   bool has(ElasticMethod method) const override { return method != ElasticMethod::nodal; }
-  bool hasMeanDilatation(ElasticMethod method) const override { return method != ElasticMethod::green; }
+  bool hasMeanDilatation(ElasticMethod) const override { return true; }
   bool rotationHasPotential() const override { return false; }
 
   void bind(const Mesh& mesh, const std::vector<Vec3>& rest, const ElasticVariant& variant) override {
@@ -138,15 +143,20 @@ class Hexahedra final : public ElasticElements {
   std::unique_ptr<ElementMethod> makeMethod(Index first_row, const std::function<Lame(std::size_t)>& lame) const {
     const ElasticMethod method = variant_.method;
     if (usesBoxes()) {
-      if (method == ElasticMethod::green) return fill<Green<BoxShape>>(first_row, lame);
+      if (method == ElasticMethod::green) return makeGreen<BoxShape>(first_row, lame);
       if (method == ElasticMethod::small) return fill<BoxLinear>(first_row, lame);
       if (method == ElasticMethod::large) return fill<BoxCorotational<rotation::Qr>>(first_row, lame);
       if (method == ElasticMethod::polar) return fill<BoxCorotational<rotation::Polar>>(first_row, lame);
       return fill<BoxCorotational<rotation::Svd>>(first_row, lame);
     }
-    if (method == ElasticMethod::green) return fill<Green<PointShape>>(first_row, lame);
+    if (method == ElasticMethod::green) return makeGreen<PointShape>(first_row, lame);
     if (variant_.mean_dilatation) return makePoints<MeanDilatation>(first_row, lame);
     return makePoints<LocalDilatation>(first_row, lame);
+  }
+  template <class Shape>
+  std::unique_ptr<ElementMethod> makeGreen(Index first_row, const std::function<Lame(std::size_t)>& lame) const {
+    if (variant_.mean_dilatation) return fill<Green<Shape, true>>(first_row, lame);
+    return fill<Green<Shape, false>>(first_row, lame);
   }
   template <template <class> class Law>
   std::unique_ptr<ElementMethod> makePoints(Index first_row, const std::function<Lame(std::size_t)>& lame) const {
@@ -178,17 +188,18 @@ class Hexahedra final : public ElasticElements {
     s.lambda = constants.lambda * weight / 8, s.mu = constants.mu * weight / 8;
     s.varying = variant_.mean_dilatation ? -2. / 3 * s.mu : s.lambda;
   }
-  static void set(const RestShape& shape, const Lame& constants, BoxRest<double>&, BoxShape::Tangent<double>& tangent) {
+  void set(const RestShape& shape, const Lame& constants, BoxRest<double>&, BoxShape::Tangent<double>& tangent) const {
     const double edges[3] = {shape.modes.xi.x, shape.modes.eta.y, shape.modes.zeta.z}, weight = std::abs(shape.low);
     for (int i = 0; i < 3; ++i) tangent.gradient[i] = std::sqrt(weight) / edges[i];
-    tangent.inverse_weight = 1 / weight, tangent.lambda = constants.lambda, tangent.mu = constants.mu;
+    tangent.inverse_weight = 1 / weight;
+    setGreen(shape, constants, tangent);
   }
   /// In the frame of the mean edges, but world axes for method small, which turns nothing.
   void set(const RestShape& shape, const Lame& constants, PointRest<double>& rest, auto& tangent) const {
     if constexpr (requires { tangent.law; })
       setLaw(shape, constants, tangent.law);
     else
-      tangent.lambda = constants.lambda, tangent.mu = constants.mu;
+      setGreen(shape, constants, tangent);
     const bool turned = variant_.method != ElasticMethod::small;
     rest.modes = turned ? shape.modes : rotated(shape.frame, shape.modes);
     const Mat3 inverse = toEigen(meanEdges(rest.modes)).inverse();
@@ -211,15 +222,22 @@ class Hexahedra final : public ElasticElements {
   }
   static void setLaw(const RestShape& shape, const Lame& constants, MeanDilatation<double>& law) {
     law.lambda = -2. / 3 * constants.mu, law.mu = constants.mu;
+    law.bulk = (constants.lambda + 2. / 3 * constants.mu) / volume(shape);
     const PointValues<double> j = atPoints(shape.modes);
-    double volume = 0;
-    for (int p = 0; p < 8; ++p) {
-      const double weight = std::abs(determinant(j, p)) / 512;
-      law.root[p] = std::sqrt(weight), volume += weight;
-    }
-    law.bulk = (constants.lambda + 2. / 3 * constants.mu) / volume;
+    for (int p = 0; p < 8; ++p) law.root[p] = std::sqrt(std::abs(determinant(j, p)) / 512);
+  }
+  void setGreen(const RestShape& shape, const Lame& constants, auto& tangent) const {
+    const bool mean = variant_.mean_dilatation;
+    tangent.lambda = mean ? -2. / 3 * constants.mu : constants.lambda, tangent.mu = constants.mu;
+    tangent.bulk = mean ? (constants.lambda + 2. / 3 * constants.mu) / volume(shape) : 0;
   }
 
+  static double volume(const RestShape& shape) {
+    const PointValues<double> j = atPoints(shape.modes);
+    double sum = 0;
+    for (int p = 0; p < 8; ++p) sum += std::abs(determinant(j, p)) / 512;
+    return sum;
+  }
   static double determinant(const PointValues<double>& j, int p) {
     const Columns<double> c(j, p);
     return stroma::dot(c.d[0], cross(c.d[1], c.d[2]));

@@ -24,6 +24,14 @@
 // a potential: small, and svd without updates. polar has one until an element inverts; large and the updated variants
 // have none. An unsymmetric tangent needs SparseLDLSolver.
 //
+// dilatation = mean takes the volume change as one number a node, the mean over the tetrahedra around it (Bonet and
+// Burton 1998):
+//   V_a = sum V_e/4,   theta_a = 1/V_a sum V_e/4 tr(eps_e),   p_e = 1/4 sum_a K theta_a,   sigma_e = p_e I + 2 mu
+//   dev(eps_e)
+// Near nu = 1/2 the mesh does not lock, and a compressed body does not buckle element by element under the pressures of
+// locking. For small, large, polar and svd. A product passes twice over the elements; a matrix couples the nodes of all
+// elements around each node. With updateVolume an element counts with (V V_0)^1/2.
+//
 // Cell fields for exporters: vonMises [Pa], J, strain (6 a cell: xx yy zz xy yz zx, sym(R^T F) - I for every variant, E
 // for green, in the axes of the rest shape).
 //
@@ -155,8 +163,7 @@ class Tetrahedra final : public ElasticElements {
       return variant_.mean_dilatation ? makeAveraged<Linear>(first_row, lame) : make.template operator()<Linear>();
     return makeRotated(variant_, [&]<class Rotation, Update update>() -> std::unique_ptr<ElementMethod> {
       if (variant_.exact_tangent) return make.template operator()<ExactCorotational<Rotation, update>>();
-      if constexpr (update != Update::strain_displacement_and_volume)
-        if (variant_.mean_dilatation) return makeAveraged<Corotational<Rotation, update>>(first_row, lame);
+      if (variant_.mean_dilatation) return makeAveraged<Corotational<Rotation, update>>(first_row, lame);
       return make.template operator()<Corotational<Rotation, update>>();
     });
   }

@@ -126,8 +126,9 @@ void ElasticForceField::declare(DataTable& table) {
       .help("stiffness: R K R^T, or the exact derivative of the force");
   table.addChoice("dilatation", dilatation_, {"local", "mean"})
       .help(
-          "volume change: that at each integration point, or its mean, which does not lock at Poisson ratios near 1/2 "
-          "(hexahedra)");
+          "volume change: that at each integration point, or its mean (over a hexahedron, around a node of "
+          "tetrahedra), "
+          "which does not lock at Poisson ratios near 1/2");
   table.addChoice("assembling", assembling_, {"auto", "true", "false"})
       .alias("computeGlobalMatrix")
       .help(
@@ -229,8 +230,6 @@ void ElasticForceField::checkMeanDilatation() const {
                          expected);
   if (variant_.exact_tangent)
     throw ComponentError("the mean dilatation has a warped tangent only", "tangent=\"warped\"");
-  if (update_volume_)
-    throw ComponentError("the mean dilatation is taken over the volume at rest", "updateVolume=\"false\"");
 }
 
 void ElasticForceField::checkMaterial() const {

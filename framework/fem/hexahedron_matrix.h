@@ -70,21 +70,25 @@ __attribute__((noinline, flatten)) void stiffnessMatrix(const Gradients<T> (&g)[
   });
 }
 
-/// K -= bulk N_a (x) N_b with N_a = sum of root n_a over the Gauss points: the part of the mean dilatation.
+/// K -= bulk n_a (x) n_b: the part of a mean dilatation whose derivative at node a is n_a.
+template <class T>
+void addSquare(const V3<T> (&n)[8], T bulk, T (&k)[8 * 8 * 9]) {
+  for (int a = 0; a < 8; ++a)
+    for (int b = 0; b < 8; ++b) {
+      const T left[3] = {-bulk * n[a].x, -bulk * n[a].y, -bulk * n[a].z}, right[3] = {n[b].x, n[b].y, n[b].z};
+      T* block = k + (a * 8 + b) * 9;
+      for (int r = 0; r < 3; ++r)
+        for (int c = 0; c < 3; ++c) block[3 * r + c] = fma(left[r], right[c], block[3 * r + c]);
+    }
+}
+/// Small strains: n_a is the sum of root n_a over the Gauss points.
 template <class T>
 __attribute__((noinline, flatten)) void addMeanMatrix(const Gradients<T> (&g)[8], const T (&root)[8], T bulk,
                                                       T (&k)[8 * 8 * 9]) {
   V3<T> n[8];
   for (int a = 0; a < 8; ++a)
     for (int p = 0; p < 8; ++p) n[a] = fma(root[p], nodeGradient(g[p], a, p), n[a]);
-  const T minus = -bulk;
-  for (int a = 0; a < 8; ++a)
-    for (int b = 0; b < 8; ++b) {
-      const T left[3] = {minus * n[a].x, minus * n[a].y, minus * n[a].z}, right[3] = {n[b].x, n[b].y, n[b].z};
-      T* block = k + (a * 8 + b) * 9;
-      for (int r = 0; r < 3; ++r)
-        for (int c = 0; c < 3; ++c) block[3 * r + c] = fma(left[r], right[c], block[3 * r + c]);
-    }
+  addSquare(n, bulk, k);
 }
 
 /// A Gauss point of St. Venant-Kirchhoff: F with the root of its weight w, -S, and 1/w.
@@ -124,6 +128,16 @@ __attribute__((noinline, flatten)) void greenMatrix(const Gradients<T> (&g)[8], 
                             sum.zz + geometric};
     for (int i = 0; i < 9; ++i) block[i] += symmetric[i];
   });
+}
+
+/// The mean dilatation of St. Venant-Kirchhoff: n_a is the sum of F n_a.
+template <class T>
+__attribute__((noinline, flatten)) void addMeanMatrix(const Gradients<T> (&g)[8], const GreenState<T> (&state)[8],
+                                                      T bulk, T (&k)[8 * 8 * 9]) {
+  V3<T> n[8];
+  for (int a = 0; a < 8; ++a)
+    for (int p = 0; p < 8; ++p) n[a] = n[a] + state[p].f * nodeGradient(g[p], a, p);
+  addSquare(n, bulk, k);
 }
 
 }  // namespace stroma::hexahedron

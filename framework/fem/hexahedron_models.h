@@ -274,7 +274,8 @@ struct PointShape {
   using Rest = PointRest<T>;
   template <class T>
   struct Tangent {
-    T lambda, mu;  ///< Lame's constants [Pa]
+    T lambda, mu;  ///< Lame's constants, or -2/3 mu and mu [Pa]
+    T bulk;        ///< K/V, or zero without the mean dilatation [Pa/m^3]
   };
   template <class T>
   static T inverseWeight(const PointRest<T>& rest, const Tangent<T>&, int p) {
@@ -303,7 +304,8 @@ struct BoxShape {
   struct Tangent {
     T gradient[3];     ///< w^1/2 / 8 times 2 / edge length
     T inverse_weight;  ///< 1/w
-    T lambda, mu;      ///< Lame's constants [Pa]
+    T lambda, mu;      ///< Lame's constants, or -2/3 mu and mu [Pa]
+    T bulk;            ///< K/V, or zero without the mean dilatation [Pa/m^3]
   };
   template <class T>
   static T inverseWeight(const BoxRest<T>&, const Tangent<T>& t, int) {
@@ -325,7 +327,8 @@ struct BoxShape {
   }
 };
 
-template <class Shape>
+/// `mean`: the volume change is the mean of tr(E) over the element; its stress is F times one pressure.
+template <class Shape, bool mean>
 struct Green : HexahedronModel {
   static constexpr bool reads_position = true;
   template <class T>
@@ -336,22 +339,27 @@ struct Green : HexahedronModel {
   template <class T>
   static void force(const auto& rest, const auto& t, const V3<T> (&x)[8], V3<T> (&f)[8]) {
     const PointValues<T> j = atPoints(modesOf(x));
+    const T pressure = pressureOf(rest, t, j);
     PointValues<T> forces;
     for (int p = 0; p < 8; ++p) {
       const M3<T> deformation = Shape::deformation(rest, t, j, p);
-      Shape::addForces(rest, t, greenStress(deformation, Shape::inverseWeight(rest, t, p), t.lambda, t.mu), p, forces);
+      M3<T> stress = greenStress(deformation, Shape::inverseWeight(rest, t, p), t.lambda, t.mu);
+      if constexpr (mean) stress = stress + deformation * pressure;
+      Shape::addForces(rest, t, stress, p, forces);
     }
     nodesOf(fromPoints(forces), f);
   }
   template <class T>
   static T energy(const auto& rest, const auto& t, const V3<T> (&x)[8]) {
     const PointValues<T> j = atPoints(modesOf(x));
-    T sum(0.);
+    T sum(0.), volume_change(0.);
     for (int p = 0; p < 8; ++p) {
       const T inverse_weight = Shape::inverseWeight(rest, t, p);
       const S3<T> strain = greenStrain(Shape::deformation(rest, t, j, p), inverse_weight);
       sum += storedEnergy(strain, t.lambda, t.mu) / inverse_weight;
+      volume_change += (strain.xx + strain.yy + strain.zz) / inverse_weight;
     }
+    if constexpr (mean) sum += T(0.5) * t.bulk * volume_change * volume_change;
     return sum;
   }
   template <class T>
@@ -359,10 +367,12 @@ struct Green : HexahedronModel {
                       V3<T> (&df)[8]) {
     const PointValues<T> j = atPoints(modesOf(x)), dj = atPoints(modesOf(dx));
     const T lambda = factor * t.lambda, mu = factor * t.mu;
+    const T pressure = factor * pressureOf(rest, t, j), dpressure = factor * pressureDifferential(rest, t, j, dj);
     PointValues<T> forces;
     for (int p = 0; p < 8; ++p) {
       const M3<T> f = Shape::deformation(rest, t, j, p), change = Shape::deformation(rest, t, dj, p);
-      const M3<T> stress = greenStressDifferential(f, change, Shape::inverseWeight(rest, t, p), lambda, mu);
+      M3<T> stress = greenStressDifferential(f, change, Shape::inverseWeight(rest, t, p), lambda, mu);
+      if constexpr (mean) stress = stress + change * pressure + f * dpressure;
       Shape::addForces(rest, t, stress, p, forces);
     }
     nodesOf(fromPoints(forces), df);
@@ -370,15 +380,42 @@ struct Green : HexahedronModel {
   template <class T>
   static void matrix(const auto& rest, const auto& t, const V3<T> (&x)[8], T (&k)[8 * 8 * 9]) {
     const PointValues<T> j = atPoints(modesOf(x));
+    const T pressure = pressureOf(rest, t, j);
     Gradients<T> g[8];
     GreenState<T> state[8];
     for (int p = 0; p < 8; ++p) {
       g[p] = Shape::gradients(rest, t, p);
       state[p].f = Shape::deformation(rest, t, j, p);
       state[p].inverse_weight = Shape::inverseWeight(rest, t, p);
-      state[p].minus_s = restoringStress(greenStrain(state[p].f, state[p].inverse_weight), t.lambda, t.mu);
+      S3<T>& s = state[p].minus_s;
+      s = restoringStress(greenStrain(state[p].f, state[p].inverse_weight), t.lambda, t.mu);
+      if constexpr (mean) s.xx += pressure, s.yy += pressure, s.zz += pressure;
     }
     greenMatrix(g, state, t.lambda, t.mu, k);
+    if constexpr (mean) addMeanMatrix(g, state, t.bulk, k);
+  }
+
+ private:
+  /// -K/V sum w tr(E)
+  template <class T>
+  static T pressureOf(const auto& rest, const auto& t, const PointValues<T>& j) {
+    if constexpr (!mean) return T(0.);
+    T sum(0.);  // tr(F^T F) holds the weight already
+    for (int p = 0; p < 8; ++p) {
+      const M3<T> f = Shape::deformation(rest, t, j, p);
+      sum += T(0.5) * squaredNorm(f) - T(1.5) / Shape::inverseWeight(rest, t, p);
+    }
+    return -t.bulk * sum;
+  }
+  template <class T>
+  static T pressureDifferential(const auto& rest, const auto& t, const PointValues<T>& j, const PointValues<T>& dj) {
+    if constexpr (!mean) return T(0.);
+    T sum(0.);
+    for (int p = 0; p < 8; ++p) {
+      const M3<T> f = Shape::deformation(rest, t, j, p), change = Shape::deformation(rest, t, dj, p);
+      sum += stroma::dot(f.c0, change.c0) + (stroma::dot(f.c1, change.c1) + stroma::dot(f.c2, change.c2));
+    }
+    return -t.bulk * sum;
   }
 };
 

@@ -118,13 +118,14 @@ void checkSolution(const ElasticBody& body, const Variant& variant, const Mat3& 
   std::vector<double> strain;
   t.field().cellField("strain", state.x(), strain);
   ASSERT_EQ(strain.size(), 6u * (body.tetrahedra ? 168 : 7));
+  const double quadratic = variant.is("large") ? 2.5 : 2;  // [Pa]: strain 1e-3, squared; QR frames turn a little more
   const double mu = 1e6 / 2.5, lambda = 1e6 * 0.25 / (1.25 * 0.5);
   for (std::size_t e = 0; e < strain.size() / 6; ++e) {
     const double* s = &strain[6 * e];
     const double trace = s[0] + s[1] + s[2];
     for (int k = 0; k < 3; ++k) {
-      EXPECT_NEAR(2 * mu * s[k] + lambda * trace, 2000, 2) << e;  // strain 1e-3: quadratic terms of 0.1 %
-      EXPECT_NEAR(2 * mu * s[3 + k], 400, 2) << e;
+      EXPECT_NEAR(2 * mu * s[k] + lambda * trace, 2000, quadratic) << e;
+      EXPECT_NEAR(2 * mu * s[3 + k], 400, quadratic) << e;
     }
   }
 }

@@ -109,6 +109,9 @@ void addElasticVariants(std::vector<Row>& out, Cells cells) {
         addBlock(out, cells, type, method + (update.empty() ? "" : " " + update) + (tangent == "exact" ? " exact" : ""),
                  fmt::format("method=\"{}\" updateStiffnessMatrix=\"{}\" updateVolume=\"{}\" tangent=\"{}\"", method,
                              update != "", update == "BV", tangent));
+  for (const std::string update : {"", "B"})
+    addBlock(out, cells, type, "polar" + (update.empty() ? "" : " " + update) + " mean dilatation",
+             fmt::format("method=\"polar\" updateStiffnessMatrix=\"{}\" dilatation=\"mean\"", update != ""));
 }
 
 /// Every number of the attributes `name` (a pattern) times `factor`.
