@@ -63,9 +63,9 @@ Work forModel(HexahedronVariant variant, Call&& call) {
     case HexahedronVariant::polar_boxes:
       return call.template operator()<BoxCorotational<Polar>>();
     case HexahedronVariant::polar_b:
-      return call.template operator()<PointCorotational<Polar, Update::strain_displacement>>();
+      return call.template operator()<PointCorotational<LocalDilatation, Polar, Update::strain_displacement>>();
     default:
-      return call.template operator()<Green<BoxShape>>();
+      return call.template operator()<Green<BoxShape, false>>();
   }
 }
 

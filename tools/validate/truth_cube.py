@@ -54,11 +54,11 @@ def deviation(computed, measured):
     return size.mean(), size.min(), size.max(), size.std(ddof=1), shifted.mean()
 
 
-def settings(row, poisson=None):
+def settings(row, poisson, dilatation):
     """Overrides for a row of the paper's tables."""
     kind, method, update_b, update_v = row.model
     fem = "/cells/fem." if kind == "tets" else "/fem."
-    chosen = [fem + "poissonRatio=" + poisson] if poisson and method else []
+    chosen = [fem + "poissonRatio=" + poisson, fem + "dilatation=" + dilatation] if method else []
     if method:
         chosen.append(fem + "method=" + method)
     if method in ("large", "polar", "svd"):
@@ -111,15 +111,16 @@ HEADER = ["method", "compression", "mean", "min", "max", "std", "shift removed",
           "ms a step", "paper: ms", "remark"]
 
 
-def table(stroma, measured, poisson, static, equilibria):
+def table(stroma, measured, body, static, equilibria):
     """Rows of the table; for statics `equilibria` is filled, for dynamics it is what the shapes are compared with."""
+    name, poisson, dilatation = body
     rows = []
     for row in paper.ROWS:
         scene = SCENES[row.model[0]]
-        if static and "phymul" in scene:
+        if static and "phymul" in scene or dilatation == "mean" and not paper.has_mean_dilatation(row):
             continue
         run = STATIC if static else LIKE_PAPER
-        result = stroma.run(scene + ("_static.xml" if static else ".xml"), settings(row, poisson), **run)
+        result = stroma.run(scene + ("_static.xml" if static else ".xml"), settings(row, poisson, dilatation), **run)
         added, shapes = stage_rows(row, result, measured, None if static else equilibria.get(row.name))
         if static:
             if result["code"] and shapes:
@@ -128,7 +129,7 @@ def table(stroma, measured, poisson, static, equilibria):
                 shapes = None
             equilibria[row.name] = shapes
         rows += added
-        print("  ", poisson, "static" if static else "as in the paper", row.name, *[r[2] for r in added], flush=True)
+        print("  ", name, "static" if static else "as in the paper", row.name, *[r[2] for r in added], flush=True)
     return rows
 
 
@@ -151,13 +152,13 @@ def run(stroma, out, report):
         return
     measured = beads(file)
     text, tables = {}, {}
-    for poisson in ("0.499", "0.48"):
-        equilibria = {}
+    for body in paper.BODIES:
+        equilibria, name = {}, body[0]
         for static in (True, False):
-            rows = table(stroma, measured, poisson, static, equilibria)
-            sr.write_csv(os.path.join(out, FILES[static].format(poisson)), HEADER, rows)
-            tables[poisson, static] = rows
-            text[poisson, static] = f"### {TITLES[static].format(poisson)}\n\n" + sr.markdown(HEADER, rows) + "\n"
+            rows = table(stroma, measured, body, static, equilibria)
+            sr.write_csv(os.path.join(out, FILES[static].format(name.replace(" ", "_"))), HEADER, rows)
+            tables[name, static] = rows
+            text[name, static] = f"### {TITLES[static].format(name)}\n\n" + sr.markdown(HEADER, rows) + "\n"
     why = causes(stroma, measured, out, tables)
-    report.append("## Truth cube\n\n" + paper.INTRODUCTION + "\n" + text["0.499", False] + text["0.499", True] +
-                  text["0.48", False] + text["0.48", True] + why)
+    report.append("## Truth cube\n\n" + paper.INTRODUCTION + "\n" +
+                  "".join(text[body[0], static] for body in paper.BODIES for static in (False, True)) + why)
