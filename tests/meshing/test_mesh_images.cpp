@@ -95,6 +95,31 @@ TEST_F(MeshCommand, SeveralPartsOfALabelAreAllFound) {
   EXPECT_TRUE(json["regions"][1]["watertight"].get<bool>());
 }
 
+TEST_F(MeshCommand, RegionsThatMeetOnTheSurfaceAndAtTheBorderOfTheImageAreWatertight) {
+  // a soft rod with a bone through it, both cut by the first and the last slice: three regions meet along circles
+  constexpr int side = 24, length = 20;
+  std::string voxels;
+  std::map<int, double> count;
+  for (int i = 0; i < side * side * length; ++i) {
+    const double x = i % side - 11.5, y = i / side % side - 11.5, r = std::hypot(x, y);
+    voxels.push_back(r < 4.2 ? '\2' : r < 10.6 ? '\1' : '\0');
+    ++count[voxels.back()];
+  }
+  write("rod.mha", fmt::format("ObjectType = Image\nNDims = 3\nBinaryData = True\nDimSize = {} {} {}\nElementSpacing = "
+                               "1 1 1\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n",
+                               side, side, length) +
+                       voxels);
+  ASSERT_FALSE(report("rod.mha -o rod.msh --cell-size 4").is_null());
+  double angle = 0;
+  const auto regions = regionsOf(readGmsh((folder_ / "rod.msh").string()), angle);
+  ASSERT_EQ(regions.size(), 2u);
+  EXPECT_GT(angle, 8);
+  for (const auto& [label, region] : regions) {
+    EXPECT_NEAR(region.volume, count[label], 0.01 * count[label]);
+    EXPECT_EQ(region.bad_edges, 0) << "label " << label;
+  }
+}
+
 TEST_F(MeshCommand, ImagesThatAreNoSegmentationAreRefused) {
   const auto header = [](const char* type, const char* size) {
     return fmt::format(
