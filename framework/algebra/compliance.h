@@ -3,6 +3,9 @@
 // (SymmetricPanels, half of the matrix, so half of the bytes that a product waits for). Numbers are kept in double or
 // single precision; sums are in double. Inline for the reason given in vector.h.
 #pragma once
+#ifdef __AVX512F__
+#include <immintrin.h>
+#endif
 #include <array>
 #include <cstddef>
 #include <vector>
@@ -21,7 +24,11 @@ constexpr std::size_t chunksOf(std::size_t count) { return (count + lanes - 1) /
 
 inline void loadLanes(const double* from, Lanes& to) { to = *reinterpret_cast<const Lanes*>(from); }
 inline void loadLanes(const float* from, Lanes& to) {
+#ifdef __AVX512F__
+  to = _mm512_cvtps_pd(_mm256_load_ps(from));  // GCC 12 converts the two halves one after the other
+#else
   to = __builtin_convertvector(*reinterpret_cast<const SingleLanes*>(from), Lanes);
+#endif
 }
 inline void storeLanes(const Lanes& from, double* to) { *reinterpret_cast<Lanes*>(to) = from; }
 
@@ -125,15 +132,16 @@ struct SymmetricPanels {
     }
     const Number* tile = data + panelStart(p);
     for (std::size_t q = p; q < chunks; ++q, tile += lanes * lanes) {
-      Lanes rows_right, out, column;
+      // four sums, so that a multiply-add need not wait for the one before
+      Lanes rows_right, column, out[4] = {};
       loadLanes(r + q * lanes, rows_right);
-      loadLanes(y + q * lanes, out);
+      loadLanes(y + q * lanes, out[0]);
       for (std::size_t c = 0; c < lanes; ++c) {
         loadLanes(tile + c * lanes, column);
-        out += column * right[c];
+        out[c % 4] += column * right[c];
         sums[c] += column * rows_right;
       }
-      storeLanes(out, y + q * lanes);
+      storeLanes((out[0] + out[1]) + (out[2] + out[3]), y + q * lanes);
     }
     for (std::size_t c = 0; c < lanes; ++c) {
       double sum = 0;

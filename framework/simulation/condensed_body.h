@@ -16,7 +16,7 @@ struct CondensationChoice {
 
 /// A linear body as a solver of condensed systems sees it: f(x, t) = f(x_0, t) + K (x - x_0) with K constant. Free rows
 /// are numbered anew: [0, interior()) are inside, [interior(), free()) are kept: the boundary, nodes that an observer
-/// watches, nodes whose motion is prescribed.
+/// watches, nodes whose motion is prescribed, few nodes whose loads change.
 class CondensedBody {
  public:
   /// Finds what is held, inside and kept; refuses with a sentence what is not linear, or not of this kind.
@@ -63,6 +63,7 @@ class CondensedBody {
   void sortFields(bool dynamic);
   void findHeld();
   std::vector<char> keptRows(const Integrator& integrator, const CondensationChoice& choice);
+  void keepFewTimedRows(std::vector<char>& kept) const;
   void markBoundary(const State& state, std::vector<char>& kept);
   void findTimedNodes();
   void project(Vector& force) const;

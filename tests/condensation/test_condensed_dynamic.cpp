@@ -114,3 +114,37 @@ TEST(CondensedDynamic, tendsToTheDampedOscillationAtFirstOrder) {
   }
   for (std::size_t i = 1; i < errors.size(); ++i) EXPECT_NEAR(errors[i - 1] / errors[i], 2, 0.15);
 }
+
+namespace {
+
+/// Period of the block's swing from a push at its top, by the times at which the top's middle passes its rest place.
+double periodOf(const std::string& attributes) {
+  Block block{.solver = "<CondensedDynamicSolver " + attributes + "/>",
+              .loads = "<LinearForceField points=\"" + Block::nodes(120, 140) +
+                       "\" times=\"0 0.0005 0.001\" forces=\"0 0 0  5 0 0  0 0 0\"/>",
+              .gravity = "0 0 0",
+              .dt = 0.0005};
+  Simulation simulation = simulationFromText(block.text());
+  simulation.computeOnDemand(true);
+  const System& system = *simulation.systems().front();
+  const double rest = system.x[127][0];
+  std::vector<double> crossings;
+  double before = 0;
+  for (int i = 0; i < 4000 && crossings.size() < 5; ++i) {
+    simulation.step();
+    const double now = system.x[127][0] - rest;
+    if (before * now < 0) crossings.push_back(simulation.time() - simulation.dt() * now / (now - before));
+    before = now;
+  }
+  EXPECT_EQ(crossings.size(), 5u);
+  return crossings.empty() ? 0 : (crossings.back() - crossings.front()) / 2;
+}
+
+}  // namespace
+
+TEST(CondensedDynamic, sharedMassKeepsThePeriodOfTheWholeBody) {
+  const double full = periodOf("condensed=\"false\"");
+  EXPECT_NEAR(periodOf("interiorMass=\"shared\"") / full, 1, 0.01);
+  // 30 of 120 free nodes have no inertia: faster
+  EXPECT_LT(periodOf("interiorMass=\"neglected\"") / full, 0.95);
+}
