@@ -30,6 +30,14 @@
 // more steps and survives more. projectedTangent = true takes the negative eigenvalues out of each element's tangent.
 // Neither changes what is in equilibrium.
 //
+// viscous = true relaxes the second Piola-Kirchhoff stress S_h of any of these laws by a Prony series (section 3.1):
+//   S_v = S_h - sum_i gamma_i,   tau_i dgamma_i/dt + gamma_i = alpha_i S_h,   gamma_i = 0 at the start
+// ParameterAlpha are shares of the instantaneous modulus, so that G(t) = G_0 (1 - sum alpha_i (1 - exp(-t/tau_i)));
+// FEBio's moduli, in contrast, are those after all relaxation. viscousUpdate = backward is the published recursion
+// gamma^n = (h alpha S^n + tau gamma^{n-1})/(h + tau), of first order in the step h; exponential is exact for stresses
+// that change linearly in a step: second order, with an integrator of second order. The tangent follows the force
+// exactly. The history moves on at the end of a step; its energy is the potential of the force with the history held.
+//
 // Cell fields for exporters: vonMises of Cauchy's stress [Pa], J, strain (E: xx yy zz xy yz zx).
 //
 // Example:

@@ -16,9 +16,11 @@
 namespace stroma {
 
 using hyperelastic::Form;
+using hyperelastic::heldStressKernels;
 using hyperelastic::HyperelasticLaw;
 using hyperelastic::hyperelasticLaws;
 using hyperelastic::ParameterInfo;
+using hyperelastic::ViscousLaw;
 
 namespace {
 
@@ -103,6 +105,7 @@ void HyperelasticForceField::declare(DataTable& table) {
       .help("under compression turn the tangent's volumetric part into a multiple of the identity (Marchesseau 2.3)");
   table.add("projectedTangent", projected_)
       .help("set the unstable eigenvalues of each point's tangent to zero: every step of Newton goes downhill");
+  prony_.declare(table);
 }
 
 std::size_t HyperelasticForceField::cellCount() const {
@@ -115,6 +118,9 @@ void HyperelasticForceField::init() {
   chooseLaw();
   readParameters();
   readDirections();
+  series_ = prony_.read(*this);
+  if (series_.terms() > 0 && !(hexahedra ? heldStressKernels().hexahedra : heldStressKernels().tetrahedra))
+    throw ComponentError("viscosity has no kernels for these cells", "tetrahedra");
   checkShapes();
   if (regularised_ && projected_)
     throw ComponentError("matrixRegularization and projectedTangent both replace the tangent", "one of them");
@@ -293,6 +299,7 @@ ForceTraits HyperelasticForceField::traits() const {
   ForceTraits t;
   t.conservative = t.symmetric = t.forces_balance = t.torques_balance = true;
   t.exact_tangent = !regularised_ && !projected_;
+  t.time_dependent = series_.terms() > 0;  // with its history held the stress has a potential
   return t;
 }
 
@@ -315,7 +322,44 @@ hyperelastic::Cells HyperelasticForceField::cells() const {
           form};
 }
 
-void HyperelasticForceField::compile() { method_ = (hexahedra ? law_->hexahedra : law_->tetrahedra)(cells()); }
+void HyperelasticForceField::compile() {
+  method_ = (hexahedra ? law_->hexahedra : law_->tetrahedra)(cells());
+  if (series_.terms() > 0) makeViscous();
+}
+
+// ---- viscosity ----
+
+void HyperelasticForceField::makeViscous() {
+  const auto held = hexahedra ? heldStressKernels().hexahedra : heldStressKernels().tetrahedra;
+  auto viscous = std::make_unique<ViscousLaw>(std::move(method_), *law_, cells(), cellCount(), series_, held(cells()),
+                                              node().root().root_time);
+  viscous_ = viscous.get();
+  method_ = std::move(viscous);
+}
+/// The system's rows up to the last of the state.
+ConstRows HyperelasticForceField::systemRows() const {
+  const Index first = state().firstRow();
+  return {state().x().data - std::size_t(first) * row_doubles, first + state().size()};
+}
+void HyperelasticForceField::setTime(double t) {
+  if (viscous_) viscous_->setTime(t, systemRows());
+}
+void HyperelasticForceField::stepEnded(double t) {
+  if (viscous_) viscous_->stepEnded(t, systemRows());
+}
+void HyperelasticForceField::reset() {
+  fault_.clear();
+  if (viscous_) viscous_->start(node().root().root_time, {});
+}
+const std::vector<double>& HyperelasticForceField::history() const {
+  static const std::vector<double> none;
+  return viscous_ ? viscous_->history() : none;
+}
+void HyperelasticForceField::setHistory(const std::vector<double>& values) {
+  if (viscous_) viscous_->start(node().root().root_time, values);
+}
+
+// ---- forces ----
 
 void HyperelasticForceField::addForce(ConstRows x, ConstRows v, Rows f) {
   ElementMethodField::addForce(x, v, f);
@@ -397,6 +441,11 @@ std::string HyperelasticForceField::worstElement(ConstRows x) const {
   return fault_.empty() ? text : text + "; " + fault_;
 }
 
+/// P of F, both in the material's axes.
+Mat3 HyperelasticForceField::stress(std::size_t cell, std::size_t point, const Mat3& f) const {
+  return viscous_ ? Mat3(f * viscous_->stress(cell, point, f)) : law_->stress(parameters(cell), f);
+}
+
 void HyperelasticForceField::cellField(const std::string& name, ConstRows x, std::vector<double>& out) const {
   const ConstRows own = ownRows(x);
   out.assign(name == "strain" ? 6 * cellCount() : cellCount(), 0.);
@@ -407,10 +456,10 @@ void HyperelasticForceField::cellField(const std::string& name, ConstRows x, std
     }
     const std::vector<Mat3> points = deformations(cell, own);
     Mat3 mean = Mat3::Zero();  // of E or of Cauchy's stress P F^T / J
-    for (const Mat3& f : points) {
-      const Mat3 local = f * axes(cell);
+    for (std::size_t p = 0; p < points.size(); ++p) {
+      const Mat3 &f = points[p], local = f * axes(cell);
       mean += name == "strain" ? Mat3((f.transpose() * f - Mat3::Identity()) / 2)
-                               : Mat3(law_->stress(parameters(cell), local) * local.transpose() / f.determinant());
+                               : Mat3(stress(cell, p, local) * local.transpose() / f.determinant());
     }
     mean /= double(points.size());
     if (name == "strain") {

@@ -4,12 +4,13 @@
 #include <map>
 
 #include "framework/fem/element_method_field.h"
-#include "framework/fem/hyperelastic_law.h"
+#include "framework/fem/viscous_law.h"
+#include "framework/mechanics/history.h"
 #include "framework/mesh/topology.h"
 
 namespace stroma {
 
-class HyperelasticForceField : public ElementMethodField {
+class HyperelasticForceField : public ElementMethodField, public History {
  public:
   enum class Discretization : int { mjed, standard };
 
@@ -21,7 +22,11 @@ class HyperelasticForceField : public ElementMethodField {
   void init() override;
   ForceTraits traits() const override;
   void compile() override;
-  void reset() override { fault_.clear(); }
+  void reset() override;
+  void setTime(double t) override;
+  void stepEnded(double t) override;
+  const std::vector<double>& history() const override;
+  void setHistory(const std::vector<double>& values) override;
   void addForce(ConstRows x, ConstRows v, Rows f) override;
   void addForceAndProduct(ConstRows x, ConstRows v, ConstRows dx, double factor, Rows f) override;
 
@@ -51,11 +56,14 @@ class HyperelasticForceField : public ElementMethodField {
   std::string describe(std::size_t cell) const;
   /// Columns of F at the cell's integration points; x starts at node 0.
   std::vector<Mat3> deformations(std::size_t cell, ConstRows x) const;
+  Mat3 stress(std::size_t cell, std::size_t point, const Mat3& f) const;
   double smallestJacobian(std::size_t cell, ConstRows x) const;
   ConstRows ownRows(ConstRows x) const;
   std::size_t worstCell(ConstRows x, double& jacobian) const;
   void checkFinite(ConstRows x, ConstRows f);
   void checkShapes() const;
+  void makeViscous();
+  ConstRows systemRows() const;
 
   Link<Topology> topology_{"topology"};
   std::string template_, material_name_ = "ArrudaBoyce";
@@ -63,12 +71,15 @@ class HyperelasticForceField : public ElementMethodField {
   std::map<std::string, std::vector<double>> named_;
   std::vector<Vec3> directions_;
   bool regularised_ = false, projected_ = false;
+  PronyAttributes prony_;
 
   const Mesh* mesh_ = nullptr;
   const hyperelastic::HyperelasticLaw* law_ = nullptr;
-  std::vector<double> values_;  ///< parameters, of one cell for all or of each
-  std::vector<Mat3> axes_;      ///< one for all or one a cell
-  std::string fault_;           ///< why the last force was not finite
+  std::vector<double> values_;                   ///< parameters, of one cell for all or of each
+  std::vector<Mat3> axes_;                       ///< one for all or one a cell
+  PronySeries series_;                           ///< without terms: the law is elastic
+  hyperelastic::ViscousLaw* viscous_ = nullptr;  ///< method_, where it is viscous
+  std::string fault_;                            ///< why the last force was not finite
 };
 
 }  // namespace stroma

@@ -149,6 +149,7 @@ Simulation::Simulation(Scene scene) : scene_(std::move(scene)) {
     copy(system->v, initial_.back().second);
   }
   root().collect(observers_);
+  root().collect(histories_);
   time_ = root().root_time;
 }
 
@@ -173,6 +174,7 @@ StepReport Simulation::step() {
   StepReport report;
   for (std::size_t i = 0; i < systems_.size() && !report.diverged; ++i) advance(i, context, report);
   if (report.diverged) return report;
+  for (History* history : histories_) history->stepEnded(context.t_end);
   ++steps_;
   time_ = context.t_end;
   notify(context);

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "framework/mechanics/history.h"
 #include "framework/scene/load.h"
 #include "framework/simulation/integrator.h"
 #include "framework/simulation/observer.h"
@@ -59,6 +60,7 @@ class Simulation {
   Scene scene_;
   std::vector<std::unique_ptr<System>> systems_;
   std::vector<Observer*> observers_;
+  std::vector<History*> histories_;
   std::vector<std::pair<Vector, Vector>> initial_;  ///< x and v of each system at the start, for reset()
   std::vector<std::pair<Vector, Vector>> good_;     ///< x and v of each system before the step
   double time_ = 0;

@@ -1,0 +1,377 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Prony viscosity: the modulus over time and over frequency against closed forms, orders in the time step, and a
+// history that belongs to the state.
+#include <complex>
+#include <numbers>
+
+#include "framework/fem/prony_series.h"
+#include "framework/mechanics/history.h"
+#include "tests/hyperelasticity/law_cases.h"
+
+namespace stroma::test {
+namespace {
+
+// the liver of Marchesseau et al. 2010
+constexpr double g0 = 770, alpha[2] = {0.235, 0.333}, tau[2] = {0.27, 0.03};
+const std::string prony = " viscous=\"true\" ParameterAlpha=\"0.235 0.333\" ParameterTau=\"0.27 0.03\"";
+const std::string law = "materialName=\"StVenantKirchhoff\" ParameterSet=\"770 3000\"";
+const std::vector<std::string> updates{"backward", "exponential"};
+std::string update(const std::string& word) { return " viscousUpdate=\"" + word + "\""; }
+
+/// One element with edges 1 along the axes, driven by hand: P = -6 (f_1 f_2 f_3).
+std::string oneCell(const std::string& attributes) {
+  return "<Node name=\"root\" dt=\"0.01\"><EulerImplicitSolver/><CGLinearSolver/>"
+         "<TetrahedronSetTopologyContainer position=\"0 0 0 1 0 0 0 1 0 0 0 1\" tetrahedra=\"0 1 2 3\"/>"
+         "<MechanicalObject/><UniformMass totalMass=\"1\"/><" +
+         tetrahedral + " " + attributes + "/></Node>";
+}
+
+class Driven {
+ public:
+  explicit Driven(const std::string& attributes) : t_(oneCell(attributes), tetrahedral) { t_.field().reset(); }
+  void startAt(const Mat3& f) { place(f); }
+  /// P at the end of a step to `time` that ends with F.
+  Mat3 step(double time, const Mat3& f) {
+    t_.field().setTime(time);
+    place(f);
+    const Vector force = t_.forceAt(t_.system().x);
+    dynamic_cast<History&>(t_.field()).stepEnded(time);
+    Mat3 p;
+    for (int i = 0; i < 3; ++i) p.col(i) = -6 * Vec3(force[i + 1]);
+    return p;
+  }
+  /// S_12 / shear in simple shear, where S_12 of St Venant-Kirchhoff is mu times the shear.
+  double shearModulus(double time, double shear, double unit = 1) {
+    Mat3 f = Mat3::Identity();
+    f(0, 1) = shear;
+    return (f.inverse() * step(time, f))(0, 1) / unit;
+  }
+
+ private:
+  void place(const Mat3& f) {
+    t_.rest();
+    for (Index i = 0; i < 4; ++i) t_.system().x[i] = f * Vec3(t_.x[i]);
+  }
+  FieldUnderTest t_;
+};
+
+double modulus(double t) {
+  double g = g0;
+  for (int i = 0; i < 2; ++i) g -= g0 * alpha[i] * -std::expm1(-t / tau[i]);
+  return g;
+}
+
+TEST(ViscousLaw, StepRelaxation) {
+  const double times[4] = {0, 0.01, 0.1, 1}, published[4] = {770, 690.737, 466.729, 337.097}, h = 0.002;
+  for (const std::string& word : updates) {
+    Driven body(law + prony + update(word));
+    Mat3 f = Mat3::Identity();
+    f(0, 1) = 0.2;
+    body.startAt(f);
+    int sample = 1;
+    for (int n = 1; n <= 500; ++n) {
+      const double g = body.shearModulus(n * h, 0.2, 0.2);
+      // a stress that does not change: the exponential update is exact, the backward one a geometric series
+      double expected = modulus(n * h);
+      if (word == "backward") {
+        expected = g0;
+        for (int i = 0; i < 2; ++i) expected -= g0 * alpha[i] * (1 - std::pow(tau[i] / (h + tau[i]), n));
+      }
+      ASSERT_NEAR(g, expected, 1e-9 * g0) << word << " step " << n;
+      if (std::abs(n * h - times[sample]) > 1e-9) continue;
+      EXPECT_NEAR(g, published[sample], word == "backward" ? 6 : 6e-4) << word << " t = " << times[sample];
+      std::printf("%-12s G(%.2f s) = %.4f Pa, closed form %.4f\n", word.c_str(), n * h, g, modulus(n * h));
+      ++sample;
+    }
+    EXPECT_EQ(sample, 4);
+  }
+}
+
+/// Against the Prony integral of a sine that begins at 0.
+TEST(ViscousLaw, OrderInTheTimeStep) {
+  const double w = 7, end = 1, size = 0.1;
+  double expected = size * g0 * std::sin(w * end);
+  for (int i = 0; i < 2; ++i) {
+    const double z = w * tau[i];
+    expected -=
+        size * g0 * alpha[i] / (1 + z * z) * (std::sin(w * end) - z * std::cos(w * end) + z * std::exp(-end / tau[i]));
+  }
+  for (const std::string& word : updates) {
+    std::vector<double> errors;
+    for (int steps : {50, 100, 200, 400, 800}) {
+      Driven body(law + prony + update(word));
+      double stress = 0;
+      for (int n = 1; n <= steps; ++n)
+        stress = body.shearModulus(n * end / steps, size * std::sin(w * n * end / steps));
+      errors.push_back(std::abs(stress - expected) / expected);
+    }
+    const double order = std::log2(errors[3] / errors[4]);
+    std::printf("%-12s errors %.2e %.2e %.2e %.2e %.2e, order %.3f\n", word.c_str(), errors[0], errors[1], errors[2],
+                errors[3], errors[4], order);
+    EXPECT_NEAR(order, word == "backward" ? 1 : 2, 0.05) << word;
+  }
+}
+
+/// The complex modulus, taken from a steady oscillation: that of the recursion to round-off, that of the series as the
+/// step goes to zero.
+TEST(ViscousLaw, FrequencySweep) {
+  using Complex = std::complex<double>;
+  constexpr int steps = 200;
+  for (const std::string& word : updates)
+    for (double w : {0.3, 1., 3., 10., 30., 100., 300.}) {
+      const double h = 2 * std::numbers::pi / w / steps;
+      Complex series = g0, recursion = g0;
+      const Complex back = std::exp(Complex(0, -w * h));
+      for (int i = 0; i < 2; ++i) {
+        series -= g0 * alpha[i] / (1. + Complex(0, w * tau[i]));
+        const PronyStep s =
+            pronyStep(word == "backward" ? PronyUpdate::backward : PronyUpdate::exponential, alpha[i], tau[i], h);
+        recursion -= g0 * (s.now + s.before * back) / (1. - s.kept * back);
+      }
+      Driven body(law + prony + update(word));
+      const int settle = steps * (2 + int(25 * tau[0] / (steps * h)));
+      Complex measured = 0;
+      for (int n = 1; n <= settle + steps; ++n) {
+        const double stress = body.shearModulus(n * h, 1e-3 * std::cos(w * n * h), 1e-3);
+        if (n > settle) measured += 2. / steps * stress * std::exp(Complex(0, -w * n * h));
+      }
+      EXPECT_LT(std::abs(measured - recursion), 1e-6 * std::abs(series)) << word << " " << w;
+      EXPECT_LT(std::abs(measured - series) / std::abs(series), word == "backward" ? 0.02 : 1e-4) << word << " " << w;
+      if (word == "exponential")
+        std::printf("w = %5.1f /s: G' = %8.3f G'' = %8.3f Pa, closed form %8.3f %8.3f\n", w, measured.real(),
+                    measured.imag(), series.real(), series.imag());
+    }
+}
+
+/// A cube under a constant pull: the creep compliance of a standard linear solid, in units of the elastic displacement.
+TEST(ViscousLaw, Creep) {
+  const double share = 0.4, time = 0.2, h = 0.001;
+  const auto pulled = [](const std::string& viscosity) {
+    return simulationFromText(
+        "<Node name=\"root\" dt=\"0.001\" gravity=\"0 0 0\"><StaticSolver "
+        "relative_residual_tolerance_threshold=\"1e-10\"/><SparseLDLSolver/><RegularGridTopology name=\"grid\" "
+        "n=\"2 2 2\" min=\"0 0 0\" max=\"1 1 1\"/><Node name=\"b\"><TetrahedronSetTopologyContainer name=\"tets\"/>"
+        "<Hexa2TetraTopologicalMapping input=\"@../grid\" output=\"@tets\"/><MechanicalObject/>"
+        "<UniformMass totalMass=\"1\"/><" +
+        tetrahedral + " materialName=\"StVenantKirchhoff\" ParameterSet=\"500 0\"" + viscosity +
+        "/><FixedProjectiveConstraint indices=\"0 1 2 3\"/>"
+        "<ConstantForceField indices=\"4 5 6 7\" totalForce=\"0 0 0.001\"/></Node></Node>");
+  };
+  Simulation elastic = pulled("");
+  elastic.step();
+  const double unit = elastic.systems()[0]->x[7].z() - 1;
+  ASSERT_GT(unit, 1e-8);
+  for (const std::string& word : updates) {
+    Simulation simulation = pulled(" viscous=\"true\" ParameterAlpha=\"0.4\" ParameterTau=\"0.2\"" + update(word));
+    // the recursion of a scalar: 1 = strain - gamma
+    double gamma = 0, strain = 0, worst = 0;
+    const PronyStep s =
+        pronyStep(word == "backward" ? PronyUpdate::backward : PronyUpdate::exponential, share, time, h);
+    for (int n = 1; n <= 600; ++n) {
+      ASSERT_FALSE(simulation.step().diverged);
+      const double held = s.kept * gamma + s.before * strain;
+      strain = (1 + held) / (1 - s.now);
+      gamma = s.now * strain + held;
+      const double found = (simulation.systems()[0]->x[7].z() - 1) / unit;
+      ASSERT_NEAR(found / strain, 1, 1e-5) << word << " " << n;  // what strains of 1e-6 have of a square
+      const double t = n * h, relaxed = 1 - share;
+      worst = std::max(worst, std::abs(found / (1 + share / relaxed * -std::expm1(-t * relaxed / time)) - 1));
+    }
+    EXPECT_LT(worst, 3e-3) << word;
+    std::printf("%-12s creep within %.1e of the closed form\n", word.c_str(), worst);
+  }
+}
+
+TEST(ViscousLaw, TurningWithTheBodyChangesNothing) {
+  for (const LawCase& l : lawCases())
+    for (const std::string& word : updates) {
+      Driven still(l.attributes + prony + update(word)), turning(l.attributes + prony + update(word));
+      for (int n = 1; n <= 20; ++n) {
+        const double t = 0.01 * n;
+        Mat3 f = Mat3::Identity();
+        f(0, 1) = 0.3 * std::sin(20 * t), f(2, 2) = 1 + t, f(1, 0) = -t, f(1, 2) = 0.2 * t;
+        const Mat3 q = Eigen::AngleAxisd(13 * t, Vec3(1, -2, 0.5).normalized()).toRotationMatrix();
+        const Mat3 p = still.step(t, f), turned = turning.step(t, q * f);
+        ASSERT_LT((q * p - turned).norm(), 1e-11 * p.norm()) << l.name << " " << n;
+      }
+    }
+}
+
+// ---- the tangent, and the history as state ----
+
+const std::vector<std::string> forms{"", " discretization=\"standard\"", " matrixRegularization=\"true\"",
+                                     " projectedTangent=\"true\""};
+
+/// A mesh of the repository with a past.
+void giveHistory(FieldUnderTest& t) {
+  History& history = dynamic_cast<History&>(t.field());
+  for (int n = 1; n <= 3; ++n) {
+    t.field().setTime(0.02 * n);
+    t.deform(0.02, unsigned(n));
+    copy(t.x, t.system().x);
+    history.stepEnded(0.02 * n);
+  }
+  t.field().setTime(0.08);
+  t.deform(0.02, 9);
+}
+
+TEST(ViscousLaw, TangentIsTheForcesDerivative) {
+  for (const LawCase& l : lawCases())
+    for (const std::string& form : forms) {
+      SCOPED_TRACE(l.name + form);
+      FieldUnderTest t(lawScene(l.attributes + prony + update("exponential") + form), tetrahedral);
+      giveHistory(t);
+      FieldUnderTest elastic(lawScene(l.attributes + form), tetrahedral);
+      copy(t.x, elastic.x);
+      const Vector f = t.force();
+      EXPECT_GT(relativeDifference(f, elastic.force()), 0.1) << "no viscosity was tested";
+      const double step = 1e-6 * t.typicalEdge();
+      if (t.field().traits().exact_tangent) {
+        EXPECT_LT(relativeDifference(t.product(t.direction), t.differenceOfForces(step)), 1e-6);
+      }
+      const BlockMatrix k = t.matrix();
+      Vector assembled(t.x.count());
+      k.multiply(t.direction, assembled);
+      const Vector product = t.product(t.direction);
+      EXPECT_LT(relativeDifference(assembled, product), 1e-12);
+      Vector both(t.x.count()), separate = t.force();
+      t.field().addForceAndProduct(t.x, t.v_zero, t.direction, 1.5, both);
+      axpy(1.5, product, separate);
+      EXPECT_LT(relativeDifference(separate, both), 1e-13);
+      std::vector<double> diagonal(std::size_t(t.x.count()) * 9, 0.);
+      t.field().addStiffnessDiagonal(1, diagonal);
+      for (Index row = 0; row < t.x.count(); ++row)
+        for (std::size_t i = 0; i < 9; ++i)
+          ASSERT_NEAR(diagonal[std::size_t(row) * 9 + i],
+                      k.values()[std::size_t(k.diagonal()[std::size_t(row)]) * 9 + i], 1e-10 * std::sqrt(dot(f, f)));
+      // with the history held there is a potential, and no resultant
+      Vector a(t.x.count()), b(t.x.count());
+      copy(t.x, a), copy(t.x, b);
+      axpy(100 * step, t.direction, a), axpy(-100 * step, t.direction, b);
+      const double slope = (t.field().energy(a) - t.field().energy(b)) / (200 * step);
+      EXPECT_NEAR(-slope, dot(f, t.direction), 1e-6 * std::sqrt(dot(f, f) * dot(t.direction, t.direction)));
+      EXPECT_LT(momentumOf(t.x, f).force, 1e-12);
+      EXPECT_LT(momentumOf(t.x, f).torque, 1e-12);
+    }
+}
+
+TEST(ViscousLaw, EvaluationsChangeNoHistory) {
+  FieldUnderTest t(lawScene(law + prony), tetrahedral);
+  giveHistory(t);
+  const History& history = dynamic_cast<History&>(t.field());
+  const std::vector<double> before = history.history();
+  const Vector f = t.force();
+  for (unsigned seed = 20; seed < 25; ++seed) {
+    t.field().setTime(0.07 + 0.01 * seed);
+    t.deform(0.05, seed);
+    t.force();
+  }
+  EXPECT_EQ(before, history.history());
+  t.field().setTime(0.08);
+  t.deform(0.02, 9);
+  EXPECT_EQ(relativeDifference(f, t.force()), 0);
+  FieldUnderTest elastic(lawScene(law), tetrahedral);
+  EXPECT_TRUE(dynamic_cast<History&>(elastic.field()).history().empty());
+  EXPECT_FALSE(elastic.field().traits().time_dependent);
+}
+
+std::string swinging(const std::string& word, const std::string& start = "0", const std::string& iterations = "8") {
+  return "<Node name=\"root\" dt=\"0.015625\" time=\"" + start +
+         "\" gravity=\"0 0 -9.81\"><RegularGridTopology name=\"grid\" n=\"2 2 4\" min=\"0 0 0\" max=\"0.04 0.04 0.1\"/>"
+         "<EulerImplicitSolver newtonIterations=\"" +
+         iterations +
+         "\"/><SparseLDLSolver/><Node name=\"b\"><TetrahedronSetTopologyContainer name=\"tets\"/>"
+         "<Hexa2TetraTopologicalMapping input=\"@../grid\" output=\"@tets\"/><MechanicalObject/>"
+         "<UniformMass totalMass=\"0.1\"/><" +
+         tetrahedral + " materialName=\"NeoHookean\" youngModulus=\"5000\" poissonRatio=\"0.4\"" + prony +
+         update(word) +
+         "/><BoxROI name=\"held\" box=\"-1 -1 -0.001 0.001 1 1\"/>"
+         "<FixedProjectiveConstraint indices=\"@held.indices\"/></Node></Node>";
+}
+History& historyOf(Simulation& s) { return dynamic_cast<History&>(*s.systems()[0]->forceFields()[0]); }
+void run(Simulation& s, int steps) {
+  for (int i = 0; i < steps; ++i) {
+    const StepReport report = s.step();
+    ASSERT_FALSE(report.diverged) << report.reason;
+  }
+}
+
+TEST(ViscousLaw, HistorySurvivesResetResumeAndDivergence) {
+  for (const std::string& word : updates) {
+    SCOPED_TRACE(word);
+    Simulation whole = simulationFromText(swinging(word));
+    run(whole, 16);
+    const std::uint64_t middle = whole.stateHash();
+    System& from = *whole.systems()[0];
+    Simulation resumed = simulationFromText(swinging(word, "0.25"));
+    copy(from.x, resumed.systems()[0]->x), copy(from.v, resumed.systems()[0]->v);
+    historyOf(resumed).setHistory(historyOf(whole).history());
+    Simulation forgetful = simulationFromText(swinging(word, "0.25"));
+    copy(from.x, forgetful.systems()[0]->x), copy(from.v, forgetful.systems()[0]->v);
+
+    // a step that fails: an infinite energy on the way, and nothing of it remains
+    Vector v(from.v.count());
+    copy(from.v, v);
+    from.v[from.v.count() - 1] = Vec3(0, 0, -1e200);
+    const std::vector<double> kept = historyOf(whole).history();
+    EXPECT_TRUE(whole.step().diverged);
+    EXPECT_EQ(kept, historyOf(whole).history());
+    copy(v, from.v);
+    EXPECT_EQ(whole.stateHash(), middle);
+
+    run(whole, 16), run(resumed, 16), run(forgetful, 16);
+    EXPECT_EQ(whole.stateHash(), resumed.stateHash());
+    EXPECT_NE(whole.stateHash(), forgetful.stateHash()) << "the history does not matter: nothing was tested";
+    const std::uint64_t end = whole.stateHash();
+    whole.reset();
+    run(whole, 32);
+    EXPECT_EQ(whole.stateHash(), end);
+  }
+}
+
+/// The trapezoidal rule asks for forces at both ends of a step: a viscous body stays of second order.
+TEST(ViscousLaw, OrderOfAMovingBody) {
+  const auto shape = [](const std::string& solver, const std::string& word, int steps) {
+    std::string text = swinging(word);
+    const auto replace = [&](const std::string& from, const std::string& to) {
+      text.replace(text.find(from), from.size(), to);
+    };
+    replace("<EulerImplicitSolver newtonIterations=\"8\"/>",
+            "<EulerImplicitSolver newtonIterations=\"20\" newtonTolerance=\"1e-11\"" + solver + "/>");
+    replace("dt=\"0.015625\"", "dt=\"" + std::to_string(0.125 / steps) + "\"");
+    Simulation s = simulationFromText(text);
+    run(s, steps);
+    Vector x(s.systems()[0]->x.count());
+    copy(s.systems()[0]->x, x);
+    return x;
+  };
+  const auto order = [&](const std::string& solver, const std::string& word) {
+    Vector a = shape(solver, word, 250), b = shape(solver, word, 500), c = shape(solver, word, 1000);
+    axpy(-1, b, a), axpy(-1, c, b);
+    const double coarse = std::sqrt(dot(a, a)), fine = std::sqrt(dot(b, b)), found = std::log2(coarse / fine);
+    std::printf("%-30s %-12s order %.2f (differences %.2e %.2e m)\n", solver.c_str(), word.c_str(), found, coarse,
+                fine);
+    return found;
+  };
+  EXPECT_NEAR(order("", "backward"), 1, 0.1);
+  EXPECT_NEAR(order("", "exponential"), 1, 0.1);
+  EXPECT_LT(order(" trapezoidalScheme=\"true\"", "backward"), 1.7);
+  EXPECT_NEAR(order(" trapezoidalScheme=\"true\"", "exponential"), 2, 0.1);
+}
+
+TEST(ViscousLaw, SeriesWithoutMeaningAreRefused) {
+  const auto refused = [](const std::string& attributes, const std::string& words) {
+    const std::string problems = problemsOf(oneCell(law + " " + attributes));
+    EXPECT_NE(problems.find(words), std::string::npos) << attributes << ": " << problems;
+  };
+  refused("ParameterAlpha=\"0.2\" ParameterTau=\"1\"", "not whether it is used");
+  refused("viscous=\"true\"", "ParameterAlpha has 0 values");
+  refused("viscous=\"true\" ParameterAlpha=\"0.2 0.3\" ParameterTau=\"1\"", "ParameterAlpha has 2 values");
+  refused("viscous=\"true\" ParameterAlpha=\"0.6 0.5\" ParameterTau=\"1 2\"", "sum to 1.1");
+  refused("viscous=\"true\" ParameterAlpha=\"-0.1\" ParameterTau=\"1\"", "ParameterAlpha");
+  refused("viscous=\"true\" ParameterAlpha=\"0.1\" ParameterTau=\"0\"", "ParameterTau");
+  EXPECT_EQ(problemsOf(oneCell(law + " viscous=\"false\" ParameterAlpha=\"0.2\" ParameterTau=\"1\"")), "");
+}
+
+}  // namespace
+}  // namespace stroma::test
