@@ -193,6 +193,10 @@ TEST_F(Regress, StoresAndComparesTheBitsOfTheLastState) {
 }
 
 TEST_F(Regress, HashesOfAnotherBuildAreNotCompared) {
+  write("list", "references\nfall.xml 8 1e-9 bits=processor\n");
+  EXPECT_EQ(stroma("regress list").code, 0) << "the name of the case is the same";
+  EXPECT_NE(stroma("regress list --bits --update").out.find("not stored"), std::string::npos);
+  write("list", "references\nfall.xml 8 1e-9\n");
   write("references/hashes", "build gcc-1.0-Release\nfall x86-64-v2 0123456789abcdef\n");
   const Finished run = stroma("regress list --bits");
   EXPECT_EQ(run.code, 0) << run.out << run.err;

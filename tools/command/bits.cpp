@@ -44,6 +44,7 @@ Bits bitsOfEveryRun(const RegressionCase& test, Session& session) {
     return simulation;
   };
   Bits bits;
+  bits.factorised = test.bits_of_processor;
   const auto one = load(1);
   const auto first = run(*one, test.steps, bits.factorised);
   one->reset();

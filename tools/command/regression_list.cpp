@@ -38,6 +38,10 @@ RegressionCase readCase(const std::string& line, const fs::path& folder) {
       std::isinf(result.tolerance))
     throw UsageError("expected SCENE STEPS TOLERANCE [PATH.ATTR=VALUE ...]");
   for (std::string word; words >> word;) {
+    if (word == "bits=processor") {
+      result.bits_of_processor = true;
+      continue;
+    }
     if (word.find('=') == std::string::npos)
       throw UsageError(fmt::format("'{}' is not PATH.ATTR=VALUE; positions and velocities are always compared", word));
     result.overrides.push_back(word);
