@@ -15,10 +15,11 @@
 // becomes of its mass: "shared" gives it to the kept nodes that carry it (Guyan's reduction T^T M T, T = -K_ii^-1 K_is,
 // lumped by sums of rows), "neglected" leaves it out, as the paper has it.
 //
-// Stable at every time step: an undamped oscillation of angular frequency w is multiplied by 1/sqrt(1 + (w dt)^2) in
-// each step, a damped one by less, since (1 + a + (w dt)^2) z^2 - 2 z + (1 - a) with a = alpha dt/2 has its roots
-// within the unit circle. So fast oscillations die out by the method: of a period of n steps, about (2 pi)^2/2n is left
-// out in each period. explain names the body's own damping.
+// Stable at every time step where K resists every motion: with a = alpha dt/2 and w an angular frequency of the body,
+// both roots of (1 + a + (w dt)^2) z^2 - 2 z + (1 - a) = 0 lie within the unit circle. An undamped oscillation is
+// multiplied by 1/sqrt(1 + (w dt)^2) in each step, so that fast ones die out by the method: of n steps a period, a
+// share of about (2 pi)^2/2n is lost in each period. explain says how much the slowest motion loses. Where K pushes in
+// some direction that motion grows at any step: the scene is warned of.
 //
 // The inverse of the kept nodes is stored by half and multiplied in one pass over it. With condensed="false" it is
 // compared with the sparse factor, which usually reads less; solve="inverse" or "factor" decides.
@@ -36,6 +37,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "framework/scene/factory.h"
 #include "framework/simulation/condensed_integrator.h"
@@ -72,6 +74,12 @@ class CondensedDynamicSolver final : public CondensedIntegrator {
   enum class InteriorMass : int { shared, neglected };
   enum class Solve : int { automatic, inverse, factor };
   void multiply(const double* r, double* u);
+  double largestQuotient();
+  void findSlowest();
+  /// 1/dt^2 + alpha/2dt of a node
+  double perMass(std::size_t node) const {
+    return 1 / (timeStep() * timeStep()) + massDamping()[node] / (2 * timeStep());
+  }
   void gatherState(const System& system);
   void formRightSide();
   void addTimedForces();
@@ -81,6 +89,7 @@ class CondensedDynamicSolver final : public CondensedIntegrator {
   Solve solve_ = Solve::automatic;
 
   Array<double> u_, v_, next_, right_, reduced_, work_;  ///< shape (padded); work_ once for each piece
+  double slowest_ = 0;                                   ///< angular frequency [rad/s], of a few iterations
   Array<double> of_u_, of_v_;                            ///< right side per u and per v, shape (padded)
 };
 
@@ -96,15 +105,54 @@ void CondensedDynamicSolver::prepare(System&) {
   }
   if (used_form_ == Form::symmetric)
     work_.assign(SymmetricPanels<double>{nullptr, 3 * std::size_t(active())}.pieces() * padded(), 0.0);
+  findSlowest();
+}
+
+// With c = 1/dt^2 + alpha/2dt, (c M + K)^-1 c M has the eigenvalues c/(c + w^2): the largest one, by power iteration,
+// is that of the slowest motion, and above one where K is negative. Quotients are never above it.
+double CondensedDynamicSolver::largestQuotient() {
+  constexpr int iterations = 10;
+  const std::size_t count = 3 * std::size_t(active());
+  double quotient = 1;
+  for (std::size_t i = 0; i < count; ++i) next_[i] = 1 + 0.5 * std::sin(double(i));
+  for (int k = 0; k < iterations; ++k) {
+    double before = 0, after = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      right_[i] = inertia()[i] * perMass(i / 3) * next_[i];
+      before += right_[i] * next_[i];
+    }
+    if (!(before > 0)) break;
+    multiply(right_.data(), next_.data());
+    for (std::size_t i = 0; i < count; ++i) after += right_[i] * next_[i];
+    quotient = after / before;
+  }
+  std::fill(next_.begin(), next_.end(), 0.0);
+  std::fill(right_.begin(), right_.end(), 0.0);
+  return quotient;
+}
+
+void CondensedDynamicSolver::findSlowest() {
+  if (base_.size() != 1) base_.assign(1, largestQuotient());
+  const double c = perMass(0), square = c * (1 / base_[0] - 1);
+  slowest_ = std::sqrt(std::max(square, 0.0));
+  if (base_[0] > 1 + 1e-9)
+    warn(
+        fmt::format("the stiffness pushes in some direction: a motion grows by a factor of {:.3g} or more in each step",
+                    1 / (1 - std::sqrt(-square) * timeStep())),
+        "force fields that resist every motion");
 }
 
 std::string CondensedDynamicSolver::stepText() const {
+  const double angle = slowest_ * timeStep(), pi = std::acos(-1.0);
   return fmt::format(
-      "{} dynamic, stable at every time step (like backward Euler it damps what is fast): {} of {} nodes{}",
+      "{} dynamic: {} of {} nodes{}; stable at every time step; of the slowest motion, below {:.3g} Hz, the method "
+      "takes "
+      "{:.2g} % a period",
       condensed_ ? "condensed" : "full",
       used_form_ == Form::factor ? "a sweep forth and back through the sparse factor"
                                  : "one product with half of the inverse",
-      active(), isSingle() && used_form_ != Form::factor ? " in single precision" : "");
+      active(), isSingle() && used_form_ != Form::factor ? " in single precision" : "", slowest_ / (2 * pi),
+      angle > 0 ? 100 * (1 - std::pow(1 + angle * angle, -pi / angle)) : 0.0);
 }
 
 void CondensedDynamicSolver::multiply(const double* r, double* u) {
@@ -159,6 +207,7 @@ StepReport CondensedDynamicSolver::step(System& system, const StepContext& conte
     return failure(fmt::format("the matrix was made for dt = {:g} s, and the step has {:g} s", timeStep(), context.dt));
   gatherState(system);
   formRightSide();
+  body_.projectNodes(firstActive(), right_.data());
   moveTouched(system, context);
   addTimedForces();
   multiply(right_.data(), next_.data());

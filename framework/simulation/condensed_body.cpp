@@ -266,6 +266,14 @@ void CondensedBody::project(Vector& force) const {
   for (const NodeProjector& held : held_) force[held.row] = (held.projector * force[held.row]).eval();
 }
 
+void CondensedBody::projectNodes(Index first, double* vector) const {
+  for (const NodeProjector& held : held_)
+    if (const Index node = nodeOf(held.row) - first; node >= 0) {
+      Eigen::Map<Vec3> value(vector + 3 * node);
+      value = (held.projector * value).eval();
+    }
+}
+
 std::vector<double> CondensedBody::constantForce() {
   Vector force(system_->allRows());
   for (const Mass* mass : system_->masses())

@@ -55,6 +55,9 @@ class CondensedBody {
   /// The directions that a node has at all times: I unless it slides.
   Mat3 projector(Index node) const;
 
+  /// Takes held directions out of a vector over nodes from `first` on, 3 numbers each.
+  void projectNodes(Index first, double* vector) const;
+
   /// Sentences for the scene's author, as on loads that were taken for dead.
   const std::vector<std::string>& notes() const { return notes_; }
 

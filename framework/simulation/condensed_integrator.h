@@ -92,7 +92,7 @@ class CondensedIntegrator : public Integrator {
   SupernodalColumns eliminated_;
   Array<double> sweep_work_;
   bool condensed_ = true;
-  Array<double> base_;  ///< C f*_s of constant loads, where a form keeps it; empty: prepare() has to make it
+  Array<double> base_;  ///< what prepare() makes of C and the constant loads; empty: it has to
 
  private:
   struct Problem;

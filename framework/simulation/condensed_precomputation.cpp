@@ -94,6 +94,8 @@ void CondensedIntegrator::compile(System& system) {
   interior_count_ = body_.free() - kept_count_;
   prepareActive(system, problem.order, force);
   for (const std::string& note : body_.notes()) inform(note);
+  if (isSingle() && used_form_ == Form::factor)
+    inform("precision=\"single\" has no effect: the sparse factor is used, which is in double precision");
   prepare(system);
   if (!from_cache_) store(problem);
   precomputation_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

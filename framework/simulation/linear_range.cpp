@@ -14,6 +14,7 @@ namespace stroma {
 
 void LinearRange::compile(const System& system, const CondensedBody& body, const std::vector<Index>& active_of_row) {
   triangles_.clear();
+  system_ = &system;
   const auto add = [&](const State& state, Index a, Index b, Index c) {
     Patch patch;
     patch.rows = {state.firstRow() + a, state.firstRow() + b, state.firstRow() + c};
@@ -69,14 +70,14 @@ void LinearRange::look(const double* u, double t, bool all) {
 }
 
 std::string LinearRange::sentence(double rotation_bound, double strain_bound) const {
+  const auto at = [this](const std::array<Index, 3>& rows) { return system_->describeRow(rows[0]); };
   std::string text;
   if (largest_turn_ > rotation_bound)
-    text = fmt::format("a surface triangle (rows {} {} {}) has turned by {:.2g} rad (bound {:g}) at t = {:.6g} s",
-                       turned_[0], turned_[1], turned_[2], largest_turn_, rotation_bound, time_of_turn_);
+    text = fmt::format("the surface at {} has turned by {:.2g} rad (bound {:g}) at t = {:.6g} s", at(turned_),
+                       largest_turn_, rotation_bound, time_of_turn_);
   if (largest_strain_ > strain_bound)
-    text += fmt::format("{}a surface triangle (rows {} {} {}) has a strain of {:.2g} (bound {:g}) at t = {:.6g} s",
-                        text.empty() ? "" : " and ", strained_[0], strained_[1], strained_[2], largest_strain_,
-                        strain_bound, time_of_strain_);
+    text += fmt::format("{}the surface at {} has a strain of {:.2g} (bound {:g}) at t = {:.6g} s",
+                        text.empty() ? "" : " and ", at(strained_), largest_strain_, strain_bound, time_of_strain_);
   return text;
 }
 

@@ -30,6 +30,7 @@ class LinearRange {
   };
   void measure(const Patch& patch, const double* u, double t);
 
+  const System* system_ = nullptr;
   std::vector<Patch> triangles_;
   std::size_t next_ = 0;
   double largest_turn_ = 0, largest_strain_ = 0;  ///< [rad], [-]

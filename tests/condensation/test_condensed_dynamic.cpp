@@ -148,3 +148,16 @@ TEST(CondensedDynamic, sharedMassKeepsThePeriodOfTheWholeBody) {
   // 30 of 120 free nodes have no inertia: faster
   EXPECT_LT(periodOf("interiorMass=\"neglected\"") / full, 0.95);
 }
+
+TEST(CondensedDynamic, slidingNodesStayInTheirPlane) {
+  Block block{.solver = "<CondensedDynamicSolver/>", .mass = surfaceMasses()};
+  block.more = "<FixedPlaneProjectiveConstraint name=\"plane\" direction=\"0 1 1\" indices=\"64 128 139\"/>";
+  std::string scene = block.text();
+  const std::string moving = "<MechanicalObject name=\"dofs\" velocity=\"";
+  std::string velocities;
+  for (int i = 0; i < 140; ++i) velocities += i < 20 ? "0 0 0 " : "0.1 0.3 -0.1 ";
+  scene.replace(scene.find("<MechanicalObject name=\"dofs\""), 29, moving + velocities + "\"");
+  const Vector u = after(scene, 5);
+  EXPECT_GT(u[139].norm(), 1e-3);
+  for (const Index node : {64, 128, 139}) EXPECT_NEAR(u[node][1] + u[node][2], 0, 1e-12) << node;
+}

@@ -3,6 +3,7 @@
 #include <functional>
 
 #include "tests/condensation/bodies.h"
+#include "tests/support/ground_spring.h"
 
 using namespace stroma;
 using namespace stroma::test;
@@ -68,6 +69,23 @@ TEST(CondensedRefusals, whatOneMatrixDoesNotHave) {
   expectRefused(Block{.solver = "<CondensedStaticSolver surfaceIndices=\"700\"/>"}, {"surfaceIndices", "700"});
   expectRefused(Block{.solver = "<CondensedStaticSolver surfaceIndices=\"70\" condensed=\"false\"/>"},
                 {"surfaceIndices"});
+}
+
+TEST(CondensedStability, stiffnessThatPushesIsWarnedOf) {
+  const auto said = [](const std::string& stiffness) {
+    const std::string text =
+        "<Node name=\"root\" dt=\"0.01\" gravity=\"0 0 0\"><CondensedDynamicSolver/>"
+        "<MechanicalObject position=\"0 0 0  1 0 0\"/><UniformMass totalMass=\"1\"/>"
+        "<TestGroundSpring stiffness=\"" +
+        stiffness + "\"/></Node>";
+    testing::internal::CaptureStderr();
+    simulationFromText(text);
+    return testing::internal::GetCapturedStderr();
+  };
+  factory().add<GroundSpring>("TestGroundSpring", "springs to the rest shape");
+  EXPECT_EQ(said("50").find("pushes"), std::string::npos);
+  // 1/(1 - sqrt(50/0.5) 0.01) = 1.111
+  EXPECT_NE(said("-50").find("grows by a factor of 1.11"), std::string::npos) << said("-50");
 }
 
 TEST(CondensedRange, isDoubtedWhenItIsLeft) {
