@@ -3,12 +3,14 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <limits>
 #include <stdexcept>
 
 namespace stroma::hyperelastic {
 namespace {
 
 constexpr std::size_t symmetric = 6;
+constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
 
 /// S = F^-1 P. A point that is exactly flat has no F^-1: NaN, as everywhere in a law with J in a denominator.
 void secondStress(const Mat3& f, const Mat3& p, double* out) {
@@ -51,11 +53,14 @@ void ViscousLaw::start(double time, const std::vector<double>& values) {
   std::copy(values.begin(), values.end(), history_.begin());
   started_ = !values.empty();
   time_ = time;
+  prepared_ = nothing;
   prepare(time);
 }
 
 /// a, b, c of the steps from the history's time to t, the law's share and what is held.
 void ViscousLaw::prepare(double t) {
+  if (t == prepared_) return;
+  prepared_ = t;
   const std::size_t terms = series_.terms();
   share_ = 1;
   double before = 0;
@@ -112,6 +117,7 @@ void ViscousLaw::stepEnded(double t, ConstRows x) {
   }
   // what is held stays: with the same positions it gives S_h - sum gamma of the new history
   time_ = t;
+  prepared_ = nothing;
   started_ = true;
 }
 

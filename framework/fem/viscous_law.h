@@ -48,6 +48,7 @@ class ViscousLaw final : public ElementMethod {
   std::vector<PronyStep> step_;  ///< shape (terms), of the time of the last setTime()
   std::size_t cells_, points_;
   double time_ = 0;       ///< [s], of the history
+  double prepared_ = 0;   ///< [s], the time of what is held; NaN: none
   double share_ = 1;      ///< 1 - sum a_i
   bool started_ = false;  ///< S_h at the start is known
   std::vector<double> history_, stress_, elastic_, deformation_;

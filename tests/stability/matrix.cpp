@@ -180,11 +180,35 @@ void addExample(std::vector<Row>& out, const std::string& type, const std::strin
                  example.find("poissonRatio") != std::string::npos, false});
 }
 
+/// Hyperelastic tetrahedra that relax, and with a fluid beside.
+void addViscousAndPorous(std::vector<Row>& out) {
+  const std::string type = "TetrahedronHyperelasticityFEMForceField";
+  const std::string viscous = "viscous=\"true\" ParameterAlpha=\"0.235 0.333\" ParameterTau=\"0.05 0.01\" ";
+  for (const std::string law : {"NeoHookean", "StableNeoHookean"})
+    addBlock(out, Cells::tetrahedra, type, law + " viscous", viscous + "materialName=\"" + law + "\"");
+  addBlock(out, Cells::tetrahedra, type, "StableNeoHookean viscous, exponential",
+           viscous + "viscousUpdate=\"exponential\" materialName=\"StableNeoHookean\"");
+  for (const std::string coupling : {"semi_implicit", "implicit"}) {
+    const auto scene = [=](const std::string& integrator, const Condition& c) {
+      const std::string fluid = fmt::format(
+          "<TetrahedronPorousForceField fluidFraction=\"0.5\" bulkModulus=\"{}\" limitModulus=\"{}\" "
+          "permeability=\"{}\" drainedIndices=\"0 2\" coupling=\"{}\"/><Fixed",
+          0.1 * c.young, 0.4 * c.young, 0.1 / c.young, coupling);
+      return std::regex_replace(block(Cells::tetrahedra, type + " " + viscous + "materialName=\"StableNeoHookean\"",
+                                      integrator, c),
+                                std::regex("<Fixed"), fluid);
+    };
+    out.push_back({"tetrahedra StableNeoHookean viscous, porous " + coupling, "TetrahedronPorousForceField", scene,
+                   slowestOfBlock, true, false});
+  }
+}
+
 std::vector<Row> makeRows() {
   std::vector<Row> out;
   addElasticVariants(out, Cells::tetrahedra);
   addElasticVariants(out, Cells::boxes);
   addElasticVariants(out, Cells::hexahedra);
+  addViscousAndPorous(out);
   modules().openAll();
   std::set<std::type_index> seen;
   for (const ComponentEntry* entry : factory().entries()) {

@@ -1,0 +1,308 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// TetrahedronPorousForceField: the fluid in a tissue, as a sponge holds it. Added to any elastic tetrahedra of a node.
+//
+// A share f_w of the tissue is fluid that can leave; the rest cannot be compressed. The effective volume ratio is
+// J* = (f_w + J - 1)/f_w, and the tissue resists with Hencky's Cauchy stress and the fluid's pressure P:
+//
+//   sigma = (sigma_H - P) Id,   sigma_H = K_0 f_w ln J*,   f_i = -V_0 (sigma_H - P) cof F G_i
+//
+// sigma_H is infinite at J = 1 - f_w: below J_0 = 1 - f_w + K_0/K_lim its tangent, of slope f_w K_lim, stands for it
+// (and for ln J below, so that turned elements keep finite numbers). P is linear on the tetrahedra and follows Darcy's
+// law on the rest shape, the fluid's compressibility being 1/K_lim:
+//
+//   P'/K_lim = kappa lap P - J'/J,     P = 0 at drainedIndices, no flow through the rest of the boundary
+//   (M/K_lim + h kappa L) P^n = M P^{n-1}/K_lim - (theta^n - theta^{n-1}),   theta_a = sum_e V_e/4 ln J_e
+//
+// with the lumped volumes M of the nodes and L the gradients' products. The sum of M P/K_lim + theta over a body that
+// is not drained does not change: the fluid is kept.
+//
+// coupling = semi_implicit, as published: forces see the pressure from before the step, and the pressure then follows
+// the step's change of volume; time steps must be small where the fluid is stiff against the tissue. implicit: forces
+// see the pressure that belongs to their shape at the end of the step, whatever the step. Its tangent is that of fluid
+// which stays in each element (the undrained split): stable with one linear solve a step; Newton iterations, of which
+// it needs some, solve for both at once.
+//
+// Source: S. Marchesseau, T. Heimann, S. Chatelin, R. Willinger, H. Delingette, "Multiplicative Jacobian energy
+// decomposition method for fast porous visco-hyperelastic soft tissue model", MICCAI 2010, section 3.2; the split
+// after D. Kim, H. A. Tchelepi, R. Juanes, "Stability, accuracy and efficiency of sequential methods for
+// coupled flow and geomechanics", SPE J. 16 (2011) 249-262.
+//
+// Cell fields for exporters: pressure (mean of a cell) [Pa], J. The attribute pressure has it node by node.
+//
+// Example:
+// <Node name="root" dt="0.02" gravity="0 0 -9.81">
+//   <RegularGridTopology name="grid" n="3 3 5" min="0 0 0" max="0.02 0.02 0.05"/>
+//   <EulerImplicitSolver/>
+//   <CGLinearSolver iterations="100" tolerance="1e-8"/>
+//   <Node name="sponge">
+//     <TetrahedronSetTopologyContainer name="tets"/>
+//     <Hexa2TetraTopologicalMapping input="@../grid" output="@tets"/>
+//     <MechanicalObject/>
+//     <DiagonalMass massDensity="1000"/>
+//     <TetrahedronHyperelasticityFEMForceField materialName="NeoHookean" youngModulus="2e3" poissonRatio="0.3"/>
+//     <TetrahedronPorousForceField fluidFraction="0.5" bulkModulus="400" limitModulus="2200" permeability="1e-6"
+//                                  drainedIndices="@top.indices"/>
+//     <BoxROI name="held" box="-1 -1 -0.001 1 1 0.001"/>
+//     <BoxROI name="top" box="-1 -1 0.0499 1 1 1"/>
+//     <FixedProjectiveConstraint indices="@held.indices"/>
+//   </Node>
+// </Node>
+#include <fmt/format.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "framework/fem/darcy_flow.h"
+#include "framework/fem/porous_elements.h"
+#include "framework/mechanics/force_field.h"
+#include "framework/mechanics/history.h"
+#include "framework/mechanics/node_indices.h"
+#include "framework/mesh/topology.h"
+#include "framework/scene/factory.h"
+
+namespace stroma {
+namespace {
+
+using porous::PorousElements;
+using porous::PorousFan;
+using porous::Sponge;
+using tetrahedron::corner;
+using tetrahedron::fan_size;
+
+class TetrahedronPorousForceField final : public ForceField, public History {
+ public:
+  void declare(DataTable& table) override;
+  void init() override;
+  ForceTraits traits() const override;
+  void compile() override;
+  void reset() override { start(initial_); }
+  void setTime(double t) override;
+  void stepEnded(double t) override;
+  const std::vector<double>& history() const override { return pressure_; }
+  void setHistory(const std::vector<double>& values) override { start(values); }
+
+  double energy(ConstRows x) const override { return porous_ ? elements_->energy(x, now_) : 0; }
+  void addForce(ConstRows x, ConstRows v, Rows f) override;
+  void addStiffnessProduct(ConstRows dx, double factor, Rows df) const override;
+  void addPattern(BlockPattern& pattern) const override { elements_->addPattern(pattern); }
+  void prepareAssembly(const BlockMatrix& matrix) override { slots_ = elements_->slots(matrix); }
+  void addStiffness(double factor, BlockMatrix& matrix) const override {
+    elements_->assemble(factor, slots_, matrix.values());
+  }
+  void addStiffnessDiagonal(double factor, std::vector<double>& blocks) const override {
+    elements_->assembleDiagonal(factor, blocks);
+  }
+  Cost cost() const override {
+    const double cells = double(mesh_->tetrahedra.size()), flow = flows() ? 60 * double(pressure_.size()) : 0;
+    return {8 * cells + flow, 100 * cells};
+  }
+  std::vector<std::string> cellFields() const override { return {"pressure", "J"}; }
+  void cellField(const std::string& name, ConstRows x, std::vector<double>& out) const override;
+
+ private:
+  enum class Coupling : int { semi_implicit, implicit };
+  bool flows() const { return coupling_ == Coupling::implicit && step_ > 0; }
+  void start(const std::vector<double>& values);
+  /// out = P at the end of a step with volumes theta of nodes in `out`.
+  void follow(Rows out) const;
+  Rows own(Rows all) const { return {all.data + std::size_t(state().firstRow()) * row_doubles, state().size()}; }
+  ConstRows systemRows() const {
+    return {state().x().data - std::size_t(state().firstRow()) * row_doubles, state().firstRow() + state().size()};
+  }
+
+  Link<Topology> topology_{"topology"};
+  bool porous_ = true;
+  Sponge sponge_;
+  double permeability_ = 0;
+  std::vector<int> drained_;
+  Coupling coupling_ = Coupling::semi_implicit;
+  std::vector<double> pressure_;  ///< at the end of the last step [Pa], shape (nodes)
+  std::vector<double> initial_;
+
+  const Mesh* mesh_ = nullptr;
+  std::unique_ptr<PorousElements> elements_;
+  mutable DarcyFlow flow_;
+  std::vector<Index> slots_;
+  double time_ = 0, step_ = 0;  ///< [s], of pressure_; from there to the time of the forces
+  bool started_ = false;        ///< theta_ is known
+  std::vector<double> theta_;   ///< at the end of the last step [m^3], shape (nodes)
+  Vector now_;                  ///< pressures that the forces see, shape (system rows)
+  mutable Vector change_;       ///< work space, shape (system rows)
+};
+
+void TetrahedronPorousForceField::declare(DataTable& table) {
+  ForceField::declare(table);
+  table.addLink("topology", topology_).help("mesh that holds the tetrahedra; the node's own (or the nearest above)");
+  table.add("porous", porous_).help("false: no fluid and no force, to compare");
+  table.add("fluidFraction", sponge_.fluid)
+      .unit("-")
+      .min(0, false)
+      .max(1)
+      .physical()
+      .help("f_w: share of the volume at rest that is fluid and can leave");
+  table.add("bulkModulus", sponge_.bulk)
+      .unit("Pa")
+      .min(0, false)
+      .physical()
+      .help("K_0 of the drained tissue, added to the elastic law's");
+  table.add("limitModulus", sponge_.limit)
+      .unit("Pa")
+      .min(0, false)
+      .physical()
+      .help("K_lim: of the fluid, and bound of the tissue's when it is compressed; at least bulkModulus/fluidFraction");
+  table.add("permeability", permeability_)
+      .unit("m^4/(N s)")
+      .min(0)
+      .required()
+      .help("kappa of Darcy's law; 0: nothing flows");
+  table.add("drainedIndices", drained_).help("nodes with no pressure, where the fluid can leave; elsewhere none does");
+  table.addChoice("coupling", coupling_, {"semi_implicit", "implicit"})
+      .help("semi_implicit: forces see the pressure before the step; implicit: that of their own shape");
+  table.add("pressure", pressure_).unit("Pa").help("of each node, at the start (zero when not given) and then now");
+}
+
+void TetrahedronPorousForceField::init() {
+  ForceField::init();
+  const Topology* topology = topology_.target() ? topology_.get() : find<Topology>(true);
+  if (!topology || topology->mesh().tetrahedra.empty())
+    throw ComponentError("there are no tetrahedra", "a topology with tetrahedra in this node or above");
+  mesh_ = &topology->mesh();
+  if (mesh_->nodes() != state().size())
+    throw ComponentError(
+        fmt::format("the mesh has {} nodes, {} has {}", mesh_->nodes(), state().path(), state().size()),
+        "the same number");
+  if (!(sponge_.bulk <= sponge_.fluid * sponge_.limit))
+    throw ComponentError(
+        fmt::format("bulkModulus is {:g} and limitModulus {:g}", sponge_.bulk, sponge_.limit),
+        fmt::format("limitModulus of at least bulkModulus/fluidFraction = {:g}", sponge_.bulk / sponge_.fluid));
+  if (pressure_.empty()) pressure_.assign(std::size_t(state().size()), 0.);
+  if (pressure_.size() != std::size_t(state().size()))
+    throw ComponentError(fmt::format("pressure has {} values", pressure_.size()), fmt::format("{}", state().size()));
+  std::vector<char> used(std::size_t(state().size()), 0);
+  for (const Tetrahedron& cell : mesh_->tetrahedra)
+    for (Index node : cell) used[std::size_t(node)] = 1;
+  const auto lonely = std::find(used.begin(), used.end(), 0);
+  if (lonely != used.end())
+    throw ComponentError(fmt::format("no tetrahedron has node {}: it holds no fluid", lonely - used.begin()),
+                         "a mesh whose nodes are all used");
+  initial_ = pressure_;
+  std::vector<Index> drained;
+  if (data().find("drainedIndices")->isSet()) drained = checkedNodes(drained_, state(), "drainedIndices");
+  flow_.build(*mesh_, state().rest_position, drained);
+}
+
+ForceTraits TetrahedronPorousForceField::traits() const {
+  ForceTraits t;
+  t.has_stiffness = porous_;
+  t.symmetric = t.torques_balance = t.time_dependent = true;
+  t.forces_balance = std::all_of(initial_.begin(), initial_.end(), [](double p) { return p == 0; });
+  t.conservative = t.exact_tangent = coupling_ == Coupling::semi_implicit;
+  return t;
+}
+
+void TetrahedronPorousForceField::compile() {
+  const std::vector<Vec3>& rest = state().rest_position;
+  const auto fans = tetrahedron::gatherFans(mesh_->tetrahedra, rest.size());
+  std::vector<std::array<Index, tetrahedron::fan_nodes>> nodes;
+  for (const auto& fan : fans) nodes.push_back(fan.nodes);
+  StorageOf<PorousFan> storage;
+  storage.build(nodes, rest, state().firstRow(), [&](std::size_t f, bool padding, auto& data, auto&) {
+    for (int i = 0; i < fan_size; ++i) {
+      const auto at = [&](int a) -> const Vec3& { return rest[std::size_t(nodes[f][std::size_t(corner(i, a))])]; };
+      Mat3 edges;
+      edges << at(1) - at(0), at(2) - at(0), at(3) - at(0);
+      const double six_volumes = edges.determinant(), volume = std::abs(six_volumes) / (6 * mesh_->overlap);
+      const bool empty = padding || fans[f].element[std::size_t(i)] < 0;
+      data.of[i] = {empty ? 0 : std::copysign(1 / (6 * mesh_->overlap), six_volumes), 1 / six_volumes, 1 / volume,
+                    empty ? 0 : volume / 4};
+    }
+  });
+  elements_ = std::make_unique<PorousElements>(std::move(storage), sponge_);
+  const Index rows = state().firstRow() + state().size();
+  now_.resize(rows), change_.resize(rows);
+  theta_.resize(rest.size());
+  start(initial_);
+}
+
+void TetrahedronPorousForceField::start(const std::vector<double>& values) {
+  if (values.size() != pressure_.size())
+    throw std::invalid_argument(fmt::format("{} pressures of {} nodes", values.size(), pressure_.size()));
+  pressure_ = values;
+  for (Index i = 0; i < state().size(); ++i) now_[state().firstRow() + i].x() = pressure_[std::size_t(i)];
+  time_ = node().root().root_time;
+  step_ = 0;
+  started_ = false;
+}
+
+void TetrahedronPorousForceField::setTime(double t) {
+  if (!porous_) return;
+  if (!started_ && t > time_) {  // the first step: its positions are where it starts
+    started_ = true;
+    clear(change_);
+    elements_->addVolumes(systemRows(), 1, change_);
+    for (Index i = 0; i < state().size(); ++i) theta_[std::size_t(i)] = own(change_)[i].x();
+  }
+  step_ = std::max(0., t - time_);
+  if (step_ > 0) flow_.setStep(step_, 1 / sponge_.limit, permeability_);
+}
+
+void TetrahedronPorousForceField::follow(Rows out) const {
+  for (Index i = 0; i < out.count; ++i) {
+    double& value = out[i].x();
+    value = flow_.volume(i) * pressure_[std::size_t(i)] / sponge_.limit - (value - theta_[std::size_t(i)]);
+  }
+  flow_.solve(out);
+}
+
+void TetrahedronPorousForceField::stepEnded(double t) {
+  if (!porous_) return;
+  setTime(t);
+  clear(change_);
+  elements_->addVolumes(systemRows(), 1, change_);
+  const Rows values = own(change_);
+  std::vector<double>& theta = theta_;
+  for (Index i = 0; i < values.count; ++i) values[i].y() = values[i].x();  // kept for the next step
+  follow(values);
+  for (Index i = 0; i < values.count; ++i) {
+    theta[std::size_t(i)] = values[i].y();
+    pressure_[std::size_t(i)] = own(now_)[i].x() = values[i].x();
+  }
+  time_ = t;
+  step_ = 0;
+}
+
+void TetrahedronPorousForceField::addForce(ConstRows x, ConstRows, Rows f) {
+  if (!porous_) return;
+  if (flows()) {
+    clear(now_);
+    elements_->addVolumes({x.data, now_.count()}, 1, now_);
+    follow(own(now_));
+  }
+  elements_->addForce(x, now_, flows(), f);
+}
+
+void TetrahedronPorousForceField::addStiffnessProduct(ConstRows dx, double factor, Rows df) const {
+  elements_->addProduct(dx, factor, df);
+}
+
+void TetrahedronPorousForceField::cellField(const std::string& name, ConstRows x, std::vector<double>& out) const {
+  out.clear();
+  for (const Tetrahedron& cell : mesh_->tetrahedra) {
+    const auto at = [&](int a) -> Vec3 { return x[state().firstRow() + cell[std::size_t(a)]]; };
+    double pressure = 0;
+    for (Index node : cell) pressure += pressure_[std::size_t(node)] / 4;
+    const auto rest = [&](int a) -> const Vec3& { return state().rest_position[std::size_t(cell[std::size_t(a)])]; };
+    out.push_back(name == "pressure" ? pressure
+                                     : tetrahedronVolume(at(0), at(1), at(2), at(3)) /
+                                           tetrahedronVolume(rest(0), rest(1), rest(2), rest(3)));
+  }
+}
+
+}  // namespace
+}  // namespace stroma
+
+STROMA_COMPONENT(tetrahedron_porous_force_field) {
+  factory.add<stroma::TetrahedronPorousForceField>("TetrahedronPorousForceField",
+                                                   "fluid in a tissue: effective volume, Darcy's law, pressure");
+}

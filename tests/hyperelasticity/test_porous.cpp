@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The porous part: its stress, the fluid's mass, Terzaghi's consolidation.
+#include <numbers>
+
+#include "framework/mechanics/history.h"
+#include "framework/mesh/topology.h"
+#include "tests/hyperelasticity/law_cases.h"
+
+namespace stroma::test {
+namespace {
+
+const std::string porous = "TetrahedronPorousForceField";
+const std::vector<std::string> couplings{"semi_implicit", "implicit"};
+
+std::string oneCell(const std::string& attributes) {
+  return "<Node name=\"root\" dt=\"0.01\"><EulerImplicitSolver/><CGLinearSolver/>"
+         "<TetrahedronSetTopologyContainer position=\"0 0 0 1 0 0 0 1 0 0 0 1\" tetrahedra=\"0 1 2 3\"/>"
+         "<MechanicalObject/><UniformMass totalMass=\"1\"/><" +
+         porous + " fluidFraction=\"0.8\" bulkModulus=\"400\" limitModulus=\"2200\" " + attributes + "/></Node>";
+}
+/// sigma of the only element: f_1 = -sigma cof F e_1 / 6.
+double stress(FieldUnderTest& t, const Mat3& f) {
+  t.rest();
+  for (Index i = 0; i < 4; ++i) t.x[i] = f * Vec3(t.x[i]);
+  const Vec3 area = f.col(1).cross(f.col(2));
+  return -6 * t.force()[1].dot(area) / area.squaredNorm();
+}
+Mat3 shapeOf(double j) {
+  Mat3 f;
+  f << 1.1, 0.2, -0.1, 0.05, 0.9, 0.3, 0.1, -0.2, 1.2;
+  f.row(0) *= j / f.determinant();
+  return f;
+}
+
+TEST(Porous, HenckysStressAndItsTangentBelowTheBound) {
+  FieldUnderTest t(oneCell("permeability=\"0\""), porous);
+  t.field().reset();
+  const double bound = 0.2 + 400. / 2200;
+  for (double j : {3., 1.3, 1., 0.7, 0.4, bound + 1e-9, bound - 1e-9, 0.3, 0.1, -0.5}) {
+    const double at = std::max(j, bound);
+    const double expected = 400 * 0.8 * std::log((0.8 + at - 1) / 0.8) + 0.8 * 2200 * (j - at);
+    EXPECT_NEAR(stress(t, shapeOf(j)), expected, 1e-9 * 400) << j;
+  }
+}
+
+/// Nothing flows: P = -K_lim ln J.
+TEST(Porous, FluidThatCannotLeaveIsCompressed) {
+  for (const std::string& coupling : couplings) {
+    FieldUnderTest t(oneCell("permeability=\"0\" coupling=\"" + coupling + "\""), porous);
+    t.field().reset();
+    double previous = 1;
+    for (int n = 1; n <= 10; ++n) {
+      const double j = 1 - 0.04 * n;
+      t.field().setTime(0.01 * n);
+      const double found = stress(t, shapeOf(j));
+      // forces before the pressure follows: that of the step before
+      const double seen = coupling == "implicit" ? j : previous;
+      EXPECT_NEAR(found, 400 * 0.8 * std::log((j - 0.2) / 0.8) + 2200 * std::log(seen), 1e-9 * 2200) << coupling;
+      copy(t.x, t.system().x);
+      History& history = dynamic_cast<History&>(t.field());
+      history.stepEnded(0.01 * n);
+      for (double p : history.history()) EXPECT_NEAR(p, -2200 * std::log(j), 1e-9 * 2200) << coupling << " " << n;
+      previous = j;
+    }
+  }
+}
+
+std::string organ(const std::string& attributes) {
+  return lawScene("fluidFraction=\"0.5\" bulkModulus=\"400\" limitModulus=\"2200\" " + attributes, porous);
+}
+/// sum of M P / K_lim + V_0 ln J and of M |P| / K_lim, from the mesh.
+std::pair<double, double> fluid(FieldUnderTest& t) {
+  const Mesh& mesh = t.field().node().find<Topology>(nullptr, true)->mesh();
+  const std::vector<double>& p = dynamic_cast<History&>(t.field()).history();
+  const auto& rest = t.field().state().rest_position;
+  const auto volume = [&](const Tetrahedron& c, const auto& x) {
+    return tetrahedronVolume(x(c[0]), x(c[1]), x(c[2]), x(c[3]));
+  };
+  double sum = 0, size = 0;
+  for (const Tetrahedron& c : mesh.tetrahedra) {
+    const double v0 = volume(c, [&](Index i) -> Vec3 { return rest[std::size_t(i)]; });
+    sum += v0 * std::log(volume(c, [&](Index i) -> Vec3 { return t.system().x[i]; }) / v0);
+    for (Index node : c)
+      sum += v0 / 4 * p[std::size_t(node)] / 2200, size += v0 / 4 * std::abs(p[std::size_t(node)]) / 2200;
+  }
+  return {sum, size};
+}
+
+TEST(Porous, FluidIsKept) {
+  for (const std::string& coupling : couplings)
+    for (bool drained : {false, true}) {
+      FieldUnderTest t(
+          organ("permeability=\"1e-7\" coupling=\"" + coupling + "\"" + (drained ? " drainedIndices=\"0 1 2 3\"" : "")),
+          porous);
+      t.field().reset();
+      t.rest();
+      copy(t.x, t.system().x);
+      for (int n = 1; n <= 20; ++n) {
+        t.field().setTime(0.01 * n);
+        t.deform(0.005, unsigned(n));  // J stays above J_0, where ln J is ln J
+        t.force();
+        copy(t.x, t.system().x);
+        dynamic_cast<History&>(t.field()).stepEnded(0.01 * n);
+        const auto [sum, size] = fluid(t);
+        ASSERT_GT(size, 0);
+        if (!drained) {
+          EXPECT_LT(std::abs(sum), 1e-13 * size) << coupling << " step " << n;
+        } else if (n == 20) {
+          EXPECT_GT(std::abs(sum), 1e-6 * size);
+        }
+      }
+    }
+}
+
+/// With the pressure of the step frozen the tangent is exact; with it following, the one of fluid that stays.
+TEST(Porous, TangentIsThatOfFluidThatStays) {
+  const auto error = [](const std::string& scene) {
+    FieldUnderTest t(scene, porous);
+    t.deform(0.03);
+    t.field().setTime(0.02);
+    return relativeDifference(t.product(t.direction), t.differenceOfForces(1e-6 * t.typicalEdge()));
+  };
+  EXPECT_LT(error(organ("permeability=\"1e-7\"")), 1e-6);
+  // with several elements pressures are averaged over nodes, which the tangent is not
+  EXPECT_LT(error(oneCell("permeability=\"0\" coupling=\"implicit\"")), 1e-6);
+  EXPECT_GT(error(oneCell("permeability=\"1\" drainedIndices=\"0 1 2 3\" coupling=\"implicit\"")), 1e-2);
+}
+
+// ---- Terzaghi ----
+
+/// A column of height 1 between walls, drained at its top, under a pressure on its top. c_v = 1, so T_v = t.
+struct Column {
+  double limit = 2200, elastic = 1000, bulk = 400, load = 0.1;
+  std::string coupling = "implicit";
+  int cells = 20;
+  double dt = 0.001;
+  double drained() const { return elastic + bulk; }
+  double permeability() const { return 1 / limit + 1 / drained(); }
+  std::string scene() const {
+    const auto text = [](double v) {
+      std::ostringstream out;
+      out.precision(17);
+      out << v;
+      return out.str();
+    };
+    return "<Node name=\"root\" dt=\"" + text(dt) +
+           "\" gravity=\"0 0 0\"><StaticSolver newton_iterations=\"200\" "
+           "relative_residual_tolerance_threshold=\"1e-7\"/><SparseLDLSolver/><RegularGridTopology name=\"grid\" n=\"2 "
+           "2 " +
+           std::to_string(cells + 1) +
+           "\" min=\"0 0 0\" max=\"0.2 0.2 1\"/><Node name=\"b\"><TetrahedronSetTopologyContainer name=\"tets\"/>"
+           "<Hexa2TetraTopologicalMapping input=\"@../grid\" output=\"@tets\" cutting=\"ten\"/><MechanicalObject/>"
+           "<UniformMass totalMass=\"1\"/><" +
+           tetrahedral + " materialName=\"StVenantKirchhoff\" ParameterSet=\"" + text(elastic / 2) + " 0\"/><" +
+           porous + " fluidFraction=\"0.8\" bulkModulus=\"" + text(bulk) + "\" limitModulus=\"" + text(limit) +
+           "\" permeability=\"" + text(permeability()) + "\" coupling=\"" + coupling +
+           "\" drainedIndices=\"@top.indices\"/><BoxROI name=\"top\" box=\"-1 -1 0.9999 1 1 2\"/>"
+           "<BoxROI name=\"base\" box=\"-1 -1 -0.1 1 1 0.0001\"/>"
+           "<BoxROI name=\"all\" box=\"-1 -1 -1 1 1 2\"/>"
+           "<FixedProjectiveConstraint indices=\"@base.indices\"/>"
+           "<PartialFixedProjectiveConstraint indices=\"@all.indices\" fixedDirections=\"1 1 0\"/>"
+           "<ConstantForceField indices=\"@top.indices\" totalForce=\"0 0 " +
+           text(-load * 0.04) + "\"/></Node></Node>";
+  }
+  /// Degree of consolidation at the given times.
+  std::vector<double> run(const std::vector<double>& times) const {
+    Simulation s = simulationFromText(scene());
+    std::vector<double> out;
+    const double last = load / drained(), first = load / (drained() + limit);
+    for (double t : times) {
+      while (s.time() < t - 1e-9) {
+        const StepReport report = s.step();
+        EXPECT_TRUE(!report.diverged && !report.unsolved) << report.reason;
+        if (report.diverged || report.unsolved) return out;
+      }
+      double settlement = 0;
+      const System& system = *s.systems()[0];
+      for (Index i = system.allRows() - 4; i < system.allRows(); ++i) settlement += (1 - system.x[i].z()) / 4;
+      out.push_back((settlement - first) / (last - first));
+    }
+    return out;
+  }
+};
+double consolidation(double t) {
+  double sum = 1;
+  for (int m = 0; m < 200; ++m) {
+    const double k = std::numbers::pi * (2 * m + 1) / 2;
+    sum -= 2 / (k * k) * std::exp(-k * k * t);
+  }
+  return sum;
+}
+
+TEST(Porous, TerzaghisConsolidation) {
+  const std::vector<double> times{0.01, 0.1, 0.197, 0.5, 0.848}, published{0.11284, 0.35682, 0.50034, 0.76395, 0.89998};
+  for (std::size_t i = 0; i < times.size(); ++i) EXPECT_NEAR(consolidation(times[i]), published[i], 6e-6);
+  for (const std::string& coupling : couplings) {
+    Column column;
+    column.coupling = coupling;
+    if (coupling == "semi_implicit") column.limit = 700;  // a fluid stiffer than the tissue is beyond that coupling
+    const std::vector<double> found = column.run(times);
+    ASSERT_EQ(found.size(), times.size());
+    for (std::size_t i = 0; i < times.size(); ++i) {
+      std::printf("%-14s T_v = %.3f: U = %.5f, series %.5f\n", coupling.c_str(), times[i], found[i], published[i]);
+      EXPECT_NEAR(found[i], published[i], 0.01) << coupling << " " << times[i];
+    }
+  }
+}
+
+TEST(Porous, OrdersInSpaceAndTime) {
+  const auto order = [](const char* what, double a, double b, double c) {
+    const double found = std::log2(std::abs((a - b) / (b - c)));
+    std::printf("%s: %.6f %.6f %.6f, order %.2f (series %.6f)\n", what, a, b, c, found, consolidation(0.2));
+    return found;
+  };
+  const auto at = [](int cells, double dt) {
+    Column column;
+    column.cells = cells, column.dt = dt;
+    return column.run({0.2}).at(0);
+  };
+  EXPECT_NEAR(order("in h ", at(6, 0.01), at(12, 0.01), at(24, 0.01)), 2, 0.2);
+  EXPECT_NEAR(order("in dt", at(12, 0.02), at(12, 0.01), at(12, 0.005)), 1, 0.1);
+}
+
+TEST(Porous, SaysWhatIsWrong) {
+  const auto expect = [](const std::string& attributes, const std::string& words) {
+    std::string text = oneCell(attributes);
+    const std::string problems = problemsOf(text);
+    EXPECT_NE(problems.find(words), std::string::npos) << attributes << ": " << problems;
+  };
+  expect("", "permeability");
+  expect("permeability=\"0\" pressure=\"1 2\"", "pressure has 2 values");
+  expect("permeability=\"0\" drainedIndices=\"9\"", "9");
+  std::string text = oneCell("permeability=\"0\"");
+  text.replace(text.find("limitModulus=\"2200\""), 19, "limitModulus=\"450\"");
+  EXPECT_NE(problemsOf(text).find("limitModulus of at least"), std::string::npos) << problemsOf(text);
+}
+
+}  // namespace
+}  // namespace stroma::test
