@@ -156,9 +156,20 @@ class HeldTetrahedra final : public StoredMethod<StorageOf<HeldFan>>, public Hel
   Index cellOf(Index b, int i, int l) const {
     return cell_[(std::size_t(b) * tetrahedron::fan_size + std::size_t(i)) * pack_lanes + std::size_t(l)];
   }
+  /// Multiples of the identity.
   void matrix(Index b, Matrix& k) const {
-    const Nodes none{};
-    HeldFan::matrix(storage_.rest[std::size_t(b)], storage_.tangent[std::size_t(b)], none, k);
+    for (Pack& value : k) value = Pack(0.);
+    for (int i = 0; i < tetrahedron::fan_size; ++i) {
+      const S3<Pack>& h = storage_.tangent[std::size_t(b)].of[i].k;
+      const Pack x = h.xx + h.xy + h.zx, y = h.xy + h.yy + h.yz, z = h.zx + h.yz + h.zz;
+      const Pack own[4][4] = {
+          {x + y + z, -x, -y, -z}, {-x, h.xx, h.xy, h.zx}, {-y, h.xy, h.yy, h.yz}, {-z, h.zx, h.yz, h.zz}};
+      for (int a = 0; a < 4; ++a)
+        for (int c = 0; c < 4; ++c) {
+          Pack* block = k + (tetrahedron::corner(i, a) * tetrahedron::fan_nodes + tetrahedron::corner(i, c)) * 9;
+          for (int d : {0, 4, 8}) block[d] -= own[a][c];
+        }
+    }
   }
   std::size_t cells_;
   std::vector<Index> cell_;  ///< shape (batches, fan_size, lanes), -1: padding

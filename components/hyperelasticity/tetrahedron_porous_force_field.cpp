@@ -27,7 +27,7 @@
 // after D. Kim, H. A. Tchelepi, R. Juanes, "Stability, accuracy and efficiency of sequential methods for
 // coupled flow and geomechanics", SPE J. 16 (2011) 249-262.
 //
-// Cell fields for exporters: pressure (mean of a cell) [Pa], J. The attribute pressure has it node by node.
+// Cell field for exporters: pressure (mean of a cell) [Pa]. The attribute pressure has it node by node.
 //
 // Example:
 // <Node name="root" dt="0.02" gravity="0 0 -9.81">
@@ -97,7 +97,7 @@ class TetrahedronPorousForceField final : public ForceField, public History {
     const double cells = double(mesh_->tetrahedra.size()), flow = flows() ? 60 * double(pressure_.size()) : 0;
     return {8 * cells + flow, 100 * cells};
   }
-  std::vector<std::string> cellFields() const override { return {"pressure", "J"}; }
+  std::vector<std::string> cellFields() const override { return {"pressure"}; }
   void cellField(const std::string& name, ConstRows x, std::vector<double>& out) const override;
 
  private:
@@ -286,16 +286,12 @@ void TetrahedronPorousForceField::addStiffnessProduct(ConstRows dx, double facto
   elements_->addProduct(dx, factor, df);
 }
 
-void TetrahedronPorousForceField::cellField(const std::string& name, ConstRows x, std::vector<double>& out) const {
+void TetrahedronPorousForceField::cellField(const std::string&, ConstRows, std::vector<double>& out) const {
   out.clear();
   for (const Tetrahedron& cell : mesh_->tetrahedra) {
-    const auto at = [&](int a) -> Vec3 { return x[state().firstRow() + cell[std::size_t(a)]]; };
     double pressure = 0;
     for (Index node : cell) pressure += pressure_[std::size_t(node)] / 4;
-    const auto rest = [&](int a) -> const Vec3& { return state().rest_position[std::size_t(cell[std::size_t(a)])]; };
-    out.push_back(name == "pressure" ? pressure
-                                     : tetrahedronVolume(at(0), at(1), at(2), at(3)) /
-                                           tetrahedronVolume(rest(0), rest(1), rest(2), rest(3)));
+    out.push_back(pressure);
   }
 }
 

@@ -47,6 +47,10 @@ void DarcyFlow::build(const Mesh& mesh, const std::vector<Vec3>& rest, const std
 }
 
 void DarcyFlow::setStep(double h, double storage, double permeability) {
+  // differences of times have round-off of their own: equal steps share a factor, and no result depends on which
+  int exponent = 0;
+  h = std::round(std::frexp(h, &exponent) * 0x1p30);
+  h = std::ldexp(h * 0x1p-30, exponent);
   if (h == step_) return;
   step_ = h;
   Matrices& m = *matrices_;

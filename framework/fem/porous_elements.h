@@ -169,10 +169,32 @@ class PorousElements {
   static void share(Pack value, V3<Pack> (&own)[4]) {
     for (auto& node : own) node.x = value;
   }
+  /// -stiffness a_i (x) a_j - stress/6 times the crossed edges that face i and j.
   void matrix(Index b, Matrix& k) const {
     Nodes x;
     storage_.loop.gather(b, x_.rows(), x);
-    PorousFan::matrix(storage_.rest[std::size_t(b)], storage_.tangent[std::size_t(b)], x, k);
+    for (Pack& value : k) value = Pack(0.);
+    for (int i = 0; i < fan_size; ++i) {
+      const auto& rest = storage_.rest[std::size_t(b)].of[i];
+      const auto& t = storage_.tangent[std::size_t(b)].of[i];
+      const V3<Pack> e[3] = {x[corner(i, 1)] - x[0], x[corner(i, 2)] - x[0], x[corner(i, 3)] - x[0]};
+      const Shape<Pack> shape(e, rest.sixth, rest.inverse_six_volume);
+      const V3<Pack> a[4] = {-(shape.a[0] + shape.a[1] + shape.a[2]), shape.a[0], shape.a[1], shape.a[2]};
+      const Pack held = t.stress * rest.sixth;
+      const V3<Pack> c[3] = {e[0] * held, e[1] * held, e[2] * held};
+      const V3<Pack> w[4][4] = {{{}, c[2] - c[1], c[0] - c[2], c[1] - c[0]},
+                                {c[1] - c[2], {}, c[2], -c[1]},
+                                {c[2] - c[0], -c[2], {}, c[0]},
+                                {c[0] - c[1], c[1], -c[0], {}}};
+      for (int p = 0; p < 4; ++p)
+        for (int q = 0; q < 4; ++q) {
+          Pack* out = k + (corner(i, p) * tetrahedron::fan_nodes + corner(i, q)) * 9;
+          const V3<Pack> n = a[p] * (-t.stiffness), &m = a[q], &v = w[p][q];
+          out[0] += n.x * m.x, out[1] += n.x * m.y - v.z, out[2] += n.x * m.z + v.y;
+          out[3] += n.y * m.x + v.z, out[4] += n.y * m.y, out[5] += n.y * m.z - v.x;
+          out[6] += n.z * m.x - v.y, out[7] += n.z * m.y + v.x, out[8] += n.z * m.z;
+        }
+    }
   }
   StorageOf<PorousFan> storage_;
   Sponge sponge_;

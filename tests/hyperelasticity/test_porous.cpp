@@ -126,6 +126,18 @@ TEST(Porous, TangentIsThatOfFluidThatStays) {
   EXPECT_GT(error(oneCell("permeability=\"1\" drainedIndices=\"0 1 2 3\" coupling=\"implicit\"")), 1e-2);
 }
 
+TEST(Porous, ProductsAreOfTheMatrix) {
+  for (const std::string& coupling : couplings) {
+    FieldUnderTest t(organ("permeability=\"1e-7\" coupling=\"" + coupling + "\""), porous);
+    t.deform(0.03);
+    t.field().setTime(0.02);
+    const BlockMatrix k = t.matrix();
+    Vector assembled(t.x.count());
+    k.multiply(t.direction, assembled);
+    EXPECT_LT(relativeDifference(assembled, t.product(t.direction)), 1e-12) << coupling;
+  }
+}
+
 // ---- Terzaghi ----
 
 /// A column of height 1 between walls, drained at its top, under a pressure on its top. c_v = 1, so T_v = t.

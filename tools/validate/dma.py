@@ -22,7 +22,8 @@ import stroma_run as sr
 RADIUS, HEIGHT, ANGLE = 0.01, 0.004, 0.004  # [m], [m], [rad]: strains of 1 % at the rim
 G0, ALPHA, TAU = 770.0, np.array([0.235, 0.333]), np.array([0.27, 0.03])
 FREQUENCIES = np.array([0.3, 1, 3, 10, 30, 100])  # [rad/s]
-MESHES = [(6, 2, "backward", 40), (8, 4, "backward", 40), (16, 6, "backward", 40), (16, 6, "exponential", 80)]
+# cells across and in height, update, steps a period, frequencies (the fine mesh takes half a second a step on a busy machine)
+MESHES = [(8, 4, "backward", 40, 6), (8, 4, "exponential", 40, 6), (16, 6, "exponential", 40, 5)]
 CUT = [(0, 1, 2, 6), (0, 2, 3, 6), (0, 3, 7, 6), (0, 7, 4, 6), (0, 4, 5, 6), (0, 5, 1, 6)]
 
 
@@ -70,7 +71,7 @@ def closed_form(w):
 def measure(stroma, mesh, nodes, update, steps, w):
     """The complex modulus [Pa] from the last of the periods that let transients decay."""
     period = 2 * np.pi / w
-    periods = 2 + int(12 * TAU.max() / period)
+    periods = 2 + int(8 * TAU.max() / period)
     top = np.flatnonzero(np.abs(nodes[:, 2] - HEIGHT) < 1e-9)
     with tempfile.TemporaryDirectory() as folder:
         name = os.path.join(folder, "torque")
@@ -92,21 +93,23 @@ def measure(stroma, mesh, nodes, update, steps, w):
 def run(stroma, out):
     rows, columns = [], []
     with tempfile.TemporaryDirectory() as folder:
-        for n, m, update, steps in MESHES:
+        for n, m, update, steps, count in MESHES:
             nodes, cells = disc(n, m)
             mesh = os.path.join(folder, f"disc_{n}_{m}.msh")
             write_msh(mesh, nodes, cells)
             columns.append(f"{len(cells)} tets, {update}, {steps} steps a period")
-            found = [measure(stroma, mesh, nodes, update, steps, w) for w in FREQUENCIES]
-            rows.append(np.array(found))
+            found = [measure(stroma, mesh, nodes, update, steps, w) for w in FREQUENCIES[:count]]
+            rows.append(np.array(found + [np.nan] * (len(FREQUENCIES) - count)))
             errors = np.abs(rows[-1] / [closed_form(w) for w in FREQUENCIES] - 1)
-            print(columns[-1], "mean error %.2f %%, largest %.2f %%" % (100 * errors.mean(), 100 * errors.max()), flush=True)
+            print(columns[-1], "mean error %.2f %%, largest %.2f %%" % (100 * np.nanmean(errors), 100 * np.nanmax(errors)),
+                  flush=True)
     exact = np.array([closed_form(w) for w in FREQUENCIES])
     header = ["w [1/s]", "closed form |G*|, G', G'' [Pa]"] + columns
     table = [[f"{w:g}", f"{abs(g):.1f} {g.real:.1f} {g.imag:.1f}"] +
-             [f"{abs(r[i]):.1f} {r[i].real:.1f} {r[i].imag:.1f} ({100 * abs(r[i] / g - 1):.2f} %)" for r in rows]
+             ["" if np.isnan(r[i]) else f"{abs(r[i]):.1f} {r[i].real:.1f} {r[i].imag:.1f} ({100 * abs(r[i] / g - 1):.2f} %)"
+              for r in rows]
              for i, (w, g) in enumerate(zip(FREQUENCIES, exact))]
-    mean = ["mean", ""] + [f"{100 * np.abs(r / exact - 1).mean():.2f} %" for r in rows]
+    mean = ["mean", ""] + [f"{100 * np.nanmean(np.abs(r / exact - 1)):.2f} %" for r in rows]
     sr.write_csv(os.path.join(out, "dma.csv"), ["w", "closed_storage", "closed_loss"] +
                  [f"{part} {c}" for c in columns for part in ("storage", "loss")],
                  [[w, g.real, g.imag] + [v for r in rows for v in (r[i].real, r[i].imag)]
