@@ -201,7 +201,7 @@ void CondensedBody::renumber(const std::vector<Index>& order) {
 
 // ---- the matrix ----
 
-BlockMatrix CondensedBody::matrix(const std::vector<double>& shift) const {
+BlockMatrix CondensedBody::stiffness() const {
   BlockPattern whole_pattern(system_->allRows());
   for (const ForceField* field : stiff_) field->addPattern(whole_pattern);
   BlockMatrix whole(std::move(whole_pattern));
@@ -209,6 +209,18 @@ BlockMatrix CondensedBody::matrix(const std::vector<double>& shift) const {
     field->prepareAssembly(whole);
     field->addStiffness(-1, whole);
   }
+  return whole;
+}
+
+void CondensedBody::addTo(ContentKey& key) const {
+  key.add(rows_);
+  for (const NodeProjector& held : held_) {
+    key.add(double(held.row));
+    key.add(held.projector.data(), sizeof held.projector);
+  }
+}
+
+BlockMatrix CondensedBody::matrix(const BlockMatrix& whole, const std::vector<double>& shift) const {
   BlockPattern pattern(free());
   const auto forEachBlock = [&](auto&& visit) {
     for (Index node = 0; node < free(); ++node)

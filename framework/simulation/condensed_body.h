@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "framework/simulation/section_file.h"
 #include "framework/simulation/system.h"
 
 namespace stroma {
@@ -32,9 +33,13 @@ class CondensedBody {
   const Vector& reference() const { return reference_; }  ///< x_0 [m], the initial positions
 
   const Vector& zero() const { return still_; }
-  /// P (K + diag(shift)) P + s (I - P) on the free nodes, K = -df/dx; `shift` [N/m], shape (free) or empty. P lets
-  /// nodes that slide keep their free directions, s is about the size of the diagonal.
-  BlockMatrix matrix(const std::vector<double>& shift) const;
+  /// K = -df/dx on all rows of the system.
+  BlockMatrix stiffness() const;
+  /// P (K + diag(shift)) P + s (I - P) on the free nodes; `shift` [N/m], shape (free) or empty. P lets nodes that slide
+  /// keep their free directions, s is about the size of the diagonal.
+  BlockMatrix matrix(const BlockMatrix& stiffness, const std::vector<double>& shift) const;
+  /// What matrix() depends on beside its arguments: which rows are free, in which order, and how they are held.
+  void addTo(ContentKey& key) const;
   /// Lumped masses of the free nodes [kg].
   std::vector<double> masses() const;
   /// Mass-proportional damping of the masses' own [1/s], shape (free).

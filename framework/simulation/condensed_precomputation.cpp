@@ -18,7 +18,8 @@ namespace stroma {
 /// What the precomputation depends on.
 struct CondensedIntegrator::Problem {
   System& system;
-  BlockMatrix matrix{};
+  BlockMatrix stiffness{};
+  std::vector<double> shift{};             ///< of the diagonal [N/m]
   std::vector<double> mass{}, per_mass{};  ///< m_i [kg] and 1/dt^2 + alpha_i/2dt [1/s^2] of free nodes
   std::vector<Index> order{};
   ContentKey key{};
@@ -72,24 +73,23 @@ void CondensedIntegrator::compile(System& system) {
   Problem problem{system};
   for (const State* state : system.states()) asks_force_ = asks_force_ || state->forceAsked();
   const std::vector<double> force = body_.constantForce();  // first: stiffnesses are those of the last force
-  std::vector<double> shift;
   if (isDynamic()) {
     if (!(dt_ > 0)) throw ComponentError("the time step is not positive", "dt of the root node");
     problem.mass = body_.masses();
     const std::vector<double> own = body_.massDamping();
     for (std::size_t i = 0; i < own.size(); ++i) {
       problem.per_mass.push_back(1 / (dt_ * dt_) + (rayleighMass() + own[i]) / (2 * dt_));
-      shift.push_back(Index(i) < body_.interior() ? 0 : problem.mass[i] * problem.per_mass[i]);
+      problem.shift.push_back(Index(i) < body_.interior() ? 0 : problem.mass[i] * problem.per_mass[i]);
     }
   }
-  problem.matrix = body_.matrix(shift);
+  problem.stiffness = body_.stiffness();
   decideForm(problem);
   problem.key = keyOf(problem);
   from_cache_ = loadStored(problem);
   if (!from_cache_) computeAnew(problem);
   body_.renumber(problem.order);
   shift_.clear();
-  for (std::size_t i = 0; i < shift.size(); ++i) shift_.push_back(shift[std::size_t(problem.order[i])]);
+  for (std::size_t i = 0; i < problem.shift.size(); ++i) shift_.push_back(problem.shift[std::size_t(problem.order[i])]);
   kept_count_ = used_form_ == Form::factor ? body_.free() : body_.kept();
   interior_count_ = body_.free() - kept_count_;
   prepareActive(system, problem.order, force);
@@ -107,9 +107,11 @@ void CondensedIntegrator::compile(System& system) {
 ContentKey CondensedIntegrator::keyOf(const Problem& problem) const {
   ContentKey key;
   key.add(fmt::format("condensed 1 {} {} {} {}", STROMA_VERSION, int(used_form_), int(precision_), body_.interior()));
-  key.add(problem.matrix.rowStart());
-  key.add(problem.matrix.columns());
-  key.add(problem.matrix.values());
+  body_.addTo(key);
+  key.add(problem.stiffness.rowStart());
+  key.add(problem.stiffness.columns());
+  key.add(problem.stiffness.values());
+  key.add(problem.shift);
   key.add(problem.per_mass);
   if (sharesInteriorMass()) key.add(problem.mass);
   return key;
@@ -121,8 +123,8 @@ void CondensedIntegrator::decideForm(Problem& problem) {
   used_form_ = form();
   if (used_form_ != Form::factor || !mayInvert()) return;
   const auto trial = makeFactor();
-  trial->analyse(problem.matrix, problem.matrix.rows());
-  const double unknowns = 3.0 * problem.matrix.rows(), number = isSingle() ? 4 : 8;
+  trial->analyse(body_.matrix(problem.stiffness, problem.shift), body_.free());
+  const double unknowns = 3.0 * body_.free(), number = isSingle() ? 4 : 8;
   if (unknowns * unknowns / 2 * number < 2 * trial->peakBytes()) used_form_ = Form::symmetric;
 }
 
@@ -145,7 +147,7 @@ void CondensedIntegrator::computeAnew(Problem& problem) {
                                                           : SymmetricPanels<double>::size(3 * nodes);
   // before anything that is quadratic in the number of kept nodes: its factor alone, then all of it
   refuseTooLarge(double(count * number) + 8 * 9 * double(nodes) * double(nodes), "the inverse");
-  problem.order = factor_->analyse(problem.matrix, eliminated);
+  problem.order = factor_->analyse(body_.matrix(problem.stiffness, problem.shift), eliminated);
   compliance_bytes_ = count * number;
   refuseTooLarge(double(compliance_bytes_) + factor_->peakBytes(), "the precomputation");
   const double kept = 3.0 * double(nodes);
@@ -300,7 +302,7 @@ void CondensedIntegrator::checkFactor() {
   std::error_code ignored;
   std::filesystem::remove(file_name_, ignored);
   factor_ = makeFactor();
-  factor_->analyse(body_.matrix(shift_), body_.interior(), true);
+  factor_->analyse(body_.matrix(body_.stiffness(), shift_), body_.interior(), true);
   factor_->factor();
   eliminated_ = factor_->eliminated();
 }

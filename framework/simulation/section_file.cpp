@@ -7,18 +7,21 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <bit>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
 
+#include "framework/algebra/parallel.h"
+
 namespace stroma {
 namespace {
 
 constexpr std::size_t page = 4096, most_sections = 16;
 constexpr std::array<char, 8> magic{'S', 'T', 'R', 'O', 'M', 'A', 'S', 'F'};
-constexpr std::uint32_t format_version = 1, byte_order = 0x01020304;
+constexpr std::uint32_t format_version = 3, byte_order = 0x01020304;
 
 struct Header {
   std::array<char, 8> magic{};
@@ -30,10 +33,12 @@ struct Header {
 };
 static_assert(sizeof(Header) <= page);
 
-/// Four independent sums over words of eight bytes, so that memory is what it waits for.
+/// Independent sums over words of eight bytes, so that memory is what it waits for.
 std::uint64_t mix(const void* data, std::size_t bytes, std::uint64_t seed) {
+  constexpr std::size_t ways = 8;
   constexpr std::uint64_t odd = 0x9e3779b97f4a7c15ull;
-  std::array<std::uint64_t, 4> sums{seed, seed ^ 0x5bd1e995, seed + odd, seed * odd + 1};
+  std::array<std::uint64_t, ways> sums;
+  for (std::size_t k = 0; k < ways; ++k) sums[k] = seed + k * odd;
   const auto* from = static_cast<const unsigned char*>(data);
   const auto word = [](const unsigned char* at) {
     std::uint64_t value;
@@ -41,14 +46,25 @@ std::uint64_t mix(const void* data, std::size_t bytes, std::uint64_t seed) {
     return value;
   };
   std::size_t i = 0;
-  for (; i + 32 <= bytes; i += 32)
-    for (std::size_t k = 0; k < 4; ++k) sums[k] = std::rotl(sums[k] ^ word(from + i + 8 * k), 29) * odd;
-  std::array<unsigned char, 32> rest{};
+  for (; i + 8 * ways <= bytes; i += 8 * ways)
+    for (std::size_t k = 0; k < ways; ++k) sums[k] = std::rotl(sums[k] ^ word(from + i + 8 * k), 29) * odd;
+  std::array<unsigned char, 8 * ways> rest{};
   if (i < bytes) std::memcpy(rest.data(), from + i, bytes - i);
-  for (std::size_t k = 0; k < 4; ++k) sums[k] = std::rotl(sums[k] ^ word(rest.data() + 8 * k), 29) * odd;
+  for (std::size_t k = 0; k < ways; ++k) sums[k] = std::rotl(sums[k] ^ word(rest.data() + 8 * k), 29) * odd;
   std::uint64_t sum = bytes * odd;
   for (std::uint64_t part : sums) sum = std::rotl(sum ^ part ^ part >> 31, 31) * odd;
   return sum ^ sum >> 29;
+}
+
+/// The same by blocks, which threads share.
+std::uint64_t mixBlocks(const unsigned char* data, std::size_t bytes, std::uint64_t seed) {
+  constexpr std::size_t block = std::size_t(1) << 22;
+  std::vector<std::uint64_t> sums((bytes + block - 1) / block);
+  parallelFor(int(sums.size()), [&](int i) {
+    const std::size_t start = std::size_t(i) * block;
+    sums[std::size_t(i)] = mix(data + start, std::min(block, bytes - start), seed + std::size_t(i));
+  });
+  return mix(sums.data(), sums.size() * sizeof(std::uint64_t), seed);
 }
 
 std::uint64_t ownCheck(Header header) {
@@ -118,7 +134,12 @@ bool SectionFile::isIntact(std::size_t i) const {
   Header header;
   std::memcpy(&header, data_, sizeof header);
   const Section found = section(i);
-  return header.start[i] + found.bytes <= size_ && mix(found.data, found.bytes, i) == header.check[i];
+  if (header.start[i] + found.bytes > size_) return false;
+#ifdef MADV_POPULATE_READ
+  // all pages in one call rather than by a fault each; refusing it costs nothing
+  madvise(const_cast<void*>(found.data), found.bytes, MADV_POPULATE_READ);
+#endif
+  return mixBlocks(static_cast<const unsigned char*>(found.data), found.bytes, i) == header.check[i];
 }
 
 void SectionFile::close() {
@@ -132,7 +153,7 @@ std::string SectionFile::write(const std::string& path, const ContentKey& key, c
   std::size_t at = page;
   for (std::size_t i = 0; i < sections.size(); ++i) {
     header.start[i] = at, header.bytes[i] = sections[i].bytes;
-    header.check[i] = mix(sections[i].data, sections[i].bytes, i);
+    header.check[i] = mixBlocks(static_cast<const unsigned char*>(sections[i].data), sections[i].bytes, i);
     at += roundedUp(sections[i].bytes);
   }
   header.file_size = at;
