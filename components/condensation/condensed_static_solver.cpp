@@ -60,9 +60,8 @@ class CondensedStaticSolver final : public CondensedIntegrator {
   std::unique_ptr<PartialCholesky> makeFactor() const override { return makePartialCholesky(); }
   void prepare(System& system) override;
   std::string stepText() const override {
-    return fmt::format("{} static: K^-1 of {} nodes, {} numbers; three columns for each loaded node",
-                       condensed_ ? "condensed" : "full", active(),
-                       isSingle() ? "single precision" : "double precision");
+    return fmt::format("{} static: K^-1 of {} nodes in {} precision, three columns for each loaded node",
+                       condensed_ ? "condensed" : "full", active(), isSingle() ? "single" : "double");
   }
   void complianceOf(const Touch& touch, double* column) override;
   void forward(double* y) override { eliminated_.forward(y, sweep_work_.data()); }
