@@ -6,6 +6,7 @@
 //   energy(J, I..., p)       the energy density, a template: numbers give the energy, jets its derivatives too
 // It belongs into one .cpp, which includes this header and nothing else does: kernels are large.
 #pragma once
+#include "framework/fem/hyperelastic_spectral.h"
 #include "framework/fem/hyperelastic_tetrahedron.h"
 
 namespace stroma::hyperelastic {

@@ -83,6 +83,12 @@ struct Mjed {
   }
 };
 
+/// The share b of the tangent's volumetric part that becomes a multiple of the identity.
+template <class T>
+T regularisation(T j) {
+  return maximum(T(0.), T(1.) - maximum(T(0.), j));
+}
+
 template <class Law_, class Addition = NoAddition>
 struct Regularised : Mjed<Law_, Addition> {
   using Base = Mjed<Law_, Addition>;
@@ -99,7 +105,7 @@ struct Regularised : Mjed<Law_, Addition> {
     const typename Base::template Point<T> p(f, parameters);
     auto w = Base::kept(t);
     if constexpr (NotZero<decltype(w.aa)>) {
-      const T b = maximum(T(0.), T(1.) - maximum(T(0.), p.j)), of_unit = b * w.aa;
+      const T of_unit = regularisation(p.j) * w.aa;
       w.aa = w.aa - of_unit;
       const M3<T> both = Addition::differential(t, weight, p, df, Base::Set::differential(p, w, df));
       return both + timesSymmetric(df, metric(p.cof) * of_unit);
@@ -168,40 +174,21 @@ struct Projected : Mjed<Law_, Addition> {
   }
 };
 
-template <class Law_>
-struct Standard {
-  using Law = Law_;
-  using Set = typename Law::Set;
-  static constexpr bool exact = true;
-  template <class T>
-  using Parameters = typename Law::template Parameters<T>;
+/// The textbook's tangent and its volumetric part.
+struct TotalLagrangian {
   template <class T>
   struct Tangent {
     S3<T> s;
     T d[21];  ///< lower triangle of D by rows
   };
-
   template <class T>
-  static M3<T> stress(const Parameters<T>& parameters, T weight, const M3<T>& f, Tangent<T>& t) {
-    const typename Set::template Point<T> p(f, parameters);
-    const auto w = Set::template evaluate<Law>(p, parameters);
-    S3<T> a[2];
-    Set::gradients(p, a);
-    Elasticity<T> d{};
-    Set::curvature(p, w, d);
-    const auto twice_b = 2. * w.b, twice_c = 2. * w.c;
-    t.s = S3<T>{} + scaled(twice_b, a[0]) + scaled(twice_c, a[1]);
-    addOuterUnlessZero(4. * w.bb, a[0], a[0], d);
-    addOuterUnlessZero(8. * w.bc, a[0], a[1], d);
-    addOuterUnlessZero(4. * w.cc, a[1], a[1], d);
-    if constexpr (NotZero<decltype(w.a)>) addVolumetric(p, w, a, t.s, d);
-    t.s = t.s * weight;
+  static void keep(const S3<T>& s, const Elasticity<T>& d, T weight, Tangent<T>& t) {
+    t.s = s * weight;
     for (int i = 0, k = 0; i < 6; ++i)
       for (int j = 0; j <= i; ++j) t.d[k++] = weight * d.d[i][j];
-    return timesSymmetric(f, t.s);
   }
   template <class T>
-  static M3<T> differential(const Parameters<T>&, T, const Tangent<T>& t, const M3<T>& f, const M3<T>& df) {
+  static M3<T> differential(const Tangent<T>& t, const M3<T>& f, const M3<T>& df) {
     const S3<T> dc = metricDifferential(f, df);
     const T half(0.5), e[6] = {half * dc.xx, half * dc.yy, half * dc.zz, dc.xy, dc.yz, dc.zx};
     T ds[6];
@@ -213,26 +200,19 @@ struct Standard {
       }
     return timesSymmetric(df, t.s) + timesSymmetric(f, S3<T>{ds[0], ds[1], ds[2], ds[3], ds[4], ds[5]});
   }
+  /// S and D of a function of J with first and second derivative a and aa: dJ/dC = J C^-1 / 2, d2J/dC2 =
+  /// J (C^-1 (x) C^-1 / 4 - C^-1 o C^-1 / 2).
   template <class T>
-  static T energy(const Parameters<T>& parameters, const M3<T>& f) {
-    return Mjed<Law>::energy(parameters, f);
-  }
-
- private:
-  /// dJ/dC = J C^-1 / 2, d2J/dC2 = J (C^-1 (x) C^-1 / 4 - C^-1 o C^-1 / 2).
-  template <class T, class P>
-  static void addVolumetric(const P& p, const auto& w, const S3<T> (&a)[2], S3<T>& s, Elasticity<T>& d) {
-    const S3<T> c = metric(p.f), ci = inverse(c);
-    const T jp = p.j * w.a;
-    s = s + ci * jp;
-    addOuter(fma(p.j * p.j, T(T(0.) + w.aa), jp), ci, ci, d);
-    if constexpr (NotZero<decltype(w.ab)>) addOuter(T(4. * p.j * w.ab), ci, a[0], d);
-    if constexpr (NotZero<decltype(w.ac)>) addOuter(T(4. * p.j * w.ac), ci, a[1], d);
+  static void addVolumetric(const VolumePoint<T>& p, const T& a, const auto& aa, S3<T>& s, Elasticity<T>& d) {
+    const S3<T> ci = inverse(metric(p.f));
+    const T ja = p.j * a;
+    s = s + ci * ja;
+    addOuter(T(ja + p.j * p.j * aa), ci, ci, d);
     const T m[3][3] = {{ci.xx, ci.xy, ci.zx}, {ci.xy, ci.yy, ci.yz}, {ci.zx, ci.yz, ci.zz}};
     constexpr int row[6] = {0, 1, 2, 0, 1, 2}, column[6] = {0, 1, 2, 1, 2, 0};
     for (int i = 0; i < 6; ++i)
       for (int j = 0; j < 6; ++j)
-        d.d[i][j] -= jp * fma(m[row[i]][row[j]], m[column[i]][column[j]], m[row[i]][column[j]] * m[column[i]][row[j]]);
+        d.d[i][j] -= ja * fma(m[row[i]][row[j]], m[column[i]][column[j]], m[row[i]][column[j]] * m[column[i]][row[j]]);
   }
   template <class T>
   static S3<T> inverse(const S3<T>& c) {
@@ -241,6 +221,47 @@ struct Standard {
     return S3<T>{xx, fma(c.xx, c.zz, -c.zx * c.zx), fma(c.xx, c.yy, -c.xy * c.xy),
                  xy, fma(c.xy, c.zx, -c.xx * c.yz), zx} *
            scale;
+  }
+};
+
+template <class Law_>
+struct Standard : TotalLagrangian {
+  using Law = Law_;
+  using Set = typename Law::Set;
+  static constexpr bool exact = true;
+  template <class T>
+  using Parameters = typename Law::template Parameters<T>;
+  template <class T>
+  using Tangent = TotalLagrangian::Tangent<T>;
+
+  template <class T>
+  static M3<T> stress(const Parameters<T>& parameters, T weight, const M3<T>& f, Tangent<T>& t) {
+    const typename Set::template Point<T> p(f, parameters);
+    const auto w = Set::template evaluate<Law>(p, parameters);
+    S3<T> a[2];
+    Set::gradients(p, a);
+    Elasticity<T> d{};
+    Set::curvature(p, w, d);
+    S3<T> s = S3<T>{} + scaled(2. * w.b, a[0]) + scaled(2. * w.c, a[1]);
+    addOuterUnlessZero(4. * w.bb, a[0], a[0], d);
+    addOuterUnlessZero(8. * w.bc, a[0], a[1], d);
+    addOuterUnlessZero(4. * w.cc, a[1], a[1], d);
+    if constexpr (NotZero<decltype(w.a)>) {
+      addVolumetric(p, w.a, w.aa, s, d);
+      const S3<T> ci = inverse(metric(p.f));
+      addOuterUnlessZero(4. * (p.j * w.ab), ci, a[0], d);
+      addOuterUnlessZero(4. * (p.j * w.ac), ci, a[1], d);
+    }
+    keep(s, d, weight, t);
+    return timesSymmetric(f, t.s);
+  }
+  template <class T>
+  static M3<T> differential(const Parameters<T>&, T, const Tangent<T>& t, const M3<T>& f, const M3<T>& df) {
+    return TotalLagrangian::differential(t, f, df);
+  }
+  template <class T>
+  static T energy(const Parameters<T>& parameters, const M3<T>& f) {
+    return Mjed<Law>::energy(parameters, f);
   }
 };
 

@@ -4,11 +4,10 @@
 
 namespace stroma {
 
-/// The nearest negative semi-definite matrix of a symmetric one: eigenvalues above zero become zero. Cyclic Jacobi
-/// rotations, all lanes at once; stops when the off-diagonal part is round-off in every lane. NaN stays NaN.
+/// A symmetric matrix a = v diag(a) v^T: its diagonal becomes the eigenvalues, the columns of v the eigenvectors.
+/// Cyclic Jacobi rotations, all lanes at once; stops when the rest is round-off in every lane. NaN stays NaN.
 template <int n, class T>
-void projectNegative(T (&a)[n][n]) {
-  T v[n][n];
+void diagonalise(T (&a)[n][n], T (&v)[n][n]) {
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < n; ++j) v[i][j] = T(i == j ? 1. : 0.);
   for (int sweep = 0; sweep < 12; ++sweep) {
@@ -35,6 +34,13 @@ void projectNegative(T (&a)[n][n]) {
         for (int k = 0; k < n; ++k) rotate(v[k][p], v[k][q]);
       }
   }
+}
+
+/// The nearest negative semi-definite matrix of a symmetric one: eigenvalues above zero become zero.
+template <int n, class T>
+void projectNegative(T (&a)[n][n]) {
+  T v[n][n];
+  diagonalise(a, v);
   T value[n];
   for (int i = 0; i < n; ++i) value[i] = select(a[i][i] > T(0.), T(0.), a[i][i]);
   for (int i = 0; i < n; ++i)

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Energy, force and matrix of every law on a mesh against automatic differentiation of the energy's formula, cell by
+// cell; product against both.
+#include "framework/fem/hyperelastic_force_field.h"
+#include "tests/hyperelasticity/dual.h"
+#include "tests/hyperelasticity/law_cases.h"
+
+namespace stroma::test {
+namespace {
+
+struct Reference {
+  double energy = 0;
+  Vector force;
+  std::vector<Mat3> matrix;  ///< shape (rows, rows)
+};
+
+Reference differentiated(const FieldUnderTest& t, const HyperelasticForceField& field, const Mat3& axes) {
+  const std::vector<Vec3>& rest = field.state().rest_position;
+  const Index rows = t.x.count();
+  Reference out;
+  out.force.resize(rows);
+  out.matrix.assign(std::size_t(rows) * std::size_t(rows), Mat3::Zero());
+  for (std::size_t cell = 0; cell < field.mesh().tetrahedra.size(); ++cell) {
+    const Tetrahedron& n = field.mesh().tetrahedra[cell];
+    Mat3 before, now;
+    for (int a = 0; a < 3; ++a) {
+      before.col(a) = rest[std::size_t(n[std::size_t(a + 1)])] - rest[std::size_t(n[0])];
+      now.col(a) = Vec3(t.x[n[std::size_t(a + 1)]]) - Vec3(t.x[n[0]]);
+    }
+    const double volume = std::abs(before.determinant()) / 6;
+    Eigen::Matrix<double, 3, 4> g;
+    g.rightCols<3>() = axes.transpose() * before.inverse().transpose();
+    g.col(0) = -g.rightCols<3>().rowwise().sum();
+    const Mat3 f = now * before.inverse() * axes;
+    const std::size_t count = field.law().parameters.size();
+    const std::vector<double> p(field.parameters(cell), field.parameters(cell) + count);
+    const Dual w = referenceEnergy(field.law().name, p, variables(f));
+    out.energy += volume * w.v;
+    for (int a = 0; a < 4; ++a)
+      for (int i = 0; i < 3; ++i) {
+        for (int k = 0; k < 3; ++k) out.force[n[std::size_t(a)]][i] -= volume * w.g[3 * i + k] * g(k, a);
+        for (int b = 0; b < 4; ++b)
+          for (int j = 0; j < 3; ++j)
+            for (int k = 0; k < 3; ++k)
+              for (int l = 0; l < 3; ++l)
+                out.matrix[std::size_t(n[std::size_t(a)]) * std::size_t(rows) + std::size_t(n[std::size_t(b)])](i, j) -=
+                    volume * w.h(3 * i + k, 3 * j + l) * g(k, a) * g(l, b);
+      }
+  }
+  return out;
+}
+
+void expectDerivatives(const std::string& scene, const std::string& type, const Mat3& axes, const std::string& what) {
+  SCOPED_TRACE(what);
+  FieldUnderTest t(scene, type);
+  t.deform(0.04);
+  const auto& field = dynamic_cast<const HyperelasticForceField&>(t.field());
+  const Reference reference = differentiated(t, field, axes);
+  ASSERT_GT(reference.energy, 0);
+  EXPECT_NEAR(t.field().energy(t.x), reference.energy, 1e-12 * reference.energy);
+  const double force = relativeDifference(t.force(), reference.force);
+  const BlockMatrix k = t.matrix();
+  double worst = 0, largest = 0;
+  Vector product(t.x.count());
+  for (Index row = 0; row < t.x.count(); ++row)
+    for (Index column = 0; column < t.x.count(); ++column) {
+      const Mat3& block = reference.matrix[std::size_t(row) * std::size_t(t.x.count()) + std::size_t(column)];
+      product[row] += block * Vec3(t.direction[column]);
+      largest = std::max(largest, block.cwiseAbs().maxCoeff());
+      const bool present = !block.isZero(0);
+      for (int i = 0; present && i < 9; ++i)
+        worst = std::max(
+            worst, std::abs(block(i / 3, i % 3) - k.values()[std::size_t(k.slot(row, column)) * 9 + std::size_t(i)]));
+    }
+  const double along = relativeDifference(t.product(t.direction), product);
+  std::printf("%-50s force %.1e matrix %.1e product %.1e\n", what.c_str(), force, worst / largest, along);
+  EXPECT_LT(force, 1e-12);
+  EXPECT_LT(worst, 1e-12 * largest);
+  EXPECT_LT(along, 1e-12);
+}
+
+TEST(HyperelasticDerivatives, OfTheFormulasByAutomaticDifferentiation) {
+  for (const LawCase& law : lawCases())
+    for (const std::string type : {"TetrahedronHyperelasticityFEMForceField", "StandardTetrahedralFEMForceField"})
+      expectDerivatives(lawScene(law.attributes, type, STROMA_SOURCE_DIR "/scenes/meshes/organ_600.msh"), type,
+                        law.axes(), law.name + " " + type);
+}
+
+}  // namespace
+}  // namespace stroma::test
