@@ -124,6 +124,8 @@ void HyperelasticForceField::init() {
   checkShapes();
   if (regularised_ && projected_)
     throw ComponentError("matrixRegularization and projectedTangent both replace the tangent", "one of them");
+  if (hexahedra && regularised_)
+    throw ComponentError("matrixRegularization exists for tetrahedra", "projectedTangent=\"true\" for hexahedra");
   if (discretization == Discretization::standard && (regularised_ || projected_))
     throw ComponentError("discretization standard is the textbook's form, with its exact tangent",
                          "discretization=\"mjed\" with matrixRegularization or projectedTangent");

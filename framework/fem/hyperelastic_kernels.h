@@ -6,26 +6,33 @@
 //   energy(J, I..., p)       the energy density, a template: numbers give the energy, jets its derivatives too
 // It belongs into one .cpp, which includes this header and nothing else does: kernels are large.
 #pragma once
+#include "framework/fem/hyperelastic_hexahedron.h"
 #include "framework/fem/hyperelastic_spectral.h"
 #include "framework/fem/hyperelastic_tetrahedron.h"
 
 namespace stroma::hyperelastic {
 
+/// The kernels for the form of a law that a scene chose: once, outside all loops.
 template <class Law>
 std::unique_ptr<ElementMethod> tetrahedraOf(const Cells& cells) {
   const auto make = [&]<class Point>() -> std::unique_ptr<ElementMethod> {
     return std::make_unique<ModelMethod<Fan<Point>>>(fansOf<Point>(cells));
   };
-  switch (cells.form) {
-    case Form::regularised:
-      return make.template operator()<Regularised<Law>>();
-    case Form::projected:
-      return make.template operator()<Projected<Law>>();
-    case Form::standard:
-      return make.template operator()<Standard<Law>>();
-    default:
-      return make.template operator()<Mjed<Law>>();
-  }
+  if (cells.form == Form::regularised) return make.template operator()<Regularised<Law>>();
+  if (cells.form == Form::projected) return make.template operator()<Projected<Law>>();
+  if (cells.form == Form::standard) return make.template operator()<Standard<Law>>();
+  return make.template operator()<Mjed<Law>>();
+}
+/// Without a regularised form: null.
+template <class Law>
+std::unique_ptr<ElementMethod> hexahedraOf(const Cells& cells) {
+  const auto make = [&]<class Point>() -> std::unique_ptr<ElementMethod> {
+    return std::make_unique<ModelMethod<Hexahedron<Point>>>(hexahedronStorage<Point>(cells));
+  };
+  if (cells.form == Form::regularised) return nullptr;
+  if (cells.form == Form::projected) return make.template operator()<Projected<Law>>();
+  if (cells.form == Form::standard) return make.template operator()<Standard<Law>>();
+  return make.template operator()<Mjed<Law>>();
 }
 
 template <class Law>
@@ -39,6 +46,7 @@ typename Law::template Parameters<double> parametersOf(const double* values) {
 template <class Law>
 HyperelasticLaw lawOf(HyperelasticLaw law) {
   law.tetrahedra = tetrahedraOf<Law>;
+  law.hexahedra = hexahedraOf<Law>;
   law.stress = [](const double* values, const Mat3& f) -> Mat3 {
     typename Mjed<Law>::template Tangent<double> t;
     return toEigen(Mjed<Law>::stress(parametersOf<Law>(values), 1., fromEigen(f), t));

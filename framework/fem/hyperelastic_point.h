@@ -147,11 +147,12 @@ struct Projected : Mjed<Law_, Addition> {
   };
 
   template <class T>
-  static M3<T> stress(const Parameters<T>& parameters, T weight, const M3<T>& f, Tangent<T>& t) {
+  [[gnu::noipa]] static M3<T> stress(const Parameters<T>& parameters, T weight, const M3<T>& f, Tangent<T>& t) {
     typename Base::template Tangent<T> exact_tangent;
     static_cast<typename Addition::template Data<T>&>(exact_tangent) = t;
     const M3<T> p = Base::stress(parameters, weight, f, exact_tangent);
     T full[9][9];
+#pragma GCC unroll 1
     for (int k = 0; k < 9; ++k)
       columnOf(
           k, [&](const M3<T>& df) { return Base::differential(parameters, weight, exact_tangent, f, df); }, full[k]);

@@ -63,7 +63,7 @@ struct SpectralDerivatives {
 };
 
 template <InPrincipalStretches Law, class T>
-T spectralEnergy(const PrincipalStretches::Point<T>& p, const auto& parameters) {
+[[gnu::noipa]] T spectralEnergy(const PrincipalStretches::Point<T>& p, const auto& parameters) {
   T sum = Law::volumetric(p.j, parameters);
   for (int k = 0; k < Law::term_count; ++k) {
     const auto term = Law::term(parameters, k);
@@ -76,7 +76,8 @@ T spectralEnergy(const PrincipalStretches::Point<T>& p, const auto& parameters) 
 }
 
 template <InPrincipalStretches Law, class T>
-SpectralDerivatives<T> spectralDerivatives(const PrincipalStretches::Point<T>& p, const auto& parameters, T weight) {
+[[gnu::noipa]] SpectralDerivatives<T> spectralDerivatives(const PrincipalStretches::Point<T>& p, const auto& parameters,
+                                                          T weight) {
   SpectralDerivatives<T> w{};
   const auto u = Law::volumetric(variable<0>(p.j), parameters);
   w.axes = p.axes, w.volume = u.a, w.volume2 = u.aa;

@@ -5,9 +5,10 @@
 namespace stroma {
 
 /// A symmetric matrix a = v diag(a) v^T: its diagonal becomes the eigenvalues, the columns of v the eigenvectors.
-/// Cyclic Jacobi rotations, all lanes at once; stops when the rest is round-off in every lane. NaN stays NaN.
+/// Cyclic Jacobi rotations, all lanes at once; stops when the rest is round-off in every lane. NaN stays NaN. Not
+/// inlined, as it is long; noipa because GCC 12 takes the matrices for unchanged by a call that is only noinline.
 template <int n, class T>
-void diagonalise(T (&a)[n][n], T (&v)[n][n]) {
+[[gnu::noipa]] void diagonalise(T (&a)[n][n], T (&v)[n][n]) {
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < n; ++j) v[i][j] = T(i == j ? 1. : 0.);
   for (int sweep = 0; sweep < 12; ++sweep) {
@@ -38,7 +39,7 @@ void diagonalise(T (&a)[n][n], T (&v)[n][n]) {
 
 /// The nearest negative semi-definite matrix of a symmetric one: eigenvalues above zero become zero.
 template <int n, class T>
-void projectNegative(T (&a)[n][n]) {
+[[gnu::noipa]] void projectNegative(T (&a)[n][n]) {
   T v[n][n];
   diagonalise(a, v);
   T value[n];

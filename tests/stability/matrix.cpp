@@ -203,6 +203,35 @@ void addViscousAndPorous(std::vector<Row>& out) {
   }
 }
 
+/// Every law; those without a conversion from youngModulus get parameters of the same size.
+void addHyperelasticLaws(std::vector<Row>& out, Cells cells, const std::string& type) {
+  const std::pair<const char*, const char*> laws[] = {
+      {"StVenantKirchhoff", ""},    {"NeoHookean", ""},
+      {"StableNeoHookean", ""},     {"StableNeoHookean", "projectedTangent=\"true\""},
+      {"MooneyRivlin", "c2=\"0\""}, {"VerondaWestman", "c2=\"1\""},
+      {"ArrudaBoyce", ""},          {"ArrudaBoyce", "projectedTangent=\"true\""},
+      {"Ogden", "alpha1=\"5\""}};
+  for (const auto& [law, more] : laws)
+    addBlock(out, cells, type, fmt::format("{}{}", law, *more && std::string(more)[0] == 'p' ? " projected" : ""),
+             fmt::format("materialName=\"{}\" {}", law, more));
+  const std::pair<const char*, const char*> anisotropic[] = {
+      {"Costa",
+       "a=\"{0}\" k0=\"{1}\" bff=\"4\" bfs=\"2\" bss=\"2\" bfn=\"2\" bsn=\"2\" bnn=\"2\" AnisotropyDirections=\"1 1 0 "
+       "0 0 1\""},
+      {"TransverselyIsotropic", "mu=\"{0}\" lambda=\"{1}\" k1=\"{0}\" k2=\"1\" AnisotropyDirections=\"1 1 0\""}};
+  for (const auto& [law, parameters] : anisotropic) {
+    const std::string given = parameters, name = law;
+    const auto scene = [=](const std::string& integrator, const Condition& c) {
+      const double mu = c.young / (2 * (1 + c.poisson)), lambda = 2 * mu * c.poisson / (1 - 2 * c.poisson);
+      const std::string own = fmt::format(fmt::runtime(given), mu, lambda);
+      return std::regex_replace(block(cells, type + " materialName=\"" + name + "\"", integrator, c),
+                                std::regex("youngModulus=\"[^\"]*\" poissonRatio=\"[^\"]*\""), own);
+    };
+    out.push_back({fmt::format("{} {}", cells == Cells::tetrahedra ? "tetrahedra" : "boxes", name), type, scene,
+                   slowestOfBlock, true, false});
+  }
+}
+
 std::vector<Row> makeRows() {
   std::vector<Row> out;
   addElasticVariants(out, Cells::tetrahedra);
@@ -219,7 +248,9 @@ std::vector<Row> makeRows() {
     const bool is_alias = !seen.insert(typeid(made)).second;
     const std::size_t first = out.size();
     if (type == "TetrahedronFEMForceField" || type == "HexahedronFEMForceField") continue;
-    if (component->data().find("thickness")) {
+    if (type == "TetrahedronHyperelasticityFEMForceField" || type == "HexahedronHyperelasticityFEMForceField") {
+      addHyperelasticLaws(out, type[0] == 'T' ? Cells::tetrahedra : Cells::boxes, type);
+    } else if (component->data().find("thickness")) {
       for (const char* variant : {"method=\"large\" tangent=\"warped\"", "method=\"large\" tangent=\"exact\"",
                                   "method=\"small\" tangent=\"warped\""})
         addExample(out, type, variant);

@@ -15,6 +15,8 @@ void addThreadFigures(Catalogue& catalogue);
 void addStepFigures(Catalogue& catalogue);
 /// The shape memory of neighbourhoods: forces and whole explicit steps.
 void addShapeMemoryFigures(Catalogue& catalogue);
+/// Laws of large strains on tetrahedra: kernels and whole steps, beside the textbook's discretisation.
+void addHyperelasticFigures(Catalogue& catalogue);
 /// Processes from start to end.
 void addStartFigures(Catalogue& catalogue);
 

@@ -85,6 +85,7 @@ void measure(Request& request) {
   addThreadFigures(catalogue);
   addStepFigures(catalogue);
   addShapeMemoryFigures(catalogue);
+  addHyperelasticFigures(catalogue);
   addStartFigures(catalogue);
   Collector collector(catalogue);
   if (request.list) {

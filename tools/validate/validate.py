@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Runs experiments of Nesme et al. 2005 and writes their tables and figures.
+"""Runs experiments of Nesme et al. 2005, and hyperelastic benchmarks, and writes their tables and figures.
 
   tools/validate/validate.py --stroma build/release/bin/stroma --out docs/experiments
   tools/validate/validate.py --stroma ... --out ... --only torque beam
 
 Fixed beam (figures 8 and 9), time a step (figures 4 and 7), artificial torque (figure 3), dragged liver (figures 5 and 6),
-truth cube (tables 1 to 3). The measured beads of the truth cube and the liver are read from --data: without them the truth cube
+truth cube (tables 1 to 3); deforming bar of Land et al. 2015 and an inflated sphere. The measured beads of the truth cube and the liver are read from --data: without them the truth cube
 is skipped and the example organ is dragged, and the text says so. Writes OUT/README.md, of the experiments run, and for each CSV
 and most a picture. The truth cube takes about five minutes on a quiet machine, the rest two. Needs numpy and matplotlib.
 The matrix of tests/stability has a program of its own, tools/validate/stability.py.
@@ -23,12 +23,13 @@ matplotlib.use("Agg")
 import beam  # noqa: E402
 import cost  # noqa: E402
 import drag  # noqa: E402
+import hyperelastic  # noqa: E402
 import robustness  # noqa: E402
 import stroma_run as sr  # noqa: E402
 import truth_cube  # noqa: E402
 
 EXPERIMENTS = {"beam": beam.run, "cost": cost.run, "torque": robustness.run, "liver": drag.run,
-               "truth_cube": truth_cube.run}
+               "truth_cube": truth_cube.run, "hyperelastic": hyperelastic.run}
 
 
 def main():

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Hyperelastic hexahedra with 2x2x2 Gauss points: the laws, attributes and forms of
+// TetrahedronHyperelasticityFEMForceField, whose page says what is computed, at each of eight points
+//   F = sum_i dx/dxi_i (x) grad xi_i,   f_a = -sum_p w_p P_p grad N_a
+// Trilinear cells lock when nearly incompressible (nu above about 0.48): finer meshes, or tetrahedra in fives, lock less.
+//
+// Example:
+// <Node name="root" dt="0.02" gravity="0 0 -9.81">
+//   <EulerImplicitSolver/>
+//   <CGLinearSolver iterations="100" tolerance="1e-8"/>
+//   <RegularGridTopology name="grid" n="3 3 9" min="0 0 0" max="0.02 0.02 0.1"/>
+//   <MechanicalObject/>
+//   <UniformMass totalMass="0.04"/>
+//   <HexahedronHyperelasticityFEMForceField materialName="StableNeoHookean" youngModulus="2e4" poissonRatio="0.45"/>
+//   <BoxROI name="held" box="-1 -1 -0.001 1 1 0.001"/>
+//   <FixedProjectiveConstraint indices="@held.indices"/>
+// </Node>
+#include "framework/fem/hyperelastic_force_field.h"
+#include "framework/scene/factory.h"
+
+using namespace stroma;
+
+STROMA_COMPONENT(hexahedron_hyperelasticity_fem_force_field) {
+  factory.add<HyperelasticForceField>(
+      "HexahedronHyperelasticityFEMForceField",
+      "hyperelastic hexahedra: laws of large strains (StVenantKirchhoff, NeoHookean, ...) at 2x2x2 points",
+      [](HyperelasticForceField& f) { f.hexahedra = true; });
+}
