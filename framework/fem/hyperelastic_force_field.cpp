@@ -126,6 +126,8 @@ void HyperelasticForceField::init() {
     throw ComponentError("matrixRegularization and projectedTangent both replace the tangent", "one of them");
   if (hexahedra && regularised_)
     throw ComponentError("matrixRegularization exists for tetrahedra", "projectedTangent=\"true\" for hexahedra");
+  if (hexahedra && discretization == Discretization::standard)
+    throw ComponentError("discretization standard, for comparison, exists for tetrahedra", "discretization=\"mjed\"");
   if (discretization == Discretization::standard && (regularised_ || projected_))
     throw ComponentError("discretization standard is the textbook's form, with its exact tangent",
                          "discretization=\"mjed\" with matrixRegularization or projectedTangent");

@@ -23,15 +23,14 @@ std::unique_ptr<ElementMethod> tetrahedraOf(const Cells& cells) {
   if (cells.form == Form::standard) return make.template operator()<Standard<Law>>();
   return make.template operator()<Mjed<Law>>();
 }
-/// Without a regularised form: null.
+/// In the forms mjed and projected; null for the others.
 template <class Law>
 std::unique_ptr<ElementMethod> hexahedraOf(const Cells& cells) {
   const auto make = [&]<class Point>() -> std::unique_ptr<ElementMethod> {
     return std::make_unique<ModelMethod<Hexahedron<Point>>>(hexahedronStorage<Point>(cells));
   };
-  if (cells.form == Form::regularised) return nullptr;
+  if (cells.form == Form::regularised || cells.form == Form::standard) return nullptr;
   if (cells.form == Form::projected) return make.template operator()<Projected<Law>>();
-  if (cells.form == Form::standard) return make.template operator()<Standard<Law>>();
   return make.template operator()<Mjed<Law>>();
 }
 
