@@ -133,7 +133,7 @@ def run(stroma, out, report):
         load = pressure(inner)
         for tetrahedra in (False, True):
             errors = []
-            for n in (2, 4, 8):
+            for n in (2, 4, 8, 16):
                 errors.append(sphere(stroma, n, load, tetrahedra) / inner - 1)
             orders = [np.log2(a / b) for a, b in zip(errors, errors[1:])]
             table.append([inner, f"{load:.6f}", "tetrahedra, ten" if tetrahedra else "hexahedra"] +
@@ -143,4 +143,4 @@ def run(stroma, out, report):
     report.append("\n## Inflated thick sphere\n\nRadii 1 and 2, W = mu/2 (J^-2/3 I1 - 3) + k0/2 (ln J)^2, mu = 1, k0 = 50; "
                   "the pressure of an inner stretch from the radial equation of equilibrium, by Runge-Kutta and shooting; "
                   "error of the inner stretch with n cells each way in a 24th of the sphere.\n\n" +
-                  sr.markdown(["inner stretch", "pressure", "cells", "n = 2", "n = 4", "n = 8", "order in h"], table))
+                  sr.markdown(["inner stretch", "pressure", "cells", "n = 2", "n = 4", "n = 8", "n = 16", "order in h"], table))
