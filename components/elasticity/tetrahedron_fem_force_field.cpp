@@ -53,6 +53,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/LU>
+#include <map>
 
 #include "framework/fem/eigen_matrix.h"
 #include "framework/fem/elastic_force_field.h"
@@ -139,18 +140,42 @@ class Tetrahedra final : public ElasticElements {
     });
     return storage;
   }
+  /// Cells by their bulk modulus.
+  std::map<double, std::vector<Index>> materials(const LameOf& lame) const {
+    std::map<double, std::vector<Index>> cells;
+    for (std::size_t e = 0; e < mesh_->tetrahedra.size(); ++e)
+      cells[lame(e).lambda + 2. / 3 * lame(e).mu].push_back(Index(e));
+    constexpr std::size_t most = 100;
+    if (cells.size() > most)
+      throw ComponentError(fmt::format("the mean dilatation is taken over cells with equal constants, and there are {} "
+                                       "bulk moduli",
+                                       cells.size()),
+                           fmt::format("at most {} materials", most), "dilatation=\"local\"");
+    return cells;
+  }
   template <class Single>
   std::unique_ptr<ElementMethod> makeAveraged(Index first_row, const LameOf& lame) const {
     using namespace tetrahedron;
-    const std::vector<Fan> fans = gatherFans(mesh_->tetrahedra, rest_->size());
-    std::vector<double> bulk, volume;
-    for (std::size_t e = 0; e < mesh_->tetrahedra.size(); ++e) {
-      bulk.push_back(lame(e).lambda + 2. / 3 * lame(e).mu);
-      volume.push_back(weight(restEdges(mesh_->tetrahedra[e])));
+    std::vector<AveragedCells<Single>> all;
+    for (const auto& [bulk, numbers] : materials(lame)) {
+      AveragedCells<Single>& m = all.emplace_back();
+      std::vector<double> volume;
+      for (Index e : numbers) {
+        m.cells.push_back(mesh_->tetrahedra[std::size_t(e)]);
+        volume.push_back(weight(restEdges(m.cells.back())));
+      }
+      m.fans = gatherFans(m.cells, rest_->size());
+      std::vector<Fan> fans = m.fans;  // with numbers of the mesh
+      for (Fan& fan : fans)
+        for (Index& e : fan.element) e = e >= 0 ? numbers[std::size_t(e)] : -1;
+      m.storage = fanStorage<StorageOf<FanOf<Deviatoric<Single>>>>(fans, first_row, lame);
+      for (Fan& fan : m.fans)
+        for (Index& node : fan.nodes) node += first_row;
+      for (Tetrahedron& cell : m.cells)
+        for (Index& node : cell) node += first_row;
+      m.average(bulk, volume);
     }
-    return std::make_unique<NodalDilatation<Single>>(
-        fanStorage<StorageOf<FanOf<Deviatoric<Single>>>>(fans, first_row, lame), fans, mesh_->tetrahedra, bulk, volume,
-        Index(rest_->size()), first_row);
+    return std::make_unique<NodalDilatation<Single>>(std::move(all));
   }
   std::unique_ptr<ElementMethod> makeFans(Index first_row, const LameOf& lame) const {
     using namespace tetrahedron;

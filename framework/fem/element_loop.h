@@ -108,10 +108,16 @@ class ElementLoop {
   /// K of the elements of one batch, [i][j][row][column]; what is not coupled is not read.
   using Matrix = Pack[N * N * 9];
 
-  /// values (of the matrix the slots belong to) += factor * K, K from matrix(batch, out).
+  /// How many slots() are.
+  std::size_t slotCount() const { return std::size_t(batches()) * N * N * pack_lanes; }
+  /// values (of the matrix the slots belong to) += factor * K, K from matrix(batch, out); `slots`: as from slots().
   template <class ElementMatrix>
   void assemble(double factor, const std::vector<Index>& slots, std::vector<double>& values,
                 ElementMatrix&& matrix) const {
+    assemble(factor, slots.data(), values, matrix);
+  }
+  template <class ElementMatrix>
+  void assemble(double factor, const Index* slots, std::vector<double>& values, ElementMatrix&& matrix) const {
     forEachBatch([&](Index b) __attribute__((flatten)) {
       alignas(64) double element[N * N * 9][pack_lanes];
       scaledMatrix(b, factor, matrix, element);

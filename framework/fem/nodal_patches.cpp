@@ -5,27 +5,31 @@
 
 namespace stroma {
 
-NodalPatches::NodalPatches(const std::vector<std::array<Index, 4>>& cells, Index nodes, Index first_row)
+NodalPatches::NodalPatches(const std::vector<std::array<Index, 4>>& cells, const std::vector<Index>& rows)
     : cells_(cells) {
-  std::vector<std::vector<Index>> patch{std::size_t(nodes)};
-  for (const auto& cell : cells)
-    for (Index a : cell)
-      for (Index i : cell) patch[std::size_t(a)].push_back(i + first_row);
+  std::vector<std::vector<Index>> patch(rows.size());
+  for (auto& cell : cells_) {
+    const std::array<Index, 4> of_cell = cell;
+    for (Index& a : cell) {
+      a = Index(std::lower_bound(rows.begin(), rows.end(), a) - rows.begin());
+      patch[std::size_t(a)].insert(patch[std::size_t(a)].end(), of_cell.begin(), of_cell.end());
+    }
+  }
   start_.assign(1, 0);
-  for (auto& rows : patch) {
-    std::sort(rows.begin(), rows.end());
-    rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
-    nodes_.insert(nodes_.end(), rows.begin(), rows.end());
+  for (auto& of_patch : patch) {
+    std::sort(of_patch.begin(), of_patch.end());
+    of_patch.erase(std::unique(of_patch.begin(), of_patch.end()), of_patch.end());
+    nodes_.insert(nodes_.end(), of_patch.begin(), of_patch.end());
     start_.push_back(nodes_.size());
   }
   b_.assign(nodes_.size(), Vec3::Zero());
   place_.resize(cells.size());
   for (std::size_t e = 0; e < cells.size(); ++e)
     for (std::size_t a = 0; a < 4; ++a) {
-      const auto& rows = patch[std::size_t(cells[e][a])];
+      const auto& of_patch = patch[std::size_t(cells_[e][a])];
       for (std::size_t i = 0; i < 4; ++i)
         place_[e][4 * a + i] =
-            std::uint32_t(std::lower_bound(rows.begin(), rows.end(), cells[e][i] + first_row) - rows.begin());
+            std::uint32_t(std::lower_bound(of_patch.begin(), of_patch.end(), cells[e][i]) - of_patch.begin());
     }
 }
 
@@ -39,6 +43,12 @@ std::vector<Index> NodalPatches::slots(const BlockMatrix& matrix) const {
     for (std::size_t i = start_[a]; i < start_[a + 1]; ++i)
       for (std::size_t j = start_[a]; j < start_[a + 1]; ++j) result.push_back(matrix.slot(nodes_[i], nodes_[j]));
   return result;
+}
+
+std::size_t NodalPatches::slotCount() const {
+  std::size_t count = 0;
+  for (std::size_t a = 0; a + 1 < start_.size(); ++a) count += size(a) * size(a);
+  return count;
 }
 
 void NodalPatches::add(std::size_t cell, const std::array<Vec3, 4>& gradient) {

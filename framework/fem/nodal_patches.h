@@ -12,12 +12,15 @@ namespace stroma {
 /// The nodes of all elements around each node (its patch), and the vectors b_a over them.
 class NodalPatches {
  public:
-  /// `cells`: nodes of tetrahedra; rows are nodes plus `first_row`.
-  NodalPatches(const std::vector<std::array<Index, 4>>& cells, Index nodes, Index first_row);
+  NodalPatches() = default;
+  /// `cells`: rows of the nodes of tetrahedra; `rows`: of all their nodes, ascending: node a below is rows[a].
+  NodalPatches(const std::vector<std::array<Index, 4>>& cells, const std::vector<Index>& rows);
+  bool empty() const { return cells_.empty(); }
 
   void addPattern(BlockPattern& pattern) const;
   /// Slots of all pairs of each patch, patch after patch, row by row.
   std::vector<Index> slots(const BlockMatrix& matrix) const;
+  std::size_t slotCount() const;
 
   /// Sets b to zero; then, for each cell, add() its part of b_a for its four nodes: gradient[i] for node i of the cell.
   void clear() { std::fill(b_.begin(), b_.end(), Vec3(Vec3::Zero())); }
@@ -34,7 +37,7 @@ class NodalPatches {
   std::vector<std::size_t> start_;                    ///< shape (nodes + 1), into nodes_
   std::vector<Index> nodes_;                          ///< rows of each patch, ascending
   std::vector<Vec3> b_;                               ///< shape of nodes_ [m^2]
-  std::vector<std::array<Index, 4>> cells_;           ///< nodes of each cell
+  std::vector<std::array<Index, 4>> cells_;           ///< numbers a of the nodes of each cell
   std::vector<std::array<std::uint32_t, 16>> place_;  ///< [cell][a, i]: where node i of the cell is in the patch of a
 };
 
