@@ -57,6 +57,7 @@
 #include "framework/fem/porous_elements.h"
 #include "framework/mechanics/force_field.h"
 #include "framework/mechanics/history.h"
+#include "framework/mechanics/history_file.h"
 #include "framework/mechanics/node_indices.h"
 #include "framework/mesh/topology.h"
 #include "framework/scene/factory.h"
@@ -119,6 +120,7 @@ class TetrahedronPorousForceField final : public ForceField, public History {
   Coupling coupling_ = Coupling::semi_implicit;
   std::vector<double> pressure_;  ///< at the end of the last step [Pa], shape (nodes)
   std::vector<double> initial_;
+  HistoryFile history_file_;
 
   const Mesh* mesh_ = nullptr;
   std::unique_ptr<PorousElements> elements_;
@@ -160,6 +162,7 @@ void TetrahedronPorousForceField::declare(DataTable& table) {
   table.addChoice("coupling", coupling_, {"semi_implicit", "implicit"})
       .help("semi_implicit: forces see the pressure before the step; implicit: that of their own shape");
   table.add("pressure", pressure_).unit("Pa").help("of each node, at the start (zero when not given) and then now");
+  history_file_.declare(table);
 }
 
 void TetrahedronPorousForceField::init() {
@@ -176,6 +179,10 @@ void TetrahedronPorousForceField::init() {
     throw ComponentError(
         fmt::format("bulkModulus is {:g} and limitModulus {:g}", sponge_.bulk, sponge_.limit),
         fmt::format("limitModulus of at least bulkModulus/fluidFraction = {:g}", sponge_.bulk / sponge_.fluid));
+  if (history_file_.isGiven()) {
+    if (!pressure_.empty()) throw ComponentError("pressure and history are both given", "one of them");
+    pressure_ = history_file_.read();
+  }
   if (pressure_.empty()) pressure_.assign(std::size_t(state().size()), 0.);
   if (pressure_.size() != std::size_t(state().size()))
     throw ComponentError(fmt::format("pressure has {} values", pressure_.size()), fmt::format("{}", state().size()));

@@ -106,6 +106,7 @@ void HyperelasticForceField::declare(DataTable& table) {
   table.add("projectedTangent", projected_)
       .help("set the unstable eigenvalues of each point's tangent to zero: every step of Newton goes downhill");
   prony_.declare(table);
+  history_file_.declare(table);
 }
 
 std::size_t HyperelasticForceField::cellCount() const {
@@ -121,6 +122,8 @@ void HyperelasticForceField::init() {
   series_ = prony_.read(*this);
   if (series_.terms() > 0 && !(hexahedra ? heldStressKernels().hexahedra : heldStressKernels().tetrahedra))
     throw ComponentError("viscosity has no kernels for these cells", "tetrahedra");
+  if (series_.terms() == 0 && history_file_.isGiven())
+    throw ComponentError("a history is given, and without viscosity nothing is remembered", "viscous=\"true\"");
   checkShapes();
   if (regularised_ && projected_)
     throw ComponentError("matrixRegularization and projectedTangent both replace the tangent", "one of them");
@@ -339,6 +342,12 @@ void HyperelasticForceField::makeViscous() {
                                               node().root().root_time);
   viscous_ = viscous.get();
   method_ = std::move(viscous);
+  initial_history_ = history_file_.read();
+  const std::size_t expected = viscous_->history().size();
+  if (history_file_.isGiven() && initial_history_.size() != expected)
+    throw ComponentError(fmt::format("the history has {} numbers", initial_history_.size()),
+                         fmt::format("{}: that of a run with this mesh and this series", expected));
+  reset();
 }
 /// The system's rows up to the last of the state.
 ConstRows HyperelasticForceField::systemRows() const {
@@ -353,7 +362,7 @@ void HyperelasticForceField::stepEnded(double t) {
 }
 void HyperelasticForceField::reset() {
   fault_.clear();
-  if (viscous_) viscous_->start(node().root().root_time, {});
+  if (viscous_) viscous_->start(node().root().root_time, initial_history_);
 }
 const std::vector<double>& HyperelasticForceField::history() const {
   static const std::vector<double> none;

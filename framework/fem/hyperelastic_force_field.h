@@ -6,6 +6,7 @@
 #include "framework/fem/element_method_field.h"
 #include "framework/fem/viscous_law.h"
 #include "framework/mechanics/history.h"
+#include "framework/mechanics/history_file.h"
 #include "framework/mesh/topology.h"
 
 namespace stroma {
@@ -72,11 +73,13 @@ class HyperelasticForceField : public ElementMethodField, public History {
   std::vector<Vec3> directions_;
   bool regularised_ = false, projected_ = false;
   PronyAttributes prony_;
+  HistoryFile history_file_;
 
   const Mesh* mesh_ = nullptr;
   const hyperelastic::HyperelasticLaw* law_ = nullptr;
-  std::vector<double> values_;                   ///< parameters, of one cell for all or of each
-  std::vector<Mat3> axes_;                       ///< one for all or one a cell
+  std::vector<double> values_;  ///< parameters, of one cell for all or of each
+  std::vector<Mat3> axes_;      ///< one for all or one a cell
+  std::vector<double> initial_history_;
   PronySeries series_;                           ///< without terms: the law is elastic
   hyperelastic::ViscousLaw* viscous_ = nullptr;  ///< method_, where it is viscous
   std::string fault_;                            ///< why the last force was not finite

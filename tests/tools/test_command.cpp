@@ -86,6 +86,48 @@ TEST_F(Command, RunRecordsFirstEveryKthAndLast) {
   EXPECT_FALSE(exists("out/stone.dofs.state.gz.part"));
 }
 
+/// What components remember is recorded and taken up again: the halves of a run end where the whole does.
+TEST_F(Command, RunGoesOnWithWhatWasRemembered) {
+  const auto scene = [](const std::string& time, const std::string& start, const std::string& tissue,
+                        const std::string& fluid) {
+    return "<Node name=\"root\" dt=\"0.015625\" time=\"" + time +
+           "\" gravity=\"0 0 -9.81\"><RegularGridTopology name=\"grid\" n=\"2 2 3\" min=\"0 0 0\" max=\"0.04 0.04 "
+           "0.1\"/>"
+           "<EulerImplicitSolver/><SparseLDLSolver/><Node name=\"b\"><TetrahedronSetTopologyContainer name=\"tets\"/>"
+           "<Hexa2TetraTopologicalMapping input=\"@../grid\" output=\"@tets\"/><MechanicalObject name=\"dofs\"/>" +
+           start +
+           "<UniformMass totalMass=\"0.1\"/><TetrahedronHyperelasticityFEMForceField name=\"tissue\" "
+           "materialName=\"NeoHookean\" youngModulus=\"5000\" poissonRatio=\"0.4\" viscous=\"true\" "
+           "ParameterAlpha=\"0.5\" ParameterTau=\"0.3\" " +
+           tissue +
+           "/><TetrahedronPorousForceField name=\"fluid\" fluidFraction=\"0.5\" bulkModulus=\"400\" "
+           "limitModulus=\"2200\" "
+           "permeability=\"1e-7\" " +
+           fluid + "/><FixedProjectiveConstraint indices=\"0 1 2 3\"/></Node></Node>";
+  };
+  write("whole.xml", scene("0", "", "", ""));
+  ASSERT_EQ(stroma("run whole.xml -n 32 --record whole --quiet").code, 0);
+  ASSERT_EQ(stroma("run whole.xml -n 16 --record half --quiet").code, 0);
+  ASSERT_TRUE(exists("half/b.tissue.history") && exists("half/b.fluid.history"));
+  const std::string start = "<ReadState filename=\"half/b.dofs.state.gz\"/>";
+  write("on.xml", scene("0.25", start, "history=\"half/b.tissue.history\"", "history=\"half/b.fluid.history\""));
+  write("forgetful.xml", scene("0.25", start, "", "history=\"half/b.fluid.history\""));
+  const auto last = [&](const std::string& folder) {
+    return readStateFile((folder_ / folder / "b.dofs.state.gz").string()).back();
+  };
+  for (const std::string name : {"on", "forgetful"}) {
+    const Finished run = stroma("run " + name + ".xml -n 16 --record " + name + " --quiet");
+    ASSERT_EQ(run.code, 0) << run.err;
+    EXPECT_EQ(last(name).time, last("whole").time);
+    EXPECT_EQ(last(name).x == last("whole").x && last(name).v == last("whole").v, name == "on") << name;
+  }
+  write("short.history", "1\n2\n");
+  write("short.xml", scene("0.25", start, "history=\"short.history\"", ""));
+  const Finished run = stroma("run short.xml -n 1 --quiet");
+  EXPECT_EQ(run.code, 2);
+  EXPECT_TRUE(has(run.err, "the history has 2 numbers")) << run.err;
+}
+
 TEST_F(Command, JsonIsAllThereIsOnStandardOutput) {
   write("fall.xml", falling_scene);
   const Finished run = stroma("run fall.xml --until 0.05 --json");

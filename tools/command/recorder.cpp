@@ -6,10 +6,12 @@
 #include <filesystem>
 #include <set>
 
+#include "framework/mechanics/history_file.h"
+
 namespace stroma::command {
 
 Recorder::Recorder(const Simulation& simulation, const std::string& folder)
-    : simulation_(simulation), states_(simulation.states()) {
+    : simulation_(simulation), folder_(folder), states_(simulation.states()) {
   std::set<std::string> names;
   for (const State* state : states_) {
     const std::string name = stateFileName(state->path());
@@ -33,11 +35,20 @@ void Recorder::write() {
 void Recorder::finish() {
   write();
   for (StateWriter& writer : writers_) writer.close();
+  std::vector<Component*> components;
+  simulation_.root().collect(components);
+  for (const Component* component : components) {
+    const auto* history = dynamic_cast<const History*>(component);
+    if (!history || history->history().empty()) continue;
+    histories_.push_back((std::filesystem::path(folder_) / historyFileName(component->path())).string());
+    writeHistoryFile(histories_.back(), history->history());
+  }
 }
 
 std::vector<std::string> Recorder::files() const {
   std::vector<std::string> files;
   for (const StateWriter& writer : writers_) files.push_back(writer.path());
+  files.insert(files.end(), histories_.begin(), histories_.end());
   return files;
 }
 

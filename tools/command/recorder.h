@@ -8,7 +8,8 @@
 
 namespace stroma::command {
 
-/// Writes positions and velocities of every state to one file each in `folder`.
+/// Writes positions and velocities of every state to one file each in `folder`, and at the end what components remember
+/// (History) to one each.
 class Recorder {
  public:
   /// Opens the files; nothing has its final name before finish().
@@ -21,8 +22,10 @@ class Recorder {
 
  private:
   const Simulation& simulation_;
+  std::string folder_;
   std::vector<State*> states_;
   std::vector<StateWriter> writers_;
+  std::vector<std::string> histories_;  ///< files written
   long last_step_ = -1;
 };
 
