@@ -233,6 +233,44 @@ TEST(Porous, OrdersInSpaceAndTime) {
   EXPECT_NEAR(order("in dt", at(12, 0.02), at(12, 0.01), at(12, 0.005)), 1, 0.1);
 }
 
+/// Mandel and Cryer: the rim drains and shrinks first, and squeezes the centre of a cube under pressure on all sides;
+/// an eighth of it.
+TEST(Porous, PressureAtTheCentreRisesBeforeItFalls) {
+  const double load = 1, limit = 3000, mu = 1000, bulk = 100, drained = bulk + 2 * mu / 3;
+  Simulation s = simulationFromText(
+      "<Node name=\"root\" dt=\"0.005\" gravity=\"0 0 0\"><StaticSolver newton_iterations=\"300\" "
+      "relative_residual_tolerance_threshold=\"1e-6\"/><SparseLDLSolver/><RegularGridTopology name=\"grid\" n=\"6 6 "
+      "6\" "
+      "min=\"0 0 0\" max=\"1 1 1\"/><Node name=\"b\"><TetrahedronSetTopologyContainer name=\"tets\"/>"
+      "<Hexa2TetraTopologicalMapping input=\"@../grid\" output=\"@tets\"/><MechanicalObject/><UniformMass "
+      "totalMass=\"1\"/><" +
+      tetrahedral + " materialName=\"StVenantKirchhoff\" ParameterSet=\"1000 0\"/><" + porous +
+      " fluidFraction=\"0.5\" bulkModulus=\"100\" limitModulus=\"3000\" permeability=\"0.001\" coupling=\"implicit\" "
+      "drainedIndices=\"@outer.indices\"/><BoxROI name=\"outer\" box=\"0.999 -1 -1 2 2 2  -1 0.999 -1 2 2 2  -1 -1 "
+      "0.999 "
+      "2 2 2\"/><BoxROI name=\"x\" box=\"-1 -1 -1 0.001 2 2\"/><BoxROI name=\"y\" box=\"-1 -1 -1 2 0.001 2\"/>"
+      "<BoxROI name=\"z\" box=\"-1 -1 -1 2 2 0.001\"/>"
+      "<PartialFixedProjectiveConstraint indices=\"@x.indices\" fixedDirections=\"1 0 0\"/>"
+      "<PartialFixedProjectiveConstraint indices=\"@y.indices\" fixedDirections=\"0 1 0\"/>"
+      "<PartialFixedProjectiveConstraint indices=\"@z.indices\" fixedDirections=\"0 0 1\"/>"
+      "<SurfacePressureForceField pressure=\"-1\"/></Node></Node>");
+  const double start = load * limit / (drained + limit);
+  const History* history = nullptr;
+  for (const ForceField* field : s.systems()[0]->forceFields())
+    if (field->type() == porous) history = dynamic_cast<const History*>(field);
+  double highest = 0, last = 0;
+  for (int n = 0; n < 120; ++n) {
+    const StepReport report = s.step();
+    ASSERT_FALSE(report.diverged || report.unsolved) << report.reason;
+    last = history->history()[0] / start;
+    highest = std::max(highest, last);
+    if (n % 10 == 0) std::printf("t = %.3f: P = %.4f of the start\n", s.time(), last);
+  }
+  EXPECT_GT(highest, 1.05);
+  EXPECT_LT(highest, 1.6);
+  EXPECT_LT(last, 0.9);
+}
+
 TEST(Porous, SaysWhatIsWrong) {
   const auto expect = [](const std::string& attributes, const std::string& words) {
     std::string text = oneCell(attributes);

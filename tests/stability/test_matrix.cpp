@@ -46,6 +46,11 @@ const std::vector<Known>& known() {
       {Ending::elsewhere, "boxes (StVenantKirchhoff|StableNeoHookean).*", any, shapes,
        "an energy that is finite at J = 0 lets a cube fold through its corners and balance with its Gauss points "
        "upright"},
+      {Ending::moving, ".*(viscous|[pP]orous).*", any, any,
+       "stresses that relax and fluids that flow have times of their own, which can be longer than the motions that "
+       "the "
+       "number of steps is made for"},
+      {Ending::elsewhere, ".*(viscous|[pP]orous).*", "static.*", any, "the same: statics creep to rest step by step"},
       {Ending::grows, any, "trapezoid|Newmark|midpoint", any,
        "one linear solve a step without damping is bounded for linear forces alone; Newton's method or an integrator "
        "that damps is needed at such steps"},
