@@ -47,8 +47,7 @@ const std::vector<Known>& known() {
        "an energy that is finite at J = 0 lets a cube fold through its corners and balance with its Gauss points "
        "upright"},
       {Ending::moving, ".*(viscous|[pP]orous).*", any, any,
-       "stresses that relax and fluids that flow have times of their own, which can be longer than the motions that "
-       "the "
+       "stresses that relax and fluids that flow have times of their own, longer than those of the motions that the "
        "number of steps is made for"},
       {Ending::elsewhere, ".*(viscous|[pP]orous).*", "static.*", any, "the same: statics creep to rest step by step"},
       {Ending::grows, any, "trapezoid|Newmark|midpoint", any,
