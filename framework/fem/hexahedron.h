@@ -23,8 +23,10 @@
 // Mean dilatation (Nagtegaal, Parks and Rice 1974; the B-bar of Hughes 1980): the volume change is one number an
 // element,
 //   theta = 1/V sum w tr(eps),   sigma = K theta I + 2 mu dev(eps),   K = lambda + 2/3 mu,   V = sum w
-// at every Gauss point, so that a nearly incompressible element does not lock. In the constants below: lambda becomes
-// -2/3 mu, the local part of dev, and `bulk` = K/V acts on sum w tr(eps).
+// at every Gauss point, so that a nearly incompressible element does not lock. V and w are those at rest; with B and V
+// updated a point counts with (w w_0)^1/2. For St. Venant-Kirchhoff it is the mean of tr(E), a measure of volume while
+// strains are small. In the constants below: lambda becomes -2/3 mu, the local part of dev, and `bulk` = K/V acts on
+// sum w tr(eps).
 #pragma once
 #include "framework/fem/rotation.h"
 #include "framework/fem/strain.h"

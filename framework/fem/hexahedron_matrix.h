@@ -51,10 +51,10 @@ void fillSymmetric(T (&k)[8 * 8 * 9], AddBlock&& add) {
     }
 }
 
-/// K of small strains with the gradients g of each Gauss point. Not inlined, nor the other: element loops are
+/// K of small strains with the gradients g of each Gauss point. Not inlined, nor the others: element loops are
 /// flattened, and a copy in each of two dozen takes the compiler minutes.
 template <class T>
-__attribute__((noinline, flatten)) void stiffnessMatrix(const Gradients<T> (&g)[8], T lambda, T mu, T (&k)[8 * 8 * 9]) {
+__attribute__((noipa, flatten)) void stiffnessMatrix(const Gradients<T> (&g)[8], T lambda, T mu, T (&k)[8 * 8 * 9]) {
   V3<T> n[8][8];  // [node][point]
   for (int p = 0; p < 8; ++p)
     for (int a = 0; a < 8; ++a) n[a][p] = nodeGradient(g[p], a, p);
@@ -83,7 +83,7 @@ void addSquare(const V3<T> (&n)[8], T bulk, T (&k)[8 * 8 * 9]) {
 }
 /// Small strains: n_a is the sum of root n_a over the Gauss points.
 template <class T>
-__attribute__((noinline, flatten)) void addMeanMatrix(const Gradients<T> (&g)[8], const T (&root)[8], T bulk,
+__attribute__((noipa, flatten)) void addMeanMatrix(const Gradients<T> (&g)[8], const T (&root)[8], T bulk,
                                                       T (&k)[8 * 8 * 9]) {
   V3<T> n[8];
   for (int a = 0; a < 8; ++a)
@@ -101,7 +101,7 @@ struct GreenState {
 
 /// K of St. Venant-Kirchhoff.
 template <class T>
-__attribute__((noinline, flatten)) void greenMatrix(const Gradients<T> (&g)[8], const GreenState<T> (&state)[8],
+__attribute__((noipa, flatten)) void greenMatrix(const Gradients<T> (&g)[8], const GreenState<T> (&state)[8],
                                                     T lambda, T mu, T (&k)[8 * 8 * 9]) {
   V3<T> n[8][8], m[8][8];  // [node][point]
   S3<T> left_cauchy_green[8];
@@ -132,7 +132,7 @@ __attribute__((noinline, flatten)) void greenMatrix(const Gradients<T> (&g)[8], 
 
 /// The mean dilatation of St. Venant-Kirchhoff: n_a is the sum of F n_a.
 template <class T>
-__attribute__((noinline, flatten)) void addMeanMatrix(const Gradients<T> (&g)[8], const GreenState<T> (&state)[8],
+__attribute__((noipa, flatten)) void addMeanMatrix(const Gradients<T> (&g)[8], const GreenState<T> (&state)[8],
                                                       T bulk, T (&k)[8 * 8 * 9]) {
   V3<T> n[8];
   for (int a = 0; a < 8; ++a)
