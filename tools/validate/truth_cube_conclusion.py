@@ -5,6 +5,7 @@ import truth_cube_paper as paper
 BASE = "tets, polar, B"
 NO_MODEL = "no model: the travel spread evenly, no bulge"
 HEXES, GREEN = "hexes, polar, no B", "hexes, large deformation (Ansys)"
+SMALL = "hexes, small deformation (Ansys)"
 LITTLE = 0.1  # points of the mean deviation
 MEAN, REMARK = 2, -1  # columns of the tables
 PRINTED = {row.name: [stage[0] for stage in row.printed] for row in paper.ROWS if row.printed}
@@ -116,6 +117,11 @@ def nearest(tables, printed):
     return min(found, default=None)
 
 
+def small_deformation(tables):
+    return (f"- **{SMALL}**: " + "; ".join(compared(tables, SMALL, PRINTED[SMALL])) +
+            f"; the paper prints {spoken(PRINTED[SMALL])}.\n")
+
+
 def large_deformation(tables):
     text = f"- **{GREEN}**, Green's strain with Hooke's law: " + "; ".join(compared(tables, GREEN, PRINTED[GREEN]))
     text += f"; the paper prints {spoken(PRINTED[GREEN])}."
@@ -131,7 +137,8 @@ def conclusion(tables, varied):
     finer = [row for row in varied if row[0].endswith("cells")]
     text = ("Read from the tables; \"off\" is the largest of the differences between two rows, in points; in brackets: off the "
             "paper.\n\n" +
-            what_moves(tables, varied) + where_no_answer(tables) + without_bulge(tables, varied) + large_deformation(tables))
+            what_moves(tables, varied) + where_no_answer(tables) + without_bulge(tables, varied) +
+            small_deformation(tables) + large_deformation(tables))
     if finer:
         text += ("- **Cells**: " + "; ".join(f"{row[0]}: {spoken(numbers(row[1:4]))}" for row in finer) +
                  f"; 8 x 8 x 8: {spoken(numbers(varied[0][1:4]))}. Likely, not measured: near incompressibility locks linear tetrahedra "
