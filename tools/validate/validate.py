@@ -1,15 +1,16 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Runs experiments of Nesme et al. 2005, and hyperelastic benchmarks, and writes their tables and figures.
+"""Runs the experiments of Nesme et al. 2005 and hyperelastic benchmarks, and writes their tables and figures.
 
   tools/validate/validate.py --stroma build/release/bin/stroma --out docs/experiments
   tools/validate/validate.py --stroma ... --out ... --only torque beam
 
 Fixed beam (figures 8 and 9), time a step (figures 4 and 7), artificial torque (figure 3), dragged liver (figures 5 and 6),
-truth cube (tables 1 to 3); deforming bar of Land et al. 2015 and an inflated sphere. The measured beads of the truth cube and the liver are read from --data: without them the truth cube
-is skipped and the example organ is dragged, and the text says so. Writes OUT/README.md, of the experiments run, and for each CSV
-and most a picture. The truth cube takes about five minutes on a quiet machine, the rest two. Needs numpy and matplotlib.
-The matrix of tests/stability has a program of its own, tools/validate/stability.py.
+truth cube (tables 1 to 3); deforming bar of Land et al. 2015 and an inflated sphere. The measured beads of the truth cube and
+the liver are read from --data: without them the truth cube is skipped and the example organ is dragged, and the text says so.
+Writes a page for each experiment, CSV and most a picture, and OUT/README.md, which lists all pages of the folder. The truth
+cube takes about seven minutes on a quiet machine, the rest two. Needs numpy and matplotlib. tools/validate/condensation.py,
+dma.py and stability.py are programs of their own.
 """
 import argparse
 import datetime
@@ -30,6 +31,7 @@ import truth_cube  # noqa: E402
 
 EXPERIMENTS = {"beam": beam.run, "cost": cost.run, "torque": robustness.run, "liver": drag.run,
                "truth_cube": truth_cube.run, "hyperelastic": hyperelastic.run}
+PAGES = [*EXPERIMENTS, "condensation", "visco_poro", "dma"]  # the last three are not written here
 
 
 def main():
@@ -63,12 +65,12 @@ def write_page(path, report):
 
 def write_index(folder):
     """The list of the pages that are there: those of earlier runs keep their date."""
-    lines = ["# Experiments of Nesme et al. 2005\n"]
-    for name in EXPERIMENTS:
+    lines = ["# Experiments\n"]
+    for name in PAGES:
         path = os.path.join(folder, name + ".md")
         if os.path.exists(path):
             with open(path) as file:
-                title = next((line.strip("# \n") for line in file if line.startswith("#")), name)
+                title = next((line.strip("# \n") for line in file if line.startswith("# ") or line.startswith("## ")), name)
             lines.append(f"- [{title}]({name}.md)")
     with open(os.path.join(folder, "README.md"), "w") as file:
         file.write("\n".join(lines) + "\n")
