@@ -49,7 +49,7 @@ const std::vector<Known>& known() {
       {Ending::moving, ".*(viscous|[pP]orous).*", any, any,
        "stresses that relax and fluids that flow have times of their own, longer than those of the motions that the "
        "number of steps is made for"},
-      {Ending::elsewhere, ".*(viscous|[pP]orous).*", "static.*", any, "the same: statics creep to rest step by step"},
+      {Ending::elsewhere, ".*(viscous|[pP]orous).*", any, any, "the same: bodies that creep to rest hardly move"},
       {Ending::grows, any, "trapezoid|Newmark|midpoint", any,
        "one linear solve a step without damping is bounded for linear forces alone; Newton's method or an integrator "
        "that damps is needed at such steps"},
