@@ -18,8 +18,10 @@
 // Stable at every time step where K resists every motion: with a = alpha dt/2 and w an angular frequency of the body,
 // both roots of (1 + a + (w dt)^2) z^2 - 2 z + (1 - a) = 0 lie within the unit circle. An undamped oscillation is
 // multiplied by 1/sqrt(1 + (w dt)^2) in each step, so that fast ones die out by the method: of n steps a period, a
-// share of about (2 pi)^2/2n is lost in each period. explain says how much the slowest motion loses. Where K pushes in
-// some direction that motion grows at any step: the scene is warned of.
+// share of about (2 pi)^2/2n is lost in each period. explain says how much the slowest motion loses. Overdamped motions
+// creep back without oscillating, so that damping can make a motion last longer. For alpha dt > 2 one root is negative,
+// a share of the velocity changes its sign in every step: the scene is warned of that. Where K pushes in some direction
+// that motion grows at any step: the scene is warned of.
 //
 // The inverse of the kept nodes is stored by half and multiplied in one pass over it. With condensed="false" it is
 // compared with the sparse factor, which usually reads less; solve="inverse" or "factor" decides.
@@ -64,6 +66,7 @@ class CondensedDynamicSolver final : public CondensedIntegrator {
   Form form() const override { return condensed_ || solve_ == Solve::inverse ? Form::symmetric : Form::factor; }
   bool mayInvert() const override { return solve_ == Solve::automatic; }
   std::unique_ptr<PartialCholesky> makeFactor() const override { return makePartialCholesky(); }
+  void checkChoices() const override;
   void prepare(System& system) override;
   std::string stepText() const override;
   void complianceOf(const Touch& touch, double* column) override;
@@ -83,6 +86,7 @@ class CondensedDynamicSolver final : public CondensedIntegrator {
   void gatherState(const System& system);
   void formRightSide();
   void addTimedForces();
+  StepReport giveUp(System& system, const std::string& reason);
 
   double rayleigh_mass_ = 0;
   InteriorMass interior_mass_ = InteriorMass::shared;
@@ -92,6 +96,21 @@ class CondensedDynamicSolver final : public CondensedIntegrator {
   double slowest_ = 0;                                   ///< angular frequency [rad/s], of a few iterations
   Array<double> of_u_, of_v_;                            ///< right side per u and per v, shape (padded)
 };
+
+void CondensedDynamicSolver::checkChoices() const {
+  if (condensed_ && solve_ == Solve::factor)
+    throw ComponentError(
+        "solve=\"factor\" is of the whole matrix, and condensed=\"true\" takes the inverse of the kept nodes",
+        "one of the two", "condensed=\"false\"");
+  if (!condensed_ && data().find("interiorMass")->isSet())
+    throw ComponentError("interiorMass is given, and condensed=\"false\" keeps every node with its mass",
+                         "one of the two");
+  if (solve_ == Solve::factor && isSingle())
+    throw ComponentError(
+        "precision=\"single\" is of the inverse, and solve=\"factor\" takes the sparse factor, which is "
+        "in double precision",
+        "one of the two", "solve=\"inverse\"");
+}
 
 void CondensedDynamicSolver::prepare(System&) {
   for (Array<double>* vector : {&u_, &v_, &next_, &right_, &of_u_, &of_v_}) vector->assign(padded(), 0.0);
@@ -105,6 +124,12 @@ void CondensedDynamicSolver::prepare(System&) {
   }
   if (used_form_ == Form::symmetric)
     work_.assign(SymmetricPanels<double>{nullptr, 3 * std::size_t(active())}.pieces() * padded(), 0.0);
+  const double alpha = massDamping().empty() ? 0 : *std::max_element(massDamping().begin(), massDamping().end());
+  if (alpha * dt > 2)
+    warn(fmt::format("damping by the mass of {:g} 1/s times dt = {:g} s is {:.3g}, above 2: velocities change their "
+                     "sign from step to step",
+                     alpha, dt, alpha * dt),
+         fmt::format("dt below {:.2g} s, or less rayleighMass", 2 / alpha));
   findSlowest();
 }
 
@@ -202,6 +227,12 @@ void CondensedDynamicSolver::addTimedForces() {
     if (node >= firstActive()) Eigen::Map<Vec3>(right_.data() + 3 * (node - firstActive())) += body_.timedForce(node);
 }
 
+StepReport CondensedDynamicSolver::giveUp(System& system, const std::string& reason) {
+  restoreTouched(system);
+  for (Index node = 0; node < active(); ++node) system.v[activeRow(node)] = Eigen::Map<Vec3>(v_.data() + 3 * node);
+  return failure(reason);
+}
+
 StepReport CondensedDynamicSolver::step(System& system, const StepContext& context) {
   if (context.dt != timeStep())
     return failure(fmt::format("the matrix was made for dt = {:g} s, and the step has {:g} s", timeStep(), context.dt));
@@ -209,6 +240,7 @@ StepReport CondensedDynamicSolver::step(System& system, const StepContext& conte
   formRightSide();
   body_.projectNodes(firstActive(), right_.data());
   moveTouched(system, context);
+  if (!touchFault().empty()) return giveUp(system, touchFault());
   addTimedForces();
   multiply(right_.data(), next_.data());
   if (!touches().empty()) {
@@ -216,11 +248,8 @@ StepReport CondensedDynamicSolver::step(System& system, const StepContext& conte
     Eigen::Map<Eigen::VectorXd>(next_.data(), Index(next_.size())).noalias() += touchColumns() * reaction;
   }
   for (std::size_t i = 0; i < v_.size(); ++i) right_[i] = (next_[i] - u_[i]) / context.dt;
-  if (!writeActive(system, next_.data(), right_.data())) {
-    restoreTouched(system);
-    for (Index node = 0; node < active(); ++node) system.v[activeRow(node)] = Eigen::Map<Vec3>(v_.data() + 3 * node);
-    return failure("a load is not finite, or the body has left the range of numbers");
-  }
+  if (!writeActive(system, next_.data(), right_.data()))
+    return giveUp(system, "a load is not finite, or the body has left the range of numbers");
   finish(system, context, next_.data());
   return {};
 }

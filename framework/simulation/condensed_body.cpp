@@ -19,6 +19,10 @@ void CondensedBody::collect(System& system, const Integrator& integrator, const 
   system_ = &system;
   refuseOtherKinds(integrator, choice.dynamic);
   sortFields(choice.dynamic);
+  for (const Mass* mass : system.masses())
+    if (choice.dynamic && !mass->isDiagonal())
+      notes_.push_back(fmt::format("the sparse matrix of {} is lumped to its sums of rows, as {} has it", mass->path(),
+                                   integrator.type()));
   const Index count = system.independentRows();
   for (Vector* vector : {&reference_, &rest_, &still_, &timed_force_}) vector->resize(count);
   copy(system.x, reference_);

@@ -31,6 +31,7 @@ class CondensedBody {
   /// New numbers for free nodes: order[new] = old.
   void renumber(const std::vector<Index>& order);
   const Vector& reference() const { return reference_; }  ///< x_0 [m], the initial positions
+  const Vector& rest() const { return rest_; }            ///< positions of the rest shape [m]
 
   const Vector& zero() const { return still_; }
   /// K = -df/dx on all rows of the system.

@@ -104,7 +104,23 @@ void CondensedIntegrator::updateTouches(System& system) {
       small(l, k) =
           touches_[std::size_t(l)].direction.dot(touch_columns_.col(k).segment<3>(3 * touches_[std::size_t(l)].node));
   }
-  touch_factor_.compute((small + small.transpose()) / 2);
+  factorTouches((small + small.transpose()) / 2);
+}
+
+// The entries of C are right to the numbers they are stored in. Where E^T C E is nearly singular, the reactions lose as
+// many digits as its condition has.
+void CondensedIntegrator::factorTouches(const Eigen::MatrixXd& small) {
+  touch_fault_.clear();
+  if (small.rows() == 0) return;
+  touch_factor_.compute(small);
+  if (touch_factor_.info() != Eigen::Success) {
+    touch_fault_ = fmt::format(
+        "the compliance of the {} nodes that are moved by position is not positive definite in {} precision: {}",
+        touching_.size(), isSingle() ? "single" : "double",
+        isSingle() ? "use precision=\"double\"" : "move fewer nodes, or soften the body (poissonRatio near 1/2)");
+    return;
+  }
+  touch_error_ = std::max(touch_error_, (isSingle() ? 6e-8 : 1.1e-16) / touch_factor_.rcond());
 }
 
 const Eigen::VectorXd& CondensedIntegrator::solveTouches(const double* u) {
@@ -155,8 +171,9 @@ bool CondensedIntegrator::writeActive(System& system, const double* u, const dou
   const std::size_t count = 3 * std::size_t(active_);
   double sum = 0;
 #pragma omp simd reduction(+ : sum)
-  for (std::size_t i = 0; i < count; ++i) sum += u[i] * 0.0;
-  if (sum != 0 || std::isnan(sum)) return false;
+  for (std::size_t i = 0; i < count; ++i) sum += u[i] * u[i];
+  if (!std::isfinite(sum)) return false;
+  square_ = sum;
   const double* __restrict origin = origin_.data();
   double* __restrict x = system.x.rows().data;
   for (Index node = 0; node < active_; ++node) {
@@ -178,8 +195,7 @@ void CondensedIntegrator::finish(System& system, const StepContext& context, con
     while (body_.nodeOf(touching_[at].row) - first_active_ != touches_[k].node) ++at;
     drag_forces_[at] += reaction_[Index(k)] * touches_[k].direction;
   }
-  range_.look(u, context.t_end, first_look_);
-  first_look_ = false;
+  range_.look(square_, context.t_end);
   if (!asks_force_) return;
   complete(system);
   system.computeForce(system.x, system.v, system.f);
@@ -193,17 +209,21 @@ StepReport CondensedIntegrator::failure(const std::string& reason) const {
 }
 
 std::string CondensedIntegrator::doubt() const {
+  std::string text;
+  if (touch_error_ > 0.01)
+    text = fmt::format("{}: dragForces may be wrong by {:.0f} %: moved nodes hold each other too well for {} precision",
+                       path(), std::min(100 * touch_error_, 100.0), isSingle() ? "single" : "double");
   const std::string beyond = range_.sentence(rotation_bound_, strain_bound_);
-  if (beyond.empty()) return {};
-  return fmt::format(
-      "{}: {}: linear elasticity is right for small turns and strains only; a corotational method "
-      "(method=\"large\") follows large ones",
-      path(), beyond);
+  if (beyond.empty()) return text;
+  return text + fmt::format(
+                    "{}{}: {}: linear elasticity is right for small turns and strains only; a corotational method "
+                    "(method=\"large\") follows large ones",
+                    text.empty() ? "" : "; ", path(), beyond);
 }
 
 void CondensedIntegrator::reset() {
   behind_ = false;
-  first_look_ = true;
+  touch_error_ = 0;
   range_.reset();
   touching_.clear(), touches_.clear(), dragged_nodes_.clear(), drag_forces_.clear();
 }
@@ -216,6 +236,10 @@ std::string CondensedIntegrator::describe() const {
   if (!body_.timedNodes().empty() && body_.timedNodes().front() < body_.interior() && used_form_ != Form::factor)
     text += "; loads on inside nodes change in time: a sweep through the factor of the inside in each step";
   if (body_.movingRows()) text += "; nodes moved by position are loads through their compliance";
+  if (range_.isEmpty())
+    text += "; nothing watches the range of linear elasticity: no surface of volume cells moves";
+  else if (range_.watched() == 0)
+    text += "; the range of linear elasticity is looked at after the last step alone: surface nodes are not kept";
   return text + (from_cache_ ? "; precomputed in " + file_name_ : "");
 }
 

@@ -28,6 +28,9 @@ class CondensedIntegrator : public Integrator {
   std::string doubt() const final;
   void reset() override;
 
+  /// Digest of the sources that make the numbers of a file: it belongs to the key.
+  static std::string sourcesOfNumbers();
+
  protected:
   /// How u follows from f.
   enum class Form { columns, symmetric, factor };
@@ -48,6 +51,8 @@ class CondensedIntegrator : public Integrator {
   /// True when `symmetric` may replace `factor` where it costs less.
   virtual bool mayInvert() const { return false; }
   virtual std::unique_ptr<PartialCholesky> makeFactor() const = 0;
+  /// Refuses attributes that contradict each other.
+  virtual void checkChoices() const {}
   /// After compile(): allocate.
   virtual void prepare(System& system) = 0;
   virtual std::string stepText() const = 0;
@@ -61,6 +66,8 @@ class CondensedIntegrator : public Integrator {
   // ---- for steps ----
   /// Prescribed motion at the end of the step: x of the touched nodes has it, touches() and wanted() say what it means.
   void moveTouched(System& system, const StepContext& context);
+  /// After moveTouched(): empty, or why the reactions cannot be solved for.
+  const std::string& touchFault() const { return touch_fault_; }
   /// Takes moveTouched() back.
   void restoreTouched(System& system);
   const std::vector<Touch>& touches() const { return touches_; }
@@ -109,6 +116,7 @@ class CondensedIntegrator : public Integrator {
   void sweepConstantForce();
   void prepareActive(System& system, const std::vector<Index>& order, const std::vector<double>& force);
   void updateTouches(System& system);
+  void factorTouches(const Eigen::MatrixXd& small);
   std::string cacheFolder() const;
   [[noreturn]] void refuseFree(System& system, Index node) const;
 
@@ -137,7 +145,7 @@ class CondensedIntegrator : public Integrator {
   Array<double> constant_force_;
   std::vector<double> interior_constant_;  ///< L_II^-1 f_I of what does not change, shape (3 interior)
   Array<double> sweep_, timed_reduced_;    ///< over all free nodes
-  bool behind_ = false, asks_force_ = false, first_look_ = true, factor_checked_ = false;
+  bool behind_ = false, asks_force_ = false, factor_checked_ = false;
   Array<double> origin_;  ///< x_0 of active nodes, shape (padded)
   std::vector<Touch> touches_;
   std::vector<NodeProjector> touching_, touching_now_;
@@ -145,6 +153,9 @@ class CondensedIntegrator : public Integrator {
   Eigen::MatrixXd touch_columns_;
   Eigen::LLT<Eigen::MatrixXd> touch_factor_;
   Eigen::VectorXd wanted_, reaction_;
+  std::string touch_fault_;
+  double touch_error_ = 0;  ///< of reactions, estimated
+  double square_ = 0;       ///< sum of u^2 of the last step [m^2]
   LinearRange range_;
 };
 

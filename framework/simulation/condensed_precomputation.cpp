@@ -69,6 +69,7 @@ class Telling {
 void CondensedIntegrator::compile(System& system) {
   const auto begin = std::chrono::steady_clock::now();
   dt_ = node().root().dt();
+  checkChoices();
   body_.collect(system, *this, {condensed_, surface_indices_, isDynamic()});
   Problem problem{system};
   for (const State* state : system.states()) asks_force_ = asks_force_ || state->forceAsked();
@@ -104,16 +105,18 @@ void CondensedIntegrator::compile(System& system) {
                        precomputation_));
 }
 
+std::string CondensedIntegrator::sourcesOfNumbers() { return STROMA_SOURCES_OF_CONDENSATION; }
+
 ContentKey CondensedIntegrator::keyOf(const Problem& problem) const {
   ContentKey key;
-  key.add(fmt::format("condensed 1 {} {} {} {}", STROMA_VERSION, int(used_form_), int(precision_), body_.interior()));
+  key.add(fmt::format("condensed {} {} {} {}", sourcesOfNumbers(), int(used_form_), int(precision_), body_.interior()));
   body_.addTo(key);
   key.add(problem.stiffness.rowStart());
   key.add(problem.stiffness.columns());
   key.add(problem.stiffness.values());
   key.add(problem.shift);
   key.add(problem.per_mass);
-  if (sharesInteriorMass()) key.add(problem.mass);
+  key.add(problem.mass);  // the file has the inertia as well, and other masses may give the same matrix
   return key;
 }
 
@@ -172,10 +175,11 @@ void CondensedIntegrator::computeAnew(Problem& problem) {
 }
 
 // Guyan's reduction T^T M T, T = -K_II^-1 K_IS, lumped by sums of rows, each direction by itself: a body that is moved
-// as a whole keeps its mass. Sums that came out negative are left out.
+// as a whole keeps its mass. Sums that came out negative are left out. Nodes that slide have one mass for all their
+// free directions, trace/rank: the matrix keeps them in their plane as long as what is added to it does.
 void CondensedIntegrator::shareInteriorMass(const Problem& problem, PartialCholesky& factor) {
   const std::size_t inside = 3 * std::size_t(body_.interior()), all = 3 * std::size_t(body_.free());
-  std::vector<double> moved(all), shift(all - inside, 0.0);
+  std::vector<double> moved(all), more(all - inside, 0.0), shift(all - inside);
   for (std::size_t c = 0; c < 3; ++c) {
     for (std::size_t i = 0; i < all; ++i) moved[i] = i >= inside && i % 3 == c ? 1 : 0;
     backward(moved.data());
@@ -187,10 +191,16 @@ void CondensedIntegrator::shareInteriorMass(const Problem& problem, PartialChole
     std::fill(moved.begin() + std::ptrdiff_t(inside), moved.end(), 0.0);
     forward(moved.data());
     for (std::size_t i = inside + c; i < all; i += 3) shared += std::max(moved[i], 0.0);
-    for (std::size_t i = inside + c; i < all && shared > 0; i += 3) {
-      const double more = std::max(moved[i], 0.0) * whole / shared;
-      inertia_[i] += more;
-      shift[i - inside] = more * problem.per_mass[std::size_t(problem.order[i / 3])];
+    for (std::size_t i = inside + c; i < all && shared > 0; i += 3)
+      more[i - inside] = std::max(moved[i], 0.0) * whole / shared;
+  }
+  for (std::size_t i = 0; i < more.size(); i += 3) {
+    const Index old = problem.order[(inside + i) / 3];
+    if (!body_.projector(old).isIdentity())
+      std::fill_n(&more[i], 3, (more[i] + more[i + 1] + more[i + 2]) / body_.projector(old).trace());
+    for (std::size_t c = i; c < i + 3; ++c) {
+      inertia_[inside + c] += more[c];
+      shift[c] = more[c] * problem.per_mass[std::size_t(old)];
     }
   }
   if (!factor.shift(shift)) refuseFree(problem.system, problem.order[inside / 3]);
@@ -239,12 +249,19 @@ std::string CondensedIntegrator::cacheFolder() const {
   if (cache_folder_ != "auto") return cache_folder_;
   if (const char* folder = std::getenv("XDG_CACHE_HOME"); folder && *folder) return std::string(folder) + "/stroma";
   const char* home = std::getenv("HOME");
-  return std::string(home ? home : ".") + "/.cache/stroma";
+  return home && *home ? std::string(home) + "/.cache/stroma" : "";
 }
 
 bool CondensedIntegrator::loadStored(Problem& problem) {
+  file_name_.clear();
   if (cache_folder_.empty()) return false;
-  file_name_ = fmt::format("{}/{}.condensed", cacheFolder(), problem.key.text());
+  const std::string folder = cacheFolder();
+  if (folder.empty()) {
+    warn("cacheFolder=\"auto\" finds no folder, since neither XDG_CACHE_HOME nor HOME is set: nothing is kept",
+         "cacheFolder=\"a folder\"");
+    return false;
+  }
+  file_name_ = fmt::format("{}/{}.condensed", folder, problem.key.text());
   std::string reason;
   if (file_.open(file_name_, problem.key, parts, reason))
     for (std::size_t i = 0; i < parts && reason.empty(); ++i)
@@ -258,7 +275,7 @@ bool CondensedIntegrator::loadStored(Problem& problem) {
 }
 
 void CondensedIntegrator::store(const Problem& problem) {
-  if (cache_folder_.empty()) return;
+  if (file_name_.empty()) return;
   const std::size_t count = std::size_t(eliminated_.supernodes);
   const std::vector<Section> sections{{compliance_, compliance_bytes_},
                                       sectionOf(problem.order.data(), problem.order.size()),

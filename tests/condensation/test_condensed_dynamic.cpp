@@ -161,3 +161,40 @@ TEST(CondensedDynamic, slidingNodesStayInTheirPlane) {
   EXPECT_GT(u[139].norm(), 1e-3);
   for (const Index node : {64, 128, 139}) EXPECT_NEAR(u[node][1] + u[node][2], 0, 1e-12) << node;
 }
+
+TEST(CondensedDynamic, nodesSlideInObliquePlanesWithTheMassOfTheInside) {
+  Block block{.solver = "", .loads = "<ConstantForceField indices=\"139 138\" totalForce=\"2 1 -3\"/>", .dt = 0.002};
+  block.more = "<FixedPlaneProjectiveConstraint direction=\"1 2 3\" indices=\"64 88 128 139\"/>";
+  for (const std::string mass : {"shared", "neglected"}) {
+    block.solver = "<CondensedDynamicSolver interiorMass=\"" + mass + "\"/>";
+    const Vector u = after(block.text(), 40);
+    EXPECT_GT(u[139].norm(), 1e-3) << mass;
+    for (const Index node : {64, 88, 128, 139})
+      EXPECT_LT(std::abs(u[node].dot(Vec3(1, 2, 3))), 1e-13 * norm(u)) << mass << " " << node;
+  }
+}
+
+TEST(CondensedDynamic, bodiesThatSlideFreelyFallAsFast) {
+  // every node in a plane across which nothing pulls: the whole body falls along it, by the scheme g_p dt^2 n (n +
+  // 1)/2. Kept nodes have a mean mass there, which leaves the sum in each direction nearly the same
+  Block block{.solver = "<CondensedDynamicSolver/>", .gravity = "0 -9.81 0", .dt = 0.01};
+  const std::string floor = "<FixedProjectiveConstraint name=\"floor\" indices=\"" + Block::nodes(0, 20) + "\"/>";
+  block.more = "<FixedPlaneProjectiveConstraint direction=\"1 2 3\" indices=\"" + Block::nodes(0, 140) + "\"/>";
+  std::string text = block.text();
+  text.replace(text.find(floor), floor.size(), "");
+  const Vector u = after(text, 10);
+  const Vec3 normal = Vec3(1, 2, 3).normalized(), g(0, -9.81, 0);
+  const Vec3 fall = (g - g.dot(normal) * normal) * 1e-4 * 55;
+  for (const Index node : {0, 47, 139}) EXPECT_LT((u[node] - fall).norm(), 0.03 * fall.norm()) << node;
+}
+
+TEST(CondensedDynamic, dampingThatTurnsVelocitiesIsWarnedOf) {
+  const auto said = [](const std::string& alpha) {
+    Block block{.solver = "<CondensedDynamicSolver rayleighMass=\"" + alpha + "\"/>"};
+    testing::internal::CaptureStderr();
+    simulationFromText(block.text());
+    return testing::internal::GetCapturedStderr();
+  };
+  EXPECT_EQ(said("95").find("velocities change"), std::string::npos);
+  EXPECT_NE(said("105").find("is 2.1, above 2"), std::string::npos) << said("105");
+}

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What the condensed solvers refuse, warn of and leave undone.
+#include <fmt/format.h>
+
 #include <functional>
 
 #include "tests/condensation/bodies.h"
@@ -71,6 +73,38 @@ TEST(CondensedRefusals, whatOneMatrixDoesNotHave) {
                 {"surfaceIndices"});
 }
 
+TEST(CondensedRefusals, attributesThatContradictEachOther) {
+  expectRefused(Block{.solver = "<CondensedDynamicSolver solve=\"factor\"/>"}, {"solve", "condensed=\"false\""});
+  expectRefused(Block{.solver = "<CondensedDynamicSolver condensed=\"false\" interiorMass=\"neglected\"/>"},
+                {"interiorMass", "keeps every node"});
+  expectRefused(Block{.solver = "<CondensedDynamicSolver condensed=\"false\" solve=\"factor\" precision=\"single\"/>"},
+                {"precision", "double precision"});
+}
+
+TEST(CondensedNotes, aMatrixOfMassesIsSaidToBeLumped) {
+  const auto said = [](const std::string& mass) {
+    Block block{.solver = "<CondensedDynamicSolver/>"};
+    block.mass = mass;
+    testing::internal::CaptureStderr();
+    simulationFromText(block.text());
+    return testing::internal::GetCapturedStderr();
+  };
+  const std::string density = "massDensity=\"1000\"/>";
+  EXPECT_NE(said("<MeshMatrixMass " + density).find("lumped to its sums"), std::string::npos);
+  EXPECT_EQ(said("<DiagonalMass " + density).find("lumped"), std::string::npos);
+}
+
+TEST(CondensedRange, displacementsWithoutMeaningAreAFailure) {
+  for (const std::string solver : {"Static", "Dynamic"}) {
+    const Block block{.solver = "<Condensed" + solver + "Solver/>",
+                      .loads = "<ConstantForceField indices=\"139\" totalForce=\"1e308 0 0\"/>"};
+    Simulation simulation = simulationFromText(block.text());
+    const StepReport report = simulation.step();
+    EXPECT_TRUE(report.diverged) << solver;
+    EXPECT_NE(report.reason.find("range of numbers"), std::string::npos) << report.reason;
+  }
+}
+
 TEST(CondensedStability, stiffnessThatPushesIsWarnedOf) {
   const auto said = [](const std::string& stiffness) {
     const std::string text =
@@ -106,6 +140,86 @@ TEST(CondensedRange, isDoubtedWhenItIsLeft) {
   EXPECT_NE(doubts(0.3, "").find("has turned by"), std::string::npos);
   EXPECT_NE(doubts(0.3, "rotationBound=\"10\"").find("has a strain of"), std::string::npos);
   EXPECT_EQ(doubts(0.3, "rotationBound=\"10\" strainBound=\"10\""), "");
+}
+
+namespace {
+
+std::string doubtsAfter(const Block& block, int steps) {
+  Simulation simulation = simulationFromText(block.text());
+  simulation.computeOnDemand(true);
+  for (int i = 0; i < steps; ++i) simulation.step();
+  std::string text;
+  for (const std::string& sentence : simulation.doubts()) text += sentence;
+  return text;
+}
+
+/// One node of the surface is dragged by 10 mm, to x = 10 mm at `peak` s, and to where it was at `end` s.
+std::string drag(double peak, double end) {
+  return "<LinearMovementProjectiveConstraint indices=\"137\" keyTimes=\"0 " + std::to_string(peak) + " " +
+         std::to_string(end) + "\" outside=\"hold\" movements=\"0 0 0 0.01 0 0 0 0 0\"/>";
+}
+
+}  // namespace
+
+TEST(CondensedRange, isDoubtedAtTheEndOfARamp) {
+  for (const std::string solver : {"Static", "Dynamic"})
+    for (const std::string more : {"", " surfaceIndices=\"137 98\""})
+      for (const int steps : {2, 10, 37}) {
+        const double end = 0.02 * steps;
+        Block block{
+            .solver = "<Condensed" + solver + "Solver" + more + "/>", .loads = drag(end, 99), .gravity = "0 0 0"};
+        const std::string text = doubtsAfter(block, steps);
+        EXPECT_NE(text.find("has turned by"), std::string::npos) << solver << more << steps;
+        EXPECT_NE(text.find(fmt::format("at t = {:.6g} s", end)), std::string::npos) << text;
+      }
+}
+
+TEST(CondensedRange, isDoubtedAfterAPeakThatIsOver) {
+  const Block block{.solver = "<CondensedStaticSolver/>", .loads = drag(0.2, 0.4), .gravity = "0 0 0"};
+  const std::string text = doubtsAfter(block, 25);
+  EXPECT_NE(text.find("has turned by"), std::string::npos);
+  EXPECT_NE(text.find("at t = 0.2 s"), std::string::npos) << text;
+}
+
+TEST(CondensedRange, isCountedFromTheShapeAtRest) {
+  // twice as high at the start as at rest
+  Block block{.solver = "<CondensedStaticSolver/>", .gravity = "0 0 0"};
+  const auto stretched = [&](double factor) {
+    std::string x = "position=\"", rest = "rest_position=\"";
+    for (int k = 0; k < 7; ++k)
+      for (int j = 0; j < 4; ++j)
+        for (int i = 0; i < 5; ++i) {
+          const std::string flat = fmt::format("{} {} ", 0.02 * i, 0.02 * j);
+          x += flat + fmt::format("{} ", factor * 0.14 / 6 * k), rest += flat + fmt::format("{} ", 0.14 / 6 * k);
+        }
+    return "<MechanicalObject name=\"dofs\" " + x + "\" " + rest + "\"/>";
+  };
+  const std::string object = "<MechanicalObject name=\"dofs\"/>";
+  const auto doubts = [&](double factor, const std::string& loads) {
+    block.loads = loads;
+    Simulation simulation = simulationFromText(replaced(block.text(), object, stretched(factor)));
+    simulation.step();
+    std::string text;
+    for (const std::string& sentence : simulation.doubts()) text += sentence;
+    return text;
+  };
+  EXPECT_EQ(doubts(1.5, ""), "");  // one step to the rest shape, where the strain is zero
+  const std::string stays = "<FixedProjectiveConstraint indices=\"" + Block::nodes(120, 140) + "\"/>";
+  EXPECT_NE(doubts(1.5, stays).find("has a strain of 0.5"), std::string::npos) << doubts(1.5, stays);
+}
+
+TEST(CondensedRange, explainSaysWhenNothingIsWatched) {
+  const auto plan = [](const std::string& text) {
+    return simulationFromText(text).systems().front()->integrator().describe();
+  };
+  EXPECT_NE(plan("<Node name=\"root\"><CondensedStaticSolver/><MechanicalObject position=\"0 0 0\"/>"
+                 "<RestShapeSpringsForceField points=\"0\" stiffness=\"200\"/></Node>")
+                .find("nothing watches"),
+            std::string::npos);
+  EXPECT_NE(
+      plan(Block{.solver = "<CondensedStaticSolver surfaceIndices=\"64 139\"/>"}.text()).find("after the last step"),
+      std::string::npos);
+  EXPECT_EQ(plan(Block{.solver = "<CondensedStaticSolver/>"}.text()).find("linear elasticity"), std::string::npos);
 }
 
 TEST(CondensedInterior, isComputedWhenSomebodyReadsIt) {

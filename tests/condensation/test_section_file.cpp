@@ -5,9 +5,11 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <cstdio>
 #include <fstream>
 #include <functional>
 
+#include "framework/simulation/condensed_integrator.h"
 #include "framework/simulation/section_file.h"
 #include "tests/condensation/bodies.h"
 
@@ -72,6 +74,54 @@ TEST_F(CacheFolder, anotherMaterialIsAnotherFile) {
   Simulation first = simulationFromText(scene()), second = simulationFromText(scene("Static", "5001"));
   EXPECT_FALSE(fromCache(second));
   EXPECT_NE(hashAfterSteps(first), hashAfterSteps(second));
+}
+
+TEST_F(CacheFolder, otherMassesAreAnotherFileThoughTheMatrixIsTheSame) {
+  // k + m/dt^2 = 5200 N/m for both
+  const auto oscillator = [&](const std::string& spring, const std::string& mass, bool cached) {
+    return simulationFromText(
+        "<Node name=\"root\" dt=\"0.01\" gravity=\"0 0 0\"><CondensedDynamicSolver condensed=\"false\" cacheFolder=\"" +
+        (cached ? folder.string() : "") +
+        "\"/><MechanicalObject position=\"1.3 0 0\" rest_position=\"1 0 0\"/><UniformMass totalMass=\"" + mass +
+        "\"/><RestShapeSpringsForceField points=\"0\" stiffness=\"" + spring + "\"/></Node>");
+  };
+  for (const auto& [spring, mass] : {std::pair("200", "0.5"), std::pair("1200", "0.4")}) {
+    Simulation cached = oscillator(spring, mass, true), plain = oscillator(spring, mass, false);
+    EXPECT_FALSE(fromCache(cached));
+    EXPECT_EQ(hashAfterSteps(cached), hashAfterSteps(plain)) << spring;
+  }
+}
+
+TEST(CondensedSources, theirDigestIsThatOfTheFiles) {
+  // those that make the numbers of a file, by another program
+  const std::string command = "cd '" STROMA_SOURCE_DIR
+                              "' && LC_ALL=C; export LC_ALL; sha256sum $(ls components/condensation/*.cpp "
+                              "framework/algebra/compliance.h framework/algebra/partial_cholesky.h "
+                              "framework/algebra/supernodal_columns.h framework/simulation/condensed_* "
+                              "framework/simulation/section_file.* | sort) | cut -c1-64 | tr -d '\\n' | sha256sum";
+  std::FILE* pipe = popen(command.c_str(), "r");
+  ASSERT_TRUE(pipe);
+  std::string digest(64, ' ');
+  EXPECT_EQ(std::fread(digest.data(), 1, 64, pipe), 64u);
+  pclose(pipe);
+  EXPECT_EQ(CondensedIntegrator::sourcesOfNumbers(), digest);
+}
+
+TEST_F(CacheFolder, withoutAHomeNothingIsKeptAndThatIsSaid) {
+  fs::create_directories(folder);
+  const fs::path here = fs::current_path();
+  const char* home = std::getenv("HOME");
+  const std::string before = home ? home : "";
+  unsetenv("HOME"), unsetenv("XDG_CACHE_HOME");
+  fs::current_path(folder);
+  testing::internal::CaptureStderr();
+  const Simulation simulation =
+      simulationFromText(Block{.solver = "<CondensedStaticSolver cacheFolder=\"auto\"/>"}.text());
+  const std::string said = testing::internal::GetCapturedStderr();
+  fs::current_path(here);
+  if (home) setenv("HOME", before.c_str(), 1);
+  EXPECT_NE(said.find("nothing is kept"), std::string::npos) << said;
+  EXPECT_TRUE(fs::is_empty(folder));
 }
 
 TEST_F(CacheFolder, whatIsWrongWithAFileIsSaidAndItIsMadeAnew) {
