@@ -17,7 +17,9 @@ void CondensedIntegrator::declare(DataTable& table) {
   table.add("surfaceIndices", surface_indices_)
       .help("nodes that are kept; those on the boundary of the cells when not given");
   table.addChoice("precision", precision_, {"double", "single"})
-      .help("of the stored inverse: single halves its bytes; entries are then wrong by up to 6e-8 of themselves");
+      .help(
+          "of the stored inverse: single halves its bytes; entries are then wrong by up to 6e-8 of themselves, and "
+          "dragForces by as much more as the compliance of the dragged nodes is near to singular");
   table.add("cacheFolder", cache_folder_)
       .help("keeps what was precomputed in files of this folder; auto: the user's cache folder; empty: nowhere");
   table.add("memoryLimit", memory_limit_)

@@ -84,10 +84,13 @@ void CondensedIntegrator::compile(System& system) {
     }
   }
   problem.stiffness = body_.stiffness();
-  decideForm(problem);
+  used_form_ = form();
   problem.key = keyOf(problem);
   from_cache_ = loadStored(problem);
-  if (!from_cache_) computeAnew(problem);
+  if (!from_cache_) {
+    decideForm(problem);
+    computeAnew(problem);
+  }
   body_.renumber(problem.order);
   shift_.clear();
   for (std::size_t i = 0; i < problem.shift.size(); ++i) shift_.push_back(problem.shift[std::size_t(problem.order[i])]);
@@ -109,7 +112,8 @@ std::string CondensedIntegrator::sourcesOfNumbers() { return STROMA_SOURCES_OF_C
 
 ContentKey CondensedIntegrator::keyOf(const Problem& problem) const {
   ContentKey key;
-  key.add(fmt::format("condensed {} {} {} {}", sourcesOfNumbers(), int(used_form_), int(precision_), body_.interior()));
+  key.add(fmt::format("condensed {} {} {} {}", sourcesOfNumbers(), int(form()) + 4 * mayInvert(), int(precision_),
+                      body_.interior()));
   body_.addTo(key);
   key.add(problem.stiffness.rowStart());
   key.add(problem.stiffness.columns());
@@ -123,7 +127,6 @@ ContentKey CondensedIntegrator::keyOf(const Problem& problem) const {
 // Where every node is kept, a solve with the sparse factor may read less than a product with the inverse. A sparse
 // solve reads the factor twice, at about half the speed of a product because its pieces are short.
 void CondensedIntegrator::decideForm(Problem& problem) {
-  used_form_ = form();
   if (used_form_ != Form::factor || !mayInvert()) return;
   const auto trial = makeFactor();
   trial->analyse(body_.matrix(problem.stiffness, problem.shift), body_.free());
@@ -263,11 +266,14 @@ bool CondensedIntegrator::loadStored(Problem& problem) {
   }
   file_name_ = fmt::format("{}/{}.condensed", folder, problem.key.text());
   std::string reason;
-  if (file_.open(file_name_, problem.key, parts, reason))
+  const bool opened = file_.open(file_name_, problem.key, parts, reason);
+  if (opened && mayInvert() && file_.section(inverse).bytes > 0) used_form_ = Form::symmetric;
+  if (opened)
     for (std::size_t i = 0; i < parts && reason.empty(); ++i)
       if ((i != values || used_form_ == Form::factor) && !file_.isIntact(i)) reason = "its numbers are damaged";
   if (!reason.empty()) {
     file_.close();
+    used_form_ = form();
     warn(fmt::format("{} is not used and made anew: {}", file_name_, reason));
   }
   if (file_.isOpen()) useStored(problem);
