@@ -13,7 +13,10 @@
 //
 // and the inside follows without any, u_i = K_ii^-1 (f_i - K_is u_s), when somebody reads it. interiorMass says what
 // becomes of its mass: "shared" gives it to the kept nodes that carry it (Guyan's reduction T^T M T, T = -K_ii^-1 K_is,
-// lumped by sums of rows), "neglected" leaves it out, as the paper has it.
+// lumped by sums of rows), "neglected" leaves it out, as the paper has it. Both are other bodies than the whole one: of a
+// cube of 8^3 cells, half of its free nodes inside, the motion of its nodes after a load that sets in at once differs
+// by 4 to 14 % of the largest displacement with "shared" and by 17 to 83 % with "neglected", most where the load is
+// sudden and the step short. Where that matters take condensed="false".
 //
 // Stable at every time step where K resists every motion: with a = alpha dt/2 and w an angular frequency of the body,
 // both roots of (1 + a + (w dt)^2) z^2 - 2 z + (1 - a) = 0 lie within the unit circle. An undamped oscillation is
