@@ -21,6 +21,15 @@ struct LabelImage {
   Vec3 bodySize() const;  ///< of the box around all voxels but those outside, along the image's axes
 };
 
+/// The parts of an array of regions that are connected through faces of voxels.
+struct ConnectedParts {
+  std::vector<Index> part;         ///< of each voxel, -1 outside
+  std::vector<long> voxels;        ///< of each part
+  std::vector<std::size_t> first;  ///< voxel of each part
+};
+/// `region` as in LabelImage, first axis fastest.
+ConnectedParts connectedParts(const std::array<Index, 3>& size, const std::vector<std::uint8_t>& region);
+
 /// Reads segmented images; in a library of its own because it opens VTK.
 class LabelImageReader {
  public:

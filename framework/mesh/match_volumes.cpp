@@ -21,23 +21,26 @@ namespace {
 constexpr int newton_steps = 6;
 constexpr double largest_share = 0.3;  ///< of a node's shortest edge, for all steps together
 
-class VolumeMatch {
+class Matching {
  public:
-  VolumeMatch(LabelledMesh& mesh, const std::map<int, double>& wanted, double least_angle)
+  Matching(LabelledMesh& mesh, const std::map<int, double>& wanted, double least_angle)
       : mesh_(mesh), least_angle_(least_angle) {
     for (const auto& [label, volume] : wanted) number_[label] = Index(wanted_.size()), wanted_.push_back(volume);
     collectTriangles();
     measureCells();
   }
 
-  double run() {
-    double best = error();
-    for (int step = 0; step < newton_steps && best > 1e-6; ++step) {
+  VolumeMatch run() {
+    VolumeMatch best;
+    best.error = error();
+    for (int step = 0; step < newton_steps && best.error > 1e-6; ++step) {
       const std::vector<Vec3> before = mesh_.position;
+      last_ = {};
       move();
-      const double now = error();
-      if (now < best) {
-        best = now;
+      last_.error = error();
+      best.at_reach = last_.at_reach, best.held_by_angles = last_.held_by_angles;
+      if (last_.error < best.error) {
+        best.error = last_.error;
         continue;
       }
       mesh_.position = before;
@@ -72,6 +75,7 @@ class VolumeMatch {
 
   LabelledMesh& mesh_;
   double least_angle_;
+  VolumeMatch last_;
   std::map<int, Index> number_;
   std::vector<double> wanted_;
   struct Wall {
@@ -84,7 +88,7 @@ class VolumeMatch {
   std::vector<double> allowed_angle_;
 };
 
-void VolumeMatch::collectTriangles() {
+void Matching::collectTriangles() {
   const auto numberOf = [this](int label) {
     const auto found = number_.find(label);
     return found == number_.end() ? Index(-1) : found->second;
@@ -93,7 +97,7 @@ void VolumeMatch::collectTriangles() {
     walls_.push_back({t.nodes, numberOf(t.inside), numberOf(t.outside)});
 }
 
-void VolumeMatch::measureCells() {
+void Matching::measureCells() {
   start_ = mesh_.position;
   reach_.assign(mesh_.position.size(), std::numeric_limits<double>::infinity());
   for (std::size_t c = 0; c < mesh_.tetrahedra.size(); ++c) {
@@ -109,7 +113,7 @@ void VolumeMatch::measureCells() {
   }
 }
 
-Eigen::VectorXd VolumeMatch::missing() const {
+Eigen::VectorXd Matching::missing() const {
   Eigen::VectorXd out(Index(wanted_.size()));
   for (std::size_t l = 0; l < wanted_.size(); ++l) out[Index(l)] = wanted_[l];
   for (std::size_t c = 0; c < mesh_.tetrahedra.size(); ++c) {
@@ -120,7 +124,7 @@ Eigen::VectorXd VolumeMatch::missing() const {
   return out;
 }
 
-void VolumeMatch::move() {
+void Matching::move() {
   const Index regions = Index(wanted_.size());
   std::vector<std::map<Index, Vec3>> area(mesh_.position.size());  // A_li, and under -1 what has no wanted volume
   for (const Wall& wall : walls_) {
@@ -148,15 +152,16 @@ void VolumeMatch::move() {
     Vec3 way = mesh_.position[n] - start_[n];
     for (const auto& [l, a] : area[n])
       if (l >= 0) way += phi[l] * a / size[n];
-    if (const double length = way.norm(); length > reach_[n]) way *= reach_[n] / length;
+    if (const double length = way.norm(); length > reach_[n]) way *= reach_[n] / length, ++last_.at_reach;
     mesh_.position[n] = start_[n] + way;
   }
   keepAngles(before);
 }
 
 /// Takes nodes of cells that have become too flat half of the way back, at last all of it, until no cell is.
-void VolumeMatch::keepAngles(const std::vector<Vec3>& before) {
+void Matching::keepAngles(const std::vector<Vec3>& before) {
   constexpr int halvings = 4;
+  std::vector<char> held(mesh_.position.size(), 0);
   for (int round = 0;; ++round) {
     std::vector<char> back(mesh_.position.size(), 0);
     bool any = false;
@@ -167,16 +172,18 @@ void VolumeMatch::keepAngles(const std::vector<Vec3>& before) {
         if (!(mesh_.position[i] == before[i])) back[i] = 1, any = true;
       }
     }
-    if (!any) return;
+    if (!any) break;
+    for (std::size_t i = 0; i < back.size(); ++i) held[i] |= back[i];
     for (std::size_t i = 0; i < back.size(); ++i)
       if (back[i]) mesh_.position[i] = round < halvings ? Vec3((mesh_.position[i] + before[i]) / 2) : before[i];
   }
+  last_.held_by_angles = Index(std::count(held.begin(), held.end(), 1));
 }
 
 }  // namespace
 
-double matchVolumes(LabelledMesh& mesh, const std::map<int, double>& wanted, double least_angle) {
-  return VolumeMatch(mesh, wanted, least_angle).run();
+VolumeMatch matchVolumes(LabelledMesh& mesh, const std::map<int, double>& wanted, double least_angle) {
+  return Matching(mesh, wanted, least_angle).run();
 }
 
 }  // namespace stroma

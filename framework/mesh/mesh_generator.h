@@ -34,7 +34,8 @@ class MeshGenerator {
                               *missing = "install libcgal-dev, configure again and build the target meshing";
   virtual ~MeshGenerator() = default;
   /// The body of an image; the boundary between two labels lies half way between their voxels. Throws ComponentError.
-  virtual LabelledMesh fromImage(const LabelImage& image, const MeshCriteria& criteria) const = 0;
+  /// `match` is what the match of volumes came to, where criteria.keep_volume asks for it.
+  virtual LabelledMesh fromImage(const LabelImage& image, const MeshCriteria& criteria, VolumeMatch& match) const = 0;
   /// The inside of a closed surface, with label 1. Throws ComponentError when it is not closed or cuts itself.
   virtual LabelledMesh fromSurface(const std::vector<Vec3>& position, const std::vector<Triangle>& triangles,
                                    const MeshCriteria& criteria) const = 0;

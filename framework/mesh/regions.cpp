@@ -49,20 +49,23 @@ void forEachFace(const LabelledMesh& mesh, Visit&& visit) {
   }
 }
 
-/// How often each directed edge of a region's boundary (label: triangles turned outward) is not met by exactly one
-/// opposite.
-Index leakingEdges(std::vector<Edge> directed) {
+/// Sorts the edges of a region's boundary (directed; triangles turned outward) into closed, open and branching ones.
+void judgeEdges(const LabelledMesh& mesh, std::vector<Edge> directed, RegionReport& region) {
   std::sort(directed.begin(), directed.end());
-  Index leaks = 0;
+  const auto times = [&directed](const Edge& e) {
+    const auto [first, last] = std::equal_range(directed.begin(), directed.end(), e);
+    return last - first;
+  };
   for (std::size_t i = 0; i < directed.size(); ++i) {
-    const auto times = [&directed](const Edge& e) {
-      const auto [first, last] = std::equal_range(directed.begin(), directed.end(), e);
-      return last - first;
-    };
     const Edge& e = directed[i];
-    if (times(e) != 1 || times({e[1], e[0]}) != 1) ++leaks;
+    if (i > 0 && e == directed[i - 1]) continue;
+    const auto here = times(e), back = times({e[1], e[0]});
+    if (here == 1 && back == 1) continue;
+    if (here == back && e[0] > e[1]) continue;  // told by its other direction
+    const bool first = here == back ? region.manifold() : region.watertight();
+    if (first) region.place = (mesh.position[std::size_t(e[0])] + mesh.position[std::size_t(e[1])]) / 2;
+    ++(here == back ? region.branching_edges : region.open_edges);
   }
-  return leaks;
 }
 
 Index rootOf(std::vector<Index>& parent, Index i) {
@@ -86,7 +89,7 @@ void reportSurfaces(const LabelledMesh& mesh, std::map<int, RegionReport>& regio
       if (across) edges[across].push_back({b, a});
     }
   });
-  for (auto& [label, directed] : edges) regions[label].leaking_edges = leakingEdges(std::move(directed));
+  for (auto& [label, directed] : edges) judgeEdges(mesh, std::move(directed), regions[label]);
   for (std::size_t c = 0; c < parent.size(); ++c)
     if (parent[c] == Index(c)) ++regions[mesh.labels[c]].parts;
 }

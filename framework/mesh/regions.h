@@ -30,10 +30,13 @@ std::vector<RegionTriangle> regionTriangles(const LabelledMesh& mesh);
 struct RegionReport {
   int label = 0;
   Index tetrahedra = 0, nodes = 0;
-  double volume = 0;        ///< sum of its cells
-  Index leaking_edges = 0;  ///< edges of its boundary where not exactly two triangles meet, turned alike
-  Index parts = 0;          ///< connected through faces
-  bool watertight() const { return leaking_edges == 0; }
+  double volume = 0;          ///< sum of its cells
+  Index open_edges = 0;       ///< of its boundary: triangles on one side only, or turned against each other
+  Index branching_edges = 0;  ///< closed, but more than two triangles meet
+  Vec3 place = Vec3::Zero();  ///< the middle of the first of these edges, an open one if there is any
+  Index parts = 0;            ///< connected through faces
+  bool watertight() const { return open_edges == 0; }
+  bool manifold() const { return open_edges == 0 && branching_edges == 0; }
 };
 
 struct MeshQuality {
@@ -47,11 +50,18 @@ MeshQuality qualityOf(const LabelledMesh& mesh);
 /// Smallest and largest of the six dihedral angles of a tetrahedron [degrees].
 std::array<double, 2> dihedralAngles(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
 
+/// How far matchVolumes() came, and what held its last step back.
+struct VolumeMatch {
+  double error = 0;          ///< the largest relative error of a volume that is left
+  Index at_reach = 0;        ///< nodes that stand where the share of their shortest edge ends
+  Index held_by_angles = 0;  ///< nodes that went less far because a dihedral angle would have become too small
+};
+
 /// Moves the nodes on the boundaries between regions, each along its area vector, so that the regions get the volumes
 /// `wanted` (by label; labels without an entry are left as they are). Nodes inside of regions stay. Inscribed
 /// triangles make a round body too small by a part that depends on their size; this gives it back. A node moves at most
 /// 0.3 of its shortest edge, and no further than leaves every dihedral angle at `least_angle` [degrees] or where it
-/// was. Returns the largest relative error of a volume that is left.
-double matchVolumes(LabelledMesh& mesh, const std::map<int, double>& wanted, double least_angle);
+/// was.
+VolumeMatch matchVolumes(LabelledMesh& mesh, const std::map<int, double>& wanted, double least_angle);
 
 }  // namespace stroma

@@ -9,13 +9,13 @@ namespace {
 
 class CgalMeshGenerator final : public MeshGenerator {
  public:
-  LabelledMesh fromImage(const LabelImage& image, const MeshCriteria& criteria) const override {
+  LabelledMesh fromImage(const LabelImage& image, const MeshCriteria& criteria, VolumeMatch& match) const override {
     LabelledMesh mesh = meshing::meshImage(image, criteria);
     if (!criteria.keep_volume) return mesh;
     std::map<int, double> wanted;
     const std::vector<long> voxels = image.voxels();
     for (std::size_t i = 0; i < voxels.size(); ++i) wanted[image.values[i]] = double(voxels[i]) * image.voxelVolume();
-    matchVolumes(mesh, wanted, meshing::least_share * criteria.dihedral_angle);
+    match = matchVolumes(mesh, wanted, meshing::least_share * criteria.dihedral_angle);
     return mesh;
   }
   LabelledMesh fromSurface(const std::vector<Vec3>& position, const std::vector<Triangle>& triangles,

@@ -53,6 +53,87 @@ LabelField::LabelField(const LabelImage& image)
   for (Index z = 0; z < image.size[2]; ++z)
     for (Index y = 0; y < image.size[1]; ++y, from += image.size[0])
       std::copy(from, from + image.size[0], region_.begin() + std::ptrdiff_t(place(border, y + border, z + border)));
+  parts_ = connectedParts(padded_, region_);
+  keepVolumes();
+}
+
+std::vector<std::size_t> LabelField::mixedVoxels() const {
+  std::vector<std::size_t> mixed;
+  for (Index z = 1; z + 1 < padded_[2]; ++z)
+    for (Index y = 1; y + 1 < padded_[1]; ++y)
+      for (Index x = 1; x + 1 < padded_[0]; ++x) {
+        const std::uint8_t own = region_[place(x, y, z)];
+        bool differs = false;
+        for (Index row = 0; row < 9 && !differs; ++row) {
+          const std::uint8_t* at = &region_[place(x - 1, y + row % 3 - 1, z + row / 3 - 1)];
+          differs = at[0] != own || at[1] != own || at[2] != own;
+        }
+        if (differs) mixed.push_back(place(x, y, z));
+      }
+  return mixed;
+}
+
+/// The part of the nearest voxel of `region` among the 27 about p.
+int LabelField::nearestPart(const Vec3& p, int region) const {
+  const Vec3 u = inverse_ * (p - origin_);
+  int nearest = -1;
+  double least = std::numeric_limits<double>::infinity();
+  for (Index k = 0; k < 27; ++k) {
+    const Vec3 voxel = u.array().round().matrix() + Vec3(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
+    const std::size_t at = place(Index(voxel.x()) + border, Index(voxel.y()) + border, Index(voxel.z()) + border);
+    if (region_[at] != region || (voxel - u).squaredNorm() >= least) continue;
+    least = (voxel - u).squaredNorm(), nearest = int(parts_.part[at]);
+  }
+  return nearest;
+}
+
+std::vector<double> LabelField::volumes(const std::vector<std::size_t>& mixed) const {
+  constexpr int samples = 4;  // along each axis of a voxel
+  std::vector<double> volume(parts_.voxels.begin(), parts_.voxels.end());
+  for (const std::size_t voxel : mixed) {
+    const int own = region_[voxel];
+    const Index x = Index(voxel) % padded_[0], y = Index(voxel) / padded_[0] % padded_[1];
+    const Index z = Index(voxel) / padded_[0] / padded_[1];
+    for (int k = 0; k < samples * samples * samples; ++k) {
+      const Vec3 shift(k % samples, k / samples % samples, k / samples / samples);
+      const Vec3 p = centre(x, y, z) + steps_ * ((shift.array() + 0.5) / samples - 0.5).matrix();
+      const int found = at(p);
+      if (found == own) continue;
+      constexpr double share = 1. / (samples * samples * samples);
+      if (own) volume[std::size_t(parts_.part[voxel])] -= share;
+      if (const int part = found ? nearestPart(p, found) : -1; part >= 0) volume[std::size_t(part)] += share;
+    }
+  }
+  return volume;
+}
+
+/// Bisection of the logarithm of the strength of all parts that need another one, at the same time.
+void LabelField::keepVolumes() {
+  constexpr double largest = 16;
+  constexpr int rounds = 9;
+  const std::vector<std::size_t> mixed = mixedVoxels();
+  std::vector<double> volume = volumes(mixed);
+  struct Range {
+    std::size_t part;
+    double low, high;
+  };
+  std::vector<Range> ranges;
+  for (std::size_t p = 0; p < volume.size(); ++p) {
+    const double error = volume[p] / double(parts_.voxels[p]) - 1;
+    if (std::abs(error) > tolerated)
+      ranges.push_back({p, error < 0 ? 0 : -std::log(largest), error < 0 ? std::log(largest) : 0});
+  }
+  if (ranges.empty()) return;
+  std::vector<float> of_part(volume.size(), 1);
+  for (int round = 0; round < rounds; ++round) {
+    for (const Range& range : ranges) of_part[range.part] = float(std::exp((range.low + range.high) / 2));
+    strength_.assign(region_.size(), 1);
+    for (std::size_t i = 0; i < region_.size(); ++i)
+      if (parts_.part[i] >= 0) strength_[i] = of_part[std::size_t(parts_.part[i])];
+    volume = volumes(mixed);
+    for (Range& range : ranges)
+      (volume[range.part] < double(parts_.voxels[range.part]) ? range.low : range.high) = (range.low + range.high) / 2;
+  }
 }
 
 int LabelField::at(const Vec3& p) const {
@@ -75,7 +156,12 @@ int LabelField::at(const Vec3& p) const {
   if (!mixed) return found[0];
   std::array<double, 256> sum;  // set where a region occurs
   for (const std::uint8_t r : found) sum[r] = 0;
-  for (std::size_t i = 0; i < 27; ++i) sum[found[i]] += weight[0][i % 3] * weight[1][i / 3 % 3] * weight[2][i / 9];
+  for (std::size_t i = 0; i < 27; ++i) {
+    double share = weight[0][i % 3] * weight[1][i / 3 % 3] * weight[2][i / 9];
+    if (!strength_.empty())
+      share *= double(strength_[place(c[0] + Index(i % 3) - 1, c[1] + Index(i / 3 % 3) - 1, c[2] + Index(i / 9) - 1)]);
+    sum[found[i]] += share;
+  }
   int best = found[0];
   for (const std::uint8_t r : found)
     if (sum[r] > sum[std::size_t(best)] || (sum[r] == sum[std::size_t(best)] && r < best)) best = r;
@@ -90,32 +176,6 @@ std::array<Vec3, 2> LabelField::box() const {
     low = low.cwiseMin(p), high = high.cwiseMax(p);
   }
   return {low, high};
-}
-
-/// The connected part (through voxel faces) of each voxel, -1 outside, and how many voxels each part has.
-std::vector<Index> LabelField::parts(std::vector<long>& voxels) const {
-  const std::ptrdiff_t row = padded_[0], slice = row * padded_[1];
-  std::vector<Index> part(region_.size(), -1);
-  std::vector<std::size_t> open;
-  for (std::size_t first = 0; first < region_.size(); ++first) {
-    if (region_[first] == 0 || part[first] >= 0) continue;
-    const Index number = Index(voxels.size());
-    voxels.push_back(0);
-    part[first] = number;
-    open.push_back(first);
-    while (!open.empty()) {
-      const std::size_t at = open.back();
-      open.pop_back();
-      ++voxels.back();
-      for (const std::ptrdiff_t step : {-slice, -row, std::ptrdiff_t(-1), std::ptrdiff_t(1), row, slice}) {
-        const std::size_t other = std::size_t(std::ptrdiff_t(at) + step);  // the border keeps it inside the array
-        if (region_[other] != region_[first] || part[other] >= 0) continue;
-        part[other] = number;
-        open.push_back(other);
-      }
-    }
-  }
-  return part;
 }
 
 /// Bisection; low == high when both ends are in one region.
@@ -133,8 +193,8 @@ LabelField::BoundaryPoint LabelField::between(Vec3 a, Vec3 b) const {
 }
 
 std::vector<LabelField::BoundaryPoint> LabelField::boundaryPoints(const std::vector<double>& spacing) const {
-  std::vector<long> voxels;
-  const std::vector<Index> part = parts(voxels);
+  const std::vector<Index>& part = parts_.part;
+  const std::vector<long>& voxels = parts_.voxels;
   const double voxel = std::cbrt(std::abs(steps_.determinant()));
   Spread spread;
   std::vector<BoundaryPoint> points;

@@ -9,8 +9,9 @@ namespace stroma::meshing {
 
 /// The label of every point of space. Each voxel's indicator of a label is spread by a quadratic B-spline (width three
 /// voxels, a partition of unity); the label of a point is the one with the largest sum. Boundaries lie half way between
-/// voxels and are smooth instead of stairs; parts at least two voxels thick keep their place to a few hundredths of a
-/// voxel.
+/// voxels and are smooth instead of stairs. Smoothing rounds edges and corners, which takes a quarter of a cube of two
+/// voxels a side and all of a single voxel: the indicator of a connected part that would lose or gain more than
+/// `tolerated` of its volume is made stronger or weaker until the part has the volume of its voxels.
 class LabelField {
  public:
   explicit LabelField(const LabelImage& image);
@@ -33,12 +34,20 @@ class LabelField {
     return std::size_t(x) + std::size_t(padded_[0]) * (std::size_t(y) + std::size_t(padded_[1]) * std::size_t(z));
   }
   Vec3 centre(Index x, Index y, Index z) const { return origin_ + steps_ * Vec3(x - border, y - border, z - border); }
-  std::vector<Index> parts(std::vector<long>& voxels) const;
+  void keepVolumes();
+  /// The voxels (in padded_) about which several regions meet.
+  std::vector<std::size_t> mixedVoxels() const;
+  /// Volumes of the parts in voxels, by samples about the voxels of mixedVoxels().
+  std::vector<double> volumes(const std::vector<std::size_t>& mixed) const;
+  int nearestPart(const Vec3& p, int region) const;
   BoundaryPoint between(Vec3 a, Vec3 b) const;
 
-  static constexpr Index border = 2;  ///< voxels of region 0 around the image
+  static constexpr Index border = 2;         ///< voxels of region 0 around the image
+  static constexpr double tolerated = 0.03;  ///< of a part's volume; matchVolumes() mends what is less
   std::array<Index, 3> padded_;
   std::vector<std::uint8_t> region_;
+  ConnectedParts parts_;
+  std::vector<float> strength_;  ///< of each voxel's indicator; empty: 1 everywhere
   Vec3 origin_;
   Mat3 steps_, inverse_;
 };

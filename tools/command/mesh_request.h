@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// What `stroma mesh` is asked for.
+#pragma once
+#include <string>
+
+#include "framework/mesh/labelled_files.h"
+#include "framework/mesh/mesh_generator.h"
+#include "tools/command/session.h"
+
+namespace stroma::command {
+
+struct MeshRequest {
+  std::string input, output;
+  double scale = 1;
+  MeshCriteria criteria;
+  LabelNames names;
+  double most_cells = 5e6;
+  double progress = 5;  ///< seconds between two lines
+  bool json = false, format_22 = false;
+  bool toVtu() const { return output.ends_with(".vtu"); }
+  /// The loader of the surface's format, or null: an image.
+  const char* surfaceLoader() const;
+};
+
+/// None when only the manual was wanted. Throws UsageError.
+std::optional<MeshRequest> readMeshRequest(const Arguments& arguments);
+
+/// Labels that the request names must be those of the input, and names must differ. Throws UsageError.
+void checkLabels(const MeshRequest& request, const std::vector<int>& labels);
+
+}  // namespace stroma::command
