@@ -109,6 +109,7 @@ std::vector<double> LabelField::volumes(const std::vector<std::size_t>& mixed) c
 
 /// Bisection of the logarithm of the strength of all parts that need another one, at the same time.
 void LabelField::keepVolumes() {
+  constexpr long small = 1000;  // voxels: of larger parts smoothing takes little, and matchVolumes() gives it back
   constexpr double largest = 16;
   constexpr int rounds = 9;
   const std::vector<std::size_t> mixed = mixedVoxels();
@@ -120,7 +121,7 @@ void LabelField::keepVolumes() {
   std::vector<Range> ranges;
   for (std::size_t p = 0; p < volume.size(); ++p) {
     const double error = volume[p] / double(parts_.voxels[p]) - 1;
-    if (std::abs(error) > tolerated)
+    if (parts_.voxels[p] < small && std::abs(error) > tolerated)
       ranges.push_back({p, error < 0 ? 0 : -std::log(largest), error < 0 ? std::log(largest) : 0});
   }
   if (ranges.empty()) return;

@@ -95,12 +95,12 @@ TEST(Regions, SurfacesPartsAndLeaks) {
   EXPECT_FALSE(qualityOf(bow).regions.at(0).manifold());
   EXPECT_EQ(qualityOf(bow).regions.at(0).branching_edges, 1);
   EXPECT_LT((qualityOf(bow).regions.at(0).place - Vec3(0, 0, 0.5)).norm(), 1e-12);
-  // three cells at one face: the boundary is open there
+  // three cells at one face: two of them overlap
   LabelledMesh fan;
   fan.position = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, -1}, {0, 0, 2}};
   fan.tetrahedra = {{0, 1, 2, 3}, {0, 2, 1, 4}, {0, 1, 2, 5}};
   fan.labels = {5, 5, 5};
-  EXPECT_FALSE(qualityOf(fan).regions.at(0).watertight());
+  EXPECT_FALSE(qualityOf(fan).regions.at(0).manifold());
 }
 
 TEST(Regions, WhatASurfaceEnclosesDoesNotDependOnHowItsTrianglesAreTurned) {
