@@ -70,6 +70,22 @@ TEST_F(CacheFolder, secondRunTakesTheSameNumbersFromTheFile) {
   EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 2);
 }
 
+TEST_F(CacheFolder, aFileSaysWhetherWholeBodiesHaveAnInverse) {
+  int forms = 0;
+  for (const std::string choice : {"", "precision=\"single\"", "solve=\"inverse\"", "solve=\"factor\""}) {
+    const std::string text =
+        scene("Dynamic").replace(scene("Dynamic").find("Solver ") + 7, 0, "condensed=\"false\" " + choice + " ");
+    Simulation first = simulationFromText(text), second = simulationFromText(text);
+    EXPECT_FALSE(fromCache(first)) << choice;
+    EXPECT_TRUE(fromCache(second)) << choice;
+    const std::string plan = first.systems().front()->integrator().describe();
+    EXPECT_EQ(second.systems().front()->integrator().describe().substr(0, plan.size()), plan);
+    EXPECT_EQ(hashAfterSteps(first), hashAfterSteps(second)) << choice;
+    forms |= plan.find("sparse factor") == std::string::npos ? 1 : 2;
+  }
+  EXPECT_EQ(forms, 3);
+}
+
 TEST_F(CacheFolder, anotherMaterialIsAnotherFile) {
   Simulation first = simulationFromText(scene()), second = simulationFromText(scene("Static", "5001"));
   EXPECT_FALSE(fromCache(second));
