@@ -2,7 +2,8 @@
 // Hyperelastic hexahedra with 2x2x2 Gauss points: the laws, attributes and forms of
 // TetrahedronHyperelasticityFEMForceField, whose page says what is computed, at each of eight points
 //   F = sum_i dx/dxi_i (x) grad xi_i,   f_a = -sum_p w_p P_p grad N_a
-// Trilinear cells lock when nearly incompressible (nu above about 0.48): finer meshes, or tetrahedra in fives, lock less.
+// Trilinear cells lock when nearly incompressible (nu above about 0.48): finer meshes, or tetrahedra in fives, lock
+// less.
 //
 // Example:
 // <Node name="root" dt="0.02" gravity="0 0 -9.81">

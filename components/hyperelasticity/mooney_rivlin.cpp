@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Mooney-Rivlin: W = c1 (J^-2/3 I1 - 3) + c2 (J^-4/3 I2 - 3) + k0/2 (ln J)^2; at small strains mu = 2 (c1 + c2) and the
 // bulk modulus is k0. Infinite at J = 0.
+#include <fmt/format.h>
+
 #include "framework/fem/hyperelastic_kernels.h"
 #include "framework/scene/factory.h"
 
@@ -23,12 +25,17 @@ struct MooneyRivlin {
   }
 };
 
-/// mu = 2 (c1 + c2): one of them must be given.
+/// mu = 2 (c1 + c2): one of them must be given, and must leave the other its part.
 std::string fromLame(const Lame& lame, std::vector<double>& values) {
   const double sum = lame.mu / 2;
   if (std::isnan(values[0]) && std::isnan(values[1])) return "MooneyRivlin needs c1 or c2 besides youngModulus";
-  if (std::isnan(values[0])) values[0] = sum - values[1];
-  if (std::isnan(values[1])) values[1] = sum - values[0];
+  for (int given : {0, 1})
+    if (std::isnan(values[std::size_t(1 - given)])) {
+      const double other = values[std::size_t(1 - given)] = sum - values[std::size_t(given)];
+      if (other < 0)
+        return fmt::format("c{} = {:g} of MooneyRivlin is above mu/2 = {:g} of youngModulus: c{} would be negative",
+                           given + 1, values[std::size_t(given)], sum, 2 - given);
+    }
   if (std::isnan(values[2])) values[2] = lame.lambda + 2. / 3 * lame.mu;
   return {};
 }

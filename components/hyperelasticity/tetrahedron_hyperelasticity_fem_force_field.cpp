@@ -10,25 +10,41 @@
 // forces and tangents the textbook's way, to compare (StandardTetrahedralFEMForceField has it from the start).
 //
 // materialName and the order of ParameterSet; L = ln J, I1' = J^-2/3 I1, I2' = J^-4/3 I2, E = (C - Id)/2:
-//   StVenantKirchhoff  mu lambda           lambda/2 tr(E)^2 + mu tr(E^2)
-//   NeoHookean         mu lambda           mu/2 (I1 - 3) - mu L + lambda/2 L^2
-//   StableNeoHookean   mu lambda           mu/2 (I1 - 3) + (lambda + mu)/2 ((J - a)^2 - (1 - a)^2), a = 1 + mu/(lambda
-//   + mu) MooneyRivlin       c1 c2 k0            c1 (I1' - 3) + c2 (I2' - 3) + k0/2 L^2 VerondaWestman     c1 c2 k0 c1
-//   (exp(c2 (I1' - 3)) - 1) - c1 c2/2 (I2' - 3) + k0/2 L^2 ArrudaBoyce        mu k0               mu sum C_n (I1'^n -
-//   3^n) + k0/2 L^2, n = 1..5, eight-chain series of N = 8 Costa              a k0 bff bfs bss bfn bsn bnn
-//                                          a/2 (exp(J^-4/3 Q) - 1) + k0 (J L - J + 1), Q = sum b_ij E_ij^2
-//   TransverselyIsotropic  mu lambda k1 k2 NeoHookean + k1/(2 k2) (exp(k2 max(0, J^-2/3 I4 - 1)^2) - 1), I4 = a C a
+//   StVenantKirchhoff      mu lambda
+//                          lambda/2 tr(E)^2 + mu tr(E^2)
+//   NeoHookean             mu lambda
+//                          mu/2 (I1 - 3) - mu L + lambda/2 L^2
+//   StableNeoHookean       mu lambda
+//                          mu/2 (I1 - 3) + (lambda + mu)/2 ((J - a)^2 - (1 - a)^2), a = 1 + mu/(lambda + mu)
+//   MooneyRivlin           c1 c2 k0
+//                          c1 (I1' - 3) + c2 (I2' - 3) + k0/2 L^2
+//   VerondaWestman         c1 c2 k0
+//                          c1 (exp(c2 (I1' - 3)) - 1) - c1 c2/2 (I2' - 3) + k0/2 L^2
+//   ArrudaBoyce            mu k0
+//                          mu sum C_n (I1'^n - 3^n) + k0/2 L^2, n = 1..5, eight-chain series of N = 8
+//   Ogden                  mu1 alpha1 k0, or mu1 alpha1 mu2 alpha2 k0, or three such pairs and k0
+//                          sum mu_k/alpha_k^2 (sum_i (J^-1/3 lambda_i)^alpha_k - 3) + k0/2 L^2
+//   Costa                  a k0 bff bfs bss bfn bsn bnn
+//                          a/2 (exp(J^-4/3 Q) - 1) + k0 (J L - J + 1), Q = sum b_ij E_ij^2
+//   TransverselyIsotropic  mu lambda k1 k2
+//                          NeoHookean + k1/(2 k2) (exp(k2 max(0, J^-2/3 I4 - 1)^2) - 1), I4 = a C a
 // AnisotropyDirections are the fibres a of TransverselyIsotropic, or fibre and sheet (and normal) of Costa: for all
 // cells, or for each cell one after the other; they are made orthogonal and of length 1.
 // Instead of ParameterSet parameters can be given by name, each one value or one a cell; youngModulus and poissonRatio
-// stand for those that are not given, so that small strains follow Hooke's law.
+// stand for those that are not given, so that small strains follow Hooke's law: parameters that contradict them by more
+// than a thousandth are refused. Of TransverselyIsotropic they are the moduli of the matrix; its fibres come on top, so
+// the body is stiffer along them.
 //
 // Laws with ln J are infinite at J = 0: a step that turns an element inside out ends with a report of that element.
-// StVenantKirchhoff and StableNeoHookean are finite there and recover; the first softens under strong compression.
+// StVenantKirchhoff and StableNeoHookean are finite there, and the run goes on. That is no promise of the old shape:
+// StVenantKirchhoff softens under strong compression, does not know a shape from its mirror image (E = 0 in both), and
+// a flat cell feels no force out of its plane; an inverted cell of StableNeoHookean is driven back, but folds of many
+// cells can hold each other.
 // matrixRegularization = true replaces, where J < 1, the part d2W/dJ2 dJ_i dJ_j of the tangent by
 // d2W/dJ2 ((1 - b) dJ_i dJ_j + b (dJ_i . dJ_j) Id), b = 1 - J, at most 1 (section 2.3): a Newton iteration then needs
-// more steps and survives more. projectedTangent = true takes the negative eigenvalues out of each element's tangent.
-// Neither changes what is in equilibrium.
+// more steps and survives more. d2W/dJ2 is the whole second derivative, of exponentials too. The energy of
+// StVenantKirchhoff has no J: with it the attribute is refused. projectedTangent = true takes the negative eigenvalues
+// out of each element's tangent. Neither changes what is in equilibrium.
 //
 // viscous = true relaxes the second Piola-Kirchhoff stress S_h of any of these laws by a Prony series (section 3.1):
 //   S_v = S_h - sum_i gamma_i,   tau_i dgamma_i/dt + gamma_i = alpha_i S_h,   gamma_i = 0 at the start

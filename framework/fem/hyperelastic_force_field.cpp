@@ -66,6 +66,31 @@ std::vector<Vec3> cornersOf(const Nodes& nodes, Position&& position) {
   return corner;
 }
 
+struct Moduli {
+  double shear, bulk;
+};
+/// Of small strains [Pa], across a fibre, by central differences of the stress: dP of the shear e2 (x) e3 + e3 (x) e2
+/// is 2 mu times it, of the dilation Id 3 K times it; neither stretches the fibre e1 at constant volume. Relative error
+/// 1e-7.
+Moduli moduliAtRest(const HyperelasticLaw& law, const double* values) {
+  constexpr double h = 1e-4;
+  const Mat3 unit = Mat3::Identity();
+  Mat3 shear = Mat3::Zero();
+  shear(1, 2) = shear(2, 1) = 1;
+  const auto change = [&](const Mat3& df) -> Mat3 {
+    return (law.stress(values, unit + h * df) - law.stress(values, unit - h * df)) / (2 * h);
+  };
+  return {change(shear)(1, 2) / 2, change(unit).trace() / 9};
+}
+
+/// Whether a shape and its mirror image have the same stress: an energy of C alone, without J.
+bool isMirrored(const HyperelasticLaw& law, const double* values) {
+  Mat3 f;
+  f << 1.1, 0.2, -0.1, 0.05, 0.9, 0.3, 0.1, -0.2, 1.2;
+  const Mat3 p = law.stress(values, f);
+  return (law.stress(values, -f) + p).norm() < 1e-10 * p.norm();
+}
+
 }  // namespace
 
 void HyperelasticForceField::declare(DataTable& table) {
@@ -102,9 +127,12 @@ void HyperelasticForceField::declare(DataTable& table) {
   table.addChoice("discretization", discretization, {"mjed", "standard"})
       .help("mjed: derivatives by J and invariants; standard: the textbook's S and elasticity tensor, to compare");
   table.add("matrixRegularization", regularised_)
-      .help("under compression turn the tangent's volumetric part into a multiple of the identity (Marchesseau 2.3)");
+      .help("where J < 1 turn the tangent's part with d2W/dJ2 into a multiple of the identity (Marchesseau 2.3)");
   table.add("projectedTangent", projected_)
       .help("set the unstable eigenvalues of each point's tangent to zero: every step of Newton goes downhill");
+  table.add("considerInversion", consider_inversion_)
+      .help("of SOFA's plugin: only false; what each law does with inverted elements is on its page");
+  table.add("ParameterFile", parameter_file_).help("of SOFA's plugin: only empty; parameters take a value a cell");
   prony_.declare(table);
   history_file_.declare(table);
 }
@@ -115,6 +143,7 @@ std::size_t HyperelasticForceField::cellCount() const {
 
 void HyperelasticForceField::init() {
   ForceField::init();
+  refusePlugin();
   chooseMesh();
   chooseLaw();
   readParameters();
@@ -127,6 +156,10 @@ void HyperelasticForceField::init() {
   checkShapes();
   if (regularised_ && projected_)
     throw ComponentError("matrixRegularization and projectedTangent both replace the tangent", "one of them");
+  if (regularised_ && isMirrored(*law_, parameters(0)))
+    throw ComponentError(
+        fmt::format("matrixRegularization acts on d2W/dJ2 of the law, and the energy of {} has no J", law_->name),
+        "projectedTangent=\"true\" for this law");
   if (hexahedra && regularised_)
     throw ComponentError("matrixRegularization exists for tetrahedra", "projectedTangent=\"true\" for hexahedra");
   if (hexahedra && discretization == Discretization::standard)
@@ -134,6 +167,21 @@ void HyperelasticForceField::init() {
   if (discretization == Discretization::standard && (regularised_ || projected_))
     throw ComponentError("discretization standard is the textbook's form, with its exact tangent",
                          "discretization=\"mjed\" with matrixRegularization or projectedTangent");
+}
+
+/// What SOFA's MJEDTetrahedralForceField has and this component has not.
+void HyperelasticForceField::refusePlugin() const {
+  if (consider_inversion_)
+    throw ComponentError(
+        "considerInversion, forces of an inverted element as if a node lay on the other side, is not available",
+        "considerInversion=\"false\"", "StableNeoHookean, whose energy drives inverted elements back");
+  if (!parameter_file_.empty())
+    throw ComponentError(fmt::format("ParameterFile '{}' would not be read", parameter_file_),
+                         "ParameterSet, or the parameters by name with one value a cell");
+  if (material_name_ == "NeoHookeanIsotropic" || material_name_ == "Isotropic_NeoHookean")
+    throw ComponentError(
+        fmt::format("there is no law '{}'", material_name_),
+        "NeoHookean, or with the isochoric invariant J^-2/3 I1 alone MooneyRivlin, c1 = mu/2, c2 = 0 and k0");
 }
 
 void HyperelasticForceField::chooseMesh() {
@@ -215,8 +263,10 @@ void HyperelasticForceField::fillNamed(std::size_t set, std::vector<double>& val
     if (complete)
       throw ComponentError(fmt::format("{} has all its parameters besides youngModulus", law_->name),
                            "one or the other");
-    const std::string missing = law_->from_lame(Lame::from(at(young_modulus_, set), at(poisson_ratio_, set)), values);
+    const Lame lame = Lame::from(at(young_modulus_, set), at(poisson_ratio_, set));
+    const std::string missing = law_->from_lame(lame, values);
     if (!missing.empty()) throw ComponentError(missing, law_->expectation());
+    checkModuli(lame, values.data());
   }
   std::vector<std::string> absent;
   for (std::size_t i = 0; i < values.size(); ++i)
@@ -224,6 +274,19 @@ void HyperelasticForceField::fillNamed(std::size_t set, std::vector<double>& val
   if (!absent.empty())
     throw ComponentError(fmt::format("{} needs {}", law_->name, fmt::join(absent, ", ")),
                          law_->expectation() + (law_->from_lame ? ", or youngModulus and poissonRatio" : ""));
+}
+
+/// Refuses parameters that contradict E and nu, beyond the figures that people write.
+void HyperelasticForceField::checkModuli(const Lame& lame, const double* values) const {
+  const auto [shear, bulk] = moduliAtRest(*law_, values);
+  const double bulk_asked = lame.lambda + 2. / 3 * lame.mu;
+  const auto agree = [](double a, double b) { return std::abs(a - b) <= 1e-3 * std::abs(b); };
+  if (agree(shear, lame.mu) && agree(bulk, bulk_asked)) return;
+  throw ComponentError(
+      fmt::format("youngModulus and poissonRatio mean a shear modulus of {:.6g} Pa and a bulk modulus of {:.6g} Pa; "
+                  "with {} of {} they are {:.6g} and {:.6g}",
+                  lame.mu, bulk_asked, fmt::join(givenNames(), ", "), law_->name, shear, bulk),
+      "parameters that agree, or youngModulus and poissonRatio alone for them");
 }
 
 void HyperelasticForceField::readParameters() {
@@ -383,18 +446,24 @@ void HyperelasticForceField::addForceAndProduct(ConstRows x, ConstRows v, ConstR
   checkFinite(x, f);
 }
 
-/// A law that is infinite at J = 0 makes NaN of a flat element: remembers which it was, for the report. One sum a
-/// force.
+/// A law that is infinite at J = 0 makes NaN of a flat element: remembers which it was, for the report, until the next
+/// force that is finite or whose elements all have a volume (then another component's is not). Positions that are not
+/// finite themselves are the consequence: the cause is kept. One sum a force.
 void HyperelasticForceField::checkFinite(ConstRows x, ConstRows f) {
   if (!law_->infinite_at_zero) return;
   double sum = 0;
   const ConstRows own = ownRows(f);
   for (std::size_t i = 0; i < own.doubles(); ++i) sum += own.data[i] * 0;
-  if (sum == 0) return;
+  if (sum == 0) {
+    fault_.clear();
+    return;
+  }
   double j = 0;
   const std::size_t cell = worstCell(ownRows(x), j);
   if (j <= 0)
     fault_ = fmt::format("{} had J = {:.3g}, where the energy of {} is infinite", describe(cell), j, law_->name);
+  else if (j > 0)
+    fault_.clear();
 }
 
 ForceField::Cost HyperelasticForceField::cost() const {

@@ -46,11 +46,13 @@ class HyperelasticForceField : public ElementMethodField, public History {
   hyperelastic::Cells cells() const;
 
  private:
+  void refusePlugin() const;
   void chooseMesh();
   void chooseLaw();
   std::vector<std::string> givenNames() const;
   void readParameters();
   void fillNamed(std::size_t set, std::vector<double>& values) const;
+  void checkModuli(const Lame& lame, const double* values) const;
   void readDirections();
   Mat3 axes(std::size_t cell) const;
   std::size_t cellCount() const;
@@ -71,7 +73,8 @@ class HyperelasticForceField : public ElementMethodField, public History {
   std::vector<double> parameter_set_, young_modulus_, poisson_ratio_;
   std::map<std::string, std::vector<double>> named_;
   std::vector<Vec3> directions_;
-  bool regularised_ = false, projected_ = false;
+  bool regularised_ = false, projected_ = false, consider_inversion_ = false;
+  std::string parameter_file_;
   PronyAttributes prony_;
   HistoryFile history_file_;
 

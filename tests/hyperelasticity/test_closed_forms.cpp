@@ -161,6 +161,7 @@ TEST(HyperelasticClosedForms, StretchesAndShear) {
   for (const auto& [law, closed] : closedForms())
     for (const auto& [type, form] : forms) {
       SCOPED_TRACE(law + " " + type + " " + form);
+      if (law == "StVenantKirchhoff" && form.rfind("matrixRegularization", 0) == 0) continue;  // it has no J
       FieldUnderTest t(cellScene(type, closed.attributes + " " + form), type);
       for (const Vec3& l : stretches) {
         const Mat3 p = firstStress(t, l.asDiagonal());
@@ -183,6 +184,7 @@ TEST(HyperelasticClosedForms, RestAndRotation) {
   for (const auto& [law, closed] : closedForms())
     for (const auto& [type, form] : forms) {
       SCOPED_TRACE(law + " " + type + " " + form);
+      if (law == "StVenantKirchhoff" && form.rfind("matrixRegularization", 0) == 0) continue;  // it has no J
       FieldUnderTest t(cellScene(type, closed.attributes + " " + form), type);
       const Mat3 p = firstStress(t, f);
       const double energy = t.field().energy(t.x);

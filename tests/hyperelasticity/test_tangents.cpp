@@ -81,6 +81,7 @@ TEST(HyperelasticTangents, ProductsAreOfTheMatrix) {
   for (const LawCase& law : lawCases())
     for (const std::string form : {"matrixRegularization", "projectedTangent"}) {
       SCOPED_TRACE(law.name + " " + form);
+      if (form == "matrixRegularization" && law.name == "StVenantKirchhoff") continue;  // it has no J
       FieldUnderTest t(lawScene(law.attributes + " " + form + "=\"true\""), tetrahedral);
       t.deform(0.04);
       for (Index i = 0; i < t.x.count(); ++i) t.x[i] = 0.9 * Vec3(t.x[i]);

@@ -219,6 +219,7 @@ TEST(ViscousLaw, TangentIsTheForcesDerivative) {
   for (const LawCase& l : lawCases())
     for (const std::string& form : forms) {
       SCOPED_TRACE(l.name + form);
+      if (l.name == "StVenantKirchhoff" && form.find("Regularization") != std::string::npos) continue;  // has no J
       FieldUnderTest t(lawScene(l.attributes + prony + update("exponential") + form), tetrahedral);
       giveHistory(t);
       FieldUnderTest elastic(lawScene(l.attributes + form), tetrahedral);

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// What a scene may ask of a law together: moduli that agree, tangents that differ, names of SOFA's plugin; the manual's
+// table of laws; what a report says of an element without volume.
+#include <fmt/format.h>
+
+#include <fstream>
+#include <limits>
+
+#include "framework/fem/hyperelastic_force_field.h"
+#include "tests/hyperelasticity/law_cases.h"
+
+namespace stroma::test {
+namespace {
+
+std::string oneCell(const std::string& attributes, const std::string& position = "0 0 0 1 0 0 0 1 0 0 0 1") {
+  return "<Node name=\"root\" dt=\"0.01\"><EulerImplicitSolver/><CGLinearSolver/>"
+         "<TetrahedronSetTopologyContainer position=\"" +
+         position + "\" tetrahedra=\"0 1 2 3\"/><MechanicalObject/><UniformMass totalMass=\"1\"/><" + tetrahedral +
+         " " + attributes + "/></Node>";
+}
+void expectRefused(const std::string& attributes, const std::vector<std::string>& words) {
+  const std::string problems = problemsOf(oneCell(attributes));
+  for (const std::string& word : words)
+    EXPECT_NE(problems.find(word), std::string::npos) << attributes << ": " << problems;
+}
+std::string withHooke(const std::string& law, const std::string& more) {
+  return "materialName=\"" + law + "\" youngModulus=\"10000\" poissonRatio=\"0.25\" " + more;
+}
+
+// E = 10000, nu = 0.25: mu = lambda = 4000, K = 6666.67
+TEST(HyperelasticAttributes, ModuliThatContradictEachOtherAreRefused) {
+  const std::string fibres = " k1=\"5000\" k2=\"2\" AnisotropyDirections=\"1 0 0\"";
+  const std::vector<std::pair<std::string, std::string>> refused{{"NeoHookean", "mu=\"10\""},
+                                                                 {"NeoHookean", "mu=\"4008\""},
+                                                                 {"NeoHookean", "lambda=\"4500\""},
+                                                                 {"StVenantKirchhoff", "mu=\"10\""},
+                                                                 {"StableNeoHookean", "lambda=\"1\""},
+                                                                 {"MooneyRivlin", "c1=\"10\" c2=\"5\""},
+                                                                 {"MooneyRivlin", "c1=\"1500\" k0=\"9000\""},
+                                                                 {"VerondaWestman", "c1=\"10\" c2=\"5\""},
+                                                                 {"VerondaWestman", "c2=\"5\" k0=\"1000\""},
+                                                                 {"ArrudaBoyce", "mu=\"4000\""},
+                                                                 {"ArrudaBoyce", "k0=\"4000\""},
+                                                                 {"Ogden", "mu1=\"4000\" alpha1=\"3\""},
+                                                                 {"TransverselyIsotropic", "mu=\"10\"" + fibres},
+                                                                 {"TransverselyIsotropic", "lambda=\"10\"" + fibres}};
+  for (const auto& [law, more] : refused)
+    expectRefused(withHooke(law, more), {"a shear modulus of 4000 Pa and a bulk modulus of 6666.67 Pa", "of " + law});
+  const std::vector<std::pair<std::string, std::string>> accepted{{"NeoHookean", "mu=\"4000\""},
+                                                                  {"NeoHookean", "lambda=\"4001\""},
+                                                                  {"MooneyRivlin", "c1=\"1500\" c2=\"500\""},
+                                                                  {"MooneyRivlin", "c1=\"1500\" k0=\"6667\""},
+                                                                  {"VerondaWestman", "c1=\"2000\" c2=\"2\""},
+                                                                  {"ArrudaBoyce", "mu=\"3686.2\""},  // 4000/1.085137
+                                                                  {"Ogden", "mu1=\"8000\" alpha1=\"3\""},
+                                                                  {"TransverselyIsotropic", fibres},
+                                                                  {"TransverselyIsotropic", "mu=\"4000\"" + fibres}};
+  for (const auto& [law, more] : accepted) EXPECT_EQ(problemsOf(oneCell(withHooke(law, more))), "") << law << more;
+  for (const std::string given : {"c1", "c2"})
+    expectRefused(withHooke("MooneyRivlin", given + "=\"2500\""),
+                  {given + " = 2500 of MooneyRivlin is above mu/2 = 2000", "would be negative"});
+}
+
+TEST(HyperelasticAttributes, RegularisationNeedsALawWithJ) {
+  for (const LawCase& law : lawCases()) {
+    const std::string attributes = law.attributes + " matrixRegularization=\"true\"";
+    if (law.name == "StVenantKirchhoff")
+      expectRefused(attributes, {"matrixRegularization acts on d2W/dJ2", "has no J", "projectedTangent"});
+    else
+      EXPECT_EQ(problemsOf(oneCell(attributes)), "") << law.name;
+  }
+}
+
+TEST(HyperelasticAttributes, NamesOfThePluginAreExplained) {
+  const std::string law = "materialName=\"NeoHookean\" ParameterSet=\"1000 4000\" ";
+  EXPECT_EQ(problemsOf(oneCell(law + "considerInversion=\"false\"")), "");
+  expectRefused(law + "considerInversion=\"true\"", {"considerInversion", "StableNeoHookean"});
+  expectRefused(law + "ParameterFile=\"some.param\"", {"some.param", "ParameterSet"});
+  expectRefused("materialName=\"NeoHookeanIsotropic\" ParameterSet=\"1000 4000\"",
+                {"no law 'NeoHookeanIsotropic'", "MooneyRivlin, c1 = mu/2"});
+}
+
+/// A line for each law, with its parameters in the order of ParameterSet; the next is its energy.
+TEST(HyperelasticAttributes, TheManualHasATableOfLaws) {
+  std::ifstream page(STROMA_SOURCE_DIR "/components/hyperelasticity/tetrahedron_hyperelasticity_fem_force_field.cpp");
+  ASSERT_TRUE(page);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(page, line);) lines.push_back(line);
+  for (const hyperelastic::HyperelasticLaw& law : hyperelastic::hyperelasticLaws()) {
+    std::string names;
+    for (const auto& p : law.parameters) names += (names.empty() ? "" : " ") + p.name;
+    std::string line = fmt::format("//   {:23}{}", law.name, names);
+    if (law.name == "Ogden") line = fmt::format("//   {:23}{}", law.name, "mu1 alpha1 k0, or");
+    const auto row = std::find_if(lines.begin(), lines.end(), [&](const auto& l) { return l.rfind(line, 0) == 0; });
+    ASSERT_NE(row, lines.end()) << line;
+    EXPECT_EQ(row[1].rfind("//                          ", 0), 0u) << row[1];
+  }
+}
+
+/// A report names an element without volume as long as that is why the last force was not finite.
+TEST(HyperelasticAttributes, AFaultIsForgotten) {
+  FieldUnderTest t(oneCell("materialName=\"NeoHookean\" ParameterSet=\"1000 4000\""), tetrahedral);
+  const auto blamed = [&](ConstRows x) { return t.field().worstElement(x).find("had J = ") != std::string::npos; };
+  const auto turnOver = [&] {
+    t.rest();
+    t.x[3] = Vec3(0, 0, -0.5);
+    t.force();
+  };
+  turnOver();
+  EXPECT_TRUE(blamed(t.x));
+  t.rest();
+  t.force();
+  EXPECT_FALSE(blamed(t.x)) << "a trial that was given up";
+
+  // what another component made NaN
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  turnOver();
+  t.rest();
+  Vector f(t.x.count());
+  f[0] = Vec3(nan, nan, nan);
+  t.field().addForce(t.x, t.v_zero, f);
+  EXPECT_FALSE(blamed(t.x));
+  Vector bad(t.x.count());
+  copy(t.x, bad);
+  bad[0] = Vec3(nan, nan, nan);
+  t.forceAt(bad);
+  EXPECT_FALSE(blamed(bad));
+
+  // positions that a flat element made NaN
+  turnOver();
+  t.forceAt(bad);
+  EXPECT_TRUE(blamed(bad));
+}
+
+}  // namespace
+}  // namespace stroma::test
