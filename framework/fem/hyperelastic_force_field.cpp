@@ -129,7 +129,10 @@ void HyperelasticForceField::declare(DataTable& table) {
   table.add("matrixRegularization", regularised_)
       .help("where J < 1 turn the tangent's part with d2W/dJ2 into a multiple of the identity (Marchesseau 2.3)");
   table.add("projectedTangent", projected_)
-      .help("set the unstable eigenvalues of each point's tangent to zero: every step of Newton goes downhill");
+      .help(
+          "set the unstable eigenvalues of each point's tangent to zero: every step of Newton goes downhill (but for "
+          "what "
+          "viscosity adds)");
   table.add("considerInversion", consider_inversion_)
       .help("of SOFA's plugin: only false; what each law does with inverted elements is on its page");
   table.add("ParameterFile", parameter_file_).help("of SOFA's plugin: only empty; parameters take a value a cell");
