@@ -237,7 +237,7 @@ StepReport CondensedStaticSolver::step(System& system, const StepContext& contex
   update();
   StepReport report;
   if (writeActive(system, u_.data(), nullptr)) {
-    finish(system, context, u_.data());
+    finish(system, context);
     return report;
   }
   return giveUp(system, "a load is not finite, or the body has left the range of numbers");

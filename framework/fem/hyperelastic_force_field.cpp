@@ -24,10 +24,6 @@ using hyperelastic::ViscousLaw;
 
 namespace {
 
-constexpr double not_given = std::numeric_limits<double>::quiet_NaN();
-
-double at(const std::vector<double>& values, std::size_t cell) { return values.size() == 1 ? values[0] : values[cell]; }
-
 /// Gradients of shape functions (columns, in the order of the cell) at the integration points.
 using Gradients = Eigen::Matrix<double, 3, Eigen::Dynamic>;
 std::vector<Gradients> gradientsOf(const std::vector<Vec3>& corner) {
@@ -64,23 +60,6 @@ std::vector<Vec3> cornersOf(const Nodes& nodes, Position&& position) {
   std::vector<Vec3> corner;
   for (Index n : nodes) corner.push_back(position(n));
   return corner;
-}
-
-struct Moduli {
-  double shear, bulk;
-};
-/// Of small strains [Pa], across a fibre, by central differences of the stress: dP of the shear e2 (x) e3 + e3 (x) e2
-/// is 2 mu times it, of the dilation Id 3 K times it; neither stretches the fibre e1 at constant volume. Relative error
-/// 1e-7.
-Moduli moduliAtRest(const HyperelasticLaw& law, const double* values) {
-  constexpr double h = 1e-4;
-  const Mat3 unit = Mat3::Identity();
-  Mat3 shear = Mat3::Zero();
-  shear(1, 2) = shear(2, 1) = 1;
-  const auto change = [&](const Mat3& df) -> Mat3 {
-    return (law.stress(values, unit + h * df) - law.stress(values, unit - h * df)) / (2 * h);
-  };
-  return {change(shear)(1, 2) / 2, change(unit).trace() / 9};
 }
 
 /// Whether a shape and its mirror image have the same stress: an energy of C alone, without J.
@@ -206,150 +185,6 @@ void HyperelasticForceField::chooseMesh() {
     throw ComponentError(
         fmt::format("the mesh has {} nodes, {} has {}", mesh_->nodes(), state().path(), state().size()),
         "the same number");
-}
-
-std::vector<std::string> HyperelasticForceField::givenNames() const {
-  std::vector<std::string> given;
-  for (const auto& [name, values] : named_)
-    if (!values.empty()) given.push_back(name);
-  return given;
-}
-
-// The law with this name that the given parameters fit: more terms, more parameters.
-void HyperelasticForceField::chooseLaw() {
-  std::vector<const HyperelasticLaw*> candidates;
-  std::vector<std::string> names;
-  for (const HyperelasticLaw& law : hyperelasticLaws()) {
-    names.push_back(law.name);
-    if (law.name == material_name_) candidates.push_back(&law);
-  }
-  if (candidates.empty())
-    throw ComponentError(fmt::format("there is no law '{}'", material_name_),
-                         fmt::format("{}", fmt::join(std::set<std::string>(names.begin(), names.end()), ", ")),
-                         nearest(material_name_, names));
-  std::vector<std::string> expected;
-  for (const HyperelasticLaw* law : candidates) expected.push_back(law->expectation());
-  const std::vector<std::string> given = givenNames();
-  if (!parameter_set_.empty() && (!given.empty() || !young_modulus_.empty() || !poisson_ratio_.empty()))
-    throw ComponentError("parameters are given by position and by name", "ParameterSet or names");
-  for (const HyperelasticLaw* law : candidates) {
-    const auto has = [&](const std::string& name) {
-      return std::any_of(law->parameters.begin(), law->parameters.end(), [&](const auto& p) { return p.name == name; });
-    };
-    const bool fits = parameter_set_.empty() ? std::all_of(given.begin(), given.end(), has)
-                                             : parameter_set_.size() == law->parameters.size();
-    if (fits) {
-      law_ = law;
-      return;
-    }
-  }
-  if (!parameter_set_.empty())
-    throw ComponentError(fmt::format("ParameterSet of {} has {} values", material_name_, parameter_set_.size()),
-                         fmt::format("{}", fmt::join(expected, ", or ")));
-  throw ComponentError(fmt::format("{} does not take {}", material_name_, fmt::join(given, ", ")),
-                       fmt::format("{}", fmt::join(expected, ", or ")));
-}
-
-/// Set `set` of parameters from names and from E and nu.
-void HyperelasticForceField::fillNamed(std::size_t set, std::vector<double>& values) const {
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    const auto& given = named_.at(law_->parameters[i].name);
-    values[i] = given.empty() ? not_given : at(given, set);
-  }
-  const bool complete = std::none_of(values.begin(), values.end(), [](double v) { return std::isnan(v); });
-  if (young_modulus_.empty() != poisson_ratio_.empty())
-    throw ComponentError("youngModulus and poissonRatio make sense together", "both");
-  if (!young_modulus_.empty()) {
-    if (!law_->from_lame)
-      throw ComponentError(fmt::format("{} cannot be given by youngModulus and poissonRatio", law_->name),
-                           law_->expectation());
-    if (complete)
-      throw ComponentError(fmt::format("{} has all its parameters besides youngModulus", law_->name),
-                           "one or the other");
-    const Lame lame = Lame::from(at(young_modulus_, set), at(poisson_ratio_, set));
-    const std::string missing = law_->from_lame(lame, values);
-    if (!missing.empty()) throw ComponentError(missing, law_->expectation());
-    checkModuli(lame, values.data());
-  }
-  std::vector<std::string> absent;
-  for (std::size_t i = 0; i < values.size(); ++i)
-    if (std::isnan(values[i])) absent.push_back(law_->parameters[i].name);
-  if (!absent.empty())
-    throw ComponentError(fmt::format("{} needs {}", law_->name, fmt::join(absent, ", ")),
-                         law_->expectation() + (law_->from_lame ? ", or youngModulus and poissonRatio" : ""));
-}
-
-/// Refuses parameters that contradict E and nu, beyond the figures that people write.
-void HyperelasticForceField::checkModuli(const Lame& lame, const double* values) const {
-  const auto [shear, bulk] = moduliAtRest(*law_, values);
-  const double bulk_asked = lame.lambda + 2. / 3 * lame.mu;
-  const auto agree = [](double a, double b) { return std::abs(a - b) <= 1e-3 * std::abs(b); };
-  if (agree(shear, lame.mu) && agree(bulk, bulk_asked)) return;
-  throw ComponentError(
-      fmt::format("youngModulus and poissonRatio mean a shear modulus of {:.6g} Pa and a bulk modulus of {:.6g} Pa; "
-                  "with {} of {} they are {:.6g} and {:.6g}",
-                  lame.mu, bulk_asked, fmt::join(givenNames(), ", "), law_->name, shear, bulk),
-      "parameters that agree, or youngModulus and poissonRatio alone for them");
-}
-
-void HyperelasticForceField::readParameters() {
-  const std::size_t count = law_->parameters.size();
-  std::size_t sets = 1;
-  const auto check = [&](const std::string& name, const std::vector<double>& values) {
-    if (values.size() <= 1) return;
-    if (values.size() != cellCount())
-      throw ComponentError(fmt::format("{} has {} values", name, values.size()),
-                           fmt::format("1, or {} (one a cell)", cellCount()));
-    sets = cellCount();
-  };
-  check("youngModulus", young_modulus_), check("poissonRatio", poisson_ratio_);
-  for (const auto& [name, values] : named_) check(name, values);
-  values_.clear();
-  for (std::size_t set = 0; set < sets; ++set) {
-    std::vector<double> values = parameter_set_;
-    if (values.empty()) values.resize(count), fillNamed(set, values);
-    for (std::size_t i = 0; i < count; ++i)
-      if (law_->parameters[i].positive && !(values[i] > 0))
-        throw ComponentError(fmt::format("{} of {} is {}", law_->parameters[i].name, law_->name, values[i]),
-                             "a value above 0");
-    const std::string problem = law_->check ? law_->check(values.data()) : "";
-    if (!problem.empty()) throw ComponentError(problem, law_->expectation());
-    values_.insert(values_.end(), values.begin(), values.end());
-  }
-}
-
-void HyperelasticForceField::readDirections() {
-  axes_ = {Mat3::Identity()};
-  if (law_->directions == 0) {
-    if (!directions_.empty())
-      throw ComponentError(fmt::format("{} is isotropic", law_->name), "no AnisotropyDirections",
-                           "Costa or TransverselyIsotropic");
-    return;
-  }
-  const std::size_t n = directions_.size(), cells = cellCount();
-  const bool frames = law_->directions == 3;
-  const std::string expected =
-      frames ? fmt::format("2 or 3 (fibre, sheet, normal), or {} or {} (for each cell)", 2 * cells, 3 * cells)
-             : fmt::format("1, or {} (one a cell)", cells);
-  std::size_t each = 0;
-  for (std::size_t k : frames ? std::vector<std::size_t>{2, 3} : std::vector<std::size_t>{1})
-    if (n == k || n == k * cells) each = k;
-  if (each == 0)
-    throw ComponentError(fmt::format("AnisotropyDirections of {} has {} vectors", law_->name, n), expected,
-                         frames && n == 0 ? "AnisotropyDirections=\"1 0 0  0 1 0\" for axes x, y, z" : "");
-  axes_.assign(n / each, Mat3::Identity());
-  for (std::size_t i = 0; i < axes_.size(); ++i) {
-    const Vec3 fibre = directions_[i * each];
-    Vec3 other = Vec3::Unit(0);
-    for (int k = 1; k < 3; ++k)  // without a sheet: any
-      if (std::abs(fibre[k]) < std::abs(fibre.dot(other))) other = Vec3::Unit(k);
-    const Vec3 sheet = each > 1 ? directions_[i * each + 1] : other, normal = fibre.cross(sheet);
-    if (!(normal.norm() > 1e-6 * fibre.norm() * sheet.norm()))
-      throw ComponentError(fmt::format("AnisotropyDirections {} has no length or no sheet direction", i),
-                           "vectors that are not zero and not parallel");
-    axes_[i].col(0) = fibre.normalized(), axes_[i].col(2) = normal.normalized();
-    axes_[i].col(1) = axes_[i].col(2).cross(axes_[i].col(0));
-  }
 }
 
 void HyperelasticForceField::checkShapes() const {

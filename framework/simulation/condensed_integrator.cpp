@@ -190,7 +190,7 @@ bool CondensedIntegrator::writeActive(System& system, const double* u, const dou
   return true;
 }
 
-void CondensedIntegrator::finish(System& system, const StepContext& context, const double* u) {
+void CondensedIntegrator::finish(System& system, const StepContext& context) {
   for (Vec3& force : drag_forces_) force.setZero();
   std::size_t at = 0;
   for (std::size_t k = 0; k < touches_.size(); ++k) {

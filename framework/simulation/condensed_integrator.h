@@ -80,7 +80,7 @@ class CondensedIntegrator : public Integrator {
   /// not finite.
   bool writeActive(System& system, const double* u, const double* v);
   /// The end of a step: outputs, range of linear elasticity, forces when somebody asked.
-  void finish(System& system, const StepContext& context, const double* u);
+  void finish(System& system, const StepContext& context);
   StepReport failure(const std::string& reason) const;
 
   Index active() const { return active_; }
