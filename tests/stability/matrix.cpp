@@ -142,6 +142,8 @@ std::string adapted(std::string text, const std::string& type, const std::string
   replace("<[A-Z]*[a-z]*LinearSolver[^>]*/>|<SparseLDLSolver[^>]*/>", "");
   replace("gravity=\"[^\"]*\"", "gravity=\"0 0 0\"");
   replace("n=\"4 4 6\"", "n=\"3 3 4\"");  // shorter runs
+  const std::string force = fmt::format("0 {} 0", -0.1 * c.young / 5000);
+  replace("times=\"[^\"]*\" forces=\"[^\"]*\"", fmt::format("keyTimes=\"0 1\" forces=\"{0}  {0}\"", force));
   replace("(times|factors|period|pulseMode|pressureSpeed)=\"[^\"]*\"", "");
   replace("dt=\"[^\"]*\"", fmt::format("dt=\"{}\"", c.dt));
   replace("poissonRatio=\"[^\"]*\"", fmt::format("poissonRatio=\"{}\"", c.poisson));
@@ -194,9 +196,9 @@ void addViscousAndPorous(std::vector<Row>& out) {
           "<TetrahedronPorousForceField fluidFraction=\"0.5\" bulkModulus=\"{}\" limitModulus=\"{}\" "
           "permeability=\"{}\" drainedIndices=\"0 2\" coupling=\"{}\"/><Fixed",
           0.1 * c.young, 0.4 * c.young, 0.1 / c.young, coupling);
-      return std::regex_replace(block(Cells::tetrahedra, type + " " + viscous + "materialName=\"StableNeoHookean\"",
-                                      integrator, c),
-                                std::regex("<Fixed"), fluid);
+      return std::regex_replace(
+          block(Cells::tetrahedra, type + " " + viscous + "materialName=\"StableNeoHookean\"", integrator, c),
+          std::regex("<Fixed"), fluid);
     };
     out.push_back({"tetrahedra StableNeoHookean viscous, porous " + coupling, "TetrahedronPorousForceField", scene,
                    slowestOfBlock, true, false});
