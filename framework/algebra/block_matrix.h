@@ -21,6 +21,7 @@ class BlockPattern {
 
  private:
   friend class BlockMatrix;
+  /// Shape (rows); see columns().
   std::vector<std::vector<Index>> columns_;
 };
 
@@ -28,6 +29,7 @@ class BlockPattern {
 class BlockMatrix {
  public:
   BlockMatrix() = default;
+  /// Sorts and merges the pattern, which is used up; values are zero.
   explicit BlockMatrix(BlockPattern&& pattern);
 
   Index rows() const { return Index(row_start_.size()) - 1; }
@@ -40,7 +42,9 @@ class BlockMatrix {
 
   /// The slot of block (row, column); -1 when it is not in the pattern. Logarithmic in the row's length.
   Index slot(Index row, Index column) const;
+  /// Values to zero; the pattern stays.
   void clear();
+  /// Adds to the block at a slot, which must not be -1.
   void add(Index slot, const Mat3& block) {
     double* v = values_.data() + std::size_t(slot) * 9;
     for (int r = 0; r < 3; ++r)
@@ -64,6 +68,7 @@ class BlockMatrix {
   }
 
  private:
+  /// store(row, x, y, z) with the row's product; rows one after the other, each from its first block on.
   template <class Store>
   void forEachRow(ConstRows x, Store&& store) const {
     const double* __restrict v = values_.data();

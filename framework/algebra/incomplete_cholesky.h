@@ -43,6 +43,7 @@ class IncompleteCholesky final : public FollowingInverse {
   }
 
  private:
+  /// The strict lower triangle of the pattern of A, by rows.
   void layOut(const BlockMatrix& a) {
     const std::size_t rows = std::size_t(a.rows());
     start_.resize(rows + 1);

@@ -56,19 +56,25 @@ class KrylovSolver : public LinearSolver {
   }
   /// The |b - A x| at which a solve ends.
   double target() const { return std::max(tolerance_, enough()) * norm_b_; }
+  /// Appends to `graph` as long as init() made room: no allocation in a step.
   void record(double relative_residual) {
     if (graph_.size() < graph_.capacity()) graph_.push_back(relative_residual);
   }
 
+  /// Most products of a solve.
   int iterations_ = 25;
+  /// |b - A x| / |b| at which a solve ends.
   double tolerance_ = 1e-5;
   double norm_b_ = 0;  ///< |b| of the solve that begin() opened
 
  private:
   enum class Form { automatic, product, assembled };
   std::string template_ = "auto";
+  /// Relative residuals of the last solve, shape (iterations done); an output of the component.
   std::vector<double> graph_;
+  /// Whether products go through the elements or the matrix; automatic asks the system for the cheaper.
   Form form_ = Form::automatic;
+  /// Of the work space.
   Index rows_ = -1;
   const BlockMatrix* assembled_ = nullptr;  ///< null while products are matrix-free
 };

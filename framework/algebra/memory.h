@@ -21,6 +21,7 @@ inline void* allocateArray(std::size_t bytes) {
   return memory;
 }
 
+/// std::vector's allocator on allocateArray().
 template <class T>
 struct ArrayAllocator {
   using value_type = T;

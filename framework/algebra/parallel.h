@@ -10,8 +10,9 @@ int threads();
 void setThreads(int count);
 
 namespace detail {
+/// body(data, i) for i in [0, count) on the pool; returns when all are done.
 void runParallel(int count, void (*body)(void*, int), void* data);
-}
+}  // namespace detail
 
 /// body(0) ... body(count - 1), in any order and at once; with one thread a plain loop. The pieces must be large
 /// (tens of microseconds) and write to places of their own.

@@ -11,12 +11,14 @@ namespace stroma::cg {
 /// Work space, each of shape (rows).
 struct Directions {
   Vector r, p, q, z;
+  /// Allocates only when the number of rows changed.
   void resize(Index rows) {
     if (r.count() == rows) return;
     for (Vector* vector : {&r, &p, &q, &z}) vector->resize(rows);
   }
 };
 
+/// Where a solve ends.
 struct Limits {
   int iterations = 25;
   double residual = 0;  ///< stop when |b - A x| is at most this

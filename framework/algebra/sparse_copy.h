@@ -10,8 +10,10 @@ namespace stroma {
 class SparseCopy {
  public:
   using Matrix = Eigen::SparseMatrix<double, Eigen::ColMajor, int>;
+  /// Compressed columns of numbers; owned.
   Matrix matrix;
 
+  /// Makes the pattern of `from`, with explicit zeros inside blocks. Allocates.
   void layOut(const BlockMatrix& from) {
     const Index count = 3 * from.rows();
     std::vector<Eigen::Triplet<double, int>> entries;
@@ -25,14 +27,17 @@ class SparseCopy {
     // the values above are positions: where each entry of the compressed columns comes from
     source_.assign(matrix.valuePtr(), matrix.valuePtr() + matrix.nonZeros());
   }
+  /// Copies the values of a matrix of that pattern. Does not allocate.
   void fill(const BlockMatrix& from) {
     for (std::size_t i = 0; i < source_.size(); ++i) matrix.valuePtr()[i] = from.values()[std::size_t(source_[i])];
   }
 
  private:
+  /// Where each number of `matrix` lies in the values of the block matrix, shape (non-zeros).
   std::vector<double> source_;
 };
 
+/// Rows to three numbers a row, and back (scatter).
 inline void gather(ConstRows from, Eigen::VectorXd& out) {
   out.resize(3 * from.count);
   for (Index i = 0; i < from.count; ++i) out.segment<3>(3 * i) = from[i];

@@ -11,7 +11,9 @@
 
 namespace stroma {
 
+/// A block of a BlockMatrix as it is stored, row-major.
 using RowBlock = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+/// Block `slot` of values of shape (blocks, 9): a view, valid while the values live.
 inline Eigen::Map<const RowBlock> blockAt(const std::vector<double>& values, Index slot) {
   return Eigen::Map<const RowBlock>(values.data() + std::size_t(slot) * 9);
 }
@@ -22,6 +24,7 @@ inline Eigen::Map<RowBlock> blockAt(std::vector<double>& values, Index slot) {
 /// Follows the revision of a matrix, so that an inverse is made again only when values may have changed.
 class FollowingInverse : public ApproximateInverse {
  public:
+  /// Brings the inverse up to date; false when the matrix has none, and the report says at which row.
   bool follow(SystemMatrix& matrix, SolveReport& report) final {
     if (revision_ == matrix.revision() && rows_ == matrix.rows()) return true;
     rows_ = -1;
@@ -32,7 +35,9 @@ class FollowingInverse : public ApproximateInverse {
   void reset() override { rows_ = -1; }
 
  protected:
+  /// Makes the inverse anew for the present values. False after refuse().
   virtual bool make(SystemMatrix& matrix, SolveReport& report) = 0;
+  /// Not positive definite, seen at this row: the solver stops with a sentence that names its node.
   static bool refuse(Index row, SolveReport& report) {
     report.stop = SolveStop::not_definite;
     report.row = row;
@@ -66,7 +71,9 @@ class Jacobi final : public FollowingInverse {
   }
 
  private:
+  /// Diagonal blocks as they came, shape (rows, 9); kept for the room.
   std::vector<double> blocks_;
+  /// 1 / a_ii, shape (rows); the fourth number of a row stays zero.
   Vector inverse_;
 };
 
@@ -91,6 +98,7 @@ class BlockJacobiInverse final : public FollowingInverse {
 ///   B^-1 = 1 / (w (2 - w)) (D + w L) D^-1 (D + w L^T).
 class Ssor final : public FollowingInverse {
  public:
+  /// `omega` in (0, 2); 1 is symmetric Gauss-Seidel.
   explicit Ssor(double omega = 1) : omega_(omega) {}
   void setOmega(double omega) { omega_ = omega, reset(); }
 
@@ -133,7 +141,9 @@ class Ssor final : public FollowingInverse {
     return {s0, s1, s2};
   }
 
+  /// The over-relaxation w.
   double omega_;
+  /// The system's assembled matrix: not owned, read in every apply().
   const BlockMatrix* matrix_ = nullptr;
   std::vector<Mat3> inverse_;  ///< shape (rows), of the diagonal blocks
 };

@@ -14,12 +14,14 @@
 
 namespace stroma {
 
+/// Numbers of a row: x, y, z and the zero.
 constexpr int row_doubles = 4;
 
 /// Read-only view of `count` rows.
 struct ConstRows {
   const double* data = nullptr;
   Index count = 0;
+  /// The three components of a row, without the fourth number.
   Eigen::Map<const Vec3> operator[](Index row) const {
     assert(row >= 0 && row < count);
     return Eigen::Map<const Vec3>(data + std::size_t(row) * row_doubles);
@@ -44,6 +46,7 @@ class Vector {
  public:
   Vector() = default;
   explicit Vector(Index count) { resize(count); }
+  /// Drops what was there; throws std::bad_alloc. Zero, and so are 64 bytes beyond the last row.
   void resize(Index count) {
     count_ = count;
     const std::size_t bytes = std::size_t(count) * row_doubles * sizeof(double) + 64;
@@ -68,7 +71,9 @@ class Vector {
 
 // ---- vector operations: inline, so that a module compiled for wide registers gets wide loops ----
 
+/// a = 0
 inline void clear(Rows a) { std::memset(a.data, 0, a.doubles() * sizeof(double)); }
+/// out = a; views of one length that do not overlap.
 inline void copy(ConstRows a, Rows out) {
   assert(a.count == out.count);
   std::memcpy(out.data, a.data, a.doubles() * sizeof(double));
@@ -88,6 +93,7 @@ inline void xpay(ConstRows x, double s, Rows y) {
 #pragma omp simd
   for (std::size_t i = 0; i < x.doubles(); ++i) py[i] = px[i] + s * py[i];
 }
+/// y = s y
 inline void scale(double s, Rows y) {
   double* __restrict py = y.data;
 #pragma omp simd

@@ -4,6 +4,8 @@
 
 namespace stroma {
 
+/// Between the kernels' vectors and matrices (V3, M3 by columns, S3 symmetric) and Eigen's, for one element at a time:
+/// in checks, fields for output and tests, never in a loop over packs.
 inline V3<double> vectorOf(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 inline Vec3 toEigen(const V3<double>& v) { return {v.x, v.y, v.z}; }
 inline M3<double> fromEigen(const Mat3& m) { return {vectorOf(m.col(0)), vectorOf(m.col(1)), vectorOf(m.col(2))}; }

@@ -7,6 +7,7 @@
 
 namespace stroma {
 
+/// One class serves every elastic component name: a name sets its default words, the mesh decides the kind of element.
 class ElasticForceField : public ElementMethodField {
  public:
   /// The words of `method`: first those of ElasticMethod, then other components' words for the same.
@@ -47,12 +48,17 @@ class ElasticForceField : public ElementMethodField {
   enum class Assembling : int { automatic, yes, no };
   enum class Dilatation : int { local, mean };
 
+  /// The kind of element that the mesh has and the name serves; throws ComponentError when none or several fit.
   void chooseKind(const Topology& topology);
   std::vector<ElasticKind> servedKinds() const;
+  /// Throws ComponentError for combinations of attributes that mean nothing together.
   void checkVariant() const;
   void checkMeanDilatation() const;
+  /// Throws ComponentError for lists of a wrong length or a value without a material.
   void checkMaterial() const;
+  /// Of one cell [Pa], localStiffnessFactor included.
   Lame lame(std::size_t cell) const;
+  /// The rows of this state out of the system's.
   ConstRows ownRows(ConstRows x) const;
   bool isSet(const char* attribute) const { return data().find(attribute)->isSet(); }
 
@@ -65,9 +71,11 @@ class ElasticForceField : public ElementMethodField {
   Dilatation dilatation_ = Dilatation::local;
   double plastic_max_threshold_ = 0;
 
+  /// Of the topology, which owns it.
   const Mesh* mesh_ = nullptr;
   ElasticVariant variant_;
   std::string kind_word_;  ///< "tetrahedron", for messages
+  /// The cells as one kind of element: makes the method, and evaluates fields for output.
   std::unique_ptr<ElasticElements> elements_;
 };
 

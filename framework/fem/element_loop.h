@@ -24,6 +24,7 @@ struct EveryPair {
 template <int N, class Coupling = EveryPair>
 class ElementLoop {
  public:
+  /// One value a node and lane: positions [m], velocities, forces.
   using Nodes = V3<Pack>[N];
 
   /// `cells` index `position` (shape (nodes)); `first_row` is added to give rows of the system.
@@ -41,6 +42,7 @@ class ElementLoop {
               (cells[std::size_t(e)][std::size_t(a)] + first_row) * row_doubles;
       }
   }
+  /// Batches hold pack_lanes elements each; the last of a block may have padding.
   Index batches() const { return arrangement_.batches; }
   Index elements() const { return arrangement_.elements; }
   /// The element in lane l of a batch, -1 for padding.
@@ -87,6 +89,7 @@ class ElementLoop {
 
   // ---- assembly ----
 
+  /// Marks the coupled pairs of nodes of every element, padding left out.
   void addPattern(BlockPattern& pattern) const {
     forEachLane([&](Index b, int l) {
       for (int i = 0; i < N; ++i)
@@ -178,16 +181,20 @@ class ElementLoop {
   }
 
  private:
+  /// output[node] += values, lane after lane: lanes of one batch may share nodes, batches at work at once may not.
   void scatter(Index batch, const Nodes& values, Rows output) const {
 #pragma GCC unroll 8
     for (int a = 0; a < N; ++a) addToRows(values[a], offset(batch, a), output.data);
   }
 
+  /// Where node a of each lane lies in the numbers of a vector, shape (lanes).
   const Index* offset(Index batch, int a) const {
     return offsets_.data() + (std::size_t(batch) * N + std::size_t(a)) * pack_lanes;
   }
   Index row(Index batch, int a, int lane) const { return offset(batch, a)[lane] / row_doubles; }
 
+  /// Blocks of one colour touch no common node: they run at once, colours one after the other. Every node is added to
+  /// in the same order whatever the number of threads.
   template <class Body>
   void forEachBlock(Body&& body) const {
     const auto& colour_start = arrangement_.colour_start;
@@ -200,6 +207,7 @@ class ElementLoop {
     }
   }
 
+  /// factor * K of a batch as plain doubles, [i][j][row][column][lane], to be read lane by lane.
   template <class ElementMatrix>
   static void scaledMatrix(Index b, double factor, ElementMatrix& matrix, double (&element)[N * N * 9][pack_lanes]) {
     Matrix k;
@@ -208,6 +216,7 @@ class ElementLoop {
     for (int i = 0; i < N * N * 9; ++i) (k[i] * scale).store_aligned(element[i]);
   }
 
+  /// Order of the elements in batches, blocks and colours (arrangement.h).
   Arrangement arrangement_;
   mutable std::vector<double> partial_;  ///< scratch of sum(), shape (blocks)
   Array<Index> offsets_;                 ///< rows times row_doubles, shape (batches, N, lanes)

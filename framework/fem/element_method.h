@@ -12,15 +12,19 @@ namespace stroma {
 class ElementMethod {
  public:
   virtual ~ElementMethod() = default;
+  /// f += forces [N] at x [m]; makes the tangent ready for the calls below.
   virtual void addForce(ConstRows x, Rows f) = 0;
   /// f += force + factor * K dx
   virtual void addForceAndProduct(ConstRows x, ConstRows dx, double factor, Rows f) = 0;
+  /// Stored energy [J] at x; the tangent stays that of the last force.
   virtual double energy(ConstRows x) const = 0;
   /// df += factor * K dx
   virtual void addProduct(ConstRows dx, double factor, Rows df) const = 0;
+  /// Marks the blocks that assemble() adds to.
   virtual void addPattern(BlockPattern& pattern) const = 0;
   /// What assemble() wants for a matrix with this pattern.
   virtual std::vector<Index> slots(const BlockMatrix& matrix) const = 0;
+  /// values (shape (blocks, 9) of the matrix that `slots` were made for) += factor * K.
   virtual void assemble(double factor, const std::vector<Index>& slots, std::vector<double>& values) const = 0;
   /// blocks[row] += factor * K[row][row], shape (rows, 9).
   virtual void assembleDiagonal(double factor, std::vector<double>& blocks) const = 0;

@@ -26,9 +26,11 @@ class ElementMethodField : public ForceField {
   }
 
  protected:
+  /// Owned; null until compile(). Everything above stands or falls with it.
   std::unique_ptr<ElementMethod> method_;
 
  private:
+  /// What method_->assemble() wants for the system's matrix; kept here because a method may serve several matrices.
   std::vector<Index> slots_;
 };
 

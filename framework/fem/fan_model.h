@@ -30,6 +30,7 @@ struct FanOf {
   template <class T>
   using Tangent = typename Fanned<Single::template Tangent>::template Of<T>;
 
+  /// f = the forces [N] of all tetrahedra of the fan on its nodes; each keeps its own tangent.
   template <class T>
   static void force(const Rest<T>& rest, Tangent<T>& t, const V3<T> (&x)[nodes], V3<T> (&f)[nodes]) {
     gatherForces(f, [&](int i, V3<T>(&out)[4]) {
@@ -48,12 +49,14 @@ struct FanOf {
       Single::forceAndProduct(rest.of[i], t.of[i], factor, c.x, dc.x, out);
     });
   }
+  /// Sum of the energies of the tetrahedra [J].
   template <class T>
   static T energy(const Rest<T>& rest, const Tangent<T>& t, const V3<T> (&x)[nodes]) {
     T sum(0.);
     for (int i = 0; i < fan_size; ++i) sum = sum + Single::energy(rest.of[i], t.of[i], Corners<T>(x, i).x);
     return sum;
   }
+  /// df = factor K dx, tetrahedron by tetrahedron.
   template <class T>
   static void product(const Rest<T>& rest, const Tangent<T>& t, T factor, const V3<T> (&x)[nodes],
                       const V3<T> (&dx)[nodes], V3<T> (&df)[nodes]) {
@@ -62,7 +65,8 @@ struct FanOf {
       Single::product(rest.of[i], t.of[i], factor, c.x, dc.x, out);
     });
   }
-  /// Long, so once for assembly and diagonal. noipa: with noinline GCC 12 takes its output for unchanged.
+  /// K of the fan, [i][j][row][column], each tetrahedron's by products with unit vectors; zero for nodes that share
+  /// none. Long, so once for assembly and diagonal. noipa: with noinline GCC 12 takes its output for unchanged.
   [[gnu::noipa, gnu::flatten]] static void matrix(const Rest<Pack>& rest, const Tangent<Pack>& t,
                                                   const V3<Pack> (&x)[nodes], Pack (&k)[nodes * nodes * 9]) {
     for (Pack& value : k) value = Pack(0.);
@@ -81,11 +85,14 @@ struct FanOf {
   }
 
  private:
+  /// The nodes of tetrahedron i of a fan: the two of the common edge, and the neighbours i and i + 1 in the ring.
   template <class T>
   struct Corners {
     V3<T> x[4];
     Corners(const V3<T> (&of)[nodes], int i) : x{of[0], of[1], of[2 + i], of[3 + i]} {}
   };
+  /// f = the sum over the fan of what force(i, out) gives the four nodes of tetrahedron i. The last node of each
+  /// tetrahedron is new to the fan, so that its force is stored and not added.
   template <class T, class Force>
   static void gatherForces(V3<T> (&f)[nodes], Force&& force) {
     V3<T> first[4];

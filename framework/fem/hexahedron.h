@@ -50,6 +50,7 @@ void forEachMode(A& a, B& b, F&& f) {
       f(a.zeta_xi, b.zeta_xi), f(a.all, b.all);
 }
 
+/// 8 u_m of the positions, or of any vector at the nodes. 23 sums a component.
 template <class T>
 Modes<T> modesOf(const V3<T> (&x)[8]) {
   struct Level {  // of one face zeta = const
@@ -76,6 +77,7 @@ void nodesOf(const Modes<T>& m, V3<T> (&f)[8]) {
   level(m.zeta, m.xi + m.zeta_xi, m.eta + m.eta_zeta, m.xi_eta + m.all, 4);
 }
 
+/// R m
 template <class T>
 Modes<T> rotated(const M3<T>& r, const Modes<T>& m) {
   Modes<T> out;
@@ -107,6 +109,7 @@ T dot(const Modes<T>& a, const Modes<T>& b) {
   forEachMode(a, b, [&](const V3<T>& c, const V3<T>& d) { sum += stroma::dot(c, d); });
   return sum;
 }
+/// 8 [u_xi u_eta u_zeta]: what the rotation of an element is taken from.
 template <class T>
 M3<T> meanEdges(const Modes<T>& m) {
   return {m.xi, m.eta, m.zeta};
@@ -143,6 +146,7 @@ void bilinearTransposed(const V3<T> (&in)[4], V3<T>& a, V3<T>& b, V3<T>& c, V3<T
   c = c + (difference_plus + difference_minus), d = fma(g, difference_plus - difference_minus, d);
 }
 
+/// 8 times the derivatives along xi, eta and zeta at the Gauss points: the columns of J.
 template <class T>
 PointValues<T> atPoints(const Modes<T>& m) {
   PointValues<T> p;
@@ -151,6 +155,7 @@ PointValues<T> atPoints(const Modes<T>& m) {
   bilinear(m.zeta, m.zeta_xi, m.eta_zeta, m.all, p.zeta);
   return p;
 }
+/// Forces on modes from values at the points: the transpose of atPoints.
 template <class T>
 Modes<T> fromPoints(const PointValues<T>& p) {
   Modes<T> m;
@@ -167,6 +172,7 @@ struct Columns {
   Columns(const PointValues<T>& v, int p) : d{v.xi[v.ofXi(p)], v.eta[v.ofEta(p)], v.zeta[v.ofZeta(p)]} {}
   M3<T> matrix() const { return {d[0], d[1], d[2]}; }
 };
+/// Adds a, b, c to the values along xi, eta, zeta of Gauss point p.
 template <class T>
 void addColumns(const V3<T>& a, const V3<T>& b, const V3<T>& c, int p, PointValues<T>& out) {
   V3<T>&x = out.xi[out.ofXi(p)], &e = out.eta[out.ofEta(p)], &z = out.zeta[out.ofZeta(p)];
@@ -249,6 +255,7 @@ T elementEnergy(const Gradients<T> (&g)[8], const auto& law, const PointValues<T
 // H is a sum of 1, xi, eta, zeta, xi eta, eta zeta, zeta xi with a coefficient each, whose squares integrate to 1, 1/3
 // and 1/9: K falls apart in one full strain, three strains of two columns and a diagonal.
 
+/// The axes renamed x <- y <- z <- x, and back: one routine for two columns serves all three pairs.
 template <class T>
 V3<T> cycled(const V3<T>& v) {
   return {v.y, v.z, v.x};

@@ -16,6 +16,7 @@ constexpr std::array<double, 3> shapeDerivatives(int a, int p) {
   const double at[3] = {1 + s[0] * sign(p) * gauss, 1 + s[1] * sign(p >> 1) * gauss, 1 + s[2] * sign(p >> 2) * gauss};
   return {s[0] * at[1] * at[2], s[1] * at[2] * at[0], s[2] * at[0] * at[1]};
 }
+/// The same as a table made by the compiler.
 inline constexpr auto shape_derivatives = [] {
   std::array<std::array<std::array<double, 3>, 8>, 8> table{};  // [point][node]
   for (int p = 0; p < 8; ++p)

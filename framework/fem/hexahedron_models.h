@@ -7,6 +7,7 @@
 
 namespace stroma::hexahedron {
 
+/// What all share: eight nodes in the order of VTK, products that do not read the position unless a model says so.
 struct HexahedronModel {
   static constexpr int nodes = 8;
   static constexpr bool reads_position = false;
@@ -26,6 +27,8 @@ struct BoxTangent {
   BoxStiffness<T> stiffness;
 };
 
+/// Boxes under a constant B. In the axes R of the element (those of the rest shape for method small) modes
+/// separate (boxProduct), so that no Gauss point is ever visited but for the matrix.
 struct BoxModel : HexahedronModel {
   template <class T>
   using Rest = BoxRest<T>;
@@ -40,6 +43,7 @@ struct BoxModel : HexahedronModel {
     nodesOf(rotated(r, boxProduct(t.stiffness, factor, own)), df);
   }
 
+  /// K [i][j][row][column]. The gradients of xi, eta, zeta are the same at all Gauss points of a box.
   template <class T>
   static void matrix(const BoxRest<T>&, const BoxTangent<T>& t, const V3<T> (&)[8], T (&k)[8 * 8 * 9]) {
     const T* inverse = t.stiffness.inverse;
@@ -60,12 +64,14 @@ struct BoxModel : HexahedronModel {
     d.xi.x -= rest.edges[0], d.eta.y -= rest.edges[1], d.zeta.z -= rest.edges[2];
     return d;
   }
+  /// f = -R K (R^T u - X), with u the modes m of the positions.
   template <class T>
   static void forceIn(const BoxRest<T>& rest, const BoxTangent<T>& t, const M3<T>& r, const Modes<T>& m,
                       V3<T> (&f)[8]) {
     const Modes<T> own = boxProduct(t.stiffness, T(1.), displacement(rest, r, m));
     nodesOf(rotated(r, own), f);
   }
+  /// E = 1/2 (R^T u - X) K (R^T u - X) [J].
   template <class T>
   static T energyIn(const BoxRest<T>& rest, const BoxTangent<T>& t, const M3<T>& r, const Modes<T>& m) {
     const Modes<T> d = displacement(rest, r, m);
@@ -137,6 +143,8 @@ M3<T> timesUpper(const M3<T>& e, const T (&u)[6]) {
   return {e.c0 * u[0], fma(u[1], e.c0, e.c1 * u[2]), fma(u[3], e.c0, fma(u[4], e.c1, e.c2 * u[5]))};
 }
 
+/// Any shape, gradients at each of the 2x2x2 Gauss points; the tangent keeps them in world axes, so that a product
+/// needs no rotation.
 template <template <class> class Law>
 struct PointModel : HexahedronModel {
   template <class T>
@@ -174,7 +182,9 @@ struct PointLinear : PointModel<Law> {
 /// R, J and J - R J_0 of a shape; gradients of each Gauss point on demand.
 template <class Rotation, Update update, class T>
 struct Kinematics {
+  /// F of the mean edges, and its rotation R.
   M3<T> deformation, rotation;
+  /// J (only where B is updated) and J - R J_0 at the Gauss points, made of modes.
   PointValues<T> j, d;
 
   Kinematics(const PointRest<T>& rest, const V3<T> (&x)[8]) {
@@ -184,6 +194,8 @@ struct Kinematics {
     if constexpr (update != Update::none) j = atPoints(m);
     d = atPoints(m - rotated(rotation, rest.modes));
   }
+  /// w^1/2 / 8 times the gradients g_i of hexahedron.h at Gauss point p, in world axes; with B and V the weight is
+  /// |det J|.
   Gradients<T> gradients(const PointRest<T>& rest, int p) const {
     if constexpr (update == Update::none) return elastic::rotated(rotation, rest.g[p]);
     const M3<T> c = Columns<T>(j, p).matrix(), n = cofactor(c);
@@ -277,6 +289,7 @@ struct PointShape {
     T lambda, mu;  ///< Lame's constants, or -2/3 mu and mu [Pa]
     T bulk;        ///< K/V, or zero without the mean dilatation [Pa/m^3]
   };
+  /// 1/w of Gauss point p [1/m^3].
   template <class T>
   static T inverseWeight(const PointRest<T>& rest, const Tangent<T>&, int p) {
     return abs(rest.inverse_determinant[p]) * T(512.);
@@ -285,10 +298,12 @@ struct PointShape {
   static Gradients<T> gradients(const PointRest<T>& rest, const Tangent<T>&, int p) {
     return rest.g[p];
   }
+  /// w^1/2 F at Gauss point p from J at the points.
   template <class T>
   static M3<T> deformation(const PointRest<T>& rest, const Tangent<T>&, const PointValues<T>& j, int p) {
     return outerSum(Columns<T>(j, p).d, rest.g[p]);
   }
+  /// Adds the forces of the first Piola-Kirchhoff stress (times w^1/2) at Gauss point p, still as values at points.
   template <class T>
   static void addForces(const PointRest<T>& rest, const Tangent<T>&, const M3<T>& stress, int p, PointValues<T>& f) {
     const Gradients<T>& g = rest.g[p];

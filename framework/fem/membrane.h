@@ -43,6 +43,7 @@ struct Columns {
   V3<T> c0, c1;
 };
 
+/// F = [e_1 e_2] D_m^-1 of the positions, or its change for a change of them.
 template <class T>
 Columns<T> gradientOf(const T (&inverse)[3], const V3<T> (&x)[3]) {
   const V3<T> e1 = x[1] - x[0], e2 = x[2] - x[0];
@@ -55,11 +56,13 @@ void nodalForces(const T (&inverse)[3], const V3<T>& q0, const V3<T>& q1, V3<T> 
   f[2] = q1 * inverse[2];
   f[0] = -(f[1] + f[2]);
 }
+/// sigma = lambda tr(eps) I + 2 mu eps [Pa], or [J] where the constants hold a volume.
 template <class T>
 Plane<T> stressOf(const Plane<T>& strain, T lambda, T mu) {
   const T pressure = lambda * (strain.xx + strain.yy), two_mu = mu + mu;
   return {fma(two_mu, strain.xx, pressure), fma(two_mu, strain.yy, pressure), mu * strain.xy};
 }
+/// 1/2 sigma : eps
 template <class T>
 T energyOf(const Plane<T>& strain, T lambda, T mu) {
   const Plane<T> s = stressOf(strain, lambda, mu);
@@ -80,18 +83,22 @@ Plane<T> tensionOf(const Plane<T>& s) {
 template <class T>
 struct Qr {
   M3<T> r;
+  /// m_00, m_01, m_11.
   T u00, u01, u11;
   explicit Qr(const Columns<T>& f)
       : r(rotation::gramSchmidt(M3<T>{f.c0, f.c1, {T(0.), T(0.), T(0.)}})),
         u00(dot(r.c0, f.c0)),
         u01(dot(r.c0, f.c1)),
         u11(dot(r.c1, f.c1)) {}
+  /// eps = sym(m) - I
   Plane<T> strain() const { return {u00 - T(1.), u11 - T(1.), u01}; }
   T inverse00() const { return T(1.) / maximum(u00, T(1e-6)); }
   T inverse11() const { return T(1.) / maximum(u11, T(1e-6)); }
+  /// P_10 of a stress, see the top of the file.
   T p10(const Plane<T>& s) const { return (s.xy * u11 - s.yy * u01) * inverse00(); }
 };
 
+/// What all methods share; products read the axes of the tangent.
 struct Model {
   static constexpr int nodes = 3;
   static constexpr bool reads_position = false;
@@ -108,11 +115,13 @@ struct Model {
   }
 
  protected:
+  /// sym(r^T dF)
   template <class T>
   static Plane<T> strainOf(const Tangent<T>& t, const V3<T> (&dx)[3]) {
     const Columns<T> d = gradientOf(t.inverse, dx);
     return {dot(t.axis0, d.c0), dot(t.axis1, d.c1), dot(t.axis0, d.c1) + dot(t.axis1, d.c0)};
   }
+  /// Forces of factor * sigma(strain), along the axes of the tangent.
   template <class T>
   static void linearForces(const Tangent<T>& t, const Plane<T>& strain, T factor, V3<T> (&f)[3]) {
     const Plane<T> s = stressOf(strain, factor * t.lambda, factor * t.mu);

@@ -60,6 +60,7 @@ class StoredMethod : public ElementMethod {
   std::vector<Index> slots(const BlockMatrix& matrix) const override { return storage_.loop.slots(matrix); }
 
  protected:
+  /// Owned; the tangent part changes with every force, the rest of it never.
   StorageType storage_;
 };
 
@@ -86,6 +87,7 @@ template <class Model>
 using StorageOf =
     ElementStorage<Model::nodes, Model::template Rest, Model::template Tangent, typename CouplingOf<Model>::type>;
 
+/// The ElementMethod of a model. `x` handed to a model is that of the last force, and only valid when it reads it.
 template <class Model>
 class ModelMethod final : public StoredMethod<StorageOf<Model>> {
   using Base = StoredMethod<StorageOf<Model>>;
@@ -128,6 +130,7 @@ class ModelMethod final : public StoredMethod<StorageOf<Model>> {
   }
 
  private:
+  /// Remembers x where products need it: 32 bytes a node instead of a tangent of its own in each element.
   void keep(ConstRows x) {
     if constexpr (Model::reads_position) {
       if (x_.count() != x.count) x_.resize(x.count);
@@ -137,6 +140,7 @@ class ModelMethod final : public StoredMethod<StorageOf<Model>> {
   void force(Index b, const Nodes& x, Nodes& f) {
     Model::force(storage_.rest[std::size_t(b)], storage_.tangent[std::size_t(b)], x, f);
   }
+  /// The model's own fused form, else force and product one after the other.
   void forceAndProduct(Index b, Pack factor, const Nodes& x, const Nodes& dx, Nodes& f) {
     auto& rest = storage_.rest[std::size_t(b)];
     auto& tangent = storage_.tangent[std::size_t(b)];
@@ -152,6 +156,7 @@ class ModelMethod final : public StoredMethod<StorageOf<Model>> {
   void product(Index b, Pack factor, const Nodes& x, const Nodes& dx, Nodes& df) const {
     Model::product(storage_.rest[std::size_t(b)], storage_.tangent[std::size_t(b)], factor, x, dx, df);
   }
+  /// The model's own matrix, else products with the 3 N unit vectors.
   void matrix(Index b, Matrix& k) const {
     Nodes x;
     if constexpr (Model::reads_position) storage_.loop.gather(b, x_.rows(), x);
@@ -183,6 +188,7 @@ std::unique_ptr<ElementMethod> makeRotated(const ElasticVariant& variant, Make&&
 }
 
 /// A method whose products go through its own assembled matrix, refreshed with every force unless K is constant.
+/// Pays where a solve takes many products of one K: 76 bytes a block instead of an element's work.
 class KeptMatrix final : public ElementMethod {
  public:
   KeptMatrix(std::unique_ptr<ElementMethod> method, bool constant) : method_(std::move(method)), constant_(constant) {}
@@ -206,6 +212,7 @@ class KeptMatrix final : public ElementMethod {
   }
 
  private:
+  /// Lays the matrix out at the first force and fills it; later only where K can have changed.
   void refresh(Index rows) {
     const bool first = matrix_.rows() != rows;
     if (first) {
@@ -218,12 +225,15 @@ class KeptMatrix final : public ElementMethod {
     matrix_.clear();
     method_->assemble(1, slots_, matrix_.values());
   }
+  /// The method whose K is kept; computes forces and energies.
   std::unique_ptr<ElementMethod> method_;
   bool constant_;
+  /// K at the x of the last force, over all rows of the system.
   BlockMatrix matrix_;
   std::vector<Index> slots_;
 };
 
+/// `method` itself, or wrapped where the scene asked for assembling; K is constant only for small strains.
 inline std::unique_ptr<ElementMethod> withOwnMatrix(const ElasticVariant& variant,
                                                     std::unique_ptr<ElementMethod> method) {
   if (!variant.own_matrix) return method;

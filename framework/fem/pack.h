@@ -13,12 +13,15 @@
 namespace stroma {
 
 using Pack = xsimd::batch<double>;
+/// Elements in a batch: 8 with AVX-512, 4 with AVX, 2 with SSE.
 constexpr int pack_lanes = int(Pack::size);
 
 // ---- the operations that kernels use, also for a plain double ----
 
 inline double fma(double a, double b, double c) { return a * b + c; }
+/// a where the condition holds, else b, lane by lane; both are computed.
 inline double select(bool condition, double a, double b) { return condition ? a : b; }
+/// True when the condition holds in a lane: for branches that skip rare work.
 inline bool any(bool condition) { return condition; }
 using std::abs;
 using std::sqrt;
@@ -51,6 +54,7 @@ inline Pack roughFourthRoot(Pack a) { return sqrt(sqrt(a)); }
 
 // ---- 3-vectors and 3x3 matrices (columns) ----
 
+/// A 3-vector of numbers or packs; zero unless given.
 template <class T>
 struct V3 {
   T x = T(0.), y = T(0.), z = T(0.);
@@ -88,6 +92,7 @@ struct M3 {
   V3<T> operator*(const V3<T>& v) const { return fma(v.x, c0, fma(v.y, c1, c2 * v.z)); }
   M3 operator*(const M3& b) const { return {*this * b.c0, *this * b.c1, *this * b.c2}; }
 };
+/// a^T v
 template <class T>
 V3<T> transposedTimes(const M3<T>& a, const V3<T>& v) {
   return {dot(a.c0, v), dot(a.c1, v), dot(a.c2, v)};
@@ -106,6 +111,7 @@ template <class T>
 M3<T> cofactor(const M3<T>& a) {
   return {cross(a.c1, a.c2), cross(a.c2, a.c0), cross(a.c0, a.c1)};
 }
+/// Sum of the squares of all nine entries.
 template <class T>
 T squaredNorm(const M3<T>& a) {
   return dot(a.c0, a.c0) + dot(a.c1, a.c1) + dot(a.c2, a.c2);

@@ -106,9 +106,12 @@ class ShapeMemory {
     for (int p = 0; p < count; ++p) piece(p);  // too little work to wake a thread for
   }
   static bool isCentred(Index node, const Input& input);
+  /// Fills rest_of_ and rest_neighbour_ of a batch, lane by lane; padding gets share and stiffness zero.
   void storeRest(Index batch, const Input& input, const Vec3& origin);
+  /// The sums over the neighbours of each lane at x; without the outer products where no frame is needed.
   template <bool with_frame>
   Sums sums(ConstRows x, Index batch) const;
+  /// d at x; the frame goes to `keep` unless it is null.
   V3<Pack> drawnAt(ConstRows x, Index batch, Frame* keep) const;
   bool isFramed(Index batch) const { return around_.batches[std::size_t(batch)].kind == framed; }
   /// A flat neighbourhood counts as upright: the sign of its determinant is round-off.
@@ -117,14 +120,18 @@ class ShapeMemory {
     const Pack size = squaredNorm(a);
     return select(dot(a.c0, cross(a.c1, a.c2)) < Pack(-1e-6) * size * sqrt(size), Pack(0.), Pack(1.));
   }
+  /// A of the fit: the neighbours' outer products and the node's own.
   static M3<Pack> withOwn(const Sums& s, const Rest& rest, const V3<Pack>& mean) {
     const V3<Pack> own = rest.r * rest.own;
     return {fma(-own.x, mean, s.outer.c0), fma(-own.y, mean, s.outer.c1), fma(-own.z, mean, s.outer.c2)};
   }
 
+  /// Nodes and their neighbours in batches of equal length (neighbourhoods.h).
   Neighbourhoods around_;
   Adjacency heard_;  ///< the nodes that a node is a neighbour of
+  /// Shape (batches).
   Array<Rest> rest_of_;
+  /// Shape (batches), of the last drawn().
   Array<Frame> frame_of_;
   Array<V3<Pack>> rest_neighbour_;  ///< scale (X_j - C), as Neighbourhoods::neighbour; 0 in padding
   Vector rest_;                     ///< rest positions from their mean, shape (nodes)

@@ -59,6 +59,7 @@ S3<T> strainOfProduct(const M3<T>& a, const M3<T>& b) {
   return strainOf(d, Gradients<T>{b.c0, b.c1, b.c2});
 }
 
+/// eps - I; the shear stays.
 template <class T>
 S3<T> minusIdentity(S3<T> strain) {
   strain.xx -= T(1.), strain.yy -= T(1.), strain.zz -= T(1.);
@@ -91,6 +92,7 @@ T storedEnergy(const S3<T>& strain, T lambda, T mu) {
 /// would make it infinite: |ratio| is not taken below this. The paper's remedy is not to update V; the bound is ours.
 constexpr double smallest_volume_ratio = 1e-3;
 
+/// scale / |ratio|^1/2, with the sign of the ratio.
 template <class T>
 T volumeScale(T ratio, T scale) {
   ratio = select(abs(ratio) < T(smallest_volume_ratio),

@@ -59,6 +59,7 @@ inline void setTangent(Tangent<double>& t, const Gradients<double>& g, Lame lame
   const double root = std::sqrt(lame.mu * volume);
   t = {{g.g1 * root, g.g2 * root, g.g3 * root}, lame.mu > 0 ? lame.lambda / lame.mu : 0};
 }
+/// The same for the other tangents.
 inline void setTangent(WorldGradients<double>& t, const Gradients<double>& g, Lame lame, double volume) {
   t = {g, lame.lambda * volume, lame.mu * volume};
 }
@@ -103,6 +104,7 @@ struct Kinematics {
   S3<T> strain;
 };
 
+/// At x [m]; the table at the top of the file says what the updates are.
 template <class Rotation, Update update, class T>
 Kinematics<T> kinematics(const Rest<T>& rest, const V3<T> (&x)[4]) {
   const V3<T> e[3] = {x[1] - x[0], x[2] - x[0], x[3] - x[0]};

@@ -127,10 +127,13 @@ struct Green : Model {
 };
 
 /// method = nodal.
+/// The tangent holds the rest gradients in world axes, and no force changes it: what turns belongs to the nodes.
 struct NodalModel : Model {
   template <class T>
   using Tangent = WorldGradients<T>;
 };
+/// Warping by node (nodal_warping.h). Kept here: the rotations of the nodes at the last force, as three vectors of
+/// columns over the rows of the system.
 class NodalWarping final : public StoredMethod<StorageOf<NodalModel>> {
  public:
   using StoredMethod::StoredMethod;
@@ -172,6 +175,7 @@ class NodalWarping final : public StoredMethod<StorageOf<NodalModel>> {
   }
 
  private:
+  /// Rotation of node a from the three gathered columns (inputs 1 to 3 of the loop).
   template <class In>
   static M3<Pack> nodeRotation(const In& in, int a) {
     return {in[1][a], in[2][a], in[3][a]};
@@ -180,6 +184,7 @@ class NodalWarping final : public StoredMethod<StorageOf<NodalModel>> {
     const WorldGradients<Pack>& t = storage_.tangent[std::size_t(b)];
     nodalWarpingProduct(t.g, factor * t.lambda, factor * t.mu, dx, r, df);
   }
+  /// K of a batch by products with unit vectors, at the node rotations of the last force.
   void matrix(Index b, ElementLoop<4>::Matrix& k) const {
     V3<Pack> c0[4], c1[4], c2[4];
     storage_.loop.gather(b, r0_.rows(), c0), storage_.loop.gather(b, r1_.rows(), c1),

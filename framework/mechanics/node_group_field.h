@@ -44,6 +44,7 @@ struct PairTangent {
 template <int N, class Tangent = DenseTangent<N>>
 class NodeGroupField : public ForceField {
  public:
+  /// Rows of the system of one group; a group may name a row twice.
   using Group = std::array<Index, std::size_t(N)>;
 
   void addStiffnessProduct(ConstRows dx, double factor, Rows df) const override {
@@ -97,9 +98,11 @@ class NodeGroupField : public ForceField {
     tangents_outdated_ = false;
     return stiffness_;
   }
+  /// out += factor * sum of the tangents times p, group by group.
   void addProduct(const std::vector<Tangent>& tangents, ConstRows p, double factor, Rows out) const {
     for (std::size_t g = 0; g < tangents.size(); ++g) tangents[g].addProduct(rows_[g], p, factor, out);
   }
+  /// Blocks of all groups into the matrix that prepareAssembly() looked up.
   void addTo(const std::vector<Tangent>& tangents, double factor, BlockMatrix& matrix) const {
     for (std::size_t g = 0; g < tangents.size(); ++g)
       for (int i = 0; i < N; ++i)

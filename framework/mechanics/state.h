@@ -34,7 +34,9 @@ class State : public Component {
   std::vector<Vec3> velocity;       ///< [m/s], initial velocities, shape (size)
 
  private:
+  /// Of this state in the vectors below.
   Index first_row_ = 0;
+  /// The whole vectors of the system, which owns them; null until it is made.
   Rows x_, v_;
   ConstRows f_;
   bool force_asked_ = false;

@@ -16,6 +16,7 @@ namespace stroma {
 
 class GmshCursor {
  public:
+  /// `bytes` must outlive the cursor; `name` of the file is for messages.
   GmshCursor(std::string_view bytes, const std::string& name) : bytes_(bytes), name_(name) {}
 
   bool binary = false;   ///< numbers are binary from here on
@@ -23,6 +24,7 @@ class GmshCursor {
 
   std::size_t remaining() const { return bytes_.size() - at_; }
   std::string_view rest() const { return bytes_.substr(at_); }
+  /// Moves on, at most to the end.
   void skip(std::size_t bytes) { at_ += std::min(bytes, remaining()); }
 
   /// "liver.msh:12: message" in text, "liver.msh: byte 345: message" in binary data.
@@ -81,9 +83,11 @@ class GmshCursor {
 
  private:
   static bool isBlank(char c) { return c == ' ' || c == '\n' || c == '\t' || c == '\r'; }
+  /// Spaces, tabs and ends of lines: text of this format has no other structure.
   void skipBlanks() {
     while (at_ < bytes_.size() && isBlank(bytes_[at_])) ++at_;
   }
+  /// Says what stands where `what` should be a number.
   [[noreturn]] void failNumber(const char* what, std::errc error) {
     if (at_ == bytes_.size()) fail(fmt::format("the file ends inside {}", what));
     const std::size_t begin = at_;
@@ -96,6 +100,7 @@ class GmshCursor {
 
   std::string_view bytes_;
   std::string name_;
+  /// The next byte; never beyond the end.
   std::size_t at_ = 0;
 };
 

@@ -63,6 +63,7 @@ class Component {
   friend class Instantiation;
   enum class Stage { created, initialising, ready, failed };
 
+  /// `folder_`: where relative file names of this component start.
   std::string type_, name_, folder_;
   SourceLocation where_;
   Node* node_ = nullptr;
@@ -77,9 +78,11 @@ class Component {
     SourceLocation where;
     bool by_src;  ///< made by `src`: copied only when the source has something to give
   };
+  /// Before init(): takes the values of linked attributes, whose components are ready then.
   void copyLinkedValues();
   void reportFailure(const std::string& message, const std::string& expected, const std::string& suggestion) const;
 
+  /// Not owning: source components live as long as the tree.
   std::vector<DataLink> data_links_;
 };
 

@@ -13,6 +13,7 @@ namespace stroma {
 class Instantiation {
  public:
   Instantiation(Scene& scene, Factory& factory, Modules& modules);
+  /// Fills scene.root. Problems are collected in scene.diagnostics, as many as can be found at once.
   void run();
 
  private:
@@ -25,14 +26,18 @@ class Instantiation {
   };
 
   // ---- instantiate.cpp: the tree ----
+  /// Opens what RequiredPlugin names by path, in the whole tree, before any component is made.
   void prepare(const NodeDescription& node);
   void openPlugins(const ComponentDescription& component);
+  /// Attributes, components and children of one node, in the order of the file.
   void build(const NodeDescription& description, Node& node);
   void buildChild(const NodeDescription& description, const std::string& name, Node& parent);
   void reportDuplicates(const NodeDescription& description, const Node& node);
   void makeComponent(const ComponentDescription& description, const std::string& name, Node& node);
+  /// The component of a type, its old name or, with `misspelt`, the one most likely meant: never null.
   std::unique_ptr<Component> create(const ComponentDescription& description, const std::string& path, bool& misspelt);
   std::unique_ptr<Component> createUnknown(const ComponentDescription& description, const std::string& path);
+  /// Notes once what was accepted without effect.
   void noEffect(const std::string& what);
 
   // ---- attributes.cpp ----
@@ -48,15 +53,18 @@ class Instantiation {
   void findInputFile(const AttributeDescription& attribute, Data& data, Component& component);
   bool isSwitchedOffOrVisual(const AttributeDescription& attribute, const std::string& owner,
                              const Component* component);
+  /// Required and physical attributes that nothing set.
   void checkGiven(Component& component);
 
   // ---- links.cpp ----
   void resolveLinks();
   void resolveComponentLink(const PendingLink& link);
   void resolveDataLink(const PendingLink& link);
+  /// Links every attribute to the source's of the same name, but those that are written.
   void resolveSrc(const PendingLink& link);
   void linkData(const PendingLink& link, Component& source, const Data& from);
 
+  /// Reports, and marks the component so that what needs it stays silent.
   void fail(Component& component, Problem problem);
   void initialise(const Node& node);
   void release(const Node& node);

@@ -23,14 +23,19 @@ class Node {
   const std::vector<std::unique_ptr<Component>>& components() const { return components_; }
   const std::vector<std::unique_ptr<Node>>& children() const { return children_; }
 
-  Vec3 gravity() const;               ///< own value, else the parent's; root default (0, -9.81, 0) m/s^2
-  double dt() const;                  ///< the root's time step, default 0.01 s
+  Vec3 gravity() const;  ///< own value, else the parent's; root default (0, -9.81, 0) m/s^2
+  double dt() const;     ///< the root's time step, default 0.01 s
+  /// As written in the scene [m/s^2]; none: inherited.
   std::optional<Vec3> own_gravity;
+  /// [s], of the root; other nodes do not use theirs.
   double root_dt = 0.01;
+  /// Time at the start [s], of the root.
   double root_time = 0;
 
+  /// Takes ownership; the component knows its node from then on.
   Component& add(std::unique_ptr<Component> component);
   Node& addChild(std::unique_ptr<Node> child);
+  /// In this node only; null when there is none.
   Component* findByName(std::string_view name) const;
   Node* findChild(std::string_view name) const;
 
@@ -58,6 +63,7 @@ class Node {
   }
 
  private:
+  /// Throws ComponentError: two components of this node play the role, and a search cannot choose.
   [[noreturn]] void ambiguous(const Component& a, const Component& b) const;
   std::string name_;
   Node* parent_;

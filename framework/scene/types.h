@@ -13,6 +13,7 @@ using Real = double;
 using Vec3 = Eigen::Vector3d;
 using Mat3 = Eigen::Matrix3d;
 
+/// Cells by the indices of their nodes, in the order that Mesh gives: faces counter-clockwise from outside.
 using Edge = std::array<Index, 2>;
 using Triangle = std::array<Index, 3>;
 using Quad = std::array<Index, 4>;

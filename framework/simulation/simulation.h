@@ -53,10 +53,14 @@ class Simulation {
   std::vector<std::string> explain() const;
 
  private:
+  /// Times of the step that comes.
   StepContext nextStep() const;
+  /// One step of system `index`, with roll-back of all systems up to it when it fails.
   void advance(std::size_t index, const StepContext& context, StepReport& report);
+  /// Observers after a good step; their time is counted apart.
   void notify(const StepContext& context);
 
+  /// Owns the tree that all pointers of the systems lead into.
   Scene scene_;
   std::vector<std::unique_ptr<System>> systems_;
   std::vector<Observer*> observers_;
