@@ -85,7 +85,7 @@ void addSquare(const V3<T> (&n)[8], T bulk, T (&k)[8 * 8 * 9]) {
 /// Small strains: n_a is the sum of root n_a over the Gauss points.
 template <class T>
 __attribute__((noipa, flatten)) void addMeanMatrix(const Gradients<T> (&g)[8], const T (&root)[8], T bulk,
-                                                      T (&k)[8 * 8 * 9]) {
+                                                   T (&k)[8 * 8 * 9]) {
   V3<T> n[8];
   for (int a = 0; a < 8; ++a)
     for (int p = 0; p < 8; ++p) n[a] = fma(root[p], nodeGradient(g[p], a, p), n[a]);
@@ -102,8 +102,8 @@ struct GreenState {
 
 /// K of St. Venant-Kirchhoff.
 template <class T>
-__attribute__((noipa, flatten)) void greenMatrix(const Gradients<T> (&g)[8], const GreenState<T> (&state)[8],
-                                                    T lambda, T mu, T (&k)[8 * 8 * 9]) {
+__attribute__((noipa, flatten)) void greenMatrix(const Gradients<T> (&g)[8], const GreenState<T> (&state)[8], T lambda,
+                                                 T mu, T (&k)[8 * 8 * 9]) {
   V3<T> n[8][8], m[8][8];  // [node][point]
   S3<T> left_cauchy_green[8];
   for (int p = 0; p < 8; ++p) {
@@ -133,8 +133,8 @@ __attribute__((noipa, flatten)) void greenMatrix(const Gradients<T> (&g)[8], con
 
 /// The mean dilatation of St. Venant-Kirchhoff: n_a is the sum of F n_a.
 template <class T>
-__attribute__((noipa, flatten)) void addMeanMatrix(const Gradients<T> (&g)[8], const GreenState<T> (&state)[8],
-                                                      T bulk, T (&k)[8 * 8 * 9]) {
+__attribute__((noipa, flatten)) void addMeanMatrix(const Gradients<T> (&g)[8], const GreenState<T> (&state)[8], T bulk,
+                                                   T (&k)[8 * 8 * 9]) {
   V3<T> n[8];
   for (int a = 0; a < 8; ++a)
     for (int p = 0; p < 8; ++p) n[a] = n[a] + state[p].f * nodeGradient(g[p], a, p);
