@@ -164,7 +164,8 @@ auto log(const X& x) {
   return chain(x, log(x.value), inverse, -inverse * inverse);
 }
 
-/// (max(0, x))^2
+/// (max(0, x))^2. The second derivative jumps from 0 to 2 at x = 0, where a fibre at rest is: within round-off of zero
+/// it is that of a stretched fibre, so that a rest shape has one tangent however its positions are rounded.
 template <Number T>
 T squaredPositivePart(const T& x) {
   const T positive = maximum(x, T(0.));
@@ -174,7 +175,7 @@ template <AJet X>
 auto squaredPositivePart(const X& x) {
   using T = std::remove_cvref_t<decltype(x.value)>;
   const T positive = maximum(x.value, T(0.));
-  return chain(x, positive * positive, 2. * positive, select(x.value > T(0.), T(2.), T(0.)));
+  return chain(x, positive * positive, 2. * positive, select(x.value > T(-1e-10), T(2.), T(0.)));
 }
 
 /// Calls f(derivative) for each derivative of a jet that is not always zero, in a fixed order.

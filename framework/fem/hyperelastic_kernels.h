@@ -50,9 +50,13 @@ HyperelasticLaw lawOf(HyperelasticLaw law) {
     typename Mjed<Law>::template Tangent<double> t;
     return toEigen(Mjed<Law>::stress(parametersOf<Law>(values), 1., fromEigen(f), t));
   };
-  law.energy = [](const double* values, const Mat3& f) {
-    return Mjed<Law>::energy(parametersOf<Law>(values), fromEigen(f));
+  law.differential = [](const double* values, const Mat3& f, const Mat3& df) -> Mat3 {
+    const auto parameters = parametersOf<Law>(values);
+    typename Mjed<Law>::template Tangent<double> t;
+    Mjed<Law>::stress(parameters, 1., fromEigen(f), t);
+    return toEigen(Mjed<Law>::differential(parameters, 1., t, fromEigen(f), fromEigen(df)));
   };
+  if constexpr (!InPrincipalStretches<Law>) law.curved_in_volume = NotZero<decltype(Derivatives<Law, double>::aa)>;
   return law;
 }
 

@@ -22,6 +22,15 @@ std::string HyperelasticLaw::expectation() const {
   return fmt::format("{} values: {}", parameters.size(), fmt::join(words, ", "));
 }
 
+// dP of the shear e2 (x) e3 + e3 (x) e2 is 2 mu times it, of the dilation Id 3 K times it; neither stretches the fibre
+// e1 at constant volume.
+HyperelasticLaw::Moduli HyperelasticLaw::moduliAtRest(const double* values) const {
+  const Mat3 unit = Mat3::Identity();
+  Mat3 shear = Mat3::Zero();
+  shear(1, 2) = shear(2, 1) = 1;
+  return {differential(values, unit, shear)(1, 2) / 2, differential(values, unit, unit).trace() / 9};
+}
+
 const std::vector<HyperelasticLaw>& hyperelasticLaws() { return offeredLaws(); }
 
 void offerHyperelasticLaw(HyperelasticLaw law) {

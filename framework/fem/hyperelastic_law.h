@@ -38,6 +38,7 @@ struct HyperelasticLaw {
   std::vector<ParameterInfo> parameters;
   int directions = 0;             ///< of AnisotropyDirections: 0, 1 (fibre) or 3 (fibre, sheet, normal)
   bool infinite_at_zero = false;  ///< the energy is infinite at J = 0 and has no value below
+  bool curved_in_volume = true;   ///< d2W/dJ2 is not zero whatever F; by the kernels
   /// Fills the parameters that are not given (NaN) so that small strains follow Lame's constants; returns what is
   /// missing for that as a sentence, or empty. Null: the law has no such conversion.
   std::function<std::string(const Lame&, std::vector<double>&)> from_lame;
@@ -46,9 +47,15 @@ struct HyperelasticLaw {
 
   std::unique_ptr<ElementMethod> (*tetrahedra)(const Cells&) = nullptr;
   std::unique_ptr<ElementMethod> (*hexahedra)(const Cells&) = nullptr;
-  /// P [Pa] and energy density [J/m^3] of F in the material's axes.
+  /// P [Pa] of F, and dP at F for dF, in the material's axes.
   Mat3 (*stress)(const double* parameters, const Mat3& f) = nullptr;
-  double (*energy)(const double* parameters, const Mat3& f) = nullptr;
+  Mat3 (*differential)(const double* parameters, const Mat3& f, const Mat3& df) = nullptr;
+
+  /// Shear modulus across the fibre and bulk modulus [Pa] of small strains: of the kernels, whatever the formula.
+  struct Moduli {
+    double shear, bulk;
+  };
+  Moduli moduliAtRest(const double* values) const;
 
   std::string expectation() const;  ///< "2 values: mu [Pa], lambda [Pa]"
 };

@@ -23,22 +23,6 @@ constexpr double not_given = std::numeric_limits<double>::quiet_NaN();
 
 double at(const std::vector<double>& values, std::size_t cell) { return values.size() == 1 ? values[0] : values[cell]; }
 
-struct Moduli {
-  double shear, bulk;
-};
-/// Of small strains [Pa], across a fibre, by central differences of the stress: dP of the shear e2 (x) e3 + e3 (x) e2
-/// is 2 mu times it, of the dilation Id 3 K times it; neither stretches the fibre e1 at constant volume. Relative error
-/// 1e-7.
-Moduli moduliAtRest(const HyperelasticLaw& law, const double* values) {
-  constexpr double h = 1e-4;
-  const Mat3 unit = Mat3::Identity();
-  Mat3 shear = Mat3::Zero();
-  shear(1, 2) = shear(2, 1) = 1;
-  const auto change = [&](const Mat3& df) -> Mat3 {
-    return (law.stress(values, unit + h * df) - law.stress(values, unit - h * df)) / (2 * h);
-  };
-  return {change(shear)(1, 2) / 2, change(unit).trace() / 9};
-}
 }  // namespace
 
 std::vector<std::string> HyperelasticForceField::givenNames() const {
@@ -114,7 +98,7 @@ void HyperelasticForceField::fillNamed(std::size_t set, std::vector<double>& val
 
 /// Refuses parameters that contradict E and nu, beyond the figures that people write.
 void HyperelasticForceField::checkModuli(const Lame& lame, const double* values) const {
-  const auto [shear, bulk] = moduliAtRest(*law_, values);
+  const auto [shear, bulk] = law_->moduliAtRest(values);
   const double bulk_asked = lame.lambda + 2. / 3 * lame.mu;
   const auto agree = [](double a, double b) { return std::abs(a - b) <= 1e-3 * std::abs(b); };
   if (agree(shear, lame.mu) && agree(bulk, bulk_asked)) return;

@@ -3,7 +3,9 @@
 //   Mjed         the energy's derivatives by J and invariants (hyperelastic_invariants.h), exact tangent
 //   Regularised  the same with section 2.3 of Marchesseau et al. 2010: under compression the tangent's
 //                psi_JJ dJ (x) dJ becomes psi_JJ ((1 - b) dJ_i (x) dJ_j + b (dJ_i . dJ_j) Id),
-//                b = 1 - J on [0, 1], 0 above, 1 below; in terms of F: b dF cof^T cof
+//                b = 1 - J on [0, 1], 0 above, 1 below; in terms of F: b dF cof^T cof. psi_JJ is the whole second
+//                derivative by J, for exponentials also its parts with the square of the exponent's derivative. A law
+//                whose psi_JJ is zero whatever F (StVenantKirchhoff) keeps its exact tangent: scenes refuse the pair
 //   Projected    the exact 9 x 9 dP/dF with its unstable eigenvalues set to zero
 //   Standard     the textbook's total Lagrangian form: S and D = 4 d2W/dC2 with C^-1, dP = dF S + F (D dE)
 // Everything is scaled by a weight, minus the volume, so that P g_i are forces.
@@ -13,23 +15,6 @@
 
 namespace stroma::hyperelastic {
 
-/// What a law can be joined with at a point: a stress with a history, a second volumetric part. Data<T> holds numbers
-/// of the point (structs of T) and is part of the tangent; stress() and differential() get the law's own P and dP,
-/// times `weight` as everything, and return the whole. `p` has F, cof F and J.
-struct NoAddition {
-  template <class T>
-  struct Data {};
-  template <class T>
-  static M3<T> stress(const Data<T>&, T /*weight*/, const VolumePoint<T>& /*p*/, const M3<T>& of_law) {
-    return of_law;
-  }
-  template <class T>
-  static M3<T> differential(const Data<T>&, T /*weight*/, const VolumePoint<T>& /*p*/, const M3<T>& /*df*/,
-                            const M3<T>& of_law) {
-    return of_law;
-  }
-};
-
 /// The derivatives of a law's energy at a point, as a jet.
 template <class Law, class T>
 using Derivatives =
@@ -38,7 +23,7 @@ using Derivatives =
 template <class Law>
 constexpr int derivative_count = derivativeCount(static_cast<const Derivatives<Law, double>*>(nullptr));
 
-template <class Law_, class Addition = NoAddition>
+template <class Law_>
 struct Mjed {
   using Law = Law_;
   using Set = typename Law::Set;
@@ -49,7 +34,7 @@ struct Mjed {
   static constexpr bool exact = true;
 
   template <class T>
-  struct Tangent : Addition::template Data<T> {
+  struct Tangent {
     T derivatives[derivative_count<Law>];  ///< of the energy, times the weight
   };
   template <class T>
@@ -69,13 +54,13 @@ struct Mjed {
   static M3<T> stress(const Parameters<T>& parameters, T weight, const M3<T>& f, Tangent<T>& t) {
     const Point<T> p(f, parameters);
     keep(Set::template evaluate<Law>(p, parameters), weight, t);
-    return Addition::stress(t, weight, p, Set::stress(p, kept(t)));
+    return Set::stress(p, kept(t));
   }
   template <class T>
-  static M3<T> differential(const Parameters<T>& parameters, T weight, const Tangent<T>& t, const M3<T>& f,
+  static M3<T> differential(const Parameters<T>& parameters, T /*weight*/, const Tangent<T>& t, const M3<T>& f,
                             const M3<T>& df) {
     const Point<T> p(f, parameters);
-    return Addition::differential(t, weight, p, df, Set::differential(p, kept(t), df));
+    return Set::differential(p, kept(t), df);
   }
   template <class T>
   static T energy(const Parameters<T>& parameters, const M3<T>& f) {
@@ -89,9 +74,9 @@ T regularisation(T j) {
   return maximum(T(0.), T(1.) - maximum(T(0.), j));
 }
 
-template <class Law_, class Addition = NoAddition>
-struct Regularised : Mjed<Law_, Addition> {
-  using Base = Mjed<Law_, Addition>;
+template <class Law_>
+struct Regularised : Mjed<Law_> {
+  using Base = Mjed<Law_>;
   using Law = Law_;
   static constexpr bool exact = false;
   template <class T>
@@ -100,17 +85,16 @@ struct Regularised : Mjed<Law_, Addition> {
   using Tangent = typename Base::template Tangent<T>;
 
   template <class T>
-  static M3<T> differential(const Parameters<T>& parameters, T weight, const Tangent<T>& t, const M3<T>& f,
+  static M3<T> differential(const Parameters<T>& parameters, T /*weight*/, const Tangent<T>& t, const M3<T>& f,
                             const M3<T>& df) {
     const typename Base::template Point<T> p(f, parameters);
     auto w = Base::kept(t);
     if constexpr (NotZero<decltype(w.aa)>) {
       const T of_unit = regularisation(p.j) * w.aa;
       w.aa = w.aa - of_unit;
-      const M3<T> both = Addition::differential(t, weight, p, df, Base::Set::differential(p, w, df));
-      return both + timesSymmetric(df, metric(p.cof) * of_unit);
+      return Base::Set::differential(p, w, df) + timesSymmetric(df, metric(p.cof) * of_unit);
     } else {
-      return Addition::differential(t, weight, p, df, Base::Set::differential(p, w, df));
+      return Base::Set::differential(p, w, df);
     }
   }
 };
@@ -134,22 +118,21 @@ void columnOf(int k, Differential&& differential, T (&out)[9]) {
   list(differential(matrixOf(direction)), out);
 }
 
-template <class Law_, class Addition = NoAddition>
-struct Projected : Mjed<Law_, Addition> {
-  using Base = Mjed<Law_, Addition>;
+template <class Law_>
+struct Projected : Mjed<Law_> {
+  using Base = Mjed<Law_>;
   using Law = Law_;
   static constexpr bool exact = false;
   template <class T>
   using Parameters = typename Base::template Parameters<T>;
   template <class T>
-  struct Tangent : Addition::template Data<T> {
+  struct Tangent {
     T matrix[45];  ///< lower triangle by rows
   };
 
   template <class T>
   [[gnu::noipa]] static M3<T> stress(const Parameters<T>& parameters, T weight, const M3<T>& f, Tangent<T>& t) {
     typename Base::template Tangent<T> exact_tangent;
-    static_cast<typename Addition::template Data<T>&>(exact_tangent) = t;
     const M3<T> p = Base::stress(parameters, weight, f, exact_tangent);
     T full[9][9];
 #pragma GCC unroll 1

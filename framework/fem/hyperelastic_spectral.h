@@ -124,8 +124,8 @@ S3<T> turned(const M3<T>& axes, const S3<T>& s) {
   return {x.x, y.y, z.z, y.x, z.y, x.z};
 }
 
-template <InPrincipalStretches Law_, class Addition>
-struct Mjed<Law_, Addition> {
+template <InPrincipalStretches Law_>
+struct Mjed<Law_> {
   using Law = Law_;
   static constexpr bool exact = true;
   template <class T>
@@ -133,7 +133,7 @@ struct Mjed<Law_, Addition> {
   template <class T>
   using Point = PrincipalStretches::Point<T>;
   template <class T>
-  struct Tangent : Addition::template Data<T> {
+  struct Tangent {
     SpectralDerivatives<T> w;
   };
 
@@ -142,11 +142,11 @@ struct Mjed<Law_, Addition> {
     const Point<T> p(f, parameters);
     t.w = spectralDerivatives<Law>(p, parameters, weight);
     const S3<T> s = turned(p.axes, S3<T>{t.w.s[0], t.w.s[1], t.w.s[2], T(0.), T(0.), T(0.)});
-    return Addition::stress(t, weight, p, timesSymmetric(f, s) + p.cof * t.w.volume);
+    return timesSymmetric(f, s) + p.cof * t.w.volume;
   }
   /// The principal part of the tangent; `of_unit` is taken out of psi_JJ.
   template <class T>
-  static M3<T> differential(T weight, const Tangent<T>& t, const M3<T>& f, const M3<T>& df, T of_unit) {
+  static M3<T> differential(const Tangent<T>& t, const M3<T>& f, const M3<T>& df, T of_unit) {
     const VolumePoint<T> p(f);
     const SpectralDerivatives<T>& w = t.w;
     const M3<T> own = f * w.axes, change = df * w.axes;  // columns along the principal directions
@@ -156,12 +156,11 @@ struct Mjed<Law_, Addition> {
                           T(0.5) * fma(w.coupling[0], dc.xx, fma(w.coupling[1], dc.yy, w.coupling[2] * dc.zz)));
     const M3<T> stretched{change.c0 * w.s[0], change.c1 * w.s[1], change.c2 * w.s[2]};
     const M3<T> in_frame = stretched + timesSymmetric(own, spectralStressDifferential(w, dc, dj));
-    const M3<T> of_law = (in_frame * transpose(w.axes) + cofactorDifferential(f, df) * w.volume) + p.cof * dvolume;
-    return Addition::differential(t, weight, p, df, of_law);
+    return (in_frame * transpose(w.axes) + cofactorDifferential(f, df) * w.volume) + p.cof * dvolume;
   }
   template <class T>
-  static M3<T> differential(const Parameters<T>&, T weight, const Tangent<T>& t, const M3<T>& f, const M3<T>& df) {
-    return differential(weight, t, f, df, T(0.));
+  static M3<T> differential(const Parameters<T>&, T, const Tangent<T>& t, const M3<T>& f, const M3<T>& df) {
+    return differential(t, f, df, T(0.));
   }
   template <class T>
   static T energy(const Parameters<T>& parameters, const M3<T>& f) {
@@ -169,16 +168,16 @@ struct Mjed<Law_, Addition> {
   }
 };
 
-template <InPrincipalStretches Law_, class Addition>
-struct Regularised<Law_, Addition> : Mjed<Law_, Addition> {
-  using Base = Mjed<Law_, Addition>;
+template <InPrincipalStretches Law_>
+struct Regularised<Law_> : Mjed<Law_> {
+  using Base = Mjed<Law_>;
   static constexpr bool exact = false;
   template <class T>
-  static M3<T> differential(const typename Base::template Parameters<T>&, T weight,
+  static M3<T> differential(const typename Base::template Parameters<T>&, T,
                             const typename Base::template Tangent<T>& t, const M3<T>& f, const M3<T>& df) {
     const VolumePoint<T> p(f);
     const T of_unit = regularisation(p.j) * t.w.volume2;
-    return Base::differential(weight, t, f, df, of_unit) + timesSymmetric(df, metric(p.cof) * of_unit);
+    return Base::differential(t, f, df, of_unit) + timesSymmetric(df, metric(p.cof) * of_unit);
   }
 };
 

@@ -5,8 +5,9 @@
 namespace stroma {
 
 /// A symmetric matrix a = v diag(a) v^T: its diagonal becomes the eigenvalues, the columns of v the eigenvectors.
-/// Cyclic Jacobi rotations, all lanes at once; stops when the rest is round-off in every lane. NaN stays NaN. Not
-/// inlined, as it is long; noipa because GCC 12 takes the matrices for unchanged by a call that is only noinline.
+/// Cyclic Jacobi rotations, all lanes at once; stops when the rest is round-off in every lane. NaN stays NaN, also
+/// one off the diagonal. Numbers must have squares: magnitudes from 1e-140 to 1e140. Not inlined, as it is long; noipa
+/// because GCC 12 takes the matrices for unchanged by a call that is only noinline.
 template <int n, class T>
 [[gnu::noipa]] void diagonalise(T (&a)[n][n], T (&v)[n][n]) {
   for (int i = 0; i < n; ++i)
@@ -17,7 +18,7 @@ template <int n, class T>
       diagonal = fma(a[i][i], a[i][i], diagonal);
       for (int j = 0; j < i; ++j) off = fma(a[i][j], a[i][j], off);
     }
-    if (!any(off > T(1e-30) * diagonal)) break;
+    if (!any(!(off <= T(1e-30) * diagonal))) break;  // NaN goes on, until it is everywhere
     for (int p = 0; p < n; ++p)
       for (int q = p + 1; q < n; ++q) {
         // t = tan of the angle that makes a[p][q] zero, the smaller of the two

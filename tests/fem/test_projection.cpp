@@ -101,5 +101,16 @@ TEST(SymmetricProjection, LanesDoNotMeet) {
   }
 }
 
+TEST(SymmetricProjection, NaNStays) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const auto& [row, column] : {std::pair{2, 2}, std::pair{5, 1}}) {
+    Matrix m = -Matrix::Identity();
+    m(row, column) = m(column, row) = nan;
+    const Matrix result = projected<double>(m, 0);
+    EXPECT_TRUE(std::isnan(result(row, column))) << row << " " << column;
+    EXPECT_TRUE(std::isnan(projected<Pack>(m, 0)(row, column))) << row << " " << column;
+  }
+}
+
 }  // namespace
 }  // namespace stroma

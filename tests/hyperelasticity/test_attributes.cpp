@@ -132,5 +132,34 @@ TEST(HyperelasticAttributes, AFaultIsForgotten) {
   EXPECT_TRUE(blamed(bad));
 }
 
+/// At rest and turned the tangent is that of fibres that are stretched by a little, whatever the round-off of
+/// positions.
+TEST(HyperelasticAttributes, FibresAtRestHaveOneTangent) {
+  const std::string law =
+      "materialName=\"TransverselyIsotropic\" ParameterSet=\"1000 4000 3000 1.5\" AnisotropyDirections=\"1 2 1\"";
+  FieldUnderTest t(lawScene(law), tetrahedral);
+  const Vec3 fibre = Vec3(1, 2, 1).normalized();
+  const Vector direction = t.product(t.direction);
+  const auto tangentAt = [&](const Mat3& f) {
+    t.rest();
+    Vector turned(t.x.count()), back(t.x.count());
+    for (Index i = 0; i < t.x.count(); ++i) t.x[i] = f * Vec3(t.x[i]), turned[i] = f * Vec3(t.direction[i]);
+    const Vector product = t.product(turned);
+    for (Index i = 0; i < t.x.count(); ++i) back[i] = f.inverse() * Vec3(product[i]);
+    return back;
+  };
+  const Vector stretched = tangentAt(Mat3::Identity() + 1e-7 * fibre * fibre.transpose());
+  const Vector pressed = tangentAt(Mat3::Identity() - 1e-7 * fibre * fibre.transpose());
+  EXPECT_GT(relativeDifference(stretched, pressed), 0.01) << "fibres resist stretch alone";
+  EXPECT_LT(relativeDifference(direction, stretched), 1e-5);
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  for (int k = 0; k < 10; ++k) {
+    const Vec3 axis(uniform(random), uniform(random), uniform(random));
+    const Mat3 turn = Eigen::AngleAxisd(3 * uniform(random), axis.normalized()).toRotationMatrix();
+    EXPECT_LT(relativeDifference(tangentAt(turn), stretched), 1e-5);
+  }
+}
+
 }  // namespace
 }  // namespace stroma::test

@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// One cell of the stability matrix: a disturbed body steps until its ending is known.
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <map>
+#include <random>
+
+#include "tests/stability/matrix.h"
+
+namespace stroma::test::matrix {
+
+std::string wordOf(Ending ending) {
+  static const char* words[] = {"recovered", "stopped",   "under way", "rings", "kept, said",
+                                "grows",     "elsewhere", "moving",    "broken"};
+  return words[int(ending)];
+}
+
+namespace {
+
+/// Where an undisturbed body comes to rest, and the slowest of its small motions about that place [rad/s].
+struct Rest {
+  std::vector<Vec3> position;
+  double slowest = 0;
+};
+
+class Run {
+ public:
+  Run(const Row& row, const IntegratorChoice& integrator, const Condition& condition)
+      : row_(row), integrator_(integrator), condition_(condition), slowest_(row.slowest(condition)) {}
+
+  Outcome operator()() {
+    const Rest& rest = reference();
+    target_ = rest.position;
+    slowest_ = rest.slowest;
+    simulation_ = std::make_unique<Simulation>(sceneFromText(sceneText(integrator_.element, condition_.dt)));
+    measure();
+    energy_rest_ = restEnergy();
+    disturb();
+    energy_start_ = energy();
+    if (advance(limit())) return outcome_;
+    // what neither rests nor stopped may only need more time
+    for (int more = 0;; ++more) {
+      settle();
+      if (outcome_.ending != Ending::moving || more == 3) return outcome_;
+      if (advance(limit())) return outcome_;
+    }
+  }
+
+ private:
+  std::string sceneText(const std::string& element, double dt) const {
+    const double mass = std::min(2 * slowest_, 0.5 / dt);
+    Condition condition = condition_;
+    condition.dt = dt;
+    return row_.scene(fmt::format(fmt::runtime(element), fmt::format("rayleighMass='{}'", mass)), condition);
+  }
+
+  /// Steps until the cell has ended (true) or `steps` are made.
+  bool advance(int steps) {
+    for (int step = 0, steady = 0; step < steps; ++step) {
+      if (!one()) return true;
+      steady = distance() < 1e-6 ? steady + 1 : 0;
+      if (steady < 5) continue;
+      outcome_.steps -= 4;
+      ended(Ending::recovered);
+      return true;
+    }
+    return false;
+  }
+
+  /// A step; false when the cell has ended with it.
+  bool one() {
+    ++outcome_.steps;
+    const StepReport report = simulation_->step();
+    if (!finite())
+      ended(Ending::broken, "a position or a velocity is not finite");
+    else if (report.diverged)
+      stop(report.reason);
+    else {
+      unsolved_ = report.unsolved ? report.reason : "";
+      unconverged_ = report.newton_converged ? "" : report.reason;
+      return true;
+    }
+    return false;
+  }
+
+  /// The same for all integrators and starts of a row, so it is kept.
+  const Rest& reference() {
+    static std::map<std::string, Rest> known;
+    Rest& rest = known[fmt::format("{}|{}|{}", row_.name, condition_.young, condition_.poisson)];
+    if (!rest.position.empty()) return rest;
+    simulation_ = std::make_unique<Simulation>(sceneFromText(sceneText(integrators()[1].element, 0.5 / slowest_)));
+    System& s = system();
+    Vector before(s.allRows());
+    for (int step = 0; step < 2000; ++step) {
+      copy(s.x, before);
+      simulation_->step();
+      axpy(-1, s.x, before);
+      if (std::sqrt(dot(before, before)) < 1e-13) break;
+    }
+    for (Index i = 0; i < s.allRows(); ++i) rest.position.push_back(s.x[i]);
+    rest.slowest = slowestAt();
+    return rest;
+  }
+
+  /// Of the small motions about the place of rest, by inverse iteration on K y = w^2 M y.
+  double slowestAt() const {
+    System& s = system();
+    Vector y(s.rows()), momentum(s.rows());
+    for (Index i = 0; i < s.rows(); ++i) y[i] = Vec3(std::sin(1 + i), std::cos(2 * i), std::sin(3 * i));
+    s.project(y);
+    double squared = 0;
+    for (int iteration = 0; iteration < 12; ++iteration) {
+      s.computeForce(s.x, s.v, s.f);
+      clear(momentum);
+      s.addMassProduct(y, 1, momentum);
+      s.project(momentum);
+      if (!s.linearSolver()->solve(s.matrix({.stiffness = -1}), momentum, y).usable()) return slowest_;
+      const double work = dot(y, momentum);
+      clear(momentum);
+      s.addMassProduct(y, 1, momentum);
+      squared = work / dot(y, momentum);
+      scale(1 / std::sqrt(dot(y, y)), y);
+    }
+    return squared > 1e-6 * slowest_ * slowest_ ? std::sqrt(squared) : slowest_;
+  }
+
+  void measure() {
+    for (const Vec3& p : target_) box_.extend(p);
+    size_ = box_.diagonal().norm();
+  }
+  System& system() const { return *simulation_->systems().at(0); }
+
+  /// The map of the condition on what the constraints leave free.
+  void disturb() {
+    System& s = system();
+    std::vector<Mat3> free(target_.size(), Mat3::Identity());
+    for (const NodeProjector& held : s.projectors()) free[std::size_t(held.row)] = held.projector;
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> uniform(0, 1);
+    const Vec3 low = box_.min(), extent = box_.sizes(), centre = box_.center();
+    for (std::size_t i = 0; i < target_.size(); ++i) {
+      const Vec3 p = s.x[Index(i)], noise(uniform(random), uniform(random), uniform(random));
+      Vec3 to = p;
+      if (condition_.shape == "inverted") to.x() = 2 * centre.x() - p.x();
+      if (condition_.shape == "flat") to.z() = centre.z();
+      if (condition_.shape == "line") to = Vec3(p.x(), centre.y(), centre.z());
+      if (condition_.shape == "point") to = centre;
+      if (condition_.shape == "random") to = low + extent.cwiseProduct(noise);
+      if (condition_.shape == "pulled")
+        to += 0.1 * size_ * Vec3(std::sin(7 * p.y() / size_), (p.z() - low.z()) / size_, std::cos(5 * p.x() / size_)) +
+              0.02 * size_ * noise;
+      s.x[Index(i)] += free[i] * (to - p);
+    }
+  }
+
+  /// The slowest motion is critically damped: after 20 / slowest it is 4e-8 of what it was. Where that takes too many
+  /// steps a few show whether the energy grows.
+  int limit() const {
+    if (integrator_.is_static) return 100;
+    const double needed = 20 / (slowest_ * condition_.dt);
+    return needed > 2500 ? 300 : std::max(200, int(needed));
+  }
+  bool finite() const {
+    for (const State* state : simulation_->states())
+      for (Index i = 0; i < state->size(); ++i)
+        if (!state->x()[i].allFinite() || !state->v()[i].allFinite()) return false;
+    return true;
+  }
+  double distance() const {
+    double worst = 0;
+    for (std::size_t i = 0; i < target_.size(); ++i)
+      worst = std::max(worst, (system().x[Index(i)] - target_[i]).norm() / size_);
+    return worst;
+  }
+  /// Above that of rest.
+  double energy() const { return system().kineticEnergy() + system().potentialEnergy(system().x) - energy_rest_; }
+  double restEnergy() const {
+    Vector rest(system().allRows());
+    for (Index i = 0; i < system().allRows(); ++i) rest[i] = target_[std::size_t(i)];
+    return system().potentialEnergy(rest);
+  }
+  int inverted() const {
+    int count = 0;
+    for (const ForceField* field : system().forceFields())
+      for (const std::string& name : field->cellFields()) {
+        std::vector<double> j;
+        if (name != "J") continue;
+        field->cellField("J", system().x, j);
+        count += int(std::count_if(j.begin(), j.end(), [](double value) { return value <= 0; }));
+      }
+    return count;
+  }
+
+  void ended(Ending ending, const std::string& text = {}) {
+    outcome_.ending = ending;
+    outcome_.text = text;
+    if (ending == Ending::elsewhere || ending == Ending::moving || ending == Ending::grows) {
+      const auto doubts = simulation_->doubts();
+      if (!doubts.empty() || !unconverged_.empty()) {
+        outcome_.ending = Ending::kept;
+        outcome_.text = doubts.empty() ? unconverged_ : doubts[0];
+      }
+    }
+    outcome_.distance = distance();
+    outcome_.inverted = inverted();
+  }
+
+  /// A stop must say which step, which component, which element where there are elements, and why.
+  void stop(const std::string& reason) {
+    std::vector<std::string> words{"/solver: ", fmt::format("step {} ", outcome_.steps)};
+    for (const ForceField* field : system().forceFields())
+      if (!field->worstElement(system().x).empty()) words.push_back(field->path());
+    for (const std::string& word : words)
+      if (reason.find(word) == std::string::npos)
+        return ended(Ending::broken, fmt::format("no \"{}\" in: {}", word, reason));
+    ended(Ending::stopped, reason);
+  }
+
+  /// Not at its shape after all steps: at rest elsewhere, too early to tell, or moving?
+  void settle() {
+    if (!unsolved_.empty()) return stop(unsolved_);
+    System& s = system();
+    double lowest = distance(), highest = lowest, shift = 0;
+    Vector before(s.allRows());
+    copy(s.x, before);
+    for (int step = 0; step < 10; ++step) {
+      if (!one()) return;
+      const double now = distance();
+      lowest = std::min(lowest, now), highest = std::max(highest, now);
+      for (Index i = 0; i < s.allRows(); ++i) shift = std::max(shift, (s.x[i] - before[i]).norm() / size_);
+    }
+    if (!unsolved_.empty()) return stop(unsolved_);
+    const double seconds = simulation_->time(), grown = energy() / energy_start_;
+    const double speed = shift / std::max(10 * condition_.dt * slowest_, 1e-12);  // in sizes and slowest periods
+    if (integrator_.is_static || (speed < 1e-5 && shift < 1e-7)) return ended(Ending::elsewhere);
+    const std::string motion = fmt::format("moves by {:.1e} sizes, energy {:.1e} of the start", shift, grown);
+    // what a force without a potential stores may grow while the body comes to rest
+    const bool gained = grown > 1 + 1e-6 && (s.isConservative() || highest > 3);
+    if (seconds * slowest_ < 20) return ended(gained ? Ending::moving : Ending::under_way, motion);
+    if (!integrator_.damps) return ended(highest < 3 && grown < 10 ? Ending::rings : Ending::grows, motion);
+    ended(Ending::moving, motion);
+  }
+
+  const Row& row_;
+  const IntegratorChoice& integrator_;
+  const Condition& condition_;
+  double slowest_, size_ = 0, energy_start_ = 0, energy_rest_ = 0;
+  std::unique_ptr<Simulation> simulation_;
+  std::vector<Vec3> target_;
+  Eigen::AlignedBox3d box_;
+  std::string unsolved_, unconverged_;  ///< sentences of the last step
+  Outcome outcome_;
+};
+
+}  // namespace
+
+Outcome run(const Row& row, const IntegratorChoice& integrator, const Condition& condition) {
+  return Run(row, integrator, condition)();
+}
+
+}  // namespace stroma::test::matrix
