@@ -7,16 +7,23 @@
 //   (M/dt^2 + D/2dt + K) u(t+dt) = f(t+dt) + M (2 u(t) - u(t-dt))/dt^2 + D u(t-dt)/2dt,   D = alpha M
 //
 // alpha is rayleighMass, the masses' own added to it. u(t-dt) = u(t) - dt v(t), v(t+dt) = (u(t+dt) - u(t))/dt:
-// velocities are those of the middle of steps. Condensed, only the kept nodes (the surface) have inertia:
+// velocities are those of the middle of steps. interiorMass says what condensation does with the mass inside:
 //
-//   (M_ss/dt^2 + D_ss/2dt + K*_ss) u_s(t+dt) = f*_s + ...,   K*_ss = K_ss - K_si K_ii^-1 K_is
+// - "exact": A = M/dt^2 + D/2dt + K is condensed with all of M, A*_ss = A_ss - A_si A_ii^-1 A_is, and r its right side,
+//   r*_s = r_s - A_si A_ii^-1 r_i. The motion is that of the whole body; because the right side has the last motion of
+//   the inside, each step sweeps through the factor of A_ii forth and back, u_i = A_ii^-1 (r_i - A_is u_s).
+// - "neglected", as the paper has it: only the kept nodes (the surface) have inertia,
 //
-// and the inside follows without any, u_i = K_ii^-1 (f_i - K_is u_s), when somebody reads it. interiorMass says what
-// becomes of its mass: "shared" gives it to the kept nodes that carry it (Guyan's reduction T^T M T, T = -K_ii^-1 K_is,
-// lumped by sums of rows), "neglected" leaves it out, as the paper has it. Both are other bodies than the whole one: of a
-// cube of 8^3 cells, half of its free nodes inside, the motion of its nodes after a load that sets in at once differs
-// by 4 to 14 % of the largest displacement with "shared" and by 17 to 83 % with "neglected", most where the load is
-// sudden and the step short. Where that matters take condensed="false".
+//     (M_ss/dt^2 + D_ss/2dt + K*_ss) u_s(t+dt) = f*_s + ...,   K*_ss = K_ss - K_si K_ii^-1 K_is
+//
+//   a step costs the same whatever lies inside, and the inside follows, u_i = K_ii^-1 (f_i - K_is u_s), when somebody
+//   reads it.
+// - "shared": the same, with the mass inside given to the kept nodes that carry it (Guyan's reduction T^T M T,
+//   T = -K_ii^-1 K_is, lumped by sums of rows).
+//
+// The last two are other bodies than the whole one: of a cube of 8^3 cells, half of its free nodes inside, the motion
+// of its nodes after a load that sets in at once differs by 4 to 14 % of the largest displacement with "shared" and by
+// 17 to 83 % with "neglected", most where the load is sudden and the step short.
 //
 // Stable at every time step where K resists every motion: with a = alpha dt/2 and w an angular frequency of the body,
 // both roots of (1 + a + (w dt)^2) z^2 - 2 z + (1 - a) = 0 lie within the unit circle. An undamped oscillation is
@@ -55,8 +62,10 @@ class CondensedDynamicSolver final : public CondensedIntegrator {
   void declare(DataTable& table) override {
     CondensedIntegrator::declare(table);
     table.add("rayleighMass", rayleigh_mass_).help("alpha: damping proportional to the mass").unit("1/s").min(0);
-    table.addChoice("interiorMass", interior_mass_, {"shared", "neglected"})
-        .help("what becomes of the mass of inside nodes: the kept ones carry it, or nobody");
+    table.addChoice("interiorMass", interior_mass_, {"exact", "shared", "neglected"})
+        .help(
+            "what becomes of the mass of inside nodes: it stays, and each step costs a sweep through the inside; the "
+            "kept nodes carry it; it is left out");
     table.addChoice("solve", solve_, {"auto", "inverse", "factor"})
         .help("with condensed=\"false\": by the inverse, by the sparse factor, or by what reads less");
   }
@@ -65,9 +74,13 @@ class CondensedDynamicSolver final : public CondensedIntegrator {
  protected:
   bool isDynamic() const override { return true; }
   double rayleighMass() const override { return rayleigh_mass_; }
+  bool keepsInteriorMass() const override { return condensed_ && interior_mass_ == InteriorMass::exact; }
   bool sharesInteriorMass() const override { return condensed_ && interior_mass_ == InteriorMass::shared; }
-  Form form() const override { return condensed_ || solve_ == Solve::inverse ? Form::symmetric : Form::factor; }
-  bool mayInvert() const override { return solve_ == Solve::automatic; }
+  Form form() const override {
+    if (condensed_) return interior_mass_ == InteriorMass::exact ? Form::joined : Form::symmetric;
+    return solve_ == Solve::inverse ? Form::symmetric : Form::factor;
+  }
+  bool mayInvert() const override { return !condensed_ && solve_ == Solve::automatic; }
   std::unique_ptr<PartialCholesky> makeFactor() const override { return makePartialCholesky(); }
   void checkChoices() const override;
   void prepare(System& system) override;
@@ -77,9 +90,14 @@ class CondensedDynamicSolver final : public CondensedIntegrator {
   void backward(double* y) override { eliminated_.backward(y, sweep_work_.data()); }
 
  private:
-  enum class InteriorMass : int { shared, neglected };
+  enum class InteriorMass : int { exact, shared, neglected };
   enum class Solve : int { automatic, inverse, factor };
   void multiply(const double* r, double* u);
+  void multiplyKept(const double* r, double* u);
+  /// Of the inverse that is stored.
+  std::size_t keptUnknowns() const {
+    return 3 * std::size_t(body_.free() - (used_form_ == Form::joined ? body_.interior() : firstActive()));
+  }
   double largestQuotient();
   void findSlowest();
   /// 1/dt^2 + alpha/2dt of a node
@@ -92,10 +110,11 @@ class CondensedDynamicSolver final : public CondensedIntegrator {
   StepReport giveUp(System& system, const std::string& reason);
 
   double rayleigh_mass_ = 0;
-  InteriorMass interior_mass_ = InteriorMass::shared;
+  InteriorMass interior_mass_ = InteriorMass::exact;
   Solve solve_ = Solve::automatic;
 
   Array<double> u_, v_, next_, right_, reduced_, work_;  ///< shape (padded); work_ once for each piece
+  Array<double> kept_;                                   ///< load and displacement of the kept nodes between sweeps
   double slowest_ = 0;                                   ///< angular frequency [rad/s], of a few iterations
   Array<double> of_u_, of_v_;                            ///< right side per u and per v, shape (padded)
 };
@@ -125,8 +144,10 @@ void CondensedDynamicSolver::prepare(System&) {
     of_u_[i] = m / (dt * dt) + d / (2 * dt);
     of_v_[i] = m / dt - d / 2;
   }
-  if (used_form_ == Form::symmetric)
-    work_.assign(SymmetricPanels<double>{nullptr, 3 * std::size_t(active())}.pieces() * padded(), 0.0);
+  if (used_form_ != Form::factor) {
+    work_.assign(SymmetricPanels<double>{nullptr, keptUnknowns()}.pieces() * padded(), 0.0);
+    kept_.assign(used_form_ == Form::joined ? 2 * chunksOf(keptUnknowns()) * lanes : 0, 0.0);
+  }
   const double alpha = massDamping().empty() ? 0 : *std::max_element(massDamping().begin(), massDamping().end());
   if (alpha * dt > 2)
     warn(fmt::format("damping by the mass of {:g} 1/s times dt = {:g} s is {:.3g}, above 2: velocities change their "
@@ -177,20 +198,31 @@ std::string CondensedDynamicSolver::stepText() const {
       "takes "
       "{:.2g} % a period",
       condensed_ ? "condensed" : "full",
-      used_form_ == Form::factor ? "a sweep forth and back through the sparse factor"
-                                 : "one product with half of the inverse",
+      used_form_ == Form::factor   ? "a sweep forth and back through the sparse factor"
+      : used_form_ == Form::joined ? fmt::format("one product with half of the inverse between sweeps through the "
+                                                 "factor of {} nodes inside, which interiorMass=\"shared\" or "
+                                                 "\"neglected\" would save",
+                                                 body_.interior())
+                                   : "one product with half of the inverse",
       active(), isSingle() && used_form_ != Form::factor ? " in single precision" : "", slowest_ / (2 * pi),
       angle > 0 ? 100 * (1 - std::pow(1 + angle * angle, -pi / angle)) : 0.0);
 }
 
 void CondensedDynamicSolver::multiply(const double* r, double* u) {
-  if (used_form_ == Form::factor) {
-    std::copy(r, r + 3 * active(), u);
-    forward(u);
-    backward(u);
-    return;
+  if (used_form_ == Form::symmetric) return multiplyKept(r, u);
+  std::copy(r, r + 3 * active(), u);
+  forward(u);
+  if (used_form_ == Form::joined) {
+    double *load = kept_.data(), *result = load + kept_.size() / 2, *own = u + 3 * body_.interior();
+    std::copy(own, own + keptUnknowns(), load);
+    multiplyKept(load, result);
+    std::copy(result, result + keptUnknowns(), own);
   }
-  const std::size_t rows = 3 * std::size_t(active());
+  backward(u);
+}
+
+void CondensedDynamicSolver::multiplyKept(const double* r, double* u) {
+  const std::size_t rows = keptUnknowns();
   if (isSingle()) {
     SymmetricPanels<float>{static_cast<const float*>(compliance()), rows}.multiply(r, u, work_.data());
   } else {

@@ -28,20 +28,23 @@ std::vector<FaceKey<N>> sortedFaces(const std::vector<Cell>& cells,
                                     const std::array<std::array<int, N>, Faces>& faces) {
   Index nodes = 0;
   for (const Cell& cell : cells) nodes = std::max(nodes, *std::max_element(cell.begin(), cell.end()) + 1);
+  const auto smallest = [&](const Cell& cell, std::size_t f) {
+    Index least = cell[std::size_t(faces[f][0])];
+    for (const int i : faces[f]) least = std::min(least, cell[std::size_t(i)]);
+    return std::size_t(least);
+  };
   std::vector<std::size_t> start(std::size_t(nodes) + 1, 0);
-  std::vector<FaceKey<N>> keys;
-  keys.reserve(cells.size() * Faces);
+  for (const Cell& cell : cells)
+    for (std::size_t f = 0; f < Faces; ++f) ++start[smallest(cell, f) + 1];
+  for (std::size_t n = 0; n < std::size_t(nodes); ++n) start[n + 1] += start[n];
+  std::vector<FaceKey<N>> sorted(cells.size() * Faces);
+  std::vector<std::size_t> next(start.begin(), start.end());
   for (std::size_t c = 0; c < cells.size(); ++c)
     for (std::size_t f = 0; f < Faces; ++f) {
-      auto sorted = facesNodes(cells[c], faces, int(f));
-      std::sort(sorted.begin(), sorted.end());
-      ++start[std::size_t(sorted[0]) + 1];
-      keys.push_back({sorted, {Index(c), int(f)}});
+      auto key = facesNodes(cells[c], faces, int(f));
+      std::sort(key.begin(), key.end());
+      sorted[next[std::size_t(key[0])]++] = {key, {Index(c), int(f)}};
     }
-  for (std::size_t n = 0; n < std::size_t(nodes); ++n) start[n + 1] += start[n];
-  std::vector<FaceKey<N>> sorted(keys.size());
-  std::vector<std::size_t> next(start.begin(), start.end());
-  for (const auto& key : keys) sorted[next[std::size_t(key.nodes[0])]++] = key;
   for (std::size_t n = 0; n < std::size_t(nodes); ++n)
     std::sort(sorted.begin() + std::ptrdiff_t(start[n]), sorted.begin() + std::ptrdiff_t(start[n + 1]),
               [](const FaceKey<N>& a, const FaceKey<N>& b) {

@@ -39,7 +39,7 @@ class CondensedBody {
   /// P (K + diag(shift)) P + s (I - P) on the free nodes; `shift` [N/m], shape (free) or empty. P lets nodes that slide
   /// keep their free directions, s is about the size of the diagonal.
   BlockMatrix matrix(const BlockMatrix& stiffness, const std::vector<double>& shift) const;
-  /// What matrix() depends on beside its arguments: which rows are free, in which order, and how they are held.
+  /// What matrix() depends on beside `shift`: K, which rows are free, in which order, and how they are held.
   void addTo(ContentKey& key) const;
   /// Lumped masses of the free nodes [kg].
   std::vector<double> masses() const;

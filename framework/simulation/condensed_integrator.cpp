@@ -137,7 +137,7 @@ const Eigen::VectorXd& CondensedIntegrator::solveTouches(const double* u) {
 
 bool CondensedIntegrator::reduceTimedInterior(double* out) {
   const auto& timed = body_.timedNodes();
-  if (used_form_ == Form::factor || timed.empty() || timed.front() >= body_.interior()) return false;
+  if (insideIsActive() || timed.empty() || timed.front() >= body_.interior()) return false;
   std::fill(timed_reduced_.begin(), timed_reduced_.end(), 0.0);
   for (const Index node : timed) {
     if (node >= body_.interior()) break;
@@ -186,7 +186,7 @@ bool CondensedIntegrator::writeActive(System& system, const double* u, const dou
     for (Index node = 0; node < active_; ++node)
       for (int c = 0; c < 3; ++c)
         system.v.rows().data[std::size_t(activeRow(node)) * row_doubles + std::size_t(c)] = v[3 * node + c];
-  behind_ = used_form_ != Form::factor && body_.interior() > 0;
+  behind_ = !insideIsActive() && body_.interior() > 0;
   return true;
 }
 
@@ -232,10 +232,10 @@ void CondensedIntegrator::reset() {
 
 std::string CondensedIntegrator::describe() const {
   std::string text = stepText();
-  if (body_.interior() > 0 && used_form_ != Form::factor)
+  if (body_.interior() > 0 && !insideIsActive())
     text += fmt::format("; {} nodes inside are computed after steps that somebody reads them{}", body_.interior(),
                         asks_force_ ? ": each, because forces are read" : "");
-  if (!body_.timedNodes().empty() && body_.timedNodes().front() < body_.interior() && used_form_ != Form::factor)
+  if (!body_.timedNodes().empty() && body_.timedNodes().front() < body_.interior() && !insideIsActive())
     text += "; loads on inside nodes change in time: a sweep through the factor of the inside in each step";
   if (body_.movingRows()) text += "; nodes moved by position are loads through their compliance";
   if (range_.isEmpty())

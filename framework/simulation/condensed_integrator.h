@@ -17,7 +17,7 @@
 namespace stroma {
 
 /// u_S = C f*_S with C = (A^-1)_SS, A the matrix of a static or of a dynamic step. Active nodes are those of u: the
-/// kept ones, or every free node when the sparse factor is used instead of C. Vectors over them have 3 numbers a node
+/// kept ones, or every free node where the inside is solved for in each step. Vectors over them have 3 numbers a node
 /// and are padded to chunks of 8.
 class CondensedIntegrator : public Integrator {
  public:
@@ -32,8 +32,9 @@ class CondensedIntegrator : public Integrator {
   static std::string sourcesOfNumbers();
 
  protected:
-  /// How u follows from f.
-  enum class Form { columns, symmetric, factor };
+  /// How u follows from f: C of the kept nodes by columns, or by half of it; a sweep through the factor of the inside
+  /// before and after half of C; the sparse factor of every node.
+  enum class Form { columns, symmetric, joined, factor };
   enum class Precision : int { double_precision, single_precision };
   /// A direction in which a node is moved by position, and the force that this takes.
   struct Touch {
@@ -44,6 +45,8 @@ class CondensedIntegrator : public Integrator {
   virtual bool isDynamic() const = 0;
   /// Dynamic: damping by the mass [1/s].
   virtual double rayleighMass() const { return 0; }
+  /// Dynamic: masses of inside nodes are in the matrix.
+  virtual bool keepsInteriorMass() const { return false; }
   /// Dynamic: masses of inside nodes go to the kept ones.
   virtual bool sharesInteriorMass() const { return false; }
   /// The form that the matrix should have; `factor` only where every node is kept.
@@ -83,6 +86,8 @@ class CondensedIntegrator : public Integrator {
   void finish(System& system, const StepContext& context);
   StepReport failure(const std::string& reason) const;
 
+  /// Every free node is active, the inside too.
+  bool insideIsActive() const { return used_form_ == Form::factor || used_form_ == Form::joined; }
   Index active() const { return active_; }
   Index firstActive() const { return first_active_; }
   std::size_t padded() const { return chunksOf(3 * std::size_t(active_)) * lanes; }

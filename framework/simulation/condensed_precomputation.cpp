@@ -80,14 +80,15 @@ void CondensedIntegrator::compile(System& system) {
     const std::vector<double> own = body_.massDamping();
     for (std::size_t i = 0; i < own.size(); ++i) {
       problem.per_mass.push_back(1 / (dt_ * dt_) + (rayleighMass() + own[i]) / (2 * dt_));
-      problem.shift.push_back(Index(i) < body_.interior() ? 0 : problem.mass[i] * problem.per_mass[i]);
+      const bool has_inertia = keepsInteriorMass() || Index(i) >= body_.interior();
+      problem.shift.push_back(has_inertia ? problem.mass[i] * problem.per_mass[i] : 0);
     }
   }
-  problem.stiffness = body_.stiffness();
   used_form_ = form();
   problem.key = keyOf(problem);
   from_cache_ = loadStored(problem);
   if (!from_cache_) {
+    problem.stiffness = body_.stiffness();
     decideForm(problem);
     computeAnew(problem);
   }
@@ -112,12 +113,9 @@ std::string CondensedIntegrator::sourcesOfNumbers() { return STROMA_SOURCES_OF_C
 
 ContentKey CondensedIntegrator::keyOf(const Problem& problem) const {
   ContentKey key;
-  key.add(fmt::format("condensed {} {} {} {}", sourcesOfNumbers(), int(form()) + 4 * mayInvert(), int(precision_),
+  key.add(fmt::format("condensed {} {} {} {}", sourcesOfNumbers(), int(form()) + 8 * mayInvert(), int(precision_),
                       body_.interior()));
   body_.addTo(key);
-  key.add(problem.stiffness.rowStart());
-  key.add(problem.stiffness.columns());
-  key.add(problem.stiffness.values());
   key.add(problem.shift);
   key.add(problem.per_mass);
   key.add(problem.mass);  // the file has the inertia as well, and other masses may give the same matrix
@@ -169,7 +167,7 @@ void CondensedIntegrator::computeAnew(Problem& problem) {
     for (int c = 0; c < 3; ++c) inertia_.push_back(problem.mass[std::size_t(problem.order[i])]);
   if (sharesInteriorMass() && used_form_ != Form::factor) shareInteriorMass(problem, *factor_);
   if (used_form_ == Form::factor) return;
-  inertia_.erase(inertia_.begin(), inertia_.begin() + (inertia_.empty() ? 0 : 3 * eliminated));
+  if (!insideIsActive() && !inertia_.empty()) inertia_.erase(inertia_.begin(), inertia_.begin() + 3 * eliminated);
   owned_compliance_.assign(compliance_bytes_ / sizeof(double) + 1, 0.0);
   const double before = factor_->flops() / (factor_->flops() + kept * kept * kept);
   packInverse(*factor_, [&](double share) { telling.say(before + (1 - before) * share); });
@@ -270,7 +268,7 @@ bool CondensedIntegrator::loadStored(Problem& problem) {
   if (opened && mayInvert() && file_.section(inverse).bytes > 0) used_form_ = Form::symmetric;
   if (opened)
     for (std::size_t i = 0; i < parts && reason.empty(); ++i)
-      if ((i != values || used_form_ == Form::factor) && !file_.isIntact(i)) reason = "its numbers are damaged";
+      if ((i != values || insideIsActive()) && !file_.isIntact(i)) reason = "its numbers are damaged";
   if (!reason.empty()) {
     file_.close();
     used_form_ = form();
@@ -317,7 +315,7 @@ void CondensedIntegrator::useStored(Problem& problem) {
 
 // The factor of the inside is the larger part of a file and not needed for steps: it is checked when somebody needs it.
 void CondensedIntegrator::checkFactor() {
-  if (!file_.isOpen() || used_form_ == Form::factor || factor_checked_) return;
+  if (!file_.isOpen() || insideIsActive() || factor_checked_) return;
   factor_checked_ = true;
   if (file_.isIntact(values)) return;
   fmt::print(stderr, "{}: the factor of the inside in {} is damaged: made anew, and so is the file in the next run\n",
@@ -334,7 +332,7 @@ void CondensedIntegrator::checkFactor() {
 
 void CondensedIntegrator::prepareActive(System& system, const std::vector<Index>& new_order,
                                         const std::vector<double>& force) {
-  first_active_ = used_form_ == Form::factor ? 0 : body_.interior();
+  first_active_ = insideIsActive() ? 0 : body_.interior();
   active_ = body_.free() - first_active_;
   active_rows_.clear(), damping_.clear();
   std::vector<Index> active_of_row(std::size_t(system.allRows()), -1);

@@ -32,11 +32,44 @@ TEST(CondensedDynamic, equalsTheFullSystemWithTheSameMasses) {
     const Vector expected = after(block.text(), steps);
     EXPECT_GT(norm(expected), 1e-5);
     for (const std::string other :
-         {"interiorMass=\"shared\"", "interiorMass=\"neglected\"", "condensed=\"false\" solve=\"inverse\""}) {
+         {"", "interiorMass=\"shared\"", "interiorMass=\"neglected\"", "condensed=\"false\" solve=\"inverse\""}) {
       block.solver = "<CondensedDynamicSolver rayleighMass=\"1.5\" " + other + "/>";
       EXPECT_LT(difference(after(block.text(), steps), expected), 1e-10) << other << " after " << steps;
     }
   }
+}
+
+TEST(CondensedDynamic, keepsTheMassInsideExactly) {
+  // loads that change in time inside and outside, and a node that is dragged
+  Block block{.solver = "",
+              .loads =
+                  "<ConstantForceField indices=\"139 138\" totalForce=\"0.05 0.02 -0.03\"/>"
+                  "<LinearForceField points=\"66 67 86 131\" times=\"0 0.1 0.5 3\" forces=\"0 0 0  0.2 0 -0.4  "
+                  "-0.3 0.1 0  0 0 0\"/>"};
+  const std::string dragged =
+      "<LinearMovementProjectiveConstraint indices=\"120\" keyTimes=\"0 0.3 2\" movements=\"0 0 0  0.004 0 0.002  0 0 "
+      "0\"/>";
+  for (const std::string cells : {"tetrahedra", "hexahedra"})
+    for (const std::string& more : {std::string(), dragged})
+      for (const int steps : {1, 7, 60}) {
+        block.cells = cells, block.more = more;
+        block.solver = "<CondensedDynamicSolver condensed=\"false\" solve=\"factor\" rayleighMass=\"1.5\"/>";
+        const Vector expected = after(block.text(), steps);
+        block.solver = "<CondensedDynamicSolver rayleighMass=\"1.5\"/>";
+        EXPECT_GT(*std::get<int*>(simulationFromText(block.text())
+                                      .systems()
+                                      .front()
+                                      ->integrator()
+                                      .data()
+                                      .find("interiorNodes")
+                                      ->pointer()),
+                  20);
+        EXPECT_LT(difference(after(block.text(), steps), expected), 1e-10) << cells << more << " after " << steps;
+        block.solver = "<CondensedDynamicSolver rayleighMass=\"1.5\" precision=\"single\"/>";
+        EXPECT_LT(difference(after(block.text(), steps), expected), 1e-4) << cells << more << " after " << steps;
+        block.solver = "<CondensedDynamicSolver rayleighMass=\"1.5\" interiorMass=\"shared\"/>";
+        EXPECT_GT(difference(after(block.text(), steps), expected), 1e-4) << cells << more << " after " << steps;
+      }
 }
 
 TEST(CondensedDynamic, isThePapersSchemeOnTheWholeMatrix) {
@@ -144,6 +177,7 @@ double periodOf(const std::string& attributes) {
 
 TEST(CondensedDynamic, sharedMassKeepsThePeriodOfTheWholeBody) {
   const double full = periodOf("condensed=\"false\"");
+  EXPECT_NEAR(periodOf("interiorMass=\"exact\"") / full, 1, 1e-9);
   EXPECT_NEAR(periodOf("interiorMass=\"shared\"") / full, 1, 0.01);
   // 30 of 120 free nodes have no inertia: faster
   EXPECT_LT(periodOf("interiorMass=\"neglected\"") / full, 0.95);
@@ -165,7 +199,7 @@ TEST(CondensedDynamic, slidingNodesStayInTheirPlane) {
 TEST(CondensedDynamic, nodesSlideInObliquePlanesWithTheMassOfTheInside) {
   Block block{.solver = "", .loads = "<ConstantForceField indices=\"139 138\" totalForce=\"2 1 -3\"/>", .dt = 0.002};
   block.more = "<FixedPlaneProjectiveConstraint direction=\"1 2 3\" indices=\"64 88 128 139\"/>";
-  for (const std::string mass : {"shared", "neglected"}) {
+  for (const std::string mass : {"exact", "shared", "neglected"}) {
     block.solver = "<CondensedDynamicSolver interiorMass=\"" + mass + "\"/>";
     const Vector u = after(block.text(), 40);
     EXPECT_GT(u[139].norm(), 1e-3) << mass;
