@@ -53,6 +53,10 @@ const std::vector<Known>& known() {
        "number of steps is made for",
        0.01},
       {Ending::elsewhere, ".*(viscous|[pP]orous).*", any, any, "the same: bodies that creep to rest hardly move", 0.01},
+      {Ending::elsewhere, ".*(viscous|[pP]orous).*", "static.*", "dt=1e-[35]",
+       "statics leaves inertia out, not the time that fluid and stresses need: a hundred short steps are too few", 0.1},
+      {Ending::moving, "TetrahedronPorousForceField.*", "BDF 2.*", "dt=1e-3",
+       "a defect: a pressure that is one step late feeds an oscillation that BDF 2 hardly damps"},
       {Ending::grows, any, "trapezoid|Newmark|midpoint", any,
        "one linear solve a step without damping is bounded for linear forces alone; Newton's method or an integrator "
        "that damps is needed at such steps"},
