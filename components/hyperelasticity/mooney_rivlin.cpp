@@ -52,7 +52,7 @@ STROMA_COMPONENT(mooney_rivlin) {
       {"k0", "Pa", "bulk modulus", true}};
   law.infinite_at_zero = true;
   law.from_lame = fromLame;
-  law.check = [](const double* p) {
+  law.check = [](Values p) {
     return p[0] + p[1] > 0 ? "" : "c1 + c2 of MooneyRivlin is not above 0: the shear modulus is twice that";
   };
   offerHyperelasticLaw(lawOf<MooneyRivlin>(law));

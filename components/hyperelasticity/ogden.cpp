@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Ogden: W = sum_k mu_k/alpha_k^2 (l1^alpha_k + l2^alpha_k + l3^alpha_k - 3) + k0/2 (ln J)^2, l_i = J^-1/3 lambda_i the
-// isochoric principal stretches, one to three terms: ParameterSet = mu1 alpha1 (mu2 alpha2 (mu3 alpha3)) k0. At small
-// strains the shear modulus is the sum of mu_k/2, the bulk modulus k0. Infinite at J = 0.
+// isochoric principal stretches, any number of terms: ParameterSet = mu1 alpha1 (mu2 alpha2 ...) k0. At small strains
+// the shear modulus is the sum of mu_k/2, the bulk modulus k0. Infinite at J = 0.
+#include <bit>
+
 #include "framework/fem/hyperelastic_kernels.h"
 #include "framework/scene/factory.h"
 
@@ -10,26 +12,55 @@ using namespace stroma::hyperelastic;
 
 namespace {
 
-template <int terms>
+template <class T>
+struct Term {
+  T factor, exponent;
+};
+
+/// The terms of a cell, where the field keeps its parameters: kernels carry the address only, whatever their number.
+template <class T>
+class Terms {
+ public:
+  Terms(T list, T count) {
+    alignas(64) double address[lanes], counts[lanes];
+    std::memcpy(address, &list, sizeof address);
+    std::memcpy(counts, &count, sizeof counts);
+    for (int l = 0; l < lanes; ++l) first_[l] = std::bit_cast<const double*>(address[l]);
+    count_ = int(counts[0]);
+  }
+  int count() const { return count_; }
+  /// Term k of all lanes.
+  Term<T> at(int k) const {
+    alignas(64) double mu[lanes], alpha[lanes];
+    for (int l = 0; l < lanes; ++l) mu[l] = first_[l][2 * k], alpha[l] = first_[l][2 * k + 1];
+    Term<T> term;
+    std::memcpy(&term.factor, mu, sizeof mu);
+    std::memcpy(&term.exponent, alpha, sizeof alpha);
+    term.factor = term.factor / (term.exponent * term.exponent);
+    return term;
+  }
+
+ private:
+  static constexpr int lanes = sizeof(T) / sizeof(double);
+  const double* first_[lanes];
+  int count_;
+};
+
 struct Ogden {
   using Set = PrincipalStretches;
   static constexpr bool anisotropic = false;
-  static constexpr int term_count = terms;
   template <class T>
   struct Parameters {
-    struct {
-      T mu, alpha;
-    } term[terms];
+    T list;   ///< the bits of the address of mu1 alpha1 mu2 ...
+    T count;  ///< of terms, the same for all cells
     T k0;
   };
+  static Parameters<double> read(Values values) {
+    return {std::bit_cast<double>(values.data()), double(values.size() / 2), values.back()};
+  }
   template <class T>
-  struct Term {
-    T factor, exponent;
-  };
-  template <class T>
-  static Term<T> term(const Parameters<T>& p, int k) {
-    const T alpha = p.term[k].alpha;
-    return {p.term[k].mu / (alpha * alpha), alpha};
+  static Terms<T> terms(const Parameters<T>& p) {
+    return {p.list, p.count};
   }
   static auto volumetric(const auto& J, const auto& p) {
     const auto L = log(J);
@@ -37,39 +68,41 @@ struct Ogden {
   }
 };
 
-template <int terms>
-HyperelasticLaw ogden() {
+std::string check(Values p) {
+  double sum = 0;
+  for (std::size_t k = 0; k + 1 < p.size(); k += 2) {
+    if (p[k + 1] == 0) return "alpha" + std::to_string(k / 2 + 1) + " of Ogden is 0";
+    sum += p[k] / 2;
+  }
+  return sum > 0 ? "" : "the moduli of Ogden have a sum that is not above 0: the shear modulus is half of it";
+}
+
+std::string fromLame(const Lame& lame, std::vector<double>& values) {
+  if (std::isnan(values[1])) return "Ogden needs alpha1 besides youngModulus";
+  if (std::isnan(values[0])) values[0] = 2 * lame.mu;
+  if (std::isnan(values[2])) values[2] = lame.lambda + 2. / 3 * lame.mu;
+  return {};
+}
+
+HyperelasticLaw withTerms(std::size_t terms) {
   HyperelasticLaw law;
   law.name = "Ogden";
   law.formula = "sum mu_k/alpha_k^2 (sum_i (J^-1/3 lambda_i)^alpha_k - 3) + k0/2 (ln J)^2";
-  for (int k = 1; k <= terms; ++k) {
+  for (std::size_t k = 1; k <= terms; ++k) {
     law.parameters.push_back({"mu" + std::to_string(k), "Pa", "modulus of a term"});
     law.parameters.push_back({"alpha" + std::to_string(k), "-", "exponent of a term"});
   }
   law.parameters.push_back({"k0", "Pa", "bulk modulus", true});
   law.infinite_at_zero = true;
-  law.check = [](const double* p) -> std::string {
-    double sum = 0;
-    for (int k = 0; k < terms; ++k) {
-      if (p[2 * k + 1] == 0) return "an exponent of Ogden is 0";
-      sum += p[2 * k] / 2;
-    }
-    return sum > 0 ? "" : "the moduli of Ogden have a sum that is not above 0: the shear modulus is half of it";
-  };
-  if (terms == 1)
-    law.from_lame = [](const Lame& lame, std::vector<double>& values) -> std::string {
-      if (std::isnan(values[1])) return "Ogden needs alpha1 besides youngModulus";
-      if (std::isnan(values[0])) values[0] = 2 * lame.mu;
-      if (std::isnan(values[2])) values[2] = lame.lambda + 2. / 3 * lame.mu;
-      return {};
-    };
-  return law;
+  law.check = check;
+  if (terms == 1) law.from_lame = fromLame;
+  return lawOf<Ogden>(law);
 }
 
 }  // namespace
 
 STROMA_COMPONENT(ogden) {
-  offerHyperelasticLaw(lawOf<Ogden<1>>(ogden<1>()));
-  offerHyperelasticLaw(lawOf<Ogden<2>>(ogden<2>()));
-  offerHyperelasticLaw(lawOf<Ogden<3>>(ogden<3>()));
+  HyperelasticLaw law = withTerms(1);
+  law.with_terms = withTerms;
+  offerHyperelasticLaw(law);
 }

@@ -22,8 +22,8 @@
 //                          c1 (exp(c2 (I1' - 3)) - 1) - c1 c2/2 (I2' - 3) + k0/2 L^2
 //   ArrudaBoyce            mu k0
 //                          mu sum C_n (I1'^n - 3^n) + k0/2 L^2, n = 1..5, eight-chain series of N = 8
-//   Ogden                  mu1 alpha1 k0, or mu1 alpha1 mu2 alpha2 k0, or three such pairs and k0
-//                          sum mu_k/alpha_k^2 (sum_i (J^-1/3 lambda_i)^alpha_k - 3) + k0/2 L^2
+//   Ogden                  mu1 alpha1 k0, or mu1 alpha1 mu2 alpha2 k0, or any number of such pairs and k0
+//                          sum mu_k/alpha_k^2 (sum_i (J^-1/3 lambda_i)^alpha_k - 3) + k0/2 L^2; by name up to mu6
 //   Costa                  a k0 bff bfs bss bfn bsn bnn
 //                          a/2 (exp(J^-4/3 Q) - 1) + k0 (J L - J + 1), Q = sum b_ij E_ij^2
 //   TransverselyIsotropic  mu lambda k1 k2

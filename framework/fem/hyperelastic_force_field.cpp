@@ -83,12 +83,11 @@ void HyperelasticForceField::declare(DataTable& table) {
       .max(0.5, false)
       .help("Poisson's ratio at small strains, with youngModulus");
   for (const HyperelasticLaw& law : hyperelasticLaws())
-    for (const ParameterInfo& p : law.parameters) {
+    for (const ParameterInfo& p : law.namedParameters()) {
       if (named_.count(p.name)) continue;
       std::set<std::string> users;
       for (const HyperelasticLaw& other : hyperelasticLaws())
-        for (const ParameterInfo& o : other.parameters)
-          if (o.name == p.name) users.insert(other.name);
+        if (other.takes(p.name)) users.insert(other.name);
       table.add(p.name, named_[p.name])
           .unit(p.unit)
           .help(fmt::format("{} ({}): one value, or one a cell", p.help, fmt::join(users, ", ")));
@@ -130,9 +129,9 @@ void HyperelasticForceField::init() {
   checkShapes();
   if (regularised_ && projected_)
     throw ComponentError("matrixRegularization and projectedTangent both replace the tangent", "one of them");
-  if (regularised_ && !law_->curved_in_volume)
+  if (regularised_ && !law_.curved_in_volume)
     throw ComponentError(
-        fmt::format("matrixRegularization acts on d2W/dJ2 of the law, and the energy of {} has no J", law_->name),
+        fmt::format("matrixRegularization acts on d2W/dJ2 of the law, and the energy of {} has no J", law_.name),
         "projectedTangent=\"true\" for this law");
   if (hexahedra && regularised_)
     throw ComponentError("matrixRegularization exists for tetrahedra", "projectedTangent=\"true\" for hexahedra");
@@ -203,9 +202,9 @@ ForceTraits HyperelasticForceField::traits() const {
   return t;
 }
 
-const double* HyperelasticForceField::parameters(std::size_t cell) const {
-  const std::size_t count = law_->parameters.size();
-  return values_.data() + (values_.size() == count ? 0 : cell * count);
+hyperelastic::Values HyperelasticForceField::parameters(std::size_t cell) const {
+  const std::size_t count = law_.parameters.size();
+  return {values_.data() + (values_.size() == count ? 0 : cell * count), count};
 }
 Mat3 HyperelasticForceField::axes(std::size_t cell) const { return axes_.size() == 1 ? axes_[0] : axes_[cell]; }
 
@@ -223,7 +222,7 @@ hyperelastic::Cells HyperelasticForceField::cells() const {
 }
 
 void HyperelasticForceField::compile() {
-  method_ = (hexahedra ? law_->hexahedra : law_->tetrahedra)(cells());
+  method_ = (hexahedra ? law_.hexahedra : law_.tetrahedra)(cells());
   if (series_.terms() > 0) makeViscous();
 }
 
@@ -231,7 +230,7 @@ void HyperelasticForceField::compile() {
 
 void HyperelasticForceField::makeViscous() {
   const auto held = hexahedra ? heldStressKernels().hexahedra : heldStressKernels().tetrahedra;
-  auto viscous = std::make_unique<ViscousLaw>(std::move(method_), *law_, cells(), cellCount(), series_, held(cells()),
+  auto viscous = std::make_unique<ViscousLaw>(std::move(method_), law_, cells(), cellCount(), series_, held(cells()),
                                               node().root().root_time);
   viscous_ = viscous.get();
   method_ = std::move(viscous);
@@ -280,7 +279,7 @@ void HyperelasticForceField::addForceAndProduct(ConstRows x, ConstRows v, ConstR
 /// force that is finite or whose elements all have a volume (then another component's is not). Positions that are not
 /// finite themselves are the consequence: the cause is kept. One sum a force.
 void HyperelasticForceField::checkFinite(ConstRows x, ConstRows f) {
-  if (!law_->infinite_at_zero) return;
+  if (!law_.infinite_at_zero) return;
   double sum = 0;
   const ConstRows own = ownRows(f);
   for (std::size_t i = 0; i < own.doubles(); ++i) sum += own.data[i] * 0;
@@ -291,7 +290,7 @@ void HyperelasticForceField::checkFinite(ConstRows x, ConstRows f) {
   double j = 0;
   const std::size_t cell = worstCell(ownRows(x), j);
   if (j <= 0)
-    fault_ = fmt::format("{} had J = {:.3g}, where the energy of {} is infinite", describe(cell), j, law_->name);
+    fault_ = fmt::format("{} had J = {:.3g}, where the energy of {} is infinite", describe(cell), j, law_.name);
   else if (j > 0)
     fault_.clear();
 }
@@ -355,7 +354,7 @@ std::string HyperelasticForceField::worstElement(ConstRows x) const {
 
 /// P of F, both in the material's axes.
 Mat3 HyperelasticForceField::stress(std::size_t cell, std::size_t point, const Mat3& f) const {
-  return viscous_ ? Mat3(f * viscous_->stress(cell, point, f)) : law_->stress(parameters(cell), f);
+  return viscous_ ? Mat3(f * viscous_->stress(cell, point, f)) : law_.stress(parameters(cell), f);
 }
 
 void HyperelasticForceField::cellField(const std::string& name, ConstRows x, std::vector<double>& out) const {

@@ -36,10 +36,9 @@ class HyperelasticForceField : public ElementMethodField, public History {
   std::vector<std::string> cellFields() const override { return {"vonMises", "J", "strain"}; }
   void cellField(const std::string& name, ConstRows x, std::vector<double>& out) const override;
 
-  const hyperelastic::HyperelasticLaw& law() const { return *law_; }
+  const hyperelastic::HyperelasticLaw& law() const { return law_; }
   const Mesh& mesh() const { return *mesh_; }
-  /// In the order of the law's parameters.
-  const double* parameters(std::size_t cell) const;
+  hyperelastic::Values parameters(std::size_t cell) const;
 
  protected:
   /// What the kernels are built on.
@@ -49,10 +48,11 @@ class HyperelasticForceField : public ElementMethodField, public History {
   void refusePlugin() const;
   void chooseMesh();
   void chooseLaw();
+  hyperelastic::HyperelasticLaw withTerms(const hyperelastic::HyperelasticLaw& law) const;
   std::vector<std::string> givenNames() const;
   void readParameters();
   void fillNamed(std::size_t set, std::vector<double>& values) const;
-  void checkModuli(const Lame& lame, const double* values) const;
+  void checkModuli(const Lame& lame, hyperelastic::Values values) const;
   void readDirections();
   Mat3 axes(std::size_t cell) const;
   std::size_t cellCount() const;
@@ -79,9 +79,9 @@ class HyperelasticForceField : public ElementMethodField, public History {
   HistoryFile history_file_;
 
   const Mesh* mesh_ = nullptr;
-  const hyperelastic::HyperelasticLaw* law_ = nullptr;
-  std::vector<double> values_;  ///< parameters, of one cell for all or of each
-  std::vector<Mat3> axes_;      ///< one for all or one a cell
+  hyperelastic::HyperelasticLaw law_;  ///< as chosen, with its number of terms
+  std::vector<double> values_;         ///< parameters, of one cell for all or of each
+  std::vector<Mat3> axes_;             ///< one for all or one a cell
   std::vector<double> initial_history_;
   PronySeries series_;                           ///< without terms: the law is elastic
   hyperelastic::ViscousLaw* viscous_ = nullptr;  ///< method_, where it is viscous

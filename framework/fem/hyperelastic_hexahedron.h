@@ -89,7 +89,7 @@ StorageOf<Hexahedron<Form>> hexahedronStorage(const Cells& cells) {
                     rest.g[p] = {g.c0, g.c1, g.c2};
                     rest.weight[p] = padding ? 0 : -std::abs(edges.determinant()) / (512 * cells.mesh->overlap);
                   }
-                  std::memcpy(&rest.parameters, cells.parameters(cell), sizeof rest.parameters);
+                  rest.parameters = parametersOf<typename Form::Law>(cells.parameters(cell));
                 });
   return storage;
 }

@@ -2,7 +2,7 @@
 // The kernels of a law, from its energy. A law is a struct with
 //   Set                      the invariants it depends on (hyperelastic_invariants.h): First, FirstAndSecond, ...
 //   anisotropic              whether it reads the material's axes
-//   Parameters<T>            a struct of T, in the order of ParameterSet
+//   Parameters<T>            a struct of T, in the order of ParameterSet; or in its own, with read(values)
 //   energy(J, I..., p)       the energy density, a template: numbers give the energy, jets its derivatives too
 // It belongs into one .cpp, which includes this header and nothing else does: kernels are large.
 #pragma once
@@ -34,23 +34,16 @@ std::unique_ptr<ElementMethod> hexahedraOf(const Cells& cells) {
   return make.template operator()<Mjed<Law>>();
 }
 
-template <class Law>
-typename Law::template Parameters<double> parametersOf(const double* values) {
-  typename Law::template Parameters<double> parameters;
-  std::memcpy(&parameters, values, sizeof parameters);
-  return parameters;
-}
-
 /// Fills in the kernels; name, parameters and the rest are the law's own.
 template <class Law>
 HyperelasticLaw lawOf(HyperelasticLaw law) {
   law.tetrahedra = tetrahedraOf<Law>;
   law.hexahedra = hexahedraOf<Law>;
-  law.stress = [](const double* values, const Mat3& f) -> Mat3 {
+  law.stress = [](Values values, const Mat3& f) -> Mat3 {
     typename Mjed<Law>::template Tangent<double> t;
     return toEigen(Mjed<Law>::stress(parametersOf<Law>(values), 1., fromEigen(f), t));
   };
-  law.differential = [](const double* values, const Mat3& f, const Mat3& df) -> Mat3 {
+  law.differential = [](Values values, const Mat3& f, const Mat3& df) -> Mat3 {
     const auto parameters = parametersOf<Law>(values);
     typename Mjed<Law>::template Tangent<double> t;
     Mjed<Law>::stress(parameters, 1., fromEigen(f), t);

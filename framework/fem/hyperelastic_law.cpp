@@ -19,12 +19,23 @@ std::string HyperelasticLaw::expectation() const {
   std::vector<std::string> words;
   for (const ParameterInfo& p : parameters)
     words.push_back(p.unit == "-" ? p.name : fmt::format("{} [{}]", p.name, p.unit));
-  return fmt::format("{} values: {}", parameters.size(), fmt::join(words, ", "));
+  if (!with_terms) return fmt::format("{} values: {}", parameters.size(), fmt::join(words, ", "));
+  return fmt::format("{}, {}, {} values and so on: {} of each term, then {}", parameters.size(),
+                     with_terms(2).parameters.size(), with_terms(3).parameters.size(),
+                     fmt::join(words.begin(), words.end() - 1, ", "), words.back());
+}
+
+std::vector<ParameterInfo> HyperelasticLaw::namedParameters() const {
+  return with_terms ? with_terms(named_terms).parameters : parameters;
+}
+bool HyperelasticLaw::takes(const std::string& name) const {
+  const std::vector<ParameterInfo> named = namedParameters();
+  return std::any_of(named.begin(), named.end(), [&](const ParameterInfo& p) { return p.name == name; });
 }
 
 // dP of the shear e2 (x) e3 + e3 (x) e2 is 2 mu times it, of the dilation Id 3 K times it; neither stretches the fibre
 // e1 at constant volume.
-HyperelasticLaw::Moduli HyperelasticLaw::moduliAtRest(const double* values) const {
+HyperelasticLaw::Moduli HyperelasticLaw::moduliAtRest(Values values) const {
   const Mat3 unit = Mat3::Identity();
   Mat3 shear = Mat3::Zero();
   shear(1, 2) = shear(2, 1) = 1;
@@ -49,7 +60,7 @@ std::string lameParameters(const Lame& lame, std::vector<double>& values) {
   if (std::isnan(values[1])) values[1] = lame.lambda;
   return {};
 }
-std::string checkLame(const double* values) {
+std::string checkLame(Values values) {
   if (values[1] + 2. / 3 * values[0] > 0) return {};
   return fmt::format("mu = {} and lambda = {} have no bulk modulus lambda + 2/3 mu above 0", values[0], values[1]);
 }

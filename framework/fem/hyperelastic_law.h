@@ -4,6 +4,7 @@
 #pragma once
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,9 @@ struct ParameterInfo {
   bool positive = false;  ///< must be above zero
 };
 
+/// Numbers in the order of HyperelasticLaw::parameters.
+using Values = std::span<const double>;
+
 /// How the law is used; chosen once.
 enum class Form : int { mjed, regularised, projected, standard };
 
@@ -27,8 +31,9 @@ struct Cells {
   const Mesh* mesh;
   const std::vector<Vec3>* rest;
   Index first_row;
-  std::function<const double*(std::size_t)> parameters;  ///< in the order of Law::parameters
-  std::function<Mat3(std::size_t)> axes;                 ///< columns: fibre, sheet, normal
+  /// Of each cell; they stay where they are as long as the kernels live, which may read them there.
+  std::function<Values(std::size_t)> parameters;
+  std::function<Mat3(std::size_t)> axes;  ///< columns: fibre, sheet, normal
   Form form;
 };
 
@@ -43,29 +48,36 @@ struct HyperelasticLaw {
   /// missing for that as a sentence, or empty. Null: the law has no such conversion.
   std::function<std::string(const Lame&, std::vector<double>&)> from_lame;
   /// Refuses parameters that have no meaning together: a sentence, or empty.
-  std::function<std::string(const double*)> check;
+  std::function<std::string(Values)> check;
+  /// Where the law is a sum of any number of terms: the same with `terms` of them, 1 or more, each with its parameters;
+  /// the law itself stands for all and is never used. Null: it is one law.
+  HyperelasticLaw (*with_terms)(std::size_t terms) = nullptr;
 
   std::unique_ptr<ElementMethod> (*tetrahedra)(const Cells&) = nullptr;
   std::unique_ptr<ElementMethod> (*hexahedra)(const Cells&) = nullptr;
   /// P [Pa] of F, and dP at F for dF, in the material's axes.
-  Mat3 (*stress)(const double* parameters, const Mat3& f) = nullptr;
-  Mat3 (*differential)(const double* parameters, const Mat3& f, const Mat3& df) = nullptr;
+  Mat3 (*stress)(Values parameters, const Mat3& f) = nullptr;
+  Mat3 (*differential)(Values parameters, const Mat3& f, const Mat3& df) = nullptr;
 
   /// Shear modulus across the fibre and bulk modulus [Pa] of small strains: of the kernels, whatever the formula.
   struct Moduli {
     double shear, bulk;
   };
-  Moduli moduliAtRest(const double* values) const;
+  Moduli moduliAtRest(Values values) const;
 
   std::string expectation() const;  ///< "2 values: mu [Pa], lambda [Pa]"
+  /// Those that a scene can give by name: of a sum of terms the first `named_terms`.
+  std::vector<ParameterInfo> namedParameters() const;
+  bool takes(const std::string& name) const;  ///< one of namedParameters()
+  static constexpr std::size_t named_terms = 6;
 };
 
 const std::vector<HyperelasticLaw>& hyperelasticLaws();
-/// A law with more terms is offered under the same name with more parameters. Offering the same again replaces it.
+/// Offering a name again, with as many parameters, replaces it.
 void offerHyperelasticLaw(HyperelasticLaw law);
 
 /// For laws whose parameters are mu and lambda: from_lame and check.
 std::string lameParameters(const Lame& lame, std::vector<double>& values);
-std::string checkLame(const double* values);
+std::string checkLame(Values values);
 
 }  // namespace stroma::hyperelastic

@@ -10,10 +10,28 @@
 //   Standard     the textbook's total Lagrangian form: S and D = 4 d2W/dC2 with C^-1, dP = dF S + F (D dE)
 // Everything is scaled by a weight, minus the volume, so that P g_i are forces.
 #pragma once
+#include <cassert>
+#include <cstring>
+
 #include "framework/fem/hyperelastic_invariants.h"
+#include "framework/fem/hyperelastic_law.h"
 #include "framework/fem/symmetric_projection.h"
 
 namespace stroma::hyperelastic {
+
+/// A law's Parameters from those of a scene: the same numbers, unless the law reads them itself.
+template <class Law>
+typename Law::template Parameters<double> parametersOf(Values values) {
+  if constexpr (requires { Law::read(values); }) {
+    return Law::read(values);
+  } else {
+    typename Law::template Parameters<double> parameters;
+    static_assert(sizeof parameters % sizeof(double) == 0);
+    assert(values.size_bytes() == sizeof parameters);
+    std::memcpy(&parameters, values.data(), sizeof parameters);
+    return parameters;
+  }
+}
 
 /// The derivatives of a law's energy at a point, as a jet.
 template <class Law, class T>

@@ -97,8 +97,7 @@ struct Tetrahedron {
     edges << at(1) - at(0), at(2) - at(0), at(3) - at(0);
     rest.g = Frame::of(edges.inverse().transpose(), Form::Law::anisotropic ? cells.axes(cell) : Mat3(Mat3::Identity()));
     rest.weight = padding ? 0 : -std::abs(edges.determinant()) / (6 * cells.mesh->overlap);
-    static_assert(sizeof rest.parameters % sizeof(double) == 0);
-    std::memcpy(&rest.parameters, cells.parameters(cell), sizeof rest.parameters);
+    rest.parameters = parametersOf<typename Form::Law>(cells.parameters(cell));
   }
 };
 

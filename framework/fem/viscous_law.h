@@ -43,7 +43,7 @@ class ViscousLaw final : public ElementMethod {
   std::unique_ptr<ElementMethod> law_;
   std::unique_ptr<HeldStress> held_;
   const HyperelasticLaw& description_;
-  std::function<const double*(std::size_t)> parameters_;
+  std::function<Values(std::size_t)> parameters_;
   PronySeries series_;
   std::vector<PronyStep> step_;  ///< shape (terms), of the time of the last setTime()
   std::size_t cells_, points_;

@@ -37,6 +37,7 @@ inline const std::vector<LawCase>& lawCases() {
       {"Ogden 1", "materialName=\"Ogden\" ParameterSet=\"2000 3.5 5000\"", 1000, 5000},
       {"Ogden 2", "materialName=\"Ogden\" ParameterSet=\"1500 4 500 -2 5000\"", 1000, 5000},
       {"Ogden 3", "materialName=\"Ogden\" ParameterSet=\"1500 1.3 300 5 200 -2 5000\"", 1000, 5000},
+      {"Ogden 5", "materialName=\"Ogden\" ParameterSet=\"900 1.3 400 4 300 -2 250 2.5 150 -1 5000\"", 1000, 5000},
       {"Costa",
        "materialName=\"Costa\" ParameterSet=\"500 5000 8 4 2 4 2 3\" AnisotropyDirections=\"1 2 0  2 -1 3\"",
        0,

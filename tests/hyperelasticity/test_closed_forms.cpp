@@ -96,6 +96,15 @@ std::map<std::string, ClosedForm> closedForms() {
         return ogden(l, i, 1500, 1.3) + ogden(l, i, 300, 5) + ogden(l, i, 200, -2) + k0 * std::log(l.prod());
       },
       [ogdenShear](double g) { return ogdenShear(g, 1500, 1.3) + ogdenShear(g, 300, 5) + ogdenShear(g, 200, -2); }};
+  forms["Ogden, five terms"] = {set("Ogden", "900 1.3 400 4 300 -2 250 2.5 150 -1 5000"),
+                                [ogden](const Vec3& l, int i) {
+                                  return ogden(l, i, 900, 1.3) + ogden(l, i, 400, 4) + ogden(l, i, 300, -2) +
+                                         ogden(l, i, 250, 2.5) + ogden(l, i, 150, -1) + k0 * std::log(l.prod());
+                                },
+                                [ogdenShear](double g) {
+                                  return ogdenShear(g, 900, 1.3) + ogdenShear(g, 400, 4) + ogdenShear(g, 300, -2) +
+                                         ogdenShear(g, 250, 2.5) + ogdenShear(g, 150, -1);
+                                }};
   forms["Costa"] = {
       set("Costa", "500 5000 8 4 2 5 2.5 3", "1 0 0  0 1 0"),
       [](const Vec3& l, int i) {
