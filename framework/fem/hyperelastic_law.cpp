@@ -28,9 +28,9 @@ std::string HyperelasticLaw::expectation() const {
 std::vector<ParameterInfo> HyperelasticLaw::namedParameters() const {
   return with_terms ? with_terms(named_terms).parameters : parameters;
 }
-bool HyperelasticLaw::takes(const std::string& name) const {
+bool HyperelasticLaw::takes(const std::string& parameter) const {
   const std::vector<ParameterInfo> named = namedParameters();
-  return std::any_of(named.begin(), named.end(), [&](const ParameterInfo& p) { return p.name == name; });
+  return std::any_of(named.begin(), named.end(), [&](const ParameterInfo& p) { return p.name == parameter; });
 }
 
 // dP of the shear e2 (x) e3 + e3 (x) e2 is 2 mu times it, of the dilation Id 3 K times it; neither stretches the fibre

@@ -68,7 +68,7 @@ struct HyperelasticLaw {
   std::string expectation() const;  ///< "2 values: mu [Pa], lambda [Pa]"
   /// Those that a scene can give by name: of a sum of terms the first `named_terms`.
   std::vector<ParameterInfo> namedParameters() const;
-  bool takes(const std::string& name) const;  ///< one of namedParameters()
+  bool takes(const std::string& parameter) const;  ///< one of namedParameters()
   static constexpr std::size_t named_terms = 6;
 };
 
