@@ -8,6 +8,10 @@
 // Labels: when the file has cell data of whole numbers under the name `groupArray` (default "label"),
 // `tetrahedraGroups` and its like hold the value of each cell, as MeshGmshLoader's hold the physical group.
 //
+// Directions: directionArray="fibres" names cell data or point data of three numbers, or six or nine for a frame of two
+// or three vectors; `tetrahedraDirections`, `hexahedraDirections` and `nodeDirections` hold them, turned with the mesh,
+// as AnisotropyDirections takes them.
+//
 // Source: VTK's readers (vtkGenericDataObjectReader, vtkXMLGenericDataObjectReader); the attributes are SOFA's.
 //
 // Example:
@@ -25,6 +29,7 @@
 #include <vtkLogger.h>
 #include <vtkObjectFactory.h>
 #include <vtkOutputWindow.h>
+#include <vtkPointData.h>
 #include <vtkPointSet.h>
 #include <vtkSmartPointer.h>
 #include <vtkXMLGenericDataObjectReader.h>
@@ -90,6 +95,7 @@ class MeshVTKLoader : public MeshLoader {
     table.add("quadsGroups", groups_.quads).help("label of each quad of the file").output();
     table.add("tetrahedraGroups", groups_.tetrahedra).help("label of each tetrahedron").output();
     table.add("hexahedraGroups", groups_.hexahedra).help("label of each hexahedron").output();
+    declareDirections(table);
   }
 
  protected:
@@ -110,6 +116,8 @@ class MeshVTKLoader : public MeshLoader {
   void convert(vtkPointSet& data, const std::string& name, Mesh& mesh);
   void addCell(int type, const std::vector<Index>& n, const std::string& name, Mesh& mesh);
   vtkDataArray* findLabels(vtkPointSet& data, const std::string& name) const;
+  vtkDataArray* findDirections(vtkDataSetAttributes& data, const std::string& name) const;
+  void readDirections(vtkPointSet& data, const std::string& name);
 
   struct Groups {
     std::vector<int> edges, triangles, quads, tetrahedra, hexahedra;
@@ -184,13 +192,18 @@ vtkSmartPointer<vtkPointSet> MeshVTKLoader::readPoints(const std::string& file, 
                        "a first line '# vtk DataFile' or an element <VTKFile");
 }
 
+std::vector<std::string> namesOf(vtkDataSetAttributes& data) {
+  std::vector<std::string> names;
+  for (int k = 0; k < data.GetNumberOfArrays(); ++k)
+    if (const char* word = data.GetArrayName(k)) names.emplace_back(word);
+  return names;
+}
+
 /// The array of labels, or null when the file has none and none was asked for.
 vtkDataArray* MeshVTKLoader::findLabels(vtkPointSet& data, const std::string& name) const {
   vtkDataArray* labels = data.GetCellData()->GetArray(group_array_.c_str());
   const bool asked_for = this->data().find("groupArray")->isSet();
-  std::vector<std::string> names;
-  for (int k = 0; k < data.GetCellData()->GetNumberOfArrays(); ++k)
-    if (const char* word = data.GetCellData()->GetArrayName(k)) names.emplace_back(word);
+  const std::vector<std::string> names = namesOf(*data.GetCellData());
   if (!labels && asked_for)
     throw ComponentError(fmt::format("{} has no cell data '{}'", name, group_array_),
                          names.empty() ? "a file with cell data" : "an array of the file",
@@ -208,7 +221,44 @@ vtkDataArray* MeshVTKLoader::findLabels(vtkPointSet& data, const std::string& na
   return nullptr;
 }
 
+/// The array of directions among cell or point data, or null.
+vtkDataArray* MeshVTKLoader::findDirections(vtkDataSetAttributes& data, const std::string& name) const {
+  vtkDataArray* array = data.GetArray(directions_.array.c_str());
+  if (!array) return nullptr;
+  const int width = array->GetNumberOfComponents();
+  if (width == 3 || width == 6 || width == 9) return array;
+  throw ComponentError(fmt::format("{}: the data '{}' have {} components", name, directions_.array, width),
+                       "3 (a direction), 6 or 9 (two or three)");
+}
+
+/// Adds the vectors of entry `at` of an array.
+void addVectors(vtkDataArray& array, vtkIdType at, std::vector<Vec3>& out) {
+  for (int k = 0; k + 2 < array.GetNumberOfComponents(); k += 3)
+    out.emplace_back(array.GetComponent(at, k), array.GetComponent(at, k + 1), array.GetComponent(at, k + 2));
+}
+
+/// Directions of nodes and of those cells that become tetrahedra or hexahedra, one each, in the order of the file.
+void MeshVTKLoader::readDirections(vtkPointSet& data, const std::string& name) {
+  if (directions_.array.empty()) return;
+  vtkDataArray *of_cells = findDirections(*data.GetCellData(), name),
+               *of_points = findDirections(*data.GetPointData(), name);
+  if (!of_cells && !of_points) {
+    std::vector<std::string> names = namesOf(*data.GetCellData());
+    for (const std::string& word : namesOf(*data.GetPointData())) names.push_back(word);
+    throw ComponentError(fmt::format("{} has neither cell nor point data '{}'", name, directions_.array),
+                         names.empty() ? "a file with cell or point data" : "an array of the file",
+                         nearest(directions_.array, names));
+  }
+  for (vtkIdType n = 0; of_points && n < data.GetNumberOfPoints(); ++n) addVectors(*of_points, n, directions_.nodes);
+  for (vtkIdType c = 0; of_cells && c < data.GetNumberOfCells(); ++c) {
+    const int type = data.GetCellType(c);
+    if (type == VTK_TETRA) addVectors(*of_cells, c, directions_.tetrahedra);
+    if (type == VTK_HEXAHEDRON || type == VTK_VOXEL) addVectors(*of_cells, c, directions_.hexahedra);
+  }
+}
+
 void MeshVTKLoader::convert(vtkPointSet& data, const std::string& name, Mesh& mesh) {
+  readDirections(data, name);
   mesh.position.resize(std::size_t(data.GetNumberOfPoints()));
   for (std::size_t n = 0; n < mesh.position.size(); ++n) data.GetPoint(vtkIdType(n), mesh.position[n].data());
   const auto ids = vtkSmartPointer<vtkIdList>::New();

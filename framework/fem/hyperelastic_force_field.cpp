@@ -93,7 +93,7 @@ void HyperelasticForceField::declare(DataTable& table) {
           .help(fmt::format("{} ({}): one value, or one a cell", p.help, fmt::join(users, ", ")));
     }
   table.add("AnisotropyDirections", directions_)
-      .help("fibre, or fibre and sheet (and normal): for all cells, or one after the other for each cell");
+      .help("fibre, or fibre and sheet (and normal): for all cells, or for each cell or node one after the other");
   table.addChoice("discretization", discretization, {"mjed", "standard"})
       .help("mjed: derivatives by J and invariants; standard: the textbook's S and elasticity tensor, to compare");
   table.add("matrixRegularization", regularised_)

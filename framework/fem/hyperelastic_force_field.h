@@ -53,6 +53,11 @@ class HyperelasticForceField : public ElementMethodField, public History {
   void readParameters();
   void fillNamed(std::size_t set, std::vector<double>& values) const;
   void checkModuli(const Lame& lame, hyperelastic::Values values) const;
+  struct DirectionCount {
+    enum class Place { all, cell, node } place;
+    std::size_t each;  ///< 1 (fibre), 2 (and sheet) or 3 (and normal)
+  };
+  DirectionCount countDirections();
   void readDirections();
   Mat3 axes(std::size_t cell) const;
   std::size_t cellCount() const;

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The law of a hyperelastic force field, its parameters and its axes, from the attributes of a scene.
+// The law of a hyperelastic force field and its parameters, from the attributes of a scene.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -151,37 +150,4 @@ void HyperelasticForceField::readParameters() {
   }
 }
 
-void HyperelasticForceField::readDirections() {
-  axes_ = {Mat3::Identity()};
-  if (law_.directions == 0) {
-    if (!directions_.empty())
-      throw ComponentError(fmt::format("{} is isotropic", law_.name), "no AnisotropyDirections",
-                           "Costa or TransverselyIsotropic");
-    return;
-  }
-  const std::size_t n = directions_.size(), cells = cellCount();
-  const bool frames = law_.directions == 3;
-  const std::string expected =
-      frames ? fmt::format("2 or 3 (fibre, sheet, normal), or {} or {} (for each cell)", 2 * cells, 3 * cells)
-             : fmt::format("1, or {} (one a cell)", cells);
-  std::size_t each = 0;
-  for (std::size_t k : frames ? std::vector<std::size_t>{2, 3} : std::vector<std::size_t>{1})
-    if (n == k || n == k * cells) each = k;
-  if (each == 0)
-    throw ComponentError(fmt::format("AnisotropyDirections of {} has {} vectors", law_.name, n), expected,
-                         frames && n == 0 ? "AnisotropyDirections=\"1 0 0  0 1 0\" for axes x, y, z" : "");
-  axes_.assign(n / each, Mat3::Identity());
-  for (std::size_t i = 0; i < axes_.size(); ++i) {
-    const Vec3 fibre = directions_[i * each];
-    Vec3 other = Vec3::Unit(0);
-    for (int k = 1; k < 3; ++k)  // without a sheet: any
-      if (std::abs(fibre[k]) < std::abs(fibre.dot(other))) other = Vec3::Unit(k);
-    const Vec3 sheet = each > 1 ? directions_[i * each + 1] : other, normal = fibre.cross(sheet);
-    if (!(normal.norm() > 1e-6 * fibre.norm() * sheet.norm()))
-      throw ComponentError(fmt::format("AnisotropyDirections {} has no length or no sheet direction", i),
-                           "vectors that are not zero and not parallel");
-    axes_[i].col(0) = fibre.normalized(), axes_[i].col(2) = normal.normalized();
-    axes_[i].col(1) = axes_[i].col(2).cross(axes_[i].col(0));
-  }
-}
 }  // namespace stroma

@@ -54,6 +54,16 @@ void MeshLoader::declare(DataTable& table) {
   table.add("hexahedra", mesh_.hexahedra).alias("hexas").help("hexahedra of the file").output();
 }
 
+void MeshLoader::declareDirections(DataTable& table) {
+  table.add("directionArray", directions_.array)
+      .help("cell or point data of 3, 6 or 9 numbers that go to tetrahedraDirections and its like: fibres, sheets");
+  table.add("tetrahedraDirections", directions_.tetrahedra)
+      .help("directions of each tetrahedron, of cell data; they turn and stretch with the mesh")
+      .output();
+  table.add("hexahedraDirections", directions_.hexahedra).help("the same of each hexahedron").output();
+  table.add("nodeDirections", directions_.nodes).help("the same of each node, of point data").output();
+}
+
 void MeshLoader::init() {
   read(filename_.found, mesh_);
   if (mesh_.position.empty()) throw ComponentError(fmt::format("{} has no nodes", filename_.given), "a mesh");
@@ -96,6 +106,8 @@ void MeshLoader::transform() {
     shift = translation_;
   }
   for (Vec3& p : mesh_.position) p = linear * p + shift;
+  for (std::vector<Vec3>* list : {&directions_.tetrahedra, &directions_.hexahedra, &directions_.nodes})
+    for (Vec3& v : *list) v = linear * v;
 }
 
 void MeshLoader::splitQuads() {

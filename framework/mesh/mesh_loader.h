@@ -19,6 +19,16 @@ class MeshLoader : public MeshSource {
   /// Fills `mesh` from the file. Throws ComponentError with a sentence; an empty mesh is reported by the caller.
   virtual void read(const std::string& file, Mesh& mesh) = 0;
 
+  /// For formats whose files hold vectors: the attributes directionArray, tetrahedraDirections, hexahedraDirections and
+  /// nodeDirections.
+  void declareDirections(DataTable& table);
+
+  /// Vectors of the file under the name `array`, as many a cell or node as the array has: one, two or three.
+  struct Directions {
+    std::string array;
+    std::vector<Vec3> tetrahedra, hexahedra, nodes;
+  };
+  Directions directions_;
   bool create_subelements_ = false;
 
  private:

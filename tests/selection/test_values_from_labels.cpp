@@ -31,6 +31,15 @@ TEST(ValuesFromLabels, GiveEachCellTheValueOfItsLabel) {
   EXPECT_EQ(valuesOf("labels=\"2 1 9\" table=\"2 20\" defaultValue=\"-1\""), (std::vector<double>{20, -1, -1}));
 }
 
+TEST(ValuesFromLabels, SeveralValuesALabel) {
+  EXPECT_EQ(valuesOf("labels=\"2 1 2\" width=\"3\" table=\"1 1 0 0  2 0.5 0 2\""),
+            (std::vector<double>{0.5, 0, 2, 1, 0, 0, 0.5, 0, 2}));
+  EXPECT_EQ(valuesOf("labels=\"2 9\" width=\"2\" table=\"2 3 4\" defaultValue=\"-1\""),
+            (std::vector<double>{3, 4, -1, -1}));
+  expectError("labels=\"2 1\" width=\"3\" table=\"1 10  2 20 3\"", "a label and its 3 values");
+  expectError("labels=\"1\" width=\"2\" table=\"1.5 10 20\"", "1.5 in table is not a label");
+}
+
 TEST(ValuesFromLabels, ErrorsNameTheLabel) {
   expectError("labels=\"2 1 5 5\" table=\"1 10  2 20\"", "no value for label 5 (2 cells)");
   expectError("labels=\"2 1\" table=\"1 10  2\"", "table has 3 numbers");

@@ -57,6 +57,79 @@ void expectAllKinds(const Mesh& mesh) {
   EXPECT_EQ(mesh.hexahedra, (std::vector<Hexahedron>{{0, 1, 3, 2, 4, 5, 7, 6}, {0, 1, 3, 2, 4, 5, 7, 6}}));
 }
 
+/// Two tetrahedra and a triangle with cell data "fibres" and point data "frames" of two vectors.
+const std::string with_directions = R"(# vtk DataFile Version 3.0
+two cells
+ASCII
+DATASET UNSTRUCTURED_GRID
+POINTS 5 double
+0 0 0 1 0 0 0 1 0 0 0 1 1 1 1
+CELLS 3 14
+4 0 1 2 3
+3 0 1 2
+4 1 2 3 4
+CELL_TYPES 3
+10 5 10
+CELL_DATA 3
+SCALARS label int 1
+LOOKUP_TABLE default
+1 1 1
+VECTORS fibres double
+1 0 0
+9 9 9
+0 1 0.5
+POINT_DATA 5
+FIELD more 2
+frames 6 5 double
+1 0 0 0 1 0  1 0 0 0 1 0  1 0 0 0 1 0  1 0 0 0 1 0  1 0 0 0 1 0
+heat 1 5 double
+1 2 3 4 5
+)";
+
+TEST_F(VtkTest, DirectionsOfCellsAndNodes) {
+  const std::string path = file("fibres.vtk", with_directions);
+  const auto listOf = [&](const std::string& attributes, const std::string& name) {
+    const Scene scene = sceneFromText(sceneText("MeshVTKLoader", path, attributes));
+    return *std::get<std::vector<Vec3>*>(findComponent(*scene.root, "/loader")->data().find(name)->pointer());
+  };
+  EXPECT_EQ(listOf("directionArray=\"fibres\"", "tetrahedraDirections"), (std::vector<Vec3>{{1, 0, 0}, {0, 1, 0.5}}));
+  EXPECT_TRUE(listOf("directionArray=\"fibres\"", "nodeDirections").empty());
+  EXPECT_TRUE(listOf("", "tetrahedraDirections").empty());
+  const std::vector<Vec3> frames = listOf("directionArray=\"frames\"", "nodeDirections");
+  ASSERT_EQ(frames.size(), 10u);
+  EXPECT_EQ(frames[9], Vec3(0, 1, 0));
+  // a quarter turn about z, twice as long along the mesh's x before it
+  const std::vector<Vec3> turned =
+      listOf("directionArray=\"fibres\" rotation=\"0 0 90\" scale3d=\"2 1 1\"", "tetrahedraDirections");
+  EXPECT_TRUE(turned[0].isApprox(Vec3(0, 2, 0), 1e-14));
+  EXPECT_TRUE(turned[1].isApprox(Vec3(-1, 0, 0.5), 1e-14));
+
+  expectIn(errors(sceneText("MeshVTKLoader", path, "directionArray=\"fibers\"")),
+           "neither cell nor point data 'fibers'");
+  expectIn(errors(sceneText("MeshVTKLoader", path, "directionArray=\"fibers\"")), "fibres");
+  expectIn(errors(sceneText("MeshVTKLoader", path, "directionArray=\"heat\"")), "the data 'heat' have 1 components");
+}
+
+/// From the file into a law, of cells and of nodes.
+TEST_F(VtkTest, DirectionsReachALaw) {
+  const std::string path = file("fibres.vtk", with_directions);
+  const auto problems = [&](const std::string& array, const std::string& law) {
+    return errors(
+        "<Node name=\"root\" dt=\"0.01\"><EulerImplicitSolver/><CGLinearSolver/><MeshVTKLoader name=\"loader\" "
+        "filename=\"" +
+        path + "\" directionArray=\"" + array +
+        "\"/>"
+        "<TetrahedronSetTopologyContainer src=\"@loader\"/><MechanicalObject/><UniformMass totalMass=\"1\"/>"
+        "<TetrahedronHyperelasticityFEMForceField " +
+        law + "/></Node>");
+  };
+  const std::string fibres = "materialName=\"TransverselyIsotropic\" ParameterSet=\"1000 4000 3000 1.5\" ";
+  const std::string frames = "materialName=\"Costa\" ParameterSet=\"500 5000 8 4 2 4 2 3\" ";
+  EXPECT_EQ(problems("fibres", fibres + "AnisotropyDirections=\"@loader.tetrahedraDirections\""), "");
+  EXPECT_EQ(problems("frames", frames + "AnisotropyDirections=\"@loader.nodeDirections\""), "");
+  expectIn(problems("frames", fibres + "AnisotropyDirections=\"@loader.nodeDirections\""), "has 10 vectors");
+}
+
 TEST_F(VtkTest, LegacyVersionsAndEncodings) {
   for (const int version : {42, 51})
     for (const bool binary : {false, true}) {
