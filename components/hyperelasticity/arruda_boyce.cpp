@@ -42,6 +42,7 @@ STROMA_COMPONENT(arruda_boyce) {
   law.name = "ArrudaBoyce";
   law.formula = "mu sum C_n (J^-2n/3 I1^n - 3^n) + k0/2 (ln J)^2, n = 1..5";
   law.parameters = {{"mu", "Pa", "shear modulus", true}, {"k0", "Pa", "bulk modulus", true}};
+  law.volume = VolumePart::half_log_squared, law.volume_parameter = 1;
   law.infinite_at_zero = true;
   law.from_lame = [](const Lame& lame, std::vector<double>& values) -> std::string {
     if (std::isnan(values[0])) values[0] = lame.mu / shear_factor;

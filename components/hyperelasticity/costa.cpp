@@ -41,6 +41,7 @@ STROMA_COMPONENT(costa) {
                     {"bnn", "-", "along the normal"}};
   for (std::size_t i = 2; i < 8; ++i) law.parameters[i].positive = true;
   law.directions = 3;
+  law.volume = VolumePart::log_integral, law.volume_parameter = 1;
   law.infinite_at_zero = true;
   offerHyperelasticLaw(lawOf<Costa>(law));
 }

@@ -2,8 +2,14 @@
 // Hyperelastic hexahedra with 2x2x2 Gauss points: the laws, attributes and forms of
 // TetrahedronHyperelasticityFEMForceField, whose page says what is computed, at each of eight points
 //   F = sum_i dx/dxi_i (x) grad xi_i,   f_a = -sum_p w_p P_p grad N_a
-// Trilinear cells lock when nearly incompressible (nu above about 0.48): finer meshes, or tetrahedra in fives, lock
-// less.
+// Trilinear cells lock when nearly incompressible (nu above about 0.48). dilatation = mean does not: the part k U(J) of
+// the energy (k0 or lambda, see the table of laws) takes one volume change a cell, v/V of its volumes now and at rest,
+//   E = sum_p w_p W_0(F_p) + k V U(v/V),   W_0 = W with k = 0
+// (Nagtegaal, Parks and Rice 1974; Simo, Taylor and Pister 1985). What shear and fibres feel stays at the points. For a
+// law with J^-2/3 I1 that is Hooke's law with a mean dilatation at small strains; for NeoHookean, StableNeoHookean and
+// TransverselyIsotropic, whose mu also resists a change of volume, lambda is on the mean and 2 mu eps at the points. A
+// homogeneous strain has the energy of the law itself. Laws that are infinite at J = 0 still are, at each point. The
+// energy of StVenantKirchhoff has no J: it, viscosity and tetrahedra refuse the attribute.
 //
 // Example:
 // <Node name="root" dt="0.02" gravity="0 0 -9.81">

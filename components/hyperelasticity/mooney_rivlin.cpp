@@ -50,6 +50,7 @@ STROMA_COMPONENT(mooney_rivlin) {
       {"c1", "Pa", "factor of the first invariant"},
       {"c2", "Pa", "factor of the second invariant; of its exponential part in VerondaWestman without unit"},
       {"k0", "Pa", "bulk modulus", true}};
+  law.volume = VolumePart::half_log_squared, law.volume_parameter = 2;
   law.infinite_at_zero = true;
   law.from_lame = fromLame;
   law.check = [](Values p) {

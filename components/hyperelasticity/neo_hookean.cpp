@@ -28,6 +28,7 @@ STROMA_COMPONENT(neo_hookean) {
   law.name = "NeoHookean";
   law.formula = "mu/2 (I1 - 3) - mu ln J + lambda/2 (ln J)^2";
   law.parameters = {{"mu", "Pa", "shear modulus", true}, {"lambda", "Pa", "Lame's first constant"}};
+  law.volume = VolumePart::half_log_squared, law.volume_parameter = 1;
   law.infinite_at_zero = true;
   law.from_lame = lameParameters;
   law.check = checkLame;

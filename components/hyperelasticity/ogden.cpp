@@ -93,6 +93,7 @@ HyperelasticLaw withTerms(std::size_t terms) {
     law.parameters.push_back({"alpha" + std::to_string(k), "-", "exponent of a term"});
   }
   law.parameters.push_back({"k0", "Pa", "bulk modulus", true});
+  law.volume = VolumePart::half_log_squared, law.volume_parameter = 2 * terms;
   law.infinite_at_zero = true;
   law.check = check;
   if (terms == 1) law.from_lame = fromLame;

@@ -31,6 +31,7 @@ STROMA_COMPONENT(stable_neo_hookean) {
   law.name = "StableNeoHookean";
   law.formula = "mu/2 (I1 - 3) + (lambda + mu)/2 ((J - a)^2 - (1 - a)^2), a = 1 + mu/(lambda + mu)";
   law.parameters = {{"mu", "Pa", "shear modulus", true}, {"lambda", "Pa", "Lame's first constant"}};
+  law.volume = VolumePart::half_square, law.volume_parameter = 1;
   law.from_lame = lameParameters;
   law.check = checkLame;
   offerHyperelasticLaw(lawOf<StableNeoHookean>(law));

@@ -57,7 +57,8 @@
 // that change linearly in a step: second order, with an integrator of second order. The tangent follows the force
 // exactly. The history moves on at the end of a step; its energy is the potential of the force with the history held:
 // what EnergyMonitor prints as elastic is not what a viscous body stores, and can be negative. projectedTangent and
-// matrixRegularization replace the law's part of the tangent; that of the history is added as it is, and may have a sign.
+// matrixRegularization replace the law's part of the tangent; that of the history is added as it is, and may have a
+// sign.
 //
 // Cell fields for exporters: vonMises of Cauchy's stress [Pa], J, strain (E: xx yy zz xy yz zx).
 //

@@ -37,6 +37,7 @@ STROMA_COMPONENT(transversely_isotropic) {
                     {"k1", "Pa", "stiffness of the fibres", true},
                     {"k2", "-", "stiffening of the fibres", true}};
   law.directions = 1;
+  law.volume = VolumePart::half_log_squared, law.volume_parameter = 1;
   law.infinite_at_zero = true;
   law.from_lame = [](const Lame& lame, std::vector<double>& values) -> std::string {
     if (std::isnan(values[2]) || std::isnan(values[3]))

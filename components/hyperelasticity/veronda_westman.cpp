@@ -42,6 +42,7 @@ STROMA_COMPONENT(veronda_westman) {
   law.parameters = {{"c1", "Pa", "factor of the exponential", true},
                     {"c2", "-", "factor in the exponent", true},
                     {"k0", "Pa", "bulk modulus", true}};
+  law.volume = VolumePart::half_log_squared, law.volume_parameter = 2;
   law.infinite_at_zero = true;
   law.from_lame = fromLame;
   offerHyperelasticLaw(lawOf<VerondaWestman>(law));

@@ -11,6 +11,7 @@
 #include <limits>
 #include <set>
 
+#include "framework/fem/hyperelastic_volume.h"
 #include "framework/scene/names.h"
 
 namespace stroma {
@@ -26,6 +27,29 @@ namespace {
 
 /// Gradients of shape functions (columns, in the order of the cell) at the integration points.
 using Gradients = Eigen::Matrix<double, 3, Eigen::Dynamic>;
+
+/// Those along xi, eta and zeta of the hexahedron at its point p.
+Gradients localGradients(int p) {
+  constexpr int sign[8][3] = {{-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, -1},
+                              {-1, -1, 1},  {1, -1, 1},  {1, 1, 1},  {-1, 1, 1}};
+  const double g = 1 / std::sqrt(3.), s[3] = {p & 1 ? g : -g, p & 2 ? g : -g, p & 4 ? g : -g};
+  Gradients local(3, 8);
+  for (int a = 0; a < 8; ++a)
+    for (int i = 0; i < 3; ++i) {
+      double value = sign[a][i] / 8.;
+      for (int k = 0; k < 3; ++k)
+        if (k != i) value *= 1 + sign[a][k] * s[k];
+      local(i, a) = value;
+    }
+  return local;
+}
+/// dx/d(xi, eta, zeta) at a point.
+Mat3 edgesOf(const std::vector<Vec3>& corner, const Gradients& local) {
+  Mat3 j = Mat3::Zero();
+  for (std::size_t a = 0; a < corner.size(); ++a) j += corner[a] * local.col(Eigen::Index(a)).transpose();
+  return j;
+}
+
 std::vector<Gradients> gradientsOf(const std::vector<Vec3>& corner) {
   std::vector<Gradients> result;
   if (corner.size() == 4) {
@@ -36,21 +60,9 @@ std::vector<Gradients> gradientsOf(const std::vector<Vec3>& corner) {
     all << -g.rowwise().sum(), g;
     return {all};
   }
-  constexpr int sign[8][3] = {{-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, -1},
-                              {-1, -1, 1},  {1, -1, 1},  {1, 1, 1},  {-1, 1, 1}};
   for (int p = 0; p < 8; ++p) {
-    const double g = 1 / std::sqrt(3.), s[3] = {p & 1 ? g : -g, p & 2 ? g : -g, p & 4 ? g : -g};
-    Gradients local(3, 8);
-    for (int a = 0; a < 8; ++a)
-      for (int i = 0; i < 3; ++i) {
-        double value = sign[a][i] / 8.;
-        for (int k = 0; k < 3; ++k)
-          if (k != i) value *= 1 + sign[a][k] * s[k];
-        local(i, a) = value;
-      }
-    Mat3 j = Mat3::Zero();
-    for (int a = 0; a < 8; ++a) j += corner[std::size_t(a)] * local.col(a).transpose();
-    result.push_back(j.inverse().transpose() * local);
+    const Gradients local = localGradients(p);
+    result.push_back(edgesOf(corner, local).inverse().transpose() * local);
   }
   return result;
 }
@@ -96,6 +108,8 @@ void HyperelasticForceField::declare(DataTable& table) {
       .help("fibre, or fibre and sheet (and normal): for all cells, or for each cell or node one after the other");
   table.addChoice("discretization", discretization, {"mjed", "standard"})
       .help("mjed: derivatives by J and invariants; standard: the textbook's S and elasticity tensor, to compare");
+  table.addChoice("dilatation", dilatation_, {"local", "mean"})
+      .help("of hexahedra, the volume change that bulk stiffness meets: at each point, or one a cell: no locking");
   table.add("matrixRegularization", regularised_)
       .help("where J < 1 turn the tangent's part with d2W/dJ2 into a multiple of the identity (Marchesseau 2.3)");
   table.add("projectedTangent", projected_)
@@ -127,6 +141,7 @@ void HyperelasticForceField::init() {
   if (series_.terms() == 0 && history_file_.isGiven())
     throw ComponentError("a history is given, and without viscosity nothing is remembered", "viscous=\"true\"");
   checkShapes();
+  checkMeanDilatation();
   if (regularised_ && projected_)
     throw ComponentError("matrixRegularization and projectedTangent both replace the tangent", "one of them");
   if (regularised_ && !law_.curved_in_volume)
@@ -194,6 +209,31 @@ void HyperelasticForceField::checkShapes() const {
   }
 }
 
+void HyperelasticForceField::checkMeanDilatation() const {
+  if (dilatation_ == Dilatation::local) return;
+  const std::string expected = "dilatation=\"local\"";
+  if (!hexahedra)
+    throw ComponentError("the mean dilatation of a hyperelastic law exists for hexahedra", expected,
+                         "HexahedronHyperelasticityFEMForceField, or TetrahedronFEMForceField for small strains");
+  if (law_.volume == hyperelastic::VolumePart::none)
+    throw ComponentError(
+        fmt::format("the energy of {} has no part in J alone that a mean could replace", law_.name), expected,
+        law_.name == "StVenantKirchhoff" ? "HexahedronFEMForceField with method=\"green\", whose mean is that of tr(E)"
+                                         : "");
+  if (series_.terms() > 0)
+    throw ComponentError("viscosity relaxes the stress of a point, and the mean dilatation has one for all points",
+                         expected);
+  for (std::size_t cell = 0; cell < cellCount(); ++cell) {
+    const std::vector<Vec3> corner =
+        cornersOf(mesh_->hexahedra[cell], [&](Index n) -> Vec3 { return state().rest_position[std::size_t(n)]; });
+    const double first = edgesOf(corner, localGradients(0)).determinant();
+    for (int p = 1; p < 8; ++p)
+      if (edgesOf(corner, localGradients(p)).determinant() * first <= 0)
+        throw ComponentError(describe(cell) + " is folded at rest: its points have volumes of both signs",
+                             "a hexahedron with one volume, or " + expected);
+  }
+}
+
 ForceTraits HyperelasticForceField::traits() const {
   ForceTraits t;
   t.conservative = t.symmetric = t.forces_balance = t.torques_balance = true;
@@ -222,8 +262,22 @@ hyperelastic::Cells HyperelasticForceField::cells() const {
 }
 
 void HyperelasticForceField::compile() {
+  if (dilatation_ == Dilatation::mean) return makeMeanDilatation();
   method_ = (hexahedra ? law_.hexahedra : law_.tetrahedra)(cells());
   if (series_.terms() > 0) makeViscous();
+}
+
+/// The law with k = 0 at its points, and k U of the elements' volumes.
+void HyperelasticForceField::makeMeanDilatation() {
+  const std::size_t count = law_.parameters.size();
+  local_values_ = values_;
+  for (std::size_t i = law_.volume_parameter; i < values_.size(); i += count) local_values_[i] = 0;
+  hyperelastic::Cells local = cells();
+  local.parameters = [this, count](std::size_t cell) -> hyperelastic::Values {
+    return {local_values_.data() + (local_values_.size() == count ? 0 : cell * count), count};
+  };
+  method_ = std::make_unique<hyperelastic::SumOfMethods>(law_.hexahedra(local),
+                                                         hyperelastic::meanVolumeKernels().hexahedra(cells(), law_));
 }
 
 // ---- viscosity ----

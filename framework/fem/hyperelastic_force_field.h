@@ -14,6 +14,7 @@ namespace stroma {
 class HyperelasticForceField : public ElementMethodField, public History {
  public:
   enum class Discretization : int { mjed, standard };
+  enum class Dilatation : int { local, mean };
 
   // ---- set by the registration of a name ----
   bool hexahedra = false;
@@ -70,6 +71,8 @@ class HyperelasticForceField : public ElementMethodField, public History {
   std::size_t worstCell(ConstRows x, double& jacobian) const;
   void checkFinite(ConstRows x, ConstRows f);
   void checkShapes() const;
+  void checkMeanDilatation() const;
+  void makeMeanDilatation();
   void makeViscous();
   ConstRows systemRows() const;
 
@@ -79,6 +82,7 @@ class HyperelasticForceField : public ElementMethodField, public History {
   std::map<std::string, std::vector<double>> named_;
   std::vector<Vec3> directions_;
   bool regularised_ = false, projected_ = false, consider_inversion_ = false;
+  Dilatation dilatation_ = Dilatation::local;
   std::string parameter_file_;
   PronyAttributes prony_;
   HistoryFile history_file_;
@@ -86,6 +90,7 @@ class HyperelasticForceField : public ElementMethodField, public History {
   const Mesh* mesh_ = nullptr;
   hyperelastic::HyperelasticLaw law_;  ///< as chosen, with its number of terms
   std::vector<double> values_;         ///< parameters, of one cell for all or of each
+  std::vector<double> local_values_;   ///< the same without the part that takes the mean dilatation
   std::vector<Mat3> axes_;             ///< one for all or one a cell
   std::vector<double> initial_history_;
   PronySeries series_;                           ///< without terms: the law is elastic

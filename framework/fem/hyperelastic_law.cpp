@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "framework/fem/hyperelastic_volume.h"
+
 namespace stroma::hyperelastic {
 namespace {
 std::vector<HyperelasticLaw>& offeredLaws() {
@@ -40,6 +42,11 @@ HyperelasticLaw::Moduli HyperelasticLaw::moduliAtRest(Values values) const {
   Mat3 shear = Mat3::Zero();
   shear(1, 2) = shear(2, 1) = 1;
   return {differential(values, unit, shear)(1, 2) / 2, differential(values, unit, unit).trace() / 9};
+}
+
+MeanVolumeKernels& meanVolumeKernels() {
+  static MeanVolumeKernels kernels;
+  return kernels;
 }
 
 const std::vector<HyperelasticLaw>& hyperelasticLaws() { return offeredLaws(); }

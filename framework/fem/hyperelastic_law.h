@@ -37,6 +37,14 @@ struct Cells {
   Form form;
 };
 
+/// U(J) of a part k U(J) of an energy, k a parameter: what makes a body incompressible as k grows.
+enum class VolumePart : int {
+  none,              ///< the energy has none
+  half_log_squared,  ///< (ln J)^2/2
+  half_square,       ///< (J - 1)^2/2
+  log_integral       ///< J ln J - J + 1
+};
+
 struct HyperelasticLaw {
   std::string name;     ///< materialName
   std::string formula;  ///< the energy, for the manual
@@ -44,6 +52,8 @@ struct HyperelasticLaw {
   int directions = 0;             ///< of AnisotropyDirections: 0, 1 (fibre) or 3 (fibre, sheet, normal)
   bool infinite_at_zero = false;  ///< the energy is infinite at J = 0 and has no value below
   bool curved_in_volume = true;   ///< d2W/dJ2 is not zero whatever F; by the kernels
+  VolumePart volume = VolumePart::none;
+  std::size_t volume_parameter = 0;  ///< k of volume; with k = 0 the rest of the energy remains
   /// Fills the parameters that are not given (NaN) so that small strains follow Lame's constants; returns what is
   /// missing for that as a sentence, or empty. Null: the law has no such conversion.
   std::function<std::string(const Lame&, std::vector<double>&)> from_lame;
