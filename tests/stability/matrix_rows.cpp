@@ -201,6 +201,19 @@ void addViscousAndPorous(std::vector<Row>& out) {
   }
 }
 
+/// Hyperelastic hexahedra with a mean dilatation, and that relax.
+void addMeanAndViscousHexahedra(std::vector<Row>& out) {
+  const std::string type = "HexahedronHyperelasticityFEMForceField";
+  const std::pair<const char*, const char*> laws[] = {
+      {"NeoHookean", ""}, {"StableNeoHookean", ""}, {"MooneyRivlin", "c2=\"0\""}, {"Ogden", "alpha1=\"5\""}};
+  for (const auto& [law, more] : laws)
+    addBlock(out, Cells::boxes, type, fmt::format("{} mean dilatation", law),
+             fmt::format("materialName=\"{}\" {} dilatation=\"mean\"", law, more));
+  for (const std::string law : {"NeoHookean", "StableNeoHookean"})
+    addBlock(out, Cells::boxes, type, law + " viscous",
+             "viscous=\"true\" ParameterAlpha=\"0.235 0.333\" ParameterTau=\"0.05 0.01\" materialName=\"" + law + "\"");
+}
+
 /// Every law; those without a conversion from youngModulus get parameters of the same size.
 void addHyperelasticLaws(std::vector<Row>& out, Cells cells, const std::string& type) {
   const std::pair<const char*, const char*> laws[] = {
@@ -236,6 +249,7 @@ std::vector<Row> makeRows() {
   addElasticVariants(out, Cells::boxes);
   addElasticVariants(out, Cells::hexahedra);
   addViscousAndPorous(out);
+  addMeanAndViscousHexahedra(out);
   modules().openAll();
   std::set<std::type_index> seen;
   for (const ComponentEntry* entry : factory().entries()) {
