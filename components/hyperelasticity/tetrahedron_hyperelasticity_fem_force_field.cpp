@@ -31,8 +31,9 @@
 // AnisotropyDirections are the fibres a of TransverselyIsotropic, or fibre and sheet (and normal) of Costa: for all
 // cells, or for each cell one after the other, or for each node; they are made orthogonal and of length 1. From nodes a
 // cell gets the axis closest to those of its corners, whatever their signs. They can come from another component: an
-// array of a file (AnisotropyDirections="@loader.tetrahedraDirections" or "@loader.nodeDirections" of MeshVTKLoader) or
-// a table by label (ValuesFromLabels with width="3"). Where cells and nodes are as many, they are those of the cells.
+// array of a file (AnisotropyDirections="@loader.tetrahedraDirections" or "@loader.nodeDirections" of MeshVTKLoader or
+// MeshGmshLoader with directionArray) or a table by label (ValuesFromLabels with width="3"). Where cells and nodes are as
+// many, they are those of the cells.
 // Instead of ParameterSet parameters can be given by name, each one value or one a cell; youngModulus and poissonRatio
 // stand for those that are not given, so that small strains follow Hooke's law: parameters that contradict them by more
 // than a thousandth are refused. Of TransverselyIsotropic they are the moduli of the matrix; its fibres come on top, so

@@ -9,6 +9,10 @@
 // (or a tag), `groupIndices` holds the nodes of the cells of that group, ascending: a surface named in the mesher is a
 // selection in the scene. ValuesFromLabels turns tetrahedraGroups into a material of each tetrahedron.
 //
+// Directions: directionArray="fibres" names a view of the file ($ElementData or $NodeData) of three numbers each, or
+// nine for a frame by rows; `tetrahedraDirections`, `hexahedraDirections` and `nodeDirections` hold them, turned with
+// the mesh, as AnisotropyDirections takes them.
+//
 // Source: the chapter "File formats" of the Gmsh reference manual; the attributes are SOFA's.
 //
 // Example:
@@ -41,6 +45,7 @@ class MeshGmshLoader : public MeshLoader {
     table.add("quadsGroups", quad_groups_).help("physical group of each quad of the file").output();
     table.add("tetrahedraGroups", tetrahedron_groups_).help("physical group of each tetrahedron").output();
     table.add("hexahedraGroups", hexahedron_groups_).help("physical group of each hexahedron").output();
+    declareDirections(table);
   }
 
  protected:
@@ -49,6 +54,7 @@ class MeshGmshLoader : public MeshLoader {
     for (const auto& [what, count] : content.skipped)
       inform(fmt::format("{} {} of the file are not used", count, what));
     if (!group_.empty()) selectGroup(content);
+    if (!directions_.array.empty()) readDirections(content);
     edge_groups_ = std::move(content.edge_groups);
     triangle_groups_ = std::move(content.triangle_groups);
     quad_groups_ = std::move(content.quad_groups);
@@ -59,6 +65,7 @@ class MeshGmshLoader : public MeshLoader {
 
  private:
   void selectGroup(const GmshFile& content);
+  void readDirections(const GmshFile& content);
   int tagOf(const GmshFile& content, int dimension, bool& known) const;
 
   std::string group_;
@@ -75,6 +82,30 @@ int MeshGmshLoader::tagOf(const GmshFile& content, int dimension, bool& known) c
   const auto [stop, error] = std::from_chars(group_.data(), end, tag);
   if (error == std::errc() && stop == end && tag > 0) return known = true, tag;
   return -1;
+}
+
+void MeshGmshLoader::readDirections(const GmshFile& content) {
+  const auto found = content.data.find(directions_.array);
+  if (found == content.data.end()) {
+    std::vector<std::string> names;
+    for (const auto& [name, data] : content.data) names.push_back(name);
+    throw ComponentError(
+        fmt::format("the mesh has no view '{}'", directions_.array),
+        names.empty() ? "a file with $ElementData or $NodeData after its elements" : "a view of the file",
+        nearest(directions_.array, names));
+  }
+  const GmshData& data = found->second;
+  if (data.width != 3 && data.width != 9)
+    throw ComponentError(fmt::format("the view '{}' has {} components", directions_.array, data.width),
+                         "3 (a direction) or 9 (a frame, by rows)");
+  if (data.repeated) warn(fmt::format("the view '{}' has several time steps: its first is taken", directions_.array));
+  const auto vectors = [](const std::vector<double>& values) {
+    std::vector<Vec3> out;
+    for (std::size_t i = 0; i + 2 < values.size(); i += 3) out.emplace_back(values[i], values[i + 1], values[i + 2]);
+    return out;
+  };
+  directions_.tetrahedra = vectors(data.tetrahedra), directions_.hexahedra = vectors(data.hexahedra);
+  directions_.nodes = vectors(data.nodes);
 }
 
 void MeshGmshLoader::selectGroup(const GmshFile& content) {

@@ -6,6 +6,7 @@
 
 #include <fstream>
 #include <sstream>
+#include <unordered_map>
 
 #include "framework/mesh/gmsh_cursor.h"
 
@@ -101,6 +102,8 @@ class GmshParser {
       if (seen_elements_) in_.fail("a second list of elements");
       seen_elements_ = true;
       inSection(section == "$ELM" ? "$ENDELM" : "$EndElements", [this] { readElementSection(); });
+    } else if (seen_elements_ && (section == "$NodeData" || section == "$ElementData")) {
+      readData(section == "$NodeData");
     } else {
       skipSection(section);
     }
@@ -224,7 +227,7 @@ class GmshParser {
       const std::size_t count = readCount("elements of a block", 2);
       const auto group = entity_group_.find(entity);
       for (std::size_t i = 0; i < count; ++i) {
-        v40 ? std::int64_t(in_.number<int>("an element's tag")) : in_.number<std::int64_t>("an element's tag");
+        tag_ = v40 ? std::int64_t(in_.number<int>("an element's tag")) : in_.number<std::int64_t>("an element's tag");
         std::array<std::int64_t, 8> tags{};
         for (int k = 0; k < type.nodes; ++k)
           tags[std::size_t(k)] =
@@ -252,7 +255,7 @@ class GmshParser {
   void readElements1() {
     const std::size_t count = elementCount();
     for (std::size_t i = 0; i < count; ++i) {
-      in_.number<int>("an element's number");
+      tag_ = in_.number<int>("an element's number");
       const int code = in_.number<int>("an element's type");
       const ElementType type = checkedType(code);
       const int group = in_.number<int>("an element's physical region");
@@ -267,7 +270,7 @@ class GmshParser {
   void readElements2() {
     const std::size_t count = elementCount();
     for (std::size_t i = 0; i < count; ++i) {
-      in_.number<int>("an element's number");
+      tag_ = in_.number<int>("an element's number");
       const int code = in_.number<int>("an element's type");
       const ElementType type = checkedType(code);
       const int group = readTags(in_.number<int>("an element's number of tags"));
@@ -286,7 +289,7 @@ class GmshParser {
       if (in_block == 0 || in_block > count - done)
         in_.fail(fmt::format("a block of {} elements where {} are left", in_block, count - done));
       for (std::size_t i = 0; i < in_block; ++i) {
-        in_.number<int>("an element's number");
+        tag_ = in_.number<int>("an element's number");
         readElementNodes(code, type, readTags(tags));
       }
       done += in_block;
@@ -315,6 +318,68 @@ class GmshParser {
   }
 
   // ---- all formats ----
+
+  /// A view: names, times and numbers as text, then a tag and its values for each node or element.
+  void readData(bool of_nodes) {
+    std::string name;
+    const auto names =
+        in_.checkCount(in_.textNumber<std::int64_t>("the number of a view's names"), 1, "names of a view");
+    in_.line();
+    for (std::size_t i = 0; i < names; ++i) {
+      const std::string_view text = in_.line();
+      const std::size_t first = text.find('"'), last = text.rfind('"');
+      if (i == 0) name = first == last ? text : text.substr(first + 1, last - first - 1);
+    }
+    const auto reals =
+        in_.checkCount(in_.textNumber<std::int64_t>("the number of a view's times"), 2, "times of a view");
+    for (std::size_t i = 0; i < reals; ++i) in_.textNumber<double>("a view's time");
+    const auto whole =
+        in_.checkCount(in_.textNumber<std::int64_t>("the number of a view's counts"), 2, "counts of a view");
+    std::int64_t count[3] = {0, 0, 0};  // time step, width, entries
+    for (std::size_t i = 0; i < whole; ++i) {
+      const auto value = in_.textNumber<std::int64_t>("a view's count");
+      if (i < 3) count[i] = value;
+    }
+    if (count[1] != 1 && count[1] != 3 && count[1] != 9) return skipSection(of_nodes ? "$NodeData" : "$ElementData");
+    const std::size_t width = std::size_t(count[1]);
+    const auto entries = in_.checkCount(count[2], 2 * (width + 1), "entries of a view");
+    if (out_.binary) in_.line();
+    in_.binary = out_.binary;
+    readEntries(of_nodes, out_.data[name], width, entries);
+    in_.binary = false;
+    const std::string_view end = of_nodes ? "$EndNodeData" : "$EndElementData";
+    if (const std::string_view found = in_.word(); found != end)
+      in_.fail(fmt::format("'{}' where the view should end", found.substr(0, 40)), std::string(end));
+  }
+
+  void readEntries(bool of_nodes, GmshData& data, std::size_t width, std::size_t entries) {
+    const auto prepare = [&](std::vector<double>& values, std::size_t size) { values.assign(size * width, 0.); };
+    const bool seen = of_nodes ? !data.nodes.empty() : !data.tetrahedra.empty() || !data.hexahedra.empty();
+    data.repeated = data.repeated || seen || (data.width != 0 && data.width != int(width));
+    if (!data.repeated) {
+      data.width = int(width);
+      if (of_nodes) prepare(data.nodes, tags_.size());
+      if (!of_nodes) prepare(data.tetrahedra, cell_tags_[0].size()), prepare(data.hexahedra, cell_tags_[1].size());
+      indexCells();
+    }
+    for (std::size_t i = 0; i < entries; ++i) {
+      const std::int64_t tag = in_.number<int>("a view's entry");
+      double* place = data.repeated ? nullptr
+                      : of_nodes    ? &data.nodes[std::size_t(nodeOf(tag, "a view")) * width]
+                                    : nullptr;
+      if (!data.repeated && !of_nodes)
+        if (const auto cell = cell_of_tag_.find(tag); cell != cell_of_tag_.end())
+          place = &(cell->second.first == 0 ? data.tetrahedra : data.hexahedra)[cell->second.second * width];
+      for (std::size_t k = 0; k < width; ++k) {
+        const double value = in_.number<double>("a view's value");
+        if (place) place[k] = value;
+      }
+    }
+  }
+  void indexCells() {
+    for (std::size_t kind = 0; kind < 2 && cell_of_tag_.empty(); ++kind)
+      for (std::size_t c = 0; c < cell_tags_[kind].size(); ++c) cell_of_tag_[cell_tags_[kind][c]] = {kind, c};
+  }
 
   void reserveNodes(std::size_t count) {
     tags_.reserve(count);
@@ -358,7 +423,7 @@ class GmshParser {
         in_.fail(fmt::format("node number {} appears twice", sparse_[i].first));
   }
 
-  Index nodeOf(std::int64_t tag) {
+  Index nodeOf(std::int64_t tag, const char* who = "an element") {
     if (dense_) {
       if (tag > 0 && std::uint64_t(tag) < node_of_tag_.size() && node_of_tag_[std::size_t(tag)] >= 0)
         return node_of_tag_[std::size_t(tag)];
@@ -366,7 +431,7 @@ class GmshParser {
       const auto it = std::lower_bound(sparse_.begin(), sparse_.end(), std::pair(tag, Index(0)));
       if (it != sparse_.end() && it->first == tag) return it->second;
     }
-    in_.fail(fmt::format("an element names node {}, which the file does not have", tag));
+    in_.fail(fmt::format("{} names node {}, which the file does not have", who, tag));
   }
 
   template <std::size_t N>
@@ -389,8 +454,10 @@ class GmshParser {
       case 3:
         return add(out_.mesh.quads, out_.quad_groups);
       case 4:
+        cell_tags_[0].push_back(tag_);
         return add(out_.mesh.tetrahedra, out_.tetrahedron_groups);
       case 5:
+        cell_tags_[1].push_back(tag_);
         return add(out_.mesh.hexahedra, out_.hexahedron_groups);
       default:
         ++out_.skipped[type.name];
@@ -401,6 +468,9 @@ class GmshParser {
   GmshFile out_;
   bool seen_nodes_ = false, seen_elements_ = false, dense_ = true;
   std::vector<std::int64_t> tags_;
+  std::int64_t tag_ = 0;                    ///< of the element that is read
+  std::vector<std::int64_t> cell_tags_[2];  ///< of tetrahedra and hexahedra, in the order of the mesh
+  std::unordered_map<std::int64_t, std::pair<std::size_t, std::size_t>> cell_of_tag_;  ///< kind and number in its list
   std::vector<Index> node_of_tag_;
   std::vector<std::pair<std::int64_t, Index>> sparse_;
   std::map<std::pair<int, int>, int> entity_group_;  ///< (dimension, entity) to physical group

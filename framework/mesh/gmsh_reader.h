@@ -12,6 +12,14 @@
 
 namespace stroma {
 
+/// A view of the file ($NodeData, $ElementData): `width` numbers each, in the order of the mesh; zeros where the file
+/// has none. Empty lists: the file has none for this kind.
+struct GmshData {
+  int width = 0;
+  std::vector<double> nodes, tetrahedra, hexahedra;
+  bool repeated = false;  ///< for several time steps; kept is the first
+};
+
 /// What a .msh file holds. Nodes are in the order of the file, whatever their tags.
 struct GmshFile {
   double version = 0;
@@ -21,6 +29,8 @@ struct GmshFile {
   std::vector<int> edge_groups, triangle_groups, quad_groups, tetrahedron_groups, hexahedron_groups;
   /// Names of physical groups by (dimension, tag).
   std::map<std::pair<int, int>, std::string> group_names;
+  /// Views by name; only those after the elements.
+  std::map<std::string, GmshData> data;
   /// Elements that Stroma has no cell for (points, prisms, pyramids) and their number.
   std::map<std::string, long> skipped;
 };

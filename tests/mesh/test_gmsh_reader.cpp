@@ -180,6 +180,70 @@ TEST_F(Gmsh, PhysicalGroups) {
     }
 }
 
+/// Views that the library writes behind the mesh: of elements in any order and not of all, and of nodes.
+TEST_F(Gmsh, ViewsOfElementsAndNodes) {
+  for (const bool hexahedra : {false, true}) {
+    gmsh::clear();
+    hexahedra ? makeHexahedra() : makeTetrahedra();
+    std::vector<std::size_t> cells, unused, nodes;
+    std::vector<double> position, parameters;
+    gmsh::model::mesh::getElementsByType(hexahedra ? 5 : 4, cells, unused);
+    gmsh::model::mesh::getNodes(nodes, position, parameters);
+    std::string model;
+    gmsh::model::getCurrent(model);
+    const std::set<std::size_t> with_data(cells.begin() + 1, cells.end());
+    std::vector<std::size_t> reversed(with_data.rbegin(), with_data.rend());
+    std::vector<std::vector<double>> fibres, frames;
+    for (const std::size_t tag : reversed) fibres.push_back({double(tag), 0.5, -double(tag)});
+    for (const std::size_t tag : nodes) frames.push_back({1, 0, 0, 0, double(tag), 0, 0, 0, 3});
+    for (const double version : {2.2, 4.1})
+      for (const bool binary : {false, true}) {
+        SCOPED_TRACE(testing::Message() << "version " << version << (binary ? " binary" : " ASCII"));
+        const std::string file = write(version, binary);
+        const auto add = [&](const std::string& name, const std::string& kind, const auto& tags, const auto& values) {
+          const int view = gmsh::view::add(name);
+          gmsh::view::addModelData(view, 0, model, kind, tags, values);
+          gmsh::option::setNumber("PostProcessing.SaveMesh", 0);
+          gmsh::view::write(view, file, true);
+        };
+        add("fibres", "ElementData", reversed, fibres);
+        add("frames", "NodeData", nodes, frames);
+        const GmshFile content = readGmsh(file);
+        ASSERT_EQ(content.data.count("fibres"), 1u);
+        const GmshData &of_cells = content.data.at("fibres"), &of_nodes = content.data.at("frames");
+        EXPECT_EQ(of_cells.width, 3);
+        EXPECT_EQ(of_nodes.width, 9);
+        EXPECT_FALSE(of_cells.repeated);
+        const std::vector<double>& values = hexahedra ? of_cells.hexahedra : of_cells.tetrahedra;
+        ASSERT_EQ(values.size(), 3 * cells.size());
+        for (std::size_t c = 0; c < cells.size(); ++c) {  // the library writes elements in the order it lists them
+          const double tag = with_data.count(cells[c]) ? double(cells[c]) : 0;
+          EXPECT_EQ(values[3 * c], tag);
+          EXPECT_EQ(values[3 * c + 1], tag == 0 ? 0 : 0.5);
+          EXPECT_EQ(values[3 * c + 2], -tag);
+        }
+        ASSERT_EQ(of_nodes.nodes.size(), 9 * std::size_t(content.mesh.nodes()));
+        std::multiset<double> expected(nodes.begin(), nodes.end()), found;
+        for (std::size_t n = 0; n < of_nodes.nodes.size(); n += 9) found.insert(of_nodes.nodes[n + 4]);
+        EXPECT_EQ(found, expected);
+        add("fibres", "ElementData", reversed, fibres);
+        EXPECT_TRUE(readGmsh(file).data.at("fibres").repeated);
+        if (binary) continue;
+        const std::string bytes = bytesOf(file);
+        for (std::size_t size = bytes.find("$ElementData") + 14; size + 40 < bytes.size(); size += 7) {
+          try {
+            parseGmsh(std::string_view(bytes).substr(0, size), "cut.msh");
+            const std::string_view last = std::string_view(bytes).substr(0, size);
+            const std::size_t begun = last.rfind("$");
+            EXPECT_EQ(last.substr(begun, 4), "$End") << "cut at " << size;
+          } catch (const ComponentError& error) {
+            EXPECT_GT(std::string(error.what()).size(), 20u);
+          }
+        }
+      }
+  }
+}
+
 TEST_F(Gmsh, SparseNodeNumbers) {
   makeTetrahedra();
   const GmshFile dense = readGmsh(write(2.2, false));
@@ -324,6 +388,19 @@ TEST(GmshErrors, SayLineAndCause) {
             std::string::npos);
   EXPECT_NE(errorOf("").find("has no nodes"), std::string::npos);
   EXPECT_NE(errorOf("solid ascii").find("a section must begin here"), std::string::npos);
+}
+
+TEST(GmshErrors, ViewsThatAreWrong) {
+  const auto view = [](const std::string& counts, const std::string& entries) {
+    return with("", "") + "\n$NodeData\n1\n\"v\"\n1\n0\n3\n" + counts + "\n" + entries + "\n$EndNodeData\n";
+  };
+  EXPECT_EQ(errorOf(view("0 3 1", "1 1 2 3")), "");
+  EXPECT_EQ(errorOf(view("0 5 1", "whatever")), "") << "widths that Gmsh does not have are passed over";
+  EXPECT_NE(errorOf(view("0 3 999999999", "1 1 2 3")).find("999999999 entries of a view are declared"),
+            std::string::npos);
+  EXPECT_NE(errorOf(view("0 3 1", "77 1 2 3")).find("a view names node 77"), std::string::npos);
+  EXPECT_NE(errorOf(view("0 3 2", "1 1 2 3  2 1 2")).find("'$EndNodeData' is not a number"), std::string::npos);
+  EXPECT_NE(errorOf(view("0 3 1", "1 1 2 3 4")).find("where the view should end"), std::string::npos);
 }
 
 TEST(GmshErrors, HugeCountsAllocateNothing) {

@@ -66,6 +66,25 @@ TEST_F(Loaders, GmshIntoAContainer) {
   EXPECT_EQ(mesh(sceneFromText(sceneText("MeshGmshLoader", path, "createSubelements=\"false\""))).triangles.size(), 1u);
 }
 
+TEST_F(Loaders, GmshDirections) {
+  const std::string path =
+      file("fibres.msh",
+           "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n5\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 1 1 "
+           "1\n$EndNodes\n$Elements\n2\n7 4 0 1 2 3 4\n3 4 0 2 3 4 5\n$EndElements\n$ElementData\n1\n"
+           "\"fibres\"\n1\n0\n3\n0\n3\n2\n3 0 1 0.5\n7 1 0 0\n$EndElementData\n$NodeData\n1\n\"heat\"\n1\n"
+           "0\n3\n0\n1\n1\n2 300\n$EndNodeData\n");
+  const auto directions = [&](const std::string& more) {
+    const Scene scene = sceneFromText(sceneText("MeshGmshLoader", path, "directionArray=\"fibres\"" + more));
+    return *std::get<std::vector<Vec3>*>(
+        findComponent(*scene.root, "/loader")->data().find("tetrahedraDirections")->pointer());
+  };
+  EXPECT_EQ(directions(""), (std::vector<Vec3>{{1, 0, 0}, {0, 1, 0.5}}));
+  EXPECT_TRUE(directions(" rotation=\"0 0 90\"")[1].isApprox(Vec3(-1, 0, 0.5), 1e-14));
+  expectIn(errors(sceneText("MeshGmshLoader", path, "directionArray=\"fibre\"")), "no view 'fibre'");
+  expectIn(errors(sceneText("MeshGmshLoader", path, "directionArray=\"fibre\"")), "fibres");
+  expectIn(errors(sceneText("MeshGmshLoader", path, "directionArray=\"heat\"")), "has 1 components");
+}
+
 TEST_F(Loaders, GmshGroups) {
   const std::string path = file("two.msh", two_tetrahedra);
   const auto indices = [&](const std::string& group) {
