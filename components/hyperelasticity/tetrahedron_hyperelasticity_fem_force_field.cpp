@@ -32,12 +32,11 @@
 // cells, or for each cell one after the other, or for each node; they are made orthogonal and of length 1. From nodes a
 // cell gets the axis closest to those of its corners, whatever their signs. They can come from another component: an
 // array of a file (AnisotropyDirections="@loader.tetrahedraDirections" or "@loader.nodeDirections" of MeshVTKLoader or
-// MeshGmshLoader with directionArray) or a table by label (ValuesFromLabels with width="3"). Where cells and nodes are as
-// many, they are those of the cells.
-// Instead of ParameterSet parameters can be given by name, each one value or one a cell; youngModulus and poissonRatio
-// stand for those that are not given, so that small strains follow Hooke's law: parameters that contradict them by more
-// than a thousandth are refused. Of TransverselyIsotropic they are the moduli of the matrix; its fibres come on top, so
-// the body is stiffer along them.
+// MeshGmshLoader with directionArray) or a table by label (ValuesFromLabels with width="3"). Where cells and nodes are
+// as many, they are those of the cells. Instead of ParameterSet parameters can be given by name, each one value or one
+// a cell; youngModulus and poissonRatio stand for those that are not given, so that small strains follow Hooke's law:
+// parameters that contradict them by more than a thousandth are refused. Of TransverselyIsotropic they are the moduli
+// of the matrix; its fibres come on top, so the body is stiffer along them.
 //
 // Laws with ln J are infinite at J = 0: a step that turns an element inside out ends with a report of that element.
 // StVenantKirchhoff and StableNeoHookean are finite there, and the run goes on. That is no promise of the old shape:
