@@ -67,7 +67,7 @@ extern \"C\" __attribute__((visibility(\"default\"))) const stroma::ModuleInfo* 
       set(folder stroma)
     else()
       set(folder stroma/${level})
-      target_compile_options(${target} PRIVATE -march=${level})
+      target_compile_options(${target} PRIVATE -march=${level} $<$<CONFIG:Release>:-O3>)
       if(level STREQUAL x86-64-v4)
         # GCC 12 warns of its own AVX-512 headers (the deliberately undefined operand of masked intrinsics)
         target_compile_options(${target} PRIVATE -mprefer-vector-width=512 -Wno-uninitialized -Wno-maybe-uninitialized)

@@ -169,14 +169,18 @@ class Hexahedra final : public ElasticElements {
   }
   template <class Model>
   std::unique_ptr<ElementMethod> fill(Index first_row, const std::function<Lame(std::size_t)>& lame) const {
-    StorageOf<Model> storage;
+    return std::make_unique<ModelMethod<Model>>(filled<StorageOf<Model>>(first_row, lame));
+  }
+  template <class Storage>
+  [[gnu::noinline]] Storage filled(Index first_row, const std::function<Lame(std::size_t)>& lame) const {
+    Storage storage;
     storage.build(mesh_->hexahedra, *rest_, first_row, [&](std::size_t e, bool padding, auto& rest, auto& tangent) {
       // cells that cover the body twice share its stiffness; a padding lane has none
       const double share = padding ? 0 : 1 / mesh_->overlap;
       const Lame constants{lame(e).lambda * share, lame(e).mu * share};
       set(restShape(e), constants, rest, tangent);
     });
-    return std::make_unique<ModelMethod<Model>>(std::move(storage));
+    return storage;
   }
 
   void set(const RestShape& shape, const Lame& constants, BoxRest<double>& rest, BoxTangent<double>& tangent) const {

@@ -66,9 +66,9 @@ struct FanOf {
     });
   }
   /// K of the fan, [i][j][row][column], each tetrahedron's by products with unit vectors; zero for nodes that share
-  /// none. Long, so once for assembly and diagonal. noipa: with noinline GCC 12 takes its output for unchanged.
-  [[gnu::noipa, gnu::flatten]] static void matrix(const Rest<Pack>& rest, const Tangent<Pack>& t,
-                                                  const V3<Pack> (&x)[nodes], Pack (&k)[nodes * nodes * 9]) {
+  /// none.
+  static void matrix(const Rest<Pack>& rest, const Tangent<Pack>& t, const V3<Pack> (&x)[nodes],
+                     Pack (&k)[nodes * nodes * 9]) {
     for (Pack& value : k) value = Pack(0.);
     for (int i = 0; i < fan_size; ++i) {
       const Corners<Pack> c(x, i);

@@ -13,10 +13,10 @@
 namespace stroma {
 
 /// Sets lane `lane` of a struct of packs from the same struct of doubles.
-template <template <class> class Struct>
-void setLane(Struct<Pack>& batch, int lane, const Struct<double>& value) {
-  constexpr std::size_t count = sizeof(Struct<double>) / sizeof(double);
-  static_assert(sizeof(Struct<Pack>) == count * sizeof(Pack));
+template <class Packs, class Doubles>
+void setLane(Packs& batch, int lane, const Doubles& value) {
+  constexpr std::size_t count = sizeof(Doubles) / sizeof(double);
+  static_assert(sizeof(Packs) == count * sizeof(Pack));
   double numbers[count];
   std::memcpy(numbers, &value, sizeof numbers);
   for (std::size_t i = 0; i < count; ++i)
@@ -24,13 +24,14 @@ void setLane(Struct<Pack>& batch, int lane, const Struct<double>& value) {
                 sizeof(double));
 }
 
-/// Loop and arrays of a mesh of elements of N nodes, shape (batches). Rest is the rest shape, Tangent what products
-/// read; both are structs of numbers.
-template <int N, template <class> class RestShape, template <class> class TangentData, class Coupling = EveryPair>
+/// Loop and arrays of a mesh of elements of N nodes, shape (batches). The rest shape and the tangent, which products
+/// read, are structs of numbers: of packs and, for one element, of doubles. By these types alone, so that models with
+/// the same data share the code that fills it.
+template <int N, class RestPacks, class RestDoubles, class TangentPacks, class TangentDoubles, class Coupling>
 struct ElementStorage {
   ElementLoop<N, Coupling> loop;
-  Array<RestShape<Pack>> rest;
-  Array<TangentData<Pack>> tangent;
+  Array<RestPacks> rest;
+  Array<TangentPacks> tangent;
 
   /// set(element, is_padding, rest, tangent) gives the numbers of each element; a padding lane must have no stiffness.
   template <class Set>
@@ -41,8 +42,8 @@ struct ElementStorage {
     tangent.resize(std::size_t(loop.batches()));
     for (Index b = 0; b < loop.batches(); ++b)
       for (int l = 0; l < pack_lanes; ++l) {
-        RestShape<double> one_rest{};
-        TangentData<double> one_tangent{};
+        RestDoubles one_rest{};
+        TangentDoubles one_tangent{};
         const Index e = loop.elementOf(b, l);
         set(std::size_t(e >= 0 ? e : loop.elementOf(b, 0)), e < 0, one_rest, one_tangent);
         setLane(rest[std::size_t(b)], l, one_rest);
@@ -84,8 +85,9 @@ struct CouplingOf<Model> {
   using type = typename Model::Coupling;
 };
 template <class Model>
-using StorageOf =
-    ElementStorage<Model::nodes, Model::template Rest, Model::template Tangent, typename CouplingOf<Model>::type>;
+using StorageOf = ElementStorage<Model::nodes, typename Model::template Rest<Pack>,
+                                 typename Model::template Rest<double>, typename Model::template Tangent<Pack>,
+                                 typename Model::template Tangent<double>, typename CouplingOf<Model>::type>;
 
 /// The ElementMethod of a model. `x` handed to a model is that of the last force, and only valid when it reads it.
 template <class Model>
@@ -95,6 +97,11 @@ class ModelMethod final : public StoredMethod<StorageOf<Model>> {
   static constexpr int N = Model::nodes;
   using Nodes = V3<Pack>[N];
   using Matrix = typename ElementLoop<N>::Matrix;
+  /// The model has a form of its own for force and product together.
+  static constexpr bool fuses = requires(typename Model::template Rest<Pack> & rest,
+                                         typename Model::template Tangent<Pack>& tangent, Nodes& nodes) {
+    Model::forceAndProduct(rest, tangent, Pack(1.), nodes, nodes, nodes);
+  };
 
  public:
   using Base::Base;
@@ -102,11 +109,17 @@ class ModelMethod final : public StoredMethod<StorageOf<Model>> {
     keep(x);
     storage_.loop.template run<1, 1>({x}, {f}, [&](Index b, const auto& in, auto& out) { force(b, in[0], out[0]); });
   }
+  /// In one loop where that shares work or the gathers weigh. Models that read the position do more in each half.
   void addForceAndProduct(ConstRows x, ConstRows dx, double factor, Rows f) override {
-    keep(x);
-    const Pack scale(factor);
-    storage_.loop.template run<2, 1>(
-        {x, dx}, {f}, [&](Index b, const auto& in, auto& out) { forceAndProduct(b, scale, in[0], in[1], out[0]); });
+    if constexpr (Model::reads_position && !fuses) {
+      addForce(x, f);
+      addProduct(dx, factor, f);
+    } else {
+      const Pack scale(factor);
+      keep(x);
+      storage_.loop.template run<2, 1>(
+          {x, dx}, {f}, [&](Index b, const auto& in, auto& out) { forceAndProduct(b, scale, in[0], in[1], out[0]); });
+    }
   }
   double energy(ConstRows x) const override {
     return storage_.loop.sum(x, [&](Index b, const auto& in) {
@@ -144,7 +157,7 @@ class ModelMethod final : public StoredMethod<StorageOf<Model>> {
   void forceAndProduct(Index b, Pack factor, const Nodes& x, const Nodes& dx, Nodes& f) {
     auto& rest = storage_.rest[std::size_t(b)];
     auto& tangent = storage_.tangent[std::size_t(b)];
-    if constexpr (requires { Model::forceAndProduct(rest, tangent, factor, x, dx, f); }) {
+    if constexpr (fuses) {
       Model::forceAndProduct(rest, tangent, factor, x, dx, f);
     } else {
       Nodes df;
@@ -156,8 +169,9 @@ class ModelMethod final : public StoredMethod<StorageOf<Model>> {
   void product(Index b, Pack factor, const Nodes& x, const Nodes& dx, Nodes& df) const {
     Model::product(storage_.rest[std::size_t(b)], storage_.tangent[std::size_t(b)], factor, x, dx, df);
   }
-  /// The model's own matrix, else products with the 3 N unit vectors.
-  void matrix(Index b, Matrix& k) const {
+  /// The model's own matrix, else products with the 3 N unit vectors. Long, so once for assembly and diagonal; noipa:
+  /// with noinline GCC 12 takes its output for unchanged.
+  [[gnu::noipa, gnu::flatten]] void matrix(Index b, Matrix& k) const {
     Nodes x;
     if constexpr (Model::reads_position) storage_.loop.gather(b, x_.rows(), x);
     if constexpr (requires { Model::matrix(storage_.rest[0], storage_.tangent[0], x, k); })

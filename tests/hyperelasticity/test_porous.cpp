@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The porous part: its stress, the fluid's mass, Terzaghi's consolidation.
+#include <Eigen/Geometry>
 #include <numbers>
 
 #include "framework/mechanics/history.h"

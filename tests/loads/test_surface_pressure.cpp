@@ -2,6 +2,8 @@
 // Pressures and stresses on surfaces: balance and work on closed surfaces, derivatives, time, closed forms, bad input.
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
+
 #include "framework/mesh/mesh.h"
 #include "tests/elasticity/field_under_test.h"
 

@@ -3,7 +3,7 @@
 #pragma once
 #include <gtest/gtest.h>
 
-#include "tests/mechanics/test_components.h"
+#include "tests/support/mechanics_components.h"
 #include "tests/support/scene_fixture.h"
 
 namespace stroma::test {

@@ -3,6 +3,8 @@
 // and turning about the z axis through its corner the energy 1/2 w^2 m (a^2 + b^2) / 3.
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
+
 #include "tests/mechanics/scene_text.h"
 
 namespace stroma::test {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // `stroma mesh` on closed surfaces of triangles.
+#include <Eigen/Geometry>
 #include <cmath>
 
 #include "tests/meshing/meshing_fixture.h"

@@ -2,6 +2,8 @@
 // Volumes kept, planes not penetrated: alone against closed forms, and all kinds of position constraints together.
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+
 #include "framework/algebra/parallel.h"
 #include "tests/shape_memory/position_scenes.h"
 

@@ -2,6 +2,8 @@
 // Rigid sets against the motions of rigid bodies: tumbling, precession, pendulum, hinge.
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+
 #include <limits>
 #include <numbers>
 

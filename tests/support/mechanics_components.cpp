@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Components that only tests of the mechanics have.
-#pragma once
+#include "tests/support/mechanics_components.h"
+
 #include <Eigen/Geometry>
 
 #include "framework/mesh/topology.h"
-#include "framework/scene/factory.h"
 #include "framework/simulation/simulation.h"
 
 namespace stroma::test {
+namespace {
 
 /// Does nothing in a step but start it; a test calls the system itself.
 class TestIntegrator final : public Integrator {
@@ -369,7 +369,9 @@ class TestMean final : public Mapping {
   mutable std::vector<double> y_;
 };
 
-inline void registerTestComponents(Factory& factory) {
+}  // namespace
+
+void registerTestComponents(Factory& factory) {
   factory.add<TestIntegrator>("TestIntegrator", "test");
   factory.add<TestSolver>("TestSolver", "test");
   factory.add<TestMesh>("TestMesh", "test");
@@ -380,5 +382,7 @@ inline void registerTestComponents(Factory& factory) {
   factory.add<TestPlane>("TestPlane", "test");
   factory.add<TestMean>("TestMean", "test");
 }
+
+long assembliesOf(const Component& net) { return dynamic_cast<const Net&>(net).assemblies; }
 
 }  // namespace stroma::test
