@@ -3,6 +3,8 @@
 # can be built outside this tree with find_package(stroma).
 include(CMakePackageConfigHelpers)
 install(DIRECTORY framework DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/stroma FILES_MATCHING PATTERN "*.h")
+install(FILES ${CMAKE_BINARY_DIR}/generated/framework/scene/headers_digest.h
+  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/stroma/framework/scene)
 install(TARGETS stroma stroma_flags EXPORT stroma-targets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
 set_target_properties(stroma-index PROPERTIES INSTALL_RPATH "$ORIGIN/../${CMAKE_INSTALL_LIBDIR}")
 install(TARGETS stroma-index EXPORT stroma-targets RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})

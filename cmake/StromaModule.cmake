@@ -37,7 +37,7 @@ function(stroma_module name)
     list(APPEND sources ${stem}.cpp)
     list(APPEND manual_sources ${CMAKE_CURRENT_SOURCE_DIR}/${stem}.cpp)
   endforeach()
-  set(text "// generated: the components of module ${name}\n#include \"framework/scene/modules.h\"\n\n${declarations}
+  set(text "// generated: the components of module ${name}\n#include \"framework/scene/abi.h\"\n#include \"framework/scene/modules.h\"\n\n${declarations}
 static void registerComponents(stroma::Factory& factory) {\n${calls}}\n
 extern \"C\" __attribute__((visibility(\"default\"))) const stroma::ModuleInfo* stroma_module() {
   static const stroma::ModuleInfo info{STROMA_ABI, \"${name}\", registerComponents};

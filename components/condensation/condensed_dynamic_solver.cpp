@@ -49,6 +49,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "framework/scene/factory.h"
@@ -98,7 +99,7 @@ class CondensedDynamicSolver final : public CondensedIntegrator {
   std::size_t keptUnknowns() const {
     return 3 * std::size_t(body_.free() - (used_form_ == Form::joined ? body_.interior() : firstActive()));
   }
-  double largestQuotient();
+  std::array<double, 2> slowestMotion();
   void findSlowest();
   /// 1/dt^2 + alpha/2dt of a node
   double perMass(std::size_t node) const {
@@ -157,32 +158,38 @@ void CondensedDynamicSolver::prepare(System&) {
   findSlowest();
 }
 
-// With c = 1/dt^2 + alpha/2dt, (c M + K)^-1 c M has the eigenvalues c/(c + w^2): the largest one, by power iteration,
-// is that of the slowest motion, and above one where K is negative. Quotients are never above it.
-double CondensedDynamicSolver::largestQuotient() {
+// With c = 1/dt^2 + alpha/2dt of each node, (c M + K)^-1 c M has the largest eigenvalue q, by power iteration, in the
+// slowest motion y: y K y = (1/q - 1) y c M y, and K is negative where it is above one. Quotients are never above it.
+// Returns q and w^2 = y K y / y M y.
+std::array<double, 2> CondensedDynamicSolver::slowestMotion() {
   constexpr int iterations = 10;
   const std::size_t count = 3 * std::size_t(active());
-  double quotient = 1;
+  double quotient = 1, square = 0;
   for (std::size_t i = 0; i < count; ++i) next_[i] = 1 + 0.5 * std::sin(double(i));
   for (int k = 0; k < iterations; ++k) {
-    double before = 0, after = 0;
+    double before = 0, after = 0, mass = 0;
     for (std::size_t i = 0; i < count; ++i) {
       right_[i] = inertia()[i] * perMass(i / 3) * next_[i];
       before += right_[i] * next_[i];
+      mass += inertia()[i] * next_[i] * next_[i];
     }
     if (!(before > 0)) break;
     multiply(right_.data(), next_.data());
     for (std::size_t i = 0; i < count; ++i) after += right_[i] * next_[i];
     quotient = after / before;
+    square = before / mass * (1 / quotient - 1);
   }
   std::fill(next_.begin(), next_.end(), 0.0);
   std::fill(right_.begin(), right_.end(), 0.0);
-  return quotient;
+  return {quotient, square};
 }
 
 void CondensedDynamicSolver::findSlowest() {
-  if (base_.size() != 1) base_.assign(1, largestQuotient());
-  const double c = perMass(0), square = c * (1 / base_[0] - 1);
+  if (base_.size() != 2) {
+    const std::array<double, 2> found = slowestMotion();
+    base_.assign(found.begin(), found.end());
+  }
+  const double square = base_[1];
   slowest_ = std::sqrt(std::max(square, 0.0));
   if (base_[0] > 1 + 1e-9)
     warn(

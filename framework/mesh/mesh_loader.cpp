@@ -45,7 +45,8 @@ void MeshLoader::declare(DataTable& table) {
   table.add("flipNormals", flip_normals_).help("turn triangles and quads over");
   table.add("triangulate", triangulate_).help("split quads into triangles");
   table.add("createSubelements", create_subelements_).help("add the faces and edges of the volume cells");
-  table.addVisualOnly("onlyAttachedPoints");
+  table.add("onlyAttachedPoints", only_attached_points_)
+      .help("leave nodes without cells out: later ones get new numbers");
   table.add("position", mesh_.position).alias("points").unit("m").help("nodes").output();
   table.add("edges", mesh_.edges).alias("lines").help("edges of the file").output();
   table.add("triangles", mesh_.triangles).help("triangles of the file").output();
@@ -72,6 +73,7 @@ void MeshLoader::init() {
                          "edges, triangles, quads, tetrahedra or hexahedra");
   if (const std::string error = mesh_.firstError(); !error.empty())
     throw ComponentError(fmt::format("{}: {}", filename_.given, error));
+  if (only_attached_points_) removeUnusedNodes();
   transform();
   if (triangulate_) splitQuads();
   if (flip_normals_) {
@@ -82,6 +84,29 @@ void MeshLoader::init() {
   if (const std::string complaint = meshComplaint(mesh_); !complaint.empty())
     warn(fmt::format("{}: {}", filename_.given, complaint));
   if (create_subelements_) addSubelements(mesh_);
+}
+
+void MeshLoader::removeUnusedNodes() {
+  std::vector<Index> number(mesh_.position.size(), 0);
+  const auto forEachNode = [&](auto&& visit) {
+    const auto all = [&](auto& cells) {
+      for (auto& cell : cells)
+        for (Index& node : cell) visit(node);
+    };
+    all(mesh_.edges), all(mesh_.triangles), all(mesh_.quads), all(mesh_.tetrahedra), all(mesh_.hexahedra);
+  };
+  forEachNode([&](Index node) { number[std::size_t(node)] = 1; });
+  const auto keepUsed = [&](std::vector<Vec3>& values, std::size_t each) {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < values.size(); ++i)
+      if (number[i / each]) values[kept++] = values[i];
+    values.resize(kept);
+  };
+  if (!directions_.nodes.empty()) keepUsed(directions_.nodes, directions_.nodes.size() / mesh_.position.size());
+  keepUsed(mesh_.position, 1);
+  Index next = 0;
+  for (Index& n : number) n = n ? next++ : -1;
+  forEachNode([&](Index& node) { node = number[std::size_t(node)]; });
 }
 
 void MeshLoader::transform() {

@@ -179,11 +179,13 @@ void Instantiation::unknownAttribute(const AttributeDescription& attribute, Comp
   if (isSwitchedOffOrVisual(attribute, component.type(), &component)) return;
   std::vector<std::string> names = component.data().names();
   names.insert(names.end(), common.begin(), common.end());
-  const std::string guess = nearest(attribute.name, names);
+  const std::string advice(adviceOn(attribute.name));
+  const std::string guess = advice.empty() ? nearest(attribute.name, names) : std::string();
   fail(component,
        {Severity::error, attribute.where, component.path() + "." + attribute.name,
         component.type() + " has no attribute " + inQuotes(attribute.name),
-        guess.empty() ? "one of those that 'stroma doc " + component.type() + "' lists" : std::string(), guess});
+        !advice.empty() || !guess.empty() ? advice : "one of those that 'stroma doc " + component.type() + "' lists",
+        guess});
 }
 
 bool Instantiation::readCommonAttribute(const AttributeDescription& attribute, Component& component) {

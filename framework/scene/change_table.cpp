@@ -63,6 +63,21 @@ const std::vector<AttributeChange>& attributeChanges() {
   return table;
 }
 
+std::string_view adviceOn(std::string_view attribute) {
+  static const std::vector<AttributeRemoval> table = {
+      {"updateStiffness", "nothing: parameters of the material are read once, before the first step"},
+      {"initialPoints", "rest_position=\"...\" of the MechanicalObject"},
+      {"linearSystem", "nothing: a solver finds its system by itself"},
+      {"linearSystemName", "nothing: a solver finds its system by itself"},
+      {"orderingMethod", "nothing: CHOLMOD chooses the ordering"},
+      {"stopAt", "a run that ends there: stroma run --until T"},
+      {"keperiod", "nothing: EnergyMonitor writes energies"},
+  };
+  for (const AttributeRemoval& removal : table)
+    if (removal.attribute == attribute) return removal.advice;
+  return {};
+}
+
 const std::vector<std::string_view>& acceptedWithoutEffect() {
   static const std::vector<std::string_view> list = {
       // what only draws

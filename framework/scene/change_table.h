@@ -18,11 +18,18 @@ struct TypeRemoval {
   std::string_view type, advice;
 };
 
+/// An attribute of SOFA that has no counterpart: what to write instead.
+struct AttributeRemoval {
+  std::string_view attribute, advice;
+};
+
 const std::vector<TypeChange>& typeChanges();
 const std::vector<TypeRemoval>& typeRemovals();
 /// The present name of `type`: itself unless the table renames it.
 std::string_view presentType(std::string_view type);
 const std::vector<AttributeChange>& attributeChanges();
+/// What to do instead of an attribute, or empty.
+std::string_view adviceOn(std::string_view attribute);
 /// Components of SOFA that only draw, load plugins or schedule: accepted without effect, summed up in one line.
 const std::vector<std::string_view>& acceptedWithoutEffect();
 /// Attributes any component may carry that only matter for drawing or for SOFA's own bookkeeping.

@@ -12,6 +12,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "framework/scene/abi.h"
 #include "framework/scene/change_table.h"
 #include "framework/scene/services.h"
 #include "framework/scene/text.h"

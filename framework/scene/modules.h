@@ -8,18 +8,13 @@
 
 namespace stroma {
 
-/// What a module exports as `extern "C" const stroma::ModuleInfo* stroma_module()`. `abi` is compared before anything
-/// else is touched: a module built against another version is refused with a sentence.
+/// What a module exports as `extern "C" const stroma::ModuleInfo* stroma_module()`. `abi` is STROMA_ABI (abi.h) and is
+/// compared before anything else is touched: a module built against other headers is refused with a sentence.
 struct ModuleInfo {
   const char* abi;
   const char* name;
   void (*register_components)(Factory&);
 };
-
-/// The ABI tag of this build: version, compiler and the definitions that change layouts.
-#define STROMA_ABI "stroma-" STROMA_VERSION "-gcc" STROMA_STRINGIFY(__GNUC__) "-eigen64"
-#define STROMA_STRINGIFY_(x) #x
-#define STROMA_STRINGIFY(x) STROMA_STRINGIFY_(x)
 
 /// Finds and opens modules. The index (made at build time, one text line a component: name, module, one-line help)
 /// answers which module holds a name without opening any. A module built for several instruction sets lies in

@@ -5,6 +5,7 @@
 
 #include <filesystem>
 
+#include "framework/scene/abi.h"
 #include "framework/scene/diagnostics.h"
 #include "framework/scene/modules.h"
 

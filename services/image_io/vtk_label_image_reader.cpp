@@ -31,6 +31,7 @@
 #include "framework/mesh/label_image.h"
 #include "framework/scene/diagnostics.h"
 #include "framework/scene/modules.h"
+#include "framework/scene/abi.h"
 #include "framework/scene/services.h"
 
 namespace stroma {

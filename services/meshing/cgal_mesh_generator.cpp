@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The service `meshing`: meshes of images and of closed surfaces by CGAL's Mesh_3.
 #include "framework/scene/modules.h"
+#include "framework/scene/abi.h"
 #include "framework/scene/services.h"
 #include "services/meshing/domains.h"
 

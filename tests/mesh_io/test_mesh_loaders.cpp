@@ -132,6 +132,18 @@ TEST_F(Loaders, WarnOfFaultsAndRefuseAnEmptyMesh) {
   expectIn(errors(sceneText("MeshGmshLoader", "absent.msh")), "absent.msh");
 }
 
+TEST_F(Loaders, OnlyAttachedPointsLeavesOthersOut) {
+  std::string unused = two_tetrahedra;
+  unused.replace(unused.find("$Nodes\n5\n"), 9, "$Nodes\n6\n60 9 9 9\n");
+  const Scene whole = sceneFromText(sceneText("MeshGmshLoader", file("a.msh", two_tetrahedra)));
+  const Scene fewer = sceneFromText(
+      sceneText("MeshGmshLoader", file("b.msh", unused), R"(onlyAttachedPoints="true" translation="1 2 3")"));
+  ASSERT_EQ(mesh(fewer).nodes(), 5);
+  EXPECT_EQ(fewer.diagnostics.text().find("unused"), std::string::npos);
+  EXPECT_EQ(mesh(fewer).tetrahedra, mesh(whole).tetrahedra);
+  for (std::size_t i = 0; i < 5; ++i) EXPECT_EQ(mesh(fewer).position[i], mesh(whole).position[i] + Vec3(1, 2, 3)) << i;
+}
+
 TEST_F(Loaders, ObjKeepsTheNodesOfTheFile) {
   const std::string text =
       "# comment\nmtllib x.mtl\nv 0 0 0\nv 1 0 0\r\nv 1 1 0\nv 0 1 0\nv 0.5 2 0\nvn 0 0 1\nvt 0 0\ng a b\n"

@@ -50,6 +50,29 @@ def main():
 
     result = run("install", programs={"dpkg-query": "printf installed", "apt-get": "exit 1", "sudo": "exit 1"})
     assert result.returncode == 0 and result.stdout == "", result
+    # Which instruction sets are built: the machine's, all when asked for, what was built before as long as it has it.
+    installed = {"dpkg-query": "printf installed", "cmake": 'case "$*" in *--build*) exit 1;; *) echo "$@" >&3;; esac'}
+
+    def levels(*arguments, before=None):
+        with tempfile.TemporaryDirectory() as folder:
+            log, build = os.path.join(folder, "log"), os.path.join(folder, "build")
+            if before:
+                os.makedirs(build)
+                with open(os.path.join(build, "CMakeCache.txt"), "w", encoding="ascii") as file:
+                    file.write(f"STROMA_LEVELS:STRING={before}\nSTROMA_TESTS:BOOL=ON\n")
+            programs = {**installed, "cmake": installed["cmake"].replace(">&3", f">>{log}")}
+            os.environ["BUILD"] = build
+            run(*arguments, programs=programs)
+            del os.environ["BUILD"]
+            with open(log, encoding="ascii") as file:
+                return file.read().split("-DSTROMA_LEVELS=")[1].split()[0]
+
+    machine, every = levels("test", "-y"), "x86-64-v2;x86-64-v3;x86-64-v4"
+    assert machine in every.split(";"), machine
+    assert levels("run", "-y") == machine
+    assert levels("test", "-y", "--all-levels") == every
+    assert levels("run", "-y", before=every) == every
+    assert levels("test", "-y", before="x86-64-v1") == machine
     print("tools/setup says and does what it should")
 
 

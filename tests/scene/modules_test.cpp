@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "framework/scene/modules.h"
+#include "framework/scene/abi.h"
 
 #include <algorithm>
 #include <cstdlib>
