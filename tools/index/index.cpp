@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "framework/scene/abi.h"
 #include "framework/scene/modules.h"
 
 namespace {
