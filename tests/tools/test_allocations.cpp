@@ -98,7 +98,9 @@ TEST_P(AllocationsOfScene, NoneAfterTheFirstStep) {
   counting = false;
   EXPECT_FALSE(diverged);
   EXPECT_LE(allocations, 2 * factorisations);
-  if (factorisations == 0) EXPECT_EQ(in_libraries, 0);
+  if (factorisations == 0) {
+    EXPECT_EQ(in_libraries, 0);
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Examples, AllocationsOfScene,
