@@ -70,6 +70,7 @@ std::vector<Gradients> gradientsOf(const std::vector<Vec3>& corner) {
 template <class Nodes, class Position>
 std::vector<Vec3> cornersOf(const Nodes& nodes, Position&& position) {
   std::vector<Vec3> corner;
+  corner.reserve(std::size(nodes));
   for (Index n : nodes) corner.push_back(position(n));
   return corner;
 }

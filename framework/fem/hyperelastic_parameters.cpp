@@ -61,6 +61,7 @@ void HyperelasticForceField::chooseLaw() {
                          fmt::format("{}", fmt::join(std::set<std::string>(names.begin(), names.end()), ", ")),
                          nearest(material_name_, names));
   std::vector<std::string> expected;
+  expected.reserve(candidates.size());
   for (const HyperelasticLaw* law : candidates) expected.push_back(law->expectation());
   const std::vector<std::string> given = givenNames();
   if (!parameter_set_.empty() && (!given.empty() || !young_modulus_.empty() || !poisson_ratio_.empty()))
