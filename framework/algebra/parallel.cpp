@@ -8,6 +8,9 @@
 #include <algorithm>
 #include <atomic>
 #include <memory>
+#ifdef __SANITIZE_THREAD__
+#include <sanitizer/tsan_interface.h>
+#endif
 
 namespace stroma {
 namespace {
@@ -25,6 +28,25 @@ std::unique_ptr<Pool>& pool() {
   static std::unique_ptr<Pool> instance;
   return instance;
 }
+
+#ifdef __SANITIZE_THREAD__
+// The library of the pool is not instrumented: the thread sanitizer is told here what it orders. Every piece comes
+// after the start of the loop and before its end; two places, so that the pieces remain unordered among each other.
+struct LoopOrder {
+  void begin() { __tsan_release(&started); }
+  void beginPiece() { __tsan_acquire(&started); }
+  void endPiece() { __tsan_release(&ended); }
+  void end() { __tsan_acquire(&ended); }
+  char started = 0, ended = 0;
+};
+#else
+struct LoopOrder {
+  void begin() {}
+  void beginPiece() {}
+  void endPiece() {}
+  void end() {}
+};
+#endif
 
 }  // namespace
 
@@ -44,10 +66,19 @@ void runParallel(int count, void (*body)(void*, int), void* data) {
     for (int i = 0; i < count; ++i) body(data, i);
     return;
   }
-  pool()->arena.execute([=] {
+  LoopOrder order;
+  order.begin();
+  pool()->arena.execute([=, &order] {
     tbb::parallel_for(
-        0, count, [=](int i) { body(data, i); }, tbb::simple_partitioner());
+        0, count,
+        [=, &order](int i) {
+          order.beginPiece();
+          body(data, i);
+          order.endPiece();
+        },
+        tbb::simple_partitioner());
   });
+  order.end();
 }
 
 }  // namespace detail
