@@ -39,7 +39,10 @@ struct LoopOrder {
   void end() { __tsan_acquire(&ended); }
   char started = 0, ended = 0;
 };
+// for the function that the pool copies into its tasks and reads before beginPiece()
+#define STROMA_UNSEEN __attribute__((no_sanitize_thread))
 #else
+#define STROMA_UNSEEN
 struct LoopOrder {
   void begin() {}
   void beginPiece() {}
@@ -71,7 +74,7 @@ void runParallel(int count, void (*body)(void*, int), void* data) {
   pool()->arena.execute([=, &order] {
     tbb::parallel_for(
         0, count,
-        [=, &order](int i) {
+        [=, &order](int i) STROMA_UNSEEN {
           order.beginPiece();
           body(data, i);
           order.endPiece();
