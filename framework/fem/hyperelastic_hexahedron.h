@@ -65,12 +65,6 @@ struct Hexahedron {
     }
     hexahedron::nodesOf(hexahedron::fromPoints(forces), df);
   }
-  /// Shared by assembly and diagonal: long.
-  [[gnu::noipa, gnu::flatten]] static void matrix(const Rest<Pack>& rest, const Tangent<Pack>& t,
-                                                  const V3<Pack> (&x)[8], Pack (&k)[8 * 8 * 9]) {
-    ElementLoop<8>::matrixFromProducts(
-        [&](const V3<Pack>(&dx)[8], V3<Pack>(&df)[8]) { product(rest, t, Pack(1.), x, dx, df); }, k);
-  }
 };
 
 template <class Form>

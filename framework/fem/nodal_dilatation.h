@@ -204,7 +204,8 @@ class NodalDilatation final : public ElementMethod {
       out[0][1] = f1 + h1, out[0][2] = f2, out[0][3] = f3 + h2, out[0][4] = h3;
     });
   }
-  static void matrix(const Cells& m, Index b, Matrix& k) {
+  /// Long, so once for assembly and diagonal; noipa as in model_method.h.
+  [[gnu::noipa, gnu::flatten]] static void matrix(const Cells& m, Index b, Matrix& k) {
     const Nodes x{};
     Model::matrix(m.storage.rest[std::size_t(b)], m.storage.tangent[std::size_t(b)], x, k);
   }

@@ -359,8 +359,10 @@ class GmshParser {
     if (!data.repeated) {
       data.width = int(width);
       if (of_nodes) prepare(data.nodes, tags_.size());
-      if (!of_nodes) prepare(data.tetrahedra, cell_tags_[0].size()), prepare(data.hexahedra, cell_tags_[1].size());
-      indexCells();
+      if (!of_nodes) {
+        prepare(data.tetrahedra, cell_tags_[0].size()), prepare(data.hexahedra, cell_tags_[1].size());
+        indexCells();
+      }
     }
     for (std::size_t i = 0; i < entries; ++i) {
       const std::int64_t tag = in_.number<int>("a view's entry");
