@@ -222,6 +222,22 @@ TEST(CondensedDynamic, bodiesThatSlideFreelyFallAsFast) {
   for (const Index node : {0, 47, 139}) EXPECT_LT((u[node] - fall).norm(), 0.03 * fall.norm()) << node;
 }
 
+TEST(CondensedDynamic, slowestMotionIsFoundUnderUnequalDamping) {
+  // two springs of 20 rad/s, one damped and one not: 3.18 Hz both
+  const auto spring = [](const std::string& name, const std::string& damping) {
+    return "<Node name=\"" + name + "\"><MechanicalObject position=\"1.3 0 0\" rest_position=\"1 0 0\"/><UniformMass " +
+           "totalMass=\"0.5\" rayleighMass=\"" + damping +
+           "\"/><RestShapeSpringsForceField points=\"0\" stiffness=\"200\"/></Node>";
+  };
+  for (const auto& [first, second] : {std::pair("0", "80"), std::pair("80", "0")}) {
+    const Simulation simulation = simulationFromText(
+        "<Node name=\"root\" dt=\"0.01\" gravity=\"0 0 0\"><CondensedDynamicSolver condensed=\"false\"/>" +
+        spring("a", first) + spring("b", second) + "</Node>");
+    const std::string plan = simulation.systems().front()->integrator().describe();
+    EXPECT_NE(plan.find("below 3.18 Hz"), std::string::npos) << plan;
+  }
+}
+
 TEST(CondensedDynamic, dampingThatTurnsVelocitiesIsWarnedOf) {
   const auto said = [](const std::string& alpha) {
     Block block{.solver = "<CondensedDynamicSolver rayleighMass=\"" + alpha + "\"/>"};

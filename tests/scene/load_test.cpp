@@ -54,6 +54,14 @@ TEST_F(Load, tenMistakesAreReportedInOneRun) {
   expect("/empty", 12, "");
 }
 
+TEST_F(Load, anAttributeWithoutACounterpartGetsAdviceAndNoGuess) {
+  const Problem problem = problemOf(
+      "<Node><TestState name='dofs'/><TestForce youngModulus='1' mstate='@dofs' updateStiffness='1'/></Node>");
+  EXPECT_NE(problem.message.find("no attribute 'updateStiffness'"), std::string::npos) << problem.text();
+  EXPECT_NE(problem.expected.find("read once"), std::string::npos) << problem.text();
+  EXPECT_TRUE(problem.suggestion.empty()) << problem.text();
+}
+
 TEST_F(Load, aMisspeltComponentSilencesWhatNeedsIt) {
   const Problem problem = problemOf(
       "<Node><TestStaet name='dofs'/><TestForce youngModulus='1'/>"
