@@ -215,16 +215,18 @@ class Tetrahedra final : public ElasticElements {
   double weight(const Mat3& edges) const { return std::abs(edges.determinant()) / (6 * mesh_->overlap); }
   /// Cell e with its vertices in the order of `nodes`, in the frame that the order of the cell gives: method large
   /// depends on it.
-  void setElement(std::size_t e, const Tetrahedron& nodes, bool padding, const LameOf& lame,
-                  tetrahedron::Rest<double>& rest, auto& tangent) const {
+  void setElement(std::size_t e, const Tetrahedron& nodes, bool padding, const LameOf& lame, auto& rest,
+                  auto& tangent) const {
     const Mat3 axes = restFrame(e), edges = restEdges(nodes), inverse = edges.inverse();
-    const M3<double> local = fromEigen(axes.transpose() * edges);
-    rest.edges[0] = local.c0, rest.edges[1] = local.c1, rest.edges[2] = local.c2;
     const M3<double> own = fromEigen((inverse * axes).transpose()), world = fromEigen(inverse.transpose());
-    rest.g = {own.c0, own.c1, own.c2};
-    rest.inverse_six_volume = 1 / edges.determinant();
     const double volume = padding ? 0 : weight(edges);  // a padding lane has no stiffness
     rest.root = std::sqrt(lame(e).mu * volume);
+    if constexpr (requires { rest.g; }) rest.g = {own.c0, own.c1, own.c2};
+    if constexpr (requires { rest.edges; }) {
+      const M3<double> local = fromEigen(axes.transpose() * edges);
+      rest.edges[0] = local.c0, rest.edges[1] = local.c1, rest.edges[2] = local.c2;
+      rest.inverse_six_volume = 1 / edges.determinant();
+    }
     setTangent(tangent, {world.c0, world.c1, world.c2}, lame(e), volume);
   }
 

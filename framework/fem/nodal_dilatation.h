@@ -33,6 +33,8 @@ inline void setTangent(AveragedTangent<double>& t, const Gradients<double>& g, L
 template <class Single>
 struct Deviatoric : Single {
   template <class T>
+  using Rest = typename Single::template Rest<T>;
+  template <class T>
   using Tangent = AveragedTangent<T>;
   template <class T>
   static void force(const Rest<T>& rest, AveragedTangent<T>& t, const V3<T> (&x)[4], V3<T> (&f)[4]) {

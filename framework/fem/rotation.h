@@ -26,24 +26,34 @@ V3<T> across(const V3<T>& a) {
   return v * reciprocalSqrt(dot(v, v));
 }
 
-/// Gram-Schmidt on the columns: first axis along c0, second in the plane of c0 and c1, third their cross product.
-/// Columns that are nearly parallel are made orthogonal twice, parallel ones get some plane.
+/// The frame of two columns that are nearly parallel, very long or very short: made orthogonal twice; parallel ones get
+/// some plane.
 template <class T>
-M3<T> gramSchmidt(const M3<T>& f) {
+M3<T> narrowFrame(const V3<T>& a, const V3<T>& b) {
   M3<T> r;
-  r.c0 = unit(f.c0, V3<T>{T(1.), T(0.), T(0.)});
-  const V3<T> in_plane = fma(-dot(r.c0, f.c1), r.c0, f.c1);
-  const T squared = dot(in_plane, in_plane);
-  const auto narrow = squared < T(0.01) * dot(f.c1, f.c1) || squared < T(1e-24);
-  if (any(narrow)) {
-    const V3<T> other = across(r.c0);
-    const V3<T> rough = unit(in_plane, other);
-    r.c1 = unit(fma(-dot(r.c0, rough), r.c0, rough), other);
-  } else {
-    r.c1 = in_plane * reciprocalSqrt(squared);
-  }
+  r.c0 = unit(a, V3<T>{T(1.), T(0.), T(0.)});
+  const V3<T> other = across(r.c0);
+  const V3<T> rough = unit(fma(-dot(r.c0, b), r.c0, b), other);
+  r.c1 = unit(fma(-dot(r.c0, rough), r.c0, rough), other);
   r.c2 = cross(r.c0, r.c1);
   return r;
+}
+
+/// Gram-Schmidt on the columns: first axis along c0, second in the plane of c0 and c1, third their cross product. The
+/// part of c1 across c0 is taken |c0|^2 times as long, so that its length need not wait for that of c0: how long the
+/// chain of operations is, not how many they are, is what this costs.
+template <class T>
+M3<T> gramSchmidt(const M3<T>& f) {
+  const T first = dot(f.c0, f.c0), second = dot(f.c1, f.c1), along = dot(f.c0, f.c1);
+  const V3<T> in_plane{fma(first, f.c1.x, -along * f.c0.x), fma(first, f.c1.y, -along * f.c0.y),
+                       fma(first, f.c1.z, -along * f.c0.z)};
+  const T squared = dot(in_plane, in_plane), weight = first * first;
+  const auto plain = squared > weight * maximum(T(0.01) * second, T(1e-24)) && first > T(1e-24) && squared < T(1e290);
+  M3<T> r;
+  r.c0 = f.c0 * reciprocalSqrt(first);
+  r.c1 = in_plane * reciprocalSqrt(squared);
+  r.c2 = cross(r.c0, r.c1);
+  return any(!plain) ? select(plain, r, narrowFrame(f.c0, f.c1)) : r;
 }
 
 /// The nearest orthogonal matrix to F (a reflection when det F < 0): the Newton iteration Q <- (gamma Q + (gamma Q)^-T)

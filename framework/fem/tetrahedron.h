@@ -6,7 +6,7 @@
 // matters to method large alone: rotation::Qr takes the frame's first two axes along): rest edges X_i, and gradients
 // G_i of the shape functions of vertex i, so that F = sum e_i (x) G_i. R = rotation of F; g_i the gradients in world
 // axes (g_a = -sum).
-//   B not updated:      g_i = R G_i                                  H = F R^T - I
+//   B not updated:      g_i = R G_i                                  H = F R^T - I = sum e_i (x) g_i - I
 //   B updated:          g_i = n_i / 6V_0,  n_1 = e_2 x e_3, ...      H = sum (e_i - R X_i) (x) g_i
 //   B and V updated:    g_i = n_i / 6V scaled by (V/V_0)^1/2, which turns the weight V_0 below into V
 // strain eps = sym H (all in world axes: for an isotropic law R B^T D B R^T = B(Rg)^T D B(Rg)), stress
@@ -14,6 +14,7 @@
 // is the same map from dx: one function serves both.
 #pragma once
 #include <cmath>
+#include <type_traits>
 
 #include "framework/fem/isotropic.h"
 #include "framework/fem/rotation.h"
@@ -23,14 +24,28 @@ namespace stroma::tetrahedron {
 
 using namespace elastic;
 
-/// The rest shape: G_i [1/m], X_i [m], 1/6V_0 [1/m^3] (V_0 signed), and the root (mu V_0)^1/2 [J^1/2] that the
-/// gradients of a Tangent hold.
+/// The rest shape as far as a method reads it: the root (mu V_0)^1/2 [J^1/2] that the gradients of a Tangent hold;
 template <class T>
-struct Rest {
-  Gradients<T> g;
-  V3<T> edges[3];
-  T inverse_six_volume, root;
+struct RestRoot {
+  T root;
 };
+/// and G_i [1/m], for methods that keep B;
+template <class T>
+struct RestGradients {
+  Gradients<T> g;
+  T root;
+};
+/// and X_i [m], 1/6V_0 [1/m^3] (V_0 signed), for those that update it.
+template <class T>
+struct RestShape {
+  Gradients<T> g;
+  T root;
+  V3<T> edges[3];
+  T inverse_six_volume;
+};
+/// What corotational methods with this update read.
+template <Update update, class T>
+using RestOf = std::conditional_t<update == Update::none, RestGradients<T>, RestShape<T>>;
 
 /// What a product reads: (mu V_0)^1/2 g_i in world axes [J^1/2/m] at the last force evaluation, and lambda/mu. Large
 /// meshes wait for memory: 80 bytes an element, 90 with the node numbers of a fan.
@@ -90,57 +105,56 @@ void stiffnessProduct(const auto& t, T factor, const V3<T> (&dx)[4], V3<T> (&df)
   nodalForces(restoringStress(strainOf(d, t.g), factor * t.ratio, factor), t.g, df);
 }
 
-/// R X_i: the rest edges in the rotated frame.
-template <class T>
-void rotatedRestEdges(const Rest<T>& rest, const M3<T>& r, V3<T> (&out)[3]) {
-  for (int i = 0; i < 3; ++i) out[i] = r * rest.edges[i];
-}
-
-/// What a force evaluation makes of an element: R, g and the strain sym H.
+/// What a force evaluation makes of an element: R, g, and d_i of the strain sym(sum d_i (x) g_i) (- I without an update
+/// of B, whose H is sum e_i (x) g_i - I). Linear in d, so that a product in the same pass adds factor de_i to d_i.
 template <class T>
 struct Kinematics {
   M3<T> rotation;
   Gradients<T> g;
-  S3<T> strain;
+  V3<T> d[3];
 };
 
 /// At x [m]; the table at the top of the file says what the updates are.
 template <class Rotation, Update update, class T>
-Kinematics<T> kinematics(const Rest<T>& rest, const V3<T> (&x)[4]) {
-  const V3<T> e[3] = {x[1] - x[0], x[2] - x[0], x[3] - x[0]};
-  const M3<T> f = outerSum(e, rest.g);
+Kinematics<T> kinematics(const RestOf<update, T>& rest, const V3<T> (&x)[4]) {
+  const Edges<T> edges(x);
+  const auto& e = edges.e;
   Kinematics<T> k;
-  k.rotation = Rotation::of(f);
+  k.rotation = Rotation::of(outerSum(e, rest.g));
   if constexpr (update == Update::none) {
     k.g = rotated(k.rotation, rest.g);
-    k.strain = minusIdentity(strainOfProduct(f, k.rotation));
+    for (int i = 0; i < 3; ++i) k.d[i] = e[i];
   } else {
     const M3<T> n = cofactor(M3<T>{e[0], e[1], e[2]});
     T scale = rest.inverse_six_volume;
     if constexpr (update == Update::strain_displacement_and_volume)
       scale = volumeScale(dot(e[0], n.c0) * rest.inverse_six_volume, rest.inverse_six_volume);
     k.g = {n.c0 * scale, n.c1 * scale, n.c2 * scale};
-    V3<T> rest_edges[3];
-    rotatedRestEdges(rest, k.rotation, rest_edges);
-    const V3<T> d[3] = {e[0] - rest_edges[0], e[1] - rest_edges[1], e[2] - rest_edges[2]};
-    k.strain = strainOf(d, k.g);
+    for (int i = 0; i < 3; ++i) k.d[i] = e[i] - k.rotation * rest.edges[i];
   }
   return k;
 }
 
+/// The strain in units of `one`^-1, for d (x) g in the same units.
+template <Update update, class T>
+S3<T> strainOfKinematics(const V3<T> (&d)[3], const Gradients<T>& g, T one) {
+  S3<T> strain = strainOf(d, g);
+  if constexpr (update == Update::none) strain.xx -= one, strain.yy -= one, strain.zz -= one;
+  return strain;
+}
+
 /// df = derivative of the force in the direction dx at x: dR and dg included.
 template <class Rotation, Update update, class T>
-void exactProduct(const Rest<T>& rest, T lambda, T mu, const V3<T> (&x)[4], const V3<T> (&dx)[4], V3<T> (&df)[4]) {
+void exactProduct(const RestOf<update, T>& rest, T lambda, T mu, const V3<T> (&x)[4], const V3<T> (&dx)[4],
+                  V3<T> (&df)[4]) {
   const Kinematics<T> k = kinematics<Rotation, update>(rest, x);
-  const V3<T> e[3] = {x[1] - x[0], x[2] - x[0], x[3] - x[0]};
-  const V3<T> de[3] = {dx[1] - dx[0], dx[2] - dx[0], dx[3] - dx[0]};
-  const M3<T> f = outerSum(e, rest.g), df_gradient = outerSum(de, rest.g);
-  const M3<T> dr = Rotation::differential(f, k.rotation, df_gradient);
+  const Edges<T> edges(x), dedges(dx);
+  const auto &e = edges.e, &de = dedges.e;
+  const M3<T> dr = Rotation::differential(outerSum(e, rest.g), k.rotation, outerSum(de, rest.g));
   Gradients<T> dg;
-  S3<T> dstrain;
+  V3<T> dd[3] = {de[0], de[1], de[2]};
   if constexpr (update == Update::none) {
     dg = rotated(dr, rest.g);
-    dstrain = strainOfProduct(df_gradient, k.rotation) + strainOfProduct(f, dr);
   } else {
     const M3<T> n = cofactor(M3<T>{e[0], e[1], e[2]});
     const M3<T> dn{cross(de[1], e[2]) + cross(e[1], de[2]), cross(de[2], e[0]) + cross(e[2], de[0]),
@@ -153,16 +167,12 @@ void exactProduct(const Rest<T>& rest, T lambda, T mu, const V3<T> (&x)[4], cons
       dscale = volumeScaleDifferential(ratio, dratio, rest.inverse_six_volume);
     }
     dg = {dn.c0 * scale + n.c0 * dscale, dn.c1 * scale + n.c1 * dscale, dn.c2 * scale + n.c2 * dscale};
-    V3<T> rest_edges[3], drest_edges[3];
-    rotatedRestEdges(rest, k.rotation, rest_edges);
-    rotatedRestEdges(rest, dr, drest_edges);
-    const V3<T> d[3] = {e[0] - rest_edges[0], e[1] - rest_edges[1], e[2] - rest_edges[2]};
-    const V3<T> dd[3] = {de[0] - drest_edges[0], de[1] - drest_edges[1], de[2] - drest_edges[2]};
-    dstrain = strainOf(dd, k.g) + strainOf(d, dg);
+    for (int i = 0; i < 3; ++i) dd[i] = de[i] - dr * rest.edges[i];
   }
+  const S3<T> strain = strainOfKinematics<update>(k.d, k.g, T(1.)), dstrain = strainOf(dd, k.g) + strainOf(k.d, dg);
   V3<T> from_strain[4], from_gradients[4];
   nodalForces(restoringStress(dstrain, lambda, mu), k.g, from_strain);
-  nodalForces(restoringStress(k.strain, lambda, mu), dg, from_gradients);
+  nodalForces(restoringStress(strain, lambda, mu), dg, from_gradients);
   for (int a = 0; a < 4; ++a) df[a] = from_strain[a] + from_gradients[a];
 }
 

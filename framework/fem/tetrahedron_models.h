@@ -13,13 +13,12 @@ struct Model {
   static constexpr int nodes = 4;
   static constexpr bool reads_position = false;
   template <class T>
-  using Rest = tetrahedron::Rest<T>;
+  using Rest = RestGradients<T>;
   template <class T>
   using Tangent = tetrahedron::Tangent<T>;
 
   template <class T>
-  static void product(const Rest<T>&, const auto& t, T factor, const V3<T> (&)[4], const V3<T> (&dx)[4],
-                      V3<T> (&df)[4]) {
+  static void product(const auto&, const auto& t, T factor, const V3<T> (&)[4], const V3<T> (&dx)[4], V3<T> (&df)[4]) {
     stiffnessProduct(t, factor, dx, df);
   }
 };
@@ -27,14 +26,17 @@ struct Model {
 /// method = small: the strain of sum e_i (x) g_i - I with the rest gradients.
 struct Linear : Model {
   template <class T>
+  using Rest = RestRoot<T>;
+  template <class T>
   static void force(const Rest<T>& rest, Tangent<T>& t, const V3<T> (&x)[4], V3<T> (&f)[4]) {
     nodalForces(restoringStress(strain(rest, t, x), t.ratio, T(1.)), t.g, f);
   }
   template <class T>
   static void forceAndProduct(const Rest<T>& rest, Tangent<T>& t, T factor, const V3<T> (&x)[4], const V3<T> (&dx)[4],
                               V3<T> (&f)[4]) {
-    const S3<T> both = strain(rest, t, x) + strainOf(Edges(dx).e, t.g) * factor;
-    nodalForces(restoringStress(both, t.ratio, T(1.)), t.g, f);
+    V3<T> both[4];  // the strain is linear in the edges
+    for (int a = 0; a < 4; ++a) both[a] = fma(factor, dx[a], x[a]);
+    force(rest, t, both, f);
   }
   template <class T>
   static T energy(const Rest<T>& rest, const auto& t, const V3<T> (&x)[4]) {
@@ -53,25 +55,37 @@ struct Linear : Model {
 template <class Rotation, Update update>
 struct Corotational : Model {
   template <class T>
+  using Rest = RestOf<update, T>;
+  template <class T>
   static void force(const Rest<T>& rest, Tangent<T>& t, const V3<T> (&x)[4], V3<T> (&f)[4]) {
     nodalForces(restoringStress(strain(rest, t, x), t.ratio, T(1.)), t.g, f);
   }
   template <class T>
   static void forceAndProduct(const Rest<T>& rest, Tangent<T>& t, T factor, const V3<T> (&x)[4], const V3<T> (&dx)[4],
                               V3<T> (&f)[4]) {
-    const S3<T> own = strain(rest, t, x);
-    nodalForces(restoringStress(own + strainOf(Edges(dx).e, t.g) * factor, t.ratio, T(1.)), t.g, f);
+    auto k = heldKinematics(rest, t, x);
+    const Edges<T> de(dx);
+    for (int i = 0; i < 3; ++i) k.d[i] = fma(factor, de.e[i], k.d[i]);
+    nodalForces(restoringStress(strainOfKinematics<update>(k.d, t.g, rest.root), t.ratio, T(1.)), t.g, f);
   }
   template <class T>
   static T energy(const Rest<T>& rest, const auto& t, const V3<T> (&x)[4]) {
-    return storedEnergy(kinematics<Rotation, update>(rest, x).strain * rest.root, t.ratio, T(1.));
+    auto unheld = t;
+    return storedEnergy(strain(rest, unheld, x), t.ratio, T(1.));
   }
   /// (mu V_0)^1/2 eps, and the gradients at x for the tangent
   template <class T>
   static S3<T> strain(const Rest<T>& rest, auto& t, const V3<T> (&x)[4]) {
+    const auto k = heldKinematics(rest, t, x);
+    return strainOfKinematics<update>(k.d, t.g, rest.root);
+  }
+
+ private:
+  template <class T>
+  static Kinematics<T> heldKinematics(const Rest<T>& rest, auto& t, const V3<T> (&x)[4]) {
     const auto k = kinematics<Rotation, update>(rest, x);
     t.g = {k.g.g1 * rest.root, k.g.g2 * rest.root, k.g.g3 * rest.root};
-    return k.strain * rest.root;
+    return k;
   }
 };
 
@@ -80,15 +94,18 @@ template <class Rotation, Update update>
 struct ExactCorotational : Model {
   static constexpr bool reads_position = true;
   template <class T>
+  using Rest = RestOf<update, T>;
+  template <class T>
   using Tangent = Constants<T>;
   template <class T>
   static void force(const Rest<T>& rest, const Constants<T>& t, const V3<T> (&x)[4], V3<T> (&f)[4]) {
     const auto k = kinematics<Rotation, update>(rest, x);
-    nodalForces(restoringStress(k.strain, t.lambda, t.mu), k.g, f);
+    nodalForces(restoringStress(strainOfKinematics<update>(k.d, k.g, T(1.)), t.lambda, t.mu), k.g, f);
   }
   template <class T>
   static T energy(const Rest<T>& rest, const Constants<T>& t, const V3<T> (&x)[4]) {
-    return storedEnergy(kinematics<Rotation, update>(rest, x).strain, t.lambda, t.mu);
+    const auto k = kinematics<Rotation, update>(rest, x);
+    return storedEnergy(strainOfKinematics<update>(k.d, k.g, T(1.)), t.lambda, t.mu);
   }
   template <class T>
   static void product(const Rest<T>& rest, const Constants<T>& t, T factor, const V3<T> (&x)[4], const V3<T> (&dx)[4],
@@ -129,6 +146,8 @@ struct Green : Model {
 /// method = nodal.
 /// The tangent holds the rest gradients in world axes, and no force changes it: what turns belongs to the nodes.
 struct NodalModel : Model {
+  template <class T>
+  using Rest = RestShape<T>;
   template <class T>
   using Tangent = WorldGradients<T>;
 };

@@ -31,6 +31,7 @@ inline Counted sqrt(Counted a) { return counted(std::sqrt(a.value), 1); }
 inline Counted reciprocalSqrt(Counted a) { return counted(1 / std::sqrt(a.value), 2); }
 inline Counted roughFourthRoot(Counted a) { return counted(std::sqrt(std::sqrt(a.value)), 2); }
 inline Counted abs(Counted a) { return Counted(std::abs(a.value)); }
+inline Counted maximum(Counted a, Counted b) { return a.value < b.value ? b : a; }
 inline Counted select(bool condition, Counted a, Counted b) { return condition ? a : b; }
 
 }  // namespace stroma::bench
