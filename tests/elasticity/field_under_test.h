@@ -154,10 +154,11 @@ inline std::string tetrahedraScene(const std::string& attributes,
          attributes + "/></Node></Node>";
 }
 
-/// A block of hexahedra: boxes of three different edges, turned, or with every node moved by up to a fifth of an edge.
+/// A block of n[0] x n[1] x n[2] nodes in hexahedra: boxes of three different edges, turned, or with every node moved
+/// by up to a fifth of an edge. `more`: components after the field.
 inline std::string hexahedraScene(const std::string& attributes, bool boxes,
-                                  const std::string& solver = "<SparseLDLSolver/>") {
-  constexpr int n[3] = {4, 5, 3};
+                                  const std::string& solver = "<SparseLDLSolver/>",
+                                  const std::array<int, 3>& n = {4, 5, 3}, const std::string& more = "") {
   std::mt19937 random(11);
   std::uniform_real_distribution<double> uniform(-0.2, 0.2);
   const Mat3 turn = Eigen::AngleAxisd(0.8, Vec3(1, -1, 2).normalized()).toRotationMatrix();
@@ -178,7 +179,7 @@ inline std::string hexahedraScene(const std::string& attributes, bool boxes,
          "<HexahedronSetTopologyContainer position=\"" + position.str() + "\" hexahedra=\"" + cells.str() +
          "\"/><MechanicalObject/><UniformMass totalMass=\"1\"/>"
          "<HexahedronFEMForceField youngModulus=\"3000\" poissonRatio=\"0.4\" " +
-         attributes + "/></Node></Node>";
+         attributes + "/>" + more + "</Node></Node>";
 }
 
 /// A variant of a method; `name` for messages, `attributes` for the scene.
