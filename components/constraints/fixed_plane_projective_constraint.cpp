@@ -40,7 +40,7 @@ class FixedPlaneProjectiveConstraint final : public HeldNodes {
     if (!between) return HeldNodes::init();
     if (data().find("indices")->isSet() || data().find("fixAll")->isSet())
       throw ComponentError("the nodes are given both by indices and by dmin and dmax", "one of them");
-    ProjectiveConstraint::init();
+    ProjectiveConstraint::init();  // NOLINT(bugprone-parent-virtual-call): HeldNodes would ask for indices
     std::vector<Index> found;
     for (Index i = 0; i < state().size(); ++i) {
       const double d = direction_.dot(state().position[std::size_t(i)]);

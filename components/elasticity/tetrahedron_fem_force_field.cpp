@@ -127,6 +127,7 @@ class Tetrahedra final : public ElasticElements {
   Storage fanStorage(const std::vector<tetrahedron::Fan>& fans, Index first_row, const LameOf& lame) const {
     using namespace tetrahedron;
     std::vector<std::array<Index, fan_nodes>> cells;
+    cells.reserve(fans.size());
     for (const Fan& fan : fans) cells.push_back(fan.nodes);
     Storage storage;
     storage.build(cells, *rest_, first_row, [&](std::size_t f, bool padding, auto& rest, auto& tangent) {

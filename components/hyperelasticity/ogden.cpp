@@ -41,7 +41,7 @@ class Terms {
   }
 
  private:
-  static constexpr int lanes = sizeof(T) / sizeof(double);
+  static constexpr int lanes = std::is_same_v<T, double> ? 1 : pack_lanes;
   const double* first_[lanes];
   int count_;
 };
@@ -56,7 +56,8 @@ struct Ogden {
     T k0;
   };
   static Parameters<double> read(Values values) {
-    return {std::bit_cast<double>(values.data()), double(values.size() / 2), values.back()};
+    const std::size_t terms = values.size() / 2;
+    return {std::bit_cast<double>(values.data()), double(terms), values.back()};
   }
   template <class T>
   static Terms<T> terms(const Parameters<T>& p) {

@@ -212,6 +212,7 @@ void TetrahedronPorousForceField::compile() {
   const std::vector<Vec3>& rest = state().rest_position;
   const auto fans = tetrahedron::gatherFans(mesh_->tetrahedra, rest.size());
   std::vector<std::array<Index, tetrahedron::fan_nodes>> nodes;
+  nodes.reserve(fans.size());
   for (const auto& fan : fans) nodes.push_back(fan.nodes);
   StorageOf<PorousFan> storage;
   storage.build(nodes, rest, state().firstRow(), [&](std::size_t f, bool padding, auto& data, auto&) {

@@ -88,6 +88,7 @@ void MeshGmshLoader::readDirections(const GmshFile& content) {
   const auto found = content.data.find(directions_.array);
   if (found == content.data.end()) {
     std::vector<std::string> names;
+    names.reserve(content.data.size());
     for (const auto& [name, data] : content.data) names.push_back(name);
     throw ComponentError(
         fmt::format("the mesh has no view '{}'", directions_.array),
@@ -121,6 +122,7 @@ void MeshGmshLoader::selectGroup(const GmshFile& content) {
   collect(content.mesh.tetrahedra, content.tetrahedron_groups, 3);
   collect(content.mesh.hexahedra, content.hexahedron_groups, 3);
   std::vector<std::string> names;
+  names.reserve(content.group_names.size());
   for (const auto& [key, name] : content.group_names) names.push_back(name);
   if (!known)
     throw ComponentError(fmt::format("the mesh has no physical group '{}'", group_),

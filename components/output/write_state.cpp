@@ -108,18 +108,18 @@ class WriteState final : public Observer {
   }
 
   void write(double t) {
-    writer_->time(t);
-    if (write_x0_) writer_->rows("X0", state_->rest_position);
-    if (write_x_) writeRows("X", state_->x(), nodes_x_);
-    if (write_v_) writeRows("V", state_->v(), nodes_v_);
-    if (write_f_) writer_->rows("F", state_->f());
-  }
-
-  void writeRows(const char* label, ConstRows rows, const std::vector<int>& nodes) {
-    if (nodes.empty())
-      writer_->rows(label, rows);
-    else
-      writer_->rows(label, rows, nodes);
+    StateWriter& writer = writer_.value();
+    const auto write_rows = [&writer](const char* label, ConstRows rows, const std::vector<int>& nodes) {
+      if (nodes.empty())
+        writer.rows(label, rows);
+      else
+        writer.rows(label, rows, nodes);
+    };
+    writer.time(t);
+    if (write_x0_) writer.rows("X0", state_->rest_position);
+    if (write_x_) write_rows("X", state_->x(), nodes_x_);
+    if (write_v_) write_rows("V", state_->v(), nodes_v_);
+    if (write_f_) writer.rows("F", state_->f());
   }
 
   Link<State> mstate_{"mechanical state"};

@@ -229,7 +229,7 @@ Mat3 RigidConstraint::fit(ConstRows x, const Vec3& centre) const {
     if (isPlaced() && mass_[i] > 0) continue;
     a += (mass_[i] > 0 ? mass_[i] : 1) * (x[rowOf(i)] - centre) * arm_[i].transpose();
   }
-  const Mat3 q = bestRotation(a);
+  Mat3 q = bestRotation(a);
   if (!hasAxis()) return q;
   const Vec3 turned = q * (arm_[leaders_.back()] - arm_[leaders_[0]]);
   return Eigen::Quaterniond::FromTwoVectors(turned, axis(x)).toRotationMatrix() * q;

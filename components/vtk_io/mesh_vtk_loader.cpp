@@ -52,7 +52,7 @@ namespace {
 class CapturedOutput : public vtkOutputWindow {
  public:
   static CapturedOutput* New();
-  vtkTypeMacro(CapturedOutput, vtkOutputWindow);
+  vtkTypeMacro(CapturedOutput, vtkOutputWindow);  // NOLINT(bugprone-derived-method-shadowing-base-method): the macro's
   void DisplayText(const char* text) override { text_ += text; }
   const std::string& text() const { return text_; }
 
@@ -175,7 +175,7 @@ vtkSmartPointer<vtkPointSet> MeshVTKLoader::readPoints(const std::string& file, 
   std::ostringstream text;
   text << stream.rdbuf();
   const std::string bytes = std::move(text).str();
-  const auto read_with = [&file](auto reader) {
+  const auto read_with = [&file](const auto& reader) {
     reader->SetFileName(file.c_str());
     reader->Update();
     return vtkSmartPointer<vtkPointSet>(vtkPointSet::SafeDownCast(reader->GetOutput()));

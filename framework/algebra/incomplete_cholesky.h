@@ -37,8 +37,10 @@ class IncompleteCholesky final : public FollowingInverse {
       if (!block.allFinite() || Eigen::LLT<RowBlock>(block).info() != Eigen::Success) return refuse(i, report);
     }
     Index bad = 0;
-    for (shift_ = 0; shift_ < 5; shift_ = shift_ == 0 ? 1e-3 : 4 * shift_)
-      if ((bad = factor(a)) < 0) return true;
+    for (shift_ = 0; shift_ < 5; shift_ = shift_ == 0 ? 1e-3 : 4 * shift_) {
+      bad = factor(a);
+      if (bad < 0) return true;
+    }
     return refuse(bad, report);
   }
 

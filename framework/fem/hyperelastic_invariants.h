@@ -114,7 +114,8 @@ struct First {
   template <class T>
   static M3<T> differential(const Point<T>& p, const auto& w, const M3<T>& df) {
     const T half_di1 = dot(p.f, df), di1 = half_di1 + half_di1, dj = dot(p.cof, df);
-    const auto dfirst = w.ab * dj + w.bb * di1, dvolume = w.aa * dj + w.ab * di1;
+    const auto dfirst = w.ab * dj + w.bb * di1;
+    const auto dvolume = w.aa * dj + w.ab * di1;
     return (scaled(2. * w.b, df) + scaled(w.a, cofactorDifferential(p.f, df))) +
            (scaled(2. * dfirst, p.f) + scaled(dvolume, p.cof));
   }
@@ -167,7 +168,8 @@ struct FirstAndSecond {
   static M3<T> differential(const Point<T>& p, const auto& w, const M3<T>& df) {
     const S3<T> dc = metricDifferential(p.f, df);
     const T di1 = dc.xx + dc.yy + dc.zz, di2 = p.i1 * di1 - dot(p.c, dc), dj = dot(p.cof, df);
-    const auto dfirst = w.ab * dj + (w.bb * di1 + w.bc * di2), dsecond = w.ac * dj + (w.bc * di1 + w.cc * di2);
+    const auto dfirst = w.ab * dj + (w.bb * di1 + w.bc * di2);
+    const auto dsecond = w.ac * dj + (w.bc * di1 + w.cc * di2);
     const auto dvolume = w.aa * dj + (w.ab * di1 + w.ac * di2);
     const T on_unit = 2. * (dfirst + (dsecond * p.i1 + w.c * di1));
     S3<T> ds = dc * (-2. * w.c) + scaled(-2. * dsecond, p.c);
@@ -218,7 +220,8 @@ struct FirstAndFibre {
   static M3<T> differential(const Point<T>& p, const auto& w, const M3<T>& df) {
     const T half_di4 = stroma::dot(p.f.c0, df.c0), di4 = half_di4 + half_di4;
     const T half_di1 = dot(p.f, df), di1 = half_di1 + half_di1, dj = dot(p.cof, df);
-    const auto dfirst = w.ab * dj + (w.bb * di1 + w.bc * di4), dfibre = w.ac * dj + (w.bc * di1 + w.cc * di4);
+    const auto dfirst = w.ab * dj + (w.bb * di1 + w.bc * di4);
+    const auto dfibre = w.ac * dj + (w.bc * di1 + w.cc * di4);
     const auto dvolume = w.aa * dj + (w.ab * di1 + w.ac * di4);
     M3<T> out = (scaled(2. * w.b, df) + scaled(w.a, cofactorDifferential(p.f, df))) +
                 (scaled(2. * dfirst, p.f) + scaled(dvolume, p.cof));

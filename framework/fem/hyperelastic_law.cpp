@@ -19,6 +19,7 @@ std::vector<HyperelasticLaw>& offeredLaws() {
 
 std::string HyperelasticLaw::expectation() const {
   std::vector<std::string> words;
+  words.reserve(parameters.size());
   for (const ParameterInfo& p : parameters)
     words.push_back(p.unit == "-" ? p.name : fmt::format("{} [{}]", p.name, p.unit));
   if (!with_terms) return fmt::format("{} values: {}", parameters.size(), fmt::join(words, ", "));

@@ -109,6 +109,7 @@ StorageOf<Fan<Form>> fansOf(const Cells& cells) {
   using namespace tetrahedron;
   const std::vector<tetrahedron::Fan> fans = gatherFans(cells.mesh->tetrahedra, cells.rest->size());
   std::vector<std::array<Index, fan_nodes>> nodes;
+  nodes.reserve(fans.size());
   for (const auto& fan : fans) nodes.push_back(fan.nodes);
   StorageOf<hyperelastic::Fan<Form>> storage;
   storage.build(nodes, *cells.rest, cells.first_row, [&](std::size_t f, bool padding, auto& rest, auto&) {

@@ -41,6 +41,7 @@ ForceTraits PenaltyField::traits() const {
 
 void PenaltyField::compile() {
   std::vector<Group> rows;
+  rows.reserve(nodes_.size());
   for (Index node : nodes_) rows.push_back({state().firstRow() + node});
   setGroups(std::move(rows), damping_constant_ > 0);
 }

@@ -19,6 +19,8 @@ namespace stroma {
 /// Tangent of a face; that of a triangle has 3 x 3 blocks.
 struct FaceTangent : DenseTangent<4> {
   int corners = 4;
+  /// Instead of that of DenseTangent, whose caller knows the type.
+  // NOLINTNEXTLINE(bugprone-derived-method-shadowing-base-method)
   void addProduct(const std::array<Index, 4>& rows, ConstRows dx, double factor, Rows df) const {
     for (int i = 0; i < corners; ++i) {
       Vec3 sum = Vec3::Zero();

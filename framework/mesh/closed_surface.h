@@ -32,7 +32,7 @@ Corners cornersOf(const Face& face, const Position& position, const Vec3& origin
 /// V = 1/3 sum x_a . A_a [m^3].
 template <class Position>
 double volumeBehind(const std::vector<Face>& faces, const Position& position) {
-  const Vec3 origin = position(faces[0].nodes[0]);
+  const Vec3& origin = position(faces[0].nodes[0]);
   double sum = 0;
   for (const Face& face : faces) {
     const Corners x = cornersOf(face, position, origin), areas = of(x, face.corners);

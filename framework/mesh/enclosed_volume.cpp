@@ -83,7 +83,7 @@ std::optional<Enclosed> enclosedBy(const std::vector<Vec3>& position, const std:
   Enclosed out;
   out.shells = int(shells.size());
   for (const auto& shell : shells) {
-    const Vec3 origin = position[std::size_t(shell[0][0])];
+    const Vec3& origin = position[std::size_t(shell[0][0])];
     double volume = 0;
     for (const Triangle& t : shell) {
       const auto p = cornersOf(t);

@@ -123,7 +123,8 @@ std::optional<Problem> Data::copyFrom(const Data& source) {
           auto value = *to;
           if (!assign(value, *from)) return false;
           std::swap(*to, value);
-          if ((out_of_range = checkRange())) std::swap(*to, value);
+          out_of_range = checkRange();
+          if (out_of_range) std::swap(*to, value);
           return true;
         } else {
           return false;

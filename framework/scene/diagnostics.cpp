@@ -109,7 +109,7 @@ std::string Diagnostics::text() const {
 SceneError::SceneError(Diagnostics diagnostics)
     : std::runtime_error(diagnostics.text()), diagnostics_(std::move(diagnostics)) {}
 
-ComponentError::ComponentError(std::string message, std::string expected_, std::string suggestion_)
+ComponentError::ComponentError(const std::string& message, std::string expected_, std::string suggestion_)
     : std::runtime_error(message), expected(std::move(expected_)), suggestion(std::move(suggestion_)) {}
 
 std::string nearest(std::string_view word, const std::vector<std::string>& candidates) {

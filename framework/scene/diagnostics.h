@@ -67,7 +67,7 @@ class SceneError : public std::runtime_error {
 /// and the path, and goes on with the other components.
 class ComponentError : public std::runtime_error {
  public:
-  explicit ComponentError(std::string message, std::string expected = {}, std::string suggestion = {});
+  explicit ComponentError(const std::string& message, std::string expected = {}, std::string suggestion = {});
   std::string expected;
   std::string suggestion;
 };

@@ -21,6 +21,7 @@ const ComponentEntry* Factory::find(const std::string& type) const {
 
 std::vector<const ComponentEntry*> Factory::entries() const {
   std::vector<const ComponentEntry*> list;
+  list.reserve(entries_.size());
   for (const auto& [type, entry] : entries_) list.push_back(&entry);
   return list;
 }

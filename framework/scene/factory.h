@@ -26,11 +26,12 @@ class Factory {
   /// under another name with its own defaults. A duplicate name is a programming error and throws std::logic_error.
   template <class T>
   void add(std::string type, std::string help, std::function<void(T&)> defaults = {}) {
-    insert({std::move(type), std::move(help), module_, [defaults]() -> std::unique_ptr<Component> {
-              auto component = std::make_unique<T>();
-              if (defaults) defaults(*component);
-              return component;
-            }});
+    insert(
+        {std::move(type), std::move(help), module_, [defaults = std::move(defaults)]() -> std::unique_ptr<Component> {
+           auto component = std::make_unique<T>();
+           if (defaults) defaults(*component);
+           return component;
+         }});
   }
   /// A new component with its attribute table declared and its name set to its type; null when the type is unknown.
   std::unique_ptr<Component> make(const std::string& type) const;
@@ -47,6 +48,6 @@ class Factory {
 
 }  // namespace stroma
 
-/// In a component's .cpp: `STROMA_COMPONENT(file_stem) { factory.add<T>("Name", "one line"); }`, the stem of the .cpp's own
-/// name. The build lists every stem of a module in its generated registry.
+/// In a component's .cpp: `STROMA_COMPONENT(file_stem) { factory.add<T>("Name", "one line"); }`, the stem of the .cpp's
+/// own name. The build lists every stem of a module in its generated registry.
 #define STROMA_COMPONENT(stem) extern "C" void stroma_register_##stem([[maybe_unused]] ::stroma::Factory& factory)

@@ -78,7 +78,8 @@ void Instantiation::prepare(const NodeDescription& node) {
 void Instantiation::openPlugins(const ComponentDescription& component) {
   for (const char* attribute_name : {"pluginName", "name"}) {
     const AttributeDescription* attribute = component.find(attribute_name);
-    Words words(attribute ? attribute->value : std::string_view());
+    if (!attribute) continue;
+    Words words(attribute->value);
     for (std::string word(words.next()); !word.empty(); word = words.next()) {
       if (!word.ends_with(".so")) continue;  // SOFA's own plugins: their components come from the module index
       std::vector<std::string> searched;

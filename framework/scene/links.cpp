@@ -78,8 +78,10 @@ Target walk(Node& start, const LinkPath& path, std::size_t first) {
     const std::string& step = path.steps[i];
     if (step == ".") continue;
     Node* next = step == ".." ? node->parent() : node->findChild(step);
-    if (i + 1 == path.steps.size() && step != "..")
-      if ((target.component = node->findByName(step))) return target;
+    if (i + 1 == path.steps.size() && step != "..") {
+      target.component = node->findByName(step);
+      if (target.component) return target;
+    }
     if (!next) {
       target.reason =
           step == ".." ? "it climbs above the root" : "there is no " + inQuotes(step) + " in " + node->path();

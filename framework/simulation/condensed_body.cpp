@@ -47,7 +47,7 @@ void CondensedBody::collect(System& system, const Integrator& integrator, const 
 
 void CondensedBody::refuseOtherKinds(const Integrator& integrator, bool dynamic) {
   const System& system = *system_;
-  const std::string name = integrator.type();
+  const std::string& name = integrator.type();
   if (!system.mappings().empty())
     throw ComponentError(
         fmt::format("{} does not work through mappings, and there is {}", name, system.mappings().front()->path()),

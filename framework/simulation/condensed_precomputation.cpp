@@ -301,7 +301,8 @@ void CondensedIntegrator::useStored(Problem& problem) {
   problem.order.assign(new_order, new_order + body_.free());
   const Section stored = file_.section(inertias);
   const auto* numbers = static_cast<const double*>(stored.data);
-  inertia_.assign(numbers, numbers + stored.bytes / sizeof(double));
+  const std::size_t count = stored.bytes / sizeof(double);
+  inertia_.assign(numbers, numbers + count);
   compliance_ = file_.section(inverse).data;
   compliance_bytes_ = file_.section(inverse).bytes;
   eliminated_ = {Index(file_.section(first).bytes / sizeof(std::int32_t)) - 1,
@@ -364,7 +365,8 @@ void CondensedIntegrator::sweepConstantForce() {
                      std::equal(force_.begin(), force_.end(), file_.array<double>(force));
   if (known) {
     std::copy_n(file_.array<double>(swept), all, swept_.begin());
-    base_.assign(file_.array<double>(based), file_.array<double>(based) + file_.section(based).bytes / sizeof(double));
+    const std::size_t count = file_.section(based).bytes / sizeof(double);
+    base_.assign(file_.array<double>(based), file_.array<double>(based) + count);
   } else if (std::any_of(force_.begin(), force_.begin() + std::ptrdiff_t(inside), [](double f) { return f != 0; })) {
     checkFactor();
     forward(swept_.data());

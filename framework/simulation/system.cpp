@@ -140,6 +140,7 @@ void System::orderMappings() {
 
 void System::layOut() {
   std::vector<State*> mapped;
+  mapped.reserve(mappings_.size());
   for (const Mapping* mapping : mappings_) mapped.push_back(&mapping->output());
   std::erase_if(states_,
                 [&mapped](State* state) { return std::find(mapped.begin(), mapped.end(), state) != mapped.end(); });

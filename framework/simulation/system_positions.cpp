@@ -32,8 +32,9 @@ bool same(ConstRows now, ConstRows before) {
 struct Sweeps {
   int count = 0;
   double worst = 0;
-  PositionConstraint* culprit = nullptr;
-  bool converged() const { return !(worst > 1); }
+  PositionConstraint* culprit = nullptr;  ///< the one with the worst violation
+  /// The constraint that does not hold; null when all do.
+  const PositionConstraint* broken() const { return worst > 1 ? culprit : nullptr; }
 };
 template <class Settle, class Correct>
 Sweeps correctInTurns(const std::vector<PositionConstraint*>& constraints, ConstRows rows, Rows before, Settle&& settle,
@@ -46,8 +47,9 @@ Sweeps correctInTurns(const std::vector<PositionConstraint*>& constraints, Const
     if (sweeps.count > 1) copy(rows, before);
     sweeps.worst = 0;
     for (PositionConstraint* constraint : constraints) {
-      const double violation = correct(*constraint);
-      if (!(violation <= sweeps.worst)) sweeps.worst = violation, sweeps.culprit = constraint;
+      const double given = correct(*constraint);
+      const double violation = std::isnan(given) ? std::numeric_limits<double>::infinity() : given;
+      if (violation > sweeps.worst) sweeps.worst = violation, sweeps.culprit = constraint;
     }
     ++sweeps.count;
   } while (sweeps.worst > 1 && sweeps.count < most_sweeps);
@@ -96,13 +98,13 @@ void System::enforcePositions(const StepContext& context, ConstRows x_start, Ste
       [&](PositionConstraint& constraint) { return constraint.correctVelocities(step, x_now, v_now); });
   applyMappings();
   report.constraint_sweeps += moved.count + turned.count;
-  report.constraints_converged = moved.converged() && turned.converged();
-  if (!moved.converged())
-    report.constraint_reason = fmt::format("{} does not hold after {} corrections: {}", moved.culprit->path(),
-                                           moved.count, moved.culprit->violation());
-  else if (!turned.converged())
+  report.constraints_converged = !moved.broken() && !turned.broken();
+  if (const PositionConstraint* culprit = moved.broken())
     report.constraint_reason =
-        fmt::format("velocities still break {} after {} corrections", turned.culprit->path(), turned.count);
+        fmt::format("{} does not hold after {} corrections: {}", culprit->path(), moved.count, culprit->violation());
+  else if (const PositionConstraint* turning = turned.broken())
+    report.constraint_reason =
+        fmt::format("velocities still break {} after {} corrections", turning->path(), turned.count);
 }
 
 }  // namespace stroma

@@ -56,6 +56,7 @@ std::string sceneFolder() {
 
 std::unique_ptr<Simulation> loadSimulation(const std::string& scene, const std::vector<std::string>& overrides) {
   std::vector<Override> parsed;
+  parsed.reserve(overrides.size());
   for (const std::string& text : overrides) parsed.push_back(Override::parse(text));
   auto simulation = std::make_unique<Simulation>(
       loadScene(sceneFolder() + "/" + scene, parsed, library().factory, library().modules));

@@ -35,7 +35,7 @@ Bound bound(const Figure& figure, const Limits& limits) {
   return moving > computing ? Bound{moving, "memory"} : Bound{computing, "arithmetic"};
 }
 
-benchmark::internal::Benchmark& Catalogue::add(Figure figure, std::function<void(benchmark::State&)> body) {
+benchmark::internal::Benchmark& Catalogue::add(const Figure& figure, std::function<void(benchmark::State&)> body) {
   measurements_.push_back({figure, {}, {}, {}, {}});
   auto* registered = benchmark::RegisterBenchmark(figure.name.c_str(), std::move(body));
   registered->Unit(benchmark::kMicrosecond);

@@ -68,7 +68,7 @@ struct Ratio {
 /// All that is measured in a run. `body` runs under Google Benchmark.
 class Catalogue {
  public:
-  benchmark::internal::Benchmark& add(Figure figure, std::function<void(benchmark::State&)> body);
+  benchmark::internal::Benchmark& add(const Figure& figure, std::function<void(benchmark::State&)> body);
   void addRatio(Ratio ratio) { ratios_.push_back(std::move(ratio)); }
   Measurement* find(const std::string& name);
   const std::vector<Measurement>& measurements() const { return measurements_; }
