@@ -12,9 +12,9 @@
 // say so, this method solves. On a definite matrix |r| falls in every iteration, and both need about the same number.
 //
 // It stops when |r| <= tolerance |b|; after `iterations` products; when b = 0; when a number is not finite; when the
-// matrix is singular and b has a part outside its range: |A r| <= 1e-9 |A| |r| while |r| is not small, the report
-// says breakdown and x is the least-squares solution; and as stagnated when b - A x, computed once at the end, is
-// larger than what the recurrence says and than the tolerance.
+// matrix is singular and b has a part outside its range: |A r| <= 1e-9 |A| |r| while |r| is not small, or rising again
+// from below 1e-8, the report says breakdown and x is the least-squares solution; and as stagnated when b - A x,
+// computed once at the end, is larger than what the recurrence says and than the tolerance.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">
@@ -26,6 +26,7 @@
 // </Node>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "framework/algebra/krylov_solver.h"
@@ -67,6 +68,7 @@ SolveStop MinResLinearSolver::iterate(const SystemMatrix& matrix, Rows x, double
   clear(v_before_), clear(w_), clear(w_before_);
   scale(1 / residual, v_);
   double beta = 0, cosine = -1, sine = 0, delta_bar = 0, epsilon = 0, phi = residual, size = 0;
+  double lowest = std::numeric_limits<double>::infinity();  // of |A r| / (|A| |r|)
   for (;;) {
     product(matrix, v_, product_);
     ++report.iterations;
@@ -83,8 +85,10 @@ SolveStop MinResLinearSolver::iterate(const SystemMatrix& matrix, Rows x, double
     delta_bar = -cosine * beta_next;
     const double gamma = std::hypot(gamma_bar, beta_next);
     // |A r| = phi |(gamma_bar, delta_bar)|: zero means that no direction lowers |r|. Lanczos' vectors lose their
-    // orthogonality, so it does not fall below some 1e-10 of |A|, and rises again after that.
-    if (std::hypot(gamma_bar, delta_bar) <= 1e-9 * size) return SolveStop::breakdown;
+    // orthogonality, so it falls to some 1e-9 of |A| and rises again after that, with x running away.
+    const double slope = std::hypot(gamma_bar, delta_bar) / size;
+    lowest = std::min(lowest, slope);
+    if (slope <= 1e-9 || (lowest <= 1e-8 && slope > 10 * lowest)) return SolveStop::breakdown;
     cosine = gamma_bar / gamma, sine = beta_next / gamma;
     advance(v_, delta, w_, epsilon, w_before_, gamma, cosine * phi, w_next_, x);
     phi *= sine;
