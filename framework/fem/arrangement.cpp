@@ -36,18 +36,19 @@ std::vector<Vec3> centresOf(const Index* nodes, int per_element, Index count, co
   return centre;
 }
 
-/// Two layers of cells in each block, as far as the smallest size allows.
-std::size_t blockCount(Index count) {
-  const double layers = std::cbrt(double(count) / 5);  // of a cube cut in five tetrahedra a cell
-  return std::size_t(std::max(1.0, std::min(double(count) / block_elements, layers / 2.5)));
+/// Two layers of a cube's cells or more in each block (with five elements a cell; less in fact, so that slabs only
+/// touch their neighbours), as far as the smallest size allows.
+std::size_t blockCount(Index count, int per_element) {
+  const double layers = std::cbrt(double(count) / 5);
+  return std::size_t(std::max(1.0, std::min(double(count) / blockElements(per_element), layers / 2.5)));
 }
 
 /// The order of the file, cut in equal pieces.
-Slabs fileOrder(Index count) {
+Slabs fileOrder(Index count, int per_element) {
   Slabs slabs;
   slabs.order.resize(std::size_t(count));
   std::iota(slabs.order.begin(), slabs.order.end(), 0);
-  const std::size_t blocks = blockCount(count);
+  const std::size_t blocks = blockCount(count, per_element);
   for (std::size_t b = 0; b <= blocks; ++b) slabs.start.push_back(std::size_t(count) * b / blocks);
   return slabs;
 }
@@ -59,7 +60,7 @@ Slabs geometricOrder(const Index* nodes, int per_element, Index count, const std
   int axis = 0;
   const double extent = std::max((high - low).maxCoeff(&axis), 1e-300);
 
-  Slabs slabs = fileOrder(count);
+  Slabs slabs = fileOrder(count, per_element);
   std::stable_sort(slabs.order.begin(), slabs.order.end(),
                    [&](Index a, Index b) { return centre[std::size_t(a)][axis] < centre[std::size_t(b)][axis]; });
   std::vector<std::uint64_t> code(static_cast<std::size_t>(count));
@@ -110,7 +111,7 @@ Arrangement arrangeElements(const Index* nodes, int nodes_per_element, Index cou
 
   // A file whose pieces only touch their neighbours (a grid, a mesh numbered by layers) is as good an order as any, and
   // its nodes lie in memory as it visits them.
-  Slabs slabs = fileOrder(count);
+  Slabs slabs = fileOrder(count, nodes_per_element);
   std::vector<int> colour = colourBlocks(slabs, nodes, nodes_per_element, position.size());
   if (*std::max_element(colour.begin(), colour.end()) > 2) {
     slabs = geometricOrder(nodes, nodes_per_element, count, position);

@@ -24,8 +24,9 @@ struct Arrangement {
 Arrangement arrangeElements(const Index* nodes, int nodes_per_element, Index count, const std::vector<Vec3>& position,
                             int lanes);
 
-/// The smallest block: large enough to repay waking a thread (half the size gave two threads nothing at 17,000
-/// tetrahedra, twice the size left 40,000 to one).
-constexpr Index block_elements = 4096;
+/// The smallest block of elements with so many nodes: large enough to repay waking a thread. 4,096 pairs of tetrahedra
+/// (five nodes; half of it gave two threads nothing at 17,000 tetrahedra, twice of it left 40,000 to one) and 1,600
+/// hexahedra: the work of an element grows with the pairs of its nodes.
+constexpr Index blockElements(int nodes_per_element) { return 102400 / (nodes_per_element * nodes_per_element); }
 
 }  // namespace stroma

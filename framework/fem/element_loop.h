@@ -13,7 +13,7 @@
 namespace stroma {
 
 /// Meshes with fewer elements run on one thread: waking another costs more than it saves.
-constexpr Index parallel_elements = 4 * block_elements;
+constexpr Index parallelElements(int nodes) { return 4 * blockElements(nodes); }
 
 /// Which nodes of an element have a block in its matrix: all pairs, unless an element says otherwise.
 struct EveryPair {
@@ -200,7 +200,7 @@ class ElementLoop {
     const auto& colour_start = arrangement_.colour_start;
     for (std::size_t c = 0; c + 1 < colour_start.size(); ++c) {
       const Index first = colour_start[c], count = colour_start[c + 1] - first;
-      if (elements() < parallel_elements)
+      if (elements() < parallelElements(N))
         for (Index block = 0; block < count; ++block) body(first + block);
       else
         parallelFor(count, [&](int block) { body(first + block); });
