@@ -93,6 +93,8 @@ TEST(Rotation, FlatCrushedAndExtremeShapesGiveRotations) {
   Mat3 two_equal = Mat3::Identity();
   two_equal.col(1) = two_equal.col(0);
   shapes.push_back(two_equal);
+  shapes.emplace_back(Mat3::Identity() * 1e60);
+  shapes.emplace_back(Vec3(1e60, 1, 1).asDiagonal());
   for (const Mat3& f : shapes) {
     SCOPED_TRACE(f);
     expectRotation(dense(rotation::Svd::of(columns(f))));
