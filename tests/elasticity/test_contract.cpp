@@ -188,6 +188,30 @@ TEST(ForceFieldContract, EveryElasticVariant) {
   });
 }
 
+/// A warped tangent leaves out how rotations and gradients change, which stress alone feels: its error is of the first
+/// order in the strain, so half the strain has half the error.
+TEST(ForceFieldContract, WarpedTangentsErrByTheOrderOfTheStrain) {
+  int tested = 0;
+  forEachElasticVariant(false, [&](const ElasticBody& body, const Variant& variant) {
+    FieldUnderTest t(body.scene(variant.attributes), body.type);
+    if (t.field().traits().exact_tangent) return;
+    const auto error = [&t](double strain) {
+      t.moveRigidly();
+      std::mt19937 random(3);
+      std::uniform_real_distribution<double> uniform(-1, 1);
+      for (Index i = 0; i < t.x.count(); ++i)
+        t.x[i] += strain * t.typicalEdge() * Vec3(uniform(random), uniform(random), uniform(random));
+      return relativeDifference(t.product(t.direction), t.differenceOfForces(1e-6 * t.typicalEdge()));
+    };
+    const double whole = error(0.01), half = error(0.005);
+    RecordProperty(body.name + " " + variant.name, std::to_string(whole));
+    EXPECT_LT(whole, 5 * 0.01);
+    EXPECT_NEAR(half, whole / 2, whole / 20);
+    ++tested;
+  });
+  EXPECT_GT(tested, 30);
+}
+
 TEST(ForceFieldContract, OwnMatrixGivesTheSameProduct) {
   forEachElasticVariant(true, [](const ElasticBody& body, const Variant& variant) {
     FieldUnderTest free(body.scene(variant.attributes + " assembling=\"false\""), body.type);
