@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The rotation R of a deformation gradient F, one struct a method, each with
-//   R = of(F)                          always orthonormal and right-handed, for any finite F
+//   R = of(F)                          always orthonormal and right-handed, for |F| up to 1e150
 //   dR = differential(F, R, dF)        the derivative of R in the direction dF
 // Source: Nesme et al. 2005, sections 2.4, 3.2 and 5.1; Irving et al. 2004 for the inverted case; Higham 1986 for the
 // iteration. T is a Pack or a double.

@@ -43,6 +43,11 @@ struct RestShape {
   V3<T> edges[3];
   T inverse_six_volume;
 };
+/// Warping by node weighs F by 1/6V_0 and takes it with the gradients of its tangent.
+template <class T>
+struct RestVolume {
+  T inverse_six_volume;
+};
 /// What corotational methods with this update read.
 template <Update update, class T>
 using RestOf = std::conditional_t<update == Update::none, RestGradients<T>, RestShape<T>>;

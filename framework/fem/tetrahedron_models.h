@@ -34,9 +34,10 @@ struct Linear : Model {
   template <class T>
   static void forceAndProduct(const Rest<T>& rest, Tangent<T>& t, T factor, const V3<T> (&x)[4], const V3<T> (&dx)[4],
                               V3<T> (&f)[4]) {
-    V3<T> both[4];  // the strain is linear in the edges
-    for (int a = 0; a < 4; ++a) both[a] = fma(factor, dx[a], x[a]);
-    force(rest, t, both, f);
+    Edges<T> e(x);  // in which the strain is linear
+    const Edges<T> de(dx);
+    for (int i = 0; i < 3; ++i) e.e[i] = fma(factor, de.e[i], e.e[i]);
+    nodalForces(restoringStress(minusRoot(rest, strainOf(e.e, t.g)), t.ratio, T(1.)), t.g, f);
   }
   template <class T>
   static T energy(const Rest<T>& rest, const auto& t, const V3<T> (&x)[4]) {
@@ -45,7 +46,12 @@ struct Linear : Model {
   /// (mu V_0)^1/2 eps
   template <class T>
   static S3<T> strain(const Rest<T>& rest, const auto& t, const V3<T> (&x)[4]) {
-    S3<T> scaled = strainOf(Edges(x).e, t.g);
+    return minusRoot(rest, strainOf(Edges(x).e, t.g));
+  }
+
+ private:
+  template <class T>
+  static S3<T> minusRoot(const Rest<T>& rest, S3<T> scaled) {
     scaled.xx -= rest.root, scaled.yy -= rest.root, scaled.zz -= rest.root;
     return scaled;
   }
@@ -147,7 +153,7 @@ struct Green : Model {
 /// The tangent holds the rest gradients in world axes, and no force changes it: what turns belongs to the nodes.
 struct NodalModel : Model {
   template <class T>
-  using Rest = RestShape<T>;
+  using Rest = RestVolume<T>;
   template <class T>
   using Tangent = WorldGradients<T>;
 };

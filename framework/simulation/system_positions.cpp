@@ -52,7 +52,7 @@ Sweeps correctInTurns(const std::vector<PositionConstraint*>& constraints, Const
       if (violation > sweeps.worst) sweeps.worst = violation, sweeps.culprit = constraint;
     }
     ++sweeps.count;
-  } while (sweeps.worst > 1 && sweeps.count < most_sweeps);
+  } while (sweeps.worst > 1 && std::isfinite(sweeps.worst) && sweeps.count < most_sweeps);
   settle();
   return sweeps;
 }

@@ -37,7 +37,7 @@ void offerLaw() {
 
 /// n x n cells, one over the thickness of 1 mm; z held everywhere, traction of 62.5 kPa upwards on the right edge.
 std::string cook(int n) {
-  std::string position, cells, held, right;
+  std::string position, cells, held;
   const auto node = [n](int i, int j, int k) { return (k * (n + 1) + j) * (n + 1) + i; };
   for (int k = 0; k < 2; ++k)
     for (int j = 0; j <= n; ++j)

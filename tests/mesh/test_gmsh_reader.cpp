@@ -234,7 +234,7 @@ TEST_F(Gmsh, ViewsOfElementsAndNodes) {
           try {
             parseGmsh(std::string_view(bytes).substr(0, size), "cut.msh");
             const std::string_view last = std::string_view(bytes).substr(0, size);
-            const std::size_t begun = last.rfind("$");
+            const std::size_t begun = last.rfind('$');
             EXPECT_EQ(last.substr(begun, 4), "$End") << "cut at " << size;
           } catch (const ComponentError& error) {
             EXPECT_GT(std::string(error.what()).size(), 20u);
@@ -371,7 +371,7 @@ const char* const small_file =
     "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n$EndNodes\n"
     "$Elements\n1\n1 4 2 0 1 1 2 3 4\n$EndElements\n";
 
-std::string with(std::string from, const std::string& to) {
+std::string with(const std::string& from, const std::string& to) {
   std::string text = small_file;
   return text.replace(text.find(from), from.size(), to);
 }

@@ -50,5 +50,20 @@ TEST_F(PlantedMistakes, AllTenInOneRun) {
     EXPECT_NE(check.err.find(line), std::string::npos) << line << "\nis missing in\n" << check.err;
 }
 
+TEST_F(PlantedMistakes, BrokenFilesGetASentence) {
+  std::string deep;
+  for (int i = 0; i < 10000; ++i) deep += "<Node>";
+  write("cut.xml", "<Node name=\"root\"><Node name=\"bo");
+  write("deep.xml", deep);
+  write("itself.xml", "<Node name=\"root\"><include href=\"itself.xml\"/></Node>");
+  for (const char* file : {"cut.xml", "deep.xml", "itself.xml"}) {
+    const Finished check = stroma("check " + std::string(file));
+    EXPECT_EQ(check.code, 2) << file;
+    EXPECT_NE(check.err.find(std::string(file) + ":"), std::string::npos) << check.err;
+    EXPECT_NE(check.err.find("error: "), std::string::npos) << check.err;
+    EXPECT_LT(check.err.size(), 2000u) << file;
+  }
+}
+
 }  // namespace
 }  // namespace stroma::test

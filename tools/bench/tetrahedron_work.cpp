@@ -130,7 +130,7 @@ constexpr double vector_row = 4 * number;  // x, y, z and the padding
 constexpr double block = 9 * number;       // of an assembled matrix
 constexpr double node_rotation = 3 * vector_row;
 
-/// What the force reads of an element's rest shape.
+/// What the force has to know of an element's rest shape; the code reads half as much again.
 double restBytes(const Variant& variant) {
   if (variant.method == "small" || variant.method == "nodal") return gradients;
   return (variant.update_b ? 6 + 6 + 1 : 6) * number;
@@ -156,7 +156,7 @@ Work forceWork(const Variant& variant, double nodes) {
 Work forceAndProductWork(const Variant& variant, double nodes) {
   const Work force = forceWork(variant, nodes), product = productWork(variant, nodes);
   if (variant.method == "nodal") return force + product;
-  // the element, the strain and the sums are shared: three differences of dx, added to those of x
+  // the element, the strain and the sums are shared: three differences of dx are added to those of x
   return {force.bytes + vector_row * nodes, force.flops + 3 * 3 + 3 * 3 * 2};
 }
 
