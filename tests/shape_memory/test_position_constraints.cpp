@@ -5,10 +5,35 @@
 #include <Eigen/Geometry>
 
 #include "framework/algebra/parallel.h"
+#include "framework/mechanics/position_constraint.h"
 #include "tests/shape_memory/position_scenes.h"
 
 namespace stroma::test {
 namespace {
+
+// ---- a correction that fails ----
+
+/// Reports no number.
+class LostConstraint final : public PositionConstraint {
+ public:
+  double correctPositions(const PositionStep&, Rows, Rows) override {
+    ++calls;
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+  double correctVelocities(const PositionStep&, ConstRows, Rows) override { return 0; }
+  std::string violation() const override { return "nobody knows"; }
+  std::string describe() const override { return "is lost"; }
+  static inline int calls = 0;
+};
+
+TEST(PositionConstraints, WhatIsNotANumberDoesNotHold) {
+  factory().add<LostConstraint>("LostConstraint", "reports no number");
+  Simulation simulation = simulationFromText(hangingOrgan(implicit_euler, "<LostConstraint name=\"lost\"/>", "0.02"));
+  const StepReport report = simulation.step();
+  EXPECT_FALSE(report.constraints_converged);
+  EXPECT_NE(report.constraint_reason.find("lost does not hold"), std::string::npos) << report.constraint_reason;
+  EXPECT_EQ(LostConstraint::calls, 1);
+}
 
 // ---- volume ----
 
