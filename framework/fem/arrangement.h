@@ -26,7 +26,8 @@ Arrangement arrangeElements(const Index* nodes, int nodes_per_element, Index cou
 
 /// The smallest block of elements with so many nodes: large enough to repay waking a thread. 4,096 pairs of tetrahedra
 /// (five nodes; half of it gave two threads nothing at 17,000 tetrahedra, twice of it left 40,000 to one) and 1,600
-/// hexahedra: the work of an element grows with the pairs of its nodes.
+/// hexahedra (a step of 8,000: 1.16 times faster with two threads): the work of an element grows with the pairs of its
+/// nodes.
 constexpr Index blockElements(int nodes_per_element) { return 102400 / (nodes_per_element * nodes_per_element); }
 
 }  // namespace stroma

@@ -140,7 +140,7 @@ Kinematics<T> kinematics(const RestOf<update, T>& rest, const V3<T> (&x)[4]) {
   return k;
 }
 
-/// The strain in units of `one`^-1, for d (x) g in the same units.
+/// The strain times `one`, for gradients g that hold the same factor: 1, or the root (mu V_0)^1/2.
 template <Update update, class T>
 S3<T> strainOfKinematics(const V3<T> (&d)[3], const Gradients<T>& g, T one) {
   S3<T> strain = strainOf(d, g);

@@ -7,7 +7,7 @@
 namespace stroma::test {
 namespace {
 
-/// Cells along an edge of the cube: enough for the loop to use its threads, and the elements that it then counts.
+/// Cells along an edge of the cube: enough for the loop to use its threads.
 int cellsFor(const ElasticBody& body) { return body.tetrahedra ? 19 : 20; }
 TEST(Determinism, TheMeshesAreLargeEnoughForThreads) {
   for (const ElasticBody& body : elasticBodies()) {
