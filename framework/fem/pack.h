@@ -154,8 +154,9 @@ inline V3<Pack> gatherRows(const double* data, const Index* offset) {
           Pack(_mm512_permutex2var_pd(xz01_lo, second, xz23_lo))};
 }
 
-/// rows offset[0..7] += v, lane by lane, in the order of the lanes: lanes may share a row.
-inline void addToRows(const V3<Pack>& v, const Index* offset, double* data) {
+/// use(lane, row) for each lane in order, row an __m256d: x y z 0.
+template <class Use>
+inline void forEachRow(const V3<Pack>& v, Use&& use) {
   const __m512d x = v.x, y = v.y, z = v.z, zero = _mm512_setzero_pd();
   const __m512d xy_even = _mm512_unpacklo_pd(x, y), xy_odd = _mm512_unpackhi_pd(x, y);      // x0 y0 x2 y2 | ...
   const __m512d z_even = _mm512_unpacklo_pd(z, zero), z_odd = _mm512_unpackhi_pd(z, zero);  // z0 0 z2 0 | ...
@@ -163,18 +164,14 @@ inline void addToRows(const V3<Pack>& v, const Index* offset, double* data) {
   const __m512i high = _mm512_setr_epi64(2, 3, 10, 11, 6, 7, 14, 15);
   const __m512d r04 = _mm512_permutex2var_pd(xy_even, low, z_even), r15 = _mm512_permutex2var_pd(xy_odd, low, z_odd);
   const __m512d r26 = _mm512_permutex2var_pd(xy_even, high, z_even), r37 = _mm512_permutex2var_pd(xy_odd, high, z_odd);
-  const auto add = [&](int l, __m256d value) {
-    double* row = data + offset[l];
-    _mm256_store_pd(row, _mm256_add_pd(_mm256_load_pd(row), value));
-  };
-  add(0, _mm512_castpd512_pd256(r04));
-  add(1, _mm512_castpd512_pd256(r15));
-  add(2, _mm512_castpd512_pd256(r26));
-  add(3, _mm512_castpd512_pd256(r37));
-  add(4, _mm512_extractf64x4_pd(r04, 1));
-  add(5, _mm512_extractf64x4_pd(r15, 1));
-  add(6, _mm512_extractf64x4_pd(r26, 1));
-  add(7, _mm512_extractf64x4_pd(r37, 1));
+  use(0, _mm512_castpd512_pd256(r04));
+  use(1, _mm512_castpd512_pd256(r15));
+  use(2, _mm512_castpd512_pd256(r26));
+  use(3, _mm512_castpd512_pd256(r37));
+  use(4, _mm512_extractf64x4_pd(r04, 1));
+  use(5, _mm512_extractf64x4_pd(r15, 1));
+  use(6, _mm512_extractf64x4_pd(r26, 1));
+  use(7, _mm512_extractf64x4_pd(r37, 1));
 }
 
 #elif defined(__AVX__)
@@ -187,18 +184,15 @@ inline V3<Pack> gatherRows(const double* data, const Index* offset) {
   return {Pack(_mm256_permute2f128_pd(xz01, xz23, 0x20)), Pack(_mm256_permute2f128_pd(y01, y23, 0x20)),
           Pack(_mm256_permute2f128_pd(xz01, xz23, 0x31))};
 }
-inline void addToRows(const V3<Pack>& v, const Index* offset, double* data) {
+template <class Use>
+inline void forEachRow(const V3<Pack>& v, Use&& use) {
   const __m256d x = v.x, y = v.y, z = v.z, zero = _mm256_setzero_pd();
   const __m256d xy02 = _mm256_unpacklo_pd(x, y), xy13 = _mm256_unpackhi_pd(x, y);
   const __m256d z02 = _mm256_unpacklo_pd(z, zero), z13 = _mm256_unpackhi_pd(z, zero);
-  const auto add = [&](int l, __m256d value) {
-    double* row = data + offset[l];
-    _mm256_store_pd(row, _mm256_add_pd(_mm256_load_pd(row), value));
-  };
-  add(0, _mm256_permute2f128_pd(xy02, z02, 0x20));
-  add(1, _mm256_permute2f128_pd(xy13, z13, 0x20));
-  add(2, _mm256_permute2f128_pd(xy02, z02, 0x31));
-  add(3, _mm256_permute2f128_pd(xy13, z13, 0x31));
+  use(0, _mm256_permute2f128_pd(xy02, z02, 0x20));
+  use(1, _mm256_permute2f128_pd(xy13, z13, 0x20));
+  use(2, _mm256_permute2f128_pd(xy02, z02, 0x31));
+  use(3, _mm256_permute2f128_pd(xy13, z13, 0x31));
 }
 
 #else
@@ -211,15 +205,32 @@ inline V3<Pack> gatherRows(const double* data, const Index* offset) {
   }
   return {Pack::load_aligned(x), Pack::load_aligned(y), Pack::load_aligned(z)};
 }
-inline void addToRows(const V3<Pack>& v, const Index* offset, double* data) {
+template <class Use>
+inline void forEachRow(const V3<Pack>& v, Use&& use) {
   alignas(64) double x[pack_lanes], y[pack_lanes], z[pack_lanes];
   v.x.store_aligned(x), v.y.store_aligned(y), v.z.store_aligned(z);
-  for (int l = 0; l < pack_lanes; ++l) {
-    double* row = data + offset[l];
-    row[0] += x[l], row[1] += y[l], row[2] += z[l];
-  }
+  for (int l = 0; l < pack_lanes; ++l) use(l, std::array<double, 3>{x[l], y[l], z[l]});
 }
 
 #endif
+
+#if defined(__AVX__)
+inline void addRow(__m256d value, double* row) { _mm256_store_pd(row, _mm256_add_pd(_mm256_load_pd(row), value)); }
+inline void setRow(__m256d value, double* row) { _mm256_store_pd(row, value); }
+#else
+inline void addRow(const std::array<double, 3>& value, double* row) {
+  for (std::size_t c = 0; c < 3; ++c) row[c] += value[c];
+}
+inline void setRow(const std::array<double, 3>& value, double* row) { std::copy(value.begin(), value.end(), row); }
+#endif
+
+/// rows offset[l] += v, lane by lane, in the order of the lanes: lanes may share a row.
+inline void addToRows(const V3<Pack>& v, const Index* offset, double* data) {
+  forEachRow(v, [&](int l, const auto& row) { addRow(row, data + offset[l]); });
+}
+/// rows 0 to pack_lanes - 1 of data = v.
+inline void setRows(const V3<Pack>& v, double* data) {
+  forEachRow(v, [&](int l, const auto& row) { setRow(row, data + l * row_doubles); });
+}
 
 }  // namespace stroma

@@ -90,8 +90,8 @@ class ShapeMemory {
     S3<Pack> spin;  ///< G^-1 of local_frame::spinInverse
     Pack passes;    ///< 1, or 0 where nothing reaches the neighbours
   };
-  /// What a node does to a neighbour at rest position X: -(g + U X). Rows of four doubles: columns of U, then g.
-  struct alignas(64) Reaction {
+  /// A framed node does -(g + U X) to a neighbour at rest position X: the columns of U, then g. A centred one does -g.
+  struct alignas(64) Turn {
     double rows[4][row_doubles];
   };
   /// sum_j (x_j - x_i) and sum_j scale (x_j - x_i) (X_j - C)^T
@@ -106,6 +106,8 @@ class ShapeMemory {
     for (int p = 0; p < count; ++p) piece(p);  // too little work to wake a thread for
   }
   static bool isCentred(Index node, const Input& input);
+  /// Fills heard_centred_ and heard_framed_; makes room for reactions.
+  void listenFor(const Adjacency& neighbours, const std::vector<int>& kind);
   /// Fills rest_of_ and rest_neighbour_ of a batch, lane by lane; padding gets share and stiffness zero.
   void storeRest(Index batch, const Input& input, const Vec3& origin);
   /// The sums over the neighbours of each lane at x; without the outer products where no frame is needed.
@@ -113,6 +115,9 @@ class ShapeMemory {
   Sums sums(ConstRows x, Index batch) const;
   /// d at x; the frame goes to `keep` unless it is null.
   V3<Pack> drawnAt(ConstRows x, Index batch, Frame* keep) const;
+  /// out -= what centred, and what framed nodes do to node j.
+  void hearCentred(Index j, double* out) const;
+  void hearFramed(Index j, double* out) const;
   bool isFramed(Index batch) const { return around_.batches[std::size_t(batch)].kind == framed; }
   /// A flat neighbourhood counts as upright: the sign of its determinant is round-off.
   Pack passes(const M3<Pack>& a) const {
@@ -128,7 +133,8 @@ class ShapeMemory {
 
   /// Nodes and their neighbours in batches of equal length (neighbourhoods.h).
   Neighbourhoods around_;
-  Adjacency heard_;  ///< the nodes that a node is a neighbour of
+  /// The places (batch and lane) of the centred and of the framed nodes that a node is a neighbour of.
+  Adjacency heard_centred_, heard_framed_;
   /// Shape (batches).
   Array<Rest> rest_of_;
   /// Shape (batches), of the last drawn().
@@ -137,7 +143,8 @@ class ShapeMemory {
   Vector rest_;                     ///< rest positions from their mean, shape (nodes)
   Index first_row_ = 0;
   bool only_upright_ = false;
-  mutable Array<Reaction> reactions_;  ///< shape (nodes), only with reaction
+  mutable Array<double> pulls_;  ///< g of centred nodes, shape (batches, lanes, row_doubles), only with reaction
+  mutable Array<Turn> turns_;    ///< of framed nodes, shape (batches, lanes), only with reaction
   mutable std::vector<double> partial_;
   mutable std::vector<Index> nodes_;  ///< of one node's Jacobian, as large as the longest list needs
   mutable std::vector<Mat3> blocks_;
@@ -167,8 +174,25 @@ inline void ShapeMemory::build(const Input& input) {
   for (const auto& batch : around_.batches) longest = std::max(longest, std::size_t(batch.valence));
   nodes_.reserve(longest + 1), blocks_.reserve(longest + 1);
   if (!input.reaction) return;
-  heard_ = transposed(input.neighbours);
-  reactions_.assign(nodes, {});
+  listenFor(input.neighbours, kind);
+}
+
+/// Who is heard is named by its place, batch * lanes + lane: batches then write what they do in one piece.
+inline void ShapeMemory::listenFor(const Adjacency& neighbours, const std::vector<int>& kind) {
+  std::vector<Index> place(kind.size());
+  for (std::size_t p = 0; p < around_.centre.size(); ++p)
+    if (around_.centre[p] >= 0) place[std::size_t(around_.centre[p])] = Index(p);
+  const Adjacency heard = transposed(neighbours);
+  heard_centred_ = heard_framed_ = {};
+  for (std::size_t j = 0; j < kind.size(); ++j) {
+    for (Index k = heard.start[j]; k < heard.start[j + 1]; ++k) {
+      const std::size_t node = std::size_t(heard.values[std::size_t(k)]);
+      (kind[node] == framed ? heard_framed_ : heard_centred_).values.push_back(place[node]);
+    }
+    for (Adjacency* list : {&heard_centred_, &heard_framed_}) list->start.push_back(Index(list->values.size()));
+  }
+  pulls_.assign(around_.centre.size() * row_doubles, 0);
+  turns_.assign(around_.centre.size(), {});
 }
 
 /// True when the node lies at the mean of its neighbours, to round-off: its target does not depend on the frame.
@@ -265,49 +289,60 @@ inline V3<Pack> ShapeMemory::drawnChange(ConstRows dx, Index batch) const {
 /// With mu = G^-1 (r x R^T F) in the axes of the frame, the node gets h = F - R (mu x own r) and a neighbour
 /// -(share h + R (mu x scale (X_j - C))), kept as a linear function of X_j.
 inline void ShapeMemory::act(Index batch, const V3<Pack>& force, Rows f) const {
-  if (reactions_.empty()) return addToRows(force, rows(batch), f.data);
+  if (turns_.empty()) return addToRows(force, rows(batch), f.data);
   const Rest& rest = rest_of_[std::size_t(batch)];
-  alignas(64) double out[12][pack_lanes];
-  const auto store = [&out](int row, const V3<Pack>& v) {
-    v.x.store_aligned(out[3 * row]), v.y.store_aligned(out[3 * row + 1]), v.z.store_aligned(out[3 * row + 2]);
-  };
-  V3<Pack> own = force;
-  const bool has_frame = isFramed(batch);
-  if (has_frame) {
-    const Frame& frame = frame_of_[std::size_t(batch)];
-    const V3<Pack> mu = frame.spin * cross(rest.r, transposedTimes(frame.r, force)) * frame.passes;
-    own = force - frame.r * (cross(mu, rest.r) * rest.own);
-    const M3<Pack> u = rotation::timesCross(frame.r, mu) * rest.scale;
-    store(0, u.c0), store(1, u.c1), store(2, u.c2);
-    store(3, own * (rest.share * frame.passes) - u * rest.centre);
-  } else {
-    store(3, own * rest.share);
+  if (!isFramed(batch)) {
+    addToRows(force, rows(batch), f.data);
+    return setRows(force * rest.share, pulls_.data() + std::size_t(batch) * pack_lanes * row_doubles);
   }
+  const Frame& frame = frame_of_[std::size_t(batch)];
+  const V3<Pack> mu = frame.spin * cross(rest.r, transposedTimes(frame.r, force)) * frame.passes;
+  const V3<Pack> own = force - frame.r * (cross(mu, rest.r) * rest.own);
+  const M3<Pack> u = rotation::timesCross(frame.r, mu) * rest.scale;
+  const V3<Pack> pull = own * (rest.share * frame.passes) - u * rest.centre;
   addToRows(own, rows(batch), f.data);
-  for (int l = 0; l < pack_lanes && node(batch, l) >= 0; ++l)
-    for (int row = has_frame ? 0 : 3; row < 4; ++row)
-      for (int c = 0; c < 3; ++c) reactions_[std::size_t(node(batch, l))].rows[row][c] = out[3 * row + c][l];
+  Turn* turns = turns_.data() + std::size_t(batch) * pack_lanes;
+  const V3<Pack>* parts[] = {&u.c0, &u.c1, &u.c2, &pull};
+  for (int p = 0; p < 4; ++p)
+    forEachRow(*parts[p], [&](int l, const auto& row) { setRow(row, turns[l].rows[p]); });
 }
 
 /// Each node collects what the neighbourhoods that it belongs to do to it: no two threads write to one row.
 inline void ShapeMemory::addReactions(Rows f) const {
-  const Index nodes = Index(reactions_.size());
+  if (turns_.empty()) return;
+  const Index nodes = heard_centred_.size();
   forEachPiece((nodes + neighbourhood_chunk - 1) / neighbourhood_chunk, [&](int p) {
     const Index last = std::min(nodes, (p + 1) * neighbourhood_chunk);
     for (Index j = p * neighbourhood_chunk; j < last; ++j) {
-      double sum[4][row_doubles]{};
-      for (Index k = heard_.start[std::size_t(j)]; k < heard_.start[std::size_t(j) + 1]; ++k) {
-        const Reaction& reaction = reactions_[std::size_t(heard_.values[std::size_t(k)])];
-#pragma GCC unroll 4
-        for (int row = 0; row < 4; ++row)
-          for (int c = 0; c < row_doubles; ++c) sum[row][c] += reaction.rows[row][c];
-      }
-      const double* position = rest_.rows().data + std::size_t(j) * row_doubles;
       double* out = f.data + std::size_t(first_row_ + j) * row_doubles;
-      for (int c = 0; c < row_doubles; ++c)
-        out[c] -= sum[3][c] + sum[0][c] * position[0] + sum[1][c] * position[1] + sum[2][c] * position[2];
+      hearCentred(j, out);
+      hearFramed(j, out);
     }
   });
+}
+
+inline void ShapeMemory::hearCentred(Index j, double* out) const {
+  double sum[row_doubles]{};
+  for (Index k = heard_centred_.start[std::size_t(j)]; k < heard_centred_.start[std::size_t(j) + 1]; ++k)
+    for (int c = 0; c < row_doubles; ++c)
+      sum[c] += pulls_[std::size_t(heard_centred_.values[std::size_t(k)]) * row_doubles + std::size_t(c)];
+  for (int c = 0; c < row_doubles; ++c) out[c] -= sum[c];
+}
+
+inline void ShapeMemory::hearFramed(Index j, double* out) const {
+  const Index first = heard_framed_.start[std::size_t(j)], last = heard_framed_.start[std::size_t(j) + 1];
+  if (first == last) return;
+  constexpr int packs = 4 * row_doubles / pack_lanes;
+  Pack total[packs]{};
+  for (Index k = first; k < last; ++k) {
+    const double* turn = turns_[std::size_t(heard_framed_.values[std::size_t(k)])].rows[0];
+    for (int p = 0; p < packs; ++p) total[p] += Pack::load_aligned(turn + p * pack_lanes);
+  }
+  alignas(64) double sum[4][row_doubles];
+  for (int p = 0; p < packs; ++p) total[p].store_aligned(sum[0] + p * pack_lanes);
+  const double* position = rest_.rows().data + std::size_t(j) * row_doubles;
+  for (int c = 0; c < row_doubles; ++c)
+    out[c] -= sum[3][c] + sum[0][c] * position[0] + sum[1][c] * position[1] + sum[2][c] * position[2];
 }
 
 // ---- the matrix ----

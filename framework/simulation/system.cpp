@@ -235,11 +235,18 @@ void System::noteForceEvaluation(ConstRows f_now) {
   if (stiffness_varies_) ++revision_;
 }
 
+void System::startForce(Rows out) const {
+  if (has_gravity_)
+    copy(gravity_force_, out);
+  else
+    clear(out);
+}
+
 void System::computeForce(ConstRows x_now, ConstRows v_now, Rows f_now) {
   const PhaseTimer timer(times.force);
   assert(f_now.count == all_rows_);
   const ConstRows x_all = onAllRows(x_now, mapped_x_, true), v_all = onAllRows(v_now, mapped_v_, false);
-  copy(gravity_force_, f_now);
+  startForce(f_now);
   for (ForceField* field : force_fields_) field->addForce(x_all, v_all, f_now);
   pullBack(f_now);
   noteForceEvaluation(f_now);
@@ -258,7 +265,7 @@ void System::computeForceAndProduct(ConstRows x_now, ConstRows v_now, ConstRows 
   assert(out.count == all_rows_);
   const ConstRows x_all = onAllRows(x_now, mapped_x_, true), v_all = onAllRows(v_now, mapped_v_, false);
   const ConstRows p_all = onAllRows(p, mapped_p_, false);
-  copy(gravity_force_, out);
+  startForce(out);
   for (ForceField* field : force_fields_) {
     const double factor = k + k_rayleigh * field->rayleigh_stiffness;
     if (factor == 0 || !field->traits().has_stiffness) {

@@ -108,7 +108,8 @@ class System final : public SystemMatrix {
   /// Position constraints after endStep(), for a step from positions `x_start`. Only when there are some.
   void enforcePositions(const StepContext& context, ConstRows x_start, StepReport& report);
 
-  double kineticEnergy() const;
+  double kineticEnergy() const { return kineticEnergy(v); }
+  double kineticEnergy(ConstRows v_then) const;  ///< [J]
   double potentialEnergy(ConstRows x) const;  ///< elastic + gravity + loads [J]
   double elasticEnergy(ConstRows x) const;    ///< force fields only [J]
   double gravityEnergy(ConstRows x) const;    ///< [J]
@@ -158,6 +159,7 @@ class System final : public SystemMatrix {
   void layOut();
   void preparePositionConstraints();
   void computeGravity();
+  void startForce(Rows out) const;  ///< out = gravity
   void gatherConstraints(double t_start, double t_end);
   void gatherGroups();
   void reserveConstraints();
