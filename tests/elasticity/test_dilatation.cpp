@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The mean dilatation where the exact solution is known: layers of two materials under confined compression, whose
-// strains jump at the interface and lie in the space of the elements.
+// strains jump at the interface and lie in the space of the elements; a thick tube under pressure.
 #include <fmt/format.h>
+
+#include <numbers>
 
 #include "tests/elasticity/field_under_test.h"
 
@@ -69,6 +71,74 @@ TEST(MeanDilatation, AProductAndAMatrixOfTwoMaterialsAgree) {
   Vector through_matrix(t.x.count());
   t.matrix().multiply(t.direction, through_matrix);
   EXPECT_LT(relativeDifference(through_matrix, t.product(t.direction)), 1e-12);
+}
+
+/// Lame's thick tube in plane strain, radii 10 and 20 mm, under an inner pressure of E / 100; a quarter of it with n x n
+/// cells. Returns the inner wall's displacement over the closed form's,
+/// u(r) = (1 + nu) / E p a^2 / (b^2 - a^2) ((1 - 2 nu) r + b^2 / r).
+double tube(int n, double nu, const std::string& attributes, bool tetrahedra) {
+  constexpr double a = 0.01, b = 0.02, pressure = 0.01 * young, thickness = 0.002;
+  std::string position, cells, forces, inner, on_x, on_y;
+  const auto node = [n](int i, int j, int k) { return (k * (n + 1) + j) * (n + 1) + i; };
+  const auto place = [n](int i, int j) {
+    const double r = a + (b - a) * i / n, angle = std::numbers::pi / 2 * j / n;
+    return Vec3(r * std::cos(angle), r * std::sin(angle), 0);
+  };
+  for (int k = 0; k < 2; ++k)
+    for (int j = 0; j <= n; ++j)
+      for (int i = 0; i <= n; ++i) {
+        const Vec3 p = place(i, j);
+        position += fmt::format("{} {} {} ", p.x(), p.y(), k * thickness);
+        if (j == 0) on_x += fmt::format("{} ", node(i, j, k));
+        if (j == n) on_y += fmt::format("{} ", node(i, j, k));
+        if (i == 0) {
+          const Vec3 chord = place(0, std::min(j + 1, n)) - place(0, std::max(j - 1, 0));
+          const double share = pressure * thickness / 4;
+          inner += fmt::format("{} ", node(i, j, k));
+          forces += fmt::format("{} {} 0 ", share * chord.y(), -share * chord.x());
+        }
+        if (k > 0 || i == n || j == n) continue;
+        for (int c : {node(i, j, 0), node(i + 1, j, 0), node(i + 1, j + 1, 0), node(i, j + 1, 0), node(i, j, 1),
+                      node(i + 1, j, 1), node(i + 1, j + 1, 1), node(i, j + 1, 1)})
+          cells += fmt::format("{} ", c);
+      }
+  const std::string topology = tetrahedra ? "<TetrahedronSetTopologyContainer name='cells'/>"
+                                            "<Hexa2TetraTopologicalMapping input='@../mesh' output='@cells' "
+                                            "cutting='five'/>"
+                                          : "<HexahedronSetTopologyContainer name='cells' src='@../mesh'/>";
+  Simulation simulation = simulationFromText(fmt::format(
+      R"(<Node name="root" dt="1" gravity="0 0 0"><MeshTopology name="mesh" position="{}" hexahedra="{}"/>
+  <Node name="body"><StaticSolver/><SparseLDLSolver/>{}<MechanicalObject/><UniformMass totalMass="1"/>
+  <PartialFixedProjectiveConstraint fixAll="true" fixedDirections="0 0 1"/>
+  <PartialFixedProjectiveConstraint indices="{}" fixedDirections="0 1 0"/>
+  <PartialFixedProjectiveConstraint indices="{}" fixedDirections="1 0 0"/>
+  <ConstantForceField indices="{}" forces="{}"/>
+  <{}FEMForceField youngModulus="{}" poissonRatio="{}" {}/></Node></Node>)",
+      position, cells, topology, on_x, on_y, inner, forces, tetrahedra ? "Tetrahedron" : "Hexahedron", young, nu,
+      attributes));
+  const StepReport report = simulation.step();
+  EXPECT_TRUE(report.newton_converged) << report.reason;
+  const double exact = (1 + nu) / young * pressure * a * a / (b * b - a * a) * ((1 - 2 * nu) * a + b * b / a);
+  return (simulation.systems()[0]->x[0].x() - a) / exact;
+}
+
+TEST(MeanDilatation, ANearlyIncompressibleTubeDoesNotLock) {
+  for (const std::string method : {"small", "polar"}) {
+    const std::string attributes = fmt::format("method='{}' dilatation=", method);
+    for (const double nu : {0.3, 0.4999}) {
+      double error[3];
+      for (int level = 0; level < 3; ++level)
+        error[level] = std::abs(tube(4 << level, nu, attributes + "'mean'", false) - 1);
+      std::printf("tube of hexahedra, %s, nu = %g: errors %.2e %.2e %.2e\n", method.c_str(), nu, error[0], error[1],
+                  error[2]);
+      EXPECT_LT(error[2], 0.01);
+      EXPECT_NEAR(std::log2(error[1] / error[2]), 2, 0.2) << "order in h";
+    }
+    EXPECT_LT(tube(8, 0.4999, attributes + "'local'", false), 0.9) << "local hexahedra lock";
+    const double mean = tube(16, 0.4999, attributes + "'mean'", true);
+    std::printf("tube of tetrahedra, %s, nu = 0.4999: %.4f of the exact displacement\n", method.c_str(), mean);
+    EXPECT_NEAR(mean, 1, 0.01);
+  }
 }
 
 TEST(MeanDilatation, RefusesAMaterialForEachCell) {
