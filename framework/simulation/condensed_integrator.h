@@ -112,6 +112,7 @@ class CondensedIntegrator : public Integrator {
   void decideForm(Problem& problem);
   void computeAnew(Problem& problem);
   bool loadStored(Problem& problem);
+  bool inverseIsIntact(const Problem& problem) const;
   void store(const Problem& problem);
   void refuseTooLarge(double bytes, const char* what) const;
   void shareInteriorMass(const Problem& problem, PartialCholesky& factor);

@@ -21,6 +21,7 @@ struct CondensedIntegrator::Problem {
   BlockMatrix stiffness{};
   std::vector<double> shift{};             ///< of the diagonal [N/m]
   std::vector<double> mass{}, per_mass{};  ///< m_i [kg] and 1/dt^2 + alpha_i/2dt [1/s^2] of free nodes
+  std::vector<double> force{};  ///< constant loads, shape (free, 3)
   std::vector<Index> order{};
   ContentKey key{};
 };
@@ -73,7 +74,7 @@ void CondensedIntegrator::compile(System& system) {
   body_.collect(system, *this, {condensed_, surface_indices_, isDynamic()});
   Problem problem{system};
   for (const State* state : system.states()) asks_force_ = asks_force_ || state->forceAsked();
-  const std::vector<double> force = body_.constantForce();  // first: stiffnesses are those of the last force
+  problem.force = body_.constantForce();  // first: stiffnesses are those of the last force
   if (isDynamic()) {
     if (!(dt_ > 0)) throw ComponentError("the time step is not positive", "dt of the root node");
     problem.mass = body_.masses();
@@ -97,7 +98,7 @@ void CondensedIntegrator::compile(System& system) {
   for (std::size_t i = 0; i < problem.shift.size(); ++i) shift_.push_back(problem.shift[std::size_t(problem.order[i])]);
   kept_count_ = used_form_ == Form::factor ? body_.free() : body_.kept();
   interior_count_ = body_.free() - kept_count_;
-  prepareActive(system, problem.order, force);
+  prepareActive(system, problem.order, problem.force);
   for (const std::string& note : body_.notes()) inform(note);
   if (isSingle() && used_form_ == Form::factor)
     inform("precision=\"single\" has no effect: the sparse factor is used, which is in double precision");
@@ -268,7 +269,8 @@ bool CondensedIntegrator::loadStored(Problem& problem) {
   if (opened && mayInvert() && file_.section(inverse).bytes > 0) used_form_ = Form::symmetric;
   if (opened)
     for (std::size_t i = 0; i < parts && reason.empty(); ++i)
-      if ((i != values || insideIsActive()) && !file_.isIntact(i)) reason = "its numbers are damaged";
+      if (i != inverse && (i != values || insideIsActive()) && !file_.isIntact(i)) reason = "its numbers are damaged";
+  if (opened && reason.empty() && !inverseIsIntact(problem)) reason = "its numbers are damaged";
   if (!reason.empty()) {
     file_.close();
     used_form_ = form();
@@ -276,6 +278,26 @@ bool CondensedIntegrator::loadStored(Problem& problem) {
   }
   if (file_.isOpen()) useStored(problem);
   return file_.isOpen();
+}
+
+// Columns of a static body that no load can reach are never read, and so not checked.
+bool CondensedIntegrator::inverseIsIntact(const Problem& problem) const {
+  const auto* new_order = file_.array<Index>(order);
+  const auto* known_force = file_.array<double>(force);
+  const std::vector<Index>& timed = body_.timedNodes();
+  bool all = used_form_ != Form::columns || file_.section(force).bytes != problem.force.size() * sizeof(double) ||
+             (!timed.empty() && timed.front() < body_.interior());
+  for (std::size_t i = 0; i < problem.force.size() && !all; ++i)
+    all = problem.force[3 * std::size_t(new_order[i / 3]) + i % 3] != known_force[i];
+  if (all) return file_.isIntact(inverse);
+  const std::size_t bytes = file_.section(inverse).bytes / std::size_t(body_.kept());
+  for (Index node = body_.interior(); node < body_.free(); ++node) {
+    const Index old = new_order[node];
+    const bool is_read = std::binary_search(timed.begin(), timed.end(), old) ||
+                         (body_.movingRows() && (*body_.movingRows())[std::size_t(body_.row(old))]);
+    if (is_read && !file_.isIntact(inverse, std::size_t(node - body_.interior()) * bytes, bytes)) return false;
+  }
+  return true;
 }
 
 void CondensedIntegrator::store(const Problem& problem) {

@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cerrno>
 #include <cstdio>
@@ -19,17 +20,25 @@
 namespace stroma {
 namespace {
 
-constexpr std::size_t page = 4096, most_sections = 16;
+constexpr std::size_t page = 4096, most_sections = 16, block = std::size_t(1) << 18;
 constexpr std::array<char, 8> magic{'S', 'T', 'R', 'O', 'M', 'A', 'S', 'F'};
-constexpr std::uint32_t format_version = 3, byte_order = 0x01020304;
+constexpr std::uint32_t format_version = 4, byte_order = 0x01020304;
 
 struct Header {
   std::array<char, 8> magic{};
   std::uint32_t format = 0, order = 0;
   std::array<std::uint64_t, 2> key{};
   std::uint64_t sections = 0, file_size = 0;
-  std::array<std::uint64_t, most_sections> start{}, bytes{}, check{};
-  std::uint64_t own_check = 0;
+  std::array<std::uint64_t, most_sections> start{}, bytes{};
+  std::uint64_t sums_start = 0, sums_check = 0, own_check = 0;
+
+  std::size_t blocks(std::size_t section) const { return (bytes[section] + block - 1) / block; }
+  /// Of all sections before it.
+  std::size_t firstBlock(std::size_t section) const {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < section; ++i) count += blocks(i);
+    return count;
+  }
 };
 static_assert(sizeof(Header) <= page);
 
@@ -56,15 +65,10 @@ std::uint64_t mix(const void* data, std::size_t bytes, std::uint64_t seed) {
   return sum ^ sum >> 29;
 }
 
-/// The same by blocks, which threads share.
-std::uint64_t mixBlocks(const unsigned char* data, std::size_t bytes, std::uint64_t seed) {
-  constexpr std::size_t block = std::size_t(1) << 22;
-  std::vector<std::uint64_t> sums((bytes + block - 1) / block);
-  parallelFor(int(sums.size()), [&](int i) {
-    const std::size_t start = std::size_t(i) * block;
-    sums[std::size_t(i)] = mix(data + start, std::min(block, bytes - start), seed + std::size_t(i));
-  });
-  return mix(sums.data(), sums.size() * sizeof(std::uint64_t), seed);
+/// Of block `i` of a section.
+std::uint64_t mixBlock(const Section& section, std::size_t i, std::uint64_t seed) {
+  const auto* data = static_cast<const unsigned char*>(section.data) + i * block;
+  return mix(data, std::min(block, section.bytes - i * block), seed + i * most_sections);
 }
 
 std::uint64_t ownCheck(Header header) {
@@ -119,6 +123,9 @@ bool SectionFile::open(const std::string& path, const ContentKey& key, std::size
     reason = "it is of something else";
   else if (header.sections != sections || header.file_size != size)
     reason = "it is cut short";
+  else if (const std::size_t sums = header.firstBlock(sections) * sizeof(std::uint64_t);
+           header.sums_start + sums > size || mix(data_ + header.sums_start, sums, 2) != header.sums_check)
+    reason = "its check sums are damaged";
   if (reason.empty()) return true;
   close();
   return false;
@@ -130,16 +137,25 @@ Section SectionFile::section(std::size_t i) const {
   return {data_ + header.start[i], std::size_t(header.bytes[i])};
 }
 
-bool SectionFile::isIntact(std::size_t i) const {
+bool SectionFile::isIntact(std::size_t i, std::size_t offset, std::size_t bytes) const {
   Header header;
   std::memcpy(&header, data_, sizeof header);
   const Section found = section(i);
-  if (header.start[i] + found.bytes > size_) return false;
+  if (header.start[i] + found.bytes > size_ || offset + bytes > found.bytes) return false;
+  if (bytes == 0) return true;
+  const std::size_t first = offset / block, last = (offset + bytes - 1) / block + 1;
 #ifdef MADV_POPULATE_READ
   // all pages in one call rather than by a fault each; refusing it costs nothing
-  madvise(const_cast<void*>(found.data), found.bytes, MADV_POPULATE_READ);
+  auto* from = static_cast<unsigned char*>(const_cast<void*>(found.data)) + first * block;
+  madvise(from, std::min(last * block, found.bytes) - first * block, MADV_POPULATE_READ);
 #endif
-  return mixBlocks(static_cast<const unsigned char*>(found.data), found.bytes, i) == header.check[i];
+  const auto* sums = reinterpret_cast<const std::uint64_t*>(data_ + header.sums_start) + header.firstBlock(i);
+  std::atomic<bool> intact{true};
+  parallelFor(int(last - first), [&](int b) {
+    const std::size_t at = first + std::size_t(b);
+    if (mixBlock(found, at, i) != sums[at]) intact = false;
+  });
+  return intact;
 }
 
 void SectionFile::close() {
@@ -153,10 +169,16 @@ std::string SectionFile::write(const std::string& path, const ContentKey& key, c
   std::size_t at = page;
   for (std::size_t i = 0; i < sections.size(); ++i) {
     header.start[i] = at, header.bytes[i] = sections[i].bytes;
-    header.check[i] = mixBlocks(static_cast<const unsigned char*>(sections[i].data), sections[i].bytes, i);
     at += roundedUp(sections[i].bytes);
   }
-  header.file_size = at;
+  std::vector<std::uint64_t> sums(header.firstBlock(sections.size()));
+  for (std::size_t i = 0; i < sections.size(); ++i)
+    parallelFor(int(header.blocks(i)), [&](int b) {
+      sums[header.firstBlock(i) + std::size_t(b)] = mixBlock(sections[i], std::size_t(b), i);
+    });
+  const std::size_t sums_bytes = sums.size() * sizeof(std::uint64_t);
+  header.sums_start = at, header.sums_check = mix(sums.data(), sums_bytes, 2);
+  header.file_size = at + roundedUp(sums_bytes);
   header.own_check = ownCheck(header);
 
   std::error_code error;
@@ -172,6 +194,7 @@ std::string SectionFile::write(const std::string& path, const ContentKey& key, c
   if (!file) return std::strerror(errno);
   bool good = writeAll(file, &header, sizeof header);
   for (const Section& section : sections) good = good && writeAll(file, section.data, section.bytes);
+  good = good && writeAll(file, sums.data(), sums_bytes);
   good = std::fflush(file) == 0 && good && fsync(descriptor) == 0;
   const std::string own = fmt::format("/proc/self/fd/{}", descriptor);
   if (nameless) good = good && linkat(AT_FDCWD, own.c_str(), AT_FDCWD, temporary.c_str(), AT_SYMLINK_FOLLOW) == 0;

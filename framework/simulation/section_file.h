@@ -34,7 +34,8 @@ struct Section {
 };
 
 /// A file of sections mapped into memory: pages are read when touched. Header: what it is, its format, the key, the
-/// places and check sums of the sections, and its own check sum. Sections start at multiples of 4096 bytes.
+/// places of the sections, and its own check sum. Sections start at multiples of 4096 bytes; check sums of their blocks
+/// of 256 KiB are a last section, whose check sum is in the header.
 class SectionFile {
  public:
   SectionFile() = default;
@@ -51,7 +52,9 @@ class SectionFile {
     return static_cast<const T*>(section(i).data);
   }
   /// True when the section is what was written: reads all of it.
-  bool isIntact(std::size_t i) const;
+  bool isIntact(std::size_t i) const { return isIntact(i, 0, section(i).bytes); }
+  /// The same for the blocks that hold a part of it, given in bytes.
+  bool isIntact(std::size_t i, std::size_t offset, std::size_t bytes) const;
   bool isOpen() const { return data_ != nullptr; }
   void close();
 

@@ -142,26 +142,47 @@ TEST_F(CacheFolder, withoutAHomeNothingIsKeptAndThatIsSaid) {
 
 TEST_F(CacheFolder, whatIsWrongWithAFileIsSaidAndItIsMadeAnew) {
   const auto wholeSize = [&] { return fs::file_size(file()); };
-  Simulation first = simulationFromText(scene());
+  const std::string text = scene("Dynamic");  // reads all of it
+  Simulation first = simulationFromText(text);
   const std::uint64_t expected = hashAfterSteps(first);
   const std::vector<std::pair<std::function<void()>, std::string>> harms{
       {[&] { flip(5000); }, "numbers are damaged"},
       {[&] { flip(20); }, "header is damaged"},
       {[&] { flip(2); }, "no such file"},
       {[&] { flip(8); }, "another format"},
+      {[&] { flip(wholeSize() - 4096); }, "check sums are damaged"},
       {[&] { fs::resize_file(file(), wholeSize() - 4096); }, "cut short"},
       {[&] { fs::resize_file(file(), 100); }, "too short"}};
   for (const auto& [harm, sentence] : harms) {
     harm();
     testing::internal::CaptureStderr();
-    Simulation again = simulationFromText(scene());
+    Simulation again = simulationFromText(text);
     const std::string said = testing::internal::GetCapturedStderr();
     EXPECT_FALSE(fromCache(again)) << sentence;
     EXPECT_NE(said.find(sentence), std::string::npos) << said;
     EXPECT_EQ(hashAfterSteps(again), expected);
-    Simulation mended = simulationFromText(scene());
+    Simulation mended = simulationFromText(text);
     EXPECT_TRUE(fromCache(mended)) << sentence;
   }
+}
+
+/// A static body reads the columns of nodes whose loads change, and no others.
+TEST_F(CacheFolder, damageIsFoundInWhatIsRead) {
+  Block block{.solver = "<CondensedStaticSolver cacheFolder=\"" + folder.string() + "\"/>",
+              .loads = "<LinearForceField points=\"139\" keyTimes=\"0 1\" forces=\"0 0 0  1 0.5 0\"/>"};
+  Simulation first = simulationFromText(block.text());
+  const std::uint64_t expected = hashAfterSteps(first);
+  const std::uintmax_t kept = 90, inverse = kept * 3 * 8 * ((3 * kept + 7) / 8) * 8, checked = std::uintmax_t(1) << 18;
+  int found = 0, unread = 0;
+  for (std::uintmax_t at = 100; at < inverse; at += checked) {
+    flip(4096 + at);
+    Simulation again = simulationFromText(block.text());
+    EXPECT_EQ(hashAfterSteps(again), expected) << at;
+    ++(fromCache(again) ? unread : found);
+    if (fromCache(again)) flip(4096 + at);
+  }
+  EXPECT_GE(found, 1);
+  EXPECT_GE(unread, 1);
 }
 
 TEST_F(CacheFolder, theFileOfAnotherBodyIsNotTaken) {
@@ -181,10 +202,10 @@ TEST_F(CacheFolder, theFileOfAnotherBodyIsNotTaken) {
 TEST_F(CacheFolder, aDamagedFactorOfTheInsideIsMadeAnewWhenItIsNeeded) {
   Simulation first = simulationFromText(scene());
   const std::uint64_t expected = hashAfterSteps(first);
-  // the factor's numbers end three padded sections before the end of the file
+  // the factor's numbers end three padded sections and a page of check sums before the end of the file
   const auto pages = [](std::size_t bytes) { return (bytes + 4095) / 4096 * 4096; };
   const std::size_t free = 120, kept = 90;
-  flip(fs::file_size(file()) - 2 * pages(free * 24) - pages((3 * kept + 7) / 8 * 64) - 5000);
+  flip(fs::file_size(file()) - 2 * pages(free * 24) - pages((3 * kept + 7) / 8 * 64) - 4096 - 5000);
   Simulation again = simulationFromText(scene());
   EXPECT_TRUE(fromCache(again));
   testing::internal::CaptureStderr();
