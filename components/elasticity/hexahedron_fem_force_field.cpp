@@ -108,24 +108,18 @@ class Hexahedra final : public ElasticElements {
     return least;
   }
   Mat3 strain(std::size_t e, ConstRows x) const override {
-    const RestShape shape = restShape(e);
-    const Modes<double> m = currentModes(e, x);
-    const PointValues<double> now = atPoints(m), rest = atPoints(shape.modes);
-    const Mat3 frame = toEigen(shape.frame);
-    const Mat3 r = rotationOf(toEigen(meanEdges(m)) * toEigen(meanEdges(shape.modes)).inverse(), frame);
     Mat3 sum = Mat3::Zero();
     double volume = 0;
-    for (int p = 0; p < 8; ++p) {
-      const Mat3 j0 = toEigen(Columns<double>(rest, p).matrix());
-      const Mat3 f = toEigen(Columns<double>(now, p).matrix()) * j0.inverse() * frame.transpose();
-      const Mat3 turned = frame * r.transpose() * f;
-      const Mat3 here = variant_.method == ElasticMethod::green
-                            ? Mat3((f.transpose() * f - Mat3::Identity()) / 2)
-                            : Mat3((turned + turned.transpose()) / 2 - Mat3::Identity());
-      sum += std::abs(j0.determinant()) * here;
-      volume += std::abs(j0.determinant());
-    }
+    forEachStrain(e, x, [&](const Mat3& here, double weight) {
+      sum += weight * here;
+      volume += weight;
+    });
     return sum / volume;
+  }
+  double strainBeyond(double limit, std::size_t e, ConstRows x) const override {
+    double worst = 0;
+    forEachStrain(e, x, [&](const Mat3& here, double) { worst = std::max(worst, principalBeyond(limit, here)); });
+    return worst;
   }
   Nanoseconds cost() const override {
     const double lanes = 8. / pack_lanes;
@@ -134,6 +128,24 @@ class Hexahedra final : public ElasticElements {
   }
 
  private:
+  /// use(strain, volume) at the integration points.
+  template <class Use>
+  void forEachStrain(std::size_t e, ConstRows x, Use&& use) const {
+    const RestShape shape = restShape(e);
+    const Modes<double> m = currentModes(e, x);
+    const PointValues<double> now = atPoints(m), rest = atPoints(shape.modes);
+    const Mat3 frame = toEigen(shape.frame);
+    const Mat3 r = rotationOf(toEigen(meanEdges(m)) * toEigen(meanEdges(shape.modes)).inverse(), frame);
+    for (int p = 0; p < 8; ++p) {
+      const Mat3 j0 = toEigen(Columns<double>(rest, p).matrix());
+      const Mat3 f = toEigen(Columns<double>(now, p).matrix()) * j0.inverse() * frame.transpose();
+      const Mat3 turned = frame * r.transpose() * f;
+      use(variant_.method == ElasticMethod::green ? Mat3((f.transpose() * f - Mat3::Identity()) / 2)
+                                                  : Mat3((turned + turned.transpose()) / 2 - Mat3::Identity()),
+          std::abs(j0.determinant()));
+    }
+  }
+
   /// Boxes have a kernel of their own where B is constant.
   bool usesBoxes() const {
     const bool small = variant_.method == ElasticMethod::small, green = variant_.method == ElasticMethod::green;

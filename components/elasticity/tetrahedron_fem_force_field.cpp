@@ -106,6 +106,9 @@ class Tetrahedra final : public ElasticElements {
                                                                    : rotation::Svd::of(local);
     return frame * (toEigen(rotation::stretch(r, local)) - Mat3::Identity()) * frame.transpose();
   }
+  double strainBeyond(double limit, std::size_t e, ConstRows x) const override {
+    return principalBeyond(limit, strain(e, x));
+  }
   Nanoseconds cost() const override {
     const double lanes = 8. / pack_lanes;
     const bool green = variant_.method == ElasticMethod::green, nodal = variant_.method == ElasticMethod::nodal;

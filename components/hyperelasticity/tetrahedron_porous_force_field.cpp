@@ -17,7 +17,8 @@
 // is not drained does not change: the fluid is kept.
 //
 // coupling = semi_implicit, as published: forces see the pressure from before the step, and the pressure then follows
-// the step's change of volume; time steps must be small where the fluid is stiff against the tissue. implicit: forces
+// the step's change of volume; time steps must be small where the fluid is stiff against the tissue, and the integrator
+// one of first order, because a pressure that is a step late feeds oscillations. implicit: forces
 // see the pressure that belongs to their shape at the end of the step, whatever the step. Its tangent is that of fluid
 // which stays in each element (the undrained split): stable with one linear solve a step; Newton iterations, of which
 // it needs some, solve for both at once.
@@ -204,7 +205,7 @@ ForceTraits TetrahedronPorousForceField::traits() const {
   t.has_stiffness = porous_;
   t.symmetric = t.torques_balance = t.time_dependent = true;
   t.forces_balance = std::all_of(initial_.begin(), initial_.end(), [](double p) { return p == 0; });
-  t.conservative = t.exact_tangent = coupling_ == Coupling::semi_implicit;
+  t.conservative = t.exact_tangent = t.late = coupling_ == Coupling::semi_implicit;
   return t;
 }
 

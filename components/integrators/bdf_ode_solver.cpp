@@ -35,6 +35,7 @@ class BDFOdeSolver final : public Integrator {
   void declare(DataTable& table) override;
   void compile(System& system) override;
   StepReport step(System& system, const StepContext& context) override;
+  bool toleratesLateForces() const override { return order_ == 1; }
   std::string describe() const override { return fmt::format("BDF step of order {}", order_) + implicit_.describe(); }
   void reset() override { last_step_ = 0; }
 

@@ -39,6 +39,7 @@ class NewmarkImplicitSolver final : public Integrator {
   void init() override;
   void compile(System& system) override;
   StepReport step(System& system, const StepContext& context) override;
+  bool keepsEnergy() const override { return true; }
   std::string describe() const override {
     return fmt::format("Newmark step, beta {:g}, gamma {:g}", beta_, gamma_) + implicit_.describe();
   }

@@ -40,6 +40,7 @@ class TrapezoidalRuleSolver final : public Integrator {
     if (!report.diverged) system.applyMappings();
     return report;
   }
+  bool keepsEnergy() const override { return true; }
   std::string describe() const override { return "trapezoidal step" + implicit_.describe(); }
 
  private:

@@ -43,6 +43,7 @@ class VariationalSymplecticSolver final : public Integrator {
   void init() override;
   void compile(System& system) override;
   StepReport step(System& system, const StepContext& context) override;
+  bool keepsEnergy() const override { return true; }
   std::string describe() const override {
     return is_explicit_ ? explicit_.describe() : "implicit midpoint step" + implicit_.describe();
   }

@@ -3,6 +3,7 @@
 // refuses, its kernels and its fields. A component offers its kind once; names that serve several kinds find all of
 // them.
 #pragma once
+#include <Eigen/Eigenvalues>
 #include <functional>
 #include <memory>
 #include <string>
@@ -36,12 +37,21 @@ class ElasticElements {
   virtual double jacobian(std::size_t cell, ConstRows x) const = 0;
   /// The mean strain over the cell.
   virtual Mat3 strain(std::size_t cell, ConstRows x) const = 0;
+  /// The size of the largest principal strain at the cell's integration points, or zero where it is below `limit`.
+  virtual double strainBeyond(double limit, std::size_t cell, ConstRows x) const = 0;
   /// Nanoseconds of one product and one assembly of a cell, on one core at 2.6 GHz with 8 lanes.
   struct Nanoseconds {
     double product, assembly;
   };
   virtual Nanoseconds cost() const = 0;
 };
+
+/// For ElasticElements::strainBeyond(): of one point.
+inline double principalBeyond(double limit, const Mat3& strain) {
+  if (!(strain.squaredNorm() > limit * limit)) return 0;  // no principal strain is above the norm
+  const double largest = strain.selfadjointView<Eigen::Lower>().eigenvalues().cwiseAbs().maxCoeff();
+  return largest > limit ? largest : 0;
+}
 
 /// How a kind is called ("Tetrahedron", as in template="Vec3,Tetrahedron") and made.
 struct ElasticKind {

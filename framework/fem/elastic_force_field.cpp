@@ -299,6 +299,24 @@ std::string ElasticForceField::worstElement(ConstRows x) const {
   return fmt::format("{}: J = {:.3g}", elements_->describe(at), worst);
 }
 
+/// The limit is generous: at 0.5 a linear law is off by a half for most tissues.
+std::string ElasticForceField::doubt(ConstRows x) const {
+  constexpr double limit = 0.5;
+  const std::size_t count = std::size_t(elements_->count(*mesh_));
+  std::size_t beyond = 0, at = 0;
+  double worst = 0;
+  for (std::size_t cell = 0; cell < count; ++cell) {
+    const double strain = elements_->strainBeyond(limit, cell, ownRows(x));
+    beyond += strain > 0;
+    if (strain > worst) worst = strain, at = cell;
+  }
+  if (beyond == 0) return {};
+  return fmt::format(
+      "{} of {} elements are strained beyond {:.0f} %, where a law that is linear in the strain says little; the worst "
+      "is {}: {:.0f} %. A hyperelastic force field is made for such strains",
+      beyond, count, 100 * limit, elements_->describe(at), 100 * worst);
+}
+
 void ElasticForceField::cellField(const std::string& name, ConstRows x, std::vector<double>& out) const {
   const std::size_t count = std::size_t(elements_->count(*mesh_));
   const ConstRows own = ownRows(x);

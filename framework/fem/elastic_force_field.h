@@ -40,6 +40,7 @@ class ElasticForceField : public ElementMethodField {
 
   Cost cost() const override;
   std::string worstElement(ConstRows x) const override;
+  std::string doubt(ConstRows x) const override;
   std::vector<std::string> cellFields() const override { return {"vonMises", "J", "strain"}; }
   void cellField(const std::string& name, ConstRows x, std::vector<double>& out) const override;
 

@@ -18,6 +18,7 @@ struct ForceTraits {
   bool time_dependent = false;      ///< setTime() changes the force
   bool forces_balance = false;      ///< internal: forces sum to zero and vanish at the rest shape
   bool torques_balance = false;     ///< internal: torques sum to zero too
+  bool late = false;                ///< depends on a quantity from before the step
 };
 
 /// A force on the nodes of a state, or between states. Vectors are the whole system's (rows as in State::firstRow()).
@@ -68,6 +69,8 @@ class ForceField : public Component {
   /// A sentence on the worst element at x, for a report of divergence ("tetrahedron 12 (nodes 3 4 8 9): J = -0.3"),
   /// or empty.
   virtual std::string worstElement(ConstRows) const { return {}; }
+  /// A sentence on why x lies outside what the field's law is made for, or empty. Asked at the end of a run.
+  virtual std::string doubt(ConstRows) const { return {}; }
   /// Named per-cell fields for output ("vonMises", "J"): computed only when an observer asks. Empty name list: none.
   virtual std::vector<std::string> cellFields() const { return {}; }
   virtual void cellField(const std::string&, ConstRows /*x*/, std::vector<double>& /*out*/) const {}

@@ -16,6 +16,10 @@ class Integrator : public Component {
   virtual StepReport step(System& system, const StepContext& context) = 0;
   /// False for statics: a step then has no velocities that a position constraint could correct.
   virtual bool movesInTime() const { return true; }
+  /// True for a rule that keeps the energy of a linear body: a gain is then an error that nothing else shows.
+  virtual bool keepsEnergy() const { return false; }
+  /// False for implicit rules of second order: a force that is a step late feeds motions that they hardly damp.
+  virtual bool toleratesLateForces() const { return !keepsEnergy(); }
   /// True for an integrator that answers for x and v itself: when it gives a step up it has left them as they were, it
   /// reports what is not finite, and it may leave rows behind until complete(). A step of it then costs nothing that
   /// grows with nodes that nobody reads.

@@ -34,6 +34,20 @@ void collectIntegrators(const Node& node, Integrator* above, std::vector<Integra
   for (const auto& child : node.children()) collectIntegrators(*child, above, found, diagnostics);
 }
 
+/// How many elements have no volume left at x, and which is worst, or empty.
+std::string foldedElements(const ForceField& field, ConstRows x) {
+  // a crushed element has the round-off of its nodes' positions for a volume
+  constexpr double flat = 1e-12;
+  const auto names = field.cellFields();
+  if (std::find(names.begin(), names.end(), "J") == names.end()) return {};
+  std::vector<double> j;
+  field.cellField("J", x, j);
+  const auto folded = std::count_if(j.begin(), j.end(), [](double value) { return !(value > flat); });
+  if (folded == 0) return {};
+  return fmt::format("{} of {} elements are inverted or flat; the worst is {}", folded, j.size(),
+                     field.worstElement(x));
+}
+
 /// Null when the integrator, or what it found below itself, cannot work as written: the reason is in `diagnostics`.
 std::unique_ptr<System> compileSystem(Integrator& integrator, Diagnostics& diagnostics) {
   try {
@@ -265,26 +279,50 @@ void Simulation::reset() {
 
 std::vector<std::string> Simulation::doubts() const {
   complete();
-  // a crushed element has the round-off of its nodes' positions for a volume
-  constexpr double flat = 1e-12;
   std::vector<std::string> sentences;
-  std::vector<double> j;
-  for (const auto& system : systems_) {
-    for (const ForceField* field : system->forceFields()) {
-      const auto names = field->cellFields();
-      if (std::find(names.begin(), names.end(), "J") == names.end()) continue;
-      j.clear();
-      field->cellField("J", system->x, j);
-      const auto folded = std::count_if(j.begin(), j.end(), [](double value) { return !(value > flat); });
-      if (folded > 0)
-        sentences.push_back(fmt::format("{} at t = {:.6g} s: {} of {} elements are inverted or flat; the worst is {}",
-                                        field->path(), time_, folded, j.size(), field->worstElement(system->x)));
+  const auto say = [&sentences](std::string sentence) {
+    if (!sentence.empty()) sentences.push_back(std::move(sentence));
+  };
+  for (std::size_t i = 0; i < systems_.size(); ++i) {
+    const System& system = *systems_[i];
+    for (const ForceField* field : system.forceFields()) {
+      const std::string where = fmt::format("{} at t = {:.6g} s: ", field->path(), time_);
+      if (const std::string folded = foldedElements(*field, system.x); !folded.empty())
+        say(where + folded);
+      else if (const std::string beyond = field->doubt(system.x); !beyond.empty())
+        say(where + beyond);
+      if (field->traits().late && !system.integrator().toleratesLateForces() && steps_ > 0)
+        say(fmt::format("{} acts with a quantity from before the step, and {} hardly damps what that feeds: motions may "
+                        "ring for ever. A coupling without delay, or EulerImplicitSolver, does not",
+                        field->path(), system.integrator().path()));
     }
-    for (std::string& sentence : system->grownBodies()) sentences.push_back(std::move(sentence));
-    if (std::string sentence = system->integrator().doubt(); !sentence.empty())
-      sentences.push_back(std::move(sentence));
+    for (std::string& sentence : system.grownBodies()) say(std::move(sentence));
+    say(system.integrator().doubt());
+    say(gainedEnergy(i));
   }
   return sentences;
+}
+
+/// More than half of the energy that moves about has no source. Bodies that are moved, or met by position constraints,
+/// may have got it there.
+std::string Simulation::gainedEnergy(std::size_t index) const {
+  const System& system = *systems_[index];
+  if (!system.integrator().keepsEnergy() || !system.isConservative() || !system.positionConstraints().empty()) return {};
+  for (const ForceField* field : system.forceFields())
+    if (field->traits().time_dependent) return {};
+  for (const ProjectiveConstraint* constraint : system.constraints())
+    if (constraint->prescribesMotion()) return {};
+  const auto& [x, v] = initial_[index];
+  const double kinetic_start = system.kineticEnergy(v), potential_start = system.potentialEnergy(x);
+  const double kinetic = system.kineticEnergy(), potential = system.potentialEnergy(system.x);
+  const double gained = kinetic + potential - kinetic_start - potential_start;
+  const double moved = kinetic + kinetic_start + std::abs(potential - potential_start);
+  const double round_off = 1e-9 * (std::abs(potential) + std::abs(potential_start));
+  if (!(gained > moved / 2 && gained > round_off)) return {};
+  return fmt::format(
+      "{} has gained {:.3g} J by t = {:.6g} s with no work done on it: the step is too large for a rule without damping. "
+      "A smaller dt, Newton's method, or EulerImplicitSolver keeps it bounded",
+      system.integrator().path(), gained, time_);
 }
 
 std::uint64_t Simulation::stateHash() const {

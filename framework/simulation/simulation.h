@@ -47,12 +47,15 @@ class Simulation {
   /// A 64-bit hash over the bits of all x and v: the same for any number of threads.
   std::uint64_t stateHash() const;
   /// Why the present shapes may be no result: a sentence for each force field with elements that are flat or inverted
-  /// (a body may come to rest so), and for each elastic body far larger than at rest.
+  /// (a body may come to rest so) or strained beyond its law, for each elastic body far larger than at rest, for an
+  /// energy that came from nowhere, and for what an integrator reports.
   std::vector<std::string> doubts() const;
   /// The compiled plan in lines: what runs each step, how often, what was skipped and why.
   std::vector<std::string> explain() const;
 
  private:
+  /// A sentence when a system with an integrator that keeps energy has much more than at the start, or empty.
+  std::string gainedEnergy(std::size_t index) const;
   /// Times of the step that comes.
   StepContext nextStep() const;
   /// One step of system `index`, with roll-back of all systems up to it when it fails.

@@ -32,6 +32,7 @@ struct Row {
   std::function<double(const Condition&)> slowest;
   bool has_poisson = false;
   bool is_alias = false;  ///< another name of a component that has its rows already
+  double relaxation = 0;  ///< [s], of the slowest stress or pressure that relaxes
 };
 const std::vector<Row>& rows();
 
@@ -56,6 +57,7 @@ struct Outcome {
   int inverted = 0;     ///< elements with J <= 0 at the end
   std::string text;     ///< the sentence of a stop; what is wrong
 };
-Outcome run(const Row& row, const IntegratorChoice& integrator, const Condition& condition);
+/// A cell that needs more than about `most_steps` is given up as under way.
+Outcome run(const Row& row, const IntegratorChoice& integrator, const Condition& condition, int most_steps);
 
 }  // namespace stroma::test::matrix

@@ -27,8 +27,12 @@ struct Rest {
 
 class Run {
  public:
-  Run(const Row& row, const IntegratorChoice& integrator, const Condition& condition)
-      : row_(row), integrator_(integrator), condition_(condition), slowest_(row.slowest(condition)) {}
+  Run(const Row& row, const IntegratorChoice& integrator, const Condition& condition, int most_steps)
+      : row_(row),
+        integrator_(integrator),
+        condition_(condition),
+        most_steps_(most_steps),
+        slowest_(row.slowest(condition)) {}
 
   Outcome operator()() {
     const Rest& rest = reference();
@@ -39,12 +43,15 @@ class Run {
     energy_rest_ = restEnergy();
     disturb();
     energy_start_ = energy();
-    if (advance(limit())) return outcome_;
-    // what neither rests nor stopped may only need more time
+    // what neither rests nor stopped may only need more time; what comes nearer does
     for (int more = 0;; ++more) {
-      settle();
-      if (outcome_.ending != Ending::moving || more == 3) return outcome_;
+      const double before = distance();
       if (advance(limit())) return outcome_;
+      settle();
+      const bool nears = distance() < 0.999 * before;
+      if (outcome_.ending != Ending::moving && !(outcome_.ending == Ending::elsewhere && nears)) return outcome_;
+      if (nears && outcome_.steps + limit() > most_steps_) outcome_.ending = Ending::under_way;
+      if (outcome_.ending == Ending::under_way || (!nears && more >= 3)) return outcome_;
     }
   }
 
@@ -155,12 +162,12 @@ class Run {
     }
   }
 
-  /// The slowest motion is critically damped: after 20 / slowest it is 4e-8 of what it was. Where that takes too many
+  /// The slowest motion is critically damped: after 20 / slowest it is 4e-8 of what it was, and so is what relaxes. Where that takes too many
   /// steps a few show whether the energy grows.
   int limit() const {
-    if (integrator_.is_static) return 100;
-    const double needed = 20 / (slowest_ * condition_.dt);
-    return needed > 2500 ? 300 : std::max(200, int(needed));
+    if (integrator_.is_static && row_.relaxation == 0) return 100;
+    const double needed = 20 * std::max(1 / slowest_, row_.relaxation) / condition_.dt;
+    return needed > most_steps_ ? 300 : std::max(200, int(needed));
   }
   bool finite() const {
     for (const State* state : simulation_->states())
@@ -234,11 +241,12 @@ class Run {
     if (!unsolved_.empty()) return stop(unsolved_);
     const double seconds = simulation_->time(), grown = energy() / energy_start_;
     const double speed = shift / std::max(10 * condition_.dt * slowest_, 1e-12);  // in sizes and slowest periods
-    if (integrator_.is_static || (speed < 1e-5 && shift < 1e-7)) return ended(Ending::elsewhere);
+    const bool relaxing = seconds < 20 * row_.relaxation;
+    if ((integrator_.is_static || (speed < 1e-5 && shift < 1e-7)) && !relaxing) return ended(Ending::elsewhere);
     const std::string motion = fmt::format("moves by {:.1e} sizes, energy {:.1e} of the start", shift, grown);
     // what a force without a potential stores may grow while the body comes to rest
     const bool gained = grown > 1 + 1e-6 && (s.isConservative() || highest > 3);
-    if (seconds * slowest_ < 20) return ended(gained ? Ending::moving : Ending::under_way, motion);
+    if (seconds * slowest_ < 20 || relaxing) return ended(gained ? Ending::moving : Ending::under_way, motion);
     if (!integrator_.damps) return ended(highest < 3 && grown < 10 ? Ending::rings : Ending::grows, motion);
     ended(Ending::moving, motion);
   }
@@ -246,6 +254,7 @@ class Run {
   const Row& row_;
   const IntegratorChoice& integrator_;
   const Condition& condition_;
+  const int most_steps_;
   double slowest_, size_ = 0, energy_start_ = 0, energy_rest_ = 0;
   std::unique_ptr<Simulation> simulation_;
   std::vector<Vec3> target_;
@@ -256,8 +265,8 @@ class Run {
 
 }  // namespace
 
-Outcome run(const Row& row, const IntegratorChoice& integrator, const Condition& condition) {
-  return Run(row, integrator, condition)();
+Outcome run(const Row& row, const IntegratorChoice& integrator, const Condition& condition, int most_steps) {
+  return Run(row, integrator, condition, most_steps)();
 }
 
 }  // namespace stroma::test::matrix

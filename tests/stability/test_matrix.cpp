@@ -25,44 +25,18 @@ constexpr const char *shapes = "inverted|flat|line|point|random", *any = ".*";
 
 const std::vector<Known>& known() {
   static const std::vector<Known> all{
-      {Ending::elsewhere, ".* BV?( exact)?", any, "inverted|flat|line|point|random|nu=0.4999",
-       "gradients of the present shape keep no memory of the turns made on the way to it: a body that went through "
-       "itself has other places of rest"},
-      {Ending::elsewhere, "(tetrahedra|boxes|hexahedra) (large|polar|svd)( exact)?|HexahedralFEM.*", any,
-       "inverted|flat|line|point|random|nu=0.4999",
-       "every element has a frame of its own: elements turned against each other can balance with all of them upright"},
       {Ending::elsewhere, "(Mesh|RegularGrid)?SpringForceField.*", ".*, Newton", "E=1e[69]|dt=0.1|dt=10?|E=1 dt=10",
        "springs know lengths alone, and a step far above the motions reaches folded shapes from a pulled one"},
-      {Ending::moving, "tetrahedra .* BV?( exact)?", any, shapes,
-       "a defect: forces with gradients of the present shape have no potential and can feed a motion that does not "
-       "end"},
       {Ending::elsewhere,
        "(Mesh|RegularGrid)?SpringForceField.*|.*BendingSprings.*|Contractile.*|(Triangle|Surface)Pressure.*|"
        "Triang(le|ular)FEM.*",
        any, shapes, "sheets and springs know lengths alone: folded or mirrored parts have lengths of rest too"},
       {Ending::elsewhere, "(ShapeMemoryForceField|Phymul).*", any, any,
        "a place to go is told by the frame of the neighbours: turned and twisted neighbourhoods agree with each other"},
-      {Ending::elsewhere, any, "static.*", shapes,
-       "statics finds an equilibrium, which need not be the stable one: from a line or a point no direction is "
-       "favoured"},
-      {Ending::elsewhere, "boxes (StVenantKirchhoff|StableNeoHookean).*", any, shapes,
-       "an energy that is finite at J = 0 lets a cube fold through its corners and balance with its Gauss points "
-       "upright"},
-      {Ending::moving, ".*(viscous|[pP]orous).*", any, any,
-       "stresses that relax and fluids that flow have times of their own, longer than those of the motions that the "
-       "number of steps is made for",
-       0.01},
-      {Ending::elsewhere, ".*(viscous|[pP]orous).*", any, any, "the same: bodies that creep to rest hardly move", 0.01},
-      {Ending::elsewhere, ".*(viscous|[pP]orous).*", "static.*", "dt=1e-[35]",
-       "statics leaves inertia out, not the time that fluid and stresses need: a hundred short steps are too few", 0.1},
-      {Ending::moving, "TetrahedronPorousForceField.*", "BDF 2.*", "dt=1e-3",
-       "a defect: a pressure that is one step late feeds an oscillation that BDF 2 hardly damps"},
-      {Ending::grows, any, "trapezoid|Newmark|midpoint", any,
-       "one linear solve a step without damping is bounded for linear forces alone; Newton's method or an integrator "
-       "that damps is needed at such steps"},
-      {Ending::grows, ".*(Spring|BendingSprings|TrianglePressure).*", "(trapezoid|Newmark|midpoint), Newton",
-       "E=1e[69]|dt=0.1|dt=10?|E=1 dt=10",
-       "without damping the energy is kept for small motions or linear forces alone, at a step far above the motions"},
+      {Ending::elsewhere, ".*StableNeoHookean.*", any, shapes,
+       "an energy that is finite at J = 0 lets a body pass through itself, and rest there with all elements upright"},
+      {Ending::grows, "TrianglePressureForceField.*", "(trapezoid|Newmark|midpoint).*", any,
+       "a pressure that follows the border of an open sheet has no potential, and nothing damps what it feeds"},
       {Ending::grows, "(ShapeMemoryForceField|Phymul) reaction=(false|upright).*", "(trapezoid|Newmark|midpoint).*",
        any, "without the reaction the forces have no potential, and nothing damps what they feed"}};
   return all;
@@ -104,7 +78,8 @@ TEST_P(Matrix, EveryCellRecoversOrStopsWithASentence) {
     for (std::size_t i = 0; i < integrators().size(); ++i) {
       const Condition& condition = conditions()[c];
       if ((!all && !isInSample(row, i, c)) || (condition.poisson != 0.4 && !row.has_poisson)) continue;
-      const Outcome outcome = run(row, integrators()[i], condition);
+      const int most_steps = !all ? 2500 : isInSample(row, i, c) ? 150'000 : 25'000;
+      const Outcome outcome = run(row, integrators()[i], condition, most_steps);
       const bool silent = outcome.ending >= Ending::grows;
       const char* reason = silent ? reasonOf(row, integrators()[i], condition, outcome) : "";
       fmt::print("cell|{}|{}|{}|{}|{}|{:.2g}|{}|{}|{}\n", row.name, integrators()[i].name, condition.name,
