@@ -303,8 +303,7 @@ inline void ShapeMemory::act(Index batch, const V3<Pack>& force, Rows f) const {
   addToRows(own, rows(batch), f.data);
   Turn* turns = turns_.data() + std::size_t(batch) * pack_lanes;
   const V3<Pack>* parts[] = {&u.c0, &u.c1, &u.c2, &pull};
-  for (int p = 0; p < 4; ++p)
-    forEachRow(*parts[p], [&](int l, const auto& row) { setRow(row, turns[l].rows[p]); });
+  for (int p = 0; p < 4; ++p) forEachRow(*parts[p], [&](int l, const auto& row) { setRow(row, turns[l].rows[p]); });
 }
 
 /// Each node collects what the neighbourhoods that it belongs to do to it: no two threads write to one row.

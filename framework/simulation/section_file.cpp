@@ -173,9 +173,8 @@ std::string SectionFile::write(const std::string& path, const ContentKey& key, c
   }
   std::vector<std::uint64_t> sums(header.firstBlock(sections.size()));
   for (std::size_t i = 0; i < sections.size(); ++i)
-    parallelFor(int(header.blocks(i)), [&](int b) {
-      sums[header.firstBlock(i) + std::size_t(b)] = mixBlock(sections[i], std::size_t(b), i);
-    });
+    parallelFor(int(header.blocks(i)),
+                [&](int b) { sums[header.firstBlock(i) + std::size_t(b)] = mixBlock(sections[i], std::size_t(b), i); });
   const std::size_t sums_bytes = sums.size() * sizeof(std::uint64_t);
   header.sums_start = at, header.sums_check = mix(sums.data(), sums_bytes, 2);
   header.file_size = at + roundedUp(sums_bytes);

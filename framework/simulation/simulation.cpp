@@ -292,9 +292,10 @@ std::vector<std::string> Simulation::doubts() const {
       else if (const std::string beyond = field->doubt(system.x); !beyond.empty())
         say(where + beyond);
       if (field->traits().late && !system.integrator().toleratesLateForces() && steps_ > 0)
-        say(fmt::format("{} acts with a quantity from before the step, and {} hardly damps what that feeds: motions may "
-                        "ring for ever. A coupling without delay, or EulerImplicitSolver, does not",
-                        field->path(), system.integrator().path()));
+        say(fmt::format(
+            "{} acts with a quantity from before the step, and {} hardly damps what that feeds: motions may "
+            "ring for ever. A coupling without delay, or EulerImplicitSolver, does not",
+            field->path(), system.integrator().path()));
     }
     for (std::string& sentence : system.grownBodies()) say(std::move(sentence));
     say(system.integrator().doubt());
@@ -307,7 +308,8 @@ std::vector<std::string> Simulation::doubts() const {
 /// may have got it there.
 std::string Simulation::gainedEnergy(std::size_t index) const {
   const System& system = *systems_[index];
-  if (!system.integrator().keepsEnergy() || !system.isConservative() || !system.positionConstraints().empty()) return {};
+  if (!system.integrator().keepsEnergy() || !system.isConservative() || !system.positionConstraints().empty())
+    return {};
   for (const ForceField* field : system.forceFields())
     if (field->traits().time_dependent) return {};
   for (const ProjectiveConstraint* constraint : system.constraints())
@@ -320,7 +322,8 @@ std::string Simulation::gainedEnergy(std::size_t index) const {
   const double round_off = 1e-9 * (std::abs(potential) + std::abs(potential_start));
   if (!(gained > moved / 2 && gained > round_off)) return {};
   return fmt::format(
-      "{} has gained {:.3g} J by t = {:.6g} s with no work done on it: the step is too large for a rule without damping. "
+      "{} has gained {:.3g} J by t = {:.6g} s with no work done on it: the step is too large for a rule without "
+      "damping. "
       "A smaller dt, Newton's method, or EulerImplicitSolver keeps it bounded",
       system.integrator().path(), gained, time_);
 }

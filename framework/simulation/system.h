@@ -110,10 +110,10 @@ class System final : public SystemMatrix {
 
   double kineticEnergy() const { return kineticEnergy(v); }
   double kineticEnergy(ConstRows v_then) const;  ///< [J]
-  double potentialEnergy(ConstRows x) const;  ///< elastic + gravity + loads [J]
-  double elasticEnergy(ConstRows x) const;    ///< force fields only [J]
-  double gravityEnergy(ConstRows x) const;    ///< [J]
-  bool isConservative() const;                ///< every force field is
+  double potentialEnergy(ConstRows x) const;     ///< elastic + gravity + loads [J]
+  double elasticEnergy(ConstRows x) const;       ///< force fields only [J]
+  double gravityEnergy(ConstRows x) const;       ///< [J]
+  bool isConservative() const;                   ///< every force field is
 
   // ---- the matrix of a linear solve ----
   /// Sets A = P (sum (m + m_r rayleighMass) M + sum (k + k_r rayleighStiffness) K + sum c C) P + (I - P), with the
@@ -133,9 +133,10 @@ class System final : public SystemMatrix {
   ConstRows positions() const override { return {x.rows().data, independent_rows_}; }
   std::string describeRow(Index row) const override;
 
-  /// Empty, or a sentence: prescribed motions put a node at places without a common point, or x or v is not finite (with the state, the node and the component to suspect), or an elastic
-  /// body is more than a million times its size at rest and larger than at `before` [m]. It will not come back, and
-  /// long before it overflows nothing about it means anything.
+  /// Empty, or a sentence: prescribed motions put a node at places without a common point, or x or v is not finite
+  /// (with the state, the node and the component to suspect), or an elastic body is more than a million times its size
+  /// at rest and larger than at `before` [m]. It will not come back, and long before it overflows nothing about it
+  /// means anything.
   std::string firstFault(ConstRows before);
   /// A sentence for every elastic body that is more than ten times its size at rest.
   std::vector<std::string> grownBodies() const;
@@ -201,7 +202,7 @@ class System final : public SystemMatrix {
   std::vector<Mapping*> mappings_;
   Index all_rows_ = 0, independent_rows_ = 0;
 
-  Vector gravity_force_;  ///< constant, computed once
+  Vector gravity_force_;    ///< constant, computed once
   double burst_size_ = -1;  ///< [m], see firstFault(); -1: not looked up yet
   bool has_gravity_ = false;
   std::vector<NodeProjector> projectors_, gathered_;

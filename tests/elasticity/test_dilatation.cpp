@@ -73,9 +73,9 @@ TEST(MeanDilatation, AProductAndAMatrixOfTwoMaterialsAgree) {
   EXPECT_LT(relativeDifference(through_matrix, t.product(t.direction)), 1e-12);
 }
 
-/// Lame's thick tube in plane strain, radii 10 and 20 mm, under an inner pressure of E / 100; a quarter of it with n x n
-/// cells. Returns the inner wall's displacement over the closed form's,
-/// u(r) = (1 + nu) / E p a^2 / (b^2 - a^2) ((1 - 2 nu) r + b^2 / r).
+/// Lame's thick tube in plane strain, radii 10 and 20 mm, under an inner pressure of E / 100; a quarter of it with n x
+/// n cells. Returns the inner wall's displacement over the closed form's, u(r) = (1 + nu) / E p a^2 / (b^2 - a^2) ((1 -
+/// 2 nu) r + b^2 / r).
 double tube(int n, double nu, const std::string& attributes, bool tetrahedra) {
   constexpr double a = 0.01, b = 0.02, pressure = 0.01 * young, thickness = 0.002;
   std::string position, cells, forces, inner, on_x, on_y;

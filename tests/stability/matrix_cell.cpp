@@ -162,8 +162,8 @@ class Run {
     }
   }
 
-  /// The slowest motion is critically damped: after 20 / slowest it is 4e-8 of what it was, and so is what relaxes. Where that takes too many
-  /// steps a few show whether the energy grows.
+  /// The slowest motion is critically damped: after 20 / slowest it is 4e-8 of what it was, and so is what relaxes.
+  /// Where that takes too many steps a few show whether the energy grows.
   int limit() const {
     if (integrator_.is_static && row_.relaxation == 0) return 100;
     const double needed = 20 * std::max(1 / slowest_, row_.relaxation) / condition_.dt;
