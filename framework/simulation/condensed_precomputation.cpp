@@ -114,8 +114,8 @@ std::string CondensedIntegrator::sourcesOfNumbers() { return STROMA_SOURCES_OF_C
 
 ContentKey CondensedIntegrator::keyOf(const Problem& problem) const {
   ContentKey key;
-  key.add(fmt::format("condensed {} {} {} {}", sourcesOfNumbers(), int(form()) + 8 * mayInvert(), int(precision_),
-                      body_.interior()));
+  key.add(fmt::format("condensed {} form {} {} precision {} interior {} masses {} {}", sourcesOfNumbers(), int(form()),
+                      mayInvert(), int(precision_), body_.interior(), keepsInteriorMass(), sharesInteriorMass()));
   body_.addTo(key);
   key.add(problem.shift);
   key.add(problem.per_mass);
@@ -282,6 +282,7 @@ bool CondensedIntegrator::loadStored(Problem& problem) {
 
 // Columns of a static body that no load can reach are never read, and so not checked.
 bool CondensedIntegrator::inverseIsIntact(const Problem& problem) const {
+  if (body_.kept() == 0) return true;
   const auto* new_order = file_.array<Index>(order);
   const auto* known_force = file_.array<double>(force);
   const std::vector<Index>& timed = body_.timedNodes();

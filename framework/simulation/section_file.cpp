@@ -11,6 +11,7 @@
 #include <atomic>
 #include <bit>
 #include <cerrno>
+#include <chrono>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
@@ -42,10 +43,17 @@ struct Header {
 };
 static_assert(sizeof(Header) <= page);
 
+constexpr std::uint64_t odd = 0x9e3779b97f4a7c15ull;
+
+/// A bijection in which every bit moves many: a product alone leaves the highest one to itself.
+std::uint64_t stirred(std::uint64_t word) {
+  word *= odd;
+  return word ^ word >> 32;
+}
+
 /// Independent sums over words of eight bytes, so that memory is what it waits for.
 std::uint64_t mix(const void* data, std::size_t bytes, std::uint64_t seed) {
   constexpr std::size_t ways = 8;
-  constexpr std::uint64_t odd = 0x9e3779b97f4a7c15ull;
   std::array<std::uint64_t, ways> sums;
   for (std::size_t k = 0; k < ways; ++k) sums[k] = seed + k * odd;
   const auto* from = static_cast<const unsigned char*>(data);
@@ -56,12 +64,12 @@ std::uint64_t mix(const void* data, std::size_t bytes, std::uint64_t seed) {
   };
   std::size_t i = 0;
   for (; i + 8 * ways <= bytes; i += 8 * ways)
-    for (std::size_t k = 0; k < ways; ++k) sums[k] = std::rotl(sums[k] ^ word(from + i + 8 * k), 29) * odd;
+    for (std::size_t k = 0; k < ways; ++k) sums[k] = stirred(sums[k] ^ word(from + i + 8 * k));
   std::array<unsigned char, 8 * ways> rest{};
   if (i < bytes) std::memcpy(rest.data(), from + i, bytes - i);
-  for (std::size_t k = 0; k < ways; ++k) sums[k] = std::rotl(sums[k] ^ word(rest.data() + 8 * k), 29) * odd;
+  for (std::size_t k = 0; k < ways; ++k) sums[k] = stirred(sums[k] ^ word(rest.data() + 8 * k));
   std::uint64_t sum = bytes * odd;
-  for (std::uint64_t part : sums) sum = std::rotl(sum ^ part ^ part >> 31, 31) * odd;
+  for (std::uint64_t part : sums) sum = stirred(sum ^ part);
   return sum ^ sum >> 29;
 }
 
@@ -185,7 +193,8 @@ std::string SectionFile::write(const std::string& path, const ContentKey& key, c
   if (error) return error.message();
   // a file without a name, so that a run that is killed leaves none; then a name of its own, then the final one
   const std::string folder = std::filesystem::path(path).parent_path().string();
-  const std::string temporary = fmt::format("{}.{}", path, getpid());
+  const std::string temporary =
+      fmt::format("{}.{}.{}", path, getpid(), std::chrono::steady_clock::now().time_since_epoch().count());
   int descriptor = ::open(folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0644);
   const bool nameless = descriptor >= 0;  // not every file system has such files
   if (!nameless) descriptor = ::open(temporary.c_str(), O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, 0644);

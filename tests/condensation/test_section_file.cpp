@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <fstream>
 #include <functional>
+#include <sstream>
 
 #include "framework/simulation/condensed_integrator.h"
 #include "framework/simulation/section_file.h"
@@ -112,6 +113,8 @@ TEST(CondensedSources, theirDigestIsThatOfTheFiles) {
   // those that make the numbers of a file, by another program
   const std::string command = "cd '" STROMA_SOURCE_DIR
                               "' && LC_ALL=C; export LC_ALL; sha256sum $(ls components/condensation/*.cpp "
+                              "components/elasticity/*.cpp components/mechanics/*.cpp components/springs/*.cpp "
+                              "framework/fem/* framework/algebra/block_matrix.* "
                               "framework/algebra/compliance.h framework/algebra/partial_cholesky.h "
                               "framework/algebra/supernodal_columns.h framework/simulation/condensed_* "
                               "framework/simulation/section_file.* | sort) | cut -c1-64 | tr -d '\\n' | sha256sum";
@@ -164,6 +167,44 @@ TEST_F(CacheFolder, whatIsWrongWithAFileIsSaidAndItIsMadeAnew) {
     Simulation mended = simulationFromText(text);
     EXPECT_TRUE(fromCache(mended)) << sentence;
   }
+}
+
+TEST_F(CacheFolder, everyChoiceHasItsOwnNumbers) {
+  for (const std::string choice :
+       {"Static", "Static condensed=false", "Static precision=single", "Dynamic", "Dynamic interiorMass=shared",
+        "Dynamic interiorMass=neglected", "Dynamic interiorMass=neglected precision=single",
+        "Dynamic condensed=false solve=inverse", "Dynamic condensed=false solve=factor"}) {
+    SCOPED_TRACE(choice);
+    const std::string solver = choice.substr(0, choice.find(' '));
+    std::istringstream stream(choice.substr(solver.size()));
+    std::string attributes;
+    for (std::string word; stream >> word;) attributes += word.insert(word.find('=') + 1, "\"") + "\" ";
+    const auto run = [&](bool cached) {
+      Block block{.solver = "<Condensed" + solver + "Solver " + attributes +
+                            (cached ? "cacheFolder=\"" + folder.string() + "\"" : "") + "/>",
+                  .loads = "<ConstantForceField indices=\"139 47\" totalForce=\"0.05 0.02 -0.03\"/>"};
+      Simulation simulation = simulationFromText(block.text());
+      return std::pair(hashAfterSteps(simulation), fromCache(simulation));
+    };
+    const std::uint64_t plain = run(false).first;
+    EXPECT_EQ(run(true), std::pair(plain, false));
+    EXPECT_EQ(run(true), std::pair(plain, true));
+  }
+}
+
+TEST_F(CacheFolder, aBodyWithoutKeptNodesHasAFileToo) {
+  std::string held;
+  for (int n = 0; n < 64; ++n)
+    if (n % 4 % 3 == 0 || n / 4 % 4 % 3 == 0 || n / 16 % 3 == 0) held += std::to_string(n) + " ";
+  const std::string text =
+      "<Node name=\"root\" dt=\"0.01\" gravity=\"0 0 -9.81\"><CondensedStaticSolver cacheFolder=\"" + folder.string() +
+      "\"/><RegularGridTopology n=\"4 4 4\" min=\"0 0 0\" max=\"1 1 1\"/><MechanicalObject/><UniformMass "
+      "totalMass=\"1\"/><HexahedronFEMForceField method=\"small\" youngModulus=\"5000\" poissonRatio=\"0.3\"/>"
+      "<FixedProjectiveConstraint indices=\"" +
+      held + "\"/></Node>";
+  Simulation first = simulationFromText(text), second = simulationFromText(text);
+  EXPECT_TRUE(fromCache(second));
+  EXPECT_EQ(hashAfterSteps(first), hashAfterSteps(second));
 }
 
 /// A static body reads the columns of nodes whose loads change, and no others.
