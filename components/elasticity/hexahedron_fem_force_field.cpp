@@ -118,7 +118,9 @@ class Hexahedra final : public ElasticElements {
   }
   double strainBeyond(double limit, std::size_t e, ConstRows x) const override {
     double worst = 0;
-    forEachStrain(e, x, [&](const Mat3& here, double) { worst = std::max(worst, principalBeyond(limit, here)); });
+    forEachStrain(e, x, [&](const Mat3& here, double) {
+      worst = std::max(worst, principalBeyond(limit, here, variant_.method == ElasticMethod::green));
+    });
     return worst;
   }
   Nanoseconds cost() const override {

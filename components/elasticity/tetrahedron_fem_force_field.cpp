@@ -107,7 +107,7 @@ class Tetrahedra final : public ElasticElements {
     return frame * (toEigen(rotation::stretch(r, local)) - Mat3::Identity()) * frame.transpose();
   }
   double strainBeyond(double limit, std::size_t e, ConstRows x) const override {
-    return principalBeyond(limit, strain(e, x));
+    return principalBeyond(limit, strain(e, x), variant_.method == ElasticMethod::green);
   }
   Nanoseconds cost() const override {
     const double lanes = 8. / pack_lanes;

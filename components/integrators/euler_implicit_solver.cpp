@@ -46,6 +46,7 @@ class EulerImplicitSolver final : public Integrator {
   void init() override;
   void compile(System& system) override;
   StepReport step(System& system, const StepContext& context) override;
+  bool keepsEnergy() const override { return trapezoidal_ && !first_order_; }
   std::string describe() const override;
 
  private:

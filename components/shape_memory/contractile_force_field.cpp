@@ -58,6 +58,7 @@ class ContractileForceField final : public SpringField {
     ForceTraits traits = SpringField::traits();
     traits.time_dependent = factor_.varies();
     // they balance at any time, but not by vanishing at the rest shape
+    traits.has_rest_shape = true;
     if (factor_.varies() || factor_.at(0) != 1) traits.forces_balance = traits.torques_balance = false;
     return traits;
   }

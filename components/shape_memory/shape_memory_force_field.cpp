@@ -202,6 +202,7 @@ Adjacency ShapeMemoryForceField::bestTriangles(const Adjacency& all) const {
 
 ForceTraits ShapeMemoryForceField::traits() const {
   ForceTraits traits;
+  traits.has_rest_shape = true;
   traits.conservative = traits.forces_balance = traits.torques_balance = reaction_ == ReactionWord::yes;
   traits.symmetric = reaction_ == ReactionWord::yes || tangent_ == TangentWord::target;
   traits.exact_tangent = !hasReaction() && tangent_ == TangentWord::frame;

@@ -46,10 +46,13 @@ class ElasticElements {
   virtual Nanoseconds cost() const = 0;
 };
 
-/// For ElasticElements::strainBeyond(): of one point.
-inline double principalBeyond(double limit, const Mat3& strain) {
-  if (!(strain.squaredNorm() > limit * limit)) return 0;  // no principal strain is above the norm
-  const double largest = strain.selfadjointView<Eigen::Lower>().eigenvalues().cwiseAbs().maxCoeff();
+/// For ElasticElements::strainBeyond(): of one point. `green`: of Green's strain (l^2 - 1) / 2 the strain l - 1.
+inline double principalBeyond(double limit, const Mat3& strain, bool green) {
+  const double least = green ? limit - limit * limit / 2 : limit;  // of Green's strain where l - 1 = -limit
+  if (!(strain.squaredNorm() > least * least)) return 0;           // no principal strain is above the norm
+  Vec3 principal = strain.selfadjointView<Eigen::Lower>().eigenvalues();
+  if (green) principal = (2 * principal.array() + 1).max(0).sqrt() - 1;
+  const double largest = principal.cwiseAbs().maxCoeff();
   return largest > limit ? largest : 0;
 }
 

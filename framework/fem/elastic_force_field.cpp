@@ -262,6 +262,7 @@ ForceTraits ElasticForceField::traits() const {
   t.exact_tangent = linear || green || variant_.exact_tangent;
   t.symmetric = nodal || !variant_.exact_tangent || potential;
   t.forces_balance = !nodal;
+  t.has_rest_shape = true;
   t.torques_balance = update_b_ || green || svd_potential;
   return t;
 }

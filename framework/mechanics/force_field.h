@@ -18,6 +18,7 @@ struct ForceTraits {
   bool time_dependent = false;      ///< setTime() changes the force
   bool forces_balance = false;      ///< internal: forces sum to zero and vanish at the rest shape
   bool torques_balance = false;     ///< internal: torques sum to zero too
+  bool has_rest_shape = false;      ///< a body far larger than at rest has burst; so where forces_balance
   bool late = false;                ///< depends on a quantity from before the step
 };
 

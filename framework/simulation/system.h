@@ -135,8 +135,8 @@ class System final : public SystemMatrix {
 
   /// Empty, or a sentence: prescribed motions put a node at places without a common point, or x or v is not finite
   /// (with the state, the node and the component to suspect), or an elastic body is more than a million times its size
-  /// at rest and larger than at `before` [m]. It will not come back, and long before it overflows nothing about it
-  /// means anything.
+  /// at rest (a hundred times where elements have grown as much) and larger than at `before` [m]. It will not come back,
+  /// and long before it overflows nothing about it means anything.
   std::string firstFault(ConstRows before);
   /// A sentence for every elastic body that is more than ten times its size at rest.
   std::vector<std::string> grownBodies() const;

@@ -48,28 +48,35 @@ bool System::isConservative() const {
 
 namespace {
 
-constexpr double too_large = 1e6;  ///< times its size at rest: a body has burst
+/// A body has burst when it is so many times its size at rest: parts of it may have parted by the smaller number, but
+/// then their elements have kept their volumes.
+constexpr double too_large = 1e6, burst = 100;
 
-/// Of all coordinates: finite only where each of them is, and no smaller than the largest. In sixteen chains, because
-/// one alone waits for the latency of each addition, which is 4 % of a step of 5,000 tetrahedra.
-double sumOfSizes(ConstRows rows) {
+/// Over all coordinates: the sum is finite only where each of them is (and may overflow where each is).
+struct Sizes {
+  double sum = 0, largest = 0;
+};
+
+/// In sixteen chains, because one alone waits for the latency of each addition, which is 4 % of a step of 5,000
+/// tetrahedra.
+template <bool with_largest>
+Sizes sizesOf(ConstRows rows) {
   constexpr std::size_t chains = 16;
-  std::array<double, chains> sum{};
+  std::array<double, chains> sum{}, largest{};
   const double* __restrict numbers = rows.data;
   const std::size_t count = rows.doubles();
+  const auto look = [&](std::size_t i, std::size_t k) {
+    const double size = std::abs(numbers[i]);
+    sum[k] += size;
+    if (with_largest) largest[k] = size > largest[k] ? size : largest[k];
+  };
   std::size_t i = 0;
   for (; i + chains <= count; i += chains) {
 #pragma omp simd
-    for (std::size_t k = 0; k < chains; ++k) sum[k] += std::abs(numbers[i + k]);
+    for (std::size_t k = 0; k < chains; ++k) look(i + k, k);
   }
-  for (; i < count; ++i) sum[i % chains] += std::abs(numbers[i]);
-  return std::accumulate(sum.begin(), sum.end(), 0.0);
-}
-
-double largestSize(ConstRows rows) {
-  double largest = 0;
-  for (std::size_t i = 0; i < rows.doubles(); ++i) largest = std::max(largest, std::abs(rows.data[i]));
-  return largest;
+  for (; i < count; ++i) look(i, i % chains);
+  return {std::accumulate(sum.begin(), sum.end(), 0.0), *std::max_element(largest.begin(), largest.end())};
 }
 
 /// The diagonal of the box around `count` positions.
@@ -83,12 +90,28 @@ double diagonal(Index count, Position&& position) {
   return (high - low).norm();
 }
 
+bool hasRestShape(const ForceField& field) {
+  const ForceTraits traits = field.traits();
+  return traits.has_rest_shape || traits.forces_balance;
+}
+
 double restSize(const State& state) {
   return diagonal(state.size(), [&](Index i) { return state.rest_position[std::size_t(i)]; });
 }
 
 double sizeAt(const State& state, ConstRows x) {
   return diagonal(state.size(), [&](Index i) -> Vec3 { return x[state.firstRow() + i]; });
+}
+
+/// The largest |J| of a field's elements; zero where it has none.
+double largestVolumeRatio(const ForceField& field, ConstRows x) {
+  const std::vector<std::string> names = field.cellFields();
+  if (std::find(names.begin(), names.end(), "J") == names.end()) return 0;
+  std::vector<double> ratios;
+  field.cellField("J", x, ratios);
+  double largest = 0;
+  for (const double ratio : ratios) largest = std::max(largest, std::abs(ratio));
+  return largest;
 }
 
 Index firstBadRow(ConstRows rows) {
@@ -101,20 +124,20 @@ Index firstBadRow(ConstRows rows) {
 
 std::string System::firstFault(ConstRows before) {
   if (!misplaced_.empty()) return misplaced_;
-  const double x_sum = sumOfSizes(x), v_sum = sumOfSizes(v);
-  if (!std::isfinite(x_sum + v_sum)) {  // a sum of numbers that are finite may not be
+  const Sizes position = sizesOf<true>(x), velocity = sizesOf<false>(v);
+  if (!std::isfinite(position.sum + velocity.sum)) {
     const bool x_good = firstBadRow(x) < 0;
     if (!x_good || firstBadRow(v) >= 0) return firstNonFinite(x_good);
   }
   if (burst_size_ < 0) {
     burst_size_ = std::numeric_limits<double>::infinity();
     for (const ForceField* field : force_fields_) {
-      const double rest = field->traits().forces_balance ? restSize(field->state()) : 0;
-      if (rest > 0) burst_size_ = std::min(burst_size_, too_large * rest);
+      const double rest = hasRestShape(*field) ? restSize(field->state()) : 0;
+      if (rest > 0) burst_size_ = std::min(burst_size_, burst * rest);
     }
   }
   // no box is larger than four times the farthest coordinate
-  return 4 * x_sum <= burst_size_ || 4 * largestSize(x) <= burst_size_ ? std::string() : firstBurst(before);
+  return 4 * position.largest <= burst_size_ ? std::string() : firstBurst(before);
 }
 
 std::string System::firstNonFinite(bool x_good) const {
@@ -134,10 +157,11 @@ std::string System::firstNonFinite(bool x_good) const {
 
 std::string System::firstBurst(ConstRows before) const {
   for (const ForceField* field : force_fields_) {
-    if (!field->traits().forces_balance) continue;
+    if (!hasRestShape(*field)) continue;
     const State& state = field->state();
     const double rest = restSize(state), now = sizeAt(state, x);
-    if (rest > 0 && now > too_large * rest && now > sizeAt(state, before))
+    const bool too_far = now > too_large * rest || (now > burst * rest && largestVolumeRatio(*field, x) > burst);
+    if (rest > 0 && too_far && now > sizeAt(state, before))
       return fmt::format("{} has grown to {:.2g} times its size at rest; {} acts on it", state.path(), now / rest,
                          field->path());
   }
@@ -150,7 +174,7 @@ std::vector<std::string> System::grownBodies() const {
   std::vector<const State*> told;
   for (const ForceField* field : force_fields_) {
     const State& state = field->state();
-    if (!field->traits().forces_balance || std::find(told.begin(), told.end(), &state) != told.end()) continue;
+    if (!hasRestShape(*field) || std::find(told.begin(), told.end(), &state) != told.end()) continue;
     const double rest = restSize(state), now = sizeAt(state, x);
     if (!(rest > 0 && now > large * rest)) continue;
     told.push_back(&state);

@@ -42,7 +42,8 @@ enum class Ending {
   stopped,    ///< with a sentence; nothing that is not finite in a state
   under_way,  ///< the time simulated is too short to tell; the energy has not grown
   rings,      ///< bounded around its shape by an integrator that damps nothing
-  kept,       ///< not at its shape, which Simulation::doubts() or the last step's report says
+  kept,       ///< at rest in another shape, which Simulation::doubts() or the last step's report says
+  astray,     ///< moving, growing or far away, which they say
   grows,      ///< an integrator that damps nothing gains energy or leaves far, in silence
   elsewhere,  ///< at rest in another equilibrium with no element inverted, in silence
   moving,     ///< none of these, in silence

@@ -12,8 +12,8 @@
 namespace stroma::test::matrix {
 
 std::string wordOf(Ending ending) {
-  static const char* words[] = {"recovered", "stopped",   "under way", "rings", "kept, said",
-                                "grows",     "elsewhere", "moving",    "broken"};
+  static const char* words[] = {"recovered",    "stopped", "under way", "rings",  "kept, said",
+                                "astray, said", "grows",   "elsewhere", "moving", "broken"};
   return words[int(ending)];
 }
 
@@ -49,7 +49,8 @@ class Run {
       if (advance(limit())) return outcome_;
       settle();
       const bool nears = distance() < 0.999 * before;
-      if (outcome_.ending != Ending::moving && !(outcome_.ending == Ending::elsewhere && nears)) return outcome_;
+      const bool moves = outcome_.ending == Ending::moving || outcome_.ending == Ending::astray;
+      if (!moves && !(outcome_.ending == Ending::elsewhere && nears)) return outcome_;
       if (nears && outcome_.steps + limit() > most_steps_) outcome_.ending = Ending::under_way;
       if (outcome_.ending == Ending::under_way || (!nears && more >= 3)) return outcome_;
     }
@@ -206,8 +207,9 @@ class Run {
     if (ending == Ending::elsewhere || ending == Ending::moving || ending == Ending::grows) {
       const auto doubts = simulation_->doubts();
       if (!doubts.empty() || !unconverged_.empty()) {
-        outcome_.ending = Ending::kept;
-        outcome_.text = doubts.empty() ? unconverged_ : doubts[0];
+        const bool rests = ending == Ending::elsewhere && distance() < 3;
+        outcome_.ending = rests ? Ending::kept : Ending::astray;
+        outcome_.text += (text.empty() ? "" : ". ") + (doubts.empty() ? unconverged_ : doubts[0]);
       }
     }
     outcome_.distance = distance();

@@ -35,6 +35,12 @@ const std::vector<Known>& known() {
        "a place to go is told by the frame of the neighbours: turned and twisted neighbourhoods agree with each other"},
       {Ending::elsewhere, ".*StableNeoHookean.*", any, shapes,
        "an energy that is finite at J = 0 lets a body pass through itself, and rest there with all elements upright"},
+      {Ending::astray,
+       "(tetrahedra|boxes|hexahedra) (large|polar|svd).*|.*Corotational.*|HexahedralFEM.*|TetrahedralFEM.*", any, any,
+       "a defect that the run's warning names: forces in frames of elements have no potential, so that crushed and "
+       "inverted elements, above all with gradients of the present shape, can feed a motion that does not end"},
+      {Ending::astray, any, "Euler|BDF [12]|static", any,
+       "one linear solve a step follows its tangent too far; Newton's method does not"},
       {Ending::grows, "TrianglePressureForceField.*", "(trapezoid|Newmark|midpoint).*", any,
        "a pressure that follows the border of an open sheet has no potential, and nothing damps what it feeds"},
       {Ending::grows, "(ShapeMemoryForceField|Phymul) reaction=(false|upright).*", "(trapezoid|Newmark|midpoint).*",
@@ -80,7 +86,9 @@ TEST_P(Matrix, EveryCellRecoversOrStopsWithASentence) {
       if ((!all && !isInSample(row, i, c)) || (condition.poisson != 0.4 && !row.has_poisson)) continue;
       const int most_steps = !all ? 2500 : isInSample(row, i, c) ? 150'000 : 25'000;
       const Outcome outcome = run(row, integrators()[i], condition, most_steps);
-      const bool silent = outcome.ending >= Ending::grows;
+      // what no damping holds back may go astray with a word; what an integrator damps may not
+      const bool silent = outcome.ending >= Ending::grows ||
+                          (outcome.ending == Ending::astray && (integrators()[i].damps || integrators()[i].is_static));
       const char* reason = silent ? reasonOf(row, integrators()[i], condition, outcome) : "";
       fmt::print("cell|{}|{}|{}|{}|{}|{:.2g}|{}|{}|{}\n", row.name, integrators()[i].name, condition.name,
                  wordOf(outcome.ending), outcome.steps, outcome.distance, outcome.inverted, reason ? reason : "",

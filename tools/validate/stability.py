@@ -13,8 +13,8 @@ import platform
 import subprocess
 import sys
 
-ENDINGS = ["recovered", "stopped", "under way", "rings", "kept, said", "grows", "elsewhere", "moving", "broken"]
-SHORT = {"recovered": "R", "stopped": "S", "under way": "u", "rings": "r", "kept, said": "k", "grows": "G", "elsewhere": "E",
+ENDINGS = ["recovered", "stopped", "under way", "rings", "kept, said", "astray, said", "grows", "elsewhere", "moving", "broken"]
+SHORT = {"recovered": "R", "stopped": "S", "under way": "u", "rings": "r", "kept, said": "k", "astray, said": "a", "grows": "G", "elsewhere": "E",
          "moving": "M", "broken": "B"}
 
 TEXT = """# Stability
@@ -32,7 +32,8 @@ point, at random places; the other columns start pulled and twisted by a tenth o
 |---|---|
 | R | recovered: within 1e-6 of the size of the rest shape, for five steps |
 | S | stopped with a sentence that names step, integrator, force field, element and reason; states are the last good ones. Statics: not converged, with the same words |
-| k | kept: in another shape; the run's warning names the force field, how many elements are inverted or flat and the worst, or a body far larger than at rest, or that Newton's method did not converge |
+| k | kept: at rest in another shape, within three sizes; the run's warning names the force field and how many elements are inverted, flat, or strained beyond a linear law, and the worst; or a force that is a step late; or that Newton's method did not converge |
+| a | astray: such a warning, but the body moves, grows or is far away; so is energy that came from nowhere |
 | r | rings: an integrator without damping (trapezoid, Newmark, midpoint) at a step far above the fast motions; bounded |
 | u | under way: the steps made are too few to tell; the energy has not grown |
 | G | grows: an integrator without damping gained energy or left far, in silence |
@@ -40,8 +41,9 @@ point, at random places; the other columns start pulled and twisted by a tenth o
 | M | moving: neither at rest nor any of the above, in silence |
 | B | broken: a number that is not finite, or a stop without a sentence |
 
-B fails the test. So do M, E and G but for the cells that a list in `tests/stability/test_matrix.cpp` names, with the reason,
-which is given below for every such cell.
+B fails the test. So do M, E, G and, where the integrator damps, a, but for the cells that a list in
+`tests/stability/test_matrix.cpp` names; the reason is given below for every such cell. R and S are what a cell should end with;
+k, a, r and u are not.
 
 In a cell: how many of the integrators end so, the largest number of steps to recovery in brackets.
 """

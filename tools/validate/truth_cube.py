@@ -20,7 +20,8 @@ SCENES = {kind: "scenes/validation/truth_cube_" + name
                              ("Phymul, volume free", "phymul"))}
 REST = 0.1  # [%] of the size: a body that moved further in the half second before the measurement is not at rest
 LIKE_PAPER = {"until": 9, "every": 1250}  # 19 instants, half a second apart, six to a stage
-STATIC = {"steps": 18, "every": 1}
+STATIC_STEPS = 6  # of each stage
+STATIC = {"steps": 3 * STATIC_STEPS, "every": 1}
 
 
 def beads(file):
@@ -77,7 +78,8 @@ def far(a, b):
 
 def verdict(frames, k, equilibrium, result):
     """Why stage k (1 to 3) has no answer, or what is to be said of it; an answer, yes or no."""
-    whole = len(frames) > 6 * k + (1 if result["code"] and len(frames) < 19 else 0)
+    stopped = result["summary"].get("outcome") == "diverged"  # then the last good state is recorded too
+    whole = len(frames) > 6 * k + (1 if stopped else 0)
     if not whole:
         return False, "stopped: " + last_line(result)
     here = frames[6 * k]
@@ -91,24 +93,41 @@ def verdict(frames, k, equilibrium, result):
     return True, ""
 
 
-def stage_rows(row, result, measured, equilibria):
-    frames = result["frames"].get("cube.dofs", np.zeros((0, 0, 0)))
-    ms = result["summary"].get("ms_per_step", {}).get("median")
+def not_solved(result):
+    """What a static run says of steps that were not solved, and of elements that turned inside out on the way; or nothing."""
+    words = [line for line in result["message"].splitlines() if "Newton" in line or "inverted" in line]
+    if result["code"] and not words:
+        words = [last_line(result)]
+    return "; ".join(word.removeprefix("warning: ") for word in words)
+
+
+def stage_rows(row, results, measured, equilibria):
+    """Lines of the three stages, each read from its own result, and its shapes: None where there is a remark."""
     rows, shapes = [], []
-    for k, compression in enumerate(COMPRESSIONS, 1):
-        answer, word = verdict(frames, k, equilibria[k - 1] if equilibria else None, result)
+    for k, (compression, result) in enumerate(zip(COMPRESSIONS, results), 1):
+        frames = result["frames"].get("cube.dofs", np.zeros((0, 0, 0)))
+        equilibrium = equilibria[k - 1] if equilibria else None
+        answer, word = verdict(frames, k, equilibrium, result)
         values = ["-"] * 5
         if answer:
             computed = measured[0] + interpolate(frames[6 * k] - frames[0], measured[0])
             values = [f"{value:.2f}" for value in deviation(computed, measured[k])]
         printed = [f"{p:.2f}" for p in row.printed[k - 1]] if row.printed else [""] * 4
-        rows.append([row.name, compression + " %"] + values + printed + [f"{ms:.3f}" if ms else "-", row.ms or "", word])
+        rows.append([row.name, compression + " %"] + values + printed + times(row, result, equilibria is None, k) + [word])
         shapes.append(frames[6 * k] if answer and not word else None)
-    return rows, shapes if all(shape is not None for shape in shapes) else None
+    return rows, shapes
 
 
-HEADER = ["method", "compression", "mean", "min", "max", "std", "shift removed", "paper: mean", "min", "max", "std",
-          "ms a step", "paper: ms", "remark"]
+def times(row, result, static, k):
+    """Median of a step beside the paper's in dynamics; of statics all steps of the stages so far, whose times differ."""
+    step = result["summary"].get("ms_per_step", {})
+    if not step:
+        return ["-"] if static else ["-", row.ms or ""]
+    return [f"{step['mean'] * STATIC_STEPS * k:.0f}"] if static else [f"{step['median']:.3f}", row.ms or ""]
+
+
+HEADER = ["method", "compression", "mean", "min", "max", "std", "shift removed", "paper: mean", "min", "max", "std"]
+TIMES = {False: ["ms a step", "paper: ms", "remark"], True: ["ms from rest to here", "remark"]}
 
 
 def table(stroma, measured, body, static, equilibria):
@@ -119,15 +138,18 @@ def table(stroma, measured, body, static, equilibria):
         scene = SCENES[row.model[0]]
         if static and "phymul" in scene or dilatation == "mean" and not paper.has_mean_dilatation(row):
             continue
-        run = STATIC if static else LIKE_PAPER
-        result = stroma.run(scene + ("_static.xml" if static else ".xml"), settings(row, poisson, dilatation), **run)
-        added, shapes = stage_rows(row, result, measured, None if static else equilibria.get(row.name))
+        chosen = settings(row, poisson, dilatation)
         if static:
-            if result["code"] and shapes:
-                for line in added:
-                    line[-1] = last_line(result)
-                shapes = None
+            results = [stroma.run(scene + "_static.xml", chosen, steps=STATIC_STEPS * k) for k in (1, 2, 3)]
+            added, shapes = stage_rows(row, results, measured, None)
+            for k, result in enumerate(results):
+                if said := not_solved(result):
+                    added[k][-1] = "; ".join(word for word in (added[k][-1], said) if word)
+                    shapes[k] = None
             equilibria[row.name] = shapes
+        else:
+            result = stroma.run(scene + ".xml", chosen, **LIKE_PAPER)
+            added, _ = stage_rows(row, [result] * 3, measured, equilibria.get(row.name, [None] * 3))
         rows += added
         print("  ", name, "static" if static else "as in the paper", row.name, *[r[2] for r in added], flush=True)
     return rows
@@ -156,9 +178,10 @@ def run(stroma, out, report):
         equilibria, name = {}, body[0]
         for static in (True, False):
             rows = table(stroma, measured, body, static, equilibria)
-            sr.write_csv(os.path.join(out, FILES[static].format(name.replace(" ", "_"))), HEADER, rows)
+            header = HEADER + TIMES[static]
+            sr.write_csv(os.path.join(out, FILES[static].format(name.replace(" ", "_"))), header, rows)
             tables[name, static] = rows
-            text[name, static] = f"### {TITLES[static].format(name)}\n\n" + sr.markdown(HEADER, rows) + "\n"
+            text[name, static] = f"### {TITLES[static].format(name)}\n\n" + sr.markdown(header, rows) + "\n"
     why = causes(stroma, measured, out, tables)
     report.append("## Truth cube\n\n" + paper.INTRODUCTION + "\n" +
                   "".join(text[body[0], static] for body in paper.BODIES for static in (False, True)) + why)

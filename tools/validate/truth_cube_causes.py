@@ -65,7 +65,7 @@ def causes(stroma, measured, out, tables):
             continue
         rest = measured[0]
         rows.append(line(name, [rest + truth_cube.interpolate(frames[6 * k] - frames[0], rest) - measured[k] for k in (1, 2, 3)],
-                         truth_cube.last_line(result) if result["code"] else ""))
+                         truth_cube.not_solved(result)))
         if name == RUNS[0][0]:
             rows += [line(*registration) for registration in registrations(frames, measured)]
         print("   varied:", *rows[-1], flush=True)

@@ -70,10 +70,27 @@ def what_moves(tables, varied):
     named = {key: listed(f"{quoted(name)} ({off:.2f})" for off, name in sorted(group)) for key, group in groups.items()}
     text += (f" In statics without gravity it is at most {apart(base, printed):.2f} off. Nearer to the paper come: {named['nearer']}. "
              f"Away from it go: {named['farther']}. Less than {LITTLE} points of change: {named['little']}.")
-    if any(name.startswith("Poisson") for _, name in groups["nearer"]):
-        text += (" Likely, not measured: an updated B measures volume by tr(J (I - F^-1)), which lets the cube bulge too far "
-                 "when it is kept nearly exactly.")
     return text + "\n"
+
+
+def every_row(tables):
+    """For each printed row how far ours are from it in each table of dynamics, and with QR's two labels exchanged."""
+    columns = [key for key in tables if not key[1]]
+    lines = ["| row of the paper | " + " | ".join(f"at {poisson}" for poisson, _ in columns) + " |",
+             "|---" * (len(columns) + 1) + "|"]
+    exchanged = {"tets, QR, no B": "tets, QR, B", "tets, QR, B": "tets, QR, no B"}
+    for name, printed in PRINTED.items():
+        for label, ours in [(name, name)] + [(f"{name}, against our {other}", other) for other in [exchanged.get(name)] if other]:
+            cells = []
+            for key in columns:
+                values = means(tables[key], ours)
+                remark = any(row[0] == ours and row[REMARK] for row in tables[key])
+                present = any(row[0] == ours for row in tables[key])
+                cells.append((f"{apart(values, printed):.2f}" + (" (with a remark)" if remark else "")) if values
+                             else "no answer" if present else "")
+            lines.append(f"| {label} | " + " | ".join(cells) + " |")
+    return ("Every row with the paper's settings: the largest of the three differences of the mean, in points.\n\n" +
+            "\n".join(lines) + "\n\n")
 
 
 def unanswered(rows):
@@ -90,7 +107,8 @@ def where_no_answer(tables):
         phrases.append(f"{len(bad)} of {count} at {poisson} with {SETTINGS[static]} ({listed((quoted(name) for name in bad), 14)})")
     text = "- **Rows without an answer, or with a remark**: " + "; ".join(phrases) + "."
     text += (" At 0.499 lambda is 499 mu: the pressures of elements that lock act as a negative stiffness against turning them. "
-             "The tables with a mean dilatation differ from the others in nothing but these pressures.")
+             "The tables with a mean dilatation differ from the others in nothing but these pressures: they are the answer for a "
+             "body that must be stable at 0.499.")
     return text + "\n"
 
 
@@ -135,7 +153,7 @@ def large_deformation(tables):
 def conclusion(tables, varied):
     """`tables`: rows by (name in BODIES, statics or not); `varied`: rows of what is varied, the first unchanged."""
     finer = [row for row in varied if row[0].endswith("cells")]
-    text = ("Read from the tables; \"off\" is the largest of the differences between two rows, in points; in brackets: off the "
+    text = (every_row(tables) + "Read from the tables; \"off\" is the largest of the differences between two rows, in points; in brackets: off the "
             "paper.\n\n" +
             what_moves(tables, varied) + where_no_answer(tables) + without_bulge(tables, varied) +
             small_deformation(tables) + large_deformation(tables))

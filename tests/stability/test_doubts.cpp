@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// What a run is warned of at its end though every step succeeded: strains beyond a linear law, energy from nowhere,
+// forces that are a step late.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/scene_fixture.h"
+
+namespace stroma::test {
+namespace {
+
+std::string doubtsOf(const Simulation& simulation) {
+  std::string all;
+  for (const std::string& sentence : simulation.doubts()) all += sentence + "\n";
+  return all;
+}
+bool says(const std::string& text, const std::string& words) { return text.find(words) != std::string::npos; }
+
+/// One cell of 0.1 m, whole or cut in five.
+Simulation cell(const std::string& field) {
+  const bool cut = says(field, "Tetrahedron");
+  return simulationFromText(fmt::format(
+      R"(<Node name="root" dt="0.01" gravity="0 0 0"><MeshTopology name="mesh" position="0 0 0 0.1 0 0 0.1 0.1 0 0 0.1 0
+  0 0 0.1 0.1 0 0.1 0.1 0.1 0.1 0 0.1 0.1" hexahedra="0 1 2 3 4 5 6 7"/><Node name="body"><EulerImplicitSolver/>
+  <SparseLDLSolver/>{}<MechanicalObject/><UniformMass totalMass="1"/><{} name="fem" youngModulus="1000"
+  poissonRatio="0.3"/></Node></Node>)",
+      cut ? "<TetrahedronSetTopologyContainer name='cells'/><Hexa2TetraTopologicalMapping input='@../mesh' "
+            "output='@cells' cutting='five'/>"
+          : "<HexahedronSetTopologyContainer name='cells' src='@../mesh'/>",
+      field));
+}
+
+TEST(Doubts, StrainsBeyondALinearLawAreNamed) {
+  for (const std::string kind : {"Tetrahedron", "Hexahedron"})
+    for (const std::string method : {"small", "large", "polar", "svd", "green"}) {
+      SCOPED_TRACE(kind + " " + method);
+      Simulation simulation = cell(kind + "FEMForceField method=\"" + method + "\"");
+      Vector& x = simulation.systems()[0]->x;
+      for (Index i = 0; i < x.count(); ++i) x[i].x() *= 1.4;
+      EXPECT_EQ(doubtsOf(simulation), "");
+      for (Index i = 0; i < x.count(); ++i) x[i].x() *= 1.6 / 1.4;
+      const std::string text = doubtsOf(simulation);
+      for (const std::string word : {"/body/fem at t = 0 s", "strained beyond 50 %", "hedron ", ": 60 %"})
+        EXPECT_TRUE(says(text, word)) << word << " in " << text;
+      for (Index i = 0; i < x.count(); ++i) x[i].x() *= 0.4 / 1.6;
+      EXPECT_TRUE(says(doubtsOf(simulation), "strained beyond 50 %"));
+    }
+  // the law of large strains is asked for none
+  Simulation simulation = cell("HexahedronHyperelasticityFEMForceField materialName=\"NeoHookean\"");
+  Vector& x = simulation.systems()[0]->x;
+  for (Index i = 0; i < x.count(); ++i) x[i].x() *= 1.6;
+  EXPECT_EQ(doubtsOf(simulation), "");
+}
+
+/// An hourglass has no strain in the mean of the cell.
+TEST(Doubts, StrainsAreThoseOfThePointsOfAHexahedron) {
+  Simulation simulation = cell("HexahedronFEMForceField method=\"polar\"");
+  Vector& x = simulation.systems()[0]->x;
+  const int signs[] = {1, -1, 1, -1, 1, -1, 1, -1};
+  for (Index i = 0; i < 8; ++i) x[i].x() += 0.1 * signs[i] * 0.45;
+  const std::string text = doubtsOf(simulation);
+  EXPECT_TRUE(says(text, "1 of 1 elements are strained beyond 50 %")) << text;
+}
+
+/// A mass on a stiff spring: linearised steps far above its period gain energy; a small step and a step that damps do
+/// not, nor does a mass that falls.
+TEST(Doubts, EnergyFromNowhereIsNamed) {
+  const auto pendulum = [](const std::string& integrator, double dt, const std::string& gravity) {
+    Simulation simulation = simulationFromText(fmt::format(
+        R"(<Node name="root" dt="{}" gravity="{}"><{}/><SparseLDLSolver/><MechanicalObject position="0 0 0 1 0 0  2 0 0"
+  velocity="0 0 0  0 2 0  0 -3 1"/><UniformMass totalMass="0.3"/><FixedProjectiveConstraint indices="0"/>
+  <SpringForceField springsIndices1="0 1" springsIndices2="1 2" lengths="1 1" stiffness="1000" damping="0"/></Node>)",
+        dt, gravity, integrator));
+    for (int step = 0; step < 200; ++step) EXPECT_FALSE(simulation.step().diverged);
+    return doubtsOf(simulation);
+  };
+  for (const std::string integrator :
+       {"NewmarkImplicitSolver", "TrapezoidalRuleSolver", "EulerImplicitSolver trapezoidalScheme=\"true\""}) {
+    const std::string gained = pendulum(integrator, 0.2, "0 0 0");
+    EXPECT_TRUE(says(gained, " has gained ")) << integrator << ": " << gained;
+    EXPECT_FALSE(says(pendulum(integrator, 0.001, "0 0 0"), "has gained"));
+    EXPECT_FALSE(says(pendulum(integrator, 0.001, "0 0 -9.81"), "has gained"));
+  }
+  EXPECT_FALSE(says(pendulum("EulerImplicitSolver", 0.2, "0 0 0"), "has gained"));
+}
+
+TEST(Doubts, LateForcesUnderASecondOrderRuleAreNamed) {
+  const auto sponge = [](const std::string& integrator, const std::string& coupling) {
+    Simulation simulation = simulationFromText(fmt::format(
+        R"(<Node name="root" dt="0.01" gravity="0 0 0"><RegularGridTopology name="grid" n="2 2 2" min="0 0 0" max="1 1 1"/>
+  <Node name="body">{}<SparseLDLSolver/><TetrahedronSetTopologyContainer name="cells"/>
+  <Hexa2TetraTopologicalMapping input="@../grid" output="@cells"/><MechanicalObject/><UniformMass totalMass="1"/>
+  <TetrahedronHyperelasticityFEMForceField materialName="NeoHookean" youngModulus="1000" poissonRatio="0.3"/>
+  <TetrahedronPorousForceField fluidFraction="0.5" bulkModulus="100" limitModulus="400" permeability="1e-4"
+  coupling="{}"/></Node></Node>)",
+        integrator, coupling));
+    EXPECT_FALSE(simulation.step().diverged);
+    return doubtsOf(simulation);
+  };
+  for (const std::string rule : {"<BDFOdeSolver order='2'/>", "<NewmarkImplicitSolver/>", "<TrapezoidalRuleSolver/>"}) {
+    EXPECT_TRUE(says(sponge(rule, "semi_implicit"), "from before the step")) << rule;
+    EXPECT_EQ(sponge(rule, "implicit"), "") << rule;
+  }
+  for (const std::string rule : {"<BDFOdeSolver order='1'/>", "<EulerImplicitSolver/>"})
+    EXPECT_EQ(sponge(rule, "semi_implicit"), "") << rule;
+}
+
+}  // namespace
+}  // namespace stroma::test
