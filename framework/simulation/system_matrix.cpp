@@ -93,6 +93,12 @@ void System::multiply(ConstRows p, Rows out) const {
 }
 
 void System::diagonalBlocks(std::vector<double>& blocks) const {
+  if (assembled_revision_ == revision_) {
+    blocks.resize(std::size_t(independent_rows_) * 9);
+    for (std::size_t row = 0; row < std::size_t(independent_rows_); ++row)
+      std::copy_n(matrix_.values().data() + std::size_t(matrix_.diagonal()[row]) * 9, 9, blocks.data() + 9 * row);
+    return;
+  }
   // what acts on mapped states is left out: it reaches other rows than its own
   blocks.assign(std::size_t(all_rows_) * 9, 0.0);
   for (const Mass* mass : masses_)

@@ -39,6 +39,13 @@ const std::vector<Known>& known() {
        "(tetrahedra|boxes|hexahedra) (large|polar|svd).*|.*Corotational.*|HexahedralFEM.*|TetrahedralFEM.*", any, any,
        "a defect that the run's warning names: forces in frames of elements have no potential, so that crushed and "
        "inverted elements, above all with gradients of the present shape, can feed a motion that does not end"},
+      {Ending::astray, ".* green", any, shapes,
+       "a crushed element of St. Venant and Kirchhoff's law has no force left, and opens again slowly or not at all"},
+      {Ending::astray, ".*viscous.*", any, "inverted|flat|line|point|random|nu=0.4999",
+       "a defect that the run's warning names: viscous stresses of the second Piola-Kirchhoff kind grow without bound "
+       "in flat elements, and push when these open"},
+      {Ending::grows, ".*viscous.*", "(trapezoid|Newmark|midpoint), Newton", any,
+       "the history of the stress has no energy that these rules could keep, and nothing damps what it feeds"},
       {Ending::astray, any, "Euler|BDF [12]|static", any,
        "one linear solve a step follows its tangent too far; Newton's method does not"},
       {Ending::grows, "TrianglePressureForceField.*", "(trapezoid|Newmark|midpoint).*", any,

@@ -150,6 +150,8 @@ def table(stroma, measured, body, static, equilibria):
         else:
             result = stroma.run(scene + ".xml", chosen, **LIKE_PAPER)
             added, _ = stage_rows(row, [result] * 3, measured, equilibria.get(row.name, [None] * 3))
+            if not added[-1][-1]:  # what a run says of its end belongs to the last stage
+                added[-1][-1] = not_solved(result)
         rows += added
         print("  ", name, "static" if static else "as in the paper", row.name, *[r[2] for r in added], flush=True)
     return rows
