@@ -208,8 +208,7 @@ std::string CondensedDynamicSolver::stepText() const {
       used_form_ == Form::factor   ? "a sweep forth and back through the sparse factor"
       : used_form_ == Form::joined ? fmt::format("one product with half of the inverse between sweeps through the "
                                                  "factor of {} nodes inside, which interiorMass=\"shared\" or "
-                                                 "\"neglected\" would save, and condensed=\"false\" would mostly "
-                                                 "do at less cost",
+                                                 "\"neglected\" would save; condensed=\"false\" mostly costs less",
                                                  body_.interior())
                                    : "one product with half of the inverse",
       active(), isSingle() && used_form_ != Form::factor ? " in single precision" : "", slowest_ / (2 * pi),

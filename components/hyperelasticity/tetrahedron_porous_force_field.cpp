@@ -18,10 +18,10 @@
 //
 // coupling = semi_implicit, as published: forces see the pressure from before the step, and the pressure then follows
 // the step's change of volume; time steps must be small where the fluid is stiff against the tissue, and the integrator
-// one of first order, because a pressure that is a step late feeds oscillations. implicit: forces
-// see the pressure that belongs to their shape at the end of the step, whatever the step. Its tangent is that of fluid
-// which stays in each element (the undrained split): stable with one linear solve a step; Newton iterations, of which
-// it needs some, solve for both at once.
+// one of first order, because a pressure that is a step late feeds oscillations. implicit: forces see the pressure that
+// belongs to their shape at the end of the step, whatever the step. Its tangent is that of fluid which stays in each
+// element (the undrained split): stable with one linear solve a step; Newton iterations solve for both at once, and
+// converge linearly.
 //
 // Source: S. Marchesseau, T. Heimann, S. Chatelin, R. Willinger, H. Delingette, "Multiplicative Jacobian energy
 // decomposition method for fast porous visco-hyperelastic soft tissue model", MICCAI 2010, section 3.2; the split

@@ -45,7 +45,7 @@ static_assert(sizeof(Header) <= page);
 
 constexpr std::uint64_t odd = 0x9e3779b97f4a7c15ull;
 
-/// A bijection in which every bit moves many: a product alone leaves the highest one to itself.
+/// A bijection. A product moves bits up alone and leaves the highest one to itself; the shift brings them down.
 std::uint64_t stirred(std::uint64_t word) {
   word *= odd;
   return word ^ word >> 32;

@@ -322,9 +322,8 @@ std::string Simulation::gainedEnergy(std::size_t index) const {
   const double round_off = 1e-9 * (std::abs(potential) + std::abs(potential_start));
   if (!(gained > moved / 2 && gained > round_off)) return {};
   return fmt::format(
-      "{} has gained {:.3g} J by t = {:.6g} s with no work done on it, as rules without damping may at steps that are "
-      "too "
-      "large for them. A smaller dt, or EulerImplicitSolver, keeps it bounded",
+      "{} has gained {:.3g} J by t = {:.6g} s with no work done on it, as rules without damping may at large steps. A "
+      "smaller dt, or EulerImplicitSolver, keeps it bounded",
       system.integrator().path(), gained, time_);
 }
 

@@ -155,11 +155,18 @@ std::string System::firstNonFinite(bool x_good) const {
   return text;
 }
 
+// A small body far from the origin is looked at in every step: one pass over it must be enough.
 std::string System::firstBurst(ConstRows before) const {
+  const State* small = nullptr;
   for (const ForceField* field : force_fields_) {
-    if (!hasRestShape(*field)) continue;
     const State& state = field->state();
-    const double rest = restSize(state), now = sizeAt(state, x);
+    if (&state == small || !hasRestShape(*field)) continue;
+    const double now = sizeAt(state, x);
+    if (!(now > burst_size_)) {
+      small = &state;
+      continue;
+    }
+    const double rest = restSize(state);
     const bool too_far = now > too_large * rest || (now > burst * rest && largestVolumeRatio(*field, x) > burst);
     if (rest > 0 && too_far && now > sizeAt(state, before))
       return fmt::format("{} has grown to {:.2g} times its size at rest; {} acts on it", state.path(), now / rest,

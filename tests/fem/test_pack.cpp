@@ -94,6 +94,18 @@ TEST(Pack, AddingReachesRowsThatLanesShare) {
   }
 }
 
+TEST(Pack, SettingRowsWritesEachLanesRowAndNoOther) {
+  Lanes x{}, y{}, z{};
+  for (std::size_t l = 0; l < pack_lanes; ++l) x[l] = 1. + double(l), y[l] = 20. + double(l), z[l] = 300. + double(l);
+  RowsOf to, expected;
+  for (std::size_t l = 0; l < pack_lanes; ++l) {
+    double* row = expected.data.data() + l * row_doubles;
+    row[0] = x[l], row[1] = y[l], row[2] = z[l];
+  }
+  setRows(V3<Pack>{packOf(x), packOf(y), packOf(z)}, to.data.data());
+  EXPECT_EQ(to.data, expected.data);
+}
+
 TEST(Pack, RootsHoldTheirDigits) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> exponent(-300, 300);

@@ -36,6 +36,7 @@ TEST(System, AllocatesNothingAfterTheFirstStep) {
     p[4] = Vec3(1, 2, 3);
     system.computeForceAndProduct(system.x, system.v, p, -0.1, 0, f);
     system.matrix({.mass = 1, .stiffness = -0.01}).multiply(p, out);
+    system.diagonalBlocks(blocks);
     system.assemble();
     system.diagonalBlocks(blocks);
     system.project(f);

@@ -63,15 +63,20 @@ TEST_P(Matrices, AssembledIsTheProductsPlusOneInHeldDirections) {
   system.computeForce(system.x, system.v, system.f);
   system.matrix({.mass = 2, .stiffness = -0.3, .rayleigh_mass = 0.4, .rayleigh_stiffness = -0.7});
   const Eigen::MatrixXd p = projector(system), identity = Eigen::MatrixXd::Identity(p.rows(), p.cols());
+  std::vector<double> before, after;
+  system.diagonalBlocks(before);  // by the fields, and once there is a matrix, out of it
   const Eigen::MatrixXd products = byProducts(system), assembled = dense(system.assemble());
+  system.diagonalBlocks(after);
   EXPECT_GT((products - p * 4.4 * p).norm(), 1) << "more than the mass";
   EXPECT_LT((assembled - products - (identity - p)).norm(), 1e-12 * assembled.norm());
   EXPECT_EQ((assembled - assembled.transpose()).norm() < 1e-12 * assembled.norm(), system.symmetric());
-  std::vector<double> blocks;
-  system.diagonalBlocks(blocks);
+  ASSERT_EQ(before.size(), after.size());
   for (Index i = 0; i < system.rows(); ++i)
-    for (int c = 0; c < 9; ++c)
-      EXPECT_NEAR(blocks[std::size_t(i) * 9 + std::size_t(c)], assembled(3 * i + c / 3, 3 * i + c % 3), 1e-12);
+    for (int c = 0; c < 9; ++c) {
+      const double expected = assembled(3 * i + c / 3, 3 * i + c % 3);
+      EXPECT_NEAR(before[std::size_t(i) * 9 + std::size_t(c)], expected, 1e-12);
+      EXPECT_EQ(after[std::size_t(i) * 9 + std::size_t(c)], expected);
+    }
   // held: row and column of the identity
   EXPECT_EQ(assembled.block(0, 0, 3, 3), Mat3::Identity());
   EXPECT_EQ(assembled.block(0, 3, 3, 12).norm(), 0);

@@ -219,5 +219,31 @@ TEST(Divergence, ABodyThatHasBurstIsNamed) {
   EXPECT_EQ(system.firstFault(system.x), "") << "no longer growing";
 }
 
+/// Two tetrahedra that share a state: apart by any distance they are whole, grown a hundred times they have burst.
+TEST(Divergence, AHundredSizesAreABurstWhereElementsGrewAsMuch) {
+  for (const char* method : {"polar", "nodal"}) {
+    SCOPED_TRACE(method);
+    Simulation simulation = simulationFromText(fmt::format(
+        R"(<Node name="root" dt="0.01" gravity="0 0 0"><EulerImplicitSolver/><CGLinearSolver/>
+      <MeshTopology position="0 0 0 1 0 0 0 1 0 0 0 1  2 0 0 3 0 0 2 1 0 2 0 1" tetrahedra="0 1 2 3 4 5 6 7"/>
+      <MechanicalObject name="dofs"/><UniformMass totalMass="1"/>
+      <TetrahedronFEMForceField name="fem" method="{}" youngModulus="1000" poissonRatio="0.3"/></Node>)",
+        method));
+    System& system = *simulation.systems().at(0);
+    Vector before(system.allRows());
+    copy(system.x, before);
+    for (Index i = 4; i < 8; ++i) system.x[i].x() += 1000;
+    EXPECT_EQ(system.firstFault(before), "") << "parted, and whole";
+    for (Index i = 0; i < 8; ++i) system.x[i] = 90 * before[i];
+    EXPECT_EQ(system.firstFault(before), "") << "large, and not yet burst";
+    for (Index i = 0; i < 8; ++i) system.x[i] = 110 * before[i];
+    EXPECT_NE(system.firstFault(before).find("/dofs has grown to 1.1e+02 times its size at rest; /fem"),
+              std::string::npos)
+        << system.firstFault(before);
+    for (Index i = 0; i < 8; ++i) system.x[i] = Vec3(before[i]) + Vec3(1e6, 0, 0);
+    EXPECT_EQ(system.firstFault(before), "") << "far away, and as large as at rest";
+  }
+}
+
 }  // namespace
 }  // namespace stroma::test
