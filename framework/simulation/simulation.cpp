@@ -6,11 +6,19 @@
 #include <algorithm>
 #include <bit>
 #include <chrono>
+#include <cmath>
+#include <set>
+
+#include "framework/mechanics/state_positions.h"
+#include "framework/mesh/folds.h"
+#include "framework/mesh/topology.h"
 
 namespace stroma {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+/// Steps from one look at reversed velocities to the next: the look costs two dot products.
+constexpr long look_every = 8;
 double seconds(Clock::duration duration) { return std::chrono::duration<double>(duration).count(); }
 
 /// A system owns everything below its integrator, so on any way from the root to a leaf at most one is allowed.
@@ -46,6 +54,26 @@ std::string foldedElements(const ForceField& field, ConstRows x) {
   if (folded == 0) return {};
   return fmt::format("{} of {} elements are inverted or flat; the worst is {}", folded, j.size(),
                      field.worstElement(x));
+}
+
+/// The meshes of the node nearest above a state that has any of the state's size.
+std::vector<const Topology*> meshesOf(const State& state) {
+  std::vector<const Topology*> found;
+  for (const Node* node = &state.node(); node && found.empty(); node = node->parent())
+    for (const auto& component : node->components()) {
+      const auto* topology = dynamic_cast<const Topology*>(component.get());
+      if (topology && topology->mesh().nodes() == state.size()) found.push_back(topology);
+    }
+  return found;
+}
+
+/// Why a force that is a step late and an integrator do not go together, or empty.
+std::string lateForce(const ForceField& field, const Integrator& integrator) {
+  if (!field.traits().late || integrator.toleratesLateForces()) return {};
+  return fmt::format(
+      "{} acts with a quantity from before the step, and {} hardly damps what that feeds: motions may ring for ever. A "
+      "coupling without delay, or EulerImplicitSolver, does not",
+      field.path(), integrator.path());
 }
 
 /// Null when the integrator, or what it found below itself, cannot work as written: the reason is in `diagnostics`.
@@ -157,7 +185,11 @@ Simulation::Simulation(Scene scene) : scene_(std::move(scene)) {
   if (integrators.empty())
     diagnostics.warning(root().where(), root().path(), "the scene has no integrator: time passes and nothing moves");
   for (const auto& system : systems_) {
+    for (const ForceField* field : system->forceFields())
+      if (std::string sentence = lateForce(*field, system->integrator()); !sentence.empty())
+        diagnostics.warning(field->where(), field->path(), std::move(sentence));
     good_.emplace_back(Vector(system->allRows()), Vector(system->allRows()));
+    reversals_.push_back(0);
     initial_.emplace_back(Vector(system->allRows()), Vector(system->allRows()));
     copy(system->x, initial_.back().first);
     copy(system->v, initial_.back().second);
@@ -222,6 +254,7 @@ void Simulation::advance(std::size_t index, const StepContext& context, StepRepo
   system.times.total += seconds(Clock::now() - start);
   system.times.solve += part.solve_seconds;
   if (!part.diverged && cause.empty()) {
+    if (!lean && context.index % look_every == 0 && system.integrator().keepsEnergy()) watchReversals(index);
     if (part.unsolved) part.reason = whereAndWhy(system, context, part.reason, "");
     return merge(std::move(part), report);
   }
@@ -237,6 +270,24 @@ void Simulation::advance(std::size_t index, const StepContext& context, StepRepo
   report.diverged = true;
   // the states are those of the last good step: the worst elements are where the trouble began, not where it ended
   report.reason = whereAndWhy(system, context, cause, " before the step");
+}
+
+void Simulation::watchReversals(std::size_t index) {
+  const Vector &now = systems_[index]->v, &before = good_[index].second;
+  const double product = dot(now, before);
+  reversals_[index] = product < -0.5 * std::sqrt(dot(now, now) * dot(before, before)) ? reversals_[index] + 1 : 0;
+}
+
+/// Motions much faster than the step keep their velocity but for its sign, for ever or nearly so: a physical viscosity
+/// does not damp them either, because rules without damping of their own take it for a change of sign too.
+std::string Simulation::reversals(std::size_t index) const {
+  constexpr int in_a_row = 3;
+  if (reversals_[index] < in_a_row) return {};
+  return fmt::format(
+      "{} at t = {:.6g} s: velocities change sign from step to step. dt = {:.6g} s is far above the period of the "
+      "fastest motions, which this rule does not damp: the positions are a mean at best. A smaller dt, "
+      "EulerImplicitSolver or BDFOdeSolver settles",
+      systems_[index]->integrator().path(), time_, dt());
 }
 
 void Simulation::complete() const {
@@ -273,6 +324,7 @@ void Simulation::reset() {
   std::vector<Component*> components;
   root().collect(components);
   for (Component* component : components) component->reset();
+  reversals_.assign(systems_.size(), 0);
   steps_ = 0;
   time_ = root().root_time;
 }
@@ -285,21 +337,28 @@ std::vector<std::string> Simulation::doubts() const {
   };
   for (std::size_t i = 0; i < systems_.size(); ++i) {
     const System& system = *systems_[i];
+    std::set<const State*> folded_states;
     for (const ForceField* field : system.forceFields()) {
       const std::string where = fmt::format("{} at t = {:.6g} s: ", field->path(), time_);
       if (const std::string folded = foldedElements(*field, system.x); !folded.empty())
-        say(where + folded);
+        say(where + folded), folded_states.insert(&field->state());
       else if (const std::string beyond = field->doubt(system.x); !beyond.empty())
         say(where + beyond);
-      if (field->traits().late && !system.integrator().toleratesLateForces() && steps_ > 0)
-        say(fmt::format(
-            "{} acts with a quantity from before the step, and {} hardly damps what that feeds: motions may "
-            "ring for ever. A coupling without delay, or EulerImplicitSolver, does not",
-            field->path(), system.integrator().path()));
+      if (steps_ > 0) say(lateForce(*field, system.integrator()));
+    }
+    // what force fields do not look at: springs and shape memory know no volumes, and a point inside a cell not its
+    // corners
+    for (const State* state : system.states()) {
+      if (folded_states.count(state) > 0) continue;
+      const std::vector<Vec3> now = positionsOf(*state, system.x);
+      for (const Topology* topology : meshesOf(*state))
+        if (const std::string folds = foldsOf(topology->mesh(), state->rest_position, now); !folds.empty())
+          say(fmt::format("{} at t = {:.6g} s: {}", topology->path(), time_, folds));
     }
     for (std::string& sentence : system.grownBodies()) say(std::move(sentence));
     say(system.integrator().doubt());
     say(gainedEnergy(i));
+    say(reversals(i));
   }
   return sentences;
 }

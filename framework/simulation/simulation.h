@@ -48,7 +48,8 @@ class Simulation {
   std::uint64_t stateHash() const;
   /// Why the present shapes may be no result: a sentence for each force field with elements that are flat or inverted
   /// (a body may come to rest so) or strained beyond its law, for each elastic body far larger than at rest, for an
-  /// energy that came from nowhere, and for what an integrator reports.
+  /// energy that came from nowhere, for velocities that change sign from step to step, for a mesh that has folded over
+  /// itself where no force field looks at its volumes, and for what an integrator reports.
   std::vector<std::string> doubts() const;
   /// The compiled plan in lines: what runs each step, how often, what was skipped and why.
   std::vector<std::string> explain() const;
@@ -56,6 +57,9 @@ class Simulation {
  private:
   /// A sentence when a system with an integrator that keeps energy has much more than at the start, or empty.
   std::string gainedEnergy(std::size_t index) const;
+  /// Every few steps of an integrator that keeps energy: whether the step has turned the velocities around.
+  void watchReversals(std::size_t index);
+  std::string reversals(std::size_t index) const;
   /// Times of the step that comes.
   StepContext nextStep() const;
   /// One step of system `index`, with roll-back of all systems up to it when it fails.
@@ -70,6 +74,7 @@ class Simulation {
   std::vector<History*> histories_;
   std::vector<std::pair<Vector, Vector>> initial_;  ///< x and v of each system at the start, for reset()
   std::vector<std::pair<Vector, Vector>> good_;     ///< x and v of each system before the step
+  std::vector<int> reversals_;                      ///< of each system: the last looks in a row that found one
   double time_ = 0;
   long steps_ = 0;
   bool begun_ = false;

@@ -2,6 +2,8 @@
 // The stability matrix: rows (every force field of the factory, with every method), columns (every implicit integrator,
 // linearised and with Newton's method) and conditions (bad starting shapes, extreme moduli and steps).
 #pragma once
+#include <algorithm>
+#include <cmath>
 #include <functional>
 #include <string>
 #include <vector>
@@ -13,6 +15,8 @@ namespace stroma::test::matrix {
 struct Condition {
   std::string name, shape = "pulled";
   double young = 5000, poisson = 0.4, dt = 0.01;
+  /// What relaxes does so faster in stiffer bodies, as their motions are faster.
+  double relaxationScale() const { return std::min(1.0, std::sqrt(5000 / young)); }
 };
 const std::vector<Condition>& conditions();
 
@@ -32,7 +36,7 @@ struct Row {
   std::function<double(const Condition&)> slowest;
   bool has_poisson = false;
   bool is_alias = false;  ///< another name of a component that has its rows already
-  double relaxation = 0;  ///< [s], of the slowest stress or pressure that relaxes
+  double relaxation = 0;  ///< [s], of the slowest stress or pressure that relaxes, at a scale of 1
 };
 const std::vector<Row>& rows();
 
@@ -41,10 +45,9 @@ enum class Ending {
   recovered,  ///< at its rest shape, within 1e-6 of its size, and it stays there
   stopped,    ///< with a sentence; nothing that is not finite in a state
   under_way,  ///< the time simulated is too short to tell; the energy has not grown
-  rings,      ///< bounded around its shape by an integrator that damps nothing
-  kept,       ///< at rest in another shape, which Simulation::doubts() or the last step's report says
+  rings,      ///< bounded around its shape by an integrator that damps nothing, which Simulation::doubts() says
+  kept,       ///< at rest in another shape, which they or the last step's report say
   astray,     ///< moving, growing or far away, which they say
-  grows,      ///< an integrator that damps nothing gains energy or leaves far, in silence
   elsewhere,  ///< at rest in another equilibrium with no element inverted, in silence
   moving,     ///< none of these, in silence
   broken      ///< a number that is not finite, or a stop without a sentence: a defect

@@ -24,7 +24,7 @@ const std::vector<Condition>& conditions() {
                                           {"E=1e6", "pulled", 1e6},
                                           {"E=1e9", "pulled", 1e9},
                                           {"nu=0.4999", "pulled", 5000, 0.4999},
-                                          {"dt=1e-5", "pulled", 5000, 0.4, 1e-5},
+                                          {"E=1e6 dt=1e-5", "pulled", 1e6, 0.4, 1e-5},
                                           {"dt=1e-3", "pulled", 5000, 0.4, 1e-3},
                                           {"dt=0.1", "pulled", 5000, 0.4, 0.1},
                                           {"dt=1", "pulled", 5000, 0.4, 1},
@@ -146,6 +146,7 @@ std::string adapted(std::string text, const std::string& type, const std::string
   const double stiffer = c.young / 5000;
   text = scaled(text, "[sS]tiffness|youngModulus|pressure|cauchyStress", stiffer);
   text = scaled(text, "dampingCoefficient", std::sqrt(stiffer));
+  text = scaled(text, "permeability", 1 / c.relaxationScale());
   if (supported)
     replace("<UniformMass[^>]*/>",
             fmt::format("$&<RestShapeSpringsForceField name=\"support\" stiffness=\"{}\"/>", c.young / 500));
@@ -179,24 +180,39 @@ void addExample(std::vector<Row>& out, const std::string& type, const std::strin
 }
 
 /// [s], of these rows as seen in their runs: creep takes longer than the stresses' own 0.05 s.
-constexpr double creep_time = 0.15, drainage_time = 3;
+constexpr double creep_time = 0.15, drainage_time = 0.5, example_drainage_time = 3;
+
+/// Prony's terms for a condition.
+std::string viscous(const Condition& c) {
+  return fmt::format(" viscous=\"true\" ParameterAlpha=\"0.235 0.333\" ParameterTau=\"{} {}\" ",
+                     0.05 * c.relaxationScale(), 0.01 * c.relaxationScale());
+}
+
+/// A row whose stresses relax.
+void addViscous(std::vector<Row>& out, Cells cells, const std::string& type, const std::string& name,
+                const std::string& attributes) {
+  out.push_back({name, type,
+                 [=](const std::string& integrator, const Condition& c) {
+                   return block(cells, type + viscous(c) + attributes, integrator, c);
+                 },
+                 slowestOfBlock, true, false, creep_time});
+}
 
 /// Hyperelastic tetrahedra that relax, and with a fluid beside.
 void addViscousAndPorous(std::vector<Row>& out) {
   const std::string type = "TetrahedronHyperelasticityFEMForceField";
-  const std::string viscous = "viscous=\"true\" ParameterAlpha=\"0.235 0.333\" ParameterTau=\"0.05 0.01\" ";
   for (const std::string law : {"NeoHookean", "StableNeoHookean"})
-    addBlock(out, Cells::tetrahedra, type, law + " viscous", viscous + "materialName=\"" + law + "\"");
-  addBlock(out, Cells::tetrahedra, type, "StableNeoHookean viscous, exponential",
-           viscous + "viscousUpdate=\"exponential\" materialName=\"StableNeoHookean\"");
+    addViscous(out, Cells::tetrahedra, type, "tetrahedra " + law + " viscous", "materialName=\"" + law + "\"");
+  addViscous(out, Cells::tetrahedra, type, "tetrahedra StableNeoHookean viscous, exponential",
+             "viscousUpdate=\"exponential\" materialName=\"StableNeoHookean\"");
   for (const std::string coupling : {"semi_implicit", "implicit"}) {
     const auto scene = [=](const std::string& integrator, const Condition& c) {
       const std::string fluid = fmt::format(
           "<TetrahedronPorousForceField fluidFraction=\"0.5\" bulkModulus=\"{}\" limitModulus=\"{}\" "
           "permeability=\"{}\" drainedIndices=\"0 2\" coupling=\"{}\"/><Fixed",
-          0.1 * c.young, 0.4 * c.young, 0.1 / c.young, coupling);
+          0.1 * c.young, 0.4 * c.young, 0.6 / (c.young * c.relaxationScale()), coupling);
       return std::regex_replace(
-          block(Cells::tetrahedra, type + " " + viscous + "materialName=\"StableNeoHookean\"", integrator, c),
+          block(Cells::tetrahedra, type + viscous(c) + "materialName=\"StableNeoHookean\"", integrator, c),
           std::regex("<Fixed"), fluid);
     };
     out.push_back({"tetrahedra StableNeoHookean viscous, porous " + coupling, "TetrahedronPorousForceField", scene,
@@ -213,37 +229,48 @@ void addMeanAndViscousHexahedra(std::vector<Row>& out) {
     addBlock(out, Cells::boxes, type, fmt::format("{} mean dilatation", law),
              fmt::format("materialName=\"{}\" {} dilatation=\"mean\"", law, more));
   for (const std::string law : {"NeoHookean", "StableNeoHookean"})
-    addBlock(out, Cells::boxes, type, law + " viscous",
-             "viscous=\"true\" ParameterAlpha=\"0.235 0.333\" ParameterTau=\"0.05 0.01\" materialName=\"" + law + "\"");
+    addViscous(out, Cells::boxes, type, "boxes " + law + " viscous", "materialName=\"" + law + "\"");
 }
 
-/// Every law; those without a conversion from youngModulus get parameters of the same size.
+/// Every law; those without a conversion from youngModulus get parameters of the same size. Tetrahedra also with
+/// stresses that relax and with the volumetric term regularised.
 void addHyperelasticLaws(std::vector<Row>& out, Cells cells, const std::string& type) {
+  const std::string body = cells == Cells::tetrahedra ? "tetrahedra " : "boxes ";
   const std::pair<const char*, const char*> laws[] = {
-      {"StVenantKirchhoff", ""},    {"NeoHookean", ""},
-      {"StableNeoHookean", ""},     {"StableNeoHookean", "projectedTangent=\"true\""},
-      {"MooneyRivlin", "c2=\"0\""}, {"VerondaWestman", "c2=\"1\""},
-      {"ArrudaBoyce", ""},          {"ArrudaBoyce", "projectedTangent=\"true\""},
-      {"Ogden", "alpha1=\"5\""}};
-  for (const auto& [law, more] : laws)
-    addBlock(out, cells, type, fmt::format("{}{}", law, *more && std::string(more)[0] == 'p' ? " projected" : ""),
-             fmt::format("materialName=\"{}\" {}", law, more));
+      {"StVenantKirchhoff", ""},      {"NeoHookean", ""},  {"StableNeoHookean", ""}, {"MooneyRivlin", "c2=\"0\""},
+      {"VerondaWestman", "c2=\"1\""}, {"ArrudaBoyce", ""}, {"Ogden", "alpha1=\"5\""}};
+  for (const auto& [law, more] : laws) {
+    const std::string attributes = fmt::format("materialName=\"{}\" {} ", law, more), name = law;
+    addBlock(out, cells, type, law, attributes);
+    if (name == "StableNeoHookean" || name == "ArrudaBoyce")
+      addBlock(out, cells, type, name + " projected", attributes + "projectedTangent=\"true\"");
+    if (cells != Cells::tetrahedra) continue;
+    if (name != "StVenantKirchhoff")  // whose energy has no J
+      addBlock(out, cells, type, name + " regularised", attributes + "matrixRegularization=\"true\"");
+    if (name.find("NeoHookean") == std::string::npos)
+      addViscous(out, cells, type, body + name + " viscous", attributes);
+  }
   const std::pair<const char*, const char*> anisotropic[] = {
       {"Costa",
        "a=\"{0}\" k0=\"{1}\" bff=\"4\" bfs=\"2\" bss=\"2\" bfn=\"2\" bsn=\"2\" bnn=\"2\" AnisotropyDirections=\"1 1 0 "
        "0 0 1\""},
       {"TransverselyIsotropic", "mu=\"{0}\" lambda=\"{1}\" k1=\"{0}\" k2=\"1\" AnisotropyDirections=\"1 1 0\""}};
-  for (const auto& [law, parameters] : anisotropic) {
-    const std::string given = parameters, name = law;
-    const auto scene = [=](const std::string& integrator, const Condition& c) {
-      const double mu = c.young / (2 * (1 + c.poisson)), lambda = 2 * mu * c.poisson / (1 - 2 * c.poisson);
-      const std::string own = fmt::format(fmt::runtime(given), mu, lambda);
-      return std::regex_replace(block(cells, type + " materialName=\"" + name + "\"", integrator, c),
-                                std::regex("youngModulus=\"[^\"]*\" poissonRatio=\"[^\"]*\""), own);
-    };
-    out.push_back({fmt::format("{} {}", cells == Cells::tetrahedra ? "tetrahedra" : "boxes", name), type, scene,
-                   slowestOfBlock, true, false});
-  }
+  for (const auto& [law, parameters] : anisotropic)
+    for (const std::string variant : {"", " regularised", " viscous"}) {
+      const bool relaxes = variant == " viscous";
+      if (!variant.empty() && cells != Cells::tetrahedra) continue;
+      const std::string given = parameters, name = law;
+      const auto scene = [=](const std::string& integrator, const Condition& c) {
+        const double mu = c.young / (2 * (1 + c.poisson)), lambda = 2 * mu * c.poisson / (1 - 2 * c.poisson);
+        const std::string own = fmt::format(fmt::runtime(given), mu, lambda);
+        const std::string more = relaxes           ? viscous(c)
+                                 : variant.empty() ? std::string()
+                                                   : " matrixRegularization=\"true\"";
+        return std::regex_replace(block(cells, type + " materialName=\"" + name + "\"" + more, integrator, c),
+                                  std::regex("youngModulus=\"[^\"]*\" poissonRatio=\"[^\"]*\""), own);
+      };
+      out.push_back({body + name + variant, type, scene, slowestOfBlock, true, false, relaxes ? creep_time : 0});
+    }
 }
 
 std::vector<Row> makeRows() {
@@ -253,8 +280,6 @@ std::vector<Row> makeRows() {
   addElasticVariants(out, Cells::hexahedra);
   addViscousAndPorous(out);
   addMeanAndViscousHexahedra(out);
-  for (Row& row : out)
-    if (row.name.find("viscous") != std::string::npos) row.relaxation = std::max(row.relaxation, creep_time);
   modules().openAll();
   std::set<std::type_index> seen;
   for (const ComponentEntry* entry : factory().entries()) {
@@ -281,7 +306,7 @@ std::vector<Row> makeRows() {
     }
     for (std::size_t i = first; i < out.size(); ++i) {
       out[i].is_alias = is_alias || out[i].is_alias;
-      if (type == "TetrahedronPorousForceField") out[i].relaxation = drainage_time;
+      if (type == "TetrahedronPorousForceField") out[i].relaxation = example_drainage_time;
     }
   }
   return out;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What a run is warned of at its end though every step succeeded: strains beyond a linear law, energy from nowhere,
-// forces that are a step late.
+// velocities that ring, meshes that have folded, forces that are a step late.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -84,6 +84,52 @@ TEST(Doubts, EnergyFromNowhereIsNamed) {
   EXPECT_FALSE(says(pendulum("EulerImplicitSolver", 0.2, "0 0 0"), "has gained"));
 }
 
+/// A stiff bar far above its periods: rules that damp nothing turn its velocities around at each step, those that damp
+/// do not, and neither does a step that follows the motion.
+TEST(Doubts, VelocitiesThatRingAreNamed) {
+  const auto bar = [](const std::string& integrator, double dt) {
+    Simulation simulation = simulationFromText(fmt::format(
+        R"(<Node name="root" dt="{}" gravity="0 0 0"><{}/><SparseLDLSolver/><MechanicalObject position="0 0 0 1 0 0  2 0 0"
+  velocity="0 0 0  0.01 0 0  -0.01 0 0"/><UniformMass totalMass="0.3"/><FixedProjectiveConstraint indices="0"/>
+  <SpringForceField springsIndices1="0 1" springsIndices2="1 2" lengths="1 1" stiffness="1000" damping="0"/></Node>)",
+        dt, integrator));
+    for (int step = 0; step < 40; ++step) EXPECT_FALSE(simulation.step().diverged);
+    return doubtsOf(simulation);
+  };
+  for (const std::string integrator : {"NewmarkImplicitSolver", "TrapezoidalRuleSolver", "VariationalSymplecticSolver",
+                                       "EulerImplicitSolver trapezoidalScheme=\"true\""}) {
+    const std::string rings = bar(integrator, 1);
+    EXPECT_TRUE(says(rings, "velocities change sign from step to step. dt = 1 s")) << integrator << ": " << rings;
+    EXPECT_EQ(bar(integrator, 0.001), "") << integrator;
+  }
+  for (const std::string integrator : {"EulerImplicitSolver", "BDFOdeSolver order=\"2\""})
+    EXPECT_EQ(bar(integrator, 1), "") << integrator;
+}
+
+/// Springs know lengths alone: the mirrored block is at rest.
+TEST(Doubts, MeshesThatSpringsLetFoldAreNamed) {
+  Simulation block = simulationFromText(
+      R"(<Node name="root" dt="0.01" gravity="0 0 0"><EulerImplicitSolver/><SparseLDLSolver/>
+  <RegularGridTopology name="grid" n="3 3 3" min="0 0 0" max="1 1 1"/><MechanicalObject/><UniformMass totalMass="1"/>
+  <MeshSpringForceField stiffness="100"/></Node>)");
+  Vector& x = block.systems()[0]->x;
+  EXPECT_EQ(doubtsOf(block), "");
+  for (Index i = 0; i < x.count(); ++i) x[i].y() *= -1;
+  EXPECT_TRUE(says(doubtsOf(block), "/grid at t = 0 s: 8 of 8 hexahedra are inside out at a corner"))
+      << doubtsOf(block);
+
+  Simulation chain = simulationFromText(
+      R"(<Node name="root" dt="0.01" gravity="0 0 0"><EulerImplicitSolver/><SparseLDLSolver/>
+  <MechanicalObject position="0 0 0 1 0 0 2 0 0 3 0 0"/><UniformMass totalMass="1"/>
+  <SpringForceField name="chain" springsIndices1="0 1 2" springsIndices2="1 2 3" lengths="1 1 1" stiffness="100"
+  damping="0"/></Node>)");
+  EXPECT_EQ(doubtsOf(chain), "");
+  chain.systems()[0]->x[3].x() = 1;
+  EXPECT_TRUE(
+      says(doubtsOf(chain), "/chain at t = 0 s: the line is folded back at 1 of its nodes; the first is node 2"))
+      << doubtsOf(chain);
+}
+
 TEST(Doubts, LateForcesUnderASecondOrderRuleAreNamed) {
   const auto sponge = [](const std::string& integrator, const std::string& coupling) {
     Simulation simulation = simulationFromText(fmt::format(
@@ -97,6 +143,17 @@ TEST(Doubts, LateForcesUnderASecondOrderRuleAreNamed) {
     EXPECT_FALSE(simulation.step().diverged);
     return doubtsOf(simulation);
   };
+  // known before the first step already
+  Simulation early = simulationFromText(
+      R"(<Node name="root" dt="0.01" gravity="0 0 0"><RegularGridTopology name="grid" n="2 2 2" min="0 0 0" max="1 1 1"/>
+  <Node name="body"><NewmarkImplicitSolver/><SparseLDLSolver/><TetrahedronSetTopologyContainer name="cells"/>
+  <Hexa2TetraTopologicalMapping input="@../grid" output="@cells"/><MechanicalObject/><UniformMass totalMass="1"/>
+  <TetrahedronHyperelasticityFEMForceField materialName="NeoHookean" youngModulus="1000" poissonRatio="0.3"/>
+  <TetrahedronPorousForceField fluidFraction="0.5" bulkModulus="100" limitModulus="400" permeability="1e-4"
+  coupling="semi_implicit"/></Node></Node>)");
+  ASSERT_EQ(early.scene().diagnostics.problems().size(), 1u);
+  EXPECT_TRUE(says(early.scene().diagnostics.problems()[0].text(), "from before the step"));
+  EXPECT_EQ(doubtsOf(early), "");
   for (const std::string rule : {"<BDFOdeSolver order='2'/>", "<NewmarkImplicitSolver/>", "<TrapezoidalRuleSolver/>"}) {
     EXPECT_TRUE(says(sponge(rule, "semi_implicit"), "from before the step")) << rule;
     EXPECT_EQ(sponge(rule, "implicit"), "") << rule;

@@ -46,17 +46,11 @@ const std::vector<Known>& known() {
       {Ending::astray, ".*viscous.*", any, "inverted|flat|line|point|random|nu=0.4999",
        "a defect that the run's warning names: viscous stresses of the second Piola-Kirchhoff kind grow without bound "
        "in flat elements, and push when these open"},
-      {Ending::grows, ".*viscous.*", "(trapezoid|Newmark|midpoint), Newton", any,
-       "the history of the stress has no energy that these rules could keep, and nothing damps what it feeds"},
       {Ending::astray, "TetrahedronPorousForceField.*", any, "E=1",
        "the fluid keeps its modulus while the tissue loses its own: the semi-implicit coupling is unstable where the "
        "fluid is much stiffer"},
       {Ending::astray, any, "Euler|BDF [12]|static", any,
-       "one linear solve a step follows its tangent too far; Newton's method does not"},
-      {Ending::grows, "TrianglePressureForceField.*", "(trapezoid|Newmark|midpoint).*", any,
-       "a pressure that follows the border of an open sheet has no potential, and nothing damps what it feeds"},
-      {Ending::grows, "(ShapeMemoryForceField|Phymul) reaction=(false|upright).*", "(trapezoid|Newmark|midpoint).*",
-       any, "without the reaction the forces have no potential, and nothing damps what they feed"}};
+       "one linear solve a step follows its tangent too far; Newton's method does not"}};
   return all;
 }
 
@@ -96,10 +90,10 @@ TEST_P(Matrix, EveryCellRecoversOrStopsWithASentence) {
     for (std::size_t i = 0; i < integrators().size(); ++i) {
       const Condition& condition = conditions()[c];
       if ((!all && !isInSample(row, i, c)) || (condition.poisson != 0.4 && !row.has_poisson)) continue;
-      const int most_steps = !all ? 2500 : isInSample(row, i, c) ? 150'000 : 25'000;
+      const int most_steps = all ? 150'000 : 2500;
       const Outcome outcome = run(row, integrators()[i], condition, most_steps);
       // what no damping holds back may go astray with a word; what an integrator damps may not
-      const bool silent = outcome.ending >= Ending::grows ||
+      const bool silent = outcome.ending >= Ending::elsewhere ||
                           (outcome.ending == Ending::astray && (integrators()[i].damps || integrators()[i].is_static));
       const char* reason = silent ? reasonOf(row, integrators()[i], condition, outcome) : "";
       fmt::print("cell|{}|{}|{}|{}|{}|{:.2g}|{}|{}|{}\n", row.name, integrators()[i].name, condition.name,

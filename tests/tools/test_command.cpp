@@ -184,6 +184,28 @@ TEST_F(Command, ADivergedRunKeepsTheLastGoodState) {
   EXPECT_TRUE(exists("out/dofs.state.gz"));
 }
 
+/// A cube of springs that is mirrored where it starts rests so: the run says it, and only a strict one fails.
+TEST_F(Command, AStrictRunDoesNotEndInDoubt) {
+  write("mirrored.xml", R"(<Node name="root" dt="0.01" gravity="0 0 0">
+  <EulerImplicitSolver/><CGLinearSolver/>
+  <MeshTopology position="0 0 0  1 0 0  0 1 0  0 0 1" tetrahedra="0 1 2 3"/>
+  <MechanicalObject name="dofs" rest_position="0 0 0  1 0 0  0 1 0  0 0 1" position="0 0 0  1 0 0  0 1 0  0 0 -1"/>
+  <UniformMass totalMass="1"/><MeshSpringForceField stiffness="100"/>
+</Node>
+)");
+  const std::string sentence = "1 of 1 tetrahedra are inside out";
+  const Finished mild = stroma("run mirrored.xml -n 3 --quiet");
+  EXPECT_EQ(mild.code, 0) << mild.err;
+  EXPECT_TRUE(has(mild.err, sentence)) << mild.err;
+  const Finished strict = stroma("run mirrored.xml -n 3 --strict --json --quiet");
+  EXPECT_EQ(strict.code, 3) << strict.err;
+  EXPECT_TRUE(has(strict.err, sentence)) << strict.err;
+  EXPECT_EQ(nlohmann::json::parse(strict.out).at("outcome"), "in doubt");
+  EXPECT_FALSE(exists("mirrored.diverged"));
+  const Finished fine = stroma("run mirrored.xml -n 3 --strict --quiet --set /dofs.position='0 0 0 1 0 0 0 1 0 0 0 1'");
+  EXPECT_EQ(fine.code, 0) << fine.err;
+}
+
 // ---- check, explain, list, doc ----
 
 TEST_F(Command, BadInputWritesNothing) {

@@ -11,8 +11,9 @@ namespace stroma::command {
 enum ExitCode : int {
   exit_done = 0,
   exit_comparison_failed = 1,
-  exit_bad_input = 2,      ///< nothing was written
-  exit_diverged = 3,       ///< or no equilibrium, or broken constraints; the last good state was written and named
+  exit_bad_input = 2,  ///< nothing was written
+  exit_diverged = 3,   ///< or no equilibrium, or broken constraints; the last good state was written and named. Of a
+                       ///< strict run: or a result in doubt
   exit_interrupted = 130,  ///< stopped by the user after a whole step; what was recorded is complete
 };
 

@@ -2,6 +2,7 @@
 // stroma run: load, step, record, report.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <csignal>
@@ -27,7 +28,9 @@ const Manual manual{
     "Simulates a scene: 100 steps unless -n or --until says otherwise. Progress and messages go to standard error, the "
     "summary\nto standard output. When a step diverges, the last good state is recorded and named, and the exit code "
     "is 3;\nso it is when the last step of a static scene has not reached its equilibrium, and at the first step in "
-    "which a\nposition constraint does not hold: the run ends there.",
+    "which a\nposition constraint does not hold: the run ends there. A run that ends well but in doubt (elements "
+    "inside out, a "
+    "body\nburst, energy from nowhere) says so; with --strict its exit code is 3 too.",
     "  stroma run liver.xml -n 200\n"
     "  stroma run liver.xml --until 2 --set /liver/fem.method=polar --record results/liver --record-every 10\n"
     "  stroma run liver.xml -n 50 --json --quiet | python3 -m json.tool\n"};
@@ -46,7 +49,8 @@ OptionList runOptions() {
       ("record-every", po::value<long>()->value_name("K"),
        "record every K steps; the first and last instant always")  //
       ("json", po::value<std::string>()->implicit_value("-")->value_name("FILE"),
-       "print the summary as JSON; --json=FILE writes it to a file")  //
+       "print the summary as JSON; --json=FILE writes it to a file")    //
+      ("strict", "a result in doubt is none: the exit code is then 3")  //
       ("quiet,q", "no progress, no notes");
   addSceneOptions(options);
   return options;
@@ -58,9 +62,10 @@ struct Request {
   std::optional<long> steps;
   std::optional<double> until;
   long record_every = 1;
-  bool quiet = false;
+  bool quiet = false, strict = false;
 
-  explicit Request(const Values& values) : scene(required(values, "SCENE", manual)), quiet(values.count("quiet") > 0) {
+  explicit Request(const Values& values)
+      : scene(required(values, "SCENE", manual)), quiet(values.count("quiet") > 0), strict(values.count("strict") > 0) {
     if (values.count("steps")) steps = values["steps"].as<long>();
     if (values.count("until")) until = values["until"].as<double>();
     if (values.count("record")) record_folder = values["record"].as<std::string>();
@@ -86,12 +91,17 @@ struct Request {
 struct Outcome {
   StepReport last;
   bool interrupted = false;
+  bool doubted = false;  ///< by a strict run
   double seconds = 0;
   /// Without a result: no equilibrium, or a position constraint that does not hold.
   bool unsolved() const { return last.unsolved || !last.constraints_converged; }
   bool failed() const { return last.diverged || unsolved(); }
   const char* word() const {
-    return last.diverged ? "diverged" : interrupted ? "interrupted" : unsolved() ? "not converged" : "done";
+    return last.diverged ? "diverged"
+           : interrupted ? "interrupted"
+           : unsolved()  ? "not converged"
+           : doubted     ? "in doubt"
+                         : "done";
   }
   const std::string& reason() const {
     return last.diverged || last.unsolved || last.constraint_reason.empty() ? last.reason : last.constraint_reason;
@@ -189,7 +199,7 @@ int run(const Arguments& arguments) {
   std::signal(SIGINT, [](int) { interrupted = 1; });
 
   Statistics statistics(steps);
-  const Outcome outcome = loop(*simulation, steps, request, recorder ? &*recorder : nullptr, statistics);
+  Outcome outcome = loop(*simulation, steps, request, recorder ? &*recorder : nullptr, statistics);
 
   if (outcome.failed()) {
     if (!recorder) recorder.emplace(*simulation, divergedFolder(request.scene));
@@ -202,7 +212,15 @@ int run(const Arguments& arguments) {
                  simulation->time(), fmt::join(recorder->files(), ", "));
   }
   std::vector<std::string> found = statistics.warnings();
-  for (std::string& sentence : simulation->doubts()) found.push_back(std::move(sentence));
+  std::vector<std::string> doubts = simulation->doubts();
+  outcome.doubted = request.strict && !(doubts.empty() && outcome.last.newton_converged);
+  // what the load has warned of already is not said twice
+  const auto said = [&warnings](const std::string& sentence) {
+    return std::any_of(warnings.begin(), warnings.end(),
+                       [&](const std::string& warning) { return warning.find(sentence) != std::string::npos; });
+  };
+  for (std::string& sentence : doubts)
+    if (!said(sentence)) found.push_back(std::move(sentence));
   for (std::string& warning : found) {
     fmt::print(stderr, "warning: {}\n", warning);
     warnings.push_back(std::move(warning));
@@ -221,6 +239,7 @@ int run(const Arguments& arguments) {
   return outcome.last.diverged ? exit_diverged
          : outcome.interrupted ? exit_interrupted
          : outcome.unsolved()  ? exit_diverged
+         : outcome.doubted     ? exit_diverged
                                : exit_done;
 }
 
