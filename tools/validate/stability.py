@@ -30,7 +30,7 @@ it decides how many steps are made. Under the rules that damp nothing themselves
 a viscosity of one step beside (`rayleighStiffness` = dt): without any, a body that is pulled has no reason to rest. Stresses
 that relax and fluid that flows do so faster in stiffer bodies, as their motions are. "inverted" to "random": the free nodes
 start mirrored, in a plane, on a line, in a point, at random places; the other columns start pulled and twisted by a tenth of
-the size. Steps of 1e-5 s are made of stiffer bodies: with 5000 Pa one needs 114,000 of them. Solver: SparseLDLSolver.
+the size. Steps of 1e-5 s are made of stiffer bodies, of which 5000 Pa would need 114,000. Solver: SparseLDLSolver.
 
 | letter | what a cell ends with |
 |---|---|
