@@ -96,6 +96,8 @@ class CholeskyFactor {
   /// The same in single precision, which reads half as much.
   void solveRoughly(ConstRows b, Rows x);
   const std::string& ordering() const { return ordering_; }
+  double flops() const { return flops_; }
+  double entries() const { return entries_; }
   /// Fitted to 1,331 to 15,625 nodes of hexahedra on a core of 65 Gflop/s.
   DirectSolver::Cost cost() const { return {flops_ / 40e9 + 8e-9 * entries_, 1e-9 * entries_}; }
 
@@ -342,6 +344,7 @@ class SparseLDLSolver final : public DirectSolver {
   std::string ordering_;
   CholeskyFactor cholesky_;
   LUFactor lu_;
+  double flops_ = 0, entries_ = 0;
   bool symmetric_ = true;
 };
 
@@ -351,6 +354,11 @@ void SparseLDLSolver::declare(DataTable& table) {
       .help("SOFA's; without effect: the analysis is always made once for each pattern");
   table.add("parallelInverseProduct", parallel_inverse_).help("SOFA's; without effect");
   table.add("ordering", ordering_).help("METIS, AMD, or COLAMD for an unsymmetric matrix").output();
+  table.add("factorFlops", flops_)
+      .help("operations of a factorisation; 0 for an unsymmetric matrix")
+      .unit("-")
+      .output();
+  table.add("factorEntries", entries_).help("numbers in the factors").unit("-").output();
 }
 
 void SparseLDLSolver::analyse(const BlockMatrix& matrix, bool symmetric) {
@@ -358,6 +366,7 @@ void SparseLDLSolver::analyse(const BlockMatrix& matrix, bool symmetric) {
   if (symmetric) {
     cholesky_.analyse(matrix);
     ordering_ = cholesky_.ordering();
+    flops_ = cholesky_.flops(), entries_ = cholesky_.entries();
   } else {
     lu_.analyse(matrix);
     ordering_ = "COLAMD";
@@ -367,6 +376,7 @@ void SparseLDLSolver::analyse(const BlockMatrix& matrix, bool symmetric) {
 SolveStop SparseLDLSolver::factorValues(const BlockMatrix& matrix, Index& row) {
   if (symmetric_) row = cholesky_.factor(matrix);
   const bool good = symmetric_ ? row < 0 : lu_.factor(matrix);
+  if (!symmetric_ && good) entries_ = lu_.entries();
   return good ? SolveStop::converged : SolveStop::not_definite;
 }
 

@@ -40,6 +40,25 @@ TEST(SparseLDLSolver, factorsAgainOnlyWhenTheMatrixChanged) {
   EXPECT_EQ(*std::get<int*>(ldl.solver->data().find("factorisations")->pointer()), 2);
 }
 
+/// A matrix without zeros: n (n + 1) / 2 numbers in the factor, and n^3 / 3 operations and some that grow as n^2.
+TEST(SparseLDLSolver, tellsWhatAFactorisationCosts) {
+  constexpr Index blocks = 40;
+  constexpr double n = 3 * blocks;
+  BlockPattern pattern(blocks);
+  for (Index i = 0; i < blocks; ++i)
+    for (Index j = 0; j < blocks; ++j) pattern.addBlock(i, j);
+  BlockMatrix values{std::move(pattern)};
+  for (Index i = 0; i < blocks; ++i)
+    for (Index j = 0; j < blocks; ++j) values.add(i, j, (i == j ? 100.0 : 1.0) * Mat3::Identity());
+  StoredMatrix matrix(std::move(values));
+  SolverInScene ldl("<SparseLDLSolver/>");
+  Vector x;
+  ldl.solve(matrix, randomVector(matrix.rows(), 1), x);
+  const auto told = [&ldl](const char* name) { return *std::get<double*>(ldl.solver->data().find(name)->pointer()); };
+  EXPECT_EQ(told("factorEntries"), n * (n + 1) / 2);
+  EXPECT_NEAR(told("factorFlops"), n * n * n / 3, 2 * n * n);
+}
+
 TEST(SparseLDLSolver, followsAPatternThatChanges) {
   SolverInScene ldl("<SparseLDLSolver/>");
   Vector x;

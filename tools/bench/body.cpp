@@ -64,6 +64,19 @@ std::unique_ptr<Simulation> loadSimulation(const std::string& scene, const std::
   return simulation;
 }
 
+Work factorWork(const Simulation& simulation) {
+  std::vector<LinearSolver*> solvers;
+  simulation.root().collect(solvers);
+  Work work;
+  for (const LinearSolver* solver : solvers) {
+    const Data *flops = solver->data().find("factorFlops"), *entries = solver->data().find("factorEntries");
+    if (!flops || !entries) continue;
+    const double numbers = *std::get<double*>(entries->pointer());
+    work = work + Work{3 * 8 * numbers, *std::get<double*>(flops->pointer()) + 4 * numbers};
+  }
+  return work;
+}
+
 Body::Body(const std::string& scene, const std::vector<std::string>& overrides, Shape shape)
     : simulation(loadSimulation(scene, overrides)) {
   system = simulation->systems().at(0).get();

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "framework/simulation/simulation.h"
+#include "tools/bench/figure.h"
 
 namespace stroma::bench {
 
@@ -18,6 +19,10 @@ std::string programFolder();
 
 /// A scene ready to run; no observer writes anything. `scene` is relative to sceneFolder(). Throws SceneError.
 std::unique_ptr<Simulation> loadSimulation(const std::string& scene, const std::vector<std::string>& overrides);
+
+/// Of the direct solvers of a simulation that has made a step: a factorisation each, its factors written once, and read
+/// by one solve from front to back and from back to front.
+Work factorWork(const Simulation& simulation);
 
 /// The shape on which kernels are timed.
 enum class Shape {

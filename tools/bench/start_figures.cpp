@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Start-up: the time of a whole process that loads and compiles a scene and makes no step.
+// Whole processes: start-up (load and compile a scene, no step), and a static load step from start to end.
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <spawn.h>
@@ -16,14 +16,24 @@ extern char** environ;
 namespace stroma::bench {
 namespace {
 
-constexpr int processes = 15;
 using Clock = std::chrono::steady_clock;
 
-/// Runs `stroma run SCENE -n 0 --quiet` in `folder`, silent. Returns its wall time [s], negative when it failed.
-double processSeconds(const std::string& scene, const std::string& folder) {
-  std::string words[] = {programFolder() + "/stroma", "run", scene, "-n", "0", "--quiet"};
-  char* arguments[std::size(words) + 1] = {};
-  for (std::size_t i = 0; i < std::size(words); ++i) arguments[i] = words[i].data();
+struct Command {
+  std::string name, scene;
+  int steps = 0, processes = 15;
+  std::vector<std::string> overrides = {};
+  std::optional<double> target = {};
+  std::string peers = {};
+};
+
+/// Runs `stroma run SCENE -n STEPS --quiet` in `folder`, silent. Returns its wall time [s], negative when it failed.
+double processSeconds(const Command& command, const std::string& scene, const std::string& folder) {
+  std::vector<std::string> words{programFolder() + "/stroma",   "run",    scene, "-n",
+                                 std::to_string(command.steps), "--quiet"};
+  for (const std::string& text : command.overrides) words.insert(words.end(), {"--set", text});
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_addchdir_np(&actions, folder.c_str());
@@ -31,18 +41,29 @@ double processSeconds(const std::string& scene, const std::string& folder) {
   const auto start = Clock::now();
   pid_t child = 0;
   int status = -1;
-  if (posix_spawn(&child, arguments[0], &actions, nullptr, arguments, environ) == 0) waitpid(child, &status, 0);
+  if (posix_spawn(&child, arguments[0], &actions, nullptr, arguments.data(), environ) == 0) waitpid(child, &status, 0);
   posix_spawn_file_actions_destroy(&actions);
   return status == 0 ? std::chrono::duration<double>(Clock::now() - start).count() : -1;
 }
 
-void time(benchmark::State& state, const std::string& scene) {
+/// The factorisations of a command's steps, each of them once: what else it does has no share in the limit.
+Work factorWorkOf(const Command& command) {
+  const auto simulation = loadSimulation(command.scene, command.overrides);
+  Work sum;
+  for (int step = 0; step < command.steps; ++step) {
+    const StepReport report = simulation->step();
+    sum = sum + factorWork(*simulation) * double(report.factorisations);
+  }
+  return sum;
+}
+
+void time(benchmark::State& state, const Command& command, Figure& figure) {
   namespace fs = std::filesystem;
   const fs::path folder = fs::temp_directory_path() / fmt::format("stroma-bench-{}", getpid());
   fs::create_directories(folder);
-  const std::string path = fs::absolute(sceneFolder() + "/" + scene).string();
+  const std::string path = fs::absolute(sceneFolder() + "/" + command.scene).string();
   for (auto _ : state) {
-    const double seconds = processSeconds(path, folder.string());
+    const double seconds = processSeconds(command, path, folder.string());
     if (seconds < 0) {
       state.SkipWithError("the command did not end with exit code 0");
       break;
@@ -50,26 +71,35 @@ void time(benchmark::State& state, const std::string& scene) {
     state.SetIterationTime(seconds);
   }
   fs::remove_all(folder);
+  if (command.steps == 0 || figure.work.flops > 0) return;
+  figure.work = factorWorkOf(command);
+  figure.working_set = figure.work.bytes;
 }
 
-void add(Catalogue& catalogue, const std::string& name, const std::string& scene, std::optional<double> target) {
+void add(Catalogue& catalogue, const Command& command) {
   Figure figure;
-  figure.name = name;
+  figure.name = command.name;
   figure.unit = "ms";
   figure.per_second = 1e3;
-  figure.target = target;
+  figure.target = command.target;
+  figure.peers = command.peers;
   figure.wall = true;
-  catalogue.add(figure, [scene](benchmark::State& state) { time(state, scene); })
+  catalogue
+      .add(figure, [command, &catalogue](
+                       benchmark::State& state) { time(state, command, catalogue.find(command.name)->figure); })
       .UseManualTime()
       ->Iterations(1)
-      ->Repetitions(processes);
+      ->Repetitions(command.processes);
 }
 
 }  // namespace
 
 void addStartFigures(Catalogue& catalogue) {
-  add(catalogue, "start of organ.xml", "examples/organ.xml", 30.0);
-  add(catalogue, "start of cube.xml", "benchmarks/cube.xml", {});
+  add(catalogue, {"start of organ.xml", "examples/organ.xml", 0, 15, {}, 30.0});
+  add(catalogue, {"start of cube.xml", "benchmarks/cube.xml"});
+  const std::string cube = "benchmarks/compressed_cube.xml";
+  add(catalogue, {"compressed cube, 16 cells", cube, 1, 5, {}, 450.0, "CalculiX 2300"});
+  add(catalogue, {"compressed cube, 24 cells", cube, 1, 5, {"/cube/grid.n=25 25 25"}, 4000.0, "CalculiX 22600"});
 }
 
 }  // namespace stroma::bench
