@@ -67,7 +67,7 @@ Surface checkedSurface(const std::vector<Vec3>& position, const std::vector<Tria
     throw ComponentError(
         fmt::format("the surface cuts itself: {} pairs of triangles, the first near {:.6g} {:.6g} {:.6g}",
                     crossing.size(), p.x(), p.y(), p.z()),
-        "a surface without intersections");
+        "a surface without intersections, or --voxels SIZE, which fills voxels first");
   }
   return surface;
 }

@@ -12,6 +12,7 @@
 
 #include "framework/mesh/enclosed_volume.h"
 #include "framework/mesh/mesh_loader.h"
+#include "framework/mesh/voxels.h"
 #include "framework/scene/services.h"
 #include "framework/scene/whole_file.h"
 #include "tools/command/mesh_report.h"
@@ -148,11 +149,8 @@ std::vector<ImagePart> partsOf(const LabelImage& image, const LabelledMesh& mesh
   return parts;
 }
 
-Meshed meshImage(MeshRequest& request) {
-  Clock clock;
+Meshed meshVoxels(MeshRequest& request, const LabelImage& image, Clock& clock) {
   Meshed out;
-  LabelImage image = service<LabelImageReader>()->read(request.input);
-  image.origin *= request.scale, image.steps *= request.scale;
   checkLabels(request, image.values);
   completeSizes(request.criteria, image.bodySize().maxCoeff(), image.values);
   const std::map<int, Extent> extents = extentsOf(image);
@@ -166,6 +164,13 @@ Meshed meshImage(MeshRequest& request) {
   out.parts = partsOf(image, out.mesh);
   out.mesh_seconds = clock.seconds();
   return out;
+}
+
+Meshed meshImage(MeshRequest& request) {
+  Clock clock;
+  LabelImage image = service<LabelImageReader>()->read(request.input);
+  image.origin *= request.scale, image.steps *= request.scale;
+  return meshVoxels(request, image, clock);
 }
 
 /// The surface, through the loader of its format.
@@ -189,12 +194,25 @@ Mesh readSurface(const MeshRequest& request, const char* loader) {
   return Mesh(loaders.at(0)->mesh());
 }
 
+/// The inside of a surface that may cut itself.
+Meshed meshFilled(MeshRequest& request, const Mesh& surface, Clock& clock) {
+  const Voxels filled = voxelsInside(surface.position, surface.triangles, request.voxels);
+  if (filled.covered + filled.reversed > 0)
+    fmt::print(
+        stderr,
+        "note: the surface overlaps itself: {} voxels are enclosed more than once and count once, {} are enclosed the "
+        "wrong way round and count as outside; {} are inside\n",
+        filled.covered, filled.reversed, filled.image.voxels()[0]);
+  return meshVoxels(request, filled.image, clock);
+}
+
 Meshed meshSurface(MeshRequest& request) {
   Clock clock;
   Meshed out;
   const Mesh surface = readSurface(request, request.surfaceLoader());
   if (surface.triangles.empty())
     throw ComponentError(fmt::format("{} has no triangles", request.input), "a closed surface");
+  if (request.voxels > 0) return meshFilled(request, surface, clock);
   checkLabels(request, {1});
   const MeshReport report = surface.report();
   const Vec3 box = report.high - report.low;

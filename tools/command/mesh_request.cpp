@@ -18,13 +18,15 @@ const Manual manual{
     "Fills a body with tetrahedra. INPUT is a segmented volume image (.nii .nii.gz .mhd .mha .vti: one label a voxel, "
     "0 "
     "outside),\nwhich gives one region a label, or a closed surface of triangles (.obj .stl .vtk .vtp), which gives "
-    "label 1. MESH is a\n.msh file (the labels are physical groups, and so are the surfaces between them, as "
+    "label 1. A surface\nthat cuts itself is filled with voxels first (--voxels). MESH is a\n.msh file (the labels are "
+    "physical groups, and so are the surfaces between them, as "
     "\"soft.bone\" and \"soft.outside\")\nor a .vtu file (cell data `label`). Lengths are in the unit of INPUT after "
     "--scale; a size bounds the radius of the sphere\naround a tetrahedron or triangle, whose edges are about as long. "
     "The same input gives the same file.",
     "  stroma mesh leg.nii.gz -o leg.msh --scale 0.001 --cell-size 0.012 --cell-size 2=0.006\n"
     "  stroma mesh leg.mhd -o leg.msh --name 1=soft --name 2=tibia --json\n"
-    "  stroma mesh liver.stl -o liver.vtu --cell-size 0.01 --feature-angle 60\n"};
+    "  stroma mesh liver.stl -o liver.vtu --cell-size 0.01 --feature-angle 60\n"
+    "  stroma mesh scan.obj -o scan.msh --cell-size 0.01 --voxels 0.0015\n"};
 
 /// "3=VALUE" to (3, VALUE); a text without a label before "=" has label 0.
 std::pair<int, std::string> labelled(const std::string& option, const std::string& text) {
@@ -61,6 +63,10 @@ OptionList optionList() {
        "how far such a triangle may be from the surface (default: a tenth of the smallest cell size)")            //
       ("dihedral-angle", number("DEGREES"), "work on cells with a smaller dihedral angle (default 10)")           //
       ("feature-angle", number("DEGREES"), "surfaces: keep edges that are bent by more than this (default: 60)")  //
+      ("voxels", number("SIZE"),
+       "surfaces: fill voxels of this size and mesh those, for a surface that cuts or overlaps itself; an eighth of "
+       "the "
+       "cell size keeps its shape")  //
       ("free-volume",
        "images: leave boundaries where the cells put them, instead of moving them towards the volume of "
        "each label's voxels, as far as the shapes of cells allow")  //
@@ -83,7 +89,7 @@ void readCriteria(const Values& values, MeshRequest& request) {
   take("facet-size", criteria.facet_size), take("facet-angle", criteria.facet_angle);
   take("distance", criteria.distance), take("dihedral-angle", criteria.dihedral_angle);
   take("feature-angle", criteria.feature_angle), take("scale", request.scale);
-  take("most-cells", request.most_cells), take("progress", request.progress);
+  take("voxels", request.voxels), take("most-cells", request.most_cells), take("progress", request.progress);
   if (criteria.facet_angle > 30)
     throw UsageError(fmt::format("--facet-angle {}: expected at most 30, beyond which refinement may not end",
                                  criteria.facet_angle));
@@ -121,10 +127,11 @@ void refuseIdle(const Values& values, const MeshRequest& request) {
   const auto refuse = [&values](const char* name, const char* use) {
     if (values.count(name)) throw UsageError(fmt::format("--{} does nothing here: it is for {}", name, use));
   };
-  if (request.surfaceLoader())
+  if (!request.surfaceLoader()) refuse("voxels", "surfaces (an image has its own)");
+  if (request.surfaceLoader() && request.voxels == 0)
     refuse("free-volume", "images, whose voxels give a volume (a surface is kept as it is)");
   else
-    refuse("feature-angle", "surfaces, whose edges can be kept (images have none)");
+    refuse("feature-angle", "surfaces, whose edges can be kept (images and voxels have none)");
   if (request.toVtu()) refuse("name", ".msh files (a .vtu file has numbers only)"), refuse("msh22", ".msh files");
 }
 
