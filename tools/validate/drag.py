@@ -7,6 +7,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import stroma_run as sr
+import variants
 
 FOLDER = "scenes/validation/liver_drag"
 RELEASE, DT, EVERY = 3, 0.02, 5
@@ -83,8 +84,7 @@ def overrides(scene, method, update_b, update_v, mesh):
     if scene != "_hexahedra" and mesh:
         chosen.append("/organ/loader.filename=" + mesh)
     if method:
-        chosen += ["/organ/fem.method=" + method, f"/organ/fem.updateStiffnessMatrix={'true' if update_b else 'false'}",
-                   f"/organ/fem.updateVolume={'true' if update_v else 'false'}"]
+        chosen += variants.settings(method, update_b, update_v, "/organ/fem")
     return chosen
 
 
