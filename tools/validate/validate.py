@@ -9,7 +9,7 @@ Fixed beam (figures 8 and 9), time a step (figures 4 and 7), artificial torque (
 truth cube (tables 1 to 3); deforming bar of Land et al. 2015 and an inflated sphere. The measured beads of the truth cube and
 the liver are read from --data: without them the truth cube is skipped and the example organ is dragged, and the text says so.
 Writes a page for each experiment, CSV and most a picture, and OUT/README.md, which lists all pages of the folder. The truth
-cube takes about seven minutes on a quiet machine, the rest two. Needs numpy and matplotlib. tools/validate/condensation.py,
+cube takes about seven minutes on a quiet machine, the rest three. Needs numpy and matplotlib. tools/validate/condensation.py,
 condensed_mass.py, dma.py and stability.py are programs of their own.
 """
 import argparse
