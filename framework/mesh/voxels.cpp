@@ -84,6 +84,8 @@ class Filler {
     std::array<Vec3, 3> p;
     for (std::size_t k = 0; k < 3; ++k) p[k] = position_[std::size_t(t[k])] - image_.origin;
     const Vec3 normal = (p[1] - p[0]).cross(p[2] - p[0]);
+    // a triangle seen edge on is crossed somewhere between its corners
+    const double low = std::min({p[0].x(), p[1].x(), p[2].x()}), high = std::max({p[0].x(), p[1].x(), p[2].x()});
     const auto [first_y, last_y] = range(p, 1);
     const auto [first_z, last_z] = range(p, 2);
     for (Index k = first_z; k <= last_z; ++k)
@@ -91,17 +93,20 @@ class Filler {
         const double y = j * size_, z = k * size_;
         const int winding = windingOf(p, y, z);
         if (winding == 0) continue;
-        const double x = p[0].x() - (normal.y() * (y - p[0].y()) + normal.z() * (z - p[0].z())) / normal.x();
-        lines_[std::size_t(j) + std::size_t(image_.size[1]) * std::size_t(k)].push_back({x, -winding});
+        double x = p[0].x() - (normal.y() * (y - p[0].y()) + normal.z() * (z - p[0].z())) / normal.x();
+        if (!std::isfinite(x)) x = low;
+        lines_[std::size_t(j) + std::size_t(image_.size[1]) * std::size_t(k)].push_back(
+            {std::clamp(x, low, high), -winding});
       }
     return p[0].dot(normal);
   }
 
+  /// Lines that may cross, with one more on each side: windingOf() decides, and decides alike for all triangles.
   std::pair<Index, Index> range(const std::array<Vec3, 3>& p, Eigen::Index axis) const {
-    const double low = std::min({p[0][axis], p[1][axis], p[2][axis]}),
-                 high = std::max({p[0][axis], p[1][axis], p[2][axis]});
-    return {Index(std::max(0.0, std::ceil(low / size_))),
-            Index(std::min(double(image_.size[std::size_t(axis)] - 1), std::floor(high / size_)))};
+    const auto [low, high] = std::minmax({p[0][axis], p[1][axis], p[2][axis]});
+    const double last = double(image_.size[std::size_t(axis)] - 1);
+    return {Index(std::clamp(std::floor(low / size_), 0.0, last)),
+            Index(std::clamp(std::ceil(high / size_), 0.0, last))};
   }
 
   void fill(std::size_t line, int outward) {
