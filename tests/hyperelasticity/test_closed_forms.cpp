@@ -3,6 +3,7 @@
 // hand, in every form and both kinds of cell; rest, rotation and small strains.
 #include <fmt/format.h>
 
+#include <Eigen/LU>
 #include <cmath>
 #include <map>
 
@@ -182,6 +183,61 @@ TEST(HyperelasticClosedForms, StretchesAndShear) {
         Mat3 f = Mat3::Identity();
         f(0, 1) = gamma;
         EXPECT_NEAR(firstStress(t, f)(0, 1), closed.shear(gamma), 1e-10 * std::abs(closed.shear(gamma))) << gamma;
+      }
+    }
+}
+
+/// All of P for deformations without symmetry and axes that lie askew: the fibre of TransverselyIsotropic pulled,
+/// sheared across and slack, and Costa's three axes.
+TEST(HyperelasticClosedForms, AxesThatLieAskew) {
+  const Vec3 fibre = Vec3(1, 2, 1).normalized(), second = Vec3(2, -1, 0).normalized();
+  Mat3 axes;
+  axes << fibre, second, fibre.cross(second);
+  const auto transverselyIsotropic = [&](const Mat3& f) -> Mat3 {
+    const double j = f.determinant(), i4 = (f * fibre).squaredNorm(), s = std::pow(j, -2. / 3) * i4 - 1;
+    const Mat3 inverse = f.inverse().transpose();
+    Mat3 p = mu * (f - inverse) + lambda * std::log(j) * inverse;
+    if (s > 0)
+      p += 3000 * s * std::exp(1.5 * s * s) * std::pow(j, -2. / 3) *
+           (2 * (f * fibre) * fibre.transpose() - 2. / 3 * i4 * inverse);
+    return p;
+  };
+  Mat3 weight;
+  weight << 8, 4, 5, 4, 2, 2.5, 5, 2.5, 3;
+  const auto costa = [&](const Mat3& f) -> Mat3 {
+    const double j = f.determinant(), scale = std::pow(j, -4. / 3);
+    const Mat3 strain = axes.transpose() * (f.transpose() * f - Mat3::Identity()) / 2 * axes;
+    const double q = scale * (weight.array() * strain.array().square()).sum();
+    const Mat3 slope = axes * (2 * weight.array() * strain.array()).matrix() * axes.transpose();
+    const Mat3 inverse = f.inverse().transpose();
+    return 250 * std::exp(q) * (scale * f * slope - 4. / 3 * q * inverse) + k0 * j * std::log(j) * inverse;
+  };
+  std::vector<Mat3> deformations;
+  for (const double g : {0.4, -0.3})
+    for (int i = 0; i < 3; ++i)
+      for (int k = 0; k < 3; ++k)
+        if (i != k) {
+          deformations.emplace_back(Mat3::Identity());
+          deformations.back()(i, k) = g;
+        }
+  deformations.emplace_back((Mat3() << 1.2, 0.3, -0.1, -0.2, 0.9, 0.25, 0.15, -0.3, 1.1).finished());
+  deformations.emplace_back(Mat3::Identity() + 0.3 * fibre * fibre.transpose());   // pulled
+  deformations.emplace_back(Mat3::Identity() - 0.3 * fibre * fibre.transpose());   // slack
+  deformations.emplace_back(Mat3::Identity() + 0.3 * second * fibre.transpose());  // sheared across
+  int pulled = 0, slack = 0;
+  for (const Mat3& f : deformations)
+    ((f * fibre).squaredNorm() > std::pow(f.determinant(), 2. / 3) ? pulled : slack) += 1;
+  EXPECT_GT(std::min(pulled, slack), 3);
+  const std::vector<std::pair<std::string, std::function<Mat3(const Mat3&)>>> laws{
+      {set("TransverselyIsotropic", "1200 4000 3000 1.5", "1 2 1"), transverselyIsotropic},
+      {set("Costa", "500 5000 8 4 2 5 2.5 3", "1 2 1  2 -1 0"), costa}};
+  for (const auto& [attributes, stress] : laws)
+    for (const auto& [type, form] : forms) {
+      SCOPED_TRACE(attributes + " " + type + " " + form);
+      FieldUnderTest t(cellScene(type, attributes + " " + form), type);
+      for (const Mat3& f : deformations) {
+        const Mat3 expected = stress(f);
+        EXPECT_LT((firstStress(t, f) - expected).norm(), 1e-10 * expected.norm()) << f;
       }
     }
 }
