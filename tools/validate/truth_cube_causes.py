@@ -9,6 +9,7 @@ import truth_cube
 import truth_cube_conclusion as conclusion
 
 TETS, HEXES = "scenes/validation/truth_cube_tetrahedra_static.xml", "scenes/validation/truth_cube_hexahedra_static.xml"
+LAWS = "scenes/validation/truth_cube_hexahedra_hyperelastic_static.xml"
 FEM = "/cells/fem."
 HEADER = ["varied", "mean at 5 %", "12.5 %", "18.25 %", "std at 18.25 %", "max at 18.25 %", "remark"]
 
@@ -24,7 +25,10 @@ RUNS += [("five tetrahedra a cell", TETS, ["/cells/cut.cutting=five"]),
          ("the top slides on its plate", TETS, ["/cube/plate.movedDirections=0 0 1"]),
          ("the base slides", TETS, ["/cube/glued.fixedDirections=0 0 1"]),
          ("hexes, polar, no B, Poisson's ratio 0", HEXES,
-          ["/fem.method=polar", "/fem.updateStiffnessMatrix=false", "/fem.poissonRatio=0"])]
+          ["/fem.method=polar", "/fem.updateStiffnessMatrix=false", "/fem.poissonRatio=0"]),
+         (conclusion.LOGARITHMIC, LAWS, []),
+         (conclusion.LOGARITHMIC + ", Poisson's ratio 0.48", LAWS, ["/fem.poissonRatio=0.48"]),
+         ("hexes, neo-Hookean law, mean dilatation", LAWS, ["/fem.materialName=NeoHookean", "/fem.alpha1="])]
 
 
 def registrations(frames, measured):
