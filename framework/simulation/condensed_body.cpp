@@ -26,9 +26,10 @@ void CondensedBody::collect(System& system, const Integrator& integrator, const 
                                    integrator.type()));
   const Index count = system.independentRows();
   for (Vector* vector : {&reference_, &rest_, &still_, &timed_force_}) vector->resize(count);
-  copy(system.x, reference_);
+  copy(ConstRows{system.x.rows().data, count}, reference_);
   for (const State* state : system.states())
-    for (Index i = 0; i < state->size(); ++i) rest_[state->firstRow() + i] = state->rest_position[std::size_t(i)];
+    if (state->firstRow() < count)  // else it only follows
+      for (Index i = 0; i < state->size(); ++i) rest_[state->firstRow() + i] = state->rest_position[std::size_t(i)];
   findHeld();
   const std::vector<char> kept = keptRows(integrator, choice);
   std::vector<char> is_held(std::size_t(count), 0);
@@ -49,9 +50,9 @@ void CondensedBody::refuseOtherKinds(const Integrator& integrator, bool dynamic)
   const System& system = *system_;
   const std::string& name = integrator.type();
   if (!system.mappings().empty())
-    throw ComponentError(
-        fmt::format("{} does not work through mappings, and there is {}", name, system.mappings().front()->path()),
-        "bodies without mapped nodes");
+    throw ComponentError(fmt::format("{} takes no forces through mappings, and something acts on the nodes of {}", name,
+                                     system.mappings().front()->path()),
+                         "mapped nodes that only follow");
   if (!system.positionConstraints().empty())
     throw ComponentError(fmt::format("{} corrects positions, and {} has one matrix for all times",
                                      system.positionConstraints().front()->path(), name),
@@ -159,14 +160,17 @@ std::vector<char> CondensedBody::keptRows(const Integrator& integrator, const Co
   const bool named = integrator.data().find("surfaceIndices")->isSet();
   if (named && !choice.condensed)
     throw ComponentError("surfaceIndices is given, and condensed=\"false\" keeps every node", "one of the two");
-  if (named && system_->states().size() > 1)
-    throw ComponentError(
-        fmt::format("surfaceIndices names nodes of one state, and there are {}", system_->states().size()),
-        "a solver for each body");
+  const auto bodies = std::count_if(system_->states().begin(), system_->states().end(), [this](const State* state) {
+    return state->firstRow() < system_->independentRows();
+  });
+  if (named && bodies > 1)
+    throw ComponentError(fmt::format("surfaceIndices names nodes of one state, and there are {}", bodies),
+                         "a solver for each body");
   if (!choice.condensed) return kept;
   std::vector<Observer*> observers;
   system_->node().root().collect(observers);
   for (const State* state : system_->states()) {
+    if (state->firstRow() >= system_->independentRows()) continue;  // it only follows
     if (named) {
       for (const Index node : checkedNodes(choice.kept, *state, "surfaceIndices"))
         kept[std::size_t(state->firstRow() + node)] = 1;

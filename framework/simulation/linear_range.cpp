@@ -36,6 +36,7 @@ void LinearRange::compile(const System& system, const CondensedBody& body, const
   };
   for (const State* state : system.states()) {
     const Topology* topology = state->find<Topology>(true);
+    if (state->firstRow() >= system.independentRows()) continue;  // it only follows
     if (!topology || topology->mesh().nodes() != state->size()) continue;
     for (const Triangle& face : topology->mesh().boundaryTriangles()) add(*state, face[0], face[1], face[2]);
     for (const Quad& face : topology->mesh().boundaryQuads()) {

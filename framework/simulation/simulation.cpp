@@ -17,7 +17,7 @@ namespace stroma {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-/// Steps from one look at reversed velocities to the next: the look costs two dot products.
+/// Steps from one look at reversed velocities to the next: a look costs six dot products.
 constexpr long look_every = 8;
 double seconds(Clock::duration duration) { return std::chrono::duration<double>(duration).count(); }
 
@@ -188,8 +188,9 @@ Simulation::Simulation(Scene scene) : scene_(std::move(scene)) {
     for (const ForceField* field : system->forceFields())
       if (std::string sentence = lateForce(*field, system->integrator()); !sentence.empty())
         diagnostics.warning(field->where(), field->path(), std::move(sentence));
+    has_followers_ = has_followers_ || !system->passiveMappings().empty();
     good_.emplace_back(Vector(system->allRows()), Vector(system->allRows()));
-    reversals_.push_back(0);
+    reversals_.emplace_back();
     initial_.emplace_back(Vector(system->allRows()), Vector(system->allRows()));
     copy(system->x, initial_.back().first);
     copy(system->v, initial_.back().second);
@@ -254,7 +255,8 @@ void Simulation::advance(std::size_t index, const StepContext& context, StepRepo
   system.times.total += seconds(Clock::now() - start);
   system.times.solve += part.solve_seconds;
   if (!part.diverged && cause.empty()) {
-    if (!lean && context.index % look_every == 0 && system.integrator().keepsEnergy()) watchReversals(index);
+    if (!lean && context.index % look_every < 2 && system.integrator().keepsEnergy())
+      watchReversals(index, context.index % look_every == 0);
     if (part.unsolved) part.reason = whereAndWhy(system, context, part.reason, "");
     return merge(std::move(part), report);
   }
@@ -272,32 +274,43 @@ void Simulation::advance(std::size_t index, const StepContext& context, StepRepo
   report.reason = whereAndWhy(system, context, cause, " before the step");
 }
 
-void Simulation::watchReversals(std::size_t index) {
+/// Some motions turn around at every step, others at every second one: a look is at two steps.
+void Simulation::watchReversals(std::size_t index, bool first) {
   const Vector &now = systems_[index]->v, &before = good_[index].second;
-  const double product = dot(now, before);
-  reversals_[index] = product < -0.5 * std::sqrt(dot(now, now) * dot(before, before)) ? reversals_[index] + 1 : 0;
+  const bool turned = dot(now, before) < -0.5 * std::sqrt(dot(now, now) * dot(before, before));
+  Reversals& reversals = reversals_[index];
+  if (first) {
+    reversals.turned = turned;
+    return;
+  }
+  reversals.in_a_row = turned || reversals.turned ? reversals.in_a_row + 1 : 0;
 }
 
 /// Motions much faster than the step keep their velocity but for its sign, for ever or nearly so: a physical viscosity
 /// does not damp them either, because rules without damping of their own take it for a change of sign too.
 std::string Simulation::reversals(std::size_t index) const {
-  constexpr int in_a_row = 3;
-  if (reversals_[index] < in_a_row) return {};
+  constexpr int enough = 3;
+  if (reversals_[index].in_a_row < enough) return {};
   return fmt::format(
-      "{} at t = {:.6g} s: velocities change sign from step to step. dt = {:.6g} s is far above the period of the "
+      "{} at t = {:.6g} s: velocities change sign from step to step, or every other step. dt = {:.6g} s is far above "
+      "the period of the "
       "fastest motions, which this rule does not damp: the positions are a mean at best. A smaller dt, "
       "EulerImplicitSolver or BDFOdeSolver settles",
       systems_[index]->integrator().path(), time_, dt());
 }
 
 void Simulation::complete() const {
-  for (const auto& system : systems_) system->integrator().complete(*system);
+  for (const auto& system : systems_) {
+    system->integrator().complete(*system);
+    // the integrator left mapped rows behind with all others
+    if (system->integrator().answersForState() && !system->passiveMappings().empty()) system->applyMappings();
+  }
 }
 
 void Simulation::notify(const StepContext& context) {
-  if (!on_demand_ || std::any_of(observers_.begin(), observers_.end(),
-                                 [&context](const Observer* observer) { return observer->readsAllNodes(context); }))
-    complete();
+  // an observer of single nodes says which to keep up to date, and those that follow others cannot be
+  const auto reads_all = [&](const Observer* observer) { return has_followers_ || observer->readsAllNodes(context); };
+  if (!on_demand_ || std::any_of(observers_.begin(), observers_.end(), reads_all)) complete();
   if (observers_.empty()) return;
   const auto start = Clock::now();
   for (Observer* observer : observers_) observer->afterStep(*this, context);
@@ -324,7 +337,7 @@ void Simulation::reset() {
   std::vector<Component*> components;
   root().collect(components);
   for (Component* component : components) component->reset();
-  reversals_.assign(systems_.size(), 0);
+  reversals_.assign(systems_.size(), {});
   steps_ = 0;
   time_ = root().root_time;
 }

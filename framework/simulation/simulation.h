@@ -58,7 +58,7 @@ class Simulation {
   /// A sentence when a system with an integrator that keeps energy has much more than at the start, or empty.
   std::string gainedEnergy(std::size_t index) const;
   /// Every few steps of an integrator that keeps energy: whether the step has turned the velocities around.
-  void watchReversals(std::size_t index);
+  void watchReversals(std::size_t index, bool first);
   std::string reversals(std::size_t index) const;
   /// Times of the step that comes.
   StepContext nextStep() const;
@@ -74,11 +74,16 @@ class Simulation {
   std::vector<History*> histories_;
   std::vector<std::pair<Vector, Vector>> initial_;  ///< x and v of each system at the start, for reset()
   std::vector<std::pair<Vector, Vector>> good_;     ///< x and v of each system before the step
-  std::vector<int> reversals_;                      ///< of each system: the last looks in a row that found one
+  struct Reversals {
+    bool turned = false;  ///< the first step of a look did
+    int in_a_row = 0;     ///< looks, up to the last one, that saw velocities turn
+  };
+  std::vector<Reversals> reversals_;  ///< of each system
   double time_ = 0;
   long steps_ = 0;
   bool begun_ = false;
   bool on_demand_ = false;
+  bool has_followers_ = false;  ///< nodes that passive mappings place
 };
 
 }  // namespace stroma

@@ -22,7 +22,8 @@ System::System(Node& node, Integrator& integrator) : node_(node), integrator_(in
   layOut();
   for (Mass* mass : masses_) mass->compile();
   for (ForceField* field : force_fields_) field->compile();
-  for (Mapping* mapping : mappings_) mapping->compile();
+  for (const auto* mappings : {&mappings_, &passive_mappings_})
+    for (Mapping* mapping : *mappings) mapping->compile();
   for (ForceField* field : force_fields_) {
     const ForceTraits traits = field->traits();
     if (traits.velocity_dependent) damped_fields_.push_back(field);
@@ -136,12 +137,33 @@ void System::orderMappings() {
     mappings_.push_back(*ready);
     waiting.erase(ready);
   }
+  // from the last to the first: a child that only places passive children is passive
+  const auto acts = [this](const State* state) {
+    const auto is_state = [state](const auto* actor) { return &actor->state() == state; };
+    const auto has_state = [state](const auto* actor) {
+      const auto states = actor->states();
+      return std::find(states.begin(), states.end(), state) != states.end();
+    };
+    return std::any_of(force_fields_.begin(), force_fields_.end(), has_state) ||
+           std::any_of(masses_.begin(), masses_.end(), is_state) ||
+           std::any_of(position_constraints_.begin(), position_constraints_.end(), is_state);
+  };
+  std::vector<Mapping*> acting;
+  for (auto mapping = mappings_.rbegin(); mapping != mappings_.rend(); ++mapping) {
+    const State* child = &(*mapping)->output();
+    const bool feeds =
+        std::any_of(acting.begin(), acting.end(), [&](const Mapping* m) { return &m->input() == child; });
+    (feeds || acts(child) ? acting : passive_mappings_).push_back(*mapping);
+  }
+  std::reverse(acting.begin(), acting.end());
+  std::reverse(passive_mappings_.begin(), passive_mappings_.end());
+  mappings_ = std::move(acting);
 }
 
 void System::layOut() {
   std::vector<State*> mapped;
-  mapped.reserve(mappings_.size());
-  for (const Mapping* mapping : mappings_) mapped.push_back(&mapping->output());
+  for (const auto* mappings : {&mappings_, &passive_mappings_})
+    for (const Mapping* mapping : *mappings) mapped.push_back(&mapping->output());
   std::erase_if(states_,
                 [&mapped](State* state) { return std::find(mapped.begin(), mapped.end(), state) != mapped.end(); });
   const std::size_t independent = states_.size();
@@ -278,9 +300,15 @@ void System::computeForceAndProduct(ConstRows x_now, ConstRows v_now, ConstRows 
   noteForceEvaluation(out);
 }
 
-void System::applyMappings() {
+void System::applyActingMappings() {
   for (const Mapping* mapping : mappings_) mapping->apply(x);
   for (const Mapping* mapping : mappings_) mapping->applyJ(v);
+}
+
+void System::applyMappings() {
+  applyActingMappings();
+  for (const Mapping* mapping : passive_mappings_) mapping->apply(x);
+  for (const Mapping* mapping : passive_mappings_) mapping->applyJ(v);
 }
 
 }  // namespace stroma

@@ -61,7 +61,10 @@ class System final : public SystemMatrix {
   const std::vector<Mass*>& masses() const { return masses_; }
   const std::vector<ProjectiveConstraint*>& constraints() const { return constraints_; }
   const std::vector<PositionConstraint*>& positionConstraints() const { return position_constraints_; }
+  /// Those whose child something acts on, and those that place children that nothing acts on: the latter are applied
+  /// after each step and nowhere else.
   const std::vector<Mapping*>& mappings() const { return mappings_; }
+  const std::vector<Mapping*>& passiveMappings() const { return passive_mappings_; }
   Integrator& integrator() const { return integrator_; }
   LinearSolver* linearSolver() const { return linear_solver_; }
   Node& node() const { return node_; }
@@ -104,7 +107,7 @@ class System final : public SystemMatrix {
   bool hasPrescribed() const { return !moving_projectors_.empty(); }
   /// After the integrator: prescribed motion and tied rows, exactly.
   void endStep(const StepContext& context);
-  void applyMappings();
+  void applyMappings();  ///< passive ones too
   /// Position constraints after endStep(), for a step from positions `x_start`. Only when there are some.
   void enforcePositions(const StepContext& context, ConstRows x_start, StepReport& report);
 
@@ -135,8 +138,8 @@ class System final : public SystemMatrix {
 
   /// Empty, or a sentence: prescribed motions put a node at places without a common point, or x or v is not finite
   /// (with the state, the node and the component to suspect), or an elastic body is more than a million times its size
-  /// at rest (a hundred times where elements have grown as much) and larger than at `before` [m]. It will not come back,
-  /// and long before it overflows nothing about it means anything.
+  /// at rest (a hundred times where elements have grown as much) and larger than at `before` [m]. It will not come
+  /// back, and long before it overflows nothing about it means anything.
   std::string firstFault(ConstRows before);
   /// A sentence for every elastic body that is more than ten times its size at rest.
   std::vector<std::string> grownBodies() const;
@@ -157,6 +160,7 @@ class System final : public SystemMatrix {
   void findLinearSolver();
   void checkActors() const;
   void orderMappings();
+  void applyActingMappings();
   void layOut();
   void preparePositionConstraints();
   void computeGravity();
@@ -199,7 +203,7 @@ class System final : public SystemMatrix {
   std::vector<Mass*> masses_;
   std::vector<ProjectiveConstraint*> constraints_;
   std::vector<PositionConstraint*> position_constraints_;
-  std::vector<Mapping*> mappings_;
+  std::vector<Mapping*> mappings_, passive_mappings_;
   Index all_rows_ = 0, independent_rows_ = 0;
 
   Vector gravity_force_;    ///< constant, computed once

@@ -98,7 +98,7 @@ void System::beginStep(const StepContext& context) {
   if (constraints_change_) gatherConstraints(context.t, context.t_end);
   applyProjectors(velocity_projectors_, v);
   if (!moving_projectors_.empty()) aimAtPrescribed(context);
-  applyMappings();
+  applyActingMappings();
 }
 
 void System::placePrescribed(const StepContext& context, Rows x_now, Rows v_now) const {

@@ -125,7 +125,7 @@ bool System::symmetric() const {
 
 void System::preparePattern() const {
   if (pattern_ready_) return;
-  BlockPattern pattern(all_rows_);
+  BlockPattern pattern(mappings_.empty() ? independent_rows_ : all_rows_);
   for (const Mass* mass : masses_) mass->addPattern(pattern);
   for (const ForceField* field : force_fields_)
     if (const ForceTraits traits = field->traits(); traits.has_stiffness || traits.velocity_dependent)

@@ -248,7 +248,9 @@ std::vector<std::string> System::explain() const {
         fmt::format("  position constraint {}: after each step; {}", constraint->path(), constraint->describe()));
   for (const Mapping* mapping : mappings_)
     lines.push_back(fmt::format("  mapping {}: each evaluation", mapping->path()));
-  if (mappings_.empty()) lines.push_back("  mappings: none, skipped");
+  for (const Mapping* mapping : passive_mappings_)
+    lines.push_back(fmt::format("  mapping {}: after each step; nothing acts on its nodes", mapping->path()));
+  if (mappings_.empty() && passive_mappings_.empty()) lines.push_back("  mappings: none, skipped");
   lines.push_back(fmt::format("  integrator {}: {}", integrator_.path(), integrator_.describe()));
   if (!linear_solver_) lines.push_back("  linear solver: none");
   if (linear_solver_)

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// IdentityMapping: the nodes of a state are those of another one.
+//
+//   x_c = x_p,   v_c = v_p,   f_p += f_c
+//
+// For what is to act on a body through nodes, force fields and a mesh of their own.
+//
+// Source: the name and the attributes are SOFA's.
+//
+// Example:
+// <Node name="root" dt="0.01">
+//   <EulerImplicitSolver/>
+//   <CGLinearSolver iterations="25" tolerance="1e-8"/>
+//   <MechanicalObject name="body" position="0 0 0  1 0 0"/>
+//   <UniformMass totalMass="1"/>
+//   <Node name="spring">
+//     <MechanicalObject name="ends" position="0 0 0  1 0 0"/>
+//     <IdentityMapping/>
+//     <SpringForceField springsIndices1="0" springsIndices2="1" lengths="1" stiffness="100" damping="0"/>
+//   </Node>
+// </Node>
+#include <fmt/format.h>
+
+#include "framework/mechanics/weighted_mapping.h"
+#include "framework/scene/factory.h"
+
+namespace stroma {
+namespace {
+
+class IdentityMapping final : public WeightedMapping {
+ public:
+  void init() override {
+    WeightedMapping::init();
+    if (input().size() != output().size())
+      throw ComponentError(fmt::format("{} has {} nodes and {} has {}", output().path(), output().size(),
+                                       input().path(), input().size()),
+                           "as many of each");
+    for (Index i = 0; i < input().size(); ++i) addNode({{i, 1}});
+  }
+};
+
+}  // namespace
+}  // namespace stroma
+
+STROMA_COMPONENT(identity_mapping) {
+  factory.add<stroma::IdentityMapping>("IdentityMapping", "the nodes of a state are those of another one");
+}
