@@ -33,8 +33,12 @@
 // a share of the velocity changes its sign in every step: the scene is warned of that. Where K pushes in some direction
 // that motion grows at any step: the scene is warned of.
 //
-// The inverse of the kept nodes is stored by half and multiplied in one pass over it. With condensed="false" it is
-// compared with the sparse factor, which usually reads less; solve="inverse" or "factor" decides.
+// The inverse of the kept nodes is stored by half and multiplied in one pass over it. With condensed="false" the sparse
+// factor can take its place: both are timed when the precomputation is made (on the machine and with the threads of
+// that run), the faster is taken, and explain tells the times. The factor wins from about 200 nodes on. The two differ
+// by round-off: runs of a body near that size are the same bit for bit only where solve="inverse" or "factor" decides,
+// or a file of cacheFolder, which keeps the choice.
+//
 // A node that a constraint moves is a load that is not known: see CondensedStaticSolver.
 //
 // Example:
@@ -51,6 +55,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 
 #include "framework/scene/factory.h"
 #include "framework/simulation/condensed_integrator.h"
@@ -68,7 +73,7 @@ class CondensedDynamicSolver final : public CondensedIntegrator {
             "what becomes of the mass of inside nodes: it stays, and each step costs a sweep through the inside; the "
             "kept nodes carry it; it is left out");
     table.addChoice("solve", solve_, {"auto", "inverse", "factor"})
-        .help("with condensed=\"false\": by the inverse, by the sparse factor, or by what reads less");
+        .help("with condensed=\"false\": by the inverse, by the sparse factor, or by the faster, measured");
   }
   StepReport step(System& system, const StepContext& context) override;
 
@@ -82,6 +87,7 @@ class CondensedDynamicSolver final : public CondensedIntegrator {
     return solve_ == Solve::inverse ? Form::symmetric : Form::factor;
   }
   bool mayInvert() const override { return !condensed_ && solve_ == Solve::automatic; }
+  std::function<void()> trialProduct(std::size_t rows) const override;
   std::unique_ptr<PartialCholesky> makeFactor() const override { return makePartialCholesky(); }
   void checkChoices() const override;
   void prepare(System& system) override;
@@ -95,6 +101,7 @@ class CondensedDynamicSolver final : public CondensedIntegrator {
   enum class Solve : int { automatic, inverse, factor };
   void multiply(const double* r, double* u);
   void multiplyKept(const double* r, double* u);
+  void multiplyHalf(const void* inverse, std::size_t rows, const double* r, double* u, double* work) const;
   /// Of the inverse that is stored.
   std::size_t keptUnknowns() const {
     return 3 * std::size_t(body_.free() - (used_form_ == Form::joined ? body_.interior() : firstActive()));
@@ -229,12 +236,27 @@ void CondensedDynamicSolver::multiply(const double* r, double* u) {
 }
 
 void CondensedDynamicSolver::multiplyKept(const double* r, double* u) {
-  const std::size_t rows = keptUnknowns();
+  multiplyHalf(compliance(), keptUnknowns(), r, u, work_.data());
+}
+
+void CondensedDynamicSolver::multiplyHalf(const void* inverse, std::size_t rows, const double* r, double* u,
+                                          double* work) const {
   if (isSingle()) {
-    SymmetricPanels<float>{static_cast<const float*>(compliance()), rows}.multiply(r, u, work_.data());
+    SymmetricPanels<float>{static_cast<const float*>(inverse), rows}.multiply(r, u, work);
   } else {
-    SymmetricPanels<double>{static_cast<const double*>(compliance()), rows}.multiply(r, u, work_.data());
+    SymmetricPanels<double>{static_cast<const double*>(inverse), rows}.multiply(r, u, work);
   }
+}
+
+std::function<void()> CondensedDynamicSolver::trialProduct(std::size_t rows) const {
+  const std::size_t bytes = SymmetricPanels<double>::size(rows) * (isSingle() ? 4 : 8);
+  const std::size_t length = chunksOf(rows) * lanes, pieces = SymmetricPanels<double>{nullptr, rows}.pieces();
+  const auto inverse = std::make_shared<Array<double>>(bytes / sizeof(double) + 1, 0.0);
+  const auto vectors = std::make_shared<Array<double>>((2 + pieces) * length, 1.0);
+  return [this, rows, length, inverse, vectors] {
+    double* r = vectors->data();
+    multiplyHalf(inverse->data(), rows, r, r + length, r + 2 * length);
+  };
 }
 
 void CondensedDynamicSolver::complianceOf(const Touch& touch, double* column) {

@@ -231,7 +231,7 @@ void CondensedIntegrator::reset() {
 }
 
 std::string CondensedIntegrator::describe() const {
-  std::string text = stepText();
+  std::string text = stepText() + measuredText();
   if (body_.interior() > 0 && !insideIsActive())
     text += fmt::format("; {} nodes inside are computed after steps that somebody reads them{}", body_.interior(),
                         asks_force_ ? ": each, because forces are read" : "");

@@ -3,6 +3,10 @@
 // and the range of linear elasticity.
 #pragma once
 #include <Eigen/Dense>
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -51,8 +55,10 @@ class CondensedIntegrator : public Integrator {
   virtual bool sharesInteriorMass() const { return false; }
   /// The form that the matrix should have; `factor` only where every node is kept.
   virtual Form form() const = 0;
-  /// True when `symmetric` may replace `factor` where it costs less.
+  /// True when `symmetric` may replace `factor` where it is measured to be faster.
   virtual bool mayInvert() const { return false; }
+  /// Where mayInvert(): a product with half of an inverse of `rows` rows, as steps do it, whose numbers do not matter.
+  virtual std::function<void()> trialProduct(std::size_t) const { return {}; }
   virtual std::unique_ptr<PartialCholesky> makeFactor() const = 0;
   /// Refuses attributes that contradict each other.
   virtual void checkChoices() const {}
@@ -108,9 +114,23 @@ class CondensedIntegrator : public Integrator {
 
  private:
   struct Problem;
+  /// Of one solve, where both forms were allowed. Also a section of a file: numbers alone.
+  struct Measured {
+    double sweeps = 0;   ///< through the sparse factor [s]; 0: nothing was measured
+    double product = 0;  ///< with the inverse [s]; at least, when it was not multiplied as a whole
+    double rows = 0;     ///< of what was multiplied; 0: the inverse does not fit into memory
+  };
   ContentKey keyOf(const Problem& problem) const;
-  void decideForm(Problem& problem);
+  void computeFaster(Problem& problem);
   void computeAnew(Problem& problem);
+  void measureForms();
+  bool inverseFits() const;
+  bool inverseIsFaster() const;
+  static std::map<std::array<std::uint64_t, 2>, Measured>& remembered();
+  bool recallForms(const ContentKey& key);
+  void rememberForms(const ContentKey& key) const;
+  std::string measuredText() const;
+  double memoryLimit() const;
   bool loadStored(Problem& problem);
   bool inverseIsIntact(const Problem& problem) const;
   void store(const Problem& problem);
@@ -132,6 +152,7 @@ class CondensedIntegrator : public Integrator {
   double memory_limit_ = 0, rotation_bound_ = 0.1, strain_bound_ = 0.1;
   int kept_count_ = 0, interior_count_ = 0;
   bool from_cache_ = false;
+  Measured measured_;
   double precomputation_ = 0;
   std::vector<int> dragged_nodes_;
   std::vector<Vec3> drag_forces_;

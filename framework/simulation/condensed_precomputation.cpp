@@ -28,8 +28,23 @@ struct CondensedIntegrator::Problem {
 
 namespace {
 
-/// Sections of a file. The last three are the constant loads of the run that wrote it and what became of them.
-enum Part : std::size_t { inverse, order, inertias, first, row_start, start, rows, values, force, swept, based, parts };
+/// Sections of a file. The constant loads of the run that wrote it and what became of them are `force`, `swept` and
+/// `based`; `measured` says why it has an inverse or none.
+enum Part : std::size_t {
+  inverse,
+  order,
+  inertias,
+  first,
+  row_start,
+  start,
+  rows,
+  values,
+  force,
+  swept,
+  based,
+  measured,
+  parts
+};
 
 double availableBytes() {
   std::ifstream info("/proc/meminfo");
@@ -90,8 +105,7 @@ void CondensedIntegrator::compile(System& system) {
   from_cache_ = loadStored(problem);
   if (!from_cache_) {
     problem.stiffness = body_.stiffness();
-    decideForm(problem);
-    computeAnew(problem);
+    computeFaster(problem);
   }
   body_.renumber(problem.order);
   shift_.clear();
@@ -123,18 +137,22 @@ ContentKey CondensedIntegrator::keyOf(const Problem& problem) const {
   return key;
 }
 
-// Where every node is kept, a solve with the sparse factor may read less than a product with the inverse. A sparse
-// solve reads the factor twice, at about half the speed of a product because its pieces are short.
-void CondensedIntegrator::decideForm(Problem& problem) {
-  if (used_form_ != Form::factor || !mayInvert()) return;
-  const auto trial = makeFactor();
-  trial->analyse(body_.matrix(problem.stiffness, problem.shift), body_.free());
-  const double unknowns = 3.0 * body_.free(), number = isSingle() ? 4 : 8;
-  if (unknowns * unknowns / 2 * number < 2 * trial->peakBytes()) used_form_ = Form::symmetric;
+// The sparse factor comes first, because it takes a fraction of the time and memory that the inverse does: it is
+// measured itself, and given up again where the inverse is faster.
+void CondensedIntegrator::computeFaster(Problem& problem) {
+  if (!mayInvert() || recallForms(problem.key)) return computeAnew(problem);
+  computeAnew(problem);
+  measureForms();
+  rememberForms(problem.key);
+  if (!inverseIsFaster()) return;
+  used_form_ = Form::symmetric;
+  computeAnew(problem);
 }
 
+double CondensedIntegrator::memoryLimit() const { return memory_limit_ > 0 ? 1e9 * memory_limit_ : availableBytes(); }
+
 void CondensedIntegrator::refuseTooLarge(double bytes, const char* what) const {
-  const double limit = memory_limit_ > 0 ? 1e9 * memory_limit_ : availableBytes();
+  const double limit = memoryLimit();
   if (limit > 0 && bytes > limit)
     throw ComponentError(fmt::format("{} takes {:.2g} GB for {} kept nodes over {} inside, and {} GB are {}", what,
                                      1e-9 * bytes, body_.kept(), body_.interior(), fmt::format("{:.2g}", 1e-9 * limit),
@@ -314,7 +332,8 @@ void CondensedIntegrator::store(const Problem& problem) {
                                       sectionOf(eliminated_.values, eliminated_.entries()),
                                       sectionOf(force_.data(), force_.size()),
                                       sectionOf(swept_.data(), swept_.size()),
-                                      sectionOf(base_.data(), base_.size())};
+                                      sectionOf(base_.data(), base_.size()),
+                                      sectionOf(&measured_, 1)};
   const std::string reason = SectionFile::write(file_name_, problem.key, sections);
   if (!reason.empty()) warn(fmt::format("{} cannot be written ({}): the next run computes again", file_name_, reason));
 }
@@ -335,6 +354,7 @@ void CondensedIntegrator::useStored(Problem& problem) {
                  file_.array<std::int32_t>(rows),
                  file_.array<double>(values)};
   sweep_work_.resize(std::size_t(eliminated_.longest()));
+  measured_ = *file_.array<Measured>(measured);
 }
 
 // The factor of the inside is the larger part of a file and not needed for steps: it is checked when somebody needs it.

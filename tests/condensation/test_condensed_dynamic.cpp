@@ -111,6 +111,60 @@ TEST(CondensedDynamic, isThePapersSchemeOnTheWholeMatrix) {
   EXPECT_GT(now.norm(), 1e-3);
 }
 
+namespace {
+
+/// The whole body on another grid.
+std::string wholeBody(const std::string& nodes, const std::string& attributes = "") {
+  std::string text = Block{.solver = "<CondensedDynamicSolver condensed=\"false\" " + attributes + "/>"}.text();
+  return text.replace(text.find("5 4 7"), 5, nodes);
+}
+
+std::string planOf(const Simulation& simulation) { return simulation.systems().front()->integrator().describe(); }
+
+}  // namespace
+
+TEST(CondensedDynamic, wholeBodiesAreSolvedByTheFormThatIsMeasuredToBeFaster) {
+  for (const std::string nodes : {"5 4 2", "5 4 7", "7 7 8", "9 9 10"})
+    for (const std::string precision : {"double", "single"}) {
+      const std::string plan = planOf(simulationFromText(wholeBody(nodes, "precision=\"" + precision + "\"")));
+      const std::string start = "; measured when it was made: ", at_least = "at least ";
+      const auto at = plan.find(start);
+      ASSERT_NE(at, std::string::npos) << plan;
+      std::size_t length = 0;
+      std::string rest = plan.substr(at + start.size());
+      const double by_factor = std::stod(rest, &length);
+      rest = rest.substr(length);
+      ASSERT_EQ(rest.find(" ms by the factor, "), 0u) << plan;
+      rest = rest.substr(std::string(" ms by the factor, ").size());
+      if (rest.find(at_least) == 0) rest = rest.substr(at_least.size());
+      const double by_inverse = std::stod(rest);
+      EXPECT_GT(by_factor, 0);
+      // the numbers are rounded to three digits
+      if (std::abs(by_factor / by_inverse - 1) < 0.01) continue;
+      EXPECT_EQ(plan.find("through the sparse factor") != std::string::npos, by_factor < by_inverse) << plan;
+    }
+  for (const std::string choice : {"inverse", "factor"})
+    EXPECT_EQ(planOf(simulationFromText(wholeBody("5 4 7", "solve=\"" + choice + "\""))).find("measured"),
+              std::string::npos);
+}
+
+TEST(CondensedDynamic, aBodyThatIsLoadedAgainHasTheSameForm) {
+  // of a size at which both take the same time
+  const auto run = [] {
+    Simulation simulation = simulationFromText(wholeBody("6 6 6"));
+    for (int i = 0; i < 3; ++i) simulation.step();
+    return std::pair(planOf(simulation), simulation.stateHash());
+  };
+  const auto first = run();
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(run(), first);
+}
+
+TEST(CondensedDynamic, anInverseThatDoesNotFitIsNotMadeWhereTheFactorDoes) {
+  const std::string plan = planOf(simulationFromText(wholeBody("5 4 6", "memoryLimit=\"0.0015\"")));
+  EXPECT_NE(plan.find("through the sparse factor"), std::string::npos) << plan;
+  EXPECT_NE(plan.find("no memory for the inverse"), std::string::npos) << plan;
+}
+
 TEST(CondensedDynamic, oscillatorHasTheSchemesRoots) {
   // one node on a spring: m u'' + alpha m u' + k u = 0 from u_0
   const double m = 0.5, spring = 200, alpha = 1.2, dt = 0.01, u0 = 0.3;

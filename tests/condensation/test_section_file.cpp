@@ -97,7 +97,9 @@ TEST_F(CacheFolder, otherMassesAreAnotherFileThoughTheMatrixIsTheSame) {
   // k + m/dt^2 = 5200 N/m for both
   const auto oscillator = [&](const std::string& spring, const std::string& mass, bool cached) {
     return simulationFromText(
-        "<Node name=\"root\" dt=\"0.01\" gravity=\"0 0 0\"><CondensedDynamicSolver condensed=\"false\" cacheFolder=\"" +
+        "<Node name=\"root\" dt=\"0.01\" gravity=\"0 0 0\"><CondensedDynamicSolver condensed=\"false\" "
+        "solve=\"inverse\" "
+        "cacheFolder=\"" +
         (cached ? folder.string() : "") +
         "\"/><MechanicalObject position=\"1.3 0 0\" rest_position=\"1 0 0\"/><UniformMass totalMass=\"" + mass +
         "\"/><RestShapeSpringsForceField points=\"0\" stiffness=\"" + spring + "\"/></Node>");
@@ -243,10 +245,10 @@ TEST_F(CacheFolder, theFileOfAnotherBodyIsNotTaken) {
 TEST_F(CacheFolder, aDamagedFactorOfTheInsideIsMadeAnewWhenItIsNeeded) {
   Simulation first = simulationFromText(scene());
   const std::uint64_t expected = hashAfterSteps(first);
-  // the factor's numbers end three padded sections and a page of check sums before the end of the file
+  // the factor's numbers end three padded sections, a page of times and one of check sums before the end of the file
   const auto pages = [](std::size_t bytes) { return (bytes + 4095) / 4096 * 4096; };
   const std::size_t free = 120, kept = 90;
-  flip(fs::file_size(file()) - 2 * pages(free * 24) - pages((3 * kept + 7) / 8 * 64) - 4096 - 5000);
+  flip(fs::file_size(file()) - 2 * pages(free * 24) - pages((3 * kept + 7) / 8 * 64) - 2 * 4096 - 5000);
   Simulation again = simulationFromText(scene());
   EXPECT_TRUE(fromCache(again));
   testing::internal::CaptureStderr();

@@ -163,7 +163,7 @@ def main():
                  ["sweep", "method", "free nodes", "kept", "loaded", "ms a step", "seconds to the first step"], rows)
     head = (f"# Condensation, explicit inverse and selective products\n\nWritten by `tools/validate/condensation.py` on "
             f"{datetime.date.today()}; {sr.machine()}. Milliseconds a step on one core, the whole step; every load changes in "
-            "every step. FD takes the sparse factor, which reads less than the inverse of these blocks would. FS is left out "
+            "every step. FD takes the sparse factor, which is measured to be faster than the inverse of these blocks. FS is left out "
             f"above {LARGEST_FULL} nodes. CS and CD work in memory-mapped files of the precomputation.\n\n"
             "A condensed step costs the same whatever lies inside, where the mass inside is left out or shared; a selective one goes with the loaded nodes, once their "
             "columns no longer fit into the cache. A dynamic step reads half of the inverse whatever is loaded; a static one "
