@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What the condensed solvers compute once: the matrix, its factor, the inverse that is kept, and the files they go to.
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
@@ -12,6 +11,7 @@
 
 #include "framework/scene/node.h"
 #include "framework/simulation/condensed_integrator.h"
+#include "framework/simulation/long_work.h"
 
 namespace stroma {
 
@@ -59,26 +59,6 @@ template <class T>
 Section sectionOf(const T* data, std::size_t count) {
   return {data, count * sizeof(T)};
 }
-
-/// Tells of long work on standard error: in place on a terminal, else a line each quarter.
-class Telling {
- public:
-  Telling(std::string what, double operations) : what_(std::move(what)), silent_(operations < 1e11) {}
-  void say(double share) {
-    share = std::min(share, 1.0);
-    const int step = int(share * (isatty(2) ? 100 : 4));
-    if (silent_ || step <= last_) return;
-    last_ = step;
-    fmt::print(stderr, "{}{}: {:.0f} %{}", isatty(2) ? "\r" : "", what_, 100 * share,
-               isatty(2) && share < 0.999 ? "" : "\n");
-    std::fflush(stderr);
-  }
-
- private:
-  std::string what_;
-  bool silent_;
-  int last_ = -1;
-};
 
 }  // namespace
 
@@ -174,8 +154,8 @@ void CondensedIntegrator::computeAnew(Problem& problem) {
   compliance_bytes_ = count * number;
   refuseTooLarge(double(compliance_bytes_) + factor_->peakBytes(), "the precomputation");
   const double kept = 3.0 * double(nodes);
-  Telling telling(fmt::format("{}: {} kept nodes over {}", path(), nodes, eliminated),
-                  factor_->flops() + kept * kept * kept);
+  LongWork telling(fmt::format("{}: {} kept nodes over {}", path(), nodes, eliminated),
+                   factor_->flops() + kept * kept * kept);
   telling.say(0);
   const Index bad = factor_->factor();
   if (bad >= 0) refuseFree(problem.system, bad);

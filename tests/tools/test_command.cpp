@@ -69,6 +69,19 @@ TEST_F(Command, AConstraintThatDoesNotHoldEndsTheRun) {
   EXPECT_TRUE(has(report["reason"].get<std::string>(), "node 0 is 0.5 m behind plane 0"));
 }
 
+TEST_F(Command, QuietRunsTellNothingOfLongWork) {
+  // 1,678 free nodes, all on the surface: as much work as is told of, and little more
+  write("plate.xml",
+        "<Node name=\"root\" dt=\"0.01\" gravity=\"0 0 0\"><CondensedStaticSolver/><RegularGridTopology n=\"29 29 2\" "
+        "min=\"0 0 0\" max=\"0.6 0.6 0.02\"/><MechanicalObject/><HexahedronFEMForceField method=\"small\" "
+        "youngModulus=\"5000\" poissonRatio=\"0.3\"/><FixedProjectiveConstraint indices=\"0 1 29 800\"/></Node>");
+  const Finished told = stroma("run plate.xml -n 1"), quiet = stroma("run plate.xml -n 1 --quiet");
+  EXPECT_EQ(told.code, 0) << told.err;
+  for (const char* share : {": 0 %\n", ": 100 %\n"}) EXPECT_TRUE(has(told.err, share)) << told.err;
+  EXPECT_EQ(quiet.code, 0) << quiet.err;
+  EXPECT_EQ(quiet.out + quiet.err, "");
+}
+
 TEST_F(Command, RunRecordsFirstEveryKthAndLast) {
   write("fall.xml", falling_scene);
   const Finished run = stroma("run fall.xml -n 7 --record out --record-every 3 --quiet");

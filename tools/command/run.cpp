@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "framework/algebra/parallel.h"
+#include "framework/simulation/long_work.h"
 #include "tools/command/progress.h"
 #include "tools/command/recorder.h"
 #include "tools/command/session.h"
@@ -185,6 +186,7 @@ int run(const Arguments& arguments) {
   const auto values = parseOptions(manual, runOptions(), {"SCENE"}, arguments);
   if (!values) return exit_done;
   const Request request(*values);
+  tellLongWork(!request.quiet);
   Session session(*values);
   const auto simulation = session.load(request.scene);
   simulation->computeOnDemand(true);
