@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -94,6 +95,79 @@ bool writeAll(std::FILE* file, const void* data, std::size_t bytes) {
          std::fwrite(zeros.data(), 1, roundedUp(bytes) - bytes, file) == roundedUp(bytes) - bytes;
 }
 
+// ---- names ----
+
+/// A file that is being written. Where the file system can, it has no name until it is whole, so that a run that is
+/// killed leaves none. Else it has a name of its own, and a lock by which others see that somebody is at it: the lock
+/// ends with the process.
+struct Temporary {
+  Temporary(const std::string& path, bool nameless) : name(newName(path)) {
+    if (nameless) {
+      const std::string folder = std::filesystem::path(path).parent_path().string();
+      descriptor = ::open(folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0644);
+    }
+    unnamed = descriptor >= 0;
+    if (unnamed) flock(descriptor, LOCK_EX);  // it will have a name for a moment
+    while (descriptor < 0) {
+      name = newName(path);
+      descriptor = ::open(name.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0644);
+      if (descriptor < 0 && errno == EEXIST) continue;
+      if (descriptor < 0) return;
+      flock(descriptor, LOCK_EX);
+      struct stat status {};
+      if (fstat(descriptor, &status) == 0 && status.st_nlink > 0) break;
+      ::close(descriptor);  // before it was locked it has been taken for a leftover
+      descriptor = -1;
+    }
+    file = fdopen(descriptor, "wb");
+  }
+  Temporary(const Temporary&) = delete;
+  Temporary& operator=(const Temporary&) = delete;
+  ~Temporary() {
+    const int error = errno;
+    if (!unnamed) std::remove(name.c_str());
+    if (file) std::fclose(file);
+    errno = error;
+  }
+
+  bool rename(const std::string& path) {
+    const std::string own = fmt::format("/proc/self/fd/{}", descriptor);
+    if (unnamed && linkat(AT_FDCWD, own.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) != 0) return false;
+    unnamed = false;
+    return std::rename(name.c_str(), path.c_str()) == 0;
+  }
+
+  static std::string newName(const std::string& path) {
+    return fmt::format("{}.{}.{}", path, getpid(), std::chrono::steady_clock::now().time_since_epoch().count());
+  }
+
+  int descriptor = -1;
+  std::FILE* file = nullptr;
+  std::string name;
+  bool unnamed = false;
+};
+
+/// True for names that Temporary gives to files like `path`.
+bool isTemporary(const std::string& name, const std::filesystem::path& path) {
+  const std::string middle = path.extension().string() + ".";
+  const auto at = name.rfind(middle);
+  const std::string end = at == std::string::npos ? "" : name.substr(at + middle.size());
+  return !end.empty() && end.find_first_not_of("0123456789.") == std::string::npos &&
+         std::count(end.begin(), end.end(), '.') == 1;
+}
+
+/// Removes what killed runs have left in the folder.
+void removeLeftovers(const std::filesystem::path& path) {
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(path.parent_path(), error)) {
+    if (!isTemporary(entry.path().filename().string(), path)) continue;
+    const int file = ::open(entry.path().c_str(), O_RDWR | O_CLOEXEC);
+    if (file < 0) continue;
+    if (flock(file, LOCK_EX | LOCK_NB) == 0) ::unlink(entry.path().c_str());
+    ::close(file);
+  }
+}
+
 }  // namespace
 
 void ContentKey::add(const void* data, std::size_t bytes) {
@@ -173,7 +247,8 @@ void SectionFile::close() {
   data_ = nullptr;
 }
 
-std::string SectionFile::write(const std::string& path, const ContentKey& key, const std::vector<Section>& sections) {
+std::string SectionFile::write(const std::string& path, const ContentKey& key, const std::vector<Section>& sections,
+                               bool nameless) {
   Header header{.magic = magic, .format = format_version, .order = byte_order, .key = key.value()};
   header.sections = sections.size();
   std::size_t at = page;
@@ -193,26 +268,14 @@ std::string SectionFile::write(const std::string& path, const ContentKey& key, c
   std::error_code error;
   std::filesystem::create_directories(std::filesystem::path(path).parent_path(), error);
   if (error) return error.message();
-  // a file without a name, so that a run that is killed leaves none; then a name of its own, then the final one
-  const std::string folder = std::filesystem::path(path).parent_path().string();
-  const std::string temporary =
-      fmt::format("{}.{}.{}", path, getpid(), std::chrono::steady_clock::now().time_since_epoch().count());
-  int descriptor = ::open(folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0644);
-  const bool nameless = descriptor >= 0;  // not every file system has such files
-  if (!nameless) descriptor = ::open(temporary.c_str(), O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, 0644);
-  std::FILE* file = descriptor < 0 ? nullptr : fdopen(descriptor, "wb");
-  if (!file) return std::strerror(errno);
-  bool good = writeAll(file, &header, sizeof header);
-  for (const Section& section : sections) good = good && writeAll(file, section.data, section.bytes);
-  good = good && writeAll(file, sums.data(), sums_bytes);
-  good = std::fflush(file) == 0 && good && fsync(descriptor) == 0;
-  const std::string own = fmt::format("/proc/self/fd/{}", descriptor);
-  if (nameless) good = good && linkat(AT_FDCWD, own.c_str(), AT_FDCWD, temporary.c_str(), AT_SYMLINK_FOLLOW) == 0;
-  good = good && std::rename(temporary.c_str(), path.c_str()) == 0;
-  const std::string reason = good ? "" : std::strerror(errno);
-  std::fclose(file);
-  if (!good && !nameless) std::remove(temporary.c_str());
-  return reason;
+  removeLeftovers(path);
+  Temporary temporary(path, nameless);
+  if (!temporary.file) return std::strerror(errno);
+  bool good = writeAll(temporary.file, &header, sizeof header);
+  for (const Section& section : sections) good = good && writeAll(temporary.file, section.data, section.bytes);
+  good = good && writeAll(temporary.file, sums.data(), sums_bytes);
+  good = std::fflush(temporary.file) == 0 && good && fsync(temporary.descriptor) == 0;
+  return good && temporary.rename(path) ? "" : std::strerror(errno);
 }
 
 }  // namespace stroma

@@ -58,8 +58,11 @@ class SectionFile {
   bool isOpen() const { return data_ != nullptr; }
   void close();
 
-  /// Writes to a name of its own and renames: whoever reads sees a whole file or none. Returns why not, or empty.
-  static std::string write(const std::string& path, const ContentKey& key, const std::vector<Section>& sections);
+  /// Writes to a name of its own and renames: whoever reads sees a whole file or none. Removes what runs that were
+  /// killed in between have left in the folder. `nameless`: without a name meanwhile, where the file system can.
+  /// Returns why not, or empty.
+  static std::string write(const std::string& path, const ContentKey& key, const std::vector<Section>& sections,
+                           bool nameless = true);
 
  private:
   const unsigned char* data_ = nullptr;

@@ -305,3 +305,78 @@ TEST_F(CacheFolder, aHalfWrittenFileIsNeverSeen) {
     EXPECT_TRUE(found.open(entry.path().string(), ContentKey(), 1, reason)) << entry.path() << reason;
   }
 }
+
+namespace {
+
+/// As where files cannot be without a name.
+std::string writeNamed(const fs::path& path, const std::vector<char>& data) {
+  return SectionFile::write(path.string(), ContentKey(), {{data.data(), data.size()}}, false);
+}
+
+}  // namespace
+
+TEST_F(CacheFolder, whatAKilledRunLeavesIsNeverTakenAndRemovedByTheNext) {
+  fs::create_directories(folder);
+  const fs::path path = folder / "x.sections";
+  const pid_t child = fork();
+  if (child == 0) {
+    const std::vector<char> zeros(std::size_t(1) << 28);
+    for (;;) writeNamed(folder / "y.sections", zeros);
+  }
+  const auto started = [&] {
+    for (const auto& entry : fs::directory_iterator(folder))
+      if (entry.path().filename() != "y.sections") return true;
+    return false;
+  };
+  while (!started()) usleep(1000);
+  kill(child, SIGSTOP);  // the file is its own as long as it lives
+  int status = 0;
+  waitpid(child, &status, WUNTRACED);
+  const bool writing = started();
+  const std::vector<char> few(1000, 'x');
+  EXPECT_EQ(writeNamed(path, few), "");
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), writing ? 2 : 1);
+  kill(child, SIGKILL);
+  waitpid(child, &status, 0);
+  SectionFile found;
+  std::string reason;
+  EXPECT_FALSE(found.open((folder / "y.sections").string(), ContentKey(), 1, reason));
+  EXPECT_EQ(reason, "");
+  EXPECT_EQ(writeNamed(path, few), "");
+  EXPECT_EQ(file(), path);
+  EXPECT_TRUE(found.open(path.string(), ContentKey(), 1, reason)) << reason;
+}
+
+TEST_F(CacheFolder, runsThatWriteAtOnceWithNamesLeaveOneWholeFile) {
+  const fs::path path = folder / "x.sections";
+  const std::vector<char> data(std::size_t(1) << 20, 'x');
+  std::vector<pid_t> runs;
+  for (int i = 0; i < 4; ++i) {
+    const pid_t child = fork();
+    if (child == 0) {
+      int refused = 0;
+      for (int k = 0; k < 20; ++k) refused += !writeNamed(path, data).empty();
+      _exit(refused);
+    }
+    runs.push_back(child);
+  }
+  for (const pid_t run : runs) {
+    int status = 1;
+    waitpid(run, &status, 0);
+    EXPECT_EQ(status, 0);
+  }
+  EXPECT_EQ(file(), path);
+  SectionFile found;
+  std::string reason;
+  EXPECT_TRUE(found.open(path.string(), ContentKey(), 1, reason) && found.isIntact(0)) << reason;
+}
+
+TEST_F(CacheFolder, otherFilesOfTheFolderAreLeftAlone) {
+  fs::create_directories(folder);
+  for (const std::string name : {"x.sections.old", "x.sections.1", "notes.1.2", "z.sections.1.2.3"})
+    std::ofstream(folder / name).put('x');
+  std::ofstream(folder / "z.sections.1.2").put('x');
+  EXPECT_EQ(writeNamed(folder / "x.sections", std::vector<char>(10)), "");
+  EXPECT_FALSE(fs::exists(folder / "z.sections.1.2"));
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 5);
+}
