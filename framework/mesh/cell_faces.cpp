@@ -2,6 +2,7 @@
 #include "framework/mesh/cell_faces.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace stroma {
 
@@ -21,11 +22,32 @@ std::array<Index, N> facesNodes(const Cell& cell, const std::array<std::array<in
   return nodes;
 }
 
-/// All faces, equal ones side by side and in the order of their cells. Buckets by the smallest node keep the time
-/// linear: a bucket holds the few faces around a node.
+/// Number by number: a comparison of arrays as a whole calls a function for these few bytes, millions of times.
+template <std::size_t N>
+bool sameNodes(const FaceKey<N>& a, const FaceKey<N>& b) {
+  for (std::size_t i = 0; i < N; ++i)
+    if (a.nodes[i] != b.nodes[i]) return false;
+  return true;
+}
+
+/// Of faces with the same smallest node.
+template <std::size_t N>
+bool comesBefore(const FaceKey<N>& a, const FaceKey<N>& b) {
+  for (std::size_t i = 1; i < N; ++i)
+    if (a.nodes[i] != b.nodes[i]) return a.nodes[i] < b.nodes[i];
+  return a.where.cell < b.where.cell;
+}
+
+/// All faces by their smallest node, those of a node in the order of their cells: a few each, which keeps the time of
+/// what follows linear.
+template <std::size_t N>
+struct FaceBuckets {
+  std::vector<FaceKey<N>> keys;
+  std::vector<std::size_t> start;  ///< shape (nodes + 1)
+};
+
 template <class Cell, std::size_t Faces, std::size_t N>
-std::vector<FaceKey<N>> sortedFaces(const std::vector<Cell>& cells,
-                                    const std::array<std::array<int, N>, Faces>& faces) {
+FaceBuckets<N> bucketsOf(const std::vector<Cell>& cells, const std::array<std::array<int, N>, Faces>& faces) {
   Index nodes = 0;
   for (const Cell& cell : cells) nodes = std::max(nodes, *std::max_element(cell.begin(), cell.end()) + 1);
   const auto smallest = [&](const Cell& cell, std::size_t f) {
@@ -33,39 +55,70 @@ std::vector<FaceKey<N>> sortedFaces(const std::vector<Cell>& cells,
     for (const int i : faces[f]) least = std::min(least, cell[std::size_t(i)]);
     return std::size_t(least);
   };
-  std::vector<std::size_t> start(std::size_t(nodes) + 1, 0);
+  FaceBuckets<N> buckets;
+  std::vector<std::size_t>& start = buckets.start;
+  start.assign(std::size_t(nodes) + 1, 0);
   for (const Cell& cell : cells)
     for (std::size_t f = 0; f < Faces; ++f) ++start[smallest(cell, f) + 1];
   for (std::size_t n = 0; n < std::size_t(nodes); ++n) start[n + 1] += start[n];
-  std::vector<FaceKey<N>> sorted(cells.size() * Faces);
+  buckets.keys.resize(cells.size() * Faces);
   std::vector<std::size_t> next(start.begin(), start.end());
   for (std::size_t c = 0; c < cells.size(); ++c)
     for (std::size_t f = 0; f < Faces; ++f) {
       auto key = facesNodes(cells[c], faces, int(f));
       std::sort(key.begin(), key.end());
-      sorted[next[std::size_t(key[0])]++] = {key, {Index(c), int(f)}};
+      buckets.keys[next[std::size_t(key[0])]++] = {key, {Index(c), int(f)}};
     }
-  for (std::size_t n = 0; n < std::size_t(nodes); ++n)
-    std::sort(sorted.begin() + std::ptrdiff_t(start[n]), sorted.begin() + std::ptrdiff_t(start[n + 1]),
-              [](const FaceKey<N>& a, const FaceKey<N>& b) {
-                return a.nodes != b.nodes ? a.nodes < b.nodes : a.where.cell < b.where.cell;
-              });
-  return sorted;
+  return buckets;
+}
+
+/// All faces, equal ones side by side and in the order of their cells.
+template <class Cell, std::size_t Faces, std::size_t N>
+std::vector<FaceKey<N>> sortedFaces(const std::vector<Cell>& cells,
+                                    const std::array<std::array<int, N>, Faces>& faces) {
+  auto [keys, start] = bucketsOf(cells, faces);
+  for (std::size_t n = 0; n + 1 < start.size(); ++n)
+    std::sort(keys.begin() + std::ptrdiff_t(start[n]), keys.begin() + std::ptrdiff_t(start[n + 1]), comesBefore<N>);
+  return std::move(keys);
+}
+
+/// Those of one cell alone, in the same order. Most faces have a partner, which a list for each second node finds
+/// without sorting.
+template <class Cell, std::size_t Faces, std::size_t N>
+std::vector<FaceKey<N>> loneFaces(const std::vector<Cell>& cells, const std::array<std::array<int, N>, Faces>& faces) {
+  const auto [keys, start] = bucketsOf(cells, faces);
+  std::vector<FaceKey<N>> lone;
+  std::vector<std::size_t> newest(start.size(), 0), before;  // places in the bucket, from 1 on
+  std::vector<char> shared;
+  for (std::size_t n = 0; n + 1 < start.size(); ++n) {
+    const FaceKey<N>* bucket = keys.data() + start[n];
+    const std::size_t count = start[n + 1] - start[n], first = lone.size();
+    before.assign(count + 1, 0), shared.assign(count + 1, 0);
+    for (std::size_t k = 1; k <= count; ++k) {
+      std::size_t& head = newest[std::size_t(bucket[k - 1].nodes[1])];
+      for (std::size_t other = head; other > 0; other = before[other])
+        if (sameNodes(bucket[k - 1], bucket[other - 1])) shared[k] = shared[other] = 1;
+      before[k] = head;
+      head = k;
+    }
+    for (std::size_t k = 1; k <= count; ++k) {
+      newest[std::size_t(bucket[k - 1].nodes[1])] = 0;
+      if (!shared[k]) lone.push_back(bucket[k - 1]);
+    }
+    std::sort(lone.begin() + std::ptrdiff_t(first), lone.end(), comesBefore<N>);
+  }
+  return lone;
 }
 
 template <class Cell, std::size_t Faces, std::size_t N>
 std::vector<std::array<Index, N>> uniqueFacesOf(const std::vector<Cell>& cells,
                                                 const std::array<std::array<int, N>, Faces>& faces,
                                                 bool boundary_only) {
-  const auto keys = sortedFaces(cells, faces);
+  const auto keys = boundary_only ? loneFaces(cells, faces) : sortedFaces(cells, faces);
   std::vector<std::array<Index, N>> out;
-  for (std::size_t i = 0; i < keys.size();) {
-    std::size_t end = i + 1;
-    while (end < keys.size() && keys[end].nodes == keys[i].nodes) ++end;
-    if (!boundary_only || end == i + 1)
+  for (std::size_t i = 0; i < keys.size(); ++i)
+    if (i == 0 || !sameNodes(keys[i - 1], keys[i]))
       out.push_back(facesNodes(cells[std::size_t(keys[i].where.cell)], faces, keys[i].where.face));
-    i = end;
-  }
   return out;
 }
 
@@ -83,7 +136,7 @@ std::vector<std::array<CellFace, 2>> sharedFaces(const std::vector<Hexahedron>& 
   const auto keys = sortedFaces(cells, hexahedron_faces);
   std::vector<std::array<CellFace, 2>> out;
   for (std::size_t i = 0; i + 1 < keys.size(); ++i)
-    if (keys[i].nodes == keys[i + 1].nodes) out.push_back({keys[i].where, keys[i + 1].where});
+    if (sameNodes(keys[i], keys[i + 1])) out.push_back({keys[i].where, keys[i + 1].where});
   return out;
 }
 
