@@ -151,8 +151,8 @@ bool CondensedIntegrator::reduceTimedInterior(double* out) {
 
 void CondensedIntegrator::complete(System& system) {
   if (!behind_) return;
-  behind_ = false;
   checkFactor();
+  behind_ = false;
   const std::size_t inside = 3 * std::size_t(body_.interior());
   const auto sweep = [&](const Rows& rows, ConstRows origin, bool loads) {
     for (std::size_t i = 0; i < inside; ++i)

@@ -134,7 +134,7 @@ class CondensedIntegrator : public Integrator {
   bool loadStored(Problem& problem);
   bool inverseIsIntact(const Problem& problem) const;
   void store(const Problem& problem);
-  void refuseTooLarge(double bytes, const char* what) const;
+  void refuseTooLarge(double bytes, const std::string& what) const;
   void shareInteriorMass(const Problem& problem, PartialCholesky& factor);
   void packInverse(PartialCholesky& factor, const std::function<void(double)>& progress);
   void useStored(Problem& problem);

@@ -131,7 +131,7 @@ void CondensedIntegrator::computeFaster(Problem& problem) {
 
 double CondensedIntegrator::memoryLimit() const { return memory_limit_ > 0 ? 1e9 * memory_limit_ : availableBytes(); }
 
-void CondensedIntegrator::refuseTooLarge(double bytes, const char* what) const {
+void CondensedIntegrator::refuseTooLarge(double bytes, const std::string& what) const {
   const double limit = memoryLimit();
   if (limit > 0 && bytes > limit)
     throw ComponentError(fmt::format("{} takes {:.2g} GB for {} kept nodes over {} inside, and {} GB are {}", what,
@@ -338,18 +338,30 @@ void CondensedIntegrator::useStored(Problem& problem) {
 }
 
 // The factor of the inside is the larger part of a file and not needed for steps: it is checked when somebody needs it.
+// Making it anew takes what a start without a file would take for it, in the middle of a run, and is refused alike.
 void CondensedIntegrator::checkFactor() {
   if (!file_.isOpen() || insideIsActive() || factor_checked_) return;
-  factor_checked_ = true;
-  if (file_.isIntact(values)) return;
-  fmt::print(stderr, "{}: the factor of the inside in {} is damaged: made anew, and so is the file in the next run\n",
-             path(), file_name_);
+  if (file_.isIntact(values)) {
+    factor_checked_ = true;
+    return;
+  }
   std::error_code ignored;
   std::filesystem::remove(file_name_, ignored);
   factor_ = makeFactor();
   factor_->analyse(body_.matrix(body_.stiffness(), shift_), body_.interior(), true);
+  const double bytes = factor_->peakBytes();
+  refuseTooLarge(bytes, fmt::format("the factor of the inside, damaged in {} and to be made anew,", file_name_));
+  warn(
+      fmt::format("the factor of the inside in {} is damaged: made anew, which takes {:.2g} GB, and so is the file in "
+                  "the next run",
+                  file_name_, 1e-9 * bytes));
+  LongWork telling(fmt::format("{}: the factor of {} nodes inside", path(), body_.interior()), factor_->flops());
+  telling.say(0);
   factor_->factor();
+  telling.say(1);
   eliminated_ = factor_->eliminated();
+  Array<double>().swap(factor_->kept());
+  factor_checked_ = true;
 }
 
 // ---- what steps need ----

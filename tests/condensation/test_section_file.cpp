@@ -51,6 +51,13 @@ class CacheFolder : public testing::Test {
     stream.seekp(std::streamoff(at));
     stream.put(char(byte ^ 0x10));
   }
+  /// In the numbers of the factor of the inside of scene(). They end three padded sections, a page of times and one of
+  /// check sums before the end of the file.
+  void flipFactor() const {
+    const auto pages = [](std::size_t bytes) { return (bytes + 4095) / 4096 * 4096; };
+    const std::size_t free = 120, kept = 90;
+    flip(fs::file_size(file()) - 2 * pages(free * 24) - pages((3 * kept + 7) / 8 * 64) - 2 * 4096 - 5000);
+  }
   static std::uint64_t hashAfterSteps(Simulation& simulation) {
     for (int i = 0; i < 3; ++i) simulation.step();
     return simulation.stateHash();
@@ -245,16 +252,32 @@ TEST_F(CacheFolder, theFileOfAnotherBodyIsNotTaken) {
 TEST_F(CacheFolder, aDamagedFactorOfTheInsideIsMadeAnewWhenItIsNeeded) {
   Simulation first = simulationFromText(scene());
   const std::uint64_t expected = hashAfterSteps(first);
-  // the factor's numbers end three padded sections, a page of times and one of check sums before the end of the file
-  const auto pages = [](std::size_t bytes) { return (bytes + 4095) / 4096 * 4096; };
-  const std::size_t free = 120, kept = 90;
-  flip(fs::file_size(file()) - 2 * pages(free * 24) - pages((3 * kept + 7) / 8 * 64) - 2 * 4096 - 5000);
+  flipFactor();
   Simulation again = simulationFromText(scene());
   EXPECT_TRUE(fromCache(again));
   testing::internal::CaptureStderr();
   EXPECT_EQ(hashAfterSteps(again), expected);
   EXPECT_NE(testing::internal::GetCapturedStderr().find("factor of the inside"), std::string::npos);
   EXPECT_FALSE(fs::exists(folder) && std::distance(fs::directory_iterator(folder), {}) > 0);
+}
+
+TEST_F(CacheFolder, aFactorThatIsMadeAnewMustFitIntoMemoryToo) {
+  simulationFromText(scene());
+  flipFactor();
+  std::string text = scene();
+  text.replace(text.find("cacheFolder"), 0, "memoryLimit=\"0.0001\" ");
+  Simulation again = simulationFromText(text);
+  EXPECT_TRUE(fromCache(again));
+  try {
+    again.step();
+    ADD_FAILURE() << "nothing was refused";
+  } catch (const ComponentError& error) {
+    const std::string said = error.what();
+    for (const std::string words : {"the factor of the inside", "allowed by memoryLimit"})
+      EXPECT_NE(said.find(words), std::string::npos) << said;
+  }
+  // and the run after it starts from the beginning, with the refusal of every start
+  EXPECT_NE(problemsOf(text).find("allowed by memoryLimit"), std::string::npos);
 }
 
 TEST_F(CacheFolder, runsAtOnceLeaveOneWholeFile) {
