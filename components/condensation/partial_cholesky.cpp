@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// PartialCholesky by CHOLMOD: the eliminated nodes are ordered for little fill, those that are kept come last, so that
-// the last columns of L are the dense factor of the Schur complement; nothing of the interior is ever inverted. Two
-// orders are tried, nested dissection of the eliminated nodes (METIS) and minimum degree with the kept nodes held back
-// (CAMD); the one with fewer operations is taken. It registers no component: the condensed solvers of the module use
-// it.
+// PartialCholesky by CHOLMOD's orders and supernodes: the eliminated nodes are ordered for little fill, those that are
+// kept come last, so that the last columns of L are the dense factor of the Schur complement; nothing of the interior
+// is ever inverted. Two orders are tried, nested dissection of the eliminated nodes (METIS) and minimum degree with the
+// kept nodes held back (CAMD); the one with fewer operations is taken. It registers no component: the condensed solvers
+// of the module use it.
+//
+// The numbers are computed here, supernode by supernode from the left, by the same calls of BLAS as CHOLMOD's. Its own
+// factorisation says nothing until it is over, which takes minutes for large bodies, and it leaves a factor in which
+// both parts lie mixed: taking it apart needed the memory of two.
 #include "framework/algebra/partial_cholesky.h"
 
 #include <cholmod.h>
@@ -28,6 +32,9 @@ void dtrsm_(const char* side, const char* uplo, const char* trans, const char* d
             const double* alpha, const double* a, const int* lda, double* b, const int* ldb);
 void dsyrk_(const char* uplo, const char* trans, const int* n, const int* k, const double* alpha, const double* a,
             const int* lda, const double* beta, double* c, const int* ldc);
+void dgemm_(const char* transa, const char* transb, const int* m, const int* n, const int* k, const double* alpha,
+            const double* a, const int* lda, const double* b, const int* ldb, const double* beta, double* c,
+            const int* ldc);
 void dpotrf_(const char* uplo, const int* n, double* a, const int* lda, int* info);
 }
 
@@ -58,7 +65,7 @@ class CholmodPartialCholesky final : public PartialCholesky {
   std::vector<Index> analyse(const BlockMatrix& matrix, Index eliminated, bool as_they_are) override;
   double peakBytes() const override;
   double flops() const override { return flops_; }
-  Index factor() override;
+  Index factor(const std::function<void(double)>& progress) override;
   SupernodalColumns eliminated() const override;
   Array<double>& kept() override { return kept_; }
   bool shift(const std::vector<double>& diagonal) override;
@@ -69,13 +76,21 @@ class CholmodPartialCholesky final : public PartialCholesky {
   cholmod_sparse* graph(const BlockMatrix& matrix, Index nodes);
   void tryOrder(cholmod_sparse* graph, std::vector<int> order, Index eliminated);
   void buildLower(const BlockMatrix& matrix);
-  void copyColumns();
+  void layOut(const cholmod_factor& symbolic);
+  Index eliminate(const std::function<void(double)>& progress);
+  void takeColumns(Index first, Index count, double* block, Index height, const std::vector<Index>& place) const;
+  void updateBy(Index s, Index done, Index columns, double* block, Index height, Index origin,
+                const std::vector<Index>& place);
+  void updateKept(Index s);
+  Index factorKept(const std::function<void(double)>& progress);
   Index lostPivot() const;
+  Index width(Index s) const { return first_[std::size_t(s) + 1] - first_[std::size_t(s)]; }
+  double operationsOf(Index s) const;
+  Index below(Index s) const { return Index(row_start_[std::size_t(s) + 1] - row_start_[std::size_t(s)]); }
   Index keptUnknowns() const { return Index(3 * (order_.size() - std::size_t(eliminated_))); }
 
   cholmod_common common_;
   cholmod_sparse* lower_ = nullptr;
-  cholmod_factor* factor_ = nullptr;
   std::vector<Index> order_;
   std::vector<double> diagonal_;  ///< of the matrix, in the new order
   Index eliminated_ = 0;
@@ -83,6 +98,8 @@ class CholmodPartialCholesky final : public PartialCholesky {
   std::vector<std::int32_t> first_, rows_;
   std::vector<std::int64_t> row_start_, start_;
   Array<double> values_, kept_;
+  std::vector<Index> kept_place_;  ///< row in kept_ of an unknown
+  Array<double> update_;           ///< what one supernode takes from some columns of another
 };
 
 CholmodPartialCholesky::CholmodPartialCholesky() {
@@ -95,7 +112,6 @@ CholmodPartialCholesky::CholmodPartialCholesky() {
 
 CholmodPartialCholesky::~CholmodPartialCholesky() {
   cholmod_free_sparse(&lower_, &common_);
-  cholmod_free_factor(&factor_, &common_);
   cholmod_finish(&common_);
 }
 
@@ -165,9 +181,10 @@ std::vector<Index> CholmodPartialCholesky::analyse(const BlockMatrix& matrix, In
   buildLower(matrix);
   common_.method[0].ordering = CHOLMOD_NATURAL;
   common_.postorder = 0;
-  factor_ = cholmod_analyze(lower_, &common_);
-  check(factor_, "analyse the matrix");
-  flops_ = common_.fl;
+  cholmod_factor* symbolic = cholmod_analyze(lower_, &common_);
+  check(symbolic, "analyse the matrix");
+  layOut(*symbolic);
+  cholmod_free_factor(&symbolic, &common_);
   return order_;
 }
 
@@ -203,58 +220,171 @@ void CholmodPartialCholesky::buildLower(const BlockMatrix& matrix) {
   start[unknowns] = entries;
 }
 
+/// A supernode may reach from the eliminated columns into the kept ones; its rows start with its own columns, so that
+/// the first of them are a supernode by themselves.
+void CholmodPartialCholesky::layOut(const cholmod_factor& symbolic) {
+  const int *first = static_cast<int*>(symbolic.super), *start = static_cast<int*>(symbolic.pi);
+  const int* rows = static_cast<int*>(symbolic.s);
+  const int border = 3 * eliminated_;
+  first_.clear(), rows_.clear();
+  row_start_ = {0}, start_ = {0};
+  for (std::size_t s = 0; s < symbolic.nsuper && first[s] < border; ++s) {
+    const int columns = std::min(first[s + 1], border) - first[s], height = start[s + 1] - start[s];
+    first_.push_back(first[s]);
+    rows_.insert(rows_.end(), rows + start[s] + columns, rows + start[s] + height);
+    row_start_.push_back(std::int64_t(rows_.size()));
+    start_.push_back(start_.back() + std::int64_t(columns) * height);
+  }
+  first_.push_back(border);
+  flops_ = std::pow(double(keptUnknowns()), 3) / 3;
+  for (Index s = 0; s + 1 < Index(first_.size()); ++s) flops_ += operationsOf(s);
+}
+
+/// Squares of the heights of its columns.
+double CholmodPartialCholesky::operationsOf(Index s) const {
+  double sum = 0;
+  for (Index c = 0; c < width(s); ++c) sum += std::pow(double(width(s) + below(s) - c), 2);
+  return sum;
+}
+
 // ---- the factor ----
 
 double CholmodPartialCholesky::peakBytes() const {
-  const double kept = double(keptUnknowns()), factor = double(factor_->xsize);
-  return 8 * (factor + std::max(factor - kept * kept, 0.0) + kept * kept);
+  const double kept = double(keptUnknowns());
+  return 8 * (double(start_.back()) + kept * kept) + 12.0 * double(lower_->nzmax);
 }
 
-Index CholmodPartialCholesky::factor() {
+Index CholmodPartialCholesky::factor(const std::function<void(double)>& progress) {
   const NoRegions no_regions;
-  cholmod_factorize(lower_, factor_, &common_);
-  check(true, "factor the matrix");
-  if (factor_->minor < factor_->n) return order_[factor_->minor / 3];
-  copyColumns();
-  const Index lost = lostPivot();
-  cholmod_free_factor(&factor_, &common_);
+  const std::size_t n = std::size_t(keptUnknowns());
+  values_.assign(std::size_t(start_.back()), 0.0);
+  kept_.assign(n * n, 0.0);
+  Index lost = eliminate(progress);
   cholmod_free_sparse(&lower_, &common_);
-  return lost;
+  if (lost < 0) lost = factorKept(progress);
+  Array<double>().swap(update_);
+  return lost < 0 ? lostPivot() : order_[std::size_t(lost / 3)];
 }
 
-/// Takes CHOLMOD's factor apart. A supernode may reach from the eliminated columns into the kept ones; its rows start
-/// with its own columns, so that the first of them are a supernode by themselves.
-void CholmodPartialCholesky::copyColumns() {
-  const int *first = static_cast<int*>(factor_->super), *start = static_cast<int*>(factor_->pi);
-  const int *offset = static_cast<int*>(factor_->px), *rows = static_cast<int*>(factor_->s);
-  const double* values = static_cast<const double*>(factor_->x);
-  const int border = 3 * eliminated_;
-  const std::size_t n = std::size_t(keptUnknowns());
-  first_.clear(), rows_.clear();
-  row_start_ = {0}, start_ = {0};
-  std::int64_t size = 0;
-  for (std::size_t s = 0; s < factor_->nsuper; ++s)
-    size += std::int64_t(std::clamp(border - first[s], 0, first[s + 1] - first[s])) * (start[s + 1] - start[s]);
-  values_.resize(std::size_t(size));
-  kept_.assign(n * n, 0.0);
-  for (std::size_t s = 0; s < factor_->nsuper; ++s) {
-    const int columns = first[s + 1] - first[s], height = start[s + 1] - start[s];
-    const int inside = std::clamp(border - first[s], 0, columns);
-    const double* block = values + offset[s];
-    const int* row = rows + start[s];
-    if (inside > 0) {
-      first_.push_back(first[s]);
-      rows_.insert(rows_.end(), row + inside, row + height);
-      std::copy(block, block + std::int64_t(inside) * height, values_.data() + start_.back());
-      row_start_.push_back(std::int64_t(rows_.size()));
-      start_.push_back(start_.back() + std::int64_t(inside) * height);
+/// L of the eliminated columns, and in kept_ the Schur complement. A supernode takes what it has to from those before
+/// it that have a row among its columns: they wait in its list, and go on to that of the supernode with their next row.
+/// Returns -1, or a column whose pivot is not positive.
+Index CholmodPartialCholesky::eliminate(const std::function<void(double)>& progress) {
+  const Index count = Index(first_.size()) - 1, border = 3 * eliminated_;
+  std::vector<Index> place(3 * order_.size()), list(std::size_t(count), -1), next(list), done(std::size_t(count), 0);
+  std::vector<Index> supernode(std::size_t(border), 0);
+  for (Index s = 0; s < count; ++s)
+    std::fill(supernode.begin() + first_[std::size_t(s)], supernode.begin() + first_[std::size_t(s) + 1], s);
+  const auto waitFor = [&](Index d) {
+    const Index at = done[std::size_t(d)];
+    if (at == below(d)) return;
+    const Index row = rows_[std::size_t(row_start_[std::size_t(d)]) + std::size_t(at)];
+    if (row >= border) return;
+    Index& head = list[std::size_t(supernode[std::size_t(row)])];
+    next[std::size_t(d)] = head;
+    head = d;
+  };
+  kept_place_.assign(place.size(), 0);
+  std::iota(kept_place_.begin() + border, kept_place_.end(), 0);
+  takeColumns(border, keptUnknowns(), kept_.data(), keptUnknowns(), kept_place_);
+  double operations = 0;
+  for (Index s = 0; s < count; ++s) {
+    const Index first = first_[std::size_t(s)], columns = width(s), rest = below(s), height = columns + rest;
+    const std::int32_t* rows = rows_.data() + row_start_[std::size_t(s)];
+    double* block = values_.data() + start_[std::size_t(s)];
+    for (Index i = 0; i < columns; ++i) place[std::size_t(first + i)] = i;
+    for (Index i = 0; i < rest; ++i) place[std::size_t(rows[i])] = columns + i;
+    takeColumns(first, columns, block, height, place);
+    for (Index d = list[std::size_t(s)], following = -1; d >= 0; d = following) {
+      following = next[std::size_t(d)];
+      const std::int32_t* from = rows_.data() + row_start_[std::size_t(d)];
+      Index& at = done[std::size_t(d)];
+      const Index end = Index(std::lower_bound(from + at, from + below(d), first + columns) - from);
+      updateBy(d, at, end - at, block, height, first, place);
+      at = end;
+      waitFor(d);
     }
-    for (int c = inside; c < columns; ++c) {
-      double* column = kept_.data() + std::size_t(first[s] + c - border) * n;
-      for (int i = c; i < height; ++i) column[row[i] - border] = block[std::int64_t(c) * height + i];
+    int info = 0;
+    const double one = 1;
+    dpotrf_("L", &columns, block, &height, &info);
+    if (info > 0) return first + info - 1;
+    if (rest > 0) dtrsm_("R", "L", "T", "N", &rest, &columns, &one, block, &height, block + columns, &height);
+    waitFor(s);
+    updateKept(s);
+    operations += operationsOf(s);
+    progress(operations / flops_);
+  }
+  return -1;
+}
+
+/// Adds columns of the matrix to `block`, whose rows are those of `place`.
+void CholmodPartialCholesky::takeColumns(Index first, Index count, double* block, Index height,
+                                         const std::vector<Index>& place) const {
+  const int *start = static_cast<const int*>(lower_->p), *rows = static_cast<const int*>(lower_->i);
+  const double* values = static_cast<const double*>(lower_->x);
+  for (Index c = 0; c < count; ++c)
+    for (int p = start[first + c]; p < start[first + c + 1]; ++p)
+      block[std::size_t(c) * std::size_t(height) + std::size_t(place[std::size_t(rows[p])])] += values[p];
+}
+
+/// block -= L_R L_C^T, R the rows of supernode s from its row `done` on and C the first `columns` of them; column `j`
+/// of the block is column origin + j of the matrix. In portions, which bounds the memory.
+void CholmodPartialCholesky::updateBy(Index s, Index done, Index columns, double* block, Index height, Index origin,
+                                      const std::vector<Index>& place) {
+  constexpr Index portion = 128;
+  const std::int32_t* rows = rows_.data() + row_start_[std::size_t(s)];
+  const Index inner = width(s), stride = inner + below(s);
+  const double one = 1, zero = 0;
+  for (Index j = done; j < done + columns; j += portion) {
+    const Index wide = std::min(portion, done + columns - j), high = below(s) - j, rest = high - wide;
+    if (update_.size() < std::size_t(wide) * std::size_t(high)) update_.resize(std::size_t(wide) * std::size_t(high));
+    const double* from = values_.data() + start_[std::size_t(s)] + inner + j;
+    dsyrk_("L", "N", &wide, &inner, &one, from, &stride, &zero, update_.data(), &high);
+    if (rest > 0)
+      dgemm_("N", "T", &rest, &wide, &inner, &one, from + wide, &stride, from, &stride, &zero, update_.data() + wide,
+             &high);
+    for (Index c = 0; c < wide; ++c) {
+      double* to = block + std::size_t(rows[j + c] - origin) * std::size_t(height);
+      const double* column = update_.data() + std::size_t(c) * std::size_t(high);
+      for (Index i = c; i < high; ++i) to[place[std::size_t(rows[j + i])]] -= column[i];
     }
   }
-  first_.push_back(border);
+}
+
+/// What the kept columns take from supernode s.
+void CholmodPartialCholesky::updateKept(Index s) {
+  const Index n = keptUnknowns(), border = 3 * eliminated_, inner = width(s), stride = inner + below(s);
+  const std::int32_t* rows = rows_.data() + row_start_[std::size_t(s)];
+  const Index start = Index(std::lower_bound(rows, rows + below(s), border) - rows), count = below(s) - start;
+  if (count == 0) return;
+  if (rows[below(s) - 1] - rows[start] == count - 1) {  // neighbours: in place
+    const double minus = -1, one = 1;
+    dsyrk_("L", "N", &count, &inner, &minus, values_.data() + start_[std::size_t(s)] + inner + start, &stride, &one,
+           kept_.data() + std::size_t(rows[start] - border) * std::size_t(n + 1), &n);
+    return;
+  }
+  updateBy(s, start, count, kept_.data(), n, border, kept_place_);
+}
+
+/// L_SS from the Schur complement, by columns of blocks. Returns as eliminate().
+Index CholmodPartialCholesky::factorKept(const std::function<void(double)>& progress) {
+  constexpr Index block = 256;
+  const Index n = keptUnknowns();
+  const double one = 1, minus = -1, dense = double(n) * n * n / 3;
+  for (Index j = 0; j < n; j += block) {
+    const Index columns = std::min(block, n - j), rest = n - j - columns;
+    double* diagonal = kept_.data() + std::size_t(j) * std::size_t(n + 1);
+    int info = 0;
+    dpotrf_("L", &columns, diagonal, &n, &info);
+    if (info > 0) return 3 * eliminated_ + j + info - 1;
+    if (rest == 0) break;
+    dtrsm_("R", "L", "T", "N", &rest, &columns, &one, diagonal, &n, diagonal + columns, &n);
+    dsyrk_("L", "N", &rest, &columns, &minus, diagonal + columns, &n, &one,
+           diagonal + std::size_t(columns) * std::size_t(n + 1), &n);
+    progress(1 - dense * std::pow(double(rest) / n, 3) / flops_);
+  }
+  progress(1);
+  return -1;
 }
 
 Index CholmodPartialCholesky::lostPivot() const {

@@ -24,8 +24,8 @@ class PartialCholesky {
   virtual double peakBytes() const = 0;
   virtual double flops() const = 0;
   /// Factors the analysed matrix. Returns -1, or the (old) block row where the matrix is not positive definite to
-  /// round-off.
-  virtual Index factor() = 0;
+  /// round-off. `progress` is told the share that is done.
+  virtual Index factor(const std::function<void(double)>& progress) = 0;
   /// After factor(); unknowns are numbered in the order that analyse() returned.
   virtual SupernodalColumns eliminated() const = 0;
   /// L_SS by columns, lower triangle, zero above; shape (n, n), n = 3 kept rows.

@@ -61,8 +61,8 @@ void CondensedIntegrator::measureForms() {
 
 bool CondensedIntegrator::inverseFits() const {
   const std::size_t unknowns = 3 * std::size_t(body_.free()), number = isSingle() ? 4 : 8;
-  // its own, and two dense matrices from which it is made
-  const double bytes = double(number * SymmetricPanels<double>::size(unknowns)) + 16 * double(unknowns * unknowns);
+  // its own, and those of the dense matrix from which it is made
+  const double bytes = double(number * SymmetricPanels<double>::size(unknowns)) + 8 * double(unknowns * unknowns);
   const double limit = memoryLimit();
   return limit == 0 || bytes <= limit;
 }

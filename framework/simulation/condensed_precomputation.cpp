@@ -154,10 +154,12 @@ void CondensedIntegrator::computeAnew(Problem& problem) {
   compliance_bytes_ = count * number;
   refuseTooLarge(double(compliance_bytes_) + factor_->peakBytes(), "the precomputation");
   const double kept = 3.0 * double(nodes);
-  LongWork telling(fmt::format("{}: {} kept nodes over {}", path(), nodes, eliminated),
+  LongWork telling(used_form_ == Form::factor ? fmt::format("{}: the factor of {} nodes", path(), eliminated)
+                                              : fmt::format("{}: {} kept nodes over {}", path(), nodes, eliminated),
                    factor_->flops() + kept * kept * kept);
   telling.say(0);
-  const Index bad = factor_->factor();
+  const double before = factor_->flops() / (factor_->flops() + kept * kept * kept);
+  const Index bad = factor_->factor([&](double share) { telling.say(before * share); });
   if (bad >= 0) refuseFree(problem.system, bad);
   eliminated_ = factor_->eliminated();
   sweep_work_.resize(std::size_t(eliminated_.longest()));
@@ -168,7 +170,6 @@ void CondensedIntegrator::computeAnew(Problem& problem) {
   if (used_form_ == Form::factor) return;
   if (!insideIsActive() && !inertia_.empty()) inertia_.erase(inertia_.begin(), inertia_.begin() + 3 * eliminated);
   owned_compliance_.assign(compliance_bytes_ / sizeof(double) + 1, 0.0);
-  const double before = factor_->flops() / (factor_->flops() + kept * kept * kept);
   packInverse(*factor_, [&](double share) { telling.say(before + (1 - before) * share); });
   compliance_ = owned_compliance_.data();
   Array<double>().swap(factor_->kept());
@@ -357,8 +358,7 @@ void CondensedIntegrator::checkFactor() {
                   file_name_, 1e-9 * bytes));
   LongWork telling(fmt::format("{}: the factor of {} nodes inside", path(), body_.interior()), factor_->flops());
   telling.say(0);
-  factor_->factor();
-  telling.say(1);
+  factor_->factor([&](double share) { telling.say(share); });
   eliminated_ = factor_->eliminated();
   Array<double>().swap(factor_->kept());
   factor_checked_ = true;

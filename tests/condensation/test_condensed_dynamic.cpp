@@ -160,7 +160,7 @@ TEST(CondensedDynamic, aBodyThatIsLoadedAgainHasTheSameForm) {
 }
 
 TEST(CondensedDynamic, anInverseThatDoesNotFitIsNotMadeWhereTheFactorDoes) {
-  const std::string plan = planOf(simulationFromText(wholeBody("5 4 6", "memoryLimit=\"0.0015\"")));
+  const std::string plan = planOf(simulationFromText(wholeBody("5 4 6", "memoryLimit=\"0.001\"")));
   EXPECT_NE(plan.find("through the sparse factor"), std::string::npos) << plan;
   EXPECT_NE(plan.find("no memory for the inverse"), std::string::npos) << plan;
 }

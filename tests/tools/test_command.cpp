@@ -82,6 +82,23 @@ TEST_F(Command, QuietRunsTellNothingOfLongWork) {
   EXPECT_EQ(quiet.out + quiet.err, "");
 }
 
+TEST_F(Command, LongFactorisationsTellHowFarTheyAre) {
+  std::string held;
+  for (int i = 0; i < 900; ++i) held += std::to_string(i) + " ";
+  write("block.xml",
+        "<Node name=\"root\" dt=\"0.01\" gravity=\"0 0 0\"><CondensedDynamicSolver condensed=\"false\" "
+        "solve=\"factor\"/><RegularGridTopology n=\"30 30 30\" min=\"0 0 0\" max=\"1 1 1\"/><MechanicalObject/>"
+        "<UniformMass totalMass=\"1\"/><HexahedronFEMForceField method=\"small\" youngModulus=\"5000\" "
+        "poissonRatio=\"0.3\"/><FixedProjectiveConstraint indices=\"" +
+            held + "\"/></Node>");
+  const Finished run = stroma("run block.xml -n 0");
+  EXPECT_EQ(run.code, 0) << run.err;
+  int lines = 0;
+  for (std::size_t at = 0; (at = run.err.find(" %\n", at)) != std::string::npos; ++at) ++lines;
+  EXPECT_EQ(lines, 5) << run.err;  // each quarter
+  EXPECT_TRUE(has(run.err, "the factor of 26100 nodes: 100 %\n")) << run.err;
+}
+
 TEST_F(Command, RunRecordsFirstEveryKthAndLast) {
   write("fall.xml", falling_scene);
   const Finished run = stroma("run fall.xml -n 7 --record out --record-every 3 --quiet");
