@@ -55,9 +55,10 @@ class Run {
       if (!moves && !(comes && nears)) return outcome_;
       // slow decay of an amplitude that is told: not followed to its end
       if (outcome_.ending == Ending::rings && outcome_.steps > std::min(2500, most_steps_ / 4)) return outcome_;
-      if (nears && outcome_.steps + limit() > most_steps_ && outcome_.ending != Ending::rings)
+      const bool enough = nears && outcome_.steps + limit() > most_steps_;
+      if (enough && (outcome_.ending == Ending::moving || outcome_.ending == Ending::elsewhere))
         outcome_.ending = Ending::under_way;
-      if (outcome_.ending == Ending::under_way || (!nears && more >= 3)) return outcome_;
+      if (enough || outcome_.ending == Ending::under_way || (!nears && more >= 3)) return outcome_;
     }
   }
 

@@ -99,7 +99,8 @@ TEST(Doubts, VelocitiesThatRingAreNamed) {
   for (const std::string integrator : {"NewmarkImplicitSolver", "TrapezoidalRuleSolver", "VariationalSymplecticSolver",
                                        "EulerImplicitSolver trapezoidalScheme=\"true\""}) {
     const std::string rings = bar(integrator, 1);
-    EXPECT_TRUE(says(rings, "velocities change sign from step to step, or every other step. dt = 1 s")) << integrator << ": " << rings;
+    EXPECT_TRUE(says(rings, "velocities change sign from step to step, or every other step. dt = 1 s"))
+        << integrator << ": " << rings;
     EXPECT_EQ(bar(integrator, 0.001), "") << integrator;
   }
   for (const std::string integrator : {"EulerImplicitSolver", "BDFOdeSolver order=\"2\""})

@@ -49,6 +49,10 @@ const std::vector<Known>& known() {
       {Ending::astray, "TetrahedronPorousForceField.*", any, "E=1 dt=.*",
        "the fluid keeps its modulus while the tissue loses its own: the semi-implicit coupling is unstable where the "
        "fluid is much stiffer"},
+      {Ending::astray, "TetrahedronPorousForceField.*", "BDF 2.*", any,
+       "the load of the scene warns of it: semi-implicit fluid acts a step late, which this rule hardly damps"},
+      {Ending::astray, "(ShapeMemoryForceField|Phymul) reaction=(false|upright).*", any, shapes,
+       "without the reaction the forces have no potential, and turned neighbourhoods feed what they push"},
       {Ending::astray, any, "Euler|BDF [12]|static", any,
        "one linear solve a step follows its tangent too far; Newton's method does not"}};
   return all;

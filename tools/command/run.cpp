@@ -179,6 +179,22 @@ void writeJson(const nlohmann::ordered_json& json, const std::string& file) {
   if (!(stream << text).flush()) throw std::runtime_error(fmt::format("{}: cannot write", file));
 }
 
+/// Prints what a run's end gives reason to warn of and appends it to `warnings`, but for what the load has warned of
+/// already. Whether there are doubts.
+bool tellWarnings(const Statistics& statistics, const std::vector<std::string>& doubts,
+                  std::vector<std::string>& warnings) {
+  std::vector<std::string> found = statistics.warnings();
+  for (const std::string& sentence : doubts)
+    if (std::none_of(warnings.begin(), warnings.end(),
+                     [&](const std::string& warning) { return warning.find(sentence) != std::string::npos; }))
+      found.push_back(sentence);
+  for (const std::string& warning : found) {
+    fmt::print(stderr, "warning: {}\n", warning);
+    warnings.push_back(warning);
+  }
+  return !doubts.empty();
+}
+
 }  // namespace
 
 int run(const Arguments& arguments) {
@@ -213,20 +229,8 @@ int run(const Arguments& arguments) {
       fmt::print(stderr, "the last {} (t = {:.6g} s) is in {}\n", outcome.last.diverged ? "good state" : "state",
                  simulation->time(), fmt::join(recorder->files(), ", "));
   }
-  std::vector<std::string> found = statistics.warnings();
-  std::vector<std::string> doubts = simulation->doubts();
-  outcome.doubted = request.strict && !(doubts.empty() && outcome.last.newton_converged);
-  // what the load has warned of already is not said twice
-  const auto said = [&warnings](const std::string& sentence) {
-    return std::any_of(warnings.begin(), warnings.end(),
-                       [&](const std::string& warning) { return warning.find(sentence) != std::string::npos; });
-  };
-  for (std::string& sentence : doubts)
-    if (!said(sentence)) found.push_back(std::move(sentence));
-  for (std::string& warning : found) {
-    fmt::print(stderr, "warning: {}\n", warning);
-    warnings.push_back(std::move(warning));
-  }
+  const bool doubts = tellWarnings(statistics, simulation->doubts(), warnings);
+  outcome.doubted = request.strict && (doubts || !outcome.last.newton_converged);
   if (wants_json) {
     auto json = summary(request, *simulation, outcome, statistics);
     json["load_seconds"] = load_seconds;
