@@ -363,6 +363,7 @@ void SparseLDLSolver::declare(DataTable& table) {
 
 void SparseLDLSolver::analyse(const BlockMatrix& matrix, bool symmetric) {
   symmetric_ = symmetric;
+  flops_ = entries_ = 0;
   if (symmetric) {
     cholesky_.analyse(matrix);
     ordering_ = cholesky_.ordering();

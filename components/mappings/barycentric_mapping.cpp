@@ -36,6 +36,7 @@
 #include <Eigen/LU>
 #include <boost/geometry.hpp>
 #include <boost/geometry/index/rtree.hpp>
+#include <cmath>
 
 #include "framework/mechanics/weighted_mapping.h"
 #include "framework/mesh/topology.h"
@@ -170,6 +171,9 @@ class BarycentricMapping final : public WeightedMapping {
         if (place.distance < best.distance) best = place, cell = found->second;
         if (best.distance == 0) break;
       }
+      if (!std::isfinite(best.distance))
+        throw ComponentError(fmt::format("no cell can hold point {}: all have no volume where it is looked for", i),
+                             "a body whose cells have volumes where it starts", "useRestPosition=\"true\"");
       std::vector<Weight> weights;
       for (std::size_t a = 0; a < corners; ++a) weights.push_back({cells[cell][a], best.weights[a]});
       addNode(weights);
@@ -178,7 +182,7 @@ class BarycentricMapping final : public WeightedMapping {
     }
     const double size = (high - low).norm();
     const std::string sentence =
-        fmt::format("{} of {} points lie outside of the cells, point {} by {:.3g} m: they follow the nearest cell",
+        fmt::format("{} of {} points lie outside of the cells, point {} by {:.3g} m: they follow a cell near by",
                     outside, points.size(), farthest, farthest_distance);
     if (farthest_distance > 0.1 * size)
       warn(sentence, "points inside of the body or near it");

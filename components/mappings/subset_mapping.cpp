@@ -57,6 +57,8 @@ class SubsetMapping final : public WeightedMapping {
   std::vector<Index> chosen() const {
     const bool listed = data().find("indices")->isSet();
     const bool ranged = data().find("first")->isSet() || data().find("last")->isSet();
+    if (data().find("first")->isSet() != data().find("last")->isSet())
+      throw ComponentError("one end of the range is missing", "first and last");
     if (listed && ranged) throw ComponentError("indices and a range are both given", "one of them");
     if (listed) return checkedNodesInOrder(indices_, input(), "indices");
     if (!ranged) return nearest();

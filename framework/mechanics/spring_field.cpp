@@ -6,9 +6,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "framework/mechanics/state_positions.h"
-#include "framework/mesh/folds.h"
-
 namespace stroma {
 
 void SpringField::setSprings(std::vector<Spring> springs, State* second) {
@@ -105,15 +102,6 @@ std::string SpringField::worstElement(ConstRows x) const {
   const Spring& spring = springs_[worst];
   return fmt::format("spring {} (nodes {} {}): length {:.4g} m, at rest {:.4g} m", worst, spring.a, spring.b,
                      (x[rows_[worst][1]] - x[rows_[worst][0]]).norm(), spring.length);
-}
-
-/// Springs know lengths alone: a chain that is folded back on itself has those of rest.
-std::string SpringField::doubt(ConstRows x) const {
-  if (second_) return {};
-  std::vector<Edge> edges;
-  for (const Spring& spring : springs_)
-    if (spring.length > 0) edges.push_back({spring.a, spring.b});
-  return foldsOf(edges, state().rest_position, positionsOf(state(), x));
 }
 
 }  // namespace stroma

@@ -31,7 +31,6 @@ class SpringField : public NodeGroupField<2, PairTangent> {
   double energy(ConstRows x) const override;
   void addForce(ConstRows x, ConstRows v, Rows f) override;
   std::string worstElement(ConstRows x) const override;
-  std::string doubt(ConstRows x) const override;
 
  protected:
   /// Called in init(), after ForceField::init(): the springs, and the state of their second ends when it is another.

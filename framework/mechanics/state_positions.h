@@ -13,4 +13,12 @@ inline std::vector<Vec3> positionsOf(const State& state, ConstRows x) {
   return out;
 }
 
+/// The diagonal of the box around a state's rest shape [m].
+inline double restSize(const State& state) {
+  if (state.rest_position.empty()) return 0;
+  Vec3 low = state.rest_position[0], high = low;
+  for (const Vec3& p : state.rest_position) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  return (high - low).norm();
+}
+
 }  // namespace stroma

@@ -6,7 +6,6 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
-#include <map>
 #include <numbers>
 
 #include "framework/mesh/cell_faces.h"
@@ -80,69 +79,12 @@ std::string overlapping(const Mesh& mesh, const Positions& now) {
                      sum.size(), first);
 }
 
-bool turnsOver(double cosine_at_rest, double cosine_now) { return cosine_at_rest > 0 && cosine_now < -0.5; }
-
-/// A side of a surface cell and the cell's normal, for the direction from the side's lower node to its higher one.
-struct Side {
-  Vec3 rest, now;
-};
-
-template <class Cell>
-void addSides(const std::vector<Cell>& cells, const Positions& rest, const Positions& now,
-              std::map<Edge, std::vector<Side>>& sides) {
-  // half the product of the diagonals of a quad; of a triangle, of two of its sides
-  const auto normal = [](const Cell& cell, const Positions& p) -> Vec3 {
-    const auto at = [&](std::size_t k) { return p[std::size_t(cell[k])]; };
-    return (at(2) - at(0)).cross(at(cell.size() - 1) - at(1)).normalized();
-  };
-  for (const Cell& cell : cells) {
-    const Side side{normal(cell, rest), normal(cell, now)};
-    for (std::size_t k = 0; k < cell.size(); ++k) {
-      const Index a = cell[k], b = cell[(k + 1) % cell.size()];
-      const double sign = a < b ? 1 : -1;
-      sides[a < b ? Edge{a, b} : Edge{b, a}].push_back({sign * side.rest, sign * side.now});
-    }
-  }
-}
-
-std::string foldedSurface(const Mesh& mesh, const Positions& rest, const Positions& now) {
-  std::map<Edge, std::vector<Side>> sides;
-  addSides(mesh.triangles, rest, now, sides);
-  addSides(mesh.quads, rest, now, sides);
-  std::size_t count = 0;
-  Edge first{};
-  for (const auto& [edge, of] : sides)
-    // the two cells run along their common side in opposite directions
-    if (of.size() == 2 && turnsOver(-of[0].rest.dot(of[1].rest), -of[0].now.dot(of[1].now)) && count++ == 0)
-      first = edge;
-  if (count == 0) return {};
-  return fmt::format("the surface is folded over along {} of its edges; the first joins nodes {} and {}", count,
-                     first[0], first[1]);
-}
-
 }  // namespace
-
-std::string foldsOf(const std::vector<Edge>& edges, const Positions& rest, const Positions& now) {
-  std::vector<std::vector<Index>> others(rest.size());
-  for (const auto& [a, b] : edges) others[std::size_t(a)].push_back(b), others[std::size_t(b)].push_back(a);
-  const auto cosine = [&others](std::size_t n, const Positions& p) {
-    const Vec3 before = p[n] - p[std::size_t(others[n][0])], after = p[std::size_t(others[n][1])] - p[n];
-    return before.normalized().dot(after.normalized());
-  };
-  std::size_t count = 0, first = 0;
-  for (std::size_t n = 0; n < others.size(); ++n)
-    if (others[n].size() == 2 && turnsOver(cosine(n, rest), cosine(n, now)) && count++ == 0) first = n;
-  if (count == 0) return {};
-  return fmt::format("the line is folded back at {} of its nodes; the first is node {}", count, first);
-}
 
 std::string foldsOf(const Mesh& mesh, const Positions& rest, const Positions& now) {
   if (std::string text = insideOut(mesh.tetrahedra, "tetrahedr", rest, now); !text.empty()) return text;
   if (std::string text = insideOut(mesh.hexahedra, "hexahedr", rest, now); !text.empty()) return text;
-  if (std::string text = overlapping(mesh, now); !text.empty()) return text;
-  if (!mesh.tetrahedra.empty() || !mesh.hexahedra.empty()) return {};
-  if (std::string text = foldedSurface(mesh, rest, now); !text.empty()) return text;
-  return foldsOf(mesh.edges, rest, now);
+  return overlapping(mesh, now);
 }
 
 }  // namespace stroma

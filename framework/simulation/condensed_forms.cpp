@@ -61,8 +61,11 @@ void CondensedIntegrator::measureForms() {
 
 bool CondensedIntegrator::inverseFits() const {
   const std::size_t unknowns = 3 * std::size_t(body_.free()), number = isSingle() ? 4 : 8;
-  // its own, and those of the dense matrix from which it is made
-  const double bytes = double(number * SymmetricPanels<double>::size(unknowns)) + 8 * double(unknowns * unknowns);
+  // its own, those of the dense matrix from which it is made, and those of the sparse one
+  // (PartialCholesky::peakBytes())
+  const double sparse = 12 * 9. / 2 * (double(body_.stiffness().blocks()) + double(body_.free()));
+  const double bytes =
+      double(number * SymmetricPanels<double>::size(unknowns)) + 8 * double(unknowns * unknowns) + sparse;
   const double limit = memoryLimit();
   return limit == 0 || bytes <= limit;
 }

@@ -152,8 +152,11 @@ void CondensedIntegrator::computeAnew(Problem& problem) {
   refuseTooLarge(double(count * number) + 8 * 9 * double(nodes) * double(nodes), "the inverse");
   problem.order = factor_->analyse(body_.matrix(problem.stiffness, problem.shift), eliminated);
   compliance_bytes_ = count * number;
-  refuseTooLarge(double(compliance_bytes_) + factor_->peakBytes(), "the precomputation");
-  const double kept = 3.0 * double(nodes);
+  // a mass that is shared out by rows shifts a copy of the dense matrix
+  const double kept_unknowns = 3.0 * double(nodes);
+  const double copy_bytes = sharesInteriorMass() && used_form_ != Form::factor ? 8 * kept_unknowns * kept_unknowns : 0;
+  refuseTooLarge(double(compliance_bytes_) + factor_->peakBytes() + copy_bytes, "the precomputation");
+  const double kept = kept_unknowns;
   LongWork telling(used_form_ == Form::factor ? fmt::format("{}: the factor of {} nodes", path(), eliminated)
                                               : fmt::format("{}: {} kept nodes over {}", path(), nodes, eliminated),
                    factor_->flops() + kept * kept * kept);
@@ -346,12 +349,17 @@ void CondensedIntegrator::checkFactor() {
     factor_checked_ = true;
     return;
   }
-  std::error_code ignored;
-  std::filesystem::remove(file_name_, ignored);
   factor_ = makeFactor();
   factor_->analyse(body_.matrix(body_.stiffness(), shift_), body_.interior(), true);
   const double bytes = factor_->peakBytes();
-  refuseTooLarge(bytes, fmt::format("the factor of the inside, damaged in {} and to be made anew,", file_name_));
+  if (const double limit = memoryLimit(); limit > 0 && bytes > limit)
+    throw ComponentError(
+        fmt::format(
+            "the factor of the inside is damaged in {}, and to make it anew takes {:.2g} GB where {:.2g} GB are {}",
+            file_name_, 1e-9 * bytes, 1e-9 * limit, memory_limit_ > 0 ? "allowed by memoryLimit" : "available"),
+        "more memory", "remove the file, and the next run makes it anew before its first step");
+  std::error_code ignored;
+  std::filesystem::remove(file_name_, ignored);
   warn(
       fmt::format("the factor of the inside in {} is damaged: made anew, which takes {:.2g} GB, and so is the file in "
                   "the next run",

@@ -56,15 +56,26 @@ std::string foldedElements(const ForceField& field, ConstRows x) {
                      field.worstElement(x));
 }
 
-/// The meshes of the node nearest above a state that has any of the state's size.
+/// The meshes of the node nearest above a state that has any, if they are of the state's size.
 std::vector<const Topology*> meshesOf(const State& state) {
   std::vector<const Topology*> found;
-  for (const Node* node = &state.node(); node && found.empty(); node = node->parent())
+  bool any = false;
+  for (const Node* node = &state.node(); node && !any; node = node->parent())
     for (const auto& component : node->components()) {
       const auto* topology = dynamic_cast<const Topology*>(component.get());
+      any = any || topology;
       if (topology && topology->mesh().nodes() == state.size()) found.push_back(topology);
     }
   return found;
+}
+
+/// Whether a step moves the nodes by a share of the body's size that can be seen, in the mean: what is less is
+/// round-off, or soon will be.
+bool movesVisibly(const System& system, double dt) {
+  constexpr double visible = 1e-7;
+  double size = 0;
+  for (const State* state : system.states()) size = std::max(size, restSize(*state));
+  return std::sqrt(dot(system.v, system.v) / std::max<Index>(1, system.allRows())) * dt > visible * size;
 }
 
 /// Why a force that is a step late and an integrator do not go together, or empty.
@@ -188,7 +199,6 @@ Simulation::Simulation(Scene scene) : scene_(std::move(scene)) {
     for (const ForceField* field : system->forceFields())
       if (std::string sentence = lateForce(*field, system->integrator()); !sentence.empty())
         diagnostics.warning(field->where(), field->path(), std::move(sentence));
-    has_followers_ = has_followers_ || !system->passiveMappings().empty();
     good_.emplace_back(Vector(system->allRows()), Vector(system->allRows()));
     reversals_.emplace_back();
     initial_.emplace_back(Vector(system->allRows()), Vector(system->allRows()));
@@ -197,6 +207,12 @@ Simulation::Simulation(Scene scene) : scene_(std::move(scene)) {
   }
   root().collect(observers_);
   root().collect(histories_);
+  // single nodes that are watched are kept up to date, but for those that follow others
+  std::vector<Index> watched;
+  for (const auto& system : systems_)
+    for (const Mapping* mapping : system->passiveMappings())
+      for (const Observer* observer : observers_) observer->addWatchedNodes(mapping->output(), watched);
+  watches_followers_ = !watched.empty();
   time_ = root().root_time;
 }
 
@@ -277,7 +293,8 @@ void Simulation::advance(std::size_t index, const StepContext& context, StepRepo
 /// Some motions turn around at every step, others at every second one: a look is at two steps.
 void Simulation::watchReversals(std::size_t index, bool first) {
   const Vector &now = systems_[index]->v, &before = good_[index].second;
-  const bool turned = dot(now, before) < -0.5 * std::sqrt(dot(now, now) * dot(before, before));
+  const bool turned =
+      dot(now, before) < -0.5 * std::sqrt(dot(now, now) * dot(before, before)) && movesVisibly(*systems_[index], dt());
   Reversals& reversals = reversals_[index];
   if (first) {
     reversals.turned = turned;
@@ -308,8 +325,9 @@ void Simulation::complete() const {
 }
 
 void Simulation::notify(const StepContext& context) {
-  // an observer of single nodes says which to keep up to date, and those that follow others cannot be
-  const auto reads_all = [&](const Observer* observer) { return has_followers_ || observer->readsAllNodes(context); };
+  const auto reads_all = [&](const Observer* observer) {
+    return watches_followers_ || observer->readsAllNodes(context);
+  };
   if (!on_demand_ || std::any_of(observers_.begin(), observers_.end(), reads_all)) complete();
   if (observers_.empty()) return;
   const auto start = Clock::now();
@@ -357,7 +375,7 @@ std::vector<std::string> Simulation::doubts() const {
         say(where + folded), folded_states.insert(&field->state());
       else if (const std::string beyond = field->doubt(system.x); !beyond.empty())
         say(where + beyond);
-      if (steps_ > 0) say(lateForce(*field, system.integrator()));
+      if (steps_ > 0 && movesVisibly(system, dt())) say(lateForce(*field, system.integrator()));
     }
     // what force fields do not look at: springs and shape memory know no volumes, and a point inside a cell not its
     // corners

@@ -8,6 +8,7 @@
 #include <limits>
 #include <numeric>
 
+#include "framework/mechanics/state_positions.h"
 #include "framework/simulation/integrator.h"
 #include "framework/simulation/system.h"
 
@@ -93,10 +94,6 @@ double diagonal(Index count, Position&& position) {
 bool hasRestShape(const ForceField& field) {
   const ForceTraits traits = field.traits();
   return traits.has_rest_shape || traits.forces_balance;
-}
-
-double restSize(const State& state) {
-  return diagonal(state.size(), [&](Index i) { return state.rest_position[std::size_t(i)]; });
 }
 
 double sizeAt(const State& state, ConstRows x) {

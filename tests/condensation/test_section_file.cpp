@@ -276,7 +276,9 @@ TEST_F(CacheFolder, aFactorThatIsMadeAnewMustFitIntoMemoryToo) {
     for (const std::string words : {"the factor of the inside", "allowed by memoryLimit"})
       EXPECT_NE(said.find(words), std::string::npos) << said;
   }
-  // and the run after it starts from the beginning, with the refusal of every start
+  // what the file has of worth stays; without it a run starts from the beginning, with the refusal of every start
+  EXPECT_TRUE(fromCache(simulationFromText(text)));
+  fs::remove_all(folder);
   EXPECT_NE(problemsOf(text).find("allowed by memoryLimit"), std::string::npos);
 }
 

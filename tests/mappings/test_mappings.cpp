@@ -223,37 +223,32 @@ TEST(Mappings, PointsOnWhichNothingActsCostNothingInAStep) {
 /// Condensed solvers compute what lies inside when it is asked for: points embedded there ask.
 TEST(Mappings, CondensedBodiesCarryPointsThatOnlyFollow) {
   const std::vector<Vec3> points = scattered(30, 0);
-  for (const bool dynamic : {false, true}) {
+  const std::pair<std::string, std::string> solvers[] = {
+      {"<StaticSolver newton_iterations=\"5\" relative_residual_tolerance_threshold=\"1e-11\"/><SparseLDLSolver/>",
+       "<CondensedStaticSolver/>"},
+      {"<CondensedDynamicSolver condensed=\"false\"/>", "<CondensedDynamicSolver interiorMass=\"exact\"/>"}};
+  for (const auto& [whole_solver, condensed_solver] : solvers) {
     Scene scene{.points = list(points)};
-    scene.body = "<ConstantForceField indices=\"59\" totalForce=\"0.02 0.01 -0.01\"/>";
-    scene.integrator = dynamic ? "<EulerImplicitSolver/><SparseLDLSolver/>"
-                               : "<StaticSolver newton_iterations=\"5\" "
-                                 "relative_residual_tolerance_threshold=\"1e-11\"/><SparseLDLSolver/>";
+    scene.grid = "<RegularGridTopology name=\"grid\" n=\"5 4 6\" min=\"0 0 0\" max=\"0.09 0.06 0.12\"/>";
+    scene.body = "<ConstantForceField indices=\"119\" totalForce=\"0.02 0.01 -0.01\"/>";
+    scene.integrator = whole_solver;
     Simulation whole = simulationFromText(scene.text());
-    scene.integrator = dynamic ? "<CondensedDynamicSolver condensed=\"false\"/>" : "<CondensedStaticSolver/>";
+    scene.integrator = condensed_solver;
     Simulation condensed = simulationFromText(scene.text());
     condensed.computeOnDemand(true);
-    const int steps = dynamic ? 1 : 3;
-    for (int step = 0; step < steps; ++step) {
+    for (int step = 0; step < 7; ++step) {
       EXPECT_FALSE(whole.step().diverged);
       EXPECT_FALSE(condensed.step().diverged);
     }
     condensed.complete();
-    if (!dynamic) {
-      const State &a = stateOf(whole, "/body/child/points"), &b = stateOf(condensed, "/body/child/points");
-      for (Index i = 0; i < a.size(); ++i) EXPECT_LT((a.x()[i] - b.x()[i]).norm(), 1e-11) << i;
+    const State &a = stateOf(whole, "/body/child/points"), &b = stateOf(condensed, "/body/child/points");
+    double moved = 0;
+    for (Index i = 0; i < a.size(); ++i) {
+      EXPECT_LT((a.x()[i] - b.x()[i]).norm(), 1e-10) << condensed_solver << i;
+      EXPECT_LT((a.v()[i] - b.v()[i]).norm(), 1e-8) << condensed_solver << i;
+      moved = std::max(moved, (a.x()[i] - points[std::size_t(i)]).norm());
     }
-    // and in any case they are where the body is
-    std::vector<JacobianBlock> blocks;
-    mappingOf(condensed).addJacobian(blocks);
-    const System& system = *condensed.systems().at(0);
-    Vector expected(system.allRows());
-    for (const JacobianBlock& block : blocks) expected[block.child] += block.block * system.x[block.parent];
-    const State& child = stateOf(condensed, "/body/child/points");
-    for (Index i = 0; i < child.size(); ++i) {
-      EXPECT_LT((child.x()[i] - expected[child.firstRow() + i]).norm(), 1e-15);
-      EXPECT_GT((child.x()[i] - points[std::size_t(i)]).norm(), 1e-9);
-    }
+    EXPECT_GT(moved, 1e-5) << condensed_solver;
     scene.more = "<ConstantForceField indices=\"3\" totalForce=\"0 0 0.1\"/>";
     EXPECT_NE(problemsOf(scene.text()).find("takes no forces through mappings"), std::string::npos);
   }
@@ -283,8 +278,9 @@ TEST(Mappings, SaysWhatIsWrong) {
   says({.mapping = "<IdentityMapping/>"}, "/body/child/points has 1 nodes and /body/dofs has 60");
   says({.mapping = "<SubsetMapping/>"}, "node 0 of /body/child/points is");
   says({.mapping = "<SubsetMapping first=\"3\" last=\"60\"/>"}, "the range 3 to 60 of the 60 nodes");
+  says({.mapping = "<SubsetMapping first=\"3\"/>"}, "one end of the range is missing");
   says({.mapping = "<SubsetMapping indices=\"3 4\"/>"}, "has 1 nodes, and 2 are to be followed");
-  says({.mapping = "<SubsetMapping indices=\"3\" last=\"3\"/>"}, "indices and a range are both given");
+  says({.mapping = "<SubsetMapping indices=\"3\" first=\"3\" last=\"3\"/>"}, "indices and a range are both given");
   says({.mapping = "<BarycentricMapping input=\"@points\" output=\"@points\"/>"}, "cannot follow itself");
   says({.mapping = "<BarycentricMapping mapForces=\"false\"/>",
         .more = "<ConstantForceField indices=\"0\" totalForce=\"0 0 1\"/>"},

@@ -80,37 +80,5 @@ TEST(Folds, UprightCellsThatGoRoundTwiceOverlap) {
   EXPECT_TRUE(says(text, "the cells around 1 of 11 nodes fill the space more than once; the first is node 0")) << text;
 }
 
-/// Two cells joined along an edge, the second turned about it by an angle [degrees].
-std::vector<Vec3> hinged(const std::vector<Vec3>& flat, double degrees) {
-  const double angle = degrees * std::numbers::pi / 180;
-  std::vector<Vec3> out = flat;
-  for (Vec3& p : out)
-    if (p.x() > 0) p = Vec3(p.x() * std::cos(angle), p.y(), p.x() * std::sin(angle));
-  return out;
-}
-
-TEST(Folds, SurfacesFoldAlongEdgesAndLinesAtNodes) {
-  Mesh triangles, quads, line;
-  triangles.position = {Vec3(0, 0, 0), Vec3(0, 1, 0), Vec3(-1, 0.5, 0), Vec3(1, 0.5, 0)};
-  triangles.triangles = {{0, 1, 2}, {1, 0, 3}};
-  quads.position = {Vec3(0, 0, 0), Vec3(0, 1, 0), Vec3(-1, 1, 0), Vec3(-1, 0, 0), Vec3(1, 0, 0), Vec3(1, 1, 0)};
-  quads.quads = {{0, 1, 2, 3}, {1, 0, 4, 5}};
-  line.position = {Vec3(-1, 0, 0), Vec3(0, 0, 0), Vec3(2, 0, 0)};
-  line.edges = {{0, 1}, {2, 1}};
-  for (const Mesh* mesh : {&triangles, &quads, &line}) {
-    for (const double held : {0.0, 60.0, 115.0, -115.0})
-      EXPECT_EQ(foldsOf(*mesh, mesh->position, hinged(mesh->position, held)), "") << held;
-    for (const double folded : {125.0, -125.0, 180.0}) {
-      const std::string text = foldsOf(*mesh, mesh->position, hinged(mesh->position, folded));
-      EXPECT_TRUE(says(text, mesh == &line ? "folded back at 1 of its nodes; the first is node 1"
-                                           : "folded over along 1 of its edges; the first joins nodes 0 and 1"))
-          << folded << ": " << text;
-    }
-    // what is folded at rest may stay so
-    const std::vector<Vec3> sharp = hinged(mesh->position, 150);
-    EXPECT_EQ(foldsOf(*mesh, sharp, sharp), "");
-  }
-}
-
 }  // namespace
 }  // namespace stroma::test

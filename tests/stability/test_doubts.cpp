@@ -107,6 +107,21 @@ TEST(Doubts, VelocitiesThatRingAreNamed) {
     EXPECT_EQ(bar(integrator, 1), "") << integrator;
 }
 
+/// What rings with the round-off of a body at rest is no doubt.
+TEST(Doubts, ABodyThatHasSettledIsNotInDoubt) {
+  for (const std::string rule : {"NewmarkImplicitSolver", "TrapezoidalRuleSolver", "VariationalSymplecticSolver"}) {
+    Simulation simulation = simulationFromText(fmt::format(
+        R"(<Node name="root" dt="0.02" gravity="0 0 -9.81"><RegularGridTopology name="grid" n="3 3 4" min="0 0 0"
+  max="0.1 0.1 0.2"/><Node name="body"><{} rayleighMass="8" rayleighStiffness="0.02"/><SparseLDLSolver/>
+  <HexahedronSetTopologyContainer name="cells" src="@../grid"/><MechanicalObject/><UniformMass totalMass="1"/>
+  <HexahedronFEMForceField youngModulus="20000" poissonRatio="0.3" method="small"/>
+  <FixedProjectiveConstraint indices="0 1 2 3 4 5 6 7 8"/></Node></Node>)",
+        rule));
+    for (int step = 0; step < 3000; ++step) ASSERT_FALSE(simulation.step().diverged);
+    EXPECT_EQ(doubtsOf(simulation), "") << rule;
+  }
+}
+
 /// Springs know lengths alone: the mirrored block is at rest.
 TEST(Doubts, MeshesThatSpringsLetFoldAreNamed) {
   Simulation block = simulationFromText(
@@ -118,23 +133,12 @@ TEST(Doubts, MeshesThatSpringsLetFoldAreNamed) {
   for (Index i = 0; i < x.count(); ++i) x[i].y() *= -1;
   EXPECT_TRUE(says(doubtsOf(block), "/grid at t = 0 s: 8 of 8 hexahedra are inside out at a corner"))
       << doubtsOf(block);
-
-  Simulation chain = simulationFromText(
-      R"(<Node name="root" dt="0.01" gravity="0 0 0"><EulerImplicitSolver/><SparseLDLSolver/>
-  <MechanicalObject position="0 0 0 1 0 0 2 0 0 3 0 0"/><UniformMass totalMass="1"/>
-  <SpringForceField name="chain" springsIndices1="0 1 2" springsIndices2="1 2 3" lengths="1 1 1" stiffness="100"
-  damping="0"/></Node>)");
-  EXPECT_EQ(doubtsOf(chain), "");
-  chain.systems()[0]->x[3].x() = 1;
-  EXPECT_TRUE(
-      says(doubtsOf(chain), "/chain at t = 0 s: the line is folded back at 1 of its nodes; the first is node 2"))
-      << doubtsOf(chain);
 }
 
 TEST(Doubts, LateForcesUnderASecondOrderRuleAreNamed) {
   const auto sponge = [](const std::string& integrator, const std::string& coupling) {
     Simulation simulation = simulationFromText(fmt::format(
-        R"(<Node name="root" dt="0.01" gravity="0 0 0"><RegularGridTopology name="grid" n="2 2 2" min="0 0 0" max="1 1 1"/>
+        R"(<Node name="root" dt="0.01" gravity="0 0 -9.81"><RegularGridTopology name="grid" n="2 2 2" min="0 0 0" max="1 1 1"/>
   <Node name="body">{}<SparseLDLSolver/><TetrahedronSetTopologyContainer name="cells"/>
   <Hexa2TetraTopologicalMapping input="@../grid" output="@cells"/><MechanicalObject/><UniformMass totalMass="1"/>
   <TetrahedronHyperelasticityFEMForceField materialName="NeoHookean" youngModulus="1000" poissonRatio="0.3"/>
@@ -146,7 +150,7 @@ TEST(Doubts, LateForcesUnderASecondOrderRuleAreNamed) {
   };
   // known before the first step already
   Simulation early = simulationFromText(
-      R"(<Node name="root" dt="0.01" gravity="0 0 0"><RegularGridTopology name="grid" n="2 2 2" min="0 0 0" max="1 1 1"/>
+      R"(<Node name="root" dt="0.01" gravity="0 0 -9.81"><RegularGridTopology name="grid" n="2 2 2" min="0 0 0" max="1 1 1"/>
   <Node name="body"><NewmarkImplicitSolver/><SparseLDLSolver/><TetrahedronSetTopologyContainer name="cells"/>
   <Hexa2TetraTopologicalMapping input="@../grid" output="@cells"/><MechanicalObject/><UniformMass totalMass="1"/>
   <TetrahedronHyperelasticityFEMForceField materialName="NeoHookean" youngModulus="1000" poissonRatio="0.3"/>
