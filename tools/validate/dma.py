@@ -23,7 +23,7 @@ RADIUS, HEIGHT, ANGLE = 0.01, 0.004, 0.004  # [m], [m], [rad]: strains of 1 % at
 G0, ALPHA, TAU = 770.0, np.array([0.235, 0.333]), np.array([0.27, 0.03])
 FREQUENCIES = np.array([0.3, 1, 3, 10, 30, 100])  # [rad/s]
 # cells across and in height, update, steps a period, frequencies (the fine mesh takes half a second a step on a busy machine)
-MESHES = [(8, 4, "backward", 40, 6), (10, 5, "backward", 40, 6), (10, 5, "exponential", 40, 6), (24, 10, "exponential", 40, 4)]
+MESHES = [(8, 4, "backward", 40, 6), (10, 5, "backward", 40, 6), (10, 5, "exponential", 40, 6), (24, 10, "exponential", 40, 6)]
 CUT = [(0, 1, 2, 6), (0, 2, 3, 6), (0, 3, 7, 6), (0, 7, 4, 6), (0, 4, 5, 6), (0, 5, 1, 6)]
 
 
