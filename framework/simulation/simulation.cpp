@@ -382,6 +382,7 @@ std::vector<std::string> Simulation::doubts() const {
     for (const State* state : system.states()) {
       if (folded_states.count(state) > 0) continue;
       const std::vector<Vec3> now = positionsOf(*state, system.x);
+      if (now == state->rest_position) continue;  // nothing has moved: large scenes start without a look at their cells
       for (const Topology* topology : meshesOf(*state))
         if (const std::string folds = foldsOf(topology->mesh(), state->rest_position, now); !folds.empty())
           say(fmt::format("{} at t = {:.6g} s: {}", topology->path(), time_, folds));
