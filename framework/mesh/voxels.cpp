@@ -124,8 +124,7 @@ class Filler {
     if (winding != 0)
       throw ComponentError(
           "the surface is open, or some of its triangles are turned inward and others outward: a line through it goes "
-          "in "
-          "more often than out",
+          "in more often than out",
           "a closed surface whose triangles are all turned the same way");
     crossings = {};
   }

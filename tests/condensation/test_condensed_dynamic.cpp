@@ -24,6 +24,29 @@ std::string surfaceMasses() {
 
 }  // namespace
 
+/// A body that runs with some memory runs with more: where the inverse does not fit beside what makes it, the factor of
+/// the whole body is taken.
+TEST(CondensedDynamic, moreMemoryIsNeverRefusedWhereLessWillDo) {
+  bool has_run = false, was_refused = false, was_inverted = false;
+  for (double limit = 2e-4; limit < 4e-3; limit *= 1.03) {
+    Block block{.solver =
+                    "<CondensedDynamicSolver condensed=\"false\" memoryLimit=\"" + std::to_string(limit) + "\"/>"};
+    const std::string problems = problemsOf(block.text());
+    has_run = has_run || problems.empty();
+    was_refused = was_refused || !problems.empty();
+    EXPECT_TRUE(problems.empty() || !has_run) << limit << " GB: " << problems;
+    if (problems.empty() && !was_inverted)
+      was_inverted = simulationFromText(block.text())
+                         .systems()[0]
+                         ->integrator()
+                         .describe()
+                         .find(
+                             "no memory for the "
+                             "inverse") == std::string::npos;
+  }
+  EXPECT_TRUE(has_run && was_refused && was_inverted);
+}
+
 TEST(CondensedDynamic, equalsTheFullSystemWithTheSameMasses) {
   Block block{.solver = "", .loads = "<ConstantForceField indices=\"139 138\" totalForce=\"0.05 0.02 -0.03\"/>"};
   block.mass = surfaceMasses();
