@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# stroma_module(NAME COMPONENTS stem... [LIBRARIES lib...] [LEVELS])
+# stroma_module(NAME COMPONENTS stem... [SHARED stem...] [LIBRARIES lib...] [LEVELS])
 #   Builds the components stem.cpp of the current folder as one runtime module. With LEVELS it is built once for each
-#   instruction set of STROMA_LEVELS. The generated registry lists every component by name, so nothing depends on
+#   instruction set of STROMA_LEVELS. SHARED are the sources that components of the family share and that hold no element
+#   loops: they are compiled once, for all levels, as stroma_NAME_shared, which the family's tests link too. The generated registry lists every component by name, so nothing depends on
 #   static initialisers.
 #   Outside this tree, after find_package(stroma), the same call builds NAME.so with NAME.index and NAME.manual beside it in
 #   the current build folder; a folder like that is named in STROMA_MODULE_PATH.
@@ -13,6 +14,7 @@ if(NOT TARGET stroma::stroma_flags)
   add_library(stroma_flags INTERFACE)
   target_compile_options(stroma_flags INTERFACE -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual
     -fopenmp-simd -fno-math-errno -fno-trapping-math -fvisibility-inlines-hidden
+  -fpch-preprocess  # for ccache
   # false alarms of GCC 12 in ordinary string and variant code
   -Wno-restrict -Wno-maybe-uninitialized)
 endif()
@@ -26,8 +28,49 @@ if(STROMA_SANITIZE)
   target_link_options(stroma_flags INTERFACE -fsanitize=${STROMA_SANITIZE})
 endif()
 
+# stroma_precompiled(NAME OPTIONS option... [HEADERS header...] [HIDDEN])
+#   Precompiled headers for all targets with these compiler options: a target takes them with
+#   target_precompile_headers(TARGET REUSE_FROM NAME).
+function(stroma_precompiled name)
+  cmake_parse_arguments(arg "HIDDEN" "" "OPTIONS;HEADERS" ${ARGN})
+  set(source ${CMAKE_BINARY_DIR}/generated/${name}.cpp)
+  file(CONFIGURE OUTPUT ${source} CONTENT "// generated: a target needs a source\n" @ONLY)
+  add_library(${name} OBJECT ${source})
+  target_link_libraries(${name} PRIVATE stroma)
+  target_compile_options(${name} PRIVATE ${arg_OPTIONS})
+  if(arg_HIDDEN)
+    set_target_properties(${name} PROPERTIES CXX_VISIBILITY_PRESET hidden)
+  endif()
+  target_precompile_headers(${name} PRIVATE ${CMAKE_SOURCE_DIR}/cmake/precompiled.h ${arg_HEADERS})
+endfunction()
+
+# The options of modules built for a level; "baseline" is what the framework itself is built for.
+function(stroma_level_options level result)
+  if(level STREQUAL baseline)
+    set(options -march=x86-64-v2)
+  else()
+    set(options -march=${level} $<$<CONFIG:Release>:-O3>)
+    if(level STREQUAL x86-64-v4)
+      # GCC 12 warns of its own AVX-512 headers (the deliberately undefined operand of masked intrinsics)
+      list(APPEND options -mprefer-vector-width=512 -Wno-uninitialized -Wno-maybe-uninitialized)
+    endif()
+  endif()
+  set(${result} ${options} PARENT_SCOPE)
+endfunction()
+
+if(NOT TARGET stroma::stroma_flags)
+  foreach(level baseline ${STROMA_LEVELS})
+    stroma_level_options(${level} options)
+    set(headers "")
+    if(NOT level STREQUAL baseline)
+      set(headers <xsimd/xsimd.hpp>)
+    endif()
+    stroma_precompiled(stroma_precompiled_${level} OPTIONS ${options} HEADERS ${headers} HIDDEN)
+  endforeach()
+endif()
+
 function(stroma_module name)
-  cmake_parse_arguments(arg "LEVELS" "" "COMPONENTS;LIBRARIES" ${ARGN})
+  cmake_parse_arguments(arg "LEVELS" "" "COMPONENTS;SHARED;LIBRARIES" ${ARGN})
   set(registry ${CMAKE_CURRENT_BINARY_DIR}/${name}_registry.cpp)
   set(declarations "")
   set(calls "")
@@ -50,6 +93,9 @@ extern \"C\" __attribute__((visibility(\"default\"))) const stroma::ModuleInfo* 
     if(arg_LEVELS)
       message(FATAL_ERROR "stroma_module(${name}): LEVELS is only for modules inside the Stroma tree; use target_compile_options")
     endif()
+    foreach(stem ${arg_SHARED})
+      list(APPEND sources ${stem}.cpp)
+    endforeach()
     stroma_outside_module(${name} "${sources}" "${manual_sources}" "${arg_LIBRARIES}")
     return()
   endif()
@@ -59,10 +105,22 @@ extern \"C\" __attribute__((visibility(\"default\"))) const stroma::ModuleInfo* 
   else()
     set(levels baseline)
   endif()
+  set(shared "")
+  if(arg_SHARED)
+    list(TRANSFORM arg_SHARED APPEND .cpp)
+    add_library(stroma_${name}_shared OBJECT ${arg_SHARED})
+    target_link_libraries(stroma_${name}_shared PUBLIC stroma)
+    stroma_level_options(baseline options)
+    target_compile_options(stroma_${name}_shared PRIVATE ${options})
+    set_target_properties(stroma_${name}_shared PROPERTIES CXX_VISIBILITY_PRESET hidden)
+    target_precompile_headers(stroma_${name}_shared REUSE_FROM stroma_precompiled_baseline)
+    set(shared $<TARGET_OBJECTS:stroma_${name}_shared>)
+  endif()
   set(built "")
   foreach(level ${levels})
     set(target stroma_${name}_${level})
-    add_library(${target} MODULE ${sources})
+    # A linker keeps the first of equal inline functions: those of the level come first.
+    add_library(${target} MODULE ${sources} ${shared})
     target_link_libraries(${target} PRIVATE stroma ${arg_LIBRARIES})
     if(STROMA_SANITIZE)
       # With both sanitizers a file of element kernels did not compile in five minutes at -O1; at -O0 it takes less than one.
@@ -77,12 +135,10 @@ extern \"C\" __attribute__((visibility(\"default\"))) const stroma::ModuleInfo* 
       set(folder stroma)
     else()
       set(folder stroma/${level})
-      target_compile_options(${target} PRIVATE -march=${level} $<$<CONFIG:Release>:-O3>)
-      if(level STREQUAL x86-64-v4)
-        # GCC 12 warns of its own AVX-512 headers (the deliberately undefined operand of masked intrinsics)
-        target_compile_options(${target} PRIVATE -mprefer-vector-width=512 -Wno-uninitialized -Wno-maybe-uninitialized)
-      endif()
     endif()
+    stroma_level_options(${level} options)
+    target_compile_options(${target} PRIVATE ${options})
+    target_precompile_headers(${target} REUSE_FROM stroma_precompiled_${level})
     set_target_properties(${target} PROPERTIES
       LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib/${folder}
       INSTALL_RPATH "$ORIGIN/..:$ORIGIN/../..")

@@ -57,8 +57,8 @@
 #include <cmath>
 #include <memory>
 
+#include "components/condensation/condensed_integrator.h"
 #include "framework/scene/factory.h"
-#include "framework/simulation/condensed_integrator.h"
 
 namespace stroma {
 namespace {

@@ -35,8 +35,8 @@
 
 #include <algorithm>
 
+#include "components/condensation/condensed_integrator.h"
 #include "framework/scene/factory.h"
-#include "framework/simulation/condensed_integrator.h"
 
 namespace stroma {
 namespace {
@@ -103,15 +103,14 @@ void CondensedStaticSolver::prepare(System& system) {
     std::fill(can_change.begin(), can_change.end(), 1);
   }
   for (const Index node : timed)
-    if (node >= firstActive()) can_change[std::size_t(node - firstActive())] = 1;
+    if (node >= firstActive()) can_change[node - firstActive()] = 1;
   if (const auto* moving = body_.movingRows())
-    for (Index node = 0; node < active(); ++node)
-      can_change[std::size_t(node)] |= (*moving)[std::size_t(activeRow(node))];
-  place_.assign(std::size_t(active()), -1);
+    for (Index node = 0; node < active(); ++node) can_change[node] |= (*moving)[activeRow(node)];
+  place_.assign(active(), -1);
   candidates_.clear();
   for (Index node = 0; node < active(); ++node)
-    if (can_change[std::size_t(node)]) {
-      place_[std::size_t(node)] = Index(candidates_.size());
+    if (can_change[node]) {
+      place_[node] = Index(candidates_.size());
       candidates_.push_back(node);
     }
   load_.assign(candidates_.size(), Force{});
@@ -171,7 +170,7 @@ void CondensedStaticSolver::gatherLoads() {
   for (const Index node : body_.timedNodes()) {
     if (node < firstActive()) continue;
     const Vec3 force = body_.timedForce(node);
-    Force& sum = load_[std::size_t(place_[std::size_t(node - firstActive())])];
+    Force& sum = load_[place_[(node - firstActive())]];
     for (std::size_t c = 0; c < 3; ++c) sum[c] += force[Index(c)];
   }
 }
@@ -182,17 +181,17 @@ void CondensedStaticSolver::addTouches() {
   for (const Touch& touch : touches())
     for (Index c = 0; c < 3; ++c) {
       const Index row = 3 * touch.node + c;
-      double sum = base_[std::size_t(row)];
+      double sum = base_[row];
       for (std::size_t k = 0; k < load_.size(); ++k) {
         const Force& f = load_[k];
         if (f[0] == 0 && f[1] == 0 && f[2] == 0) continue;
-        for (Index d = 0; d < 3; ++d) sum += entry(row, 3 * candidates_[k] + d) * f[std::size_t(d)];
+        for (Index d = 0; d < 3; ++d) sum += entry(row, 3 * candidates_[k] + d) * f[d];
       }
-      at_touches_[std::size_t(row)] = sum;
+      at_touches_[row] = sum;
     }
   const Eigen::VectorXd& reaction = solveTouches(at_touches_.data());
   for (std::size_t k = 0; k < touches().size(); ++k) {
-    Force& sum = load_[std::size_t(place_[std::size_t(touches()[k].node)])];
+    Force& sum = load_[place_[touches()[k].node]];
     for (std::size_t c = 0; c < 3; ++c) sum[c] += reaction[Index(k)] * touches()[k].direction[Index(c)];
   }
 }

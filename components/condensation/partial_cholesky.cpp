@@ -8,7 +8,7 @@
 // The numbers are computed here, supernode by supernode from the left, by the same calls of BLAS as CHOLMOD's. Its own
 // factorisation says nothing until it is over, which takes minutes for large bodies, and it leaves a factor in which
 // both parts lie mixed: taking it apart needed the memory of two.
-#include "framework/algebra/partial_cholesky.h"
+#include "components/condensation/partial_cholesky.h"
 
 #include <cholmod.h>
 #include <fmt/format.h>
@@ -84,9 +84,9 @@ class CholmodPartialCholesky final : public PartialCholesky {
   void updateKept(Index s);
   Index factorKept(const std::function<void(double)>& progress);
   Index lostPivot() const;
-  Index width(Index s) const { return first_[std::size_t(s) + 1] - first_[std::size_t(s)]; }
+  Index width(Index s) const { return first_[s + 1] - first_[s]; }
   double operationsOf(Index s) const;
-  Index below(Index s) const { return Index(row_start_[std::size_t(s) + 1] - row_start_[std::size_t(s)]); }
+  Index below(Index s) const { return Index(row_start_[s + 1] - row_start_[s]); }
   Index keptUnknowns() const { return Index(3 * (order_.size() - std::size_t(eliminated_))); }
 
   cholmod_common common_;
@@ -132,8 +132,8 @@ cholmod_sparse* CholmodPartialCholesky::graph(const BlockMatrix& matrix, Index n
   int *start = static_cast<int*>(result->p), *rows = static_cast<int*>(result->i);
   for (Index i = 0; i < nodes; ++i) {
     start[i] = entries;
-    for (Index s = matrix.diagonal()[std::size_t(i)]; s < matrix.rowStart()[std::size_t(i) + 1]; ++s)
-      if (matrix.columns()[std::size_t(s)] < nodes) rows[entries++] = matrix.columns()[std::size_t(s)];
+    for (Index s = matrix.diagonal()[i]; s < matrix.rowStart()[i + 1]; ++s)
+      if (matrix.columns()[s] < nodes) rows[entries++] = matrix.columns()[s];
   }
   start[nodes] = entries;
   return result;
@@ -191,7 +191,7 @@ std::vector<Index> CholmodPartialCholesky::analyse(const BlockMatrix& matrix, In
 /// The permuted lower triangle.
 void CholmodPartialCholesky::buildLower(const BlockMatrix& matrix) {
   std::vector<Index> place(order_.size());
-  for (std::size_t k = 0; k < order_.size(); ++k) place[std::size_t(order_[k])] = Index(k);
+  for (std::size_t k = 0; k < order_.size(); ++k) place[order_[k]] = Index(k);
   const std::size_t unknowns = 3 * order_.size();
   lower_ = cholmod_allocate_sparse(unknowns, unknowns, std::size_t(matrix.blocks()) * 9 / 2 + 5 * unknowns, 1, 1, -1,
                                    CHOLMOD_REAL, &common_);
@@ -204,8 +204,7 @@ void CholmodPartialCholesky::buildLower(const BlockMatrix& matrix) {
     const std::size_t node = std::size_t(order_[k]);
     below.clear();
     for (Index s = matrix.rowStart()[node]; s < matrix.rowStart()[node + 1]; ++s)
-      if (const Index at = place[std::size_t(matrix.columns()[std::size_t(s)])]; at >= Index(k))
-        below.emplace_back(at, s);
+      if (const Index at = place[matrix.columns()[s]]; at >= Index(k)) below.emplace_back(at, s);
     std::sort(below.begin(), below.end());
     for (int c = 0; c < 3; ++c) {
       start[3 * k + std::size_t(c)] = entries;
@@ -257,7 +256,7 @@ double CholmodPartialCholesky::peakBytes() const {
 Index CholmodPartialCholesky::factor(const std::function<void(double)>& progress) {
   const NoRegions no_regions;
   const std::size_t n = std::size_t(keptUnknowns());
-  values_.assign(std::size_t(start_.back()), 0.0);
+  values_.assign(start_.back(), 0.0);
   kept_.assign(n * n, 0.0);
   Index lost = eliminate(progress);
   cholmod_free_sparse(&lower_, &common_);
@@ -273,15 +272,14 @@ Index CholmodPartialCholesky::eliminate(const std::function<void(double)>& progr
   const Index count = Index(first_.size()) - 1, border = 3 * eliminated_;
   std::vector<Index> place(3 * order_.size()), list(std::size_t(count), -1), next(list), done(std::size_t(count), 0);
   std::vector<Index> supernode(std::size_t(border), 0);
-  for (Index s = 0; s < count; ++s)
-    std::fill(supernode.begin() + first_[std::size_t(s)], supernode.begin() + first_[std::size_t(s) + 1], s);
+  for (Index s = 0; s < count; ++s) std::fill(supernode.begin() + first_[s], supernode.begin() + first_[s + 1], s);
   const auto waitFor = [&](Index d) {
-    const Index at = done[std::size_t(d)];
+    const Index at = done[d];
     if (at == below(d)) return;
-    const Index row = rows_[std::size_t(row_start_[std::size_t(d)]) + std::size_t(at)];
+    const Index row = rows_[row_start_[d] + at];
     if (row >= border) return;
-    Index& head = list[std::size_t(supernode[std::size_t(row)])];
-    next[std::size_t(d)] = head;
+    Index& head = list[supernode[row]];
+    next[d] = head;
     head = d;
   };
   kept_place_.assign(place.size(), 0);
@@ -289,16 +287,16 @@ Index CholmodPartialCholesky::eliminate(const std::function<void(double)>& progr
   takeColumns(border, keptUnknowns(), kept_.data(), keptUnknowns(), kept_place_);
   double operations = 0;
   for (Index s = 0; s < count; ++s) {
-    const Index first = first_[std::size_t(s)], columns = width(s), rest = below(s), height = columns + rest;
-    const std::int32_t* rows = rows_.data() + row_start_[std::size_t(s)];
-    double* block = values_.data() + start_[std::size_t(s)];
-    for (Index i = 0; i < columns; ++i) place[std::size_t(first + i)] = i;
-    for (Index i = 0; i < rest; ++i) place[std::size_t(rows[i])] = columns + i;
+    const Index first = first_[s], columns = width(s), rest = below(s), height = columns + rest;
+    const std::int32_t* rows = rows_.data() + row_start_[s];
+    double* block = values_.data() + start_[s];
+    for (Index i = 0; i < columns; ++i) place[first + i] = i;
+    for (Index i = 0; i < rest; ++i) place[rows[i]] = columns + i;
     takeColumns(first, columns, block, height, place);
-    for (Index d = list[std::size_t(s)], following = -1; d >= 0; d = following) {
-      following = next[std::size_t(d)];
-      const std::int32_t* from = rows_.data() + row_start_[std::size_t(d)];
-      Index& at = done[std::size_t(d)];
+    for (Index d = list[s], following = -1; d >= 0; d = following) {
+      following = next[d];
+      const std::int32_t* from = rows_.data() + row_start_[d];
+      Index& at = done[d];
       const Index end = Index(std::lower_bound(from + at, from + below(d), first + columns) - from);
       updateBy(d, at, end - at, block, height, first, place);
       at = end;
@@ -324,7 +322,7 @@ void CholmodPartialCholesky::takeColumns(Index first, Index count, double* block
   const double* values = static_cast<const double*>(lower_->x);
   for (Index c = 0; c < count; ++c)
     for (int p = start[first + c]; p < start[first + c + 1]; ++p)
-      block[std::size_t(c) * std::size_t(height) + std::size_t(place[std::size_t(rows[p])])] += values[p];
+      block[std::size_t(c) * std::size_t(height) + std::size_t(place[rows[p]])] += values[p];
 }
 
 /// block -= L_R L_C^T, R the rows of supernode s from its row `done` on and C the first `columns` of them; column `j`
@@ -332,13 +330,13 @@ void CholmodPartialCholesky::takeColumns(Index first, Index count, double* block
 void CholmodPartialCholesky::updateBy(Index s, Index done, Index columns, double* block, Index height, Index origin,
                                       const std::vector<Index>& place) {
   constexpr Index portion = 128;
-  const std::int32_t* rows = rows_.data() + row_start_[std::size_t(s)];
+  const std::int32_t* rows = rows_.data() + row_start_[s];
   const Index inner = width(s), stride = inner + below(s);
   const double one = 1, zero = 0;
   for (Index j = done; j < done + columns; j += portion) {
     const Index wide = std::min(portion, done + columns - j), high = below(s) - j, rest = high - wide;
     if (update_.size() < std::size_t(wide) * std::size_t(high)) update_.resize(std::size_t(wide) * std::size_t(high));
-    const double* from = values_.data() + start_[std::size_t(s)] + inner + j;
+    const double* from = values_.data() + start_[s] + inner + j;
     dsyrk_("L", "N", &wide, &inner, &one, from, &stride, &zero, update_.data(), &high);
     if (rest > 0)
       dgemm_("N", "T", &rest, &wide, &inner, &one, from + wide, &stride, from, &stride, &zero, update_.data() + wide,
@@ -346,7 +344,7 @@ void CholmodPartialCholesky::updateBy(Index s, Index done, Index columns, double
     for (Index c = 0; c < wide; ++c) {
       double* to = block + std::size_t(rows[j + c] - origin) * std::size_t(height);
       const double* column = update_.data() + std::size_t(c) * std::size_t(high);
-      for (Index i = c; i < high; ++i) to[place[std::size_t(rows[j + i])]] -= column[i];
+      for (Index i = c; i < high; ++i) to[place[rows[j + i]]] -= column[i];
     }
   }
 }
@@ -354,12 +352,12 @@ void CholmodPartialCholesky::updateBy(Index s, Index done, Index columns, double
 /// What the kept columns take from supernode s.
 void CholmodPartialCholesky::updateKept(Index s) {
   const Index n = keptUnknowns(), border = 3 * eliminated_, inner = width(s), stride = inner + below(s);
-  const std::int32_t* rows = rows_.data() + row_start_[std::size_t(s)];
+  const std::int32_t* rows = rows_.data() + row_start_[s];
   const Index start = Index(std::lower_bound(rows, rows + below(s), border) - rows), count = below(s) - start;
   if (count == 0) return;
   if (rows[below(s) - 1] - rows[start] == count - 1) {  // neighbours: in place
     const double minus = -1, one = 1;
-    dsyrk_("L", "N", &count, &inner, &minus, values_.data() + start_[std::size_t(s)] + inner + start, &stride, &one,
+    dsyrk_("L", "N", &count, &inner, &minus, values_.data() + start_[s] + inner + start, &stride, &one,
            kept_.data() + std::size_t(rows[start] - border) * std::size_t(n + 1), &n);
     return;
   }

@@ -25,7 +25,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
-#include "framework/mechanics/held_nodes.h"
+#include "components/constraints/held_nodes.h"
 #include "framework/mechanics/key_times.h"
 #include "framework/mechanics/node_indices.h"
 #include "framework/scene/factory.h"
@@ -59,7 +59,7 @@ class AffineMovementProjectiveConstraint final : public HeldNodes {
     }
     for (const std::vector<Index>* list : {&nodes(), static_cast<const std::vector<Index>*>(&guided_)})
       for (Index node : *list) {
-        const Vec3& start = state().position[std::size_t(node)];
+        const Vec3& start = state().position[node];
         path_.push_back({node, start, matrix * start + translation_});
       }
   }
@@ -95,7 +95,7 @@ class AffineMovementProjectiveConstraint final : public HeldNodes {
     const Eigen::Quaterniond turn(quaternion_[3], quaternion_[0], quaternion_[1], quaternion_[2]);
     if (!(turn.norm() > 0)) throw ComponentError("quaternion is zero", "a unit quaternion");
     Mat3 matrix;
-    for (int i = 0; i < 9; ++i) matrix(i / 3, i % 3) = rotation_[std::size_t(i)];
+    for (int i = 0; i < 9; ++i) matrix(i / 3, i % 3) = rotation_[i];
     return matrix * turn.normalized().toRotationMatrix();
   }
   /// How many of path_ move at the end t of a step: the guided nodes, which come last, only between the two times.

@@ -64,9 +64,7 @@ class AttachProjectiveConstraint final : public ProjectiveConstraint {
     for (std::size_t i = 0; i < leaders_.size(); ++i) {
       if (second_ == &state() && leaders_[i] == followers_[i])
         throw ComponentError(fmt::format("node {} is attached to itself", leaders_[i]), "two different nodes");
-      farthest =
-          std::max(farthest,
-                   (state().position[std::size_t(leaders_[i])] - second_->position[std::size_t(followers_[i])]).norm());
+      farthest = std::max(farthest, (state().position[leaders_[i]] - second_->position[followers_[i]]).norm());
     }
     if (farthest > 0)
       inform(fmt::format("attached nodes lie up to {:.3g} m apart: they are brought together", farthest));

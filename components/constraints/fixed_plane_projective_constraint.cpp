@@ -17,7 +17,7 @@
 // </Node>
 #include <fmt/format.h>
 
-#include "framework/mechanics/held_nodes.h"
+#include "components/constraints/held_nodes.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
@@ -43,7 +43,7 @@ class FixedPlaneProjectiveConstraint final : public HeldNodes {
     ProjectiveConstraint::init();  // NOLINT(bugprone-parent-virtual-call): HeldNodes would ask for indices
     std::vector<Index> found;
     for (Index i = 0; i < state().size(); ++i) {
-      const double d = direction_.dot(state().position[std::size_t(i)]);
+      const double d = direction_.dot(state().position[i]);
       if (d > lowest_ && d < highest_) found.push_back(i);
     }
     if (found.empty())

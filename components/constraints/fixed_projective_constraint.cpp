@@ -14,7 +14,7 @@
 //   <UniformMass totalMass="3"/>
 //   <FixedProjectiveConstraint indices="0 2"/>
 // </Node>
-#include "framework/mechanics/held_nodes.h"
+#include "components/constraints/held_nodes.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {

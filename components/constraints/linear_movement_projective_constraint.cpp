@@ -28,7 +28,7 @@
 // </Node>
 #include <fmt/format.h>
 
-#include "framework/mechanics/held_nodes.h"
+#include "components/constraints/held_nodes.h"
 #include "framework/mechanics/key_times.h"
 #include "framework/scene/factory.h"
 
@@ -68,7 +68,7 @@ class LinearMovement : public HeldNodes {
     const bool from_start = outside_ == Outside::hold || movement_.first() <= node().root().root_time;
     const Vec3 moved = t > movement_.first() ? movement_.at(t) : Vec3::Zero();
     for (std::size_t i = 0; i < nodes().size(); ++i)
-      start_.push_back(from_start ? state().position[std::size_t(nodes()[i])] : Vec3(x[row(i)] - moved));
+      start_.push_back(from_start ? state().position[nodes()[i]] : Vec3(x[row(i)] - moved));
   }
 
   void prescribe(double t, Rows x, Rows v) const override {
@@ -102,7 +102,7 @@ class PartialLinearMovementProjectiveConstraint final : public LinearMovement {
     LinearMovement::init();
     if (directions_.size() != 3)
       throw ComponentError(fmt::format("movedDirections has {} values", directions_.size()), "3 values");
-    for (int c = 0; c < 3; ++c) projector_(c, c) = directions_[std::size_t(c)] ? 0 : 1;
+    for (int c = 0; c < 3; ++c) projector_(c, c) = directions_[c] ? 0 : 1;
     if (projector_.isIdentity())
       warn("movedDirections moves no direction: the constraint does nothing", "write 1 for each direction to move");
   }

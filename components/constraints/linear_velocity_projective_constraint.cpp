@@ -20,7 +20,7 @@
 // </Node>
 #include <fmt/format.h>
 
-#include "framework/mechanics/held_nodes.h"
+#include "components/constraints/held_nodes.h"
 #include "framework/mechanics/key_times.h"
 #include "framework/scene/factory.h"
 

@@ -66,7 +66,7 @@ class OscillatorProjectiveConstraint final : public ProjectiveConstraint {
     }
     checkedNodes(named, state(), given_.empty() ? "indices" : "oscillators");
     for (int node : indices_) {
-      const Vec3& mean = state().position[std::size_t(node)];
+      const Vec3& mean = state().position[node];
       oscillators_.push_back({node, mean, translation_ + rotation_.cross(mean - centre_), pulsation_, phase_});
     }
   }

@@ -17,7 +17,7 @@
 
 #include <algorithm>
 
-#include "framework/mechanics/held_nodes.h"
+#include "components/constraints/held_nodes.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
@@ -40,7 +40,7 @@ class PartialFixedProjectiveConstraint final : public HeldNodes {
                            "3 values, one for each of x, y, z");
     if (std::none_of(directions_.begin(), directions_.end(), [](bool held) { return held; }))
       warn("fixedDirections holds no direction: the constraint does nothing", "write 1 for each direction to hold");
-    for (int c = 0; c < 3; ++c) projector_(c, c) = directions_[std::size_t(c)] ? 0 : 1;
+    for (int c = 0; c < 3; ++c) projector_(c, c) = directions_[c] ? 0 : 1;
   }
   bool projectsVelocity() const override { return project_velocity_; }
 

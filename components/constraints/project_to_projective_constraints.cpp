@@ -22,7 +22,7 @@
 //   <ProjectToLineProjectiveConstraint indices="1" origin="1 0 0" direction="1 1 0"/>
 //   <ProjectToPlaneProjectiveConstraint indices="2 3" origin="0 0 0" normal="0 1 1"/>
 // </Node>
-#include "framework/mechanics/held_nodes.h"
+#include "components/constraints/held_nodes.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {

@@ -32,8 +32,8 @@
 #include <cmath>
 #include <type_traits>
 
+#include "components/direct_solvers/sparse_copy.h"
 #include "framework/algebra/direct_solver.h"
-#include "framework/algebra/sparse_copy.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
@@ -104,8 +104,8 @@ class DenseSolver : public DirectSolver {
   }
   void fill(const BlockMatrix& matrix) {
     for (Index i = 0; i < matrix.rows(); ++i)
-      for (Index s = matrix.rowStart()[std::size_t(i)]; s < matrix.rowStart()[std::size_t(i) + 1]; ++s)
-        dense_.block<3, 3>(3 * i, 3 * matrix.columns()[std::size_t(s)]) =
+      for (Index s = matrix.rowStart()[i]; s < matrix.rowStart()[i + 1]; ++s)
+        dense_.block<3, 3>(3 * i, 3 * matrix.columns()[s]) =
             Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(matrix.values().data() + 9 * std::size_t(s));
   }
   Eigen::MatrixXd dense_;

@@ -31,9 +31,9 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "components/direct_solvers/sparse_copy.h"
 #include "framework/algebra/direct_solver.h"
 #include "framework/algebra/memory.h"
-#include "framework/algebra/sparse_copy.h"
 #include "framework/scene/factory.h"
 
 // of OpenBLAS; absent from other libraries
@@ -148,24 +148,24 @@ void CholeskyFactor::check(bool good, const char* what) const {
 void CholeskyFactor::buildLower(const BlockMatrix& matrix, const std::vector<int>& order) {
   const int count = 3 * matrix.rows();
   std::vector<int> place_of(order.size()), start(order.size() + 1, 0), rows;
-  for (int k = 0; k < count; ++k) place_of[std::size_t(order[std::size_t(k)])] = k;
+  for (int k = 0; k < count; ++k) place_of[order[k]] = k;
   std::vector<std::pair<int, int>> column;  // row, source
   source_.clear();
   for (int k = 0; k < count; ++k) {
-    const int block_row = order[std::size_t(k)] / 3, component = order[std::size_t(k)] % 3;
+    const int block_row = order[k] / 3, component = order[k] % 3;
     column.clear();
-    for (Index s = matrix.rowStart()[std::size_t(block_row)]; s < matrix.rowStart()[std::size_t(block_row) + 1]; ++s)
+    for (Index s = matrix.rowStart()[block_row]; s < matrix.rowStart()[block_row + 1]; ++s)
       for (int c = 0; c < 3; ++c) {
-        const int row = place_of[std::size_t(3 * matrix.columns()[std::size_t(s)] + c)];
+        const int row = place_of[std::size_t(3 * matrix.columns()[s] + c)];
         if (row < k) continue;
         // an entry is read from the upper triangle, whichever side of the permuted diagonal it lies on
-        const int i = 3 * block_row + component, j = 3 * matrix.columns()[std::size_t(s)] + c;
+        const int i = 3 * block_row + component, j = 3 * matrix.columns()[s] + c;
         const Index slot = i <= j ? s : matrix.slot(j / 3, i / 3);
         column.emplace_back(row, i <= j ? 9 * slot + 3 * component + c : 9 * slot + 3 * c + component);
       }
     std::sort(column.begin(), column.end());
     for (const auto& [row, from] : column) rows.push_back(row), source_.push_back(from);
-    start[std::size_t(k) + 1] = int(rows.size());
+    start[k + 1] = int(rows.size());
   }
   cholmod_free_sparse(&lower_, &common_);
   lower_ = cholmod_allocate_sparse(order.size(), order.size(), rows.size(), 1, 1, -1, CHOLMOD_REAL, &common_);
@@ -184,7 +184,7 @@ cholmod_sparse* CholeskyFactor::nodeGraph(const BlockMatrix& matrix) {
   for (std::size_t i = 0; i < nodes; ++i) {
     start[i] = entries;
     for (Index s = matrix.diagonal()[i]; s < matrix.rowStart()[i + 1]; ++s)
-      static_cast<int*>(graph->i)[entries++] = matrix.columns()[std::size_t(s)];
+      static_cast<int*>(graph->i)[entries++] = matrix.columns()[s];
   }
   start[nodes] = entries;
   return graph;
@@ -278,14 +278,14 @@ void CholeskyFactor::solveRoughly(ConstRows b, Rows x) {
     if (below == 0) continue;
     sgemv_("N", &below, &columns, &plus, block + columns, &height, own, &one, &zero, gathered_.data(), &one);
     const int* to = rows + start[s] + columns;
-    for (int i = 0; i < below; ++i) rough_[std::size_t(to[i])] -= gathered_[std::size_t(i)];
+    for (int i = 0; i < below; ++i) rough_[to[i]] -= gathered_[i];
   }
   for (int s = count - 1; s >= 0; --s) {
     const int columns = first[s + 1] - first[s], height = start[s + 1] - start[s], below = height - columns;
     const float* block = rough_values_.data() + offset[s];
     float* own = rough_.data() + first[s];
     const int* from = rows + start[s] + columns;
-    for (int i = 0; i < below; ++i) gathered_[std::size_t(i)] = rough_[std::size_t(from[i])];
+    for (int i = 0; i < below; ++i) gathered_[i] = rough_[from[i]];
     if (below > 0)
       sgemv_("T", &below, &columns, &minus, block + columns, &height, gathered_.data(), &one, &plus, own, &one);
     strsv_("L", "T", "N", &columns, block, &height, own, &one);

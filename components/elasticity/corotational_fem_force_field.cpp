@@ -16,7 +16,7 @@
 //   <BoxROI name="held" box="-1 -1 -0.001 1 1 0.001"/>
 //   <FixedProjectiveConstraint indices="@held.indices"/>
 // </Node>
-#include "framework/fem/elastic_force_field.h"
+#include "components/elasticity/elastic_force_field.h"
 #include "framework/scene/factory.h"
 
 using namespace stroma;

@@ -47,9 +47,10 @@
 #include <Eigen/LU>
 #include <algorithm>
 
+#include "components/elasticity/elastic_force_field.h"
+#include "components/elasticity/elastic_kernels.h"
+#include "components/elasticity/hexahedron_models.h"
 #include "framework/fem/eigen_matrix.h"
-#include "framework/fem/elastic_force_field.h"
-#include "framework/fem/hexahedron_models.h"
 #include "framework/scene/factory.h"
 
 using namespace stroma;
@@ -90,7 +91,7 @@ class Hexahedra final : public ElasticElements {
     }
   }
 
-  std::unique_ptr<ElementMethod> make(Index first_row, const std::function<Lame(std::size_t)>& lame) const override {
+  std::unique_ptr<ElementKernels> make(Index first_row, const std::function<Lame(std::size_t)>& lame) const override {
     return withOwnMatrix(variant_, makeMethod(first_row, lame));
   }
 
@@ -154,7 +155,7 @@ class Hexahedra final : public ElasticElements {
     return boxes_ && variant_.update == Update::none && (small || green || !variant_.exact_tangent);
   }
 
-  std::unique_ptr<ElementMethod> makeMethod(Index first_row, const std::function<Lame(std::size_t)>& lame) const {
+  std::unique_ptr<ElementKernels> makeMethod(Index first_row, const std::function<Lame(std::size_t)>& lame) const {
     const ElasticMethod method = variant_.method;
     if (usesBoxes()) {
       if (method == ElasticMethod::green) return makeGreen<BoxShape>(first_row, lame);
@@ -168,22 +169,22 @@ class Hexahedra final : public ElasticElements {
     return makePoints<LocalDilatation>(first_row, lame);
   }
   template <class Shape>
-  std::unique_ptr<ElementMethod> makeGreen(Index first_row, const std::function<Lame(std::size_t)>& lame) const {
+  std::unique_ptr<ElementKernels> makeGreen(Index first_row, const std::function<Lame(std::size_t)>& lame) const {
     if (variant_.mean_dilatation) return fill<Green<Shape, true>>(first_row, lame);
     return fill<Green<Shape, false>>(first_row, lame);
   }
   template <template <class> class Law>
-  std::unique_ptr<ElementMethod> makePoints(Index first_row, const std::function<Lame(std::size_t)>& lame) const {
+  std::unique_ptr<ElementKernels> makePoints(Index first_row, const std::function<Lame(std::size_t)>& lame) const {
     if (variant_.method == ElasticMethod::small) return fill<PointLinear<Law>>(first_row, lame);
-    return makeRotated(variant_, [&]<class Rotation, Update update>() -> std::unique_ptr<ElementMethod> {
+    return makeRotated(variant_, [&]<class Rotation, Update update>() -> std::unique_ptr<ElementKernels> {
       if constexpr (std::is_same_v<Law<double>, LocalDilatation<double>>)
         if (variant_.exact_tangent) return fill<ExactPointCorotational<Rotation, update>>(first_row, lame);
       return fill<PointCorotational<Law, Rotation, update>>(first_row, lame);
     });
   }
   template <class Model>
-  std::unique_ptr<ElementMethod> fill(Index first_row, const std::function<Lame(std::size_t)>& lame) const {
-    return std::make_unique<ModelMethod<Model>>(filled<StorageOf<Model>>(first_row, lame));
+  std::unique_ptr<ElementKernels> fill(Index first_row, const std::function<Lame(std::size_t)>& lame) const {
+    return std::make_unique<ModelKernels<Model>>(filled<StorageOf<Model>>(first_row, lame));
   }
   template <class Storage>
   [[gnu::noinline]] Storage filled(Index first_row, const std::function<Lame(std::size_t)>& lame) const {
@@ -262,12 +263,12 @@ class Hexahedra final : public ElasticElements {
   }
   Modes<double> currentModes(std::size_t e, ConstRows x) const {
     V3<double> corner[8];
-    for (int a = 0; a < 8; ++a) corner[a] = vectorOf(x[mesh_->hexahedra[e][std::size_t(a)]]);
+    for (int a = 0; a < 8; ++a) corner[a] = vectorOf(x[mesh_->hexahedra[e][a]]);
     return modesOf(corner);
   }
   RestShape restShape(std::size_t e) const {
     V3<double> corner[8];
-    for (int a = 0; a < 8; ++a) corner[a] = vectorOf((*rest_)[std::size_t(mesh_->hexahedra[e][std::size_t(a)])]);
+    for (int a = 0; a < 8; ++a) corner[a] = vectorOf((*rest_)[mesh_->hexahedra[e][a]]);
     const Modes<double> world = modesOf(corner);
     const double size = std::sqrt(squaredNorm(meanEdges(world)));
     RestShape shape;

@@ -55,9 +55,10 @@
 #include <Eigen/LU>
 #include <map>
 
+#include "components/elasticity/elastic_force_field.h"
+#include "components/elasticity/elastic_kernels.h"
+#include "components/elasticity/nodal_dilatation.h"
 #include "framework/fem/eigen_matrix.h"
-#include "framework/fem/elastic_force_field.h"
-#include "framework/fem/nodal_dilatation.h"
 #include "framework/scene/factory.h"
 
 using namespace stroma;
@@ -85,7 +86,7 @@ class Tetrahedra final : public ElasticElements {
     }
   }
 
-  std::unique_ptr<ElementMethod> make(Index first_row, const std::function<Lame(std::size_t)>& lame) const override {
+  std::unique_ptr<ElementKernels> make(Index first_row, const std::function<Lame(std::size_t)>& lame) const override {
     const bool nodal = variant_.method == ElasticMethod::nodal;
     return withOwnMatrix(variant_, nodal ? makeNodal(first_row, lame) : makeFans(first_row, lame));
   }
@@ -118,7 +119,7 @@ class Tetrahedra final : public ElasticElements {
  private:
   using LameOf = std::function<Lame(std::size_t)>;
 
-  std::unique_ptr<ElementMethod> makeNodal(Index first_row, const LameOf& lame) const {
+  std::unique_ptr<ElementKernels> makeNodal(Index first_row, const LameOf& lame) const {
     StorageOf<tetrahedron::NodalModel> storage;
     storage.build(mesh_->tetrahedra, *rest_, first_row, [&](std::size_t e, bool padding, auto& rest, auto& tangent) {
       setElement(e, mesh_->tetrahedra[e], padding, lame, rest, tangent);
@@ -135,9 +136,9 @@ class Tetrahedra final : public ElasticElements {
     Storage storage;
     storage.build(cells, *rest_, first_row, [&](std::size_t f, bool padding, auto& rest, auto& tangent) {
       for (int i = 0; i < fan_size; ++i) {
-        const Index e = fans[f].element[std::size_t(i)];
+        const Index e = fans[f].element[i];
         Tetrahedron nodes;
-        for (int a = 0; a < 4; ++a) nodes[std::size_t(a)] = cells[f][std::size_t(corner(i, a))];
+        for (int a = 0; a < 4; ++a) nodes[a] = cells[f][corner(i, a)];
         setElement(std::size_t(e >= 0 ? e : fans[f].element[0]), nodes, padding || e < 0, lame, rest.of[i],
                    tangent.of[i]);
       }
@@ -158,20 +159,20 @@ class Tetrahedra final : public ElasticElements {
     return cells;
   }
   template <class Single>
-  std::unique_ptr<ElementMethod> makeAveraged(Index first_row, const LameOf& lame) const {
+  std::unique_ptr<ElementKernels> makeAveraged(Index first_row, const LameOf& lame) const {
     using namespace tetrahedron;
     std::vector<AveragedCells<Single>> all;
     for (const auto& [bulk, numbers] : materials(lame)) {
       AveragedCells<Single>& m = all.emplace_back();
       std::vector<double> volume;
       for (Index e : numbers) {
-        m.cells.push_back(mesh_->tetrahedra[std::size_t(e)]);
+        m.cells.push_back(mesh_->tetrahedra[e]);
         volume.push_back(weight(restEdges(m.cells.back())));
       }
       m.fans = gatherFans(m.cells, rest_->size());
       std::vector<Fan> fans = m.fans;  // with numbers of the mesh
       for (Fan& fan : fans)
-        for (Index& e : fan.element) e = e >= 0 ? numbers[std::size_t(e)] : -1;
+        for (Index& e : fan.element) e = e >= 0 ? numbers[e] : -1;
       m.storage = fanStorage<StorageOf<FanOf<Deviatoric<Single>>>>(fans, first_row, lame);
       for (Fan& fan : m.fans)
         for (Index& node : fan.nodes) node += first_row;
@@ -181,16 +182,16 @@ class Tetrahedra final : public ElasticElements {
     }
     return std::make_unique<NodalDilatation<Single>>(std::move(all));
   }
-  std::unique_ptr<ElementMethod> makeFans(Index first_row, const LameOf& lame) const {
+  std::unique_ptr<ElementKernels> makeFans(Index first_row, const LameOf& lame) const {
     using namespace tetrahedron;
-    const auto make = [&]<class Single>() -> std::unique_ptr<ElementMethod> {
+    const auto make = [&]<class Single>() -> std::unique_ptr<ElementKernels> {
       const std::vector<Fan> fans = gatherFans(mesh_->tetrahedra, rest_->size());
-      return std::make_unique<ModelMethod<FanOf<Single>>>(fanStorage<StorageOf<FanOf<Single>>>(fans, first_row, lame));
+      return std::make_unique<ModelKernels<FanOf<Single>>>(fanStorage<StorageOf<FanOf<Single>>>(fans, first_row, lame));
     };
     if (variant_.method == ElasticMethod::green) return make.template operator()<Green>();
     if (variant_.method == ElasticMethod::small)
       return variant_.mean_dilatation ? makeAveraged<Linear>(first_row, lame) : make.template operator()<Linear>();
-    return makeRotated(variant_, [&]<class Rotation, Update update>() -> std::unique_ptr<ElementMethod> {
+    return makeRotated(variant_, [&]<class Rotation, Update update>() -> std::unique_ptr<ElementKernels> {
       if (variant_.exact_tangent) return make.template operator()<ExactCorotational<Rotation, update>>();
       if (variant_.mean_dilatation) return makeAveraged<Corotational<Rotation, update>>(first_row, lame);
       return make.template operator()<Corotational<Rotation, update>>();
@@ -204,7 +205,7 @@ class Tetrahedra final : public ElasticElements {
     return edges;
   }
   Mat3 restEdges(const Tetrahedron& t) const {
-    return edgesOf(t, [&](Index n) -> Vec3 { return (*rest_)[std::size_t(n)]; });
+    return edgesOf(t, [&](Index n) -> Vec3 { return (*rest_)[n]; });
   }
   Mat3 deformationGradient(std::size_t e, ConstRows x) const {
     const Tetrahedron& t = mesh_->tetrahedra[e];

@@ -33,9 +33,9 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "framework/fem/element_method_field.h"
+#include "components/elasticity/membrane.h"
+#include "framework/fem/element_kernels_field.h"
 #include "framework/fem/isotropic.h"
-#include "framework/fem/membrane.h"
 #include "framework/mechanics/node_indices.h"
 #include "framework/mesh/topology.h"
 #include "framework/scene/factory.h"
@@ -44,7 +44,7 @@ using namespace stroma;
 
 namespace {
 
-class TriangularFEMForceField final : public ElementMethodField {
+class TriangularFEMForceField final : public ElementKernelsField {
  public:
   void declare(DataTable& table) override;
   void init() override;
@@ -77,7 +77,7 @@ class TriangularFEMForceField final : public ElementMethodField {
     const Vec3 a = position(t[0]);
     return (position(t[1]) - a).cross(position(t[2]) - a) / 2;
   }
-  Vec3 restPosition(Index node) const { return state().rest_position[std::size_t(node)]; }
+  Vec3 restPosition(Index node) const { return state().rest_position[node]; }
   std::string describe(std::size_t triangle) const {
     const Triangle& t = (*triangles_)[triangle];
     return fmt::format("triangle {} (nodes {} {} {})", triangle, t[0], t[1], t[2]);
@@ -170,11 +170,11 @@ void TriangularFEMForceField::compile() {
                   tangent.lambda = lame.lambda * volume, tangent.mu = lame.mu * volume;
                 });
   if (method_word_ == Method::small)
-    method_ = std::make_unique<ModelMethod<membrane::Linear>>(std::move(storage));
+    method_ = std::make_unique<ModelKernels<membrane::Linear>>(std::move(storage));
   else if (tangent_ == TangentWord::exact)
-    method_ = std::make_unique<ModelMethod<membrane::ExactLarge>>(std::move(storage));
+    method_ = std::make_unique<ModelKernels<membrane::ExactLarge>>(std::move(storage));
   else
-    method_ = std::make_unique<ModelMethod<membrane::Large>>(std::move(storage));
+    method_ = std::make_unique<ModelKernels<membrane::Large>>(std::move(storage));
 }
 
 std::string TriangularFEMForceField::worstElement(ConstRows x) const {

@@ -3,7 +3,7 @@
 //   W = mu sum_{n = 1..5} C_n (J^-2n/3 I1^n - 3^n) + k0/2 (ln J)^2,
 //   C = 1/2, 1/(20 N), 11/(1050 N^2), 19/(7000 N^3), 519/(673750 N^4)
 // At small strains the shear modulus is 1.085137 mu, the bulk modulus k0. Infinite at J = 0.
-#include "framework/fem/hyperelastic_kernels.h"
+#include "components/hyperelasticity/hyperelastic_kernels.h"
 #include "framework/scene/factory.h"
 
 using namespace stroma;

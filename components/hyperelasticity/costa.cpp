@@ -4,7 +4,7 @@
 // with E = (C - Id)/2 in the axes fibre, sheet, normal of AnisotropyDirections. J^-4/3 Q(E) is not Q of the isochoric
 // strain (a pure dilation has one); it is what the method uses, and identical at J = 1. With bff = bf, bss = bnn = bsn
 // = bt, bfs = bfn = bfs it is Guccione's law. The energy is finite down to J = 0, where its Q is not.
-#include "framework/fem/hyperelastic_kernels.h"
+#include "components/hyperelasticity/hyperelastic_kernels.h"
 #include "framework/scene/factory.h"
 
 using namespace stroma;

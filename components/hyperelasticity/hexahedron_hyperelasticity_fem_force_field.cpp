@@ -22,7 +22,7 @@
 //   <BoxROI name="held" box="-1 -1 -0.001 1 1 0.001"/>
 //   <FixedProjectiveConstraint indices="@held.indices"/>
 // </Node>
-#include "framework/fem/hyperelastic_force_field.h"
+#include "components/hyperelasticity/hyperelastic_force_field.h"
 #include "framework/scene/factory.h"
 
 using namespace stroma;

@@ -3,12 +3,12 @@
 // exactly: it needs the nodes alone. With j = 8 J (hexahedron.h) and r = v/V = s sum_q det j_q, s = 1/(512 V),
 //   f = -k V U' s sum_q cof j_q,   df = -k V (U' s sum_q dcof j_q + U'' s^2 (sum_q cof j_q : dj_q) sum_q cof j_q)
 // brought to the nodes by the transpose of what gave the j_q.
-#include "framework/fem/hyperelastic_volume.h"
+#include "components/hyperelasticity/hyperelastic_volume.h"
 
+#include "components/hyperelasticity/hyperelastic_invariants.h"
 #include "framework/fem/eigen_matrix.h"
 #include "framework/fem/hexahedron.h"
-#include "framework/fem/hyperelastic_invariants.h"
-#include "framework/fem/model_method.h"
+#include "framework/fem/model_kernels.h"
 #include "framework/scene/factory.h"
 
 using namespace stroma;
@@ -106,13 +106,13 @@ struct MeanVolume {
 };
 
 template <class U>
-std::unique_ptr<ElementMethod> methodOf(const Cells& cells, const HyperelasticLaw& law) {
+std::unique_ptr<ElementKernels> methodOf(const Cells& cells, const HyperelasticLaw& law) {
   StorageOf<MeanVolume<U>> storage;
   storage.build(cells.mesh->hexahedra, *cells.rest, cells.first_row,
                 [&](std::size_t cell, bool padding, auto& rest, auto&) {
                   const stroma::Hexahedron& order = cells.mesh->hexahedra[cell];
                   V3<double> x[8];
-                  for (std::size_t a = 0; a < 8; ++a) x[a] = vectorOf((*cells.rest)[std::size_t(order[a])]);
+                  for (std::size_t a = 0; a < 8; ++a) x[a] = vectorOf((*cells.rest)[order[a]]);
                   const auto j = hexahedron::atPoints(hexahedron::modesOf(x));
                   rest.per_volume = 1;
                   const double volume = MeanVolume<U>::ratio(rest, j);
@@ -120,10 +120,10 @@ std::unique_ptr<ElementMethod> methodOf(const Cells& cells, const HyperelasticLa
                   const double k = cells.parameters(cell)[law.volume_parameter];
                   rest.weight = padding ? 0 : -k * std::abs(volume) / (512 * cells.mesh->overlap);
                 });
-  return std::make_unique<ModelMethod<MeanVolume<U>>>(std::move(storage));
+  return std::make_unique<ModelKernels<MeanVolume<U>>>(std::move(storage));
 }
 
-std::unique_ptr<ElementMethod> hexahedra(const Cells& cells, const HyperelasticLaw& law) {
+std::unique_ptr<ElementKernels> hexahedra(const Cells& cells, const HyperelasticLaw& law) {
   if (law.volume == VolumePart::half_square) return methodOf<HalfSquare>(cells, law);
   if (law.volume == VolumePart::log_integral) return methodOf<LogIntegral>(cells, law);
   return methodOf<HalfLogSquared>(cells, law);

@@ -3,7 +3,7 @@
 // bulk modulus is k0. Infinite at J = 0.
 #include <fmt/format.h>
 
-#include "framework/fem/hyperelastic_kernels.h"
+#include "components/hyperelasticity/hyperelastic_kernels.h"
 #include "framework/scene/factory.h"
 
 using namespace stroma;
@@ -30,11 +30,11 @@ std::string fromLame(const Lame& lame, std::vector<double>& values) {
   const double sum = lame.mu / 2;
   if (std::isnan(values[0]) && std::isnan(values[1])) return "MooneyRivlin needs c1 or c2 besides youngModulus";
   for (int given : {0, 1})
-    if (std::isnan(values[std::size_t(1 - given)])) {
-      const double other = values[std::size_t(1 - given)] = sum - values[std::size_t(given)];
+    if (std::isnan(values[1 - given])) {
+      const double other = values[1 - given] = sum - values[given];
       if (other < 0)
         return fmt::format("c{} = {:g} of MooneyRivlin is above mu/2 = {:g} of youngModulus: c{} would be negative",
-                           given + 1, values[std::size_t(given)], sum, 2 - given);
+                           given + 1, values[given], sum, 2 - given);
     }
   if (std::isnan(values[2])) values[2] = lame.lambda + 2. / 3 * lame.mu;
   return {};

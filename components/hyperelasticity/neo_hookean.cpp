@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Neo-Hooke, compressible: W = mu/2 (I1 - 3) - mu ln J + lambda/2 (ln J)^2. Infinite at J = 0.
-#include "framework/fem/hyperelastic_kernels.h"
+#include "components/hyperelasticity/hyperelastic_kernels.h"
 #include "framework/scene/factory.h"
 
 using namespace stroma;

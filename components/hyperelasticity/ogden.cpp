@@ -4,7 +4,7 @@
 // the shear modulus is the sum of mu_k/2, the bulk modulus k0. Infinite at J = 0.
 #include <bit>
 
-#include "framework/fem/hyperelastic_kernels.h"
+#include "components/hyperelasticity/hyperelastic_kernels.h"
 #include "framework/scene/factory.h"
 
 using namespace stroma;

@@ -2,7 +2,7 @@
 // Neo-Hooke without a logarithm: W = mu/2 (I1 - 3) + (lambda + mu)/2 ((J - a)^2 - (1 - a)^2), a = 1 + mu/(lambda + mu),
 // so that the rest shape has neither stress nor energy. Finite for every J. Source: B. Smith, F. de Goes, T. Kim,
 // "Stable neo-Hookean flesh simulation", ACM Transactions on Graphics 37(2), 2018, without its barrier term.
-#include "framework/fem/hyperelastic_kernels.h"
+#include "components/hyperelasticity/hyperelastic_kernels.h"
 #include "framework/scene/factory.h"
 
 using namespace stroma;

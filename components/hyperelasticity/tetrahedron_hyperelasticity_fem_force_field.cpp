@@ -77,7 +77,7 @@
 //     <FixedProjectiveConstraint indices="@held.indices"/>
 //   </Node>
 // </Node>
-#include "framework/fem/hyperelastic_force_field.h"
+#include "components/hyperelasticity/hyperelastic_force_field.h"
 #include "framework/scene/factory.h"
 
 using namespace stroma;

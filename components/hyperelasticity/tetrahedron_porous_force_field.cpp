@@ -54,8 +54,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "framework/fem/darcy_flow.h"
-#include "framework/fem/porous_elements.h"
+#include "components/hyperelasticity/darcy_flow.h"
+#include "components/hyperelasticity/porous_elements.h"
 #include "framework/mechanics/force_field.h"
 #include "framework/mechanics/history.h"
 #include "framework/mechanics/history_file.h"
@@ -184,12 +184,12 @@ void TetrahedronPorousForceField::init() {
     if (!pressure_.empty()) throw ComponentError("pressure and history are both given", "one of them");
     pressure_ = history_file_.read();
   }
-  if (pressure_.empty()) pressure_.assign(std::size_t(state().size()), 0.);
+  if (pressure_.empty()) pressure_.assign(state().size(), 0.);
   if (pressure_.size() != std::size_t(state().size()))
     throw ComponentError(fmt::format("pressure has {} values", pressure_.size()), fmt::format("{}", state().size()));
   std::vector<char> used(std::size_t(state().size()), 0);
   for (const Tetrahedron& cell : mesh_->tetrahedra)
-    for (Index node : cell) used[std::size_t(node)] = 1;
+    for (Index node : cell) used[node] = 1;
   const auto lonely = std::find(used.begin(), used.end(), 0);
   if (lonely != used.end())
     throw ComponentError(fmt::format("no tetrahedron has node {}: it holds no fluid", lonely - used.begin()),
@@ -205,7 +205,7 @@ ForceTraits TetrahedronPorousForceField::traits() const {
   t.has_stiffness = porous_;
   t.symmetric = t.torques_balance = t.time_dependent = true;
   t.forces_balance = std::all_of(initial_.begin(), initial_.end(), [](double p) { return p == 0; });
-  t.conservative = t.exact_tangent = t.late = coupling_ == Coupling::semi_implicit;
+  t.conservative = t.exact_tangent = t.lagged = coupling_ == Coupling::semi_implicit;
   return t;
 }
 
@@ -218,11 +218,11 @@ void TetrahedronPorousForceField::compile() {
   StorageOf<PorousFan> storage;
   storage.build(nodes, rest, state().firstRow(), [&](std::size_t f, bool padding, auto& data, auto&) {
     for (int i = 0; i < fan_size; ++i) {
-      const auto at = [&](int a) -> const Vec3& { return rest[std::size_t(nodes[f][std::size_t(corner(i, a))])]; };
+      const auto at = [&](int a) -> const Vec3& { return rest[nodes[f][(corner(i, a))]]; };
       Mat3 edges;
       edges << at(1) - at(0), at(2) - at(0), at(3) - at(0);
       const double six_volumes = edges.determinant(), volume = std::abs(six_volumes) / (6 * mesh_->overlap);
-      const bool empty = padding || fans[f].element[std::size_t(i)] < 0;
+      const bool empty = padding || fans[f].element[i] < 0;
       data.of[i] = {empty ? 0 : std::copysign(1 / (6 * mesh_->overlap), six_volumes), 1 / six_volumes, 1 / volume,
                     empty ? 0 : volume / 4};
     }
@@ -238,7 +238,7 @@ void TetrahedronPorousForceField::start(const std::vector<double>& values) {
   if (values.size() != pressure_.size())
     throw std::invalid_argument(fmt::format("{} pressures of {} nodes", values.size(), pressure_.size()));
   pressure_ = values;
-  for (Index i = 0; i < state().size(); ++i) now_[state().firstRow() + i].x() = pressure_[std::size_t(i)];
+  for (Index i = 0; i < state().size(); ++i) now_[state().firstRow() + i].x() = pressure_[i];
   time_ = node().root().root_time;
   step_ = 0;
   started_ = false;
@@ -250,7 +250,7 @@ void TetrahedronPorousForceField::setTime(double t) {
     started_ = true;
     clear(change_);
     elements_->addVolumes(systemRows(), 1, change_);
-    for (Index i = 0; i < state().size(); ++i) theta_[std::size_t(i)] = own(change_)[i].x();
+    for (Index i = 0; i < state().size(); ++i) theta_[i] = own(change_)[i].x();
   }
   step_ = std::max(0., t - time_);
   if (step_ > 0) flow_.setStep(step_, 1 / sponge_.limit, permeability_);
@@ -259,7 +259,7 @@ void TetrahedronPorousForceField::setTime(double t) {
 void TetrahedronPorousForceField::follow(Rows out) const {
   for (Index i = 0; i < out.count; ++i) {
     double& value = out[i].x();
-    value = flow_.volume(i) * pressure_[std::size_t(i)] / sponge_.limit - (value - theta_[std::size_t(i)]);
+    value = flow_.volume(i) * pressure_[i] / sponge_.limit - (value - theta_[i]);
   }
   flow_.solve(out);
 }
@@ -274,8 +274,8 @@ void TetrahedronPorousForceField::stepEnded(double t) {
   for (Index i = 0; i < values.count; ++i) values[i].y() = values[i].x();  // kept for the next step
   follow(values);
   for (Index i = 0; i < values.count; ++i) {
-    theta[std::size_t(i)] = values[i].y();
-    pressure_[std::size_t(i)] = own(now_)[i].x() = values[i].x();
+    theta[i] = values[i].y();
+    pressure_[i] = own(now_)[i].x() = values[i].x();
   }
   time_ = t;
   step_ = 0;
@@ -299,7 +299,7 @@ void TetrahedronPorousForceField::cellField(const std::string&, ConstRows, std::
   out.clear();
   for (const Tetrahedron& cell : mesh_->tetrahedra) {
     double pressure = 0;
-    for (Index node : cell) pressure += pressure_[std::size_t(node)] / 4;
+    for (Index node : cell) pressure += pressure_[node] / 4;
     out.push_back(pressure);
   }
 }

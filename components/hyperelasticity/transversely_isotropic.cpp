@@ -4,7 +4,7 @@
 // with a the fibre of AnisotropyDirections. Infinite at J = 0. Source of the fibre term: G. A. Holzapfel, T. C. Gasser,
 // R. W. Ogden, "A new constitutive framework for arterial wall mechanics and a comparative study of material models",
 // Journal of Elasticity 61, 2000.
-#include "framework/fem/hyperelastic_kernels.h"
+#include "components/hyperelasticity/hyperelastic_kernels.h"
 #include "framework/scene/factory.h"
 
 using namespace stroma;

@@ -24,8 +24,8 @@
 // </Node>
 #include <fmt/format.h>
 
+#include "components/integrators/implicit_step.h"
 #include "framework/scene/factory.h"
-#include "framework/simulation/implicit_step.h"
 
 namespace stroma {
 namespace {
@@ -35,7 +35,7 @@ class BDFOdeSolver final : public Integrator {
   void declare(DataTable& table) override;
   void compile(System& system) override;
   StepReport step(System& system, const StepContext& context) override;
-  bool toleratesLateForces() const override { return order_ == 1; }
+  bool toleratesLaggedForces() const override { return order_ == 1; }
   std::string describe() const override { return fmt::format("BDF step of order {}", order_) + implicit_.describe(); }
   void reset() override { last_step_ = 0; }
 
@@ -72,11 +72,11 @@ ImplicitScheme BDFOdeSolver::schemeOfOrder2(System& system, double h) {
   scheme.weight = scheme.displacement = w;
   scheme.drift = h;
   scheme.has_history = true;
-  copy(change_, implicit_.lag);
-  scale(rho, implicit_.lag);
-  copy(way_, implicit_.extra);
-  scale(rho, implicit_.extra);
-  axpy(w - h, ConstRows{system.v.rows().data, system.independentRows()}, implicit_.extra);
+  copy(change_, implicit_.velocity_predictor);
+  scale(rho, implicit_.velocity_predictor);
+  copy(way_, implicit_.position_predictor);
+  scale(rho, implicit_.position_predictor);
+  axpy(w - h, ConstRows{system.v.rows().data, system.independentRows()}, implicit_.position_predictor);
   return scheme;
 }
 

@@ -18,9 +18,9 @@
 //   <UniformMass totalMass="1"/>
 //   <FixedProjectiveConstraint indices="0"/>
 // </Node>
+#include "components/integrators/explicit_step.h"
+#include "components/integrators/stable_step.h"
 #include "framework/scene/factory.h"
-#include "framework/simulation/explicit_step.h"
-#include "framework/simulation/stable_step.h"
 
 namespace stroma {
 namespace {
@@ -62,14 +62,14 @@ void CentralDifferenceSolver::compile(System& system) {
   }
   acceleration_.compile(system, name);
   a_.resize(system.independentRows());
-  damping_.assign(std::size_t(system.independentRows()), rayleigh_mass_);
+  damping_.assign(system.independentRows(), rayleigh_mass_);
   for (const Mass* mass : system.masses()) {
     const Index first = mass->state().firstRow();
     if (first >= system.independentRows() && mass->rayleigh_mass != 0)
       throw ComponentError(mass->path() + " acts on a mapped state, where " + name + " has no rayleighMass",
                            "rayleighMass of the integrator");
     for (Index i = first; i < std::min(first + mass->state().size(), system.independentRows()); ++i)
-      damping_[std::size_t(i)] += mass->rayleigh_mass;
+      damping_[i] += mass->rayleigh_mass;
   }
   warnAboveStableStep(*this, system, acceleration_, name, {.largest_angle = 2, .grows = false});
 }
@@ -85,7 +85,7 @@ StepReport CentralDifferenceSolver::step(System& system, const StepContext& cont
   last_step_ = h;
   // a becomes v+ - v-, of which constraints let through what they leave free
   for (Index row = 0; row < system.independentRows(); ++row) {
-    const double damping = damping_[std::size_t(row)];
+    const double damping = damping_[row];
     a_[row] = between / (1 + between * damping / 2) * (a_[row] - damping * system.v[row]);
   }
   system.project(a_);

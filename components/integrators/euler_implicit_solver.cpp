@@ -34,8 +34,8 @@
 // </Node>
 #include <cmath>
 
+#include "components/integrators/implicit_step.h"
 #include "framework/scene/factory.h"
-#include "framework/simulation/implicit_step.h"
 
 namespace stroma {
 namespace {

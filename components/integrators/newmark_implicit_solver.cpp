@@ -26,9 +26,9 @@
 
 #include <cmath>
 
+#include "components/integrators/explicit_step.h"
+#include "components/integrators/implicit_step.h"
 #include "framework/scene/factory.h"
-#include "framework/simulation/explicit_step.h"
-#include "framework/simulation/implicit_step.h"
 
 namespace stroma {
 namespace {
@@ -98,10 +98,10 @@ StepReport NewmarkImplicitSolver::step(System& system, const StepContext& contex
   scheme.drift = h;
   scheme.time = context.t_end;
   scheme.has_history = true;
-  copy(a_, implicit_.lag);
-  scale((1 - gamma_) * h, implicit_.lag);
-  copy(a_, implicit_.extra);
-  scale(h * h * (0.5 - beta_ / gamma_), implicit_.extra);
+  copy(a_, implicit_.velocity_predictor);
+  scale((1 - gamma_) * h, implicit_.velocity_predictor);
+  copy(a_, implicit_.position_predictor);
+  scale(h * h * (0.5 - beta_ / gamma_), implicit_.position_predictor);
   StepReport report = implicit_.solve(scheme);
   if (report.diverged) return report;
   xpay(implicit_.change(), -(1 - gamma_) * h, a_);

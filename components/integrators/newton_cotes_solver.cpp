@@ -27,8 +27,8 @@
 // </Node>
 #include <fmt/format.h>
 
+#include "components/integrators/explicit_step.h"
 #include "framework/scene/factory.h"
-#include "framework/simulation/explicit_step.h"
 
 namespace stroma {
 namespace {

@@ -31,8 +31,8 @@
 //   <UniformMass totalMass="1"/>
 //   <FixedProjectiveConstraint indices="0"/>
 // </Node>
+#include "components/integrators/newton_solver.h"
 #include "framework/scene/factory.h"
-#include "framework/simulation/newton_solver.h"
 
 namespace stroma {
 namespace {

@@ -15,8 +15,8 @@
 //   <UniformMass totalMass="1"/>
 //   <FixedProjectiveConstraint indices="0"/>
 // </Node>
+#include "components/integrators/explicit_step.h"
 #include "framework/scene/factory.h"
-#include "framework/simulation/explicit_step.h"
 
 namespace stroma {
 namespace {

@@ -37,10 +37,10 @@
 
 #include <cmath>
 
+#include "components/integrators/free_body.h"
+#include "components/integrators/newton_solver.h"
 #include "framework/scene/factory.h"
-#include "framework/simulation/free_body.h"
 #include "framework/simulation/integrator.h"
-#include "framework/simulation/newton_solver.h"
 #include "framework/simulation/system.h"
 
 namespace stroma {
@@ -237,9 +237,9 @@ bool StaticSolver::advancePrescribed(System& system, const StepContext& context,
   copy(ConstRows{moved_v_.rows().data, d.count}, force_);
   clear(moved_v_);
   system.project(force_);
-  solver_->setEnough(settings_.forcing);
+  solver_->setTolerance(settings_.forcing);
   const bool solved = solveOrShift(*solver_, problem_.tangent(), force_, mode_, report);
-  solver_->setEnough(0);
+  solver_->setTolerance(0);
   axpy(1, d, x);
   if (!solved) return true;
   const double alone = system.potentialEnergy(system.x);

@@ -29,9 +29,9 @@
 // </Node>
 #include <algorithm>
 
+#include "components/integrators/explicit_step.h"
+#include "components/integrators/implicit_step.h"
 #include "framework/scene/factory.h"
-#include "framework/simulation/explicit_step.h"
-#include "framework/simulation/implicit_step.h"
 
 namespace stroma {
 namespace {
@@ -92,7 +92,7 @@ void VariationalSymplecticSolver::init() {
 
 void VariationalSymplecticSolver::compile(System& system) {
   start_.resize(system.independentRows());
-  if (computes_hamiltonian_ && incremental_) system.askForForce();
+  if (computes_hamiltonian_ && incremental_) system.requestForce();
   if (!is_explicit_) return implicit_.compile(*this, system);
   explicit_.scheme = fromRungeKutta("symplectic Euler", {{}}, {1});
   explicit_.scheme.x = {1};

@@ -26,8 +26,8 @@
 // </Node>
 #include <cmath>
 
-#include "framework/algebra/conjugate_gradients.h"
-#include "framework/algebra/krylov_solver.h"
+#include "components/iterative_solvers/conjugate_gradients.h"
+#include "components/iterative_solvers/krylov_solver.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {

@@ -29,7 +29,7 @@
 #include <limits>
 #include <utility>
 
-#include "framework/algebra/krylov_solver.h"
+#include "components/iterative_solvers/krylov_solver.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {

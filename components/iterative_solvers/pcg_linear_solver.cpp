@@ -27,10 +27,10 @@
 //   <UniformMass totalMass="1"/>
 //   <FixedProjectiveConstraint indices="0 1 2"/>
 // </Node>
-#include "framework/algebra/incomplete_cholesky.h"
-#include "framework/algebra/krylov_solver.h"
-#include "framework/algebra/preconditioned_conjugate_gradients.h"
-#include "framework/algebra/warped_factor.h"
+#include "components/iterative_solvers/incomplete_cholesky.h"
+#include "components/iterative_solvers/krylov_solver.h"
+#include "components/iterative_solvers/preconditioned_conjugate_gradients.h"
+#include "components/iterative_solvers/warped_factor.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {

@@ -21,7 +21,7 @@
 //   <UniformMass totalMass="1"/>
 //   <FixedProjectiveConstraint indices="0 1 2"/>
 // </Node>
-#include "framework/algebra/incomplete_cholesky.h"
+#include "components/iterative_solvers/incomplete_cholesky.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {

@@ -25,7 +25,7 @@
 //   <UniformMass totalMass="1"/>
 //   <FixedProjectiveConstraint indices="0 1 2"/>
 // </Node>
-#include "framework/algebra/warped_factor.h"
+#include "components/iterative_solvers/warped_factor.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {

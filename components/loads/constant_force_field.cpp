@@ -44,7 +44,7 @@ class ConstantForceField final : public ForceField {
       nodes_.assign(indices_.begin(), indices_.end());
     } else {
       inform(fmt::format("no indices: all {} nodes of {} are loaded", state().size(), state().path()));
-      nodes_.resize(std::size_t(state().size()));
+      nodes_.resize(state().size());
       std::iota(nodes_.begin(), nodes_.end(), 0);
     }
     if (from_end_)

@@ -27,7 +27,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "framework/mechanics/penalty_field.h"
+#include "components/loads/penalty_field.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {

@@ -18,7 +18,7 @@
 //   <UniformMass totalMass="0.3"/>
 //   <PlaneForceField normal="0 1 0" d="0" stiffness="1000" damping="20"/>
 // </Node>
-#include "framework/mechanics/penalty_field.h"
+#include "components/loads/penalty_field.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {

@@ -39,8 +39,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "components/loads/surface_load.h"
 #include "framework/mechanics/key_times.h"
-#include "framework/mechanics/surface_load.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
@@ -184,7 +184,7 @@ std::vector<Face> SurfacePressureForceField::selectFaces(const Mesh& mesh) const
             fmt::format("{}[{}] is {}, and the mesh lists {} {}", name, i, indices[i], cells.size(), word),
             cells.empty() ? "min and max, which select faces of volume cells as well"
                           : fmt::format("indices in 0 ... {}", cells.size() - 1));
-      faces.push_back(cells[std::size_t(indices[i])]);
+      faces.push_back(cells[indices[i]]);
     }
     if (!isSet(name) && !cells.empty())
       inform(fmt::format("{} is not given: none of the {} {} of the mesh is loaded", name, cells.size(), word));
@@ -207,7 +207,7 @@ void SurfacePressureForceField::selectInBox(const Mesh& mesh, std::vector<Face>&
   const auto take = [&](const auto& cells) {
     for (const auto& cell : cells)
       if (everywhere || std::all_of(cell.begin(), cell.end(), [&](Index node) {
-            const Vec3& p = state().rest_position[std::size_t(node)];
+            const Vec3& p = state().rest_position[node];
             return p.cwiseMax(lower).cwiseMin(upper) == p;
           }))
         faces.push_back(cell);
@@ -227,7 +227,7 @@ std::vector<double> SurfacePressureForceField::weightsOf(const std::vector<Face>
   }
   for (const Face& face : faces) {
     area_vectors::Corners at;
-    for (std::size_t a = 0; a < 4; ++a) at[a] = state().rest_position[std::size_t(face.nodes[a])];
+    for (std::size_t a = 0; a < 4; ++a) at[a] = state().rest_position[face.nodes[a]];
     const area_vectors::Corners areas = area_vectors::of(at, face.corners);
     const Vec3 normal = areas[0] + areas[1] + areas[2] + areas[3];
     weights.push_back(std::abs(normal.normalized().dot(main_direction_)));

@@ -25,7 +25,7 @@
 // </Node>
 #include <fmt/format.h>
 
-#include "framework/mechanics/surface_load.h"
+#include "components/loads/surface_load.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
@@ -97,14 +97,14 @@ class TrianglePressureForceField final : public SurfaceLoad {
             fmt::format("triangleList[{}] is {}, and the mesh lists {} triangles", i, list_[i], mesh.triangles.size()),
             mesh.triangles.empty() ? "a mesh with triangles"
                                    : fmt::format("indices in 0 ... {}", mesh.triangles.size() - 1));
-      faces.push_back(mesh.triangles[std::size_t(list_[i])]);
+      faces.push_back(mesh.triangles[list_[i]]);
     }
     return faces;
   }
   /// The force on each corner of each triangle [N].
   void distribute() {
     for (const Face& face : faces()) {
-      const auto at = [&](std::size_t a) -> const Vec3& { return state().rest_position[std::size_t(face.nodes[a])]; };
+      const auto at = [&](std::size_t a) -> const Vec3& { return state().rest_position[face.nodes[a]]; };
       forces_.push_back((at(1) - at(0)).cross(at(2) - at(0)).norm() / 6 * pressure_);
     }
   }

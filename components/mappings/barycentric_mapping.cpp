@@ -38,7 +38,7 @@
 #include <boost/geometry/index/rtree.hpp>
 #include <cmath>
 
-#include "framework/mechanics/weighted_mapping.h"
+#include "components/mappings/weighted_mapping.h"
 #include "framework/mesh/topology.h"
 #include "framework/scene/factory.h"
 
@@ -144,7 +144,7 @@ class BarycentricMapping final : public WeightedMapping {
     const std::vector<Vec3>& points = from_rest_ ? output().rest_position : output().position;
     const auto cornersOf = [&](std::size_t cell) {
       std::array<Vec3, corners> at;
-      for (std::size_t a = 0; a < corners; ++a) at[a] = body[std::size_t(cells[cell][a])];
+      for (std::size_t a = 0; a < corners; ++a) at[a] = body[cells[cell][a]];
       return at;
     };
     std::vector<std::pair<Box, std::size_t>> boxes;

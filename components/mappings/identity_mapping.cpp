@@ -21,7 +21,7 @@
 // </Node>
 #include <fmt/format.h>
 
-#include "framework/mechanics/weighted_mapping.h"
+#include "components/mappings/weighted_mapping.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {

@@ -23,8 +23,8 @@
 // </Node>
 #include <fmt/format.h>
 
+#include "components/mappings/weighted_mapping.h"
 #include "framework/mechanics/node_indices.h"
-#include "framework/mechanics/weighted_mapping.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
@@ -77,10 +77,8 @@ class SubsetMapping final : public WeightedMapping {
       const Vec3& own = output().position[i];
       Index best = 0;
       for (Index node = 1; node < input().size(); ++node)
-        if ((input().position[std::size_t(node)] - own).squaredNorm() <
-            (input().position[std::size_t(best)] - own).squaredNorm())
-          best = node;
-      const double distance = (input().position[std::size_t(best)] - own).norm();
+        if ((input().position[node] - own).squaredNorm() < (input().position[best] - own).squaredNorm()) best = node;
+      const double distance = (input().position[best] - own).norm();
       if (!(distance <= radius_))
         throw ComponentError(fmt::format("node {} of {} is {:.3g} m from the nearest node of {}", i, output().path(),
                                          distance, input().path()),

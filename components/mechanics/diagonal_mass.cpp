@@ -18,7 +18,7 @@
 //   <MechanicalObject name="dofs"/>
 //   <DiagonalMass massDensity="1000"/>
 // </Node>
-#include "framework/mechanics/mesh_mass.h"
+#include "components/mechanics/mesh_mass.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
@@ -31,14 +31,14 @@ class DiagonalMass final : public MeshMass {
     if (isNodal()) {
       masses_ = nodalMasses();
     } else {
-      masses_.assign(std::size_t(state().size()), 0.0);
+      masses_.assign(state().size(), 0.0);
       CellMatrix matrix;
       for (std::size_t c = 0; c < cells().size(); ++c) {
         const MassCell& cell = cells()[c];
         cellMassMatrix(cell, geometry(), matrix);
         for (int i = 0; i < cell.count; ++i)
           for (int j = 0; j < cell.count; ++j)
-            masses_[std::size_t(cell.nodes[i])] += density(c) * matrix[std::size_t(i * cell.count + j)];
+            masses_[cell.nodes[i]] += density(c) * matrix[std::size_t(i * cell.count + j)];
       }
     }
     checkMasses(masses_);

@@ -141,7 +141,7 @@ class MechanicalObject final : public State {
         throw ComponentError("the mesh " + mesh->path() + " has no nodes",
                              "a mesh with nodes, or position=\"x y z ...\"");
     } else if (size_ > 0) {
-      position.assign(std::size_t(size_), Vec3::Zero());
+      position.assign(size_, Vec3::Zero());
     } else {
       warn(
           "no positions: neither position, rest_position, size nor a mesh in this node; one node at the origin is made",

@@ -26,8 +26,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "components/mechanics/mesh_mass.h"
 #include "framework/algebra/parallel.h"
-#include "framework/mechanics/mesh_mass.h"
 #include "framework/mechanics/node_indices.h"
 #include "framework/scene/factory.h"
 
@@ -62,7 +62,7 @@ class MeshMatrixMass final : public MeshMass {
     }
     checkMasses(row_sums_);
     std::vector<double> diagonal = row_sums_;
-    for (Index i = 0; !lumping_ && i < state().size(); ++i) diagonal[std::size_t(i)] = values_[std::size_t(find(i, i))];
+    for (Index i = 0; !lumping_ && i < state().size(); ++i) diagonal[i] = values_[find(i, i)];
     if (lumping_) start_ = columns_ = slots_ = {}, values_ = {};
     finish(std::move(diagonal));
   }
@@ -81,9 +81,9 @@ class MeshMatrixMass final : public MeshMass {
       const Index end = std::min(size, (piece + 1) * piece_rows);
       for (Index i = piece * piece_rows; i < end; ++i) {
         double sum[row_doubles] = {};
-        for (Index s = start_[std::size_t(i)]; s < start_[std::size_t(i) + 1]; ++s) {
-          const double* row = source + std::size_t(columns_[std::size_t(s)]) * row_doubles;
-          for (int c = 0; c < row_doubles; ++c) sum[c] += values_[std::size_t(s)] * row[c];
+        for (Index s = start_[i]; s < start_[i + 1]; ++s) {
+          const double* row = source + std::size_t(columns_[s]) * row_doubles;
+          for (int c = 0; c < row_doubles; ++c) sum[c] += values_[s] * row[c];
         }
         for (int c = 0; c < row_doubles; ++c) target[std::size_t(i) * row_doubles + std::size_t(c)] += factor * sum[c];
       }
@@ -94,8 +94,7 @@ class MeshMatrixMass final : public MeshMass {
     if (lumping_) return;
     const Index first = state().firstRow();
     for (Index i = 0; i < state().size(); ++i)
-      for (Index s = start_[std::size_t(i)]; s < start_[std::size_t(i) + 1]; ++s)
-        pattern.addBlock(first + i, first + columns_[std::size_t(s)]);
+      for (Index s = start_[i]; s < start_[i + 1]; ++s) pattern.addBlock(first + i, first + columns_[s]);
   }
 
   void prepareAssembly(const BlockMatrix& matrix) override {
@@ -103,8 +102,7 @@ class MeshMatrixMass final : public MeshMass {
     slots_.resize(columns_.size());
     const Index first = state().firstRow();
     for (Index i = 0; i < state().size(); ++i)
-      for (Index s = start_[std::size_t(i)]; s < start_[std::size_t(i) + 1]; ++s)
-        slots_[std::size_t(s)] = matrix.slot(first + i, first + columns_[std::size_t(s)]);
+      for (Index s = start_[i]; s < start_[i + 1]; ++s) slots_[s] = matrix.slot(first + i, first + columns_[s]);
   }
 
   void addTo(double factor, BlockMatrix& matrix) const override {
@@ -119,10 +117,9 @@ class MeshMatrixMass final : public MeshMass {
     if (lumping_) return Mass::addDiagonal(factor, blocks);
     const Index first = state().firstRow();
     for (Index i = 0; i < state().size(); ++i)
-      for (Index s = start_[std::size_t(i)]; s < start_[std::size_t(i) + 1]; ++s)
-        if (columns_[std::size_t(s)] == i)
-          for (int c : {0, 4, 8})
-            blocks[std::size_t(first + i) * 9 + std::size_t(c)] += factor * values_[std::size_t(s)];
+      for (Index s = start_[i]; s < start_[i + 1]; ++s)
+        if (columns_[s] == i)
+          for (int c : {0, 4, 8}) blocks[std::size_t(first + i) * 9 + std::size_t(c)] += factor * values_[s];
   }
 
  private:
@@ -130,7 +127,7 @@ class MeshMatrixMass final : public MeshMass {
   void build() {
     findPairs();
     values_.assign(columns_.size(), 0.0);
-    row_sums_.assign(std::size_t(state().size()), 0.0);
+    row_sums_.assign(state().size(), 0.0);
     CellMatrix matrix;
     for (std::size_t c = 0; c < cells().size(); ++c) {
       const MassCell& cell = cells()[c];
@@ -138,8 +135,8 @@ class MeshMatrixMass final : public MeshMass {
       for (int i = 0; i < cell.count; ++i)
         for (int j = 0; j < cell.count; ++j) {
           const double mass = density(c) * matrix[std::size_t(i * cell.count + j)];
-          values_[std::size_t(find(cell.nodes[i], cell.nodes[j]))] += mass;
-          row_sums_[std::size_t(cell.nodes[i])] += mass;
+          values_[find(cell.nodes[i], cell.nodes[j])] += mass;
+          row_sums_[cell.nodes[i]] += mass;
         }
     }
   }
@@ -149,17 +146,16 @@ class MeshMatrixMass final : public MeshMass {
     const std::vector<Edge>& edges = mesh().edges.empty() ? mesh().allEdges() : mesh().edges;
     spread(edge_mass_, edges.size(), "edgeMass", "edges of the mesh");
     std::vector<std::vector<Index>> neighbours(std::size_t(state().size()));
-    for (Index i = 0; i < state().size(); ++i) neighbours[std::size_t(i)] = {i};
+    for (Index i = 0; i < state().size(); ++i) neighbours[i] = {i};
     for (const Edge& edge : edges)
-      for (int end = 0; end < 2; ++end)
-        neighbours[std::size_t(edge[std::size_t(end)])].push_back(edge[std::size_t(1 - end)]);
+      for (int end = 0; end < 2; ++end) neighbours[edge[end]].push_back(edge[1 - end]);
     compress(neighbours);
     values_.assign(columns_.size(), 0.0);
     row_sums_ = nodalMasses();
-    for (Index i = 0; i < state().size(); ++i) values_[std::size_t(find(i, i))] = nodalMasses()[std::size_t(i)];
+    for (Index i = 0; i < state().size(); ++i) values_[find(i, i)] = nodalMasses()[i];
     for (std::size_t e = 0; e < edges.size(); ++e) {
       const auto [a, b] = edges[e];
-      const double mass = edge_mass_[e], limit = nodalMasses()[std::size_t(a)] * nodalMasses()[std::size_t(b)];
+      const double mass = edge_mass_[e], limit = nodalMasses()[a] * nodalMasses()[b];
       if (!(mass * mass < limit))
         throw ComponentError(
             fmt::format("edge {} (nodes {} {}) couples with {:.3g} kg, so the mass matrix is not "
@@ -167,8 +163,8 @@ class MeshMatrixMass final : public MeshMass {
                         e, a, b, mass),
             fmt::format("less than the root of the product of its nodes' masses, {:.3g} kg", std::sqrt(limit)));
       for (const auto& [row, column] : {std::pair(a, b), std::pair(b, a)}) {
-        values_[std::size_t(find(row, column))] += mass;
-        row_sums_[std::size_t(row)] += mass;
+        values_[find(row, column)] += mass;
+        row_sums_[row] += mass;
       }
     }
   }
@@ -177,7 +173,7 @@ class MeshMatrixMass final : public MeshMass {
     std::vector<std::vector<Index>> neighbours(std::size_t(state().size()));
     for (const MassCell& cell : cells())
       for (int i = 0; i < cell.count; ++i) {
-        auto& list = neighbours[std::size_t(cell.nodes[i])];
+        auto& list = neighbours[cell.nodes[i]];
         list.insert(list.end(), cell.nodes, cell.nodes + cell.count);
       }
     compress(neighbours);
@@ -195,8 +191,7 @@ class MeshMatrixMass final : public MeshMass {
   }
 
   Index find(Index row, Index column) const {
-    const auto begin = columns_.begin() + start_[std::size_t(row)],
-               end = columns_.begin() + start_[std::size_t(row) + 1];
+    const auto begin = columns_.begin() + start_[row], end = columns_.begin() + start_[row + 1];
     return Index(std::lower_bound(begin, end, column) - columns_.begin());
   }
 

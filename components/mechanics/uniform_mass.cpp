@@ -49,8 +49,8 @@ class UniformMass final : public Mass {
     } else {
       vertex_mass_ = total_mass_ / double(nodes.size());
     }
-    masses_.assign(std::size_t(state().size()), 0.0);
-    for (Index node : nodes) masses_[std::size_t(node)] = vertex_mass_;
+    masses_.assign(state().size(), 0.0);
+    for (Index node : nodes) masses_[node] = vertex_mass_;
     everywhere_ = nodes.size() == masses_.size();
   }
 

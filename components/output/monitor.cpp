@@ -54,7 +54,7 @@ class Monitor final : public Observer {
       if (node < 0 || node >= state_->size())
         throw ComponentError(fmt::format("indices names node {}", node),
                              fmt::format("nodes 0 to {} of {}", state_->size() - 1, state_->path()));
-    if (export_f_) state_->askForForce();
+    if (export_f_) state_->requestForce();
     if (!export_x_ && !export_v_ && !export_f_)
       warn("writes nothing", "set ExportPositions, ExportVelocities or ExportForces to true");
   }

@@ -83,8 +83,8 @@ class ReadState final : public ProjectiveConstraint {
     const StateFrame& frame = frames_[std::size_t(lastReached(t) % long(frames_.size()))];
     const Index first = state().firstRow();
     for (Index i = 0; i < state().size(); ++i) {
-      x[first + i] = frame.x[std::size_t(i)];
-      if (!frame.v.empty()) v[first + i] = frame.v[std::size_t(i)];
+      x[first + i] = frame.x[i];
+      if (!frame.v.empty()) v[first + i] = frame.v[i];
     }
   }
 

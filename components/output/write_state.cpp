@@ -53,7 +53,7 @@ class WriteState final : public Observer {
     if (!state_) throw ComponentError("no state to write", "a MechanicalObject in this node, or mstate=\"@path\"");
     if (!write_x_ && !write_x0_ && !write_v_ && !write_f_)
       throw ComponentError("nothing to write", "one of writeX, writeX0, writeV, writeF true");
-    if (write_f_) state_->askForForce();
+    if (write_f_) state_->requestForce();
     checkNodes("DOFsX", nodes_x_);
     checkNodes("DOFsV", nodes_v_);
     for (std::size_t i = 1; i < times_.size(); ++i)

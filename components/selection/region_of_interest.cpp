@@ -172,8 +172,8 @@ void RegionOfInterest::select(Selection<Cell>& selection, bool wanted) const {
       if (node < 0 || std::size_t(node) >= position_.size())
         throw ComponentError(fmt::format("a cell names node {}, but there are {} positions", node, position_.size()),
                              "cells and positions of one mesh");
-      all = all && inside_[std::size_t(node)];
-      centre += position_[std::size_t(node)] / double(cell.size());
+      all = all && inside_[node];
+      centre += position_[node] / double(cell.size());
     }
     const bool is_inside = strict_ ? all : contains(centre);
     (is_inside ? selection.indices : selection.outside).push_back(int(c));

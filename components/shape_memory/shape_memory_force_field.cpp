@@ -53,7 +53,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
-#include "framework/fem/shape_memory.h"
+#include "components/shape_memory/shape_memory.h"
 #include "framework/mechanics/force_field.h"
 #include "framework/mesh/topology.h"
 #include "framework/scene/factory.h"
@@ -182,19 +182,19 @@ Adjacency ShapeMemoryForceField::bestTriangles(const Adjacency& all) const {
   const auto& rest = state().rest_position;
   Adjacency out;
   for (Index i = 0; i < all.size(); ++i) {
-    const Index* list = all.values.data() + all.start[std::size_t(i)];
-    const Index count = all.start[std::size_t(i) + 1] - all.start[std::size_t(i)];
+    const Index* list = all.values.data() + all.start[i];
+    const Index count = all.start[i + 1] - all.start[i];
     std::array<Index, 3> best{0, 1, 2};
     double largest = -1;
     for (Index a = 0; a < count; ++a)
       for (Index b = a + 1; b < count; ++b)
         for (Index c = b + 1; c < count; ++c) {
-          const Vec3& p = rest[std::size_t(list[a])];
-          const Vec3 u = rest[std::size_t(list[b])] - p, v = rest[std::size_t(list[c])] - p;
+          const Vec3& p = rest[list[a]];
+          const Vec3 u = rest[list[b]] - p, v = rest[list[c]] - p;
           const double area = u.cross(v).squaredNorm();
           if (area > largest * (1 + 1e-9)) largest = area, best = {a, b, c};
         }
-    for (Index k = 0; k < std::min(count, Index(3)); ++k) out.values.push_back(list[best[std::size_t(k)]]);
+    for (Index k = 0; k < std::min(count, Index(3)); ++k) out.values.push_back(list[best[k]]);
     out.start.push_back(Index(out.values.size()));
   }
   return out;
@@ -270,8 +270,7 @@ std::string ShapeMemoryForceField::worstElement(ConstRows x) const {
 void ShapeMemoryForceField::addPattern(BlockPattern& pattern) const {
   for (Index i = 0; i < lists_.size() && tangent_ == TangentWord::frame; ++i) {
     std::vector<Index> rows{i + state().firstRow()};
-    for (Index k = lists_.start[std::size_t(i)]; k < lists_.start[std::size_t(i) + 1]; ++k)
-      rows.push_back(lists_.values[std::size_t(k)] + state().firstRow());
+    for (Index k = lists_.start[i]; k < lists_.start[i + 1]; ++k) rows.push_back(lists_.values[k] + state().firstRow());
     if (hasReaction())
       pattern.addClique(rows.data(), int(rows.size()));
     else

@@ -45,7 +45,7 @@ class TargetForceField final : public ForceField {
     if (indices_.empty()) checkedNodes(indices_, state(), "indices");
     for (std::size_t i = 0; i < indices_.size(); ++i) checkNode(indices_[i], i, state(), "indices");
     if (!data().find("targets")->isSet())
-      for (const int node : indices_) targets_.push_back(state().rest_position[std::size_t(node)]);
+      for (const int node : indices_) targets_.push_back(state().rest_position[node]);
     if (targets_.size() != indices_.size())
       throw ComponentError(fmt::format("targets has {} places for {} nodes", targets_.size(), indices_.size()),
                            "as many as indices");
@@ -73,7 +73,7 @@ class TargetForceField final : public ForceField {
   void addPattern(BlockPattern&) const override {}  // every diagonal block is in it
   void addStiffness(double factor, BlockMatrix& matrix) const override {
     for (std::size_t i = 0; i < indices_.size(); ++i)
-      matrix.add(matrix.diagonal()[std::size_t(row(i))], -factor * stiffness_ * Mat3::Identity());
+      matrix.add(matrix.diagonal()[row(i)], -factor * stiffness_ * Mat3::Identity());
   }
   void addStiffnessDiagonal(double factor, std::vector<double>& blocks) const override {
     for (std::size_t i = 0; i < indices_.size(); ++i)

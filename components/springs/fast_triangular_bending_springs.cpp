@@ -124,7 +124,7 @@ class FastTriangularBendingSprings final : public NodeGroupField<4> {
 
   void addHinge(const Group& nodes) {
     if (nodes[0] == nodes[1]) return;
-    const auto p = [&](std::size_t i) -> const Vec3& { return state().rest_position[std::size_t(nodes[i])]; };
+    const auto p = [&](std::size_t i) -> const Vec3& { return state().rest_position[nodes[i]]; };
     const auto area = [&](std::size_t i, std::size_t j, std::size_t k) {
       return (p(j) - p(i)).cross(p(k) - p(i)).norm();
     };

@@ -180,8 +180,7 @@ class RegularGridSpringForceField final : public MeshSprings {
       for (const Quad& face : quadsOf(mesh)) addPair(face[0], face[2], quads), addPair(face[1], face[3], quads);
     if (kinds_[cubes].isSet())
       for (const Hexahedron& cell : mesh.hexahedra)
-        for (const auto& [i, j] : {Edge{0, 6}, Edge{1, 7}, Edge{2, 4}, Edge{3, 5}})
-          addPair(cell[std::size_t(i)], cell[std::size_t(j)], cubes);
+        for (const auto& [i, j] : {Edge{0, 6}, Edge{1, 7}, Edge{2, 4}, Edge{3, 5}}) addPair(cell[i], cell[j], cubes);
     finish("linesStiffness, quadsStiffness or cubesStiffness");
   }
 };

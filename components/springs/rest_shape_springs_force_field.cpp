@@ -58,7 +58,7 @@ class RestShapeSpringsForceField final : public NodeGroupField<1> {
     spread(stiffness_constants_, nodes_.size(), "stiffness", "points");
     if (directions_.size() != 3)
       throw ComponentError(fmt::format("activeDirections has {} values", directions_.size()), "3 values");
-    for (int c = 0; c < 3; ++c) active_(c, c) = directions_[std::size_t(c)] ? 1 : 0;
+    for (int c = 0; c < 3; ++c) active_(c, c) = directions_[c] ? 1 : 0;
     findTargets();
   }
 
@@ -82,7 +82,7 @@ class RestShapeSpringsForceField final : public NodeGroupField<1> {
     const State& other = *external_.get();
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
       const Index node = external_nodes_[i];
-      targets_[i] = other.isBound() ? Vec3(other.x()[node]) : other.position[std::size_t(node)];
+      targets_[i] = other.isBound() ? Vec3(other.x()[node]) : other.position[node];
     }
   }
 
@@ -113,8 +113,7 @@ class RestShapeSpringsForceField final : public NodeGroupField<1> {
             "as many of each");
     }
     for (std::size_t i = 0; i < nodes_.size(); ++i)
-      targets_.push_back(other ? other->position[std::size_t(external_nodes_[i])]
-                               : state().rest_position[std::size_t(nodes_[i])]);
+      targets_.push_back(other ? other->position[external_nodes_[i]] : state().rest_position[nodes_[i]]);
   }
 
   std::vector<int> points_, external_points_, pivot_points_;

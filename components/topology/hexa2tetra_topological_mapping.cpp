@@ -31,7 +31,7 @@
 // </Node>
 #include <fmt/format.h>
 
-#include "framework/mesh/cell_cuts.h"
+#include "components/topology/cell_cuts.h"
 #include "framework/mesh/topology.h"
 #include "framework/scene/factory.h"
 

@@ -12,8 +12,8 @@
 // </Node>
 #include <fmt/format.h>
 
-#include "framework/mesh/gmsh_reader.h"
-#include "framework/mesh/mesh_container.h"
+#include "components/topology/gmsh_reader.h"
+#include "components/topology/mesh_container.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {

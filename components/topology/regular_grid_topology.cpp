@@ -153,7 +153,7 @@ void RegularGridTopology::checkSize() const {
 void RegularGridTopology::makeNodes() {
   Vec3 step = Vec3::Zero();
   for (Index axis = 0; axis < 3; ++axis)
-    if (n_[std::size_t(axis)] > 1) step[axis] = (max_ - min_)[axis] / (n_[std::size_t(axis)] - 1);
+    if (n_[axis] > 1) step[axis] = (max_ - min_)[axis] / (n_[axis] - 1);
   mesh_.position.reserve(std::size_t(n_[0]) * std::size_t(n_[1]) * std::size_t(n_[2]));
   for (int k = 0; k < n_[2]; ++k)
     for (int j = 0; j < n_[1]; ++j)
@@ -162,7 +162,7 @@ void RegularGridTopology::makeNodes() {
         // The far sides lie on the box to the last bit, so that a selection at max finds them.
         for (Index axis = 0; axis < 3; ++axis) {
           const int at[3] = {i, j, k};
-          if (at[axis] > 0 && at[axis] == n_[std::size_t(axis)] - 1) p[axis] = max_[axis];
+          if (at[axis] > 0 && at[axis] == n_[axis] - 1) p[axis] = max_[axis];
         }
         mesh_.position.push_back(p);
       }

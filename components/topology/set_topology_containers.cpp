@@ -15,8 +15,8 @@
 // </Node>
 #include <fmt/format.h>
 
+#include "components/topology/mesh_container.h"
 #include "framework/mesh/cell_faces.h"
-#include "framework/mesh/mesh_container.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {

@@ -259,7 +259,7 @@ void MeshVTKLoader::readDirections(vtkPointSet& data, const std::string& name) {
 
 void MeshVTKLoader::convert(vtkPointSet& data, const std::string& name, Mesh& mesh) {
   readDirections(data, name);
-  mesh.position.resize(std::size_t(data.GetNumberOfPoints()));
+  mesh.position.resize(data.GetNumberOfPoints());
   for (std::size_t n = 0; n < mesh.position.size(); ++n) data.GetPoint(vtkIdType(n), mesh.position[n].data());
   const auto ids = vtkSmartPointer<vtkIdList>::New();
   std::vector<Index> nodes;

@@ -220,7 +220,7 @@ void VTKExporter::addPointField(const std::string& word) {
                          "position, restPosition, displacement, velocity or force", nearest(what, point_field_words));
   const std::string label = equals == std::string::npos ? what : word.substr(0, equals);
   const PointField field = PointField(found - point_field_words.begin());
-  if (field == PointField::force) state_->askForForce();
+  if (field == PointField::force) state_->requestForce();
   point_outputs_.push_back({label, field, newArray(label, 3)});
   grid_->GetPointData()->AddArray(point_outputs_.back().values);
 }
@@ -320,13 +320,13 @@ std::string VTKExporter::describe() const {
 void VTKExporter::fill() {
   const bool bound = state_->isBound();
   for (Index n = 0; n < state_->size(); ++n) {
-    const Vec3 x = bound ? Vec3(state_->x()[n]) : state_->position[std::size_t(n)];
+    const Vec3 x = bound ? Vec3(state_->x()[n]) : state_->position[n];
     std::copy(x.data(), x.data() + 3, points_->GetPointer(3 * vtkIdType(n)));
     for (PointOutput& output : point_outputs_) {
       Vec3 value = x;
-      if (output.what == PointField::rest_position) value = state_->rest_position[std::size_t(n)];
-      if (output.what == PointField::displacement) value = x - state_->rest_position[std::size_t(n)];
-      if (output.what == PointField::velocity) value = bound ? Vec3(state_->v()[n]) : state_->velocity[std::size_t(n)];
+      if (output.what == PointField::rest_position) value = state_->rest_position[n];
+      if (output.what == PointField::displacement) value = x - state_->rest_position[n];
+      if (output.what == PointField::velocity) value = bound ? Vec3(state_->v()[n]) : state_->velocity[n];
       if (output.what == PointField::force) value = bound ? Vec3(state_->f()[n]) : Vec3(Vec3::Zero());
       std::copy(value.data(), value.data() + 3, output.values->GetPointer(3 * vtkIdType(n)));
     }

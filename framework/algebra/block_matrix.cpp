@@ -9,7 +9,7 @@ namespace stroma {
 
 void BlockPattern::addClique(const Index* rows, int count) {
   for (int i = 0; i < count; ++i) {
-    std::vector<Index>& row = columns_[std::size_t(rows[i])];
+    std::vector<Index>& row = columns_[rows[i]];
     row.insert(row.end(), rows, rows + count);
   }
 }
@@ -18,7 +18,7 @@ BlockMatrix::BlockMatrix(BlockPattern&& pattern) {
   const Index count = pattern.rows();
   std::size_t total = 0;
   for (Index i = 0; i < count; ++i) {
-    std::vector<Index>& row = pattern.columns_[std::size_t(i)];
+    std::vector<Index>& row = pattern.columns_[i];
     row.push_back(i);
     std::sort(row.begin(), row.end());
     row.erase(std::unique(row.begin(), row.end()), row.end());
@@ -29,21 +29,21 @@ BlockMatrix::BlockMatrix(BlockPattern&& pattern) {
                             " blocks of 3x3, more than a 32-bit index counts; use a matrix-free solver");
   row_start_.assign(std::size_t(count) + 1, 0);
   columns_.reserve(total);
-  diagonal_.resize(std::size_t(count));
+  diagonal_.resize(count);
   for (Index i = 0; i < count; ++i) {
-    std::vector<Index>& row = pattern.columns_[std::size_t(i)];
+    std::vector<Index>& row = pattern.columns_[i];
     const auto at = std::lower_bound(row.begin(), row.end(), i) - row.begin();
-    diagonal_[std::size_t(i)] = row_start_[std::size_t(i)] + Index(at);
+    diagonal_[i] = row_start_[i] + Index(at);
     columns_.insert(columns_.end(), row.begin(), row.end());
-    row_start_[std::size_t(i) + 1] = Index(columns_.size());
+    row_start_[i + 1] = Index(columns_.size());
     std::vector<Index>().swap(row);
   }
   values_.assign(total * 9, 0.0);
 }
 
 Index BlockMatrix::slot(Index row, Index column) const {
-  const auto first = columns_.begin() + row_start_[std::size_t(row)];
-  const auto last = columns_.begin() + row_start_[std::size_t(row) + 1];
+  const auto first = columns_.begin() + row_start_[row];
+  const auto last = columns_.begin() + row_start_[row + 1];
   const auto at = std::lower_bound(first, last, column);
   return at != last && *at == column ? Index(at - columns_.begin()) : -1;
 }

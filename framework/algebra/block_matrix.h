@@ -15,9 +15,9 @@ class BlockPattern {
   Index rows() const { return Index(columns_.size()); }
   /// Every pair of the listed rows is coupled (both ways, and each with itself).
   void addClique(const Index* rows, int count);
-  void addBlock(Index row, Index column) { columns_[std::size_t(row)].push_back(column); }
+  void addBlock(Index row, Index column) { columns_[row].push_back(column); }
   /// Of one row, in the order they were added, with repetitions.
-  const std::vector<Index>& columns(Index row) const { return columns_[std::size_t(row)]; }
+  const std::vector<Index>& columns(Index row) const { return columns_[row]; }
 
  private:
   friend class BlockMatrix;
@@ -75,7 +75,7 @@ class BlockMatrix {
     const Index* __restrict columns = columns_.data();
     for (Index i = 0; i < rows(); ++i) {
       double a = 0, b = 0, c = 0;
-      for (Index s = row_start_[std::size_t(i)]; s < row_start_[std::size_t(i) + 1]; ++s) {
+      for (Index s = row_start_[i]; s < row_start_[i + 1]; ++s) {
         const double* m = v + std::size_t(s) * 9;
         const double* p = x.data + std::size_t(columns[s]) * row_doubles;
         a += m[0] * p[0] + m[1] * p[1] + m[2] * p[2];

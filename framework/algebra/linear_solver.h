@@ -58,13 +58,13 @@ class LinearSolver : public Component {
   virtual bool needsSymmetric() const = 0;
   /// The |b - A x| / |b| that the caller of the next solves is content with: solvers by products stop there where their
   /// own tolerance asks for more. 0: their tolerance.
-  void setEnough(double relative_residual) { enough_ = relative_residual; }
+  void setTolerance(double relative_residual) { requested_tolerance_ = relative_residual; }
 
  protected:
-  double enough() const { return enough_; }
+  double requestedTolerance() const { return requested_tolerance_; }
 
  private:
-  double enough_ = 0;
+  double requested_tolerance_ = 0;
 };
 
 }  // namespace stroma

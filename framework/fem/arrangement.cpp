@@ -30,8 +30,8 @@ struct Slabs {
 std::vector<Vec3> centresOf(const Index* nodes, int per_element, Index count, const std::vector<Vec3>& position) {
   std::vector<Vec3> centre(std::size_t(count), Vec3::Zero());
   for (Index e = 0; e < count; ++e) {
-    for (int a = 0; a < per_element; ++a) centre[std::size_t(e)] += position[std::size_t(nodes[e * per_element + a])];
-    centre[std::size_t(e)] /= per_element;
+    for (int a = 0; a < per_element; ++a) centre[e] += position[std::size_t(nodes[e * per_element + a])];
+    centre[e] /= per_element;
   }
   return centre;
 }
@@ -46,7 +46,7 @@ std::size_t blockCount(Index count, int per_element) {
 /// The order of the file, cut in equal pieces.
 Slabs fileOrder(Index count, int per_element) {
   Slabs slabs;
-  slabs.order.resize(std::size_t(count));
+  slabs.order.resize(count);
   std::iota(slabs.order.begin(), slabs.order.end(), 0);
   const std::size_t blocks = blockCount(count, per_element);
   for (std::size_t b = 0; b <= blocks; ++b) slabs.start.push_back(std::size_t(count) * b / blocks);
@@ -62,17 +62,16 @@ Slabs geometricOrder(const Index* nodes, int per_element, Index count, const std
 
   Slabs slabs = fileOrder(count, per_element);
   std::stable_sort(slabs.order.begin(), slabs.order.end(),
-                   [&](Index a, Index b) { return centre[std::size_t(a)][axis] < centre[std::size_t(b)][axis]; });
+                   [&](Index a, Index b) { return centre[a][axis] < centre[b][axis]; });
   std::vector<std::uint64_t> code(static_cast<std::size_t>(count));
   for (Index e = 0; e < count; ++e) {
-    const Vec3 p = (centre[std::size_t(e)] - low) / extent * double((1 << 21) - 1);
-    code[std::size_t(e)] =
-        spread(std::uint64_t(p.x())) | spread(std::uint64_t(p.y())) << 1 | spread(std::uint64_t(p.z())) << 2;
+    const Vec3 p = (centre[e] - low) / extent * double((1 << 21) - 1);
+    code[e] = spread(std::uint64_t(p.x())) | spread(std::uint64_t(p.y())) << 1 | spread(std::uint64_t(p.z())) << 2;
   }
   for (std::size_t b = 0; b + 1 < slabs.start.size(); ++b)
     std::stable_sort(slabs.order.begin() + std::ptrdiff_t(slabs.start[b]),
                      slabs.order.begin() + std::ptrdiff_t(slabs.start[b + 1]),
-                     [&](Index x, Index y) { return code[std::size_t(x)] < code[std::size_t(y)]; });
+                     [&](Index x, Index y) { return code[x] < code[y]; });
   return slabs;
 }
 
@@ -119,14 +118,12 @@ Arrangement arrangeElements(const Index* nodes, int nodes_per_element, Index cou
   }
   std::vector<Index> block(colour.size());
   std::iota(block.begin(), block.end(), 0);
-  std::stable_sort(block.begin(), block.end(),
-                   [&](Index a, Index b) { return colour[std::size_t(a)] < colour[std::size_t(b)]; });
+  std::stable_sort(block.begin(), block.end(), [&](Index a, Index b) { return colour[a] < colour[b]; });
 
   for (std::size_t i = 0; i < block.size(); ++i) {
-    if (i > 0 && colour[std::size_t(block[i])] != colour[std::size_t(block[i - 1])])
-      result.colour_start.push_back(Index(i));
-    const auto first = slabs.order.begin() + std::ptrdiff_t(slabs.start[std::size_t(block[i])]);
-    const auto last = slabs.order.begin() + std::ptrdiff_t(slabs.start[std::size_t(block[i]) + 1]);
+    if (i > 0 && colour[block[i]] != colour[block[i - 1]]) result.colour_start.push_back(Index(i));
+    const auto first = slabs.order.begin() + std::ptrdiff_t(slabs.start[block[i]]);
+    const auto last = slabs.order.begin() + std::ptrdiff_t(slabs.start[block[i] + 1]);
     const std::ptrdiff_t in_block = last - first, rows = (in_block + lanes - 1) / lanes;
     for (std::ptrdiff_t b = 0; b < rows; ++b)
       for (int l = 0; l < lanes; ++l) {

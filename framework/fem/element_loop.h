@@ -38,8 +38,7 @@ class ElementLoop {
         // a padding lane repeats the nodes of lane 0: it stays inside the block and, having no stiffness, adds zero
         const Index e = elementOf(b, l) >= 0 ? elementOf(b, l) : elementOf(b, 0);
         for (int a = 0; a < N; ++a)
-          offsets_[(std::size_t(b) * N + a) * pack_lanes + l] =
-              (cells[std::size_t(e)][std::size_t(a)] + first_row) * row_doubles;
+          offsets_[(std::size_t(b) * N + a) * pack_lanes + l] = (cells[e][a] + first_row) * row_doubles;
       }
   }
   /// Batches hold pack_lanes elements each; the last of a block may have padding.
@@ -53,9 +52,9 @@ class ElementLoop {
   void run(const std::array<ConstRows, In>& input, const std::array<Rows, Out>& output, Kernel&& kernel) const {
     forEachBatch([&](Index b) __attribute__((flatten)) {
       Nodes in[In > 0 ? In : 1], out[Out > 0 ? Out : 1];
-      for (int i = 0; i < In; ++i) gather(b, input[std::size_t(i)], in[i]);
+      for (int i = 0; i < In; ++i) gather(b, input[i], in[i]);
       kernel(b, in, out);
-      for (int o = 0; o < Out; ++o) scatter(b, out[o], output[std::size_t(o)]);
+      for (int o = 0; o < Out; ++o) scatter(b, out[o], output[o]);
     });
   }
 
@@ -70,15 +69,14 @@ class ElementLoop {
   double sum(ConstRows x, Kernel&& kernel) const {
     forEachBlock([&](Index block) __attribute__((flatten)) {
       Pack total(0.);
-      for (Index b = arrangement_.block_start[std::size_t(block)]; b < arrangement_.block_start[std::size_t(block) + 1];
-           ++b) {
+      for (Index b = arrangement_.block_start[block]; b < arrangement_.block_start[block + 1]; ++b) {
         Nodes in;
         gather(b, x, in);
         total += kernel(b, in);
       }
       alignas(64) double lane[pack_lanes];
       total.store_aligned(lane);
-      double& partial = partial_[std::size_t(block)];
+      double& partial = partial_[block];
       partial = 0;
       for (double value : lane) partial += value;
     });
@@ -169,8 +167,8 @@ class ElementLoop {
   template <class Body>
   void forEachBatch(Body&& body) const {
     forEachBlock([&](Index block) {
-      const Index last = arrangement_.block_start[std::size_t(block) + 1];
-      for (Index b = arrangement_.block_start[std::size_t(block)]; b < last; ++b) body(b);
+      const Index last = arrangement_.block_start[block + 1];
+      for (Index b = arrangement_.block_start[block]; b < last; ++b) body(b);
     });
   }
   /// Runs body(batch, lane) for all elements, on one thread.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
-#include "framework/fem/model_method.h"
+#include "framework/fem/model_kernels.h"
 #include "framework/fem/tetrahedron.h"
 #include "framework/fem/tetrahedron_fans.h"
 
@@ -19,7 +19,7 @@ struct Fanned {
   };
 };
 
-/// A model of ModelMethod for fans, from one for tetrahedra.
+/// A model of ModelKernels for fans, from one for tetrahedra.
 template <class Single>
 struct FanOf {
   static constexpr int nodes = fan_nodes;

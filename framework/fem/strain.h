@@ -4,10 +4,12 @@
 // such that the displacement gradient is H = sum d_i (x) g_i. The weight of the point is in Lame's constants or, as its
 // root, in the gradients.
 #pragma once
-#include "framework/fem/elastic_variant.h"
 #include "framework/fem/pack.h"
 
 namespace stroma::elastic {
+
+/// How much of B follows the deformation: the "no B", "B" and "B and V" rows of Nesme et al. 2005.
+enum class Update : int { none, strain_displacement, strain_displacement_and_volume };
 
 /// Gradients g_1, g_2, g_3 [1/m].
 template <class T>

@@ -27,19 +27,18 @@ Neighbours neighboursOf(const std::vector<Tetrahedron>& cells, std::size_t node_
     for (int a = 0; a < 4; ++a) {
       std::array<Index, 3> face = {cells[e][(a + 1) % 4], cells[e][(a + 2) % 4], cells[e][(a + 3) % 4]};
       std::sort(face.begin(), face.end());
-      faces[std::size_t(next[std::size_t(face[0])]++)] = {{face[1], face[2]}, Index(e), a};
+      faces[next[face[0]]++] = {{face[1], face[2]}, Index(e), a};
     }
   Neighbours neighbour(cells.size(), {-1, -1, -1, -1});
   for (std::size_t n = 0; n < node_count; ++n)
     for (Index i = start[n]; i < start[n + 1]; ++i) {
-      const Face& face = faces[std::size_t(i)];
-      if (neighbour[std::size_t(face.element)][std::size_t(face.vertex)] >= 0) continue;
+      const Face& face = faces[i];
+      if (neighbour[face.element][face.vertex] >= 0) continue;
       for (Index j = i + 1; j < start[n + 1]; ++j) {
-        const Face& other = faces[std::size_t(j)];
-        if (other.others != face.others || neighbour[std::size_t(other.element)][std::size_t(other.vertex)] >= 0)
-          continue;
-        neighbour[std::size_t(face.element)][std::size_t(face.vertex)] = other.element;
-        neighbour[std::size_t(other.element)][std::size_t(other.vertex)] = face.element;
+        const Face& other = faces[j];
+        if (other.others != face.others || neighbour[other.element][other.vertex] >= 0) continue;
+        neighbour[face.element][face.vertex] = other.element;
+        neighbour[other.element][other.vertex] = face.element;
         break;
       }
     }
@@ -51,21 +50,21 @@ Neighbours neighboursOf(const std::vector<Tetrahedron>& cells, std::size_t node_
 std::vector<Index> matchFaces(const Neighbours& neighbour) {
   std::vector<Index> partner(neighbour.size(), -1);
   std::vector<char> taken(neighbour.size(), 0);
-  const auto isFree = [&](Index e) { return e >= 0 && !taken[std::size_t(e)]; };
+  const auto isFree = [&](Index e) { return e >= 0 && !taken[e]; };
   const auto freeNeighbours = [&](Index e) {
-    return int(std::count_if(neighbour[std::size_t(e)].begin(), neighbour[std::size_t(e)].end(), isFree));
+    return int(std::count_if(neighbour[e].begin(), neighbour[e].end(), isFree));
   };
   std::vector<Index> urgent;
   const auto match = [&](Index e) {
     Index best = -1;
     int fewest = 5;
-    for (Index other : neighbour[std::size_t(e)])
+    for (Index other : neighbour[e])
       if (isFree(other) && other != e && freeNeighbours(other) < fewest) best = other, fewest = freeNeighbours(other);
     if (best < 0) return;
-    partner[std::size_t(e)] = best, partner[std::size_t(best)] = e;
-    taken[std::size_t(e)] = taken[std::size_t(best)] = 1;
+    partner[e] = best, partner[best] = e;
+    taken[e] = taken[best] = 1;
     for (Index matched : {e, best})
-      for (Index other : neighbour[std::size_t(matched)])
+      for (Index other : neighbour[matched])
         if (isFree(other) && freeNeighbours(other) == 1) urgent.push_back(other);
   };
   for (Index e = 0; e < Index(neighbour.size()); ++e) {
@@ -88,17 +87,17 @@ std::vector<Fan> gatherFans(const std::vector<Tetrahedron>& cells, std::size_t n
   std::vector<Fan> fans;
   fans.reserve(cells.size() / 2 + 1);
   for (Index e = 0; e < Index(cells.size()); ++e) {
-    const Index other = partner[std::size_t(e)];
+    const Index other = partner[e];
     if (other >= 0 && other < e) continue;
-    const Tetrahedron& first = cells[std::size_t(e)];
+    const Tetrahedron& first = cells[e];
     if (other < 0) {
       fans.push_back({{first[0], first[1], first[2], first[3], first[2]}, {e, -1}});
       continue;
     }
-    const auto across = std::find(neighbour[std::size_t(e)].begin(), neighbour[std::size_t(e)].end(), other);
-    const std::size_t apex = std::size_t(across - neighbour[std::size_t(e)].begin());
+    const auto across = std::find(neighbour[e].begin(), neighbour[e].end(), other);
+    const std::size_t apex = std::size_t(across - neighbour[e].begin());
     const Index a = first[(apex + 1) % 4], b = first[(apex + 2) % 4], c = first[(apex + 3) % 4];
-    const Tetrahedron& second = cells[std::size_t(other)];
+    const Tetrahedron& second = cells[other];
     const auto far = std::find_if(second.begin(), second.end(), [&](Index n) { return n != a && n != b && n != c; });
     fans.push_back({{a, b, first[apex], c, far == second.end() ? first[apex] : *far}, {e, other}});
   }

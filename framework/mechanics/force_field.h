@@ -19,7 +19,7 @@ struct ForceTraits {
   bool forces_balance = false;      ///< internal: forces sum to zero and vanish at the rest shape
   bool torques_balance = false;     ///< internal: torques sum to zero too
   bool has_rest_shape = false;      ///< a body far larger than at rest has burst; so where forces_balance
-  bool late = false;                ///< depends on a quantity from before the step
+  bool lagged = false;              ///< depends on a quantity from before the step
 };
 
 /// A force on the nodes of a state, or between states. Vectors are the whole system's (rows as in State::firstRow()).

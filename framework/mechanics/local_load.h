@@ -13,6 +13,10 @@ class LocalLoad {
   virtual ~LocalLoad() = default;
   /// Appends every row of the system that the force can act on, at all times; after compile(). Repetitions are allowed.
   virtual void addLoadedRows(std::vector<Index>& rows) const = 0;
+  /// True for a force that is not linear in x, but only because it turns and grows with the surface that a fixed stress
+  /// acts on. Linear elasticity, which knows no difference between the present shape and that at rest, takes it for the
+  /// dead load of the rest shape.
+  virtual bool isDeadLoadToFirstOrder() const { return false; }
 };
 
 }  // namespace stroma

@@ -33,8 +33,8 @@ void Mass::addTo(double factor, BlockMatrix& matrix) const {
   const std::vector<double>& mass = lumped();
   const Index first = state().firstRow();
   for (Index i = 0; i < state().size(); ++i) {
-    double* block = matrix.values().data() + std::size_t(matrix.diagonal()[std::size_t(first + i)]) * 9;
-    for (int c : {0, 4, 8}) block[c] += factor * mass[std::size_t(i)];
+    double* block = matrix.values().data() + std::size_t(matrix.diagonal()[first + i]) * 9;
+    for (int c : {0, 4, 8}) block[c] += factor * mass[i];
   }
 }
 
@@ -42,14 +42,14 @@ void Mass::addDiagonal(double factor, std::vector<double>& blocks) const {
   const std::vector<double>& mass = lumped();
   const Index first = state().firstRow();
   for (Index i = 0; i < state().size(); ++i)
-    for (int c : {0, 4, 8}) blocks[std::size_t(first + i) * 9 + std::size_t(c)] += factor * mass[std::size_t(i)];
+    for (int c : {0, 4, 8}) blocks[std::size_t(first + i) * 9 + std::size_t(c)] += factor * mass[i];
 }
 
 // M g = (row sums) g for any mass, because g is the same at all nodes.
 void Mass::addGravity(Rows f) const {
   const std::vector<double>& mass = lumped();
   const Vec3 gravity = node().gravity();
-  for (Index i = 0; i < state().size(); ++i) f[state().firstRow() + i] += mass[std::size_t(i)] * gravity;
+  for (Index i = 0; i < state().size(); ++i) f[state().firstRow() + i] += mass[i] * gravity;
 }
 
 double Mass::kineticEnergy(ConstRows v) const {
@@ -57,7 +57,7 @@ double Mass::kineticEnergy(ConstRows v) const {
   const Index first = state().firstRow();
   if (isDiagonal()) {
     const std::vector<double>& mass = lumped();
-    for (Index i = 0; i < state().size(); ++i) sum += mass[std::size_t(i)] * v[first + i].squaredNorm();
+    for (Index i = 0; i < state().size(); ++i) sum += mass[i] * v[first + i].squaredNorm();
     return 0.5 * sum;
   }
   if (work_.count() != v.count) work_.resize(v.count);
@@ -71,7 +71,7 @@ double Mass::gravityEnergy(ConstRows x) const {
   const std::vector<double>& mass = lumped();
   const Vec3 gravity = node().gravity();
   double sum = 0;
-  for (Index i = 0; i < state().size(); ++i) sum -= mass[std::size_t(i)] * gravity.dot(x[state().firstRow() + i]);
+  for (Index i = 0; i < state().size(); ++i) sum -= mass[i] * gravity.dot(x[state().firstRow() + i]);
   return sum;
 }
 

@@ -20,8 +20,8 @@ struct DenseTangent {
   void addProduct(const std::array<Index, std::size_t(N)>& rows, ConstRows dx, double factor, Rows df) const {
     for (int i = 0; i < N; ++i) {
       Vec3 sum = Vec3::Zero();
-      for (int j = 0; j < N; ++j) sum += block(i, j) * dx[rows[std::size_t(j)]];
-      df[rows[std::size_t(i)]] += factor * sum;
+      for (int j = 0; j < N; ++j) sum += block(i, j) * dx[rows[j]];
+      df[rows[i]] += factor * sum;
     }
   }
 };
@@ -113,7 +113,7 @@ class NodeGroupField : public ForceField {
     for (std::size_t g = 0; g < tangents.size(); ++g)
       for (int i = 0; i < N; ++i) {
         const Mat3 block = tangents[g].block(i, i);
-        double* out = blocks.data() + std::size_t(rows_[g][std::size_t(i)]) * 9;
+        double* out = blocks.data() + std::size_t(rows_[g][i]) * 9;
         for (int k = 0; k < 9; ++k) out[k] += factor * block(k / 3, k % 3);
       }
   }

@@ -13,18 +13,18 @@ void Mobility::allocate(const std::vector<double>& inverse_mass) {
 }
 
 void Mobility::reset(const std::vector<NodeProjector>& projectors) {
-  for (const NodeProjector& held : projectors_) slot_of_row_[std::size_t(held.row)] = -1;
+  for (const NodeProjector& held : projectors_) slot_of_row_[held.row] = -1;
   projectors_.assign(projectors.begin(), projectors.end());
-  for (std::size_t i = 0; i < projectors_.size(); ++i) slot_of_row_[std::size_t(projectors_[i].row)] = Index(i);
+  for (std::size_t i = 0; i < projectors_.size(); ++i) slot_of_row_[projectors_[i].row] = Index(i);
 }
 
 bool Mobility::isHeld(Index row) const {
   if (inverseMass(row) == 0) return true;
-  const Index slot = slot_of_row_[std::size_t(row)];
-  return slot >= 0 && projectors_[std::size_t(slot)].projector.isZero(0);
+  const Index slot = slot_of_row_[row];
+  return slot >= 0 && projectors_[slot].projector.isZero(0);
 }
 
-bool Mobility::isGuided(Index row) const { return !isHeld(row) && slot_of_row_[std::size_t(row)] >= 0; }
+bool Mobility::isGuided(Index row) const { return !isHeld(row) && slot_of_row_[row] >= 0; }
 
 double PositionConstraint::roundOff(ConstRows x, const std::vector<Index>& nodes) const {
   double largest = 0;
@@ -34,12 +34,12 @@ double PositionConstraint::roundOff(ConstRows x, const std::vector<Index>& nodes
 
 // Of the free directions u = P u those with n.u = 0 stay: (P n).u = 0.
 void Mobility::restrict(Index row, const Vec3& n) {
-  Index& slot = slot_of_row_[std::size_t(row)];
+  Index& slot = slot_of_row_[row];
   if (slot < 0) {
     slot = Index(projectors_.size());
     projectors_.push_back({row, Mat3::Identity()});
   }
-  Mat3& p = projectors_[std::size_t(slot)].projector;
+  Mat3& p = projectors_[slot].projector;
   const Vec3 direction = p * n;
   const double square = direction.squaredNorm();
   if (square < 1e-20) return;

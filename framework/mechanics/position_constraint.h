@@ -17,11 +17,11 @@ class Mobility {
   void allocate(const std::vector<double>& inverse_mass);
   /// Forgets all restrictions but those of projective constraints.
   void reset(const std::vector<NodeProjector>& projectors);
-  double inverseMass(Index row) const { return (*inverse_mass_)[std::size_t(row)]; }  ///< [1/kg]
+  double inverseMass(Index row) const { return (*inverse_mass_)[row]; }  ///< [1/kg]
   /// P g
   Vec3 freePart(Index row, const Vec3& g) const {
-    const Index slot = slot_of_row_[std::size_t(row)];
-    return slot < 0 ? g : Vec3(projectors_[std::size_t(slot)].projector * g);
+    const Index slot = slot_of_row_[row];
+    return slot < 0 ? g : Vec3(projectors_[slot].projector * g);
   }
   /// W g
   Vec3 times(Index row, const Vec3& g) const { return inverseMass(row) * freePart(row, g); }

@@ -28,7 +28,7 @@ void SpringField::setSprings(std::vector<Spring> springs, State* second) {
 }
 
 double SpringField::restDistance(const Spring& spring) const {
-  return (second().rest_position[std::size_t(spring.b)] - state().rest_position[std::size_t(spring.a)]).norm();
+  return (second().rest_position[spring.b] - state().rest_position[spring.a]).norm();
 }
 
 std::vector<State*> SpringField::states() const {

@@ -17,14 +17,14 @@ class State : public Component {
   Index firstRow() const { return first_row_; }
   Rows x() const { return {x_.data + std::size_t(first_row_) * row_doubles, size()}; }
   Rows v() const { return {v_.data + std::size_t(first_row_) * row_doubles, size()}; }
-  /// The net force of the last evaluation [N], for observers that called askForForce() in their init(): implicit steps
+  /// The net force of the last evaluation [N], for observers that called requestForce() in their init(): implicit steps
   /// that nobody asks have it only together with other terms, and what stands here is then that of no instant.
   ConstRows f() const {
-    assert(force_asked_ && "askForForce() comes before the first step");
+    assert(force_requested_ && "requestForce() comes before the first step");
     return {f_.data + std::size_t(first_row_) * row_doubles, size()};
   }
-  void askForForce() { force_asked_ = true; }
-  bool forceAsked() const { return force_asked_; }
+  void requestForce() { force_requested_ = true; }
+  bool forceRequested() const { return force_requested_; }
   bool isBound() const { return x_.data != nullptr; }
   /// Called by System: the whole vectors and where this state starts in them.
   void bind(Index first_row, Rows x, Rows v, ConstRows f) { first_row_ = first_row, x_ = x, v_ = v, f_ = f; }
@@ -39,7 +39,7 @@ class State : public Component {
   /// The whole vectors of the system, which owns them; null until it is made.
   Rows x_, v_;
   ConstRows f_;
-  bool force_asked_ = false;
+  bool force_requested_ = false;
 };
 
 }  // namespace stroma

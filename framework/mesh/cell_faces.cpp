@@ -18,7 +18,7 @@ struct FaceKey {
 template <class Cell, std::size_t Faces, std::size_t N>
 std::array<Index, N> facesNodes(const Cell& cell, const std::array<std::array<int, N>, Faces>& faces, int face) {
   std::array<Index, N> nodes;
-  for (std::size_t i = 0; i < N; ++i) nodes[i] = cell[std::size_t(faces[std::size_t(face)][i])];
+  for (std::size_t i = 0; i < N; ++i) nodes[i] = cell[faces[face][i]];
   return nodes;
 }
 
@@ -51,8 +51,8 @@ FaceBuckets<N> bucketsOf(const std::vector<Cell>& cells, const std::array<std::a
   Index nodes = 0;
   for (const Cell& cell : cells) nodes = std::max(nodes, *std::max_element(cell.begin(), cell.end()) + 1);
   const auto smallest = [&](const Cell& cell, std::size_t f) {
-    Index least = cell[std::size_t(faces[f][0])];
-    for (const int i : faces[f]) least = std::min(least, cell[std::size_t(i)]);
+    Index least = cell[faces[f][0]];
+    for (const int i : faces[f]) least = std::min(least, cell[i]);
     return std::size_t(least);
   };
   FaceBuckets<N> buckets;
@@ -67,7 +67,7 @@ FaceBuckets<N> bucketsOf(const std::vector<Cell>& cells, const std::array<std::a
     for (std::size_t f = 0; f < Faces; ++f) {
       auto key = facesNodes(cells[c], faces, int(f));
       std::sort(key.begin(), key.end());
-      buckets.keys[next[std::size_t(key[0])]++] = {key, {Index(c), int(f)}};
+      buckets.keys[next[key[0]]++] = {key, {Index(c), int(f)}};
     }
   return buckets;
 }
@@ -95,14 +95,14 @@ std::vector<FaceKey<N>> loneFaces(const std::vector<Cell>& cells, const std::arr
     const std::size_t count = start[n + 1] - start[n], first = lone.size();
     before.assign(count + 1, 0), shared.assign(count + 1, 0);
     for (std::size_t k = 1; k <= count; ++k) {
-      std::size_t& head = newest[std::size_t(bucket[k - 1].nodes[1])];
+      std::size_t& head = newest[bucket[k - 1].nodes[1]];
       for (std::size_t other = head; other > 0; other = before[other])
         if (sameNodes(bucket[k - 1], bucket[other - 1])) shared[k] = shared[other] = 1;
       before[k] = head;
       head = k;
     }
     for (std::size_t k = 1; k <= count; ++k) {
-      newest[std::size_t(bucket[k - 1].nodes[1])] = 0;
+      newest[bucket[k - 1].nodes[1]] = 0;
       if (!shared[k]) lone.push_back(bucket[k - 1]);
     }
     std::sort(lone.begin() + std::ptrdiff_t(first), lone.end(), comesBefore<N>);
@@ -118,7 +118,7 @@ std::vector<std::array<Index, N>> uniqueFacesOf(const std::vector<Cell>& cells,
   std::vector<std::array<Index, N>> out;
   for (std::size_t i = 0; i < keys.size(); ++i)
     if (i == 0 || !sameNodes(keys[i - 1], keys[i]))
-      out.push_back(facesNodes(cells[std::size_t(keys[i].where.cell)], faces, keys[i].where.face));
+      out.push_back(facesNodes(cells[keys[i].where.cell], faces, keys[i].where.face));
   return out;
 }
 

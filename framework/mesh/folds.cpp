@@ -29,8 +29,7 @@ const auto& cornerEdges() {
 template <class Cell>
 std::array<Vec3, 3> edgesAt(const Cell& cell, std::size_t corner, const Positions& p) {
   std::array<Vec3, 3> out;
-  for (std::size_t k = 0; k < 3; ++k)
-    out[k] = p[std::size_t(cell[std::size_t(cornerEdges<Cell>()[corner][k])])] - p[std::size_t(cell[corner])];
+  for (std::size_t k = 0; k < 3; ++k) out[k] = p[cell[(cornerEdges<Cell>()[corner][k])]] - p[cell[corner]];
   return out;
 }
 
@@ -63,7 +62,7 @@ template <class Cell>
 void addSolidAngles(const std::vector<Cell>& cells, const Positions& now, std::vector<double>& sum) {
   for (const Cell& cell : cells)
     for (std::size_t corner = 0; corner < cell.size(); ++corner)
-      sum[std::size_t(cell[corner])] += solidAngle(edgesAt(cell, corner, now));
+      sum[cell[corner]] += solidAngle(edgesAt(cell, corner, now));
 }
 
 /// Of upright cells: more than the whole sphere is seen from a node.

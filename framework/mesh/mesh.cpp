@@ -66,8 +66,7 @@ double hexahedronQuality(const std::array<Vec3, 8>& corner) {
   double worst = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < 8; ++i) {
     const auto& [x, y, z] = hexahedron_corner_edges[i];
-    const double quality =
-        tetrahedronQuality(corner[i], corner[std::size_t(x)], corner[std::size_t(y)], corner[std::size_t(z)]);
+    const double quality = tetrahedronQuality(corner[i], corner[x], corner[y], corner[z]);
     worst = std::min(worst, quality / cube);
   }
   return worst;

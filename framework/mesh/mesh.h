@@ -25,18 +25,18 @@ struct MeshReport {
   std::vector<Index> flat;          ///< volume cells with a volume below 1e-12 of their longest edge cubed
   std::vector<Index> unused_nodes;  ///< nodes that no cell uses
   Vec3 low = Vec3::Zero(), high = Vec3::Zero();  ///< bounding box
-  std::string text() const;         ///< one line
+  std::string text() const;                      ///< one line
 };
 
 /// Positions and cells. Tables derived from the cells are built when first asked for and kept.
 class Mesh {
  public:
-  std::vector<Vec3> position;             ///< [m], shape (nodes)
+  std::vector<Vec3> position;  ///< [m], shape (nodes)
   std::vector<Edge> edges;
   std::vector<Triangle> triangles;
   std::vector<Quad> quads;
-  std::vector<Tetrahedron> tetrahedra;    ///< positive volume: (b-a) x (c-a) . (d-a) > 0
-  std::vector<Hexahedron> hexahedra;      ///< VTK order: bottom face counter-clockwise, then the top face
+  std::vector<Tetrahedron> tetrahedra;  ///< positive volume: (b-a) x (c-a) . (d-a) > 0
+  std::vector<Hexahedron> hexahedra;    ///< VTK order: bottom face counter-clockwise, then the top face
   /// How many times the volume cells cover the body: 2 for the superposition of two cuttings (ten tetrahedra a
   /// hexahedron), else 1. Masses and elastic force fields divide each cell's contribution by it.
   double overlap = 1;
@@ -48,13 +48,13 @@ class Mesh {
   MeshReport report() const;
 
   // ---- derived on demand ----
-  const std::vector<Edge>& allEdges() const;             ///< unique edges of all cells, sorted
-  const std::vector<Triangle>& tetrahedronFaces() const; ///< unique faces of tetrahedra
-  const std::vector<Triangle>& boundaryTriangles() const;///< faces of one tetrahedron only, outward
-  const std::vector<Quad>& boundaryQuads() const;        ///< faces of one hexahedron only, outward
+  const std::vector<Edge>& allEdges() const;               ///< unique edges of all cells, sorted
+  const std::vector<Triangle>& tetrahedronFaces() const;   ///< unique faces of tetrahedra
+  const std::vector<Triangle>& boundaryTriangles() const;  ///< faces of one tetrahedron only, outward
+  const std::vector<Quad>& boundaryQuads() const;          ///< faces of one hexahedron only, outward
   const Adjacency& tetrahedraAroundNode() const;
   const Adjacency& hexahedraAroundNode() const;
-  const Adjacency& nodesAroundNode() const;              ///< by edges of cells, without itself, ascending
+  const Adjacency& nodesAroundNode() const;  ///< by edges of cells, without itself, ascending
   /// How many derived tables have been built: a scene that needs none pays for none.
   int derivedTables() const;
 

@@ -95,7 +95,7 @@ void MeshLoader::removeUnusedNodes() {
     };
     all(mesh_.edges), all(mesh_.triangles), all(mesh_.quads), all(mesh_.tetrahedra), all(mesh_.hexahedra);
   };
-  forEachNode([&](Index node) { number[std::size_t(node)] = 1; });
+  forEachNode([&](Index node) { number[node] = 1; });
   const auto keepUsed = [&](std::vector<Vec3>& values, std::size_t each) {
     std::size_t kept = 0;
     for (std::size_t i = 0; i < values.size(); ++i)
@@ -106,7 +106,7 @@ void MeshLoader::removeUnusedNodes() {
   keepUsed(mesh_.position, 1);
   Index next = 0;
   for (Index& n : number) n = n ? next++ : -1;
-  forEachNode([&](Index& node) { node = number[std::size_t(node)]; });
+  forEachNode([&](Index& node) { node = number[node]; });
 }
 
 void MeshLoader::transform() {

@@ -29,15 +29,14 @@ void addCell(double volume, double quality, double longest_edge, MeshReport& rep
 template <std::size_t N, std::size_t Edges>
 double longestEdge(const std::array<Vec3, N>& corner, const std::array<std::array<int, 2>, Edges>& edges) {
   double square = 0;
-  for (const auto& [i, j] : edges)
-    square = std::max(square, (corner[std::size_t(i)] - corner[std::size_t(j)]).squaredNorm());
+  for (const auto& [i, j] : edges) square = std::max(square, (corner[i] - corner[j]).squaredNorm());
   return std::sqrt(square);
 }
 
 template <class Cell>
 void markUsed(const std::vector<Cell>& cells, std::vector<char>& used) {
   for (const Cell& cell : cells)
-    for (Index node : cell) used[std::size_t(node)] = 1;
+    for (Index node : cell) used[node] = 1;
 }
 
 /// "3 unused nodes (0 1 2)", at most five of them named.
@@ -57,13 +56,13 @@ MeshReport Mesh::report() const {
   out.overlap = overlap;
   for (std::size_t c = 0; c < tetrahedra.size(); ++c) {
     std::array<Vec3, 4> p;
-    for (std::size_t i = 0; i < 4; ++i) p[i] = position[std::size_t(tetrahedra[c][i])];
+    for (std::size_t i = 0; i < 4; ++i) p[i] = position[tetrahedra[c][i]];
     addCell(tetrahedronVolume(p[0], p[1], p[2], p[3]), tetrahedronQuality(p[0], p[1], p[2], p[3]),
             longestEdge(p, tetrahedron_edges), out, Index(c));
   }
   for (std::size_t c = 0; c < hexahedra.size(); ++c) {
     std::array<Vec3, 8> p;
-    for (std::size_t i = 0; i < 8; ++i) p[i] = position[std::size_t(hexahedra[c][i])];
+    for (std::size_t i = 0; i < 8; ++i) p[i] = position[hexahedra[c][i]];
     addCell(hexahedronVolume(p), hexahedronQuality(p), longestEdge(p, hexahedron_edges), out,
             Index(tetrahedra.size() + c));
   }

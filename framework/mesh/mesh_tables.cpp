@@ -20,19 +20,19 @@ void forEachEdge(const Mesh& mesh, Visit&& visit) {
   for (const Quad& q : mesh.quads)
     for (std::size_t i = 0; i < 4; ++i) ordered(q[i], q[(i + 1) % 4]);
   for (const Tetrahedron& t : mesh.tetrahedra)
-    for (const auto& [i, j] : tetrahedron_edges) ordered(t[std::size_t(i)], t[std::size_t(j)]);
+    for (const auto& [i, j] : tetrahedron_edges) ordered(t[i], t[j]);
   for (const Hexahedron& h : mesh.hexahedra)
-    for (const auto& [i, j] : hexahedron_edges) ordered(h[std::size_t(i)], h[std::size_t(j)]);
+    for (const auto& [i, j] : hexahedron_edges) ordered(h[i], h[j]);
 }
 
 std::vector<Edge> uniqueEdges(const Mesh& mesh) {
   const std::size_t nodes = mesh.position.size();
   std::vector<std::size_t> start(nodes + 1, 0);
-  forEachEdge(mesh, [&](Index a, Index) { ++start[std::size_t(a) + 1]; });
+  forEachEdge(mesh, [&](Index a, Index) { ++start[a + 1]; });
   for (std::size_t n = 0; n < nodes; ++n) start[n + 1] += start[n];
   std::vector<Index> other(start.back());
   std::vector<std::size_t> next(start.begin(), start.end());
-  forEachEdge(mesh, [&](Index a, Index b) { other[next[std::size_t(a)]++] = b; });
+  forEachEdge(mesh, [&](Index a, Index b) { other[next[a]++] = b; });
   std::vector<Edge> edges;
   for (std::size_t n = 0; n < nodes; ++n) {
     const auto first = other.begin() + std::ptrdiff_t(start[n]), last = other.begin() + std::ptrdiff_t(start[n + 1]);
@@ -47,26 +47,26 @@ Adjacency cellsAroundNodes(const std::vector<Cell>& cells, std::size_t nodes) {
   Adjacency out;
   out.start.assign(nodes + 1, 0);
   for (const Cell& cell : cells)
-    for (Index node : cell) ++out.start[std::size_t(node) + 1];
+    for (Index node : cell) ++out.start[node + 1];
   for (std::size_t n = 0; n < nodes; ++n) out.start[n + 1] += out.start[n];
-  out.values.resize(std::size_t(out.start.back()));
+  out.values.resize(out.start.back());
   std::vector<Index> next(out.start.begin(), out.start.end());
   for (std::size_t c = 0; c < cells.size(); ++c)
-    for (Index node : cells[c]) out.values[std::size_t(next[std::size_t(node)]++)] = Index(c);
+    for (Index node : cells[c]) out.values[next[node]++] = Index(c);
   return out;
 }
 
 Adjacency nodesAroundNodes(const std::vector<Edge>& edges, std::size_t nodes) {
   Adjacency out;
   out.start.assign(nodes + 1, 0);
-  for (const auto& [a, b] : edges) ++out.start[std::size_t(a) + 1], ++out.start[std::size_t(b) + 1];
+  for (const auto& [a, b] : edges) ++out.start[a + 1], ++out.start[b + 1];
   for (std::size_t n = 0; n < nodes; ++n) out.start[n + 1] += out.start[n];
-  out.values.resize(std::size_t(out.start.back()));
+  out.values.resize(out.start.back());
   std::vector<Index> next(out.start.begin(), out.start.end());
   // Edges ascend in (a, b) with a < b: a first pass over the smaller ends, then one over the larger, fills every list
   // in ascending order.
-  for (const auto& [a, b] : edges) out.values[std::size_t(next[std::size_t(b)]++)] = a;
-  for (const auto& [a, b] : edges) out.values[std::size_t(next[std::size_t(a)]++)] = b;
+  for (const auto& [a, b] : edges) out.values[next[b]++] = a;
+  for (const auto& [a, b] : edges) out.values[next[a]++] = b;
   return out;
 }
 

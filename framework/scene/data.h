@@ -47,16 +47,16 @@ class Data {
   Data(std::string name, DataPointer pointer);
 
   // ---- declaration (each returns *this) ----
-  Data& help(std::string text);                   ///< one line; every attribute has one
-  Data& unit(std::string text);                   ///< "Pa", "m", "s"; "-" for a pure number
-  Data& alias(std::string other);                 ///< another accepted name (SOFA's)
-  Data& min(double value, bool inclusive = true); ///< applies to every number of the value
+  Data& help(std::string text);                    ///< one line; every attribute has one
+  Data& unit(std::string text);                    ///< "Pa", "m", "s"; "-" for a pure number
+  Data& alias(std::string other);                  ///< another accepted name (SOFA's)
+  Data& min(double value, bool inclusive = true);  ///< applies to every number of the value
   Data& max(double value, bool inclusive = true);
-  Data& required();                               ///< not giving it is an error
-  Data& physical();                               ///< not giving it is a warning that states the default used
-  Data& output();                                 ///< computed by the component: can be linked from, not written
-  Data& input();                                  ///< FileName only: the file must exist
-  Data& shorthand();                              ///< read by the component into another attribute; not in the manual's main table
+  Data& required();   ///< not giving it is an error
+  Data& physical();   ///< not giving it is a warning that states the default used
+  Data& output();     ///< computed by the component: can be linked from, not written
+  Data& input();      ///< FileName only: the file must exist
+  Data& shorthand();  ///< read by the component into another attribute; not in the manual's main table
 
   // ---- use ----
   const std::string& name() const { return name_; }
@@ -71,10 +71,10 @@ class Data {
   bool isSet() const { return origin_ != DataOrigin::by_default; }
   DataOrigin origin() const { return origin_; }
   const DataPointer& pointer() const { return pointer_; }
-  LinkBase* link() const;                 ///< not null for an attribute that names a component
-  std::string typeText() const;           ///< "list of 3 reals", "one of: small, large"
+  LinkBase* link() const;        ///< not null for an attribute that names a component
+  std::string typeText() const;  ///< "list of 3 reals", "one of: small, large"
   std::string defaultText() const { return default_; }
-  std::string rangeText() const;          ///< "[0, 0.5)" or empty
+  std::string rangeText() const;  ///< "[0, 0.5)" or empty
 
   /// Parses `text` into the member. On failure the member keeps its value and the returned problem has message,
   /// expected and suggestion (where and path are the caller's).

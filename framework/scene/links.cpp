@@ -108,7 +108,7 @@ Target countFrom(const Component& self, const std::string& step) {
   } else if (index < 0 || index >= long(list.size())) {
     target.reason = "the node has no component at that place";
   } else {
-    target.component = list[std::size_t(index)].get();
+    target.component = list[index].get();
   }
   return target;
 }

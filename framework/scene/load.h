@@ -38,8 +38,8 @@ std::string writeXml(const NodeDescription& root);
 struct Scene {
   std::unique_ptr<Node> root;
   SceneDescription description;
-  Diagnostics diagnostics;                ///< warnings and notes of a scene that loaded
-  std::vector<std::string> no_effect;     ///< visual-only components and attributes that were accepted
+  Diagnostics diagnostics;             ///< warnings and notes of a scene that loaded
+  std::vector<std::string> no_effect;  ///< visual-only components and attributes that were accepted
 };
 
 /// The whole way. Throws SceneError with every problem found. `check_only` keeps going as far as possible in any case.

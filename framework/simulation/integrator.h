@@ -19,7 +19,7 @@ class Integrator : public Component {
   /// True for a rule that keeps the energy of a linear body: a gain is then an error that nothing else shows.
   virtual bool keepsEnergy() const { return false; }
   /// False for implicit rules of second order: a force that is a step late feeds motions that they hardly damp.
-  virtual bool toleratesLateForces() const { return !keepsEnergy(); }
+  virtual bool toleratesLaggedForces() const { return !keepsEnergy(); }
   /// True for an integrator that answers for x and v itself: when it gives a step up it has left them as they were, it
   /// reports what is not finite, and it may leave rows behind until complete(). A step of it then costs nothing that
   /// grows with nodes that nobody reads.

@@ -8,8 +8,8 @@ namespace stroma {
 void MappedMatrix::prepare(BlockPattern&& pattern, const std::vector<Mapping*>& mappings, Index independent_rows) {
   independent_rows_ = independent_rows;
   full_ = BlockMatrix(std::move(pattern));
-  jacobian_.assign(std::size_t(full_.rows()), {});
-  for (Index row = 0; row < independent_rows; ++row) jacobian_[std::size_t(row)] = {Term{row, Mat3::Identity()}};
+  jacobian_.assign(full_.rows(), {});
+  for (Index row = 0; row < independent_rows; ++row) jacobian_[row] = {Term{row, Mat3::Identity()}};
   updateJacobian(mappings);
 }
 
@@ -18,10 +18,10 @@ void MappedMatrix::updateJacobian(const std::vector<Mapping*>& mappings) {
   for (const Mapping* mapping : mappings) {
     blocks_.clear();
     mapping->addJacobian(blocks_);
-    for (const JacobianBlock& block : blocks_) jacobian_[std::size_t(block.child)].clear();
+    for (const JacobianBlock& block : blocks_) jacobian_[block.child].clear();
     for (const JacobianBlock& block : blocks_) {
-      std::vector<Term>& child = jacobian_[std::size_t(block.child)];
-      for (const Term& term : jacobian_[std::size_t(block.parent)]) {
+      std::vector<Term>& child = jacobian_[block.child];
+      for (const Term& term : jacobian_[block.parent]) {
         const Mat3 product = block.block * term.block;
         const auto same = std::find_if(child.begin(), child.end(), [&](const Term& t) { return t.row == term.row; });
         if (same == child.end())
@@ -36,27 +36,26 @@ void MappedMatrix::updateJacobian(const std::vector<Mapping*>& mappings) {
 BlockMatrix MappedMatrix::reducedPattern() const {
   BlockPattern pattern(independent_rows_);
   for (Index row = 0; row < full_.rows(); ++row)
-    for (Index slot = full_.rowStart()[std::size_t(row)]; slot < full_.rowStart()[std::size_t(row) + 1]; ++slot)
-      for (const Term& left : jacobian_[std::size_t(row)])
-        for (const Term& right : jacobian_[std::size_t(full_.columns()[std::size_t(slot)])])
-          pattern.addBlock(left.row, right.row);
+    for (Index slot = full_.rowStart()[row]; slot < full_.rowStart()[row + 1]; ++slot)
+      for (const Term& left : jacobian_[row])
+        for (const Term& right : jacobian_[full_.columns()[slot]]) pattern.addBlock(left.row, right.row);
   return BlockMatrix(std::move(pattern));
 }
 
 void MappedMatrix::reduce(BlockMatrix& out) const {
   out.clear();
   for (Index row = 0; row < full_.rows(); ++row)
-    for (Index slot = full_.rowStart()[std::size_t(row)]; slot < full_.rowStart()[std::size_t(row) + 1]; ++slot) {
-      const Index column = full_.columns()[std::size_t(slot)];
+    for (Index slot = full_.rowStart()[row]; slot < full_.rowStart()[row + 1]; ++slot) {
+      const Index column = full_.columns()[slot];
       const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> block(full_.values().data() +
                                                                                  std::size_t(slot) * 9);
       if (row < independent_rows_ && column < independent_rows_) {
         out.add(row, column, block);
         continue;
       }
-      for (const Term& left : jacobian_[std::size_t(row)]) {
+      for (const Term& left : jacobian_[row]) {
         const Mat3 half = left.block.transpose() * block;
-        for (const Term& right : jacobian_[std::size_t(column)]) out.add(left.row, right.row, half * right.block);
+        for (const Term& right : jacobian_[column]) out.add(left.row, right.row, half * right.block);
       }
     }
 }

@@ -46,12 +46,12 @@ bool NodeGroups::set(const std::vector<Tie>& ties, Index rows) {
   std::vector<Index> lowest(rows, 0);
   std::iota(lowest.begin(), lowest.end(), 0);
   const auto root = [&lowest](Index row) {
-    while (lowest[std::size_t(row)] != row) row = lowest[std::size_t(row)];
+    while (lowest[row] != row) row = lowest[row];
     return row;
   };
   for (const Tie& tie : ties) {
     const Index a = root(tie.a), b = root(tie.b);
-    lowest[std::size_t(std::max(a, b))] = std::min(a, b);
+    lowest[std::max(a, b)] = std::min(a, b);
   }
   std::vector<Edge> members;  // lowest row of the group, row
   for (const Tie& tie : ties)
@@ -59,7 +59,7 @@ bool NodeGroups::set(const std::vector<Tie>& ties, Index rows) {
   std::sort(members.begin(), members.end());
   members.erase(std::unique(members.begin(), members.end()), members.end());
   for (std::size_t i = 0; i < members.size(); ++i) {
-    group_of_row_[std::size_t(members[i][1])] = count();
+    group_of_row_[members[i][1]] = count();
     rows_.push_back(members[i][1]);
     if (i + 1 == members.size() || members[i + 1][0] != members[i][0]) start_.push_back(Index(rows_.size()));
   }
@@ -78,7 +78,7 @@ void NodeGroups::share(std::vector<NodeProjector>& list) const {
     if (shared.isIdentity(0)) continue;
     for (const Index* row = begin(g); row != end(g); ++row) {
       if (const NodeProjector* held = findRow(list, given, *row)) {
-        list[std::size_t(held - list.data())].projector = shared;
+        list[held - list.data()].projector = shared;
       } else {
         list.push_back({*row, shared});
       }
@@ -111,9 +111,9 @@ BlockMatrix NodeGroups::withFill(const BlockMatrix& matrix) const {
     return group < 0 ? std::pair(&row, &row + 1) : std::pair(begin(group), end(group));
   };
   for (Index row = 0; row < matrix.rows(); ++row)
-    for (Index slot = matrix.rowStart()[std::size_t(row)]; slot < matrix.rowStart()[std::size_t(row) + 1]; ++slot) {
+    for (Index slot = matrix.rowStart()[row]; slot < matrix.rowStart()[row + 1]; ++slot) {
       const auto [left, left_end] = together(row);
-      const auto [right, right_end] = together(matrix.columns()[std::size_t(slot)]);
+      const auto [right, right_end] = together(matrix.columns()[slot]);
       for (const Index* i = left; i != left_end; ++i)
         for (const Index* j = right; j != right_end; ++j) pattern.addBlock(*i, *j);
     }
@@ -135,8 +135,8 @@ void NodeGroups::average(BlockMatrix& matrix) const {
   }
   for (Index g = 0; g < count(); ++g) {  // columns: the pattern is symmetric
     const Index head = *begin(g);
-    for (Index k = matrix.rowStart()[std::size_t(head)]; k < matrix.rowStart()[std::size_t(head) + 1]; ++k) {
-      const Index row = matrix.columns()[std::size_t(k)];
+    for (Index k = matrix.rowStart()[head]; k < matrix.rowStart()[head + 1]; ++k) {
+      const Index row = matrix.columns()[k];
       Mat3 mean = Mat3::Zero();
       for (const Index* column = begin(g); column != end(g); ++column)
         mean += blockAt(values, matrix.slot(row, *column)) / double(size(g));

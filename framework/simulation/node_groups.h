@@ -15,11 +15,11 @@ class NodeGroups {
   bool empty() const { return start_.size() == 1; }
   Index count() const { return Index(start_.size()) - 1; }
   /// The rows of a group, ascending.
-  const Index* begin(Index group) const { return rows_.data() + start_[std::size_t(group)]; }
-  const Index* end(Index group) const { return rows_.data() + start_[std::size_t(group) + 1]; }
+  const Index* begin(Index group) const { return rows_.data() + start_[group]; }
+  const Index* end(Index group) const { return rows_.data() + start_[group + 1]; }
   Index size(Index group) const { return Index(end(group) - begin(group)); }
   /// The group of a row, -1 when it is in none.
-  Index of(Index row) const { return group_of_row_.empty() ? -1 : group_of_row_[std::size_t(row)]; }
+  Index of(Index row) const { return group_of_row_.empty() ? -1 : group_of_row_[row]; }
 
   /// Gives all rows of a group the projector that they all allow. `list`: sorted, at most one a row; stays so.
   void share(std::vector<NodeProjector>& list) const;

@@ -79,8 +79,8 @@ bool movesVisibly(const System& system, double dt) {
 }
 
 /// Why a force that is a step late and an integrator do not go together, or empty.
-std::string lateForce(const ForceField& field, const Integrator& integrator) {
-  if (!field.traits().late || integrator.toleratesLateForces()) return {};
+std::string laggedForce(const ForceField& field, const Integrator& integrator) {
+  if (!field.traits().lagged || integrator.toleratesLaggedForces()) return {};
   return fmt::format(
       "{} acts with a quantity from before the step, and {} hardly damps what that feeds: motions may ring for ever. A "
       "coupling without delay, or EulerImplicitSolver, does not",
@@ -197,7 +197,7 @@ Simulation::Simulation(Scene scene) : scene_(std::move(scene)) {
     diagnostics.warning(root().where(), root().path(), "the scene has no integrator: time passes and nothing moves");
   for (const auto& system : systems_) {
     for (const ForceField* field : system->forceFields())
-      if (std::string sentence = lateForce(*field, system->integrator()); !sentence.empty())
+      if (std::string sentence = laggedForce(*field, system->integrator()); !sentence.empty())
         diagnostics.warning(field->where(), field->path(), std::move(sentence));
     good_.emplace_back(Vector(system->allRows()), Vector(system->allRows()));
     reversals_.emplace_back();
@@ -375,7 +375,7 @@ std::vector<std::string> Simulation::doubts() const {
         say(where + folded), folded_states.insert(&field->state());
       else if (const std::string beyond = field->doubt(system.x); !beyond.empty())
         say(where + beyond);
-      if (steps_ > 0 && movesVisibly(system, dt())) say(lateForce(*field, system.integrator()));
+      if (steps_ > 0 && movesVisibly(system, dt())) say(laggedForce(*field, system.integrator()));
     }
     // what force fields do not look at: springs and shape memory know no volumes, and a point inside a cell not its
     // corners

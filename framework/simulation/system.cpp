@@ -180,7 +180,7 @@ void System::layOut() {
   for (Vector* vector : {&x, &v, &f}) vector->resize(all_rows_);
   if (!mappings_.empty())
     for (Vector* vector : {&mapped_x_, &mapped_v_, &mapped_p_, &mapped_f_}) vector->resize(all_rows_);
-  projector_of_row_.assign(std::size_t(independent_rows_), -1);
+  projector_of_row_.assign(independent_rows_, -1);
 
   Index first = 0;
   for (State* state : states_) {
@@ -276,7 +276,7 @@ void System::computeForce(ConstRows x_now, ConstRows v_now, Rows f_now) {
 
 void System::computeForceAndProduct(ConstRows x_now, ConstRows v_now, ConstRows p, double k, double k_rayleigh,
                                     Rows out) {
-  const bool asked = std::any_of(states_.begin(), states_.end(), [](const State* s) { return s->forceAsked(); });
+  const bool asked = std::any_of(states_.begin(), states_.end(), [](const State* s) { return s->forceRequested(); });
   if (asked || !mappings_linear_) {  // the geometric stiffness of mappings needs the force alone too
     computeForce(x_now, v_now, f);
     copy(f, out);

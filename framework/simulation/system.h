@@ -76,7 +76,7 @@ class System final : public SystemMatrix {
   /// System::f becomes the force alone where it was asked for.
   void computeForceAndProduct(ConstRows x, ConstRows v, ConstRows p, double k, double k_rayleigh, Rows out);
   /// An integrator that reads System::f after computeForceAndProduct() says so once; observers ask a State.
-  void askForForce() { states_.front()->askForForce(); }
+  void requestForce() { states_.front()->requestForce(); }
   /// The time [s] of forces that depend on it; beginStep() sets the end of the step.
   void setTime(double t);
   /// out += sum of (k + k_rayleigh rayleighStiffness of the field) K p, K of the last force; on independent rows.

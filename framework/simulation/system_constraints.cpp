@@ -86,9 +86,9 @@ void System::gatherConstraints(double t_start, double t_end) {
     revision_ += regrouped;
     return;
   }
-  for (const NodeProjector& held : projectors_) projector_of_row_[std::size_t(held.row)] = -1;
+  for (const NodeProjector& held : projectors_) projector_of_row_[held.row] = -1;
   projectors_.swap(gathered_);
-  for (std::size_t i = 0; i < projectors_.size(); ++i) projector_of_row_[std::size_t(projectors_[i].row)] = Index(i);
+  for (std::size_t i = 0; i < projectors_.size(); ++i) projector_of_row_[projectors_[i].row] = Index(i);
   ++revision_;
 }
 
@@ -132,8 +132,7 @@ std::string System::describeConflict(const SharedPlacements::Conflict& conflict)
   if (conflict.row < 0) return {};
   return fmt::format(
       "{} cannot be where {} and {} put it: at the place between it is {:.3g} m from where the first does",
-      describeRow(conflict.row), constraints_[std::size_t(conflict.a)]->path(),
-      constraints_[std::size_t(conflict.b)]->path(), conflict.distance);
+      describeRow(conflict.row), constraints_[conflict.a]->path(), constraints_[conflict.b]->path(), conflict.distance);
 }
 
 // What never moves can be judged before the first step.
@@ -191,10 +190,9 @@ void System::gatherGroups() {
   std::vector<NodeProjector> own;
   for (const ProjectiveConstraint* constraint : constraints_) constraint->addProjectors(node_.root().root_time, own);
   std::vector<char> is_held(std::size_t(independent_rows_), 0);
-  for (const NodeProjector& held : own) is_held[std::size_t(held.row)] |= held.projector.isZero(0);
+  for (const NodeProjector& held : own) is_held[held.row] |= held.projector.isZero(0);
   for (Index g = 0; g < groups_.count(); ++g) {
-    const Index* held =
-        std::find_if(groups_.begin(g), groups_.end(g), [&](Index row) { return is_held[std::size_t(row)]; });
+    const Index* held = std::find_if(groups_.begin(g), groups_.end(g), [&](Index row) { return is_held[row]; });
     double whole = 0;
     for (const Index* row = groups_.begin(g); row != groups_.end(g); ++row) whole += mass[std::size_t(*row)];
     for (Vector* vector : {&x, &v}) {
@@ -216,7 +214,7 @@ std::vector<char> System::rowsAlwaysHeld() const {
   merge(always);
   std::vector<char> held(std::size_t(independent_rows_), 0);
   for (const NodeProjector& projector : always)
-    if (projector.projector.isZero()) held[std::size_t(projector.row)] = 1;
+    if (projector.projector.isZero()) held[projector.row] = 1;
   return held;
 }
 

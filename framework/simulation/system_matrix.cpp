@@ -213,17 +213,17 @@ void System::eliminateProjectors() {
   const auto& start = matrix_.rowStart();
   const auto& columns = matrix_.columns();
   for (Index row = 0; row < independent_rows_; ++row) {
-    const Index left = projector_of_row_[std::size_t(row)];
-    for (Index slot = start[std::size_t(row)]; slot < start[std::size_t(row) + 1]; ++slot) {
-      const Index right = projector_of_row_[std::size_t(columns[std::size_t(slot)])];
+    const Index left = projector_of_row_[row];
+    for (Index slot = start[row]; slot < start[row + 1]; ++slot) {
+      const Index right = projector_of_row_[columns[slot]];
       if (left < 0 && right < 0) continue;
       Block block = blockAt(matrix_.values(), slot);
-      if (left >= 0) block = (projectors_[std::size_t(left)].projector * block).eval();
-      if (right >= 0) block = (block * projectors_[std::size_t(right)].projector).eval();
+      if (left >= 0) block = (projectors_[left].projector * block).eval();
+      if (right >= 0) block = (block * projectors_[right].projector).eval();
     }
   }
   for (const NodeProjector& held : projectors_)
-    matrix_.add(matrix_.diagonal()[std::size_t(held.row)], Mat3::Identity() - held.projector);
+    matrix_.add(matrix_.diagonal()[held.row], Mat3::Identity() - held.projector);
 }
 
 // Matrix-free: products x (sum of the fields' products). Assembled: the assemblies plus the block products. An

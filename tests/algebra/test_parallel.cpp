@@ -16,7 +16,7 @@ TEST(Parallel, everyPieceRunsOnceForAnyNumberOfThreads) {
     setThreads(count);
     EXPECT_EQ(threads(), count);
     std::vector<std::atomic<int>> runs(1000);
-    parallelFor(1000, [&](int i) { ++runs[std::size_t(i)]; });
+    parallelFor(1000, [&](int i) { ++runs[i]; });
     for (const auto& run : runs) ASSERT_EQ(run, 1);
   }
 }

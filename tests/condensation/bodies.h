@@ -48,7 +48,7 @@ inline Vector displacement(const Simulation& simulation) {
   Vector u(system.allRows());
   copy(system.x, u);
   for (const State* state : system.states())
-    for (Index i = 0; i < state->size(); ++i) u[state->firstRow() + i] -= state->rest_position[std::size_t(i)];
+    for (Index i = 0; i < state->size(); ++i) u[state->firstRow() + i] -= state->rest_position[i];
   return u;
 }
 

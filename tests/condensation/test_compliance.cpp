@@ -5,7 +5,7 @@
 #include <Eigen/Dense>
 #include <cstring>
 
-#include "framework/algebra/compliance.h"
+#include "components/condensation/compliance.h"
 #include "framework/algebra/memory.h"
 
 using namespace stroma;
@@ -60,7 +60,7 @@ TEST(Compliance, halfOfTheMatrixGivesTheWholeProduct) {
       }
     const std::size_t length = chunksOf(std::size_t(n)) * lanes;
     Array<double> r(length, 0.0), y(length, 1.0), again(length, 1.0), work(panels.pieces() * length);
-    for (Index i = 0; i < n; ++i) r[std::size_t(i)] = std::sin(i + 1.0);
+    for (Index i = 0; i < n; ++i) r[i] = std::sin(i + 1.0);
     panels.multiply(r.data(), y.data(), work.data());
     const Eigen::VectorXd expected = a * Eigen::Map<Eigen::VectorXd>(r.data(), n);
     EXPECT_LT((Eigen::Map<Eigen::VectorXd>(y.data(), n) - expected).norm(), 1e-14 * a.norm() * expected.norm());

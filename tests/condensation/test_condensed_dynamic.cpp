@@ -109,7 +109,7 @@ TEST(CondensedDynamic, isThePapersSchemeOnTheWholeMatrix) {
   Eigen::VectorXd load(n);
   std::vector<char> held(std::size_t(n), 0);
   for (Index j = 0; j < n; ++j) {
-    held[std::size_t(j)] = j < 60;
+    held[j] = j < 60;
     load[j] = f0[j / 3][j % 3];
     x[j / 3][j % 3] += 0.5;
     system.computeForce(x, v, f1);
@@ -119,7 +119,7 @@ TEST(CondensedDynamic, isThePapersSchemeOnTheWholeMatrix) {
   const double m = 0.7 / system.allRows(), d = 3 * m, dt = 0.02;
   Eigen::MatrixXd a = k + (m / (dt * dt) + d / (2 * dt)) * Eigen::MatrixXd::Identity(n, n);
   for (Index j = 0; j < n; ++j)
-    if (held[std::size_t(j)]) a.row(j).setZero(), a.col(j).setZero(), a(j, j) = 1, load[j] = 0;
+    if (held[j]) a.row(j).setZero(), a.col(j).setZero(), a(j, j) = 1, load[j] = 0;
   const Eigen::LDLT<Eigen::MatrixXd> inverse(a);
   Eigen::VectorXd before = Eigen::VectorXd::Zero(n), now = before;
   for (int i = 0; i < 20; ++i) {

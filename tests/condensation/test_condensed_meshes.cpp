@@ -96,9 +96,9 @@ TEST_P(CondensedMeshes, dynamicBodiesWithoutMassInsideAreTheWholeOnes) {
   const State& state = *probe.states().front();
   std::vector<char> outside(std::size_t(state.size()), 0);
   for (const Triangle& face : state.find<Topology>(true)->mesh().boundaryTriangles())
-    for (const Index node : face) outside[std::size_t(node)] = 1;
+    for (const Index node : face) outside[node] = 1;
   // what a constraint moves is kept, wherever it lies
-  for (const NodeProjector& held : probe.systems().front()->projectors()) outside[std::size_t(held.row)] = 1;
+  for (const NodeProjector& held : probe.systems().front()->projectors()) outside[held.row] = 1;
   std::string masses;
   for (const char is_outside : outside) masses += is_outside ? "0.003 " : "1e-25 ";
   const std::string mass = "<DiagonalMass vertexMass=\"" + masses + "\"/>";

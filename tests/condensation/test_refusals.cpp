@@ -257,7 +257,7 @@ TEST(CondensedInterior, theWholeForceIsThereForWhoAsks) {
   Scene scene = sceneFromText(block.text());
   std::vector<State*> states;
   scene.root->collect(states);
-  states.front()->askForForce();
+  states.front()->requestForce();
   Simulation simulation(std::move(scene));
   simulation.computeOnDemand(true);
   simulation.step();

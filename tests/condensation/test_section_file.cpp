@@ -10,8 +10,8 @@
 #include <functional>
 #include <sstream>
 
-#include "framework/simulation/condensed_integrator.h"
-#include "framework/simulation/section_file.h"
+#include "components/condensation/condensed_integrator.h"
+#include "components/condensation/section_file.h"
 #include "tests/condensation/bodies.h"
 
 using namespace stroma;

@@ -39,7 +39,7 @@ TEST(SelectiveProducts, equalTheFullProductForAnyNumberOfLoadedNodes) {
     system.computeForce(system.x, system.v, load);
     // at equilibrium the force is nothing on free nodes: the load is what the loads give alone
     Vector at_rest(140);
-    for (Index i = 0; i < 140; ++i) at_rest[i] = system.states().front()->rest_position[std::size_t(i)];
+    for (Index i = 0; i < 140; ++i) at_rest[i] = system.states().front()->rest_position[i];
     system.computeForce(at_rest, system.v, load);
     int loaded = 0;
     for (Index node = 20; node < 140; ++node)

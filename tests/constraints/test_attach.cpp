@@ -4,7 +4,7 @@
 
 #include <Eigen/Dense>
 
-#include "tests/mechanics/scene_text.h"
+#include "tests/support/scene_text.h"
 #include "tests/support/stored_matrix.h"
 
 namespace stroma::test {

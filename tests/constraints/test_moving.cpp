@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "tests/mechanics/scene_text.h"
+#include "tests/support/scene_text.h"
 
 namespace stroma::test {
 namespace {
@@ -319,7 +319,7 @@ TEST(MovingConstraints, StaticsCarriesTheBodyAlong) {
   ASSERT_FALSE(report.diverged) << report.reason;
   EXPECT_TRUE(report.newton_converged);
   for (Index i = 0; i < system.x.count(); ++i)
-    EXPECT_NEAR(system.x[i].x(), simulation.states().at(0)->rest_position[std::size_t(i)].x() / 2, 1e-6);
+    EXPECT_NEAR(system.x[i].x(), simulation.states().at(0)->rest_position[i].x() / 2, 1e-6);
   EXPECT_LE(report.newton_iterations, 2) << "with nu = 0 the tangent's answer is the answer";
 }
 

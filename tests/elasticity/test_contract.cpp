@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The contract of force fields, for every one in the factory: a component that is added is tested without a word here.
-#include "tests/elasticity/field_under_test.h"
+#include "tests/support/field_under_test.h"
 #include "tests/support/force_field_examples.h"
 
 namespace stroma::test {
@@ -76,7 +76,7 @@ void expectConsistent(FieldUnderTest& t, const std::string& what, bool mild = tr
   double worst = 0, largest = 0;
   for (Index row = 0; row < t.x.count(); ++row)
     for (int i = 0; i < 9; ++i) {
-      const double value = k.values()[std::size_t(k.diagonal()[std::size_t(row)]) * 9 + std::size_t(i)];
+      const double value = k.values()[std::size_t(k.diagonal()[row]) * 9 + std::size_t(i)];
       worst = std::max(worst, std::abs(value - diagonal[std::size_t(row) * 9 + std::size_t(i)]));
       largest = std::max(largest, std::abs(value));
     }
@@ -132,7 +132,7 @@ void expectDamping(FieldUnderTest& t, const std::string& what) {
   t.field().addDampingDiagonal(1, diagonal);
   for (Index row = 0; row < t.x.count(); ++row)
     for (std::size_t i = 0; i < 9; ++i)
-      EXPECT_NEAR(diagonal[std::size_t(row) * 9 + i], c.values()[std::size_t(c.diagonal()[std::size_t(row)]) * 9 + i],
+      EXPECT_NEAR(diagonal[std::size_t(row) * 9 + i], c.values()[std::size_t(c.diagonal()[row]) * 9 + i],
                   1e-12 * std::sqrt(dot(product, product)));
 }
 

@@ -2,7 +2,7 @@
 // The same bits for one and two threads, and for two runs in one process.
 #include "framework/algebra/parallel.h"
 #include "framework/fem/element_loop.h"
-#include "tests/elasticity/field_under_test.h"
+#include "tests/support/field_under_test.h"
 
 namespace stroma::test {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <numbers>
 
-#include "tests/elasticity/field_under_test.h"
+#include "tests/support/field_under_test.h"
 
 namespace stroma::test {
 namespace {
@@ -47,7 +47,7 @@ double unbalanced(const std::string& attributes, const std::string& cut) {
   const auto& rest = t.field().state().rest_position;
   double inside = 0, top = 0;
   for (Index i = 0; i < f.count(); ++i) {
-    const double z = rest[std::size_t(i)].z();
+    const double z = rest[i].z();
     if (z > 1e-9 && z < 2 * half_height - 1e-9) inside = std::max(inside, std::abs(f[i].z()));
     if (z > 2 * half_height - 1e-9) top += f[i].z();
   }

@@ -6,7 +6,7 @@
 #include <map>
 #include <sstream>
 
-#include "tests/elasticity/field_under_test.h"
+#include "tests/support/field_under_test.h"
 
 namespace stroma::test {
 namespace {
@@ -102,7 +102,7 @@ struct Sphere {
       std::map<Edge, Index> middle;
       const auto half = [&](Index a, Index b) {
         const auto [at, fresh] = middle.try_emplace({std::min(a, b), std::max(a, b)}, Index(nodes.size()));
-        if (fresh) nodes.push_back((nodes[std::size_t(a)] + nodes[std::size_t(b)]).normalized());
+        if (fresh) nodes.push_back((nodes[a] + nodes[b]).normalized());
         return at->second;
       };
       std::vector<Triangle> finer;

@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "framework/mesh/mesh.h"
-#include "tests/elasticity/field_under_test.h"
+#include "tests/support/field_under_test.h"
 
 namespace stroma::test {
 namespace {
@@ -32,19 +32,18 @@ std::string cutIntoTetrahedra(const std::vector<std::array<int, 8>>& hexahedra, 
   const auto centre = [&](const std::set<int>& nodes) {
     if (const auto found = centre_of.find(nodes); found != centre_of.end()) return found->second;
     Vec3 p = Vec3::Zero();
-    for (int n : nodes) p += position[std::size_t(n)] / double(nodes.size());
+    for (int n : nodes) p += position[n] / double(nodes.size());
     position.push_back(p);
     return centre_of[nodes] = int(position.size()) - 1;
   };
   for (const auto& h : hexahedra) {
     const int middle = centre(std::set<int>(h.begin(), h.end()));
     for (const auto& f : faces) {
-      const int at = centre({h[std::size_t(f[0])], h[std::size_t(f[1])], h[std::size_t(f[2])], h[std::size_t(f[3])]});
+      const int at = centre({h[f[0]], h[f[1]], h[f[2]], h[f[3]]});
       for (int k = 0; k < 4; ++k) {
-        int a = h[std::size_t(f[k])], b = h[std::size_t(f[(k + 1) % 4])];
+        int a = h[f[k]], b = h[std::size_t(f[(k + 1) % 4])];
         const auto& p = position;
-        if (tetrahedronVolume(p[std::size_t(middle)], p[std::size_t(at)], p[std::size_t(a)], p[std::size_t(b)]) < 0)
-          std::swap(a, b);
+        if (tetrahedronVolume(p[middle], p[at], p[a], p[b]) < 0) std::swap(a, b);
         for (int n : {middle, at, a, b}) tetrahedra += std::to_string(n) + " ";
       }
     }
@@ -112,7 +111,7 @@ void checkSolution(const ElasticBody& body, const Variant& variant, const Mat3& 
   // strain, of which the largest is 2e-3
   const double tolerance = variant.is("large") ? 4e-6 : 1e-10;
   for (Index i = 8; i < state.size(); ++i) {
-    const Vec3 p = state.rest_position[std::size_t(i)];
+    const Vec3 p = state.rest_position[i];
     EXPECT_LT((Vec3(state.x()[i]) - r * (p + gradient * p)).norm(), tolerance) << "node " << i;
   }
   std::vector<double> strain;

@@ -22,14 +22,12 @@ void expectValid(const std::vector<Tetrahedron>& cells, const std::vector<Vec3>&
   for (std::size_t c = 0; c + 1 < a.colour_start.size(); ++c) {
     std::vector<int> owner(position.size(), -1);
     for (Index block = a.colour_start[c]; block < a.colour_start[c + 1]; ++block)
-      for (Index i = a.block_start[std::size_t(block)] * lanes; i < a.block_start[std::size_t(block) + 1] * lanes;
-           ++i) {
-        const Index e = a.element[std::size_t(i)];
+      for (Index i = a.block_start[block] * lanes; i < a.block_start[block + 1] * lanes; ++i) {
+        const Index e = a.element[i];
         if (e < 0) continue;
-        for (Index n : cells[std::size_t(e)]) {
-          ASSERT_TRUE(owner[std::size_t(n)] < 0 || owner[std::size_t(n)] == block)
-              << "colour " << c << " shares node " << n;
-          owner[std::size_t(n)] = block;
+        for (Index n : cells[e]) {
+          ASSERT_TRUE(owner[n] < 0 || owner[n] == block) << "colour " << c << " shares node " << n;
+          owner[n] = block;
         }
       }
   }

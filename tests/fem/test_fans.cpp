@@ -39,11 +39,11 @@ double expectFans(const std::vector<Tetrahedron>& cells, std::size_t node_count)
   for (const Fan& fan : gatherFans(cells, node_count))
     for (int i = 0; i < fan_size; ++i) {
       Tetrahedron nodes;
-      for (int a = 0; a < 4; ++a) nodes[std::size_t(a)] = fan.nodes[std::size_t(corner(i, a))];
-      const Index e = fan.element[std::size_t(i)];
+      for (int a = 0; a < 4; ++a) nodes[a] = fan.nodes[corner(i, a)];
+      const Index e = fan.element[i];
       ++places, empty += e < 0;
-      if (e >= 0) ++seen[std::size_t(e)];
-      EXPECT_EQ(sorted(nodes), sorted(cells[std::size_t(e >= 0 ? e : fan.element[0])]));
+      if (e >= 0) ++seen[e];
+      EXPECT_EQ(sorted(nodes), sorted(cells[e >= 0 ? e : fan.element[0]]));
     }
   EXPECT_EQ(std::count(seen.begin(), seen.end(), 1), std::ptrdiff_t(cells.size()));
   return double(empty) / double(std::max<std::size_t>(places, 1));

@@ -161,10 +161,10 @@ TEST(Rotation, PacksEqualDoubles) {
       Mat3 got;
       for (int k = 0; k < 9; ++k) got(k % 3, k / 3) = lane[k][l];
       expectRotation(got);
-      const Eigen::JacobiSVD<Mat3> svd(f[std::size_t(l)]);
+      const Eigen::JacobiSVD<Mat3> svd(f[l]);
       const Vec3 s = svd.singularValues();
-      const double gap = f[std::size_t(l)].determinant() < 0 ? s[1] - s[2] : s[1] + s[2];
-      EXPECT_LT((got - dense(rotation::Svd::of(columns(f[std::size_t(l)])))).norm(), 1e-14 * s[0] / gap);
+      const double gap = f[l].determinant() < 0 ? s[1] - s[2] : s[1] + s[2];
+      EXPECT_LT((got - dense(rotation::Svd::of(columns(f[l])))).norm(), 1e-14 * s[0] / gap);
     }
   }
 }

@@ -62,7 +62,7 @@ using DualMatrix = std::array<std::array<Dual, 3>, 3>;
 inline DualMatrix variables(const Eigen::Matrix3d& f) {
   DualMatrix d;
   for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) d[std::size_t(i)][std::size_t(j)] = Dual::variable(f(i, j), 3 * i + j);
+    for (int j = 0; j < 3; ++j) d[i][j] = Dual::variable(f(i, j), 3 * i + j);
   return d;
 }
 
@@ -96,7 +96,7 @@ struct Strain {
     const Dual p = sqrt(trace(product(d, d)) / 6);
     const Dual angle = acos(determinant(d) / (2 * p * p * p)) / 3;
     std::array<Dual, 3> out;
-    for (int k = 0; k < 3; ++k) out[std::size_t(k)] = mean + 2 * p * cos(angle + 2 * M_PI / 3 * k);
+    for (int k = 0; k < 3; ++k) out[k] = mean + 2 * p * cos(angle + 2 * M_PI / 3 * k);
     return out;
   }
 };

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/elasticity/field_under_test.h"
+#include "tests/support/field_under_test.h"
 
 namespace stroma::test {
 

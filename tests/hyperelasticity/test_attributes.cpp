@@ -6,7 +6,7 @@
 #include <fstream>
 #include <limits>
 
-#include "framework/fem/hyperelastic_force_field.h"
+#include "components/hyperelasticity/hyperelastic_force_field.h"
 #include "tests/hyperelasticity/law_cases.h"
 
 namespace stroma::test {

@@ -3,7 +3,7 @@
 // deforming bar of Land et al. 2015.
 #include <fmt/format.h>
 
-#include "framework/fem/hyperelastic_kernels.h"
+#include "components/hyperelasticity/hyperelastic_kernels.h"
 #include "tests/hyperelasticity/law_cases.h"
 
 namespace stroma::test {

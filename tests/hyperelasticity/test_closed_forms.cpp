@@ -152,7 +152,7 @@ Mat3 firstStress(FieldUnderTest& t, const Mat3& f) {
   }
   for (int i = 0; i < 3; ++i)
     for (Index n = 0; n < 8; ++n)
-      if (t.field().state().rest_position[std::size_t(n)][i] == 1) p.col(i) -= Vec3(force[n]);
+      if (t.field().state().rest_position[n][i] == 1) p.col(i) -= Vec3(force[n]);
   return p;
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Energy, force and matrix of every law on a mesh against automatic differentiation of the energy's formula, cell by
 // cell; product against both.
-#include "framework/fem/hyperelastic_force_field.h"
+#include "components/hyperelasticity/hyperelastic_force_field.h"
 #include "tests/hyperelasticity/dual.h"
 #include "tests/hyperelasticity/law_cases.h"
 
@@ -24,8 +24,8 @@ Reference differentiated(const FieldUnderTest& t, const HyperelasticForceField& 
     const Tetrahedron& n = field.mesh().tetrahedra[cell];
     Mat3 before, now;
     for (int a = 0; a < 3; ++a) {
-      before.col(a) = rest[std::size_t(n[std::size_t(a + 1)])] - rest[std::size_t(n[0])];
-      now.col(a) = Vec3(t.x[n[std::size_t(a + 1)]]) - Vec3(t.x[n[0]]);
+      before.col(a) = rest[n[(a + 1)]] - rest[n[0]];
+      now.col(a) = Vec3(t.x[n[a + 1]]) - Vec3(t.x[n[0]]);
     }
     const double volume = std::abs(before.determinant()) / 6;
     Eigen::Matrix<double, 3, 4> g;
@@ -38,12 +38,12 @@ Reference differentiated(const FieldUnderTest& t, const HyperelasticForceField& 
     out.energy += volume * w.v;
     for (int a = 0; a < 4; ++a)
       for (int i = 0; i < 3; ++i) {
-        for (int k = 0; k < 3; ++k) out.force[n[std::size_t(a)]][i] -= volume * w.g[3 * i + k] * g(k, a);
+        for (int k = 0; k < 3; ++k) out.force[n[a]][i] -= volume * w.g[3 * i + k] * g(k, a);
         for (int b = 0; b < 4; ++b)
           for (int j = 0; j < 3; ++j)
             for (int k = 0; k < 3; ++k)
               for (int l = 0; l < 3; ++l)
-                out.matrix[std::size_t(n[std::size_t(a)]) * std::size_t(rows) + std::size_t(n[std::size_t(b)])](i, j) -=
+                out.matrix[std::size_t(n[a]) * std::size_t(rows) + std::size_t(n[b])](i, j) -=
                     volume * w.h(3 * i + k, 3 * j + l) * g(k, a) * g(l, b);
       }
   }

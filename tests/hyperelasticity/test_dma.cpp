@@ -28,7 +28,7 @@ TEST(SwingingDisc, ModulusIsThatOfTheMaxwellModel) {
     if (n <= steps * (periods - 1)) continue;
     double now = 0;
     for (Index i = 0; i < system.allRows(); ++i) {
-      const Vec3& x = system.states()[0]->rest_position[std::size_t(i)];
+      const Vec3& x = system.states()[0]->rest_position[i];
       if (std::abs(x.z() - height) < 1e-9) now -= x.x() * system.f[i].y() - x.y() * system.f[i].x();
     }
     torque += Complex(0, 2. / steps) * now * std::exp(Complex(0, -w * s.time()));

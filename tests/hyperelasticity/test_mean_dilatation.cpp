@@ -5,7 +5,7 @@
 
 #include <map>
 
-#include "framework/fem/hyperelastic_force_field.h"
+#include "components/hyperelasticity/hyperelastic_force_field.h"
 #include "tests/hyperelasticity/law_cases.h"
 
 namespace stroma::test {

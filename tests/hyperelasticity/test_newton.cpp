@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "framework/fem/hyperelastic_force_field.h"
+#include "components/hyperelasticity/hyperelastic_force_field.h"
 #include "tests/hyperelasticity/law_cases.h"
 
 namespace stroma::test {
@@ -205,7 +205,7 @@ TEST(HyperelasticNewton, IncompressibleBeamsDoNotLock) {
     double lowest = 0;
     const System& system = *simulation.systems()[0];
     for (Index i = 0; i < system.x.count(); ++i)
-      lowest = std::max(lowest, simulation.states()[0]->rest_position[std::size_t(i)].y() - system.x[i].y());
+      lowest = std::max(lowest, simulation.states()[0]->rest_position[i].y() - system.x[i].y());
     return lowest;
   };
   const double hooke = deflection("HexahedronFEMForceField method=\"small\" dilatation=\"mean\"");

@@ -79,10 +79,9 @@ std::pair<double, double> fluid(FieldUnderTest& t) {
   };
   double sum = 0, size = 0;
   for (const Tetrahedron& c : mesh.tetrahedra) {
-    const double v0 = volume(c, [&](Index i) -> Vec3 { return rest[std::size_t(i)]; });
+    const double v0 = volume(c, [&](Index i) -> Vec3 { return rest[i]; });
     sum += v0 * std::log(volume(c, [&](Index i) -> Vec3 { return t.system().x[i]; }) / v0);
-    for (Index node : c)
-      sum += v0 / 4 * p[std::size_t(node)] / 2200, size += v0 / 4 * std::abs(p[std::size_t(node)]) / 2200;
+    for (Index node : c) sum += v0 / 4 * p[node] / 2200, size += v0 / 4 * std::abs(p[node]) / 2200;
   }
   return {sum, size};
 }

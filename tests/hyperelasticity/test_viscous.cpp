@@ -4,7 +4,7 @@
 #include <complex>
 #include <numbers>
 
-#include "framework/fem/prony_series.h"
+#include "components/hyperelasticity/prony_series.h"
 #include "framework/mechanics/history.h"
 #include "tests/hyperelasticity/law_cases.h"
 
@@ -56,7 +56,7 @@ class Driven {
         p.col(i) = -6 * Vec3(force[i + 1]);
       else
         for (Index n = 0; n < 8; ++n)
-          if (t_.field().state().rest_position[std::size_t(n)][i] == 1) p.col(i) -= Vec3(force[n]);
+          if (t_.field().state().rest_position[n][i] == 1) p.col(i) -= Vec3(force[n]);
     return p;
   }
   /// S_12 / shear in simple shear, where S_12 of St Venant-Kirchhoff is mu times the shear.
@@ -290,8 +290,8 @@ TEST(ViscousLaw, TangentIsTheForcesDerivative) {
         t.field().addStiffnessDiagonal(1, diagonal);
         for (Index row = 0; row < t.x.count(); ++row)
           for (std::size_t i = 0; i < 9; ++i)
-            ASSERT_NEAR(diagonal[std::size_t(row) * 9 + i],
-                        k.values()[std::size_t(k.diagonal()[std::size_t(row)]) * 9 + i], 1e-10 * std::sqrt(dot(f, f)));
+            ASSERT_NEAR(diagonal[std::size_t(row) * 9 + i], k.values()[std::size_t(k.diagonal()[row]) * 9 + i],
+                        1e-10 * std::sqrt(dot(f, f)));
         // with the history held there is a potential, and no resultant
         Vector a(t.x.count()), b(t.x.count());
         copy(t.x, a), copy(t.x, b);

@@ -71,8 +71,7 @@ std::vector<std::pair<std::string, ElasticBlock>> systems() {
 /// The same matrix with the diagonal blocks of some rows made negative: indefinite and regular.
 StoredMatrix indefinite() {
   StoredMatrix matrix = block(3).matrix();
-  for (const Index row : {20, 30, 50})
-    matrix.values.add(matrix.values.diagonal()[std::size_t(row)], -3 * Mat3::Identity());
+  for (const Index row : {20, 30, 50}) matrix.values.add(matrix.values.diagonal()[row], -3 * Mat3::Identity());
   return matrix;
 }
 

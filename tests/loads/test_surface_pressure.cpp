@@ -5,7 +5,7 @@
 #include <Eigen/Geometry>
 
 #include "framework/mesh/mesh.h"
-#include "tests/elasticity/field_under_test.h"
+#include "tests/support/field_under_test.h"
 
 namespace stroma::test {
 namespace {
@@ -46,7 +46,7 @@ TEST(SurfacePressure, DoesPdVOnABodyOfQuads) {
   for (unsigned seed : {1u, 2u, 3u}) {
     t.deform(0.2, seed);
     std::array<Vec3, 8> corners;
-    for (int i = 0; i < 8; ++i) corners[std::size_t(i)] = t.x[i];
+    for (int i = 0; i < 8; ++i) corners[i] = t.x[i];
     EXPECT_NEAR(t.field().energy(t.x), -7 * hexahedronVolume(corners), 1e-13);
   }
 }
@@ -141,7 +141,7 @@ TEST(SurfacePressure, GasHasAPotential) {
     EXPECT_NEAR(-(t.field().energy(a) - t.field().energy(b)) / (2 * step), dot(f, t.direction),
                 1e-7 * std::sqrt(dot(f, f)));
     std::array<Vec3, 8> corners;
-    for (int i = 0; i < 8; ++i) corners[std::size_t(i)] = t.x[i];
+    for (int i = 0; i < 8; ++i) corners[i] = t.x[i];
     double work = 0;  // f.x = 3 p V on a closed surface
     for (Index i = 0; i < 8; ++i) work += f[i].dot(t.x[i]);
     const double volume = hexahedronVolume(corners);

@@ -119,11 +119,11 @@ TEST(Mappings, AffineMapsOfTheBodyMoveEmbeddedPointsExactly) {
       System& system = *simulation.systems().at(0);
       const State &body = stateOf(simulation, "/body/dofs"), &child = stateOf(simulation, "/body/child/points");
       for (Index i = 0; i < child.size(); ++i)
-        EXPECT_LT((child.x()[i] - points[std::size_t(i)]).norm(), 1e-15) << cells << " where it starts";
-      for (Index i = 0; i < body.size(); ++i) body.x()[i] = map * body.rest_position[std::size_t(i)] + Vec3(1, 2, 3);
+        EXPECT_LT((child.x()[i] - points[i]).norm(), 1e-15) << cells << " where it starts";
+      for (Index i = 0; i < body.size(); ++i) body.x()[i] = map * body.rest_position[i] + Vec3(1, 2, 3);
       system.applyMappings();
       for (Index i = 0; i < child.size(); ++i)
-        EXPECT_LT((child.x()[i] - (map * points[std::size_t(i)] + Vec3(1, 2, 3))).norm(), 1e-13) << cells << i;
+        EXPECT_LT((child.x()[i] - (map * points[i] + Vec3(1, 2, 3))).norm(), 1e-13) << cells << i;
     }
 }
 
@@ -151,9 +151,9 @@ TEST(Mappings, HexahedraAreTrilinear) {
   const auto moved = [](const Vec3& p) {
     return Vec3(p + Vec3(p.y() * p.z(), p.x() * p.z(), 3 * p.x() * p.y() * p.z()));
   };
-  for (Index i = 0; i < body.size(); ++i) body.x()[i] = moved(body.rest_position[std::size_t(i)]);
+  for (Index i = 0; i < body.size(); ++i) body.x()[i] = moved(body.rest_position[i]);
   simulation.systems().at(0)->applyMappings();
-  for (Index i = 0; i < child.size(); ++i) EXPECT_LT((child.x()[i] - moved(points[std::size_t(i)])).norm(), 1e-14) << i;
+  for (Index i = 0; i < child.size(); ++i) EXPECT_LT((child.x()[i] - moved(points[i])).norm(), 1e-14) << i;
 }
 
 /// A force on an embedded point is a force on the corners of its cell, in every solver's matrix too.
@@ -207,7 +207,7 @@ TEST(Mappings, PointsOnWhichNothingActsCostNothingInAStep) {
     for (Index i = 0; i < child.size(); ++i) {
       EXPECT_LT((child.x()[i] - expected[child.firstRow() + i]).norm(), 1e-15);
       EXPECT_LT((child.v()[i] - speed[child.firstRow() + i]).norm(), 1e-14);
-      EXPECT_GT((child.x()[i] - points[std::size_t(i)]).norm(), 0);
+      EXPECT_GT((child.x()[i] - points[i]).norm(), 0);
     }
   }
   // a child of a child: passive as long as the last one is
@@ -246,7 +246,7 @@ TEST(Mappings, CondensedBodiesCarryPointsThatOnlyFollow) {
     for (Index i = 0; i < a.size(); ++i) {
       EXPECT_LT((a.x()[i] - b.x()[i]).norm(), 1e-10) << condensed_solver << i;
       EXPECT_LT((a.v()[i] - b.v()[i]).norm(), 1e-8) << condensed_solver << i;
-      moved = std::max(moved, (a.x()[i] - points[std::size_t(i)]).norm());
+      moved = std::max(moved, (a.x()[i] - points[i]).norm());
     }
     EXPECT_GT(moved, 1e-5) << condensed_solver;
     scene.more = "<ConstantForceField indices=\"3\" totalForce=\"0 0 0.1\"/>";

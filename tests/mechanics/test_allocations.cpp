@@ -3,7 +3,7 @@
 #include <cstdlib>
 #include <new>
 
-#include "tests/mechanics/scene_text.h"
+#include "tests/support/scene_text.h"
 
 namespace {
 long allocations = 0;

@@ -5,7 +5,7 @@
 
 #include <Eigen/Geometry>
 
-#include "tests/mechanics/scene_text.h"
+#include "tests/support/scene_text.h"
 
 namespace stroma::test {
 namespace {
@@ -91,8 +91,7 @@ TEST_P(Boxes, ProductsAreTheAssembledMatrix) {
   EXPECT_LT(std::sqrt(dot(assembled, assembled)), 1e-13 * std::sqrt(dot(product, product)));
   for (Index i = 0; i < system.rows(); ++i)
     for (std::size_t c = 0; c < 9; ++c)
-      EXPECT_NEAR(blocks[std::size_t(i) * 9 + c],
-                  matrix.values()[std::size_t(matrix.diagonal()[std::size_t(i)]) * 9 + c], 1e-13);
+      EXPECT_NEAR(blocks[std::size_t(i) * 9 + c], matrix.values()[std::size_t(matrix.diagonal()[i]) * 9 + c], 1e-13);
 }
 
 INSTANTIATE_TEST_SUITE_P(Cells, Boxes, testing::Values("tetrahedra='false'", "tetrahedra='true'"),

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <fmt/format.h>
 
-#include "tests/mechanics/scene_text.h"
+#include "tests/support/scene_text.h"
 
 namespace stroma::test {
 namespace {

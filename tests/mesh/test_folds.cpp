@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "framework/mesh/folds.h"
-#include "tests/mesh/meshes.h"
+#include "tests/support/meshes.h"
 
 namespace stroma::test {
 namespace {
@@ -73,9 +73,7 @@ TEST(Folds, UprightCellsThatGoRoundTwiceOverlap) {
   }
   EXPECT_EQ(foldsOf(mesh, mesh.position, mesh.position), "");
   for (const Tetrahedron& t : mesh.tetrahedra)
-    EXPECT_GT(tetrahedronVolume(now[std::size_t(t[0])], now[std::size_t(t[1])], now[std::size_t(t[2])],
-                                now[std::size_t(t[3])]),
-              0);
+    EXPECT_GT(tetrahedronVolume(now[t[0]], now[t[1]], now[t[2]], now[t[3]]), 0);
   const std::string text = foldsOf(mesh, mesh.position, now);
   EXPECT_TRUE(says(text, "the cells around 1 of 11 nodes fill the space more than once; the first is node 0")) << text;
 }

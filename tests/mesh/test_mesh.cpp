@@ -9,10 +9,10 @@
 #include <map>
 #include <set>
 
+#include "components/topology/gmsh_reader.h"
 #include "framework/mesh/cell_faces.h"
-#include "framework/mesh/gmsh_reader.h"
 #include "framework/mesh/mesh_loader.h"
-#include "tests/mesh/meshes.h"
+#include "tests/support/meshes.h"
 
 namespace stroma::test {
 namespace {
@@ -32,8 +32,7 @@ std::set<Edge> edgesByBruteForce(const Mesh& mesh) {
   for (const auto& h : mesh.hexahedra)  // corners that differ in one coordinate of the unit grid
     for (std::size_t i = 0; i < 8; ++i)
       for (std::size_t j = 0; j < i; ++j)
-        if (std::abs((mesh.position[std::size_t(h[i])] - mesh.position[std::size_t(h[j])]).norm() - 1) < 1e-9)
-          add(h[i], h[j]);
+        if (std::abs((mesh.position[h[i]] - mesh.position[h[j]]).norm() - 1) < 1e-9) add(h[i], h[j]);
   return edges;
 }
 
@@ -71,8 +70,7 @@ TEST(Tables, AgreeWithBruteForceForTetrahedra) {
 
   std::map<Triangle, int> cells_of_face;
   for (const auto& t : mesh.tetrahedra)
-    for (const auto& f : tetrahedron_faces)
-      ++cells_of_face[sorted(Triangle{t[std::size_t(f[0])], t[std::size_t(f[1])], t[std::size_t(f[2])]})];
+    for (const auto& f : tetrahedron_faces) ++cells_of_face[sorted(Triangle{t[f[0]], t[f[1]], t[f[2]]})];
   std::set<Triangle> all, boundary;
   for (const auto& [face, count] : cells_of_face) {
     ASSERT_LE(count, 2);
@@ -94,8 +92,7 @@ TEST(Tables, BoundaryTurnsOutward) {
     const Mesh mesh = tetrahedronMesh(3, 2, 2, cut);
     double flux = 0;
     for (const Triangle& f : mesh.boundaryTriangles()) {
-      const Vec3 &a = mesh.position[std::size_t(f[0])], &b = mesh.position[std::size_t(f[1])],
-                 &c = mesh.position[std::size_t(f[2])];
+      const Vec3 &a = mesh.position[f[0]], &b = mesh.position[f[1]], &c = mesh.position[f[2]];
       flux += a.dot(b.cross(c)) / 6;
     }
     EXPECT_NEAR(flux, mesh.report().volume, 1e-12);
@@ -104,8 +101,7 @@ TEST(Tables, BoundaryTurnsOutward) {
   const Mesh grid = gridMesh(3, 2, 4);
   EXPECT_EQ(grid.boundaryQuads().size(), 2u * (6 + 8 + 12));
   for (const Quad& f : grid.boundaryQuads()) {
-    const Vec3 &a = grid.position[std::size_t(f[0])], &b = grid.position[std::size_t(f[1])],
-               &d = grid.position[std::size_t(f[3])];
+    const Vec3 &a = grid.position[f[0]], &b = grid.position[f[1]], &d = grid.position[f[3]];
     const Vec3 centre(1.5, 1, 2), normal = (b - a).cross(d - a);
     EXPECT_GT(normal.dot(a - centre), 0);
   }
@@ -122,8 +118,8 @@ TEST(Tables, EdgesAndNeighboursOfAGrid) {
     for (const auto& [a, b] : edges)
       if (a == n || b == n) expected.push_back(a == n ? b : a);
     std::sort(expected.begin(), expected.end());
-    const std::vector<Index> found(around.values.begin() + around.start[std::size_t(n)],
-                                   around.values.begin() + around.start[std::size_t(n) + 1]);
+    const std::vector<Index> found(around.values.begin() + around.start[n],
+                                   around.values.begin() + around.start[n + 1]);
     EXPECT_EQ(found, expected) << n;
   }
 }
@@ -137,9 +133,9 @@ TEST(Tables, CellsAroundNodes) {
       std::vector<Index> expected;
       for (std::size_t c = 0; c < cells.size(); ++c)
         if (std::count(cells[c].begin(), cells[c].end(), n)) expected.push_back(Index(c));
-      EXPECT_EQ(std::vector<Index>(around.values.begin() + around.start[std::size_t(n)],
-                                   around.values.begin() + around.start[std::size_t(n) + 1]),
-                expected);
+      EXPECT_EQ(
+          std::vector<Index>(around.values.begin() + around.start[n], around.values.begin() + around.start[n + 1]),
+          expected);
     }
   };
   check(mesh.tetrahedra, mesh.tetrahedraAroundNode(), mesh.nodes());
@@ -221,7 +217,7 @@ TEST(Report, OfTheBadMesh) {
   for (std::size_t t = 0; t < 6; ++t) {
     const auto& c = mesh.tetrahedra[t];
     Eigen::Matrix4d m;
-    for (int k = 0; k < 4; ++k) m.col(k) << 1, mesh.position[std::size_t(c[std::size_t(k)])];
+    for (int k = 0; k < 4; ++k) m.col(k) << 1, mesh.position[c[k]];
     const double v = m.determinant() / 6;
     volume += v;
     if (v < 0) inverted.push_back(Index(t));

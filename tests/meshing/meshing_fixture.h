@@ -9,8 +9,8 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "framework/mesh/gmsh_reader.h"
-#include "tests/tools/shell.h"
+#include "components/topology/gmsh_reader.h"
+#include "tests/support/shell.h"
 
 namespace stroma::test {
 
@@ -44,7 +44,7 @@ struct Region {
 /// Volumes, boundaries and the smallest dihedral angle, from the cells alone. Quadratic maps: for small meshes.
 inline std::map<int, Region> regionsOf(const GmshFile& file, double& smallest_angle) {
   const Mesh& mesh = file.mesh;
-  const auto at = [&mesh](Index n) -> const Vec3& { return mesh.position[std::size_t(n)]; };
+  const auto at = [&mesh](Index n) -> const Vec3& { return mesh.position[n]; };
   std::map<int, Region> regions;
   std::map<int, std::map<std::array<Index, 3>, int>> faces;
   smallest_angle = 180;
@@ -72,8 +72,7 @@ inline std::map<int, Region> regionsOf(const GmshFile& file, double& smallest_an
     std::map<std::array<Index, 2>, int> edges;
     for (const auto& [face, times] : count)
       if (times == 1)
-        for (const auto& [i, j] : {std::pair(0, 1), std::pair(0, 2), std::pair(1, 2)})
-          ++edges[{face[std::size_t(i)], face[std::size_t(j)]}];
+        for (const auto& [i, j] : {std::pair(0, 1), std::pair(0, 2), std::pair(1, 2)}) ++edges[{face[i], face[j]}];
     for (const auto& [edge, triangles] : edges) ++regions[label].edges, regions[label].bad_edges += triangles != 2;
   }
   return regions;

@@ -39,7 +39,7 @@ Labels labelsOf(const std::string& loader, const std::string& file) {
   Labels labels;
   for (std::size_t c = 0; c < groups.size(); ++c) {
     Vec3 centre = Vec3::Zero();
-    for (const Index n : mesh.tetrahedra[c]) centre += mesh.position[std::size_t(n)];
+    for (const Index n : mesh.tetrahedra[c]) centre += mesh.position[n];
     labels.push_back(
         {{std::round(centre.x() * 1e6), std::round(centre.y() * 1e6), std::round(centre.z() * 1e6)}, groups[c]});
   }
@@ -83,9 +83,9 @@ TEST(Leg, TheCondensedSolutionIsNewtons) {
   double largest = 0, difference = 0;
   for (const Triangle& t : file.mesh.triangles)  // the surfaces
     for (const Index n : t) {
-      largest = std::max(largest, (newton[std::size_t(n)] - file.mesh.position[std::size_t(n)]).norm());
-      if (file.triangle_groups[std::size_t(&t - file.mesh.triangles.data())] == 1)
-        difference = std::max(difference, (newton[std::size_t(n)] - condensed[std::size_t(n)]).norm());
+      largest = std::max(largest, (newton[n] - file.mesh.position[n]).norm());
+      if (file.triangle_groups[&t - file.mesh.triangles.data()] == 1)
+        difference = std::max(difference, (newton[n] - condensed[n]).norm());
     }
   EXPECT_GT(largest, 0.001);  // half of the push is 1.5 mm
   EXPECT_LT(largest, 0.01);

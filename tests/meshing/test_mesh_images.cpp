@@ -25,7 +25,7 @@ TEST_F(MeshCommand, TheLegIsWatertightOfGoodShapeAndHasTheVolumesOfItsVoxels) {
       EXPECT_NEAR(region.volume, voxels[label], 0.01 * voxels[label]) << "label " << label;
       EXPECT_GT(region.edges, 100);
       EXPECT_EQ(region.bad_edges, 0) << "label " << label;
-      const auto& reported = json["regions"][std::size_t(label - 1)];
+      const auto& reported = json["regions"][label - 1];
       EXPECT_EQ(reported["label"], label);
       EXPECT_NEAR(reported["volume"].get<double>(), region.volume, 1e-6 * region.volume);
       EXPECT_TRUE(reported["watertight"].get<bool>());

@@ -5,9 +5,9 @@
 #include <fstream>
 #include <sstream>
 
-#include "framework/mesh/voxels.h"
 #include "framework/scene/component.h"
 #include "tests/meshing/meshing_fixture.h"
+#include "tools/mesh/voxels.h"
 
 namespace stroma::test {
 namespace {
@@ -60,7 +60,7 @@ std::string stlText(const Surface& s) {
   for (const Triangle& t : s.triangles) {
     text += "facet normal 0 0 0\nouter loop\n";
     for (const Index n : t) {
-      const Vec3& p = s.position[std::size_t(n)];
+      const Vec3& p = s.position[n];
       text += fmt::format("vertex {} {} {}\n", p.x(), p.y(), p.z());
     }
     text += "endloop\nendfacet\n";
@@ -70,8 +70,7 @@ std::string stlText(const Surface& s) {
 
 double volumeOf(const Surface& s) {
   double volume = 0;
-  for (const auto& [a, b, c] : s.triangles)
-    volume += s.position[std::size_t(a)].dot(s.position[std::size_t(b)].cross(s.position[std::size_t(c)])) / 6;
+  for (const auto& [a, b, c] : s.triangles) volume += s.position[a].dot(s.position[b].cross(s.position[c])) / 6;
   return volume;
 }
 

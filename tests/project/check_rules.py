@@ -18,12 +18,19 @@ FRAMEWORK = {
 }
 # Libraries that only some folders may include: header pattern, folders.
 GUARDED = [
-    (re.compile(r"vtk\w+\.h$"), ("components/vtk_io/", "services/image_io/", "tests/")),
-    (re.compile(r"^CGAL/"), ("services/meshing/",)),
+    (re.compile(r"vtk\w+\.h$"), ("components/vtk_io/", "tools/mesh/image_io/", "tests/")),
+    (re.compile(r"^CGAL/"), ("tools/mesh/meshing/",)),
     (re.compile(r"gmsh\.h(_cwrap)?$"), ("tests/",)),
     (re.compile(r"tinyxml2\.h$"), ("framework/scene/", "tests/")),
     (re.compile(r"cholmod\.h$"), ("components/direct_solvers/", "components/condensation/", "tests/")),
 ]
+# Who may include the private headers of a family besides the family: its own tests (a folder of its name) and these.
+READERS_OF_FAMILIES = {
+    "elasticity": ("tools/bench/",),  # counts the operations of its kernels
+    "topology": ("tests/mesh/", "tests/meshing/", "tests/support/"),  # read meshes back, cut cells
+}
+# Tools whose library another one links.
+TOOLS_FOR_TOOLS = {"command": {"mesh"}}
 SKIPPED_FOLDERS = {".git", "build", "results", "__pycache__"}
 SOURCE = re.compile(r"(\.(h|cpp|py|cmake|in|xml|sh)|CMakeLists\.txt)$")
 BINARY = re.compile(r"\.(png|gz|vtu|pdf|so|o|pyc)$")
@@ -46,12 +53,18 @@ def included_problem(path, quoted, header, exists):
         if target[1] not in FRAMEWORK.get(top[1], set()):
             return f"framework/{top[1]} must not include framework/{target[1]}"
     elif top[0] == "components":
-        if target[0] != "framework":
-            return f'includes "{header}": a component includes framework/ only'
-    elif top[0] in ("tools", "services"):
+        if target[0] != "framework" and target[:2] != top[:2]:
+            return f'includes "{header}": a component includes framework/ and its own family only'
+    elif target[0] == "components":
+        family = target[1]
+        if not path.startswith((f"tests/{family}/", *READERS_OF_FAMILIES.get(family, ()))):
+            return f'includes "{header}": the private headers of a family are for the family and its tests'
+    elif top[0] == "tools":
+        others = {"tools/" + other for other in TOOLS_FOR_TOOLS.get(top[1], ())}
         own_folder = "/".join(top[:-1])
-        if target[0] != "framework" and not (header.startswith(own_folder + "/") or exists(own_folder + "/" + header)):
-            return f'includes "{header}": a {top[0][:-1]} includes framework/ and its own folder only'
+        if (target[0] != "framework" and target[:2] != top[:2] and "/".join(target[:2]) not in others
+                and not exists(own_folder + "/" + header)):
+            return f'includes "{header}": a tool includes framework/ and its own folder only'
     return None
 
 
@@ -80,8 +93,6 @@ def problems(tree):
             line = text.count("\n", 0, match.start()) + 1
             found.append(f"{path}:{line}: a path of one machine: {text[match.start():match.start() + 30].split()[0]}")
         if path.endswith((".h", ".cpp")):
-            if path.startswith("components/") and path.endswith(".h"):
-                found.append(f"{path}: a component is one .cpp with no header")
             for match in INCLUDE.finditer(text):
                 why = included_problem(path, match.group(1) == '"', match.group(2),
                                        lambda other: os.path.exists(os.path.join(tree, other)))
@@ -97,14 +108,21 @@ PLANTED = {  # path: (text, part of the expected finding, or None where there is
     "framework/algebra/c.h": (LICENCE + '#include "framework/mechanics/state.h"\n', "must not include framework/mechanics"),
     "framework/fem/d.h": (LICENCE + '#include "d_private.h"\n', 'write "framework/<folder>/..."'),
     "framework/fem/e.cpp": (LICENCE + "#include <vtkPolyData.h>\n", "which only components/vtk_io/"),
-    "components/elasticity/f.cpp": (LICENCE + '#include "components/mechanics/g.cpp"\n', "framework/ only"),
-    "components/elasticity/g.h": (LICENCE, "one .cpp with no header"),
-    "tools/command/h.cpp": (LICENCE + '#include "components/elasticity/f.cpp"\n', "its own folder only"),
+    "components/elasticity/f.cpp": (LICENCE + '#include "components/mechanics/g.h"\n', "its own family only"),
+    "components/elasticity/g.h": (LICENCE + '#include "framework/fem/d.h"\n#include "components/elasticity/h.h"\n', None),
+    "tests/elasticity/q.cpp": (LICENCE + '#include "components/elasticity/g.h"\n', None),
+    "tests/validation/r.cpp": (LICENCE + '#include "components/elasticity/g.h"\n', "for the family and its tests"),
+    "framework/fem/s.cpp": (LICENCE + '#include "components/elasticity/g.h"\n', 'write "framework/<folder>/..."'),
+    "tools/bench/t.cpp": (LICENCE + '#include "components/elasticity/g.h"\n', None),
+    "tools/command/u.cpp": (LICENCE + '#include "tools/mesh/o.h"\n', None),
+    "tools/mesh/v.cpp": (LICENCE + '#include "tools/command/i.h"\n', "its own folder only"),
+    "tools/command/h.cpp": (LICENCE + '#include "components/elasticity/g.h"\n', "for the family and its tests"),
     "tools/command/i.cpp": (LICENCE + '#include "i.h"\n#include "framework/scene/node.h"\n', None),
     "tools/command/i.h": (LICENCE, None),
-    "services/meshing/o.cpp": (LICENCE + '#include <CGAL/Random.h>\n#include "services/meshing/o.h"\n', None),
-    "services/meshing/o.h": (LICENCE + '#include "services/image_io/p.h"\n', "its own folder only"),
-    "framework/mesh/p.cpp": (LICENCE + "#include <CGAL/Random.h>\n", "which only services/meshing/"),
+    "tools/mesh/meshing/o.cpp": (LICENCE + '#include <CGAL/Random.h>\n#include "tools/mesh/o.h"\n#include "n.h"\n', None),
+    "tools/mesh/meshing/n.h": (LICENCE, None),
+    "tools/mesh/o.h": (LICENCE + '#include "tools/bench/p.h"\n', "its own folder only"),
+    "framework/mesh/p.cpp": (LICENCE + "#include <CGAL/Random.h>\n", "which only tools/mesh/meshing/"),
     "framework/simulation/j.cpp": (LICENCE + '#include "framework/fem/d.h"\n#include <vector>\n', None),
     "tests/scene/k.cpp": ('#include "anything.h"\n', "no SPDX"),
     "tools/l": ("#!/bin/sh\n\n\n\n# SPDX-License-Identifier: LGPL-2.1-or-later\n", "no SPDX"),

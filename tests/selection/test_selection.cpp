@@ -37,7 +37,7 @@ template <class Inside>
 void expectNodes(const Scene& scene, Inside&& inside) {
   const auto& mesh = dynamic_cast<Topology*>(findComponent(*scene.root, "/grid"))->mesh();
   Ints in, out;
-  for (Index n = 0; n < mesh.nodes(); ++n) (inside(mesh.position[std::size_t(n)]) ? in : out).push_back(n);
+  for (Index n = 0; n < mesh.nodes(); ++n) (inside(mesh.position[n]) ? in : out).push_back(n);
   ASSERT_FALSE(in.empty());
   ASSERT_FALSE(out.empty());
   EXPECT_EQ(value<Ints>(scene, "indices"), in);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Forces prescribed over time: contractile fibres and moving targets, against their formulas.
-#include "tests/elasticity/field_under_test.h"
+#include "tests/support/field_under_test.h"
 
 namespace stroma::test {
 namespace {

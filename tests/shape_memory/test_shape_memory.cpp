@@ -4,7 +4,7 @@
 
 #include "framework/algebra/parallel.h"
 #include "framework/mesh/topology.h"
-#include "tests/elasticity/field_under_test.h"
+#include "tests/support/field_under_test.h"
 
 namespace stroma::test {
 namespace {
@@ -59,15 +59,15 @@ TEST(ShapeMemory, NoForceAtRestNorAfterARigidMotion) {
 Vec3 targetByEigen(const std::vector<Vec3>& rest, ConstRows x, Index node, const std::vector<Index>& neighbours) {
   Vec3 rest_mean = Vec3::Zero(), mean = Vec3::Zero();
   for (Index j : neighbours) {
-    rest_mean += rest[std::size_t(j)] / double(neighbours.size());
+    rest_mean += rest[j] / double(neighbours.size());
     mean += x[j] / double(neighbours.size());
   }
   Mat3 a = Mat3::Zero();
-  for (Index j : neighbours) a += (x[j] - mean) * (rest[std::size_t(j)] - rest_mean).transpose();
+  for (Index j : neighbours) a += (x[j] - mean) * (rest[j] - rest_mean).transpose();
   const Eigen::JacobiSVD<Mat3, Eigen::FullPivHouseholderQRPreconditioner> svd(
       a, Eigen::ComputeFullU | Eigen::ComputeFullV);
   const Vec3 sign(1, 1, (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1);
-  return mean + svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose() * (rest[std::size_t(node)] - rest_mean);
+  return mean + svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose() * (rest[node] - rest_mean);
 }
 
 TEST(ShapeMemory, PlainForceDrawsToTheTargetOfTheNeighbourhood) {
@@ -80,8 +80,8 @@ TEST(ShapeMemory, PlainForceDrawsToTheTargetOfTheNeighbourhood) {
     const Vector f = t.force();
     const auto& rest = t.field().state().rest_position;
     for (Index i = 0; i < f.count(); ++i) {
-      const std::vector<Index> list(around.values.begin() + around.start[std::size_t(i)],
-                                    around.values.begin() + around.start[std::size_t(i) + 1]);
+      const std::vector<Index> list(around.values.begin() + around.start[i],
+                                    around.values.begin() + around.start[i + 1]);
       const Vec3 expected = 100 * (targetByEigen(rest, t.x, i, list) - t.x[i]);
       // the node's own weight of 1e-6 moves the rotation by about as much
       EXPECT_LT((expected - f[i]).norm(), 1e-4 * 100 * t.typicalEdge()) << i;
@@ -93,13 +93,11 @@ TEST(ShapeMemory, InvertedNeighbourhoodsGetARotationNotAReflection) {
   FieldUnderTest t(organ("reaction=\"false\" ownWeight=\"1e-6\""), type);
   const auto& rest = t.field().state().rest_position;
   const Adjacency& around = t.field().find<Topology>(true)->mesh().nodesAroundNode();
-  for (Index i = 0; i < t.x.count(); ++i)
-    t.x[i] = Vec3(-rest[std::size_t(i)].x(), rest[std::size_t(i)].y(), rest[std::size_t(i)].z());
+  for (Index i = 0; i < t.x.count(); ++i) t.x[i] = Vec3(-rest[i].x(), rest[i].y(), rest[i].z());
   const Vector f = t.force();
   int compared = 0;
   for (Index i = 0; i < f.count(); ++i) {
-    const std::vector<Index> list(around.values.begin() + around.start[std::size_t(i)],
-                                  around.values.begin() + around.start[std::size_t(i) + 1]);
+    const std::vector<Index> list(around.values.begin() + around.start[i], around.values.begin() + around.start[i + 1]);
     const Vec3 expected = 100 * (targetByEigen(rest, t.x, i, list) - t.x[i]);
     compared += (expected - f[i]).norm() < 1e-3 * 100 * t.typicalEdge();
   }
@@ -179,8 +177,8 @@ Bodies momenta(const System& system) {
   Bodies sum;
   const std::vector<double>& mass = system.masses()[0]->lumped();
   for (Index i = 0; i < system.x.count(); ++i) {
-    sum.linear += mass[std::size_t(i)] * system.v[i];
-    sum.angular += Vec3(system.x[i]).cross(mass[std::size_t(i)] * Vec3(system.v[i]));
+    sum.linear += mass[i] * system.v[i];
+    sum.angular += Vec3(system.x[i]).cross(mass[i] * Vec3(system.v[i]));
   }
   return sum;
 }
@@ -210,20 +208,20 @@ TEST(ShapeMemory, AFreeBodyThatSpinsKeepsItsMomenta) {
 double distanceToRest(const State& state) {
   Vec3 mean = Vec3::Zero(), rest_mean = Vec3::Zero(), low = Vec3::Constant(1e9), high = -low;
   for (Index i = 0; i < state.size(); ++i) {
-    const Vec3& p = state.rest_position[std::size_t(i)];
+    const Vec3& p = state.rest_position[i];
     mean += state.x()[i] / state.size(), rest_mean += p / state.size();
     low = low.cwiseMin(p), high = high.cwiseMax(p);
   }
   Mat3 a = Mat3::Zero();
   for (Index i = 0; i < state.size(); ++i)
-    a += (state.x()[i] - mean) * (state.rest_position[std::size_t(i)] - rest_mean).transpose();
+    a += (state.x()[i] - mean) * (state.rest_position[i] - rest_mean).transpose();
   const Eigen::JacobiSVD<Mat3, Eigen::FullPivHouseholderQRPreconditioner> svd(
       a, Eigen::ComputeFullU | Eigen::ComputeFullV);
   const Vec3 sign(1, 1, (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1);
   const Mat3 r = svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose();
   double worst = 0;
   for (Index i = 0; i < state.size(); ++i)
-    worst = std::max(worst, (state.x()[i] - mean - r * (state.rest_position[std::size_t(i)] - rest_mean)).norm());
+    worst = std::max(worst, (state.x()[i] - mean - r * (state.rest_position[i] - rest_mean)).norm());
   return worst / (high - low).norm();
 }
 

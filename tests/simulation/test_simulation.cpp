@@ -23,7 +23,7 @@ class TestMass final : public Mass {
  public:
   void init() override {
     Mass::init();
-    lumped_.assign(std::size_t(state().size()), 1.0);
+    lumped_.assign(state().size(), 1.0);
   }
   const std::vector<double>& lumped() const override { return lumped_; }
   bool isDiagonal() const override { return true; }

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "tests/mechanics/scene_text.h"
+#include "tests/support/scene_text.h"
 
 namespace stroma::test {
 namespace {
@@ -130,7 +130,7 @@ TEST_P(Mapped, ProductIsTheDerivativeOfTheForce) {
   system.computeForceAndProduct(system.x, system.v, p, 2, 0, both);
   EXPECT_LT(distance(both, product), 1e-12 * size);
   clear(system.f);
-  system.askForForce();
+  system.requestForce();
   system.computeForceAndProduct(system.x, system.v, p, 2, 0, both);
   EXPECT_LT(distance(both, product), 1e-12 * size);
   EXPECT_LT(distance(before, system.f), 1e-12);

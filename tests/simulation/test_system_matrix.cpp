@@ -4,7 +4,7 @@
 
 #include <Eigen/Dense>
 
-#include "tests/mechanics/scene_text.h"
+#include "tests/support/scene_text.h"
 
 namespace stroma::test {
 namespace {
@@ -27,10 +27,9 @@ const std::string curl = "<TestUnsymmetric name='curl'/>";
 Eigen::MatrixXd dense(const BlockMatrix& matrix) {
   Eigen::MatrixXd out = Eigen::MatrixXd::Zero(3 * matrix.rows(), 3 * matrix.rows());
   for (Index i = 0; i < matrix.rows(); ++i)
-    for (Index s = matrix.rowStart()[std::size_t(i)]; s < matrix.rowStart()[std::size_t(i) + 1]; ++s)
+    for (Index s = matrix.rowStart()[i]; s < matrix.rowStart()[i + 1]; ++s)
       for (int c = 0; c < 9; ++c)
-        out(3 * i + c / 3, 3 * matrix.columns()[std::size_t(s)] + c % 3) =
-            matrix.values()[std::size_t(s) * 9 + std::size_t(c)];
+        out(3 * i + c / 3, 3 * matrix.columns()[s] + c % 3) = matrix.values()[std::size_t(s) * 9 + std::size_t(c)];
   return out;
 }
 

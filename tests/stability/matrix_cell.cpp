@@ -155,7 +155,7 @@ class Run {
   void disturb() {
     System& s = system();
     std::vector<Mat3> free(target_.size(), Mat3::Identity());
-    for (const NodeProjector& held : s.projectors()) free[std::size_t(held.row)] = held.projector;
+    for (const NodeProjector& held : s.projectors()) free[held.row] = held.projector;
     std::mt19937 random(3);
     std::uniform_real_distribution<double> uniform(0, 1);
     const Vec3 low = box_.min(), extent = box_.sizes(), centre = box_.center();
@@ -198,7 +198,7 @@ class Run {
   double energy() const { return system().kineticEnergy() + system().potentialEnergy(system().x) - energy_rest_; }
   double restEnergy() const {
     Vector rest(system().allRows());
-    for (Index i = 0; i < system().allRows(); ++i) rest[i] = target_[std::size_t(i)];
+    for (Index i = 0; i < system().allRows(); ++i) rest[i] = target_[i];
     return system().potentialEnergy(rest);
   }
   int inverted() const {

@@ -167,7 +167,7 @@ TEST_P(BadShapes, RestWithoutGravityIsKeptToRoundOff) {
     const State& state = *simulation.states().at(0);
     for (int step = 0; step < 10; ++step) ASSERT_FALSE(simulation.step().diverged);
     for (Index i = 0; i < state.size(); ++i)
-      EXPECT_LT((state.x()[i] - state.rest_position[std::size_t(i)]).norm(), 1e-14) << "node " << i;
+      EXPECT_LT((state.x()[i] - state.rest_position[i]).norm(), 1e-14) << "node " << i;
   }
 }
 

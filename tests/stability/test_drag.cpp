@@ -24,8 +24,7 @@ struct Drag {
 double farthestFromRest(const Simulation& simulation) {
   const State& state = *simulation.states().at(0);
   double largest = 0;
-  for (Index i = 0; i < state.size(); ++i)
-    largest = std::max(largest, (state.x()[i] - state.rest_position[std::size_t(i)]).norm());
+  for (Index i = 0; i < state.size(); ++i) largest = std::max(largest, (state.x()[i] - state.rest_position[i]).norm());
   return largest;
 }
 

@@ -79,8 +79,7 @@ struct Outcome {
 
 double distanceFromRest(const State& state) {
   double largest = 0;
-  for (Index i = 0; i < state.size(); ++i)
-    largest = std::max(largest, (state.x()[i] - state.rest_position[std::size_t(i)]).norm());
+  for (Index i = 0; i < state.size(); ++i) largest = std::max(largest, (state.x()[i] - state.rest_position[i]).norm());
   return largest;
 }
 
@@ -102,7 +101,7 @@ double mostCovered(Simulation& simulation) {
         return (state.x()[t[(k + other) % 4]] - state.x()[t[k]]).normalized();
       };
       const Vec3 a = direction(1), b = direction(2), c = direction(3);
-      angle[std::size_t(t[k])] += 2 * std::atan2(std::abs(a.dot(b.cross(c))), 1 + a.dot(b) + b.dot(c) + c.dot(a));
+      angle[t[k]] += 2 * std::atan2(std::abs(a.dot(b.cross(c))), 1 + a.dot(b) + b.dot(c) + c.dot(a));
     }
   return *std::max_element(angle.begin(), angle.end()) / (4 * std::numbers::pi);
 }

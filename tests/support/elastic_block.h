@@ -20,7 +20,7 @@ struct ElasticBlock {
   bool slide_wall = false;  ///< the nodes at x = 0 slide in their plane
   std::function<double(Vec3)> stiffer = {};  ///< factor of E at a point (cells as unit), 1 when not given
 
-  Index nodes(int axis) const { return cells[std::size_t(axis)] + 1; }
+  Index nodes(int axis) const { return cells[axis] + 1; }
   Index node(Index i, Index j, Index k) const { return i + nodes(0) * (j + nodes(1) * k); }
   Index count() const { return nodes(0) * nodes(1) * nodes(2); }
   StoredMatrix matrix() const;
@@ -40,23 +40,23 @@ inline ElasticBlock::ElementMatrix ElasticBlock::element(bool mass) const {
     std::array<Vec3, 8> gradient;
     std::array<double, 8> shape;
     for (int c = 0; c < 8; ++c) {
-      shape[std::size_t(c)] = 1;
+      shape[c] = 1;
       for (int axis = 0; axis < 3; ++axis) {
         double slope = sign(c, axis) / size;
         for (int other = 0; other < 3; ++other) {
           const double value = (1 + sign(c, other) * sign(q, other) / std::sqrt(3.)) / 2;
           if (other != axis) slope *= value;
-          if (axis == 0) shape[std::size_t(c)] *= value;
+          if (axis == 0) shape[c] *= value;
         }
-        gradient[std::size_t(c)][axis] = slope;
+        gradient[c][axis] = slope;
       }
     }
     const double weight = size * size * size / 8;
     for (int a = 0; a < 8; ++a)
       for (int b = 0; b < 8; ++b) {
-        const Vec3 &g = gradient[std::size_t(a)], &h = gradient[std::size_t(b)];
+        const Vec3 &g = gradient[a], &h = gradient[b];
         Mat3 block = lambda * g * h.transpose() + mu * h * g.transpose() + mu * g.dot(h) * Mat3::Identity();
-        if (mass) block = density * shape[std::size_t(a)] * shape[std::size_t(b)] * Mat3::Identity();
+        if (mass) block = density * shape[a] * shape[b] * Mat3::Identity();
         result.block<3, 3>(3 * a, 3 * b) += weight * block;
       }
   }
@@ -66,8 +66,8 @@ inline ElasticBlock::ElementMatrix ElasticBlock::element(bool mass) const {
 /// Rows and columns of `row` become P A P + I - P.
 inline void ElasticBlock::hold(BlockMatrix& matrix, Index row, const Mat3& projector) const {
   using Block = Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>;
-  for (Index s = matrix.rowStart()[std::size_t(row)]; s < matrix.rowStart()[std::size_t(row) + 1]; ++s) {
-    const Index column = matrix.columns()[std::size_t(s)];
+  for (Index s = matrix.rowStart()[row]; s < matrix.rowStart()[row + 1]; ++s) {
+    const Index column = matrix.columns()[s];
     Block mine(matrix.values().data() + 9 * s), mirrored(matrix.values().data() + 9 * matrix.slot(column, row));
     mine = (projector * mine).eval();
     mirrored = (mirrored * projector).eval();
@@ -82,7 +82,7 @@ inline StoredMatrix ElasticBlock::matrix() const {
       for (Index j = 0; j < cells[1]; ++j)
         for (Index i = 0; i < cells[0]; ++i) {
           std::array<Index, 8> corners;
-          for (int c = 0; c < 8; ++c) corners[std::size_t(c)] = node(i + (c & 1), j + (c >> 1 & 1), k + (c >> 2));
+          for (int c = 0; c < 8; ++c) corners[c] = node(i + (c & 1), j + (c >> 1 & 1), k + (c >> 2));
           visit(corners, Vec3(i + 0.5, j + 0.5, k + 0.5));
         }
   };
@@ -94,7 +94,7 @@ inline StoredMatrix ElasticBlock::matrix() const {
     const double factor = stiffer ? stiffer(centre) : 1;
     for (int a = 0; a < 8; ++a)
       for (int b = 0; b < 8; ++b)
-        matrix.add(corners[std::size_t(a)], corners[std::size_t(b)],
+        matrix.add(corners[a], corners[b],
                    Mat3(factor * stiffness.block<3, 3>(3 * a, 3 * b) + mass.block<3, 3>(3 * a, 3 * b)));
   });
   if (hold_floor)

@@ -46,13 +46,13 @@ class GroundSpring final : public ForceField {
   }
   void setTime(double time) override { push_now_ = std::cos(push_rate_ * time) * push_; }
   void addForce(ConstRows x, ConstRows v, Rows f) override {
-    x_.resize(std::size_t(state().size()));
+    x_.resize(state().size());
     for (Index i = 0; i < state().size(); ++i) {
-      const Vec3 d = x_[std::size_t(i)] = offset(x, i);
+      const Vec3 d = x_[i] = offset(x, i);
       f[row(i)] += -(stiffness_ + cubic_ * d.squaredNorm()) * d + twist_ * Vec3::UnitZ().cross(d) -
                    damping_ * v[row(i)] + push_now_;
       if (i == 0) continue;
-      const Vec3 pull = couple_ * (d - x_[std::size_t(i) - 1]);
+      const Vec3 pull = couple_ * (d - x_[i - 1]);
       f[row(i)] -= pull;
       f[row(i - 1)] += pull;
     }
@@ -104,9 +104,9 @@ class GroundSpring final : public ForceField {
 
  private:
   Index row(Index i) const { return state().firstRow() + i; }
-  Vec3 offset(ConstRows x, Index i) const { return x[row(i)] - state().rest_position[std::size_t(i)]; }
+  Vec3 offset(ConstRows x, Index i) const { return x[row(i)] - state().rest_position[i]; }
   Mat3 block(Index i) const {
-    const Vec3& d = x_[std::size_t(i)];
+    const Vec3& d = x_[i];
     Mat3 k = -(stiffness_ + cubic_ * d.squaredNorm()) * Mat3::Identity() - 2 * cubic_ * d * d.transpose();
     k(0, 1) -= twist_;
     k(1, 0) += twist_;

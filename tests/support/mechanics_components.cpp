@@ -65,8 +65,7 @@ class TestMesh final : public Topology {
       mesh_.triangles.push_back({c[0], c[2], c[3]});
     } else if (tetrahedra_) {
       const int ring[7] = {1, 2, 3, 7, 4, 5, 1};
-      for (int i = 0; i < 6; ++i)
-        mesh_.tetrahedra.push_back({c[0], c[std::size_t(ring[i])], c[std::size_t(ring[i + 1])], c[6]});
+      for (int i = 0; i < 6; ++i) mesh_.tetrahedra.push_back({c[0], c[ring[i]], c[ring[i + 1]], c[6]});
     } else {
       mesh_.hexahedra.push_back(c);
     }
@@ -131,9 +130,7 @@ class Net : public ForceField {
     for (std::size_t p = 0; p < pairs_.size(); ++p)
       visit(p, state().firstRow() + pairs_[p][0], state().firstRow() + pairs_[p][1]);
   }
-  Vec3 rest(std::size_t p) const {
-    return state().rest_position[std::size_t(pairs_[p][1])] - state().rest_position[std::size_t(pairs_[p][0])];
-  }
+  Vec3 rest(std::size_t p) const { return state().rest_position[pairs_[p][1]] - state().rest_position[pairs_[p][0]]; }
   double stiffness_ = 100;
   std::vector<Edge> pairs_;
   std::vector<Mat3> tangents_;  ///< derivative of the force on b by x_b
@@ -205,7 +202,7 @@ class TestUnsymmetric final : public ForceField {
   double energy(ConstRows) const override { return 0; }
   void addForce(ConstRows x, ConstRows, Rows f) override {
     for (Index i = 0; i < state().size(); ++i)
-      f[state().firstRow() + i] += turn() * (x[state().firstRow() + i] - state().rest_position[std::size_t(i)]);
+      f[state().firstRow() + i] += turn() * (x[state().firstRow() + i] - state().rest_position[i]);
   }
   void addStiffnessProduct(ConstRows dx, double factor, Rows df) const override {
     for (Index i = state().firstRow(); i < state().firstRow() + state().size(); ++i) df[i] += factor * turn() * dx[i];
@@ -243,13 +240,13 @@ class TestDrag final : public ForceField {
   }
   double energy(ConstRows) const override { return 0; }
   void addForce(ConstRows, ConstRows v, Rows f) override {
-    blocks_.resize(std::size_t(state().size()));
+    blocks_.resize(state().size());
     for (Index i = 0; i < state().size(); ++i) {
       const Vec3 u = v[row(i)];
       const double speed = u.norm();
       f[row(i)] -= (linear_ + quadratic_ * speed) * u;
-      blocks_[std::size_t(i)] = -(linear_ + quadratic_ * speed) * Mat3::Identity();
-      if (speed > 0) blocks_[std::size_t(i)] -= quadratic_ / speed * u * u.transpose();
+      blocks_[i] = -(linear_ + quadratic_ * speed) * Mat3::Identity();
+      if (speed > 0) blocks_[i] -= quadratic_ / speed * u * u.transpose();
     }
   }
   void addStiffnessProduct(ConstRows, double, Rows) const override {}
@@ -257,15 +254,14 @@ class TestDrag final : public ForceField {
   void addStiffness(double, BlockMatrix&) const override {}
   void addStiffnessDiagonal(double, std::vector<double>&) const override {}
   void addDampingProduct(ConstRows dv, double factor, Rows df) const override {
-    for (Index i = 0; i < state().size(); ++i) df[row(i)] += factor * (blocks_[std::size_t(i)] * dv[row(i)]);
+    for (Index i = 0; i < state().size(); ++i) df[row(i)] += factor * (blocks_[i] * dv[row(i)]);
   }
   void addDamping(double factor, BlockMatrix& matrix) const override {
-    for (Index i = 0; i < state().size(); ++i) matrix.add(row(i), row(i), factor * blocks_[std::size_t(i)]);
+    for (Index i = 0; i < state().size(); ++i) matrix.add(row(i), row(i), factor * blocks_[i]);
   }
   void addDampingDiagonal(double factor, std::vector<double>& blocks) const override {
     for (Index i = 0; i < state().size(); ++i)
-      for (int k = 0; k < 9; ++k)
-        blocks[9 * std::size_t(row(i)) + std::size_t(k)] += factor * blocks_[std::size_t(i)](k / 3, k % 3);
+      for (int k = 0; k < 9; ++k) blocks[9 * std::size_t(row(i)) + std::size_t(k)] += factor * blocks_[i](k / 3, k % 3);
   }
 
  private:
@@ -308,23 +304,23 @@ class TestMean final : public Mapping {
   State& output() const override { return *output_.get(); }
   bool isLinear() const override { return bend_ == 0; }
   void apply(Rows x) const override {
-    y_.resize(std::size_t(output().size()));
+    y_.resize(output().size());
     forEach([&](Index i, Index a, Index c) {
       x[c] = 0.5 * (x[a] + x[a + 1]);
-      y_[std::size_t(i)] = x[c].y();
+      y_[i] = x[c].y();
       x[c].x() += bend_ * x[c].y() * x[c].y();
     });
   }
   void applyJ(Rows v) const override {
     forEach([&](Index i, Index a, Index c) {
       v[c] = 0.5 * (v[a] + v[a + 1]);
-      v[c].x() += 2 * bend_ * y_[std::size_t(i)] * v[c].y();
+      v[c].x() += 2 * bend_ * y_[i] * v[c].y();
     });
   }
   void applyJT(Rows f) const override {
     forEach([&](Index i, Index a, Index c) {
       Vec3 force = f[c];
-      force.y() += 2 * bend_ * y_[std::size_t(i)] * force.x();
+      force.y() += 2 * bend_ * y_[i] * force.x();
       f[a] += 0.5 * force;
       f[a + 1] += 0.5 * force;
     });
@@ -332,7 +328,7 @@ class TestMean final : public Mapping {
   void addJacobian(std::vector<JacobianBlock>& out) const override {
     forEach([&](Index i, Index a, Index c) {
       Mat3 block = 0.5 * Mat3::Identity();
-      block(0, 1) = bend_ * y_[std::size_t(i)];
+      block(0, 1) = bend_ * y_[i];
       out.push_back({c, a, block});
       out.push_back({c, a + 1, block});
     });

@@ -29,7 +29,7 @@ class StoredMatrix final : public SystemMatrix {
   void diagonalBlocks(std::vector<double>& blocks) const override {
     blocks.resize(std::size_t(rows()) * 9);
     for (Index i = 0; i < rows(); ++i)
-      std::copy_n(values.values().begin() + std::ptrdiff_t(values.diagonal()[std::size_t(i)]) * 9, 9,
+      std::copy_n(values.values().begin() + std::ptrdiff_t(values.diagonal()[i]) * 9, 9,
                   blocks.begin() + std::ptrdiff_t(i) * 9);
   }
   long revision() const override { return revision_number; }
@@ -39,7 +39,7 @@ class StoredMatrix final : public SystemMatrix {
   ConstRows positions() const override {
     if (nodes.empty()) return {};
     if (placed_.count() != rows()) placed_.resize(rows());
-    for (Index i = 0; i < rows(); ++i) placed_[i] = nodes[std::size_t(i)];
+    for (Index i = 0; i < rows(); ++i) placed_[i] = nodes[i];
     return placed_;
   }
   std::string describeRow(Index row) const override { return "row " + std::to_string(row); }
@@ -47,9 +47,9 @@ class StoredMatrix final : public SystemMatrix {
   Eigen::MatrixXd dense() const {
     Eigen::MatrixXd a = Eigen::MatrixXd::Zero(3 * rows(), 3 * rows());
     for (Index i = 0; i < rows(); ++i)
-      for (Index s = values.rowStart()[std::size_t(i)]; s < values.rowStart()[std::size_t(i) + 1]; ++s)
+      for (Index s = values.rowStart()[i]; s < values.rowStart()[i + 1]; ++s)
         for (int k = 0; k < 9; ++k)
-          a(3 * i + k / 3, 3 * values.columns()[std::size_t(s)] + k % 3) = values.values()[std::size_t(9 * s + k)];
+          a(3 * i + k / 3, 3 * values.columns()[s] + k % 3) = values.values()[std::size_t(9 * s + k)];
     return a;
   }
 
@@ -78,8 +78,7 @@ inline StoredMatrix randomMatrix(Index rows, int neighbours, double ground, unsi
     for (int k = 0; k < 18; ++k) b.data()[k] = number(generator);
     const Eigen::Matrix<double, 6, 6> k = b.transpose() * b;
     for (int p = 0; p < 2; ++p)
-      for (int q = 0; q < 2; ++q)
-        matrix.add(pair[std::size_t(p)], pair[std::size_t(q)], Mat3(k.block<3, 3>(3 * p, 3 * q)));
+      for (int q = 0; q < 2; ++q) matrix.add(pair[p], pair[q], Mat3(k.block<3, 3>(3 * p, 3 * q)));
   }
   for (Index i = 0; i < rows; ++i) matrix.add(i, i, ground * Mat3::Identity());
   return StoredMatrix(std::move(matrix));

@@ -10,7 +10,7 @@
 #include <memory>
 
 #include "framework/simulation/simulation.h"
-#include "tests/elasticity/field_under_test.h"
+#include "tests/support/field_under_test.h"
 
 namespace {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "framework/scene/modules.h"
-#include "tests/tools/shell.h"
+#include "tests/support/shell.h"
 
 namespace stroma::test {
 namespace {

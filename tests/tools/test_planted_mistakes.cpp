@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Ten mistakes of ten kinds in one scene of real components: all are reported in one run, each where it stands, with
 // what was expected or the nearest right name.
-#include "tests/tools/shell.h"
+#include "tests/support/shell.h"
 
 namespace stroma::test {
 namespace {

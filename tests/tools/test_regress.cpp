@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "framework/simulation/state_file.h"
-#include "tests/tools/shell.h"
+#include "tests/support/shell.h"
 
 namespace stroma::test {
 namespace {

@@ -47,7 +47,7 @@ inline Displacements displacements(Simulation& simulation, const StepReport& rep
   Displacements out;
   out.rest = state.rest_position;
   out.report = report;
-  for (Index i = 0; i < state.size(); ++i) out.moved.push_back(state.x()[i] - state.rest_position[std::size_t(i)]);
+  for (Index i = 0; i < state.size(); ++i) out.moved.push_back(state.x()[i] - state.rest_position[i]);
   if (Component* solver = findComponent(simulation.root(), "/beam/solver"))
     out.residuals = reals(*solver, "residualGraph");
   return out;

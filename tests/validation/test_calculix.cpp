@@ -53,7 +53,7 @@ void writeDeck(Simulation& simulation, const Mesh& mesh, const Comparison& what,
   System& system = *simulation.systems().at(0);
   const State& state = *simulation.states().at(0);
   Vector rest(system.allRows()), still(system.allRows()), load(system.allRows());
-  for (Index i = 0; i < state.size(); ++i) rest[i] = state.rest_position[std::size_t(i)];
+  for (Index i = 0; i < state.size(); ++i) rest[i] = state.rest_position[i];
   system.computeForce(rest, still, load);
   std::ofstream deck(path);
   deck << "*NODE,NSET=ALL\n";

@@ -44,7 +44,7 @@ Law laws(const std::string& method, const std::string& update, Shape shape) {
   std::normal_distribution<double> noise(0, 0.1 * size);
   const Mat3 turn = Eigen::AngleAxisd(1.2, Vec3(1, 2, 3).normalized()).toRotationMatrix();
   for (Index i = 0; i < Index(rest.size()); ++i) {
-    Vec3 p = rest[std::size_t(i)] - box.center();
+    Vec3 p = rest[i] - box.center();
     if (shape != Shape::turned) {
       p = Eigen::AngleAxisd(1.5 * p.x() / size, Vec3::UnitX()) * p;
       p.x() *= 1.5;

@@ -95,9 +95,9 @@ TEST_F(Exporter, ValuesComeBackToTheLastBit) {
     expect(nullptr, state.x()[n]);
     expect("velocity", state.v()[n]);
     expect("force", state.f()[n]);
-    expect("u", state.x()[n] - state.rest_position[std::size_t(n)]);
-    expect("rest", state.rest_position[std::size_t(n)]);
-    moved = std::max(moved, (Vec3(state.x()[n]) - state.rest_position[std::size_t(n)]).norm());
+    expect("u", state.x()[n] - state.rest_position[n]);
+    expect("rest", state.rest_position[n]);
+    moved = std::max(moved, (Vec3(state.x()[n]) - state.rest_position[n]).norm());
   }
   EXPECT_GT(moved, 1e-4);
   const auto* fem = dynamic_cast<ForceField*>(findComponent(simulation.root(), "/body/tets/fem"));
@@ -105,8 +105,8 @@ TEST_F(Exporter, ValuesComeBackToTheLastBit) {
   fem->cellField("vonMises", simulation.systems().front()->x, stress);
   double largest = 0;
   for (vtkIdType c = 0; c < 18; ++c) {
-    EXPECT_EQ(grid->GetCellData()->GetArray("stress")->GetTuple1(c), stress[std::size_t(c)]);
-    largest = std::max(largest, stress[std::size_t(c)]);
+    EXPECT_EQ(grid->GetCellData()->GetArray("stress")->GetTuple1(c), stress[c]);
+    largest = std::max(largest, stress[c]);
   }
   EXPECT_GT(largest, 0);
 }
@@ -118,7 +118,7 @@ TEST_F(Exporter, RoundTripThroughTheLoader) {
     const Mesh mesh = load("MeshVTKLoader", at(xml ? "beam00000.vtu" : "beam00000.vtk"));
     const State& state = *simulation.states().front();
     ASSERT_EQ(mesh.nodes(), state.size());
-    for (Index n = 0; n < mesh.nodes(); ++n) EXPECT_EQ(mesh.position[std::size_t(n)], Vec3(state.x()[n]));
+    for (Index n = 0; n < mesh.nodes(); ++n) EXPECT_EQ(mesh.position[n], Vec3(state.x()[n]));
     const auto& original = dynamic_cast<Topology&>(*findComponent(simulation.root(), "/body/tets/mesh")).mesh();
     EXPECT_EQ(mesh.tetrahedra, original.tetrahedra);
   }

@@ -45,8 +45,7 @@ double endDeflection(const State& state) {
   int count = 0;
   for (const Vec3& p : state.rest_position) end = std::max(end, p.x());
   for (Index i = 0; i < state.size(); ++i)
-    if (state.rest_position[std::size_t(i)].x() > end * (1 - 1e-6))
-      sum += state.rest_position[std::size_t(i)].y() - state.x()[i].y(), ++count;
+    if (state.rest_position[i].x() > end * (1 - 1e-6)) sum += state.rest_position[i].y() - state.x()[i].y(), ++count;
   return sum / count;
 }
 

@@ -3,7 +3,7 @@
 
 #include <random>
 
-#include "framework/fem/hexahedron_models.h"
+#include "components/elasticity/hexahedron_models.h"
 #include "tools/bench/counted.h"
 
 namespace stroma::bench {

@@ -4,7 +4,7 @@
 #include <array>
 #include <random>
 
-#include "framework/fem/nodal_warping.h"
+#include "components/elasticity/nodal_warping.h"
 #include "tools/bench/counted.h"
 
 namespace stroma::bench {

@@ -10,12 +10,12 @@
 #include <mutex>
 #include <thread>
 
-#include "framework/mesh/enclosed_volume.h"
 #include "framework/mesh/mesh_loader.h"
-#include "framework/mesh/voxels.h"
 #include "framework/scene/services.h"
 #include "framework/scene/whole_file.h"
 #include "tools/command/mesh_report.h"
+#include "tools/mesh/enclosed_volume.h"
+#include "tools/mesh/voxels.h"
 
 namespace fs = std::filesystem;
 
@@ -130,21 +130,21 @@ std::vector<ImagePart> partsOf(const LabelImage& image, const LabelledMesh& mesh
   for (std::size_t p = 0; p < connected.first.size(); ++p) {
     const std::size_t voxel = connected.first[p];
     const Vec3 at(double(voxel % nx), double(voxel / nx % ny), double(voxel / nx / ny));
-    parts.push_back({image.values[std::size_t(image.region[voxel] - 1)], connected.voxels[p],
-                     image.origin + image.steps * at, false});
+    parts.push_back(
+        {image.values[image.region[voxel] - 1], connected.voxels[p], image.origin + image.steps * at, false});
   }
   const auto visit = [&](const Vec3& point, int label) {
     const Vec3 u = (inverse * (point - image.origin)).array().round();
     for (int k = 0; k < 3; ++k)
-      if (!(u[k] >= 0 && u[k] < image.size[std::size_t(k)])) return;
+      if (!(u[k] >= 0 && u[k] < image.size[k])) return;
     const Index part = connected.part[std::size_t(u[0]) + nx * (std::size_t(u[1]) + ny * std::size_t(u[2]))];
-    if (part >= 0 && parts[std::size_t(part)].label == label) parts[std::size_t(part)].meshed = true;
+    if (part >= 0 && parts[part].label == label) parts[part].meshed = true;
   };
   for (std::size_t c = 0; c < mesh.tetrahedra.size(); ++c) {
     Vec3 centre = Vec3::Zero();
-    for (const Index n : mesh.tetrahedra[c]) centre += mesh.position[std::size_t(n)] / 4;
+    for (const Index n : mesh.tetrahedra[c]) centre += mesh.position[n] / 4;
     visit(centre, mesh.labels[c]);
-    for (const Index n : mesh.tetrahedra[c]) visit((centre + mesh.position[std::size_t(n)]) / 2, mesh.labels[c]);
+    for (const Index n : mesh.tetrahedra[c]) visit((centre + mesh.position[n]) / 2, mesh.labels[c]);
   }
   return parts;
 }

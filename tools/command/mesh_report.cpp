@@ -53,7 +53,7 @@ void print(const MeshRequest& request, const Meshed& meshed, const MeshQuality& 
              meshed.mesh.position.size(), meshed.mesh.tetrahedra.size(), meshed.read_seconds, meshed.mesh_seconds);
   fmt::print("box ({:.4g} {:.4g} {:.4g}) to ({:.4g} {:.4g} {:.4g}); cell size {:.4g}, distance {:.4g}\n", low.x(),
              low.y(), low.z(), high.x(), high.y(), high.z(), request.criteria.cell_size, request.criteria.distance);
-  const Tetrahedron& worst = meshed.mesh.tetrahedra[std::size_t(quality.worst)];
+  const Tetrahedron& worst = meshed.mesh.tetrahedra[quality.worst];
   fmt::print("dihedral angles {:.2f} to {:.2f} degrees; the worst is tetrahedron {} (nodes {})\n",
              quality.smallest_angle, quality.largest_angle, quality.worst, fmt::join(worst, " "));
   for (const RegionReport& region : quality.regions) {

@@ -3,8 +3,8 @@
 #pragma once
 #include <map>
 
-#include "framework/mesh/regions.h"
 #include "tools/command/mesh_request.h"
+#include "tools/mesh/regions.h"
 
 namespace stroma::command {
 

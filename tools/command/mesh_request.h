@@ -3,9 +3,9 @@
 #pragma once
 #include <string>
 
-#include "framework/mesh/labelled_files.h"
-#include "framework/mesh/mesh_generator.h"
 #include "tools/command/session.h"
+#include "tools/mesh/labelled_files.h"
+#include "tools/mesh/mesh_generator.h"
 
 namespace stroma::command {
 

@@ -22,7 +22,7 @@ Energies energiesOf(const Simulation& simulation) {
   return energies;
 }
 
-Statistics::Statistics(long expected_steps) { step_ms_.reserve(std::size_t(std::min(expected_steps, 1000000L))); }
+Statistics::Statistics(long expected_steps) { step_ms_.reserve(std::min(expected_steps, 1000000L)); }
 
 void Statistics::add(const StepReport& report, double step_seconds) {
   step_ms_.push_back(1e3 * step_seconds);

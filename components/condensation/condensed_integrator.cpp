@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The steps of the condensed solvers, without what makes their matrices (condensed_precomputation.cpp).
+#include "components/condensation/condensed_integrator.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "framework/scene/node.h"
+
+namespace stroma {
+
+void CondensedIntegrator::declare(DataTable& table) {
+  table.add("condensed", condensed_)
+      .help("only kept nodes are solved for, the inside follows when somebody reads it; false: all nodes are kept");
+  table.add("surfaceIndices", surface_indices_)
+      .help("nodes that are kept; those on the boundary of the cells when not given");
+  table.addChoice("precision", precision_, {"double", "single"})
+      .help(
+          "of the stored inverse: single halves its bytes; entries are then wrong by up to 6e-8 of themselves, and "
+          "dragForces by as much more as the compliance of the dragged nodes is near to singular");
+  table.add("cacheFolder", cache_folder_)
+      .help("keeps what was precomputed in files of this folder; auto: the user's cache folder; empty: nowhere");
+  table.add("memoryLimit", memory_limit_)
+      .help("memory that the precomputation may take; 0: what the machine has available")
+      .unit("GB")
+      .min(0);
+  table.add("rotationBound", rotation_bound_)
+      .help("largest turn of a surface triangle for which linear elasticity is taken for right")
+      .unit("rad")
+      .min(0);
+  table.add("strainBound", strain_bound_).help("largest strain of a surface triangle, likewise").unit("-").min(0);
+  table.add("keptNodes", kept_count_).help("how many nodes are solved for").unit("-").output();
+  table.add("interiorNodes", interior_count_).help("how many nodes were condensed").unit("-").output();
+  table.add("fromCache", from_cache_).help("the precomputation came from a file").output();
+  table.add("draggedNodes", dragged_nodes_).help("nodes moved by position in the last step").output();
+  table.add("dragForces", drag_forces_)
+      .help(
+          "force on each of draggedNodes that its motion takes: what a haptic device gives back, with the sign turned")
+      .unit("N")
+      .output();
+}
+
+// ---- nodes moved by position ----
+
+void CondensedIntegrator::moveTouched(System& system, const StepContext& context) {
+  system.setTime(context.t_end);
+  const std::vector<char>* moving = body_.movingRows();
+  if (!moving) return;
+  if (body_.constraintsAreFixed()) {
+    for (ProjectiveConstraint* constraint : system.constraints())
+      if (constraint->prescribesMotion() && constraint->activeIn(context.t, context.t_end))
+        constraint->beginMotion(context.t, system.x);
+  } else {
+    system.beginStep(context);
+  }
+  updateTouches(system);
+  for (std::size_t i = 0; i < touching_.size(); ++i) touched_before_[i] = system.x[touching_[i].row];
+  system.placePrescribed(context, system.x, system.v);
+  for (std::size_t k = 0; k < touches_.size(); ++k) {
+    const Index row = activeRow(touches_[k].node);
+    wanted_[Index(k)] = touches_[k].direction.dot(system.x[row] - body_.reference()[row]);
+  }
+}
+
+void CondensedIntegrator::restoreTouched(System& system) {
+  for (std::size_t i = 0; i < touching_.size(); ++i) system.x[touching_[i].row] = touched_before_[i];
+}
+
+// The directions that constraints hold now beyond those that are always held.
+void CondensedIntegrator::updateTouches(System& system) {
+  touching_now_.clear();
+  for (const NodeProjector& held : system.projectors())
+    if ((*body_.movingRows())[held.row]) touching_now_.push_back(held);
+  const auto same = [](const NodeProjector& a, const NodeProjector& b) {
+    return a.row == b.row && a.projector == b.projector;
+  };
+  if (std::equal(touching_.begin(), touching_.end(), touching_now_.begin(), touching_now_.end(), same)) return;
+  touching_ = touching_now_;
+  touched_before_.resize(touching_.size());
+  touches_.clear();
+  dragged_nodes_.clear();
+  for (const NodeProjector& held : touching_) {
+    const Index node = body_.nodeOf(held.row) - first_active_;
+    const Mat3 directions = body_.projector(body_.nodeOf(held.row)) - held.projector;
+    if (directions.isIdentity()) {
+      for (int c = 0; c < 3; ++c) touches_.push_back({node, Vec3::Unit(c)});
+    } else {
+      const Eigen::SelfAdjointEigenSolver<Mat3> axes(directions);
+      for (int c = 0; c < 3; ++c)
+        if (axes.eigenvalues()[c] > 0.5) touches_.push_back({node, axes.eigenvectors().col(c)});
+    }
+    for (const State* state : system.states())
+      if (const Index local = held.row - state->firstRow(); local >= 0 && local < state->size())
+        dragged_nodes_.push_back(local);
+  }
+  drag_forces_.assign(touching_.size(), Vec3::Zero());
+  const Index count = Index(touches_.size());
+  wanted_.setZero(count), reaction_.setZero(count);
+  touch_columns_.setZero(Index(padded()), count);
+  Eigen::MatrixXd small(count, count);
+  for (Index k = 0; k < count; ++k) {
+    complianceOf(touches_[k], touch_columns_.col(k).data());
+    for (Index l = 0; l < count; ++l)
+      small(l, k) = touches_[l].direction.dot(touch_columns_.col(k).segment<3>(3 * touches_[l].node));
+  }
+  factorTouches((small + small.transpose()) / 2);
+}
+
+// The entries of C are right to the numbers they are stored in. Where E^T C E is nearly singular, the reactions lose as
+// many digits as its condition has.
+void CondensedIntegrator::factorTouches(const Eigen::MatrixXd& small) {
+  touch_fault_.clear();
+  if (small.rows() == 0) return;
+  touch_factor_.compute(small);
+  if (touch_factor_.info() != Eigen::Success) {
+    touch_fault_ = fmt::format(
+        "the compliance of the {} nodes that are moved by position is not positive definite in {} precision: {}",
+        touching_.size(), isSingle() ? "single" : "double",
+        isSingle() ? "use precision=\"double\"" : "move fewer nodes, or soften the body (poissonRatio near 1/2)");
+    return;
+  }
+  touch_error_ = std::max(touch_error_, (isSingle() ? 6e-8 : 1.1e-16) / touch_factor_.rcond());
+}
+
+const Eigen::VectorXd& CondensedIntegrator::solveTouches(const double* u) {
+  for (std::size_t k = 0; k < touches_.size(); ++k)
+    reaction_[Index(k)] =
+        wanted_[Index(k)] - touches_[k].direction.dot(Eigen::Map<const Vec3>(u + 3 * touches_[k].node));
+  touch_factor_.solveInPlace(reaction_);
+  return reaction_;
+}
+
+// ---- the inside ----
+
+bool CondensedIntegrator::reduceTimedInterior(double* out) {
+  const auto& timed = body_.timedNodes();
+  if (insideIsActive() || timed.empty() || timed.front() >= body_.interior()) return false;
+  std::fill(timed_reduced_.begin(), timed_reduced_.end(), 0.0);
+  for (const Index node : timed) {
+    if (node >= body_.interior()) break;
+    Eigen::Map<Vec3>(timed_reduced_.data() + 3 * node) = body_.timedForce(node);
+  }
+  checkFactor();
+  forward(timed_reduced_.data());
+  std::copy(timed_reduced_.begin() + 3 * body_.interior(), timed_reduced_.end(), out);
+  return true;
+}
+
+void CondensedIntegrator::complete(System& system) {
+  if (!behind_) return;
+  checkFactor();
+  behind_ = false;
+  const std::size_t inside = 3 * std::size_t(body_.interior());
+  const auto sweep = [&](const Rows& rows, ConstRows origin, bool loads) {
+    for (std::size_t i = 0; i < inside; ++i)
+      sweep_[i] = loads ? interior_constant_[i] + (timed_reduced_.empty() ? 0 : timed_reduced_[i]) : 0;
+    for (Index node = body_.interior(); node < body_.free(); ++node)
+      Eigen::Map<Vec3>(sweep_.data() + 3 * node) = rows[body_.row(node)] - origin[body_.row(node)];
+    backward(sweep_.data());
+    for (Index node = 0; node < body_.interior(); ++node)
+      rows[body_.row(node)] = origin[body_.row(node)] + Eigen::Map<Vec3>(sweep_.data() + 3 * node);
+  };
+  sweep(system.x, body_.reference(), true);
+  if (isDynamic()) sweep(system.v, body_.zero(), false);
+}
+
+// ---- the end of a step ----
+
+bool CondensedIntegrator::writeActive(System& system, const double* u, const double* v) {
+  const std::size_t count = 3 * std::size_t(active_);
+  double sum = 0;
+#pragma omp simd reduction(+ : sum)
+  for (std::size_t i = 0; i < count; ++i) sum += u[i] * u[i];
+  if (!std::isfinite(sum)) return false;
+  square_ = sum;
+  const double* __restrict origin = origin_.data();
+  double* __restrict x = system.x.rows().data;
+  for (Index node = 0; node < active_; ++node) {
+    double* row = x + std::size_t(activeRow(node)) * row_doubles;
+    for (int c = 0; c < 3; ++c) row[c] = origin[3 * node + c] + u[3 * node + c];
+  }
+  if (v)
+    for (Index node = 0; node < active_; ++node)
+      for (int c = 0; c < 3; ++c)
+        system.v.rows().data[std::size_t(activeRow(node)) * row_doubles + std::size_t(c)] = v[3 * node + c];
+  behind_ = !insideIsActive() && body_.interior() > 0;
+  return true;
+}
+
+void CondensedIntegrator::finish(System& system, const StepContext& context) {
+  for (Vec3& force : drag_forces_) force.setZero();
+  std::size_t at = 0;
+  for (std::size_t k = 0; k < touches_.size(); ++k) {
+    while (body_.nodeOf(touching_[at].row) - first_active_ != touches_[k].node) ++at;
+    drag_forces_[at] += reaction_[Index(k)] * touches_[k].direction;
+  }
+  range_.look(square_, context.t_end);
+  if (!asks_force_) return;
+  complete(system);
+  system.computeForce(system.x, system.v, system.f);
+}
+
+StepReport CondensedIntegrator::failure(const std::string& reason) const {
+  StepReport report;
+  report.diverged = true;
+  report.reason = reason;
+  return report;
+}
+
+std::string CondensedIntegrator::doubt() const {
+  std::string text;
+  if (touch_error_ > 0.01)
+    text = fmt::format("{}: dragForces may be wrong by {:.0f} %: moved nodes hold each other too well for {} precision",
+                       path(), std::min(100 * touch_error_, 100.0), isSingle() ? "single" : "double");
+  const std::string beyond = range_.sentence(rotation_bound_, strain_bound_);
+  if (beyond.empty()) return text;
+  return text + fmt::format(
+                    "{}{}: {}: linear elasticity is right for small turns and strains only; a corotational method "
+                    "(method=\"large\") follows large ones",
+                    text.empty() ? "" : "; ", path(), beyond);
+}
+
+void CondensedIntegrator::reset() {
+  behind_ = false;
+  touch_error_ = 0;
+  range_.reset();
+  touching_.clear(), touches_.clear(), dragged_nodes_.clear(), drag_forces_.clear();
+}
+
+std::string CondensedIntegrator::describe() const {
+  std::string text = stepText() + measuredText();
+  if (body_.interior() > 0 && !insideIsActive())
+    text += fmt::format("; {} nodes inside are computed after steps that somebody reads them{}", body_.interior(),
+                        asks_force_ ? ": each, because forces are read" : "");
+  if (!body_.timedNodes().empty() && body_.timedNodes().front() < body_.interior() && !insideIsActive())
+    text += "; loads on inside nodes change in time: a sweep through the factor of the inside in each step";
+  if (body_.movingRows()) text += "; nodes moved by position are loads through their compliance";
+  if (range_.isEmpty())
+    text += "; nothing watches the range of linear elasticity: no surface of volume cells moves";
+  else if (range_.watched() == 0)
+    text += "; the range of linear elasticity is looked at after the last step alone: surface nodes are not kept";
+  return text + (from_cache_ ? "; precomputed in " + file_name_ : "");
+}
+
+}  // namespace stroma

@@ -1,0 +1,341 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "components/elasticity/elastic_force_field.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "framework/scene/names.h"
+
+namespace stroma {
+
+namespace {
+
+std::vector<ElasticKind>& offeredKinds() {
+  static std::vector<ElasticKind> kinds;
+  return kinds;
+}
+
+std::string lowerCase(std::string word) {
+  for (char& c : word) c = char(std::tolower(c));
+  return word;
+}
+
+ElasticMethod canonical(ElasticForceField::Word word) {
+  using Word = ElasticForceField::Word;
+  switch (word) {
+    case Word::qr:
+    case Word::triangle:
+    case Word::hexahedron:
+      return ElasticMethod::large;
+    case Word::none:
+    case Word::identity:
+      return ElasticMethod::small;
+    case Word::polar2:
+      return ElasticMethod::polar;
+    case Word::stable_polar:
+      return ElasticMethod::svd;
+    case Word::green_lagrange:
+      return ElasticMethod::green;
+    default:
+      return ElasticMethod(int(word));
+  }
+}
+
+const char* wordOf(ElasticMethod method) {
+  constexpr const char* words[] = {"small", "large", "polar", "svd", "nodal", "green"};
+  return words[int(method)];
+}
+
+/// One value for all, or one a cell.
+double at(const std::vector<double>& values, std::size_t cell, double empty) {
+  return values.empty() ? empty : values.size() == 1 ? values[0] : values[cell];
+}
+
+/// SOFA's attributes for drawing, for its GPU and for choosing between its implementations.
+constexpr const char* without_effect[] = {"plasticYieldThreshold",
+                                          "plasticCreep",
+                                          "computeVonMisesStress",
+                                          "showStressColorMap",
+                                          "showStressAlpha",
+                                          "showVonMisesStressPerNode",
+                                          "showVonMisesStressPerNodeColorMap",
+                                          "showVonMisesStressPerElement",
+                                          "showElementGapScale",
+                                          "drawHeterogeneousTetra",
+                                          "drawing",
+                                          "drawColor1",
+                                          "drawColor2",
+                                          "drawColor3",
+                                          "drawColor4",
+                                          "drawPercentageOffset",
+                                          "gatherPt",
+                                          "gatherBsize",
+                                          "elementSpace",
+                                          "computeForceStrategy",
+                                          "computeForceDerivStrategy"};
+
+}  // namespace
+
+const std::vector<ElasticKind>& elasticKinds() { return offeredKinds(); }
+
+void offerElasticKind(const ElasticKind& kind) {
+  auto& kinds = offeredKinds();
+  const auto known = std::find_if(kinds.begin(), kinds.end(), [&](const auto& k) { return k.word == kind.word; });
+  if (known != kinds.end())
+    *known = kind;
+  else
+    kinds.push_back(kind);
+}
+
+void ElasticForceField::declare(DataTable& table) {
+  ForceField::declare(table);
+  table.addLink("topology", topology_)
+      .help("mesh that holds the cells; the node's own (or the nearest above) when not given");
+  table.add("template", template_)
+      .help("Vec3, or the kind of cell with it where a mesh holds several: Vec3,Tetrahedron or Vec3,Hexahedron");
+  table.add("youngModulus", young_modulus_)
+      .unit("Pa")
+      .min(0, false)
+      .physical()
+      .help("Young's modulus: one value, or one a cell");
+  table.add("poissonRatio", poisson_ratio_)
+      .unit("-")
+      .min(-1, false)
+      .max(0.5, false)
+      .physical()
+      .help("Poisson's ratio: one value, or one a cell");
+  table.add("localStiffnessFactor", stiffness_factor_)
+      .unit("-")
+      .min(0)
+      .help("factor on Young's modulus a cell; empty: 1");
+  table
+      .addChoice("method", method_word,
+                 {"small", "large", "polar", "svd", "nodal", "green", "qr", "none", "polar2", "triangle", "hexahedron",
+                  "stable_polar", "identity", "green_lagrange"})
+      .alias("rotationMethod")
+      .help(
+          "how an element's rotation is found: small (none), large (QR), polar, svd, nodal; or green: no rotation, "
+          "Green-Lagrange strain");
+  table.add("updateStiffnessMatrix", update_b_)
+      .help("rebuild the strain-displacement matrix B from the current shape at every evaluation");
+  table.add("updateVolume", update_volume_).help("update the volume factor of B too (needs updateStiffnessMatrix)");
+  table.addChoice("tangent", tangent_, {"warped", "exact"})
+      .help("stiffness: R K R^T, or the exact derivative of the force");
+  table.addChoice("dilatation", dilatation_, {"local", "mean"})
+      .help(
+          "volume change: that at each integration point, or its mean (over a hexahedron, around a node of "
+          "tetrahedra), "
+          "which does not lock at Poisson ratios near 1/2");
+  table.addChoice("assembling", assembling_, {"auto", "true", "false"})
+      .alias("computeGlobalMatrix")
+      .help(
+          "keep this field's own assembled matrix for products: true, false, or auto (the linear solver's cost model "
+          "decides)");
+  table.add("plasticMaxThreshold", plastic_max_threshold_)
+      .unit("-")
+      .min(0)
+      .help("largest plastic strain; only 0 (no plasticity) is available");
+  for (const char* name : without_effect) table.addVisualOnly(name);
+}
+
+std::vector<ElasticKind> ElasticForceField::servedKinds() const {
+  std::vector<ElasticKind> served;
+  for (const ElasticKind& kind : elasticKinds())
+    if (kinds.empty() || std::find(kinds.begin(), kinds.end(), kind.word) != kinds.end()) served.push_back(kind);
+  return served;
+}
+
+// The kind that the template names; else the one that the mesh holds.
+void ElasticForceField::chooseKind(const Topology& topology) {
+  const std::vector<ElasticKind> served = servedKinds();
+  std::vector<std::string> words, plurals;
+  for (const ElasticKind& kind : served) words.push_back("Vec3," + kind.word), plurals.push_back(kind.plural);
+  const auto comma = template_.find(',');
+  const std::string vector = template_.substr(0, comma),
+                    wanted = comma == std::string::npos ? "" : template_.substr(comma + 1);
+  const bool known = wanted.empty() ||
+                     std::any_of(served.begin(), served.end(), [&](const auto& kind) { return kind.word == wanted; });
+  if (!known || (!vector.empty() && vector != "Vec3" && vector != "Vec3d" && vector != "Vec3f"))
+    throw ComponentError(fmt::format("template '{}' is none that {} has", template_, type()),
+                         fmt::format("Vec3, {}", fmt::join(words, ", ")), nearest(template_, words));
+
+  std::vector<const ElasticKind*> found;
+  for (const ElasticKind& kind : served)
+    if ((wanted.empty() || kind.word == wanted) && kind.make()->count(topology.mesh()) > 0) found.push_back(&kind);
+  if (found.size() > 1)
+    throw ComponentError(fmt::format("{} holds {}", topology.path(), fmt::join(plurals, " and ")),
+                         "one force field for each kind of cell",
+                         fmt::format("template=\"{}\"", fmt::join(words, "\" or template=\"")));
+  if (found.empty()) {
+    if (!wanted.empty())
+      for (const ElasticKind& kind : served)
+        if (kind.word == wanted) plurals = {kind.plural};
+    const bool may_cut = !topology.mesh().hexahedra.empty();
+    throw ComponentError(fmt::format("{} holds no {}", topology.path(), fmt::join(plurals, " and no ")),
+                         fmt::format("a mesh of {}", fmt::join(plurals, " or ")),
+                         may_cut ? "cut its hexahedra with Hexa2TetraTopologicalMapping, or HexahedronFEMForceField"
+                         : topology.mesh().tetrahedra.empty() ? ""
+                                                              : "TetrahedronFEMForceField");
+  }
+  elements_ = found[0]->make();
+  kind_word_ = lowerCase(found[0]->word);
+}
+
+void ElasticForceField::init() {
+  ForceField::init();
+  const Topology* topology = topology_.target() ? topology_.get() : find<Topology>(true);
+  if (!topology) throw ComponentError("there is no mesh", "a topology with cells in this node or above");
+  mesh_ = &topology->mesh();
+  chooseKind(*topology);
+  variant_.method = canonical(method_word);
+  variant_.update = update_volume_ ? elastic::Update::strain_displacement_and_volume
+                    : update_b_    ? elastic::Update::strain_displacement
+                                   : elastic::Update::none;
+  variant_.exact_tangent = tangent_ == Tangent::exact;
+  variant_.mean_dilatation = dilatation_ == Dilatation::mean;
+  variant_.own_matrix = assembling_ == Assembling::yes;
+  checkVariant();
+  checkMaterial();
+  elements_->bind(*mesh_, state().rest_position, variant_);
+}
+
+void ElasticForceField::checkVariant() const {
+  const ElasticMethod method = variant_.method;
+  if (only_small && method != ElasticMethod::small)
+    throw ComponentError(type() + " is linear, without rotations", "method=\"small\"", "CorotationalFEMForceField");
+  if (!elements_->has(method))
+    throw ComponentError(fmt::format("method {} does not exist for a {}", wordOf(method), kind_word_),
+                         "method small, large, polar, svd or green");
+  if (update_volume_ && !update_b_)
+    throw ComponentError("updateVolume has no meaning while B is constant", "updateStiffnessMatrix=\"true\" with it");
+  const bool rotated = method == ElasticMethod::large || method == ElasticMethod::polar || method == ElasticMethod::svd;
+  if (update_b_ && !rotated)
+    throw ComponentError(fmt::format("updateStiffnessMatrix has no meaning for method {}", wordOf(method)),
+                         "method large, polar or svd");
+  if (variant_.exact_tangent && method == ElasticMethod::nodal)
+    throw ComponentError("method nodal has no exact tangent", "tangent=\"warped\" (its symmetric part)");
+  if (method == ElasticMethod::green && isSet("tangent") && !variant_.exact_tangent)
+    throw ComponentError("method green turns nothing: it has no warped tangent", "tangent=\"exact\"");
+  if (variant_.mean_dilatation) checkMeanDilatation();
+  if (plastic_max_threshold_ > 0) throw ComponentError("plasticity is not available", "plasticMaxThreshold=\"0\"");
+}
+
+void ElasticForceField::checkMeanDilatation() const {
+  const std::string expected = "dilatation=\"local\"";
+  if (!elements_->hasMeanDilatation(variant_.method))
+    throw ComponentError(fmt::format("method {} has no mean dilatation for a {}", wordOf(variant_.method), kind_word_),
+                         expected);
+  if (variant_.exact_tangent)
+    throw ComponentError("the mean dilatation has a warped tangent only", "tangent=\"warped\"");
+}
+
+void ElasticForceField::checkMaterial() const {
+  const std::size_t count = std::size_t(elements_->count(*mesh_));
+  const auto check = [&](const char* name, const std::vector<double>& values, bool may_be_empty) {
+    if ((may_be_empty && values.empty()) || values.size() == 1 || values.size() == count) return;
+    throw ComponentError(fmt::format("{} has {} values", name, values.size()),
+                         fmt::format("1, or {} (one a {})", count, kind_word_));
+  };
+  check("youngModulus", young_modulus_, false);
+  check("poissonRatio", poisson_ratio_, false);
+  check("localStiffnessFactor", stiffness_factor_, true);
+  const std::string problem = mesh_->firstError();
+  if (!problem.empty()) throw ComponentError(problem);
+  if (mesh_->nodes() > state().size())
+    throw ComponentError(
+        fmt::format("the mesh has {} nodes, {} has {}", mesh_->nodes(), state().path(), state().size()),
+        "the same number");
+}
+
+ForceTraits ElasticForceField::traits() const {
+  const bool linear = variant_.method == ElasticMethod::small, nodal = variant_.method == ElasticMethod::nodal;
+  const bool green = variant_.method == ElasticMethod::green;
+  const bool svd_potential =
+      variant_.method == ElasticMethod::svd && !update_b_ && elements_ && elements_->rotationHasPotential();
+  const bool potential = linear || green || svd_potential;
+  ForceTraits t;
+  t.linear = t.constant_stiffness = linear;
+  t.conservative = potential;
+  t.exact_tangent = linear || green || variant_.exact_tangent;
+  t.symmetric = nodal || !variant_.exact_tangent || potential;
+  t.forces_balance = !nodal;
+  t.has_rest_shape = true;
+  t.torques_balance = update_b_ || green || svd_potential;
+  return t;
+}
+
+void ElasticForceField::compile() {
+  method_ = elements_->make(state().firstRow(), [this](std::size_t cell) { return lame(cell); });
+}
+
+Lame ElasticForceField::lame(std::size_t cell) const {
+  return Lame::from(at(young_modulus_, cell, 0) * at(stiffness_factor_, cell, 1), at(poisson_ratio_, cell, 0));
+}
+
+/// Measured on one core at 2.6 GHz with 8 lanes; in proportion for fewer. An element's own assembly is its scatter.
+ForceField::Cost ElasticForceField::cost() const {
+  const double cells = double(elements_->count(*mesh_));
+  const ElasticElements::Nanoseconds each = elements_->cost();
+  // a matrix of its own is enough, and so is none
+  const bool fixed = assembling_ != Assembling::automatic;
+  return {cells * each.product, fixed ? 1e30 : cells * each.assembly};
+}
+
+ConstRows ElasticForceField::ownRows(ConstRows x) const {
+  return {x.data + std::size_t(state().firstRow()) * row_doubles, state().size()};
+}
+
+std::string ElasticForceField::worstElement(ConstRows x) const {
+  double worst = std::numeric_limits<double>::infinity();
+  std::size_t at = 0;
+  const std::size_t count = std::size_t(elements_->count(*mesh_));
+  for (std::size_t cell = 0; cell < count; ++cell) {
+    const double j = elements_->jacobian(cell, ownRows(x));
+    if (!(j >= worst)) worst = j, at = cell;  // a NaN is the worst
+    if (worst != worst) break;
+  }
+  return fmt::format("{}: J = {:.3g}", elements_->describe(at), worst);
+}
+
+/// The limit is generous: at 0.5 a linear law is off by a half for most tissues.
+std::string ElasticForceField::doubt(ConstRows x) const {
+  constexpr double limit = 0.5;
+  const std::size_t count = std::size_t(elements_->count(*mesh_));
+  std::size_t beyond = 0, at = 0;
+  double worst = 0;
+  for (std::size_t cell = 0; cell < count; ++cell) {
+    const double strain = elements_->strainBeyond(limit, cell, ownRows(x));
+    beyond += strain > 0;
+    if (strain > worst) worst = strain, at = cell;
+  }
+  if (beyond == 0) return {};
+  return fmt::format(
+      "{} of {} elements are strained beyond {:.0f} %, where a law that is linear in the strain says little; the worst "
+      "is {}: {:.0f} %. A hyperelastic force field is made for such strains",
+      beyond, count, 100 * limit, elements_->describe(at), 100 * worst);
+}
+
+void ElasticForceField::cellField(const std::string& name, ConstRows x, std::vector<double>& out) const {
+  const std::size_t count = std::size_t(elements_->count(*mesh_));
+  const ConstRows own = ownRows(x);
+  out.resize(name == "strain" ? 6 * count : count);
+  for (std::size_t cell = 0; cell < count; ++cell) {
+    if (name == "J") {
+      out[cell] = elements_->jacobian(cell, own);
+      continue;
+    }
+    const Mat3 strain = elements_->strain(cell, own);
+    if (name == "strain") {
+      const double v[6] = {strain(0, 0), strain(1, 1), strain(2, 2), strain(0, 1), strain(1, 2), strain(2, 0)};
+      std::copy(v, v + 6, out.begin() + std::ptrdiff_t(6 * cell));
+    } else {
+      const Mat3 deviator = 2 * lame(cell).mu * (strain - strain.trace() / 3 * Mat3::Identity());
+      out[cell] = std::sqrt(1.5) * deviator.norm();
+    }
+  }
+}
+
+}  // namespace stroma

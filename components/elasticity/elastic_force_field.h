@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The elastic force fields of meshes: attributes, material, checks and fields, whatever the kind of element.
+#pragma once
+#include "components/elasticity/elastic_elements.h"
+#include "framework/fem/element_kernels_field.h"
+#include "framework/mesh/topology.h"
+
+namespace stroma {
+
+/// One class serves every elastic component name: a name sets its default words, the mesh decides the kind of element.
+class ElasticForceField : public ElementKernelsField {
+ public:
+  /// The words of `method`: first those of ElasticMethod, then other components' words for the same.
+  enum class Word : int {
+    small,
+    large,
+    polar,
+    svd,
+    nodal,
+    green,
+    qr,
+    none,
+    polar2,
+    triangle,
+    hexahedron,
+    stable_polar,
+    identity,
+    green_lagrange
+  };
+
+  // ---- set by the registration of a name ----
+  std::vector<std::string> kinds;  ///< words of the kinds that it serves; empty: all
+  Word method_word = Word::large;
+  bool only_small = false;  ///< a name that stands for method small
+
+  void declare(DataTable& table) override;
+  void init() override;
+  ForceTraits traits() const override;
+  void compile() override;
+
+  Cost cost() const override;
+  std::string worstElement(ConstRows x) const override;
+  std::string doubt(ConstRows x) const override;
+  std::vector<std::string> cellFields() const override { return {"vonMises", "J", "strain"}; }
+  void cellField(const std::string& name, ConstRows x, std::vector<double>& out) const override;
+
+ private:
+  enum class Tangent : int { warped, exact };
+  enum class Assembling : int { automatic, yes, no };
+  enum class Dilatation : int { local, mean };
+
+  /// The kind of element that the mesh has and the name serves; throws ComponentError when none or several fit.
+  void chooseKind(const Topology& topology);
+  std::vector<ElasticKind> servedKinds() const;
+  /// Throws ComponentError for combinations of attributes that mean nothing together.
+  void checkVariant() const;
+  void checkMeanDilatation() const;
+  /// Throws ComponentError for lists of a wrong length or a value without a material.
+  void checkMaterial() const;
+  /// Of one cell [Pa], localStiffnessFactor included.
+  Lame lame(std::size_t cell) const;
+  /// The rows of this state out of the system's.
+  ConstRows ownRows(ConstRows x) const;
+  bool isSet(const char* attribute) const { return data().find(attribute)->isSet(); }
+
+  Link<Topology> topology_{"topology"};
+  std::string template_;
+  std::vector<double> young_modulus_{5000}, poisson_ratio_{0.45}, stiffness_factor_;
+  bool update_b_ = false, update_volume_ = false;
+  Tangent tangent_ = Tangent::warped;
+  Assembling assembling_ = Assembling::automatic;
+  Dilatation dilatation_ = Dilatation::local;
+  double plastic_max_threshold_ = 0;
+
+  /// Of the topology, which owns it.
+  const Mesh* mesh_ = nullptr;
+  ElasticVariant variant_;
+  std::string kind_word_;  ///< "tetrahedron", for messages
+  /// The cells as one kind of element: makes the method, and evaluates fields for output.
+  std::unique_ptr<ElasticElements> elements_;
+};
+
+}  // namespace stroma

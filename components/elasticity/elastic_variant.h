@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include "framework/fem/strain.h"
+
+namespace stroma {
+
+enum class ElasticMethod : int { small, large, polar, svd, nodal, green };
+
+/// What a scene chooses; checked by ElasticForceField.
+struct ElasticVariant {
+  ElasticMethod method = ElasticMethod::large;
+  elastic::Update update = elastic::Update::none;
+  bool exact_tangent = false;    ///< of the rotated methods
+  bool mean_dilatation = false;  ///< the volume change is one number an element
+  bool own_matrix = false;       ///< products through the field's own assembled matrix
+};
+
+}  // namespace stroma

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "components/hyperelasticity/darcy_flow.h"
+
+#include <Eigen/LU>
+#include <Eigen/SparseCholesky>
+#include <cmath>
+
+namespace stroma {
+
+struct DarcyFlow::Matrices {
+  Eigen::SparseMatrix<double> gradients, matrix;  ///< L, and s M + h kappa L
+  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver;
+  Eigen::VectorXd diagonal, work;
+};
+
+DarcyFlow::DarcyFlow() : matrices_(std::make_unique<Matrices>()) {}
+DarcyFlow::~DarcyFlow() = default;
+
+void DarcyFlow::build(const Mesh& mesh, const std::vector<Vec3>& rest, const std::vector<Index>& drained) {
+  const auto n = Eigen::Index(rest.size());
+  volume_.assign(rest.size(), 0.);
+  drained_.assign(rest.size(), 0);
+  for (Index node : drained) drained_[node] = 1;
+  std::vector<Eigen::Triplet<double>> entries;
+  for (const Tetrahedron& cell : mesh.tetrahedra) {
+    Mat3 edges;
+    for (int i = 0; i < 3; ++i) edges.col(i) = rest[cell[(i + 1)]] - rest[cell[0]];
+    const double volume = std::abs(edges.determinant()) / (6 * mesh.overlap);
+    Eigen::Matrix<double, 3, 4> g;
+    g.rightCols<3>() = edges.inverse().transpose();
+    g.col(0) = -g.rightCols<3>().rowwise().sum();
+    for (int a = 0; a < 4; ++a) {
+      const Index i = cell[a];
+      volume_[i] += volume / 4;
+      for (int b = 0; b < 4; ++b)
+        if (const Index j = cell[b]; !isDrained(i) && !isDrained(j))
+          entries.emplace_back(i, j, volume * g.col(a).dot(g.col(b)));
+    }
+  }
+  for (Eigen::Index i = 0; i < n; ++i) entries.emplace_back(i, i, 0.);
+  Matrices& m = *matrices_;
+  m.gradients.resize(n, n);
+  m.gradients.setFromTriplets(entries.begin(), entries.end());
+  m.matrix = m.gradients;
+  m.solver.analyzePattern(m.matrix);
+  m.work.resize(n);
+}
+
+void DarcyFlow::setStep(double h, double storage, double permeability) {
+  // differences of times have round-off of their own: equal steps share a factor, and no result depends on which
+  int exponent = 0;
+  h = std::round(std::frexp(h, &exponent) * 0x1p30);
+  h = std::ldexp(h * 0x1p-30, exponent);
+  if (h == step_) return;
+  step_ = h;
+  Matrices& m = *matrices_;
+  m.matrix = m.gradients * (h * permeability);
+  for (Eigen::Index i = 0; i < m.matrix.rows(); ++i)
+    m.matrix.coeffRef(i, i) += isDrained(Index(i)) ? 1 : storage * volume_[i];
+  m.solver.factorize(m.matrix);  // positive definite
+  m.diagonal = m.solver.vectorD();
+}
+
+void DarcyFlow::solve(Rows values) {
+  Matrices& m = *matrices_;
+  const auto& place = m.solver.permutationP().indices();
+  for (Eigen::Index i = 0; i < m.work.size(); ++i) m.work[place[i]] = isDrained(Index(i)) ? 0 : values[Index(i)].x();
+  m.solver.matrixL().solveInPlace(m.work);
+  m.work.array() /= m.diagonal.array();
+  m.solver.matrixU().solveInPlace(m.work);
+  for (Eigen::Index i = 0; i < m.work.size(); ++i) values[Index(i)].x() = m.work[place[i]];
+}
+
+}  // namespace stroma

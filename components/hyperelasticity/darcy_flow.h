@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <memory>
+#include <vector>
+
+#include "framework/algebra/vector.h"
+#include "framework/mesh/mesh.h"
+
+namespace stroma {
+
+/// Backward Euler of Darcy's law on linear tetrahedra at rest, (s M + h kappa L) P = b: M the lumped volumes of the
+/// nodes [m^3], L the products of gradients [m], s the storage [1/Pa], kappa the permeability [m^4/(N s)]. P = 0 at
+/// drained nodes, no flow through the rest of the boundary. Factored when h changes.
+class DarcyFlow {
+ public:
+  DarcyFlow();
+  ~DarcyFlow();
+  void build(const Mesh& mesh, const std::vector<Vec3>& rest, const std::vector<Index>& drained);
+  /// h > 0 [s]; s > 0.
+  void setStep(double h, double storage, double permeability);
+  /// In the x of each row, rows being the nodes: b [m^3] becomes P [Pa].
+  void solve(Rows values);
+  double volume(Index node) const { return volume_[node]; }  ///< of M [m^3]
+  bool isDrained(Index node) const { return drained_[node] != 0; }
+
+ private:
+  struct Matrices;
+  std::vector<double> volume_;
+  std::vector<char> drained_;
+  std::unique_ptr<Matrices> matrices_;
+  double step_ = -1;
+};
+
+}  // namespace stroma

@@ -1,0 +1,440 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "components/hyperelasticity/hyperelastic_force_field.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "components/hyperelasticity/hyperelastic_volume.h"
+#include "framework/scene/names.h"
+
+namespace stroma {
+
+using hyperelastic::Form;
+using hyperelastic::HyperelasticLaw;
+using hyperelastic::hyperelasticLaws;
+using hyperelastic::ParameterInfo;
+using hyperelastic::residualStressKernels;
+using hyperelastic::ViscousLaw;
+
+namespace {
+
+/// Gradients of shape functions (columns, in the order of the cell) at the integration points.
+using Gradients = Eigen::Matrix<double, 3, Eigen::Dynamic>;
+
+/// Those along xi, eta and zeta of the hexahedron at its point p.
+Gradients localGradients(int p) {
+  constexpr int sign[8][3] = {{-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, -1},
+                              {-1, -1, 1},  {1, -1, 1},  {1, 1, 1},  {-1, 1, 1}};
+  const double g = 1 / std::sqrt(3.), s[3] = {p & 1 ? g : -g, p & 2 ? g : -g, p & 4 ? g : -g};
+  Gradients local(3, 8);
+  for (int a = 0; a < 8; ++a)
+    for (int i = 0; i < 3; ++i) {
+      double value = sign[a][i] / 8.;
+      for (int k = 0; k < 3; ++k)
+        if (k != i) value *= 1 + sign[a][k] * s[k];
+      local(i, a) = value;
+    }
+  return local;
+}
+/// dx/d(xi, eta, zeta) at a point.
+Mat3 edgesOf(const std::vector<Vec3>& corner, const Gradients& local) {
+  Mat3 j = Mat3::Zero();
+  for (std::size_t a = 0; a < corner.size(); ++a) j += corner[a] * local.col(Eigen::Index(a)).transpose();
+  return j;
+}
+
+std::vector<Gradients> gradientsOf(const std::vector<Vec3>& corner) {
+  std::vector<Gradients> result;
+  if (corner.size() == 4) {
+    Mat3 edges;
+    edges << corner[1] - corner[0], corner[2] - corner[0], corner[3] - corner[0];
+    const Mat3 g = edges.inverse().transpose();
+    Gradients all(3, 4);
+    all << -g.rowwise().sum(), g;
+    return {all};
+  }
+  for (int p = 0; p < 8; ++p) {
+    const Gradients local = localGradients(p);
+    result.push_back(edgesOf(corner, local).inverse().transpose() * local);
+  }
+  return result;
+}
+
+template <class Nodes, class Position>
+std::vector<Vec3> cornersOf(const Nodes& nodes, Position&& position) {
+  std::vector<Vec3> corner;
+  corner.reserve(std::size(nodes));
+  for (Index n : nodes) corner.push_back(position(n));
+  return corner;
+}
+
+}  // namespace
+
+void HyperelasticForceField::declare(DataTable& table) {
+  ForceField::declare(table);
+  std::set<std::string> names;
+  for (const HyperelasticLaw& law : hyperelasticLaws()) names.insert(law.name);
+  table.addLink("topology", topology_)
+      .help("mesh that holds the cells; the node's own (or the nearest above) when not given");
+  table.add("template", template_).help("Vec3");
+  table.add("materialName", material_name_).physical().help(fmt::format("the law: {}", fmt::join(names, ", ")));
+  table.add("ParameterSet", parameter_set_).help("the law's parameters by position, instead of by name");
+  table.add("youngModulus", young_modulus_)
+      .unit("Pa")
+      .min(0, false)
+      .help("Young's modulus at small strains, for the parameters that are not given: one value, or one a cell");
+  table.add("poissonRatio", poisson_ratio_)
+      .unit("-")
+      .min(-1, false)
+      .max(0.5, false)
+      .help("Poisson's ratio at small strains, with youngModulus");
+  for (const HyperelasticLaw& law : hyperelasticLaws())
+    for (const ParameterInfo& p : law.namedParameters()) {
+      if (named_.count(p.name)) continue;
+      std::set<std::string> users;
+      for (const HyperelasticLaw& other : hyperelasticLaws())
+        if (other.takes(p.name)) users.insert(other.name);
+      table.add(p.name, named_[p.name])
+          .unit(p.unit)
+          .help(fmt::format("{} ({}): one value, or one a cell", p.help, fmt::join(users, ", ")));
+    }
+  table.add("AnisotropyDirections", directions_)
+      .help("fibre, or fibre and sheet (and normal): for all cells, or for each cell or node one after the other");
+  table.addChoice("discretization", discretization, {"mjed", "standard"})
+      .help("mjed: derivatives by J and invariants; standard: the textbook's S and elasticity tensor, to compare");
+  table.addChoice("dilatation", dilatation_, {"local", "mean"})
+      .help("of hexahedra, the volume change that bulk stiffness meets: at each point, or one a cell: no locking");
+  table.add("matrixRegularization", regularised_)
+      .help("where J < 1 turn the tangent's part with d2W/dJ2 into a multiple of the identity (Marchesseau 2.3)");
+  table.add("projectedTangent", projected_)
+      .help(
+          "set the unstable eigenvalues of each point's tangent to zero: every step of Newton goes downhill (but for "
+          "what "
+          "viscosity adds)");
+  table.add("considerInversion", consider_inversion_)
+      .help("of SOFA's plugin: only false; what each law does with inverted elements is on its page");
+  table.add("ParameterFile", parameter_file_).help("of SOFA's plugin: only empty; parameters take a value a cell");
+  prony_.declare(table);
+  history_file_.declare(table);
+}
+
+std::size_t HyperelasticForceField::cellCount() const {
+  return hexahedra ? mesh_->hexahedra.size() : mesh_->tetrahedra.size();
+}
+
+void HyperelasticForceField::init() {
+  ForceField::init();
+  refusePlugin();
+  chooseMesh();
+  chooseLaw();
+  readParameters();
+  readDirections();
+  series_ = prony_.read(*this);
+  if (series_.terms() > 0 && !(hexahedra ? residualStressKernels().hexahedra : residualStressKernels().tetrahedra))
+    throw ComponentError("viscosity has no kernels for these cells", "tetrahedra");
+  if (series_.terms() == 0 && history_file_.isGiven())
+    throw ComponentError("a history is given, and without viscosity nothing is remembered", "viscous=\"true\"");
+  checkShapes();
+  checkMeanDilatation();
+  if (regularised_ && projected_)
+    throw ComponentError("matrixRegularization and projectedTangent both replace the tangent", "one of them");
+  if (regularised_ && !law_.curved_in_volume)
+    throw ComponentError(
+        fmt::format("matrixRegularization acts on d2W/dJ2 of the law, and the energy of {} has no J", law_.name),
+        "projectedTangent=\"true\" for this law");
+  if (hexahedra && regularised_)
+    throw ComponentError("matrixRegularization exists for tetrahedra", "projectedTangent=\"true\" for hexahedra");
+  if (hexahedra && discretization == Discretization::standard)
+    throw ComponentError("discretization standard, for comparison, exists for tetrahedra", "discretization=\"mjed\"");
+  if (discretization == Discretization::standard && (regularised_ || projected_))
+    throw ComponentError("discretization standard is the textbook's form, with its exact tangent",
+                         "discretization=\"mjed\" with matrixRegularization or projectedTangent");
+}
+
+/// What SOFA's MJEDTetrahedralForceField has and this component has not.
+void HyperelasticForceField::refusePlugin() const {
+  if (consider_inversion_)
+    throw ComponentError(
+        "considerInversion, forces of an inverted element as if a node lay on the other side, is not available",
+        "considerInversion=\"false\"", "StableNeoHookean, whose energy drives inverted elements back");
+  if (!parameter_file_.empty())
+    throw ComponentError(fmt::format("ParameterFile '{}' would not be read", parameter_file_),
+                         "ParameterSet, or the parameters by name with one value a cell");
+  if (material_name_ == "NeoHookeanIsotropic" || material_name_ == "Isotropic_NeoHookean")
+    throw ComponentError(
+        fmt::format("there is no law '{}'", material_name_),
+        "NeoHookean, or with the isochoric invariant J^-2/3 I1 alone MooneyRivlin, c1 = mu/2, c2 = 0 and k0");
+}
+
+void HyperelasticForceField::chooseMesh() {
+  if (!template_.empty() && template_.rfind("Vec3", 0) != 0)
+    throw ComponentError(fmt::format("template '{}' is none that {} has", template_, type()), "Vec3");
+  const Topology* topology = topology_.target() ? topology_.get() : find<Topology>(true);
+  if (!topology) throw ComponentError("there is no mesh", "a topology with cells in this node or above");
+  mesh_ = &topology->mesh();
+  if (cellCount() == 0)
+    throw ComponentError(fmt::format("{} holds no {}", topology->path(), hexahedra ? "hexahedra" : "tetrahedra"),
+                         fmt::format("a mesh of {}", hexahedra ? "hexahedra" : "tetrahedra"),
+                         hexahedra || mesh_->hexahedra.empty()
+                             ? ""
+                             : "cut its hexahedra with Hexa2TetraTopologicalMapping, or "
+                               "HexahedronHyperelasticityFEMForceField");
+  const std::string problem = mesh_->firstError();
+  if (!problem.empty()) throw ComponentError(problem);
+  if (mesh_->nodes() > state().size())
+    throw ComponentError(
+        fmt::format("the mesh has {} nodes, {} has {}", mesh_->nodes(), state().path(), state().size()),
+        "the same number");
+}
+
+void HyperelasticForceField::checkShapes() const {
+  for (std::size_t cell = 0; cell < cellCount(); ++cell) {
+    const auto rest = [&](Index n) -> Vec3 { return state().rest_position[n]; };
+    const std::vector<Vec3> corner =
+        hexahedra ? cornersOf(mesh_->hexahedra[cell], rest) : cornersOf(mesh_->tetrahedra[cell], rest);
+    double longest = 0;
+    for (const Vec3& c : corner) longest = std::max(longest, (c - corner[0]).norm());
+    for (const Gradients& g : gradientsOf(corner)) {
+      Mat3 f = Mat3::Zero();
+      for (std::size_t a = 0; a < corner.size(); ++a) f += corner[a] * g.col(Eigen::Index(a)).transpose();
+      if (!(g.norm() < 1e12 / longest) || !(std::abs(f.trace() - 3) < 1e-3))
+        throw ComponentError(describe(cell) + " is flat at rest", "a volume");
+    }
+  }
+}
+
+void HyperelasticForceField::checkMeanDilatation() const {
+  if (dilatation_ == Dilatation::local) return;
+  const std::string expected = "dilatation=\"local\"";
+  if (!hexahedra)
+    throw ComponentError("the mean dilatation of a hyperelastic law exists for hexahedra", expected,
+                         "HexahedronHyperelasticityFEMForceField, or TetrahedronFEMForceField for small strains");
+  if (law_.volume == hyperelastic::VolumePart::none)
+    throw ComponentError(
+        fmt::format("the energy of {} has no part in J alone that a mean could replace", law_.name), expected,
+        law_.name == "StVenantKirchhoff" ? "HexahedronFEMForceField with method=\"green\", whose mean is that of tr(E)"
+                                         : "");
+  if (series_.terms() > 0)
+    throw ComponentError("viscosity relaxes the stress of a point, and the mean dilatation has one for all points",
+                         expected);
+  for (std::size_t cell = 0; cell < cellCount(); ++cell) {
+    const std::vector<Vec3> corner =
+        cornersOf(mesh_->hexahedra[cell], [&](Index n) -> Vec3 { return state().rest_position[n]; });
+    const double first = edgesOf(corner, localGradients(0)).determinant();
+    for (int p = 1; p < 8; ++p)
+      if (edgesOf(corner, localGradients(p)).determinant() * first <= 0)
+        throw ComponentError(describe(cell) + " is folded at rest: its points have volumes of both signs",
+                             "a hexahedron with one volume, or " + expected);
+  }
+}
+
+ForceTraits HyperelasticForceField::traits() const {
+  ForceTraits t;
+  t.conservative = t.symmetric = t.forces_balance = t.torques_balance = true;
+  t.exact_tangent = !regularised_ && !projected_;
+  t.time_dependent = series_.terms() > 0;  // with its history held the stress has a potential
+  return t;
+}
+
+hyperelastic::Values HyperelasticForceField::parameters(std::size_t cell) const {
+  const std::size_t count = law_.parameters.size();
+  return {values_.data() + (values_.size() == count ? 0 : cell * count), count};
+}
+Mat3 HyperelasticForceField::axes(std::size_t cell) const { return axes_.size() == 1 ? axes_[0] : axes_[cell]; }
+
+hyperelastic::Cells HyperelasticForceField::cells() const {
+  const Form form = discretization == Discretization::standard ? Form::standard
+                    : regularised_                             ? Form::regularised
+                    : projected_                               ? Form::projected
+                                                               : Form::mjed;
+  return {mesh_,
+          &state().rest_position,
+          state().firstRow(),
+          [this](std::size_t cell) { return parameters(cell); },
+          [this](std::size_t cell) { return axes(cell); },
+          form};
+}
+
+void HyperelasticForceField::compile() {
+  if (dilatation_ == Dilatation::mean) return makeMeanDilatation();
+  method_ = (hexahedra ? law_.hexahedra : law_.tetrahedra)(cells());
+  if (series_.terms() > 0) makeViscous();
+}
+
+/// The law with k = 0 at its points, and k U of the elements' volumes.
+void HyperelasticForceField::makeMeanDilatation() {
+  const std::size_t count = law_.parameters.size();
+  local_values_ = values_;
+  for (std::size_t i = law_.volume_parameter; i < values_.size(); i += count) local_values_[i] = 0;
+  hyperelastic::Cells local = cells();
+  local.parameters = [this, count](std::size_t cell) -> hyperelastic::Values {
+    return {local_values_.data() + (local_values_.size() == count ? 0 : cell * count), count};
+  };
+  method_ = std::make_unique<hyperelastic::SumOfKernels>(law_.hexahedra(local),
+                                                         hyperelastic::meanVolumeKernels().hexahedra(cells(), law_));
+}
+
+// ---- viscosity ----
+
+void HyperelasticForceField::makeViscous() {
+  const auto held = hexahedra ? residualStressKernels().hexahedra : residualStressKernels().tetrahedra;
+  auto viscous = std::make_unique<ViscousLaw>(std::move(method_), law_, cells(), cellCount(), series_, held(cells()),
+                                              node().root().root_time);
+  viscous_ = viscous.get();
+  method_ = std::move(viscous);
+  initial_history_ = history_file_.read();
+  const std::size_t expected = viscous_->history().size();
+  if (history_file_.isGiven() && initial_history_.size() != expected)
+    throw ComponentError(fmt::format("the history has {} numbers", initial_history_.size()),
+                         fmt::format("{}: that of a run with this mesh and this series", expected));
+  reset();
+}
+/// The system's rows up to the last of the state.
+ConstRows HyperelasticForceField::systemRows() const {
+  const Index first = state().firstRow();
+  return {state().x().data - std::size_t(first) * row_doubles, first + state().size()};
+}
+void HyperelasticForceField::setTime(double t) {
+  if (viscous_) viscous_->setTime(t, systemRows());
+}
+void HyperelasticForceField::stepEnded(double t) {
+  if (viscous_) viscous_->stepEnded(t, systemRows());
+}
+void HyperelasticForceField::reset() {
+  fault_.clear();
+  if (viscous_) viscous_->start(node().root().root_time, initial_history_);
+}
+const std::vector<double>& HyperelasticForceField::history() const {
+  static const std::vector<double> none;
+  return viscous_ ? viscous_->history() : none;
+}
+void HyperelasticForceField::setHistory(const std::vector<double>& values) {
+  if (viscous_) viscous_->start(node().root().root_time, values);
+}
+
+// ---- forces ----
+
+void HyperelasticForceField::addForce(ConstRows x, ConstRows v, Rows f) {
+  ElementKernelsField::addForce(x, v, f);
+  checkFinite(x, f);
+}
+void HyperelasticForceField::addForceAndProduct(ConstRows x, ConstRows v, ConstRows dx, double factor, Rows f) {
+  ElementKernelsField::addForceAndProduct(x, v, dx, factor, f);
+  checkFinite(x, f);
+}
+
+/// A law that is infinite at J = 0 makes NaN of a flat element: remembers which it was, for the report, until the next
+/// force that is finite or whose elements all have a volume (then another component's is not). Positions that are not
+/// finite themselves are the consequence: the cause is kept. One sum a force.
+void HyperelasticForceField::checkFinite(ConstRows x, ConstRows f) {
+  if (!law_.infinite_at_zero) return;
+  double sum = 0;
+  const ConstRows own = ownRows(f);
+  for (std::size_t i = 0; i < own.doubles(); ++i) sum += own.data[i] * 0;
+  if (sum == 0) {
+    fault_.clear();
+    return;
+  }
+  double j = 0;
+  const std::size_t cell = worstCell(ownRows(x), j);
+  if (j <= 0)
+    fault_ = fmt::format("{} had J = {:.3g}, where the energy of {} is infinite", describe(cell), j, law_.name);
+  else if (j > 0)
+    fault_.clear();
+}
+
+ForceField::Cost HyperelasticForceField::cost() const {
+  const double cells = double(cellCount());
+  return {cells * (hexahedra ? 120 : 12), cells * (hexahedra ? 1200 : 150)};
+}
+
+ConstRows HyperelasticForceField::ownRows(ConstRows x) const {
+  return {x.data + std::size_t(state().firstRow()) * row_doubles, state().size()};
+}
+
+std::string HyperelasticForceField::describe(std::size_t cell) const {
+  return hexahedra ? fmt::format("hexahedron {} (nodes {})", cell, fmt::join(mesh_->hexahedra[cell], " "))
+                   : fmt::format("tetrahedron {} (nodes {})", cell, fmt::join(mesh_->tetrahedra[cell], " "));
+}
+
+std::vector<Mat3> HyperelasticForceField::deformations(std::size_t cell, ConstRows x) const {
+  const auto rest = [&](Index n) -> Vec3 { return state().rest_position[n]; };
+  const auto now = [&](Index n) -> Vec3 { return x[n]; };
+  const auto both = [&](const auto& nodes) {
+    const std::vector<Vec3> corner = cornersOf(nodes, now);
+    std::vector<Mat3> result;
+    for (const Gradients& g : gradientsOf(cornersOf(nodes, rest))) {
+      result.push_back(Mat3::Zero());
+      for (std::size_t a = 0; a < corner.size(); ++a) result.back() += corner[a] * g.col(Eigen::Index(a)).transpose();
+    }
+    return result;
+  };
+  return hexahedra ? both(mesh_->hexahedra[cell]) : both(mesh_->tetrahedra[cell]);
+}
+
+double HyperelasticForceField::smallestJacobian(std::size_t cell, ConstRows x) const {
+  double smallest = std::numeric_limits<double>::infinity();
+  for (const Mat3& f : deformations(cell, x)) {
+    const double j = f.determinant();
+    if (!(j >= smallest)) smallest = j;
+  }
+  return smallest;
+}
+
+std::size_t HyperelasticForceField::worstCell(ConstRows x, double& jacobian) const {
+  jacobian = std::numeric_limits<double>::infinity();
+  std::size_t worst = 0;
+  for (std::size_t cell = 0; cell < cellCount(); ++cell) {
+    const double j = smallestJacobian(cell, x);
+    if (!(j >= jacobian)) jacobian = j, worst = cell;  // a NaN is the worst
+    if (jacobian != jacobian) break;
+  }
+  return worst;
+}
+
+std::string HyperelasticForceField::worstElement(ConstRows x) const {
+  double j = 0;
+  const std::size_t cell = worstCell(ownRows(x), j);
+  if (std::isnan(j) && !fault_.empty()) return fault_;
+  const std::string text = fmt::format("{}: J = {:.3g}", describe(cell), j);
+  return fault_.empty() ? text : text + "; " + fault_;
+}
+
+/// P of F, both in the material's axes.
+Mat3 HyperelasticForceField::stress(std::size_t cell, std::size_t point, const Mat3& f) const {
+  return viscous_ ? Mat3(f * viscous_->stress(cell, point, f)) : law_.stress(parameters(cell), f);
+}
+
+void HyperelasticForceField::cellField(const std::string& name, ConstRows x, std::vector<double>& out) const {
+  const ConstRows own = ownRows(x);
+  out.assign(name == "strain" ? 6 * cellCount() : cellCount(), 0.);
+  for (std::size_t cell = 0; cell < cellCount(); ++cell) {
+    if (name == "J") {
+      out[cell] = smallestJacobian(cell, own);
+      continue;
+    }
+    const std::vector<Mat3> points = deformations(cell, own);
+    Mat3 mean = Mat3::Zero();  // of E or of Cauchy's stress P F^T / J
+    for (std::size_t p = 0; p < points.size(); ++p) {
+      const Mat3 &f = points[p], local = f * axes(cell);
+      mean += name == "strain" ? Mat3((f.transpose() * f - Mat3::Identity()) / 2)
+                               : Mat3(stress(cell, p, local) * local.transpose() / f.determinant());
+    }
+    mean /= double(points.size());
+    if (name == "strain") {
+      const double v[6] = {mean(0, 0), mean(1, 1), mean(2, 2), mean(0, 1), mean(1, 2), mean(2, 0)};
+      std::copy(v, v + 6, out.begin() + std::ptrdiff_t(6 * cell));
+    } else {
+      out[cell] = std::sqrt(1.5) * (mean - mean.trace() / 3 * Mat3::Identity()).norm();
+    }
+  }
+}
+
+}  // namespace stroma

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The hyperelastic force fields of meshes: law, parameters, fibres, checks and cell fields, whatever the kind of cell.
+#pragma once
+#include <map>
+
+#include "components/hyperelasticity/viscous_law.h"
+#include "framework/fem/element_kernels_field.h"
+#include "framework/mechanics/history.h"
+#include "framework/mechanics/history_file.h"
+#include "framework/mesh/topology.h"
+
+namespace stroma {
+
+class HyperelasticForceField : public ElementKernelsField, public History {
+ public:
+  enum class Discretization : int { mjed, standard };
+  enum class Dilatation : int { local, mean };
+
+  // ---- set by the registration of a name ----
+  bool hexahedra = false;
+  Discretization discretization = Discretization::mjed;
+
+  void declare(DataTable& table) override;
+  void init() override;
+  ForceTraits traits() const override;
+  void compile() override;
+  void reset() override;
+  void setTime(double t) override;
+  void stepEnded(double t) override;
+  const std::vector<double>& history() const override;
+  void setHistory(const std::vector<double>& values) override;
+  void addForce(ConstRows x, ConstRows v, Rows f) override;
+  void addForceAndProduct(ConstRows x, ConstRows v, ConstRows dx, double factor, Rows f) override;
+
+  Cost cost() const override;
+  std::string worstElement(ConstRows x) const override;
+  std::vector<std::string> cellFields() const override { return {"vonMises", "J", "strain"}; }
+  void cellField(const std::string& name, ConstRows x, std::vector<double>& out) const override;
+
+  const hyperelastic::HyperelasticLaw& law() const { return law_; }
+  const Mesh& mesh() const { return *mesh_; }
+  hyperelastic::Values parameters(std::size_t cell) const;
+
+ protected:
+  /// What the kernels are built on.
+  hyperelastic::Cells cells() const;
+
+ private:
+  void refusePlugin() const;
+  void chooseMesh();
+  void chooseLaw();
+  hyperelastic::HyperelasticLaw withTerms(const hyperelastic::HyperelasticLaw& law) const;
+  std::vector<std::string> givenNames() const;
+  void readParameters();
+  void fillNamed(std::size_t set, std::vector<double>& values) const;
+  void checkModuli(const Lame& lame, hyperelastic::Values values) const;
+  struct DirectionCount {
+    enum class Place { all, cell, node } place;
+    std::size_t each;  ///< 1 (fibre), 2 (and sheet) or 3 (and normal)
+  };
+  DirectionCount countDirections();
+  void readDirections();
+  Mat3 axes(std::size_t cell) const;
+  std::size_t cellCount() const;
+  std::string describe(std::size_t cell) const;
+  /// Columns of F at the cell's integration points; x starts at node 0.
+  std::vector<Mat3> deformations(std::size_t cell, ConstRows x) const;
+  Mat3 stress(std::size_t cell, std::size_t point, const Mat3& f) const;
+  double smallestJacobian(std::size_t cell, ConstRows x) const;
+  ConstRows ownRows(ConstRows x) const;
+  std::size_t worstCell(ConstRows x, double& jacobian) const;
+  void checkFinite(ConstRows x, ConstRows f);
+  void checkShapes() const;
+  void checkMeanDilatation() const;
+  void makeMeanDilatation();
+  void makeViscous();
+  ConstRows systemRows() const;
+
+  Link<Topology> topology_{"topology"};
+  std::string template_, material_name_ = "ArrudaBoyce";
+  std::vector<double> parameter_set_, young_modulus_, poisson_ratio_;
+  std::map<std::string, std::vector<double>> named_;
+  std::vector<Vec3> directions_;
+  bool regularised_ = false, projected_ = false, consider_inversion_ = false;
+  Dilatation dilatation_ = Dilatation::local;
+  std::string parameter_file_;
+  PronyAttributes prony_;
+  HistoryFile history_file_;
+
+  const Mesh* mesh_ = nullptr;
+  hyperelastic::HyperelasticLaw law_;  ///< as chosen, with its number of terms
+  std::vector<double> values_;         ///< parameters, of one cell for all or of each
+  std::vector<double> local_values_;   ///< the same without the part that takes the mean dilatation
+  std::vector<Mat3> axes_;             ///< one for all or one a cell
+  std::vector<double> initial_history_;
+  PronySeries series_;                           ///< without terms: the law is elastic
+  hyperelastic::ViscousLaw* viscous_ = nullptr;  ///< method_, where it is viscous
+  std::string fault_;                            ///< why the last force was not finite
+};
+
+}  // namespace stroma

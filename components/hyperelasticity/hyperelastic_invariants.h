@@ -1,0 +1,298 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Sets of invariants on which an energy can depend besides J = det F, and what follows from an energy's derivatives:
+//   P = psi_J cof F + F S,           S = 2 sum_a psi_a dI_a/dC                    (no C^-1 anywhere)
+//   dP = dpsi_J cof F + psi_J dcof F + dF S + F dS,   dS = 2 sum_a (dpsi_a dI_a/dC + psi_a d(dI_a/dC))
+// with dpsi_x = psi_xJ dJ + sum_b psi_xb dI_b, dJ = cof F : dF and C = F^T F. Source: S. Marchesseau, T. Heimann,
+// S. Chatelin, R. Willinger, H. Delingette, "Multiplicative Jacobian energy decomposition method for fast porous
+// visco-hyperelastic soft tissue model", MICCAI 2010, sections 2.1 and 2.2, written for F instead of for nodes. The
+// same sets give the textbook's S and 4 d2W/dC2, with C^-1, for comparison.
+//
+// A set has Point<T> (F and the values of its invariants), evaluate<Law>() and value<Law>() (jet and number of the
+// energy), stress() (P), differential() (dP), and gradients()/curvature() for the textbook's form.
+#pragma once
+#include "components/hyperelasticity/hyperelastic_jet.h"
+#include "framework/fem/strain.h"
+
+namespace stroma::hyperelastic {
+
+using elastic::timesSymmetric;
+
+template <class T>
+M3<T> cofactorDifferential(const M3<T>& f, const M3<T>& df) {
+  return {cross(df.c1, f.c2) + cross(f.c1, df.c2), cross(df.c2, f.c0) + cross(f.c2, df.c0),
+          cross(df.c0, f.c1) + cross(f.c0, df.c1)};
+}
+template <class T>
+T dot(const M3<T>& a, const M3<T>& b) {
+  return stroma::dot(a.c0, b.c0) + stroma::dot(a.c1, b.c1) + stroma::dot(a.c2, b.c2);
+}
+/// a : b of symmetric matrices.
+template <class T>
+T dot(const S3<T>& a, const S3<T>& b) {
+  const T shear = fma(a.xy, b.xy, fma(a.yz, b.yz, a.zx * b.zx));
+  return fma(a.xx, b.xx, fma(a.yy, b.yy, fma(a.zz, b.zz, shear + shear)));
+}
+/// F^T F
+template <class T>
+S3<T> metric(const M3<T>& f) {
+  using stroma::dot;
+  return {dot(f.c0, f.c0), dot(f.c1, f.c1), dot(f.c2, f.c2), dot(f.c0, f.c1), dot(f.c1, f.c2), dot(f.c2, f.c0)};
+}
+/// F^T dF + dF^T F
+template <class T>
+S3<T> metricDifferential(const M3<T>& f, const M3<T>& df) {
+  const auto twice = [](const V3<T>& a, const V3<T>& da) { return T(2.) * stroma::dot(a, da); };
+  const auto both = [](const V3<T>& a, const V3<T>& da, const V3<T>& b, const V3<T>& db) {
+    return fma(a.x, db.x, fma(a.y, db.y, fma(a.z, db.z, stroma::dot(da, b))));
+  };
+  return {twice(f.c0, df.c0),
+          twice(f.c1, df.c1),
+          twice(f.c2, df.c2),
+          both(f.c0, df.c0, f.c1, df.c1),
+          both(f.c1, df.c1, f.c2, df.c2),
+          both(f.c2, df.c2, f.c0, df.c0)};
+}
+template <class T>
+S3<T> unit() {
+  S3<T> s;
+  s.xx = s.yy = s.zz = T(1.);
+  return s;
+}
+
+/// A 4 d2W/dC2 in Voigt's order xx yy zz xy yz zx, on strains with doubled shear: dS = D dE.
+template <class T>
+struct Elasticity {
+  T d[6][6];
+};
+template <class T>
+void list(const S3<T>& a, T (&out)[6]) {
+  out[0] = a.xx, out[1] = a.yy, out[2] = a.zz, out[3] = a.xy, out[4] = a.yz, out[5] = a.zx;
+}
+/// D += s (A (x) B + B (x) A) / 2
+template <class T>
+void addOuter(T s, const S3<T>& a, const S3<T>& b, Elasticity<T>& out) {
+  T l[6], r[6];
+  list(a, l), list(b, r);
+  const T half = T(0.5) * s;
+  for (int i = 0; i < 6; ++i)
+    for (int j = 0; j < 6; ++j) out.d[i][j] = fma(half, fma(l[i], r[j], l[j] * r[i]), out.d[i][j]);
+}
+template <class S, class T>
+void addOuterUnlessZero(const S& s, const S3<T>& a, const S3<T>& b, Elasticity<T>& out) {
+  if constexpr (NotZero<S>) addOuter(T(s), a, b, out);
+}
+
+/// What every set has of F.
+template <class T>
+struct VolumePoint {
+  M3<T> f, cof;
+  T j;
+  explicit VolumePoint(const M3<T>& deformation)
+      : f(deformation), cof(cofactor(deformation)), j(stroma::dot(deformation.c0, cof.c0)) {}
+};
+
+/// J and I1 = tr C.
+struct First {
+  template <class T>
+  struct Point : VolumePoint<T> {
+    T i1;
+    template <class Parameters>
+    Point(const M3<T>& deformation, const Parameters&) : VolumePoint<T>(deformation), i1(squaredNorm(deformation)) {}
+  };
+  template <class Law, class T, class Parameters>
+  static auto evaluate(const Point<T>& p, const Parameters& parameters) {
+    return Law::energy(variable<0>(p.j), variable<1>(p.i1), parameters);
+  }
+  template <class Law, class T, class Parameters>
+  static T value(const Point<T>& p, const Parameters& parameters) {
+    return Law::energy(p.j, p.i1, parameters);
+  }
+  template <class T>
+  static M3<T> stress(const Point<T>& p, const auto& w) {
+    return scaled(2. * w.b, p.f) + scaled(w.a, p.cof);
+  }
+  template <class T>
+  static M3<T> differential(const Point<T>& p, const auto& w, const M3<T>& df) {
+    const T half_di1 = dot(p.f, df), di1 = half_di1 + half_di1, dj = dot(p.cof, df);
+    const auto dfirst = w.ab * dj + w.bb * di1;
+    const auto dvolume = w.aa * dj + w.ab * di1;
+    return (scaled(2. * w.b, df) + scaled(w.a, cofactorDifferential(p.f, df))) +
+           (scaled(2. * dfirst, p.f) + scaled(dvolume, p.cof));
+  }
+  template <class T>
+  static void gradients(const Point<T>&, S3<T> (&a)[2]) {
+    a[0] = unit<T>(), a[1] = S3<T>{};
+  }
+  template <class T>
+  static void curvature(const auto&, const auto&, Elasticity<T>&) {}
+};
+
+/// J, I1 and I2 = ((tr C)^2 - tr C^2)/2; dI2/dC = I1 Id - C.
+struct FirstAndSecond {
+  template <class T>
+  struct Point : VolumePoint<T> {
+    S3<T> c;
+    T i1, i2;
+    template <class Parameters>
+    Point(const M3<T>& deformation, const Parameters&) : VolumePoint<T>(deformation), c(metric(deformation)) {
+      i1 = c.xx + c.yy + c.zz;
+      const T minors = fma(c.xx, c.yy, fma(c.yy, c.zz, c.zz * c.xx)) - fma(c.xy, c.xy, fma(c.yz, c.yz, c.zx * c.zx));
+      i2 = minors;
+    }
+  };
+  template <class Law, class T, class Parameters>
+  static auto evaluate(const Point<T>& p, const Parameters& parameters) {
+    return Law::energy(variable<0>(p.j), variable<1>(p.i1), variable<2>(p.i2), parameters);
+  }
+  template <class Law, class T, class Parameters>
+  static T value(const Point<T>& p, const Parameters& parameters) {
+    return Law::energy(p.j, p.i1, p.i2, parameters);
+  }
+  /// a Id + b C
+  template <class T>
+  static S3<T> combination(const Point<T>& p, T a, T b) {
+    S3<T> s = p.c * b;
+    s.xx += a, s.yy += a, s.zz += a;
+    return s;
+  }
+  template <class T>
+  static S3<T> secondStress(const Point<T>& p, const auto& w) {
+    const T minus_second = -2. * w.c;
+    return combination(p, T(2. * w.b - minus_second * p.i1), minus_second);
+  }
+  template <class T>
+  static M3<T> stress(const Point<T>& p, const auto& w) {
+    return timesSymmetric(p.f, secondStress(p, w)) + scaled(w.a, p.cof);
+  }
+  template <class T>
+  static M3<T> differential(const Point<T>& p, const auto& w, const M3<T>& df) {
+    const S3<T> dc = metricDifferential(p.f, df);
+    const T di1 = dc.xx + dc.yy + dc.zz, di2 = p.i1 * di1 - dot(p.c, dc), dj = dot(p.cof, df);
+    const auto dfirst = w.ab * dj + (w.bb * di1 + w.bc * di2);
+    const auto dsecond = w.ac * dj + (w.bc * di1 + w.cc * di2);
+    const auto dvolume = w.aa * dj + (w.ab * di1 + w.ac * di2);
+    const T on_unit = 2. * (dfirst + (dsecond * p.i1 + w.c * di1));
+    S3<T> ds = dc * (-2. * w.c) + scaled(-2. * dsecond, p.c);
+    ds.xx += on_unit, ds.yy += on_unit, ds.zz += on_unit;
+    return (timesSymmetric(df, secondStress(p, w)) + timesSymmetric(p.f, ds)) +
+           (scaled(w.a, cofactorDifferential(p.f, df)) + scaled(dvolume, p.cof));
+  }
+  template <class T>
+  static void gradients(const Point<T>& p, S3<T> (&a)[2]) {
+    a[0] = unit<T>(), a[1] = combination(p, p.i1, T(-1.));
+  }
+  /// 4 psi_2 (Id (x) Id - symmetric identity)
+  template <class T>
+  static void curvature(const auto&, const auto& w, Elasticity<T>& d) {
+    const T s = 4. * w.c, minus_half = -0.5 * s;
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j)
+        if (i != j) d.d[i][j] += s;
+      d.d[3 + i][3 + i] += minus_half;
+    }
+  }
+};
+
+/// J, I1 and I4 = a C a, a the first axis of the frame of F.
+struct FirstAndFibre {
+  template <class T>
+  struct Point : VolumePoint<T> {
+    T i1, i4;
+    template <class Parameters>
+    Point(const M3<T>& deformation, const Parameters&)
+        : VolumePoint<T>(deformation), i1(squaredNorm(deformation)), i4(stroma::dot(deformation.c0, deformation.c0)) {}
+  };
+  template <class Law, class T, class Parameters>
+  static auto evaluate(const Point<T>& p, const Parameters& parameters) {
+    return Law::energy(variable<0>(p.j), variable<1>(p.i1), variable<2>(p.i4), parameters);
+  }
+  template <class Law, class T, class Parameters>
+  static T value(const Point<T>& p, const Parameters& parameters) {
+    return Law::energy(p.j, p.i1, p.i4, parameters);
+  }
+  template <class T>
+  static M3<T> stress(const Point<T>& p, const auto& w) {
+    M3<T> stress = scaled(2. * w.b, p.f) + scaled(w.a, p.cof);
+    stress.c0 = fma(T(2. * w.c), p.f.c0, stress.c0);
+    return stress;
+  }
+  template <class T>
+  static M3<T> differential(const Point<T>& p, const auto& w, const M3<T>& df) {
+    const T half_di4 = stroma::dot(p.f.c0, df.c0), di4 = half_di4 + half_di4;
+    const T half_di1 = dot(p.f, df), di1 = half_di1 + half_di1, dj = dot(p.cof, df);
+    const auto dfirst = w.ab * dj + (w.bb * di1 + w.bc * di4);
+    const auto dfibre = w.ac * dj + (w.bc * di1 + w.cc * di4);
+    const auto dvolume = w.aa * dj + (w.ab * di1 + w.ac * di4);
+    M3<T> out = (scaled(2. * w.b, df) + scaled(w.a, cofactorDifferential(p.f, df))) +
+                (scaled(2. * dfirst, p.f) + scaled(dvolume, p.cof));
+    out.c0 = out.c0 + (df.c0 * (2. * w.c) + p.f.c0 * (2. * dfibre));
+    return out;
+  }
+  template <class T>
+  static void gradients(const Point<T>&, S3<T> (&a)[2]) {
+    a[0] = unit<T>(), a[1] = S3<T>{}, a[1].xx = T(1.);
+  }
+  template <class T>
+  static void curvature(const auto&, const auto&, Elasticity<T>&) {}
+};
+
+/// J and Q = sum b_ij E_ij^2 over all i, j, E = (C - Id)/2 in the fibres' frame: parameters has bff, bss, bnn, bfs,
+/// bsn, bfn, with axes f, s, n = x, y, z. dQ/dC = b E (product by component).
+struct Quadratic {
+  template <class T, class Parameters>
+  static S3<T> weighted(const S3<T>& e, const Parameters& b) {
+    return {b.bff * e.xx, b.bss * e.yy, b.bnn * e.zz, b.bfs * e.xy, b.bsn * e.yz, b.bfn * e.zx};
+  }
+  template <class T>
+  struct Point : VolumePoint<T> {
+    S3<T> be;  ///< b E
+    S3<T> b;   ///< b
+    T q;
+    template <class Parameters>
+    Point(const M3<T>& deformation, const Parameters& parameters) : VolumePoint<T>(deformation) {
+      const T half(0.5);
+      S3<T> e = metric(deformation) * half;
+      e.xx -= half, e.yy -= half, e.zz -= half;
+      b = {parameters.bff, parameters.bss, parameters.bnn, parameters.bfs, parameters.bsn, parameters.bfn};
+      be = weighted(e, parameters);
+      q = dot(be, e);
+    }
+  };
+  template <class Law, class T, class Parameters>
+  static auto evaluate(const Point<T>& p, const Parameters& parameters) {
+    return Law::energy(variable<0>(p.j), variable<1>(p.q), parameters);
+  }
+  template <class Law, class T, class Parameters>
+  static T value(const Point<T>& p, const Parameters& parameters) {
+    return Law::energy(p.j, p.q, parameters);
+  }
+  template <class T>
+  static M3<T> stress(const Point<T>& p, const auto& w) {
+    return timesSymmetric(p.f, p.be * (2. * w.b)) + scaled(w.a, p.cof);
+  }
+  template <class T>
+  static M3<T> differential(const Point<T>& p, const auto& w, const M3<T>& df) {
+    const S3<T> dc = metricDifferential(p.f, df);
+    const T dq = dot(p.be, dc), dj = dot(p.cof, df);
+    const auto dquadratic = w.ab * dj + w.bb * dq, dvolume = w.aa * dj + w.ab * dq;
+    const T first = 2. * w.b, second = 2. * dquadratic;
+    const S3<T> ds =
+        p.be * second +
+        S3<T>{p.b.xx * dc.xx, p.b.yy * dc.yy, p.b.zz * dc.zz, p.b.xy * dc.xy, p.b.yz * dc.yz, p.b.zx * dc.zx} * w.b;
+    return (timesSymmetric(df, p.be * first) + timesSymmetric(p.f, ds)) +
+           (scaled(w.a, cofactorDifferential(p.f, df)) + scaled(dvolume, p.cof));
+  }
+  template <class T>
+  static void gradients(const Point<T>& p, S3<T> (&a)[2]) {
+    a[0] = p.be, a[1] = S3<T>{};
+  }
+  /// 2 psi_Q b on the diagonal: dS = 2 psi_Q b dE, doubled shear halves.
+  template <class T>
+  static void curvature(const Point<T>& p, const auto& w, Elasticity<T>& d) {
+    T b[6];
+    list(p.b, b);
+    for (int i = 0; i < 6; ++i) d.d[i][i] += (i < 3 ? 2. : 1.) * w.b * b[i];
+  }
+};
+
+}  // namespace stroma::hyperelastic

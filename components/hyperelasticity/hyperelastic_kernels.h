@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The kernels of a law, from its energy. A law is a struct with
+//   Set                      the invariants it depends on (hyperelastic_invariants.h): First, FirstAndSecond, ...
+//   anisotropic              whether it reads the material's axes
+//   Parameters<T>            a struct of T, in the order of ParameterSet; or in its own, with read(values)
+//   energy(J, I..., p)       the energy density, a template: numbers give the energy, jets its derivatives too
+// It belongs into one .cpp, which includes this header and nothing else does: kernels are large.
+#pragma once
+#include "components/hyperelasticity/hyperelastic_hexahedron.h"
+#include "components/hyperelasticity/hyperelastic_spectral.h"
+#include "components/hyperelasticity/hyperelastic_tetrahedron.h"
+
+namespace stroma::hyperelastic {
+
+/// The kernels for the form of a law that a scene chose: once, outside all loops.
+template <class Law>
+std::unique_ptr<ElementKernels> tetrahedraOf(const Cells& cells) {
+  const auto make = [&]<class Point>() -> std::unique_ptr<ElementKernels> {
+    return std::make_unique<ModelKernels<Fan<Point>>>(fansOf<Point>(cells));
+  };
+  if (cells.form == Form::regularised) return make.template operator()<Regularised<Law>>();
+  if (cells.form == Form::projected) return make.template operator()<Projected<Law>>();
+  if (cells.form == Form::standard) return make.template operator()<Standard<Law>>();
+  return make.template operator()<Mjed<Law>>();
+}
+/// In the forms mjed and projected; null for the others.
+template <class Law>
+std::unique_ptr<ElementKernels> hexahedraOf(const Cells& cells) {
+  const auto make = [&]<class Point>() -> std::unique_ptr<ElementKernels> {
+    return std::make_unique<ModelKernels<Hexahedron<Point>>>(hexahedronStorage<Point>(cells));
+  };
+  if (cells.form == Form::regularised || cells.form == Form::standard) return nullptr;
+  if (cells.form == Form::projected) return make.template operator()<Projected<Law>>();
+  return make.template operator()<Mjed<Law>>();
+}
+
+/// Fills in the kernels; name, parameters and the rest are the law's own.
+template <class Law>
+HyperelasticLaw lawOf(HyperelasticLaw law) {
+  law.tetrahedra = tetrahedraOf<Law>;
+  law.hexahedra = hexahedraOf<Law>;
+  law.stress = [](Values values, const Mat3& f) -> Mat3 {
+    typename Mjed<Law>::template Tangent<double> t;
+    return toEigen(Mjed<Law>::stress(parametersOf<Law>(values), 1., fromEigen(f), t));
+  };
+  law.differential = [](Values values, const Mat3& f, const Mat3& df) -> Mat3 {
+    const auto parameters = parametersOf<Law>(values);
+    typename Mjed<Law>::template Tangent<double> t;
+    Mjed<Law>::stress(parameters, 1., fromEigen(f), t);
+    return toEigen(Mjed<Law>::differential(parameters, 1., t, fromEigen(f), fromEigen(df)));
+  };
+  if constexpr (!InPrincipalStretches<Law>) law.curved_in_volume = NotZero<decltype(Derivatives<Law, double>::aa)>;
+  return law;
+}
+
+}  // namespace stroma::hyperelastic

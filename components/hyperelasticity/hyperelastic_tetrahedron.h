@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Linear tetrahedra of a hyperelastic law: one point, F = sum e_i (x) G_i, f_i = -V_0 P G_i. Isotropic laws see F up to
+// a rotation of the rest shape: their gradients are stored in the frame in which G_1 is along x and G_2 in the xy
+// plane, six numbers instead of nine.
+#pragma once
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <cstring>
+
+#include "components/hyperelasticity/hyperelastic_law.h"
+#include "components/hyperelasticity/hyperelastic_point.h"
+#include "framework/fem/eigen_matrix.h"
+#include "framework/fem/fan_model.h"
+
+namespace stroma::hyperelastic {
+
+/// Gradients (xx 0 0), (yx yy 0), (zx zy zz).
+struct TriangularFrame {
+  template <class T>
+  struct Gradients {
+    T xx, yx, yy, zx, zy, zz;
+  };
+  template <class T>
+  static M3<T> deformation(const V3<T> (&e)[3], const Gradients<T>& g) {
+    return {fma(g.xx, e[0], fma(g.yx, e[1], e[2] * g.zx)), fma(g.yy, e[1], e[2] * g.zy), e[2] * g.zz};
+  }
+  template <class T>
+  static void forces(const M3<T>& p, const Gradients<T>& g, V3<T> (&f)[4]) {
+    f[1] = p.c0 * g.xx;
+    f[2] = fma(g.yx, p.c0, p.c1 * g.yy);
+    f[3] = fma(g.zx, p.c0, fma(g.zy, p.c1, p.c2 * g.zz));
+    f[0] = -(f[1] + f[2] + f[3]);
+  }
+  /// From columns G_i in any axes.
+  static Gradients<double> of(const Mat3& g, const Mat3&) {
+    const Vec3 x = g.col(0).normalized(), y = (g.col(1) - x * x.dot(g.col(1))).normalized(), z = x.cross(y);
+    return {x.dot(g.col(0)), x.dot(g.col(1)), y.dot(g.col(1)), x.dot(g.col(2)), y.dot(g.col(2)), z.dot(g.col(2))};
+  }
+};
+
+/// Gradients in the material's axes.
+struct MaterialFrame {
+  template <class T>
+  using Gradients = elastic::Gradients<T>;
+  template <class T>
+  static M3<T> deformation(const V3<T> (&e)[3], const Gradients<T>& g) {
+    return elastic::outerSum(e, g);
+  }
+  template <class T>
+  static void forces(const M3<T>& p, const Gradients<T>& g, V3<T> (&f)[4]) {
+    f[1] = p * g.g1, f[2] = p * g.g2, f[3] = p * g.g3;
+    f[0] = -(f[1] + f[2] + f[3]);
+  }
+  static Gradients<double> of(const Mat3& g, const Mat3& axes) {
+    const M3<double> own = fromEigen(axes.transpose() * g);
+    return {own.c0, own.c1, own.c2};
+  }
+};
+
+/// A model of ModelKernels, from a form of a law (Mjed, Standard, ...).
+template <class Form>
+struct Tetrahedron {
+  static constexpr int nodes = 4;
+  static constexpr bool reads_position = true;
+  using Frame = std::conditional_t<Form::Law::anisotropic, MaterialFrame, TriangularFrame>;
+  template <class T>
+  struct Rest {
+    typename Frame::template Gradients<T> g;  ///< [1/m]
+    T weight;                                 ///< -V_0 [m^3]
+    typename Form::template Parameters<T> parameters;
+  };
+  template <class T>
+  using Tangent = typename Form::template Tangent<T>;
+
+  template <class T>
+  static void force(const Rest<T>& rest, Tangent<T>& t, const V3<T> (&x)[4], V3<T> (&f)[4]) {
+    const M3<T> deformation = Frame::deformation(tetrahedron::Edges(x).e, rest.g);
+    Frame::forces(Form::stress(rest.parameters, rest.weight, deformation, t), rest.g, f);
+  }
+  template <class T>
+  static T energy(const Rest<T>& rest, const Tangent<T>&, const V3<T> (&x)[4]) {
+    return -rest.weight * Form::energy(rest.parameters, Frame::deformation(tetrahedron::Edges(x).e, rest.g));
+  }
+  template <class T>
+  static void product(const Rest<T>& rest, const Tangent<T>& t, T factor, const V3<T> (&x)[4], const V3<T> (&dx)[4],
+                      V3<T> (&df)[4]) {
+    const M3<T> f = Frame::deformation(tetrahedron::Edges(x).e, rest.g);
+    const M3<T> change = Frame::deformation(tetrahedron::Edges(dx).e, rest.g) * factor;
+    Frame::forces(Form::differential(rest.parameters, rest.weight, t, f, change), rest.g, df);
+  }
+
+  /// A cell with its vertices in the order of `order`; a padding lane has no volume.
+  static void set(const Cells& cells, std::size_t cell, const stroma::Tetrahedron& order, bool padding,
+                  Rest<double>& rest) {
+    const auto at = [&](int a) -> const Vec3& { return (*cells.rest)[order[a]]; };
+    Mat3 edges;
+    edges << at(1) - at(0), at(2) - at(0), at(3) - at(0);
+    rest.g = Frame::of(edges.inverse().transpose(), Form::Law::anisotropic ? cells.axes(cell) : Mat3(Mat3::Identity()));
+    rest.weight = padding ? 0 : -std::abs(edges.determinant()) / (6 * cells.mesh->overlap);
+    rest.parameters = parametersOf<typename Form::Law>(cells.parameters(cell));
+  }
+};
+
+template <class Form>
+using Fan = tetrahedron::FanOf<Tetrahedron<Form>>;
+
+template <class Form>
+StorageOf<Fan<Form>> fansOf(const Cells& cells) {
+  using namespace tetrahedron;
+  const std::vector<tetrahedron::Fan> fans = gatherFans(cells.mesh->tetrahedra, cells.rest->size());
+  std::vector<std::array<Index, fan_nodes>> nodes;
+  nodes.reserve(fans.size());
+  for (const auto& fan : fans) nodes.push_back(fan.nodes);
+  StorageOf<hyperelastic::Fan<Form>> storage;
+  storage.build(nodes, *cells.rest, cells.first_row, [&](std::size_t f, bool padding, auto& rest, auto&) {
+    for (int i = 0; i < fan_size; ++i) {
+      const Index e = fans[f].element[i];
+      stroma::Tetrahedron order;
+      for (int a = 0; a < 4; ++a) order[a] = nodes[f][corner(i, a)];
+      hyperelastic::Tetrahedron<Form>::set(cells, std::size_t(e >= 0 ? e : fans[f].element[0]), order, padding || e < 0,
+                                           rest.of[i]);
+    }
+  });
+  return storage;
+}
+
+}  // namespace stroma::hyperelastic

@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "components/integrators/explicit_step.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "components/integrators/newton.h"
+#include "components/integrators/stable_step.h"
+
+namespace stroma {
+
+// ---- accelerations ----
+
+void Acceleration::compile(System& system, const std::string& method) {
+  system_ = &system;
+  solver_ = nullptr;
+  if (system.massIsDiagonal()) {
+    inverse_mass_ = &system.inverseLumpedMass();
+    return;
+  }
+  system.requireMass();
+  solver_ = system.linearSolver();
+  if (!solver_)
+    throw ComponentError(fmt::format("the mass is not diagonal, so {} needs a linear solver, and {} has none", method,
+                                     system.node().path()),
+                         "a linear solver in the same node, or a diagonal mass",
+                         "use DiagonalMass, or add <CGLinearSolver iterations=\"25\" tolerance=\"1e-9\"/>");
+  right_side_.resize(system.independentRows());
+}
+
+bool Acceleration::solve(ConstRows f, Rows a, StepReport& report) {
+  if (solver_) {
+    copy(f, right_side_);
+    system_->project(right_side_);
+    if (!solveOrShift(*solver_, system_->matrix({.mass = 1}), right_side_, a, report)) return false;
+  } else {
+    const double* __restrict force = f.data;
+    const double* __restrict inverse = inverse_mass_->data();
+    double* __restrict out = a.data;
+    for (Index i = 0; i < a.count; ++i)
+      for (int l = 0; l < row_doubles; ++l) out[row_doubles * i + l] = force[row_doubles * i + l] * inverse[i];
+  }
+  system_->project(a);
+  return true;
+}
+
+std::string Acceleration::describe() const {
+  return solver_ ? "a linear solve with the mass for each" : "the mass inverted once";
+}
+
+// ---- schemes ----
+
+ExplicitScheme fromRungeKutta(std::string name, const std::vector<std::vector<double>>& a,
+                              const std::vector<double>& b) {
+  ExplicitScheme scheme;
+  scheme.name = std::move(name);
+  const std::size_t stages = a.size();
+  // (row A)_j for a row of coefficients of earlier stages
+  const auto timesA = [&a](const std::vector<double>& row) {
+    std::vector<double> product(row.size(), 0);
+    for (std::size_t k = 0; k < row.size(); ++k)
+      for (std::size_t j = 0; j < a[k].size(); ++j) product[j] += row[k] * a[k][j];
+    return product;
+  };
+  for (std::size_t i = 0; i < stages; ++i) {
+    double time = 0;
+    for (double value : a[i]) time += value;
+    scheme.stages.push_back({time, timesA(a[i]), a[i]});
+  }
+  scheme.x = timesA(b);
+  scheme.v = b;
+  return scheme;
+}
+
+namespace {
+
+/// One step of h = 1 of x'' = -square x from (x, v), in place.
+void stepOscillator(const ExplicitScheme& scheme, double square, double& x, double& v) {
+  std::vector<double> a;
+  const auto sum = [&a](const std::vector<double>& weights) {
+    double total = 0;
+    for (std::size_t j = 0; j < weights.size(); ++j) total += weights[j] * a[j];
+    return total;
+  };
+  for (const ExplicitScheme::Stage& stage : scheme.stages) a.push_back(-square * (x + stage.time * v + sum(stage.x)));
+  x += v + sum(scheme.x);
+  v += sum(scheme.v);
+}
+
+/// The larger size of the eigenvalues of a step of the oscillator.
+double amplification(const ExplicitScheme& scheme, double angle) {
+  double xx = 1, vx = 0, xv = 0, vv = 1;
+  stepOscillator(scheme, angle * angle, xx, vx);
+  stepOscillator(scheme, angle * angle, xv, vv);
+  const double half_trace = (xx + vv) / 2, determinant = xx * vv - xv * vx;
+  const double discriminant = half_trace * half_trace - determinant;
+  return discriminant < 0 ? std::sqrt(determinant) : std::abs(half_trace) + std::sqrt(discriminant);
+}
+
+}  // namespace
+
+StabilityLimit stabilityLimit(const ExplicitScheme& scheme) {
+  StabilityLimit limit;
+  limit.grows = amplification(scheme, 0.1) > 1 + 1e-12;
+  const double allowed = limit.grows ? 1.01 : 1 + 1e-9;
+  constexpr double spacing = 1e-3;
+  limit.largest_angle = spacing;
+  while (limit.largest_angle < 10 && amplification(scheme, limit.largest_angle + spacing) <= allowed)
+    limit.largest_angle += spacing;
+  return limit;
+}
+
+// ---- the step ----
+
+void ExplicitStep::compile(Integrator& integrator, System& system) {
+  system.refuseRayleighFactors(scheme.name);
+  acceleration_.compile(system, scheme.name);
+  accelerations_.clear();
+  for (std::size_t j = 0; j < scheme.stages.size(); ++j) accelerations_.emplace_back(system.independentRows());
+  for (Vector* vector : {&stage_x_, &stage_v_}) vector->resize(system.allRows());
+  for (const ForceField* field : system.forceFields())
+    depends_on_time_ = depends_on_time_ || field->traits().time_dependent;
+  warnAboveStableStep(integrator, system, acceleration_, scheme.name, stabilityLimit(scheme));
+}
+
+StepReport ExplicitStep::step(System& system, const StepContext& context) {
+  system.beginStep(context);
+  StepReport report;
+  const double h = context.dt;
+  for (std::size_t i = 0; i < scheme.stages.size(); ++i) {
+    const ExplicitScheme::Stage& stage = scheme.stages[i];
+    if (depends_on_time_) system.setTime(context.t + stage.time * h);
+    if (i == 0) {
+      system.computeForce(system.x, system.v, system.f);
+    } else {
+      placeStage(system, stage, h);
+      system.computeForce(stage_x_, stage_v_, system.f);
+    }
+    const ConstRows force{system.f.rows().data, system.independentRows()};
+    if (!acceleration_.solve(force, accelerations_[i], report)) return report;
+  }
+  if (depends_on_time_) system.setTime(context.t_end);
+  finish(system, h);
+  system.applyMappings();
+  return report;
+}
+
+void ExplicitStep::placeStage(System& system, const ExplicitScheme::Stage& stage, double h) {
+  const Index rows = system.independentRows();
+  const Rows x{stage_x_.rows().data, rows}, v{stage_v_.rows().data, rows};
+  copy(ConstRows{system.x.rows().data, rows}, x);
+  copy(ConstRows{system.v.rows().data, rows}, v);
+  axpy(stage.time * h, v, x);
+  for (std::size_t j = 0; j < stage.v.size(); ++j) {
+    if (stage.x[j] != 0) axpy(h * h * stage.x[j], accelerations_[j], x);
+    if (stage.v[j] != 0) axpy(h * stage.v[j], accelerations_[j], v);
+  }
+}
+
+/// The first acceleration together with h v0 in one pass, because most schemes have no other.
+void ExplicitStep::finish(System& system, double h) {
+  const Index rows = system.independentRows();
+  const Rows x{system.x.rows().data, rows}, v{system.v.rows().data, rows};
+  const double for_v = h * scheme.v[0], for_x = h * (h * scheme.x[0] - for_v);
+  const double* __restrict a = accelerations_[0].rows().data;
+  double* __restrict velocity = v.data;
+  double* __restrict position = x.data;
+#pragma omp simd
+  for (std::size_t i = 0; i < x.doubles(); ++i) {
+    velocity[i] += for_v * a[i];
+    position[i] += h * velocity[i] + for_x * a[i];
+  }
+  for (std::size_t j = 1; j < accelerations_.size(); ++j) {
+    if (scheme.x[j] != 0) axpy(h * h * scheme.x[j], accelerations_[j], x);
+    if (scheme.v[j] != 0) axpy(h * scheme.v[j], accelerations_[j], v);
+  }
+}
+
+std::string ExplicitStep::describe() const {
+  const std::size_t count = scheme.stages.size();
+  return fmt::format("{}: {} force evaluation{}, {}", scheme.name, count, count == 1 ? "" : "s",
+                     acceleration_.describe());
+}
+
+// ---- the integrator ----
+
+void ExplicitIntegrator::declare(DataTable& table) {
+  table.addLink("linearSolver", solver_link_)
+      .help("solves for the acceleration when the mass is not diagonal; without it, the one of the same node");
+}
+
+void ExplicitIntegrator::compile(System& system) {
+  explicit_.scheme = scheme();
+  explicit_.compile(*this, system);
+}
+
+}  // namespace stroma

@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "components/integrators/implicit_step.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace stroma {
+
+// ---- attributes ----
+
+void ImplicitStep::declareDamping(DataTable& table) {
+  table.add("rayleighStiffness", rayleigh_stiffness).help("damping proportional to the stiffness").unit("s").min(0);
+  table.add("rayleighMass", rayleigh_mass).help("damping proportional to the mass").unit("1/s").min(0);
+}
+
+void ImplicitStep::declareNewton(DataTable& table) {
+  table.add("newtonIterations", newton_settings.iterations)
+      .help("1: one linear solve a step, as SOFA; more: the step's equations are solved by Newton's method")
+      .unit("-")
+      .min(1);
+  table.add("newtonTolerance", newton_settings.relative_residual)
+      .help("residual at which Newton's method ends, relative to the forces where the step starts")
+      .unit("-")
+      .min(0, false);
+}
+
+void ImplicitStep::declareSolvers(DataTable& table) {
+  table.add("residualGraph", graph_).help("residuals of the last step's Newton iterations").unit("N s").output();
+  table.addLink("linearSolver", solver_link_).help("the linear solver; without it, the one of the same node");
+  table.addLink("newtonSolver", newton_link_)
+      .help("a NewtonRaphsonSolver, whose settings stand for this component's; without it, the one of the same node");
+}
+
+void ImplicitStep::compile(Integrator& integrator, System& system) {
+  system_ = &system;
+  solver_ = system.linearSolver();
+  if (!solver_)
+    throw ComponentError("an implicit step needs a linear solver, and " + system.node().path() + " has none",
+                         "a linear solver in the same node",
+                         "add <CGLinearSolver iterations=\"25\" tolerance=\"1e-5\"/>");
+  system.requireMass();
+  has_rayleigh_mass_ = rayleigh_mass != 0;
+  for (const Mass* mass : system.masses()) has_rayleigh_mass_ = has_rayleigh_mass_ || mass->rayleigh_mass != 0;
+  bool from_energy = system.isConservative();
+  for (const ForceField* field : system.forceFields()) {
+    has_own_stiffness_damping_ = has_own_stiffness_damping_ || field->rayleigh_stiffness != 0;
+    depends_on_time_ = depends_on_time_ || field->traits().time_dependent;
+    from_energy = from_energy && !field->traits().velocity_dependent;
+  }
+  has_rayleigh_stiffness_ = rayleigh_stiffness != 0 || has_own_stiffness_damping_;
+
+  settings_component_ = findNewtonSolver(integrator, newton_link_);
+  newton_.settings = settings_component_ ? settings_component_->settings() : newton_settings;
+  newton_.settings.use_energy = from_energy;
+  right_side_.resize(system.allRows());
+  for (Vector* vector : {&change_, &constant_, &work_, &position_predictor, &velocity_predictor})
+    vector->resize(system.independentRows());
+  if (!iterates()) return;
+  newton_.compile(system.independentRows());
+  for (Vector* vector : {&x0_, &v0_}) vector->resize(system.independentRows());
+  graph_.reserve(std::size_t(newton_.settings.iterations) + 2);
+  if (settings_component_) settings_component_->prepare(graph_.capacity());
+}
+
+// ---- the step ----
+
+StepReport ImplicitStep::solve(const ImplicitScheme& scheme) {
+  scheme_ = scheme;
+  if (scheme.has_history) {
+    system_->project(position_predictor);
+    system_->project(velocity_predictor);
+  }
+  return iterates() ? solveIterating() : solveLinearised();
+}
+
+void ImplicitStep::setTime(double time) {
+  if (depends_on_time_) system_->setTime(time);
+}
+
+/// out += factor (rK K v - rM M v), K at the x of the last force.
+void ImplicitStep::addDamping(double factor, Rows out) {
+  if (has_rayleigh_stiffness_) system_->addStiffnessProduct(v(), factor * rayleigh_stiffness, factor, out);
+  if (has_rayleigh_mass_) system_->addRayleighMassProduct(v(), rayleigh_mass, -factor, out);
+}
+
+void ImplicitStep::wholeForce(double time, Rows out) {
+  setTime(time);
+  system_->computeForce(system_->x, system_->v, system_->f);
+  copy(independent(system_->f), out);
+  addDamping(1, out);
+}
+
+SystemMatrix& ImplicitStep::tangent() {
+  const double w = scheme_.weight;
+  MatrixFactors factors;
+  factors.mass = 1 + w * rayleigh_mass;
+  factors.stiffness = -w * (scheme_.displacement + rayleigh_stiffness);
+  factors.damping = factors.rayleigh_stiffness = -w;
+  factors.rayleigh_mass = w;
+  return system_->matrix(factors);
+}
+
+/// The equations linearised at (x0, v0), the unknown being u - v0. K then acts on p = drift v0 + position_predictor, the way that
+/// the step makes when the velocity does not change, and on rK v0: together with the force, in one pass over the
+/// elements.
+StepReport ImplicitStep::solveLinearised() {
+  System& s = *system_;
+  const Rows b = independent(right_side_), dv = change_;
+  const bool two_times = depends_on_time_ && scheme_.old_weight != 0;
+  if (two_times) wholeForce(scheme_.old_time, constant_);
+  setTime(scheme_.time);
+  const double total = scheme_.weight + (two_times ? 0 : scheme_.old_weight);
+  const double k = scheme_.weight * scheme_.drift / total + rayleigh_stiffness;
+  if (!scheme_.has_history) {
+    s.computeForceAndProduct(s.x, s.v, s.v, k, 1, right_side_);
+  } else {
+    copy(position_predictor, work_);
+    scale(scheme_.weight / total, work_);
+    axpy(k, v(), work_);
+    s.computeForceAndProduct(s.x, s.v, work_, 1, 0, right_side_);
+    if (has_own_stiffness_damping_) s.addStiffnessProduct(v(), 0, 1, b);
+  }
+  scale(total, b);
+  if (has_rayleigh_mass_) s.addRayleighMassProduct(v(), rayleigh_mass, -total, b);
+  if (two_times) axpy(scheme_.old_weight, constant_, b);
+  if (scheme_.has_history) s.addMassProduct(velocity_predictor, 1, b);
+  s.project(b);
+
+  StepReport report;
+  if (!solveOrShift(*solver_, tangent(), b, dv, report)) return report;
+  s.project(dv);
+  advance();
+  return report;
+}
+
+/// u = v0 + dv and x = x0 + drift v0 + displacement dv in one pass.
+void ImplicitStep::advance() {
+  const double drift = scheme_.drift, rest = scheme_.displacement - scheme_.drift;
+  const double* __restrict change = change_.rows().data;
+  double* __restrict velocity = v().data;
+  double* __restrict position = x().data;
+  const std::size_t count = x().doubles();
+#pragma omp simd
+  for (std::size_t i = 0; i < count; ++i) {
+    velocity[i] += change[i];
+    position[i] += drift * velocity[i] + rest * change[i];
+  }
+  if (scheme_.has_history) axpy(1, position_predictor, x());
+}
+
+StepReport ImplicitStep::solveIterating() {
+  startIterating();
+  StepReport report = newton_.solve(*this, *solver_);
+  graph_.assign(newton_.history().begin(), newton_.history().end());
+  if (settings_component_) settings_component_->noteResult(report, newton_);
+  if (!report.newton_converged && !newton_.settings.keep_unconverged) {
+    copy(x0_, x());
+    copy(v0_, v());
+    report.reason += "; the state before the step was kept";
+  }
+  copy(v(), change_);
+  axpy(-1, v0_, change_);
+  return report;
+}
+
+// ---- the step as equations for Newton's method ----
+
+/// Starts from the positions before the step, where every energy is finite; directions that are held keep their
+/// velocity. The first iteration is then the linearised step.
+void ImplicitStep::startIterating() {
+  copy(x(), x0_);
+  copy(v(), v0_);
+  if (scheme_.old_weight != 0) {
+    wholeForce(scheme_.old_time, constant_);
+    scale(scheme_.old_weight, constant_);
+  }
+  setTime(scheme_.time);
+  copy(v0_, work_);
+  scale(scheme_.drift, work_);
+  if (scheme_.has_history) axpy(1, position_predictor, work_);
+  system_->project(work_);
+  axpy(-1 / scheme_.displacement, work_, v());
+  unknownsChanged();
+}
+
+void ImplicitStep::unknownsChanged() {
+  const double old_part = scheme_.drift - scheme_.displacement, new_part = scheme_.displacement;
+  const double* __restrict x0 = x0_.rows().data;
+  const double* __restrict v0 = v0_.rows().data;
+  const double* __restrict u = v().data;
+  double* __restrict position = x().data;
+  const std::size_t count = x().doubles();
+#pragma omp simd
+  for (std::size_t i = 0; i < count; ++i) position[i] = x0[i] + old_part * v0[i] + new_part * u[i];
+  if (scheme_.has_history) axpy(1, position_predictor, x());
+}
+
+/// R = weight F(x(u), u) + old_weight F(x0, v0) - M (u - v0 - velocity_predictor). The stiffness of rK K u is the one at x(u): with
+/// that of x0 a method of second order would be of first. Its derivative is left out of the tangent, which costs
+/// iterations, not accuracy.
+void ImplicitStep::residual(Rows out) {
+  System& s = *system_;
+  s.computeForce(s.x, s.v, s.f);
+  copy(independent(s.f), out);
+  addDamping(1, out);
+  scale(scheme_.weight, out);
+  if (scheme_.old_weight != 0) axpy(1, constant_, out);
+  copy(v(), work_);
+  axpy(-1, v0_, work_);
+  if (scheme_.has_history) axpy(-1, velocity_predictor, work_);
+  s.addMassProduct(work_, -1, out);
+  s.project(out);
+}
+
+/// The incremental potential, whose gradient is -R:
+///   weight/displacement U(x(u)) + 1/2 |u - v0 - velocity_predictor|^2_M + weight/2 (rM |u|^2_M - rK u K u) - old_weight F(x0, v0).u
+/// with the K of the last residual(), which stays what it is while a line search asks for energies only.
+double ImplicitStep::energy() {
+  System& s = *system_;
+  double sum = scheme_.weight / scheme_.displacement * s.potentialEnergy(s.x);
+  if (scheme_.old_weight != 0) sum -= dot(constant_, v());
+  if (has_rayleigh_mass_ || has_rayleigh_stiffness_) {
+    clear(work_);
+    addDamping(1, work_);
+    sum -= 0.5 * scheme_.weight * dot(work_, v());
+  }
+  copy(v(), work_);
+  axpy(-1, v0_, work_);
+  if (scheme_.has_history) axpy(-1, velocity_predictor, work_);
+  const Rows momentum = independent(right_side_);
+  clear(momentum);
+  s.addMassProduct(work_, 0.5, momentum);
+  return sum + dot(work_, momentum);
+}
+
+double ImplicitStep::loadScale() const { return scheme_.weight * std::sqrt(dot(system_->f, system_->f)); }
+
+double ImplicitStep::travelled() const {
+  double sum = 0;
+  for (Index i = 0; i < x0_.count(); ++i) sum += (x()[i] - x0_[i]).squaredNorm();
+  return std::sqrt(sum);
+}
+
+std::string ImplicitStep::describe() const {
+  if (!iterates()) return ", linearised once: 1 force evaluation with its product, 1 linear solve";
+  return fmt::format(", up to {} Newton iterations to a relative residual of {:g}, line search on {}",
+                     newton_.settings.iterations, newton_.settings.relative_residual,
+                     newton_.settings.use_energy ? "the incremental potential" : "the work of the residual");
+}
+
+}  // namespace stroma

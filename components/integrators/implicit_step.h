@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// One implicit step, linearised once or solved by Newton's method: what all implicit integrators share. They differ in
+// the few numbers of a scheme.
+#pragma once
+#include <string>
+
+#include "components/integrators/newton_solver.h"
+#include "framework/simulation/integrator.h"
+#include "framework/simulation/system.h"
+
+namespace stroma {
+
+/// With F(x, v) = f(x, v) + rK K(x) v - rM M v the whole force and u the unknown velocity, a step solves
+///   M (u - v0 - velocity_predictor) = weight F(x(u), u) + old_weight F(x0, v0),   x(u) = x0 + drift v0 + position_predictor + displacement (u -
+///   v0)
+struct ImplicitScheme {
+  double weight = 0, old_weight = 0;  ///< [s]
+  double drift = 0;                   ///< [s]
+  double displacement = 0;            ///< dx/du [s]
+  double time = 0, old_time = 0;      ///< of F(x(u), u) and of F(x0, v0), for forces that depend on time [s]
+  bool has_history = false;           ///< ImplicitStep::position_predictor and velocity_predictor are not zero
+};
+
+class ImplicitStep final : public NonlinearProblem {
+ public:
+  // ---- what an integrator sets from its attributes, before compile() ----
+  double rayleigh_mass = 0;        ///< rM [1/s], to which each mass's own is added
+  double rayleigh_stiffness = 0;   ///< rK [s], to which each force field's own is added
+  NewtonSettings newton_settings;  ///< iterations = 1: one linear solve. A NewtonSolver of the scene stands for them
+  Vector position_predictor,
+      velocity_predictor;  ///< [m], [m/s], shape (independentRows()); read with has_history; held directions do not count
+
+  ImplicitStep() { newton_settings.iterations = 1; }
+  void declareDamping(DataTable& table);  ///< rayleighMass, rayleighStiffness
+  void declareNewton(DataTable& table);   ///< newtonIterations, newtonTolerance
+  void declareSolvers(DataTable& table);  ///< linearSolver, newtonSolver, residualGraph
+
+  /// Allocates; throws ComponentError when a linear solver or a mass is missing.
+  void compile(Integrator& integrator, System& system);
+  /// From x0, v0 in System::x and v, after beginStep(), to x(u), u there. When it diverges they are not usable.
+  StepReport solve(const ImplicitScheme& scheme);
+  /// u - v0 of the last solve() [m/s].
+  ConstRows change() const { return change_; }
+  /// out = F(x, v) at the system's x and v [N], not projected; shape (independentRows()).
+  void wholeForce(double time, Rows out);
+  LinearSolver& linearSolver() const { return *solver_; }
+  bool iterates() const { return newton_.settings.iterations > 1; }
+  std::string describe() const;
+
+  // ---- as equations for Newton's method ----
+  void residual(Rows out) override;
+  SystemMatrix& tangent() override;
+  double energy() override;
+  Rows unknowns() override { return v(); }
+  void unknownsChanged() override;
+  double displacementPerUnknown() const override { return scheme_.displacement; }
+  ConstRows positions() const override { return x(); }
+  double travelled() const override;
+  double loadScale() const override;
+
+ private:
+  Rows independent(Rows all) const { return {all.data, system_->independentRows()}; }
+  Rows x() const { return independent(system_->x); }
+  Rows v() const { return independent(system_->v); }
+  void setTime(double time);
+  StepReport solveLinearised();
+  StepReport solveIterating();
+  void startIterating();
+  void addDamping(double factor, Rows out);
+  void advance();
+
+  System* system_ = nullptr;
+  LinearSolver* solver_ = nullptr;
+  NewtonSolver* settings_component_ = nullptr;
+  Newton newton_;
+  ImplicitScheme scheme_;
+  bool has_rayleigh_mass_ = false, has_rayleigh_stiffness_ = false, has_own_stiffness_damping_ = false;
+  bool depends_on_time_ = false;
+
+  Vector right_side_;      ///< shape (allRows())
+  Vector change_;          ///< u - v0
+  Vector constant_;        ///< old_weight F(x0, v0)
+  Vector x0_, v0_, work_;  ///< the state before the step, for Newton
+
+  std::vector<double> graph_;
+  Link<LinearSolver> solver_link_{"linear solver"};
+  Link<NewtonSolver> newton_link_{"Newton solver"};
+};
+
+}  // namespace stroma

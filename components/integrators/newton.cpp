@@ -1,0 +1,310 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "components/integrators/newton.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+namespace stroma {
+namespace {
+
+double norm(ConstRows a) { return std::sqrt(dot(a, a)); }
+
+double largest(ConstRows a) {
+  double value = 0;
+  for (std::size_t i = 0; i < a.doubles(); ++i) value = std::max(value, std::abs(a.data[i]));
+  return value;
+}
+
+/// A + shift * D, D the mean size of the numbers on each row's diagonal: positive definite once the shift is large
+/// enough.
+class ShiftedMatrix final : public SystemMatrix {
+ public:
+  explicit ShiftedMatrix(SystemMatrix& base) : base_(base) {
+    std::vector<double> blocks;
+    base.diagonalBlocks(blocks);
+    scale_.resize(base.rows());
+    double mean = 0;
+    for (std::size_t i = 0; i < scale_.size(); ++i) {
+      // sizes, not their sum: the diagonal of an indefinite block can sum to nothing
+      scale_[i] = (std::abs(blocks[9 * i]) + std::abs(blocks[9 * i + 4]) + std::abs(blocks[9 * i + 8])) / 3;
+      mean += scale_[i] / double(scale_.size());
+    }
+    // a row whose own diagonal vanishes still needs a shift
+    for (double& value : scale_) value = std::max(value, 1e-3 * mean);
+  }
+  void setShift(double shift) {
+    shift_ = shift;
+    // numbers that no other matrix of the solver carries
+    revision_ = --last_revision;
+  }
+  Index rows() const override { return base_.rows(); }
+  void multiply(ConstRows p, Rows out) const override {
+    base_.multiply(p, out);
+    for (Index i = 0; i < rows(); ++i) out[i] += shift_ * scale_[i] * p[i];
+  }
+  const BlockMatrix& pattern() override { return base_.pattern(); }
+  const BlockMatrix& assemble() override {
+    matrix_ = base_.assemble();
+    for (Index i = 0; i < rows(); ++i) matrix_.add(matrix_.diagonal()[i], shift_ * scale_[i] * Mat3::Identity());
+    return matrix_;
+  }
+  void diagonalBlocks(std::vector<double>& blocks) const override {
+    base_.diagonalBlocks(blocks);
+    for (std::size_t i = 0; i < scale_.size(); ++i)
+      for (int c = 0; c < 3; ++c) blocks[9 * i + 4 * std::size_t(c)] += shift_ * scale_[i];
+  }
+  long revision() const override { return revision_; }
+  bool symmetric() const override { return base_.symmetric(); }
+  bool prefersAssembled(int expected_products) const override { return base_.prefersAssembled(expected_products); }
+  ConstRows positions() const override { return base_.positions(); }
+  std::string describeRow(Index row) const override { return base_.describeRow(row); }
+
+ private:
+  static inline long last_revision = -1;
+  SystemMatrix& base_;
+  std::vector<double> scale_;  ///< shape (rows)
+  double shift_ = 0;
+  long revision_ = -1;
+  BlockMatrix matrix_;
+};
+
+SolveReport solveOnce(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows x, StepReport& report) {
+  const auto start = std::chrono::steady_clock::now();
+  const SolveReport solve = solver.solve(matrix, b, x);
+  report.solve_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  report.linear_iterations += solve.iterations;
+  report.factorisations += solve.factored;
+  report.linear_residual = solve.relative_residual;
+  return solve;
+}
+
+std::string placeOf(const SolveReport& solve, const SystemMatrix& matrix) {
+  return solve.row >= 0 ? " at " + matrix.describeRow(solve.row) : std::string();
+}
+
+/// A solve that ended for a reason that lies in the matrix has no result to rely on.
+bool isSolved(const SolveReport& solve) { return solve.usable() && solve.stop != SolveStop::breakdown; }
+
+}  // namespace
+
+bool solveOrShift(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows x, StepReport& report) {
+  clear(x);
+  SolveReport solve = solveOnce(solver, matrix, b, x, report);
+  report.linear_stop = solve.stop;
+  report.linear_converged =
+      report.linear_converged && (solve.stop == SolveStop::converged || solve.stop == SolveStop::zero_right_side);
+  if (isSolved(solve)) return true;
+  if (solve.stop != SolveStop::not_finite) {
+    report.reason =
+        fmt::format("the linear solver {} {}{}", solver.path(), describe(solve.stop), placeOf(solve, matrix));
+    const double downhill = dot(b, x);
+    if (downhill > 0 && std::isfinite(downhill)) {
+      report.reason += "; the direction found before was used";
+      return true;
+    }
+    ShiftedMatrix shifted(matrix);
+    double shift = 1e-3;
+    for (int attempt = 0; attempt < 7; ++attempt, shift *= 10) {
+      shifted.setShift(shift);
+      clear(x);
+      solve = solveOnce(solver, shifted, b, x, report);
+      if (isSolved(solve)) {
+        report.reason += fmt::format("; {:g} times its diagonal was added", shift);
+        return true;
+      }
+    }
+  }
+  report.diverged = true;
+  report.linear_stop = solve.stop;
+  report.reason = fmt::format("the linear solver {} {}{}", solver.path(), describe(solve.stop), placeOf(solve, matrix));
+  return false;
+}
+
+void Newton::compile(Index rows) {
+  for (Vector* vector : {&residual_, &direction_, &trial_, &base_, &best_}) vector->resize(rows);
+  history_.reserve(std::size_t(std::min(settings.iterations, 100000)) + 2);
+}
+
+bool Newton::converged(double now) const {
+  return now <= settings.relative_residual * scale_ || now <= settings.absolute_residual ||
+         (history_.size() > 1 && now <= settings.successive_residual * history_[history_.size() - 2]);
+}
+
+/// True when the correction is small enough to stop, or too small to change positions in double precision. It is the
+/// whole correction that counts: a step can be short because the line search shortened it, far from a solution.
+bool Newton::stalled(const NonlinearProblem& problem) const {
+  const double displacement = problem.displacementPerUnknown();
+  if (displacement * largest(direction_) <= 2 * std::numeric_limits<double>::epsilon() * largest(problem.positions()))
+    return true;
+  if (settings.absolute_correction <= 0 && settings.relative_correction <= 0) return false;
+  const double length = displacement * norm(direction_);
+  return length <= settings.absolute_correction || length <= settings.relative_correction * problem.travelled();
+}
+
+/// The relative residual that the next linear solve must reach; 0: what its solver is set to.
+double Newton::forcingTerm(double now) const {
+  if (settings.forcing <= 0) return 0;
+  double term = settings.forcing;
+  if (history_.size() > 1) term = 0.9 * std::pow(now / history_[history_.size() - 2], 2);
+  // more than what ends the iteration is wasted
+  term = std::max(term, 0.5 * std::max(settings.relative_residual * scale_, settings.absolute_residual) / now);
+  return std::min(term, settings.forcing);
+}
+
+void Newton::keepIfBest(NonlinearProblem& problem, double now) {
+  if (settings.use_energy || !(now < best_norm_)) return;
+  copy(problem.unknowns(), best_);
+  best_norm_ = now;
+}
+
+void Newton::leaveBest(NonlinearProblem& problem, double now, StepReport& report) {
+  report.newton_converged = false;
+  if (!(best_norm_ < now)) return;
+  copy(best_, problem.unknowns());
+  problem.unknownsChanged();
+  problem.residual(residual_);
+  report.newton_residual = best_norm_ / scale_;
+}
+
+StepReport Newton::solve(NonlinearProblem& problem, LinearSolver& solver) {
+  StepReport report;
+  history_.clear();
+  best_norm_ = std::numeric_limits<double>::infinity();
+  problem.residual(residual_);
+  double now = norm(residual_);
+  scale_ = std::isfinite(now) ? std::max(now, problem.loadScale()) : 0;
+  for (;;) {
+    history_.push_back(now);
+    report.newton_residual = scale_ > 0 ? now / scale_ : now;
+    if (!std::isfinite(now)) {
+      report.diverged = true;
+      report.reason = "the force is not finite where the step starts";
+      return report;
+    }
+    if (converged(now)) return report;
+    if (report.newton_iterations > 0) keepIfBest(problem, now);
+    if (report.newton_iterations == settings.iterations) {
+      leaveBest(problem, now, report);
+      report.reason = fmt::format(
+          "Newton's method stopped at its limit of {} iterations with a relative residual of {:.2g} "
+          "(tolerance {:.2g})",
+          settings.iterations, report.newton_residual, settings.relative_residual);
+      return report;
+    }
+    if (!iterate(problem, solver, now, report)) return report;
+  }
+}
+
+/// One iteration. False when it is the last: converged by its correction, or failed as the report says.
+bool Newton::iterate(NonlinearProblem& problem, LinearSolver& solver, double& now, StepReport& report) {
+  ++report.newton_iterations;
+  solver.setTolerance(forcingTerm(now));
+  const bool solved = solveOrShift(solver, problem.tangent(), residual_, direction_, report);
+  solver.setTolerance(0);
+  if (!solved) return false;
+  const bool shifted = report.linear_stop == SolveStop::not_definite || report.linear_stop == SolveStop::breakdown;
+  const double before = now;
+  if (search(problem, now) == 0) {
+    leaveBest(problem, now, report);
+    report.reason = fmt::format("the line search found no decrease at Newton iteration {}, relative residual {:.2g}",
+                                report.newton_iterations, report.newton_residual);
+    return false;
+  }
+  if (settings.stop_when_residual_grows && now > before) {
+    report.diverged = true;
+    report.newton_converged = false;
+    report.reason = fmt::format("the residual grew from {:.3g} to {:.3g} N at Newton iteration {}", before, now,
+                                report.newton_iterations);
+    return false;
+  }
+  if (shifted || !stalled(problem)) return true;
+  history_.push_back(now);
+  report.newton_residual = now / scale_;
+  return false;
+}
+
+void Newton::move(NonlinearProblem& problem, double step) {
+  const Rows u = problem.unknowns();
+  copy(base_, u);
+  axpy(step, direction_, u);
+  problem.unknownsChanged();
+}
+
+/// Makes the step that the line search accepts; residual_ and `now` become those of the new iterate. 0: none accepted,
+/// the iterate is unchanged.
+double Newton::search(NonlinearProblem& problem, double& now) {
+  const double slope = dot(residual_, direction_);
+  if (!std::isfinite(slope)) return 0;
+  copy(problem.unknowns(), base_);
+  double step = 1;
+  if (settings.line_search_iterations > 0) {
+    step = settings.use_energy && slope > 0 ? searchEnergy(problem, slope, now) : searchWork(problem, now);
+  } else {
+    move(problem, 1);
+    problem.residual(trial_);
+    const double candidate = norm(trial_);
+    if (std::isfinite(candidate))
+      now = candidate;
+    else
+      step = 0;
+  }
+  if (step == 0) {
+    move(problem, 0);
+  } else {
+    std::swap(residual_, trial_);
+  }
+  return step;
+}
+
+/// Armijo: E(u + s d) <= E(u) - 1e-4 s R.d. Where the difference drowns in the round-off of E, |R| decides.
+double Newton::searchEnergy(NonlinearProblem& problem, double slope, double& now) {
+  const double before = problem.energy();
+  double step = 1;
+  for (int trial = 0; trial < settings.line_search_iterations; ++trial) {
+    move(problem, step);
+    const double after = problem.energy();
+    const double noise = 1e-13 * std::max(std::abs(before), std::abs(after));
+    const bool enough = after <= before - 1e-4 * step * slope;
+    const bool drowned = step * slope <= noise;
+    if (enough || drowned) {
+      problem.residual(trial_);
+      const double candidate = norm(trial_);
+      if (std::isfinite(candidate) && (candidate < now || (enough && !drowned))) {
+        now = candidate;
+        return step;
+      }
+      if (drowned) return 0;
+    }
+    // the parabola through E(0), its slope and E(step)
+    const double parabola = slope * step * step / (2 * (after - before + slope * step));
+    const double longest = settings.line_search_coefficient * step;
+    step = std::isfinite(parabola) ? std::clamp(parabola, std::min(0.1 * step, longest), longest) : 0.5 * longest;
+  }
+  return 0;
+}
+
+/// Without an energy: |R(u + s d).d| <= 0.9 |R(u).d|, the criterion of Matthies and Strang 1979, or a smaller |R|. The
+/// work along d plays the part of the energy's slope; |R| alone would reject good steps of a body that turns, whose
+/// stiff directions are out of balance by the square of the rotation until the next iteration.
+double Newton::searchWork(NonlinearProblem& problem, double& now) {
+  const double before = std::abs(dot(residual_, direction_));
+  double step = 1;
+  const int trials = std::min(20, settings.line_search_iterations);
+  for (int trial = 0; trial < trials; ++trial, step *= settings.line_search_coefficient) {
+    move(problem, step);
+    problem.residual(trial_);
+    const double candidate = norm(trial_);
+    if (!std::isfinite(candidate)) continue;
+    if (candidate <= (1 - 1e-4 * step) * now || std::abs(dot(trial_, direction_)) <= 0.9 * before) {
+      now = candidate;
+      return step;
+    }
+  }
+  return 0;
+}
+
+}  // namespace stroma

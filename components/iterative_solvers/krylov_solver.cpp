@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "components/iterative_solvers/krylov_solver.h"
+
+#include <algorithm>
+
+#include "framework/scene/names.h"
+
+namespace stroma {
+
+void KrylovSolver::declare(DataTable& table) {
+  table.add("iterations", iterations_).help("largest number of iterations").unit("-").min(1);
+  table.add("tolerance", tolerance_).help("stop when |b - A x| <= tolerance |b|").unit("-").min(0);
+  table.add("template", template_)
+      .help(
+          "auto, GraphScattered (matrix-free) or CompressedRowSparseMatrix, CompressedRowSparseMatrixMat3x3 "
+          "(assembled)");
+  table.add("graph", graph_).help("relative residual after each iteration of the last solve").unit("-").output();
+}
+
+void KrylovSolver::init() {
+  const std::vector<std::string> assembled = {"CompressedRowSparseMatrix", "CompressedRowSparseMatrixd",
+                                              "CompressedRowSparseMatrixMat3x3", "CompressedRowSparseMatrixMat3x3d"};
+  if (template_ == "auto" || template_.empty()) {
+    form_ = Form::automatic;
+  } else if (template_ == "GraphScattered") {
+    form_ = Form::product;
+  } else if (std::find(assembled.begin(), assembled.end(), template_) != assembled.end()) {
+    form_ = Form::assembled;
+  } else {
+    const std::vector<std::string> words = {"auto", "GraphScattered", assembled[0], assembled[2]};
+    throw ComponentError("template '" + template_ + "' is not a form of matrix that this solver has",
+                         "auto, GraphScattered, CompressedRowSparseMatrix or CompressedRowSparseMatrixMat3x3",
+                         nearest(template_, words));
+  }
+  graph_.reserve(std::size_t(std::min(iterations_, 100000)) + 1);
+}
+
+}  // namespace stroma

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <algorithm>
+#include <cmath>
+
+#include "framework/algebra/linear_solver.h"
+
+namespace stroma {
+
+/// What solvers by products share: `iterations`, `tolerance`, `template`, `graph`, the form of the product, and the
+/// ends that need no iteration.
+class KrylovSolver : public LinearSolver {
+ public:
+  void declare(DataTable& table) override;
+  void init() override;
+  bool needsSymmetric() const override { return true; }
+
+ protected:
+  /// Called when the number of rows changed: make the work space.
+  virtual void resize(Index rows) = 0;
+
+  // The following are inline for the reason given in vector.h.
+
+  /// Makes what a solve needs besides a preconditioner. False when the solve is over: the report says why.
+  bool begin(SystemMatrix& matrix, ConstRows b, Rows x, SolveReport& report) {
+    graph_.clear();
+    norm_b_ = std::sqrt(dot(b, b));
+    if (!std::isfinite(norm_b_)) {
+      report.stop = SolveStop::not_finite;
+      report.relative_residual = norm_b_;
+      return false;
+    }
+    if (norm_b_ == 0) {
+      clear(x);
+      report.stop = SolveStop::zero_right_side;
+      return false;
+    }
+    if (rows_ != b.count) resize(rows_ = b.count);
+    const bool assemble =
+        form_ == Form::assembled || (form_ == Form::automatic && matrix.prefersAssembled(iterations_));
+    assembled_ = assemble ? &matrix.assemble() : nullptr;
+    return true;
+  }
+  /// out = A p
+  void product(const SystemMatrix& matrix, ConstRows p, Rows out) const {
+    assembled_ ? assembled_->multiply(p, out) : matrix.multiply(p, out);
+  }
+  /// r = b - A x; returns r.r. `work` has the shape of r.
+  double residual(const SystemMatrix& matrix, ConstRows b, ConstRows x, Rows r, Rows work) const {
+    copy(b, r);
+    if (dot(x, x) != 0) {
+      product(matrix, x, work);
+      axpy(-1, work, r);
+    }
+    return dot(r, r);
+  }
+  /// The |b - A x| at which a solve ends.
+  double target() const { return std::max(tolerance_, requestedTolerance()) * norm_b_; }
+  /// Appends to `graph` as long as init() made room: no allocation in a step.
+  void record(double relative_residual) {
+    if (graph_.size() < graph_.capacity()) graph_.push_back(relative_residual);
+  }
+
+  /// Most products of a solve.
+  int iterations_ = 25;
+  /// |b - A x| / |b| at which a solve ends.
+  double tolerance_ = 1e-5;
+  double norm_b_ = 0;  ///< |b| of the solve that begin() opened
+
+ private:
+  enum class Form { automatic, product, assembled };
+  std::string template_ = "auto";
+  /// Relative residuals of the last solve, shape (iterations done); an output of the component.
+  std::vector<double> graph_;
+  /// Whether products go through the elements or the matrix; automatic asks the system for the cheaper.
+  Form form_ = Form::automatic;
+  /// Of the work space.
+  Index rows_ = -1;
+  const BlockMatrix* assembled_ = nullptr;  ///< null while products are matrix-free
+};
+
+}  // namespace stroma

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The loop of preconditioned conjugate gradients. Inline for the reason given in vector.h.
+#pragma once
+#include <cmath>
+
+#include "components/iterative_solvers/conjugate_gradients.h"
+#include "framework/algebra/linear_solver.h"
+
+namespace stroma::cg {
+
+/// Work space, each of shape (rows).
+struct Directions {
+  Vector r, p, q, z;
+  /// Allocates only when the number of rows changed.
+  void resize(Index rows) {
+    if (r.count() == rows) return;
+    for (Vector* vector : {&r, &p, &q, &z}) vector->resize(rows);
+  }
+};
+
+/// Where a solve ends.
+struct Limits {
+  int iterations = 25;
+  double residual = 0;  ///< stop when |b - A x| is at most this
+};
+
+/// Iterates from r = b - A x until the |r| of the recurrence is small enough (converged) or something else ends it.
+/// report.relative_residual is |r|.
+template <class Product, class Precondition, class Record>
+SolveStop descend(Product&& product, Precondition&& precondition, Record&& record, const Limits& limits,
+                  Directions& work, Rows x, SolveReport& report) {
+  constexpr double smallest_cosine = 1e-10, noise = 1e-14;
+  auto& [r, p, q, z] = work;
+  precondition(r.rows(), z.rows());
+  double rho = dot(r, z);
+  copy(z, p);
+  for (;;) {
+    product(p.rows(), q.rows());
+    ++report.iterations;
+    const Curvature curve = curvature(p, q);
+    const double size = std::sqrt(curve.pp) * std::sqrt(curve.qq);
+    if (!std::isfinite(curve.pq) || !std::isfinite(rho)) return SolveStop::not_finite;
+    if (curve.pq <= smallest_cosine * size || rho <= 0)
+      return curve.pq < -noise * size ? SolveStop::not_definite : SolveStop::breakdown;
+    const double alpha = rho / curve.pq;
+    report.relative_residual = std::sqrt(reduceResidual(alpha, q, r));
+    record(report.relative_residual);
+    if (!std::isfinite(report.relative_residual)) return SolveStop::not_finite;
+    const bool converged = report.relative_residual <= limits.residual;
+    if (converged || report.iterations == limits.iterations) {
+      axpy(alpha, p, x);
+      return converged ? SolveStop::converged : SolveStop::iteration_limit;
+    }
+    precondition(r.rows(), z.rows());
+    const double before = rho;
+    rho = dot(r, z);
+    advance(alpha, rho / before, z, p, x);
+  }
+}
+
+/// Solves A x = b from the x given.
+///   product(p, out): out = A p;  precondition(r, z): z = B r, B symmetric and positive definite;
+///   record(|r|): called after each iteration.
+/// The |r| of the recurrence leaves b - A x behind by round-off, so where an iteration ends the residual itself is
+/// computed, and the method starts anew from there when it is not small enough, as long as that helps.
+/// `report.relative_residual` is |b - A x| (the caller divides by |b|). A matrix that shows itself to be singular or
+/// not definite leaves the last iterate in x.
+template <class Product, class Precondition, class Record>
+SolveReport preconditioned(Product&& product, Precondition&& precondition, Record&& record, const Limits& limits,
+                           ConstRows b, Directions& work, Rows x) {
+  SolveReport report;
+  copy(b, work.r);
+  if (dot(x, x) != 0) {
+    product(x, work.q.rows());
+    axpy(-1, work.q, work.r);
+  }
+  double entered = std::sqrt(dot(work.r, work.r));
+  report.relative_residual = entered;
+  if (!std::isfinite(entered)) report.stop = SolveStop::not_finite;
+  if (!(entered > limits.residual)) return report;
+  for (;;) {
+    report.stop = descend(product, precondition, record, limits, work, x, report);
+    if (report.stop != SolveStop::converged) return report;
+    product(x, work.q.rows());
+    copy(b, work.r);
+    axpy(-1, work.q, work.r);
+    report.relative_residual = std::sqrt(dot(work.r, work.r));
+    if (report.relative_residual <= 1.1 * limits.residual) return report;
+    report.stop = report.iterations == limits.iterations ? SolveStop::iteration_limit : SolveStop::stagnated;
+    // a restart that gains less than half fights round-off
+    if (report.stop == SolveStop::iteration_limit || report.relative_residual > 0.5 * entered) return report;
+    entered = report.relative_residual;
+  }
+}
+
+}  // namespace stroma::cg

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Preconditioners made of sweeps over the 3x3 blocks of a matrix. Inline for the reason given in vector.h.
+#pragma once
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "components/iterative_solvers/conjugate_gradients.h"
+#include "components/iterative_solvers/preconditioner.h"
+
+namespace stroma {
+
+/// A block of a BlockMatrix as it is stored, row-major.
+using RowBlock = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+/// Block `slot` of values of shape (blocks, 9): a view, valid while the values live.
+inline Eigen::Map<const RowBlock> blockAt(const std::vector<double>& values, Index slot) {
+  return Eigen::Map<const RowBlock>(values.data() + std::size_t(slot) * 9);
+}
+inline Eigen::Map<RowBlock> blockAt(std::vector<double>& values, Index slot) {
+  return Eigen::Map<RowBlock>(values.data() + std::size_t(slot) * 9);
+}
+
+/// Follows the revision of a matrix, so that an inverse is made again only when values may have changed.
+class FollowingInverse : public ApproximateInverse {
+ public:
+  /// Brings the inverse up to date; false when the matrix has none, and the report says at which row.
+  bool follow(SystemMatrix& matrix, SolveReport& report) final {
+    if (revision_ == matrix.revision() && rows_ == matrix.rows()) return true;
+    rows_ = -1;
+    if (!make(matrix, report)) return false;
+    revision_ = matrix.revision(), rows_ = matrix.rows();
+    return true;
+  }
+  void reset() override { rows_ = -1; }
+
+ protected:
+  /// Makes the inverse anew for the present values. False after refuse().
+  virtual bool make(SystemMatrix& matrix, SolveReport& report) = 0;
+  /// Not positive definite, seen at this row: the solver stops with a sentence that names its node.
+  static bool refuse(Index row, SolveReport& report) {
+    report.stop = SolveStop::not_definite;
+    report.row = row;
+    return false;
+  }
+
+ private:
+  long revision_ = 0;
+  Index rows_ = -1;
+};
+
+/// B = diag(A)^-1.
+class Jacobi final : public FollowingInverse {
+ public:
+  void apply(ConstRows r, Rows z) override {
+    const double* __restrict d = inverse_.rows().data;
+    for (std::size_t i = 0; i < r.doubles(); ++i) z.data[i] = d[i] * r.data[i];
+  }
+
+ protected:
+  bool make(SystemMatrix& matrix, SolveReport& report) override {
+    matrix.diagonalBlocks(blocks_);
+    if (inverse_.count() != matrix.rows()) inverse_.resize(matrix.rows());
+    for (Index row = 0; row < matrix.rows(); ++row)
+      for (int c = 0; c < 3; ++c) {
+        const double value = blocks_[9 * std::size_t(row) + 4 * std::size_t(c)];
+        if (!(value > 0)) return refuse(row, report);
+        inverse_[row][c] = 1 / value;
+      }
+    return true;
+  }
+
+ private:
+  /// Diagonal blocks as they came, shape (rows, 9); kept for the room.
+  std::vector<double> blocks_;
+  /// 1 / a_ii, shape (rows); the fourth number of a row stays zero.
+  Vector inverse_;
+};
+
+/// B = (block diagonal of A)^-1, blocks of a node.
+class BlockJacobiInverse final : public FollowingInverse {
+ public:
+  void apply(ConstRows r, Rows z) override { jacobi_.apply(r, z); }
+
+ protected:
+  bool make(SystemMatrix& matrix, SolveReport& report) override {
+    matrix.diagonalBlocks(blocks_);
+    const Index bad = jacobi_.factor(blocks_);
+    return bad < 0 || refuse(bad, report);
+  }
+
+ private:
+  std::vector<double> blocks_;
+  cg::BlockJacobi jacobi_;
+};
+
+/// Symmetric successive over-relaxation with A = L + D + L^T, D the blocks of the nodes (Axelsson 1996, section 7.4):
+///   B^-1 = 1 / (w (2 - w)) (D + w L) D^-1 (D + w L^T).
+class Ssor final : public FollowingInverse {
+ public:
+  /// `omega` in (0, 2); 1 is symmetric Gauss-Seidel.
+  explicit Ssor(double omega = 1) : omega_(omega) {}
+  void setOmega(double omega) { omega_ = omega, reset(); }
+
+  void apply(ConstRows r, Rows z) override {
+    const BlockMatrix& a = *matrix_;
+    const Index rows = a.rows();
+    const double factor = omega_ * (2 - omega_);
+    for (Index i = 0; i < rows; ++i)
+      z[i] = inverse_[i] * (factor * r[i] - omega_ * sum(z, a.rowStart()[i], a.diagonal()[i]));
+    for (Index i = rows - 1; i >= 0; --i)
+      z[i] -= omega_ * (inverse_[i] * sum(z, a.diagonal()[i] + 1, a.rowStart()[i + 1]));
+  }
+
+ protected:
+  bool make(SystemMatrix& matrix, SolveReport& report) override {
+    matrix_ = &matrix.assemble();
+    inverse_.resize(matrix.rows());
+    for (Index row = 0; row < matrix.rows(); ++row) {
+      const Mat3 block = blockAt(matrix_->values(), matrix_->diagonal()[row]);
+      if (!(Eigen::LLT<Mat3>(block).info() == Eigen::Success && block.allFinite())) return refuse(row, report);
+      inverse_[row] = block.inverse();
+    }
+    return true;
+  }
+
+ private:
+  /// The sum of the blocks [first, last) of a row times z.
+  Vec3 sum(ConstRows z, Index first, Index last) const {
+    const double* __restrict v = matrix_->values().data();
+    double s0 = 0, s1 = 0, s2 = 0;
+    for (Index s = first; s < last; ++s) {
+      const double* m = v + std::size_t(s) * 9;
+      const double* p = z.data + std::size_t(matrix_->columns()[s]) * row_doubles;
+      s0 += m[0] * p[0] + m[1] * p[1] + m[2] * p[2];
+      s1 += m[3] * p[0] + m[4] * p[1] + m[5] * p[2];
+      s2 += m[6] * p[0] + m[7] * p[1] + m[8] * p[2];
+    }
+    return {s0, s1, s2};
+  }
+
+  /// The over-relaxation w.
+  double omega_;
+  /// The system's assembled matrix: not owned, read in every apply().
+  const BlockMatrix* matrix_ = nullptr;
+  std::vector<Mat3> inverse_;  ///< shape (rows), of the diagonal blocks
+};
+
+}  // namespace stroma

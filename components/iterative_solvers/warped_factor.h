@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <Eigen/Geometry>
+#include <chrono>
+
+#include "components/iterative_solvers/preconditioner.h"
+#include "framework/algebra/direct_solver.h"
+
+namespace stroma {
+
+/// The factors of a former matrix A_0, turned by how much each node's surroundings have turned since:
+///   B = R A_0^-1 R^T,   R block-diagonal (Courtecuisse, Allard, Duriez, Cotin 2010).
+/// R_i is the rotation nearest to sum_j (x_j - x_i)(X_j - X_i)^T over the neighbours j of node i in the matrix's graph,
+/// X the positions when A_0 was factored. Without positions R = I.
+///
+/// The factors are renewed when a solve cost more than the solves since the last factorisation on average, the
+/// factorisation included: to go on would raise that average.
+class WarpedFactor final : public ApproximateInverse {
+ public:
+  enum class Renewal {
+    estimate,  ///< costs from counts of operations: each run does the same
+    clock,     ///< costs by the clock: what is renewed when may differ from run to run
+    never
+  };
+  explicit WarpedFactor(DirectSolver* solver = nullptr) : solver_(solver) {}
+  void use(DirectSolver& solver, Renewal renewal) { solver_ = &solver, renewal_ = renewal; }
+
+  bool follow(SystemMatrix& matrix, SolveReport& report) override;
+  void apply(ConstRows r, Rows z) override;
+  void solved(int iterations) override;
+  void reset() override { rows_ = -1; }
+
+  /// The next follow() factors.
+  void renew() { renew_ = true; }
+  /// True when the last follow() factored, or the matrix is still that of the factors.
+  bool isFresh() const { return fresh_; }
+  /// How many iterations cost as much as a factorisation.
+  double iterationsPerFactorisation() const { return solver_->cost().factor / iteration_seconds_; }
+
+ private:
+  void turn(const BlockMatrix& matrix, ConstRows positions);
+
+  DirectSolver* solver_;
+  Renewal renewal_ = Renewal::estimate;
+  Index rows_ = -1;
+  long revision_ = 0;
+  bool renew_ = false, fresh_ = false, turned_ = false;
+  bool rough_ = true;             ///< factors are applied in single precision
+  double iteration_seconds_ = 0;  ///< estimate of one product and one application
+  double spent_ = 0;              ///< seconds since the last factorisation, with it
+  int solves_ = 0;                ///< since then
+  std::chrono::steady_clock::time_point start_;
+  Vector positions_, work_;
+  std::vector<Eigen::Quaterniond> rotations_;
+  std::vector<Mat3> matrices_;  ///< of rotations_, shape (rows)
+};
+
+/// The one direct solver that `link` names or else the node of `user` holds. Throws ComponentError.
+DirectSolver& factorSource(const Component& user, const Link<DirectSolver>& link);
+
+}  // namespace stroma

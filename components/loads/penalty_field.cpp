@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "components/loads/penalty_field.h"
+
+#include <fmt/format.h>
+
+#include "framework/mechanics/node_indices.h"
+
+namespace stroma {
+
+void PenaltyField::declare(DataTable& table) {
+  ForceField::declare(table);
+  table.add("damping", damping_constant_).help("force over velocity and depth").unit("N s/m^2").min(0);
+  table.add("indices", indices_).help("nodes that feel the surface; every node when not given");
+  table.add("localRange", range_).help("first node and the one after the last that feel the surface; -1 -1: all");
+  for (const char* name : {"color", "bwdColor", "draw"}) table.addVisualOnly(name);
+}
+
+void PenaltyField::init() {
+  ForceField::init();
+  const bool listed = data().find("indices")->isSet(), ranged = data().find("localRange")->isSet();
+  if (listed && ranged) throw ComponentError("indices and localRange are both given", "one of them");
+  if (listed) {
+    nodes_ = checkedNodes(indices_, state(), "indices");
+    return;
+  }
+  nodes_ = allNodes(state());
+  if (!ranged || (range_.size() == 2 && (range_[0] < 0 || range_[1] < 0))) return;
+  if (range_.size() != 2 || range_[0] >= range_[1] || range_[1] > state().size())
+    throw ComponentError(fmt::format("localRange is no range of the {} nodes of {}", state().size(), state().path()),
+                         fmt::format("two numbers: first < last <= {}", state().size()));
+  nodes_ = {nodes_.begin() + range_[0], nodes_.begin() + range_[1]};
+}
+
+ForceTraits PenaltyField::traits() const {
+  ForceTraits traits;
+  traits.symmetric = traits.conservative = true;
+  traits.velocity_dependent = damping_constant_ > 0;
+  traits.exact_tangent = damping_constant_ == 0;
+  return traits;
+}
+
+void PenaltyField::compile() {
+  std::vector<Group> rows;
+  rows.reserve(nodes_.size());
+  for (Index node : nodes_) rows.push_back({state().firstRow() + node});
+  setGroups(std::move(rows), damping_constant_ > 0);
+}
+
+double PenaltyField::energy(ConstRows x) const {
+  double sum = 0;
+  for (const Group& row : rows_) {
+    const double g = depth(x[row[0]]).g, k = stiffness_constant_, limit = largest_force_;
+    if (!(g > 0)) continue;
+    sum += limit > 0 && k * g > limit ? limit * g - limit * limit / (2 * k) : k / 2 * g * g;
+  }
+  return sum;
+}
+
+void PenaltyField::addForce(ConstRows x, ConstRows v, Rows f) {
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    const Index row = rows_[i][0];
+    const Depth depth_here = depth(x[row]);
+    const auto& [g, n, hessian] = depth_here;
+    Mat3& stiffness = stiffness_[i].blocks[0];
+    if (!damping_.empty()) damping_[i].setZero();
+    if (!(g > 0)) {
+      stiffness.setZero();
+      continue;
+    }
+    const bool limited = largest_force_ > 0 && stiffness_constant_ * g > largest_force_;
+    const double force = limited ? largest_force_ : stiffness_constant_ * g;
+    f[row] -= force * n;
+    stiffness = -force * hessian;
+    double along = limited ? 0 : stiffness_constant_;
+    if (!damping_.empty()) {
+      f[row] -= damping_constant_ * g * v[row];
+      along += damping_constant_ * v[row].dot(n);
+      damping_[i].blocks[0] = -damping_constant_ * g * Mat3::Identity();
+    }
+    stiffness -= along * n * n.transpose();
+  }
+}
+
+}  // namespace stroma

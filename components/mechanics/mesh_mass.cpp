@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "components/mechanics/mesh_mass.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace stroma {
+
+// ---- integrals ----
+
+namespace {
+
+constexpr int corner_signs[8][3] = {{-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, -1},
+                                    {-1, -1, 1},  {1, -1, 1},  {1, 1, 1},  {-1, 1, 1}};
+
+/// V (1 + delta_ij) / ((d + 1)(d + 2)), count = d + 1.
+void simplexMatrix(int count, double size, CellMatrix& out) {
+  const double entry = size / (count * (count + 1));
+  for (int i = 0; i < count; ++i)
+    for (int j = 0; j < count; ++j) out[std::size_t(i * count + j)] = i == j ? 2 * entry : entry;
+}
+
+/// Shape functions N_i = prod_a (1 + s_ia xi_a) / 2 of a quad (dimension 2) or a hexahedron (3) at a Gauss point, and
+/// the measure det dx/dxi (the area's length in two dimensions).
+struct GaussPoint {
+  std::array<double, 8> shape{};
+  double measure = 0;
+};
+
+GaussPoint gaussPoint(int dimension, int point, const MassCell& cell, const std::vector<Vec3>& position) {
+  GaussPoint result;
+  Mat3 jacobian = Mat3::Zero();
+  for (int i = 0; i < cell.count; ++i) {
+    std::array<double, 3> factor{1, 1, 1}, slope{0, 0, 0};
+    for (int a = 0; a < dimension; ++a) {
+      factor[a] = 0.5 * (1 + corner_signs[i][a] * corner_signs[point][a] / std::sqrt(3.0));
+      slope[a] = 0.5 * corner_signs[i][a];
+    }
+    result.shape[i] = factor[0] * factor[1] * factor[2];
+    const Vec3 gradient(slope[0] * factor[1] * factor[2], factor[0] * slope[1] * factor[2],
+                        factor[0] * factor[1] * slope[2]);
+    jacobian += position[cell.nodes[i]] * gradient.transpose();
+  }
+  result.measure = dimension == 3 ? jacobian.determinant() : jacobian.col(0).cross(jacobian.col(1)).norm();
+  return result;
+}
+
+}  // namespace
+
+void cellMassMatrix(const MassCell& cell, const std::vector<Vec3>& position, CellMatrix& out) {
+  const auto at = [&](int i) -> const Vec3& { return position[cell.nodes[i]]; };
+  switch (cell.shape) {
+    case MassCell::Shape::edge:
+      return simplexMatrix(2, (at(1) - at(0)).norm(), out);
+    case MassCell::Shape::triangle:
+      return simplexMatrix(3, 0.5 * (at(1) - at(0)).cross(at(2) - at(0)).norm(), out);
+    case MassCell::Shape::tetrahedron:
+      return simplexMatrix(4, tetrahedronVolume(at(0), at(1), at(2), at(3)), out);
+    case MassCell::Shape::quad:
+    case MassCell::Shape::hexahedron:
+      break;
+  }
+  out.fill(0);
+  const int dimension = cell.shape == MassCell::Shape::quad ? 2 : 3;
+  for (int point = 0; point < cell.count; ++point) {
+    const GaussPoint gauss = gaussPoint(dimension, point, cell, position);
+    for (int i = 0; i < cell.count; ++i)
+      for (int j = 0; j < cell.count; ++j)
+        out[std::size_t(i * cell.count + j)] += gauss.measure * gauss.shape[i] * gauss.shape[j];
+  }
+}
+
+// ---- attributes ----
+
+void MeshMass::declare(DataTable& table) {
+  Mass::declare(table);
+  table.add("massDensity", mass_density_)
+      .help(
+          "density, one for all cells or one a cell (tetrahedra, then hexahedra); per area or length on meshes without "
+          "volumes")
+      .unit("kg/m^3")
+      .min(0, false);
+  table.add("totalMass", total_mass_)
+      .help("mass of the body; wins over massDensity and vertexMass")
+      .unit("kg")
+      .min(0, false);
+  table.add("vertexMass", vertex_mass_).help("mass of each node, one for all or one a node").unit("kg").min(0, false);
+  table.add("computeMassOnRest", compute_on_rest_)
+      .help("take volumes from the rest positions, not from the initial ones");
+  table.addLink("topology", topology_)
+      .help("mesh of the cells; the one of this node or the nearest above when not given");
+  table.addLink("geometryState", geometry_state_)
+      .help("state whose positions give the volumes; the mass's own when not given");
+}
+
+MeshMass::Source MeshMass::chooseSource() {
+  std::vector<std::string> given;
+  for (const char* name : {"totalMass", "massDensity", "vertexMass"})
+    if (data().find(name)->isSet()) given.push_back(name);
+  if (given.empty()) {
+    warn("no massDensity, totalMass or vertexMass: the total mass is taken as 1 kg", "give massDensity [kg/m^3]");
+    return Source::total;
+  }
+  for (std::size_t i = 1; i < given.size(); ++i)
+    warn(fmt::format("both {} and {} are given: {} is used", given[0], given[i], given[0]), "remove " + given[i]);
+  return given[0] == "totalMass" ? Source::total : given[0] == "massDensity" ? Source::density : Source::nodes;
+}
+
+void MeshMass::init() {
+  Mass::init();
+  source_ = chooseSource();
+  if (source_ == Source::nodes) {
+    const std::size_t nodes = std::size_t(state().size());
+    if (vertex_mass_.size() == 1) vertex_mass_.resize(nodes, vertex_mass_[0]);
+    if (vertex_mass_.size() != nodes)
+      throw ComponentError(
+          fmt::format("vertexMass has {} values for the {} nodes of {}", vertex_mass_.size(), nodes, state().path()),
+          fmt::format("1 value or {}", nodes));
+    return;
+  }
+  collectCells(mesh());
+  findDensities(mesh().overlap);
+}
+
+void MeshMass::findMesh() {
+  mesh_owner_ = topology_.get() ? topology_.get() : find<Topology>(true);
+  if (!mesh_owner_)
+    throw ComponentError("there is no mesh whose cells could carry the mass",
+                         "a topology in this node or above, or topology=\"@path\"", "UniformMass needs no mesh");
+  const State& positions = geometry_state_.get() ? *geometry_state_.get() : state();
+  geometry_ = compute_on_rest_ ? &positions.rest_position : &positions.position;
+  const std::size_t nodes = std::size_t(mesh_owner_->mesh().nodes());
+  if (nodes != std::size_t(state().size()) || geometry_->size() != nodes)
+    throw ComponentError(fmt::format("the mesh {} has {} nodes and the state {} has {}", mesh_owner_->path(), nodes,
+                                     geometry_->size() != nodes ? positions.path() : state().path(),
+                                     geometry_->size() != nodes ? geometry_->size() : std::size_t(state().size())),
+                         "as many nodes in both", "give topology=\"@path\" of the mesh that belongs to the state");
+}
+
+void MeshMass::collectCells(const Mesh& mesh) {
+  const auto add = [this](MassCell::Shape shape, const auto& list) {
+    for (const auto& cell : list) cells_.push_back({shape, cell.data(), int(cell.size())});
+  };
+  add(MassCell::Shape::tetrahedron, mesh.tetrahedra);
+  add(MassCell::Shape::hexahedron, mesh.hexahedra);
+  if (cells_.empty()) {
+    add(MassCell::Shape::triangle, mesh.triangles);
+    add(MassCell::Shape::quad, mesh.quads);
+  }
+  if (cells_.empty()) add(MassCell::Shape::edge, mesh.edges);
+  if (cells_.empty())
+    throw ComponentError("the mesh " + mesh_owner_->path() + " has no cells that could carry the mass",
+                         "tetrahedra, hexahedra, triangles, quads or edges", "UniformMass needs no cells");
+}
+
+std::string MeshMass::cellName(std::size_t cell) const {
+  static constexpr const char* words[] = {"edge", "triangle", "quad", "tetrahedron", "hexahedron"};
+  std::size_t first = cell;
+  while (first > 0 && cells_[first - 1].shape == cells_[cell].shape) --first;
+  std::string text = fmt::format("{} {} (nodes", words[int(cells_[cell].shape)], cell - first);
+  for (int i = 0; i < cells_[cell].count; ++i) text += fmt::format(" {}", cells_[cell].nodes[i]);
+  return text + ")";
+}
+
+void MeshMass::findDensities(double overlap) {
+  double volume = 0, mass = 0;
+  const bool given = source_ == Source::density;
+  if (given && mass_density_.size() != 1 && mass_density_.size() != cells_.size())
+    throw ComponentError(fmt::format("massDensity has {} values for the {} cells of {}", mass_density_.size(),
+                                     cells_.size(), mesh_owner_->path()),
+                         fmt::format("1 value or {}", cells_.size()));
+  CellMatrix matrix;
+  for (std::size_t i = 0; i < cells_.size(); ++i) {
+    cellMassMatrix(cells_[i], *geometry_, matrix);
+    double size = 0;
+    for (int k = 0; k < cells_[i].count * cells_[i].count; ++k) size += matrix[k];
+    if (!(size >= 0))
+      throw ComponentError(fmt::format("{} of {} has a volume of {:.3g}, so its mass would be negative", cellName(i),
+                                       mesh_owner_->path(), size),
+                           "cells that are not inverted",
+                           compute_on_rest_ ? "" : "computeMassOnRest=\"true\" when only the start is deformed");
+    volume += size / overlap;
+    if (given) mass += size / overlap * mass_density_[mass_density_.size() == 1 ? 0 : i];
+  }
+  if (!(volume > 0))
+    throw ComponentError("all cells of " + mesh_owner_->path() + " are flat, so they have no mass",
+                         "cells with a volume");
+  densities_ = given ? mass_density_ : std::vector<double>{total_mass_ / volume};
+  for (double& density : densities_) density /= overlap;
+  if (given) {
+    total_mass_ = mass;
+  } else {
+    mass_density_ = {total_mass_ / volume};
+  }
+}
+
+void MeshMass::checkMasses(const std::vector<double>& masses) const {
+  std::vector<char> used(masses.size(), isNodal());
+  for (const MassCell& cell : cells_)
+    for (int i = 0; i < cell.count; ++i) used[cell.nodes[i]] = 1;
+  const auto unused = std::count(used.begin(), used.end(), 0);
+  if (unused > 0) {
+    const auto first = std::find(used.begin(), used.end(), 0) - used.begin();
+    warn(fmt::format("{} of {} nodes belong to no cell of {} and get no mass, the first is node {}", unused,
+                     used.size(), mesh_owner_->path(), first),
+         "remove them from the mesh, or hold them");
+  }
+  for (std::size_t i = 0; i < masses.size(); ++i)
+    if (used[i] && !(masses[i] > 0))
+      throw ComponentError(fmt::format("node {} of {} gets a mass of {:.3g} kg", i, state().path(), masses[i]),
+                           "a positive mass at every node", "look for flat cells around this node");
+}
+
+void MeshMass::finish(std::vector<double> nodal) {
+  vertex_mass_ = std::move(nodal);
+  if (isNodal()) total_mass_ = std::accumulate(lumped().begin(), lumped().end(), 0.0);
+  cells_ = {};
+  densities_ = {};
+}
+
+}  // namespace stroma

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "components/topology/mesh_container.h"
+
+#include <fmt/format.h>
+
+#include "framework/mesh/mesh_loader.h"
+
+namespace stroma {
+
+void MeshContainer::declare(DataTable& table) {
+  table.add("position", mesh_.position).alias("points").unit("m").help("nodes");
+  table.add("nbPoints", point_count_).min(0).help("number of nodes, checked against the positions");
+  table.add("edges", mesh_.edges).alias("lines").help("edges, two node numbers each");
+  table.add("triangles", mesh_.triangles).help("triangles, three node numbers each");
+  table.add("quads", mesh_.quads).help("quads, four node numbers each");
+  table.add("tetrahedra", mesh_.tetrahedra).alias("tetras").help("tetrahedra, four node numbers each");
+  table.add("hexahedra", mesh_.hexahedra).alias("hexas").help("hexahedra, eight node numbers each, in VTK's order");
+  table.add("prisms", prisms_).alias("pentahedra").alias("pentas").help("not supported: an error when not empty");
+  table.add("pyramids", pyramids_).help("not supported: an error when not empty");
+  for (const char* name : {"drawEdges", "drawTriangles", "drawQuads", "drawTetrahedra", "drawHexahedra", "drawPoints",
+                           "uv", "texcoords", "computeAllBuffers", "checkTopology", "checkConnexity"})
+    table.addVisualOnly(name);
+}
+
+void MeshContainer::finish() {
+  if (!prisms_.empty() || !pyramids_.empty())
+    throw ComponentError(fmt::format("{} prisms and {} pyramids are given", prisms_.size(), pyramids_.size()),
+                         "tetrahedra or hexahedra");
+  if (mesh_.position.empty()) takePositionsFromState();
+  if (mesh_.position.empty()) throw ComponentError("there are no nodes", "position, or src=\"@loader\"");
+  if (point_count_ > 0 && point_count_ != mesh_.nodes())
+    throw ComponentError(fmt::format("nbPoints is {}, but there are {} positions", point_count_, mesh_.nodes()));
+  if (const std::string error = mesh_.firstError(); !error.empty()) throw ComponentError(error);
+  // Linked cells have been checked, and complained of, where they come from.
+  const bool volume_written = (data().find("tetrahedra")->isSet() || data().find("hexahedra")->isSet()) &&
+                              data().find("tetrahedra")->origin() != DataOrigin::linked &&
+                              data().find("hexahedra")->origin() != DataOrigin::linked;
+  if (volume_written) complainOfCells();
+}
+
+void MeshContainer::complainOfCells() const {
+  if (const std::string complaint = meshComplaint(mesh_); !complaint.empty()) warn(complaint);
+}
+
+void MeshContainer::takePositionsFromState() {
+  // SOFA's scenes may give the positions to the state only. A state that takes its positions from here has none.
+  for (const auto& component : node().components()) {
+    if (component->roleText() != "mechanical state") continue;
+    const Data* position = component->data().find("position");
+    if (!position || !position->isSet()) position = component->data().find("rest_position");
+    if (!position || !position->isSet()) continue;
+    auto* const* values = std::get_if<std::vector<Vec3>*>(&position->pointer());
+    if (!values) continue;
+    // A link is followed when the state is made ready, unless it is the state that asked for this topology.
+    if ((*values)->empty()) component->ensureReady();
+    mesh_.position = **values;
+    return;
+  }
+}
+
+}  // namespace stroma

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Reads a Gmsh mesh: .msh formats 1, 2.2, 4.0 and 4.1, ASCII or binary (4.0: ASCII, as Gmsh itself).
+//
+// Edges, triangles, quads, tetrahedra and hexahedra are read; points, prisms and pyramids are counted and reported;
+// quadratic elements are an error. Nodes keep the order of the file, whatever their tags. As in SOFA the faces and
+// edges of the volume cells are added to the lists of the file unless createSubelements="false".
+//
+// Physical groups: `tetrahedraGroups` and its like hold the tag of each cell of the file (0: none). With group="NAME"
+// (or a tag), `groupIndices` holds the nodes of the cells of that group, ascending: a surface named in the mesher is a
+// selection in the scene. ValuesFromLabels turns tetrahedraGroups into a material of each tetrahedron.
+//
+// Directions: directionArray="fibres" names a view of the file ($ElementData or $NodeData) of three numbers each, or
+// nine for a frame by rows; `tetrahedraDirections`, `hexahedraDirections` and `nodeDirections` hold them, turned with
+// the mesh, as AnisotropyDirections takes them.
+//
+// Source: the chapter "File formats" of the Gmsh reference manual; the attributes are SOFA's.
+//
+// Example:
+// <Node name="root">
+//   <MeshGmshLoader name="loader" filename="meshes/block.msh"/>
+//   <TetrahedronSetTopologyContainer name="tets" src="@loader"/>
+// </Node>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+
+#include "components/topology/gmsh_reader.h"
+#include "framework/mesh/mesh_loader.h"
+#include "framework/scene/factory.h"
+
+namespace stroma {
+namespace {
+
+class MeshGmshLoader : public MeshLoader {
+ public:
+  MeshGmshLoader() { create_subelements_ = true; }
+
+  void declare(DataTable& table) override {
+    MeshLoader::declare(table);
+    table.add("group", group_).help("physical group, by name or tag, whose nodes go to groupIndices");
+    table.add("groupIndices", group_indices_).help("nodes of the physical group, ascending").output();
+    table.add("edgesGroups", edge_groups_).help("physical group of each edge of the file").output();
+    table.add("trianglesGroups", triangle_groups_).help("physical group of each triangle of the file").output();
+    table.add("quadsGroups", quad_groups_).help("physical group of each quad of the file").output();
+    table.add("tetrahedraGroups", tetrahedron_groups_).help("physical group of each tetrahedron").output();
+    table.add("hexahedraGroups", hexahedron_groups_).help("physical group of each hexahedron").output();
+    declareDirections(table);
+  }
+
+ protected:
+  void read(const std::string& file, Mesh& mesh) override {
+    GmshFile content = readGmsh(file);
+    for (const auto& [what, count] : content.skipped)
+      inform(fmt::format("{} {} of the file are not used", count, what));
+    if (!group_.empty()) selectGroup(content);
+    if (!directions_.array.empty()) readDirections(content);
+    edge_groups_ = std::move(content.edge_groups);
+    triangle_groups_ = std::move(content.triangle_groups);
+    quad_groups_ = std::move(content.quad_groups);
+    tetrahedron_groups_ = std::move(content.tetrahedron_groups);
+    hexahedron_groups_ = std::move(content.hexahedron_groups);
+    mesh = std::move(content.mesh);
+  }
+
+ private:
+  void selectGroup(const GmshFile& content);
+  void readDirections(const GmshFile& content);
+  int tagOf(const GmshFile& content, int dimension, bool& known) const;
+
+  std::string group_;
+  std::vector<int> group_indices_, edge_groups_, triangle_groups_, quad_groups_, tetrahedron_groups_,
+      hexahedron_groups_;
+};
+
+/// The tag that `group` means for cells of a dimension: the same name may have a tag in each.
+int MeshGmshLoader::tagOf(const GmshFile& content, int dimension, bool& known) const {
+  for (const auto& [key, name] : content.group_names)
+    if (key.first == dimension && name == group_) return known = true, key.second;
+  int tag = 0;
+  const char* end = group_.data() + group_.size();
+  const auto [stop, error] = std::from_chars(group_.data(), end, tag);
+  if (error == std::errc() && stop == end && tag > 0) return known = true, tag;
+  return -1;
+}
+
+void MeshGmshLoader::readDirections(const GmshFile& content) {
+  const auto found = content.data.find(directions_.array);
+  if (found == content.data.end()) {
+    std::vector<std::string> names;
+    names.reserve(content.data.size());
+    for (const auto& [name, data] : content.data) names.push_back(name);
+    throw ComponentError(
+        fmt::format("the mesh has no view '{}'", directions_.array),
+        names.empty() ? "a file with $ElementData or $NodeData after its elements" : "a view of the file",
+        nearest(directions_.array, names));
+  }
+  const GmshData& data = found->second;
+  if (data.width != 3 && data.width != 9)
+    throw ComponentError(fmt::format("the view '{}' has {} components", directions_.array, data.width),
+                         "3 (a direction) or 9 (a frame, by rows)");
+  if (data.repeated) warn(fmt::format("the view '{}' has several time steps: its first is taken", directions_.array));
+  const auto vectors = [](const std::vector<double>& values) {
+    std::vector<Vec3> out;
+    for (std::size_t i = 0; i + 2 < values.size(); i += 3) out.emplace_back(values[i], values[i + 1], values[i + 2]);
+    return out;
+  };
+  directions_.tetrahedra = vectors(data.tetrahedra), directions_.hexahedra = vectors(data.hexahedra);
+  directions_.nodes = vectors(data.nodes);
+}
+
+void MeshGmshLoader::selectGroup(const GmshFile& content) {
+  bool known = false;
+  const auto collect = [&](const auto& cells, const std::vector<int>& groups, int dimension) {
+    const int tag = tagOf(content, dimension, known);
+    for (std::size_t c = 0; c < cells.size(); ++c)
+      if (groups[c] == tag) group_indices_.insert(group_indices_.end(), cells[c].begin(), cells[c].end());
+  };
+  collect(content.mesh.edges, content.edge_groups, 1);
+  collect(content.mesh.triangles, content.triangle_groups, 2);
+  collect(content.mesh.quads, content.quad_groups, 2);
+  collect(content.mesh.tetrahedra, content.tetrahedron_groups, 3);
+  collect(content.mesh.hexahedra, content.hexahedron_groups, 3);
+  std::vector<std::string> names;
+  names.reserve(content.group_names.size());
+  for (const auto& [key, name] : content.group_names) names.push_back(name);
+  if (!known)
+    throw ComponentError(fmt::format("the mesh has no physical group '{}'", group_),
+                         names.empty() ? "a tag: the file names no group" : "a name or a tag", nearest(group_, names));
+  std::sort(group_indices_.begin(), group_indices_.end());
+  group_indices_.erase(std::unique(group_indices_.begin(), group_indices_.end()), group_indices_.end());
+  if (group_indices_.empty()) throw ComponentError(fmt::format("the physical group '{}' has no cell", group_));
+}
+
+}  // namespace
+}  // namespace stroma
+
+STROMA_COMPONENT(mesh_gmsh_loader) { factory.add<stroma::MeshGmshLoader>("MeshGmshLoader", "reads a Gmsh .msh file"); }

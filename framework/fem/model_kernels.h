@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// From an element's mathematics (a model) to an ElementKernels: storage, loop and assembly are written once here, for
+// every element and every method.
+#pragma once
+#include <cstring>
+#include <memory>
+
+#include "framework/fem/element_kernels.h"
+#include "framework/fem/element_loop.h"
+
+namespace stroma {
+
+/// Sets lane `lane` of a struct of packs from the same struct of doubles.
+template <class Packs, class Doubles>
+void setLane(Packs& batch, int lane, const Doubles& value) {
+  constexpr std::size_t count = sizeof(Doubles) / sizeof(double);
+  static_assert(sizeof(Packs) == count * sizeof(Pack));
+  double numbers[count];
+  std::memcpy(numbers, &value, sizeof numbers);
+  for (std::size_t i = 0; i < count; ++i)
+    std::memcpy(reinterpret_cast<char*>(&batch) + i * sizeof(Pack) + std::size_t(lane) * sizeof(double), &numbers[i],
+                sizeof(double));
+}
+
+/// Loop and arrays of a mesh of elements of N nodes, shape (batches). The rest shape and the tangent, which products
+/// read, are structs of numbers: of packs and, for one element, of doubles. By these types alone, so that models with
+/// the same data share the code that fills it.
+template <int N, class RestPacks, class RestDoubles, class TangentPacks, class TangentDoubles, class Coupling>
+struct ElementStorage {
+  ElementLoop<N, Coupling> loop;
+  Array<RestPacks> rest;
+  Array<TangentPacks> tangent;
+
+  /// set(element, is_padding, rest, tangent) gives the numbers of each element; a padding lane must have no stiffness.
+  template <class Set>
+  void build(const std::vector<std::array<Index, N>>& cells, const std::vector<Vec3>& position, Index first_row,
+             Set&& set) {
+    loop.build(cells, position, first_row);
+    rest.resize(loop.batches());
+    tangent.resize(loop.batches());
+    for (Index b = 0; b < loop.batches(); ++b)
+      for (int l = 0; l < pack_lanes; ++l) {
+        RestDoubles one_rest{};
+        TangentDoubles one_tangent{};
+        const Index e = loop.elementOf(b, l);
+        set(std::size_t(e >= 0 ? e : loop.elementOf(b, 0)), e < 0, one_rest, one_tangent);
+        setLane(rest[b], l, one_rest);
+        setLane(tangent[b], l, one_tangent);
+      }
+  }
+};
+
+/// The part that does not depend on what an element computes.
+template <class StorageType>
+class StoredKernels : public ElementKernels {
+ public:
+  explicit StoredKernels(StorageType&& storage) : storage_(std::move(storage)) {}
+  void addPattern(BlockPattern& pattern) const override { storage_.loop.addPattern(pattern); }
+  std::vector<Index> slots(const BlockMatrix& matrix) const override { return storage_.loop.slots(matrix); }
+
+ protected:
+  /// Owned; the tangent part changes with every force, the rest of it never.
+  StorageType storage_;
+};
+
+/// A model has
+///   nodes, Rest<T>, Tangent<T>   as in ElementStorage
+///   reads_position               its products need x itself (of the last force), which is then kept
+///   force(rest, tangent, x, f)   f = the nodal forces, and the tangent at x
+///   energy(rest, tangent, x)
+///   product(rest, tangent, factor, x, dx, df)   df = factor * K dx; x only when reads_position
+/// and may have
+///   forceAndProduct(rest, tangent, factor, x, dx, f)   f = the forces and factor * K dx, sharing work
+///   matrix(rest, tangent, x, k)  which is otherwise made of products
+///   Coupling                     pairs of nodes without a block in the matrix (element_loop.h)
+template <class Model>
+struct CouplingOf {
+  using type = EveryPair;
+};
+template <class Model>
+requires requires { typename Model::Coupling; }
+struct CouplingOf<Model> {
+  using type = typename Model::Coupling;
+};
+template <class Model>
+using StorageOf = ElementStorage<Model::nodes, typename Model::template Rest<Pack>,
+                                 typename Model::template Rest<double>, typename Model::template Tangent<Pack>,
+                                 typename Model::template Tangent<double>, typename CouplingOf<Model>::type>;
+
+/// The ElementKernels of a model. `x` handed to a model is that of the last force, and only valid when it reads it.
+template <class Model>
+class ModelKernels final : public StoredKernels<StorageOf<Model>> {
+  using Base = StoredKernels<StorageOf<Model>>;
+  using Base::storage_;
+  static constexpr int N = Model::nodes;
+  using Nodes = V3<Pack>[N];
+  using Matrix = typename ElementLoop<N>::Matrix;
+  /// The model has a form of its own for force and product together.
+  static constexpr bool fuses = requires(typename Model::template Rest<Pack> & rest,
+                                         typename Model::template Tangent<Pack>& tangent, Nodes& nodes) {
+    Model::forceAndProduct(rest, tangent, Pack(1.), nodes, nodes, nodes);
+  };
+
+ public:
+  using Base::Base;
+  void addForce(ConstRows x, Rows f) override {
+    keep(x);
+    storage_.loop.template run<1, 1>({x}, {f}, [&](Index b, const auto& in, auto& out) { force(b, in[0], out[0]); });
+  }
+  /// In one loop where that shares work or the gathers weigh. Models that read the position do more in each half.
+  void addForceAndProduct(ConstRows x, ConstRows dx, double factor, Rows f) override {
+    if constexpr (Model::reads_position && !fuses) {
+      addForce(x, f);
+      addProduct(dx, factor, f);
+    } else {
+      const Pack scale(factor);
+      keep(x);
+      storage_.loop.template run<2, 1>(
+          {x, dx}, {f}, [&](Index b, const auto& in, auto& out) { forceAndProduct(b, scale, in[0], in[1], out[0]); });
+    }
+  }
+  double energy(ConstRows x) const override {
+    return storage_.loop.sum(
+        x, [&](Index b, const auto& in) { return Model::energy(storage_.rest[b], storage_.tangent[b], in); });
+  }
+  void addProduct(ConstRows dx, double factor, Rows df) const override {
+    const Pack scale(factor);
+    if constexpr (Model::reads_position)
+      storage_.loop.template run<2, 1>(
+          {x_.rows(), dx}, {df}, [&](Index b, const auto& in, auto& out) { product(b, scale, in[0], in[1], out[0]); });
+    else
+      storage_.loop.template run<1, 1>(
+          {dx}, {df}, [&](Index b, const auto& in, auto& out) { product(b, scale, in[0], in[0], out[0]); });
+  }
+  void assemble(double factor, const std::vector<Index>& slots, std::vector<double>& values) const override {
+    storage_.loop.assemble(factor, slots, values, [&](Index b, Matrix& k) { matrix(b, k); });
+  }
+  void assembleDiagonal(double factor, std::vector<double>& blocks) const override {
+    storage_.loop.assembleDiagonal(factor, blocks, [&](Index b, Matrix& k) { matrix(b, k); });
+  }
+
+ private:
+  /// Remembers x where products need it: 32 bytes a node instead of a tangent of its own in each element.
+  void keep(ConstRows x) {
+    if constexpr (Model::reads_position) {
+      if (x_.count() != x.count) x_.resize(x.count);
+      copy(x, x_);
+    }
+  }
+  void force(Index b, const Nodes& x, Nodes& f) { Model::force(storage_.rest[b], storage_.tangent[b], x, f); }
+  /// The model's own fused form, else force and product one after the other.
+  void forceAndProduct(Index b, Pack factor, const Nodes& x, const Nodes& dx, Nodes& f) {
+    auto& rest = storage_.rest[b];
+    auto& tangent = storage_.tangent[b];
+    if constexpr (fuses) {
+      Model::forceAndProduct(rest, tangent, factor, x, dx, f);
+    } else {
+      Nodes df;
+      Model::force(rest, tangent, x, f);
+      Model::product(rest, tangent, factor, x, dx, df);
+      for (int a = 0; a < N; ++a) f[a] = f[a] + df[a];
+    }
+  }
+  void product(Index b, Pack factor, const Nodes& x, const Nodes& dx, Nodes& df) const {
+    Model::product(storage_.rest[b], storage_.tangent[b], factor, x, dx, df);
+  }
+  /// The model's own matrix, else products with the 3 N unit vectors. Long, so once for assembly and diagonal; noipa:
+  /// with noinline GCC 12 takes its output for unchanged.
+  [[gnu::noipa, gnu::flatten]] void matrix(Index b, Matrix& k) const {
+    Nodes x;
+    if constexpr (Model::reads_position) storage_.loop.gather(b, x_.rows(), x);
+    if constexpr (requires { Model::matrix(storage_.rest[0], storage_.tangent[0], x, k); })
+      Model::matrix(storage_.rest[b], storage_.tangent[b], x, k);
+    else
+      ElementLoop<N>::matrixFromProducts([&](const Nodes& dx, Nodes& df) { product(b, Pack(1.), x, dx, df); }, k);
+  }
+  Vector x_;  ///< of the last force
+};
+
+}  // namespace stroma

@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "framework/scene/abi.h"
+#include "framework/scene/modules.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <set>
+
+#include "framework/scene/change_table.h"
+#include "tests/scene/test_components.h"
+
+namespace stroma::testing {
+namespace {
+
+const std::string folder_of_modules = STROMA_TEST_MODULES;
+
+std::string openingFails(const std::string& path) {
+  Factory factory;
+  Modules modules(factory, {});
+  try {
+    modules.open(path);
+  } catch (const std::runtime_error& error) {
+    EXPECT_TRUE(factory.entries().empty());
+    return error.what();
+  }
+  ADD_FAILURE() << path << " opens";
+  return {};
+}
+
+TEST(Modules, anotherVersionIsRefusedWithBothTags) {
+  const std::string sentence = openingFails(folder_of_modules + "/other_version.so");
+  EXPECT_NE(sentence.find("stroma-0.0.1-gcc1-eigen16"), std::string::npos) << sentence;
+  EXPECT_NE(sentence.find(STROMA_ABI), std::string::npos) << sentence;
+}
+
+TEST(Modules, whatIsNoModuleIsRefused) {
+  TemporaryFolder folder;
+  EXPECT_NE(openingFails(folder.write("text.so", "not a library")).find("cannot be opened"), std::string::npos);
+  EXPECT_NE(openingFails(folder.path("absent.so")).find("cannot be opened"), std::string::npos);
+  EXPECT_NE(openingFails("libm.so.6").find("is not a module"), std::string::npos);
+}
+
+TEST(Modules, aNameThatExistsIsRefusedAsAWhole) {
+  Factory factory;
+  Modules modules(factory, {});
+  modules.open(folder_of_modules + "/sample.so");
+  modules.open(folder_of_modules + "/sample.so");  // twice is once
+  try {
+    modules.open(folder_of_modules + "/duplicate.so");
+    FAIL();
+  } catch (const std::runtime_error& error) {
+    EXPECT_NE(std::string(error.what()).find("'SampleGauge', which the module 'sample' already has"),
+              std::string::npos);
+  }
+  EXPECT_EQ(modules.opened(), std::vector<std::string>{"sample"});
+  EXPECT_EQ(factory.entries().size(), 1u);
+  EXPECT_EQ(factory.find("SampleGauge")->module, "sample");
+}
+
+TEST(Modules, theIndexOpensAModuleOnlyWhenItIsNamed) {
+  TemporaryFolder folder;
+  std::filesystem::copy(folder_of_modules + "/sample.so", folder.path("sample.so"));
+  folder.write("mine.index", "SampleGauge\tsample\tstores one number\n");
+  folder.write("mine.manual", "=== SampleGauge\tsample\nThe page.\nMore.\n");
+  Factory factory;
+  Modules modules(factory, {folder.path()});
+  EXPECT_TRUE(modules.opened().empty());
+  EXPECT_EQ(modules.notOpened(), std::vector<std::string>{"sample"});
+  EXPECT_EQ(modules.index().at(0).help, "stores one number");
+  EXPECT_EQ(modules.manual("SampleGauge"), "The page.\nMore.\n");
+  EXPECT_TRUE(modules.opened().empty()) << "neither the index nor the manual needs it";
+  EXPECT_FALSE(modules.provide("Unknown"));
+  EXPECT_TRUE(modules.provide("SampleGauge"));
+  EXPECT_EQ(modules.opened(), std::vector<std::string>{"sample"});
+  EXPECT_NE(factory.make("SampleGauge"), nullptr);
+}
+
+TEST(Modules, aBadIndexIsASentence) {
+  TemporaryFolder folder;
+  folder.write("bad.index", "no tabs here\n");
+  Factory factory;
+  EXPECT_THROW(Modules(factory, {folder.path()}), std::runtime_error);
+}
+
+TEST(Modules, theLevelCanOnlyBeLowered) {
+  unsetenv("STROMA_LEVEL");
+  const std::string machine = instructionLevel();
+  EXPECT_TRUE(machine.starts_with("x86-64-v")) << machine;
+  setenv("STROMA_LEVEL", "x86-64-v2", 1);
+  EXPECT_EQ(instructionLevel(), "x86-64-v2");
+  setenv("STROMA_LEVEL", "avx9000", 1);
+  EXPECT_THROW(instructionLevel(), std::runtime_error);
+  unsetenv("STROMA_LEVEL");
+}
+
+TEST(Modules, theBestBuildOfTheMachineIsOpened) {
+  TemporaryFolder folder;
+  std::filesystem::create_directory(folder.path("x86-64-v2"));
+  std::filesystem::copy(folder_of_modules + "/sample.so", folder.path("x86-64-v2/sample.so"));
+  folder.write("mine.index", "SampleGauge\tsample\tx\nOther\tabsent\ty\n");
+  Factory factory;
+  Modules modules(factory, {folder.path()});
+  EXPECT_TRUE(modules.provide("SampleGauge"));
+  try {
+    modules.provide("Other");
+    FAIL();
+  } catch (const std::runtime_error& error) {
+    EXPECT_NE(std::string(error.what()).find("no build for this machine"), std::string::npos);
+  }
+}
+
+TEST_F(SceneTest, aPluginByPathBringsItsComponents) {
+  const std::string text = "<Node><SampleGauge name='g' reading='4'/><RequiredPlugin pluginName='" + folder_of_modules;
+  const Scene scene = load(text + "/sample.so'/></Node>");
+  EXPECT_EQ(findComponent(*scene.root, "/g")->data().find("reading")->print(), "4");
+  EXPECT_NE(problemsOf("<Node><RequiredPlugin pluginName='nowhere/at_all.so'/></Node>")[0].message.find("not found"),
+            std::string::npos);
+  EXPECT_NE(problemsOf("<Node><RequiredPlugin pluginName='" + folder_of_modules + "/other_version.so'/></Node>")[0]
+                .message.find("was built for"),
+            std::string::npos);
+}
+
+TEST(IndexTool, writesTheIndexAndTheManualOfOneModule) {
+  TemporaryFolder folder;
+  const std::string command = STROMA_BINARY_DIR "/bin/stroma-index " + folder.path() + " --single --module sample " +
+                              folder_of_modules +
+                              "/sample.so " STROMA_SOURCE_DIR "/tests/scene/fixtures/sample_module.cpp";
+  ASSERT_EQ(std::system(command.c_str()), 0);
+  std::filesystem::copy(folder_of_modules + "/sample.so", folder.path("sample.so"));
+  Factory factory;
+  Modules modules(factory, {folder.path()});
+  ASSERT_EQ(modules.index().size(), 1u);
+  EXPECT_EQ(modules.index()[0].type, "SampleGauge");
+  EXPECT_TRUE(modules.manual("SampleGauge").starts_with("A component of someone else's"));
+  EXPECT_NE(modules.manual("SampleGauge").find("Example:\n<Node name=\"root\">"), std::string::npos);
+  EXPECT_TRUE(modules.provide("SampleGauge"));
+}
+
+TEST(IndexTool, refusesAModuleOfAnotherVersionOrName) {
+  TemporaryFolder folder;
+  const std::string start = STROMA_BINARY_DIR "/bin/stroma-index " + folder.path() + " --module ";
+  EXPECT_NE(std::system((start + "other_version " + folder_of_modules + "/other_version.so 2>/dev/null").c_str()), 0);
+  EXPECT_NE(std::system((start + "wrong " + folder_of_modules + "/sample.so 2>/dev/null").c_str()), 0);
+}
+
+TEST(ChangeTable, isWellFormed) {
+  std::set<std::string_view> old_types;
+  for (const TypeChange& change : typeChanges()) {
+    EXPECT_TRUE(old_types.insert(change.old_type).second) << change.old_type << " appears twice";
+    EXPECT_NE(change.old_type, change.new_type);
+    EXPECT_EQ(presentType(change.new_type), change.new_type) << "one step leads to the present name";
+  }
+  for (const TypeRemoval& removal : typeRemovals()) EXPECT_EQ(old_types.count(removal.type), 0u);
+}
+
+TEST(ChangeTable, everyReplacementExists) {
+  // SOFA components that the families to come will bring; their renames are known already.
+  const std::set<std::string_view> to_come = {"LinearMovementProjectiveConstraint",
+                                              "FixedPlaneProjectiveConstraint",
+                                              "AttachProjectiveConstraint",
+                                              "FixedTranslationProjectiveConstraint",
+                                              "FixedRotationProjectiveConstraint",
+                                              "LinearVelocityProjectiveConstraint",
+                                              "SpringForceField",
+                                              "PCGLinearSolver",
+                                              "SparseGridTopology",
+                                              "RungeKutta4Solver",
+                                              "RungeKutta2Solver",
+                                              "CentralDifferenceSolver"};
+  if (!std::filesystem::exists(STROMA_BINARY_DIR "/lib/stroma/modules.index"))
+    GTEST_SKIP() << "the modules are not built";
+  Factory factory;
+  Modules modules(factory, {STROMA_BINARY_DIR "/lib/stroma"});
+  std::set<std::string> existing;
+  for (const Modules::IndexEntry& entry : modules.index()) existing.insert(entry.type);
+  for (const TypeChange& change : typeChanges()) {
+    EXPECT_TRUE(existing.count(std::string(change.new_type)) || to_come.count(change.new_type)) << change.new_type;
+    EXPECT_FALSE(existing.count(std::string(change.old_type))) << change.old_type << " exists: it needs no row";
+  }
+  for (std::string_view type : acceptedWithoutEffect())
+    EXPECT_FALSE(existing.count(std::string(type))) << type << " has an effect after all";
+}
+
+/// The components of this build.
+class BuiltModules : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (!std::filesystem::exists(STROMA_BINARY_DIR "/lib/stroma/modules.index"))
+      GTEST_SKIP() << "the modules are not built";
+    modules = std::make_unique<Modules>(factory, std::vector<std::string>{STROMA_BINARY_DIR "/lib/stroma"});
+    modules->openAll();
+    ASSERT_GT(factory.entries().size(), 20u);
+  }
+  Factory factory;
+  std::unique_ptr<Modules> modules;
+};
+
+TEST_F(BuiltModules, renamedAttributesExist) {
+  for (const AttributeChange& change : attributeChanges()) {
+    const std::unique_ptr<Component> component = factory.make(std::string(change.type));
+    ASSERT_NE(component, nullptr) << change.type;
+    EXPECT_NE(component->data().find(change.new_attribute), nullptr) << change.type << "." << change.new_attribute;
+    EXPECT_EQ(component->data().find(change.old_attribute), nullptr) << change.type << "." << change.old_attribute;
+  }
+}
+
+TEST_F(BuiltModules, everyAttributeHasANameOfItsOwnAndALineOfHelp) {
+  for (const ComponentEntry* entry : factory.entries()) {
+    EXPECT_FALSE(entry->help.empty()) << entry->type;
+    EXPECT_FALSE(modules->manual(entry->type).empty()) << entry->type << " has no manual page";
+    const std::unique_ptr<Component> component = factory.make(entry->type);
+    std::set<std::string> seen;
+    for (const std::string& name : component->data().names())
+      EXPECT_TRUE(seen.insert(name).second) << entry->type << "." << name << " means two attributes";
+    for (const Data& data : component->data().all())
+      EXPECT_FALSE(data.helpText().empty()) << entry->type << "." << data.name();
+  }
+}
+
+TEST_F(BuiltModules, defaultsReadBack) {
+  for (const ComponentEntry* entry : factory.entries()) {
+    const std::unique_ptr<Component> component = factory.make(entry->type);
+    for (Data& data : component->data().all()) {
+      if (data.isOutput() || data.link() || data.defaultText().empty()) continue;
+      const auto problem = data.parse(data.defaultText(), DataOrigin::written);
+      EXPECT_FALSE(problem) << entry->type << "." << data.name() << ": " << problem->text();
+      EXPECT_EQ(data.print(), data.defaultText()) << entry->type << "." << data.name();
+    }
+  }
+}
+
+}  // namespace
+}  // namespace stroma::testing

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Files of tetrahedra with labels. Positions have 9 significant digits, less than the accuracy of any scanner.
+#pragma once
+#include <map>
+#include <string>
+
+#include "tools/mesh/regions.h"
+
+namespace stroma {
+
+/// Names of labels; one without a name is called "label_3".
+using LabelNames = std::map<int, std::string>;
+std::string nameOf(int label, const LabelNames& names);
+
+/// Gmsh .msh, ASCII, format 4.1 or 2.2. Each label is a physical group of tetrahedra with the label as its tag and its
+/// name, each surface between two regions one of triangles, named "soft.bone" or "soft.outside".
+std::string gmshText(const LabelledMesh& mesh, const LabelNames& names, bool format_22);
+
+/// VTK's XML format .vtu: the tetrahedra with cell data `label`.
+std::string vtuText(const LabelledMesh& mesh);
+
+}  // namespace stroma

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tools/mesh/regions.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <set>
+
+#include "framework/mesh/cell_faces.h"
+#include "framework/mesh/mesh.h"
+
+namespace stroma {
+
+namespace {
+
+/// A face of a cell, by its sorted nodes.
+struct Face {
+  Triangle sorted, nodes;
+  Index cell;
+};
+
+std::vector<Face> sortedFaces(const LabelledMesh& mesh) {
+  std::vector<Face> faces;
+  faces.reserve(4 * mesh.tetrahedra.size());
+  for (std::size_t c = 0; c < mesh.tetrahedra.size(); ++c)
+    for (const auto& corner : tetrahedron_faces) {
+      Face face;
+      for (std::size_t i = 0; i < 3; ++i) face.nodes[i] = mesh.tetrahedra[c][corner[i]];
+      face.sorted = face.nodes;
+      std::sort(face.sorted.begin(), face.sorted.end());
+      face.cell = Index(c);
+      faces.push_back(face);
+    }
+  std::sort(faces.begin(), faces.end(),
+            [](const Face& a, const Face& b) { return std::tie(a.sorted, a.cell) < std::tie(b.sorted, b.cell); });
+  return faces;
+}
+
+/// Calls visit(face of the first cell, the second cell or -1) for each face of the mesh.
+template <class Visit>
+void forEachFace(const LabelledMesh& mesh, Visit&& visit) {
+  const std::vector<Face> faces = sortedFaces(mesh);
+  for (std::size_t i = 0; i < faces.size();) {
+    const bool shared = i + 1 < faces.size() && faces[i + 1].sorted == faces[i].sorted;
+    visit(faces[i], shared ? faces[i + 1].cell : -1);
+    i += shared ? 2 : 1;
+  }
+}
+
+/// Sorts the edges of a region's boundary (directed; triangles turned outward) into closed, open and branching ones.
+void judgeEdges(const LabelledMesh& mesh, std::vector<Edge> directed, RegionReport& region) {
+  std::sort(directed.begin(), directed.end());
+  const auto times = [&directed](const Edge& e) {
+    const auto [first, last] = std::equal_range(directed.begin(), directed.end(), e);
+    return last - first;
+  };
+  for (std::size_t i = 0; i < directed.size(); ++i) {
+    const Edge& e = directed[i];
+    if (i > 0 && e == directed[i - 1]) continue;
+    const auto here = times(e), back = times({e[1], e[0]});
+    if (here == 1 && back == 1) continue;
+    if (here == back && e[0] > e[1]) continue;  // told by its other direction
+    const bool first = here == back ? region.manifold() : region.watertight();
+    if (first) region.place = (mesh.position[e[0]] + mesh.position[e[1]]) / 2;
+    ++(here == back ? region.branching_edges : region.open_edges);
+  }
+}
+
+Index rootOf(std::vector<Index>& parent, Index i) {
+  while (parent[i] != i) i = parent[i] = parent[parent[i]];
+  return i;
+}
+
+void reportSurfaces(const LabelledMesh& mesh, std::map<int, RegionReport>& regions) {
+  std::map<int, std::vector<Edge>> edges;
+  std::vector<Index> parent(mesh.tetrahedra.size());
+  std::iota(parent.begin(), parent.end(), 0);
+  forEachFace(mesh, [&](const Face& face, Index other) {
+    const int own = mesh.labels[face.cell], across = other < 0 ? 0 : mesh.labels[other];
+    if (own == across) {
+      parent[rootOf(parent, face.cell)] = rootOf(parent, other);
+      return;
+    }
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Index a = face.nodes[i], b = face.nodes[(i + 1) % 3];
+      edges[own].push_back({a, b});
+      if (across) edges[across].push_back({b, a});
+    }
+  });
+  for (auto& [label, directed] : edges) judgeEdges(mesh, std::move(directed), regions[label]);
+  for (std::size_t c = 0; c < parent.size(); ++c)
+    if (parent[c] == Index(c)) ++regions[mesh.labels[c]].parts;
+}
+
+}  // namespace
+
+std::array<double, 2> dihedralAngles(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+  const std::array<Vec3, 4> p{a, b, c, d};
+  std::array<Vec3, 4> normal;  // outward, of the face opposite each corner
+  for (std::size_t f = 0; f < 4; ++f) {
+    const auto& [i, j, k] = tetrahedron_faces[f];
+    normal[f] = (p[j] - p[i]).cross(p[k] - p[i]);
+  }
+  std::array<double, 2> range{180, 0};
+  for (const auto& [i, j] : tetrahedron_edges) {
+    const Vec3 &m = normal[i], &n = normal[j];
+    const double angle = 180 - std::atan2(m.cross(n).norm(), m.dot(n)) * (180 / std::numbers::pi);
+    range = {std::min(range[0], angle), std::max(range[1], angle)};
+  }
+  return range;
+}
+
+std::vector<RegionTriangle> regionTriangles(const LabelledMesh& mesh) {
+  std::vector<RegionTriangle> triangles;
+  forEachFace(mesh, [&](const Face& face, Index other) {
+    const int own = mesh.labels[face.cell], across = other < 0 ? 0 : mesh.labels[other];
+    if (own == across) return;
+    if (across == 0 || own < across)
+      triangles.push_back({face.nodes, own, across});
+    else
+      triangles.push_back({{face.nodes[0], face.nodes[2], face.nodes[1]}, across, own});
+  });
+  std::stable_sort(triangles.begin(), triangles.end(), [](const RegionTriangle& a, const RegionTriangle& b) {
+    return std::tuple(a.outside != 0, a.inside, a.outside) < std::tuple(b.outside != 0, b.inside, b.outside);
+  });
+  return triangles;
+}
+
+MeshQuality qualityOf(const LabelledMesh& mesh) {
+  MeshQuality quality;
+  std::map<int, RegionReport> regions;
+  std::map<int, std::set<Index>> nodes;
+  for (std::size_t c = 0; c < mesh.tetrahedra.size(); ++c) {
+    std::array<Vec3, 4> p;
+    for (std::size_t i = 0; i < 4; ++i) p[i] = mesh.position[mesh.tetrahedra[c][i]];
+    RegionReport& region = regions[mesh.labels[c]];
+    ++region.tetrahedra;
+    region.volume += tetrahedronVolume(p[0], p[1], p[2], p[3]);
+    nodes[mesh.labels[c]].insert(mesh.tetrahedra[c].begin(), mesh.tetrahedra[c].end());
+    const auto [small, large] = dihedralAngles(p[0], p[1], p[2], p[3]);
+    if (small < quality.smallest_angle) quality.smallest_angle = small, quality.worst = Index(c);
+    quality.largest_angle = std::max(quality.largest_angle, large);
+  }
+  reportSurfaces(mesh, regions);
+  for (auto& [label, region] : regions) {
+    region.label = label;
+    region.nodes = Index(nodes[label].size());
+    quality.regions.push_back(region);
+  }
+  return quality;
+}
+
+}  // namespace stroma
