@@ -52,7 +52,8 @@ void BDFOdeSolver::declare(DataTable& table) {
   table.add("order", order_).help("1 (backward Euler) or 2").unit("-").min(1).max(2);
   implicit_.declareDamping(table);
   implicit_.declareNewton(table);
-  implicit_.declareSolvers(table);
+  declareLinearSolver(table);
+  implicit_.declareNewtonSolver(table);
 }
 
 void BDFOdeSolver::compile(System& system) {

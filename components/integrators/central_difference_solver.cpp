@@ -37,7 +37,6 @@ class CentralDifferenceSolver final : public Integrator {
 
  private:
   double rayleigh_mass_ = 0;
-  Link<LinearSolver> solver_link_{"linear solver"};
   Acceleration acceleration_;
   Vector a_;
   std::vector<double> damping_;  ///< rM of each row [1/s], shape (independentRows())
@@ -47,8 +46,7 @@ class CentralDifferenceSolver final : public Integrator {
 
 void CentralDifferenceSolver::declare(DataTable& table) {
   table.add("rayleighMass", rayleigh_mass_).help("damping proportional to the mass").unit("1/s").min(0);
-  table.addLink("linearSolver", solver_link_)
-      .help("solves for the acceleration when the mass is not diagonal; without it, the one of the same node");
+  declareLinearSolver(table);
   table.addVisualOnly("threadSafeVisitor");
 }
 

@@ -69,7 +69,8 @@ void EulerImplicitSolver::declare(DataTable& table) {
   table.add("trapezoidalScheme", trapezoidal_)
       .help("trapezoidal rule (second order, no damping) instead of backward Euler");
   implicit_.declareNewton(table);
-  implicit_.declareSolvers(table);
+  declareLinearSolver(table);
+  implicit_.declareNewtonSolver(table);
   for (const char* name : {"solveConstraint", "threadSafeVisitor", "computeResidual"}) table.addVisualOnly(name);
 }
 

@@ -185,10 +185,7 @@ std::string ExplicitStep::describe() const {
 
 // ---- the integrator ----
 
-void ExplicitIntegrator::declare(DataTable& table) {
-  table.addLink("linearSolver", solver_link_)
-      .help("solves for the acceleration when the mass is not diagonal; without it, the one of the same node");
-}
+void ExplicitIntegrator::declare(DataTable& table) { declareLinearSolver(table); }
 
 void ExplicitIntegrator::compile(System& system) {
   explicit_.scheme = scheme();

@@ -88,7 +88,6 @@ class ExplicitIntegrator : public Integrator {
   virtual ExplicitScheme scheme() const = 0;
 
  private:
-  Link<LinearSolver> solver_link_{"linear solver"};
   ExplicitStep explicit_;
 };
 

@@ -26,9 +26,8 @@ void ImplicitStep::declareNewton(DataTable& table) {
       .min(0, false);
 }
 
-void ImplicitStep::declareSolvers(DataTable& table) {
+void ImplicitStep::declareNewtonSolver(DataTable& table) {
   table.add("residualGraph", graph_).help("residuals of the last step's Newton iterations").unit("N s").output();
-  table.addLink("linearSolver", solver_link_).help("the linear solver; without it, the one of the same node");
   table.addLink("newtonSolver", newton_link_)
       .help("a NewtonRaphsonSolver, whose settings stand for this component's; without it, the one of the same node");
 }

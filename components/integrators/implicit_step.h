@@ -31,9 +31,9 @@ class ImplicitStep final : public NonlinearProblem {
       velocity_predictor;  ///< [m], [m/s], shape (independentRows()); read with has_history; held directions do not count
 
   ImplicitStep() { newton_settings.iterations = 1; }
-  void declareDamping(DataTable& table);  ///< rayleighMass, rayleighStiffness
-  void declareNewton(DataTable& table);   ///< newtonIterations, newtonTolerance
-  void declareSolvers(DataTable& table);  ///< linearSolver, newtonSolver, residualGraph
+  void declareDamping(DataTable& table);       ///< rayleighMass, rayleighStiffness
+  void declareNewton(DataTable& table);        ///< newtonIterations, newtonTolerance
+  void declareNewtonSolver(DataTable& table);  ///< newtonSolver, residualGraph
 
   /// Allocates; throws ComponentError when a linear solver or a mass is missing.
   void compile(Integrator& integrator, System& system);
@@ -83,7 +83,6 @@ class ImplicitStep final : public NonlinearProblem {
   Vector x0_, v0_, work_;  ///< the state before the step, for Newton
 
   std::vector<double> graph_;
-  Link<LinearSolver> solver_link_{"linear solver"};
   Link<NewtonSolver> newton_link_{"Newton solver"};
 };
 

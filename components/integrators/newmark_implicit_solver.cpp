@@ -64,7 +64,8 @@ void NewmarkImplicitSolver::declare(DataTable& table) {
       .unit("1/s")
       .min(0);
   implicit_.declareNewton(table);
-  implicit_.declareSolvers(table);
+  declareLinearSolver(table);
+  implicit_.declareNewtonSolver(table);
 }
 
 void NewmarkImplicitSolver::init() {

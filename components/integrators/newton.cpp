@@ -23,7 +23,7 @@ double largest(ConstRows a) {
 /// enough.
 class ShiftedMatrix final : public SystemMatrix {
  public:
-  explicit ShiftedMatrix(SystemMatrix& base) : base_(base) {
+  explicit ShiftedMatrix(SystemMatrix& base) : SystemMatrix(base.identity()), base_(base) {
     std::vector<double> blocks;
     base.diagonalBlocks(blocks);
     scale_.resize(base.rows());
@@ -36,11 +36,7 @@ class ShiftedMatrix final : public SystemMatrix {
     // a row whose own diagonal vanishes still needs a shift
     for (double& value : scale_) value = std::max(value, 1e-3 * mean);
   }
-  void setShift(double shift) {
-    shift_ = shift;
-    // numbers that no other matrix of the solver carries
-    revision_ = --last_revision;
-  }
+  void setShift(double shift) { shift_ = shift; }
   Index rows() const override { return base_.rows(); }
   void multiply(ConstRows p, Rows out) const override {
     base_.multiply(p, out);
@@ -48,6 +44,8 @@ class ShiftedMatrix final : public SystemMatrix {
   }
   const BlockMatrix& pattern() override { return base_.pattern(); }
   const BlockMatrix& assemble() override {
+    if (assembled_shift_ == shift_) return matrix_;
+    assembled_shift_ = shift_;
     matrix_ = base_.assemble();
     for (Index i = 0; i < rows(); ++i) matrix_.add(matrix_.diagonal()[i], shift_ * scale_[i] * Mat3::Identity());
     return matrix_;
@@ -57,18 +55,20 @@ class ShiftedMatrix final : public SystemMatrix {
     for (std::size_t i = 0; i < scale_.size(); ++i)
       for (int c = 0; c < 3; ++c) blocks[9 * i + 4 * std::size_t(c)] += shift_ * scale_[i];
   }
-  long revision() const override { return revision_; }
+  MatrixKey key() const override {
+    MatrixKey key = base_.key();
+    key.shift = shift_;
+    return key;
+  }
   bool symmetric() const override { return base_.symmetric(); }
   bool prefersAssembled(int expected_products) const override { return base_.prefersAssembled(expected_products); }
   ConstRows positions() const override { return base_.positions(); }
   std::string describeRow(Index row) const override { return base_.describeRow(row); }
 
  private:
-  static inline long last_revision = -1;
   SystemMatrix& base_;
   std::vector<double> scale_;  ///< shape (rows)
-  double shift_ = 0;
-  long revision_ = -1;
+  double shift_ = 0, assembled_shift_ = 0;
   BlockMatrix matrix_;
 };
 

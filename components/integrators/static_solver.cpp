@@ -94,7 +94,6 @@ class StaticSolver final : public Integrator {
 
   NewtonSettings settings_;
   std::vector<double> graph_;
-  Link<LinearSolver> solver_link_{"linear solver"};
   Link<NewtonSolver> newton_link_{"Newton solver"};
   LinearSolver* solver_ = nullptr;
   NewtonSolver* settings_component_ = nullptr;
@@ -136,7 +135,7 @@ void StaticSolver::declare(DataTable& table) {
   table.add("should_diverge_when_residual_is_growing", settings_.stop_when_residual_grows)
       .help("end the run when an iteration makes the residual larger");
   table.add("residualGraph", graph_).help("|f| of the last step's Newton iterations").unit("N").output();
-  table.addLink("linearSolver", solver_link_).help("the linear solver; without it, the one of the same node");
+  declareLinearSolver(table);
   table.addLink("newtonSolver", newton_link_)
       .help("a NewtonRaphsonSolver, whose settings stand for this component's; without it, the one of the same node");
 }

@@ -26,7 +26,8 @@ class TrapezoidalRuleSolver final : public Integrator {
   void declare(DataTable& table) override {
     implicit_.declareDamping(table);
     implicit_.declareNewton(table);
-    implicit_.declareSolvers(table);
+    declareLinearSolver(table);
+    implicit_.declareNewtonSolver(table);
   }
   void compile(System& system) override { implicit_.compile(*this, system); }
   StepReport step(System& system, const StepContext& context) override {

@@ -77,7 +77,8 @@ void VariationalSymplecticSolver::declare(DataTable& table) {
       .help("follow the potential energy by the work of the forces, instead of asking the force fields for it");
   table.add("saveEnergyInFile", saves_energy_).help("not available: EnergyMonitor writes energies");
   table.add("file", file_).help("see saveEnergyInFile");
-  implicit_.declareSolvers(table);
+  declareLinearSolver(table);
+  implicit_.declareNewtonSolver(table);
   table.addVisualOnly("threadSafeVisitor");
 }
 

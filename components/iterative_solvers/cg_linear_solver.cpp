@@ -52,7 +52,7 @@ class CGLinearSolver final : public KrylovSolver {
   Vector r_, p_, q_, z_, previous_;
   std::vector<double> blocks_;
   cg::BlockJacobi jacobi_;
-  long jacobi_revision_ = -1;
+  MatrixKey jacobi_key_;
   Index bad_block_ = -1;
 };
 
@@ -72,14 +72,14 @@ void CGLinearSolver::resize(Index rows) {
   for (Vector* vector : {&r_, &p_, &q_}) vector->resize(rows);
   if (preconditioner_ != Preconditioner::none) z_.resize(rows);
   if (warm_start_) previous_.resize(rows);
-  jacobi_revision_ = -1;
+  jacobi_key_ = {};
 }
 
 void CGLinearSolver::prepare(const SystemMatrix& matrix) {
-  if (preconditioner_ == Preconditioner::none || jacobi_revision_ == matrix.revision()) return;
+  if (preconditioner_ == Preconditioner::none || jacobi_key_ == matrix.key()) return;
   matrix.diagonalBlocks(blocks_);
   bad_block_ = jacobi_.factor(blocks_);
-  jacobi_revision_ = matrix.revision();
+  jacobi_key_ = matrix.key();
 }
 
 SolveReport CGLinearSolver::iterate(const SystemMatrix& matrix, Rows x, double residual) {

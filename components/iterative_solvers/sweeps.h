@@ -26,13 +26,13 @@ class FollowingInverse : public ApproximateInverse {
  public:
   /// Brings the inverse up to date; false when the matrix has none, and the report says at which row.
   bool follow(SystemMatrix& matrix, SolveReport& report) final {
-    if (revision_ == matrix.revision() && rows_ == matrix.rows()) return true;
-    rows_ = -1;
+    if (key_ == matrix.key()) return true;
+    reset();
     if (!make(matrix, report)) return false;
-    revision_ = matrix.revision(), rows_ = matrix.rows();
+    key_ = matrix.key();
     return true;
   }
-  void reset() override { rows_ = -1; }
+  void reset() override { key_ = {}; }
 
  protected:
   /// Makes the inverse anew for the present values. False after refuse().
@@ -45,8 +45,7 @@ class FollowingInverse : public ApproximateInverse {
   }
 
  private:
-  long revision_ = 0;
-  Index rows_ = -1;
+  MatrixKey key_;  ///< of the inverse
 };
 
 /// B = diag(A)^-1.

@@ -40,13 +40,13 @@ void WarpedFactor::turn(const BlockMatrix& matrix, ConstRows x) {
 
 bool WarpedFactor::follow(SystemMatrix& matrix, SolveReport& report) {
   start_ = std::chrono::steady_clock::now();
-  if (rows_ == matrix.rows() && !renew_ && revision_ == matrix.revision()) return true;
+  if (rows_ == matrix.rows() && !renew_ && key_ == matrix.key()) return true;
   const ConstRows positions = matrix.positions();
   const bool factor = renew_ || rows_ != matrix.rows();
   fresh_ = factor;
   if (!factor) {
     if (positions.count > 0) turn(matrix.pattern(), positions);
-    revision_ = matrix.revision();
+    key_ = matrix.key();
     return true;
   }
   rows_ = -1;
@@ -58,7 +58,7 @@ bool WarpedFactor::follow(SystemMatrix& matrix, SolveReport& report) {
     rotations_.assign(positions.count, Eigen::Quaterniond::Identity());
     matrices_.resize(positions.count);
   }
-  rows_ = matrix.rows(), revision_ = matrix.revision();
+  rows_ = matrix.rows(), key_ = matrix.key();
   renew_ = turned_ = false;
   iteration_seconds_ = solver_->cost().apply + block_product_seconds * matrix.assemble().blocks();
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start_;

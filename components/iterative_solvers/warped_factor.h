@@ -43,7 +43,7 @@ class WarpedFactor final : public ApproximateInverse {
   DirectSolver* solver_;
   Renewal renewal_ = Renewal::estimate;
   Index rows_ = -1;
-  long revision_ = 0;
+  MatrixKey key_;  ///< of the last follow()
   bool renew_ = false, fresh_ = false, turned_ = false;
   bool rough_ = true;             ///< factors are applied in single precision
   double iteration_seconds_ = 0;  ///< estimate of one product and one application

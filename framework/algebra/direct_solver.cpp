@@ -50,7 +50,7 @@ bool DirectSolver::factor(SystemMatrix& matrix, SolveReport& report) {
   const SolveStop stop = factorValues(a, report.row);
   factored_ = stop == SolveStop::converged;
   if (!factored_) report.stop = stop;
-  revision_ = matrix.revision();
+  key_ = matrix.key();
   return factored_;
 }
 

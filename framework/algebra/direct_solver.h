@@ -42,7 +42,7 @@ class DirectSolver : public LinearSolver {
   virtual SolveStop uselessFactor() const { return SolveStop::breakdown; }
   /// residual_ = b - A x; returns its norm.
   double residual(const BlockMatrix& matrix, ConstRows b, ConstRows x);
-  bool isCurrent(const SystemMatrix& matrix) const { return factored_ && revision_ == matrix.revision(); }
+  bool isCurrent(const SystemMatrix& matrix) const { return factored_ && key_ == matrix.key(); }
   void forgetFactors() { factored_ = false; }
 
  private:
@@ -52,7 +52,7 @@ class DirectSolver : public LinearSolver {
   int factorisations_ = 0;
   bool symmetric_ = true, factored_ = false;
   std::vector<Index> row_start_, columns_;  ///< the pattern that was analysed
-  long revision_ = 0;
+  MatrixKey key_;                           ///< of the factors
   Vector residual_, correction_;
 };
 

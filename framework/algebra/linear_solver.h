@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
+#include <memory>
 #include <string_view>
 
 #include "framework/algebra/block_matrix.h"
@@ -7,23 +8,41 @@
 
 namespace stroma {
 
+/// Which matrix, in which pattern and with which values. Equal keys mean equal numbers: what was made from the one (an
+/// analysis, factors, an inverse diagonal) is right for the other.
+struct MatrixKey {
+  const void* matrix = nullptr;  ///< SystemMatrix::identity(); null: no matrix
+  long pattern = 0;              ///< the owner's count of patterns
+  long values = 0;               ///< the owner's count of values
+  double shift = 0;              ///< of the diagonal, see SystemMatrix::key()
+  bool operator==(const MatrixKey&) const = default;
+};
+
 /// The matrix of one linear solve, P (m M + k K) P + (I - P), seen as a product or as an assembled matrix; P projects
 /// onto the free directions. Implemented by System.
 class SystemMatrix {
  public:
+  SystemMatrix() = default;
+  SystemMatrix(SystemMatrix&&) = default;
+  SystemMatrix& operator=(SystemMatrix&&) = default;
   virtual ~SystemMatrix() = default;
+  /// Tells this matrix from all others for as long as someone holds it. Solvers hold it weakly beside what they keep for
+  /// a matrix: a matrix that is made later, at the same place in memory, is then never taken for one that has died.
+  const std::shared_ptr<const int>& identity() const { return identity_; }
+  /// Which matrix this is now. `values` changes when any value may have changed, and only then; `pattern` changes when
+  /// blocks have come or gone. A view of another matrix with more on its diagonal has that one's identity and counts, and
+  /// the multiple that it adds as `shift`.
+  virtual MatrixKey key() const = 0;
   virtual Index rows() const = 0;
   /// out = A p, without building the matrix; fixed directions of p must be zero and stay zero.
   virtual void multiply(ConstRows p, Rows out) const = 0;
-  /// The matrix in a pattern that never changes (the same object at each call; eliminated directions carry 1 on the
-  /// diagonal). Assembled at most once for each revision().
+  /// The assembled matrix (the same object at each call; eliminated directions carry 1 on the diagonal). Assembled at
+  /// most once for each key().
   virtual const BlockMatrix& assemble() = 0;
-  /// The same object where its pattern alone is wanted: its values may be of another revision.
+  /// The same object where its pattern alone is wanted: its values may be older than key() says.
   virtual const BlockMatrix& pattern() { return assemble(); }
   /// The 3x3 diagonal blocks, shape (rows, 9), row-major: for preconditioners, without assembling the rest.
   virtual void diagonalBlocks(std::vector<double>& blocks) const = 0;
-  /// Changes when any value of the matrix may have changed, and only then.
-  virtual long revision() const = 0;
   /// False when some term is not symmetric.
   virtual bool symmetric() const = 0;
   /// True when every term of the matrix is already kept assembled or is cheaper assembled than as a product.
@@ -33,6 +52,13 @@ class SystemMatrix {
   virtual ConstRows positions() const { return {}; }
   /// Name (path) of the component to blame for row `row`, for messages.
   virtual std::string describeRow(Index row) const = 0;
+
+ protected:
+  /// A view of another matrix.
+  explicit SystemMatrix(std::shared_ptr<const int> identity) : identity_(std::move(identity)) {}
+
+ private:
+  std::shared_ptr<const int> identity_ = std::make_shared<const int>(0);
 };
 
 /// Why an iterative or direct solve ended.
@@ -48,7 +74,8 @@ struct SolveReport {
   bool usable() const { return stop != SolveStop::not_finite && stop != SolveStop::not_definite; }
 };
 
-/// Solves A x = b. One solver serves one integrator; it may keep work space and factors between calls.
+/// Solves A x = b for any number of integrators. What it keeps between calls (factors, work space, a last solution) it
+/// keeps for each matrix: see PerMatrix.
 class LinearSolver : public Component {
  public:
   std::string roleText() const override { return "linear solver"; }

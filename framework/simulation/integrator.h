@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
+#include "framework/algebra/linear_solver.h"
 #include "framework/scene/component.h"
 #include "framework/simulation/step.h"
 
@@ -11,6 +12,13 @@ class System;
 class Integrator : public Component {
  public:
   std::string roleText() const override { return "integrator"; }
+  /// The partner that solves the linear systems of the steps: the one that the attribute `linearSolver` names, else the
+  /// one of the same node. Null when there is none, and for integrators that do not have the attribute. Several
+  /// integrators may have one partner.
+  LinearSolver* linearSolver() const {
+    if (!uses_linear_solver_) return nullptr;
+    return linear_solver_.target() ? linear_solver_.get() : find<LinearSolver>();
+  }
   /// Called once: allocate every vector the steps need; check that the system has what the method needs.
   virtual void compile(System& system) = 0;
   virtual StepReport step(System& system, const StepContext& context) = 0;
@@ -30,6 +38,18 @@ class Integrator : public Component {
   virtual std::string doubt() const { return {}; }
   /// One line for `explain`: what a step does.
   virtual std::string describe() const = 0;
+
+ protected:
+  /// The attribute `linearSolver`, for integrators that solve linear systems.
+  void declareLinearSolver(DataTable& table) {
+    uses_linear_solver_ = true;
+    table.addLink("linearSolver", linear_solver_)
+        .help("the linear solver, where one is needed; without it, the one of the same node");
+  }
+
+ private:
+  bool uses_linear_solver_ = false;
+  Link<LinearSolver> linear_solver_{"linear solver"};
 };
 
 }  // namespace stroma

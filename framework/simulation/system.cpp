@@ -199,13 +199,7 @@ void System::layOut() {
 }
 
 void System::findLinearSolver() {
-  const Data* chosen = integrator_.data().find("linearSolver");
-  if (chosen && chosen->link() && chosen->link()->target()) {
-    chosen->link()->target()->ensureReady();
-    linear_solver_ = dynamic_cast<LinearSolver*>(chosen->link()->target());
-  } else {
-    linear_solver_ = node_.find<LinearSolver>(&integrator_, false);
-  }
+  linear_solver_ = integrator_.linearSolver();
   if (linear_solver_ && linear_solver_->needsSymmetric() && !symmetric())
     for (const ForceField* field : force_fields_)
       if (const ForceTraits traits = field->traits();

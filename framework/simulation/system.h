@@ -130,7 +130,7 @@ class System final : public SystemMatrix {
     return matrix_;
   }
   void diagonalBlocks(std::vector<double>& blocks) const override;
-  long revision() const override { return revision_; }
+  MatrixKey key() const override { return {identity().get(), pattern_revision_, revision_}; }
   bool symmetric() const override;
   bool prefersAssembled(int expected_products) const override;
   ConstRows positions() const override { return {x.rows().data, independent_rows_}; }
@@ -228,6 +228,7 @@ class System final : public SystemMatrix {
   Vector position_reference_;  ///< shape (independentRows()), only with position constraints
   Vector position_before_;     ///< what a turn of the position constraints started from
 
+  long pattern_revision_ = 0;  ///< of the matrix; its pattern is that of all times, so it stays
   long revision_ = 0, assembled_revision_ = -1;
   bool stiffness_varies_ = false;  ///< some K or C may change with x or v
   bool mappings_linear_ = true;

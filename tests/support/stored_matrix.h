@@ -13,7 +13,7 @@ class StoredMatrix final : public SystemMatrix {
  public:
   explicit StoredMatrix(BlockMatrix matrix) : values(std::move(matrix)) {}
   BlockMatrix values;
-  long revision_number = 1;
+  long revision_number = 1, pattern_number = 1;
   bool is_symmetric = true, prefers_assembled = false;
   mutable int products = 0, assemblies = 0;
 
@@ -32,7 +32,7 @@ class StoredMatrix final : public SystemMatrix {
       std::copy_n(values.values().begin() + std::ptrdiff_t(values.diagonal()[i]) * 9, 9,
                   blocks.begin() + std::ptrdiff_t(i) * 9);
   }
-  long revision() const override { return revision_number; }
+  MatrixKey key() const override { return {identity().get(), pattern_number, revision_number}; }
   bool symmetric() const override { return is_symmetric; }
   bool prefersAssembled(int) const override { return prefers_assembled; }
   std::vector<Vec3> nodes;  ///< where the rows are, or empty
