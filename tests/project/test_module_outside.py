@@ -43,7 +43,7 @@ def main():
         used = run("ldd", stroma)
         assert prefix + os.sep in used and BUILD + os.sep not in used, f"the installed command does not use the installed library:\n{used}"
 
-        shutil.copytree(os.path.join(TREE, "examples", "out_of_tree_module"), os.path.join(folder, "source"))
+        shutil.copytree(os.path.join(TREE, "scenes", "examples", "out_of_tree_module"), os.path.join(folder, "source"))
         run("cmake", "-S", os.path.join(folder, "source"), "-B", module, f"-DCMAKE_PREFIX_PATH={prefix}")
         run("cmake", "--build", module)
         library = os.path.join(module, "radial_springs.so")
