@@ -33,7 +33,7 @@ READERS_OF_FAMILIES = {
 TOOLS_FOR_TOOLS = {"command": {"mesh"}}
 SKIPPED_FOLDERS = {".git", "build", "results", "__pycache__"}
 SOURCE = re.compile(r"(\.(h|cpp|py|cmake|in|xml|sh)|CMakeLists\.txt)$")
-BINARY = re.compile(r"\.(png|gz|vtu|pdf|so|o|pyc)$")
+BINARY = re.compile(r"\.(png|gif|gz|vtu|pdf|so|o|pyc)$")
 MACHINE_PATH = re.compile(r"(?<![\w.$}*\]/-])/(work|tmp|home)/")
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.M)
 
