@@ -1,13 +1,17 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # stroma_module(NAME COMPONENTS stem... [SHARED stem...] [LIBRARIES lib...] [LEVELS])
-#   Builds the components stem.cpp of the current folder as one runtime module. With LEVELS it is built once for each
-#   instruction set of STROMA_LEVELS. SHARED are the sources that components of the family share and that hold no element
-#   loops: they are compiled once, for all levels, as stroma_NAME_shared, which the family's tests link too. The generated registry lists every component by name, so nothing depends on
-#   static initialisers.
+#   Builds the components stem.cpp of the current folder as one runtime module, NAME.so, with its index and manual beside
+#   it: the target stroma_NAME. With LEVELS it is built once for each instruction set of STROMA_LEVELS. SHARED are the
+#   sources that components of the family share and that hold no element loops: they are compiled once, for all levels, as
+#   stroma_NAME_shared, which the family's tests link too. The generated registry lists every component by name, so
+#   nothing depends on static initialisers.
 #   Outside this tree, after find_package(stroma), the same call builds NAME.so with NAME.index and NAME.manual beside it in
 #   the current build folder; a folder like that is named in STROMA_MODULE_PATH.
 
 define_property(GLOBAL PROPERTY STROMA_MODULES BRIEF_DOCS "names of the modules" FULL_DOCS "names of the modules")
+if(NOT TARGET stroma::stroma_flags)
+  add_custom_target(stroma_modules_index ALL)  # all modules of the tree
+endif()
 
 # What every target of the project compiles with. (The installed package brings it along.)
 if(NOT TARGET stroma::stroma_flags)
@@ -149,9 +153,19 @@ extern \"C\" __attribute__((visibility(\"default\"))) const stroma::ModuleInfo* 
     install(TARGETS ${target} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/${folder})
     list(APPEND built ${target})
   endforeach()
+  # The index and the manual of the module, made by opening its first build once; afterwards nobody needs to.
+  set(folder ${CMAKE_BINARY_DIR}/lib/stroma)
+  list(GET built 0 first)
+  add_custom_command(
+    OUTPUT ${folder}/${name}.index BYPRODUCTS ${folder}/${name}.manual
+    COMMAND stroma-index ${folder} ${name} $<TARGET_FILE:${first}> ${manual_sources}
+    DEPENDS stroma-index ${built} ${manual_sources}
+    COMMENT "Indexing ${name}" VERBATIM)
+  add_custom_target(stroma_${name} DEPENDS ${folder}/${name}.index)
+  add_dependencies(stroma_modules_index stroma_${name})
+  install(FILES ${folder}/${name}.index ${folder}/${name}.manual DESTINATION ${CMAKE_INSTALL_LIBDIR}/stroma)
   set_property(GLOBAL APPEND PROPERTY STROMA_MODULES ${name})
-  set_property(GLOBAL PROPERTY STROMA_MODULE_${name}_TARGETS ${built})
-  set_property(GLOBAL PROPERTY STROMA_MODULE_${name}_MANUAL ${manual_sources})
+  set_property(GLOBAL PROPERTY STROMA_MODULE_${name}_SOURCES ${manual_sources})
 endfunction()
 
 function(stroma_outside_module name sources manual_sources libraries)
@@ -161,7 +175,7 @@ function(stroma_outside_module name sources manual_sources libraries)
   set_target_properties(${name} PROPERTIES PREFIX "" CXX_EXTENSIONS ON CXX_VISIBILITY_PRESET hidden
     LIBRARY_OUTPUT_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR})
   add_custom_command(TARGET ${name} POST_BUILD
-    COMMAND stroma::stroma-index ${CMAKE_CURRENT_BINARY_DIR} --single --module ${name} $<TARGET_FILE:${name}> ${manual_sources}
+    COMMAND stroma::stroma-index ${CMAKE_CURRENT_BINARY_DIR} ${name} $<TARGET_FILE:${name}> ${manual_sources}
     COMMENT "Indexing ${name}" VERBATIM)
 endfunction()
 
@@ -177,24 +191,16 @@ function(stroma_service name)
   install(TARGETS ${name} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/stroma OPTIONAL)
 endfunction()
 
-# One index for all modules, made by opening each of them once after the build.
-function(stroma_write_module_index)
+# Where the components of modules that are not built yet would come from: framework/scene/modules.cpp looks there for a
+# name that no module has.
+function(stroma_write_module_sources)
   get_property(modules GLOBAL PROPERTY STROMA_MODULES)
-  set(commands "")
-  set(depends stroma-index)
+  set(lines "")
   foreach(name ${modules})
-    get_property(targets GLOBAL PROPERTY STROMA_MODULE_${name}_TARGETS)
-    get_property(manual GLOBAL PROPERTY STROMA_MODULE_${name}_MANUAL)
-    list(GET targets 0 first)
-    list(APPEND commands --module ${name} $<TARGET_FILE:${first}> ${manual})
-    list(APPEND depends ${targets} ${manual})
+    get_property(sources GLOBAL PROPERTY STROMA_MODULE_${name}_SOURCES)
+    list(JOIN sources "\t" sources)
+    string(APPEND lines "${name}\t${sources}\n")
   endforeach()
-  add_custom_command(
-    OUTPUT ${CMAKE_BINARY_DIR}/lib/stroma/modules.index
-    COMMAND stroma-index ${CMAKE_BINARY_DIR}/lib/stroma ${commands}
-    DEPENDS ${depends}
-    COMMENT "Indexing modules" VERBATIM)
-  add_custom_target(stroma_modules_index ALL DEPENDS ${CMAKE_BINARY_DIR}/lib/stroma/modules.index)
-  install(FILES ${CMAKE_BINARY_DIR}/lib/stroma/modules.index ${CMAKE_BINARY_DIR}/lib/stroma/modules.manual
-          DESTINATION ${CMAKE_INSTALL_LIBDIR}/stroma)
+  file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/lib/stroma/modules.sources CONTENT "${lines}" @ONLY)
+  file(REMOVE ${CMAKE_BINARY_DIR}/lib/stroma/modules.index)  # a build folder may hold the one index of all modules
 endfunction()

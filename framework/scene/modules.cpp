@@ -61,6 +61,7 @@ struct Modules::Impl {
     bool opened = false;
   };
   std::map<std::string, Source> modules;  ///< by name
+  std::vector<std::string> folders;       ///< of the indexes
   std::vector<std::string> opened;
   std::vector<std::string> manual_files;
   std::map<std::string, std::string> pages;
@@ -69,6 +70,7 @@ struct Modules::Impl {
   void readIndex(const fs::path& file, std::vector<IndexEntry>& index);
   void readManual(const std::string& file);
   std::string libraryOf(const std::string& module) const;
+  void refuseUnbuilt(const std::string& type) const;
 };
 
 void Modules::Impl::readIndex(const fs::path& file, std::vector<IndexEntry>& index) {
@@ -112,10 +114,34 @@ std::string Modules::Impl::libraryOf(const std::string& module) const {
   throw std::runtime_error("module " + module + " has no build for this machine (" + best + ") in " + folder.string());
 }
 
+/// A build folder lists the sources of its modules, a line "module<tab>source<tab>..." each. Throws for a type that one of
+/// them registers in a module that has no index.
+void Modules::Impl::refuseUnbuilt(const std::string& type) const {
+  for (const std::string& folder : folders) {
+    std::ifstream list(fs::path(folder) / "modules.sources");
+    for (std::string line; std::getline(list, line);) {
+      std::istringstream fields(line);
+      std::string module;
+      std::getline(fields, module, '\t');
+      if (modules.count(module)) continue;
+      for (std::string source; std::getline(fields, source, '\t');) {
+        std::ifstream in(source);
+        const std::string text(std::istreambuf_iterator<char>(in), {});
+        if (text.find('"' + type + '"') == std::string::npos) continue;
+        const std::string build = fs::path(folder).parent_path().parent_path().string();
+        throw std::runtime_error("the module " + module + ", which has " + inQuotes(type) +
+                                 ", is not built yet: 'cmake --build " + build + " --target stroma_" + module +
+                                 "' builds it, 'tools/setup test' everything");
+      }
+    }
+  }
+}
+
 Modules::Modules(Factory& factory) : Modules(factory, defaultFolders()) {}
 
 Modules::Modules(Factory& factory, const std::vector<std::string>& index_folders)
     : factory_(factory), impl_(std::make_unique<Impl>()) {
+  impl_->folders = index_folders;
   for (const std::string& folder : index_folders) {
     std::error_code none;
     std::vector<fs::path> files;
@@ -124,6 +150,8 @@ Modules::Modules(Factory& factory, const std::vector<std::string>& index_folders
     std::sort(files.begin(), files.end());
     for (const fs::path& file : files) impl_->readIndex(file, index_);
   }
+  std::stable_sort(index_.begin(), index_.end(),
+                   [](const IndexEntry& a, const IndexEntry& b) { return a.type < b.type; });
 }
 
 // Libraries stay open: components and factory entries hold their code until the process ends.
@@ -137,6 +165,7 @@ bool Modules::provide(const std::string& type) {
     if (!impl_->modules.at(entry.module).opened) open(impl_->libraryOf(entry.module));
     return factory_.find(type) || factory_.find(present);
   }
+  impl_->refuseUnbuilt(present);
   return false;
 }
 

@@ -16,12 +16,12 @@ struct ModuleInfo {
   void (*register_components)(Factory&);
 };
 
-/// Finds and opens modules. The index (made at build time, one text line a component: name, module, one-line help)
-/// answers which module holds a name without opening any. A module built for several instruction sets lies in
-/// x86-64-v4/, -v3/ and -v2/ beside the index; the best one that this machine runs is opened.
+/// Finds and opens modules. The index of a module (made at build time, one text line per component: name, module,
+/// one-line help) answers which module holds a name without opening any. A module built for several instruction sets
+/// lies in x86-64-v4/, -v3/ and -v2/ beside its index; the best one that this machine runs is opened.
 class Modules {
  public:
-  /// Reads the index beside the framework library, then those in the folders of STROMA_MODULE_PATH.
+  /// Reads the indexes beside the framework library, then those in the folders of STROMA_MODULE_PATH.
   explicit Modules(Factory& factory);
   /// Reads the indexes (*.index) of these folders only; none: no module is known.
   Modules(Factory& factory, const std::vector<std::string>& index_folders);
@@ -30,9 +30,11 @@ class Modules {
   struct IndexEntry {
     std::string type, module, help;
   };
+  /// By type; of two modules with the same type the first one is opened.
   const std::vector<IndexEntry>& index() const { return index_; }
 
   /// Opens the module that holds `type` (after the change table) unless the factory knows it. False: no module has it.
+  /// Throws std::runtime_error for a module that cannot be opened, also because it is not built yet.
   bool provide(const std::string& type);
   /// Opens a third-party module by path. Throws SceneError's cause as std::runtime_error with a sentence.
   void open(const std::string& path);

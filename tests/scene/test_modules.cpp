@@ -75,6 +75,38 @@ TEST(Modules, theIndexOpensAModuleOnlyWhenItIsNamed) {
   EXPECT_NE(factory.make("SampleGauge"), nullptr);
 }
 
+TEST(Modules, aNameInTheSourcesOfAModuleThatIsNotBuiltIsRefusedWithItsTarget) {
+  TemporaryFolder folder;
+  const std::string source = folder.write("gauge.cpp", "factory.add<Gauge>(\"Gauge\", \"measures\");");
+  folder.write("modules.sources", "built\t" + source + "\ngauges\tabsent.cpp\t" + source + "\n");
+  folder.write("built.index", "Scale\tbuilt\tweighs\n");
+  Factory factory;
+  Modules modules(factory, {folder.path()});
+  EXPECT_FALSE(modules.provide("Gaug")) << "a part of a name is not that name";
+  try {
+    modules.provide("Gauge");
+    FAIL();
+  } catch (const std::runtime_error& error) {
+    EXPECT_NE(std::string(error.what()).find("the module gauges, which has 'Gauge', is not built yet"),
+              std::string::npos)
+        << error.what();
+    EXPECT_NE(std::string(error.what()).find("--target stroma_gauges"), std::string::npos) << error.what();
+  }
+  folder.write("gauges.index", "Other\tgauges\tmeasures\n");
+  EXPECT_FALSE(Modules(factory, {folder.path()}).provide("Gauge")) << "it is built and has no such component";
+}
+
+TEST(Modules, theIndexIsSortedByType) {
+  TemporaryFolder folder;
+  folder.write("a.index", "Z\ta\tlast\nB\ta\tsecond\n");
+  folder.write("b.index", "A\tb\tfirst\nB\tb\tsecond again\n");
+  Factory factory;
+  const Modules modules(factory, {folder.path()});
+  std::string order;
+  for (const Modules::IndexEntry& entry : modules.index()) order += entry.type + entry.module + " ";
+  EXPECT_EQ(order, "Ab Ba Bb Za ");
+}
+
 TEST(Modules, aBadIndexIsASentence) {
   TemporaryFolder folder;
   folder.write("bad.index", "no tabs here\n");
@@ -122,8 +154,7 @@ TEST_F(SceneTest, aPluginByPathBringsItsComponents) {
 
 TEST(IndexTool, writesTheIndexAndTheManualOfOneModule) {
   TemporaryFolder folder;
-  const std::string command = STROMA_BINARY_DIR "/bin/stroma-index " + folder.path() + " --single --module sample " +
-                              folder_of_modules +
+  const std::string command = STROMA_BINARY_DIR "/bin/stroma-index " + folder.path() + " sample " + folder_of_modules +
                               "/sample.so " STROMA_SOURCE_DIR "/tests/scene/fixtures/sample_module.cpp";
   ASSERT_EQ(std::system(command.c_str()), 0);
   std::filesystem::copy(folder_of_modules + "/sample.so", folder.path("sample.so"));
@@ -138,7 +169,7 @@ TEST(IndexTool, writesTheIndexAndTheManualOfOneModule) {
 
 TEST(IndexTool, refusesAModuleOfAnotherVersionOrName) {
   TemporaryFolder folder;
-  const std::string start = STROMA_BINARY_DIR "/bin/stroma-index " + folder.path() + " --module ";
+  const std::string start = STROMA_BINARY_DIR "/bin/stroma-index " + folder.path() + " ";
   EXPECT_NE(std::system((start + "other_version " + folder_of_modules + "/other_version.so 2>/dev/null").c_str()), 0);
   EXPECT_NE(std::system((start + "wrong " + folder_of_modules + "/sample.so 2>/dev/null").c_str()), 0);
 }
@@ -167,7 +198,7 @@ TEST(ChangeTable, everyReplacementExists) {
                                               "RungeKutta4Solver",
                                               "RungeKutta2Solver",
                                               "CentralDifferenceSolver"};
-  if (!std::filesystem::exists(STROMA_BINARY_DIR "/lib/stroma/modules.index"))
+  if (!std::filesystem::exists(STROMA_BINARY_DIR "/lib/stroma/mechanics.index"))
     GTEST_SKIP() << "the modules are not built";
   Factory factory;
   Modules modules(factory, {STROMA_BINARY_DIR "/lib/stroma"});
@@ -185,7 +216,7 @@ TEST(ChangeTable, everyReplacementExists) {
 class BuiltModules : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (!std::filesystem::exists(STROMA_BINARY_DIR "/lib/stroma/modules.index"))
+    if (!std::filesystem::exists(STROMA_BINARY_DIR "/lib/stroma/mechanics.index"))
       GTEST_SKIP() << "the modules are not built";
     modules = std::make_unique<Modules>(factory, std::vector<std::string>{STROMA_BINARY_DIR "/lib/stroma"});
     modules->openAll();

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Writes the index and the manual of modules: which component lies in which module, with its one line of help, and the
-// page that the leading comment of its source holds. Each module is opened once; afterwards nobody needs to.
+// Writes the index and the manual of a module: its components, each with its one line of help, and the page that the
+// leading comment of its source holds. The module is opened once; afterwards nobody needs to.
 #include <dlfcn.h>
 
-#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -19,21 +18,16 @@
 namespace {
 
 constexpr const char* usage =
-    "stroma-index OUTDIR [--single] --module NAME FILE.so SOURCE.cpp... [--module ...]\n"
+    "stroma-index OUTDIR NAME FILE.so SOURCE.cpp...\n"
     "\n"
-    "Opens each module, lists its components and writes OUTDIR/modules.index and OUTDIR/modules.manual.\n"
-    "  --single   one module: writes OUTDIR/NAME.index and OUTDIR/NAME.manual instead, beside a module of\n"
-    "             your own; add OUTDIR to STROMA_MODULE_PATH and its components are found by name\n"
+    "Opens the module NAME in FILE.so, lists its components and writes OUTDIR/NAME.index and OUTDIR/NAME.manual. With\n"
+    "OUTDIR in STROMA_MODULE_PATH its components are found by name.\n"
     "\n"
-    "Example: stroma-index . --single --module springs ./springs.so springs.cpp\n";
+    "Example: stroma-index . springs ./springs.so springs.cpp\n";
 
 struct ModuleFiles {
   std::string name, library;
   std::vector<std::string> sources;
-};
-
-struct Page {
-  std::string type, module, text;
 };
 
 std::string readFile(const std::string& file) {
@@ -95,22 +89,25 @@ const stroma::ModuleInfo* openModule(const ModuleFiles& module) {
   return info;
 }
 
-void addPages(const ModuleFiles& module, const stroma::Factory& factory, std::vector<Page>& pages) {
+/// The pages of a module, by type: "=== Type<tab>module" and the text.
+std::string manualOf(const ModuleFiles& module, const stroma::Factory& factory) {
   std::map<std::string, std::string> text_of;
   for (const std::string& file : module.sources) {
     const std::string source = readFile(file), page = leadingComment(source);
     for (const std::string& word : registeredWords(source))
       if (factory.find(word)) text_of.emplace(word, page);
   }
+  std::string manual;
   for (const stroma::ComponentEntry* entry : factory.entries()) {
-    const auto page = text_of.find(entry->type);
-    if (page == text_of.end() || page->second.empty())
+    const std::string& page = text_of[entry->type];
+    if (page.empty())
       std::fprintf(stderr,
                    "stroma-index: warning: %s (module %s) has no manual page: its source has no leading comment\n",
                    entry->type.c_str(), module.name.c_str());
     else
-      pages.push_back({entry->type, module.name, page->second});
+      manual += "=== " + entry->type + "\t" + module.name + "\n" + page;
   }
+  return manual;
 }
 
 /// Written beside and moved, so that a process that reads the index never sees half of it.
@@ -123,53 +120,25 @@ void writeFile(const std::string& file, const std::string& text) {
   std::filesystem::rename(beside, file);
 }
 
-void writeIndex(const std::string& folder, bool single, const std::vector<ModuleFiles>& modules) {
-  std::map<std::string, std::string> lines;  // by type
-  std::vector<Page> pages;
-  for (const ModuleFiles& module : modules) {
-    stroma::Factory factory;
-    openModule(module)->register_components(factory);
-    for (const stroma::ComponentEntry* entry : factory.entries()) {
-      const auto [known, is_new] =
-          lines.emplace(entry->type, entry->type + "\t" + module.name + "\t" + entry->help + "\n");
-      if (!is_new)
-        throw std::runtime_error("component " + entry->type + " is in module " + module.name +
-                                 " and in another: " + known->second);
-    }
-    addPages(module, factory, pages);
-  }
-  std::sort(pages.begin(), pages.end(), [](const Page& a, const Page& b) { return a.type < b.type; });
-  std::string index, manual;
-  for (const auto& [type, line] : lines) index += line;
-  for (const Page& page : pages) manual += "=== " + page.type + "\t" + page.module + "\n" + page.text;
+void writeIndex(const std::string& folder, const ModuleFiles& module) {
+  stroma::Factory factory;
+  openModule(module)->register_components(factory);
+  std::string index;
+  for (const stroma::ComponentEntry* entry : factory.entries())
+    index += entry->type + "\t" + module.name + "\t" + entry->help + "\n";
   std::filesystem::create_directories(folder);
-  const std::string stem = folder + "/" + (single ? modules.front().name : "modules");
-  writeFile(stem + ".manual", manual);
+  const std::string stem = folder + "/" + module.name;
+  writeFile(stem + ".manual", manualOf(module, factory));
   writeFile(stem + ".index", index);
 }
 
 int run(const std::vector<std::string>& arguments) {
-  if (arguments.empty() || arguments[0] == "--help" || arguments[0] == "-h") {
-    std::fputs(usage, arguments.empty() ? stderr : stdout);
-    return arguments.empty() ? 2 : 0;
+  const bool helps = !arguments.empty() && (arguments[0] == "--help" || arguments[0] == "-h");
+  if (helps || arguments.size() < 3) {
+    std::fputs(usage, helps ? stdout : stderr);
+    return helps ? 0 : 2;
   }
-  bool single = false;
-  std::vector<ModuleFiles> modules;
-  for (std::size_t i = 1; i < arguments.size(); ++i) {
-    if (arguments[i] == "--single") {
-      single = true;
-    } else if (arguments[i] == "--module") {
-      if (i + 2 >= arguments.size()) throw std::runtime_error("--module needs a name and a file");
-      modules.push_back({arguments[i + 1], arguments[i + 2], {}});
-      i += 2;
-    } else if (modules.empty()) {
-      throw std::runtime_error("unexpected argument " + arguments[i] + ": sources follow --module NAME FILE.so");
-    } else {
-      modules.back().sources.push_back(arguments[i]);
-    }
-  }
-  if (single && modules.size() != 1) throw std::runtime_error("--single takes exactly one --module");
-  writeIndex(arguments[0], single, modules);
+  writeIndex(arguments[0], {arguments[1], arguments[2], {arguments.begin() + 3, arguments.end()}});
   return 0;
 }
 
