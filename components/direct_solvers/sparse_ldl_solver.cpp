@@ -24,15 +24,13 @@
 #include <cholmod.h>
 #include <omp.h>
 
-#include <Eigen/SparseLU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
 #include <stdexcept>
 
-#include "components/direct_solvers/sparse_copy.h"
-#include "framework/algebra/direct_solver.h"
+#include "components/direct_solvers/lu_factor.h"
 #include "framework/algebra/memory.h"
 #include "framework/scene/factory.h"
 
@@ -79,27 +77,24 @@ class NoRegions {
 };
 
 /// A supernodal factor of a symmetric block matrix, kept over many matrices of one pattern.
-class CholeskyFactor {
+class CholeskyFactor final : public Factorisation {
  public:
   CholeskyFactor();
-  ~CholeskyFactor() {
+  ~CholeskyFactor() override {
     release();
     cholmod_finish(&common_);
   }
-  /// Orders the pattern and lays out the factor.
-  void analyse(const BlockMatrix& matrix);
-  /// Factors values in the analysed pattern, of which the upper triangle is read. Returns -1, or the block row at which
-  /// a pivot was not positive.
-  Index factor(const BlockMatrix& matrix);
-  /// x = A^-1 b; both of shape (rows).
-  void solve(ConstRows b, Rows x);
-  /// The same in single precision, which reads half as much.
-  void solveRoughly(ConstRows b, Rows x);
+  void analyse(const BlockMatrix& matrix) override;
+  /// Reads the upper triangle; `row` is the one at which a pivot was not positive.
+  SolveStop factor(const BlockMatrix& matrix, Index& row) override;
+  void apply(ConstRows b, Rows x) override;
+  /// In single precision, which reads half as much.
+  void applyRoughly(ConstRows b, Rows x) override;
   const std::string& ordering() const { return ordering_; }
   double flops() const { return flops_; }
   double entries() const { return entries_; }
   /// Fitted to 1,331 to 15,625 nodes of hexahedra on a core of 65 Gflop/s.
-  DirectSolver::Cost cost() const { return {flops_ / 40e9 + 8e-9 * entries_, 1e-9 * entries_}; }
+  Cost cost() const override { return {flops_ / 40e9 + 8e-9 * entries_, 1e-9 * entries_}; }
 
  private:
   void release();
@@ -234,7 +229,7 @@ void CholeskyFactor::analyse(const BlockMatrix& matrix) {
   check(right_, "allocate a vector");
 }
 
-Index CholeskyFactor::factor(const BlockMatrix& matrix) {
+SolveStop CholeskyFactor::factor(const BlockMatrix& matrix, Index& row) {
   const NoRegions no_regions;
   if (openblas_set_num_threads) openblas_set_num_threads(1);
   const double* __restrict values = matrix.values().data();
@@ -243,10 +238,12 @@ Index CholeskyFactor::factor(const BlockMatrix& matrix) {
   rough_values_.clear();
   cholmod_factorize(lower_, factor_, &common_);
   check(true, "factor the matrix");
-  return factor_->minor < factor_->n ? unknown_[factor_->minor] / 3 : -1;
+  if (factor_->minor >= factor_->n) return SolveStop::converged;
+  row = unknown_[factor_->minor] / 3;
+  return SolveStop::not_definite;
 }
 
-void CholeskyFactor::solve(ConstRows b, Rows x) {
+void CholeskyFactor::apply(ConstRows b, Rows x) {
   const NoRegions no_regions;
   double* right = static_cast<double*>(right_->x);
   for (std::size_t k = 0; k < unknown_.size(); ++k) right[k] = b.data[place(k)];
@@ -257,7 +254,7 @@ void CholeskyFactor::solve(ConstRows b, Rows x) {
 }
 
 // L y = b, L^T x = y; a supernode's columns share their rows, the first of which are the columns' own.
-void CholeskyFactor::solveRoughly(ConstRows b, Rows x) {
+void CholeskyFactor::applyRoughly(ConstRows b, Rows x) {
   const double* values = static_cast<const double*>(factor_->x);
   if (rough_values_.empty()) rough_values_.assign(values, values + factor_->xsize);
   rough_.resize(unknown_.size()), gathered_.resize(unknown_.size());
@@ -293,59 +290,25 @@ void CholeskyFactor::solveRoughly(ConstRows b, Rows x) {
   for (std::size_t k = 0; k < unknown_.size(); ++k) x.data[place(k)] = scale * double(rough_[k]);
 }
 
-// ---- L U ----
-
-/// L U of a matrix that is not symmetric.
-class LUFactor {
- public:
-  void analyse(const BlockMatrix& matrix) {
-    copy_.layOut(matrix);
-    lu_.analyzePattern(copy_.matrix);
-  }
-  bool factor(const BlockMatrix& matrix) {
-    copy_.fill(matrix);
-    lu_.factorize(copy_.matrix);
-    return lu_.info() == Eigen::Success;
-  }
-  void solve(ConstRows b, Rows x) {
-    gather(b, right_);
-    solution_ = lu_.solve(right_);
-    scatter(solution_, x);
-  }
-  double entries() const { return double(lu_.nnzL() + lu_.nnzU()); }
-
- private:
-  SparseCopy copy_;
-  Eigen::SparseLU<SparseCopy::Matrix> lu_;
-  Eigen::VectorXd right_, solution_;
-};
-
 // ---- the component ----
 
 class SparseLDLSolver final : public DirectSolver {
  public:
   void declare(DataTable& table) override;
   bool needsSymmetric() const override { return false; }
-  void applyFactors(ConstRows b, Rows x) override { symmetric_ ? cholesky_.solve(b, x) : lu_.solve(b, x); }
-  void applyFactorsRoughly(ConstRows b, Rows x) override {
-    symmetric_ ? cholesky_.solveRoughly(b, x) : lu_.solve(b, x);
-  }
-  Cost cost() const override {
-    return symmetric_ ? cholesky_.cost() : Cost{5e-8 * lu_.entries(), 1e-9 * lu_.entries()};
-  }
 
  protected:
-  void analyse(const BlockMatrix& matrix, bool symmetric) override;
-  SolveStop factorValues(const BlockMatrix& matrix, Index& row) override;
+  std::unique_ptr<Factorisation> makeFactorisation(bool symmetric) const override {
+    if (symmetric) return std::make_unique<CholeskyFactor>();
+    return LUFactor::make();
+  }
+  void noteFactored(const Factorisation& factors) override;
   SolveStop uselessFactor() const override { return SolveStop::not_definite; }
 
  private:
   bool precompute_ = true, parallel_inverse_ = false;
   std::string ordering_;
-  CholeskyFactor cholesky_;
-  LUFactor lu_;
   double flops_ = 0, entries_ = 0;
-  bool symmetric_ = true;
 };
 
 void SparseLDLSolver::declare(DataTable& table) {
@@ -353,32 +316,24 @@ void SparseLDLSolver::declare(DataTable& table) {
   table.add("precomputeSymbolicDecomposition", precompute_)
       .help("SOFA's; without effect: the analysis is always made once for each pattern");
   table.add("parallelInverseProduct", parallel_inverse_).help("SOFA's; without effect");
-  table.add("ordering", ordering_).help("METIS, AMD, or COLAMD for an unsymmetric matrix").output();
+  table.add("ordering", ordering_)
+      .help("METIS, AMD, or COLAMD for an unsymmetric matrix; of the last factorisation")
+      .output();
   table.add("factorFlops", flops_)
-      .help("operations of a factorisation; 0 for an unsymmetric matrix")
+      .help("operations of the last factorisation; 0 for an unsymmetric matrix")
       .unit("-")
       .output();
-  table.add("factorEntries", entries_).help("numbers in the factors").unit("-").output();
+  table.add("factorEntries", entries_).help("numbers in the factors made last").unit("-").output();
 }
 
-void SparseLDLSolver::analyse(const BlockMatrix& matrix, bool symmetric) {
-  symmetric_ = symmetric;
-  flops_ = entries_ = 0;
-  if (symmetric) {
-    cholesky_.analyse(matrix);
-    ordering_ = cholesky_.ordering();
-    flops_ = cholesky_.flops(), entries_ = cholesky_.entries();
+void SparseLDLSolver::noteFactored(const Factorisation& factors) {
+  if (const auto* cholesky = dynamic_cast<const CholeskyFactor*>(&factors)) {
+    ordering_ = cholesky->ordering();
+    flops_ = cholesky->flops(), entries_ = cholesky->entries();
   } else {
-    lu_.analyse(matrix);
     ordering_ = "COLAMD";
+    flops_ = 0, entries_ = static_cast<const LUFactor&>(factors).entries();
   }
-}
-
-SolveStop SparseLDLSolver::factorValues(const BlockMatrix& matrix, Index& row) {
-  if (symmetric_) row = cholesky_.factor(matrix);
-  const bool good = symmetric_ ? row < 0 : lu_.factor(matrix);
-  if (!symmetric_ && good) entries_ = lu_.entries();
-  return good ? SolveStop::converged : SolveStop::not_definite;
 }
 
 }  // namespace

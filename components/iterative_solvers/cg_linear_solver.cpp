@@ -39,21 +39,27 @@ class CGLinearSolver final : public KrylovSolver {
  public:
   void declare(DataTable& table) override;
   SolveReport solve(SystemMatrix& matrix, ConstRows b, Rows x) override;
-  void reset() override { previous_.resize(previous_.count()); }
+  void reset() override {
+    kept_.forEach([](Kept& kept) { kept.previous.resize(kept.previous.count()); });
+  }
 
  private:
-  void resize(Index rows) override;
-  void prepare(const SystemMatrix& matrix);
-  SolveReport iterate(const SystemMatrix& matrix, Rows x, double residual);
+  /// For each matrix: work space, the last solution and the inverses of the diagonal blocks.
+  struct Kept {
+    Vector r, p, q, z, previous;
+    std::vector<double> blocks;
+    cg::BlockJacobi jacobi;
+    MatrixKey jacobi_key;
+    Index bad_block = -1;
+  };
+  Kept& keptFor(const SystemMatrix& matrix, Index rows);
+  void prepare(const SystemMatrix& matrix, Kept& kept) const;
+  SolveReport iterate(const SystemMatrix& matrix, Kept& kept, Rows x, double residual);
 
   double threshold_ = 1e-5;
   bool warm_start_ = false;
   Preconditioner preconditioner_ = Preconditioner::none;
-  Vector r_, p_, q_, z_, previous_;
-  std::vector<double> blocks_;
-  cg::BlockJacobi jacobi_;
-  MatrixKey jacobi_key_;
-  Index bad_block_ = -1;
+  PerMatrix<Kept> kept_;
 };
 
 void CGLinearSolver::declare(DataTable& table) {
@@ -68,30 +74,34 @@ void CGLinearSolver::declare(DataTable& table) {
       .help("none reproduces SOFA's iterates; block_jacobi divides by the 3x3 diagonal blocks");
 }
 
-void CGLinearSolver::resize(Index rows) {
-  for (Vector* vector : {&r_, &p_, &q_}) vector->resize(rows);
-  if (preconditioner_ != Preconditioner::none) z_.resize(rows);
-  if (warm_start_) previous_.resize(rows);
-  jacobi_key_ = {};
+CGLinearSolver::Kept& CGLinearSolver::keptFor(const SystemMatrix& matrix, Index rows) {
+  Kept& kept = kept_.of(matrix);
+  if (kept.r.count() == rows) return kept;
+  for (Vector* vector : {&kept.r, &kept.p, &kept.q}) vector->resize(rows);
+  if (preconditioner_ != Preconditioner::none) kept.z.resize(rows);
+  if (warm_start_) kept.previous.resize(rows);
+  kept.jacobi_key = {};
+  return kept;
 }
 
-void CGLinearSolver::prepare(const SystemMatrix& matrix) {
-  if (preconditioner_ == Preconditioner::none || jacobi_key_ == matrix.key()) return;
-  matrix.diagonalBlocks(blocks_);
-  bad_block_ = jacobi_.factor(blocks_);
-  jacobi_key_ = matrix.key();
+void CGLinearSolver::prepare(const SystemMatrix& matrix, Kept& kept) const {
+  if (preconditioner_ == Preconditioner::none || kept.jacobi_key == matrix.key()) return;
+  matrix.diagonalBlocks(kept.blocks);
+  kept.bad_block = kept.jacobi.factor(kept.blocks);
+  kept.jacobi_key = matrix.key();
 }
 
-SolveReport CGLinearSolver::iterate(const SystemMatrix& matrix, Rows x, double residual) {
+SolveReport CGLinearSolver::iterate(const SystemMatrix& matrix, Kept& kept, Rows x, double residual) {
+  Vector &r = kept.r, &p = kept.p, &q = kept.q, &z = kept.z;
   const bool precondition = preconditioner_ != Preconditioner::none;
   SolveReport report;
-  double rho = precondition ? jacobi_.apply(r_, z_) : residual;
-  copy(precondition ? z_.rows() : r_.rows(), p_);
+  double rho = precondition ? kept.jacobi.apply(r, z) : residual;
+  copy(precondition ? z.rows() : r.rows(), p);
   const double enough = target();
   for (;;) {
-    product(matrix, p_, q_);
+    product(matrix, p, q);
     ++report.iterations;
-    const cg::Curvature curve = cg::curvature(p_, q_);
+    const cg::Curvature curve = cg::curvature(p, q);
     if (!std::isfinite(curve.pq)) {
       report.stop = SolveStop::not_finite;
       break;
@@ -102,7 +112,7 @@ SolveReport CGLinearSolver::iterate(const SystemMatrix& matrix, Rows x, double r
       break;
     }
     const double alpha = rho / curve.pq;
-    residual = cg::reduceResidual(alpha, q_, r_);
+    residual = cg::reduceResidual(alpha, q, r);
     record(std::sqrt(residual) / norm_b_);
     if (!std::isfinite(residual)) {
       report.stop = SolveStop::not_finite;
@@ -110,13 +120,13 @@ SolveReport CGLinearSolver::iterate(const SystemMatrix& matrix, Rows x, double r
     }
     const bool converged = std::sqrt(residual) <= enough;
     if (converged || report.iterations == iterations_) {
-      axpy(alpha, p_, x);
+      axpy(alpha, p, x);
       report.stop = converged ? SolveStop::converged : SolveStop::iteration_limit;
       break;
     }
     const double rho_before = rho;
-    rho = precondition ? jacobi_.apply(r_, z_) : residual;
-    cg::advance(alpha, rho / rho_before, precondition ? z_.rows() : r_.rows(), p_, x);
+    rho = precondition ? kept.jacobi.apply(r, z) : residual;
+    cg::advance(alpha, rho / rho_before, precondition ? z.rows() : r.rows(), p, x);
   }
   report.relative_residual = std::sqrt(residual) / norm_b_;
   return report;
@@ -125,21 +135,22 @@ SolveReport CGLinearSolver::iterate(const SystemMatrix& matrix, Rows x, double r
 SolveReport CGLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x) {
   SolveReport report;
   if (!begin(matrix, b, x, report)) return report;
-  prepare(matrix);
-  if (bad_block_ >= 0) {
+  Kept& kept = keptFor(matrix, b.count);
+  prepare(matrix, kept);
+  if (kept.bad_block >= 0) {
     report.stop = SolveStop::not_definite;
-    report.row = bad_block_;
+    report.row = kept.bad_block;
     report.relative_residual = 1;
     return report;
   }
-  if (warm_start_) copy(previous_, x);
-  const double residual = KrylovSolver::residual(matrix, b, x, r_, q_);
+  if (warm_start_) copy(kept.previous, x);
+  const double residual = KrylovSolver::residual(matrix, b, x, kept.r, kept.q);
   if (std::sqrt(residual) <= target()) {
     report.relative_residual = std::sqrt(residual) / norm_b_;
   } else {
-    report = iterate(matrix, x, residual);
+    report = iterate(matrix, kept, x, residual);
   }
-  if (warm_start_ && report.stop != SolveStop::not_finite) copy(x, previous_);
+  if (warm_start_ && report.stop != SolveStop::not_finite) copy(x, kept.previous);
   return report;
 }
 

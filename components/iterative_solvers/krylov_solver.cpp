@@ -14,7 +14,10 @@ void KrylovSolver::declare(DataTable& table) {
       .help(
           "auto, GraphScattered (matrix-free) or CompressedRowSparseMatrix, CompressedRowSparseMatrixMat3x3 "
           "(assembled)");
-  table.add("graph", graph_).help("relative residual after each iteration of the last solve").unit("-").output();
+  table.add("graph", graph_)
+      .help("relative residual after each iteration of the last solve, whichever integrator asked for it")
+      .unit("-")
+      .output();
 }
 
 void KrylovSolver::init() {

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "framework/algebra/linear_solver.h"
+#include "framework/algebra/per_matrix.h"
 
 namespace stroma {
 
 /// What solvers by products share: `iterations`, `tolerance`, `template`, `graph`, the form of the product, and the
-/// ends that need no iteration.
+/// ends that need no iteration. Members are those of the solve that runs; what outlives it is kept for each matrix.
 class KrylovSolver : public LinearSolver {
  public:
   void declare(DataTable& table) override;
@@ -16,9 +16,6 @@ class KrylovSolver : public LinearSolver {
   bool needsSymmetric() const override { return true; }
 
  protected:
-  /// Called when the number of rows changed: make the work space.
-  virtual void resize(Index rows) = 0;
-
   // The following are inline for the reason given in vector.h.
 
   /// Makes what a solve needs besides a preconditioner. False when the solve is over: the report says why.
@@ -35,7 +32,6 @@ class KrylovSolver : public LinearSolver {
       report.stop = SolveStop::zero_right_side;
       return false;
     }
-    if (rows_ != b.count) resize(rows_ = b.count);
     const bool assemble =
         form_ == Form::assembled || (form_ == Form::automatic && matrix.prefersAssembled(iterations_));
     assembled_ = assemble ? &matrix.assemble() : nullptr;
@@ -74,8 +70,6 @@ class KrylovSolver : public LinearSolver {
   std::vector<double> graph_;
   /// Whether products go through the elements or the matrix; automatic asks the system for the cheaper.
   Form form_ = Form::automatic;
-  /// Of the work space.
-  Index rows_ = -1;
   const BlockMatrix* assembled_ = nullptr;  ///< null while products are matrix-free
 };
 

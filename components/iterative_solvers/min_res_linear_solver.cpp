@@ -40,13 +40,18 @@ class MinResLinearSolver final : public KrylovSolver {
   SolveReport solve(SystemMatrix& matrix, ConstRows b, Rows x) override;
 
  private:
-  void resize(Index rows) override {
-    for (Vector* vector : {&v_, &v_before_, &product_, &w_, &w_before_, &w_next_}) vector->resize(rows);
-  }
-  SolveStop iterate(const SystemMatrix& matrix, Rows x, double residual, SolveReport& report);
+  /// Work space of a matrix.
+  struct Lanczos {
+    Vector v, v_before, product;  ///< v_k, v_{k-1}; A v_k, later beta_{k+1} v_{k+1}
+    Vector w, w_before, w_next;   ///< w_{k-1}, w_{k-2}, w_k
+    void resize(Index rows) {
+      if (v.count() == rows) return;
+      for (Vector* vector : {&v, &v_before, &product, &w, &w_before, &w_next}) vector->resize(rows);
+    }
+  };
+  SolveStop iterate(const SystemMatrix& matrix, Lanczos& work, Rows x, double residual, SolveReport& report);
 
-  Vector v_, v_before_, product_;  ///< v_k, v_{k-1}; A v_k, later beta_{k+1} v_{k+1}
-  Vector w_, w_before_, w_next_;   ///< w_{k-1}, w_{k-2}, w_k
+  PerMatrix<Lanczos> work_;
 };
 
 /// w_next = (v - delta w - epsilon w_before) / gamma;  x += tau w_next. 4 reads, 2 writes.
@@ -63,19 +68,21 @@ void advance(ConstRows v, double delta, ConstRows w, double epsilon, ConstRows w
   }
 }
 
-/// From v_ = r, unscaled, |r| = residual.
-SolveStop MinResLinearSolver::iterate(const SystemMatrix& matrix, Rows x, double residual, SolveReport& report) {
-  clear(v_before_), clear(w_), clear(w_before_);
-  scale(1 / residual, v_);
+/// From v = r, unscaled, |r| = residual.
+SolveStop MinResLinearSolver::iterate(const SystemMatrix& matrix, Lanczos& work, Rows x, double residual,
+                                      SolveReport& report) {
+  auto& [v, v_before, av, w, w_before, w_next] = work;
+  clear(v_before), clear(w), clear(w_before);
+  scale(1 / residual, v);
   double beta = 0, cosine = -1, sine = 0, delta_bar = 0, epsilon = 0, phi = residual, size = 0;
   double lowest = std::numeric_limits<double>::infinity();  // of |A r| / (|A| |r|)
   for (;;) {
-    product(matrix, v_, product_);
+    product(matrix, v, av);
     ++report.iterations;
-    axpy(-beta, v_before_, product_);
-    const double alpha = dot(v_, product_);
-    axpy(-alpha, v_, product_);
-    const double beta_next = std::sqrt(dot(product_, product_));
+    axpy(-beta, v_before, av);
+    const double alpha = dot(v, av);
+    axpy(-alpha, v, av);
+    const double beta_next = std::sqrt(dot(av, av));
     if (!std::isfinite(beta_next) || !std::isfinite(alpha)) return SolveStop::not_finite;
     size = std::max(size, std::hypot(alpha, std::max(beta, beta_next)));  // grows towards the norm of A
 
@@ -90,16 +97,16 @@ SolveStop MinResLinearSolver::iterate(const SystemMatrix& matrix, Rows x, double
     lowest = std::min(lowest, slope);
     if (slope <= 1e-9 || (lowest <= 1e-8 && slope > 10 * lowest)) return SolveStop::breakdown;
     cosine = gamma_bar / gamma, sine = beta_next / gamma;
-    advance(v_, delta, w_, epsilon, w_before_, gamma, cosine * phi, w_next_, x);
+    advance(v, delta, w, epsilon, w_before, gamma, cosine * phi, w_next, x);
     phi *= sine;
     report.relative_residual = phi / norm_b_;
     record(report.relative_residual);
     if (phi <= target()) return SolveStop::converged;
     if (report.iterations == iterations_) return SolveStop::iteration_limit;
 
-    std::swap(w_before_, w_), std::swap(w_, w_next_);
-    std::swap(v_before_, v_), std::swap(v_, product_);
-    scale(1 / beta_next, v_);
+    std::swap(w_before, w), std::swap(w, w_next);
+    std::swap(v_before, v), std::swap(v, av);
+    scale(1 / beta_next, v);
     beta = beta_next, epsilon = epsilon_next;
   }
 }
@@ -107,15 +114,17 @@ SolveStop MinResLinearSolver::iterate(const SystemMatrix& matrix, Rows x, double
 SolveReport MinResLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x) {
   SolveReport report;
   if (!begin(matrix, b, x, report)) return report;
-  double now = std::sqrt(residual(matrix, b, x, v_, product_));
+  Lanczos& work = work_.of(matrix);
+  work.resize(b.count);
+  double now = std::sqrt(residual(matrix, b, x, work.v, work.product));
   report.relative_residual = now / norm_b_;
   if (!(now > target())) return report;
   for (;;) {
     const double before = now;
-    report.stop = iterate(matrix, x, now, report);
+    report.stop = iterate(matrix, work, x, now, report);
     if (report.stop == SolveStop::not_finite) return report;
     // what the recurrence says differs from b - A x by round-off: the report gives the latter
-    now = std::sqrt(residual(matrix, b, x, v_, product_));
+    now = std::sqrt(residual(matrix, b, x, work.v, work.product));
     report.relative_residual = now / norm_b_;
     if (report.stop != SolveStop::converged || now <= 1.1 * target()) return report;
     report.stop = report.iterations == iterations_ ? SolveStop::iteration_limit : SolveStop::stagnated;

@@ -45,13 +45,20 @@ class PCGLinearSolver final : public KrylovSolver, public FactorUser {
   void declare(DataTable& table) override;
   void init() override;
   void reset() override {
-    if (inverse_) inverse_->reset();
+    kept_.forEach([](Kept& kept) {
+      if (kept.inverse) kept.inverse->reset();
+    });
   }
   SolveReport solve(SystemMatrix& matrix, ConstRows b, Rows x) override;
   bool usesFactorOf(const Component&) const override { return use_ && link_.path == "warped"; }
 
  private:
-  void resize(Index rows) override { work_.resize(rows); }
+  /// For each matrix: work space and preconditioner.
+  struct Kept {
+    std::unique_ptr<ApproximateInverse> inverse;  ///< null: none
+    cg::Directions work;
+  };
+  std::unique_ptr<ApproximateInverse> makeInverse() const;
 
   bool use_ = true;
   Link<Preconditioner> link_{"preconditioner"};
@@ -59,9 +66,8 @@ class PCGLinearSolver final : public KrylovSolver, public FactorUser {
   double shift_ = 0;
   int factorisations_ = 0;
 
-  std::unique_ptr<ApproximateInverse> own_;
-  ApproximateInverse* inverse_ = nullptr;  ///< null: none
-  cg::Directions work_;
+  DirectSolver* factor_source_ = nullptr;  ///< of warped
+  PerMatrix<Kept> kept_;
 };
 
 void PCGLinearSolver::declare(DataTable& table) {
@@ -71,43 +77,54 @@ void PCGLinearSolver::declare(DataTable& table) {
       .alias("preconditioners")
       .help(
           "none, jacobi, block_jacobi (the default), ssor, incomplete_cholesky, warped, or a link to a preconditioner");
-  table.add("shift", shift_).help("multiple of the diagonal that incomplete_cholesky had to add").unit("-").output();
-  table.add("factorisations", factorisations_).help("how often warped factored so far").unit("-").output();
+  table.add("shift", shift_)
+      .help("multiple of the diagonal that incomplete_cholesky had to add in the last solve")
+      .unit("-")
+      .output();
+  table.add("factorisations", factorisations_)
+      .help("how often warped factored so far, for all matrices")
+      .unit("-")
+      .output();
 }
 
 void PCGLinearSolver::init() {
   KrylovSolver::init();
+  if (use_) link_.get();  // ready before the first solve
+  if (use_ && link_.path == "warped") factor_source_ = &factorSource(*this, factors_);
+}
+
+std::unique_ptr<ApproximateInverse> PCGLinearSolver::makeInverse() const {
+  if (!use_) return nullptr;
+  if (const Preconditioner* linked = link_.get()) return linked->makeInverse();
   const std::string& word = link_.path;
-  if (!use_) return;
-  if (Preconditioner* linked = link_.get()) {
-    inverse_ = &linked->inverse();
-    return;
-  }
-  if (word == "jacobi") own_ = std::make_unique<Jacobi>();
-  if (word == "block_jacobi") own_ = std::make_unique<BlockJacobiInverse>();
-  if (word == "ssor") own_ = std::make_unique<Ssor>();
-  if (word == "incomplete_cholesky") own_ = std::make_unique<IncompleteCholesky>();
-  if (word == "warped") own_ = std::make_unique<WarpedFactor>(&factorSource(*this, factors_));
-  inverse_ = own_.get();
+  if (word == "jacobi") return std::make_unique<Jacobi>();
+  if (word == "block_jacobi") return std::make_unique<BlockJacobiInverse>();
+  if (word == "ssor") return std::make_unique<Ssor>();
+  if (word == "incomplete_cholesky") return std::make_unique<IncompleteCholesky>();
+  if (word == "warped") return std::make_unique<WarpedFactor>(*factor_source_);
+  return nullptr;
 }
 
 SolveReport PCGLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x) {
   SolveReport report;
   if (!begin(matrix, b, x, report)) return report;
+  auto& [inverse, work] = kept_.of(matrix, [this] { return std::make_unique<Kept>(Kept{makeInverse(), {}}); });
+  work.resize(b.count);
   SolveReport prepared;
-  if (inverse_ && !inverse_->follow(matrix, prepared)) {
+  if (inverse && !inverse->follow(matrix, prepared)) {
     prepared.relative_residual = 1;
     return prepared;
   }
-  shift_ = inverse_ ? inverse_->shift() : 0;
+  shift_ = inverse ? inverse->shift() : 0;
   factorisations_ += prepared.factored;
   const auto multiply = [&](ConstRows p, Rows out) { product(matrix, p, out); };
-  const auto precondition = [&](ConstRows r, Rows z) { inverse_ ? inverse_->apply(r, z) : copy(r, z); };
+  ApproximateInverse* const preconditioner = inverse.get();
+  const auto precondition = [&](ConstRows r, Rows z) { preconditioner ? preconditioner->apply(r, z) : copy(r, z); };
   const auto note = [&](double residual) { record(residual / norm_b_); };
-  report = cg::preconditioned(multiply, precondition, note, {iterations_, target()}, b, work_, x);
+  report = cg::preconditioned(multiply, precondition, note, {iterations_, target()}, b, work, x);
   report.relative_residual /= norm_b_;
   report.factored = prepared.factored;
-  if (inverse_) inverse_->solved(report.iterations);
+  if (inverse) inverse->solved(report.iterations);
   return report;
 }
 

@@ -6,29 +6,30 @@
 
 namespace stroma {
 
-/// B, symmetric and positive definite, close to A^-1 and cheap to apply: what preconditions conjugate gradients.
+/// B, symmetric and positive definite, close to A^-1 and cheap to apply: what preconditions conjugate gradients. One
+/// serves one matrix, which changes.
 class ApproximateInverse {
  public:
   virtual ~ApproximateInverse() = default;
-  /// Brings B up to date with the matrix; `expected` products are to come. False when there is none: the report says
-  /// why and, where it is known, in which row.
+  /// Brings B up to date with the matrix. False when there is none: the report says why and, where it is known, in which
+  /// row.
   virtual bool follow(SystemMatrix& matrix, SolveReport& report) = 0;
   /// z = B r.
   virtual void apply(ConstRows r, Rows z) = 0;
   /// Told after each solve how many iterations it took: what is kept over several matrices is renewed by it.
   virtual void solved(int /*iterations*/) {}
-  /// Forgets the matrices seen so far.
+  /// Forgets the values seen so far.
   virtual void reset() = 0;
   /// The multiple of its own diagonal that was added to the matrix so that a factorisation exists; 0: none.
   virtual double shift() const { return 0; }
 };
 
-/// A preconditioner as a component, for solvers that name it by a link.
+/// A preconditioner as a component, for solvers that name it by a link. It holds the parameters; each solver that names
+/// it has an inverse of its own for each of its matrices.
 class Preconditioner : public Component {
  public:
   std::string roleText() const override { return "preconditioner"; }
-  virtual ApproximateInverse& inverse() = 0;
-  void reset() override { inverse().reset(); }
+  virtual std::unique_ptr<ApproximateInverse> makeInverse() const = 0;
 };
 
 }  // namespace stroma

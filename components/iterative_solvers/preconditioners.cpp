@@ -28,21 +28,18 @@ namespace stroma {
 namespace {
 
 template <class Inverse>
-class SweepPreconditioner : public Preconditioner {
+class SweepPreconditioner final : public Preconditioner {
  public:
   void declare(DataTable&) override {}
-  ApproximateInverse& inverse() override { return inverse_; }
-
- protected:
-  Inverse inverse_;
+  std::unique_ptr<ApproximateInverse> makeInverse() const override { return std::make_unique<Inverse>(); }
 };
 
-class SSORPreconditioner final : public SweepPreconditioner<Ssor> {
+class SSORPreconditioner final : public Preconditioner {
  public:
   void declare(DataTable& table) override {
     table.add("omega", omega_).help("relaxation factor").unit("-").min(0, false).max(2, false);
   }
-  void init() override { inverse_.setOmega(omega_); }
+  std::unique_ptr<ApproximateInverse> makeInverse() const override { return std::make_unique<Ssor>(omega_); }
 
  private:
   double omega_ = 1;

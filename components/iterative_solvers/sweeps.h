@@ -21,12 +21,15 @@ inline Eigen::Map<RowBlock> blockAt(std::vector<double>& values, Index slot) {
   return Eigen::Map<RowBlock>(values.data() + std::size_t(slot) * 9);
 }
 
-/// Follows the revision of a matrix, so that an inverse is made again only when values may have changed.
+/// Follows the key of a matrix, so that an inverse is made again only when values may have changed.
 class FollowingInverse : public ApproximateInverse {
  public:
   /// Brings the inverse up to date; false when the matrix has none, and the report says at which row.
   bool follow(SystemMatrix& matrix, SolveReport& report) final {
-    if (key_ == matrix.key()) return true;
+    if (key_ == matrix.key()) {
+      look(matrix);
+      return true;
+    }
     reset();
     if (!make(matrix, report)) return false;
     key_ = matrix.key();
@@ -37,6 +40,8 @@ class FollowingInverse : public ApproximateInverse {
  protected:
   /// Makes the inverse anew for the present values. False after refuse().
   virtual bool make(SystemMatrix& matrix, SolveReport& report) = 0;
+  /// The numbers are the same, the object that shows them may be another.
+  virtual void look(SystemMatrix&) {}
   /// Not positive definite, seen at this row: the solver stops with a sentence that names its node.
   static bool refuse(Index row, SolveReport& report) {
     report.stop = SolveStop::not_definite;
@@ -99,7 +104,6 @@ class Ssor final : public FollowingInverse {
  public:
   /// `omega` in (0, 2); 1 is symmetric Gauss-Seidel.
   explicit Ssor(double omega = 1) : omega_(omega) {}
-  void setOmega(double omega) { omega_ = omega, reset(); }
 
   void apply(ConstRows r, Rows z) override {
     const BlockMatrix& a = *matrix_;
@@ -112,8 +116,9 @@ class Ssor final : public FollowingInverse {
   }
 
  protected:
+  void look(SystemMatrix& matrix) override { matrix_ = &matrix.assemble(); }
   bool make(SystemMatrix& matrix, SolveReport& report) override {
-    matrix_ = &matrix.assemble();
+    look(matrix);
     inverse_.resize(matrix.rows());
     for (Index row = 0; row < matrix.rows(); ++row) {
       const Mat3 block = blockAt(matrix_->values(), matrix_->diagonal()[row]);

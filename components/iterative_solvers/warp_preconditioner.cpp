@@ -39,8 +39,10 @@ class WarpPreconditioner final : public Preconditioner, public FactorUser {
         .help("when to factor again: by estimated costs, by the clock, or never");
     table.addVisualOnly("useRotationFinder");
   }
-  void init() override { factor_.use(factorSource(*this, solver_), renewal_); }
-  ApproximateInverse& inverse() override { return factor_; }
+  void init() override { source_ = &factorSource(*this, solver_); }
+  std::unique_ptr<ApproximateInverse> makeInverse() const override {
+    return std::make_unique<WarpedFactor>(*source_, renewal_);
+  }
   bool usesFactorOf(const Component& solver) const override {
     return solver_.path.empty() || solver_.target() == &solver;
   }
@@ -48,7 +50,7 @@ class WarpPreconditioner final : public Preconditioner, public FactorUser {
 
  private:
   Link<DirectSolver> solver_{"direct solver"};
-  WarpedFactor factor_;
+  DirectSolver* source_ = nullptr;
 };
 
 }  // namespace

@@ -50,7 +50,8 @@ bool WarpedFactor::follow(SystemMatrix& matrix, SolveReport& report) {
     return true;
   }
   rows_ = -1;
-  if (!solver_->factor(matrix, report)) return false;
+  factors_ = solver_.factor(matrix, report);
+  if (!factors_) return false;
   if (work_.count() != matrix.rows()) work_.resize(matrix.rows());
   if (positions.count > 0) {
     if (positions_.count() != positions.count) positions_.resize(positions.count);
@@ -60,9 +61,9 @@ bool WarpedFactor::follow(SystemMatrix& matrix, SolveReport& report) {
   }
   rows_ = matrix.rows(), key_ = matrix.key();
   renew_ = turned_ = false;
-  iteration_seconds_ = solver_->cost().apply + block_product_seconds * matrix.assemble().blocks();
+  iteration_seconds_ = factors_->cost().apply + block_product_seconds * matrix.assemble().blocks();
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start_;
-  spent_ = renewal_ == Renewal::clock ? took.count() : solver_->cost().factor;
+  spent_ = renewal_ == Renewal::clock ? took.count() : factors_->cost().factor;
   solves_ = 0;
   start_ = std::chrono::steady_clock::now();
   return true;
@@ -70,7 +71,7 @@ bool WarpedFactor::follow(SystemMatrix& matrix, SolveReport& report) {
 
 void WarpedFactor::apply(ConstRows r, Rows z) {
   const auto applyFactors = [this](ConstRows in, Rows out) {
-    rough_ ? solver_->applyFactorsRoughly(in, out) : solver_->applyFactors(in, out);
+    rough_ ? factors_->applyRoughly(in, out) : factors_->apply(in, out);
   };
   if (!turned_) return applyFactors(r, z);
   for (Index i = 0; i < r.count; ++i) work_[i] = matrices_[i].transpose() * r[i];

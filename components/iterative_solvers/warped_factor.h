@@ -22,29 +22,29 @@ class WarpedFactor final : public ApproximateInverse {
     clock,     ///< costs by the clock: what is renewed when may differ from run to run
     never
   };
-  explicit WarpedFactor(DirectSolver* solver = nullptr) : solver_(solver) {}
-  void use(DirectSolver& solver, Renewal renewal) { solver_ = &solver, renewal_ = renewal; }
+  explicit WarpedFactor(DirectSolver& solver, Renewal renewal = Renewal::estimate)
+      : solver_(solver), renewal_(renewal) {}
 
   bool follow(SystemMatrix& matrix, SolveReport& report) override;
   void apply(ConstRows r, Rows z) override;
   void solved(int iterations) override;
-  void reset() override { rows_ = -1; }
-
-  /// The next follow() factors.
-  void renew() { renew_ = true; }
-  /// True when the last follow() factored, or the matrix is still that of the factors.
-  bool isFresh() const { return fresh_; }
-  /// How many iterations cost as much as a factorisation.
-  double iterationsPerFactorisation() const { return solver_->cost().factor / iteration_seconds_; }
+  void reset() override {
+    rows_ = -1;
+    renew_ = false;
+    rough_ = true;
+  }
 
  private:
   void turn(const BlockMatrix& matrix, ConstRows positions);
 
-  DirectSolver* solver_;
-  Renewal renewal_ = Renewal::estimate;
+  DirectSolver& solver_;
+  Renewal renewal_;
+  Factorisation* factors_ = nullptr;  ///< the solver's for this matrix, kept from one renewal to the next
   Index rows_ = -1;
-  MatrixKey key_;  ///< of the last follow()
-  bool renew_ = false, fresh_ = false, turned_ = false;
+  MatrixKey key_;       ///< of the last follow()
+  bool renew_ = false;  ///< the next follow() factors
+  bool fresh_ = false;  ///< the last follow() factored
+  bool turned_ = false;
   bool rough_ = true;             ///< factors are applied in single precision
   double iteration_seconds_ = 0;  ///< estimate of one product and one application
   double spent_ = 0;              ///< seconds since the last factorisation, with it

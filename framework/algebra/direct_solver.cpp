@@ -9,7 +9,7 @@ namespace stroma {
 void DirectSolver::declare(DataTable& table) {
   table.add("template", template_)
       .help("the form of matrix: any CompressedRowSparseMatrix; the solver works on 3x3 blocks");
-  table.add("factorisations", factorisations_).help("how often numbers were factored so far").unit("-").output();
+  table.add("factorisations", factorisations_).help("how often numbers were factored so far, of all matrices").unit("-").output();
 }
 
 bool DirectSolver::answersLookup() const {
@@ -21,44 +21,57 @@ bool DirectSolver::answersLookup() const {
 }
 
 /// True when there was something new to analyse.
-bool DirectSolver::analyseIfNew(const BlockMatrix& matrix, bool symmetric) {
-  if (symmetric == symmetric_ && matrix.rowStart() == row_start_ && matrix.columns() == columns_) return false;
-  symmetric_ = symmetric;
-  row_start_ = matrix.rowStart();
-  columns_ = matrix.columns();
-  residual_.resize(matrix.rows());
-  correction_.resize(matrix.rows());
-  analyse(matrix, symmetric);
+bool DirectSolver::analyseIfNew(const SystemMatrix& matrix, const BlockMatrix& values, Kept& kept) const {
+  const MatrixKey key = matrix.key();
+  const bool symmetric = matrix.symmetric();
+  if (kept.analysed.matrix && kept.analysed.pattern == key.pattern && kept.symmetric == symmetric) return false;
+  kept.analysed = {};
+  if (!kept.factors || kept.symmetric != symmetric) kept.factors = makeFactorisation(symmetric);
+  kept.symmetric = symmetric;
+  kept.factors->analyse(values);
+  for (Vector* vector : {&kept.residual, &kept.correction}) vector->resize(values.rows());
+  kept.analysed = key;
   return true;
 }
 
-bool DirectSolver::factor(SystemMatrix& matrix, SolveReport& report) {
+bool DirectSolver::update(SystemMatrix& matrix, Kept& kept, SolveReport& report) {
   const BlockMatrix& a = matrix.assemble();
-  const bool is_new = analyseIfNew(a, matrix.symmetric());
-  if (!is_new && isCurrent(matrix)) return true;
-  factored_ = false;
+  const bool is_new = analyseIfNew(matrix, a, kept);
+  if (!is_new && kept.factored && kept.key == matrix.key()) return true;
+  kept.factored = false;
   report.factored = true;
   ++factorisations_;
   const auto bad =
       std::find_if(a.values().begin(), a.values().end(), [](double value) { return !std::isfinite(value); });
   if (bad != a.values().end()) {
     const Index slot = Index((bad - a.values().begin()) / 9);
-    report.row = Index(std::upper_bound(row_start_.begin(), row_start_.end(), slot) - row_start_.begin()) - 1;
+    report.row = Index(std::upper_bound(a.rowStart().begin(), a.rowStart().end(), slot) - a.rowStart().begin()) - 1;
     report.stop = SolveStop::not_finite;
     return false;
   }
-  const SolveStop stop = factorValues(a, report.row);
-  factored_ = stop == SolveStop::converged;
-  if (!factored_) report.stop = stop;
-  key_ = matrix.key();
-  return factored_;
+  const SolveStop stop = kept.factors->factor(a, report.row);
+  noteFactored(*kept.factors);
+  kept.factored = stop == SolveStop::converged;
+  if (!kept.factored) report.stop = stop;
+  kept.key = matrix.key();
+  return kept.factored;
 }
 
-double DirectSolver::residual(const BlockMatrix& matrix, ConstRows b, ConstRows x) {
-  matrix.multiply(x, residual_);
-  xpay(b, -1, residual_);
-  return std::sqrt(dot(residual_, residual_));
+Factorisation* DirectSolver::factor(SystemMatrix& matrix, SolveReport& report) {
+  Kept& kept = kept_.of(matrix);
+  return update(matrix, kept, report) ? kept.factors.get() : nullptr;
 }
+
+namespace {
+
+/// r = b - A x; returns its norm.
+double residual(const BlockMatrix& a, ConstRows b, ConstRows x, Rows r) {
+  a.multiply(x, r);
+  xpay(b, -1, r);
+  return std::sqrt(dot(r, r));
+}
+
+}  // namespace
 
 SolveReport DirectSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x) {
   SolveReport report;
@@ -74,20 +87,22 @@ SolveReport DirectSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x) {
     report.stop = SolveStop::not_finite;
     return report;
   }
-  if (!factor(matrix, report)) return report;
+  Kept& kept = kept_.of(matrix);
+  if (!update(matrix, kept, report)) return report;
   const BlockMatrix& a = matrix.assemble();
-  applyFactors(b, x);
-  double error = residual(a, b, x);
+  Factorisation& factors = *kept.factors;
+  factors.apply(b, x);
+  double error = residual(a, b, x, kept.residual);
   if (error > 1e-10 * norm_b) {
-    applyFactors(residual_, correction_);
-    axpy(1, correction_, x);
-    error = residual(a, b, x);
+    factors.apply(kept.residual, kept.correction);
+    axpy(1, kept.correction, x);
+    error = residual(a, b, x, kept.residual);
   }
   report.relative_residual = error / norm_b;
   // a factor without one right digit: the matrix is singular to round-off
   if (!(error < 0.1 * norm_b)) {
     report.stop = uselessFactor();
-    clear(x);
+    givesLeastSquares() ? factors.apply(b, x) : clear(x);
   }
   return report;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
-#include "framework/algebra/linear_solver.h"
+#include "framework/algebra/per_matrix.h"
 
 namespace stroma {
 
@@ -13,47 +13,63 @@ class FactorUser {
   virtual bool usesFactorOf(const Component& solver) const = 0;
 };
 
-/// A linear solver that factors the assembled matrix. The pattern is analysed once; numbers are factored again when the
-/// matrix may have changed. The residual of each solve is computed, and refined once when it is above 1e-10 |b|.
+/// The analysed pattern and the factors of one matrix, with the work space to apply them.
+class Factorisation {
+ public:
+  virtual ~Factorisation() = default;
+  /// Orders the pattern and lays out the factors.
+  virtual void analyse(const BlockMatrix& matrix) = 0;
+  /// Factors values of the analysed pattern. Returns the reason it could not (`row`: where, when that is known), else
+  /// converged.
+  virtual SolveStop factor(const BlockMatrix& matrix, Index& row) = 0;
+  /// x = A^-1 b with the last factors, of shape (rows); no residual is computed.
+  virtual void apply(ConstRows b, Rows x) = 0;
+  /// The same where about six right digits are enough: in a preconditioner.
+  virtual void applyRoughly(ConstRows b, Rows x) { apply(b, x); }
+  /// Seconds on one core, estimated from counts of operations and not from a clock, so that what is decided by them is
+  /// the same in each run.
+  struct Cost {
+    double factor = 0, apply = 0;
+  };
+  virtual Cost cost() const = 0;
+};
+
+/// A linear solver that factors the assembled matrix. Each matrix has a Factorisation of its own: analysed once for each
+/// of its patterns, factored again when its values may have changed. The residual of each solve is computed, and refined
+/// once when it is above 1e-10 |b|. Outputs that describe a factorisation are those of the last one, whatever matrix it
+/// was of.
 class DirectSolver : public LinearSolver {
  public:
   void declare(DataTable& table) override;  ///< template, factorisations
   SolveReport solve(SystemMatrix& matrix, ConstRows b, Rows x) override;
   bool answersLookup() const override;
 
-  /// Factors the matrix now. False when that is not possible; the report then says why and where.
-  bool factor(SystemMatrix& matrix, SolveReport& report);
-  /// x = A^-1 b with the last factors, of shape (rows); no residual is computed.
-  virtual void applyFactors(ConstRows b, Rows x) = 0;
-  /// The same where about six right digits are enough: in a preconditioner.
-  virtual void applyFactorsRoughly(ConstRows b, Rows x) { applyFactors(b, x); }
-  /// Seconds on one core, estimated from counts of operations and not from a clock, so that what is decided by them is
-  /// the same in each run; known after factor().
-  struct Cost {
-    double factor = 0, apply = 0;
-  };
-  virtual Cost cost() const = 0;
+  /// The factors of the matrix as it is now. Null when it has none; the report then says why and where. They stay where
+  /// they are as long as matrix and solver live, and keep their numbers until the next call with this matrix.
+  Factorisation* factor(SystemMatrix& matrix, SolveReport& report);
 
  protected:
-  virtual void analyse(const BlockMatrix& matrix, bool symmetric) = 0;
-  /// Factors the values of the analysed pattern. Returns the reason it could not (report.row: where), else converged.
-  virtual SolveStop factorValues(const BlockMatrix& matrix, Index& row) = 0;
-  /// What a factor without one right digit means.
+  virtual std::unique_ptr<Factorisation> makeFactorisation(bool symmetric) const = 0;
+  /// Told after each factorisation, for outputs.
+  virtual void noteFactored(const Factorisation&) {}
+  /// What factors without one right digit mean.
   virtual SolveStop uselessFactor() const { return SolveStop::breakdown; }
-  /// residual_ = b - A x; returns its norm.
-  double residual(const BlockMatrix& matrix, ConstRows b, ConstRows x);
-  bool isCurrent(const SystemMatrix& matrix) const { return factored_ && key_ == matrix.key(); }
-  void forgetFactors() { factored_ = false; }
+  /// True when what they give is wanted all the same, as the solution of least squares.
+  virtual bool givesLeastSquares() const { return false; }
 
  private:
-  bool analyseIfNew(const BlockMatrix& matrix, bool symmetric);
+  struct Kept {
+    std::unique_ptr<Factorisation> factors;
+    bool symmetric = true, factored = false;
+    MatrixKey analysed, key;  ///< whose pattern was analysed, whose values were factored
+    Vector residual, correction;
+  };
+  bool update(SystemMatrix& matrix, Kept& kept, SolveReport& report);
+  bool analyseIfNew(const SystemMatrix& matrix, const BlockMatrix& values, Kept& kept) const;
 
   std::string template_ = "CompressedRowSparseMatrixMat3x3";
   int factorisations_ = 0;
-  bool symmetric_ = true, factored_ = false;
-  std::vector<Index> row_start_, columns_;  ///< the pattern that was analysed
-  MatrixKey key_;                           ///< of the factors
-  Vector residual_, correction_;
+  PerMatrix<Kept> kept_;
 };
 
 }  // namespace stroma

@@ -70,6 +70,21 @@ TEST(SparseLDLSolver, followsAPatternThatChanges) {
   }
 }
 
+TEST(SparseLDLSolver, analysesAgainWhenBlocksHaveComeToTheSameMatrix) {
+  SolverInScene ldl("<SparseLDLSolver/>");
+  StoredMatrix matrix = randomMatrix(40, 3, 0.5, 1);
+  Vector x;
+  const Vector b = randomVector(40, 3);
+  ldl.solve(matrix, b, x);
+  matrix.values = randomMatrix(40, 5, 0.5, 2).values;
+  ++matrix.pattern_number, ++matrix.revision_number;
+  EXPECT_TRUE(ldl.solve(matrix, b, x).factored);
+  EXPECT_LT(relativeError(x, matrix.dense().ldlt().solve(dense(b))), 1e-10);
+  matrix.is_symmetric = false;  // the same numbers, which are factored as L U from now on
+  EXPECT_TRUE(ldl.solve(matrix, b, x).factored);
+  EXPECT_LT(relativeError(x, matrix.dense().ldlt().solve(dense(b))), 1e-10);
+}
+
 TEST(SparseLDLSolver, namesTheRowWhereTheMatrixIsNotDefinite) {
   for (const Index row : {0, 7, 29}) {
     BlockMatrix values{BlockPattern(30)};

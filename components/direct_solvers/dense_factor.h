@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include "components/direct_solvers/sparse_copy.h"
+#include "framework/algebra/direct_solver.h"
+
+namespace stroma {
+
+/// Factors of the whole matrix with its zeros: for small systems.
+class DenseFactor : public Factorisation {
+ public:
+  void analyse(const BlockMatrix& matrix) override {
+    if (matrix.rows() > most_rows)
+      throw ComponentError(std::to_string(matrix.rows()) + " nodes are too many for a dense matrix",
+                           "at most " + std::to_string(most_rows) + " nodes", "SparseLDLSolver");
+    dense_.setZero(3 * matrix.rows(), 3 * matrix.rows());
+  }
+  Cost cost() const override {
+    const double n = double(dense_.rows());
+    return {1e-10 * n * n * n, 1e-9 * n * n};
+  }
+
+ protected:
+  void fill(const BlockMatrix& matrix) {
+    for (Index i = 0; i < matrix.rows(); ++i)
+      for (Index s = matrix.rowStart()[i]; s < matrix.rowStart()[i + 1]; ++s)
+        dense_.block<3, 3>(3 * i, 3 * matrix.columns()[s]) =
+            Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(matrix.values().data() + 9 * std::size_t(s));
+  }
+  Eigen::MatrixXd dense_;
+
+ private:
+  /// More unknowns than this need more memory than a desk has.
+  static constexpr Index most_rows = 4000;
+};
+
+}  // namespace stroma
