@@ -89,7 +89,7 @@ def draw_powers(axes, stroma, cells):
             return -(moved - rest)[np.isclose(rest[:, 0], length - distance), 2].mean()
         tangent = sunk(0) - sunk(1)
         axes.loglog(s, [sunk(d) - sunk(0) + tangent * d for d in s], f"C{number}.-", linewidth=1, markersize=4,
-                    label=f"ten tetrahedra a cell, nu {poisson}")
+                    label=f"ten tetrahedra per cell, nu {poisson}")
     axes.loglog(s, 2e-9 * s**4, "k:", linewidth=1, label="slope 4")
     axes.set(xlabel="distance from the free end [m]", ylabel="deflection without its linear part [m]",
              title=f"Own weight, small load ({cells} cells high)")

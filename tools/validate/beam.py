@@ -56,11 +56,11 @@ def refined(stroma):
     shear = ", ".join(against_theory(theory()[-1] / (1 + 1 / (2 * n**2))) for n in REFINED)
     return ("### Finer meshes\n\nMethod polar, tip against theory. The last column extrapolates from the two finest meshes: the "
             "error of the tip's compliance is taken to fall with the square of the cells' size. At nu = 0 the whole difference "
-            "is the mesh's. For the hexahedra it is known: their edges stay straight, so bending shears a cell of size h, and a "
-            "beam of height H and nu = 0 is too stiff by G/E (h/H)^2 = (h/H)^2 / 2, a difference of "
+            "is the mesh's. For the hexahedra it is known: their edges stay straight, so bending shears a cell of size h. A "
+            "beam of height H and nu = 0 is then too stiff by G/E (h/H)^2 = (h/H)^2 / 2. That is a difference of "
             f"{shear}: the row of the table within 0.01 points. For nu > 0 both kinds of cell tend to the same limit within a few "
             "tenths of a percent, so what is left there is not the mesh's. Beam theory knows neither nu nor that the clamp "
-            "holds the section's width; how much is due to which was not measured.\n\n" +
+            "holds the section's width. How much is due to which was not measured.\n\n" +
             sr.markdown(["cells", "nu"] + [f"{n} over the height" for n in REFINED] + ["extrapolated"], rows))
 
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """The complete liver of Marchesseau et al. 2010, section 4.3, with the parts of its material switched on one by one: how far
-it swings under its weight (figure 4), and steps a second."""
+it swings under its weight (figure 4), and steps per second."""
 import os
 import subprocess
 import tempfile
@@ -52,7 +52,7 @@ def swing(stroma, settings):
 
 
 def speed(stroma, settings):
-    """Steps a second: the middle of some runs, mean of a run's steps."""
+    """Steps per second: the middle of some runs, mean of a run's steps."""
     runs = []
     for _ in range(SPEED_RUNS):
         result = stroma.run(SCENE, settings, steps=SPEED_STEPS, every=SPEED_STEPS)
@@ -88,12 +88,13 @@ def run(stroma, out, report):
 {source}
 
 `{SCENE}` with this mesh, held where a vena cava would run and at the top, and let go under its weight: Arruda-Boyce tissue,
-with a viscosity, and with fluid in its pores. How far any node gets from where it was in the first {SECONDS} s (largest, and at
-their end), how far the largest swings beyond the end, how far 25 iterations of conjugate gradients a step, as in the paper, are
-from the scene's own limit of 300 (of the body's size), and steps a second on one thread with 25 iterations.
+with a viscosity, and with fluid in its pores. The table has how far any node gets from where it was in the first {SECONDS} s
+(largest, and at their end), and how far the largest swings beyond the end. Then it has how far 25 iterations of conjugate gradients
+per step, as in the paper, are from the scene's own limit of 300, as a share of the body's size. Steps per second are on one thread
+with 25 iterations.
 
 """ + sr.markdown(["material", "largest [mm]", f"after {SECONDS} s [mm]", "swings beyond by", "25 iterations are off by",
-                   "steps a second", "asked", "the paper"], rows) + f"""
+                   "steps per second", "asked", "the paper"], rows) + f"""
 From the smallest amplitude to the largest: {', '.join(order)}. The paper has hyperelastic, visco-poro-hyperelastic,
 visco-hyperelastic (its figure 4 prints no numbers).
 

@@ -156,22 +156,22 @@ def main():
         texts.append(text)
         for name, (x, y) in curves.items():
             axis.loglog(x, y, "o-", label=name)
-        axis.set(xlabel=column, ylabel="ms a step", title=title.split(" (")[0])
+        axis.set(xlabel=column, ylabel="ms per step", title=title.split(" (")[0])
         axis.legend()
     figure.savefig(os.path.join(arguments.out, "condensation.png"), dpi=90)
     sr.write_csv(os.path.join(arguments.out, "condensation.csv"),
-                 ["sweep", "method", "free nodes", "kept", "loaded", "ms a step", "seconds to the first step"], rows)
+                 ["sweep", "method", "free nodes", "kept", "loaded", "ms per step", "seconds to the first step"], rows)
     head = (f"# Condensation, explicit inverse and selective products\n\nWritten by `tools/validate/condensation.py` on "
-            f"{datetime.date.today()}; {sr.machine()}. Milliseconds a step on one core, the whole step; every load changes in "
+            f"{datetime.date.today()}; {sr.machine()}. Milliseconds per step on one core, the whole step; every load changes in "
             "every step. FD takes the sparse factor, which is measured to be faster than the inverse of these blocks. FS is left out "
             f"above {LARGEST_FULL} nodes. CS and CD work in memory-mapped files of the precomputation.\n\n"
-            "A condensed step costs the same whatever lies inside, where the mass inside is left out or shared; a selective one goes with the loaded nodes, once their "
-            "columns no longer fit into the cache. A dynamic step reads half of the inverse whatever is loaded; a static one "
-            "with every node loaded reads all of it. CD leaves the mass inside out, as published; the exact form, whose motion is that of "
-            "FD, sweeps through the inside in each step and costs more than FD: where the mass inside counts, condensed=\"false\" is the "
+            "A condensed step costs the same whatever lies inside, where the mass inside is left out or shared. A selective one goes with the loaded nodes, once their "
+            "columns no longer fit into the cache. A dynamic step reads half of the inverse whatever is loaded. A static one "
+            "with every node loaded reads all of it. CD leaves the mass inside out, as published. The exact form, whose motion is that of "
+            "FD, sweeps through the inside in each step and costs more than FD. Where the mass inside counts, condensed=\"false\" is the "
             "faster solver.\n\n")
     with open(os.path.join(arguments.out, "condensation.md"), "w") as file:
-        file.write(head + "\n".join(texts) + "\n![ms a step](condensation.png)\n")
+        file.write(head + "\n".join(texts) + "\n![ms per step](condensation.png)\n")
 
 
 if __name__ == "__main__":

@@ -38,7 +38,7 @@ def panels(titles, labels):
     figure, axes = plt.subplots(1, 2, figsize=(11, 5), constrained_layout=True)
     axes = dict(zip(variants.SUFFIXES, axes))
     for cells, part in axes.items():
-        part.set(xlabel=labels[cells], ylabel="ms a step", title=titles[cells])
+        part.set(xlabel=labels[cells], ylabel="ms per step", title=titles[cells])
     return figure, axes
 
 
@@ -83,7 +83,7 @@ def compare(times, names):
 
 
 def crossover(free, assembled):
-    """Where the lines (ms an iteration, ms at the start) cross, in words."""
+    """Where the lines (ms per iteration, ms at the start) cross, in words."""
     slope, start = assembled - free
     if slope * start >= 0:
         return f"nowhere, {'matrix-free' if slope > 0 else 'assembled'} is faster throughout"

@@ -22,7 +22,7 @@ import stroma_run as sr
 RADIUS, HEIGHT, ANGLE = 0.01, 0.004, 0.004  # [m], [m], [rad]: strains of 1 % at the rim
 G0, ALPHA, TAU = 770.0, np.array([0.235, 0.333]), np.array([0.27, 0.03])
 FREQUENCIES = np.array([0.3, 1, 3, 10, 30, 100])  # [rad/s]
-# cells across and in height, update, steps a period, frequencies (the fine mesh takes half a second a step on a busy machine)
+# cells across and in height, update, steps per period, frequencies (the fine mesh takes half a second per step on a busy machine)
 MESHES = [(8, 4, "backward", 40, 6), (10, 5, "backward", 40, 6), (10, 5, "exponential", 40, 6), (24, 10, "exponential", 40, 6)]
 CUT = [(0, 1, 2, 6), (0, 2, 3, 6), (0, 3, 7, 6), (0, 7, 4, 6), (0, 4, 5, 6), (0, 5, 1, 6)]
 
@@ -97,7 +97,7 @@ def run(stroma, out):
             nodes, cells = disc(n, m)
             mesh = os.path.join(folder, f"disc_{n}_{m}.msh")
             write_msh(mesh, nodes, cells)
-            columns.append(f"{len(cells)} tets, {update}, {steps} steps a period")
+            columns.append(f"{len(cells)} tets, {update}, {steps} steps per period")
             found = [measure(stroma, mesh, nodes, update, steps, w) for w in FREQUENCIES[:count]]
             rows.append(np.array(found + [np.nan] * (len(FREQUENCIES) - count)))
             errors = np.abs(rows[-1] / [closed_form(w) for w in FREQUENCIES] - 1)
@@ -121,7 +121,7 @@ Written by `tools/validate/dma.py`; {sr.machine()}.
 
 A disc of radius {RADIUS * 1e3:g} mm and height {HEIGHT * 1e3:g} mm between plates, the upper one swinging by {ANGLE:g} rad
 (`scenes/validation/dma.xml`, St Venant-Kirchhoff, without inertia). G* is taken from the torque on the upper plate over the last
-period; the closed form is the generalised Maxwell model with G_0 = 770 Pa, shares 0.235 and 0.333, times 0.27 s and 0.03 s. The
+period. The closed form is the generalised Maxwell model with G_0 = 770 Pa, shares 0.235 and 0.333, times 0.27 s and 0.03 s. The
 errors are |G*/G*_closed - 1|. The paper's simulation was within 5 % of its measurements, in the mean.
 
 """ + sr.markdown(header, table + [mean]))

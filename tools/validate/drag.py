@@ -152,15 +152,16 @@ def run(stroma, out, report):
             shapes = [("rest", x, edges), (f"held, {PICTURED}", frames[release], edges), ("t = 40 s", frames[-1], edges)]
         print("  ", *values, flush=True)
     header = ["method", "nodes", "cells", "most inverted", "largest stretch", "distance from rest at the end / size",
-              "steps to 1e-6 after release", "ms a step", "end"]
+              "steps to 1e-6 after release", "ms per step", "end"]
     sr.write_csv(os.path.join(out, "liver_drag.csv"), header, rows)
     upright = [row[0] for row in rows if str(row[INVERTED]) == "0"]
-    words = (f"No element turned inside out in {'; '.join(upright)}: gradients of the present shape resist being crushed, so these rows "
+    named = " and ".join(", ".join(f'"{name}"' for name in part) for part in (upright[:-1], upright[-1:]) if part)
+    words = (f"No element turned inside out in {named}. Gradients of the present shape resist being crushed, so these rows "
              "show a body dragged through itself that recovers, not inverted elements that do. " if upright else "")
     picture(out, curves, shapes)
     body = "the liver of the test data" if mesh else "the example organ (the liver of the test data is absent)"
-    report.append(f"## Dragged and released (figures 5 and 6)\n\nTetrahedra and Phymul: {body}; hexahedra: a block. Four nodes are held, "
-                  "the node farthest from the centre is dragged through it to the other side within a second, held there for two and let go; steps of "
+    report.append(f"## Dragged and released (figures 5 and 6)\n\nTetrahedra and Phymul: {body}. Hexahedra: a block. Four nodes are held, "
+                  "the node farthest from the centre is dragged through it to the other side within a second, held there for two and let go. Steps of "
                   "20 ms, damped. Recovered: every node within 1e-6 of the body's size. Stretch: of an edge. Other ways of the dragged node, some of "
                   "which some methods do not come back from: see [validation](../validation.md).\n\n" +
                   sr.markdown(header, rows) + "\n" + words + "\n" + "\n![Distance from rest](liver_drag.png)\n")

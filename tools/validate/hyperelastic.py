@@ -144,7 +144,7 @@ def run(stroma, out, report):
                          [f"{100 * e:+.3f} %" for e in errors] + [" ".join(f"{o:.2f}" for o in orders)])
             print("   sphere", table[-1], flush=True)
     sr.write_csv(os.path.join(out, "hyperelastic.csv"), ["k", "z_mm, k0 = 10 C", "z_mm, k0 = 100 C", "z_mm, mean, k0 = 10 C", "z_mm, mean, k0 = 100 C"], rows)
-    report.append("\n## Inflated thick sphere\n\nRadii 1 and 2, W = mu/2 (J^-2/3 I1 - 3) + k0/2 (ln J)^2, mu = 1, k0 = 50; "
-                  "the pressure of an inner stretch from the radial equation of equilibrium, by Runge-Kutta and shooting; "
-                  "error of the inner stretch with n cells each way in a 24th of the sphere.\n\n" +
+    report.append("\n## Inflated thick sphere\n\nRadii 1 and 2, W = mu/2 (J^-2/3 I1 - 3) + k0/2 (ln J)^2, mu = 1, k0 = 50. "
+                  "The pressure of an inner stretch comes from the radial equation of equilibrium, by Runge-Kutta and shooting. "
+                  "Error of the inner stretch with n cells each way in a 24th of the sphere.\n\n" +
                   sr.markdown(["inner stretch", "pressure", "cells", "n = 2", "n = 4", "n = 8", "n = 16", "order in h"], table))

@@ -16,20 +16,23 @@ ONLY = {"tetrahedra": [("nodal", 0, 0)], "hexahedra": []}
 WHY = """### Which of the forces can make a torque
 
 The forces of an element make none where the sum of f_i x_i^T is symmetric. With the gradients g_i of the rest shape and
-F = sum x_i g_i^T, a tetrahedron of constant B has f_i = -V_0 R sigma g_i, so the sum is -V_0 R sigma (R^T F)^T R^T. For polar
-R^T F = S is symmetric and sigma = lambda tr(S - I) I + 2 mu (S - I) is a polynomial in S, so sigma S is symmetric: **by polar
-a tetrahedron of an isotropic law makes no torque, though its B is not updated, until it inverts**. With QR (large) R^T F is
-triangular in the frame of the edges at rest, with R = I (small) it is F: neither is symmetric in general. Once inverted,
-polar flips an axis of the rest frame, and R^T F is symmetric no more; that of svd still is. An updated B has the gradients of
-the present shape, whose sum x_i g_i^T is a multiple of I, which leaves the symmetric R sigma R^T for any R and any law. The
-paper (section 3.1) proves that an updated B is enough and concludes that it is needed; for tetrahedra with svd, and with
-polar until one inverts, it is not.
+F = sum x_i g_i^T, a tetrahedron of constant B has f_i = -V_0 R sigma g_i, so the sum is -V_0 R sigma (R^T F)^T R^T.
+
+- Polar: R^T F = S is symmetric. sigma = lambda tr(S - I) I + 2 mu (S - I) is a polynomial in S, so sigma S is symmetric. **By polar
+  a tetrahedron of an isotropic law makes no torque, though its B is not updated, until it inverts.** Once inverted, polar flips an
+  axis of the rest frame, and R^T F is symmetric no more. That of svd still is.
+- QR (large): R^T F is triangular in the frame of the edges at rest. With R = I (small) it is F. Neither is symmetric in general.
+- An updated B has the gradients of the present shape, whose sum x_i g_i^T is a multiple of I. That leaves the symmetric
+  R sigma R^T for any R and any law.
+
+The paper (section 3.1) proves that an updated B is enough and concludes that it is needed. For tetrahedra with svd, and with polar
+until one inverts, it is not.
 
 A hexahedron has one R, that of its mean edges, but another F_p at each integration point: R^T F_p = S_p + W_p with W_p skew.
-Its sum is -sum w_p R sigma_p (S_p - W_p) R^T with sigma_p made of S_p alone; sigma_p S_p is symmetric as before, and what
-remains is the skew part of sum w_p sigma_p W_p, that is 1/2 sum w_p (sigma_p W_p + W_p sigma_p), which is not zero in general
-once the deformation varies over the cell. In a box the W_p sum to zero, so that the torque is of second order in what varies
-over the cell; in a distorted cell it need not be.
+Its sum is -sum w_p R sigma_p (S_p - W_p) R^T with sigma_p made of S_p alone, and sigma_p S_p is symmetric as before. What remains is
+the skew part of sum w_p sigma_p W_p, that is 1/2 sum w_p (sigma_p W_p + W_p sigma_p). It is not zero in general once the
+deformation varies over the cell. In a box the W_p sum to zero, so that the torque is of second order in what varies over the cell.
+In a distorted cell it need not be.
 
 """
 

@@ -129,7 +129,7 @@ def sentences(cells):
             kind = (cell["ending"], cell["row"].split()[0], cell["text"].split("solver")[-1][:30])
             if kind not in seen and len(seen) < 16:
                 seen.add(kind)
-                lines.append(f"- {cell['row']}, {cell['integrator']}, {cell['condition']}: {cell['text']}")
+                lines.append(f"- {cell['row']}, {cell['integrator']}, {cell['condition']}: `{cell['text']}`")
     return lines
 
 

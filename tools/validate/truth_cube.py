@@ -128,7 +128,7 @@ def times(row, result, static, k):
 
 
 HEADER = ["method", "compression", "mean", "min", "max", "std", "shift removed", "paper: mean", "min", "max", "std"]
-TIMES = {False: ["ms a step", "paper: ms", "remark"], True: ["ms from rest to here", "remark"]}
+TIMES = {False: ["ms per step", "paper: ms", "remark"], True: ["ms from rest to here", "remark"]}
 
 
 def table(stroma, measured, body, static, equilibria):

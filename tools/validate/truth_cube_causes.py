@@ -18,8 +18,8 @@ RUNS = [(conclusion.BASE, TETS, [])]
 RUNS += [(f"Poisson's ratio {nu}", TETS, [FEM + "poissonRatio=" + nu])
          for nu in ("0.45", "0.47", "0.48", "0.49", "0.495", "0.4999")]
 RUNS += [(f"{n} x {n} x {n} cells", TETS, [f"/cube/grid.n={n + 1} {n + 1} {n + 1}"]) for n in (6, 10, 12)]
-RUNS += [("five tetrahedra a cell", TETS, ["/cells/cut.cutting=five"]),
-         ("six tetrahedra a cell", TETS, ["/cells/cut.cutting=six"]),
+RUNS += [("five tetrahedra per cell", TETS, ["/cells/cut.cutting=five"]),
+         ("six tetrahedra per cell", TETS, ["/cells/cut.cutting=six"]),
          ("gravity", TETS, ["/.gravity=0 0 -9.81"]),
          ("gravity, Poisson's ratio 0.48", TETS, [FEM + "poissonRatio=0.48", "/.gravity=0 0 -9.81"]),
          ("the top slides on its plate", TETS, ["/cube/plate.movedDirections=0 0 1"]),

@@ -41,6 +41,11 @@ def spoken(values):
     return "no answer" if values is None else "{:.2f}, {:.2f} and {:.2f}".format(*values)
 
 
+def told(phrases):
+    """Phrases as sentences of their own."""
+    return " ".join(phrase[:1].upper() + phrase[1:] + "." for phrase in phrases)
+
+
 def apart(a, b):
     """Largest difference of two rows of numbers."""
     return max(abs(x - y) for x, y in zip(a, b))
@@ -58,7 +63,7 @@ def compared(tables, name, printed):
 def what_moves(tables, varied):
     """The row with B by the polar method, and what brings it nearer to the paper's."""
     printed, base = PRINTED[BASE], numbers(varied[0][1:4])
-    text = f"- **{BASE}**: {'; '.join(compared(tables, BASE, printed))}; the paper prints {spoken(printed)}."
+    text = f"- **{BASE}**: {told(compared(tables, BASE, printed))} The paper prints {spoken(printed)}."
     if base is None:
         return text + "\n"
     groups = {"nearer": [], "farther": [], "little": []}
@@ -109,9 +114,9 @@ def where_no_answer(tables):
     for (poisson, static), rows in tables.items():
         bad, count = unanswered(rows)
         phrases.append(f"{len(bad)} of {count} at {poisson} with {SETTINGS[static]} ({listed((quoted(name) for name in bad), 14)})")
-    text = "- **Rows without an answer, or with a remark**: " + "; ".join(phrases) + "."
-    text += (" At 0.499 lambda is 499 mu: the pressures of elements that lock act as a negative stiffness against turning them. "
-             "The tables with a mean dilatation differ from the others in nothing but these pressures: they are the answer for a "
+    text = "- **Rows without an answer, or with a remark**: " + told(phrases)
+    text += (" At 0.499 lambda is 499 mu. The pressures of elements that lock act as a negative stiffness against turning them. "
+             "The tables with a mean dilatation differ from the others in nothing but these pressures. They are the answer for a "
              "body that must be stable at 0.499.")
     return text + "\n"
 
@@ -120,15 +125,15 @@ def without_bulge(tables, varied):
     """The paper's hexahedra without B and Phymul against the field that has no bulge."""
     lines = {row[0]: numbers(row[1:6]) for row in varied}
     field, printed, free = (lines.get(name) for name in (NO_MODEL, "paper: " + HEXES, HEXES + ", Poisson's ratio 0"))
-    text = f"- **{HEXES}**: " + "; ".join(compared(tables, HEXES, PRINTED[HEXES])) + ". "
+    text = f"- **{HEXES}**: " + told(compared(tables, HEXES, PRINTED[HEXES])) + " "
     text += (f"The paper's row (means {spoken(printed[:3])}, deviation {printed[3]:.2f}, largest {printed[4]:.2f}) is in all of "
-             f"these at most {apart(field, printed):.2f} off the field without any bulge")
-    text += f" and {apart(free, printed):.2f} off a run with a Poisson's ratio of 0.\n" if free else ".\n"
+             f"these at most {apart(field, printed):.2f} off the field without any bulge.")
+    text += f" It is {apart(free, printed):.2f} off a run with a Poisson's ratio of 0.\n" if free else "\n"
     kept, ours = (next((values for rows in tables.values() if (values := means(rows, name))), None)
                   for name in ("Phymul", "Phymul, volume free"))
     text += f"- **Phymul**: {spoken(kept)} with its volume kept by a VolumeConstraint, {spoken(ours)} without"
     text += f", which is at most {apart(ours, field[:3]):.2f} off the field without bulge" if ours else ""
-    text += f"; the paper prints {spoken(PRINTED['Phymul'])}.\n"
+    text += f". The paper prints {spoken(PRINTED['Phymul'])}.\n"
     return text
 
 
@@ -140,21 +145,21 @@ def nearest(tables, printed):
 
 
 def small_deformation(tables):
-    return (f"- **{SMALL}**: " + "; ".join(compared(tables, SMALL, PRINTED[SMALL])) +
-            f"; the paper prints {spoken(PRINTED[SMALL])}.\n")
+    return (f"- **{SMALL}**: " + told(compared(tables, SMALL, PRINTED[SMALL])) +
+            f" The paper prints {spoken(PRINTED[SMALL])}.\n")
 
 
 def large_deformation(tables, varied):
-    text = f"- **{GREEN}**, Green's strain with Hooke's law: " + "; ".join(compared(tables, GREEN, PRINTED[GREEN]))
-    text += f"; the paper prints {spoken(PRINTED[GREEN])}."
+    text = f"- **{GREEN}**, Green's strain with Hooke's law: " + told(compared(tables, GREEN, PRINTED[GREEN]))
+    text += f" The paper prints {spoken(PRINTED[GREEN])}."
     best = nearest(tables, PRINTED[GREEN])
     if best and best[1] != GREEN:
         text += " Nearest to it of all rows above is {1} at {2} with {3} (at most {0:.2f} off).".format(*best)
     logarithmic = next((row for row in varied if row[0] == LOGARITHMIC and row[1] != "-"), None)
     if logarithmic:
         found = numbers(logarithmic[1:4])
-        text += (f" With the logarithmic strain in the place of Green's and one volume change a hexahedron it is {spoken(found)}, at most "
-                 f"{apart(found, PRINTED[GREEN]):.2f} off: what differs is the measure of strain, which programs of engineers take to "
+        text += (f" With the logarithmic strain in the place of Green's and one volume change per hexahedron it is {spoken(found)}, at most "
+                 f"{apart(found, PRINTED[GREEN]):.2f} off. What differs is the measure of strain. Programs of engineers take it to "
                  "be the logarithmic one when they are given Young's modulus and large deformations. Hooke's law on Green's strain "
                  "softens in compression.")
     return text + "\n"
@@ -168,6 +173,6 @@ def conclusion(tables, varied):
             what_moves(tables, varied) + where_no_answer(tables) + without_bulge(tables, varied) +
             small_deformation(tables) + large_deformation(tables, varied))
     if finer:
-        text += ("- **Cells**: " + "; ".join(f"{row[0]}: {spoken(numbers(row[1:4]))}" for row in finer) +
-                 f"; 8 x 8 x 8: {spoken(numbers(varied[0][1:4]))}.\n")
+        text += ("- **Cells**: " + told(f"{row[0]}: {spoken(numbers(row[1:4]))}" for row in finer) +
+                 f" 8 x 8 x 8: {spoken(numbers(varied[0][1:4]))}.\n")
     return text

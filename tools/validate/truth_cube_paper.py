@@ -23,11 +23,11 @@ ROWS = [
     Row("Phymul, volume free", ("Phymul, volume free", None, 0, 0), None, None),
 ]
 
-INTRODUCTION = """Relative deviation in percent of 80 mm, 343 beads. 14.9 kPa, 980 kg/m3, 8 x 8 x 8 cells of 10 mm; base and top
-glued; the plate reaches 4, 10 and 14.6 mm within one second each and rests for two, then the cube is measured. The printed
+INTRODUCTION = """Relative deviation in percent of 80 mm, 343 beads. 14.9 kPa, 980 kg/m3, 8 x 8 x 8 cells of 10 mm. Base and top are
+glued. The plate reaches 4, 10 and 14.6 mm within one second each and rests for two; then the cube is measured. The printed
 Poisson's ratio is 0.499. "Remark" says when the body was not at rest, rested in another shape than the converged one, or
-flew apart; such a row has no answer with these settings. "Mean dilatation" is the attribute `dilatation="mean"` of the force
-fields: the volume change is one number a hexahedron, or one around a node of tetrahedra. What moves the numbers is measured
+flew apart. Such a row has no answer with these settings. "Mean dilatation" is the attribute `dilatation="mean"` of the force
+fields: the volume change is one number per hexahedron, or one around a node of tetrahedra. What moves the numbers is measured
 in the last table.
 """
 
