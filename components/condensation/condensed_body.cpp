@@ -12,6 +12,7 @@
 #include "framework/scene/node.h"
 #include "framework/simulation/integrator.h"
 #include "framework/simulation/observer.h"
+#include "framework/simulation/system_report.h"
 
 namespace stroma {
 
@@ -48,16 +49,16 @@ void CondensedBody::collect(System& system, const Integrator& integrator, const 
 void CondensedBody::refuseOtherKinds(const Integrator& integrator, bool dynamic) {
   const System& system = *system_;
   const std::string& name = integrator.type();
-  if (!system.mappings().empty())
+  if (!system.actors().mappings.empty())
     throw ComponentError(fmt::format("{} takes no forces through mappings, and something acts on the nodes of {}", name,
-                                     system.mappings().front()->path()),
+                                     system.actors().mappings.front()->path()),
                          "mapped nodes that only follow");
-  if (!system.positionConstraints().empty())
+  if (!system.actors().position_constraints.empty())
     throw ComponentError(fmt::format("{} corrects positions, and {} has one matrix for all times",
-                                     system.positionConstraints().front()->path(), name),
+                                     system.actors().position_constraints.front()->path(), name),
                          "no position constraints", dynamic ? "use EulerImplicitSolver" : "use projective constraints");
   std::vector<Tie> ties;
-  for (const ProjectiveConstraint* constraint : system.constraints()) {
+  for (const ProjectiveConstraint* constraint : system.constraints().all()) {
     constraint->addTies(ties);
     if (!ties.empty())
       throw ComponentError(fmt::format("{} makes nodes one, which {} does not do", constraint->path(), name),
@@ -66,7 +67,7 @@ void CondensedBody::refuseOtherKinds(const Integrator& integrator, bool dynamic)
       throw ComponentError(fmt::format("{} lets nodes follow others, which {} does not do", constraint->path(), name),
                            "motions given in time");
   }
-  if (!dynamic) return system.refuseRayleighFactors("statics");
+  if (!dynamic) return refuseRayleighFactors(system, "statics");
   for (const ForceField* field : system.forceFields()) {
     if (field->rayleigh_stiffness != 0)
       throw ComponentError(
@@ -108,7 +109,7 @@ void CondensedBody::findHeld() {
   moving_.assign(system_->independentRows(), 0);
   const double start = system_->node().root().root_time;
   std::vector<NodeProjector> found;
-  for (const ProjectiveConstraint* constraint : system_->constraints()) {
+  for (const ProjectiveConstraint* constraint : system_->constraints().all()) {
     if (constraint->isConstant() && constraint->endTime() < 0 && !constraint->prescribesMotion()) {
       constraint->addProjectors(start, held_);
       continue;

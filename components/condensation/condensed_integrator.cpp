@@ -49,7 +49,7 @@ void CondensedIntegrator::moveTouched(System& system, const StepContext& context
   const std::vector<char>* moving = body_.movingRows();
   if (!moving) return;
   if (body_.constraintsAreFixed()) {
-    for (ProjectiveConstraint* constraint : system.constraints())
+    for (ProjectiveConstraint* constraint : system.constraints().all())
       if (constraint->prescribesMotion() && constraint->activeIn(context.t, context.t_end))
         constraint->beginMotion(context.t, system.x);
   } else {
@@ -57,7 +57,7 @@ void CondensedIntegrator::moveTouched(System& system, const StepContext& context
   }
   updateTouches(system);
   for (std::size_t i = 0; i < touching_.size(); ++i) touched_before_[i] = system.x[touching_[i].row];
-  system.placePrescribed(context, system.x, system.v);
+  system.constraints().placePrescribed(context, system.x, system.v);
   for (std::size_t k = 0; k < touches_.size(); ++k) {
     const Index row = activeRow(touches_[k].node);
     wanted_[Index(k)] = touches_[k].direction.dot(system.x[row] - body_.reference()[row]);
@@ -71,7 +71,7 @@ void CondensedIntegrator::restoreTouched(System& system) {
 // The directions that constraints hold now beyond those that are always held.
 void CondensedIntegrator::updateTouches(System& system) {
   touching_now_.clear();
-  for (const NodeProjector& held : system.projectors())
+  for (const NodeProjector& held : system.constraints().projectors())
     if ((*body_.movingRows())[held.row]) touching_now_.push_back(held);
   const auto same = [](const NodeProjector& a, const NodeProjector& b) {
     return a.row == b.row && a.projector == b.projector;

@@ -242,7 +242,7 @@ void CondensedIntegrator::packInverse(PartialCholesky& factor, const std::functi
 
 void CondensedIntegrator::refuseFree(System& system, Index node) const {
   throw ComponentError(fmt::format("the matrix is singular at {}: the body can move there without any force resisting",
-                                   system.describeRow(body_.row(node))),
+                                   system.actors().describeRow(body_.row(node))),
                        "bodies that cannot move as a whole, and elements or masses at every node",
                        "hold some nodes, as with <FixedProjectiveConstraint indices=\"...\"/>");
 }

@@ -86,7 +86,7 @@ void LinearRange::look(double square, double t) {
 }
 
 std::string LinearRange::sentence(double rotation_bound, double strain_bound) const {
-  const auto at = [this](const std::array<Index, 3>& rows) { return system_->describeRow(rows[0]); };
+  const auto at = [this](const std::array<Index, 3>& rows) { return system_->actors().describeRow(rows[0]); };
   Peaks peaks = peaks_;
   for (const Patch& patch : triangles_) measure(patch, last_time_, peaks);
   std::string text;

@@ -86,7 +86,7 @@ StepReport CentralDifferenceSolver::step(System& system, const StepContext& cont
     const double damping = damping_[row];
     a_[row] = between / (1 + between * damping / 2) * (a_[row] - damping * system.v[row]);
   }
-  system.project(a_);
+  system.constraints().project(a_);
   const Rows v{system.v.rows().data, system.independentRows()}, x{system.x.rows().data, system.independentRows()};
   axpy(1, a_, v);
   axpy(h, v, x);

@@ -110,12 +110,12 @@ StepReport EulerImplicitSolver::firstOrderStep(System& system, double h) {
   const auto independent = [&system](Rows all) { return Rows{all.data, system.independentRows()}; };
   system.computeForce(system.x, system.v, system.f);
   copy(independent(system.f), right_side_);
-  system.project(right_side_);
+  system.constraints().project(right_side_);
   StepReport report;
   SystemMatrix& matrix = system.matrix({.mass = 1, .stiffness = -theta_ * h});
   const Rows velocity = independent(system.v);
   if (!solveOrShift(implicit_.linearSolver(), matrix, right_side_, velocity, report)) return report;
-  system.project(velocity);
+  system.constraints().project(velocity);
   axpy(h, velocity, independent(system.x));
   return report;
 }

@@ -7,6 +7,7 @@
 
 #include "components/integrators/newton.h"
 #include "components/integrators/stable_step.h"
+#include "framework/simulation/system_report.h"
 
 namespace stroma {
 
@@ -15,11 +16,11 @@ namespace stroma {
 void Acceleration::compile(System& system, const std::string& method) {
   system_ = &system;
   solver_ = nullptr;
-  if (system.massIsDiagonal()) {
-    inverse_mass_ = &system.inverseLumpedMass();
+  if (system.actors().massIsDiagonal()) {
+    inverse_mass_ = &system.constraints().inverseLumpedMass();
     return;
   }
-  system.requireMass();
+  system.constraints().requireMass();
   solver_ = system.linearSolver();
   if (!solver_)
     throw ComponentError(fmt::format("the mass is not diagonal, so {} needs a linear solver, and {} has none", method,
@@ -32,7 +33,7 @@ void Acceleration::compile(System& system, const std::string& method) {
 bool Acceleration::solve(ConstRows f, Rows a, StepReport& report) {
   if (solver_) {
     copy(f, right_side_);
-    system_->project(right_side_);
+    system_->constraints().project(right_side_);
     if (!solveOrShift(*solver_, system_->matrix({.mass = 1}), right_side_, a, report)) return false;
   } else {
     const double* __restrict force = f.data;
@@ -41,7 +42,7 @@ bool Acceleration::solve(ConstRows f, Rows a, StepReport& report) {
     for (Index i = 0; i < a.count; ++i)
       for (int l = 0; l < row_doubles; ++l) out[row_doubles * i + l] = force[row_doubles * i + l] * inverse[i];
   }
-  system_->project(a);
+  system_->constraints().project(a);
   return true;
 }
 
@@ -114,7 +115,7 @@ StabilityLimit stabilityLimit(const ExplicitScheme& scheme) {
 // ---- the step ----
 
 void ExplicitStep::compile(Integrator& integrator, System& system) {
-  system.refuseRayleighFactors(scheme.name);
+  refuseRayleighFactors(system, scheme.name);
   acceleration_.compile(system, scheme.name);
   accelerations_.clear();
   for (std::size_t j = 0; j < scheme.stages.size(); ++j) accelerations_.emplace_back(system.independentRows());

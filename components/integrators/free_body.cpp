@@ -46,7 +46,7 @@ std::vector<Index> bodyOfRow(const System& system) {
   for (Index row = 0; row < pattern.rows(); ++row)
     for (Index column : pattern.columns(row)) connections.join(row, column);
   // a mapped state and the one it follows are taken as one body
-  for (const Mapping* mapping : system.mappings())
+  for (const Mapping* mapping : system.actors().mappings)
     for (const State* state : {&mapping->input(), &mapping->output()})
       for (Index i = 0; i < state->size(); ++i) connections.join(mapping->input().firstRow(), state->firstRow() + i);
   std::vector<Index> body(std::size_t(system.independentRows())), number(std::size_t(system.allRows()), -1);
@@ -92,7 +92,7 @@ void feel(System& system, SystemMatrix& matrix, const std::vector<Index>& body_o
   for (int m = 0; m < 6; ++m) {
     mode[m].resize(rows), product[m].resize(rows);
     for (Index row = 0; row < rows; ++row) mode[m][row] = motion(of(row), m, system.x[row]);
-    system.project(mode[m]);
+    system.constraints().project(mode[m]);
     matrix.multiply(mode[m], product[m]);
   }
   for (Index row = 0; row < rows; ++row) {

@@ -39,7 +39,7 @@ void ImplicitStep::compile(Integrator& integrator, System& system) {
     throw ComponentError("an implicit step needs a linear solver, and " + system.node().path() + " has none",
                          "a linear solver in the same node",
                          "add <CGLinearSolver iterations=\"25\" tolerance=\"1e-5\"/>");
-  system.requireMass();
+  system.constraints().requireMass();
   has_rayleigh_mass_ = rayleigh_mass != 0;
   for (const Mass* mass : system.masses()) has_rayleigh_mass_ = has_rayleigh_mass_ || mass->rayleigh_mass != 0;
   bool from_energy = system.isConservative();
@@ -68,8 +68,8 @@ void ImplicitStep::compile(Integrator& integrator, System& system) {
 StepReport ImplicitStep::solve(const ImplicitScheme& scheme) {
   scheme_ = scheme;
   if (scheme.has_history) {
-    system_->project(position_predictor);
-    system_->project(velocity_predictor);
+    system_->constraints().project(position_predictor);
+    system_->constraints().project(velocity_predictor);
   }
   return iterates() ? solveIterating() : solveLinearised();
 }
@@ -125,11 +125,11 @@ StepReport ImplicitStep::solveLinearised() {
   if (has_rayleigh_mass_) s.addRayleighMassProduct(v(), rayleigh_mass, -total, b);
   if (two_times) axpy(scheme_.old_weight, constant_, b);
   if (scheme_.has_history) s.addMassProduct(velocity_predictor, 1, b);
-  s.project(b);
+  s.constraints().project(b);
 
   StepReport report;
   if (!solveOrShift(*solver_, tangent(), b, dv, report)) return report;
-  s.project(dv);
+  s.constraints().project(dv);
   advance();
   return report;
 }
@@ -179,7 +179,7 @@ void ImplicitStep::startIterating() {
   copy(v0_, work_);
   scale(scheme_.drift, work_);
   if (scheme_.has_history) axpy(1, position_predictor, work_);
-  system_->project(work_);
+  system_->constraints().project(work_);
   axpy(-1 / scheme_.displacement, work_, v());
   unknownsChanged();
 }
@@ -210,7 +210,7 @@ void ImplicitStep::residual(Rows out) {
   axpy(-1, v0_, work_);
   if (scheme_.has_history) axpy(-1, velocity_predictor, work_);
   s.addMassProduct(work_, -1, out);
-  s.project(out);
+  s.constraints().project(out);
 }
 
 /// The incremental potential, whose gradient is -R:

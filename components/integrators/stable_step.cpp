@@ -33,7 +33,7 @@ std::string mostStrained(const System& system, const Vector& p) {
   if (!(farthest > 0)) return {};
   const double small = 1e-6 * apart / farthest;  // strains by differences
   for (Index i = 0; i < p.count(); ++i) moved[i] += small * p[i];
-  for (const Mapping* mapping : system.mappings()) mapping->apply(moved);
+  for (const Mapping* mapping : system.actors().mappings) mapping->apply(moved);
   std::string name;
   double largest = 0;
   std::vector<double> before, after;
@@ -56,7 +56,7 @@ HighestFrequency byPowerIteration(System& system, Acceleration& acceleration) {
   Vector p(system.independentRows()), force(system.independentRows()), a(system.independentRows());
   StepReport report;
   fillAtRandom(p);
-  system.project(p);
+  system.constraints().project(p);
   double square = 0;
   for (int iteration = 0; iteration < 100; ++iteration) {
     system.matrix({.stiffness = -1}).multiply(p, force);

@@ -41,7 +41,7 @@
 #include "components/integrators/newton_solver.h"
 #include "framework/scene/factory.h"
 #include "framework/simulation/integrator.h"
-#include "framework/simulation/system.h"
+#include "framework/simulation/system_report.h"
 
 namespace stroma {
 namespace {
@@ -58,7 +58,7 @@ class Equilibrium final : public NonlinearProblem {
   void residual(Rows out) override {
     system_->computeForce(system_->x, system_->v, system_->f);
     copy(ConstRows{system_->f.rows().data, out.count}, out);
-    system_->project(out);
+    system_->constraints().project(out);
   }
   SystemMatrix& tangent() override { return system_->matrix({.stiffness = -1}); }
   double energy() override { return system_->potentialEnergy(system_->x); }
@@ -141,7 +141,7 @@ void StaticSolver::declare(DataTable& table) {
 }
 
 void StaticSolver::compile(System& system) {
-  system.refuseRayleighFactors("statics");
+  refuseRayleighFactors(system, "statics");
   solver_ = system.linearSolver();
   if (!solver_)
     throw ComponentError("statics needs a linear solver, and " + node().path() + " has none",
@@ -186,8 +186,8 @@ StepReport StaticSolver::step(System& system, const StepContext& context) {
   system.beginStep(context);
   clear(system.v);
   StepReport report;
-  if (checked_projectors_ != system.projectors().size()) {
-    checked_projectors_ = system.projectors().size();
+  if (checked_projectors_ != system.constraints().projectors().size()) {
+    checked_projectors_ = system.constraints().projectors().size();
     problem_.residual(force_);
     report.reason = freeBody(system, force_);
     report.diverged = !report.reason.empty();
@@ -224,9 +224,9 @@ StepReport StaticSolver::step(System& system, const StepContext& context) {
 /// tangent where the step starts, -K du = f + K d with d the prescribed displacements: moved alone, a face would crush
 /// the elements behind it. Where that costs more energy than moving it alone, it is moved alone.
 bool StaticSolver::advancePrescribed(System& system, const StepContext& context, StepReport& report) {
-  if (!system.hasPrescribed()) return false;
+  if (!system.constraints().hasPrescribed()) return false;
   copy(system.x, moved_);
-  system.placePrescribed(context, moved_, moved_v_);
+  system.constraints().placePrescribed(context, moved_, moved_v_);
   const Rows x{system.x.rows().data, system.independentRows()}, d{displacement_.rows().data, system.independentRows()};
   copy(ConstRows{moved_.rows().data, d.count}, d);
   axpy(-1, x, d);
@@ -235,7 +235,7 @@ bool StaticSolver::advancePrescribed(System& system, const StepContext& context,
   system.computeForceAndProduct(system.x, system.v, displacement_, 1, 0, moved_v_);
   copy(ConstRows{moved_v_.rows().data, d.count}, force_);
   clear(moved_v_);
-  system.project(force_);
+  system.constraints().project(force_);
   solver_->setTolerance(settings_.forcing);
   const bool solved = solveOrShift(*solver_, problem_.tangent(), force_, mode_, report);
   solver_->setTolerance(0);

@@ -19,7 +19,7 @@ struct MatrixKey {
 };
 
 /// The matrix of one linear solve, P (m M + k K) P + (I - P), seen as a product or as an assembled matrix; P projects
-/// onto the free directions. Implemented by System.
+/// onto the free directions. Implemented by MechanicalMatrix.
 class SystemMatrix {
  public:
   SystemMatrix() = default;

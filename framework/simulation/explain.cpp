@@ -40,7 +40,7 @@ std::vector<std::string> Simulation::explain() const {
   lines.push_back(fmt::format("time step {:.6g} s from t = {:.6g} s", dt(), root().root_time));
   if (systems_.empty()) lines.push_back("no integrator: nothing moves");
   for (const auto& system : systems_)
-    for (std::string& line : system->explain()) lines.push_back(std::move(line));
+    for (std::string& line : stroma::explain(*system)) lines.push_back(std::move(line));
   explainTopologies(root(), lines);
   explainObservers(observers_, lines);
   explainIgnored(scene_.no_effect, lines);

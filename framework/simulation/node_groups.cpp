@@ -37,6 +37,19 @@ Mat3 intersection(const Mat3& a, const Mat3& b) {
   return result;
 }
 
+void mergeByRow(std::vector<NodeProjector>& list) {
+  std::sort(list.begin(), list.end(), byRow);
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    if (kept > 0 && list[kept - 1].row == list[i].row) {
+      list[kept - 1].projector = intersection(list[kept - 1].projector, list[i].projector);
+    } else {
+      list[kept++] = list[i];
+    }
+  }
+  list.resize(kept);
+}
+
 bool NodeGroups::set(const std::vector<Tie>& ties, Index rows) {
   if (ties == ties_) return false;
   ties_ = ties;

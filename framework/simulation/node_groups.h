@@ -46,6 +46,9 @@ class NodeGroups {
   std::vector<Index> group_of_row_;  ///< shape (rows) or empty
 };
 
+/// Sorts by row and leaves one projector per row, the intersection of all.
+void mergeByRow(std::vector<NodeProjector>& list);
+
 /// The projector onto the directions that both leave free.
 Mat3 intersection(const Mat3& a, const Mat3& b);
 

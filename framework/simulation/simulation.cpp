@@ -201,6 +201,7 @@ Simulation::Simulation(Scene scene) : scene_(std::move(scene)) {
         diagnostics.warning(field->where(), field->path(), std::move(sentence));
     good_.emplace_back(Vector(system->allRows()), Vector(system->allRows()));
     reversals_.emplace_back();
+    watches_.emplace_back(*system);
     initial_.emplace_back(Vector(system->allRows()), Vector(system->allRows()));
     copy(system->x, initial_.back().first);
     copy(system->v, initial_.back().second);
@@ -210,7 +211,7 @@ Simulation::Simulation(Scene scene) : scene_(std::move(scene)) {
   // single nodes that are watched are kept up to date, but for those that follow others
   std::vector<Index> watched;
   for (const auto& system : systems_)
-    for (const Mapping* mapping : system->passiveMappings())
+    for (const Mapping* mapping : system->actors().passive_mappings)
       for (const Observer* observer : observers_) observer->addWatchedNodes(mapping->output(), watched);
   watches_followers_ = !watched.empty();
   time_ = root().root_time;
@@ -256,47 +257,47 @@ StepContext Simulation::nextStep() const {
 
 void Simulation::advance(std::size_t index, const StepContext& context, StepReport& report) {
   System& system = *systems_[index];
-  const auto start = Clock::now();
+  const PhaseTimer timer(system.times.total);
   // where several systems move, one may have to go back because another one failed
   const bool lean = system.integrator().answersForState() && systems_.size() == 1;
-  if (!lean) {
-    copy(system.x, good_[index].first);
-    copy(system.v, good_[index].second);
-  }
-  StepReport part = system.integrator().step(system, context);
-  if (!part.diverged) system.endStep(context);
-  if (!part.diverged && !system.positionConstraints().empty())
-    system.enforcePositions(context, good_[index].first, part);
-  std::string cause = part.diverged ? part.reason : lean ? std::string() : system.firstFault(good_[index].first);
-  system.times.total += seconds(Clock::now() - start);
-  system.times.solve += part.solve_seconds;
-  if (!part.diverged && cause.empty()) {
-    if (!lean && context.index % look_every < 2 && system.integrator().keepsEnergy())
-      watchReversals(index, context.index % look_every == 0);
-    if (part.unsolved) part.reason = whereAndWhy(system, context, part.reason, "");
-    return merge(std::move(part), report);
-  }
+  auto& [x_before, v_before] = good_[index];
+  if (!lean) copy(system.x, x_before), copy(system.v, v_before);
 
-  if (cause.empty()) cause = "the integrator gave the step up";
-  for (std::size_t i = 0; i <= index && !lean; ++i) {
-    copy(good_[i].first, systems_[i]->x);
-    copy(good_[i].second, systems_[i]->v);
-    // what an integrator remembers of the step that was taken back
-    systems_[i]->integrator().reset();
+  StepReport part = system.integrator().step(system, context);
+  if (!part.diverged) system.endStep(context, x_before, part);
+  std::string fault = part.diverged ? part.reason : lean ? std::string() : watches_[index].firstFault(x_before);
+  if (part.diverged && fault.empty()) fault = "the integrator gave the step up";
+
+  system.times.solve += part.solve_seconds;
+  if (fault.empty()) {
+    if (part.unsolved) part.reason = whereAndWhy(system, context, part.reason, "");
+    if (!lean && system.integrator().keepsEnergy()) watchReversals(index, context.index);
+  } else {
+    if (!lean) takeBack(index);
+    report.diverged = true;
+    // the states are those of the last good step: the worst elements are where the trouble began, not where it ended
+    report.reason = whereAndWhy(system, context, fault, " before the step");
   }
   merge(std::move(part), report);
-  report.diverged = true;
-  // the states are those of the last good step: the worst elements are where the trouble began, not where it ended
-  report.reason = whereAndWhy(system, context, cause, " before the step");
+}
+
+/// Back to the last good step, with what integrators remember of the one that is taken back.
+void Simulation::takeBack(std::size_t last) {
+  for (std::size_t i = 0; i <= last; ++i) {
+    copy(good_[i].first, systems_[i]->x);
+    copy(good_[i].second, systems_[i]->v);
+    systems_[i]->integrator().reset();
+  }
 }
 
 /// Some motions turn around at every step, others at every second one: a look is at two steps.
-void Simulation::watchReversals(std::size_t index, bool first) {
+void Simulation::watchReversals(std::size_t index, long step) {
+  if (step % look_every > 1) return;
   const Vector &now = systems_[index]->v, &before = good_[index].second;
   const bool turned =
       dot(now, before) < -0.5 * std::sqrt(dot(now, now) * dot(before, before)) && movesVisibly(*systems_[index], dt());
   Reversals& reversals = reversals_[index];
-  if (first) {
+  if (step % look_every == 0) {
     reversals.turned = turned;
     return;
   }
@@ -320,7 +321,7 @@ void Simulation::complete() const {
   for (const auto& system : systems_) {
     system->integrator().complete(*system);
     // the integrator left mapped rows behind with all others
-    if (system->integrator().answersForState() && !system->passiveMappings().empty()) system->applyMappings();
+    if (system->integrator().answersForState() && !system->actors().passive_mappings.empty()) system->applyMappings();
   }
 }
 
@@ -387,7 +388,7 @@ std::vector<std::string> Simulation::doubts() const {
         if (const std::string folds = foldsOf(topology->mesh(), state->rest_position, now); !folds.empty())
           say(fmt::format("{} at t = {:.6g} s: {}", topology->path(), time_, folds));
     }
-    for (std::string& sentence : system.grownBodies()) say(std::move(sentence));
+    for (std::string& sentence : grownBodies(system)) say(std::move(sentence));
     say(system.integrator().doubt());
     say(gainedEnergy(i));
     say(reversals(i));
@@ -399,11 +400,11 @@ std::vector<std::string> Simulation::doubts() const {
 /// may have got it there.
 std::string Simulation::gainedEnergy(std::size_t index) const {
   const System& system = *systems_[index];
-  if (!system.integrator().keepsEnergy() || !system.isConservative() || !system.positionConstraints().empty())
+  if (!system.integrator().keepsEnergy() || !system.isConservative() || !system.actors().position_constraints.empty())
     return {};
   for (const ForceField* field : system.forceFields())
     if (field->traits().time_dependent) return {};
-  for (const ProjectiveConstraint* constraint : system.constraints())
+  for (const ProjectiveConstraint* constraint : system.constraints().all())
     if (constraint->prescribesMotion()) return {};
   const auto& [x, v] = initial_[index];
   const double kinetic_start = system.kineticEnergy(v), potential_start = system.potentialEnergy(x);

@@ -8,7 +8,7 @@
 #include "framework/scene/load.h"
 #include "framework/simulation/integrator.h"
 #include "framework/simulation/observer.h"
-#include "framework/simulation/system.h"
+#include "framework/simulation/system_report.h"
 
 namespace stroma {
 
@@ -59,12 +59,14 @@ class Simulation {
   /// A sentence when a system with an integrator that keeps energy has much more than at the start, or empty.
   std::string gainedEnergy(std::size_t index) const;
   /// Every few steps of an integrator that keeps energy: whether the step has turned the velocities around.
-  void watchReversals(std::size_t index, bool first);
+  void watchReversals(std::size_t index, long step);
   std::string reversals(std::size_t index) const;
   /// Times of the step that comes.
   StepContext nextStep() const;
   /// One step of system `index`, with roll-back of all systems up to it when it fails.
   void advance(std::size_t index, const StepContext& context, StepReport& report);
+  /// Systems up to `last` go back to where they were before the step.
+  void takeBack(std::size_t last);
   /// Observers after a good step; their time is counted apart.
   void notify(const StepContext& context);
 
@@ -75,6 +77,7 @@ class Simulation {
   std::vector<History*> histories_;
   std::vector<std::pair<Vector, Vector>> initial_;  ///< x and v of each system at the start, for reset()
   std::vector<std::pair<Vector, Vector>> good_;     ///< x and v of each system before the step
+  std::vector<FaultWatch> watches_;                 ///< of each system
   struct Reversals {
     bool turned = false;  ///< the first step of a look did
     int in_a_row = 0;     ///< looks, up to the last one, that saw velocities turn

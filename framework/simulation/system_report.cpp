@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What a system says about itself: energies, the plan, and where a state stopped being finite.
+#include "framework/simulation/system_report.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,40 +11,8 @@
 
 #include "framework/mechanics/state_positions.h"
 #include "framework/simulation/integrator.h"
-#include "framework/simulation/system.h"
 
 namespace stroma {
-
-// ---- energies ----
-
-double System::kineticEnergy(ConstRows v_then) const {
-  double sum = 0;
-  for (const Mass* mass : masses_) sum += mass->kineticEnergy(v_then);
-  return sum;
-}
-
-double System::elasticEnergy(ConstRows x_now) const {
-  const ConstRows all = onAllRows(x_now, mapped_x_, true);
-  double sum = 0;
-  for (const ForceField* field : force_fields_) sum += field->energy(all);
-  return sum;
-}
-
-double System::gravityEnergy(ConstRows x_now) const {
-  if (!has_gravity_) return 0;
-  const ConstRows all = onAllRows(x_now, mapped_x_, true);
-  double sum = 0;
-  for (const Mass* mass : masses_) sum += mass->gravityEnergy(all);
-  return sum;
-}
-
-double System::potentialEnergy(ConstRows x_now) const { return elasticEnergy(x_now) + gravityEnergy(x_now); }
-
-bool System::isConservative() const {
-  for (const ForceField* field : force_fields_)
-    if (!field->traits().conservative) return false;
-  return true;
-}
 
 // ---- where something went wrong ----
 
@@ -119,16 +88,16 @@ Index firstBadRow(ConstRows rows) {
 
 }  // namespace
 
-std::string System::firstFault(ConstRows before) {
-  if (!misplaced_.empty()) return misplaced_;
-  const Sizes position = sizesOf<true>(x), velocity = sizesOf<false>(v);
+std::string FaultWatch::firstFault(ConstRows before) {
+  if (!system_.constraints().misplaced().empty()) return system_.constraints().misplaced();
+  const Sizes position = sizesOf<true>(system_.x), velocity = sizesOf<false>(system_.v);
   if (!std::isfinite(position.sum + velocity.sum)) {
-    const bool x_good = firstBadRow(x) < 0;
-    if (!x_good || firstBadRow(v) >= 0) return firstNonFinite(x_good);
+    const bool x_good = firstBadRow(system_.x) < 0;
+    if (!x_good || firstBadRow(system_.v) >= 0) return firstNonFinite(x_good);
   }
   if (burst_size_ < 0) {
     burst_size_ = std::numeric_limits<double>::infinity();
-    for (const ForceField* field : force_fields_) {
+    for (const ForceField* field : system_.forceFields()) {
       const double rest = hasRestShape(*field) ? restSize(field->state()) : 0;
       if (rest > 0) burst_size_ = std::min(burst_size_, burst * rest);
     }
@@ -137,34 +106,35 @@ std::string System::firstFault(ConstRows before) {
   return 4 * position.largest <= burst_size_ ? std::string() : firstBurst(before);
 }
 
-std::string System::firstNonFinite(bool x_good) const {
-  const ConstRows rows = x_good ? v.rows() : x.rows();
+std::string FaultWatch::firstNonFinite(bool x_good) const {
+  const ConstRows rows = x_good ? system_.v.rows() : system_.x.rows();
   const Index row = firstBadRow(rows);
   const auto value = rows[row];
-  std::string text = fmt::format("{} has a {} that is not finite ({} {} {})", describeRow(row),
+  std::string text = fmt::format("{} has a {} that is not finite ({} {} {})", system_.actors().describeRow(row),
                                  x_good ? "velocity" : "position", value[0], value[1], value[2]);
-  for (const ForceField* field : force_fields_) {
+  for (const ForceField* field : system_.forceFields()) {
     const Index local = row - field->state().firstRow();
     if (local < 0 || local >= field->state().size()) continue;
-    const std::string worst = field->worstElement(x);
+    const std::string worst = field->worstElement(system_.x);
     text += "; " + field->path() + " acts on it" + (worst.empty() ? "" : ", its worst element: " + worst);
   }
   return text;
 }
 
 // A small body far from the origin is looked at in every step: one pass over it must be enough.
-std::string System::firstBurst(ConstRows before) const {
+std::string FaultWatch::firstBurst(ConstRows before) const {
   const State* small = nullptr;
-  for (const ForceField* field : force_fields_) {
+  for (const ForceField* field : system_.forceFields()) {
     const State& state = field->state();
     if (&state == small || !hasRestShape(*field)) continue;
-    const double now = sizeAt(state, x);
+    const double now = sizeAt(state, system_.x);
     if (!(now > burst_size_)) {
       small = &state;
       continue;
     }
     const double rest = restSize(state);
-    const bool too_far = now > too_large * rest || (now > burst * rest && largestVolumeRatio(*field, x) > burst);
+    const bool too_far =
+        now > too_large * rest || (now > burst * rest && largestVolumeRatio(*field, system_.x) > burst);
     if (rest > 0 && too_far && now > sizeAt(state, before))
       return fmt::format("{} has grown to {:.2g} times its size at rest; {} acts on it", state.path(), now / rest,
                          field->path());
@@ -172,27 +142,20 @@ std::string System::firstBurst(ConstRows before) const {
   return {};
 }
 
-std::vector<std::string> System::grownBodies() const {
+std::vector<std::string> grownBodies(const System& system) {
   constexpr double large = 10;
   std::vector<std::string> sentences;
   std::vector<const State*> told;
-  for (const ForceField* field : force_fields_) {
+  for (const ForceField* field : system.forceFields()) {
     const State& state = field->state();
     if (!hasRestShape(*field) || std::find(told.begin(), told.end(), &state) != told.end()) continue;
-    const double rest = restSize(state), now = sizeAt(state, x);
+    const double rest = restSize(state), now = sizeAt(state, system.x);
     if (!(rest > 0 && now > large * rest)) continue;
     told.push_back(&state);
     sentences.push_back(
         fmt::format("{} is {:.2g} times its size at rest; {} acts on it", state.path(), now / rest, field->path()));
   }
   return sentences;
-}
-
-std::string System::describeRow(Index row) const {
-  for (const State* state : states_)
-    if (row >= state->firstRow() && row < state->firstRow() + state->size())
-      return fmt::format("node {} of {}", row - state->firstRow(), state->path());
-  return fmt::format("row {} of no state", row);
 }
 
 // ---- the plan ----
@@ -218,53 +181,55 @@ std::string traitsText(const ForceTraits& traits) {
 
 }  // namespace
 
-std::vector<std::string> System::explain() const {
+std::vector<std::string> explain(const System& system) {
   std::vector<std::string> lines;
-  lines.push_back(fmt::format("system of {}: {} nodes in one vector, {} of them independent", integrator_.path(),
-                              all_rows_, independent_rows_));
-  for (const State* state : states_)
+  lines.push_back(fmt::format("system of {}: {} nodes in one vector, {} of them independent",
+                              system.integrator().path(), system.allRows(), system.independentRows()));
+  for (const State* state : system.states())
     lines.push_back(fmt::format("  state {}: {} nodes{}", state->path(), state->size(),
-                                state->firstRow() < independent_rows_ ? "" : ", mapped"));
-  for (const Mass* mass : masses_)
+                                state->firstRow() < system.independentRows() ? "" : ", mapped"));
+  for (const Mass* mass : system.masses())
     lines.push_back(fmt::format("  mass {}: {:.6g} kg, {}", mass->path(), mass->totalMass(),
                                 mass->isDiagonal() ? "diagonal" : "sparse matrix"));
-  lines.push_back(has_gravity_ ? "  gravity: a constant force, computed once"
-                               : "  gravity: skipped, there is no mass under a gravity");
-  for (const ForceField* field : force_fields_)
+  lines.push_back(system.hasGravity() ? "  gravity: a constant force, computed once"
+                                      : "  gravity: skipped, there is no mass under a gravity");
+  for (const ForceField* field : system.forceFields())
     lines.push_back(fmt::format("  force {}: each evaluation; {}", field->path(), traitsText(field->traits())));
-  if (force_fields_.empty()) lines.push_back("  forces: none but gravity");
-  for (const ProjectiveConstraint* constraint : constraints_)
+  if (system.forceFields().empty()) lines.push_back("  forces: none but gravity");
+  for (const ProjectiveConstraint* constraint : system.constraints().all())
     lines.push_back(
         fmt::format("  constraint {}{}", constraint->path(),
                     constraint->endTime() < 0 ? "" : fmt::format(": until t = {} s", constraint->endTime())));
-  if (!constraints_.empty())
-    lines.push_back(fmt::format("  {} nodes held or guided, {}", projectors_.size(),
-                                constraints_change_ ? "looked up at each step" : "looked up once"));
-  for (const PositionConstraint* constraint : position_constraints_)
+  if (!system.constraints().all().empty())
+    lines.push_back(fmt::format("  {} nodes held or guided, {}", system.constraints().projectors().size(),
+                                system.constraints().change() ? "looked up at each step" : "looked up once"));
+  for (const PositionConstraint* constraint : system.actors().position_constraints)
     lines.push_back(
         fmt::format("  position constraint {}: after each step; {}", constraint->path(), constraint->describe()));
-  for (const Mapping* mapping : mappings_)
+  for (const Mapping* mapping : system.actors().mappings)
     lines.push_back(fmt::format("  mapping {}: each evaluation", mapping->path()));
-  for (const Mapping* mapping : passive_mappings_)
+  for (const Mapping* mapping : system.actors().passive_mappings)
     lines.push_back(fmt::format("  mapping {}: after each step; nothing acts on its nodes", mapping->path()));
-  if (mappings_.empty() && passive_mappings_.empty()) lines.push_back("  mappings: none, skipped");
-  lines.push_back(fmt::format("  integrator {}: {}", integrator_.path(), integrator_.describe()));
-  if (!linear_solver_) lines.push_back("  linear solver: none");
-  if (linear_solver_)
-    lines.push_back(fmt::format("  linear solver {}: {}", linear_solver_->path(),
-                                pattern_ready_ ? fmt::format("matrix of {} blocks of 3x3", block_count_)
-                                               : std::string("no matrix is kept so far")));
+  if (system.actors().mappings.empty() && system.actors().passive_mappings.empty())
+    lines.push_back("  mappings: none, skipped");
+  lines.push_back(fmt::format("  integrator {}: {}", system.integrator().path(), system.integrator().describe()));
+  if (!system.linearSolver()) lines.push_back("  linear solver: none");
+  if (system.linearSolver())
+    lines.push_back(fmt::format("  linear solver {}: {}", system.linearSolver()->path(),
+                                system.matrix().keptBlocks() >= 0
+                                    ? fmt::format("matrix of {} blocks of 3x3", system.matrix().keptBlocks())
+                                    : std::string("no matrix is kept so far")));
   return lines;
 }
 
-void System::refuseRayleighFactors(const std::string& method) const {
+void refuseRayleighFactors(const System& system, const std::string& method) {
   const auto refuse = [&](const Component& component, const char* attribute) {
     throw ComponentError(fmt::format("{} has no damping, and {} has {}", method, component.path(), attribute),
                          "an implicit dynamic integrator, or no damping", fmt::format("{}=\"0\"", attribute));
   };
-  for (const Mass* mass : masses_)
+  for (const Mass* mass : system.masses())
     if (mass->rayleigh_mass != 0) refuse(*mass, "rayleighMass");
-  for (const ForceField* field : force_fields_)
+  for (const ForceField* field : system.forceFields())
     if (field->rayleigh_stiffness != 0) refuse(*field, "rayleighStiffness");
 }
 

@@ -98,7 +98,7 @@ TEST_P(CondensedMeshes, dynamicBodiesWithoutMassInsideAreTheWholeOnes) {
   for (const Triangle& face : state.find<Topology>(true)->mesh().boundaryTriangles())
     for (const Index node : face) outside[node] = 1;
   // what a constraint moves is kept, wherever it lies
-  for (const NodeProjector& held : probe.systems().front()->projectors()) outside[held.row] = 1;
+  for (const NodeProjector& held : probe.systems().front()->constraints().projectors()) outside[held.row] = 1;
   std::string masses;
   for (const char is_outside : outside) masses += is_outside ? "0.003 " : "1e-25 ";
   const std::string mass = "<DiagonalMass vertexMass=\"" + masses + "\"/>";

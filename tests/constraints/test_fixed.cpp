@@ -16,10 +16,10 @@ std::string scene(const std::string& component) {
 TEST(FixedProjectiveConstraint, HoldsTheListedNodes) {
   Simulation simulation(sceneFromText(scene("<FixedProjectiveConstraint indices='3 1 3'/>")));
   System& system = *simulation.systems()[0];
-  ASSERT_EQ(system.projectors().size(), 2u);
-  EXPECT_EQ(system.projectors()[0].row, 1);
-  EXPECT_EQ(system.projectors()[1].row, 3);
-  EXPECT_TRUE(system.projectors()[0].projector.isZero());
+  ASSERT_EQ(system.constraints().projectors().size(), 2u);
+  EXPECT_EQ(system.constraints().projectors()[0].row, 1);
+  EXPECT_EQ(system.constraints().projectors()[1].row, 3);
+  EXPECT_TRUE(system.constraints().projectors()[0].projector.isZero());
   simulation.step();
   EXPECT_EQ(Vec3(system.v[1]), Vec3(1, 2, 3)) << "a held node keeps its velocity";
 }
@@ -32,13 +32,13 @@ TEST(FixedProjectiveConstraint, ProjectsVelocityAndEnds) {
   EXPECT_EQ(Vec3(system.v[1]), Vec3::Zero());
   EXPECT_EQ(Vec3(system.v[2]), Vec3(1, 2, 3));
   simulation.step();
-  EXPECT_EQ(system.projectors().size(), 1u);
+  EXPECT_EQ(system.constraints().projectors().size(), 1u);
   system.v[1] = Vec3(4, 5, 6);
-  const MatrixKey before = system.key();
+  const MatrixKey before = system.matrix().key();
   simulation.step();  // from t = 0.02
-  EXPECT_TRUE(system.projectors().empty());
+  EXPECT_TRUE(system.constraints().projectors().empty());
   EXPECT_EQ(Vec3(system.v[1]), Vec3(4, 5, 6));
-  EXPECT_FALSE(system.key() == before);
+  EXPECT_FALSE(system.matrix().key() == before);
 }
 
 TEST(PartialFixedProjectiveConstraint, HoldsDirections) {
@@ -49,7 +49,7 @@ TEST(PartialFixedProjectiveConstraint, HoldsDirections) {
   EXPECT_EQ(Vec3(system.v[2]), Vec3(0, 2, 0));
   Vector force(4);
   for (Index i = 0; i < 4; ++i) force[i] = Vec3(1, 1, 1);
-  system.project(force);
+  system.constraints().project(force);
   EXPECT_EQ(Vec3(force[2]), Vec3(0, 1, 0));
   EXPECT_EQ(Vec3(force[1]), Vec3(1, 1, 1));
 }

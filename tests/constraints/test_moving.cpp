@@ -102,9 +102,9 @@ TEST(LinearMovement, FreeOrHeldOutsideTheKeys) {
   expectNear(system.x[0], start + Vec3(0, 0.1 / 0.55, 0), 1e-14, "relative to where the movement begins");
   for (int i = 3; i < 8; ++i) free.step();
   expectNear(system.x[0], start + Vec3(0, 1, 0), 1e-14, "the step that passes the last key ends there");
-  EXPECT_EQ(system.projectors().size(), 2u);
+  EXPECT_EQ(system.constraints().projectors().size(), 2u);
   free.step();
-  EXPECT_EQ(system.projectors().size(), 1u);
+  EXPECT_EQ(system.constraints().projectors().size(), 1u);
   EXPECT_GT((system.x[0] - start - Vec3(0, 1, 0)).norm(), 1e-3) << "free again";
 
   Simulation hold = simulationFromText(
@@ -199,10 +199,10 @@ TEST(FixedPlane, ChoosesAndProjects) {
   Simulation simulation = simulationFromText(
       chain("<EulerImplicitSolver/>", "<FixedPlaneProjectiveConstraint direction='0 3 0' dmin='-0.1' dmax='0.1'/>"));
   System& system = *simulation.systems().at(0);
-  ASSERT_EQ(system.projectors().size(), 3u);
+  ASSERT_EQ(system.constraints().projectors().size(), 3u);
   Vector f(3);
   for (Index i = 0; i < 3; ++i) f[i] = Vec3(1, 2, 3);
-  system.project(f);
+  system.constraints().project(f);
   EXPECT_EQ(Vec3(f[0]), Vec3(1, 0, 3));
   EXPECT_EQ(Vec3(f[2]), Vec3::Zero()) << "also fixed";
   const auto problems = [](const std::string& a) {

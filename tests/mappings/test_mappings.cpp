@@ -60,7 +60,7 @@ State& stateOf(const Simulation& simulation, const std::string& path) {
 }
 const Mapping& mappingOf(const Simulation& simulation) {
   const System& system = *simulation.systems().at(0);
-  return system.mappings().empty() ? *system.passiveMappings().at(0) : *system.mappings().at(0);
+  return system.actors().mappings.empty() ? *system.actors().passive_mappings.at(0) : *system.actors().mappings.at(0);
 }
 
 /// J v, its blocks and J^T f of one mapping fit together.
@@ -189,7 +189,7 @@ TEST(Mappings, PointsOnWhichNothingActsCostNothingInAStep) {
   Scene scene{.points = list(points)};
   Simulation passive = simulationFromText(scene.text());
   EXPECT_TRUE(explains(passive, "mapping /body/child/mapping: after each step; nothing acts on its nodes"));
-  EXPECT_TRUE(passive.systems().at(0)->mappings().empty());
+  EXPECT_TRUE(passive.systems().at(0)->actors().mappings.empty());
   scene.more = "<ConstantForceField indices=\"3\" totalForce=\"0 0 0.1\"/>";
   Simulation acting = simulationFromText(scene.text());
   EXPECT_TRUE(explains(acting, "mapping /body/child/mapping: each evaluation"));
@@ -216,8 +216,8 @@ TEST(Mappings, PointsOnWhichNothingActsCostNothingInAStep) {
   const std::string mass = "<UniformMass totalMass=\"0.1\"/>";
   const std::string text = scene.text();
   const auto with = [&](const std::string& what) { return std::string(text).replace(text.find("{}"), 2, what); };
-  EXPECT_EQ(simulationFromText(with("")).systems().at(0)->passiveMappings().size(), 2u);
-  EXPECT_EQ(simulationFromText(with(mass)).systems().at(0)->mappings().size(), 2u);
+  EXPECT_EQ(simulationFromText(with("")).systems().at(0)->actors().passive_mappings.size(), 2u);
+  EXPECT_EQ(simulationFromText(with(mass)).systems().at(0)->actors().mappings.size(), 2u);
 }
 
 /// Condensed solvers compute what lies inside when it is asked for: points embedded there ask.

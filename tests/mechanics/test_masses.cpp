@@ -81,15 +81,15 @@ TEST_P(Boxes, ProductsAreTheAssembledMatrix) {
   EXPECT_FALSE(mass.isDiagonal());
   std::vector<double> blocks;
   system.matrix({.mass = 2, .stiffness = 0}).diagonalBlocks(blocks);  // before there is a matrix to take them from
-  const BlockMatrix& matrix = system.assemble();
-  Vector p(system.rows()), product(system.rows()), assembled(system.rows());
-  for (Index i = 0; i < system.rows(); ++i) p[i] = Vec3(std::sin(i), std::cos(3 * i), std::sin(2 + 5 * i));
-  system.multiply(p, product);
+  const BlockMatrix& matrix = system.matrix().assemble();
+  Vector p(system.independentRows()), product(system.independentRows()), assembled(system.independentRows());
+  for (Index i = 0; i < system.independentRows(); ++i) p[i] = Vec3(std::sin(i), std::cos(3 * i), std::sin(2 + 5 * i));
+  system.matrix().multiply(p, product);
   matrix.multiply(p, assembled);
   axpy(-1, product, assembled);
   EXPECT_GT(std::sqrt(dot(product, product)), 1);
   EXPECT_LT(std::sqrt(dot(assembled, assembled)), 1e-13 * std::sqrt(dot(product, product)));
-  for (Index i = 0; i < system.rows(); ++i)
+  for (Index i = 0; i < system.independentRows(); ++i)
     for (std::size_t c = 0; c < 9; ++c)
       EXPECT_NEAR(blocks[std::size_t(i) * 9 + c], matrix.values()[std::size_t(matrix.diagonal()[i]) * 9 + c], 1e-13);
 }

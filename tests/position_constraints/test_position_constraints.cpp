@@ -326,7 +326,7 @@ TEST(PositionConstraints, ASceneThatNeedsNoneHasNone) {
   Simulation with = simulationFromText(hangingOrgan(implicit_euler, "<VolumeConstraint/>", "0.02"));
   Simulation without = simulationFromText(hangingOrgan(implicit_euler, "", "0.02"));
   const auto says = [](const Simulation& simulation) {
-    for (const std::string& line : simulation.systems()[0]->explain())
+    for (const std::string& line : explain(*simulation.systems()[0]))
       if (line.find("position constraint") != std::string::npos) return true;
     return false;
   };

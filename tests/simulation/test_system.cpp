@@ -38,7 +38,7 @@ TEST(SystemLayout, IndependentStatesComeFirstAndMappedOnesFollow) {
   EXPECT_EQ(Vec3(system.v[1]), Vec3(0, 0, 1));
   EXPECT_EQ(Vec3(system.states()[1]->x()[3]), Vec3(3, 0.1, 0.1));
   EXPECT_LT((Vec3(system.x[6]) - Vec3(0.5, 0.05, 0)).norm(), 1e-15) << "mapped positions are in place from the start";
-  EXPECT_EQ(system.describeRow(4), "node 2 of /b/dofs");
+  EXPECT_EQ(system.actors().describeRow(4), "node 2 of /b/dofs");
 }
 
 TEST(SystemForces, GravityIsTheNodesOwnAndComputedOnce) {
@@ -111,19 +111,19 @@ TEST_P(Mapped, ProductIsTheDerivativeOfTheForce) {
   System& system = *simulation.systems()[0];
   deform(system);
   const Vector p = direction(system.allRows());
-  Vector plus(system.allRows()), minus(system.allRows()), x(system.allRows()), product(system.rows());
+  Vector plus(system.allRows()), minus(system.allRows()), x(system.allRows()), product(system.independentRows());
   const double h = 1e-6;
   copy(system.x, x), axpy(h, p, x), system.computeForce(x, system.v, plus);
   copy(system.x, x), axpy(-h, p, x), system.computeForce(x, system.v, minus);
   system.computeForce(system.x, system.v, system.f);
-  system.matrix({.mass = 0, .stiffness = 2}).multiply(ConstRows{p.rows().data, system.rows()}, product);
-  Vector difference(system.rows());
-  for (Index i = 0; i < system.rows(); ++i) difference[i] = (plus[i] - minus[i]) / h;
+  system.matrix({.mass = 0, .stiffness = 2}).multiply(ConstRows{p.rows().data, system.independentRows()}, product);
+  Vector difference(system.independentRows());
+  for (Index i = 0; i < system.independentRows(); ++i) difference[i] = (plus[i] - minus[i]) / h;
   EXPECT_GT(std::sqrt(dot(product, product)), 100);
   EXPECT_LT(distance(product, difference), 1e-6 * std::sqrt(dot(product, product)));
 
   // in one pass, and with the force alone in System::f where somebody asks for it
-  axpy(1, ConstRows{system.f.rows().data, system.rows()}, product);
+  axpy(1, ConstRows{system.f.rows().data, system.independentRows()}, product);
   const double size = std::sqrt(dot(product, product));
   Vector both(system.allRows()), before(system.allRows());
   copy(system.f, before);
@@ -141,30 +141,30 @@ TEST_P(Mapped, MassOfTheChildReachesTheParent) {
   System& system = *simulation.systems()[0];
   deform(system);
   const Vector p = direction(system.allRows());
-  Vector out(system.rows());
+  Vector out(system.independentRows());
   system.addMassProduct(p, 1, out);
   // p^T J^T M J p = v^T M v of the child, plus the parent's
   copy(p, system.v);
   system.applyMappings();
   double expected = 0;
   for (Index i = 0; i < system.allRows(); ++i) expected += system.v[i].squaredNorm();
-  EXPECT_NEAR(dot(ConstRows{p.rows().data, system.rows()}, out), expected, 1e-12);
+  EXPECT_NEAR(dot(ConstRows{p.rows().data, system.independentRows()}, out), expected, 1e-12);
   EXPECT_NEAR(2 * system.kineticEnergy(), expected, 1e-12);
-  EXPECT_FALSE(system.massIsDiagonal());
+  EXPECT_FALSE(system.actors().massIsDiagonal());
 }
 
 TEST_P(Mapped, MatrixIsTheProductsMatrix) {
   Simulation simulation(sceneFromText(mappedScene(GetParam())));
   System& system = *simulation.systems()[0];
   for (int turn = 0; turn < 2; ++turn) {  // at two shapes: the Jacobian of the bent one changes
-    for (Index i = 0; i < system.rows(); ++i) system.x[i] += 0.05 * Vec3(i % 2, i % 3, 1 - i % 2);
+    for (Index i = 0; i < system.independentRows(); ++i) system.x[i] += 0.05 * Vec3(i % 2, i % 3, 1 - i % 2);
     system.computeForce(system.x, system.v, system.f);
     const BlockMatrix& matrix = system.matrix({.mass = 1, .stiffness = -1}).assemble();
-    Vector p(system.rows()), by_matrix(system.rows()), by_product(system.rows());
-    for (Index i = 0; i < system.rows(); ++i) p[i] = Vec3(std::sin(i), std::cos(3 * i), std::sin(2 + i));
-    system.project(p);
+    Vector p(system.independentRows()), by_matrix(system.independentRows()), by_product(system.independentRows());
+    for (Index i = 0; i < system.independentRows(); ++i) p[i] = Vec3(std::sin(i), std::cos(3 * i), std::sin(2 + i));
+    system.constraints().project(p);
     matrix.multiply(p, by_matrix);
-    system.multiply(p, by_product);
+    system.matrix().multiply(p, by_product);
     double size = std::sqrt(dot(by_product, by_product));
     axpy(-1, by_product, by_matrix);
     EXPECT_GT(size, 1);
@@ -205,7 +205,7 @@ TEST(SystemErrors, MassIsRequiredWhereNodesCanMove) {
   const auto problem = [&](const std::string& content) -> std::string {
     const auto simulation = compiled(content);
     try {
-      simulation->systems()[0]->inverseLumpedMass();
+      simulation->systems()[0]->constraints().inverseLumpedMass();
     } catch (const ComponentError& error) {
       return error.what();
     }
@@ -220,24 +220,25 @@ TEST(SystemErrors, MassIsRequiredWhereNodesCanMove) {
   const auto simulation = compiled(
       "<UniformMass totalMass='6'/><FixedProjectiveConstraint indices='1'/>"
       "<FixedProjectiveConstraint indices='0' endTime='5'/>");
-  EXPECT_EQ(simulation->systems()[0]->inverseLumpedMass(), (std::vector<double>{0.5, 0, 0.5}));
+  EXPECT_EQ(simulation->systems()[0]->constraints().inverseLumpedMass(), (std::vector<double>{0.5, 0, 0.5}));
 }
 
 TEST(SystemReports, TheFirstNumberThatIsNotFinite) {
   Simulation simulation(sceneFromText(two_bodies));
   System& system = *simulation.systems()[0];
-  EXPECT_EQ(system.firstFault(system.x), "");
+  EXPECT_EQ(FaultWatch(system).firstFault(system.x), "");
   system.v[3][2] = std::numeric_limits<double>::infinity();
-  expectContains(system.firstFault(system.x), "node 1 of /b/dofs has a velocity that is not finite (0 0 inf)");
+  expectContains(FaultWatch(system).firstFault(system.x),
+                 "node 1 of /b/dofs has a velocity that is not finite (0 0 inf)");
   system.x[4][0] = std::nan("");
-  expectContains(system.firstFault(system.x), "node 2 of /b/dofs has a position that is not finite");
-  expectContains(system.firstFault(system.x), "/b/springs acts on it, its worst element: spring 0 of 5");
+  expectContains(FaultWatch(system).firstFault(system.x), "node 2 of /b/dofs has a position that is not finite");
+  expectContains(FaultWatch(system).firstFault(system.x), "/b/springs acts on it, its worst element: spring 0 of 5");
 }
 
 TEST(SystemReports, ThePlan) {
   Simulation simulation(sceneFromText(two_bodies));
   std::string text;
-  for (const std::string& plan : simulation.systems()[0]->explain()) text += plan + "\n";
+  for (const std::string& plan : explain(*simulation.systems()[0])) text += plan + "\n";
   expectContains(text, "9 nodes in one vector, 6 of them independent");
   expectContains(text, "computed once");
   expectContains(text, "/b/springs");

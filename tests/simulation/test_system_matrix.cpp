@@ -35,22 +35,23 @@ Eigen::MatrixXd dense(const BlockMatrix& matrix) {
 
 /// The matrix by its products with unit vectors that are projected first.
 Eigen::MatrixXd byProducts(const System& system) {
-  const Index rows = system.rows();
+  const Index rows = system.independentRows();
   Eigen::MatrixXd out(3 * rows, 3 * rows);
   Vector p(rows), product(rows);
   for (Index j = 0; j < 3 * rows; ++j) {
     clear(p);
     p[j / 3][j % 3] = 1;
-    system.project(p);
-    system.multiply(p, product);
+    system.constraints().project(p);
+    system.matrix().multiply(p, product);
     for (Index i = 0; i < 3 * rows; ++i) out(i, j) = product[i / 3][i % 3];
   }
   return out;
 }
 
 Eigen::MatrixXd projector(const System& system) {
-  Eigen::MatrixXd p = Eigen::MatrixXd::Identity(3 * system.rows(), 3 * system.rows());
-  for (const NodeProjector& held : system.projectors()) p.block<3, 3>(3 * held.row, 3 * held.row) = held.projector;
+  Eigen::MatrixXd p = Eigen::MatrixXd::Identity(3 * system.independentRows(), 3 * system.independentRows());
+  for (const NodeProjector& held : system.constraints().projectors())
+    p.block<3, 3>(3 * held.row, 3 * held.row) = held.projector;
   return p;
 }
 
@@ -63,14 +64,14 @@ TEST_P(Matrices, AssembledIsTheProductsPlusOneInHeldDirections) {
   system.matrix({.mass = 2, .stiffness = -0.3, .rayleigh_mass = 0.4, .rayleigh_stiffness = -0.7});
   const Eigen::MatrixXd p = projector(system), identity = Eigen::MatrixXd::Identity(p.rows(), p.cols());
   std::vector<double> before, after;
-  system.diagonalBlocks(before);  // by the fields, and once there is a matrix, out of it
-  const Eigen::MatrixXd products = byProducts(system), assembled = dense(system.assemble());
-  system.diagonalBlocks(after);
+  system.matrix().diagonalBlocks(before);  // by the fields, and once there is a matrix, out of it
+  const Eigen::MatrixXd products = byProducts(system), assembled = dense(system.matrix().assemble());
+  system.matrix().diagonalBlocks(after);
   EXPECT_GT((products - p * 4.4 * p).norm(), 1) << "more than the mass";
   EXPECT_LT((assembled - products - (identity - p)).norm(), 1e-12 * assembled.norm());
-  EXPECT_EQ((assembled - assembled.transpose()).norm() < 1e-12 * assembled.norm(), system.symmetric());
+  EXPECT_EQ((assembled - assembled.transpose()).norm() < 1e-12 * assembled.norm(), system.matrix().symmetric());
   ASSERT_EQ(before.size(), after.size());
-  for (Index i = 0; i < system.rows(); ++i)
+  for (Index i = 0; i < system.independentRows(); ++i)
     for (int c = 0; c < 9; ++c) {
       const double expected = assembled(3 * i + c / 3, 3 * i + c % 3);
       EXPECT_NEAR(before[std::size_t(i) * 9 + std::size_t(c)], expected, 1e-12);
@@ -101,8 +102,8 @@ TEST(SystemMatrix, HasTheFactorsOfEachTerm) {
   const Eigen::MatrixXd stiffness = terms(0, 1, 0, 0);
   EXPECT_GT(stiffness.norm(), 100);
   EXPECT_LT((terms(0, 0, 10, 0) - 0.2 * stiffness).norm(), 1e-12 * stiffness.norm());
-  Vector out(system.rows()), v(system.rows());
-  for (Index i = 0; i < system.rows(); ++i) v[i] = Vec3(1, 2, i);
+  Vector out(system.independentRows()), v(system.independentRows());
+  for (Index i = 0; i < system.independentRows(); ++i) v[i] = Vec3(1, 2, i);
   system.addRayleighMassProduct(v, 0.25, 3, out);
   EXPECT_LT((Vec3(out[4]) - (0.25 + 0.5) * 3 * 2 * Vec3(1, 2, 4)).norm(), 1e-13);
 }
@@ -110,10 +111,10 @@ TEST(SystemMatrix, HasTheFactorsOfEachTerm) {
 TEST(SystemMatrix, TwoConstraintsLeaveWhatBothLeave) {
   Simulation simulation(sceneFromText(scene(springs)));
   System& system = *simulation.systems()[0];
-  ASSERT_EQ(system.projectors().size(), 3u);
+  ASSERT_EQ(system.constraints().projectors().size(), 3u);
   const Vec3 n = Vec3(1, 2, 3).normalized(), free = Vec3::UnitY().cross(n).normalized();
-  EXPECT_LT((system.projectors()[1].projector - (Mat3::Identity() - n * n.transpose())).norm(), 1e-15);
-  EXPECT_LT((system.projectors()[2].projector - free * free.transpose()).norm(), 1e-7);
+  EXPECT_LT((system.constraints().projectors()[1].projector - (Mat3::Identity() - n * n.transpose())).norm(), 1e-15);
+  EXPECT_LT((system.constraints().projectors()[2].projector - free * free.transpose()).norm(), 1e-7);
 }
 
 TEST(SystemMatrix, KeyChangesWithValuesOnly) {
@@ -121,14 +122,14 @@ TEST(SystemMatrix, KeyChangesWithValuesOnly) {
   System& system = *simulation.systems()[0];
   system.computeForce(system.x, system.v, system.f);
   const MatrixKey first = system.matrix({.mass = 1, .stiffness = -1}).key();
-  system.assemble();
+  system.matrix().assemble();
   system.computeForce(system.x, system.v, system.f);
   EXPECT_TRUE(system.matrix({.mass = 1, .stiffness = -1}).key() == first)
       << "a constant stiffness does not change with a force evaluation";
-  system.assemble();
+  system.matrix().assemble();
   EXPECT_EQ(system.counts.assemblies, 1);
   EXPECT_FALSE(system.matrix({.mass = 1, .stiffness = -2}).key() == first);
-  system.assemble();
+  system.matrix().assemble();
   EXPECT_EQ(system.counts.assemblies, 2);
 
   Simulation changing(sceneFromText(scene(springs)));
@@ -158,15 +159,16 @@ TEST(SystemMatrix, ConstantStiffnessBesideAChangingOneIsAssembledOnce) {
 TEST(SystemMatrix, VelocityDerivativeIsInProductsAndMatrix) {
   Simulation simulation(sceneFromText(scene(net + "<TestDrag name='drag' linear='3' quadratic='2'/>")));
   System& system = *simulation.systems()[0];
-  for (Index i = 0; i < system.rows(); ++i) system.v[i] = Vec3(std::sin(1 + i), std::cos(i), 0.2 * i);
-  system.project(system.v);
-  Vector p(system.rows()), product(system.rows()), v(system.rows()), plus(system.rows()), minus(system.rows());
-  for (Index i = 0; i < system.rows(); ++i) p[i] = Vec3(1 - i, std::sin(i), 0.3);
-  system.project(p);
+  for (Index i = 0; i < system.independentRows(); ++i) system.v[i] = Vec3(std::sin(1 + i), std::cos(i), 0.2 * i);
+  system.constraints().project(system.v);
+  Vector p(system.independentRows()), product(system.independentRows()), v(system.independentRows()),
+      plus(system.independentRows()), minus(system.independentRows());
+  for (Index i = 0; i < system.independentRows(); ++i) p[i] = Vec3(1 - i, std::sin(i), 0.3);
+  system.constraints().project(p);
   const double step = 1e-5;
   copy(system.v, v), axpy(step, p, v), system.computeForce(system.x, v, plus);
   copy(system.v, v), axpy(-step, p, v), system.computeForce(system.x, v, minus);
-  axpy(-1, minus, plus), scale(1 / (2 * step), plus), system.project(plus);
+  axpy(-1, minus, plus), scale(1 / (2 * step), plus), system.constraints().project(plus);
   system.computeForce(system.x, system.v, system.f);
   system.matrix({.damping = 1}).multiply(p, product);
   const double size = std::sqrt(dot(product, product));
@@ -182,17 +184,17 @@ TEST(SystemMatrix, VelocityDerivativeIsInProductsAndMatrix) {
 TEST(SystemMatrix, TurningConstraintIsFollowed) {
   Simulation simulation(sceneFromText(scene(net, "<TestPlane name='turn' indices='4' turning='1'/>")));
   System& system = *simulation.systems()[0];
-  const MatrixKey before = system.key();
+  const MatrixKey before = system.matrix().key();
   simulation.step();
-  EXPECT_FALSE(system.key() == before);
+  EXPECT_FALSE(system.matrix().key() == before);
   const Vec3 n(std::cos(0.01), std::sin(0.01), 0);
-  EXPECT_LT((system.projectors()[3].projector - (Mat3::Identity() - n * n.transpose())).norm(), 1e-14);
+  EXPECT_LT((system.constraints().projectors()[3].projector - (Mat3::Identity() - n * n.transpose())).norm(), 1e-14);
 }
 
 TEST(SystemMatrix, ChoosesTheCheaperForm) {
   const auto prefers = [](const std::string& field, int products) {
     Simulation simulation(sceneFromText(scene(field)));
-    return simulation.systems()[0]->prefersAssembled(products);
+    return simulation.systems()[0]->matrix().prefersAssembled(products);
   };
   // 19 blocks at 2.9 ns are 55 ns a product
   EXPECT_FALSE(prefers("<TestSprings/>", 1000)) << "costs are not known";

@@ -162,7 +162,7 @@ TEST(SpringForceField, JoinsTwoBodies) {
     EXPECT_NEAR(system.x[2].x() - system.x[0].x() - 1, stretch, 1e-11);
   }
   EXPECT_EQ(Vec3(system.x[1]), Vec3(9, 9, 9));
-  EXPECT_NE(system.assemble().slot(0, 2), -1);
+  EXPECT_NE(system.matrix().assemble().slot(0, 2), -1);
 }
 
 std::string grid(const std::string& springs) {

@@ -126,15 +126,15 @@ class Run {
   /// Of the small motions about the place of rest, by inverse iteration on K y = w^2 M y.
   double slowestAt() const {
     System& s = system();
-    Vector y(s.rows()), momentum(s.rows());
-    for (Index i = 0; i < s.rows(); ++i) y[i] = Vec3(std::sin(1 + i), std::cos(2 * i), std::sin(3 * i));
-    s.project(y);
+    Vector y(s.independentRows()), momentum(s.independentRows());
+    for (Index i = 0; i < s.independentRows(); ++i) y[i] = Vec3(std::sin(1 + i), std::cos(2 * i), std::sin(3 * i));
+    s.constraints().project(y);
     double squared = 0;
     for (int iteration = 0; iteration < 12; ++iteration) {
       s.computeForce(s.x, s.v, s.f);
       clear(momentum);
       s.addMassProduct(y, 1, momentum);
-      s.project(momentum);
+      s.constraints().project(momentum);
       if (!s.linearSolver()->solve(s.matrix({.stiffness = -1}), momentum, y).usable()) return slowest_;
       const double work = dot(y, momentum);
       clear(momentum);
@@ -155,7 +155,7 @@ class Run {
   void disturb() {
     System& s = system();
     std::vector<Mat3> free(target_.size(), Mat3::Identity());
-    for (const NodeProjector& held : s.projectors()) free[held.row] = held.projector;
+    for (const NodeProjector& held : s.constraints().projectors()) free[held.row] = held.projector;
     std::mt19937 random(3);
     std::uniform_real_distribution<double> uniform(0, 1);
     const Vec3 low = box_.min(), extent = box_.sizes(), centre = box_.center();

@@ -65,7 +65,7 @@ void writeDeck(Simulation& simulation, const Mesh& mesh, const Comparison& what,
   deck << (what.large ? "*STEP,NLGEOM,INC=1000\n*CONTROLS,PARAMETERS=FIELD\n1e-10,1e-8\n*STATIC\n0.2,1\n"
                       : "*STEP\n*STATIC\n");
   deck << "*BOUNDARY\n";
-  for (const NodeProjector& held : system.projectors())
+  for (const NodeProjector& held : system.constraints().projectors())
     for (int c = 0; c < 3; ++c)
       if (held.projector(c, c) == 0)
         deck << fmt::format("{},{},{},{:.12e}\n", held.row + 1, c + 1, c + 1,

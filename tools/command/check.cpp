@@ -47,7 +47,7 @@ std::string counts(const Simulation& simulation) {
     states += system->states().size();
     fields += system->forceFields().size();
     masses += system->masses().size();
-    constraints += system->constraints().size();
+    constraints += system->constraints().all().size();
   }
   return fmt::format("ok: {} in {}, {}, {}, {}, {}, {}", plural(nodes, "node"), plural(states, "state"),
                      plural(fields, "force field"), masses == 1 ? "1 mass" : fmt::format("{} masses", masses),

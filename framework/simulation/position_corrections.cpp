@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Position constraints of a system: corrections of x and v after the integrator's step.
+#include "framework/simulation/position_corrections.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,7 +9,6 @@
 #include <utility>
 
 #include "framework/simulation/integrator.h"
-#include "framework/simulation/system.h"
 
 namespace stroma {
 
@@ -59,44 +59,46 @@ Sweeps correctInTurns(const std::vector<PositionConstraint*>& constraints, Const
 
 }  // namespace
 
-void System::preparePositionConstraints() {
-  if (position_constraints_.empty()) return;
-  if (!integrator_.movesInTime())
-    throw ComponentError(fmt::format("{} finds an equilibrium, and {} acts on motion", integrator_.path(),
-                                     position_constraints_.front()->path()),
+void PositionCorrections::compile(const Actors& actors, const Integrator& integrator, ConstraintSet& constraints) {
+  actors_ = &actors;
+  constraints_ = &constraints;
+  if (empty()) return;
+  if (!integrator.movesInTime())
+    throw ComponentError(fmt::format("{} finds an equilibrium, and {} acts on motion", integrator.path(),
+                                     actors.position_constraints.front()->path()),
                          "an integrator of dynamics, or no position constraint");
-  for (const PositionConstraint* constraint : position_constraints_)
-    if (constraint->state().firstRow() >= independent_rows_)
+  for (const PositionConstraint* constraint : actors.position_constraints)
+    if (constraint->state().firstRow() >= actors.independent_rows)
       throw ComponentError(fmt::format("{} acts on {}, whose positions follow from another state by a mapping",
                                        constraint->path(), constraint->state().path()),
                            "position constraints on the state that is mapped from");
-  mobility_.allocate(inverseLumpedMass());
-  position_reference_.resize(independent_rows_);
-  position_before_.resize(independent_rows_);
-  for (PositionConstraint* constraint : position_constraints_) constraint->compile();
+  mobility_.allocate(constraints.inverseLumpedMass());
+  reference_.resize(actors.independent_rows);
+  before_.resize(actors.independent_rows);
+  for (PositionConstraint* constraint : actors.position_constraints) constraint->compile();
 }
 
-void System::enforcePositions(const StepContext& context, ConstRows x_start, StepReport& report) {
-  const Rows x_now{x.rows().data, independent_rows_}, v_now{v.rows().data, independent_rows_};
-  const PositionStep step{context.dt, context.t_end, {x_start.data, independent_rows_}, mobility_};
-  copy(x_now, position_reference_);
-  mobility_.reset(projectors_);
-  for (PositionConstraint* constraint : position_constraints_) constraint->begin(step);
+void PositionCorrections::enforce(const StepContext& context, ConstRows x_start, Rows x, Rows v, StepReport& report) {
+  const Index rows = actors_->independent_rows;
+  const Rows x_now{x.data, rows}, v_now{v.data, rows};
+  const PositionStep step{context.dt, context.t_end, {x_start.data, rows}, mobility_};
+  copy(x_now, reference_);
+  mobility_.reset(constraints_->projectors());
+  for (PositionConstraint* constraint : actors_->position_constraints) constraint->begin(step);
   const auto settle = [&](Rows tied) {
-    groups_.average(tied);
-    placePrescribed(context, x, v);
+    constraints_->groups().average(tied);
+    constraints_->placePrescribed(context, x, v);
   };
   const Sweeps moved = correctInTurns(
-      position_constraints_, x_now, position_before_, [&] { settle(x_now); },
-      [&](PositionConstraint& constraint) { return constraint.correctPositions(step, x_now, position_reference_); });
-  groups_.average(position_reference_);
+      actors_->position_constraints, x_now, before_, [&] { settle(x_now); },
+      [&](PositionConstraint& constraint) { return constraint.correctPositions(step, x_now, reference_); });
+  constraints_->groups().average(reference_);
   const double rate = 1 / context.dt;
-  const double* reference = position_reference_.rows().data;
+  const double* reference = reference_.rows().data;
   for (std::size_t i = 0; i < v_now.doubles(); ++i) v_now.data[i] += rate * (x_now.data[i] - reference[i]);
   const Sweeps turned = correctInTurns(
-      position_constraints_, v_now, position_before_, [&] { settle(v_now); },
+      actors_->position_constraints, v_now, before_, [&] { settle(v_now); },
       [&](PositionConstraint& constraint) { return constraint.correctVelocities(step, x_now, v_now); });
-  applyMappings();
   report.constraint_sweeps += moved.count + turned.count;
   report.constraints_converged = !moved.broken() && !turned.broken();
   if (const PositionConstraint* culprit = moved.broken())

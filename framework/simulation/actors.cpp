@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "framework/simulation/actors.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "framework/scene/node.h"
+
+namespace stroma {
+
+namespace {
+
+template <class Actor>
+std::vector<State*> statesOf(const Actor& actor) {
+  return {&actor.state()};
+}
+std::vector<State*> statesOf(const ForceField& field) { return field.states(); }
+std::vector<State*> statesOf(const ProjectiveConstraint& constraint) { return constraint.states(); }
+
+bool contains(const std::vector<State*>& states, const State* state) {
+  return std::find(states.begin(), states.end(), state) != states.end();
+}
+
+template <class Actor>
+void requireStateIn(const std::vector<State*>& states, const std::vector<Actor*>& actors) {
+  for (const Actor* actor : actors)
+    for (const State* state : statesOf(*actor))
+      if (!contains(states, state))
+        throw ComponentError(fmt::format("the {} {} acts on {}, which this integrator does not move", actor->roleText(),
+                                         actor->path(), state->path()),
+                             "components and their state below the same integrator");
+}
+
+void requireOneMassPerState(const std::vector<Mass*>& masses) {
+  for (std::size_t i = 0; i < masses.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      if (&masses[i]->state() == &masses[j]->state())
+        throw ComponentError(fmt::format("{} has two masses: {} and {}", masses[i]->state().path(), masses[j]->path(),
+                                         masses[i]->path()),
+                             "one mass a state", "remove one of them");
+}
+
+void checkMapping(const Actors& actors, std::size_t index) {
+  const Mapping& mapping = *actors.mappings[index];
+  for (const State* state : {&mapping.input(), &mapping.output()})
+    if (!contains(actors.states, state))
+      throw ComponentError(
+          fmt::format("the mapping {} joins {}, which this integrator does not move", mapping.path(), state->path()),
+          "both states of a mapping below the same integrator");
+  for (std::size_t j = 0; j < index; ++j)
+    if (&mapping.output() == &actors.mappings[j]->output())
+      throw ComponentError(fmt::format("two mappings place {}: {} and {}", mapping.output().path(),
+                                       actors.mappings[j]->path(), mapping.path()),
+                           "one mapping a state");
+  for (const ProjectiveConstraint* constraint : actors.constraints)
+    if (contains(constraint->states(), &mapping.output()))
+      throw ComponentError(fmt::format("{} holds nodes of {}, whose positions follow from {} by {}", constraint->path(),
+                                       mapping.output().path(), mapping.input().path(), mapping.path()),
+                           "constraints on the state that is mapped from");
+}
+
+// A mapping comes after the one that places its input.
+void orderMappings(std::vector<Mapping*>& mappings) {
+  std::vector<Mapping*> waiting = std::move(mappings);
+  mappings.clear();
+  while (!waiting.empty()) {
+    const auto ready = std::find_if(waiting.begin(), waiting.end(), [&waiting](const Mapping* mapping) {
+      return std::none_of(waiting.begin(), waiting.end(),
+                          [mapping](const Mapping* other) { return &other->output() == &mapping->input(); });
+    });
+    if (ready == waiting.end())
+      throw ComponentError(
+          fmt::format("the mappings go in a circle: {} needs the output of another one that waits for it",
+                      waiting.front()->path()),
+          "mappings from parents to children");
+    mappings.push_back(*ready);
+    waiting.erase(ready);
+  }
+}
+
+bool somethingActsOn(const Actors& actors, const State* state) {
+  const auto acts = [state](const auto* actor) { return contains(statesOf(*actor), state); };
+  return std::any_of(actors.force_fields.begin(), actors.force_fields.end(), acts) ||
+         std::any_of(actors.masses.begin(), actors.masses.end(), acts) ||
+         std::any_of(actors.position_constraints.begin(), actors.position_constraints.end(), acts);
+}
+
+// From the last to the first: a child that only places passive children is passive.
+void findPassiveMappings(Actors& actors) {
+  std::vector<Mapping*> acting, passive;
+  for (auto mapping = actors.mappings.rbegin(); mapping != actors.mappings.rend(); ++mapping) {
+    const State* child = &(*mapping)->output();
+    const bool feeds =
+        std::any_of(acting.begin(), acting.end(), [&](const Mapping* m) { return &m->input() == child; });
+    (feeds || somethingActsOn(actors, child) ? acting : passive).push_back(*mapping);
+  }
+  actors.mappings.assign(acting.rbegin(), acting.rend());
+  actors.passive_mappings.assign(passive.rbegin(), passive.rend());
+}
+
+void orderStates(Actors& actors) {
+  std::vector<State*> mapped;
+  for (const auto* mappings : {&actors.mappings, &actors.passive_mappings})
+    for (const Mapping* mapping : *mappings) mapped.push_back(&mapping->output());
+  std::erase_if(actors.states, [&mapped](const State* state) { return contains(mapped, state); });
+  const std::size_t independent = actors.states.size();
+  actors.states.insert(actors.states.end(), mapped.begin(), mapped.end());
+  std::int64_t rows = 0;
+  for (std::size_t i = 0; i < actors.states.size(); ++i) {
+    rows += actors.states[i]->size();
+    if (i < independent) actors.independent_rows = Index(rows);
+    if (rows > std::numeric_limits<Index>::max() / 9)
+      throw ComponentError(fmt::format("{} nodes below one integrator are more than a 32-bit index can count", rows));
+  }
+  actors.all_rows = Index(rows);
+}
+
+}  // namespace
+
+Actors collectActors(const Node& node) {
+  Actors actors;
+  node.collect(actors.states);
+  node.collect(actors.force_fields);
+  node.collect(actors.masses);
+  node.collect(actors.constraints);
+  node.collect(actors.position_constraints);
+  node.collect(actors.mappings);
+  if (actors.states.empty())
+    throw ComponentError(
+        fmt::format("there is no mechanical state in {} or below, so there is nothing to move", node.path()),
+        "a MechanicalObject in the integrator's node or below");
+  requireStateIn(actors.states, actors.force_fields);
+  requireStateIn(actors.states, actors.masses);
+  requireStateIn(actors.states, actors.constraints);
+  requireStateIn(actors.states, actors.position_constraints);
+  requireOneMassPerState(actors.masses);
+  for (std::size_t i = 0; i < actors.mappings.size(); ++i) checkMapping(actors, i);
+  orderMappings(actors.mappings);
+  findPassiveMappings(actors);
+  orderStates(actors);
+  return actors;
+}
+
+void compileActors(Actors& actors) {
+  for (Mass* mass : actors.masses) mass->compile();
+  for (ForceField* field : actors.force_fields) field->compile();
+  for (const auto* mappings : {&actors.mappings, &actors.passive_mappings})
+    for (Mapping* mapping : *mappings) mapping->compile();
+  for (ForceField* field : actors.force_fields) {
+    const ForceTraits traits = field->traits();
+    if (traits.velocity_dependent) actors.damped_fields.push_back(field);
+    if (traits.time_dependent) actors.timed_fields.push_back(field);
+    if (traits.has_stiffness) actors.stiff_fields.push_back(field);
+    if (traits.velocity_dependent || (traits.has_stiffness && !traits.constant_stiffness))
+      actors.derivatives_vary = true;
+  }
+  for (const Mapping* mapping : actors.mappings)
+    if (!mapping->isLinear()) actors.derivatives_vary = true;
+}
+
+bool Actors::massIsDiagonal() const {
+  const auto on_mapped = [this](const Mass* mass) { return mass->state().firstRow() >= independent_rows; };
+  return std::all_of(masses.begin(), masses.end(),
+                     [&on_mapped](const Mass* mass) { return mass->isDiagonal() && !on_mapped(mass); });
+}
+
+std::string Actors::describeRow(Index row) const {
+  for (const State* state : states)
+    if (row >= state->firstRow() && row < state->firstRow() + state->size())
+      return fmt::format("node {} of {}", row - state->firstRow(), state->path());
+  return fmt::format("row {} of no state", row);
+}
+
+}  // namespace stroma

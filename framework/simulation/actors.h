@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <string>
+#include <vector>
+
+#include "framework/mechanics/force_field.h"
+#include "framework/mechanics/mapping.h"
+#include "framework/mechanics/mass.h"
+#include "framework/mechanics/position_constraint.h"
+#include "framework/mechanics/projective_constraint.h"
+
+namespace stroma {
+
+/// What lies below an integrator, as flat lists: the states that it moves and all that acts on them. Independent states
+/// come first (rows [0, independent_rows)), mapped ones after them.
+struct Actors {
+  std::vector<State*> states;
+  std::vector<ForceField*> force_fields;
+  std::vector<ForceField*> stiff_fields;   ///< those with a stiffness
+  std::vector<ForceField*> damped_fields;  ///< those that depend on velocity
+  std::vector<ForceField*> timed_fields;   ///< those that depend on time
+  std::vector<Mass*> masses;
+  std::vector<ProjectiveConstraint*> constraints;
+  std::vector<PositionConstraint*> position_constraints;
+  /// Parents before children: those whose child something acts on, and those that place children that nothing acts on.
+  /// The latter are applied after each step and nowhere else.
+  std::vector<Mapping*> mappings, passive_mappings;
+  Index all_rows = 0, independent_rows = 0;
+  bool derivatives_vary = false;  ///< some K or C may change with x or v
+
+  /// No mass couples nodes or lies on a mapped state.
+  bool massIsDiagonal() const;
+  /// "node 3 of /beam/dofs"
+  std::string describeRow(Index row) const;
+};
+
+/// Collects from `node` and below and gives the states their order; their rows are counted, not yet bound. Throws
+/// ComponentError where what acts on a state does not fit it.
+Actors collectActors(const Node& node);
+
+/// Calls compile() of masses, force fields and mappings once states are bound to their rows, and sorts the force fields
+/// by their traits.
+void compileActors(Actors& actors);
+
+}  // namespace stroma

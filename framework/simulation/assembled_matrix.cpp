@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "framework/simulation/assembled_matrix.h"
+
+#include <algorithm>
+
+namespace stroma {
+
+const BlockMatrix& AssembledMatrix::pattern() {
+  if (!ready_) makePattern();
+  return matrix_;
+}
+
+void AssembledMatrix::dropPattern() {
+  matrix_ = BlockMatrix();
+  ready_ = false;
+}
+
+void AssembledMatrix::makePattern() {
+  BlockPattern pattern(mappings_.empty() ? actors_.independent_rows : actors_.all_rows);
+  for (const Mass* mass : actors_.masses) mass->addPattern(pattern);
+  for (const ForceField* field : actors_.force_fields)
+    if (const ForceTraits traits = field->traits(); traits.has_stiffness || traits.velocity_dependent)
+      field->addPattern(pattern);
+  for (const Mapping* mapping : actors_.mappings)
+    if (!mapping->isLinear()) mapping->addGeometricPattern(pattern);
+  if (mappings_.empty()) {
+    matrix_ = BlockMatrix(std::move(pattern));
+  } else {
+    mapped_.prepare(std::move(pattern), actors_.mappings, actors_.independent_rows);
+    matrix_ = mapped_.reducedPattern();
+  }
+  // groups of all times: those that come and go do not change the pattern
+  if (const NodeGroups groups = constraints_.groupsOfAllTimes(); !groups.empty()) matrix_ = groups.withFill(matrix_);
+  block_count_ = matrix_.blocks();
+  const BlockMatrix& target = mappings_.empty() ? matrix_ : mapped_.full();
+  for (Mass* mass : actors_.masses) mass->prepareAssembly(target);
+  for (ForceField* field : actors_.force_fields) field->prepareAssembly(target);
+  constant_part_.clear();
+  ready_ = true;
+}
+
+const BlockMatrix& AssembledMatrix::assemble(const MatrixFactors& factors) {
+  pattern();
+  BlockMatrix& target = mappings_.empty() ? matrix_ : mapped_.full();
+  addConstantParts(factors, target);
+  addChangingParts(factors, target);
+  if (!mappings_.empty()) {
+    if (!mappings_.isLinear()) mapped_.updateJacobian(actors_.mappings);
+    mapped_.reduce(matrix_);
+  }
+  constraints_.groups().average(matrix_);
+  eliminateProjectors();
+  constraints_.groups().complete(constraints_.projectors(), matrix_);
+  return matrix_;
+}
+
+void AssembledMatrix::addConstantTerms(const MatrixFactors& factors, BlockMatrix& matrix) const {
+  matrix.clear();
+  for (const Mass* mass : actors_.masses)
+    if (const double factor = factors.of(*mass); factor != 0) mass->addTo(factor, matrix);
+  for (const ForceField* field : actors_.stiff_fields)
+    if (const double factor = factors.of(*field); factor != 0 && field->traits().constant_stiffness)
+      field->addStiffness(factor, matrix);
+}
+
+// Masses and constant stiffnesses are assembled again only when a factor changed. Without a constant stiffness and
+// with diagonal masses, adding them anew costs less than keeping their sum.
+void AssembledMatrix::addConstantParts(const MatrixFactors& factors, BlockMatrix& matrix) {
+  const auto is_constant = [](const ForceField* field) { return field->traits().constant_stiffness; };
+  const bool worth_keeping =
+      actors_.derivatives_vary &&
+      (!actors_.massIsDiagonal() || std::any_of(actors_.stiff_fields.begin(), actors_.stiff_fields.end(), is_constant));
+  if (!worth_keeping) return addConstantTerms(factors, matrix);
+  if (constant_part_.empty() || factors != constant_factors_) {
+    addConstantTerms(factors, matrix);
+    constant_part_ = matrix.values();
+    constant_factors_ = factors;
+    return;
+  }
+  std::copy(constant_part_.begin(), constant_part_.end(), matrix.values().begin());
+}
+
+void AssembledMatrix::addChangingParts(const MatrixFactors& factors, BlockMatrix& matrix) const {
+  for (const ForceField* field : actors_.stiff_fields)
+    if (const double factor = factors.of(*field); factor != 0 && !field->traits().constant_stiffness)
+      field->addStiffness(factor, matrix);
+  if (factors.damping != 0)
+    for (const ForceField* field : actors_.damped_fields) field->addDamping(factors.damping, matrix);
+  for (const Mapping* mapping : actors_.mappings)
+    if (!mapping->isLinear()) mapping->addGeometricStiffness(mappings_.lastForce(), factors.stiffness, matrix);
+}
+
+// Block (i, j) becomes P_i A_ij P_j, and I - P_i is added on the diagonal.
+void AssembledMatrix::eliminateProjectors() {
+  using Block = Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>;
+  const std::vector<NodeProjector>& projectors = constraints_.projectors();
+  if (projectors.empty()) return;
+  const auto& start = matrix_.rowStart();
+  const auto& columns = matrix_.columns();
+  for (Index row = 0; row < actors_.independent_rows; ++row) {
+    const Index left = constraints_.projectorOf(row);
+    for (Index slot = start[std::size_t(row)]; slot < start[std::size_t(row) + 1]; ++slot) {
+      const Index right = constraints_.projectorOf(columns[std::size_t(slot)]);
+      if (left < 0 && right < 0) continue;
+      Block block(matrix_.values().data() + std::size_t(slot) * 9);
+      if (left >= 0) block = (projectors[std::size_t(left)].projector * block).eval();
+      if (right >= 0) block = (block * projectors[std::size_t(right)].projector).eval();
+    }
+  }
+  for (const NodeProjector& held : projectors)
+    matrix_.add(matrix_.diagonal()[std::size_t(held.row)], Mat3::Identity() - held.projector);
+}
+
+}  // namespace stroma

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <vector>
+
+#include "framework/simulation/constraint_set.h"
+#include "framework/simulation/mapped_matrix.h"
+#include "framework/simulation/mapping_chain.h"
+
+namespace stroma {
+
+/// The factors of the terms of a system's matrix. Rayleigh factors multiply each mass's and force field's own.
+struct MatrixFactors {
+  double mass = 0, stiffness = 0, damping = 0, rayleigh_mass = 0, rayleigh_stiffness = 0;
+  bool operator==(const MatrixFactors&) const = default;
+  double of(const ForceField& field) const { return stiffness + rayleigh_stiffness * field.rayleigh_stiffness; }
+  double of(const Mass& mass_term) const { return mass + rayleigh_mass * mass_term.rayleigh_mass; }
+};
+
+/// The terms of a system's matrix added up in 3x3 blocks, constraints eliminated. The pattern is made when it is first
+/// asked for.
+class AssembledMatrix {
+ public:
+  AssembledMatrix(const Actors& actors, const MappingChain& mappings, const ConstraintSet& constraints)
+      : actors_(actors), mappings_(mappings), constraints_(constraints) {}
+  /// The matrix with its pattern; values are those of the last assemble().
+  const BlockMatrix& pattern();
+  bool hasPattern() const { return ready_; }
+  /// Forgets the pattern and its memory, but for the number of its blocks.
+  void dropPattern();
+  /// Blocks of the pattern, -1 until it was made once.
+  Index blocks() const { return block_count_; }
+  const BlockMatrix& matrix() const { return matrix_; }
+
+  /// Values of the matrix with these factors at the state of the last force.
+  const BlockMatrix& assemble(const MatrixFactors& factors);
+
+ private:
+  void makePattern();
+  void addConstantParts(const MatrixFactors& factors, BlockMatrix& matrix);
+  void addChangingParts(const MatrixFactors& factors, BlockMatrix& matrix) const;
+  void addConstantTerms(const MatrixFactors& factors, BlockMatrix& matrix) const;
+  void eliminateProjectors();
+
+  const Actors& actors_;
+  const MappingChain& mappings_;
+  const ConstraintSet& constraints_;
+  BlockMatrix matrix_;
+  MappedMatrix mapped_;  ///< only with mappings
+  Index block_count_ = -1;
+  bool ready_ = false;
+  /// Values of the terms that do not change, shape (blocks, 9), with the factors they were added with; empty: none kept.
+  std::vector<double> constant_part_;
+  MatrixFactors constant_factors_;
+};
+
+}  // namespace stroma

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Masses under the constraints of a system: which nodes need one, and the inverse that explicit steps use.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "framework/simulation/constraint_set.h"
+
+namespace stroma {
+
+namespace {
+
+/// Row sums of all masses on independent rows [kg].
+std::vector<double> lumpedMass(const Actors& actors) {
+  std::vector<double> sums(std::size_t(actors.independent_rows), 0.0);
+  for (const Mass* mass : actors.masses) {
+    const std::size_t first = std::size_t(mass->state().firstRow());
+    if (first >= sums.size()) continue;
+    const std::vector<double>& lumped = mass->lumped();
+    for (std::size_t i = 0; i < lumped.size(); ++i) sums[first + i] += lumped[i];
+  }
+  return sums;
+}
+
+/// 1 for rows that are held in all directions at all times, 0 for the others.
+std::vector<char> rowsAlwaysHeld(const Actors& actors) {
+  std::vector<NodeProjector> always;
+  for (const ProjectiveConstraint* constraint : actors.constraints)
+    if (constraint->isConstant() && constraint->endTime() < 0) constraint->addProjectors(0, always);
+  mergeByRow(always);
+  std::vector<char> held(std::size_t(actors.independent_rows), 0);
+  for (const NodeProjector& projector : always)
+    if (projector.projector.isZero()) held[std::size_t(projector.row)] = 1;
+  return held;
+}
+
+void requireDiagonalUnderMotion(const Actors& actors) {
+  const auto moving = std::find_if(actors.constraints.begin(), actors.constraints.end(),
+                                   [](const ProjectiveConstraint* c) { return c->prescribesMotion(); });
+  if (moving != actors.constraints.end() && !actors.massIsDiagonal())
+    throw ComponentError(
+        fmt::format("{} moves nodes, and their inertia would not reach their neighbours through a mass "
+                    "that is not diagonal",
+                    (*moving)->path()),
+        "a diagonal mass", "use DiagonalMass, or lumping=\"true\"");
+}
+
+void requireMassOf(const State& state, const Actors& actors, const std::vector<char>& held,
+                   const std::vector<double>& mass) {
+  const bool has_mass = std::any_of(actors.masses.begin(), actors.masses.end(),
+                                    [&state](const Mass* m) { return &m->state() == &state; });
+  for (Index i = 0; i < state.size(); ++i) {
+    const std::size_t row = std::size_t(state.firstRow() + i);
+    if (held[row] || mass[row] > 0) continue;
+    if (!has_mass)
+      throw ComponentError(fmt::format("{} has no mass, so its motion is not defined", state.path()),
+                           "a mass in the state's node", "add <UniformMass totalMass=\"1\"/>");
+    throw ComponentError(
+        fmt::format("node {} of {} has a mass of {} kg, so its motion is not defined", i, state.path(), mass[row]),
+        "a positive mass at every node that is not held");
+  }
+}
+
+}  // namespace
+
+// A mass on a mapped state gives mass to the nodes it is mapped from; which ones, only the mapping knows, so a state
+// with a mapped one below it is let through.
+void ConstraintSet::requireMass() const {
+  requireDiagonalUnderMotion(actors_);
+  const std::vector<char> held = rowsAlwaysHeld(actors_);
+  const std::vector<double> mass = lumpedMass(actors_);
+  for (const State* state : actors_.states) {
+    if (state->firstRow() >= actors_.independent_rows) continue;
+    const bool feeds_mapping = std::any_of(actors_.mappings.begin(), actors_.mappings.end(),
+                                           [state](const Mapping* mapping) { return &mapping->input() == state; });
+    if (!feeds_mapping) requireMassOf(*state, actors_, held, mass);
+  }
+}
+
+const std::vector<double>& ConstraintSet::inverseLumpedMass() {
+  requireMass();
+  wants_inverse_mass_ = true;
+  updateInverseMass();
+  return inverse_mass_;
+}
+
+// The rows of a group get one over the mean of their masses: the mean that project() takes of their accelerations is
+// then the sum of the forces over the sum of the masses.
+void ConstraintSet::updateInverseMass() {
+  if (!wants_inverse_mass_) return;
+  const std::vector<char> held = rowsAlwaysHeld(actors_);
+  inverse_mass_ = lumpedMass(actors_);
+  groups_.average(inverse_mass_);
+  for (std::size_t row = 0; row < inverse_mass_.size(); ++row) {
+    if (!held[row] && !(inverse_mass_[row] > 0))
+      throw ComponentError(
+          "masses on mapped states (" + actors_.describeRow(Index(row)) + " has no other) have no lumped inverse",
+          "an implicit integrator, or a mass on the state that is mapped from");
+    inverse_mass_[row] = held[row] ? 0 : 1 / inverse_mass_[row];
+  }
+}
+
+// The nodes of a group start together: where one of them is held, else at their centre of mass and with its velocity.
+void ConstraintSet::meetGroups(double start, Rows x, Rows v) const {
+  if (groups_.empty()) return;
+  const std::vector<double> mass = lumpedMass(actors_);
+  std::vector<NodeProjector> own;
+  for (const ProjectiveConstraint* constraint : all()) constraint->addProjectors(start, own);
+  std::vector<char> is_held(std::size_t(actors_.independent_rows), 0);
+  for (const NodeProjector& held : own) is_held[std::size_t(held.row)] |= held.projector.isZero(0);
+  for (Index g = 0; g < groups_.count(); ++g) {
+    const Index *begin = groups_.begin(g), *end = groups_.end(g);
+    const Index* held = std::find_if(begin, end, [&](Index row) { return is_held[std::size_t(row)]; });
+    double whole = 0;
+    for (const Index* row = begin; row != end; ++row) whole += mass[std::size_t(*row)];
+    for (Rows vector : {x, v}) {
+      Vec3 meeting = Vec3::Zero();
+      for (const Index* row = begin; row != end; ++row)
+        meeting += (whole > 0 ? mass[std::size_t(*row)] / whole : 1 / double(groups_.size(g))) * vector[*row];
+      if (held != end) meeting = vector[*held];
+      for (const Index* row = begin; row != end; ++row) vector[*row] = meeting;
+    }
+  }
+}
+
+}  // namespace stroma

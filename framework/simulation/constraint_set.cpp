@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "framework/simulation/constraint_set.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace stroma {
+
+namespace {
+
+bool same(const std::vector<NodeProjector>& a, const std::vector<NodeProjector>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const NodeProjector& p, const NodeProjector& q) {
+    return p.row == q.row && p.projector == q.projector;
+  });
+}
+
+void applyProjectors(const std::vector<NodeProjector>& projectors, Rows vector) {
+  for (const NodeProjector& held : projectors) vector[held.row] = (held.projector * vector[held.row]).eval();
+}
+
+}  // namespace
+
+void ConstraintSet::compile(double start, Rows x, Rows v) {
+  projector_of_row_.assign(std::size_t(actors_.independent_rows), -1);
+  for (const ProjectiveConstraint* constraint : all())
+    change_ = change_ || !constraint->isConstant() || constraint->endTime() >= 0;
+  reserve(start);
+  for (const ProjectiveConstraint* constraint : all()) constraint->placeStart(start, x, v);
+  gather(start, start);
+  motion_.check(start, x, v);
+  meetGroups(start, x, v);
+}
+
+// Room for all constraints at once, so that one that begins later allocates nothing.
+void ConstraintSet::reserve(double start) {
+  std::vector<NodeProjector> every;
+  bool prescribed = false;
+  for (const ProjectiveConstraint* constraint : all()) {
+    constraint->addProjectors(start, every);
+    constraint->addTies(gathered_ties_);
+    prescribed = prescribed || constraint->prescribesMotion();
+  }
+  const std::size_t most = every.size() + 2 * gathered_ties_.size();
+  for (std::vector<NodeProjector>* list : {&gathered_, &projectors_, &velocity_projectors_}) list->reserve(most);
+  if (prescribed) motion_.reserve(most);
+}
+
+// A constraint holds in a step that starts at or before its endTime (as in SOFA); its projectors are those of the
+// step's end.
+void ConstraintSet::gather(double t_start, double t_end) {
+  gathered_.clear();
+  velocity_projectors_.clear();
+  gathered_ties_.clear();
+  motion_.clear();
+  for (std::size_t i = 0; i < all().size(); ++i) {
+    const ProjectiveConstraint* constraint = all()[i];
+    if (!constraint->activeIn(t_start, t_end)) continue;
+    constraint->addProjectors(t_end, gathered_);
+    constraint->addTies(gathered_ties_);
+    if (constraint->projectsVelocity()) constraint->addProjectors(t_end, velocity_projectors_);
+    if (constraint->prescribesMotion()) motion_.add(i, t_end);
+  }
+  const bool regrouped = groups_.set(gathered_ties_, actors_.independent_rows);
+  if (regrouped) updateInverseMass();
+  motion_.finish();
+  for (std::vector<NodeProjector>* list : {&gathered_, &velocity_projectors_}) {
+    mergeByRow(*list);
+    groups_.share(*list);
+  }
+  if (same(gathered_, projectors_)) {
+    revision_ += regrouped;
+    return;
+  }
+  for (const NodeProjector& held : projectors_) projector_of_row_[std::size_t(held.row)] = -1;
+  projectors_.swap(gathered_);
+  for (std::size_t i = 0; i < projectors_.size(); ++i) projector_of_row_[std::size_t(projectors_[i].row)] = Index(i);
+  ++revision_;
+}
+
+void ConstraintSet::begin(const StepContext& context, ConstRows x, Rows v) {
+  motion_.forgetMisplaced();
+  if (change_) gather(context.t, context.t_end);
+  applyProjectors(velocity_projectors_, v);
+  motion_.aim(context, x, v);
+}
+
+bool ConstraintSet::end(const StepContext& context, Rows x, Rows v) const {
+  if (motion_.empty() && groups_.empty()) return false;
+  // what a direct solve leaves between tied rows is round-off; it must not add up
+  groups_.average(x);
+  groups_.average(v);
+  motion_.place(context, x, v);
+  return true;
+}
+
+void ConstraintSet::project(Rows vector) const {
+  applyProjectors(projectors_, vector);
+  groups_.average(vector);
+}
+
+NodeGroups ConstraintSet::groupsOfAllTimes() const {
+  std::vector<Tie> ties;
+  for (const ProjectiveConstraint* constraint : all()) constraint->addTies(ties);
+  NodeGroups groups;
+  groups.set(ties, actors_.independent_rows);
+  return groups;
+}
+
+}  // namespace stroma

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <vector>
+
+#include "framework/simulation/actors.h"
+
+namespace stroma {
+
+/// The mappings of a system, from independent rows to all rows and back. Costs nothing in a system without mappings.
+class MappingChain {
+ public:
+  /// Once states are bound and mappings compiled; `actors` outlives this.
+  void compile(const Actors& actors);
+  bool empty() const { return actors_->mappings.empty(); }
+  bool isLinear() const { return linear_; }
+
+  /// The same vector on all rows. Vectors of a caller end with the independent rows, or have rows for mapped states that
+  /// only mappings can fill. Valid until the next call of the same function.
+  ConstRows positions(ConstRows x) const;
+  ConstRows velocities(ConstRows v) const { return lifted(v, v_); }
+  ConstRows direction(ConstRows p) const { return lifted(p, p_); }
+
+  /// Where to add forces on all rows whose sum out += J^T f is wanted: `out` itself without mappings, else work space
+  /// that is zero. To be handed to finish().
+  Rows beginSum(Rows out) const;
+  /// out += J^T all, on independent rows; nothing to do without mappings.
+  void finishSum(Rows all, Rows out) const;
+  /// The same for k times the product of the stiffness with `p` (on all rows): each mapping that is not linear adds
+  /// the turning of the force on its child, (J^T f)' = J^T K J + dJ^T/dx f.
+  void finishProduct(ConstRows p, double k, Rows all, Rows out) const;
+
+  /// all += J^T all, from children to parents.
+  void pullBack(Rows all) const;
+  /// The force on all rows that geometric stiffnesses are taken with.
+  void noteForce(ConstRows f);
+  ConstRows lastForce() const { return last_force_; }
+
+  /// Places mapped rows of positions and velocities that something acts on; placePassive() the others.
+  void place(Rows x, Rows v) const;
+  void placePassive(Rows x, Rows v) const;
+
+ private:
+  ConstRows lifted(ConstRows p, Vector& work) const;
+  void pullBackProduct(ConstRows p, double k, Rows all) const;
+
+  const Actors* actors_ = nullptr;
+  bool linear_ = true;
+  mutable Vector x_, v_, p_, f_;  ///< work space, shape (all rows), only with mappings
+  Vector last_force_;             ///< shape (all rows), only with mappings that are not linear
+};
+
+}  // namespace stroma

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <string>
+#include <vector>
+
+#include "framework/algebra/linear_solver.h"
+#include "framework/simulation/assembled_matrix.h"
+#include "framework/simulation/phase_times.h"
+
+namespace stroma {
+
+class System;
+
+/// The matrix of a linear solve on a system,
+///   A = P (sum (m + m_r rayleighMass) M + sum (k + k_r rayleighStiffness) K + sum c C) P + (I - P)
+/// with the factors m, m_r, k, k_r, c in the order of masses, force fields and those that depend on velocity; K and C
+/// of the last force. As products, and assembled where a solver asks for that.
+class MechanicalMatrix final : public SystemMatrix {
+ public:
+  explicit MechanicalMatrix(const System& system);
+  void setFactors(const MatrixFactors& factors);
+
+  Index rows() const override;
+  void multiply(ConstRows p, Rows out) const override;
+  const BlockMatrix& assemble() override;
+  const BlockMatrix& pattern() override { return assembled_.pattern(); }
+  void diagonalBlocks(std::vector<double>& blocks) const override;
+  MatrixKey key() const override { return {identity().get(), 0, valuesRevision()}; }
+  bool symmetric() const override;
+  bool prefersAssembled(int expected_products) const override;
+  ConstRows positions() const override;
+  std::string describeRow(Index row) const override;
+
+  /// Blocks of the matrix that is kept; -1: none so far.
+  Index keptBlocks() const { return assembled_.hasPattern() ? assembled_.blocks() : -1; }
+
+ private:
+  long valuesRevision() const;
+
+  const System& system_;
+  const Actors& actors_;
+  const MappingChain& mappings_;
+  const ConstraintSet& constraints_;
+  MatrixFactors factors_;
+  long factors_revision_ = 0;
+  /// Made on demand, also by a question about its size.
+  mutable AssembledMatrix assembled_;
+  long assembled_revision_ = -1;
+};
+
+}  // namespace stroma

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The forces on the unknowns of a system, the products of their derivatives, and energies.
+#include <algorithm>
+#include <cassert>
+
+#include "framework/scene/node.h"
+#include "framework/simulation/system.h"
+
+namespace stroma {
+
+void System::setTime(double t) {
+  for (ForceField* field : actors_.timed_fields) field->setTime(t);
+}
+
+void System::computeGravity() {
+  gravity_force_.resize(allRows());
+  for (const Mass* mass : masses()) {
+    if (mass->node().gravity().isZero()) continue;
+    mass->addGravity(gravity_force_);
+    has_gravity_ = true;
+  }
+  if (has_gravity_) ++counts.gravity;
+}
+
+void System::noteForceEvaluation(ConstRows f_now) {
+  ++counts.forces;
+  mappings_.noteForce(f_now);
+  if (actors_.derivatives_vary) ++derivatives_revision_;
+}
+
+void System::startForce(Rows out) const {
+  if (has_gravity_)
+    copy(gravity_force_, out);
+  else
+    clear(out);
+}
+
+void System::computeForce(ConstRows x_now, ConstRows v_now, Rows f_now) {
+  const PhaseTimer timer(times.force);
+  assert(f_now.count == allRows());
+  const ConstRows x_all = mappings_.positions(x_now), v_all = mappings_.velocities(v_now);
+  startForce(f_now);
+  for (ForceField* field : forceFields()) field->addForce(x_all, v_all, f_now);
+  mappings_.pullBack(f_now);
+  noteForceEvaluation(f_now);
+}
+
+void System::computeForceAndProduct(ConstRows x_now, ConstRows v_now, ConstRows p, double k, double k_rayleigh,
+                                    Rows out) {
+  const bool asked = std::any_of(states().begin(), states().end(), [](const State* s) { return s->forceRequested(); });
+  if (asked || !mappings_.isLinear()) {  // the geometric stiffness of mappings needs the force alone too
+    computeForce(x_now, v_now, f);
+    copy(f, out);
+    addStiffnessProduct(p, k, k_rayleigh, {out.data, independentRows()});
+    return;
+  }
+  const PhaseTimer timer(times.force);
+  assert(out.count == allRows());
+  const ConstRows x_all = mappings_.positions(x_now), v_all = mappings_.velocities(v_now);
+  const ConstRows p_all = mappings_.direction(p);
+  startForce(out);
+  for (ForceField* field : forceFields()) {
+    const double factor = k + k_rayleigh * field->rayleigh_stiffness;
+    if (factor == 0 || !field->traits().has_stiffness) {
+      field->addForce(x_all, v_all, out);
+    } else {
+      field->addForceAndProduct(x_all, v_all, p_all, factor, out);
+    }
+  }
+  mappings_.pullBack(out);
+  noteForceEvaluation(out);
+}
+
+// ---- products ----
+
+void System::addStiffnessProduct(ConstRows p, double k, double k_rayleigh, Rows out) const {
+  const PhaseTimer timer(times.product);
+  const ConstRows p_all = mappings_.direction(p);
+  const Rows all = mappings_.beginSum(out);
+  for (const ForceField* field : actors_.stiff_fields)
+    if (const double factor = k + k_rayleigh * field->rayleigh_stiffness; factor != 0)
+      field->addStiffnessProduct(p_all, factor, all);
+  mappings_.finishProduct(p_all, k, all, out);
+}
+
+template <class Factor>
+void System::addMassProducts(ConstRows p, Rows out, Factor factor) const {
+  const ConstRows p_all = mappings_.direction(p);
+  const Rows all = mappings_.beginSum(out);
+  for (const Mass* mass : masses())
+    if (factor(*mass) != 0) mass->addProduct(p_all, factor(*mass), all);
+  mappings_.finishSum(all, out);
+}
+
+void System::addMassProduct(ConstRows p, double factor, Rows out) const {
+  addMassProducts(p, out, [factor](const Mass&) { return factor; });
+}
+
+void System::addRayleighMassProduct(ConstRows p, double rayleigh, double factor, Rows out) const {
+  addMassProducts(p, out, [=](const Mass& mass) { return (rayleigh + mass.rayleigh_mass) * factor; });
+}
+
+// ---- energies ----
+
+double System::kineticEnergy(ConstRows v_then) const {
+  double sum = 0;
+  for (const Mass* mass : masses()) sum += mass->kineticEnergy(v_then);
+  return sum;
+}
+
+double System::elasticEnergy(ConstRows x_now) const {
+  const ConstRows all = mappings_.positions(x_now);
+  double sum = 0;
+  for (const ForceField* field : forceFields()) sum += field->energy(all);
+  return sum;
+}
+
+double System::gravityEnergy(ConstRows x_now) const {
+  if (!has_gravity_) return 0;
+  const ConstRows all = mappings_.positions(x_now);
+  double sum = 0;
+  for (const Mass* mass : masses()) sum += mass->gravityEnergy(all);
+  return sum;
+}
+
+bool System::isConservative() const {
+  return std::all_of(forceFields().begin(), forceFields().end(),
+                     [](const ForceField* field) { return field->traits().conservative; });
+}
+
+}  // namespace stroma

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// What can be said about a system: its plan, and where its state went wrong.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "framework/simulation/system.h"
+
+namespace stroma {
+
+/// Looks for states that are no result.
+class FaultWatch {
+ public:
+  /// `system` outlives this.
+  explicit FaultWatch(const System& system) : system_(system) {}
+  /// Empty, or a sentence: prescribed motions put a node at places without a common point, or x or v is not finite (with
+  /// the state, the node and the component to suspect), or an elastic body is more than a million times its size at rest
+  /// (a hundred times where elements have grown as much) and larger than at `before` [m]. It will not come back, and
+  /// long before it overflows nothing about it means anything.
+  std::string firstFault(ConstRows before);
+
+ private:
+  std::string firstNonFinite(bool x_good) const;
+  std::string firstBurst(ConstRows before) const;
+
+  const System& system_;
+  double burst_size_ = -1;  ///< of the smallest elastic body [m]; -1: not looked up yet
+};
+
+/// A sentence for every elastic body that is more than ten times its size at rest.
+std::vector<std::string> grownBodies(const System& system);
+/// Throws ComponentError when a mass or a force field has a Rayleigh factor and `method` (a sentence's subject) has no
+/// damping: it would be ignored.
+void refuseRayleighFactors(const System& system, const std::string& method);
+/// A line each for what runs and what is skipped, with the reason.
+std::vector<std::string> explain(const System& system);
+
+}  // namespace stroma
