@@ -21,7 +21,7 @@
 namespace stroma {
 
 /// u_S = C f*_S with C = (A^-1)_SS, A the matrix of a static or of a dynamic step. Active nodes are those of u: the
-/// kept ones, or every free node where the inside is solved for in each step. Vectors over them have 3 numbers a node
+/// kept ones, or every free node where the inside is solved for in each step. Vectors over them have 3 numbers per node
 /// and are padded to chunks of 8.
 class CondensedIntegrator : public Integrator {
  public:

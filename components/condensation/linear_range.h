@@ -10,7 +10,7 @@ namespace stroma {
 /// Watches how far the surface of a linear body turns and stretches from its rest shape. With the surface gradient of
 /// the displacement of a triangle, G = grad u in its plane (t1, t2, n): strain (G + G^T)/2 in the plane, turn
 /// ((G_21 - G_12)/2, n.G_1, n.G_2). All triangles when the displacements are larger than ever before and when asked for
-/// the sentence; else a few a step, in turn. What is beyond the bounds for some steps in the middle of a run, with
+/// the sentence; else a few per step, in turn. What is beyond the bounds for some steps in the middle of a run, with
 /// smaller displacements than an earlier step, is seen by chance.
 class LinearRange {
  public:

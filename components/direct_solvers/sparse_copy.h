@@ -37,7 +37,7 @@ class SparseCopy {
   std::vector<double> source_;
 };
 
-/// Rows to three numbers a row, and back (scatter).
+/// Rows to three numbers per row, and back (scatter).
 inline void gather(ConstRows from, Eigen::VectorXd& out) {
   out.resize(3 * from.count);
   for (Index i = 0; i < from.count; ++i) out.segment<3>(3 * i) = from[i];

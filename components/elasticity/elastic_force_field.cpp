@@ -49,7 +49,7 @@ const char* wordOf(ElasticMethod method) {
   return words[int(method)];
 }
 
-/// One value for all, or one a cell.
+/// One value for all, or one per cell.
 double at(const std::vector<double>& values, std::size_t cell, double empty) {
   return values.empty() ? empty : values.size() == 1 ? values[0] : values[cell];
 }
@@ -100,17 +100,17 @@ void ElasticForceField::declare(DataTable& table) {
       .unit("Pa")
       .min(0, false)
       .physical()
-      .help("Young's modulus: one value, or one a cell");
+      .help("Young's modulus: one value, or one per cell");
   table.add("poissonRatio", poisson_ratio_)
       .unit("-")
       .min(-1, false)
       .max(0.5, false)
       .physical()
-      .help("Poisson's ratio: one value, or one a cell");
+      .help("Poisson's ratio: one value, or one per cell");
   table.add("localStiffnessFactor", stiffness_factor_)
       .unit("-")
       .min(0)
-      .help("factor on Young's modulus a cell; empty: 1");
+      .help("factor on Young's modulus, one per cell; empty: 1");
   table
       .addChoice("method", method_word,
                  {"small", "large", "polar", "svd", "nodal", "green", "qr", "none", "polar2", "triangle", "hexahedron",

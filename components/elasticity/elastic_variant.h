@@ -11,7 +11,7 @@ struct ElasticVariant {
   ElasticMethod method = ElasticMethod::large;
   elastic::Update update = elastic::Update::none;
   bool exact_tangent = false;    ///< of the rotated methods
-  bool mean_dilatation = false;  ///< the volume change is one number an element
+  bool mean_dilatation = false;  ///< the volume change is one number per element
   bool own_matrix = false;       ///< products through the field's own assembled matrix
 };
 

@@ -22,12 +22,12 @@
 // small and green only, because the rotation of the mean edges minimises no energy: an unsymmetric tangent needs
 // SparseLDLSolver.
 //
-// dilatation = mean takes the volume change as one number an element, its mean at rest weights (Nagtegaal, Parks and
+// dilatation = mean takes the volume change as one number per element, its mean at rest weights (Nagtegaal, Parks and
 // Rice 1974; the B-bar of Hughes 1980): near nu = 1/2 the element does not lock, and a compressed body does not buckle
 // element by element under the pressures of locking. For green it is the mean of tr(E). With updateVolume a point
 // counts with the root of its weight times the one at rest.
 //
-// Cell fields for exporters: vonMises [Pa], J (the smallest of the eight Gauss points), strain (6 a cell: xx yy zz xy
+// Cell fields for exporters: vonMises [Pa], J (the smallest of the eight Gauss points), strain (6 per cell: xx yy zz xy
 // yz zx, the mean of sym(R^T F) - I for every variant, of E for green, in the axes of the rest shape).
 //
 // Example:

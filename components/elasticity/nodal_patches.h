@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Matrices of energies sum_a 1/2 c_a (b_a . x)^2 with one number a node, where b_a sums over the elements around node
+// Matrices of energies sum_a 1/2 c_a (b_a . x)^2 with one number per node, where b_a sums over the elements around node
 // a: what an average at the nodes adds to a stiffness.
 #pragma once
 #include <array>

@@ -9,7 +9,7 @@
 //
 // method = small: R = I, pure linear elasticity; large: QR frame (first edge, plane of the first two), depends on the
 // order of the vertices; polar: nearest orthogonal matrix, the least stretched axis flipped in an inverted element;
-// svd: the smallest inversion (Irving et al. 2004); nodal: one rotation a node (Mueller et al. 2002), which leaves
+// svd: the smallest inversion (Irving et al. 2004); nodal: one rotation per node (Mueller et al. 2002), which leaves
 // ghost forces and is here for comparison only. Other components' words qr, none, polar2, triangle, stable_polar and
 // identity are taken as large, small, polar, large, svd and small.
 //
@@ -24,7 +24,7 @@
 // a potential: small, and svd without updates. polar has one until an element inverts; large and the updated variants
 // have none. An unsymmetric tangent needs SparseLDLSolver.
 //
-// dilatation = mean takes the volume change as one number a node, the mean over the tetrahedra around it (Bonet and
+// dilatation = mean takes the volume change as one number per node, the mean over the tetrahedra around it (Bonet and
 // Burton 1998):
 //   V_a = sum V_e/4,   theta_a = 1/V_a sum V_e/4 tr(eps_e),   p_e = 1/4 sum_a K theta_a,   sigma_e = p_e I + 2 mu
 //   dev(eps_e)
@@ -32,8 +32,8 @@
 // locking. For small, large, polar and svd. A product passes twice over the elements; a matrix couples the nodes of all
 // elements around each node. With updateVolume an element counts with (V V_0)^1/2.
 //
-// Cell fields for exporters: vonMises [Pa], J, strain (6 a cell: xx yy zz xy yz zx, sym(R^T F) - I for every variant, E
-// for green, in the axes of the rest shape).
+// Cell fields for exporters: vonMises [Pa], J, strain (6 per cell: xx yy zz xy yz zx, sym(R^T F) - I for every variant,
+// E for green, in the axes of the rest shape).
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 0 -9.81">

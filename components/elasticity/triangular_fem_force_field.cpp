@@ -96,12 +96,12 @@ void TriangularFEMForceField::declare(DataTable& table) {
   ForceField::declare(table);
   table.addLink("topology", topology_).help("mesh of triangles; the node's own (or the nearest above) when not given");
   table.add("youngModulus", young_modulus_)
-      .help("Young's modulus: one value, or one a triangle")
+      .help("Young's modulus: one value, or one per triangle")
       .unit("Pa")
       .min(0, false)
       .physical();
   table.add("poissonRatio", poisson_ratio_)
-      .help("Poisson's ratio: one value, or one a triangle")
+      .help("Poisson's ratio: one value, or one per triangle")
       .unit("-")
       .min(-1, false)
       .max(0.5)

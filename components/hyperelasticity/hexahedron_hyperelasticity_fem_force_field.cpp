@@ -3,7 +3,8 @@
 // TetrahedronHyperelasticityFEMForceField, whose page says what is computed, at each of eight points
 //   F = sum_i dx/dxi_i (x) grad xi_i,   f_a = -sum_p w_p P_p grad N_a
 // Trilinear cells lock when nearly incompressible (nu above about 0.48). dilatation = mean does not: the part k U(J) of
-// the energy (k0 or lambda, see the table of laws) takes one volume change a cell, v/V of its volumes now and at rest,
+// the energy (k0 or lambda, see the table of laws) takes one volume change per cell, v/V of its volumes now and at
+// rest,
 //   E = sum_p w_p W_0(F_p) + k V U(v/V),   W_0 = W with k = 0
 // (Nagtegaal, Parks and Rice 1974; Simo, Taylor and Pister 1985). What shear and fibres feel stays at the points. For a
 // law with J^-2/3 I1 that is Hooke's law with a mean dilatation at small strains; for NeoHookean, StableNeoHookean and

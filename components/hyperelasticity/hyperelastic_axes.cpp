@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The axes of a hyperelastic field's material, from AnisotropyDirections: of all cells, one a cell, or one a node. A
-// fibre has no sense, a and -a are the same: the mean of a cell's corners is the axis m that is closest to theirs, the
-// largest eigenvector of sum a (x) a. Fibres and sheets are averaged apart and made orthogonal then.
+// The axes of a hyperelastic field's material, from AnisotropyDirections: of all cells, one per cell, or one per node.
+// A fibre has no sense, a and -a are the same: the mean of a cell's corners is the axis m that is closest to theirs,
+// the largest eigenvector of sum a (x) a. Fibres and sheets are averaged apart and made orthogonal then.
 #include <fmt/format.h>
 
 #include <Eigen/Eigenvalues>
@@ -50,7 +50,7 @@ Vec3 meanAxis(const std::vector<Vec3>& corner, std::size_t first, std::size_t ea
   const Eigen::SelfAdjointEigenSolver<Mat3> solver(sum);
   if (!(solver.eigenvalues()[1] < 0.99 * solver.eigenvalues()[2]))
     throw ComponentError(fmt::format("the {} at the corners of {} have no mean: they cross", what, place),
-                         "directions that change little over a cell, or one a cell");
+                         "directions that change little over a cell, or one per cell");
   return solver.eigenvectors().col(2);
 }
 
@@ -70,7 +70,7 @@ HyperelasticForceField::DirectionCount HyperelasticForceField::countDirections()
     const std::string expected =
         frames ? fmt::format("2 or 3 (fibre, sheet, normal), {} or {} (for each cell), or {} or {} (for each node)",
                              2 * cells, 3 * cells, 2 * nodes, 3 * nodes)
-               : fmt::format("1, {} (one a cell) or {} (one a node)", cells, nodes);
+               : fmt::format("1, {} (one per cell) or {} (one per node)", cells, nodes);
     throw ComponentError(fmt::format("AnisotropyDirections of {} has {} vectors", law_.name, n), expected,
                          frames && n == 0 ? "AnisotropyDirections=\"1 0 0  0 1 0\" for axes x, y, z" : "");
   }

@@ -89,7 +89,7 @@ void HyperelasticForceField::declare(DataTable& table) {
   table.add("youngModulus", young_modulus_)
       .unit("Pa")
       .min(0, false)
-      .help("Young's modulus at small strains, for the parameters that are not given: one value, or one a cell");
+      .help("Young's modulus at small strains, for the parameters that are not given: one value, or one per cell");
   table.add("poissonRatio", poisson_ratio_)
       .unit("-")
       .min(-1, false)
@@ -103,14 +103,14 @@ void HyperelasticForceField::declare(DataTable& table) {
         if (other.takes(p.name)) users.insert(other.name);
       table.add(p.name, named_[p.name])
           .unit(p.unit)
-          .help(fmt::format("{} ({}): one value, or one a cell", p.help, fmt::join(users, ", ")));
+          .help(fmt::format("{} ({}): one value, or one per cell", p.help, fmt::join(users, ", ")));
     }
   table.add("AnisotropyDirections", directions_)
       .help("fibre, or fibre and sheet (and normal): for all cells, or for each cell or node one after the other");
   table.addChoice("discretization", discretization, {"mjed", "standard"})
       .help("mjed: derivatives by J and invariants; standard: the textbook's S and elasticity tensor, to compare");
   table.addChoice("dilatation", dilatation_, {"local", "mean"})
-      .help("of hexahedra, the volume change that bulk stiffness meets: at each point, or one a cell: no locking");
+      .help("of hexahedra, the volume change that bulk stiffness meets: at each point, or one per cell: no locking");
   table.add("matrixRegularization", regularised_)
       .help("where J < 1 turn the tangent's part with d2W/dJ2 into a multiple of the identity (Marchesseau 2.3)");
   table.add("projectedTangent", projected_)
@@ -120,7 +120,7 @@ void HyperelasticForceField::declare(DataTable& table) {
           "viscosity adds)");
   table.add("considerInversion", consider_inversion_)
       .help("of SOFA's plugin: only false; what each law does with inverted elements is on its page");
-  table.add("ParameterFile", parameter_file_).help("of SOFA's plugin: only empty; parameters take a value a cell");
+  table.add("ParameterFile", parameter_file_).help("of SOFA's plugin: only empty; parameters take a value per cell");
   prony_.declare(table);
   history_file_.declare(table);
 }
@@ -166,7 +166,7 @@ void HyperelasticForceField::refusePlugin() const {
         "considerInversion=\"false\"", "StableNeoHookean, whose energy drives inverted elements back");
   if (!parameter_file_.empty())
     throw ComponentError(fmt::format("ParameterFile '{}' would not be read", parameter_file_),
-                         "ParameterSet, or the parameters by name with one value a cell");
+                         "ParameterSet, or the parameters by name with one value per cell");
   if (material_name_ == "NeoHookeanIsotropic" || material_name_ == "Isotropic_NeoHookean")
     throw ComponentError(
         fmt::format("there is no law '{}'", material_name_),

@@ -91,7 +91,7 @@ class HyperelasticForceField : public ElementKernelsField, public History {
   hyperelastic::HyperelasticLaw law_;  ///< as chosen, with its number of terms
   std::vector<double> values_;         ///< parameters, of one cell for all or of each
   std::vector<double> local_values_;   ///< the same without the part that takes the mean dilatation
-  std::vector<Mat3> axes_;             ///< one for all or one a cell
+  std::vector<Mat3> axes_;             ///< one for all or one per cell
   std::vector<double> initial_history_;
   PronySeries series_;                           ///< without terms: the law is elastic
   hyperelastic::ViscousLaw* viscous_ = nullptr;  ///< method_, where it is viscous

@@ -132,7 +132,7 @@ void HyperelasticForceField::readParameters() {
     if (values.size() <= 1) return;
     if (values.size() != cellCount())
       throw ComponentError(fmt::format("{} has {} values", name, values.size()),
-                           fmt::format("1, or {} (one a cell)", cellCount()));
+                           fmt::format("1, or {} (one per cell)", cellCount()));
     sets = cellCount();
   };
   check("youngModulus", young_modulus_), check("poissonRatio", poisson_ratio_);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Kernels of residual_stress.h. Over edges e_k of an element (of a tetrahedron those from its first node, of a hexahedron
-// at each point the derivatives j_k along its axes) F = sum_k e_k (x) G_k and
+// Kernels of residual_stress.h. Over edges e_k of an element (of a tetrahedron those from its first node, of a
+// hexahedron at each point the derivatives j_k along its axes) F = sum_k e_k (x) G_k and
 //   k_ik = w G_i . H G_k,   forces on e_i: -sum_k k_ik e_k,   energy = 1/2 sum_ik k_ik e_i . e_k = w/2 H : C
-// with w the point's volume at rest: six numbers a point for force and product alike.
+// with w the point's volume at rest: six numbers per point for force and product alike.
 #include "components/hyperelasticity/residual_stress.h"
 #include "components/hyperelasticity/hyperelastic_tetrahedron.h"
 #include "framework/fem/hexahedron.h"

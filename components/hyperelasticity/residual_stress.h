@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Second Piola-Kirchhoff stresses that do not depend on the shape, one a point of each cell: what a viscous law
+// Second Piola-Kirchhoff stresses that do not depend on the shape, one per point of each cell: what a viscous law
 // remembers, or a prestress. Their forces f_a = -V_0 F H G_a are linear in the positions. The kernels live in the
 // module of the laws, which is built for each instruction set; it offers them once.
 #pragma once

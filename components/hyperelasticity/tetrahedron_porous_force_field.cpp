@@ -20,7 +20,7 @@
 // the step's change of volume; time steps must be small where the fluid is stiff against the tissue, and the integrator
 // one of first order, because a pressure that is a step late feeds oscillations. implicit: forces see the pressure that
 // belongs to their shape at the end of the step, whatever the step. Its tangent is that of fluid which stays in each
-// element (the undrained split): stable with one linear solve a step; Newton iterations solve for both at once, and
+// element (the undrained split): stable with one linear solve per step; Newton iterations solve for both at once, and
 // converge linearly.
 //
 // Source: S. Marchesseau, T. Heimann, S. Chatelin, R. Willinger, H. Delingette, "Multiplicative Jacobian energy

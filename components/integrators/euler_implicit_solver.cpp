@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// EulerImplicitSolver: backward Euler and its trapezoidal variant, linearised once a step or solved by Newton's method.
+// EulerImplicitSolver: backward Euler and its trapezoidal variant, linearised once per step or solved by Newton.
 //
 // With h the time step, K = df/dx, C = df/dv, rM and rK the Rayleigh factors (the solver's plus each mass's and force
 // field's own) and F(x, v) = f(x, v) + rK K v - rM M v the whole force, a step finds v1 = v0 + dv from
@@ -85,7 +85,7 @@ void EulerImplicitSolver::compile(System& system) {
   implicit_.compile(*this, system);
   if (!first_order_) return;
   if (implicit_.iterates())
-    throw ComponentError("firstOrder is solved by one linear solve a step, and Newton's method is asked for",
+    throw ComponentError("firstOrder is solved by one linear solve per step, and Newton's method is asked for",
                          "newtonIterations=\"1\" with firstOrder");
   right_side_.resize(system.independentRows());
 }

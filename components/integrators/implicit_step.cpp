@@ -17,7 +17,7 @@ void ImplicitStep::declareDamping(DataTable& table) {
 
 void ImplicitStep::declareNewton(DataTable& table) {
   table.add("newtonIterations", newton_settings.iterations)
-      .help("1: one linear solve a step, as SOFA; more: the step's equations are solved by Newton's method")
+      .help("1: one linear solve per step, as SOFA; more: the step's equations are solved by Newton's method")
       .unit("-")
       .min(1);
   table.add("newtonTolerance", newton_settings.relative_residual)
@@ -101,9 +101,9 @@ SystemMatrix& ImplicitStep::tangent() {
   return system_->matrix(factors);
 }
 
-/// The equations linearised at (x0, v0), the unknown being u - v0. K then acts on p = drift v0 + position_predictor, the way that
-/// the step makes when the velocity does not change, and on rK v0: together with the force, in one pass over the
-/// elements.
+/// The equations linearised at (x0, v0), the unknown being u - v0. K then acts on p = drift v0 + position_predictor,
+/// the way that the step makes when the velocity does not change, and on rK v0: together with the force, in one pass
+/// over the elements.
 StepReport ImplicitStep::solveLinearised() {
   System& s = *system_;
   const Rows b = independent(right_side_), dv = change_;
@@ -196,9 +196,9 @@ void ImplicitStep::unknownsChanged() {
   if (scheme_.has_history) axpy(1, position_predictor, x());
 }
 
-/// R = weight F(x(u), u) + old_weight F(x0, v0) - M (u - v0 - velocity_predictor). The stiffness of rK K u is the one at x(u): with
-/// that of x0 a method of second order would be of first. Its derivative is left out of the tangent, which costs
-/// iterations, not accuracy.
+/// R = weight F(x(u), u) + old_weight F(x0, v0) - M (u - v0 - velocity_predictor). The stiffness of rK K u is the one
+/// at x(u): with that of x0 a method of second order would be of first. Its derivative is left out of the tangent,
+/// which costs iterations, not accuracy.
 void ImplicitStep::residual(Rows out) {
   System& s = *system_;
   s.computeForce(s.x, s.v, s.f);
@@ -214,8 +214,9 @@ void ImplicitStep::residual(Rows out) {
 }
 
 /// The incremental potential, whose gradient is -R:
-///   weight/displacement U(x(u)) + 1/2 |u - v0 - velocity_predictor|^2_M + weight/2 (rM |u|^2_M - rK u K u) - old_weight F(x0, v0).u
-/// with the K of the last residual(), which stays what it is while a line search asks for energies only.
+///   weight/displacement U(x(u)) + 1/2 |u - v0 - velocity_predictor|^2_M + weight/2 (rM |u|^2_M - rK u K u) -
+/// old_weight F(x0, v0).u with the K of the last residual(), which stays what it is while a line search asks for
+/// energies only.
 double ImplicitStep::energy() {
   System& s = *system_;
   double sum = scheme_.weight / scheme_.displacement * s.potentialEnergy(s.x);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// NewmarkImplicitSolver: Newmark's family of 1959, one linear solve a step or Newton's method.
+// NewmarkImplicitSolver: Newmark's family of 1959, one linear solve per step or Newton's method.
 //
 //   M a1 = F(x1, v1),   v1 = v0 + h ((1 - gamma) a0 + gamma a1),   x1 = x0 + h v0 + h^2 ((1/2 - beta) a0 + beta a1)
 //

@@ -60,7 +60,7 @@ class NewtonRaphsonSolver final : public NewtonSolver {
 
 void NewtonRaphsonSolver::declare(DataTable& table) {
   NewtonSettings& s = settings_;
-  table.add("maxNbIterationsNewton", s.iterations).help("largest number of iterations a step").unit("-").min(1);
+  table.add("maxNbIterationsNewton", s.iterations).help("largest number of iterations per step").unit("-").min(1);
   const auto threshold = [&table](const char* name, double& member, const char* unit, const char* help) {
     table.add(name, member).help(help).unit(unit).min(0);
   };

@@ -106,7 +106,7 @@ class StaticSolver final : public Integrator {
 
 void StaticSolver::declare(DataTable& table) {
   table.add("newton_iterations", settings_.iterations)
-      .help("largest number of Newton iterations a step")
+      .help("largest number of Newton iterations per step")
       .unit("-")
       .min(1);
   table.add("relative_residual_tolerance_threshold", settings_.relative_residual)

@@ -76,7 +76,7 @@ inline void advance(double alpha, double beta, ConstRows z, Rows p, Rows x) {
   }
 }
 
-/// Inverses of the 3x3 diagonal blocks as three columns of four doubles a row, so that a row's product is three
+/// Inverses of the 3x3 diagonal blocks as three columns of four doubles per row, so that a row's product is three
 /// multiply-adds on whole rows.
 class BlockJacobi {
  public:

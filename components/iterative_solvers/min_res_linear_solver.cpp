@@ -3,8 +3,8 @@
 //
 // Lanczos' recurrence builds orthonormal v_1, v_2, ... with A V_k = V_{k+1} T_k, T_k tridiagonal:
 //   beta_{k+1} v_{k+1} = A v_k - alpha_k v_k - beta_k v_{k-1},   alpha_k = v_k.A v_k
-// and x_k minimises |b - A x| over their span: T_k = Q R by one rotation (c, s) an iteration, with R of three diagonals
-// (gamma_k, delta_k, epsilon_k), so directions and x follow from the last two of each:
+// and x_k minimises |b - A x| over their span: T_k = Q R by one rotation (c, s) per iteration, with R of three
+// diagonals (gamma_k, delta_k, epsilon_k), so directions and x follow from the last two of each:
 //   w_k = (v_k - delta_k w_{k-1} - epsilon_k w_{k-2}) / gamma_k,   x += tau_k w_k,   |r_k| = |s_k| |r_{k-1}|
 //
 // An iteration costs one product and about half as many vector operations again as conjugate gradients. Use it where

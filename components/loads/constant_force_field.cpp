@@ -79,7 +79,7 @@ class ConstantForceField final : public ForceField {
     for (const char* name : {"forces", "force", "totalForce"}) given += data().find(name)->isSet();
     if (given != 1)
       throw ComponentError(given == 0 ? "there is no force" : "more than one of forces, force and totalForce is given",
-                           "forces (one a node or one for all) or totalForce");
+                           "forces (one per node or one for all) or totalForce");
     if (data().find("totalForce")->isSet()) forces_ = {total_force_ / double(nodes_.size())};
     if (data().find("force")->isSet()) forces_ = {force_};
     if (forces_.size() == 1) forces_.resize(nodes_.size(), Vec3(forces_[0]));

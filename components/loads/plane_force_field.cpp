@@ -5,7 +5,7 @@
 //
 //   E = k/2 g^2,   f = k g n - c g v,   df/dx = -k n n^T (and the normal part of the damping),   df/dv = -c g I
 //
-// A body of mass m rests at the depth m g_0 / k a node that carries it. maxForce limits k g. bilateral pulls nodes in
+// A body of mass m rests at the depth m g_0 / k per node that carries it. maxForce limits k g. bilateral pulls nodes in
 // front of the plane back to it as well (the damping then goes with |g|).
 //
 // Source: the attributes are SOFA's.

@@ -3,10 +3,10 @@
 //
 //   m_i = sum over cells of rho * integral of N_i dV
 //
-// that is rho V / 4 at each node of a tetrahedron and, in a hexahedron, the integral by two Gauss points an axis (rho V
-// / 8 in a box). These are the row sums of the consistent matrix of MeshMatrixMass. On a mesh without volumes rho is a
-// mass per area (triangles and quads) or per length (edges). Where cells overlap, as when a body is cut into tetrahedra
-// twice, each counts for its part.
+// that is rho V / 4 at each node of a tetrahedron and, in a hexahedron, the integral by two Gauss points per axis
+// (rho V / 8 in a box). These are the row sums of the consistent matrix of MeshMatrixMass. On a mesh without volumes
+// rho is a mass per area (triangles and quads) or per length (edges). Where cells overlap, as when a body is cut into
+// tetrahedra twice, each counts for its part.
 //
 // Of totalMass, massDensity and vertexMass the first that is given is used. Volumes are those of the rest shape unless
 // computeMassOnRest="false".

@@ -81,15 +81,15 @@ void MeshMass::declare(DataTable& table) {
   Mass::declare(table);
   table.add("massDensity", mass_density_)
       .help(
-          "density, one for all cells or one a cell (tetrahedra, then hexahedra); per area or length on meshes without "
-          "volumes")
+          "density, one for all cells or one per cell (tetrahedra, then hexahedra); per area or length on meshes "
+          "without volumes")
       .unit("kg/m^3")
       .min(0, false);
   table.add("totalMass", total_mass_)
       .help("mass of the body; wins over massDensity and vertexMass")
       .unit("kg")
       .min(0, false);
-  table.add("vertexMass", vertex_mass_).help("mass of each node, one for all or one a node").unit("kg").min(0, false);
+  table.add("vertexMass", vertex_mass_).help("mass of each node, one for all or one per node").unit("kg").min(0, false);
   table.add("computeMassOnRest", compute_on_rest_)
       .help("take volumes from the rest positions, not from the initial ones");
   table.addLink("topology", topology_)

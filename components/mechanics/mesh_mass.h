@@ -17,7 +17,7 @@ struct MassCell {
 };
 
 /// Fills the first count * count numbers. Simplices: V (1 + delta_ij) / ((d + 1)(d + 2)), with the sign of V for a
-/// tetrahedron; quads and hexahedra: two Gauss points an axis.
+/// tetrahedron; quads and hexahedra: two Gauss points per axis.
 void cellMassMatrix(const MassCell& cell, const std::vector<Vec3>& position, CellMatrix& out);
 
 /// What masses given by a mesh share: where the cells and positions are, and how density, total mass and nodal masses

@@ -3,7 +3,7 @@
 //
 //   M_ij = sum over cells of rho * integral of N_i N_j dV  (times the 3x3 identity)
 //
-// In a tetrahedron rho V / 20 (1 + delta_ij); in a hexahedron the integral by two Gauss points an axis, which is exact
+// In a tetrahedron rho V / 20 (1 + delta_ij); in a hexahedron the integral by two Gauss points per axis, which is exact
 // for parallelepipeds. On a mesh without volumes rho is a mass per area (triangles and quads) or per length (edges).
 // With `lumping` the rows are summed onto the diagonal, which gives the masses of DiagonalMass.
 //
@@ -42,7 +42,7 @@ class MeshMatrixMass final : public MeshMass {
     MeshMass::declare(table);
     table.add("lumping", lumping_).help("sum the rows onto the diagonal");
     table.add("edgeMass", edge_mass_)
-        .help("with vertexMass: what couples the two nodes of each edge, one for all or one an edge")
+        .help("with vertexMass: what couples the two nodes of each edge, one for all or one per edge")
         .unit("kg");
     table.addVisualOnly("printMass");
   }

@@ -3,7 +3,7 @@
 //
 // One text file for each quantity asked for: <fileName>_x.txt (positions [m]), <fileName>_v.txt (velocities [m/s]),
 // <fileName>_f.txt (net force of the last evaluation [N]). A line starts with the time [s]; then follow the three
-// components of each node in the order of `indices`. The first line is the start, then one a step. Numbers have the
+// components of each node in the order of `indices`. The first line is the start, then one per step. Numbers have the
 // fewest digits that read back to the same bits. To plot the height of the first node:
 // `plot "tip_x.txt" using 1:3 with lines`.
 //

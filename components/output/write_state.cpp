@@ -9,8 +9,8 @@
 // Instants: `time` lists times to write; after the last of them, or from the start when there are none, one instant
 // every `period`. With neither, every step. An instant is written by the first step that reaches it. Where SOFA acts
 // before a step, so that the result of the last one is missing, this component acts at the start and after each step.
-// F is the net force of the last evaluation: for a scheme that solves one linear system a step, the force at the start
-// of the step; at t = 0 it is evaluated for this file.
+// F is the net force of the last evaluation: for a scheme that solves one linear system per step, the force at the
+// start of the step; at t = 0 it is evaluated for this file.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Gives each cell the value of its label: a material by region.
 //
-// `labels` has one whole number a cell, as MeshGmshLoader's and MeshVTKLoader's tetrahedraGroups. `table` lists pairs
+// `labels` has one whole number per cell, as MeshGmshLoader's and MeshVTKLoader's tetrahedraGroups. `table` lists pairs
 // of a label and its value, "1 10000  2 1e7"; with width="3" a label and its three values, "1  1 0 0   2  0 1 0", as
-// AnisotropyDirections takes them (6: fibre and sheet). The output `values` has one value a cell and is what attributes
-// like youngModulus, poissonRatio or localStiffnessFactor take: youngModulus="@stiffness.values". A label without a
-// value is an error that names it, unless `defaultValue` is given; an entry of the table that no cell has is a warning.
+// AnisotropyDirections takes them (6: fibre and sheet). The output `values` has one value per cell and is what
+// attributes like youngModulus, poissonRatio or localStiffnessFactor take: youngModulus="@stiffness.values". A label
+// without a value is an error that names it, unless `defaultValue` is given; an entry of the table that no cell has is
+// a warning.
 //
 // Source: the attribute of a cell by its region is that of every finite element program; SOFA has none for tables.
 //
@@ -38,14 +39,14 @@ class ValuesFromLabels : public Component {
   void declare(DataTable& table) override {
     table.add("labels", labels_).help("a label for each cell, as @loader.tetrahedraGroups").required();
     table.add("table", table_).help("pairs of a label and its value, or with width a label and its values").required();
-    table.add("width", width_).min(1).help("values a label");
+    table.add("width", width_).min(1).help("values per label");
     table.add("defaultValue", default_).help("value of the labels that the table does not have");
     table.add("values", values_).help("the value of each cell, or its values one after the other").output();
   }
 
   void init() override {
     if (labels_.empty())
-      throw ComponentError("labels is empty: the mesh has no labels", "a label a cell, as @loader.tetrahedraGroups");
+      throw ComponentError("labels is empty: the mesh has no labels", "a label per cell, as @loader.tetrahedraGroups");
     const Table values_of = readTable();
     const bool has_default = data().find("defaultValue")->isSet();
     std::map<int, long> missing;

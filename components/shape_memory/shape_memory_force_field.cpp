@@ -107,7 +107,7 @@ void ShapeMemoryForceField::declare(DataTable& table) {
       .unit("N/m")
       .min(0, false)
       .physical()
-      .help("elastic modulus of the actuator: one value, or one a node");
+      .help("elastic modulus of the actuator: one value, or one per node");
   table.addChoice("nodes", nodes_, {"all", "contour"})
       .help("contour: nodes of the surface have neighbours on the surface only");
   table.addChoice("frame", frame_, {"bestFit", "triangle"})
@@ -140,7 +140,7 @@ void ShapeMemoryForceField::init() {
   const std::size_t count = std::size_t(state().size());
   if (stiffness_.size() != 1 && stiffness_.size() != count)
     throw ComponentError(fmt::format("stiffness has {} values", stiffness_.size()),
-                         fmt::format("1, or {} (one a node)", count));
+                         fmt::format("1, or {} (one per node)", count));
   lists_ = findNeighbours();
   if (lists_.values.empty())
     throw ComponentError(fmt::format("{} has no cells, so no node has neighbours", topology->path()),

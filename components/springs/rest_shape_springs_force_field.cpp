@@ -33,7 +33,10 @@ class RestShapeSpringsForceField final : public NodeGroupField<1> {
   void declare(DataTable& table) override {
     ForceField::declare(table);
     table.add("points", points_).alias("indices").help("nodes with a spring; every node when not given");
-    table.add("stiffness", stiffness_constants_).help("spring constant, one a point or one for all").unit("N/m").min(0);
+    table.add("stiffness", stiffness_constants_)
+        .help("spring constant, one per point or one for all")
+        .unit("N/m")
+        .min(0);
     table.addLink("external_rest_shape", external_).help("state whose nodes are the targets");
     table.add("external_points", external_points_).help("its nodes, one for each point");
     table.add("pivot_points", pivot_points_)

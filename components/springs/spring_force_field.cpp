@@ -41,7 +41,7 @@ class SpringForceField final : public SpringField {
     ForceField::declare(table);
     table.addLink("object1", object1_).help("state of the first ends; the one of this node when not given");
     table.addLink("object2", object2_).help("state of the second ends; the one of the first ends when not given");
-    table.add("spring", all_in_one_).help("five numbers a spring: node, node, stiffness, damping, rest length");
+    table.add("spring", all_in_one_).help("five numbers per spring: node, node, stiffness, damping, rest length");
     table.add("springsIndices1", indices1_).alias("indices1").help("first node of each spring");
     table.add("springsIndices2", indices2_).alias("indices2").help("second node of each spring");
     table.add("lengths", lengths_).alias("length").help("length at rest").unit("m").min(0);
@@ -71,7 +71,7 @@ class SpringForceField final : public SpringField {
         throw ComponentError(fmt::format("spring and {} are both given", other), "one way to list the springs");
     if (all_in_one_.empty() || all_in_one_.size() % 5 != 0)
       throw ComponentError(fmt::format("spring has {} numbers", all_in_one_.size()),
-                           "five a spring: node, node, stiffness, damping, rest length");
+                           "five per spring: node, node, stiffness, damping, rest length");
     std::vector<Spring> springs;
     for (std::size_t s = 0; s < all_in_one_.size(); s += 5) {
       const double* v = all_in_one_.data() + s;

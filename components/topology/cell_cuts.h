@@ -16,7 +16,7 @@ namespace stroma {
 /// - ten: five1 and five2 superposed; the cells cover the body twice (Mesh::overlap 2).
 enum class HexahedronCut : int { six, five, five1, five2, ten };
 
-/// Tetrahedra a hexahedron gives.
+/// Tetrahedra that a hexahedron gives.
 int tetrahedraPerHexahedron(HexahedronCut cut);
 
 /// The tetrahedra of hexahedron h are [n h, n h + n), all of positive volume in a convex cell. With `mirrored` (six

@@ -217,7 +217,7 @@ vtkDataArray* MeshVTKLoader::findLabels(vtkPointSet& data, const std::string& na
   if (whole) return labels;
   if (asked_for)
     throw ComponentError(fmt::format("{}: the cell data '{}' are no labels", name, group_array_),
-                         "one whole number a cell");
+                         "one whole number per cell");
   return nullptr;
 }
 

@@ -36,8 +36,8 @@ std::vector<Vec3> centresOf(const Index* nodes, int per_element, Index count, co
   return centre;
 }
 
-/// Blocks of the smallest size or more, of at least two layers of a cube of as many elements (five a cell, which gives
-/// fewer layers than pairs of tetrahedra or hexahedra have): slabs then only touch their neighbours.
+/// Blocks of the smallest size or more, of at least two layers of a cube of as many elements (five per cell, which
+/// gives fewer layers than pairs of tetrahedra or hexahedra have): slabs then only touch their neighbours.
 std::size_t blockCount(Index count, int per_element) {
   const double layers = std::cbrt(double(count) / 5);
   return std::size_t(std::max(1.0, std::min(double(count) / blockElements(per_element), layers / 2.5)));

@@ -24,7 +24,7 @@ struct EveryPair {
 template <int N, class Coupling = EveryPair>
 class ElementLoop {
  public:
-  /// One value a node and lane: positions [m], velocities, forces.
+  /// One value per node and lane: positions [m], velocities, forces.
   using Nodes = V3<Pack>[N];
 
   /// `cells` index `position` (shape (nodes)); `first_row` is added to give rows of the system.

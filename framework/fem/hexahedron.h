@@ -4,7 +4,7 @@
 // Modes. With s_a = (xi_a, eta_a, zeta_a) = (+-1, +-1, +-1) the corners in the order of VTK, the position in an element
 // is
 //   x = x_0 + xi u_xi + eta u_eta + zeta u_zeta + xi eta u_xi_eta + eta zeta u_eta_zeta + zeta xi u_zeta_xi
-//       + xi eta zeta u_all,                        8 u_m = sum_a m(s_a) x_a: 23 sums a component, no products.
+//       + xi eta zeta u_all,                        8 u_m = sum_a m(s_a) x_a: 23 sums per component, no products.
 // Everything here works with the 21 numbers of 8 u_m ("modes"); forces on modes go back to nodes by the transpose of
 // the same sums. Derivatives at the Gauss points (+-1, +-1, +-1)/sqrt 3 follow from modes with 8 multiply-adds a
 // component and axis, because the one along xi depends on eta and zeta alone.
@@ -50,7 +50,7 @@ void forEachMode(A& a, B& b, F&& f) {
       f(a.zeta_xi, b.zeta_xi), f(a.all, b.all);
 }
 
-/// 8 u_m of the positions, or of any vector at the nodes. 23 sums a component.
+/// 8 u_m of the positions, or of any vector at the nodes. 23 sums per component.
 template <class T>
 Modes<T> modesOf(const V3<T> (&x)[8]) {
   struct Level {  // of one face zeta = const

@@ -140,7 +140,7 @@ class ModelKernels final : public StoredKernels<StorageOf<Model>> {
   }
 
  private:
-  /// Remembers x where products need it: 32 bytes a node instead of a tangent of its own in each element.
+  /// Remembers x where products need it: 32 bytes per node instead of a tangent of its own in each element.
   void keep(ConstRows x) {
     if constexpr (Model::reads_position) {
       if (x_.count() != x.count) x_.resize(x.count);

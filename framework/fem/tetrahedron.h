@@ -53,7 +53,7 @@ template <Update update, class T>
 using RestOf = std::conditional_t<update == Update::none, RestGradients<T>, RestShape<T>>;
 
 /// What a product reads: (mu V_0)^1/2 g_i in world axes [J^1/2/m] at the last force evaluation, and lambda/mu. Large
-/// meshes wait for memory: 80 bytes an element, 90 with the node numbers of a fan.
+/// meshes wait for memory: 80 bytes per element, 90 with the node numbers of a fan.
 template <class T>
 struct Tangent {
   Gradients<T> g;

@@ -33,7 +33,7 @@ class Mobility {
  private:
   const std::vector<double>* inverse_mass_ = nullptr;  ///< shape (rows)
   std::vector<Index> slot_of_row_;                     ///< shape (rows), -1: free
-  std::vector<NodeProjector> projectors_;              ///< at most one a row; memory for all rows
+  std::vector<NodeProjector> projectors_;              ///< at most one per row; memory for all rows
 };
 
 /// The step that is being corrected.

@@ -23,7 +23,7 @@ class MeshLoader : public MeshSource {
   /// nodeDirections.
   void declareDirections(DataTable& table);
 
-  /// Vectors of the file under the name `array`, as many a cell or node as the array has: one, two or three.
+  /// Vectors of the file under the name `array`, as many per cell or node as the array has: one, two or three.
   struct Directions {
     std::string array;
     std::vector<Vec3> tetrahedra, hexahedra, nodes;

@@ -19,7 +19,7 @@ class ConstraintSet {
   void compile(double start, Rows x, Rows v);
 
   const std::vector<ProjectiveConstraint*>& all() const { return actors_.constraints; }
-  /// Rows and projectors in force, sorted by row, at most one a row.
+  /// Rows and projectors in force, sorted by row, at most one per row.
   const std::vector<NodeProjector>& projectors() const { return projectors_; }
   /// Index in projectors() of a row, -1 where nothing holds it.
   Index projectorOf(Index row) const { return projector_of_row_[std::size_t(row)]; }

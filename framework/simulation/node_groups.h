@@ -21,7 +21,7 @@ class NodeGroups {
   /// The group of a row, -1 when it is in none.
   Index of(Index row) const { return group_of_row_.empty() ? -1 : group_of_row_[row]; }
 
-  /// Gives all rows of a group the projector that they all allow. `list`: sorted, at most one a row; stays so.
+  /// Gives all rows of a group the projector that they all allow. `list`: sorted, at most one per row; stays so.
   void share(std::vector<NodeProjector>& list) const;
   /// Each row becomes the mean of its group.
   void average(Rows vector) const;

@@ -41,7 +41,7 @@ class PrescribedMotion {
 
   const Actors& actors_;
   const NodeGroups& groups_;
-  std::vector<NodeProjector> moving_;  ///< sorted by row, at most one a row
+  std::vector<NodeProjector> moving_;  ///< sorted by row, at most one per row
   std::vector<NodeProjector> placed_;  ///< the same without the rows that only follow their group
   mutable SharedPlacements shared_;    ///< of nodes with more than one prescribed motion
   mutable std::string misplaced_;

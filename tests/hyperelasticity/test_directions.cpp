@@ -73,8 +73,9 @@ TEST(AnisotropyDirections, WhatIsNoneIsRefusedWithItsCell) {
     const std::string problems = problemsOf(body(false, attributes));
     for (const std::string& word : words) EXPECT_NE(problems.find(word), std::string::npos) << word << ": " << problems;
   };
-  expectRefused(fibres + directions("1 0 0  0 1 0  0 0 1"),
-                {"AnisotropyDirections of TransverselyIsotropic has 3 vectors", "1, 2 (one a cell) or 5 (one a node)"});
+  expectRefused(
+      fibres + directions("1 0 0  0 1 0  0 0 1"),
+      {"AnisotropyDirections of TransverselyIsotropic has 3 vectors", "1, 2 (one per cell) or 5 (one per node)"});
   expectRefused(frames + directions("1 0 0"), {"has 1 vectors", "4 or 6 (for each cell)", "10 or 15 (for each node)"});
   expectRefused(fibres + directions("1 0 0  0 0 0"),
                 {"the fibre of tetrahedron 1 (nodes 1 2 3 4) is 0 0 0", "a vector with a length"});

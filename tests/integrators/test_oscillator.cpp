@@ -185,7 +185,7 @@ TEST(Oscillator, vdampingShrinksTheVelocityAfterTheStep) {
   EXPECT_LT((velocityOf(damped) - std::exp(-0.15) * velocityOf(plain)).norm(), 1e-15);
 }
 
-// m v = -k x: x decays by 1 / (1 + dt k/m) a step, by (1 - a) / (1 + a), a = dt k / 2m, with the trapezoidal rule
+// m v = -k x: x decays by 1 / (1 + dt k/m) per step, by (1 - a) / (1 + a), a = dt k / 2m, with the trapezoidal rule
 TEST(Oscillator, firstOrderDecaysAsItsClosedForm) {
   const double dt = 0.02, rate = stiffness / mass;
   Simulation euler = oscillator("<EulerImplicitSolver firstOrder='true'/>", dt);

@@ -11,7 +11,7 @@ using namespace stroma::test;
 
 namespace {
 
-/// A diagonal matrix with the given values, one a row, cycling.
+/// A diagonal matrix with the given values, one per row, cycling.
 StoredMatrix diagonalMatrix(Index rows, const std::vector<double>& values) {
   BlockMatrix matrix{BlockPattern(rows)};
   for (Index i = 0; i < rows; ++i) matrix.add(i, i, values[std::size_t(i) % values.size()] * Mat3::Identity());

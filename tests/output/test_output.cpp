@@ -148,7 +148,7 @@ TEST_F(Output, EnergyMonitorWritesTheBalance) {
     EXPECT_NEAR(row[4], row[1] + row[2] + row[3], 1e-12);
     EXPECT_NEAR(row[5], row[4] - rows[0][4], 1e-12);
   }
-  // Euler's error in a constant field: half of m g^2 dt^2 a step and body, down or up with the order of the updates
+  // Euler's error in a constant field: half of m g^2 dt^2 per step and body, down or up with the order of the updates
   EXPECT_NEAR(std::abs(rows[2][5]), 0.5 * 6 * 100 * 0.01 * 4, 1e-10);
 }
 

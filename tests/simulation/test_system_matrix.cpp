@@ -97,7 +97,7 @@ TEST(SystemMatrix, HasTheFactorsOfEachTerm) {
                    .assemble()) -
            rest;
   };
-  EXPECT_LT((terms(3, 0, 0, 0) - 6 * p).norm(), 1e-12);  // 2 kg a node
+  EXPECT_LT((terms(3, 0, 0, 0) - 6 * p).norm(), 1e-12);  // 2 kg per node
   EXPECT_LT((terms(0, 0, 0, 3) - 3 * p).norm(), 1e-12);  // times rayleighMass
   const Eigen::MatrixXd stiffness = terms(0, 1, 0, 0);
   EXPECT_GT(stiffness.norm(), 100);

@@ -130,7 +130,7 @@ TEST(SpringForceField, SaysWhatIsWrong) {
     return problemsOf(row("0 0 0 1 0 0 3 0 0", "<SpringForceField " + attributes + "/>"));
   };
   expectContains(problems(""), "there is no spring");
-  expectContains(problems("spring='0 1 2 3'"), "five a spring");
+  expectContains(problems("spring='0 1 2 3'"), "five per spring");
   expectContains(problems("spring='0 7 1 1 1'"), "/dofs has 3 nodes");
   expectContains(problems("spring='0 0.5 1 1 1'"), "an index in 0 ... 2");
   expectContains(problems("spring='1 1 1 1 1'"), "joins node 1 to itself");
@@ -184,7 +184,7 @@ double one(double dx, double across) {
 }
 
 TEST(MeshSpringForceField, CountsEachPairOnce) {
-  // 2 cells: 8 edges along x; of 11 faces 8 hold x, with 2 diagonals each; 4 space diagonals a cell
+  // 2 cells: 8 edges along x; of 11 faces 8 hold x, with 2 diagonals each; 4 space diagonals per cell
   const double lines = 8 * one(1, 0), quads = 16 * one(1, 1), cubes = 8 * one(1, std::sqrt(2.));
   EXPECT_NEAR(stretchedEnergy("<MeshSpringForceField linesStiffness='1'/>"), lines, 1e-14);
   EXPECT_NEAR(stretchedEnergy("<MeshSpringForceField quadsStiffness='1'/>"), lines + quads, 1e-14);

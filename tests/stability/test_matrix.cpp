@@ -54,7 +54,7 @@ const std::vector<Known>& known() {
       {Ending::astray, "(ShapeMemoryForceField|Phymul) reaction=(false|upright).*", any, shapes,
        "without the reaction the forces have no potential, and turned neighbourhoods feed what they push"},
       {Ending::astray, any, "Euler|BDF [12]|static", any,
-       "one linear solve a step follows its tangent too far; Newton's method does not"}};
+       "one linear solve per step follows its tangent too far; Newton's method does not"}};
   return all;
 }
 

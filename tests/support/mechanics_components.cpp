@@ -28,11 +28,11 @@ class TestSolver final : public LinearSolver {
   bool needsSymmetric() const override { return true; }
 };
 
-/// A box of n cells an axis; each cell a hexahedron, or six tetrahedra around a diagonal.
+/// A box of n cells per axis; each cell a hexahedron, or six tetrahedra around a diagonal.
 class TestMesh final : public Topology {
  public:
   void declare(DataTable& table) override {
-    table.add("cells", cells_).help("cells an axis");
+    table.add("cells", cells_).help("cells per axis");
     table.add("size", size_).help("lengths of the sides");
     table.add("tetrahedra", tetrahedra_).help("cut cells in six");
     table.add("faces", faces_).help("only the two triangles of each bottom face");

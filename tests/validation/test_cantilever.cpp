@@ -133,7 +133,7 @@ TEST(Cantilever, CurvedPartFallsWithTheFourthPower) {
 }
 
 /// The larger Poisson's ratio, the smaller the deflection: not beam theory, which does not know it, but the locking of
-/// linear tetrahedra, so it holds where a cut locks. With five tetrahedra a cell 0.3 lies 0.1 % above 0.
+/// linear tetrahedra, so it holds where a cut locks. With five tetrahedra per cell 0.3 lies 0.1 % above 0.
 TEST(Cantilever, DeflectionsAreOrderedByPoissonsRatio) {
   for (const std::string cutting : {"six", "ten"}) {
     Curve before;

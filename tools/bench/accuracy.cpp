@@ -92,8 +92,8 @@ void compareAccuracy(const std::string& csv_file) {
       method("svd, warped tangent", {"method=svd", "tangent=warped"}, "five"),
       method("polar", {"method=polar", "tangent=warped"}, "five"),
       method("polar, B", {"method=polar", "tangent=warped", "updateStiffnessMatrix=true"}, "five"),
-      method("svd, ten tetrahedra a cell", {"method=svd"}, "ten"),
-      method("svd, six tetrahedra a cell", {"method=svd"}, "six"),
+      method("svd, ten tetrahedra per cell", {"method=svd"}, "ten"),
+      method("svd, six tetrahedra per cell", {"method=svd"}, "six"),
   };
   const auto deflection = [&](int cells) { return solve(methods[4], cells).deflection; };
   const double earlier = extrapolated(deflection(4), deflection(8));

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double elements = 20480, nodes = 4913;
 
-/// A law as the scene gets it, SOFA's time a step on the same body and machine [ms], and what its product cannot do
+/// A law as the scene gets it, SOFA's time per step on the same body and machine [ms], and what its product cannot do
 /// without: numbers read an element besides the six of its gradients, and flops (a multiply-add counts two) by the
 /// formulas of framework/fem/hyperelastic_invariants.h.
 struct Law {

@@ -105,7 +105,7 @@ void Collector::ReportRuns(const std::vector<Run>& runs) {
 void printMachine(const Machine& machine) {
   double load[3] = {0, 0, 0};
   getloadavg(load, 3);
-  fmt::print("{}, instruction set {} ({} doubles a register), level-2 cache {:.3g} MB, load {:.1f}\n\n",
+  fmt::print("{}, instruction set {} ({} doubles per register), level-2 cache {:.3g} MB, load {:.1f}\n\n",
              machine.processor, machine.level, machine.lanes, machine.cache_bytes / (1 << 20), load[0]);
   if (load[0] > 0.5)
     fmt::print(

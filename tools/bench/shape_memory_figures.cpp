@@ -69,7 +69,7 @@ void addShapeMemoryFigures(Catalogue& catalogue) {
         figure.target = 40;
         figure.work = form.work();
         figure.working_set = figure.work.bytes;
-        figure.peers = "the paper, 2005: 17,000 an iteration";
+        figure.peers = "the paper, 2005: 17,000 per iteration";
         catalogue.add(figure, [form](benchmark::State& state) { time(state, form); });
       }
 }

@@ -54,8 +54,8 @@ void time(benchmark::State& state, const Scene& scene, Figure& figure) {
   }
   if (steps == 0) return;
   const double each = 1 / double(steps);
-  state.SetLabel(factorisations ? fmt::format("{:.3g} factorisations a step", double(factorisations) * each)
-                                : fmt::format("{:.3g} CG iterations a step", double(iterations) * each));
+  state.SetLabel(factorisations ? fmt::format("{:.3g} factorisations per step", double(factorisations) * each)
+                                : fmt::format("{:.3g} CG iterations per step", double(iterations) * each));
 }
 
 void add(Catalogue& catalogue, const Scene& scene) {

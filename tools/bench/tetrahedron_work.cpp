@@ -87,7 +87,7 @@ double rotatedForceFlops(const Variant& variant) {
   return rotatedForceFlops<Rotation, Update::none>();
 }
 
-/// One rotation a node is left out: there are about five elements to a node.
+/// One rotation per node is left out: there are about five elements to a node.
 double nodalForceFlops() {
   return meanFlops([](Sample& s) {
     V3<Counted> f[4];

@@ -19,7 +19,7 @@ Work productWork(const Variant& variant, double nodes_per_element);
 Work forceWork(const Variant& variant, double nodes_per_element);
 Work forceAndProductWork(const Variant& variant, double nodes_per_element);
 Work polarEnergyWork(double nodes_per_element);
-/// Into a matrix with this many 3x3 blocks an element, which are cleared, read and written once.
+/// Into a matrix with this many 3x3 blocks per element, which are cleared, read and written once.
 Work assemblyWork(const Variant& variant, double blocks_per_element);
 /// The vectors of one iteration of conjugate gradients, a node.
 Work conjugateGradientWork();

@@ -36,10 +36,11 @@ void printHelp(std::FILE* stream) {
   fmt::print(stream, "stroma {}: soft tissue from an XML scene\n\nusage: stroma SUBCOMMAND ...\n\n", STROMA_VERSION);
   for (const Subcommand& subcommand : subcommands)
     fmt::print(stream, "  {:8} {}\n", subcommand.name, subcommand.purpose);
-  fmt::print(stream,
-             "\n`stroma SUBCOMMAND --help` prints its options and examples.\n"
-             "Exit codes: 0 done, 1 a comparison failed, 2 bad input (nothing written), 3 the simulation "
-             "diverged\n(the last good state is written and named).\n");
+  fmt::print(
+      stream,
+      "\n`stroma SUBCOMMAND --help` prints its options and examples.\n"
+      "Exit codes: 0 done, 1 a comparison failed, 2 bad input (nothing written), 3 no result (the last good state "
+      "is\nwritten and named), 130 interrupted with Ctrl-C.\n");
 }
 
 int dispatch(const std::string& name, const Arguments& arguments) {

@@ -17,7 +17,7 @@ const Manual manual{
     "stroma mesh INPUT -o MESH [options]",
     "Fills a body with tetrahedra. INPUT is a segmented volume image (.nii .nii.gz .mhd .mha .vti: one label a voxel, "
     "0 "
-    "outside),\nwhich gives one region a label, or a closed surface of triangles (.obj .stl .vtk .vtp), which gives "
+    "outside),\nwhich gives one region per label, or a closed surface of triangles (.obj .stl .vtk .vtp), which gives "
     "label 1. A surface\nthat cuts itself is filled with voxels first (--voxels). MESH is a\n.msh file (the labels are "
     "physical groups, and so are the surfaces between them, as "
     "\"soft.bone\" and \"soft.outside\")\nor a .vtu file (cell data `label`). Lengths are in the unit of INPUT after "

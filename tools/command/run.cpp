@@ -26,12 +26,15 @@ constexpr long default_steps = 100;
 
 const Manual manual{
     "stroma run SCENE [options]",
-    "Simulates a scene: 100 steps unless -n or --until says otherwise. Progress and messages go to standard error, the "
-    "summary\nto standard output. When a step diverges, the last good state is recorded and named, and the exit code "
-    "is 3;\nso it is when the last step of a static scene has not reached its equilibrium, and at the first step in "
-    "which a\nposition constraint does not hold: the run ends there. A run that ends well but in doubt (elements "
-    "inside out, a "
-    "body\nburst, energy from nowhere) says so; with --strict its exit code is 3 too.",
+    "Simulates a scene: 100 steps unless -n or --until says otherwise. Progress and messages go to standard error,\n"
+    "the summary to standard output. Ctrl-C ends the run after a whole step.\n\n"
+    "Exit codes:\n"
+    "  0    done\n"
+    "  2    the scene or the options are wrong; nothing was written\n"
+    "  3    no result: a step diverged, statics found no equilibrium, or a position constraint did not hold. The last\n"
+    "       good state is recorded and named. With --strict also a result in doubt: elements inside out, a body that\n"
+    "       burst, energy from nowhere\n"
+    "  130  interrupted with Ctrl-C; what was recorded is complete",
     "  stroma run liver.xml -n 200\n"
     "  stroma run liver.xml --until 2 --set /liver/fem.method=polar --record results/liver --record-every 10\n"
     "  stroma run liver.xml -n 50 --json --quiet | python3 -m json.tool\n"};
@@ -163,7 +166,7 @@ void printText(const Request& request, const Simulation& simulation, const Outco
   fmt::print("{}: {} after {} steps, t = {:.6g} s; {:.3g} s of wall time", request.scene, outcome.word(),
              simulation.steps(), simulation.time(), outcome.seconds);
   if (simulation.steps() > 0)
-    fmt::print(", {:.3g} ms a step (median {:.3g}, p99 {:.3g})", statistics.meanMs(), statistics.quantileMs(0.5),
+    fmt::print(", {:.3g} ms per step (median {:.3g}, p99 {:.3g})", statistics.meanMs(), statistics.quantileMs(0.5),
                statistics.quantileMs(0.99));
   fmt::print("\nstate hash {:016x}\n", simulation.stateHash());
 }

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Time a step of the condensed solvers (Bro-Nielsen and Cotin 1996) against the nodes inside, kept and loaded.
+"""Time per step of the condensed solvers (Bro-Nielsen and Cotin 1996) against the nodes inside, kept and loaded.
 
   tools/validate/condensation.py --stroma build/release/bin/stroma --out docs/experiments
   tools/validate/condensation.py --stroma build/release/bin/stroma --start    the precomputation and starts from its file
@@ -29,7 +29,7 @@ import stroma_run as sr  # noqa: E402
 CONDENSED_STATIC = '<CondensedStaticSolver surfaceIndices="{kept}"/>'
 CONDENSED_DYNAMIC = '<CondensedDynamicSolver interiorMass="neglected" surfaceIndices="{kept}"/>'
 CONDENSED_EXACT = '<CondensedDynamicSolver surfaceIndices="{kept}"/>'
-SOLVERS = {  # solver, steps a run
+SOLVERS = {  # solver, steps per run
     "CS": (CONDENSED_STATIC, 2000),
     "CD": (CONDENSED_DYNAMIC, 200),
     "CD, exact": (CONDENSED_EXACT, 50),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Time a step: figure 7 of Nesme et al. 2005 (against the number of cells) and figure 4 (against the number of conjugate
+"""Time per step: figure 7 of Nesme et al. 2005 (against the number of cells) and figure 4 (against the number of conjugate
 gradient iterations, with and without assembling). A benchmark: the figures are medians of a run on the machine named."""
 import os
 
@@ -133,5 +133,5 @@ def against_iterations(stroma, out):
 
 
 def run(stroma, out, report):
-    report.append(f"## Time a step\n\nMedians of {RUNS} runs.\n\n" + against_size(stroma, out) + "\n" +
+    report.append(f"## Time per step\n\nMedians of {RUNS} runs.\n\n" + against_size(stroma, out) + "\n" +
                   against_iterations(stroma, out))

@@ -129,7 +129,7 @@ def run(stroma, out, report):
     report.append("## Deforming bar (Land et al. 2015, problem 1)\n\nTrilinear hexahedra of `Costa`, which with these "
                   "parameters is Guccione's law (C = 2 kPa). Height z of the end (10, 0.5, 1) mm; the published codes lie "
                   "between 4.14 and 4.20 mm. With k0 = 100 C trilinear cells lock and come from below; with one volume "
-                  "change a cell (`dilatation=\"mean\"`) they do not.\n\n" +
+                  "change per cell (`dilatation=\"mean\"`) they do not.\n\n" +
                   sr.markdown(["cells over the height", "k0 = 10 C: z [mm]", "k0 = 100 C: z [mm]",
                                "mean, k0 = 10 C: z [mm]", "mean, k0 = 100 C: z [mm]"], rows))
     table = []

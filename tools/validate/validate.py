@@ -5,7 +5,7 @@
   tools/validate/validate.py --stroma build/release/bin/stroma --out docs/experiments
   tools/validate/validate.py --stroma ... --out ... --only torque beam
 
-Fixed beam (figures 8 and 9), time a step (figures 4 and 7), artificial torque (figure 3), dragged liver (figures 5 and 6),
+Fixed beam (figures 8 and 9), time per step (figures 4 and 7), artificial torque (figure 3), dragged liver (figures 5 and 6),
 truth cube (tables 1 to 3); deforming bar of Land et al. 2015 and an inflated sphere; the complete liver of Marchesseau et al.
 2010. The measured beads of the truth cube and the livers are read from --data: without them the truth cube is skipped and the
 example organ stands in for a liver, and the text says so.

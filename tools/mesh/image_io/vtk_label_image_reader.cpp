@@ -106,7 +106,7 @@ VtkImage readWith(const std::string& file, const char* kind) {
   return image;
 }
 
-/// VTK's reader leaves out the directions of the axes: three numbers an axis in the text at the top of the file.
+/// VTK's reader leaves out the directions of the axes: three numbers per axis in the text at the top of the file.
 VtkImage readMetaImage(const std::string& file) {
   VtkImage image = readWith<vtkMetaImageReader>(file, "MetaImage");
   std::ifstream stream(file, std::ios::binary);

@@ -10,7 +10,7 @@ namespace stroma::meshing {
 /// The label of every point of space. Each voxel's indicator of a label is spread by a quadratic B-spline (width three
 /// voxels, a partition of unity); the label of a point is the one with the largest sum. Boundaries lie half way between
 /// voxels and are smooth instead of stairs. Smoothing rounds edges and corners, which takes a quarter of a cube of two
-/// voxels a side and all of a single voxel: the indicator of a small connected part that would lose or gain more than
+/// voxels wide and all of a single voxel: the indicator of a small connected part that would lose or gain more than
 /// `tolerated` of its volume is made stronger or weaker until the part has the volume of its voxels.
 class LabelField {
  public:
