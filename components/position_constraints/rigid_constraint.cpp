@@ -11,9 +11,9 @@
 // the step's report says so. Then v_i = v_c + w x (x_i - c) with the same momenta. The distances between the nodes are
 // those of the rest shape to round-off, however long the run: no error piles up.
 //
-// Nodes of the set that projective constraints hold, or move as prescribed, lead the body: one is a pivot, two are an axis,
-// three or more that are not in a line place it entirely. A node that is held in some directions only cannot be part of
-// a rigid set.
+// Nodes of the set that projective constraints hold, or move as prescribed, lead the body: one is a pivot, two are an
+// axis, three or more that are not in a line place it entirely. A node that is held in some directions only cannot be
+// part of a rigid set.
 //
 // Source: rigid objects of the breathing model that Nesme et al. 2005, section 4, builds on; Moser and Veselov 1991.
 //
