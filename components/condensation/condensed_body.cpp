@@ -26,7 +26,7 @@ void CondensedBody::collect(System& system, const Integrator& integrator, const 
                                    integrator.type()));
   const Index count = system.independentRows();
   for (Vector* vector : {&reference_, &rest_, &still_, &timed_force_}) vector->resize(count);
-  copy(ConstRows{system.x.rows().data, count}, reference_);
+  copy(system.x.head(count), reference_);
   for (const State* state : system.states())
     if (state->firstRow() < count)  // else it only follows
       for (Index i = 0; i < state->size(); ++i) rest_[state->firstRow() + i] = state->rest_position[i];

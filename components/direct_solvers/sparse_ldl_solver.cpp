@@ -259,8 +259,7 @@ void CholeskyFactor::applyRoughly(ConstRows b, Rows x) {
   if (rough_values_.empty()) rough_values_.assign(values, values + factor_->xsize);
   rough_.resize(unknown_.size()), gathered_.resize(unknown_.size());
   // as single precision has a smaller range
-  double scale = std::numeric_limits<double>::min();
-  for (std::size_t i = 0; i < b.doubles(); ++i) scale = std::max(scale, std::abs(b.data[i]));
+  const double scale = std::max(std::numeric_limits<double>::min(), largest(b));
   for (std::size_t k = 0; k < unknown_.size(); ++k) rough_[k] = float(b.data[place(k)] / scale);
 
   const int *first = static_cast<int*>(factor_->super), *start = static_cast<int*>(factor_->pi);

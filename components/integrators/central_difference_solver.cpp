@@ -77,7 +77,7 @@ StepReport CentralDifferenceSolver::step(System& system, const StepContext& cont
   if (depends_on_time_) system.setTime(context.t);
   StepReport report;
   system.computeForce(system.x, system.v, system.f);
-  if (!acceleration_.solve({system.f.rows().data, system.independentRows()}, a_, report)) return report;
+  if (!acceleration_.solve(system.independent(system.f), a_, report)) return report;
   if (depends_on_time_) system.setTime(context.t_end);
   const double h = context.dt, between = (last_step_ + h) / 2;
   last_step_ = h;
@@ -87,9 +87,9 @@ StepReport CentralDifferenceSolver::step(System& system, const StepContext& cont
     a_[row] = between / (1 + between * damping / 2) * (a_[row] - damping * system.v[row]);
   }
   system.constraints().project(a_);
-  const Rows v{system.v.rows().data, system.independentRows()}, x{system.x.rows().data, system.independentRows()};
+  const Rows v = system.independent(system.v);
   axpy(1, a_, v);
-  axpy(h, v, x);
+  system.motion().advance(h, v, system.x);
   system.applyMappings();
   return report;
 }

@@ -9,7 +9,10 @@ namespace stroma {
 void DirectSolver::declare(DataTable& table) {
   table.add("template", template_)
       .help("the form of matrix: any CompressedRowSparseMatrix; the solver works on 3x3 blocks");
-  table.add("factorisations", factorisations_).help("how often numbers were factored so far, of all matrices").unit("-").output();
+  table.add("factorisations", factorisations_)
+      .help("how often numbers were factored so far, of all matrices")
+      .unit("-")
+      .output();
 }
 
 bool DirectSolver::answersLookup() const {
@@ -68,14 +71,14 @@ namespace {
 double residual(const BlockMatrix& a, ConstRows b, ConstRows x, Rows r) {
   a.multiply(x, r);
   xpay(b, -1, r);
-  return std::sqrt(dot(r, r));
+  return norm(r);
 }
 
 }  // namespace
 
 SolveReport DirectSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x) {
   SolveReport report;
-  const double norm_b = std::sqrt(dot(b, b));
+  const double norm_b = norm(b);
   if (norm_b == 0) {
     clear(x);
     report.stop = SolveStop::zero_right_side;

@@ -145,6 +145,7 @@ Actors collectActors(const Node& node) {
 }
 
 void compileActors(Actors& actors) {
+  actors.motion.compile(actors.states);
   for (Mass* mass : actors.masses) mass->compile();
   for (ForceField* field : actors.force_fields) field->compile();
   for (const auto* mappings : {&actors.mappings, &actors.passive_mappings})
@@ -159,6 +160,12 @@ void compileActors(Actors& actors) {
   }
   for (const Mapping* mapping : actors.mappings)
     if (!mapping->isLinear()) actors.derivatives_vary = true;
+}
+
+long Actors::patternRevision() const {
+  long sum = 0;
+  for (const ForceField* field : force_fields) sum += field->patternRevision();
+  return sum;
 }
 
 bool Actors::massIsDiagonal() const {

@@ -28,6 +28,7 @@ void ConstraintSet::compile(double start, Rows x, Rows v) {
   reserve(start);
   for (const ProjectiveConstraint* constraint : all()) constraint->placeStart(start, x, v);
   gather(start, start);
+  refuseTurningRows();
   motion_.check(start, x, v);
   meetGroups(start, x, v);
 }
@@ -76,6 +77,25 @@ void ConstraintSet::gather(double t_start, double t_end) {
   projectors_.swap(gathered_);
   for (std::size_t i = 0; i < projectors_.size(); ++i) projector_of_row_[std::size_t(projectors_[i].row)] = Index(i);
   ++revision_;
+}
+
+// Means and places are those of points.
+void ConstraintSet::refuseTurningRows() const {
+  if (!actors_.motion.turns()) return;
+  const auto refuse = [this](const ProjectiveConstraint& constraint, Index row) {
+    if (actors_.motion.kindOf(row) == RowKind::turn)
+      throw ComponentError(
+          fmt::format("{} ties or moves {}, which is an orientation", constraint.path(), actors_.describeRow(row)),
+          "ties and prescribed motion of points");
+  };
+  for (const ProjectiveConstraint* constraint : all()) {
+    std::vector<Tie> ties;
+    std::vector<NodeProjector> moved;
+    constraint->addTies(ties);
+    if (constraint->prescribesMotion()) constraint->addProjectors(0, moved);
+    for (const Tie& tie : ties) refuse(*constraint, tie.a), refuse(*constraint, tie.b);
+    for (const NodeProjector& node : moved) refuse(*constraint, node.row);
+  }
 }
 
 void ConstraintSet::begin(const StepContext& context, ConstRows x, Rows v) {

@@ -57,6 +57,7 @@ class ConstraintSet {
  private:
   void reserve(double start);
   void gather(double t_start, double t_end);
+  void refuseTurningRows() const;
   void meetGroups(double start, Rows x, Rows v) const;
   void updateInverseMass();
 

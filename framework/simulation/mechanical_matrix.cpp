@@ -31,12 +31,12 @@ void MechanicalMatrix::setFactors(const MatrixFactors& factors) {
 }
 
 Index MechanicalMatrix::rows() const { return actors_.independent_rows; }
-ConstRows MechanicalMatrix::positions() const { return {system_.x.rows().data, rows()}; }
+ConstRows MechanicalMatrix::positions() const { return system_.independent(system_.x); }
 std::string MechanicalMatrix::describeRow(Index row) const { return actors_.describeRow(row); }
 
 // Each part only grows, so that no two states of the matrix have one sum.
 long MechanicalMatrix::valuesRevision() const {
-  return factors_revision_ + constraints_.revision() + system_.derivativesRevision();
+  return factors_revision_ + constraints_.revision() + system_.derivativesRevision() + actors_.patternRevision();
 }
 
 bool MechanicalMatrix::symmetric() const {

@@ -425,6 +425,8 @@ std::uint64_t Simulation::stateHash() const {
   for (const State* state : states()) {
     hashRows(hash, state->x());
     hashRows(hash, state->v());
+    for (Index i = 0; i < state->size(); ++i)
+      if (state->kindOf(i) == RowKind::turn) hashNumber(hash, state->x().data[i * row_doubles + 3]);
   }
   return hash;
 }

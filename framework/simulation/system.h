@@ -29,6 +29,13 @@ class System final {
   const std::vector<ForceField*>& forceFields() const { return actors_.force_fields; }
   const std::vector<Mass*>& masses() const { return actors_.masses; }
   const Actors& actors() const { return actors_; }
+  /// How positions move: integrators add increments to x through it.
+  const Motion& motion() const { return actors_.motion; }
+  /// The independent rows of a vector of this system.
+  Rows independent(Rows all) const { return all.head(independentRows()); }
+  ConstRows independent(ConstRows all) const { return all.head(independentRows()); }
+  Rows independent(Vector& all) const { return all.head(independentRows()); }
+  ConstRows independent(const Vector& all) const { return all.head(independentRows()); }
   Integrator& integrator() const { return integrator_; }
   LinearSolver* linearSolver() const;  ///< the integrator's partner, or null
   Node& node() const { return node_; }
