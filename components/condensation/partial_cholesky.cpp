@@ -21,11 +21,13 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "framework/algebra/ordering_lock.h"
 #include "framework/algebra/parallel.h"
 #include "framework/scene/factory.h"
 
 // of OpenBLAS; absent from other libraries
 extern "C" __attribute__((weak)) void openblas_set_num_threads(int);
+extern "C" __attribute__((weak)) int openblas_get_num_threads();
 
 extern "C" {
 void dtrsm_(const char* side, const char* uplo, const char* trans, const char* diag, const int* m, const int* n,
@@ -50,7 +52,7 @@ class NoRegions {
   NoRegions() : before_(omp_get_max_active_levels()) {
     omp_set_max_active_levels(0);
     // on two threads OpenBLAS sums in another order, and no result may depend on their number
-    if (openblas_set_num_threads) openblas_set_num_threads(1);
+    if (openblas_set_num_threads && openblas_get_num_threads() != 1) openblas_set_num_threads(1);
   }
   ~NoRegions() { omp_set_max_active_levels(before_); }
 
@@ -169,7 +171,11 @@ std::vector<Index> CholmodPartialCholesky::analyse(const BlockMatrix& matrix, In
   if (eliminated > 1 && !as_they_are) {
     cholmod_sparse* inside = graph(matrix, eliminated);
     std::vector<int> found = order;
-    if (cholmod_metis(inside, nullptr, 0, 1, found.data(), &common_)) tryOrder(all, found, eliminated);
+    const auto dissect = [&] {
+      const std::lock_guard lock(orderingLock());
+      return cholmod_metis(inside, nullptr, 0, 1, found.data(), &common_);
+    };
+    if (dissect()) tryOrder(all, found, eliminated);
     cholmod_free_sparse(&inside, &common_);
     std::vector<int> member(order.size(), 1);
     std::fill(member.begin(), member.begin() + eliminated, 0);

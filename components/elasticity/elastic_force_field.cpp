@@ -83,11 +83,8 @@ const std::vector<ElasticKind>& elasticKinds() { return offeredKinds(); }
 
 void offerElasticKind(const ElasticKind& kind) {
   auto& kinds = offeredKinds();
-  const auto known = std::find_if(kinds.begin(), kinds.end(), [&](const auto& k) { return k.word == kind.word; });
-  if (known != kinds.end())
-    *known = kind;
-  else
-    kinds.push_back(kind);
+  const bool is_known = std::any_of(kinds.begin(), kinds.end(), [&](const auto& k) { return k.word == kind.word; });
+  if (!is_known) kinds.push_back(kind);
 }
 
 void ElasticForceField::declare(DataTable& table) {

@@ -40,6 +40,7 @@
 #include <cmath>
 #include <fstream>
 #include <map>
+#include <mutex>
 #include <sstream>
 
 #include "framework/mesh/mesh_loader.h"
@@ -47,6 +48,12 @@
 
 namespace stroma {
 namespace {
+
+/// VTK has one window for its messages in the process: files are read one after the other.
+std::mutex& outputWindow() {
+  static std::mutex instance;
+  return instance;
+}
 
 /// Keeps what VTK would print, and gives VTK its own window back at the end.
 class CapturedOutput : public vtkOutputWindow {
@@ -81,6 +88,7 @@ class Capture {
   }
 
  private:
+  std::lock_guard<std::mutex> lock_{outputWindow()};
   vtkSmartPointer<vtkOutputWindow> before_;
   vtkSmartPointer<CapturedOutput> window_;
 };
