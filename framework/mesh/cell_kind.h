@@ -31,7 +31,9 @@ struct CellKind {
   void (*hold)(LocalPoint& xi);  ///< moves a point outside of the reference cell to its border
   /// Length [m], area [m^2] or signed volume [m^3] of the cell with nodes at x, shape (nodes); null for points.
   double (*size)(const Vec3* x);
-  /// Of volume cells, else null: mean ratio, 1 for the regular cell, 0 flat, < 0 inverted.
+  /// Of volume cells, else null: 1 for the regular cell, 0 flat, < 0 inverted. Of a tetrahedron the mean ratio
+  /// sign(V) 12 (3 |V|)^(2/3) / (sum of squared edge lengths); of a hexahedron the worst of the tetrahedra at its
+  /// corners, scaled so that a cube has 1.
   double (*quality)(const Vec3* x);
   CellFormat vtk, gmsh;
 
