@@ -158,13 +158,18 @@ class BarycentricMapping final : public WeightedMapping {
       outside += best.distance > 0;
       if (best.distance > farthest_distance) farthest_distance = best.distance, farthest = i;
     }
-    const std::string sentence =
-        fmt::format("{} of {} points lie outside of the cells, point {} by {:.3g} m: they follow a cell near by",
-                    outside, points.size(), farthest, farthest_distance);
-    const double size = bg::distance(around.min_corner(), around.max_corner());
-    if (farthest_distance > 0.1 * size)
+    if (outside > 0)
+      tellOutside(
+          fmt::format("{} of {} points lie outside of the cells, point {} by {:.3g} m: they follow a cell near by",
+                      outside, points.size(), farthest, farthest_distance),
+          farthest_distance / bg::distance(around.min_corner(), around.max_corner()));
+  }
+
+  /// `share`: of the size of the body.
+  void tellOutside(const std::string& sentence, double share) const {
+    if (share > 0.1)
       warn(sentence, "points inside of the body or near it");
-    else if (farthest_distance > 1e-6 * size)
+    else if (share > 1e-6)
       inform(sentence);
   }
 

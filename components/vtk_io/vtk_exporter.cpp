@@ -97,6 +97,7 @@ class VTKExporter : public Observer {
   ForceField& forceFieldWith(const std::string& field) const;
   ForceField& forceFieldAt(const std::string& path) const;
   Component& componentAt(std::string_view path) const;
+  const CellKind* kindOfValues(std::size_t count, const CellOutput& output) const;
   std::vector<double> fieldOfCells(const CellOutput& output) const;
   void fill();
   void write(const Simulation& simulation);
@@ -342,25 +343,30 @@ void VTKExporter::fill() {
   points_->Modified();
 }
 
-/// One value for each written cell. A force field fills one kind of volume cells of its mesh, or all of them in turn.
-std::vector<double> VTKExporter::fieldOfCells(const CellOutput& output) const {
-  std::vector<double> values;
-  if (!system_) throw std::runtime_error(fmt::format("{}: cell fields need a state that an integrator moves", path()));
-  output.source->cellField(output.field, system_->x, values);
+/// Of which kind of volume cells a force field has given `count` values: null for all of them in turn.
+const CellKind* VTKExporter::kindOfValues(std::size_t count, const CellOutput& output) const {
   std::size_t all = 0;
   std::string counts;
-  const CellKind* only = nullptr;  ///< the kind that has them all
+  const CellKind* only = nullptr;
   const auto measure = [&](const CellKind& kind, const auto& cells) {
     if (kind.dimension < 3) return;
     all += cells.size();
     counts += fmt::format("{}{} {}", counts.empty() ? "" : " and ", cells.size(), kind.plural);
-    if (!only && values.size() == cells.size()) only = &kind;
+    if (!only && count == cells.size()) only = &kind;
   };
   forEachCellList(measure, topology_->mesh());
-  if (values.size() == all) only = nullptr;
-  if (values.size() != all && !only)
-    throw std::runtime_error(fmt::format("{}: {} gives {} values of '{}', but the mesh has {}", path(),
-                                         output.source->path(), values.size(), output.field, counts));
+  if (count == all) return nullptr;
+  if (only) return only;
+  throw std::runtime_error(fmt::format("{}: {} gives {} values of '{}', but the mesh has {}", path(),
+                                       output.source->path(), count, output.field, counts));
+}
+
+/// One value for each written cell, NaN where the force field has none.
+std::vector<double> VTKExporter::fieldOfCells(const CellOutput& output) const {
+  std::vector<double> values;
+  if (!system_) throw std::runtime_error(fmt::format("{}: cell fields need a state that an integrator moves", path()));
+  output.source->cellField(output.field, system_->x, values);
+  const CellKind* only = kindOfValues(values.size(), output);
   std::vector<double> out(std::size_t(grid_->GetNumberOfCells()), std::numeric_limits<double>::quiet_NaN());
   auto from = values.begin();
   auto to = out.begin();
