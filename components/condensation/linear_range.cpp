@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "framework/mesh/topology.h"
+#include "framework/mechanics/state_topology.h"
 
 namespace stroma {
 
@@ -35,9 +35,9 @@ void LinearRange::compile(const System& system, const CondensedBody& body, const
     (known ? triangles_ : unknown).push_back(patch);
   };
   for (const State* state : system.states()) {
-    const Topology* topology = state->find<Topology>(true);
     if (state->firstRow() >= system.independentRows()) continue;  // it only follows
-    if (!topology || topology->mesh().nodes() != state->size()) continue;
+    const Topology* topology = topologyOf(*state);
+    if (!topology) continue;
     for (const Triangle& face : topology->mesh().boundaryTriangles()) add(*state, face[0], face[1], face[2]);
     for (const Quad& face : topology->mesh().boundaryQuads()) {
       add(*state, face[0], face[1], face[2]);

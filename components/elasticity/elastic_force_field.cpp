@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "framework/mechanics/state_topology.h"
 #include "framework/scene/names.h"
 
 namespace stroma {
@@ -183,7 +184,7 @@ void ElasticForceField::chooseKind(const Topology& topology) {
 
 void ElasticForceField::init() {
   ForceField::init();
-  const Topology* topology = topology_.target() ? topology_.get() : find<Topology>(true);
+  const Topology* topology = findTopology(*this, state(), topology_, MeshNodes::first);
   if (!topology) throw ComponentError("there is no mesh", "a topology with cells in this node or above");
   mesh_ = &topology->mesh();
   chooseKind(*topology);
@@ -241,10 +242,6 @@ void ElasticForceField::checkMaterial() const {
   check("localStiffnessFactor", stiffness_factor_, true);
   const std::string problem = mesh_->firstError();
   if (!problem.empty()) throw ComponentError(problem);
-  if (mesh_->nodes() > state().size())
-    throw ComponentError(
-        fmt::format("the mesh has {} nodes, {} has {}", mesh_->nodes(), state().path(), state().size()),
-        "the same number");
 }
 
 ForceTraits ElasticForceField::traits() const {

@@ -12,6 +12,8 @@
 #include <set>
 
 #include "components/hyperelasticity/hyperelastic_volume.h"
+#include "framework/mechanics/state_topology.h"
+#include "framework/mesh/cell_kind.h"
 #include "framework/scene/names.h"
 
 namespace stroma {
@@ -28,19 +30,13 @@ namespace {
 /// Gradients of shape functions (columns, in the order of the cell) at the integration points.
 using Gradients = Eigen::Matrix<double, 3, Eigen::Dynamic>;
 
-/// Those along xi, eta and zeta of the hexahedron at its point p.
+/// Those along xi, eta and zeta of the hexahedron at the kernels' point p, where xi goes fastest.
 Gradients localGradients(int p) {
-  constexpr int sign[8][3] = {{-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, -1},
-                              {-1, -1, 1},  {1, -1, 1},  {1, 1, 1},  {-1, 1, 1}};
-  const double g = 1 / std::sqrt(3.), s[3] = {p & 1 ? g : -g, p & 2 ? g : -g, p & 4 ? g : -g};
+  constexpr int node_of_point[8] = {0, 1, 3, 2, 4, 5, 7, 6};
+  std::array<LocalPoint, 8> slopes;
+  cell_kinds::hexahedron.gradients(cell_kinds::hexahedron.rule(2).points[node_of_point[p]].xi, slopes.data());
   Gradients local(3, 8);
-  for (int a = 0; a < 8; ++a)
-    for (int i = 0; i < 3; ++i) {
-      double value = sign[a][i] / 8.;
-      for (int k = 0; k < 3; ++k)
-        if (k != i) value *= 1 + sign[a][k] * s[k];
-      local(i, a) = value;
-    }
+  for (int a = 0; a < 8; ++a) local.col(a) = Vec3(slopes[a].data());
   return local;
 }
 /// dx/d(xi, eta, zeta) at a point.
@@ -176,7 +172,7 @@ void HyperelasticForceField::refusePlugin() const {
 void HyperelasticForceField::chooseMesh() {
   if (!template_.empty() && template_.rfind("Vec3", 0) != 0)
     throw ComponentError(fmt::format("template '{}' is none that {} has", template_, type()), "Vec3");
-  const Topology* topology = topology_.target() ? topology_.get() : find<Topology>(true);
+  const Topology* topology = findTopology(*this, state(), topology_, MeshNodes::first);
   if (!topology) throw ComponentError("there is no mesh", "a topology with cells in this node or above");
   mesh_ = &topology->mesh();
   if (cellCount() == 0)
@@ -188,10 +184,6 @@ void HyperelasticForceField::chooseMesh() {
                                "HexahedronHyperelasticityFEMForceField");
   const std::string problem = mesh_->firstError();
   if (!problem.empty()) throw ComponentError(problem);
-  if (mesh_->nodes() > state().size())
-    throw ComponentError(
-        fmt::format("the mesh has {} nodes, {} has {}", mesh_->nodes(), state().path(), state().size()),
-        "the same number");
 }
 
 void HyperelasticForceField::checkShapes() const {

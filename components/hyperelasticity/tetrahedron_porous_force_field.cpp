@@ -60,7 +60,7 @@
 #include "framework/mechanics/history.h"
 #include "framework/mechanics/history_file.h"
 #include "framework/mechanics/node_indices.h"
-#include "framework/mesh/topology.h"
+#include "framework/mechanics/state_topology.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
@@ -168,14 +168,10 @@ void TetrahedronPorousForceField::declare(DataTable& table) {
 
 void TetrahedronPorousForceField::init() {
   ForceField::init();
-  const Topology* topology = topology_.target() ? topology_.get() : find<Topology>(true);
+  const Topology* topology = findTopology(*this, state(), topology_);
   if (!topology || topology->mesh().tetrahedra.empty())
     throw ComponentError("there are no tetrahedra", "a topology with tetrahedra in this node or above");
   mesh_ = &topology->mesh();
-  if (mesh_->nodes() != state().size())
-    throw ComponentError(
-        fmt::format("the mesh has {} nodes, {} has {}", mesh_->nodes(), state().path(), state().size()),
-        "the same number");
   if (!(sponge_.bulk <= sponge_.fluid * sponge_.limit))
     throw ComponentError(
         fmt::format("bulkModulus is {:g} and limitModulus {:g}", sponge_.bulk, sponge_.limit),

@@ -10,8 +10,8 @@
 #include <set>
 
 #include "framework/mechanics/state_positions.h"
+#include "framework/mechanics/state_topology.h"
 #include "framework/mesh/folds.h"
-#include "framework/mesh/topology.h"
 
 namespace stroma {
 namespace {
@@ -54,19 +54,6 @@ std::string foldedElements(const ForceField& field, ConstRows x) {
   if (folded == 0) return {};
   return fmt::format("{} of {} elements are inverted or flat; the worst is {}", folded, j.size(),
                      field.worstElement(x));
-}
-
-/// The meshes of the node nearest above a state that has any, if they are of the state's size.
-std::vector<const Topology*> meshesOf(const State& state) {
-  std::vector<const Topology*> found;
-  bool any = false;
-  for (const Node* node = &state.node(); node && !any; node = node->parent())
-    for (const auto& component : node->components()) {
-      const auto* topology = dynamic_cast<const Topology*>(component.get());
-      any = any || topology;
-      if (topology && topology->mesh().nodes() == state.size()) found.push_back(topology);
-    }
-  return found;
 }
 
 /// Whether a step moves the nodes by a share of the body's size that can be seen, in the mean: what is less is
@@ -384,7 +371,7 @@ std::vector<std::string> Simulation::doubts() const {
       if (folded_states.count(state) > 0) continue;
       const std::vector<Vec3> now = positionsOf(*state, system.x);
       if (now == state->rest_position) continue;  // nothing has moved: large scenes start without a look at their cells
-      for (const Topology* topology : meshesOf(*state))
+      for (const Topology* topology : topologiesOf(*state))
         if (const std::string folds = foldsOf(topology->mesh(), state->rest_position, now); !folds.empty())
           say(fmt::format("{} at t = {:.6g} s: {}", topology->path(), time_, folds));
     }
