@@ -39,6 +39,7 @@
 
 #include "framework/mechanics/force_field.h"
 #include "framework/mesh/topology.h"
+#include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
 #include "framework/scene/whole_file.h"
 #include "framework/simulation/observer.h"
@@ -62,6 +63,7 @@ class VTKExporter : public Observer {
     return enable_ && every_ > 0 && context.index % every_ == 0;
   }
   void end(const Simulation& simulation) override;
+  void serialize(Archive& archive) override;
   std::string describe() const override;
 
  private:
@@ -296,10 +298,9 @@ void VTKExporter::begin(const Simulation& simulation) {
   for (const auto& system : simulation.systems())
     for (const State* state : system->states())
       if (state == state_) system_ = system.get();
-  written_.clear();
-  last_step_ = -1;
+  if (simulation.steps() == 0) written_.clear(), last_step_ = -1;
   if (enable_ && stem_.has_parent_path()) fs::create_directories(stem_.parent_path());
-  if (enable_ && at_begin_) write(simulation);
+  if (enable_ && at_begin_ && simulation.steps() == 0) write(simulation);
 }
 
 void VTKExporter::afterStep(const Simulation& simulation, const StepContext&) {
@@ -308,6 +309,18 @@ void VTKExporter::afterStep(const Simulation& simulation, const StepContext&) {
 
 void VTKExporter::end(const Simulation& simulation) {
   if (enable_ && at_end_ && last_step_ != simulation.steps()) write(simulation);
+}
+
+/// The files of the run so far: a series goes on with the next number.
+void VTKExporter::serialize(Archive& archive) {
+  std::size_t count = written_.size();
+  archive.value("last_step", last_step_);
+  archive.value("files", count);
+  written_.resize(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    archive.value("time " + std::to_string(i), written_[i].first);
+    archive.value("name " + std::to_string(i), written_[i].second);
+  }
 }
 
 std::string VTKExporter::describe() const {

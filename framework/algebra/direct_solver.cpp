@@ -9,7 +9,10 @@ namespace stroma {
 void DirectSolver::declare(DataTable& table) {
   table.add("template", template_)
       .help("the form of matrix: any CompressedRowSparseMatrix; the solver works on 3x3 blocks");
-  table.add("factorisations", factorisations_).help("how often numbers were factored so far, of all matrices").unit("-").output();
+  table.add("factorisations", factorisations_)
+      .help("how often numbers were factored so far, of all matrices")
+      .unit("-")
+      .output();
 }
 
 bool DirectSolver::answersLookup() const {
@@ -60,6 +63,17 @@ bool DirectSolver::update(SystemMatrix& matrix, Kept& kept, SolveReport& report)
 Factorisation* DirectSolver::factor(SystemMatrix& matrix, SolveReport& report) {
   Kept& kept = kept_.of(matrix);
   return update(matrix, kept, report) ? kept.factors.get() : nullptr;
+}
+
+Factorisation* DirectSolver::factorValues(SystemMatrix& matrix, const std::vector<double>& values) {
+  BlockMatrix former = matrix.pattern();
+  if (former.values().size() != values.size()) return nullptr;
+  former.values() = values;
+  Kept& kept = kept_.of(matrix);
+  analyseIfNew(matrix, former, kept);
+  kept.factored = false;
+  Index row = -1;
+  return kept.factors->factor(former, row) == SolveStop::converged ? kept.factors.get() : nullptr;
 }
 
 namespace {
