@@ -55,6 +55,20 @@ void LinearRange::reset() {
   largest_square_ = -1;
 }
 
+void LinearRange::serialize(Archive& archive) {
+  archive.value("next_triangle", next_);
+  archive.value("largest_square", largest_square_);
+  archive.value("last_time", last_time_);
+  archive.value("turn", peaks_.turn);
+  archive.value("strain", peaks_.strain);
+  archive.value("time_of_turn", peaks_.time_of_turn);
+  archive.value("time_of_strain", peaks_.time_of_strain);
+  for (std::size_t i = 0; i < 3; ++i) {
+    archive.value("turned " + std::to_string(i), peaks_.turned[i]);
+    archive.value("strained " + std::to_string(i), peaks_.strained[i]);
+  }
+}
+
 void LinearRange::measure(const Patch& patch, double t, Peaks& peaks) const {
   const auto& x = system_->x;
   const Vec3 d1 = x[patch.rows[1]] - x[patch.rows[0]] - patch.edge[0];

@@ -95,17 +95,20 @@ void ElasticForceField::declare(DataTable& table) {
   table.add("template", template_)
       .help("Vec3, or the kind of cell with it where a mesh holds several: Vec3,Tetrahedron or Vec3,Hexahedron");
   table.add("youngModulus", young_modulus_)
+      .recompiled()
       .unit("Pa")
       .min(0, false)
       .physical()
       .help("Young's modulus: one value, or one per cell");
   table.add("poissonRatio", poisson_ratio_)
+      .recompiled()
       .unit("-")
       .min(-1, false)
       .max(0.5, false)
       .physical()
       .help("Poisson's ratio: one value, or one per cell");
   table.add("localStiffnessFactor", stiffness_factor_)
+      .recompiled()
       .unit("-")
       .min(0)
       .help("factor on Young's modulus, one per cell; empty: 1");

@@ -118,7 +118,6 @@ void HyperelasticForceField::declare(DataTable& table) {
       .help("of SOFA's plugin: only false; what each law does with inverted elements is on its page");
   table.add("ParameterFile", parameter_file_).help("of SOFA's plugin: only empty; parameters take a value per cell");
   prony_.declare(table);
-  history_file_.declare(table);
 }
 
 std::size_t HyperelasticForceField::cellCount() const {
@@ -135,8 +134,6 @@ void HyperelasticForceField::init() {
   series_ = prony_.read(*this);
   if (series_.terms() > 0 && !(hexahedra ? residualStressKernels().hexahedra : residualStressKernels().tetrahedra))
     throw ComponentError("viscosity has no kernels for these cells", "tetrahedra");
-  if (series_.terms() == 0 && history_file_.isGiven())
-    throw ComponentError("a history is given, and without viscosity nothing is remembered", "viscous=\"true\"");
   checkShapes();
   checkMeanDilatation();
   if (regularised_ && projected_)
@@ -281,11 +278,6 @@ void HyperelasticForceField::makeViscous() {
                                               node().root().root_time);
   viscous_ = viscous.get();
   method_ = std::move(viscous);
-  initial_history_ = history_file_.read();
-  const std::size_t expected = viscous_->history().size();
-  if (history_file_.isGiven() && initial_history_.size() != expected)
-    throw ComponentError(fmt::format("the history has {} numbers", initial_history_.size()),
-                         fmt::format("{}: that of a run with this mesh and this series", expected));
   reset();
 }
 /// The system's rows up to the last of the state.
@@ -301,14 +293,14 @@ void HyperelasticForceField::stepEnded(double t) {
 }
 void HyperelasticForceField::reset() {
   fault_.clear();
-  if (viscous_) viscous_->start(node().root().root_time, initial_history_);
+  if (viscous_) viscous_->start(node().root().root_time);
 }
 const std::vector<double>& HyperelasticForceField::history() const {
   static const std::vector<double> none;
   return viscous_ ? viscous_->history() : none;
 }
-void HyperelasticForceField::setHistory(const std::vector<double>& values) {
-  if (viscous_) viscous_->start(node().root().root_time, values);
+void HyperelasticForceField::serialize(Archive& archive) {
+  if (viscous_) viscous_->serialize(archive);
 }
 
 // ---- forces ----

@@ -25,6 +25,7 @@
 #include <fmt/format.h>
 
 #include "components/integrators/implicit_step.h"
+#include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
@@ -38,6 +39,11 @@ class BDFOdeSolver final : public Integrator {
   bool toleratesLaggedForces() const override { return order_ == 1; }
   std::string describe() const override { return fmt::format("BDF step of order {}", order_) + implicit_.describe(); }
   void reset() override { last_step_ = 0; }
+  void serialize(Archive& archive) override {
+    archive.value("last_step", last_step_);
+    archive.rows("way", way_);
+    archive.rows("change", change_);
+  }
 
  private:
   ImplicitScheme schemeOfOrder2(System& system, double h);

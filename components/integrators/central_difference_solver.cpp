@@ -20,6 +20,7 @@
 // </Node>
 #include "components/integrators/explicit_step.h"
 #include "components/integrators/stable_step.h"
+#include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
@@ -34,6 +35,7 @@ class CentralDifferenceSolver final : public Integrator {
     return "central differences, velocities at the middle of steps: 1 force evaluation, " + acceleration_.describe();
   }
   void reset() override { last_step_ = 0; }
+  void serialize(Archive& archive) override { archive.value("last_step", last_step_); }
 
  private:
   double rayleigh_mass_ = 0;
@@ -45,7 +47,7 @@ class CentralDifferenceSolver final : public Integrator {
 };
 
 void CentralDifferenceSolver::declare(DataTable& table) {
-  table.add("rayleighMass", rayleigh_mass_).help("damping proportional to the mass").unit("1/s").min(0);
+  table.add("rayleighMass", rayleigh_mass_).recompiled().help("damping proportional to the mass").unit("1/s").min(0);
   declareLinearSolver(table);
   table.addVisualOnly("threadSafeVisitor");
 }

@@ -11,16 +11,22 @@ namespace stroma {
 // ---- attributes ----
 
 void ImplicitStep::declareDamping(DataTable& table) {
-  table.add("rayleighStiffness", rayleigh_stiffness).help("damping proportional to the stiffness").unit("s").min(0);
-  table.add("rayleighMass", rayleigh_mass).help("damping proportional to the mass").unit("1/s").min(0);
+  table.add("rayleighStiffness", rayleigh_stiffness)
+      .recompiled()
+      .help("damping proportional to the stiffness")
+      .unit("s")
+      .min(0);
+  table.add("rayleighMass", rayleigh_mass).recompiled().help("damping proportional to the mass").unit("1/s").min(0);
 }
 
 void ImplicitStep::declareNewton(DataTable& table) {
   table.add("newtonIterations", newton_settings.iterations)
+      .recompiled()
       .help("1: one linear solve per step, as SOFA; more: the step's equations are solved by Newton's method")
       .unit("-")
       .min(1);
   table.add("newtonTolerance", newton_settings.relative_residual)
+      .recompiled()
       .help("residual at which Newton's method ends, relative to the forces where the step starts")
       .unit("-")
       .min(0, false);

@@ -39,6 +39,7 @@
 
 #include "components/integrators/free_body.h"
 #include "components/integrators/newton_solver.h"
+#include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
 #include "framework/simulation/integrator.h"
 #include "framework/simulation/system_report.h"
@@ -84,6 +85,7 @@ class StaticSolver final : public Integrator {
   std::string describe() const override;
   bool movesInTime() const override { return false; }
   void reset() override { checked_projectors_ = std::size_t(-1); }
+  void serialize(Archive& archive) override { archive.value("checked_projectors", checked_projectors_); }
 
  private:
   void checkSettings() const;

@@ -31,6 +31,7 @@
 
 #include "components/integrators/explicit_step.h"
 #include "components/integrators/implicit_step.h"
+#include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
@@ -48,6 +49,10 @@ class VariationalSymplecticSolver final : public Integrator {
     return is_explicit_ ? explicit_.describe() : "implicit midpoint step" + implicit_.describe();
   }
   void reset() override { started_ = false; }
+  void serialize(Archive& archive) override {
+    archive.value("started", started_);
+    archive.value("potential", potential_);
+  }
 
  private:
   StepReport implicitStep(System& system, const StepContext& context);

@@ -29,8 +29,12 @@ class UniformMass final : public Mass {
  public:
   void declare(DataTable& table) override {
     Mass::declare(table);
-    table.add("vertexMass", vertex_mass_).help("mass of each node; wins over totalMass").unit("kg").min(0, false);
-    table.add("totalMass", total_mass_).help("mass of all nodes together").unit("kg").min(0, false);
+    table.add("vertexMass", vertex_mass_)
+        .recompiled()
+        .help("mass of each node; wins over totalMass")
+        .unit("kg")
+        .min(0, false);
+    table.add("totalMass", total_mass_).recompiled().help("mass of all nodes together").unit("kg").min(0, false);
     table.add("indices", indices_).help("nodes that have mass; all when not given");
     table.add("localRange", range_).help("first and last node that have mass; -1 -1: all");
     for (const char* without_effect : {"preserveTotalMass", "compute_mapping_inertia"})

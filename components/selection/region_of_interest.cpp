@@ -64,6 +64,7 @@ class RegionOfInterest : public Component {
     Selection<Tetrahedron> tetrahedra;
     Selection<Hexahedron> hexahedra;
   };
+  void forget();
   void findPositions();
   void takeCells();
   template <class Cell>
@@ -114,6 +115,7 @@ void RegionOfInterest::declare(DataTable& table) {
 
 void RegionOfInterest::init() {
   if (update_) warn("the selection is made once, at rest: doUpdate is not used", "doUpdate=\"false\"");
+  forget();
   prepare();
   findPositions();
   takeCells();
@@ -132,6 +134,17 @@ void RegionOfInterest::init() {
       },
       cells_);
   if (indices_.empty() && !any_cell && !allow_empty_) failEmpty();
+}
+
+/// A selection that is made again starts from nothing.
+void RegionOfInterest::forget() {
+  for (std::vector<int>* list : {&indices_, &outside_}) list->clear();
+  for (std::vector<Vec3>* list : {&points_inside_, &points_outside_}) list->clear();
+  forEachCellList(
+      [](const CellKind&, auto& selection) {
+        selection.indices.clear(), selection.outside.clear(), selection.inside_cells.clear();
+      },
+      cells_);
 }
 
 void RegionOfInterest::findPositions() {
@@ -188,8 +201,9 @@ void RegionOfInterest::failEmpty() const {
 class BoxROI : public RegionOfInterest {
  public:
   void declare(DataTable& table) override {
-    table.add("box", box_).unit("m").help("boxes of six numbers: one corner and the opposite one");
+    table.add("box", box_).recompiled().unit("m").help("boxes of six numbers: one corner and the opposite one");
     table.add("orientedBox", oriented_box_)
+        .recompiled()
         .unit("m")
         .help("boxes of ten numbers: three corners of a face, and the depth");
     RegionOfInterest::declare(table);
@@ -221,6 +235,7 @@ void BoxROI::prepare() {
   if (oriented_box_.size() % 10 != 0)
     throw ComponentError(fmt::format("orientedBox has {} numbers", oriented_box_.size()),
                          "ten for each box: three points and a depth");
+  low_.clear(), high_.clear(), oriented_.clear();
   for (std::size_t i = 0; i < box_.size(); i += 6) {
     const Vec3 a(box_[i], box_[i + 1], box_[i + 2]), b(box_[i + 3], box_[i + 4], box_[i + 5]);
     low_.push_back(a.cwiseMin(b)), high_.push_back(a.cwiseMax(b));

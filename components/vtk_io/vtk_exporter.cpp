@@ -37,6 +37,7 @@
 #include "framework/mechanics/force_field.h"
 #include "framework/mechanics/state_topology.h"
 #include "framework/mesh/cell_lists.h"
+#include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
 #include "framework/simulation/observer.h"
 #include "framework/simulation/simulation.h"
@@ -75,6 +76,7 @@ class VTKExporter : public Observer {
     return enable_ && every_ > 0 && context.index % every_ == 0;
   }
   void end(const Simulation& simulation) override;
+  void serialize(Archive& archive) override;
   std::string describe() const override;
 
  private:
@@ -301,9 +303,9 @@ void VTKExporter::begin(const Simulation& simulation) {
   for (const auto& system : simulation.systems())
     for (const State* state : system->states())
       if (state == state_) system_ = system.get();
-  last_step_ = -1;
-  if (enable_) series_.start();
-  if (enable_ && at_begin_) write(simulation);
+  if (simulation.steps() == 0) last_step_ = -1;
+  if (enable_) series_.start(simulation.steps() == 0);
+  if (enable_ && at_begin_ && simulation.steps() == 0) write(simulation);
 }
 
 void VTKExporter::afterStep(const Simulation& simulation, const StepContext&) {
@@ -312,6 +314,12 @@ void VTKExporter::afterStep(const Simulation& simulation, const StepContext&) {
 
 void VTKExporter::end(const Simulation& simulation) {
   if (enable_ && at_end_ && last_step_ != simulation.steps()) write(simulation);
+}
+
+/// The files of the run so far: a series goes on with the next number.
+void VTKExporter::serialize(Archive& archive) {
+  archive.value("last_step", last_step_);
+  series_.serialize(archive);
 }
 
 std::string VTKExporter::describe() const {

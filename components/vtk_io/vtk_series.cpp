@@ -6,6 +6,7 @@
 #include <vtkUnstructuredGridWriter.h>
 #include <vtkXMLUnstructuredGridWriter.h>
 
+#include "framework/scene/archive.h"
 #include "framework/scene/whole_file.h"
 
 namespace stroma {
@@ -16,9 +17,19 @@ void VtkSeries::setUp(std::filesystem::path stem, Format format) {
     stem_.replace_extension();
 }
 
-void VtkSeries::start() {
-  written_.clear();
+void VtkSeries::start(bool anew) {
+  if (anew) written_.clear();
   if (stem_.has_parent_path()) std::filesystem::create_directories(stem_.parent_path());
+}
+
+void VtkSeries::serialize(Archive& archive) {
+  std::size_t count = written_.size();
+  archive.value("files", count);
+  written_.resize(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    archive.value("time " + std::to_string(i), written_[i].first);
+    archive.value("name " + std::to_string(i), written_[i].second);
+  }
 }
 
 std::string VtkSeries::pattern() const {

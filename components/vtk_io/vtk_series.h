@@ -9,6 +9,8 @@
 
 namespace stroma {
 
+class Archive;
+
 /// The files of a series of grids, each complete or not there at all: STEM00000.vtu, STEM00001.vtu, ... and STEM.pvd,
 /// which lists them with their times and is valid after each one.
 class VtkSeries {
@@ -20,8 +22,9 @@ class VtkSeries {
 
   /// `stem` without the extension of a file of VTK.
   void setUp(std::filesystem::path stem, Format format);
-  /// Begins again with file 0; makes the folder.
-  void start();
+  /// Makes the folder. `anew`: begins again with file 0; else the series goes on with the next number.
+  void start(bool anew);
+  void serialize(Archive& archive);  ///< the files so far
   void write(vtkUnstructuredGrid& grid, double time);
   /// "grid-NNNNN.vtu"
   std::string pattern() const;

@@ -65,6 +65,17 @@ Factorisation* DirectSolver::factor(SystemMatrix& matrix, SolveReport& report) {
   return update(matrix, kept, report) ? kept.factors.get() : nullptr;
 }
 
+Factorisation* DirectSolver::factorValues(SystemMatrix& matrix, const std::vector<double>& values) {
+  BlockMatrix former = matrix.pattern();
+  if (former.values().size() != values.size()) return nullptr;
+  former.values() = values;
+  Kept& kept = kept_.of(matrix);
+  analyseIfNew(matrix, former, kept);
+  kept.factored = false;
+  Index row = -1;
+  return kept.factors->factor(former, row) == SolveStop::converged ? kept.factors.get() : nullptr;
+}
+
 namespace {
 
 /// r = b - A x; returns its norm.

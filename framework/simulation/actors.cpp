@@ -150,6 +150,12 @@ void compileActors(Actors& actors) {
   for (ForceField* field : actors.force_fields) field->compile();
   for (const auto* mappings : {&actors.mappings, &actors.passive_mappings})
     for (Mapping* mapping : *mappings) mapping->compile();
+  sortByTraits(actors);
+}
+
+void sortByTraits(Actors& actors) {
+  for (auto* list : {&actors.stiff_fields, &actors.damped_fields, &actors.timed_fields}) list->clear();
+  actors.derivatives_vary = false;
   for (ForceField* field : actors.force_fields) {
     const ForceTraits traits = field->traits();
     if (traits.velocity_dependent) actors.damped_fields.push_back(field);

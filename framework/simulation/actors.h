@@ -46,4 +46,7 @@ Actors collectActors(const Node& node);
 /// by their traits.
 void compileActors(Actors& actors);
 
+/// The lists that follow from what force fields are, made anew.
+void sortByTraits(Actors& actors);
+
 }  // namespace stroma

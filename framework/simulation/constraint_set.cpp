@@ -98,6 +98,23 @@ void ConstraintSet::refuseTurningRows() const {
   }
 }
 
+void ConstraintSet::componentsChanged(double t, Rows v) {
+  const std::vector<Index> held_before = projector_of_row_;
+  change_ = std::any_of(all().begin(), all().end(), [](const ProjectiveConstraint* constraint) {
+    return !constraint->isConstant() || constraint->endTime() >= 0;
+  });
+  reserve(t);
+  gather(t, t);
+  for (const NodeProjector& held : projectors_)
+    if (held_before[std::size_t(held.row)] < 0) v[held.row] = (held.projector * v[held.row]).eval();
+  updateInverseMass();
+  ++revision_;
+}
+
+void ConstraintSet::resume(const StepContext& last) {
+  if (change_ && last.index > 0) gather(last.t, last.t_end);
+}
+
 void ConstraintSet::begin(const StepContext& context, ConstRows x, Rows v) {
   motion_.forgetMisplaced();
   if (change_) gather(context.t, context.t_end);

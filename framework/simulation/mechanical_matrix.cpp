@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cassert>
 
+#include "framework/scene/archive.h"
 #include "framework/simulation/system.h"
 
 namespace stroma {
@@ -28,6 +29,19 @@ MechanicalMatrix::MechanicalMatrix(const System& system)
 void MechanicalMatrix::setFactors(const MatrixFactors& factors) {
   if (factors != factors_) ++factors_revision_;
   factors_ = factors;
+}
+
+void MechanicalMatrix::termsChanged() {
+  assembled_.dropPattern();
+  ++factors_revision_;
+}
+
+void MechanicalMatrix::serialize(Archive& archive) {
+  archive.value("mass", factors_.mass);
+  archive.value("stiffness", factors_.stiffness);
+  archive.value("damping", factors_.damping);
+  archive.value("rayleigh_mass", factors_.rayleigh_mass);
+  archive.value("rayleigh_stiffness", factors_.rayleigh_stiffness);
 }
 
 Index MechanicalMatrix::rows() const { return actors_.independent_rows; }

@@ -19,6 +19,9 @@ class MechanicalMatrix final : public SystemMatrix {
  public:
   explicit MechanicalMatrix(const System& system);
   void setFactors(const MatrixFactors& factors);
+  /// Something has changed in what the terms are made of: nothing that was kept holds.
+  void termsChanged();
+  void serialize(Archive& archive);  ///< see Component::serialize()
 
   Index rows() const override;
   void multiply(ConstRows p, Rows out) const override;
