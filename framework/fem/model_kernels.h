@@ -4,6 +4,7 @@
 #pragma once
 #include <cstring>
 #include <memory>
+#include <type_traits>
 
 #include "framework/fem/element_kernels.h"
 #include "framework/fem/element_loop.h"
@@ -85,23 +86,19 @@ struct CouplingOf<Model> {
   using type = typename Model::Coupling;
 };
 template <class Model>
-struct ForcesOf {
-  using type = Model;
-};
+constexpr auto forcesOf() {
+  if constexpr (requires { typename Model::Forces; })
+    return std::type_identity<typename Model::Forces>();
+  else
+    return std::type_identity<Model>();
+}
 template <class Model>
-requires requires { typename Model::Forces; }
-struct ForcesOf<Model> {
-  using type = typename Model::Forces;
-};
-template <class Model>
-struct ProductsOf {
-  using type = Model;
-};
-template <class Model>
-requires requires { typename Model::Products; }
-struct ProductsOf<Model> {
-  using type = typename Model::Products;
-};
+constexpr auto productsOf() {
+  if constexpr (requires { typename Model::Products; })
+    return std::type_identity<typename Model::Products>();
+  else
+    return std::type_identity<Model>();
+}
 template <class Model>
 using StorageOf = ElementStorage<Model::nodes, typename Model::template Rest<Pack>,
                                  typename Model::template Rest<double>, typename Model::template Tangent<Pack>,
@@ -169,8 +166,8 @@ template <class Model>
 class ModelKernels final : public StoredKernels<StorageOf<Model>> {
   using Base = StoredKernels<StorageOf<Model>>;
   using Base::storage_;
-  using Forces = ForceLoops<typename ForcesOf<Model>::type>;
-  using Products = ProductLoops<typename ProductsOf<Model>::type>;
+  using Forces = ForceLoops<typename decltype(forcesOf<Model>())::type>;
+  using Products = ProductLoops<typename decltype(productsOf<Model>())::type>;
   static constexpr int N = Model::nodes;
   using Nodes = V3<Pack>[N];
   /// The model has a form of its own for force and product together.
