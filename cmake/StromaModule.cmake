@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# stroma_module(NAME COMPONENTS stem... [SHARED stem...] [LIBRARIES lib...] [LEVELS])
+# stroma_module(NAME COMPONENTS stem... [KERNELS stem...] [SHARED stem...] [LIBRARIES lib...] [LEVELS])
 #   Builds the components stem.cpp of the current folder as one runtime module, NAME.so, with its index and manual beside
-#   it: the target stroma_NAME. With LEVELS it is built once for each instruction set of STROMA_LEVELS. SHARED are the
-#   sources that components of the family share and that hold no element loops: they are compiled once, for all levels, as
-#   stroma_NAME_shared, which the family's tests link too. The generated registry lists every component by name, so
-#   nothing depends on static initialisers.
+#   it: the target stroma_NAME. With LEVELS it is built once for each instruction set of STROMA_LEVELS. KERNELS are
+#   private sources that are compiled like components. SHARED are those that hold no element loops: they are compiled
+#   once, for all levels, as stroma_NAME_shared, which the family's tests link too. The generated registry lists every
+#   component by name, so nothing depends on static initialisers.
 #   Outside this tree, after find_package(stroma), the same call builds NAME.so with NAME.index and NAME.manual beside it in
 #   the current build folder; a folder like that is named in STROMA_MODULE_PATH.
 
@@ -78,7 +78,7 @@ if(NOT TARGET stroma::stroma_flags)
 endif()
 
 function(stroma_module name)
-  cmake_parse_arguments(arg "LEVELS" "" "COMPONENTS;SHARED;LIBRARIES" ${ARGN})
+  cmake_parse_arguments(arg "LEVELS" "" "COMPONENTS;KERNELS;SHARED;LIBRARIES" ${ARGN})
   set(registry ${CMAKE_CURRENT_BINARY_DIR}/${name}_registry.cpp)
   set(declarations "")
   set(calls "")
@@ -90,6 +90,8 @@ function(stroma_module name)
     list(APPEND sources ${stem}.cpp)
     list(APPEND manual_sources ${CMAKE_CURRENT_SOURCE_DIR}/${stem}.cpp)
   endforeach()
+  list(TRANSFORM arg_KERNELS APPEND .cpp)
+  list(APPEND sources ${arg_KERNELS})
   set(text "// generated: the components of module ${name}\n#include \"framework/scene/abi.h\"\n#include \"framework/scene/modules.h\"\n\n${declarations}
 static void registerComponents(stroma::Factory& factory) {\n${calls}}\n
 extern \"C\" __attribute__((visibility(\"default\"))) const stroma::ModuleInfo* stroma_module() {

@@ -9,23 +9,25 @@
 
 namespace stroma {
 
-/// make.operator()<Rotation, update>() for the rotation and the update of a variant: chosen once, outside all loops.
+/// make.operator()<Rotation>() for the rotation of a variant: chosen once, outside all loops.
 template <class Make>
 std::unique_ptr<ElementKernels> makeRotated(const ElasticVariant& variant, Make&& make) {
+  if (variant.method == ElasticMethod::large) return make.template operator()<rotation::Qr>();
+  if (variant.method == ElasticMethod::polar) return make.template operator()<rotation::Polar>();
+  return make.template operator()<rotation::Svd>();
+}
+/// The same with make.operator()<update>().
+template <class Make>
+std::unique_ptr<ElementKernels> makeUpdated(const ElasticVariant& variant, Make&& make) {
   using elastic::Update;
-  const auto updated = [&]<class Rotation>() {
-    switch (variant.update) {
-      case Update::none:
-        return make.template operator()<Rotation, Update::none>();
-      case Update::strain_displacement:
-        return make.template operator()<Rotation, Update::strain_displacement>();
-      default:
-        return make.template operator()<Rotation, Update::strain_displacement_and_volume>();
-    }
-  };
-  if (variant.method == ElasticMethod::large) return updated.template operator()<rotation::Qr>();
-  if (variant.method == ElasticMethod::polar) return updated.template operator()<rotation::Polar>();
-  return updated.template operator()<rotation::Svd>();
+  switch (variant.update) {
+    case Update::none:
+      return make.template operator()<Update::none>();
+    case Update::strain_displacement:
+      return make.template operator()<Update::strain_displacement>();
+    default:
+      return make.template operator()<Update::strain_displacement_and_volume>();
+  }
 }
 
 /// A method whose products go through its own assembled matrix, refreshed with every force unless K is constant.

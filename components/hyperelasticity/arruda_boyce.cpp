@@ -4,7 +4,6 @@
 //   C = 1/2, 1/(20 N), 11/(1050 N^2), 19/(7000 N^3), 519/(673750 N^4)
 // At small strains the shear modulus is 1.085137 mu, the bulk modulus k0. Infinite at J = 0.
 #include "components/hyperelasticity/hyperelastic_kernels.h"
-#include "framework/scene/factory.h"
 
 using namespace stroma;
 using namespace stroma::hyperelastic;
@@ -17,7 +16,6 @@ constexpr double C[5] = {1. / 2, 1 / (20 * N), 11 / (1050 * N * N), 19 / (7000 *
 
 struct ArrudaBoyce {
   using Set = First;
-  static constexpr bool anisotropic = false;
   template <class T>
   struct Parameters {
     T mu, k0;

@@ -5,7 +5,6 @@
 // strain (a pure dilation has one); it is what the method uses, and identical at J = 1. With bff = bf, bss = bnn = bsn
 // = bt, bfs = bfn = bfs it is Guccione's law. The energy is finite down to J = 0, where its Q is not.
 #include "components/hyperelasticity/hyperelastic_kernels.h"
-#include "framework/scene/factory.h"
 
 using namespace stroma;
 using namespace stroma::hyperelastic;
@@ -14,7 +13,6 @@ namespace {
 
 struct Costa {
   using Set = Quadratic;
-  static constexpr bool anisotropic = true;
   template <class T>
   struct Parameters {
     T a, k0, bff, bfs, bss, bfn, bsn, bnn;

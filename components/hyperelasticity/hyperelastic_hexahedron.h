@@ -76,7 +76,7 @@ StorageOf<Hexahedron<Form>> hexahedronStorage(const Cells& cells) {
                   V3<double> x[8];
                   for (std::size_t a = 0; a < 8; ++a) x[a] = vectorOf((*cells.rest)[order[a]]);
                   const auto j = hexahedron::atPoints(hexahedron::modesOf(x));
-                  const Mat3 axes = Form::Law::anisotropic ? cells.axes(cell) : Mat3(Mat3::Identity());
+                  const Mat3 axes = Form::Law::Set::anisotropic ? cells.axes(cell) : Mat3(Mat3::Identity());
                   for (int p = 0; p < gauss_points; ++p) {
                     const Mat3 edges = toEigen(hexahedron::Columns<double>(j, p).matrix());
                     const M3<double> g = fromEigen(axes.transpose() * edges.inverse().transpose());

@@ -93,6 +93,7 @@ struct VolumePoint {
 
 /// J and I1 = tr C.
 struct First {
+  static constexpr bool anisotropic = false;
   template <class T>
   struct Point : VolumePoint<T> {
     T i1;
@@ -129,6 +130,7 @@ struct First {
 
 /// J, I1 and I2 = ((tr C)^2 - tr C^2)/2; dI2/dC = I1 Id - C.
 struct FirstAndSecond {
+  static constexpr bool anisotropic = false;
   template <class T>
   struct Point : VolumePoint<T> {
     S3<T> c;
@@ -195,6 +197,7 @@ struct FirstAndSecond {
 
 /// J, I1 and I4 = a C a, a the first axis of the frame of F.
 struct FirstAndFibre {
+  static constexpr bool anisotropic = true;
   template <class T>
   struct Point : VolumePoint<T> {
     T i1, i4;
@@ -239,6 +242,7 @@ struct FirstAndFibre {
 /// J and Q = sum b_ij E_ij^2 over all i, j, E = (C - Id)/2 in the fibres' frame: parameters has bff, bss, bnn, bfs,
 /// bsn, bfn, with axes f, s, n = x, y, z. dQ/dC = b E (product by component).
 struct Quadratic {
+  static constexpr bool anisotropic = true;
   template <class T, class Parameters>
   static S3<T> weighted(const S3<T>& e, const Parameters& b) {
     return {b.bff * e.xx, b.bss * e.yy, b.bnn * e.zz, b.bfs * e.xy, b.bsn * e.yz, b.bfn * e.zx};

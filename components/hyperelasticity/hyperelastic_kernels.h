@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The kernels of a law, from its energy. A law is a struct with
 //   Set                      the invariants it depends on (hyperelastic_invariants.h): First, FirstAndSecond, ...
-//   anisotropic              whether it reads the material's axes
 //   Parameters<T>            a struct of T, in the order of ParameterSet; or in its own, with read(values)
 //   energy(J, I..., p)       the energy density, a template: numbers give the energy, jets its derivatives too
 // It belongs into one .cpp, which includes this header and nothing else does: kernels are large.
@@ -9,6 +8,7 @@
 #include "components/hyperelasticity/hyperelastic_hexahedron.h"
 #include "components/hyperelasticity/hyperelastic_spectral.h"
 #include "components/hyperelasticity/hyperelastic_tetrahedron.h"
+#include "framework/scene/factory.h"
 
 namespace stroma::hyperelastic {
 

@@ -34,6 +34,7 @@ struct DividedDifference {
 };
 
 struct PrincipalStretches {
+  static constexpr bool anisotropic = false;
   /// F in the frame of the principal directions (columns of `axes`).
   template <class T>
   struct Point : VolumePoint<T> {

@@ -62,7 +62,7 @@ template <class Form>
 struct Tetrahedron {
   static constexpr int nodes = 4;
   static constexpr bool reads_position = true;
-  using Frame = std::conditional_t<Form::Law::anisotropic, MaterialFrame, TriangularFrame>;
+  using Frame = std::conditional_t<Form::Law::Set::anisotropic, MaterialFrame, TriangularFrame>;
   template <class T>
   struct Rest {
     typename Frame::template Gradients<T> g;  ///< [1/m]
@@ -95,7 +95,8 @@ struct Tetrahedron {
     const auto at = [&](int a) -> const Vec3& { return (*cells.rest)[order[a]]; };
     Mat3 edges;
     edges << at(1) - at(0), at(2) - at(0), at(3) - at(0);
-    rest.g = Frame::of(edges.inverse().transpose(), Form::Law::anisotropic ? cells.axes(cell) : Mat3(Mat3::Identity()));
+    rest.g =
+        Frame::of(edges.inverse().transpose(), Form::Law::Set::anisotropic ? cells.axes(cell) : Mat3(Mat3::Identity()));
     rest.weight = padding ? 0 : -std::abs(edges.determinant()) / (6 * cells.mesh->overlap);
     rest.parameters = parametersOf<typename Form::Law>(cells.parameters(cell));
   }

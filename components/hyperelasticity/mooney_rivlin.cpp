@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include "components/hyperelasticity/hyperelastic_kernels.h"
-#include "framework/scene/factory.h"
 
 using namespace stroma;
 using namespace stroma::hyperelastic;
@@ -13,7 +12,6 @@ namespace {
 
 struct MooneyRivlin {
   using Set = FirstAndSecond;
-  static constexpr bool anisotropic = false;
   template <class T>
   struct Parameters {
     T c1, c2, k0;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Neo-Hooke, compressible: W = mu/2 (I1 - 3) - mu ln J + lambda/2 (ln J)^2. Infinite at J = 0.
 #include "components/hyperelasticity/hyperelastic_kernels.h"
-#include "framework/scene/factory.h"
 
 using namespace stroma;
 using namespace stroma::hyperelastic;
@@ -10,7 +9,6 @@ namespace {
 
 struct NeoHookean {
   using Set = First;
-  static constexpr bool anisotropic = false;
   template <class T>
   struct Parameters {
     T mu, lambda;

@@ -5,7 +5,6 @@
 #include <bit>
 
 #include "components/hyperelasticity/hyperelastic_kernels.h"
-#include "framework/scene/factory.h"
 
 using namespace stroma;
 using namespace stroma::hyperelastic;
@@ -48,7 +47,6 @@ class Terms {
 
 struct Ogden {
   using Set = PrincipalStretches;
-  static constexpr bool anisotropic = false;
   template <class T>
   struct Parameters {
     T list;   ///< the bits of the address of mu1 alpha1 mu2 ...

@@ -2,7 +2,6 @@
 // St. Venant-Kirchhoff: W = lambda/2 tr(E)^2 + mu tr(E^2), E = (C - Id)/2, which has no J:
 //   tr E = (I1 - 3)/2,   tr E^2 = (I1^2 - 2 I2 - 2 I1 + 3)/4
 #include "components/hyperelasticity/hyperelastic_kernels.h"
-#include "framework/scene/factory.h"
 
 using namespace stroma;
 using namespace stroma::hyperelastic;
@@ -11,7 +10,6 @@ namespace {
 
 struct StVenantKirchhoff {
   using Set = FirstAndSecond;
-  static constexpr bool anisotropic = false;
   template <class T>
   struct Parameters {
     T mu, lambda;

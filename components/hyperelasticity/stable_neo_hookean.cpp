@@ -3,7 +3,6 @@
 // so that the rest shape has neither stress nor energy. Finite for every J. Source: B. Smith, F. de Goes, T. Kim,
 // "Stable neo-Hookean flesh simulation", ACM Transactions on Graphics 37(2), 2018, without its barrier term.
 #include "components/hyperelasticity/hyperelastic_kernels.h"
-#include "framework/scene/factory.h"
 
 using namespace stroma;
 using namespace stroma::hyperelastic;
@@ -12,7 +11,6 @@ namespace {
 
 struct StableNeoHookean {
   using Set = First;
-  static constexpr bool anisotropic = false;
   template <class T>
   struct Parameters {
     T mu, lambda;

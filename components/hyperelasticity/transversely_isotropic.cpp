@@ -5,7 +5,6 @@
 // R. W. Ogden, "A new constitutive framework for arterial wall mechanics and a comparative study of material models",
 // Journal of Elasticity 61, 2000.
 #include "components/hyperelasticity/hyperelastic_kernels.h"
-#include "framework/scene/factory.h"
 
 using namespace stroma;
 using namespace stroma::hyperelastic;
@@ -14,7 +13,6 @@ namespace {
 
 struct TransverselyIsotropic {
   using Set = FirstAndFibre;
-  static constexpr bool anisotropic = true;
   template <class T>
   struct Parameters {
     T mu, lambda, k1, k2;

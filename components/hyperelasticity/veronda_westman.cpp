@@ -2,7 +2,6 @@
 // Veronda-Westman: W = c1 (exp(c2 (J^-2/3 I1 - 3)) - 1) - c1 c2/2 (J^-4/3 I2 - 3) + k0/2 (ln J)^2; at small strains
 // mu = c1 c2 and the bulk modulus is k0. Infinite at J = 0.
 #include "components/hyperelasticity/hyperelastic_kernels.h"
-#include "framework/scene/factory.h"
 
 using namespace stroma;
 using namespace stroma::hyperelastic;
@@ -11,7 +10,6 @@ namespace {
 
 struct VerondaWestman {
   using Set = FirstAndSecond;
-  static constexpr bool anisotropic = false;
   template <class T>
   struct Parameters {
     T c1, c2, k0;

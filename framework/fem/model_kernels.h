@@ -4,6 +4,7 @@
 #pragma once
 #include <cstring>
 #include <memory>
+#include <type_traits>
 
 #include "framework/fem/element_kernels.h"
 #include "framework/fem/element_loop.h"
@@ -73,6 +74,8 @@ class StoredKernels : public ElementKernels {
 ///   forceAndProduct(rest, tangent, factor, x, dx, f)   f = the forces and factor * K dx, sharing work
 ///   matrix(rest, tangent, x, k)  which is otherwise made of products
 ///   Coupling                     pairs of nodes without a block in the matrix (element_loop.h)
+///   Forces, Products             models with the same data whose force and energy, or product and matrix, it has:
+///                                their loops are then compiled once for all models that name them
 template <class Model>
 struct CouplingOf {
   using type = EveryPair;
@@ -83,18 +86,90 @@ struct CouplingOf<Model> {
   using type = typename Model::Coupling;
 };
 template <class Model>
+constexpr auto forcesOf() {
+  if constexpr (requires { typename Model::Forces; })
+    return std::type_identity<typename Model::Forces>();
+  else
+    return std::type_identity<Model>();
+}
+template <class Model>
+constexpr auto productsOf() {
+  if constexpr (requires { typename Model::Products; })
+    return std::type_identity<typename Model::Products>();
+  else
+    return std::type_identity<Model>();
+}
+template <class Model>
 using StorageOf = ElementStorage<Model::nodes, typename Model::template Rest<Pack>,
                                  typename Model::template Rest<double>, typename Model::template Tangent<Pack>,
                                  typename Model::template Tangent<double>, typename CouplingOf<Model>::type>;
 
+/// Force and energy loops of a model.
+template <class Model>
+struct ForceLoops {
+  using Storage = StorageOf<Model>;
+  static void addForce(Storage& storage, ConstRows x, Rows f) {
+    storage.loop.template run<1, 1>({x}, {f}, [&](Index b, const auto& in, auto& out) {
+      Model::force(storage.rest[b], storage.tangent[b], in[0], out[0]);
+    });
+  }
+  static double energy(const Storage& storage, ConstRows x) {
+    return storage.loop.sum(
+        x, [&](Index b, const auto& in) { return Model::energy(storage.rest[b], storage.tangent[b], in); });
+  }
+};
+
+/// Product and assembly loops of a model. `x`: of the last force, empty when the model does not read it.
+template <class Model>
+struct ProductLoops {
+  using Storage = StorageOf<Model>;
+  static constexpr int N = Model::nodes;
+  using Nodes = V3<Pack>[N];
+  using Matrix = typename ElementLoop<N>::Matrix;
+
+  static void addProduct(const Storage& storage, const Vector& x, ConstRows dx, double factor, Rows df) {
+    const Pack scale(factor);
+    if constexpr (Model::reads_position)
+      storage.loop.template run<2, 1>({x.rows(), dx}, {df}, [&](Index b, const auto& in, auto& out) {
+        Model::product(storage.rest[b], storage.tangent[b], scale, in[0], in[1], out[0]);
+      });
+    else
+      storage.loop.template run<1, 1>({dx}, {df}, [&](Index b, const auto& in, auto& out) {
+        Model::product(storage.rest[b], storage.tangent[b], scale, in[0], in[0], out[0]);
+      });
+  }
+  static void assemble(const Storage& storage, const Vector& x, double factor, const std::vector<Index>& slots,
+                       std::vector<double>& values) {
+    storage.loop.assemble(factor, slots, values, [&](Index b, Matrix& k) { matrix(storage, x, b, k); });
+  }
+  static void assembleDiagonal(const Storage& storage, const Vector& x, double factor, std::vector<double>& blocks) {
+    storage.loop.assembleDiagonal(factor, blocks, [&](Index b, Matrix& k) { matrix(storage, x, b, k); });
+  }
+
+ private:
+  /// The model's own matrix, else products with the 3 N unit vectors. Long, so once for assembly and diagonal; noipa:
+  /// with noinline GCC 12 takes its output for unchanged.
+  [[gnu::noipa, gnu::flatten]] static void matrix(const Storage& storage, const Vector& position, Index b, Matrix& k) {
+    Nodes x;
+    if constexpr (Model::reads_position) storage.loop.gather(b, position.rows(), x);
+    const auto& rest = storage.rest[b];
+    const auto& tangent = storage.tangent[b];
+    if constexpr (requires { Model::matrix(rest, tangent, x, k); })
+      Model::matrix(rest, tangent, x, k);
+    else
+      ElementLoop<N>::matrixFromProducts(
+          [&](const Nodes& dx, Nodes& df) { Model::product(rest, tangent, Pack(1.), x, dx, df); }, k);
+  }
+};
 /// The ElementKernels of a model. `x` handed to a model is that of the last force, and only valid when it reads it.
 template <class Model>
 class ModelKernels final : public StoredKernels<StorageOf<Model>> {
   using Base = StoredKernels<StorageOf<Model>>;
   using Base::storage_;
+  using Forces = ForceLoops<typename decltype(forcesOf<Model>())::type>;
+  using Products = ProductLoops<typename decltype(productsOf<Model>())::type>;
   static constexpr int N = Model::nodes;
   using Nodes = V3<Pack>[N];
-  using Matrix = typename ElementLoop<N>::Matrix;
   /// The model has a form of its own for force and product together.
   static constexpr bool fuses = requires(typename Model::template Rest<Pack> & rest,
                                          typename Model::template Tangent<Pack>& tangent, Nodes& nodes) {
@@ -105,7 +180,7 @@ class ModelKernels final : public StoredKernels<StorageOf<Model>> {
   using Base::Base;
   void addForce(ConstRows x, Rows f) override {
     keep(x);
-    storage_.loop.template run<1, 1>({x}, {f}, [&](Index b, const auto& in, auto& out) { force(b, in[0], out[0]); });
+    Forces::addForce(storage_, x, f);
   }
   /// In one loop where that shares work or the gathers weigh. Models that read the position do more in each half.
   void addForceAndProduct(ConstRows x, ConstRows dx, double factor, Rows f) override {
@@ -119,24 +194,15 @@ class ModelKernels final : public StoredKernels<StorageOf<Model>> {
           {x, dx}, {f}, [&](Index b, const auto& in, auto& out) { forceAndProduct(b, scale, in[0], in[1], out[0]); });
     }
   }
-  double energy(ConstRows x) const override {
-    return storage_.loop.sum(
-        x, [&](Index b, const auto& in) { return Model::energy(storage_.rest[b], storage_.tangent[b], in); });
-  }
+  double energy(ConstRows x) const override { return Forces::energy(storage_, x); }
   void addProduct(ConstRows dx, double factor, Rows df) const override {
-    const Pack scale(factor);
-    if constexpr (Model::reads_position)
-      storage_.loop.template run<2, 1>(
-          {x_.rows(), dx}, {df}, [&](Index b, const auto& in, auto& out) { product(b, scale, in[0], in[1], out[0]); });
-    else
-      storage_.loop.template run<1, 1>(
-          {dx}, {df}, [&](Index b, const auto& in, auto& out) { product(b, scale, in[0], in[0], out[0]); });
+    Products::addProduct(storage_, x_, dx, factor, df);
   }
   void assemble(double factor, const std::vector<Index>& slots, std::vector<double>& values) const override {
-    storage_.loop.assemble(factor, slots, values, [&](Index b, Matrix& k) { matrix(b, k); });
+    Products::assemble(storage_, x_, factor, slots, values);
   }
   void assembleDiagonal(double factor, std::vector<double>& blocks) const override {
-    storage_.loop.assembleDiagonal(factor, blocks, [&](Index b, Matrix& k) { matrix(b, k); });
+    Products::assembleDiagonal(storage_, x_, factor, blocks);
   }
 
  private:
@@ -147,7 +213,6 @@ class ModelKernels final : public StoredKernels<StorageOf<Model>> {
       copy(x, x_);
     }
   }
-  void force(Index b, const Nodes& x, Nodes& f) { Model::force(storage_.rest[b], storage_.tangent[b], x, f); }
   /// The model's own fused form, else force and product one after the other.
   void forceAndProduct(Index b, Pack factor, const Nodes& x, const Nodes& dx, Nodes& f) {
     auto& rest = storage_.rest[b];
@@ -160,19 +225,6 @@ class ModelKernels final : public StoredKernels<StorageOf<Model>> {
       Model::product(rest, tangent, factor, x, dx, df);
       for (int a = 0; a < N; ++a) f[a] = f[a] + df[a];
     }
-  }
-  void product(Index b, Pack factor, const Nodes& x, const Nodes& dx, Nodes& df) const {
-    Model::product(storage_.rest[b], storage_.tangent[b], factor, x, dx, df);
-  }
-  /// The model's own matrix, else products with the 3 N unit vectors. Long, so once for assembly and diagonal; noipa:
-  /// with noinline GCC 12 takes its output for unchanged.
-  [[gnu::noipa, gnu::flatten]] void matrix(Index b, Matrix& k) const {
-    Nodes x;
-    if constexpr (Model::reads_position) storage_.loop.gather(b, x_.rows(), x);
-    if constexpr (requires { Model::matrix(storage_.rest[0], storage_.tangent[0], x, k); })
-      Model::matrix(storage_.rest[b], storage_.tangent[b], x, k);
-    else
-      ElementLoop<N>::matrixFromProducts([&](const Nodes& dx, Nodes& df) { product(b, Pack(1.), x, dx, df); }, k);
   }
   Vector x_;  ///< of the last force
 };

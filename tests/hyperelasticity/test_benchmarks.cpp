@@ -15,7 +15,6 @@ using namespace stroma::hyperelastic;
 /// k/4 (J^2 - 1 - 2 ln J).
 struct IsochoricNeoHookean {
   using Set = First;
-  static constexpr bool anisotropic = false;
   template <class T>
   struct Parameters {
     T mu, bulk;

@@ -3,7 +3,7 @@
 
 #include <random>
 
-#include "components/elasticity/hexahedron_models.h"
+#include "components/elasticity/hexahedron_shapes.h"
 #include "tools/bench/counted.h"
 
 namespace stroma::bench {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What the kernels of hexahedra cannot do without, an element: bytes by the layout of
-// framework/fem/hexahedron_models.h, flops counted by running the models' own mathematics on a number that counts.
+// components/elasticity/hexahedron_points.h, flops counted by running the models' own mathematics on a number that counts.
 #pragma once
 #include <string>
 

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The kernels of hexahedra, by groups that are compiled apart: element loops take a compiler long.
+#pragma once
+#include "components/elasticity/elastic_kernels.h"
+#include "components/elasticity/hexahedron_shapes.h"
+
+namespace stroma::hexahedron {
+
+/// What kernels are made of.
+struct Elements {
+  const HexahedronShapes& shapes;
+  Index first_row;  ///< row of node 0
+  const std::function<Lame(std::size_t)>& lame;
+};
+
+/// method = large, polar, svd (Rotation) but for a mean dilatation of shapes that are no boxes: hexahedron_large.cpp,
+/// _polar.cpp and _svd.cpp.
+template <class Rotation>
+std::unique_ptr<ElementKernels> rotatedKernels(const Elements& elements);
+/// dilatation = mean of shapes that are no boxes with any rotation, or none: hexahedron_mean.cpp.
+std::unique_ptr<ElementKernels> meanKernels(const Elements& elements);
+
+template <class Storage>
+[[gnu::noinline]] Storage filled(const Elements& elements) {
+  const HexahedronShapes& shapes = elements.shapes;
+  const Mesh& mesh = shapes.mesh();
+  Storage storage;
+  storage.build(mesh.hexahedra, shapes.positions(), elements.first_row,
+                [&](std::size_t e, bool padding, auto& rest, auto& tangent) {
+                  // cells that cover the body twice share its stiffness; a padding lane has none
+                  const double share = padding ? 0 : 1 / mesh.overlap;
+                  const Lame constants{elements.lame(e).lambda * share, elements.lame(e).mu * share};
+                  shapes.set(shapes.atRest(e), constants, rest, tangent);
+                });
+  return storage;
+}
+template <class Model>
+std::unique_ptr<ElementKernels> kernelsOf(const Elements& elements) {
+  return std::make_unique<ModelKernels<Model>>(filled<StorageOf<Model>>(elements));
+}
+
+}  // namespace stroma::hexahedron

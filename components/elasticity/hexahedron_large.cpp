@@ -1,0 +1,6 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Hexahedra with method = large.
+#include "components/elasticity/hexahedron_rotated.h"
+
+template std::unique_ptr<stroma::ElementKernels> stroma::hexahedron::rotatedKernels<stroma::rotation::Qr>(
+    const Elements& elements);

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The kernels of tetrahedra, by groups that are compiled apart: element loops take a compiler long.
+#pragma once
+#include "components/elasticity/elastic_kernels.h"
+#include "components/elasticity/tetrahedron_shapes.h"
+#include "framework/fem/fan_model.h"
+
+namespace stroma::tetrahedron {
+
+/// What kernels are made of.
+struct Elements {
+  const TetrahedronShapes& shapes;
+  Index first_row;  ///< row of node 0
+  const LameOf& lame;
+};
+
+/// method = large, polar, svd (Rotation): tetrahedron_large.cpp, _polar.cpp and _svd.cpp.
+template <class Rotation>
+std::unique_ptr<ElementKernels> rotatedKernels(const ElasticVariant& variant, const Elements& elements);
+/// The same with dilatation = mean: nodal_dilatation_large.cpp, _polar.cpp and _svd.cpp.
+template <class Rotation>
+std::unique_ptr<ElementKernels> averagedKernels(const ElasticVariant& variant, const Elements& elements);
+
+template <class Storage>
+Storage fanStorage(const std::vector<Fan>& fans, const Elements& elements) {
+  std::vector<std::array<Index, fan_nodes>> cells;
+  cells.reserve(fans.size());
+  for (const Fan& fan : fans) cells.push_back(fan.nodes);
+  Storage storage;
+  storage.build(cells, elements.shapes.positions(), elements.first_row,
+                [&](std::size_t f, bool padding, auto& rest, auto& tangent) {
+                  for (int i = 0; i < fan_size; ++i) {
+                    const Index e = fans[f].element[i];
+                    Tetrahedron nodes;
+                    for (int a = 0; a < 4; ++a) nodes[a] = cells[f][corner(i, a)];
+                    elements.shapes.set(std::size_t(e >= 0 ? e : fans[f].element[0]), nodes, padding || e < 0,
+                                        elements.lame, rest.of[i], tangent.of[i]);
+                  }
+                });
+  return storage;
+}
+template <class Single>
+std::unique_ptr<ElementKernels> kernelsOf(const Elements& elements) {
+  const std::vector<Fan> fans = gatherFans(elements.shapes.mesh().tetrahedra, elements.shapes.positions().size());
+  return std::make_unique<ModelKernels<FanOf<Single>>>(fanStorage<StorageOf<FanOf<Single>>>(fans, elements));
+}
+
+}  // namespace stroma::tetrahedron

@@ -1,0 +1,6 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Tetrahedra with method = svd.
+#include "components/elasticity/tetrahedron_rotated.h"
+
+template std::unique_ptr<stroma::ElementKernels> stroma::tetrahedron::rotatedKernels<stroma::rotation::Svd>(
+    const ElasticVariant& variant, const Elements& elements);
