@@ -64,7 +64,7 @@ std::vector<Index> bodyOfRow(const System& system) {
 Vec3 motion(const System& system, const Body& body, int number, Index row) {
   const RowKind kind = system.motion().kindOf(row);
   if (kind == RowKind::value) return Vec3::Zero();
-  if (number < 3) return kind == RowKind::place ? Vec3::Unit(number) : Vec3::Zero();
+  if (number < 3) return kind == RowKind::place ? Vec3(Vec3::Unit(number)) : Vec3(Vec3::Zero());
   if (body.radius == 0) return Vec3::Zero();
   const Vec3 axis = Vec3::Unit(number - 3);
   return (kind == RowKind::turn ? axis : Vec3(axis.cross(system.x[row] - body.centre))) / body.radius;
