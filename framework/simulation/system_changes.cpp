@@ -36,6 +36,7 @@ void System::serialize(Archive& archive, const StepContext& last) {
     applyMappings();
     matrix_.termsChanged();
   }
+  archive.enter(integrator_.path() + ":linear solver");
   if (LinearSolver* solver = linearSolver()) solver->serializeFor(matrix_, archive);
 }
 
