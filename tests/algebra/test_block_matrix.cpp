@@ -6,7 +6,7 @@
 using namespace stroma;
 using namespace stroma::test;
 
-TEST(BlockMatrix, patternIsSortedUniqueAndHasEveryDiagonal) {
+TEST(BlockMatrix, PatternIsSortedUniqueAndHasEveryDiagonal) {
   BlockPattern pattern(5);
   const Index clique[] = {3, 1, 3};
   pattern.addClique(clique, 3);
@@ -21,12 +21,12 @@ TEST(BlockMatrix, patternIsSortedUniqueAndHasEveryDiagonal) {
   EXPECT_EQ(matrix.slot(4, 0), -1);
 }
 
-TEST(BlockMatrix, anEmptyMatrixHasNoRows) {
+TEST(BlockMatrix, AnEmptyMatrixHasNoRows) {
   EXPECT_EQ(BlockMatrix(BlockPattern(0)).rows(), 0);
   EXPECT_EQ(BlockMatrix().blocks(), 0);
 }
 
-TEST(BlockMatrix, productEqualsDense) {
+TEST(BlockMatrix, ProductEqualsDense) {
   const StoredMatrix matrix = randomMatrix(37, 4, 0.5, 1);
   const Vector x = randomVector(37, 2);
   Vector y = randomVector(37, 3);
@@ -39,7 +39,7 @@ TEST(BlockMatrix, productEqualsDense) {
   EXPECT_GT(expected.norm(), 1);
 }
 
-TEST(BlockMatrix, clearKeepsThePattern) {
+TEST(BlockMatrix, ClearKeepsThePattern) {
   StoredMatrix matrix = randomMatrix(9, 2, 1, 5);
   const Index blocks = matrix.values.blocks();
   matrix.values.clear();

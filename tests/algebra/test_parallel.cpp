@@ -11,7 +11,7 @@
 
 using namespace stroma;
 
-TEST(Parallel, everyPieceRunsOnceForAnyNumberOfThreads) {
+TEST(Parallel, EveryPieceRunsOnceForAnyNumberOfThreads) {
   for (const int count : {1, 2, 5, 1}) {
     setThreads(count);
     EXPECT_EQ(threads(), count);
@@ -21,7 +21,7 @@ TEST(Parallel, everyPieceRunsOnceForAnyNumberOfThreads) {
   }
 }
 
-TEST(Parallel, severalThreadsTakePartAndNoMoreThanAsked) {
+TEST(Parallel, SeveralThreadsTakePartAndNoMoreThanAsked) {
   setThreads(2);
   std::mutex mutex;
   std::set<std::thread::id> seen;
@@ -42,7 +42,7 @@ TEST(Parallel, severalThreadsTakePartAndNoMoreThanAsked) {
   EXPECT_EQ(seen.size(), 2u);
 }
 
-TEST(Parallel, lessThanOneThreadIsOne) {
+TEST(Parallel, LessThanOneThreadIsOne) {
   setThreads(0);
   EXPECT_EQ(threads(), 1);
 }

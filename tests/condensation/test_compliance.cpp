@@ -20,7 +20,7 @@ Eigen::MatrixXd symmetric(Index n) {
 
 }  // namespace
 
-TEST(Compliance, selectedColumnsEqualTheFullProduct) {
+TEST(Compliance, SelectedColumnsEqualTheFullProduct) {
   for (const Index nodes : {1, 5, 17, 100}) {
     const Eigen::MatrixXd a = symmetric(3 * nodes);
     Array<double> data(ColumnPanels<double>::size(std::size_t(nodes)), 0.0);
@@ -48,7 +48,7 @@ TEST(Compliance, selectedColumnsEqualTheFullProduct) {
   }
 }
 
-TEST(Compliance, halfOfTheMatrixGivesTheWholeProduct) {
+TEST(Compliance, HalfOfTheMatrixGivesTheWholeProduct) {
   for (const Index n : {3, 8, 51, 333, 1200}) {
     const Eigen::MatrixXd a = symmetric(n);
     Array<double> data(SymmetricPanels<double>::size(std::size_t(n)), 0.0);

@@ -26,7 +26,7 @@ std::string surfaceMasses() {
 
 /// A body that runs with some memory runs with more: where the inverse does not fit beside what makes it, the factor of
 /// the whole body is taken.
-TEST(CondensedDynamic, moreMemoryIsNeverRefusedWhereLessWillDo) {
+TEST(CondensedDynamic, MoreMemoryIsNeverRefusedWhereLessWillDo) {
   bool has_run = false, was_refused = false, was_inverted = false;
   for (double limit = 2e-4; limit < 4e-3; limit *= 1.03) {
     Block block{.solver =
@@ -47,7 +47,7 @@ TEST(CondensedDynamic, moreMemoryIsNeverRefusedWhereLessWillDo) {
   EXPECT_TRUE(has_run && was_refused && was_inverted);
 }
 
-TEST(CondensedDynamic, equalsTheFullSystemWithTheSameMasses) {
+TEST(CondensedDynamic, EqualsTheFullSystemWithTheSameMasses) {
   Block block{.solver = "", .loads = "<ConstantForceField indices=\"139 138\" totalForce=\"0.05 0.02 -0.03\"/>"};
   block.mass = surfaceMasses();
   for (const int steps : {1, 7, 60}) {
@@ -62,7 +62,7 @@ TEST(CondensedDynamic, equalsTheFullSystemWithTheSameMasses) {
   }
 }
 
-TEST(CondensedDynamic, keepsTheMassInsideExactly) {
+TEST(CondensedDynamic, KeepsTheMassInsideExactly) {
   // loads that change in time inside and outside, and a node that is dragged
   Block block{.solver = "",
               .loads =
@@ -95,7 +95,7 @@ TEST(CondensedDynamic, keepsTheMassInsideExactly) {
       }
 }
 
-TEST(CondensedDynamic, isThePapersSchemeOnTheWholeMatrix) {
+TEST(CondensedDynamic, IsThePapersSchemeOnTheWholeMatrix) {
   Block block{.solver = "<CondensedDynamicSolver condensed=\"false\" rayleighMass=\"3\"/>",
               .loads = "<ConstantForceField indices=\"139\" totalForce=\"0.05 0.02 -0.03\"/>"};
   Simulation simulation = simulationFromText(block.text());
@@ -146,7 +146,7 @@ std::string planOf(const Simulation& simulation) { return simulation.systems().f
 
 }  // namespace
 
-TEST(CondensedDynamic, wholeBodiesAreSolvedByTheFormThatIsMeasuredToBeFaster) {
+TEST(CondensedDynamic, WholeBodiesAreSolvedByTheFormThatIsMeasuredToBeFaster) {
   for (const std::string nodes : {"5 4 2", "5 4 7", "7 7 8", "9 9 10"})
     for (const std::string precision : {"double", "single"}) {
       const std::string plan = planOf(simulationFromText(wholeBody(nodes, "precision=\"" + precision + "\"")));
@@ -171,7 +171,7 @@ TEST(CondensedDynamic, wholeBodiesAreSolvedByTheFormThatIsMeasuredToBeFaster) {
               std::string::npos);
 }
 
-TEST(CondensedDynamic, aBodyThatIsLoadedAgainHasTheSameForm) {
+TEST(CondensedDynamic, ABodyThatIsLoadedAgainHasTheSameForm) {
   // of a size at which both take the same time
   const auto run = [] {
     Simulation simulation = simulationFromText(wholeBody("6 6 6"));
@@ -182,13 +182,13 @@ TEST(CondensedDynamic, aBodyThatIsLoadedAgainHasTheSameForm) {
   for (int i = 0; i < 5; ++i) EXPECT_EQ(run(), first);
 }
 
-TEST(CondensedDynamic, anInverseThatDoesNotFitIsNotMadeWhereTheFactorDoes) {
+TEST(CondensedDynamic, AnInverseThatDoesNotFitIsNotMadeWhereTheFactorDoes) {
   const std::string plan = planOf(simulationFromText(wholeBody("5 4 6", "memoryLimit=\"0.001\"")));
   EXPECT_NE(plan.find("through the sparse factor"), std::string::npos) << plan;
   EXPECT_NE(plan.find("no memory for the inverse"), std::string::npos) << plan;
 }
 
-TEST(CondensedDynamic, oscillatorHasTheSchemesRoots) {
+TEST(CondensedDynamic, OscillatorHasTheSchemesRoots) {
   // one node on a spring: m u'' + alpha m u' + k u = 0 from u_0
   const double m = 0.5, spring = 200, alpha = 1.2, dt = 0.01, u0 = 0.3;
   const std::string scene =
@@ -208,7 +208,7 @@ TEST(CondensedDynamic, oscillatorHasTheSchemesRoots) {
   }
 }
 
-TEST(CondensedDynamic, tendsToTheDampedOscillationAtFirstOrder) {
+TEST(CondensedDynamic, TendsToTheDampedOscillationAtFirstOrder) {
   const double m = 0.5, spring = 200, alpha = 1.2, u0 = 0.3, end = 0.5;
   const double decay = alpha / 2, w = std::sqrt(spring / m - decay * decay);
   const double exact = u0 * std::exp(-decay * end) * (std::cos(w * end) + decay / w * std::sin(w * end));
@@ -252,7 +252,7 @@ double periodOf(const std::string& attributes) {
 
 }  // namespace
 
-TEST(CondensedDynamic, sharedMassKeepsThePeriodOfTheWholeBody) {
+TEST(CondensedDynamic, SharedMassKeepsThePeriodOfTheWholeBody) {
   const double full = periodOf("condensed=\"false\"");
   EXPECT_NEAR(periodOf("interiorMass=\"exact\"") / full, 1, 1e-9);
   EXPECT_NEAR(periodOf("interiorMass=\"shared\"") / full, 1, 0.01);
@@ -260,7 +260,7 @@ TEST(CondensedDynamic, sharedMassKeepsThePeriodOfTheWholeBody) {
   EXPECT_LT(periodOf("interiorMass=\"neglected\"") / full, 0.95);
 }
 
-TEST(CondensedDynamic, slidingNodesStayInTheirPlane) {
+TEST(CondensedDynamic, SlidingNodesStayInTheirPlane) {
   Block block{.solver = "<CondensedDynamicSolver/>", .mass = surfaceMasses()};
   block.more = "<FixedPlaneProjectiveConstraint name=\"plane\" direction=\"0 1 1\" indices=\"64 128 139\"/>";
   std::string scene = block.text();
@@ -273,7 +273,7 @@ TEST(CondensedDynamic, slidingNodesStayInTheirPlane) {
   for (const Index node : {64, 128, 139}) EXPECT_NEAR(u[node][1] + u[node][2], 0, 1e-12) << node;
 }
 
-TEST(CondensedDynamic, nodesSlideInObliquePlanesWithTheMassOfTheInside) {
+TEST(CondensedDynamic, NodesSlideInObliquePlanesWithTheMassOfTheInside) {
   Block block{.solver = "", .loads = "<ConstantForceField indices=\"139 138\" totalForce=\"2 1 -3\"/>", .dt = 0.002};
   block.more = "<FixedPlaneProjectiveConstraint direction=\"1 2 3\" indices=\"64 88 128 139\"/>";
   for (const std::string mass : {"exact", "shared", "neglected"}) {
@@ -285,7 +285,7 @@ TEST(CondensedDynamic, nodesSlideInObliquePlanesWithTheMassOfTheInside) {
   }
 }
 
-TEST(CondensedDynamic, bodiesThatSlideFreelyFallAsFast) {
+TEST(CondensedDynamic, BodiesThatSlideFreelyFallAsFast) {
   // every node in a plane across which nothing pulls: the whole body falls along it, by the scheme g_p dt^2 n (n +
   // 1)/2. Kept nodes have a mean mass there, which leaves the sum in each direction nearly the same
   Block block{.solver = "<CondensedDynamicSolver/>", .gravity = "0 -9.81 0", .dt = 0.01};
@@ -299,7 +299,7 @@ TEST(CondensedDynamic, bodiesThatSlideFreelyFallAsFast) {
   for (const Index node : {0, 47, 139}) EXPECT_LT((u[node] - fall).norm(), 0.03 * fall.norm()) << node;
 }
 
-TEST(CondensedDynamic, slowestMotionIsFoundUnderUnequalDamping) {
+TEST(CondensedDynamic, SlowestMotionIsFoundUnderUnequalDamping) {
   // two springs of 20 rad/s, one damped and one not: 3.18 Hz both
   const auto spring = [](const std::string& name, const std::string& damping) {
     return "<Node name=\"" + name + "\"><MechanicalObject position=\"1.3 0 0\" rest_position=\"1 0 0\"/><UniformMass " +
@@ -315,7 +315,7 @@ TEST(CondensedDynamic, slowestMotionIsFoundUnderUnequalDamping) {
   }
 }
 
-TEST(CondensedDynamic, dampingThatTurnsVelocitiesIsWarnedOf) {
+TEST(CondensedDynamic, DampingThatTurnsVelocitiesIsWarnedOf) {
   const auto said = [](const std::string& alpha) {
     Block block{.solver = "<CondensedDynamicSolver rayleighMass=\"" + alpha + "\"/>"};
     testing::internal::CaptureStderr();

@@ -75,7 +75,7 @@ class CondensedMeshes : public testing::TestWithParam<const char*> {
 
 }  // namespace
 
-TEST_P(CondensedMeshes, staticBodiesAreTheWholeOnes) {
+TEST_P(CondensedMeshes, StaticBodiesAreTheWholeOnes) {
   const std::string mass = "<DiagonalMass massDensity=\"1\"/>";
   const Vector expected = after(with(text, newton, mass), 3);
   EXPECT_GT(norm(expected), 1e-6) << name;
@@ -83,14 +83,14 @@ TEST_P(CondensedMeshes, staticBodiesAreTheWholeOnes) {
   EXPECT_GT(interiorOf(simulationFromText(with(text, "<CondensedStaticSolver/>", mass))), 10) << name;
 }
 
-TEST_P(CondensedMeshes, dynamicBodiesAreTheWholeOnes) {
+TEST_P(CondensedMeshes, DynamicBodiesAreTheWholeOnes) {
   const std::string mass = "<DiagonalMass massDensity=\"1060\"/>";
   const Vector expected = after(with(text, "<CondensedDynamicSolver condensed=\"false\" solve=\"factor\"/>", mass), 10);
   EXPECT_GT(norm(expected), 1e-6) << name;
   EXPECT_LT(difference(after(with(text, "<CondensedDynamicSolver/>", mass), 10), expected), 1e-10) << name;
 }
 
-TEST_P(CondensedMeshes, dynamicBodiesWithoutMassInsideAreTheWholeOnes) {
+TEST_P(CondensedMeshes, DynamicBodiesWithoutMassInsideAreTheWholeOnes) {
   // masses on the boundary alone, and elsewhere nothing to speak of
   Simulation probe = simulationFromText(with(text, "<CondensedStaticSolver/>", "<DiagonalMass massDensity=\"1\"/>"));
   const State& state = *probe.states().front();

@@ -27,7 +27,7 @@ double condensedAgainstNewton(Block block, const std::string& attributes) {
 
 }  // namespace
 
-TEST(CondensedStatic, isTheWholeBodyOnTheSurfaceAndInside) {
+TEST(CondensedStatic, IsTheWholeBodyOnTheSurfaceAndInside) {
   for (const std::string cells : {"tetrahedra", "hexahedra"})
     for (const std::string attributes : {"", "condensed=\"false\""}) {
       Block block{.solver = "", .loads = "<ConstantForceField indices=\"139 138\" totalForce=\"0.05 0.02 -0.03\"/>"};
@@ -38,7 +38,7 @@ TEST(CondensedStatic, isTheWholeBodyOnTheSurfaceAndInside) {
     }
 }
 
-TEST(CondensedStatic, countsTheNodesOfTheBoundary) {
+TEST(CondensedStatic, CountsTheNodesOfTheBoundary) {
   Simulation simulation = simulationFromText(Block{.solver = "<CondensedStaticSolver/>"}.text());
   const auto count = [&](const char* name) {
     return *std::get<int*>(simulation.systems().front()->integrator().data().find(name)->pointer());
@@ -47,7 +47,7 @@ TEST(CondensedStatic, countsTheNodesOfTheBoundary) {
   EXPECT_EQ(count("keptNodes"), 5 * 4 * 7 - 20 - 3 * 2 * 5);
 }
 
-TEST(CondensedStatic, loadsInsideReachTheSurface) {
+TEST(CondensedStatic, LoadsInsideReachTheSurface) {
   // node 2 + 5 (1 + 4 2) lies inside
   EXPECT_LT(condensedAgainstNewton(Block{.solver = "",
                                          .loads = "<ConstantForceField indices=\"47\" totalForce=\"0.1 0.02 0.2\"/>",
@@ -56,14 +56,14 @@ TEST(CondensedStatic, loadsInsideReachTheSurface) {
             1e-10);
 }
 
-TEST(CondensedStatic, keepsNamedNodes) {
+TEST(CondensedStatic, KeepsNamedNodes) {
   EXPECT_LT(condensedAgainstNewton(
                 Block{.solver = "", .loads = "<ConstantForceField indices=\"139\" totalForce=\"0.05 0 0\"/>"},
                 "surfaceIndices=\"139 47 60\""),
             1e-10);
 }
 
-TEST(CondensedStatic, nodesSlideInPlanes) {
+TEST(CondensedStatic, NodesSlideInPlanes) {
   Block block{.solver = ""};
   block.more =
       "<FixedPlaneProjectiveConstraint direction=\"0 1 1\" indices=\"64 65 128\"/>"

@@ -24,7 +24,7 @@ std::vector<int> nodesOf(const Simulation& simulation) {
 
 }  // namespace
 
-TEST(DraggedNodes, staticBodyAndReactionsAreTheWholeBodys) {
+TEST(DraggedNodes, StaticBodyAndReactionsAreTheWholeBodys) {
   Block block{.solver = "<CondensedStaticSolver/>", .loads = drag};
   Simulation condensed = simulationFromText(block.text());
   block.solver =
@@ -47,7 +47,7 @@ TEST(DraggedNodes, staticBodyAndReactionsAreTheWholeBodys) {
   }
 }
 
-TEST(DraggedNodes, dynamicCondensedIsTheFullOneWithTheSameMasses) {
+TEST(DraggedNodes, DynamicCondensedIsTheFullOneWithTheSameMasses) {
   std::string masses;
   for (int i = 0; i < 140; ++i) {
     const int x = i % 5, y = i / 5 % 4, z = i / 20;
@@ -75,7 +75,7 @@ TEST(DraggedNodes, dynamicCondensedIsTheFullOneWithTheSameMasses) {
   }
 }
 
-TEST(DraggedNodes, aHoldThatEndsLetsGo) {
+TEST(DraggedNodes, AHoldThatEndsLetsGo) {
   Block block{.solver = "<CondensedStaticSolver/>",
               .loads =
                   "<FixedProjectiveConstraint name=\"grip\" indices=\"139\" endTime=\"0.05\"/>"
@@ -105,7 +105,7 @@ std::string withPoissonRatio(std::string text, const std::string& ratio) {
 
 }  // namespace
 
-TEST(DraggedNodes, manyInSinglePrecisionAreThoseOfDouble) {
+TEST(DraggedNodes, ManyInSinglePrecisionAreThoseOfDouble) {
   for (const std::string type : {"Static", "Dynamic"}) {
     const auto start = [&](const std::string& precision) {
       return simulationFromText(
@@ -126,7 +126,7 @@ TEST(DraggedNodes, manyInSinglePrecisionAreThoseOfDouble) {
   }
 }
 
-TEST(DraggedNodes, whatSinglePrecisionCannotHoldIsSaid) {
+TEST(DraggedNodes, WhatSinglePrecisionCannotHoldIsSaid) {
   // all the surface beyond the floor follows; at nu = 0.5 - 1e-8 compliances to pressure are lost in those to shear
   const auto run = [](const std::string& precision, const std::string& ratio) {
     Simulation simulation = simulationFromText(withPoissonRatio(

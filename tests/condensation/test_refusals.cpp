@@ -25,7 +25,7 @@ std::string replaced(std::string text, const std::string& from, const std::strin
 
 }  // namespace
 
-TEST(CondensedRefusals, forcesThatAreNotLinear) {
+TEST(CondensedRefusals, ForcesThatAreNotLinear) {
   for (const std::string solver : {"Static", "Dynamic"}) {
     const Block block{.solver = "<Condensed" + solver + "Solver/>"};
     const std::string problems = problemsOf(replaced(block.text(), "method=\"small\"", "method=\"large\""));
@@ -34,7 +34,7 @@ TEST(CondensedRefusals, forcesThatAreNotLinear) {
   }
 }
 
-TEST(CondensedRefusals, bodiesThatAreNotHeld) {
+TEST(CondensedRefusals, BodiesThatAreNotHeld) {
   const Block block{.solver = "<CondensedStaticSolver/>"};
   const std::string text = block.text(),
                     floor = "<FixedProjectiveConstraint name=\"floor\" indices=\"" + Block::nodes(0, 20) + "\"/>";
@@ -51,13 +51,13 @@ TEST(CondensedRefusals, bodiesThatAreNotHeld) {
   }
 }
 
-TEST(CondensedRefusals, moreMemoryThanAllowed) {
+TEST(CondensedRefusals, MoreMemoryThanAllowed) {
   for (const std::string solver : {"Static", "Dynamic"})
     expectRefused(Block{.solver = "<Condensed" + solver + "Solver memoryLimit=\"0.0005\"/>"},
                   {"0.0005 GB are allowed by memoryLimit", "90 kept nodes over 30", "precision=\"single\""});
 }
 
-TEST(CondensedRefusals, whatOneMatrixDoesNotHave) {
+TEST(CondensedRefusals, WhatOneMatrixDoesNotHave) {
   expectRefused(Block{.solver = "<CondensedDynamicSolver/>",
                       .loads = "<DiagonalVelocityDampingForceField dampingCoefficient=\"0.1 0.1 0.1\"/>"},
                 {"depends on velocity"});
@@ -73,7 +73,7 @@ TEST(CondensedRefusals, whatOneMatrixDoesNotHave) {
                 {"surfaceIndices"});
 }
 
-TEST(CondensedRefusals, attributesThatContradictEachOther) {
+TEST(CondensedRefusals, AttributesThatContradictEachOther) {
   expectRefused(Block{.solver = "<CondensedDynamicSolver solve=\"factor\"/>"}, {"solve", "condensed=\"false\""});
   expectRefused(Block{.solver = "<CondensedDynamicSolver condensed=\"false\" interiorMass=\"neglected\"/>"},
                 {"interiorMass", "keeps every node"});
@@ -81,7 +81,7 @@ TEST(CondensedRefusals, attributesThatContradictEachOther) {
                 {"precision", "double precision"});
 }
 
-TEST(CondensedNotes, aMatrixOfMassesIsSaidToBeLumped) {
+TEST(CondensedNotes, AMatrixOfMassesIsSaidToBeLumped) {
   const auto said = [](const std::string& mass) {
     Block block{.solver = "<CondensedDynamicSolver/>"};
     block.mass = mass;
@@ -94,7 +94,7 @@ TEST(CondensedNotes, aMatrixOfMassesIsSaidToBeLumped) {
   EXPECT_EQ(said("<DiagonalMass " + density).find("lumped"), std::string::npos);
 }
 
-TEST(CondensedRange, displacementsWithoutMeaningAreAFailure) {
+TEST(CondensedRange, DisplacementsWithoutMeaningAreAFailure) {
   for (const std::string solver : {"Static", "Dynamic"}) {
     const Block block{.solver = "<Condensed" + solver + "Solver/>",
                       .loads = "<ConstantForceField indices=\"139\" totalForce=\"1e308 0 0\"/>"};
@@ -105,7 +105,7 @@ TEST(CondensedRange, displacementsWithoutMeaningAreAFailure) {
   }
 }
 
-TEST(CondensedStability, stiffnessThatPushesIsWarnedOf) {
+TEST(CondensedStability, StiffnessThatPushesIsWarnedOf) {
   const auto said = [](const std::string& stiffness) {
     const std::string text =
         "<Node name=\"root\" dt=\"0.01\" gravity=\"0 0 0\"><CondensedDynamicSolver/>"
@@ -122,7 +122,7 @@ TEST(CondensedStability, stiffnessThatPushesIsWarnedOf) {
   EXPECT_NE(said("-50").find("grows by a factor of 1.11"), std::string::npos) << said("-50");
 }
 
-TEST(CondensedRange, isDoubtedWhenItIsLeft) {
+TEST(CondensedRange, IsDoubtedWhenItIsLeft) {
   Block block{.solver = "<CondensedStaticSolver/>", .gravity = "0 0 0"};
   // shear u_x = g z of the whole block: every wall across x turns by g
   const auto doubts = [&](double shear, const std::string& more) {
@@ -161,7 +161,7 @@ std::string drag(double peak, double end) {
 
 }  // namespace
 
-TEST(CondensedRange, isDoubtedAtTheEndOfARamp) {
+TEST(CondensedRange, IsDoubtedAtTheEndOfARamp) {
   for (const std::string solver : {"Static", "Dynamic"})
     for (const std::string more : {"", " surfaceIndices=\"137 98\""})
       for (const int steps : {2, 10, 37}) {
@@ -174,14 +174,14 @@ TEST(CondensedRange, isDoubtedAtTheEndOfARamp) {
       }
 }
 
-TEST(CondensedRange, isDoubtedAfterAPeakThatIsOver) {
+TEST(CondensedRange, IsDoubtedAfterAPeakThatIsOver) {
   const Block block{.solver = "<CondensedStaticSolver/>", .loads = drag(0.2, 0.4), .gravity = "0 0 0"};
   const std::string text = doubtsAfter(block, 25);
   EXPECT_NE(text.find("has turned by"), std::string::npos);
   EXPECT_NE(text.find("at t = 0.2 s"), std::string::npos) << text;
 }
 
-TEST(CondensedRange, isCountedFromTheShapeAtRest) {
+TEST(CondensedRange, IsCountedFromTheShapeAtRest) {
   // twice as high at the start as at rest
   Block block{.solver = "<CondensedStaticSolver/>", .gravity = "0 0 0"};
   const auto stretched = [&](double factor) {
@@ -208,7 +208,7 @@ TEST(CondensedRange, isCountedFromTheShapeAtRest) {
   EXPECT_NE(doubts(1.5, stays).find("has a strain of 0.5"), std::string::npos) << doubts(1.5, stays);
 }
 
-TEST(CondensedRange, explainSaysWhenNothingIsWatched) {
+TEST(CondensedRange, ExplainSaysWhenNothingIsWatched) {
   const auto plan = [](const std::string& text) {
     return simulationFromText(text).systems().front()->integrator().describe();
   };
@@ -222,7 +222,7 @@ TEST(CondensedRange, explainSaysWhenNothingIsWatched) {
   EXPECT_EQ(plan(Block{.solver = "<CondensedStaticSolver/>"}.text()).find("linear elasticity"), std::string::npos);
 }
 
-TEST(CondensedInterior, isComputedWhenSomebodyReadsIt) {
+TEST(CondensedInterior, IsComputedWhenSomebodyReadsIt) {
   const Block block{.solver = "<CondensedStaticSolver/>",
                     .loads = "<ConstantForceField indices=\"139\" force=\"0.1 0 0\"/>"};
   Simulation simulation = simulationFromText(block.text());
@@ -240,7 +240,7 @@ TEST(CondensedInterior, isComputedWhenSomebodyReadsIt) {
   EXPECT_EQ(Vec3(careful.systems().front()->x[47]), Vec3(system.x[47]));
 }
 
-TEST(CondensedInterior, nodesThatAnObserverWatchesAreKept) {
+TEST(CondensedInterior, NodesThatAnObserverWatchesAreKept) {
   const Block block{.solver = "<CondensedStaticSolver/>",
                     .more = "<Monitor name=\"unwritten\" indices=\"47 48\" ExportPositions=\"true\"/>"};
   Simulation simulation = simulationFromText(block.text());
@@ -252,7 +252,7 @@ TEST(CondensedInterior, nodesThatAnObserverWatchesAreKept) {
   EXPECT_GT((system.x[47] - rest).norm(), 1e-6);
 }
 
-TEST(CondensedInterior, theWholeForceIsThereForWhoAsks) {
+TEST(CondensedInterior, TheWholeForceIsThereForWhoAsks) {
   Block block{.solver = "<CondensedStaticSolver/>", .loads = "<ConstantForceField indices=\"139\" force=\"0.1 0 0\"/>"};
   Scene scene = sceneFromText(block.text());
   std::vector<State*> states;
@@ -268,7 +268,7 @@ TEST(CondensedInterior, theWholeForceIsThereForWhoAsks) {
   EXPECT_LT(free, 1e-9 * held);
 }
 
-TEST(CondensedReset, repeatsItselfBitForBit) {
+TEST(CondensedReset, RepeatsItselfBitForBit) {
   for (const std::string solver : {"Static", "Dynamic"}) {
     Block block{
         .solver = "<Condensed" + solver + "Solver/>",

@@ -68,7 +68,7 @@ class CacheFolder : public testing::Test {
 
 }  // namespace
 
-TEST_F(CacheFolder, secondRunTakesTheSameNumbersFromTheFile) {
+TEST_F(CacheFolder, SecondRunTakesTheSameNumbersFromTheFile) {
   for (const std::string solver : {"Static", "Dynamic"}) {
     Simulation first = simulationFromText(scene(solver)), second = simulationFromText(scene(solver));
     EXPECT_FALSE(fromCache(first));
@@ -78,7 +78,7 @@ TEST_F(CacheFolder, secondRunTakesTheSameNumbersFromTheFile) {
   EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 2);
 }
 
-TEST_F(CacheFolder, aFileSaysWhetherWholeBodiesHaveAnInverse) {
+TEST_F(CacheFolder, AFileSaysWhetherWholeBodiesHaveAnInverse) {
   int forms = 0;
   for (const std::string choice : {"", "precision=\"single\"", "solve=\"inverse\"", "solve=\"factor\""}) {
     const std::string text =
@@ -94,13 +94,13 @@ TEST_F(CacheFolder, aFileSaysWhetherWholeBodiesHaveAnInverse) {
   EXPECT_EQ(forms, 3);
 }
 
-TEST_F(CacheFolder, anotherMaterialIsAnotherFile) {
+TEST_F(CacheFolder, AnotherMaterialIsAnotherFile) {
   Simulation first = simulationFromText(scene()), second = simulationFromText(scene("Static", "5001"));
   EXPECT_FALSE(fromCache(second));
   EXPECT_NE(hashAfterSteps(first), hashAfterSteps(second));
 }
 
-TEST_F(CacheFolder, otherMassesAreAnotherFileThoughTheMatrixIsTheSame) {
+TEST_F(CacheFolder, OtherMassesAreAnotherFileThoughTheMatrixIsTheSame) {
   // k + m/dt^2 = 5200 N/m for both
   const auto oscillator = [&](const std::string& spring, const std::string& mass, bool cached) {
     return simulationFromText(
@@ -118,7 +118,7 @@ TEST_F(CacheFolder, otherMassesAreAnotherFileThoughTheMatrixIsTheSame) {
   }
 }
 
-TEST(CondensedSources, theirDigestIsThatOfTheFiles) {
+TEST(CondensedSources, TheirDigestIsThatOfTheFiles) {
   // those that make the numbers of a file, by another program
   const std::string command = "cd '" STROMA_SOURCE_DIR
                               "' && LC_ALL=C; export LC_ALL; sha256sum $(ls components/condensation/*.h components/condensation/*.cpp "
@@ -133,7 +133,7 @@ TEST(CondensedSources, theirDigestIsThatOfTheFiles) {
   EXPECT_EQ(CondensedIntegrator::sourcesOfNumbers(), digest);
 }
 
-TEST_F(CacheFolder, withoutAHomeNothingIsKeptAndThatIsSaid) {
+TEST_F(CacheFolder, WithoutAHomeNothingIsKeptAndThatIsSaid) {
   fs::create_directories(folder);
   const fs::path here = fs::current_path();
   const char* home = std::getenv("HOME");
@@ -150,7 +150,7 @@ TEST_F(CacheFolder, withoutAHomeNothingIsKeptAndThatIsSaid) {
   EXPECT_TRUE(fs::is_empty(folder));
 }
 
-TEST_F(CacheFolder, whatIsWrongWithAFileIsSaidAndItIsMadeAnew) {
+TEST_F(CacheFolder, WhatIsWrongWithAFileIsSaidAndItIsMadeAnew) {
   const auto wholeSize = [&] { return fs::file_size(file()); };
   const std::string text = scene("Dynamic");  // reads all of it
   Simulation first = simulationFromText(text);
@@ -176,7 +176,7 @@ TEST_F(CacheFolder, whatIsWrongWithAFileIsSaidAndItIsMadeAnew) {
   }
 }
 
-TEST_F(CacheFolder, everyChoiceHasItsOwnNumbers) {
+TEST_F(CacheFolder, EveryChoiceHasItsOwnNumbers) {
   for (const std::string choice :
        {"Static", "Static condensed=false", "Static precision=single", "Dynamic", "Dynamic interiorMass=shared",
         "Dynamic interiorMass=neglected", "Dynamic interiorMass=neglected precision=single",
@@ -199,7 +199,7 @@ TEST_F(CacheFolder, everyChoiceHasItsOwnNumbers) {
   }
 }
 
-TEST_F(CacheFolder, aBodyWithoutKeptNodesHasAFileToo) {
+TEST_F(CacheFolder, ABodyWithoutKeptNodesHasAFileToo) {
   std::string held;
   for (int n = 0; n < 64; ++n)
     if (n % 4 % 3 == 0 || n / 4 % 4 % 3 == 0 || n / 16 % 3 == 0) held += std::to_string(n) + " ";
@@ -215,7 +215,7 @@ TEST_F(CacheFolder, aBodyWithoutKeptNodesHasAFileToo) {
 }
 
 /// A static body reads the columns of nodes whose loads change, and no others.
-TEST_F(CacheFolder, damageIsFoundInWhatIsRead) {
+TEST_F(CacheFolder, DamageIsFoundInWhatIsRead) {
   Block block{.solver = "<CondensedStaticSolver cacheFolder=\"" + folder.string() + "\"/>",
               .loads = "<LinearForceField points=\"139\" keyTimes=\"0 1\" forces=\"0 0 0  1 0.5 0\"/>"};
   Simulation first = simulationFromText(block.text());
@@ -233,7 +233,7 @@ TEST_F(CacheFolder, damageIsFoundInWhatIsRead) {
   EXPECT_GE(unread, 1);
 }
 
-TEST_F(CacheFolder, theFileOfAnotherBodyIsNotTaken) {
+TEST_F(CacheFolder, TheFileOfAnotherBodyIsNotTaken) {
   simulationFromText(scene());
   const fs::path mine = file();
   const fs::path kept = folder.string() + "_kept";
@@ -247,7 +247,7 @@ TEST_F(CacheFolder, theFileOfAnotherBodyIsNotTaken) {
   fs::remove(kept);
 }
 
-TEST_F(CacheFolder, aDamagedFactorOfTheInsideIsMadeAnewWhenItIsNeeded) {
+TEST_F(CacheFolder, ADamagedFactorOfTheInsideIsMadeAnewWhenItIsNeeded) {
   Simulation first = simulationFromText(scene());
   const std::uint64_t expected = hashAfterSteps(first);
   flipFactor();
@@ -259,7 +259,7 @@ TEST_F(CacheFolder, aDamagedFactorOfTheInsideIsMadeAnewWhenItIsNeeded) {
   EXPECT_FALSE(fs::exists(folder) && std::distance(fs::directory_iterator(folder), {}) > 0);
 }
 
-TEST_F(CacheFolder, aFactorThatIsMadeAnewMustFitIntoMemoryToo) {
+TEST_F(CacheFolder, AFactorThatIsMadeAnewMustFitIntoMemoryToo) {
   simulationFromText(scene());
   flipFactor();
   std::string text = scene();
@@ -280,7 +280,7 @@ TEST_F(CacheFolder, aFactorThatIsMadeAnewMustFitIntoMemoryToo) {
   EXPECT_NE(problemsOf(text).find("allowed by memoryLimit"), std::string::npos);
 }
 
-TEST_F(CacheFolder, runsAtOnceLeaveOneWholeFile) {
+TEST_F(CacheFolder, RunsAtOnceLeaveOneWholeFile) {
   std::vector<pid_t> runs;
   for (int i = 0; i < 4; ++i) {
     const pid_t child = fork();
@@ -300,7 +300,7 @@ TEST_F(CacheFolder, runsAtOnceLeaveOneWholeFile) {
   EXPECT_TRUE(fromCache(later));
 }
 
-TEST_F(CacheFolder, aFolderThatCannotBeWrittenIsAWarning) {
+TEST_F(CacheFolder, AFolderThatCannotBeWrittenIsAWarning) {
   fs::create_directories(folder);
   std::ofstream(folder / "file").put('x');
   const Block block{.solver = "<CondensedStaticSolver cacheFolder=\"" + (folder / "file" / "sub").string() + "\"/>"};
@@ -309,7 +309,7 @@ TEST_F(CacheFolder, aFolderThatCannotBeWrittenIsAWarning) {
   EXPECT_NE(testing::internal::GetCapturedStderr().find("cannot be written"), std::string::npos);
 }
 
-TEST_F(CacheFolder, aHalfWrittenFileIsNeverSeen) {
+TEST_F(CacheFolder, AHalfWrittenFileIsNeverSeen) {
   // a writer that dies leaves nothing under the final name: the data go to a file without a name first
   fs::create_directories(folder);
   const pid_t child = fork();
@@ -338,7 +338,7 @@ std::string writeNamed(const fs::path& path, const std::vector<char>& data) {
 
 }  // namespace
 
-TEST_F(CacheFolder, whatAKilledRunLeavesIsNeverTakenAndRemovedByTheNext) {
+TEST_F(CacheFolder, WhatAKilledRunLeavesIsNeverTakenAndRemovedByTheNext) {
   fs::create_directories(folder);
   const fs::path path = folder / "x.sections";
   const pid_t child = fork();
@@ -370,7 +370,7 @@ TEST_F(CacheFolder, whatAKilledRunLeavesIsNeverTakenAndRemovedByTheNext) {
   EXPECT_TRUE(found.open(path.string(), ContentKey(), 1, reason)) << reason;
 }
 
-TEST_F(CacheFolder, runsThatWriteAtOnceWithNamesLeaveOneWholeFile) {
+TEST_F(CacheFolder, RunsThatWriteAtOnceWithNamesLeaveOneWholeFile) {
   const fs::path path = folder / "x.sections";
   const std::vector<char> data(std::size_t(1) << 20, 'x');
   std::vector<pid_t> runs;
@@ -394,7 +394,7 @@ TEST_F(CacheFolder, runsThatWriteAtOnceWithNamesLeaveOneWholeFile) {
   EXPECT_TRUE(found.open(path.string(), ContentKey(), 1, reason) && found.isIntact(0)) << reason;
 }
 
-TEST_F(CacheFolder, otherFilesOfTheFolderAreLeftAlone) {
+TEST_F(CacheFolder, OtherFilesOfTheFolderAreLeftAlone) {
   fs::create_directories(folder);
   for (const std::string name : {"x.sections.old", "x.sections.1", "notes.1.2", "z.sections.1.2.3"})
     std::ofstream(folder / name).put('x');

@@ -25,7 +25,7 @@ T valueOf(const Simulation& simulation, const char* name) {
 
 }  // namespace
 
-TEST(SelectiveProducts, equalTheFullProductForAnyNumberOfLoadedNodes) {
+TEST(SelectiveProducts, EqualTheFullProductForAnyNumberOfLoadedNodes) {
   for (const int count : {1, 3, 10}) {
     Block block{.loads = changingLoads(count), .gravity = "0 0 0"};
     block.solver = "<CondensedStaticSolver incremental=\"false\"/>";
@@ -58,7 +58,7 @@ TEST(SelectiveProducts, equalTheFullProductForAnyNumberOfLoadedNodes) {
   }
 }
 
-TEST(SelectiveProducts, loadsOnEveryNodeAreTheWholeBodys) {
+TEST(SelectiveProducts, LoadsOnEveryNodeAreTheWholeBodys) {
   Block block{.loads = changingLoads(120)};
   block.solver = "<CondensedStaticSolver/>";
   const Vector found = after(block.text(), 12);
@@ -67,7 +67,7 @@ TEST(SelectiveProducts, loadsOnEveryNodeAreTheWholeBodys) {
   EXPECT_LT(difference(found, after(block.text(), 12)), 1e-10);
 }
 
-TEST(SelectiveProducts, onlyChangesAreMultipliedWithoutDrift) {
+TEST(SelectiveProducts, OnlyChangesAreMultipliedWithoutDrift) {
   // ten constant loads, of which three change: through KeyTimes that stand still for the others
   std::string loads;
   for (int i = 0; i < 10; ++i) {
@@ -92,7 +92,7 @@ TEST(SelectiveProducts, onlyChangesAreMultipliedWithoutDrift) {
   EXPECT_EQ(fewest, 3);
 }
 
-TEST(SelectiveProducts, loadsInsideThatChangeReachTheSurface) {
+TEST(SelectiveProducts, LoadsInsideThatChangeReachTheSurface) {
   Block block{.loads = "<LinearForceField points=\"47 139\" times=\"0 1\" forces=\"0 0 0  0.3 0.1 -0.2\"/>"};
   // with few of them the nodes are kept; where kept nodes are named, the loads are reduced in each step
   block.solver = "<CondensedStaticSolver/>";
@@ -105,7 +105,7 @@ TEST(SelectiveProducts, loadsInsideThatChangeReachTheSurface) {
   EXPECT_LT(difference(found, after(block.text(), 10)), 1e-10);
 }
 
-TEST(SelectiveProducts, singlePrecisionIsWrongByItsRounding) {
+TEST(SelectiveProducts, SinglePrecisionIsWrongByItsRounding) {
   for (const std::string solver : {"Static", "Dynamic"}) {
     Block block{.loads = "<ConstantForceField indices=\"139 138\" totalForce=\"0.05 0.02 -0.03\"/>"};
     block.solver = "<Condensed" + solver + "Solver/>";
@@ -117,7 +117,7 @@ TEST(SelectiveProducts, singlePrecisionIsWrongByItsRounding) {
   }
 }
 
-TEST(SelectiveProducts, pressureIsADeadLoadAtRest) {
+TEST(SelectiveProducts, PressureIsADeadLoadAtRest) {
   // to first order in p/E the follower is the dead load: the difference falls with p
   std::vector<double> errors;
   for (const std::string p : {"40", "4"}) {

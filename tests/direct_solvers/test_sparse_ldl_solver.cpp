@@ -10,7 +10,7 @@
 using namespace stroma;
 using namespace stroma::test;
 
-TEST(SparseLDLSolver, equalsADenseFactorisation) {
+TEST(SparseLDLSolver, EqualsADenseFactorisation) {
   for (unsigned seed = 1; seed < 6; ++seed) {
     StoredMatrix matrix = randomMatrix(Index(5 + 40 * seed), 3, 0.05, seed);
     const Vector b = randomVector(matrix.rows(), seed);
@@ -24,7 +24,7 @@ TEST(SparseLDLSolver, equalsADenseFactorisation) {
   }
 }
 
-TEST(SparseLDLSolver, factorsAgainOnlyWhenTheMatrixChanged) {
+TEST(SparseLDLSolver, FactorsAgainOnlyWhenTheMatrixChanged) {
   StoredMatrix matrix = randomMatrix(50, 3, 0.5, 1);
   SolverInScene ldl("<SparseLDLSolver/>");
   Vector x;
@@ -41,7 +41,7 @@ TEST(SparseLDLSolver, factorsAgainOnlyWhenTheMatrixChanged) {
 }
 
 /// A matrix without zeros: n (n + 1) / 2 numbers in the factor, and n^3 / 3 operations and some that grow as n^2.
-TEST(SparseLDLSolver, tellsWhatAFactorisationCosts) {
+TEST(SparseLDLSolver, TellsWhatAFactorisationCosts) {
   constexpr Index blocks = 40;
   constexpr double n = 3 * blocks;
   BlockPattern pattern(blocks);
@@ -59,7 +59,7 @@ TEST(SparseLDLSolver, tellsWhatAFactorisationCosts) {
   EXPECT_NEAR(told("factorFlops"), n * n * n / 3, 2 * n * n);
 }
 
-TEST(SparseLDLSolver, followsAPatternThatChanges) {
+TEST(SparseLDLSolver, FollowsAPatternThatChanges) {
   SolverInScene ldl("<SparseLDLSolver/>");
   Vector x;
   for (const unsigned seed : {1u, 2u}) {
@@ -70,7 +70,7 @@ TEST(SparseLDLSolver, followsAPatternThatChanges) {
   }
 }
 
-TEST(SparseLDLSolver, analysesAgainWhenBlocksHaveComeToTheSameMatrix) {
+TEST(SparseLDLSolver, AnalysesAgainWhenBlocksHaveComeToTheSameMatrix) {
   SolverInScene ldl("<SparseLDLSolver/>");
   StoredMatrix matrix = randomMatrix(40, 3, 0.5, 1);
   Vector x;
@@ -85,7 +85,7 @@ TEST(SparseLDLSolver, analysesAgainWhenBlocksHaveComeToTheSameMatrix) {
   EXPECT_LT(relativeError(x, matrix.dense().ldlt().solve(dense(b))), 1e-10);
 }
 
-TEST(SparseLDLSolver, namesTheRowWhereTheMatrixIsNotDefinite) {
+TEST(SparseLDLSolver, NamesTheRowWhereTheMatrixIsNotDefinite) {
   for (const Index row : {0, 7, 29}) {
     BlockMatrix values{BlockPattern(30)};
     for (Index i = 0; i < 30; ++i) values.add(i, i, (i == row ? -1.0 : 2.0) * Mat3::Identity());
@@ -102,7 +102,7 @@ TEST(SparseLDLSolver, namesTheRowWhereTheMatrixIsNotDefinite) {
   }
 }
 
-TEST(SparseLDLSolver, namesTheRowThatIsNotFinite) {
+TEST(SparseLDLSolver, NamesTheRowThatIsNotFinite) {
   StoredMatrix matrix = randomMatrix(30, 3, 0.5, 1);
   matrix.values.add(11, 11, std::numeric_limits<double>::quiet_NaN() * Mat3::Ones());
   SolverInScene ldl("<SparseLDLSolver/>");
@@ -115,7 +115,7 @@ TEST(SparseLDLSolver, namesTheRowThatIsNotFinite) {
   EXPECT_EQ(ldl.solve(matrix, bad, x).stop, SolveStop::not_finite);
 }
 
-TEST(SparseLDLSolver, aSingularMatrixIsNotSolvedSilently) {
+TEST(SparseLDLSolver, ASingularMatrixIsNotSolvedSilently) {
   // without ground the chain can move as a whole
   BlockPattern pattern(20);
   for (Index i = 0; i + 1 < 20; ++i) {
@@ -132,7 +132,7 @@ TEST(SparseLDLSolver, aSingularMatrixIsNotSolvedSilently) {
   EXPECT_FALSE(ldl.solve(matrix, randomVector(20, 1), x).usable());
 }
 
-TEST(SparseLDLSolver, factorsAnUnsymmetricMatrixAsLU) {
+TEST(SparseLDLSolver, FactorsAnUnsymmetricMatrixAsLU) {
   StoredMatrix matrix = randomMatrix(40, 3, 0.5, 3);
   for (Index i = 0; i < 40; ++i) matrix.values.add(i, i, (Mat3() << 0, 1, 2, -1, 0, 3, -2, -3, 0).finished());
   matrix.is_symmetric = false;
@@ -145,7 +145,7 @@ TEST(SparseLDLSolver, factorsAnUnsymmetricMatrixAsLU) {
   EXPECT_FALSE(ldl.solve(matrix, b, x).factored);
 }
 
-TEST(SparseLDLSolver, theSolutionDoesNotDependOnTheNumberOfThreads) {
+TEST(SparseLDLSolver, TheSolutionDoesNotDependOnTheNumberOfThreads) {
   StoredMatrix matrix = randomMatrix(900, 4, 0.5, 3);
   const Vector b = randomVector(900, 1);
   Vector x[2];

@@ -42,7 +42,7 @@ double lowest(const Simulation& simulation) {
 
 }  // namespace
 
-TEST(NewtonOnTetrahedra, equilibriumConvergesQuadraticallyWithTheExactTangent) {
+TEST(NewtonOnTetrahedra, EquilibriumConvergesQuadraticallyWithTheExactTangent) {
   Simulation simulation = beam("<StaticSolver newton_iterations='40' relative_residual_tolerance_threshold='1e-12'/>",
                                "<SparseLDLSolver/>", 1, "exact");
   const StepReport report = simulation.step();
@@ -56,7 +56,7 @@ TEST(NewtonOnTetrahedra, equilibriumConvergesQuadraticallyWithTheExactTangent) {
   EXPECT_LT(lowest(simulation), -0.05);
 }
 
-TEST(NewtonOnTetrahedra, theWarpedTangentReachesTheSameEquilibrium) {
+TEST(NewtonOnTetrahedra, TheWarpedTangentReachesTheSameEquilibrium) {
   Simulation exact = beam("<StaticSolver newton_iterations='40'/>", "<SparseLDLSolver/>", 1, "exact");
   Simulation warped = beam("<StaticSolver newton_iterations='200'/>", "<SparseLDLSolver/>", 1, "warped");
   ASSERT_TRUE(exact.step().newton_converged);
@@ -65,7 +65,7 @@ TEST(NewtonOnTetrahedra, theWarpedTangentReachesTheSameEquilibrium) {
   EXPECT_NEAR(lowest(exact), lowest(warped), 1e-6);
 }
 
-TEST(NewtonOnTetrahedra, stepsConvergeWithAndWithoutDampingOfEitherKind) {
+TEST(NewtonOnTetrahedra, StepsConvergeWithAndWithoutDampingOfEitherKind) {
   for (const char* damping : {"", "rayleighMass='2'", "rayleighStiffness='0.02'", "trapezoidalScheme='true'"})
     for (const char* tangent : {"warped", "exact"}) {
       Simulation simulation = beam(fmt::format("<EulerImplicitSolver newtonIterations='60' {}/>", damping),
@@ -78,7 +78,7 @@ TEST(NewtonOnTetrahedra, stepsConvergeWithAndWithoutDampingOfEitherKind) {
     }
 }
 
-TEST(NewtonOnTetrahedra, hugeDampedStepsEndInTheStaticEquilibrium) {
+TEST(NewtonOnTetrahedra, HugeDampedStepsEndInTheStaticEquilibrium) {
   Simulation still = beam("<StaticSolver newton_iterations='40'/>", "<SparseLDLSolver/>", 1, "exact");
   ASSERT_TRUE(still.step().newton_converged);
   Simulation moving =

@@ -102,13 +102,13 @@ std::string spring(const std::string& more = "") { return fmt::format("stiffness
 
 }  // namespace
 
-TEST(Orders, oscillator) {
+TEST(Orders, Oscillator) {
   const Vec3 x1 = std::cos(omega) * x0 + std::sin(omega) / omega * v0;
   const Vec3 v1 = std::cos(omega) * v0 - std::sin(omega) * omega * x0;
   for (const Case& c : cases) expectOrder(c, spring(), x1, v1);
 }
 
-TEST(Orders, oscillatorWithADamperThatIsAForce) {
+TEST(Orders, OscillatorWithADamperThatIsAForce) {
   const double b = 1.2, decay = b / (2 * mass), turning = std::sqrt(omega * omega - decay * decay);
   const Vec3 w = (v0 + decay * x0) / turning;
   const Vec3 x1 = std::exp(-decay) * (std::cos(turning) * x0 + std::sin(turning) * w);
@@ -120,7 +120,7 @@ TEST(Orders, oscillatorWithADamperThatIsAForce) {
   }
 }
 
-TEST(Orders, nonlinearSpringPushedOverTime) {
+TEST(Orders, NonlinearSpringPushedOverTime) {
   const double cubic = 1.5;
   const Vec3 push(0.5, -1, 2);
   const auto [x1, v1] = integrate([&](double t, const Vec3& x, const Vec3&) {
@@ -131,7 +131,7 @@ TEST(Orders, nonlinearSpringPushedOverTime) {
 }
 
 // a body that turns about a point: m r W^2 = (k + c r^2) r in a plane
-TEST(Orders, spinningBody) {
+TEST(Orders, SpinningBody) {
   const double cubic = 1.5, rate = std::sqrt((stiffness + cubic) / mass);
   const auto errorAfter = [&](const Case& c, int n) {
     registerGroundSpring(factory());
@@ -149,7 +149,7 @@ TEST(Orders, spinningBody) {
 
 // x0 + v0 t + g t^2 / 2: exact for methods of second order and for Newmark's, whose acceleration is constant here; the
 // others miss by h/2 g t one way or the other
-TEST(Orders, fallingBody) {
+TEST(Orders, FallingBody) {
   const Vec3 g(0, -9.81, 0), exact = x0 + v0 + g / 2;
   const int n = 40;
   for (const Case& c : cases) {
@@ -165,7 +165,7 @@ TEST(Orders, fallingBody) {
 }
 
 // m x'' = f + rK K(x) v - rM m v with the K of each moment: a stiffness held at the start of a step would cost an order
-TEST(Orders, rayleighDampingOfANonlinearSpring) {
+TEST(Orders, RayleighDampingOfANonlinearSpring) {
   const double cubic = 1.5, rm = 0.4, rk = 0.02;
   const auto [x1, v1] = integrate([&](double, const Vec3& x, const Vec3& v) {
     const Vec3 kv = -(stiffness + cubic * x.squaredNorm()) * v - 2 * cubic * x * x.dot(v);
@@ -182,7 +182,7 @@ TEST(Orders, rayleighDampingOfANonlinearSpring) {
     expectOrder(c, spring(fmt::format("cubic='{}'", cubic)), x1, v1);
 }
 
-TEST(Orders, centralDifferencesDampByTheMassWithoutLosingTheirOrder) {
+TEST(Orders, CentralDifferencesDampByTheMassWithoutLosingTheirOrder) {
   const double rm = 1.3, decay = rm / 2, turning = std::sqrt(omega * omega - decay * decay);
   const Vec3 x1 = std::exp(-decay) * (std::cos(turning) * x0 + std::sin(turning) / turning * (v0 + decay * x0));
   expectOrder({fmt::format("<CentralDifferenceSolver rayleighMass='{}'/>", rm), 2, false}, spring(), x1, {});

@@ -54,7 +54,7 @@ double energyOf(Simulation& simulation) {
 
 }  // namespace
 
-TEST(Oscillator, ordersInTime) {
+TEST(Oscillator, OrdersInTime) {
   EXPECT_NEAR(order("<EulerImplicitSolver/>"), 1, 0.05);
   EXPECT_NEAR(order("<EulerImplicitSolver newtonIterations='5'/>"), 1, 0.05);
   EXPECT_NEAR(order("<EulerImplicitSolver trapezoidalScheme='true'/>"), 2, 0.05);
@@ -64,7 +64,7 @@ TEST(Oscillator, ordersInTime) {
 }
 
 // x + i v / omega turns by a factor that the scheme fixes
-TEST(Oscillator, backwardEulerAmplifiesAsItsClosedForm) {
+TEST(Oscillator, BackwardEulerAmplifiesAsItsClosedForm) {
   for (const char* newton : {"1", "4"}) {
     const double dt = 0.05;
     Simulation simulation = oscillator(fmt::format("<EulerImplicitSolver newtonIterations='{}'/>", newton), dt);
@@ -83,7 +83,7 @@ TEST(Oscillator, backwardEulerAmplifiesAsItsClosedForm) {
   }
 }
 
-TEST(Oscillator, theTrapezoidalRuleTurnsAtItsOwnFrequencyAndDampsNothing) {
+TEST(Oscillator, TheTrapezoidalRuleTurnsAtItsOwnFrequencyAndDampsNothing) {
   for (const char* newton : {"1", "4"})
     for (const double dt : {0.01, 0.1, 2.0}) {
       Simulation simulation =
@@ -99,7 +99,7 @@ TEST(Oscillator, theTrapezoidalRuleTurnsAtItsOwnFrequencyAndDampsNothing) {
     }
 }
 
-TEST(Oscillator, symplecticEulerKeepsItsModifiedEnergy) {
+TEST(Oscillator, SymplecticEulerKeepsItsModifiedEnergy) {
   const double dt = 0.1;
   Simulation simulation = oscillator("<EulerExplicitSolver/>", dt);
   // m/2 v^2 + k/2 x^2 - dt k/2 x.v does not change at all
@@ -112,7 +112,7 @@ TEST(Oscillator, symplecticEulerKeepsItsModifiedEnergy) {
 }
 
 /// What a method keeps of an oscillator drifts by round-off only: 1e5 steps of 1e-16, all in one direction, are 1e-11.
-TEST(Oscillator, energyDoesNotDriftOver100000Steps) {
+TEST(Oscillator, EnergyDoesNotDriftOver100000Steps) {
   const double dt = 0.05;
   struct Case {
     std::string integrator;
@@ -140,7 +140,7 @@ TEST(Oscillator, energyDoesNotDriftOver100000Steps) {
   }
 }
 
-TEST(Oscillator, explicitEulerGainsAndBackwardEulerLosesEnergyAtEachStep) {
+TEST(Oscillator, ExplicitEulerGainsAndBackwardEulerLosesEnergyAtEachStep) {
   const double dt = 0.02, gain = 1 + omega * omega * dt * dt;
   Simulation growing = oscillator("<EulerExplicitSolver symplectic='false'/>", dt);
   Simulation decaying = oscillator("<EulerImplicitSolver/>", dt);
@@ -154,7 +154,7 @@ TEST(Oscillator, explicitEulerGainsAndBackwardEulerLosesEnergyAtEachStep) {
 }
 
 // m x'' + (rM m + rK k) x' + k x = 0, from the solver's factors or from each component's own
-TEST(Oscillator, rayleighDampingDecaysAsItShould) {
+TEST(Oscillator, RayleighDampingDecaysAsItShould) {
   const double rm = 0.6, rk = 0.05, damping = (rm + rk * omega * omega) / 2;
   const double turning = std::sqrt(omega * omega - damping * damping);
   const Vec3 x0(1, 0.5, -2), v0(0, 3, 1);
@@ -176,7 +176,7 @@ TEST(Oscillator, rayleighDampingDecaysAsItShould) {
     }
 }
 
-TEST(Oscillator, vdampingShrinksTheVelocityAfterTheStep) {
+TEST(Oscillator, VdampingShrinksTheVelocityAfterTheStep) {
   Simulation plain = oscillator("<EulerImplicitSolver/>", 0.05),
              damped = oscillator("<EulerImplicitSolver vdamping='3'/>", 0.05);
   plain.step();
@@ -186,7 +186,7 @@ TEST(Oscillator, vdampingShrinksTheVelocityAfterTheStep) {
 }
 
 // m v = -k x: x decays by 1 / (1 + dt k/m) per step, by (1 - a) / (1 + a), a = dt k / 2m, with the trapezoidal rule
-TEST(Oscillator, firstOrderDecaysAsItsClosedForm) {
+TEST(Oscillator, FirstOrderDecaysAsItsClosedForm) {
   const double dt = 0.02, rate = stiffness / mass;
   Simulation euler = oscillator("<EulerImplicitSolver firstOrder='true'/>", dt);
   Simulation trapezoid = oscillator("<EulerImplicitSolver firstOrder='true' trapezoidalScheme='true'/>", dt);
@@ -201,7 +201,7 @@ TEST(Oscillator, firstOrderDecaysAsItsClosedForm) {
   }
 }
 
-TEST(CubicOscillator, newtonSolvesTheStepsEquations) {
+TEST(CubicOscillator, NewtonSolvesTheStepsEquations) {
   const double dt = 0.1, cubic = 30;
   for (const bool trapezoidal : {false, true}) {
     Simulation simulation = oscillator(
@@ -223,7 +223,7 @@ TEST(CubicOscillator, newtonSolvesTheStepsEquations) {
   }
 }
 
-TEST(CubicOscillator, oneNewtonIterationIsTheLinearStep) {
+TEST(CubicOscillator, OneNewtonIterationIsTheLinearStep) {
   Simulation linear = oscillator("<EulerImplicitSolver/>", 0.05, "cubic='3'");
   Simulation newton =
       oscillator("<EulerImplicitSolver newtonIterations='2' newtonTolerance='0.9'/>", 0.05, "cubic='3'");
@@ -233,7 +233,7 @@ TEST(CubicOscillator, oneNewtonIterationIsTheLinearStep) {
   EXPECT_LT((velocityOf(linear) - velocityOf(newton)).norm(), 1e-13);
 }
 
-TEST(CubicOscillator, aDoubleWellWithHugeStepsStillConverges) {
+TEST(CubicOscillator, ADoubleWellWithHugeStepsStillConverges) {
   Simulation simulation = oscillator("<EulerImplicitSolver newtonIterations='100'/>", 10, "cubic='40'");
   for (int n = 0; n < 20; ++n) {
     const StepReport report = simulation.step();
@@ -243,7 +243,7 @@ TEST(CubicOscillator, aDoubleWellWithHugeStepsStillConverges) {
   EXPECT_LT(positionOf(simulation).norm(), 1e-3);
 }
 
-TEST(Oscillator, aTwistThatIsNotConservativeNeedsADirectSolver) {
+TEST(Oscillator, ATwistThatIsNotConservativeNeedsADirectSolver) {
   registerGroundSpring(factory());
   const char* text = R"(<Node name="root" dt="0.05" gravity="0 0 0">
     <EulerImplicitSolver newtonIterations="{}"/> <{}/>

@@ -27,7 +27,7 @@ Simulation statics(const std::string& attributes, const std::string& spring, con
 
 }  // namespace
 
-TEST(StaticSolver, aLinearSpringUnderGravityTakesOneIterationAndOneFactorisation) {
+TEST(StaticSolver, ALinearSpringUnderGravityTakesOneIterationAndOneFactorisation) {
   for (const char* solver : {"<SparseLDLSolver/>", "<CGLinearSolver tolerance='1e-14'/>"}) {
     Simulation simulation = statics("", "stiffness='20'", "", solver);
     const StepReport report = simulation.step();
@@ -43,7 +43,7 @@ TEST(StaticSolver, aLinearSpringUnderGravityTakesOneIterationAndOneFactorisation
   }
 }
 
-TEST(StaticSolver, aHardeningSpringConvergesQuadratically) {
+TEST(StaticSolver, AHardeningSpringConvergesQuadratically) {
   Simulation simulation = statics("", "stiffness='1' cubic='100'", "");
   const StepReport report = simulation.step();
   EXPECT_TRUE(report.newton_converged) << report.reason;
@@ -57,7 +57,7 @@ TEST(StaticSolver, aHardeningSpringConvergesQuadratically) {
   EXPECT_LT(last, 100 * before * before);
 }
 
-TEST(StaticSolver, aDoubleWellIsLeftForAMinimum) {
+TEST(StaticSolver, ADoubleWellIsLeftForAMinimum) {
   // at rest the tangent is negative definite: K is shifted, and the energy decides
   for (const char* solver : {"<SparseLDLSolver/>", "<CGLinearSolver tolerance='1e-10'/>"}) {
     Simulation simulation = statics("newton_iterations='100'", "stiffness='-50' cubic='100'", "", solver);
@@ -71,7 +71,7 @@ TEST(StaticSolver, aDoubleWellIsLeftForAMinimum) {
   }
 }
 
-TEST(StaticSolver, aFreeBodyEndsInASentence) {
+TEST(StaticSolver, AFreeBodyEndsInASentence) {
   for (const char* solver : {"<SparseLDLSolver/>", "<CGLinearSolver/>"}) {
     Simulation simulation = statics("", "couple='100'", "", solver);
     const StepReport report = simulation.step();
@@ -82,7 +82,7 @@ TEST(StaticSolver, aFreeBodyEndsInASentence) {
   }
 }
 
-TEST(StaticSolver, oneHeldNodeIsEnoughForAChain) {
+TEST(StaticSolver, OneHeldNodeIsEnoughForAChain) {
   Simulation simulation = statics("", "couple='100'", "<FixedProjectiveConstraint indices='0'/>");
   const StepReport report = simulation.step();
   EXPECT_FALSE(report.diverged) << report.reason;
@@ -91,7 +91,7 @@ TEST(StaticSolver, oneHeldNodeIsEnoughForAChain) {
   EXPECT_NEAR(simulation.systems()[0]->x[2][1], -0.15, 1e-12);
 }
 
-TEST(StaticSolver, aBodyHeldInTwoDirectionsOnlyIsNotHeld) {
+TEST(StaticSolver, ABodyHeldInTwoDirectionsOnlyIsNotHeld) {
   Simulation simulation =
       statics("", "couple='100'", "<PartialFixedProjectiveConstraint indices='0 1 2' fixedDirections='1 0 1'/>");
   const StepReport report = simulation.step();
@@ -99,7 +99,7 @@ TEST(StaticSolver, aBodyHeldInTwoDirectionsOnlyIsNotHeld) {
   EXPECT_NE(report.reason.find("not held"), std::string::npos) << report.reason;
 }
 
-TEST(StaticSolver, loadsThatCancelNeedNoSupport) {
+TEST(StaticSolver, LoadsThatCancelNeedNoSupport) {
   Simulation simulation =
       statics("", "couple='100'", "<ConstantForceField indices='0 1 2' forces='-3 5 0  0 5 0  3 5 0'/>",
               "<CGLinearSolver iterations='100' tolerance='1e-12'/>");
@@ -109,7 +109,7 @@ TEST(StaticSolver, loadsThatCancelNeedNoSupport) {
   EXPECT_NEAR((simulation.systems()[0]->x[2] - simulation.systems()[0]->x[0]).norm(), 2.06, 1e-9);
 }
 
-TEST(StaticSolver, reachingTheLimitIsSaid) {
+TEST(StaticSolver, ReachingTheLimitIsSaid) {
   Simulation simulation = statics("newton_iterations='2'", "stiffness='1' cubic='1000'", "");
   const StepReport report = simulation.step();
   EXPECT_FALSE(report.diverged);
@@ -118,7 +118,7 @@ TEST(StaticSolver, reachingTheLimitIsSaid) {
   EXPECT_NE(report.reason.find("limit of 2"), std::string::npos) << report.reason;
 }
 
-TEST(StaticSolver, aMissingLinearSolverIsAnError) {
+TEST(StaticSolver, AMissingLinearSolverIsAnError) {
   registerGroundSpring(factory());
   for (const char* integrator : {"StaticSolver", "EulerImplicitSolver"}) {
     const std::string text = problemsOf(fmt::format(
@@ -149,7 +149,7 @@ Simulation compressedCube(const std::string& attributes, const std::string& solv
 
 }  // namespace
 
-TEST(StaticSolver, looseSolvesWithAFormerFactorFindTheEquilibriumOfPlainNewton) {
+TEST(StaticSolver, LooseSolvesWithAFormerFactorFindTheEquilibriumOfPlainNewton) {
   Simulation plain = compressedCube("", "<SparseLDLSolver/>");
   Simulation loose =
       compressedCube("forcing_term='0.1'",

@@ -33,7 +33,7 @@ Eigen::VectorXd textbook(const Eigen::MatrixXd& a, const Eigen::VectorXd& b, int
 
 }  // namespace
 
-TEST(CGLinearSolver, solvesRandomSystemsToTheToleranceAskedFor) {
+TEST(CGLinearSolver, SolvesRandomSystemsToTheToleranceAskedFor) {
   for (const char* preconditioner : {"none", "block_jacobi"})
     for (unsigned seed = 1; seed < 5; ++seed) {
       StoredMatrix matrix = randomMatrix(60, 3, 0.3, seed);
@@ -52,7 +52,7 @@ TEST(CGLinearSolver, solvesRandomSystemsToTheToleranceAskedFor) {
     }
 }
 
-TEST(CGLinearSolver, everyIterateIsThatOfTheTextbook) {
+TEST(CGLinearSolver, EveryIterateIsThatOfTheTextbook) {
   StoredMatrix matrix = randomMatrix(40, 3, 0.1, 3);
   const Vector b = randomVector(40, 4);
   for (int iterations = 1; iterations <= 8; ++iterations) {
@@ -71,7 +71,7 @@ TEST(CGLinearSolver, everyIterateIsThatOfTheTextbook) {
   }
 }
 
-TEST(CGLinearSolver, needsAsManyIterationsAsThereAreDistinctEigenvalues) {
+TEST(CGLinearSolver, NeedsAsManyIterationsAsThereAreDistinctEigenvalues) {
   for (int distinct = 1; distinct <= 5; ++distinct) {
     std::vector<double> values;
     for (int k = 0; k < distinct; ++k) values.push_back(1 + k);
@@ -87,7 +87,7 @@ TEST(CGLinearSolver, needsAsManyIterationsAsThereAreDistinctEigenvalues) {
   }
 }
 
-TEST(CGLinearSolver, doesNotDependOnTheUnits) {
+TEST(CGLinearSolver, DoesNotDependOnTheUnits) {
   // the absolute threshold of 1e-5 on p.A p would stop the small one at its first iteration
   int iterations = 0;
   for (const double unit : {1.0, 1e-30, 1e30}) {
@@ -105,7 +105,7 @@ TEST(CGLinearSolver, doesNotDependOnTheUnits) {
   EXPECT_GT(iterations, 10);
 }
 
-TEST(CGLinearSolver, aPreconditionerHelpsABadlyScaledMatrix) {
+TEST(CGLinearSolver, APreconditionerHelpsABadlyScaledMatrix) {
   StoredMatrix matrix = randomMatrix(50, 3, 1, 9);
   for (Index i = 0; i < 50; ++i) matrix.values.add(i, i, std::pow(10, i % 6) * Mat3::Identity());
   const Vector b = randomVector(50, 2);
@@ -119,7 +119,7 @@ TEST(CGLinearSolver, aPreconditionerHelpsABadlyScaledMatrix) {
   EXPECT_LT(3 * with, without);
 }
 
-TEST(CGLinearSolver, aZeroRightSideGivesZeroWithoutWork) {
+TEST(CGLinearSolver, AZeroRightSideGivesZeroWithoutWork) {
   StoredMatrix matrix = randomMatrix(10, 2, 1, 1);
   SolverInScene cg("<CGLinearSolver/>");
   Vector x = randomVector(10, 1);
@@ -130,7 +130,7 @@ TEST(CGLinearSolver, aZeroRightSideGivesZeroWithoutWork) {
   EXPECT_EQ(matrix.products, 0);
 }
 
-TEST(CGLinearSolver, saysWhyItStopped) {
+TEST(CGLinearSolver, SaysWhyItStopped) {
   SolverInScene cg("<CGLinearSolver iterations=\"100\" tolerance=\"1e-12\"/>");
   const Vector b = randomVector(12, 1);
   const auto stopOf = [&](StoredMatrix matrix, ConstRows right) {
@@ -153,7 +153,7 @@ TEST(CGLinearSolver, saysWhyItStopped) {
   EXPECT_EQ(report.row, 2);
 }
 
-TEST(CGLinearSolver, keepsTheIterateBeforeABreakdown) {
+TEST(CGLinearSolver, KeepsTheIterateBeforeABreakdown) {
   // two steps are possible before the negative direction is met; the iterate then goes downhill
   StoredMatrix matrix = randomMatrix(30, 3, 0.5, 12);
   matrix.values.add(4, 4, -60 * Mat3::Identity());
@@ -169,7 +169,7 @@ TEST(CGLinearSolver, keepsTheIterateBeforeABreakdown) {
   EXPECT_LT(relativeError(x, textbook(matrix.dense(), dense(b), report.iterations - 1)), 1e-11);
 }
 
-TEST(CGLinearSolver, warmStartBeginsAtThePreviousSolution) {
+TEST(CGLinearSolver, WarmStartBeginsAtThePreviousSolution) {
   StoredMatrix matrix = randomMatrix(30, 3, 0.5, 2);
   const Vector b = randomVector(30, 3);
   SolverInScene cg("<CGLinearSolver iterations=\"500\" tolerance=\"1e-8\" warmStart=\"true\"/>");
@@ -185,7 +185,7 @@ TEST(CGLinearSolver, warmStartBeginsAtThePreviousSolution) {
   EXPECT_EQ(cg.solve(matrix, b, x).iterations, first.iterations);
 }
 
-TEST(CGLinearSolver, theTemplateChoosesProductOrMatrix) {
+TEST(CGLinearSolver, TheTemplateChoosesProductOrMatrix) {
   const Vector b = randomVector(20, 3);
   const auto count = [&](const std::string& attributes, bool prefers, int& products, int& assemblies) {
     StoredMatrix matrix = randomMatrix(20, 2, 1, 2);
@@ -210,7 +210,7 @@ TEST(CGLinearSolver, theTemplateChoosesProductOrMatrix) {
   }
 }
 
-TEST(CGLinearSolver, refusesWhatItDoesNotHave) {
+TEST(CGLinearSolver, RefusesWhatItDoesNotHave) {
   EXPECT_NE(
       problemsOf("<Node name=\"root\"><CGLinearSolver template=\"GraphScatered\"/></Node>").find("GraphScattered"),
       std::string::npos);

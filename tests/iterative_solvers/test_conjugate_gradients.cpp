@@ -8,7 +8,7 @@
 using namespace stroma;
 using namespace stroma::test;
 
-TEST(ConjugateGradientLoops, equalTheirUnfusedForms) {
+TEST(ConjugateGradientLoops, EqualTheirUnfusedForms) {
   const Vector p0 = randomVector(101, 1), q = randomVector(101, 2), z = randomVector(101, 3);
   Vector p(101), x = randomVector(101, 4), r = randomVector(101, 5);
   copy(p0, p);
@@ -25,7 +25,7 @@ TEST(ConjugateGradientLoops, equalTheirUnfusedForms) {
   EXPECT_LT((dense(p) - p1).norm(), 1e-14 * p1.norm());
 }
 
-TEST(BlockJacobi, dividesByTheDiagonalBlocks) {
+TEST(BlockJacobi, DividesByTheDiagonalBlocks) {
   const StoredMatrix matrix = randomMatrix(23, 3, 0.1, 7);
   std::vector<double> blocks;
   matrix.diagonalBlocks(blocks);
@@ -39,7 +39,7 @@ TEST(BlockJacobi, dividesByTheDiagonalBlocks) {
   for (Index i = 0; i < 23; ++i) EXPECT_LT((a.block<3, 3>(3 * i, 3 * i) * z[i] - r[i]).norm(), 1e-10);
 }
 
-TEST(BlockJacobi, namesTheFirstBlockThatIsNotDefinite) {
+TEST(BlockJacobi, NamesTheFirstBlockThatIsNotDefinite) {
   StoredMatrix matrix = randomMatrix(8, 2, 1, 3);
   matrix.values.add(5, 5, -100 * Mat3::Identity());
   std::vector<double> blocks;

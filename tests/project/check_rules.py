@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Holds the rules of the tree: which folder may include which, a licence line in every source, no path of one machine in
-any text. Usage: check_rules.py TREE, or check_rules.py --self-test (plants violations and expects each to be found)."""
+"""Holds the rules of the tree: which folder may include which, a licence line in every source, names of tests, no path of one
+machine in any text. Usage: check_rules.py TREE, or check_rules.py --self-test (plants violations and expects each to be found)."""
 import os
 import re
 import sys
@@ -35,6 +35,8 @@ SKIPPED_FOLDERS = {".git", "build", "results", "__pycache__"}
 SOURCE = re.compile(r"(\.(h|cpp|py|cmake|in|xml|sh)|CMakeLists\.txt)$")
 BINARY = re.compile(r"\.(png|gif|gz|vtu|pdf|so|o|pyc)$")
 MACHINE_PATH = re.compile(r"(?<![\w.$}*\]/-])/(work|tmp|home)/")
+TEST = re.compile(r"^(?:TEST|TEST_F|TEST_P|TYPED_TEST)\((\w+),\s*(\w+)\)", re.M)
+NAME_OF_TEST = re.compile(r"[A-Z][A-Za-z0-9]*$")
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.M)
 
 
@@ -68,6 +70,16 @@ def included_problem(path, quoted, header, exists):
     return None
 
 
+def badly_named_tests(path, text):
+    """Tests are in test_*.cpp; suites and cases are in CamelCase, without underscores."""
+    for match in TEST.finditer(text):
+        if not os.path.basename(path).startswith("test_"):
+            yield match.start(), "has a test and is not called test_*.cpp"
+        for name in match.groups():
+            if not NAME_OF_TEST.match(name):
+                yield match.start(), f"the name of a test, {name}, is not in CamelCase"
+
+
 def files(tree):
     for folder, folders, names in os.walk(tree):
         folders[:] = sorted(name for name in folders if name not in SKIPPED_FOLDERS and not name.startswith("build"))
@@ -92,6 +104,8 @@ def problems(tree):
         for match in MACHINE_PATH.finditer(text):
             line = text.count("\n", 0, match.start()) + 1
             found.append(f"{path}:{line}: a path of one machine: {text[match.start():match.start() + 30].split()[0]}")
+        for start, why in badly_named_tests(path, text) if path.endswith(".cpp") else []:
+            found.append(f"{path}:{text.count(chr(10), 0, start) + 1}: {why}")
         if path.endswith((".h", ".cpp")):
             for match in INCLUDE.finditer(text):
                 why = included_problem(path, match.group(1) == '"', match.group(2),
@@ -124,6 +138,10 @@ PLANTED = {  # path: (text, part of the expected finding, or None where there is
     "tools/mesh/o.h": (LICENCE + '#include "tools/bench/p.h"\n', "its own folder only"),
     "framework/mesh/p.cpp": (LICENCE + "#include <CGAL/Random.h>\n", "which only tools/mesh/meshing/"),
     "framework/simulation/j.cpp": (LICENCE + '#include "framework/fem/d.h"\n#include <vector>\n', None),
+    "tests/scene/test_w.cpp": (LICENCE + "TEST(Suite, CaseOne) {}\nTEST_F(Suite2, Case) {}\n", None),
+    "tests/scene/test_x.cpp": (LICENCE + "TEST(Suite, case) {}\n", "case, is not in CamelCase"),
+    "tests/scene/test_y.cpp": (LICENCE + "TEST_P(Suite_2, Case) {}\n", "Suite_2, is not in CamelCase"),
+    "tests/scene/z.cpp": (LICENCE + "TEST(Suite, Case) {}\n", "is not called test_*.cpp"),
     "tests/scene/k.cpp": ('#include "anything.h"\n', "no SPDX"),
     "tools/l": ("#!/bin/sh\n\n\n\n# SPDX-License-Identifier: LGPL-2.1-or-later\n", "no SPDX"),
     "docs/m.md": ("see /" + "tmp/x and a/" + "tmp/x\n", "a path of one machine"),

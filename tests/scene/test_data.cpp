@@ -34,7 +34,7 @@ Problem refused(const std::string& text, T before = {}) {
   return problem.value_or(Problem{});
 }
 
-TEST(DataParse, scalars) {
+TEST(DataParse, Scalars) {
   EXPECT_EQ(parsed<bool>(" true "), true);
   EXPECT_EQ(parsed<bool>("0"), false);
   EXPECT_EQ(parsed<int>("-12"), -12);
@@ -46,7 +46,7 @@ TEST(DataParse, scalars) {
   EXPECT_EQ((parsed<std::array<int, 3>>("4 5\t6")), (std::array<int, 3>{4, 5, 6}));
 }
 
-TEST(DataParse, lists) {
+TEST(DataParse, Lists) {
   EXPECT_EQ(parsed<std::vector<double>>("1 2,3\n 4"), (std::vector<double>{1, 2, 3, 4}));
   EXPECT_EQ(parsed<std::vector<bool>>("1 false true"), (std::vector<bool>{true, false, true}));
   EXPECT_EQ(parsed<std::vector<std::string>>("a b,c"), (std::vector<std::string>{"a", "b", "c"}));
@@ -55,7 +55,7 @@ TEST(DataParse, lists) {
   EXPECT_TRUE(parsed<std::vector<int>>("  ").empty());
 }
 
-TEST(DataParse, rangesOfIndices) {
+TEST(DataParse, RangesOfIndices) {
   EXPECT_EQ(parsed<std::vector<int>>("9 3-6 10-20-5"), (std::vector<int>{9, 3, 4, 5, 6, 10, 15, 20}));
   EXPECT_EQ(parsed<std::vector<int>>("-3"), std::vector<int>{-3});
   refused<std::vector<int>>("6-3");
@@ -64,7 +64,7 @@ TEST(DataParse, rangesOfIndices) {
   refused<std::vector<int>>("3-");
 }
 
-TEST(DataParse, junkIsRefusedAndChangesNothing) {
+TEST(DataParse, JunkIsRefusedAndChangesNothing) {
   EXPECT_NE(refused<int>("3.0", 5).message.find("not an integer"), std::string::npos);
   EXPECT_NE(refused<int>("99999999999").message.find("32-bit"), std::string::npos);
   refused<int>("");
@@ -85,7 +85,7 @@ TEST(DataParse, junkIsRefusedAndChangesNothing) {
   EXPECT_NE(refused<std::vector<int>>("0-2000000000").message.find("too long"), std::string::npos);
 }
 
-TEST(DataParse, aWordOfAnEnumerationAndItsNearest) {
+TEST(DataParse, AWordOfAnEnumerationAndItsNearest) {
   enum class Method { small, large, polar } method = Method::large;
   DataTable table;
   Data& data = table.addChoice("method", method, {"small", "large", "polar"});
@@ -99,7 +99,7 @@ TEST(DataParse, aWordOfAnEnumerationAndItsNearest) {
   EXPECT_EQ(method, Method::polar);
 }
 
-TEST(DataParse, ranges) {
+TEST(DataParse, Ranges) {
   std::vector<double> ratio{0.45};
   DataTable table;
   Data& data = table.add("poissonRatio", ratio).min(0).max(0.5, false);
@@ -112,7 +112,7 @@ TEST(DataParse, ranges) {
   EXPECT_EQ(ratio, std::vector<double>{0}) << "the value before stays";
 }
 
-TEST(DataPrint, realsReadBackToTheSameBits) {
+TEST(DataPrint, RealsReadBackToTheSameBits) {
   std::mt19937_64 random(7);
   int checked = 0;
   for (int i = 0; i < 200000; ++i) {
@@ -131,7 +131,7 @@ TEST(DataPrint, realsReadBackToTheSameBits) {
   EXPECT_EQ(Data("x", &zero).print(), "-0");
 }
 
-TEST(DataPrint, subnormalsReadBack) {
+TEST(DataPrint, SubnormalsReadBack) {
   for (double value : {5e-324, 2.2250738585072009e-308}) {
     double back = 0;
     EXPECT_FALSE(Data("x", &back).parse(Data("x", &value).print(), DataOrigin::written));
@@ -147,7 +147,7 @@ void roundTrip(T value) {
   EXPECT_EQ(value, back) << text;
 }
 
-TEST(DataPrint, everyTypeReadsBack) {
+TEST(DataPrint, EveryTypeReadsBack) {
   roundTrip(true);
   roundTrip(-3);
   roundTrip(std::string("some text"));
@@ -167,7 +167,7 @@ TEST(DataPrint, everyTypeReadsBack) {
   roundTrip(std::vector<Hexahedron>{{0, 1, 2, 3, 4, 5, 6, 7}});
 }
 
-TEST(DataPrint, theLocaleOfTheProcessPlaysNoPart) {
+TEST(DataPrint, TheLocaleOfTheProcessPlaysNoPart) {
   const std::string before = std::setlocale(LC_ALL, nullptr);
   if (!std::setlocale(LC_ALL, "de_DE.UTF-8") && !std::setlocale(LC_ALL, "fr_FR.UTF-8"))
     GTEST_SKIP() << "no locale with a decimal comma is installed";
@@ -182,7 +182,7 @@ std::optional<Problem> copy(To& to, From from) {
   return Data("to", &to).copyFrom(Data("from", &from));
 }
 
-TEST(DataCopy, convertsWhatMeansTheSame) {
+TEST(DataCopy, ConvertsWhatMeansTheSame) {
   std::vector<double> reals;
   std::vector<Vec3> points;
   std::vector<int> integers;
@@ -206,7 +206,7 @@ TEST(DataCopy, convertsWhatMeansTheSame) {
   EXPECT_EQ(integers, (std::vector<int>{1, 2, 3, 4}));
 }
 
-TEST(DataCopy, refusesWhatDoesNot) {
+TEST(DataCopy, RefusesWhatDoesNot) {
   std::vector<Vec3> points{{1, 1, 1}};
   int integer = 4;
   std::vector<Triangle> triangles;
@@ -221,7 +221,7 @@ TEST(DataCopy, refusesWhatDoesNot) {
   EXPECT_EQ(problem->expected, "integer");
 }
 
-TEST(DataCopy, keepsTheRange) {
+TEST(DataCopy, KeepsTheRange) {
   double ratio = 0.3, bad = 0.7;
   DataTable table;
   Data& data = table.add("ratio", ratio).max(0.5);
@@ -229,7 +229,7 @@ TEST(DataCopy, keepsTheRange) {
   EXPECT_EQ(ratio, 0.3);
 }
 
-TEST(DataTable, namesAliasesAndDuplicates) {
+TEST(DataTable, NamesAliasesAndDuplicates) {
   double a = 1;
   DataTable table;
   table.add("youngModulus", a).alias("young");
@@ -239,7 +239,7 @@ TEST(DataTable, namesAliasesAndDuplicates) {
   EXPECT_THROW(table.add("young", a), std::logic_error);
 }
 
-TEST(DataTable, outputsCannotBeWritten) {
+TEST(DataTable, OutputsCannotBeWritten) {
   std::vector<int> indices;
   DataTable table;
   EXPECT_TRUE(table.add("indices", indices).output().parse("1 2", DataOrigin::written));

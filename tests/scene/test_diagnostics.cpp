@@ -6,7 +6,7 @@
 namespace stroma {
 namespace {
 
-TEST(Nearest, findsTheNameMeant) {
+TEST(Nearest, FindsTheNameMeant) {
   const std::vector<std::string> names = {"MechanicalObject", "MeshTopology", "TetrahedronFEMForceField", "UniformMass",
                                           "CGLinearSolver"};
   EXPECT_EQ(nearest("MechanicalObjct", names), "MechanicalObject");
@@ -18,9 +18,9 @@ TEST(Nearest, findsTheNameMeant) {
   EXPECT_EQ(nearest("x", {}), "");
 }
 
-TEST(Nearest, aHugeWordCostsNothing) { EXPECT_EQ(nearest(std::string(50'000'000, 'a'), {"abc", "abcd"}), ""); }
+TEST(Nearest, AHugeWordCostsNothing) { EXPECT_EQ(nearest(std::string(50'000'000, 'a'), {"abc", "abcd"}), ""); }
 
-TEST(Problem, readsAsOneLine) {
+TEST(Problem, ReadsAsOneLine) {
   const Problem problem{Severity::error,        {"a.scn", 3, 7}, "/liver/fem.method", "'lrge' is not a word for it",
                         "one of: small, large", "large"};
   EXPECT_EQ(problem.text(),
@@ -29,7 +29,7 @@ TEST(Problem, readsAsOneLine) {
   EXPECT_EQ((Problem{Severity::note, {}, {}, "so it is", {}, {}}.text()), "note: so it is");
 }
 
-TEST(Diagnostics, countsAllAndKeepsABoundedNumber) {
+TEST(Diagnostics, CountsAllAndKeepsABoundedNumber) {
   Diagnostics diagnostics;
   diagnostics.warning({}, {}, "a warning");
   EXPECT_FALSE(diagnostics.hasErrors());

@@ -25,7 +25,7 @@ std::string around(const std::string& link) {
          "</Node>";
 }
 
-TEST_F(Links, everyFormOfADataLink) {
+TEST_F(Links, EveryFormOfADataLink) {
   const std::vector<std::pair<std::string, double>> forms = {{"@mesh.position", 2},
                                                              {"@./mesh.position", 2},
                                                              {"@top.position", 1},
@@ -73,7 +73,7 @@ std::string withForce(const std::string& link) {
          "</Node>";
 }
 
-TEST_F(Links, everyFormOfAComponentLink) {
+TEST_F(Links, EveryFormOfAComponentLink) {
   const std::vector<std::pair<std::string, std::string>> forms = {
       {"@dofs", "/liver/dofs"},  {"@./dofs", "/liver/dofs"},
       {"@./", "/liver/dofs"},    {"@.", "/liver/dofs"},
@@ -90,7 +90,7 @@ TEST_F(Links, everyFormOfAComponentLink) {
   }
 }
 
-TEST_F(Links, brokenOnesNameTheNearest) {
+TEST_F(Links, BrokenOnesNameTheNearest) {
   EXPECT_EQ(problemOf(around("@mehs.position")).suggestion, "@mesh.position");
   EXPECT_EQ(problemOf(around("@../otehr/mesh.position")).suggestion, "@../other/mesh.position");
   EXPECT_EQ(problemOf(around("@mesh.postion")).suggestion, "@mesh.position");
@@ -104,7 +104,7 @@ TEST_F(Links, brokenOnesNameTheNearest) {
             std::string::npos);
 }
 
-TEST_F(Links, aComponentLinkToTheWrongRole) {
+TEST_F(Links, AComponentLinkToTheWrongRole) {
   const Problem problem = problemOf(withForce("@mesh"));
   EXPECT_NE(problem.message.find("/liver/mesh is a mesh (TestMesh)"), std::string::npos);
   EXPECT_EQ(problem.expected, "mechanical state");
@@ -114,7 +114,7 @@ TEST_F(Links, aComponentLinkToTheWrongRole) {
   EXPECT_EQ(problemOf(withForce("@dosf")).suggestion, "@dofs");
 }
 
-TEST_F(Links, aValueOfAnotherTypeIsReportedWhereItIsLinked) {
+TEST_F(Links, AValueOfAnotherTypeIsReportedWhereItIsLinked) {
   const Problem problem = problemOf(
       "<Node>\n<TestMesh name='mesh' tetrahedra='0 1 2 3'/>\n<TestState position='@mesh.tetrahedra'/>\n</Node>");
   EXPECT_EQ(problem.path, "/TestState.position");
@@ -123,7 +123,7 @@ TEST_F(Links, aValueOfAnotherTypeIsReportedWhereItIsLinked) {
   EXPECT_EQ(problem.expected, "list of 3 reals");
 }
 
-TEST_F(Links, srcTakesWhatNobodyWrote) {
+TEST_F(Links, SrcTakesWhatNobodyWrote) {
   folder.write("mesh.txt", "12345");
   const Scene scene = load(
       "<Node><TestState name='dofs' src='@loader' velocity='1 1 1'/><TestMesh src='@loader' position='9 9 9'/>"
@@ -137,7 +137,7 @@ TEST_F(Links, srcTakesWhatNobodyWrote) {
   EXPECT_EQ(mesh.tetrahedra.size(), 1u);
 }
 
-TEST_F(Links, srcThatGivesNothingOrLeadsNowhere) {
+TEST_F(Links, SrcThatGivesNothingOrLeadsNowhere) {
   EXPECT_NE(problemOf("<Node><TestForce name='f' youngModulus='1' mstate='@s'/><TestState name='s'/>"
                       "<TestMesh src='@f'/></Node>")
                 .message.find("no attribute in common"),
@@ -145,7 +145,7 @@ TEST_F(Links, srcThatGivesNothingOrLeadsNowhere) {
   EXPECT_EQ(problemOf("<Node><TestState name='loader'/><TestMesh src='@laoder'/></Node>").suggestion, "@loader");
 }
 
-TEST_F(Links, aCircleOfValuesIsPrinted) {
+TEST_F(Links, ACircleOfValuesIsPrinted) {
   const std::vector<Problem> problems = problemsOf(
       "<Node>\n<TestState name='a' position='@b.position'/>\n<TestState name='b' position='@c.position'/>\n"
       "<TestMesh name='c' position='@a.position'/>\n</Node>");
@@ -167,14 +167,14 @@ class Needy : public Component {
   Link<Needy> partner_{"partner"};
 };
 
-TEST_F(Links, aCircleOfComponentsIsPrinted) {
+TEST_F(Links, ACircleOfComponentsIsPrinted) {
   factory.add<Needy>("Needy", "needs another");
   const Problem problem = problemOf(
       "<Node><Needy name='a' partner='@b'/><Needy name='b' partner='@c'/><Needy name='c' partner='@b'/></Node>");
   EXPECT_NE(problem.message.find("/b -> /c -> /b"), std::string::npos) << problem.text();
 }
 
-TEST_F(Links, theOrderOfSiblingsDoesNotMatter) {
+TEST_F(Links, TheOrderOfSiblingsDoesNotMatter) {
   folder.write("mesh.txt", "1234567");
   std::vector<std::string> lines = {"<TestLoader name='loader' filename='mesh.txt'/>",
                                     "<TestMesh name='mesh' src='@loader'/>",
@@ -195,7 +195,7 @@ TEST_F(Links, theOrderOfSiblingsDoesNotMatter) {
   }
 }
 
-TEST_F(Links, sofasNumberedNamesReachUnnamedComponents) {
+TEST_F(Links, SofasNumberedNamesReachUnnamedComponents) {
   const Scene scene = load(
       "<Node><TestMesh position='1 0 0'/><TestMesh position='2 0 0'/>"
       "<TestState name='a' position='@TestMesh1.position'/><TestState name='b' "

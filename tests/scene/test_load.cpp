@@ -15,7 +15,7 @@ const Problem* find(const std::vector<Problem>& problems, const std::string& pat
   return nullptr;
 }
 
-TEST_F(Load, tenMistakesAreReportedInOneRun) {
+TEST_F(Load, TenMistakesAreReportedInOneRun) {
   const std::vector<Problem> problems = problemsOf(
       "<Node name='root' gravty='0 0 0'>\n"  // 1: attribute of Node
       "  <TestState name='dofs' position='0 0 0 1 0 0'/>\n"
@@ -54,7 +54,7 @@ TEST_F(Load, tenMistakesAreReportedInOneRun) {
   expect("/empty", 12, "");
 }
 
-TEST_F(Load, anAttributeWithoutACounterpartGetsAdviceAndNoGuess) {
+TEST_F(Load, AnAttributeWithoutACounterpartGetsAdviceAndNoGuess) {
   const Problem problem = problemOf(
       "<Node><TestState name='dofs'/><TestForce youngModulus='1' mstate='@dofs' updateStiffness='1'/></Node>");
   EXPECT_NE(problem.message.find("no attribute 'updateStiffness'"), std::string::npos) << problem.text();
@@ -62,7 +62,7 @@ TEST_F(Load, anAttributeWithoutACounterpartGetsAdviceAndNoGuess) {
   EXPECT_TRUE(problem.suggestion.empty()) << problem.text();
 }
 
-TEST_F(Load, aMisspeltComponentSilencesWhatNeedsIt) {
+TEST_F(Load, AMisspeltComponentSilencesWhatNeedsIt) {
   const Problem problem = problemOf(
       "<Node><TestStaet name='dofs'/><TestForce youngModulus='1'/>"
       "<TestForce name='f' youngModulus='1' mstate='@dofs'/>"
@@ -71,7 +71,7 @@ TEST_F(Load, aMisspeltComponentSilencesWhatNeedsIt) {
   EXPECT_EQ(problemsOf("<Node><Zzzzzzzz name='x'/><TestMesh position='@x.position'/></Node>").size(), 1u);
 }
 
-TEST_F(Load, requiredPhysicalAndTwiceGivenAttributes) {
+TEST_F(Load, RequiredPhysicalAndTwiceGivenAttributes) {
   const Problem problem = problemOf("<Node><TestLoader name='l'/></Node>");
   EXPECT_EQ(problem.path, "/l.filename");
   try {
@@ -88,7 +88,7 @@ TEST_F(Load, requiredPhysicalAndTwiceGivenAttributes) {
             std::string::npos);
 }
 
-TEST_F(Load, duplicateNames) {
+TEST_F(Load, DuplicateNames) {
   const Problem problem = problemOf("<Node>\n<TestMesh name='m'/>\n<TestState name='m'/></Node>");
   EXPECT_EQ(problem.where.line, 3);
   EXPECT_NE(problem.message.find("scene.xml:2:1"), std::string::npos);
@@ -96,7 +96,7 @@ TEST_F(Load, duplicateNames) {
   load("<Node><TestMesh name='a'/><Node name='a'/></Node>");
 }
 
-TEST_F(Load, gravityIsInheritedAndTheTimeStepIsTheRoots) {
+TEST_F(Load, GravityIsInheritedAndTheTimeStepIsTheRoots) {
   const Scene scene = load(
       "<Node dt='0.5' time='2' gravity='0 0 -1'><Node name='a'/><Node name='b' gravity='1 0 0'>"
       "<Node name='c'/></Node></Node>");
@@ -110,12 +110,12 @@ TEST_F(Load, gravityIsInheritedAndTheTimeStepIsTheRoots) {
   EXPECT_EQ(problemOf("<Node gravity='0 0'/>").path, "/.gravity");
 }
 
-TEST_F(Load, templates) {
+TEST_F(Load, Templates) {
   load("<Node><TestState template='Vec3d'/><TestMesh template='CompressedRowSparseMatrixMat3x3d'/></Node>");
   EXPECT_NE(problemOf("<Node><TestState template='Rigid3d'/></Node>").expected.find("Vec3"), std::string::npos);
 }
 
-TEST_F(Load, visualsHaveNoEffectAndAreSummedUp) {
+TEST_F(Load, VisualsHaveNoEffectAndAreSummedUp) {
   const Scene scene = load(
       "<Node name='root' showBoundingTree='1'>"
       "  <RequiredPlugin name='Sofa.Component.Mass'/><VisualStyle displayFlags='showAll'/><DefaultAnimationLoop/>"
@@ -132,17 +132,17 @@ TEST_F(Load, visualsHaveNoEffectAndAreSummedUp) {
   EXPECT_TRUE(scene.diagnostics.problems().empty()) << scene.diagnostics.text();
 }
 
-TEST_F(Load, aVisualNodeThatHoldsMechanicsIsNotPassedOver) {
+TEST_F(Load, AVisualNodeThatHoldsMechanicsIsNotPassedOver) {
   EXPECT_EQ(problemOf("<Node><Node name='v'><OglModel/><Unheard/></Node></Node>").path, "/v/Unheard");
 }
 
-TEST_F(Load, anInactiveNodeTakesNoPartAndIsSaidSo) {
+TEST_F(Load, AnInactiveNodeTakesNoPartAndIsSaidSo) {
   const Scene scene = load("<Node><Node name='off' activated='false'><Whatever/></Node></Node>");
   EXPECT_TRUE(scene.root->children().empty());
   EXPECT_NE(scene.diagnostics.text().find("/off: the node is not activated"), std::string::npos);
 }
 
-TEST_F(Load, renamedAndRemovedComponents) {
+TEST_F(Load, RenamedAndRemovedComponents) {
   EXPECT_NE(problemOf("<Node><BoxConstraint/></Node>").suggestion.find("BoxROI"), std::string::npos);
   EXPECT_NE(problemOf("<Node><SparseGrid/></Node>").message.find("now called SparseGridTopology"), std::string::npos);
   factory.add<TestMesh>("MeshTopology", "stands for the real one");
@@ -161,7 +161,7 @@ class OldMass : public Component {
   double total_mass_ = 1;
 };
 
-TEST_F(Load, renamedAttributes) {
+TEST_F(Load, RenamedAttributes) {
   factory.add<OldMass>("UniformMass", "mass");
   const Scene scene = load("<Node><UniformMass totalmass='3'/></Node>");
   EXPECT_EQ(findComponent(*scene.root, "/UniformMass")->data().find("totalMass")->print(), "3");
@@ -170,7 +170,7 @@ TEST_F(Load, renamedAttributes) {
             std::string::npos);
 }
 
-TEST_F(Load, overrides) {
+TEST_F(Load, Overrides) {
   const std::string text =
       "<Node name='root'><TestState position='0 0 0'/><Node name='liver'>"
       "<TestState position='0 0 0'/><TestForce name='fem' youngModulus='1' method='small'/></Node></Node>";
@@ -195,13 +195,13 @@ TEST_F(Load, overrides) {
     EXPECT_THROW(Override::parse(bad), std::invalid_argument) << bad;
 }
 
-TEST_F(Load, anOverrideReplacesAnAttributeWrittenUnderItsAlias) {
+TEST_F(Load, AnOverrideReplacesAnAttributeWrittenUnderItsAlias) {
   const Scene scene =
       load("<Node><TestMesh name='m' tetras='@nothing.at.all'/></Node>", {Override::parse("/m.tetrahedra=0 1 2 3")});
   EXPECT_EQ(get<TestMesh>(scene, "/m").tetrahedra.size(), 1u);
 }
 
-TEST_F(Load, filesAreSearchedInOrder) {
+TEST_F(Load, FilesAreSearchedInOrder) {
   TemporaryFolder data;
   data.write("mesh.txt", "12");
   const std::string text = "<Node><TestLoader name='l' filename='mesh.txt'/></Node>";
@@ -228,7 +228,7 @@ TEST_F(Load, filesAreSearchedInOrder) {
             5u);
 }
 
-TEST_F(Load, aMissingSceneFileIsASentence) {
+TEST_F(Load, AMissingSceneFileIsASentence) {
   try {
     loadScene(folder.path("absent.scn"), {}, factory, modules);
     FAIL();
@@ -239,7 +239,7 @@ TEST_F(Load, aMissingSceneFileIsASentence) {
 
 // ---- includes ----
 
-TEST_F(Load, includesAsNodeGroupAndMerge) {
+TEST_F(Load, IncludesAsNodeGroupAndMerge) {
   std::filesystem::create_directory(folder.path("parts"));
   folder.write("parts/points.txt", "123");
   folder.write("parts/organ.xml",
@@ -263,7 +263,7 @@ TEST_F(Load, includesAsNodeGroupAndMerge) {
   EXPECT_EQ(scene.description.files.size(), 5u);
 }
 
-TEST_F(Load, includeReplacesAttributesThatTheFileWrites) {
+TEST_F(Load, IncludeReplacesAttributesThatTheFileWrites) {
   folder.write("part.xml",
                "<Node name='part'><TestForce name='f' youngModulus='1' scale='1'/>"
                "<TestForce name='g' youngModulus='1' scale='1'/><TestState/></Node>");
@@ -279,7 +279,7 @@ TEST_F(Load, includeReplacesAttributesThatTheFileWrites) {
   EXPECT_EQ(problemsOf("<Node><include href='part.xml' youngModulus='soft'/></Node>").size(), 2u);
 }
 
-TEST_F(Load, includesThatCannotBe) {
+TEST_F(Load, IncludesThatCannotBe) {
   folder.write("self.xml", "<Node><include href='other.xml'/></Node>");
   folder.write("other.xml", "<Node>\n  <include href='self.xml'/></Node>");
   const Problem circle = problemOf("<Node><include href='self.xml'/></Node>");
@@ -293,7 +293,7 @@ TEST_F(Load, includesThatCannotBe) {
   EXPECT_NE(problemOf("<Node><include href='broken.xml'/></Node>").where.file.find("broken.xml"), std::string::npos);
 }
 
-TEST_F(Load, anUnknownTypeMayBeAPrefab) {
+TEST_F(Load, AnUnknownTypeMayBeAPrefab) {
   std::filesystem::create_directories(folder.path("Objects"));
   folder.write("Objects/Leg.xml", "<Node name='leg'><TestForce name='f' youngModulus='1'/><TestState/></Node>");
   folder.write("Objects/TestMesh.xml", "<Node name='never'/>");
@@ -314,7 +314,7 @@ TEST_F(Load, anUnknownTypeMayBeAPrefab) {
   EXPECT_NE(findComponent(*with_path.root, "/arm"), nullptr);
 }
 
-TEST_F(Load, aTowerOfIncludesIsBounded) {
+TEST_F(Load, ATowerOfIncludesIsBounded) {
   for (int i = 0; i < 40; ++i)
     folder.write("f" + std::to_string(i) + ".xml", "<Group><include href='f" + std::to_string(i + 1) +
                                                        ".xml'/><include href='f" + std::to_string(i + 1) +

@@ -27,20 +27,20 @@ std::string openingFails(const std::string& path) {
   return {};
 }
 
-TEST(Modules, anotherVersionIsRefusedWithBothTags) {
+TEST(Modules, AnotherVersionIsRefusedWithBothTags) {
   const std::string sentence = openingFails(folder_of_modules + "/other_version.so");
   EXPECT_NE(sentence.find("stroma-0.0.1-gcc1-eigen16"), std::string::npos) << sentence;
   EXPECT_NE(sentence.find(STROMA_ABI), std::string::npos) << sentence;
 }
 
-TEST(Modules, whatIsNoModuleIsRefused) {
+TEST(Modules, WhatIsNoModuleIsRefused) {
   TemporaryFolder folder;
   EXPECT_NE(openingFails(folder.write("text.so", "not a library")).find("cannot be opened"), std::string::npos);
   EXPECT_NE(openingFails(folder.path("absent.so")).find("cannot be opened"), std::string::npos);
   EXPECT_NE(openingFails("libm.so.6").find("is not a module"), std::string::npos);
 }
 
-TEST(Modules, aNameThatExistsIsRefusedAsAWhole) {
+TEST(Modules, ANameThatExistsIsRefusedAsAWhole) {
   Factory factory;
   Modules modules(factory, {});
   modules.open(folder_of_modules + "/sample.so");
@@ -57,7 +57,7 @@ TEST(Modules, aNameThatExistsIsRefusedAsAWhole) {
   EXPECT_EQ(factory.find("SampleGauge")->module, "sample");
 }
 
-TEST(Modules, theIndexOpensAModuleOnlyWhenItIsNamed) {
+TEST(Modules, TheIndexOpensAModuleOnlyWhenItIsNamed) {
   TemporaryFolder folder;
   std::filesystem::copy(folder_of_modules + "/sample.so", folder.path("sample.so"));
   folder.write("mine.index", "SampleGauge\tsample\tstores one number\n");
@@ -75,7 +75,7 @@ TEST(Modules, theIndexOpensAModuleOnlyWhenItIsNamed) {
   EXPECT_NE(factory.make("SampleGauge"), nullptr);
 }
 
-TEST(Modules, aNameInTheSourcesOfAModuleThatIsNotBuiltIsRefusedWithItsTarget) {
+TEST(Modules, ANameInTheSourcesOfAModuleThatIsNotBuiltIsRefusedWithItsTarget) {
   TemporaryFolder folder;
   const std::string source = folder.write("gauge.cpp", "factory.add<Gauge>(\"Gauge\", \"measures\");");
   folder.write("modules.sources", "built\t" + source + "\ngauges\tabsent.cpp\t" + source + "\n");
@@ -96,7 +96,7 @@ TEST(Modules, aNameInTheSourcesOfAModuleThatIsNotBuiltIsRefusedWithItsTarget) {
   EXPECT_FALSE(Modules(factory, {folder.path()}).provide("Gauge")) << "it is built and has no such component";
 }
 
-TEST(Modules, theIndexIsSortedByType) {
+TEST(Modules, TheIndexIsSortedByType) {
   TemporaryFolder folder;
   folder.write("a.index", "Z\ta\tlast\nB\ta\tsecond\n");
   folder.write("b.index", "A\tb\tfirst\nB\tb\tsecond again\n");
@@ -107,14 +107,14 @@ TEST(Modules, theIndexIsSortedByType) {
   EXPECT_EQ(order, "Ab Ba Bb Za ");
 }
 
-TEST(Modules, aBadIndexIsASentence) {
+TEST(Modules, ABadIndexIsASentence) {
   TemporaryFolder folder;
   folder.write("bad.index", "no tabs here\n");
   Factory factory;
   EXPECT_THROW(Modules(factory, {folder.path()}), std::runtime_error);
 }
 
-TEST(Modules, theLevelCanOnlyBeLowered) {
+TEST(Modules, TheLevelCanOnlyBeLowered) {
   unsetenv("STROMA_LEVEL");
   const std::string machine = instructionLevel();
   EXPECT_TRUE(machine.starts_with("x86-64-v")) << machine;
@@ -125,7 +125,7 @@ TEST(Modules, theLevelCanOnlyBeLowered) {
   unsetenv("STROMA_LEVEL");
 }
 
-TEST(Modules, theBestBuildOfTheMachineIsOpened) {
+TEST(Modules, TheBestBuildOfTheMachineIsOpened) {
   TemporaryFolder folder;
   std::filesystem::create_directory(folder.path("x86-64-v2"));
   std::filesystem::copy(folder_of_modules + "/sample.so", folder.path("x86-64-v2/sample.so"));
@@ -141,7 +141,7 @@ TEST(Modules, theBestBuildOfTheMachineIsOpened) {
   }
 }
 
-TEST_F(SceneTest, aPluginByPathBringsItsComponents) {
+TEST_F(SceneTest, APluginByPathBringsItsComponents) {
   const std::string text = "<Node><SampleGauge name='g' reading='4'/><RequiredPlugin pluginName='" + folder_of_modules;
   const Scene scene = load(text + "/sample.so'/></Node>");
   EXPECT_EQ(findComponent(*scene.root, "/g")->data().find("reading")->print(), "4");
@@ -152,7 +152,7 @@ TEST_F(SceneTest, aPluginByPathBringsItsComponents) {
             std::string::npos);
 }
 
-TEST(IndexTool, writesTheIndexAndTheManualOfOneModule) {
+TEST(IndexTool, WritesTheIndexAndTheManualOfOneModule) {
   TemporaryFolder folder;
   const std::string command = STROMA_BINARY_DIR "/bin/stroma-index " + folder.path() + " sample " + folder_of_modules +
                               "/sample.so " STROMA_SOURCE_DIR "/tests/scene/fixtures/sample_module.cpp";
@@ -167,14 +167,14 @@ TEST(IndexTool, writesTheIndexAndTheManualOfOneModule) {
   EXPECT_TRUE(modules.provide("SampleGauge"));
 }
 
-TEST(IndexTool, refusesAModuleOfAnotherVersionOrName) {
+TEST(IndexTool, RefusesAModuleOfAnotherVersionOrName) {
   TemporaryFolder folder;
   const std::string start = STROMA_BINARY_DIR "/bin/stroma-index " + folder.path() + " ";
   EXPECT_NE(std::system((start + "other_version " + folder_of_modules + "/other_version.so 2>/dev/null").c_str()), 0);
   EXPECT_NE(std::system((start + "wrong " + folder_of_modules + "/sample.so 2>/dev/null").c_str()), 0);
 }
 
-TEST(ChangeTable, isWellFormed) {
+TEST(ChangeTable, IsWellFormed) {
   std::set<std::string_view> old_types;
   for (const TypeChange& change : typeChanges()) {
     EXPECT_TRUE(old_types.insert(change.old_type).second) << change.old_type << " appears twice";
@@ -184,7 +184,7 @@ TEST(ChangeTable, isWellFormed) {
   for (const TypeRemoval& removal : typeRemovals()) EXPECT_EQ(old_types.count(removal.type), 0u);
 }
 
-TEST(ChangeTable, everyReplacementExists) {
+TEST(ChangeTable, EveryReplacementExists) {
   // SOFA components that the families to come will bring; their renames are known already.
   const std::set<std::string_view> to_come = {"LinearMovementProjectiveConstraint",
                                               "FixedPlaneProjectiveConstraint",
@@ -226,7 +226,7 @@ class BuiltModules : public ::testing::Test {
   std::unique_ptr<Modules> modules;
 };
 
-TEST_F(BuiltModules, renamedAttributesExist) {
+TEST_F(BuiltModules, RenamedAttributesExist) {
   for (const AttributeChange& change : attributeChanges()) {
     const std::unique_ptr<Component> component = factory.make(std::string(change.type));
     ASSERT_NE(component, nullptr) << change.type;
@@ -235,7 +235,7 @@ TEST_F(BuiltModules, renamedAttributesExist) {
   }
 }
 
-TEST_F(BuiltModules, everyAttributeHasANameOfItsOwnAndALineOfHelp) {
+TEST_F(BuiltModules, EveryAttributeHasANameOfItsOwnAndALineOfHelp) {
   for (const ComponentEntry* entry : factory.entries()) {
     EXPECT_FALSE(entry->help.empty()) << entry->type;
     EXPECT_FALSE(modules->manual(entry->type).empty()) << entry->type << " has no manual page";
@@ -248,7 +248,7 @@ TEST_F(BuiltModules, everyAttributeHasANameOfItsOwnAndALineOfHelp) {
   }
 }
 
-TEST_F(BuiltModules, defaultsReadBack) {
+TEST_F(BuiltModules, DefaultsReadBack) {
   for (const ComponentEntry* entry : factory.entries()) {
     const std::unique_ptr<Component> component = factory.make(entry->type);
     for (Data& data : component->data().all()) {

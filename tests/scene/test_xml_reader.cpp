@@ -23,7 +23,7 @@ Problem refusal(const std::string& text, const ReadLimits& limits = {}) {
   return diagnostics.problems().empty() ? Problem{} : diagnostics.problems()[0];
 }
 
-TEST(XmlReader, linesAndColumnsOfElementsAndAttributes) {
+TEST(XmlReader, LinesAndColumnsOfElementsAndAttributes) {
   Diagnostics diagnostics;
   const NodeDescription root = read(
       "<?xml version=\"1.0\"?>\n"
@@ -52,7 +52,7 @@ TEST(XmlReader, linesAndColumnsOfElementsAndAttributes) {
   EXPECT_EQ(force.folder, "folder");
 }
 
-TEST(XmlReader, entitiesAndWhiteSpaceOfValues) {
+TEST(XmlReader, EntitiesAndWhiteSpaceOfValues) {
   Diagnostics diagnostics;
   const NodeDescription root = read("<Node name='a'><M x='&lt;1 &amp; 2&#10;3'/></Node>", diagnostics);
   EXPECT_EQ(root.components.at(0).attributes.at(0).value, "<1 & 2\n3");
@@ -70,7 +70,7 @@ bool sameText(const NodeDescription& a, const NodeDescription& b) {
          std::equal(a.children.begin(), a.children.end(), b.children.begin(), b.children.end(), sameText);
 }
 
-TEST(XmlReader, whatIsWrittenReadsBack) {
+TEST(XmlReader, WhatIsWrittenReadsBack) {
   Diagnostics diagnostics;
   const NodeDescription root = read(
       "<Node name='r&quot;&amp;' gravity='0 0 -9'><A x='1\n2\t3' y=\"a'b&lt;\"/><include href='f.xml'/>"
@@ -87,7 +87,7 @@ TEST(XmlReader, whatIsWrittenReadsBack) {
   EXPECT_FALSE(sameText(root, other)) << "the comparison must be able to fail";
 }
 
-TEST(XmlReader, brokenFilesGetOneSentenceWithLineAndColumn) {
+TEST(XmlReader, BrokenFilesGetOneSentenceWithLineAndColumn) {
   EXPECT_NE(refusal("<Node>\n  <Mesh a=\"1\"/>\n").text().find(":1:1: error: the file ends before <Node> is closed"),
             std::string::npos);
   EXPECT_EQ(refusal("<Node>\n  <Mesh a=\"1").where.line, 2);
@@ -109,19 +109,19 @@ TEST(XmlReader, brokenFilesGetOneSentenceWithLineAndColumn) {
   EXPECT_NE(refusal(std::string("\0\0\0\0", 4)).message.find("no element"), std::string::npos);
 }
 
-TEST(XmlReader, textBetweenElementsIsNotPassedOver) {
+TEST(XmlReader, TextBetweenElementsIsNotPassedOver) {
   Diagnostics diagnostics;
   read("<Node>stray <A/></Node>", diagnostics);
   ASSERT_EQ(diagnostics.problems().size(), 1u);
   EXPECT_EQ(diagnostics.problems()[0].severity, Severity::warning);
 }
 
-TEST(XmlReader, aTruncatedFileIsRefusedWhereverItEnds) {
+TEST(XmlReader, ATruncatedFileIsRefusedWhereverItEnds) {
   const std::string text = "<Node name='r'><A x='1'/><Node><B y=\"2\"></B><!-- c --></Node></Node>";
   for (std::size_t length = 0; length < text.size(); ++length) refusal(text.substr(0, length));
 }
 
-TEST(XmlReader, randomDamageNeverCrashes) {
+TEST(XmlReader, RandomDamageNeverCrashes) {
   const std::string text =
       "<?xml version='1.0'?><Node name='r'><A x='1 2 3' y=\"&lt;\"/><Node><B y=\"2\"></B><!-- c --></Node></Node>";
   std::mt19937 random(11);
@@ -155,7 +155,7 @@ long peakMegabytes() {
   return usage.ru_maxrss / 1024;
 }
 
-TEST(XmlReader, tenThousandDeepIsASentence) {
+TEST(XmlReader, TenThousandDeepIsASentence) {
   std::string text;
   for (int i = 0; i < 10000; ++i) text += "<Node>\n";
   const Problem problem = refusal(text);
@@ -163,7 +163,7 @@ TEST(XmlReader, tenThousandDeepIsASentence) {
   EXPECT_EQ(problem.where.line, 257);
 }
 
-TEST(XmlReader, aHugeAttributeIsASentenceThatNamesIt) {
+TEST(XmlReader, AHugeAttributeIsASentenceThatNamesIt) {
   testing::TemporaryFolder folder;
   const std::string file =
       folder.write("huge.xml", "<Node>\n  <A position=\"" + std::string(100u << 20, '1') + "\"/>\n</Node>");
@@ -179,7 +179,7 @@ TEST(XmlReader, aHugeAttributeIsASentenceThatNamesIt) {
   EXPECT_LT(peakMegabytes() - before, 200);
 }
 
-TEST(XmlReader, aHugeFileOfSmallPartsIsASentence) {
+TEST(XmlReader, AHugeFileOfSmallPartsIsASentence) {
   ReadLimits limits;
   limits.file_bytes = 10000;
   std::string text = "<Node>";
@@ -187,7 +187,7 @@ TEST(XmlReader, aHugeFileOfSmallPartsIsASentence) {
   EXPECT_NE(refusal(text + "</Node>", limits).message.find("larger than"), std::string::npos);
 }
 
-TEST(XmlReader, manyAttributesOnOneLineTakeLinearTime) {
+TEST(XmlReader, ManyAttributesOnOneLineTakeLinearTime) {
   std::string text = "<Node>";
   for (int i = 0; i < 200000; ++i) text += "<A b='1' c='2'/>";
   Diagnostics diagnostics;
