@@ -119,7 +119,7 @@ extern \"C\" __attribute__((visibility(\"default\"))) const stroma::ModuleInfo* 
   if(arg_SHARED)
     list(TRANSFORM arg_SHARED APPEND .cpp)
     add_library(stroma_${name}_shared OBJECT ${arg_SHARED})
-    target_link_libraries(stroma_${name}_shared PUBLIC stroma)
+    target_link_libraries(stroma_${name}_shared PUBLIC stroma PRIVATE ${arg_LIBRARIES})
     stroma_level_options(baseline options)
     target_compile_options(stroma_${name}_shared PRIVATE ${options})
     set_target_properties(stroma_${name}_shared PROPERTIES CXX_VISIBILITY_PRESET hidden)

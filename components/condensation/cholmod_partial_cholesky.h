@@ -9,6 +9,7 @@
 
 // of OpenBLAS; absent from other libraries
 extern "C" __attribute__((weak)) void openblas_set_num_threads(int);
+extern "C" __attribute__((weak)) int openblas_get_num_threads();
 
 namespace stroma {
 
@@ -18,7 +19,7 @@ class NoRegions {
   NoRegions() : before_(omp_get_max_active_levels()) {
     omp_set_max_active_levels(0);
     // on two threads OpenBLAS sums in another order, and no result may depend on their number
-    if (openblas_set_num_threads) openblas_set_num_threads(1);
+    if (openblas_set_num_threads && openblas_get_num_threads() != 1) openblas_set_num_threads(1);
   }
   ~NoRegions() { omp_set_max_active_levels(before_); }
 

@@ -8,7 +8,8 @@
 
 #include "framework/mechanics/local_load.h"
 #include "framework/mechanics/node_indices.h"
-#include "framework/mesh/topology.h"
+#include "framework/mechanics/state_topology.h"
+#include "framework/mesh/cell_lists.h"
 #include "framework/scene/node.h"
 #include "framework/simulation/integrator.h"
 #include "framework/simulation/observer.h"
@@ -26,7 +27,7 @@ void CondensedBody::collect(System& system, const Integrator& integrator, const 
                                    integrator.type()));
   const Index count = system.independentRows();
   for (Vector* vector : {&reference_, &rest_, &still_, &timed_force_}) vector->resize(count);
-  copy(ConstRows{system.x.rows().data, count}, reference_);
+  copy(system.x.head(count), reference_);
   for (const State* state : system.states())
     if (state->firstRow() < count)  // else it only follows
       for (Index i = 0; i < state->size(); ++i) rest_[state->firstRow() + i] = state->rest_position[i];
@@ -139,9 +140,8 @@ Mat3 CondensedBody::projector(Index node) const {
 
 void CondensedBody::markBoundary(const State& state, std::vector<char>& kept) {
   const auto keep = [&](Index node) { kept[state.firstRow() + node] = 1; };
-  const Topology* topology = state.find<Topology>(true);
-  const bool has_cells = topology && topology->mesh().nodes() == state.size() &&
-                         (!topology->mesh().tetrahedra.empty() || !topology->mesh().hexahedra.empty());
+  const Topology* topology = topologyOf(state);
+  const bool has_cells = topology && highestDimension(topology->mesh()) == 3;
   if (!has_cells) {
     notes_.push_back(fmt::format("{} has no volume cells: all its nodes are kept", state.path()));
     for (Index node = 0; node < state.size(); ++node) keep(node);

@@ -229,6 +229,11 @@ void CondensedIntegrator::reset() {
   touching_.clear(), touches_.clear(), dragged_nodes_.clear(), drag_forces_.clear();
 }
 
+void CondensedIntegrator::serialize(Archive& archive) {
+  archive.value("touch_error", touch_error_);
+  range_.serialize(archive);
+}
+
 std::string CondensedIntegrator::describe() const {
   std::string text = stepText() + measuredText();
   if (body_.interior() > 0 && !insideIsActive())

@@ -28,9 +28,11 @@ class CondensedIntegrator : public Integrator {
   void declare(DataTable& table) override;
   void compile(System& system) final;
   bool answersForState() const final { return true; }
+  bool followsChanges() const final { return false; }
   void complete(System& system) final;
   std::string doubt() const final;
   void reset() override;
+  void serialize(Archive& archive) override;
 
   /// Digest of the sources that make the numbers of a file: it belongs to the key.
   static std::string sourcesOfNumbers();

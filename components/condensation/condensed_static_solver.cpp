@@ -54,6 +54,7 @@ class CondensedStaticSolver final : public CondensedIntegrator {
   StepReport step(System& system, const StepContext& context) override;
   bool movesInTime() const override { return false; }
   void reset() override;
+  void serialize(Archive& archive) override;
 
  protected:
   bool isDynamic() const override { return false; }
@@ -246,6 +247,14 @@ StepReport CondensedStaticSolver::giveUp(System& system, const std::string& reas
   restoreTouched(system);
   started_ = false;
   return failure(reason);
+}
+
+void CondensedStaticSolver::serialize(Archive& archive) {
+  CondensedIntegrator::serialize(archive);
+  archive.value("started", started_);
+  archive.value("chain", chain_);
+  archive.rows("displacement", u_.data(), u_.size());
+  archive.list("loads", last_);
 }
 
 void CondensedStaticSolver::reset() {

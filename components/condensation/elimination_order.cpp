@@ -5,10 +5,12 @@
 // kept nodes held back (CAMD); the one with fewer operations is taken.
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 #include <numeric>
 #include <stdexcept>
 
 #include "components/condensation/cholmod_partial_cholesky.h"
+#include "framework/algebra/ordering_lock.h"
 
 namespace stroma {
 
@@ -77,7 +79,11 @@ std::vector<Index> CholmodPartialCholesky::analyse(const BlockMatrix& matrix, In
   if (eliminated > 1 && !as_they_are) {
     cholmod_sparse* inside = graph(matrix, eliminated);
     std::vector<int> found = order;
-    if (cholmod_metis(inside, nullptr, 0, 1, found.data(), &common_)) tryOrder(all, found, eliminated);
+    const auto dissect = [&] {
+      const std::lock_guard lock(orderingLock());
+      return cholmod_metis(inside, nullptr, 0, 1, found.data(), &common_);
+    };
+    if (dissect()) tryOrder(all, found, eliminated);
     cholmod_free_sparse(&inside, &common_);
     std::vector<int> member(order.size(), 1);
     std::fill(member.begin(), member.begin() + eliminated, 0);

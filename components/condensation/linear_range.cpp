@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "framework/mesh/topology.h"
+#include "framework/mechanics/state_topology.h"
 
 namespace stroma {
 
@@ -35,9 +35,9 @@ void LinearRange::compile(const System& system, const CondensedBody& body, const
     (known ? triangles_ : unknown).push_back(patch);
   };
   for (const State* state : system.states()) {
-    const Topology* topology = state->find<Topology>(true);
     if (state->firstRow() >= system.independentRows()) continue;  // it only follows
-    if (!topology || topology->mesh().nodes() != state->size()) continue;
+    const Topology* topology = topologyOf(*state);
+    if (!topology) continue;
     for (const Triangle& face : topology->mesh().boundaryTriangles()) add(*state, face[0], face[1], face[2]);
     for (const Quad& face : topology->mesh().boundaryQuads()) {
       add(*state, face[0], face[1], face[2]);
@@ -53,6 +53,20 @@ void LinearRange::reset() {
   peaks_ = {};
   next_ = 0;
   largest_square_ = -1;
+}
+
+void LinearRange::serialize(Archive& archive) {
+  archive.value("next_triangle", next_);
+  archive.value("largest_square", largest_square_);
+  archive.value("last_time", last_time_);
+  archive.value("turn", peaks_.turn);
+  archive.value("strain", peaks_.strain);
+  archive.value("time_of_turn", peaks_.time_of_turn);
+  archive.value("time_of_strain", peaks_.time_of_strain);
+  for (std::size_t i = 0; i < 3; ++i) {
+    archive.value("turned " + std::to_string(i), peaks_.turned[i]);
+    archive.value("strained " + std::to_string(i), peaks_.strained[i]);
+  }
 }
 
 void LinearRange::measure(const Patch& patch, double t, Peaks& peaks) const {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "components/condensation/condensed_body.h"
+#include "framework/scene/archive.h"
 
 namespace stroma {
 
@@ -19,6 +20,7 @@ class LinearRange {
   /// At the system's positions. `square`: sum of the squares of the displacements of active nodes [m^2].
   void look(double square, double t);
   void reset();
+  void serialize(Archive& archive);  ///< what was seen so far
   bool isEmpty() const { return triangles_.empty(); }
   /// Triangles whose nodes are known in every step; the others are looked at by sentence() alone.
   std::size_t watched() const { return known_; }

@@ -7,7 +7,7 @@ namespace stroma {
 
 void HeldNodes::declare(DataTable& table) {
   ProjectiveConstraint::declare(table);
-  table.add("indices", indices_).help("nodes to hold");
+  table.add("indices", indices_).recompiled().help("nodes to hold");
   table.add("fixAll", fix_all_).help("hold every node");
   table.addVisualOnly("topology");
 }

@@ -30,6 +30,7 @@
 
 #include "components/constraints/held_nodes.h"
 #include "framework/mechanics/key_times.h"
+#include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
@@ -61,6 +62,10 @@ class LinearMovement : public HeldNodes {
   bool isConstant() const override { return outside_ == Outside::hold; }
   bool prescribesMotion() const override { return true; }
   void reset() override { start_.clear(); }
+  void serialize(Archive& archive) override {
+    archive.list("start", start_);
+    if (start_.size() != nodes().size()) start_.clear();  // other nodes by now: the movement begins for them
+  }
 
   // A movement that is found under way, as when a run is resumed, has moved the nodes already.
   void beginMotion(double t, ConstRows x) override {

@@ -22,6 +22,7 @@
 
 #include "components/constraints/held_nodes.h"
 #include "framework/mechanics/key_times.h"
+#include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
@@ -57,6 +58,11 @@ class LinearVelocityProjectiveConstraint final : public HeldNodes {
   bool isConstant() const override { return false; }
   bool prescribesMotion() const override { return true; }
   void reset() override { start_.clear(); }
+  void serialize(Archive& archive) override {
+    archive.value("start_time", start_time_);
+    archive.list("start", start_);
+    if (start_.size() != nodes().size()) start_.clear();  // other nodes by now: the movement begins for them
+  }
 
   void beginMotion(double t, ConstRows x) override {
     if (!start_.empty()) return;

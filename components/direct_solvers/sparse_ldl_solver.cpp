@@ -27,15 +27,18 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <mutex>
 #include <numeric>
 #include <stdexcept>
 
 #include "components/direct_solvers/lu_factor.h"
 #include "framework/algebra/memory.h"
+#include "framework/algebra/ordering_lock.h"
 #include "framework/scene/factory.h"
 
 // of OpenBLAS; absent from other libraries
 extern "C" __attribute__((weak)) void openblas_set_num_threads(int);
+extern "C" __attribute__((weak)) int openblas_get_num_threads();
 
 extern "C" {
 void strsv_(const char* uplo, const char* trans, const char* diag, const int* n, const float* a, const int* lda,
@@ -117,7 +120,10 @@ class CholeskyFactor final : public Factorisation {
 };
 
 CholeskyFactor::CholeskyFactor() {
-  SuiteSparse_config.malloc_func = allocateForCholmod;
+  [[maybe_unused]] static const bool once = [] {
+    SuiteSparse_config.malloc_func = allocateForCholmod;
+    return true;
+  }();
   cholmod_start(&common_);
   common_.supernodal = CHOLMOD_SUPERNODAL;
   common_.nmethods = 1;
@@ -189,6 +195,7 @@ cholmod_sparse* CholeskyFactor::nodeGraph(const BlockMatrix& matrix) {
 /// a node's three unknowns have one pattern.
 std::vector<int> CholeskyFactor::orderUnknowns(const BlockMatrix& matrix) {
   std::vector<int> node_order(std::size_t(matrix.rows())), best;
+  const std::lock_guard lock(orderingLock());
   cholmod_sparse* graph = nodeGraph(matrix);
   common_.method[0].ordering = CHOLMOD_GIVEN;
   common_.supernodal = CHOLMOD_SIMPLICIAL;
@@ -231,7 +238,7 @@ void CholeskyFactor::analyse(const BlockMatrix& matrix) {
 
 SolveStop CholeskyFactor::factor(const BlockMatrix& matrix, Index& row) {
   const NoRegions no_regions;
-  if (openblas_set_num_threads) openblas_set_num_threads(1);
+  if (openblas_set_num_threads && openblas_get_num_threads() != 1) openblas_set_num_threads(1);
   const double* __restrict values = matrix.values().data();
   double* __restrict out = static_cast<double*>(lower_->x);
   for (std::size_t i = 0; i < source_.size(); ++i) out[i] = values[source_[i]];
@@ -259,8 +266,7 @@ void CholeskyFactor::applyRoughly(ConstRows b, Rows x) {
   if (rough_values_.empty()) rough_values_.assign(values, values + factor_->xsize);
   rough_.resize(unknown_.size()), gathered_.resize(unknown_.size());
   // as single precision has a smaller range
-  double scale = std::numeric_limits<double>::min();
-  for (std::size_t i = 0; i < b.doubles(); ++i) scale = std::max(scale, std::abs(b.data[i]));
+  const double scale = std::max(std::numeric_limits<double>::min(), largest(b));
   for (std::size_t k = 0; k < unknown_.size(); ++k) rough_[k] = float(b.data[place(k)] / scale);
 
   const int *first = static_cast<int*>(factor_->super), *start = static_cast<int*>(factor_->pi);

@@ -63,7 +63,8 @@ struct ElasticKind {
   std::unique_ptr<ElasticElements> (*make)() = nullptr;
 };
 
-/// All kinds offered so far, by word. Offering one again replaces it.
+/// All kinds offered so far, by word. Offering one again changes nothing: a module registers once for each factory, and
+/// other threads may be reading.
 const std::vector<ElasticKind>& elasticKinds();
 void offerElasticKind(const ElasticKind& kind);
 

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "framework/mechanics/state_topology.h"
 #include "framework/scene/names.h"
 
 namespace stroma {
@@ -83,11 +84,8 @@ const std::vector<ElasticKind>& elasticKinds() { return offeredKinds(); }
 
 void offerElasticKind(const ElasticKind& kind) {
   auto& kinds = offeredKinds();
-  const auto known = std::find_if(kinds.begin(), kinds.end(), [&](const auto& k) { return k.word == kind.word; });
-  if (known != kinds.end())
-    *known = kind;
-  else
-    kinds.push_back(kind);
+  const bool is_known = std::any_of(kinds.begin(), kinds.end(), [&](const auto& k) { return k.word == kind.word; });
+  if (!is_known) kinds.push_back(kind);
 }
 
 void ElasticForceField::declare(DataTable& table) {
@@ -97,17 +95,20 @@ void ElasticForceField::declare(DataTable& table) {
   table.add("template", template_)
       .help("Vec3, or the kind of cell with it where a mesh holds several: Vec3,Tetrahedron or Vec3,Hexahedron");
   table.add("youngModulus", young_modulus_)
+      .recompiled()
       .unit("Pa")
       .min(0, false)
       .physical()
       .help("Young's modulus: one value, or one per cell");
   table.add("poissonRatio", poisson_ratio_)
+      .recompiled()
       .unit("-")
       .min(-1, false)
       .max(0.5, false)
       .physical()
       .help("Poisson's ratio: one value, or one per cell");
   table.add("localStiffnessFactor", stiffness_factor_)
+      .recompiled()
       .unit("-")
       .min(0)
       .help("factor on Young's modulus, one per cell; empty: 1");
@@ -186,7 +187,7 @@ void ElasticForceField::chooseKind(const Topology& topology) {
 
 void ElasticForceField::init() {
   ForceField::init();
-  const Topology* topology = topology_.target() ? topology_.get() : find<Topology>(true);
+  const Topology* topology = findTopology(*this, state(), topology_, MeshNodes::first);
   if (!topology) throw ComponentError("there is no mesh", "a topology with cells in this node or above");
   mesh_ = &topology->mesh();
   chooseKind(*topology);
@@ -244,10 +245,6 @@ void ElasticForceField::checkMaterial() const {
   check("localStiffnessFactor", stiffness_factor_, true);
   const std::string problem = mesh_->firstError();
   if (!problem.empty()) throw ComponentError(problem);
-  if (mesh_->nodes() > state().size())
-    throw ComponentError(
-        fmt::format("the mesh has {} nodes, {} has {}", mesh_->nodes(), state().path(), state().size()),
-        "the same number");
 }
 
 ForceTraits ElasticForceField::traits() const {

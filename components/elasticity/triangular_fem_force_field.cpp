@@ -37,7 +37,7 @@
 #include "framework/fem/element_kernels_field.h"
 #include "framework/fem/isotropic.h"
 #include "framework/mechanics/node_indices.h"
-#include "framework/mesh/topology.h"
+#include "framework/mechanics/state_topology.h"
 #include "framework/scene/factory.h"
 
 using namespace stroma;
@@ -119,13 +119,9 @@ void TriangularFEMForceField::declare(DataTable& table) {
 
 void TriangularFEMForceField::init() {
   ForceField::init();
-  const Topology* topology = topology_.target() ? topology_.get() : find<Topology>(true);
+  const Topology* topology = findTopology(*this, state(), topology_);
   if (!topology || topology->mesh().triangles.empty())
     throw ComponentError("no mesh in this node or above has triangles", "a topology with triangles");
-  if (topology->mesh().nodes() != state().size())
-    throw ComponentError(fmt::format("{} has {} nodes and {} has {}", topology->path(), topology->mesh().nodes(),
-                                     state().path(), state().size()),
-                         "a mesh and a state of the same nodes");
   triangles_ = &topology->mesh().triangles;
   const std::string problem = topology->mesh().firstError();
   if (!problem.empty()) throw ComponentError(problem);

@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "components/hyperelasticity/hyperelastic_force_field.h"
+#include "framework/mesh/cell_kind.h"
 
 namespace stroma {
 namespace {
@@ -16,19 +17,13 @@ namespace {
 /// Gradients of shape functions (columns, in the order of the cell) at the integration points.
 using Gradients = Eigen::Matrix<double, 3, Eigen::Dynamic>;
 
-/// Those along xi, eta and zeta of the hexahedron at its point p.
+/// Those along xi, eta and zeta of the hexahedron at the kernels' point p, where xi goes fastest.
 Gradients localGradients(int p) {
-  constexpr int sign[8][3] = {{-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, -1},
-                              {-1, -1, 1},  {1, -1, 1},  {1, 1, 1},  {-1, 1, 1}};
-  const double g = 1 / std::sqrt(3.), s[3] = {p & 1 ? g : -g, p & 2 ? g : -g, p & 4 ? g : -g};
+  constexpr int node_of_point[8] = {0, 1, 3, 2, 4, 5, 7, 6};
+  std::array<LocalPoint, 8> slopes;
+  cell_kinds::hexahedron.gradients(cell_kinds::hexahedron.rule(2).points[node_of_point[p]].xi, slopes.data());
   Gradients local(3, 8);
-  for (int a = 0; a < 8; ++a)
-    for (int i = 0; i < 3; ++i) {
-      double value = sign[a][i] / 8.;
-      for (int k = 0; k < 3; ++k)
-        if (k != i) value *= 1 + sign[a][k] * s[k];
-      local(i, a) = value;
-    }
+  for (int a = 0; a < 8; ++a) local.col(a) = Vec3(slopes[a].data());
   return local;
 }
 /// dx/d(xi, eta, zeta) at a point.

@@ -12,6 +12,7 @@
 #include <set>
 
 #include "components/hyperelasticity/hyperelastic_volume.h"
+#include "framework/mechanics/state_topology.h"
 #include "framework/scene/names.h"
 
 namespace stroma {
@@ -68,7 +69,6 @@ void HyperelasticForceField::declare(DataTable& table) {
       .help("of SOFA's plugin: only false; what each law does with inverted elements is on its page");
   table.add("ParameterFile", parameter_file_).help("of SOFA's plugin: only empty; parameters take a value per cell");
   prony_.declare(table);
-  history_file_.declare(table);
 }
 
 std::size_t HyperelasticForceField::cellCount() const {
@@ -85,8 +85,6 @@ void HyperelasticForceField::init() {
   series_ = prony_.read(*this);
   if (series_.terms() > 0 && !(hexahedra ? residualStressKernels().hexahedra : residualStressKernels().tetrahedra))
     throw ComponentError("viscosity has no kernels for these cells", "tetrahedra");
-  if (series_.terms() == 0 && history_file_.isGiven())
-    throw ComponentError("a history is given, and without viscosity nothing is remembered", "viscous=\"true\"");
   checkShapes();
   checkMeanDilatation();
   if (regularised_ && projected_)
@@ -122,7 +120,7 @@ void HyperelasticForceField::refusePlugin() const {
 void HyperelasticForceField::chooseMesh() {
   if (!template_.empty() && template_.rfind("Vec3", 0) != 0)
     throw ComponentError(fmt::format("template '{}' is none that {} has", template_, type()), "Vec3");
-  const Topology* topology = topology_.target() ? topology_.get() : find<Topology>(true);
+  const Topology* topology = findTopology(*this, state(), topology_, MeshNodes::first);
   if (!topology) throw ComponentError("there is no mesh", "a topology with cells in this node or above");
   mesh_ = &topology->mesh();
   if (cellCount() == 0)
@@ -134,10 +132,6 @@ void HyperelasticForceField::chooseMesh() {
                                "HexahedronHyperelasticityFEMForceField");
   const std::string problem = mesh_->firstError();
   if (!problem.empty()) throw ComponentError(problem);
-  if (mesh_->nodes() > state().size())
-    throw ComponentError(
-        fmt::format("the mesh has {} nodes, {} has {}", mesh_->nodes(), state().path(), state().size()),
-        "the same number");
 }
 
 ForceTraits HyperelasticForceField::traits() const {
@@ -194,11 +188,6 @@ void HyperelasticForceField::makeViscous() {
                                               node().root().root_time);
   viscous_ = viscous.get();
   method_ = std::move(viscous);
-  initial_history_ = history_file_.read();
-  const std::size_t expected = viscous_->history().size();
-  if (history_file_.isGiven() && initial_history_.size() != expected)
-    throw ComponentError(fmt::format("the history has {} numbers", initial_history_.size()),
-                         fmt::format("{}: that of a run with this mesh and this series", expected));
   reset();
 }
 /// The system's rows up to the last of the state.
@@ -214,14 +203,14 @@ void HyperelasticForceField::stepEnded(double t) {
 }
 void HyperelasticForceField::reset() {
   fault_.clear();
-  if (viscous_) viscous_->start(node().root().root_time, initial_history_);
+  if (viscous_) viscous_->start(node().root().root_time);
 }
 const std::vector<double>& HyperelasticForceField::history() const {
   static const std::vector<double> none;
   return viscous_ ? viscous_->history() : none;
 }
-void HyperelasticForceField::setHistory(const std::vector<double>& values) {
-  if (viscous_) viscous_->start(node().root().root_time, values);
+void HyperelasticForceField::serialize(Archive& archive) {
+  if (viscous_) viscous_->serialize(archive);
 }
 
 // ---- forces ----

@@ -6,7 +6,6 @@
 #include "components/hyperelasticity/viscous_law.h"
 #include "framework/fem/element_kernels_field.h"
 #include "framework/mechanics/history.h"
-#include "framework/mechanics/history_file.h"
 #include "framework/mesh/topology.h"
 
 namespace stroma {
@@ -25,10 +24,10 @@ class HyperelasticForceField : public ElementKernelsField, public History {
   ForceTraits traits() const override;
   void compile() override;
   void reset() override;
+  void serialize(Archive& archive) override;
   void setTime(double t) override;
   void stepEnded(double t) override;
   const std::vector<double>& history() const override;
-  void setHistory(const std::vector<double>& values) override;
   void addForce(ConstRows x, ConstRows v, Rows f) override;
   void addForceAndProduct(ConstRows x, ConstRows v, ConstRows dx, double factor, Rows f) override;
 
@@ -85,14 +84,12 @@ class HyperelasticForceField : public ElementKernelsField, public History {
   Dilatation dilatation_ = Dilatation::local;
   std::string parameter_file_;
   PronyAttributes prony_;
-  HistoryFile history_file_;
 
   const Mesh* mesh_ = nullptr;
-  hyperelastic::HyperelasticLaw law_;  ///< as chosen, with its number of terms
-  std::vector<double> values_;         ///< parameters, of one cell for all or of each
-  std::vector<double> local_values_;   ///< the same without the part that takes the mean dilatation
-  std::vector<Mat3> axes_;             ///< one for all or one per cell
-  std::vector<double> initial_history_;
+  hyperelastic::HyperelasticLaw law_;            ///< as chosen, with its number of terms
+  std::vector<double> values_;                   ///< parameters, of one cell for all or of each
+  std::vector<double> local_values_;             ///< the same without the part that takes the mean dilatation
+  std::vector<Mat3> axes_;                       ///< one for all or one per cell
   PronySeries series_;                           ///< without terms: the law is elastic
   hyperelastic::ViscousLaw* viscous_ = nullptr;  ///< method_, where it is viscous
   std::string fault_;                            ///< why the last force was not finite

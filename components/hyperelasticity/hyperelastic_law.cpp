@@ -54,13 +54,10 @@ const std::vector<HyperelasticLaw>& hyperelasticLaws() { return offeredLaws(); }
 
 void offerHyperelasticLaw(HyperelasticLaw law) {
   auto& laws = offeredLaws();
-  const auto known = std::find_if(laws.begin(), laws.end(), [&](const HyperelasticLaw& other) {
+  const bool is_known = std::any_of(laws.begin(), laws.end(), [&](const HyperelasticLaw& other) {
     return other.name == law.name && other.parameters.size() == law.parameters.size();
   });
-  if (known != laws.end())
-    *known = std::move(law);
-  else
-    laws.push_back(std::move(law));
+  if (!is_known) laws.push_back(std::move(law));
 }
 
 std::string lameParameters(const Lame& lame, std::vector<double>& values) {

@@ -83,7 +83,8 @@ struct HyperelasticLaw {
 };
 
 const std::vector<HyperelasticLaw>& hyperelasticLaws();
-/// Offering a name again, with as many parameters, replaces it.
+/// Offering a name again, with as many parameters, changes nothing: a module registers once for each factory, and other
+/// threads may be reading.
 void offerHyperelasticLaw(HyperelasticLaw law);
 
 /// For laws whose parameters are mu and lambda: from_lame and check.

@@ -131,4 +131,6 @@ std::unique_ptr<ElementKernels> hexahedra(const Cells& cells, const Hyperelastic
 
 }  // namespace
 
-STROMA_COMPONENT(mean_volume) { meanVolumeKernels().hexahedra = hexahedra; }
+STROMA_COMPONENT(mean_volume) {
+  if (!meanVolumeKernels().hexahedra) meanVolumeKernels().hexahedra = hexahedra;
+}

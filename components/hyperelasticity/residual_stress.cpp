@@ -297,6 +297,7 @@ std::unique_ptr<ResidualStress> heldHexahedra(const Cells& cells) {
 }  // namespace
 
 STROMA_COMPONENT(residual_stress) {
+  if (residualStressKernels().tetrahedra) return;
   residualStressKernels().tetrahedra = heldTetrahedra;
   residualStressKernels().hexahedra = heldHexahedra;
 }

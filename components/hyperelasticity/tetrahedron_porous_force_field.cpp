@@ -58,9 +58,9 @@
 #include "components/hyperelasticity/porous_elements.h"
 #include "framework/mechanics/force_field.h"
 #include "framework/mechanics/history.h"
-#include "framework/mechanics/history_file.h"
 #include "framework/mechanics/node_indices.h"
-#include "framework/mesh/topology.h"
+#include "framework/mechanics/state_topology.h"
+#include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
@@ -79,10 +79,10 @@ class TetrahedronPorousForceField final : public ForceField, public History {
   ForceTraits traits() const override;
   void compile() override;
   void reset() override { start(initial_); }
+  void serialize(Archive& archive) override;
   void setTime(double t) override;
   void stepEnded(double t) override;
   const std::vector<double>& history() const override { return pressure_; }
-  void setHistory(const std::vector<double>& values) override { start(values); }
 
   double energy(ConstRows x) const override { return porous_ ? elements_->energy(x, now_) : 0; }
   void addForce(ConstRows x, ConstRows v, Rows f) override;
@@ -121,7 +121,6 @@ class TetrahedronPorousForceField final : public ForceField, public History {
   Coupling coupling_ = Coupling::semi_implicit;
   std::vector<double> pressure_;  ///< at the end of the last step [Pa], shape (nodes)
   std::vector<double> initial_;
-  HistoryFile history_file_;
 
   const Mesh* mesh_ = nullptr;
   std::unique_ptr<PorousElements> elements_;
@@ -163,27 +162,18 @@ void TetrahedronPorousForceField::declare(DataTable& table) {
   table.addChoice("coupling", coupling_, {"semi_implicit", "implicit"})
       .help("semi_implicit: forces see the pressure before the step; implicit: that of their own shape");
   table.add("pressure", pressure_).unit("Pa").help("of each node, at the start (zero when not given) and then now");
-  history_file_.declare(table);
 }
 
 void TetrahedronPorousForceField::init() {
   ForceField::init();
-  const Topology* topology = topology_.target() ? topology_.get() : find<Topology>(true);
+  const Topology* topology = findTopology(*this, state(), topology_);
   if (!topology || topology->mesh().tetrahedra.empty())
     throw ComponentError("there are no tetrahedra", "a topology with tetrahedra in this node or above");
   mesh_ = &topology->mesh();
-  if (mesh_->nodes() != state().size())
-    throw ComponentError(
-        fmt::format("the mesh has {} nodes, {} has {}", mesh_->nodes(), state().path(), state().size()),
-        "the same number");
   if (!(sponge_.bulk <= sponge_.fluid * sponge_.limit))
     throw ComponentError(
         fmt::format("bulkModulus is {:g} and limitModulus {:g}", sponge_.bulk, sponge_.limit),
         fmt::format("limitModulus of at least bulkModulus/fluidFraction = {:g}", sponge_.bulk / sponge_.fluid));
-  if (history_file_.isGiven()) {
-    if (!pressure_.empty()) throw ComponentError("pressure and history are both given", "one of them");
-    pressure_ = history_file_.read();
-  }
   if (pressure_.empty()) pressure_.assign(state().size(), 0.);
   if (pressure_.size() != std::size_t(state().size()))
     throw ComponentError(fmt::format("pressure has {} values", pressure_.size()), fmt::format("{}", state().size()));
@@ -235,13 +225,21 @@ void TetrahedronPorousForceField::compile() {
 }
 
 void TetrahedronPorousForceField::start(const std::vector<double>& values) {
-  if (values.size() != pressure_.size())
-    throw std::invalid_argument(fmt::format("{} pressures of {} nodes", values.size(), pressure_.size()));
   pressure_ = values;
   for (Index i = 0; i < state().size(); ++i) now_[state().firstRow() + i].x() = pressure_[i];
   time_ = node().root().root_time;
   step_ = 0;
   started_ = false;
+}
+
+void TetrahedronPorousForceField::serialize(Archive& archive) {
+  archive.value("time", time_);
+  archive.value("started", started_);
+  archive.rows("pressure", pressure_.data(), pressure_.size());
+  archive.rows("volumes", theta_.data(), theta_.size());
+  if (!archive.isReading()) return;
+  for (Index i = 0; i < state().size(); ++i) now_[state().firstRow() + i].x() = pressure_[i];
+  step_ = 0;
 }
 
 void TetrahedronPorousForceField::setTime(double t) {

@@ -42,19 +42,24 @@ ViscousLaw::ViscousLaw(std::unique_ptr<ElementKernels> law, const HyperelasticLa
   points_ = deformation_.size() / (9 * cells_);
   stress_.resize(cells_ * points_ * symmetric);
   elastic_.resize(stress_.size());
-  start(start_time, {});
+  start(start_time);
 }
 
-void ViscousLaw::start(double time, const std::vector<double>& values) {
-  const std::size_t count = cells_ * points_ * stored() * symmetric;
-  if (!values.empty() && values.size() != count)
-    throw std::invalid_argument(std::to_string(values.size()) + " values of a history of " + std::to_string(count));
-  history_.assign(count, 0.);
-  std::copy(values.begin(), values.end(), history_.begin());
-  started_ = !values.empty();
+void ViscousLaw::start(double time) {
+  history_.assign(cells_ * points_ * stored() * symmetric, 0.);
+  started_ = false;
   time_ = time;
   prepared_ = nothing;
   prepare(time);
+}
+
+void ViscousLaw::serialize(Archive& archive) {
+  archive.value("time", time_);
+  archive.value("started", started_);
+  archive.rows("history", history_.data(), history_.size());
+  if (!archive.isReading()) return;
+  prepared_ = nothing;
+  prepare(time_);
 }
 
 /// a, b, c of the steps from the history's time to t, the law's share and what is held.

@@ -6,6 +6,7 @@
 #pragma once
 #include "components/hyperelasticity/prony_series.h"
 #include "components/hyperelasticity/residual_stress.h"
+#include "framework/scene/archive.h"
 
 namespace stroma::hyperelastic {
 
@@ -21,8 +22,10 @@ class ViscousLaw final : public ElementKernels {
   void stepEnded(double t, ConstRows x);
   /// gamma of each point and term, and with the exponential update S_h; shape (cells, points, terms (+ 1), 6) [Pa]
   const std::vector<double>& history() const { return history_; }
-  /// Time starts anew at `start` with these values; empty: without a past.
-  void start(double start, const std::vector<double>& values);
+  /// See Component::serialize().
+  void serialize(Archive& archive);
+  /// Time starts anew at `start`, without a past.
+  void start(double start);
   /// S_v [Pa] at one point from F in the material's axes, at the time of the last setTime().
   Mat3 stress(std::size_t cell, std::size_t point, const Mat3& f) const;
 

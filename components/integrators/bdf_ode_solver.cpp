@@ -25,6 +25,7 @@
 #include <fmt/format.h>
 
 #include "components/integrators/implicit_step.h"
+#include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
@@ -38,6 +39,11 @@ class BDFOdeSolver final : public Integrator {
   bool toleratesLaggedForces() const override { return order_ == 1; }
   std::string describe() const override { return fmt::format("BDF step of order {}", order_) + implicit_.describe(); }
   void reset() override { last_step_ = 0; }
+  void serialize(Archive& archive) override {
+    archive.value("last_step", last_step_);
+    archive.rows("way", way_);
+    archive.rows("change", change_);
+  }
 
  private:
   ImplicitScheme schemeOfOrder2(System& system, double h);
@@ -77,7 +83,7 @@ ImplicitScheme BDFOdeSolver::schemeOfOrder2(System& system, double h) {
   scale(rho, implicit_.velocity_predictor);
   copy(way_, implicit_.position_predictor);
   scale(rho, implicit_.position_predictor);
-  axpy(w - h, ConstRows{system.v.rows().data, system.independentRows()}, implicit_.position_predictor);
+  axpy(w - h, system.independent(system.v), implicit_.position_predictor);
   return scheme;
 }
 
@@ -89,12 +95,12 @@ StepReport BDFOdeSolver::step(System& system, const StepContext& context) {
   if (order_ == 2) scheme = schemeOfOrder2(system, h);
   scheme.time = context.t_end;
   scheme.old_time = context.t;
-  const ConstRows x{system.x.rows().data, system.independentRows()};
+  const ConstRows x = system.independent(system.x);
   if (order_ == 2) copy(x, way_);
   StepReport report = implicit_.solve(scheme);
   if (report.diverged) return report;
   if (order_ == 2) {
-    xpay(x, -1, way_);
+    system.motion().difference(x, way_);
     copy(implicit_.change(), change_);
     last_step_ = h;
   }

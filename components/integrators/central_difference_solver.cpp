@@ -20,6 +20,7 @@
 // </Node>
 #include "components/integrators/explicit_step.h"
 #include "components/integrators/stable_step.h"
+#include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
@@ -34,6 +35,7 @@ class CentralDifferenceSolver final : public Integrator {
     return "central differences, velocities at the middle of steps: 1 force evaluation, " + acceleration_.describe();
   }
   void reset() override { last_step_ = 0; }
+  void serialize(Archive& archive) override { archive.value("last_step", last_step_); }
 
  private:
   double rayleigh_mass_ = 0;
@@ -45,7 +47,7 @@ class CentralDifferenceSolver final : public Integrator {
 };
 
 void CentralDifferenceSolver::declare(DataTable& table) {
-  table.add("rayleighMass", rayleigh_mass_).help("damping proportional to the mass").unit("1/s").min(0);
+  table.add("rayleighMass", rayleigh_mass_).recompiled().help("damping proportional to the mass").unit("1/s").min(0);
   declareLinearSolver(table);
   table.addVisualOnly("threadSafeVisitor");
 }
@@ -77,7 +79,7 @@ StepReport CentralDifferenceSolver::step(System& system, const StepContext& cont
   if (depends_on_time_) system.setTime(context.t);
   StepReport report;
   system.computeForce(system.x, system.v, system.f);
-  if (!acceleration_.solve({system.f.rows().data, system.independentRows()}, a_, report)) return report;
+  if (!acceleration_.solve(system.independent(system.f), a_, report)) return report;
   if (depends_on_time_) system.setTime(context.t_end);
   const double h = context.dt, between = (last_step_ + h) / 2;
   last_step_ = h;
@@ -87,9 +89,9 @@ StepReport CentralDifferenceSolver::step(System& system, const StepContext& cont
     a_[row] = between / (1 + between * damping / 2) * (a_[row] - damping * system.v[row]);
   }
   system.constraints().project(a_);
-  const Rows v{system.v.rows().data, system.independentRows()}, x{system.x.rows().data, system.independentRows()};
+  const Rows v = system.independent(system.v);
   axpy(1, a_, v);
-  axpy(h, v, x);
+  system.motion().advance(h, v, system.x);
   system.applyMappings();
   return report;
 }

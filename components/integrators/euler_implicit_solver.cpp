@@ -107,16 +107,15 @@ StepReport EulerImplicitSolver::step(System& system, const StepContext& context)
 }
 
 StepReport EulerImplicitSolver::firstOrderStep(System& system, double h) {
-  const auto independent = [&system](Rows all) { return Rows{all.data, system.independentRows()}; };
   system.computeForce(system.x, system.v, system.f);
-  copy(independent(system.f), right_side_);
+  copy(system.independent(system.f), right_side_);
   system.constraints().project(right_side_);
   StepReport report;
   SystemMatrix& matrix = system.matrix({.mass = 1, .stiffness = -theta_ * h});
-  const Rows velocity = independent(system.v);
+  const Rows velocity = system.independent(system.v);
   if (!solveOrShift(implicit_.linearSolver(), matrix, right_side_, velocity, report)) return report;
   system.constraints().project(velocity);
-  axpy(h, velocity, independent(system.x));
+  system.motion().advance(h, velocity, system.x);
   return report;
 }
 

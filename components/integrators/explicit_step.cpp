@@ -138,8 +138,7 @@ StepReport ExplicitStep::step(System& system, const StepContext& context) {
       placeStage(system, stage, h);
       system.computeForce(stage_x_, stage_v_, system.f);
     }
-    const ConstRows force{system.f.rows().data, system.independentRows()};
-    if (!acceleration_.solve(force, accelerations_[i], report)) return report;
+    if (!acceleration_.solve(system.independent(system.f), accelerations_[i], report)) return report;
   }
   if (depends_on_time_) system.setTime(context.t_end);
   finish(system, h);
@@ -148,25 +147,26 @@ StepReport ExplicitStep::step(System& system, const StepContext& context) {
 }
 
 void ExplicitStep::placeStage(System& system, const ExplicitScheme::Stage& stage, double h) {
-  const Index rows = system.independentRows();
-  const Rows x{stage_x_.rows().data, rows}, v{stage_v_.rows().data, rows};
-  copy(ConstRows{system.x.rows().data, rows}, x);
-  copy(ConstRows{system.v.rows().data, rows}, v);
+  const Rows x = system.independent(stage_x_), v = system.independent(stage_v_);
+  copy(system.independent(system.x), x);
+  copy(system.independent(system.v), v);
+  system.motion().begin(x);
   axpy(stage.time * h, v, x);
   for (std::size_t j = 0; j < stage.v.size(); ++j) {
     if (stage.x[j] != 0) axpy(h * h * stage.x[j], accelerations_[j], x);
     if (stage.v[j] != 0) axpy(h * stage.v[j], accelerations_[j], v);
   }
+  system.motion().end(x);
 }
 
 /// The first acceleration together with h v0 in one pass, because most schemes have no other.
 void ExplicitStep::finish(System& system, double h) {
-  const Index rows = system.independentRows();
-  const Rows x{system.x.rows().data, rows}, v{system.v.rows().data, rows};
+  const Rows x = system.independent(system.x), v = system.independent(system.v);
   const double for_v = h * scheme.v[0], for_x = h * (h * scheme.x[0] - for_v);
   const double* __restrict a = accelerations_[0].rows().data;
   double* __restrict velocity = v.data;
   double* __restrict position = x.data;
+  system.motion().begin(x);
 #pragma omp simd
   for (std::size_t i = 0; i < x.doubles(); ++i) {
     velocity[i] += for_v * a[i];
@@ -176,6 +176,7 @@ void ExplicitStep::finish(System& system, double h) {
     if (scheme.x[j] != 0) axpy(h * h * scheme.x[j], accelerations_[j], x);
     if (scheme.v[j] != 0) axpy(h * scheme.v[j], accelerations_[j], v);
   }
+  system.motion().end(x);
 }
 
 std::string ExplicitStep::describe() const {

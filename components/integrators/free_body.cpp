@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -30,7 +31,7 @@ class Connections {
 /// A connected part: what it is and what its rigid motions feel. Motions 0 to 2 are shifts, 3 to 5 turns about the axes
 /// through the centre, scaled to the mean distance from it.
 struct Body {
-  Index first_row = -1, rows = 0;
+  Index first_row = -1, rows = 0, places = 0;
   Vec3 centre = Vec3::Zero();
   double radius = 0;               ///< root mean square distance from the centre [m]
   double diagonal = 0, loads = 0;  ///< sums of the sizes of the matrix's diagonal [N/m] and of the forces [N]
@@ -59,10 +60,14 @@ std::vector<Index> bodyOfRow(const System& system) {
   return body;
 }
 
-Vec3 motion(const Body& body, int number, const Vec3& x) {
-  if (number < 3) return Vec3::Unit(number);
+/// What motion `number` does to a row: an orientation turns with its body and has no shift, a number does not take part.
+Vec3 motion(const System& system, const Body& body, int number, Index row) {
+  const RowKind kind = system.motion().kindOf(row);
+  if (kind == RowKind::value) return Vec3::Zero();
+  if (number < 3) return kind == RowKind::place ? Vec3(Vec3::Unit(number)) : Vec3(Vec3::Zero());
   if (body.radius == 0) return Vec3::Zero();
-  return Vec3::Unit(number - 3).cross(x - body.centre) / body.radius;
+  const Vec3 axis = Vec3::Unit(number - 3);
+  return (kind == RowKind::turn ? axis : Vec3(axis.cross(system.x[row] - body.centre))) / body.radius;
 }
 
 std::vector<Body> measure(const System& system, const std::vector<Index>& body_of_row,
@@ -74,12 +79,13 @@ std::vector<Body> measure(const System& system, const std::vector<Index>& body_o
     if (std::size_t(body_of_row[row]) == bodies.size()) bodies.push_back({.first_row = row});
     Body& body = of(row);
     ++body.rows;
-    body.centre += (system.x[row] - body.centre) / body.rows;
+    if (system.motion().kindOf(row) == RowKind::place) body.centre += (system.x[row] - body.centre) / ++body.places;
     body.loads += force[row].norm();
     for (int c = 0; c < 3; ++c) body.diagonal += std::abs(blocks[9 * std::size_t(row) + 4 * std::size_t(c)]);
   }
-  for (Index row = 0; row < rows; ++row) of(row).radius += (system.x[row] - of(row).centre).squaredNorm();
-  for (Body& body : bodies) body.radius = std::sqrt(body.radius / body.rows);
+  for (Index row = 0; row < rows; ++row)
+    if (system.motion().kindOf(row) == RowKind::place) of(row).radius += (system.x[row] - of(row).centre).squaredNorm();
+  for (Body& body : bodies) body.radius = std::sqrt(body.radius / std::max<Index>(1, body.places));
   return bodies;
 }
 
@@ -91,7 +97,7 @@ void feel(System& system, SystemMatrix& matrix, const std::vector<Index>& body_o
   const auto of = [&](Index row) -> Body& { return bodies[body_of_row[row]]; };
   for (int m = 0; m < 6; ++m) {
     mode[m].resize(rows), product[m].resize(rows);
-    for (Index row = 0; row < rows; ++row) mode[m][row] = motion(of(row), m, system.x[row]);
+    for (Index row = 0; row < rows; ++row) mode[m][row] = motion(system, of(row), m, row);
     system.constraints().project(mode[m]);
     matrix.multiply(mode[m], product[m]);
   }
@@ -99,11 +105,11 @@ void feel(System& system, SystemMatrix& matrix, const std::vector<Index>& body_o
     Body& body = of(row);
     const double resistance = body.diagonal / (3 * body.rows);
     for (int m = 0; m < 6; ++m) {
-      const Vec3 held = motion(body, m, system.x[row]) - mode[m][row];
+      const Vec3 held = motion(system, body, m, row) - mode[m][row];
       body.load[m] += force[row].dot(mode[m][row]);
       for (int n = 0; n < 6; ++n)
         body.stiffness(m, n) +=
-            mode[m][row].dot(product[n][row]) + resistance * held.dot(motion(body, n, system.x[row]) - mode[n][row]);
+            mode[m][row].dot(product[n][row]) + resistance * held.dot(motion(system, body, n, row) - mode[n][row]);
     }
   }
 }

@@ -11,16 +11,22 @@ namespace stroma {
 // ---- attributes ----
 
 void ImplicitStep::declareDamping(DataTable& table) {
-  table.add("rayleighStiffness", rayleigh_stiffness).help("damping proportional to the stiffness").unit("s").min(0);
-  table.add("rayleighMass", rayleigh_mass).help("damping proportional to the mass").unit("1/s").min(0);
+  table.add("rayleighStiffness", rayleigh_stiffness)
+      .recompiled()
+      .help("damping proportional to the stiffness")
+      .unit("s")
+      .min(0);
+  table.add("rayleighMass", rayleigh_mass).recompiled().help("damping proportional to the mass").unit("1/s").min(0);
 }
 
 void ImplicitStep::declareNewton(DataTable& table) {
   table.add("newtonIterations", newton_settings.iterations)
+      .recompiled()
       .help("1: one linear solve per step, as SOFA; more: the step's equations are solved by Newton's method")
       .unit("-")
       .min(1);
   table.add("newtonTolerance", newton_settings.relative_residual)
+      .recompiled()
       .help("residual at which Newton's method ends, relative to the forces where the step starts")
       .unit("-")
       .min(0, false);
@@ -87,7 +93,7 @@ void ImplicitStep::addDamping(double factor, Rows out) {
 void ImplicitStep::wholeForce(double time, Rows out) {
   setTime(time);
   system_->computeForce(system_->x, system_->v, system_->f);
-  copy(independent(system_->f), out);
+  copy(system_->independent(system_->f), out);
   addDamping(1, out);
 }
 
@@ -106,7 +112,7 @@ SystemMatrix& ImplicitStep::tangent() {
 /// over the elements.
 StepReport ImplicitStep::solveLinearised() {
   System& s = *system_;
-  const Rows b = independent(right_side_), dv = change_;
+  const Rows b = s.independent(right_side_), dv = change_;
   const bool two_times = depends_on_time_ && scheme_.old_weight != 0;
   if (two_times) wholeForce(scheme_.old_time, constant_);
   setTime(scheme_.time);
@@ -141,12 +147,14 @@ void ImplicitStep::advance() {
   double* __restrict velocity = v().data;
   double* __restrict position = x().data;
   const std::size_t count = x().doubles();
+  system_->motion().begin(x());
 #pragma omp simd
   for (std::size_t i = 0; i < count; ++i) {
     velocity[i] += change[i];
     position[i] += drift * velocity[i] + rest * change[i];
   }
   if (scheme_.has_history) axpy(1, position_predictor, x());
+  system_->motion().end(x());
 }
 
 StepReport ImplicitStep::solveIterating() {
@@ -191,9 +199,12 @@ void ImplicitStep::unknownsChanged() {
   const double* __restrict u = v().data;
   double* __restrict position = x().data;
   const std::size_t count = x().doubles();
+  system_->motion().begin(x0_);
 #pragma omp simd
   for (std::size_t i = 0; i < count; ++i) position[i] = x0[i] + old_part * v0[i] + new_part * u[i];
   if (scheme_.has_history) axpy(1, position_predictor, x());
+  system_->motion().end(x());
+  system_->motion().end(x0_);
 }
 
 /// R = weight F(x(u), u) + old_weight F(x0, v0) - M (u - v0 - velocity_predictor). The stiffness of rK K u is the one
@@ -202,7 +213,7 @@ void ImplicitStep::unknownsChanged() {
 void ImplicitStep::residual(Rows out) {
   System& s = *system_;
   s.computeForce(s.x, s.v, s.f);
-  copy(independent(s.f), out);
+  copy(s.independent(s.f), out);
   addDamping(1, out);
   scale(scheme_.weight, out);
   if (scheme_.old_weight != 0) axpy(1, constant_, out);
@@ -229,19 +240,15 @@ double ImplicitStep::energy() {
   copy(v(), work_);
   axpy(-1, v0_, work_);
   if (scheme_.has_history) axpy(-1, velocity_predictor, work_);
-  const Rows momentum = independent(right_side_);
+  const Rows momentum = s.independent(right_side_);
   clear(momentum);
   s.addMassProduct(work_, 0.5, momentum);
   return sum + dot(work_, momentum);
 }
 
-double ImplicitStep::loadScale() const { return scheme_.weight * std::sqrt(dot(system_->f, system_->f)); }
+double ImplicitStep::loadScale() const { return scheme_.weight * norm(system_->f); }
 
-double ImplicitStep::travelled() const {
-  double sum = 0;
-  for (Index i = 0; i < x0_.count(); ++i) sum += (x()[i] - x0_[i]).squaredNorm();
-  return std::sqrt(sum);
-}
+double ImplicitStep::travelled() const { return distance(x(), x0_); }
 
 std::string ImplicitStep::describe() const {
   if (!iterates()) return ", linearised once: 1 force evaluation with its product, 1 linear solve";

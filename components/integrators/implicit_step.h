@@ -59,9 +59,8 @@ class ImplicitStep final : public NonlinearProblem {
   double loadScale() const override;
 
  private:
-  Rows independent(Rows all) const { return {all.data, system_->independentRows()}; }
-  Rows x() const { return independent(system_->x); }
-  Rows v() const { return independent(system_->v); }
+  Rows x() const { return system_->independent(system_->x); }
+  Rows v() const { return system_->independent(system_->v); }
   void setTime(double time);
   StepReport solveLinearised();
   StepReport solveIterating();

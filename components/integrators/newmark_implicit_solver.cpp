@@ -28,6 +28,7 @@
 
 #include "components/integrators/explicit_step.h"
 #include "components/integrators/implicit_step.h"
+#include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
@@ -44,6 +45,10 @@ class NewmarkImplicitSolver final : public Integrator {
     return fmt::format("Newmark step, beta {:g}, gamma {:g}", beta_, gamma_) + implicit_.describe();
   }
   void reset() override { started_ = false; }
+  void serialize(Archive& archive) override {
+    archive.value("started", started_);
+    archive.rows("acceleration", a_);
+  }
 
  private:
   bool start(const StepContext& context, StepReport& report);
@@ -56,10 +61,21 @@ class NewmarkImplicitSolver final : public Integrator {
 };
 
 void NewmarkImplicitSolver::declare(DataTable& table) {
-  table.add("gamma", gamma_).help("weight of the new acceleration in the velocity").unit("-").min(0, false).max(1);
-  table.add("beta", beta_).help("weight of the new acceleration in the position").unit("-").min(0, false).max(0.5);
+  table.add("gamma", gamma_)
+      .recompiled()
+      .help("weight of the new acceleration in the velocity")
+      .unit("-")
+      .min(0, false)
+      .max(1);
+  table.add("beta", beta_)
+      .recompiled()
+      .help("weight of the new acceleration in the position")
+      .unit("-")
+      .min(0, false)
+      .max(0.5);
   implicit_.declareDamping(table);
   table.add("vdamping", velocity_damping_)
+      .atOnce()
       .help("decay rate of the velocity, applied after the step")
       .unit("1/s")
       .min(0);

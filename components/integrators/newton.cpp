@@ -11,14 +11,6 @@
 namespace stroma {
 namespace {
 
-double norm(ConstRows a) { return std::sqrt(dot(a, a)); }
-
-double largest(ConstRows a) {
-  double value = 0;
-  for (std::size_t i = 0; i < a.doubles(); ++i) value = std::max(value, std::abs(a.data[i]));
-  return value;
-}
-
 /// A + shift * D, D the mean size of the numbers on each row's diagonal: positive definite once the shift is large
 /// enough.
 class ShiftedMatrix final : public SystemMatrix {
@@ -230,7 +222,7 @@ bool Newton::iterate(NonlinearProblem& problem, LinearSolver& solver, double& no
 void Newton::move(NonlinearProblem& problem, double step) {
   const Rows u = problem.unknowns();
   copy(base_, u);
-  axpy(step, direction_, u);
+  problem.addTo(u, step, direction_);
   problem.unknownsChanged();
 }
 

@@ -13,10 +13,12 @@ namespace stroma {
 class NonlinearProblem {
  public:
   virtual ~NonlinearProblem() = default;
-  virtual void residual(Rows out) = 0;                ///< R(u), projected; shape (rows)
-  virtual SystemMatrix& tangent() = 0;                ///< -dR/du at the u of the last residual()
-  virtual double energy() = 0;                        ///< E(u); called only when NewtonSettings::use_energy
-  virtual Rows unknowns() = 0;                        ///< u, for Newton to write; shape (rows)
+  virtual void residual(Rows out) = 0;  ///< R(u), projected; shape (rows)
+  virtual SystemMatrix& tangent() = 0;  ///< -dR/du at the u of the last residual()
+  virtual double energy() = 0;          ///< E(u); called only when NewtonSettings::use_energy
+  virtual Rows unknowns() = 0;          ///< u, for Newton to write; shape (rows)
+  /// u moves by s d.
+  virtual void addTo(Rows u, double s, ConstRows d) const { axpy(s, d, u); }
   virtual void unknownsChanged() = 0;                 ///< called after u was written
   virtual double displacementPerUnknown() const = 0;  ///< dx/du: 1, or seconds when u is a velocity
   virtual ConstRows positions() const = 0;            ///< x(u) [m]

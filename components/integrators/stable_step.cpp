@@ -32,7 +32,7 @@ std::string mostStrained(const System& system, const Vector& p) {
   }
   if (!(farthest > 0)) return {};
   const double small = 1e-6 * apart / farthest;  // strains by differences
-  for (Index i = 0; i < p.count(); ++i) moved[i] += small * p[i];
+  system.motion().advance(small, p, moved);
   for (const Mapping* mapping : system.actors().mappings) mapping->apply(moved);
   std::string name;
   double largest = 0;
@@ -65,7 +65,7 @@ HighestFrequency byPowerIteration(System& system, Acceleration& acceleration) {
     const double before = square;
     square = std::abs(dot(a, force) / energy);
     if (std::abs(square - before) < 1e-4 * square) break;
-    const double size = std::sqrt(dot(a, a));
+    const double size = norm(a);
     if (!(size > 0)) break;
     copy(a, p);
     scale(1 / size, p);

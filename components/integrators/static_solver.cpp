@@ -39,6 +39,7 @@
 
 #include "components/integrators/free_body.h"
 #include "components/integrators/newton_solver.h"
+#include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
 #include "framework/simulation/integrator.h"
 #include "framework/simulation/system_report.h"
@@ -57,24 +58,21 @@ class Equilibrium final : public NonlinearProblem {
   void giveUp() { copy(start_, rows()); }
   void residual(Rows out) override {
     system_->computeForce(system_->x, system_->v, system_->f);
-    copy(ConstRows{system_->f.rows().data, out.count}, out);
+    copy(system_->independent(system_->f), out);
     system_->constraints().project(out);
   }
   SystemMatrix& tangent() override { return system_->matrix({.stiffness = -1}); }
   double energy() override { return system_->potentialEnergy(system_->x); }
-  double loadScale() const override { return std::sqrt(dot(system_->f, system_->f)); }
+  double loadScale() const override { return norm(system_->f); }
   Rows unknowns() override { return rows(); }
+  void addTo(Rows u, double s, ConstRows d) const override { system_->motion().advance(s, d, u); }
   void unknownsChanged() override {}
   double displacementPerUnknown() const override { return 1; }
   ConstRows positions() const override { return rows(); }
-  double travelled() const override {
-    double sum = 0;
-    for (Index i = 0; i < start_.count(); ++i) sum += (system_->x[i] - start_[i]).squaredNorm();
-    return std::sqrt(sum);
-  }
+  double travelled() const override { return distance(rows(), start_); }
 
  private:
-  Rows rows() const { return {system_->x.rows().data, system_->independentRows()}; }
+  Rows rows() const { return system_->independent(system_->x); }
   System* system_ = nullptr;
   Vector start_;
 };
@@ -87,6 +85,7 @@ class StaticSolver final : public Integrator {
   std::string describe() const override;
   bool movesInTime() const override { return false; }
   void reset() override { checked_projectors_ = std::size_t(-1); }
+  void serialize(Archive& archive) override { archive.value("checked_projectors", checked_projectors_); }
 
  private:
   void checkSettings() const;
@@ -227,25 +226,26 @@ bool StaticSolver::advancePrescribed(System& system, const StepContext& context,
   if (!system.constraints().hasPrescribed()) return false;
   copy(system.x, moved_);
   system.constraints().placePrescribed(context, moved_, moved_v_);
-  const Rows x{system.x.rows().data, system.independentRows()}, d{displacement_.rows().data, system.independentRows()};
-  copy(ConstRows{moved_.rows().data, d.count}, d);
-  axpy(-1, x, d);
+  const Motion& motion = system.motion();
+  const Rows x = system.independent(system.x), d = system.independent(displacement_);
+  copy(x, d);
+  motion.difference(system.independent(moved_), d);
   if (dot(d, d) <= 1e-30 * dot(x, x)) return false;
   // f + K d on all rows: the free ones see the prescribed displacement
   system.computeForceAndProduct(system.x, system.v, displacement_, 1, 0, moved_v_);
-  copy(ConstRows{moved_v_.rows().data, d.count}, force_);
+  copy(system.independent(moved_v_), force_);
   clear(moved_v_);
   system.constraints().project(force_);
   solver_->setTolerance(settings_.forcing);
   const bool solved = solveOrShift(*solver_, problem_.tangent(), force_, mode_, report);
   solver_->setTolerance(0);
-  axpy(1, d, x);
+  motion.advance(1, d, x);
   if (!solved) return true;
   const double alone = system.potentialEnergy(system.x);
-  axpy(1, mode_, x);
+  motion.advance(1, mode_, x);
   const double together = system.potentialEnergy(system.x);
   if (std::isfinite(together) && (!settings_.use_energy || together <= alone)) return true;
-  axpy(-1, mode_, x);
+  motion.advance(-1, mode_, x);
   return true;
 }
 

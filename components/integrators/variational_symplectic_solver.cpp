@@ -31,6 +31,7 @@
 
 #include "components/integrators/explicit_step.h"
 #include "components/integrators/implicit_step.h"
+#include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
@@ -48,6 +49,10 @@ class VariationalSymplecticSolver final : public Integrator {
     return is_explicit_ ? explicit_.describe() : "implicit midpoint step" + implicit_.describe();
   }
   void reset() override { started_ = false; }
+  void serialize(Archive& archive) override {
+    archive.value("started", started_);
+    archive.value("potential", potential_);
+  }
 
  private:
   StepReport implicitStep(System& system, const StepContext& context);
@@ -103,8 +108,7 @@ void VariationalSymplecticSolver::compile(System& system) {
 StepReport VariationalSymplecticSolver::step(System& system, const StepContext& context) {
   if (computes_hamiltonian_ && incremental_ && !started_) potential_ = system.potentialEnergy(system.x);
   started_ = true;
-  const auto x = [&system] { return ConstRows{system.x.rows().data, system.independentRows()}; };
-  copy(x(), start_);
+  copy(system.independent(system.x), start_);
   StepReport report = is_explicit_ ? explicit_.step(system, context) : implicitStep(system, context);
   if (!report.diverged && computes_hamiltonian_) noteEnergy(system);
   return report;
@@ -118,8 +122,8 @@ StepReport VariationalSymplecticSolver::implicitStep(System& system, const StepC
   scheme.time = (context.t + context.t_end) / 2;
   StepReport report = implicit_.solve(scheme);
   if (report.diverged) return report;
-  const Rows x{system.x.rows().data, system.independentRows()}, v{system.v.rows().data, system.independentRows()};
-  axpy(h / 2, v, x);
+  const Rows v = system.independent(system.v);
+  system.motion().advance(h / 2, v, system.x);
   axpy(1, implicit_.change(), v);
   system.setTime(context.t_end);
   system.applyMappings();
@@ -129,7 +133,8 @@ StepReport VariationalSymplecticSolver::implicitStep(System& system, const StepC
 /// System::f holds the forces of the step's midpoint (explicit: of its start).
 void VariationalSymplecticSolver::noteEnergy(System& system) {
   if (incremental_) {
-    for (Index i = 0; i < system.independentRows(); ++i) potential_ -= system.f[i].dot(system.x[i] - start_[i]);
+    system.motion().difference(system.independent(system.x), start_);
+    for (Index i = 0; i < system.independentRows(); ++i) potential_ -= system.f[i].dot(start_[i]);
   } else {
     potential_ = system.potentialEnergy(system.x);
   }

@@ -28,6 +28,7 @@
 
 #include "components/iterative_solvers/conjugate_gradients.h"
 #include "components/iterative_solvers/krylov_solver.h"
+#include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
@@ -39,6 +40,9 @@ class CGLinearSolver final : public KrylovSolver {
  public:
   void declare(DataTable& table) override;
   SolveReport solve(SystemMatrix& matrix, ConstRows b, Rows x) override;
+  void serializeFor(SystemMatrix& matrix, Archive& archive) override {
+    if (warm_start_) archive.rows("previous", keptFor(matrix, matrix.rows()).previous);
+  }
   void reset() override {
     kept_.forEach([](Kept& kept) { kept.previous.resize(kept.previous.count()); });
   }
@@ -65,6 +69,7 @@ class CGLinearSolver final : public KrylovSolver {
 void CGLinearSolver::declare(DataTable& table) {
   KrylovSolver::declare(table);
   table.add("threshold", threshold_)
+      .atOnce()
       .help("stop as broken down when |p.A p| <= threshold^2 |p| |A p| (relative, unlike SOFA's)")
       .unit("-")
       .min(0)

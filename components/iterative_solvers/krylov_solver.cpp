@@ -8,8 +8,8 @@
 namespace stroma {
 
 void KrylovSolver::declare(DataTable& table) {
-  table.add("iterations", iterations_).help("largest number of iterations").unit("-").min(1);
-  table.add("tolerance", tolerance_).help("stop when |b - A x| <= tolerance |b|").unit("-").min(0);
+  table.add("iterations", iterations_).atOnce().help("largest number of iterations").unit("-").min(1);
+  table.add("tolerance", tolerance_).atOnce().help("stop when |b - A x| <= tolerance |b|").unit("-").min(0);
   table.add("template", template_)
       .help(
           "auto, GraphScattered (matrix-free) or CompressedRowSparseMatrix, CompressedRowSparseMatrixMat3x3 "

@@ -21,7 +21,7 @@ class KrylovSolver : public LinearSolver {
   /// Makes what a solve needs besides a preconditioner. False when the solve is over: the report says why.
   bool begin(SystemMatrix& matrix, ConstRows b, Rows x, SolveReport& report) {
     graph_.clear();
-    norm_b_ = std::sqrt(dot(b, b));
+    norm_b_ = norm(b);
     if (!std::isfinite(norm_b_)) {
       report.stop = SolveStop::not_finite;
       report.relative_residual = norm_b_;

@@ -82,7 +82,7 @@ SolveStop MinResLinearSolver::iterate(const SystemMatrix& matrix, Lanczos& work,
     axpy(-beta, v_before, av);
     const double alpha = dot(v, av);
     axpy(-alpha, v, av);
-    const double beta_next = std::sqrt(dot(av, av));
+    const double beta_next = norm(av);
     if (!std::isfinite(beta_next) || !std::isfinite(alpha)) return SolveStop::not_finite;
     size = std::max(size, std::hypot(alpha, std::max(beta, beta_next)));  // grows towards the norm of A
 

@@ -49,6 +49,9 @@ class PCGLinearSolver final : public KrylovSolver, public FactorUser {
       if (kept.inverse) kept.inverse->reset();
     });
   }
+  void serializeFor(SystemMatrix& matrix, Archive& archive) override {
+    if (ApproximateInverse* inverse = keptFor(matrix).inverse.get()) inverse->serialize(matrix, archive);
+  }
   SolveReport solve(SystemMatrix& matrix, ConstRows b, Rows x) override;
   bool usesFactorOf(const Component&) const override { return use_ && link_.path == "warped"; }
 
@@ -59,6 +62,9 @@ class PCGLinearSolver final : public KrylovSolver, public FactorUser {
     cg::Directions work;
   };
   std::unique_ptr<ApproximateInverse> makeInverse() const;
+  Kept& keptFor(const SystemMatrix& matrix) {
+    return kept_.of(matrix, [this] { return std::make_unique<Kept>(Kept{makeInverse(), {}}); });
+  }
 
   bool use_ = true;
   Link<Preconditioner> link_{"preconditioner"};
@@ -108,7 +114,7 @@ std::unique_ptr<ApproximateInverse> PCGLinearSolver::makeInverse() const {
 SolveReport PCGLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x) {
   SolveReport report;
   if (!begin(matrix, b, x, report)) return report;
-  auto& [inverse, work] = kept_.of(matrix, [this] { return std::make_unique<Kept>(Kept{makeInverse(), {}}); });
+  auto& [inverse, work] = keptFor(matrix);
   work.resize(b.count);
   SolveReport prepared;
   if (inverse && !inverse->follow(matrix, prepared)) {

@@ -74,7 +74,7 @@ SolveReport preconditioned(Product&& product, Precondition&& precondition, Recor
     product(x, work.q.rows());
     axpy(-1, work.q, work.r);
   }
-  double entered = std::sqrt(dot(work.r, work.r));
+  double entered = norm(work.r);
   report.relative_residual = entered;
   if (!std::isfinite(entered)) report.stop = SolveStop::not_finite;
   if (!(entered > limits.residual)) return report;
@@ -84,7 +84,7 @@ SolveReport preconditioned(Product&& product, Precondition&& precondition, Recor
     product(x, work.q.rows());
     copy(b, work.r);
     axpy(-1, work.q, work.r);
-    report.relative_residual = std::sqrt(dot(work.r, work.r));
+    report.relative_residual = norm(work.r);
     if (report.relative_residual <= 1.1 * limits.residual) return report;
     report.stop = report.iterations == limits.iterations ? SolveStop::iteration_limit : SolveStop::stagnated;
     // a restart that gains less than half fights round-off

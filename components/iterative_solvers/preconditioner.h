@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "framework/algebra/linear_solver.h"
+#include "framework/scene/archive.h"
 
 namespace stroma {
 
@@ -20,6 +21,8 @@ class ApproximateInverse {
   virtual void solved(int /*iterations*/) {}
   /// Forgets the values seen so far.
   virtual void reset() = 0;
+  /// See LinearSolver::serializeFor().
+  virtual void serialize(SystemMatrix& /*matrix*/, Archive&) {}
   /// The multiple of its own diagonal that was added to the matrix so that a factorisation exists; 0: none.
   virtual double shift() const { return 0; }
 };

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "components/iterative_solvers/warped_factor.h"
 
+#include <stdexcept>
+
 #include "framework/scene/node.h"
 
 namespace stroma {
@@ -60,6 +62,7 @@ bool WarpedFactor::follow(SystemMatrix& matrix, SolveReport& report) {
     matrices_.resize(positions.count);
   }
   rows_ = matrix.rows(), key_ = matrix.key();
+  factored_values_ = matrix.assemble().values();
   renew_ = turned_ = false;
   iteration_seconds_ = factors_->cost().apply + block_product_seconds * matrix.assemble().blocks();
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start_;
@@ -67,6 +70,31 @@ bool WarpedFactor::follow(SystemMatrix& matrix, SolveReport& report) {
   solves_ = 0;
   start_ = std::chrono::steady_clock::now();
   return true;
+}
+
+void WarpedFactor::serialize(SystemMatrix& matrix, Archive& archive) {
+  bool is_current = rows_ >= 0 && key_ == matrix.key();
+  archive.value("rows", rows_);
+  archive.value("current", is_current);
+  archive.value("renew", renew_);
+  archive.value("fresh", fresh_);
+  archive.value("turned", turned_);
+  archive.value("rough", rough_);
+  archive.value("iteration_seconds", iteration_seconds_);
+  archive.value("spent", spent_);
+  archive.value("solves", solves_);
+  archive.rows("positions", positions_);
+  archive.list("rotations", rotations_);
+  archive.list("factored_values", factored_values_);
+  if (!archive.isReading() || rows_ < 0) return;
+  factors_ = rows_ == matrix.rows() ? solver_.factorValues(matrix, factored_values_) : nullptr;
+  if (!factors_)
+    throw std::runtime_error(
+        "the checkpoint holds a factored matrix of another pattern: it was written by another scene");
+  key_ = is_current ? matrix.key() : MatrixKey();
+  if (work_.count() != rows_) work_.resize(rows_);
+  matrices_.clear();
+  for (const Eigen::Quaterniond& rotation : rotations_) matrices_.push_back(rotation.toRotationMatrix());
 }
 
 void WarpedFactor::apply(ConstRows r, Rows z) {

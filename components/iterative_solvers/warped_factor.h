@@ -28,6 +28,8 @@ class WarpedFactor final : public ApproximateInverse {
   bool follow(SystemMatrix& matrix, SolveReport& report) override;
   void apply(ConstRows r, Rows z) override;
   void solved(int iterations) override;
+  /// With the values that were factored: they are factored again.
+  void serialize(SystemMatrix& matrix, Archive& archive) override;
   void reset() override {
     rows_ = -1;
     renew_ = false;
@@ -51,6 +53,7 @@ class WarpedFactor final : public ApproximateInverse {
   int solves_ = 0;                ///< since then
   std::chrono::steady_clock::time_point start_;
   Vector positions_, work_;
+  std::vector<double> factored_values_;  ///< of A_0, shape (blocks, 9)
   std::vector<Eigen::Quaterniond> rotations_;
   std::vector<Mat3> matrices_;  ///< of rotations_, shape (rows)
 };

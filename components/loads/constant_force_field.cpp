@@ -29,9 +29,9 @@ class ConstantForceField final : public ForceField {
   void declare(DataTable& table) override {
     ForceField::declare(table);
     table.add("indices", indices_).help("loaded nodes; every node when not given");
-    table.add("forces", forces_).help("force on each listed node, or one for all of them").unit("N");
-    table.add("force", force_).help("the same force on each listed node").unit("N").shorthand();
-    table.add("totalForce", total_force_).help("force shared equally by the listed nodes").unit("N");
+    table.add("forces", forces_).recompiled().help("force on each listed node, or one for all of them").unit("N");
+    table.add("force", force_).recompiled().help("the same force on each listed node").unit("N").shorthand();
+    table.add("totalForce", total_force_).recompiled().help("force shared equally by the listed nodes").unit("N");
     table.add("indexFromEnd", from_end_).help("count indices from the last node: 0 is the last");
     for (const char* without_effect : {"showArrowSize", "showColor", "topology"}) table.addVisualOnly(without_effect);
   }

@@ -29,9 +29,9 @@ class PlaneForceField final : public PenaltyField {
   void declare(DataTable& table) override {
     PenaltyField::declare(table);
     table.add("normal", normal_).help("normal of the plane, to the side that is left free").unit("-");
-    table.add("d", offset_).help("distance of the plane from the origin along the normal").unit("m");
-    table.add("stiffness", stiffness_constant_).help("force over depth").unit("N/m").min(0);
-    table.add("maxForce", largest_force_).help("largest force on a node; 0: not limited").unit("N").min(0);
+    table.add("d", offset_).atOnce().help("distance of the plane from the origin along the normal").unit("m");
+    table.add("stiffness", stiffness_constant_).atOnce().help("force over depth").unit("N/m").min(0);
+    table.add("maxForce", largest_force_).atOnce().help("largest force on a node; 0: not limited").unit("N").min(0);
     table.add("bilateral", bilateral_).help("pull nodes in front of the plane back to it as well");
     for (const char* name : {"showPlane", "planeColor", "showPlaneSize"}) table.addVisualOnly(name);
   }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "components/loads/surface_load.h"
+#include "framework/mechanics/state_topology.h"
 
 #include <fmt/format.h>
 
@@ -25,12 +26,8 @@ void SurfaceLoad::declare(DataTable& table) {
 }
 
 const Mesh& SurfaceLoad::surfaceMesh() const {
-  const Topology* topology = topology_.get() ? topology_.get() : find<Topology>(true);
+  const Topology* topology = findTopology(*this, state(), topology_);
   if (!topology) throw ComponentError("no mesh in this node or above", "a topology with triangles or quads");
-  if (topology->mesh().nodes() != state().size())
-    throw ComponentError(fmt::format("{} has {} nodes and {} has {}", topology->path(), topology->mesh().nodes(),
-                                     state().path(), state().size()),
-                         "a mesh and a state of the same nodes");
   return topology->mesh();
 }
 

@@ -69,7 +69,7 @@ class UniformVelocityDampingForceField final : public VelocityDamping {
  public:
   void declare(DataTable& table) override {
     VelocityDamping::declare(table);
-    table.add("dampingCoefficient", coefficient_).help("force over velocity").unit("N s/m").min(0);
+    table.add("dampingCoefficient", coefficient_).recompiled().help("force over velocity").unit("N s/m").min(0);
     table.addVisualOnly("implicit");
   }
 
@@ -85,6 +85,7 @@ class DiagonalVelocityDampingForceField final : public VelocityDamping {
   void declare(DataTable& table) override {
     VelocityDamping::declare(table);
     table.add("dampingCoefficient", coefficients_)
+        .recompiled()
         .help("force over velocity along x, y and z, for each node or for all")
         .unit("N s/m")
         .min(0)

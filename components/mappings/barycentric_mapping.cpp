@@ -39,7 +39,8 @@
 #include <cmath>
 
 #include "components/mappings/weighted_mapping.h"
-#include "framework/mesh/topology.h"
+#include "framework/mechanics/state_topology.h"
+#include "framework/mesh/cell_lists.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
@@ -52,59 +53,57 @@ using Box = bg::model::box<Point>;
 Point toPoint(const Vec3& p) { return {p.x(), p.y(), p.z()}; }
 
 /// A point in a cell: the weights of its corners, and how far it lies outside [m].
-template <std::size_t N>
 struct Place {
-  std::array<double, N> weights{};
+  std::array<double, most_cell_nodes> weights{};
   double distance = 0;
 };
 
-Place<4> placeIn(const std::array<Vec3, 4>& corner, const Vec3& p) {
+Place placeInTetrahedron(const Vec3* corner, const Vec3& p) {
   Mat3 edges;
   edges << corner[1] - corner[0], corner[2] - corner[0], corner[3] - corner[0];
   const Vec3 u = edges.inverse() * (p - corner[0]);
-  Place<4> place{{1 - u.sum(), u[0], u[1], u[2]}, 0};
+  Place place{{1 - u.sum(), u[0], u[1], u[2]}, 0};
   std::array<double, 4> inside{};
   double sum = 0;
   for (std::size_t a = 0; a < 4; ++a) sum += inside[a] = std::max(0.0, place.weights[a]);
   Vec3 nearest = Vec3::Zero();
   for (std::size_t a = 0; a < 4; ++a) nearest += inside[a] / sum * corner[a];
   place.distance = (p - nearest).norm();
-  if (*std::min_element(place.weights.begin(), place.weights.end()) >= 0) place.distance = 0;
+  if (*std::min_element(place.weights.begin(), place.weights.begin() + 4) >= 0) place.distance = 0;
   return place;
 }
 
-/// Signs of the corners in VTK's order.
-constexpr double side[8][3] = {{-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, -1},
-                               {-1, -1, 1},  {1, -1, 1},  {1, 1, 1},  {-1, 1, 1}};
-
-Place<8> placeIn(const std::array<Vec3, 8>& corner, const Vec3& p) {
-  std::array<double, 8> value{};
-  std::array<Vec3, 8> slope{};
+/// Newton's method held in the cell: inside it ends at the point, outside at the side that the point lies beyond.
+Place placeInCurved(const CellKind& kind, const Vec3* corner, const Vec3& p) {
+  std::array<double, most_cell_nodes> value{};
+  std::array<LocalPoint, most_cell_nodes> slope{};
+  const auto slopeOf = [&](std::size_t a) { return Vec3(slope[a][0], slope[a][1], slope[a][2]); };
   Mat3 jacobian;
-  const auto evaluate = [&](const Vec3& xi) {
+  const auto evaluate = [&](const LocalPoint& xi) {
+    kind.shapes(xi, value.data());
+    kind.gradients(xi, slope.data());
     Vec3 x = Vec3::Zero();
     jacobian.setZero();
-    for (std::size_t a = 0; a < 8; ++a) {
-      const double f[3] = {1 + side[a][0] * xi[0], 1 + side[a][1] * xi[1], 1 + side[a][2] * xi[2]};
-      value[a] = f[0] * f[1] * f[2] / 8;
-      slope[a] = Vec3(side[a][0] * f[1] * f[2], side[a][1] * f[0] * f[2], side[a][2] * f[0] * f[1]) / 8;
-      x += value[a] * corner[a];
-      jacobian += corner[a] * slope[a].transpose();
-    }
+    for (std::size_t a = 0; a < std::size_t(kind.nodes); ++a)
+      x += value[a] * corner[a], jacobian += corner[a] * slopeOf(a).transpose();
     return x;
   };
-  // Newton's method held in the cell: inside it ends at the point, outside at the side that the point lies beyond
-  Vec3 xi = Vec3::Zero();
+  LocalPoint xi{};
   for (int iteration = 0; iteration < 30; ++iteration) {
-    const Vec3 before = xi, miss = p - evaluate(xi);
-    xi = (xi + jacobian.inverse() * miss).cwiseMax(-1).cwiseMin(1);
-    if ((xi - before).norm() < 1e-14) break;
+    const Vec3 before(xi.data()), miss = p - evaluate(xi), next = before + jacobian.inverse() * miss;
+    xi = {next[0], next[1], next[2]};
+    kind.hold(xi);
+    if ((Vec3(xi.data()) - before).norm() < 1e-14) break;
   }
   const Vec3 miss = p - evaluate(xi), beyond = jacobian.inverse() * miss;
-  Place<8> place;
-  for (std::size_t a = 0; a < 8; ++a) place.weights[a] = value[a] + slope[a].dot(beyond);
+  Place place;
+  for (std::size_t a = 0; a < std::size_t(kind.nodes); ++a) place.weights[a] = value[a] + slopeOf(a).dot(beyond);
   place.distance = beyond.norm() < 1e-9 ? 0 : miss.norm();
   return place;
+}
+
+Place placeIn(const CellKind& kind, const Vec3* corner, const Vec3& p) {
+  return kind.affine ? placeInTetrahedron(corner, p) : placeInCurved(kind, corner, p);
 }
 
 class BarycentricMapping final : public WeightedMapping {
@@ -119,75 +118,90 @@ class BarycentricMapping final : public WeightedMapping {
 
   void init() override {
     WeightedMapping::init();
-    const Topology* topology = input_topology_.get() ? input_topology_.get() : input().find<Topology>(true);
+    const Topology* topology = findTopology(input(), input(), input_topology_, MeshNodes::all, "input_topology");
     if (!topology)
       throw ComponentError(fmt::format("{} has no mesh", input().path()), "a topology, or input_topology=\"@path\"");
-    const Mesh& mesh = topology->mesh();
-    if (mesh.nodes() != input().size())
-      throw ComponentError(
-          fmt::format("{} has {} nodes and {} has {}", topology->path(), mesh.nodes(), input().path(), input().size()),
-          "the mesh of the state that is followed");
-    if (!mesh.tetrahedra.empty())
-      embed(mesh.tetrahedra);
-    else if (!mesh.hexahedra.empty())
-      embed(mesh.hexahedra);
-    else
+    bool embedded = false;
+    forEachCellList(
+        [&](const CellKind& kind, const auto& cells) {
+          if (kind.dimension < 3 || cells.empty() || embedded) return;
+          embed(kind, cells);
+          embedded = true;
+        },
+        topology->mesh());
+    if (!embedded)
       throw ComponentError(fmt::format("{} has neither tetrahedra nor hexahedra", topology->path()),
                            "a mesh of a volume");
   }
 
  private:
+  using Tree = bg::index::rtree<std::pair<Box, std::size_t>, bg::index::quadratic<16>>;
+
+  /// Gives every point its cell.
   template <class Cell>
-  void embed(const std::vector<Cell>& cells) {
-    constexpr std::size_t corners = std::tuple_size_v<Cell>;
+  void embed(const CellKind& kind, const std::vector<Cell>& cells) {
     const std::vector<Vec3>& body = from_rest_ ? input().rest_position : input().position;
     const std::vector<Vec3>& points = from_rest_ ? output().rest_position : output().position;
-    const auto cornersOf = [&](std::size_t cell) {
-      std::array<Vec3, corners> at;
-      for (std::size_t a = 0; a < corners; ++a) at[a] = body[cells[cell][a]];
-      return at;
-    };
-    std::vector<std::pair<Box, std::size_t>> boxes;
-    Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
-    for (std::size_t c = 0; c < cells.size(); ++c) {
-      Vec3 from = Vec3::Constant(std::numeric_limits<double>::infinity()), to = -from;
-      for (const Vec3& p : cornersOf(c)) from = from.cwiseMin(p), to = to.cwiseMax(p);
-      boxes.emplace_back(Box(toPoint(from), toPoint(to)), c);
-      low = low.cwiseMin(from), high = high.cwiseMax(to);
-    }
-    const bg::index::rtree<std::pair<Box, std::size_t>, bg::index::quadratic<16>> tree(boxes);
-
+    Box around;
+    const Tree tree = treeOf(cells, body, around);
     std::size_t outside = 0, farthest = 0;
     double farthest_distance = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {
-      const Point p = toPoint(points[i]);
-      Place<corners> best;
-      best.distance = std::numeric_limits<double>::infinity();
       std::size_t cell = 0;
-      // by ascending distance of their boxes: no cell whose box is farther than the best one can be better
-      for (auto found = tree.qbegin(bg::index::nearest(p, unsigned(cells.size()))); found != tree.qend(); ++found) {
-        if (bg::distance(found->first, p) >= best.distance) break;
-        const Place<corners> place = placeIn(cornersOf(found->second), points[i]);
-        if (place.distance < best.distance) best = place, cell = found->second;
-        if (best.distance == 0) break;
-      }
+      const Place best = nearestPlace(kind, cells, body, tree, points[i], cell);
       if (!std::isfinite(best.distance))
         throw ComponentError(fmt::format("no cell can hold point {}: all have no volume where it is looked for", i),
                              "a body whose cells have volumes where it starts", "useRestPosition=\"true\"");
       std::vector<Weight> weights;
-      for (std::size_t a = 0; a < corners; ++a) weights.push_back({cells[cell][a], best.weights[a]});
+      for (std::size_t a = 0; a < cells[cell].size(); ++a) weights.push_back({cells[cell][a], best.weights[a]});
       addNode(weights);
       outside += best.distance > 0;
       if (best.distance > farthest_distance) farthest_distance = best.distance, farthest = i;
     }
-    const double size = (high - low).norm();
-    const std::string sentence =
-        fmt::format("{} of {} points lie outside of the cells, point {} by {:.3g} m: they follow a cell near by",
-                    outside, points.size(), farthest, farthest_distance);
-    if (farthest_distance > 0.1 * size)
+    if (outside > 0)
+      tellOutside(
+          fmt::format("{} of {} points lie outside of the cells, point {} by {:.3g} m: they follow a cell near by",
+                      outside, points.size(), farthest, farthest_distance),
+          farthest_distance / bg::distance(around.min_corner(), around.max_corner()));
+  }
+
+  /// `share`: of the size of the body.
+  void tellOutside(const std::string& sentence, double share) const {
+    if (share > 0.1)
       warn(sentence, "points inside of the body or near it");
-    else if (farthest_distance > 1e-6 * size)
+    else if (share > 1e-6)
       inform(sentence);
+  }
+
+  /// The boxes of the cells; `around` all of them.
+  template <class Cell>
+  static Tree treeOf(const std::vector<Cell>& cells, const std::vector<Vec3>& body, Box& around) {
+    std::vector<std::pair<Box, std::size_t>> boxes;
+    bg::assign_inverse(around);
+    for (std::size_t c = 0; c < cells.size(); ++c) {
+      Vec3 from = Vec3::Constant(std::numeric_limits<double>::infinity()), to = -from;
+      for (const Vec3& p : cornersOf(cells[c], body)) from = from.cwiseMin(p), to = to.cwiseMax(p);
+      boxes.emplace_back(Box(toPoint(from), toPoint(to)), c);
+      bg::expand(around, boxes.back().first);
+    }
+    return Tree(boxes);
+  }
+
+  /// In the nearest cell, whose number goes to `cell`: by ascending distance of their boxes, as no cell whose box is
+  /// farther than the best one can be better.
+  template <class Cell>
+  static Place nearestPlace(const CellKind& kind, const std::vector<Cell>& cells, const std::vector<Vec3>& body,
+                            const Tree& tree, const Vec3& point, std::size_t& cell) {
+    const Point p = toPoint(point);
+    Place best;
+    best.distance = std::numeric_limits<double>::infinity();
+    for (auto found = tree.qbegin(bg::index::nearest(p, unsigned(cells.size()))); found != tree.qend(); ++found) {
+      if (bg::distance(found->first, p) >= best.distance) break;
+      const Place place = placeIn(kind, cornersOf(cells[found->second], body).data(), point);
+      if (place.distance < best.distance) best = place, cell = found->second;
+      if (best.distance == 0) break;
+    }
+    return best;
   }
 
   Link<Topology> input_topology_{"topology"}, output_topology_{"topology"};

@@ -36,9 +36,9 @@ class DiagonalMass final : public MeshMass {
       for (std::size_t c = 0; c < cells().size(); ++c) {
         const MassCell& cell = cells()[c];
         cellMassMatrix(cell, geometry(), matrix);
-        for (int i = 0; i < cell.count; ++i)
-          for (int j = 0; j < cell.count; ++j)
-            masses_[cell.nodes[i]] += density(c) * matrix[std::size_t(i * cell.count + j)];
+        for (int i = 0; i < cell.kind->nodes; ++i)
+          for (int j = 0; j < cell.kind->nodes; ++j)
+            masses_[cell.nodes[i]] += density(c) * matrix[std::size_t(i * cell.kind->nodes + j)];
       }
     }
     checkMasses(masses_);

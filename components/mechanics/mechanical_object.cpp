@@ -23,7 +23,7 @@
 #include <numbers>
 
 #include "framework/mechanics/state.h"
-#include "framework/mesh/topology.h"
+#include "framework/mechanics/state_topology.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
@@ -132,7 +132,7 @@ class MechanicalObject final : public State {
   void findPositions() {
     if (!position.empty()) return;
     const Topology* mesh = topology_.get();
-    if (!mesh && rest_position.empty() && use_topology_) mesh = find<Topology>(false);
+    if (!mesh && rest_position.empty() && use_topology_) mesh = firstTopology(*this, false);
     if (!rest_position.empty()) {
       position = rest_position;
     } else if (mesh) {

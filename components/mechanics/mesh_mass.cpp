@@ -3,20 +3,20 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+
+#include "framework/mechanics/state_topology.h"
+#include "framework/mesh/cell_lists.h"
+#include "framework/mesh/simplex_size.h"
 
 namespace stroma {
 
 // ---- integrals ----
 
 namespace {
-
-constexpr int corner_signs[8][3] = {{-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, -1},
-                                    {-1, -1, 1},  {1, -1, 1},  {1, 1, 1},  {-1, 1, 1}};
 
 /// V (1 + delta_ij) / ((d + 1)(d + 2)), count = d + 1.
 void simplexMatrix(int count, double size, CellMatrix& out) {
@@ -25,53 +25,29 @@ void simplexMatrix(int count, double size, CellMatrix& out) {
     for (int j = 0; j < count; ++j) out[std::size_t(i * count + j)] = i == j ? 2 * entry : entry;
 }
 
-/// Shape functions N_i = prod_a (1 + s_ia xi_a) / 2 of a quad (dimension 2) or a hexahedron (3) at a Gauss point, and
-/// the measure det dx/dxi (the area's length in two dimensions).
-struct GaussPoint {
-  std::array<double, 8> shape{};
-  double measure = 0;
-};
-
-GaussPoint gaussPoint(int dimension, int point, const MassCell& cell, const std::vector<Vec3>& position) {
-  GaussPoint result;
+/// det dx/dxi of a volume, or the area over that of the reference cell.
+double measureAt(const CellKind& kind, const LocalPoint& xi, const Vec3* x) {
+  std::array<LocalPoint, most_cell_nodes> slopes;
+  kind.gradients(xi, slopes.data());
   Mat3 jacobian = Mat3::Zero();
-  for (int i = 0; i < cell.count; ++i) {
-    std::array<double, 3> factor{1, 1, 1}, slope{0, 0, 0};
-    for (int a = 0; a < dimension; ++a) {
-      factor[a] = 0.5 * (1 + corner_signs[i][a] * corner_signs[point][a] / std::sqrt(3.0));
-      slope[a] = 0.5 * corner_signs[i][a];
-    }
-    result.shape[i] = factor[0] * factor[1] * factor[2];
-    const Vec3 gradient(slope[0] * factor[1] * factor[2], factor[0] * slope[1] * factor[2],
-                        factor[0] * factor[1] * slope[2]);
-    jacobian += position[cell.nodes[i]] * gradient.transpose();
-  }
-  result.measure = dimension == 3 ? jacobian.determinant() : jacobian.col(0).cross(jacobian.col(1)).norm();
-  return result;
+  for (int a = 0; a < kind.nodes; ++a) jacobian += x[a] * Vec3(slopes[a][0], slopes[a][1], slopes[a][2]).transpose();
+  return kind.dimension == 3 ? jacobian.determinant() : jacobian.col(0).cross(jacobian.col(1)).norm();
 }
 
 }  // namespace
 
 void cellMassMatrix(const MassCell& cell, const std::vector<Vec3>& position, CellMatrix& out) {
-  const auto at = [&](int i) -> const Vec3& { return position[cell.nodes[i]]; };
-  switch (cell.shape) {
-    case MassCell::Shape::edge:
-      return simplexMatrix(2, (at(1) - at(0)).norm(), out);
-    case MassCell::Shape::triangle:
-      return simplexMatrix(3, 0.5 * (at(1) - at(0)).cross(at(2) - at(0)).norm(), out);
-    case MassCell::Shape::tetrahedron:
-      return simplexMatrix(4, tetrahedronVolume(at(0), at(1), at(2), at(3)), out);
-    case MassCell::Shape::quad:
-    case MassCell::Shape::hexahedron:
-      break;
-  }
+  const CellKind& kind = *cell.kind;
+  std::array<Vec3, most_cell_nodes> x;
+  for (int a = 0; a < kind.nodes; ++a) x[a] = position[cell.nodes[a]];
+  if (kind.affine) return simplexMatrix(kind.nodes, simplexSize(kind.dimension, x.data()), out);
   out.fill(0);
-  const int dimension = cell.shape == MassCell::Shape::quad ? 2 : 3;
-  for (int point = 0; point < cell.count; ++point) {
-    const GaussPoint gauss = gaussPoint(dimension, point, cell, position);
-    for (int i = 0; i < cell.count; ++i)
-      for (int j = 0; j < cell.count; ++j)
-        out[std::size_t(i * cell.count + j)] += gauss.measure * gauss.shape[i] * gauss.shape[j];
+  std::array<double, most_cell_nodes> shape;
+  for (const QuadraturePoint& point : kind.rule(2).points) {
+    kind.shapes(point.xi, shape.data());
+    const double measure = point.weight * measureAt(kind, point.xi, x.data());
+    for (int i = 0; i < kind.nodes; ++i)
+      for (int j = 0; j < kind.nodes; ++j) out[std::size_t(i * kind.nodes + j)] += measure * shape[i] * shape[j];
   }
 }
 
@@ -128,42 +104,36 @@ void MeshMass::init() {
 }
 
 void MeshMass::findMesh() {
-  mesh_owner_ = topology_.get() ? topology_.get() : find<Topology>(true);
+  mesh_owner_ = findTopology(*this, state(), topology_);
   if (!mesh_owner_)
     throw ComponentError("there is no mesh whose cells could carry the mass",
                          "a topology in this node or above, or topology=\"@path\"", "UniformMass needs no mesh");
   const State& positions = geometry_state_.get() ? *geometry_state_.get() : state();
   geometry_ = compute_on_rest_ ? &positions.rest_position : &positions.position;
-  const std::size_t nodes = std::size_t(mesh_owner_->mesh().nodes());
-  if (nodes != std::size_t(state().size()) || geometry_->size() != nodes)
-    throw ComponentError(fmt::format("the mesh {} has {} nodes and the state {} has {}", mesh_owner_->path(), nodes,
-                                     geometry_->size() != nodes ? positions.path() : state().path(),
-                                     geometry_->size() != nodes ? geometry_->size() : std::size_t(state().size())),
-                         "as many nodes in both", "give topology=\"@path\" of the mesh that belongs to the state");
+  if (Index(geometry_->size()) != state().size())
+    throw ComponentError(fmt::format("{} has {} nodes and {} has {}", positions.path(), geometry_->size(),
+                                     state().path(), state().size()),
+                         "a geometryState of as many nodes as the state");
 }
 
 void MeshMass::collectCells(const Mesh& mesh) {
-  const auto add = [this](MassCell::Shape shape, const auto& list) {
-    for (const auto& cell : list) cells_.push_back({shape, cell.data(), int(cell.size())});
-  };
-  add(MassCell::Shape::tetrahedron, mesh.tetrahedra);
-  add(MassCell::Shape::hexahedron, mesh.hexahedra);
-  if (cells_.empty()) {
-    add(MassCell::Shape::triangle, mesh.triangles);
-    add(MassCell::Shape::quad, mesh.quads);
-  }
-  if (cells_.empty()) add(MassCell::Shape::edge, mesh.edges);
+  const int highest = highestDimension(mesh);
+  forEachCellList(
+      [&](const CellKind& kind, const auto& list) {
+        if (kind.dimension == highest)
+          for (const auto& cell : list) cells_.push_back({&kind, cell.data()});
+      },
+      mesh);
   if (cells_.empty())
     throw ComponentError("the mesh " + mesh_owner_->path() + " has no cells that could carry the mass",
                          "tetrahedra, hexahedra, triangles, quads or edges", "UniformMass needs no cells");
 }
 
 std::string MeshMass::cellName(std::size_t cell) const {
-  static constexpr const char* words[] = {"edge", "triangle", "quad", "tetrahedron", "hexahedron"};
   std::size_t first = cell;
-  while (first > 0 && cells_[first - 1].shape == cells_[cell].shape) --first;
-  std::string text = fmt::format("{} {} (nodes", words[int(cells_[cell].shape)], cell - first);
-  for (int i = 0; i < cells_[cell].count; ++i) text += fmt::format(" {}", cells_[cell].nodes[i]);
+  while (first > 0 && cells_[first - 1].kind == cells_[cell].kind) --first;
+  std::string text = fmt::format("{} {} (nodes", cells_[cell].kind->singular, cell - first);
+  for (int i = 0; i < cells_[cell].kind->nodes; ++i) text += fmt::format(" {}", cells_[cell].nodes[i]);
   return text + ")";
 }
 
@@ -178,7 +148,7 @@ void MeshMass::findDensities(double overlap) {
   for (std::size_t i = 0; i < cells_.size(); ++i) {
     cellMassMatrix(cells_[i], *geometry_, matrix);
     double size = 0;
-    for (int k = 0; k < cells_[i].count * cells_[i].count; ++k) size += matrix[k];
+    for (int k = 0; k < cells_[i].kind->nodes * cells_[i].kind->nodes; ++k) size += matrix[k];
     if (!(size >= 0))
       throw ComponentError(fmt::format("{} of {} has a volume of {:.3g}, so its mass would be negative", cellName(i),
                                        mesh_owner_->path(), size),
@@ -202,7 +172,7 @@ void MeshMass::findDensities(double overlap) {
 void MeshMass::checkMasses(const std::vector<double>& masses) const {
   std::vector<char> used(masses.size(), isNodal());
   for (const MassCell& cell : cells_)
-    for (int i = 0; i < cell.count; ++i) used[cell.nodes[i]] = 1;
+    for (int i = 0; i < cell.kind->nodes; ++i) used[cell.nodes[i]] = 1;
   const auto unused = std::count(used.begin(), used.end(), 0);
   if (unused > 0) {
     const auto first = std::find(used.begin(), used.end(), 0) - used.begin();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 #include "framework/mechanics/mass.h"
+#include "framework/mesh/cell_kind.h"
 #include "framework/mesh/topology.h"
 
 namespace stroma {
@@ -8,16 +9,14 @@ namespace stroma {
 /// integral of N_i N_j over a cell, row-major count x count, [m^d] with d the cell's dimension.
 using CellMatrix = std::array<double, 64>;
 
-/// A cell that carries mass: `count` node indices at `nodes` (2 edge, 3 triangle, 4 tetrahedron or quad, 8 hexahedron).
+/// A cell that carries mass: kind->nodes node indices at `nodes`.
 struct MassCell {
-  enum class Shape { edge, triangle, quad, tetrahedron, hexahedron };
-  Shape shape = Shape::tetrahedron;
+  const CellKind* kind = nullptr;
   const Index* nodes = nullptr;
-  int count = 0;
 };
 
 /// Fills the first count * count numbers. Simplices: V (1 + delta_ij) / ((d + 1)(d + 2)), with the sign of V for a
-/// tetrahedron; quads and hexahedra: two Gauss points per axis.
+/// tetrahedron; other cells: the quadrature of degree 2.
 void cellMassMatrix(const MassCell& cell, const std::vector<Vec3>& position, CellMatrix& out);
 
 /// What masses given by a mesh share: where the cells and positions are, and how density, total mass and nodal masses

@@ -132,9 +132,9 @@ class MeshMatrixMass final : public MeshMass {
     for (std::size_t c = 0; c < cells().size(); ++c) {
       const MassCell& cell = cells()[c];
       cellMassMatrix(cell, geometry(), matrix);
-      for (int i = 0; i < cell.count; ++i)
-        for (int j = 0; j < cell.count; ++j) {
-          const double mass = density(c) * matrix[std::size_t(i * cell.count + j)];
+      for (int i = 0; i < cell.kind->nodes; ++i)
+        for (int j = 0; j < cell.kind->nodes; ++j) {
+          const double mass = density(c) * matrix[std::size_t(i * cell.kind->nodes + j)];
           values_[find(cell.nodes[i], cell.nodes[j])] += mass;
           row_sums_[cell.nodes[i]] += mass;
         }
@@ -172,9 +172,9 @@ class MeshMatrixMass final : public MeshMass {
   void findPairs() {
     std::vector<std::vector<Index>> neighbours(std::size_t(state().size()));
     for (const MassCell& cell : cells())
-      for (int i = 0; i < cell.count; ++i) {
+      for (int i = 0; i < cell.kind->nodes; ++i) {
         auto& list = neighbours[cell.nodes[i]];
-        list.insert(list.end(), cell.nodes, cell.nodes + cell.count);
+        list.insert(list.end(), cell.nodes, cell.nodes + cell.kind->nodes);
       }
     compress(neighbours);
   }

@@ -29,8 +29,12 @@ class UniformMass final : public Mass {
  public:
   void declare(DataTable& table) override {
     Mass::declare(table);
-    table.add("vertexMass", vertex_mass_).help("mass of each node; wins over totalMass").unit("kg").min(0, false);
-    table.add("totalMass", total_mass_).help("mass of all nodes together").unit("kg").min(0, false);
+    table.add("vertexMass", vertex_mass_)
+        .recompiled()
+        .help("mass of each node; wins over totalMass")
+        .unit("kg")
+        .min(0, false);
+    table.add("totalMass", total_mass_).recompiled().help("mass of all nodes together").unit("kg").min(0, false);
     table.add("indices", indices_).help("nodes that have mass; all when not given");
     table.add("localRange", range_).help("first and last node that have mass; -1 -1: all");
     for (const char* without_effect : {"preserveTotalMass", "compute_mapping_inertia"})
@@ -61,11 +65,11 @@ class UniformMass final : public Mass {
     if (!everywhere_) return Mass::addProduct(p, factor, out);
     constexpr Index piece_rows = 16384;
     const Index size = state().size();
-    const std::size_t first = std::size_t(state().firstRow()) * row_doubles;
+    const ConstRows from = state().segment(p);
+    const Rows to = state().segment(out);
     parallelFor(int((size + piece_rows - 1) / piece_rows), [&](int piece) {
-      const std::size_t begin = first + std::size_t(piece) * piece_rows * row_doubles;
-      const Index count = std::min(piece_rows, size - piece * piece_rows);
-      axpy(factor * vertex_mass_, ConstRows{p.data + begin, count}, Rows{out.data + begin, count});
+      const Index first = piece * piece_rows, count = std::min(piece_rows, size - first);
+      axpy(factor * vertex_mass_, from.segment(first, count), to.segment(first, count));
     });
   }
 

@@ -19,19 +19,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdio>
-#include <filesystem>
 
+#include "components/output/table_file.h"
 #include "framework/scene/factory.h"
 #include "framework/simulation/simulation.h"
 #include "framework/simulation/state_file.h"
 
 namespace stroma {
 namespace {
-
-struct CloseFile {
-  void operator()(std::FILE* file) const { std::fclose(file); }
-};
 
 class EnergyMonitor final : public Observer {
  public:
@@ -41,16 +36,17 @@ class EnergyMonitor final : public Observer {
   }
 
   void begin(const Simulation& simulation) override {
-    const std::filesystem::path folder = std::filesystem::path(file_name_.found).parent_path();
-    std::error_code ignored;  // opening the file says what is wrong
-    if (!folder.empty()) std::filesystem::create_directories(folder, ignored);
-    file_.reset(std::fopen(file_name_.found.c_str(), "w"));
-    if (!file_) throw ComponentError(fmt::format("{}: cannot write {}", path(), file_name_.found));
     const bool conservative =
         std::ranges::all_of(simulation.systems(), [](const auto& system) { return system->isConservative(); });
-    fmt::print(file_.get(), "# time [s], energies [J]: kinetic elastic gravity total defect\n{}",
-               conservative ? "" : "# some force fields have no potential: the defect contains their work\n");
-    write(simulation, simulation.time(), true);
+    const std::string head =
+        fmt::format("# time [s], energies [J]: kinetic elastic gravity total defect\n{}",
+                    conservative ? "" : "# some force fields have no potential: the defect contains their work\n");
+    if (file_.open(path(), file_name_.found, simulation.steps() > 0, head))
+      write(simulation, simulation.time(), simulation.steps() == 0);
+  }
+  void serialize(Archive& archive) override {
+    file_.serialize(archive, "end_of_file");
+    archive.value("total_at_start", total_at_start_);
   }
 
   void afterStep(const Simulation& simulation, const StepContext& context) override {
@@ -58,7 +54,7 @@ class EnergyMonitor final : public Observer {
   }
 
   bool readsAllNodes(const StepContext& context) const override { return context.index % every_ == 0; }
-  void end(const Simulation&) override { file_.reset(); }
+  void end(const Simulation&) override { file_.close(); }
 
   std::string describe() const override {
     return fmt::format("evaluates the energies and writes them to {} every {} step{}", file_name_.given, every_,
@@ -80,14 +76,13 @@ class EnergyMonitor final : public Observer {
     for (const double energy : {kinetic, elastic, gravity, total, total - total_at_start_})
       appendNumber(line_ += ' ', energy);
     line_ += '\n';
-    if (std::fwrite(line_.data(), 1, line_.size(), file_.get()) != line_.size())
-      throw ComponentError(fmt::format("{}: cannot write: is the disk full?", path()));
+    file_.write(line_);
   }
 
   FileName file_name_;
   int every_ = 1;
 
-  std::unique_ptr<std::FILE, CloseFile> file_;
+  TableFile file_;
   double total_at_start_ = 0;
   std::string line_;
 };

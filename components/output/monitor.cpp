@@ -16,20 +16,13 @@
 // </Node>
 #include <fmt/format.h>
 
-#include <cstdio>
-#include <filesystem>
-
+#include "components/output/table_file.h"
 #include "framework/scene/factory.h"
 #include "framework/simulation/simulation.h"
 #include "framework/simulation/state_file.h"
 
 namespace stroma {
 namespace {
-
-struct CloseFile {
-  void operator()(std::FILE* file) const { std::fclose(file); }
-};
-using File = std::unique_ptr<std::FILE, CloseFile>;
 
 class Monitor final : public Observer {
  public:
@@ -62,17 +55,26 @@ class Monitor final : public Observer {
   void begin(const Simulation& simulation) override {
     if (!state_->isBound())
       throw ComponentError(fmt::format("{}: no integrator moves the state {}", path(), state_->path()));
-    files_.clear();
-    if (export_x_) open("x", "positions [m]");
-    if (export_v_) open("v", "velocities [m/s]");
-    if (export_f_) open("f", "forces [N]");
+    goes_on_ = simulation.steps() > 0;
+    bool is_new = false;
+    if (export_x_) is_new = open(x_file_, "x", "positions [m]") || is_new;
+    if (export_v_) is_new = open(v_file_, "v", "velocities [m/s]") || is_new;
+    if (export_f_) is_new = open(f_file_, "f", "forces [N]") || is_new;
+    if (!is_new) return;
     if (export_f_)
       for (const auto& system : simulation.systems()) system->computeForce(system->x, system->v, system->f);
     write(simulation.time());
   }
 
   void afterStep(const Simulation&, const StepContext& context) override { write(context.t_end); }
-  void end(const Simulation&) override { files_.clear(); }
+  void end(const Simulation&) override {
+    for (TableFile* file : {&x_file_, &v_file_, &f_file_}) file->close();
+  }
+  void serialize(Archive& archive) override {
+    x_file_.serialize(archive, "end_of_x");
+    v_file_.serialize(archive, "end_of_v");
+    f_file_.serialize(archive, "end_of_f");
+  }
   bool readsAllNodes(const StepContext&) const override { return false; }
   void addWatchedNodes(const State& state, std::vector<Index>& nodes) const override {
     if (&state == state_) nodes.insert(nodes.end(), nodes_.begin(), nodes_.end());
@@ -87,34 +89,24 @@ class Monitor final : public Observer {
  private:
   std::string stem() const { return file_name_.empty() ? name() : file_name_.found; }
 
-  void open(const char* ending, const char* quantity) {
-    const std::string file_name = fmt::format("{}_{}.txt", stem(), ending);
-    const std::filesystem::path folder = std::filesystem::path(file_name).parent_path();
-    std::error_code ignored;  // opening the file says what is wrong
-    if (!folder.empty()) std::filesystem::create_directories(folder, ignored);
-    File file(std::fopen(file_name.c_str(), "w"));
-    if (!file) throw ComponentError(fmt::format("{}: cannot write {}", path(), file_name));
-    fmt::print(file.get(), "# {} of {}\n# column 1: time [s]; then x y z of nodes", quantity, state_->path());
-    for (const int node : nodes_) fmt::print(file.get(), " {}", node);
-    fmt::print(file.get(), "\n");
-    files_.push_back(std::move(file));
+  bool open(TableFile& file, const char* ending, const char* quantity) {
+    std::string head = fmt::format("# {} of {}\n# column 1: time [s]; then x y z of nodes", quantity, state_->path());
+    for (const int node : nodes_) head += fmt::format(" {}", node);
+    return file.open(path(), fmt::format("{}_{}.txt", stem(), ending), goes_on_, head + "\n");
   }
 
   void write(double t) {
-    auto file = files_.begin();
-    if (export_x_) writeLine(*file++, t, state_->x());
-    if (export_v_) writeLine(*file++, t, state_->v());
-    if (export_f_) writeLine(*file++, t, state_->f());
+    if (export_x_) writeLine(x_file_, t, state_->x());
+    if (export_v_) writeLine(v_file_, t, state_->v());
+    if (export_f_) writeLine(f_file_, t, state_->f());
   }
 
-  void writeLine(File& file, double t, ConstRows rows) {
+  void writeLine(TableFile& file, double t, ConstRows rows) {
     line_.clear();
     appendNumber(line_, t);
     for (const int node : nodes_)
       for (int c = 0; c < 3; ++c) appendNumber(line_ += ' ', rows[node][c]);
-    line_ += '\n';
-    if (std::fwrite(line_.data(), 1, line_.size(), file.get()) != line_.size())
-      throw ComponentError(fmt::format("{}: cannot write: is the disk full?", path()));
+    file.write(line_ += '\n');
   }
 
   Link<State> mstate_{"mechanical state"};
@@ -123,7 +115,8 @@ class Monitor final : public Observer {
   FileName file_name_;
 
   State* state_ = nullptr;
-  std::vector<File> files_;
+  TableFile x_file_, v_file_, f_file_;
+  bool goes_on_ = false;  ///< from a checkpoint
   std::string line_;
 };
 

@@ -4,7 +4,8 @@
 // For every instant written, the file has a line `T= t` and, indented below it, `X= x0 y0 z0 x1 ...` [m] and on request
 // `X0=` (rest positions [m]), `V=` (velocities [m/s]) and `F=` (forces [N]). Numbers have the fewest digits that read
 // back to the same bits. A name that ends in ".gz" gives a compressed file. The file gets its name when the run ends,
-// also when it ends because a step diverged; until then it is called <filename>.part.
+// also when it ends because a step diverged; until then it is called <filename>.part. A run that goes on from a checkpoint
+// keeps the instants up to there, if the file of the run before has its name.
 //
 // Instants: `time` lists times to write; after the last of them, or from the start when there are none, one instant
 // every `period`. With neither, every step. An instant is written by the first step that reaches it. Where SOFA acts
@@ -21,6 +22,7 @@
 // </Node>
 #include <fmt/format.h>
 
+#include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
 #include "framework/simulation/simulation.h"
 #include "framework/simulation/state_file.h"
@@ -64,9 +66,11 @@ class WriteState final : public Observer {
     if (!state_->isBound())
       throw ComponentError(fmt::format("{}: no integrator moves the state {}", path(), state_->path()));
     writer_.emplace(file_name_.found);
-    next_time_ = 0;
-    periods_ = 0;
-    start_ = simulation.time();
+    if (simulation.steps() > 0) {
+      if (keepInstants(*writer_, simulation.time())) return;
+    } else {
+      start_ = simulation.time(), next_time_ = 0, periods_ = 0;
+    }
     if (write_f_)
       for (const auto& system : simulation.systems()) system->computeForce(system->x, system->v, system->f);
     if (isDue(simulation.time(), simulation.dt())) write(simulation.time());
@@ -79,6 +83,12 @@ class WriteState final : public Observer {
   void end(const Simulation&) override {
     if (writer_) writer_->close();
     writer_.reset();
+  }
+
+  void serialize(Archive& archive) override {
+    archive.value("start", start_);
+    archive.value("next_time", next_time_);
+    archive.value("periods", periods_);
   }
 
   std::string describe() const override {

@@ -43,8 +43,9 @@
 
 #include "framework/mechanics/factor_over_time.h"
 #include "framework/mechanics/position_constraint.h"
+#include "framework/mechanics/state_topology.h"
+#include "framework/mesh/cell_lists.h"
 #include "framework/mesh/closed_surface.h"
-#include "framework/mesh/topology.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
@@ -137,7 +138,7 @@ void VolumeConstraint::declare(DataTable& table) {
 void VolumeConstraint::init() {
   PositionConstraint::init();
   factor_.check();
-  const Topology* topology = topology_.target() ? topology_.get() : find<Topology>(true);
+  const Topology* topology = findTopology(*this, state(), topology_, MeshNodes::first);
   if (!topology) throw ComponentError("there is no mesh", "a topology with a closed surface in this node or above");
   collectSurface(topology->mesh());
   if (faces_.empty())
@@ -151,7 +152,7 @@ void VolumeConstraint::init() {
 }
 
 void VolumeConstraint::collectSurface(const Mesh& mesh) {
-  const bool solid = !mesh.tetrahedra.empty() || !mesh.hexahedra.empty();
+  const bool solid = highestDimension(mesh) == 3;
   if (mesh.overlap != 1 && solid)
     throw ComponentError("the cells cover the body more than once, so they have no single border",
                          "a mesh that covers it once, or its surface as triangles");
@@ -162,13 +163,7 @@ void VolumeConstraint::collectSurface(const Mesh& mesh) {
   checkClosed();
   std::vector<Index> index(std::size_t(state().size()), -1);
   for (const Face& face : faces_)
-    for (const Index node : face.nodes) {
-      if (node >= state().size())
-        throw ComponentError(
-            fmt::format("the surface names node {} and {} has {}", node, state().path(), state().size()),
-            "a mesh of the state's nodes");
-      index[node] = 0;
-    }
+    for (const Index node : face.nodes) index[node] = 0;
   for (std::size_t node = 0; node < index.size(); ++node)
     if (index[node] == 0) index[node] = Index(nodes_.size()), nodes_.push_back(Index(node));
   for (Face& face : faces_)

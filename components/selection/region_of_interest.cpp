@@ -27,10 +27,12 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <cctype>
 #include <cmath>
 
-#include "framework/mechanics/state.h"
-#include "framework/mesh/topology.h"
+#include "framework/mechanics/state_topology.h"
+#include "framework/mesh/cell_attributes.h"
+#include "framework/mesh/cell_lists.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
@@ -53,39 +55,29 @@ class RegionOfInterest : public Component {
     std::vector<Cell> cells;  ///< tested
     std::vector<int> indices, outside;
     std::vector<Cell> inside_cells;
+    bool wanted = true;
   };
-  template <class Cell>
-  void declareCells(DataTable& table, Selection<Cell>& selection, const std::string& one, const std::string& many,
-                    const std::string& alias);
+  struct Selections {
+    Selection<Edge> edges;
+    Selection<Triangle> triangles;
+    Selection<Quad> quads;
+    Selection<Tetrahedron> tetrahedra;
+    Selection<Hexahedron> hexahedra;
+  };
+  void forget();
   void findPositions();
+  void takeCells();
   template <class Cell>
-  void takeCells(Selection<Cell>& selection, const char* attribute, const std::vector<Cell>& from);
-  template <class Cell>
-  void select(Selection<Cell>& selection, bool wanted) const;
+  void select(Selection<Cell>& selection) const;
   [[noreturn]] void failEmpty() const;
 
   std::vector<Vec3> position_, points_inside_, points_outside_;
   std::vector<int> indices_, outside_;
   int count_ = 0;
-  Selection<Edge> edges_;
-  Selection<Triangle> triangles_;
-  Selection<Quad> quads_;
-  Selection<Tetrahedron> tetrahedra_;
-  Selection<Hexahedron> hexahedra_;
-  bool do_edges_ = true, do_triangles_ = true, do_quads_ = true, do_tetrahedra_ = true, do_hexahedra_ = true;
+  Selections cells_;
   bool strict_ = true, allow_empty_ = false, update_ = false;
   std::vector<char> inside_;  ///< of each node
 };
-
-template <class Cell>
-void RegionOfInterest::declareCells(DataTable& table, Selection<Cell>& selection, const std::string& one,
-                                    const std::string& many, const std::string& alias) {
-  Data& given = table.add(many, selection.cells).help(many + " tested; default: those of the topology");
-  if (!alias.empty()) given.alias(alias);
-  table.add(one + "Indices", selection.indices).help(many + " inside, by index").output();
-  table.add(one + "OutIndices", selection.outside).help(many + " outside, by index").output();
-  table.add(many + "InROI", selection.inside_cells).help(many + " inside, by nodes").output();
-}
 
 void RegionOfInterest::declare(DataTable& table) {
   table.add("position", position_)
@@ -94,17 +86,23 @@ void RegionOfInterest::declare(DataTable& table) {
       .help("nodes tested; default: those of the state or topology");
   table.add("strict", strict_).help("a cell is inside when all its nodes are; false: when its centre is");
   table.add("allowEmpty", allow_empty_).help("an empty selection is no error");
-  table.add("computeEdges", do_edges_).help("select edges");
-  table.add("computeTriangles", do_triangles_).help("select triangles");
-  table.add("computeQuads", do_quads_).help("select quads");
-  table.add("computeTetrahedra", do_tetrahedra_).help("select tetrahedra");
-  table.add("computeHexahedra", do_hexahedra_).help("select hexahedra");
+  forEachCellList(
+      [&table](const CellKind& kind, auto& selection) {
+        std::string word(kind.plural);
+        word[0] = char(std::toupper(static_cast<unsigned char>(word[0])));
+        table.add("compute" + word, selection.wanted).help(fmt::format("select {}", kind.plural));
+      },
+      cells_);
   table.add("doUpdate", update_).help("accepted for SOFA's scenes: the selection is made once, at rest");
-  declareCells(table, edges_, "edge", "edges", "");
-  declareCells(table, triangles_, "triangle", "triangles", "");
-  declareCells(table, quads_, "quad", "quads", "");
-  declareCells(table, tetrahedra_, "tetrahedron", "tetrahedra", "tetras");
-  declareCells(table, hexahedra_, "hexahedron", "hexahedra", "hexas");
+  forEachCellList(
+      [&table](const CellKind& kind, auto& selection) {
+        const std::string one(kind.singular), many(kind.plural);
+        addCellList(table, kind, selection.cells).help(many + " tested; default: those of the topology");
+        table.add(one + "Indices", selection.indices).help(many + " inside, by index").output();
+        table.add(one + "OutIndices", selection.outside).help(many + " outside, by index").output();
+        table.add(many + "InROI", selection.inside_cells).help(many + " inside, by nodes").output();
+      },
+      cells_);
   table.add("indices", indices_).help("nodes inside, ascending").output();
   table.add("indicesOut", outside_).alias("indicesOutside").help("nodes outside, ascending").output();
   table.add("pointsInROI", points_inside_).unit("m").help("positions of the nodes inside").output();
@@ -117,16 +115,10 @@ void RegionOfInterest::declare(DataTable& table) {
 
 void RegionOfInterest::init() {
   if (update_) warn("the selection is made once, at rest: doUpdate is not used", "doUpdate=\"false\"");
+  forget();
   prepare();
   findPositions();
-  if (const auto* topology = find<Topology>(true)) {
-    const Mesh& mesh = topology->mesh();
-    takeCells(edges_, "edges", mesh.edges);
-    takeCells(triangles_, "triangles", mesh.triangles);
-    takeCells(quads_, "quads", mesh.quads);
-    takeCells(tetrahedra_, "tetrahedra", mesh.tetrahedra);
-    takeCells(hexahedra_, "hexahedra", mesh.hexahedra);
-  }
+  takeCells();
   inside_.resize(position_.size());
   for (std::size_t n = 0; n < position_.size(); ++n) {
     inside_[n] = contains(position_[n]);
@@ -134,14 +126,25 @@ void RegionOfInterest::init() {
     (inside_[n] ? points_inside_ : points_outside_).push_back(position_[n]);
   }
   count_ = int(indices_.size());
-  select(edges_, do_edges_);
-  select(triangles_, do_triangles_);
-  select(quads_, do_quads_);
-  select(tetrahedra_, do_tetrahedra_);
-  select(hexahedra_, do_hexahedra_);
-  const bool any_cell = !edges_.indices.empty() || !triangles_.indices.empty() || !quads_.indices.empty() ||
-                        !tetrahedra_.indices.empty() || !hexahedra_.indices.empty();
+  bool any_cell = false;
+  forEachCellList(
+      [&](const CellKind&, auto& selection) {
+        if (selection.wanted) select(selection);
+        any_cell = any_cell || !selection.indices.empty();
+      },
+      cells_);
   if (indices_.empty() && !any_cell && !allow_empty_) failEmpty();
+}
+
+/// A selection that is made again starts from nothing.
+void RegionOfInterest::forget() {
+  for (std::vector<int>* list : {&indices_, &outside_}) list->clear();
+  for (std::vector<Vec3>* list : {&points_inside_, &points_outside_}) list->clear();
+  forEachCellList(
+      [](const CellKind&, auto& selection) {
+        selection.indices.clear(), selection.outside.clear(), selection.inside_cells.clear();
+      },
+      cells_);
 }
 
 void RegionOfInterest::findPositions() {
@@ -151,19 +154,23 @@ void RegionOfInterest::findPositions() {
   }
   for (const bool upwards : {false, true}) {
     if (const auto* state = find<State>(upwards)) return void(position_ = state->rest_position);
-    if (const auto* topology = find<Topology>(upwards)) return void(position_ = topology->mesh().position);
+    if (const auto* topology = firstTopology(*this, upwards)) return void(position_ = topology->mesh().position);
   }
   throw ComponentError("there are no nodes to select from", "a state or topology in the node or above, or position");
 }
 
-template <class Cell>
-void RegionOfInterest::takeCells(Selection<Cell>& selection, const char* attribute, const std::vector<Cell>& from) {
-  if (!data().find(attribute)->isSet()) selection.cells = from;
+void RegionOfInterest::takeCells() {
+  const Topology* topology = findTopology(*this, Index(position_.size()), "position", MeshNodes::first);
+  if (!topology) return;
+  forEachCellList(
+      [this](const CellKind& kind, auto& selection, const auto& from) {
+        if (!data().find(kind.plural)->isSet()) selection.cells = from;
+      },
+      cells_, topology->mesh());
 }
 
 template <class Cell>
-void RegionOfInterest::select(Selection<Cell>& selection, bool wanted) const {
-  if (!wanted) return;
+void RegionOfInterest::select(Selection<Cell>& selection) const {
   for (std::size_t c = 0; c < selection.cells.size(); ++c) {
     const Cell& cell = selection.cells[c];
     bool all = true;
@@ -194,8 +201,9 @@ void RegionOfInterest::failEmpty() const {
 class BoxROI : public RegionOfInterest {
  public:
   void declare(DataTable& table) override {
-    table.add("box", box_).unit("m").help("boxes of six numbers: one corner and the opposite one");
+    table.add("box", box_).recompiled().unit("m").help("boxes of six numbers: one corner and the opposite one");
     table.add("orientedBox", oriented_box_)
+        .recompiled()
         .unit("m")
         .help("boxes of ten numbers: three corners of a face, and the depth");
     RegionOfInterest::declare(table);
@@ -227,6 +235,7 @@ void BoxROI::prepare() {
   if (oriented_box_.size() % 10 != 0)
     throw ComponentError(fmt::format("orientedBox has {} numbers", oriented_box_.size()),
                          "ten for each box: three points and a depth");
+  low_.clear(), high_.clear(), oriented_.clear();
   for (std::size_t i = 0; i < box_.size(); i += 6) {
     const Vec3 a(box_[i], box_[i + 1], box_[i + 2]), b(box_[i + 3], box_[i + 4], box_[i + 5]);
     low_.push_back(a.cwiseMin(b)), high_.push_back(a.cwiseMax(b));

@@ -22,7 +22,7 @@
 #include "framework/mechanics/factor_over_time.h"
 #include "framework/mechanics/node_indices.h"
 #include "framework/mechanics/spring_field.h"
-#include "framework/mesh/topology.h"
+#include "framework/mechanics/state_topology.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
@@ -73,7 +73,7 @@ class ContractileForceField final : public SpringField {
 
  private:
   void takeEdges() {
-    const Topology* topology = topology_.target() ? topology_.get() : find<Topology>(true);
+    const Topology* topology = findTopology(*this, state(), topology_, MeshNodes::first);
     if (!topology) throw ComponentError("there are no fibres", "edges=\"0 1  1 2\", or a topology with edges");
     edges_ = topology->mesh().allEdges();
     if (edges_.empty()) throw ComponentError(fmt::format("{} has no edges", topology->path()), "edges or cells");

@@ -55,7 +55,7 @@
 
 #include "components/shape_memory/shape_memory.h"
 #include "framework/mechanics/force_field.h"
-#include "framework/mesh/topology.h"
+#include "framework/mechanics/state_topology.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
@@ -125,13 +125,9 @@ void ShapeMemoryForceField::declare(DataTable& table) {
 
 void ShapeMemoryForceField::init() {
   ForceField::init();
-  const Topology* topology = topology_.target() ? topology_.get() : find<Topology>(true);
+  const Topology* topology = findTopology(*this, state(), topology_, MeshNodes::first);
   if (!topology) throw ComponentError("there is no mesh", "a topology with cells in this node or above");
   mesh_ = &topology->mesh();
-  if (mesh_->nodes() > state().size())
-    throw ComponentError(
-        fmt::format("{} has {} nodes and {} has {}", topology->path(), mesh_->nodes(), state().path(), state().size()),
-        "a mesh of the state's nodes");
   if (reaction_ == ReactionWord::upright && frame_ == FrameWord::triangle)
     throw ComponentError("three neighbours lie in a plane: they are never upright nor inverted",
                          "reaction=\"true\" or \"false\", or frame=\"bestFit\"");

@@ -38,7 +38,7 @@
 #include <map>
 
 #include "framework/mechanics/spring_field.h"
-#include "framework/mesh/topology.h"
+#include "framework/mechanics/state_topology.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
@@ -86,15 +86,11 @@ class BendingSprings final : public SpringField {
 
   void init() override {
     ForceField::init();
-    const Topology* topology = topology_.get() ? topology_.get() : this->template find<Topology>(true);
+    const Topology* topology = findTopology(*this, this->state(), topology_);
     constexpr const char* word = std::tuple_size_v<Cell> == 3 ? "triangles" : "quads";
     if (!topology || cellsOf<Cell>(topology->mesh()).empty())
       throw ComponentError(fmt::format("no mesh in this node or above has {}", word),
                            fmt::format("a topology with {}", word));
-    if (topology->mesh().nodes() != state().size())
-      throw ComponentError(fmt::format("{} has {} nodes and {} has {}", topology->path(), topology->mesh().nodes(),
-                                       state().path(), state().size()),
-                           "a mesh and a state of the same nodes");
     if (range_.size() != 2) throw ComponentError(fmt::format("localRange has {} values", range_.size()), "2 values");
     std::map<Edge, bool> springs;
     for (const auto& [edge, wings] : wingsOf(cellsOf<Cell>(topology->mesh())))

@@ -34,7 +34,7 @@
 #include <map>
 
 #include "framework/mechanics/node_group_field.h"
-#include "framework/mesh/topology.h"
+#include "framework/mechanics/state_topology.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
@@ -54,13 +54,9 @@ class FastTriangularBendingSprings final : public NodeGroupField<4> {
 
   void init() override {
     ForceField::init();
-    const Topology* topology = topology_.get() ? topology_.get() : find<Topology>(true);
+    const Topology* topology = findTopology(*this, state(), topology_);
     if (!topology || topology->mesh().triangles.empty())
       throw ComponentError("no mesh in this node or above has triangles", "a topology with triangles");
-    if (topology->mesh().nodes() != state().size())
-      throw ComponentError(fmt::format("{} has {} nodes and {} has {}", topology->path(), topology->mesh().nodes(),
-                                       state().path(), state().size()),
-                           "a mesh and a state of the same nodes");
     std::map<Edge, std::vector<Index>> opposite;
     for (const Triangle& t : topology->mesh().triangles)
       for (std::size_t i = 0; i < 3; ++i) {

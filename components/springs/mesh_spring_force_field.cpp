@@ -39,8 +39,8 @@
 #include <set>
 
 #include "framework/mechanics/spring_field.h"
+#include "framework/mechanics/state_topology.h"
 #include "framework/mesh/cell_faces.h"
-#include "framework/mesh/topology.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
@@ -82,12 +82,8 @@ class MeshSprings : public SpringField {
   /// The mesh of the springs. Throws ComponentError.
   const Mesh& findMesh() {
     ForceField::init();
-    const Topology* topology = topology_.get() ? topology_.get() : find<Topology>(true);
+    const Topology* topology = findTopology(*this, state(), topology_);
     if (!topology) throw ComponentError("no mesh gives the springs", "a topology in this node or above");
-    if (topology->mesh().nodes() != state().size())
-      throw ComponentError(fmt::format("{} has {} nodes and {} has {}", topology->path(), topology->mesh().nodes(),
-                                       state().path(), state().size()),
-                           "a mesh and a state of the same nodes");
     if (range_.size() != 2) throw ComponentError(fmt::format("localRange has {} values", range_.size()), "2 values");
     return topology->mesh();
   }

@@ -34,6 +34,7 @@ class RestShapeSpringsForceField final : public NodeGroupField<1> {
     ForceField::declare(table);
     table.add("points", points_).alias("indices").help("nodes with a spring; every node when not given");
     table.add("stiffness", stiffness_constants_)
+        .recompiled()
         .help("spring constant, one per point or one for all")
         .unit("N/m")
         .min(0);
@@ -115,6 +116,7 @@ class RestShapeSpringsForceField final : public NodeGroupField<1> {
             fmt::format("external_points has {} values for {} points", external_nodes_.size(), nodes_.size()),
             "as many of each");
     }
+    targets_.clear();
     for (std::size_t i = 0; i < nodes_.size(); ++i)
       targets_.push_back(other ? other->position[external_nodes_[i]] : state().rest_position[nodes_[i]]);
   }

@@ -44,9 +44,13 @@ class SpringForceField final : public SpringField {
     table.add("spring", all_in_one_).help("five numbers per spring: node, node, stiffness, damping, rest length");
     table.add("springsIndices1", indices1_).alias("indices1").help("first node of each spring");
     table.add("springsIndices2", indices2_).alias("indices2").help("second node of each spring");
-    table.add("lengths", lengths_).alias("length").help("length at rest").unit("m").min(0);
-    table.add("stiffness", stiffness_).help("spring constant").unit("N/m").min(0);
-    table.add("damping", damping_).help("force along the spring over its speed of elongation").unit("N s/m").min(0);
+    table.add("lengths", lengths_).recompiled().alias("length").help("length at rest").unit("m").min(0);
+    table.add("stiffness", stiffness_).recompiled().help("spring constant").unit("N/m").min(0);
+    table.add("damping", damping_)
+        .recompiled()
+        .help("force along the spring over its speed of elongation")
+        .unit("N s/m")
+        .min(0);
     table.add("elongationOnly", elongation_only_).help("no force while the spring is shorter than at rest");
     table.add("enabled", enabled_).help("false: the spring is left out");
   }

@@ -31,11 +31,14 @@ void append(const Hexahedron& cell, const std::array<Corners, N>& corners, std::
   for (const Corners& c : corners) out.push_back({cell[c[0]], cell[c[1]], cell[c[2]], cell[c[3]]});
 }
 
+/// Local nodes of a face.
+const std::array<int, 4>& faceOf(int face) { return cell_kinds::hexahedron.faces[face].nodes; }
+
 using FaceNodes = std::array<Index, 4>;
 
 FaceNodes nodesOf(const std::vector<Hexahedron>& cells, const CellFace& where) {
   FaceNodes nodes;
-  for (std::size_t i = 0; i < 4; ++i) nodes[i] = cells[where.cell][hexahedron_faces[where.face][i]];
+  for (std::size_t i = 0; i < 4; ++i) nodes[i] = cells[where.cell][faceOf(where.face)[i]];
   return nodes;
 }
 
@@ -78,7 +81,7 @@ bool walk(const std::vector<Hexahedron>& cells, Start&& start, Across&& across) 
 
 /// True when the edge of corners 0 and 2 of local face `face` belongs to the cut (else the edge of 1 and 3 does).
 bool cutsFirstDiagonal(const std::array<Corners, 5>& corners, int face) {
-  const auto& f = hexahedron_faces[face];
+  const auto& f = faceOf(face);
   return std::any_of(corners.begin(), corners.end(), [&f](const Corners& c) {
     return std::count(c.begin(), c.end(), f[0]) + std::count(c.begin(), c.end(), f[2]) == 2;
   });
@@ -180,7 +183,7 @@ std::optional<std::vector<std::array<int, 3>>> gridPlaces(const std::vector<Hexa
       hexahedra, [](Index) {},
       [&](const CellFace& from, const CellFace& to, bool is_new) {
         if (to.face != opposite[from.face]) return false;
-        for (const int corner : hexahedron_faces[from.face])
+        for (const int corner : faceOf(from.face))
           if (hexahedra[from.cell][corner] != hexahedra[to.cell][along[axis[from.face]][corner]]) return false;
         std::array<int, 3> place = places[from.cell];
         place[axis[from.face]] += step[from.face];

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "framework/mesh/mesh.h"
+#include "framework/mesh/cell_lists.h"
 
 namespace stroma {
 
@@ -16,8 +16,9 @@ namespace stroma {
 /// has none. Empty lists: the file has none for this kind.
 struct GmshData {
   int width = 0;
-  std::vector<double> nodes, tetrahedra, hexahedra;
-  bool repeated = false;  ///< for several time steps; kept is the first
+  std::vector<double> nodes;
+  std::array<std::vector<double>, cell_types> cells;  ///< by CellType; volume cells only
+  bool repeated = false;                              ///< for several time steps; kept is the first
 };
 
 /// What a .msh file holds. Nodes are in the order of the file, whatever their tags.
@@ -26,7 +27,7 @@ struct GmshFile {
   bool binary = false;
   Mesh mesh;
   /// The physical group (tag) of each cell, 0 for none; shape as the mesh's lists.
-  std::vector<int> edge_groups, triangle_groups, quad_groups, tetrahedron_groups, hexahedron_groups;
+  PerCellList<std::vector<int>> groups;
   /// Names of physical groups by (dimension, tag).
   std::map<std::pair<int, int>, std::string> group_names;
   /// Views by name; only those after the elements.

@@ -32,6 +32,7 @@
 #include <fmt/format.h>
 
 #include "components/topology/cell_cuts.h"
+#include "framework/mesh/cell_attributes.h"
 #include "framework/mesh/topology.h"
 #include "framework/scene/factory.h"
 
@@ -46,7 +47,7 @@ class Hexa2TetraTopologicalMapping : public TopologicalMapping {
     table.addChoice("cutting", cutting_, {"six", "five", "five1", "five2", "ten"}).help("how a hexahedron is cut");
     table.add("swapping", swapping_).help("mirror the cut into six from cell to cell (grids)");
     table.add("position", mesh_.position).alias("points").unit("m").help("nodes").output();
-    table.add("tetrahedra", mesh_.tetrahedra).alias("tetras").help("the tetrahedra").output();
+    addCellList(table, cell_kinds::tetrahedron, mesh_.tetrahedra).help("the tetrahedra").output();
     table.add("stiffnessScale", stiffness_scale_)
         .unit("-")
         .output()

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "framework/mesh/cell_attributes.h"
 #include "framework/mesh/mesh_loader.h"
 
 namespace stroma {
@@ -10,11 +11,12 @@ namespace stroma {
 void MeshContainer::declare(DataTable& table) {
   table.add("position", mesh_.position).alias("points").unit("m").help("nodes");
   table.add("nbPoints", point_count_).min(0).help("number of nodes, checked against the positions");
-  table.add("edges", mesh_.edges).alias("lines").help("edges, two node numbers each");
-  table.add("triangles", mesh_.triangles).help("triangles, three node numbers each");
-  table.add("quads", mesh_.quads).help("quads, four node numbers each");
-  table.add("tetrahedra", mesh_.tetrahedra).alias("tetras").help("tetrahedra, four node numbers each");
-  table.add("hexahedra", mesh_.hexahedra).alias("hexas").help("hexahedra, eight node numbers each, in VTK's order");
+  forEachCellList(
+      [&table](const CellKind& kind, auto& cells) {
+        addCellList(table, kind, cells)
+            .help(fmt::format("{}, {} node numbers each, in VTK's order", kind.plural, kind.nodes));
+      },
+      mesh_);
   table.add("prisms", prisms_).alias("pentahedra").alias("pentas").help("not supported: an error when not empty");
   table.add("pyramids", pyramids_).help("not supported: an error when not empty");
   for (const char* name : {"drawEdges", "drawTriangles", "drawQuads", "drawTetrahedra", "drawHexahedra", "drawPoints",
@@ -32,10 +34,15 @@ void MeshContainer::finish() {
     throw ComponentError(fmt::format("nbPoints is {}, but there are {} positions", point_count_, mesh_.nodes()));
   if (const std::string error = mesh_.firstError(); !error.empty()) throw ComponentError(error);
   // Linked cells have been checked, and complained of, where they come from.
-  const bool volume_written = (data().find("tetrahedra")->isSet() || data().find("hexahedra")->isSet()) &&
-                              data().find("tetrahedra")->origin() != DataOrigin::linked &&
-                              data().find("hexahedra")->origin() != DataOrigin::linked;
-  if (volume_written) complainOfCells();
+  bool volume_written = false, volume_linked = false;
+  forEachCellList(
+      [&](const CellKind& kind, const auto&) {
+        const Data& given = *data().find(kind.plural);
+        volume_written = volume_written || (kind.dimension == 3 && given.isSet());
+        volume_linked = volume_linked || (kind.dimension == 3 && given.origin() == DataOrigin::linked);
+      },
+      mesh_);
+  if (volume_written && !volume_linked) complainOfCells();
 }
 
 void MeshContainer::complainOfCells() const {

@@ -40,11 +40,7 @@ class MeshGmshLoader : public MeshLoader {
     MeshLoader::declare(table);
     table.add("group", group_).help("physical group, by name or tag, whose nodes go to groupIndices");
     table.add("groupIndices", group_indices_).help("nodes of the physical group, ascending").output();
-    table.add("edgesGroups", edge_groups_).help("physical group of each edge of the file").output();
-    table.add("trianglesGroups", triangle_groups_).help("physical group of each triangle of the file").output();
-    table.add("quadsGroups", quad_groups_).help("physical group of each quad of the file").output();
-    table.add("tetrahedraGroups", tetrahedron_groups_).help("physical group of each tetrahedron").output();
-    table.add("hexahedraGroups", hexahedron_groups_).help("physical group of each hexahedron").output();
+    declareGroups(table, "physical group");
     declareDirections(table);
   }
 
@@ -55,11 +51,7 @@ class MeshGmshLoader : public MeshLoader {
       inform(fmt::format("{} {} of the file are not used", count, what));
     if (!group_.empty()) selectGroup(content);
     if (!directions_.array.empty()) readDirections(content);
-    edge_groups_ = std::move(content.edge_groups);
-    triangle_groups_ = std::move(content.triangle_groups);
-    quad_groups_ = std::move(content.quad_groups);
-    tetrahedron_groups_ = std::move(content.tetrahedron_groups);
-    hexahedron_groups_ = std::move(content.hexahedron_groups);
+    groups_ = std::move(content.groups);
     mesh = std::move(content.mesh);
   }
 
@@ -69,8 +61,7 @@ class MeshGmshLoader : public MeshLoader {
   int tagOf(const GmshFile& content, int dimension, bool& known) const;
 
   std::string group_;
-  std::vector<int> group_indices_, edge_groups_, triangle_groups_, quad_groups_, tetrahedron_groups_,
-      hexahedron_groups_;
+  std::vector<int> group_indices_;
 };
 
 /// The tag that `group` means for cells of a dimension: the same name may have a tag in each.
@@ -105,22 +96,20 @@ void MeshGmshLoader::readDirections(const GmshFile& content) {
     for (std::size_t i = 0; i + 2 < values.size(); i += 3) out.emplace_back(values[i], values[i + 1], values[i + 2]);
     return out;
   };
-  directions_.tetrahedra = vectors(data.tetrahedra), directions_.hexahedra = vectors(data.hexahedra);
   directions_.nodes = vectors(data.nodes);
+  forEachCellList([&](const CellKind& kind,
+                      std::vector<Vec3>& directions) { directions = vectors(data.cells[std::size_t(kind.type)]); },
+                  directions_.cells);
 }
 
 void MeshGmshLoader::selectGroup(const GmshFile& content) {
   bool known = false;
-  const auto collect = [&](const auto& cells, const std::vector<int>& groups, int dimension) {
-    const int tag = tagOf(content, dimension, known);
+  const auto collect = [&](const CellKind& kind, const auto& cells, const std::vector<int>& groups) {
+    const int tag = tagOf(content, kind.dimension, known);
     for (std::size_t c = 0; c < cells.size(); ++c)
       if (groups[c] == tag) group_indices_.insert(group_indices_.end(), cells[c].begin(), cells[c].end());
   };
-  collect(content.mesh.edges, content.edge_groups, 1);
-  collect(content.mesh.triangles, content.triangle_groups, 2);
-  collect(content.mesh.quads, content.quad_groups, 2);
-  collect(content.mesh.tetrahedra, content.tetrahedron_groups, 3);
-  collect(content.mesh.hexahedra, content.hexahedron_groups, 3);
+  forEachCellList(collect, content.mesh, content.groups);
   std::vector<std::string> names;
   names.reserve(content.group_names.size());
   for (const auto& [key, name] : content.group_names) names.push_back(name);

@@ -14,6 +14,7 @@
 
 #include "components/topology/gmsh_reader.h"
 #include "components/topology/mesh_container.h"
+#include "framework/mesh/cell_lists.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
@@ -33,9 +34,12 @@ class MeshTopology : public MeshContainer {
 
  private:
   void readFile() {
-    for (const char* name : {"position", "edges", "triangles", "quads", "tetrahedra", "hexahedra"})
+    const auto refuse = [this](std::string_view name) {
       if (data().find(name)->isSet())
         throw ComponentError(fmt::format("both filename and {} are given", name), "one of them");
+    };
+    refuse("position");
+    forEachCellList([&refuse](const CellKind& kind, const auto&) { refuse(kind.plural); }, mesh_);
     if (!filename_.given.ends_with(".msh"))
       throw ComponentError(fmt::format("filename {} is not a Gmsh file", filename_.given), "a .msh file",
                            "a loader of the format, and src=\"@loader\"");

@@ -17,6 +17,7 @@
 
 #include <cmath>
 
+#include "framework/mesh/cell_attributes.h"
 #include "framework/mesh/mesh_loader.h"
 #include "framework/mesh/topology.h"
 #include "framework/scene/factory.h"
@@ -73,10 +74,11 @@ void RegularGridTopology::declare(DataTable& table) {
                            "drawTetrahedra", "drawHexahedra", "drawPoints", "computeAllBuffers"})
     table.addVisualOnly(name);
   table.add("position", mesh_.position).alias("points").unit("m").help("nodes").output();
-  table.add("edges", mesh_.edges).alias("lines").help("edges").output();
-  table.add("triangles", mesh_.triangles).help("triangles").output();
-  table.add("quads", mesh_.quads).help("quads").output();
-  table.add("hexahedra", mesh_.hexahedra).alias("hexas").help("hexahedra").output();
+  forEachCellList(
+      [&table](const CellKind& kind, auto& cells) {
+        if (&kind != &cell_kinds::tetrahedron) addCellList(table, kind, cells).help(std::string(kind.plural)).output();
+      },
+      mesh_);
 }
 
 void RegularGridTopology::init() {

@@ -17,12 +17,11 @@
 
 #include "components/topology/mesh_container.h"
 #include "framework/mesh/cell_faces.h"
+#include "framework/mesh/cell_lists.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
 namespace {
-
-enum class CellKind { edge, triangle, quad, tetrahedron, hexahedron };
 
 class SetTopologyContainer : public MeshContainer {
  public:
@@ -35,22 +34,21 @@ class SetTopologyContainer : public MeshContainer {
   }
 
   void init() override {
-    if (kind == CellKind::tetrahedron) takeFromMapping();
+    if (kind == &cell_kinds::tetrahedron) takeFromMapping();
     finish();
     if (mainCells() == 0)
-      throw ComponentError(fmt::format("there are no {}", mainWord()),
-                           fmt::format("{}=\"...\", or src=\"@loader\"", mainWord()));
+      throw ComponentError(fmt::format("there are no {}", kind->plural),
+                           fmt::format("{}=\"...\", or src=\"@loader\"", kind->plural));
     if (create_triangles_ && mesh_.triangles.empty()) mesh_.triangles = uniqueFaces(mesh_.tetrahedra, false);
     if (create_quads_ && mesh_.quads.empty()) mesh_.quads = uniqueFaces(mesh_.hexahedra, false);
     if (create_edges_ && mesh_.edges.empty()) mesh_.edges = Mesh(mesh_).allEdges();
   }
 
-  CellKind kind = CellKind::edge;
+  const CellKind* kind = &cell_kinds::edge;  ///< of the main cells
 
  private:
   void takeFromMapping();
   std::size_t mainCells() const;
-  const char* mainWord() const;
 
   bool create_triangles_ = false, create_quads_ = false, create_edges_ = false;
 };
@@ -74,23 +72,9 @@ void SetTopologyContainer::takeFromMapping() {
 }
 
 std::size_t SetTopologyContainer::mainCells() const {
-  switch (kind) {
-    case CellKind::edge:
-      return mesh_.edges.size();
-    case CellKind::triangle:
-      return mesh_.triangles.size();
-    case CellKind::quad:
-      return mesh_.quads.size();
-    case CellKind::tetrahedron:
-      return mesh_.tetrahedra.size();
-    default:
-      return mesh_.hexahedra.size();
-  }
-}
-
-const char* SetTopologyContainer::mainWord() const {
-  constexpr const char* words[] = {"edges", "triangles", "quads", "tetrahedra", "hexahedra"};
-  return words[int(kind)];
+  std::size_t count = 0;
+  forEachCellList([&](const CellKind& each, const auto& cells) { count += &each == kind ? cells.size() : 0; }, mesh_);
+  return count;
 }
 
 }  // namespace
@@ -98,12 +82,11 @@ const char* SetTopologyContainer::mainWord() const {
 
 STROMA_COMPONENT(set_topology_containers) {
   using stroma::CellKind, stroma::SetTopologyContainer;
-  const auto add = [&factory](const char* type, const char* help, CellKind kind) {
-    factory.add<SetTopologyContainer>(type, help, [kind](SetTopologyContainer& made) { made.kind = kind; });
-  };
-  add("EdgeSetTopologyContainer", "a mesh of edges", CellKind::edge);
-  add("TriangleSetTopologyContainer", "a mesh of triangles", CellKind::triangle);
-  add("QuadSetTopologyContainer", "a mesh of quads", CellKind::quad);
-  add("TetrahedronSetTopologyContainer", "a mesh of tetrahedra", CellKind::tetrahedron);
-  add("HexahedronSetTopologyContainer", "a mesh of hexahedra", CellKind::hexahedron);
+  stroma::forEachCellList(
+      [&factory](const CellKind& kind, int) {
+        factory.add<SetTopologyContainer>(fmt::format("{}SetTopologyContainer", kind.word),
+                                          fmt::format("a mesh of {}", kind.plural),
+                                          [&kind](SetTopologyContainer& made) { made.kind = &kind; });
+      },
+      stroma::PerCellList<int>{});
 }

@@ -40,6 +40,7 @@
 #include <cmath>
 #include <fstream>
 #include <map>
+#include <mutex>
 #include <sstream>
 
 #include "framework/mesh/mesh_loader.h"
@@ -47,6 +48,12 @@
 
 namespace stroma {
 namespace {
+
+/// VTK has one window for its messages in the process: files are read one after the other.
+std::mutex& outputWindow() {
+  static std::mutex instance;
+  return instance;
+}
 
 /// Keeps what VTK would print, and gives VTK its own window back at the end.
 class CapturedOutput : public vtkOutputWindow {
@@ -81,6 +88,7 @@ class Capture {
   }
 
  private:
+  std::lock_guard<std::mutex> lock_{outputWindow()};
   vtkSmartPointer<vtkOutputWindow> before_;
   vtkSmartPointer<CapturedOutput> window_;
 };
@@ -90,11 +98,7 @@ class MeshVTKLoader : public MeshLoader {
   void declare(DataTable& table) override {
     MeshLoader::declare(table);
     table.add("groupArray", group_array_).help("cell data of whole numbers that go to tetrahedraGroups and its like");
-    table.add("edgesGroups", groups_.edges).help("label of each edge of the file").output();
-    table.add("trianglesGroups", groups_.triangles).help("label of each triangle of the file").output();
-    table.add("quadsGroups", groups_.quads).help("label of each quad of the file").output();
-    table.add("tetrahedraGroups", groups_.tetrahedra).help("label of each tetrahedron").output();
-    table.add("hexahedraGroups", groups_.hexahedra).help("label of each hexahedron").output();
+    declareGroups(table, "label");
     declareDirections(table);
   }
 
@@ -115,20 +119,11 @@ class MeshVTKLoader : public MeshLoader {
   vtkSmartPointer<vtkPointSet> readPoints(const std::string& file, const std::string& name) const;
   void convert(vtkPointSet& data, const std::string& name, Mesh& mesh);
   void addCell(int type, const std::vector<Index>& n, const std::string& name, Mesh& mesh);
+  void skip(int type, const std::string& name);
   vtkDataArray* findLabels(vtkPointSet& data, const std::string& name) const;
   vtkDataArray* findDirections(vtkDataSetAttributes& data, const std::string& name) const;
   void readDirections(vtkPointSet& data, const std::string& name);
 
-  struct Groups {
-    std::vector<int> edges, triangles, quads, tetrahedra, hexahedra;
-    /// The cells that `mesh` has more than lists have labels get this one.
-    void extend(const Mesh& mesh, int label) {
-      edges.resize(mesh.edges.size(), label), triangles.resize(mesh.triangles.size(), label);
-      quads.resize(mesh.quads.size(), label), tetrahedra.resize(mesh.tetrahedra.size(), label);
-      hexahedra.resize(mesh.hexahedra.size(), label);
-    }
-  };
-  Groups groups_;
   std::string group_array_ = "label";
   std::map<std::string, long> skipped_;
 };
@@ -237,7 +232,22 @@ void addVectors(vtkDataArray& array, vtkIdType at, std::vector<Vec3>& out) {
     out.emplace_back(array.GetComponent(at, k), array.GetComponent(at, k + 1), array.GetComponent(at, k + 2));
 }
 
-/// Directions of nodes and of those cells that become tetrahedra or hexahedra, one each, in the order of the file.
+/// The kind that VTK's number stands for, and which of our nodes each of VTK's is; null for others.
+struct Numbering {
+  const CellKind* kind = nullptr;
+  std::span<const int> order;
+};
+
+Numbering numberingOf(int type) {
+  // axis-aligned cells in VTK's order of images
+  static constexpr std::array<int, 8> image_order{0, 1, 3, 2, 4, 5, 7, 6};
+  if (type == VTK_PIXEL) return {&cell_kinds::quad, {image_order.data(), 4}};
+  if (type == VTK_VOXEL) return {&cell_kinds::hexahedron, image_order};
+  const CellKind* kind = kindByNumber(&CellKind::vtk, type);
+  return kind ? Numbering{kind, kind->vtk.order} : Numbering{};
+}
+
+/// Directions of nodes and of those cells that become volume cells, one each, in the order of the file.
 void MeshVTKLoader::readDirections(vtkPointSet& data, const std::string& name) {
   if (directions_.array.empty()) return;
   vtkDataArray *of_cells = findDirections(*data.GetCellData(), name),
@@ -251,9 +261,12 @@ void MeshVTKLoader::readDirections(vtkPointSet& data, const std::string& name) {
   }
   for (vtkIdType n = 0; of_points && n < data.GetNumberOfPoints(); ++n) addVectors(*of_points, n, directions_.nodes);
   for (vtkIdType c = 0; of_cells && c < data.GetNumberOfCells(); ++c) {
-    const int type = data.GetCellType(c);
-    if (type == VTK_TETRA) addVectors(*of_cells, c, directions_.tetrahedra);
-    if (type == VTK_HEXAHEDRON || type == VTK_VOXEL) addVectors(*of_cells, c, directions_.hexahedra);
+    const CellKind* of_cell = numberingOf(data.GetCellType(c)).kind;
+    forEachCellList(
+        [&](const CellKind& kind, std::vector<Vec3>& directions) {
+          if (&kind == of_cell && kind.dimension == 3) addVectors(*of_cells, c, directions);
+        },
+        directions_.cells);
   }
 }
 
@@ -274,40 +287,39 @@ void MeshVTKLoader::convert(vtkPointSet& data, const std::string& name, Mesh& me
       nodes.push_back(Index(ids->GetId(k)));
     }
     addCell(data.GetCellType(c), nodes, name, mesh);
-    if (labels) groups_.extend(mesh, int(labels->GetComponent(c, 0)));
+    if (!labels) continue;
+    const int label = int(labels->GetComponent(c, 0));  // of all that the cell has become
+    forEachCellList([label](const CellKind&, auto& groups, const auto& cells) { groups.resize(cells.size(), label); },
+                    groups_, mesh);
   }
 }
 
 void MeshVTKLoader::addCell(int type, const std::vector<Index>& n, const std::string& name, Mesh& mesh) {
-  const auto fan = [&mesh, &n] {
+  if (type == VTK_POLY_LINE) {
+    for (std::size_t i = 0; i + 1 < n.size(); ++i) mesh.edges.push_back({n[i], n[i + 1]});
+  } else if (type == VTK_TRIANGLE_STRIP) {
+    // Every second triangle of a strip turns the other way.
+    for (std::size_t i = 0; i + 2 < n.size(); ++i)
+      mesh.triangles.push_back(i % 2 ? Triangle{n[i + 1], n[i], n[i + 2]} : Triangle{n[i], n[i + 1], n[i + 2]});
+  } else if (type == VTK_POLYGON && n.size() != 4) {
     for (std::size_t i = 1; i + 1 < n.size(); ++i) mesh.triangles.push_back({n[0], n[i], n[i + 1]});
-  };
-  switch (type) {
-    case VTK_LINE:
-    case VTK_POLY_LINE:
-      for (std::size_t i = 0; i + 1 < n.size(); ++i) mesh.edges.push_back({n[i], n[i + 1]});
-      return;
-    case VTK_TRIANGLE:
-    case VTK_POLYGON:
-      return n.size() == 4 ? mesh.quads.push_back({n[0], n[1], n[2], n[3]}) : fan();
-    case VTK_TRIANGLE_STRIP:
-      // Every second triangle of a strip turns the other way.
-      for (std::size_t i = 0; i + 2 < n.size(); ++i)
-        mesh.triangles.push_back(i % 2 ? Triangle{n[i + 1], n[i], n[i + 2]} : Triangle{n[i], n[i + 1], n[i + 2]});
-      return;
-    case VTK_QUAD:
-      return mesh.quads.push_back({n[0], n[1], n[2], n[3]});
-    case VTK_PIXEL:
-      return mesh.quads.push_back({n[0], n[1], n[3], n[2]});
-    case VTK_TETRA:
-      return mesh.tetrahedra.push_back({n[0], n[1], n[2], n[3]});
-    case VTK_VOXEL:
-      return mesh.hexahedra.push_back({n[0], n[1], n[3], n[2], n[4], n[5], n[7], n[6]});
-    case VTK_HEXAHEDRON:
-      return mesh.hexahedra.push_back({n[0], n[1], n[2], n[3], n[4], n[5], n[6], n[7]});
-    default:
-      break;
+  } else {
+    const auto [of_cell, order] = numberingOf(type == VTK_POLYGON ? VTK_QUAD : type);
+    if (!of_cell || of_cell->dimension == 0) return skip(type, name);
+    if (n.size() != std::size_t(of_cell->nodes))
+      throw ComponentError(fmt::format("{}: a {} with {} nodes", name, of_cell->singular, n.size()),
+                           fmt::format("{} nodes", of_cell->nodes));
+    forEachCellList(
+        [&, kind = of_cell, numbers = order](const CellKind& each, auto& cells) {
+          if (&each != kind) return;
+          auto& cell = cells.emplace_back();
+          for (std::size_t k = 0; k < cell.size(); ++k) cell[numbers[k]] = n[k];
+        },
+        mesh);
   }
+}
+
+void MeshVTKLoader::skip(int type, const std::string& name) {
   const std::string kind = vtkCellTypes::GetClassNameFromTypeId(type);
   if (!vtkCellTypes::IsLinear(static_cast<unsigned char>(type)))
     throw ComponentError(fmt::format("{}: cells of kind {} are not supported", name, kind), "linear cells");

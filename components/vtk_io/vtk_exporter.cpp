@@ -24,33 +24,47 @@
 #include <fmt/format.h>
 #include <vtkCellArray.h>
 #include <vtkCellData.h>
-#include <vtkCellType.h>
 #include <vtkDoubleArray.h>
 #include <vtkFieldData.h>
 #include <vtkPointData.h>
 #include <vtkPoints.h>
 #include <vtkSmartPointer.h>
 #include <vtkUnstructuredGrid.h>
-#include <vtkUnstructuredGridWriter.h>
-#include <vtkXMLUnstructuredGridWriter.h>
 
-#include <filesystem>
 #include <limits>
 
+#include "components/vtk_io/vtk_series.h"
 #include "framework/mechanics/force_field.h"
-#include "framework/mesh/topology.h"
+#include "framework/mechanics/state_topology.h"
+#include "framework/mesh/cell_lists.h"
+#include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
-#include "framework/scene/whole_file.h"
 #include "framework/simulation/observer.h"
 #include "framework/simulation/simulation.h"
 
 namespace stroma {
 namespace {
 
-namespace fs = std::filesystem;
-
 enum class PointField { position, rest_position, displacement, velocity, force };
 const std::vector<std::string> point_field_words{"position", "restPosition", "displacement", "velocity", "force"};
+
+/// A field as written: "label=owner.field", of which the first two may be missing.
+struct FieldWord {
+  std::string label, owner, field;
+
+  explicit FieldWord(const std::string& word) {
+    const std::size_t equals = word.find('=');
+    field = equals == std::string::npos ? word : word.substr(equals + 1);
+    if (equals != std::string::npos) label = word.substr(0, equals);
+    const std::size_t dot = field.rfind('.');
+    if (dot == std::string::npos || dot <= field.rfind('/') + 1) return;
+    owner = field.substr(0, dot);
+    field = field.substr(dot + 1);
+  }
+};
+
+/// SOFA's short words: edges, triangles, quads, tetras, hexas.
+std::string attributeOf(const CellKind& kind) { return std::string(kind.dimension == 3 ? kind.alias : kind.plural); }
 
 class VTKExporter : public Observer {
  public:
@@ -62,6 +76,7 @@ class VTKExporter : public Observer {
     return enable_ && every_ > 0 && context.index % every_ == 0;
   }
   void end(const Simulation& simulation) override;
+  void serialize(Archive& archive) override;
   std::string describe() const override;
 
  private:
@@ -78,15 +93,16 @@ class VTKExporter : public Observer {
 
   void chooseCells();
   void makeGrid();
+  void makeArrays();
   void addPointField(const std::string& word);
   void addCellField(const std::string& word);
   ForceField& forceFieldWith(const std::string& field) const;
+  ForceField& forceFieldAt(const std::string& path) const;
   Component& componentAt(std::string_view path) const;
+  const CellKind* kindOfValues(std::size_t count, const CellOutput& output) const;
   std::vector<double> fieldOfCells(const CellOutput& output) const;
   void fill();
   void write(const Simulation& simulation);
-  std::string contents() const;
-  void writeCollection() const;
   vtkSmartPointer<vtkDoubleArray> newArray(const std::string& label, int components) const;
 
   FileName filename_;
@@ -96,17 +112,16 @@ class VTKExporter : public Observer {
   std::vector<std::string> point_words_, cell_words_;
   int every_ = 1;
   bool at_begin_ = false, at_end_ = false, enable_ = true, xml_ = true, overwrite_ = false;
-  bool edges_ = false, triangles_ = false, quads_ = false, tetras_ = true, hexas_ = true;
+  PerCellList<bool> wanted_{.tetrahedra = true, .hexahedra = true};
 
   State* state_ = nullptr;
   const Topology* topology_ = nullptr;
   const System* system_ = nullptr;
-  fs::path stem_;
+  VtkSeries series_;
   vtkSmartPointer<vtkUnstructuredGrid> grid_;
   vtkSmartPointer<vtkDoubleArray> points_, time_;
   std::vector<PointOutput> point_outputs_;
   std::vector<CellOutput> cell_outputs_;
-  std::vector<std::pair<double, std::string>> written_;  ///< time [s] and name of each file
   long last_step_ = -1;
 };
 
@@ -118,11 +133,11 @@ void VTKExporter::declare(DataTable& table) {
   table.add("enable", enable_).help("export at all");
   table.add("XMLformat", xml_).help("write .vtu and .pvd; false: legacy .vtk");
   table.add("overwrite", overwrite_).help("keep one file instead of a series");
-  table.add("edges", edges_).help("write edges");
-  table.add("triangles", triangles_).help("write triangles");
-  table.add("quads", quads_).help("write quads");
-  table.add("tetras", tetras_).help("write tetrahedra");
-  table.add("hexas", hexas_).help("write hexahedra");
+  forEachCellList(
+      [&table](const CellKind& kind, bool& wanted) {
+        table.add(attributeOf(kind), wanted).help(fmt::format("write {}", kind.plural));
+      },
+      wanted_);
   table.add("pointsDataFields", point_words_).help("fields of the nodes");
   table.add("cellsDataFields", cell_words_).help("fields of the cells");
   table.add("position", position_)
@@ -136,19 +151,13 @@ void VTKExporter::init() {
   state_ = mstate_.target() ? mstate_.get() : find<State>(true);
   if (!state_)
     throw ComponentError("there is no state to export", "a MechanicalObject in the node or above, or mstate");
-  topology_ = topology_link_.target() ? topology_link_.get() : find<Topology>(true);
+  topology_ = findTopology(*this, *state_, topology_link_);
   if (!topology_) throw ComponentError("there is no mesh to export", "a topology in the node or above, or topology");
-  if (topology_->mesh().nodes() != state_->size())
-    throw ComponentError(fmt::format("{} has {} nodes, but {} has {}", topology_->path(), topology_->mesh().nodes(),
-                                     state_->path(), state_->size()),
-                         "a mesh and a state of one size");
   if (!position_.empty() && Index(position_.size()) != state_->size())
     throw ComponentError(fmt::format("position has {} values, but the state has {}", position_.size(), state_->size()));
   if (enable_ && every_ == 0 && !at_begin_ && !at_end_)
     warn("nothing will be written", "exportEveryNumberOfSteps, exportAtBegin or exportAtEnd");
-  stem_ = fs::path(filename_.empty() ? name() : filename_.given);
-  if (stem_.extension() == ".vtu" || stem_.extension() == ".vtk" || stem_.extension() == ".pvd")
-    stem_.replace_extension();
+  series_.setUp(filename_.empty() ? name() : filename_.given, {xml_, overwrite_});
   chooseCells();
   makeGrid();
   for (const std::string& word : point_words_) addPointField(word);
@@ -156,32 +165,38 @@ void VTKExporter::init() {
 }
 
 void VTKExporter::chooseCells() {
-  for (const char* name : {"edges", "triangles", "quads", "tetras", "hexas"})
-    if (data().find(name)->isSet()) return;
-  const Mesh& mesh = topology_->mesh();
-  if (!mesh.tetrahedra.empty() || !mesh.hexahedra.empty()) return;
-  const bool faces = !mesh.triangles.empty() || !mesh.quads.empty();
-  triangles_ = quads_ = faces;
-  edges_ = !faces;
+  bool any_given = false;
+  const auto look = [&](const CellKind& kind, bool) {
+    any_given = any_given || data().find(attributeOf(kind))->isSet();
+  };
+  forEachCellList(look, wanted_);
+  if (any_given) return;
+  const int highest = std::max(1, highestDimension(topology_->mesh()));
+  forEachCellList([&](const CellKind& kind, bool& wanted) { wanted = kind.dimension == highest; }, wanted_);
 }
 
+/// Cells of the highest dimension come first.
 void VTKExporter::makeGrid() {
   const Mesh& mesh = topology_->mesh();
   grid_ = vtkSmartPointer<vtkUnstructuredGrid>::New();
   grid_->Allocate(vtkIdType(mesh.tetrahedra.size() + mesh.hexahedra.size()));
-  const auto add = [this](bool wanted, int type, const auto& cells) {
-    if (!wanted) return;
+  const auto add = [this](const CellKind& kind, const auto& cells) {
     for (const auto& cell : cells) {
-      std::array<vtkIdType, 8> ids{};
-      std::copy(cell.begin(), cell.end(), ids.begin());
-      grid_->InsertNextCell(type, vtkIdType(cell.size()), ids.data());
+      std::array<vtkIdType, most_cell_nodes> ids{};
+      for (std::size_t k = 0; k < cell.size(); ++k) ids[k] = cell[kind.vtk.order[k]];
+      grid_->InsertNextCell(kind.vtk.number, vtkIdType(cell.size()), ids.data());
     }
   };
-  add(tetras_, VTK_TETRA, mesh.tetrahedra);
-  add(hexas_, VTK_HEXAHEDRON, mesh.hexahedra);
-  add(triangles_, VTK_TRIANGLE, mesh.triangles);
-  add(quads_, VTK_QUAD, mesh.quads);
-  add(edges_, VTK_LINE, mesh.edges);
+  for (const int dimension : {3, 2, 1})
+    forEachCellList(
+        [&](const CellKind& kind, bool wanted, const auto& cells) {
+          if (wanted && kind.dimension == dimension) add(kind, cells);
+        },
+        wanted_, mesh);
+  makeArrays();
+}
+
+void VTKExporter::makeArrays() {
   if (grid_->GetNumberOfCells() == 0) warn("no cell will be written: the mesh has none of the kinds asked for");
   points_ = vtkSmartPointer<vtkDoubleArray>::New();
   points_->SetNumberOfComponents(3);
@@ -204,51 +219,43 @@ vtkSmartPointer<vtkDoubleArray> VTKExporter::newArray(const std::string& label, 
 }
 
 void VTKExporter::addPointField(const std::string& word) {
-  const std::size_t equals = word.find('=');
-  std::string what = equals == std::string::npos ? word : word.substr(equals + 1);
-  if (const std::size_t dot = what.rfind('.'); dot != std::string::npos) {
-    const Component& owner = componentAt(what.substr(0, dot));
-    if (&owner != state_)
-      throw ComponentError(fmt::format("pointsDataFields: '{}' is not of the state that is exported", word),
-                           fmt::format("a field of {}", state_->path()));
-    what = what.substr(dot + 1);
-  }
-  if (what == "rest_position") what = "restPosition";  // SOFA's name of the attribute
-  const auto found = std::find(point_field_words.begin(), point_field_words.end(), what);
+  FieldWord parts(word);
+  if (!parts.owner.empty() && &componentAt(parts.owner) != state_)
+    throw ComponentError(fmt::format("pointsDataFields: '{}' is not of the state that is exported", word),
+                         fmt::format("a field of {}", state_->path()));
+  if (parts.field == "rest_position") parts.field = "restPosition";  // SOFA's name of the attribute
+  const auto found = std::find(point_field_words.begin(), point_field_words.end(), parts.field);
   if (found == point_field_words.end())
-    throw ComponentError(fmt::format("pointsDataFields: '{}' is not a field of nodes", what),
-                         "position, restPosition, displacement, velocity or force", nearest(what, point_field_words));
-  const std::string label = equals == std::string::npos ? what : word.substr(0, equals);
+    throw ComponentError(fmt::format("pointsDataFields: '{}' is not a field of nodes", parts.field),
+                         "position, restPosition, displacement, velocity or force",
+                         nearest(parts.field, point_field_words));
   const PointField field = PointField(found - point_field_words.begin());
   if (field == PointField::force) state_->requestForce();
+  const std::string label = parts.label.empty() ? parts.field : parts.label;
   point_outputs_.push_back({label, field, newArray(label, 3)});
   grid_->GetPointData()->AddArray(point_outputs_.back().values);
 }
 
 void VTKExporter::addCellField(const std::string& word) {
-  const std::size_t equals = word.find('=');
-  const std::string what = equals == std::string::npos ? word : word.substr(equals + 1);
-  const std::size_t dot = what.rfind('.');
-  const bool names_owner = dot != std::string::npos && dot > what.rfind('/') + 1;
-  ForceField* source = nullptr;
-  if (names_owner) {
-    Component& owner = componentAt(what.substr(0, dot));
-    source = dynamic_cast<ForceField*>(&owner);
-    if (!source) throw ComponentError(fmt::format("cellsDataFields: {} is not a force field", owner.path()));
-  } else {
-    source = &forceFieldWith(what);
-  }
-  source->ensureReady();
-  const std::string field = names_owner ? what.substr(dot + 1) : what;
-  const auto known = source->cellFields();
-  if (std::find(known.begin(), known.end(), field) == known.end())
+  const FieldWord parts(word);
+  ForceField& source = parts.owner.empty() ? forceFieldWith(parts.field) : forceFieldAt(parts.owner);
+  source.ensureReady();
+  const auto known = source.cellFields();
+  if (std::find(known.begin(), known.end(), parts.field) == known.end())
     throw ComponentError(
-        fmt::format("cellsDataFields: {} has no field '{}'", source->path(), field),
+        fmt::format("cellsDataFields: {} has no field '{}'", source.path(), parts.field),
         known.empty() ? "a force field with cell fields" : fmt::format("one of {}", fmt::join(known, ", ")),
-        nearest(field, known));
-  const std::string label = equals == std::string::npos ? field : word.substr(0, equals);
-  cell_outputs_.push_back({label, field, source, newArray(label, 1)});
+        nearest(parts.field, known));
+  const std::string label = parts.label.empty() ? parts.field : parts.label;
+  cell_outputs_.push_back({label, parts.field, &source, newArray(label, 1)});
   grid_->GetCellData()->AddArray(cell_outputs_.back().values);
+}
+
+ForceField& VTKExporter::forceFieldAt(const std::string& path) const {
+  Component& owner = componentAt(path);
+  auto* source = dynamic_cast<ForceField*>(&owner);
+  if (!source) throw ComponentError(fmt::format("cellsDataFields: {} is not a force field", owner.path()));
+  return *source;
 }
 
 /// The only force field of the node and below that has the cell field.
@@ -296,10 +303,9 @@ void VTKExporter::begin(const Simulation& simulation) {
   for (const auto& system : simulation.systems())
     for (const State* state : system->states())
       if (state == state_) system_ = system.get();
-  written_.clear();
-  last_step_ = -1;
-  if (enable_ && stem_.has_parent_path()) fs::create_directories(stem_.parent_path());
-  if (enable_ && at_begin_) write(simulation);
+  if (simulation.steps() == 0) last_step_ = -1;
+  if (enable_) series_.start(simulation.steps() == 0);
+  if (enable_ && at_begin_ && simulation.steps() == 0) write(simulation);
 }
 
 void VTKExporter::afterStep(const Simulation& simulation, const StepContext&) {
@@ -310,11 +316,17 @@ void VTKExporter::end(const Simulation& simulation) {
   if (enable_ && at_end_ && last_step_ != simulation.steps()) write(simulation);
 }
 
+/// The files of the run so far: a series goes on with the next number.
+void VTKExporter::serialize(Archive& archive) {
+  archive.value("last_step", last_step_);
+  series_.serialize(archive);
+}
+
 std::string VTKExporter::describe() const {
   if (!enable_) return "writes nothing (enable=\"false\")";
-  const std::string file = fmt::format("{}{}.{}", stem_.string(), overwrite_ ? "" : "NNNNN", xml_ ? "vtu" : "vtk");
-  return fmt::format("writes {} {}{}{}", file, every_ == 0 ? "never" : fmt::format("every {} steps", every_),
-                     at_begin_ ? ", at the begin" : "", at_end_ ? ", at the end" : "");
+  return fmt::format("writes {} {}{}{}", series_.pattern(),
+                     every_ == 0 ? "never" : fmt::format("every {} steps", every_), at_begin_ ? ", at the begin" : "",
+                     at_end_ ? ", at the end" : "");
 }
 
 void VTKExporter::fill() {
@@ -339,71 +351,50 @@ void VTKExporter::fill() {
   points_->Modified();
 }
 
-/// One value for each written cell. A force field fills the tetrahedra or the hexahedra of its mesh, or both in turn.
+/// Of which kind of volume cells a force field has given `count` values: null for all of them in turn.
+const CellKind* VTKExporter::kindOfValues(std::size_t count, const CellOutput& output) const {
+  std::size_t all = 0;
+  std::string counts;
+  const CellKind* only = nullptr;
+  const auto measure = [&](const CellKind& kind, const auto& cells) {
+    if (kind.dimension < 3) return;
+    all += cells.size();
+    counts += fmt::format("{}{} {}", counts.empty() ? "" : " and ", cells.size(), kind.plural);
+    if (!only && count == cells.size()) only = &kind;
+  };
+  forEachCellList(measure, topology_->mesh());
+  if (count == all) return nullptr;
+  if (only) return only;
+  throw std::runtime_error(fmt::format("{}: {} gives {} values of '{}', but the mesh has {}", path(),
+                                       output.source->path(), count, output.field, counts));
+}
+
+/// One value for each written cell, NaN where the force field has none.
 std::vector<double> VTKExporter::fieldOfCells(const CellOutput& output) const {
   std::vector<double> values;
   if (!system_) throw std::runtime_error(fmt::format("{}: cell fields need a state that an integrator moves", path()));
   output.source->cellField(output.field, system_->x, values);
-  const Mesh& mesh = topology_->mesh();
-  const std::size_t tetras = mesh.tetrahedra.size(), hexas = mesh.hexahedra.size();
+  const CellKind* only = kindOfValues(values.size(), output);
   std::vector<double> out(std::size_t(grid_->GetNumberOfCells()), std::numeric_limits<double>::quiet_NaN());
-  const auto place = [&](std::size_t from, std::size_t count, std::size_t to) {
-    std::copy_n(values.begin() + std::ptrdiff_t(from), count, out.begin() + std::ptrdiff_t(to));
+  auto from = values.begin();
+  auto to = out.begin();
+  const auto place = [&](const CellKind& kind, bool wanted, const auto& cells) {
+    if (kind.dimension < 3) return;
+    const bool has_values = !only || only == &kind;
+    const auto count = std::ptrdiff_t(cells.size());
+    if (wanted && has_values) std::copy_n(from, count, to);
+    if (has_values) from += count;
+    if (wanted) to += count;
   };
-  const std::size_t first_hexa = tetras_ ? tetras : 0;
-  if (values.size() == tetras + hexas) {
-    if (tetras_) place(0, tetras, 0);
-    if (hexas_) place(tetras, hexas, first_hexa);
-  } else if (values.size() == tetras) {
-    if (tetras_) place(0, tetras, 0);
-  } else if (values.size() == hexas) {
-    if (hexas_) place(0, hexas, first_hexa);
-  } else {
-    throw std::runtime_error(
-        fmt::format("{}: {} gives {} values of '{}', but the mesh has {} tetrahedra and {} hexahedra", path(),
-                    output.source->path(), values.size(), output.field, tetras, hexas));
-  }
+  forEachCellList(place, wanted_, topology_->mesh());
   return out;
 }
 
 void VTKExporter::write(const Simulation& simulation) {
   fill();
   time_->SetValue(0, simulation.time());
-  const std::string number = overwrite_ ? "" : fmt::format("{:05}", written_.size());
-  const fs::path file = stem_.string() + number + (xml_ ? ".vtu" : ".vtk");
-  writeWholeFile(file.string(), contents());
-  if (overwrite_) written_.clear();
-  written_.emplace_back(simulation.time(), file.filename().string());
+  series_.write(*grid_, simulation.time());
   last_step_ = simulation.steps();
-  if (xml_) writeCollection();
-}
-
-std::string VTKExporter::contents() const {
-  if (xml_) {
-    const auto writer = vtkSmartPointer<vtkXMLUnstructuredGridWriter>::New();
-    writer->SetInputData(grid_);
-    writer->SetWriteToOutputString(true);
-    writer->SetDataModeToAppended();
-    writer->EncodeAppendedDataOff();
-    writer->SetCompressorTypeToNone();
-    writer->Write();
-    return writer->GetOutputString();
-  }
-  const auto writer = vtkSmartPointer<vtkUnstructuredGridWriter>::New();
-  writer->SetInputData(grid_);
-  writer->WriteToOutputStringOn();
-  writer->SetFileTypeToBinary();
-  writer->Write();
-  return writer->GetOutputStdString();
-}
-
-void VTKExporter::writeCollection() const {
-  std::string text =
-      "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n  "
-      "<Collection>\n";
-  for (const auto& [time, file] : written_)
-    text += fmt::format("    <DataSet timestep=\"{}\" group=\"\" part=\"0\" file=\"{}\"/>\n", time, file);
-  writeWholeFile(stem_.string() + ".pvd", text + "  </Collection>\n</VTKFile>\n");
 }
 
 }  // namespace

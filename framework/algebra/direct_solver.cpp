@@ -9,7 +9,10 @@ namespace stroma {
 void DirectSolver::declare(DataTable& table) {
   table.add("template", template_)
       .help("the form of matrix: any CompressedRowSparseMatrix; the solver works on 3x3 blocks");
-  table.add("factorisations", factorisations_).help("how often numbers were factored so far, of all matrices").unit("-").output();
+  table.add("factorisations", factorisations_)
+      .help("how often numbers were factored so far, of all matrices")
+      .unit("-")
+      .output();
 }
 
 bool DirectSolver::answersLookup() const {
@@ -62,20 +65,31 @@ Factorisation* DirectSolver::factor(SystemMatrix& matrix, SolveReport& report) {
   return update(matrix, kept, report) ? kept.factors.get() : nullptr;
 }
 
+Factorisation* DirectSolver::factorValues(SystemMatrix& matrix, const std::vector<double>& values) {
+  BlockMatrix former = matrix.pattern();
+  if (former.values().size() != values.size()) return nullptr;
+  former.values() = values;
+  Kept& kept = kept_.of(matrix);
+  analyseIfNew(matrix, former, kept);
+  kept.factored = false;
+  Index row = -1;
+  return kept.factors->factor(former, row) == SolveStop::converged ? kept.factors.get() : nullptr;
+}
+
 namespace {
 
 /// r = b - A x; returns its norm.
 double residual(const BlockMatrix& a, ConstRows b, ConstRows x, Rows r) {
   a.multiply(x, r);
   xpay(b, -1, r);
-  return std::sqrt(dot(r, r));
+  return norm(r);
 }
 
 }  // namespace
 
 SolveReport DirectSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x) {
   SolveReport report;
-  const double norm_b = std::sqrt(dot(b, b));
+  const double norm_b = norm(b);
   if (norm_b == 0) {
     clear(x);
     report.stop = SolveStop::zero_right_side;

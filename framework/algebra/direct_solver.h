@@ -47,6 +47,9 @@ class DirectSolver : public LinearSolver {
   /// The factors of the matrix as it is now. Null when it has none; the report then says why and where. They stay where
   /// they are as long as matrix and solver live, and keep their numbers until the next call with this matrix.
   Factorisation* factor(SystemMatrix& matrix, SolveReport& report);
+  /// The factors of other values in the matrix's pattern, shape (blocks, 9): those of a former step. Null when there are
+  /// none.
+  Factorisation* factorValues(SystemMatrix& matrix, const std::vector<double>& values);
 
  protected:
   virtual std::unique_ptr<Factorisation> makeFactorisation(bool symmetric) const = 0;

@@ -81,6 +81,9 @@ class LinearSolver : public Component {
   std::string roleText() const override { return "linear solver"; }
   /// x on entry is the initial guess (zero unless the caller knows better).
   virtual SolveReport solve(SystemMatrix& matrix, ConstRows b, Rows x) = 0;
+  /// Writes or reads what is kept for this matrix and bits of later solves depend on, see Component::serialize(): a last
+  /// solution to start from, factors of former values. What is made again from the matrix is not part of it.
+  virtual void serializeFor(SystemMatrix& /*matrix*/, Archive&) {}
   /// True for solvers that need a symmetric matrix; System refuses the pairing at compile time with a sentence.
   virtual bool needsSymmetric() const = 0;
   /// The |b - A x| / |b| that the caller of the next solves is content with: solvers by products stop there where their

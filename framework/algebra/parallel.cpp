@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <atomic>
 #include <memory>
+#include <mutex>
 #ifdef __SANITIZE_THREAD__
 #include <sanitizer/tsan_interface.h>
 #endif
@@ -24,8 +25,25 @@ struct Pool {
 };
 
 std::atomic<int> thread_count{1};
-std::unique_ptr<Pool>& pool() {
-  static std::unique_ptr<Pool> instance;
+
+/// The pool of the process. A loop holds it while it runs, so that another thread may exchange it meanwhile.
+class SharedPool {
+ public:
+  std::shared_ptr<Pool> get() {
+    const std::lock_guard lock(access_);
+    return pool_;
+  }
+  void exchange(std::shared_ptr<Pool> pool) {
+    const std::lock_guard lock(access_);
+    pool_.swap(pool);
+  }
+
+ private:
+  std::mutex access_;
+  std::shared_ptr<Pool> pool_;  ///< null with one thread
+};
+SharedPool& sharedPool() {
+  static SharedPool instance;
   return instance;
 }
 
@@ -58,20 +76,21 @@ int threads() { return thread_count.load(std::memory_order_relaxed); }
 void setThreads(int count) {
   count = std::max(count, 1);
   if (count == threads()) return;
-  pool() = count > 1 ? std::make_unique<Pool>(count) : nullptr;
+  sharedPool().exchange(count > 1 ? std::make_shared<Pool>(count) : nullptr);
   thread_count = count;
 }
 
 namespace detail {
 
 void runParallel(int count, void (*body)(void*, int), void* data) {
-  if (!pool()) {
+  const std::shared_ptr<Pool> pool = sharedPool().get();
+  if (!pool) {
     for (int i = 0; i < count; ++i) body(data, i);
     return;
   }
   LoopOrder order;
   order.begin();
-  pool()->arena.execute([=, &order] {
+  pool->arena.execute([=, &order] {
     tbb::parallel_for(
         0, count,
         [=, &order](int i) STROMA_UNSEEN {

@@ -7,6 +7,7 @@ namespace stroma {
 
 /// The number of threads that parallelFor may use; 1 unless setThreads() was called.
 int threads();
+/// For the whole process. Simulations of several threads may share the pool, and running loops finish on the old one.
 void setThreads(int count);
 
 namespace detail {

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Vectors over the nodes of a system. A node's three components fill a row of four doubles (x, y, z, 0), 32-byte
-// aligned: an element loop loads and stores a node with one instruction, and no store straddles a cache line. The
-// fourth number is zero in every vector at all times, so sums over all numbers are sums over the components.
+// Vectors over the rows of a system. The three components of a row fill four doubles (x, y, z, 0), 32-byte aligned: an
+// element loop loads and stores a node with one instruction, and no store straddles a cache line. The fourth number is
+// zero at all times, so sums over all numbers are sums over the components. The one exception are rows of positions that
+// hold an orientation, a quaternion of four numbers (RowKind::turn): velocities, increments and forces of such a row have
+// three, as all others.
 #pragma once
+#include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <memory>
@@ -27,6 +31,12 @@ struct ConstRows {
     return Eigen::Map<const Vec3>(data + std::size_t(row) * row_doubles);
   }
   std::size_t doubles() const { return std::size_t(count) * row_doubles; }
+  /// `size` rows from `first` on.
+  ConstRows segment(Index first, Index size) const {
+    assert(first >= 0 && first + size <= count);
+    return {data + std::size_t(first) * row_doubles, size};
+  }
+  ConstRows head(Index size) const { return segment(0, size); }
 };
 
 /// Writable view of `count` rows.
@@ -39,6 +49,11 @@ struct Rows {
   }
   operator ConstRows() const { return {data, count}; }
   std::size_t doubles() const { return std::size_t(count) * row_doubles; }
+  Rows segment(Index first, Index size) const {
+    assert(first >= 0 && first + size <= count);
+    return {data + std::size_t(first) * row_doubles, size};
+  }
+  Rows head(Index size) const { return segment(0, size); }
 };
 
 /// Owns rows; 64-byte aligned, zero after resize().
@@ -58,6 +73,8 @@ class Vector {
   operator ConstRows() const { return {data_.get(), count_}; }
   Rows rows() { return *this; }
   ConstRows rows() const { return *this; }
+  Rows head(Index size) { return rows().head(size); }
+  ConstRows head(Index size) const { return rows().head(size); }
   Eigen::Map<Vec3> operator[](Index row) { return rows()[row]; }
   Eigen::Map<const Vec3> operator[](Index row) const { return rows()[row]; }
 
@@ -108,6 +125,21 @@ inline double dot(ConstRows a, ConstRows b) {
 #pragma omp simd reduction(+ : sum)
   for (std::size_t i = 0; i < a.doubles(); ++i) sum += pa[i] * pb[i];
   return sum;
+}
+/// The Euclidean norm over all components.
+inline double norm(ConstRows a) { return std::sqrt(dot(a, a)); }
+/// The size of the largest component.
+inline double largest(ConstRows a) {
+  double value = 0;
+  for (std::size_t i = 0; i < a.doubles(); ++i) value = std::max(value, std::abs(a.data[i]));
+  return value;
+}
+/// |a - b|, summed row after row.
+inline double distance(ConstRows a, ConstRows b) {
+  assert(a.count == b.count);
+  double sum = 0;
+  for (Index i = 0; i < a.count; ++i) sum += (a[i] - b[i]).squaredNorm();
+  return std::sqrt(sum);
 }
 
 }  // namespace stroma

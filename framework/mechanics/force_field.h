@@ -47,7 +47,10 @@ class ForceField : public Component {
   virtual void addStiffnessProduct(ConstRows dx, double factor, Rows df) const = 0;
   /// Which blocks of the system matrix K and C touch.
   virtual void addPattern(BlockPattern& pattern) const = 0;
-  /// Called once when the matrix's pattern exists: look up slots.
+  /// Grows when addPattern() would add other blocks than before, as pairs come and go; only addForce() and setTime() may
+  /// make it grow. A matrix that is kept then gets a new pattern before it is assembled the next time.
+  virtual long patternRevision() const { return 0; }
+  /// Called when the matrix has got its pattern, for each pattern once: look up slots.
   virtual void prepareAssembly(const BlockMatrix&) {}
   /// matrix += factor * K.
   virtual void addStiffness(double factor, BlockMatrix& matrix) const = 0;

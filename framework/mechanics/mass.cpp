@@ -16,9 +16,8 @@ constexpr Index piece_rows = 16384;  ///< rows that one thread takes at a time
 
 void Mass::addProduct(ConstRows p, double factor, Rows out) const {
   const double* __restrict mass = lumped().data();
-  const std::size_t first = std::size_t(state().firstRow()) * row_doubles;
-  const double* __restrict source = p.data + first;
-  double* __restrict target = out.data + first;
+  const double* __restrict source = state().segment(p).data;
+  double* __restrict target = state().segment(out).data;
   const Index size = state().size();
   parallelFor(int((size + piece_rows - 1) / piece_rows), [=](int piece) {
     const Index begin = piece * piece_rows, end = std::min(size, begin + piece_rows);
@@ -45,39 +44,46 @@ void Mass::addDiagonal(double factor, std::vector<double>& blocks) const {
     for (int c : {0, 4, 8}) blocks[std::size_t(first + i) * 9 + std::size_t(c)] += factor * mass[i];
 }
 
-// M g = (row sums) g for any mass, because g is the same at all nodes.
+// M g = (row sums) g for any mass, because g is the same at all places. Only places have a weight.
 void Mass::addGravity(Rows f) const {
   const std::vector<double>& mass = lumped();
   const Vec3 gravity = node().gravity();
-  for (Index i = 0; i < state().size(); ++i) f[state().firstRow() + i] += mass[i] * gravity;
+  const Rows f_here = state().segment(f);
+  for (Index i = 0; i < f_here.count; ++i)
+    if (state().kindOf(i) == RowKind::place) f_here[i] += mass[i] * gravity;
 }
 
 double Mass::kineticEnergy(ConstRows v) const {
   double sum = 0;
-  const Index first = state().firstRow();
+  const ConstRows v_here = state().segment(v);
   if (isDiagonal()) {
     const std::vector<double>& mass = lumped();
-    for (Index i = 0; i < state().size(); ++i) sum += mass[i] * v[first + i].squaredNorm();
+    for (Index i = 0; i < v_here.count; ++i) sum += mass[i] * v_here[i].squaredNorm();
     return 0.5 * sum;
   }
   if (work_.count() != v.count) work_.resize(v.count);
   clear(work_);
   addProduct(v, 1, work_);
-  for (Index i = 0; i < state().size(); ++i) sum += work_[first + i].dot(v[first + i]);
+  const ConstRows momentum = state().segment(work_.rows());
+  for (Index i = 0; i < v_here.count; ++i) sum += momentum[i].dot(v_here[i]);
   return 0.5 * sum;
 }
 
 double Mass::gravityEnergy(ConstRows x) const {
   const std::vector<double>& mass = lumped();
   const Vec3 gravity = node().gravity();
+  const ConstRows x_here = state().segment(x);
   double sum = 0;
-  for (Index i = 0; i < state().size(); ++i) sum -= mass[i] * gravity.dot(x[state().firstRow() + i]);
+  for (Index i = 0; i < x_here.count; ++i)
+    if (state().kindOf(i) == RowKind::place) sum -= mass[i] * gravity.dot(x_here[i]);
   return sum;
 }
 
 double Mass::totalMass() const {
+  const std::vector<double>& mass = lumped();
   double sum = 0;
-  for (double m : lumped()) sum += m;
+  for (std::size_t i = 0; i < mass.size(); ++i)
+    if (state().kindOf(Index(i)) == RowKind::place) sum += mass[i];
   return sum;
 }
 

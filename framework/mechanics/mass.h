@@ -14,7 +14,7 @@ class Mass : public Component {
   State& state() const { return *state_; }
 
   virtual void compile() {}
-  /// Row sums [kg], shape (state().size()): the whole mass when isDiagonal().
+  /// Row sums [kg] ([kg m^2] for orientations), shape (state().size()): the whole mass when isDiagonal().
   virtual const std::vector<double>& lumped() const = 0;
   virtual bool isDiagonal() const = 0;
   /// out += factor * M p. The default uses lumped().
@@ -29,7 +29,7 @@ class Mass : public Component {
   void addGravity(Rows f) const;
   double kineticEnergy(ConstRows v) const;  ///< 1/2 v^T M v [J]
   double gravityEnergy(ConstRows x) const;  ///< -sum m g.x [J]
-  double totalMass() const;                 ///< [kg]
+  double totalMass() const;                 ///< of what has a place [kg]
 
   double rayleigh_mass = 0;  ///< [1/s], local Rayleigh factor added to the integrator's
 

@@ -25,6 +25,7 @@ void ForceField::declare(DataTable& table) {
   table.addLink("mstate", mstate_)
       .help("mechanical state to act on; the one of this node or the nearest above when not given");
   table.add("rayleighStiffness", rayleigh_stiffness)
+      .recompiled()
       .help("stiffness-proportional damping of this force field, added to the integrator's")
       .unit("s")
       .min(0);
@@ -61,6 +62,7 @@ void Mass::declare(DataTable& table) {
   table.addLink("mstate", mstate_)
       .help("mechanical state to act on; the one of this node or the nearest above when not given");
   table.add("rayleighMass", rayleigh_mass)
+      .recompiled()
       .help("mass-proportional damping of this mass, added to the integrator's")
       .unit("1/s")
       .min(0);

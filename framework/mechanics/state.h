@@ -7,6 +7,14 @@
 
 namespace stroma {
 
+/// What a row is made of. A point is one row, a number one, a rigid frame two: its centre and its orientation.
+enum class RowKind : unsigned char {
+  place,  ///< a point in space [m]; increments add
+  value,  ///< one number and three zeros; increments add
+  turn    ///< a unit quaternion x y z w in positions; in all other vectors a rotation vector [rad], an angular velocity
+          ///< [rad/s], a torque [N m], in fixed axes. Motion says how increments turn it
+};
+
 /// The role of a MechanicalObject: the nodes of a body. After compilation its current x and v are rows
 /// [firstRow(), firstRow() + size()) of its System's vectors; before, they are the initial values below.
 class State : public Component {
@@ -15,13 +23,16 @@ class State : public Component {
 
   Index size() const { return Index(rest_position.size()); }
   Index firstRow() const { return first_row_; }
-  Rows x() const { return {x_.data + std::size_t(first_row_) * row_doubles, size()}; }
-  Rows v() const { return {v_.data + std::size_t(first_row_) * row_doubles, size()}; }
+  /// This state's rows of a vector of its system.
+  Rows segment(Rows all) const { return all.segment(first_row_, size()); }
+  ConstRows segment(ConstRows all) const { return all.segment(first_row_, size()); }
+  Rows x() const { return segment(x_); }
+  Rows v() const { return segment(v_); }
   /// The net force of the last evaluation [N], for observers that called requestForce() in their init(): implicit steps
   /// that nobody asks have it only together with other terms, and what stands here is then that of no instant.
   ConstRows f() const {
     assert(force_requested_ && "requestForce() comes before the first step");
-    return {f_.data + std::size_t(first_row_) * row_doubles, size()};
+    return segment(f_);
   }
   void requestForce() { force_requested_ = true; }
   bool forceRequested() const { return force_requested_; }
@@ -32,6 +43,10 @@ class State : public Component {
   std::vector<Vec3> rest_position;  ///< [m], shape (size); does not change
   std::vector<Vec3> position;       ///< [m], initial positions, shape (size)
   std::vector<Vec3> velocity;       ///< [m/s], initial velocities, shape (size)
+  /// What the rows are made of, shape (size); empty: all are places. To be set in init(). Above, an orientation is given
+  /// by x, y and z of its quaternion, w being sqrt(1 - x^2 - y^2 - z^2).
+  std::vector<RowKind> row_kinds;
+  RowKind kindOf(Index row) const { return row_kinds.empty() ? RowKind::place : row_kinds[std::size_t(row)]; }
 
  private:
   /// Of this state in the vectors below.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
+#include <limits>
 #include <vector>
 
 #include "framework/mechanics/state.h"
@@ -8,17 +9,27 @@ namespace stroma {
 
 /// The rows of a state in its system's vector x [m], shape (state.size()).
 inline std::vector<Vec3> positionsOf(const State& state, ConstRows x) {
+  const ConstRows rows = state.segment(x);
   std::vector<Vec3> out(std::size_t(state.size()));
-  for (Index i = 0; i < state.size(); ++i) out[i] = x[state.firstRow() + i];
+  for (Index i = 0; i < rows.count; ++i) out[std::size_t(i)] = rows[i];
   return out;
 }
 
-/// The diagonal of the box around a state's rest shape [m].
+/// The diagonal of the box around a state's places [m], position(i) being that of row i; zero without places.
+template <class Position>
+double sizeOfBox(const State& state, Position&& position) {
+  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  for (Index i = 0; i < state.size(); ++i) {
+    if (state.kindOf(i) != RowKind::place) continue;
+    const Vec3 p = position(i);
+    low = low.cwiseMin(p), high = high.cwiseMax(p);
+  }
+  return low[0] <= high[0] ? (high - low).norm() : 0;
+}
+
+/// The same of the rest shape [m].
 inline double restSize(const State& state) {
-  if (state.rest_position.empty()) return 0;
-  Vec3 low = state.rest_position[0], high = low;
-  for (const Vec3& p : state.rest_position) low = low.cwiseMin(p), high = high.cwiseMax(p);
-  return (high - low).norm();
+  return sizeOfBox(state, [&state](Index i) -> const Vec3& { return state.rest_position[std::size_t(i)]; });
 }
 
 }  // namespace stroma

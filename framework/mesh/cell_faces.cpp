@@ -15,10 +15,11 @@ struct FaceKey {
   CellFace where;
 };
 
-template <class Cell, std::size_t Faces, std::size_t N>
-std::array<Index, N> facesNodes(const Cell& cell, const std::array<std::array<int, N>, Faces>& faces, int face) {
+/// Of a kind whose faces all have N nodes.
+template <const CellKind& kind, std::size_t N, class Cell>
+std::array<Index, N> nodesOf(const Cell& cell, std::size_t face) {
   std::array<Index, N> nodes;
-  for (std::size_t i = 0; i < N; ++i) nodes[i] = cell[faces[face][i]];
+  for (std::size_t i = 0; i < N; ++i) nodes[i] = cell[kind.faces[face].nodes[i]];
   return nodes;
 }
 
@@ -46,26 +47,28 @@ struct FaceBuckets {
   std::vector<std::size_t> start;  ///< shape (nodes + 1)
 };
 
-template <class Cell, std::size_t Faces, std::size_t N>
-FaceBuckets<N> bucketsOf(const std::vector<Cell>& cells, const std::array<std::array<int, N>, Faces>& faces) {
+template <const CellKind& kind, std::size_t N, class Cell>
+FaceBuckets<N> bucketsOf(const std::vector<Cell>& cells) {
+  constexpr std::size_t faces = kind.faces.size();
   Index nodes = 0;
   for (const Cell& cell : cells) nodes = std::max(nodes, *std::max_element(cell.begin(), cell.end()) + 1);
   const auto smallest = [&](const Cell& cell, std::size_t f) {
-    Index least = cell[faces[f][0]];
-    for (const int i : faces[f]) least = std::min(least, cell[i]);
+    const auto of_face = nodesOf<kind, N>(cell, f);
+    Index least = of_face[0];
+    for (std::size_t i = 1; i < N; ++i) least = std::min(least, of_face[i]);
     return std::size_t(least);
   };
   FaceBuckets<N> buckets;
   std::vector<std::size_t>& start = buckets.start;
   start.assign(std::size_t(nodes) + 1, 0);
   for (const Cell& cell : cells)
-    for (std::size_t f = 0; f < Faces; ++f) ++start[smallest(cell, f) + 1];
+    for (std::size_t f = 0; f < faces; ++f) ++start[smallest(cell, f) + 1];
   for (std::size_t n = 0; n < std::size_t(nodes); ++n) start[n + 1] += start[n];
-  buckets.keys.resize(cells.size() * Faces);
+  buckets.keys.resize(cells.size() * faces);
   std::vector<std::size_t> next(start.begin(), start.end());
   for (std::size_t c = 0; c < cells.size(); ++c)
-    for (std::size_t f = 0; f < Faces; ++f) {
-      auto key = facesNodes(cells[c], faces, int(f));
+    for (std::size_t f = 0; f < faces; ++f) {
+      auto key = nodesOf<kind, N>(cells[c], f);
       std::sort(key.begin(), key.end());
       buckets.keys[next[key[0]]++] = {key, {Index(c), int(f)}};
     }
@@ -73,10 +76,9 @@ FaceBuckets<N> bucketsOf(const std::vector<Cell>& cells, const std::array<std::a
 }
 
 /// All faces, equal ones side by side and in the order of their cells.
-template <class Cell, std::size_t Faces, std::size_t N>
-std::vector<FaceKey<N>> sortedFaces(const std::vector<Cell>& cells,
-                                    const std::array<std::array<int, N>, Faces>& faces) {
-  auto [keys, start] = bucketsOf(cells, faces);
+template <const CellKind& kind, std::size_t N, class Cell>
+std::vector<FaceKey<N>> sortedFaces(const std::vector<Cell>& cells) {
+  auto [keys, start] = bucketsOf<kind, N>(cells);
   for (std::size_t n = 0; n + 1 < start.size(); ++n)
     std::sort(keys.begin() + std::ptrdiff_t(start[n]), keys.begin() + std::ptrdiff_t(start[n + 1]), comesBefore<N>);
   return std::move(keys);
@@ -84,9 +86,9 @@ std::vector<FaceKey<N>> sortedFaces(const std::vector<Cell>& cells,
 
 /// Those of one cell alone, in the same order. Most faces have a partner, which a list for each second node finds
 /// without sorting.
-template <class Cell, std::size_t Faces, std::size_t N>
-std::vector<FaceKey<N>> loneFaces(const std::vector<Cell>& cells, const std::array<std::array<int, N>, Faces>& faces) {
-  const auto [keys, start] = bucketsOf(cells, faces);
+template <const CellKind& kind, std::size_t N, class Cell>
+std::vector<FaceKey<N>> loneFaces(const std::vector<Cell>& cells) {
+  const auto [keys, start] = bucketsOf<kind, N>(cells);
   std::vector<FaceKey<N>> lone;
   std::vector<std::size_t> newest(start.size(), 0), before;  // places in the bucket, from 1 on
   std::vector<char> shared;
@@ -110,30 +112,28 @@ std::vector<FaceKey<N>> loneFaces(const std::vector<Cell>& cells, const std::arr
   return lone;
 }
 
-template <class Cell, std::size_t Faces, std::size_t N>
-std::vector<std::array<Index, N>> uniqueFacesOf(const std::vector<Cell>& cells,
-                                                const std::array<std::array<int, N>, Faces>& faces,
-                                                bool boundary_only) {
-  const auto keys = boundary_only ? loneFaces(cells, faces) : sortedFaces(cells, faces);
+template <const CellKind& kind, std::size_t N, class Cell>
+std::vector<std::array<Index, N>> uniqueFacesOf(const std::vector<Cell>& cells, bool boundary_only) {
+  const auto keys = boundary_only ? loneFaces<kind, N>(cells) : sortedFaces<kind, N>(cells);
   std::vector<std::array<Index, N>> out;
   for (std::size_t i = 0; i < keys.size(); ++i)
     if (i == 0 || !sameNodes(keys[i - 1], keys[i]))
-      out.push_back(facesNodes(cells[keys[i].where.cell], faces, keys[i].where.face));
+      out.push_back(nodesOf<kind, N>(cells[keys[i].where.cell], std::size_t(keys[i].where.face)));
   return out;
 }
 
 }  // namespace
 
 std::vector<Triangle> uniqueFaces(const std::vector<Tetrahedron>& cells, bool boundary_only) {
-  return uniqueFacesOf(cells, tetrahedron_faces, boundary_only);
+  return uniqueFacesOf<cell_kinds::tetrahedron, 3>(cells, boundary_only);
 }
 
 std::vector<Quad> uniqueFaces(const std::vector<Hexahedron>& cells, bool boundary_only) {
-  return uniqueFacesOf(cells, hexahedron_faces, boundary_only);
+  return uniqueFacesOf<cell_kinds::hexahedron, 4>(cells, boundary_only);
 }
 
 std::vector<std::array<CellFace, 2>> sharedFaces(const std::vector<Hexahedron>& cells) {
-  const auto keys = sortedFaces(cells, hexahedron_faces);
+  const auto keys = sortedFaces<cell_kinds::hexahedron, 4>(cells);
   std::vector<std::array<CellFace, 2>> out;
   for (std::size_t i = 0; i + 1 < keys.size(); ++i)
     if (sameNodes(keys[i], keys[i + 1])) out.push_back({keys[i].where, keys[i + 1].where});

@@ -8,28 +8,18 @@
 #include <cmath>
 #include <numbers>
 
-#include "framework/mesh/cell_faces.h"
+#include "framework/mesh/cell_lists.h"
 
 namespace stroma {
 namespace {
 
 using Positions = std::vector<Vec3>;
 
-constexpr std::array<std::array<int, 3>, 4> tetrahedron_corner_edges{{{1, 2, 3}, {2, 0, 3}, {0, 1, 3}, {0, 2, 1}}};
-
-template <class Cell>
-const auto& cornerEdges() {
-  if constexpr (std::tuple_size_v<Cell> == 4)
-    return tetrahedron_corner_edges;
-  else
-    return hexahedron_corner_edges;
-}
-
 /// The three edges that leave a corner of a cell.
 template <class Cell>
-std::array<Vec3, 3> edgesAt(const Cell& cell, std::size_t corner, const Positions& p) {
+std::array<Vec3, 3> edgesAt(const CellKind& kind, const Cell& cell, std::size_t corner, const Positions& p) {
   std::array<Vec3, 3> out;
-  for (std::size_t k = 0; k < 3; ++k) out[k] = p[cell[(cornerEdges<Cell>()[corner][k])]] - p[cell[corner]];
+  for (std::size_t k = 0; k < 3; ++k) out[k] = p[cell[kind.corner_edges[corner][k]]] - p[cell[corner]];
   return out;
 }
 
@@ -42,34 +32,40 @@ double solidAngle(std::array<Vec3, 3> edge) {
 }
 
 template <class Cell>
-bool isInsideOut(const Cell& cell, const Positions& rest, const Positions& now) {
+bool isInsideOut(const CellKind& kind, const Cell& cell, const Positions& rest, const Positions& now) {
   for (std::size_t corner = 0; corner < cell.size(); ++corner)
-    if (orientation(edgesAt(cell, corner, rest)) > 0 && !(orientation(edgesAt(cell, corner, now)) > 0)) return true;
+    if (orientation(edgesAt(kind, cell, corner, rest)) > 0 && !(orientation(edgesAt(kind, cell, corner, now)) > 0))
+      return true;
   return false;
 }
 
 template <class Cell>
-std::string insideOut(const std::vector<Cell>& cells, const char* name, const Positions& rest, const Positions& now) {
+std::string insideOut(const CellKind& kind, const std::vector<Cell>& cells, const Positions& rest,
+                      const Positions& now) {
   std::size_t count = 0, first = 0;
   for (std::size_t c = 0; c < cells.size(); ++c)
-    if (isInsideOut(cells[c], rest, now) && count++ == 0) first = c;
+    if (isInsideOut(kind, cells[c], rest, now) && count++ == 0) first = c;
   if (count == 0) return {};
-  return fmt::format("{} of {} {}a are inside out{}; the first is {}on {} (nodes {})", count, cells.size(), name,
-                     cells[0].size() == 8 ? " at a corner" : "", name, first, fmt::join(cells[first], " "));
+  return fmt::format("{} of {} {} are inside out{}; the first is {} {} (nodes {})", count, cells.size(), kind.plural,
+                     kind.affine ? "" : " at a corner", kind.singular, first, fmt::join(cells[first], " "));
 }
 
 template <class Cell>
-void addSolidAngles(const std::vector<Cell>& cells, const Positions& now, std::vector<double>& sum) {
+void addSolidAngles(const CellKind& kind, const std::vector<Cell>& cells, const Positions& now,
+                    std::vector<double>& sum) {
   for (const Cell& cell : cells)
     for (std::size_t corner = 0; corner < cell.size(); ++corner)
-      sum[cell[corner]] += solidAngle(edgesAt(cell, corner, now));
+      sum[cell[corner]] += solidAngle(edgesAt(kind, cell, corner, now));
 }
 
 /// Of upright cells: more than the whole sphere is seen from a node.
 std::string overlapping(const Mesh& mesh, const Positions& now) {
   std::vector<double> sum(now.size(), 0);
-  addSolidAngles(mesh.tetrahedra, now, sum);
-  addSolidAngles(mesh.hexahedra, now, sum);
+  forEachCellList(
+      [&](const CellKind& kind, const auto& cells) {
+        if (kind.dimension == 3) addSolidAngles(kind, cells, now, sum);
+      },
+      mesh);
   std::size_t count = 0, first = 0;
   for (std::size_t n = 0; n < sum.size(); ++n)
     if (sum[n] > 1.01 * 4 * std::numbers::pi * mesh.overlap && count++ == 0) first = n;
@@ -81,9 +77,13 @@ std::string overlapping(const Mesh& mesh, const Positions& now) {
 }  // namespace
 
 std::string foldsOf(const Mesh& mesh, const Positions& rest, const Positions& now) {
-  if (std::string text = insideOut(mesh.tetrahedra, "tetrahedr", rest, now); !text.empty()) return text;
-  if (std::string text = insideOut(mesh.hexahedra, "hexahedr", rest, now); !text.empty()) return text;
-  return overlapping(mesh, now);
+  std::string text;
+  forEachCellList(
+      [&](const CellKind& kind, const auto& cells) {
+        if (kind.dimension == 3 && text.empty()) text = insideOut(kind, cells, rest, now);
+      },
+      mesh);
+  return text.empty() ? overlapping(mesh, now) : text;
 }
 
 }  // namespace stroma

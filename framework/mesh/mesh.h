@@ -67,11 +67,5 @@ class Mesh {
 
 /// 1/6 (b-a) x (c-a) . (d-a)
 double tetrahedronVolume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
-/// Exact volume of the trilinear hexahedron (VTK order), whose faces may be warped.
-double hexahedronVolume(const std::array<Vec3, 8>& corner);
-/// Mean ratio: sign(V) 12 (3 |V|)^(2/3) / (sum of squared edge lengths); 1 for a regular tetrahedron, 0 when flat.
-double tetrahedronQuality(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
-/// The worst of the eight tetrahedra at the corners, scaled so that a cube has 1.
-double hexahedronQuality(const std::array<Vec3, 8>& corner);
 
 }  // namespace stroma

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <numbers>
 
+#include "framework/mesh/cell_attributes.h"
 #include "framework/mesh/cell_faces.h"
 
 namespace stroma {
@@ -28,11 +29,6 @@ void appendMissing(std::vector<Cell>& cells, const std::vector<Cell>& candidates
     if (!std::binary_search(present.begin(), present.end(), sorted(cell))) cells.push_back(cell);
 }
 
-bool hasCells(const Mesh& mesh) {
-  return !(mesh.edges.empty() && mesh.triangles.empty() && mesh.quads.empty() && mesh.tetrahedra.empty() &&
-           mesh.hexahedra.empty());
-}
-
 }  // namespace
 
 void MeshLoader::declare(DataTable& table) {
@@ -48,27 +44,42 @@ void MeshLoader::declare(DataTable& table) {
   table.add("onlyAttachedPoints", only_attached_points_)
       .help("leave nodes without cells out: later ones get new numbers");
   table.add("position", mesh_.position).alias("points").unit("m").help("nodes").output();
-  table.add("edges", mesh_.edges).alias("lines").help("edges of the file").output();
-  table.add("triangles", mesh_.triangles).help("triangles of the file").output();
-  table.add("quads", mesh_.quads).help("quads of the file").output();
-  table.add("tetrahedra", mesh_.tetrahedra).alias("tetras").help("tetrahedra of the file").output();
-  table.add("hexahedra", mesh_.hexahedra).alias("hexas").help("hexahedra of the file").output();
+  forEachCellList(
+      [&table](const CellKind& kind, auto& cells) {
+        addCellList(table, kind, cells).help(fmt::format("{} of the file", kind.plural)).output();
+      },
+      mesh_);
 }
 
 void MeshLoader::declareDirections(DataTable& table) {
   table.add("directionArray", directions_.array)
       .help("cell or point data of 3, 6 or 9 numbers that go to tetrahedraDirections and its like: fibres, sheets");
-  table.add("tetrahedraDirections", directions_.tetrahedra)
-      .help("directions of each tetrahedron, of cell data; they turn and stretch with the mesh")
-      .output();
-  table.add("hexahedraDirections", directions_.hexahedra).help("the same of each hexahedron").output();
+  forEachCellList(
+      [&table](const CellKind& kind, auto& directions) {
+        if (kind.dimension < 3) return;
+        table.add(fmt::format("{}Directions", kind.plural), directions)
+            .help(
+                fmt::format("directions of each {}, of cell data; they turn and stretch with the mesh", kind.singular))
+            .output();
+      },
+      directions_.cells);
   table.add("nodeDirections", directions_.nodes).help("the same of each node, of point data").output();
+}
+
+void MeshLoader::declareGroups(DataTable& table, const std::string& word) {
+  forEachCellList(
+      [&](const CellKind& kind, std::vector<int>& groups) {
+        table.add(fmt::format("{}Groups", kind.plural), groups)
+            .help(fmt::format("{} of each {} of the file", word, kind.singular))
+            .output();
+      },
+      groups_);
 }
 
 void MeshLoader::init() {
   read(filename_.found, mesh_);
   if (mesh_.position.empty()) throw ComponentError(fmt::format("{} has no nodes", filename_.given), "a mesh");
-  if (!hasCells(mesh_))
+  if (highestDimension(mesh_) == 0)
     throw ComponentError(fmt::format("{} has {} nodes but no cell that can be used", filename_.given, mesh_.nodes()),
                          "edges, triangles, quads, tetrahedra or hexahedra");
   if (const std::string error = mesh_.firstError(); !error.empty())
@@ -76,10 +87,7 @@ void MeshLoader::init() {
   if (only_attached_points_) removeUnusedNodes();
   transform();
   if (triangulate_) splitQuads();
-  if (flip_normals_) {
-    for (Triangle& t : mesh_.triangles) std::swap(t[1], t[2]);
-    for (Quad& q : mesh_.quads) std::swap(q[1], q[3]);
-  }
+  if (flip_normals_) flipFaces();
   // The complaint is about what the file has: faces added below would use every node of a cell anyway.
   if (const std::string complaint = meshComplaint(mesh_); !complaint.empty())
     warn(fmt::format("{}: {}", filename_.given, complaint));
@@ -89,11 +97,12 @@ void MeshLoader::init() {
 void MeshLoader::removeUnusedNodes() {
   std::vector<Index> number(mesh_.position.size(), 0);
   const auto forEachNode = [&](auto&& visit) {
-    const auto all = [&](auto& cells) {
-      for (auto& cell : cells)
-        for (Index& node : cell) visit(node);
-    };
-    all(mesh_.edges), all(mesh_.triangles), all(mesh_.quads), all(mesh_.tetrahedra), all(mesh_.hexahedra);
+    forEachCellList(
+        [&](const CellKind&, auto& cells) {
+          for (auto& cell : cells)
+            for (Index& node : cell) visit(node);
+        },
+        mesh_);
   };
   forEachNode([&](Index node) { number[node] = 1; });
   const auto keepUsed = [&](std::vector<Vec3>& values, std::size_t each) {
@@ -131,8 +140,20 @@ void MeshLoader::transform() {
     shift = translation_;
   }
   for (Vec3& p : mesh_.position) p = linear * p + shift;
-  for (std::vector<Vec3>* list : {&directions_.tetrahedra, &directions_.hexahedra, &directions_.nodes})
-    for (Vec3& v : *list) v = linear * v;
+  const auto turn = [&linear](std::vector<Vec3>& list) {
+    for (Vec3& v : list) v = linear * v;
+  };
+  turn(directions_.nodes);
+  forEachCellList([&](const CellKind&, std::vector<Vec3>& list) { turn(list); }, directions_.cells);
+}
+
+void MeshLoader::flipFaces() {
+  forEachCellList(
+      [](const CellKind& kind, auto& cells) {
+        for (auto& cell : cells)
+          if (kind.dimension == 2) std::reverse(cell.begin() + 1, cell.end());
+      },
+      mesh_);
 }
 
 void MeshLoader::splitQuads() {
@@ -159,8 +180,7 @@ void addSubelements(Mesh& mesh) {
 
 std::string meshComplaint(const Mesh& mesh) {
   const MeshReport report = mesh.report();
-  const bool volume_cells = report.tetrahedra + report.hexahedra > 0;
-  const bool no_volume = volume_cells && !(report.volume > 0);
+  const bool no_volume = highestDimension(mesh) == 3 && !(report.volume > 0);
   if (report.inverted.empty() && report.flat.empty() && report.unused_nodes.empty() && !no_volume) return {};
   return fmt::format("{}{}", no_volume ? "the mesh has no volume: " : "the mesh has faults: ", report.text());
 }

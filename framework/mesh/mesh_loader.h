@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 
+#include "framework/mesh/cell_lists.h"
 #include "framework/mesh/topology.h"
 
 namespace stroma {
@@ -23,17 +24,23 @@ class MeshLoader : public MeshSource {
   /// nodeDirections.
   void declareDirections(DataTable& table);
 
+  /// For formats whose cells have a whole number: the attributes tetrahedraGroups and its like. `word`: what it is.
+  void declareGroups(DataTable& table, const std::string& word);
+
   /// Vectors of the file under the name `array`, as many per cell or node as the array has: one, two or three.
   struct Directions {
     std::string array;
-    std::vector<Vec3> tetrahedra, hexahedra, nodes;
+    PerCellList<std::vector<Vec3>> cells;
+    std::vector<Vec3> nodes;
   };
   Directions directions_;
+  PerCellList<std::vector<int>> groups_;  ///< a whole number of each cell, or empty lists
   bool create_subelements_ = false;
 
  private:
   void removeUnusedNodes();
   void transform();
+  void flipFaces();
   void splitQuads();
 
   FileName filename_;

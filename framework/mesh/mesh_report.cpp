@@ -6,8 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "framework/mesh/cell_faces.h"
-#include "framework/mesh/mesh.h"
+#include "framework/mesh/cell_lists.h"
 
 namespace stroma {
 
@@ -26,10 +25,9 @@ void addCell(double volume, double quality, double longest_edge, MeshReport& rep
   if (report.worst_cell < 0 || quality < report.worst_quality) report.worst_quality = quality, report.worst_cell = cell;
 }
 
-template <std::size_t N, std::size_t Edges>
-double longestEdge(const std::array<Vec3, N>& corner, const std::array<std::array<int, 2>, Edges>& edges) {
+double longestEdge(const CellKind& kind, const Vec3* corner) {
   double square = 0;
-  for (const auto& [i, j] : edges) square = std::max(square, (corner[i] - corner[j]).squaredNorm());
+  for (const auto& [i, j] : kind.edges) square = std::max(square, (corner[i] - corner[j]).squaredNorm());
   return std::sqrt(square);
 }
 
@@ -51,26 +49,22 @@ std::string named(const std::vector<Index>& list, std::string_view what) {
 
 MeshReport Mesh::report() const {
   MeshReport out;
-  out.nodes = nodes(), out.edges = Index(edges.size()), out.triangles = Index(triangles.size());
-  out.quads = Index(quads.size()), out.tetrahedra = Index(tetrahedra.size()), out.hexahedra = Index(hexahedra.size());
-  out.overlap = overlap;
-  for (std::size_t c = 0; c < tetrahedra.size(); ++c) {
-    std::array<Vec3, 4> p;
-    for (std::size_t i = 0; i < 4; ++i) p[i] = position[tetrahedra[c][i]];
-    addCell(tetrahedronVolume(p[0], p[1], p[2], p[3]), tetrahedronQuality(p[0], p[1], p[2], p[3]),
-            longestEdge(p, tetrahedron_edges), out, Index(c));
-  }
-  for (std::size_t c = 0; c < hexahedra.size(); ++c) {
-    std::array<Vec3, 8> p;
-    for (std::size_t i = 0; i < 8; ++i) p[i] = position[hexahedra[c][i]];
-    addCell(hexahedronVolume(p), hexahedronQuality(p), longestEdge(p, hexahedron_edges), out,
-            Index(tetrahedra.size() + c));
-  }
+  out.nodes = nodes(), out.overlap = overlap;
+  forEachCellList([](const CellKind&, const auto& cells, Index& count) { count = Index(cells.size()); }, *this, out);
+  Index volume_cells = 0;
+  std::vector<char> used(position.size(), 0);
+  forEachCellList(
+      [&](const CellKind& kind, const auto& cells) {
+        markUsed(cells, used);
+        for (std::size_t c = 0; kind.dimension == 3 && c < cells.size(); ++c) {
+          const auto corner = cornersOf(cells[c], position);
+          addCell(kind.size(corner.data()), kind.quality(corner.data()), longestEdge(kind, corner.data()), out,
+                  volume_cells++);
+        }
+      },
+      *this);
   out.volume /= overlap;
 
-  std::vector<char> used(position.size(), 0);
-  markUsed(edges, used), markUsed(triangles, used), markUsed(quads, used);
-  markUsed(tetrahedra, used), markUsed(hexahedra, used);
   for (std::size_t n = 0; n < used.size(); ++n)
     if (!used[n]) out.unused_nodes.push_back(Index(n));
 
@@ -81,17 +75,21 @@ MeshReport Mesh::report() const {
 
 std::string MeshReport::text() const {
   std::vector<std::string> parts{fmt::format("{} nodes", nodes)};
-  const auto count = [&parts](Index number, const char* word) {
-    if (number > 0) parts.push_back(fmt::format("{} {}", number, word));
-  };
-  count(edges, "edges"), count(triangles, "triangles"), count(quads, "quads");
-  count(tetrahedra, "tetrahedra"), count(hexahedra, "hexahedra");
+  Index first = 0;  // volume cell of the kind
+  std::string worst;
+  forEachCellList(
+      [&](const CellKind& kind, Index count) {
+        if (count > 0) parts.push_back(fmt::format("{} {}", count, kind.plural));
+        if (kind.dimension < 3) return;
+        if (worst_cell >= first && worst_cell < first + count)
+          worst = fmt::format("{} {}", kind.singular, worst_cell - first);
+        first += count;
+      },
+      *this);
   if (worst_cell >= 0) {
     parts.push_back(fmt::format("volume {:.6g} m^3", volume));
     if (overlap != 1) parts.push_back(fmt::format("cells cover the body {:g} times", overlap));
-    parts.push_back(fmt::format("worst quality {:.3g} ({} {})", worst_quality,
-                                worst_cell < tetrahedra ? "tetrahedron" : "hexahedron",
-                                worst_cell < tetrahedra ? worst_cell : worst_cell - tetrahedra));
+    parts.push_back(fmt::format("worst quality {:.3g} ({})", worst_quality, worst));
   }
   if (!inverted.empty()) parts.push_back(named(inverted, "inverted cells"));
   if (!flat.empty()) parts.push_back(named(flat, "flat cells"));

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "framework/mesh/cell_faces.h"
-#include "framework/mesh/mesh.h"
+#include "framework/mesh/cell_lists.h"
 
 namespace stroma {
 
@@ -14,15 +14,12 @@ namespace {
 template <class Visit>
 void forEachEdge(const Mesh& mesh, Visit&& visit) {
   const auto ordered = [&visit](Index a, Index b) { a < b ? visit(a, b) : visit(b, a); };
-  for (const Edge& e : mesh.edges) ordered(e[0], e[1]);
-  for (const Triangle& t : mesh.triangles)
-    for (std::size_t i = 0; i < 3; ++i) ordered(t[i], t[(i + 1) % 3]);
-  for (const Quad& q : mesh.quads)
-    for (std::size_t i = 0; i < 4; ++i) ordered(q[i], q[(i + 1) % 4]);
-  for (const Tetrahedron& t : mesh.tetrahedra)
-    for (const auto& [i, j] : tetrahedron_edges) ordered(t[i], t[j]);
-  for (const Hexahedron& h : mesh.hexahedra)
-    for (const auto& [i, j] : hexahedron_edges) ordered(h[i], h[j]);
+  forEachCellList(
+      [&](const CellKind& kind, const auto& cells) {
+        for (const auto& cell : cells)
+          for (const auto& [i, j] : kind.edges) ordered(cell[i], cell[j]);
+      },
+      mesh);
 }
 
 std::vector<Edge> uniqueEdges(const Mesh& mesh) {

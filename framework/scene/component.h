@@ -8,6 +8,7 @@
 
 namespace stroma {
 
+class Archive;
 class Node;
 
 /// Base of everything a scene can name. A component declares its parameters once, is initialised once after all that
@@ -28,6 +29,14 @@ class Component {
   /// Forgets what steps have left behind (a history, a warm start): the simulation goes back to its initial state and
   /// must repeat itself bit for bit. Nothing to do for a component whose steps read only x, v and the time.
   virtual void reset() {}
+  /// Writes or reads, under names, everything that steps leave behind and later steps depend on besides x, v and the
+  /// time: what reset() forgets. With the values read back, a run goes on with the bits of one that never stopped.
+  /// Archive::isReading() tells the direction. Throws std::runtime_error when the values read are those of another scene.
+  virtual void serialize(Archive&) {}
+  /// An attribute declared recompiled() has a new value while the scene runs: checks it and makes anew what init()
+  /// derived from attributes. Compiled roles (force fields, masses) are compiled again afterwards, and what serialize()
+  /// knows is kept. Throws ComponentError: the old value is then put back and this is called once more.
+  virtual void recompile() { init(); }
   /// False when another component of the node stands for this one: searches by role pass it over. Asked before init().
   virtual bool answersLookup() const { return true; }
   /// The word for the role, for messages: "force field".
@@ -61,6 +70,7 @@ class Component {
   friend class Factory;
   friend class Node;
   friend class Instantiation;
+  friend class LiveEdit;
   enum class Stage { created, initialising, ready, failed };
 
   /// `folder_`: where relative file names of this component start.

@@ -24,6 +24,8 @@ Data& Data::physical() { return physical_ = true, *this; }
 Data& Data::output() { return output_ = true, *this; }
 Data& Data::input() { return input_ = true, *this; }
 Data& Data::shorthand() { return shorthand_ = true, *this; }
+Data& Data::atOnce() { return change_effect_ = ChangeEffect::at_once, *this; }
+Data& Data::recompiled() { return change_effect_ = ChangeEffect::recompile, *this; }
 
 LinkBase* Data::link() const {
   const auto* link = std::get_if<LinkBase*>(&pointer_);

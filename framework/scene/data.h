@@ -41,6 +41,13 @@ using DataPointer =
 /// How a value reached an attribute.
 enum class DataOrigin { by_default, written, linked, by_override };
 
+/// What a change of an attribute takes while the scene runs.
+enum class ChangeEffect {
+  restart,    ///< the scene has to be loaded with the new value; so for all that declare nothing else
+  at_once,    ///< steps read the member itself: the next one has the new value
+  recompile,  ///< Component::recompile() makes anew what was derived from it, and nothing else is loaded again
+};
+
 /// One attribute. Filled by the fluent calls below inside Component::declare().
 class Data {
  public:
@@ -52,11 +59,13 @@ class Data {
   Data& alias(std::string other);                  ///< another accepted name (SOFA's)
   Data& min(double value, bool inclusive = true);  ///< applies to every number of the value
   Data& max(double value, bool inclusive = true);
-  Data& required();   ///< not giving it is an error
-  Data& physical();   ///< not giving it is a warning that states the default used
-  Data& output();     ///< computed by the component: can be linked from, not written
-  Data& input();      ///< FileName only: the file must exist
-  Data& shorthand();  ///< read by the component into another attribute; not in the manual's main table
+  Data& required();    ///< not giving it is an error
+  Data& physical();    ///< not giving it is a warning that states the default used
+  Data& output();      ///< computed by the component: can be linked from, not written
+  Data& input();       ///< FileName only: the file must exist
+  Data& shorthand();   ///< read by the component into another attribute; not in the manual's main table
+  Data& atOnce();      ///< ChangeEffect::at_once
+  Data& recompiled();  ///< ChangeEffect::recompile
 
   // ---- use ----
   const std::string& name() const { return name_; }
@@ -68,6 +77,7 @@ class Data {
   bool isOutput() const { return output_; }
   bool isInputFile() const { return input_; }
   bool isShorthand() const { return shorthand_; }
+  ChangeEffect changeEffect() const { return change_effect_; }
   bool isSet() const { return origin_ != DataOrigin::by_default; }
   DataOrigin origin() const { return origin_; }
   const DataPointer& pointer() const { return pointer_; }
@@ -96,6 +106,7 @@ class Data {
   bool min_inclusive_ = true, max_inclusive_ = true;
   bool required_ = false, physical_ = false, output_ = false, input_ = false, shorthand_ = false;
   DataOrigin origin_ = DataOrigin::by_default;
+  ChangeEffect change_effect_ = ChangeEffect::restart;
 };
 
 /// All attributes of a component, in the order of declaration.

@@ -31,14 +31,28 @@ KnownType knownTypes(const Factory& factory, const Modules& modules) {
   return [types, &factory](const std::string& type) { return types->count(type) > 0 || factory.find(type); };
 }
 
-Scene loadScene(const std::string& file, const std::vector<Override>& overrides, Factory& factory, Modules& modules,
-                const ReadLimits& limits) {
+namespace {
+
+Scene loadFrom(const std::string& file, const std::string* text, const std::vector<Override>& overrides,
+               Factory& factory, Modules& modules, const ReadLimits& limits) {
   Diagnostics diagnostics;
   SceneDescription description =
-      readSceneWithPrefabs(file, overrides, limits, knownTypes(factory, modules), diagnostics);
+      readSceneWithPrefabs(file, overrides, limits, knownTypes(factory, modules), diagnostics, text);
   // Without a tree there is nothing more to find; with one, an unreadable include does not hide the other problems.
   if (description.root.where.file.empty()) throw SceneError(std::move(diagnostics));
   return instantiate(std::move(description), factory, modules, std::move(diagnostics));
+}
+
+}  // namespace
+
+Scene loadScene(const std::string& file, const std::vector<Override>& overrides, Factory& factory, Modules& modules,
+                const ReadLimits& limits) {
+  return loadFrom(file, nullptr, overrides, factory, modules, limits);
+}
+
+Scene loadSceneText(const std::string& xml, const std::string& name, const std::vector<Override>& overrides,
+                    Factory& factory, Modules& modules, const ReadLimits& limits) {
+  return loadFrom(name, &xml, overrides, factory, modules, limits);
 }
 
 Component* findComponent(Node& root, std::string_view path) {

@@ -45,6 +45,9 @@ struct Scene {
 /// The whole way. Throws SceneError with every problem found. `check_only` keeps going as far as possible in any case.
 Scene loadScene(const std::string& file, const std::vector<Override>& overrides, Factory& factory, Modules& modules,
                 const ReadLimits& limits = {});
+/// The same from XML text; `name` stands for the file, and relative file names start at its folder.
+Scene loadSceneText(const std::string& xml, const std::string& name, const std::vector<Override>& overrides,
+                    Factory& factory, Modules& modules, const ReadLimits& limits = {});
 /// The same from a description (tests, other front ends).
 Scene instantiate(SceneDescription description, Factory& factory, Modules& modules, Diagnostics diagnostics = {});
 

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <mutex>
 #include <sstream>
 #include <stdexcept>
 
@@ -181,6 +182,10 @@ void Modules::open(const std::string& path) {
                              " and this is " STROMA_ABI ": build it again against this version");
   if (std::find(impl_->opened.begin(), impl_->opened.end(), info->name) != impl_->opened.end()) return;
 
+  // What a module registers with itself (laws, kinds of elements) it has once in the process, however many factories it
+  // serves: the first registration writes it, the others find it there.
+  static std::mutex registering;
+  const std::lock_guard lock(registering);
   // A trial registration first: a name that exists must not leave half a module in the factory.
   Factory trial;
   info->register_components(trial);

@@ -38,11 +38,15 @@ class Resolver {
                  where, {}, "files include each other more than " + std::to_string(limits_.include_depth) + " deep"),
              false;
     std::string text;
-    if (!readText(file, where, text)) return false;
+    return readText(file, where, text) && take(text, file, depth, root);
+  }
+  /// The same for a text that is there already; `file` is its name.
+  bool take(const std::string& text, const std::string& file, int depth, NodeDescription& root) {
+    std::error_code none;
     root = readXml(text, file, limits_, diagnostics_);
     if (root.where.file.empty()) return false;
     scene_.files.push_back(file);
-    chain_.push_back(canonical);
+    chain_.push_back(fs::canonical(file, none).string());
     splice(root, depth);
     chain_.pop_back();
     return true;
@@ -230,15 +234,17 @@ SceneDescription readScene(const std::string& file, const std::vector<Override>&
 }
 
 SceneDescription readSceneWithPrefabs(const std::string& file, const std::vector<Override>& overrides,
-                                      const ReadLimits& limits, const KnownType& is_known, Diagnostics& diagnostics) {
+                                      const ReadLimits& limits, const KnownType& is_known, Diagnostics& diagnostics,
+                                      const std::string* text) {
   SceneDescription scene;
   scene.file = file;
   scene.data_paths = environmentDataPaths();
-  if (!fs::exists(file)) {
+  if (!text && !fs::exists(file)) {
     diagnostics.error({file, 0, 0}, {}, "the scene file is not found");
     return scene;
   }
-  if (!Resolver(limits, is_known, scene, diagnostics).read(file, {file, 1, 1}, 1, scene.root)) {
+  Resolver resolver(limits, is_known, scene, diagnostics);
+  if (!(text ? resolver.take(*text, file, 1, scene.root) : resolver.read(file, {file, 1, 1}, 1, scene.root))) {
     scene.root = {};
     return scene;
   }

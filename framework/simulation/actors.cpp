@@ -145,10 +145,17 @@ Actors collectActors(const Node& node) {
 }
 
 void compileActors(Actors& actors) {
+  actors.motion.compile(actors.states);
   for (Mass* mass : actors.masses) mass->compile();
   for (ForceField* field : actors.force_fields) field->compile();
   for (const auto* mappings : {&actors.mappings, &actors.passive_mappings})
     for (Mapping* mapping : *mappings) mapping->compile();
+  sortByTraits(actors);
+}
+
+void sortByTraits(Actors& actors) {
+  for (auto* list : {&actors.stiff_fields, &actors.damped_fields, &actors.timed_fields}) list->clear();
+  actors.derivatives_vary = false;
   for (ForceField* field : actors.force_fields) {
     const ForceTraits traits = field->traits();
     if (traits.velocity_dependent) actors.damped_fields.push_back(field);
@@ -159,6 +166,12 @@ void compileActors(Actors& actors) {
   }
   for (const Mapping* mapping : actors.mappings)
     if (!mapping->isLinear()) actors.derivatives_vary = true;
+}
+
+long Actors::patternRevision() const {
+  long sum = 0;
+  for (const ForceField* field : force_fields) sum += field->patternRevision();
+  return sum;
 }
 
 bool Actors::massIsDiagonal() const {

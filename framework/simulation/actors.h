@@ -6,6 +6,7 @@
 #include "framework/mechanics/force_field.h"
 #include "framework/mechanics/mapping.h"
 #include "framework/mechanics/mass.h"
+#include "framework/mechanics/motion.h"
 #include "framework/mechanics/position_constraint.h"
 #include "framework/mechanics/projective_constraint.h"
 
@@ -26,8 +27,11 @@ struct Actors {
   /// The latter are applied after each step and nowhere else.
   std::vector<Mapping*> mappings, passive_mappings;
   Index all_rows = 0, independent_rows = 0;
+  Motion motion;                  ///< how positions move by increments
   bool derivatives_vary = false;  ///< some K or C may change with x or v
 
+  /// Grows when the blocks that force fields couple change.
+  long patternRevision() const;
   /// No mass couples nodes or lies on a mapped state.
   bool massIsDiagonal() const;
   /// "node 3 of /beam/dofs"
@@ -41,5 +45,8 @@ Actors collectActors(const Node& node);
 /// Calls compile() of masses, force fields and mappings once states are bound to their rows, and sorts the force fields
 /// by their traits.
 void compileActors(Actors& actors);
+
+/// The lists that follow from what force fields are, made anew.
+void sortByTraits(Actors& actors);
 
 }  // namespace stroma

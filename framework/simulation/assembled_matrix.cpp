@@ -6,13 +6,8 @@
 namespace stroma {
 
 const BlockMatrix& AssembledMatrix::pattern() {
-  if (!ready_) makePattern();
+  if (!hasPattern() || revision_ != actors_.patternRevision()) makePattern();
   return matrix_;
-}
-
-void AssembledMatrix::dropPattern() {
-  matrix_ = BlockMatrix();
-  ready_ = false;
 }
 
 void AssembledMatrix::makePattern() {
@@ -36,7 +31,7 @@ void AssembledMatrix::makePattern() {
   for (Mass* mass : actors_.masses) mass->prepareAssembly(target);
   for (ForceField* field : actors_.force_fields) field->prepareAssembly(target);
   constant_part_.clear();
-  ready_ = true;
+  revision_ = actors_.patternRevision();
 }
 
 const BlockMatrix& AssembledMatrix::assemble(const MatrixFactors& factors) {

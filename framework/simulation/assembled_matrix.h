@@ -17,18 +17,18 @@ struct MatrixFactors {
 };
 
 /// The terms of a system's matrix added up in 3x3 blocks, constraints eliminated. The pattern is made when it is first
-/// asked for.
+/// asked for, and again after force fields have changed it (ForceField::patternRevision()).
 class AssembledMatrix {
  public:
   AssembledMatrix(const Actors& actors, const MappingChain& mappings, const ConstraintSet& constraints)
       : actors_(actors), mappings_(mappings), constraints_(constraints) {}
   /// The matrix with its pattern; values are those of the last assemble().
   const BlockMatrix& pattern();
-  bool hasPattern() const { return ready_; }
+  bool hasPattern() const { return matrix_.rows() > 0; }
   /// Forgets the pattern and its memory, but for the number of its blocks.
-  void dropPattern();
-  /// Blocks of the pattern, -1 until it was made once.
-  Index blocks() const { return block_count_; }
+  void dropPattern() { matrix_ = BlockMatrix(); }
+  /// Blocks of the pattern; -1: not known for the present one.
+  Index blocks() const { return revision_ == actors_.patternRevision() ? block_count_ : -1; }
   const BlockMatrix& matrix() const { return matrix_; }
 
   /// Values of the matrix with these factors at the state of the last force.
@@ -47,7 +47,8 @@ class AssembledMatrix {
   BlockMatrix matrix_;
   MappedMatrix mapped_;  ///< only with mappings
   Index block_count_ = -1;
-  bool ready_ = false;
+  long revision_ =
+      -1;  ///< Actors::patternRevision() of the pattern or, where that was dropped, of its number of blocks
   /// Values of the terms that do not change, shape (blocks, 9), with the factors they were added with; empty: none kept.
   std::vector<double> constant_part_;
   MatrixFactors constant_factors_;

@@ -28,6 +28,7 @@ void ConstraintSet::compile(double start, Rows x, Rows v) {
   reserve(start);
   for (const ProjectiveConstraint* constraint : all()) constraint->placeStart(start, x, v);
   gather(start, start);
+  refuseTurningRows();
   motion_.check(start, x, v);
   meetGroups(start, x, v);
 }
@@ -76,6 +77,42 @@ void ConstraintSet::gather(double t_start, double t_end) {
   projectors_.swap(gathered_);
   for (std::size_t i = 0; i < projectors_.size(); ++i) projector_of_row_[std::size_t(projectors_[i].row)] = Index(i);
   ++revision_;
+}
+
+// Means and places are those of points.
+void ConstraintSet::refuseTurningRows() const {
+  if (!actors_.motion.turns()) return;
+  const auto refuse = [this](const ProjectiveConstraint& constraint, Index row) {
+    if (actors_.motion.kindOf(row) == RowKind::turn)
+      throw ComponentError(
+          fmt::format("{} ties or moves {}, which is an orientation", constraint.path(), actors_.describeRow(row)),
+          "ties and prescribed motion of points");
+  };
+  for (const ProjectiveConstraint* constraint : all()) {
+    std::vector<Tie> ties;
+    std::vector<NodeProjector> moved;
+    constraint->addTies(ties);
+    if (constraint->prescribesMotion()) constraint->addProjectors(0, moved);
+    for (const Tie& tie : ties) refuse(*constraint, tie.a), refuse(*constraint, tie.b);
+    for (const NodeProjector& node : moved) refuse(*constraint, node.row);
+  }
+}
+
+void ConstraintSet::componentsChanged(double t, Rows v) {
+  const std::vector<Index> held_before = projector_of_row_;
+  change_ = std::any_of(all().begin(), all().end(), [](const ProjectiveConstraint* constraint) {
+    return !constraint->isConstant() || constraint->endTime() >= 0;
+  });
+  reserve(t);
+  gather(t, t);
+  for (const NodeProjector& held : projectors_)
+    if (held_before[std::size_t(held.row)] < 0) v[held.row] = (held.projector * v[held.row]).eval();
+  updateInverseMass();
+  ++revision_;
+}
+
+void ConstraintSet::resume(const StepContext& last) {
+  if (change_ && last.index > 0) gather(last.t, last.t_end);
 }
 
 void ConstraintSet::begin(const StepContext& context, ConstRows x, Rows v) {

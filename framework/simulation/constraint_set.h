@@ -46,6 +46,12 @@ class ConstraintSet {
   /// Empty, or a sentence: prescribed motions put a node at places without a common point.
   const std::string& misplaced() const { return motion_.misplaced(); }
 
+  // ---- changes between steps ----
+  /// Attributes of constraints or masses have changed at time `t` [s]. What is newly held stops where it is.
+  void componentsChanged(double t, Rows v);
+  /// What holds is what held in `last`, the last step of the run that goes on.
+  void resume(const StepContext& last);
+
   // ---- masses and what is held ----
   /// Throws ComponentError naming a state or a node that can move and has no mass: integrators of dynamics call it
   /// once.
@@ -57,6 +63,7 @@ class ConstraintSet {
  private:
   void reserve(double start);
   void gather(double t_start, double t_end);
+  void refuseTurningRows() const;
   void meetGroups(double start, Rows x, Rows v) const;
   void updateInverseMass();
 

@@ -36,6 +36,9 @@ class Integrator : public Component {
   virtual void complete(System&) {}
   /// A sentence on why what the steps have shown so far may be no result, or empty.
   virtual std::string doubt() const { return {}; }
+  /// False when it has computed its matrix and loads beforehand: attributes of what it moves cannot change while the
+  /// scene runs, and no input reaches it.
+  virtual bool followsChanges() const { return true; }
   /// One line for `explain`: what a step does.
   virtual std::string describe() const = 0;
 

@@ -2,7 +2,6 @@
 #include "framework/simulation/mapping_chain.h"
 
 #include <algorithm>
-#include <cstring>
 #include <utility>
 
 namespace stroma {
@@ -17,14 +16,14 @@ void MappingChain::compile(const Actors& actors) {
 
 ConstRows MappingChain::positions(ConstRows x) const {
   if (empty()) return x;
-  std::memcpy(x_.rows().data, x.data, std::size_t(actors_->independent_rows) * row_doubles * sizeof(double));
+  copy(x.head(actors_->independent_rows), x_.head(actors_->independent_rows));
   for (const Mapping* mapping : actors_->mappings) mapping->apply(x_);
   return std::as_const(x_).rows();
 }
 
 ConstRows MappingChain::lifted(ConstRows p, Vector& work) const {
   if (empty()) return p;
-  std::memcpy(work.rows().data, p.data, std::size_t(actors_->independent_rows) * row_doubles * sizeof(double));
+  copy(p.head(actors_->independent_rows), work.head(actors_->independent_rows));
   for (const Mapping* mapping : actors_->mappings) mapping->applyJ(work);
   return std::as_const(work).rows();
 }
@@ -38,13 +37,13 @@ Rows MappingChain::beginSum(Rows out) const {
 void MappingChain::finishSum(Rows all, Rows out) const {
   if (empty()) return;
   pullBack(all);
-  axpy(1, ConstRows{all.data, actors_->independent_rows}, Rows{out.data, actors_->independent_rows});
+  axpy(1, all.head(actors_->independent_rows), out.head(actors_->independent_rows));
 }
 
 void MappingChain::finishProduct(ConstRows p, double k, Rows all, Rows out) const {
   if (empty()) return;
   pullBackProduct(p, k, all);
-  axpy(1, ConstRows{all.data, actors_->independent_rows}, Rows{out.data, actors_->independent_rows});
+  axpy(1, all.head(actors_->independent_rows), out.head(actors_->independent_rows));
 }
 
 void MappingChain::pullBack(Rows all) const {

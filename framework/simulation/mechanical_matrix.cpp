@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cassert>
 
+#include "framework/scene/archive.h"
 #include "framework/simulation/system.h"
 
 namespace stroma {
@@ -30,13 +31,26 @@ void MechanicalMatrix::setFactors(const MatrixFactors& factors) {
   factors_ = factors;
 }
 
+void MechanicalMatrix::termsChanged() {
+  assembled_.dropPattern();
+  ++factors_revision_;
+}
+
+void MechanicalMatrix::serialize(Archive& archive) {
+  archive.value("mass", factors_.mass);
+  archive.value("stiffness", factors_.stiffness);
+  archive.value("damping", factors_.damping);
+  archive.value("rayleigh_mass", factors_.rayleigh_mass);
+  archive.value("rayleigh_stiffness", factors_.rayleigh_stiffness);
+}
+
 Index MechanicalMatrix::rows() const { return actors_.independent_rows; }
-ConstRows MechanicalMatrix::positions() const { return {system_.x.rows().data, rows()}; }
+ConstRows MechanicalMatrix::positions() const { return system_.independent(system_.x); }
 std::string MechanicalMatrix::describeRow(Index row) const { return actors_.describeRow(row); }
 
 // Each part only grows, so that no two states of the matrix have one sum.
 long MechanicalMatrix::valuesRevision() const {
-  return factors_revision_ + constraints_.revision() + system_.derivativesRevision();
+  return factors_revision_ + constraints_.revision() + system_.derivativesRevision() + actors_.patternRevision();
 }
 
 bool MechanicalMatrix::symmetric() const {

@@ -19,13 +19,16 @@ class MechanicalMatrix final : public SystemMatrix {
  public:
   explicit MechanicalMatrix(const System& system);
   void setFactors(const MatrixFactors& factors);
+  /// Something has changed in what the terms are made of: nothing that was kept holds.
+  void termsChanged();
+  void serialize(Archive& archive);  ///< see Component::serialize()
 
   Index rows() const override;
   void multiply(ConstRows p, Rows out) const override;
   const BlockMatrix& assemble() override;
   const BlockMatrix& pattern() override { return assembled_.pattern(); }
   void diagonalBlocks(std::vector<double>& blocks) const override;
-  MatrixKey key() const override { return {identity().get(), 0, valuesRevision()}; }
+  MatrixKey key() const override { return {identity().get(), actors_.patternRevision(), valuesRevision()}; }
   bool symmetric() const override;
   bool prefersAssembled(int expected_products) const override;
   ConstRows positions() const override;

@@ -72,6 +72,11 @@ void PositionCorrections::compile(const Actors& actors, const Integrator& integr
       throw ComponentError(fmt::format("{} acts on {}, whose positions follow from another state by a mapping",
                                        constraint->path(), constraint->state().path()),
                            "position constraints on the state that is mapped from");
+  for (const PositionConstraint* constraint : actors.position_constraints)
+    if (!constraint->state().row_kinds.empty())
+      throw ComponentError(fmt::format("{} acts on positions, and not all rows of {} are places", constraint->path(),
+                                       constraint->state().path()),
+                           "position constraints on a state of points");
   mobility_.allocate(constraints.inverseLumpedMass());
   reference_.resize(actors.independent_rows);
   before_.resize(actors.independent_rows);
@@ -80,8 +85,8 @@ void PositionCorrections::compile(const Actors& actors, const Integrator& integr
 
 void PositionCorrections::enforce(const StepContext& context, ConstRows x_start, Rows x, Rows v, StepReport& report) {
   const Index rows = actors_->independent_rows;
-  const Rows x_now{x.data, rows}, v_now{v.data, rows};
-  const PositionStep step{context.dt, context.t_end, {x_start.data, rows}, mobility_};
+  const Rows x_now = x.head(rows), v_now = v.head(rows);
+  const PositionStep step{context.dt, context.t_end, x_start.head(rows), mobility_};
   copy(x_now, reference_);
   mobility_.reset(constraints_->projectors());
   for (PositionConstraint* constraint : actors_->position_constraints) constraint->begin(step);

@@ -96,7 +96,7 @@ void PrescribedMotion::aim(const StepContext& context, ConstRows x, Rows v) {
       constraint->beginMotion(context.t, x);
   copy(x, target_x_);
   copy(v, target_v_);
-  axpy(context.dt, v, target_x_);
+  actors_.motion.advance(context.dt, v, target_x_);
   place(context, target_x_, target_v_);
   for (const NodeProjector& moved : moving_) {
     const Vec3 speed = (target_x_[moved.row] - x[moved.row]) / context.dt;

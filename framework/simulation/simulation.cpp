@@ -7,18 +7,11 @@
 #include <bit>
 #include <chrono>
 #include <cmath>
-#include <set>
-
-#include "framework/mechanics/state_positions.h"
-#include "framework/mesh/folds.h"
-#include "framework/mesh/topology.h"
 
 namespace stroma {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-/// Steps from one look at reversed velocities to the next: a look costs six dot products.
-constexpr long look_every = 8;
 double seconds(Clock::duration duration) { return std::chrono::duration<double>(duration).count(); }
 
 /// A system owns everything below its integrator, so on any way from the root to a leaf at most one is allowed.
@@ -40,51 +33,6 @@ void collectIntegrators(const Node& node, Integrator* above, std::vector<Integra
     found.push_back(integrator);
   }
   for (const auto& child : node.children()) collectIntegrators(*child, above, found, diagnostics);
-}
-
-/// How many elements have no volume left at x, and which is worst, or empty.
-std::string foldedElements(const ForceField& field, ConstRows x) {
-  // a crushed element has the round-off of its nodes' positions for a volume
-  constexpr double flat = 1e-12;
-  const auto names = field.cellFields();
-  if (std::find(names.begin(), names.end(), "J") == names.end()) return {};
-  std::vector<double> j;
-  field.cellField("J", x, j);
-  const auto folded = std::count_if(j.begin(), j.end(), [](double value) { return !(value > flat); });
-  if (folded == 0) return {};
-  return fmt::format("{} of {} elements are inverted or flat; the worst is {}", folded, j.size(),
-                     field.worstElement(x));
-}
-
-/// The meshes of the node nearest above a state that has any, if they are of the state's size.
-std::vector<const Topology*> meshesOf(const State& state) {
-  std::vector<const Topology*> found;
-  bool any = false;
-  for (const Node* node = &state.node(); node && !any; node = node->parent())
-    for (const auto& component : node->components()) {
-      const auto* topology = dynamic_cast<const Topology*>(component.get());
-      any = any || topology;
-      if (topology && topology->mesh().nodes() == state.size()) found.push_back(topology);
-    }
-  return found;
-}
-
-/// Whether a step moves the nodes by a share of the body's size that can be seen, in the mean: what is less is
-/// round-off, or soon will be.
-bool movesVisibly(const System& system, double dt) {
-  constexpr double visible = 1e-7;
-  double size = 0;
-  for (const State* state : system.states()) size = std::max(size, restSize(*state));
-  return std::sqrt(dot(system.v, system.v) / std::max<Index>(1, system.allRows())) * dt > visible * size;
-}
-
-/// Why a force that is a step late and an integrator do not go together, or empty.
-std::string laggedForce(const ForceField& field, const Integrator& integrator) {
-  if (!field.traits().lagged || integrator.toleratesLaggedForces()) return {};
-  return fmt::format(
-      "{} acts with a quantity from before the step, and {} hardly damps what that feeds: motions may ring for ever. A "
-      "coupling without delay, or EulerImplicitSolver, does not",
-      field.path(), integrator.path());
 }
 
 /// Null when the integrator, or what it found below itself, cannot work as written: the reason is in `diagnostics`.
@@ -208,13 +156,17 @@ Simulation::Simulation(Scene scene) : scene_(std::move(scene)) {
   }
   root().collect(observers_);
   root().collect(histories_);
-  // single nodes that are watched are kept up to date, but for those that follow others
+  watchFollowers();
+  time_ = base_time_ = root().root_time;
+}
+
+/// Single nodes that are watched are kept up to date, but for those that follow others.
+void Simulation::watchFollowers() {
   std::vector<Index> watched;
   for (const auto& system : systems_)
     for (const Mapping* mapping : system->actors().passive_mappings)
       for (const Observer* observer : observers_) observer->addWatchedNodes(mapping->output(), watched);
   watches_followers_ = !watched.empty();
-  time_ = root().root_time;
 }
 
 Simulation::~Simulation() = default;
@@ -251,7 +203,7 @@ StepContext Simulation::nextStep() const {
   context.t = time_;
   context.dt = dt();
   // a product rather than a sum: the time of step n does not carry the round-off of n additions
-  context.t_end = root().root_time + double(context.index) * context.dt;
+  context.t_end = base_time_ + double(context.index - base_step_) * context.dt;
   return context;
 }
 
@@ -290,33 +242,6 @@ void Simulation::takeBack(std::size_t last) {
   }
 }
 
-/// Some motions turn around at every step, others at every second one: a look is at two steps.
-void Simulation::watchReversals(std::size_t index, long step) {
-  if (step % look_every > 1) return;
-  const Vector &now = systems_[index]->v, &before = good_[index].second;
-  const bool turned =
-      dot(now, before) < -0.5 * std::sqrt(dot(now, now) * dot(before, before)) && movesVisibly(*systems_[index], dt());
-  Reversals& reversals = reversals_[index];
-  if (step % look_every == 0) {
-    reversals.turned = turned;
-    return;
-  }
-  reversals.in_a_row = turned || reversals.turned ? reversals.in_a_row + 1 : 0;
-}
-
-/// Motions much faster than the step keep their velocity but for its sign, for ever or nearly so: a physical viscosity
-/// does not damp them either, because rules without damping of their own take it for a change of sign too.
-std::string Simulation::reversals(std::size_t index) const {
-  constexpr int enough = 3;
-  if (reversals_[index].in_a_row < enough) return {};
-  return fmt::format(
-      "{} at t = {:.6g} s: velocities change sign from step to step, or every other step. dt = {:.6g} s is far above "
-      "the period of the "
-      "fastest motions, which this rule does not damp: the positions are a mean at best. A smaller dt, "
-      "EulerImplicitSolver or BDFOdeSolver settles",
-      systems_[index]->integrator().path(), time_, dt());
-}
-
 void Simulation::complete() const {
   for (const auto& system : systems_) {
     system->integrator().complete(*system);
@@ -345,6 +270,11 @@ void Simulation::end() {
 
 void Simulation::reset() {
   end();
+  forget();
+}
+
+/// The initial state, and nothing else.
+void Simulation::forget() {
   for (std::size_t i = 0; i < systems_.size(); ++i) {
     System& system = *systems_[i];
     copy(initial_[i].first, system.x);
@@ -359,64 +289,23 @@ void Simulation::reset() {
   reversals_.assign(systems_.size(), {});
   steps_ = 0;
   time_ = root().root_time;
+  worked_on_ = false;
+  countFromHere();
 }
 
-std::vector<std::string> Simulation::doubts() const {
+void Simulation::addObserver(Observer& observer) {
+  if (std::find(observers_.begin(), observers_.end(), &observer) != observers_.end()) return;
+  observers_.push_back(&observer);
+  std::vector<Index> watched;  // an integrator keeps those up to date that were known when it was compiled
+  for (const State* state : states()) observer.addWatchedNodes(*state, watched);
+  watches_followers_ = watches_followers_ || !watched.empty();
+  if (!begun_) return;
   complete();
-  std::vector<std::string> sentences;
-  const auto say = [&sentences](std::string sentence) {
-    if (!sentence.empty()) sentences.push_back(std::move(sentence));
-  };
-  for (std::size_t i = 0; i < systems_.size(); ++i) {
-    const System& system = *systems_[i];
-    std::set<const State*> folded_states;
-    for (const ForceField* field : system.forceFields()) {
-      const std::string where = fmt::format("{} at t = {:.6g} s: ", field->path(), time_);
-      if (const std::string folded = foldedElements(*field, system.x); !folded.empty())
-        say(where + folded), folded_states.insert(&field->state());
-      else if (const std::string beyond = field->doubt(system.x); !beyond.empty())
-        say(where + beyond);
-      if (steps_ > 0 && movesVisibly(system, dt())) say(laggedForce(*field, system.integrator()));
-    }
-    // what force fields do not look at: springs and shape memory know no volumes, and a point inside a cell not its
-    // corners
-    for (const State* state : system.states()) {
-      if (folded_states.count(state) > 0) continue;
-      const std::vector<Vec3> now = positionsOf(*state, system.x);
-      if (now == state->rest_position) continue;  // nothing has moved: large scenes start without a look at their cells
-      for (const Topology* topology : meshesOf(*state))
-        if (const std::string folds = foldsOf(topology->mesh(), state->rest_position, now); !folds.empty())
-          say(fmt::format("{} at t = {:.6g} s: {}", topology->path(), time_, folds));
-    }
-    for (std::string& sentence : grownBodies(system)) say(std::move(sentence));
-    say(system.integrator().doubt());
-    say(gainedEnergy(i));
-    say(reversals(i));
-  }
-  return sentences;
+  observer.begin(*this);
 }
 
-/// More than half of the energy that moves about has no source. Bodies that are moved, or met by position constraints,
-/// may have got it there.
-std::string Simulation::gainedEnergy(std::size_t index) const {
-  const System& system = *systems_[index];
-  if (!system.integrator().keepsEnergy() || !system.isConservative() || !system.actors().position_constraints.empty())
-    return {};
-  for (const ForceField* field : system.forceFields())
-    if (field->traits().time_dependent) return {};
-  for (const ProjectiveConstraint* constraint : system.constraints().all())
-    if (constraint->prescribesMotion()) return {};
-  const auto& [x, v] = initial_[index];
-  const double kinetic_start = system.kineticEnergy(v), potential_start = system.potentialEnergy(x);
-  const double kinetic = system.kineticEnergy(), potential = system.potentialEnergy(system.x);
-  const double gained = kinetic + potential - kinetic_start - potential_start;
-  const double moved = kinetic + kinetic_start + std::abs(potential - potential_start);
-  const double round_off = 1e-9 * (std::abs(potential) + std::abs(potential_start));
-  if (!(gained > moved / 2 && gained > round_off)) return {};
-  return fmt::format(
-      "{} has gained {:.3g} J by t = {:.6g} s with no work done on it, as rules without damping may at large steps. A "
-      "smaller dt, or EulerImplicitSolver, keeps it bounded",
-      system.integrator().path(), gained, time_);
+void Simulation::removeObserver(Observer& observer) {
+  if (std::erase(observers_, &observer) > 0 && begun_) observer.end(*this);
 }
 
 std::uint64_t Simulation::stateHash() const {
@@ -425,6 +314,8 @@ std::uint64_t Simulation::stateHash() const {
   for (const State* state : states()) {
     hashRows(hash, state->x());
     hashRows(hash, state->v());
+    for (Index i = 0; i < state->size(); ++i)
+      if (state->kindOf(i) == RowKind::turn) hashNumber(hash, state->x().data[i * row_doubles + 3]);
   }
   return hash;
 }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "framework/mechanics/history.h"
+#include "framework/scene/archive.h"
 #include "framework/scene/load.h"
 #include "framework/simulation/integrator.h"
 #include "framework/simulation/observer.h"
@@ -12,7 +13,8 @@
 
 namespace stroma {
 
-/// A loaded scene as it runs: systems in document order, observers after them.
+/// A loaded scene as it runs: systems in document order, observers after them. One thread uses it; between two steps it
+/// may be read, changed by what is declared here, stored and restored.
 class Simulation {
  public:
   /// Compiles the tree. Throws SceneError with every problem found.
@@ -30,6 +32,12 @@ class Simulation {
   /// From now on nothing observes: for runs that must not write files. Before begin().
   void dropObservers() { observers_.clear(); }
 
+  /// From now on `observer` sees the end of each step, and first the present instant, by begin(), when the run has
+  /// begun. Not owned: it must be removed, or outlive the simulation.
+  void addObserver(Observer& observer);
+  /// The observer sees its end() if the run has begun. No effect when it does not observe.
+  void removeObserver(Observer& observer);
+
   /// Observers see t = 0. Called by the first step when the caller has not.
   void begin();
   /// One step. When it diverges the states are rolled back to the last good step and the report says why.
@@ -43,6 +51,19 @@ class Simulation {
   void end();
   /// Back to the initial state, bit for bit.
   void reset();
+
+  /// Everything that the run remembers: x, v, time, what every component keeps (Component::serialize()), inputs and
+  /// edits. Restored in this scene, loaded by the same build, the run goes on with the bits of one that never stopped.
+  Archive checkpoint();
+  /// Throws std::runtime_error when the values are those of another scene; this simulation is then at its start.
+  /// Observers end, and begin again with the next step: simulation.steps() > 0 tells them that the run goes on.
+  void restore(Archive checkpoint);
+
+  /// Changes an attribute while the scene runs, as it was declared: at once, or by making the component anew. `path`
+  /// names a component or a node (gravity, dt). The next step has the new value; x, v and histories stay. What needs a
+  /// restart, what an integrator has computed beforehand and what the attribute does not allow is refused: a
+  /// ComponentError with a sentence, and nothing has changed. Returns warnings and notes. reset() keeps the new value.
+  Diagnostics setAttribute(const std::string& path, const std::string& attribute, const std::string& text);
 
   /// A 64-bit hash over the bits of all x and v: the same for any number of threads.
   std::uint64_t stateHash() const;
@@ -61,6 +82,14 @@ class Simulation {
   /// Every few steps of an integrator that keeps energy: whether the step has turned the velocities around.
   void watchReversals(std::size_t index, long step);
   std::string reversals(std::size_t index) const;
+  /// Why a force that is a step late and an integrator do not go together, or empty.
+  static std::string laggedForce(const ForceField& field, const Integrator& integrator);
+  void serialize(Archive& archive);
+  void serializeEdits(Archive& archive);
+  void forget();
+  void watchFollowers();
+  /// A change of dt: times of steps count on from here.
+  void countFromHere() { base_time_ = time_, base_step_ = steps_; }
   /// Times of the step that comes.
   StepContext nextStep() const;
   /// One step of system `index`, with roll-back of all systems up to it when it fails.
@@ -85,6 +114,14 @@ class Simulation {
   std::vector<Reversals> reversals_;  ///< of each system
   double time_ = 0;
   long steps_ = 0;
+  /// The time of step n is base_time_ + (n - base_step_) dt: the start, or where dt changed last.
+  double base_time_ = 0;
+  long base_step_ = 0;
+  struct Edit {
+    std::string path, attribute, original, text;
+  };
+  std::vector<Edit> edits_;  ///< one for each attribute that has changed, in the order of their first change
+  bool worked_on_ = false;   ///< an edit or an input may have brought energy in
   bool begun_ = false;
   bool on_demand_ = false;
   bool watches_followers_ = false;  ///< an observer watches single nodes that passive mappings place

@@ -10,7 +10,9 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <limits>
 #include <stdexcept>
+#include <utility>
 
 namespace stroma {
 namespace {
@@ -203,5 +205,19 @@ class StateReader {
 }  // namespace
 
 std::vector<StateFrame> readStateFile(const std::string& path) { return StateReader(path).read(); }
+
+bool keepInstants(StateWriter& writer, double t) {
+  if (!std::filesystem::exists(writer.path())) return false;
+  double last = -std::numeric_limits<double>::infinity();
+  for (const StateFrame& frame : readStateFile(writer.path())) {
+    if (frame.time > t) break;
+    writer.time(last = frame.time);
+    const std::pair<const char*, const std::vector<Vec3>&> lines[] = {
+        {"X0", frame.x0}, {"X", frame.x}, {"V", frame.v}, {"F", frame.f}};
+    for (const auto& [label, rows] : lines)
+      if (!rows.empty()) writer.rows(label, rows);
+  }
+  return last == t;
+}
 
 }  // namespace stroma

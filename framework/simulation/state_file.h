@@ -50,6 +50,11 @@ class StateWriter {
 /// caller's to say.
 std::vector<StateFrame> readStateFile(const std::string& path);
 
+/// Starts `writer` with the instants that the file under its name holds, up to time `t` [s]: a run that goes on there
+/// leaves one file. None when there is no such file. Returns true when the last of them is that of `t`. Throws as
+/// readStateFile().
+bool keepInstants(StateWriter& writer, double t);
+
 /// The file that holds the recording of a state: the state's path in the tree without the first "/", other "/" turned
 /// into ".", and the ending: "/liver/dofs" gives "liver.dofs.state.gz".
 std::string stateFileName(std::string_view state_path);

@@ -4,6 +4,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "framework/scene/node.h"
 #include "framework/simulation/integrator.h"
 
@@ -36,6 +39,8 @@ void System::bindStates() {
     for (std::size_t i = 0; i < size; ++i) {
       x[first + Index(i)] = state->position[i];
       v[first + Index(i)] = state->velocity[i];
+      if (state->kindOf(Index(i)) == RowKind::turn)
+        state->x().data[i * row_doubles + 3] = std::sqrt(std::max(0.0, 1 - state->position[i].squaredNorm()));
     }
     first += state->size();
   }

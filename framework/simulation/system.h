@@ -29,6 +29,13 @@ class System final {
   const std::vector<ForceField*>& forceFields() const { return actors_.force_fields; }
   const std::vector<Mass*>& masses() const { return actors_.masses; }
   const Actors& actors() const { return actors_; }
+  /// How positions move: integrators add increments to x through it.
+  const Motion& motion() const { return actors_.motion; }
+  /// The independent rows of a vector of this system.
+  Rows independent(Rows all) const { return all.head(independentRows()); }
+  ConstRows independent(ConstRows all) const { return all.head(independentRows()); }
+  Rows independent(Vector& all) const { return all.head(independentRows()); }
+  ConstRows independent(const Vector& all) const { return all.head(independentRows()); }
   Integrator& integrator() const { return integrator_; }
   LinearSolver* linearSolver() const;  ///< the integrator's partner, or null
   Node& node() const { return node_; }
@@ -67,6 +74,14 @@ class System final {
   double gravityEnergy(ConstRows x) const;
   bool isConservative() const;  ///< every force field is
   bool hasGravity() const { return has_gravity_; }
+
+  // ---- changes between steps ----
+  /// Attributes of these components have changed, or dt or gravity: compiles again those that act here, and the
+  /// integrator, and makes anew what followed from them. `t`: the present time [s].
+  void componentsChanged(const std::vector<Component*>& changed, double t);
+  /// What steps depend on besides x, v and components, see Component::serialize(); after those, when reading. `last`:
+  /// times of the last step.
+  void serialize(Archive& archive, const StepContext& last);
 
   // ---- parts ----
   ConstraintSet& constraints() { return constraints_; }

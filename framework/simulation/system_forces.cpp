@@ -51,7 +51,7 @@ void System::computeForceAndProduct(ConstRows x_now, ConstRows v_now, ConstRows 
   if (asked || !mappings_.isLinear()) {  // the geometric stiffness of mappings needs the force alone too
     computeForce(x_now, v_now, f);
     copy(f, out);
-    addStiffnessProduct(p, k, k_rayleigh, {out.data, independentRows()});
+    addStiffnessProduct(p, k, k_rayleigh, independent(out));
     return;
   }
   const PhaseTimer timer(times.force);

@@ -49,24 +49,14 @@ Sizes sizesOf(ConstRows rows) {
   return {std::accumulate(sum.begin(), sum.end(), 0.0), *std::max_element(largest.begin(), largest.end())};
 }
 
-/// The diagonal of the box around `count` positions.
-template <class Position>
-double diagonal(Index count, Position&& position) {
-  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
-  for (Index i = 0; i < count; ++i) {
-    const Vec3 p = position(i);
-    low = low.cwiseMin(p), high = high.cwiseMax(p);
-  }
-  return (high - low).norm();
-}
-
 bool hasRestShape(const ForceField& field) {
   const ForceTraits traits = field.traits();
   return traits.has_rest_shape || traits.forces_balance;
 }
 
 double sizeAt(const State& state, ConstRows x) {
-  return diagonal(state.size(), [&](Index i) -> Vec3 { return x[state.firstRow() + i]; });
+  const ConstRows rows = state.segment(x);
+  return sizeOfBox(state, [&](Index i) -> Vec3 { return rows[i]; });
 }
 
 /// The largest |J| of a field's elements; zero where it has none.

@@ -52,8 +52,6 @@ inline Vector displacement(const Simulation& simulation) {
   return u;
 }
 
-inline double norm(const Vector& a) { return std::sqrt(dot(a, a)); }
-
 /// |a - b| / |b|
 inline double difference(const Vector& a, const Vector& b) {
   Vector d(a.count());

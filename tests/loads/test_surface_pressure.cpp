@@ -4,7 +4,7 @@
 
 #include <Eigen/Geometry>
 
-#include "framework/mesh/mesh.h"
+#include "framework/mesh/cell_kind.h"
 #include "tests/support/field_under_test.h"
 
 namespace stroma::test {
@@ -47,7 +47,7 @@ TEST(SurfacePressure, DoesPdVOnABodyOfQuads) {
     t.deform(0.2, seed);
     std::array<Vec3, 8> corners;
     for (int i = 0; i < 8; ++i) corners[i] = t.x[i];
-    EXPECT_NEAR(t.field().energy(t.x), -7 * hexahedronVolume(corners), 1e-13);
+    EXPECT_NEAR(t.field().energy(t.x), -7 * cell_kinds::hexahedron.size(corners.data()), 1e-13);
   }
 }
 
@@ -144,7 +144,7 @@ TEST(SurfacePressure, GasHasAPotential) {
     for (int i = 0; i < 8; ++i) corners[i] = t.x[i];
     double work = 0;  // f.x = 3 p V on a closed surface
     for (Index i = 0; i < 8; ++i) work += f[i].dot(t.x[i]);
-    const double volume = hexahedronVolume(corners);
+    const double volume = cell_kinds::hexahedron.size(corners.data());
     EXPECT_NEAR(work, 3 * 5 * std::min(1., 1000 * volume), 1e-12);
   }
 }

@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <numbers>
 
+#include "framework/mesh/cell_kind.h"
 #include "framework/mesh/folds.h"
 #include "tests/support/meshes.h"
 
@@ -50,7 +51,8 @@ TEST(Folds, AHexahedronIsLookedAtByCorners) {
   const Mesh mesh = gridMesh(1, 1, 1);
   std::vector<Vec3> now = mesh.position;
   now[0] = Vec3::Constant(0.4);
-  EXPECT_GT(hexahedronVolume({now[0], now[1], now[3], now[2], now[4], now[5], now[7], now[6]}), 0);
+  const std::array<Vec3, 8> corners{now[0], now[1], now[3], now[2], now[4], now[5], now[7], now[6]};
+  EXPECT_GT(cell_kinds::hexahedron.size(corners.data()), 0);
   EXPECT_TRUE(says(foldsOf(mesh, mesh.position, now), "1 of 1 hexahedra"));
   now[0] = Vec3::Constant(0.3);
   EXPECT_EQ(foldsOf(mesh, mesh.position, now), "");

@@ -41,26 +41,27 @@ TEST(Volume, TetrahedronAndHexahedron) {
   EXPECT_DOUBLE_EQ(tetrahedronVolume({0, 0, 0}, {0, 1, 0}, {1, 0, 0}, {0, 0, 1}), -1.0 / 6);
   std::array<Vec3, 8> box{Vec3(0, 0, 0), Vec3(2, 0, 0), Vec3(2, 3, 0), Vec3(0, 3, 0),
                           Vec3(0, 0, 5), Vec3(2, 0, 5), Vec3(2, 3, 5), Vec3(0, 3, 5)};
-  EXPECT_NEAR(hexahedronVolume(box), 30, 1e-12);
+  EXPECT_NEAR(cell_kinds::hexahedron.size(box.data()), 30, 1e-12);
   // A frustum: the top face scaled by s about the axis has volume h (1 + s + s^2) / 3 times the base.
   const double s = 0.4;
   for (std::size_t i = 4; i < 8; ++i) box[i] = Vec3(1 + s * (box[i].x() - 1), 1.5 + s * (box[i].y() - 1.5), 5);
-  EXPECT_NEAR(hexahedronVolume(box), 6 * 5 * (1 + s + s * s) / 3, 1e-12);
+  EXPECT_NEAR(cell_kinds::hexahedron.size(box.data()), 6 * 5 * (1 + s + s * s) / 3, 1e-12);
 }
 
 TEST(Quality, RegularFlatAndInverted) {
   const Vec3 a(1, 1, 1), b(1, -1, -1), c(-1, 1, -1), d(-1, -1, 1);
-  EXPECT_NEAR(std::abs(tetrahedronQuality(a, b, c, d)), 1, 1e-12);
-  EXPECT_NEAR(tetrahedronQuality(a, b, c, d), -tetrahedronQuality(a, c, b, d), 1e-15);
-  EXPECT_EQ(tetrahedronQuality({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}), 0);
-  EXPECT_EQ(tetrahedronQuality(a, a, a, a), 0);
+  const auto quality = [](const std::array<Vec3, 4>& x) { return cell_kinds::tetrahedron.quality(x.data()); };
+  EXPECT_NEAR(std::abs(quality({a, b, c, d})), 1, 1e-12);
+  EXPECT_NEAR(quality({a, b, c, d}), -quality({a, c, b, d}), 1e-15);
+  EXPECT_EQ(quality({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(1, 1, 0)}), 0);
+  EXPECT_EQ(quality({a, a, a, a}), 0);
   const Mesh cube = gridMesh(1, 1, 1);
   std::array<Vec3, 8> corner;
   std::copy_n(cube.position.begin(), 8, corner.begin());
   std::swap(corner[2], corner[3]), std::swap(corner[6], corner[7]);
-  EXPECT_NEAR(hexahedronQuality(corner), 1, 1e-12);
+  EXPECT_NEAR(cell_kinds::hexahedron.quality(corner.data()), 1, 1e-12);
   corner[6] = Vec3(0.1, 0.1, 0.1);  // a corner pushed through the cell
-  EXPECT_LT(hexahedronQuality(corner), 0);
+  EXPECT_LT(cell_kinds::hexahedron.quality(corner.data()), 0);
 }
 
 TEST(Tables, AgreeWithBruteForceForTetrahedra) {
@@ -70,7 +71,8 @@ TEST(Tables, AgreeWithBruteForceForTetrahedra) {
 
   std::map<Triangle, int> cells_of_face;
   for (const auto& t : mesh.tetrahedra)
-    for (const auto& f : tetrahedron_faces) ++cells_of_face[sorted(Triangle{t[f[0]], t[f[1]], t[f[2]]})];
+    for (const LocalFace& f : cell_kinds::tetrahedron.faces)
+      ++cells_of_face[sorted(Triangle{t[f.nodes[0]], t[f.nodes[1]], t[f.nodes[2]]})];
   std::set<Triangle> all, boundary;
   for (const auto& [face, count] : cells_of_face) {
     ASSERT_LE(count, 2);

@@ -50,7 +50,7 @@ inline std::map<int, Region> regionsOf(const GmshFile& file, double& smallest_an
   smallest_angle = 180;
   for (std::size_t c = 0; c < mesh.tetrahedra.size(); ++c) {
     const Tetrahedron& t = mesh.tetrahedra[c];
-    const int label = file.tetrahedron_groups[c];
+    const int label = file.groups.tetrahedra[c];
     regions[label].volume += (at(t[1]) - at(t[0])).dot((at(t[2]) - at(t[0])).cross(at(t[3]) - at(t[0]))) / 6;
     for (std::size_t skip = 0; skip < 4; ++skip) {
       std::array<Index, 3> face;

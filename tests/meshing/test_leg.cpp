@@ -84,7 +84,7 @@ TEST(Leg, TheCondensedSolutionIsNewtons) {
   for (const Triangle& t : file.mesh.triangles)  // the surfaces
     for (const Index n : t) {
       largest = std::max(largest, (newton[n] - file.mesh.position[n]).norm());
-      if (file.triangle_groups[&t - file.mesh.triangles.data()] == 1)
+      if (file.groups.triangles[&t - file.mesh.triangles.data()] == 1)
         difference = std::max(difference, (newton[n] - condensed[n]).norm());
     }
   EXPECT_GT(largest, 0.001);  // half of the push is 1.5 mm

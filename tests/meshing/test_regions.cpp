@@ -165,7 +165,7 @@ TEST(Regions, FilesKeepCellsLabelsAndNamesInOurReaderAndInGmshs) {
     std::vector<std::pair<Tetrahedron, int>> expected, found;
     for (std::size_t c = 0; c < mesh.labels.size(); ++c) expected.emplace_back(mesh.tetrahedra[c], mesh.labels[c]);
     for (std::size_t c = 0; c < file.mesh.tetrahedra.size(); ++c)
-      found.emplace_back(file.mesh.tetrahedra[c], file.tetrahedron_groups[c]);
+      found.emplace_back(file.mesh.tetrahedra[c], file.groups.tetrahedra[c]);
     std::sort(expected.begin(), expected.end()), std::sort(found.begin(), found.end());
     EXPECT_EQ(found, expected);
     ASSERT_EQ(file.mesh.position.size(), mesh.position.size());

@@ -13,9 +13,9 @@ LONGEST = 35  # words in a sentence
 
 COUNTED = r"""(?:one|two|three|four|five|six|eight|ten|twelve|times|once|twice|\d[\d.,]*|[nmu]s|µs|ms|MB|GB|bytes|flops|flop|operations
 |microseconds|milliseconds|nanoseconds|seconds|iterations?|evaluations?|factorisations?|products?|solves|linear\s+solve|doubles|values?|numbers?
-|blocks?|jobs?|points?|forces?|directions?|matrices|matrix|rows?|lanes?|entries|terms?|fibres?|labels?|tetrahedra|hexahedra)"""
+|blocks?|jobs?|points?|forces?|mass|masses|directions?|matrices|matrix|rows?|lanes?|entries|terms?|fibres?|labels?|tetrahedra|hexahedra)"""
 EACH = r"""(?:step|iteration|evaluation|node|tet|tetrahedron|hexahedron|triangle|edge|face|spring|cell|element|point|core|side|register
-|thread|material|label|region|row|lane|pack|batch|axis|second|system|integrator|vertex|instruction|cycle)"""
+|thread|material|label|region|row|lane|pack|batch|axis|second|system|integrator|corner|vertex|instruction|cycle)"""
 IDIOM = re.compile(rf"\b{COUNTED}[`)]?\s+an?\s+{EACH}\b(?![-'’])".replace("\n", ""), re.I)
 # What a run said, in a table of results: quoted, not written.
 SAID = re.compile(r"\bstep \d+ \(from t = |in \d+ of \d+ steps \(worst relative residual|\bnot at rest: ")

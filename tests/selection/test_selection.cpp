@@ -5,7 +5,7 @@
 #include <set>
 
 #include "framework/mesh/topology.h"
-#include "tests/support/scene_fixture.h"
+#include "tests/support/scene_text.h"
 
 namespace stroma::test {
 namespace {
@@ -19,19 +19,6 @@ const T& value(const Scene& scene, const std::string& attribute, const std::stri
 using Ints = std::vector<int>;
 
 std::string sceneText(const std::string& roi) { return "<Node name=\"root\">" + body + roi + "</Node>"; }
-
-std::string errorsOf(const std::string& text) {
-  try {
-    sceneFromText(text);
-  } catch (const SceneError& error) {
-    return error.diagnostics().text();
-  }
-  return {};
-}
-
-void expectIn(const std::string& text, const std::string& part) {
-  EXPECT_NE(text.find(part), std::string::npos) << "'" << part << "' is not in:\n" << text;
-}
 
 template <class Inside>
 void expectNodes(const Scene& scene, Inside&& inside) {
@@ -104,19 +91,21 @@ TEST(Selection, OrderOfTheFileDoesNotMatter) {
 }
 
 TEST(Selection, SaysWhatIsWrong) {
-  expectIn(errorsOf(sceneText(R"(<BoxROI name="roi" box="9 9 9 10 10 10"/>)")),
-           "the selection is empty: none of 45 nodes is in the box; they lie in (0 0 0) to (4 2 2)");
-  EXPECT_EQ(errorsOf(sceneText(R"(<BoxROI name="roi" box="9 9 9 10 10 10" allowEmpty="true"/>)")), "");
-  expectIn(errorsOf(sceneText(R"(<SphereROI name="roi" centers="9 9 9" radii="1"/>)")), "is in the sphere");
-  expectIn(errorsOf(sceneText(R"(<BoxROI name="roi"/>)")), "no box is given");
-  expectIn(errorsOf(sceneText(R"(<BoxROI name="roi" box="0 0 0 1 1"/>)")), "box has 5 numbers");
-  expectIn(errorsOf(sceneText(R"(<BoxROI name="roi" orientedBox="0 0 0 1 1 1 2 2 2 1"/>)")), "has no volume");
-  expectIn(errorsOf(sceneText(R"(<SphereROI name="roi"/>)")), "no sphere is given");
-  expectIn(errorsOf(sceneText(R"(<SphereROI name="roi" centers="0 0 0 1 1 1 2 2 2" radii="1 2"/>)")),
-           "2 radii for 3 centers");
-  expectIn(errorsOf(R"(<Node name="root"><BoxROI name="roi" box="0 0 0 1 1 1"/></Node>)"), "no nodes to select from");
-  expectIn(errorsOf(R"(<Node name="root"><BoxROI name="roi" box="0 0 0 1 1 1" position="0 0 0" edges="0 5"/></Node>)"),
-           "names node 5");
+  expectContains(problemsOf(sceneText(R"(<BoxROI name="roi" box="9 9 9 10 10 10"/>)")),
+                 "the selection is empty: none of 45 nodes is in the box; they lie in (0 0 0) to (4 2 2)");
+  EXPECT_EQ(problemsOf(sceneText(R"(<BoxROI name="roi" box="9 9 9 10 10 10" allowEmpty="true"/>)")), "");
+  expectContains(problemsOf(sceneText(R"(<SphereROI name="roi" centers="9 9 9" radii="1"/>)")), "is in the sphere");
+  expectContains(problemsOf(sceneText(R"(<BoxROI name="roi"/>)")), "no box is given");
+  expectContains(problemsOf(sceneText(R"(<BoxROI name="roi" box="0 0 0 1 1"/>)")), "box has 5 numbers");
+  expectContains(problemsOf(sceneText(R"(<BoxROI name="roi" orientedBox="0 0 0 1 1 1 2 2 2 1"/>)")), "has no volume");
+  expectContains(problemsOf(sceneText(R"(<SphereROI name="roi"/>)")), "no sphere is given");
+  expectContains(problemsOf(sceneText(R"(<SphereROI name="roi" centers="0 0 0 1 1 1 2 2 2" radii="1 2"/>)")),
+                 "2 radii for 3 centers");
+  expectContains(problemsOf(R"(<Node name="root"><BoxROI name="roi" box="0 0 0 1 1 1"/></Node>)"),
+                 "no nodes to select from");
+  expectContains(
+      problemsOf(R"(<Node name="root"><BoxROI name="roi" box="0 0 0 1 1 1" position="0 0 0" edges="0 5"/></Node>)"),
+      "names node 5");
 }
 
 }  // namespace

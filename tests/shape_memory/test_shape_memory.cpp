@@ -21,8 +21,6 @@ std::string organ(const std::string& attributes, const std::string& solver = "<S
          attributes + "/>" + more + "</Node></Node>";
 }
 
-double norm(ConstRows v) { return std::sqrt(dot(v, v)); }
-
 /// A grid of hexahedra: inside nodes lie at the mean of their neighbours, nodes of the border do not.
 std::string grid(const std::string& attributes, const std::string& n = "4 5 6") {
   return "<Node name=\"root\"><EulerImplicitSolver/><SparseLDLSolver/><RegularGridTopology n=\"" + n +

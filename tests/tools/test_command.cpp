@@ -116,46 +116,69 @@ TEST_F(Command, RunRecordsFirstEveryKthAndLast) {
   EXPECT_FALSE(exists("out/stone.dofs.state.gz.part"));
 }
 
-/// What components remember is recorded and taken up again: the halves of a run end where the whole does.
-TEST_F(Command, RunGoesOnWithWhatWasRemembered) {
-  const auto scene = [](const std::string& time, const std::string& start, const std::string& tissue,
-                        const std::string& fluid) {
-    return "<Node name=\"root\" dt=\"0.015625\" time=\"" + time +
-           "\" gravity=\"0 0 -9.81\"><RegularGridTopology name=\"grid\" n=\"2 2 3\" min=\"0 0 0\" max=\"0.04 0.04 "
-           "0.1\"/>"
-           "<EulerImplicitSolver/><SparseLDLSolver/><Node name=\"b\"><TetrahedronSetTopologyContainer name=\"tets\"/>"
-           "<Hexa2TetraTopologicalMapping input=\"@../grid\" output=\"@tets\"/><MechanicalObject name=\"dofs\"/>" +
-           start +
-           "<UniformMass totalMass=\"0.1\"/><TetrahedronHyperelasticityFEMForceField name=\"tissue\" "
-           "materialName=\"NeoHookean\" youngModulus=\"5000\" poissonRatio=\"0.4\" viscous=\"true\" "
-           "ParameterAlpha=\"0.5\" ParameterTau=\"0.3\" " +
-           tissue +
-           "/><TetrahedronPorousForceField name=\"fluid\" fluidFraction=\"0.5\" bulkModulus=\"400\" "
-           "limitModulus=\"2200\" "
-           "permeability=\"1e-7\" " +
-           fluid + "/><FixedProjectiveConstraint indices=\"0 1 2 3\"/></Node></Node>";
+/// A run goes on from its checkpoint, with what components remember: the halves of a run end where the whole does, and
+/// leave the files of the whole.
+TEST_F(Command, RunGoesOnFromACheckpoint) {
+  write("whole.xml",
+        "<Node name=\"root\" dt=\"0.015625\" gravity=\"0 0 -9.81\"><RegularGridTopology name=\"grid\" n=\"2 2 3\" "
+        "min=\"0 0 0\" max=\"0.04 0.04 0.1\"/><EulerImplicitSolver/><SparseLDLSolver/><Node name=\"b\">"
+        "<TetrahedronSetTopologyContainer name=\"tets\"/><Hexa2TetraTopologicalMapping input=\"@../grid\" "
+        "output=\"@tets\"/><MechanicalObject name=\"dofs\"/><UniformMass totalMass=\"0.1\"/>"
+        "<TetrahedronHyperelasticityFEMForceField materialName=\"NeoHookean\" youngModulus=\"5000\" "
+        "poissonRatio=\"0.4\" viscous=\"true\" ParameterAlpha=\"0.5\" ParameterTau=\"0.3\"/>"
+        "<TetrahedronPorousForceField fluidFraction=\"0.5\" bulkModulus=\"400\" limitModulus=\"2200\" "
+        "permeability=\"1e-7\"/><FixedProjectiveConstraint indices=\"0 1 2 3\"/>"
+        "<EnergyMonitor filename=\"energy.txt\"/><Monitor name=\"tip\" indices=\"11\" ExportPositions=\"true\"/>"
+        "<WriteState filename=\"all.state\" period=\"0.03\"/></Node></Node>");
+  const std::vector<std::string> files = {"energy.txt", "tip_x.txt", "all.state"};
+  const auto contents = [&] {
+    std::string text;
+    for (const std::string& file : files) text += readText(folder_ / file);
+    return text;
   };
-  write("whole.xml", scene("0", "", "", ""));
   ASSERT_EQ(stroma("run whole.xml -n 32 --record whole --quiet").code, 0);
+  const std::string whole = contents();
   ASSERT_EQ(stroma("run whole.xml -n 16 --record half --quiet").code, 0);
-  ASSERT_TRUE(exists("half/b.tissue.history") && exists("half/b.fluid.history"));
-  const std::string start = "<ReadState filename=\"half/b.dofs.state.gz\"/>";
-  write("on.xml", scene("0.25", start, "history=\"half/b.tissue.history\"", "history=\"half/b.fluid.history\""));
-  write("forgetful.xml", scene("0.25", start, "", "history=\"half/b.fluid.history\""));
-  const auto last = [&](const std::string& folder) {
-    return readStateFile((folder_ / folder / "b.dofs.state.gz").string()).back();
+  ASSERT_TRUE(exists("half/last.checkpoint"));
+  const Finished on = stroma("run whole.xml -n 32 --record half --restart half/last.checkpoint --quiet");
+  ASSERT_EQ(on.code, 0) << on.err;
+  EXPECT_EQ(contents(), whole);
+  const auto frames = [&](const std::string& folder) {
+    return readStateFile((folder_ / folder / "b.dofs.state.gz").string());
   };
-  for (const std::string name : {"on", "forgetful"}) {
-    const Finished run = stroma("run " + name + ".xml -n 16 --record " + name + " --quiet");
-    ASSERT_EQ(run.code, 0) << run.err;
-    EXPECT_EQ(last(name).time, last("whole").time);
-    EXPECT_EQ(last(name).x == last("whole").x && last(name).v == last("whole").v, name == "on") << name;
+  ASSERT_EQ(frames("half").size(), frames("whole").size());
+  for (std::size_t i = 0; i < frames("half").size(); ++i) {
+    EXPECT_EQ(frames("half")[i].time, frames("whole")[i].time);
+    EXPECT_TRUE(frames("half")[i].x == frames("whole")[i].x && frames("half")[i].v == frames("whole")[i].v) << i;
   }
-  write("short.history", "1\n2\n");
-  write("short.xml", scene("0.25", start, "history=\"short.history\"", ""));
-  const Finished run = stroma("run short.xml -n 1 --quiet");
+  EXPECT_EQ(readText(folder_ / "half/last.checkpoint"), readText(folder_ / "whole/last.checkpoint"));
+}
+
+TEST_F(Command, RunRefusesWhatIsNoCheckpointOfTheScene) {
+  write("fall.xml", falling_scene);
+  ASSERT_EQ(stroma("run fall.xml -n 2 --record out --checkpoint-every 1 --quiet").code, 0);
+  const std::string whole = readText(folder_ / "out/last.checkpoint");
+  const auto refusal = [&](const std::string& contents) {
+    write("bad.checkpoint", contents);
+    const Finished run = stroma("run fall.xml -n 4 --restart bad.checkpoint --quiet");
+    EXPECT_EQ(run.code, 2) << run.err;
+    return run.err;
+  };
+  EXPECT_TRUE(has(refusal("T= 0\n"), "this is no checkpoint"));
+  EXPECT_TRUE(has(refusal(whole.substr(0, whole.size() - 1)), "cut short"));
+  EXPECT_TRUE(has(refusal(whole.substr(0, 60)), "cut short"));
+  std::string flipped = whole;
+  flipped[whole.size() - 3] ^= 1;
+  EXPECT_TRUE(has(refusal(flipped), "damaged"));
+  flipped = whole;
+  flipped[whole.find("value") + 8] ^= 1;
+  EXPECT_TRUE(has(refusal(flipped), "damaged"));
+  std::string other = falling_scene;
+  other.replace(other.find("dofs"), 4, "stone");
+  write("other.xml", other);
+  const Finished run = stroma("run other.xml -n 4 --restart out/last.checkpoint --quiet");
   EXPECT_EQ(run.code, 2);
-  EXPECT_TRUE(has(run.err, "the history has 2 numbers")) << run.err;
+  EXPECT_TRUE(has(run.err, "another scene")) << run.err;
 }
 
 TEST_F(Command, JsonIsAllThereIsOnStandardOutput) {

@@ -165,16 +165,16 @@ TEST_F(Gmsh, PhysicalGroups) {
       const GmshFile file = readGmsh(write(version, binary));
       EXPECT_EQ(file.group_names.at({2, 22}), "the floor");
       EXPECT_EQ(file.group_names.at({3, 11}), "body");
-      ASSERT_EQ(file.triangle_groups.size(), file.mesh.triangles.size());
+      ASSERT_EQ(file.groups.triangles.size(), file.mesh.triangles.size());
       ASSERT_GT(file.mesh.triangles.size(), 3u);
       for (std::size_t t = 0; t < file.mesh.triangles.size(); ++t) {
-        EXPECT_EQ(file.triangle_groups[t], 22);
+        EXPECT_EQ(file.groups.triangles[t], 22);
         for (const Index node : file.mesh.triangles[t]) EXPECT_EQ(file.mesh.position[node].z(), 0);
       }
-      ASSERT_FALSE(file.edge_groups.empty());
-      for (const int group : file.edge_groups) EXPECT_EQ(group, 33);
-      ASSERT_FALSE(file.tetrahedron_groups.empty());
-      for (const int group : file.tetrahedron_groups) EXPECT_EQ(group, 11);
+      ASSERT_FALSE(file.groups.edges.empty());
+      for (const int group : file.groups.edges) EXPECT_EQ(group, 33);
+      ASSERT_FALSE(file.groups.tetrahedra.empty());
+      for (const int group : file.groups.tetrahedra) EXPECT_EQ(group, 11);
     }
 }
 
@@ -212,7 +212,8 @@ TEST_F(Gmsh, ViewsOfElementsAndNodes) {
         EXPECT_EQ(of_cells.width, 3);
         EXPECT_EQ(of_nodes.width, 9);
         EXPECT_FALSE(of_cells.repeated);
-        const std::vector<double>& values = hexahedra ? of_cells.hexahedra : of_cells.tetrahedra;
+        const auto type = hexahedra ? CellType::hexahedron : CellType::tetrahedron;
+        const std::vector<double>& values = of_cells.cells[std::size_t(type)];
         ASSERT_EQ(values.size(), 3 * cells.size());
         for (std::size_t c = 0; c < cells.size(); ++c) {  // the library writes elements in the order it lists them
           const double tag = with_data.count(cells[c]) ? double(cells[c]) : 0;

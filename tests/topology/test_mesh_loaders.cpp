@@ -1,14 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The loaders of .msh and .obj files in scenes: lists, transform, groups, warnings and errors.
-#include <gtest/gtest.h>
-#include <unistd.h>
-
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 
-#include "framework/mesh/mesh_loader.h"
-#include "tests/support/scene_fixture.h"
+#include "tests/support/loader_fixture.h"
 
 namespace stroma::test {
 namespace {
@@ -18,37 +12,7 @@ const char* const two_tetrahedra =
     "$Nodes\n5\n10 0 0 0\n20 1 0 0\n30 0 1 0\n40 0 0 1\n50 1 1 1\n$EndNodes\n"
     "$Elements\n4\n1 15 2 0 1 10\n2 2 2 5 1 20 30 40\n3 4 2 1 1 10 20 30 40\n4 4 2 1 1 20 30 40 50\n$EndElements\n";
 
-class Loaders : public testing::Test {
- protected:
-  void SetUp() override {
-    folder_ = std::filesystem::temp_directory_path() / ("loaders" + std::to_string(::getpid()));
-    std::filesystem::create_directories(folder_);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
-  std::string file(const std::string& name, const std::string& content) const {
-    std::ofstream(folder_ / name, std::ios::binary) << content;
-    return folder_ / name;
-  }
-  static std::string sceneText(const std::string& type, const std::string& file, const std::string& attributes = {}) {
-    return "<Node name=\"root\"><" + type + " name=\"loader\" filename=\"" + file + "\" " + attributes + "/></Node>";
-  }
-  static const Mesh& mesh(const Scene& scene) {
-    return dynamic_cast<MeshLoader&>(*findComponent(*scene.root, "/loader")).mesh();
-  }
-  static std::string errors(const std::string& text) {
-    try {
-      sceneFromText(text);
-    } catch (const SceneError& error) {
-      return error.diagnostics().text();
-    }
-    return {};
-  }
-  static void expectIn(const std::string& text, const std::string& part) {
-    EXPECT_NE(text.find(part), std::string::npos) << "'" << part << "' is not in:\n" << text;
-  }
-  std::filesystem::path folder_;
-};
+using Loaders = LoaderTest;
 
 TEST_F(Loaders, GmshIntoAContainer) {
   const std::string path = file("two.msh", two_tetrahedra);

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "framework/mesh/topology.h"
-#include "tests/support/scene_fixture.h"
+#include "tests/support/scene_text.h"
 
 namespace stroma::test {
 namespace {
@@ -14,19 +14,6 @@ const Mesh& meshAt(const Scene& scene, const std::string& path) {
   const auto* topology = dynamic_cast<Topology*>(findComponent(*scene.root, path));
   if (!topology) throw std::runtime_error("no topology at " + path);
   return topology->mesh();
-}
-
-std::string errorsOf(const std::string& text) {
-  try {
-    sceneFromText(text);
-  } catch (const SceneError& error) {
-    return error.diagnostics().text();
-  }
-  return {};
-}
-
-void expectIn(const std::string& text, const std::string& part) {
-  EXPECT_NE(text.find(part), std::string::npos) << "'" << part << "' is not in:\n" << text;
 }
 
 const std::string one_tetrahedron = R"(position="0 0 0  1 0 0  0 1 0  0 0 1" tetrahedra="0 1 2 3")";
@@ -46,28 +33,29 @@ TEST(MeshTopology, ReadsAGmshFile) {
   const Scene scene = sceneFromText("<Node name=\"root\"><MeshTopology name=\"m\" filename=\"" STROMA_SOURCE_DIR
                                     "/scenes/meshes/organ_600.msh\"/></Node>");
   EXPECT_GT(meshAt(scene, "/m").tetrahedra.size(), 500u);
-  expectIn(errorsOf("<Node name=\"root\"><MeshTopology name=\"m\" position=\"0 0 0\" filename=\"" STROMA_SOURCE_DIR
-                    "/scenes/meshes/organ_600.msh\"/></Node>"),
-           "both filename and position are given");
+  expectContains(
+      problemsOf("<Node name=\"root\"><MeshTopology name=\"m\" position=\"0 0 0\" filename=\"" STROMA_SOURCE_DIR
+                 "/scenes/meshes/organ_600.msh\"/></Node>"),
+      "both filename and position are given");
 }
 
 TEST(MeshTopology, SaysWhatIsWrong) {
   const auto with = [](const std::string& attributes) {
-    return errorsOf("<Node name=\"root\"><MeshTopology name=\"m\" " + attributes + "/></Node>");
+    return problemsOf("<Node name=\"root\"><MeshTopology name=\"m\" " + attributes + "/></Node>");
   };
-  expectIn(with("tetrahedra=\"0 1 2 3\""), "there are no nodes");
-  expectIn(with("position=\"0 0 0 1 0 0 0 1 0 0 0 1\" tetrahedra=\"0 1 2 4\""),
-           "tetrahedron 0 names node 4, but the mesh has 4 nodes (0 to 3)");
-  expectIn(with("position=\"0 0 0 1 0 0 0 1 0 0 0 1\" tetrahedra=\"0 1 2 2\""), "names node 2 twice");
-  expectIn(with(one_tetrahedron + " prisms=\"0 1 2 3 4 5\""), "1 prisms and 0 pyramids are given");
-  expectIn(with(one_tetrahedron + " nbPoints=\"7\""), "nbPoints is 7, but there are 4 positions");
+  expectContains(with("tetrahedra=\"0 1 2 3\""), "there are no nodes");
+  expectContains(with("position=\"0 0 0 1 0 0 0 1 0 0 0 1\" tetrahedra=\"0 1 2 4\""),
+                 "tetrahedron 0 names node 4, but the mesh has 4 nodes (0 to 3)");
+  expectContains(with("position=\"0 0 0 1 0 0 0 1 0 0 0 1\" tetrahedra=\"0 1 2 2\""), "names node 2 twice");
+  expectContains(with(one_tetrahedron + " prisms=\"0 1 2 3 4 5\""), "1 prisms and 0 pyramids are given");
+  expectContains(with(one_tetrahedron + " nbPoints=\"7\""), "nbPoints is 7, but there are 4 positions");
 }
 
 TEST(MeshTopology, WarnsOfAnInvertedCell) {
   const Scene scene = sceneFromText(R"(<Node name="root">
     <MeshTopology name="m" position="0 0 0 1 0 0 0 1 0 0 0 1" tetrahedra="0 2 1 3"/></Node>)");
-  expectIn(scene.diagnostics.text(), "the mesh has no volume");
-  expectIn(scene.diagnostics.text(), "1 inverted cells (0)");
+  expectContains(scene.diagnostics.text(), "the mesh has no volume");
+  expectContains(scene.diagnostics.text(), "1 inverted cells (0)");
 }
 
 TEST(Container, TakesPositionsFromTheState) {
@@ -101,8 +89,8 @@ TEST(Container, EachKindWantsItsCells) {
   const std::string points = " name=\"c\" position=\"0 0 0 1 0 0 1 1 0 0 1 0 0 0 1 1 0 1 1 1 1 0 1 1\" ";
   for (const auto& kind : kinds) {
     const std::string start = "<Node name=\"root\"><" + std::string(kind.type) + "SetTopologyContainer" + points;
-    EXPECT_EQ(errorsOf(start + kind.cells + "/></Node>"), "");
-    expectIn(errorsOf(start + "/></Node>"), "there are no ");
+    EXPECT_EQ(problemsOf(start + kind.cells + "/></Node>"), "");
+    expectContains(problemsOf(start + "/></Node>"), "there are no ");
   }
 }
 
@@ -151,16 +139,16 @@ TEST(Grid, FlatAndThinGrids) {
 
 TEST(Grid, SaysWhatIsWrong) {
   const auto with = [](const std::string& attributes) {
-    return errorsOf("<Node name=\"root\"><RegularGridTopology name=\"g\" " + attributes + "/></Node>");
+    return problemsOf("<Node name=\"root\"><RegularGridTopology name=\"g\" " + attributes + "/></Node>");
   };
-  expectIn(with(R"(n="2 2 2" min="0 0 0" max="1 1 -1")"), "the box is -1 long in z for 2 nodes");
-  expectIn(with(R"(n="2 2 0" min="0 0 0" max="1 1 1")"), "n");
-  expectIn(with(R"(n="1 1 1" min="0 0 0" max="1 1 1")"), "a single node");
-  expectIn(with(R"(n="99999 99999 99999" min="0 0 0" max="1 1 1")"), "too large");
-  expectIn(with(R"(n="2 2 2" nx="3" min="0 0 0" max="1 1 1")"), "both n and nx are given");
-  expectIn(with(R"(cellWidth="1e-300" min="0 0 0" max="1 1 1")"), "cellWidth");
+  expectContains(with(R"(n="2 2 2" min="0 0 0" max="1 1 -1")"), "the box is -1 long in z for 2 nodes");
+  expectContains(with(R"(n="2 2 0" min="0 0 0" max="1 1 1")"), "n");
+  expectContains(with(R"(n="1 1 1" min="0 0 0" max="1 1 1")"), "a single node");
+  expectContains(with(R"(n="99999 99999 99999" min="0 0 0" max="1 1 1")"), "too large");
+  expectContains(with(R"(n="2 2 2" nx="3" min="0 0 0" max="1 1 1")"), "both n and nx are given");
+  expectContains(with(R"(cellWidth="1e-300" min="0 0 0" max="1 1 1")"), "cellWidth");
   const Scene scene = sceneFromText(R"(<Node name="root"><RegularGridTopology name="g"/></Node>)");
-  expectIn(scene.diagnostics.text(), "a unit cube is used");
+  expectContains(scene.diagnostics.text(), "a unit cube is used");
 }
 
 const std::string grid = R"(<RegularGridTopology name="grid" n="3 4 3" min="0 0 0" max="2 3 2"/>)";
@@ -205,14 +193,17 @@ TEST(Mapping, TenCoverTheBodyTwice) {
 
 TEST(Mapping, WarnsOfCracksAndRefusesNonsense) {
   const Scene scene = sceneFromText(cutScene(R"(<Hexa2TetraTopologicalMapping name="cut" cutting="five1"/>)"));
-  expectIn(scene.diagnostics.text(), "20 inner faces are cut along different diagonals");
+  expectContains(scene.diagnostics.text(), "20 inner faces are cut along different diagonals");
   EXPECT_EQ(sceneFromText(cutScene(R"(<Hexa2TetraTopologicalMapping swapping="1"/>)")).diagnostics.text(), "");
-  expectIn(errorsOf(cutScene(R"(<Hexa2TetraTopologicalMapping cutting="seven"/>)")), "six, five, five1, five2, ten");
-  expectIn(errorsOf(cutScene(R"(<Hexa2TetraTopologicalMapping cutting="ten" swapping="1"/>)")), "swapping mirrors");
-  expectIn(errorsOf("<Node name=\"root\"><Hexa2TetraTopologicalMapping/></Node>"), "there is no topology to cut");
-  expectIn(errorsOf("<Node name=\"root\"><MeshTopology name=\"m\" " + one_tetrahedron +
-                    "/><Node name=\"n\"><Hexa2TetraTopologicalMapping/></Node></Node>"),
-           "/m has no hexahedra");
+  expectContains(problemsOf(cutScene(R"(<Hexa2TetraTopologicalMapping cutting="seven"/>)")),
+                 "six, five, five1, five2, ten");
+  expectContains(problemsOf(cutScene(R"(<Hexa2TetraTopologicalMapping cutting="ten" swapping="1"/>)")),
+                 "swapping mirrors");
+  expectContains(problemsOf("<Node name=\"root\"><Hexa2TetraTopologicalMapping/></Node>"),
+                 "there is no topology to cut");
+  expectContains(problemsOf("<Node name=\"root\"><MeshTopology name=\"m\" " + one_tetrahedron +
+                            "/><Node name=\"n\"><Hexa2TetraTopologicalMapping/></Node></Node>"),
+                 "/m has no hexahedra");
 }
 
 TEST(Mapping, LinksToItsListsSeeThem) {

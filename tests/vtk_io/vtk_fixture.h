@@ -1,52 +1,19 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// A folder of its own for each test, and what a scene says when it does not load.
 #pragma once
-#include <gtest/gtest.h>
-#include <unistd.h>
-
-#include <filesystem>
-#include <fstream>
-
-#include "framework/mesh/mesh_loader.h"
-#include "tests/support/scene_fixture.h"
+#include "tests/support/loader_fixture.h"
 
 namespace stroma::test {
 
-class VtkTest : public testing::Test {
+class VtkTest : public LoaderTest {
  protected:
-  void SetUp() override {
-    folder_ = std::filesystem::temp_directory_path() / ("vtk_io" + std::to_string(::getpid()));
-    std::filesystem::create_directories(folder_);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
-  std::string file(const std::string& name, const std::string& content) const {
-    std::ofstream(folder_ / name, std::ios::binary) << content;
-    return folder_ / name;
-  }
-  static std::string sceneText(const std::string& type, const std::string& file, const std::string& attributes = {}) {
-    return "<Node name=\"root\"><" + type + " name=\"loader\" filename=\"" + file + "\" " + attributes + "/></Node>";
-  }
   static Mesh load(const std::string& type, const std::string& file) {
     const Scene scene = sceneFromText(sceneText(type, file));
-    return dynamic_cast<MeshLoader&>(*findComponent(*scene.root, "/loader")).mesh();
-  }
-  static std::string errors(const std::string& text) {
-    try {
-      sceneFromText(text);
-    } catch (const SceneError& error) {
-      return error.diagnostics().text();
-    }
-    return {};
-  }
-  static void expectIn(const std::string& text, const std::string& part) {
-    EXPECT_NE(text.find(part), std::string::npos) << "'" << part << "' is not in:\n" << text;
+    return mesh(scene);
   }
   static std::string bytesOf(const std::filesystem::path& path) {
     std::ifstream stream(path, std::ios::binary);
     return {std::istreambuf_iterator<char>(stream), {}};
   }
-  std::filesystem::path folder_;
 };
 
 }  // namespace stroma::test

@@ -27,30 +27,40 @@ std::vector<std::uint64_t> run(Simulation& simulation, long steps, bool& factori
   return hashes;
 }
 
-void requireSame(const std::vector<std::uint64_t>& a, const std::vector<std::uint64_t>& b, const char* what) {
+/// `a` starts at step `first`.
+void requireSame(const std::vector<std::uint64_t>& a, const std::vector<std::uint64_t>& b, const char* what,
+                 long first = 0) {
   for (std::size_t step = 0; step < a.size(); ++step)
     if (a[step] != b[step])
       throw std::runtime_error(
-          fmt::format("{} differs from step {} on: {:016x} and {:016x}", what, step, a[step], b[step]));
+          fmt::format("{} differs from step {} on: {:016x} and {:016x}", what, first + long(step), a[step], b[step]));
 }
 
 }  // namespace
 
 Bits bitsOfEveryRun(const RegressionCase& test, Session& session) {
-  const auto load = [&](int thread_count) {
+  const auto load = [&](int thread_count) -> Simulation& {
     setThreads(thread_count);
-    auto simulation = session.load(test.scene, test.overrides);
-    simulation->dropObservers();
+    Simulation& simulation = session.load(test.scene, parseOverrides(test.overrides));
+    simulation.dropObservers();
     return simulation;
   };
   Bits bits;
   bits.factorised = test.bits_of_processor;
-  const auto one = load(1);
-  const auto first = run(*one, test.steps, bits.factorised);
-  one->reset();
-  requireSame(first, run(*one, test.steps, bits.factorised), "the run after a reset");
-  const auto two = load(2);
-  const auto parallel = run(*two, test.steps, bits.factorised);
+  Simulation& one = load(1);
+  const auto first = run(one, test.steps, bits.factorised);
+  one.reset();
+  const long half = test.steps / 2;
+  const auto again = run(one, half, bits.factorised);
+  const Archive checkpoint = one.checkpoint();
+  requireSame(again, first, "the run after a reset");
+  requireSame(run(one, test.steps, bits.factorised), {first.begin() + half, first.end()}, "the run after a reset",
+              half);
+  Simulation& restored = load(1);
+  restored.restore(checkpoint);
+  requireSame(run(restored, test.steps, bits.factorised), {first.begin() + half, first.end()},
+              "the run from a checkpoint", half);
+  const auto parallel = run(load(2), test.steps, bits.factorised);
   setThreads(1);
   requireSame(first, parallel, "the run with two threads");
   bits.hash = first.back();

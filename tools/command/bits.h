@@ -17,8 +17,8 @@ struct Bits {
   bool factorised = false;  ///< a matrix was factorised: BLAS chooses its kernels by the processor, and so the bits
 };
 
-/// Runs the scene with one thread, once more after reset(), and with two threads. Throws std::runtime_error naming the
-/// first step that is not the same in all three, or that fails. Leaves one thread set.
+/// Runs the scene with one thread, once more after reset(), from a checkpoint of the middle, and with two threads. Throws
+/// std::runtime_error naming the first step that is not the same in all of them, or that fails. Leaves one thread set.
 Bits bitsOfEveryRun(const RegressionCase& test, Session& session);
 
 /// Hashes of an earlier build. A text file: a line `build COMPILER-BUILDTYPE`, then `CASE LEVEL HASH` with LEVEL as

@@ -67,14 +67,15 @@ int check(const Arguments& arguments) {
   if (!values) return exit_done;
   const std::string scene = required(*values, "SCENE", manual);
   const bool json = values->count("json") > 0;
-  Session session(*values);
+  Session session;
+  configure(session, *values);
   try {
-    const auto simulation = session.load(scene);
+    const Simulation& simulation = session.load(scene);
     if (json) {
-      print({{"scene", scene}, {"ok", true}, {"problems", toJson(simulation->scene().diagnostics.problems())}});
+      print({{"scene", scene}, {"ok", true}, {"problems", toJson(simulation.scene().diagnostics.problems())}});
     } else {
-      reportProblems(simulation->scene(), false);
-      fmt::print("{}\n", counts(*simulation));
+      reportProblems(simulation.scene(), false);
+      fmt::print("{}\n", counts(simulation));
     }
     return exit_done;
   } catch (const SceneError& error) {

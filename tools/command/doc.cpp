@@ -47,6 +47,8 @@ std::string traits(const Data& data) {
     text += data.defaultText().empty() ? ", empty by default" : ", default " + data.defaultText();
   }
   if (!data.rangeText().empty()) text += ", in " + data.rangeText();
+  if (data.changeEffect() == ChangeEffect::at_once) text += ", may change in a run";
+  if (data.changeEffect() == ChangeEffect::recompile) text += ", may change in a run (the component is made anew)";
   return text;
 }
 
@@ -72,7 +74,8 @@ int doc(const Arguments& arguments) {
   const auto values = parseOptions(manual, options, {"NAME"}, arguments);
   if (!values) return exit_done;
   const std::string given = required(*values, "NAME", manual);
-  Session session(*values);
+  Session session;
+  configure(session, *values);
   const std::string name = presentName(given);
   if (!session.modules().provide(name)) unknown(given, session.modules());
   const auto component = session.factory().make(name);

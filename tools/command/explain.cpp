@@ -24,10 +24,11 @@ int explain(const Arguments& arguments) {
   addSceneOptions(options);
   const auto values = parseOptions(manual, options, {"SCENE"}, arguments);
   if (!values) return exit_done;
-  Session session(*values);
-  const auto simulation = session.load(required(*values, "SCENE", manual));
-  reportProblems(simulation->scene(), true);
-  for (const std::string& line : simulation->explain()) fmt::print("{}\n", line);
+  Session session;
+  configure(session, *values);
+  const Simulation& simulation = session.load(required(*values, "SCENE", manual));
+  reportProblems(simulation.scene(), true);
+  for (const std::string& line : simulation.explain()) fmt::print("{}\n", line);
   fmt::print("modules opened: {} (instructions: {})\n", names(session.modules().opened()), instructionLevel());
   fmt::print("modules not opened, the scene names nothing in them: {}\n", names(session.modules().notOpened()));
   fmt::print("threads: {}\n", threads());

@@ -27,7 +27,8 @@ int list(const Arguments& arguments) {
   const auto values = parseOptions(manual, options, {"PATTERN"}, arguments);
   if (!values) return exit_done;
   const std::string pattern = values->count("PATTERN") ? (*values)["PATTERN"].as<std::string>() : "";
-  Session session(*values);
+  Session session;
+  configure(session, *values);
   std::vector<Modules::IndexEntry> found;
   std::vector<std::string> names;
   for (const Modules::IndexEntry& entry : session.modules().index()) {

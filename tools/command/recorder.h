@@ -3,29 +3,31 @@
 #include <string>
 #include <vector>
 
-#include "framework/simulation/simulation.h"
+#include "framework/simulation/session.h"
 #include "framework/simulation/state_file.h"
 
 namespace stroma::command {
 
-/// Writes positions and velocities of every state to one file each in `folder`, and at the end what components remember
-/// (History) to one each.
+/// Writes positions and velocities of every state to one file each in `folder`, and a checkpoint: now and then, and of
+/// the end.
 class Recorder {
  public:
-  /// Opens the files; nothing has its final name before finish().
-  Recorder(const Simulation& simulation, const std::string& folder);
+  /// Opens the files; nothing has its final name before finish(). `goes_on`: the run started from a checkpoint, and
+  /// instants up to there that the folder's files hold are kept.
+  Recorder(Session& session, const std::string& folder, bool goes_on = false);
   /// The present instant, unless it has been written already.
   void write();
-  /// The last instant, and the final names.
+  /// The file `last.checkpoint`, in place of the one before.
+  void writeCheckpoint();
+  /// The last instant, the checkpoint and the final names.
   void finish();
   std::vector<std::string> files() const;
 
  private:
-  const Simulation& simulation_;
-  std::string folder_;
+  Session& session_;
+  std::string checkpoint_;  ///< file
   std::vector<State*> states_;
   std::vector<StateWriter> writers_;
-  std::vector<std::string> histories_;  ///< files written
   long last_step_ = -1;
 };
 

@@ -33,8 +33,9 @@ const Manual manual{
     "TOLERANCE [PATH.ATTR=VALUE ...]`; # starts a\ncomment; paths are relative to the list. A reference that this "
     "program "
     "wrote proves only that nothing has changed.\nWith --bits nothing is compared with references: each scene runs "
-    "with one thread, once more after a reset and with two\nthreads, and every bit of every step must be the same; "
-    "the hash of the last one must be the stored one, where one is\nstored for this compiler and instruction set.",
+    "with one thread, once more after a reset, from a\ncheckpoint in the middle and with two threads, and every bit of "
+    "every step must be the same; the hash of the last one must be\nthe stored one, where one is stored for this "
+    "compiler and instruction set.",
     "  stroma regress scenes/regression/list\n  stroma regress scenes/regression/list --filter cantilever --update\n"
     "  stroma regress scenes/regression/list --bits\n"};
 
@@ -64,16 +65,16 @@ void store(const Simulation& simulation, Recording& recording) {
 
 /// Runs the scene without its observers: a regression run leaves no files behind.
 Recording runCase(const RegressionCase& test, Session& session) {
-  const auto simulation = session.load(test.scene, test.overrides);
-  simulation->dropObservers();
+  Simulation& simulation = session.load(test.scene, parseOverrides(test.overrides));
+  simulation.dropObservers();
   const std::set<long> stored = storedSteps(test.steps);
   Recording recording;
-  store(*simulation, recording);
-  while (simulation->steps() < test.steps) {
-    const StepReport report = simulation->step();
+  store(simulation, recording);
+  while (simulation.steps() < test.steps) {
+    const StepReport report = simulation.step();
     if (report.diverged) throw std::runtime_error("diverged: " + report.reason);
     if (!report.constraints_converged) throw std::runtime_error("not converged: " + report.constraint_reason);
-    if (stored.count(simulation->steps())) store(*simulation, recording);
+    if (stored.count(simulation.steps())) store(simulation, recording);
   }
   if (recording.empty()) throw std::runtime_error("the scene has no state that moves: there is nothing to compare");
   return recording;
@@ -193,7 +194,8 @@ OptionList regressOptions() {
   options.add_options()  //
       ("update", "write the references (with --bits the hashes) instead of comparing")(
           "filter", po::value<std::string>()->value_name("TEXT"), "only cases whose name contains TEXT")  //
-      ("bits", "compare every bit between runs with 1 and 2 threads and after a reset, and the stored hash")(
+      ("bits",
+       "compare every bit between runs with 1 and 2 threads, after a reset and from a checkpoint, and the stored hash")(
           "json", po::value<std::string>()->value_name("FILE"), "write all figures as JSON")  //
       ("junit", po::value<std::string>()->value_name("FILE"), "write the results as JUnit's XML, for build servers");
   addSceneOptions(options);
@@ -203,7 +205,8 @@ OptionList regressOptions() {
 std::vector<Result> runList(const RegressionList& list, const Values& values) {
   const std::string filter = values.count("filter") ? values["filter"].as<std::string>() : "";
   const bool update = values.count("update") > 0, bits = values.count("bits") > 0;
-  Session session(values);
+  Session session;
+  configure(session, values);
   std::optional<StoredHashes> stored;
   if (bits) stored.emplace(list.reference_folder + "/hashes");
   std::vector<Result> results;

@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
-#include <cmath>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
@@ -28,6 +28,10 @@ const Manual manual{
     "stroma run SCENE [options]",
     "Simulates a scene: 100 steps unless -n or --until says otherwise. Progress and messages go to standard error,\n"
     "the summary to standard output. Ctrl-C ends the run after a whole step.\n\n"
+    "--record leaves a checkpoint, DIR/last.checkpoint. The same command with --restart FILE goes on from one, with "
+    "its\n"
+    "time, step number and bits: -n and --until are those of the whole run, and the files of observers and recordings\n"
+    "are continued where the checkpoint was written.\n\n"
     "Exit codes:\n"
     "  0    done\n"
     "  2    the scene or the options are wrong; nothing was written\n"
@@ -37,12 +41,11 @@ const Manual manual{
     "  130  interrupted with Ctrl-C; what was recorded is complete",
     "  stroma run liver.xml -n 200\n"
     "  stroma run liver.xml --until 2 --set /liver/fem.method=polar --record results/liver --record-every 10\n"
+    "  stroma run liver.xml -n 5000 --record out --checkpoint-every 100 --restart out/last.checkpoint\n"
     "  stroma run liver.xml -n 50 --json --quiet | python3 -m json.tool\n"};
 
 using Clock = std::chrono::steady_clock;
 double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
-
-volatile std::sig_atomic_t interrupted = 0;
 
 OptionList runOptions() {
   OptionList options("options");
@@ -51,7 +54,9 @@ OptionList runOptions() {
       ("until", po::value<double>()->value_name("T"), "run to this time [s] instead")                                 //
       ("record", po::value<std::string>()->value_name("DIR"), "write positions and velocities of every state there")  //
       ("record-every", po::value<long>()->value_name("K"),
-       "record every K steps; the first and last instant always")  //
+       "record every K steps; the first and last instant always")                                              //
+      ("checkpoint-every", po::value<long>()->value_name("K"), "write DIR/last.checkpoint every K steps too")  //
+      ("restart", po::value<std::string>()->value_name("FILE"), "go on from a checkpoint of this scene")       //
       ("json", po::value<std::string>()->implicit_value("-")->value_name("FILE"),
        "print the summary as JSON; --json=FILE writes it to a file")    //
       ("strict", "a result in doubt is none: the exit code is then 3")  //
@@ -62,10 +67,10 @@ OptionList runOptions() {
 
 /// The run as the user asked for it.
 struct Request {
-  std::string scene, record_folder, json_file;
+  std::string scene, record_folder, restart_file, json_file;
   std::optional<long> steps;
   std::optional<double> until;
-  long record_every = 1;
+  long record_every = 1, checkpoint_every = 0;  ///< 0: never
   bool quiet = false, strict = false;
 
   explicit Request(const Values& values)
@@ -76,62 +81,67 @@ struct Request {
     if (values.count("json")) json_file = values["json"].as<std::string>();
     if (steps && until) throw UsageError("-n and --until exclude each other");
     if (steps && *steps < 0) throw UsageError(fmt::format("-n {}: expected 0 or more steps", *steps));
-    if (values.count("record-every")) {
-      if (record_folder.empty()) throw UsageError("--record-every needs --record DIR");
-      record_every = values["record-every"].as<long>();
-      if (record_every < 1) throw UsageError(fmt::format("--record-every {}: expected 1 or more", record_every));
+    if (values.count("restart")) restart_file = values["restart"].as<std::string>();
+    readInterval(values, "record-every", record_every);
+    readInterval(values, "checkpoint-every", checkpoint_every);
+  }
+  /// Of the whole run, those before a checkpoint included.
+  long stepsOf(const Session& session) const {
+    if (!until) return steps.value_or(default_steps);
+    try {
+      return session.simulation().steps() + session.stepsUntil(*until);
+    } catch (const std::invalid_argument& error) {
+      throw UsageError(fmt::format("--until {}: {}", *until, error.what()));
     }
   }
-  long stepsOf(const Simulation& simulation) const {
-    if (!until) return steps.value_or(default_steps);
-    const double count = std::ceil((*until - simulation.time()) / simulation.dt() - 1e-9);
-    if (!(count >= 0 && count < 1e15))
-      throw UsageError(fmt::format("--until {}: expected a time from {} s on", *until, simulation.time()));
-    return long(count);
+
+ private:
+  void readInterval(const Values& values, const std::string& option, long& interval) const {
+    if (!values.count(option)) return;
+    if (record_folder.empty()) throw UsageError(fmt::format("--{} needs --record DIR", option));
+    interval = values[option].as<long>();
+    if (interval < 1) throw UsageError(fmt::format("--{} {}: expected 1 or more", option, interval));
   }
 };
 
-/// What the loop leaves behind.
-struct Outcome {
-  StepReport last;
-  bool interrupted = false;
+/// How the run ended, as the command tells it.
+struct Outcome : RunReport {
   bool doubted = false;  ///< by a strict run
-  double seconds = 0;
-  /// Without a result: no equilibrium, or a position constraint that does not hold.
-  bool unsolved() const { return last.unsolved || !last.constraints_converged; }
-  bool failed() const { return last.diverged || unsolved(); }
+  bool interrupted() const { return end == RunEnd::stopped; }
+  bool failed() const { return end == RunEnd::diverged || end == RunEnd::not_converged; }
   const char* word() const {
-    return last.diverged ? "diverged"
-           : interrupted ? "interrupted"
-           : unsolved()  ? "not converged"
-           : doubted     ? "in doubt"
-                         : "done";
-  }
-  const std::string& reason() const {
-    return last.diverged || last.unsolved || last.constraint_reason.empty() ? last.reason : last.constraint_reason;
+    switch (end) {
+      case RunEnd::diverged:
+        return "diverged";
+      case RunEnd::stopped:
+        return "interrupted";
+      case RunEnd::not_converged:
+        return "not converged";
+      default:
+        return doubted ? "in doubt" : "done";
+    }
   }
 };
 
-Outcome loop(Simulation& simulation, long steps, const Request& request, Recorder* recorder, Statistics& statistics) {
-  const auto start = Clock::now();
-  Outcome outcome;
-  simulation.begin();
+/// The session that SIGINT stops.
+std::atomic<Session*> interruptible = nullptr;
+
+Outcome loop(Session& session, long steps, const Request& request, Recorder* recorder) {
+  const Simulation& simulation = session.simulation();
+  session.simulation().begin();
   if (recorder) recorder->write();
   Progress progress(steps, request.quiet);
-  while (simulation.steps() < steps && !outcome.last.diverged && !outcome.interrupted) {
-    const auto step_start = Clock::now();
-    outcome.last = simulation.step();
-    if (outcome.last.diverged) break;
-    statistics.add(outcome.last, secondsSince(step_start));
+  RunLimits limits;
+  limits.steps = std::max(0L, steps - simulation.steps());
+  limits.after_step = [&](const StepReport& report, double) {
     if (recorder && simulation.steps() % request.record_every == 0) recorder->write();
-    progress.show(simulation, outcome.last);
-    outcome.interrupted = interrupted;
-    // every later step would start from what is no result
-    if (!outcome.last.constraints_converged) break;
-  }
+    if (request.checkpoint_every > 0 && simulation.steps() % request.checkpoint_every == 0) recorder->writeCheckpoint();
+    progress.show(simulation, report);
+  };
+  interruptible = &session;
+  std::signal(SIGINT, [](int) { interruptible.load()->requestStop(); });
+  Outcome outcome{session.run(limits)};
   progress.finish();
-  simulation.end();
-  outcome.seconds = secondsSince(start);
   return outcome;
 }
 
@@ -144,30 +154,28 @@ nlohmann::ordered_json toJson(const Energies& energies) {
   return {{"kinetic", energies.kinetic}, {"elastic", energies.elastic}, {"gravity", energies.gravity}};
 }
 
-nlohmann::ordered_json summary(const Request& request, const Simulation& simulation, const Outcome& outcome,
-                               const Statistics& statistics) {
+nlohmann::ordered_json summary(const Request& request, const Simulation& simulation, const Outcome& outcome) {
   nlohmann::ordered_json json;
   json["scene"] = request.scene;
   json["outcome"] = outcome.word();
-  if (outcome.failed()) json["reason"] = outcome.reason();
+  if (outcome.failed()) json["reason"] = outcome.reason;
   json["steps"] = simulation.steps();
   json["simulated_time"] = simulation.time() - simulation.root().root_time;
   json["wall_seconds"] = outcome.seconds;
-  json["ms_per_step"] = statistics.timing();
+  json["ms_per_step"] = timing(outcome.statistics);
   json["phase_seconds"] = phaseSeconds(simulation);
-  json.update(statistics.solvers());
+  json.update(solvers(outcome.statistics));
   json["threads"] = threads();
   json["state_hash"] = fmt::format("{:016x}", simulation.stateHash());
   return json;
 }
 
-void printText(const Request& request, const Simulation& simulation, const Outcome& outcome,
-               const Statistics& statistics) {
+void printText(const Request& request, const Simulation& simulation, const Outcome& outcome) {
   fmt::print("{}: {} after {} steps, t = {:.6g} s; {:.3g} s of wall time", request.scene, outcome.word(),
              simulation.steps(), simulation.time(), outcome.seconds);
-  if (simulation.steps() > 0)
-    fmt::print(", {:.3g} ms per step (median {:.3g}, p99 {:.3g})", statistics.meanMs(), statistics.quantileMs(0.5),
-               statistics.quantileMs(0.99));
+  if (!outcome.statistics.step_ms.empty())
+    fmt::print(", {:.3g} ms per step (median {:.3g}, p99 {:.3g})", outcome.statistics.meanMs(),
+               outcome.statistics.quantileMs(0.5), outcome.statistics.quantileMs(0.99));
   fmt::print("\nstate hash {:016x}\n", simulation.stateHash());
 }
 
@@ -184,7 +192,7 @@ void writeJson(const nlohmann::ordered_json& json, const std::string& file) {
 
 /// Prints what a run's end gives reason to warn of and appends it to `warnings`, but for what the load has warned of
 /// already. Whether there are doubts.
-bool tellWarnings(const Statistics& statistics, const std::vector<std::string>& doubts,
+bool tellWarnings(const RunStatistics& statistics, const std::vector<std::string>& doubts,
                   std::vector<std::string>& warnings) {
   std::vector<std::string> found = statistics.warnings();
   for (const std::string& sentence : doubts)
@@ -206,50 +214,45 @@ int run(const Arguments& arguments) {
   if (!values) return exit_done;
   const Request request(*values);
   tellLongWork(!request.quiet);
-  Session session(*values);
-  const auto simulation = session.load(request.scene);
-  simulation->computeOnDemand(true);
-  const long steps = request.stepsOf(*simulation);
+  Session session;
+  configure(session, *values);
+  Simulation& simulation = session.load(request.scene);
+  simulation.computeOnDemand(true);
+  std::vector<std::string> warnings = reportProblems(simulation.scene(), request.quiet);
+  if (!request.restart_file.empty())
+    for (const std::string& note : session.restore(request.restart_file)) fmt::print(stderr, "note: {}\n", note);
+  const long steps = request.stepsOf(session);
   const double load_seconds = secondsSince(start);
 
-  std::vector<std::string> warnings = reportProblems(simulation->scene(), request.quiet);
   const bool wants_json = !request.json_file.empty();
-  const Energies at_start = wants_json ? energiesOf(*simulation) : Energies{};
+  const Energies at_start = wants_json ? energiesOf(simulation) : Energies{};
   std::optional<Recorder> recorder;
-  if (!request.record_folder.empty()) recorder.emplace(*simulation, request.record_folder);
-  std::signal(SIGINT, [](int) { interrupted = 1; });
-
-  Statistics statistics(steps);
-  Outcome outcome = loop(*simulation, steps, request, recorder ? &*recorder : nullptr, statistics);
+  if (!request.record_folder.empty()) recorder.emplace(session, request.record_folder, !request.restart_file.empty());
+  Outcome outcome = loop(session, steps, request, recorder ? &*recorder : nullptr);
 
   if (outcome.failed()) {
-    if (!recorder) recorder.emplace(*simulation, divergedFolder(request.scene));
-    fmt::print(stderr, "{}: {}\n", outcome.last.diverged ? "diverged" : "not converged", outcome.reason());
+    if (!recorder) recorder.emplace(session, divergedFolder(request.scene));
+    fmt::print(stderr, "{}: {}\n", outcome.word(), outcome.reason);
   }
-  if (recorder) {
-    recorder->finish();
-    if (outcome.failed())
-      fmt::print(stderr, "the last {} (t = {:.6g} s) is in {}\n", outcome.last.diverged ? "good state" : "state",
-                 simulation->time(), fmt::join(recorder->files(), ", "));
-  }
-  const bool doubts = tellWarnings(statistics, simulation->doubts(), warnings);
+  if (recorder) recorder->finish();
+  session.finish();
+  if (recorder && outcome.failed())
+    fmt::print(stderr, "the last {} (t = {:.6g} s) is in {}\n", outcome.last.diverged ? "good state" : "state",
+               simulation.time(), fmt::join(recorder->files(), ", "));
+  const bool doubts = tellWarnings(outcome.statistics, simulation.doubts(), warnings);
   outcome.doubted = request.strict && (doubts || !outcome.last.newton_converged);
   if (wants_json) {
-    auto json = summary(request, *simulation, outcome, statistics);
+    auto json = summary(request, simulation, outcome);
     json["load_seconds"] = load_seconds;
-    json["energies"] = {{"start", toJson(at_start)}, {"end", toJson(energiesOf(*simulation))}};
+    json["energies"] = {{"start", toJson(at_start)}, {"end", toJson(energiesOf(simulation))}};
     json["peak_memory_bytes"] = peakMemory();
     json["modules_opened"] = session.modules().opened();
     if (recorder) json["recorded"] = recorder->files();
     json["warnings"] = warnings;
     writeJson(json, request.json_file);
   }
-  if (request.json_file != "-" && !request.quiet) printText(request, *simulation, outcome, statistics);
-  return outcome.last.diverged ? exit_diverged
-         : outcome.interrupted ? exit_interrupted
-         : outcome.unsolved()  ? exit_diverged
-         : outcome.doubted     ? exit_diverged
-                               : exit_done;
+  if (request.json_file != "-" && !request.quiet) printText(request, simulation, outcome);
+  return outcome.interrupted() ? exit_interrupted : outcome.failed() || outcome.doubted ? exit_diverged : exit_done;
 }
 
 }  // namespace stroma::command

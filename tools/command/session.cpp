@@ -20,23 +20,20 @@ void addSceneOptions(OptionList& options) {
       ("threads", po::value<int>()->value_name("N"), "threads to use, 1 when not given; no result depends on it");
 }
 
-Session::Session(const Values& values) {
+void configure(Session& session, const Values& values) {
   if (values.count("module"))
-    for (const std::string& file : values["module"].as<std::vector<std::string>>()) modules_.open(file);
-  if (values.count("set"))
-    for (const std::string& text : values["set"].as<std::vector<std::string>>())
-      overrides_.push_back(Override::parse(text));
+    for (const std::string& file : values["module"].as<std::vector<std::string>>()) session.modules().open(file);
+  if (values.count("set")) session.setOverrides(parseOverrides(values["set"].as<std::vector<std::string>>()));
   if (!values.count("threads")) return;
   const int count = values["threads"].as<int>();
   if (count < 1 || count > 1024) throw UsageError(fmt::format("--threads {}: expected 1 to 1024", count));
   setThreads(count);
 }
 
-std::unique_ptr<Simulation> Session::load(const std::string& scene_file,
-                                          const std::vector<std::string>& more_overrides) {
-  std::vector<Override> overrides = overrides_;
-  for (const std::string& text : more_overrides) overrides.push_back(Override::parse(text));
-  return std::make_unique<Simulation>(loadScene(scene_file, overrides, factory_, modules_));
+std::vector<Override> parseOverrides(const std::vector<std::string>& texts) {
+  std::vector<Override> overrides;
+  for (const std::string& text : texts) overrides.push_back(Override::parse(text));
+  return overrides;
 }
 
 std::vector<std::string> reportProblems(const Scene& scene, bool quiet) {

@@ -6,6 +6,8 @@
 
 #include <iterator>
 
+#include "framework/mesh/cell_kind.h"
+
 namespace stroma {
 
 namespace {
@@ -68,7 +70,10 @@ void forEachElement(const Content& content, Before&& before, Visit&& visit) {
   }
 }
 
-constexpr int gmshType(const Group& group) { return group.dimension == 2 ? 2 : 4; }
+/// Triangles and tetrahedra are all that a labelled mesh has.
+constexpr const CellKind& kindOf(const Group& group) {
+  return group.dimension == 2 ? cell_kinds::triangle : cell_kinds::tetrahedron;
+}
 
 void addBody22(Out out, const LabelledMesh& mesh, const Content& content) {
   fmt::format_to(out, "$Nodes\n{}\n", mesh.position.size());
@@ -78,7 +83,7 @@ void addBody22(Out out, const LabelledMesh& mesh, const Content& content) {
   forEachElement(
       content, [](const Group&) {},
       [&](const Group& group, Index cell, std::size_t number) {
-        fmt::format_to(out, "{} {} 2 {} {}", number, gmshType(group), group.tag, group.tag);
+        fmt::format_to(out, "{} {} 2 {} {}", number, kindOf(group).gmsh.number, group.tag, group.tag);
         addNodesOf(out, mesh, content, group, cell);
       });
   fmt::format_to(out, "$EndElements\n");
@@ -107,7 +112,7 @@ void addBody41(Out out, const LabelledMesh& mesh, const Content& content) {
   forEachElement(
       content,
       [&](const Group& group) {
-        fmt::format_to(out, "{} {} {} {}\n", group.dimension, group.tag, gmshType(group), group.cells.size());
+        fmt::format_to(out, "{} {} {} {}\n", group.dimension, group.tag, kindOf(group).gmsh.number, group.cells.size());
       },
       [&](const Group& group, Index cell, std::size_t number) {
         fmt::format_to(out, "{}", number);
@@ -147,9 +152,11 @@ std::string vtuText(const LabelledMesh& mesh) {
       out, "</DataArray>\n</Points>\n<Cells>\n<DataArray type=\"Int32\" Name=\"connectivity\" format=\"ascii\">\n");
   for (const Tetrahedron& t : mesh.tetrahedra) fmt::format_to(out, "{} {} {} {}\n", t[0], t[1], t[2], t[3]);
   array("Int32", "offsets");
-  for (std::size_t c = 1; c <= mesh.tetrahedra.size(); ++c) fmt::format_to(out, "{}\n", 4 * c);
+  for (std::size_t c = 1; c <= mesh.tetrahedra.size(); ++c)
+    fmt::format_to(out, "{}\n", cell_kinds::tetrahedron.nodes * c);
   array("UInt8", "types");
-  for (std::size_t c = 0; c < mesh.tetrahedra.size(); ++c) text += "10\n";
+  for (std::size_t c = 0; c < mesh.tetrahedra.size(); ++c)
+    fmt::format_to(out, "{}\n", cell_kinds::tetrahedron.vtk.number);
   fmt::format_to(out,
                  "</DataArray>\n</Cells>\n<CellData Scalars=\"label\">\n<DataArray type=\"Int32\" Name=\"label\" "
                  "format=\"ascii\">\n");

@@ -10,7 +10,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "framework/mesh/cell_faces.h"
+#include "framework/mesh/cell_kind.h"
 #include "framework/mesh/mesh.h"
 #include "tools/mesh/regions.h"
 
@@ -101,7 +101,7 @@ void Matching::measureCells() {
   reach_.assign(mesh_.position.size(), std::numeric_limits<double>::infinity());
   for (std::size_t c = 0; c < mesh_.tetrahedra.size(); ++c) {
     const auto p = corners(c);
-    for (const auto& [i, j] : tetrahedron_edges) {
+    for (const auto& [i, j] : cell_kinds::tetrahedron.edges) {
       const double length = largest_share * (p[i] - p[j]).norm();
       for (const int k : {i, j}) {
         double& reach = reach_[mesh_.tetrahedra[c][k]];

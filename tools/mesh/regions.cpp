@@ -8,7 +8,7 @@
 #include <numeric>
 #include <set>
 
-#include "framework/mesh/cell_faces.h"
+#include "framework/mesh/cell_kind.h"
 #include "framework/mesh/mesh.h"
 
 namespace stroma {
@@ -23,11 +23,11 @@ struct Face {
 
 std::vector<Face> sortedFaces(const LabelledMesh& mesh) {
   std::vector<Face> faces;
-  faces.reserve(4 * mesh.tetrahedra.size());
+  faces.reserve(cell_kinds::tetrahedron.faces.size() * mesh.tetrahedra.size());
   for (std::size_t c = 0; c < mesh.tetrahedra.size(); ++c)
-    for (const auto& corner : tetrahedron_faces) {
+    for (const LocalFace& local : cell_kinds::tetrahedron.faces) {
       Face face;
-      for (std::size_t i = 0; i < 3; ++i) face.nodes[i] = mesh.tetrahedra[c][corner[i]];
+      for (std::size_t i = 0; i < 3; ++i) face.nodes[i] = mesh.tetrahedra[c][local.nodes[i]];
       face.sorted = face.nodes;
       std::sort(face.sorted.begin(), face.sorted.end());
       face.cell = Index(c);
@@ -100,11 +100,11 @@ std::array<double, 2> dihedralAngles(const Vec3& a, const Vec3& b, const Vec3& c
   const std::array<Vec3, 4> p{a, b, c, d};
   std::array<Vec3, 4> normal;  // outward, of the face opposite each corner
   for (std::size_t f = 0; f < 4; ++f) {
-    const auto& [i, j, k] = tetrahedron_faces[f];
-    normal[f] = (p[j] - p[i]).cross(p[k] - p[i]);
+    const auto& n = cell_kinds::tetrahedron.faces[f].nodes;
+    normal[f] = (p[n[1]] - p[n[0]]).cross(p[n[2]] - p[n[0]]);
   }
   std::array<double, 2> range{180, 0};
-  for (const auto& [i, j] : tetrahedron_edges) {
+  for (const auto& [i, j] : cell_kinds::tetrahedron.edges) {
     const Vec3 &m = normal[i], &n = normal[j];
     const double angle = 180 - std::atan2(m.cross(n).norm(), m.dot(n)) * (180 / std::numbers::pi);
     range = {std::min(range[0], angle), std::max(range[1], angle)};

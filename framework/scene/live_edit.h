@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Attributes that change while a scene runs.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "framework/scene/load.h"
+
+namespace stroma {
+
+/// A change of one attribute: looked up and checked by the constructor, made by apply(). Every refusal is a
+/// ComponentError that says what would be needed, and leaves the scene as it was.
+class LiveEdit {
+ public:
+  /// `path` names a component or a node, as in `--set`. Refuses what does not exist (with the nearest name) and what
+  /// only a restart can change.
+  LiveEdit(Node& root, const std::string& path, const std::string& attribute);
+
+  /// The component whose attribute it is; null for an attribute of a node (gravity, dt).
+  Component* component() const { return component_; }
+  /// What has to be made anew: the component, if its attribute asks for that, and, in the order of their dependence,
+  /// those that take values from it by links. Each attribute they take has to allow a change.
+  const std::vector<Component*>& recompiled() const { return recompiled_; }
+  bool changesTimeStep() const { return !component_ && attribute_ == "dt"; }
+  /// "/liver/fem.youngModulus"
+  std::string name() const;
+  std::string print() const;  ///< the present value, in the scene's notation
+
+  /// Parses with the attribute's table and makes anew what recompiled() says. Warnings and notes go to `messages`.
+  void apply(const std::string& text, Diagnostics& messages);
+  /// Takes apply() back, whether it failed or not.
+  void revert();
+
+  /// From now on warnings and notes of the component go to `messages`; null: to standard error.
+  static void listen(Component& component, Diagnostics* messages);
+
+ private:
+  void findAttribute();
+  void collectDependents(Component& source, const Data* changed);
+  void parse(const std::string& text, DataOrigin origin);
+  void parseNode(const std::string& text);
+  void remake(Diagnostics& messages);
+  static void takeLinkedValues(Component& component);
+
+  std::string attribute_, before_;
+  DataOrigin origin_ = DataOrigin::by_default;
+  std::optional<Vec3> gravity_before_;
+  Node* node_ = nullptr;
+  Component* component_ = nullptr;
+  Data* data_ = nullptr;
+  std::vector<Component*> recompiled_;
+};
+
+}  // namespace stroma

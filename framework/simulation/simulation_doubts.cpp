@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// What a simulation tells of results that may be none.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "framework/mechanics/state_positions.h"
+#include "framework/mesh/folds.h"
+#include "framework/mechanics/state_topology.h"
+#include "framework/simulation/simulation.h"
+
+namespace stroma {
+namespace {
+
+/// Steps from one look at reversed velocities to the next: a look costs six dot products.
+constexpr long look_every = 8;
+
+/// How many elements have no volume left at x, and which is worst, or empty.
+std::string foldedElements(const ForceField& field, ConstRows x) {
+  // a crushed element has the round-off of its nodes' positions for a volume
+  constexpr double flat = 1e-12;
+  const auto names = field.cellFields();
+  if (std::find(names.begin(), names.end(), "J") == names.end()) return {};
+  std::vector<double> j;
+  field.cellField("J", x, j);
+  const auto folded = std::count_if(j.begin(), j.end(), [](double value) { return !(value > flat); });
+  if (folded == 0) return {};
+  return fmt::format("{} of {} elements are inverted or flat; the worst is {}", folded, j.size(),
+                     field.worstElement(x));
+}
+
+/// Whether a step moves the nodes by a share of the body's size that can be seen, in the mean: what is less is
+/// round-off, or soon will be.
+bool movesVisibly(const System& system, double dt) {
+  constexpr double visible = 1e-7;
+  double size = 0;
+  for (const State* state : system.states()) size = std::max(size, restSize(*state));
+  return std::sqrt(dot(system.v, system.v) / std::max<Index>(1, system.allRows())) * dt > visible * size;
+}
+
+}  // namespace
+
+/// Why a force that is a step late and an integrator do not go together, or empty.
+std::string Simulation::laggedForce(const ForceField& field, const Integrator& integrator) {
+  if (!field.traits().lagged || integrator.toleratesLaggedForces()) return {};
+  return fmt::format(
+      "{} acts with a quantity from before the step, and {} hardly damps what that feeds: motions may ring for ever. A "
+      "coupling without delay, or EulerImplicitSolver, does not",
+      field.path(), integrator.path());
+}
+
+/// Some motions turn around at every step, others at every second one: a look is at two steps.
+void Simulation::watchReversals(std::size_t index, long step) {
+  if (step % look_every > 1) return;
+  const Vector &now = systems_[index]->v, &before = good_[index].second;
+  const bool turned =
+      dot(now, before) < -0.5 * std::sqrt(dot(now, now) * dot(before, before)) && movesVisibly(*systems_[index], dt());
+  Reversals& reversals = reversals_[index];
+  if (step % look_every == 0) {
+    reversals.turned = turned;
+    return;
+  }
+  reversals.in_a_row = turned || reversals.turned ? reversals.in_a_row + 1 : 0;
+}
+
+/// Motions much faster than the step keep their velocity but for its sign, for ever or nearly so: a physical viscosity
+/// does not damp them either, because rules without damping of their own take it for a change of sign too.
+std::string Simulation::reversals(std::size_t index) const {
+  constexpr int enough = 3;
+  if (reversals_[index].in_a_row < enough) return {};
+  return fmt::format(
+      "{} at t = {:.6g} s: velocities change sign from step to step, or every other step. dt = {:.6g} s is far above "
+      "the period of the "
+      "fastest motions, which this rule does not damp: the positions are a mean at best. A smaller dt, "
+      "EulerImplicitSolver or BDFOdeSolver settles",
+      systems_[index]->integrator().path(), time_, dt());
+}
+
+std::vector<std::string> Simulation::doubts() const {
+  complete();
+  std::vector<std::string> sentences;
+  const auto say = [&sentences](std::string sentence) {
+    if (!sentence.empty()) sentences.push_back(std::move(sentence));
+  };
+  for (std::size_t i = 0; i < systems_.size(); ++i) {
+    const System& system = *systems_[i];
+    std::set<const State*> folded_states;
+    for (const ForceField* field : system.forceFields()) {
+      const std::string where = fmt::format("{} at t = {:.6g} s: ", field->path(), time_);
+      if (const std::string folded = foldedElements(*field, system.x); !folded.empty())
+        say(where + folded), folded_states.insert(&field->state());
+      else if (const std::string beyond = field->doubt(system.x); !beyond.empty())
+        say(where + beyond);
+      if (steps_ > 0 && movesVisibly(system, dt())) say(laggedForce(*field, system.integrator()));
+    }
+    // what force fields do not look at: springs and shape memory know no volumes, and a point inside a cell not its
+    // corners
+    for (const State* state : system.states()) {
+      if (folded_states.count(state) > 0) continue;
+      const std::vector<Vec3> now = positionsOf(*state, system.x);
+      if (now == state->rest_position) continue;  // nothing has moved: large scenes start without a look at their cells
+      for (const Topology* topology : topologiesOf(*state))
+        if (const std::string folds = foldsOf(topology->mesh(), state->rest_position, now); !folds.empty())
+          say(fmt::format("{} at t = {:.6g} s: {}", topology->path(), time_, folds));
+    }
+    for (std::string& sentence : grownBodies(system)) say(std::move(sentence));
+    say(system.integrator().doubt());
+    say(gainedEnergy(i));
+    say(reversals(i));
+  }
+  return sentences;
+}
+
+/// More than half of the energy that moves about has no source. Bodies that are moved, or met by position constraints,
+/// may have got it there.
+std::string Simulation::gainedEnergy(std::size_t index) const {
+  const System& system = *systems_[index];
+  if (worked_on_ || !system.integrator().keepsEnergy() || !system.isConservative() ||
+      !system.actors().position_constraints.empty())
+    return {};
+  for (const ForceField* field : system.forceFields())
+    if (field->traits().time_dependent) return {};
+  for (const ProjectiveConstraint* constraint : system.constraints().all())
+    if (constraint->prescribesMotion()) return {};
+  const auto& [x, v] = initial_[index];
+  const double kinetic_start = system.kineticEnergy(v), potential_start = system.potentialEnergy(x);
+  const double kinetic = system.kineticEnergy(), potential = system.potentialEnergy(system.x);
+  const double gained = kinetic + potential - kinetic_start - potential_start;
+  const double moved = kinetic + kinetic_start + std::abs(potential - potential_start);
+  const double round_off = 1e-9 * (std::abs(potential) + std::abs(potential_start));
+  if (!(gained > moved / 2 && gained > round_off)) return {};
+  return fmt::format(
+      "{} has gained {:.3g} J by t = {:.6g} s with no work done on it, as rules without damping may at large steps. A "
+      "smaller dt, or EulerImplicitSolver, keeps it bounded",
+      system.integrator().path(), gained, time_);
+}
+
+}  // namespace stroma

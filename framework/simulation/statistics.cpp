@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "framework/simulation/statistics.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numeric>
+
+namespace stroma {
+
+Energies energiesOf(const Simulation& simulation) {
+  simulation.complete();
+  Energies energies;
+  for (const auto& system : simulation.systems()) {
+    energies.kinetic += system->kineticEnergy();
+    energies.elastic += system->elasticEnergy(system->x);
+    energies.gravity += system->gravityEnergy(system->x);
+  }
+  return energies;
+}
+
+void RunStatistics::add(const StepReport& report, double step_seconds) {
+  step_ms.push_back(1e3 * step_seconds);
+  ++stops[report.linear_stop];
+  linear_iterations += report.linear_iterations;
+  newton_iterations += report.newton_iterations;
+  factorisations += report.factorisations;
+  linear_unconverged += report.linear_converged ? 0 : 1;
+  newton_unconverged += report.newton_converged ? 0 : 1;
+  constraints_unconverged += report.constraints_converged ? 0 : 1;
+  if (!report.constraints_converged && constraint_reason.empty()) constraint_reason = report.constraint_reason;
+  residual_sum += report.linear_residual;
+  residual_worst = std::max(residual_worst, report.linear_residual);
+  newton_residual_worst = std::max(newton_residual_worst, report.newton_residual);
+}
+
+std::vector<std::string> RunStatistics::warnings() const {
+  std::vector<std::string> warnings;
+  if (linear_unconverged > 0)
+    warnings.push_back(fmt::format(
+        "the linear solver stopped before its tolerance in {} of {} steps (worst relative residual {:.2g}): raise its "
+        "iterations or its tolerance",
+        linear_unconverged, step_ms.size(), residual_worst));
+  if (newton_unconverged > 0)
+    warnings.push_back(
+        fmt::format("Newton's method did not converge in {} of {} steps (worst relative residual {:.2g})",
+                    newton_unconverged, step_ms.size(), newton_residual_worst));
+  if (constraints_unconverged > 0)
+    warnings.push_back(fmt::format("position constraints did not hold in {} of {} steps; the first time: {}",
+                                   constraints_unconverged, step_ms.size(), constraint_reason));
+  return warnings;
+}
+
+double RunStatistics::meanMs() const {
+  if (step_ms.empty()) return 0;
+  return std::accumulate(step_ms.begin(), step_ms.end(), 0.0) / double(step_ms.size());
+}
+
+double RunStatistics::quantileMs(double q) const {
+  if (step_ms.empty()) return 0;
+  std::vector<double> sorted = step_ms;
+  const auto rank =
+      sorted.begin() + std::ptrdiff_t(std::min(sorted.size() - 1, std::size_t(q * double(sorted.size()))));
+  std::nth_element(sorted.begin(), rank, sorted.end());
+  return *rank;
+}
+
+}  // namespace stroma

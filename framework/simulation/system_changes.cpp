@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// What a system does anew when its scene is changed, or its state is written, between steps.
+#include <algorithm>
+
+#include "framework/scene/archive.h"
+#include "framework/simulation/integrator.h"
+#include "framework/simulation/system.h"
+
+namespace stroma {
+
+void System::componentsChanged(const std::vector<Component*>& changed, double t) {
+  const auto compileChanged = [&changed](const auto& actors) {
+    for (auto* actor : actors)
+      if (std::find(changed.begin(), changed.end(), actor) != changed.end()) actor->compile();
+  };
+  compileChanged(actors_.masses);
+  compileChanged(actors_.force_fields);
+  compileChanged(actors_.mappings);
+  compileChanged(actors_.passive_mappings);
+  sortByTraits(actors_);
+  setTime(t);
+  has_gravity_ = false;
+  computeGravity();
+  constraints_.componentsChanged(t, v);
+  corrections_.compile(actors_, integrator_, constraints_);
+  matrix_.termsChanged();
+  integrator_.compile(*this);
+}
+
+void System::serialize(Archive& archive, const StepContext& last) {
+  matrix_.serialize(archive);
+  if (archive.isReading()) {
+    // what the last step left: the next one then changes as much as it would have
+    setTime(last.t_end);
+    constraints_.resume(last);
+    applyMappings();
+    matrix_.termsChanged();
+  }
+  archive.enter(integrator_.path() + ":linear solver");
+  if (LinearSolver* solver = linearSolver()) solver->serializeFor(matrix_, archive);
+}
+
+}  // namespace stroma

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Springs that appear and vanish during a run: the assembled matrix gets a new pattern then, and only then.
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+
+#include "framework/algebra/direct_solver.h"
+#include "framework/mechanics/node_group_field.h"
+#include "tests/support/scene_text.h"
+
+namespace stroma::test {
+namespace {
+
+/// Springs of rest length zero between pairs of nodes, each from one time to another.
+class ComingSprings final : public NodeGroupField<2, PairTangent> {
+ public:
+  void declare(DataTable& table) override {
+    ForceField::declare(table);
+    table.add("pairs", pairs_).help("nodes, two per spring");
+    table.add("from", from_).help("first end of a step with each spring").unit("s");
+    table.add("until", until_).help("last end of a step with each spring").unit("s");
+    table.add("stiffness", k_).help("of each spring").unit("N/m");
+  }
+  ForceTraits traits() const override {
+    ForceTraits traits;
+    traits.symmetric = traits.exact_tangent = traits.time_dependent = true;
+    return traits;
+  }
+  void setTime(double t) override {
+    std::vector<Group> now;
+    for (std::size_t s = 0; 2 * s < pairs_.size(); ++s)
+      if (from_[s] <= t && t <= until_[s])
+        now.push_back({state().firstRow() + pairs_[2 * s], state().firstRow() + pairs_[2 * s + 1]});
+    if (now == rows_) return;
+    setGroups(std::move(now), false);
+    ++revision_;
+  }
+  long patternRevision() const override { return revision_; }
+  double energy(ConstRows x) const override {
+    double sum = 0;
+    for (const Group& pair : rows_) sum += k_ / 2 * (x[pair[1]] - x[pair[0]]).squaredNorm();
+    return sum;
+  }
+  void addForce(ConstRows x, ConstRows, Rows f) override {
+    for (std::size_t s = 0; s < rows_.size(); ++s) {
+      const auto [a, b] = rows_[s];
+      const Vec3 pull = k_ * (x[b] - x[a]);
+      f[a] += pull;
+      f[b] -= pull;
+      stiffness_[s].k = -k_ * Mat3::Identity();
+    }
+  }
+
+ private:
+  std::vector<int> pairs_;
+  std::vector<double> from_, until_;
+  double k_ = 0;
+  long revision_ = 0;
+};
+
+int analyses = 0;  ///< of all factorisations below
+
+class CountingFactorisation final : public Factorisation {
+ public:
+  void analyse(const BlockMatrix&) override { ++analyses; }
+  SolveStop factor(const BlockMatrix& matrix, Index&) override {
+    Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(3 * matrix.rows(), 3 * matrix.rows());
+    for (Index i = 0; i < matrix.rows(); ++i)
+      for (Index s = matrix.rowStart()[std::size_t(i)]; s < matrix.rowStart()[std::size_t(i) + 1]; ++s)
+        for (int c = 0; c < 9; ++c)
+          dense(3 * i + c / 3, 3 * matrix.columns()[std::size_t(s)] + c % 3) =
+              matrix.values()[std::size_t(s) * 9 + std::size_t(c)];
+    factors_.compute(dense);
+    return SolveStop::converged;
+  }
+  void apply(ConstRows b, Rows x) override {
+    Eigen::VectorXd all(3 * b.count);
+    for (Index i = 0; i < b.count; ++i) all.segment<3>(3 * i) = b[i];
+    all = factors_.solve(all);
+    for (Index i = 0; i < x.count; ++i) x[i] = all.segment<3>(3 * i);
+  }
+  Cost cost() const override { return {}; }
+
+ private:
+  Eigen::LDLT<Eigen::MatrixXd> factors_;
+};
+
+class CountingSolver final : public DirectSolver {
+ public:
+  bool needsSymmetric() const override { return true; }
+
+ private:
+  std::unique_ptr<Factorisation> makeFactorisation(bool) const override {
+    return std::make_unique<CountingFactorisation>();
+  }
+};
+
+const bool registered = (factory().add<ComingSprings>("TestComingSprings", "test"),
+                         factory().add<CountingSolver>("TestCountingSolver", "test"), true);
+
+/// A chain of six nodes whose first is held, with springs 0-3, 1-4 and 2-5 for a while each.
+std::string scene(const std::string& solver, const std::string& times, const std::string& pairs = "0 3 1 4 2 5") {
+  return fmt::format(R"(<Node name="root" dt="0.01"><EulerImplicitSolver/>{}
+    <MechanicalObject name="dofs" position="0 0 0  1 0 0  2 0.1 0  3 0 0.2  4 0 0  5 0.1 0.1"/>
+    <UniformMass totalMass="3"/>
+    <FixedProjectiveConstraint indices="0"/>
+    <SpringForceField spring="0 1 500 0 1  1 2 500 0 1  2 3 500 0 1  3 4 500 0 1  4 5 500 0 1"/>
+    <TestComingSprings stiffness="80" pairs="{}" {}/></Node>)",
+                     solver, pairs, times);
+}
+const std::string coming = "from=\"0.05 0.1 0.1\" until=\"0.2 0.15 0.25\"";
+const std::string direct = "<TestCountingSolver/>", sparse = "<SparseLDLSolver/>",
+                  products = "<CGLinearSolver iterations=\"200\" tolerance=\"1e-14\"/>";
+
+double largestDifference(Simulation& a, Simulation& b) {
+  Vector difference(a.systems()[0]->allRows());
+  copy(a.systems()[0]->x, difference);
+  axpy(-1, b.systems()[0]->x, difference);
+  return largest(difference);
+}
+
+TEST(ChangingPattern, AnalysisIsMadeOncePerChangeAndNoOther) {
+  analyses = 0;
+  Simulation simulation = simulationFromText(scene(direct, coming));
+  std::vector<int> steps;
+  for (int step = 1; step <= 30; ++step) {
+    const int before = analyses;
+    ASSERT_FALSE(simulation.step().diverged);
+    if (analyses > before) steps.push_back(step);
+  }
+  // the first step; springs come at the ends of steps 5 and 10, and are gone after those of 15, 20 and 25
+  EXPECT_EQ(steps, (std::vector<int>{1, 5, 10, 16, 21, 26}));
+  EXPECT_EQ(analyses, 6);
+}
+
+TEST(ChangingPattern, ProductsAndFactorsGiveOneTrajectory) {
+  Simulation assembled = simulationFromText(scene(sparse, coming)), free = simulationFromText(scene(products, coming));
+  Simulation without = simulationFromText(scene(products, coming, "0 1 0 1 0 1"));
+  for (int step = 1; step <= 30; ++step) {
+    ASSERT_FALSE(assembled.step().diverged);
+    ASSERT_FALSE(free.step().diverged);
+    without.step();
+    EXPECT_LT(largestDifference(assembled, free), 1e-10) << "step " << step;
+  }
+  EXPECT_GT(largestDifference(assembled, without), 1e-2) << "the springs matter";
+}
+
+TEST(ChangingPattern, IsThatOfASceneCompiledWithTheSameSprings) {
+  // all three are there from step 10 to step 15
+  Simulation changing = simulationFromText(scene(sparse, coming));
+  for (int step = 1; step < 10; ++step) changing.step();
+  Simulation fixed = simulationFromText(scene(sparse, "from=\"0 0 0\" until=\"9 9 9\""));
+  copy(changing.systems()[0]->x, fixed.systems()[0]->x);
+  copy(changing.systems()[0]->v, fixed.systems()[0]->v);
+  for (int step = 10; step <= 15; ++step) {
+    changing.step();
+    fixed.step();
+    EXPECT_LT(largestDifference(changing, fixed), 1e-13) << "step " << step;
+  }
+  System &a = *changing.systems()[0], &b = *fixed.systems()[0];
+  EXPECT_EQ(a.matrix().assemble().columns(), b.matrix().assemble().columns());
+  changing.step();
+  EXPECT_LT(a.matrix().assemble().blocks(), b.matrix().assemble().blocks()) << "a spring has gone with its blocks";
+}
+
+}  // namespace
+}  // namespace stroma::test

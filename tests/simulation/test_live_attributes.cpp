@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Attributes that change while a scene runs: each change does what its declaration promises, or is refused.
+#include <gtest/gtest.h>
+
+#include "framework/simulation/session.h"
+#include "tests/support/scene_fixture.h"
+
+namespace stroma::test {
+namespace {
+
+struct Beam {
+  std::string integrator = "<EulerImplicitSolver/>", solver = "<SparseLDLSolver/>", method = "large", young = "5000",
+              dt = "0.01", gravity = "0 -9.81 0", box = "-1 -1 -0.001 1 1 0.001";
+  std::string text() const {
+    return "<Node name=\"root\" dt=\"" + dt + "\" gravity=\"" + gravity + "\">" + integrator + solver +
+           "<RegularGridTopology name=\"grid\" n=\"3 3 5\" min=\"0 0 0\" max=\"0.1 0.1 0.3\"/><MechanicalObject "
+           "name=\"dofs\"/><UniformMass name=\"mass\" totalMass=\"1\"/><HexahedronFEMForceField name=\"fem\" "
+           "youngModulus=\"" +
+           young + "\" poissonRatio=\"0.3\" method=\"" + method + "\"/><BoxROI name=\"roi\" box=\"" + box +
+           "\"/><FixedProjectiveConstraint name=\"fixed\" indices=\"@roi.indices\"/></Node>";
+  }
+};
+
+void run(Simulation& simulation, int steps) {
+  for (int i = 0; i < steps; ++i) ASSERT_FALSE(simulation.step().diverged);
+}
+
+/// A run that changes `attribute` after five steps, and one of a scene that has the new value from the start, from the
+/// same positions and velocities.
+void expectSame(const Beam& before, const Beam& after, const std::string& path, const std::string& attribute,
+                const std::string& value) {
+  Simulation changed = simulationFromText(before.text());
+  run(changed, 5);
+  Simulation same = simulationFromText(before.text());
+  run(same, 5);
+  changed.setAttribute(path, attribute, value);
+  Simulation fresh = simulationFromText(after.text());
+  copy(changed.systems()[0]->x, fresh.systems()[0]->x), copy(changed.systems()[0]->v, fresh.systems()[0]->v);
+  run(changed, 5), run(fresh, 5), run(same, 5);
+  EXPECT_EQ(changed.stateHash(), fresh.stateHash()) << path << "." << attribute;
+  EXPECT_NE(changed.stateHash(), same.stateHash()) << path << "." << attribute << " changes nothing";
+}
+
+const std::pair<const char*, const char*> solving[] = {
+    {"<EulerImplicitSolver/>", "<SparseLDLSolver/>"},
+    {"<EulerImplicitSolver/>", "<CGLinearSolver iterations=\"30\" tolerance=\"1e-8\"/>"},
+    {"<EulerImplicitSolver/>",
+     "<CGLinearSolver iterations=\"30\" tolerance=\"1e-8\" template=\"CompressedRowSparseMatrix\"/>"},
+    {"<StaticSolver/>", "<SparseLDLSolver/>"},
+    {"<RungeKutta4Solver/>", ""}};
+
+TEST(LiveAttributes, YoungModulusRebuildsKernelsMatricesAndFactors) {
+  for (const auto& [integrator, solver] : solving)
+    for (const std::string method : {"small", "large"}) {
+      SCOPED_TRACE(std::string(integrator) + solver + method);
+      Beam beam;
+      beam.integrator = integrator, beam.solver = solver, beam.method = method;
+      if (beam.solver.empty()) beam.dt = "0.001";
+      Beam stiffer = beam;
+      stiffer.young = "9000";
+      expectSame(beam, stiffer, "/fem", "youngModulus", "9000");
+    }
+}
+
+TEST(LiveAttributes, GravityIsComputedAnew) {
+  for (const auto& [integrator, solver] : solving) {
+    SCOPED_TRACE(std::string(integrator) + solver);
+    Beam beam;
+    beam.integrator = integrator, beam.solver = solver;
+    if (beam.solver.empty()) beam.dt = "0.001";
+    Beam turned = beam;
+    turned.gravity = "3 0 0";
+    expectSame(beam, turned, "/", "gravity", "3 0 0");
+    turned.gravity = "0 0 0";
+    expectSame(beam, turned, "/", "gravity", "0 0 0");
+  }
+}
+
+TEST(LiveAttributes, TheTimeStepChangesAndTimeGoesOn) {
+  Beam beam, shorter;
+  shorter.dt = "0.004";
+  expectSame(beam, shorter, "/", "dt", "0.004");
+  Simulation simulation = simulationFromText(beam.text());
+  run(simulation, 5);
+  simulation.setAttribute("/", "dt", "0.004");
+  run(simulation, 3);
+  EXPECT_EQ(simulation.time(), 5 * 0.01 + 3 * 0.004);
+  EXPECT_EQ(simulation.steps(), 8);
+}
+
+TEST(LiveAttributes, ARegionIsSelectedAnewForAllThatTakeItsNodes) {
+  Beam beam, more;
+  more.box = "-1 -1 -0.001 1 1 0.08";
+  Simulation changed = simulationFromText(beam.text());
+  run(changed, 5);
+  changed.setAttribute("/roi", "box", more.box);
+  Simulation fresh = simulationFromText(more.text());
+  copy(changed.systems()[0]->x, fresh.systems()[0]->x), copy(changed.systems()[0]->v, fresh.systems()[0]->v);
+  const Index newly_held = 9 + 4;
+  const Vec3 place = changed.systems()[0]->x[newly_held];
+  run(changed, 5), run(fresh, 5);
+  EXPECT_EQ(changed.stateHash(), fresh.stateHash());
+  EXPECT_EQ(Vec3(changed.systems()[0]->x[newly_held]), place) << "what is newly held stops where it is";
+  // and free again
+  changed.setAttribute("/roi", "box", beam.box);
+  run(changed, 2);
+  EXPECT_NE(Vec3(changed.systems()[0]->x[newly_held]), place);
+}
+
+TEST(LiveAttributes, MemoryOfIntegratorsSurvivesAChange) {
+  Beam beam;
+  beam.integrator = "<BDFOdeSolver name=\"bdf\" order=\"2\"/>";
+  Simulation changed = simulationFromText(beam.text()), same = simulationFromText(beam.text());
+  run(changed, 5), run(same, 5);
+  changed.setAttribute("/fem", "youngModulus", "5000");  // as it was
+  run(changed, 5), run(same, 5);
+  EXPECT_EQ(changed.stateHash(), same.stateHash());
+}
+
+TEST(LiveAttributes, ACheckpointHoldsTheChangesToo) {
+  Beam beam;
+  Simulation changed = simulationFromText(beam.text());
+  run(changed, 3);
+  const Archive before = changed.checkpoint();
+  changed.setAttribute("/fem", "youngModulus", "9000");
+  changed.setAttribute("/", "dt", "0.004");
+  run(changed, 3);
+  const Archive after = changed.checkpoint();
+  run(changed, 3);
+  Simulation restored = simulationFromText(beam.text());
+  restored.restore(after);
+  run(restored, 3);
+  EXPECT_EQ(restored.stateHash(), changed.stateHash());
+  EXPECT_EQ(restored.time(), changed.time());
+  restored.restore(before);  // changes made since are taken back
+  EXPECT_EQ(restored.dt(), 0.01);
+  Simulation never = simulationFromText(beam.text());
+  run(never, 6), run(restored, 3);
+  EXPECT_EQ(restored.stateHash(), never.stateHash());
+}
+
+std::string refusal(Simulation& simulation, const std::string& path, const std::string& attribute,
+                    const std::string& text) {
+  try {
+    simulation.setAttribute(path, attribute, text);
+  } catch (const ComponentError& error) {
+    return std::string(error.what()) + "|" + error.expected + "|" + error.suggestion;
+  }
+  return "nothing was refused";
+}
+
+TEST(LiveAttributes, WhatCannotChangeIsRefusedWithASentence) {
+  Simulation simulation = simulationFromText(Beam().text()), same = simulationFromText(Beam().text());
+  run(simulation, 3), run(same, 3);
+  const std::tuple<const char*, const char*, const char*, const char*> cases[] = {
+      {"/fem", "method", "small", "load the scene again with the new value"},
+      {"/grid", "n", "3 3 6", "load the scene again"},
+      {"/dofs", "position", "0 0 0", "load the scene again"},
+      {"/roi", "indices", "1", "is computed by the component"},
+      {"/fem", "youngModulos", "9000", "youngModulus"},
+      {"/fme", "youngModulus", "9000", "/fem"},
+      {"/fem", "youngModulus", "soft", "youngModulus"},
+      {"/fem", "poissonRatio", "0.5", "range"},
+      {"/fem", "youngModulus", "1000 2000", "has 2 values"},
+      {"/fem", "youngModulus", "@roi.box", "link"},
+      {"/", "dt", "0", "range"},
+      {"/", "time", "0", "gravity or dt"},
+      {"/roi", "box", "5 5 5 6 6 6", "the selection is empty"}};
+  for (const auto& [path, attribute, text, sentence] : cases)
+    EXPECT_NE(refusal(simulation, path, attribute, text).find(sentence), std::string::npos)
+        << path << "." << attribute << "=" << text << ": " << refusal(simulation, path, attribute, text);
+  run(simulation, 5), run(same, 5);
+  EXPECT_EQ(simulation.stateHash(), same.stateHash()) << "a refused change left something behind";
+}
+
+TEST(LiveAttributes, WhatWasComputedBeforehandFollowsNoChange) {
+  Beam beam;
+  beam.integrator = "<CondensedStaticSolver name=\"condensed\"/>", beam.solver = "", beam.method = "small";
+  Simulation simulation = simulationFromText(beam.text());
+  run(simulation, 1);
+  for (const auto& [path, attribute, text] :
+       {std::tuple{"/fem", "youngModulus", "9000"}, std::tuple{"/", "gravity", "0 0 0"}})
+    EXPECT_NE(refusal(simulation, path, attribute, text).find("has computed its matrix and loads beforehand"),
+              std::string::npos);
+}
+
+}  // namespace
+}  // namespace stroma::test

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The table of kinds of cells against VTK's own cells: numbers, order of nodes, shape functions, edges and faces.
+#include <gtest/gtest.h>
+#include <vtkCell.h>
+#include <vtkGenericCell.h>
+#include <vtkPoints.h>
+#include <vtkSmartPointer.h>
+
+#include <set>
+
+#include "framework/mesh/cell_kind.h"
+
+namespace stroma::test {
+namespace {
+
+class VtkCellKinds : public testing::TestWithParam<const CellKind*> {
+ protected:
+  void SetUp() override {
+    cell_->SetCellType(kind_.vtk.number);
+    ASSERT_EQ(cell_->GetNumberOfPoints(), kind_.nodes);
+    for (int k = 0; k < kind_.nodes; ++k) cell_->GetPointIds()->SetId(k, kind_.vtk.order[k]);
+  }
+  /// The sorted numbers of our nodes in a part of VTK's cell.
+  static std::set<int> nodesOf(vtkCell& part) {
+    std::set<int> nodes;
+    for (vtkIdType k = 0; k < part.GetNumberOfPoints(); ++k) nodes.insert(int(part.GetPointId(int(k))));
+    return nodes;
+  }
+  /// VTK's reference cells go from 0 to 1.
+  LocalPoint toVtk(const LocalPoint& xi) const {
+    LocalPoint out = xi;
+    if (kind_.reference[0][0] < 0)
+      for (int i = 0; i < kind_.dimension; ++i) out[i] = (1 + xi[i]) / 2;
+    return out;
+  }
+
+  const CellKind& kind_ = *GetParam();
+  vtkSmartPointer<vtkGenericCell> cell_ = vtkSmartPointer<vtkGenericCell>::New();
+};
+
+TEST_P(VtkCellKinds, NodesAndShapesAreVtks) {
+  EXPECT_EQ(cell_->GetCellDimension(), kind_.dimension);
+  const double* places = cell_->GetParametricCoords();
+  for (int k = 0; k < kind_.nodes; ++k) {
+    const LocalPoint ours = toVtk(kind_.reference[kind_.vtk.order[k]]);
+    for (int i = 0; i < kind_.dimension; ++i) EXPECT_EQ(places[3 * k + i], ours[i]) << k << " " << i;
+  }
+  for (const QuadratureRule& rule : kind_.rules)
+    for (const QuadraturePoint& point : rule.points) {
+      std::array<double, most_cell_nodes> ours{}, vtks{};
+      kind_.shapes(point.xi, ours.data());
+      const LocalPoint at = toVtk(point.xi);
+      cell_->InterpolateFunctions(at.data(), vtks.data());
+      for (int k = 0; k < kind_.nodes; ++k) EXPECT_NEAR(vtks[k], ours[kind_.vtk.order[k]], 1e-15);
+    }
+}
+
+TEST_P(VtkCellKinds, EdgesAndFacesAreVtks) {
+  std::set<std::set<int>> ours, vtks;
+  for (const auto& [a, b] : kind_.edges) ours.insert({a, b});
+  if (kind_.dimension < 2) return;  // VTK's edges are those of faces and volumes
+  for (int e = 0; e < cell_->GetNumberOfEdges(); ++e) vtks.insert(nodesOf(*cell_->GetEdge(e)));
+  EXPECT_EQ(ours, vtks);
+  ASSERT_EQ(std::size_t(cell_->GetNumberOfFaces()), kind_.faces.size());
+  for (const LocalFace& face : kind_.faces) {
+    const CellKind& of_face = kindOf(face.type);
+    const std::set<int> nodes(face.nodes.begin(), face.nodes.end());
+    bool found = false;
+    for (int f = 0; f < cell_->GetNumberOfFaces(); ++f)
+      found = found || (nodesOf(*cell_->GetFace(f)) == nodes && cell_->GetFace(f)->GetCellType() == of_face.vtk.number);
+    EXPECT_TRUE(found);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, VtkCellKinds, testing::ValuesIn(cell_kinds::all),
+                         [](const auto& info) { return std::string(info.param->singular); });
+
+}  // namespace
+}  // namespace stroma::test
