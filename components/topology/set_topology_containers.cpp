@@ -81,12 +81,15 @@ std::size_t SetTopologyContainer::mainCells() const {
 }  // namespace stroma
 
 STROMA_COMPONENT(set_topology_containers) {
-  using stroma::CellKind, stroma::SetTopologyContainer;
-  stroma::forEachCellList(
-      [&factory](const CellKind& kind, int) {
-        factory.add<SetTopologyContainer>(fmt::format("{}SetTopologyContainer", kind.word),
-                                          fmt::format("a mesh of {}", kind.plural),
-                                          [&kind](SetTopologyContainer& made) { made.kind = &kind; });
-      },
-      stroma::PerCellList<int>{});
+  namespace kinds = stroma::cell_kinds;
+  const auto add = [&factory](const char* type, const stroma::CellKind& kind) {
+    factory.add<stroma::SetTopologyContainer>(
+        type, fmt::format("a mesh of {}", kind.plural),
+        [&kind](stroma::SetTopologyContainer& made) { made.kind = &kind; });
+  };
+  add("EdgeSetTopologyContainer", kinds::edge);
+  add("TriangleSetTopologyContainer", kinds::triangle);
+  add("QuadSetTopologyContainer", kinds::quad);
+  add("TetrahedronSetTopologyContainer", kinds::tetrahedron);
+  add("HexahedronSetTopologyContainer", kinds::hexahedron);
 }

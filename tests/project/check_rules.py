@@ -82,6 +82,7 @@ def badly_named_tests(path, text):
 
 def files(tree):
     for folder, folders, names in os.walk(tree):
+        names = [name for name in names if name != ".git"]  # of a linked work tree
         folders[:] = sorted(name for name in folders if name not in SKIPPED_FOLDERS and not name.startswith("build"))
         for name in sorted(names):
             yield os.path.relpath(os.path.join(folder, name), tree).replace(os.sep, "/")
