@@ -36,7 +36,7 @@ class TetrahedronShapes {
     return fmt::format("tetrahedron {} (nodes {} {} {} {})", e, t[0], t[1], t[2], t[3]);
   }
 
-  Mat3 restEdges(const Tetrahedron& t) const {
+  [[gnu::noinline]] Mat3 restEdges(const Tetrahedron& t) const {
     return edgesOf(t, [&](Index n) -> Vec3 { return (*rest_)[n]; });
   }
   Mat3 deformationGradient(std::size_t e, ConstRows x) const {
@@ -44,15 +44,17 @@ class TetrahedronShapes {
     return edgesOf(t, [&](Index n) -> Vec3 { return x[n]; }) * restEdges(t).inverse();
   }
   /// The frame in which the rest shape is stored: first edge on x, second in the xy plane. Columns are its axes.
-  Mat3 restFrame(std::size_t e) const {
+  [[gnu::always_inline]] Mat3 restFrame(std::size_t e) const {
     const Mat3 edges = restEdges(mesh_->tetrahedra[e]);
     return toEigen(rotation::gramSchmidt(fromEigen(edges / edges.norm())));
   }
   /// The volume [m^3]; cells that cover the body twice share it.
   double weight(const Mat3& edges) const { return std::abs(edges.determinant()) / (6 * mesh_->overlap); }
   /// Cell e with its vertices in the order of `nodes`, in the frame that the order of the cell gives: method large
-  /// depends on it.
-  void set(std::size_t e, const Tetrahedron& nodes, bool padding, const LameOf& lame, auto& rest, auto& tangent) const {
+  /// depends on it. Inlined into the loop that fills a storage, as restFrame() is: rounding depends on what the compiler
+  /// sees together.
+  [[gnu::always_inline]] void set(std::size_t e, const Tetrahedron& nodes, bool padding, const LameOf& lame, auto& rest,
+                                  auto& tangent) const {
     const Mat3 axes = restFrame(e), edges = restEdges(nodes), inverse = edges.inverse();
     const M3<double> own = fromEigen((inverse * axes).transpose()), world = fromEigen(inverse.transpose());
     const double volume = padding ? 0 : weight(edges);  // a padding lane has no stiffness
