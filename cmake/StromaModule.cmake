@@ -20,7 +20,7 @@ if(NOT TARGET stroma::stroma_flags)
     -fopenmp-simd -fno-math-errno -fno-trapping-math -fvisibility-inlines-hidden
   -fpch-preprocess  # for ccache
   # false alarms of GCC 12 in ordinary string and variant code
-  -Wno-restrict -Wno-maybe-uninitialized)
+  -Wno-restrict -Wno-maybe-uninitialized -Wno-array-bounds -Wno-stringop-overflow)
 endif()
 if(STROMA_WERROR)
   target_compile_options(stroma_flags INTERFACE -Werror)

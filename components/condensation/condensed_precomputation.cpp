@@ -61,9 +61,6 @@ void CondensedIntegrator::compile(System& system) {
   prepare(system);
   if (!from_cache_) store(problem);
   precomputation_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  if (!from_cache_ && cache_folder_.empty() && precomputation_ > 5)
-    inform(fmt::format("the precomputation took {:.0f} s; cacheFolder=\"auto\" keeps it for the next run",
-                       precomputation_));
 }
 
 std::string CondensedIntegrator::sourcesOfNumbers() { return STROMA_SOURCES_OF_CONDENSATION; }
@@ -122,6 +119,7 @@ void CondensedIntegrator::computeAnew(Problem& problem) {
   LongWork telling(used_form_ == Form::factor ? fmt::format("{}: the factor of {} nodes", path(), eliminated)
                                               : fmt::format("{}: {} kept nodes over {}", path(), nodes, eliminated),
                    factor_->flops() + kept * kept * kept);
+  if (cache_folder_.empty()) telling.advise("cacheFolder=\"auto\" keeps the result for the next run");
   telling.say(0);
   const double before = factor_->flops() / (factor_->flops() + kept * kept * kept);
   const Index bad = factor_->factor([&](double share) { telling.say(before * share); });

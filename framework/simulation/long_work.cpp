@@ -23,6 +23,10 @@ LongWork::LongWork(std::string what, double operations)
       terminal_(isatty(STDERR_FILENO)),
       silent_(operations < few_operations || !wanted_at_all) {}
 
+void LongWork::advise(const std::string& sentence) const {
+  if (!silent_) fmt::print(stderr, "{}: {}\n", what_, sentence);
+}
+
 void LongWork::say(double share) {
   share = std::min(share, 1.0);
   const int step = int(share * (terminal_ ? 100 : 4));

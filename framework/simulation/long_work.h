@@ -15,6 +15,8 @@ class LongWork {
   LongWork(std::string what, double operations);
   /// The share that is done; one that is below an earlier one says nothing.
   void say(double share);
+  /// A sentence for who waits: said where the work itself is told of.
+  void advise(const std::string& sentence) const;
 
  private:
   std::string what_;

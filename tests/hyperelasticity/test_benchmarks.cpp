@@ -3,6 +3,7 @@
 // deforming bar of Land et al. 2015.
 #include <fmt/format.h>
 
+#include "components/hyperelasticity/hyperelastic_force_field.h"
 #include "components/hyperelasticity/hyperelastic_kernels.h"
 #include "tests/hyperelasticity/law_cases.h"
 
