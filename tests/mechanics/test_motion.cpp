@@ -76,7 +76,7 @@ class RowLoad final : public ForceField {
   }
   ForceTraits traits() const override {
     ForceTraits traits;
-    traits.linear = traits.constant_stiffness = traits.symmetric = traits.exact_tangent = traits.conservative = true;
+    traits.linear = traits.constant_stiffness = traits.symmetric = traits.exact_tangent = true;
     traits.has_stiffness = spring_ != 0;
     return traits;
   }
