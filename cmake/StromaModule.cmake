@@ -131,6 +131,7 @@ extern \"C\" __attribute__((visibility(\"default\"))) const stroma::ModuleInfo* 
     set(target stroma_${name}_${level})
     # A linker keeps the first of equal inline functions: those of the level come first.
     add_library(${target} MODULE ${sources} ${shared})
+    target_link_options(${target} PRIVATE -Wl,-Bsymbolic-functions)
     target_link_libraries(${target} PRIVATE stroma ${arg_LIBRARIES})
     if(STROMA_SANITIZE)
       # With both sanitizers a file of element kernels did not compile in five minutes at -O1; at -O0 it takes less than one.

@@ -2,6 +2,7 @@
 // Boxes (of any size and orientation) under a constant B: models of their own for ModelKernels, four times as fast as
 // those for any shape.
 #pragma once
+#include "components/elasticity/hexahedron_box_product.h"
 #include "components/elasticity/hexahedron_matrix.h"
 #include "components/elasticity/hexahedron_rest.h"
 

@@ -33,6 +33,7 @@
 
 #include <limits>
 
+#include "components/vtk_io/field_word.h"
 #include "components/vtk_io/vtk_series.h"
 #include "framework/mechanics/force_field.h"
 #include "framework/mechanics/state_topology.h"
@@ -47,21 +48,6 @@ namespace {
 
 enum class PointField { position, rest_position, displacement, velocity, force };
 const std::vector<std::string> point_field_words{"position", "restPosition", "displacement", "velocity", "force"};
-
-/// A field as written: "label=owner.field", of which the first two may be missing.
-struct FieldWord {
-  std::string label, owner, field;
-
-  explicit FieldWord(const std::string& word) {
-    const std::size_t equals = word.find('=');
-    field = equals == std::string::npos ? word : word.substr(equals + 1);
-    if (equals != std::string::npos) label = word.substr(0, equals);
-    const std::size_t dot = field.rfind('.');
-    if (dot == std::string::npos || dot <= field.rfind('/') + 1) return;
-    owner = field.substr(0, dot);
-    field = field.substr(dot + 1);
-  }
-};
 
 /// SOFA's short words: edges, triangles, quads, tetras, hexas.
 std::string attributeOf(const CellKind& kind) { return std::string(kind.dimension == 3 ? kind.alias : kind.plural); }

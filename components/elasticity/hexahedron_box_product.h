@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The stiffness of a hexahedron that is a box at rest, by its modes.
+#pragma once
+#include "framework/fem/hexahedron.h"
+
+namespace stroma::hexahedron {
+
+// ---- boxes: a = diag(i, j, k) is the same at all Gauss points, and modes separate ----
+// H is a sum of 1, xi, eta, zeta, xi eta, eta zeta, zeta xi with a coefficient each, whose squares integrate to 1, 1/3
+// and 1/9: K falls apart in one full strain, three strains of two columns and a diagonal.
+
+/// The axes renamed x <- y <- z <- x, and back: one routine for two columns serves all three pairs.
+template <class T>
+V3<T> cycled(const V3<T>& v) {
+  return {v.y, v.z, v.x};
+}
+template <class T>
+V3<T> cycledBack(const V3<T>& v) {
+  return {v.z, v.x, v.y};
+}
+
+/// H = [a i, b j, 0]: adds -sigma_x i to fa and -sigma_y j to fb.
+template <class T>
+void addTwoColumns(const V3<T>& a, const V3<T>& b, T i, T j, T lambda, T mu, V3<T>& fa, V3<T>& fb) {
+  const T minus_mu = -mu, xx = a.x * i, yy = b.y * j, two_mu = minus_mu + minus_mu;
+  const T pressure = lambda * (xx + yy), shear = minus_mu * fma(a.y, i, b.x * j);
+  const T xz = minus_mu * (a.z * i), yz = minus_mu * (b.z * j);
+  const V3<T> sx{fma(two_mu, xx, -pressure), shear, xz}, sy{shear, fma(two_mu, yy, -pressure), yz};
+  fa = fma(i, sx, fa), fb = fma(j, sy, fb);
+}
+
+/// What a box needs: inverse = (i, j, k) = 2 / edge lengths [1/m]; Lame's constants times w/8. `varying` is lambda for
+/// the part of the volume change that varies over the box and has no mean: lambda, or -2/3 mu with the mean dilatation.
+template <class T>
+struct BoxStiffness {
+  T inverse[3], lambda, varying, mu;
+};
+
+/// -factor K of a box's modes in its own axes.
+template <class T>
+Modes<T> boxProduct(const BoxStiffness<T>& box, T factor, const Modes<T>& m) {
+  const T i = box.inverse[0], j = box.inverse[1], k = box.inverse[2];
+  const T lambda = factor * box.lambda, varying = factor * box.varying, mu = factor * box.mu;
+  Modes<T> f;
+  {
+    const S3<T> strain{m.xi.x * i,
+                       m.eta.y * j,
+                       m.zeta.z * k,
+                       fma(m.xi.y, i, m.eta.x * j),
+                       fma(m.eta.z, j, m.zeta.y * k),
+                       fma(m.zeta.x, k, m.xi.z * i)};
+    const S3<T> s = restoringStress(strain, lambda, mu);
+    f.xi = V3<T>{s.xx, s.xy, s.zx} * i, f.eta = V3<T>{s.xy, s.yy, s.yz} * j, f.zeta = V3<T>{s.zx, s.yz, s.zz} * k;
+  }
+  const T third(1. / 3), ninth(1. / 9), lambda3 = varying * third, mu3 = mu * third;
+  // zeta: columns x, y; xi: columns y, z; eta: columns z, x
+  addTwoColumns(m.zeta_xi, m.eta_zeta, i, j, lambda3, mu3, f.zeta_xi, f.eta_zeta);
+  V3<T> fa, fb;
+  addTwoColumns(cycled(m.xi_eta), cycled(m.zeta_xi), j, k, lambda3, mu3, fa, fb);
+  f.xi_eta = f.xi_eta + cycledBack(fa), f.zeta_xi = f.zeta_xi + cycledBack(fb);
+  V3<T> fc, fd;
+  addTwoColumns(cycledBack(m.eta_zeta), cycledBack(m.xi_eta), k, i, lambda3, mu3, fc, fd);
+  f.eta_zeta = f.eta_zeta + cycled(fc), f.xi_eta = f.xi_eta + cycled(fd);
+
+  const T ii = i * i, jj = j * j, kk = k * k, minus = -ninth;
+  const T shear = mu * (ii + jj + kk), direct = varying + mu;
+  f.all = {minus * fma(direct, ii, shear) * m.all.x, minus * fma(direct, jj, shear) * m.all.y,
+           minus * fma(direct, kk, shear) * m.all.z};
+  return f;
+}
+
+}  // namespace stroma::hexahedron
