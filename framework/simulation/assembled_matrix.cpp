@@ -6,7 +6,7 @@
 namespace stroma {
 
 const BlockMatrix& AssembledMatrix::pattern() {
-  if (!hasPattern() || revision_ != actors_.patternRevision()) makePattern();
+  if (!hasPattern() || revision_ != patternRevision()) makePattern();
   return matrix_;
 }
 
@@ -31,7 +31,7 @@ void AssembledMatrix::makePattern() {
   for (Mass* mass : actors_.masses) mass->prepareAssembly(target);
   for (ForceField* field : actors_.force_fields) field->prepareAssembly(target);
   constant_part_.clear();
-  revision_ = actors_.patternRevision();
+  revision_ = patternRevision();
 }
 
 const BlockMatrix& AssembledMatrix::assemble(const MatrixFactors& factors) {

@@ -25,10 +25,14 @@ class AssembledMatrix {
   /// The matrix with its pattern; values are those of the last assemble().
   const BlockMatrix& pattern();
   bool hasPattern() const { return matrix_.rows() > 0; }
+  /// Grows when the pattern may have changed: force fields say so, or the terms are others.
+  long patternRevision() const { return actors_.patternRevision() + terms_revision_; }
+  /// What the terms are made of is another: the pattern too may be.
+  void termsChanged() { ++terms_revision_; }
   /// Forgets the pattern and its memory, but for the number of its blocks.
   void dropPattern() { matrix_ = BlockMatrix(); }
   /// Blocks of the pattern; -1: not known for the present one.
-  Index blocks() const { return revision_ == actors_.patternRevision() ? block_count_ : -1; }
+  Index blocks() const { return revision_ == patternRevision() ? block_count_ : -1; }
   const BlockMatrix& matrix() const { return matrix_; }
 
   /// Values of the matrix with these factors at the state of the last force.
@@ -47,8 +51,9 @@ class AssembledMatrix {
   BlockMatrix matrix_;
   MappedMatrix mapped_;  ///< only with mappings
   Index block_count_ = -1;
-  long revision_ =
-      -1;  ///< Actors::patternRevision() of the pattern or, where that was dropped, of its number of blocks
+  /// patternRevision() of the pattern or, where that was dropped, of its number of blocks.
+  long revision_ = -1;
+  long terms_revision_ = 0;
   /// Values of the terms that do not change, shape (blocks, 9), with the factors they were added with; empty: none kept.
   std::vector<double> constant_part_;
   MatrixFactors constant_factors_;

@@ -32,7 +32,7 @@ void MechanicalMatrix::setFactors(const MatrixFactors& factors) {
 }
 
 void MechanicalMatrix::termsChanged() {
-  assembled_.dropPattern();
+  assembled_.termsChanged();
   ++factors_revision_;
 }
 

@@ -28,7 +28,7 @@ class MechanicalMatrix final : public SystemMatrix {
   const BlockMatrix& assemble() override;
   const BlockMatrix& pattern() override { return assembled_.pattern(); }
   void diagonalBlocks(std::vector<double>& blocks) const override;
-  MatrixKey key() const override { return {identity().get(), actors_.patternRevision(), valuesRevision()}; }
+  MatrixKey key() const override { return {identity().get(), assembled_.patternRevision(), valuesRevision()}; }
   bool symmetric() const override;
   bool prefersAssembled(int expected_products) const override;
   ConstRows positions() const override;

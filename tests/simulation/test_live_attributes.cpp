@@ -107,6 +107,28 @@ TEST(LiveAttributes, ARegionIsSelectedAnewForAllThatTakeItsNodes) {
   EXPECT_NE(Vec3(changed.systems()[0]->x[newly_held]), place);
 }
 
+TEST(LiveAttributes, ARegionThatMovesTheEndsOfSpringsChangesThePatternOfTheMatrix) {
+  for (const std::string solver :
+       {"<SparseLDLSolver/>", "<EigenSimplicialLDLT/>",
+        "<CGLinearSolver iterations=\"30\" tolerance=\"1e-8\" template=\"CompressedRowSparseMatrix\"/>"}) {
+    SCOPED_TRACE(solver);
+    const auto scene = [&solver](const std::string& box) {
+      std::string text = Beam{.solver = solver}.text();
+      return text.insert(text.rfind("</Node>"), "<BoxROI name=\"near\" box=\"" + box +
+                                                    "\"/><BoxROI name=\"far\" box=\"-1 -1 0.29 1 1 0.31\"/>"
+                                                    "<SpringForceField springsIndices1=\"@near.indices\" "
+                                                    "springsIndices2=\"@far.indices\" lengths=\"0.1\"/>");
+    };
+    const std::string before = "-1 -1 0.14 1 1 0.16", after = "-1 -1 0.07 1 1 0.08";
+    Simulation changed = simulationFromText(scene(before)), fresh = simulationFromText(scene(after));
+    run(changed, 5);
+    changed.setAttribute("/near", "box", after);
+    copy(changed.systems()[0]->x, fresh.systems()[0]->x), copy(changed.systems()[0]->v, fresh.systems()[0]->v);
+    run(changed, 5), run(fresh, 5);
+    EXPECT_EQ(changed.stateHash(), fresh.stateHash());
+  }
+}
+
 TEST(LiveAttributes, MemoryOfIntegratorsSurvivesAChange) {
   Beam beam;
   beam.integrator = "<BDFOdeSolver name=\"bdf\" order=\"2\"/>";
