@@ -64,7 +64,9 @@ class LinearMovement : public HeldNodes {
   void reset() override { start_.clear(); }
   void serialize(Archive& archive) override {
     archive.list("start", start_);
-    if (start_.size() != nodes().size()) start_.clear();  // other nodes by now: the movement begins for them
+    std::vector<Index> whose = nodes();
+    archive.list("nodes", whose);
+    if (whose != nodes()) start_.clear();  // other nodes by now: the movement begins for them
   }
 
   // A movement that is found under way, as when a run is resumed, has moved the nodes already.

@@ -61,7 +61,9 @@ class LinearVelocityProjectiveConstraint final : public HeldNodes {
   void serialize(Archive& archive) override {
     archive.value("start_time", start_time_);
     archive.list("start", start_);
-    if (start_.size() != nodes().size()) start_.clear();  // other nodes by now: the movement begins for them
+    std::vector<Index> whose = nodes();
+    archive.list("nodes", whose);
+    if (whose != nodes()) start_.clear();  // other nodes by now: the movement begins for them
   }
 
   void beginMotion(double t, ConstRows x) override {

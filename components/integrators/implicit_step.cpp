@@ -48,6 +48,7 @@ void ImplicitStep::compile(Integrator& integrator, System& system) {
   system.constraints().requireMass();
   has_rayleigh_mass_ = rayleigh_mass != 0;
   for (const Mass* mass : system.masses()) has_rayleigh_mass_ = has_rayleigh_mass_ || mass->rayleigh_mass != 0;
+  has_own_stiffness_damping_ = depends_on_time_ = false;
   bool from_energy = system.isConservative();
   for (const ForceField* field : system.forceFields()) {
     has_own_stiffness_damping_ = has_own_stiffness_damping_ || field->rayleigh_stiffness != 0;

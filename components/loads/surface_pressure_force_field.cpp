@@ -87,7 +87,7 @@ class SurfacePressureForceField final : public SurfaceLoad {
 
 void SurfacePressureForceField::declare(DataTable& table) {
   SurfaceLoad::declare(table);
-  table.add("pressure", pressure_).atOnce().help("pressure along the normals").unit("Pa");
+  table.add("pressure", pressure_).recompiled().help("pressure along the normals").unit("Pa");
   table.add("triangleIndices", triangle_indices_).help("loaded triangles of the mesh");
   table.add("quadIndices", quad_indices_).help("loaded quads of the mesh");
   table.add("min", low_).help("a corner of the box that faces must lie in, when none are listed").unit("m");

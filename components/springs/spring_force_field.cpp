@@ -42,8 +42,8 @@ class SpringForceField final : public SpringField {
     table.addLink("object1", object1_).help("state of the first ends; the one of this node when not given");
     table.addLink("object2", object2_).help("state of the second ends; the one of the first ends when not given");
     table.add("spring", all_in_one_).help("five numbers per spring: node, node, stiffness, damping, rest length");
-    table.add("springsIndices1", indices1_).alias("indices1").help("first node of each spring");
-    table.add("springsIndices2", indices2_).alias("indices2").help("second node of each spring");
+    table.add("springsIndices1", indices1_).recompiled().alias("indices1").help("first node of each spring");
+    table.add("springsIndices2", indices2_).recompiled().alias("indices2").help("second node of each spring");
     table.add("lengths", lengths_).recompiled().alias("length").help("length at rest").unit("m").min(0);
     table.add("stiffness", stiffness_).recompiled().help("spring constant").unit("N/m").min(0);
     table.add("damping", damping_)

@@ -89,6 +89,14 @@ void Component::reportFailure(const std::string& message, const std::string& exp
   diagnostics_->error(where_, path(), message, expected, suggestion);
 }
 
+void Component::standBeside(const Component& other, std::string name) {
+  type_ = name;
+  name_ = std::move(name);
+  node_ = other.node_;
+  where_ = other.where_;
+  stage_ = Stage::ready;
+}
+
 void Component::warn(std::string message, std::string suggestion) const {
   if (diagnostics_) return diagnostics_->warning(where_, path(), std::move(message), std::move(suggestion));
   const Problem problem{Severity::warning, where_, path(), std::move(message), {}, std::move(suggestion)};

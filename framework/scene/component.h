@@ -66,6 +66,11 @@ class Component {
   void warn(std::string message, std::string suggestion = {}) const;
   void inform(std::string message) const;
 
+ protected:
+  /// For what a program adds to a running scene: it is called `name` and stands in the node of `other`, which does not
+  /// own it.
+  void standBeside(const Component& other, std::string name);
+
  private:
   friend class Factory;
   friend class Node;

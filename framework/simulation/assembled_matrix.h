@@ -29,6 +29,8 @@ class AssembledMatrix {
   long patternRevision() const { return actors_.patternRevision() + terms_revision_; }
   /// What the terms are made of is another: the pattern too may be.
   void termsChanged() { ++terms_revision_; }
+  /// The terms that do not change have other values.
+  void forgetConstantPart() { constant_part_.clear(); }
   /// Forgets the pattern and its memory, but for the number of its blocks.
   void dropPattern() { matrix_ = BlockMatrix(); }
   /// Blocks of the pattern; -1: not known for the present one.

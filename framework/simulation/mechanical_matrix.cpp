@@ -31,6 +31,11 @@ void MechanicalMatrix::setFactors(const MatrixFactors& factors) {
   factors_ = factors;
 }
 
+void MechanicalMatrix::valuesChanged() {
+  assembled_.forgetConstantPart();
+  ++factors_revision_;
+}
+
 void MechanicalMatrix::termsChanged() {
   assembled_.termsChanged();
   ++factors_revision_;

@@ -19,6 +19,8 @@ class MechanicalMatrix final : public SystemMatrix {
  public:
   explicit MechanicalMatrix(const System& system);
   void setFactors(const MatrixFactors& factors);
+  /// Terms that count as constant have other values, in the same pattern.
+  void valuesChanged();
   /// Something has changed in what the terms are made of: nothing that was kept holds.
   void termsChanged();
   void serialize(Archive& archive);  ///< see Component::serialize()

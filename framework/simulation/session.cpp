@@ -30,7 +30,7 @@ const std::string& reasonOf(const StepReport& step) {
 }  // namespace
 
 Simulation& Session::load(const std::string& scene_file, const std::vector<Override>& more_overrides) {
-  simulation_.reset();
+  unload();
   std::vector<Override> overrides = overrides_;
   overrides.insert(overrides.end(), more_overrides.begin(), more_overrides.end());
   return take(scene_file, loadScene(scene_file, overrides, factory_, modules_));
@@ -38,7 +38,7 @@ Simulation& Session::load(const std::string& scene_file, const std::vector<Overr
 
 Simulation& Session::loadText(const std::string& xml, const std::string& name,
                               const std::vector<Override>& more_overrides) {
-  simulation_.reset();
+  unload();
   std::vector<Override> overrides = overrides_;
   overrides.insert(overrides.end(), more_overrides.begin(), more_overrides.end());
   return take(name, loadSceneText(xml, name, overrides, factory_, modules_));

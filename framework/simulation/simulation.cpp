@@ -186,6 +186,7 @@ void Simulation::begin() {
 
 StepReport Simulation::step() {
   begin();
+  if (next_replayed_ < replay_.size()) replayDue();
   const StepContext context = nextStep();
   StepReport report;
   for (std::size_t i = 0; i < systems_.size() && !report.diverged; ++i) advance(i, context, report);
@@ -275,6 +276,7 @@ void Simulation::reset() {
 
 /// The initial state, and nothing else.
 void Simulation::forget() {
+  dropInputs();
   for (std::size_t i = 0; i < systems_.size(); ++i) {
     System& system = *systems_[i];
     copy(initial_[i].first, system.x);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
+#include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -65,6 +67,24 @@ class Simulation {
   /// ComponentError with a sentence, and nothing has changed. Returns warnings and notes. reset() keeps the new value.
   Diagnostics setAttribute(const std::string& path, const std::string& attribute, const std::string& text);
 
+  // ---- forces from outside, between steps ----
+  /// Acts from the next step on, until it is removed; returns its number. Throws ComponentError with a sentence: an
+  /// unknown state or node, a state that follows another by a mapping, or one whose integrator has computed its matrix
+  /// beforehand.
+  long addInput(const Input& input);
+  /// Another force or target in the place of the one with this number: a handle that moves.
+  void changeInput(long number, const Input& input);
+  void removeInput(long number);
+  /// An input that began, changed or (without `input`) ended when `step` steps had been made.
+  struct InputEvent {
+    long step = 0, number = 0;
+    std::optional<Input> input;
+  };
+  /// Those of the run since its start, in order: given to replayInputs() of the same scene they repeat it bit for bit.
+  const std::vector<InputEvent>& inputEvents() const { return input_events_; }
+  /// From now on these happen, each before the step that it came before. Ascending in `step`.
+  void replayInputs(std::vector<InputEvent> events);
+
   /// A 64-bit hash over the bits of all x and v: the same for any number of threads.
   std::uint64_t stateHash() const;
   /// Why the present shapes may be no result: a sentence for each force field with elements that are flat or inverted
@@ -85,6 +105,11 @@ class Simulation {
   /// Why a force that is a step late and an integrator do not go together, or empty.
   static std::string laggedForce(const ForceField& field, const Integrator& integrator);
   void serialize(Archive& archive);
+  void serializeInputs(Archive& archive);
+  void setInput(long number, const Input& input);
+  void dropInputs();
+  void replayDue();
+  System& systemOf(const Input& input, State*& state) const;
   void serializeEdits(Archive& archive);
   void forget();
   void watchFollowers();
@@ -117,6 +142,10 @@ class Simulation {
   /// The time of step n is base_time_ + (n - base_step_) dt: the start, or where dt changed last.
   double base_time_ = 0;
   long base_step_ = 0;
+  std::map<long, Input> inputs_;  ///< that act now, by number
+  long next_input_ = 1;
+  std::vector<InputEvent> input_events_, replay_;
+  std::size_t next_replayed_ = 0;
   struct Edit {
     std::string path, attribute, original, text;
   };

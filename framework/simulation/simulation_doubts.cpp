@@ -7,8 +7,8 @@
 #include <set>
 
 #include "framework/mechanics/state_positions.h"
-#include "framework/mesh/folds.h"
 #include "framework/mechanics/state_topology.h"
+#include "framework/mesh/folds.h"
 #include "framework/simulation/simulation.h"
 
 namespace stroma {

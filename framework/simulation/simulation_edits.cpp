@@ -17,7 +17,8 @@ void refuseWhatWasPrecomputed(const LiveEdit& edit, const std::vector<std::uniqu
         if (node == &system->node()) return true;
       return false;
     };
-    if (!edit.component() || std::any_of(edit.recompiled().begin(), edit.recompiled().end(), isInside))
+    if (!edit.component() || isInside(edit.component()) ||
+        std::any_of(edit.recompiled().begin(), edit.recompiled().end(), isInside))
       throw ComponentError(edit.name() + " cannot change while the scene runs: " + system->integrator().path() +
                                " has computed its matrix and loads beforehand",
                            "an integrator that makes its matrix in steps",

@@ -39,8 +39,12 @@ void System::bindStates() {
     for (std::size_t i = 0; i < size; ++i) {
       x[first + Index(i)] = state->position[i];
       v[first + Index(i)] = state->velocity[i];
-      if (state->kindOf(Index(i)) == RowKind::turn)
-        state->x().data[i * row_doubles + 3] = std::sqrt(std::max(0.0, 1 - state->position[i].squaredNorm()));
+      if (state->kindOf(Index(i)) != RowKind::turn) continue;
+      if (!(state->position[i].norm() <= 1 + 1e-9))
+        throw ComponentError(fmt::format("row {} of {} is no orientation: x y z of its quaternion are {} long", i,
+                                         state->path(), state->position[i].norm()),
+                             "a quaternion of length one");
+      state->x().data[i * row_doubles + 3] = std::sqrt(std::max(0.0, 1 - state->position[i].squaredNorm()));
     }
     first += state->size();
   }

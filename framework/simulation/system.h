@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
+#include <memory>
 #include <vector>
 
 #include "framework/simulation/constraint_set.h"
+#include "framework/simulation/input_forces.h"
 #include "framework/simulation/mapping_chain.h"
 #include "framework/simulation/mechanical_matrix.h"
 #include "framework/simulation/phase_times.h"
@@ -83,6 +85,12 @@ class System final {
   /// times of the last step.
   void serialize(Archive& archive, const StepContext& last);
 
+  // ---- forces from outside ----
+  /// Adds an input on nodes of `state`, one of the independent states, or puts it in the place of the one with the same
+  /// number. Nothing is compiled again, but for an integrator when the first damping comes or the last goes.
+  void setInput(long number, const Input& input, const State& state);
+  void removeInput(long number);
+
   // ---- parts ----
   ConstraintSet& constraints() { return constraints_; }
   const ConstraintSet& constraints() const { return constraints_; }
@@ -100,6 +108,7 @@ class System final {
 
  private:
   void bindStates();
+  void inputsChanged(bool were_empty, bool were_damped);
   void checkLinearSolver() const;
   void computeGravity();
   void startForce(Rows out) const;  ///< out = gravity
@@ -114,7 +123,8 @@ class System final {
   ConstraintSet constraints_;
   PositionCorrections corrections_;
   MechanicalMatrix matrix_;
-  Vector gravity_force_;  ///< constant, computed once
+  std::unique_ptr<InputForces> inputs_;  ///< null until the first; among the actors while there are some
+  Vector gravity_force_;                 ///< constant, computed once
   bool has_gravity_ = false;
   long derivatives_revision_ = 0;
 };

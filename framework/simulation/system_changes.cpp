@@ -27,6 +27,32 @@ void System::componentsChanged(const std::vector<Component*>& changed, double t)
   integrator_.compile(*this);
 }
 
+void System::setInput(long number, const Input& input, const State& state) {
+  if (!inputs_) inputs_ = std::make_unique<InputForces>(*states().front());
+  const bool were_empty = inputs_->empty(), were_damped = inputs_->isDamped();
+  if (inputs_->set(number, input, state.firstRow())) inputsChanged(were_empty, were_damped);
+}
+
+void System::removeInput(long number) {
+  if (!inputs_) return;
+  const bool were_damped = inputs_->isDamped();
+  if (inputs_->remove(number)) inputsChanged(false, were_damped);
+}
+
+void System::inputsChanged(bool were_empty, bool were_damped) {
+  if (were_empty) actors_.force_fields.push_back(inputs_.get());
+  if (inputs_->empty()) std::erase(actors_.force_fields, inputs_.get());
+  sortByTraits(actors_);
+  matrix_.valuesChanged();
+  if (were_damped == inputs_->isDamped()) return;
+  // how an integrator searches along a line depends on whether all forces have a potential
+  Archive kept;
+  integrator_.serialize(kept);
+  integrator_.compile(*this);
+  kept = kept.readable();
+  integrator_.serialize(kept);
+}
+
 void System::serialize(Archive& archive, const StepContext& last) {
   matrix_.serialize(archive);
   if (archive.isReading()) {

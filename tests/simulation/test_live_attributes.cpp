@@ -129,6 +129,34 @@ TEST(LiveAttributes, ARegionThatMovesTheEndsOfSpringsChangesThePatternOfTheMatri
   }
 }
 
+TEST(LiveAttributes, APressureChanges) {
+  const auto scene = [](const std::string& pressure) {
+    std::string text = Beam().text();
+    return text.insert(text.rfind("</Node>"), "<SurfacePressureForceField name=\"load\" pressure=\"" + pressure +
+                                                  "\" min=\"-1 -1 0.29\" max=\"1 1 0.31\"/>");
+  };
+  Simulation changed = simulationFromText(scene("10")), fresh = simulationFromText(scene("40"));
+  run(changed, 5);
+  changed.setAttribute("/load", "pressure", "40");
+  copy(changed.systems()[0]->x, fresh.systems()[0]->x), copy(changed.systems()[0]->v, fresh.systems()[0]->v);
+  run(changed, 5), run(fresh, 5);
+  EXPECT_EQ(changed.stateHash(), fresh.stateHash());
+}
+
+TEST(LiveAttributes, AMovementOfOtherNodesBeginsWhereTheyAre) {
+  const auto scene = [](const std::string& nodes) {
+    std::string text = Beam().text();
+    return text.insert(text.rfind("</Node>"), "<LinearMovementProjectiveConstraint name=\"hand\" indices=\"" + nodes +
+                                                  "\" keyTimes=\"0 1\" movements=\"0 0 0  0.1 0 0\"/>");
+  };
+  Simulation simulation = simulationFromText(scene("40 44"));
+  run(simulation, 5);
+  const Vec3 before = simulation.systems()[0]->x[36];
+  simulation.setAttribute("/hand", "indices", "36 38");
+  run(simulation, 1);
+  EXPECT_LT((Vec3(simulation.systems()[0]->x[36]) - before).norm(), 0.01) << "a body length away from where it was";
+}
+
 TEST(LiveAttributes, MemoryOfIntegratorsSurvivesAChange) {
   Beam beam;
   beam.integrator = "<BDFOdeSolver name=\"bdf\" order=\"2\"/>";

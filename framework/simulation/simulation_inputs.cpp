@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Forces from outside: checked, recorded, replayed.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "framework/scene/names.h"
+#include "framework/simulation/simulation.h"
+
+namespace stroma {
+namespace {
+
+void checkNumbers(const Input& input, const State& state) {
+  for (const Index node : input.nodes)
+    if (node < 0 || node >= state.size())
+      throw ComponentError(fmt::format("an input names node {}", node),
+                           fmt::format("nodes 0 to {} of {}", state.size() - 1, state.path()));
+  if (input.nodes.empty()) throw ComponentError("an input names no node", "the nodes it acts on");
+  if (!input.targets.empty() && input.targets.size() != input.nodes.size())
+    throw ComponentError(fmt::format("an input has {} targets for {} nodes", input.targets.size(), input.nodes.size()),
+                         "one target per node, or none");
+  if (input.targets.empty() && input.stiffness != 0)
+    throw ComponentError("an input has a stiffness and no targets", "a target per node, or stiffness 0");
+  bool finite = input.force.allFinite() && std::isfinite(input.stiffness) && std::isfinite(input.damping);
+  for (const Vec3& target : input.targets) finite = finite && target.allFinite();
+  if (!finite || input.stiffness < 0 || input.damping < 0)
+    throw ComponentError("a number of an input is not finite, or its stiffness or damping is negative",
+                         "finite numbers, stiffness and damping of 0 or more");
+}
+
+}  // namespace
+
+System& Simulation::systemOf(const Input& input, State*& state) const {
+  std::vector<std::string> paths;
+  for (State* candidate : states()) {
+    paths.push_back(candidate->path());
+    if (candidate->path() == input.state) state = candidate;
+  }
+  if (!state)
+    throw ComponentError(fmt::format("no state that moves is called '{}'", input.state), "the path of a state",
+                         nearest(input.state, paths));
+  for (const auto& system : systems_) {
+    const auto& own = system->states();
+    if (std::find(own.begin(), own.end(), state) == own.end()) continue;
+    if (!system->integrator().followsChanges())
+      throw ComponentError(fmt::format("no input reaches {}: {} has computed its matrix and loads beforehand",
+                                       state->path(), system->integrator().path()),
+                           "an integrator that makes its matrix in steps");
+    if (state->firstRow() >= system->independentRows())
+      throw ComponentError(
+          fmt::format("no input acts on {}: its positions follow from another state by a mapping", state->path()),
+          "nodes of the state that is mapped from");
+    return *system;
+  }
+  throw ComponentError(fmt::format("no integrator moves {}", state->path()));
+}
+
+void Simulation::setInput(long number, const Input& input) {
+  State* state = nullptr;
+  System& system = systemOf(input, state);
+  checkNumbers(input, *state);
+  const auto known = inputs_.find(number);
+  if (known != inputs_.end() && known->second.state != input.state)
+    throw ComponentError(fmt::format("input {} acts on {}", number, known->second.state),
+                         "the same state, or another input");
+  system.setInput(number, input, *state);
+  inputs_[number] = input;
+  input_events_.push_back({steps_, number, input});
+  next_input_ = std::max(next_input_, number + 1);
+  worked_on_ = true;
+}
+
+long Simulation::addInput(const Input& input) {
+  const long number = next_input_;
+  setInput(number, input);
+  return number;
+}
+
+void Simulation::changeInput(long number, const Input& input) {
+  if (inputs_.count(number) == 0)
+    throw ComponentError(fmt::format("there is no input {}", number), "a number that addInput() returned");
+  setInput(number, input);
+}
+
+void Simulation::removeInput(long number) {
+  if (inputs_.erase(number) == 0)
+    throw ComponentError(fmt::format("there is no input {}", number), "a number that addInput() returned");
+  for (const auto& system : systems_) system->removeInput(number);
+  input_events_.push_back({steps_, number, std::nullopt});
+}
+
+void Simulation::dropInputs() {
+  for (const auto& [number, input] : inputs_)
+    for (const auto& system : systems_) system->removeInput(number);
+  inputs_.clear();
+  input_events_.clear();
+  next_input_ = 1;
+  next_replayed_ = 0;
+}
+
+void Simulation::replayInputs(std::vector<InputEvent> events) {
+  replay_ = std::move(events);
+  const auto past = [this](const InputEvent& event) { return event.step < steps_; };
+  next_replayed_ = std::size_t(std::find_if_not(replay_.begin(), replay_.end(), past) - replay_.begin());
+}
+
+void Simulation::replayDue() {
+  for (; next_replayed_ < replay_.size() && replay_[next_replayed_].step <= steps_; ++next_replayed_) {
+    const InputEvent& event = replay_[next_replayed_];
+    if (event.input) {
+      setInput(event.number, *event.input);
+    } else if (inputs_.count(event.number) > 0) {
+      removeInput(event.number);
+    }
+  }
+}
+
+/// Those that act now. Before a checkpoint's own step nothing is replayed again.
+void Simulation::serializeInputs(Archive& archive) {
+  archive.enter("inputs");
+  std::vector<long> numbers;
+  for (const auto& [number, input] : inputs_) numbers.push_back(number);
+  archive.list("numbers", numbers);
+  archive.value("next", next_input_);
+  archive.value("replayed", next_replayed_);
+  for (const long number : numbers) {
+    const std::string name = std::to_string(number) + " ";
+    Input input = archive.isReading() ? Input() : inputs_[number];
+    archive.value(name + "state", input.state);
+    archive.list(name + "nodes", input.nodes);
+    archive.rows(name + "force", input.force.data(), 3);
+    archive.list(name + "targets", input.targets);
+    archive.value(name + "stiffness", input.stiffness);
+    archive.value(name + "damping", input.damping);
+    if (archive.isReading()) setInput(number, input);
+  }
+}
+
+}  // namespace stroma
