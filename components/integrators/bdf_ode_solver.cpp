@@ -3,8 +3,8 @@
 //
 // With F = f + rK K v - rM M v as in EulerImplicitSolver, h the step, r its ratio to the step before, and
 //
-//   order 1:  rho = 0,  w = h                                    order 2:  rho = r^2 / (1 + 2 r),  w = h (1 + r) / (1 +
-//   2 r)
+//   order 1:  rho = 0,                w = h
+//   order 2:  rho = r^2 / (1 + 2 r),  w = h (1 + r) / (1 + 2 r)
 //
 //   x1 - x0 = rho (x0 - x_-1) + w v1,   M (v1 - v0) = rho M (v0 - v_-1) + w F(x1, v1)
 //

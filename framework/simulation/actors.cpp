@@ -40,7 +40,7 @@ void requireOneMassPerState(const std::vector<Mass*>& masses) {
       if (&masses[i]->state() == &masses[j]->state())
         throw ComponentError(fmt::format("{} has two masses: {} and {}", masses[i]->state().path(), masses[j]->path(),
                                          masses[i]->path()),
-                             "one mass a state", "remove one of them");
+                             "one mass per state", "remove one of them");
 }
 
 void checkMapping(const Actors& actors, std::size_t index) {
@@ -54,7 +54,7 @@ void checkMapping(const Actors& actors, std::size_t index) {
     if (&mapping.output() == &actors.mappings[j]->output())
       throw ComponentError(fmt::format("two mappings place {}: {} and {}", mapping.output().path(),
                                        actors.mappings[j]->path(), mapping.path()),
-                           "one mapping a state");
+                           "one mapping per state");
   for (const ProjectiveConstraint* constraint : actors.constraints)
     if (contains(constraint->states(), &mapping.output()))
       throw ComponentError(fmt::format("{} holds nodes of {}, whose positions follow from {} by {}", constraint->path(),
