@@ -4,8 +4,8 @@
 machine in any text. Usage: check_rules.py TREE, or check_rules.py --self-test (plants violations and expects each to be found)."""
 import os
 import re
-import sys
-import tempfile
+
+from planted import run
 
 # A folder of framework/ and those it may include.
 FRAMEWORK = {
@@ -150,36 +150,5 @@ PLANTED = {  # path: (text, part of the expected finding, or None where there is
 }
 
 
-def self_test():
-    with tempfile.TemporaryDirectory() as tree:
-        for path, (text, _) in PLANTED.items():
-            os.makedirs(os.path.dirname(os.path.join(tree, path)), exist_ok=True)
-            with open(os.path.join(tree, path), "w", encoding="utf-8") as file:
-                file.write(text)
-        found, counted = problems(tree)
-    assert counted == len(PLANTED), (counted, len(PLANTED))
-    for path, (_, expected) in PLANTED.items():
-        here = [finding for finding in found if finding.split(":")[0] == path]
-        if expected is None:
-            assert not here, here
-        else:
-            assert len(here) == 1 and expected in here[0], (path, expected, here)
-    print(f"{len(PLANTED)} planted files judged as expected")
-
-
-def main():
-    if len(sys.argv) != 2:
-        sys.exit(__doc__)
-    if sys.argv[1] == "--self-test":
-        return self_test()
-    found, counted = problems(sys.argv[1])
-    for finding in found:
-        print(finding)
-    if counted < 50:
-        sys.exit(f"only {counted} files were read: this is not the tree")
-    print(f"{counted} files read, {len(found)} problems")
-    sys.exit(1 if found else 0)
-
-
 if __name__ == "__main__":
-    main()
+    run(__doc__, PLANTED, problems)

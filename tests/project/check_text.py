@@ -6,8 +6,8 @@ is not there. There and in comments, help texts and messages: no "one a cell" fo
 Usage: check_text.py TREE, or check_text.py --self-test (plants mistakes and expects each to be found)."""
 import os
 import re
-import sys
-import tempfile
+
+from planted import run
 
 LONGEST = 35  # words in a sentence
 
@@ -133,36 +133,5 @@ PLANTED = {  # path: (text, part of the expected finding, or None where there is
 }
 
 
-def self_test():
-    with tempfile.TemporaryDirectory() as tree:
-        for path, (text, _) in PLANTED.items():
-            os.makedirs(os.path.dirname(os.path.join(tree, path)), exist_ok=True)
-            with open(os.path.join(tree, path), "w", encoding="utf-8") as file:
-                file.write(text)
-        found, counted = problems(tree)
-    assert counted == len(PLANTED), (counted, len(PLANTED))
-    for path, (_, expected) in PLANTED.items():
-        here = [finding for finding in found if finding.split(":")[0] == path]
-        if expected is None:
-            assert not here, here
-        else:
-            assert len(here) == 1 and expected in here[0], (path, expected, here)
-    print(f"{len(PLANTED)} planted files judged as expected")
-
-
-def main():
-    if len(sys.argv) != 2:
-        sys.exit(__doc__)
-    if sys.argv[1] == "--self-test":
-        return self_test()
-    found, counted = problems(sys.argv[1])
-    for finding in found:
-        print(finding)
-    if counted < 50:
-        sys.exit(f"only {counted} files were read: this is not the tree")
-    print(f"{counted} files read, {len(found)} problems")
-    sys.exit(1 if found else 0)
-
-
 if __name__ == "__main__":
-    main()
+    run(__doc__, PLANTED, problems)
