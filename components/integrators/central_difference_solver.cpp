@@ -54,6 +54,7 @@ void CentralDifferenceSolver::declare(DataTable& table) {
 
 void CentralDifferenceSolver::compile(System& system) {
   const std::string name = "the central difference method";
+  depends_on_time_ = false;  // compiled again after an edit
   for (const ForceField* field : system.forceFields()) {
     depends_on_time_ = depends_on_time_ || field->traits().time_dependent;
     if (field->rayleigh_stiffness != 0)

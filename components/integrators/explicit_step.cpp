@@ -120,6 +120,7 @@ void ExplicitStep::compile(Integrator& integrator, System& system) {
   accelerations_.clear();
   for (std::size_t j = 0; j < scheme.stages.size(); ++j) accelerations_.emplace_back(system.independentRows());
   for (Vector* vector : {&stage_x_, &stage_v_}) vector->resize(system.allRows());
+  depends_on_time_ = false;  // compiled again after an edit
   for (const ForceField* field : system.forceFields())
     depends_on_time_ = depends_on_time_ || field->traits().time_dependent;
   warnAboveStableStep(integrator, system, acceleration_, scheme.name, stabilityLimit(scheme));
