@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Files of precomputed arrays, and the condensed solvers that use them: damaged, foreign, cut and half-written ones.
 #include <fcntl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -120,11 +121,12 @@ TEST_F(CacheFolder, OtherMassesAreAnotherFileThoughTheMatrixIsTheSame) {
 
 TEST(CondensedSources, TheirDigestIsThatOfTheFiles) {
   // those that make the numbers of a file, by another program
-  const std::string command = "cd '" STROMA_SOURCE_DIR
-                              "' && LC_ALL=C; export LC_ALL; sha256sum $(ls components/condensation/*.h components/condensation/*.cpp "
-                              "components/elasticity/*.h components/elasticity/*.cpp components/mechanics/*.h "
-                              "components/mechanics/*.cpp components/springs/*.cpp framework/fem/* "
-                              "framework/algebra/block_matrix.* | sort) | cut -c1-64 | tr -d '\\n' | sha256sum";
+  const std::string command =
+      "cd '" STROMA_SOURCE_DIR
+      "' && LC_ALL=C; export LC_ALL; sha256sum $(ls components/condensation/*.h components/condensation/*.cpp "
+      "components/elasticity/*.h components/elasticity/*.cpp components/mechanics/*.h "
+      "components/mechanics/*.cpp components/springs/*.cpp framework/fem/* "
+      "framework/algebra/block_matrix.* | sort) | cut -c1-64 | tr -d '\\n' | sha256sum";
   std::FILE* pipe = popen(command.c_str(), "r");
   ASSERT_TRUE(pipe);
   std::string digest(64, ' ');
@@ -309,26 +311,6 @@ TEST_F(CacheFolder, AFolderThatCannotBeWrittenIsAWarning) {
   EXPECT_NE(testing::internal::GetCapturedStderr().find("cannot be written"), std::string::npos);
 }
 
-TEST_F(CacheFolder, AHalfWrittenFileIsNeverSeen) {
-  // a writer that dies leaves nothing under the final name: the data go to a file without a name first
-  fs::create_directories(folder);
-  const pid_t child = fork();
-  if (child == 0) {
-    const std::vector<char> zeros(std::size_t(1) << 28);
-    ContentKey key;
-    alarm(1);
-    for (;;) SectionFile::write((folder / "x.sections").string(), key, {{zeros.data(), zeros.size()}});
-  }
-  usleep(500000);
-  kill(child, SIGKILL);
-  waitpid(child, nullptr, 0);
-  for (const auto& entry : fs::directory_iterator(folder)) {
-    SectionFile found;
-    std::string reason;
-    EXPECT_TRUE(found.open(entry.path().string(), ContentKey(), 1, reason)) << entry.path() << reason;
-  }
-}
-
 namespace {
 
 /// As where files cannot be without a name.
@@ -336,34 +318,51 @@ std::string writeNamed(const fs::path& path, const std::vector<char>& data) {
   return SectionFile::write(path.string(), ContentKey(), {{data.data(), data.size()}}, false);
 }
 
+/// A process that stopped in the middle of writing `path`, whoever runs first: its files may not grow beyond half of what
+/// it writes, and at that limit it stops.
+pid_t writerStoppedHalfWay(const fs::path& path, bool nameless) {
+  const std::vector<char> zeros(std::size_t(1) << 22);
+  const pid_t child = fork();
+  if (child == 0) {
+    const rlimit half{zeros.size() / 2, zeros.size() / 2};
+    std::signal(SIGXFSZ, [](int) { raise(SIGSTOP); });
+    if (setrlimit(RLIMIT_FSIZE, &half) == 0)
+      SectionFile::write(path.string(), ContentKey(), {{zeros.data(), zeros.size()}}, nameless);
+    _exit(1);
+  }
+  int status = 0;
+  EXPECT_EQ(waitpid(child, &status, WUNTRACED), child);
+  EXPECT_TRUE(WIFSTOPPED(status)) << "the writer ended before its file was half written";
+  return child;
+}
+
+void killed(pid_t child) {
+  kill(child, SIGKILL);
+  EXPECT_EQ(waitpid(child, nullptr, 0), child);
+}
+
 }  // namespace
+
+TEST_F(CacheFolder, AHalfWrittenFileIsNeverSeen) {
+  fs::create_directories(folder);
+  killed(writerStoppedHalfWay(folder / "x.sections", true));
+  EXPECT_TRUE(fs::is_empty(folder));
+}
 
 TEST_F(CacheFolder, WhatAKilledRunLeavesIsNeverTakenAndRemovedByTheNext) {
   fs::create_directories(folder);
-  const fs::path path = folder / "x.sections";
-  const pid_t child = fork();
-  if (child == 0) {
-    const std::vector<char> zeros(std::size_t(1) << 28);
-    for (;;) writeNamed(folder / "y.sections", zeros);
-  }
-  const auto started = [&] {
-    for (const auto& entry : fs::directory_iterator(folder))
-      if (entry.path().filename() != "y.sections") return true;
-    return false;
-  };
-  while (!started()) usleep(1000);
-  kill(child, SIGSTOP);  // the file is its own as long as it lives
-  int status = 0;
-  waitpid(child, &status, WUNTRACED);
-  const bool writing = started();
+  const fs::path path = folder / "x.sections", half = folder / "y.sections";
+  const pid_t child = writerStoppedHalfWay(half, false);
+  const auto files = [&] { return std::distance(fs::directory_iterator(folder), {}); };
+  EXPECT_EQ(files(), 1);
+  EXPECT_FALSE(fs::exists(half));
   const std::vector<char> few(1000, 'x');
   EXPECT_EQ(writeNamed(path, few), "");
-  EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), writing ? 2 : 1);
-  kill(child, SIGKILL);
-  waitpid(child, &status, 0);
+  EXPECT_EQ(files(), 2) << "a file belongs to its writer as long as that lives";
+  killed(child);
   SectionFile found;
   std::string reason;
-  EXPECT_FALSE(found.open((folder / "y.sections").string(), ContentKey(), 1, reason));
+  EXPECT_FALSE(found.open(half.string(), ContentKey(), 1, reason));
   EXPECT_EQ(reason, "");
   EXPECT_EQ(writeNamed(path, few), "");
   EXPECT_EQ(file(), path);
