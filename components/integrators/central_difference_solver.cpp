@@ -48,7 +48,7 @@ class CentralDifferenceSolver final : public Integrator {
 
 void CentralDifferenceSolver::declare(DataTable& table) {
   table.add("rayleighMass", rayleigh_mass_).recompiled().help("damping proportional to the mass").unit("1/s").min(0);
-  declareLinearSolver(table);
+  declareLinearSolver(table, false);
   table.addVisualOnly("threadSafeVisitor");
 }
 

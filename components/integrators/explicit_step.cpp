@@ -188,7 +188,7 @@ std::string ExplicitStep::describe() const {
 
 // ---- the integrator ----
 
-void ExplicitIntegrator::declare(DataTable& table) { declareLinearSolver(table); }
+void ExplicitIntegrator::declare(DataTable& table) { declareLinearSolver(table, false); }
 
 void ExplicitIntegrator::compile(System& system) {
   explicit_.scheme = scheme();

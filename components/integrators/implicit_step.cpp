@@ -249,6 +249,12 @@ double ImplicitStep::energy() {
 
 double ImplicitStep::loadScale() const { return scheme_.weight * norm(system_->f); }
 
+/// Energies are those of the incremental potential: forces are weighed with the step.
+RoundOff ImplicitStep::roundOff() {
+  const RoundOff of_forces = positionRoundOff(*system_, work_, change_);
+  return {scheme_.weight * of_forces.residual, scheme_.weight / scheme_.displacement * of_forces.energy};
+}
+
 double ImplicitStep::travelled() const { return distance(x(), x0_); }
 
 std::string ImplicitStep::describe() const {

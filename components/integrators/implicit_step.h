@@ -57,6 +57,7 @@ class ImplicitStep final : public NonlinearProblem {
   ConstRows positions() const override { return x(); }
   double travelled() const override;
   double loadScale() const override;
+  RoundOff roundOff() override;
 
  private:
   Rows x() const { return system_->independent(system_->x); }

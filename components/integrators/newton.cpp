@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 namespace stroma {
@@ -116,6 +117,28 @@ bool solveOrShift(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows 
   return false;
 }
 
+RoundOff positionRoundOff(const System& system, Rows work, Rows product) {
+  constexpr double half_unit = std::numeric_limits<double>::epsilon() / 2;
+  const ConstRows x = system.independent(system.x);
+  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  for (Index i = 0; i < x.count; ++i) low = low.cwiseMin(x[i]), high = high.cwiseMax(x[i]);
+  // an element works with differences over its size, also where a node's own coordinates are small
+  const double cell = x.count > 0 ? (high - low).norm() / std::cbrt(double(x.count)) : 0;
+  std::uint64_t bits = 0x9e3779b97f4a7c15u;
+  clear(work);
+  for (Index i = 0; i < x.count; ++i)
+    for (int l = 0; l < 3; ++l) {
+      bits ^= bits << 13, bits ^= bits >> 7, bits ^= bits << 17;  // xorshift (Marsaglia 2003)
+      work[i][l] = (bits & 1 ? half_unit : -half_unit) * (std::abs(x[i][l]) + cell);
+    }
+  system.constraints().project(work);
+  clear(product);
+  system.addStiffnessProduct(work, 1, 0, product);
+  system.constraints().project(product);
+  const double sums = 4 * std::numeric_limits<double>::epsilon() * norm(system.independent(system.f));
+  return {norm(product) + sums, 0.5 * std::abs(dot(work, product))};
+}
+
 void Newton::compile(Index rows) {
   for (Vector* vector : {&residual_, &direction_, &trial_, &base_, &best_}) vector->resize(rows);
   history_.reserve(std::size_t(std::min(settings.iterations, 100000)) + 2);
@@ -135,6 +158,22 @@ bool Newton::stalled(const NonlinearProblem& problem) const {
   if (settings.absolute_correction <= 0 && settings.relative_correction <= 0) return false;
   const double length = displacement * norm(direction_);
   return length <= settings.absolute_correction || length <= settings.relative_correction * problem.travelled();
+}
+
+/// True when round-off explains the whole residual, and that is little beside the loads: nothing better exists. Where
+/// round-off is not little, `report.reason` becomes the clause that says so.
+bool Newton::isAtRoundOff(NonlinearProblem& problem, double now, StepReport& report) const {
+  constexpr double meaningful = 1e-3;  // more of the loads than this is no equilibrium
+  report.reason.clear();
+  const double attainable = problem.roundOff().residual;
+  if (!(now <= 3 * attainable)) return false;
+  report.newton_residual = now / scale_;
+  if (now <= meaningful * scale_) return true;
+  report.reason = fmt::format(
+      "; the round-off of positions alone makes {:.2g}: the loads are too small beside the stiffness times the "
+      "distance from the origin",
+      attainable / scale_);
+  return false;
 }
 
 /// The relative residual that the next linear solve must reach; 0: what its solver is set to.
@@ -177,14 +216,18 @@ StepReport Newton::solve(NonlinearProblem& problem, LinearSolver& solver) {
       report.reason = "the force is not finite where the step starts";
       return report;
     }
-    if (converged(now)) return report;
+    if (converged(now)) {
+      report.linear_converged = true;  // its solves were means only: what counts is the residual that they led to
+      return report;
+    }
     if (report.newton_iterations > 0) keepIfBest(problem, now);
     if (report.newton_iterations == settings.iterations) {
+      if (isAtRoundOff(problem, now, report)) return report;
       leaveBest(problem, now, report);
       report.reason = fmt::format(
           "Newton's method stopped at its limit of {} iterations with a relative residual of {:.2g} "
-          "(tolerance {:.2g})",
-          settings.iterations, report.newton_residual, settings.relative_residual);
+          "(tolerance {:.2g}){}",
+          settings.iterations, report.newton_residual, settings.relative_residual, report.reason);
       return report;
     }
     if (!iterate(problem, solver, now, report)) return report;
@@ -201,9 +244,10 @@ bool Newton::iterate(NonlinearProblem& problem, LinearSolver& solver, double& no
   const bool shifted = report.linear_stop == SolveStop::not_definite || report.linear_stop == SolveStop::breakdown;
   const double before = now;
   if (search(problem, now) == 0) {
+    if (isAtRoundOff(problem, now, report)) return false;
     leaveBest(problem, now, report);
-    report.reason = fmt::format("the line search found no decrease at Newton iteration {}, relative residual {:.2g}",
-                                report.newton_iterations, report.newton_residual);
+    report.reason = fmt::format("the line search found no decrease at Newton iteration {}, relative residual {:.2g}{}",
+                                report.newton_iterations, report.newton_residual, report.reason);
     return false;
   }
   if (settings.stop_when_residual_grows && now > before) {
@@ -255,11 +299,13 @@ double Newton::search(NonlinearProblem& problem, double& now) {
 /// Armijo: E(u + s d) <= E(u) - 1e-4 s R.d. Where the difference drowns in the round-off of E, |R| decides.
 double Newton::searchEnergy(NonlinearProblem& problem, double slope, double& now) {
   const double before = problem.energy();
-  double step = 1;
+  double step = 1, noise_of_positions = 0;
   for (int trial = 0; trial < settings.line_search_iterations; ++trial) {
     move(problem, step);
     const double after = problem.energy();
-    const double noise = 1e-13 * std::max(std::abs(before), std::abs(after));
+    // the whole correction is refused: how far can rounded positions be to blame?
+    if (trial == 1) noise_of_positions = problem.roundOff().energy;
+    const double noise = 1e-13 * std::max(std::abs(before), std::abs(after)) + noise_of_positions;
     const bool enough = after <= before - 1e-4 * step * slope;
     const bool drowned = step * slope <= noise;
     if (enough || drowned) {

@@ -6,8 +6,15 @@
 
 #include "framework/algebra/linear_solver.h"
 #include "framework/simulation/step.h"
+#include "framework/simulation/system.h"
 
 namespace stroma {
+
+/// What the rounding of positions and of sums alone changes at an iterate: less cannot be asked for.
+struct RoundOff {
+  double residual = 0;  ///< in |R|
+  double energy = 0;    ///< in E, besides the round-off of its own sum
+};
 
 /// Equations R(u) = 0 seen from a current iterate u, which the problem holds. Where there is an energy, R = -grad E.
 class NonlinearProblem {
@@ -25,7 +32,13 @@ class NonlinearProblem {
   virtual double travelled() const = 0;               ///< |x(u) - x at the start| [m]
   /// The size of what R balances at the u of the last residual(), in R's unit: forces with the reactions of held nodes.
   virtual double loadScale() const = 0;
+  /// At the u of the last residual(). Costs a product with the tangent; asked for only where a solve gets no further.
+  virtual RoundOff roundOff() = 0;
 };
+
+/// That of a system at its x, where positions cannot be told apart: |K p| and p K p / 2 for a p of one rounding error of
+/// each coordinate, with signs that follow no pattern of the mesh. `work`, `product`: shape (independentRows()).
+RoundOff positionRoundOff(const System& system, Rows work, Rows product);
 
 struct NewtonSettings {
   int iterations = 25;
@@ -66,6 +79,7 @@ class Newton {
   bool converged(double norm) const;
   double forcingTerm(double norm) const;
   bool stalled(const NonlinearProblem& problem) const;
+  bool isAtRoundOff(NonlinearProblem& problem, double norm, StepReport& report) const;
   bool iterate(NonlinearProblem& problem, LinearSolver& solver, double& norm, StepReport& report);
   void keepIfBest(NonlinearProblem& problem, double norm);
   void leaveBest(NonlinearProblem& problem, double norm, StepReport& report);

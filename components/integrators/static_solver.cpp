@@ -12,6 +12,16 @@
 // (Eisenstat and Walker 1996). With PCGLinearSolver preconditioner="warped" one factorisation then serves many
 // iterations: for large bodies the fastest way to an equilibrium. What ends a step does not change.
 //
+// A step whose loads or whose prescribed motion are too much for one go is divided. With f0 = f(x0) the forces out of
+// balance where the step starts and s the share of the step, a part solves
+//
+//   f(x) - (1 - s) f0 = 0,   prescribed nodes where they are at t + s dt
+//
+// and s grows to 1 by parts that become smaller by 4 where one fails and larger by 2 after each that does not: at
+// s = 0 the start is in balance whatever acts on it. Parts end at a relative residual of 1e-4, the last one at the
+// step's own. The run tells how many steps were divided. No part is smaller than `smallest_part`: then the step says
+// under how much of its loads the last equilibrium is, and leaves that.
+//
 // A step ends when |f| <= relative_residual_tolerance_threshold * the |f| where the step starts (reactions of held
 // nodes included), or when one of the other thresholds (off by default: they are absolute, or measure the step instead
 // of the balance of forces) is met, or when dx no longer changes x in double precision. After newton_iterations without
@@ -52,17 +62,36 @@ class Equilibrium final : public NonlinearProblem {
  public:
   void compile(System& system) {
     system_ = &system;
-    start_.resize(system.independentRows());
+    for (Vector* vector : {&start_, &start_force_, &error_, &product_}) vector->resize(system.independentRows());
   }
-  void begin() { copy(rows(), start_); }
+  void begin() {
+    copy(rows(), start_);
+    share_ = 1;
+  }
   void giveUp() { copy(start_, rows()); }
+  /// From now on R is that of a part of the step which began at begin().
+  void setShare(double share) { share_ = share; }
+  /// The present R is what a part of the step leaves out of balance.
+  void keepStartForce() { residual(start_force_); }
   void residual(Rows out) override {
     system_->computeForce(system_->x, system_->v, system_->f);
     copy(system_->independent(system_->f), out);
+    leaveOut(out);
     system_->constraints().project(out);
   }
+  /// out -= (1 - s) f0
+  void leaveOut(Rows out) const {
+    if (share_ < 1) axpy(share_ - 1, start_force_, out);
+  }
   SystemMatrix& tangent() override { return system_->matrix({.stiffness = -1}); }
-  double energy() override { return system_->potentialEnergy(system_->x); }
+  /// The gradient of the second part is (1 - s) f0.
+  double energy() override {
+    double sum = system_->potentialEnergy(system_->x);
+    if (share_ == 1) return sum;
+    copy(start_, product_);
+    system_->motion().difference(rows(), product_);
+    return sum + (1 - share_) * dot(start_force_, product_);
+  }
   double loadScale() const override { return norm(system_->f); }
   Rows unknowns() override { return rows(); }
   void addTo(Rows u, double s, ConstRows d) const override { system_->motion().advance(s, d, u); }
@@ -70,11 +99,13 @@ class Equilibrium final : public NonlinearProblem {
   double displacementPerUnknown() const override { return 1; }
   ConstRows positions() const override { return rows(); }
   double travelled() const override { return distance(rows(), start_); }
+  RoundOff roundOff() override { return positionRoundOff(*system_, error_, product_); }
 
  private:
   Rows rows() const { return system_->independent(system_->x); }
   System* system_ = nullptr;
-  Vector start_;
+  Vector start_, start_force_, error_, product_;
+  double share_ = 1;
 };
 
 class StaticSolver final : public Integrator {
@@ -89,6 +120,11 @@ class StaticSolver final : public Integrator {
 
  private:
   void checkSettings() const;
+  bool mayDivide() const {
+    return smallest_part_ < 1 && settings_.iterations > 1 && !settings_.stop_when_residual_grows;
+  }
+  StepReport solvePart(System& system, const StepContext& context);
+  StepReport solveInParts(System& system, const StepContext& context);
   bool advancePrescribed(System& system, const StepContext& context, StepReport& report);
 
   NewtonSettings settings_;
@@ -98,7 +134,8 @@ class StaticSolver final : public Integrator {
   NewtonSolver* settings_component_ = nullptr;
   Equilibrium problem_;
   Newton newton_;
-  Vector force_, mode_;
+  double smallest_part_ = 1.0 / 1024;
+  Vector force_, mode_, good_;
   Vector moved_, moved_v_, displacement_;             ///< work space of advancePrescribed(), shape (all rows)
   std::size_t checked_projectors_ = std::size_t(-1);  ///< how many projectors were active at the last check
 };
@@ -131,6 +168,13 @@ void StaticSolver::declare(DataTable& table) {
       .unit("-")
       .min(0)
       .max(1, false);
+  table.add("smallest_part", smallest_part_)
+      .help(
+          "the smallest share of a step's loads and motion that a step which fails is divided into; 1: steps are not "
+          "divided. Neither are they with one Newton iteration or should_diverge_when_residual_is_growing")
+      .unit("-")
+      .min(1e-6)
+      .max(1);
   table.add("should_diverge_when_residual_is_growing", settings_.stop_when_residual_grows)
       .help("end the run when an iteration makes the residual larger");
   table.add("residualGraph", graph_).help("|f| of the last step's Newton iterations").unit("N").output();
@@ -157,8 +201,7 @@ void StaticSolver::compile(System& system) {
   newton_.settings = settings_;
   newton_.compile(system.independentRows());
   problem_.compile(system);
-  force_.resize(system.independentRows());
-  mode_.resize(system.independentRows());
+  for (Vector* vector : {&force_, &mode_, &good_}) vector->resize(system.independentRows());
   for (Vector* vector : {&moved_, &moved_v_, &displacement_}) vector->resize(system.allRows());
   graph_.reserve(std::size_t(settings_.iterations) + 2);
   if (settings_component_) settings_component_->prepare(graph_.capacity());
@@ -184,6 +227,7 @@ void addCounts(const StepReport& from, StepReport& to) {
 StepReport StaticSolver::step(System& system, const StepContext& context) {
   system.beginStep(context);
   clear(system.v);
+  problem_.begin();
   StepReport report;
   if (checked_projectors_ != system.constraints().projectors().size()) {
     checked_projectors_ = system.constraints().projectors().size();
@@ -192,13 +236,28 @@ StepReport StaticSolver::step(System& system, const StepContext& context) {
     report.diverged = !report.reason.empty();
     if (report.diverged) return report;
   }
-  problem_.begin();
+  report = solveInParts(system, context);
+  report.unsolved = !report.newton_converged;
+  graph_.assign(newton_.history().begin(), newton_.history().end());
+  if (settings_component_) settings_component_->noteResult(report, newton_);
+  if (report.unsolved && !settings_.keep_unconverged) {
+    problem_.giveUp();
+    report.reason += "; the state before the step was kept";
+  }
+  system.applyMappings();
+  return report;
+}
+
+/// One go at the share of the step that `context` ends with.
+StepReport StaticSolver::solvePart(System& system, const StepContext& context) {
+  StepReport report;
   // what follows a node that has moved in the solve has its place only after it
   constexpr int most_solves = 4;
-  for (int again = 0; report.newton_converged; ++again) {
+  for (int again = 0; report.newton_converged && !report.diverged; ++again) {
     const StepReport before = report;
     StepReport advance;
     if (!advancePrescribed(system, context, advance) && again > 0) break;
+    if (!advance.newton_converged) return advance;
     if (again == most_solves) {
       report.newton_converged = false;
       report.reason = fmt::format("nodes that follow others still moved after {} solves", most_solves);
@@ -208,14 +267,49 @@ StepReport StaticSolver::step(System& system, const StepContext& context) {
     addCounts(before, report);
     addCounts(advance, report);
   }
-  report.unsolved = !report.newton_converged;
-  graph_.assign(newton_.history().begin(), newton_.history().end());
-  if (settings_component_) settings_component_->noteResult(report, newton_);
-  if (report.unsolved && !settings_.keep_unconverged) {
-    problem_.giveUp();
-    report.reason += "; the state before the step was kept";
+  return report;
+}
+
+/// The whole step, or what it was divided into; see the top of this file.
+StepReport StaticSolver::solveInParts(System& system, const StepContext& context) {
+  constexpr double part_residual = 1e-4;
+  const Rows x = system.independent(system.x);
+  StepReport report, failed;
+  double done = 0, part = 1;
+  for (int parts = 1;; ++parts) {
+    const double share = std::min(1.0, done + part);
+    StepContext end = context;
+    if (share < 1) end.t_end = context.t + share * context.dt;
+    newton_.settings.relative_residual =
+        share < 1 ? std::max(part_residual, settings_.relative_residual) : settings_.relative_residual;
+    problem_.setShare(share);
+    copy(x, good_);
+    StepReport attempt = solvePart(system, end);
+    const bool good = attempt.newton_converged && !attempt.diverged;
+    addCounts(report, attempt);
+    report = attempt;
+    report.load_parts = parts;
+    if (good && share == 1) return report;
+    if (good) {
+      done = share, part *= 2;
+      continue;
+    }
+    if (failed.reason.empty()) failed = attempt;
+    if (!mayDivide() || part / 4 < smallest_part_) break;
+    part /= 4;
+    copy(good_, x);
+    if (done == 0) {
+      problem_.setShare(1);
+      problem_.keepStartForce();
+    }
   }
-  system.applyMappings();
+  if (report.load_parts == 1) return report;
+  copy(good_, x);
+  report.diverged = failed.diverged && done == 0;
+  report.newton_converged = false;
+  report.reason = fmt::format(
+      "{}; divided, the step reached an equilibrium under {:.3g} of its loads, and no part of {:.2g} beyond: {}",
+      failed.reason, done, part, report.reason);
   return report;
 }
 
@@ -235,24 +329,36 @@ bool StaticSolver::advancePrescribed(System& system, const StepContext& context,
   system.computeForceAndProduct(system.x, system.v, displacement_, 1, 0, moved_v_);
   copy(system.independent(moved_v_), force_);
   clear(moved_v_);
+  problem_.leaveOut(force_);
   system.constraints().project(force_);
   solver_->setTolerance(settings_.forcing);
   const bool solved = solveOrShift(*solver_, problem_.tangent(), force_, mode_, report);
   solver_->setTolerance(0);
   motion.advance(1, d, x);
-  if (!solved) return true;
-  const double alone = system.potentialEnergy(system.x);
-  motion.advance(1, mode_, x);
-  const double together = system.potentialEnergy(system.x);
-  if (std::isfinite(together) && (!settings_.use_energy || together <= alone)) return true;
-  motion.advance(-1, mode_, x);
+  const double alone = problem_.energy();
+  double energy = alone;
+  if (solved) {
+    motion.advance(1, mode_, x);
+    energy = problem_.energy();
+    // moved alone, nodes may crush elements so far that they have no energy: any that exists is then better
+    if (!std::isfinite(energy) || (settings_.use_energy && energy > alone)) {
+      motion.advance(-1, mode_, x);
+      energy = alone;
+    }
+  }
+  if (!std::isfinite(energy)) {
+    report.newton_converged = false;
+    report.reason = "the prescribed motion of the step crushes elements at once";
+  }
   return true;
 }
 
 std::string StaticSolver::describe() const {
-  return fmt::format("static equilibrium: up to {} Newton iterations to a relative residual of {:g}, line search on {}",
-                     settings_.iterations, settings_.relative_residual,
-                     settings_.use_energy ? "the potential energy" : "the work of the residual");
+  return fmt::format(
+      "static equilibrium: up to {} Newton iterations to a relative residual of {:g}, line search on {}{}",
+      settings_.iterations, settings_.relative_residual,
+      settings_.use_energy ? "the potential energy" : "the work of the residual",
+      mayDivide() ? fmt::format("; a step that fails is divided into parts of {:.2g} or more", smallest_part_) : "");
 }
 
 }  // namespace

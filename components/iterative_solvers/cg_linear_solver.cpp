@@ -3,13 +3,13 @@
 //
 //   q = A p,  alpha = r.z / p.q,  x += alpha p,  r -= alpha q,  z = D^-1 r,  beta = r.z / (r.z)_before,  p = z + beta p
 //
-// z = r without a preconditioner; with `preconditioner="block_jacobi"`, D holds the 3x3 diagonal blocks of A. The
-// product A p is matrix-free (each force field multiplies from its elements) or uses the assembled matrix: `template`
+// z = r without a preconditioner; with block_jacobi, D holds the 3x3 diagonal blocks of A. Where `preconditioner` is not
+// written, a scene that writes `iterations`, as SOFA's do, has none, and every other one has block_jacobi. The product A p is matrix-free (each force field multiplies from its elements) or uses the assembled matrix: `template`
 // GraphScattered forces the first, CompressedRowSparseMatrix the second, and auto takes the cheaper one for
 // `iterations` products by the cost that the force fields state.
 //
-// It stops when |r| <= tolerance |b|; after `iterations` products (an ordinary end in interactive scenes: the report
-// says so and gives the residual reached); when b = 0; when a number is not finite; and when the matrix shows itself to
+// It stops when |r| <= tolerance |b|; after `iterations` products (a scene that must keep a frame rate writes them; the
+// run says how far the residual was then from the tolerance, and a strict run takes that for a doubt); when b = 0; when a number is not finite; and when the matrix shows itself to
 // be singular or not definite, |p.A p| <= threshold^2 |p| |A p| or p.A p < 0: x then keeps the last iterate, the best
 // one in the energy of A. SOFA compares p.A p itself with `threshold`, a test whose outcome depends on the units of the
 // scene and which can stop a well-posed solve at its first iteration (nothing then moves). Here it is the cosine
@@ -34,11 +34,12 @@
 namespace stroma {
 namespace {
 
-enum class Preconditioner { none, block_jacobi };
+enum class Preconditioner { automatic, none, block_jacobi };
 
 class CGLinearSolver final : public KrylovSolver {
  public:
   void declare(DataTable& table) override;
+  void init() override;
   SolveReport solve(SystemMatrix& matrix, ConstRows b, Rows x) override;
   void serializeFor(SystemMatrix& matrix, Archive& archive) override {
     if (warm_start_) archive.rows("previous", keptFor(matrix, matrix.rows()).previous);
@@ -62,7 +63,8 @@ class CGLinearSolver final : public KrylovSolver {
 
   double threshold_ = 1e-5;
   bool warm_start_ = false;
-  Preconditioner preconditioner_ = Preconditioner::none;
+  Preconditioner preconditioner_ = Preconditioner::automatic;
+  bool precondition_ = false;
   PerMatrix<Kept> kept_;
 };
 
@@ -75,22 +77,30 @@ void CGLinearSolver::declare(DataTable& table) {
       .min(0)
       .max(1e-2);
   table.add("warmStart", warm_start_).help("start from the solution of the previous solve");
-  table.addChoice("preconditioner", preconditioner_, {"none", "block_jacobi"})
-      .help("none reproduces SOFA's iterates; block_jacobi divides by the 3x3 diagonal blocks");
+  table.addChoice("preconditioner", preconditioner_, {"auto", "none", "block_jacobi"})
+      .help(
+          "none has SOFA's iterates; block_jacobi divides by the 3x3 diagonal blocks; auto is none where the scene "
+          "writes iterations, else block_jacobi");
+}
+
+void CGLinearSolver::init() {
+  KrylovSolver::init();
+  precondition_ = preconditioner_ == Preconditioner::block_jacobi ||
+                  (preconditioner_ == Preconditioner::automatic && !data().find("iterations")->isSet());
 }
 
 CGLinearSolver::Kept& CGLinearSolver::keptFor(const SystemMatrix& matrix, Index rows) {
   Kept& kept = kept_.of(matrix);
   if (kept.r.count() == rows) return kept;
   for (Vector* vector : {&kept.r, &kept.p, &kept.q}) vector->resize(rows);
-  if (preconditioner_ != Preconditioner::none) kept.z.resize(rows);
+  if (precondition_) kept.z.resize(rows);
   if (warm_start_) kept.previous.resize(rows);
   kept.jacobi_key = {};
   return kept;
 }
 
 void CGLinearSolver::prepare(const SystemMatrix& matrix, Kept& kept) const {
-  if (preconditioner_ == Preconditioner::none || kept.jacobi_key == matrix.key()) return;
+  if (!precondition_ || kept.jacobi_key == matrix.key()) return;
   matrix.diagonalBlocks(kept.blocks);
   kept.bad_block = kept.jacobi.factor(kept.blocks);
   kept.jacobi_key = matrix.key();
@@ -98,10 +108,9 @@ void CGLinearSolver::prepare(const SystemMatrix& matrix, Kept& kept) const {
 
 SolveReport CGLinearSolver::iterate(const SystemMatrix& matrix, Kept& kept, Rows x, double residual) {
   Vector &r = kept.r, &p = kept.p, &q = kept.q, &z = kept.z;
-  const bool precondition = preconditioner_ != Preconditioner::none;
   SolveReport report;
-  double rho = precondition ? kept.jacobi.apply(r, z) : residual;
-  copy(precondition ? z.rows() : r.rows(), p);
+  double rho = precondition_ ? kept.jacobi.apply(r, z) : residual;
+  copy(precondition_ ? z.rows() : r.rows(), p);
   const double enough = target();
   for (;;) {
     product(matrix, p, q);
@@ -130,8 +139,8 @@ SolveReport CGLinearSolver::iterate(const SystemMatrix& matrix, Kept& kept, Rows
       break;
     }
     const double rho_before = rho;
-    rho = precondition ? kept.jacobi.apply(r, z) : residual;
-    cg::advance(alpha, rho / rho_before, precondition ? z.rows() : r.rows(), p, x);
+    rho = precondition_ ? kept.jacobi.apply(r, z) : residual;
+    cg::advance(alpha, rho / rho_before, precondition_ ? z.rows() : r.rows(), p, x);
   }
   report.relative_residual = std::sqrt(residual) / norm_b_;
   return report;

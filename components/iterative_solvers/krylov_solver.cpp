@@ -8,7 +8,11 @@
 namespace stroma {
 
 void KrylovSolver::declare(DataTable& table) {
-  table.add("iterations", iterations_).atOnce().help("largest number of iterations").unit("-").min(1);
+  table.add("iterations", iterations_)
+      .atOnce()
+      .help("largest number of iterations; a scene that must keep a frame rate caps them")
+      .unit("-")
+      .min(1);
   table.add("tolerance", tolerance_).atOnce().help("stop when |b - A x| <= tolerance |b|").unit("-").min(0);
   table.add("template", template_)
       .help(
@@ -21,6 +25,8 @@ void KrylovSolver::declare(DataTable& table) {
 }
 
 void KrylovSolver::init() {
+  constexpr int usual = 100;
+  expected_iterations_ = data().find("iterations")->isSet() ? iterations_ : usual;
   const std::vector<std::string> assembled = {"CompressedRowSparseMatrix", "CompressedRowSparseMatrixd",
                                               "CompressedRowSparseMatrixMat3x3", "CompressedRowSparseMatrixMat3x3d"};
   if (template_ == "auto" || template_.empty()) {

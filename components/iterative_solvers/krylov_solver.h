@@ -33,7 +33,7 @@ class KrylovSolver : public LinearSolver {
       return false;
     }
     const bool assemble =
-        form_ == Form::assembled || (form_ == Form::automatic && matrix.prefersAssembled(iterations_));
+        form_ == Form::assembled || (form_ == Form::automatic && matrix.prefersAssembled(expected_iterations_));
     assembled_ = assemble ? &matrix.assemble() : nullptr;
     return true;
   }
@@ -57,10 +57,10 @@ class KrylovSolver : public LinearSolver {
     if (graph_.size() < graph_.capacity()) graph_.push_back(relative_residual);
   }
 
-  /// Most products of a solve.
-  int iterations_ = 25;
+  /// Most products of a solve. The default is a safety net that no solve of a sound scene meets.
+  int iterations_ = 20000;
   /// |b - A x| / |b| at which a solve ends.
-  double tolerance_ = 1e-5;
+  double tolerance_ = 1e-8;
   double norm_b_ = 0;  ///< |b| of the solve that begin() opened
 
  private:
@@ -70,6 +70,8 @@ class KrylovSolver : public LinearSolver {
   std::vector<double> graph_;
   /// Whether products go through the elements or the matrix; automatic asks the system for the cheaper.
   Form form_ = Form::automatic;
+  /// What a solve is taken to need when the form of the product is chosen.
+  int expected_iterations_ = 0;
   const BlockMatrix* assembled_ = nullptr;  ///< null while products are matrix-free
 };
 

@@ -39,6 +39,9 @@ class Component {
   virtual void recompile() { init(); }
   /// False when another component of the node stands for this one: searches by role pass it over. Asked before init().
   virtual bool answersLookup() const { return true; }
+  /// The type of a component that this one cannot do without and that its node does not hold: it is then made beside it,
+  /// with its defaults. Empty: nothing is missing. Asked when all components of the node have read their attributes.
+  virtual std::string missingPartner() const { return {}; }
   /// The word for the role, for messages: "force field".
   virtual std::string roleText() const = 0;
 

@@ -103,6 +103,7 @@ void Instantiation::build(const NodeDescription& description, Node& node) {
   const std::vector<std::string> names = componentNames(description), children = childNames(description);
   reportDuplicates(description, node);
   for (std::size_t i = 0; i < names.size(); ++i) makeComponent(description.components[i], names[i], node);
+  addMissingPartners(node);
   for (std::size_t i = 0; i < children.size(); ++i) buildChild(description.children[i], children[i], node);
 }
 
@@ -148,6 +149,22 @@ void Instantiation::makeComponent(const ComponentDescription& description, const
     component.markFailed();  // reported once; what needs it stays silent
   } else {
     readAttributes(description, component);
+  }
+}
+
+/// As if the scene had written it after the component that misses it, without attributes.
+void Instantiation::addMissingPartners(Node& node) {
+  for (std::size_t i = 0; i < node.components().size(); ++i) {
+    const Component& component = *node.components()[i];
+    if (component.hasFailed()) continue;
+    ComponentDescription description;
+    description.type = component.missingPartner();
+    if (description.type.empty()) continue;
+    description.where = component.where();
+    description.folder = component.folder_;
+    std::string name = description.type;
+    while (node.findByName(name)) name += "_";
+    makeComponent(description, name, node);
   }
 }
 

@@ -33,6 +33,7 @@ class Instantiation {
   void build(const NodeDescription& description, Node& node);
   void buildChild(const NodeDescription& description, const std::string& name, Node& parent);
   void reportDuplicates(const NodeDescription& description, const Node& node);
+  void addMissingPartners(Node& node);
   void makeComponent(const ComponentDescription& description, const std::string& name, Node& node);
   /// The component of a type, its old name or, with `misspelt`, the one most likely meant: never null.
   std::unique_ptr<Component> create(const ComponentDescription& description, const std::string& path, bool& misspelt);

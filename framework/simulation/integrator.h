@@ -19,6 +19,7 @@ class Integrator : public Component {
     if (!uses_linear_solver_) return nullptr;
     return linear_solver_.target() ? linear_solver_.get() : find<LinearSolver>();
   }
+  std::string missingPartner() const override;
   /// Called once: allocate every vector the steps need; check that the system has what the method needs.
   virtual void compile(System& system) = 0;
   virtual StepReport step(System& system, const StepContext& context) = 0;
@@ -43,15 +44,16 @@ class Integrator : public Component {
   virtual std::string describe() const = 0;
 
  protected:
-  /// The attribute `linearSolver`, for integrators that solve linear systems.
-  void declareLinearSolver(DataTable& table) {
+  /// The attribute `linearSolver`, for integrators that solve linear systems. `always`: no step does without.
+  void declareLinearSolver(DataTable& table, bool always = true) {
     uses_linear_solver_ = true;
+    needs_linear_solver_ = always;
     table.addLink("linearSolver", linear_solver_)
-        .help("the linear solver, where one is needed; without it, the one of the same node");
+        .help("the linear solver; without it, the one of the same node, else one that is made with its defaults");
   }
 
  private:
-  bool uses_linear_solver_ = false;
+  bool uses_linear_solver_ = false, needs_linear_solver_ = false;
   Link<LinearSolver> linear_solver_{"linear solver"};
 };
 

@@ -103,6 +103,7 @@ void hashRows(std::uint64_t& hash, ConstRows rows) {
 /// Adds what one system did to the report of the whole step: counts are summed, of the rest the worst is kept.
 void merge(StepReport&& part, StepReport& whole) {
   whole.newton_iterations += part.newton_iterations;
+  whole.load_parts = std::max(whole.load_parts, part.load_parts);
   whole.linear_iterations += part.linear_iterations;
   whole.factorisations += part.factorisations;
   whole.solve_seconds += part.solve_seconds;

@@ -24,6 +24,8 @@ void RunStatistics::add(const StepReport& report, double step_seconds) {
   ++stops[report.linear_stop];
   linear_iterations += report.linear_iterations;
   newton_iterations += report.newton_iterations;
+  divided_steps += report.load_parts > 1;
+  most_load_parts = std::max(most_load_parts, report.load_parts);
   factorisations += report.factorisations;
   linear_unconverged += report.linear_converged ? 0 : 1;
   newton_unconverged += report.newton_converged ? 0 : 1;

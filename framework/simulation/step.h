@@ -20,6 +20,7 @@ struct StepReport {
   bool unsolved = false;  ///< a step without time (statics) has not reached its equilibrium: the state is no result
   std::string reason;     ///< a sentence, when diverged or not converged
   int newton_iterations = 0;
+  int load_parts = 0;         ///< of statics: into how many parts the step was divided, those that failed included
   int linear_iterations = 0;  ///< summed over the Newton iterations
   int factorisations = 0;
   double solve_seconds = 0;    ///< wall time of the linear solves, their products and assembly included

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "framework/simulation/statistics.h"
 #include "tools/command/bits.h"
 #include "tools/command/comparison.h"
 #include "tools/command/junit.h"
@@ -30,7 +31,9 @@ const Manual manual{
     "of "
     "the body, when\nthe relative L2 error exceeds the tolerance, at a number that is not finite, a missing reference, "
     "another size, name or time.\nLIST: the folder of the references on the first line, then lines `SCENE STEPS "
-    "TOLERANCE [PATH.ATTR=VALUE ...]`; # starts a\ncomment; paths are relative to the list. A reference that this "
+    "TOLERANCE [PATH.ATTR=VALUE ...] [unconverged]`; # starts a\ncomment; paths are relative to the list. A case also "
+    "fails, and nothing of it is stored, when a solve ends before its\ntolerance, unless its line says `unconverged`. "
+    "A reference that this "
     "program "
     "wrote proves only that nothing has changed.\nWith --bits nothing is compared with references: each scene runs "
     "with one thread, once more after a reset, from a\ncheckpoint in the middle and with two threads, and every bit of "
@@ -70,12 +73,17 @@ Recording runCase(const RegressionCase& test, Session& session) {
   const std::set<long> stored = storedSteps(test.steps);
   Recording recording;
   store(simulation, recording);
+  RunStatistics statistics;
   while (simulation.steps() < test.steps) {
     const StepReport report = simulation.step();
     if (report.diverged) throw std::runtime_error("diverged: " + report.reason);
     if (!report.constraints_converged) throw std::runtime_error("not converged: " + report.constraint_reason);
+    statistics.add(report, 0);
     if (stored.count(simulation.steps())) store(simulation, recording);
   }
+  if (!statistics.allConverged() && !test.accepts_unconverged)
+    throw std::runtime_error(fmt::format("{}; or write unconverged behind the case: its answer is then taken as it is",
+                                         fmt::join(statistics.warnings(), "; ")));
   if (recording.empty()) throw std::runtime_error("the scene has no state that moves: there is nothing to compare");
   return recording;
 }

@@ -42,6 +42,10 @@ RegressionCase readCase(const std::string& line, const fs::path& folder) {
       result.bits_of_processor = true;
       continue;
     }
+    if (word == "unconverged") {
+      result.accepts_unconverged = true;
+      continue;
+    }
     if (word.find('=') == std::string::npos)
       throw UsageError(fmt::format("'{}' is not PATH.ATTR=VALUE; positions and velocities are always compared", word));
     result.overrides.push_back(word);

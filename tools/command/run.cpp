@@ -176,6 +176,9 @@ void printText(const Request& request, const Simulation& simulation, const Outco
   if (!outcome.statistics.step_ms.empty())
     fmt::print(", {:.3g} ms per step (median {:.3g}, p99 {:.3g})", outcome.statistics.meanMs(),
                outcome.statistics.quantileMs(0.5), outcome.statistics.quantileMs(0.99));
+  if (outcome.statistics.divided_steps > 0)
+    fmt::print("\n{} of the steps had to be divided, into up to {} parts", outcome.statistics.divided_steps,
+               outcome.statistics.most_load_parts);
   fmt::print("\nstate hash {:016x}\n", simulation.stateHash());
 }
 
@@ -240,7 +243,7 @@ int run(const Arguments& arguments) {
     fmt::print(stderr, "the last {} (t = {:.6g} s) is in {}\n", outcome.last.diverged ? "good state" : "state",
                simulation.time(), fmt::join(recorder->files(), ", "));
   const bool doubts = tellWarnings(outcome.statistics, simulation.doubts(), warnings);
-  outcome.doubted = request.strict && (doubts || !outcome.last.newton_converged);
+  outcome.doubted = request.strict && (doubts || !outcome.statistics.allConverged());
   if (wants_json) {
     auto json = summary(request, simulation, outcome);
     json["load_seconds"] = load_seconds;

@@ -28,7 +28,9 @@ Json solvers(const RunStatistics& run) {
                     {"factorisations", run.factorisations}};
   json["newton"] = {{"iterations", run.newton_iterations},
                     {"residual_worst", run.newton_residual_worst},
-                    {"steps_not_converged", run.newton_unconverged}};
+                    {"steps_not_converged", run.newton_unconverged},
+                    {"steps_divided", run.divided_steps},
+                    {"most_parts_of_a_step", run.most_load_parts}};
   return json;
 }
 
