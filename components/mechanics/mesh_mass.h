@@ -32,6 +32,18 @@ class MeshMass : public Mass {
   const std::vector<double>& nodalMasses() const { return vertex_mass_; }  ///< [kg], shape (nodes)
   /// Cells of the highest dimension in the mesh: volumes, else faces, else edges.
   const std::vector<MassCell>& cells() const { return cells_; }
+  /// add(i, j, m) for nodes i and j of each cell, m their entry of its mass matrix [kg].
+  template <class Add>
+  void forEachEntry(Add&& add) const {
+    CellMatrix matrix;
+    for (std::size_t c = 0; c < cells_.size(); ++c) {
+      const auto [kind, nodes] = cells_[c];
+      cellMassMatrix(cells_[c], geometry(), matrix);
+      for (int i = 0; i < kind->nodes; ++i)
+        for (int j = 0; j < kind->nodes; ++j)
+          add(nodes[i], nodes[j], density(c) * matrix[std::size_t(i * kind->nodes + j)]);
+    }
+  }
   /// Mass of a cell over its size, [kg/m^d], the mesh's overlap taken into account.
   double density(std::size_t cell) const { return densities_.size() == 1 ? densities_[0] : densities_[cell]; }
   const std::vector<Vec3>& geometry() const { return *geometry_; }  ///< positions that give the sizes, shape (nodes)
