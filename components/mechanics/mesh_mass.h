@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 #include "framework/mechanics/mass.h"
+#include "framework/mechanics/state_topology.h"
 #include "framework/mesh/cell_kind.h"
 #include "framework/mesh/topology.h"
 
@@ -69,7 +70,7 @@ class MeshMass : public Mass {
 
   std::vector<double> mass_density_{1}, vertex_mass_;
   double total_mass_ = 1;
-  Link<Topology> topology_{"topology"};
+  TopologyLink topology_;
   Link<State> geometry_state_{"mechanical state"};
 
   Source source_ = Source::total;
