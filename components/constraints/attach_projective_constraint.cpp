@@ -33,7 +33,9 @@
 // </Node>
 #include <fmt/format.h>
 
-#include "framework/mechanics/node_indices.h"
+#include <tuple>
+
+#include "framework/mechanics/node_pairs.h"
 #include "framework/mechanics/projective_constraint.h"
 #include "framework/scene/factory.h"
 
@@ -52,14 +54,10 @@ class AttachProjectiveConstraint final : public ProjectiveConstraint {
   }
 
   void init() override {
-    if (object1_.target()) mstate_.set(object1_.target());
+    setFirstState(object1_, mstate_);
     ProjectiveConstraint::init();
     second_ = object2_.get() ? object2_.get() : &state();
-    leaders_ = checkedNodesInOrder(indices1_, state(), "indices1");
-    followers_ = checkedNodesInOrder(indices2_, *second_, "indices2");
-    if (leaders_.size() != followers_.size())
-      throw ComponentError(fmt::format("indices1 has {} nodes and indices2 {}", leaders_.size(), followers_.size()),
-                           "as many of each");
+    std::tie(leaders_, followers_) = checkedPairs({"indices1", indices1_, state()}, {"indices2", indices2_, *second_});
     double farthest = 0;
     for (std::size_t i = 0; i < leaders_.size(); ++i) {
       if (second_ == &state() && leaders_[i] == followers_[i])

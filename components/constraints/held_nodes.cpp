@@ -2,6 +2,7 @@
 #include "components/constraints/held_nodes.h"
 
 #include "framework/mechanics/node_indices.h"
+#include "framework/scene/archive.h"
 
 namespace stroma {
 
@@ -22,6 +23,13 @@ void HeldNodes::init() {
     throw ComponentError("no indices: which nodes are held?",
                          "indices=\"0 3 7\", indices=\"@roi.indices\" or fixAll=\"true\"");
   nodes_ = checkedNodes(indices_, state(), "indices");
+}
+
+void HeldNodes::serializeStart(Archive& archive, std::vector<Vec3>& start) const {
+  archive.list("start", start);
+  std::vector<Index> whose = nodes_;
+  archive.list("nodes", whose);
+  if (whose != nodes_) start.clear();
 }
 
 void HeldNodes::addProjectors(double, std::vector<NodeProjector>& out) const {

@@ -16,6 +16,8 @@ class HeldNodes : public ProjectiveConstraint {
  protected:
   const std::vector<Index>& nodes() const { return nodes_; }  ///< ascending, each once
   Index row(std::size_t i) const { return state().firstRow() + nodes_[i]; }
+  /// Where a movement of the nodes started, shape (nodes) or empty. Read for other nodes it is empty: theirs begins anew.
+  void serializeStart(Archive& archive, std::vector<Vec3>& start) const;
   /// Replaces the nodes that init() found.
   void setNodes(std::vector<Index> nodes) { nodes_ = std::move(nodes); }
 

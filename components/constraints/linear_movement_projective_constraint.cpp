@@ -62,12 +62,7 @@ class LinearMovement : public HeldNodes {
   bool isConstant() const override { return outside_ == Outside::hold; }
   bool prescribesMotion() const override { return true; }
   void reset() override { start_.clear(); }
-  void serialize(Archive& archive) override {
-    archive.list("start", start_);
-    std::vector<Index> whose = nodes();
-    archive.list("nodes", whose);
-    if (whose != nodes()) start_.clear();  // other nodes by now: the movement begins for them
-  }
+  void serialize(Archive& archive) override { serializeStart(archive, start_); }
 
   // A movement that is found under way, as when a run is resumed, has moved the nodes already.
   void beginMotion(double t, ConstRows x) override {

@@ -60,10 +60,7 @@ class LinearVelocityProjectiveConstraint final : public HeldNodes {
   void reset() override { start_.clear(); }
   void serialize(Archive& archive) override {
     archive.value("start_time", start_time_);
-    archive.list("start", start_);
-    std::vector<Index> whose = nodes();
-    archive.list("nodes", whose);
-    if (whose != nodes()) start_.clear();  // other nodes by now: the movement begins for them
+    serializeStart(archive, start_);
   }
 
   void beginMotion(double t, ConstRows x) override {

@@ -15,6 +15,7 @@
 #include <Eigen/Cholesky>
 
 #include "components/direct_solvers/dense_factor.h"
+#include "components/direct_solvers/factor_solver.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
@@ -38,13 +39,7 @@ class DenseCholesky final : public DenseFactor {
   Eigen::VectorXd solution_;
 };
 
-class CholeskySolver final : public DirectSolver {
- public:
-  bool needsSymmetric() const override { return true; }
-
- private:
-  std::unique_ptr<Factorisation> makeFactorisation(bool) const override { return std::make_unique<DenseCholesky>(); }
-};
+using CholeskySolver = FactorSolver<DenseCholesky, true>;
 
 }  // namespace
 }  // namespace stroma

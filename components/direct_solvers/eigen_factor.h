@@ -7,8 +7,8 @@
 namespace stroma {
 
 /// `Solver` is one of Eigen's sparse direct solvers; `failure` is what a matrix that it cannot factor is called.
-template <class Solver, SolveStop failure>
-class EigenFactor : public Factorisation {
+template <class Solver, SolveStop failure, class Base = Factorisation>
+class EigenFactor : public Base {
  public:
   void analyse(const BlockMatrix& matrix) override {
     copy_.layOut(matrix);
@@ -25,7 +25,7 @@ class EigenFactor : public Factorisation {
     scatter(solution_, x);
   }
   /// At a nanosecond for each multiply-add; the factor's entries are counted as ten times those of the matrix.
-  Cost cost() const override {
+  Factorisation::Cost cost() const override {
     const double entries = 10. * double(copy_.matrix.nonZeros()), rows = double(copy_.matrix.rows());
     return {1e-9 * entries * entries / rows, 2e-9 * entries};
   }

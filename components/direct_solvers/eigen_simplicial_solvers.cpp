@@ -21,22 +21,14 @@
 #include <Eigen/SparseCholesky>
 
 #include "components/direct_solvers/eigen_factor.h"
+#include "components/direct_solvers/factor_solver.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
 namespace {
 
-template <class Factor>
-class SimplicialSolver final : public DirectSolver {
- public:
-  bool needsSymmetric() const override { return true; }
-
- private:
-  std::unique_ptr<Factorisation> makeFactorisation(bool) const override { return std::make_unique<Factor>(); }
-};
-
-using LLT = SimplicialSolver<EigenFactor<Eigen::SimplicialLLT<SparseCopy::Matrix>, SolveStop::not_definite>>;
-using LDLT = SimplicialSolver<EigenFactor<Eigen::SimplicialLDLT<SparseCopy::Matrix>, SolveStop::breakdown>>;
+using LLT = FactorSolver<EigenFactor<Eigen::SimplicialLLT<SparseCopy::Matrix>, SolveStop::not_definite>, true>;
+using LDLT = FactorSolver<EigenFactor<Eigen::SimplicialLDLT<SparseCopy::Matrix>, SolveStop::breakdown>, true>;
 
 }  // namespace
 }  // namespace stroma

@@ -17,6 +17,7 @@
 #include <Eigen/SparseQR>
 
 #include "components/direct_solvers/eigen_factor.h"
+#include "components/direct_solvers/factor_solver.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
@@ -32,13 +33,7 @@ class QRFactor final : public EigenFactor<QR, SolveStop::breakdown> {
   }
 };
 
-class EigenSparseQR final : public DirectSolver {
- public:
-  bool needsSymmetric() const override { return false; }
-
- private:
-  std::unique_ptr<Factorisation> makeFactorisation(bool) const override { return std::make_unique<QRFactor>(); }
-};
+using EigenSparseQR = FactorSolver<QRFactor, false>;
 
 }  // namespace
 }  // namespace stroma

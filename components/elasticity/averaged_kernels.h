@@ -12,8 +12,7 @@ namespace stroma::tetrahedron {
 inline std::map<double, std::vector<Index>> materials(const Elements& elements) {
   const Mesh& mesh = elements.shapes.mesh();
   std::map<double, std::vector<Index>> cells;
-  for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e)
-    cells[elements.lame(e).lambda + 2. / 3 * elements.lame(e).mu].push_back(Index(e));
+  for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e) cells[elements.lame(e).bulk()].push_back(Index(e));
   constexpr std::size_t most = 100;
   if (cells.size() > most)
     throw ComponentError(fmt::format("the mean dilatation is taken over cells with equal constants, and there are {} "

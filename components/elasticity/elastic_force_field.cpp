@@ -90,8 +90,7 @@ void offerElasticKind(const ElasticKind& kind) {
 
 void ElasticForceField::declare(DataTable& table) {
   ForceField::declare(table);
-  table.addLink("topology", topology_)
-      .help("mesh that holds the cells; the node's own (or the nearest above) when not given");
+  topology_.declare(table, "mesh that holds the cells");
   table.add("template", template_)
       .help("Vec3, or the kind of cell with it where a mesh holds several: Vec3,Tetrahedron or Vec3,Hexahedron");
   table.add("youngModulus", young_modulus_)
@@ -187,7 +186,7 @@ void ElasticForceField::chooseKind(const Topology& topology) {
 
 void ElasticForceField::init() {
   ForceField::init();
-  const Topology* topology = findTopology(*this, state(), topology_, MeshNodes::first);
+  const Topology* topology = topology_.find(*this, state(), MeshNodes::first);
   if (!topology) throw ComponentError("there is no mesh", "a topology with cells in this node or above");
   mesh_ = &topology->mesh();
   chooseKind(*topology);

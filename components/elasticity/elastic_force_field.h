@@ -3,6 +3,7 @@
 #pragma once
 #include "components/elasticity/elastic_elements.h"
 #include "framework/fem/element_kernels_field.h"
+#include "framework/mechanics/state_topology.h"
 #include "framework/mesh/topology.h"
 
 namespace stroma {
@@ -63,7 +64,7 @@ class ElasticForceField : public ElementKernelsField {
   ConstRows ownRows(ConstRows x) const;
   bool isSet(const char* attribute) const { return data().find(attribute)->isSet(); }
 
-  Link<Topology> topology_{"topology"};
+  TopologyLink topology_;
   std::string template_;
   std::vector<double> young_modulus_{5000}, poisson_ratio_{0.45}, stiffness_factor_;
   bool update_b_ = false, update_volume_ = false;

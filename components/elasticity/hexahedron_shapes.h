@@ -134,14 +134,14 @@ class HexahedronShapes {
   }
   static void setLaw(const RestShape& shape, const Lame& constants, MeanDilatation<double>& law) {
     law.lambda = -2. / 3 * constants.mu, law.mu = constants.mu;
-    law.bulk = (constants.lambda + 2. / 3 * constants.mu) / volume(shape);
+    law.bulk = constants.bulk() / volume(shape);
     const PointValues<double> j = atPoints(shape.modes);
     for (int p = 0; p < 8; ++p) law.root[p] = std::sqrt(std::abs(determinantAt(j, p)) / 512);
   }
   void setGreen(const RestShape& shape, const Lame& constants, auto& tangent) const {
     const bool mean = variant_.mean_dilatation;
     tangent.lambda = mean ? -2. / 3 * constants.mu : constants.lambda, tangent.mu = constants.mu;
-    tangent.bulk = mean ? (constants.lambda + 2. / 3 * constants.mu) / volume(shape) : 0;
+    tangent.bulk = mean ? constants.bulk() / volume(shape) : 0;
   }
 
   static double volume(const RestShape& shape) {

@@ -38,6 +38,7 @@
 #include "framework/fem/isotropic.h"
 #include "framework/mechanics/node_indices.h"
 #include "framework/mechanics/state_topology.h"
+#include "framework/mesh/cell_kind.h"
 #include "framework/scene/factory.h"
 
 using namespace stroma;
@@ -83,7 +84,7 @@ class TriangularFEMForceField final : public ElementKernelsField {
     return fmt::format("triangle {} (nodes {} {} {})", triangle, t[0], t[1], t[2]);
   }
 
-  Link<Topology> topology_{"topology"};
+  TopologyLink topology_;
   std::vector<double> young_modulus_{5000}, poisson_ratio_{0.45};
   double thickness_ = 1;
   bool plane_strain_ = false;
@@ -94,7 +95,7 @@ class TriangularFEMForceField final : public ElementKernelsField {
 
 void TriangularFEMForceField::declare(DataTable& table) {
   ForceField::declare(table);
-  table.addLink("topology", topology_).help("mesh of triangles; the node's own (or the nearest above) when not given");
+  topology_.declare(table, "mesh of triangles");
   table.add("youngModulus", young_modulus_)
       .help("Young's modulus: one value, or one per triangle")
       .unit("Pa")
@@ -119,11 +120,9 @@ void TriangularFEMForceField::declare(DataTable& table) {
 
 void TriangularFEMForceField::init() {
   ForceField::init();
-  const Topology* topology = findTopology(*this, state(), topology_);
-  if (!topology || topology->mesh().triangles.empty())
-    throw ComponentError("no mesh in this node or above has triangles", "a topology with triangles");
-  triangles_ = &topology->mesh().triangles;
-  const std::string problem = topology->mesh().firstError();
+  const Mesh& mesh = topology_.meshWith(cell_kinds::triangle, *this, state());
+  triangles_ = &mesh.triangles;
+  const std::string problem = mesh.firstError();
   if (!problem.empty()) throw ComponentError(problem);
   spread(young_modulus_, triangles_->size(), "youngModulus", "triangles");
   spread(poisson_ratio_, triangles_->size(), "poissonRatio", "triangles");

@@ -14,19 +14,15 @@ constexpr double N = 8;
 constexpr double C[5] = {1. / 2, 1 / (20 * N), 11 / (1050 * N * N), 19 / (7000 * N * N * N),
                          519 / (673750 * N * N * N * N)};
 
-struct ArrudaBoyce {
-  using Set = First;
+struct ArrudaBoyce : IsochoricAndBulk<ArrudaBoyce, First> {
   template <class T>
   struct Parameters {
     T mu, k0;
   };
-  /// sum C_n (i^n - 3^n)
-  static auto energy(const auto& J, const auto& I1, const auto& p) {
-    const auto L = log(J);
-    const auto i = exp((-2. / 3) * L) * I1;
+  /// mu sum C_n (i^n - 3^n)
+  static auto isochoric(const auto& i, const auto& p) {
     constexpr double at_rest = 3 * (C[0] + 3 * (C[1] + 3 * (C[2] + 3 * (C[3] + 3 * C[4]))));
-    const auto series = i * ((i * ((i * ((i * (C[4] * i + C[3])) + C[2])) + C[1])) + C[0]) - at_rest;
-    return p.mu * series + 0.5 * p.k0 * (L * L);
+    return p.mu * (i * ((i * ((i * ((i * (C[4] * i + C[3])) + C[2])) + C[1])) + C[0]) - at_rest);
   }
 };
 
@@ -36,16 +32,11 @@ constexpr double shear_factor = 2 * (C[0] + 3 * (2 * C[1] + 3 * (3 * C[2] + 3 * 
 }  // namespace
 
 STROMA_COMPONENT(arruda_boyce) {
-  HyperelasticLaw law;
-  law.name = "ArrudaBoyce";
-  law.formula = "mu sum C_n (J^-2n/3 I1^n - 3^n) + k0/2 (ln J)^2, n = 1..5";
-  law.parameters = {{"mu", "Pa", "shear modulus", true}, {"k0", "Pa", "bulk modulus", true}};
-  law.volume = VolumePart::half_log_squared, law.volume_parameter = 1;
-  law.infinite_at_zero = true;
-  law.from_lame = [](const Lame& lame, std::vector<double>& values) -> std::string {
-    if (std::isnan(values[0])) values[0] = lame.mu / shear_factor;
-    if (std::isnan(values[1])) values[1] = lame.lambda + 2. / 3 * lame.mu;
-    return {};
-  };
-  offerHyperelasticLaw(lawOf<ArrudaBoyce>(law));
+  offerHyperelasticLaw(
+      withBulkModulus(lawOf<ArrudaBoyce>("ArrudaBoyce", "mu sum C_n (J^-2n/3 I1^n - 3^n) + k0/2 (ln J)^2, n = 1..5",
+                                         {{"mu", "Pa", "shear modulus", true}}),
+                      [](double mu, std::vector<double>& values) -> std::string {
+                        if (std::isnan(values[0])) values[0] = mu / shear_factor;
+                        return {};
+                      }));
 }

@@ -26,20 +26,18 @@ struct Costa {
 }  // namespace
 
 STROMA_COMPONENT(costa) {
-  HyperelasticLaw law;
-  law.name = "Costa";
-  law.formula = "a/2 (exp(J^-4/3 Q) - 1) + k0 (J ln J - J + 1), Q = sum b_ij E_ij^2 in fibre axes";
-  law.parameters = {{"a", "Pa", "factor of the exponential", true},
+  HyperelasticLaw law =
+      lawOf<Costa>("Costa", "a/2 (exp(J^-4/3 Q) - 1) + k0 (J ln J - J + 1), Q = sum b_ij E_ij^2 in fibre axes",
+                   {{"a", "Pa", "factor of the exponential", true},
                     {"k0", "Pa", "bulk modulus of the volumetric part", true},
-                    {"bff", "-", "stiffness along the fibre"},
-                    {"bfs", "-", "of shear between fibre and sheet"},
-                    {"bss", "-", "along the sheet"},
-                    {"bfn", "-", "of shear between fibre and normal"},
-                    {"bsn", "-", "of shear between sheet and normal"},
-                    {"bnn", "-", "along the normal"}};
-  for (std::size_t i = 2; i < 8; ++i) law.parameters[i].positive = true;
+                    {"bff", "-", "stiffness along the fibre", true},
+                    {"bfs", "-", "of shear between fibre and sheet", true},
+                    {"bss", "-", "along the sheet", true},
+                    {"bfn", "-", "of shear between fibre and normal", true},
+                    {"bsn", "-", "of shear between sheet and normal", true},
+                    {"bnn", "-", "along the normal", true}});
   law.directions = 3;
   law.volume = VolumePart::log_integral, law.volume_parameter = 1;
   law.infinite_at_zero = true;
-  offerHyperelasticLaw(lawOf<Costa>(law));
+  offerHyperelasticLaw(law);
 }

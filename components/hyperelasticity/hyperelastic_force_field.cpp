@@ -28,8 +28,7 @@ void HyperelasticForceField::declare(DataTable& table) {
   ForceField::declare(table);
   std::set<std::string> names;
   for (const HyperelasticLaw& law : hyperelasticLaws()) names.insert(law.name);
-  table.addLink("topology", topology_)
-      .help("mesh that holds the cells; the node's own (or the nearest above) when not given");
+  topology_.declare(table, "mesh that holds the cells");
   table.add("template", template_).help("Vec3");
   table.add("materialName", material_name_).physical().help(fmt::format("the law: {}", fmt::join(names, ", ")));
   table.add("ParameterSet", parameter_set_).help("the law's parameters by position, instead of by name");
@@ -120,7 +119,7 @@ void HyperelasticForceField::refusePlugin() const {
 void HyperelasticForceField::chooseMesh() {
   if (!template_.empty() && template_.rfind("Vec3", 0) != 0)
     throw ComponentError(fmt::format("template '{}' is none that {} has", template_, type()), "Vec3");
-  const Topology* topology = findTopology(*this, state(), topology_, MeshNodes::first);
+  const Topology* topology = topology_.find(*this, state(), MeshNodes::first);
   if (!topology) throw ComponentError("there is no mesh", "a topology with cells in this node or above");
   mesh_ = &topology->mesh();
   if (cellCount() == 0)

@@ -6,6 +6,7 @@
 #include "components/hyperelasticity/viscous_law.h"
 #include "framework/fem/element_kernels_field.h"
 #include "framework/mechanics/history.h"
+#include "framework/mechanics/state_topology.h"
 #include "framework/mesh/topology.h"
 
 namespace stroma {
@@ -75,7 +76,7 @@ class HyperelasticForceField : public ElementKernelsField, public History {
   void makeViscous();
   ConstRows systemRows() const;
 
-  Link<Topology> topology_{"topology"};
+  TopologyLink topology_;
   std::string template_, material_name_ = "ArrudaBoyce";
   std::vector<double> parameter_set_, young_modulus_, poisson_ratio_;
   std::map<std::string, std::vector<double>> named_;

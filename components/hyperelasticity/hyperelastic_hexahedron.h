@@ -10,10 +10,16 @@ namespace stroma::hyperelastic {
 
 constexpr int gauss_points = 8;
 
-template <class Form>
-struct Hexahedron {
+/// What elements of eight nodes share.
+struct EightNodes {
   static constexpr int nodes = 8;
   static constexpr bool reads_position = true;
+  template <class T>
+  using Points = hexahedron::PointValues<T>;
+};
+
+template <class Form>
+struct Hexahedron : EightNodes {
   template <class T>
   struct Rest {
     elastic::Gradients<T> g[gauss_points];  ///< [1/m]
@@ -24,8 +30,6 @@ struct Hexahedron {
   struct Tangent {
     typename Form::template Tangent<T> at[gauss_points];
   };
-  template <class T>
-  using Points = hexahedron::PointValues<T>;
 
   template <class T>
   static M3<T> deformation(const Rest<T>& rest, const Points<T>& j, int p) {
@@ -67,15 +71,20 @@ struct Hexahedron {
   }
 };
 
+/// The derivatives along the axes at the Gauss points, at rest.
+inline hexahedron::PointValues<double> restPoints(const Cells& cells, std::size_t cell) {
+  const stroma::Hexahedron& order = cells.mesh->hexahedra[cell];
+  V3<double> x[8];
+  for (std::size_t a = 0; a < 8; ++a) x[a] = vectorOf((*cells.rest)[order[a]]);
+  return hexahedron::atPoints(hexahedron::modesOf(x));
+}
+
 template <class Form>
 StorageOf<Hexahedron<Form>> hexahedronStorage(const Cells& cells) {
   StorageOf<Hexahedron<Form>> storage;
   storage.build(cells.mesh->hexahedra, *cells.rest, cells.first_row,
                 [&](std::size_t cell, bool padding, auto& rest, auto&) {
-                  const stroma::Hexahedron& order = cells.mesh->hexahedra[cell];
-                  V3<double> x[8];
-                  for (std::size_t a = 0; a < 8; ++a) x[a] = vectorOf((*cells.rest)[order[a]]);
-                  const auto j = hexahedron::atPoints(hexahedron::modesOf(x));
+                  const auto j = restPoints(cells, cell);
                   const Mat3 axes = Form::Law::Set::anisotropic ? cells.axes(cell) : Mat3(Mat3::Identity());
                   for (int p = 0; p < gauss_points; ++p) {
                     const Mat3 edges = toEigen(hexahedron::Columns<double>(j, p).matrix());

@@ -34,9 +34,36 @@ std::unique_ptr<ElementKernels> hexahedraOf(const Cells& cells) {
   return make.template operator()<Mjed<Law>>();
 }
 
-/// Fills in the kernels; name, parameters and the rest are the law's own.
+/// A law that has Lame's constants alone; inLameConstants() describes them.
+template <class Set_>
+struct InLameConstants {
+  using Set = Set_;
+  template <class T>
+  struct Parameters {
+    T mu, lambda;
+  };
+};
+
+/// The energy Law::isochoric(J^-2/3 I1, p) + k0/2 (ln J)^2, or with J^-4/3 I2 after I1; withBulkModulus() describes k0.
+template <class Law, class Set_>
+struct IsochoricAndBulk {
+  using Set = Set_;
+  static auto energy(const auto& J, const auto& I1, const auto& p) {
+    const auto L = log(J);
+    return Law::isochoric(exp((-2. / 3) * L) * I1, p) + 0.5 * p.k0 * (L * L);
+  }
+  static auto energy(const auto& J, const auto& I1, const auto& I2, const auto& p) {
+    const auto L = log(J);
+    const auto scale = exp((-2. / 3) * L);
+    return Law::isochoric(scale * I1, scale * scale * I2, p) + 0.5 * p.k0 * (L * L);
+  }
+};
+
+/// A law with its kernels: what it is called, its energy for the manual, its parameters. The rest is the law's own.
 template <class Law>
-HyperelasticLaw lawOf(HyperelasticLaw law) {
+HyperelasticLaw lawOf(std::string name, std::string formula, std::vector<ParameterInfo> parameters = {}) {
+  HyperelasticLaw law;
+  law.name = std::move(name), law.formula = std::move(formula), law.parameters = std::move(parameters);
   law.tetrahedra = tetrahedraOf<Law>;
   law.hexahedra = hexahedraOf<Law>;
   law.stress = [](Values values, const Mat3& f) -> Mat3 {
@@ -44,10 +71,10 @@ HyperelasticLaw lawOf(HyperelasticLaw law) {
     return toEigen(Mjed<Law>::stress(parametersOf<Law>(values), 1., fromEigen(f), t));
   };
   law.differential = [](Values values, const Mat3& f, const Mat3& df) -> Mat3 {
-    const auto parameters = parametersOf<Law>(values);
+    const auto numbers = parametersOf<Law>(values);
     typename Mjed<Law>::template Tangent<double> t;
-    Mjed<Law>::stress(parameters, 1., fromEigen(f), t);
-    return toEigen(Mjed<Law>::differential(parameters, 1., t, fromEigen(f), fromEigen(df)));
+    Mjed<Law>::stress(numbers, 1., fromEigen(f), t);
+    return toEigen(Mjed<Law>::differential(numbers, 1., t, fromEigen(f), fromEigen(df)));
   };
   if constexpr (!InPrincipalStretches<Law>) law.curved_in_volume = NotZero<decltype(Derivatives<Law, double>::aa)>;
   return law;

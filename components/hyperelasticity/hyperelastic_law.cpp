@@ -60,14 +60,33 @@ void offerHyperelasticLaw(HyperelasticLaw law) {
   if (!is_known) laws.push_back(std::move(law));
 }
 
-std::string lameParameters(const Lame& lame, std::vector<double>& values) {
-  if (std::isnan(values[0])) values[0] = lame.mu;
-  if (std::isnan(values[1])) values[1] = lame.lambda;
-  return {};
+HyperelasticLaw inLameConstants(HyperelasticLaw law) {
+  law.parameters.insert(law.parameters.begin(),
+                        {{"mu", "Pa", "shear modulus", true}, {"lambda", "Pa", "Lame's first constant"}});
+  law.from_lame = [](const Lame& lame, std::vector<double>& values) -> std::string {
+    if (std::isnan(values[0])) values[0] = lame.mu;
+    if (std::isnan(values[1])) values[1] = lame.lambda;
+    return {};
+  };
+  law.check = [](Values values) -> std::string {
+    if (values[1] + 2. / 3 * values[0] > 0) return {};
+    return fmt::format("mu = {} and lambda = {} have no bulk modulus lambda + 2/3 mu above 0", values[0], values[1]);
+  };
+  return law;
 }
-std::string checkLame(Values values) {
-  if (values[1] + 2. / 3 * values[0] > 0) return {};
-  return fmt::format("mu = {} and lambda = {} have no bulk modulus lambda + 2/3 mu above 0", values[0], values[1]);
+HyperelasticLaw withBulkModulus(HyperelasticLaw law,
+                                std::function<std::string(double mu, std::vector<double>&)> from_shear) {
+  const std::size_t k0 = law.parameters.size();
+  law.volume = VolumePart::half_log_squared, law.volume_parameter = k0;
+  law.parameters.push_back({"k0", "Pa", "bulk modulus", true});
+  law.infinite_at_zero = true;
+  if (!from_shear) return law;
+  law.from_lame = [from_shear = std::move(from_shear), k0](const Lame& lame, std::vector<double>& values) {
+    const std::string missing = from_shear(lame.mu, values);
+    if (missing.empty() && std::isnan(values[k0])) values[k0] = lame.bulk();
+    return missing;
+  };
+  return law;
 }
 
 }  // namespace stroma::hyperelastic

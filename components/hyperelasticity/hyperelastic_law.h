@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// A hyperelastic law as a scene names it: parameters and kernels. A law's .cpp offers it once, by
-// offerHyperelasticLaw(lawOf<TheLaw>(...)) of hyperelastic_kernels.h; a module outside the tree can offer more.
+// A hyperelastic law as a scene names it: parameters and kernels. A law's .cpp makes it by lawOf<TheLaw>(...) of
+// hyperelastic_kernels.h and offers it once, by offerHyperelasticLaw(); a module outside the tree can offer more.
 #pragma once
 #include <functional>
 #include <memory>
@@ -87,8 +87,11 @@ const std::vector<HyperelasticLaw>& hyperelasticLaws();
 /// threads may be reading.
 void offerHyperelasticLaw(HyperelasticLaw law);
 
-/// For laws whose parameters are mu and lambda: from_lame and check.
-std::string lameParameters(const Lame& lame, std::vector<double>& values);
-std::string checkLame(Values values);
+/// The law in Lame's constants: they come before its parameters, and give it from_lame and check.
+HyperelasticLaw inLameConstants(HyperelasticLaw law);
+/// The law with a part k0/2 (ln J)^2: k0 comes after its parameters, is that of `volume`, and the bulk modulus of small
+/// strains. `from_shear` fills the others from the shear modulus, as from_lame; null: there is no such conversion.
+HyperelasticLaw withBulkModulus(HyperelasticLaw law,
+                                std::function<std::string(double mu, std::vector<double>&)> from_shear);
 
 }  // namespace stroma::hyperelastic

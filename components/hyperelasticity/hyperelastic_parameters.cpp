@@ -115,13 +115,12 @@ void HyperelasticForceField::fillNamed(std::size_t set, std::vector<double>& val
 /// Refuses parameters that contradict E and nu, beyond the figures that people write.
 void HyperelasticForceField::checkModuli(const Lame& lame, hyperelastic::Values values) const {
   const auto [shear, bulk] = law_.moduliAtRest(values);
-  const double bulk_asked = lame.lambda + 2. / 3 * lame.mu;
   const auto agree = [](double a, double b) { return std::abs(a - b) <= 1e-3 * std::abs(b); };
-  if (agree(shear, lame.mu) && agree(bulk, bulk_asked)) return;
+  if (agree(shear, lame.mu) && agree(bulk, lame.bulk())) return;
   throw ComponentError(
       fmt::format("youngModulus and poissonRatio mean a shear modulus of {:.6g} Pa and a bulk modulus of {:.6g} Pa; "
                   "with {} of {} they are {:.6g} and {:.6g}",
-                  lame.mu, bulk_asked, fmt::join(givenNames(), ", "), law_.name, shear, bulk),
+                  lame.mu, lame.bulk(), fmt::join(givenNames(), ", "), law_.name, shear, bulk),
       "parameters that agree, or youngModulus and poissonRatio alone for them");
 }
 

@@ -41,6 +41,33 @@ using Derivatives =
 template <class Law>
 constexpr int derivative_count = derivativeCount(static_cast<const Derivatives<Law, double>*>(nullptr));
 
+/// C^-1.
+template <class T>
+S3<T> inverse(const S3<T>& c) {
+  const T xx = fma(c.yy, c.zz, -c.yz * c.yz), xy = fma(c.zx, c.yz, -c.xy * c.zz), zx = fma(c.xy, c.yz, -c.zx * c.yy);
+  const T scale = T(1.) / fma(c.xx, xx, fma(c.xy, xy, c.zx * zx));
+  return S3<T>{xx, fma(c.xx, c.zz, -c.zx * c.zx), fma(c.xx, c.yy, -c.xy * c.xy),
+               xy, fma(c.xy, c.zx, -c.xx * c.yz), zx} *
+         scale;
+}
+/// S and D of a function of J with first and second derivative a and aa: dJ/dC = J C^-1 / 2, d2J/dC2 =
+/// J (C^-1 (x) C^-1 / 4 - C^-1 o C^-1 / 2).
+template <class T>
+void addVolumetric(const VolumePoint<T>& p, const T& a, const auto& aa, S3<T>& s, Elasticity<T>& d) {
+  const S3<T> ci = inverse(metric(p.f));
+  const T ja = p.j * a;
+  s = s + ci * ja;
+  addOuter(T(ja + p.j * p.j * aa), ci, ci, d);
+  const T m[3][3] = {{ci.xx, ci.xy, ci.zx}, {ci.xy, ci.yy, ci.yz}, {ci.zx, ci.yz, ci.zz}};
+  constexpr int row[6] = {0, 1, 2, 0, 1, 2}, column[6] = {0, 1, 2, 1, 2, 0};
+  for (int i = 0; i < 6; ++i)
+    for (int j = 0; j < 6; ++j)
+      d.d[i][j] -= ja * fma(m[row[i]][row[j]], m[column[i]][column[j]], m[row[i]][column[j]] * m[column[i]][row[j]]);
+}
+
+template <class Law, class T>
+using ParametersOf = typename Law::template Parameters<T>;
+
 template <class Law_>
 struct Mjed {
   using Law = Law_;
@@ -49,7 +76,6 @@ struct Mjed {
   using Parameters = typename Law::template Parameters<T>;
   template <class T>
   using Point = typename Set::template Point<T>;
-  static constexpr bool exact = true;
 
   template <class T>
   struct Tangent {
@@ -84,6 +110,25 @@ struct Mjed {
   static T energy(const Parameters<T>& parameters, const M3<T>& f) {
     return Set::template value<Law>(Point<T>(f, parameters), parameters);
   }
+  /// S and D; d comes as zero.
+  template <class T>
+  static void secondStress(const Parameters<T>& parameters, const M3<T>& f, S3<T>& s, Elasticity<T>& d) {
+    const Point<T> p(f, parameters);
+    const auto w = Set::template evaluate<Law>(p, parameters);
+    S3<T> a[2];
+    Set::gradients(p, a);
+    Set::curvature(p, w, d);
+    s = S3<T>{} + scaled(2. * w.b, a[0]) + scaled(2. * w.c, a[1]);
+    addOuterUnlessZero(4. * w.bb, a[0], a[0], d);
+    addOuterUnlessZero(8. * w.bc, a[0], a[1], d);
+    addOuterUnlessZero(4. * w.cc, a[1], a[1], d);
+    if constexpr (NotZero<decltype(w.a)>) {
+      addVolumetric(p, w.a, w.aa, s, d);
+      const S3<T> ci = inverse(metric(p.f));
+      addOuterUnlessZero(4. * (p.j * w.ab), ci, a[0], d);
+      addOuterUnlessZero(4. * (p.j * w.ac), ci, a[1], d);
+    }
+  }
 };
 
 /// The share b of the tangent's volumetric part that becomes a multiple of the identity.
@@ -95,16 +140,10 @@ T regularisation(T j) {
 template <class Law_>
 struct Regularised : Mjed<Law_> {
   using Base = Mjed<Law_>;
-  using Law = Law_;
-  static constexpr bool exact = false;
-  template <class T>
-  using Parameters = typename Base::template Parameters<T>;
-  template <class T>
-  using Tangent = typename Base::template Tangent<T>;
 
   template <class T>
-  static M3<T> differential(const Parameters<T>& parameters, T /*weight*/, const Tangent<T>& t, const M3<T>& f,
-                            const M3<T>& df) {
+  static M3<T> differential(const ParametersOf<Law_, T>& parameters, T /*weight*/,
+                            const typename Base::template Tangent<T>& t, const M3<T>& f, const M3<T>& df) {
     const typename Base::template Point<T> p(f, parameters);
     auto w = Base::kept(t);
     if constexpr (NotZero<decltype(w.aa)>) {
@@ -136,20 +175,28 @@ void columnOf(int k, Differential&& differential, T (&out)[9]) {
   list(differential(matrixOf(direction)), out);
 }
 
+/// out = A v, A symmetric by the rows of its lower triangle.
+template <std::size_t numbers, std::size_t n, class T>
+[[gnu::always_inline]] inline void multiplySymmetric(const T (&a)[numbers], const T (&v)[n], T (&out)[n]) {
+  static_assert(numbers == n * (n + 1) / 2);
+  for (T& sum : out) sum = T(0.);
+  for (int i = 0, k = 0; i < int(n); ++i)
+    for (int j = 0; j <= i; ++j, ++k) {
+      out[i] = fma(a[k], v[j], out[i]);
+      if (j < i) out[j] = fma(a[k], v[i], out[j]);
+    }
+}
+
 template <class Law_>
 struct Projected : Mjed<Law_> {
   using Base = Mjed<Law_>;
-  using Law = Law_;
-  static constexpr bool exact = false;
-  template <class T>
-  using Parameters = typename Base::template Parameters<T>;
   template <class T>
   struct Tangent {
     T matrix[45];  ///< lower triangle by rows
   };
 
   template <class T>
-  [[gnu::noipa]] static M3<T> stress(const Parameters<T>& parameters, T weight, const M3<T>& f, Tangent<T>& t) {
+  [[gnu::noipa]] static M3<T> stress(const ParametersOf<Law_, T>& parameters, T weight, const M3<T>& f, Tangent<T>& t) {
     typename Base::template Tangent<T> exact_tangent;
     const M3<T> p = Base::stress(parameters, weight, f, exact_tangent);
     T full[9][9];
@@ -163,107 +210,41 @@ struct Projected : Mjed<Law_> {
     return p;
   }
   template <class T>
-  static M3<T> differential(const Parameters<T>&, T, const Tangent<T>& t, const M3<T>&, const M3<T>& df) {
+  static M3<T> differential(const ParametersOf<Law_, T>&, T, const Tangent<T>& t, const M3<T>&, const M3<T>& df) {
     T v[9], out[9];
     list(df, v);
-    for (int i = 0; i < 9; ++i) out[i] = T(0.);
-    for (int i = 0, k = 0; i < 9; ++i)
-      for (int j = 0; j <= i; ++j, ++k) {
-        out[i] = fma(t.matrix[k], v[j], out[i]);
-        if (j < i) out[j] = fma(t.matrix[k], v[i], out[j]);
-      }
+    multiplySymmetric(t.matrix, v, out);
     return matrixOf(out);
   }
 };
 
-/// The textbook's tangent and its volumetric part.
-struct TotalLagrangian {
+/// S and D, times the weight, are the tangent: the law's invariants matter no more.
+template <class Law_>
+struct Standard : Mjed<Law_> {
+  using Base = Mjed<Law_>;
   template <class T>
   struct Tangent {
     S3<T> s;
     T d[21];  ///< lower triangle of D by rows
   };
+
   template <class T>
-  static void keep(const S3<T>& s, const Elasticity<T>& d, T weight, Tangent<T>& t) {
+  static M3<T> stress(const ParametersOf<Law_, T>& parameters, T weight, const M3<T>& f, Tangent<T>& t) {
+    S3<T> s;
+    Elasticity<T> d{};
+    Base::secondStress(parameters, f, s, d);
     t.s = s * weight;
     for (int i = 0, k = 0; i < 6; ++i)
       for (int j = 0; j <= i; ++j) t.d[k++] = weight * d.d[i][j];
-  }
-  template <class T>
-  static M3<T> differential(const Tangent<T>& t, const M3<T>& f, const M3<T>& df) {
-    const S3<T> dc = metricDifferential(f, df);
-    const T half(0.5), e[6] = {half * dc.xx, half * dc.yy, half * dc.zz, dc.xy, dc.yz, dc.zx};
-    T ds[6];
-    for (int i = 0; i < 6; ++i) ds[i] = T(0.);
-    for (int i = 0, k = 0; i < 6; ++i)
-      for (int j = 0; j <= i; ++j, ++k) {
-        ds[i] = fma(t.d[k], e[j], ds[i]);
-        if (j < i) ds[j] = fma(t.d[k], e[i], ds[j]);
-      }
-    return timesSymmetric(df, t.s) + timesSymmetric(f, S3<T>{ds[0], ds[1], ds[2], ds[3], ds[4], ds[5]});
-  }
-  /// S and D of a function of J with first and second derivative a and aa: dJ/dC = J C^-1 / 2, d2J/dC2 =
-  /// J (C^-1 (x) C^-1 / 4 - C^-1 o C^-1 / 2).
-  template <class T>
-  static void addVolumetric(const VolumePoint<T>& p, const T& a, const auto& aa, S3<T>& s, Elasticity<T>& d) {
-    const S3<T> ci = inverse(metric(p.f));
-    const T ja = p.j * a;
-    s = s + ci * ja;
-    addOuter(T(ja + p.j * p.j * aa), ci, ci, d);
-    const T m[3][3] = {{ci.xx, ci.xy, ci.zx}, {ci.xy, ci.yy, ci.yz}, {ci.zx, ci.yz, ci.zz}};
-    constexpr int row[6] = {0, 1, 2, 0, 1, 2}, column[6] = {0, 1, 2, 1, 2, 0};
-    for (int i = 0; i < 6; ++i)
-      for (int j = 0; j < 6; ++j)
-        d.d[i][j] -= ja * fma(m[row[i]][row[j]], m[column[i]][column[j]], m[row[i]][column[j]] * m[column[i]][row[j]]);
-  }
-  template <class T>
-  static S3<T> inverse(const S3<T>& c) {
-    const T xx = fma(c.yy, c.zz, -c.yz * c.yz), xy = fma(c.zx, c.yz, -c.xy * c.zz), zx = fma(c.xy, c.yz, -c.zx * c.yy);
-    const T scale = T(1.) / fma(c.xx, xx, fma(c.xy, xy, c.zx * zx));
-    return S3<T>{xx, fma(c.xx, c.zz, -c.zx * c.zx), fma(c.xx, c.yy, -c.xy * c.xy),
-                 xy, fma(c.xy, c.zx, -c.xx * c.yz), zx} *
-           scale;
-  }
-};
-
-template <class Law_>
-struct Standard : TotalLagrangian {
-  using Law = Law_;
-  using Set = typename Law::Set;
-  static constexpr bool exact = true;
-  template <class T>
-  using Parameters = typename Law::template Parameters<T>;
-  template <class T>
-  using Tangent = TotalLagrangian::Tangent<T>;
-
-  template <class T>
-  static M3<T> stress(const Parameters<T>& parameters, T weight, const M3<T>& f, Tangent<T>& t) {
-    const typename Set::template Point<T> p(f, parameters);
-    const auto w = Set::template evaluate<Law>(p, parameters);
-    S3<T> a[2];
-    Set::gradients(p, a);
-    Elasticity<T> d{};
-    Set::curvature(p, w, d);
-    S3<T> s = S3<T>{} + scaled(2. * w.b, a[0]) + scaled(2. * w.c, a[1]);
-    addOuterUnlessZero(4. * w.bb, a[0], a[0], d);
-    addOuterUnlessZero(8. * w.bc, a[0], a[1], d);
-    addOuterUnlessZero(4. * w.cc, a[1], a[1], d);
-    if constexpr (NotZero<decltype(w.a)>) {
-      addVolumetric(p, w.a, w.aa, s, d);
-      const S3<T> ci = inverse(metric(p.f));
-      addOuterUnlessZero(4. * (p.j * w.ab), ci, a[0], d);
-      addOuterUnlessZero(4. * (p.j * w.ac), ci, a[1], d);
-    }
-    keep(s, d, weight, t);
     return timesSymmetric(f, t.s);
   }
   template <class T>
-  static M3<T> differential(const Parameters<T>&, T, const Tangent<T>& t, const M3<T>& f, const M3<T>& df) {
-    return TotalLagrangian::differential(t, f, df);
-  }
-  template <class T>
-  static T energy(const Parameters<T>& parameters, const M3<T>& f) {
-    return Mjed<Law>::energy(parameters, f);
+  static M3<T> differential(const ParametersOf<Law_, T>&, T, const Tangent<T>& t, const M3<T>& f, const M3<T>& df) {
+    const S3<T> dc = metricDifferential(f, df);
+    const T half(0.5), e[6] = {half * dc.xx, half * dc.yy, half * dc.zz, dc.xy, dc.yz, dc.zx};
+    T ds[6];
+    multiplySymmetric(t.d, e, ds);
+    return timesSymmetric(df, t.s) + timesSymmetric(f, S3<T>{ds[0], ds[1], ds[2], ds[3], ds[4], ds[5]});
   }
 };
 

@@ -133,7 +133,6 @@ S3<T> turned(const M3<T>& axes, const S3<T>& s) {
 template <InPrincipalStretches Law_>
 struct Mjed<Law_> {
   using Law = Law_;
-  static constexpr bool exact = true;
   template <class T>
   using Parameters = typename Law::template Parameters<T>;
   template <class T>
@@ -172,37 +171,12 @@ struct Mjed<Law_> {
   static T energy(const Parameters<T>& parameters, const M3<T>& f) {
     return spectralEnergy<Law>(Point<T>(f, parameters), parameters);
   }
-};
-
-template <InPrincipalStretches Law_>
-struct Regularised<Law_> : Mjed<Law_> {
-  using Base = Mjed<Law_>;
-  static constexpr bool exact = false;
   template <class T>
-  static M3<T> differential(const typename Base::template Parameters<T>&, T,
-                            const typename Base::template Tangent<T>& t, const M3<T>& f, const M3<T>& df) {
-    const VolumePoint<T> p(f);
-    const T of_unit = regularisation(p.j) * t.w.volume2;
-    return Base::differential(t, f, df, of_unit) + timesSymmetric(df, metric(p.cof) * of_unit);
-  }
-};
-
-template <InPrincipalStretches Law_>
-struct Standard<Law_> : TotalLagrangian {
-  using Law = Law_;
-  static constexpr bool exact = true;
-  template <class T>
-  using Parameters = typename Law::template Parameters<T>;
-  template <class T>
-  using Tangent = TotalLagrangian::Tangent<T>;
-
-  template <class T>
-  static M3<T> stress(const Parameters<T>& parameters, T weight, const M3<T>& f, Tangent<T>& t) {
-    const PrincipalStretches::Point<T> p(f, parameters);
+  static void secondStress(const Parameters<T>& parameters, const M3<T>& f, S3<T>& s, Elasticity<T>& d) {
+    const Point<T> p(f, parameters);
     const SpectralDerivatives<T> w = spectralDerivatives<Law>(p, parameters, T(1.));
-    S3<T> s = turned(p.axes, S3<T>{w.s[0], w.s[1], w.s[2], T(0.), T(0.), T(0.)});
+    s = turned(p.axes, S3<T>{w.s[0], w.s[1], w.s[2], T(0.), T(0.), T(0.)});
     const S3<T> coupling = turned(p.axes, S3<T>{w.coupling[0], w.coupling[1], w.coupling[2], T(0.), T(0.), T(0.)});
-    Elasticity<T> d{};
     for (int k = 0; k < 6; ++k) {  // dS of a unit strain with doubled shear
       const T one(k < 3 ? 2. : 1.);
       S3<T> dc;
@@ -214,16 +188,18 @@ struct Standard<Law_> : TotalLagrangian {
     }
     addVolumetric(p, w.volume, w.volume2, s, d);
     addOuter(T(2.) * p.j, inverse(metric(f)), coupling, d);
-    keep(s, d, weight, t);
-    return timesSymmetric(f, t.s);
   }
+};
+
+template <InPrincipalStretches Law_>
+struct Regularised<Law_> : Mjed<Law_> {
+  using Base = Mjed<Law_>;
   template <class T>
-  static M3<T> differential(const Parameters<T>&, T, const Tangent<T>& t, const M3<T>& f, const M3<T>& df) {
-    return TotalLagrangian::differential(t, f, df);
-  }
-  template <class T>
-  static T energy(const Parameters<T>& parameters, const M3<T>& f) {
-    return Mjed<Law>::energy(parameters, f);
+  static M3<T> differential(const ParametersOf<Law_, T>&, T, const typename Base::template Tangent<T>& t,
+                            const M3<T>& f, const M3<T>& df) {
+    const VolumePoint<T> p(f);
+    const T of_unit = regularisation(p.j) * t.w.volume2;
+    return Base::differential(t, f, df, of_unit) + timesSymmetric(df, metric(p.cof) * of_unit);
   }
 };
 

@@ -5,7 +5,7 @@
 // brought to the nodes by the transpose of what gave the j_q.
 #include "components/hyperelasticity/hyperelastic_volume.h"
 
-#include "components/hyperelasticity/hyperelastic_invariants.h"
+#include "components/hyperelasticity/hyperelastic_hexahedron.h"
 #include "framework/fem/eigen_matrix.h"
 #include "framework/fem/hexahedron.h"
 #include "framework/fem/model_kernels.h"
@@ -44,9 +44,7 @@ struct LogIntegral {
 };
 
 template <class U>
-struct MeanVolume {
-  static constexpr int nodes = 8;
-  static constexpr bool reads_position = true;
+struct MeanVolume : EightNodes {
   template <class T>
   struct Rest {
     T per_volume;  ///< s, negative where the rest shape is left-handed [1/m^3]
@@ -56,8 +54,6 @@ struct MeanVolume {
   struct Tangent {
     T first, second;  ///< -k V U' s and -k V U'' s^2
   };
-  template <class T>
-  using Points = hexahedron::PointValues<T>;
 
   template <class T>
   static M3<T> cofactorAt(const Points<T>& j, int p) {
@@ -110,10 +106,7 @@ std::unique_ptr<ElementKernels> methodOf(const Cells& cells, const HyperelasticL
   StorageOf<MeanVolume<U>> storage;
   storage.build(cells.mesh->hexahedra, *cells.rest, cells.first_row,
                 [&](std::size_t cell, bool padding, auto& rest, auto&) {
-                  const stroma::Hexahedron& order = cells.mesh->hexahedra[cell];
-                  V3<double> x[8];
-                  for (std::size_t a = 0; a < 8; ++a) x[a] = vectorOf((*cells.rest)[order[a]]);
-                  const auto j = hexahedron::atPoints(hexahedron::modesOf(x));
+                  const auto j = restPoints(cells, cell);
                   rest.per_volume = 1;
                   const double volume = MeanVolume<U>::ratio(rest, j);
                   rest.per_volume = 1 / volume;

@@ -10,22 +10,17 @@ using namespace stroma::hyperelastic;
 
 namespace {
 
-struct MooneyRivlin {
-  using Set = FirstAndSecond;
+struct MooneyRivlin : IsochoricAndBulk<MooneyRivlin, FirstAndSecond> {
   template <class T>
   struct Parameters {
     T c1, c2, k0;
   };
-  static auto energy(const auto& J, const auto& I1, const auto& I2, const auto& p) {
-    const auto L = log(J);
-    const auto isochoric = exp((-2. / 3) * L);
-    return p.c1 * (isochoric * I1 - 3.) + p.c2 * (isochoric * isochoric * I2 - 3.) + 0.5 * p.k0 * (L * L);
-  }
+  static auto isochoric(const auto& I1, const auto& I2, const auto& p) { return p.c1 * (I1 - 3.) + p.c2 * (I2 - 3.); }
 };
 
 /// mu = 2 (c1 + c2): one of them must be given, and must leave the other its part.
-std::string fromLame(const Lame& lame, std::vector<double>& values) {
-  const double sum = lame.mu / 2;
+std::string fromShear(double mu, std::vector<double>& values) {
+  const double sum = mu / 2;
   if (std::isnan(values[0]) && std::isnan(values[1])) return "MooneyRivlin needs c1 or c2 besides youngModulus";
   for (int given : {0, 1})
     if (std::isnan(values[1 - given])) {
@@ -34,25 +29,20 @@ std::string fromLame(const Lame& lame, std::vector<double>& values) {
         return fmt::format("c{} = {:g} of MooneyRivlin is above mu/2 = {:g} of youngModulus: c{} would be negative",
                            given + 1, values[given], sum, 2 - given);
     }
-  if (std::isnan(values[2])) values[2] = lame.lambda + 2. / 3 * lame.mu;
   return {};
 }
 
 }  // namespace
 
 STROMA_COMPONENT(mooney_rivlin) {
-  HyperelasticLaw law;
-  law.name = "MooneyRivlin";
-  law.formula = "c1 (J^-2/3 I1 - 3) + c2 (J^-4/3 I2 - 3) + k0/2 (ln J)^2";
-  law.parameters = {
-      {"c1", "Pa", "factor of the first invariant"},
-      {"c2", "Pa", "factor of the second invariant; of its exponential part in VerondaWestman without unit"},
-      {"k0", "Pa", "bulk modulus", true}};
-  law.volume = VolumePart::half_log_squared, law.volume_parameter = 2;
-  law.infinite_at_zero = true;
-  law.from_lame = fromLame;
+  HyperelasticLaw law = withBulkModulus(
+      lawOf<MooneyRivlin>(
+          "MooneyRivlin", "c1 (J^-2/3 I1 - 3) + c2 (J^-4/3 I2 - 3) + k0/2 (ln J)^2",
+          {{"c1", "Pa", "factor of the first invariant"},
+           {"c2", "Pa", "factor of the second invariant; of its exponential part in VerondaWestman without unit"}}),
+      fromShear);
   law.check = [](Values p) {
     return p[0] + p[1] > 0 ? "" : "c1 + c2 of MooneyRivlin is not above 0: the shear modulus is twice that";
   };
-  offerHyperelasticLaw(lawOf<MooneyRivlin>(law));
+  offerHyperelasticLaw(law);
 }

@@ -7,12 +7,7 @@ using namespace stroma::hyperelastic;
 
 namespace {
 
-struct NeoHookean {
-  using Set = First;
-  template <class T>
-  struct Parameters {
-    T mu, lambda;
-  };
+struct NeoHookean : InLameConstants<First> {
   static auto energy(const auto& J, const auto& I1, const auto& p) {
     const auto L = log(J);
     return 0.5 * p.mu * (I1 - 3.) + (0.5 * p.lambda * L - p.mu) * L;
@@ -22,13 +17,8 @@ struct NeoHookean {
 }  // namespace
 
 STROMA_COMPONENT(neo_hookean) {
-  HyperelasticLaw law;
-  law.name = "NeoHookean";
-  law.formula = "mu/2 (I1 - 3) - mu ln J + lambda/2 (ln J)^2";
-  law.parameters = {{"mu", "Pa", "shear modulus", true}, {"lambda", "Pa", "Lame's first constant"}};
+  HyperelasticLaw law = inLameConstants(lawOf<NeoHookean>("NeoHookean", "mu/2 (I1 - 3) - mu ln J + lambda/2 (ln J)^2"));
   law.volume = VolumePart::half_log_squared, law.volume_parameter = 1;
   law.infinite_at_zero = true;
-  law.from_lame = lameParameters;
-  law.check = checkLame;
-  offerHyperelasticLaw(lawOf<NeoHookean>(law));
+  offerHyperelasticLaw(law);
 }

@@ -76,27 +76,21 @@ std::string check(Values p) {
   return sum > 0 ? "" : "the moduli of Ogden have a sum that is not above 0: the shear modulus is half of it";
 }
 
-std::string fromLame(const Lame& lame, std::vector<double>& values) {
+std::string fromShear(double mu, std::vector<double>& values) {
   if (std::isnan(values[1])) return "Ogden needs alpha1 besides youngModulus";
-  if (std::isnan(values[0])) values[0] = 2 * lame.mu;
-  if (std::isnan(values[2])) values[2] = lame.lambda + 2. / 3 * lame.mu;
+  if (std::isnan(values[0])) values[0] = 2 * mu;
   return {};
 }
 
 HyperelasticLaw withTerms(std::size_t terms) {
-  HyperelasticLaw law;
-  law.name = "Ogden";
-  law.formula = "sum mu_k/alpha_k^2 (sum_i (J^-1/3 lambda_i)^alpha_k - 3) + k0/2 (ln J)^2";
+  HyperelasticLaw law =
+      lawOf<Ogden>("Ogden", "sum mu_k/alpha_k^2 (sum_i (J^-1/3 lambda_i)^alpha_k - 3) + k0/2 (ln J)^2");
   for (std::size_t k = 1; k <= terms; ++k) {
     law.parameters.push_back({"mu" + std::to_string(k), "Pa", "modulus of a term"});
     law.parameters.push_back({"alpha" + std::to_string(k), "-", "exponent of a term"});
   }
-  law.parameters.push_back({"k0", "Pa", "bulk modulus", true});
-  law.volume = VolumePart::half_log_squared, law.volume_parameter = 2 * terms;
-  law.infinite_at_zero = true;
   law.check = check;
-  if (terms == 1) law.from_lame = fromLame;
-  return lawOf<Ogden>(law);
+  return withBulkModulus(std::move(law), terms == 1 ? fromShear : nullptr);
 }
 
 }  // namespace

@@ -8,12 +8,7 @@ using namespace stroma::hyperelastic;
 
 namespace {
 
-struct StVenantKirchhoff {
-  using Set = FirstAndSecond;
-  template <class T>
-  struct Parameters {
-    T mu, lambda;
-  };
+struct StVenantKirchhoff : InLameConstants<FirstAndSecond> {
   static auto energy(const auto&, const auto& I1, const auto& I2, const auto& p) {
     const auto trace = I1 - 3.;
     return 0.125 * p.lambda * (trace * trace) + 0.25 * p.mu * ((I1 * I1 - 2. * I2) - 2. * I1 + 3.);
@@ -23,11 +18,5 @@ struct StVenantKirchhoff {
 }  // namespace
 
 STROMA_COMPONENT(st_venant_kirchhoff) {
-  HyperelasticLaw law;
-  law.name = "StVenantKirchhoff";
-  law.formula = "lambda/2 tr(E)^2 + mu tr(E^2)";
-  law.parameters = {{"mu", "Pa", "shear modulus", true}, {"lambda", "Pa", "Lame's first constant"}};
-  law.from_lame = lameParameters;
-  law.check = checkLame;
-  offerHyperelasticLaw(lawOf<StVenantKirchhoff>(law));
+  offerHyperelasticLaw(inLameConstants(lawOf<StVenantKirchhoff>("StVenantKirchhoff", "lambda/2 tr(E)^2 + mu tr(E^2)")));
 }

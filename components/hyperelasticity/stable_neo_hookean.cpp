@@ -9,12 +9,7 @@ using namespace stroma::hyperelastic;
 
 namespace {
 
-struct StableNeoHookean {
-  using Set = First;
-  template <class T>
-  struct Parameters {
-    T mu, lambda;
-  };
+struct StableNeoHookean : InLameConstants<First> {
   // (lambda + mu)/2 ((J - a)^2 - (1 - a)^2) = (J - 1) ((lambda + mu)/2 (J - 1) - mu)
   static auto energy(const auto& J, const auto& I1, const auto& p) {
     const auto change = J - 1.;
@@ -25,12 +20,8 @@ struct StableNeoHookean {
 }  // namespace
 
 STROMA_COMPONENT(stable_neo_hookean) {
-  HyperelasticLaw law;
-  law.name = "StableNeoHookean";
-  law.formula = "mu/2 (I1 - 3) + (lambda + mu)/2 ((J - a)^2 - (1 - a)^2), a = 1 + mu/(lambda + mu)";
-  law.parameters = {{"mu", "Pa", "shear modulus", true}, {"lambda", "Pa", "Lame's first constant"}};
+  HyperelasticLaw law = inLameConstants(lawOf<StableNeoHookean>(
+      "StableNeoHookean", "mu/2 (I1 - 3) + (lambda + mu)/2 ((J - a)^2 - (1 - a)^2), a = 1 + mu/(lambda + mu)"));
   law.volume = VolumePart::half_square, law.volume_parameter = 1;
-  law.from_lame = lameParameters;
-  law.check = checkLame;
-  offerHyperelasticLaw(lawOf<StableNeoHookean>(law));
+  offerHyperelasticLaw(law);
 }

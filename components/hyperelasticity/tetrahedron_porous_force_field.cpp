@@ -60,6 +60,7 @@
 #include "framework/mechanics/history.h"
 #include "framework/mechanics/node_indices.h"
 #include "framework/mechanics/state_topology.h"
+#include "framework/mesh/cell_kind.h"
 #include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
 
@@ -113,7 +114,7 @@ class TetrahedronPorousForceField final : public ForceField, public History {
     return {state().x().data - std::size_t(state().firstRow()) * row_doubles, state().firstRow() + state().size()};
   }
 
-  Link<Topology> topology_{"topology"};
+  TopologyLink topology_;
   bool porous_ = true;
   Sponge sponge_;
   double permeability_ = 0;
@@ -135,7 +136,7 @@ class TetrahedronPorousForceField final : public ForceField, public History {
 
 void TetrahedronPorousForceField::declare(DataTable& table) {
   ForceField::declare(table);
-  table.addLink("topology", topology_).help("mesh that holds the tetrahedra; the node's own (or the nearest above)");
+  topology_.declare(table, "mesh that holds the tetrahedra");
   table.add("porous", porous_).help("false: no fluid and no force, to compare");
   table.add("fluidFraction", sponge_.fluid)
       .unit("-")
@@ -166,10 +167,7 @@ void TetrahedronPorousForceField::declare(DataTable& table) {
 
 void TetrahedronPorousForceField::init() {
   ForceField::init();
-  const Topology* topology = findTopology(*this, state(), topology_);
-  if (!topology || topology->mesh().tetrahedra.empty())
-    throw ComponentError("there are no tetrahedra", "a topology with tetrahedra in this node or above");
-  mesh_ = &topology->mesh();
+  mesh_ = &topology_.meshWith(cell_kinds::tetrahedron, *this, state());
   if (!(sponge_.bulk <= sponge_.fluid * sponge_.limit))
     throw ComponentError(
         fmt::format("bulkModulus is {:g} and limitModulus {:g}", sponge_.bulk, sponge_.limit),

@@ -27,21 +27,16 @@ struct TransverselyIsotropic {
 }  // namespace
 
 STROMA_COMPONENT(transversely_isotropic) {
-  HyperelasticLaw law;
-  law.name = "TransverselyIsotropic";
-  law.formula = "NeoHookean + k1/(2 k2) (exp(k2 max(0, J^-2/3 I4 - 1)^2) - 1)";
-  law.parameters = {{"mu", "Pa", "shear modulus", true},
-                    {"lambda", "Pa", "Lame's first constant"},
-                    {"k1", "Pa", "stiffness of the fibres", true},
-                    {"k2", "-", "stiffening of the fibres", true}};
+  HyperelasticLaw law = inLameConstants(lawOf<TransverselyIsotropic>(
+      "TransverselyIsotropic", "NeoHookean + k1/(2 k2) (exp(k2 max(0, J^-2/3 I4 - 1)^2) - 1)",
+      {{"k1", "Pa", "stiffness of the fibres", true}, {"k2", "-", "stiffening of the fibres", true}}));
   law.directions = 1;
   law.volume = VolumePart::half_log_squared, law.volume_parameter = 1;
   law.infinite_at_zero = true;
-  law.from_lame = [](const Lame& lame, std::vector<double>& values) -> std::string {
+  law.from_lame = [of_matrix = law.from_lame](const Lame& lame, std::vector<double>& values) -> std::string {
     if (std::isnan(values[2]) || std::isnan(values[3]))
       return "TransverselyIsotropic needs k1 and k2 besides youngModulus";
-    return lameParameters(lame, values);
+    return of_matrix(lame, values);
   };
-  law.check = checkLame;
-  offerHyperelasticLaw(lawOf<TransverselyIsotropic>(law));
+  offerHyperelasticLaw(law);
 }

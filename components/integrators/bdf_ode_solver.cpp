@@ -104,7 +104,6 @@ StepReport BDFOdeSolver::step(System& system, const StepContext& context) {
     copy(implicit_.change(), change_);
     last_step_ = h;
   }
-  system.applyMappings();
   return report;
 }
 

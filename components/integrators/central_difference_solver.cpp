@@ -93,7 +93,6 @@ StepReport CentralDifferenceSolver::step(System& system, const StepContext& cont
   const Rows v = system.independent(system.v);
   axpy(1, a_, v);
   system.motion().advance(h, v, system.x);
-  system.applyMappings();
   return report;
 }
 

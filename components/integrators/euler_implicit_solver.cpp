@@ -102,7 +102,6 @@ StepReport EulerImplicitSolver::step(System& system, const StepContext& context)
   StepReport report = first_order_ ? firstOrderStep(system, h) : implicit_.solve(scheme);
   if (report.diverged) return report;
   if (velocity_damping_ != 0 && !first_order_) scale(std::exp(-h * velocity_damping_), system.v);
-  system.applyMappings();
   return report;
 }
 

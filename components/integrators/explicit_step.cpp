@@ -143,7 +143,6 @@ StepReport ExplicitStep::step(System& system, const StepContext& context) {
   }
   if (depends_on_time_) system.setTime(context.t_end);
   finish(system, h);
-  system.applyMappings();
   return report;
 }
 

@@ -124,7 +124,6 @@ StepReport NewmarkImplicitSolver::step(System& system, const StepContext& contex
   xpay(implicit_.change(), -(1 - gamma_) * h, a_);
   scale(1 / (gamma_ * h), a_);
   if (velocity_damping_ != 0) scale(std::exp(-h * velocity_damping_), system.v);
-  system.applyMappings();
   return report;
 }
 

@@ -84,6 +84,20 @@ bool isSolved(const SolveReport& solve) { return solve.usable() && solve.stop !=
 
 }  // namespace
 
+void declareNewton(DataTable& table, NewtonSettings& settings, const NewtonNames& names) {
+  const auto threshold = [&table](const char* name, double& member, const char* unit, const std::string& help) {
+    table.add(name, member).help("converged when " + help + "; 0: not used").unit(unit).min(0);
+  };
+  const std::string residual = names.residual;
+  table.add(names.iterations, settings.iterations).help("largest number of iterations per step").unit("-").min(1);
+  threshold(names.relative_residual, settings.relative_residual, "-",
+            residual + " is below this times " + residual + ", or the forces with reactions, where the step starts");
+  threshold(names.absolute_residual, settings.absolute_residual, names.unit, residual + " is below this");
+  threshold(names.relative_correction, settings.relative_correction, "-",
+            "the correction is below this times the displacement of the step");
+  threshold(names.absolute_correction, settings.absolute_correction, "m", "the correction is below this");
+}
+
 bool solveOrShift(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows x, StepReport& report) {
   clear(x);
   SolveReport solve = solveOnce(solver, matrix, b, x, report);

@@ -57,6 +57,13 @@ struct NewtonSettings {
   bool keep_unconverged = true;  ///< for callers: an iterate that has not converged becomes the state
 };
 
+/// What a component calls the parameters of Newton's method, and its residual.
+struct NewtonNames {
+  const char *iterations, *relative_residual, *absolute_residual, *relative_correction, *absolute_correction;
+  const char *residual, *unit;
+};
+void declareNewton(DataTable& table, NewtonSettings& settings, const NewtonNames& names);
+
 /// Solves A x = b; x enters as zero. When the solver reports a matrix that is not positive definite, the direction it
 /// has reached is kept if it goes downhill, else a growing multiple of the matrix's own diagonal is added (Levenberg)
 /// until the solve is usable. Adds to the counts of `report`; its linear_stop is the first solve's, so a shift stays

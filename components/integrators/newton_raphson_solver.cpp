@@ -60,20 +60,13 @@ class NewtonRaphsonSolver final : public NewtonSolver {
 
 void NewtonRaphsonSolver::declare(DataTable& table) {
   NewtonSettings& s = settings_;
-  table.add("maxNbIterationsNewton", s.iterations).help("largest number of iterations per step").unit("-").min(1);
-  const auto threshold = [&table](const char* name, double& member, const char* unit, const char* help) {
-    table.add(name, member).help(help).unit(unit).min(0);
-  };
-  threshold("relativeInitialStoppingThreshold", s.relative_residual, "-",
-            "converged when |R| is below this times the residual, or the forces, where the step starts; 0: not used");
-  threshold("absoluteResidualStoppingThreshold", s.absolute_residual, "N or N s",
-            "converged when |R| is below this; 0: not used");
-  threshold("relativeSuccessiveStoppingThreshold", s.successive_residual, "-",
-            "converged when |R| is below this times the one before; 0: not used");
-  threshold("relativeEstimateDifferenceThreshold", s.relative_correction, "-",
-            "converged when the correction is below this times the displacement of the step; 0: not used");
-  threshold("absoluteEstimateDifferenceThreshold", s.absolute_correction, "m",
-            "converged when the correction is below this; 0: not used");
+  declareNewton(table, s,
+                {"maxNbIterationsNewton", "relativeInitialStoppingThreshold", "absoluteResidualStoppingThreshold",
+                 "relativeEstimateDifferenceThreshold", "absoluteEstimateDifferenceThreshold", "|R|", "N or N s"});
+  table.add("relativeSuccessiveStoppingThreshold", s.successive_residual)
+      .help("converged when |R| is below this times the one before; 0: not used")
+      .unit("-")
+      .min(0);
   table.add("maxNbIterationsLineSearch", s.line_search_iterations)
       .help("steps tried along a correction; 0: the whole correction is made untested")
       .unit("-")

@@ -141,26 +141,9 @@ class StaticSolver final : public Integrator {
 };
 
 void StaticSolver::declare(DataTable& table) {
-  table.add("newton_iterations", settings_.iterations)
-      .help("largest number of Newton iterations per step")
-      .unit("-")
-      .min(1);
-  table.add("relative_residual_tolerance_threshold", settings_.relative_residual)
-      .help("converged when |f| is below this times the |f| where the step starts, reactions included")
-      .unit("-")
-      .min(0);
-  table.add("absolute_residual_tolerance_threshold", settings_.absolute_residual)
-      .help("converged when |f| is below this; 0: not used")
-      .unit("N")
-      .min(0);
-  table.add("relative_correction_tolerance_threshold", settings_.relative_correction)
-      .help("converged when |dx| is below this times the displacement of the step; 0: not used")
-      .unit("-")
-      .min(0);
-  table.add("absolute_correction_tolerance_threshold", settings_.absolute_correction)
-      .help("converged when |dx| is below this; 0: not used")
-      .unit("m")
-      .min(0);
+  declareNewton(table, settings_,
+                {"newton_iterations", "relative_residual_tolerance_threshold", "absolute_residual_tolerance_threshold",
+                 "relative_correction_tolerance_threshold", "absolute_correction_tolerance_threshold", "|f|", "N"});
   table.add("forcing_term", settings_.forcing)
       .help(
           "largest |K dx + f| / |f| that linear solves by products may leave in early iterations; 0: the linear "

@@ -37,9 +37,7 @@ class TrapezoidalRuleSolver final : public Integrator {
     scheme.drift = context.dt;
     scheme.time = context.t_end;
     scheme.old_time = context.t;
-    StepReport report = implicit_.solve(scheme);
-    if (!report.diverged) system.applyMappings();
-    return report;
+    return implicit_.solve(scheme);
   }
   bool keepsEnergy() const override { return true; }
   std::string describe() const override { return "trapezoidal step" + implicit_.describe(); }

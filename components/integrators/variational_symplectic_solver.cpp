@@ -126,7 +126,6 @@ StepReport VariationalSymplecticSolver::implicitStep(System& system, const StepC
   system.motion().advance(h / 2, v, system.x);
   axpy(1, implicit_.change(), v);
   system.setTime(context.t_end);
-  system.applyMappings();
   return report;
 }
 

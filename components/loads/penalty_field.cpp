@@ -39,12 +39,7 @@ ForceTraits PenaltyField::traits() const {
   return traits;
 }
 
-void PenaltyField::compile() {
-  std::vector<Group> rows;
-  rows.reserve(nodes_.size());
-  for (Index node : nodes_) rows.push_back({state().firstRow() + node});
-  setGroups(std::move(rows), damping_constant_ > 0);
-}
+void PenaltyField::compile() { setNodes(nodes_, damping_constant_ > 0); }
 
 double PenaltyField::energy(ConstRows x) const {
   double sum = 0;

@@ -18,7 +18,7 @@ Mat3 crossMatrix(const Vec3& w) {
 
 void SurfaceLoad::declare(DataTable& table) {
   ForceField::declare(table);
-  table.addLink("topology", topology_).help("surface; the mesh of this node or the nearest above when not given");
+  topology_.declare(table, "surface");
   table.addChoice("tangent", tangent_, {"symmetric", "exact"})
       .help(
           "symmetric part of the stiffness, which any solver takes and which is exact for a pressure on a closed "
@@ -26,7 +26,7 @@ void SurfaceLoad::declare(DataTable& table) {
 }
 
 const Mesh& SurfaceLoad::surfaceMesh() const {
-  const Topology* topology = findTopology(*this, state(), topology_);
+  const Topology* topology = topology_.find(*this, state());
   if (!topology) throw ComponentError("no mesh in this node or above", "a topology with triangles or quads");
   return topology->mesh();
 }

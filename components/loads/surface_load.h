@@ -11,6 +11,7 @@
 #pragma once
 #include "framework/mechanics/local_load.h"
 #include "framework/mechanics/node_group_field.h"
+#include "framework/mechanics/state_topology.h"
 #include "framework/mesh/closed_surface.h"
 #include "framework/mesh/topology.h"
 
@@ -67,7 +68,7 @@ class SurfaceLoad : public NodeGroupField<4, FaceTangent>, public LocalLoad {
 
   double weight(std::size_t face) const { return weights_.empty() ? 1 : weights_[face]; }
 
-  Link<Topology> topology_{"topology"};
+  TopologyLink topology_;
   TangentWord tangent_ = TangentWord::symmetric;
   std::vector<Face> faces_;
   std::vector<double> weights_;

@@ -46,10 +46,7 @@ class VelocityDamping : public NodeGroupField<1> {
     return traits;
   }
   void compile() override {
-    std::vector<Group> rows;
-    rows.reserve(nodes_.size());
-    for (Index node : nodes_) rows.push_back({state().firstRow() + node});
-    setGroups(std::move(rows), true);
+    setNodes(nodes_, true);
     for (std::size_t i = 0; i < nodes_.size(); ++i)
       damping_[i].blocks[0] = -coefficientsOf(i).asDiagonal().toDenseMatrix();
   }

@@ -32,14 +32,7 @@ class DiagonalMass final : public MeshMass {
       masses_ = nodalMasses();
     } else {
       masses_.assign(state().size(), 0.0);
-      CellMatrix matrix;
-      for (std::size_t c = 0; c < cells().size(); ++c) {
-        const MassCell& cell = cells()[c];
-        cellMassMatrix(cell, geometry(), matrix);
-        for (int i = 0; i < cell.kind->nodes; ++i)
-          for (int j = 0; j < cell.kind->nodes; ++j)
-            masses_[cell.nodes[i]] += density(c) * matrix[std::size_t(i * cell.kind->nodes + j)];
-      }
+      forEachEntry([this](Index i, Index, double mass) { masses_[i] += mass; });
     }
     checkMasses(masses_);
     finish(masses_);

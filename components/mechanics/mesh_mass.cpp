@@ -68,8 +68,7 @@ void MeshMass::declare(DataTable& table) {
   table.add("vertexMass", vertex_mass_).help("mass of each node, one for all or one per node").unit("kg").min(0, false);
   table.add("computeMassOnRest", compute_on_rest_)
       .help("take volumes from the rest positions, not from the initial ones");
-  table.addLink("topology", topology_)
-      .help("mesh of the cells; the one of this node or the nearest above when not given");
+  topology_.declare(table, "mesh of the cells");
   table.addLink("geometryState", geometry_state_)
       .help("state whose positions give the volumes; the mass's own when not given");
 }
@@ -104,7 +103,7 @@ void MeshMass::init() {
 }
 
 void MeshMass::findMesh() {
-  mesh_owner_ = findTopology(*this, state(), topology_);
+  mesh_owner_ = topology_.find(*this, state());
   if (!mesh_owner_)
     throw ComponentError("there is no mesh whose cells could carry the mass",
                          "a topology in this node or above, or topology=\"@path\"", "UniformMass needs no mesh");

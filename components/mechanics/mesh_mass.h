@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 #include "framework/mechanics/mass.h"
+#include "framework/mechanics/state_topology.h"
 #include "framework/mesh/cell_kind.h"
 #include "framework/mesh/topology.h"
 
@@ -32,6 +33,18 @@ class MeshMass : public Mass {
   const std::vector<double>& nodalMasses() const { return vertex_mass_; }  ///< [kg], shape (nodes)
   /// Cells of the highest dimension in the mesh: volumes, else faces, else edges.
   const std::vector<MassCell>& cells() const { return cells_; }
+  /// add(i, j, m) for nodes i and j of each cell, m their entry of its mass matrix [kg].
+  template <class Add>
+  void forEachEntry(Add&& add) const {
+    CellMatrix matrix;
+    for (std::size_t c = 0; c < cells_.size(); ++c) {
+      const auto [kind, nodes] = cells_[c];
+      cellMassMatrix(cells_[c], geometry(), matrix);
+      for (int i = 0; i < kind->nodes; ++i)
+        for (int j = 0; j < kind->nodes; ++j)
+          add(nodes[i], nodes[j], density(c) * matrix[std::size_t(i * kind->nodes + j)]);
+    }
+  }
   /// Mass of a cell over its size, [kg/m^d], the mesh's overlap taken into account.
   double density(std::size_t cell) const { return densities_.size() == 1 ? densities_[0] : densities_[cell]; }
   const std::vector<Vec3>& geometry() const { return *geometry_; }  ///< positions that give the sizes, shape (nodes)
@@ -57,7 +70,7 @@ class MeshMass : public Mass {
 
   std::vector<double> mass_density_{1}, vertex_mass_;
   double total_mass_ = 1;
-  Link<Topology> topology_{"topology"};
+  TopologyLink topology_;
   Link<State> geometry_state_{"mechanical state"};
 
   Source source_ = Source::total;

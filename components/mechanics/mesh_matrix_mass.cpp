@@ -128,17 +128,10 @@ class MeshMatrixMass final : public MeshMass {
     findPairs();
     values_.assign(columns_.size(), 0.0);
     row_sums_.assign(state().size(), 0.0);
-    CellMatrix matrix;
-    for (std::size_t c = 0; c < cells().size(); ++c) {
-      const MassCell& cell = cells()[c];
-      cellMassMatrix(cell, geometry(), matrix);
-      for (int i = 0; i < cell.kind->nodes; ++i)
-        for (int j = 0; j < cell.kind->nodes; ++j) {
-          const double mass = density(c) * matrix[std::size_t(i * cell.kind->nodes + j)];
-          values_[find(cell.nodes[i], cell.nodes[j])] += mass;
-          row_sums_[cell.nodes[i]] += mass;
-        }
-    }
+    forEachEntry([this](Index i, Index j, double mass) {
+      values_[find(i, j)] += mass;
+      row_sums_[i] += mass;
+    });
   }
 
   /// M from vertexMass and edgeMass.

@@ -110,7 +110,7 @@ class VolumeConstraint final : public PositionConstraint {
   void checkClosed() const;
   void gradientAt(ConstRows x);
 
-  Link<Topology> topology_{"topology"};
+  TopologyLink topology_;
   double volume_ = 0, tolerance_ = 1e-12;
   FactorOverTime factor_;
 
@@ -126,7 +126,7 @@ class VolumeConstraint final : public PositionConstraint {
 
 void VolumeConstraint::declare(DataTable& table) {
   PositionConstraint::declare(table);
-  table.addLink("topology", topology_).help("mesh that holds the surface; the node's own, or the nearest above");
+  topology_.declare(table, "mesh that holds the surface");
   table.add("volume", volume_).unit("m^3").help("volume to keep; 0: that of the rest shape").min(0);
   factor_.declare(table, "the volume", FactorOverTime::Sign::positive);
   table.add("tolerance", tolerance_)
@@ -138,7 +138,7 @@ void VolumeConstraint::declare(DataTable& table) {
 void VolumeConstraint::init() {
   PositionConstraint::init();
   factor_.check();
-  const Topology* topology = findTopology(*this, state(), topology_, MeshNodes::first);
+  const Topology* topology = topology_.find(*this, state(), MeshNodes::first);
   if (!topology) throw ComponentError("there is no mesh", "a topology with a closed surface in this node or above");
   collectSurface(topology->mesh());
   if (faces_.empty())

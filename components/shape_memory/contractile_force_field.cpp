@@ -32,7 +32,7 @@ class ContractileForceField final : public SpringField {
  public:
   void declare(DataTable& table) override {
     SpringField::declare(table);
-    table.addLink("topology", topology_).help("mesh whose edges are fibres when no edges are given");
+    topology_.declare(table, "mesh whose edges are fibres when no edges are given");
     table.add("edges", edges_).help("fibres, two nodes each");
     table.add("stiffness", stiffness_).unit("N/m").min(0).physical().help("spring constant of a fibre");
     table.add("damping", damping_).unit("N s/m").min(0).help("force along a fibre over its speed of elongation");
@@ -73,13 +73,13 @@ class ContractileForceField final : public SpringField {
 
  private:
   void takeEdges() {
-    const Topology* topology = findTopology(*this, state(), topology_, MeshNodes::first);
+    const Topology* topology = topology_.find(*this, state(), MeshNodes::first);
     if (!topology) throw ComponentError("there are no fibres", "edges=\"0 1  1 2\", or a topology with edges");
     edges_ = topology->mesh().allEdges();
     if (edges_.empty()) throw ComponentError(fmt::format("{} has no edges", topology->path()), "edges or cells");
   }
 
-  Link<Topology> topology_{"topology"};
+  TopologyLink topology_;
   std::vector<Edge> edges_;
   double stiffness_ = 100, damping_ = 0;
   bool elongation_only_ = false;

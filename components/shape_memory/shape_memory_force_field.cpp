@@ -85,7 +85,7 @@ class ShapeMemoryForceField final : public ForceField {
   bool hasReaction() const { return reaction_ != ReactionWord::no; }
   Adjacency findNeighbours() const;
   Adjacency bestTriangles(const Adjacency& all) const;
-  Link<Topology> topology_{"topology"};
+  TopologyLink topology_;
   std::vector<double> stiffness_{1};
   NodesWord nodes_ = NodesWord::all;
   FrameWord frame_ = FrameWord::best_fit;
@@ -100,8 +100,7 @@ class ShapeMemoryForceField final : public ForceField {
 
 void ShapeMemoryForceField::declare(DataTable& table) {
   ForceField::declare(table);
-  table.addLink("topology", topology_)
-      .help("mesh whose edges make neighbours; the node's own (or the nearest above) when not given");
+  topology_.declare(table, "mesh whose edges make neighbours");
   table.add("stiffness", stiffness_)
       .alias("kElas")
       .unit("N/m")
@@ -125,7 +124,7 @@ void ShapeMemoryForceField::declare(DataTable& table) {
 
 void ShapeMemoryForceField::init() {
   ForceField::init();
-  const Topology* topology = findTopology(*this, state(), topology_, MeshNodes::first);
+  const Topology* topology = topology_.find(*this, state(), MeshNodes::first);
   if (!topology) throw ComponentError("there is no mesh", "a topology with cells in this node or above");
   mesh_ = &topology->mesh();
   if (reaction_ == ReactionWord::upright && frame_ == FrameWord::triangle)

@@ -39,6 +39,7 @@
 
 #include "framework/mechanics/spring_field.h"
 #include "framework/mechanics/state_topology.h"
+#include "framework/mesh/cell_kind.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
@@ -77,7 +78,7 @@ class BendingSprings final : public SpringField {
  public:
   void declare(DataTable& table) override {
     ForceField::declare(table);
-    table.addLink("topology", topology_).help("surface; the mesh of this node or the nearest above when not given");
+    topology_.declare(table, "surface");
     table.add("stiffness", stiffness_).help("spring constant").unit("N/m").min(0);
     table.add("damping", damping_).help("force along a spring over its speed of elongation").unit("N s/m").min(0);
     table.add("localRange", range_).help("first and last node that springs may join; -1 -1: all nodes");
@@ -86,14 +87,11 @@ class BendingSprings final : public SpringField {
 
   void init() override {
     ForceField::init();
-    const Topology* topology = findTopology(*this, this->state(), topology_);
-    constexpr const char* word = std::tuple_size_v<Cell> == 3 ? "triangles" : "quads";
-    if (!topology || cellsOf<Cell>(topology->mesh()).empty())
-      throw ComponentError(fmt::format("no mesh in this node or above has {}", word),
-                           fmt::format("a topology with {}", word));
+    const CellKind& kind = std::tuple_size_v<Cell> == 3 ? cell_kinds::triangle : cell_kinds::quad;
+    const Mesh& mesh = topology_.meshWith(kind, *this, this->state());
     if (range_.size() != 2) throw ComponentError(fmt::format("localRange has {} values", range_.size()), "2 values");
     std::map<Edge, bool> springs;
-    for (const auto& [edge, wings] : wingsOf(cellsOf<Cell>(topology->mesh())))
+    for (const auto& [edge, wings] : wingsOf(cellsOf<Cell>(mesh)))
       for (std::size_t i = 0; i < wings.size(); ++i)
         for (std::size_t j = 0; j < i; ++j) {
           addPair(wings[i].after_first, wings[j].after_first, springs);
@@ -115,7 +113,7 @@ class BendingSprings final : public SpringField {
     if (i != j && !outside) springs[pair] = true;
   }
 
-  Link<Topology> topology_{"topology"};
+  TopologyLink topology_;
   double stiffness_ = 1e5, damping_ = 1;
   std::vector<int> range_{-1, -1};
 };

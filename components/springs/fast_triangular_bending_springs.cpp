@@ -35,6 +35,7 @@
 
 #include "framework/mechanics/node_group_field.h"
 #include "framework/mechanics/state_topology.h"
+#include "framework/mesh/cell_kind.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
@@ -44,7 +45,7 @@ class FastTriangularBendingSprings final : public NodeGroupField<4> {
  public:
   void declare(DataTable& table) override {
     ForceField::declare(table);
-    table.addLink("topology", topology_).help("surface; the mesh of this node or the nearest above when not given");
+    topology_.declare(table, "surface");
     table.add("bendingStiffness", bending_).help("bending stiffness of the surface").unit("N m").min(0);
     table.add("minDistValidity", smallest_)
         .help("triangles with a smaller height have no bending stiffness")
@@ -54,11 +55,9 @@ class FastTriangularBendingSprings final : public NodeGroupField<4> {
 
   void init() override {
     ForceField::init();
-    const Topology* topology = findTopology(*this, state(), topology_);
-    if (!topology || topology->mesh().triangles.empty())
-      throw ComponentError("no mesh in this node or above has triangles", "a topology with triangles");
+    const Mesh& mesh = topology_.meshWith(cell_kinds::triangle, *this, state());
     std::map<Edge, std::vector<Index>> opposite;
-    for (const Triangle& t : topology->mesh().triangles)
+    for (const Triangle& t : mesh.triangles)
       for (std::size_t i = 0; i < 3; ++i) {
         const Index c = t[i], d = t[(i + 1) % 3];
         opposite[{std::min(c, d), std::max(c, d)}].push_back(t[(i + 2) % 3]);
@@ -135,7 +134,7 @@ class FastTriangularBendingSprings final : public NodeGroupField<4> {
     hinges_.push_back(hinge);
   }
 
-  Link<Topology> topology_{"topology"};
+  TopologyLink topology_;
   double bending_ = 1000, smallest_ = 0;
   std::vector<Hinge> hinges_;
   int curved_ = 0;

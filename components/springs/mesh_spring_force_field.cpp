@@ -60,7 +60,7 @@ class MeshSprings : public SpringField {
 
   void declare(DataTable& table) override {
     ForceField::declare(table);
-    table.addLink("topology", topology_).help("mesh; the one of this node or the nearest above when not given");
+    topology_.declare(table, "mesh whose cells give the springs");
     table.add("noCompression", no_compression_).help("springs resist elongation only");
     table.add("localRange", range_).help("first and last node that springs may join; -1 -1: all nodes");
     for (const char* name : {"drawMinElongationRange", "drawMaxElongationRange", "drawSpringSize"})
@@ -82,7 +82,7 @@ class MeshSprings : public SpringField {
   /// The mesh of the springs. Throws ComponentError.
   const Mesh& findMesh() {
     ForceField::init();
-    const Topology* topology = findTopology(*this, state(), topology_);
+    const Topology* topology = topology_.find(*this, state());
     if (!topology) throw ComponentError("no mesh gives the springs", "a topology in this node or above");
     if (range_.size() != 2) throw ComponentError(fmt::format("localRange has {} values", range_.size()), "2 values");
     return topology->mesh();
@@ -108,7 +108,7 @@ class MeshSprings : public SpringField {
       {"lines", nullptr}, {"triangles", nullptr}, {"quads", nullptr}, {"tetrahedra", "tetras"}, {"cubes", "hexas"}};
 
  private:
-  Link<Topology> topology_{"topology"};
+  TopologyLink topology_;
   bool no_compression_ = false;
   std::vector<int> range_{-1, -1};
   std::set<Edge> pairs_;

@@ -74,10 +74,7 @@ class RestShapeSpringsForceField final : public NodeGroupField<1> {
   }
 
   void compile() override {
-    std::vector<Group> rows;
-    rows.reserve(nodes_.size());
-    for (Index node : nodes_) rows.push_back({state().firstRow() + node});
-    setGroups(std::move(rows), false);
+    setNodes(nodes_, false);
     for (std::size_t i = 0; i < nodes_.size(); ++i)
       NodeGroupField::stiffness_[i].blocks[0] = -stiffness_constants_[i] * active_;
   }

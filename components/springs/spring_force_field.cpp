@@ -29,6 +29,7 @@
 #include <cmath>
 
 #include "framework/mechanics/node_indices.h"
+#include "framework/mechanics/node_pairs.h"
 #include "framework/mechanics/spring_field.h"
 #include "framework/scene/factory.h"
 
@@ -56,13 +57,9 @@ class SpringForceField final : public SpringField {
   }
 
   void init() override {
-    if (object1_.target()) {
-      if (mstate_.target() && mstate_.target() != object1_.target())
-        throw ComponentError("mstate and object1 name different states", "one of them");
-      mstate_.set(object1_.target());
-    } else if (object2_.target()) {
+    setFirstState(object1_, mstate_);
+    if (object2_.target() && !object1_.target())
       inform("no object1: the first ends of the springs are nodes of the state of this node");
-    }
     ForceField::init();
     State* second = object2_.get() ? object2_.get() : &state();
     setSprings(data().find("spring")->isSet() ? fromOneList(*second) : fromLists(*second), second);
@@ -94,12 +91,8 @@ class SpringForceField final : public SpringField {
   std::vector<Spring> fromLists(const State& second) {
     if (!data().find("springsIndices1")->isSet() || !data().find("springsIndices2")->isSet())
       throw ComponentError("there is no spring", "springsIndices1 and springsIndices2, or spring");
-    const std::vector<Index> first_nodes = checkedNodesInOrder(indices1_, state(), "springsIndices1");
-    const std::vector<Index> second_nodes = checkedNodesInOrder(indices2_, second, "springsIndices2");
-    if (first_nodes.size() != second_nodes.size())
-      throw ComponentError(
-          fmt::format("springsIndices1 has {} nodes and springsIndices2 {}", first_nodes.size(), second_nodes.size()),
-          "as many of each");
+    const auto [first_nodes, second_nodes] =
+        checkedPairs({"springsIndices1", indices1_, state()}, {"springsIndices2", indices2_, second});
     if (!data().find("lengths")->isSet())
       warn("no lengths: the springs have a length of 0 at rest and pull their ends together", "lengths=\"...\"");
     const std::size_t count = first_nodes.size();

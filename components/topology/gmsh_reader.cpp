@@ -199,12 +199,17 @@ class GmshParser {
     }
   }
 
+  /// Number and type of an element.
+  std::pair<int, GmshElement> readElementHead() {
+    tag_ = in_.number<int>("an element's number");
+    const int code = in_.number<int>("an element's type");
+    return {code, gmshElement(code, in_)};
+  }
+
   void readElements1() {
     const std::size_t count = elementCount();
     for (std::size_t i = 0; i < count; ++i) {
-      tag_ = in_.number<int>("an element's number");
-      const int code = in_.number<int>("an element's type");
-      const GmshElement element = gmshElement(code, in_);
+      const auto [code, element] = readElementHead();
       const int group = in_.number<int>("an element's physical region");
       in_.number<int>("an element's elementary region");
       const int nodes = in_.number<int>("an element's number of nodes");
@@ -218,9 +223,7 @@ class GmshParser {
   void readElements2() {
     const std::size_t count = elementCount();
     for (std::size_t i = 0; i < count; ++i) {
-      tag_ = in_.number<int>("an element's number");
-      const int code = in_.number<int>("an element's type");
-      const GmshElement element = gmshElement(code, in_);
+      const GmshElement element = readElementHead().second;
       const int group = readTags(in_.number<int>("an element's number of tags"));
       readElementNodes(element, group);
     }

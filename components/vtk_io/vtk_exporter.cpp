@@ -93,7 +93,7 @@ class VTKExporter : public Observer {
 
   FileName filename_;
   Link<State> mstate_{"mechanical state"};
-  Link<Topology> topology_link_{"topology"};
+  TopologyLink topology_link_;
   std::vector<Vec3> position_;
   std::vector<std::string> point_words_, cell_words_;
   int every_ = 1;
@@ -129,7 +129,7 @@ void VTKExporter::declare(DataTable& table) {
   table.add("position", position_)
       .unit("m")
       .help("positions of the state, for SOFA's scenes; those are always written");
-  table.addLink("topology", topology_link_).help("the mesh; default: that of the node or above");
+  topology_link_.declare(table, "mesh to export");
   table.addLink("mstate", mstate_).help("the state; default: that of the node or above");
 }
 
@@ -137,7 +137,7 @@ void VTKExporter::init() {
   state_ = mstate_.target() ? mstate_.get() : find<State>(true);
   if (!state_)
     throw ComponentError("there is no state to export", "a MechanicalObject in the node or above, or mstate");
-  topology_ = findTopology(*this, *state_, topology_link_);
+  topology_ = topology_link_.find(*this, *state_);
   if (!topology_) throw ComponentError("there is no mesh to export", "a topology in the node or above, or topology");
   if (!position_.empty() && Index(position_.size()) != state_->size())
     throw ComponentError(fmt::format("position has {} values, but the state has {}", position_.size(), state_->size()));

@@ -5,8 +5,8 @@ namespace stroma {
 
 /// Lame's constants [Pa] from Young's modulus E [Pa] and Poisson's ratio nu < 1/2.
 struct Lame {
-  /// mu is the shear modulus; lambda + 2/3 mu the bulk modulus.
-  double lambda, mu;
+  double lambda, mu;  ///< mu is the shear modulus
+  double bulk() const { return lambda + 2. / 3 * mu; }
   static Lame from(double young_modulus, double poisson_ratio) {
     return {young_modulus * poisson_ratio / ((1 + poisson_ratio) * (1 - 2 * poisson_ratio)),
             young_modulus / (2 * (1 + poisson_ratio))};

@@ -38,7 +38,7 @@ struct PairTangent {
   }
 };
 
-/// Base of force fields on groups of N nodes. Derived classes call setGroups() in compile() and write stiffness_ (and
+/// Base of force fields on groups of N nodes. Derived classes call setGroups() or setNodes() in compile() and write stiffness_ (and
 /// damping_, when they asked for it) in addForce(). Where a tangent costs more than the force, addForce() calls
 /// outdateTangents() instead, and computeTangents() writes stiffness_ when somebody asks for it: explicit steps do not.
 template <int N, class Tangent = DenseTangent<N>>
@@ -82,6 +82,14 @@ class NodeGroupField : public ForceField {
     for (Tangent& tangent : stiffness_) tangent.setZero();
     damping_.resize(damped ? rows_.size() : 0);
     for (Tangent& tangent : damping_) tangent.setZero();
+  }
+
+  /// One group for each of these nodes of the state.
+  void setNodes(const std::vector<Index>& nodes, bool damped) requires(N == 1) {
+    std::vector<Group> rows;
+    rows.reserve(nodes.size());
+    for (Index node : nodes) rows.push_back({state().firstRow() + node});
+    setGroups(std::move(rows), damped);
   }
 
   void outdateTangents() { tangents_outdated_ = true; }

@@ -11,6 +11,15 @@ namespace stroma {
 
 namespace {
 
+void declareState(DataTable& table, Link<State>& link) {
+  table.addLink("mstate", link)
+      .help("mechanical state to act on; the one of this node or the nearest above when not given");
+}
+
+void declareRayleigh(DataTable& table, const char* name, double& factor, const std::string& help, const char* unit) {
+  table.add(name, factor).recompiled().help(help + ", added to the integrator's").unit(unit).min(0);
+}
+
 /// The state that `link` names, else the one of the component's node, else the nearest above.
 State* findState(const Component& component, const Link<State>& link) {
   if (State* linked = link.get()) return linked;
@@ -22,13 +31,9 @@ State* findState(const Component& component, const Link<State>& link) {
 }  // namespace
 
 void ForceField::declare(DataTable& table) {
-  table.addLink("mstate", mstate_)
-      .help("mechanical state to act on; the one of this node or the nearest above when not given");
-  table.add("rayleighStiffness", rayleigh_stiffness)
-      .recompiled()
-      .help("stiffness-proportional damping of this force field, added to the integrator's")
-      .unit("s")
-      .min(0);
+  declareState(table, mstate_);
+  declareRayleigh(table, "rayleighStiffness", rayleigh_stiffness, "stiffness-proportional damping of this force field",
+                  "s");
 }
 
 void ForceField::init() { state_ = findState(*this, mstate_); }
@@ -41,8 +46,7 @@ void ForceField::addDamping(double, BlockMatrix&) const { addDampingProduct({}, 
 void ForceField::addDampingDiagonal(double, std::vector<double>&) const { addDampingProduct({}, 0, {}); }
 
 void ProjectiveConstraint::declare(DataTable& table) {
-  table.addLink("mstate", mstate_)
-      .help("mechanical state to act on; the one of this node or the nearest above when not given");
+  declareState(table, mstate_);
   table.add("endTime", end_time_)
       .help("the constraint holds in steps that start up to this time; negative: always")
       .unit("s");
@@ -51,21 +55,13 @@ void ProjectiveConstraint::declare(DataTable& table) {
 
 void ProjectiveConstraint::init() { state_ = findState(*this, mstate_); }
 
-void PositionConstraint::declare(DataTable& table) {
-  table.addLink("mstate", mstate_)
-      .help("mechanical state to act on; the one of this node or the nearest above when not given");
-}
+void PositionConstraint::declare(DataTable& table) { declareState(table, mstate_); }
 
 void PositionConstraint::init() { state_ = findState(*this, mstate_); }
 
 void Mass::declare(DataTable& table) {
-  table.addLink("mstate", mstate_)
-      .help("mechanical state to act on; the one of this node or the nearest above when not given");
-  table.add("rayleighMass", rayleigh_mass)
-      .recompiled()
-      .help("mass-proportional damping of this mass, added to the integrator's")
-      .unit("1/s")
-      .min(0);
+  declareState(table, mstate_);
+  declareRayleigh(table, "rayleighMass", rayleigh_mass, "mass-proportional damping of this mass", "1/s");
   table.add("separateGravity", separate_gravity_)
       .help("accepted for SOFA's sake; gravity is always a constant force that is computed once");
   for (const char* name : {"showGravityCenter", "showAxisSizeFactor", "showInitialCenterOfGravity", "showX0"})

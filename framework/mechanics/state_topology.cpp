@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include "framework/mesh/cell_lists.h"
+
 namespace stroma {
 
 namespace {
@@ -81,6 +83,23 @@ const Topology* findTopology(const Component& asker, const State& state, const L
   const Topology* linked = link.get();
   if (linked && !wanted.fits(*linked)) failFit({linked}, wanted);
   return linked ? linked : search(asker.node(), wanted);
+}
+
+void TopologyLink::declare(DataTable& table, const std::string& mesh) {
+  table.addLink("topology", link_).help(mesh + "; that of this node or the nearest above when not given");
+}
+
+const Mesh& TopologyLink::meshWith(const CellKind& kind, const Component& asker, const State& state) const {
+  const Topology* topology = find(asker, state);
+  std::size_t cells = 0;
+  const auto count = [&](const CellKind& listed, const auto& list) {
+    if (listed.type == kind.type) cells = list.size();
+  };
+  if (topology) forEachCellList(count, topology->mesh());
+  if (cells == 0)
+    throw ComponentError(fmt::format("no mesh in this node or above has {}", kind.plural),
+                         fmt::format("a topology with {}", kind.plural));
+  return topology->mesh();
 }
 
 const Topology* findTopology(const Component& asker, Index count, std::string_view whose, MeshNodes nodes) {

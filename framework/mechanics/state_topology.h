@@ -15,6 +15,8 @@
 
 namespace stroma {
 
+struct CellKind;
+
 /// What a component needs of the nodes of a mesh.
 enum class MeshNodes {
   all,    ///< as many as the state has
@@ -25,6 +27,22 @@ enum class MeshNodes {
 /// ComponentError when the linked one does not fit or none does. `attribute` is the name of the link.
 const Topology* findTopology(const Component& asker, const State& state, const Link<Topology>& link,
                              MeshNodes nodes = MeshNodes::all, std::string_view attribute = "topology");
+
+/// The attribute `topology` of a component that acts on a state.
+class TopologyLink {
+ public:
+  /// `mesh` says in the help which one it is: "surface", "mesh that holds the cells".
+  void declare(DataTable& table, const std::string& mesh);
+  /// findTopology() with it.
+  const Topology* find(const Component& asker, const State& state, MeshNodes nodes = MeshNodes::all) const {
+    return findTopology(asker, state, link_, nodes);
+  }
+  /// A mesh with all nodes of the state and cells of this kind. Throws ComponentError when there is none.
+  const Mesh& meshWith(const CellKind& kind, const Component& asker, const State& state) const;
+
+ private:
+  Link<Topology> link_{"topology"};
+};
 
 /// The same for `count` positions that `whose` has (for the message), without a link.
 const Topology* findTopology(const Component& asker, Index count, std::string_view whose, MeshNodes nodes);

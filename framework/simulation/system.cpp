@@ -70,13 +70,12 @@ void System::beginStep(const StepContext& context) {
 }
 
 void System::endStep(const StepContext& context, ConstRows x_start, StepReport& report) {
-  bool moved = constraints_.end(context, x, v);
-  if (!corrections_.empty()) {
-    if (moved) applyMappings();
-    corrections_.enforce(context, x_start, x, v, report);
-    moved = true;
-  }
-  if (moved) applyMappings();
+  const bool moved = constraints_.end(context, x, v);
+  // where rows are left behind, mapped states follow when they are complete
+  if (moved || !integrator_.answersForState()) applyMappings();
+  if (corrections_.empty()) return;
+  corrections_.enforce(context, x_start, x, v, report);
+  applyMappings();
 }
 
 void System::applyMappings() {

@@ -45,8 +45,8 @@ class System final {
   // ---- the story of a step: beginStep(), the integrator's step, endStep() ----
   /// Forces are those of the step's end, constraints begin or end, mapped states follow.
   void beginStep(const StepContext& context);
-  /// What the integrator could not know: prescribed motion and tied rows exactly, then position constraints, for a step
-  /// from positions `x_start`.
+  /// What the integrator leaves to it: prescribed motion and tied rows exactly, then position constraints, for a step
+  /// from positions `x_start`; mapped states follow.
   void endStep(const StepContext& context, ConstRows x_start, StepReport& report);
   void applyMappings();  ///< those that nothing acts on too
 

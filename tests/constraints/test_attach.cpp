@@ -88,13 +88,18 @@ std::string points(const std::string& positions, const std::string& velocities, 
                      integrator, positions, velocities, masses, constraints);
 }
 
+/// Two attached nodes of 1 kg and 3 kg at one place, of which 8 N draw the first, and a free one of 2 kg.
+Simulation drawnPair(const std::string& integrator, const std::string& attributes = "") {
+  return simulationFromText(points("0 0 0 0 0 0 5 5 5", "0 0 0 0 0 0 0 0 0", "1 3 2",
+                                   "<ConstantForceField indices='0' forces='8 0 0'/><AttachProjectiveConstraint "
+                                   "indices1='0' indices2='1' twoWay='1' " +
+                                       attributes + "/>",
+                                   integrator));
+}
+
 TEST(Attach, MassesAndForcesAddUp) {
   for (const char* integrator : {"<EulerExplicitSolver/>", "<EulerImplicitSolver/>"}) {
-    Simulation simulation =
-        simulationFromText(points("0 0 0 0 0 0 5 5 5", "0 0 0 0 0 0 0 0 0", "1 3 2",
-                                  "<ConstantForceField indices='0' forces='8 0 0'/><AttachProjectiveConstraint "
-                                  "indices1='0' indices2='1' twoWay='1'/>",
-                                  integrator));
+    Simulation simulation = drawnPair(integrator);
     simulation.step();
     System& system = *simulation.systems().at(0);
     for (Index i = 0; i < 2; ++i) EXPECT_NEAR(system.v[i].x(), 0.1 * 8 / 4, 1e-14);
@@ -131,11 +136,7 @@ TEST(Attach, WhatIsHeldOrMovedTakesTheOthersAlong) {
 
 TEST(Attach, EndsWithItsTime) {
   for (const char* integrator : {"<EulerExplicitSolver/>", "<EulerImplicitSolver/>"}) {
-    Simulation simulation =
-        simulationFromText(points("0 0 0 0 0 0", "0 0 0 0 0 0", "1 3",
-                                  "<ConstantForceField indices='0' forces='8 0 0'/>"
-                                  "<AttachProjectiveConstraint indices1='0' indices2='1' twoWay='1' endTime='0.05'/>",
-                                  integrator));
+    Simulation simulation = drawnPair(integrator, "endTime='0.05'");
     System& system = *simulation.systems().at(0);
     simulation.step();
     simulation.step();
@@ -149,7 +150,7 @@ TEST(Attach, MatrixIsTheProjectedOne) {
   Simulation simulation(
       sceneFromText(R"(<Node name="root" gravity="0 0 0"><TestIntegrator/><TestMesh name="mesh" cells="2 1 1"/>
     <MechanicalObject name="dofs"/><MeshMatrixMass massDensity="5"/><TestSprings/>
-    <FixedProjectiveConstraint indices="0"/><TestPlane indices="3" normal="1 2 2"/>
+    <FixedProjectiveConstraint indices="0"/><TestPlane indices="3"/>
     <AttachProjectiveConstraint indices1="1 4 2" indices2="7 7 3" twoWay="1"/></Node>)"));
   System& system = *simulation.systems()[0];
   for (Index i = 0; i < system.x.count(); ++i) system.x[i] += 0.1 * Vec3(std::sin(i), std::cos(2 * i), std::sin(5 * i));
@@ -221,6 +222,11 @@ TEST(Attach, SaysWhatIsWrong) {
   expectContains(problems("indices1='0' indices2='0 1'"), "1 nodes and indices2 2");
   expectContains(problems("indices1='0' indices2='2'"), "/dofs has 2 nodes");
   expectContains(problems("indices1='0'"), "indices2");
+  expectContains(problemsOf(points("0 0 0", "0 0 0", "1",
+                                   "<Node name='b'><MechanicalObject name='dofs' position='0 0 0'/><UniformMass "
+                                   "totalMass='1'/></Node><AttachProjectiveConstraint mstate='@dofs' "
+                                   "object1='@b/dofs' indices1='0' indices2='0'/>")),
+                 "mstate and object1 name different states");
   expectContains(sceneFromText(points("0 0 0 1 0 0", "0 0 0 0 0 0", "1 1",
                                       "<AttachProjectiveConstraint indices1='0' indices2='1'/>"))
                      .diagnostics.text(),

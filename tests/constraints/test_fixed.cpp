@@ -1,20 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <fmt/format.h>
-
 #include "tests/support/scene_text.h"
 
 namespace stroma::test {
 namespace {
 
-std::string scene(const std::string& component) {
-  return fmt::format(R"(<Node name="root" gravity="0 0 0"><TestIntegrator/>
-    <MechanicalObject name="dofs" position="0 0 0 1 0 0 2 0 0 3 0 0" velocity="1 2 3 1 2 3 1 2 3 1 2 3"/>
-    <UniformMass totalMass="4"/>{}</Node>)",
-                     component);
-}
-
 TEST(FixedProjectiveConstraint, HoldsTheListedNodes) {
-  Simulation simulation(sceneFromText(scene("<FixedProjectiveConstraint indices='3 1 3'/>")));
+  Simulation simulation(sceneFromText(fourNodes("<FixedProjectiveConstraint indices='3 1 3'/>")));
   System& system = *simulation.systems()[0];
   ASSERT_EQ(system.constraints().projectors().size(), 2u);
   EXPECT_EQ(system.constraints().projectors()[0].row, 1);
@@ -25,8 +16,8 @@ TEST(FixedProjectiveConstraint, HoldsTheListedNodes) {
 }
 
 TEST(FixedProjectiveConstraint, ProjectsVelocityAndEnds) {
-  Simulation simulation(
-      sceneFromText(scene("<FixedProjectiveConstraint indices='1' activate_projectVelocity='1' endTime='0.015'/>")));
+  Simulation simulation(sceneFromText(
+      fourNodes("<FixedProjectiveConstraint indices='1' activate_projectVelocity='1' endTime='0.015'/>")));
   System& system = *simulation.systems()[0];
   simulation.step();
   EXPECT_EQ(Vec3(system.v[1]), Vec3::Zero());
@@ -43,7 +34,7 @@ TEST(FixedProjectiveConstraint, ProjectsVelocityAndEnds) {
 
 TEST(PartialFixedProjectiveConstraint, HoldsDirections) {
   Simulation simulation(sceneFromText(
-      scene("<PartialFixedProjectiveConstraint indices='2' fixedDirections='1 0 1' projectVelocity='true'/>")));
+      fourNodes("<PartialFixedProjectiveConstraint indices='2' fixedDirections='1 0 1' projectVelocity='true'/>")));
   System& system = *simulation.systems()[0];
   simulation.step();
   EXPECT_EQ(Vec3(system.v[2]), Vec3(0, 2, 0));
@@ -55,14 +46,14 @@ TEST(PartialFixedProjectiveConstraint, HoldsDirections) {
 }
 
 TEST(Constraints, SayWhatIsWrong) {
-  expectContains(problemsOf(scene("<FixedProjectiveConstraint name='hold'/>")), "which nodes are held");
-  expectContains(problemsOf(scene("<FixedProjectiveConstraint indices='1 4'/>")),
+  expectContains(problemsOf(fourNodes("<FixedProjectiveConstraint name='hold'/>")), "which nodes are held");
+  expectContains(problemsOf(fourNodes("<FixedProjectiveConstraint indices='1 4'/>")),
                  "indices[1] is 4, and /dofs has 4 nodes");
-  expectContains(problemsOf(scene("<FixedProjectiveConstraint indices='-1'/>")), "indices in 0 ... 3");
-  expectContains(problemsOf(scene("<FixedProjectiveConstraint indices=''/>")), "lists no node");
-  expectContains(problemsOf(scene("<PartialFixedProjectiveConstraint indices='1' fixedDirections='1 1'/>")),
+  expectContains(problemsOf(fourNodes("<FixedProjectiveConstraint indices='-1'/>")), "indices in 0 ... 3");
+  expectContains(problemsOf(fourNodes("<FixedProjectiveConstraint indices=''/>")), "lists no node");
+  expectContains(problemsOf(fourNodes("<PartialFixedProjectiveConstraint indices='1' fixedDirections='1 1'/>")),
                  "2 values");
-  expectContains(sceneFromText(scene("<PartialFixedProjectiveConstraint indices='1' fixedDirections='0 0 0'/>"))
+  expectContains(sceneFromText(fourNodes("<PartialFixedProjectiveConstraint indices='1' fixedDirections='0 0 0'/>"))
                      .diagnostics.text(),
                  "holds no direction");
 }

@@ -36,28 +36,32 @@ void expectRotation(const Mat3& r) {
   EXPECT_NEAR(r.determinant(), 1, 2e-14);
 }
 
-TEST(Rotation, SvdIsTheNearestRotationAlsoWhenInverted) {
-  std::mt19937 random(3);
-  int inverted = 0;
-  for (int i = 0; i < 20000; ++i) {
+/// check(F, R) for random F and the rotation R that the method finds.
+template <class Method, class Check>
+void forRandomShapes(unsigned seed, int count, Check&& check) {
+  std::mt19937 random(seed);
+  for (int i = 0; i < count; ++i) {
     const Mat3 f = randomMatrix(random);
-    const Mat3 r = dense(rotation::Svd::of(columns(f)));
+    const Mat3 r = dense(Method::of(columns(f)));
     expectRotation(r);
+    check(f, r);
+  }
+}
+
+TEST(Rotation, SvdIsTheNearestRotationAlsoWhenInverted) {
+  int inverted = 0;
+  forRandomShapes<rotation::Svd>(3, 20000, [&](const Mat3& f, const Mat3& r) {
     inverted += f.determinant() < 0;
     Eigen::JacobiSVD<Mat3> svd(f);
     const Vec3 s = svd.singularValues();
     const double gap = f.determinant() < 0 ? s[1] - s[2] : s[1] + s[2];  // conditioning of the answer
     EXPECT_LT((r - nearestRotation(f)).norm(), 2e-14 * s[0] / gap) << f;
-  }
+  });
   EXPECT_GT(inverted, 5000);
 }
 
 TEST(Rotation, PolarEqualsSvdUntilInvertedThenFlipsARestAxis) {
-  std::mt19937 random(4);
-  for (int i = 0; i < 5000; ++i) {
-    const Mat3 f = randomMatrix(random);
-    const Mat3 r = dense(rotation::Polar::of(columns(f)));
-    expectRotation(r);
+  forRandomShapes<rotation::Polar>(4, 5000, [&](const Mat3& f, const Mat3& r) {
     Eigen::JacobiSVD<Mat3> svd(f, Eigen::ComputeFullU | Eigen::ComputeFullV);
     const Mat3 q = svd.matrixU() * svd.matrixV().transpose();
     const Mat3 signs = r.transpose() * q;
@@ -65,19 +69,15 @@ TEST(Rotation, PolarEqualsSvdUntilInvertedThenFlipsARestAxis) {
       EXPECT_NEAR(signs.trace(), 1, 1e-9);  // one axis flipped
     else
       EXPECT_NEAR(signs.trace(), 3, 1e-9);
-  }
+  });
 }
 
 TEST(Rotation, QrFrameFollowsTheFirstColumns) {
-  std::mt19937 random(5);
-  for (int i = 0; i < 5000; ++i) {
-    const Mat3 f = randomMatrix(random);
-    const Mat3 r = dense(rotation::Qr::of(columns(f)));
-    expectRotation(r);
+  forRandomShapes<rotation::Qr>(5, 5000, [&](const Mat3& f, const Mat3& r) {
     EXPECT_LT((r.col(0) - f.col(0).normalized()).norm(), 1e-14);
     EXPECT_LT(std::abs(r.col(2).dot(f.col(1))), 1e-14);
     EXPECT_GT(r.col(1).dot(f.col(1)), 0);
-  }
+  });
 }
 
 TEST(Rotation, FlatCrushedAndExtremeShapesGiveRotations) {

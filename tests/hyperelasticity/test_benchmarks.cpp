@@ -28,11 +28,11 @@ struct IsochoricNeoHookean {
 
 /// A law of the test's own, and a field that knows it: the module has its own list of laws.
 void offerLaw() {
-  HyperelasticLaw law;
-  law.name = "IsochoricNeoHookean";
-  law.parameters = {{"mu", "Pa", "shear modulus", true}, {"bulk", "Pa", "bulk modulus", true}};
+  HyperelasticLaw law =
+      lawOf<IsochoricNeoHookean>("IsochoricNeoHookean", "mu/2 (J^-2/3 I1 - 3) + bulk/4 (J^2 - 1 - 2 ln J)",
+                                 {{"mu", "Pa", "shear modulus", true}, {"bulk", "Pa", "bulk modulus", true}});
   law.infinite_at_zero = true;
-  offerHyperelasticLaw(lawOf<IsochoricNeoHookean>(law));
+  offerHyperelasticLaw(law);
   factory().add<HyperelasticForceField>("HexahedraWithALawOfTheTest", "", [](auto& field) { field.hexahedra = true; });
 }
 

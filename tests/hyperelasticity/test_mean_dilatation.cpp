@@ -41,25 +41,8 @@ TEST(MeanDilatation, EnergyForceProductAndMatrixAgree) {
     EXPECT_NEAR(-(t.field().energy(a) - t.field().energy(b)) / (200 * step), dot(f, t.direction), 1e-6 * magnitude);
     const Vector product = t.product(t.direction);
     EXPECT_LT(relativeDifference(product, t.differenceOfForces(step)), 1e-6);
-    const BlockMatrix k = t.matrix();
-    Vector assembled(t.x.count());
-    k.multiply(t.direction, assembled);
-    EXPECT_LT(relativeDifference(assembled, product), 1e-12);
-    Vector other(t.x.count());
-    for (Index i = 0; i < other.count(); ++i) other[i] = Vec3(std::sin(i), std::cos(3 * i), std::sin(7 * i + 1));
-    const Vector turned = t.product(other);
-    EXPECT_NEAR(dot(other, product), dot(t.direction, turned),
-                1e-12 * std::sqrt(dot(turned, turned) * dot(t.direction, t.direction)));
-    std::vector<double> diagonal(std::size_t(t.x.count()) * 9, 0.);
-    t.force();
-    t.field().addStiffnessDiagonal(1, diagonal);
-    double worst = 0, largest = 0;
-    for (std::size_t row = 0; row < diagonal.size() / 9; ++row)
-      for (std::size_t i = 0; i < 9; ++i) {
-        const double value = k.values()[std::size_t(k.diagonal()[row]) * 9 + i];
-        worst = std::max(worst, std::abs(value - diagonal[row * 9 + i])), largest = std::max(largest, std::abs(value));
-      }
-    EXPECT_LE(worst, 1e-12 * largest);
+    expectMatrixOfProducts(t);
+    expectSymmetricProducts(t);
     Vector both(t.x.count()), separate(t.x.count());
     t.field().addForceAndProduct(t.x, t.v_zero, t.direction, 1.5, both);
     copy(f, separate), axpy(1.5, product, separate);

@@ -1,20 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <fmt/format.h>
-
 #include "tests/support/scene_text.h"
 
 namespace stroma::test {
 namespace {
 
-std::string scene(const std::string& component) {
-  return fmt::format(R"(<Node name="root" gravity="0 0 0"><TestIntegrator/>
-    <MechanicalObject name="dofs" position="0 0 0 1 0 0 2 0 0 3 0 0" velocity="1 2 3 1 2 3 1 2 3 1 2 3"/>
-    <UniformMass totalMass="4"/>{}</Node>)",
-                     component);
-}
-
 std::vector<Vec3> forcesOf(const std::string& attributes) {
-  Simulation simulation(sceneFromText(scene("<ConstantForceField " + attributes + "/>")));
+  Simulation simulation(sceneFromText(fourNodes("<ConstantForceField " + attributes + "/>")));
   System& system = *simulation.systems()[0];
   system.computeForce(system.x, system.v, system.f);
   // the force is minus the gradient of the energy, which is linear: any difference serves
@@ -43,14 +34,15 @@ TEST(ConstantForceField, LoadsNodes) {
 
 TEST(ConstantForceField, SaysWhatIsWrong) {
   const auto problems = [](const std::string& attributes) {
-    return problemsOf(scene("<ConstantForceField " + attributes + "/>"));
+    return problemsOf(fourNodes("<ConstantForceField " + attributes + "/>"));
   };
   expectContains(problems("indices='0'"), "there is no force");
   expectContains(problems("indices='0' totalForce='1 0 0' forces='1 0 0'"), "more than one");
   expectContains(problems("indices='0 1' forces='1 0 0 2 0 0 3 0 0'"), "3 values for 2 nodes");
   expectContains(problems("indices='9' totalForce='1 0 0'"), "indices in 0 ... 3");
   expectContains(problems("indices='' totalForce='1 0 0'"), "lists no node");
-  expectContains(sceneFromText(scene("<ConstantForceField totalForce='1 0 0'/>")).diagnostics.text(), "all 4 nodes");
+  expectContains(sceneFromText(fourNodes("<ConstantForceField totalForce='1 0 0'/>")).diagnostics.text(),
+                 "all 4 nodes");
 }
 
 }  // namespace

@@ -9,10 +9,6 @@
 namespace stroma::test {
 namespace {
 
-void expectContains(const std::string& text, const std::string& part) {
-  EXPECT_NE(text.find(part), std::string::npos) << "\"" << part << "\" is not in:\n" << text;
-}
-
 std::string scene(const std::string& load, const std::string& integrator, double dt,
                   const std::string& gravity = "0 0 0", const std::string& positions = "0 0 0") {
   return fmt::format(R"(<Node name="root" dt="{}" gravity="{}">{}<CGLinearSolver iterations="50" tolerance="1e-13"/>

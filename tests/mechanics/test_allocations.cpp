@@ -25,7 +25,7 @@ TEST(System, AllocatesNothingAfterTheFirstStep) {
     <MechanicalObject name="dofs"/><MeshMatrixMass massDensity="5"/><TestSprings/><TestLinearNet name="net"/>
     <ConstantForceField indices="3" totalForce="1 0 0"/><FixedProjectiveConstraint indices="0 1" endTime="0.03"/>
     <SurfacePressureForceField pressure="3" pulseMode="1" pressureSpeed="40" volumeConservationMode="1"/>
-    <TestPlane name="plane" indices="1 5" turning="1"/></Node>)"));
+    <TestTurningPlane name="plane" indices="1 5"/></Node>)"));
   System& system = *simulation.systems()[0];
   Vector p(system.independentRows()), out(system.independentRows()), f(system.allRows());
   std::vector<double> blocks;

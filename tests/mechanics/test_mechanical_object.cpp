@@ -42,12 +42,10 @@ TEST(MechanicalObject, ScalesThenRotatesThenTranslates) {
   expectNear(a.state->position[0], Vec3(0, 2, 5));
   expectNear(a.state->rest_position[0], Vec3(0, 2, 5));
   // about x first, then y, then z: y -> z -> x -> y
-  const Loaded b(scene("position='0 1 0' rotation='90 90 90'"));
-  expectNear(b.state->position[0], Vec3(0, 1, 0));
-  const Loaded c(scene("position='0 1 0' rotation='90 90 0'"));
-  expectNear(c.state->position[0], Vec3(1, 0, 0));
-  const Loaded shorthand(scene("position='1 1 1' scale='3' dx='1' ry='180' rz='0'"));
-  expectNear(shorthand.state->position[0], Vec3(-2, 3, -3));
+  const auto placed = [](const std::string& attributes) { return Loaded(scene(attributes)).state->position[0]; };
+  expectNear(placed("position='0 1 0' rotation='90 90 90'"), Vec3(0, 1, 0));
+  expectNear(placed("position='0 1 0' rotation='90 90 0'"), Vec3(1, 0, 0));
+  expectNear(placed("position='1 1 1' scale='3' dx='1' ry='180' rz='0'"), Vec3(-2, 3, -3));
 }
 
 TEST(MechanicalObject, SecondTransformLeavesTheRestShape) {

@@ -32,6 +32,13 @@ class MeshCommand : public CommandTest {
     EXPECT_EQ(finished.code, 0) << finished.err;
     return finished.code == 0 ? nlohmann::json::parse(finished.out) : nlohmann::json();
   }
+  /// The command refuses the input with this sentence, and writes no mesh.
+  void expectRefused(const std::string& arguments, const std::string& sentence) const {
+    const Finished finished = stroma("mesh " + arguments + " -o mesh.msh");
+    EXPECT_EQ(finished.code, 2) << arguments;
+    EXPECT_NE(finished.err.find(sentence), std::string::npos) << arguments << ": " << finished.err;
+    EXPECT_FALSE(exists("mesh.msh")) << arguments;
+  }
   std::string bytes(const std::string& file) const { return readText(folder_ / file); }
 };
 

@@ -150,12 +150,8 @@ TEST_F(MeshCommand, ImagesThatAreNoSegmentationAreRefused) {
                                           {"none.nii", "there is no file"},
                                           {"half.mha --cell-size -1", "expected a number above 0"},
                                           {"half.mha --facet-angle 40", "expected at most 30"},
-                                          {"half.mha --name soft", "expected LABEL=NAME"}}) {
-    const Finished finished = stroma("mesh " + arguments + " -o mesh.msh");
-    EXPECT_EQ(finished.code, 2) << arguments;
-    EXPECT_NE(finished.err.find(sentence), std::string::npos) << arguments << ": " << finished.err;
-    EXPECT_FALSE(exists("mesh.msh")) << arguments;
-  }
+                                          {"half.mha --name soft", "expected LABEL=NAME"}})
+    expectRefused(arguments, sentence);
   write("ball.mha", turnedBall(25, 10));
   EXPECT_NE(stroma("mesh ball.mha -o mesh.msh --cell-size 3=1").err.find("the input has no label 3 (it has 7)"),
             std::string::npos);

@@ -258,12 +258,8 @@ TEST_F(MeshCommand, SurfacesThatEncloseNothingAreRefused) {
        std::map<std::string, std::string>{{"open.obj", "the surface is open: 3 of its edges"},
                                           {"cut.obj", "the surface cuts itself"},
                                           {"branched.obj", "the surface branches"},
-                                          {"none.stl", "there is no file none.stl"}}) {
-    const Finished finished = stroma("mesh " + input + " -o mesh.msh");
-    EXPECT_EQ(finished.code, 2) << input;
-    EXPECT_NE(finished.err.find(sentence), std::string::npos) << input << ": " << finished.err;
-    EXPECT_FALSE(exists("mesh.msh")) << input;
-  }
+                                          {"none.stl", "there is no file none.stl"}})
+    expectRefused(input, sentence);
 }
 
 }  // namespace

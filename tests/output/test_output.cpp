@@ -1,65 +1,45 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // WriteState, Monitor and EnergyMonitor on particles whose motion is known.
-#include <gtest/gtest.h>
-
 #include <cmath>
-#include <filesystem>
 #include <fstream>
 #include <sstream>
 
-#include "framework/simulation/simulation.h"
 #include "framework/simulation/state_file.h"
+#include "tests/support/folder_fixture.h"
+#include "tests/support/scene_fixture.h"
 
-namespace stroma {
+namespace stroma::test {
 namespace {
 
 namespace fs = std::filesystem;
 
-class Output : public testing::Test {
+class Output : public FolderTest {
  protected:
   void SetUp() override {
-    folder_ = fs::path(testing::TempDir()) /
-              (std::string("output_") + testing::UnitTest::GetInstance()->current_test_info()->name());
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
+    FolderTest::SetUp();
     before_ = fs::current_path();
     fs::current_path(folder_);
   }
   void TearDown() override {
     fs::current_path(before_);
-    fs::remove_all(folder_);
+    FolderTest::TearDown();
   }
 
-  Scene scene(const std::string& observers) {
-    const std::string xml = R"(<Node name="root" dt="0.1" gravity="0 -10 0">
+  static std::string scene(const std::string& observers) {
+    return R"(<Node name="root" dt="0.1" gravity="0 -10 0">
       <EulerExplicitSolver/>
       <MechanicalObject name="dofs" position="0 0 0  1 0 0  2 0 0" velocity="0 0 0  0 3 0  1 0 0"/>
       <UniformMass totalMass="6"/>)" +
-                            observers + "</Node>";
-    Diagnostics diagnostics;
-    SceneDescription description;
-    description.root = readXml(xml, "test.xml", {}, diagnostics);
-    description.file = "test.xml";
-    return instantiate(std::move(description), factory_, modules_, std::move(diagnostics));
+           observers + "</Node>";
   }
-  void run(const std::string& observers, int steps) {
-    Simulation simulation(scene(observers));
+  static void run(const std::string& observers, int steps) {
+    Simulation simulation = simulationFromText(scene(observers));
     simulation.begin();
     for (int i = 0; i < steps; ++i) ASSERT_FALSE(simulation.step().diverged);
     simulation.end();
   }
-  std::string errorOf(const std::string& observers) {
-    try {
-      Simulation simulation(scene(observers));
-    } catch (const SceneError& error) {
-      return error.diagnostics().text();
-    }
-    return "no error";
-  }
 
-  Factory factory_;
-  Modules modules_{factory_};
-  fs::path folder_, before_;
+  fs::path before_;
 };
 
 std::vector<double> times(const std::vector<StateFrame>& frames) {
@@ -79,8 +59,6 @@ std::vector<std::vector<double>> columns(const std::string& file) {
   }
   return rows;
 }
-
-bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 TEST_F(Output, WriteStateWritesEveryStepFromTheStartToTheLast) {
   run(R"(<WriteState filename="a.state.gz" writeV="true" writeX0="true"/>)", 4);
@@ -113,7 +91,7 @@ TEST_F(Output, WriteStateWritesSubsetsAndForces) {
 }
 
 TEST_F(Output, WriteStateStartsAfreshAfterReset) {
-  Simulation simulation(scene(R"(<WriteState filename="a.state"/>)"));
+  Simulation simulation = simulationFromText(scene(R"(<WriteState filename="a.state"/>)"));
   for (int i = 0; i < 3; ++i) simulation.step();
   simulation.reset();
   EXPECT_EQ(readStateFile("a.state").size(), 4u);
@@ -163,9 +141,9 @@ TEST_F(Output, MistakesAreNamed) {
       {R"(<Monitor ExportForces="true"/>)", "indices"},
       {R"(<EnergyMonitor filename="e" exportEveryNumberOfSteps="0"/>)", "exportEveryNumberOfSteps"},
   };
-  for (const auto& [observer, expected] : cases) EXPECT_TRUE(has(errorOf(observer), expected)) << errorOf(observer);
+  for (const auto& [observer, expected] : cases) expectContains(problemsOf(scene(observer)), expected);
   EXPECT_TRUE(fs::is_empty(folder_)) << "a scene that does not load writes nothing";
 }
 
 }  // namespace
-}  // namespace stroma
+}  // namespace stroma::test

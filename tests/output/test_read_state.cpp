@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // ReadState: what was written comes back bit by bit, at the times it belongs to.
-#include <gtest/gtest.h>
-
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 
 #include "framework/simulation/state_file.h"
+#include "tests/support/folder_fixture.h"
 #include "tests/support/scene_fixture.h"
 
 namespace stroma::test {
@@ -14,22 +11,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class ReadState : public testing::Test {
+class ReadState : public FolderTest {
  protected:
-  void SetUp() override {
-    folder_ = fs::path(testing::TempDir()) /
-              (std::string("read_state_") + testing::UnitTest::GetInstance()->current_test_info()->name());
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  std::string file(const std::string& name) const { return (folder_ / name).string(); }
-  std::string write(const std::string& name, const std::string& text) const {
-    std::ofstream(folder_ / name) << text;
-    return file(name);
-  }
-
   /// Three nodes, two springs, a step of 0.01 s.
   static std::string springs(const std::string& attributes, const std::string& state, const std::string& more) {
     return "<Node name='root' dt='0.01' gravity='0 -10 0' " + attributes +
@@ -51,8 +34,6 @@ class ReadState : public testing::Test {
         "name='dofs' " +
         state + "/><UniformMass totalMass='2'/>" + reads(attributes) + "</Node>");
   }
-
-  fs::path folder_;
 };
 
 std::vector<double> numbers(const Simulation& simulation) {
@@ -190,14 +171,7 @@ TEST_F(ReadState, WhatIsAttachedIsCarriedAlong) {
 }
 
 TEST_F(ReadState, MistakesAreNamed) {
-  const auto problem = [&](const std::string& attributes) {
-    try {
-      drifting(attributes);
-    } catch (const SceneError& error) {
-      return error.diagnostics().text();
-    }
-    return std::string("no problem");
-  };
+  const auto problem = [&](const std::string& attributes) { return problemsIn([&] { drifting(attributes); }); };
   const auto of_file = [&](const std::string& text) { return problem("filename='" + write("bad.state", text) + "'"); };
   EXPECT_TRUE(has(problem(""), "filename")) << problem("");
   EXPECT_TRUE(has(problem("filename='nowhere.state'"), "nowhere.state"));

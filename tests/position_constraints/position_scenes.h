@@ -98,4 +98,12 @@ inline double distortion(const System& system) {
   return worst / size;
 }
 
+/// After a step the constraints do not hold; the report says why, and the sweeps end at once.
+inline void expectConflict(Simulation simulation, const std::string& why) {
+  const StepReport report = simulation.step();
+  EXPECT_FALSE(report.constraints_converged);
+  expectContains(report.constraint_reason, why);
+  EXPECT_LT(report.constraint_sweeps, 10) << "nothing changes after the first";
+}
+
 }  // namespace stroma::test

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <limits>
 
+#include "tests/support/scene_fixture.h"
+
 namespace stroma {
 namespace {
 
@@ -90,12 +92,7 @@ class SimulationTest : public testing::Test {
     return instantiate(std::move(description), factory_, modules_, std::move(diagnostics));
   }
   std::string errorOf(const std::string& xml) {
-    try {
-      Simulation simulation(scene(xml));
-    } catch (const SceneError& error) {
-      return error.diagnostics().text();
-    }
-    return "no error";
+    return test::problemsIn([&] { Simulation simulation(scene(xml)); });
   }
 
   Factory factory_;
@@ -180,16 +177,21 @@ TEST_F(SimulationTest, ObserversSeeTheStartEveryStepAndTheEnd) {
   EXPECT_EQ(observer.seen, "b0 1 2 e");
 }
 
+/// The next step diverges, says when and where, and leaves the states as they were.
+void expectUndone(Simulation& simulation, const std::string& when, const std::string& where) {
+  const std::uint64_t good = simulation.stateHash();
+  const StepReport report = simulation.step();
+  EXPECT_TRUE(report.diverged);
+  EXPECT_TRUE(has(report.reason, when)) << report.reason;
+  EXPECT_TRUE(has(report.reason, where)) << report.reason;
+  EXPECT_EQ(simulation.stateHash(), good);
+}
+
 TEST_F(SimulationTest, ADivergedStepIsUndoneInEverySystem) {
   Simulation simulation(scene(with(two_bodies, "name=\"mover\"", "name=\"mover\" giveUpAt=\"3\"")));
   simulation.step();
   simulation.step();
-  const std::uint64_t good = simulation.stateHash();
-  const StepReport report = simulation.step();
-  EXPECT_TRUE(report.diverged);
-  EXPECT_TRUE(has(report.reason, "step 3 ")) << report.reason;
-  EXPECT_TRUE(has(report.reason, "/b/mover: the solve broke down")) << report.reason;
-  EXPECT_EQ(simulation.stateHash(), good);
+  expectUndone(simulation, "step 3 ", "/b/mover: the solve broke down");
   EXPECT_EQ(simulation.steps(), 2);
   EXPECT_EQ(simulation.time(), 2 * 0.1);
   simulation.end();
@@ -199,12 +201,7 @@ TEST_F(SimulationTest, ADivergedStepIsUndoneInEverySystem) {
 TEST_F(SimulationTest, ANumberThatIsNotFiniteIsADivergenceThatNamesItsNode) {
   Simulation simulation(scene(with(two_bodies, "name=\"mover\"", "name=\"mover\" poisonAt=\"2\"")));
   simulation.step();
-  const std::uint64_t good = simulation.stateHash();
-  const StepReport report = simulation.step();
-  EXPECT_TRUE(report.diverged);
-  EXPECT_TRUE(has(report.reason, "step 2 ")) << report.reason;
-  EXPECT_TRUE(has(report.reason, "node 1 of /b/dofs")) << report.reason;
-  EXPECT_EQ(simulation.stateHash(), good);
+  expectUndone(simulation, "step 2 ", "node 1 of /b/dofs");
 }
 
 TEST_F(SimulationTest, ResetRepeatsTheRunBitForBit) {

@@ -2,8 +2,6 @@
 // State files: the same bits back, whole or absent, damage is noticed.
 #include "framework/simulation/state_file.h"
 
-#include <gtest/gtest.h>
-
 #include <bit>
 #include <cmath>
 #include <filesystem>
@@ -11,22 +9,14 @@
 #include <limits>
 #include <random>
 
+#include "tests/support/folder_fixture.h"
+
 namespace {
 
 namespace fs = std::filesystem;
 using namespace stroma;
 
-class StateFile : public testing::Test {
- protected:
-  void SetUp() override {
-    folder_ = fs::path(testing::TempDir()) /
-              ("state_file_" + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()));
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  std::string file(const char* name) const { return (folder_ / name).string(); }
-  fs::path folder_;
-};
+class StateFile : public test::FolderTest {};
 
 std::vector<Vec3> awkwardNumbers(int count) {
   std::mt19937_64 random(7);
@@ -46,7 +36,7 @@ bool sameBits(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(Vec3)) == 0;
 }
 
-void write(const std::string& path, const std::vector<Vec3>& x, int frames) {
+void writeFrames(const std::string& path, const std::vector<Vec3>& x, int frames) {
   StateWriter writer(path);
   for (int i = 0; i < frames; ++i) {
     writer.time(0.1 * i);
@@ -68,7 +58,7 @@ std::string messageOf(const std::string& path) {
 TEST_F(StateFile, ReadsBackTheSameBits) {
   const auto x = awkwardNumbers(20000);  // more than one block of the compressor
   for (const char* name : {"a.state", "a.state.gz"}) {
-    write(file(name), x, 3);
+    writeFrames(file(name), x, 3);
     const auto frames = readStateFile(file(name));
     ASSERT_EQ(frames.size(), 3u);
     for (int i = 0; i < 3; ++i) {
@@ -107,7 +97,7 @@ TEST_F(StateFile, LeavesNothingWithoutClose) {
 }
 
 TEST_F(StateFile, NoticesDamage) {
-  write(file("d.state.gz"), awkwardNumbers(100), 2);
+  writeFrames(file("d.state.gz"), awkwardNumbers(100), 2);
   fs::resize_file(file("d.state.gz"), fs::file_size(file("d.state.gz")) / 2);
   EXPECT_NE(messageOf(file("d.state.gz")).find("cut short"), std::string::npos);
   EXPECT_NE(messageOf(file("missing.gz")).find("cannot open"), std::string::npos);

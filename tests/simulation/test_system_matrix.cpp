@@ -16,7 +16,7 @@ std::string scene(const std::string& fields, const std::string& more = "") {
                       rest_position="0 0 0  1 0 0  2 0 0  3 0 0  4 0 0"/>
     <UniformMass name="mass" totalMass="10" rayleighMass="0.5"/>{}
     <FixedProjectiveConstraint indices="0"/>
-    <TestPlane name="plane" indices="2 3" normal="1 2 3"/>
+    <TestPlane name="plane" indices="2 3"/>
     <PartialFixedProjectiveConstraint indices="3" fixedDirections="0 1 0"/>{}</Node>)",
                      fields, more);
 }
@@ -157,7 +157,7 @@ TEST(SystemMatrix, ConstantStiffnessBesideAChangingOneIsAssembledOnce) {
 }
 
 TEST(SystemMatrix, VelocityDerivativeIsInProductsAndMatrix) {
-  Simulation simulation(sceneFromText(scene(net + "<TestDrag name='drag' linear='3' quadratic='2'/>")));
+  Simulation simulation(sceneFromText(scene(net + "<TestDrag name='drag'/>")));
   System& system = *simulation.systems()[0];
   for (Index i = 0; i < system.independentRows(); ++i) system.v[i] = Vec3(std::sin(1 + i), std::cos(i), 0.2 * i);
   system.constraints().project(system.v);
@@ -182,7 +182,7 @@ TEST(SystemMatrix, VelocityDerivativeIsInProductsAndMatrix) {
 }
 
 TEST(SystemMatrix, TurningConstraintIsFollowed) {
-  Simulation simulation(sceneFromText(scene(net, "<TestPlane name='turn' indices='4' turning='1'/>")));
+  Simulation simulation(sceneFromText(scene(net, "<TestTurningPlane name='turn' indices='4'/>")));
   System& system = *simulation.systems()[0];
   const MatrixKey before = system.matrix().key();
   simulation.step();

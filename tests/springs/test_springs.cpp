@@ -10,10 +10,6 @@
 namespace stroma::test {
 namespace {
 
-void expectContains(const std::string& text, const std::string& part) {
-  EXPECT_NE(text.find(part), std::string::npos) << "\"" << part << "\" is not in:\n" << text;
-}
-
 /// Nodes on the x axis under one spring field, no gravity.
 std::string row(const std::string& positions, const std::string& springs, double dt = 1e-3,
                 const std::string& integrator = "<EulerExplicitSolver/>", const std::string& more = "") {

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "tests/support/scene_fixture.h"
+#include "tests/stability/dragged.h"
 
 namespace stroma::test {
 namespace {
@@ -20,20 +20,6 @@ struct Drag {
   double size = 0.264;  ///< of the body [m]
   int steps = 600;      ///< after the release
 };
-
-double farthestFromRest(const Simulation& simulation) {
-  const State& state = *simulation.states().at(0);
-  double largest = 0;
-  for (Index i = 0; i < state.size(); ++i) largest = std::max(largest, (state.x()[i] - state.rest_position[i]).norm());
-  return largest;
-}
-
-int invertedElements(Simulation& simulation) {
-  const auto* field = dynamic_cast<const ForceField*>(findComponent(simulation.root(), "/organ/fem"));
-  std::vector<double> j;
-  field->cellField("J", simulation.systems().at(0)->x, j);
-  return int(std::count_if(j.begin(), j.end(), [](double value) { return value < 0; }));
-}
 
 void expectRestShape(const Drag& drag, bool inverts) {
   std::vector<Override> overrides;

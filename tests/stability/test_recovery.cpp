@@ -9,7 +9,7 @@
 #include <numbers>
 
 #include "framework/mesh/topology.h"
-#include "tests/support/scene_fixture.h"
+#include "tests/stability/dragged.h"
 
 namespace stroma::test {
 namespace {
@@ -77,19 +77,6 @@ struct Outcome {
   std::string diverged;
 };
 
-double distanceFromRest(const State& state) {
-  double largest = 0;
-  for (Index i = 0; i < state.size(); ++i) largest = std::max(largest, (state.x()[i] - state.rest_position[i]).norm());
-  return largest;
-}
-
-int inverted(Simulation& simulation) {
-  const auto* field = dynamic_cast<const ForceField*>(findComponent(simulation.root(), "/organ/fem"));
-  std::vector<double> j;
-  field->cellField("J", simulation.systems().at(0)->x, j);
-  return int(std::count_if(j.begin(), j.end(), [](double value) { return value < 0; }));
-}
-
 /// The solid angles of the elements around a node sum to at most 4 pi in a body that does not overlap itself there.
 double mostCovered(Simulation& simulation) {
   const State& state = *simulation.states().at(0);
@@ -109,16 +96,16 @@ double mostCovered(Simulation& simulation) {
 /// Runs until the body is within 1e-6 of its size from rest, at most `most` steps.
 void settle(Simulation& simulation, int most, Outcome& outcome) {
   const State& state = *simulation.states().at(0);
-  while (distanceFromRest(state) > 1e-6 * outcome.task.size && outcome.steps < most && outcome.diverged.empty()) {
+  while (farthestFromRest(simulation) > 1e-6 * outcome.task.size && outcome.steps < most && outcome.diverged.empty()) {
     const StepReport report = simulation.step();
     if (report.diverged) outcome.diverged = report.reason;
     ++outcome.steps;
   }
-  outcome.distance = distanceFromRest(state) / outcome.task.size;
+  outcome.distance = farthestFromRest(simulation) / outcome.task.size;
   outcome.speed = 0;
   for (Index i = 0; i < state.size(); ++i)
     outcome.speed = std::max(outcome.speed, state.v()[i].norm() / outcome.task.size);
-  outcome.inverted_now = inverted(simulation);
+  outcome.inverted_now = invertedElements(simulation);
   outcome.most_covered = mostCovered(simulation);
   outcome.x.resize(state.size());
   copy(ConstRows(state.x()), outcome.x);
@@ -145,7 +132,7 @@ Outcome dragAndRelease(Settings settings, double way) {
     const StepReport report = simulation.step();
     if (report.diverged) outcome.diverged = report.reason;
   }
-  outcome.inverted_then = inverted(simulation);
+  outcome.inverted_then = invertedElements(simulation);
   settle(simulation, 1000, outcome);
   return outcome;
 }

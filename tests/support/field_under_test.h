@@ -142,6 +142,34 @@ class FieldUnderTest {
   System* system_ = nullptr;
 };
 
+/// `diagonal`, shape (rows, 9), has the diagonal blocks of a matrix.
+inline void expectDiagonalOf(const BlockMatrix& matrix, const std::vector<double>& diagonal) {
+  double worst = 0, largest = 0;
+  for (std::size_t row = 0; row < diagonal.size() / 9; ++row)
+    for (std::size_t i = 0; i < 9; ++i) {
+      const double value = matrix.values()[std::size_t(matrix.diagonal()[row]) * 9 + i];
+      worst = std::max(worst, std::abs(value - diagonal[row * 9 + i])), largest = std::max(largest, std::abs(value));
+    }
+  EXPECT_LE(worst, 1e-12 * largest) << "matrix and diagonal differ";
+}
+/// Matrix, diagonal and products of the field are those of one K.
+inline void expectMatrixOfProducts(FieldUnderTest& t) {
+  const BlockMatrix k = t.matrix();
+  Vector assembled(t.x.count());
+  k.multiply(t.direction, assembled);
+  EXPECT_LT(relativeDifference(assembled, t.product(t.direction)), 1e-12) << "matrix and product differ";
+  std::vector<double> diagonal(std::size_t(t.x.count()) * 9, 0.);
+  t.field().addStiffnessDiagonal(1, diagonal);
+  expectDiagonalOf(k, diagonal);
+}
+inline void expectSymmetricProducts(FieldUnderTest& t) {
+  Vector other(t.x.count());
+  for (Index i = 0; i < other.count(); ++i) other[i] = Vec3(std::sin(i), std::cos(3 * i), std::sin(7 * i + 1));
+  const Vector product = t.product(t.direction), turned = t.product(other);
+  EXPECT_NEAR(dot(other, product), dot(t.direction, turned),
+              1e-12 * std::sqrt(dot(turned, turned) * dot(t.direction, t.direction)));
+}
+
 /// The organ of the repository, or another mesh, under TetrahedronFEMForceField with the given attributes.
 inline std::string tetrahedraScene(const std::string& attributes,
                                    const std::string& mesh = STROMA_SOURCE_DIR "/scenes/meshes/organ_600.msh",

@@ -224,14 +224,9 @@ class TestUnsymmetric final : public ForceField {
   }
 };
 
-/// f = -(d + c |v|) v at each node: linear and quadratic drag.
+/// f = -(3 + 2 |v|) v at each node: linear and quadratic drag.
 class TestDrag final : public ForceField {
  public:
-  void declare(DataTable& table) override {
-    ForceField::declare(table);
-    table.add("linear", linear_).help("d");
-    table.add("quadratic", quadratic_).help("c");
-  }
   ForceTraits traits() const override {
     ForceTraits traits;
     traits.has_stiffness = false;
@@ -244,9 +239,9 @@ class TestDrag final : public ForceField {
     for (Index i = 0; i < state().size(); ++i) {
       const Vec3 u = v[row(i)];
       const double speed = u.norm();
-      f[row(i)] -= (linear_ + quadratic_ * speed) * u;
-      blocks_[i] = -(linear_ + quadratic_ * speed) * Mat3::Identity();
-      if (speed > 0) blocks_[i] -= quadratic_ / speed * u * u.transpose();
+      f[row(i)] -= (3 + 2 * speed) * u;
+      blocks_[i] = -(3 + 2 * speed) * Mat3::Identity();
+      if (speed > 0) blocks_[i] -= 2 / speed * u * u.transpose();
     }
   }
   void addStiffnessProduct(ConstRows, double, Rows) const override {}
@@ -266,30 +261,36 @@ class TestDrag final : public ForceField {
 
  private:
   Index row(Index i) const { return state().firstRow() + i; }
-  double linear_ = 0, quadratic_ = 0;
   std::vector<Mat3> blocks_;
 };
 
-/// Lets nodes slide in the plane with this normal.
-class TestPlane final : public ProjectiveConstraint {
+/// Lets nodes slide in the plane with the normal 1 2 3.
+class TestPlane : public ProjectiveConstraint {
  public:
   void declare(DataTable& table) override {
     ProjectiveConstraint::declare(table);
     table.add("indices", indices_).help("nodes");
-    table.add("normal", normal_).help("of the plane");
-    table.add("turning", turning_).help("the normal turns about z with time");
   }
-  bool isConstant() const override { return !turning_; }
+  bool isConstant() const override { return true; }
   void addProjectors(double t, std::vector<NodeProjector>& out) const override {
-    Vec3 n = normal_.normalized();
-    if (turning_) n = Eigen::AngleAxisd(t, Vec3::UnitZ()) * n;
+    const Vec3 n = normal(t);
     for (int i : indices_) out.push_back({state().firstRow() + i, Mat3::Identity() - n * n.transpose()});
   }
 
+ protected:
+  virtual Vec3 normal(double) const { return Vec3(1, 2, 3).normalized(); }
+
  private:
   std::vector<int> indices_;
-  Vec3 normal_ = Vec3::UnitX();
-  bool turning_ = false;
+};
+
+/// The normal turns about z with time, from x.
+class TestTurningPlane final : public TestPlane {
+ public:
+  bool isConstant() const override { return false; }
+
+ protected:
+  Vec3 normal(double t) const override { return Vec3(std::cos(t), std::sin(t), 0); }
 };
 
 /// Node i of the child is the mean of nodes i and i + 1 of the parent; with `bend`, its x gets bend * y^2.
@@ -376,6 +377,7 @@ void registerTestComponents(Factory& factory) {
   factory.add<TestUnsymmetric>("TestUnsymmetric", "test");
   factory.add<TestDrag>("TestDrag", "test");
   factory.add<TestPlane>("TestPlane", "test");
+  factory.add<TestTurningPlane>("TestTurningPlane", "test");
   factory.add<TestMean>("TestMean", "test");
 }
 

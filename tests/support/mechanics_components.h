@@ -5,7 +5,8 @@
 
 namespace stroma::test {
 
-/// TestIntegrator, TestSolver, TestMesh, TestLinearNet, TestSprings, TestUnsymmetric, TestDrag, TestPlane, TestMean.
+/// TestIntegrator, TestSolver, TestMesh, TestLinearNet, TestSprings, TestUnsymmetric, TestDrag, TestPlane, TestTurningPlane,
+/// TestMean.
 void registerTestComponents(Factory& factory);
 /// How often a TestLinearNet or TestSprings was assembled.
 long assembliesOf(const Component& net);

@@ -2,6 +2,8 @@
 // Scenes for tests: a text goes through the real reader and loader, with the built modules and the test's own
 // components.
 #pragma once
+#include <gtest/gtest.h>
+
 #include <string>
 
 #include "framework/scene/load.h"
@@ -29,14 +31,23 @@ inline Scene sceneFromText(const std::string& text) {
 }
 inline Simulation simulationFromText(const std::string& text) { return Simulation(sceneFromText(text)); }
 
-/// The text of all problems, or empty when the scene loads and compiles.
-inline std::string problemsOf(const std::string& text) {
+/// The text of all problems that `load` throws, or empty.
+template <class Load>
+std::string problemsIn(Load&& load) {
   try {
-    simulationFromText(text);
+    load();
   } catch (const SceneError& error) {
     return error.diagnostics().text();
   }
   return {};
+}
+/// Of a scene that is loaded and compiled.
+inline std::string problemsOf(const std::string& text) {
+  return problemsIn([&] { simulationFromText(text); });
+}
+
+inline void expectContains(const std::string& text, const std::string& part) {
+  EXPECT_NE(text.find(part), std::string::npos) << "\"" << part << "\" is not in:\n" << text;
 }
 
 }  // namespace stroma::test

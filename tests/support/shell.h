@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Runs the command as a user does, in a folder of its own.
 #pragma once
-#include <gtest/gtest.h>
 #include <sys/wait.h>
 
 #include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <iterator>
-#include <string>
+
+#include "tests/support/folder_fixture.h"
 
 namespace stroma::test {
 
@@ -22,19 +20,9 @@ inline std::string readText(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-/// A folder for one test: fresh, and the working directory of what it runs.
-class CommandTest : public testing::Test {
+/// The folder is the working directory of what a test runs.
+class CommandTest : public FolderTest {
  protected:
-  void SetUp() override {
-    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = std::filesystem::path(testing::TempDir()) / (std::string(info->test_suite_name()) + "_" + info->name());
-    std::filesystem::remove_all(folder_);
-    std::filesystem::create_directories(folder_);
-  }
-  void TearDown() override {
-    if (!HasFailure()) std::filesystem::remove_all(folder_);
-  }
-
   /// `stroma <arguments>` through the shell.
   Finished stroma(const std::string& arguments) const {
     const auto out = folder_ / ".out", err = folder_ / ".err";
@@ -42,13 +30,6 @@ class CommandTest : public testing::Test {
     const int status = std::system(line.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, readText(out), readText(err)};
   }
-  void write(const std::string& name, const std::string& text) const {
-    std::filesystem::create_directories((folder_ / name).parent_path());
-    std::ofstream(folder_ / name, std::ios::binary) << text;
-  }
-  bool exists(const std::string& name) const { return std::filesystem::exists(folder_ / name); }
-
-  std::filesystem::path folder_;
 };
 
 /// Two free particles under gravity: needs no force field.

@@ -15,7 +15,7 @@ const char* const two_tetrahedra =
 using Loaders = LoaderTest;
 
 TEST_F(Loaders, GmshIntoAContainer) {
-  const std::string path = file("two.msh", two_tetrahedra);
+  const std::string path = write("two.msh", two_tetrahedra);
   const Scene scene = sceneFromText(
       "<Node name=\"root\"><TetrahedronSetTopologyContainer name=\"t\" src=\"@loader\"/>"
       "<MeshGmshLoader name=\"loader\" filename=\"" +
@@ -26,17 +26,17 @@ TEST_F(Loaders, GmshIntoAContainer) {
   EXPECT_EQ(held.triangles.size(), 7u);  // the one of the file, then the other faces
   EXPECT_EQ(held.triangles.front(), (Triangle{1, 2, 3}));
   EXPECT_EQ(held.edges.size(), 9u);
-  expectIn(scene.diagnostics.text(), "1 points of the file are not used");
+  expectContains(scene.diagnostics.text(), "1 points of the file are not used");
   EXPECT_EQ(mesh(sceneFromText(sceneText("MeshGmshLoader", path, "createSubelements=\"false\""))).triangles.size(), 1u);
 }
 
 TEST_F(Loaders, GmshDirections) {
   const std::string path =
-      file("fibres.msh",
-           "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n5\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 1 1 "
-           "1\n$EndNodes\n$Elements\n2\n7 4 0 1 2 3 4\n3 4 0 2 3 4 5\n$EndElements\n$ElementData\n1\n"
-           "\"fibres\"\n1\n0\n3\n0\n3\n2\n3 0 1 0.5\n7 1 0 0\n$EndElementData\n$NodeData\n1\n\"heat\"\n1\n"
-           "0\n3\n0\n1\n1\n2 300\n$EndNodeData\n");
+      write("fibres.msh",
+            "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n5\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 1 1 "
+            "1\n$EndNodes\n$Elements\n2\n7 4 0 1 2 3 4\n3 4 0 2 3 4 5\n$EndElements\n$ElementData\n1\n"
+            "\"fibres\"\n1\n0\n3\n0\n3\n2\n3 0 1 0.5\n7 1 0 0\n$EndElementData\n$NodeData\n1\n\"heat\"\n1\n"
+            "0\n3\n0\n1\n1\n2 300\n$EndNodeData\n");
   const auto directions = [&](const std::string& more) {
     const Scene scene = sceneFromText(sceneText("MeshGmshLoader", path, "directionArray=\"fibres\"" + more));
     return *std::get<std::vector<Vec3>*>(
@@ -44,13 +44,13 @@ TEST_F(Loaders, GmshDirections) {
   };
   EXPECT_EQ(directions(""), (std::vector<Vec3>{{1, 0, 0}, {0, 1, 0.5}}));
   EXPECT_TRUE(directions(" rotation=\"0 0 90\"")[1].isApprox(Vec3(-1, 0, 0.5), 1e-14));
-  expectIn(errors(sceneText("MeshGmshLoader", path, "directionArray=\"fibre\"")), "no view 'fibre'");
-  expectIn(errors(sceneText("MeshGmshLoader", path, "directionArray=\"fibre\"")), "fibres");
-  expectIn(errors(sceneText("MeshGmshLoader", path, "directionArray=\"heat\"")), "has 1 components");
+  expectContains(errors(sceneText("MeshGmshLoader", path, "directionArray=\"fibre\"")), "no view 'fibre'");
+  expectContains(errors(sceneText("MeshGmshLoader", path, "directionArray=\"fibre\"")), "fibres");
+  expectContains(errors(sceneText("MeshGmshLoader", path, "directionArray=\"heat\"")), "has 1 components");
 }
 
 TEST_F(Loaders, GmshGroups) {
-  const std::string path = file("two.msh", two_tetrahedra);
+  const std::string path = write("two.msh", two_tetrahedra);
   const auto indices = [&](const std::string& group) {
     const Scene scene = sceneFromText(sceneText("MeshGmshLoader", path, "group=\"" + group + "\""));
     return findComponent(*scene.root, "/loader")->data().find("groupIndices")->print();
@@ -59,12 +59,12 @@ TEST_F(Loaders, GmshGroups) {
   EXPECT_EQ(indices("5"), "1 2 3");
   EXPECT_EQ(indices("body"), "0 1 2 3 4");
   const std::string text = errors(sceneText("MeshGmshLoader", path, "group=\"skim\""));
-  expectIn(text, "no physical group 'skim'");
-  expectIn(text, "skin");
+  expectContains(text, "no physical group 'skim'");
+  expectContains(text, "skin");
 }
 
 TEST_F(Loaders, TransformScalesThenTurnsThenMoves) {
-  const std::string path = file("two.msh", two_tetrahedra);
+  const std::string path = write("two.msh", two_tetrahedra);
   const Scene parts =
       sceneFromText(sceneText("MeshGmshLoader", path, R"(scale3d="2 3 4" rotation="0 0 90" translation="10 0 0")"));
   EXPECT_TRUE(mesh(parts).position[1].isApprox(Vec3(10, 2, 0), 1e-14));
@@ -75,33 +75,35 @@ TEST_F(Loaders, TransformScalesThenTurnsThenMoves) {
   for (std::size_t n = 0; n < 5; ++n) EXPECT_TRUE(mesh(matrix).position[n].isApprox(mesh(parts).position[n], 1e-14));
   EXPECT_TRUE(
       mesh(sceneFromText(sceneText("MeshGmshLoader", path, "scale=\"2\""))).position[4].isApprox(Vec3(2, 2, 2)));
-  expectIn(errors(sceneText("MeshGmshLoader", path, R"(scale="2" scale3d="1 1 2")")), "both scale and scale3d");
-  expectIn(errors(sceneText("MeshGmshLoader", path, R"(transformation="1 0 0 0 0 1 0 0 0 0 1 0 0 0 1 1")")),
-           "last row");
+  expectContains(errors(sceneText("MeshGmshLoader", path, R"(scale="2" scale3d="1 1 2")")), "both scale and scale3d");
+  expectContains(errors(sceneText("MeshGmshLoader", path, R"(transformation="1 0 0 0 0 1 0 0 0 0 1 0 0 0 1 1")")),
+                 "last row");
 }
 
 TEST_F(Loaders, WarnOfFaultsAndRefuseAnEmptyMesh) {
   std::string inverted = two_tetrahedra;
   inverted.replace(inverted.find("10 20 30 40\n"), 12, "20 10 30 40\n");
-  expectIn(sceneFromText(sceneText("MeshGmshLoader", file("a.msh", inverted))).diagnostics.text(),
-           "1 inverted cells (0)");
+  expectContains(sceneFromText(sceneText("MeshGmshLoader", write("a.msh", inverted))).diagnostics.text(),
+                 "1 inverted cells (0)");
   std::string unused = two_tetrahedra;
   unused.replace(unused.find("$Nodes\n5\n"), 9, "$Nodes\n6\n60 9 9 9\n");
-  expectIn(sceneFromText(sceneText("MeshGmshLoader", file("b.msh", unused))).diagnostics.text(), "1 unused nodes (0)");
-  expectIn(errors(sceneText("MeshGmshLoader", file("c.msh", "$NOD\n0\n$ENDNOD\n$ELM\n0\n$ENDELM\n"))), "has no nodes");
-  expectIn(errors(sceneText("MeshGmshLoader", file("d.msh", "$NOD\n1\n1 0 0 0\n$ENDNOD\n$ELM\n0\n$ENDELM\n"))),
-           "has 1 nodes but no cell that can be used");
-  expectIn(errors(sceneText("MeshGmshLoader", file("e.msh", "$NOD\n1\n1 nan 0 0\n$ENDNOD\n$ELM\n0\n$ENDELM\n"))),
-           "no cell");
-  expectIn(errors(sceneText("MeshGmshLoader", "absent.msh")), "absent.msh");
+  expectContains(sceneFromText(sceneText("MeshGmshLoader", write("b.msh", unused))).diagnostics.text(),
+                 "1 unused nodes (0)");
+  expectContains(errors(sceneText("MeshGmshLoader", write("c.msh", "$NOD\n0\n$ENDNOD\n$ELM\n0\n$ENDELM\n"))),
+                 "has no nodes");
+  expectContains(errors(sceneText("MeshGmshLoader", write("d.msh", "$NOD\n1\n1 0 0 0\n$ENDNOD\n$ELM\n0\n$ENDELM\n"))),
+                 "has 1 nodes but no cell that can be used");
+  expectContains(errors(sceneText("MeshGmshLoader", write("e.msh", "$NOD\n1\n1 nan 0 0\n$ENDNOD\n$ELM\n0\n$ENDELM\n"))),
+                 "no cell");
+  expectContains(errors(sceneText("MeshGmshLoader", "absent.msh")), "absent.msh");
 }
 
 TEST_F(Loaders, OnlyAttachedPointsLeavesOthersOut) {
   std::string unused = two_tetrahedra;
   unused.replace(unused.find("$Nodes\n5\n"), 9, "$Nodes\n6\n60 9 9 9\n");
-  const Scene whole = sceneFromText(sceneText("MeshGmshLoader", file("a.msh", two_tetrahedra)));
+  const Scene whole = sceneFromText(sceneText("MeshGmshLoader", write("a.msh", two_tetrahedra)));
   const Scene fewer = sceneFromText(
-      sceneText("MeshGmshLoader", file("b.msh", unused), R"(onlyAttachedPoints="true" translation="1 2 3")"));
+      sceneText("MeshGmshLoader", write("b.msh", unused), R"(onlyAttachedPoints="true" translation="1 2 3")"));
   ASSERT_EQ(mesh(fewer).nodes(), 5);
   EXPECT_EQ(fewer.diagnostics.text().find("unused"), std::string::npos);
   EXPECT_EQ(mesh(fewer).tetrahedra, mesh(whole).tetrahedra);
@@ -112,28 +114,29 @@ TEST_F(Loaders, ObjKeepsTheNodesOfTheFile) {
   const std::string text =
       "# comment\nmtllib x.mtl\nv 0 0 0\nv 1 0 0\r\nv 1 1 0\nv 0 1 0\nv 0.5 2 0\nvn 0 0 1\nvt 0 0\ng a b\n"
       "f 1/1/1 2/1/1 3//1\nf 1 2 3 4\nf -5 -4 -3 -1 -2\nl 1 2 3\n";
-  const Scene scene = sceneFromText(sceneText("MeshOBJLoader", file("a.obj", text)));
+  const Scene scene = sceneFromText(sceneText("MeshOBJLoader", write("a.obj", text)));
   const Mesh& m = mesh(scene);
   EXPECT_EQ(m.nodes(), 5);
   EXPECT_EQ(m.position[4], Vec3(0.5, 2, 0));
   EXPECT_EQ(m.triangles, (std::vector<Triangle>{{0, 1, 2}, {0, 1, 2}, {0, 2, 4}, {0, 4, 3}}));
   EXPECT_EQ(m.quads, (std::vector<Quad>{{0, 1, 2, 3}}));
   EXPECT_EQ(m.edges, (std::vector<Edge>{{0, 1}, {1, 2}}));
-  expectIn(scene.diagnostics.text(), "1 polygons of more than four corners were cut");
+  expectContains(scene.diagnostics.text(), "1 polygons of more than four corners were cut");
   const Scene split =
-      sceneFromText(sceneText("MeshOBJLoader", file("a.obj", text), R"(triangulate="1" flipNormals="1")"));
+      sceneFromText(sceneText("MeshOBJLoader", write("a.obj", text), R"(triangulate="1" flipNormals="1")"));
   EXPECT_TRUE(mesh(split).quads.empty());
   EXPECT_EQ(mesh(split).triangles.size(), 6u);
   EXPECT_EQ(mesh(split).triangles[0], (Triangle{0, 2, 1}));
 }
 
 TEST_F(Loaders, ObjErrorsHaveTheLine) {
-  expectIn(errors(sceneText("MeshOBJLoader", file("a.obj", "v 0 0 0\nv 0 x 0\n"))), "a.obj:2: 'x' is not a number");
-  expectIn(errors(sceneText("MeshOBJLoader", file("b.obj", "v 0 0 0\nf 1 2 3\n"))),
-           "b.obj:2: node 2 is not one of the 1");
-  expectIn(errors(sceneText("MeshOBJLoader", file("c.obj", "v 0 0 0\nf 1 0 1\n"))), "c.obj:2: node 0");
-  expectIn(errors(sceneText("MeshOBJLoader", file("d.obj", "v 0 0 0\nf 1 1\n"))), "needs three nodes");
-  expectIn(errors(sceneText("MeshOBJLoader", file("e.obj", "v 0 0\n"))), "e.obj:1");
+  expectContains(errors(sceneText("MeshOBJLoader", write("a.obj", "v 0 0 0\nv 0 x 0\n"))),
+                 "a.obj:2: 'x' is not a number");
+  expectContains(errors(sceneText("MeshOBJLoader", write("b.obj", "v 0 0 0\nf 1 2 3\n"))),
+                 "b.obj:2: node 2 is not one of the 1");
+  expectContains(errors(sceneText("MeshOBJLoader", write("c.obj", "v 0 0 0\nf 1 0 1\n"))), "c.obj:2: node 0");
+  expectContains(errors(sceneText("MeshOBJLoader", write("d.obj", "v 0 0 0\nf 1 1\n"))), "needs three nodes");
+  expectContains(errors(sceneText("MeshOBJLoader", write("e.obj", "v 0 0\n"))), "e.obj:1");
 }
 
 TEST_F(Loaders, RealSurfaces) {
@@ -142,7 +145,7 @@ TEST_F(Loaders, RealSurfaces) {
   EXPECT_EQ(mesh(sceneFromText(sceneText("MeshOBJLoader", folder + "liver-smooth.obj"))).nodes(), 2194);
   EXPECT_EQ(mesh(sceneFromText(sceneText("MeshOBJLoader", folder + "truthcylinder1.obj"))).nodes(), 830);
   const Scene bad = sceneFromText(sceneText("MeshGmshLoader", folder + "6_tetra_bad.msh"));
-  expectIn(bad.diagnostics.text(), "inverted");
+  expectContains(bad.diagnostics.text(), "inverted");
 }
 
 }  // namespace

@@ -165,17 +165,17 @@ TEST_F(Exporter, CellsThatAreAskedFor) {
 TEST_F(Exporter, SaysWhatIsWrong) {
   const auto with = [this](const std::string& attributes) { return problemsOf(beam(exporter(attributes))); };
   EXPECT_EQ(with(""), "");
-  expectIn(with("pointsDataFields=\"velocitty\""), "did you mean 'velocity'");
-  expectIn(with("cellsDataFields=\"fem.vonMisses\""), "vonMises");
-  expectIn(with("cellsDataFields=\"nobody.vonMises\""), "no component 'nobody'");
-  expectIn(with("cellsDataFields=\"mesh.vonMises\""), "is not a force field");
-  expectIn(with("cellsDataFields=\"nothing\""), "0 force fields of the node have 'nothing'");
-  expectIn(with("topology=\"@../state\""), "topology");
-  expectIn(problemsOf("<Node name=\"root\">" + exporter("") + "</Node>"), "there is no state to export");
+  expectContains(with("pointsDataFields=\"velocitty\""), "did you mean 'velocity'");
+  expectContains(with("cellsDataFields=\"fem.vonMisses\""), "vonMises");
+  expectContains(with("cellsDataFields=\"nobody.vonMises\""), "no component 'nobody'");
+  expectContains(with("cellsDataFields=\"mesh.vonMises\""), "is not a force field");
+  expectContains(with("cellsDataFields=\"nothing\""), "0 force fields of the node have 'nothing'");
+  expectContains(with("topology=\"@../state\""), "topology");
+  expectContains(problemsOf("<Node name=\"root\">" + exporter("") + "</Node>"), "there is no state to export");
 }
 
 TEST_F(Exporter, AFolderThatCannotBeMadeIsASentence) {
-  file("new", "a file where the folder should be");
+  write("new", "a file where the folder should be");
   Simulation simulation = simulationFromText(beam(exporter("")));
   EXPECT_THROW(simulation.step(), std::exception);
 }

@@ -87,7 +87,7 @@ heat 1 5 double
 )";
 
 TEST_F(VtkTest, DirectionsOfCellsAndNodes) {
-  const std::string path = file("fibres.vtk", with_directions);
+  const std::string path = write("fibres.vtk", with_directions);
   const auto listOf = [&](const std::string& attributes, const std::string& name) {
     const Scene scene = sceneFromText(sceneText("MeshVTKLoader", path, attributes));
     return *std::get<std::vector<Vec3>*>(findComponent(*scene.root, "/loader")->data().find(name)->pointer());
@@ -104,15 +104,16 @@ TEST_F(VtkTest, DirectionsOfCellsAndNodes) {
   EXPECT_TRUE(turned[0].isApprox(Vec3(0, 2, 0), 1e-14));
   EXPECT_TRUE(turned[1].isApprox(Vec3(-1, 0, 0.5), 1e-14));
 
-  expectIn(errors(sceneText("MeshVTKLoader", path, "directionArray=\"fibers\"")),
-           "neither cell nor point data 'fibers'");
-  expectIn(errors(sceneText("MeshVTKLoader", path, "directionArray=\"fibers\"")), "fibres");
-  expectIn(errors(sceneText("MeshVTKLoader", path, "directionArray=\"heat\"")), "the data 'heat' have 1 components");
+  expectContains(errors(sceneText("MeshVTKLoader", path, "directionArray=\"fibers\"")),
+                 "neither cell nor point data 'fibers'");
+  expectContains(errors(sceneText("MeshVTKLoader", path, "directionArray=\"fibers\"")), "fibres");
+  expectContains(errors(sceneText("MeshVTKLoader", path, "directionArray=\"heat\"")),
+                 "the data 'heat' have 1 components");
 }
 
 /// From the file into a law, of cells and of nodes.
 TEST_F(VtkTest, DirectionsReachALaw) {
-  const std::string path = file("fibres.vtk", with_directions);
+  const std::string path = write("fibres.vtk", with_directions);
   const auto problems = [&](const std::string& array, const std::string& law) {
     return errors(
         "<Node name=\"root\" dt=\"0.01\"><EulerImplicitSolver/><CGLinearSolver/><MeshVTKLoader name=\"loader\" "
@@ -127,7 +128,7 @@ TEST_F(VtkTest, DirectionsReachALaw) {
   const std::string frames = "materialName=\"Costa\" ParameterSet=\"500 5000 8 4 2 4 2 3\" ";
   EXPECT_EQ(problems("fibres", fibres + "AnisotropyDirections=\"@loader.tetrahedraDirections\""), "");
   EXPECT_EQ(problems("frames", frames + "AnisotropyDirections=\"@loader.nodeDirections\""), "");
-  expectIn(problems("frames", fibres + "AnisotropyDirections=\"@loader.nodeDirections\""), "has 10 vectors");
+  expectContains(problems("frames", fibres + "AnisotropyDirections=\"@loader.nodeDirections\""), "has 10 vectors");
 }
 
 TEST_F(VtkTest, LegacyVersionsAndEncodings) {
@@ -162,15 +163,21 @@ TEST_F(VtkTest, XmlEncodings) {
     expectAllKinds(load("MeshVTKLoader", path));
   }
   const Scene scene = sceneFromText(sceneText("MeshVTKLoader", folder_ / "mesh.vtu"));
-  expectIn(scene.diagnostics.text(), "1 cells of kind vtkVertex are not used");
+  expectContains(scene.diagnostics.text(), "1 cells of kind vtkVertex are not used");
+}
+
+/// The corners of a square without cells, the first one at (x, y).
+Pointer<vtkPolyData> square(double first_x, double first_y) {
+  const auto points = Pointer<vtkPoints>::New();
+  for (const auto& [x, y] : {std::pair(first_x, first_y), {1, 0}, {1, 1}, {0, 1}}) points->InsertNextPoint(x, y, 0.5);
+  auto data = Pointer<vtkPolyData>::New();
+  data->SetPoints(points);
+  data->Allocate(2);
+  return data;
 }
 
 TEST_F(VtkTest, PolyData) {
-  const auto points = Pointer<vtkPoints>::New();
-  for (const auto& [x, y] : {std::pair(0, 0), {1, 0}, {1, 1}, {0, 1}}) points->InsertNextPoint(x, y, 0.5);
-  const auto data = Pointer<vtkPolyData>::New();
-  data->SetPoints(points);
-  data->Allocate(2);
+  const auto data = square(0, 0);
   const vtkIdType triangle[] = {0, 1, 2}, quad[] = {0, 1, 2, 3};
   data->InsertNextCell(VTK_TRIANGLE, 3, triangle);
   data->InsertNextCell(VTK_QUAD, 4, quad);
@@ -190,11 +197,7 @@ TEST_F(VtkTest, PolyData) {
 }
 
 TEST_F(VtkTest, StlSharesItsNodes) {
-  const auto points = Pointer<vtkPoints>::New();
-  for (const auto& [x, y] : {std::pair(0.1, 0.2), {1, 0}, {1, 1}, {0, 1}}) points->InsertNextPoint(x, y, 0.5);
-  const auto data = Pointer<vtkPolyData>::New();
-  data->SetPoints(points);
-  data->Allocate(2);
+  const auto data = square(0.1, 0.2);
   const vtkIdType first[] = {0, 1, 2}, second[] = {0, 2, 3};
   data->InsertNextCell(VTK_TRIANGLE, 3, first);
   data->InsertNextCell(VTK_TRIANGLE, 3, second);
@@ -216,45 +219,47 @@ TEST_F(VtkTest, WrongFilesAreSentencesAndPrintNothing) {
   const auto with = [this](const std::string& type, const std::string& name, const std::string& content) {
     testing::internal::CaptureStderr();
     testing::internal::CaptureStdout();
-    const std::string text = errors(sceneText(type, file(name, content)));
+    const std::string text = errors(sceneText(type, write(name, content)));
     EXPECT_EQ(testing::internal::GetCapturedStderr() + testing::internal::GetCapturedStdout(), "") << name;
     EXPECT_NE(text, "") << name;
     return text;
   };
-  expectIn(with("MeshVTKLoader", "a.vtk", "hello"), "a.vtk is not a file of VTK");
+  expectContains(with("MeshVTKLoader", "a.vtk", "hello"), "a.vtk is not a file of VTK");
   with("MeshVTKLoader", "b.vtk",
        "# vtk DataFile Version 3.0\nx\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 9 float\n0 0");
   with("MeshVTKLoader", "c.vtu", "<VTKFile type=\"UnstructuredGrid\"><UnstructuredGrid><Piece Numb");
   with("MeshVTKLoader", "d.vtk", "# vtk DataFile Version 3.0\nx\nASCII\nDATASET NONSENSE\n");
-  expectIn(
+  expectContains(
       with(
           "MeshVTKLoader", "m.vtk",
           "# vtk DataFile Version 3.0\nx 999999999\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 999999999 float\n0 0 0\n"),
       "m.vtk:5: POINTS 999999999 are declared");
-  expectIn(with("MeshVTKLoader", "n.vtu",
-                "<VTKFile type=\"UnstructuredGrid\"><UnstructuredGrid><Piece NumberOfPoints=\"999999999999\" "
-                "NumberOfCells=\"1\"></Piece></UnstructuredGrid></VTKFile>"),
-           "NumberOfPoints=\"999999999999\" is declared");
-  expectIn(with("MeshVTKLoader", "o.vtk",
-                "# vtk DataFile Version 3.0\nx\nASCII\nDATASET STRUCTURED_POINTS\nDIMENSIONS 3 3 3\nORIGIN 0 0 0\n"
-                "SPACING 1 1 1\n"),
-           "holds no mesh");
+  expectContains(with("MeshVTKLoader", "n.vtu",
+                      "<VTKFile type=\"UnstructuredGrid\"><UnstructuredGrid><Piece NumberOfPoints=\"999999999999\" "
+                      "NumberOfCells=\"1\"></Piece></UnstructuredGrid></VTKFile>"),
+                 "NumberOfPoints=\"999999999999\" is declared");
+  expectContains(
+      with("MeshVTKLoader", "o.vtk",
+           "# vtk DataFile Version 3.0\nx\nASCII\nDATASET STRUCTURED_POINTS\nDIMENSIONS 3 3 3\nORIGIN 0 0 0\n"
+           "SPACING 1 1 1\n"),
+      "holds no mesh");
   with("MeshVTKLoader", "e.vtk",
        "# vtk DataFile Version 3.0\nx\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 4 float\n0 0 0 1 0 0 0 1 0 0 0 1\n"
        "CELLS 1 5\n4 0 1 2 9\nCELL_TYPES 1\n10\n");
-  expectIn(with("MeshVTKLoader", "f.vtk",
-                "# vtk DataFile Version 3.0\nx\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 3 float\n0 0 0 1 0 0 2 0 0\n"
-                "CELLS 1 4\n3 0 1 2\nCELL_TYPES 1\n21\n"),
-           "vtkQuadraticEdge are not supported");
-  expectIn(with("MeshSTLLoader", "g.stl", ""), "cannot be read as STL");
-  expectIn(with("MeshSTLLoader", "h.stl", "nonsense"), "cannot be read as STL");
-  expectIn(with("MeshSTLLoader", "i.stl", "solid\nfacet\nvertex 0 0 0\nvertex 0 x 0\n"),
-           "i.stl:4: 'x' is not a number");
-  expectIn(with("MeshSTLLoader", "j.stl", "solid\nvertex 0 0 0\nendfacet\nendsolid\n"),
-           "j.stl:3: a facet has 1 corners");
-  expectIn(with("MeshSTLLoader", "k.stl", "solid\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendfacet\n"),
-           "is cut short");
-  expectIn(with("MeshSTLLoader", "l.stl", std::string(84, 'x')), "cannot be read as STL");
+  expectContains(
+      with("MeshVTKLoader", "f.vtk",
+           "# vtk DataFile Version 3.0\nx\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 3 float\n0 0 0 1 0 0 2 0 0\n"
+           "CELLS 1 4\n3 0 1 2\nCELL_TYPES 1\n21\n"),
+      "vtkQuadraticEdge are not supported");
+  expectContains(with("MeshSTLLoader", "g.stl", ""), "cannot be read as STL");
+  expectContains(with("MeshSTLLoader", "h.stl", "nonsense"), "cannot be read as STL");
+  expectContains(with("MeshSTLLoader", "i.stl", "solid\nfacet\nvertex 0 0 0\nvertex 0 x 0\n"),
+                 "i.stl:4: 'x' is not a number");
+  expectContains(with("MeshSTLLoader", "j.stl", "solid\nvertex 0 0 0\nendfacet\nendsolid\n"),
+                 "j.stl:3: a facet has 1 corners");
+  expectContains(with("MeshSTLLoader", "k.stl", "solid\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendfacet\n"),
+                 "is cut short");
+  expectContains(with("MeshSTLLoader", "l.stl", std::string(84, 'x')), "cannot be read as STL");
 }
 
 TEST_F(VtkTest, RealFiles) {

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What the two domains share: from a domain, criteria and first points to a mesh whose slivers have been worked on.
+// What the two domains share: from a domain, criteria and first points to a mesh whose slivers have been worked on. Each
+// stage of Mesh_3 takes a compiler 10 to 20 s for a domain, so each is instantiated in a source of its own.
 #pragma once
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Mesh_complex_3_in_triangulation_3.h>
 #include <CGAL/Mesh_criteria_3.h>
 #include <CGAL/Mesh_triangulation_3.h>
 #include <CGAL/Random.h>
-#include <CGAL/exude_mesh_3.h>
-#include <CGAL/perturb_mesh_3.h>
 
 #include "tools/mesh/mesh_generator.h"
 #include "tools/mesh/meshing/domains.h"
@@ -39,19 +38,29 @@ LabelledMesh toLabelledMesh(const Complex& complex, LabelOf&& label_of) {
   return mesh;
 }
 
-/// Moves vertices, then their weights, until no dihedral angle is below `aim` [degrees] or nothing helps any more. Both
-/// aim higher when angles are left that are `poor`, at most twice; the best mesh is the result.
+/// Delaunay refinement from the first points that the complex has until all cells and triangles meet the criteria; see
+/// mesh_stages.h.
+template <class Complex, class Domain, class Criteria>
+void refine(Complex& complex, const Domain& domain, const Criteria& criteria);
+/// Moves vertices until no dihedral angle is below `bound` [degrees] or nothing helps any more.
+template <class Complex, class Domain>
+void perturb(Complex& complex, const Domain& domain, double bound);
+/// The same by the weights of the vertices. It must come last.
+template <class Complex>
+void exude(Complex& complex, double bound);
+
+/// Perturbs, then exudes, until no dihedral angle is below `aim` [degrees] or nothing helps any more. Both aim higher when
+/// angles are left that are poor, at most twice; the best mesh is the result.
 template <class Complex, class Domain, class LabelOf>
 LabelledMesh withoutSlivers(Complex& complex, const Domain& domain, double aim, LabelOf&& label_of) {
-  namespace par = CGAL::parameters;
   const double poor = least_share * aim;
   LabelledMesh best;
   double best_angle = -1;
   for (int attempt = 0; attempt < 3 && best_angle < poor; ++attempt) {
     const double bound = aim + 2 * attempt;
-    CGAL::perturb_mesh_3(complex, domain, par::sliver_bound = bound, par::time_limit = 0);
-    Complex weighted = complex;  // weights must come last
-    CGAL::exude_mesh_3(weighted, par::sliver_bound = bound, par::time_limit = 0);
+    perturb(complex, domain, bound);
+    Complex weighted = complex;
+    exude(weighted, bound);
     LabelledMesh mesh = toLabelledMesh(weighted, label_of);
     if (mesh.tetrahedra.empty()) return mesh;
     if (const double angle = qualityOf(mesh).smallest_angle; angle > best_angle)

@@ -1,27 +1,20 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // A segmented image as a domain of CGAL's Mesh_3: every region meshed by Delaunay refinement (Oudot, Rineau and Yvinec
 // 2005; Boltcheva, Yvinec and Boissonnat 2009 for several regions), neighbours sharing the triangles between them.
-#include <CGAL/Labeled_mesh_domain_3.h>
-#include <CGAL/refine_mesh_3.h>
 #include <fmt/format.h>
 
 #include "framework/scene/diagnostics.h"
-#include "tools/mesh/meshing/cgal_mesh.h"
 #include "tools/mesh/meshing/domains.h"
+#include "tools/mesh/meshing/image_mesh.h"
 #include "tools/mesh/meshing/label_field.h"
 
 namespace stroma::meshing {
 namespace {
 
-using Domain = CGAL::Labeled_mesh_domain_3<Kernel>;
-using Triangulation = CGAL::Mesh_triangulation_3<Domain, CGAL::Default, CGAL::Sequential_tag>::type;
-using Complex = CGAL::Mesh_complex_3_in_triangulation_3<Triangulation>;
-using Criteria = CGAL::Mesh_criteria_3<Triangulation>;
-
 /// Sizes by region for cells, by pair of regions for boundary triangles.
 struct Size {
   using FT = double;
-  using Index = Domain::Index;
+  using Index = ImageDomain::Index;
   std::vector<double> of_region;  ///< of_region[0] is that of the outside: infinite
   double facet = 0;               ///< for all boundary triangles; 0: the smaller size of the two regions
 
@@ -41,13 +34,13 @@ Size sizesOf(const LabelImage& image, const MeshCriteria& criteria) {
 }
 
 /// First points on every part of every region: refinement finds by itself only what a point already touches.
-void insertFirstPoints(Complex& complex, const Domain& domain, const LabelField& field, const Size& size) {
+void insertFirstPoints(ImageComplex& complex, const ImageDomain& domain, const LabelField& field, const Size& size) {
   std::vector<double> spacing;
   for (const double s : size.of_region) spacing.push_back(2 * (size.facet > 0 ? size.facet : s));
   for (const LabelField::BoundaryPoint& point : field.boundaryPoints(spacing)) {
     const Vec3& p = point.position;
-    const auto vertex = complex.triangulation().insert(Triangulation::Weighted_point(Point(p.x(), p.y(), p.z())));
-    if (vertex == Complex::Vertex_handle()) continue;
+    const auto vertex = complex.triangulation().insert(ImageTriangulation::Weighted_point(Point(p.x(), p.y(), p.z())));
+    if (vertex == ImageComplex::Vertex_handle()) continue;
     complex.set_dimension(vertex, 2);
     complex.set_index(vertex, domain.index_from_surface_patch_index({point.low, point.high}));
   }
@@ -73,14 +66,14 @@ LabelledMesh meshImage(const LabelImage& image, const MeshCriteria& criteria) {
   const CGAL::Bbox_3 box(low.x(), low.y(), low.z(), high.x(), high.y(), high.z());
   const double accuracy = 1e-3 * image.smallestSpacing() / ((high - low).norm() / 2);
   const auto label = [&field](const Point& p) { return field.at(Vec3(p.x(), p.y(), p.z())); };
-  const Domain domain(label, box, par::relative_error_bound = accuracy);
+  const ImageDomain domain(label, box, par::relative_error_bound = accuracy);
   const Size size = sizesOf(image, criteria);
-  const Criteria rules(par::facet_angle = criteria.facet_angle, par::facet_size = size,
-                       par::facet_distance = criteria.distance, par::cell_radius_edge_ratio = 2.,
-                       par::cell_size = size);
-  Complex complex;
+  const ImageCriteria rules(par::facet_angle = criteria.facet_angle, par::facet_size = size,
+                            par::facet_distance = criteria.distance, par::cell_radius_edge_ratio = 2.,
+                            par::cell_size = size);
+  ImageComplex complex;
   insertFirstPoints(complex, domain, field, size);
-  CGAL::refine_mesh_3(complex, domain, rules, par::no_reset_c3t3(), par::no_perturb(), par::no_exude());
+  refine(complex, domain, rules);
   LabelledMesh mesh = withoutSlivers(complex, domain, criteria.dihedral_angle,
                                      [&image](int region) { return image.values[region - 1]; });
   requireAllLabels(mesh, image);

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include "framework/algebra/direct_solver.h"
+
+namespace stroma {
+
+/// A direct solver that is its factorisation, without attributes of its own.
+template <class Factor, bool needs_symmetric>
+class FactorSolver final : public DirectSolver {
+ public:
+  bool needsSymmetric() const override { return needs_symmetric; }
+
+ private:
+  std::unique_ptr<Factorisation> makeFactorisation(bool) const override { return std::make_unique<Factor>(); }
+};
+
+}  // namespace stroma

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <CGAL/make_mesh_3.h>
+
+#include "tools/mesh/meshing/surface_mesh.h"
+
+namespace stroma::meshing {
+
+// What CGAL's make_mesh_3() does before it refines.
+void protectFeatures(SurfaceComplex& complex, const SurfaceDomain& domain, const SurfaceCriteria& criteria) {
+  CGAL::Mesh_3::internal::C3t3_initializer<SurfaceComplex, SurfaceDomain, SurfaceCriteria, true>()(complex, domain,
+                                                                                                   criteria, true);
+}
+
+}  // namespace stroma::meshing
