@@ -64,11 +64,13 @@ void LiveEdit::findAttribute() {
   if (data_->isOutput()) throw ComponentError(name() + " is computed by the component: it cannot be set");
   if (data_->changeEffect() == ChangeEffect::restart)
     refuse(name(), "the component makes use of it only when the scene is loaded");
-  if (data_->changeEffect() == ChangeEffect::recompile) recompiled_.push_back(component_);
-  collectDependents(*component_, data_->changeEffect() == ChangeEffect::recompile ? nullptr : data_);
+  const bool is_remade = data_->changeEffect() == ChangeEffect::recompile;
+  collectDependents(*component_, is_remade ? nullptr : data_);
+  if (is_remade) recompiled_.insert(recompiled_.begin(), component_);
 }
 
-/// `changed`: the one attribute with a new value; null when outputs may have one too.
+/// `changed`: the one attribute with a new value; null when outputs may have one too. Who has been followed to the end
+/// is put before all that was put so far, which leaves each behind everything that it takes values from.
 void LiveEdit::collectDependents(Component& source, const Data* changed) {
   std::vector<Component*> all;
   source.node().root().collect(all);
@@ -79,8 +81,8 @@ void LiveEdit::collectDependents(Component& source, const Data* changed) {
         refuse(name(), component->path() + " takes its " + link.target->name() +
                            " from there, and makes use of it only when the scene is loaded");
       if (std::find(recompiled_.begin(), recompiled_.end(), component) != recompiled_.end()) continue;
-      recompiled_.push_back(component);
       collectDependents(*component, nullptr);
+      recompiled_.insert(recompiled_.begin(), component);
     }
 }
 
