@@ -158,16 +158,22 @@ Archive Simulation::checkpoint() {
 
 void Simulation::restore(Archive checkpoint) {
   end();
-  forget();
-  checkpoint = checkpoint.readable();
+  const Archive before = this->checkpoint();
+  const std::vector<InputEvent> events = input_events_;
   try {
-    serializeEdits(checkpoint);
-    serialize(checkpoint);
-    checkpoint.checkAllRead();
+    take(checkpoint.readable());
   } catch (...) {
-    forget();
+    take(before.readable());
+    input_events_ = events;
     throw;
   }
+}
+
+void Simulation::take(Archive values) {
+  forget();
+  serializeEdits(values);
+  serialize(values);
+  values.checkAllRead();
 }
 
 void Simulation::serialize(Archive& archive) {

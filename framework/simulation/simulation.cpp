@@ -234,6 +234,20 @@ void Simulation::advance(std::size_t index, const StepContext& context, StepRepo
   merge(std::move(part), report);
 }
 
+void Simulation::keepState() {
+  for (std::size_t i = 0; i < systems_.size(); ++i) {
+    copy(systems_[i]->x, good_[i].first);
+    copy(systems_[i]->v, good_[i].second);
+  }
+}
+
+void Simulation::takeBackState() {
+  for (std::size_t i = 0; i < systems_.size(); ++i) {
+    copy(good_[i].first, systems_[i]->x);
+    copy(good_[i].second, systems_[i]->v);
+  }
+}
+
 /// Back to the last good step, with what integrators remember of the one that is taken back.
 void Simulation::takeBack(std::size_t last) {
   for (std::size_t i = 0; i <= last; ++i) {

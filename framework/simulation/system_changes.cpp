@@ -21,6 +21,7 @@ void System::componentsChanged(const std::vector<Component*>& changed, double t)
   setTime(t);
   has_gravity_ = false;
   computeGravity();
+  checkLinearSolver();
   constraints_.componentsChanged(t, v);
   corrections_.compile(actors_, integrator_, constraints_);
   matrix_.termsChanged();

@@ -224,5 +224,19 @@ TEST(Motion, AnOrientationIsNeitherTiedNorMoved) {
                  "which is an orientation");
 }
 
+TEST(Motion, NorByAnEdit) {
+  Simulation simulation = simulationFromText(scene("<EulerImplicitSolver/>",
+                                                   "<LinearMovementProjectiveConstraint name=\"hand\" indices=\"0\" "
+                                                   "keyTimes=\"0 1\" movements=\"0 0 0  1 0 0\"/>"));
+  ASSERT_FALSE(simulation.step().diverged);
+  try {
+    simulation.setAttribute("/hand", "indices", "1");
+    ADD_FAILURE() << "an orientation is moved as a point";
+  } catch (const ComponentError& error) {
+    expectContains(error.what(), "which is an orientation");
+  }
+  EXPECT_FALSE(simulation.step().diverged);
+}
+
 }  // namespace
 }  // namespace stroma::test
