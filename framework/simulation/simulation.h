@@ -129,8 +129,8 @@ class Simulation {
   /// Keeps x and v of every system for takeBackState().
   void keepState();
   void takeBackState();
-  /// Systems up to `last` go back to where they were before the step.
-  void takeBack(std::size_t last);
+  /// Systems up to the one that failed go back to where they were before the step.
+  void takeBack(std::size_t failed);
   /// Observers after a good step; their time is counted apart.
   void notify(const StepContext& context);
 
@@ -141,6 +141,7 @@ class Simulation {
   std::vector<History*> histories_;
   std::vector<std::pair<Vector, Vector>> initial_;  ///< x and v of each system at the start, for reset()
   std::vector<std::pair<Vector, Vector>> good_;     ///< x and v of each system before the step
+  std::vector<Archive> good_memory_;                ///< of each integrator but the last, before the step
   std::vector<FaultWatch> watches_;                 ///< of each system
   struct Reversals {
     bool turned = false;  ///< the first step of a look did
