@@ -102,6 +102,7 @@ void Simulation::change(LiveEdit& edit, const LiveEdit::Value& value, Diagnostic
       system->componentsChanged(edit.recompiled(), time_);
     }
     kept.giveBack();
+    for (const auto& system : systems_) system->integrator().sceneChanged();
   };
   try {
     put(value, messages);
