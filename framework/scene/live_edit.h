@@ -22,6 +22,7 @@ class LiveEdit {
   /// those that take values from it by links. Each attribute they take has to allow a change.
   const std::vector<Component*>& recompiled() const { return recompiled_; }
   bool changesTimeStep() const { return !component_ && attribute_ == "dt"; }
+  bool changesGravity() const { return !component_ && attribute_ == "gravity"; }
   /// "/liver/fem.youngModulus"
   std::string name() const;
   /// A value in the scene's notation and how it came there: components ask whether an attribute was given.

@@ -99,7 +99,9 @@ void Simulation::change(LiveEdit& edit, const LiveEdit::Value& value, Diagnostic
     for (const auto& system : systems_) {
       if (!system->integrator().followsChanges()) continue;
       const LiveEdit::Listener listener(system->integrator(), told);
-      system->componentsChanged(edit.recompiled(), time_);
+      if (edit.changesTimeStep()) system->integrator().compile(*system);
+      if (edit.changesGravity()) system->gravityChanged();
+      if (!edit.recompiled().empty()) system->componentsChanged(edit.recompiled(), time_);
     }
     kept.giveBack();
     for (const auto& system : systems_) system->integrator().sceneChanged();
@@ -107,8 +109,13 @@ void Simulation::change(LiveEdit& edit, const LiveEdit::Value& value, Diagnostic
   try {
     put(value, messages);
   } catch (...) {
-    Diagnostics told_before;
-    put(before, told_before);
+    try {
+      Diagnostics told_before;
+      put(before, told_before);
+    } catch (const std::exception& error) {
+      throw ComponentError(edit.name() + " could neither be changed nor be put back: " + error.what(), {},
+                           "load the scene again");
+    }
     takeBackState();
     throwAgain(edit);
   }

@@ -10,14 +10,15 @@ class Troubled final : public ForceField {
  public:
   void declare(DataTable& table) override {
     ForceField::declare(table);
-    table.add("trouble", trouble_).recompiled().help("none, init, compile, length, foreign");
-    table.add("unchecked", unchecked_).help("takes any change of the other");
+    table.add("trouble", trouble_).recompiled().help("none, init, compile, length, unsymmetric, foreign, lasting");
   }
   void init() override {
     ForceField::init();
     if (trouble_ == "init") throw ComponentError("trouble in init()");
     if (trouble_ == "length") throw std::length_error("too long a list");
     if (trouble_ == "foreign") throw 5;
+    spoilt_ = spoilt_ || trouble_ == "lasting";
+    if (spoilt_) throw std::logic_error("spoilt");
   }
   void compile() override {
     if (trouble_ == "compile") throw std::logic_error("trouble in compile()");
@@ -38,7 +39,7 @@ class Troubled final : public ForceField {
 
  private:
   std::string trouble_ = "none";
-  bool unchecked_ = false;
+  bool spoilt_ = false;
 };
 
 /// x += dt v; cannot be compiled where more than `most` nodes are held.
@@ -127,6 +128,12 @@ TEST(EditsAllOrNothing, WhateverIsThrownTheOldValueAndPlanStayAndTheSentenceSays
     run(simulation, 3), run(same, 3);
     EXPECT_EQ(simulation.stateHash(), same.stateHash());
   }
+}
+
+TEST(EditsAllOrNothing, WhatCannotBePutBackEitherIsSaid) {
+  Simulation simulation = simulationFromText(body);
+  expectContains(refusal(simulation, "/troubled", "trouble", "lasting"),
+                 "/troubled.trouble could neither be changed nor be put back: spoilt");
 }
 
 TEST(EditsAllOrNothing, NodesThatWouldHaveBeenHeldKeepTheirVelocity) {

@@ -88,6 +88,24 @@ TEST(LiveAttributes, TheTimeStepChangesAndTimeGoesOn) {
   EXPECT_EQ(simulation.steps(), 8);
 }
 
+TEST(LiveAttributes, WhatStepsReadThemselvesLeavesFactorsAlone) {
+  Beam beam;
+  beam.solver =
+      "<PCGLinearSolver name=\"pcg\" iterations=\"200\" tolerance=\"1e-8\" preconditioner=\"@warp\"/>"
+      "<PrecomputedWarpPreconditioner name=\"warp\"/><SparseLDLSolver name=\"factors\"/>";
+  Simulation simulation = simulationFromText(beam.text());
+  run(simulation, 2);
+  for (const auto& [path, attribute, text] :
+       {std::tuple{"/pcg", "tolerance", "1e-6"}, std::tuple{"/", "gravity", "0 3 0"}, std::tuple{"/", "dt", "0.004"}}) {
+    simulation.setAttribute(path, attribute, text);
+    run(simulation, 2);
+    EXPECT_EQ(findComponent(simulation.root(), "/factors")->data().find("factorisations")->print(), "1") << attribute;
+  }
+  simulation.setAttribute("/fem", "youngModulus", "9000");
+  run(simulation, 2);
+  EXPECT_EQ(findComponent(simulation.root(), "/factors")->data().find("factorisations")->print(), "2");
+}
+
 TEST(LiveAttributes, ARegionIsSelectedAnewForAllThatTakeItsNodes) {
   Beam beam, more;
   more.box = "-1 -1 -0.001 1 1 0.08";
