@@ -92,9 +92,8 @@ class Simulation {
   std::uint64_t stateHash() const;
   /// Why the present shapes may be no result: a sentence for each force field with elements that are flat or inverted
   /// (a body may come to rest so) or strained beyond its law, for each elastic body far larger than at rest, for an
-  /// energy that came from nowhere, for velocities that change sign from
-  /// step to step (from the 17th step on), for a mesh that has folded over
-  /// itself where no force field looks at its volumes, and for what an integrator reports.
+  /// energy that came from nowhere, for velocities that change sign from step to step (from the 17th step on), for a
+  /// mesh that has folded over itself where no force field looks at its volumes, and for what an integrator reports.
   std::vector<std::string> doubts() const;
   /// The compiled plan in lines: what runs each step, how often, what was skipped and why.
   std::vector<std::string> explain() const;
