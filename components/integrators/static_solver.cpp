@@ -61,7 +61,7 @@ class Equilibrium final : public NonlinearProblem {
     copy(system_->independent(system_->f), out);
     system_->constraints().project(out);
   }
-  SystemMatrix& tangent() override { return system_->matrix({.stiffness = -1}); }
+  SystemMatrix& tangent() override { return system_->matrix().withFactors({.stiffness = -1}); }
   double energy() override { return system_->potentialEnergy(system_->x); }
   double loadScale() const override { return norm(system_->f); }
   Rows unknowns() override { return rows(); }

@@ -98,11 +98,6 @@ class System final {
   const MappingChain& mappingChain() const { return mappings_; }
   MechanicalMatrix& matrix() { return matrix_; }
   const MechanicalMatrix& matrix() const { return matrix_; }
-  /// With these factors; they stay until others are set.
-  MechanicalMatrix& matrix(const MatrixFactors& factors) {
-    matrix_.setFactors(factors);
-    return matrix_;
-  }
 
   mutable PhaseTimes times;
   mutable PhaseCounts counts;
