@@ -61,7 +61,7 @@ class Equilibrium final : public NonlinearProblem {
     copy(system_->independent(system_->f), out);
     system_->constraints().project(out);
   }
-  SystemMatrix& tangent() override { return system_->matrix({.stiffness = -1}); }
+  SystemMatrix& tangent() override { return system_->matrix().withFactors({.stiffness = -1}); }
   double energy() override { return system_->potentialEnergy(system_->x); }
   double loadScale() const override { return norm(system_->f); }
   Rows unknowns() override { return rows(); }
@@ -84,8 +84,9 @@ class StaticSolver final : public Integrator {
   StepReport step(System& system, const StepContext& context) override;
   std::string describe() const override;
   bool movesInTime() const override { return false; }
-  void reset() override { checked_projectors_ = std::size_t(-1); }
-  void serialize(Archive& archive) override { archive.value("checked_projectors", checked_projectors_); }
+  void sceneChanged() override { is_checked_ = false; }
+  void reset() override { is_checked_ = false; }
+  void serialize(Archive& archive) override { archive.value("is_checked", is_checked_); }
 
  private:
   void checkSettings() const;
@@ -99,8 +100,8 @@ class StaticSolver final : public Integrator {
   Equilibrium problem_;
   Newton newton_;
   Vector force_, mode_;
-  Vector moved_, moved_v_, displacement_;             ///< work space of advancePrescribed(), shape (all rows)
-  std::size_t checked_projectors_ = std::size_t(-1);  ///< how many projectors were active at the last check
+  Vector moved_, moved_v_, displacement_;  ///< work space of advancePrescribed(), shape (all rows)
+  bool is_checked_ = false;                ///< no body is free under what the constraints hold now
 };
 
 void StaticSolver::declare(DataTable& table) {
@@ -165,11 +166,12 @@ void addCounts(const StepReport& from, StepReport& to) {
 }
 
 StepReport StaticSolver::step(System& system, const StepContext& context) {
+  const long held_before = system.constraints().revision();
   system.beginStep(context);
   clear(system.v);
   StepReport report;
-  if (checked_projectors_ != system.constraints().projectors().size()) {
-    checked_projectors_ = system.constraints().projectors().size();
+  if (!is_checked_ || system.constraints().revision() != held_before) {
+    is_checked_ = true;
     problem_.residual(force_);
     report.reason = freeBody(system, force_);
     report.diverged = !report.reason.empty();
