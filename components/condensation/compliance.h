@@ -19,7 +19,7 @@ constexpr std::size_t lanes = 8;  ///< rows of a chunk
 using Lanes __attribute__((vector_size(lanes * sizeof(double)))) = double;
 using SingleLanes __attribute__((vector_size(lanes * sizeof(float)))) = float;
 
-/// Chunks that hold `count` rows; vectors have 8 numbers a chunk, zero after the last row, 64-byte aligned.
+/// Chunks that hold `count` rows; vectors have 8 numbers per chunk, zero after the last row, 64-byte aligned.
 constexpr std::size_t chunksOf(std::size_t count) { return (count + lanes - 1) / lanes; }
 
 inline void loadLanes(const double* from, Lanes& to) { to = *reinterpret_cast<const Lanes*>(from); }
@@ -32,8 +32,8 @@ inline void loadLanes(const float* from, Lanes& to) {
 }
 inline void storeLanes(const Lanes& from, double* to) { *reinterpret_cast<Lanes*>(to) = from; }
 
-/// A symmetric matrix of 3x3 blocks by columns: the three columns of a node are one stream, 3 x 8 numbers a chunk of
-/// rows. 16 (8) bytes an unknown squared.
+/// A symmetric matrix of 3x3 blocks by columns: the three columns of a node are one stream, 3 x 8 numbers per chunk of
+/// rows. 16 (8) bytes per unknown squared.
 template <class Number>
 struct ColumnPanels {
   const Number* data = nullptr;  ///< shape (nodes, chunks, 3, 8); 64-byte aligned
@@ -76,7 +76,7 @@ struct ColumnPanels {
 };
 
 /// The lower half of a symmetric matrix in panels of 8 columns: 8 x 8 tiles, column by column, from the diagonal down.
-/// Tiles on the diagonal are full and hold half of their values. 4 (2) bytes an unknown squared.
+/// Tiles on the diagonal are full and hold half of their values. 4 (2) bytes per unknown squared.
 template <class Number>
 struct SymmetricPanels {
   const Number* data = nullptr;

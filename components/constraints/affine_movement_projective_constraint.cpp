@@ -57,6 +57,7 @@ class AffineMovementProjectiveConstraint final : public HeldNodes {
       guided_ = checkedNodes(guided_indices_, state(), "meshIndices");
       std::erase_if(guided_, [this](Index node) { return std::binary_search(nodes().begin(), nodes().end(), node); });
     }
+    path_.clear();
     for (const std::vector<Index>* list : {&nodes(), static_cast<const std::vector<Index>*>(&guided_)})
       for (Index node : *list) {
         const Vec3& start = state().position[node];

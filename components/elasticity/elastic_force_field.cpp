@@ -237,7 +237,7 @@ void ElasticForceField::checkMaterial() const {
   const auto check = [&](const char* name, const std::vector<double>& values, bool may_be_empty) {
     if ((may_be_empty && values.empty()) || values.size() == 1 || values.size() == count) return;
     throw ComponentError(fmt::format("{} has {} values", name, values.size()),
-                         fmt::format("1, or {} (one a {})", count, kind_word_));
+                         fmt::format("1, or {} (one per {})", count, kind_word_));
   };
   check("youngModulus", young_modulus_, false);
   check("poissonRatio", poisson_ratio_, false);

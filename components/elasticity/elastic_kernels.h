@@ -31,7 +31,7 @@ std::unique_ptr<ElementKernels> makeUpdated(const ElasticVariant& variant, Make&
 }
 
 /// A method whose products go through its own assembled matrix, refreshed with every force unless K is constant.
-/// Pays where a solve takes many products of one K: 76 bytes a block instead of an element's work.
+/// Pays where a solve takes many products of one K: 76 bytes per block instead of an element's work.
 class AssembledKernels final : public ElementKernels {
  public:
   AssembledKernels(std::unique_ptr<ElementKernels> method, bool constant)

@@ -110,7 +110,7 @@ StepReport EulerImplicitSolver::firstOrderStep(System& system, double h) {
   copy(system.independent(system.f), right_side_);
   system.constraints().project(right_side_);
   StepReport report;
-  SystemMatrix& matrix = system.matrix({.mass = 1, .stiffness = -theta_ * h});
+  SystemMatrix& matrix = system.matrix().withFactors({.mass = 1, .stiffness = -theta_ * h});
   const Rows velocity = system.independent(system.v);
   if (!solveOrShift(implicit_.linearSolver(), matrix, right_side_, velocity, report)) return report;
   system.constraints().project(velocity);

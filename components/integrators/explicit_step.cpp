@@ -34,7 +34,7 @@ bool Acceleration::solve(ConstRows f, Rows a, StepReport& report) {
   if (solver_) {
     copy(f, right_side_);
     system_->constraints().project(right_side_);
-    if (!solveOrShift(*solver_, system_->matrix({.mass = 1}), right_side_, a, report)) return false;
+    if (!solveOrShift(*solver_, system_->matrix().withFactors({.mass = 1}), right_side_, a, report)) return false;
   } else {
     const double* __restrict force = f.data;
     const double* __restrict inverse = inverse_mass_->data();

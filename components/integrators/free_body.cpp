@@ -155,7 +155,7 @@ std::string sentence(const System& system, const Body& body, const Vec6& load) {
 }  // namespace
 
 std::string freeBody(System& system, ConstRows force) {
-  SystemMatrix& matrix = system.matrix({.stiffness = -1});
+  SystemMatrix& matrix = system.matrix().withFactors({.stiffness = -1});
   std::vector<double> blocks;
   matrix.diagonalBlocks(blocks);
   const std::vector<Index> body_of_row = bodyOfRow(system);

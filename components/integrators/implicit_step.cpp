@@ -105,7 +105,7 @@ SystemMatrix& ImplicitStep::tangent() {
   factors.stiffness = -w * (scheme_.displacement + rayleigh_stiffness);
   factors.damping = factors.rayleigh_stiffness = -w;
   factors.rayleigh_mass = w;
-  return system_->matrix(factors);
+  return system_->matrix().withFactors(factors);
 }
 
 /// The equations linearised at (x0, v0), the unknown being u - v0. K then acts on p = drift v0 + position_predictor,

@@ -59,7 +59,7 @@ HighestFrequency byPowerIteration(System& system, Acceleration& acceleration) {
   system.constraints().project(p);
   double square = 0;
   for (int iteration = 0; iteration < 100; ++iteration) {
-    system.matrix({.stiffness = -1}).multiply(p, force);
+    system.matrix().withFactors({.stiffness = -1}).multiply(p, force);
     const double energy = dot(p, force);
     if (energy == 0 || !acceleration.solve(force, a, report)) break;
     const double before = square;

@@ -83,7 +83,7 @@ class Equilibrium final : public NonlinearProblem {
   void leaveOut(Rows out) const {
     if (share_ < 1) axpy(share_ - 1, start_force_, out);
   }
-  SystemMatrix& tangent() override { return system_->matrix({.stiffness = -1}); }
+  SystemMatrix& tangent() override { return system_->matrix().withFactors({.stiffness = -1}); }
   /// The gradient of the second part is (1 - s) f0.
   double energy() override {
     double sum = system_->potentialEnergy(system_->x);
@@ -115,8 +115,9 @@ class StaticSolver final : public Integrator {
   StepReport step(System& system, const StepContext& context) override;
   std::string describe() const override;
   bool movesInTime() const override { return false; }
-  void reset() override { checked_projectors_ = std::size_t(-1); }
-  void serialize(Archive& archive) override { archive.value("checked_projectors", checked_projectors_); }
+  void sceneChanged() override { is_checked_ = false; }
+  void reset() override { is_checked_ = false; }
+  void serialize(Archive& archive) override { archive.value("is_checked", is_checked_); }
 
  private:
   void checkSettings() const;
@@ -136,8 +137,8 @@ class StaticSolver final : public Integrator {
   Newton newton_;
   double smallest_part_ = 1.0 / 1024;
   Vector force_, mode_, good_;
-  Vector moved_, moved_v_, displacement_;             ///< work space of advancePrescribed(), shape (all rows)
-  std::size_t checked_projectors_ = std::size_t(-1);  ///< how many projectors were active at the last check
+  Vector moved_, moved_v_, displacement_;  ///< work space of advancePrescribed(), shape (all rows)
+  bool is_checked_ = false;                ///< no body is free under what the constraints hold now
 };
 
 void StaticSolver::declare(DataTable& table) {
@@ -208,12 +209,13 @@ void addCounts(const StepReport& from, StepReport& to) {
 }
 
 StepReport StaticSolver::step(System& system, const StepContext& context) {
+  const long held_before = system.constraints().revision();
   system.beginStep(context);
   clear(system.v);
   problem_.begin();
   StepReport report;
-  if (checked_projectors_ != system.constraints().projectors().size()) {
-    checked_projectors_ = system.constraints().projectors().size();
+  if (!is_checked_ || system.constraints().revision() != held_before) {
+    is_checked_ = true;
     problem_.residual(force_);
     report.reason = freeBody(system, force_);
     report.diverged = !report.reason.empty();
@@ -227,7 +229,6 @@ StepReport StaticSolver::step(System& system, const StepContext& context) {
     problem_.giveUp();
     report.reason += "; the state before the step was kept";
   }
-  system.applyMappings();
   return report;
 }
 

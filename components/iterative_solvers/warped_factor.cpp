@@ -42,9 +42,9 @@ void WarpedFactor::turn(const BlockMatrix& matrix, ConstRows x) {
 
 bool WarpedFactor::follow(SystemMatrix& matrix, SolveReport& report) {
   start_ = std::chrono::steady_clock::now();
-  if (rows_ == matrix.rows() && !renew_ && key_ == matrix.key()) return true;
+  const bool factor = renew_ || !fits(matrix);
+  if (!factor && key_ == matrix.key()) return true;
   const ConstRows positions = matrix.positions();
-  const bool factor = renew_ || rows_ != matrix.rows();
   fresh_ = factor;
   if (!factor) {
     if (positions.count > 0) turn(matrix.pattern(), positions);
@@ -73,6 +73,8 @@ bool WarpedFactor::follow(SystemMatrix& matrix, SolveReport& report) {
 }
 
 void WarpedFactor::serialize(SystemMatrix& matrix, Archive& archive) {
+  // factors of a pattern that has gone are made anew by the next follow(): their values are not worth keeping
+  if (!archive.isReading() && !fits(matrix)) rows_ = -1, factored_values_.clear();
   bool is_current = rows_ >= 0 && key_ == matrix.key();
   archive.value("rows", rows_);
   archive.value("current", is_current);
@@ -91,7 +93,8 @@ void WarpedFactor::serialize(SystemMatrix& matrix, Archive& archive) {
   if (!factors_)
     throw std::runtime_error(
         "the checkpoint holds a factored matrix of another pattern: it was written by another scene");
-  key_ = is_current ? matrix.key() : MatrixKey();
+  key_ = matrix.key();
+  if (!is_current) key_.values = -1;
   if (work_.count() != rows_) work_.resize(rows_);
   matrices_.clear();
   for (const Eigen::Quaterniond& rotation : rotations_) matrices_.push_back(rotation.toRotationMatrix());

@@ -14,7 +14,8 @@ namespace stroma {
 /// X the positions when A_0 was factored. Without positions R = I.
 ///
 /// The factors are renewed when a solve cost more than the solves since the last factorisation on average, the
-/// factorisation included: to go on would raise that average.
+/// factorisation included: to go on would raise that average. They are also renewed when the pattern of the matrix has
+/// changed: the neighbours of a node are then others.
 class WarpedFactor final : public ApproximateInverse {
  public:
   enum class Renewal {
@@ -37,6 +38,8 @@ class WarpedFactor final : public ApproximateInverse {
   }
 
  private:
+  /// Factors are kept, and of the matrix's present pattern.
+  bool fits(const SystemMatrix& matrix) const { return rows_ == matrix.rows() && key_.pattern == matrix.key().pattern; }
   void turn(const BlockMatrix& matrix, ConstRows positions);
 
   DirectSolver& solver_;

@@ -103,6 +103,7 @@ class TrianglePressureForceField final : public SurfaceLoad {
   }
   /// The force on each corner of each triangle [N].
   void distribute() {
+    forces_.clear();
     for (const Face& face : faces()) {
       const auto at = [&](std::size_t a) -> const Vec3& { return state().rest_position[face.nodes[a]]; };
       forces_.push_back((at(1) - at(0)).cross(at(2) - at(0)).norm() / 6 * pressure_);

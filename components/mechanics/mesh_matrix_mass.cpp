@@ -175,6 +175,7 @@ class MeshMatrixMass final : public MeshMass {
   /// `neighbours` of each row, with repetitions and in any order, become start_ and columns_.
   void compress(std::vector<std::vector<Index>>& neighbours) {
     start_.assign(1, 0);
+    columns_.clear();
     for (auto& list : neighbours) {
       std::sort(list.begin(), list.end());
       list.erase(std::unique(list.begin(), list.end()), list.end());

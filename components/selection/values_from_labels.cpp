@@ -51,6 +51,7 @@ class ValuesFromLabels : public Component {
     const bool has_default = data().find("defaultValue")->isSet();
     std::map<int, long> missing;
     std::map<int, bool> used;
+    values_.clear();
     values_.reserve(labels_.size() * std::size_t(width_));
     for (const int label : labels_) {
       const auto found = values_of.find(label);

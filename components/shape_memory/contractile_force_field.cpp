@@ -45,6 +45,7 @@ class ContractileForceField final : public SpringField {
     factor_.check();
     if (!data().find("edges")->isSet()) takeEdges();
     std::vector<Spring> springs;
+    rest_length_.clear();
     for (std::size_t e = 0; e < edges_.size(); ++e) {
       for (const Index node : edges_[e]) checkNode(node, e, state(), "edges");
       springs.push_back({edges_[e][0], edges_[e][1], stiffness_, damping_, 0, elongation_only_});

@@ -44,8 +44,10 @@ class TargetForceField final : public ForceField {
     factor_.check();
     if (indices_.empty()) checkedNodes(indices_, state(), "indices");
     for (std::size_t i = 0; i < indices_.size(); ++i) checkNode(indices_[i], i, state(), "indices");
-    if (!data().find("targets")->isSet())
+    if (!data().find("targets")->isSet()) {
+      targets_.clear();
       for (const int node : indices_) targets_.push_back(state().rest_position[node]);
+    }
     if (targets_.size() != indices_.size())
       throw ComponentError(fmt::format("targets has {} places for {} nodes", targets_.size(), indices_.size()),
                            "as many as indices");

@@ -62,6 +62,8 @@ class FastTriangularBendingSprings final : public NodeGroupField<4> {
         const Index c = t[i], d = t[(i + 1) % 3];
         opposite[{std::min(c, d), std::max(c, d)}].push_back(t[(i + 2) % 3]);
       }
+    hinges_.clear();
+    curved_ = 0;
     for (const auto& [edge, nodes] : opposite)
       for (std::size_t i = 0; i < nodes.size(); ++i)
         for (std::size_t j = 0; j < i; ++j) addHinge({nodes[j], nodes[i], edge[0], edge[1]});

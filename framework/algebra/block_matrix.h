@@ -52,7 +52,7 @@ class BlockMatrix {
   }
   void add(Index row, Index column, const Mat3& block) { add(slot(row, column), block); }
 
-  /// y = A x. Inline for the reason given in vector.h. 18 flops and 76 bytes a block.
+  /// y = A x. Inline for the reason given in vector.h. 18 flops and 76 bytes per block.
   void multiply(ConstRows x, Rows y) const {
     forEachRow(x, [&](Index row, double a, double b, double c) {
       double* q = y.data + std::size_t(row) * row_doubles;

@@ -47,6 +47,7 @@ void Motion::compile(const std::vector<State*>& states) {
   for (std::size_t row = 0; row < kinds_.size(); ++row)
     if (kinds_[row] == RowKind::turn) turning_.push_back(Index(row));
   q_.assign(turning_.size() * row_doubles, 0);
+  r_.resize(turning_.size());
 }
 
 RowKind Motion::kindOf(Index row) const { return kinds_.empty() ? RowKind::place : kinds_[std::size_t(row)]; }
@@ -67,18 +68,19 @@ void Motion::turnBack(Rows x) const {
     if (r.isZero(0)) continue;
     q = exponential(r) * q;
     q.normalize();  // round-off must not add up
+    if (q.w() < 0) q.coeffs() = -q.coeffs();
   }
 }
 
 void Motion::rotationsBetween(ConstRows x1, Rows x0) const {
-  std::vector<Vec3> r;
+  std::size_t count = 0;
   for (std::size_t i = 0; i < turning_.size() && turning_[i] < x0.count; ++i) {
     const std::size_t first = std::size_t(turning_[i]) * row_doubles;
-    r.push_back(logarithm(Quaternion(x1.data + first) * Quaternion(x0.data + first).conjugate()));
+    r_[count++] = logarithm(Quaternion(x1.data + first) * Quaternion(x0.data + first).conjugate());
   }
   xpay(x1, -1, x0);
-  for (std::size_t i = 0; i < r.size(); ++i) {
-    x0[turning_[i]] = r[i];
+  for (std::size_t i = 0; i < count; ++i) {
+    x0[turning_[i]] = r_[i];
     x0.data[std::size_t(turning_[i]) * row_doubles + 3] = 0;
   }
 }

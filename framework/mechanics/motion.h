@@ -11,6 +11,7 @@ namespace stroma {
 /// The way from x to x + dx for a whole system. A row that turns is a unit quaternion q (x, y, z, w) in x and three
 /// numbers everywhere else; by an increment with the rotation vector r (axis times angle [rad], in fixed axes)
 ///   q' = exp(r) q,   exp(r) = (sin(|r|/2) r/|r|, cos(|r|/2))
+/// q and -q are one orientation: the one with w >= 0 is kept, so that x, y and z alone tell it.
 /// Where nothing turns, each function is its plain loop.
 class Motion {
  public:
@@ -50,6 +51,7 @@ class Motion {
   std::vector<Index> turning_;     ///< ascending
   std::vector<RowKind> kinds_;     ///< shape (rows), empty where all rows are places
   mutable std::vector<double> q_;  ///< what begin() took, shape (turning rows, 4)
+  mutable std::vector<Vec3> r_;    ///< work space of rotationsBetween(), shape (turning rows)
 };
 
 }  // namespace stroma

@@ -44,7 +44,8 @@ class State : public Component {
   std::vector<Vec3> position;       ///< [m], initial positions, shape (size)
   std::vector<Vec3> velocity;       ///< [m/s], initial velocities, shape (size)
   /// What the rows are made of, shape (size); empty: all are places. To be set in init(). Above, an orientation is given
-  /// by x, y and z of its quaternion, w being sqrt(1 - x^2 - y^2 - z^2).
+  /// by x, y and z of its quaternion, w being sqrt(1 - x^2 - y^2 - z^2): of the two quaternions of an orientation the one
+  /// with w >= 0. Longer than 1 is refused.
   std::vector<RowKind> row_kinds;
   RowKind kindOf(Index row) const { return row_kinds.empty() ? RowKind::place : row_kinds[std::size_t(row)]; }
 

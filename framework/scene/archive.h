@@ -18,7 +18,7 @@ class Archive {
   enum class Kind : char { real = 'r', integer = 'i', text = 't' };
   struct Entry {
     Kind kind = Kind::real;
-    std::string bytes;     ///< 8 a number
+    std::string bytes;     ///< 8 per number
     bool is_read = false;  ///< once; see checkAllRead()
   };
 

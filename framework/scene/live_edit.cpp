@@ -64,11 +64,13 @@ void LiveEdit::findAttribute() {
   if (data_->isOutput()) throw ComponentError(name() + " is computed by the component: it cannot be set");
   if (data_->changeEffect() == ChangeEffect::restart)
     refuse(name(), "the component makes use of it only when the scene is loaded");
-  if (data_->changeEffect() == ChangeEffect::recompile) recompiled_.push_back(component_);
-  collectDependents(*component_, data_->changeEffect() == ChangeEffect::recompile ? nullptr : data_);
+  const bool is_remade = data_->changeEffect() == ChangeEffect::recompile;
+  collectDependents(*component_, is_remade ? nullptr : data_);
+  if (is_remade) recompiled_.insert(recompiled_.begin(), component_);
 }
 
-/// `changed`: the one attribute with a new value; null when outputs may have one too.
+/// `changed`: the one attribute with a new value; null when outputs may have one too. Who has been followed to the end
+/// is put before all that was put so far, which leaves each behind everything that it takes values from.
 void LiveEdit::collectDependents(Component& source, const Data* changed) {
   std::vector<Component*> all;
   source.node().root().collect(all);
@@ -79,8 +81,8 @@ void LiveEdit::collectDependents(Component& source, const Data* changed) {
         refuse(name(), component->path() + " takes its " + link.target->name() +
                            " from there, and makes use of it only when the scene is loaded");
       if (std::find(recompiled_.begin(), recompiled_.end(), component) != recompiled_.end()) continue;
-      recompiled_.push_back(component);
       collectDependents(*component, nullptr);
+      recompiled_.insert(recompiled_.begin(), component);
     }
 }
 
@@ -89,24 +91,20 @@ std::string LiveEdit::name() const {
   return (node_->parent() ? node_->path() : std::string()) + "/." + attribute_;
 }
 
-std::string LiveEdit::print() const {
-  if (data_) return data_->print();
-  if (changesTimeStep()) return printReal(node_->dt());
+LiveEdit::Value LiveEdit::value() const {
+  if (data_) return {data_->print(), data_->origin()};
+  if (changesTimeStep()) return {printReal(node_->dt()), DataOrigin::written};
   Vec3 gravity = node_->gravity();
-  return Data("gravity", &gravity).print();
+  return {Data("gravity", &gravity).print(), node_->own_gravity ? DataOrigin::written : DataOrigin::by_default};
 }
 
-void LiveEdit::parse(const std::string& text, DataOrigin origin) {
-  const std::optional<Problem> problem = data_->parse(text, origin);
-  if (problem) throw ComponentError(name() + ": " + problem->message, problem->expected, problem->suggestion);
-}
-
-void LiveEdit::parseNode(const std::string& text) {
+void LiveEdit::parseNode(const Value& value) {
+  if (!changesTimeStep() && value.origin == DataOrigin::by_default) return node_->own_gravity.reset();
   double dt = 0;
   Vec3 gravity = Vec3::Zero();
   Data data = changesTimeStep() ? Data("dt", &dt) : Data("gravity", &gravity);
   data.min(changesTimeStep() ? 0 : -std::numeric_limits<double>::infinity(), false).unit("s");
-  const std::optional<Problem> problem = data.parse(text, DataOrigin::by_override);
+  const std::optional<Problem> problem = data.parse(value.text, value.origin);
   if (problem) throw ComponentError(name() + ": " + problem->message, problem->expected, problem->suggestion);
   if (changesTimeStep()) {
     node_->root_dt = dt;
@@ -127,42 +125,19 @@ void LiveEdit::takeLinkedValues(Component& component) {
 
 void LiveEdit::remake(Diagnostics& messages) {
   for (Component* component : recompiled_) {
-    component->diagnostics_ = &messages;
-    try {
-      if (component != component_) takeLinkedValues(*component);
-      component->recompile();
-    } catch (...) {
-      component->diagnostics_ = nullptr;
-      throw;
-    }
-    component->diagnostics_ = nullptr;
+    const Listener listener(*component, messages);
+    if (component != component_) takeLinkedValues(*component);
+    component->recompile();
   }
 }
 
-void LiveEdit::apply(const std::string& text, Diagnostics& messages) {
-  before_ = print();
-  if (!data_) {
-    gravity_before_ = node_->own_gravity;
-    return parseNode(text);
-  }
-  if (trimmed(text).starts_with("@"))
-    refuse(name(), inQuotes(text) + " is a link, and links are made when the scene is loaded");
-  origin_ = data_->origin();
-  parse(text, DataOrigin::by_override);
+void LiveEdit::apply(const Value& value, Diagnostics& messages) {
+  if (!data_) return parseNode(value);
+  if (value.origin == DataOrigin::by_override && trimmed(value.text).starts_with("@"))
+    refuse(name(), inQuotes(value.text) + " is a link, and links are made when the scene is loaded");
+  const std::optional<Problem> problem = data_->parse(value.text, value.origin);
+  if (problem) throw ComponentError(name() + ": " + problem->message, problem->expected, problem->suggestion);
   remake(messages);
 }
-
-void LiveEdit::revert() {
-  if (!data_) {
-    if (changesTimeStep()) parseNode(before_);
-    node_->own_gravity = gravity_before_;
-    return;
-  }
-  parse(before_, origin_);
-  Diagnostics told_before;
-  remake(told_before);
-}
-
-void LiveEdit::listen(Component& component, Diagnostics* messages) { component.diagnostics_ = messages; }
 
 }  // namespace stroma

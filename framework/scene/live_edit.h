@@ -22,29 +22,40 @@ class LiveEdit {
   /// those that take values from it by links. Each attribute they take has to allow a change.
   const std::vector<Component*>& recompiled() const { return recompiled_; }
   bool changesTimeStep() const { return !component_ && attribute_ == "dt"; }
+  bool changesGravity() const { return !component_ && attribute_ == "gravity"; }
   /// "/liver/fem.youngModulus"
   std::string name() const;
-  std::string print() const;  ///< the present value, in the scene's notation
+  /// A value in the scene's notation and how it came there: components ask whether an attribute was given.
+  struct Value {
+    std::string text;
+    DataOrigin origin = DataOrigin::by_override;
+  };
+  Value value() const;  ///< the present one
 
   /// Parses with the attribute's table and makes anew what recompiled() says. Warnings and notes go to `messages`.
-  void apply(const std::string& text, Diagnostics& messages);
-  /// Takes apply() back, whether it failed or not.
-  void revert();
+  void apply(const Value& value, Diagnostics& messages);
 
-  /// From now on warnings and notes of the component go to `messages`; null: to standard error.
-  static void listen(Component& component, Diagnostics* messages);
+  /// As long as this lives, warnings and notes of a component go to `messages`, and not to standard error.
+  class Listener {
+   public:
+    Listener(Component& component, Diagnostics& messages) : component_(component) {
+      component.diagnostics_ = &messages;
+    }
+    ~Listener() { component_.diagnostics_ = nullptr; }
+    Listener(const Listener&) = delete;
+
+   private:
+    Component& component_;
+  };
 
  private:
   void findAttribute();
   void collectDependents(Component& source, const Data* changed);
-  void parse(const std::string& text, DataOrigin origin);
-  void parseNode(const std::string& text);
+  void parseNode(const Value& value);
   void remake(Diagnostics& messages);
   static void takeLinkedValues(Component& component);
 
-  std::string attribute_, before_;
-  DataOrigin origin_ = DataOrigin::by_default;
-  std::optional<Vec3> gravity_before_;
+  std::string attribute_;
   Node* node_ = nullptr;
   Component* component_ = nullptr;
   Data* data_ = nullptr;

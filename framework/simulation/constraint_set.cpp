@@ -104,6 +104,7 @@ void ConstraintSet::componentsChanged(double t, Rows v) {
   change_ = std::any_of(all().begin(), all().end(), [](const ProjectiveConstraint* constraint) {
     return !constraint->isConstant() || constraint->endTime() >= 0;
   });
+  refuseTurningRows();
   reserve(t);
   gather(t, t);
   // what is newly held stops; directions that were held before keep the velocity that they were given

@@ -20,8 +20,12 @@ class Integrator : public Component {
     return linear_solver_.target() ? linear_solver_.get() : find<LinearSolver>();
   }
   std::string missingPartner() const override;
-  /// Called once: allocate every vector the steps need; check that the system has what the method needs.
+  /// Called at load, and again after a change between steps: allocate every vector the steps need; check that the
+  /// system has what the method needs.
   virtual void compile(System& system) = 0;
+  /// After a change of an attribute between steps, compiled and with the memory of serialize() given back: what was
+  /// concluded about the scene as it was has to be concluded again.
+  virtual void sceneChanged() {}
   virtual StepReport step(System& system, const StepContext& context) = 0;
   /// False for statics: a step then has no velocities that a position constraint could correct.
   virtual bool movesInTime() const { return true; }

@@ -12,7 +12,7 @@ namespace stroma {
 
 namespace {
 
-/// Nanoseconds a block of an assembled product out of cache: 76 bytes at the read bandwidth of one core.
+/// Nanoseconds per block of an assembled product out of cache: 76 bytes at the read bandwidth of one core.
 constexpr double block_product_nanoseconds = 2.9;
 
 using Block = Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>;
@@ -26,9 +26,10 @@ MechanicalMatrix::MechanicalMatrix(const System& system)
       constraints_(system.constraints()),
       assembled_(actors_, mappings_, constraints_) {}
 
-void MechanicalMatrix::setFactors(const MatrixFactors& factors) {
+MechanicalMatrix& MechanicalMatrix::withFactors(const MatrixFactors& factors) {
   if (factors != factors_) ++factors_revision_;
   factors_ = factors;
+  return *this;
 }
 
 void MechanicalMatrix::valuesChanged() {

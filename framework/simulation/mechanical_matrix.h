@@ -18,7 +18,8 @@ class System;
 class MechanicalMatrix final : public SystemMatrix {
  public:
   explicit MechanicalMatrix(const System& system);
-  void setFactors(const MatrixFactors& factors);
+  /// This matrix with these factors; they stay until others are set.
+  MechanicalMatrix& withFactors(const MatrixFactors& factors);
   /// Terms that count as constant have other values, in the same pattern.
   void valuesChanged();
   /// Something has changed in what the terms are made of: nothing that was kept holds.

@@ -8,6 +8,7 @@
 
 #include "framework/mechanics/history.h"
 #include "framework/scene/archive.h"
+#include "framework/scene/live_edit.h"
 #include "framework/scene/load.h"
 #include "framework/simulation/integrator.h"
 #include "framework/simulation/observer.h"
@@ -57,14 +58,16 @@ class Simulation {
   /// Everything that the run remembers: x, v, time, what every component keeps (Component::serialize()), inputs and
   /// edits. Restored in this scene, loaded by the same build, the run goes on with the bits of one that never stopped.
   Archive checkpoint();
-  /// Throws std::runtime_error when the values are those of another scene; this simulation is then at its start.
-  /// Observers end, and begin again with the next step: simulation.steps() > 0 tells them that the run goes on.
+  /// Throws std::runtime_error when the values are those of another scene; this simulation is then where it was, with
+  /// its attributes and inputs. Observers end, and begin again with the next step: simulation.steps() > 0 tells them
+  /// that the run goes on.
   void restore(Archive checkpoint);
 
   /// Changes an attribute while the scene runs, as it was declared: at once, or by making the component anew. `path`
   /// names a component or a node (gravity, dt). The next step has the new value; x, v and histories stay. What needs a
   /// restart, what an integrator has computed beforehand and what the attribute does not allow is refused: a
-  /// ComponentError with a sentence, and nothing has changed. Returns warnings and notes. reset() keeps the new value.
+  /// ComponentError with a sentence, and nothing has changed, whatever was thrown on the way. Returns warnings and
+  /// notes. reset() keeps the new value.
   Diagnostics setAttribute(const std::string& path, const std::string& attribute, const std::string& text);
 
   // ---- forces from outside, between steps ----
@@ -89,9 +92,8 @@ class Simulation {
   std::uint64_t stateHash() const;
   /// Why the present shapes may be no result: a sentence for each force field with elements that are flat or inverted
   /// (a body may come to rest so) or strained beyond its law, for each elastic body far larger than at rest, for an
-  /// energy that came from nowhere, for velocities that change sign from
-  /// step to step (from the 17th step on), for a mesh that has folded over
-  /// itself where no force field looks at its volumes, and for what an integrator reports.
+  /// energy that came from nowhere, for velocities that change sign from step to step (from the 17th step on), for a
+  /// mesh that has folded over itself where no force field looks at its volumes, and for what an integrator reports.
   std::vector<std::string> doubts() const;
   /// The compiled plan in lines: what runs each step, how often, what was skipped and why.
   std::vector<std::string> explain() const;
@@ -105,11 +107,15 @@ class Simulation {
   /// Why a force that is a step late and an integrator do not go together, or empty.
   static std::string laggedForce(const ForceField& field, const Integrator& integrator);
   void serialize(Archive& archive);
+  void take(Archive values);
   void serializeInputs(Archive& archive);
   void setInput(long number, const Input& input);
   void dropInputs();
   void replayDue();
   System& systemOf(const Input& input, State*& state) const;
+  /// Makes an edit, or leaves everything as it was and throws.
+  void change(LiveEdit& edit, const LiveEdit::Value& value, Diagnostics& messages);
+  void takeEditsBack();
   void serializeEdits(Archive& archive);
   void forget();
   void watchFollowers();
@@ -119,8 +125,11 @@ class Simulation {
   StepContext nextStep() const;
   /// One step of system `index`, with roll-back of all systems up to it when it fails.
   void advance(std::size_t index, const StepContext& context, StepReport& report);
-  /// Systems up to `last` go back to where they were before the step.
-  void takeBack(std::size_t last);
+  /// Keeps x and v of every system for takeBackState().
+  void keepState();
+  void takeBackState();
+  /// Systems up to the one that failed go back to where they were before the step.
+  void takeBack(std::size_t failed);
   /// Observers after a good step; their time is counted apart.
   void notify(const StepContext& context);
 
@@ -131,6 +140,7 @@ class Simulation {
   std::vector<History*> histories_;
   std::vector<std::pair<Vector, Vector>> initial_;  ///< x and v of each system at the start, for reset()
   std::vector<std::pair<Vector, Vector>> good_;     ///< x and v of each system before the step
+  std::vector<Archive> good_memory_;                ///< of each integrator but the last, before the step
   std::vector<FaultWatch> watches_;                 ///< of each system
   struct Reversals {
     bool turned = false;  ///< the first step of a look did
@@ -148,9 +158,12 @@ class Simulation {
   std::size_t next_replayed_ = 0;
   struct Edit {
     std::string path, attribute, original, text;
+    DataOrigin origin = DataOrigin::by_default;  ///< of `original`
   };
-  std::vector<Edit> edits_;  ///< one for each attribute that has changed, in the order of their first change
-  bool worked_on_ = false;   ///< an edit or an input may have brought energy in
+  /// One per attribute that has changed, in the order of their last changes: made anew in this order they leave the same
+  /// values, also where one attribute follows another by a link.
+  std::vector<Edit> edits_;
+  bool worked_on_ = false;  ///< an edit or an input may have brought energy in
   bool begun_ = false;
   bool on_demand_ = false;
   bool watches_followers_ = false;  ///< an observer watches single nodes that passive mappings place

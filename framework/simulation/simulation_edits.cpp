@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Attributes that change while a simulation runs.
 #include <algorithm>
+#include <list>
 
 #include "framework/scene/live_edit.h"
 #include "framework/simulation/simulation.h"
@@ -50,72 +51,102 @@ class KeptMemory {
   Archive archive_;
 };
 
+/// In a catch clause: the error as one of the attribute, which says what has become of it.
+[[noreturn]] void throwAgain(const LiveEdit& edit) {
+  const std::string kept = "; " + edit.name() + " keeps its old value";
+  try {
+    throw;
+  } catch (const ComponentError& error) {
+    throw ComponentError(error.what() + kept, error.expected, error.suggestion);
+  } catch (const std::exception& error) {
+    throw ComponentError(edit.name() + " cannot change: " + error.what() + kept);
+  }
+}
+
 }  // namespace
 
 Diagnostics Simulation::setAttribute(const std::string& path, const std::string& attribute, const std::string& text) {
   LiveEdit edit(root(), path, attribute);
   refuseWhatWasPrecomputed(edit, systems_);
   complete();
-  const std::string before = edit.print();
-  std::vector<Component*> remembering = edit.recompiled();
-  for (const auto& system : systems_) remembering.push_back(&system->integrator());
-  KeptMemory kept(std::move(remembering));
   Diagnostics messages;
-  const auto compileAgain = [&] {
-    for (const auto& system : systems_) {
-      if (!system->integrator().followsChanges()) continue;
-      LiveEdit::listen(system->integrator(), &messages);
-      system->componentsChanged(edit.recompiled(), time_);
-      LiveEdit::listen(system->integrator(), nullptr);
-    }
-    kept.giveBack();
-  };
-  try {
-    edit.apply(text, messages);
-    compileAgain();
-  } catch (const ComponentError&) {
-    edit.revert();
-    compileAgain();
-    throw;
-  }
+  const LiveEdit::Value before = edit.value();
+  change(edit, {text}, messages);
   if (edit.changesTimeStep()) countFromHere();
   worked_on_ = true;
   const auto known = std::find_if(edits_.begin(), edits_.end(), [&](const Edit& other) {
     return other.path == path && other.attribute == attribute;
   });
+  Edit noted{path, attribute, before.text, text, before.origin};
   if (known != edits_.end()) {
-    known->text = text;
-  } else {
-    edits_.push_back({path, attribute, before, text});
+    noted.original = known->original, noted.origin = known->origin;
+    edits_.erase(known);
   }
+  edits_.push_back(std::move(noted));
   return messages;
+}
+
+void Simulation::change(LiveEdit& edit, const LiveEdit::Value& value, Diagnostics& messages) {
+  const LiveEdit::Value before = edit.value();
+  keepState();
+  std::vector<Component*> remembering = edit.recompiled();
+  for (const auto& system : systems_) remembering.push_back(&system->integrator());
+  KeptMemory kept(std::move(remembering));
+  const auto put = [&](const LiveEdit::Value& wanted, Diagnostics& told) {
+    edit.apply(wanted, told);
+    std::list<LiveEdit::Listener> listeners;
+    for (Component* component : edit.recompiled()) listeners.emplace_back(*component, told);
+    for (const auto& system : systems_) {
+      if (!system->integrator().followsChanges()) continue;
+      const LiveEdit::Listener listener(system->integrator(), told);
+      if (edit.changesTimeStep()) system->integrator().compile(*system);
+      if (edit.changesGravity()) system->gravityChanged();
+      if (!edit.recompiled().empty()) system->componentsChanged(edit.recompiled(), time_);
+    }
+    kept.giveBack();
+    for (const auto& system : systems_) system->integrator().sceneChanged();
+  };
+  try {
+    put(value, messages);
+  } catch (...) {
+    try {
+      Diagnostics told_before;
+      put(before, told_before);
+    } catch (const std::exception& error) {
+      throw ComponentError(edit.name() + " could neither be changed nor be put back: " + error.what(), {},
+                           "load the scene again");
+    }
+    takeBackState();
+    throwAgain(edit);
+  }
+}
+
+/// The attributes of the scene as it was loaded.
+void Simulation::takeEditsBack() {
+  for (auto edit = edits_.rbegin(); edit != edits_.rend(); ++edit) {
+    LiveEdit live(root(), edit->path, edit->attribute);
+    Diagnostics told_before;
+    change(live, {edit->original, edit->origin}, told_before);
+  }
+  edits_.clear();
 }
 
 /// Reading: attributes get the values that they had when the checkpoint was written.
 void Simulation::serializeEdits(Archive& archive) {
   archive.enter("edits");
-  std::size_t count = edits_.size();
-  archive.value("count", count);
-  const std::vector<Edit> present = edits_;
   std::vector<Edit> stored = edits_;
+  std::size_t count = stored.size();
+  archive.value("count", count);
   stored.resize(count);
   for (std::size_t i = 0; i < count; ++i) {
     const std::string number = std::to_string(i) + " ";
     archive.value(number + "path", stored[i].path);
     archive.value(number + "attribute", stored[i].attribute);
-    archive.value(number + "original", stored[i].original);
     archive.value(number + "text", stored[i].text);
   }
   if (!archive.isReading()) return;
-  for (const Edit& edit : present) setAttribute(edit.path, edit.attribute, edit.original);
+  takeEditsBack();
   for (const Edit& edit : stored) setAttribute(edit.path, edit.attribute, edit.text);
-  for (Edit& edit : stored) {
-    const auto had = std::find_if(present.begin(), present.end(), [&](const Edit& other) {
-      return other.path == edit.path && other.attribute == edit.attribute;
-    });
-    if (had != present.end()) edit.original = had->original;
-  }
-  edits_ = std::move(stored);
 }
 
 }  // namespace stroma

@@ -78,9 +78,10 @@ class System final {
   bool hasGravity() const { return has_gravity_; }
 
   // ---- changes between steps ----
-  /// Attributes of these components have changed, or dt or gravity: compiles again those that act here, and the
-  /// integrator, and makes anew what followed from them. `t`: the present time [s].
+  /// These components have been made anew: compiles again those that act here, and the integrator, and what followed
+  /// from them. `t`: the present time [s].
   void componentsChanged(const std::vector<Component*>& changed, double t);
+  void gravityChanged();
   /// What steps depend on besides x, v and components, see Component::serialize(); after those, when reading. `last`:
   /// times of the last step.
   void serialize(Archive& archive, const StepContext& last);
@@ -97,11 +98,6 @@ class System final {
   const MappingChain& mappingChain() const { return mappings_; }
   MechanicalMatrix& matrix() { return matrix_; }
   const MechanicalMatrix& matrix() const { return matrix_; }
-  /// With these factors; they stay until others are set.
-  MechanicalMatrix& matrix(const MatrixFactors& factors) {
-    matrix_.setFactors(factors);
-    return matrix_;
-  }
 
   mutable PhaseTimes times;
   mutable PhaseCounts counts;

@@ -19,12 +19,17 @@ void System::componentsChanged(const std::vector<Component*>& changed, double t)
   compileChanged(actors_.passive_mappings);
   sortByTraits(actors_);
   setTime(t);
-  has_gravity_ = false;
-  computeGravity();
+  gravityChanged();  // masses may be others
+  checkLinearSolver();
   constraints_.componentsChanged(t, v);
   corrections_.compile(actors_, integrator_, constraints_);
   matrix_.termsChanged();
   integrator_.compile(*this);
+}
+
+void System::gravityChanged() {
+  has_gravity_ = false;
+  computeGravity();
 }
 
 void System::setInput(long number, const Input& input, const State& state) {

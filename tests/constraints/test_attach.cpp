@@ -173,7 +173,7 @@ TEST(Attach, MatrixIsTheProjectedOne) {
   EXPECT_LT((p * p - p).norm(), 1e-14);
   EXPECT_LT((p - p.transpose()).norm(), 1e-15);
   EXPECT_NEAR(p.trace(), 3 * rows - 3 - 6 - 3 - 1, 1e-12) << "one fixed, a group of three, a pair in a plane";
-  SystemMatrix& matrix = system.matrix({.mass = 1, .stiffness = -0.01});
+  SystemMatrix& matrix = system.matrix().withFactors({.mass = 1, .stiffness = -0.01});
   const Eigen::MatrixXd projected = dense([&](Vector& in, Vector& out) {
     Vector free(rows);
     copy(in, free), system.constraints().project(free);

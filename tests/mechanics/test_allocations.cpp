@@ -35,7 +35,7 @@ TEST(System, AllocatesNothingAfterTheFirstStep) {
     system.beginStep(context);
     p[4] = Vec3(1, 2, 3);
     system.computeForceAndProduct(system.x, system.v, p, -0.1, 0, f);
-    system.matrix({.mass = 1, .stiffness = -0.01}).multiply(p, out);
+    system.matrix().withFactors({.mass = 1, .stiffness = -0.01}).multiply(p, out);
     system.matrix().diagonalBlocks(blocks);
     system.matrix().assemble();
     system.matrix().diagonalBlocks(blocks);

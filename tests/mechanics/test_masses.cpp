@@ -80,7 +80,9 @@ TEST_P(Boxes, ProductsAreTheAssembledMatrix) {
   const Mass& mass = *system.masses()[0];
   EXPECT_FALSE(mass.isDiagonal());
   std::vector<double> blocks;
-  system.matrix({.mass = 2, .stiffness = 0}).diagonalBlocks(blocks);  // before there is a matrix to take them from
+  system.matrix()
+      .withFactors({.mass = 2, .stiffness = 0})
+      .diagonalBlocks(blocks);  // before there is a matrix to take them from
   const BlockMatrix& matrix = system.matrix().assemble();
   Vector p(system.independentRows()), product(system.independentRows()), assembled(system.independentRows());
   for (Index i = 0; i < system.independentRows(); ++i) p[i] = Vec3(std::sin(i), std::cos(3 * i), std::sin(2 + 5 * i));
@@ -101,7 +103,7 @@ TEST(MeshMatrixMass, OneTetrahedronAndOneCubeHaveTheKnownEntries) {
   // a cube: product of three matrices h/6 [2 1; 1 2], so 8/216, 4/216, 2/216 and 1/216 of its mass
   Simulation cube(sceneFromText(body("", "<MeshMatrixMass massDensity='216'/>")));
   System& system = *cube.systems()[0];
-  const BlockMatrix& matrix = system.matrix({.mass = 1, .stiffness = 0}).assemble();
+  const BlockMatrix& matrix = system.matrix().withFactors({.mass = 1, .stiffness = 0}).assemble();
   const double expected[4] = {8, 4, 2, 1};
   for (int other = 0; other < 8; ++other) {
     const int apart = (other & 1) + (other >> 1 & 1) + (other >> 2 & 1);
@@ -110,7 +112,7 @@ TEST(MeshMatrixMass, OneTetrahedronAndOneCubeHaveTheKnownEntries) {
   }
   // node 1 of a cube cut around the diagonal 0-7 is in two tetrahedra of volume 1/6: 2 * rho V 2/20
   Simulation tets(sceneFromText(body("tetrahedra='true'", "<MeshMatrixMass massDensity='60'/>")));
-  const BlockMatrix& m = tets.systems()[0]->matrix({.mass = 1}).assemble();
+  const BlockMatrix& m = tets.systems()[0]->matrix().withFactors({.mass = 1}).assemble();
   EXPECT_NEAR(m.values()[std::size_t(m.slot(1, 1)) * 9], 2.0, 1e-13);
   EXPECT_NEAR(m.values()[std::size_t(m.slot(0, 7)) * 9], 3.0, 1e-13);
   EXPECT_EQ(m.slot(1, 2), -1);
@@ -119,7 +121,7 @@ TEST(MeshMatrixMass, OneTetrahedronAndOneCubeHaveTheKnownEntries) {
 TEST(MeshMatrixMass, NodesAndEdgesGiveTheMatrixThatTheyWereTakenFrom) {
   const std::string mesh = "cells='2 2 1' size='1 2 3' tetrahedra='true'";
   Simulation whole(sceneFromText(body(mesh, "<MeshMatrixMass name='mass' massDensity='60'/>")));
-  const BlockMatrix& m = whole.systems()[0]->matrix({.mass = 1}).assemble();
+  const BlockMatrix& m = whole.systems()[0]->matrix().withFactors({.mass = 1}).assemble();
   const auto entry = [](const BlockMatrix& matrix, Index i, Index j) {
     return matrix.values()[std::size_t(matrix.slot(i, j)) * 9];
   };
@@ -130,7 +132,7 @@ TEST(MeshMatrixMass, NodesAndEdgesGiveTheMatrixThatTheyWereTakenFrom) {
       if (m.slot(i, j) >= 0) edges += " " + std::to_string(entry(m, i, j));
   }
   Simulation parts(sceneFromText(body(mesh, "<MeshMatrixMass vertexMass='" + nodes + "' edgeMass='" + edges + "'/>")));
-  const BlockMatrix& n = parts.systems()[0]->matrix({.mass = 1}).assemble();
+  const BlockMatrix& n = parts.systems()[0]->matrix().withFactors({.mass = 1}).assemble();
   for (Index i = 0; i < m.rows(); ++i)
     for (Index j = 0; j < m.rows(); ++j) {
       ASSERT_EQ(n.slot(i, j) >= 0, m.slot(i, j) >= 0);

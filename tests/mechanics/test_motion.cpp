@@ -120,7 +120,10 @@ TEST_P(EveryStep, TurnsAFreeFrameByItsAngularVelocity) {
   Simulation simulation = simulationFromText(scene(GetParam(), "", "spin=\"1 2 -2\" orientation=\"0.6 0 0\""));
   const Eigen::Quaterniond start(0.8, 0.6, 0, 0);
   EXPECT_LT(orientationOf(simulation).angularDistance(start), 1e-15);
-  for (int step = 0; step < 300; ++step) ASSERT_FALSE(simulation.step().diverged);
+  for (int step = 0; step < 300; ++step) {
+    ASSERT_FALSE(simulation.step().diverged);
+    ASSERT_GE(orientationOf(simulation).w(), 0) << "x, y and z alone would tell another orientation";
+  }
   const System& system = *simulation.systems()[0];
   EXPECT_NEAR(orientationOf(simulation).norm(), 1, 1e-15);
   EXPECT_LT(orientationOf(simulation).angularDistance(turn(9, spin) * start), 1e-12) << "9 rad in 3 s";
@@ -210,6 +213,20 @@ TEST(Motion, AnOrientationIsNeitherTiedNorMoved) {
                                   "<LinearMovementProjectiveConstraint indices=\"1\" keyTimes=\"0 1\" "
                                   "movements=\"0 0 0  1 0 0\"/>")),
                  "which is an orientation");
+}
+
+TEST(Motion, NorByAnEdit) {
+  Simulation simulation = simulationFromText(scene("<EulerImplicitSolver/>",
+                                                   "<LinearMovementProjectiveConstraint name=\"hand\" indices=\"0\" "
+                                                   "keyTimes=\"0 1\" movements=\"0 0 0  1 0 0\"/>"));
+  ASSERT_FALSE(simulation.step().diverged);
+  try {
+    simulation.setAttribute("/hand", "indices", "1");
+    ADD_FAILURE() << "an orientation is moved as a point";
+  } catch (const ComponentError& error) {
+    expectContains(error.what(), "which is an orientation");
+  }
+  EXPECT_FALSE(simulation.step().diverged);
 }
 
 }  // namespace

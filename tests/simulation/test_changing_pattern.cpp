@@ -163,5 +163,28 @@ TEST(ChangingPattern, IsThatOfASceneCompiledWithTheSameSprings) {
   EXPECT_LT(a.matrix().assemble().blocks(), b.matrix().assemble().blocks()) << "a spring has gone with its blocks";
 }
 
+TEST(ChangingPattern, AWarpedFactorIsUsedForItsOwnPatternOnlyAlsoAfterARestore) {
+  const std::string warped =
+      "<PCGLinearSolver iterations=\"200\" tolerance=\"1e-12\" preconditioner=\"warped\"/><TestCountingSolver/>";
+  analyses = 0;
+  Simulation whole = simulationFromText(scene(warped, coming));
+  std::vector<Archive> stored;
+  std::vector<std::uint64_t> hashes;
+  for (int step = 1; step <= 30; ++step) {
+    stored.push_back(whole.checkpoint());
+    ASSERT_FALSE(whole.step().diverged);
+    hashes.push_back(whole.stateHash());
+  }
+  EXPECT_EQ(analyses, 6) << "one per pattern";
+  Simulation restored = simulationFromText(scene(warped, coming));
+  for (std::size_t from = 0; from < stored.size(); ++from) {
+    restored.restore(stored[from]);
+    for (std::size_t step = from; step < std::min(from + 8, stored.size()); ++step) {
+      ASSERT_FALSE(restored.step().diverged);
+      ASSERT_EQ(restored.stateHash(), hashes[step]) << "step " << step + 1 << " restored after step " << from;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace stroma::test

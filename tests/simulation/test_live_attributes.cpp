@@ -88,6 +88,24 @@ TEST(LiveAttributes, TheTimeStepChangesAndTimeGoesOn) {
   EXPECT_EQ(simulation.steps(), 8);
 }
 
+TEST(LiveAttributes, WhatStepsReadThemselvesLeavesFactorsAlone) {
+  Beam beam;
+  beam.solver =
+      "<PCGLinearSolver name=\"pcg\" iterations=\"200\" tolerance=\"1e-8\" preconditioner=\"@warp\"/>"
+      "<PrecomputedWarpPreconditioner name=\"warp\"/><SparseLDLSolver name=\"factors\"/>";
+  Simulation simulation = simulationFromText(beam.text());
+  run(simulation, 2);
+  for (const auto& [path, attribute, text] :
+       {std::tuple{"/pcg", "tolerance", "1e-6"}, std::tuple{"/", "gravity", "0 3 0"}, std::tuple{"/", "dt", "0.004"}}) {
+    simulation.setAttribute(path, attribute, text);
+    run(simulation, 2);
+    EXPECT_EQ(findComponent(simulation.root(), "/factors")->data().find("factorisations")->print(), "1") << attribute;
+  }
+  simulation.setAttribute("/fem", "youngModulus", "9000");
+  run(simulation, 2);
+  EXPECT_EQ(findComponent(simulation.root(), "/factors")->data().find("factorisations")->print(), "2");
+}
+
 TEST(LiveAttributes, ARegionIsSelectedAnewForAllThatTakeItsNodes) {
   Beam beam, more;
   more.box = "-1 -1 -0.001 1 1 0.08";
@@ -105,6 +123,33 @@ TEST(LiveAttributes, ARegionIsSelectedAnewForAllThatTakeItsNodes) {
   changed.setAttribute("/roi", "box", beam.box);
   run(changed, 2);
   EXPECT_NE(Vec3(changed.systems()[0]->x[newly_held]), place);
+}
+
+TEST(LiveAttributes, ANodeHeldInPartBecomesHeldInAllAndFreeAgain) {
+  for (const std::string solver : {"<SparseLDLSolver/>", "<CGLinearSolver iterations=\"60\" tolerance=\"1e-10\"/>"}) {
+    SCOPED_TRACE(solver);
+    constexpr Index node = 40;  // in the middle of the free end
+    std::string text = Beam{.solver = solver, .gravity = "2 -9.81 1"}.text();
+    text.insert(text.rfind("</Node>"),
+                "<PartialFixedProjectiveConstraint indices=\"40\" fixedDirections=\"1 0 0\"/>"
+                "<FixedProjectiveConstraint name=\"more\" indices=\"0\"/>");
+    Simulation simulation = simulationFromText(text);
+    System& system = *simulation.systems()[0];
+    const Vec3 start = system.x[node];
+    run(simulation, 5);
+    const Vec3 before = system.x[node];
+    EXPECT_EQ(before.x(), start.x());
+    EXPECT_NE(before.y(), start.y());
+    simulation.setAttribute("/more", "indices", "0 40");
+    EXPECT_EQ(Vec3(system.v[node]), Vec3(Vec3::Zero()));
+    run(simulation, 5);
+    EXPECT_EQ(Vec3(system.x[node]), before);
+    simulation.setAttribute("/more", "indices", "0");
+    run(simulation, 5);
+    EXPECT_EQ(system.x[node].x(), before.x());
+    EXPECT_NE(system.x[node].y(), before.y());
+    EXPECT_NE(system.x[node].z(), before.z());
+  }
 }
 
 TEST(LiveAttributes, ARegionThatMovesTheEndsOfSpringsChangesThePatternOfTheMatrix) {

@@ -110,7 +110,7 @@ TEST_P(Mapped, ProductIsTheDerivativeOfTheForce) {
   copy(system.x, x), axpy(h, p, x), system.computeForce(x, system.v, plus);
   copy(system.x, x), axpy(-h, p, x), system.computeForce(x, system.v, minus);
   system.computeForce(system.x, system.v, system.f);
-  system.matrix({.mass = 0, .stiffness = 2}).multiply(system.independent(p), product);
+  system.matrix().withFactors({.mass = 0, .stiffness = 2}).multiply(system.independent(p), product);
   Vector difference(system.independentRows());
   for (Index i = 0; i < system.independentRows(); ++i) difference[i] = (plus[i] - minus[i]) / h;
   EXPECT_GT(std::sqrt(dot(product, product)), 100);
@@ -153,7 +153,7 @@ TEST_P(Mapped, MatrixIsTheProductsMatrix) {
   for (int turn = 0; turn < 2; ++turn) {  // at two shapes: the Jacobian of the bent one changes
     for (Index i = 0; i < system.independentRows(); ++i) system.x[i] += 0.05 * Vec3(i % 2, i % 3, 1 - i % 2);
     system.computeForce(system.x, system.v, system.f);
-    const BlockMatrix& matrix = system.matrix({.mass = 1, .stiffness = -1}).assemble();
+    const BlockMatrix& matrix = system.matrix().withFactors({.mass = 1, .stiffness = -1}).assemble();
     Vector p(system.independentRows()), by_matrix(system.independentRows()), by_product(system.independentRows());
     for (Index i = 0; i < system.independentRows(); ++i) p[i] = Vec3(std::sin(i), std::cos(3 * i), std::sin(2 + i));
     system.constraints().project(p);

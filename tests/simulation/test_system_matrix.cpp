@@ -61,7 +61,7 @@ TEST_P(Matrices, AssembledIsTheProductsPlusOneInHeldDirections) {
   Simulation simulation(sceneFromText(scene(GetParam())));
   System& system = *simulation.systems()[0];
   system.computeForce(system.x, system.v, system.f);
-  system.matrix({.mass = 2, .stiffness = -0.3, .rayleigh_mass = 0.4, .rayleigh_stiffness = -0.7});
+  system.matrix().withFactors({.mass = 2, .stiffness = -0.3, .rayleigh_mass = 0.4, .rayleigh_stiffness = -0.7});
   const Eigen::MatrixXd p = projector(system), identity = Eigen::MatrixXd::Identity(p.rows(), p.cols());
   std::vector<double> before, after;
   system.matrix().diagonalBlocks(before);  // by the fields, and once there is a matrix, out of it
@@ -92,9 +92,10 @@ TEST(SystemMatrix, HasTheFactorsOfEachTerm) {
   system.computeForce(system.x, system.v, system.f);
   const Eigen::MatrixXd p = projector(system), rest = Eigen::MatrixXd::Identity(p.rows(), p.cols()) - p;
   const auto terms = [&](double m, double k, double k_rayleigh, double m_rayleigh) -> Eigen::MatrixXd {
-    return dense(
-               system.matrix({.mass = m, .stiffness = k, .rayleigh_mass = m_rayleigh, .rayleigh_stiffness = k_rayleigh})
-                   .assemble()) -
+    return dense(system.matrix()
+                     .withFactors(
+                         {.mass = m, .stiffness = k, .rayleigh_mass = m_rayleigh, .rayleigh_stiffness = k_rayleigh})
+                     .assemble()) -
            rest;
   };
   EXPECT_LT((terms(3, 0, 0, 0) - 6 * p).norm(), 1e-12);  // 2 kg per node
@@ -121,24 +122,24 @@ TEST(SystemMatrix, KeyChangesWithValuesOnly) {
   Simulation simulation(sceneFromText(scene(net)));
   System& system = *simulation.systems()[0];
   system.computeForce(system.x, system.v, system.f);
-  const MatrixKey first = system.matrix({.mass = 1, .stiffness = -1}).key();
+  const MatrixKey first = system.matrix().withFactors({.mass = 1, .stiffness = -1}).key();
   system.matrix().assemble();
   system.computeForce(system.x, system.v, system.f);
-  EXPECT_TRUE(system.matrix({.mass = 1, .stiffness = -1}).key() == first)
+  EXPECT_TRUE(system.matrix().withFactors({.mass = 1, .stiffness = -1}).key() == first)
       << "a constant stiffness does not change with a force evaluation";
   system.matrix().assemble();
   EXPECT_EQ(system.counts.assemblies, 1);
-  EXPECT_FALSE(system.matrix({.mass = 1, .stiffness = -2}).key() == first);
+  EXPECT_FALSE(system.matrix().withFactors({.mass = 1, .stiffness = -2}).key() == first);
   system.matrix().assemble();
   EXPECT_EQ(system.counts.assemblies, 2);
 
   Simulation changing(sceneFromText(scene(springs)));
   System& other = *changing.systems()[0];
   other.computeForce(other.x, other.v, other.f);
-  const MatrixKey before = other.matrix({.mass = 1, .stiffness = -1}).key();
-  EXPECT_TRUE(other.matrix({.mass = 1, .stiffness = -1}).key() == before);
+  const MatrixKey before = other.matrix().withFactors({.mass = 1, .stiffness = -1}).key();
+  EXPECT_TRUE(other.matrix().withFactors({.mass = 1, .stiffness = -1}).key() == before);
   other.computeForce(other.x, other.v, other.f);
-  EXPECT_FALSE(other.matrix({.mass = 1, .stiffness = -1}).key() == before);
+  EXPECT_FALSE(other.matrix().withFactors({.mass = 1, .stiffness = -1}).key() == before);
 }
 
 TEST(SystemMatrix, ConstantStiffnessBesideAChangingOneIsAssembledOnce) {
@@ -148,7 +149,7 @@ TEST(SystemMatrix, ConstantStiffnessBesideAChangingOneIsAssembledOnce) {
     system.x[4] += Vec3(0, 0.1, 0);
     system.computeForce(system.x, system.v, system.f);
     const Eigen::MatrixXd assembled =
-        dense(system.matrix({.mass = 1, .stiffness = -0.1, .rayleigh_stiffness = -0.2}).assemble());
+        dense(system.matrix().withFactors({.mass = 1, .stiffness = -0.1, .rayleigh_stiffness = -0.2}).assemble());
     const Eigen::MatrixXd p = projector(system);
     EXPECT_LT((assembled - byProducts(system) - (Eigen::MatrixXd::Identity(p.rows(), p.cols()) - p)).norm(), 1e-12);
   }
@@ -170,12 +171,12 @@ TEST(SystemMatrix, VelocityDerivativeIsInProductsAndMatrix) {
   copy(system.v, v), axpy(-step, p, v), system.computeForce(system.x, v, minus);
   axpy(-1, minus, plus), scale(1 / (2 * step), plus), system.constraints().project(plus);
   system.computeForce(system.x, system.v, system.f);
-  system.matrix({.damping = 1}).multiply(p, product);
+  system.matrix().withFactors({.damping = 1}).multiply(p, product);
   const double size = std::sqrt(dot(product, product));
   EXPECT_GT(size, 1);
   axpy(-1, product, plus);
   EXPECT_LT(std::sqrt(dot(plus, plus)), 1e-8 * size);
-  const Eigen::MatrixXd assembled = dense(system.matrix({.mass = 1, .damping = -0.5}).assemble());
+  const Eigen::MatrixXd assembled = dense(system.matrix().withFactors({.mass = 1, .damping = -0.5}).assemble());
   const Eigen::MatrixXd held = projector(system);
   EXPECT_LT((assembled - byProducts(system) - (Eigen::MatrixXd::Identity(held.rows(), held.cols()) - held)).norm(),
             1e-12);

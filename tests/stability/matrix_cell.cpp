@@ -135,7 +135,7 @@ class Run {
       clear(momentum);
       s.addMassProduct(y, 1, momentum);
       s.constraints().project(momentum);
-      if (!s.linearSolver()->solve(s.matrix({.stiffness = -1}), momentum, y).usable()) return slowest_;
+      if (!s.linearSolver()->solve(s.matrix().withFactors({.stiffness = -1}), momentum, y).usable()) return slowest_;
       const double work = dot(y, momentum);
       clear(momentum);
       s.addMassProduct(y, 1, momentum);

@@ -11,6 +11,7 @@
 
 #include <cmath>
 
+#include "framework/simulation/checkpoint.h"
 #include "tests/vtk_io/vtk_fixture.h"
 
 namespace stroma::test {
@@ -109,6 +110,29 @@ TEST_F(Exporter, ValuesComeBackToTheLastBit) {
     largest = std::max(largest, stress[c]);
   }
   EXPECT_GT(largest, 0);
+}
+
+TEST_F(Exporter, ARestartedRunGoesOnWithItsFiles) {
+  const std::string scene = beam(exporter("exportEveryNumberOfSteps=\"2\" exportAtBegin=\"true\""));
+  std::string stored;
+  {
+    Simulation simulation = simulationFromText(scene);
+    for (int step = 1; step <= 5; ++step) simulation.step();
+    stored = Checkpoint{"beam.xml", buildIdentity(), simulation.checkpoint()}.bytes();
+  }
+  const std::string first = bytesOf(at("beam00000.vtu")), third = bytesOf(at("beam00002.vtu"));
+  Simulation restarted = simulationFromText(scene);
+  restarted.restore(Checkpoint::fromBytes(stored, "memory").values);
+  for (int step = 6; step <= 8; ++step) restarted.step();
+  const auto list = entries(at("beam.pvd"));
+  ASSERT_EQ(list.size(), 5u) << "the start and steps 2, 4, 6 and 8";
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    EXPECT_NEAR(list[i].first, 0.04 * double(i), 1e-12);
+    EXPECT_EQ(list[i].second, "beam0000" + std::to_string(i) + ".vtu");
+  }
+  EXPECT_EQ(bytesOf(at("beam00000.vtu")), first);
+  EXPECT_EQ(bytesOf(at("beam00002.vtu")), third);
+  EXPECT_NE(bytesOf(at("beam00004.vtu")), third);
 }
 
 TEST_F(Exporter, RoundTripThroughTheLoader) {

@@ -251,6 +251,11 @@ TEST_F(VtkTest, WrongFilesAreSentencesAndPrintNothing) {
            "# vtk DataFile Version 3.0\nx\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 3 float\n0 0 0 1 0 0 2 0 0\n"
            "CELLS 1 4\n3 0 1 2\nCELL_TYPES 1\n21\n"),
       "vtkQuadraticEdge are not supported");
+  expectContains(
+      with("MeshVTKLoader", "p.vtk",
+           "# vtk DataFile Version 3.0\nx\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 3 float\n0 0 0 1 0 0 2 0 0\n"
+           "CELLS 1 4\n3 0 1 2\nCELL_TYPES 1\n10\n"),
+      "p.vtk: a tetrahedron with 3 nodes");
   expectContains(with("MeshSTLLoader", "g.stl", ""), "cannot be read as STL");
   expectContains(with("MeshSTLLoader", "h.stl", "nonsense"), "cannot be read as STL");
   expectContains(with("MeshSTLLoader", "i.stl", "solid\nfacet\nvertex 0 0 0\nvertex 0 x 0\n"),

@@ -55,7 +55,8 @@ void force(Body& body) { body.field->addForce(body.x, body.v, body.f); }
 void assembly(Body& body) {
   static double factor = 1;
   factor = factor == 1 ? 1.5 : 1;
-  benchmark::DoNotOptimize(body.system->matrix({.mass = 1, .stiffness = -factor}).assemble().values().data());
+  benchmark::DoNotOptimize(
+      body.system->matrix().withFactors({.mass = 1, .stiffness = -factor}).assemble().values().data());
 }
 
 }  // namespace

@@ -62,7 +62,8 @@ void time(benchmark::State& state, const Form& form) {
     if (form.part == Part::force_and_product) body.field->addForceAndProduct(body.x, body.v, body.dx, 1e-6, body.f);
     if (form.part == Part::assembly) {
       factor = factor == 1 ? 1.5 : 1;
-      benchmark::DoNotOptimize(body.system->matrix({.mass = 1, .stiffness = -factor}).assemble().values().data());
+      benchmark::DoNotOptimize(
+          body.system->matrix().withFactors({.mass = 1, .stiffness = -factor}).assemble().values().data());
     }
     if (form.part == Part::step && body.simulation->step().diverged) state.SkipWithError("the step diverged");
   };
