@@ -203,12 +203,17 @@ std::vector<std::string> explain(const System& system) {
   if (system.actors().mappings.empty() && system.actors().passive_mappings.empty())
     lines.push_back("  mappings: none, skipped");
   lines.push_back(fmt::format("  integrator {}: {}", system.integrator().path(), system.integrator().describe()));
-  if (!system.linearSolver()) lines.push_back("  linear solver: none");
-  if (system.linearSolver())
-    lines.push_back(fmt::format("  linear solver {}: {}", system.linearSolver()->path(),
+  const LinearSolver* solver = system.linearSolver();
+  if (!solver) {
+    lines.push_back("  linear solver: none");
+  } else {
+    const bool made = solver->where().text() == system.integrator().where().text();
+    lines.push_back(fmt::format("  linear solver {}{}: {}", solver->path(),
+                                made ? ", made with its defaults because the scene has none" : "",
                                 system.matrix().keptBlocks() >= 0
                                     ? fmt::format("matrix of {} blocks of 3x3", system.matrix().keptBlocks())
                                     : std::string("no matrix is kept so far")));
+  }
   return lines;
 }
 

@@ -42,4 +42,11 @@ inline const char* const falling_scene = R"(<Node name="root" dt="0.01" gravity=
 </Node>
 )";
 
+/// A chain whose solves may take fewer iterations than they need.
+const char* const capped_chain = R"(<Node name="root" dt="0.1" gravity="0 -10 0">
+  <EulerImplicitSolver/><CGLinearSolver iterations="2" tolerance="1e-9"/>
+  <MechanicalObject position="0 0 0  1 0 0  2 0 0  3 0 0  4 0 0  5 0 0"/><UniformMass totalMass="1"/>
+  <SpringForceField springsIndices1="0 1 2 3 4" springsIndices2="1 2 3 4 5" stiffness="900" lengths="1 1 1 1 1"/>
+  <FixedProjectiveConstraint indices="0"/></Node>)";
+
 }  // namespace stroma::test

@@ -314,5 +314,16 @@ TEST_F(Command, ListAndDoc) {
   EXPECT_TRUE(has(doc.out, "Example:")) << doc.out;
 }
 
+TEST_F(Command, AStrictRunTakesSolvesThatStoppedShortForADoubt) {
+  write("chain.xml", capped_chain);
+  const Finished run = stroma("run chain.xml -n 3"), strict = stroma("run chain.xml -n 3 --strict");
+  EXPECT_EQ(run.code, 0);
+  EXPECT_EQ(strict.code, 3);
+  for (const Finished& finished : {run, strict})
+    EXPECT_TRUE(has(finished.err, "stopped before its tolerance in 3 of 3 steps (worst relative residual"))
+        << finished.err;
+  EXPECT_EQ(stroma("run chain.xml -n 3 --strict --set /CGLinearSolver.iterations=100").code, 0);
+}
+
 }  // namespace
 }  // namespace stroma::test

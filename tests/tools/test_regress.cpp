@@ -220,5 +220,17 @@ TEST_F(Regress, NoticesBitsThatDependOnThreadsOrOnFormerRuns) {
   EXPECT_NE(run.out.find("the run with two threads differs from step 1 on"), std::string::npos) << run.out;
 }
 
+TEST_F(Regress, AnAnswerOfSolvesThatStoppedShortIsStoredOnlyWhenTheListSaysSo) {
+  write("chain.xml", capped_chain);
+  write("short", "references\nchain.xml 4 1e-6\n");
+  const Finished refused = stroma("regress short --update");
+  EXPECT_EQ(refused.code, 1);
+  EXPECT_NE(refused.out.find("stopped before its tolerance in 4 of 4 steps"), std::string::npos) << refused.out;
+  EXPECT_FALSE(fs::exists(folder_ / "references/chain"));
+  write("short", "references\nchain.xml 4 1e-6 unconverged\n");
+  EXPECT_EQ(stroma("regress short --update").code, 0);
+  EXPECT_EQ(stroma("regress short").code, 0);
+}
+
 }  // namespace
 }  // namespace stroma::test
