@@ -13,12 +13,12 @@ namespace stroma {
 ///   f_i = force + stiffness (target_i - x_i) - damping v_i
 /// A node that is pulled by a mouse is one node with a target; a handle is several.
 struct Input {
-  std::string state;          ///< path of the state
-  std::vector<Index> nodes;   ///< of the state
-  Vec3 force = Vec3::Zero();  ///< on each node [N]
-  std::vector<Vec3> targets;  ///< [m], one per node; empty: no pull
-  double stiffness = 0;       ///< [N/m]
-  double damping = 0;         ///< [N s/m]
+  std::string state;            ///< path of the state
+  std::vector<Index> nodes;     ///< of the state
+  Vec3 force = Vec3::Zero();    ///< on each node [N]
+  std::vector<Vec3> targets{};  ///< [m], one per node; empty: no pull
+  double stiffness = 0;         ///< [N/m]
+  double damping = 0;           ///< [N s/m]
 };
 
 /// The inputs on one system, as a force field whose derivatives are diagonal blocks, which every matrix has: adding one

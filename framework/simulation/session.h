@@ -17,11 +17,11 @@ namespace stroma {
 
 /// When a run ends; whichever comes first.
 struct RunLimits {
-  long steps = std::numeric_limits<long>::max();   ///< made by this call
-  std::optional<double> until;                     ///< time of the simulation [s]: the first step that reaches it
-  std::function<bool(const Simulation&)> reached;  ///< asked after each step
+  long steps = std::numeric_limits<long>::max();     ///< made by this call
+  std::optional<double> until{};                     ///< time of the simulation [s]: the first step that reaches it
+  std::function<bool(const Simulation&)> reached{};  ///< asked after each step
   /// Told after each good step: its report and its wall time [s].
-  std::function<void(const StepReport&, double)> after_step;
+  std::function<void(const StepReport&, double)> after_step{};
 };
 
 enum class RunEnd {
