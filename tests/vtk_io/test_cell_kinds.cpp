@@ -73,7 +73,7 @@ TEST_P(VtkCellKinds, EdgesAndFacesAreVtks) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, VtkCellKinds, testing::ValuesIn(cell_kinds::all),
-                         [](const auto& info) { return std::string(info.param->singular); });
+                         [](const auto& kind) { return std::string(kind.param->singular); });
 
 }  // namespace
 }  // namespace stroma::test
