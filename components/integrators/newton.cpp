@@ -91,7 +91,8 @@ void declareNewton(DataTable& table, NewtonSettings& settings, const NewtonNames
   const std::string residual = names.residual;
   table.add(names.iterations, settings.iterations).help("largest number of iterations per step").unit("-").min(1);
   threshold(names.relative_residual, settings.relative_residual, "-",
-            residual + " is below this times " + residual + ", or the forces with reactions, where the step starts");
+            residual + " is below this times the larger of " + residual +
+                " and the forces with reactions, both where the step starts");
   threshold(names.absolute_residual, settings.absolute_residual, names.unit, residual + " is below this");
   threshold(names.relative_correction, settings.relative_correction, "-",
             "the correction is below this times the displacement of the step");

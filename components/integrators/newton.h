@@ -59,8 +59,13 @@ struct NewtonSettings {
 
 /// What a component calls the parameters of Newton's method, and its residual.
 struct NewtonNames {
-  const char *iterations, *relative_residual, *absolute_residual, *relative_correction, *absolute_correction;
-  const char *residual, *unit;
+  const char* iterations;
+  const char* relative_residual;
+  const char* absolute_residual;
+  const char* relative_correction;
+  const char* absolute_correction;
+  const char* residual;  ///< the symbol of R in the help
+  const char* unit;      ///< of R
 };
 void declareNewton(DataTable& table, NewtonSettings& settings, const NewtonNames& names);
 

@@ -143,8 +143,13 @@ class StaticSolver final : public Integrator {
 
 void StaticSolver::declare(DataTable& table) {
   declareNewton(table, settings_,
-                {"newton_iterations", "relative_residual_tolerance_threshold", "absolute_residual_tolerance_threshold",
-                 "relative_correction_tolerance_threshold", "absolute_correction_tolerance_threshold", "|f|", "N"});
+                {.iterations = "newton_iterations",
+                 .relative_residual = "relative_residual_tolerance_threshold",
+                 .absolute_residual = "absolute_residual_tolerance_threshold",
+                 .relative_correction = "relative_correction_tolerance_threshold",
+                 .absolute_correction = "absolute_correction_tolerance_threshold",
+                 .residual = "|f|",
+                 .unit = "N"});
   table.add("forcing_term", settings_.forcing)
       .help(
           "largest |K dx + f| / |f| that linear solves by products may leave in early iterations; 0: the linear "
