@@ -41,16 +41,7 @@ void HyperelasticForceField::declare(DataTable& table) {
       .min(-1, false)
       .max(0.5, false)
       .help("Poisson's ratio at small strains, with youngModulus");
-  for (const HyperelasticLaw& law : hyperelasticLaws())
-    for (const ParameterInfo& p : law.namedParameters()) {
-      if (named_.count(p.name)) continue;
-      std::set<std::string> users;
-      for (const HyperelasticLaw& other : hyperelasticLaws())
-        if (other.takes(p.name)) users.insert(other.name);
-      table.add(p.name, named_[p.name])
-          .unit(p.unit)
-          .help(fmt::format("{} ({}): one value, or one per cell", p.help, fmt::join(users, ", ")));
-    }
+  declareParameters(table);
   table.add("AnisotropyDirections", directions_)
       .help("fibre, or fibre and sheet (and normal): for all cells, or for each cell or node one after the other");
   table.addChoice("discretization", discretization, {"mjed", "standard"})
@@ -68,6 +59,29 @@ void HyperelasticForceField::declare(DataTable& table) {
       .help("of SOFA's plugin: only false; what each law does with inverted elements is on its page");
   table.add("ParameterFile", parameter_file_).help("of SOFA's plugin: only empty; parameters take a value per cell");
   prony_.declare(table);
+}
+
+/// One attribute for all laws with a parameter of that name; what it means to each, and its unit where they differ.
+void HyperelasticForceField::declareParameters(DataTable& table) {
+  std::map<std::string, std::map<std::string, std::set<std::string>>> laws_of;  // name, meaning, laws
+  std::map<std::string, std::set<std::string>> units;
+  std::vector<std::string> names;
+  for (const HyperelasticLaw& law : hyperelasticLaws())
+    for (const ParameterInfo& p : law.namedParameters()) {
+      if (!units.count(p.name)) names.push_back(p.name);
+      units[p.name].insert(p.unit);
+    }
+  for (const HyperelasticLaw& law : hyperelasticLaws())
+    for (const ParameterInfo& p : law.namedParameters())
+      laws_of[p.name][units[p.name].size() > 1 ? fmt::format("{} [{}]", p.help, p.unit) : p.help].insert(law.name);
+  for (const std::string& name : names) {
+    std::vector<std::string> meanings;
+    for (const auto& [meaning, laws] : laws_of[name])
+      meanings.push_back(fmt::format("{} ({})", meaning, fmt::join(laws, ", ")));
+    table.add(name, named_[name])
+        .unit(units[name].size() > 1 ? "" : *units[name].begin())
+        .help(fmt::format("{}: one value, or one per cell", fmt::join(meanings, "; ")));
+  }
 }
 
 std::size_t HyperelasticForceField::cellCount() const {

@@ -46,6 +46,7 @@ class HyperelasticForceField : public ElementKernelsField, public History {
   hyperelastic::Cells cells() const;
 
  private:
+  void declareParameters(DataTable& table);
   void refusePlugin() const;
   void chooseMesh();
   void chooseLaw();
