@@ -100,6 +100,7 @@ void HyperelasticForceField::init() {
     throw ComponentError("viscosity has no kernels for these cells", "tetrahedra");
   checkShapes();
   checkMeanDilatation();
+  checkViscousPart();
   if (regularised_ && projected_)
     throw ComponentError("matrixRegularization and projectedTangent both replace the tangent", "one of them");
   if (regularised_ && !law_.curved_in_volume)
@@ -155,9 +156,15 @@ ForceTraits HyperelasticForceField::traits() const {
   return t;
 }
 
-hyperelastic::Values HyperelasticForceField::parameters(std::size_t cell) const {
+hyperelastic::Values HyperelasticForceField::parametersIn(const std::vector<double>& values, std::size_t cell) const {
   const std::size_t count = law_.parameters.size();
-  return {values_.data() + (values_.size() == count ? 0 : cell * count), count};
+  return {values.data() + (values.size() == count ? 0 : cell * count), count};
+}
+/// The parameters with k = 0.
+std::vector<double> HyperelasticForceField::withoutVolume() const {
+  std::vector<double> values = values_;
+  for (std::size_t i = law_.volume_parameter; i < values.size(); i += law_.parameters.size()) values[i] = 0;
+  return values;
 }
 Mat3 HyperelasticForceField::axes(std::size_t cell) const { return axes_.size() == 1 ? axes_[0] : axes_[cell]; }
 
@@ -175,30 +182,27 @@ hyperelastic::Cells HyperelasticForceField::cells() const {
 }
 
 void HyperelasticForceField::compile() {
-  if (dilatation_ == Dilatation::mean) return makeMeanDilatation();
-  method_ = (hexahedra ? law_.hexahedra : law_.tetrahedra)(cells());
-  if (series_.terms() > 0) makeViscous();
-}
-
-/// The law with k = 0 at its points, and k U of the elements' volumes.
-void HyperelasticForceField::makeMeanDilatation() {
-  const std::size_t count = law_.parameters.size();
-  local_values_ = values_;
-  for (std::size_t i = law_.volume_parameter; i < values_.size(); i += count) local_values_[i] = 0;
-  hyperelastic::Cells local = cells();
-  local.parameters = [this, count](std::size_t cell) -> hyperelastic::Values {
-    return {local_values_.data() + (local_values_.size() == count ? 0 : cell * count), count};
-  };
-  method_ = std::make_unique<hyperelastic::SumOfKernels>(law_.hexahedra(local),
-                                                         hyperelastic::meanVolumeKernels().hexahedra(cells(), law_));
+  const auto make = hexahedra ? law_.hexahedra : law_.tetrahedra;
+  hyperelastic::Cells own = cells();
+  if (volumeIsApart()) {
+    local_values_ = withoutVolume();
+    own.parameters = [this](std::size_t cell) { return parametersIn(local_values_, cell); };
+  }
+  method_ = make(own);
+  const bool mean = dilatation_ == Dilatation::mean;
+  if (series_.terms() > 0) makeViscous(own, volumeIsApart() && !mean ? make(cells()) : nullptr);
+  if (mean)
+    method_ = std::make_unique<hyperelastic::SumOfKernels>(std::move(method_),
+                                                           hyperelastic::meanVolumeKernels().hexahedra(cells(), law_));
 }
 
 // ---- viscosity ----
 
-void HyperelasticForceField::makeViscous() {
+/// method_, that of `own`, relaxes; `whole` is the law of which it is a part, or null.
+void HyperelasticForceField::makeViscous(const hyperelastic::Cells& own, std::unique_ptr<ElementKernels> whole) {
   const auto held = hexahedra ? residualStressKernels().hexahedra : residualStressKernels().tetrahedra;
-  auto viscous = std::make_unique<ViscousLaw>(std::move(method_), law_, cells(), cellCount(), series_, held(cells()),
-                                              node().root().root_time);
+  auto viscous = std::make_unique<ViscousLaw>(std::move(method_), std::move(whole), law_, own, cellCount(), series_,
+                                              held(own), node().root().root_time);
   viscous_ = viscous.get();
   method_ = std::move(viscous);
   reset();
