@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Hencky, Hooke's law for the logarithmic strain H = (ln C)/2: W = mu tr(H^2) + lambda/2 (ln J)^2, tr H = ln J. With
-// k = lambda + 2/3 mu it is mu |dev H|^2 + k/2 (ln J)^2, FEBio's "natural neo-Hookean". Infinite at J = 0. The stress
-// softens where a stretch passes e = 2.7 or falls under strong compression: the law is for moderate strains. Source:
-// H. Hencky, "Ueber die Form des Elastizitaetsgesetzes bei ideal elastischen Stoffen", Zeitschrift fuer technische
-// Physik 9 (1928) 215-220; L. Anand, "On H. Hencky's approximate strain-energy function for moderate deformations",
-// Journal of Applied Mechanics 46 (1979) 78-82.
+// k = lambda + 2/3 mu it is mu |dev H|^2 + k/2 (ln J)^2, FEBio's "natural neo-Hookean". Infinite at J = 0. For moderate
+// strains: the force 2 mu ln(l)/l along a stretch l, with lambda = 0, falls beyond l = 2.7. Source: H. Hencky, "Ueber die
+// Form des Elastizitaetsgesetzes bei ideal elastischen Stoffen", Zeitschrift fuer technische Physik 9 (1928) 215-220; L.
+// Anand, "On H. Hencky's approximate strain-energy function for moderate deformations", Journal of Applied Mechanics 46
+// (1979) 78-82.
 #include "components/hyperelasticity/hyperelastic_kernels.h"
 
 using namespace stroma;

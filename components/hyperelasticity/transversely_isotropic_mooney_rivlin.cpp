@@ -93,9 +93,10 @@ template <AJet X>
 auto fibreEnergy(const X& log_l, const auto& p) {
   using T = std::remove_cvref_t<decltype(log_l.value)>;
   const T l = exp(log_l.value), bent = straightening(l, p), growth = exp(p.c4 * (bent - T(1.)));
-  const auto is_straight = l > p.lam_max;
+  const T round_off(1e-10);
+  const auto is_straight = l > p.lam_max - round_off;
   const T force = p.c3 * (growth - T(1.)) + select(is_straight, T(p.c5 * (l - bent)), T(0.));
-  const T toe = select(l > T(1. - 1e-10), T(p.c3 * p.c4 * l * growth), T(0.));
+  const T toe = select(l > T(1.) - round_off, T(p.c3 * p.c4 * l * growth), T(0.));
   return chain(log_l, T(0.), force, T(select(is_straight, T(p.c5 * l), toe)));
 }
 
