@@ -17,17 +17,17 @@
 //   <EulerImplicitSolver/>
 //   <CGLinearSolver iterations="200" tolerance="1e-12"/>
 //   <Node name="plate">
-//     <MechanicalObject name="dofs" position="0.5 0.5 1"/>
+//     <MechanicalObject name="dofs" position="0.5 1 0.5"/>
 //     <UniformMass totalMass="0.5"/>
-//     <PartialFixedProjectiveConstraint indices="0" fixedDirections="1 1 0"/>
-//     <ConstantForceField indices="0" totalForce="0 0 -3"/>
+//     <PartialFixedProjectiveConstraint indices="0" fixedDirections="1 0 1"/>
+//     <LinearForceField points="0" times="0 1" forces="0 0 0  0 -3 0"/>
 //   </Node>
 //   <Node name="body">
-//     <MechanicalObject position="0 0 0  1 0 0  0 1 0  1 1 0  0 0 1  1 0 1  0 1 0.9  1 1 1.1"/>
+//     <MechanicalObject position="0 0 0  1 0 0  0 0 1  1 0 1  0 1 0  1 1 0  0 0.9 1  1 1.1 1"/>
 //     <UniformMass totalMass="0.1"/>
 //     <SpringForceField springsIndices1="0 1 2 3" springsIndices2="4 5 6 7" lengths="1 1 0.9 1.1" stiffness="100"/>
 //     <FixedProjectiveConstraint indices="0 1 2 3"/>
-//     <RigidPlateForceField plate="@../plate/dofs" normal="0 0 -1" indices="4 5 6 7" stiffness="1000"/>
+//     <RigidPlateForceField plate="@../plate/dofs" normal="0 -1 0" indices="4 5 6 7" stiffness="1000"/>
 //   </Node>
 // </Node>
 #include <fmt/format.h>

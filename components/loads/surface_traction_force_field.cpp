@@ -20,7 +20,7 @@
 // Example:
 // <Node name="root" dt="0.01" gravity="0 0 0">
 //   <EulerImplicitSolver/>
-//   <EigenSparseLU/>
+//   <SparseLDLSolver/>
 //   <MeshTopology position="0 0 0  1 0 0  1 1 0.1  0 1 0  2 0 0  2 1 0.2" edges="0 1  1 2  2 3  3 0  0 2  1 4  4 5
 //       5 2  2 4" quads="0 1 2 3" triangles="1 4 5  1 5 2"/>
 //   <MechanicalObject/>
