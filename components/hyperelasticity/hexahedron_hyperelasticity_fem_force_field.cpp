@@ -10,7 +10,8 @@
 // law with J^-2/3 I1 that is Hooke's law with a mean dilatation at small strains; for NeoHookean, StableNeoHookean and
 // TransverselyIsotropic, whose mu also resists a change of volume, lambda is on the mean and 2 mu eps at the points. A
 // homogeneous strain has the energy of the law itself. Laws that are infinite at J = 0 still are, at each point. The
-// energy of StVenantKirchhoff has no J: it, viscosity and tetrahedra refuse the attribute.
+// energy of StVenantKirchhoff has no J: it and tetrahedra refuse the attribute. So does viscosity, but for viscousPart =
+// deviatoric: the points relax, and the cell's volume is elastic.
 //
 // Example:
 // <Node name="root" dt="0.02" gravity="0 0 -9.81">

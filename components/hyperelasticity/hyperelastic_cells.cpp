@@ -87,9 +87,9 @@ void HyperelasticForceField::checkMeanDilatation() const {
         fmt::format("the energy of {} has no part in J alone that a mean could replace", law_.name), expected,
         law_.name == "StVenantKirchhoff" ? "HexahedronFEMForceField with method=\"green\", whose mean is that of tr(E)"
                                          : "");
-  if (series_.terms() > 0)
+  if (series_.terms() > 0 && series_.part == PronyPart::all)
     throw ComponentError("viscosity relaxes the stress of a point, and the mean dilatation has one for all points",
-                         expected);
+                         expected, "viscousPart=\"deviatoric\", which leaves the volume elastic");
   for (std::size_t cell = 0; cell < cellCount(); ++cell) {
     const std::vector<Vec3> corner =
         cornersOf(mesh_->hexahedra[cell], [&](Index n) -> Vec3 { return state().rest_position[n]; });
@@ -98,6 +98,23 @@ void HyperelasticForceField::checkMeanDilatation() const {
       if (edgesOf(corner, localGradients(p)).determinant() * first <= 0)
         throw ComponentError(describe(cell) + " is folded at rest: its points have volumes of both signs",
                              "a hexahedron with one volume, or " + expected);
+  }
+}
+
+/// Without k U(J) the law must resist changes of shape alone: no stress under any dilation.
+void HyperelasticForceField::checkViscousPart() const {
+  if (series_.terms() == 0 || series_.part == PronyPart::all) return;
+  const std::vector<double> values = law_.volume == hyperelastic::VolumePart::none ? values_ : withoutVolume();
+  for (std::size_t set = 0; set * law_.parameters.size() < values.size(); ++set) {
+    const hyperelastic::Values local = parametersIn(values, set);
+    const Mat3 dilated = law_.stress(local, 1.1 * Mat3::Identity());
+    if (dilated.norm() < 1e-9 * law_.moduliAtRest(local).shear) continue;
+    throw ComponentError(
+        fmt::format("viscousPart=\"deviatoric\" relaxes what resists a change of shape alone, and the energy of {} has "
+                    "no such part beside that of the volume",
+                    law_.name),
+        "viscousPart=\"all\", or a law of J^-2/3 C: MooneyRivlin, VerondaWestman, ArrudaBoyce, Yeoh, Ogden, "
+        "FungOrthotropic, TransverselyIsotropicMooneyRivlin");
   }
 }
 
@@ -151,7 +168,10 @@ std::string HyperelasticForceField::worstElement(ConstRows x) const {
 
 /// P of F, both in the material's axes.
 Mat3 HyperelasticForceField::stress(std::size_t cell, std::size_t point, const Mat3& f) const {
-  return viscous_ ? Mat3(f * viscous_->stress(cell, point, f)) : law_.stress(parameters(cell), f);
+  if (!viscous_) return law_.stress(parameters(cell), f);
+  const Mat3 relaxed = f * viscous_->stress(cell, point, f);
+  if (!volumeIsApart()) return relaxed;
+  return relaxed + law_.stress(parameters(cell), f) - law_.stress(parametersIn(local_values_, cell), f);
 }
 
 void HyperelasticForceField::cellField(const std::string& name, ConstRows x, std::vector<double>& out) const {

@@ -41,16 +41,7 @@ void HyperelasticForceField::declare(DataTable& table) {
       .min(-1, false)
       .max(0.5, false)
       .help("Poisson's ratio at small strains, with youngModulus");
-  for (const HyperelasticLaw& law : hyperelasticLaws())
-    for (const ParameterInfo& p : law.namedParameters()) {
-      if (named_.count(p.name)) continue;
-      std::set<std::string> users;
-      for (const HyperelasticLaw& other : hyperelasticLaws())
-        if (other.takes(p.name)) users.insert(other.name);
-      table.add(p.name, named_[p.name])
-          .unit(p.unit)
-          .help(fmt::format("{} ({}): one value, or one per cell", p.help, fmt::join(users, ", ")));
-    }
+  declareParameters(table);
   table.add("AnisotropyDirections", directions_)
       .help("fibre, or fibre and sheet (and normal): for all cells, or for each cell or node one after the other");
   table.addChoice("discretization", discretization, {"mjed", "standard"})
@@ -70,6 +61,29 @@ void HyperelasticForceField::declare(DataTable& table) {
   prony_.declare(table);
 }
 
+/// One attribute for all laws with a parameter of that name; what it means to each, and its unit where they differ.
+void HyperelasticForceField::declareParameters(DataTable& table) {
+  std::map<std::string, std::map<std::string, std::set<std::string>>> laws_of;  // name, meaning, laws
+  std::map<std::string, std::set<std::string>> units;
+  std::vector<std::string> names;
+  for (const HyperelasticLaw& law : hyperelasticLaws())
+    for (const ParameterInfo& p : law.namedParameters()) {
+      if (!units.count(p.name)) names.push_back(p.name);
+      units[p.name].insert(p.unit);
+    }
+  for (const HyperelasticLaw& law : hyperelasticLaws())
+    for (const ParameterInfo& p : law.namedParameters())
+      laws_of[p.name][units[p.name].size() > 1 ? fmt::format("{} [{}]", p.help, p.unit) : p.help].insert(law.name);
+  for (const std::string& name : names) {
+    std::vector<std::string> meanings;
+    for (const auto& [meaning, laws] : laws_of[name])
+      meanings.push_back(fmt::format("{} ({})", meaning, fmt::join(laws, ", ")));
+    table.add(name, named_[name])
+        .unit(units[name].size() > 1 ? "" : *units[name].begin())
+        .help(fmt::format("{}: one value, or one per cell", fmt::join(meanings, "; ")));
+  }
+}
+
 std::size_t HyperelasticForceField::cellCount() const {
   return hexahedra ? mesh_->hexahedra.size() : mesh_->tetrahedra.size();
 }
@@ -86,6 +100,7 @@ void HyperelasticForceField::init() {
     throw ComponentError("viscosity has no kernels for these cells", "tetrahedra");
   checkShapes();
   checkMeanDilatation();
+  checkViscousPart();
   if (regularised_ && projected_)
     throw ComponentError("matrixRegularization and projectedTangent both replace the tangent", "one of them");
   if (regularised_ && !law_.curved_in_volume)
@@ -141,9 +156,15 @@ ForceTraits HyperelasticForceField::traits() const {
   return t;
 }
 
-hyperelastic::Values HyperelasticForceField::parameters(std::size_t cell) const {
+hyperelastic::Values HyperelasticForceField::parametersIn(const std::vector<double>& values, std::size_t cell) const {
   const std::size_t count = law_.parameters.size();
-  return {values_.data() + (values_.size() == count ? 0 : cell * count), count};
+  return {values.data() + (values.size() == count ? 0 : cell * count), count};
+}
+/// The parameters with k = 0.
+std::vector<double> HyperelasticForceField::withoutVolume() const {
+  std::vector<double> values = values_;
+  for (std::size_t i = law_.volume_parameter; i < values.size(); i += law_.parameters.size()) values[i] = 0;
+  return values;
 }
 Mat3 HyperelasticForceField::axes(std::size_t cell) const { return axes_.size() == 1 ? axes_[0] : axes_[cell]; }
 
@@ -161,30 +182,27 @@ hyperelastic::Cells HyperelasticForceField::cells() const {
 }
 
 void HyperelasticForceField::compile() {
-  if (dilatation_ == Dilatation::mean) return makeMeanDilatation();
-  method_ = (hexahedra ? law_.hexahedra : law_.tetrahedra)(cells());
-  if (series_.terms() > 0) makeViscous();
-}
-
-/// The law with k = 0 at its points, and k U of the elements' volumes.
-void HyperelasticForceField::makeMeanDilatation() {
-  const std::size_t count = law_.parameters.size();
-  local_values_ = values_;
-  for (std::size_t i = law_.volume_parameter; i < values_.size(); i += count) local_values_[i] = 0;
-  hyperelastic::Cells local = cells();
-  local.parameters = [this, count](std::size_t cell) -> hyperelastic::Values {
-    return {local_values_.data() + (local_values_.size() == count ? 0 : cell * count), count};
-  };
-  method_ = std::make_unique<hyperelastic::SumOfKernels>(law_.hexahedra(local),
-                                                         hyperelastic::meanVolumeKernels().hexahedra(cells(), law_));
+  const auto make = hexahedra ? law_.hexahedra : law_.tetrahedra;
+  hyperelastic::Cells own = cells();
+  if (volumeIsApart()) {
+    local_values_ = withoutVolume();
+    own.parameters = [this](std::size_t cell) { return parametersIn(local_values_, cell); };
+  }
+  method_ = make(own);
+  const bool mean = dilatation_ == Dilatation::mean;
+  if (series_.terms() > 0) makeViscous(own, volumeIsApart() && !mean ? make(cells()) : nullptr);
+  if (mean)
+    method_ = std::make_unique<hyperelastic::SumOfKernels>(std::move(method_),
+                                                           hyperelastic::meanVolumeKernels().hexahedra(cells(), law_));
 }
 
 // ---- viscosity ----
 
-void HyperelasticForceField::makeViscous() {
+/// method_, that of `own`, relaxes; `whole` is the law of which it is a part, or null.
+void HyperelasticForceField::makeViscous(const hyperelastic::Cells& own, std::unique_ptr<ElementKernels> whole) {
   const auto held = hexahedra ? residualStressKernels().hexahedra : residualStressKernels().tetrahedra;
-  auto viscous = std::make_unique<ViscousLaw>(std::move(method_), law_, cells(), cellCount(), series_, held(cells()),
-                                              node().root().root_time);
+  auto viscous = std::make_unique<ViscousLaw>(std::move(method_), std::move(whole), law_, own, cellCount(), series_,
+                                              held(own), node().root().root_time);
   viscous_ = viscous.get();
   method_ = std::move(viscous);
   reset();

@@ -39,13 +39,14 @@ class HyperelasticForceField : public ElementKernelsField, public History {
 
   const hyperelastic::HyperelasticLaw& law() const { return law_; }
   const Mesh& mesh() const { return *mesh_; }
-  hyperelastic::Values parameters(std::size_t cell) const;
+  hyperelastic::Values parameters(std::size_t cell) const { return parametersIn(values_, cell); }
 
  protected:
   /// What the kernels are built on.
   hyperelastic::Cells cells() const;
 
  private:
+  void declareParameters(DataTable& table);
   void refusePlugin() const;
   void chooseMesh();
   void chooseLaw();
@@ -72,8 +73,14 @@ class HyperelasticForceField : public ElementKernelsField, public History {
   void checkFinite(ConstRows x, ConstRows f);
   void checkShapes() const;
   void checkMeanDilatation() const;
-  void makeMeanDilatation();
-  void makeViscous();
+  void checkViscousPart() const;
+  hyperelastic::Values parametersIn(const std::vector<double>& values, std::size_t cell) const;
+  /// The part k U(J) of the energy is apart from the rest: it has the mean dilatation, or does not relax.
+  bool volumeIsApart() const {
+    return dilatation_ == Dilatation::mean || (series_.terms() > 0 && series_.part == PronyPart::deviatoric);
+  }
+  std::vector<double> withoutVolume() const;
+  void makeViscous(const hyperelastic::Cells& cells, std::unique_ptr<ElementKernels> whole);
   ConstRows systemRows() const;
 
   TopologyLink topology_;
@@ -89,7 +96,7 @@ class HyperelasticForceField : public ElementKernelsField, public History {
   const Mesh* mesh_ = nullptr;
   hyperelastic::HyperelasticLaw law_;            ///< as chosen, with its number of terms
   std::vector<double> values_;                   ///< parameters, of one cell for all or of each
-  std::vector<double> local_values_;             ///< the same without the part that takes the mean dilatation
+  std::vector<double> local_values_;             ///< the same with k = 0, where volumeIsApart()
   std::vector<Mat3> axes_;                       ///< one for all or one per cell
   PronySeries series_;                           ///< without terms: the law is elastic
   hyperelastic::ViscousLaw* viscous_ = nullptr;  ///< method_, where it is viscous

@@ -8,7 +8,8 @@
 // same sets give the textbook's S and 4 d2W/dC2, with C^-1, for comparison.
 //
 // A set has Point<T> (F and the values of its invariants), evaluate<Law>() and value<Law>() (jet and number of the
-// energy), stress() (P), differential() (dP), and gradients()/curvature() for the textbook's form.
+// energy), stress() (P), differential() (dP), and for the textbook's form gradients(), dI_a/dC into matrices that come as
+// zero, and curvature(), which adds 4 sum psi_a d2I_a/dC2.
 #pragma once
 #include "components/hyperelasticity/hyperelastic_tensors.h"
 
@@ -53,8 +54,8 @@ struct First {
            (scaled(2. * dfirst, p.f) + scaled(dvolume, p.cof));
   }
   template <class T>
-  static void gradients(const Point<T>&, S3<T> (&a)[2]) {
-    a[0] = unit<T>(), a[1] = S3<T>{};
+  static void gradients(const Point<T>&, S3<T> (&a)[3]) {
+    a[0] = unit<T>();
   }
   template <class T>
   static void curvature(const auto&, const auto&, Elasticity<T>&) {}
@@ -112,7 +113,7 @@ struct FirstAndSecond {
            (scaled(w.a, cofactorDifferential(p.f, df)) + scaled(dvolume, p.cof));
   }
   template <class T>
-  static void gradients(const Point<T>& p, S3<T> (&a)[2]) {
+  static void gradients(const Point<T>& p, S3<T> (&a)[3]) {
     a[0] = unit<T>(), a[1] = combination(p, p.i1, T(-1.));
   }
   /// 4 psi_2 (Id (x) Id - symmetric identity)
@@ -164,8 +165,8 @@ struct FirstAndFibre {
     return out;
   }
   template <class T>
-  static void gradients(const Point<T>&, S3<T> (&a)[2]) {
-    a[0] = unit<T>(), a[1] = S3<T>{}, a[1].xx = T(1.);
+  static void gradients(const Point<T>&, S3<T> (&a)[3]) {
+    a[0] = unit<T>(), a[1].xx = T(1.);
   }
   template <class T>
   static void curvature(const auto&, const auto&, Elasticity<T>&) {}
@@ -219,8 +220,8 @@ struct Quadratic {
            (scaled(w.a, cofactorDifferential(p.f, df)) + scaled(dvolume, p.cof));
   }
   template <class T>
-  static void gradients(const Point<T>& p, S3<T> (&a)[2]) {
-    a[0] = p.be, a[1] = S3<T>{};
+  static void gradients(const Point<T>& p, S3<T> (&a)[3]) {
+    a[0] = p.be;
   }
   /// 2 psi_Q b on the diagonal: dS = 2 psi_Q b dE, doubled shear halves.
   template <class T>

@@ -60,19 +60,25 @@ Zero scaled(Zero, const A&) {
   return {};
 }
 
-/// A value, its derivatives a, b, c by the variables and the second ones aa, ab, ... of them.
-template <class V, class A, class B, class C, class AA, class AB, class AC, class BB, class BC, class CC>
+/// A value, its derivatives a, b, c, d by the variables and the second ones aa, ab, ... of them.
+template <class V, class A, class B, class C, class D, class AA, class AB, class AC, class AD, class BB, class BC,
+          class BD, class CC, class CD, class DD>
 struct Jet {
   V value;
   A a;
   B b;
   C c;
+  D d;
   AA aa;
   AB ab;
   AC ac;
+  AD ad;
   BB bb;
   BC bc;
+  BD bd;
   CC cc;
+  CD cd;
+  DD dd;
 };
 template <class T>
 constexpr bool is_jet = false;
@@ -83,28 +89,41 @@ concept AJet = is_jet<T>;
 template <class T>
 concept Number = is_number<T>;
 
-/// Variable 0 (J), 1 or 2 (invariants).
+/// Variable 0 (J), 1, 2 or 3 (invariants).
 template <int index, Number T>
 auto variable(const T& value) {
   const T one(1.);
   constexpr Zero o;
   if constexpr (index == 0)
-    return Jet{value, one, o, o, o, o, o, o, o, o};
+    return Jet{value, one, o, o, o, o, o, o, o, o, o, o, o, o, o};
   else if constexpr (index == 1)
-    return Jet{value, o, one, o, o, o, o, o, o, o};
+    return Jet{value, o, one, o, o, o, o, o, o, o, o, o, o, o, o};
+  else if constexpr (index == 2)
+    return Jet{value, o, o, one, o, o, o, o, o, o, o, o, o, o, o};
   else
-    return Jet{value, o, o, one, o, o, o, o, o, o};
+    return Jet{value, o, o, o, one, o, o, o, o, o, o, o, o, o, o};
+}
+
+/// The jet with this value and f of the derivatives of x, or of x and y.
+template <class T, AJet X>
+auto mapped(const T& value, const X& x, auto&& f) {
+  return Jet{value,   f(x.a),  f(x.b),  f(x.c),  f(x.d),  f(x.aa), f(x.ab), f(x.ac),
+             f(x.ad), f(x.bb), f(x.bc), f(x.bd), f(x.cc), f(x.cd), f(x.dd)};
+}
+template <class T, AJet X, AJet Y>
+auto mapped(const T& value, const X& x, const Y& y, auto&& f) {
+  return Jet{value,         f(x.a, y.a),   f(x.b, y.b),   f(x.c, y.c),   f(x.d, y.d),
+             f(x.aa, y.aa), f(x.ab, y.ab), f(x.ac, y.ac), f(x.ad, y.ad), f(x.bb, y.bb),
+             f(x.bc, y.bc), f(x.bd, y.bd), f(x.cc, y.cc), f(x.cd, y.cd), f(x.dd, y.dd)};
 }
 
 template <AJet X, AJet Y>
 auto operator+(const X& x, const Y& y) {
-  return Jet{x.value + y.value, x.a + y.a,   x.b + y.b,   x.c + y.c,   x.aa + y.aa,
-             x.ab + y.ab,       x.ac + y.ac, x.bb + y.bb, x.bc + y.bc, x.cc + y.cc};
+  return mapped(x.value + y.value, x, y, [](const auto& dx, const auto& dy) { return dx + dy; });
 }
 template <AJet X, AJet Y>
 auto operator-(const X& x, const Y& y) {
-  return Jet{x.value - y.value, x.a - y.a,   x.b - y.b,   x.c - y.c,   x.aa - y.aa,
-             x.ab - y.ab,       x.ac - y.ac, x.bb - y.bb, x.bc - y.bc, x.cc - y.cc};
+  return mapped(x.value - y.value, x, y, [](const auto& dx, const auto& dy) { return dx - dy; });
 }
 template <AJet X, AJet Y>
 auto operator*(const X& x, const Y& y) {
@@ -115,16 +134,21 @@ auto operator*(const X& x, const Y& y) {
              first(x.a, y.a),
              first(x.b, y.b),
              first(x.c, y.c),
+             first(x.d, y.d),
              second(x.aa, y.aa, x.a, y.a, x.a, y.a),
              second(x.ab, y.ab, x.a, y.a, x.b, y.b),
              second(x.ac, y.ac, x.a, y.a, x.c, y.c),
+             second(x.ad, y.ad, x.a, y.a, x.d, y.d),
              second(x.bb, y.bb, x.b, y.b, x.b, y.b),
              second(x.bc, y.bc, x.b, y.b, x.c, y.c),
-             second(x.cc, y.cc, x.c, y.c, x.c, y.c)};
+             second(x.bd, y.bd, x.b, y.b, x.d, y.d),
+             second(x.cc, y.cc, x.c, y.c, x.c, y.c),
+             second(x.cd, y.cd, x.c, y.c, x.d, y.d),
+             second(x.dd, y.dd, x.d, y.d, x.d, y.d)};
 }
 template <Number S, AJet X>
 auto operator*(const S& s, const X& x) {
-  return Jet{s * x.value, s * x.a, s * x.b, s * x.c, s * x.aa, s * x.ab, s * x.ac, s * x.bb, s * x.bc, s * x.cc};
+  return mapped(s * x.value, x, [&](const auto& dx) { return s * dx; });
 }
 template <AJet X, Number S>
 auto operator*(const X& x, const S& s) {
@@ -132,7 +156,7 @@ auto operator*(const X& x, const S& s) {
 }
 template <AJet X, Number S>
 auto operator+(const X& x, const S& s) {
-  return Jet{x.value + s, x.a, x.b, x.c, x.aa, x.ab, x.ac, x.bb, x.bc, x.cc};
+  return mapped(x.value + s, x, [](const auto& dx) { return dx; });
 }
 template <AJet X, Number S>
 auto operator-(const X& x, const S& s) {
@@ -146,12 +170,17 @@ auto chain(const X& x, const T& f, const T& df, const T& ddf) {
              df * x.a,
              df * x.b,
              df * x.c,
+             df * x.d,
              second(x.aa, x.a, x.a),
              second(x.ab, x.a, x.b),
              second(x.ac, x.a, x.c),
+             second(x.ad, x.a, x.d),
              second(x.bb, x.b, x.b),
              second(x.bc, x.b, x.c),
-             second(x.cc, x.c, x.c)};
+             second(x.bd, x.b, x.d),
+             second(x.cc, x.c, x.c),
+             second(x.cd, x.c, x.d),
+             second(x.dd, x.d, x.d)};
 }
 template <AJet X>
 auto exp(const X& x) {
@@ -184,7 +213,8 @@ void forEachDerivative(X& x, F&& f) {
   const auto visit = [&](auto& d) {
     if constexpr (NotZero<std::remove_cvref_t<decltype(d)>>) f(d);
   };
-  visit(x.a), visit(x.b), visit(x.c), visit(x.aa), visit(x.ab), visit(x.ac), visit(x.bb), visit(x.bc), visit(x.cc);
+  visit(x.a), visit(x.b), visit(x.c), visit(x.d), visit(x.aa), visit(x.ab), visit(x.ac), visit(x.ad);
+  visit(x.bb), visit(x.bc), visit(x.bd), visit(x.cc), visit(x.cd), visit(x.dd);
 }
 /// How many derivatives are not always zero.
 template <class V, class... D>

@@ -115,18 +115,22 @@ struct Mjed {
   static void secondStress(const Parameters<T>& parameters, const M3<T>& f, S3<T>& s, Elasticity<T>& d) {
     const Point<T> p(f, parameters);
     const auto w = Set::template evaluate<Law>(p, parameters);
-    S3<T> a[2];
+    S3<T> a[3];
     Set::gradients(p, a);
     Set::curvature(p, w, d);
-    s = S3<T>{} + scaled(2. * w.b, a[0]) + scaled(2. * w.c, a[1]);
+    s = S3<T>{} + scaled(2. * w.b, a[0]) + scaled(2. * w.c, a[1]) + scaled(2. * w.d, a[2]);
     addOuterUnlessZero(4. * w.bb, a[0], a[0], d);
     addOuterUnlessZero(8. * w.bc, a[0], a[1], d);
     addOuterUnlessZero(4. * w.cc, a[1], a[1], d);
+    addOuterUnlessZero(8. * w.bd, a[0], a[2], d);
+    addOuterUnlessZero(8. * w.cd, a[1], a[2], d);
+    addOuterUnlessZero(4. * w.dd, a[2], a[2], d);
     if constexpr (NotZero<decltype(w.a)>) {
       addVolumetric(p, w.a, w.aa, s, d);
       const S3<T> ci = inverse(metric(p.f));
       addOuterUnlessZero(4. * (p.j * w.ab), ci, a[0], d);
       addOuterUnlessZero(4. * (p.j * w.ac), ci, a[1], d);
+      addOuterUnlessZero(4. * (p.j * w.ad), ci, a[2], d);
     }
   }
 };

@@ -6,8 +6,10 @@
 //   dC_ij dpsi_J = sum_k f_k' sum_i phi_k'(c_i) dC_ii + psi_JJ dJ
 // which holds for every dC, also where it has other axes than C, and where eigenvalues meet.
 //
-// A law of this kind has Set = PrincipalStretches, `terms(p)`, a list with count() and at(k) that gives factor m and
-// exponent e of the term m (sum_i (lambda_i / J^1/3)^e - 3), and `volumetric(J, p)`, an expression like `energy`.
+// A law of this kind has Set = PrincipalStretches and, with p its parameters,
+//   volumetric(J, p)                  U, an expression like `energy`
+//   addEnergy(point, p, sum)          sum += sum_k f_k g_k
+//   addDerivatives(point, p, w)       the same to SpectralDerivatives, without a weight
 #pragma once
 #include "components/hyperelasticity/hyperelastic_point.h"
 
@@ -68,14 +70,7 @@ struct SpectralDerivatives {
 template <InPrincipalStretches Law, class T>
 [[gnu::noipa]] T spectralEnergy(const PrincipalStretches::Point<T>& p, const auto& parameters) {
   T sum = Law::volumetric(p.j, parameters);
-  const auto terms = Law::terms(parameters);
-  for (int k = 0; k < terms.count(); ++k) {
-    const auto term = terms.at(k);
-    const T half = T(0.5) * term.exponent, mean = T(1. / 3) * p.log_j;
-    T powers(-3.);
-    for (int i = 0; i < 3; ++i) powers += exp(half * p.log_c[i] - term.exponent * mean);
-    sum += term.factor * powers;
-  }
+  Law::addEnergy(p, parameters, sum);
   return sum;
 }
 
@@ -85,26 +80,7 @@ template <InPrincipalStretches Law, class T>
   SpectralDerivatives<T> w{};
   const auto u = Law::volumetric(variable<0>(p.j), parameters);
   w.axes = p.axes, w.volume = u.a, w.volume2 = u.aa;
-  const T inverse_j = T(1.) / p.j, inverse_c[3] = {exp(-p.log_c[0]), exp(-p.log_c[1]), exp(-p.log_c[2])};
-  const DividedDifference<T> pair[3] = {{p.log_c[0], p.log_c[1]}, {p.log_c[1], p.log_c[2]}, {p.log_c[2], p.log_c[0]}};
-  const auto terms = Law::terms(parameters);
-  for (int k = 0; k < terms.count(); ++k) {
-    const auto term = terms.at(k);
-    const T f = term.factor * exp(T(-1. / 3) * term.exponent * p.log_j);
-    const T df = T(-1. / 3) * term.exponent * f * inverse_j,
-            ddf = df * inverse_j * fma(T(-1. / 3), term.exponent, T(-1.));
-    const T half = T(0.5) * term.exponent, beta = half - T(1.);
-    T sum(0.);
-    for (int i = 0; i < 3; ++i) {
-      const T power = exp(half * p.log_c[i]), slope = half * power * inverse_c[i];
-      sum += power;
-      w.s[i] += T(2.) * f * slope;
-      w.normal[i] += T(2.) * f * beta * slope * inverse_c[i];
-      w.coupling[i] += T(2.) * df * slope;
-      w.shear[i] += T(2.) * f * half * pair[i].of(beta);
-    }
-    w.volume += df * sum, w.volume2 += ddf * sum;
-  }
+  Law::addDerivatives(p, parameters, w);
   for (int i = 0; i < 3; ++i)
     w.s[i] = w.s[i] * weight, w.normal[i] = w.normal[i] * weight, w.shear[i] = w.shear[i] * weight,
     w.coupling[i] = w.coupling[i] * weight;

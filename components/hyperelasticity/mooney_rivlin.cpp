@@ -38,8 +38,7 @@ STROMA_COMPONENT(mooney_rivlin) {
   HyperelasticLaw law = withBulkModulus(
       lawOf<MooneyRivlin>(
           "MooneyRivlin", "c1 (J^-2/3 I1 - 3) + c2 (J^-4/3 I2 - 3) + k0/2 (ln J)^2",
-          {{"c1", "Pa", "factor of the first invariant"},
-           {"c2", "Pa", "factor of the second invariant; of its exponential part in VerondaWestman without unit"}}),
+          {{"c1", "Pa", "factor of the first invariant"}, {"c2", "Pa", "factor of the second invariant"}}),
       fromShear);
   law.check = [](Values p) {
     return p[0] + p[1] > 0 ? "" : "c1 + c2 of MooneyRivlin is not above 0: the shear modulus is twice that";

@@ -26,6 +26,8 @@ void PronyAttributes::declare(DataTable& table) {
   table.add("ParameterTau", series_.tau).unit("s").min(0, false).help("relaxation time of each term");
   table.addChoice("viscousUpdate", series_.update, {"backward", "exponential"})
       .help("backward: first order in the time step, as published; exponential: second order");
+  table.addChoice("viscousPart", series_.part, {"all", "deviatoric"})
+      .help("all of the stress relaxes; or that of the change of shape, and the body keeps its bulk modulus");
 }
 
 PronySeries PronyAttributes::read(const Component& component) const {

@@ -17,6 +17,8 @@
 namespace stroma {
 
 enum class PronyUpdate : int { backward, exponential };
+/// What relaxes: the stress, or the stress without that of the part k U(J) of the energy.
+enum class PronyPart : int { all, deviatoric };
 
 /// a, b, c of a step.
 struct PronyStep {
@@ -28,6 +30,7 @@ PronyStep pronyStep(PronyUpdate update, double alpha, double tau, double h);
 struct PronySeries {
   std::vector<double> alpha, tau;  ///< shape (terms): shares of the instantaneous modulus, relaxation times [s]
   PronyUpdate update = PronyUpdate::backward;
+  PronyPart part = PronyPart::all;
   std::size_t terms() const { return alpha.size(); }
 };
 

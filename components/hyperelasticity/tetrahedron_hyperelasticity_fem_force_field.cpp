@@ -10,26 +10,41 @@
 // forces and tangents the textbook's way, to compare (StandardTetrahedralFEMForceField has it from the start).
 //
 // materialName and the order of ParameterSet; L = ln J, I1' = J^-2/3 I1, I2' = J^-4/3 I2, E = (C - Id)/2:
-//   StVenantKirchhoff      mu lambda
+//   StVenantKirchhoff                 mu lambda
 //                          lambda/2 tr(E)^2 + mu tr(E^2)
-//   NeoHookean             mu lambda
+//   NeoHookean                        mu lambda
 //                          mu/2 (I1 - 3) - mu L + lambda/2 L^2
-//   StableNeoHookean       mu lambda
+//   StableNeoHookean                  mu lambda
 //                          mu/2 (I1 - 3) + (lambda + mu)/2 ((J - a)^2 - (1 - a)^2), a = 1 + mu/(lambda + mu)
-//   MooneyRivlin           c1 c2 k0
+//   MooneyRivlin                      c1 c2 k0
 //                          c1 (I1' - 3) + c2 (I2' - 3) + k0/2 L^2
-//   VerondaWestman         c1 c2 k0
+//   VerondaWestman                    c1 c2 k0
 //                          c1 (exp(c2 (I1' - 3)) - 1) - c1 c2/2 (I2' - 3) + k0/2 L^2
-//   ArrudaBoyce            mu k0
+//   ArrudaBoyce                       mu k0
 //                          mu sum C_n (I1'^n - 3^n) + k0/2 L^2, n = 1..5, eight-chain series of N = 8
-//   Ogden                  mu1 alpha1 k0, or mu1 alpha1 mu2 alpha2 k0, or any number of such pairs and k0
+//   Ogden                             mu1 alpha1 k0, or mu1 alpha1 mu2 alpha2 k0, or any number of such pairs and k0
 //                          sum mu_k/alpha_k^2 (sum_i (J^-1/3 lambda_i)^alpha_k - 3) + k0/2 L^2; by name up to mu6
-//   Costa                  a k0 bff bfs bss bfn bsn bnn
+//   Costa                             a k0 bff bfs bss bfn bsn bnn
 //                          a/2 (exp(J^-4/3 Q) - 1) + k0 (J L - J + 1), Q = sum b_ij E_ij^2
-//   TransverselyIsotropic  mu lambda k1 k2
+//   TransverselyIsotropic             mu lambda k1 k2
 //                          NeoHookean + k1/(2 k2) (exp(k2 max(0, J^-2/3 I4 - 1)^2) - 1), I4 = a C a
-// AnisotropyDirections are the fibres a of TransverselyIsotropic, or fibre and sheet (and normal) of Costa: for all
-// cells, or for each cell one after the other, or for each node; they are made orthogonal and of length 1. From nodes a
+//   TransverselyIsotropicMooneyRivlin c1 c2 c3 c4 c5 lam_max k0
+//                          MooneyRivlin + F(l), l = J^-1/3 sqrt(I4), l F'(l) = c3 (exp(c4 (l - 1)) - 1) for
+//                          1 < l < lam_max, c5 l + c6 without a jump above, 0 below: fibres that straighten
+//   Yeoh                              c1 k0, or c1 c2 k0, or up to c1 c2 c3 c4 c5 c6 k0
+//                          sum c_k (I1' - 3)^k + k0/2 L^2
+//   Hencky                            mu lambda
+//                          mu tr(H^2) + lambda/2 L^2, H = (ln C)/2
+//   OgdenUnconstrained                c1 m1 cp, or c1 m1 c2 m2 cp, or any number of such pairs and cp
+//                          sum c_k/m_k^2 (sum_i lambda_i^m_k - 3 - m_k L) + cp/2 (J - 1)^2; by name up to c6
+//   FungOrthotropic                   E1 E2 E3 G12 G23 G31 v12 v23 v31 c k0
+//                          c/2 (exp(Q) - 1) + k0/2 L^2, c Q = E' A E' of E' = (J^-2/3 C - Id)/2 and Hooke's
+//                          orthotropic stiffness A: Young's moduli, shear moduli, v12/E1 = v21/E2 and so on
+// The last five have the names and the order of FEBio's manual (trans iso Mooney-Rivlin, Yeoh, natural neo-Hookean,
+// Ogden unconstrained, Fung orthotropic). Its k is k0 here, and Hencky is given by Lame's constants.
+// AnisotropyDirections are the fibres a of TransverselyIsotropic and TransverselyIsotropicMooneyRivlin, or fibre and
+// sheet (and normal) of Costa and FungOrthotropic, whose axes 1, 2, 3 they are: for all cells, or for each cell one
+// after the other, or for each node; they are made orthogonal and of length 1. From nodes a
 // cell gets the axis closest to those of its corners, whatever their signs. They can come from another component: an
 // array of a file (AnisotropyDirections="@loader.tetrahedraDirections" or "@loader.nodeDirections" of MeshVTKLoader or
 // MeshGmshLoader with directionArray) or a table by label (ValuesFromLabels with width="3"). Where cells and nodes are
@@ -54,8 +69,10 @@
 // ParameterAlpha are shares of the instantaneous modulus, so that G(t) = G_0 (1 - sum alpha_i (1 - exp(-t/tau_i)));
 // FEBio's moduli, in contrast, are those after all relaxation. viscousUpdate = backward is the published recursion
 // gamma^n = (h alpha S^n + tau gamma^{n-1})/(h + tau), of first order in the step h; exponential is exact for stresses
-// that change linearly in a step: second order, with an integrator of second order. The tangent follows the force
-// exactly. The history moves on at the end of a step; its energy is the potential of the force with the history held:
+// that change linearly in a step: second order, with an integrator of second order. viscousPart = deviatoric relaxes the
+// stress of the change of shape alone, as FEBio's uncoupled viscoelastic materials do, and the bulk modulus stays: S_h
+// is then that of the energy without its last term, of a law with isochoric invariants, and its last term is added as
+// it is. With dilatation = mean (of hexahedra) it is the only choice. The tangent follows the force exactly. The history moves on at the end of a step; its energy is the potential of the force with the history held:
 // what EnergyMonitor prints as elastic is not what a viscous body stores, and can be negative. projectedTangent and
 // matrixRegularization replace the law's part of the tangent; that of the history is added as it is, and may have a
 // sign.

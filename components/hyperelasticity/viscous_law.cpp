@@ -26,10 +26,11 @@ ResidualStressKernels& residualStressKernels() {
   return kernels;
 }
 
-ViscousLaw::ViscousLaw(std::unique_ptr<ElementKernels> law, const HyperelasticLaw& description, const Cells& cells,
-                       std::size_t cell_count, const PronySeries& series, std::unique_ptr<ResidualStress> held,
-                       double start_time)
+ViscousLaw::ViscousLaw(std::unique_ptr<ElementKernels> law, std::unique_ptr<ElementKernels> whole,
+                       const HyperelasticLaw& description, const Cells& cells, std::size_t cell_count,
+                       const PronySeries& series, std::unique_ptr<ResidualStress> held, double start_time)
     : law_(std::move(law)),
+      whole_(std::move(whole)),
       held_(std::move(held)),
       description_(description),
       parameters_(cells.parameters),
@@ -136,35 +137,42 @@ Mat3 ViscousLaw::stress(std::size_t cell, std::size_t point, const Mat3& f) cons
   return out;
 }
 
-// ---- forces: the share of the law's, minus what is held ----
+// ---- forces: the share of the law's and what a whole law has besides, minus what is held ----
 
 void ViscousLaw::addForce(ConstRows x, Rows f) {
   if (force_.count() != x.count) force_.resize(x.count);
   clear(force_);
   law_->addForce(x, force_);
-  axpy(share_, force_, f);
+  axpy(factor(), force_, f);
+  if (whole_) whole_->addForce(x, f);
   held_->forces().addProduct(x, -1, f);
 }
-void ViscousLaw::addForceAndProduct(ConstRows x, ConstRows dx, double factor, Rows f) {
+void ViscousLaw::addForceAndProduct(ConstRows x, ConstRows dx, double scale, Rows f) {
   if (force_.count() != x.count) force_.resize(x.count);
   clear(force_);
-  law_->addForceAndProduct(x, dx, factor, force_);
-  axpy(share_, force_, f);
+  law_->addForceAndProduct(x, dx, scale, force_);
+  axpy(factor(), force_, f);
+  if (whole_) whole_->addForceAndProduct(x, dx, scale, f);
   held_->forces().addProduct(x, -1, f);
-  held_->forces().addProduct(dx, -factor, f);
+  held_->forces().addProduct(dx, -scale, f);
 }
-double ViscousLaw::energy(ConstRows x) const { return share_ * law_->energy(x) - held_->forces().energy(x); }
-void ViscousLaw::addProduct(ConstRows dx, double factor, Rows df) const {
-  law_->addProduct(dx, share_ * factor, df);
-  held_->forces().addProduct(dx, -factor, df);
+double ViscousLaw::energy(ConstRows x) const {
+  return factor() * law_->energy(x) + (whole_ ? whole_->energy(x) : 0) - held_->forces().energy(x);
 }
-void ViscousLaw::assemble(double factor, const std::vector<Index>& slots, std::vector<double>& values) const {
-  law_->assemble(share_ * factor, slots, values);
-  held_->forces().assemble(-factor, slots, values);
+void ViscousLaw::addProduct(ConstRows dx, double scale, Rows df) const {
+  law_->addProduct(dx, factor() * scale, df);
+  if (whole_) whole_->addProduct(dx, scale, df);
+  held_->forces().addProduct(dx, -scale, df);
 }
-void ViscousLaw::assembleDiagonal(double factor, std::vector<double>& blocks) const {
-  law_->assembleDiagonal(share_ * factor, blocks);
-  held_->forces().assembleDiagonal(-factor, blocks);
+void ViscousLaw::assemble(double scale, const std::vector<Index>& slots, std::vector<double>& values) const {
+  law_->assemble(factor() * scale, slots, values);
+  if (whole_) whole_->assemble(scale, slots, values);
+  held_->forces().assemble(-scale, slots, values);
+}
+void ViscousLaw::assembleDiagonal(double scale, std::vector<double>& blocks) const {
+  law_->assembleDiagonal(factor() * scale, blocks);
+  if (whole_) whole_->assembleDiagonal(scale, blocks);
+  held_->forces().assembleDiagonal(-scale, blocks);
 }
 
 }  // namespace stroma::hyperelastic

@@ -2,7 +2,8 @@
 // Prony viscosity of any hyperelastic law: S_v = S_h - sum gamma_i (prony_series.h). In a step
 //   S_v = (1 - sum a_i) S_h - H,   H = sum b_i gamma_i^{n-1} + sum c_i S_h^{n-1}
 // where H does not depend on the shape at the step's end: the law's forces and tangent scaled, and those of a stress
-// that is held. The tangent is the force's derivative exactly, and with H held the force has a potential.
+// that is held. The tangent is the force's derivative exactly, and with H held the force has a potential. Where S_h is
+// a part of a whole law S_w that relaxes alone, S_v = S_w - sum a_i S_h - H.
 #pragma once
 #include "components/hyperelasticity/prony_series.h"
 #include "components/hyperelasticity/residual_stress.h"
@@ -12,9 +13,11 @@ namespace stroma::hyperelastic {
 
 class ViscousLaw final : public ElementKernels {
  public:
-  /// `law`: method of `cells` under `description`, whose instantaneous response it is. Time starts at `start` [s].
-  ViscousLaw(std::unique_ptr<ElementKernels> law, const HyperelasticLaw& description, const Cells& cells,
-             std::size_t cell_count, const PronySeries& series, std::unique_ptr<ResidualStress> held, double start);
+  /// `law`: method of `cells` under `description`, whose instantaneous response it is; `whole`: that of which it is a
+  /// part, arranged in the same way, or null. Time starts at `start` [s].
+  ViscousLaw(std::unique_ptr<ElementKernels> law, std::unique_ptr<ElementKernels> whole,
+             const HyperelasticLaw& description, const Cells& cells, std::size_t cell_count, const PronySeries& series,
+             std::unique_ptr<ResidualStress> held, double start);
 
   /// Forces from now on are those at time t [s]; x are the positions at that moment, read in the first step only.
   void setTime(double t, ConstRows x);
@@ -26,7 +29,7 @@ class ViscousLaw final : public ElementKernels {
   void serialize(Archive& archive);
   /// Time starts anew at `start`, without a past.
   void start(double start);
-  /// S_v [Pa] at one point from F in the material's axes, at the time of the last setTime().
+  /// S_h - sum gamma [Pa] at one point from F in the material's axes, at the time of the last setTime().
   Mat3 stress(std::size_t cell, std::size_t point, const Mat3& f) const;
 
   void addForce(ConstRows x, Rows f) override;
@@ -43,7 +46,10 @@ class ViscousLaw final : public ElementKernels {
   void prepare(double t);
   void elasticStresses(ConstRows x);
 
-  std::unique_ptr<ElementKernels> law_;
+  /// What the law's forces are multiplied by: its share, of which a whole law has one already.
+  double factor() const { return whole_ ? share_ - 1 : share_; }
+
+  std::unique_ptr<ElementKernels> law_, whole_;
   std::unique_ptr<ResidualStress> held_;
   const HyperelasticLaw& description_;
   std::function<Values(std::size_t)> parameters_;

@@ -41,6 +41,7 @@
 
 #include "components/loads/surface_load.h"
 #include "framework/mechanics/key_times.h"
+#include "framework/mechanics/surface_selection.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
@@ -71,14 +72,12 @@ class SurfacePressureForceField final : public SurfaceLoad {
   bool isSet(const char* attribute) const { return data().find(attribute)->isSet(); }
   void checkTimes();
   void checkGas();
-  std::vector<Face> selectFaces(const Mesh& mesh) const;
-  void selectInBox(const Mesh& mesh, std::vector<Face>& faces) const;
   std::vector<double> weightsOf(const std::vector<Face>& faces) const;
   double pressureAt(double t) const;
 
   double pressure_ = 0, lower_bound_ = 0, speed_ = 0, default_volume_ = -1;
-  Vec3 low_ = Vec3::Zero(), high_ = Vec3::Zero(), main_direction_ = Vec3::Zero();
-  std::vector<int> triangle_indices_, quad_indices_;
+  SurfaceSelection selection_;
+  Vec3 main_direction_ = Vec3::Zero();
   std::vector<double> key_times_, key_pressures_;
   bool pulse_ = false, gas_ = false, use_tangent_ = true;
   KeyTimes<double> keys_;
@@ -88,10 +87,7 @@ class SurfacePressureForceField final : public SurfaceLoad {
 void SurfacePressureForceField::declare(DataTable& table) {
   SurfaceLoad::declare(table);
   table.add("pressure", pressure_).recompiled().help("pressure along the normals").unit("Pa");
-  table.add("triangleIndices", triangle_indices_).help("loaded triangles of the mesh");
-  table.add("quadIndices", quad_indices_).help("loaded quads of the mesh");
-  table.add("min", low_).help("a corner of the box that faces must lie in, when none are listed").unit("m");
-  table.add("max", high_).help("the other corner; neither given: everywhere").unit("m");
+  selection_.declare(table);
   table.add("mainDirection", main_direction_)
       .help("faces are loaded in proportion to the cosine of their normal with it; 0 0 0: all alike")
       .unit("-");
@@ -115,8 +111,7 @@ void SurfacePressureForceField::declare(DataTable& table) {
 void SurfacePressureForceField::init() {
   ForceField::init();
   checkTimes();
-  std::vector<Face> faces = selectFaces(surfaceMesh());
-  if (faces.empty()) throw ComponentError("no face of the mesh is loaded", "a triangle or a quad");
+  std::vector<Face> faces = selection_.faces(*this, surfaceMesh(), state());
   std::vector<double> weights = weightsOf(faces);
   setFaces(std::move(faces), std::move(weights));
   has_tangent = use_tangent_;
@@ -164,56 +159,6 @@ void SurfacePressureForceField::checkGas() {
   }
   if (!(default_volume_ > 0))
     throw ComponentError(fmt::format("defaultVolume is {:g}", default_volume_), "a positive volume, or -1");
-}
-
-std::vector<Face> SurfacePressureForceField::selectFaces(const Mesh& mesh) const {
-  std::vector<Face> faces;
-  const bool listed = isSet("triangleIndices") || isSet("quadIndices"), boxed = isSet("min") || isSet("max");
-  if (!listed) {
-    selectInBox(mesh, faces);
-    return faces;
-  }
-  if (boxed) throw ComponentError("faces are listed and the box min, max is given too", "one of them");
-  const auto take = [&](const char* name, const std::vector<int>& indices, const auto& cells, const char* word) {
-    if (isSet(name) && indices.empty())
-      throw ComponentError(fmt::format("{} lists no face", name), fmt::format("at least one of the {}", word),
-                           "when a selection is linked here, check that its box holds faces");
-    for (std::size_t i = 0; i < indices.size(); ++i) {
-      if (indices[i] < 0 || std::size_t(indices[i]) >= cells.size())
-        throw ComponentError(
-            fmt::format("{}[{}] is {}, and the mesh lists {} {}", name, i, indices[i], cells.size(), word),
-            cells.empty() ? "min and max, which select faces of volume cells as well"
-                          : fmt::format("indices in 0 ... {}", cells.size() - 1));
-      faces.push_back(cells[indices[i]]);
-    }
-    if (!isSet(name) && !cells.empty())
-      inform(fmt::format("{} is not given: none of the {} {} of the mesh is loaded", name, cells.size(), word));
-  };
-  take("triangleIndices", triangle_indices_, mesh.triangles, "triangles");
-  take("quadIndices", quad_indices_, mesh.quads, "quads");
-  return faces;
-}
-
-void SurfacePressureForceField::selectInBox(const Mesh& mesh, std::vector<Face>& faces) const {
-  if (isSet("min") != isSet("max"))
-    throw ComponentError(
-        fmt::format("{} is given without {}", isSet("min") ? "min" : "max", isSet("min") ? "max" : "min"),
-        "both corners of the box, or none of them");
-  const bool everywhere = !isSet("min"), given = !mesh.triangles.empty() || !mesh.quads.empty();
-  if (!everywhere && low_ == high_)
-    throw ComponentError(fmt::format("min and max are the same point {:g} {:g} {:g}", low_.x(), low_.y(), low_.z()),
-                         "two corners of a box, or none of them for the whole surface");
-  const Vec3 lower = low_.cwiseMin(high_), upper = low_.cwiseMax(high_);
-  const auto take = [&](const auto& cells) {
-    for (const auto& cell : cells)
-      if (everywhere || std::all_of(cell.begin(), cell.end(), [&](Index node) {
-            const Vec3& p = state().rest_position[node];
-            return p.cwiseMax(lower).cwiseMin(upper) == p;
-          }))
-        faces.push_back(cell);
-  };
-  take(given ? mesh.triangles : mesh.boundaryTriangles());
-  take(given ? mesh.quads : mesh.boundaryQuads());
 }
 
 std::vector<double> SurfacePressureForceField::weightsOf(const std::vector<Face>& faces) const {

@@ -150,6 +150,53 @@ inline Dual referenceEnergy(const std::string& law, const std::vector<double>& p
     const Dual fibres = stretch.v > 0 ? p[2] / (2 * p[3]) * (exp(p[3] * stretch * stretch) - 1) : Dual(0);
     return 0.5 * p[0] * (I1 - 3) - p[0] * L + 0.5 * p[1] * L * L + fibres;
   }
+  if (law == "Yeoh") {
+    Dual sum = 0.5 * p.back() * L * L, power = 1;
+    for (std::size_t k = 0; k + 1 < p.size(); ++k) power = power * (i1 - 3), sum = sum + p[k] * power;
+    return sum;
+  }
+  if (law == "Hencky") {
+    Dual sum = 0.5 * p[1] * L * L;
+    for (const Dual& value : s.eigenvalues()) sum = sum + 0.25 * p[0] * log(value) * log(value);
+    return sum;
+  }
+  if (law == "OgdenUnconstrained") {
+    const auto c = s.eigenvalues();
+    Dual sum = 0.5 * p.back() * (J - 1) * (J - 1);
+    for (std::size_t k = 0; k + 1 < p.size(); k += 2) {
+      const double factor = p[k] / (p[k + 1] * p[k + 1]);
+      for (const Dual& value : c) sum = sum + factor * (pow(value, 0.5 * p[k + 1]) - 1);
+      sum = sum - factor * p[k + 1] * L;
+    }
+    return sum;
+  }
+  if (law == "FungOrthotropic") {
+    Eigen::Matrix3d compliance;
+    compliance << 1 / p[0], -p[6] / p[0], -p[8] / p[2], -p[6] / p[0], 1 / p[1], -p[7] / p[1], -p[8] / p[2],
+        -p[7] / p[1], 1 / p[2];
+    const Eigen::Matrix3d n = compliance.inverse();
+    const auto e = [&](std::size_t i, std::size_t k) { return 0.5 * (pow(J, -2. / 3) * s.c[i][k] - (i == k ? 1 : 0)); };
+    Dual q = 4 * p[3] * e(0, 1) * e(0, 1) + 4 * p[4] * e(1, 2) * e(1, 2) + 4 * p[5] * e(2, 0) * e(2, 0);
+    for (std::size_t i = 0; i < 3; ++i)
+      for (std::size_t k = 0; k < 3; ++k) q = q + n(Eigen::Index(i), Eigen::Index(k)) * e(i, i) * e(k, k);
+    return 0.5 * p[9] * (exp(q / p[9]) - 1) + 0.5 * p[10] * L * L;
+  }
+  if (law == "TransverselyIsotropicMooneyRivlin") {
+    const Dual stretch = pow(J, -1. / 3) * sqrt(s.c[0][0]);
+    const double l = stretch.v, end = p[5];
+    Dual fibres = 0;
+    const auto toe = [&](double x) {
+      return p[2] * (std::exp(-p[3]) * (std::expint(p[3] * x) - std::expint(p[3])) - std::log(x));
+    };
+    if (l > 1 && l < end) {
+      const double g = std::exp(p[3] * (l - 1)), force = p[2] * (g - 1) / l;
+      fibres = stretch.chain(toe(l), force, (p[2] * p[3] * g - force) / l);
+    } else if (l >= end) {
+      const double c6 = p[2] * (std::exp(p[3] * (end - 1)) - 1) - p[4] * end;
+      fibres = toe(end) + p[4] * (stretch - end) + c6 * log(stretch / end);
+    }
+    return p[0] * (i1 - 3) + p[1] * (i2 - 3) + fibres + 0.5 * p[6] * L * L;
+  }
   throw std::invalid_argument("no formula of " + law);
 }
 

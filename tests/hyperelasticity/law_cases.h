@@ -50,6 +50,24 @@ inline const std::vector<LawCase>& lawCases() {
        0,
        false,
        {Vec3(1, 2, 1)}},
+      {"Yeoh", "materialName=\"Yeoh\" ParameterSet=\"500 -30 20 5000\"", 1000, 5000},
+      {"Hencky", "materialName=\"Hencky\" ParameterSet=\"1000 4000\"", 1000, 4000 + 2000. / 3},
+      {"OgdenUnconstrained", "materialName=\"OgdenUnconstrained\" ParameterSet=\"1500 3 500 -2 4000\"", 1000,
+       4000 + 2000. / 3},
+      {"FungOrthotropic",
+       "materialName=\"FungOrthotropic\" ParameterSet=\"5000 3000 2000 1000 700 900 0.3 0.35 0.1 2000 5000\" "
+       "AnisotropyDirections=\"1 2 0  2 -1 3\"",
+       0,
+       0,
+       false,
+       {Vec3(1, 2, 0), Vec3(2, -1, 3)}},
+      {"TransverselyIsotropicMooneyRivlin",
+       "materialName=\"TransverselyIsotropicMooneyRivlin\" ParameterSet=\"300 200 150 12 2500 1.06 5000\" "
+       "AnisotropyDirections=\"1 2 1\"",
+       0,
+       0,
+       false,
+       {Vec3(1, 2, 1)}},
   };
   return cases;
 }

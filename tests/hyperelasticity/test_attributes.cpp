@@ -42,6 +42,10 @@ TEST(HyperelasticAttributes, ModuliThatContradictEachOtherAreRefused) {
                                                                  {"ArrudaBoyce", "mu=\"4000\""},
                                                                  {"ArrudaBoyce", "k0=\"4000\""},
                                                                  {"Ogden", "mu1=\"4000\" alpha1=\"3\""},
+                                                                 {"Yeoh", "c1=\"1000\" c2=\"5\""},
+                                                                 {"Yeoh", "c2=\"5\" k0=\"4000\""},
+                                                                 {"Hencky", "lambda=\"4500\""},
+                                                                 {"OgdenUnconstrained", "m1=\"3\" cp=\"6666\""},
                                                                  {"TransverselyIsotropic", "mu=\"10\"" + fibres},
                                                                  {"TransverselyIsotropic", "lambda=\"10\"" + fibres}};
   for (const auto& [law, more] : refused)
@@ -53,12 +57,45 @@ TEST(HyperelasticAttributes, ModuliThatContradictEachOtherAreRefused) {
                                                                   {"VerondaWestman", "c1=\"2000\" c2=\"2\""},
                                                                   {"ArrudaBoyce", "mu=\"3686.2\""},  // 4000/1.085137
                                                                   {"Ogden", "mu1=\"8000\" alpha1=\"3\""},
+                                                                  {"Yeoh", "c1=\"2000\" c2=\"-5\" c3=\"1\""},
+                                                                  {"Hencky", "mu=\"4000\""},
+                                                                  {"OgdenUnconstrained", "m1=\"3\" cp=\"4000\""},
                                                                   {"TransverselyIsotropic", fibres},
                                                                   {"TransverselyIsotropic", "mu=\"4000\"" + fibres}};
   for (const auto& [law, more] : accepted) EXPECT_EQ(problemsOf(oneCell(withHooke(law, more))), "") << law << more;
   for (const std::string given : {"c1", "c2"})
     expectRefused(withHooke("MooneyRivlin", given + "=\"2500\""),
                   {given + " = 2500 of MooneyRivlin is above mu/2 = 2000", "would be negative"});
+}
+
+TEST(HyperelasticAttributes, ParametersWithoutMeaningTogetherAreRefused) {
+  const auto law = [](const std::string& name, const std::string& values) {
+    return "materialName=\"" + name + "\" AnisotropyDirections=\"1 0 0  0 1 0\" ParameterSet=\"" + values + "\"";
+  };
+  expectRefused(law("FungOrthotropic", "5000 3000 2000 1000 700 900 1.3 0.35 0.1 2000 5000"),
+                {"v12 = 1.3, v23 = 0.35 and v31 = 0.1", "not positive definite"});
+  const auto ligament = [](const std::string& values) {
+    return "materialName=\"TransverselyIsotropicMooneyRivlin\" AnisotropyDirections=\"1 0 0\" ParameterSet=\"" +
+           values + "\"";
+  };
+  expectRefused(ligament("300 200 150 12 2500 0.9 5000"), {"lam_max = 0.9", "below 1"});
+  expectRefused(ligament("300 200 150 800 2500 1.1 5000"), {"c4 = 800 and lam_max = 1.1"});
+  expectRefused(ligament("300 -300 150 12 2500 1.1 5000"), {"c1 + c2", "not above 0"});
+  expectRefused("materialName=\"OgdenUnconstrained\" ParameterSet=\"1500 0 100\"", {"m1 of OgdenUnconstrained is 0"});
+  expectRefused("materialName=\"OgdenUnconstrained\" ParameterSet=\"1500 3 -600\"", {"no bulk modulus cp + 2/3 mu"});
+  expectRefused("materialName=\"Yeoh\" ParameterSet=\"1 2 3 4 5 6 7 5000\"", {"ParameterSet of Yeoh has 8 values"});
+  expectRefused("materialName=\"Yeoh\" ParameterSet=\"-1 5000\"", {"c1 of Yeoh is -1"});
+}
+
+/// A name that several laws have, with another meaning and unit in each.
+TEST(HyperelasticAttributes, AParameterSaysWhatItMeansToEachLaw) {
+  FieldUnderTest t(oneCell("materialName=\"NeoHookean\" ParameterSet=\"1000 4000\""), tetrahedral);
+  const std::string help = t.field().data().find("c4")->helpText();
+  EXPECT_NE(help.find("[Pa] (OgdenUnconstrained"), std::string::npos) << help;
+  EXPECT_NE(help.find("exponent of fibres that straighten [-] (TransverselyIsotropicMooneyRivlin)"), std::string::npos)
+      << help;
+  EXPECT_EQ(t.field().data().find("c3")->unitText(), "Pa");
+  EXPECT_EQ(t.field().data().find("c4")->unitText(), "");
 }
 
 TEST(HyperelasticAttributes, RegularisationNeedsALawWithJ) {
@@ -89,8 +126,8 @@ TEST(HyperelasticAttributes, TheManualHasATableOfLaws) {
   for (const hyperelastic::HyperelasticLaw& law : hyperelastic::hyperelasticLaws()) {
     std::string names;
     for (const auto& p : law.parameters) names += (names.empty() ? "" : " ") + p.name;
-    std::string line = fmt::format("//   {:23}{}", law.name, names);
-    if (law.name == "Ogden") line = fmt::format("//   {:23}{}", law.name, "mu1 alpha1 k0, or");
+    std::string line = fmt::format("//   {:34}{}", law.name, names);
+    if (law.with_terms) line += ", or ";
     const auto row = std::find_if(lines.begin(), lines.end(), [&](const auto& l) { return l.rfind(line, 0) == 0; });
     ASSERT_NE(row, lines.end()) << line;
     EXPECT_EQ(row[1].rfind("//                          ", 0), 0u) << row[1];
@@ -133,10 +170,10 @@ TEST(HyperelasticAttributes, AFaultIsForgotten) {
 }
 
 /// At rest and turned the tangent is that of fibres that are stretched by a little, whatever the round-off of
-/// positions.
-TEST(HyperelasticAttributes, FibresAtRestHaveOneTangent) {
-  const std::string law =
-      "materialName=\"TransverselyIsotropic\" ParameterSet=\"1000 4000 3000 1.5\" AnisotropyDirections=\"1 2 1\"";
+/// positions: crimped ones, and ones that are straight from the start.
+class FibresAtRest : public testing::TestWithParam<std::string> {};
+TEST_P(FibresAtRest, HaveOneTangent) {
+  const std::string law = GetParam() + " AnisotropyDirections=\"1 2 1\"";
   FieldUnderTest t(lawScene(law), tetrahedral);
   const Vec3 fibre = Vec3(1, 2, 1).normalized();
   const Vector direction = t.product(t.direction);
@@ -160,6 +197,11 @@ TEST(HyperelasticAttributes, FibresAtRestHaveOneTangent) {
     EXPECT_LT(relativeDifference(tangentAt(turn), stretched), 1e-5);
   }
 }
+INSTANTIATE_TEST_SUITE_P(
+    Laws, FibresAtRest,
+    testing::Values("materialName=\"TransverselyIsotropic\" ParameterSet=\"1000 4000 3000 1.5\"",
+                    "materialName=\"TransverselyIsotropicMooneyRivlin\" ParameterSet=\"300 200 150 12 2500 1.06 5000\"",
+                    "materialName=\"TransverselyIsotropicMooneyRivlin\" ParameterSet=\"300 200 150 12 2500 1 5000\""));
 
 }  // namespace
 }  // namespace stroma::test

@@ -47,8 +47,67 @@ ClosedForm neoHookean() {
           [](double g) { return mu * g; }};
 }
 
-std::map<std::string, ClosedForm> closedForms() {
+/// E1 E2 E3 G12 G23 G31 v12 v23 v31 c
+constexpr double fung[10] = {5000, 3000, 2000, 1000, 700, 900, 0.3, 0.35, 0.1, 2000};
+/// Hooke's orthotropic law on strains along the axes.
+Vec3 orthotropicStress(const Vec3& e) {
+  const double s12 = -fung[6] / fung[0], s23 = -fung[7] / fung[1], s31 = -fung[8] / fung[2];
+  Mat3 compliance;
+  compliance << 1 / fung[0], s12, s31, s12, 1 / fung[1], s23, s31, s23, 1 / fung[2];
+  return compliance.fullPivLu().solve(e);
+}
+/// l F'(l) of the fibres of TransverselyIsotropicMooneyRivlin with c3 = 150, c4 = 12, c5 = 2500, lam_max = 1.06.
+double ligamentForce(double l) {
+  if (l <= 1) return 0;
+  const double toe = 150 * (std::exp(12 * (std::min(l, 1.06) - 1)) - 1);
+  return l < 1.06 ? toe : 2500 * l + (toe - 2500 * 1.06);
+}
+
+std::map<std::string, ClosedForm> closedFormsOfFibres() {
   std::map<std::string, ClosedForm> forms;
+  forms["FungOrthotropic"] = {
+      set("FungOrthotropic", "5000 3000 2000 1000 700 900 0.3 0.35 0.1 2000 5000", "1 0 0  0 1 0"),
+      [](const Vec3& l, int i) {
+        const Vec3 c = std::pow(l.prod(), -2. / 3) * l.array().square(), e = (c.array() - 1) / 2;
+        const Vec3 s = orthotropicStress(e), slope = s.cwiseProduct(c);
+        return std::exp(s.dot(e) / fung[9]) * (slope[i] - slope.sum() / 3) + k0 * std::log(l.prod());
+      },
+      [](double g) {
+        const double n22 = orthotropicStress(Vec3::UnitY())[1], e = g * g / 2;
+        return std::exp((n22 * e * e + fung[3] * g * g) / fung[9]) * (n22 * e * g + fung[3] * g);
+      }};
+  forms["TransverselyIsotropicMooneyRivlin"] = {
+      set("TransverselyIsotropicMooneyRivlin", "300 200 150 12 2500 1.06 5000", "1 0 0"),
+      [](const Vec3& l, int i) {
+        const double fibre = ligamentForce(std::pow(l.prod(), -1. / 3) * l[0]), along = (i == 0 ? 1. : 0.) - 1. / 3;
+        return 300 * isochoric1(l, i) + 200 * isochoric2(l, i) + along * fibre + k0 * std::log(l.prod());
+      },
+      [](double g) { return 2 * 500 * g; }};
+  return forms;
+}
+
+std::map<std::string, ClosedForm> closedForms() {
+  std::map<std::string, ClosedForm> forms = closedFormsOfFibres();
+  forms["Yeoh"] = {set("Yeoh", "600 -40 30 5000"),
+                   [](const Vec3& l, int i) {
+                     const double x = i1(l) - 3;
+                     return (600 - 80 * x + 90 * x * x) * isochoric1(l, i) + k0 * std::log(l.prod());
+                   },
+                   [](double g) { return 2 * g * (600 - 80 * g * g + 90 * g * g * g * g); }};
+  forms["Yeoh, six terms"] = {set("Yeoh", "600 -40 30 8 -4 3 5000"),
+                              [](const Vec3& l, int i) {
+                                const double x = i1(l) - 3;
+                                const double slope = 600 + x * (-80 + x * (90 + x * (32 + x * (-20 + x * 18))));
+                                return slope * isochoric1(l, i) + k0 * std::log(l.prod());
+                              },
+                              [](double g) {
+                                const double x = g * g;
+                                return 2 * g * (600 + x * (-80 + x * (90 + x * (32 + x * (-20 + x * 18)))));
+                              }};
+  forms["Hencky"] = {set("Hencky", "1200 4000"),
+                     [](const Vec3& l, int i) { return 2 * mu * std::log(l[i]) + lambda * std::log(l.prod()); },
+                     // stretches e^a and e^-a, sinh a = g/2
+                     [](double g) { return 2 * mu * std::asinh(g / 2) / std::sqrt(1 + g * g / 4); }};
   forms["StVenantKirchhoff"] = {set("StVenantKirchhoff", "1200 4000"),
                                 [](const Vec3& l, int i) {
                                   const double trace = (firstInvariant(l) - 3) / 2;
@@ -91,6 +150,13 @@ std::map<std::string, ClosedForm> closedForms() {
     const double l = g / 2 + std::sqrt(1 + g * g / 4);
     return m / a * (std::pow(l, a - 1) - std::pow(l, -a - 1)) / (1 + 1 / (l * l));
   };
+  forms["OgdenUnconstrained"] = {set("OgdenUnconstrained", "1500 3 500 -2 4000"),
+                                 [](const Vec3& l, int i) {
+                                   const double j = l.prod();
+                                   return 500 * (std::pow(l[i], 3) - 1) - 250 * (std::pow(l[i], -2) - 1) +
+                                          4000 * j * (j - 1);
+                                 },
+                                 [ogdenShear](double g) { return ogdenShear(g, 1500, 3) + ogdenShear(g, 500, -2); }};
   forms["Ogden"] = {
       set("Ogden", "1500 1.3 300 5 200 -2 5000"),
       [ogden](const Vec3& l, int i) {
@@ -188,7 +254,8 @@ TEST(HyperelasticClosedForms, StretchesAndShear) {
 }
 
 /// All of P for deformations without symmetry and axes that lie askew: the fibre of TransverselyIsotropic pulled,
-/// sheared across and slack, and Costa's three axes.
+/// sheared across and slack, that of TransverselyIsotropicMooneyRivlin straight too, and the three axes of Costa and
+/// FungOrthotropic.
 TEST(HyperelasticClosedForms, AxesThatLieAskew) {
   const Vec3 fibre = Vec3(1, 2, 1).normalized(), second = Vec3(2, -1, 0).normalized();
   Mat3 axes;
@@ -212,6 +279,25 @@ TEST(HyperelasticClosedForms, AxesThatLieAskew) {
     const Mat3 inverse = f.inverse().transpose();
     return 250 * std::exp(q) * (scale * f * slope - 4. / 3 * q * inverse) + k0 * j * std::log(j) * inverse;
   };
+  const auto fungOrthotropic = [&](const Mat3& f) -> Mat3 {
+    const double j = f.determinant(), scale = std::pow(j, -2. / 3);
+    const Mat3 c = axes.transpose() * f.transpose() * f * axes, strain = (scale * c - Mat3::Identity()) / 2;
+    Mat3 s = Vec3(orthotropicStress(strain.diagonal())).asDiagonal();
+    for (const auto& [i, k, shear] : {std::tuple{0, 1, fung[3]}, {1, 2, fung[4]}, {2, 0, fung[5]}})
+      s(i, k) = s(k, i) = 2 * shear * strain(i, k);
+    const double q = s.cwiseProduct(strain).sum() / fung[9], mean = s.cwiseProduct(c).sum() / 3;
+    const Mat3 inverse = f.inverse().transpose();
+    return scale * std::exp(q) * (f * axes * s * axes.transpose() - mean * inverse) + k0 * std::log(j) * inverse;
+  };
+  const auto ligament = [&](const Mat3& f) -> Mat3 {
+    const double j = f.determinant(), i4 = (f * fibre).squaredNorm();
+    const Mat3 c = f.transpose() * f, inverse = f.inverse().transpose();
+    const double first = c.trace(), second = (first * first - (c * c).trace()) / 2;
+    const double force = ligamentForce(std::pow(j, -1. / 3) * std::sqrt(i4));
+    return 600 * std::pow(j, -2. / 3) * (f - first / 3 * inverse) +
+           400 * std::pow(j, -4. / 3) * (first * f - f * c - 2. / 3 * second * inverse) +
+           force * (f * fibre * fibre.transpose() / i4 - inverse / 3) + k0 * std::log(j) * inverse;
+  };
   std::vector<Mat3> deformations;
   for (const double g : {0.4, -0.3})
     for (int i = 0; i < 3; ++i)
@@ -230,7 +316,9 @@ TEST(HyperelasticClosedForms, AxesThatLieAskew) {
   EXPECT_GT(std::min(pulled, slack), 3);
   const std::vector<std::pair<std::string, std::function<Mat3(const Mat3&)>>> laws{
       {set("TransverselyIsotropic", "1200 4000 3000 1.5", "1 2 1"), transverselyIsotropic},
-      {set("Costa", "500 5000 8 4 2 5 2.5 3", "1 2 1  2 -1 0"), costa}};
+      {set("Costa", "500 5000 8 4 2 5 2.5 3", "1 2 1  2 -1 0"), costa},
+      {set("FungOrthotropic", "5000 3000 2000 1000 700 900 0.3 0.35 0.1 2000 5000", "1 2 1  2 -1 0"), fungOrthotropic},
+      {set("TransverselyIsotropicMooneyRivlin", "300 200 150 12 2500 1.06 5000", "1 2 1"), ligament}};
   for (const auto& [attributes, stress] : laws)
     for (const auto& [type, form] : forms) {
       SCOPED_TRACE(attributes + " " + type + " " + form);
@@ -264,9 +352,16 @@ TEST(HyperelasticClosedForms, RestAndRotation) {
 
 /// youngModulus and poissonRatio: the tangent at rest is Hooke's.
 TEST(HyperelasticClosedForms, SmallStrainsAreHookes) {
-  const std::map<std::string, std::string> besides{
-      {"StVenantKirchhoff", ""},        {"NeoHookean", ""},  {"StableNeoHookean", ""}, {"MooneyRivlin", "c2=\"150\""},
-      {"VerondaWestman", "c2=\"2.5\""}, {"ArrudaBoyce", ""}, {"Ogden", "alpha1=\"5\""}};
+  const std::map<std::string, std::string> besides{{"StVenantKirchhoff", ""},
+                                                   {"NeoHookean", ""},
+                                                   {"StableNeoHookean", ""},
+                                                   {"MooneyRivlin", "c2=\"150\""},
+                                                   {"VerondaWestman", "c2=\"2.5\""},
+                                                   {"ArrudaBoyce", ""},
+                                                   {"Ogden", "alpha1=\"5\""},
+                                                   {"Yeoh", "c2=\"200\" c3=\"70\""},
+                                                   {"Hencky", ""},
+                                                   {"OgdenUnconstrained", "m1=\"3\""}};
   for (double nu : {0.3, 0.4999})
     for (const auto& [law, more] : besides)
       for (const bool cube : {false, true}) {

@@ -86,6 +86,7 @@ TEST(MeanDilatation, SmallStrainsAreHookesWithAMeanDilatation) {
   const std::map<std::string, std::string> isochoric{
       {"MooneyRivlin", "c1=\"300\" c2=\"200\" k0=\"{}\""},
       {"VerondaWestman", "c1=\"500\" c2=\"2\" k0=\"{}\""},
+      {"Yeoh", "c1=\"500\" c2=\"300\" k0=\"{}\""},
       {"Ogden",
        "mu1=\"900\" alpha1=\"3\" mu2=\"500\" alpha2=\"-2\" mu3=\"300\" alpha3=\"2\" mu4=\"300\" alpha4=\"1\" "
        "k0=\"{}\""}};
@@ -98,7 +99,7 @@ TEST(MeanDilatation, SmallStrainsAreHookesWithAMeanDilatation) {
     }
     Vector expected = hooke(1000, 2000. / 3, "");  // lambda = 0
     axpy(1, hooke(1000, 1000 + bulk, mean), expected), axpy(-1, hooke(1000, 1000, mean), expected);
-    for (const std::string law : {"NeoHookean", "StableNeoHookean"}) {
+    for (const std::string law : {"NeoHookean", "StableNeoHookean", "Hencky"}) {
       SCOPED_TRACE(law);
       FieldUnderTest t(
           block("materialName=\"" + law + "\" mu=\"1000\" lambda=\"" + fmt::format("{}", bulk) + "\"" + mean), type);

@@ -20,6 +20,7 @@ constexpr int steps_before = 4, steps_after = 4;
 std::string chosenValue(const std::string& name) {
   if (name.ends_with(".localStiffnessFactor")) return "0.5";
   if (name.starts_with("SpringForceField.springsIndices")) return "2 0";
+  if (name == "FormulaForceField.force") return "0; 3 * x; 40 * t";
   return {};
 }
 
@@ -35,6 +36,7 @@ std::string exception(const std::string& name) {
       {"DiagonalVelocityDampingForceField.rayleighStiffness", "no stiffness"},
       {"EllipsoidForceField.rayleighStiffness", "nothing touches it so soon"},
       {"FixedPlaneProjectiveConstraint.indices", "the example gives dmin and dmax"},
+      {"FormulaForceField.rayleighStiffness", "no stiffness"},
       {"LinearForceField.rayleighStiffness", "no stiffness"},
       {"SphereForceField.rayleighStiffness", "nothing touches it so soon"},
       {"SurfacePressureForceField.pressure", "the far end of a pulse; see LiveAttributes"},

@@ -140,11 +140,12 @@ std::string adapted(std::string text, const std::string& type, const std::string
   replace("n=\"4 4 6\"", "n=\"3 3 4\"");  // shorter runs
   const std::string force = fmt::format("0 {} 0", -0.1 * c.young / 5000);
   replace("times=\"[^\"]*\" forces=\"[^\"]*\"", fmt::format("keyTimes=\"0 1\" forces=\"{0}  {0}\"", force));
+  replace("force=\"[^\"]*;[^\"]*;[^\"]*\"", fmt::format("force=\"0; 0; {}\"", 5 * c.young / 5000));
   replace("(times|factors|period|pulseMode|pressureSpeed)=\"[^\"]*\"", "");
   replace("dt=\"[^\"]*\"", fmt::format("dt=\"{}\"", c.dt));
   replace("poissonRatio=\"[^\"]*\"", fmt::format("poissonRatio=\"{}\"", c.poisson));
   const double stiffer = c.young / 5000;
-  text = scaled(text, "[sS]tiffness|youngModulus|pressure|cauchyStress", stiffer);
+  text = scaled(text, "[sS]tiffness|youngModulus|pressure|cauchyStress|traction", stiffer);
   text = scaled(text, "dampingCoefficient", std::sqrt(stiffer));
   text = scaled(text, "permeability", 1 / c.relaxationScale());
   if (supported)

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <vector>
+
+#include "framework/mechanics/state.h"
+#include "framework/mesh/area_vectors.h"
+#include "framework/mesh/mesh.h"
+
+namespace stroma {
+
+/// The faces that a surface load acts on, as attributes of its component: the listed triangles and quads; without lists
+/// all of the mesh, or the boundary of its volume cells when it lists no faces, that lie in a box of the rest shape.
+class SurfaceSelection {
+ public:
+  /// Declares triangleIndices, quadIndices, min and max.
+  void declare(DataTable& table);
+  /// By nodes of the state, at least one. Throws ComponentError.
+  std::vector<Face> faces(const Component& load, const Mesh& mesh, const State& state) const;
+
+ private:
+  std::vector<Face> listed(const Component& load, const Mesh& mesh) const;
+  std::vector<Face> inBox(const Component& load, const Mesh& mesh, const State& state) const;
+
+  std::vector<int> triangle_indices_, quad_indices_;
+  Vec3 low_ = Vec3::Zero(), high_ = Vec3::Zero();
+};
+
+}  // namespace stroma
