@@ -44,13 +44,13 @@ void Simulation::serialize(Archive& archive) {
     archive.rows("x", state->x().data, state->x().doubles());
     archive.rows("v", state->v().data, state->v().doubles());
   }
+  serializeInputs(archive);  // before what integrators have concluded about the scene with them
   std::vector<Component*> components;
   root().collect(components);
   for (Component* component : components) {
     archive.enter(component->path());
     component->serialize(archive);
   }
-  serializeInputs(archive);
   StepContext last = nextStep();
   last.index = steps_, last.t = time_ - last.dt, last.t_end = time_;
   if (steps_ > base_step_) last.t = base_time_ + double(steps_ - 1 - base_step_) * last.dt;

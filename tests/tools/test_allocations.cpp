@@ -11,7 +11,7 @@
 
 #include "framework/simulation/simulation.h"
 #include "tests/support/field_under_test.h"
-#include "tests/support/scene_fixture.h"
+#include "tests/support/scene_text.h"
 
 namespace {
 
@@ -171,6 +171,13 @@ TEST(Allocations, NoneInStepsOfTwoBodies) {
                                               "</Node></Node>"));
     expectNoneInSteps(simulation);
   }
+}
+
+TEST(Allocations, NoneInStaticsWhereWhatHoldsANodeTurns) {
+  if (!can_count) GTEST_SKIP() << "a sanitizer has its own malloc";
+  Simulation simulation(test::sceneFromText("<Node name='root' dt='0.01' gravity='0 -1 0'>" +
+                                            beam("StaticSolver", "<TestTurningPlane indices='40'/>") + "</Node>"));
+  expectNoneInSteps(simulation);
 }
 
 }  // namespace
