@@ -61,8 +61,8 @@ class Simulation {
   /// edits. Restored in this scene, loaded by the same build, the run goes on with the bits of one that never stopped.
   Archive checkpoint();
   /// Throws std::runtime_error when the values are those of another scene; this simulation is then where it was, with
-  /// its attributes and inputs. Observers end, and begin again with the next step: simulation.steps() > 0 tells them
-  /// that the run goes on.
+  /// its attributes, inputs, times and counts, or the sentence says that it could not be put back. Observers end, and
+  /// begin again with the next step: simulation.steps() > 0 tells them that the run goes on.
   void restore(Archive checkpoint);
 
   /// Changes an attribute while the scene runs, as it was declared: at once, or by making the component anew. `path`
