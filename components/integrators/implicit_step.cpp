@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 namespace stroma {
@@ -41,10 +42,7 @@ void ImplicitStep::declareNewtonSolver(DataTable& table) {
 void ImplicitStep::compile(Integrator& integrator, System& system) {
   system_ = &system;
   solver_ = system.linearSolver();
-  if (!solver_)
-    throw ComponentError("an implicit step needs a linear solver, and " + system.node().path() + " has none",
-                         "a linear solver in the same node",
-                         "add <CGLinearSolver iterations=\"25\" tolerance=\"1e-5\"/>");
+  assert(solver_ && "Integrator::missingPartner() sees to it");
   system.constraints().requireMass();
   has_rayleigh_mass_ = rayleigh_mass != 0;
   for (const Mass* mass : system.masses()) has_rayleigh_mass_ = has_rayleigh_mass_ || mass->rayleigh_mass != 0;

@@ -79,6 +79,17 @@ std::string placeOf(const SolveReport& solve, const SystemMatrix& matrix) {
   return solve.row >= 0 ? " at " + matrix.describeRow(solve.row) : std::string();
 }
 
+/// A residual that is more of the loads than this leaves no equilibrium, whatever it comes from.
+constexpr double most_of_loads = 1e-3;
+
+std::string tooSmallLoads(double attainable) {
+  return fmt::format(
+      "; the round-off of positions alone makes {:.2g}: the loads are too small beside the stiffness times the "
+      "distance "
+      "from the origin",
+      attainable);
+}
+
 /// A solve that ended for a reason that lies in the matrix has no result to rely on.
 bool isSolved(const SolveReport& solve) { return solve.usable() && solve.stop != SolveStop::breakdown; }
 
@@ -91,7 +102,8 @@ void declareNewton(DataTable& table, NewtonSettings& settings, const NewtonNames
   const std::string residual = names.residual;
   table.add(names.iterations, settings.iterations).help("largest number of iterations per step").unit("-").min(1);
   threshold(names.relative_residual, settings.relative_residual, "-",
-            residual + " is below this times " + residual + ", or the forces with reactions, where the step starts");
+            residual + " is below this times the larger of " + residual +
+                " and the forces with reactions, both where the step starts");
   threshold(names.absolute_residual, settings.absolute_residual, names.unit, residual + " is below this");
   threshold(names.relative_correction, settings.relative_correction, "-",
             "the correction is below this times the displacement of the step");
@@ -163,30 +175,35 @@ bool Newton::converged(double now) const {
          (history_.size() > 1 && now <= settings.successive_residual * history_[history_.size() - 2]);
 }
 
-/// True when the correction is small enough to stop, or too small to change positions in double precision. It is the
-/// whole correction that counts: a step can be short because the line search shortened it, far from a solution.
-bool Newton::stalled(const NonlinearProblem& problem) const {
-  const double displacement = problem.displacementPerUnknown();
-  if (displacement * largest(direction_) <= 2 * std::numeric_limits<double>::epsilon() * largest(problem.positions()))
-    return true;
+/// True when the correction is small enough to stop. It is the whole correction that counts: a step can be short because
+/// the line search shortened it, far from a solution.
+bool Newton::isCorrectionSmall(const NonlinearProblem& problem) const {
   if (settings.absolute_correction <= 0 && settings.relative_correction <= 0) return false;
-  const double length = displacement * norm(direction_);
+  const double length = problem.displacementPerUnknown() * norm(direction_);
   return length <= settings.absolute_correction || length <= settings.relative_correction * problem.travelled();
+}
+
+/// True when it is too small to change positions in double precision.
+bool Newton::isCorrectionRoundOff(const NonlinearProblem& problem) const {
+  return problem.displacementPerUnknown() * largest(direction_) <=
+         2 * std::numeric_limits<double>::epsilon() * largest(problem.positions());
+}
+
+bool Newton::isPointless() const {
+  constexpr std::size_t first = 25;
+  if (settings.patience == 0 || history_.size() <= first + 1) return false;
+  return history_.back() > 0.5 * history_[history_.size() - 1 - std::size_t(settings.patience)];
 }
 
 /// True when round-off explains the whole residual, and that is little beside the loads: nothing better exists. Where
 /// round-off is not little, `report.reason` becomes the clause that says so.
 bool Newton::isAtRoundOff(NonlinearProblem& problem, double now, StepReport& report) const {
-  constexpr double meaningful = 1e-3;  // more of the loads than this is no equilibrium
   report.reason.clear();
   const double attainable = problem.roundOff().residual;
   if (!(now <= 3 * attainable)) return false;
   report.newton_residual = now / scale_;
-  if (now <= meaningful * scale_) return true;
-  report.reason = fmt::format(
-      "; the round-off of positions alone makes {:.2g}: the loads are too small beside the stiffness times the "
-      "distance from the origin",
-      attainable / scale_);
+  if (now <= most_of_loads * scale_) return true;
+  report.reason = tooSmallLoads(attainable / scale_);
   return false;
 }
 
@@ -235,13 +252,13 @@ StepReport Newton::solve(NonlinearProblem& problem, LinearSolver& solver) {
       return report;
     }
     if (report.newton_iterations > 0) keepIfBest(problem, now);
-    if (report.newton_iterations == settings.iterations) {
+    if (report.newton_iterations == settings.iterations || isPointless()) {
       if (isAtRoundOff(problem, now, report)) return report;
       leaveBest(problem, now, report);
       report.reason = fmt::format(
-          "Newton's method stopped at its limit of {} iterations with a relative residual of {:.2g} "
-          "(tolerance {:.2g}){}",
-          settings.iterations, report.newton_residual, settings.relative_residual, report.reason);
+          "Newton's method stopped {} {} iterations with a relative residual of {:.2g} (tolerance {:.2g}){}",
+          report.newton_iterations == settings.iterations ? "at its limit of" : "without progress after",
+          report.newton_iterations, report.newton_residual, settings.relative_residual, report.reason);
       return report;
     }
     if (!iterate(problem, solver, now, report)) return report;
@@ -271,9 +288,16 @@ bool Newton::iterate(NonlinearProblem& problem, LinearSolver& solver, double& no
                                 report.newton_iterations);
     return false;
   }
-  if (shifted || !stalled(problem)) return true;
+  const bool is_round_off = isCorrectionRoundOff(problem);
+  if (shifted || !(is_round_off || isCorrectionSmall(problem))) return true;
   history_.push_back(now);
   report.newton_residual = now / scale_;
+  if (is_round_off && problem.isLoaded() && now > most_of_loads * scale_) {
+    report.newton_converged = false;
+    report.reason =
+        fmt::format("Newton's corrections are below the round-off of positions at a relative residual of {:.2g}{}",
+                    report.newton_residual, tooSmallLoads(problem.roundOff().residual / scale_));
+  }
   return false;
 }
 

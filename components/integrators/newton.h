@@ -32,6 +32,8 @@ class NonlinearProblem {
   virtual double travelled() const = 0;               ///< |x(u) - x at the start| [m]
   /// The size of what R balances at the u of the last residual(), in R's unit: forces with the reactions of held nodes.
   virtual double loadScale() const = 0;
+  /// True when something besides the body's own forces acts on it: R is then not round-off alone from the start.
+  virtual bool isLoaded() const { return false; }
   /// At the u of the last residual(). Costs a product with the tangent; asked for only where a solve gets no further.
   virtual RoundOff roundOff() = 0;
 };
@@ -42,6 +44,8 @@ RoundOff positionRoundOff(const System& system, Rows work, Rows product);
 
 struct NewtonSettings {
   int iterations = 25;
+  int patience =
+      0;  ///< the solve is given up when |R| has not halved in so many iterations, the first 25 aside; 0: never
   double relative_residual = 1e-8;  ///< |R| <= this * the larger of |R| and loadScale() where the solve starts
   double absolute_residual = 0;     ///< |R| <= this; 0: not used
   double successive_residual = 0;   ///< |R| <= this * |R| one iteration before; 0: not used
@@ -59,8 +63,13 @@ struct NewtonSettings {
 
 /// What a component calls the parameters of Newton's method, and its residual.
 struct NewtonNames {
-  const char *iterations, *relative_residual, *absolute_residual, *relative_correction, *absolute_correction;
-  const char *residual, *unit;
+  const char* iterations;
+  const char* relative_residual;
+  const char* absolute_residual;
+  const char* relative_correction;
+  const char* absolute_correction;
+  const char* residual;  ///< the symbol of R in the help
+  const char* unit;      ///< of R
 };
 void declareNewton(DataTable& table, NewtonSettings& settings, const NewtonNames& names);
 
@@ -85,7 +94,9 @@ class Newton {
  private:
   bool converged(double norm) const;
   double forcingTerm(double norm) const;
-  bool stalled(const NonlinearProblem& problem) const;
+  bool isCorrectionSmall(const NonlinearProblem& problem) const;
+  bool isCorrectionRoundOff(const NonlinearProblem& problem) const;
+  bool isPointless() const;
   bool isAtRoundOff(NonlinearProblem& problem, double norm, StepReport& report) const;
   bool iterate(NonlinearProblem& problem, LinearSolver& solver, double& norm, StepReport& report);
   void keepIfBest(NonlinearProblem& problem, double norm);

@@ -61,8 +61,13 @@ class NewtonRaphsonSolver final : public NewtonSolver {
 void NewtonRaphsonSolver::declare(DataTable& table) {
   NewtonSettings& s = settings_;
   declareNewton(table, s,
-                {"maxNbIterationsNewton", "relativeInitialStoppingThreshold", "absoluteResidualStoppingThreshold",
-                 "relativeEstimateDifferenceThreshold", "absoluteEstimateDifferenceThreshold", "|R|", "N or N s"});
+                {.iterations = "maxNbIterationsNewton",
+                 .relative_residual = "relativeInitialStoppingThreshold",
+                 .absolute_residual = "absoluteResidualStoppingThreshold",
+                 .relative_correction = "relativeEstimateDifferenceThreshold",
+                 .absolute_correction = "absoluteEstimateDifferenceThreshold",
+                 .residual = "|R|",
+                 .unit = "N or N s"});
   table.add("relativeSuccessiveStoppingThreshold", s.successive_residual)
       .help("converged when |R| is below this times the one before; 0: not used")
       .unit("-")

@@ -45,6 +45,8 @@
 // </Node>
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cassert>
 #include <cmath>
 
 #include "components/integrators/free_body.h"
@@ -62,6 +64,10 @@ class Equilibrium final : public NonlinearProblem {
  public:
   void compile(System& system) {
     system_ = &system;
+    const auto& fields = system.forceFields();
+    is_loaded_ = system.hasGravity() || system.constraints().hasPrescribed() ||
+                 std::any_of(fields.begin(), fields.end(),
+                             [](const ForceField* field) { return !field->traits().has_stiffness; });
     for (Vector* vector : {&start_, &start_force_, &error_, &product_}) vector->resize(system.independentRows());
   }
   void begin() {
@@ -99,6 +105,7 @@ class Equilibrium final : public NonlinearProblem {
   double displacementPerUnknown() const override { return 1; }
   ConstRows positions() const override { return rows(); }
   double travelled() const override { return distance(rows(), start_); }
+  bool isLoaded() const override { return is_loaded_; }
   RoundOff roundOff() override { return positionRoundOff(*system_, error_, product_); }
 
  private:
@@ -106,6 +113,7 @@ class Equilibrium final : public NonlinearProblem {
   System* system_ = nullptr;
   Vector start_, start_force_, error_, product_;
   double share_ = 1;
+  bool is_loaded_ = false;
 };
 
 class StaticSolver final : public Integrator {
@@ -122,7 +130,7 @@ class StaticSolver final : public Integrator {
  private:
   void checkSettings() const;
   bool mayDivide() const {
-    return smallest_part_ < 1 && settings_.iterations > 1 && !settings_.stop_when_residual_grows;
+    return smallest_part_ < 1 && settings_.iterations >= 5 && !settings_.stop_when_residual_grows;
   }
   bool checkFreeBodies(System& system, StepReport& report);
   StepReport solvePart(System& system, const StepContext& context);
@@ -144,9 +152,15 @@ class StaticSolver final : public Integrator {
 };
 
 void StaticSolver::declare(DataTable& table) {
+  settings_.iterations = 200;
   declareNewton(table, settings_,
-                {"newton_iterations", "relative_residual_tolerance_threshold", "absolute_residual_tolerance_threshold",
-                 "relative_correction_tolerance_threshold", "absolute_correction_tolerance_threshold", "|f|", "N"});
+                {.iterations = "newton_iterations",
+                 .relative_residual = "relative_residual_tolerance_threshold",
+                 .absolute_residual = "absolute_residual_tolerance_threshold",
+                 .relative_correction = "relative_correction_tolerance_threshold",
+                 .absolute_correction = "absolute_correction_tolerance_threshold",
+                 .residual = "|f|",
+                 .unit = "N"});
   table.add("forcing_term", settings_.forcing)
       .help(
           "largest |K dx + f| / |f| that linear solves by products may leave in early iterations; 0: the linear "
@@ -157,7 +171,7 @@ void StaticSolver::declare(DataTable& table) {
   table.add("smallest_part", smallest_part_)
       .help(
           "the smallest share of a step's loads and motion that a step which fails is divided into; 1: steps are not "
-          "divided. Neither are they with one Newton iteration or should_diverge_when_residual_is_growing")
+          "divided. Neither are they with fewer than five Newton iterations or should_diverge_when_residual_is_growing")
       .unit("-")
       .min(1e-6)
       .max(1);
@@ -172,9 +186,7 @@ void StaticSolver::declare(DataTable& table) {
 void StaticSolver::compile(System& system) {
   refuseRayleighFactors(system, "statics");
   solver_ = system.linearSolver();
-  if (!solver_)
-    throw ComponentError("statics needs a linear solver, and " + node().path() + " has none",
-                         "a linear solver in the same node", "add <SparseLDLSolver/>");
+  assert(solver_ && "Integrator::missingPartner() sees to it");
   settings_component_ = findNewtonSolver(*this, newton_link_);
   if (settings_component_) {
     checkSettings();
@@ -184,6 +196,7 @@ void StaticSolver::compile(System& system) {
     settings_.forcing = own.forcing;
   }
   settings_.use_energy = system.isConservative();
+  settings_.patience = 10;
   newton_.settings = settings_;
   newton_.compile(system.independentRows());
   problem_.compile(system);

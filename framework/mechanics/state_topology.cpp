@@ -97,7 +97,8 @@ const Mesh& TopologyLink::meshWith(const CellKind& kind, const Component& asker,
   };
   if (topology) forEachCellList(count, topology->mesh());
   if (cells == 0)
-    throw ComponentError(fmt::format("no mesh in this node or above has {}", kind.plural),
+    throw ComponentError(topology ? fmt::format("{} has no {}", topology->path(), kind.plural)
+                                  : fmt::format("no mesh in this node or above has {}", kind.plural),
                          fmt::format("a topology with {}", kind.plural));
   return topology->mesh();
 }

@@ -21,8 +21,7 @@ class MappingChain {
   ConstRows direction(ConstRows p) const { return lifted(p, p_); }
 
   /// Where to add forces on all rows whose sum out += J^T f is wanted: `out` itself without mappings, else work space
-  /// that is zero. To be handed to finishSum() or
-  /// finishProduct().
+  /// that is zero. To be handed to finishSum() or finishProduct().
   Rows beginSum(Rows out) const;
   /// out += J^T all, on independent rows; nothing to do without mappings.
   void finishSum(Rows all, Rows out) const;

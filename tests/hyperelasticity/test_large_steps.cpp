@@ -40,15 +40,10 @@ std::string pressed(const LawCase& law, const std::string& field, double move, b
 }
 
 struct Pressed {
-  StepReport report;
+  explicit Pressed(const std::string& scene) : simulation(simulationFromText(scene)), report(simulation.step()) {}
   Simulation simulation;
+  StepReport report;
 };
-
-Pressed press(const std::string& scene) {
-  Simulation simulation = simulationFromText(scene);
-  StepReport report = simulation.step();
-  return {std::move(report), std::move(simulation)};
-}
 
 /// Under strong uniaxial compression the force of this law falls again: its tangent is singular at 1/sqrt(3).
 bool allows(const LawCase& law, double move) { return law.name != "StVenantKirchhoff" || move > -0.4; }
@@ -61,7 +56,7 @@ TEST(LargeSteps, ABlockBetweenPlatesWithoutFrictionStaysABlock) {
       for (const double move : {-0.5, 0.5}) {
         if (!allows(law, move) || !law.directions.empty()) continue;  // fibres askew shear the block
         SCOPED_TRACE(fmt::format("{} {} {}", law.name, field, move));
-        const Pressed pressed_block = press(pressed(law, field, move, false));
+        const Pressed pressed_block(pressed(law, field, move, false));
         ASSERT_TRUE(pressed_block.report.newton_converged) << pressed_block.report.reason;
         const State& body = *pressed_block.simulation.states().front();
         const ConstRows x = body.x();
@@ -79,7 +74,7 @@ TEST(LargeSteps, ABlockBetweenRoughPlatesArrivesWhereSmallStepsLeadIt) {
     for (const double move : {-0.5, 0.5}) {
       if (!allows(law, move)) continue;
       SCOPED_TRACE(fmt::format("{} {}", law.name, move));
-      const Pressed at_once = press(pressed(law, tetrahedral, move, true));
+      const Pressed at_once(pressed(law, tetrahedral, move, true));
       ASSERT_TRUE(at_once.report.newton_converged) << at_once.report.reason;
       Simulation slowly = simulationFromText(pressed(law, tetrahedral, move, true));
       slowly.setAttribute("/", "dt", "0.05");
@@ -91,7 +86,7 @@ TEST(LargeSteps, ABlockBetweenRoughPlatesArrivesWhereSmallStepsLeadIt) {
 
 TEST(LargeSteps, AStepThatMayNotBeDividedSaysWhyItFailed) {
   const LawCase& neo_hookean = lawCases()[1];
-  const Pressed block = press(pressed(neo_hookean, tetrahedral, -0.9, true, "smallest_part='1'"));
+  const Pressed block(pressed(neo_hookean, tetrahedral, -0.9, true, "smallest_part='1'"));
   EXPECT_FALSE(block.report.newton_converged && !block.report.diverged);
   EXPECT_FALSE(block.report.reason.empty());
   EXPECT_EQ(block.report.load_parts, 1);

@@ -3,6 +3,8 @@
 #pragma once
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -14,9 +16,10 @@ class FolderTest : public testing::Test {
  protected:
   void SetUp() override {
     const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = std::filesystem::path(testing::TempDir()) / (std::string(info->test_suite_name()) + "_" + info->name());
-    std::filesystem::remove_all(folder_);
-    std::filesystem::create_directories(folder_);
+    std::string pattern = testing::TempDir() + info->test_suite_name() + "_" + info->name() + "_XXXXXX";
+    std::replace(pattern.begin() + std::ptrdiff_t(testing::TempDir().size()), pattern.end(), '/', '_');
+    ASSERT_TRUE(mkdtemp(pattern.data())) << pattern;
+    folder_ = pattern;
   }
   void TearDown() override {
     if (!HasFailure()) std::filesystem::remove_all(folder_);

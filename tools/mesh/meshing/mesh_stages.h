@@ -9,7 +9,8 @@
 
 namespace stroma::meshing {
 
-/// CGAL's refine_mesh_3() without its optimisers: they are instantiated there even where none is asked for.
+/// CGAL's refine_mesh_3() without its optimisers: they are instantiated there even where none is asked for. Mesher_3 is
+/// not documented; this is what refine_mesh_3() of CGAL 5.5 does with it.
 template <class Complex, class Domain, class Criteria>
 void refine(Complex& complex, const Domain& domain, const Criteria& criteria) {
   CGAL::Mesh_3::Mesher_3<Complex, Criteria, Domain>(complex, domain, criteria).refine_mesh();

@@ -5,7 +5,7 @@
 
 namespace stroma::meshing {
 
-// What CGAL's make_mesh_3() does before it refines.
+// What make_mesh_3() of CGAL 5.5 does before it refines, with an initializer that is not documented.
 void protectFeatures(SurfaceComplex& complex, const SurfaceDomain& domain, const SurfaceCriteria& criteria) {
   CGAL::Mesh_3::internal::C3t3_initializer<SurfaceComplex, SurfaceDomain, SurfaceCriteria, true>()(complex, domain,
                                                                                                    criteria, true);
