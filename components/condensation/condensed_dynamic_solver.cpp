@@ -314,7 +314,7 @@ StepReport CondensedDynamicSolver::step(System& system, const StepContext& conte
   for (std::size_t i = 0; i < v_.size(); ++i) right_[i] = (next_[i] - u_[i]) / context.dt;
   if (!writeActive(system, next_.data(), right_.data()))
     return giveUp(system, "a load is not finite, or the body has left the range of numbers");
-  finish(system, context);
+  finish(system);
   return {};
 }
 

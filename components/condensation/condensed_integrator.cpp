@@ -185,21 +185,25 @@ bool CondensedIntegrator::writeActive(System& system, const double* u, const dou
     for (Index node = 0; node < active_; ++node)
       for (int c = 0; c < 3; ++c)
         system.v.rows().data[std::size_t(activeRow(node)) * row_doubles + std::size_t(c)] = v[3 * node + c];
-  behind_ = !insideIsActive() && body_.interior() > 0;
   return true;
 }
 
-void CondensedIntegrator::finish(System& system, const StepContext& context) {
+void CondensedIntegrator::finish(System& system) {
   for (Vec3& force : drag_forces_) force.setZero();
   std::size_t at = 0;
   for (std::size_t k = 0; k < touches_.size(); ++k) {
     while (body_.nodeOf(touching_[at].row) - first_active_ != touches_[k].node) ++at;
     drag_forces_[at] += reaction_[Index(k)] * touches_[k].direction;
   }
-  range_.look(square_, context.t_end);
   if (!asks_force_) return;
+  behind_ = leavesInside();
   complete(system);
   system.computeForce(system.x, system.v, system.f);
+}
+
+void CondensedIntegrator::stepTaken(const StepContext& context) {
+  behind_ = leavesInside() && !asks_force_;
+  range_.look(square_, context.t_end);
 }
 
 StepReport CondensedIntegrator::failure(const std::string& reason) const {

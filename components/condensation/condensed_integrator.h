@@ -29,6 +29,7 @@ class CondensedIntegrator : public Integrator {
   void compile(System& system) final;
   bool answersForState() const final { return true; }
   bool followsChanges() const final { return false; }
+  void stepTaken(const StepContext& context) final;
   void complete(System& system) final;
   std::string doubt() const final;
   void reset() override;
@@ -90,12 +91,14 @@ class CondensedIntegrator : public Integrator {
   /// Writes x = x_0 + u, and v where it is given, into the rows of active nodes; false, and nothing written, when u is
   /// not finite.
   bool writeActive(System& system, const double* u, const double* v);
-  /// The end of a step: outputs, range of linear elasticity, forces when somebody asked.
-  void finish(System& system, const StepContext& context);
+  /// The end of a step: outputs, forces when somebody asked.
+  void finish(System& system);
   StepReport failure(const std::string& reason) const;
 
   /// Every free node is active, the inside too.
   bool insideIsActive() const { return used_form_ == Form::factor || used_form_ == Form::joined; }
+  /// Steps leave the inside behind.
+  bool leavesInside() const { return !insideIsActive() && body_.interior() > 0; }
   Index active() const { return active_; }
   Index firstActive() const { return first_active_; }
   std::size_t padded() const { return chunksOf(3 * std::size_t(active_)) * lanes; }

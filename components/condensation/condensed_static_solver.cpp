@@ -84,7 +84,7 @@ class CondensedStaticSolver final : public CondensedIntegrator {
 
   Array<double> u_, reduced_;       ///< now; of inside loads; shape (padded)
   std::vector<Index> candidates_;   ///< nodes that can have a load that changes
-  std::vector<Force> load_, last_;  ///< on candidates, now and in u_
+  std::vector<Force> load_, last_;  ///< on candidates, now and in u_, also when the step is not taken
   std::vector<Index> nodes_, changed_nodes_;
   std::vector<Force> forces_, changes_;  ///< those that are not zero
   std::vector<Index> place_;             ///< of an active node in candidates_, or -1
@@ -237,7 +237,7 @@ StepReport CondensedStaticSolver::step(System& system, const StepContext& contex
   update();
   StepReport report;
   if (writeActive(system, u_.data(), nullptr)) {
-    finish(system, context);
+    finish(system);
     return report;
   }
   return giveUp(system, "a load is not finite, or the body has left the range of numbers");

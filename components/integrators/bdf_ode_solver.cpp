@@ -36,6 +36,7 @@ class BDFOdeSolver final : public Integrator {
   void declare(DataTable& table) override;
   void compile(System& system) override;
   StepReport step(System& system, const StepContext& context) override;
+  void stepTaken(const StepContext& context) override;
   bool toleratesLaggedForces() const override { return order_ == 1; }
   std::string describe() const override { return fmt::format("BDF step of order {}", order_) + implicit_.describe(); }
   void reset() override { last_step_ = 0; }
@@ -51,6 +52,7 @@ class BDFOdeSolver final : public Integrator {
   int order_ = 1;
   ImplicitStep implicit_;
   Vector way_, change_;   ///< x0 - x_-1 and v0 - v_-1, shape (independentRows())
+  Vector new_way_;        ///< x1 - x0 of the step just made
   double last_step_ = 0;  ///< their h; 0: there is no step before
 };
 
@@ -65,7 +67,7 @@ void BDFOdeSolver::declare(DataTable& table) {
 void BDFOdeSolver::compile(System& system) {
   implicit_.compile(*this, system);
   if (order_ == 2)
-    for (Vector* vector : {&way_, &change_}) vector->resize(system.independentRows());
+    for (Vector* vector : {&way_, &change_, &new_way_}) vector->resize(system.independentRows());
 }
 
 ImplicitScheme BDFOdeSolver::schemeOfOrder2(System& system, double h) {
@@ -96,15 +98,17 @@ StepReport BDFOdeSolver::step(System& system, const StepContext& context) {
   scheme.time = context.t_end;
   scheme.old_time = context.t;
   const ConstRows x = system.independent(system.x);
-  if (order_ == 2) copy(x, way_);
+  if (order_ == 2) copy(x, new_way_);
   StepReport report = implicit_.solve(scheme);
-  if (report.diverged) return report;
-  if (order_ == 2) {
-    system.motion().difference(x, way_);
-    copy(implicit_.change(), change_);
-    last_step_ = h;
-  }
+  if (order_ == 2 && !report.diverged) system.motion().difference(x, new_way_);
   return report;
+}
+
+void BDFOdeSolver::stepTaken(const StepContext& context) {
+  if (order_ == 1) return;
+  std::swap(way_, new_way_);
+  copy(implicit_.change(), change_);
+  last_step_ = context.dt;
 }
 
 }  // namespace

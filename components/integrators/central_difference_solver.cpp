@@ -31,6 +31,7 @@ class CentralDifferenceSolver final : public Integrator {
   void declare(DataTable& table) override;
   void compile(System& system) override;
   StepReport step(System& system, const StepContext& context) override;
+  void stepTaken(const StepContext& context) override { last_step_ = context.dt; }
   std::string describe() const override {
     return "central differences, velocities at the middle of steps: 1 force evaluation, " + acceleration_.describe();
   }
@@ -83,7 +84,6 @@ StepReport CentralDifferenceSolver::step(System& system, const StepContext& cont
   if (!acceleration_.solve(system.independent(system.f), a_, report)) return report;
   if (depends_on_time_) system.setTime(context.t_end);
   const double h = context.dt, between = (last_step_ + h) / 2;
-  last_step_ = h;
   // a becomes v+ - v-, of which constraints let through what they leave free
   for (Index row = 0; row < system.independentRows(); ++row) {
     const double damping = damping_[row];

@@ -40,6 +40,10 @@ class NewmarkImplicitSolver final : public Integrator {
   void init() override;
   void compile(System& system) override;
   StepReport step(System& system, const StepContext& context) override;
+  void stepTaken(const StepContext&) override {
+    std::swap(a_, new_a_);
+    started_ = true;
+  }
   bool keepsEnergy() const override { return gamma_ <= 0.5; }  // above it the rule damps
   std::string describe() const override {
     return fmt::format("Newmark step, beta {:g}, gamma {:g}", beta_, gamma_) + implicit_.describe();
@@ -51,12 +55,11 @@ class NewmarkImplicitSolver final : public Integrator {
   }
 
  private:
-  bool start(const StepContext& context, StepReport& report);
-
   double gamma_ = 0.5, beta_ = 0.25, velocity_damping_ = 0;
   ImplicitStep implicit_;
   Acceleration acceleration_;
-  Vector force_, a_;      ///< a0 [m/s^2], shape (independentRows())
+  Vector force_;          ///< [N], shape (independentRows())
+  Vector a_, new_a_;      ///< a0 and a1 [m/s^2], shape (independentRows())
   bool started_ = false;  ///< a_ is that of the state
 };
 
@@ -96,18 +99,16 @@ void NewmarkImplicitSolver::init() {
 void NewmarkImplicitSolver::compile(System& system) {
   implicit_.compile(*this, system);
   acceleration_.compile(system, "the first step of Newmark's method");
-  for (Vector* vector : {&force_, &a_}) vector->resize(system.independentRows());
-}
-
-bool NewmarkImplicitSolver::start(const StepContext& context, StepReport& report) {
-  implicit_.wholeForce(context.t, force_);
-  return started_ = acceleration_.solve(force_, a_, report);
+  for (Vector* vector : {&force_, &a_, &new_a_}) vector->resize(system.independentRows());
 }
 
 StepReport NewmarkImplicitSolver::step(System& system, const StepContext& context) {
   system.beginStep(context);
-  StepReport first;
-  if (!started_ && !start(context, first)) return first;
+  if (!started_) {
+    StepReport first;
+    implicit_.wholeForce(context.t, force_);
+    if (!acceleration_.solve(force_, a_, first)) return first;
+  }
   const double h = context.dt;
   ImplicitScheme scheme;
   scheme.weight = gamma_ * h;
@@ -121,8 +122,9 @@ StepReport NewmarkImplicitSolver::step(System& system, const StepContext& contex
   scale(h * h * (0.5 - beta_ / gamma_), implicit_.position_predictor);
   StepReport report = implicit_.solve(scheme);
   if (report.diverged) return report;
-  xpay(implicit_.change(), -(1 - gamma_) * h, a_);
-  scale(1 / (gamma_ * h), a_);
+  copy(a_, new_a_);
+  xpay(implicit_.change(), -(1 - gamma_) * h, new_a_);
+  scale(1 / (gamma_ * h), new_a_);
   if (velocity_damping_ != 0) scale(std::exp(-h * velocity_damping_), system.v);
   return report;
 }

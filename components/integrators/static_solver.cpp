@@ -132,6 +132,7 @@ class StaticSolver final : public Integrator {
   bool mayDivide() const {
     return smallest_part_ < 1 && settings_.iterations >= 5 && !settings_.stop_when_residual_grows;
   }
+  bool checkFreeBodies(System& system, StepReport& report);
   StepReport solvePart(System& system, const StepContext& context);
   StepReport solveInParts(System& system, const StepContext& context);
   bool advancePrescribed(System& system, const StepContext& context, StepReport& report);
@@ -146,7 +147,8 @@ class StaticSolver final : public Integrator {
   double smallest_part_ = 1.0 / 1024;
   Vector force_, mode_, good_;
   Vector moved_, moved_v_, displacement_;  ///< work space of advancePrescribed(), shape (all rows)
-  bool is_checked_ = false;                ///< no body is free under what the constraints hold now
+  bool is_checked_ = false;                ///< no body was free when something last changed
+  long checked_revision_ = -1;             ///< of what held bodies then
 };
 
 void StaticSolver::declare(DataTable& table) {
@@ -221,20 +223,49 @@ void addCounts(const StepReport& from, StepReport& to) {
   to.solve_seconds += from.solve_seconds;
 }
 
+/// How many directions of nodes are held.
+long heldDirections(const ConstraintSet& constraints) {
+  long sum = 0;
+  for (const NodeProjector& held : constraints.projectors()) sum += 3 - std::lround(held.projector.trace());
+  return sum;
+}
+
+/// Grows when constraints turn, begin or end, and when springs and contacts come or go.
+long revisionOfHolds(const System& system) {
+  return system.constraints().revision() + system.actors().patternRevision();
+}
+
+/// False, with the sentence, when a body has no equilibrium where the step starts.
+bool StaticSolver::checkFreeBodies(System& system, StepReport& report) {
+  problem_.giveUp();
+  problem_.setShare(1);
+  problem_.residual(force_);
+  const std::string sentence = freeBody(system, force_);
+  checked_revision_ = revisionOfHolds(system);
+  is_checked_ = sentence.empty();
+  if (is_checked_) return true;
+  report.reason = sentence;
+  report.diverged = true;
+  return false;
+}
+
 StepReport StaticSolver::step(System& system, const StepContext& context) {
-  const long held_before = system.constraints().revision();
+  const long held_before = heldDirections(system.constraints());
   system.beginStep(context);
   clear(system.v);
   problem_.begin();
   StepReport report;
-  if (!is_checked_ || system.constraints().revision() != held_before) {
-    is_checked_ = true;
-    problem_.residual(force_);
-    report.reason = freeBody(system, force_);
-    report.diverged = !report.reason.empty();
-    if (report.diverged) return report;
-  }
+  const bool is_held_otherwise = !is_checked_ || heldDirections(system.constraints()) != held_before;
+  if (is_held_otherwise && !checkFreeBodies(system, report)) return report;
   report = solveInParts(system, context);
+  // what turns or comes and goes from step to step is looked at only where a solve has failed: it takes memory and time
+  if (!report.newton_converged && settings_.iterations > 1 && revisionOfHolds(system) != checked_revision_) {
+    const Rows x = system.independent(system.x);
+    copy(x, good_);
+    if (!checkFreeBodies(system, report)) return report;
+    copy(good_, x);
+    problem_.residual(force_);
+  }
   report.unsolved = !report.newton_converged;
   graph_.assign(newton_.history().begin(), newton_.history().end());
   if (settings_component_) settings_component_->noteResult(report, newton_);

@@ -44,6 +44,10 @@ class VariationalSymplecticSolver final : public Integrator {
   void init() override;
   void compile(System& system) override;
   StepReport step(System& system, const StepContext& context) override;
+  void stepTaken(const StepContext&) override {
+    potential_ = new_potential_;
+    started_ = true;
+  }
   bool keepsEnergy() const override { return true; }
   std::string describe() const override {
     return is_explicit_ ? explicit_.describe() : "implicit midpoint step" + implicit_.describe();
@@ -63,9 +67,10 @@ class VariationalSymplecticSolver final : public Integrator {
   double hamiltonian_ = 0;
   ImplicitStep implicit_;
   ExplicitStep explicit_;
-  Vector start_;          ///< x before the step, shape (independentRows())
-  double potential_ = 0;  ///< U [J]
-  bool started_ = false;  ///< potential_ is that of the state
+  Vector start_;              ///< x before the step, shape (independentRows())
+  double potential_ = 0;      ///< U [J]
+  double new_potential_ = 0;  ///< after the step just made
+  bool started_ = false;      ///< potential_ is that of the state
 };
 
 void VariationalSymplecticSolver::declare(DataTable& table) {
@@ -106,8 +111,8 @@ void VariationalSymplecticSolver::compile(System& system) {
 }
 
 StepReport VariationalSymplecticSolver::step(System& system, const StepContext& context) {
-  if (computes_hamiltonian_ && incremental_ && !started_) potential_ = system.potentialEnergy(system.x);
-  started_ = true;
+  new_potential_ = potential_;
+  if (computes_hamiltonian_ && incremental_ && !started_) new_potential_ = system.potentialEnergy(system.x);
   copy(system.independent(system.x), start_);
   StepReport report = is_explicit_ ? explicit_.step(system, context) : implicitStep(system, context);
   if (!report.diverged && computes_hamiltonian_) noteEnergy(system);
@@ -133,11 +138,11 @@ StepReport VariationalSymplecticSolver::implicitStep(System& system, const StepC
 void VariationalSymplecticSolver::noteEnergy(System& system) {
   if (incremental_) {
     system.motion().difference(system.independent(system.x), start_);
-    for (Index i = 0; i < system.independentRows(); ++i) potential_ -= system.f[i].dot(start_[i]);
+    for (Index i = 0; i < system.independentRows(); ++i) new_potential_ -= system.f[i].dot(start_[i]);
   } else {
-    potential_ = system.potentialEnergy(system.x);
+    new_potential_ = system.potentialEnergy(system.x);
   }
-  hamiltonian_ = system.kineticEnergy() + potential_;
+  hamiltonian_ = system.kineticEnergy() + new_potential_;
 }
 
 }  // namespace

@@ -35,7 +35,7 @@ class Component {
   virtual void serialize(Archive&) {}
   /// An attribute declared recompiled() has a new value while the scene runs: checks it and makes anew what init()
   /// derived from attributes. Compiled roles (force fields, masses) are compiled again afterwards, and what serialize()
-  /// knows is kept. Throws ComponentError: the old value is then put back and this is called once more.
+  /// knows is kept. Throws ComponentError. Whatever is thrown, the old value is put back and this is called once more.
   virtual void recompile() { init(); }
   /// False when another component of the node stands for this one: searches by role pass it over. Asked before init().
   virtual bool answersLookup() const { return true; }

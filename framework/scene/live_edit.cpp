@@ -69,8 +69,8 @@ void LiveEdit::findAttribute() {
   if (is_remade) recompiled_.insert(recompiled_.begin(), component_);
 }
 
-/// `changed`: the one attribute with a new value; null when outputs may have one too. Who has been followed to the end
-/// is put before all that was put so far, which leaves each behind everything that it takes values from.
+/// `changed`: the one attribute with a new value; null when outputs may have one too. Depth first; each is inserted at
+/// the front after its followers (reverse post-order, a topological sort).
 void LiveEdit::collectDependents(Component& source, const Data* changed) {
   std::vector<Component*> all;
   source.node().root().collect(all);

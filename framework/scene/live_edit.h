@@ -18,6 +18,8 @@ class LiveEdit {
 
   /// The component whose attribute it is; null for an attribute of a node (gravity, dt).
   Component* component() const { return component_; }
+  /// The node whose attribute it is; null for an attribute of a component.
+  const Node* node() const { return node_; }
   /// What has to be made anew: the component, if its attribute asks for that, and, in the order of their dependence,
   /// those that take values from it by links. Each attribute they take has to allow a change.
   const std::vector<Component*>& recompiled() const { return recompiled_; }
@@ -35,17 +37,18 @@ class LiveEdit {
   /// Parses with the attribute's table and makes anew what recompiled() says. Warnings and notes go to `messages`.
   void apply(const Value& value, Diagnostics& messages);
 
-  /// As long as this lives, warnings and notes of a component go to `messages`, and not to standard error.
+  /// As long as this lives, warnings and notes of a component go to `messages`, and then where they went before.
   class Listener {
    public:
-    Listener(Component& component, Diagnostics& messages) : component_(component) {
+    Listener(Component& component, Diagnostics& messages) : component_(component), before_(component.diagnostics_) {
       component.diagnostics_ = &messages;
     }
-    ~Listener() { component_.diagnostics_ = nullptr; }
+    ~Listener() { component_.diagnostics_ = before_; }
     Listener(const Listener&) = delete;
 
    private:
     Component& component_;
+    Diagnostics* before_;
   };
 
  private:

@@ -151,7 +151,6 @@ Simulation::Simulation(Scene scene) : scene_(std::move(scene)) {
     good_.emplace_back(Vector(system->allRows()), Vector(system->allRows()));
     reversals_.emplace_back();
     watches_.emplace_back(*system);
-    good_memory_.emplace_back();
     initial_.emplace_back(Vector(system->allRows()), Vector(system->allRows()));
     copy(system->x, initial_.back().first);
     copy(system->v, initial_.back().second);
@@ -193,6 +192,10 @@ StepReport Simulation::step() {
   StepReport report;
   for (std::size_t i = 0; i < systems_.size() && !report.diverged; ++i) advance(i, context, report);
   if (report.diverged) return report;
+  for (const auto& system : systems_) {
+    const PhaseTimer timer(system->times.total);
+    system->integrator().stepTaken(context);
+  }
   for (History* history : histories_) history->stepEnded(context.t_end);
   ++steps_;
   time_ = context.t_end;
@@ -217,7 +220,6 @@ void Simulation::advance(std::size_t index, const StepContext& context, StepRepo
   const bool lean = system.integrator().answersForState() && systems_.size() == 1;
   auto& [x_before, v_before] = good_[index];
   if (!lean) copy(system.x, x_before), copy(system.v, v_before);
-  if (index + 1 < systems_.size()) system.integrator().serialize(good_memory_[index] = Archive());
 
   StepReport part = system.integrator().step(system, context);
   if (!part.diverged) system.endStep(context, x_before, part);
@@ -251,14 +253,10 @@ void Simulation::takeBackState() {
   }
 }
 
-/// What the integrator that failed remembers is of a step that came to nothing: it begins anew.
 void Simulation::takeBack(std::size_t failed) {
   for (std::size_t i = 0; i <= failed; ++i) {
     copy(good_[i].first, systems_[i]->x);
     copy(good_[i].second, systems_[i]->v);
-    if (i == failed) return systems_[i]->integrator().reset();
-    Archive memory = good_memory_[i].readable();
-    systems_[i]->integrator().serialize(memory);
   }
 }
 

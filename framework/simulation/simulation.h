@@ -43,7 +43,9 @@ class Simulation {
 
   /// Observers see t = 0. Called by the first step when the caller has not.
   void begin();
-  /// One step. When it diverges the states are rolled back to the last good step and the report says why.
+  /// One step. When it diverges, the states and what integrators remember are those of the last good step, and the
+  /// report says why. A linear solver may start the next solve from what it has kept of the step that failed: its answer
+  /// is then the same to its tolerance.
   StepReport step();
   /// Some integrators compute nodes that nobody reads only on demand. Off (the default): every step ends with
   /// complete(). On: who reads x or v after a step calls complete() before; observers have it done for them.
@@ -59,8 +61,8 @@ class Simulation {
   /// edits. Restored in this scene, loaded by the same build, the run goes on with the bits of one that never stopped.
   Archive checkpoint();
   /// Throws std::runtime_error when the values are those of another scene; this simulation is then where it was, with
-  /// its attributes and inputs. Observers end, and begin again with the next step: simulation.steps() > 0 tells them
-  /// that the run goes on.
+  /// its attributes, inputs, times and counts, or the sentence says that it could not be put back. Observers end, and
+  /// begin again with the next step: simulation.steps() > 0 tells them that the run goes on.
   void restore(Archive checkpoint);
 
   /// Changes an attribute while the scene runs, as it was declared: at once, or by making the component anew. `path`
@@ -123,12 +125,12 @@ class Simulation {
   void countFromHere() { base_time_ = time_, base_step_ = steps_; }
   /// Times of the step that comes.
   StepContext nextStep() const;
-  /// One step of system `index`, with roll-back of all systems up to it when it fails.
+  /// One step of system `index`; when it fails, all systems up to it are taken back.
   void advance(std::size_t index, const StepContext& context, StepReport& report);
   /// Keeps x and v of every system for takeBackState().
   void keepState();
   void takeBackState();
-  /// Systems up to the one that failed go back to where they were before the step.
+  /// x and v of the systems up to the one that failed, before the step.
   void takeBack(std::size_t failed);
   /// Observers after a good step; their time is counted apart.
   void notify(const StepContext& context);
@@ -140,7 +142,6 @@ class Simulation {
   std::vector<History*> histories_;
   std::vector<std::pair<Vector, Vector>> initial_;  ///< x and v of each system at the start, for reset()
   std::vector<std::pair<Vector, Vector>> good_;     ///< x and v of each system before the step
-  std::vector<Archive> good_memory_;                ///< of each integrator but the last, before the step
   std::vector<FaultWatch> watches_;                 ///< of each system
   struct Reversals {
     bool turned = false;  ///< the first step of a look did

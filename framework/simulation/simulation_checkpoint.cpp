@@ -1,6 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What a simulation stores, and how it goes on from there.
+#include "framework/simulation/error_sentence.h"
 #include "framework/simulation/simulation.h"
+
+#include <fmt/format.h>
+
+#include <stdexcept>
+#include <tuple>
 
 namespace stroma {
 
@@ -16,11 +22,23 @@ void Simulation::restore(Archive checkpoint) {
   end();
   const Archive before = this->checkpoint();
   const std::vector<InputEvent> events = input_events_;
+  std::vector<std::pair<PhaseTimes, PhaseCounts>> spent;
+  for (const auto& system : systems_) spent.emplace_back(system->times, system->counts);
   try {
     take(checkpoint.readable());
   } catch (...) {
-    take(before.readable());
+    std::string not_put_back;
+    try {
+      take(before.readable());
+    } catch (...) {
+      not_put_back = errorSentence();
+    }
+    if (!not_put_back.empty())
+      throw std::runtime_error(
+          fmt::format("the checkpoint could neither be taken ({}) nor be given up ({}): load the scene again",
+                      errorSentence(), not_put_back));
     input_events_ = events;
+    for (std::size_t i = 0; i < systems_.size(); ++i) std::tie(systems_[i]->times, systems_[i]->counts) = spent[i];
     throw;
   }
 }
@@ -44,13 +62,13 @@ void Simulation::serialize(Archive& archive) {
     archive.rows("x", state->x().data, state->x().doubles());
     archive.rows("v", state->v().data, state->v().doubles());
   }
+  serializeInputs(archive);  // before what integrators have concluded about the scene with them
   std::vector<Component*> components;
   root().collect(components);
   for (Component* component : components) {
     archive.enter(component->path());
     component->serialize(archive);
   }
-  serializeInputs(archive);
   StepContext last = nextStep();
   last.index = steps_, last.t = time_ - last.dt, last.t_end = time_;
   if (steps_ > base_step_) last.t = base_time_ + double(steps_ - 1 - base_step_) * last.dt;

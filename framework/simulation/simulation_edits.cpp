@@ -4,19 +4,23 @@
 #include <list>
 
 #include "framework/scene/live_edit.h"
+#include "framework/simulation/error_sentence.h"
 #include "framework/simulation/simulation.h"
 
 namespace stroma {
 namespace {
+
+bool isAtOrBelow(const Node* node, const Node& top) {
+  while (node && node != &top) node = node->parent();
+  return node != nullptr;
+}
 
 /// An integrator that has computed its matrix beforehand follows no change of what the matrix was made of.
 void refuseWhatWasPrecomputed(const LiveEdit& edit, const std::vector<std::unique_ptr<System>>& systems) {
   for (const auto& system : systems) {
     if (system->integrator().followsChanges()) continue;
     const auto isInside = [&system](const Component* component) {
-      for (const Node* node = &component->node(); node; node = node->parent())
-        if (node == &system->node()) return true;
-      return false;
+      return isAtOrBelow(&component->node(), system->node());
     };
     if (!edit.component() || isInside(edit.component()) ||
         std::any_of(edit.recompiled().begin(), edit.recompiled().end(), isInside))
@@ -27,25 +31,53 @@ void refuseWhatWasPrecomputed(const LiveEdit& edit, const std::vector<std::uniqu
   }
 }
 
+/// What a system may make use of: all below its integrator, and what that names by links, and so on.
+std::vector<Component*> withinReach(const System& system) {
+  std::vector<Component*> found;
+  system.node().collect(found);
+  for (std::size_t i = 0; i < found.size(); ++i)
+    for (const Data& attribute : found[i]->data().all()) {
+      Component* target = attribute.link() ? attribute.link()->target() : nullptr;
+      if (target && std::find(found.begin(), found.end(), target) == found.end()) found.push_back(target);
+    }
+  return found;
+}
+
+/// True when an edit may change something for a system. Components also find others in the nodes above their own.
+bool reaches(const LiveEdit& edit, const System& system) {
+  const Node& top = system.node();
+  if (edit.node()) return isAtOrBelow(edit.node(), top) || isAtOrBelow(&top, *edit.node());
+  const std::vector<Component*> near = withinReach(system);
+  const auto matters = [&](Component* component) {
+    return isAtOrBelow(&top, component->node()) || std::find(near.begin(), near.end(), component) != near.end();
+  };
+  return matters(edit.component()) || std::any_of(edit.recompiled().begin(), edit.recompiled().end(), matters);
+}
+
 /// What the components remember, around a change that makes some anew.
 class KeptMemory {
  public:
   explicit KeptMemory(std::vector<Component*> components) : components_(std::move(components)) {
     std::sort(components_.begin(), components_.end());
     components_.erase(std::unique(components_.begin(), components_.end()), components_.end());
-    visit();
+    for (Component* component : components_) visit(*component);
   }
   void giveBack() {
     archive_ = archive_.readable();  // from its start, also when it is given back twice
-    visit();
+    for (Component* component : components_) {
+      try {
+        visit(*component);
+      } catch (const std::runtime_error&) {  // the archive speaks of checkpoints
+        throw ComponentError(component->path() + " remembers the steps so far in another size than it would now have",
+                             "a value that leaves its size");
+      }
+    }
   }
 
  private:
-  void visit() {
-    for (Component* component : components_) {
-      archive_.enter(component->path());
-      component->serialize(archive_);
-    }
+  void visit(Component& component) {
+    archive_.enter(component.path());
+    component.serialize(archive_);
   }
   std::vector<Component*> components_;
   Archive archive_;
@@ -89,34 +121,40 @@ Diagnostics Simulation::setAttribute(const std::string& path, const std::string&
 void Simulation::change(LiveEdit& edit, const LiveEdit::Value& value, Diagnostics& messages) {
   const LiveEdit::Value before = edit.value();
   keepState();
+  std::vector<System*> concerned;
+  for (const auto& system : systems_)
+    if (system->integrator().followsChanges() && reaches(edit, *system)) concerned.push_back(system.get());
   std::vector<Component*> remembering = edit.recompiled();
-  for (const auto& system : systems_) remembering.push_back(&system->integrator());
+  for (const System* system : concerned) remembering.push_back(&system->integrator());
   KeptMemory kept(std::move(remembering));
   const auto put = [&](const LiveEdit::Value& wanted, Diagnostics& told) {
     edit.apply(wanted, told);
     std::list<LiveEdit::Listener> listeners;
     for (Component* component : edit.recompiled()) listeners.emplace_back(*component, told);
-    for (const auto& system : systems_) {
-      if (!system->integrator().followsChanges()) continue;
+    for (System* system : concerned) {
       const LiveEdit::Listener listener(system->integrator(), told);
       if (edit.changesTimeStep()) system->integrator().compile(*system);
       if (edit.changesGravity()) system->gravityChanged();
       if (!edit.recompiled().empty()) system->componentsChanged(edit.recompiled(), time_);
     }
     kept.giveBack();
-    for (const auto& system : systems_) system->integrator().sceneChanged();
+    for (const System* system : concerned) system->integrator().sceneChanged();
   };
   try {
     put(value, messages);
   } catch (...) {
+    std::string not_put_back;
     try {
       Diagnostics told_before;
       put(before, told_before);
-    } catch (const std::exception& error) {
-      throw ComponentError(edit.name() + " could neither be changed nor be put back: " + error.what(), {},
-                           "load the scene again");
+    } catch (...) {
+      not_put_back = errorSentence();
     }
     takeBackState();
+    if (!not_put_back.empty())
+      throw ComponentError(
+          edit.name() + " could neither be changed (" + errorSentence() + ") nor be put back (" + not_put_back + ")",
+          {}, "load the scene again");
     throwAgain(edit);
   }
 }

@@ -88,7 +88,8 @@ class System final {
 
   // ---- forces from outside ----
   /// Adds an input on nodes of `state`, one of the independent states, or puts it in the place of the one with the same
-  /// number. Nothing is compiled again, but for an integrator when the first damping comes or the last goes.
+  /// number. Nothing is compiled again, but for an integrator when the first damping comes or the last goes; unless only
+  /// forces or targets are others, Integrator::sceneChanged() is called.
   void setInput(long number, const Input& input, const State& state);
   void removeInput(long number);
 

@@ -49,13 +49,15 @@ void System::inputsChanged(bool were_empty, bool were_damped) {
   if (inputs_->empty()) std::erase(actors_.force_fields, inputs_.get());
   sortByTraits(actors_);
   matrix_.valuesChanged();
-  if (were_damped == inputs_->isDamped()) return;
-  // how an integrator searches along a line depends on whether all forces have a potential
-  Archive kept;
-  integrator_.serialize(kept);
-  integrator_.compile(*this);
-  kept = kept.readable();
-  integrator_.serialize(kept);
+  if (were_damped != inputs_->isDamped()) {
+    // how an integrator searches along a line depends on whether all forces have a potential
+    Archive kept;
+    integrator_.serialize(kept);
+    integrator_.compile(*this);
+    kept = kept.readable();
+    integrator_.serialize(kept);
+  }
+  integrator_.sceneChanged();
 }
 
 void System::serialize(Archive& archive, const StepContext& last) {

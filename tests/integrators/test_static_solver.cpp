@@ -138,6 +138,22 @@ TEST(StaticSolver, ABodyThatANewLoadTakesItsEquilibriumIsNamed) {
   expectFree(simulation.step());
 }
 
+TEST(StaticSolver, ABodyThatOnlyAnInputHeldIsNamedWhenItEnds) {
+  Simulation simulation = twoBodies("0 -10 0", "0 1 2  4 5");
+  const long number =
+      simulation.addInput({.state = "/dofs", .nodes = {6}, .targets = {Vec3(3, 1, 0)}, .stiffness = 1e9});
+  for (int step = 1; step <= 2; ++step) ASSERT_FALSE(simulation.step().diverged);
+  simulation.removeInput(number);
+  expectFree(simulation.step());
+}
+
+TEST(StaticSolver, ABodyThatAnInputPushesAwayIsNamed) {
+  Simulation simulation = twoBodies("0 0 0", "0 1 2  4 5");
+  ASSERT_FALSE(simulation.step().diverged) << "nothing pushes";
+  simulation.addInput({.state = "/dofs", .nodes = {6}, .force = Vec3(0, 0, 1)});
+  expectFree(simulation.step());
+}
+
 TEST(StaticSolver, LoadsThatCancelNeedNoSupport) {
   Simulation simulation =
       statics("", "couple='100'", "<ConstantForceField indices='0 1 2' forces='-3 5 0  0 5 0  3 5 0'/>",

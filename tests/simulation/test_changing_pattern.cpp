@@ -186,5 +186,20 @@ TEST(ChangingPattern, AWarpedFactorIsUsedForItsOwnPatternOnlyAlsoAfterARestore) 
   }
 }
 
+TEST(ChangingPattern, ABodyThatOnlyAVanishingSpringHeldIsNamed) {
+  // the tetrahedron can turn about the axis through nodes 0 and 1, but for a spring from node 2 to the held node 4
+  Simulation simulation = simulationFromText(
+      R"(<Node name="root" dt="1" gravity="0 -10 0"><StaticSolver/><SparseLDLSolver/>
+           <MechanicalObject name="dofs" position="0 0 0  1 0 0  0 1 0  0 0 1  0 1 0"/>
+           <MeshTopology position="@dofs.position" tetrahedra="0 1 2 3"/><UniformMass vertexMass="0.5"/>
+           <TetrahedronFEMForceField youngModulus="5e9" poissonRatio="0.3" method="small"/>
+           <FixedProjectiveConstraint indices="0 1 4"/>
+           <TestComingSprings pairs="2 4" from="0" until="2" stiffness="1e9"/></Node>)");
+  for (int step = 1; step <= 2; ++step) ASSERT_FALSE(simulation.step().diverged);
+  const StepReport report = simulation.step();
+  EXPECT_TRUE(report.diverged);
+  expectContains(report.reason, "the part of /dofs around node 0 (4 nodes) is not held against turning");
+}
+
 }  // namespace
 }  // namespace stroma::test

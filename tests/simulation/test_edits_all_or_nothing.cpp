@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // An edit, or a restored checkpoint, that cannot be taken leaves the simulation as it was.
+#include "framework/scene/archive.h"
+#include "framework/scene/live_edit.h"
 #include "tests/support/scene_text.h"
 
 namespace stroma::test {
@@ -10,7 +12,9 @@ class Troubled final : public ForceField {
  public:
   void declare(DataTable& table) override {
     ForceField::declare(table);
-    table.add("trouble", trouble_).recompiled().help("none, init, compile, length, unsymmetric, foreign, lasting");
+    table.add("trouble", trouble_)
+        .recompiled()
+        .help("none, init, compile, length, unsymmetric, foreign, lasting, strange");
   }
   void init() override {
     ForceField::init();
@@ -19,6 +23,8 @@ class Troubled final : public ForceField {
     if (trouble_ == "foreign") throw 5;
     spoilt_ = spoilt_ || trouble_ == "lasting";
     if (spoilt_) throw std::logic_error("spoilt");
+    strange_ = strange_ || trouble_ == "strange";
+    if (strange_) throw 6;
   }
   void compile() override {
     if (trouble_ == "compile") throw std::logic_error("trouble in compile()");
@@ -39,15 +45,21 @@ class Troubled final : public ForceField {
 
  private:
   std::string trouble_ = "none";
-  bool spoilt_ = false;
+  bool spoilt_ = false, strange_ = false;
 };
 
-/// x += dt v; cannot be compiled where more than `most` nodes are held.
+/// x += dt v; cannot be compiled where more than `most` nodes are held and, if it is `touchy`, never again after that.
 class Drift final : public Integrator {
  public:
-  void declare(DataTable& table) override { table.add("most", most_).help("held nodes"); }
+  void declare(DataTable& table) override {
+    table.add("most", most_).help("held nodes");
+    table.add("touchy", touchy_).help("one refusal is for ever");
+  }
   void compile(System& system) override {
-    if (system.constraints().projectors().size() > std::size_t(most_)) throw std::logic_error("too many are held");
+    if (offended_) throw std::logic_error("offended");
+    if (system.constraints().projectors().size() <= std::size_t(most_)) return;
+    offended_ = touchy_;
+    throw std::logic_error("too many are held");
   }
   StepReport step(System& system, const StepContext& context) override {
     system.beginStep(context);
@@ -58,6 +70,7 @@ class Drift final : public Integrator {
 
  private:
   int most_ = 2;
+  bool touchy_ = false, offended_ = false;
 };
 
 /// out = max(in, also) + 1; knows how often it was made.
@@ -76,8 +89,26 @@ class Relay final : public Component {
   int in_ = 0, also_ = 0, out_ = 0;
 };
 
-const bool registered = (factory().add<Troubled>("TestTroubled", "test"), factory().add<Drift>("TestDrift", "test"),
-                         factory().add<Relay>("TestRelay", "test"), true);
+/// Remembers as many numbers as `count` says; cannot be read once it is `stubborn`.
+class Counter final : public Component {
+ public:
+  void declare(DataTable& table) override { table.add("count", count_).recompiled().help("numbers"); }
+  void init() override { numbers_.assign(std::size_t(count_), 0.0); }
+  void serialize(Archive& archive) override {
+    if (stubborn && archive.isReading()) throw std::logic_error("stubborn");
+    archive.rows("numbers", numbers_.data(), numbers_.size());
+  }
+  std::string roleText() const override { return "counter"; }
+  bool stubborn = false;
+
+ private:
+  int count_ = 2;
+  std::vector<double> numbers_;
+};
+
+const bool registered =
+    (factory().add<Troubled>("TestTroubled", "test"), factory().add<Drift>("TestDrift", "test"),
+     factory().add<Relay>("TestRelay", "test"), factory().add<Counter>("TestCounter", "test"), true);
 
 const std::string body = R"(<Node name="root" dt="0.01" gravity="0 -10 0"><EulerImplicitSolver name="euler"/>
     <CGLinearSolver iterations="50" tolerance="1e-12"/>
@@ -133,13 +164,51 @@ TEST(EditsAllOrNothing, WhateverIsThrownTheOldValueAndPlanStayAndTheSentenceSays
 TEST(EditsAllOrNothing, WhatCannotBePutBackEitherIsSaid) {
   Simulation simulation = simulationFromText(body);
   expectContains(refusal(simulation, "/troubled", "trouble", "lasting"),
-                 "/troubled.trouble could neither be changed nor be put back: spoilt");
+                 "/troubled.trouble could neither be changed (spoilt) nor be put back (spoilt)");
+  Simulation another = simulationFromText(body);
+  expectContains(refusal(another, "/troubled", "trouble", "strange"),
+                 "/troubled.trouble could neither be changed (an error without a sentence) nor be put back");
+}
+
+const std::string drifting = R"(<Node name="root" dt="0.01"><TestDrift name="drift" touchy="false"/>
+    <MechanicalObject name="dofs" position="0 0 0  1 0 0  2 0 0" velocity="0 0 0  1 2 3  4 5 6"/>
+    <UniformMass totalMass="3"/><FixedProjectiveConstraint name="held" indices="0"/></Node>)";
+
+TEST(EditsAllOrNothing, NodesKeepTheirVelocityAlsoWhereTheEditCannotBePutBack) {
+  std::string touchy = drifting;
+  touchy.replace(touchy.find("false"), 5, "true");
+  Simulation simulation = simulationFromText(touchy);
+  run(simulation, 2);
+  const auto before = simulation.stateHash();
+  expectContains(refusal(simulation, "/held", "indices", "0 1 2"),
+                 "could neither be changed (too many are held) nor be put back (offended)");
+  EXPECT_EQ(simulation.stateHash(), before);
+}
+
+TEST(EditsAllOrNothing, WhatIsRememberedInAnotherSizeIsNamedAsSuch) {
+  Simulation simulation = simulationFromText(R"(<Node name="root"><TestCounter name="counter"/></Node>)");
+  const std::string sentence = refusal(simulation, "/counter", "count", "3");
+  expectContains(sentence, "/counter remembers the steps so far in another size than it would now have");
+  expectContains(sentence, "/counter.count keeps its old value");
+  EXPECT_EQ(sentence.find("checkpoint"), std::string::npos) << sentence;
+  EXPECT_EQ(attribute(simulation, "/counter", "count").print(), "2");
+}
+
+TEST(EditsAllOrNothing, AListenerGivesWayToTheOneBefore) {
+  Simulation simulation = simulationFromText(body);
+  Component& component = *findComponent(simulation.root(), "/troubled");
+  Diagnostics outer_messages, inner_messages;
+  const LiveEdit::Listener outer(component, outer_messages);
+  {
+    const LiveEdit::Listener inner(component, inner_messages);
+    component.warn("to the inner one");
+  }
+  component.warn("to the outer one");
+  expectContains(inner_messages.text(), "to the inner one");
+  expectContains(outer_messages.text(), "to the outer one");
 }
 
 TEST(EditsAllOrNothing, NodesThatWouldHaveBeenHeldKeepTheirVelocity) {
-  const std::string drifting = R"(<Node name="root" dt="0.01"><TestDrift/>
-    <MechanicalObject name="dofs" position="0 0 0  1 0 0  2 0 0" velocity="0 0 0  1 2 3  4 5 6"/>
-    <UniformMass totalMass="3"/><FixedProjectiveConstraint name="held" indices="0"/></Node>)";
   Simulation simulation = simulationFromText(drifting);
   run(simulation, 2);
   const auto before = simulation.stateHash();
@@ -179,6 +248,18 @@ TEST(EditsAllOrNothing, EditsOfWhatFollowsALinkAreRestoredInTheirOrder) {
   EXPECT_EQ(attribute(other, "/b", "in").origin(), DataOrigin::linked);
 }
 
+TEST(EditsAllOrNothing, ARestoreThatCannotBeGivenUpIsSaid) {
+  Simulation simulation = simulationFromText(R"(<Node name="root"><TestCounter name="counter"/></Node>)");
+  Archive checkpoint = simulation.checkpoint();
+  dynamic_cast<Counter&>(*findComponent(simulation.root(), "/counter")).stubborn = true;
+  try {
+    simulation.restore(std::move(checkpoint));
+    ADD_FAILURE() << "nothing was thrown";
+  } catch (const std::runtime_error& error) {
+    expectContains(error.what(), "could neither be taken (stubborn) nor be given up (stubborn)");
+  }
+}
+
 TEST(EditsAllOrNothing, ARestoreThatFailsLeavesTheRunWhereItWas) {
   // the same components with one state more: its edits can be made, its state cannot be taken
   std::string larger = body;
@@ -198,7 +279,13 @@ TEST(EditsAllOrNothing, ARestoreThatFailsLeavesTheRunWhereItWas) {
     each->addInput({.state = "/dofs", .nodes = {2}, .force = Vec3(1, 2, 3)});
     run(*each, 3);
   }
+  const PhaseTimes times = simulation.systems()[0]->times;
+  const PhaseCounts counts = simulation.systems()[0]->counts;
+  EXPECT_GT(counts.forces, 0);
   EXPECT_THROW(simulation.restore(source.checkpoint()), std::runtime_error);
+  EXPECT_EQ(simulation.systems()[0]->times.total, times.total);
+  EXPECT_EQ(simulation.systems()[0]->times.force, times.force);
+  EXPECT_EQ(simulation.systems()[0]->counts.forces, counts.forces);
   EXPECT_EQ(simulation.steps(), 6);
   EXPECT_EQ(simulation.time(), same.time());
   EXPECT_EQ(simulation.dt(), 0.01);

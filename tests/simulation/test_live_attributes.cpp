@@ -106,6 +106,46 @@ TEST(LiveAttributes, WhatStepsReadThemselvesLeavesFactorsAlone) {
   EXPECT_EQ(findComponent(simulation.root(), "/factors")->data().find("factorisations")->print(), "2");
 }
 
+/// Bodies that share nothing: b with these attributes of its integrator.
+std::string twoBeams(const std::string& of_b = {}) {
+  const std::string inside =
+      "<RegularGridTopology n='3 3 5' min='0 0 0' max='0.1 0.1 0.3'/><MechanicalObject name='dofs'/>"
+      "<UniformMass totalMass='1'/><HexahedronFEMForceField name='fem' youngModulus='5000' poissonRatio='0.3' "
+      "method='large'/><FixedProjectiveConstraint indices='0 1 2 3 4 5 6 7 8'/></Node>";
+  const std::string solvers =
+      "<PCGLinearSolver name='pcg' iterations='200' tolerance='1e-8' preconditioner='@warp'/>"
+      "<PrecomputedWarpPreconditioner name='warp'/><SparseLDLSolver name='factors'/>"
+      "<NewtonRaphsonSolver name='newton' maxNbIterationsNewton='3'/>";
+  return "<Node name='root' dt='0.01' gravity='0 -9.81 0'><Node name='a'><EulerImplicitSolver name='euler'/>" +
+         solvers + inside + "<Node name='b'><EulerImplicitSolver name='euler' " + of_b + "/>" + solvers + inside +
+         "</Node>";
+}
+
+TEST(LiveAttributes, AnEditOfOneBodyLeavesOthersAlone) {
+  Simulation changed = simulationFromText(twoBeams()), same = simulationFromText(twoBeams());
+  run(changed, 5), run(same, 5);
+  for (const auto& [path, attribute, text] :
+       {std::tuple{"/a/fem", "youngModulus", "9000"}, std::tuple{"/a", "gravity", "0 3 0"},
+        std::tuple{"/a/euler", "rayleighMass", "0.1"}}) {
+    changed.setAttribute(path, attribute, text);
+    run(changed, 5), run(same, 5);
+    const System &a = *changed.systems()[0], &b = *changed.systems()[1];
+    EXPECT_GT(distance(a.x, same.systems()[0]->x), 1e-6) << attribute;
+    EXPECT_EQ(distance(b.x, same.systems()[1]->x), 0) << attribute;
+    EXPECT_EQ(distance(b.v, same.systems()[1]->v), 0) << attribute;
+    EXPECT_EQ(findComponent(changed.root(), "/b/factors")->data().find("factorisations")->print(), "1") << attribute;
+  }
+}
+
+TEST(LiveAttributes, AnEditReachesBodiesThatLinkToWhatItChanges) {
+  const std::string text = twoBeams("rayleighMass='@../a/euler.rayleighMass'");
+  Simulation changed = simulationFromText(text), same = simulationFromText(text);
+  run(changed, 3), run(same, 3);
+  changed.setAttribute("/a/euler", "rayleighMass", "0.5");
+  run(changed, 3), run(same, 3);
+  EXPECT_GT(distance(changed.systems()[1]->x, same.systems()[1]->x), 1e-6);
+}
+
 TEST(LiveAttributes, ARegionIsSelectedAnewForAllThatTakeItsNodes) {
   Beam beam, more;
   more.box = "-1 -1 -0.001 1 1 0.08";

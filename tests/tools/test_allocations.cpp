@@ -11,6 +11,7 @@
 
 #include "framework/simulation/simulation.h"
 #include "tests/support/field_under_test.h"
+#include "tests/support/scene_text.h"
 
 namespace {
 
@@ -136,6 +137,47 @@ TEST(Allocations, NoneInStepsOfAnyElasticVariant) {
     }
   });
   EXPECT_GT(tested, 80);
+}
+
+void expectNoneInSteps(Simulation& simulation) {
+  ASSERT_FALSE(simulation.step().diverged);
+  allocations = in_libraries = 0;
+  bool diverged = false;
+  counting = true;
+  for (int i = 0; i < 5; ++i) diverged = simulation.step().diverged || diverged;
+  counting = false;
+  EXPECT_FALSE(diverged);
+  EXPECT_EQ(allocations, 0);
+  EXPECT_EQ(in_libraries, 0);
+}
+
+std::string beam(const std::string& integrator, const std::string& more = {}) {
+  return "<" + integrator + R"(/><CGLinearSolver iterations="30" tolerance="1e-8"/>
+    <RegularGridTopology n="3 3 5" min="0 0 0" max="0.1 0.1 0.3"/><MechanicalObject name="dofs"/>
+    <UniformMass totalMass="1"/><HexahedronFEMForceField youngModulus="5000" poissonRatio="0.3" method="small"/>
+    <FixedProjectiveConstraint indices="0 1 2 3 4 5 6 7 8"/>)" +
+         more;
+}
+
+/// Each with a memory, which has to be that of before when the other one fails.
+TEST(Allocations, NoneInStepsOfTwoBodies) {
+  if (!can_count) GTEST_SKIP() << "a sanitizer has its own malloc";
+  for (const std::string integrator :
+       {"BDFOdeSolver order='2'", "NewmarkImplicitSolver", "CentralDifferenceSolver", "VariationalSymplecticSolver",
+        "StaticSolver", "CondensedStaticSolver", "CondensedDynamicSolver"}) {
+    SCOPED_TRACE(integrator);
+    Simulation simulation(test::sceneFromText("<Node name='root' dt='0.0005' gravity='0 -1 0'><Node name='a'>" +
+                                              beam(integrator) + "</Node><Node name='b'>" + beam(integrator) +
+                                              "</Node></Node>"));
+    expectNoneInSteps(simulation);
+  }
+}
+
+TEST(Allocations, NoneInStaticsWhereWhatHoldsANodeTurns) {
+  if (!can_count) GTEST_SKIP() << "a sanitizer has its own malloc";
+  Simulation simulation(test::sceneFromText("<Node name='root' dt='0.01' gravity='0 -1 0'>" +
+                                            beam("StaticSolver", "<TestTurningPlane indices='40'/>") + "</Node>"));
+  expectNoneInSteps(simulation);
 }
 
 }  // namespace
