@@ -335,6 +335,8 @@ void VTKExporter::fill() {
     output.values->Modified();
   }
   points_->Modified();
+  // VTK keeps the ranges of arrays that nobody calls changed, and writes them
+  for (PointOutput& output : point_outputs_) output.values->Modified();
 }
 
 /// Of which kind of volume cells a force field has given `count` values: null for all of them in turn.
@@ -385,6 +387,7 @@ void VTKExporter::write(const Simulation& simulation) {
 
 }  // namespace
 }  // namespace stroma
+  time_->Modified();
 
 STROMA_COMPONENT(vtk_exporter) {
   factory.add<stroma::VTKExporter>("VTKExporter", "writes the moving mesh and its fields for ParaView");
