@@ -97,6 +97,11 @@ class Simulation {
   std::vector<std::string> doubts() const;
   /// The compiled plan in lines: what runs each step, how often, what was skipped and why.
   std::vector<std::string> explain() const;
+  /// How many volume elements of the states that move have no volume left, and of how many.
+  struct CellCount {
+    std::size_t inverted = 0, all = 0;
+  };
+  CellCount invertedCells() const;
 
  private:
   /// A sentence when a system with an integrator that keeps energy has much more than at the start, or empty.
