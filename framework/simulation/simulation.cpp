@@ -10,6 +10,7 @@
 #include <exception>
 
 #include "framework/scene/output_file.h"
+#include "framework/simulation/empty_selections.h"
 #include "framework/simulation/file_uses.h"
 
 namespace stroma {
@@ -160,6 +161,7 @@ Simulation::Simulation(Scene scene) : scene_(std::move(scene)) {
   root().collect(observers_);
   if (!diagnostics.hasErrors()) checkFiles(observers_, scene_, diagnostics);
   if (diagnostics.hasErrors()) throw SceneError(diagnostics);
+  warnOfEmptySelections(root(), diagnostics);
 
   if (integrators.empty())
     diagnostics.warning(root().where(), root().path(), "the scene has no integrator: time passes and nothing moves");
