@@ -41,7 +41,7 @@ class EnergyMonitor final : public Observer {
     const std::string head =
         fmt::format("# time [s], energies [J]: kinetic elastic gravity total defect\n{}",
                     conservative ? "" : "# some force fields have no potential: the defect contains their work\n");
-    if (file_.open(path(), file_name_.found, simulation.steps() > 0, head))
+    if (file_.open(file_name_.found, simulation.steps() > 0, head))
       write(simulation, simulation.time(), simulation.steps() == 0);
   }
   void serialize(Archive& archive) override {
@@ -53,6 +53,7 @@ class EnergyMonitor final : public Observer {
     if (context.index % every_ == 0) write(simulation, context.t_end, false);
   }
 
+  std::vector<std::string> files() const override { return {file_name_.found}; }
   bool readsAllNodes(const StepContext& context) const override { return context.index % every_ == 0; }
   void end(const Simulation&) override { file_.close(); }
 

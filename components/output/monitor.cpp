@@ -75,6 +75,13 @@ class Monitor final : public Observer {
     v_file_.serialize(archive, "end_of_v");
     f_file_.serialize(archive, "end_of_f");
   }
+  std::vector<std::string> files() const override {
+    std::vector<std::string> files;
+    if (export_x_) files.push_back(fileOf("x"));
+    if (export_v_) files.push_back(fileOf("v"));
+    if (export_f_) files.push_back(fileOf("f"));
+    return files;
+  }
   bool readsAllNodes(const StepContext&) const override { return false; }
   void addWatchedNodes(const State& state, std::vector<Index>& nodes) const override {
     if (&state == state_) nodes.insert(nodes.end(), nodes_.begin(), nodes_.end());
@@ -88,11 +95,12 @@ class Monitor final : public Observer {
 
  private:
   std::string stem() const { return file_name_.empty() ? name() : file_name_.found; }
+  std::string fileOf(const char* ending) const { return fmt::format("{}_{}.txt", stem(), ending); }
 
   bool open(TableFile& file, const char* ending, const char* quantity) {
     std::string head = fmt::format("# {} of {}\n# column 1: time [s]; then x y z of nodes", quantity, state_->path());
     for (const int node : nodes_) head += fmt::format(" {}", node);
-    return file.open(path(), fmt::format("{}_{}.txt", stem(), ending), goes_on_, head + "\n");
+    return file.open(fileOf(ending), goes_on_, head + "\n");
   }
 
   void write(double t) {

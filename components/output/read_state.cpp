@@ -14,6 +14,9 @@
 // `loop` starts the file again at its last time T_end: instants follow at T + T_end, T + 2 T_end and so on. `interval`
 // lets instants in only every so many seconds from the start on.
 //
+// A recording that is not finished, because its run still goes on or was killed, is read up to its last whole instant,
+// with a warning.
+//
 // Where SOFA reads before a step, and resizes the state to what it finds, this component acts at the start and at the
 // end of steps, and another number of nodes is an error. X0 and F of the file are not used.
 //
@@ -54,7 +57,9 @@ class ReadState final : public ProjectiveConstraint {
   void init() override {
     ProjectiveConstraint::init();
     try {
-      frames_ = readStateFile(file_name_.found);
+      StateRecording recording = readRecording(file_name_.found);
+      frames_ = std::move(recording.frames);
+      if (!recording.unfinished.empty()) warn(recording.unfinished);
     } catch (const std::runtime_error& error) {
       throw ComponentError(error.what(), "a file that WriteState or `stroma run --record` wrote");
     }

@@ -5,42 +5,39 @@
 
 #include <filesystem>
 
-#include "framework/scene/diagnostics.h"
-
 namespace stroma {
 
-bool TableFile::open(const std::string& owner, const std::string& path, bool goes_on, const std::string& head) {
-  owner_ = owner;
-  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
-  std::error_code error;  // opening the file says what is wrong
-  if (!folder.empty()) std::filesystem::create_directories(folder, error);
+bool TableFile::open(const std::string& path, bool goes_on, const std::string& head) {
+  makeFolderOf(path);
+  file_.open(path);
+  std::error_code error;
   const auto size = std::filesystem::file_size(path, error);
-  const bool continues = goes_on && end_ >= 0 && !error && size >= std::uintmax_t(end_);
-  if (continues) std::filesystem::resize_file(path, std::uintmax_t(end_), error);
-  file_.reset(std::fopen(path.c_str(), continues ? "a" : "w"));
-  if (!file_ || (continues && error)) throw ComponentError(fmt::format("{}: cannot write {}", owner, path));
-  if (!continues) write(head);
+  // a run that goes on elsewhere starts a file of its own
+  const bool continues = goes_on && end_ >= 0 && !error && size > 0;
+  if (continues && size < std::uintmax_t(end_))
+    throw std::runtime_error(
+        fmt::format("{}: the run cannot go on in this file: it has {} bytes, and had {} when the "
+                    "checkpoint was written",
+                    path, size, end_));
+  if (continues)
+    file_.keep(std::uint64_t(end_));
+  else
+    write(head);
   return !continues;
 }
 
-void TableFile::write(const std::string& line) {
-  if (std::fwrite(line.data(), 1, line.size(), file_.get()) != line.size())
-    throw ComponentError(fmt::format("{}: cannot write: is the disk full?", owner_));
+void TableFile::write(const std::string& lines) {
+  if (!file_.hasFailed()) file_.append(lines);
 }
 
 void TableFile::close() {
-  if (!file_) return;
-  std::fseek(file_.get(), 0, SEEK_END);
-  end_ = std::ftell(file_.get());
-  file_.reset();
+  if (!file_.isOpen()) return;
+  end_ = static_cast<long long>(file_.size());
+  file_.close();
 }
 
 void TableFile::serialize(Archive& archive, const std::string& name) {
-  if (file_ && !archive.isReading()) {
-    std::fflush(file_.get());
-    std::fseek(file_.get(), 0, SEEK_END);
-    end_ = std::ftell(file_.get());
-  }
+  if (file_.isOpen() && !archive.isReading()) end_ = static_cast<long long>(file_.size());
   archive.value(name, end_);
 }
 

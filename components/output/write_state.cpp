@@ -3,8 +3,8 @@
 //
 // For every instant written, the file has a line `T= t` and, indented below it, `X= x0 y0 z0 x1 ...` [m] and on request
 // `X0=` (rest positions [m]), `V=` (velocities [m/s]) and `F=` (forces [N]). Numbers have the fewest digits that read
-// back to the same bits. A name that ends in ".gz" gives a compressed file. The file gets its name when the run ends,
-// also when it ends because a step diverged; until then it is called <filename>.part. A run that goes on from a checkpoint
+// back to the same bits. A name that ends in ".gz" gives a compressed file. Each instant is in the file, with a check sum,
+// when its step ends: what a run that is killed has left can be read up to there. A run that goes on from a checkpoint
 // keeps the instants up to there, if the file of the run before has its name.
 //
 // Instants: `time` lists times to write; after the last of them, or from the start when there are none, one instant
@@ -21,6 +21,9 @@
 //   <WriteState filename="fall.state.gz" writeV="true" period="0.1"/>
 // </Node>
 #include <fmt/format.h>
+
+#include <optional>
+#include <utility>
 
 #include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
@@ -67,7 +70,7 @@ class WriteState final : public Observer {
       throw ComponentError(fmt::format("{}: no integrator moves the state {}", path(), state_->path()));
     writer_.emplace(file_name_.found);
     if (simulation.steps() > 0) {
-      if (keepInstants(*writer_, simulation.time())) return;
+      if (writer_->goOn(simulation.time(), true) == simulation.time()) return;
     } else {
       start_ = simulation.time(), next_time_ = 0, periods_ = 0;
     }
@@ -81,9 +84,9 @@ class WriteState final : public Observer {
   }
 
   void end(const Simulation&) override {
-    if (writer_) writer_->close();
-    writer_.reset();
+    if (std::optional<StateWriter> writer = std::exchange(writer_, std::nullopt)) writer->close();
   }
+  std::vector<std::string> files() const override { return {file_name_.found}; }
 
   void serialize(Archive& archive) override {
     archive.value("start", start_);
@@ -130,6 +133,7 @@ class WriteState final : public Observer {
     if (write_x_) write_rows("X", state_->x(), nodes_x_);
     if (write_v_) write_rows("V", state_->v(), nodes_v_);
     if (write_f_) writer.rows("F", state_->f());
+    writer.finish();
   }
 
   Link<State> mstate_{"mechanical state"};

@@ -62,6 +62,7 @@ class VTKExporter : public Observer {
     return enable_ && every_ > 0 && context.index % every_ == 0;
   }
   void end(const Simulation& simulation) override;
+  std::vector<std::string> files() const override;
   void serialize(Archive& archive) override;
   std::string describe() const override;
 
@@ -302,6 +303,11 @@ void VTKExporter::end(const Simulation& simulation) {
   if (enable_ && at_end_ && last_step_ != simulation.steps()) write(simulation);
 }
 
+std::vector<std::string> VTKExporter::files() const {
+  const bool writes = enable_ && (every_ > 0 || at_begin_ || at_end_);
+  return writes ? series_.files() : std::vector<std::string>{};
+}
+
 /// The files of the run so far: a series goes on with the next number.
 void VTKExporter::serialize(Archive& archive) {
   archive.value("last_step", last_step_);
@@ -329,6 +335,8 @@ void VTKExporter::fill() {
       std::copy(value.data(), value.data() + 3, output.values->GetPointer(3 * vtkIdType(n)));
     }
   }
+  // VTK keeps the ranges of arrays that nobody calls changed, and writes them
+  for (PointOutput& output : point_outputs_) output.values->Modified();
   for (CellOutput& output : cell_outputs_) {
     const std::vector<double> values = fieldOfCells(output);
     std::copy(values.begin(), values.end(), output.values->GetPointer(0));
@@ -379,6 +387,7 @@ std::vector<double> VTKExporter::fieldOfCells(const CellOutput& output) const {
 void VTKExporter::write(const Simulation& simulation) {
   fill();
   time_->SetValue(0, simulation.time());
+  time_->Modified();
   series_.write(*grid_, simulation.time());
   last_step_ = simulation.steps();
 }

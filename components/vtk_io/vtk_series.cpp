@@ -7,7 +7,7 @@
 #include <vtkXMLUnstructuredGridWriter.h>
 
 #include "framework/scene/archive.h"
-#include "framework/scene/whole_file.h"
+#include "framework/scene/output_file.h"
 
 namespace stroma {
 
@@ -19,7 +19,24 @@ void VtkSeries::setUp(std::filesystem::path stem, Format format) {
 
 void VtkSeries::start(bool anew) {
   if (anew) written_.clear();
-  if (stem_.has_parent_path()) std::filesystem::create_directories(stem_.parent_path());
+}
+
+std::vector<std::string> VtkSeries::files() const {
+  namespace fs = std::filesystem;
+  std::vector<std::string> files{stem_.string() + (format_.overwrite ? "" : "00000") + ending()};
+  if (format_.xml) files.push_back(stem_.string() + ".pvd");
+  if (format_.overwrite) return files;
+  const fs::path folder = stem_.has_parent_path() ? stem_.parent_path() : fs::path(".");
+  const std::string start = stem_.filename().string();
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with(start) || !name.ends_with(ending())) continue;
+    const std::string number = name.substr(start.size(), name.size() - start.size() - ending().size());
+    if (number.size() >= 5 && number != "00000" && number.find_first_not_of("0123456789") == std::string::npos)
+      files.push_back(entry.path().string());
+  }
+  return files;
 }
 
 void VtkSeries::serialize(Archive& archive) {
@@ -33,12 +50,12 @@ void VtkSeries::serialize(Archive& archive) {
 }
 
 std::string VtkSeries::pattern() const {
-  return fmt::format("{}{}.{}", stem_.string(), format_.overwrite ? "" : "NNNNN", format_.xml ? "vtu" : "vtk");
+  return fmt::format("{}{}{}", stem_.string(), format_.overwrite ? "" : "NNNNN", ending());
 }
 
 void VtkSeries::write(vtkUnstructuredGrid& grid, double time) {
   const std::string number = format_.overwrite ? "" : fmt::format("{:05}", written_.size());
-  const std::filesystem::path file = stem_.string() + number + (format_.xml ? ".vtu" : ".vtk");
+  const std::filesystem::path file = stem_.string() + number + ending();
   writeWholeFile(file.string(), contents(grid));
   if (format_.overwrite) written_.clear();
   written_.emplace_back(time, file.filename().string());

@@ -22,14 +22,17 @@ class VtkSeries {
 
   /// `stem` without the extension of a file of VTK.
   void setUp(std::filesystem::path stem, Format format);
-  /// Makes the folder. `anew`: begins again with file 0; else the series goes on with the next number.
+  /// `anew`: begins again with file 0; else the series goes on with the next number.
   void start(bool anew);
   void serialize(Archive& archive);  ///< the files so far
   void write(vtkUnstructuredGrid& grid, double time);
+  /// The list, the files of the series that are there, and the first.
+  std::vector<std::string> files() const;
   /// "grid-NNNNN.vtu"
   std::string pattern() const;
 
  private:
+  std::string ending() const { return format_.xml ? ".vtu" : ".vtk"; }
   std::string contents(vtkUnstructuredGrid& grid) const;
   void writeCollection() const;
 

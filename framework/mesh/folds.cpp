@@ -86,4 +86,16 @@ std::string foldsOf(const Mesh& mesh, const Positions& rest, const Positions& no
   return text.empty() ? overlapping(mesh, now) : text;
 }
 
+std::pair<std::size_t, std::size_t> insideOutCells(const Mesh& mesh, const Positions& rest, const Positions& now) {
+  std::size_t inverted = 0, all = 0;
+  forEachCellList(
+      [&](const CellKind& kind, const auto& cells) {
+        if (kind.dimension < 3) return;
+        all += cells.size();
+        for (const auto& cell : cells) inverted += isInsideOut(kind, cell, rest, now);
+      },
+      mesh);
+  return {inverted, all};
+}
+
 }  // namespace stroma

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "framework/mesh/mesh.h"
@@ -12,5 +13,9 @@ namespace stroma {
 /// node more than once. Surfaces and lines are not looked at: cloth and ropes fold. `rest` and `now` [m] have shape
 /// (mesh.nodes()).
 std::string foldsOf(const Mesh& mesh, const std::vector<Vec3>& rest, const std::vector<Vec3>& now);
+
+/// How many volume cells are inside out as above, and of how many.
+std::pair<std::size_t, std::size_t> insideOutCells(const Mesh& mesh, const std::vector<Vec3>& rest,
+                                                   const std::vector<Vec3>& now);
 
 }  // namespace stroma

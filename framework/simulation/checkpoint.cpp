@@ -6,15 +6,14 @@
 
 #include <bit>
 #include <cerrno>
-#include <cstdio>
 #include <cstring>
-#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <sstream>
 #include <stdexcept>
 
 #include "framework/scene/abi.h"
+#include "framework/scene/output_file.h"
 
 namespace stroma {
 namespace {
@@ -123,20 +122,8 @@ Checkpoint Checkpoint::fromBytes(const std::string& bytes, const std::string& na
 }
 
 void Checkpoint::write(const std::string& path) const {
-  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
-  std::error_code error;
-  if (!folder.empty()) std::filesystem::create_directories(folder, error);
-  const std::string partial = path + ".part", text = bytes();
-  std::ofstream file(partial, std::ios::binary);
-  file.write(text.data(), std::streamsize(text.size()));
-  file.close();
-  if (!file) {
-    const int reason = errno;
-    std::remove(partial.c_str());
-    throw std::runtime_error(fmt::format("{}: cannot write ({})", partial, std::strerror(reason)));
-  }
-  std::filesystem::rename(partial, path, error);
-  if (error) throw std::runtime_error(fmt::format("{}: cannot rename the finished file ({})", path, error.message()));
+  makeFolderOf(path);
+  writeWholeFile(path, bytes());
 }
 
 Checkpoint Checkpoint::read(const std::string& path) {

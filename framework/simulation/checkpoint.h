@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// A run's memory as a file. One format serves `stroma run --record`, `--checkpoint-every` and `--restart`.
+// A run's memory as a file. One format serves `stroma run --record`, `--resume` and `--restart`.
 //
 //   stroma checkpoint 1
 //   scene <path>                    as it was given
@@ -26,8 +26,7 @@ struct Checkpoint {
   /// damaged.
   static Checkpoint fromBytes(const std::string& bytes, const std::string& name);
 
-  /// Under a temporary name first, so that a file under `path` is always whole. Makes the folder. Throws
-  /// std::runtime_error with a sentence.
+  /// Under a temporary name first, so that a file under `path` is always whole. Makes the folder. Throws OutputError.
   void write(const std::string& path) const;
   static Checkpoint read(const std::string& path);
 };

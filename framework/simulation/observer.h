@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
+#include <string>
 #include <vector>
 
 #include "framework/mechanics/state.h"
@@ -17,6 +18,9 @@ class Observer : public Component {
   virtual void begin(const Simulation&) {}  ///< at t = 0, before the first step
   virtual void afterStep(const Simulation&, const StepContext&) = 0;
   virtual void end(const Simulation&) {}  ///< after the last step, also when the run diverged
+  /// The files that it writes, or replaces, as it stands now: what the scene reads must not be among them, nor what another
+  /// observer writes, and all must be writable before the first step. Of a series, those that are there and the next.
+  virtual std::vector<std::string> files() const { return {}; }
   /// False when after this step it reads no other nodes than those of addWatchedNodes(). Asked before afterStep(), for
   /// integrators that bring the others to the present only when somebody reads them.
   virtual bool readsAllNodes(const StepContext&) const { return true; }

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "framework/scene/output_file.h"
+
 namespace stroma {
 namespace {
 
@@ -78,13 +80,18 @@ RunReport Session::run(const RunLimits& limits) {
       report.end = RunEnd::stopped;
       break;
     }
-    const auto step_start = Clock::now();
-    report.last = running.step();
-    report.end = endAfter(report.last);
-    if (report.last.diverged) break;
-    const double seconds = secondsSince(step_start);
-    report.statistics.add(report.last, seconds);
-    if (limits.after_step) limits.after_step(report.last, seconds);
+    try {
+      const auto step_start = Clock::now();
+      report.last = running.step();
+      report.end = endAfter(report.last);
+      if (report.last.diverged) break;
+      const double seconds = secondsSince(step_start);
+      report.statistics.add(report.last, seconds);
+      if (limits.after_step) limits.after_step(report.last, seconds);
+    } catch (const OutputError& error) {
+      report.end = RunEnd::output_failed;
+      report.reason = error.what();
+    }
     if (limits.reached && limits.reached(running)) break;
   }
   if (stop_.exchange(false) && report.end == RunEnd::done) report.end = RunEnd::stopped;

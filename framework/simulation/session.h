@@ -27,15 +27,16 @@ struct RunLimits {
 enum class RunEnd {
   done,           ///< a limit was reached
   stopped,        ///< requestStop(), after a whole step
-  diverged,       ///< the state is the last good one
+  diverged,       ///< the state is that before the step that failed
   not_converged,  ///< no equilibrium, or a position constraint that does not hold: the state is no result
+  output_failed,  ///< an observer, or what is told after each step, could not write; all others have seen the step
 };
 
 /// How a run ended. Nothing is printed.
 struct RunReport {
   RunEnd end = RunEnd::done;
   StepReport last;     ///< of the last step
-  std::string reason;  ///< a sentence, when diverged or not converged
+  std::string reason;  ///< a sentence, unless done or stopped
   double seconds = 0;  ///< wall time
   RunStatistics statistics;
 };

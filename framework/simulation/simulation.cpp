@@ -7,6 +7,11 @@
 #include <bit>
 #include <chrono>
 #include <cmath>
+#include <exception>
+
+#include "framework/scene/output_file.h"
+#include "framework/simulation/empty_selections.h"
+#include "framework/simulation/file_uses.h"
 
 namespace stroma {
 namespace {
@@ -89,6 +94,20 @@ void checkUnmovedStates(const Node& root, Diagnostics& diagnostics) {
   }
 }
 
+/// What a run would write over what the scene reads, or over what another observer writes.
+void checkFiles(const std::vector<Observer*>& observers, const Scene& scene, Diagnostics& diagnostics) {
+  if (observers.empty()) return;
+  const std::vector<FileUse> inputs = inputsOf(scene);
+  std::vector<FileUse> outputs;
+  for (const Observer* observer : observers) {
+    for (const std::string& file : observer->files()) outputs.push_back({file, observer->path()});
+    const std::optional<std::string> sentence = overwriting(outputs, inputs);
+    if (!sentence) continue;
+    diagnostics.error(observer->where(), observer->path(), *sentence, "a file of its own");
+    return;
+  }
+}
+
 /// FNV-1a, 64 bits, over the bytes of the bits of a number, lowest byte first.
 void hashNumber(std::uint64_t& hash, double number) {
   const auto bits = std::bit_cast<std::uint64_t>(number);
@@ -140,7 +159,10 @@ Simulation::Simulation(Scene scene) : scene_(std::move(scene)) {
   for (Integrator* integrator : integrators)
     if (auto system = compileSystem(*integrator, diagnostics)) systems_.push_back(std::move(system));
   if (!diagnostics.hasErrors()) checkUnmovedStates(root(), diagnostics);
+  root().collect(observers_);
+  if (!diagnostics.hasErrors()) checkFiles(observers_, scene_, diagnostics);
   if (diagnostics.hasErrors()) throw SceneError(diagnostics);
+  warnOfEmptySelections(root(), diagnostics);
 
   if (integrators.empty())
     diagnostics.warning(root().where(), root().path(), "the scene has no integrator: time passes and nothing moves");
@@ -155,7 +177,6 @@ Simulation::Simulation(Scene scene) : scene_(std::move(scene)) {
     copy(system->x, initial_.back().first);
     copy(system->v, initial_.back().second);
   }
-  root().collect(observers_);
   root().collect(histories_);
   watchFollowers();
   time_ = base_time_ = root().root_time;
@@ -181,6 +202,8 @@ std::vector<State*> Simulation::states() const {
 
 void Simulation::begin() {
   if (begun_) return;
+  // before the first of them replaces a file
+  for (const FileUse& output : outputsOf(*this)) checkWritable(output.path);
   begun_ = true;
   for (Observer* observer : observers_) observer->begin(*this);
 }
@@ -268,6 +291,20 @@ void Simulation::complete() const {
   }
 }
 
+/// An output that fails does not keep the others from what they have to write.
+template <class Tell>
+void Simulation::tellAll(Tell&& tell) {
+  std::exception_ptr failure;
+  for (Observer* observer : observers_) {
+    try {
+      tell(*observer);
+    } catch (const OutputError&) {
+      if (!failure) failure = std::current_exception();
+    }
+  }
+  if (failure) std::rethrow_exception(failure);
+}
+
 void Simulation::notify(const StepContext& context) {
   const auto reads_all = [&](const Observer* observer) {
     return watches_followers_ || observer->readsAllNodes(context);
@@ -275,7 +312,7 @@ void Simulation::notify(const StepContext& context) {
   if (!on_demand_ || std::any_of(observers_.begin(), observers_.end(), reads_all)) complete();
   if (observers_.empty()) return;
   const auto start = Clock::now();
-  for (Observer* observer : observers_) observer->afterStep(*this, context);
+  tellAll([&](Observer& observer) { observer.afterStep(*this, context); });
   if (!systems_.empty()) systems_.front()->times.observers += seconds(Clock::now() - start);
 }
 
@@ -283,7 +320,7 @@ void Simulation::end() {
   complete();
   if (!begun_) return;
   begun_ = false;
-  for (Observer* observer : observers_) observer->end(*this);
+  tellAll([&](Observer& observer) { observer.end(*this); });
 }
 
 void Simulation::reset() {

@@ -41,18 +41,20 @@ class Simulation {
   /// The observer sees its end() if the run has begun. No effect when it does not observe.
   void removeObserver(Observer& observer);
 
-  /// Observers see t = 0. Called by the first step when the caller has not.
+  /// Observers see t = 0. Called by the first step when the caller has not. Throws OutputError when one of their files
+  /// cannot be written; none has been changed then, unless a disk is full.
   void begin();
   /// One step. When it diverges, the states and what integrators remember are those of the last good step, and the
   /// report says why. A linear solver may start the next solve from what it has kept of the step that failed: its answer
   /// is then the same to its tolerance.
+  /// Throws OutputError after the step when an observer cannot write; all others have seen the step then.
   StepReport step();
   /// Some integrators compute nodes that nobody reads only on demand. Off (the default): every step ends with
   /// complete(). On: who reads x or v after a step calls complete() before; observers have it done for them.
   void computeOnDemand(bool on) { on_demand_ = on; }
   /// Brings every node to the present.
   void complete() const;
-  /// Observers see the end.
+  /// Observers see the end. Throws OutputError when one cannot write; all others have ended then.
   void end();
   /// Back to the initial state, bit for bit.
   void reset();
@@ -97,6 +99,11 @@ class Simulation {
   /// energy that came from nowhere, for velocities that change sign from step to step (from the 17th step on), for a
   /// mesh that has folded over itself where no force field looks at its volumes, and for what an integrator reports.
   std::vector<std::string> doubts() const;
+  /// How many volume elements of the states that move have no volume left, and of how many.
+  struct CellCount {
+    std::size_t inverted = 0, all = 0;
+  };
+  CellCount invertedCells() const;
   /// The compiled plan in lines: what runs each step, how often, what was skipped and why.
   std::vector<std::string> explain() const;
 
@@ -132,6 +139,8 @@ class Simulation {
   void takeBackState();
   /// x and v of the systems up to the one that failed, before the step.
   void takeBack(std::size_t failed);
+  template <class Tell>
+  void tellAll(Tell&& tell);
   /// Observers after a good step; their time is counted apart.
   void notify(const StepContext& context);
 

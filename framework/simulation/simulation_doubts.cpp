@@ -17,8 +17,8 @@ namespace {
 /// Steps from one look at reversed velocities to the next: a look costs six dot products.
 constexpr long look_every = 8;
 
-/// How many elements have no volume left at x, and which is worst, or empty.
-std::string foldedElements(const ForceField& field, ConstRows x) {
+/// How many elements of a force field have no volume left at x, and of how many.
+Simulation::CellCount foldedCount(const ForceField& field, ConstRows x) {
   // a crushed element has the round-off of its nodes' positions for a volume
   constexpr double flat = 1e-12;
   const auto names = field.cellFields();
@@ -26,9 +26,14 @@ std::string foldedElements(const ForceField& field, ConstRows x) {
   std::vector<double> j;
   field.cellField("J", x, j);
   const auto folded = std::count_if(j.begin(), j.end(), [](double value) { return !(value > flat); });
+  return {std::size_t(folded), j.size()};
+}
+
+/// The same in words with the worst element, or empty.
+std::string foldedElements(const ForceField& field, ConstRows x) {
+  const auto [folded, all] = foldedCount(field, x);
   if (folded == 0) return {};
-  return fmt::format("{} of {} elements are inverted or flat; the worst is {}", folded, j.size(),
-                     field.worstElement(x));
+  return fmt::format("{} of {} elements are inverted or flat; the worst is {}", folded, all, field.worstElement(x));
 }
 
 /// Whether a step moves the nodes by a share of the body's size that can be seen, in the mean: what is less is
@@ -111,6 +116,29 @@ std::vector<std::string> Simulation::doubts() const {
     say(reversals(i));
   }
   return sentences;
+}
+
+/// Several force fields and meshes may describe one body: it is as bad as the worst of them says.
+Simulation::CellCount Simulation::invertedCells() const {
+  complete();
+  CellCount sum;
+  const auto share = [](const CellCount& count) { return count.all ? double(count.inverted) / double(count.all) : -1; };
+  for (const auto& system : systems_)
+    for (const State* state : system->states()) {
+      CellCount worst;
+      const auto look = [&](const CellCount& count) {
+        if (share(count) > share(worst)) worst = count;
+      };
+      for (const ForceField* field : system->forceFields())
+        if (&field->state() == state) look(foldedCount(*field, system->x));
+      const std::vector<Vec3> now = positionsOf(*state, system->x);
+      for (const Topology* topology : topologiesOf(*state)) {
+        const auto [inverted, all] = insideOutCells(topology->mesh(), state->rest_position, now);
+        look({inverted, all});
+      }
+      sum.inverted += worst.inverted, sum.all += worst.all;
+    }
+  return sum;
 }
 
 /// More than half of the energy that moves about has no source. Bodies that are moved, or met by position constraints,

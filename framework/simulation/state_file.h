@@ -1,11 +1,18 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Positions, velocities and forces of one state over time, in the text of SOFA's WriteState:
+//   # stroma state
 //   T= 0.01
 //     X= x0 y0 z0 x1 y1 z1 ...
 //     V= ...
-// Numbers have the fewest digits that read back to the same bits. Compressed (gzip) when the name ends in ".gz".
+//   # whole 1a2b3c4d
+//   # end
+// Numbers have the fewest digits that read back to the same bits. `whole` ends an instant with the CRC-32 of its lines,
+// `end` ends the file. Compressed when the name ends in ".gz": each instant is a gzip member of its own. Files without
+// the first line, as SOFA and people write them, are read as they are.
 #pragma once
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -23,37 +30,50 @@ struct StateFrame {
   std::vector<Vec3> f;   ///< forces [N]
 };
 
-/// Writes a state file under a temporary name beside `path`; close() gives it its name, so that a file under that name
-/// is always whole. Without close() nothing is left. Every call throws std::runtime_error with a sentence on failure.
+/// Writes a state file. An instant is in the file from its finish() on, whatever happens to the process or to the disk
+/// afterwards. A file of the same name loses what it has with the first instant, not before. Every call throws
+/// OutputError on failure; after that no call has an effect.
 class StateWriter {
  public:
-  explicit StateWriter(std::string path);
+  /// Opens the file, and makes its folder.
+  explicit StateWriter(const std::string& path);
   StateWriter(StateWriter&&) noexcept;
   ~StateWriter();
 
   const std::string& path() const;
-  void time(double t);  ///< starts the frame at time t [s]
-  /// A line of the frame: label is "X", "X0", "V" or "F".
+  /// A run that goes on at time `t` [s]: keeps the instants that the file has up to there; `at_t`: that of `t` too. Not
+  /// after the first time(). Returns the time of the last one kept. Throws as readRecording(), and when the file has
+  /// instants that were written in another way.
+  std::optional<double> goOn(double t, bool at_t);
+  void time(double t);  ///< starts the instant at time t [s]
+  /// A line of the instant: label is "X", "X0", "V" or "F".
   void rows(std::string_view label, ConstRows rows);
   void rows(std::string_view label, const std::vector<Vec3>& rows);
   /// Only the rows listed in `indices`.
   void rows(std::string_view label, ConstRows rows, const std::vector<int>& indices);
-  void close();
+  void finish();  ///< the instant is whole
+  void close();   ///< the recording is whole
 
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
 
-/// Reads all frames. Throws std::runtime_error naming file and line when the file is missing, cut short (also inside
-/// its compression) or not of this format. Numbers that are not finite are read as they are: what they mean is the
-/// caller's to say.
-std::vector<StateFrame> readStateFile(const std::string& path);
+/// What a state file holds.
+struct StateRecording {
+  std::vector<StateFrame> frames;  ///< whole ones
+  std::string unfinished;  ///< a sentence with the last whole instant when the file has no end: a run still writes it,
+                           ///< was killed, or the file was cut short
+  std::vector<std::uint64_t> ends;  ///< byte where each instant ends in the file; empty for files of others
+};
 
-/// Starts `writer` with the instants that the file under its name holds, up to time `t` [s]: a run that goes on there
-/// leaves one file. None when there is no such file. Returns true when the last of them is that of `t`. Throws as
-/// readStateFile().
-bool keepInstants(StateWriter& writer, double t);
+/// Reads all whole instants. Throws std::runtime_error naming file and line when the file is missing, damaged, not of
+/// this format, or without marks and cut short. Numbers that are not finite are read as they are: what they mean is the
+/// caller's to say.
+StateRecording readRecording(const std::string& path);
+
+/// The instants of a finished file. Throws as readRecording(), and when the file is not finished.
+std::vector<StateFrame> readStateFile(const std::string& path);
 
 /// The file that holds the recording of a state: the state's path in the tree without the first "/", other "/" turned
 /// into ".", and the ending: "/liver/dofs" gives "liver.dofs.state.gz".

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // ReadState: what was written comes back bit by bit, at the times it belongs to.
 #include <cmath>
+#include <fstream>
+#include <iterator>
 
 #include "framework/simulation/state_file.h"
 #include "tests/support/folder_fixture.h"
@@ -168,6 +170,27 @@ TEST_F(ReadState, WhatIsAttachedIsCarriedAlong) {
   for (int i = 0; i < 100; ++i) ASSERT_FALSE(run.step().diverged);
   EXPECT_NEAR(run.states()[0]->x()[0].y(), 1, 1e-15);
   EXPECT_NEAR(run.states()[1]->v()[0].y(), 1, 1e-3);
+}
+
+/// What a killed run leaves.
+TEST_F(ReadState, ARecordingThatIsNotFinishedIsReadWithAWarning) {
+  for (const char* name : {"killed.state", "killed.state.gz"}) {
+    StateWriter writer(file(name));
+    for (int i = 0; i < 3; ++i) {
+      writer.time(0.1 * i);
+      writer.rows("X", std::vector<Vec3>{{0, 1. * i, 0}, {1, 1. * i, 0}});
+      writer.finish();
+    }
+    std::ifstream stream(file(name), std::ios::binary);
+    const std::string whole{std::istreambuf_iterator<char>(stream), {}};
+    for (const std::size_t cut : {0, 1, 20}) {
+      write(name, whole.substr(0, whole.size() - cut));
+      const Simulation run = drifting("filename='" + file(name) + "'");
+      const std::string said = run.scene().diagnostics.text();
+      const char* last = cut == 0 ? "its last whole instant is T = 0.2 s" : "its last whole instant is T = 0.1 s";
+      EXPECT_TRUE(has(said, "test.xml:") && has(said, "warning: ") && has(said, last)) << said;
+    }
+  }
 }
 
 TEST_F(ReadState, MistakesAreNamed) {

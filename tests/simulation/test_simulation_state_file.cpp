@@ -2,6 +2,7 @@
 // State files: the same bits back, whole or absent, damage is noticed.
 #include "framework/simulation/state_file.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <filesystem>
@@ -9,6 +10,7 @@
 #include <limits>
 #include <random>
 
+#include "framework/scene/output_file.h"
 #include "tests/support/folder_fixture.h"
 
 namespace {
@@ -86,20 +88,149 @@ TEST_F(StateFile, WritesRowsAndSubsets) {
   EXPECT_TRUE(sameBits(frames[0].f, {{7, 8, 9}, {1, 2, 3}}));
 }
 
-TEST_F(StateFile, LeavesNothingWithoutClose) {
-  {
-    StateWriter writer(file("c.state.gz"));
-    writer.time(0);
-    writer.rows("X", awkwardNumbers(10));
-    EXPECT_FALSE(fs::exists(file("c.state.gz")));
+std::string bytesOf(const std::string& path) {
+  std::ifstream stream(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+bool sameFrames(const std::vector<StateFrame>& part, const std::vector<StateFrame>& whole) {
+  if (part.size() > whole.size()) return false;
+  for (std::size_t i = 0; i < part.size(); ++i)
+    if (part[i].time != whole[i].time || !sameBits(part[i].x, whole[i].x) || !sameBits(part[i].v, whole[i].v))
+      return false;
+  return true;
+}
+
+TEST_F(StateFile, HoldsEveryInstantFromItsEndOn) {
+  const auto x = awkwardNumbers(1000);
+  for (const char* name : {"c.state", "c.state.gz"}) {
+    StateWriter writer(file(name));
+    for (int i = 0; i < 3; ++i) {
+      writer.time(i);
+      writer.rows("X", x);
+      writer.finish();
+      const StateRecording recording = readRecording(file(name));
+      ASSERT_EQ(recording.frames.size(), std::size_t(i + 1)) << name;
+      EXPECT_TRUE(sameBits(recording.frames.back().x, x));
+      EXPECT_NE(recording.unfinished.find("its last whole instant is T = " + std::to_string(i)), std::string::npos);
+      EXPECT_NE(messageOf(file(name)).find("not finished"), std::string::npos) << "strict readers refuse it";
+    }
+    writer.close();
+    EXPECT_EQ(readRecording(file(name)).unfinished, "");
+    EXPECT_EQ(messageOf(file(name)), "");
   }
-  EXPECT_TRUE(fs::is_empty(folder_));
+}
+
+/// Wherever a kill, a full disk or a copy has cut a recording, what is left is a part of it, and said to be one.
+TEST_F(StateFile, IsReadUpToTheLastWholeInstantWhereverItIsCut) {
+  for (const char* name : {"c.state", "c.state.gz"}) {
+    writeFrames(file(name), awkwardNumbers(3), 4);
+    const StateRecording whole = readRecording(file(name));
+    const std::string bytes = bytesOf(file(name));
+    for (std::size_t size = 1; size < bytes.size(); ++size) {
+      write(std::string("cut.") + name, bytes.substr(0, size));
+      const auto ends = std::upper_bound(whole.ends.begin(), whole.ends.end(), size) - whole.ends.begin();
+      try {
+        const StateRecording cut = readRecording(file(std::string("cut.") + name));
+        EXPECT_EQ(cut.frames.size(), std::size_t(ends)) << size;
+        EXPECT_TRUE(sameFrames(cut.frames, whole.frames)) << size;
+        EXPECT_NE(cut.unfinished, "") << size;
+      } catch (const std::runtime_error&) {
+        EXPECT_EQ(ends, 0) << size << ": before the first instant there is nothing to read";
+      }
+    }
+  }
+}
+
+TEST_F(StateFile, NoticesEveryBitThatChangesAValue) {
+  for (const char* name : {"c.state", "c.state.gz"}) {
+    writeFrames(file(name), awkwardNumbers(2), 2);
+    const std::vector<StateFrame> whole = readStateFile(file(name));
+    const std::string bytes = bytesOf(file(name));
+    int noticed = 0;
+    for (std::size_t at = 0; at < bytes.size(); ++at) {
+      std::string other = bytes;
+      other[at] = char(other[at] ^ 1);
+      write("flipped", other);
+      if (!messageOf(file("flipped")).empty())
+        ++noticed;
+      else
+        EXPECT_TRUE(sameFrames(readStateFile(file("flipped")), whole)) << name << " " << at;
+    }
+    EXPECT_GT(noticed, int(bytes.size()) / 2);
+  }
+}
+
+TEST_F(StateFile, GoesOnWithTheBytesOfOneThatNeverStopped) {
+  const auto x = awkwardNumbers(50);
+  for (const char* name : {"c.state", "c.state.gz"}) {
+    writeFrames(file(name), x, 6);
+    const std::string whole = bytesOf(file(name));
+    for (const std::size_t cut : {std::size_t(0), whole.size() / 4, whole.size() / 7}) {
+      write(name, whole.substr(0, whole.size() - cut));
+      StateWriter writer(file(name));
+      EXPECT_EQ(writer.goOn(0.1 * 3, true), 0.1 * 3);
+      for (int i = 4; i < 6; ++i) {
+        writer.time(0.1 * i);
+        writer.rows("X", x);
+        writer.rows("V", x);
+      }
+      writer.close();
+      EXPECT_TRUE(bytesOf(file(name)) == whole) << name << " " << cut;
+    }
+    StateWriter writer(file(name));
+    EXPECT_EQ(writer.goOn(0.1 * 3, false), 0.1 * 2);
+    EXPECT_EQ(writer.goOn(-1, true), std::nullopt);
+  }
+  write("foreign.state", "T= 0\n  X= 1 2 3\n");
+  StateWriter writer(file("foreign.state"));
+  EXPECT_THROW(writer.goOn(1, true), std::runtime_error);
+}
+
+TEST_F(StateFile, TakesNothingFromTheFileBeforeUntilItHasAnInstant) {
+  write("c.state", "T= 0\n  X= 1 2 3\n");
+  {
+    StateWriter old(file("c.state")), fresh(file("new.state.gz"));
+    old.time(1);
+  }
+  EXPECT_EQ(readStateFile(file("c.state")).front().x.front(), Vec3(1, 2, 3));
+  EXPECT_FALSE(exists("new.state.gz"));
+}
+
+TEST_F(StateFile, SaysWhyItCannotBeWritten) {
+  const auto reason = [](auto&& write) {
+    try {
+      write();
+    } catch (const OutputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  StateWriter full("/dev/full");
+  full.time(0);
+  EXPECT_EQ(reason([&] { full.finish(); }), "/dev/full: cannot write (No space left on device)");
+  EXPECT_EQ(reason([&] { full.finish(), full.close(); }), "") << "said once";
+  write("plain", "");
+  EXPECT_EQ(reason([&] { StateWriter{file("plain/a.state")}; }),
+            file("plain") + ": cannot make the folder (Not a directory)");
+  EXPECT_EQ(reason([&] { StateWriter{folder_.string()}; }),
+            folder_.string() + ": cannot open for writing (Is a directory)");
+  StateWriter gone(file("gone/a.state"));
+  gone.time(0);
+  gone.finish();
+  fs::remove_all(folder_ / "gone");
+  gone.time(1);
+  const std::string said = reason([&] { gone.finish(); });
+  EXPECT_NE(said.find("gone/a.state: the file was removed while it was being written"), std::string::npos) << said;
 }
 
 TEST_F(StateFile, NoticesDamage) {
-  writeFrames(file("d.state.gz"), awkwardNumbers(100), 2);
-  fs::resize_file(file("d.state.gz"), fs::file_size(file("d.state.gz")) / 2);
-  EXPECT_NE(messageOf(file("d.state.gz")).find("cut short"), std::string::npos);
+  // "T= 0\n  X= 1 2 3\n", compressed by gzip: whole, and without the last byte of its check sum. All of the text is there.
+  constexpr unsigned char zipped[] = {31,  139, 8,  0,  0,  0,  0,  0,   2, 3, 11, 177, 85, 48, 224, 82, 80, 136,
+                                      176, 85,  48, 84, 48, 82, 48, 230, 2, 0, 76, 112, 88, 73, 16,  0,  0,  0};
+  const std::string bytes(zipped, zipped + sizeof zipped);
+  EXPECT_EQ(readStateFile(write("d.state.gz", bytes)).size(), 1u);
+  EXPECT_NE(messageOf(write("d.state.gz", bytes.substr(0, bytes.size() - 1))).find("cut short"), std::string::npos);
   EXPECT_NE(messageOf(file("missing.gz")).find("cannot open"), std::string::npos);
 
   const std::pair<const char*, const char*> cases[] = {

@@ -10,6 +10,8 @@
 #include <vtkXMLUnstructuredGridReader.h>
 
 #include <cmath>
+#include <fstream>
+#include <iterator>
 
 #include "framework/simulation/checkpoint.h"
 #include "tests/vtk_io/vtk_fixture.h"
@@ -133,6 +135,21 @@ TEST_F(Exporter, ARestartedRunGoesOnWithItsFiles) {
   EXPECT_EQ(bytesOf(at("beam00000.vtu")), first);
   EXPECT_EQ(bytesOf(at("beam00002.vtu")), third);
   EXPECT_NE(bytesOf(at("beam00004.vtu")), third);
+}
+
+/// Readers colour by the ranges in the head of a file.
+TEST_F(Exporter, RangesInAFileAreThoseOfItsValues) {
+  Simulation simulation =
+      simulationFromText(beam(exporter("pointsDataFields=\"displacement\" exportAtBegin=\"true\"")));
+  simulation.step();
+  std::ifstream stream(at("beam00001.vtu"), std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  const auto largest = [&text](const std::string& name) {
+    const std::size_t array = text.find("Name=\"" + name + "\"");
+    return std::stod(text.substr(text.find("RangeMax=\"", array) + 10));
+  };
+  EXPECT_NEAR(largest("TimeValue"), 0.02, 1e-12);
+  EXPECT_GT(largest("displacement"), 0);
 }
 
 TEST_F(Exporter, RoundTripThroughTheLoader) {

@@ -10,10 +10,10 @@
 #include <time.h>
 
 #include <cmath>
-#include <fstream>
 #include <vector>
 
 #include "framework/algebra/parallel.h"
+#include "framework/scene/output_file.h"
 #include "tools/bench/body.h"
 
 namespace stroma::bench {
@@ -113,10 +113,7 @@ void compareAccuracy(const std::string& csv_file) {
       csv += fmt::format("\"{}\",{},{},{:.8g},{:.6g},{:.5g},{},{}\n", m.name, cells, outcome.nodes, outcome.deflection,
                          error, outcome.milliseconds, outcome.newton_iterations, outcome.trouble.empty() ? 1 : 0);
     }
-  if (csv_file.empty()) return;
-  std::ofstream stream(csv_file);
-  stream << csv;
-  if (!stream.flush()) throw std::runtime_error(fmt::format("cannot write {}", csv_file));
+  if (!csv_file.empty()) writeWholeFile(csv_file, csv);
 }
 
 }  // namespace stroma::bench

@@ -5,8 +5,9 @@
 
 #include <algorithm>
 #include <ctime>
-#include <fstream>
 #include <nlohmann/json.hpp>
+
+#include "framework/scene/output_file.h"
 
 namespace stroma::bench {
 namespace {
@@ -152,9 +153,7 @@ void writeJson(const std::string& file, const Catalogue& catalogue, const Machin
                                 {"best", value->best},
                                 {"target", ratio.target},
                                 {"verdict", verdict(value->middle, value->best, ratio.target, false)}});
-  std::ofstream stream(file);
-  stream << json.dump(2) << '\n';
-  if (!stream.flush()) throw std::runtime_error(fmt::format("cannot write {}", file));
+  writeWholeFile(file, json.dump(2) + "\n");
 }
 
 }  // namespace stroma::bench

@@ -21,7 +21,7 @@ class Collector final : public benchmark::BenchmarkReporter {
 void printMachine(const Machine& machine);
 /// Every figure that was measured: median, least, share of the limit, target, others.
 void printTable(const Catalogue& catalogue, const Machine& machine);
-/// The same and every repetition. Throws std::runtime_error when the file cannot be written.
+/// The same and every repetition. Throws OutputError when the file cannot be written.
 void writeJson(const std::string& file, const Catalogue& catalogue, const Machine& machine);
 
 }  // namespace stroma::bench

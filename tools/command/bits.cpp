@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "framework/algebra/parallel.h"
+#include "framework/scene/output_file.h"
 
 namespace stroma::command {
 namespace {
@@ -111,13 +112,13 @@ std::string StoredHashes::store(const std::string& name, const Bits& bits) {
 }
 
 void StoredHashes::write() const {
-  std::ofstream stream(file_);
+  std::ostringstream stream;
   stream << "# The bits of the last state of each case, by instruction set: positions and velocities, as `stroma run`\n"
             "# prints them. Written by `stroma regress LIST --bits --update`; only the same build can be expected to\n"
             "# reproduce them.\n"
          << "build " << build_ << '\n';
   for (const auto& [key, hash] : hashes_) stream << fmt::format("{} {} {:016x}\n", key.first, key.second, hash);
-  if (!stream.flush()) throw std::runtime_error(fmt::format("{}: cannot write", file_));
+  writeWholeFile(file_, stream.str());
 }
 
 }  // namespace stroma::command

@@ -11,10 +11,11 @@ namespace stroma::command {
 enum ExitCode : int {
   exit_done = 0,
   exit_comparison_failed = 1,
-  exit_bad_input = 2,  ///< nothing was written
-  exit_diverged = 3,   ///< or no equilibrium, or broken constraints; the last good state was written and named. Of a
-                       ///< strict run: or a result in doubt
-  exit_interrupted = 130,  ///< stopped by the user after a whole step; what was recorded is complete
+  exit_bad_input = 2,      ///< or an output that cannot be written: nothing was run
+  exit_diverged = 3,       ///< or no equilibrium, or broken constraints; the last state was written and named. Of a
+                           ///< strict run: or a result in doubt
+  exit_output_failed = 4,  ///< an output could not be written any more; what the files have is whole up to there
+  // 128 + the number of SIGINT or SIGTERM: stopped after a whole step; what was recorded is complete
 };
 
 using Arguments = std::vector<std::string>;  ///< what follows the subcommand

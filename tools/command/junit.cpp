@@ -4,8 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
-#include <stdexcept>
+#include <sstream>
+
+#include "framework/scene/output_file.h"
 
 namespace stroma::command {
 namespace {
@@ -37,7 +38,7 @@ void writeJunit(const std::string& suite, const std::vector<JunitCase>& cases, c
   const auto failures = std::ranges::count_if(cases, [](const JunitCase& test) { return !test.failure.empty(); });
   double seconds = 0;
   for (const JunitCase& test : cases) seconds += test.seconds;
-  std::ofstream stream(file);
+  std::ostringstream stream;
   stream << "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
          << fmt::format(
                 "<testsuite name=\"{}\" tests=\"{}\" failures=\"{}\" errors=\"0\" skipped=\"0\" time=\"{:.3f}\">\n",
@@ -52,7 +53,7 @@ void writeJunit(const std::string& suite, const std::vector<JunitCase>& cases, c
                             escaped(firstLine(test.failure)), escaped(test.failure));
   }
   stream << "</testsuite>\n";
-  if (!stream.flush()) throw std::runtime_error(fmt::format("{}: cannot write", file));
+  writeWholeFile(file, stream.str());
 }
 
 }  // namespace stroma::command

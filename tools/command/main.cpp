@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <csignal>
 #include <cstdio>
 
 #include "framework/scene/diagnostics.h"
@@ -39,8 +40,9 @@ void printHelp(std::FILE* stream) {
   fmt::print(
       stream,
       "\n`stroma SUBCOMMAND --help` prints its options and examples.\n"
-      "Exit codes: 0 done, 1 a comparison failed, 2 bad input (nothing written), 3 no result (the last good state "
-      "is\nwritten and named), 130 interrupted with Ctrl-C.\n");
+      "Exit codes: 0 done, 1 a comparison failed, 2 bad input (nothing was run), 3 no result (the last state is\n"
+      "written and named), 4 an output could not be written any more, 130 interrupted with Ctrl-C, 143 ended by "
+      "SIGTERM.\n");
 }
 
 int dispatch(const std::string& name, const Arguments& arguments) {
@@ -59,6 +61,7 @@ int dispatch(const std::string& name, const Arguments& arguments) {
 int main(int count, char** values) {
   // OpenBLAS would start a thread for every core when a module opens it, and let them spin; factorisations use one
   setenv("OPENBLAS_NUM_THREADS", "1", 0);
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that may grow no more is an error of its writer, not the end of the process
   const Arguments arguments(values + 1, values + count);
   if (arguments.empty()) {
     printHelp(stderr);

@@ -11,8 +11,9 @@
 #include <thread>
 
 #include "framework/mesh/mesh_loader.h"
+#include "framework/scene/output_file.h"
 #include "framework/scene/services.h"
-#include "framework/scene/whole_file.h"
+#include "framework/simulation/file_uses.h"
 #include "tools/command/mesh_report.h"
 #include "tools/mesh/enclosed_volume.h"
 #include "tools/mesh/voxels.h"
@@ -234,6 +235,9 @@ Meshed meshSurface(MeshRequest& request) {
 int mesh(const Arguments& arguments) {
   std::optional<MeshRequest> request = readMeshRequest(arguments);
   if (!request) return exit_done;
+  if (const auto sentence = overwriting({{request->output, "-o"}}, {{request->input, "stroma mesh"}}))
+    throw UsageError(*sentence);
+  checkWritable(request->output);
   const Meshed meshed = request->surfaceLoader() ? meshSurface(*request) : meshImage(*request);
   const MeshQuality quality = qualityOf(meshed.mesh);
   writeWholeFile(request->output,

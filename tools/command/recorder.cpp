@@ -3,50 +3,111 @@
 
 #include <fmt/format.h>
 
+#include <exception>
 #include <filesystem>
 #include <set>
 
+#include "framework/scene/output_file.h"
+
 namespace stroma::command {
 
-Recorder::Recorder(Session& session, const std::string& folder, bool goes_on)
-    : session_(session),
-      checkpoint_((std::filesystem::path(folder) / "last.checkpoint").string()),
-      states_(session.simulation().states()) {
+namespace fs = std::filesystem;
+
+std::vector<std::string> recordedFiles(const Simulation& simulation, const std::string& folder) {
+  std::vector<std::string> files;
   std::set<std::string> names;
-  for (const State* state : states_) {
+  for (const State* state : simulation.states()) {
     const std::string name = stateFileName(state->path());
     if (!names.insert(name).second)
       throw std::runtime_error(fmt::format("two states would be recorded in {}: rename {}", name, state->path()));
-    writers_.emplace_back((std::filesystem::path(folder) / name).string());
-    if (goes_on && keepInstants(writers_.back(), session.simulation().time()))
-      last_step_ = session.simulation().steps();
+    files.push_back((fs::path(folder) / name).string());
   }
+  files.push_back((fs::path(folder) / "last.checkpoint").string());
+  return files;
+}
+
+Recorder::Recorder(Session& session, const std::string& folder, long every)
+    : session_(session), every_(every), states_(session.simulation().states()) {
+  std::vector<std::string> files = recordedFiles(session.simulation(), folder);
+  checkpoint_ = std::move(files.back());
+  files.pop_back();
+  for (const std::string& file : files) writers_.emplace_back(file);
+}
+
+void Recorder::dropCheckpoint() {
+  std::error_code error;
+  fs::remove(checkpoint_, error);
+  if (error) throw OutputError(checkpoint_, "cannot remove the checkpoint of a run before", error.value());
+}
+
+void Recorder::goOn() {
+  const Simulation& simulation = session_.simulation();
+  const bool is_due = simulation.steps() % every_ == 0;
+  bool all_have_it = true;
+  for (StateWriter& writer : writers_) {
+    const std::optional<double> last = writer.goOn(simulation.time(), is_due);
+    is_empty_ = is_empty_ && !last;
+    all_have_it = all_have_it && last == simulation.time();
+  }
+  if (is_due && all_have_it) last_step_ = simulation.steps();
+  if (is_due && !all_have_it)
+    for (StateWriter& writer : writers_) writer.goOn(simulation.time(), false);
 }
 
 void Recorder::write() {
+  if (is_empty_ || session_.simulation().steps() % every_ == 0) record();
+}
+
+void Recorder::record() {
   Simulation& simulation = session_.simulation();
   if (last_step_ == simulation.steps()) return;
   last_step_ = simulation.steps();
+  is_empty_ = false;
   simulation.complete();
-  for (std::size_t i = 0; i < states_.size(); ++i) {
-    writers_[i].time(simulation.time());
-    writers_[i].rows("X", states_[i]->x());
-    writers_[i].rows("V", states_[i]->v());
+  std::size_t i = 0;
+  forEachWriter([&](StateWriter& writer) {
+    const State& state = *states_[i++];
+    writer.time(simulation.time());
+    writer.rows("X", state.x());
+    writer.rows("V", state.v());
+    writer.finish();
+  });
+}
+
+template <class Act>
+void Recorder::forEachWriter(Act&& act) {
+  std::exception_ptr failure;
+  for (StateWriter& writer : writers_) {
+    try {
+      act(writer);
+    } catch (const OutputError&) {
+      if (!failure) failure = std::current_exception();
+    }
   }
+  if (failure) std::rethrow_exception(failure);
 }
 
 void Recorder::writeCheckpoint() { session_.writeCheckpoint(checkpoint_); }
 
-void Recorder::finish() {
-  write();
-  for (StateWriter& writer : writers_) writer.close();
-  writeCheckpoint();
+void Recorder::finish(bool is_whole) {
+  std::exception_ptr failure;
+  const auto attempt = [&failure](auto&& act) {
+    try {
+      act();
+    } catch (const OutputError&) {
+      if (!failure) failure = std::current_exception();
+    }
+  };
+  attempt([this] { record(); });
+  attempt([this] { forEachWriter([](StateWriter& writer) { writer.close(); }); });
+  if (is_whole && !failure) attempt([this] { writeCheckpoint(); });
+  if (failure) std::rethrow_exception(failure);
 }
 
 std::vector<std::string> Recorder::files() const {
   std::vector<std::string> files;
   for (const StateWriter& writer : writers_) files.push_back(writer.path());
-  files.push_back(checkpoint_);
+  if (fs::exists(checkpoint_)) files.push_back(checkpoint_);
   return files;
 }
 

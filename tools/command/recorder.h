@@ -8,27 +8,42 @@
 
 namespace stroma::command {
 
+/// What a Recorder writes in `folder`: a file for each state, and the checkpoint. Throws std::runtime_error when two
+/// states would share a file.
+std::vector<std::string> recordedFiles(const Simulation& simulation, const std::string& folder);
+
 /// Writes positions and velocities of every state to one file each in `folder`, and a checkpoint: now and then, and of
-/// the end.
+/// the end. Throws OutputError; a file that cannot be written does not keep the others from what they have to write.
 class Recorder {
  public:
-  /// Opens the files; nothing has its final name before finish(). `goes_on`: the run started from a checkpoint, and
-  /// instants up to there that the folder's files hold are kept.
-  Recorder(Session& session, const std::string& folder, bool goes_on = false);
-  /// The present instant, unless it has been written already.
+  /// Opens the files; instants are recorded every `every` steps.
+  Recorder(Session& session, const std::string& folder, long every);
+  /// A run from the start: a checkpoint of a run before must not be taken for one of this run.
+  void dropCheckpoint();
+  /// A run that goes on from a checkpoint: instants up to there that the files hold are kept.
+  void goOn();
+  /// The present instant when its turn has come, or nothing has been recorded yet.
   void write();
-  /// The file `last.checkpoint`, in place of the one before.
+  /// In place of the one before.
   void writeCheckpoint();
-  /// The last instant, the checkpoint and the final names.
-  void finish();
+  /// The last instant, the checkpoint, and the ends of the files. `is_whole` false: some output lacks what it should
+  /// have; the checkpoint before, where nothing was missing, is left as it is.
+  void finish(bool is_whole = true);
+  /// Those that are there.
   std::vector<std::string> files() const;
 
  private:
+  void record();
+  template <class Act>
+  void forEachWriter(Act&& act);
+
   Session& session_;
-  std::string checkpoint_;  ///< file
+  long every_;
   std::vector<State*> states_;
   std::vector<StateWriter> writers_;
+  std::string checkpoint_;  ///< file
   long last_step_ = -1;
+  bool is_empty_ = true;  ///< nothing has been recorded
 };
 
 }  // namespace stroma::command

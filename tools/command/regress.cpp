@@ -5,11 +5,12 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "framework/scene/output_file.h"
+#include "framework/simulation/file_uses.h"
 #include "framework/simulation/statistics.h"
 #include "tools/command/bits.h"
 #include "tools/command/comparison.h"
@@ -186,9 +187,7 @@ Json toJson(const Result& result) {
 void writeJson(const std::vector<Result>& results, const std::string& file) {
   Json json = Json::array();
   for (const Result& result : results) json.push_back(toJson(result));
-  std::ofstream stream(file);
-  if (!(stream << json.dump(2, ' ', false, Json::error_handler_t::replace) << '\n').flush())
-    throw std::runtime_error(fmt::format("{}: cannot write", file));
+  writeWholeFile(file, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
 std::vector<JunitCase> junitCases(const std::vector<Result>& results) {
@@ -208,6 +207,16 @@ OptionList regressOptions() {
       ("junit", po::value<std::string>()->value_name("FILE"), "write the results as JUnit's XML, for build servers");
   addSceneOptions(options);
   return options;
+}
+
+/// Before the cases take their time.
+void checkReports(const RegressionList& list, const Values& values) {
+  std::vector<FileUse> inputs{{required(values, "LIST", manual), "the list"}}, outputs;
+  for (const RegressionCase& test : list.cases) inputs.push_back({test.scene, "the case " + test.name});
+  for (const char* option : {"json", "junit"})
+    if (values.count(option)) outputs.push_back({values[option].as<std::string>(), std::string("--") + option});
+  if (const auto sentence = overwriting(outputs, inputs)) throw UsageError(*sentence);
+  for (const FileUse& output : outputs) checkWritable(output.path);
 }
 
 std::vector<Result> runList(const RegressionList& list, const Values& values) {
@@ -240,6 +249,7 @@ int regress(const Arguments& arguments) {
     throw UsageError("--update with --set would store what the list does not say: write the setting into the list");
   if (values->count("bits") && values->count("threads"))
     throw UsageError("--bits compares runs with one and with two threads: leave --threads out");
+  checkReports(list, *values);
 
   const std::vector<Result> results = runList(list, *values);
   const auto failed = std::ranges::count_if(results, [](const Result& result) { return !result.failure.empty(); });

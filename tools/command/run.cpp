@@ -2,246 +2,140 @@
 // stroma run: load, step, record, report.
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <csignal>
-#include <filesystem>
-#include <fstream>
-#include <optional>
 
-#include "framework/algebra/parallel.h"
+#include "framework/scene/output_file.h"
 #include "framework/simulation/long_work.h"
 #include "tools/command/progress.h"
 #include "tools/command/recorder.h"
+#include "tools/command/run_outcome.h"
 #include "tools/command/session.h"
 #include "tools/command/statistics.h"
-
-namespace po = boost::program_options;
 
 namespace stroma::command {
 namespace {
 
-constexpr long default_steps = 100;
-
-const Manual manual{
-    "stroma run SCENE [options]",
-    "Simulates a scene: 100 steps unless -n or --until says otherwise. Progress and messages go to standard error,\n"
-    "the summary to standard output. Ctrl-C ends the run after a whole step.\n\n"
-    "--record leaves a checkpoint, DIR/last.checkpoint. The same command with --restart FILE goes on from one, with "
-    "its\n"
-    "time, step number and bits: -n and --until are those of the whole run, and the files of observers and recordings\n"
-    "are continued where the checkpoint was written.\n\n"
-    "Exit codes:\n"
-    "  0    done\n"
-    "  2    the scene or the options are wrong; nothing was written\n"
-    "  3    no result: a step diverged, statics found no equilibrium, or a position constraint did not hold. The last\n"
-    "       good state is recorded and named. With --strict also a result in doubt: elements inside out, a body that\n"
-    "       burst, energy from nowhere\n"
-    "  130  interrupted with Ctrl-C; what was recorded is complete",
-    "  stroma run liver.xml -n 200\n"
-    "  stroma run liver.xml --until 2 --set /liver/fem.method=polar --record results/liver --record-every 10\n"
-    "  stroma run liver.xml -n 5000 --record out --checkpoint-every 100 --restart out/last.checkpoint\n"
-    "  stroma run liver.xml -n 50 --json --quiet | python3 -m json.tool\n"};
-
 using Clock = std::chrono::steady_clock;
 double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-OptionList runOptions() {
-  OptionList options("options");
-  options.add_options()                                                                                               //
-      ("steps,n", po::value<long>()->value_name("STEPS"), "number of steps; 0 loads, compiles and records t = 0")     //
-      ("until", po::value<double>()->value_name("T"), "run to this time [s] instead")                                 //
-      ("record", po::value<std::string>()->value_name("DIR"), "write positions and velocities of every state there")  //
-      ("record-every", po::value<long>()->value_name("K"),
-       "record every K steps; the first and last instant always")                                              //
-      ("checkpoint-every", po::value<long>()->value_name("K"), "write DIR/last.checkpoint every K steps too")  //
-      ("restart", po::value<std::string>()->value_name("FILE"), "go on from a checkpoint of this scene")       //
-      ("json", po::value<std::string>()->implicit_value("-")->value_name("FILE"),
-       "print the summary as JSON; --json=FILE writes it to a file")    //
-      ("strict", "a result in doubt is none: the exit code is then 3")  //
-      ("quiet,q", "no progress, no notes");
-  addSceneOptions(options);
-  return options;
+/// The session that signals stop, and the signal that did.
+std::atomic<Session*> interruptible = nullptr;
+volatile std::sig_atomic_t stopped_by = 0;
+
+void stopOnSignals(Session& session) {
+  interruptible = &session;
+  for (const int signal : {SIGINT, SIGTERM})
+    std::signal(signal, [](int number) {
+      stopped_by = number;
+      interruptible.load()->requestStop();
+    });
 }
 
-/// The run as the user asked for it.
-struct Request {
-  std::string scene, record_folder, restart_file, json_file;
-  std::optional<long> steps;
-  std::optional<double> until;
-  long record_every = 1, checkpoint_every = 0;  ///< 0: never
-  bool quiet = false, strict = false;
-
-  explicit Request(const Values& values)
-      : scene(required(values, "SCENE", manual)), quiet(values.count("quiet") > 0), strict(values.count("strict") > 0) {
-    if (values.count("steps")) steps = values["steps"].as<long>();
-    if (values.count("until")) until = values["until"].as<double>();
-    if (values.count("record")) record_folder = values["record"].as<std::string>();
-    if (values.count("json")) json_file = values["json"].as<std::string>();
-    if (steps && until) throw UsageError("-n and --until exclude each other");
-    if (steps && *steps < 0) throw UsageError(fmt::format("-n {}: expected 0 or more steps", *steps));
-    if (values.count("restart")) restart_file = values["restart"].as<std::string>();
-    readInterval(values, "record-every", record_every);
-    readInterval(values, "checkpoint-every", checkpoint_every);
-  }
-  /// Of the whole run, those before a checkpoint included.
-  long stepsOf(const Session& session) const {
-    if (!until) return steps.value_or(default_steps);
-    try {
-      return session.simulation().steps() + session.stepsUntil(*until);
-    } catch (const std::invalid_argument& error) {
-      throw UsageError(fmt::format("--until {}: {}", *until, error.what()));
-    }
+/// When a checkpoint is due.
+class CheckpointClock {
+ public:
+  explicit CheckpointClock(const RunRequest& request) : request_(request) {}
+  bool isDue(long steps) {
+    const bool by_steps = request_.checkpoint_every > 0 && steps % request_.checkpoint_every == 0;
+    const bool by_time = request_.checkpoint_seconds > 0 && secondsSince(last_) >= request_.checkpoint_seconds;
+    if (by_time) last_ = Clock::now();
+    return by_steps || by_time;
   }
 
  private:
-  void readInterval(const Values& values, const std::string& option, long& interval) const {
-    if (!values.count(option)) return;
-    if (record_folder.empty()) throw UsageError(fmt::format("--{} needs --record DIR", option));
-    interval = values[option].as<long>();
-    if (interval < 1) throw UsageError(fmt::format("--{} {}: expected 1 or more", option, interval));
-  }
+  const RunRequest& request_;
+  Clock::time_point last_ = Clock::now();
 };
 
-/// How the run ended, as the command tells it.
-struct Outcome : RunReport {
-  bool doubted = false;  ///< by a strict run
-  bool interrupted() const { return end == RunEnd::stopped; }
-  bool failed() const { return end == RunEnd::diverged || end == RunEnd::not_converged; }
-  const char* word() const {
-    switch (end) {
-      case RunEnd::diverged:
-        return "diverged";
-      case RunEnd::stopped:
-        return "interrupted";
-      case RunEnd::not_converged:
-        return "not converged";
-      default:
-        return doubted ? "in doubt" : "done";
-    }
-  }
-};
+/// The files of the run before must not outlive its checkpoint.
+void prepare(Recorder& recorder, bool goes_on) {
+  if (goes_on)
+    recorder.goOn();
+  else
+    recorder.dropCheckpoint();
+}
 
-/// The session that SIGINT stops.
-std::atomic<Session*> interruptible = nullptr;
-
-Outcome loop(Session& session, long steps, const Request& request, Recorder* recorder) {
+Outcome loop(Session& session, long steps, const RunRequest& request, Recorder* recorder) {
   const Simulation& simulation = session.simulation();
+  stopOnSignals(session);
   session.simulation().begin();
   if (recorder) recorder->write();
   Progress progress(steps, request.quiet);
+  CheckpointClock checkpoints(request);
   RunLimits limits;
   limits.steps = std::max(0L, steps - simulation.steps());
   limits.after_step = [&](const StepReport& report, double) {
-    if (recorder && simulation.steps() % request.record_every == 0) recorder->write();
-    if (request.checkpoint_every > 0 && simulation.steps() % request.checkpoint_every == 0) recorder->writeCheckpoint();
+    if (recorder) recorder->write();
+    if (recorder && report.constraints_converged && checkpoints.isDue(simulation.steps())) recorder->writeCheckpoint();
     progress.show(simulation, report);
   };
-  interruptible = &session;
-  std::signal(SIGINT, [](int) { interruptible.load()->requestStop(); });
-  Outcome outcome{session.run(limits)};
+  Outcome outcome;
+  static_cast<RunReport&>(outcome) = session.run(limits);
+  outcome.signal = stopped_by;
   progress.finish();
   return outcome;
 }
 
-/// Where the recording of a run without a result goes when the user named no folder.
-std::string divergedFolder(const std::string& scene) {
-  return std::filesystem::path(scene).stem().string() + ".diverged";
+/// What can be written is, whatever else cannot.
+template <class Write>
+void attempt(Outcome& outcome, Write&& write) {
+  try {
+    write();
+  } catch (const OutputError& error) {
+    outcome.failures.emplace_back(error.what());
+  }
 }
 
 nlohmann::ordered_json toJson(const Energies& energies) {
   return {{"kinetic", energies.kinetic}, {"elastic", energies.elastic}, {"gravity", energies.gravity}};
 }
 
-nlohmann::ordered_json summary(const Request& request, const Simulation& simulation, const Outcome& outcome) {
-  nlohmann::ordered_json json;
-  json["scene"] = request.scene;
-  json["outcome"] = outcome.word();
-  if (outcome.failed()) json["reason"] = outcome.reason;
-  json["steps"] = simulation.steps();
-  json["simulated_time"] = simulation.time() - simulation.root().root_time;
-  json["wall_seconds"] = outcome.seconds;
-  json["ms_per_step"] = timing(outcome.statistics);
-  json["phase_seconds"] = phaseSeconds(simulation);
-  json.update(solvers(outcome.statistics));
-  json["threads"] = threads();
-  json["state_hash"] = fmt::format("{:016x}", simulation.stateHash());
-  return json;
-}
-
-void printText(const Request& request, const Simulation& simulation, const Outcome& outcome) {
-  fmt::print("{}: {} after {} steps, t = {:.6g} s; {:.3g} s of wall time", request.scene, outcome.word(),
-             simulation.steps(), simulation.time(), outcome.seconds);
-  if (!outcome.statistics.step_ms.empty())
-    fmt::print(", {:.3g} ms per step (median {:.3g}, p99 {:.3g})", outcome.statistics.meanMs(),
-               outcome.statistics.quantileMs(0.5), outcome.statistics.quantileMs(0.99));
-  if (outcome.statistics.divided_steps > 0)
-    fmt::print("\n{} of the steps had to be divided, into up to {} parts", outcome.statistics.divided_steps,
-               outcome.statistics.most_load_parts);
-  fmt::print("\nstate hash {:016x}\n", simulation.stateHash());
-}
-
-void writeJson(const nlohmann::ordered_json& json, const std::string& file) {
-  // file names need not be UTF-8; a byte that is not is replaced rather than losing the summary of a run
-  const std::string text = json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
-  if (file == "-") {
-    fmt::print("{}", text);
-    return;
-  }
-  std::ofstream stream(file);
-  if (!(stream << text).flush()) throw std::runtime_error(fmt::format("{}: cannot write", file));
-}
-
-/// Prints what a run's end gives reason to warn of and appends it to `warnings`, but for what the load has warned of
-/// already. Whether there are doubts.
-bool tellWarnings(const RunStatistics& statistics, const std::vector<std::string>& doubts,
-                  std::vector<std::string>& warnings) {
-  std::vector<std::string> found = statistics.warnings();
-  for (const std::string& sentence : doubts)
-    if (std::none_of(warnings.begin(), warnings.end(),
-                     [&](const std::string& warning) { return warning.find(sentence) != std::string::npos; }))
-      found.push_back(sentence);
-  for (const std::string& warning : found) {
-    fmt::print(stderr, "warning: {}\n", warning);
-    warnings.push_back(warning);
-  }
-  return !doubts.empty();
+/// Ends all files. `recorder` is made for a run without a result when there was none.
+void finish(Session& session, const RunRequest& request, std::optional<Recorder>& recorder, Outcome& outcome) {
+  if (outcome.end == RunEnd::output_failed) outcome.failures.push_back(outcome.reason);
+  attempt(outcome, [&] {
+    if (outcome.failed() && !recorder) recorder.emplace(session, divergedFolder(request.scene), 1);
+  });
+  // the checkpoint comes before what observers write at the very end: a run that goes on does not have it
+  if (recorder) attempt(outcome, [&] { recorder->finish(outcome.failures.empty()); });
+  attempt(outcome, [&] { session.finish(); });
+  if (outcome.failed())
+    tellFailure(outcome, session.simulation(), recorder ? recorder->files() : std::vector<std::string>{"no file"});
 }
 
 }  // namespace
 
 int run(const Arguments& arguments) {
   const auto start = Clock::now();
-  const auto values = parseOptions(manual, runOptions(), {"SCENE"}, arguments);
+  const auto values = parseRunOptions(arguments);
   if (!values) return exit_done;
-  const Request request(*values);
+  const RunRequest request(*values);
   tellLongWork(!request.quiet);
   Session session;
   configure(session, *values);
   Simulation& simulation = session.load(request.scene);
   simulation.computeOnDemand(true);
   std::vector<std::string> warnings = reportProblems(simulation.scene(), request.quiet);
-  if (!request.restart_file.empty())
-    for (const std::string& note : session.restore(request.restart_file)) fmt::print(stderr, "note: {}\n", note);
+  const std::string checkpoint = request.checkpointToGoOnFrom();
+  if (request.resume && checkpoint.empty() && !request.quiet)
+    fmt::print(stderr, "note: there is no checkpoint in {} yet: the run starts anew\n", request.record_folder);
+  if (!checkpoint.empty())
+    for (const std::string& note : session.restore(checkpoint)) fmt::print(stderr, "note: {}\n", note);
   const long steps = request.stepsOf(session);
+  checkOutputs(request, simulation);
   const double load_seconds = secondsSince(start);
 
   const bool wants_json = !request.json_file.empty();
   const Energies at_start = wants_json ? energiesOf(simulation) : Energies{};
   std::optional<Recorder> recorder;
-  if (!request.record_folder.empty()) recorder.emplace(session, request.record_folder, !request.restart_file.empty());
-  Outcome outcome = loop(session, steps, request, recorder ? &*recorder : nullptr);
-
-  if (outcome.failed()) {
-    if (!recorder) recorder.emplace(session, divergedFolder(request.scene));
-    fmt::print(stderr, "{}: {}\n", outcome.word(), outcome.reason);
+  if (request.recordsIn()) {
+    recorder.emplace(session, request.record_folder, request.record_every);
+    prepare(*recorder, !checkpoint.empty());
   }
-  if (recorder) recorder->finish();
-  session.finish();
-  if (recorder && outcome.failed())
-    fmt::print(stderr, "the last {} (t = {:.6g} s) is in {}\n", outcome.last.diverged ? "good state" : "state",
-               simulation.time(), fmt::join(recorder->files(), ", "));
+  Outcome outcome = loop(session, steps, request, recorder ? &*recorder : nullptr);
+  finish(session, request, recorder, outcome);
   const bool doubts = tellWarnings(outcome.statistics, simulation.doubts(), warnings);
   outcome.doubted = request.strict && (doubts || !outcome.statistics.allConverged());
   if (wants_json) {
@@ -252,10 +146,11 @@ int run(const Arguments& arguments) {
     json["modules_opened"] = session.modules().opened();
     if (recorder) json["recorded"] = recorder->files();
     json["warnings"] = warnings;
-    writeJson(json, request.json_file);
+    attempt(outcome, [&] { writeJson(json, request.json_file); });
   }
-  if (request.json_file != "-" && !request.quiet) printText(request, simulation, outcome);
-  return outcome.interrupted() ? exit_interrupted : outcome.failed() || outcome.doubted ? exit_diverged : exit_done;
+  for (const std::string& failure : outcome.failures) fmt::print(stderr, "error: {}\n", failure);
+  if (request.json_file != "-" && !request.quiet) printSummary(request, simulation, outcome);
+  return outcome.exitCode();
 }
 
 }  // namespace stroma::command

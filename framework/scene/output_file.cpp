@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "framework/scene/output_file.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <utility>
+
+namespace stroma {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// All of `bytes`; 0 or the error number.
+int writeAll(int descriptor, std::string_view bytes, bool is_regular, std::uint64_t offset) {
+  while (!bytes.empty()) {
+    const ssize_t count = is_regular ? ::pwrite(descriptor, bytes.data(), bytes.size(), off_t(offset))
+                                     : ::write(descriptor, bytes.data(), bytes.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) return errno;
+    bytes.remove_prefix(std::size_t(count));
+    offset += std::uint64_t(count);
+  }
+  return 0;
+}
+
+/// Writes and removes a file beside `path`: a full disk may take a new name, but no bytes. Of a file that is there only
+/// the space is in question.
+void tryBeside(const std::string& path, bool is_there) {
+  const std::string probe = path + ".part";
+  std::error_code error;
+  try {
+    OutputFile file;
+    file.open(probe);
+    file.append(std::string(4096, ' '));
+  } catch (const OutputError& failure) {
+    fs::remove(probe, error);
+    const bool is_full = failure.reason == ENOSPC || failure.reason == EDQUOT;
+    if (is_full || !is_there)
+      throw OutputError(path, is_full ? "cannot write" : "cannot open for writing", failure.reason);
+  }
+  fs::remove(probe, error);
+}
+
+}  // namespace
+
+OutputError::OutputError(const std::string& path, const std::string& what, int number)
+    : std::runtime_error(path + ": " + what + " (" + std::strerror(number) + ")"), reason(number) {}
+
+OutputFile& OutputFile::operator=(OutputFile&& other) noexcept {
+  std::swap(path_, other.path_);
+  std::swap(descriptor_, other.descriptor_);
+  std::swap(size_, other.size_);
+  std::swap(is_regular_, other.is_regular_);
+  std::swap(is_new_, other.is_new_);
+  std::swap(is_cut_, other.is_cut_);
+  std::swap(failed_, other.failed_);
+  return *this;
+}
+
+void OutputFile::open(const std::string& path) {
+  forget();
+  path_ = path, size_ = 0, is_cut_ = failed_ = false;
+  is_new_ = ::access(path.c_str(), F_OK) != 0;
+  descriptor_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
+  if (descriptor_ < 0) throw OutputError(path, "cannot open for writing", errno);
+  struct stat status {};
+  is_regular_ = ::fstat(descriptor_, &status) == 0 && S_ISREG(status.st_mode);
+}
+
+void OutputFile::append(std::string_view bytes) {
+  struct stat status {};
+  if (is_regular_ && ::fstat(descriptor_, &status) == 0 && status.st_nlink == 0)
+    fail("the file was removed while it was being written", ENOENT);
+  if (is_regular_ && !is_cut_ && ::ftruncate(descriptor_, off_t(size_)) != 0) fail("cannot write", errno);
+  is_cut_ = true;
+  if (const int reason = writeAll(descriptor_, bytes, is_regular_, size_)) {
+    // on a full disk a piece is cut short; that it cannot be taken back harms no reader
+    if (is_regular_ && ::ftruncate(descriptor_, off_t(size_)) != 0) errno = 0;
+    fail("cannot write", reason);
+  }
+  size_ += bytes.size();
+  is_new_ = false;
+}
+
+void OutputFile::fail(const char* what, int reason) {
+  failed_ = true;
+  throw OutputError(path_, what, reason);
+}
+
+void OutputFile::close() {
+  const int descriptor = descriptor_;
+  if (is_new_) return forget();
+  descriptor_ = -1;
+  if (descriptor >= 0 && ::close(descriptor) != 0 && !failed_) fail("cannot finish writing", errno);
+}
+
+void OutputFile::forget() noexcept {
+  if (descriptor_ < 0) return;
+  ::close(descriptor_);
+  descriptor_ = -1;
+  if (is_new_) ::unlink(path_.c_str());
+}
+
+void makeFolderOf(const std::string& path) {
+  const fs::path folder = fs::path(path).parent_path();
+  std::error_code error;
+  if (!folder.empty()) fs::create_directories(folder, error);
+  if (error) throw OutputError(folder.string(), "cannot make the folder", error.value());
+}
+
+void checkWritable(const std::string& path) {
+  makeFolderOf(path);
+  std::error_code error;
+  const auto kind = fs::status(path, error).type();
+  // to open a pipe is to wait for its reader
+  if (kind == fs::file_type::fifo || kind == fs::file_type::socket) return;
+  const bool is_there = kind != fs::file_type::not_found;
+  if (is_there) {
+    OutputFile file;
+    file.open(path);
+  }
+  if (!is_there || kind == fs::file_type::regular) tryBeside(path, is_there);
+}
+
+void writeWholeFile(const std::string& path, std::string_view bytes) {
+  std::error_code error;
+  if (fs::exists(path, error) && !fs::is_regular_file(path, error)) {  // a device or a pipe has no other name
+    OutputFile file;
+    file.open(path);
+    file.append(bytes);
+    return file.close();
+  }
+  const std::string temporary = path + ".part";
+  try {
+    OutputFile file;
+    file.open(temporary);
+    file.append(bytes);
+    file.close();
+  } catch (const OutputError&) {
+    fs::remove(temporary, error);
+    throw;
+  }
+  fs::rename(temporary, path, error);
+  if (!error) return;
+  const int reason = error.value();
+  fs::remove(temporary, error);
+  throw OutputError(path, "cannot write", reason);
+}
+
+}  // namespace stroma

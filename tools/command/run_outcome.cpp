@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tools/command/run_outcome.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "framework/algebra/parallel.h"
+#include "framework/scene/output_file.h"
+#include "tools/command/statistics.h"
+
+namespace stroma::command {
+
+const char* Outcome::word() const {
+  switch (end) {
+    case RunEnd::diverged:
+      return "diverged";
+    case RunEnd::stopped:
+      return "interrupted";
+    case RunEnd::not_converged:
+      return "not converged";
+    case RunEnd::output_failed:
+      return "ended by an output";
+    case RunEnd::done:
+      break;
+  }
+  return doubted ? "in doubt" : "done";
+}
+
+int Outcome::exitCode() const {
+  constexpr int by_signal = 128;
+  if (failed()) return exit_diverged;
+  if (!failures.empty()) return exit_output_failed;
+  if (end == RunEnd::stopped) return by_signal + signal;
+  return doubted ? exit_diverged : exit_done;
+}
+
+/// A state from which most elements have to unfold first is where the trouble is, not what was there before it.
+void tellFailure(const Outcome& outcome, const Simulation& simulation, const std::vector<std::string>& files) {
+  fmt::print(stderr, "{}: {}\n", outcome.word(), outcome.reason);
+  const auto [inverted, all] = simulation.invertedCells();
+  const bool is_good = outcome.last.diverged && 2 * inverted <= all;
+  fmt::print(stderr, "the last {}state (t = {:.6g} s{}{}) is in {}\n", is_good ? "good " : "", simulation.time(),
+             all > 0 ? fmt::format(", {} of {} elements inverted", inverted, all) : "",
+             outcome.last.diverged && !is_good ? ": no good one" : "", fmt::join(files, ", "));
+}
+
+bool tellWarnings(const RunStatistics& statistics, const std::vector<std::string>& doubts,
+                  std::vector<std::string>& warnings) {
+  std::vector<std::string> found = statistics.warnings();
+  for (const std::string& sentence : doubts)
+    if (std::none_of(warnings.begin(), warnings.end(),
+                     [&](const std::string& warning) { return warning.find(sentence) != std::string::npos; }))
+      found.push_back(sentence);
+  for (const std::string& warning : found) {
+    fmt::print(stderr, "warning: {}\n", warning);
+    warnings.push_back(warning);
+  }
+  return !doubts.empty();
+}
+
+nlohmann::ordered_json summary(const RunRequest& request, const Simulation& simulation, const Outcome& outcome) {
+  nlohmann::ordered_json json;
+  json["scene"] = request.scene;
+  json["outcome"] = outcome.word();
+  if (!outcome.reason.empty()) json["reason"] = outcome.reason;
+  if (!outcome.failures.empty()) json["not_written"] = outcome.failures;
+  json["steps"] = simulation.steps();
+  json["simulated_time"] = simulation.time() - simulation.root().root_time;
+  json["wall_seconds"] = outcome.seconds;
+  json["ms_per_step"] = timing(outcome.statistics);
+  json["phase_seconds"] = phaseSeconds(simulation);
+  json.update(solvers(outcome.statistics));
+  json["threads"] = threads();
+  json["state_hash"] = fmt::format("{:016x}", simulation.stateHash());
+  if (outcome.failed()) {
+    const auto [inverted, all] = simulation.invertedCells();
+    json["inverted_elements"] = {{"inverted", inverted}, {"of", all}};
+  }
+  return json;
+}
+
+void printSummary(const RunRequest& request, const Simulation& simulation, const Outcome& outcome) {
+  fmt::print("{}: {} after {} steps, t = {:.6g} s; {:.3g} s of wall time", request.scene, outcome.word(),
+             simulation.steps(), simulation.time(), outcome.seconds);
+  if (!outcome.statistics.step_ms.empty())
+    fmt::print(", {:.3g} ms per step (median {:.3g}, p99 {:.3g})", outcome.statistics.meanMs(),
+               outcome.statistics.quantileMs(0.5), outcome.statistics.quantileMs(0.99));
+  if (outcome.statistics.divided_steps > 0)
+    fmt::print("\n{} of the steps had to be divided, into up to {} parts", outcome.statistics.divided_steps,
+               outcome.statistics.most_load_parts);
+  fmt::print("\nstate hash {:016x}\n", simulation.stateHash());
+}
+
+void writeJson(const nlohmann::ordered_json& json, const std::string& file) {
+  // file names need not be UTF-8; a byte that is not is replaced rather than losing the summary of a run
+  const std::string text = json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  if (file == "-")
+    fmt::print("{}", text);
+  else
+    writeWholeFile(file, text);
+}
+
+}  // namespace stroma::command

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// How a run ended, as `stroma run` tells it.
+#pragma once
+#include <nlohmann/json.hpp>
+
+#include "tools/command/run_request.h"
+
+namespace stroma::command {
+
+struct Outcome : RunReport {
+  bool doubted = false;               ///< by a strict run
+  int signal = 0;                     ///< that ended it
+  std::vector<std::string> failures;  ///< a sentence for each output that could not be written
+
+  bool failed() const { return end == RunEnd::diverged || end == RunEnd::not_converged; }
+  const char* word() const;
+  int exitCode() const;
+};
+
+/// Prints what happened to a run without a result, and how good the state is that it has left in `files`.
+void tellFailure(const Outcome& outcome, const Simulation& simulation, const std::vector<std::string>& files);
+/// Prints what a run's end gives reason to warn of and appends it to `warnings`, but for what the load has warned of
+/// already. Whether there are doubts.
+bool tellWarnings(const RunStatistics& statistics, const std::vector<std::string>& doubts,
+                  std::vector<std::string>& warnings);
+
+nlohmann::ordered_json summary(const RunRequest& request, const Simulation& simulation, const Outcome& outcome);
+void printSummary(const RunRequest& request, const Simulation& simulation, const Outcome& outcome);
+/// "-" is standard output. Throws OutputError.
+void writeJson(const nlohmann::ordered_json& json, const std::string& file);
+
+}  // namespace stroma::command

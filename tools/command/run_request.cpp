@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tools/command/run_request.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <filesystem>
+
+#include "framework/scene/output_file.h"
+#include "framework/simulation/file_uses.h"
+#include "tools/command/recorder.h"
+#include "tools/command/session.h"
+
+namespace po = boost::program_options;
+
+namespace stroma::command {
+namespace {
+
+constexpr long default_steps = 100;
+
+const Manual manual{
+    "stroma run SCENE [options]",
+    "Simulates a scene: 100 steps unless -n or --until says otherwise. Progress and messages go to standard error,\n"
+    "the summary to standard output. Ctrl-C, or SIGTERM, ends the run after a whole step.\n\n"
+    "--record leaves a checkpoint, DIR/last.checkpoint: every minute, and at the end. The same command with --resume\n"
+    "goes on from it, or starts when there is none yet: after a crash, a kill, or Ctrl-C. --restart FILE goes on from\n"
+    "any checkpoint. The run has the time, step number and bits of one that never stopped: -n and --until are those\n"
+    "of the whole run, and the files of observers and recordings are continued where the checkpoint was written.\n\n"
+    "Exit codes:\n"
+    "  0    done\n"
+    "  2    the scene or the options are wrong, or an output cannot be written; nothing was run\n"
+    "  3    no result: a step diverged, statics found no equilibrium, or a position constraint did not hold. The last\n"
+    "       state is recorded and named, with the elements that are inverted in it. With --strict also a result in\n"
+    "       doubt: elements inside out, a body that burst, energy from nowhere\n"
+    "  4    an output could not be written any more: the run ended; what the files have is whole up to there\n"
+    "  130  interrupted with Ctrl-C; what was recorded is complete\n"
+    "  143  ended by SIGTERM, likewise",
+    "  stroma run liver.xml -n 200\n"
+    "  stroma run liver.xml --until 2 --set /liver/fem.method=polar --record results/liver --record-every 10\n"
+    "  stroma run liver.xml -n 5000 --record out --resume\n"
+    "  stroma run liver.xml -n 50 --json --quiet | python3 -m json.tool\n"};
+
+OptionList runOptions() {
+  OptionList options("options");
+  options.add_options()                                                                                               //
+      ("steps,n", po::value<long>()->value_name("STEPS"), "number of steps; 0 loads, compiles and records t = 0")     //
+      ("until", po::value<double>()->value_name("T"), "run to this time [s] instead")                                 //
+      ("record", po::value<std::string>()->value_name("DIR"), "write positions and velocities of every state there")  //
+      ("record-every", po::value<long>()->value_name("K"),
+       "record every K steps; the first and last instant always")  //
+      ("checkpoint-seconds", po::value<double>()->value_name("S"),
+       "write DIR/last.checkpoint every S seconds of wall time (60 when not given; 0: only at the end)")       //
+      ("checkpoint-every", po::value<long>()->value_name("K"), "write DIR/last.checkpoint every K steps too")  //
+      ("resume", "go on from DIR/last.checkpoint if it is there")                                              //
+      ("restart", po::value<std::string>()->value_name("FILE"), "go on from a checkpoint of this scene")       //
+      ("json", po::value<std::string>()->implicit_value("-")->value_name("FILE"),
+       "print the summary as JSON; --json=FILE writes it to a file")    //
+      ("strict", "a result in doubt is none: the exit code is then 3")  //
+      ("quiet,q", "no progress, no notes");
+  addSceneOptions(options);
+  return options;
+}
+
+}  // namespace
+
+std::optional<Values> parseRunOptions(const Arguments& arguments) {
+  return parseOptions(manual, runOptions(), {"SCENE"}, arguments);
+}
+
+RunRequest::RunRequest(const Values& values)
+    : scene(required(values, "SCENE", manual)),
+      quiet(values.count("quiet") > 0),
+      strict(values.count("strict") > 0),
+      resume(values.count("resume") > 0) {
+  if (values.count("steps")) steps = values["steps"].as<long>();
+  if (values.count("until")) until = values["until"].as<double>();
+  if (values.count("record")) record_folder = values["record"].as<std::string>();
+  if (values.count("json")) json_file = values["json"].as<std::string>();
+  if (values.count("restart")) restart_file = values["restart"].as<std::string>();
+  if (steps && until) throw UsageError("-n and --until exclude each other");
+  if (steps && *steps < 0) throw UsageError(fmt::format("-n {}: expected 0 or more steps", *steps));
+  if (resume && !restart_file.empty()) throw UsageError("--resume and --restart exclude each other");
+  for (const char* option : {"record-every", "checkpoint-every", "checkpoint-seconds", "resume"})
+    if (values.count(option) && !recordsIn()) throw UsageError(fmt::format("--{} needs --record DIR", option));
+  readInterval(values, "record-every", record_every);
+  readInterval(values, "checkpoint-every", checkpoint_every);
+  if (!values.count("checkpoint-seconds")) return;
+  checkpoint_seconds = values["checkpoint-seconds"].as<double>();
+  if (!(checkpoint_seconds >= 0) || !std::isfinite(checkpoint_seconds))
+    throw UsageError(fmt::format("--checkpoint-seconds {}: expected 0 or more", checkpoint_seconds));
+}
+
+void RunRequest::readInterval(const Values& values, const std::string& option, long& interval) const {
+  if (!values.count(option)) return;
+  interval = values[option].as<long>();
+  if (interval < 1) throw UsageError(fmt::format("--{} {}: expected 1 or more", option, interval));
+}
+
+long RunRequest::stepsOf(const Session& session) const {
+  if (!until) return steps.value_or(default_steps);
+  try {
+    return session.simulation().steps() + session.stepsUntil(*until);
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(fmt::format("--until {}: {}", *until, error.what()));
+  }
+}
+
+std::string RunRequest::checkpointToGoOnFrom() const {
+  if (!resume) return restart_file;
+  const std::string last = (std::filesystem::path(record_folder) / "last.checkpoint").string();
+  return std::filesystem::exists(last) ? last : "";
+}
+
+std::string divergedFolder(const std::string& scene) {
+  return std::filesystem::path(scene).stem().string() + ".diverged";
+}
+
+void checkOutputs(const RunRequest& request, const Simulation& simulation) {
+  std::vector<FileUse> outputs;
+  const auto add = [&outputs](const std::string& file, const char* user) { outputs.push_back({file, user}); };
+  if (request.recordsIn())
+    for (const std::string& file : recordedFiles(simulation, request.record_folder)) add(file, "--record");
+  if (!request.json_file.empty() && request.json_file != "-") add(request.json_file, "--json");
+  std::vector<FileUse> all = outputsOf(simulation);
+  all.insert(all.end(), outputs.begin(), outputs.end());
+  if (!request.recordsIn())  // nobody knows yet whether they will be needed
+    for (const std::string& file : recordedFiles(simulation, divergedFolder(request.scene)))
+      all.push_back({file, "a run without a result (--record DIR writes elsewhere)"});
+  if (const auto sentence = overwriting(all, inputsOf(simulation.scene()))) throw UsageError(*sentence);
+  for (const FileUse& output : outputs) checkWritable(output.path);
+}
+
+}  // namespace stroma::command

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// What `stroma run` was asked for.
+#pragma once
+#include <optional>
+#include <string>
+
+#include "framework/simulation/session.h"
+#include "tools/command/command.h"
+#include "tools/command/options.h"
+
+namespace stroma::command {
+
+struct RunRequest {
+  std::string scene, record_folder, restart_file, json_file;
+  std::optional<long> steps;
+  std::optional<double> until;
+  long record_every = 1, checkpoint_every = 0;  ///< [steps]; 0: never
+  double checkpoint_seconds = 60;               ///< of wall time; 0: never
+  bool quiet = false, strict = false, resume = false;
+
+  explicit RunRequest(const Values& values);
+  /// Of the whole run, those before a checkpoint included.
+  long stepsOf(const Session& session) const;
+  bool recordsIn() const { return !record_folder.empty(); }
+  /// The checkpoint that the run goes on from, or empty.
+  std::string checkpointToGoOnFrom() const;
+
+ private:
+  void readInterval(const Values& values, const std::string& option, long& interval) const;
+};
+
+/// Empty when the user asked for help, and got it.
+std::optional<Values> parseRunOptions(const Arguments& arguments);
+
+/// Where the recording of a run without a result goes when the user named no folder.
+std::string divergedFolder(const std::string& scene);
+
+/// Throws UsageError when the run would write over what it reads, or one file twice, and OutputError when it cannot
+/// write what it was told to. Nothing has been written then.
+void checkOutputs(const RunRequest& request, const Simulation& simulation);
+
+}  // namespace stroma::command
