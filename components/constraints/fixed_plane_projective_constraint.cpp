@@ -34,8 +34,8 @@ class FixedPlaneProjectiveConstraint final : public HeldNodes {
 
   void init() override {
     if (!(direction_.norm() > 0)) throw ComponentError("direction is zero", "a vector that is not zero");
-    direction_.normalize();
-    projector_ = Mat3::Identity() - direction_ * direction_.transpose();
+    const Vec3 normal = direction_.normalized();
+    projector_ = Mat3::Identity() - normal * normal.transpose();
     const bool between = data().find("dmin")->isSet() || data().find("dmax")->isSet();
     if (!between) return HeldNodes::init();
     if (data().find("indices")->isSet() || data().find("fixAll")->isSet())
@@ -43,7 +43,7 @@ class FixedPlaneProjectiveConstraint final : public HeldNodes {
     ProjectiveConstraint::init();  // NOLINT(bugprone-parent-virtual-call): HeldNodes would ask for indices
     std::vector<Index> found;
     for (Index i = 0; i < state().size(); ++i) {
-      const double d = direction_.dot(state().position[i]);
+      const double d = normal.dot(state().position[i]);
       if (d > lowest_ && d < highest_) found.push_back(i);
     }
     if (found.empty())

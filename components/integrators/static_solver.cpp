@@ -64,10 +64,6 @@ class Equilibrium final : public NonlinearProblem {
  public:
   void compile(System& system) {
     system_ = &system;
-    const auto& fields = system.forceFields();
-    is_loaded_ = system.hasGravity() || system.constraints().hasPrescribed() ||
-                 std::any_of(fields.begin(), fields.end(),
-                             [](const ForceField* field) { return !field->traits().has_stiffness; });
     for (Vector* vector : {&start_, &start_force_, &error_, &product_}) vector->resize(system.independentRows());
   }
   void begin() {
@@ -105,7 +101,12 @@ class Equilibrium final : public NonlinearProblem {
   double displacementPerUnknown() const override { return 1; }
   ConstRows positions() const override { return rows(); }
   double travelled() const override { return distance(rows(), start_); }
-  bool isLoaded() const override { return is_loaded_; }
+  bool isLoaded() const override {
+    const auto& fields = system_->forceFields();
+    return system_->hasGravity() || system_->constraints().hasPrescribed() ||
+           std::any_of(fields.begin(), fields.end(),
+                       [](const ForceField* field) { return !field->traits().has_stiffness; });
+  }
   RoundOff roundOff() override { return positionRoundOff(*system_, error_, product_); }
 
  private:
@@ -113,7 +114,6 @@ class Equilibrium final : public NonlinearProblem {
   System* system_ = nullptr;
   Vector start_, start_force_, error_, product_;
   double share_ = 1;
-  bool is_loaded_ = false;
 };
 
 class StaticSolver final : public Integrator {

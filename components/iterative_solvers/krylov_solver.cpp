@@ -9,7 +9,7 @@ namespace stroma {
 
 void KrylovSolver::declare(DataTable& table) {
   table.add("iterations", iterations_)
-      .atOnce()
+      .recompiled()
       .help("largest number of iterations; a scene that must keep a frame rate caps them")
       .unit("-")
       .min(1);

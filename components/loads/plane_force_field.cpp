@@ -38,18 +38,18 @@ class PlaneForceField final : public PenaltyField {
   void init() override {
     PenaltyField::init();
     if (!(normal_.norm() > 0)) throw ComponentError("normal has no direction", "a vector that is not zero");
-    normal_.normalize();
+    unit_normal_ = normal_.normalized();
   }
 
  protected:
   Depth depth(const Vec3& x) const override {
-    const double g = offset_ - normal_.dot(x);
-    if (bilateral_ && g < 0) return {-g, normal_, Mat3::Zero()};
-    return {g, -normal_, Mat3::Zero()};
+    const double g = offset_ - unit_normal_.dot(x);
+    if (bilateral_ && g < 0) return {-g, unit_normal_, Mat3::Zero()};
+    return {g, -unit_normal_, Mat3::Zero()};
   }
 
  private:
-  Vec3 normal_ = Vec3::UnitY();
+  Vec3 normal_ = Vec3::UnitY(), unit_normal_ = normal_;
   double offset_ = 0;
   bool bilateral_ = false;
 };

@@ -196,7 +196,7 @@ TEST(Membrane, SaysWhatIsWrong) {
     EXPECT_NE(problems.find(words), std::string::npos) << words << " is not in:\n" << problems;
   };
   EXPECT_EQ(problemsOf(scene(patch, "poissonRatio='0.5'")), "");
-  expectProblem("position='0 0 0 1 0 0 0 1 0'", "", "has triangles");
+  expectProblem("position='0 0 0 1 0 0 0 1 0'", "", "has no triangles");
   expectProblem("position='0 0 0 1 0 0 2 0 0' triangles='0 1 2'", "", "is a line at rest");
   expectProblem(patch, "youngModulus='1 2'", "youngModulus has 2 values for 4 triangles");
   expectProblem(patch, "poissonRatio='0.5' planeStrain='1'", "planeStrain");

@@ -144,7 +144,9 @@ TEST_P(CellKinds, RulesAreExactUpToTheirDegreeAndNoFurther) {
           else
             worst_beyond = std::max(worst_beyond, error);
         }
-    if (kind_.dimension > 0) EXPECT_GT(worst_beyond, 1e-4) << "the rule is better than it says";
+    if (kind_.dimension > 0) {
+      EXPECT_GT(worst_beyond, 1e-4) << "the rule is better than it says";
+    }
     EXPECT_EQ(&kind_.rule(rule.degree), &rule);
   }
 }
@@ -242,7 +244,7 @@ TEST_P(CellKinds, HoldMovesOutsidePointsToTheBorder) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, CellKinds, testing::ValuesIn(cell_kinds::all),
-                         [](const auto& info) { return std::string(info.param->singular); });
+                         [](const auto& kind) { return std::string(kind.param->singular); });
 
 TEST(CellLists, GoThroughAMeshInAscendingDimension) {
   Mesh mesh;

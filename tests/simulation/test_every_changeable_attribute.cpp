@@ -38,6 +38,8 @@ std::string exception(const std::string& name) {
       {"LinearForceField.rayleighStiffness", "no stiffness"},
       {"SphereForceField.rayleighStiffness", "nothing touches it so soon"},
       {"SurfacePressureForceField.pressure", "the far end of a pulse; see LiveAttributes"},
+      {"UniformMass.totalMass", "the example falls freely"},
+      {"UniformMass.vertexMass", "the example falls freely"},
       {"UniformVelocityDampingForceField.rayleighStiffness", "no stiffness"}};
   const auto found = reasons.find(name);
   return found == reasons.end() ? std::string() : found->second;

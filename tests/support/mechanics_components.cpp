@@ -12,7 +12,7 @@ namespace {
 /// Does nothing in a step but start it; a test calls the system itself.
 class TestIntegrator final : public Integrator {
  public:
-  void declare(DataTable& table) override { declareLinearSolver(table); }
+  void declare(DataTable& table) override { declareLinearSolver(table, false); }
   void compile(System&) override {}
   StepReport step(System& system, const StepContext& context) override {
     system.beginStep(context);

@@ -49,7 +49,7 @@ TEST_P(GmshCellKinds, ShapesAndGradientsAreGmshs) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, GmshCellKinds, testing::ValuesIn(cell_kinds::all),
-                         [](const auto& info) { return std::string(info.param->singular); });
+                         [](const auto& kind) { return std::string(kind.param->singular); });
 
 }  // namespace
 }  // namespace stroma::test
