@@ -125,6 +125,8 @@ class Simulation {
   StepContext nextStep() const;
   /// One step of system `index`, with roll-back of all systems up to it when it fails.
   void advance(std::size_t index, const StepContext& context, StepReport& report);
+  /// The step stands for `history`; its fault makes a step without time unsolved.
+  void endHistory(History& history, const StepContext& context, StepReport& report) const;
   /// Keeps x and v of every system for takeBackState().
   void keepState();
   void takeBackState();
