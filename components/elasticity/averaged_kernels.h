@@ -22,6 +22,7 @@ inline std::map<double, std::vector<Index>> materials(const Elements& elements) 
   return cells;
 }
 
+/// `Single`: a model of averaged_models.h.
 template <class Single>
 std::unique_ptr<ElementKernels> averagedKernelsOf(const Elements& elements) {
   const TetrahedronShapes& shapes = elements.shapes;
@@ -37,7 +38,7 @@ std::unique_ptr<ElementKernels> averagedKernelsOf(const Elements& elements) {
     std::vector<Fan> fans = m.fans;  // with numbers of the mesh
     for (Fan& fan : fans)
       for (Index& e : fan.element) e = e >= 0 ? numbers[e] : -1;
-    m.storage = fanStorage<StorageOf<FanOf<Deviatoric<Single>>>>(fans, elements);
+    m.storage = fanStorage<StorageOf<FanOf<Single>>>(fans, elements);
     for (Fan& fan : m.fans)
       for (Index& node : fan.nodes) node += elements.first_row;
     for (Tetrahedron& cell : m.cells)

@@ -199,7 +199,26 @@ void ElasticForceField::init() {
   variant_.own_matrix = assembling_ == Assembling::yes;
   checkVariant();
   checkMaterial();
+  tellSurprises();
   elements_->bind(*mesh_, state().rest_position, variant_);
+}
+
+void ElasticForceField::tellSurprises() const {
+  if (variant_.method == ElasticMethod::large)
+    inform(
+        fmt::format("method large takes the frame of an element from the order of its nodes: it fails the patch test "
+                    "by the square of the strain{}. method svd does neither",
+                    update_b_ ? ""
+                              : ", and of a constant B (updateStiffnessMatrix=\"false\") its forces turn a free body, "
+                                "by about the square of the strain too"));
+  const bool rotated = variant_.method != ElasticMethod::small && variant_.method != ElasticMethod::green;
+  constexpr double nearly_incompressible = 0.49;
+  if (variant_.mean_dilatation && rotated && !variant_.exact_tangent &&
+      *std::max_element(poisson_ratio_.begin(), poisson_ratio_.end()) > nearly_incompressible)
+    inform(
+        "with a warped tangent Newton's method slows down and may stall this near to incompressibility: "
+        "tangent=\"exact\" "
+        "converges quadratically");
 }
 
 void ElasticForceField::checkVariant() const {
@@ -224,12 +243,9 @@ void ElasticForceField::checkVariant() const {
 }
 
 void ElasticForceField::checkMeanDilatation() const {
-  const std::string expected = "dilatation=\"local\"";
   if (!elements_->hasMeanDilatation(variant_.method))
     throw ComponentError(fmt::format("method {} has no mean dilatation for a {}", wordOf(variant_.method), kind_word_),
-                         expected);
-  if (variant_.exact_tangent)
-    throw ComponentError("the mean dilatation has a warped tangent only", "tangent=\"warped\"");
+                         "dilatation=\"local\"");
 }
 
 void ElasticForceField::checkMaterial() const {

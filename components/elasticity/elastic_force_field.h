@@ -56,6 +56,8 @@ class ElasticForceField : public ElementKernelsField {
   /// Throws ComponentError for combinations of attributes that mean nothing together.
   void checkVariant() const;
   void checkMeanDilatation() const;
+  /// Notes on what is so by construction and surprises nevertheless.
+  void tellSurprises() const;
   /// Throws ComponentError for lists of a wrong length or a value without a material.
   void checkMaterial() const;
   /// Of one cell [Pa], localStiffnessFactor included.

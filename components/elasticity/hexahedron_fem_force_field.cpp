@@ -10,7 +10,8 @@
 // appendix A). The shape is any isoparametric hexahedron; nodes are in the order of VTK.
 //
 // R belongs to F = [means of the four edges in each direction, now] [at rest]^-1. method = small: R = I; large: QR
-// (first mean edge, plane of the first two); polar: nearest orthogonal matrix, the least stretched axis flipped in an
+// (first mean edge, plane of the first two), which depends on the order of the nodes, so that elements of one strain
+// differ by its square: it fails the patch test by that; polar: nearest orthogonal matrix, the least stretched axis flipped in an
 // inverted element; svd: the smallest inversion (Irving et al. 2004); green: no rotation, St. Venant-Kirchhoff,
 //   E = (F^T F - I)/2,   S = lambda tr(E) I + 2 mu E,   f_a = -sum w F S grad N_a,   W = sum w (lambda/2 tr(E)^2 + mu E
 //   : E)
@@ -25,7 +26,8 @@
 // dilatation = mean takes the volume change as one number per element, its mean at rest weights (Nagtegaal, Parks and
 // Rice 1974; the B-bar of Hughes 1980): near nu = 1/2 the element does not lock, and a compressed body does not buckle
 // element by element under the pressures of locking. For green it is the mean of tr(E). With updateVolume a point
-// counts with the root of its weight times the one at rest.
+// counts with the root of its weight times the one at rest. Near nu = 1/2 take tangent = exact with it: the pressure
+// acts on how the gradients turn, which a warped tangent leaves out, and Newton's method stalls.
 //
 // Cell fields for exporters: vonMises [Pa], J (the smallest of the eight Gauss points), strain (6 per cell: xx yy zz xy
 // yz zx, the mean of sym(R^T F) - I for every variant, of E for green, in the axes of the rest shape).

@@ -19,6 +19,8 @@ template <class Rotation>
 std::unique_ptr<ElementKernels> rotatedKernels(const Elements& elements);
 /// dilatation = mean of shapes that are no boxes with any rotation, or none: hexahedron_mean.cpp.
 std::unique_ptr<ElementKernels> meanKernels(const Elements& elements);
+/// The same with the exact tangent of a rotation: hexahedron_mean_exact.cpp.
+std::unique_ptr<ElementKernels> exactMeanKernels(const Elements& elements);
 
 template <class Storage>
 [[gnu::noinline]] Storage filled(const Elements& elements) {

@@ -7,6 +7,7 @@ namespace stroma::hexahedron {
 std::unique_ptr<ElementKernels> meanKernels(const Elements& elements) {
   const ElasticVariant& variant = elements.shapes.variant();
   if (variant.method == ElasticMethod::small) return kernelsOf<PointLinear<MeanDilatation>>(elements);
+  if (variant.exact_tangent) return exactMeanKernels(elements);
   return makeRotated(variant, [&]<class Rotation>() {
     return makeUpdated(variant, [&]<Update update>() {
       return kernelsOf<PointCorotational<MeanDilatation, Rotation, update>>(elements);

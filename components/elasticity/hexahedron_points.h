@@ -113,13 +113,13 @@ struct PointCorotational : PointModel<Law> {
 };
 
 /// The same with the exact tangent: dR and dg are differentiated at the x of the last force.
-template <class Rotation, Update update>
-struct ExactPointCorotational : PointCorotational<LocalDilatation, Rotation, update> {
-  using Forces = PointCorotational<LocalDilatation, Rotation, update>;
+template <template <class> class Law, class Rotation, Update update>
+struct ExactPointCorotational : PointCorotational<Law, Rotation, update> {
+  using Forces = PointCorotational<Law, Rotation, update>;
   using Products = ExactPointCorotational;
   static constexpr bool reads_position = true;
   template <class T>
-  using Tangent = typename PointTangent<LocalDilatation>::template Of<T>;
+  using Tangent = typename PointTangent<Law>::template Of<T>;
   template <class T>
   static void product(const PointRest<T>& rest, const Tangent<T>& t, T factor, const V3<T> (&x)[8],
                       const V3<T> (&dx)[8], V3<T> (&df)[8]) {
@@ -127,13 +127,16 @@ struct ExactPointCorotational : PointCorotational<LocalDilatation, Rotation, upd
     const Modes<T> dm = modesOf(dx);
     const M3<T> dr = Rotation::differential(k.deformation, k.rotation, timesUpper(meanEdges(dm), rest.inverse_edges));
     const PointValues<T> dj = atPoints(dm), dd = atPoints(dm - rotated(dr, rest.modes));
-    const T lambda = factor * t.law.lambda, mu = factor * t.law.mu;
+    Gradients<T> g[8], dg[8];
+    for (int p = 0; p < 8; ++p) g[p] = k.gradients(rest, p), dg[p] = differential(k, rest, dr, dj, p);
+    const T pressure = meanPressure(t.law, k.d, g);
+    const T dpressure = meanPressure(t.law, dd, g) + meanPressure(t.law, k.d, dg);
     PointValues<T> forces;
     for (int p = 0; p < 8; ++p) {
-      const Gradients<T> g = k.gradients(rest, p), dg = differential(k, rest, dr, dj, p);
       const Columns<T> d(k.d, p), change(dd, p);
-      addStress(restoringStress(strainOf(change.d, g) + strainOf(d.d, dg), lambda, mu), g, p, forces);
-      addStress(restoringStress(strainOf(d.d, g), lambda, mu), dg, p, forces);
+      const S3<T> dstrain = strainOf(change.d, g[p]) + strainOf(d.d, dg[p]);
+      addStress(stressAt(t.law, p, dstrain, factor, dpressure), g[p], p, forces);
+      addStress(stressAt(t.law, p, strainOf(d.d, g[p]), factor, pressure), dg[p], p, forces);
     }
     nodesOf(fromPoints(forces), df);
   }

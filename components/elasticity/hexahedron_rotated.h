@@ -10,7 +10,7 @@ std::unique_ptr<ElementKernels> rotatedKernels(const Elements& elements) {
   if (elements.shapes.useBoxes()) return kernelsOf<BoxCorotational<Rotation>>(elements);
   const ElasticVariant& variant = elements.shapes.variant();
   return makeUpdated(variant, [&]<Update update>() -> std::unique_ptr<ElementKernels> {
-    if (variant.exact_tangent) return kernelsOf<ExactPointCorotational<Rotation, update>>(elements);
+    if (variant.exact_tangent) return kernelsOf<ExactPointCorotational<LocalDilatation, Rotation, update>>(elements);
     return kernelsOf<PointCorotational<LocalDilatation, Rotation, update>>(elements);
   });
 }

@@ -51,30 +51,32 @@ std::size_t NodalPatches::slotCount() const {
   return count;
 }
 
-void NodalPatches::add(std::size_t cell, const std::array<Vec3, 4>& gradient) {
+void NodalPatches::addTo(std::vector<Vec3>& vectors, std::size_t cell, const std::array<Vec3, 4>& gradient) const {
   for (std::size_t a = 0; a < 4; ++a)
-    for (std::size_t i = 0; i < 4; ++i) b_[start_[cells_[cell][a]] + place_[cell][4 * a + i]] += gradient[i];
+    for (std::size_t i = 0; i < 4; ++i) vectors[start_[cells_[cell][a]] + place_[cell][4 * a + i]] += gradient[i];
 }
 
 void NodalPatches::assemble(double factor, const std::vector<double>& c, const Index* slots,
                             std::vector<double>& values) const {
+  const std::vector<Vec3>& d = d_.empty() ? b_ : d_;
   for (std::size_t a = 0; a + 1 < start_.size(); ++a)
     for (std::size_t i = start_[a]; i < start_[a + 1]; ++i) {
       const Vec3 left = -factor * c[a] * b_[i];
       for (std::size_t j = start_[a]; j < start_[a + 1]; ++j) {
         double* block = values.data() + std::size_t(*slots++) * 9;
         for (int r = 0; r < 3; ++r)
-          for (int column = 0; column < 3; ++column) block[3 * r + column] += left[r] * b_[j][column];
+          for (int column = 0; column < 3; ++column) block[3 * r + column] += left[r] * d[j][column];
       }
     }
 }
 
 void NodalPatches::assembleDiagonal(double factor, const std::vector<double>& c, std::vector<double>& blocks) const {
+  const std::vector<Vec3>& d = d_.empty() ? b_ : d_;
   for (std::size_t a = 0; a + 1 < start_.size(); ++a)
     for (std::size_t i = start_[a]; i < start_[a + 1]; ++i)
       for (int r = 0; r < 3; ++r)
         for (int column = 0; column < 3; ++column)
-          blocks[std::size_t(nodes_[i]) * 9 + std::size_t(3 * r + column)] -= factor * c[a] * b_[i][r] * b_[i][column];
+          blocks[std::size_t(nodes_[i]) * 9 + std::size_t(3 * r + column)] -= factor * c[a] * b_[i][r] * d[i][column];
 }
 
 }  // namespace stroma

@@ -8,7 +8,7 @@
 // appendix A).
 //
 // method = small: R = I, pure linear elasticity; large: QR frame (first edge, plane of the first two), depends on the
-// order of the vertices; polar: nearest orthogonal matrix, the least stretched axis flipped in an inverted element;
+// order of the vertices, so that elements of one strain differ by its square: it fails the patch test by that; polar: nearest orthogonal matrix, the least stretched axis flipped in an inverted element;
 // svd: the smallest inversion (Irving et al. 2004); nodal: one rotation per node (Mueller et al. 2002), which leaves
 // ghost forces and is here for comparison only. Other components' words qr, none, polar2, triangle, stable_polar and
 // identity are taken as large, small, polar, large, svd and small.
@@ -18,7 +18,8 @@
 // It has a potential and an exact, symmetric tangent. It softens under strong compression: that is the law.
 //
 // updateStiffnessMatrix rebuilds B from the current shape: forces then exert no torque on a body (Euler's law), which a
-// constant B ensures only where stress and stretch share their axes (svd, and polar until an element inverts).
+// constant B ensures only where stress and stretch share their axes (svd, and polar until an element inverts). Under large
+// a constant B turns a free body, with torques of about the square of the strain.
 // updateVolume also updates the factor 1/6V of B and the volume. Both have a meaning for large, polar and svd. tangent
 // = exact adds the derivatives of R and B: Newton's method converges quadratically. It is symmetric where the force has
 // a potential: small, and svd without updates. polar has one until an element inverts; large and the updated variants
@@ -30,7 +31,8 @@
 //   dev(eps_e)
 // Near nu = 1/2 the mesh does not lock, and a compressed body does not buckle element by element under the pressures of
 // locking. For small, large, polar and svd. A product passes twice over the elements; a matrix couples the nodes of all
-// elements around each node. With updateVolume an element counts with (V V_0)^1/2.
+// elements around each node. With updateVolume an element counts with (V V_0)^1/2. Near nu = 1/2 take tangent = exact
+// with it: the pressures act on how the gradients turn, which a warped tangent leaves out, and Newton's method stalls.
 //
 // Cell fields for exporters: vonMises [Pa], J, strain (6 per cell: xx yy zz xy yz zx, sym(R^T F) - I for every variant,
 // E for green, in the axes of the rest shape).
@@ -106,7 +108,7 @@ class Tetrahedra final : public ElasticElements {
     if (variant_.method == ElasticMethod::nodal) return makeNodal(elements);
     if (variant_.method == ElasticMethod::green) return kernelsOf<Green>(elements);
     if (variant_.method == ElasticMethod::small)
-      return variant_.mean_dilatation ? averagedKernelsOf<Linear>(elements) : kernelsOf<Linear>(elements);
+      return variant_.mean_dilatation ? averagedKernelsOf<Deviatoric<Linear>>(elements) : kernelsOf<Linear>(elements);
     return makeRotated(variant_, [&]<class Rotation>() {
       return variant_.mean_dilatation ? averagedKernels<Rotation>(variant_, elements)
                                       : rotatedKernels<Rotation>(variant_, elements);

@@ -14,8 +14,10 @@ std::unique_ptr<ElementKernels> rotatedKernels(const ElasticVariant& variant, co
 }
 template <class Rotation>
 std::unique_ptr<ElementKernels> averagedKernels(const ElasticVariant& variant, const Elements& elements) {
-  return makeUpdated(variant,
-                     [&]<Update update>() { return averagedKernelsOf<Corotational<Rotation, update>>(elements); });
+  return makeUpdated(variant, [&]<Update update>() {
+    return variant.exact_tangent ? averagedKernelsOf<ExactDeviatoric<Rotation, update>>(elements)
+                                 : averagedKernelsOf<Deviatoric<Corotational<Rotation, update>>>(elements);
+  });
 }
 
 }  // namespace stroma::tetrahedron

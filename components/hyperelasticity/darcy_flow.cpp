@@ -61,7 +61,7 @@ void DarcyFlow::setStep(double h, double storage, double permeability) {
   m.diagonal = m.solver.vectorD();
 }
 
-void DarcyFlow::solve(Rows values) {
+void DarcyFlow::solve(Rows values) const {
   Matrices& m = *matrices_;
   const auto& place = m.solver.permutationP().indices();
   for (Eigen::Index i = 0; i < m.work.size(); ++i) m.work[place[i]] = isDrained(Index(i)) ? 0 : values[Index(i)].x();
@@ -69,6 +69,17 @@ void DarcyFlow::solve(Rows values) {
   m.work.array() /= m.diagonal.array();
   m.solver.matrixU().solveInPlace(m.work);
   for (Eigen::Index i = 0; i < m.work.size(); ++i) values[Index(i)].x() = m.work[place[i]];
+}
+
+void DarcyFlow::multiplyRoot(double* columns, std::size_t count) const {
+  const Matrices& m = *matrices_;
+  const Eigen::Index n = m.matrix.rows();
+  Eigen::Map<Eigen::MatrixXd> values(columns, n, Eigen::Index(count));
+  for (Eigen::Index i = 0; i < n; ++i)
+    if (isDrained(Index(i))) values.row(i).setZero();
+  Eigen::MatrixXd ordered = m.solver.permutationP() * values;
+  m.solver.matrixL().solveInPlace(ordered);
+  values = m.diagonal.cwiseSqrt().cwiseInverse().asDiagonal() * ordered;
 }
 
 }  // namespace stroma

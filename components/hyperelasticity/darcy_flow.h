@@ -19,7 +19,9 @@ class DarcyFlow {
   /// h > 0 [s]; s > 0.
   void setStep(double h, double storage, double permeability);
   /// In the x of each row, rows being the nodes: b [m^3] becomes P [Pa].
-  void solve(Rows values);
+  void solve(Rows values) const;
+  /// Columns B, shape (columns, nodes), become a B' with B'^T B' = B^T A^-1 B, A the matrix of solve().
+  void multiplyRoot(double* columns, std::size_t count) const;
   double volume(Index node) const { return volume_[node]; }  ///< of M [m^3]
   bool isDrained(Index node) const { return drained_[node] != 0; }
 

@@ -63,7 +63,9 @@ struct Porous {
   template <class T>
   struct Tangent {
     T stress;     ///< sigma_H - P [Pa]
-    T stiffness;  ///< dsigma/dJ / V_0 [Pa/m^3], of the element alone
+    T stiffness;  ///< dsigma/dJ / V_0 [Pa/m^3], of the element alone, for products
+    T assembled;  ///< the same for matrices
+    T root;       ///< (d ln J/dJ)^1/2
   };
   template <class T>
   static void forces(const V3<T> (&a)[3], T factor, V3<T> (&f)[4]) {
@@ -88,6 +90,11 @@ using PorousFan = tetrahedron::FanOf<Porous>;
 using tetrahedron::corner;
 using tetrahedron::fan_size;
 
+/// Where the tangent is that of fluid which stays in each element.
+struct OwnFluid {
+  bool products = false, matrices = false;
+};
+
 /// Element loops. What belongs to nodes (pressures, shares of a volume) is the x of a row.
 class PorousElements {
   using Loop = decltype(StorageOf<PorousFan>::loop);
@@ -100,16 +107,19 @@ class PorousElements {
   void addPattern(BlockPattern& pattern) const { storage_.loop.addPattern(pattern); }
   std::vector<Index> slots(const BlockMatrix& matrix) const { return storage_.loop.slots(matrix); }
 
-  /// Forces at x under the pressures of nodes; the tangent with `own_fluid` as if the fluid stayed in each element.
-  void addForce(ConstRows x, ConstRows pressure, bool own_fluid, Rows f) {
+  /// Forces at x under the pressures of nodes.
+  void addForce(ConstRows x, ConstRows pressure, OwnFluid own_fluid, Rows f) {
     if (x_.count() != x.count) x_.resize(x.count);
     copy(x, x_);
     storage_.loop.run<2, 1>({x, pressure}, {f}, [&](Index b, const auto& in, auto& out) {
       forEachTetrahedron(b, in[0], out[0], [&](int i, const Shape<Pack>& shape, auto& rest, V3<Pack>(&own)[4]) {
         auto& t = storage_.tangent[b].of[i];
         t.stress = sponge_.stress(shape.j) - mean(in[1], i);
-        const Pack fluid = own_fluid ? Pack(sponge_.limit) * sponge_.logarithmSlope(shape.j) : Pack(0.);
-        t.stiffness = (sponge_.slope(shape.j) + fluid) * rest.inverse_volume;
+        const Pack slope = sponge_.logarithmSlope(shape.j), tissue = sponge_.slope(shape.j);
+        const Pack both = tissue + Pack(sponge_.limit) * slope;
+        t.stiffness = (own_fluid.products ? both : tissue) * rest.inverse_volume;
+        t.assembled = (own_fluid.matrices ? both : tissue) * rest.inverse_volume;
+        t.root = sqrt(slope);
         Porous::forces(shape.a, -t.stress, own);
       });
     });
@@ -119,6 +129,25 @@ class PorousElements {
     storage_.loop.run<1, 1>({x}, {theta}, [&](Index b, const auto& in, auto& out) {
       forEachTetrahedron(b, in[0], out[0], [&](int, const Shape<Pack>& shape, auto& rest, V3<Pack>(&own)[4]) {
         share(Pack(factor) * sponge_.logarithm(shape.j) * rest.quarter_volume, own);
+      });
+    });
+  }
+  /// theta_a += sum_e w_e^1/2 dV_e/4 for nodes that move by dx from the x of the last force, w_e = d ln J/dJ.
+  void addVolumeChanges(ConstRows dx, Rows theta) const {
+    storage_.loop.run<2, 1>({x_.rows(), dx}, {theta}, [&](Index b, const auto& in, auto& out) {
+      forEachTetrahedron(b, in[0], out[0], [&](int i, const Shape<Pack>& shape, auto&, V3<Pack>(&own)[4]) {
+        const Nodes& d = in[1];
+        const Pack change = dot(shape.a[0], d[corner(i, 1)] - d[0]) + dot(shape.a[1], d[corner(i, 2)] - d[0]) +
+                            dot(shape.a[2], d[corner(i, 3)] - d[0]);
+        share(Pack(0.25) * storage_.tangent[b].of[i].root * change, own);
+      });
+    });
+  }
+  /// f += factor times the forces of w_e^1/2 times the pressures of nodes, at the x of the last force.
+  void addPressureForces(ConstRows pressure, double factor, Rows f) const {
+    storage_.loop.run<2, 1>({x_.rows(), pressure}, {f}, [&](Index b, const auto& in, auto& out) {
+      forEachTetrahedron(b, in[0], out[0], [&](int i, const Shape<Pack>& shape, auto&, V3<Pack>(&own)[4]) {
+        Porous::forces(shape.a, Pack(factor) * storage_.tangent[b].of[i].root * mean(in[1], i), own);
       });
     });
   }
@@ -137,6 +166,7 @@ class PorousElements {
     return sum;
   }
 
+  ConstRows positions() const { return x_; }  ///< of the last force
   void addProduct(ConstRows dx, double factor, Rows df) const {
     const Pack scale(factor);
     storage_.loop.run<2, 1>({x_.rows(), dx}, {df}, [&](Index b, const auto& in, auto& out) {
@@ -189,7 +219,7 @@ class PorousElements {
       for (int p = 0; p < 4; ++p)
         for (int q = 0; q < 4; ++q) {
           Pack* out = k + (corner(i, p) * tetrahedron::fan_nodes + corner(i, q)) * 9;
-          const V3<Pack> n = a[p] * (-t.stiffness), &m = a[q], &v = w[p][q];
+          const V3<Pack> n = a[p] * (-t.assembled), &m = a[q], &v = w[p][q];
           out[0] += n.x * m.x, out[1] += n.x * m.y - v.z, out[2] += n.x * m.z + v.y;
           out[3] += n.y * m.x + v.z, out[4] += n.y * m.y, out[5] += n.y * m.z - v.x;
           out[6] += n.z * m.x - v.y, out[7] += n.z * m.y + v.x, out[8] += n.z * m.z;

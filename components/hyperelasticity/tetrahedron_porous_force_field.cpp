@@ -18,13 +18,24 @@
 //
 // coupling = semi_implicit, as published: forces see the pressure from before the step, and the pressure then follows
 // the step's change of volume; time steps must be small where the fluid is stiff against the tissue, and the integrator
-// one of first order, because a pressure that is a step late feeds oscillations. implicit: forces see the pressure that
-// belongs to their shape at the end of the step, whatever the step. Its tangent is that of fluid which stays in each
-// element (the undrained split): stable with one linear solve per step; Newton iterations solve for both at once, and
-// converge linearly.
+// one of first order, because a pressure that is a step late feeds oscillations. Statics have no mass to hold them: where
+// K_lim is above the modulus of the drained tissue the pressure swings from step to step for ever. Such a run ends with a
+// sentence and no result.
+//
+// implicit: forces see the pressure that belongs to their shape at the end of the step, whatever the step.
+//
+// tangent (of implicit coupling) = coupled eliminates the pressure, by the Schur complement of Darcy's matrix:
+//
+//   K = K_tissue - U^T (M/K_lim + h kappa L)^-1 U,   U = dtheta/dx with w^1/2 for w = d ln J/dJ
+//
+// exact where all elements have one J (else w is on one side of it; halves on both keep K symmetric): a few Newton
+// iterations per step, whatever K_lim. A product solves with Darcy's matrix, factored once for all steps of one size. As
+// a matrix K couples all nodes: bodies of more than 500 nodes assemble the undrained one instead, so take CGLinearSolver
+// there. undrained: fluid that stays in each element; cheap, stable with one linear solve per step, and hundreds of
+// Newton iterations where K_lim is large.
 //
 // Source: S. Marchesseau, T. Heimann, S. Chatelin, R. Willinger, H. Delingette, "Multiplicative Jacobian energy
-// decomposition method for fast porous visco-hyperelastic soft tissue model", MICCAI 2010, section 3.2; the split
+// decomposition method for fast porous visco-hyperelastic soft tissue model", MICCAI 2010, section 3.2; the splits
 // after D. Kim, H. A. Tchelepi, R. Juanes, "Stability, accuracy and efficiency of sequential methods for
 // coupled flow and geomechanics", SPE J. 16 (2011) 249-262.
 //
@@ -55,7 +66,9 @@
 #include <cmath>
 
 #include "components/hyperelasticity/darcy_flow.h"
+#include "components/hyperelasticity/dense_coupling.h"
 #include "components/hyperelasticity/porous_elements.h"
+#include "components/hyperelasticity/pressure_swings.h"
 #include "framework/mechanics/force_field.h"
 #include "framework/mechanics/history.h"
 #include "framework/mechanics/node_indices.h"
@@ -67,11 +80,15 @@
 namespace stroma {
 namespace {
 
+using porous::DenseCoupling;
 using porous::PorousElements;
 using porous::PorousFan;
 using porous::Sponge;
 using tetrahedron::corner;
 using tetrahedron::fan_size;
+
+/// A dense matrix of more nodes takes longer than the iterations that it saves, and gigabytes.
+constexpr std::size_t most_dense_nodes = 500;
 
 class TetrahedronPorousForceField final : public ForceField, public History {
  public:
@@ -83,32 +100,35 @@ class TetrahedronPorousForceField final : public ForceField, public History {
   void serialize(Archive& archive) override;
   void setTime(double t) override;
   void stepEnded(double t) override;
+  std::string fault() const override;
   const std::vector<double>& history() const override { return pressure_; }
 
   double energy(ConstRows x) const override { return porous_ ? elements_->energy(x, now_) : 0; }
   void addForce(ConstRows x, ConstRows v, Rows f) override;
   void addStiffnessProduct(ConstRows dx, double factor, Rows df) const override;
-  void addPattern(BlockPattern& pattern) const override { elements_->addPattern(pattern); }
-  void prepareAssembly(const BlockMatrix& matrix) override { slots_ = elements_->slots(matrix); }
-  void addStiffness(double factor, BlockMatrix& matrix) const override {
-    elements_->assemble(factor, slots_, matrix.values());
-  }
-  void addStiffnessDiagonal(double factor, std::vector<double>& blocks) const override {
-    elements_->assembleDiagonal(factor, blocks);
-  }
+  void addPattern(BlockPattern& pattern) const override;
+  void prepareAssembly(const BlockMatrix& matrix) override;
+  void addStiffness(double factor, BlockMatrix& matrix) const override;
+  void addStiffnessDiagonal(double factor, std::vector<double>& blocks) const override;
   Cost cost() const override {
-    const double cells = double(mesh_->tetrahedra.size()), flow = flows() ? 60 * double(pressure_.size()) : 0;
-    return {8 * cells + flow, 100 * cells};
+    const double cells = double(mesh_->tetrahedra.size()), nodes = double(pressure_.size());
+    if (!isCoupled()) return {8 * cells, 100 * cells};
+    // without a dense matrix only products have the whole coupling
+    return {8 * cells + 60 * nodes, dense_ ? 100 * cells + nodes * nodes * nodes : 1e30};
   }
   std::vector<std::string> cellFields() const override { return {"pressure"}; }
   void cellField(const std::string& name, ConstRows x, std::vector<double>& out) const override;
 
  private:
   enum class Coupling : int { semi_implicit, implicit };
+  enum class Tangent : int { coupled, undrained };
   bool flows() const { return coupling_ == Coupling::implicit && step_ > 0; }
+  bool isCoupled() const { return coupling_ == Coupling::implicit && tangent_ == Tangent::coupled; }
   void start(const std::vector<double>& values);
   /// out = P at the end of a step with volumes theta of nodes in `out`.
   void follow(Rows out) const;
+  /// Up to date with the last force.
+  DenseCoupling& dense() const;
   Rows own(Rows all) const { return {all.data + std::size_t(state().firstRow()) * row_doubles, state().size()}; }
   ConstRows systemRows() const {
     return {state().x().data - std::size_t(state().firstRow()) * row_doubles, state().firstRow() + state().size()};
@@ -120,18 +140,22 @@ class TetrahedronPorousForceField final : public ForceField, public History {
   double permeability_ = 0;
   std::vector<int> drained_;
   Coupling coupling_ = Coupling::semi_implicit;
+  Tangent tangent_ = Tangent::coupled;
   std::vector<double> pressure_;  ///< at the end of the last step [Pa], shape (nodes)
   std::vector<double> initial_;
 
   const Mesh* mesh_ = nullptr;
   std::unique_ptr<PorousElements> elements_;
   mutable DarcyFlow flow_;
-  std::vector<Index> slots_;
+  std::unique_ptr<DenseCoupling> dense_;  ///< of implicit coupling, for bodies of few nodes
+  mutable bool dense_ready_ = false;
+  std::vector<Index> slots_, dense_slots_;
   double time_ = 0, step_ = 0;  ///< [s], of pressure_; from there to the time of the forces
   bool started_ = false;        ///< theta_ is known
   std::vector<double> theta_;   ///< at the end of the last step [m^3], shape (nodes)
-  Vector now_;                  ///< pressures that the forces see, shape (system rows)
-  mutable Vector change_;       ///< work space, shape (system rows)
+  porous::PressureSwings swings_;
+  Vector now_;             ///< pressures that the forces see, shape (system rows)
+  mutable Vector change_;  ///< work space, shape (system rows)
 };
 
 void TetrahedronPorousForceField::declare(DataTable& table) {
@@ -162,6 +186,8 @@ void TetrahedronPorousForceField::declare(DataTable& table) {
   table.add("drainedIndices", drained_).help("nodes with no pressure, where the fluid can leave; elsewhere none does");
   table.addChoice("coupling", coupling_, {"semi_implicit", "implicit"})
       .help("semi_implicit: forces see the pressure before the step; implicit: that of their own shape");
+  table.addChoice("tangent", tangent_, {"coupled", "undrained"})
+      .help("of implicit coupling: with the pressure that follows, or of fluid that stays in each element");
   table.add("pressure", pressure_).unit("Pa").help("of each node, at the start (zero when not given) and then now");
 }
 
@@ -217,6 +243,9 @@ void TetrahedronPorousForceField::compile() {
   });
   elements_ = std::make_unique<PorousElements>(std::move(storage), sponge_);
   const Index rows = state().firstRow() + state().size();
+  dense_.reset();
+  if (isCoupled() && rest.size() <= most_dense_nodes)
+    dense_ = std::make_unique<DenseCoupling>(*mesh_, rest, sponge_, state().firstRow());
   now_.resize(rows), change_.resize(rows);
   theta_.resize(rest.size());
   start(initial_);
@@ -228,6 +257,7 @@ void TetrahedronPorousForceField::start(const std::vector<double>& values) {
   time_ = node().root().root_time;
   step_ = 0;
   started_ = false;
+  swings_.start(values.size());
 }
 
 void TetrahedronPorousForceField::serialize(Archive& archive) {
@@ -235,6 +265,7 @@ void TetrahedronPorousForceField::serialize(Archive& archive) {
   archive.value("started", started_);
   archive.rows("pressure", pressure_.data(), pressure_.size());
   archive.rows("volumes", theta_.data(), theta_.size());
+  swings_.serialize(archive);
   if (!archive.isReading()) return;
   for (Index i = 0; i < state().size(); ++i) now_[state().firstRow() + i].x() = pressure_[i];
   step_ = 0;
@@ -269,6 +300,7 @@ void TetrahedronPorousForceField::stepEnded(double t) {
   std::vector<double>& theta = theta_;
   for (Index i = 0; i < values.count; ++i) values[i].y() = values[i].x();  // kept for the next step
   follow(values);
+  swings_.note(pressure_, values, 1e-10 * sponge_.limit);
   for (Index i = 0; i < values.count; ++i) {
     theta[i] = values[i].y();
     pressure_[i] = own(now_)[i].x() = values[i].x();
@@ -277,18 +309,65 @@ void TetrahedronPorousForceField::stepEnded(double t) {
   step_ = 0;
 }
 
+std::string TetrahedronPorousForceField::fault() const {
+  constexpr long enough = 3;
+  if (coupling_ == Coupling::implicit || swings_.inARow() < enough) return {};
+  return fmt::format(
+      "the fluid's pressure in {} swings from step to step and does not settle, for {} steps now: with limitModulus = "
+      "{:g} Pa the fluid is stiffer than the tissue, which coupling=\"semi_implicit\" does not bear. "
+      "coupling=\"implicit\" does",
+      path(), swings_.inARow(), sponge_.limit);
+}
+
 void TetrahedronPorousForceField::addForce(ConstRows x, ConstRows, Rows f) {
   if (!porous_) return;
+  dense_ready_ = false;
   if (flows()) {
     clear(now_);
     elements_->addVolumes({x.data, now_.count()}, 1, now_);
     follow(own(now_));
   }
-  elements_->addForce(x, now_, flows(), f);
+  elements_->addForce(x, now_, {flows() && !isCoupled(), flows() && !dense_}, f);
 }
 
 void TetrahedronPorousForceField::addStiffnessProduct(ConstRows dx, double factor, Rows df) const {
   elements_->addProduct(dx, factor, df);
+  if (!flows() || !isCoupled()) return;
+  clear(change_);
+  elements_->addVolumeChanges(dx, change_);
+  flow_.solve(own(change_));
+  elements_->addPressureForces(change_, -factor, df);
+}
+
+void TetrahedronPorousForceField::addPattern(BlockPattern& pattern) const {
+  elements_->addPattern(pattern);
+  if (dense_) dense_->addPattern(pattern);
+}
+
+void TetrahedronPorousForceField::prepareAssembly(const BlockMatrix& matrix) {
+  slots_ = elements_->slots(matrix);
+  if (dense_) dense_slots_ = dense_->slots(matrix);
+  if (isCoupled() && !dense_)
+    inform(
+        fmt::format("with more than {} nodes the assembled matrix keeps the fluid in each element, and Newton's method "
+                    "may take many iterations: CGLinearSolver takes products, which have the whole coupling",
+                    most_dense_nodes));
+}
+
+DenseCoupling& TetrahedronPorousForceField::dense() const {
+  if (!dense_ready_) dense_->update(elements_->positions(), flow_);
+  dense_ready_ = true;
+  return *dense_;
+}
+
+void TetrahedronPorousForceField::addStiffness(double factor, BlockMatrix& matrix) const {
+  elements_->assemble(factor, slots_, matrix.values());
+  if (flows() && dense_) dense().assemble(factor, dense_slots_.data(), matrix.values());
+}
+
+void TetrahedronPorousForceField::addStiffnessDiagonal(double factor, std::vector<double>& blocks) const {
+  elements_->assembleDiagonal(factor, blocks);
+  if (flows() && dense_) dense().assembleDiagonal(factor, blocks);
 }
 
 void TetrahedronPorousForceField::cellField(const std::string&, ConstRows, std::vector<double>& out) const {

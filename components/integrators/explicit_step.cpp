@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "components/integrators/newton.h"
@@ -133,10 +134,11 @@ StepReport ExplicitStep::step(System& system, const StepContext& context) {
   for (std::size_t i = 0; i < scheme.stages.size(); ++i) {
     const ExplicitScheme::Stage& stage = scheme.stages[i];
     if (depends_on_time_) system.setTime(context.t + stage.time * h);
-    if (i == 0) {
+    // beginStep() has given what is moved the mean velocity of the step
+    if (i == 0 && !system.constraints().hasPrescribed()) {
       system.computeForce(system.x, system.v, system.f);
     } else {
-      placeStage(system, stage, h);
+      placeStage(system, context, stage);
       system.computeForce(stage_x_, stage_v_, system.f);
     }
     if (!acceleration_.solve(system.independent(system.f), accelerations_[i], report)) return report;
@@ -146,7 +148,8 @@ StepReport ExplicitStep::step(System& system, const StepContext& context) {
   return report;
 }
 
-void ExplicitStep::placeStage(System& system, const ExplicitScheme::Stage& stage, double h) {
+void ExplicitStep::placeStage(System& system, const StepContext& context, const ExplicitScheme::Stage& stage) {
+  const double h = context.dt;
   const Rows x = system.independent(stage_x_), v = system.independent(stage_v_);
   copy(system.independent(system.x), x);
   copy(system.independent(system.v), v);
@@ -157,6 +160,11 @@ void ExplicitStep::placeStage(System& system, const ExplicitScheme::Stage& stage
     if (stage.v[j] != 0) axpy(h * stage.v[j], accelerations_[j], v);
   }
   system.motion().end(x);
+  // a motion in pieces changes its velocity at once between two of them: the ends of the step belong to the one within,
+  // by more than what makes two times the same (key_times.h)
+  const double margin = std::min(1e-10 * h + 1e-11 * std::abs(context.t_end), h / 4);
+  const double inside = std::clamp(stage.time * h, margin, h - margin);
+  system.constraints().placePrescribed(context, context.t + inside, stage_x_, stage_v_);
 }
 
 /// The first acceleration together with h v0 in one pass, because most schemes have no other.

@@ -29,7 +29,7 @@ class Acceleration {
   Vector right_side_;                                  ///< of the solve
 };
 
-/// An explicit method for x'' = a(t, x, x') that evaluates a at stages i:
+/// An explicit method for x'' = a(t, x, x') that evaluates a at stages i, loads and prescribed motion at t + time_i h:
 ///   x_i = x0 + time_i h v0 + h^2 sum_j x_ij a_j,   v_i = v0 + h sum_j v_ij a_j   (j < i)
 ///   x1  = x0 + h v0 + h^2 sum_j x_j a_j,           v1  = v0 + h sum_j v_j a_j
 struct ExplicitScheme {
@@ -66,7 +66,7 @@ class ExplicitStep {
   std::string describe() const;
 
  private:
-  void placeStage(System& system, const ExplicitScheme::Stage& stage, double h);
+  void placeStage(System& system, const StepContext& context, const ExplicitScheme::Stage& stage);
   void finish(System& system, double h);
 
   Acceleration acceleration_;

@@ -11,6 +11,9 @@
 //   2  the classical Runge-Kutta method; order 4, h w <= 2.82        3  Kutta's 3/8 rule; order 4, h w <= 2.82
 //   4  Butcher's method of order 5 with Boole's weights; two evaluations at one of the points, grows slowly undamped
 //
+// Loads that depend on time and nodes with a prescribed motion are taken at the time of each point, so that the order
+// holds with them.
+//
 // Source: M. Nesme et al., "Physically realistic interactive simulation for biological soft tissues", 2005, section 4,
 // says of Phymul that forces are integrated "between time t to time t+dt by a discrete integration scheme for the
 // equation of motion (e.g. Newton-Cotes)", and that "the number of iterations depends on the integration scheme". It

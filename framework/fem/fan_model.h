@@ -84,7 +84,7 @@ struct FanOf {
     }
   }
 
- private:
+  // ---- for loops that want more of each tetrahedron ----
   /// The nodes of tetrahedron i of a fan: the two of the common edge, and the neighbours i and i + 1 in the ring.
   template <class T>
   struct Corners {

@@ -148,10 +148,14 @@ S3<T> strainOfKinematics(const V3<T> (&d)[3], const Gradients<T>& g, T one) {
   return strain;
 }
 
-/// df = derivative of the force in the direction dx at x: dR and dg included.
+/// Strain and gradients at x, and their derivatives in a direction: dR and dg included.
+template <class T>
+struct Variation {
+  S3<T> strain, dstrain;
+  Gradients<T> g, dg;
+};
 template <class Rotation, Update update, class T>
-void exactProduct(const RestOf<update, T>& rest, T lambda, T mu, const V3<T> (&x)[4], const V3<T> (&dx)[4],
-                  V3<T> (&df)[4]) {
+Variation<T> variation(const RestOf<update, T>& rest, const V3<T> (&x)[4], const V3<T> (&dx)[4]) {
   const Kinematics<T> k = kinematics<Rotation, update>(rest, x);
   const Edges<T> edges(x), dedges(dx);
   const auto &e = edges.e, &de = dedges.e;
@@ -174,10 +178,17 @@ void exactProduct(const RestOf<update, T>& rest, T lambda, T mu, const V3<T> (&x
     dg = {dn.c0 * scale + n.c0 * dscale, dn.c1 * scale + n.c1 * dscale, dn.c2 * scale + n.c2 * dscale};
     for (int i = 0; i < 3; ++i) dd[i] = de[i] - dr * rest.edges[i];
   }
-  const S3<T> strain = strainOfKinematics<update>(k.d, k.g, T(1.)), dstrain = strainOf(dd, k.g) + strainOf(k.d, dg);
+  return {strainOfKinematics<update>(k.d, k.g, T(1.)), strainOf(dd, k.g) + strainOf(k.d, dg), k.g, dg};
+}
+
+/// df = derivative of the force in the direction dx at x.
+template <class Rotation, Update update, class T>
+void exactProduct(const RestOf<update, T>& rest, T lambda, T mu, const V3<T> (&x)[4], const V3<T> (&dx)[4],
+                  V3<T> (&df)[4]) {
+  const Variation<T> v = variation<Rotation, update>(rest, x, dx);
   V3<T> from_strain[4], from_gradients[4];
-  nodalForces(restoringStress(dstrain, lambda, mu), k.g, from_strain);
-  nodalForces(restoringStress(strain, lambda, mu), dg, from_gradients);
+  nodalForces(restoringStress(v.dstrain, lambda, mu), v.g, from_strain);
+  nodalForces(restoringStress(v.strain, lambda, mu), v.dg, from_gradients);
   for (int a = 0; a < 4; ++a) df[a] = from_strain[a] + from_gradients[a];
 }
 

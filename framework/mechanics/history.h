@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
+#include <string>
 #include <vector>
 
 namespace stroma {
@@ -15,6 +16,9 @@ class History {
   /// The step to time t [s] stands: x and v of the states are its result. Called for every step that is kept, when all
   /// systems have made theirs.
   virtual void stepEnded(double t) = 0;
+  /// Empty, or a sentence: why the step that has ended is no result, although every equation of it was solved. Asked in
+  /// statics only: with inertia bodies may swing, and integrators know when they do so too fast.
+  virtual std::string fault() const { return {}; }
   /// What is remembered, to look at.
   virtual const std::vector<double>& history() const = 0;
 };

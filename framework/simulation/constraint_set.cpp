@@ -133,7 +133,7 @@ bool ConstraintSet::end(const StepContext& context, Rows x, Rows v) const {
   // what a direct solve leaves between tied rows is round-off; it must not add up
   groups_.average(x);
   groups_.average(v);
-  motion_.place(context, x, v);
+  motion_.place(context, context.t_end, x, v);
   return true;
 }
 

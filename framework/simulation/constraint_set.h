@@ -41,7 +41,11 @@ class ConstraintSet {
   bool end(const StepContext& context, Rows x, Rows v) const;
   /// Writes positions and velocities at the end of the step of what has a prescribed motion. end() does it; an
   /// integrator that solves for positions (statics) does it for its own.
-  void placePrescribed(const StepContext& context, Rows x, Rows v) const { motion_.place(context, x, v); }
+  void placePrescribed(const StepContext& context, Rows x, Rows v) const {
+    motion_.place(context, context.t_end, x, v);
+  }
+  /// The same at a time t [s] within the step: a method with several stages sees the motion at each.
+  void placePrescribed(const StepContext& context, double t, Rows x, Rows v) const { motion_.place(context, t, x, v); }
   bool hasPrescribed() const { return !motion_.empty(); }
   /// Empty, or a sentence: prescribed motions put a node at places without a common point.
   const std::string& misplaced() const { return motion_.misplaced(); }

@@ -31,20 +31,20 @@ void PrescribedMotion::finish() {
   groups_.share(moving_);
 }
 
-void PrescribedMotion::place(const StepContext& context, Rows x, Rows v) const {
+void PrescribedMotion::place(const StepContext& context, double t, Rows x, Rows v) const {
   if (moving_.empty()) return;
   // a constraint may follow a node that another one, later in the list, places: a chain of n needs n passes
   const auto moving = std::count_if(actors_.constraints.begin(), actors_.constraints.end(),
                                     [](const ProjectiveConstraint* c) { return c->prescribesMotion(); });
-  for (std::ptrdiff_t pass = 0; pass < std::max<std::ptrdiff_t>(2, moving); ++pass) placeOnce(context, x, v);
+  for (std::ptrdiff_t pass = 0; pass < std::max<std::ptrdiff_t>(2, moving); ++pass) placeOnce(context, t, x, v);
   placeGroups(x, v);
 }
 
-void PrescribedMotion::placeOnce(const StepContext& context, Rows x, Rows v) const {
+void PrescribedMotion::placeOnce(const StepContext& context, double t, Rows x, Rows v) const {
   for (std::size_t i = 0; i < actors_.constraints.size(); ++i) {
     const ProjectiveConstraint& constraint = *actors_.constraints[i];
     if (!constraint.prescribesMotion() || !constraint.activeIn(context.t, context.t_end)) continue;
-    constraint.prescribe(context.t_end, x, v);
+    constraint.prescribe(t, x, v);
     if (!shared_.empty()) shared_.note(int(i), x, v);
   }
   if (!shared_.empty()) misplaced_ = describeConflict(shared_.meet(x, v));
@@ -84,7 +84,7 @@ void PrescribedMotion::check(double start, ConstRows x, ConstRows v) {
   context.t = context.t_end = start;
   copy(x, target_x_);
   copy(v, target_v_);
-  place(context, target_x_, target_v_);
+  place(context, start, target_x_, target_v_);
   if (!misplaced_.empty())
     throw ComponentError(misplaced_, "constraints whose points, lines and planes have a point in common");
 }
@@ -97,7 +97,7 @@ void PrescribedMotion::aim(const StepContext& context, ConstRows x, Rows v) {
   copy(x, target_x_);
   copy(v, target_v_);
   actors_.motion.advance(context.dt, v, target_x_);
-  place(context, target_x_, target_v_);
+  place(context, context.t_end, target_x_, target_v_);
   for (const NodeProjector& moved : moving_) {
     const Vec3 speed = (target_x_[moved.row] - x[moved.row]) / context.dt;
     v[moved.row] += (Mat3::Identity() - moved.projector) * (speed - v[moved.row]);

@@ -26,8 +26,8 @@ class PrescribedMotion {
   /// Gives the held directions the constant velocity that reaches the end of the step where prescribe() wants them. What
   /// follows other nodes is aimed at where their present velocity takes them.
   void aim(const StepContext& context, ConstRows x, Rows v);
-  /// Writes positions and velocities at the end of the step of what has a prescribed motion.
-  void place(const StepContext& context, Rows x, Rows v) const;
+  /// Writes positions and velocities at time t [s] of what has a prescribed motion in this step.
+  void place(const StepContext& context, double t, Rows x, Rows v) const;
   /// Throws ComponentError when nodes that never move have no place; `start`: the time [s] before the first step.
   void check(double start, ConstRows x, ConstRows v);
   /// Empty, or a sentence: a node is to be at places without a common point. Of this step.
@@ -35,7 +35,7 @@ class PrescribedMotion {
   void forgetMisplaced() { misplaced_.clear(); }
 
  private:
-  void placeOnce(const StepContext& context, Rows x, Rows v) const;
+  void placeOnce(const StepContext& context, double t, Rows x, Rows v) const;
   void placeGroups(Rows x, Rows v) const;
   std::string describeConflict(const SharedPlacements::Conflict& conflict) const;
 

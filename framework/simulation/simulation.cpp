@@ -219,7 +219,7 @@ StepReport Simulation::step() {
     const PhaseTimer timer(system->times.total);
     system->integrator().stepTaken(context);
   }
-  for (History* history : histories_) history->stepEnded(context.t_end);
+  for (History* history : histories_) endHistory(*history, context, report);
   ++steps_;
   time_ = context.t_end;
   notify(context);
@@ -260,6 +260,20 @@ void Simulation::advance(std::size_t index, const StepContext& context, StepRepo
     report.reason = whereAndWhy(system, context, fault, " before the step");
   }
   merge(std::move(part), report);
+}
+
+void Simulation::endHistory(History& history, const StepContext& context, StepReport& report) const {
+  history.stepEnded(context.t_end);
+  const auto* field = dynamic_cast<const ForceField*>(&history);
+  const bool without_time = std::any_of(systems_.begin(), systems_.end(), [field](const auto& system) {
+    const auto& fields = system->forceFields();
+    return !system->integrator().movesInTime() && std::find(fields.begin(), fields.end(), field) != fields.end();
+  });
+  const std::string fault = without_time ? history.fault() : std::string();
+  if (fault.empty()) return;
+  report.unsolved = true;
+  if (report.reason.empty())
+    report.reason = fmt::format("step {} (to t = {:.6g} s): {}", context.index, context.t_end, fault);
 }
 
 void Simulation::keepState() {

@@ -134,6 +134,8 @@ class Simulation {
   StepContext nextStep() const;
   /// One step of system `index`; when it fails, all systems up to it are taken back.
   void advance(std::size_t index, const StepContext& context, StepReport& report);
+  /// The step stands for `history`; its fault makes a step without time unsolved.
+  void endHistory(History& history, const StepContext& context, StepReport& report) const;
   /// Keeps x and v of every system for takeBackState().
   void keepState();
   void takeBackState();

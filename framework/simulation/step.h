@@ -17,7 +17,7 @@ struct StepContext {
 /// What a step did. Not converging is said here, not in a log.
 struct StepReport {
   bool diverged = false;  ///< the state is not usable: the run stops
-  bool unsolved = false;  ///< a step without time (statics) has not reached its equilibrium: the state is no result
+  bool unsolved = false;  ///< statics have not reached their equilibrium, or a history is at fault: no result
   std::string reason;     ///< a sentence, when diverged or not converged
   int newton_iterations = 0;
   int load_parts = 0;         ///< of statics: into how many parts the step was divided, those that failed included

@@ -146,6 +146,20 @@ TEST(PatchTest, SolvedAndTurned) {
     }
 }
 
+/// What fails by construction is said when the scene is loaded, and so by `stroma check`.
+TEST(PatchTest, AMethodThatFailsItSaysSo) {
+  for (const ElasticBody& body : elasticBodies()) {
+    const auto told = [&body](const std::string& attributes) {
+      return sceneFromText(body.scene(attributes)).diagnostics.text();
+    };
+    expectContains(told("method='large'"), "fails the patch test");
+    expectContains(told("method='large'"), "turn a free body");
+    expectContains(told("method='large' updateStiffnessMatrix='true'"), "fails the patch test");
+    EXPECT_EQ(told("method='large' updateStiffnessMatrix='true'").find("turn a free body"), std::string::npos);
+    EXPECT_EQ(told("method='svd'"), "");
+  }
+}
+
 TEST(PatchTest, LinearMethodIsExact) {
   for (const ElasticBody* body : {&tetrahedra, &hexahedra}) {
     SCOPED_TRACE(body->name);

@@ -8,13 +8,10 @@
 
 #include "components/hyperelasticity/hyperelastic_force_field.h"
 #include "tests/hyperelasticity/law_cases.h"
+#include "tests/support/newton_history.h"
 
 namespace stroma::test {
 namespace {
-
-std::vector<double> residuals(const Simulation& simulation) {
-  return *std::get<std::vector<double>*>(simulation.systems()[0]->integrator().data().find("residualGraph")->pointer());
-}
 
 /// A bar along x of n cells and of length n, held at its left end, or at both.
 std::string bar(const std::string& law, const std::string& integrator, double mass, int n = 8, bool both = false,
@@ -34,19 +31,6 @@ std::string bar(const std::string& law, const std::string& integrator, double ma
 }
 
 const std::string statics = "<StaticSolver newton_iterations='60' relative_residual_tolerance_threshold='1e-12'/>";
-
-/// The order log(r3/r2)/log(r2/r1) of the last three residuals above round-off, which is 1e-12 of the first here; 2 in
-/// the limit, and 1 for a tangent that is only nearly right.
-void expectQuadratic(const std::vector<double>& graph, const std::string& what) {
-  std::string line;
-  for (double r : graph) line += fmt::format(" {:.1e}", r / graph[0]);
-  std::size_t n = graph.size();
-  while (n > 3 && graph[n - 1] < 1e-11 * graph[0]) --n;
-  ASSERT_GE(n, 3u) << what << line;
-  const double order = std::log(graph[n - 1] / graph[n - 2]) / std::log(graph[n - 2] / graph[n - 3]);
-  std::printf("%-40s%s: order %.2f\n", what.c_str(), line.c_str(), order);
-  EXPECT_GT(order, 1.4) << what;
-}
 
 TEST(HyperelasticNewton, StaticsConvergeQuadratically) {
   for (const LawCase& law : lawCases()) {

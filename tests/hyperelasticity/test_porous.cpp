@@ -112,18 +112,26 @@ TEST(Porous, FluidIsKept) {
     }
 }
 
-/// With the pressure of the step frozen the tangent is exact; with it following, the one of fluid that stays.
-TEST(Porous, TangentIsThatOfFluidThatStays) {
-  const auto error = [](const std::string& scene) {
+/// With the pressure of the step frozen the tangent is exact. With it following it is, but for the differences of J
+/// between the elements that a pressure joins: they are of the size of the strains.
+TEST(Porous, TangentHasThePressureThatFollows) {
+  const auto error = [](const std::string& scene, double noise) {
     FieldUnderTest t(scene, porous);
-    t.deform(0.03);
+    t.deform(noise);
     t.field().setTime(0.02);
     return relativeDifference(t.product(t.direction), t.differenceOfForces(1e-6 * t.typicalEdge()));
   };
-  EXPECT_LT(error(organ("permeability=\"1e-7\"")), 1e-6);
-  // with several elements pressures are averaged over nodes, which the tangent is not
-  EXPECT_LT(error(oneCell("permeability=\"0\" coupling=\"implicit\"")), 1e-6);
-  EXPECT_GT(error(oneCell("permeability=\"1\" drainedIndices=\"0 1 2 3\" coupling=\"implicit\"")), 1e-2);
+  EXPECT_LT(error(organ("permeability=\"1e-7\""), 0.03), 1e-6);
+  const std::string implicit = " coupling=\"implicit\"";
+  for (const std::string cell : {"permeability=\"0\"", "permeability=\"1\" drainedIndices=\"0 1 2 3\"",
+                                 "permeability=\"1\" drainedIndices=\"0 1\""})
+    EXPECT_LT(error(oneCell(cell + implicit), 0.03), 1e-6) << cell;
+  for (const std::string whole : {"permeability=\"1e-7\"", "permeability=\"1e-4\" drainedIndices=\"0 1 2 3\""}) {
+    const double coarse = error(organ(whole + implicit), 0.03), fine = error(organ(whole + implicit), 0.01);
+    std::printf("organ, %s: tangent errs by %.3f with noise of 3 %%, by %.3f with 1 %%\n", whole.c_str(), coarse, fine);
+    EXPECT_LT(coarse, 0.1) << whole;
+    EXPECT_LT(fine, 0.5 * coarse) << whole;
+  }
 }
 
 TEST(Porous, ProductsAreOfTheMatrix) {
@@ -144,7 +152,7 @@ TEST(Porous, ProductsAreOfTheMatrix) {
 struct Column {
   double limit = 2200, elastic = 1000, bulk = 400, load = 0.1;
   std::string coupling = "implicit";
-  int cells = 20;
+  int cells = 20, across = 2;  ///< cells along it; nodes across it
   double dt = 0.001;
   double drained() const { return elastic + bulk; }
   double permeability() const { return 1 / limit + 1 / drained(); }
@@ -157,9 +165,8 @@ struct Column {
     };
     return "<Node name=\"root\" dt=\"" + text(dt) +
            "\" gravity=\"0 0 0\"><StaticSolver newton_iterations=\"200\" "
-           "relative_residual_tolerance_threshold=\"1e-7\"/><SparseLDLSolver/><RegularGridTopology name=\"grid\" n=\"2 "
-           "2 " +
-           std::to_string(cells + 1) +
+           "relative_residual_tolerance_threshold=\"1e-7\"/><SparseLDLSolver/><RegularGridTopology name=\"grid\" n=\"" +
+           std::to_string(across) + " " + std::to_string(across) + " " + std::to_string(cells + 1) +
            "\" min=\"0 0 0\" max=\"0.2 0.2 1\"/><Node name=\"b\"><TetrahedronSetTopologyContainer name=\"tets\"/>"
            "<Hexa2TetraTopologicalMapping input=\"@../grid\" output=\"@tets\" cutting=\"ten\"/><MechanicalObject/>"
            "<UniformMass totalMass=\"1\"/><" +
@@ -284,6 +291,92 @@ TEST(Porous, PressureAtTheCentreRisesBeforeItFalls) {
   EXPECT_GT(highest, 1.05);
   EXPECT_LT(highest, 1.6);
   EXPECT_LT(last, 0.9);
+}
+
+// ---- a fluid stiffer than its tissue ----
+
+/// K_lim = 5 to 5000 times the modulus of the drained tissue, steps from a thousandth to a tenth of the time that
+/// consolidation takes.
+TEST(Porous, ImplicitStepsTakeFewNewtonIterationsWhateverTheFluid) {
+  for (const auto& [limit, load] : {std::pair(7e3, 1.), std::pair(7e4, 1.), std::pair(7e6, 1.), std::pair(7e4, 200.)})
+    for (const double dt : {0.001, 0.1}) {
+      Column column;
+      column.limit = limit, column.dt = dt, column.load = load;
+      Simulation s = simulationFromText(column.scene());
+      int most = 0;
+      for (int n = 0; n < 5; ++n) {
+        const StepReport report = s.step();
+        ASSERT_TRUE(report.newton_converged) << report.reason;
+        most = std::max(most, report.newton_iterations);
+      }
+      std::printf("K_lim = %.0e Pa, dt = %.3f s, load %g Pa: at most %d Newton iterations\n", limit, dt, load, most);
+      EXPECT_LE(most, 15) << limit << " " << dt;
+    }
+}
+
+TEST(Porous, ConsolidationUnderAStiffFluidIsTerzaghis) {
+  Column column;
+  column.limit = 1.4e6;
+  const std::vector<double> times{0.1, 0.197, 0.5, 0.848};
+  const std::vector<double> found = column.run(times);
+  ASSERT_EQ(found.size(), times.size());
+  for (std::size_t i = 0; i < times.size(); ++i) EXPECT_NEAR(found[i], consolidation(times[i]), 0.01) << times[i];
+}
+
+/// The cheap tangent is the one of a single cell that nothing leaves; matrix and product agree, and it needs more
+/// iterations.
+TEST(Porous, TheUndrainedTangentIsThatOfFluidThatStays) {
+  FieldUnderTest closed(oneCell("permeability=\"0\" coupling=\"implicit\" tangent=\"undrained\""), porous);
+  closed.deform(0.03);
+  closed.field().setTime(0.02);
+  const double step = 1e-6 * closed.typicalEdge();
+  EXPECT_LT(relativeDifference(closed.product(closed.direction), closed.differenceOfForces(step)), 1e-6);
+  FieldUnderTest whole(organ("permeability=\"1e-7\" coupling=\"implicit\" tangent=\"undrained\""), porous);
+  whole.deform(0.03);
+  whole.field().setTime(0.02);
+  expectMatrixOfProducts(whole);
+  int iterations[2];
+  for (int coupled = 0; coupled < 2; ++coupled) {
+    Column column;
+    column.limit = 7e3;
+    if (!coupled) column.coupling += "\" tangent=\"undrained";
+    Simulation s = simulationFromText(column.scene());
+    iterations[coupled] = s.step().newton_iterations;
+  }
+  EXPECT_GT(iterations[0], 10 * iterations[1]);
+}
+
+/// A body too large for a dense matrix: products have the whole coupling.
+TEST(Porous, LargeBodiesConvergeWithASolverByProducts) {
+  Column column;
+  column.limit = 7e4, column.dt = 0.01, column.load = 1, column.cells = 12, column.across = 10;
+  std::string text = column.scene();
+  const std::string direct = "<SparseLDLSolver/>";
+  text.replace(text.find(direct), direct.size(), "<CGLinearSolver iterations=\"5000\" tolerance=\"1e-9\"/>");
+  Simulation s = simulationFromText(text);
+  ASSERT_GT(s.systems()[0]->allRows(), 1000);
+  for (int n = 0; n < 2; ++n) {
+    const StepReport report = s.step();
+    ASSERT_TRUE(report.newton_converged) << report.reason;
+    EXPECT_LE(report.newton_iterations, 15);
+  }
+}
+
+TEST(Porous, PressureThatSwingsIsNoResult) {
+  Column column;
+  column.coupling = "semi_implicit";
+  for (const double limit : {700., 2200., 14000.}) {
+    column.limit = limit;
+    Simulation s = simulationFromText(column.scene());
+    StepReport report;
+    for (int n = 0; n < 30; ++n) report = s.step();
+    if (limit < column.drained()) {
+      EXPECT_FALSE(report.unsolved) << report.reason;
+    } else {
+      EXPECT_TRUE(report.unsolved || report.diverged) << limit;
+      EXPECT_NE(report.reason.find("coupling=\"implicit\""), std::string::npos) << limit << ": " << report.reason;
+    }
+  }
 }
 
 TEST(Porous, SaysWhatIsWrong) {

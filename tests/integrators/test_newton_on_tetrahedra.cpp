@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "tests/support/scene_fixture.h"
+#include "tests/support/newton_history.h"
 
 using namespace stroma;
 using namespace stroma::test;
@@ -27,10 +27,6 @@ Simulation beam(const std::string& integrator, const std::string& solver, double
            </Node>
          </Node>)",
       dt, integrator, solver, tangent));
-}
-
-std::vector<double> residuals(Simulation& simulation) {
-  return *std::get<std::vector<double>*>(simulation.systems()[0]->integrator().data().find("residualGraph")->pointer());
 }
 
 double lowest(const Simulation& simulation) {

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <complex>
 #include <functional>
 
 #include "tests/support/ground_spring.h"
@@ -128,6 +129,64 @@ TEST(Orders, NonlinearSpringPushedOverTime) {
   });
   for (const Case& c : cases)
     expectOrder(c, spring(fmt::format("cubic='{}' push='0.5 -1 2' push_rate='7'", cubic)), x1, v1);
+}
+
+// m y'' = -k (y - u) - c (y' - u'), u = A sin(w t): a spring and a damper whose other end is moved; methods with stages
+// see its place and velocity at each
+TEST(Orders, SpringWhoseOtherEndIsMoved) {
+  const double swing = 0.3, rate = 5;
+  const auto [text, expected] = std::tuple(
+      R"(<Node name="root" dt="{}" gravity="0 0 0"> {} <CGLinearSolver iterations="50" tolerance="1e-15"/>
+           <MechanicalObject position="0 0 0  1 0 0" velocity="{} 0 0  0 0 0"/> <UniformMass vertexMass="{}"/>
+           <OscillatorProjectiveConstraint oscillators="0  0 0 0  {} 0 0  {} 0"/>
+           <SpringForceField springsIndices1="0" springsIndices2="1" lengths="1" stiffness="{}" damping="{}"/>
+         </Node>)",
+      [=](double damping) {
+        const std::complex<double> i(0, 1), driven = stiffness + i * damping * rate;
+        const std::complex<double> moved = swing * driven / (driven - mass * rate * rate);
+        const double decay = damping / (2 * mass), turning = std::sqrt(omega * omega - decay * decay);
+        const double a = -moved.imag(), b = (-rate * moved.real() + decay * a) / turning;
+        const std::complex<double> forced = moved * std::exp(i * rate);
+        const double c = std::cos(turning), s = std::sin(turning), e = std::exp(-decay);
+        return std::pair(forced.imag() + e * (a * c + b * s),
+                         rate * forced.real() + e * (turning * (b * c - a * s) - decay * (a * c + b * s)));
+      });
+  for (const double damping : {0., 1.2})
+    for (Case c : cases) {
+      // the damper sees the velocity of the middle of a step, or of what is moved its mean over the step
+      for (const char* method : {"CentralDifference", "Newmark", "BDFOdeSolver"})
+        if (damping > 0 && c.integrator.find(method) != std::string::npos) c.order = 1;
+      const auto [y, speed] = expected(damping);
+      const auto errorAfter = [&, y = y, speed = speed](int n) {
+        Simulation simulation = simulationFromText(fmt::format(fmt::runtime(text), 1.0 / n, c.integrator, swing * rate,
+                                                               mass, swing, rate, stiffness, damping));
+        for (int step = 0; step < n; ++step) EXPECT_FALSE(simulation.step().diverged);
+        const System& system = *simulation.systems()[0];
+        return std::hypot(system.x[1].x() - 1 - y, c.has_velocity ? (system.v[1].x() - speed) / omega : 0);
+      };
+      const double coarse = errorAfter(c.steps), fine = errorAfter(2 * c.steps), order = std::log2(coarse / fine);
+      std::printf("%-60s damping %.1f: order %.2f, errors %.2e %.2e\n", c.integrator.c_str(), damping, order, coarse,
+                  fine);
+      EXPECT_NEAR(order, c.order, 0.15) << c.integrator << " damping " << damping << ": errors " << coarse << ' '
+                                        << fine;
+    }
+}
+
+// the moved end turns around at once between two steps: each sees the velocity of its own piece
+TEST(Orders, MotionWhoseVelocityJumpsBetweenSteps) {
+  const auto placeAfter = [](int n) {
+    Simulation simulation = simulationFromText(fmt::format(
+        R"(<Node name="root" dt="{}" gravity="0 0 0"> <RungeKutta4Solver/>
+             <MechanicalObject position="0 0 0  1 0 0"/> <UniformMass vertexMass="{}"/>
+             <LinearMovementProjectiveConstraint indices="0" keyTimes="0 0.4 1" movements="0 0 0  0.3 0 0  -0.2 0 0"/>
+             <SpringForceField springsIndices1="0" springsIndices2="1" lengths="1" stiffness="{}" damping="1.2"/>
+           </Node>)",
+        1.0 / n, mass, stiffness));
+    for (int step = 0; step < n; ++step) EXPECT_FALSE(simulation.step().diverged);
+    return simulation.systems()[0]->x[1].x();
+  };
+  const double exact = placeAfter(2000), coarse = placeAfter(20) - exact, fine = placeAfter(40) - exact;
+  EXPECT_NEAR(std::log2(coarse / fine), 4, 0.2) << coarse << ' ' << fine;
 }
 
 // a body that turns about a point: m r W^2 = (k + c r^2) r in a plane

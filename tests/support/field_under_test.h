@@ -241,7 +241,7 @@ struct ElasticBody {
           v.b_current = update > 0;
           v.torque_free = update > 0 || word == "green" || (tetrahedra && (word == "polar" || word == "svd"));
           variants.push_back(v);
-          if (exact || word == "nodal" || (word == "green" && tetrahedra)) continue;
+          if (word == "nodal" || (word == "green" && tetrahedra)) continue;
           v.name += " mean dilatation", v.attributes += " dilatation=\"mean\"";
           variants.push_back(v);
         }

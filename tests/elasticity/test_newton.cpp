@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Newton's method near incompressibility: a bar that bends under its weight, with one volume change a node or a cell.
+#include <algorithm>
+
+#include "tests/support/field_under_test.h"
+#include "tests/support/newton_history.h"
+
+namespace stroma::test {
+namespace {
+
+/// 8 x 2 x 2 cells, held at the left end. `tetrahedra`: each cut into six.
+std::string bar(bool tetrahedra, const std::string& attributes, double poisson, double mass = 0.3) {
+  const std::string field =
+      fmt::format("FEMForceField mstate='@../dofs' youngModulus='60000' poissonRatio='{}' {}/>", poisson, attributes);
+  return R"(<Node name="root" dt="1" gravity="0 -9.81 0">
+  <StaticSolver newton_iterations="60" relative_residual_tolerance_threshold="1e-7"/><SparseLDLSolver/>
+  <RegularGridTopology name="grid" n="9 3 3" min="0 0 0" max="0.2 0.05 0.05"/>
+  <MechanicalObject name="dofs"/><UniformMass totalMass=")" +
+         std::to_string(mass) + R"("/>
+  <BoxROI name="end" box="-0.001 -1 -1 0.001 1 1" position="@dofs.rest_position"/>
+  <FixedProjectiveConstraint indices="@end.indices"/><Node name="cells">)" +
+         (tetrahedra ? "<TetrahedronSetTopologyContainer name='tets'/><Hexa2TetraTopologicalMapping input='@../grid' "
+                       "output='@tets' cutting='six'/><Tetrahedron" +
+                           field
+                     : "<HexahedronSetTopologyContainer src='@../grid'/><Hexahedron" + field) +
+         "</Node></Node>";
+}
+
+double lowest(const Simulation& simulation) {
+  double value = 0;
+  const System& system = *simulation.systems()[0];
+  for (Index i = 0; i < system.independentRows(); ++i) value = std::min(value, system.x[i].y());
+  return value;
+}
+
+/// Once the residual is below the one of the start, where loads are off by all they are, it falls by squares: a tangent
+/// that is only nearly right divides it by the same at every iteration, by ten at best here.
+void expectSquares(const std::vector<double>& graph, const std::string& what) {
+  std::string line;
+  for (double r : graph) line += fmt::format(" {:.1e}", r / graph[0]);
+  std::printf("%-28s%s\n", what.c_str(), line.c_str());
+  ASSERT_LT(graph.back(), 1e-6 * graph[0]) << what;
+  const auto last = std::find_if(graph.begin(), graph.end(), [&](double r) { return r < 1e-6 * graph[0]; });
+  const auto above = std::find_if(std::reverse_iterator(last), graph.rend(), [&](double r) { return r >= graph[0]; });
+  EXPECT_LE(last - above.base() + 1, 4) << what;
+  EXPECT_LT(std::min(last[0] / last[-1], last[-1] / last[-2]), 2e-3) << what;
+}
+
+/// The lighter the more nearly incompressible: each bends as far as Newton's method goes from rest in one step.
+TEST(ElasticNewton, TheMeanDilatationConvergesQuadraticallyUpToTheIncompressibleLimit) {
+  for (const bool tetrahedra : {true, false})
+    for (const std::string method : {"large", "polar", "svd"})
+      for (const auto& [poisson, mass] : {std::pair(0.45, 0.3), std::pair(0.499, 0.1), std::pair(0.49999, 0.02)}) {
+        const std::string what = fmt::format("{} {} {}", tetrahedra ? "tetrahedra" : "hexahedra", method, poisson);
+        Simulation simulation = simulationFromText(
+            bar(tetrahedra, "method='" + method + "' dilatation='mean' tangent='exact'", poisson, mass));
+        const StepReport report = simulation.step();
+        EXPECT_TRUE(report.newton_converged) << what << ": " << report.reason;
+        expectSquares(residuals(simulation), what);
+        EXPECT_LT(lowest(simulation), mass > 0.1 ? -0.03 : -0.001) << what << ": nothing large was tested";
+      }
+}
+
+/// Both tangents lead to one equilibrium, the warped one where it arrives.
+TEST(ElasticNewton, TheMeanDilatationHasOneEquilibrium) {
+  for (const bool tetrahedra : {true, false}) {
+    Simulation exact = simulationFromText(bar(tetrahedra, "method='svd' dilatation='mean' tangent='exact'", 0.45));
+    std::string text = bar(tetrahedra, "method='svd' dilatation='mean'", 0.45);
+    text.replace(text.find("\"60\""), 4, "\"1000\"");
+    Simulation warped = simulationFromText(text);
+    ASSERT_TRUE(exact.step().newton_converged);
+    const StepReport report = warped.step();
+    ASSERT_TRUE(report.newton_converged) << report.reason;
+    EXPECT_GT(report.newton_iterations, int(residuals(exact).size()));
+    EXPECT_NEAR(lowest(exact), lowest(warped), 1e-6);
+  }
+}
+
+/// The rate at which Newton's method converges with tangents that leave out how rotations and gradients change: about the
+/// strain, which is 1 to 3 % here.
+TEST(ElasticNewton, WarpedTangentsDivideTheResidualByTenAtLeast) {
+  for (const bool tetrahedra : {true, false})
+    for (const std::string method : {"large", "polar", "svd"})
+      for (const std::string more : {"", "updateStiffnessMatrix='true'",
+                                     "updateStiffnessMatrix='true' updateVolume='true'", "dilatation='mean'"}) {
+        const std::string what = fmt::format("{} {} {}", tetrahedra ? "tetrahedra" : "hexahedra", method, more);
+        Simulation simulation = simulationFromText(bar(tetrahedra, "method='" + method + "' " + more, 0.3, 0.04));
+        const StepReport report = simulation.step();
+        EXPECT_TRUE(report.newton_converged) << what << ": " << report.reason;
+        const std::vector<double> graph = residuals(simulation);
+        const double rate = graph.back() / graph[graph.size() - 2];
+        std::printf("%-75s %2d iterations, rate %.3f, end at %.4f m\n", what.c_str(), report.newton_iterations, rate,
+                    lowest(simulation));
+        EXPECT_LT(rate, 0.1) << what;
+      }
+}
+
+}  // namespace
+}  // namespace stroma::test
