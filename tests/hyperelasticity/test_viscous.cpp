@@ -190,24 +190,7 @@ TEST(ViscousLaw, TangentIsTheForcesDerivative) {
         copy(t.x, elastic.x);
         const Vector f = t.force();
         EXPECT_GT(relativeDifference(f, elastic.force()), 0.1) << "no viscosity was tested";
-        const double step = 1e-6 * t.typicalEdge();
-        if (t.field().traits().exact_tangent) {
-          EXPECT_LT(relativeDifference(t.product(t.direction), t.differenceOfForces(step)), 1e-6);
-        }
-        expectMatrixOfProducts(t);
-        const Vector product = t.product(t.direction);
-        Vector both(t.x.count()), separate = t.force();
-        t.field().addForceAndProduct(t.x, t.v_zero, t.direction, 1.5, both);
-        axpy(1.5, product, separate);
-        EXPECT_LT(relativeDifference(separate, both), 1e-13);
-        // with the history held there is a potential, and no resultant
-        Vector a(t.x.count()), b(t.x.count());
-        copy(t.x, a), copy(t.x, b);
-        axpy(100 * step, t.direction, a), axpy(-100 * step, t.direction, b);
-        const double slope = (t.field().energy(a) - t.field().energy(b)) / (200 * step);
-        EXPECT_NEAR(-slope, dot(f, t.direction), 1e-6 * std::sqrt(dot(f, f) * dot(t.direction, t.direction)));
-        EXPECT_LT(momentumOf(t.x, f).force, 1e-12);
-        EXPECT_LT(momentumOf(t.x, f).torque, 1e-12);
+        expectConsistentDerivatives(t, f);
       }
 }
 
