@@ -49,7 +49,7 @@ class CheckpointClock {
   Clock::time_point last_ = Clock::now();
 };
 
-/// The files of the run before must not outlive its checkpoint.
+/// A run that starts anew replaces files that the checkpoint of the run before counts on: that one goes first.
 void prepare(Recorder& recorder, bool goes_on) {
   if (goes_on)
     recorder.goOn();
