@@ -246,6 +246,11 @@ void TetrahedronPorousForceField::compile() {
   dense_.reset();
   if (isCoupled() && rest.size() <= most_dense_nodes)
     dense_ = std::make_unique<DenseCoupling>(*mesh_, rest, sponge_, state().firstRow());
+  else if (isCoupled())
+    inform(
+        fmt::format("with more than {} nodes an assembled matrix keeps the fluid in each element, and Newton's method "
+                    "may take many iterations with it: CGLinearSolver takes products, which have the whole coupling",
+                    most_dense_nodes));
   now_.resize(rows), change_.resize(rows);
   theta_.resize(rest.size());
   start(initial_);
@@ -347,11 +352,6 @@ void TetrahedronPorousForceField::addPattern(BlockPattern& pattern) const {
 void TetrahedronPorousForceField::prepareAssembly(const BlockMatrix& matrix) {
   slots_ = elements_->slots(matrix);
   if (dense_) dense_slots_ = dense_->slots(matrix);
-  if (isCoupled() && !dense_)
-    inform(
-        fmt::format("with more than {} nodes the assembled matrix keeps the fluid in each element, and Newton's method "
-                    "may take many iterations: CGLinearSolver takes products, which have the whole coupling",
-                    most_dense_nodes));
 }
 
 DenseCoupling& TetrahedronPorousForceField::dense() const {

@@ -20,7 +20,7 @@
 // and s grows to 1 by parts that become smaller by 4 where one fails and larger by 2 after each that does not: at
 // s = 0 the start is in balance whatever acts on it. Parts end at a relative residual of 1e-4, the last one at the
 // step's own. The run tells how many steps were divided. No part is smaller than `smallest_part`: then the step says
-// under how much of its loads the last equilibrium is, and leaves that.
+// under how much of its loads the last equilibrium is, and leaves that, or with moved nodes is taken back.
 //
 // A step ends when |f| <= relative_residual_tolerance_threshold * the |f| where the step starts (reactions of held
 // nodes included), or when one of the other thresholds (off by default: they are absolute, or measure the step instead
@@ -29,9 +29,8 @@
 // result, and its exit code is 3. SOFA's defaults are 1 iteration and 1e-5 for all four. A NewtonRaphsonSolver in the
 // node, or linked, holds the settings instead.
 //
-// A body that is free to move or turn as a whole and whose loads push it that way has no equilibrium: the step then
-// ends with a sentence naming the body and the direction or the axis. A body is what forces tie together, so a state
-// can hold several.
+// A body that is free to move or turn as a whole and whose loads push it that way has no equilibrium: the step ends with
+// a sentence naming the body and the direction or axis. A body is what forces tie together: a state can hold several.
 //
 // Example:
 // <Node name="root" dt="1" gravity="0 -9.81 0">
@@ -48,6 +47,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <numeric>
 
 #include "components/integrators/free_body.h"
 #include "components/integrators/newton_solver.h"
@@ -196,7 +196,8 @@ void StaticSolver::compile(System& system) {
     settings_.forcing = own.forcing;
   }
   settings_.use_energy = system.isConservative();
-  settings_.patience = 10;
+  // a limit that the scene writes is the only one
+  settings_.patience = settings_component_ || data().find("newton_iterations")->isSet() ? 0 : 10;
   newton_.settings = settings_;
   newton_.compile(system.independentRows());
   problem_.compile(system);
@@ -206,7 +207,7 @@ void StaticSolver::compile(System& system) {
   if (settings_component_) settings_component_->prepare(graph_.capacity());
 }
 
-/// Two places for one setting: which one holds must not be a guess.
+/// Which of two places holds must not be a guess.
 void StaticSolver::checkSettings() const {
   for (const Data& attribute : data().all())
     if (attribute.isSet() && !attribute.link())
@@ -225,9 +226,8 @@ void addCounts(const StepReport& from, StepReport& to) {
 
 /// How many directions of nodes are held.
 long heldDirections(const ConstraintSet& constraints) {
-  long sum = 0;
-  for (const NodeProjector& held : constraints.projectors()) sum += 3 - std::lround(held.projector.trace());
-  return sum;
+  const auto count = [](long sum, const NodeProjector& held) { return sum + 3 - std::lround(held.projector.trace()); };
+  return std::accumulate(constraints.projectors().begin(), constraints.projectors().end(), 0L, count);
 }
 
 /// Grows when constraints turn, begin or end, and when springs and contacts come or go.
@@ -333,7 +333,10 @@ StepReport StaticSolver::solveInParts(System& system, const StepContext& context
   }
   if (report.load_parts == 1) return report;
   copy(good_, x);
-  report.diverged = failed.diverged && done == 0;
+  problem_.setShare(1);
+  problem_.residual(force_);  // forces are those of the state that is left
+  // moved nodes go to the end of a step whatever it has reached: the rest cannot stay behind
+  report.diverged = (failed.diverged && done == 0) || system.constraints().hasPrescribed();
   report.newton_converged = false;
   report.reason = fmt::format(
       "{}; divided, the step reached an equilibrium under {:.3g} of its loads, and no part of {:.2g} beyond: {}",

@@ -67,7 +67,7 @@ class RigidPlateForceField final : public NodeGroupField<2, PairTangent> {
     const double length = normal_.norm();
     if (!(length > 0) || !std::isfinite(length))
       throw ComponentError("normal has no direction", "a vector that is not zero");
-    normal_ /= length;
+    unit_normal_ = normal_ / length;
     nodes_ = data().find("indices")->isSet() ? checkedNodes(indices_, state(), "indices") : allNodes(state());
     if (plate_.get() == &state()) std::erase(nodes_, Index(plate_node_));
   }
@@ -100,19 +100,19 @@ class RigidPlateForceField final : public NodeGroupField<2, PairTangent> {
       const double g = depth(x, rows_[i]);
       stiffness_[i].setZero();
       if (!(g > 0) && !bilateral_) continue;
-      const Vec3 force = stiffness_constant_ * g * normal_;
+      const Vec3 force = stiffness_constant_ * g * unit_normal_;
       f[rows_[i][0]] += force;
       f[rows_[i][1]] -= force;
-      stiffness_[i].k = -stiffness_constant_ * normal_ * normal_.transpose();
+      stiffness_[i].k = -stiffness_constant_ * unit_normal_ * unit_normal_.transpose();
     }
   }
 
  private:
-  double depth(ConstRows x, const Group& row) const { return normal_.dot(x[row[1]] - x[row[0]]) + offset_; }
+  double depth(ConstRows x, const Group& row) const { return unit_normal_.dot(x[row[1]] - x[row[0]]) + offset_; }
 
   Link<State> plate_{"mechanical state"};
   int plate_node_ = 0;
-  Vec3 normal_ = Vec3::Zero();
+  Vec3 normal_ = Vec3::Zero(), unit_normal_ = Vec3::Zero();
   double offset_ = 0, stiffness_constant_ = 500;
   std::vector<int> indices_;
   bool bilateral_ = false;

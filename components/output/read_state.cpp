@@ -85,7 +85,9 @@ class ReadState final : public ProjectiveConstraint {
     if (lastReached(t) >= 0) prescribe(t, x, v);
   }
   void prescribe(double t, Rows x, Rows v) const override {
-    const StateFrame& frame = frames_[std::size_t(lastReached(t) % long(frames_.size()))];
+    const long reached = lastReached(t);
+    if (reached < 0) return;  // a stage of a step, before the first instant
+    const StateFrame& frame = frames_[std::size_t(reached % long(frames_.size()))];
     const Index first = state().firstRow();
     for (Index i = 0; i < state().size(); ++i) {
       x[first + i] = frame.x[i];

@@ -129,7 +129,9 @@ void checkWritable(const std::string& path) {
 
 void writeWholeFile(const std::string& path, std::string_view bytes) {
   std::error_code error;
-  if (fs::exists(path, error) && !fs::is_regular_file(path, error)) {  // a device or a pipe has no other name
+  // a device or a pipe has no other name, and what a link points to stays behind it
+  if (fs::is_symlink(fs::symlink_status(path, error)) ||
+      (fs::exists(path, error) && !fs::is_regular_file(path, error))) {
     OutputFile file;
     file.open(path);
     file.append(bytes);

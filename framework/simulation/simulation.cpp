@@ -271,9 +271,10 @@ void Simulation::endHistory(History& history, const StepContext& context, StepRe
   });
   const std::string fault = without_time ? history.fault() : std::string();
   if (fault.empty()) return;
+  const std::string before = report.unsolved || report.reason.empty() ? report.reason : "; " + report.reason;
+  if (!report.unsolved)
+    report.reason = fmt::format("step {} (to t = {:.6g} s): {}{}", context.index, context.t_end, fault, before);
   report.unsolved = true;
-  if (report.reason.empty())
-    report.reason = fmt::format("step {} (to t = {:.6g} s): {}", context.index, context.t_end, fault);
 }
 
 void Simulation::keepState() {

@@ -106,8 +106,8 @@ std::optional<double> StateWriter::goOn(double t, bool at_t) {
   while (kept < recording.frames.size() &&
          (recording.frames[kept].time < t || (at_t && recording.frames[kept].time == t)))
     ++kept;
+  impl_->file.keep(kept == 0 ? 0 : recording.ends[kept - 1]);
   if (kept == 0) return std::nullopt;
-  impl_->file.keep(recording.ends[kept - 1]);
   return recording.frames[kept - 1].time;
 }
 

@@ -31,6 +31,7 @@ void RunStatistics::add(const StepReport& report, double step_seconds) {
   newton_unconverged += report.newton_converged ? 0 : 1;
   constraints_unconverged += report.constraints_converged ? 0 : 1;
   if (!report.constraints_converged && constraint_reason.empty()) constraint_reason = report.constraint_reason;
+  if (report.unsolved && report.newton_converged && without_result++ == 0) without_result_reason = report.reason;
   residual_sum += report.linear_residual;
   residual_worst = std::max(residual_worst, report.linear_residual);
   newton_residual_worst = std::max(newton_residual_worst, report.newton_residual);
@@ -47,6 +48,9 @@ std::vector<std::string> RunStatistics::warnings() const {
     warnings.push_back(
         fmt::format("Newton's method did not converge in {} of {} steps (worst relative residual {:.2g})",
                     newton_unconverged, step_ms.size(), newton_residual_worst));
+  if (without_result > 0)
+    warnings.push_back(fmt::format("{} of {} steps have no result; the first time: {}", without_result, step_ms.size(),
+                                   without_result_reason));
   if (constraints_unconverged > 0)
     warnings.push_back(fmt::format("position constraints did not hold in {} of {} steps; the first time: {}",
                                    constraints_unconverged, step_ms.size(), constraint_reason));

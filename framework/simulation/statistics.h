@@ -22,14 +22,18 @@ struct RunStatistics {
   long linear_unconverged = 0, newton_unconverged = 0, constraints_unconverged = 0;  ///< steps
   long divided_steps = 0;  ///< of statics, see StepReport::load_parts
   int most_load_parts = 0;
-  std::string constraint_reason;  ///< of the first step in which position constraints did not hold
+  long without_result = 0;            ///< steps whose solves converged, to what is no result
+  std::string without_result_reason;  ///< of the first of them
+  std::string constraint_reason;      ///< of the first step in which position constraints did not hold
   double residual_sum = 0, residual_worst = 0, newton_residual_worst = 0;
 
   void add(const StepReport& report, double step_seconds);
   /// Sentences on solves that did not converge, summed over the run.
   std::vector<std::string> warnings() const;
   /// False when a step relied on a solve that ended before its tolerance.
-  bool allConverged() const { return linear_unconverged + newton_unconverged + constraints_unconverged == 0; }
+  bool allConverged() const {
+    return linear_unconverged + newton_unconverged + constraints_unconverged + without_result == 0;
+  }
   double meanMs() const;
   double quantileMs(double q) const;
 };

@@ -208,11 +208,10 @@ std::vector<std::string> explain(const System& system) {
     lines.push_back("  linear solver: none");
   } else {
     const bool made = solver->where().text() == system.integrator().where().text();
-    lines.push_back(fmt::format("  linear solver {}{}: {}", solver->path(),
-                                made ? ", made with its defaults because the scene has none" : "",
-                                system.matrix().keptBlocks() >= 0
-                                    ? fmt::format("matrix of {} blocks of 3x3", system.matrix().keptBlocks())
-                                    : std::string("no matrix is kept so far")));
+    lines.push_back(fmt::format(
+        "  linear solver {}{}: {}", solver->path(), made ? ", made with its defaults because the scene has none" : "",
+        system.matrix().keptBlocks() >= 0 ? fmt::format("matrix of {} blocks of 3x3", system.matrix().keptBlocks())
+                                          : std::string("no matrix is kept so far")));
   }
   return lines;
 }

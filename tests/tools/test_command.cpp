@@ -325,5 +325,18 @@ TEST_F(Command, AStrictRunTakesSolvesThatStoppedShortForADoubt) {
   EXPECT_EQ(stroma("run chain.xml -n 3 --strict --set /CGLinearSolver.iterations=100").code, 0);
 }
 
+TEST_F(Command, ARunWithoutAResultIsNoneWhenItIsResumed) {
+  // one iteration does not find the equilibrium of a hardening chain
+  write("chain.xml",
+        "<Node name=\"root\" dt=\"1\" gravity=\"0 -10 0\"><StaticSolver newton_iterations=\"1\"/><SparseLDLSolver/>"
+        "<MechanicalObject position=\"0 0 0  1 0 0  2 0 0\"/><UniformMass totalMass=\"1\"/>"
+        "<SpringForceField springsIndices1=\"0 1\" springsIndices2=\"1 2\" stiffness=\"30\" lengths=\"1 1\"/>"
+        "<FixedProjectiveConstraint indices=\"0\"/></Node>");
+  const Finished first = stroma("run chain.xml -n 2 --record out");
+  EXPECT_EQ(first.code, 3) << first.err;
+  const Finished resumed = stroma("run chain.xml -n 2 --record out --resume");
+  EXPECT_EQ(resumed.code, 3) << resumed.err;
+}
+
 }  // namespace
 }  // namespace stroma::test

@@ -49,18 +49,13 @@ class CheckpointClock {
   Clock::time_point last_ = Clock::now();
 };
 
-/// A run that starts anew replaces files that the checkpoint of the run before counts on: that one goes first.
-void prepare(Recorder& recorder, bool goes_on) {
-  if (goes_on)
-    recorder.goOn();
-  else
-    recorder.dropCheckpoint();
-}
-
-Outcome loop(Session& session, long steps, const RunRequest& request, Recorder* recorder) {
+Outcome loop(Session& session, long steps, const RunRequest& request, Recorder* recorder, bool goes_on) {
   const Simulation& simulation = session.simulation();
   stopOnSignals(session);
+  if (recorder && goes_on) recorder->goOn();
   session.simulation().begin();
+  // a run that starts anew replaces files that the checkpoint of the run before counts on: that one goes first
+  if (recorder && !goes_on) recorder->dropCheckpoint();
   if (recorder) recorder->write();
   Progress progress(steps, request.quiet);
   CheckpointClock checkpoints(request);
@@ -99,7 +94,9 @@ void finish(Session& session, const RunRequest& request, std::optional<Recorder>
     if (outcome.failed() && !recorder) recorder.emplace(session, divergedFolder(request.scene), 1);
   });
   // the checkpoint comes before what observers write at the very end: a run that goes on does not have it
-  if (recorder) attempt(outcome, [&] { recorder->finish(outcome.failures.empty()); });
+  // to go on from a state that is no result would make it look like one
+  const bool may_go_on = outcome.failures.empty() && outcome.end != RunEnd::not_converged;
+  if (recorder) attempt(outcome, [&] { recorder->finish(may_go_on); });
   attempt(outcome, [&] { session.finish(); });
   if (outcome.failed())
     tellFailure(outcome, session.simulation(), recorder ? recorder->files() : std::vector<std::string>{"no file"});
@@ -130,11 +127,8 @@ int run(const Arguments& arguments) {
   const bool wants_json = !request.json_file.empty();
   const Energies at_start = wants_json ? energiesOf(simulation) : Energies{};
   std::optional<Recorder> recorder;
-  if (request.recordsIn()) {
-    recorder.emplace(session, request.record_folder, request.record_every);
-    prepare(*recorder, !checkpoint.empty());
-  }
-  Outcome outcome = loop(session, steps, request, recorder ? &*recorder : nullptr);
+  if (request.recordsIn()) recorder.emplace(session, request.record_folder, request.record_every);
+  Outcome outcome = loop(session, steps, request, recorder ? &*recorder : nullptr, !checkpoint.empty());
   finish(session, request, recorder, outcome);
   const bool doubts = tellWarnings(outcome.statistics, simulation.doubts(), warnings);
   outcome.doubted = request.strict && (doubts || !outcome.statistics.allConverged());
@@ -150,6 +144,7 @@ int run(const Arguments& arguments) {
   }
   for (const std::string& failure : outcome.failures) fmt::print(stderr, "error: {}\n", failure);
   if (request.json_file != "-" && !request.quiet) printSummary(request, simulation, outcome);
+  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, SIG_DFL);  // the session ends here
   return outcome.exitCode();
 }
 
