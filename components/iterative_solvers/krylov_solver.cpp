@@ -13,7 +13,11 @@ void KrylovSolver::declare(DataTable& table) {
       .help("largest number of iterations; a scene that must keep a frame rate caps them")
       .unit("-")
       .min(1);
-  table.add("tolerance", tolerance_).atOnce().help("stop when |b - A x| <= tolerance |b|").unit("-").min(0);
+  table.add("tolerance", tolerance_)
+      .atOnce()
+      .help("stop when |b - A x| <= tolerance |b|; 1e-5 where the scene writes iterations and no tolerance")
+      .unit("-")
+      .min(0);
   table.add("template", template_)
       .help(
           "auto, GraphScattered (matrix-free) or CompressedRowSparseMatrix, CompressedRowSparseMatrixMat3x3 "
@@ -26,7 +30,9 @@ void KrylovSolver::declare(DataTable& table) {
 
 void KrylovSolver::init() {
   constexpr int usual = 100;
-  expected_iterations_ = data().find("iterations")->isSet() ? iterations_ : usual;
+  is_capped_ = data().find("iterations")->isSet();
+  tolerance_data_ = data().find("tolerance");
+  expected_iterations_ = is_capped_ ? iterations_ : usual;
   const std::vector<std::string> assembled = {"CompressedRowSparseMatrix", "CompressedRowSparseMatrixd",
                                               "CompressedRowSparseMatrixMat3x3", "CompressedRowSparseMatrixMat3x3d"};
   if (template_ == "auto" || template_.empty()) {

@@ -51,7 +51,9 @@ class KrylovSolver : public LinearSolver {
     return dot(r, r);
   }
   /// The |b - A x| at which a solve ends.
-  double target() const { return std::max(tolerance_, requestedTolerance()) * norm_b_; }
+  double target() const { return std::max(tolerance(), requestedTolerance()) * norm_b_; }
+  /// A scene that writes `iterations` and no tolerance, as SOFA's do, has SOFA's.
+  double tolerance() const { return is_capped_ && !tolerance_data_->isSet() ? 1e-5 : tolerance_; }
   /// Appends to `graph` as long as init() made room: no allocation in a step.
   void record(double relative_residual) {
     if (graph_.size() < graph_.capacity()) graph_.push_back(relative_residual);
@@ -72,6 +74,8 @@ class KrylovSolver : public LinearSolver {
   Form form_ = Form::automatic;
   /// What a solve is taken to need when the form of the product is chosen.
   int expected_iterations_ = 0;
+  bool is_capped_ = false;                  ///< the scene writes `iterations`
+  const Data* tolerance_data_ = nullptr;    ///< the attribute
   const BlockMatrix* assembled_ = nullptr;  ///< null while products are matrix-free
 };
 
