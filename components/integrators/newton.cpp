@@ -84,9 +84,9 @@ constexpr double most_of_loads = 1e-3;
 
 std::string tooSmallLoads(double attainable) {
   return fmt::format(
-      "; the round-off of positions alone makes {:.2g}: the loads are too small beside the stiffness times the "
-      "distance "
-      "from the origin",
+      "; the round-off of positions alone makes {:.2g}: the loads are too small for this stiffness at this distance "
+      "from "
+      "the origin",
       attainable);
 }
 
@@ -100,7 +100,10 @@ void declareNewton(DataTable& table, NewtonSettings& settings, const NewtonNames
     table.add(name, member).help("converged when " + help + "; 0: not used").unit(unit).min(0);
   };
   const std::string residual = names.residual;
-  table.add(names.iterations, settings.iterations).help("largest number of iterations per step").unit("-").min(1);
+  table.add(names.iterations, settings.iterations)
+      .help("largest number of iterations of one solve: a step, or a part of a divided one")
+      .unit("-")
+      .min(1);
   threshold(names.relative_residual, settings.relative_residual, "-",
             residual + " is below this times the larger of " + residual +
                 " and the forces with reactions, both where the step starts");
@@ -189,6 +192,7 @@ bool Newton::isCorrectionRoundOff(const NonlinearProblem& problem) const {
          2 * std::numeric_limits<double>::epsilon() * largest(problem.positions());
 }
 
+/// True when |R| gets on too slowly for a solve that a caller can make in smaller parts.
 bool Newton::isPointless() const {
   constexpr std::size_t first = 25;
   if (settings.patience == 0 || history_.size() <= first + 1) return false;
