@@ -264,13 +264,15 @@ void Simulation::advance(std::size_t index, const StepContext& context, StepRepo
 
 void Simulation::endHistory(History& history, const StepContext& context, StepReport& report) const {
   history.stepEnded(context.t_end);
+  const std::string fault = history.fault();
+  if (fault.empty()) return;
+  // a step in time may swing and settle; an equilibrium may not
   const auto* field = dynamic_cast<const ForceField*>(&history);
   const bool without_time = std::any_of(systems_.begin(), systems_.end(), [field](const auto& system) {
     const auto& fields = system->forceFields();
     return !system->integrator().movesInTime() && std::find(fields.begin(), fields.end(), field) != fields.end();
   });
-  const std::string fault = without_time ? history.fault() : std::string();
-  if (fault.empty()) return;
+  if (!without_time) return;
   const std::string before = report.unsolved || report.reason.empty() ? report.reason : "; " + report.reason;
   if (!report.unsolved)
     report.reason = fmt::format("step {} (to t = {:.6g} s): {}{}", context.index, context.t_end, fault, before);
