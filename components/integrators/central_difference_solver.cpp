@@ -89,7 +89,7 @@ StepReport CentralDifferenceSolver::step(System& system, const StepContext& cont
     const double damping = damping_[row];
     a_[row] = between / (1 + between * damping / 2) * (a_[row] - damping * system.v[row]);
   }
-  system.constraints().project(a_);
+  system.constraints().projectAcceleration(a_);
   const Rows v = system.independent(system.v);
   axpy(1, a_, v);
   system.motion().advance(h, v, system.x);

@@ -42,6 +42,8 @@ bool Acceleration::solve(ConstRows f, Rows a, StepReport& report) {
     double* __restrict out = a.data;
     for (Index i = 0; i < a.count; ++i)
       for (int l = 0; l < row_doubles; ++l) out[row_doubles * i + l] = force[row_doubles * i + l] * inverse[i];
+    system_->constraints().projectAcceleration(a);
+    return true;
   }
   system_->constraints().project(a);
   return true;

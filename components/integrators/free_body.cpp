@@ -50,6 +50,10 @@ std::vector<Index> bodyOfRow(const System& system) {
   for (const Mapping* mapping : system.actors().mappings)
     for (const State* state : {&mapping->input(), &mapping->output()})
       for (Index i = 0; i < state->size(); ++i) connections.join(mapping->input().firstRow(), state->firstRow() + i);
+  const LinearRelations& relations = system.constraints().relations().relations();
+  for (Index relation = 0; relation < relations.count(); ++relation)
+    for (auto term = relations.begin(relation); term != relations.end(relation); ++term)
+      connections.join(relations.begin(relation)->row, term->row);
   std::vector<Index> body(std::size_t(system.independentRows())), number(std::size_t(system.allRows()), -1);
   Index count = 0;
   for (Index row = 0; row < system.independentRows(); ++row) {

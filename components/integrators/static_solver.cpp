@@ -49,6 +49,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "components/integrators/equilibrium.h"
 #include "components/integrators/free_body.h"
 #include "components/integrators/newton_solver.h"
 #include "framework/scene/archive.h"
@@ -58,63 +59,6 @@
 
 namespace stroma {
 namespace {
-
-/// f(x) = 0 with the iterate in System::x.
-class Equilibrium final : public NonlinearProblem {
- public:
-  void compile(System& system) {
-    system_ = &system;
-    for (Vector* vector : {&start_, &start_force_, &error_, &product_}) vector->resize(system.independentRows());
-  }
-  void begin() {
-    copy(rows(), start_);
-    share_ = 1;
-  }
-  void giveUp() { copy(start_, rows()); }
-  /// From now on R is that of a part of the step which began at begin().
-  void setShare(double share) { share_ = share; }
-  /// The present R is what a part of the step leaves out of balance.
-  void keepStartForce() { residual(start_force_); }
-  void residual(Rows out) override {
-    system_->computeForce(system_->x, system_->v, system_->f);
-    copy(system_->independent(system_->f), out);
-    leaveOut(out);
-    system_->constraints().project(out);
-  }
-  /// out -= (1 - s) f0
-  void leaveOut(Rows out) const {
-    if (share_ < 1) axpy(share_ - 1, start_force_, out);
-  }
-  SystemMatrix& tangent() override { return system_->matrix().withFactors({.stiffness = -1}); }
-  /// The gradient of the second part is (1 - s) f0.
-  double energy() override {
-    double sum = system_->potentialEnergy(system_->x);
-    if (share_ == 1) return sum;
-    copy(start_, product_);
-    system_->motion().difference(rows(), product_);
-    return sum + (1 - share_) * dot(start_force_, product_);
-  }
-  double loadScale() const override { return norm(system_->f); }
-  Rows unknowns() override { return rows(); }
-  void addTo(Rows u, double s, ConstRows d) const override { system_->motion().advance(s, d, u); }
-  void unknownsChanged() override {}
-  double displacementPerUnknown() const override { return 1; }
-  ConstRows positions() const override { return rows(); }
-  double travelled() const override { return distance(rows(), start_); }
-  bool isLoaded() const override {
-    const auto& fields = system_->forceFields();
-    return system_->hasGravity() || system_->constraints().hasPrescribed() ||
-           std::any_of(fields.begin(), fields.end(),
-                       [](const ForceField* field) { return !field->traits().has_stiffness; });
-  }
-  RoundOff roundOff() override { return positionRoundOff(*system_, error_, product_); }
-
- private:
-  Rows rows() const { return system_->independent(system_->x); }
-  System* system_ = nullptr;
-  Vector start_, start_force_, error_, product_;
-  double share_ = 1;
-};
 
 class StaticSolver final : public Integrator {
  public:
@@ -227,7 +171,8 @@ void addCounts(const StepReport& from, StepReport& to) {
 /// How many directions of nodes are held.
 long heldDirections(const ConstraintSet& constraints) {
   const auto count = [](long sum, const NodeProjector& held) { return sum + 3 - std::lround(held.projector.trace()); };
-  return std::accumulate(constraints.projectors().begin(), constraints.projectors().end(), 0L, count);
+  return std::accumulate(constraints.projectors().begin(), constraints.projectors().end(),
+                         long(constraints.relations().heldDirections()), count);
 }
 
 /// Grows when constraints turn, begin or end, and when springs and contacts come or go.

@@ -63,6 +63,7 @@ class VTKExporter : public Observer {
   }
   void end(const Simulation& simulation) override;
   std::vector<std::string> files() const override;
+  bool replacesFiles() const override { return true; }
   void serialize(Archive& archive) override;
   std::string describe() const override;
 

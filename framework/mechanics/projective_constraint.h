@@ -19,8 +19,25 @@ struct Tie {
   bool operator==(const Tie&) const = default;
 };
 
-/// Constraints on the velocities of nodes. System merges all projectors and ties, projects vectors with them and
-/// eliminates them from matrices; a constraint only says which.
+/// Linear relations sum_j c_j . u_j = 0 between displacements u_j of rows; the coefficients c_j are vectors.
+struct LinearRelations {
+  struct Term {
+    Index row = 0;
+    Vec3 coefficients = Vec3::Zero();
+    Vec3 rest = Vec3::Zero();  ///< [m], where the row has no displacement
+    bool operator==(const Term&) const = default;
+  };
+  std::vector<Term> terms;
+  std::vector<Index> ends;  ///< one past the last term of each relation
+  Index count() const { return Index(ends.size()); }
+  const Term* begin(Index relation) const { return terms.data() + (relation == 0 ? 0 : ends[relation - 1]); }
+  const Term* end(Index relation) const { return terms.data() + ends[relation]; }
+  void clear() { terms.clear(), ends.clear(); }
+  bool operator==(const LinearRelations&) const = default;
+};
+
+/// Constraints on the velocities of nodes. System merges all projectors, ties and relations, projects vectors with
+/// them and eliminates them from matrices; a constraint only says which.
 ///
 /// Prescribed motion: at the start of a step System gives the held directions the velocity that carries them to where
 /// prescribe() puts them at the step's end, so that integrators need to know nothing of it; after the step prescribe()
@@ -41,6 +58,8 @@ class ProjectiveConstraint : public Component {
   virtual void addProjectors(double t, std::vector<NodeProjector>& out) const = 0;
   /// Appends the pairs of rows that move as one.
   virtual void addTies(std::vector<Tie>&) const {}
+  /// Appends relations between displacements.
+  virtual void addRelations(LinearRelations&) const {}
   /// True when projectors, and activeIn() but for endTime, do not depend on time.
   virtual bool isConstant() const { return true; }
   /// True when held velocities are also set to zero, not only kept from changing.

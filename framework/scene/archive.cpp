@@ -47,6 +47,16 @@ void Archive::value(std::string_view name, std::string& text) {
   }
 }
 
+Archive Archive::take(const std::string& owner) {
+  std::map<std::string, Entry> taken;
+  const std::string prefix = owner + ":";
+  for (auto entry = entries_.lower_bound(prefix); entry != entries_.end() && entry->first.starts_with(prefix);)
+    taken.insert(entries_.extract(entry++));
+  Archive archive(std::move(taken));
+  archive.enter(owner);
+  return archive;
+}
+
 void Archive::checkAllRead() const {
   for (const auto& [name, entry] : entries_)
     if (!entry.is_read)

@@ -69,6 +69,8 @@ class Archive {
     }
   }
 
+  /// The values of one owner, to be read; they are no longer in this archive.
+  Archive take(const std::string& owner);
   const std::map<std::string, Entry>& entries() const { return entries_; }
   /// After reading: throws std::runtime_error naming a value that nobody asked for.
   void checkAllRead() const;

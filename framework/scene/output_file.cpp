@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -28,22 +29,59 @@ int writeAll(int descriptor, std::string_view bytes, bool is_regular, std::uint6
   return 0;
 }
 
-/// Writes and removes a file beside `path`: a full disk may take a new name, but no bytes. Of a file that is there only
-/// the space is in question.
-void tryBeside(const std::string& path, bool is_there) {
-  const std::string probe = path + ".part";
-  std::error_code error;
+/// A file in the folder of `path` that has no name, or, where the file system knows no such files, one of its own.
+class Draft {
+ public:
+  explicit Draft(const std::string& path) : path_(path) {
+    const fs::path folder = fs::path(path).parent_path();
+    descriptor_ = ::open(folder.empty() ? "." : folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666);
+    if (descriptor_ >= 0) return;
+    if (errno != EOPNOTSUPP && errno != EISDIR && errno != EINVAL && errno != ENOENT) fail("cannot open for writing");
+    nameIt();
+    descriptor_ = ::open(name_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (descriptor_ < 0) name_.clear(), fail("cannot open for writing");
+  }
+  Draft(const Draft&) = delete;
+  ~Draft() {
+    ::close(descriptor_);
+    if (!name_.empty()) ::unlink(name_.c_str());
+  }
+
+  void write(std::string_view bytes) {
+    if (const int reason = writeAll(descriptor_, bytes, true, 0)) throw OutputError(path_, "cannot write", reason);
+  }
+  void rename() {
+    if (name_.empty()) {  // a link cannot take the place of a file: a name of its own comes between
+      nameIt();
+      const std::string descriptor = "/proc/self/fd/" + std::to_string(descriptor_);
+      if (::linkat(AT_FDCWD, descriptor.c_str(), AT_FDCWD, name_.c_str(), AT_SYMLINK_FOLLOW) != 0)
+        name_.clear(), fail("cannot write");
+    }
+    if (::rename(name_.c_str(), path_.c_str()) != 0) fail("cannot write");
+    name_.clear();
+  }
+
+ private:
+  void nameIt() {
+    static std::atomic<unsigned> number = 0;
+    name_ = path_ + "." + std::to_string(::getpid()) + "-" + std::to_string(number++) + ".part";
+  }
+  [[noreturn]] void fail(const char* what) { throw OutputError(path_, what, errno); }
+
+  std::string path_, name_;
+  int descriptor_ = -1;
+};
+
+/// Writes beside `path`: a full disk may take a new file, but no bytes. Of a file that is there and grows, only the space
+/// is in question.
+void tryBeside(const std::string& path, bool needs_folder) {
   try {
-    OutputFile file;
-    file.open(probe);
-    file.append(std::string(4096, ' '));
+    Draft(path).write(std::string(4096, ' '));
   } catch (const OutputError& failure) {
-    fs::remove(probe, error);
     const bool is_full = failure.reason == ENOSPC || failure.reason == EDQUOT;
-    if (is_full || !is_there)
+    if (is_full || needs_folder)
       throw OutputError(path, is_full ? "cannot write" : "cannot open for writing", failure.reason);
   }
-  fs::remove(probe, error);
 }
 
 }  // namespace
@@ -113,7 +151,7 @@ void makeFolderOf(const std::string& path) {
   if (error) throw OutputError(folder.string(), "cannot make the folder", error.value());
 }
 
-void checkWritable(const std::string& path) {
+void checkWritable(const std::string& path, bool is_replaced) {
   makeFolderOf(path);
   std::error_code error;
   const auto kind = fs::status(path, error).type();
@@ -124,7 +162,8 @@ void checkWritable(const std::string& path) {
     OutputFile file;
     file.open(path);
   }
-  if (!is_there || kind == fs::file_type::regular) tryBeside(path, is_there);
+  const bool is_link = fs::is_symlink(fs::symlink_status(path, error));
+  if (!is_there || kind == fs::file_type::regular) tryBeside(path, !is_there || (is_replaced && !is_link));
 }
 
 void writeWholeFile(const std::string& path, std::string_view bytes) {
@@ -137,21 +176,9 @@ void writeWholeFile(const std::string& path, std::string_view bytes) {
     file.append(bytes);
     return file.close();
   }
-  const std::string temporary = path + ".part";
-  try {
-    OutputFile file;
-    file.open(temporary);
-    file.append(bytes);
-    file.close();
-  } catch (const OutputError&) {
-    fs::remove(temporary, error);
-    throw;
-  }
-  fs::rename(temporary, path, error);
-  if (!error) return;
-  const int reason = error.value();
-  fs::remove(temporary, error);
-  throw OutputError(path, "cannot write", reason);
+  Draft draft(path);
+  draft.write(bytes);
+  draft.rename();
 }
 
 }  // namespace stroma

@@ -53,11 +53,13 @@ class OutputFile {
 void makeFolderOf(const std::string& path);
 
 /// Makes the folder; throws OutputError when the file cannot be opened for writing, or its disk is full. Nothing is taken
-/// from a file that is there, and no file of this name is made.
-void checkWritable(const std::string& path);
+/// from a file that is there, and no file of this name is made. `is_replaced`: writeWholeFile() is to write it, which
+/// needs a folder that can be written in.
+void checkWritable(const std::string& path, bool is_replaced = false);
 
-/// Writes to another name and renames, so that nobody ever sees half a file. Throws OutputError; a file that was there
-/// before is then still there.
+/// Writes a file without a name and then gives it this one, so that nobody ever sees half a file, two programs that do it
+/// at once leave one of the two, and a killed one leaves nothing. Throws OutputError; a file that was there before is then
+/// still there.
 void writeWholeFile(const std::string& path, std::string_view bytes);
 
 }  // namespace stroma

@@ -24,8 +24,8 @@ void AssembledMatrix::makePattern() {
     mapped_.prepare(std::move(pattern), actors_.mappings, actors_.independent_rows);
     matrix_ = mapped_.reducedPattern();
   }
-  // groups of all times: those that come and go do not change the pattern
-  if (const NodeGroups groups = constraints_.groupsOfAllTimes(); !groups.empty()) matrix_ = groups.withFill(matrix_);
+  // of all times: ties and relations that come and go do not change the pattern
+  if (const NodeGroups mixed = constraints_.mixedRows(); !mixed.empty()) matrix_ = mixed.withFill(matrix_);
   block_count_ = matrix_.blocks();
   const BlockMatrix& target = mappings_.empty() ? matrix_ : mapped_.full();
   for (Mass* mass : actors_.masses) mass->prepareAssembly(target);
@@ -46,6 +46,7 @@ const BlockMatrix& AssembledMatrix::assemble(const MatrixFactors& factors) {
   constraints_.groups().average(matrix_);
   eliminateProjectors();
   constraints_.groups().complete(constraints_.projectors(), matrix_);
+  constraints_.relations().eliminate(matrix_);
   return matrix_;
 }
 

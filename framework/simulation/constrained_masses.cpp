@@ -100,6 +100,14 @@ void ConstraintSet::updateInverseMass() {
   }
 }
 
+// 1/m of each row, zero without a mass: what a constraint's force does to the nodes of a relation.
+std::vector<double> ConstraintSet::relationWeights() const {
+  std::vector<double> weights = lumpedMass(actors_);
+  groups_.average(weights);
+  for (double& weight : weights) weight = weight > 0 ? 1 / weight : 0;
+  return weights;
+}
+
 // The nodes of a group start together: where one of them is held, else at their centre of mass and with its velocity.
 void ConstraintSet::meetGroups(double start, Rows x, Rows v) const {
   if (groups_.empty()) return;

@@ -31,6 +31,8 @@ void ConstraintSet::compile(double start, Rows x, Rows v) {
   refuseTurningRows();
   motion_.check(start, x, v);
   meetGroups(start, x, v);
+  placeRelations(x, v);
+  if (!broken_.empty()) throw ComponentError(broken_, "held nodes that keep to the relation");
 }
 
 // Room for all constraints at once, so that one that begins later allocates nothing.
@@ -40,6 +42,7 @@ void ConstraintSet::reserve(double start) {
   for (const ProjectiveConstraint* constraint : all()) {
     constraint->addProjectors(start, every);
     constraint->addTies(gathered_ties_);
+    constraint->addRelations(gathered_relations_);
     prescribed = prescribed || constraint->prescribesMotion();
   }
   const std::size_t most = every.size() + 2 * gathered_ties_.size();
@@ -69,14 +72,23 @@ void ConstraintSet::gather(double t_start, double t_end) {
     mergeByRow(*list);
     groups_.share(*list);
   }
-  if (same(gathered_, projectors_)) {
-    revision_ += regrouped;
-    return;
+  const bool held_again = !same(gathered_, projectors_);
+  if (held_again) {
+    for (const NodeProjector& held : projectors_) projector_of_row_[std::size_t(held.row)] = -1;
+    projectors_.swap(gathered_);
+    for (std::size_t i = 0; i < projectors_.size(); ++i) projector_of_row_[std::size_t(projectors_[i].row)] = Index(i);
   }
-  for (const NodeProjector& held : projectors_) projector_of_row_[std::size_t(held.row)] = -1;
-  projectors_.swap(gathered_);
-  for (std::size_t i = 0; i < projectors_.size(); ++i) projector_of_row_[std::size_t(projectors_[i].row)] = Index(i);
-  ++revision_;
+  const bool other_relations = gatherRelations(t_start, t_end);
+  if (other_relations || (!relations_.empty() && (held_again || regrouped)))
+    relations_.set(gathered_relations_, projectors_, groups_, relationWeights());
+  revision_ += held_again || regrouped || other_relations;
+}
+
+bool ConstraintSet::gatherRelations(double t_start, double t_end) {
+  gathered_relations_.clear();
+  for (const ProjectiveConstraint* constraint : all())
+    if (constraint->activeIn(t_start, t_end)) constraint->addRelations(gathered_relations_);
+  return !(gathered_relations_ == relations_.relations());
 }
 
 // Means and places are those of points.
@@ -90,8 +102,11 @@ void ConstraintSet::refuseTurningRows() const {
   };
   for (const ProjectiveConstraint* constraint : all()) {
     std::vector<Tie> ties;
+    LinearRelations relations;
     std::vector<NodeProjector> moved;
     constraint->addTies(ties);
+    constraint->addRelations(relations);
+    for (const LinearRelations::Term& term : relations.terms) refuse(*constraint, term.row);
     if (constraint->prescribesMotion()) constraint->addProjectors(0, moved);
     for (const Tie& tie : ties) refuse(*constraint, tie.a), refuse(*constraint, tie.b);
     for (const NodeProjector& node : moved) refuse(*constraint, node.row);
@@ -114,6 +129,7 @@ void ConstraintSet::componentsChanged(double t, Rows v) {
     v[held.row] -= ((Mat3::Identity() - held.projector) * (free_before * v[held.row])).eval();
   }
   updateInverseMass();
+  if (!relations_.empty()) relations_.set(gathered_relations_, projectors_, groups_, relationWeights());
   ++revision_;
 }
 
@@ -123,29 +139,73 @@ void ConstraintSet::resume(const StepContext& last) {
 
 void ConstraintSet::begin(const StepContext& context, ConstRows x, Rows v) {
   motion_.forgetMisplaced();
+  broken_.clear();
   if (change_) gather(context.t, context.t_end);
   applyProjectors(velocity_projectors_, v);
   motion_.aim(context, x, v);
+  relations_.correctVelocities(v);
 }
 
 bool ConstraintSet::end(const StepContext& context, Rows x, Rows v) const {
-  if (motion_.empty() && groups_.empty()) return false;
+  if (motion_.empty() && groups_.empty() && relations_.empty()) return false;
   // what a direct solve leaves between tied rows is round-off; it must not add up
   groups_.average(x);
   groups_.average(v);
-  motion_.place(context, context.t_end, x, v);
+  placePrescribed(context, context.t_end, x, v);
   return true;
+}
+
+void ConstraintSet::placePrescribed(const StepContext& context, double t, Rows x, Rows v) const {
+  motion_.place(context, t, x, v);
+  placeRelations(x, v);
+}
+
+// What is left after the correction belongs to held nodes: no motion of the free ones takes it away.
+void ConstraintSet::placeRelations(Rows x, Rows v) const {
+  if (relations_.empty()) return;
+  relations_.correctPositions(x);
+  relations_.correctVelocities(v);
+  const RelationClusters::Violation worst = relations_.worst(x);
+  double largest = 0;
+  for (const LinearRelations::Term& term : relations_.relations().terms)
+    largest = std::max({largest, x[term.row].lpNorm<Eigen::Infinity>(), term.rest.lpNorm<Eigen::Infinity>()});
+  broken_.clear();
+  if (worst.distance > 1e-9 * largest)  // and not for NaN, which others name
+    broken_ = fmt::format(
+        "relation {}, which begins with {}, cannot hold: its nodes are held {:.3g} m from where it is fulfilled",
+        worst.relation, actors_.describeRow(relations_.relations().begin(worst.relation)->row), worst.distance);
 }
 
 void ConstraintSet::project(Rows vector) const {
   applyProjectors(projectors_, vector);
   groups_.average(vector);
+  relations_.project(vector);
 }
 
-NodeGroups ConstraintSet::groupsOfAllTimes() const {
+void ConstraintSet::projectAcceleration(Rows a) const {
+  applyProjectors(projectors_, a);
+  groups_.average(a);
+  relations_.projectAcceleration(a);
+}
+
+// Rows that are held at all times never mix others; those that are held for a while will.
+NodeGroups ConstraintSet::mixedRows() const {
   std::vector<Tie> ties;
-  for (const ProjectiveConstraint* constraint : all()) constraint->addTies(ties);
+  LinearRelations relations;
+  std::vector<NodeProjector> always;
+  for (const ProjectiveConstraint* constraint : all()) {
+    constraint->addTies(ties);
+    constraint->addRelations(relations);
+    if (constraint->isConstant() && constraint->endTime() < 0) constraint->addProjectors(0, always);
+  }
   NodeGroups groups;
+  groups.set(ties, actors_.independent_rows);
+  if (relations.count() == 0) return groups;
+  mergeByRow(always);
+  groups.share(always);
+  RelationClusters clusters;
+  clusters.set(relations, always, groups, {});
+  clusters.addTies(ties);
   groups.set(ties, actors_.independent_rows);
   return groups;
 }

@@ -4,11 +4,12 @@
 #include <vector>
 
 #include "framework/simulation/prescribed_motion.h"
+#include "framework/simulation/relation_clusters.h"
 
 namespace stroma {
 
-/// The projective constraints of a system: which directions of which rows may change, which rows move as one, and which
-/// follow a prescribed motion.
+/// The projective constraints of a system: which directions of which rows may change, which rows move as one, which
+/// are tied by linear relations, and which follow a prescribed motion.
 class ConstraintSet {
  public:
   /// Looks at nothing yet; `actors` outlives this.
@@ -25,8 +26,10 @@ class ConstraintSet {
   Index projectorOf(Index row) const { return projector_of_row_[std::size_t(row)]; }
   /// Rows that have one velocity; project() takes their mean.
   const NodeGroups& groups() const { return groups_; }
-  /// Those of all times together.
-  NodeGroups groupsOfAllTimes() const;
+  /// Linear relations in force; project() respects them.
+  const RelationClusters& relations() const { return relations_; }
+  /// The rows whose blocks ties and relations mix in a matrix, at one time or another.
+  NodeGroups mixedRows() const;
   /// Grows when projectors or groups change.
   long revision() const { return revision_; }
   /// Some constraint ends or depends on time.
@@ -34,6 +37,9 @@ class ConstraintSet {
 
   /// Projects onto the free directions of constraints active at the time of begin(); shape (independent rows) or more.
   void project(Rows vector) const;
+  /// The same for accelerations, M^-1 f with the inverseLumpedMass(): where nodes of a relation have different masses,
+  /// the constraint's force moves the lighter ones more.
+  void projectAcceleration(Rows a) const;
   /// The start of a step: activates or ends constraints, projects velocities, and gives what has a prescribed motion the
   /// constant velocity that gets it there.
   void begin(const StepContext& context, ConstRows x, Rows v);
@@ -42,13 +48,13 @@ class ConstraintSet {
   /// Writes positions and velocities at the end of the step of what has a prescribed motion. end() does it; an
   /// integrator that solves for positions (statics) does it for its own.
   void placePrescribed(const StepContext& context, Rows x, Rows v) const {
-    motion_.place(context, context.t_end, x, v);
+    placePrescribed(context, context.t_end, x, v);
   }
   /// The same at a time t [s] within the step: a method with several stages sees the motion at each.
-  void placePrescribed(const StepContext& context, double t, Rows x, Rows v) const { motion_.place(context, t, x, v); }
+  void placePrescribed(const StepContext& context, double t, Rows x, Rows v) const;
   bool hasPrescribed() const { return !motion_.empty(); }
-  /// Empty, or a sentence: prescribed motions put a node at places without a common point.
-  const std::string& misplaced() const { return motion_.misplaced(); }
+  /// Empty, or a sentence: prescribed motions put a node at places without a common point, or break a relation.
+  const std::string& misplaced() const { return motion_.misplaced().empty() ? broken_ : motion_.misplaced(); }
 
   // ---- changes between steps ----
   /// Attributes of constraints or masses have changed at time `t` [s]. What is newly held stops where it is.
@@ -67,9 +73,12 @@ class ConstraintSet {
  private:
   void reserve(double start);
   void gather(double t_start, double t_end);
+  bool gatherRelations(double t_start, double t_end);
   void refuseTurningRows() const;
+  void placeRelations(Rows x, Rows v) const;
   void meetGroups(double start, Rows x, Rows v) const;
   void updateInverseMass();
+  std::vector<double> relationWeights() const;
 
   const Actors& actors_;
   NodeGroups groups_;
@@ -78,6 +87,9 @@ class ConstraintSet {
   std::vector<NodeProjector> velocity_projectors_;  ///< of constraints that also project velocities
   std::vector<Index> projector_of_row_;             ///< shape (independent rows)
   std::vector<Tie> gathered_ties_;
+  RelationClusters relations_;
+  LinearRelations gathered_relations_;
+  mutable std::string broken_;        ///< see misplaced()
   std::vector<double> inverse_mass_;  ///< [1/kg], shape (independent rows), when it was asked for
   bool wants_inverse_mass_ = false, change_ = false;
   long revision_ = 0;

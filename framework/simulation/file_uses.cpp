@@ -76,7 +76,8 @@ std::vector<FileUse> inputsOf(const Scene& scene) {
 std::vector<FileUse> outputsOf(const Simulation& simulation) {
   std::vector<FileUse> outputs;
   for (const Observer* observer : simulation.observers())
-    for (const std::string& file : observer->files()) outputs.push_back({file, observer->path()});
+    for (const std::string& file : observer->files())
+      outputs.push_back({file, observer->path(), observer->replacesFiles()});
   return outputs;
 }
 

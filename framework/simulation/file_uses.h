@@ -14,6 +14,7 @@ class Simulation;
 /// A file, and who reads or writes it: "/liver/mesh", "the scene", "--json".
 struct FileUse {
   std::string path, user;
+  bool is_replaced = false;  ///< written under another name first
 };
 
 /// The scene's own files, and those that its components have read.

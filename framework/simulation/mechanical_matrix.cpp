@@ -65,7 +65,19 @@ bool MechanicalMatrix::symmetric() const {
          std::all_of(actors_.damped_fields.begin(), actors_.damped_fields.end(), is_symmetric);
 }
 
+// Preconditioners by blocks of the diagonal keep to held nodes and groups but not to relations: with them the product
+// is P A P p + (I - P) p.
 void MechanicalMatrix::multiply(ConstRows p, Rows out) const {
+  if (constraints_.relations().empty()) return multiplyFree(p, out);
+  free_part_.resize(rows());
+  copy(p, free_part_);
+  constraints_.project(free_part_);
+  multiplyFree(free_part_, out);
+  axpy(1, p, out);
+  axpy(-1, free_part_, out);
+}
+
+void MechanicalMatrix::multiplyFree(ConstRows p, Rows out) const {
   const PhaseTimer timer(system_.times.product);
   ++system_.counts.products;
   assert(out.count == rows());
@@ -105,6 +117,7 @@ void MechanicalMatrix::diagonalBlocks(std::vector<double>& blocks) const {
     block = (held.projector * block * held.projector + Mat3::Identity() - held.projector).eval();
   }
   constraints_.groups().completeDiagonal(constraints_.projectors(), blocks);
+  constraints_.relations().eliminateDiagonal(blocks);
 }
 
 const BlockMatrix& MechanicalMatrix::assemble() {

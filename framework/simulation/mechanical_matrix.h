@@ -42,6 +42,7 @@ class MechanicalMatrix final : public SystemMatrix {
 
  private:
   long valuesRevision() const;
+  void multiplyFree(ConstRows p, Rows out) const;
 
   const System& system_;
   const Actors& actors_;
@@ -52,6 +53,7 @@ class MechanicalMatrix final : public SystemMatrix {
   /// Made on demand, also by a question about its size.
   mutable AssembledMatrix assembled_;
   long assembled_revision_ = -1;
+  mutable Vector free_part_;  ///< work space, only with relations
 };
 
 }  // namespace stroma

@@ -21,6 +21,8 @@ class Observer : public Component {
   /// The files that it writes, or replaces, as it stands now: what the scene reads must not be among them, nor what another
   /// observer writes, and all must be writable before the first step. Of a series, those that are there and the next.
   virtual std::vector<std::string> files() const { return {}; }
+  /// They are written under another name first, which takes a folder that can be written in.
+  virtual bool replacesFiles() const { return false; }
   /// False when after this step it reads no other nodes than those of addWatchedNodes(). Asked before afterStep(), for
   /// integrators that bring the others to the present only when somebody reads them.
   virtual bool readsAllNodes(const StepContext&) const { return true; }

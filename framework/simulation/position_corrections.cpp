@@ -77,6 +77,11 @@ void PositionCorrections::compile(const Actors& actors, const Integrator& integr
       throw ComponentError(fmt::format("{} acts on positions, and not all rows of {} are places", constraint->path(),
                                        constraint->state().path()),
                            "position constraints on a state of points");
+  if (!constraints.relations().empty())
+    throw ComponentError(fmt::format("{} corrects positions after each step, and the corrections would break relations "
+                                     "between displacements",
+                                     actors.position_constraints.front()->path()),
+                         "position constraints, or linear relations");
   mobility_.allocate(constraints.inverseLumpedMass());
   reference_.resize(actors.independent_rows);
   before_.resize(actors.independent_rows);

@@ -48,6 +48,7 @@ Simulation& Session::loadText(const std::string& xml, const std::string& name,
 
 Simulation& Session::take(const std::string& file, Scene scene) {
   scene_file_ = file;
+  unconverged_ = {};
   simulation_ = std::make_unique<Simulation>(std::move(scene));
   return *simulation_;
 }
@@ -87,6 +88,7 @@ RunReport Session::run(const RunLimits& limits) {
       if (report.last.diverged) break;
       const double seconds = secondsSince(step_start);
       report.statistics.add(report.last, seconds);
+      unconverged_.add(report.last);
       if (limits.after_step) limits.after_step(report.last, seconds);
     } catch (const OutputError& error) {
       report.end = RunEnd::output_failed;
@@ -97,18 +99,27 @@ RunReport Session::run(const RunLimits& limits) {
   if (stop_.exchange(false) && report.end == RunEnd::done) report.end = RunEnd::stopped;
   if (report.end == RunEnd::done && report.last.unsolved) report.end = RunEnd::not_converged;
   if (report.end == RunEnd::diverged || report.end == RunEnd::not_converged) report.reason = reasonOf(report.last);
+  report.statistics.unconverged = unconverged_;
   report.seconds = secondsSince(start);
   return report;
 }
 
 void Session::writeCheckpoint(const std::string& path) {
-  Checkpoint{scene_file_, buildIdentity(), simulation().checkpoint()}.write(path);
+  Checkpoint checkpoint{scene_file_, buildIdentity(), simulation().checkpoint()};
+  checkpoint.values.enter("run");
+  unconverged_.serialize(checkpoint.values);
+  checkpoint.write(path);
 }
 
 std::vector<std::string> Session::restore(const std::string& path) {
   Checkpoint checkpoint = Checkpoint::read(path);
   try {
+    UnconvergedSteps unconverged;
+    Archive run = checkpoint.values.take("run");
+    unconverged.serialize(run);
+    run.checkAllRead();
     simulation().restore(std::move(checkpoint.values));
+    unconverged_ = unconverged;
   } catch (const std::runtime_error& error) {
     throw std::runtime_error(fmt::format("{}: {}", path, error.what()));
   }

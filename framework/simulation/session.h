@@ -35,10 +35,10 @@ enum class RunEnd {
 /// How a run ended. Nothing is printed.
 struct RunReport {
   RunEnd end = RunEnd::done;
-  StepReport last;     ///< of the last step
-  std::string reason;  ///< a sentence, unless done or stopped
-  double seconds = 0;  ///< wall time
-  RunStatistics statistics;
+  StepReport last;           ///< of the last step
+  std::string reason;        ///< a sentence, unless done or stopped
+  double seconds = 0;        ///< wall time
+  RunStatistics statistics;  ///< of this call; what is unconverged is that of the session's run
 };
 
 /// Modules, a loaded scene and its simulation. Components are code in modules: nothing of a scene outlives its session.
@@ -82,6 +82,7 @@ class Session {
   /// Observers see the end: their files are whole.
   void finish() { simulation().end(); }
 
+  /// With it goes which steps so far relied on solves that did not converge.
   void writeCheckpoint(const std::string& path);
   /// Restores a checkpoint of this scene. Returns notes: that another build or another file wrote it. Throws
   /// std::runtime_error with a sentence.
@@ -95,6 +96,7 @@ class Session {
   std::vector<Override> overrides_;
   std::string scene_file_;
   std::unique_ptr<Simulation> simulation_;
+  UnconvergedSteps unconverged_;  ///< since the scene was loaded, or before the checkpoint
   std::atomic<bool> stop_ = false;
 };
 

@@ -203,7 +203,7 @@ std::vector<State*> Simulation::states() const {
 void Simulation::begin() {
   if (begun_) return;
   // before the first of them replaces a file
-  for (const FileUse& output : outputsOf(*this)) checkWritable(output.path);
+  for (const FileUse& output : outputsOf(*this)) checkWritable(output.path, output.is_replaced);
   begun_ = true;
   for (Observer* observer : observers_) observer->begin(*this);
 }

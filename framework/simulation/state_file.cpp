@@ -106,6 +106,8 @@ std::optional<double> StateWriter::goOn(double t, bool at_t) {
   while (kept < recording.frames.size() &&
          (recording.frames[kept].time < t || (at_t && recording.frames[kept].time == t)))
     ++kept;
+  if (kept > 0 && recording.ends[kept - 1] == StateRecording::inside_piece)
+    throw std::runtime_error(fmt::format("{}: the run cannot go on in this file, which was compressed anew", path()));
   impl_->file.keep(kept == 0 ? 0 : recording.ends[kept - 1]);
   if (kept == 0) return std::nullopt;
   return recording.frames[kept - 1].time;

@@ -65,6 +65,7 @@ struct StateRecording {
   std::string unfinished;  ///< a sentence with the last whole instant when the file has no end: a run still writes it,
                            ///< was killed, or the file was cut short
   std::vector<std::uint64_t> ends;  ///< byte where each instant ends in the file; empty for files of others
+  static constexpr std::uint64_t inside_piece = ~std::uint64_t(0);  ///< such an end, in a file compressed by others
 };
 
 /// Reads all whole instants. Throws std::runtime_error naming file and line when the file is missing, damaged, not of

@@ -162,9 +162,8 @@ class StateReader {
   std::uint64_t inFile(std::size_t in_text) {
     if (contents_.ends.empty()) return in_text;
     while (member_ < contents_.ends.size() && contents_.ends[member_].first < in_text) ++member_;
-    if (member_ == contents_.ends.size() || contents_.ends[member_].first != in_text)
-      complain("the file is damaged: an instant ends inside of a compressed piece");
-    return contents_.ends[member_].second;
+    const bool is_known = member_ < contents_.ends.size() && contents_.ends[member_].first == in_text;
+    return is_known ? contents_.ends[member_].second : StateRecording::inside_piece;
   }
 
   std::string tellUnfinished() const {

@@ -27,33 +27,50 @@ void RunStatistics::add(const StepReport& report, double step_seconds) {
   divided_steps += report.load_parts > 1;
   most_load_parts = std::max(most_load_parts, report.load_parts);
   factorisations += report.factorisations;
-  linear_unconverged += report.linear_converged ? 0 : 1;
-  newton_unconverged += report.newton_converged ? 0 : 1;
-  constraints_unconverged += report.constraints_converged ? 0 : 1;
-  if (!report.constraints_converged && constraint_reason.empty()) constraint_reason = report.constraint_reason;
-  if (report.unsolved && report.newton_converged && without_result++ == 0) without_result_reason = report.reason;
   residual_sum += report.linear_residual;
-  residual_worst = std::max(residual_worst, report.linear_residual);
-  newton_residual_worst = std::max(newton_residual_worst, report.newton_residual);
+  unconverged.add(report);
 }
 
-std::vector<std::string> RunStatistics::warnings() const {
+void UnconvergedSteps::add(const StepReport& report) {
+  ++steps;
+  linear += report.linear_converged ? 0 : 1;
+  newton += report.newton_converged ? 0 : 1;
+  constraints += report.constraints_converged ? 0 : 1;
+  if (!report.constraints_converged && constraint_reason.empty()) constraint_reason = report.constraint_reason;
+  if (report.unsolved && report.newton_converged && without_result++ == 0) without_result_reason = report.reason;
+  worst_residual = std::max(worst_residual, report.linear_residual);
+  worst_newton_residual = std::max(worst_newton_residual, report.newton_residual);
+}
+
+void UnconvergedSteps::serialize(Archive& archive) {
+  archive.value("steps", steps);
+  archive.value("linear", linear);
+  archive.value("newton", newton);
+  archive.value("constraints", constraints);
+  archive.value("without_result", without_result);
+  archive.value("without_result_reason", without_result_reason);
+  archive.value("constraint_reason", constraint_reason);
+  archive.value("worst_residual", worst_residual);
+  archive.value("worst_newton_residual", worst_newton_residual);
+}
+
+std::vector<std::string> UnconvergedSteps::warnings() const {
   std::vector<std::string> warnings;
-  if (linear_unconverged > 0)
+  if (linear > 0)
     warnings.push_back(fmt::format(
         "the linear solver stopped before its tolerance in {} of {} steps (worst relative residual {:.2g}): raise its "
         "iterations or its tolerance",
-        linear_unconverged, step_ms.size(), residual_worst));
-  if (newton_unconverged > 0)
+        linear, steps, worst_residual));
+  if (newton > 0)
     warnings.push_back(
-        fmt::format("Newton's method did not converge in {} of {} steps (worst relative residual {:.2g})",
-                    newton_unconverged, step_ms.size(), newton_residual_worst));
+        fmt::format("Newton's method did not converge in {} of {} steps (worst relative residual {:.2g})", newton,
+                    steps, worst_newton_residual));
   if (without_result > 0)
-    warnings.push_back(fmt::format("{} of {} steps have no result; the first time: {}", without_result, step_ms.size(),
-                                   without_result_reason));
-  if (constraints_unconverged > 0)
+    warnings.push_back(
+        fmt::format("{} of {} steps have no result; the first time: {}", without_result, steps, without_result_reason));
+  if (constraints > 0)
     warnings.push_back(fmt::format("position constraints did not hold in {} of {} steps; the first time: {}",
-                                   constraints_unconverged, step_ms.size(), constraint_reason));
+                                   constraints, steps, constraint_reason));
   return warnings;
 }
 

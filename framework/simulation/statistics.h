@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "framework/scene/archive.h"
 #include "framework/simulation/simulation.h"
 
 namespace stroma {
@@ -14,26 +15,34 @@ struct Energies {
 };
 Energies energiesOf(const Simulation& simulation);
 
+/// Steps of a run that relied on solves that ended before their tolerance. A run that goes on from a checkpoint still
+/// rests on the steps before it.
+struct UnconvergedSteps {
+  long steps = 0;                                ///< of the run, good or not
+  long linear = 0, newton = 0, constraints = 0;  ///< steps
+  long without_result = 0;                       ///< steps whose solves converged, to what is no result
+  std::string without_result_reason;             ///< of the first of them
+  std::string constraint_reason;                 ///< of the first step in which position constraints did not hold
+  double worst_residual = 0, worst_newton_residual = 0;
+
+  void add(const StepReport& report);
+  /// Sentences on them, summed over the run.
+  std::vector<std::string> warnings() const;
+  bool none() const { return linear + newton + constraints + without_result == 0; }
+  void serialize(Archive& archive);  ///< see Component::serialize()
+};
+
 /// What the steps of a run cost and how well its solvers did.
 struct RunStatistics {
   std::vector<double> step_ms;  ///< wall time of each step [ms]
   std::map<SolveStop, long> stops;
   long linear_iterations = 0, newton_iterations = 0, factorisations = 0;
-  long linear_unconverged = 0, newton_unconverged = 0, constraints_unconverged = 0;  ///< steps
   long divided_steps = 0;  ///< of statics, see StepReport::load_parts
   int most_load_parts = 0;
-  long without_result = 0;            ///< steps whose solves converged, to what is no result
-  std::string without_result_reason;  ///< of the first of them
-  std::string constraint_reason;      ///< of the first step in which position constraints did not hold
-  double residual_sum = 0, residual_worst = 0, newton_residual_worst = 0;
+  double residual_sum = 0;
+  UnconvergedSteps unconverged;
 
   void add(const StepReport& report, double step_seconds);
-  /// Sentences on solves that did not converge, summed over the run.
-  std::vector<std::string> warnings() const;
-  /// False when a step relied on a solve that ended before its tolerance.
-  bool allConverged() const {
-    return linear_unconverged + newton_unconverged + constraints_unconverged + without_result == 0;
-  }
   double meanMs() const;
   double quantileMs(double q) const;
 };

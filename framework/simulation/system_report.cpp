@@ -152,6 +152,11 @@ std::vector<std::string> grownBodies(const System& system) {
 
 namespace {
 
+std::string relationsText(const RelationClusters& relations) {
+  if (relations.empty()) return {};
+  return fmt::format(", {} linear relations", relations.relations().count());
+}
+
 std::string traitsText(const ForceTraits& traits) {
   std::string text;
   const auto say = [&text](const char* word) { text += (text.empty() ? "" : ", ") + std::string(word); };
@@ -191,7 +196,8 @@ std::vector<std::string> explain(const System& system) {
         fmt::format("  constraint {}{}", constraint->path(),
                     constraint->endTime() < 0 ? "" : fmt::format(": until t = {} s", constraint->endTime())));
   if (!system.constraints().all().empty())
-    lines.push_back(fmt::format("  {} nodes held or guided, {}", system.constraints().projectors().size(),
+    lines.push_back(fmt::format("  {} nodes held or guided{}, {}", system.constraints().projectors().size(),
+                                relationsText(system.constraints().relations()),
                                 system.constraints().change() ? "looked up at each step" : "looked up once"));
   for (const PositionConstraint* constraint : system.actors().position_constraints)
     lines.push_back(

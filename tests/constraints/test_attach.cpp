@@ -4,31 +4,12 @@
 
 #include <Eigen/Dense>
 
+#include "tests/constraints/attached_bodies.h"
 #include "tests/support/scene_text.h"
 #include "tests/support/stored_matrix.h"
 
 namespace stroma::test {
 namespace {
-
-/// A block of 2 x 2 x 2 unit cells from x = `from`, in a node of its own.
-std::string block(const std::string& name, int cells, double from, const std::string& more) {
-  return fmt::format(R"(<Node name="{0}"><RegularGridTopology name="grid" n="{1} 3 3" min="{2} 0 0" max="{3} 2 2"/>
-    <MechanicalObject name="dofs"/><DiagonalMass topology="@grid" massDensity="{4}"/>{5}
-    <Node name="cells"><TetrahedronSetTopologyContainer name="tets"/>
-    <Hexa2TetraTopologicalMapping input="@../grid" output="@tets" cutting="ten"/>
-    <TetrahedronFEMForceField mstate="@../dofs" topology="@tets" youngModulus="3000" poissonRatio="0.3" method="svd"/></Node></Node>)",
-                     name, cells + 1, from, from + cells, 10, more);
-}
-
-std::string held(const std::string& name) {
-  return "<BoxROI name='" + name +
-         "' box='-0.1 -0.1 -0.1 0.1 2.1 2.1' position='@dofs.rest_position'/><FixedProjectiveConstraint indices='@" +
-         name + ".indices'/>";
-}
-
-std::string root(const std::string& integrator, const std::string& solver, const std::string& bodies) {
-  return "<Node name='root' dt='0.01' gravity='0 -9.81 0'>" + integrator + solver + bodies + "</Node>";
-}
 
 /// Nodes (2, j, k) of the first block and (0, j, k) of the second.
 std::string attach(bool two_way = true) {
@@ -79,14 +60,6 @@ INSTANTIATE_TEST_SUITE_P(
                                                  "<SparseLDLSolver/>"},
                       std::array<const char*, 2>{"<EulerExplicitSolver/>", "<SparseLDLSolver/>"},
                       std::array<const char*, 2>{"<StaticSolver newton_iterations='40'/>", "<SparseLDLSolver/>"}));
-
-/// Nodes without forces between them.
-std::string points(const std::string& positions, const std::string& velocities, const std::string& masses,
-                   const std::string& constraints, const std::string& integrator = "<EulerExplicitSolver/>") {
-  return fmt::format(R"(<Node name="root" dt="0.1" gravity="0 0 0">{}<CGLinearSolver iterations="50" tolerance="1e-14"/>
-    <MechanicalObject name="dofs" position="{}" velocity="{}"/><DiagonalMass vertexMass="{}"/>{}</Node>)",
-                     integrator, positions, velocities, masses, constraints);
-}
 
 /// Two attached nodes of 1 kg and 3 kg at one place, of which 8 N draw the first, and a free one of 2 kg.
 Simulation drawnPair(const std::string& integrator, const std::string& attributes = "") {

@@ -37,7 +37,7 @@ Sag sagOf(const std::string& solvers, double across, int steps) {
   for (int i = 0; i < steps; ++i) statistics.add(simulation.step(), 0);
   const State& body = *simulation.states().front();
   const Index last = body.size() - 1;
-  return {body.rest_position[last][1] - body.x()[last][1], statistics.allConverged()};
+  return {body.rest_position[last][1] - body.x()[last][1], statistics.unconverged.none()};
 }
 
 double rightSag(double across) {

@@ -237,7 +237,7 @@ int mesh(const Arguments& arguments) {
   if (!request) return exit_done;
   if (const auto sentence = overwriting({{request->output, "-o"}}, {{request->input, "stroma mesh"}}))
     throw UsageError(*sentence);
-  checkWritable(request->output);
+  checkWritable(request->output, true);
   const Meshed meshed = request->surfaceLoader() ? meshSurface(*request) : meshImage(*request);
   const MeshQuality quality = qualityOf(meshed.mesh);
   writeWholeFile(request->output,

@@ -82,9 +82,9 @@ Recording runCase(const RegressionCase& test, Session& session) {
     statistics.add(report, 0);
     if (stored.count(simulation.steps())) store(simulation, recording);
   }
-  if (!statistics.allConverged() && !test.accepts_unconverged)
+  if (!statistics.unconverged.none() && !test.accepts_unconverged)
     throw std::runtime_error(fmt::format("{}; or write unconverged behind the case: its answer is then taken as it is",
-                                         fmt::join(statistics.warnings(), "; ")));
+                                         fmt::join(statistics.unconverged.warnings(), "; ")));
   if (recording.empty()) throw std::runtime_error("the scene has no state that moves: there is nothing to compare");
   return recording;
 }
@@ -214,9 +214,9 @@ void checkReports(const RegressionList& list, const Values& values) {
   std::vector<FileUse> inputs{{required(values, "LIST", manual), "the list"}}, outputs;
   for (const RegressionCase& test : list.cases) inputs.push_back({test.scene, "the case " + test.name});
   for (const char* option : {"json", "junit"})
-    if (values.count(option)) outputs.push_back({values[option].as<std::string>(), std::string("--") + option});
+    if (values.count(option)) outputs.push_back({values[option].as<std::string>(), std::string("--") + option, true});
   if (const auto sentence = overwriting(outputs, inputs)) throw UsageError(*sentence);
-  for (const FileUse& output : outputs) checkWritable(output.path);
+  for (const FileUse& output : outputs) checkWritable(output.path, output.is_replaced);
 }
 
 std::vector<Result> runList(const RegressionList& list, const Values& values) {

@@ -131,7 +131,7 @@ int run(const Arguments& arguments) {
   Outcome outcome = loop(session, steps, request, recorder ? &*recorder : nullptr, !checkpoint.empty());
   finish(session, request, recorder, outcome);
   const bool doubts = tellWarnings(outcome.statistics, simulation.doubts(), warnings);
-  outcome.doubted = request.strict && (doubts || !outcome.statistics.allConverged());
+  outcome.doubted = request.strict && (doubts || !outcome.statistics.unconverged.none());
   if (wants_json) {
     auto json = summary(request, simulation, outcome);
     json["load_seconds"] = load_seconds;

@@ -47,7 +47,7 @@ void tellFailure(const Outcome& outcome, const Simulation& simulation, const std
 
 bool tellWarnings(const RunStatistics& statistics, const std::vector<std::string>& doubts,
                   std::vector<std::string>& warnings) {
-  std::vector<std::string> found = statistics.warnings();
+  std::vector<std::string> found = statistics.unconverged.warnings();
   for (const std::string& sentence : doubts)
     if (std::none_of(warnings.begin(), warnings.end(),
                      [&](const std::string& warning) { return warning.find(sentence) != std::string::npos; }))

@@ -117,17 +117,17 @@ std::string divergedFolder(const std::string& scene) {
 
 void checkOutputs(const RunRequest& request, const Simulation& simulation) {
   std::vector<FileUse> outputs;
-  const auto add = [&outputs](const std::string& file, const char* user) { outputs.push_back({file, user}); };
   if (request.recordsIn())
-    for (const std::string& file : recordedFiles(simulation, request.record_folder)) add(file, "--record");
-  if (!request.json_file.empty() && request.json_file != "-") add(request.json_file, "--json");
+    for (const std::string& file : recordedFiles(simulation, request.record_folder))
+      outputs.push_back({file, "--record", file.ends_with(".checkpoint")});
+  if (!request.json_file.empty() && request.json_file != "-") outputs.push_back({request.json_file, "--json", true});
   std::vector<FileUse> all = outputsOf(simulation);
   all.insert(all.end(), outputs.begin(), outputs.end());
   if (!request.recordsIn())  // nobody knows yet whether they will be needed
     for (const std::string& file : recordedFiles(simulation, divergedFolder(request.scene)))
       all.push_back({file, "a run without a result (--record DIR writes elsewhere)"});
   if (const auto sentence = overwriting(all, inputsOf(simulation.scene()))) throw UsageError(*sentence);
-  for (const FileUse& output : outputs) checkWritable(output.path);
+  for (const FileUse& output : outputs) checkWritable(output.path, output.is_replaced);
 }
 
 }  // namespace stroma::command

@@ -22,13 +22,13 @@ Json solvers(const RunStatistics& run) {
   json["linear"] = {{"iterations", run.linear_iterations},
                     {"iterations_per_step", double(run.linear_iterations) / steps},
                     {"residual_mean", run.residual_sum / steps},
-                    {"residual_worst", run.residual_worst},
+                    {"residual_worst", run.unconverged.worst_residual},
                     {"iteration_limit_reached", limit == run.stops.end() ? 0 : limit->second},
                     {"stops", stops},
                     {"factorisations", run.factorisations}};
   json["newton"] = {{"iterations", run.newton_iterations},
-                    {"residual_worst", run.newton_residual_worst},
-                    {"steps_not_converged", run.newton_unconverged},
+                    {"residual_worst", run.unconverged.worst_newton_residual},
+                    {"steps_not_converged", run.unconverged.newton},
                     {"steps_divided", run.divided_steps},
                     {"most_parts_of_a_step", run.most_load_parts}};
   return json;
