@@ -136,5 +136,32 @@ TEST(Session, ACheckpointIsAFileAndTellsWhoWroteIt) {
   EXPECT_THROW(session.restore(path + ".absent"), std::runtime_error);
 }
 
+/// What a run rests on is not forgotten when it goes on in another program.
+TEST(Session, StepsThatDidNotConvergeBeforeACheckpointStayKnown) {
+  const std::string spring =
+      "<Node name=\"root\" dt=\"0.01\" gravity=\"0 -10 0\"><EulerImplicitSolver/><CGLinearSolver name=\"cg\" "
+      "iterations=\"1\" tolerance=\"1e-12\"/><MechanicalObject position=\"0 0 0 1 0 0 2 1 0 3 0 2\"/><UniformMass "
+      "totalMass=\"2\"/><SpringForceField springsIndices1=\"0 1 2\" springsIndices2=\"1 2 3\" lengths=\"1 1 1\" "
+      "stiffness=\"2000\"/><FixedProjectiveConstraint indices=\"0\"/></Node>";
+  const std::string path = testing::TempDir() + "session/spring.checkpoint";
+  Session first, second;
+  first.loadText(spring, "spring.xml");
+  const RunReport before = first.run({.steps = 4});
+  ASSERT_EQ(before.statistics.unconverged.linear, 4);
+  first.writeCheckpoint(path);
+  second.loadText(spring, "spring.xml");
+  second.restore(path);
+  second.simulation().setAttribute("/cg", "iterations", "100");
+  const RunReport after = second.run({.steps = 3});
+  EXPECT_EQ(after.statistics.step_ms.size(), 3u);
+  EXPECT_EQ(after.statistics.unconverged.linear, 4);
+  EXPECT_EQ(after.statistics.unconverged.steps, 7);
+  EXPECT_EQ(after.statistics.unconverged.worst_residual, before.statistics.unconverged.worst_residual);
+  ASSERT_EQ(after.statistics.unconverged.warnings().size(), 1u);
+  EXPECT_NE(after.statistics.unconverged.warnings()[0].find("4 of 7 steps"), std::string::npos);
+  second.loadText(spring, "spring.xml");
+  EXPECT_EQ(second.run({.steps = 0}).statistics.unconverged.steps, 0) << "another run";
+}
+
 }  // namespace
 }  // namespace stroma::test

@@ -187,6 +187,25 @@ TEST_F(StateFile, GoesOnWithTheBytesOfOneThatNeverStopped) {
   EXPECT_THROW(writer.goOn(1, true), std::runtime_error);
 }
 
+/// Compressed by another program, all instants are one piece: good to read, not to append to.
+TEST_F(StateFile, IsReadWhenItWasCompressedAnew) {
+  const auto x = awkwardNumbers(50);
+  writeFrames(file("c.state.gz"), x, 6);
+  const std::string command =
+      "cd '" + folder_.string() + "' && gzip -dc c.state.gz >c.state && gzip -c c.state >d.state.gz";
+  ASSERT_EQ(std::system(command.c_str()), 0);
+  const auto one = readStateFile(file("c.state.gz")), other = readStateFile(file("d.state.gz"));
+  ASSERT_EQ(other.size(), 6u);
+  for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(one[i].x, other[i].x);
+  StateWriter writer(file("d.state.gz"));
+  try {
+    writer.goOn(0.1 * 3, true);
+    ADD_FAILURE() << "went on in the middle of a piece";
+  } catch (const std::runtime_error& error) {
+    EXPECT_NE(std::string(error.what()).find("compressed anew"), std::string::npos) << error.what();
+  }
+}
+
 TEST_F(StateFile, TakesNothingFromTheFileBeforeUntilItHasAnInstant) {
   write("c.state", "T= 0\n  X= 1 2 3\n");
   {
