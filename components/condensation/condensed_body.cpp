@@ -58,6 +58,9 @@ void CondensedBody::refuseOtherKinds(const Integrator& integrator, bool dynamic)
     throw ComponentError(fmt::format("{} corrects positions, and {} has one matrix for all times",
                                      system.actors().position_constraints.front()->path(), name),
                          "no position constraints", dynamic ? "use EulerImplicitSolver" : "use projective constraints");
+  if (!system.constraints().relations().empty())
+    throw ComponentError(fmt::format("{} does not know linear relations between displacements", name),
+                         "no linear relations", dynamic ? "use EulerImplicitSolver" : "use StaticSolver");
   std::vector<Tie> ties;
   for (const ProjectiveConstraint* constraint : system.constraints().all()) {
     constraint->addTies(ties);

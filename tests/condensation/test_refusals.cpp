@@ -66,6 +66,9 @@ TEST(CondensedRefusals, WhatOneMatrixDoesNotHave) {
                       .more = "<AttachProjectiveConstraint indices1=\"50\" indices2=\"51\" twoWay=\"true\"/>"},
                 {"makes nodes one"});
   expectRefused(Block{.solver = "<CondensedStaticSolver/>",
+                      .more = "<LinearRelationProjectiveConstraint indices=\"50 51\" coefficients=\"1 1\"/>"},
+                {"linear relations"});
+  expectRefused(Block{.solver = "<CondensedStaticSolver/>",
                       .more = "<AttachProjectiveConstraint indices1=\"50\" indices2=\"51\"/>"},
                 {"follow others"});
   expectRefused(Block{.solver = "<CondensedStaticSolver surfaceIndices=\"700\"/>"}, {"surfaceIndices", "700"});

@@ -111,7 +111,7 @@ TEST(LinearRelation, TheForcesAreThoseOfLagrangeMultipliers) {
   const int m = int(rows.size());
   Eigen::MatrixXd kkt = Eigen::MatrixXd::Zero(n + m, n + m);
   Eigen::VectorXd right = Eigen::VectorXd::Zero(n + m);
-  kkt.topLeftCorner(n, n) = -stiffness.topLeftCorner(n, n) * -1;
+  kkt.topLeftCorner(n, n) = stiffness;
   for (int r = 0; r < m; ++r)
     kkt.row(n + r).head(n) = rows[std::size_t(r)], kkt.col(n + r).head(n) = rows[std::size_t(r)];
   right.segment<3>(3 * 26) = Vec3(3, 1, -2), right.segment<3>(3 * 8) = Vec3(-1, 2, 4);
@@ -128,8 +128,8 @@ TEST(LinearRelation, TheForcesAreThoseOfLagrangeMultipliers) {
 
 /// Two layers in series under a periodic strain: the mean stress of the cell is that of E = 2 E1 E2 / (E1 + E2).
 TEST(LinearRelation, APeriodicCellOfTwoLayersHasTheHarmonicMeanOfTheirModuli) {
-  std::string relations, layers;
-  for (int jk = 0; jk < 4; ++jk) relations += fmt::format("{} {}  ", 2 * 0 + 3 * jk, 2 + 3 * jk);
+  std::string relations;
+  for (int jk = 0; jk < 4; ++jk) relations += fmt::format("{} {}  ", 3 * jk, 2 + 3 * jk);
   const double first = 1000, second = 4000, strain = 1e-3;
   Simulation simulation = simulationFromText(fmt::format(
       R"(<Node name="root" gravity="0 0 0" dt="1"><StaticSolver/><SparseLDLSolver/>
@@ -142,15 +142,13 @@ TEST(LinearRelation, APeriodicCellOfTwoLayersHasTheHarmonicMeanOfTheirModuli) {
                                               coefficients2="-2"/></Node></Node>)",
       strain, first, second, relations));
   ASSERT_TRUE(simulation.step().newton_converged);
-  const System& system = *simulation.systems().at(0);
   const double modulus = 2 * first * second / (first + second);
   const State& cell = *simulation.states()[1];
   for (int jk = 0; jk < 4; ++jk) {
     const Index left = 3 * jk;
     EXPECT_NEAR(cell.x()[left + 2][0] - cell.x()[left][0], 2 * (1 + strain), 1e-14);
-    EXPECT_NEAR(cell.x()[left + 1][0] - cell.x()[left][0], 1 + strain * modulus / first, 1e-12);
+    EXPECT_NEAR(cell.x()[left + 1][0] - cell.x()[left][0], 1 + strain * modulus / first, 1e-8 * strain) << "to the tolerance of the solve";
   }
-  (void)system;
 }
 
 // ---- dynamics ----
@@ -286,7 +284,7 @@ TEST(LinearRelation, MistakesAreNamed) {
   expect(relation("indices='0 1' coefficients='1 1' indices2='2'"), "coefficients2 has 0 numbers");
   expect(relation("indices='0 1' coefficients='1 1' indices2='2' coefficients2='1' directions='1 0 0'"),
          "both or none");
-  expect("<VolumeConstraint/>" + relation("indices='0 1' coefficients='1 1'"), "would break relations");
+  expect("<RigidConstraint indices='0 1'/>" + relation("indices='0 1' coefficients='1 1'"), "would break relations");
 }
 
 TEST(LinearRelation, HeldNodesThatContradictItStopTheRun) {
