@@ -147,7 +147,8 @@ TEST(LinearRelation, APeriodicCellOfTwoLayersHasTheHarmonicMeanOfTheirModuli) {
   for (int jk = 0; jk < 4; ++jk) {
     const Index left = 3 * jk;
     EXPECT_NEAR(cell.x()[left + 2][0] - cell.x()[left][0], 2 * (1 + strain), 1e-14);
-    EXPECT_NEAR(cell.x()[left + 1][0] - cell.x()[left][0], 1 + strain * modulus / first, 1e-8 * strain) << "to the tolerance of the solve";
+    EXPECT_NEAR(cell.x()[left + 1][0] - cell.x()[left][0], 1 + strain * modulus / first, 1e-8 * strain)
+        << "to the tolerance of the solve";
   }
 }
 
@@ -232,6 +233,25 @@ TEST(LinearRelation, AppliesToGroupsAndToNodesThatSlide) {
     for (Index i = 0; i < 2; ++i) EXPECT_LT((system.v[i] - expected).norm(), 1e-14) << integrator;
     EXPECT_LT((system.v[2] + expected).norm(), 1e-14) << integrator;
   }
+}
+
+/// A relation of one node holds it, with a preconditioner of diagonal blocks too.
+TEST(LinearRelation, OfOneNodeHoldsIt) {
+  const std::string solver = "<CGLinearSolver tolerance='1e-13'/>";
+  const std::string slides = "<PartialFixedProjectiveConstraint indices='13 22' fixedDirections='1 0 1'/>";
+  const std::string related = relation("indices='13 22' coefficients='3' directions='1 0 0'") +
+                              relation("indices='13 22' coefficients='-1' directions='1 0 1'");
+  Simulation held_nodes =
+      simulationFromText(root("<EulerImplicitSolver/>", solver, block("a", 2, 0, held("wall") + slides)));
+  Simulation relations =
+      simulationFromText(root("<EulerImplicitSolver/>", solver, block("a", 2, 0, held("wall") + related)));
+  for (int step = 0; step < 20; ++step) {
+    held_nodes.step();
+    const StepReport report = relations.step();
+    ASSERT_TRUE(report.linear_converged) << report.linear_residual;
+  }
+  const ConstRows x = held_nodes.states()[0]->x(), y = relations.states()[0]->x();
+  for (Index i = 0; i < x.count; ++i) EXPECT_LT((x[i] - y[i]).norm(), 1e-9) << i;
 }
 
 TEST(LinearRelation, EndsWithItsTime) {
