@@ -40,6 +40,7 @@
 #include "framework/mesh/cell_lists.h"
 #include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
+#include "framework/simulation/integrator.h"
 #include "framework/simulation/observer.h"
 #include "framework/simulation/simulation.h"
 
@@ -56,6 +57,7 @@ class VTKExporter : public Observer {
  public:
   void declare(DataTable& table) override;
   void init() override;
+  void compile(const Simulation& simulation) override;
   void begin(const Simulation& simulation) override;
   void afterStep(const Simulation& simulation, const StepContext&) override;
   bool readsAllNodes(const StepContext& context) const override {
@@ -285,11 +287,27 @@ Component& VTKExporter::componentAt(std::string_view path) const {
   return *found;
 }
 
-void VTKExporter::begin(const Simulation& simulation) {
+/// Fields are evaluated once: how many values a force field gives shows there only.
+void VTKExporter::compile(const Simulation& simulation) {
   system_ = nullptr;
   for (const auto& system : simulation.systems())
     for (const State* state : system->states())
       if (state == state_) system_ = system.get();
+  if (cell_outputs_.empty() || files().empty()) return;
+  if (!system_)
+    throw ComponentError("cell fields need a state that an integrator moves",
+                         "an integrator in the state's node or above");
+  for (const CellOutput& output : cell_outputs_) {
+    const auto& moved = system_->states();
+    if (std::find(moved.begin(), moved.end(), &output.source->state()) == moved.end())
+      throw ComponentError(fmt::format("cellsDataFields: {} acts on {}, which {} does not move", output.source->path(),
+                                       output.source->state().path(), system_->integrator().path()),
+                           fmt::format("a force field on {}", state_->path()));
+    fieldOfCells(output);
+  }
+}
+
+void VTKExporter::begin(const Simulation& simulation) {
   if (simulation.steps() == 0) last_step_ = -1;
   if (enable_) series_.start(simulation.steps() == 0);
   if (enable_ && at_begin_ && simulation.steps() == 0) write(simulation);
@@ -359,14 +377,14 @@ const CellKind* VTKExporter::kindOfValues(std::size_t count, const CellOutput& o
   forEachCellList(measure, topology_->mesh());
   if (count == all) return nullptr;
   if (only) return only;
-  throw std::runtime_error(fmt::format("{}: {} gives {} values of '{}', but the mesh has {}", path(),
-                                       output.source->path(), count, output.field, counts));
+  throw ComponentError(fmt::format("cellsDataFields: {} gives {} values of '{}', but the mesh has {}",
+                                   output.source->path(), count, output.field, counts),
+                       "a value for each cell");
 }
 
 /// One value for each written cell, NaN where the force field has none.
 std::vector<double> VTKExporter::fieldOfCells(const CellOutput& output) const {
   std::vector<double> values;
-  if (!system_) throw std::runtime_error(fmt::format("{}: cell fields need a state that an integrator moves", path()));
   output.source->cellField(output.field, system_->x, values);
   const CellKind* only = kindOfValues(values.size(), output);
   std::vector<double> out(std::size_t(grid_->GetNumberOfCells()), std::numeric_limits<double>::quiet_NaN());

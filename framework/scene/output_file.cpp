@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 #include <sys/stat.h>
+#include <sys/statvfs.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -44,6 +45,13 @@ void tryBeside(const std::string& path, bool is_there) {
       throw OutputError(path, is_full ? "cannot write" : "cannot open for writing", failure.reason);
   }
   fs::remove(probe, error);
+}
+
+/// Whether the file system of a folder that is there has no room; one that counts no blocks is not asked.
+bool isFull(const fs::path& folder) {
+  struct statvfs disk {};
+  if (::statvfs(folder.c_str(), &disk) != 0 || disk.f_blocks == 0) return false;
+  return (::geteuid() == 0 ? disk.f_bfree : disk.f_bavail) == 0;
 }
 
 }  // namespace
@@ -113,7 +121,26 @@ void makeFolderOf(const std::string& path) {
   if (error) throw OutputError(folder.string(), "cannot make the folder", error.value());
 }
 
+void checkAccess(const std::string& path) {
+  const fs::path folder = fs::path(path).parent_path();
+  std::error_code error;
+  fs::path there = folder;  // or the nearest above it that is there
+  while (!there.empty() && there != there.root_path() && !fs::exists(there, error)) there = there.parent_path();
+  const bool is_missing = there != folder;
+  if (there.empty()) there = ".";
+  if (!fs::is_directory(there, error)) throw OutputError(folder.string(), "cannot make the folder", ENOTDIR);
+  if (is_missing && ::access(there.c_str(), W_OK | X_OK) != 0)
+    throw OutputError(folder.string(), "cannot make the folder", errno);
+  if (fs::is_directory(path, error)) throw OutputError(path, "cannot open for writing", EISDIR);
+  const bool is_there = !is_missing && ::access(path.c_str(), F_OK) == 0;
+  if (!is_missing && !is_there && errno != ENOENT) throw OutputError(path, "cannot open for writing", errno);
+  if (!is_missing && ::access(is_there ? path.c_str() : there.c_str(), W_OK) != 0)
+    throw OutputError(path, "cannot open for writing", errno);
+  if ((!is_there || fs::is_regular_file(path, error)) && isFull(there)) throw OutputError(path, "cannot write", ENOSPC);
+}
+
 void checkWritable(const std::string& path) {
+  checkAccess(path);
   makeFolderOf(path);
   std::error_code error;
   const auto kind = fs::status(path, error).type();

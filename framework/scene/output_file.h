@@ -52,7 +52,11 @@ class OutputFile {
 /// Makes the folder of a file when it is missing. Throws OutputError.
 void makeFolderOf(const std::string& path);
 
-/// Makes the folder; throws OutputError when the file cannot be opened for writing, or its disk is full. Nothing is taken
+/// Throws the OutputError that checkWritable() would, as far as it can be known with nothing written. What only the
+/// attempt shows (a quota, a file system of its own rules) is not.
+void checkAccess(const std::string& path);
+
+/// checkAccess(); makes the folder; throws OutputError when the file cannot be opened for writing, or its disk is full. Nothing is taken
 /// from a file that is there, and no file of this name is made.
 void checkWritable(const std::string& path);
 
