@@ -92,7 +92,9 @@ int check(const Arguments& arguments) {
     problems.insert(problems.end(), found.begin(), found.end());
   } catch (const UsageError& error) {
     if (!json) throw;
-    problems.push_back({.where = {scene}, .message = error.what()});
+    Diagnostics refusal;
+    refusal.error({scene}, {}, error.what());
+    problems.push_back(refusal.problems().front());
   }
   print(report(scene, false, problems));
   return exit_bad_input;
