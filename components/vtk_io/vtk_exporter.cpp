@@ -87,7 +87,6 @@ class VTKExporter : public Observer {
   void addCellField(const std::string& word);
   ForceField& forceFieldWith(const std::string& field) const;
   ForceField& forceFieldAt(const std::string& path) const;
-  Component& componentAt(std::string_view path) const;
   const CellKind* kindOfValues(std::size_t count, const CellOutput& output) const;
   std::vector<double> fieldOfCells(const CellOutput& output) const;
   void fill();
@@ -209,7 +208,7 @@ vtkSmartPointer<vtkDoubleArray> VTKExporter::newArray(const std::string& label, 
 
 void VTKExporter::addPointField(const std::string& word) {
   FieldWord parts(word);
-  if (!parts.owner.empty() && &componentAt(parts.owner) != state_)
+  if (!parts.owner.empty() && &componentAt(node(), parts.owner) != state_)
     throw ComponentError(fmt::format("pointsDataFields: '{}' is not of the state that is exported", word),
                          fmt::format("a field of {}", state_->path()));
   if (parts.field == "rest_position") parts.field = "restPosition";  // SOFA's name of the attribute
@@ -241,7 +240,7 @@ void VTKExporter::addCellField(const std::string& word) {
 }
 
 ForceField& VTKExporter::forceFieldAt(const std::string& path) const {
-  Component& owner = componentAt(path);
+  Component& owner = componentAt(node(), path);
   auto* source = dynamic_cast<ForceField*>(&owner);
   if (!source) throw ComponentError(fmt::format("cellsDataFields: {} is not a force field", owner.path()));
   return *source;
@@ -261,30 +260,6 @@ ForceField& VTKExporter::forceFieldWith(const std::string& field) const {
     throw ComponentError(fmt::format("cellsDataFields: {} force fields of the node have '{}'", matching.size(), field),
                          "component.field", matching.empty() ? nearest(field, names) : std::string{});
   return *matching.front();
-}
-
-/// "fem" (here, else in the nearest node above), "@fem", "@../body/fem", "@/body/fem".
-Component& VTKExporter::componentAt(std::string_view path) const {
-  const std::string whole(path);
-  if (path.starts_with('@')) path.remove_prefix(1);
-  Node* at = &node();
-  if (path.starts_with('/')) {
-    at = &node().root();
-    path.remove_prefix(1);
-  }
-  for (std::size_t slash = path.find('/'); at && slash != std::string_view::npos; slash = path.find('/')) {
-    const std::string_view part = path.substr(0, slash);
-    if (part == "..")
-      at = at->parent();
-    else if (part != ".")
-      at = at->findChild(part);
-    path.remove_prefix(slash + 1);
-  }
-  const bool name_only = whole.find('/') == std::string::npos;
-  Component* found = at ? at->findByName(path) : nullptr;
-  for (; !found && name_only && at->parent(); found = at->findByName(path)) at = at->parent();
-  if (!found) throw ComponentError(fmt::format("there is no component '{}'", whole), "a path like fem or @../body/fem");
-  return *found;
 }
 
 /// Fields are evaluated once: how many values a force field gives shows there only.
