@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
+#include <cassert>
+
 #include "components/direct_solvers/sparse_copy.h"
 #include "framework/algebra/direct_solver.h"
 
@@ -8,10 +10,11 @@ namespace stroma {
 /// Factors of the whole matrix with its zeros: for small systems.
 class DenseFactor : public Factorisation {
  public:
+  /// More unknowns than this need more memory than a desk has.
+  static constexpr Index most_rows = 4000;
+
   void analyse(const BlockMatrix& matrix) override {
-    if (matrix.rows() > most_rows)
-      throw ComponentError(std::to_string(matrix.rows()) + " nodes are too many for a dense matrix",
-                           "at most " + std::to_string(most_rows) + " nodes", "SparseLDLSolver");
+    assert(matrix.rows() <= most_rows);  // LinearSolver::mostRows() of its solvers
     dense_.setZero(3 * matrix.rows(), 3 * matrix.rows());
   }
   Cost cost() const override {
@@ -27,10 +30,6 @@ class DenseFactor : public Factorisation {
             Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(matrix.values().data() + 9 * std::size_t(s));
   }
   Eigen::MatrixXd dense_;
-
- private:
-  /// More unknowns than this need more memory than a desk has.
-  static constexpr Index most_rows = 4000;
 };
 
 }  // namespace stroma

@@ -9,6 +9,10 @@ template <class Factor, bool needs_symmetric>
 class FactorSolver final : public DirectSolver {
  public:
   bool needsSymmetric() const override { return needs_symmetric; }
+  Index mostRows() const override {
+    if constexpr (requires { Factor::most_rows; }) return Factor::most_rows;
+    return DirectSolver::mostRows();
+  }
 
  private:
   std::unique_ptr<Factorisation> makeFactorisation(bool) const override { return std::make_unique<Factor>(); }

@@ -50,6 +50,7 @@ class SingularValues final : public DenseFactor {
 class SVDLinearSolver final : public DirectSolver {
  public:
   bool needsSymmetric() const override { return false; }
+  Index mostRows() const override { return SingularValues::most_rows; }
   void declare(DataTable& table) override {
     DirectSolver::declare(table);
     table.add("minSingularValue", smallest_)

@@ -53,6 +53,7 @@ class PCGLinearSolver final : public KrylovSolver, public FactorUser {
     if (ApproximateInverse* inverse = keptFor(matrix).inverse.get()) inverse->serialize(matrix, archive);
   }
   SolveReport solve(SystemMatrix& matrix, ConstRows b, Rows x) override;
+  Index mostRows() const override;
   bool usesFactorOf(const Component&) const override { return use_ && link_.path == "warped"; }
 
  private:
@@ -97,6 +98,11 @@ void PCGLinearSolver::init() {
   KrylovSolver::init();
   if (use_) link_.get();  // ready before the first solve
   if (use_ && link_.path == "warped") factor_source_ = &factorSource(*this, factors_);
+}
+
+Index PCGLinearSolver::mostRows() const {
+  if (factor_source_) return factor_source_->mostRows();
+  return use_ && link_.target() ? link_.get()->mostRows() : KrylovSolver::mostRows();
 }
 
 std::unique_ptr<ApproximateInverse> PCGLinearSolver::makeInverse() const {

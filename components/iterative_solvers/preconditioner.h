@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
+#include <limits>
 #include <memory>
 
 #include "framework/algebra/linear_solver.h"
@@ -33,6 +34,8 @@ class Preconditioner : public Component {
  public:
   std::string roleText() const override { return "preconditioner"; }
   virtual std::unique_ptr<ApproximateInverse> makeInverse() const = 0;
+  /// See LinearSolver::mostRows().
+  virtual Index mostRows() const { return std::numeric_limits<Index>::max(); }
 };
 
 }  // namespace stroma

@@ -43,6 +43,7 @@ class WarpPreconditioner final : public Preconditioner, public FactorUser {
   std::unique_ptr<ApproximateInverse> makeInverse() const override {
     return std::make_unique<WarpedFactor>(*source_, renewal_);
   }
+  Index mostRows() const override { return source_->mostRows(); }
   bool usesFactorOf(const Component& solver) const override {
     return solver_.path.empty() || solver_.target() == &solver;
   }

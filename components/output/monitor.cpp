@@ -52,9 +52,12 @@ class Monitor final : public Observer {
       warn("writes nothing", "set ExportPositions, ExportVelocities or ExportForces to true");
   }
 
-  void begin(const Simulation& simulation) override {
+  void compile(const Simulation&) override {
     if (!state_->isBound())
-      throw ComponentError(fmt::format("{}: no integrator moves the state {}", path(), state_->path()));
+      throw ComponentError(fmt::format("no integrator moves the state {}", state_->path()),
+                           "an integrator in the state's node or above");
+  }
+  void begin(const Simulation& simulation) override {
     goes_on_ = simulation.steps() > 0;
     bool is_new = false;
     if (export_x_) is_new = open(x_file_, "x", "positions [m]") || is_new;

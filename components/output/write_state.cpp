@@ -22,6 +22,7 @@
 // </Node>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <optional>
 #include <utility>
 
@@ -65,9 +66,12 @@ class WriteState final : public Observer {
       if (!(times_[i - 1] < times_[i])) throw ComponentError("the values of time are not ascending");
   }
 
-  void begin(const Simulation& simulation) override {
+  void compile(const Simulation&) override {
     if (!state_->isBound())
-      throw ComponentError(fmt::format("{}: no integrator moves the state {}", path(), state_->path()));
+      throw ComponentError(fmt::format("no integrator moves the state {}", state_->path()),
+                           "an integrator in the state's node or above");
+  }
+  void begin(const Simulation& simulation) override {
     writer_.emplace(file_name_.found);
     if (simulation.steps() > 0) {
       if (writer_->goOn(simulation.time(), true) == simulation.time()) return;
@@ -116,8 +120,12 @@ class WriteState final : public Observer {
     for (; next_time_ < times_.size() && times_[next_time_] <= reached; ++next_time_) due = true;
     if (period_ == 0 || next_time_ < times_.size()) return due;
     const double first = times_.empty() ? start_ : times_.back();
-    for (; first + double(periods_) * period_ <= reached; ++periods_) due = true;
-    return due;
+    if (first + double(periods_) * period_ > reached) return due;
+    // steps may be far longer than the period: whole periods are not counted one by one, but for the last
+    constexpr double most = 1e15;
+    periods_ = std::max(periods_, long(std::min((reached - first) / period_, most)) - 1);
+    while (first + double(periods_) * period_ <= reached && double(periods_) < most) ++periods_;
+    return true;
   }
 
   void write(double t) {

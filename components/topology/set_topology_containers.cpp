@@ -63,9 +63,22 @@ void SetTopologyContainer::takeFromMapping() {
     mine = mapping;
   }
   if (!mine) return;
-  if (!mesh_.tetrahedra.empty())
-    throw ComponentError(fmt::format("tetrahedra are given, and {} fills this container too", mine->path()),
+  const auto refuse = [&](std::string_view name) {
+    throw ComponentError(fmt::format("{} are given, and {} fills this container too", name, mine->path()),
                          "one of them");
+  };
+  // what a linked loader has is replaced; what stands here would be lost without a word
+  const auto is_written = [this](std::string_view name) {
+    const DataOrigin origin = data().find(name)->origin();
+    return origin == DataOrigin::written || origin == DataOrigin::by_override;
+  };
+  if (!mesh_.tetrahedra.empty()) refuse("tetrahedra");
+  if (!mesh_.position.empty() && is_written("position")) refuse("positions");
+  forEachCellList(
+      [&](const CellKind& each, const auto& cells) {
+        if (!cells.empty() && is_written(each.plural)) refuse(each.plural);
+      },
+      mesh_);
   mine->ensureReady();
   // Hexahedra that came with the positions would count the body a second time.
   mesh_ = mine->mesh();

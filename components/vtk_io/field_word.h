@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 #include <string>
+#include <string_view>
+
+#include "framework/scene/component.h"
 
 namespace stroma {
 
@@ -18,5 +21,9 @@ struct FieldWord {
     field = field.substr(dot + 1);
   }
 };
+
+/// The owner of a field as written in the node `from`: "fem" (there, else in the nearest node above), "@fem",
+/// "@../body/fem", "@/body/fem". Throws ComponentError.
+Component& componentAt(Node& from, std::string_view path);
 
 }  // namespace stroma

@@ -40,6 +40,7 @@
 #include "framework/mesh/cell_lists.h"
 #include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
+#include "framework/simulation/integrator.h"
 #include "framework/simulation/observer.h"
 #include "framework/simulation/simulation.h"
 
@@ -56,6 +57,7 @@ class VTKExporter : public Observer {
  public:
   void declare(DataTable& table) override;
   void init() override;
+  void compile(const Simulation& simulation) override;
   void begin(const Simulation& simulation) override;
   void afterStep(const Simulation& simulation, const StepContext&) override;
   bool readsAllNodes(const StepContext& context) const override {
@@ -86,7 +88,6 @@ class VTKExporter : public Observer {
   void addCellField(const std::string& word);
   ForceField& forceFieldWith(const std::string& field) const;
   ForceField& forceFieldAt(const std::string& path) const;
-  Component& componentAt(std::string_view path) const;
   const CellKind* kindOfValues(std::size_t count, const CellOutput& output) const;
   std::vector<double> fieldOfCells(const CellOutput& output) const;
   void fill();
@@ -208,7 +209,7 @@ vtkSmartPointer<vtkDoubleArray> VTKExporter::newArray(const std::string& label, 
 
 void VTKExporter::addPointField(const std::string& word) {
   FieldWord parts(word);
-  if (!parts.owner.empty() && &componentAt(parts.owner) != state_)
+  if (!parts.owner.empty() && &componentAt(node(), parts.owner) != state_)
     throw ComponentError(fmt::format("pointsDataFields: '{}' is not of the state that is exported", word),
                          fmt::format("a field of {}", state_->path()));
   if (parts.field == "rest_position") parts.field = "restPosition";  // SOFA's name of the attribute
@@ -240,7 +241,7 @@ void VTKExporter::addCellField(const std::string& word) {
 }
 
 ForceField& VTKExporter::forceFieldAt(const std::string& path) const {
-  Component& owner = componentAt(path);
+  Component& owner = componentAt(node(), path);
   auto* source = dynamic_cast<ForceField*>(&owner);
   if (!source) throw ComponentError(fmt::format("cellsDataFields: {} is not a force field", owner.path()));
   return *source;
@@ -262,35 +263,27 @@ ForceField& VTKExporter::forceFieldWith(const std::string& field) const {
   return *matching.front();
 }
 
-/// "fem" (here, else in the nearest node above), "@fem", "@../body/fem", "@/body/fem".
-Component& VTKExporter::componentAt(std::string_view path) const {
-  const std::string whole(path);
-  if (path.starts_with('@')) path.remove_prefix(1);
-  Node* at = &node();
-  if (path.starts_with('/')) {
-    at = &node().root();
-    path.remove_prefix(1);
-  }
-  for (std::size_t slash = path.find('/'); at && slash != std::string_view::npos; slash = path.find('/')) {
-    const std::string_view part = path.substr(0, slash);
-    if (part == "..")
-      at = at->parent();
-    else if (part != ".")
-      at = at->findChild(part);
-    path.remove_prefix(slash + 1);
-  }
-  const bool name_only = whole.find('/') == std::string::npos;
-  Component* found = at ? at->findByName(path) : nullptr;
-  for (; !found && name_only && at->parent(); found = at->findByName(path)) at = at->parent();
-  if (!found) throw ComponentError(fmt::format("there is no component '{}'", whole), "a path like fem or @../body/fem");
-  return *found;
-}
-
-void VTKExporter::begin(const Simulation& simulation) {
+/// Fields are evaluated once: how many values a force field gives shows there only.
+void VTKExporter::compile(const Simulation& simulation) {
   system_ = nullptr;
   for (const auto& system : simulation.systems())
     for (const State* state : system->states())
       if (state == state_) system_ = system.get();
+  if (cell_outputs_.empty() || files().empty()) return;
+  if (!system_)
+    throw ComponentError("cell fields need a state that an integrator moves",
+                         "an integrator in the state's node or above");
+  for (const CellOutput& output : cell_outputs_) {
+    const auto& moved = system_->states();
+    if (std::find(moved.begin(), moved.end(), &output.source->state()) == moved.end())
+      throw ComponentError(fmt::format("cellsDataFields: {} acts on {}, which {} does not move", output.source->path(),
+                                       output.source->state().path(), system_->integrator().path()),
+                           fmt::format("a force field on {}", state_->path()));
+    fieldOfCells(output);
+  }
+}
+
+void VTKExporter::begin(const Simulation& simulation) {
   if (simulation.steps() == 0) last_step_ = -1;
   if (enable_) series_.start(simulation.steps() == 0);
   if (enable_ && at_begin_ && simulation.steps() == 0) write(simulation);
@@ -360,14 +353,14 @@ const CellKind* VTKExporter::kindOfValues(std::size_t count, const CellOutput& o
   forEachCellList(measure, topology_->mesh());
   if (count == all) return nullptr;
   if (only) return only;
-  throw std::runtime_error(fmt::format("{}: {} gives {} values of '{}', but the mesh has {}", path(),
-                                       output.source->path(), count, output.field, counts));
+  throw ComponentError(fmt::format("cellsDataFields: {} gives {} values of '{}', but the mesh has {}",
+                                   output.source->path(), count, output.field, counts),
+                       "a value for each cell");
 }
 
 /// One value for each written cell, NaN where the force field has none.
 std::vector<double> VTKExporter::fieldOfCells(const CellOutput& output) const {
   std::vector<double> values;
-  if (!system_) throw std::runtime_error(fmt::format("{}: cell fields need a state that an integrator moves", path()));
   output.source->cellField(output.field, system_->x, values);
   const CellKind* only = kindOfValues(values.size(), output);
   std::vector<double> out(std::size_t(grid_->GetNumberOfCells()), std::numeric_limits<double>::quiet_NaN());

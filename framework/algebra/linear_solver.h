@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
+#include <limits>
 #include <memory>
 #include <string_view>
 
@@ -86,6 +87,8 @@ class LinearSolver : public Component {
   virtual void serializeFor(SystemMatrix& /*matrix*/, Archive&) {}
   /// True for solvers that need a symmetric matrix; System refuses the pairing at compile time with a sentence.
   virtual bool needsSymmetric() const = 0;
+  /// Rows of the largest matrix that it takes; System refuses the pairing likewise.
+  virtual Index mostRows() const { return std::numeric_limits<Index>::max(); }
   /// The |b - A x| / |b| that the caller of the next solves is content with: solvers by products stop there where their
   /// own tolerance asks for more. 0: their tolerance.
   void setTolerance(double relative_residual) { requested_tolerance_ = relative_residual; }

@@ -139,6 +139,7 @@ void MeshLoader::transform() {
     linear = rotationFromDegrees(rotation_) * scale3d_.asDiagonal();
     shift = translation_;
   }
+  if (linear.determinant() == 0) throw ComponentError("the mesh is flattened: a scale is zero", "numbers other than 0");
   for (Vec3& p : mesh_.position) p = linear * p + shift;
   const auto turn = [&linear](std::vector<Vec3>& list) {
     for (Vec3& v : list) v = linear * v;

@@ -250,8 +250,11 @@ void Instantiation::checkGiven(Component& component) {
                                        [&](const Component::DataLink& link) { return link.target == &data; });
   };
   for (const Data& data : component.data().all()) {
-    if ((!data.isRequired() && !data.isPhysical()) || isGiven(data)) continue;
     const std::string path = component.path() + "." + data.name();
+    const auto* output_file = data.isInputFile() ? nullptr : std::get_if<FileName*>(&data.pointer());
+    if (data.isRequired() && isGiven(data) && output_file && (*output_file)->empty())
+      fail(component, {Severity::error, component.where(), path, data.name() + " is empty", "the name of a file", {}});
+    if ((!data.isRequired() && !data.isPhysical()) || isGiven(data)) continue;
     if (data.isRequired()) {
       fail(component, {Severity::error, component.where(), path, data.name() + " is not given", data.typeText(), {}});
     } else {

@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 #include <sys/stat.h>
+#include <sys/statvfs.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -84,6 +85,20 @@ void tryBeside(const std::string& path, bool needs_folder) {
   }
 }
 
+/// Whether a file is to appear in its folder: a new one, or a draft that takes the place of the one that is there.
+bool needsFolder(const std::string& path, bool is_replaced) {
+  std::error_code error;
+  if (!fs::exists(path, error)) return true;
+  return is_replaced && fs::is_regular_file(fs::symlink_status(path, error));
+}
+
+/// Whether the file system of a folder that is there has no room; one that counts no blocks is not asked.
+bool isFull(const fs::path& folder) {
+  struct statvfs disk {};
+  if (::statvfs(folder.c_str(), &disk) != 0 || disk.f_blocks == 0) return false;
+  return (::geteuid() == 0 ? disk.f_bfree : disk.f_bavail) == 0;
+}
+
 }  // namespace
 
 OutputError::OutputError(const std::string& path, const std::string& what, int number)
@@ -151,7 +166,27 @@ void makeFolderOf(const std::string& path) {
   if (error) throw OutputError(folder.string(), "cannot make the folder", error.value());
 }
 
+void checkAccess(const std::string& path, bool is_replaced) {
+  const fs::path folder = fs::path(path).parent_path();
+  std::error_code error;
+  fs::path there = folder;  // or the nearest above it that is there
+  while (!there.empty() && there != there.root_path() && !fs::exists(there, error)) there = there.parent_path();
+  const bool is_missing = there != folder;
+  if (there.empty()) there = ".";
+  if (!fs::is_directory(there, error)) throw OutputError(folder.string(), "cannot make the folder", ENOTDIR);
+  if (is_missing && ::access(there.c_str(), W_OK | X_OK) != 0)
+    throw OutputError(folder.string(), "cannot make the folder", errno);
+  if (fs::is_directory(path, error)) throw OutputError(path, "cannot open for writing", EISDIR);
+  const bool is_there = !is_missing && ::access(path.c_str(), F_OK) == 0;
+  if (!is_missing && !is_there && errno != ENOENT) throw OutputError(path, "cannot open for writing", errno);
+  if (is_there && ::access(path.c_str(), W_OK) != 0) throw OutputError(path, "cannot open for writing", errno);
+  if (!is_missing && needsFolder(path, is_replaced) && ::access(there.c_str(), W_OK) != 0)
+    throw OutputError(path, "cannot open for writing", errno);
+  if ((!is_there || fs::is_regular_file(path, error)) && isFull(there)) throw OutputError(path, "cannot write", ENOSPC);
+}
+
 void checkWritable(const std::string& path, bool is_replaced) {
+  checkAccess(path, is_replaced);
   makeFolderOf(path);
   std::error_code error;
   const auto kind = fs::status(path, error).type();
@@ -162,8 +197,7 @@ void checkWritable(const std::string& path, bool is_replaced) {
     OutputFile file;
     file.open(path);
   }
-  const bool is_link = fs::is_symlink(fs::symlink_status(path, error));
-  if (!is_there || kind == fs::file_type::regular) tryBeside(path, !is_there || (is_replaced && !is_link));
+  if (!is_there || kind == fs::file_type::regular) tryBeside(path, needsFolder(path, is_replaced));
 }
 
 void writeWholeFile(const std::string& path, std::string_view bytes) {

@@ -52,9 +52,13 @@ class OutputFile {
 /// Makes the folder of a file when it is missing. Throws OutputError.
 void makeFolderOf(const std::string& path);
 
-/// Makes the folder; throws OutputError when the file cannot be opened for writing, or its disk is full. Nothing is taken
-/// from a file that is there, and no file of this name is made. `is_replaced`: writeWholeFile() is to write it, which
-/// needs a folder that can be written in.
+/// Throws the OutputError that checkWritable() would, as far as it can be known with nothing written. What only the
+/// attempt shows (a quota, a file system of its own rules) is not.
+void checkAccess(const std::string& path, bool is_replaced = false);
+
+/// checkAccess(); makes the folder; throws OutputError when the file cannot be opened for writing, or its disk is full.
+/// Nothing is taken from a file that is there, and no file of this name is made. `is_replaced`: writeWholeFile() is to
+/// write it, which needs a folder that can be written in.
 void checkWritable(const std::string& path, bool is_replaced = false);
 
 /// Writes a file without a name and then gives it this one, so that nobody ever sees half a file, two programs that do it

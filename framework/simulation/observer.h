@@ -15,6 +15,9 @@ class Simulation;
 class Observer : public Component {
  public:
   std::string roleText() const override { return "observer"; }
+  /// Called at load, when everything that moves is compiled: refuses what begin() or afterStep() could not do. Writes
+  /// nothing. Throws ComponentError.
+  virtual void compile(const Simulation&) {}
   virtual void begin(const Simulation&) {}  ///< at t = 0, before the first step
   virtual void afterStep(const Simulation&, const StepContext&) = 0;
   virtual void end(const Simulation&) {}  ///< after the last step, also when the run diverged

@@ -5,19 +5,12 @@
 
 #include <algorithm>
 #include <bit>
-#include <chrono>
 #include <cmath>
-#include <exception>
 
-#include "framework/scene/output_file.h"
 #include "framework/simulation/empty_selections.h"
-#include "framework/simulation/file_uses.h"
 
 namespace stroma {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-double seconds(Clock::duration duration) { return std::chrono::duration<double>(duration).count(); }
 
 /// A system owns everything below its integrator, so on any way from the root to a leaf at most one is allowed.
 void collectIntegrators(const Node& node, Integrator* above, std::vector<Integrator*>& found,
@@ -94,20 +87,6 @@ void checkUnmovedStates(const Node& root, Diagnostics& diagnostics) {
   }
 }
 
-/// What a run would write over what the scene reads, or over what another observer writes.
-void checkFiles(const std::vector<Observer*>& observers, const Scene& scene, Diagnostics& diagnostics) {
-  if (observers.empty()) return;
-  const std::vector<FileUse> inputs = inputsOf(scene);
-  std::vector<FileUse> outputs;
-  for (const Observer* observer : observers) {
-    for (const std::string& file : observer->files()) outputs.push_back({file, observer->path()});
-    const std::optional<std::string> sentence = overwriting(outputs, inputs);
-    if (!sentence) continue;
-    diagnostics.error(observer->where(), observer->path(), *sentence, "a file of its own");
-    return;
-  }
-}
-
 /// FNV-1a, 64 bits, over the bytes of the bits of a number, lowest byte first.
 void hashNumber(std::uint64_t& hash, double number) {
   const auto bits = std::bit_cast<std::uint64_t>(number);
@@ -159,8 +138,12 @@ Simulation::Simulation(Scene scene) : scene_(std::move(scene)) {
   for (Integrator* integrator : integrators)
     if (auto system = compileSystem(*integrator, diagnostics)) systems_.push_back(std::move(system));
   if (!diagnostics.hasErrors()) checkUnmovedStates(root(), diagnostics);
+  if (!(root().root_time + dt() > root().root_time))
+    diagnostics.error(root().where(), root().path() + ".time",
+                      fmt::format("at {:g} s a step of {:g} s does not change the time", root().root_time, dt()),
+                      "a start nearer to zero, or a longer dt");
   root().collect(observers_);
-  if (!diagnostics.hasErrors()) checkFiles(observers_, scene_, diagnostics);
+  if (!diagnostics.hasErrors()) compileObservers(diagnostics);
   if (diagnostics.hasErrors()) throw SceneError(diagnostics);
   warnOfEmptySelections(root(), diagnostics);
 
@@ -182,15 +165,6 @@ Simulation::Simulation(Scene scene) : scene_(std::move(scene)) {
   time_ = base_time_ = root().root_time;
 }
 
-/// Single nodes that are watched are kept up to date, but for those that follow others.
-void Simulation::watchFollowers() {
-  std::vector<Index> watched;
-  for (const auto& system : systems_)
-    for (const Mapping* mapping : system->actors().passive_mappings)
-      for (const Observer* observer : observers_) observer->addWatchedNodes(mapping->output(), watched);
-  watches_followers_ = !watched.empty();
-}
-
 Simulation::~Simulation() = default;
 
 std::vector<State*> Simulation::states() const {
@@ -198,14 +172,6 @@ std::vector<State*> Simulation::states() const {
   root().collect(states);
   std::erase_if(states, [](const State* state) { return !state->isBound(); });
   return states;
-}
-
-void Simulation::begin() {
-  if (begun_) return;
-  // before the first of them replaces a file
-  for (const FileUse& output : outputsOf(*this)) checkWritable(output.path, output.is_replaced);
-  begun_ = true;
-  for (Observer* observer : observers_) observer->begin(*this);
 }
 
 StepReport Simulation::step() {
@@ -308,38 +274,6 @@ void Simulation::complete() const {
   }
 }
 
-/// An output that fails does not keep the others from what they have to write.
-template <class Tell>
-void Simulation::tellAll(Tell&& tell) {
-  std::exception_ptr failure;
-  for (Observer* observer : observers_) {
-    try {
-      tell(*observer);
-    } catch (const OutputError&) {
-      if (!failure) failure = std::current_exception();
-    }
-  }
-  if (failure) std::rethrow_exception(failure);
-}
-
-void Simulation::notify(const StepContext& context) {
-  const auto reads_all = [&](const Observer* observer) {
-    return watches_followers_ || observer->readsAllNodes(context);
-  };
-  if (!on_demand_ || std::any_of(observers_.begin(), observers_.end(), reads_all)) complete();
-  if (observers_.empty()) return;
-  const auto start = Clock::now();
-  tellAll([&](Observer& observer) { observer.afterStep(*this, context); });
-  if (!systems_.empty()) systems_.front()->times.observers += seconds(Clock::now() - start);
-}
-
-void Simulation::end() {
-  complete();
-  if (!begun_) return;
-  begun_ = false;
-  tellAll([&](Observer& observer) { observer.end(*this); });
-}
-
 void Simulation::reset() {
   end();
   forget();
@@ -364,21 +298,6 @@ void Simulation::forget() {
   time_ = root().root_time;
   worked_on_ = false;
   countFromHere();
-}
-
-void Simulation::addObserver(Observer& observer) {
-  if (std::find(observers_.begin(), observers_.end(), &observer) != observers_.end()) return;
-  observers_.push_back(&observer);
-  std::vector<Index> watched;  // an integrator keeps those up to date that were known when it was compiled
-  for (const State* state : states()) observer.addWatchedNodes(*state, watched);
-  watches_followers_ = watches_followers_ || !watched.empty();
-  if (!begun_) return;
-  complete();
-  observer.begin(*this);
-}
-
-void Simulation::removeObserver(Observer& observer) {
-  if (std::erase(observers_, &observer) > 0 && begun_) observer.end(*this);
 }
 
 std::uint64_t Simulation::stateHash() const {

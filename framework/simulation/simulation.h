@@ -36,11 +36,14 @@ class Simulation {
   void dropObservers() { observers_.clear(); }
 
   /// From now on `observer` sees the end of each step, and first the present instant, by begin(), when the run has
-  /// begun. Not owned: it must be removed, or outlive the simulation.
+  /// begun. Not owned: it must be removed, or outlive the simulation. Throws ComponentError when it cannot observe.
   void addObserver(Observer& observer);
   /// The observer sees its end() if the run has begun. No effect when it does not observe.
   void removeObserver(Observer& observer);
 
+  /// Throws SceneError when files of observers could not be written as things stand, with every one of them and nothing
+  /// written: what can be known of begin() before it.
+  void checkOutputs() const;
   /// Observers see t = 0. Called by the first step when the caller has not. Throws OutputError when one of their files
   /// cannot be written; none has been changed then, unless a disk is full.
   void begin();
@@ -127,6 +130,7 @@ class Simulation {
   void takeEditsBack();
   void serializeEdits(Archive& archive);
   void forget();
+  void compileObservers(Diagnostics& diagnostics);
   void watchFollowers();
   /// A change of dt: times of steps count on from here.
   void countFromHere() { base_time_ = time_, base_step_ = steps_; }

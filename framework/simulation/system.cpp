@@ -52,7 +52,12 @@ void System::bindStates() {
 
 void System::checkLinearSolver() const {
   const LinearSolver* solver = linearSolver();
-  if (!solver || !solver->needsSymmetric() || matrix_.symmetric()) return;
+  if (!solver) return;
+  if (const Index most = solver->mostRows(); independentRows() > most)
+    throw ComponentError(
+        fmt::format("{} nodes are too many for the dense matrix of {}", independentRows(), solver->path()),
+        fmt::format("at most {} nodes", most), "SparseLDLSolver");
+  if (!solver->needsSymmetric() || matrix_.symmetric()) return;
   for (const ForceField* field : forceFields())
     if (const ForceTraits traits = field->traits();
         !traits.symmetric && (traits.has_stiffness || traits.velocity_dependent))

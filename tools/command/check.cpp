@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// stroma check: everything short of stepping.
+// stroma check: everything that stroma run does before its first step, with nothing written.
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
 
+#include "tools/command/run_request.h"
 #include "tools/command/session.h"
 
 namespace stroma::command {
@@ -11,8 +12,9 @@ namespace {
 
 const Manual manual{
     "stroma check SCENE [options]",
-    "Reads, resolves, instantiates and compiles a scene and reports every problem found in one run, each "
-    "with its place,\nwhat was expected and the nearest right name. Exit code 2 when there are errors.",
+    "Does what `stroma run` does before its first step, and writes nothing but the cacheFolder of a condensed solver.\n"
+    "Reports every problem found in one run, each with its place, what was expected and the nearest right name.\n"
+    "Exit code 2 when there are errors: `stroma run SCENE` would stop at the same.",
     "  stroma check liver.xml\n  stroma check liver.xml --set /liver/fem.method=polar --json\n"};
 
 using Json = nlohmann::ordered_json;
@@ -33,6 +35,10 @@ Json toJson(const std::vector<Problem>& problems) {
                     {"expected", problem.expected},
                     {"suggestion", problem.suggestion}});
   return list;
+}
+
+Json report(const std::string& scene, bool ok, const std::vector<Problem>& problems) {
+  return {{"scene", scene}, {"ok", ok}, {"problems", toJson(problems)}};
 }
 
 std::string plural(std::size_t count, const char* noun) {
@@ -69,20 +75,29 @@ int check(const Arguments& arguments) {
   const bool json = values->count("json") > 0;
   Session session;
   configure(session, *values);
+  std::vector<Problem> problems;
   try {
     const Simulation& simulation = session.load(scene);
-    if (json) {
-      print({{"scene", scene}, {"ok", true}, {"problems", toJson(simulation.scene().diagnostics.problems())}});
-    } else {
-      reportProblems(simulation.scene(), false);
+    problems = simulation.scene().diagnostics.problems();
+    if (!json) reportProblems(simulation.scene(), false);
+    checkOutputs(RunRequest(scene), simulation);
+    if (json)
+      print(report(scene, true, problems));
+    else
       fmt::print("{}\n", counts(simulation));
-    }
     return exit_done;
   } catch (const SceneError& error) {
     if (!json) throw;
-    print({{"scene", scene}, {"ok", false}, {"problems", toJson(error.diagnostics().problems())}});
-    return exit_bad_input;
+    const std::vector<Problem>& found = error.diagnostics().problems();
+    problems.insert(problems.end(), found.begin(), found.end());
+  } catch (const UsageError& error) {
+    if (!json) throw;
+    Diagnostics refusal;
+    refusal.error({scene}, {}, error.what());
+    problems.push_back(refusal.problems().front());
   }
+  print(report(scene, false, problems));
+  return exit_bad_input;
 }
 
 }  // namespace stroma::command

@@ -127,6 +127,7 @@ void checkOutputs(const RunRequest& request, const Simulation& simulation) {
     for (const std::string& file : recordedFiles(simulation, divergedFolder(request.scene)))
       all.push_back({file, "a run without a result (--record DIR writes elsewhere)"});
   if (const auto sentence = overwriting(all, inputsOf(simulation.scene()))) throw UsageError(*sentence);
+  simulation.checkOutputs();
   for (const FileUse& output : outputs) checkWritable(output.path, output.is_replaced);
 }
 

@@ -19,6 +19,8 @@ struct RunRequest {
   bool quiet = false, strict = false, resume = false;
 
   explicit RunRequest(const Values& values);
+  /// `stroma run SCENE`, without options.
+  explicit RunRequest(std::string scene_file) : scene(std::move(scene_file)) {}
   /// Of the whole run, those before a checkpoint included.
   long stepsOf(const Session& session) const;
   bool recordsIn() const { return !record_folder.empty(); }
@@ -35,8 +37,9 @@ std::optional<Values> parseRunOptions(const Arguments& arguments);
 /// Where the recording of a run without a result goes when the user named no folder.
 std::string divergedFolder(const std::string& scene);
 
-/// Throws UsageError when the run would write over what it reads, or one file twice, and OutputError when it cannot
-/// write what it was told to. Nothing has been written then.
+/// What a run refuses between loading and its first step, which `stroma check` refuses too. Throws UsageError when the
+/// run would write over what it reads, or one file twice, SceneError when observers cannot write, and OutputError when it
+/// cannot write what the options name. Without such options nothing is written, and nothing has been when it throws.
 void checkOutputs(const RunRequest& request, const Simulation& simulation);
 
 }  // namespace stroma::command
