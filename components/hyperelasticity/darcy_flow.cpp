@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "components/hyperelasticity/darcy_flow.h"
 
-#include <Eigen/LU>
 #include <Eigen/SparseCholesky>
 #include <cmath>
 
@@ -16,26 +15,29 @@ struct DarcyFlow::Matrices {
 DarcyFlow::DarcyFlow() : matrices_(std::make_unique<Matrices>()) {}
 DarcyFlow::~DarcyFlow() = default;
 
-void DarcyFlow::build(const Mesh& mesh, const std::vector<Vec3>& rest, const std::vector<Index>& drained) {
-  const auto n = Eigen::Index(rest.size());
-  volume_.assign(rest.size(), 0.);
-  drained_.assign(rest.size(), 0);
+void DarcyFlow::build(const porous::PorousCells& cells, const std::vector<Index>& drained) {
+  const std::size_t n = cells.rest().size();
+  volume_.assign(n, 0.);
+  drained_.assign(n, 0);
   for (Index node : drained) drained_[node] = 1;
+  for (std::size_t cell = 0; cell < cells.count(); ++cell) {
+    const auto shares = cells.shares(cell);
+    std::size_t a = 0;
+    for (Index node : cells.nodes(cell)) volume_[node] += shares[a++];
+  }
+  buildGradients(cells);
+}
+
+void DarcyFlow::buildGradients(const porous::PorousCells& cells) {
+  const auto n = Eigen::Index(volume_.size());
   std::vector<Eigen::Triplet<double>> entries;
-  for (const Tetrahedron& cell : mesh.tetrahedra) {
-    Mat3 edges;
-    for (int i = 0; i < 3; ++i) edges.col(i) = rest[cell[(i + 1)]] - rest[cell[0]];
-    const double volume = std::abs(edges.determinant()) / (6 * mesh.overlap);
-    Eigen::Matrix<double, 3, 4> g;
-    g.rightCols<3>() = edges.inverse().transpose();
-    g.col(0) = -g.rightCols<3>().rowwise().sum();
-    for (int a = 0; a < 4; ++a) {
-      const Index i = cell[a];
-      volume_[i] += volume / 4;
-      for (int b = 0; b < 4; ++b)
-        if (const Index j = cell[b]; !isDrained(i) && !isDrained(j))
-          entries.emplace_back(i, j, volume * g.col(a).dot(g.col(b)));
-    }
+  for (std::size_t cell = 0; cell < cells.count(); ++cell) {
+    const auto gradients = cells.gradients(cell);
+    const auto nodes = cells.nodes(cell);
+    for (std::size_t a = 0; a < nodes.size(); ++a)
+      for (std::size_t b = 0; b < nodes.size(); ++b)
+        if (const Index i = nodes[a], j = nodes[b]; !isDrained(i) && !isDrained(j))
+          entries.emplace_back(i, j, gradients[a][b]);
   }
   for (Eigen::Index i = 0; i < n; ++i) entries.emplace_back(i, i, 0.);
   Matrices& m = *matrices_;

@@ -3,19 +3,19 @@
 #include <memory>
 #include <vector>
 
+#include "components/hyperelasticity/porous_cells.h"
 #include "framework/algebra/vector.h"
-#include "framework/mesh/mesh.h"
 
 namespace stroma {
 
-/// Backward Euler of Darcy's law on linear tetrahedra at rest, (s M + h kappa L) P = b: M the lumped volumes of the
+/// Backward Euler of Darcy's law on cells at rest, (s M + h kappa L) P = b: M the lumped volumes of the
 /// nodes [m^3], L the products of gradients [m], s the storage [1/Pa], kappa the permeability [m^4/(N s)]. P = 0 at
 /// drained nodes, no flow through the rest of the boundary. Factored when h changes.
 class DarcyFlow {
  public:
   DarcyFlow();
   ~DarcyFlow();
-  void build(const Mesh& mesh, const std::vector<Vec3>& rest, const std::vector<Index>& drained);
+  void build(const porous::PorousCells& cells, const std::vector<Index>& drained);
   /// h > 0 [s]; s > 0.
   void setStep(double h, double storage, double permeability);
   /// In the x of each row, rows being the nodes: b [m^3] becomes P [Pa].
@@ -27,6 +27,8 @@ class DarcyFlow {
 
  private:
   struct Matrices;
+  /// The matrix of L, with a place for each node's M.
+  void buildGradients(const porous::PorousCells& cells);
   std::vector<double> volume_;
   std::vector<char> drained_;
   std::unique_ptr<Matrices> matrices_;

@@ -4,19 +4,18 @@
 #include <vector>
 
 #include "components/hyperelasticity/darcy_flow.h"
-#include "components/hyperelasticity/porous_elements.h"
 #include "framework/algebra/block_matrix.h"
 
 namespace stroma::porous {
 
 /// What a fluid that flows adds to the stiffness of its tissue, as a matrix. With U = d theta/dx, by the weights w_e =
 /// d ln J/dJ half on the volumes and half on the pressures (as they are where all elements have one J),
-///   K_fluid = -U^T A^-1 U,   U_a = sum_e w_e^1/2/4 V_0 cof F G_i,   A = M/K_lim + h kappa L
+///   K_fluid = -U^T A^-1 U,   U_ai = sum_e V_ea/V_e alpha w_e^1/2 dv_e/dx_i,   A = M/M_Biot + h kappa L
 /// couples all nodes, because pressure spreads through the body within a step: for bodies of few nodes only.
 class DenseCoupling {
  public:
   /// `first_row`: of node 0. All are kept by reference.
-  DenseCoupling(const Mesh& mesh, const std::vector<Vec3>& rest, const Sponge& sponge, Index first_row);
+  DenseCoupling(const PorousCells& cells, const Sponge& sponge, Index first_row);
   ~DenseCoupling();
   void addPattern(BlockPattern& pattern) const;
   std::vector<Index> slots(const BlockMatrix& matrix) const;
@@ -29,8 +28,8 @@ class DenseCoupling {
 
  private:
   struct Matrices;
-  const Mesh& mesh_;
-  const std::vector<Vec3>& rest_;
+  std::size_t nodes() const { return cells_.rest().size(); }
+  const PorousCells& cells_;
   const Sponge& sponge_;
   Index first_row_;
   std::unique_ptr<Matrices> matrices_;

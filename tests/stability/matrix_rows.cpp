@@ -199,26 +199,32 @@ void addViscous(std::vector<Row>& out, Cells cells, const std::string& type, con
                  slowestOfBlock, true, false, creep_time});
 }
 
-/// Hyperelastic tetrahedra that relax, and with a fluid beside.
+/// Cells that relax, with a fluid in them.
+void addPorous(std::vector<Row>& out, Cells cells, const std::string& name, const std::string& prefix) {
+  for (const std::string coupling : {"semi_implicit", "implicit"}) {
+    const auto scene = [=](const std::string& integrator, const Condition& c) {
+      const std::string fluid = fmt::format(
+          "<{}PorousForceField fluidFraction=\"0.5\" bulkModulus=\"{}\" limitModulus=\"{}\" "
+          "permeability=\"{}\" drainedIndices=\"0 2\" coupling=\"{}\"/><Fixed",
+          prefix, 0.1 * c.young, 0.4 * c.young, 0.6 / (c.young * c.relaxationScale()), coupling);
+      const std::string elastic =
+          prefix + "HyperelasticityFEMForceField" + viscous(c) + "materialName=\"StableNeoHookean\"";
+      return std::regex_replace(block(cells, elastic, integrator, c), std::regex("<Fixed"), fluid);
+    };
+    out.push_back({name + " StableNeoHookean viscous, porous " + coupling, prefix + "PorousForceField", scene,
+                   slowestOfBlock, true, false, drainage_time});
+  }
+}
+
+/// Hyperelastic tetrahedra that relax, and both kinds of cell with a fluid beside.
 void addViscousAndPorous(std::vector<Row>& out) {
   const std::string type = "TetrahedronHyperelasticityFEMForceField";
   for (const std::string law : {"NeoHookean", "StableNeoHookean"})
     addViscous(out, Cells::tetrahedra, type, "tetrahedra " + law + " viscous", "materialName=\"" + law + "\"");
   addViscous(out, Cells::tetrahedra, type, "tetrahedra StableNeoHookean viscous, exponential",
              "viscousUpdate=\"exponential\" materialName=\"StableNeoHookean\"");
-  for (const std::string coupling : {"semi_implicit", "implicit"}) {
-    const auto scene = [=](const std::string& integrator, const Condition& c) {
-      const std::string fluid = fmt::format(
-          "<TetrahedronPorousForceField fluidFraction=\"0.5\" bulkModulus=\"{}\" limitModulus=\"{}\" "
-          "permeability=\"{}\" drainedIndices=\"0 2\" coupling=\"{}\"/><Fixed",
-          0.1 * c.young, 0.4 * c.young, 0.6 / (c.young * c.relaxationScale()), coupling);
-      return std::regex_replace(
-          block(Cells::tetrahedra, type + viscous(c) + "materialName=\"StableNeoHookean\"", integrator, c),
-          std::regex("<Fixed"), fluid);
-    };
-    out.push_back({"tetrahedra StableNeoHookean viscous, porous " + coupling, "TetrahedronPorousForceField", scene,
-                   slowestOfBlock, true, false, drainage_time});
-  }
+  addPorous(out, Cells::tetrahedra, "tetrahedra", "Tetrahedron");
+  addPorous(out, Cells::hexahedra, "hexahedra", "Hexahedron");
 }
 
 /// Hyperelastic hexahedra with a mean dilatation, and that relax.
@@ -307,7 +313,7 @@ std::vector<Row> makeRows() {
     }
     for (std::size_t i = first; i < out.size(); ++i) {
       out[i].is_alias = is_alias || out[i].is_alias;
-      if (type == "TetrahedronPorousForceField") out[i].relaxation = example_drainage_time;
+      if (type.find("Porous") != std::string::npos) out[i].relaxation = example_drainage_time;
     }
   }
   return out;

@@ -46,10 +46,10 @@ const std::vector<Known>& known() {
       {Ending::astray, ".*viscous.*", any, "inverted|flat|line|point|random|nu=0.4999",
        "a defect that the run's warning names: viscous stresses of the second Piola-Kirchhoff kind grow without bound "
        "in flat elements, and push when these open"},
-      {Ending::astray, "TetrahedronPorousForceField.*", any, "E=1 dt=.*",
+      {Ending::astray, "(Tetra|Hexa)hedronPorousForceField.*", any, "E=1 dt=.*",
        "the fluid keeps its modulus while the tissue loses its own: the semi-implicit coupling is unstable where the "
        "fluid is much stiffer"},
-      {Ending::astray, "TetrahedronPorousForceField.*", "BDF 2.*", any,
+      {Ending::astray, "(Tetra|Hexa)hedronPorousForceField.*", "BDF 2.*", any,
        "the load of the scene warns of it: semi-implicit fluid acts a step late, which this rule hardly damps"},
       {Ending::astray, "(ShapeMemoryForceField|Phymul) reaction=(false|upright).*", any, shapes,
        "without the reaction the forces have no potential, and turned neighbourhoods feed what they push"},
