@@ -27,7 +27,9 @@ GUARDED = [
 # Who may include the private headers of a family besides the family: its own tests (a folder of its name) and these.
 READERS_OF_FAMILIES = {
     "elasticity": ("tools/bench/",),  # counts the operations of its kernels
-    "topology": ("tests/mesh/", "tests/meshing/", "tests/support/"),  # read meshes back, cut cells
+    "topology": ("tests/mesh/", "tests/meshing/", "tests/support/",  # read meshes back, cut cells
+                 "tests/fuzz/"),
+    "condensation": ("tests/fuzz/",),
 }
 # Tools whose library another one links.
 TOOLS_FOR_TOOLS = {"command": {"mesh"}}
