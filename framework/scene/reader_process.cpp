@@ -20,6 +20,7 @@
 #include <csignal>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <new>
 
 #include "framework/scene/diagnostics.h"
@@ -123,7 +124,7 @@ std::string firstLine(const std::string& text) {
 }  // namespace
 
 ValueLists readInOwnProcess(const ReaderProgram& program, const std::string& file, const Texts& arguments) {
-  const std::string path = moduleFolder() + "/" + program.name;
+  const std::string path = std::filesystem::path(moduleFolder()) / program.name;
   if (access(path.c_str(), X_OK) != 0)
     throw ComponentError(fmt::format("this build has no {}: {}", program.reader, program.missing), path);
   const Buffer lists("lists"), printed("printed");

@@ -10,7 +10,7 @@ namespace stroma {
 
 /// A program that reads files for this one.
 struct ReaderProgram {
-  std::string name;     ///< in moduleFolder()
+  std::string name;     ///< in moduleFolder(), or a path
   std::string reader;   ///< who reads there, for messages: "VTK's reader"
   std::string missing;  ///< why the program may not be there, and what helps
 };
