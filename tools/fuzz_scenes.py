@@ -9,7 +9,6 @@ seed and its number alone, so that `--seed S --first N --count 1 --keep DIR` mak
 Example: tools/fuzz_scenes.py --stroma build/release/bin/stroma --seed 1 --count 500 --jobs 2"""
 
 import argparse
-import base64
 import concurrent.futures
 import gzip
 import math
@@ -21,7 +20,7 @@ import struct
 import subprocess
 import sys
 import tempfile
-import zlib
+import time
 from collections import Counter
 from pathlib import Path
 
@@ -127,29 +126,17 @@ def damage_mesh(data, chance):
 # ---- what a run has written ----
 
 def numbers_of_vtu(data):
-    """The floating-point arrays of points of a .vtu file that VTK wrote: base64, in blocks compressed by zlib, or not.
-    Cell data are left out: cells without a value are NaN there by intention."""
-    compressed = b"vtkZLibDataCompressor" in data
-    points = re.sub(rb"<CellData.*?</CellData>", b"", data, flags=re.S)
-    for kind, text in re.findall(rb'<DataArray type="(Float\d\d)"[^>]*format="binary"[^>]*>\s*([A-Za-z0-9+/=\s]+?)\s*<', points):
-        sizes, width = {b"Float32": ("f", 4), b"Float64": ("d", 8)}[kind]
-        values = decode(text, compressed)
-        yield from struct.unpack(f"<{len(values) // width}{sizes}", values[:len(values) // width * width])
-
-
-def decode(text, compressed):
-    """The bytes of an array: a head of eight-byte or four-byte counts, then the values."""
-    text = b"".join(text.split())
-    head = 8
-    if not compressed:
-        return base64.b64decode(text)[head:]
-    blocks = struct.unpack("<Q", base64.b64decode(text[:12])[:8])[0]
-    head = 4 * ((8 * (3 + blocks) + 2) // 3)
-    sizes = struct.unpack(f"<{blocks}Q", base64.b64decode(text[:head])[24:24 + 8 * blocks])
-    body, values = base64.b64decode(text[head:]), b""
-    for size in sizes:
-        values, body = values + zlib.decompress(body[:size]), body[size:]
-    return values
+    """The real numbers of a .vtu file of ours: arrays lie raw behind the XML, each after its length. Those of cells are
+    left out: cells without a value are NaN there by intention."""
+    start = data.index(b"_", data.index(b'<AppendedData encoding="raw"')) + 1
+    head = re.sub(rb"<CellData.*?</CellData>", b"", data[:start], flags=re.S)
+    arrays = re.findall(rb'<DataArray type="Float64"[^>]*offset="(\d+)"', head)
+    if b'Name="Points"' not in head or not arrays or b'header_type="UInt32"' not in head:
+        raise ValueError("a .vtu file is not written as this script reads it")
+    for offset in arrays:
+        at = start + int(offset)
+        size = struct.unpack("<I", data[at:at + 4])[0]
+        yield from struct.unpack(f"<{size // 8}d", data[at + 4:at + 4 + size])
 
 
 def numbers_of_checkpoint(data):
@@ -208,21 +195,35 @@ class Trial:
     def run(self, command, arguments, folder):
         """What is wrong with how the command ended, or None, and its exit code."""
         with open(folder / f"{command}.printed", "w+b") as printed:
-            limits = f'ulimit -c 0 -f {1 << 21} -d {self.megabytes << 10}; exec "$@"'
+            limits = f'ulimit -c 0; ulimit -f {1 << 21}; ulimit -d {self.megabytes << 11}; exec "$@"'
             process = subprocess.Popen(["sh", "-c", limits, "sh", self.stroma, command, *arguments], cwd=folder,
                                        stdin=subprocess.DEVNULL, stdout=printed, stderr=printed)
-            try:
-                code = process.wait(self.seconds)
-            except subprocess.TimeoutExpired:
+        code, megabytes = self.end_of(process)
+        said = (folder / f"{command}.printed").read_bytes()
+        end = said[-300:].decode(errors="replace")
+        if code is None:
+            return f"hang: no end within {self.seconds} s", None
+        if code not in EXIT_CODES[command]:
+            return f"crash: code {code}: {end}", code
+        if code == 2 and b"error" not in said:
+            return f"silent: code {code} without a sentence: {end}", code
+        if megabytes > self.megabytes:
+            return f"memory: {megabytes:.0f} MB: {end}", code
+        return None, code
+
+    def end_of(self, process):
+        """The exit code, None after a hang, and the memory that the process and its children had at most [MB]."""
+        until = time.monotonic() + self.seconds
+        while True:
+            pid, status, used = os.wait4(process.pid, os.WNOHANG)
+            if pid:
+                process.returncode = os.waitstatus_to_exitcode(status)
+                return process.returncode, used.ru_maxrss / 1024
+            if time.monotonic() > until:
                 process.kill()
                 process.wait()
-                return f"hang: no end within {self.seconds} s", None
-            said = (folder / f"{command}.printed").read_bytes()
-        if code not in EXIT_CODES[command]:
-            return f"crash: code {code}: {said[-300:].decode(errors='replace')}", code
-        if code and b"error" not in said and code == 2:
-            return f"silent: code {code} without a sentence: {said[-300:].decode(errors='replace')}", code
-        return None, code
+                return None, 0
+            time.sleep(0.005)
 
     def problems(self, number, folder):
         """Problems of mutant `number`, and what it became."""
@@ -259,7 +260,7 @@ def main():
     parser.add_argument("--count", type=int, default=100, help="how many")
     parser.add_argument("--jobs", type=int, default=1, help="how many at once")
     parser.add_argument("--seconds", type=float, default=60, help="what a command may take")
-    parser.add_argument("--memory", type=int, default=2048, metavar="MB", help="what a process may take")
+    parser.add_argument("--memory", type=int, default=400, metavar="MB", help="what a process may take")
     parser.add_argument("--keep", type=Path, help="folder for mutants with a problem; with --count 1 for the one mutant")
     arguments = parser.parse_args()
     trial, outcomes, bad = Trial(arguments), Counter(), 0
