@@ -25,7 +25,7 @@
 
 #include <cmath>
 
-#include "components/topology/vtk_cells.h"
+#include "components/topology/cells_from_vtk.h"
 #include "framework/mesh/mesh_loader.h"
 #include "framework/scene/factory.h"
 #include "framework/scene/reader_process.h"

@@ -93,7 +93,6 @@ void checkXmlCounts(const std::string& bytes, const std::string& name) {
   }
 }
 
-
 template <class Reader>
 vtkSmartPointer<vtkPointSet> readWith(const std::string& file) {
   const auto reader = vtkSmartPointer<Reader>::New();

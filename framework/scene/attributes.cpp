@@ -91,9 +91,10 @@ void Instantiation::readNodeAttribute(const AttributeDescription& attribute, Nod
     if (!(dt > 0)) {
       diagnostics_.error(attribute.where, path + ".dt", "the time step is " + printReal(dt), "a value > 0 s");
     } else if (dt < shortest_time_step || dt > longest_time_step) {
-      diagnostics_.error(attribute.where, path + ".dt",
-                         "the time step is " + printReal(dt) + ": its square is no number that can be computed with",
-                         "a value from " + printReal(shortest_time_step) + " to " + printReal(longest_time_step) + " s");
+      diagnostics_.error(
+          attribute.where, path + ".dt",
+          "the time step is " + printReal(dt) + ": its square is no number that can be computed with",
+          "a value from " + printReal(shortest_time_step) + " to " + printReal(longest_time_step) + " s");
     } else if (!node.parent()) {
       node.root_dt = dt;
     } else if (dt != node.dt()) {

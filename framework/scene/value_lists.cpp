@@ -12,9 +12,7 @@ namespace {
 constexpr std::string_view head = "stroma lists 1\n", end = "end\n";
 constexpr std::string_view kinds = "dit";  // by the order in the variant
 
-void put(std::string& bytes, std::uint64_t count) {
-  bytes.append(reinterpret_cast<const char*>(&count), sizeof count);
-}
+void put(std::string& bytes, std::uint64_t count) { bytes.append(reinterpret_cast<const char*>(&count), sizeof count); }
 void put(std::string& bytes, const std::string& text) {
   put(bytes, text.size());
   bytes += text;

@@ -40,7 +40,8 @@ inline const std::string& fileWith(std::string_view bytes, const std::string& en
   };
   static const File file(ending);
   std::FILE* stream = std::fopen(file.path.c_str(), "wb");
-  require(stream && std::fwrite(bytes.data(), 1, bytes.size(), stream) == bytes.size(), file.path + " cannot be written");
+  require(stream && std::fwrite(bytes.data(), 1, bytes.size(), stream) == bytes.size(),
+          file.path + " cannot be written");
   std::fclose(stream);
   return file.path;
 }

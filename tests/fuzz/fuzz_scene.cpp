@@ -2,8 +2,8 @@
 // A scene's XML on its way to components: any text is refused with sentences, or becomes a tree that reads back from what
 // writeXml() makes of it.
 #include "framework/scene/load.h"
-#include "tests/fuzz/fuzz.h"
 #include "tests/fuzz/every_attribute.h"
+#include "tests/fuzz/fuzz.h"
 
 namespace {
 

@@ -26,8 +26,8 @@ Factory& factory() {
 void loadMesh(const std::string& loader, const std::string& ending, std::string_view bytes,
               const std::string& attributes) {
   static Modules modules(factory(), {});
-  const std::string scene = "<Node name=\"root\"><" + loader + " name=\"loader\" filename=\"" + fileWith(bytes, ending) +
-                            "\" createSubelements=\"true\" " + attributes + "/></Node>";
+  const std::string scene = "<Node name=\"root\"><" + loader + " name=\"loader\" filename=\"" +
+                            fileWith(bytes, ending) + "\" createSubelements=\"true\" " + attributes + "/></Node>";
   try {
     const Scene loaded = loadSceneText(scene, "fuzz.xml", {}, factory(), modules);
     const Mesh& mesh = dynamic_cast<MeshLoader&>(*findComponent(*loaded.root, "/loader")).mesh();

@@ -73,7 +73,8 @@ bool sameText(const NodeDescription& a, const NodeDescription& b) {
 TEST(XmlReader, TypesThatAreNoTagsReadBackToo) {
   Diagnostics diagnostics;
   const NodeDescription root = read(
-      "<Node><Object type='Ev]ry' a='1'/><Object type='Node'/><Object type='Object' b='2'/><Object type='A-b.c2'/></Node>",
+      "<Node><Object type='Ev]ry' a='1'/><Object type='Node'/><Object type='Object' b='2'/><Object "
+      "type='A-b.c2'/></Node>",
       diagnostics);
   ASSERT_EQ(root.components.size(), 4u);
   const std::string text = writeXml(root);

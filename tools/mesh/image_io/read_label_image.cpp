@@ -228,8 +228,7 @@ ValueLists readImage(const std::string& file, const Texts&) {
     printed = streams.firstLine();
     return image;
   }();
-  if (window->hasError())
-    throw ComponentError(fmt::format("{} cannot be read; VTK says: {}", file, window->message()));
+  if (window->hasError()) throw ComponentError(fmt::format("{} cannot be read; VTK says: {}", file, window->message()));
   if (!printed.empty()) throw ComponentError(fmt::format("{} cannot be read; VTK says: {}", file, printed));
   const LabelImage image = convert(raw, file);
   ValueLists lists;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "components/topology/vtk_cells.h"
+#include "components/topology/cells_from_vtk.h"
 
 #include <fmt/format.h>
 
@@ -42,6 +42,7 @@ VtkMesh::VtkMesh(const ValueLists& lists, std::string name)
   const std::size_t count = points.size() / 3;
   if (points.size() % 3 != 0 || count > std::size_t(std::numeric_limits<Index>::max()))
     fail(fmt::format("{} coordinates", points.size()));
+  position.reserve(count);
   for (std::size_t n = 0; n < count; ++n) position.emplace_back(points[3 * n], points[3 * n + 1], points[3 * n + 2]);
   if (offsets_.size() != types_.size() + 1 || offsets_.front() != 0 ||
       !std::is_sorted(offsets_.begin(), offsets_.end()) || std::size_t(offsets_.back()) != nodes_.size())
@@ -123,7 +124,8 @@ void VtkMesh::skip(int type, std::map<std::string, long>& skipped) const {
   const auto found = kinds_.find(type);
   if (found == kinds_.end()) fail(fmt::format("cells of kind {}", type));
   const auto& [kind, is_linear] = found->second;
-  if (!is_linear) throw ComponentError(fmt::format("{}: cells of kind {} are not supported", name_, kind), "linear cells");
+  if (!is_linear)
+    throw ComponentError(fmt::format("{}: cells of kind {} are not supported", name_, kind), "linear cells");
   ++skipped[kind];
 }
 
