@@ -166,7 +166,7 @@ class Trial:
     def __init__(self, arguments):
         self.stroma, self.seed = arguments.stroma.resolve(), arguments.seed
         self.seconds, self.megabytes, self.keep = arguments.seconds, arguments.memory, arguments.keep
-        self.scenes = sorted((TREE / "scenes" / "examples").glob("*.xml"))
+        self.scenes = sorted((TREE / "scenes" / "examples").glob(f"{arguments.scene}.xml"))
 
     def mutant(self, number, folder):
         """Makes mutant `number` in a folder; the scene's path there and what was damaged."""
@@ -255,6 +255,7 @@ class Trial:
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--stroma", type=Path, default=TREE / "build/release/bin/stroma", help="the command")
+    parser.add_argument("--scene", default="*", help="names of examples, as a shell would expand them")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--first", type=int, default=0, help="number of the first mutant")
     parser.add_argument("--count", type=int, default=100, help="how many")
