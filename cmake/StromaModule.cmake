@@ -31,6 +31,10 @@ if(STROMA_SANITIZE)
     -UNDEBUG -D_GLIBCXX_ASSERTIONS -g1)
   target_link_options(stroma_flags INTERFACE -fsanitize=${STROMA_SANITIZE})
 endif()
+if(STROMA_FUZZ)
+  # what libFuzzer sees of the code, and undefined behaviour as an end
+  target_compile_options(stroma_flags INTERFACE -fsanitize=fuzzer-no-link -fno-sanitize-recover=all -O1)
+endif()
 
 # stroma_precompiled(NAME OPTIONS option... [HEADERS header...] [HIDDEN] [PROGRAMS])
 #   Precompiled headers for all targets with these compiler options: a target takes them with
@@ -192,6 +196,17 @@ function(stroma_service name)
   set_target_properties(${name} PROPERTIES PREFIX "" CXX_VISIBILITY_PRESET hidden
     LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib/stroma INSTALL_RPATH "$ORIGIN/..")
   install(TARGETS ${name} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/stroma OPTIONAL)
+endfunction()
+
+# stroma_reader(NAME SOURCES file... LIBRARIES lib...)
+#   Builds a program beside the modules that reads files with the libraries of others (framework/scene/reader_process.h).
+function(stroma_reader name)
+  cmake_parse_arguments(arg "" "" "SOURCES;LIBRARIES" ${ARGN})
+  add_executable(${name} ${arg_SOURCES})
+  target_link_libraries(${name} PRIVATE stroma ${arg_LIBRARIES})
+  set_target_properties(${name} PROPERTIES
+    RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib/stroma INSTALL_RPATH "$ORIGIN/..")
+  install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_LIBDIR}/stroma OPTIONAL)
 endfunction()
 
 # Where the components of modules that are not built yet would come from: framework/scene/modules.cpp looks there for a

@@ -41,6 +41,15 @@ struct Header {
     for (std::size_t i = 0; i < section; ++i) count += blocks(i);
     return count;
   }
+  /// Sections and check sums lie in a file of `size` bytes.
+  bool fits(std::uint64_t size) const {
+    const auto lies = [&](std::uint64_t at, std::uint64_t length) {
+      return at % sizeof(double) == 0 && at <= size && length <= size - at;
+    };
+    for (std::size_t i = 0; i < sections; ++i)
+      if (!lies(start[i], bytes[i])) return false;
+    return lies(sums_start, firstBlock(sections) * sizeof(std::uint64_t));
+  }
 };
 static_assert(sizeof(Header) <= page);
 
@@ -207,8 +216,9 @@ bool SectionFile::open(const std::string& path, const ContentKey& key, std::size
     reason = "it is of something else";
   else if (header.sections != sections || header.file_size != size)
     reason = "it is cut short";
-  else if (const std::size_t sums = header.firstBlock(sections) * sizeof(std::uint64_t);
-           header.sums_start + sums > size || mix(data_ + header.sums_start, sums, 2) != header.sums_check)
+  else if (!header.fits(size))
+    reason = "its header is damaged";
+  else if (mix(data_ + header.sums_start, header.firstBlock(sections) * sizeof(std::uint64_t), 2) != header.sums_check)
     reason = "its check sums are damaged";
   if (reason.empty()) return true;
   close();
@@ -225,7 +235,7 @@ bool SectionFile::isIntact(std::size_t i, std::size_t offset, std::size_t bytes)
   Header header;
   std::memcpy(&header, data_, sizeof header);
   const Section found = section(i);
-  if (header.start[i] + found.bytes > size_ || offset + bytes > found.bytes) return false;
+  if (offset > found.bytes || bytes > found.bytes - offset) return false;
   if (bytes == 0) return true;
   const std::size_t first = offset / block, last = (offset + bytes - 1) / block + 1;
 #ifdef MADV_POPULATE_READ

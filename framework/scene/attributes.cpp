@@ -10,6 +10,7 @@
 #include "framework/scene/instantiation.h"
 #include "framework/scene/overrides.h"
 #include "framework/scene/text.h"
+#include "framework/scene/time_step.h"
 
 namespace stroma {
 
@@ -89,6 +90,11 @@ void Instantiation::readNodeAttribute(const AttributeDescription& attribute, Nod
     if (!readInto(dt, attribute, path, diagnostics_)) return;
     if (!(dt > 0)) {
       diagnostics_.error(attribute.where, path + ".dt", "the time step is " + printReal(dt), "a value > 0 s");
+    } else if (dt < shortest_time_step || dt > longest_time_step) {
+      diagnostics_.error(
+          attribute.where, path + ".dt",
+          "the time step is " + printReal(dt) + ": its square is no number that can be computed with",
+          "a value from " + printReal(shortest_time_step) + " to " + printReal(longest_time_step) + " s");
     } else if (!node.parent()) {
       node.root_dt = dt;
     } else if (dt != node.dt()) {

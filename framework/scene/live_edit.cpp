@@ -5,6 +5,7 @@
 
 #include "framework/scene/names.h"
 #include "framework/scene/text.h"
+#include "framework/scene/time_step.h"
 
 namespace stroma {
 namespace {
@@ -103,7 +104,7 @@ void LiveEdit::parseNode(const Value& value) {
   double dt = 0;
   Vec3 gravity = Vec3::Zero();
   Data data = changesTimeStep() ? Data("dt", &dt) : Data("gravity", &gravity);
-  data.min(changesTimeStep() ? 0 : -std::numeric_limits<double>::infinity(), false).unit("s");
+  if (changesTimeStep()) data.min(shortest_time_step).max(longest_time_step).unit("s");
   const std::optional<Problem> problem = data.parse(value.text, value.origin);
   if (problem) throw ComponentError(name() + ": " + problem->message, problem->expected, problem->suggestion);
   if (changesTimeStep()) {

@@ -28,8 +28,14 @@ namespace {
 constexpr std::array<const char*, 3> levels = {"x86-64-v4", "x86-64-v3", "x86-64-v2"};
 
 std::size_t machineLevel() {
+#if defined(__clang__) && __clang_major__ < 18  // does not know the levels
+  if (__builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512dq"))
+    return 0;
+  return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2") ? 1 : 2;
+#else
   if (__builtin_cpu_supports("x86-64-v4")) return 0;
   return __builtin_cpu_supports("x86-64-v3") ? 1 : 2;
+#endif
 }
 
 std::vector<std::string> defaultFolders() {

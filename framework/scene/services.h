@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Services: what a module offers besides components, to the command and not to scenes (the mesh generator, the reader
-// of images). A service is an abstract class in framework/, its implementation a shared library beside the modules that
-// is opened when somebody asks for it: heavy libraries, and those under the GPL, stay out of everything else.
+// Services: what a module offers besides components, to the command and not to scenes (the mesh generator). A service
+// is an abstract class in framework/, its implementation a shared library beside the modules that is opened when
+// somebody asks for it: heavy libraries, and those under the GPL, stay out of everything else.
 #pragma once
 #include <memory>
 #include <string>

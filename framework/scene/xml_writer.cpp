@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <algorithm>
+#include <cctype>
+
 #include "framework/scene/load.h"
 
 namespace stroma {
@@ -46,6 +49,27 @@ void appendTag(std::string& out, int depth, const std::string& name,
   }
 }
 
+/// Whether a component of this type may be an element of this name. Others were read from <Object type="...">.
+bool isTag(const std::string& type) {
+  const auto begins = [](char c) { return std::isalpha(static_cast<unsigned char>(c)) || c == '_' || (c & 0x80); };
+  const auto goes_on = [&](char c) {
+    return begins(c) || std::isdigit(static_cast<unsigned char>(c)) || c == '-' || c == '.' || c == ':';
+  };
+  return type != "Node" && type != "Object" && !type.empty() && begins(type[0]) &&
+         std::all_of(type.begin(), type.end(), goes_on);
+}
+
+void appendComponent(std::string& out, int depth, const ComponentDescription& component) {
+  if (isTag(component.type)) {
+    appendTag(out, depth, component.type, component.attributes);
+  } else {
+    std::vector<AttributeDescription> attributes = component.attributes;
+    attributes.insert(attributes.begin(), {"type", component.type, component.where});
+    appendTag(out, depth, "Object", attributes);
+  }
+  out += "/>\n";
+}
+
 void appendNode(std::string& out, int depth, const NodeDescription& node) {
   appendTag(out, depth, "Node", node.attributes);
   if (node.components.empty() && node.children.empty()) {
@@ -53,10 +77,7 @@ void appendNode(std::string& out, int depth, const NodeDescription& node) {
     return;
   }
   out += ">\n";
-  for (const ComponentDescription& component : node.components) {
-    appendTag(out, depth + 1, component.type, component.attributes);
-    out += "/>\n";
-  }
+  for (const ComponentDescription& component : node.components) appendComponent(out, depth + 1, component);
   for (const NodeDescription& child : node.children) appendNode(out, depth + 1, child);
   out.append(std::size_t(2 * depth), ' ');
   out += "</Node>\n";

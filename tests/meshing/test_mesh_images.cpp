@@ -165,7 +165,7 @@ TEST_F(MeshCommand, ARunOfASceneOpensNeitherCgalNorVtk) {
   ASSERT_EQ(std::system(line.c_str()), 0);
   const std::string log = bytes(".log");
   EXPECT_NE(log.find("mechanics.so"), std::string::npos);  // the log is one of opened files
-  for (const char* file : {"meshing.so", "image_io.so", "libvtk", "libgmp"})
+  for (const char* file : {"meshing.so", "read_label_image", "libvtk", "libgmp"})
     EXPECT_EQ(log.find(file), std::string::npos) << file;
 }
 

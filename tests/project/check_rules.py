@@ -27,13 +27,15 @@ GUARDED = [
 # Who may include the private headers of a family besides the family: its own tests (a folder of its name) and these.
 READERS_OF_FAMILIES = {
     "elasticity": ("tools/bench/",),  # counts the operations of its kernels
-    "topology": ("tests/mesh/", "tests/meshing/", "tests/support/"),  # read meshes back, cut cells
+    "topology": ("tests/mesh/", "tests/meshing/", "tests/support/",  # read meshes back, cut cells
+                 "tests/fuzz/"),
+    "condensation": ("tests/fuzz/",),
 }
 # Tools whose library another one links.
 TOOLS_FOR_TOOLS = {"command": {"mesh"}}
 SKIPPED_FOLDERS = {".git", "build", "results", "__pycache__"}
 SOURCE = re.compile(r"(\.(h|cpp|py|cmake|in|xml|sh)|CMakeLists\.txt)$")
-BINARY = re.compile(r"\.(png|gif|gz|vtu|pdf|so|o|pyc)$")
+BINARY = re.compile(r"\.(png|gif|gz|vtu|pdf|so|o|pyc)$|^tests/fuzz/corpus/")  # fuzzers write any bytes
 MACHINE_PATH = re.compile(r"(?<![\w.$}*\]/-])/(work|tmp|home)/")
 TEST = re.compile(r"^(?:TEST|TEST_F|TEST_P|TYPED_TEST)\((\w+),\s*(\w+)\)", re.M)
 NAME_OF_TEST = re.compile(r"[A-Z][A-Za-z0-9]*$")

@@ -107,6 +107,11 @@ TEST_F(Load, GravityIsInheritedAndTheTimeStepIsTheRoots) {
   EXPECT_EQ(load("<Node/>").root->gravity(), Vec3(0, -9.81, 0));
   EXPECT_NE(problemOf("<Node><Node name='a' dt='0.1'/></Node>").message.find("child node"), std::string::npos);
   EXPECT_NE(problemOf("<Node dt='-1'/>").message.find("time step"), std::string::npos);
+  for (const std::string dt : {"1e308", "1e-200"}) {
+    const Problem problem = problemOf("<Node dt='" + dt + "'/>");
+    EXPECT_NE(problem.message.find("its square is no number"), std::string::npos) << problem.message;
+    EXPECT_EQ(problem.expected, "a value from 1e-150 to 1e+150 s");
+  }
   EXPECT_EQ(problemOf("<Node gravity='0 0'/>").path, "/.gravity");
 }
 

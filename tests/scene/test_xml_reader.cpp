@@ -70,6 +70,19 @@ bool sameText(const NodeDescription& a, const NodeDescription& b) {
          std::equal(a.children.begin(), a.children.end(), b.children.begin(), b.children.end(), sameText);
 }
 
+TEST(XmlReader, TypesThatAreNoTagsReadBackToo) {
+  Diagnostics diagnostics;
+  const NodeDescription root = read(
+      "<Node><Object type='Ev]ry' a='1'/><Object type='Node'/><Object type='Object' b='2'/><Object "
+      "type='A-b.c2'/></Node>",
+      diagnostics);
+  ASSERT_EQ(root.components.size(), 4u);
+  const std::string text = writeXml(root);
+  EXPECT_NE(text.find("<A-b.c2/>"), std::string::npos) << text;
+  EXPECT_TRUE(sameText(read(text, diagnostics), root)) << text;
+  EXPECT_FALSE(diagnostics.hasErrors()) << diagnostics.text();
+}
+
 TEST(XmlReader, WhatIsWrittenReadsBack) {
   Diagnostics diagnostics;
   const NodeDescription root = read(

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // MeshVTKLoader and MeshSTLLoader on files that VTK's own writers made, in every version and encoding, and on wrong
 // ones.
+#include <fmt/format.h>
 #include <vtkCellType.h>
 #include <vtkPoints.h>
 #include <vtkPolyData.h>
@@ -265,6 +266,25 @@ TEST_F(VtkTest, WrongFilesAreSentencesAndPrintNothing) {
   expectContains(with("MeshSTLLoader", "k.stl", "solid\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendfacet\n"),
                  "is cut short");
   expectContains(with("MeshSTLLoader", "l.stl", std::string(84, 'x')), "cannot be read as STL");
+}
+
+/// `declared`: how many numbers the cells have together, by the file.
+std::string chainOfTetrahedra(int declared) {
+  std::string text = "# vtk DataFile Version 3.0\nx\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 20 double\n";
+  for (int n = 0; n < 20; ++n) text += fmt::format("{} {} {}\n", n % 3, n % 5, n);
+  text += fmt::format("CELLS 12 {}\n", declared);
+  for (int c = 0; c < 12; ++c) text += fmt::format("4 {} {} {} {}\n", c, c + 1, c + 2, c + 3);
+  text += "CELL_TYPES 12\n";
+  for (int c = 0; c < 12; ++c) text += "10\n";
+  return text;
+}
+
+/// VTK makes room for what the file declares, and writes beyond it.
+TEST_F(VtkTest, AFileOnWhichVtkCrashesIsASentence) {
+  EXPECT_EQ(load("MeshVTKLoader", write("good.vtk", chainOfTetrahedra(60))).tetrahedra.size(), 12u);
+  const std::string path = write("bad.vtk", chainOfTetrahedra(30));
+  for (int again = 0; again < 2; ++again)
+    expectContains(errors(sceneText("MeshVTKLoader", path)), "bad.vtk: VTK's reader crashed on it (SIG");
 }
 
 TEST_F(VtkTest, RealFiles) {

@@ -169,7 +169,7 @@ Meshed meshVoxels(MeshRequest& request, const LabelImage& image, Clock& clock) {
 
 Meshed meshImage(MeshRequest& request) {
   Clock clock;
-  LabelImage image = service<LabelImageReader>()->read(request.input);
+  LabelImage image = readLabelImage(request.input);
   image.origin *= request.scale, image.steps *= request.scale;
   return meshVoxels(request, image, clock);
 }

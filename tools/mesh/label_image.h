@@ -30,15 +30,9 @@ struct ConnectedParts {
 /// `region` as in LabelImage, first axis fastest.
 ConnectedParts connectedParts(const std::array<Index, 3>& size, const std::vector<std::uint8_t>& region);
 
-/// Reads segmented images; in a library of its own because it opens VTK.
-class LabelImageReader {
- public:
-  static constexpr const char *role = "reader of images", *library = "image_io",
-                              *missing = "build the target image_io (it needs libvtk9-dev)";
-  virtual ~LabelImageReader() = default;
-  /// Throws ComponentError with a sentence when the file cannot be read or is not a segmentation: more than 255
-  /// labels, negative or fractional values, several components, no voxel but 0.
-  virtual LabelImage read(const std::string& file) const = 0;
-};
+/// Reads a segmented image: NIfTI, MetaImage or VTK's image data. Throws ComponentError with a sentence when the file
+/// cannot be read or is not a segmentation: more than 255 labels, negative or fractional values, several components, no
+/// voxel but 0. (In a process of its own, with VTK.)
+LabelImage readLabelImage(const std::string& file);
 
 }  // namespace stroma

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Reads segmented images through VTK: NIfTI (.nii, .nii.gz), MetaImage (.mhd, .mha) and VTK's XML image data (.vti).
+// The program that reads segmented images through VTK: NIfTI (.nii, .nii.gz), MetaImage (.mhd, .mha) and VTK's XML image
+// data (.vti). tools/mesh/label_image_file.cpp takes what it hands over.
 //
 // Where the voxels lie is taken from the file: of NIfTI the sform when it is given, else the qform (both map to the
 // scanner's right-anterior-superior axes), of MetaImage and .vti origin, spacing and direction.
@@ -22,20 +23,25 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <optional>
 #include <set>
 #include <sstream>
 
-#include "framework/scene/abi.h"
 #include "framework/scene/diagnostics.h"
-#include "framework/scene/modules.h"
-#include "framework/scene/services.h"
+#include "framework/scene/reader_process.h"
 #include "tools/mesh/label_image.h"
 
 namespace stroma {
 namespace {
+
+namespace fs = std::filesystem;
+
+/// How much memory reading takes for each byte of a file: labels shrink by a thousand when they are compressed, and
+/// there are a few copies of each.
+constexpr double memory_of_compressed = 8 * 1100;
 
 /// Keeps what VTK would print.
 class CapturedOutput : public vtkOutputWindow {
@@ -171,57 +177,70 @@ std::vector<int> labelsOf(vtkDataArray& values, const std::string& file) {
   return {found.begin(), found.end()};
 }
 
-class VtkLabelImageReader final : public LabelImageReader {
- public:
-  LabelImage read(const std::string& file) const override {
-    struct stat status {};
-    if (::stat(file.c_str(), &status) != 0) throw ComponentError(fmt::format("there is no file {}", file));
-    if (!S_ISREG(status.st_mode)) throw ComponentError(fmt::format("{} is not a file", file), "an image");
-    vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);  // a second way to the terminal
-    const vtkSmartPointer<vtkOutputWindow> before = vtkOutputWindow::GetInstance();
-    const auto window = vtkSmartPointer<CapturedOutput>::New();
-    vtkOutputWindow::SetInstance(window);
-    struct Restore {
-      vtkOutputWindow* window;
-      ~Restore() { vtkOutputWindow::SetInstance(window); }
-    } restore{before};
-    const CapturedStreams streams;
-    const VtkImage raw = readFile(file);
-    if (window->hasError())
-      throw ComponentError(fmt::format("{} cannot be read; VTK says: {}", file, window->message()));
-    if (!streams.firstLine().empty())
-      throw ComponentError(fmt::format("{} cannot be read; VTK says: {}", file, streams.firstLine()));
-    return convert(raw, file);
-  }
+LabelImage convert(const VtkImage& raw, const std::string& file) {
+  vtkDataArray* values = raw.data ? raw.data->GetPointData()->GetScalars() : nullptr;
+  // .vti writers often name no active scalars
+  if (!values && raw.data && raw.data->GetPointData()->GetNumberOfArrays() == 1)
+    values = raw.data->GetPointData()->GetArray(0);
+  if (!values || values->GetNumberOfTuples() == 0)
+    throw ComponentError(fmt::format("{} has no voxel values", file), "one array of point data, a label a voxel");
+  if (values->GetNumberOfComponents() != 1)
+    throw ComponentError(fmt::format("{} has {} values a voxel", file, values->GetNumberOfComponents()), "one label");
+  LabelImage image;
+  placeVoxels(raw, image);
+  image.values = labelsOf(*values, file);
+  std::vector<std::uint8_t> region_of(std::size_t(image.values.back()) + 1, 0);
+  for (std::size_t i = 0; i < image.values.size(); ++i) region_of[image.values[i]] = std::uint8_t(i + 1);
+  image.region.resize(values->GetNumberOfTuples());
+  for (std::size_t i = 0; i < image.region.size(); ++i)
+    image.region[i] = region_of[std::size_t(values->GetComponent(vtkIdType(i), 0))];
+  return image;
+}
 
- private:
-  static LabelImage convert(const VtkImage& raw, const std::string& file) {
-    vtkDataArray* values = raw.data ? raw.data->GetPointData()->GetScalars() : nullptr;
-    // .vti writers often name no active scalars
-    if (!values && raw.data && raw.data->GetPointData()->GetNumberOfArrays() == 1)
-      values = raw.data->GetPointData()->GetArray(0);
-    if (!values || values->GetNumberOfTuples() == 0)
-      throw ComponentError(fmt::format("{} has no voxel values", file), "one array of point data, a label a voxel");
-    if (values->GetNumberOfComponents() != 1)
-      throw ComponentError(fmt::format("{} has {} values a voxel", file, values->GetNumberOfComponents()), "one label");
-    LabelImage image;
-    placeVoxels(raw, image);
-    image.values = labelsOf(*values, file);
-    std::vector<std::uint8_t> region_of(std::size_t(image.values.back()) + 1, 0);
-    for (std::size_t i = 0; i < image.values.size(); ++i) region_of[image.values[i]] = std::uint8_t(i + 1);
-    image.region.resize(values->GetNumberOfTuples());
-    for (std::size_t i = 0; i < image.region.size(); ++i)
-      image.region[i] = region_of[std::size_t(values->GetComponent(vtkIdType(i), 0))];
-    return image;
+/// Of the file, and of the one beside it that a MetaImage names.
+double bytesOf(const std::string& file) {
+  const auto sizeOf = [](const fs::path& path) {
+    std::error_code none;
+    const auto size = fs::file_size(path, none);
+    return none ? 0. : double(size);
+  };
+  double bytes = sizeOf(file);
+  std::ifstream stream(file, std::ios::binary);
+  for (std::string key, equals, value; file.ends_with(".mhd") && stream >> key >> equals;) {
+    std::getline(stream >> std::ws, value);
+    if (key == "ElementDataFile") bytes += sizeOf(fs::path(file).parent_path() / value.substr(0, value.find('\r')));
   }
-};
+  return bytes;
+}
+
+ValueLists readImage(const std::string& file, const Texts&) {
+  struct stat status {};
+  if (::stat(file.c_str(), &status) != 0) throw ComponentError(fmt::format("there is no file {}", file));
+  if (!S_ISREG(status.st_mode)) throw ComponentError(fmt::format("{} is not a file", file), "an image");
+  limitReader(bytesOf(file), memory_of_compressed);
+  vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);  // a second way to the terminal
+  const auto window = vtkSmartPointer<CapturedOutput>::New();
+  vtkOutputWindow::SetInstance(window);
+  std::string printed;
+  const VtkImage raw = [&] {
+    const CapturedStreams streams;
+    VtkImage image = readFile(file);
+    printed = streams.firstLine();
+    return image;
+  }();
+  if (window->hasError()) throw ComponentError(fmt::format("{} cannot be read; VTK says: {}", file, window->message()));
+  if (!printed.empty()) throw ComponentError(fmt::format("{} cannot be read; VTK says: {}", file, printed));
+  const LabelImage image = convert(raw, file);
+  ValueLists lists;
+  lists.add("size", Integers(image.size.begin(), image.size.end()));
+  lists.add("origin", Reals(image.origin.begin(), image.origin.end()));
+  lists.add("steps", Reals(image.steps.data(), image.steps.data() + 9));
+  lists.add("values", Integers(image.values.begin(), image.values.end()));
+  lists.add("region", Texts{{image.region.begin(), image.region.end()}});
+  return lists;
+}
 
 }  // namespace
 }  // namespace stroma
 
-extern "C" __attribute__((visibility("default"))) const stroma::ServiceInfo* stroma_service() {
-  static const stroma::ServiceInfo info{
-      STROMA_ABI, stroma::LabelImageReader::role,
-      []() -> void* { return static_cast<stroma::LabelImageReader*>(new stroma::VtkLabelImageReader); }};
-  return &info;
-}
+int main(int argc, char** argv) { return stroma::runReader(argc, argv, stroma::readImage); }

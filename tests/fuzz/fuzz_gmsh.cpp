@@ -1,0 +1,8 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// MeshGmshLoader on any bytes: formats 1 to 4.1, text and binary.
+#include "tests/fuzz/fuzz.h"
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  stroma::fuzz::loadMesh("MeshGmshLoader", ".msh", {reinterpret_cast<const char*>(data), size}, "triangulate=\"true\"");
+  return 0;
+}
