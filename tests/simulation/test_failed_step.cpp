@@ -117,7 +117,8 @@ TEST(FailedStep, NoNumberOfItsCheckpointIsInfinite) {
                            "</Node>";
   Simulation simulation = simulationFromText(text);
   EXPECT_TRUE(simulation.step().diverged);
-  for (const auto& [name, entry] : simulation.checkpoint().entries()) {
+  const Archive checkpoint = simulation.checkpoint();
+  for (const auto& [name, entry] : checkpoint.entries()) {
     if (entry.kind != Archive::Kind::real) continue;
     std::vector<double> values(entry.bytes.size() / sizeof(double));
     std::memcpy(values.data(), entry.bytes.data(), entry.bytes.size());
