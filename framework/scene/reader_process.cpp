@@ -55,7 +55,7 @@ class Buffer {
     std::size_t at = 0;
     while (at < bytes.size()) {
       const ssize_t read = pread(descriptor_, bytes.data() + at, bytes.size() - at, off_t(at));
-      if (read <= 0 && errno != EINTR) break;
+      if (read == 0 || (read < 0 && errno != EINTR)) break;
       at += read > 0 ? std::size_t(read) : 0;
     }
     bytes.resize(at);

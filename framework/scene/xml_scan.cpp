@@ -20,6 +20,11 @@ class Scanner {
 
   bool run() {
     if (text_.starts_with("\xEF\xBB\xBF")) counted_ = at_ = 3;
+    const auto zero = text_.find('\0');  // ends a text for the parser
+    if (zero != std::string_view::npos && text_.find('<') != std::string_view::npos) {
+      at_ = zero;
+      return fail(here(), "a byte that is 0 stands in the text", "XML in UTF-8");
+    }
     while ((at_ = text_.find('<', at_)) != std::string_view::npos) {
       const std::string_view rest = text_.substr(at_);
       bool good = true;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 
 #include "framework/scene/archive.h"
 #include "framework/simulation/system.h"
@@ -43,6 +44,9 @@ void MechanicalMatrix::termsChanged() {
 }
 
 void MechanicalMatrix::serialize(Archive& archive) {
+  // those of a step without a result: the next step sets its own whatever they were
+  const double sum = factors_.mass + factors_.stiffness + factors_.damping + factors_.rayleigh_mass;
+  if (!std::isfinite(sum + factors_.rayleigh_stiffness)) factors_ = {};
   archive.value("mass", factors_.mass);
   archive.value("stiffness", factors_.stiffness);
   archive.value("damping", factors_.damping);

@@ -70,6 +70,15 @@ bool sameText(const NodeDescription& a, const NodeDescription& b) {
          std::equal(a.children.begin(), a.children.end(), b.children.begin(), b.children.end(), sameText);
 }
 
+TEST(XmlReader, BytesThatAreZeroAreRefused) {
+  for (const std::string before : {"", "<Node>", "<!-- x -->\n", "<Node/>"}) {
+    const Problem problem = refusal(before + std::string(1, '\0') + "<Node/>");
+    EXPECT_EQ(problem.message, "a byte that is 0 stands in the text");
+    EXPECT_EQ(problem.expected, "XML in UTF-8");
+    EXPECT_EQ(problem.where.line, before.ends_with("\n") ? 2 : 1);
+  }
+}
+
 TEST(XmlReader, TypesThatAreNoTagsReadBackToo) {
   Diagnostics diagnostics;
   const NodeDescription root = read(

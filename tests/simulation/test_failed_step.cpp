@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // A step that fails is taken back: x, v and what integrators remember are as if it had not been tried. A linear solver
 // that starts from what it did last gives the same answer to its tolerance.
+#include <cmath>
+#include <cstring>
 #include <limits>
 
 #include "tests/support/scene_text.h"
@@ -106,6 +108,22 @@ TEST(FailedStep, OfASolverThatStartsFromItsLastSolutionChangesNoMoreThanItsToler
   for (int step = 1; step <= 8; ++step) never.step();
   ASSERT_EQ(tried.steps(), 8);
   EXPECT_LT((tried.systems()[0]->x[2] - never.systems()[0]->x[2]).norm(), 1e-10);
+}
+
+/// The factors of its matrix are products that no double holds.
+TEST(FailedStep, NoNumberOfItsCheckpointIsInfinite) {
+  const std::string text = "<Node name='root' dt='1e10'>" +
+                           body("a", "EulerImplicitSolver rayleighStiffness='1e308'", {}, "<CGLinearSolver/>") +
+                           "</Node>";
+  Simulation simulation = simulationFromText(text);
+  EXPECT_TRUE(simulation.step().diverged);
+  const Archive checkpoint = simulation.checkpoint();
+  for (const auto& [name, entry] : checkpoint.entries()) {
+    if (entry.kind != Archive::Kind::real) continue;
+    std::vector<double> values(entry.bytes.size() / sizeof(double));
+    std::memcpy(values.data(), entry.bytes.data(), entry.bytes.size());
+    for (const double value : values) EXPECT_TRUE(std::isfinite(value)) << name;
+  }
 }
 
 }  // namespace

@@ -284,7 +284,7 @@ TEST_F(VtkTest, AFileOnWhichVtkCrashesIsASentence) {
   EXPECT_EQ(load("MeshVTKLoader", write("good.vtk", chainOfTetrahedra(60))).tetrahedra.size(), 12u);
   const std::string path = write("bad.vtk", chainOfTetrahedra(30));
   for (int again = 0; again < 2; ++again)
-    expectContains(errors(sceneText("MeshVTKLoader", path)), "bad.vtk: VTK's reader crashed on it (SIG");
+    expectContains(errors(sceneText("MeshVTKLoader", path)), "bad.vtk: VTK's reader ");  // and how it ended
 }
 
 TEST_F(VtkTest, RealFiles) {
