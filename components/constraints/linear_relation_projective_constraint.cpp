@@ -8,7 +8,8 @@
 // object2 and take part in every relation. What is beyond a homogeneous relation needs no more: a node of object2 that
 // a LinearMovementProjectiveConstraint moves brings in its movement, and one that is loaded its force.
 //
-//   all nodes of a face have one displacement        coefficients="1 -1"  indices="0 1  0 2  0 3"
+//   all nodes of a face have one displacement        coefficients="1 -1"  indices="0 1  0 2  0 3"  (AttachProjectiveConstraint
+//                                                    with twoWay does that at less cost)
 //   the mean displacement of four nodes is zero      coefficients="1 1 1 1"  indices="4 5 6 7"
 //   a periodic cell under the strain e = U / length  coefficients="-1 1"  indices="left_i right_i ..."  coefficients2="-1"
 //   x of one node is y of another, turned by 90 deg  coefficients="1 -1"  indices="0 1"  directions="1 0 0  0 1 0"
@@ -37,6 +38,9 @@
 //   <LinearRelationProjectiveConstraint indices="1 2 3" coefficients="1 -2 1"/>
 // </Node>
 #include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
 
 #include "framework/mechanics/node_indices.h"
 #include "framework/mechanics/node_pairs.h"
@@ -86,6 +90,7 @@ class LinearRelationProjectiveConstraint final : public ProjectiveConstraint {
     checkDirections();
     checkCoefficients("coefficients", own_.coefficients);
     checkCoefficients("coefficients2", common_.coefficients);
+    tellOfStart();
   }
 
   std::vector<State*> states() const override { return {&state(), second_}; }
@@ -111,8 +116,30 @@ class LinearRelationProjectiveConstraint final : public ProjectiveConstraint {
 
   void checkCoefficients(const char* attribute, const std::vector<double>& coefficients) const {
     for (const double coefficient : coefficients)
-      if (!std::isfinite(coefficient) || coefficient == 0)
-        throw ComponentError(fmt::format("{} holds {}", attribute, coefficient), "finite numbers other than zero");
+      if (!(std::abs(coefficient) >= 1e-100 && std::abs(coefficient) <= 1e100))
+        throw ComponentError(fmt::format("{} holds {}", attribute, coefficient), "numbers of size 1e-100 to 1e100");
+  }
+
+  /// Nodes that start where a relation does not hold are moved.
+  void tellOfStart() const {
+    LinearRelations relations;
+    addRelations(relations);
+    const std::size_t terms = own_.coefficients.size();
+    double farthest = 0;
+    for (Index relation = 0; relation < relations.count(); ++relation) {
+      const std::size_t first = terms * std::size_t(relation) % nodes_.size();
+      double off = 0, square = 0;
+      std::size_t k = 0;
+      for (auto term = relations.begin(relation); term != relations.end(relation); ++term, ++k) {
+        const Vec3& start = k < terms ? state().position[std::size_t(nodes_[first + k])]
+                                      : second_->position[std::size_t(common_nodes_[k - terms])];
+        off += term->coefficients.dot(start - term->rest);
+        square += term->coefficients.squaredNorm();
+      }
+      farthest = std::max(farthest, std::abs(off) / std::sqrt(square));
+    }
+    if (farthest > 0)
+      inform(fmt::format("nodes start up to {:.3g} m from where the relations hold: they are moved there", farthest));
   }
 
   /// All relations, with `along` of a term's direction in its place.

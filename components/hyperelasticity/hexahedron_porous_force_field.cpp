@@ -23,7 +23,7 @@
 //   <DiagonalMass massDensity="1000"/>
 //   <HexahedronHyperelasticityFEMForceField materialName="NeoHookean" youngModulus="2e3" poissonRatio="0.3"/>
 //   <HexahedronPorousForceField fluidFraction="0.5" bulkModulus="400" limitModulus="2200" permeability="1e-6"
-//                               biotCoefficient="0.9" drainedIndices="@top.indices"/>
+//                               biotCoefficient="0.9" biotModulus="2500" drainedIndices="@top.indices"/>
 //   <BoxROI name="held" box="-1 -1 -0.001 1 1 0.001"/>
 //   <BoxROI name="top" box="-1 -1 0.0499 1 1 1"/>
 //   <FixedProjectiveConstraint indices="@held.indices"/>

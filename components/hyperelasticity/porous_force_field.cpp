@@ -86,6 +86,11 @@ void PorousForceField::chooseStorage() {
   if (grains && isSet("biotModulus"))
     throw ComponentError("biotModulus, grainModulus and fluidModulus give the storage twice",
                          "biotModulus alone, or the other two");
+  if (sponge_.coefficient < 1 && !grains && !isSet("biotModulus"))
+    throw ComponentError(fmt::format("biotCoefficient is {:g}: grains that give way store fluid too, and how much is "
+                                     "not given",
+                                     sponge_.coefficient),
+                         "biotModulus, or grainModulus and fluidModulus");
   if (grains)
     sponge_.modulus = 1 / ((sponge_.coefficient - sponge_.fluid) / grain_modulus_ + sponge_.fluid / fluid_modulus_);
   else if (!isSet("biotModulus"))

@@ -73,8 +73,9 @@ void ImplicitStep::compile(Integrator& integrator, System& system) {
 StepReport ImplicitStep::solve(const ImplicitScheme& scheme) {
   scheme_ = scheme;
   if (scheme.has_history) {
-    system_->constraints().project(position_predictor);
-    system_->constraints().project(velocity_predictor);
+    // the way of the step before holds what relations to moved nodes made free ones do: along the constraint's forces
+    system_->constraints().projectAcceleration(position_predictor);
+    system_->constraints().projectAcceleration(velocity_predictor);
   }
   return iterates() ? solveIterating() : solveLinearised();
 }

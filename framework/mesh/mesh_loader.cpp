@@ -139,7 +139,11 @@ void MeshLoader::transform() {
     linear = rotationFromDegrees(rotation_) * scale3d_.asDiagonal();
     shift = translation_;
   }
-  if (linear.determinant() == 0) throw ComponentError("the mesh is flattened: a scale is zero", "numbers other than 0");
+  if (std::abs(linear.determinant()) <= 1e-15 * std::pow(linear.cwiseAbs().maxCoeff(), 3) &&
+      !(mesh_.tetrahedra.empty() && mesh_.hexahedra.empty()))
+    throw ComponentError(
+        "the mesh is flattened: its volume cells have none left",
+        table.find("transformation")->isSet() ? "a transformation that can be undone" : "scales other than 0");
   for (Vec3& p : mesh_.position) p = linear * p + shift;
   const auto turn = [&linear](std::vector<Vec3>& list) {
     for (Vec3& v : list) v = linear * v;

@@ -6,10 +6,10 @@
 #include <sys/statvfs.h>
 #include <unistd.h>
 
-#include <atomic>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <random>
 #include <utility>
 
 namespace stroma {
@@ -35,12 +35,17 @@ class Draft {
  public:
   explicit Draft(const std::string& path) : path_(path) {
     const fs::path folder = fs::path(path).parent_path();
-    descriptor_ = ::open(folder.empty() ? "." : folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666);
+    const bool can_be_named_later = ::access("/proc/self/fd", X_OK) == 0;
+    if (can_be_named_later)
+      descriptor_ = ::open(folder.empty() ? "." : folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666);
     if (descriptor_ >= 0) return;
-    if (errno != EOPNOTSUPP && errno != EISDIR && errno != EINVAL && errno != ENOENT) fail("cannot open for writing");
-    nameIt();
-    descriptor_ = ::open(name_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (descriptor_ < 0) name_.clear(), fail("cannot open for writing");
+    const bool is_unknown = errno == EOPNOTSUPP || errno == EISDIR || errno == EINVAL || errno == ENOENT;
+    if (can_be_named_later && !is_unknown) fail("cannot open for writing");
+    const int error = name([this] {
+      descriptor_ = ::open(name_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+      return descriptor_ >= 0;
+    });
+    if (error != 0) throw OutputError(path_, "cannot open for writing", error);
   }
   Draft(const Draft&) = delete;
   ~Draft() {
@@ -53,19 +58,27 @@ class Draft {
   }
   void rename() {
     if (name_.empty()) {  // a link cannot take the place of a file: a name of its own comes between
-      nameIt();
       const std::string descriptor = "/proc/self/fd/" + std::to_string(descriptor_);
-      if (::linkat(AT_FDCWD, descriptor.c_str(), AT_FDCWD, name_.c_str(), AT_SYMLINK_FOLLOW) != 0)
-        name_.clear(), fail("cannot write");
+      const int error =
+          name([&] { return ::linkat(AT_FDCWD, descriptor.c_str(), AT_FDCWD, name_.c_str(), AT_SYMLINK_FOLLOW) == 0; });
+      if (error != 0) throw OutputError(path_, "cannot write", error);
     }
     if (::rename(name_.c_str(), path_.c_str()) != 0) fail("cannot write");
     name_.clear();
   }
 
  private:
-  void nameIt() {
-    static std::atomic<unsigned> number = 0;
-    name_ = path_ + "." + std::to_string(::getpid()) + "-" + std::to_string(number++) + ".part";
+  /// Tries names until `take` has one that nobody has; 0 or the error number.
+  template <class Take>
+  int name(const Take& take) {
+    std::random_device random;
+    for (int attempt = 0; attempt < 100; ++attempt) {
+      name_ = path_ + "." + std::to_string(random()) + ".part";
+      if (take()) return 0;
+      if (errno != EEXIST) break;
+    }
+    name_.clear();
+    return errno;
   }
   [[noreturn]] void fail(const char* what) { throw OutputError(path_, what, errno); }
 

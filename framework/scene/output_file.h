@@ -62,8 +62,8 @@ void checkAccess(const std::string& path, bool is_replaced = false);
 void checkWritable(const std::string& path, bool is_replaced = false);
 
 /// Writes a file without a name and then gives it this one, so that nobody ever sees half a file, two programs that do it
-/// at once leave one of the two, and a killed one leaves nothing. Throws OutputError; a file that was there before is then
-/// still there.
+/// at once leave one of the two, and a killed one leaves nothing (where the file system knows files without names; else it
+/// may leave a ".part"). Throws OutputError; a file that was there before is then still there.
 void writeWholeFile(const std::string& path, std::string_view bytes);
 
 }  // namespace stroma

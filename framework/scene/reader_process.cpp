@@ -113,6 +113,8 @@ std::string endOf(pid_t child) {
   if (signal == SIGXCPU) return "took more computing time than a file of this size needs";
   if (signal == SIGXFSZ) return "made more of it than fits into memory";
   const char* name = sigabbrev_np(signal);
+  if (signal == SIGINT || signal == SIGTERM || signal == SIGHUP) return fmt::format("was interrupted (SIG{})", name);
+  if (signal == SIGKILL) return "was killed (SIGKILL): by somebody, or by the system for want of memory";
   return fmt::format("crashed on it (SIG{})", name ? name : std::to_string(signal));
 }
 
@@ -126,7 +128,7 @@ std::string firstLine(const std::string& text) {
 ValueLists readInOwnProcess(const ReaderProgram& program, const std::string& file, const Texts& arguments) {
   const std::string path = std::filesystem::path(moduleFolder()) / program.name;
   if (access(path.c_str(), X_OK) != 0)
-    throw ComponentError(fmt::format("this build has no {}: {}", program.reader, program.missing), path);
+    throw ComponentError(fmt::format("{} is not in this build: {}", program.reader, program.missing), path);
   const Buffer lists("lists"), printed("printed");
   Texts words{path, file};
   words.insert(words.end(), arguments.begin(), arguments.end());

@@ -15,6 +15,22 @@ bool same(const std::vector<NodeProjector>& a, const std::vector<NodeProjector>&
   });
 }
 
+/// Its component and its first nodes.
+std::string describeRelation(const Actors& actors, const LinearRelations& relations, Index relation) {
+  const LinearRelations::Term *begin = relations.begin(relation), *end = relations.end(relation);
+  const auto is_of = [&](const ProjectiveConstraint* constraint) {
+    LinearRelations own;
+    constraint->addRelations(own);
+    return std::search(own.terms.begin(), own.terms.end(), begin, end) != own.terms.end();
+  };
+  const auto owner = std::find_if(actors.constraints.begin(), actors.constraints.end(), is_of);
+  std::string nodes;
+  for (auto term = begin; term != end && term != begin + 3; ++term)
+    nodes += (nodes.empty() ? "" : ", ") + actors.describeRow(term->row);
+  if (end > begin + 3) nodes += ", ...";
+  return fmt::format("{}: the relation of {}", (*owner)->path(), nodes);
+}
+
 void applyProjectors(const std::vector<NodeProjector>& projectors, Rows vector) {
   for (const NodeProjector& held : projectors) vector[held.row] = (held.projector * vector[held.row]).eval();
 }
@@ -171,9 +187,8 @@ void ConstraintSet::placeRelations(Rows x, Rows v) const {
     largest = std::max({largest, x[term.row].lpNorm<Eigen::Infinity>(), term.rest.lpNorm<Eigen::Infinity>()});
   broken_.clear();
   if (worst.distance > 1e-9 * largest)  // and not for NaN, which others name
-    broken_ = fmt::format(
-        "relation {}, which begins with {}, cannot hold: its nodes are held {:.3g} m from where it is fulfilled",
-        worst.relation, actors_.describeRow(relations_.relations().begin(worst.relation)->row), worst.distance);
+    broken_ = fmt::format("{} cannot hold: its nodes are held {:.3g} m from where it is fulfilled",
+                          describeRelation(actors_, relations_.relations(), worst.relation), worst.distance);
 }
 
 void ConstraintSet::project(Rows vector) const {
@@ -188,7 +203,7 @@ void ConstraintSet::projectAcceleration(Rows a) const {
   relations_.projectAcceleration(a);
 }
 
-// Rows that are held at all times never mix others; those that are held for a while will.
+// Rows that are held at all times never mix others; those that are held for a while, be it by a tie to a held one, will.
 NodeGroups ConstraintSet::mixedRows() const {
   std::vector<Tie> ties;
   LinearRelations relations;
@@ -202,7 +217,6 @@ NodeGroups ConstraintSet::mixedRows() const {
   groups.set(ties, actors_.independent_rows);
   if (relations.count() == 0) return groups;
   mergeByRow(always);
-  groups.share(always);
   RelationClusters clusters;
   clusters.set(relations, always, groups, {});
   clusters.addTies(ties);

@@ -30,15 +30,15 @@ class ConstraintSet {
   const RelationClusters& relations() const { return relations_; }
   /// The rows whose blocks ties and relations mix in a matrix, at one time or another.
   NodeGroups mixedRows() const;
-  /// Grows when projectors or groups change.
+  /// Grows when projectors, groups or relations change.
   long revision() const { return revision_; }
   /// Some constraint ends or depends on time.
   bool change() const { return change_; }
 
   /// Projects onto the free directions of constraints active at the time of begin(); shape (independent rows) or more.
   void project(Rows vector) const;
-  /// The same for accelerations, M^-1 f with the inverseLumpedMass(): where nodes of a relation have different masses,
-  /// the constraint's force moves the lighter ones more.
+  /// The same for accelerations, M^-1 f with the inverseLumpedMass(), and for ways and velocities that hold what the
+  /// constraints' forces did: where nodes of a relation have different masses, it moves the lighter ones more.
   void projectAcceleration(Rows a) const;
   /// The start of a step: activates or ends constraints, projects velocities, and gives what has a prescribed motion the
   /// constant velocity that gets it there.

@@ -123,13 +123,22 @@ BlockMatrix NodeGroups::withFill(const BlockMatrix& matrix) const {
     const Index group = of(row);
     return group < 0 ? std::pair(&row, &row + 1) : std::pair(begin(group), end(group));
   };
-  for (Index row = 0; row < matrix.rows(); ++row)
-    for (Index slot = matrix.rowStart()[row]; slot < matrix.rowStart()[row + 1]; ++slot) {
-      const auto [left, left_end] = together(row);
-      const auto [right, right_end] = together(matrix.columns()[slot]);
+  std::vector<Index> neighbours;  // the first row of each group or single row that a group or single row meets
+  for (Index first = 0; first < matrix.rows(); ++first) {
+    const auto [left, left_end] = together(first);
+    if (*left != first) continue;
+    neighbours.clear();
+    for (const Index* row = left; row != left_end; ++row)
+      for (Index slot = matrix.rowStart()[*row]; slot < matrix.rowStart()[*row + 1]; ++slot)
+        neighbours.push_back(*together(matrix.columns()[slot]).first);
+    std::sort(neighbours.begin(), neighbours.end());
+    neighbours.erase(std::unique(neighbours.begin(), neighbours.end()), neighbours.end());
+    for (const Index& neighbour : neighbours) {
+      const auto [right, right_end] = together(neighbour);
       for (const Index* i = left; i != left_end; ++i)
         for (const Index* j = right; j != right_end; ++j) pattern.addBlock(*i, *j);
     }
+  }
   return BlockMatrix(std::move(pattern));
 }
 

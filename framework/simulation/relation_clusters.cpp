@@ -4,6 +4,8 @@
 #include <Eigen/Cholesky>
 #include <Eigen/QR>
 #include <algorithm>
+#include <cassert>
+#include <cmath>
 #include <numeric>
 
 namespace stroma {
@@ -12,17 +14,18 @@ namespace {
 
 using Block = Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>;
 
-/// What is left of a relation of length one counts as nothing: round-off of projectors.
-constexpr double nothing = 1e-10;
+/// What a projector leaves of a coefficient that it takes away, relative to it.
+constexpr double projector_round_off = 1e-12;
+/// A relation of length one that adds less than this to others follows from them.
+constexpr double least_independent = 1e-10;
 
 Block blockAt(std::vector<double>& values, Index slot) { return Block(values.data() + std::size_t(slot) * 9); }
 
-void gather(ConstRows vector, const std::vector<Index>& rows, Eigen::VectorXd& out) {
-  out.resize(3 * Eigen::Index(rows.size()));
+void gather(ConstRows vector, const std::vector<Index>& rows, Eigen::Ref<Eigen::VectorXd> out) {
   for (std::size_t i = 0; i < rows.size(); ++i) out.segment<3>(3 * Eigen::Index(i)) = vector[rows[i]];
 }
 
-void subtract(const Eigen::VectorXd& change, const std::vector<Index>& rows, Rows vector) {
+void subtract(const Eigen::Ref<const Eigen::VectorXd>& change, const std::vector<Index>& rows, Rows vector) {
   for (std::size_t i = 0; i < rows.size(); ++i) vector[rows[i]] -= change.segment<3>(3 * Eigen::Index(i));
 }
 
@@ -35,20 +38,26 @@ void RelationClusters::set(const LinearRelations& relations, const std::vector<N
   relations_ = relations;
   clusters_.clear();
   if (empty()) return;
-  lengths_.assign(std::size_t(relations_.count()), 0.0);
   Index rows = 0;
-  for (Index relation = 0; relation < relations_.count(); ++relation) {
-    double square = 0;
-    for (auto term = relations_.begin(relation); term != relations_.end(relation); ++term) {
-      square += term->coefficients.squaredNorm();
-      const Index group = groups.of(term->row);
-      rows = std::max({rows, term->row + 1, group < 0 ? 0 : *(groups.end(group) - 1) + 1});
-    }
-    lengths_[std::size_t(relation)] = std::sqrt(square);
+  for (const LinearRelations::Term& term : relations_.terms) {
+    const Index group = groups.of(term.row);
+    rows = std::max({rows, term.row + 1, group < 0 ? 0 : *(groups.end(group) - 1) + 1});
   }
-  const std::vector<FreeTerm> terms = freeTerms(projectors, groups);
+  std::vector<FreeTerm> terms = freeTerms(projectors, groups);
+  std::vector<double> squares(std::size_t(relations_.count()), 0.0);
+  for (const FreeTerm& term : terms) squares[std::size_t(term.relation)] += term.coefficients.squaredNorm();
+  lengths_.clear();
+  for (const double square : squares) lengths_.push_back(std::sqrt(square));
+  for (FreeTerm& term : terms) term.coefficients /= lengths_[std::size_t(term.relation)];
   makeClusters(terms, rows);
-  for (Cluster& cluster : clusters_) factorise(cluster, terms, inverse_mass);
+  std::size_t most_rows = 0, most_relations = 0;
+  for (Cluster& cluster : clusters_) {
+    factorise(cluster, terms, inverse_mass);
+    most_rows = std::max(most_rows, cluster.rows.size());
+    most_relations = std::max(most_relations, cluster.relations.size());
+  }
+  gathered_.resize(3 * Eigen::Index(most_rows));
+  for (Eigen::VectorXd* vector : {&reduced_, &off_}) vector->resize(Eigen::Index(most_relations));
 }
 
 // By relation, rows in the order of the terms.
@@ -62,8 +71,8 @@ std::vector<RelationClusters::FreeTerm> RelationClusters::freeTerms(const std::v
   };
   for (Index relation = 0; relation < relations_.count(); ++relation)
     for (auto term = relations_.begin(relation); term != relations_.end(relation); ++term) {
-      const Vec3 free = projectorOf(term->row) * term->coefficients / lengths_[std::size_t(relation)];
-      if (!(free.norm() > nothing)) continue;
+      const Vec3 free = projectorOf(term->row) * term->coefficients;
+      if (!(free.norm() > projector_round_off * term->coefficients.norm())) continue;
       const Index group = groups.of(term->row);
       if (group < 0) {
         terms.push_back({relation, term->row, free});
@@ -118,7 +127,7 @@ void RelationClusters::factorise(Cluster& cluster, const std::vector<FreeTerm>& 
   }
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(transposed);
   Eigen::Index rank = 0;
-  while (rank < std::min(directions, count) && std::abs(qr.matrixQR()(rank, rank)) > nothing) ++rank;
+  while (rank < std::min(directions, count) && std::abs(qr.matrixQR()(rank, rank)) > least_independent) ++rank;
   Eigen::MatrixXd columns = Eigen::MatrixXd::Identity(directions, rank);
   columns = qr.householderQ() * columns;
   cluster.basis = columns.transpose();
@@ -148,33 +157,39 @@ Index RelationClusters::heldDirections() const {
 
 void RelationClusters::project(Rows vector) const {
   for (const Cluster& cluster : clusters_) {
-    gather(vector, cluster.rows, gathered_);
-    reduced_.noalias() = cluster.basis * gathered_;
-    gathered_.noalias() = cluster.basis.transpose() * reduced_;
-    subtract(gathered_, cluster.rows, vector);
+    auto of_rows = gathered_.head(cluster.basis.cols());
+    auto of_basis = reduced_.head(cluster.basis.rows());
+    gather(vector, cluster.rows, of_rows);
+    of_basis.noalias() = cluster.basis * of_rows;
+    of_rows.noalias() = cluster.basis.transpose() * of_basis;
+    subtract(of_rows, cluster.rows, vector);
   }
 }
 
 void RelationClusters::projectAcceleration(Rows a) const {
   for (const Cluster& cluster : clusters_) {
-    gather(a, cluster.rows, gathered_);
-    reduced_.noalias() = cluster.basis * gathered_;
-    gathered_.noalias() = cluster.along * reduced_;
-    subtract(gathered_, cluster.rows, a);
+    auto of_rows = gathered_.head(cluster.basis.cols());
+    auto of_basis = reduced_.head(cluster.basis.rows());
+    gather(a, cluster.rows, of_rows);
+    of_basis.noalias() = cluster.basis * of_rows;
+    of_rows.noalias() = cluster.along * of_basis;
+    subtract(of_rows, cluster.rows, a);
   }
 }
 
 template <class Value>
 void RelationClusters::correct(Rows vector, const Value& valueOf) const {
   for (const Cluster& cluster : clusters_) {
-    off_.setZero(Eigen::Index(cluster.relations.size()));
-    for (Eigen::Index i = 0; i < off_.size(); ++i) {
+    auto off = off_.head(Eigen::Index(cluster.relations.size()));
+    off.setZero();
+    for (Eigen::Index i = 0; i < off.size(); ++i) {
       const Index relation = cluster.relations[std::size_t(i)];
       for (auto term = relations_.begin(relation); term != relations_.end(relation); ++term)
-        off_[i] += term->coefficients.dot(valueOf(*term));
+        off[i] += term->coefficients.dot(valueOf(*term));
     }
-    gathered_.noalias() = cluster.correction * off_;
-    subtract(gathered_, cluster.rows, vector);
+    auto of_rows = gathered_.head(cluster.basis.cols());
+    of_rows.noalias() = cluster.correction * off;
+    subtract(of_rows, cluster.rows, vector);
   }
 }
 
@@ -189,10 +204,12 @@ void RelationClusters::correctPositions(Rows x) const {
 RelationClusters::Violation RelationClusters::worst(ConstRows x) const {
   Violation worst;
   for (Index relation = 0; relation < relations_.count(); ++relation) {
-    double off = 0;
-    for (auto term = relations_.begin(relation); term != relations_.end(relation); ++term)
+    double off = 0, square = 0;
+    for (auto term = relations_.begin(relation); term != relations_.end(relation); ++term) {
       off += term->coefficients.dot(displacement(*term, x));
-    const double distance = std::abs(off) / lengths_[std::size_t(relation)];
+      square += term->coefficients.squaredNorm();
+    }
+    const double distance = std::abs(off) / std::sqrt(square);
     if (worst.relation < 0 || distance > worst.distance) worst = {relation, distance};
   }
   return worst;
@@ -235,6 +252,7 @@ void RelationClusters::eliminate(BlockMatrix& matrix) const {
   }
 }
 
+// Of P A P for a block diagonal A only what a row has of its own: enough for a preconditioner.
 void RelationClusters::eliminateDiagonal(std::vector<double>& blocks) const {
   for (const Cluster& cluster : clusters_)
     for (std::size_t i = 0; i < cluster.rows.size(); ++i) {

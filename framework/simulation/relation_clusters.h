@@ -65,7 +65,7 @@ class RelationClusters {
   void correct(Rows vector, const Value& valueOf) const;
 
   LinearRelations relations_;
-  std::vector<double> lengths_;  ///< |C| of each relation
+  std::vector<double> lengths_;  ///< |C Q| of each relation
   std::vector<Cluster> clusters_;
   mutable Eigen::VectorXd gathered_, reduced_, off_;  ///< work space
 };

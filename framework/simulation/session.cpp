@@ -113,10 +113,12 @@ void Session::writeCheckpoint(const std::string& path) {
 
 std::vector<std::string> Session::restore(const std::string& path) {
   Checkpoint checkpoint = Checkpoint::read(path);
+  bool tells_convergence = false;
   try {
     UnconvergedSteps unconverged;
     Archive run = checkpoint.values.take("run");
-    unconverged.serialize(run);
+    tells_convergence = !run.entries().empty();
+    if (tells_convergence) unconverged.serialize(run);
     run.checkAllRead();
     simulation().restore(std::move(checkpoint.values));
     unconverged_ = unconverged;
@@ -124,6 +126,7 @@ std::vector<std::string> Session::restore(const std::string& path) {
     throw std::runtime_error(fmt::format("{}: {}", path, error.what()));
   }
   std::vector<std::string> notes;
+  if (!tells_convergence) notes.push_back(fmt::format("{} does not tell which steps before it converged", path));
   if (checkpoint.scene != scene_file_) notes.push_back(fmt::format("{} was written by {}", path, checkpoint.scene));
   if (checkpoint.build != buildIdentity())
     notes.push_back(fmt::format("{} was written by another build: the run may go on with other bits", path));

@@ -154,7 +154,8 @@ namespace {
 
 std::string relationsText(const RelationClusters& relations) {
   if (relations.empty()) return {};
-  return fmt::format(", {} linear relations", relations.relations().count());
+  const Index count = relations.relations().count();
+  return fmt::format(", {} scalar relation{}", count, count == 1 ? "" : "s");
 }
 
 std::string traitsText(const ForceTraits& traits) {

@@ -36,7 +36,8 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     const StateRecording recording = readRecording(fuzz::fileWith(is_marked ? sealed(bytes) : bytes));
     std::uint64_t last = 0;
     for (const std::uint64_t end : recording.ends)
-      fuzz::require(end > last, "an instant ends before it begins"), last = end;
+      if (end != StateRecording::inside_piece)
+        fuzz::require(end > last, "an instant ends before it begins"), last = end;
     fuzz::require(recording.ends.empty() || recording.ends.size() == recording.frames.size(), "instants without ends");
   } catch (const std::runtime_error&) {  // a sentence
   }

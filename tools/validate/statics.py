@@ -121,8 +121,8 @@ def main():
         runs = [[solve(program, scene) for program in programs] for _ in range(REPEATS)]
         summary = runs[0][0][0]
         failures += summary is None or "code" in summary
-        times = [statistics.median(run[i][1] for run in runs) if runs[0][i][1] is not None else None
-                 for i in range(len(programs))]
+        taken = [[run[i][1] for run in runs if run[i][1] is not None] for i in range(len(programs))]
+        times = [statistics.median(of_program) if of_program else None for of_program in taken]
         row = [number, body, cells, law, load, *text(summary), f"{times[0]:.1f}" if times[0] else ""]
         if len(programs) > 1:
             row += [*text(runs[0][1][0]), f"{times[1]:.1f}" if times[1] else ""]
