@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "components/topology/vtk_lists.h"
 #include "framework/scene/diagnostics.h"
 
 namespace stroma {
@@ -32,13 +33,13 @@ Numbering numberingOf(int type) {
 }  // namespace
 
 VtkMesh::VtkMesh(const ValueLists& lists, std::string name)
-    : cell_arrays(lists.get<Texts>("cell arrays")),
-      point_arrays(lists.get<Texts>("point arrays")),
+    : cell_arrays(lists.get<Texts>(vtk_lists::cell_arrays)),
+      point_arrays(lists.get<Texts>(vtk_lists::point_arrays)),
       name_(std::move(name)),
-      types_(lists.get<Integers>("types")),
-      offsets_(lists.get<Integers>("offsets")),
-      nodes_(lists.get<Integers>("nodes")) {
-  const Reals& points = lists.get<Reals>("points");
+      types_(lists.get<Integers>(vtk_lists::types)),
+      offsets_(lists.get<Integers>(vtk_lists::offsets)),
+      nodes_(lists.get<Integers>(vtk_lists::nodes)) {
+  const Reals& points = lists.get<Reals>(vtk_lists::points);
   const std::size_t count = points.size() / 3;
   if (points.size() % 3 != 0 || count > std::size_t(std::numeric_limits<Index>::max()))
     fail(fmt::format("{} coordinates", points.size()));
@@ -48,19 +49,19 @@ VtkMesh::VtkMesh(const ValueLists& lists, std::string name)
       !std::is_sorted(offsets_.begin(), offsets_.end()) || std::size_t(offsets_.back()) != nodes_.size())
     fail(fmt::format("{} cells and {} ends of cells that do not fit {} nodes", types_.size(), offsets_.size(),
                      nodes_.size()));
-  const Integers &kinds = lists.get<Integers>("kinds"), &linear = lists.get<Integers>("kinds linear");
-  const Texts& names = lists.get<Texts>("kinds names");
+  const Integers &kinds = lists.get<Integers>(vtk_lists::kinds), &linear = lists.get<Integers>(vtk_lists::kinds_linear);
+  const Texts& names = lists.get<Texts>(vtk_lists::kinds_names);
   for (std::size_t k = 0; k < std::min({kinds.size(), linear.size(), names.size()}); ++k)
     kinds_[int(kinds[k])] = {names[k], linear[k] != 0};
-  labels = arrayOf(lists, "labels", cells());
-  cell_directions = arrayOf(lists, "cell directions", cells());
-  point_directions = arrayOf(lists, "point directions", count);
+  labels = arrayOf(lists, vtk_lists::labels, cells());
+  cell_directions = arrayOf(lists, vtk_lists::cell_directions, cells());
+  point_directions = arrayOf(lists, vtk_lists::point_directions, count);
 }
 
 VtkArray VtkMesh::arrayOf(const ValueLists& lists, const std::string& list, std::size_t entries) const {
   VtkArray array{lists.has(list), 0, lists.get<Reals>(list)};
   if (!array.found) return array;
-  const Integers& width = lists.get<Integers>(list + " width");
+  const Integers& width = lists.get<Integers>(list + vtk_lists::width);
   array.width = width.size() == 1 && width[0] > 0 ? std::size_t(width[0]) : 0;
   if (array.width == 0 || array.values.size() % array.width != 0 || array.values.size() / array.width != entries)
     fail(fmt::format("{} values of {}, which are {}", array.values.size(), list, entries));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The program that reads a file in VTK's formats for MeshVTKLoader (components/topology): VTK trusts what a file says of
+// The program that reads a file in VTK's formats for MeshVTKLoader: VTK trusts what a file says of
 // itself in more places than can be checked beforehand.
 //
 // Arguments: the file, the array of labels, the array of directions. Lists handed over: points (three each), types,
@@ -28,6 +28,7 @@
 #include <set>
 #include <sstream>
 
+#include "components/topology/vtk_lists.h"
 #include "framework/scene/diagnostics.h"
 #include "framework/scene/reader_process.h"
 
@@ -138,13 +139,13 @@ void addArray(vtkDataSetAttributes& data, const std::string& array, const std::s
   for (vtkIdType i = 0; i < found->GetNumberOfTuples(); ++i)
     for (int k = 0; k < width; ++k) values.push_back(found->GetComponent(i, k));
   lists.add(name, std::move(values));
-  lists.add(name + " width", Integers{width});
+  lists.add(name + vtk_lists::width, Integers{width});
 }
 
 void addPoints(vtkPointSet& data, ValueLists& lists) {
   Reals points(3 * std::size_t(data.GetNumberOfPoints()));
   for (vtkIdType n = 0; n < data.GetNumberOfPoints(); ++n) data.GetPoint(n, points.data() + 3 * n);
-  lists.add("points", std::move(points));
+  lists.add(vtk_lists::points, std::move(points));
 }
 
 void addCells(vtkPointSet& data, ValueLists& lists) {
@@ -163,9 +164,10 @@ void addCells(vtkPointSet& data, ValueLists& lists) {
     names.emplace_back(vtkCellTypes::GetClassNameFromTypeId(int(type)));
     linear.push_back(vtkCellTypes::IsLinear(static_cast<unsigned char>(type)) ? 1 : 0);
   }
-  lists.add("types", std::move(types)), lists.add("offsets", std::move(offsets)), lists.add("nodes", std::move(nodes));
-  lists.add("kinds", std::move(kinds)), lists.add("kinds linear", std::move(linear));
-  lists.add("kinds names", std::move(names));
+  lists.add(vtk_lists::types, std::move(types)), lists.add(vtk_lists::offsets, std::move(offsets)),
+      lists.add(vtk_lists::nodes, std::move(nodes));
+  lists.add(vtk_lists::kinds, std::move(kinds)), lists.add(vtk_lists::kinds_linear, std::move(linear));
+  lists.add(vtk_lists::kinds_names, std::move(names));
 }
 
 ValueLists readMesh(const std::string& file, const Texts& arguments) {
@@ -181,11 +183,11 @@ ValueLists readMesh(const std::string& file, const Texts& arguments) {
   ValueLists lists;
   addPoints(*data, lists);
   addCells(*data, lists);
-  lists.add("cell arrays", namesOf(*data->GetCellData()));
-  lists.add("point arrays", namesOf(*data->GetPointData()));
-  addArray(*data->GetCellData(), arguments.at(0), "labels", lists);
-  addArray(*data->GetCellData(), arguments.at(1), "cell directions", lists);
-  addArray(*data->GetPointData(), arguments.at(1), "point directions", lists);
+  lists.add(vtk_lists::cell_arrays, namesOf(*data->GetCellData()));
+  lists.add(vtk_lists::point_arrays, namesOf(*data->GetPointData()));
+  addArray(*data->GetCellData(), arguments.at(0), vtk_lists::labels, lists);
+  addArray(*data->GetCellData(), arguments.at(1), vtk_lists::cell_directions, lists);
+  addArray(*data->GetPointData(), arguments.at(1), vtk_lists::point_directions, lists);
   return lists;
 }
 
