@@ -11,7 +11,9 @@ A change is a sign, a factor, a dropped term, a swapped index, a condition or a 
 includes, assertions, or what only declares. A seed chooses them, weighted towards formulas; a header of the framework
 that many sources include is chosen less often, as it builds them all. The tree is copied to the work folder and built
 there; the tree itself is never touched. Tests that are likely to notice a change run first, up to the first that fails;
-a test that does not end counts as one that fails. What no test notices has survived all tests that open its module.
+a test that does not end counts as one that fails. What is not noticed after --first seconds of tests waits until there
+are --group of its kind, which are then made together and get the rest of the tests; a group that is noticed is halved.
+So what survives has survived all tests that open its module.
 
 A change that does not compile, or leaves the same object code, is replaced by the next. Changes that were proved
 harmless are listed with the reason in the file `harmless` beside this script. The record, WORK/record.jsonl, has a line
@@ -34,6 +36,7 @@ COUNTED = ("noticed", "survived", "harmless")
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--work", default=os.path.join(TREE, "build", "mutants"), help="folder of the copy and its build")
+    parser.add_argument("--copy", help="where the copy lies, if not in WORK/tree")
     parser.add_argument("--seed", type=int, default=1, help="chooses the changes (default 1)")
     parser.add_argument("--count", type=int, default=300, help="how many changes count (default 300)")
     parser.add_argument("--only", action="append", default=[], metavar="GLOB", help="only files of this form; repeatable")
@@ -43,6 +46,10 @@ def arguments():
     parser.add_argument("--minutes", type=float, help="begin no further change after so long")
     parser.add_argument("--resume", action="store_true", help="keep the record and try only what it does not have")
     parser.add_argument("--survivors", action="store_true", help="with --resume: try what survived once more")
+    parser.add_argument("--first", type=float, default=60, help="seconds of tests for a change alone (default 60)")
+    parser.add_argument("--without", metavar="REGEX", help="leave out tests of these names, to save their time")
+    parser.add_argument("--group", type=int, default=8, help="changes that get the rest of the tests together (default 8)")
+    parser.add_argument("--later", action="store_true", help="leave those that wait for another run with --resume")
     parser.add_argument("--least", type=float, default=0.95, help="share to be noticed (default 0.95)")
     parser.add_argument("--levels", default="x86-64-v4", help="instruction set that modules are built for")
     return parser.parse_args()
@@ -87,9 +94,11 @@ def summary(records, least):
     bits = sum(1 for record in records if record["verdict"] == "noticed" and "project.bits" in record["by"])
     print(f"\nmade {len(records)}; not compiled {verdicts['does not compile']}; same object code {verdicts['same code']}; "
           f"noticed by stored bits alone {bits}")
+    if verdicts["pending"]:
+        print(f"{verdicts['pending']} wait for the rest of the tests: --resume")
     for record in records:
-        if record["verdict"] == "survived":
-            print(f"survived: {record['file']}:{record['line']} ({record['kind']})\n"
+        if record["verdict"] in ("survived", "pending"):
+            print(f"{record['verdict']}: {record['file']}:{record['line']} ({record['kind']})\n"
                   f"  {record['before']}\n  {record['after']}")
     judged = total["noticed"] + total["survived"]
     share = total["noticed"] / judged if judged else 0
@@ -109,55 +118,96 @@ def chosen(args):
     return order, texts
 
 
-def open_record(args, path):
-    records = []
-    if args.resume and os.path.exists(path):
-        with open(path, encoding="utf-8") as file:
-            records = [json.loads(line) for line in file]
-        if args.survivors:
-            records = [record for record in records if record["verdict"] != "survived"]
-    with open(path, "w", encoding="utf-8") as file:
-        file.writelines(json.dumps(record) + "\n" for record in records)
-    return records
-
-
 def identity(record):
     return record["file"], record["before"], record["after"]
 
 
+class Record:
+    """The verdicts, also in a file with one JSON object for each line; of two for one change the later one counts."""
+
+    def __init__(self, args):
+        self.path, self.all = os.path.join(args.work, "record.jsonl"), {}
+        if args.resume and os.path.exists(self.path):
+            with open(self.path, encoding="utf-8") as file:
+                self.all = {identity(record): record for record in map(json.loads, file)}
+            if args.survivors:
+                self.all = {key: record for key, record in self.all.items() if record["verdict"] != "survived"}
+        for key, reason in read_harmless().items():  # what was proved since
+            if key in self.all and self.all[key]["verdict"] in ("survived", "pending"):
+                self.all[key].update(verdict="harmless", by=reason)
+        with open(self.path, "w", encoding="utf-8") as file:
+            file.writelines(json.dumps(record) + "\n" for record in self.all.values())
+
+    def add(self, record):
+        self.all[identity(record)] = record
+        with open(self.path, "a", encoding="utf-8") as file:
+            file.write(json.dumps(record) + "\n")
+        by = f": {record['by']}" if record["by"] else ""
+        say(f"{self.counted()} {record['verdict']} {record['seconds']} s {record['file']}:{record['line']} "
+            f"({record['kind']}){by}")
+
+    def counted(self):
+        return sum(1 for record in self.all.values() if record["verdict"] in COUNTED + ("pending",))
+
+
+def judge(work, waiting, texts, record):
+    """The rest of the tests for changes that were not noticed: (record, site) pairs."""
+    start = time.time()
+    verdict, by, passed = work.try_group([site for _, site in waiting], texts, [r["passed"] for r, _ in waiting])
+    seconds = round((time.time() - start) / len(waiting), 1)
+    say(f"{len(waiting)} together: {verdict} {by}")
+    for entry, _ in waiting:
+        entry["seconds"] = round(entry["seconds"] + seconds, 1)
+    if verdict == "survived" or len(waiting) == 1:
+        for entry, _ in waiting:
+            entry.update(verdict=verdict, by=by, passed=[])
+            record.add(entry)
+        return
+    half = len(waiting) // 2
+    for entry, _ in waiting:
+        entry["passed"] = sorted({*entry["passed"], *passed})
+    judge(work, waiting[:half], texts, record)
+    judge(work, waiting[half:], texts, record)
+
+
 def run(args, order, texts):
     os.makedirs(args.work, exist_ok=True)
-    path = os.path.join(args.work, "record.jsonl")
-    records = open_record(args, path)
-    done, harmless = {identity(record) for record in records}, read_harmless()
-    for record in records:  # what was proved since
-        if record["verdict"] == "survived" and identity(record) in harmless:
-            record["verdict"], record["by"] = "harmless", harmless[identity(record)]
+    record, harmless = Record(args), read_harmless()
     until = time.time() + 60 * args.minutes if args.minutes else float("inf")
-    data = os.path.join(os.path.dirname(TREE), "shared", "data")  # where the tree's own tests look
-    work = trials.Trials(TREE, args.work, args.jobs, [f"-DSTROMA_LEVELS={args.levels}", f"-DSTROMA_SHARED_DATA={data}"])
+    copy = args.copy or os.path.join(args.work, "tree")
+    settings = [f"-DSTROMA_LEVELS={args.levels}"]
+    if not os.path.isdir(os.path.join(os.path.dirname(os.path.abspath(copy)), "shared", "data")):
+        settings.append("-DSTROMA_SHARED_DATA=" + os.path.join(os.path.dirname(TREE), "shared", "data"))  # the tree's own
+    work = trials.Trials(TREE, args.work, copy, args.jobs, settings, args.without)
     work.prepare(say)
     work.measure(say)
+    waiting = []
     for site in order:
-        counted = sum(1 for record in records if record["verdict"] in COUNTED)
-        if counted >= args.count or time.time() > until:
+        if time.time() > until:
             break
         before, after = site.before_and_after(texts[site.path])
-        record = {"file": site.path, "line": site.line(texts[site.path]), "kind": site.kind, "before": before, "after": after}
-        if identity(record) in done:
-            continue
-        start = time.time()
-        if identity(record) in harmless:
-            verdict, by, built = "harmless", harmless[identity(record)], 0
-        else:
-            verdict, by, built = work.try_site(site, texts[site.path])
-        record.update(verdict=verdict, by=by, build_seconds=round(built, 1), seconds=round(time.time() - start, 1))
-        records.append(record)
-        with open(path, "a", encoding="utf-8") as file:
-            file.write(json.dumps(record) + "\n")
-        say(f"{counted + (verdict in COUNTED)}/{args.count} {verdict} {record['seconds']} s {site.path}:{record['line']} "
-            f"({site.kind}){': ' + by if by else ''}")
-    return records
+        entry = {"file": site.path, "line": site.line(texts[site.path]), "kind": site.kind, "before": before, "after": after}
+        known = record.all.get(identity(entry))
+        if known:
+            if known["verdict"] == "pending":
+                waiting.append((known, site))
+        elif record.counted() < args.count:
+            start = time.time()
+            if identity(entry) in harmless:
+                verdict, by, passed, work.build_seconds = "harmless", harmless[identity(entry)], [], 0
+            else:
+                verdict, by, passed = work.try_site(site, texts, args.first)
+            entry.update(verdict=verdict, by=by, build_seconds=round(work.build_seconds, 1),
+                         seconds=round(time.time() - start, 1), passed=passed if verdict == "pending" else [])
+            record.add(entry)
+            if verdict == "pending":
+                waiting.append((entry, site))
+        if len(waiting) >= args.group and not args.later:
+            judge(work, waiting, texts, record)
+            waiting = []
+    if waiting and not args.later:
+        judge(work, waiting, texts, record)
+    return list(record.all.values())
 
 
 def main():

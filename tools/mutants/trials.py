@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """A copy of the tree with a build of its own, in which one site after another is made wrong, built and tested."""
+import concurrent.futures
 import glob
 import hashlib
 import json
@@ -12,15 +13,18 @@ import subprocess
 import time
 
 # Tests of the project that run the engine; the others read sources, or build what no change of the engine touches.
-PROJECT_TESTS = ["regression", "bits", "example_scenes", "kill_and_resume", "organ_picture"]
+PROJECT_TESTS = ["regression", "bits", "example_scenes", "kill_and_resume"]
 LEFT_OUT = ("test_pack_",)  # programs of other instruction sets
-UNIT_SECONDS = 6  # tests of one program that run in one process
+UNIT_SECONDS = 5  # tests of one program that run in one process
+SLOW = 6  # seconds of tests that wait until the quicker ones have been run
 MEMORY, LARGEST_FILE = 12 << 30, 2 << 30
 LOADED = re.compile(r"/lib/stroma/(?:x86-64-v\d/)?(\w+)\.so")
 
 
 def copy_tree(source, target):
     """What git knows of the tree, and what it would take in; files that are the same keep their times."""
+    if os.path.exists(os.path.join(target, ".git")):
+        raise SystemExit(f"{target} is a work tree of git, and not a copy that may be changed")
     names = subprocess.run(["git", "-C", source, "ls-files", "-co", "--exclude-standard", "-z"], check=True,
                            capture_output=True).stdout.decode().split("\0")
     for name in filter(None, names):
@@ -55,9 +59,9 @@ class Unit:
 
 
 class Trials:
-    def __init__(self, tree, work, jobs, configuration):
-        self.jobs, self.work = jobs, os.path.abspath(work)
-        self.tree = os.path.join(self.work, "tree")
+    def __init__(self, tree, work, copy, jobs, configuration, without=None):
+        self.without = re.compile(without) if without else None
+        self.jobs, self.work, self.tree = jobs, os.path.abspath(work), os.path.abspath(copy)
         self.build = os.path.join(self.tree, "build", "release")
         self.source, self.configuration = tree, configuration
         self.objects, self.units, self.mentions = {}, [], {}
@@ -102,31 +106,31 @@ class Trials:
                 known = json.load(file)
         if known.get("stamp") != stamp:
             known = {"stamp": stamp, "programs": {}}
-        for program in sorted(glob.glob(os.path.join(self.build, "bin", "test_*"))):
-            name = os.path.basename(program)
-            if name.startswith(LEFT_OUT) or name in known["programs"]:
-                continue
-            say(f"measuring {name}")
-            known["programs"][name] = self.measure_program(program)
-        for name in PROJECT_TESTS:
-            if "project." + name in known["programs"]:
-                continue
-            say(f"measuring project.{name}")
-            start = time.time()
-            run = self.start(self.project_command(name), 900)
-            well = run.wait() == 0
-            known["programs"]["project." + name] = {"seconds": time.time() - start, "well": well}
-            with open(store, "w", encoding="utf-8") as file:
-                json.dump(known, file)
+        programs = known["programs"]
+        wanted = [os.path.basename(path) for path in sorted(glob.glob(os.path.join(self.build, "bin", "test_*")))]
+        wanted = [name for name in wanted if not name.startswith(LEFT_OUT)] + ["project." + name for name in PROJECT_TESTS]
+        with concurrent.futures.ThreadPoolExecutor(self.jobs) as pool:
+            runs = {pool.submit(self.measure_one, name): name for name in wanted if name not in programs}
+            for run in concurrent.futures.as_completed(runs):
+                programs[runs[run]] = run.result()
+                say(f"measured {runs[run]}")
         with open(store, "w", encoding="utf-8") as file:
             json.dump(known, file)
-        self.make_units(known["programs"], say)
+        self.make_units(programs, say)
 
     def project_command(self, name):
         return ["ctest", "--test-dir", self.build, "-R", f"^project.{name}$", "--no-tests=error", "--output-on-failure"]
 
+    def measure_one(self, name):
+        if name.startswith("project."):
+            start = time.time()
+            run = self.start(self.project_command(name[8:]), 900)
+            well = run.wait() == 0
+            return {"seconds": time.time() - start, "well": well}
+        return self.measure_program(os.path.join(self.build, "bin", name))
+
     def measure_program(self, program):
-        folder = os.path.join(self.work, "measure")
+        folder = os.path.join(self.work, "measure", os.path.basename(program))
         shutil.rmtree(folder, ignore_errors=True)
         os.makedirs(folder)
         report = os.path.join(folder, "report.json")
@@ -160,8 +164,9 @@ class Trials:
                 continue
             left_out += found["failed"]
             program, folder = os.path.join(self.build, "bin", name), name[5:]
-            modules, part, sum_of_part = set(found["modules"]), [], 0
-            tests = sorted(found["tests"].items(), key=lambda one: one[1])
+            modules, part, sum_of_part = found["modules"], [], 0
+            tests = sorted((one for one in found["tests"].items() if not (self.without and self.without.search(one[0]))),
+                           key=lambda one: one[1])
             for index, (test, seconds) in enumerate(tests):
                 part.append(test)
                 sum_of_part += seconds
@@ -217,7 +222,7 @@ class Trials:
         return text
 
     def in_order(self, site):
-        """The units that can notice a change of the site's file, those likely to notice it first."""
+        """The units that can notice a change of the site's file, those likely to notice it soon first."""
         top, folder, name = site.path.split("/")[:3]
         stem = name.split(".")[0]
         words = {stem, "".join(word.capitalize() for word in stem.split("_"))}
@@ -225,48 +230,45 @@ class Trials:
         def key(unit):
             text = self.mentions.get(unit.folder, "")
             mentioned = any(word in text for word in words)
-            before = self.noticed.get((site.path, unit.name), 0), self.noticed.get((folder, unit.name), 0)
-            return (-min(before[0], 1), unit.folder != folder, not mentioned, -before[1], unit.folder == "project",
-                    unit.seconds)
+            here = self.noticed.get((site.path, unit.name), 0) > 0
+            return (not here, unit.seconds > SLOW, unit.folder != folder, not mentioned,
+                    -self.noticed.get((folder, unit.name), 0), unit.folder == "project", unit.seconds)
 
         can = [unit for unit in self.units
                if top == "framework" or unit.modules is None or folder in unit.modules or unit.folder == folder
                or f'"components/{folder}/' in self.mentions.get(unit.folder, "")]
         return sorted(can, key=key)
 
-    def test(self, site):
-        """The test that notices the change, or None."""
-        waiting, running, notice = self.in_order(site), [], None
+    def test(self, units):
+        """(the test that notices what was changed and its unit, or None; the names of the units that have passed)"""
+        waiting, running, passed = list(units), [], []
+        notice = None
         while (waiting or running) and notice is None:
             while waiting and len(running) < self.jobs:
                 unit = waiting.pop(0)
                 command = unit.command + ([] if unit.tests is None else ["--gtest_filter=" + ":".join(unit.tests)])
-                run = self.start(command, 45 + 12 * unit.seconds)
+                run = self.start(command, 60 + 15 * unit.seconds)
                 run.unit = unit
                 running.append(run)
             time.sleep(0.02)
             for run in list(running):
                 code = run.poll()
-                if code is None and time.time() > run.until:
-                    self.end(run)
-                    notice, unit = self.last_test(self.said(run)) + " (does not end)", run.unit
-                elif code is not None:
-                    said = self.said(run)
-                    if code != 0:
-                        notice, unit = self.failure(said, code, run.unit), run.unit
-                else:
+                if code is None and time.time() < run.until:
                     continue
                 running.remove(run)
-                if notice:
-                    break
+                if code is None:
+                    self.end(run)
+                said = self.said(run)
+                if code == 0:
+                    passed.append(run.unit.name)
+                    continue
+                what = self.failure(said, code, run.unit) if code else self.last_test(said) + " (does not end)"
+                notice = f"{run.unit.name.split('#')[0]}: {what}", run.unit
+                break
         for run in running:
             self.end(run)
             self.said(run)
-        if notice:
-            for place in (site.path, site.path.split("/")[1]):
-                self.noticed[place, unit.name] = self.noticed.get((place, unit.name), 0) + 1
-            return unit.name.split("#")[0] + ": " + notice
-        return None
+        return notice, passed
 
     @staticmethod
     def last_test(said):
@@ -287,22 +289,52 @@ class Trials:
         with open(os.path.join(self.tree, path), "w", encoding="utf-8") as file:
             file.write(text)
 
-    def try_site(self, site, text):
-        """(verdict, which test, seconds of the build). The file is as before when this returns."""
+    def built(self, changed, texts, tests):
+        """Builds the tree with these sites changed and calls `tests`, which returns a verdict and more. The files are as
+        before when this returns; the next build sees to the rest."""
         start = time.time()
-        self.write(site.path, site.apply(text))
+        for path in {site.path for site in changed}:
+            text = texts[path]
+            for site in sorted((site for site in changed if site.path == path), key=lambda site: -site.start):
+                text = site.apply(text)
+            self.write(path, text)
         try:
             well, said = self.ninja("all", seconds=900)
-            built = time.time() - start
+            self.build_seconds = time.time() - start
             if not well:
                 # The index of a module is made by opening it: a change can be noticed there.
-                at_run_time = "stroma-index" in said and "error:" not in said
-                if at_run_time or "took too long" in said:
-                    return "noticed", "the build: the index of its module", built
-                return "does not compile", "", built
+                if "Indexing" in said.split("FAILED")[-1] or "stroma-index" in said and "error:" not in said:
+                    return "noticed", "the build, which opens the module", []
+                return "does not compile", "", []
             if not self.changed_objects(start - 1):
-                return "same code", "", built
-            notice = self.test(site)
-            return ("noticed" if notice else "survived"), notice or "", built
+                return "same code", "", []
+            return tests()
         finally:
-            self.write(site.path, text)
+            for path in {site.path for site in changed}:
+                self.write(path, texts[path])
+
+    def try_site(self, site, texts, first_seconds):
+        """(verdict, which test, units that have passed). Without a notice after so many seconds of tests: pending."""
+        def tests():
+            units, seconds = [], 0
+            for unit in self.in_order(site):
+                if seconds < first_seconds:
+                    units.append(unit)
+                    seconds += unit.seconds
+            notice, passed = self.test(units)
+            if notice is None:
+                return "pending", "", passed
+            for place in (site.path, site.path.split("/")[1]):
+                self.noticed[place, notice[1].name] = self.noticed.get((place, notice[1].name), 0) + 1
+            return "noticed", notice[0], passed
+        return self.built([site], texts, tests)
+
+    def try_group(self, group, texts, passed):
+        """Runs what is left of the tests on all of these sites together: (verdict, which test, units that have passed)."""
+        def tests():
+            wanted = {}
+            for site, before in zip(group, passed):
+                wanted.update({unit.name: unit for unit in self.in_order(site) if unit.name not in before})
+            notice, well = self.test(sorted(wanted.values(), key=lambda unit: unit.seconds))
+            return ("noticed", notice[0], well) if notice else ("survived", "", well)
+        return self.built(group, texts, tests)
