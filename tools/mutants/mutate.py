@@ -20,6 +20,7 @@ harmless are listed with the reason in the file `harmless` beside this script. T
 for each change. Exit codes: 0 enough were noticed, 1 fewer than --least, 2 wrong usage."""
 import argparse
 import collections
+import fnmatch
 import json
 import os
 import sys
@@ -40,6 +41,7 @@ def arguments():
     parser.add_argument("--seed", type=int, default=1, help="chooses the changes (default 1)")
     parser.add_argument("--count", type=int, default=300, help="how many changes count (default 300)")
     parser.add_argument("--only", action="append", default=[], metavar="GLOB", help="only files of this form; repeatable")
+    parser.add_argument("--but", action="append", default=[], metavar="GLOB", help="no files of this form; repeatable")
     parser.add_argument("--at", action="append", default=[], metavar="FILE:LINE", help="all changes of this line instead")
     parser.add_argument("--list", action="store_true", help="print the changes and build nothing")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="compilers and tests at once")
@@ -108,7 +110,10 @@ def summary(records, least):
 
 def chosen(args):
     if not args.at:
-        return sites.choose(TREE, args.seed, args.only)
+        order, texts = sites.choose(TREE, args.seed)
+        def matches(site, globs):
+            return any(fnmatch.fnmatch(site.path, glob) for glob in globs)
+        return [site for site in order if (not args.only or matches(site, args.only)) and not matches(site, args.but)], texts
     order, texts = [], {}
     for place in args.at:
         path, line = place.rsplit(":", 1)

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Where a source can be made a little wrong, and how: finds the sites of small changes in C++ in the repository's own
 format (a binary operator has spaces around it, an argument list of a template has not)."""
-import fnmatch
 import math
 import os
 import random
@@ -261,7 +260,7 @@ def code_line(text, at):
     return text[text.rfind("\n", 0, at) + 1:text.find("\n", at)]
 
 
-def choose(tree, seed, only=()):
+def choose(tree, seed):
     """All sites of the tree in the order in which they are tried, with the texts they are in. Two sites of one line are
     never both tried; kinds come in the shares of KINDS."""
     reached = reached_by(tree)
@@ -271,7 +270,7 @@ def choose(tree, seed, only=()):
             inner.sort()
             for name in sorted(names):
                 path = os.path.relpath(os.path.join(where, name), tree).replace(os.sep, "/")
-                if not name.endswith((".h", ".cpp")) or (only and not any(fnmatch.fnmatch(path, g) for g in only)):
+                if not name.endswith((".h", ".cpp")):
                     continue
                 with open(os.path.join(tree, path), encoding="utf-8") as file:
                     texts[path] = file.read()
