@@ -173,6 +173,17 @@ TEST(StaticSolver, ReachingTheLimitIsSaid) {
   EXPECT_NE(report.reason.find("limit of 2"), std::string::npos) << report.reason;
 }
 
+/// A Newton iteration is one solve of a direct solver, in every part and also in those that failed.
+TEST(StaticSolver, ADividedStepCountsAllOfItsParts) {
+  Simulation simulation = statics("newton_iterations='6'", "stiffness='1' cubic='1e6'", "");
+  const StepReport report = simulation.step();
+  ASSERT_TRUE(report.newton_converged) << report.reason;
+  ASSERT_GT(report.load_parts, 1);
+  EXPECT_GT(report.newton_iterations, 6);
+  EXPECT_EQ(report.newton_iterations, report.linear_iterations);
+  EXPECT_EQ(report.newton_iterations, report.factorisations);
+}
+
 TEST(StaticSolver, AMissingLinearSolverIsMade) {
   registerGroundSpring(factory());
   Simulation simulation = statics("", "stiffness='20'", "", "");
