@@ -30,18 +30,43 @@ TEST(StableStep, NamesTheStiffElement) {
   }
 }
 
-/// A mass on a spring: w = sqrt(k/m) = 20 rad/s, so that symplectic Euler is stable up to 2/w = 0.1 s.
+/// A mass on a spring: w = sqrt(k/m) = 20 rad/s. In h w, symplectic Euler is stable up to 2 and the classical Runge-Kutta
+/// method up to sqrt(8). The midpoint rule grows by sqrt(1 + (h w)^4 / 4), which is 1.01 at 0.5325.
 TEST(StableStep, OfAnOscillatorIsItsClosedForm) {
-  const auto scene = [](double dt) {
+  const auto scene = [](const std::string& integrator, double dt) {
     return fmt::format(
-        R"(<Node name="root" dt="{}" gravity="0 0 0"><EulerExplicitSolver/>
+        R"(<Node name="root" dt="{}" gravity="0 0 0"><{}/>
              <MechanicalObject position="0 0 0 1 0 0"/><UniformMass vertexMass="2"/>
              <SpringForceField springsIndices1="0" springsIndices2="1" stiffness="800" lengths="1" damping="0"/>
              <FixedProjectiveConstraint indices="0"/></Node>)",
-        dt);
+        dt, integrator);
   };
-  EXPECT_EQ(warningOf(scene(0.0999)).find("stable step"), std::string::npos);
-  EXPECT_NE(warningOf(scene(0.1001)).find("stable step of symplectic Euler, 0.1 s"), std::string::npos);
+  const struct {
+    const char *integrator, *words;
+    double limit;  ///< h w
+  } cases[] = {{"EulerExplicitSolver", "stable step of symplectic Euler, 0.1 s", 2},
+               {"RungeKutta4Solver", "above the estimated stable step", std::sqrt(8)},
+               {"RungeKutta2Solver", "adds energy to fast motions", std::pow(4 * (1.01 * 1.01 - 1), 0.25)}};
+  for (const auto& [integrator, words, limit] : cases) {
+    EXPECT_EQ(warningOf(scene(integrator, 0.998 * limit / 20)), "") << integrator;
+    const std::string warning = warningOf(scene(integrator, 1.001 * limit / 20));
+    EXPECT_NE(warning.find(words), std::string::npos) << warning;
+  }
+}
+
+/// Newmark's method is stable with steps of any length when 2 beta >= gamma >= 1/2.
+TEST(StableStep, NewmarksParametersThatLoseItAreNamed) {
+  const auto warning = [](double beta, double gamma) {
+    const std::string scene = fmt::format(
+        R"(<Node name="root" dt="0.01" gravity="0 0 0"><NewmarkImplicitSolver beta="{}" gamma="{}"/><CGLinearSolver/>
+             <MechanicalObject position="0 0 0"/><UniformMass totalMass="1"/></Node>)",
+        beta, gamma);
+    return sceneFromText(scene).diagnostics.text();
+  };
+  EXPECT_EQ(warning(0.25, 0.5), "");
+  EXPECT_EQ(warning(0.31, 0.61), "");
+  EXPECT_NE(warning(0.3, 0.61).find("beta = 0.3 is below gamma/2 = 0.305"), std::string::npos);
+  EXPECT_NE(warning(0.25, 0.49).find("gamma = 0.49 adds energy"), std::string::npos);
 }
 
 }  // namespace

@@ -71,6 +71,25 @@ TEST(StaticSolver, ADoubleWellIsLeftForAMinimum) {
   }
 }
 
+/// Beside a double well, whose K is shifted at rest, a node without load whose own K vanishes there: it takes part in
+/// the shift.
+TEST(StaticSolver, ANodeWithoutStiffnessIsShiftedWithTheOthers) {
+  registerGroundSpring(factory());
+  const auto node = [](const char* gravity, double stiffness) {
+    return fmt::format(
+        R"(<Node gravity="{}"><MechanicalObject position="0 0 0"/><UniformMass vertexMass="0.5"/>
+             <TestGroundSpring stiffness="{}" cubic="100"/></Node>)",
+        gravity, stiffness);
+  };
+  Simulation simulation = simulationFromText(R"(<Node name="root" dt="1"><StaticSolver/><SparseLDLSolver/>)" +
+                                             node("0 -10 0", -50) + node("0 0 0", 0) + "</Node>");
+  const StepReport report = simulation.step();
+  ASSERT_TRUE(report.newton_converged && !report.diverged) << report.reason;
+  const System& system = *simulation.systems()[0];
+  EXPECT_NEAR(-(-50 * system.x[0][1] + 100 * std::pow(system.x[0][1], 3)), 5, 1e-6);
+  EXPECT_EQ(Vec3(system.x[1]), Vec3::Zero());
+}
+
 TEST(StaticSolver, AFreeBodyEndsInASentence) {
   for (const char* solver : {"<SparseLDLSolver/>", "<CGLinearSolver/>"}) {
     Simulation simulation = statics("", "couple='100'", "", solver);
@@ -171,6 +190,17 @@ TEST(StaticSolver, ReachingTheLimitIsSaid) {
   EXPECT_FALSE(report.newton_converged);
   EXPECT_EQ(report.newton_iterations, 2);
   EXPECT_NE(report.reason.find("limit of 2"), std::string::npos) << report.reason;
+}
+
+/// A Newton iteration is one solve of a direct solver, in every part and also in those that failed.
+TEST(StaticSolver, ADividedStepCountsAllOfItsParts) {
+  Simulation simulation = statics("newton_iterations='6'", "stiffness='1' cubic='1e6'", "");
+  const StepReport report = simulation.step();
+  ASSERT_TRUE(report.newton_converged) << report.reason;
+  ASSERT_GT(report.load_parts, 1);
+  EXPECT_GT(report.newton_iterations, 6);
+  EXPECT_EQ(report.newton_iterations, report.linear_iterations);
+  EXPECT_EQ(report.newton_iterations, report.factorisations);
 }
 
 TEST(StaticSolver, AMissingLinearSolverIsMade) {

@@ -179,11 +179,11 @@ TEST(SurfacePressure, LoadsOnlyWhatIsChosen) {
 
 /// A dead load knows neither the current area nor the current normal.
 TEST(TrianglePressure, DeadLoad) {
-  FieldUnderTest t(scene(patch_positions, triangles("0 2 8  0 8 6"),
+  FieldUnderTest t(scene(patch_positions, triangles("1 2 8  1 8 6"),
                          "TrianglePressureForceField pressure='1 2 3' "
                          "triangleList='0 1'"),
                    "TrianglePressureForceField");
-  const Vec3 a = t.x[0], b = t.x[2], c = t.x[8], d = t.x[6];
+  const Vec3 a = t.x[1], b = t.x[2], c = t.x[8], d = t.x[6];  // none at the origin
   const double area = ((b - a).cross(c - a).norm() + (c - a).cross(d - a).norm()) / 2;
   t.deform(0.2);
   Vector f = t.force();

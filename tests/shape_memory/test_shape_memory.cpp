@@ -87,6 +87,32 @@ TEST(ShapeMemory, PlainForceDrawsToTheTargetOfTheNeighbourhood) {
   }
 }
 
+/// The three of `nodes` that span the largest triangle.
+std::vector<Index> largestTriangle(const std::vector<Vec3>& rest, const std::vector<Index>& nodes) {
+  std::vector<Index> best;
+  double largest = 0;
+  for (const Index a : nodes)
+    for (const Index b : nodes)
+      for (const Index c : nodes) {
+        const double area = (rest[b] - rest[a]).cross(rest[c] - rest[a]).norm();
+        if (a < b && b < c && area > largest) largest = area, best = {a, b, c};
+      }
+  return best;
+}
+
+TEST(ShapeMemory, TheFrameOfATriangleIsThatOfTheLargest) {
+  FieldUnderTest t(organ("reaction=\"false\" frame=\"triangle\" ownWeight=\"1e-6\""), type);
+  const Adjacency& around = t.field().find<Topology>(true)->mesh().nodesAroundNode();
+  t.deform(0.2);
+  const Vector f = t.force();
+  const auto& rest = t.field().state().rest_position;
+  for (Index i = 0; i < f.count(); ++i) {
+    const std::vector<Index> list(around.values.begin() + around.start[i], around.values.begin() + around.start[i + 1]);
+    const Vec3 expected = 100 * (targetByEigen(rest, t.x, i, largestTriangle(rest, list)) - t.x[i]);
+    EXPECT_LT((expected - f[i]).norm(), 1e-4 * 100 * t.typicalEdge()) << i;
+  }
+}
+
 TEST(ShapeMemory, InvertedNeighbourhoodsGetARotationNotAReflection) {
   FieldUnderTest t(organ("reaction=\"false\" ownWeight=\"1e-6\""), type);
   const auto& rest = t.field().state().rest_position;
