@@ -61,14 +61,14 @@ void PorousForceField::declareModuli(DataTable& table) {
   table.add("biotModulus", sponge_.modulus)
       .unit("Pa")
       .min(0, false)
-      .help("M, of the fluid's storage 1/M; limitModulus when not given");
+      .help("M, of the fluid's storage 1/M; limitModulus when not given, which takes a biotCoefficient of 1");
   table.add("grainModulus", grain_modulus_)
       .unit("Pa")
-      .min(0, false)
+      .min(0)
       .help("K_s of what the tissue is made of; with fluidModulus in place of biotModulus");
   table.add("fluidModulus", fluid_modulus_)
       .unit("Pa")
-      .min(0, false)
+      .min(0)
       .help("K_f of the fluid: 1/M = (alpha - f_w)/K_s + f_w/K_f");
 }
 
@@ -83,6 +83,9 @@ void PorousForceField::chooseStorage() {
     throw ComponentError(
         fmt::format("{} needs {}", grains ? "grainModulus" : "fluidModulus", grains ? "fluidModulus" : "grainModulus"),
         "both, or biotModulus alone");
+  if (grains && !(grain_modulus_ > 0 && fluid_modulus_ > 0))
+    throw ComponentError(fmt::format("grainModulus is {:g} and fluidModulus {:g}", grain_modulus_, fluid_modulus_),
+                         "numbers above 0");
   if (grains && isSet("biotModulus"))
     throw ComponentError("biotModulus, grainModulus and fluidModulus give the storage twice",
                          "biotModulus alone, or the other two");

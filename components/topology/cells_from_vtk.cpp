@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "components/topology/vtk_lists.h"
+#include "components/topology/lists_of_vtk.h"
 #include "framework/scene/diagnostics.h"
 
 namespace stroma {

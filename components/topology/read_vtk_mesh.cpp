@@ -28,7 +28,7 @@
 #include <set>
 #include <sstream>
 
-#include "components/topology/vtk_lists.h"
+#include "components/topology/lists_of_vtk.h"
 #include "framework/scene/diagnostics.h"
 #include "framework/scene/reader_process.h"
 

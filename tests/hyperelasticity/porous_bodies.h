@@ -97,9 +97,9 @@ struct Column {
            " materialName=\"StVenantKirchhoff\" ParameterSet=\"" + textOf(elastic / 2) + " 0\"/><" + kind->field +
            " fluidFraction=\"" + (alpha < 0.8 ? "0.5" : "0.8") + "\" bulkModulus=\"" + textOf(bulk) +
            "\" limitModulus=\"" + textOf(limit) +
-           (alpha < 1 ? "\" biotCoefficient=\"" + textOf(alpha) : std::string()) +
-           (biot_modulus > 0 ? "\" biotModulus=\"" + textOf(biot_modulus) : std::string()) + "\" permeability=\"" +
-           textOf(permeability()) + "\" coupling=\"" + coupling +
+           (alpha < 1 ? "\" biotCoefficient=\"" + textOf(alpha) : std::string()) + "\" biotModulus=\"" +
+           textOf(biot_modulus > 0 ? biot_modulus : limit) + "\" permeability=\"" + textOf(permeability()) +
+           "\" coupling=\"" + coupling +
            "\" drainedIndices=\"@top.indices\"/><BoxROI name=\"top\" box=\"-1 -1 0.9999 1 1 2\"/>"
            "<BoxROI name=\"base\" box=\"-1 -1 -0.1 1 1 0.0001\"/>"
            "<BoxROI name=\"all\" box=\"-1 -1 -1 1 1 2\"/>"

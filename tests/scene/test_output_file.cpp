@@ -62,7 +62,8 @@ TEST_F(WholeFiles, TakeNoNameThatSomebodyMayHave) {
 /// Rename needs the folder: a file that can itself be written is not enough.
 TEST_F(WholeFiles, InAFolderThatCannotBeWrittenInAreFoundBefore) {
   std::ofstream(file("there")) << "old";
-  fs::permissions(folder_, fs::perms::owner_read | fs::perms::owner_exec | fs::perms::others_exec);
+  fs::permissions(folder_,
+                  fs::perms::owner_read | fs::perms::owner_exec | fs::perms::group_exec | fs::perms::others_exec);
   fs::permissions(file("there"), fs::perms::all);
   const pid_t child = fork();
   if (child == 0) {
