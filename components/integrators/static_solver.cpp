@@ -180,6 +180,14 @@ long revisionOfHolds(const System& system) {
   return system.constraints().revision() + system.actors().patternRevision();
 }
 
+/// A hint, or nothing: Newton's method converges slowly, or not at all, with a tangent that is an approximation.
+std::string exactTangentHint(const System& system) {
+  for (const ForceField* field : system.forceFields())
+    if (field->traits().has_stiffness && !field->traits().exact_tangent && field->data().find("tangent"))
+      return fmt::format("; the tangent of {} is an approximation: tangent=\"exact\" may converge", field->path());
+  return {};
+}
+
 /// False, with the sentence, when a body has no equilibrium where the step starts.
 bool StaticSolver::checkFreeBodies(System& system, StepReport& report) {
   problem_.giveUp();
@@ -212,6 +220,7 @@ StepReport StaticSolver::step(System& system, const StepContext& context) {
     problem_.residual(force_);
   }
   report.unsolved = !report.newton_converged;
+  if (report.unsolved && !report.diverged) report.reason += exactTangentHint(system);
   graph_.assign(newton_.history().begin(), newton_.history().end());
   if (settings_component_) settings_component_->noteResult(report, newton_);
   if (report.unsolved && !settings_.keep_unconverged) {
