@@ -87,6 +87,9 @@ class LinearRelationProjectiveConstraint final : public ProjectiveConstraint {
       throw ComponentError(fmt::format("coefficients2 has {} numbers for {} nodes of indices2",
                                        common_.coefficients.size(), common_nodes_.size()),
                            "one for each");
+    for (std::size_t first = 0; first < nodes_.size(); first += terms)
+      checkDistinct("indices", nodes_.data() + first, nodes_.data() + first + terms);
+    checkDistinct("indices2", common_nodes_.data(), common_nodes_.data() + common_nodes_.size());
     checkDirections();
     checkCoefficients("coefficients", own_.coefficients);
     checkCoefficients("coefficients2", common_.coefficients);
@@ -112,6 +115,14 @@ class LinearRelationProjectiveConstraint final : public ProjectiveConstraint {
     for (const std::vector<Vec3>* directions : {&own_.directions, &common_.directions})
       for (const Vec3& direction : *directions)
         if (direction.isZero(0)) throw ComponentError("a direction is 0 0 0", "a direction that is not zero");
+  }
+
+  /// A node that stands twice in a relation may take itself out of it.
+  static void checkDistinct(const char* attribute, const Index* begin, const Index* end) {
+    for (const Index* node = begin; node != end; ++node)
+      if (std::find(begin, node, *node) != node)
+        throw ComponentError(fmt::format("{} has node {} twice in one relation", attribute, *node),
+                             "each node once, with the sum of its coefficients");
   }
 
   void checkCoefficients(const char* attribute, const std::vector<double>& coefficients) const {

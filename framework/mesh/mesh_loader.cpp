@@ -139,8 +139,9 @@ void MeshLoader::transform() {
     linear = rotationFromDegrees(rotation_) * scale3d_.asDiagonal();
     shift = translation_;
   }
-  if (std::abs(linear.determinant()) <= 1e-15 * std::pow(linear.cwiseAbs().maxCoeff(), 3) &&
-      !(mesh_.tetrahedra.empty() && mesh_.hexahedra.empty()))
+  // of columns of length one, so that thin is not flat; a column of zeros makes it no number
+  const bool is_flat = !(std::abs(linear.colwise().normalized().determinant()) > 1e-14);
+  if (is_flat && !(mesh_.tetrahedra.empty() && mesh_.hexahedra.empty()))
     throw ComponentError(
         "the mesh is flattened: its volume cells have none left",
         table.find("transformation")->isSet() ? "a transformation that can be undone" : "scales other than 0");

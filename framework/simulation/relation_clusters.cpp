@@ -29,6 +29,16 @@ void subtract(const Eigen::Ref<const Eigen::VectorXd>& change, const std::vector
   for (std::size_t i = 0; i < rows.size(); ++i) vector[rows[i]] -= change.segment<3>(3 * Eigen::Index(i));
 }
 
+/// vector -= along N vector, in the rows of a cluster; `of_rows` and `of_basis` are work space.
+template <class Along>
+void takeAway(const Eigen::MatrixXd& basis, const Along& along, const std::vector<Index>& rows,
+              Eigen::Ref<Eigen::VectorXd> of_rows, Eigen::Ref<Eigen::VectorXd> of_basis, Rows vector) {
+  gather(vector, rows, of_rows);
+  of_basis.noalias() = basis * of_rows;
+  of_rows.noalias() = along * of_basis;
+  subtract(of_rows, rows, vector);
+}
+
 Vec3 displacement(const LinearRelations::Term& term, ConstRows x) { return x[term.row] - term.rest; }
 
 }  // namespace
@@ -156,25 +166,15 @@ Index RelationClusters::heldDirections() const {
 }
 
 void RelationClusters::project(Rows vector) const {
-  for (const Cluster& cluster : clusters_) {
-    auto of_rows = gathered_.head(cluster.basis.cols());
-    auto of_basis = reduced_.head(cluster.basis.rows());
-    gather(vector, cluster.rows, of_rows);
-    of_basis.noalias() = cluster.basis * of_rows;
-    of_rows.noalias() = cluster.basis.transpose() * of_basis;
-    subtract(of_rows, cluster.rows, vector);
-  }
+  for (const Cluster& cluster : clusters_)
+    takeAway(cluster.basis, cluster.basis.transpose(), cluster.rows, gathered_.head(cluster.basis.cols()),
+             reduced_.head(cluster.basis.rows()), vector);
 }
 
 void RelationClusters::projectAcceleration(Rows a) const {
-  for (const Cluster& cluster : clusters_) {
-    auto of_rows = gathered_.head(cluster.basis.cols());
-    auto of_basis = reduced_.head(cluster.basis.rows());
-    gather(a, cluster.rows, of_rows);
-    of_basis.noalias() = cluster.basis * of_rows;
-    of_rows.noalias() = cluster.along * of_basis;
-    subtract(of_rows, cluster.rows, a);
-  }
+  for (const Cluster& cluster : clusters_)
+    takeAway(cluster.basis, cluster.along, cluster.rows, gathered_.head(cluster.basis.cols()),
+             reduced_.head(cluster.basis.rows()), a);
 }
 
 template <class Value>

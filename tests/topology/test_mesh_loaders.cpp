@@ -76,6 +76,11 @@ TEST_F(Loaders, TransformScalesThenTurnsThenMoves) {
   EXPECT_TRUE(
       mesh(sceneFromText(sceneText("MeshGmshLoader", path, "scale=\"2\""))).position[4].isApprox(Vec3(2, 2, 2)));
   expectContains(errors(sceneText("MeshGmshLoader", path, R"(scale="2" scale3d="1 1 2")")), "both scale and scale3d");
+  expectContains(errors(sceneText("MeshGmshLoader", path, R"(scale3d="1 1 0" rotation="0 0 30")")),
+                 "the mesh is flattened: its volume cells have none left");
+  expectContains(errors(sceneText("MeshGmshLoader", path, R"(transformation="1 0 0 0  0 1 0 0  1 1 0 0  0 0 0 1")")),
+                 "a transformation that can be undone");
+  EXPECT_EQ(errors(sceneText("MeshGmshLoader", path, R"(scale3d="1e-9 1e-9 1")")), "") << "thin is not flat";
   expectContains(errors(sceneText("MeshGmshLoader", path, R"(transformation="1 0 0 0 0 1 0 0 0 0 1 0 0 0 1 1")")),
                  "last row");
 }
