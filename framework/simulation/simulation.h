@@ -76,6 +76,7 @@ class Simulation {
   /// ComponentError with a sentence, and nothing has changed, whatever was thrown on the way. Returns warnings and
   /// notes. reset() keeps the new value.
   Diagnostics setAttribute(const std::string& path, const std::string& attribute, const std::string& text);
+  std::vector<Override> edits() const;  ///< what has been set so, each attribute once, in the order of the last changes
 
   // ---- forces from outside, between steps ----
   /// Acts from the next step on, until it is removed; returns its number. Throws ComponentError with a sentence: an

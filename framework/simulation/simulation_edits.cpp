@@ -159,6 +159,12 @@ void Simulation::change(LiveEdit& edit, const LiveEdit::Value& value, Diagnostic
   }
 }
 
+std::vector<Override> Simulation::edits() const {
+  std::vector<Override> all;
+  for (const Edit& edit : edits_) all.push_back({edit.path, edit.attribute, edit.text});
+  return all;
+}
+
 /// The attributes of the scene as it was loaded.
 void Simulation::takeEditsBack() {
   for (auto edit = edits_.rbegin(); edit != edits_.rend(); ++edit) {
