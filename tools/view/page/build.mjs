@@ -16,7 +16,7 @@ const out = resolve(process.argv[2]);
 const common = { absWorkingDir: here, bundle: true, minify: true, legalComments: 'none', logLevel: 'warning' };
 await mkdir(out, { recursive: true });
 await build({
-  ...common, entryPoints: ['src/main.js'], outfile: join(out, 'app.js'), format: 'iife', target: 'es2022', charset: 'utf8',
+  ...common, entryPoints: ['src/main.js'], outfile: join(out, 'app.js'), format: 'iife', target: 'es2022', charset: 'utf8', loader: { '.html': 'text' },
   banner: { js: '// The page of stroma view; with three.js and uPlot: see licences.txt' },
 });
 await build({ ...common, entryPoints: ['styles/app.css'], outfile: join(out, 'app.css'), charset: 'utf8' });

@@ -30,17 +30,17 @@ export class BodyView {
       { polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 }));
     const hasSurface = body.triangles.length > 0;
     this.wireframe = this.add(THREE.LineSegments, body.edges, material('line',
-      { ...nodes, colour: hasSurface ? new THREE.Vector3(0.08, 0.09, 0.1) : colour, opacity: hasSurface ? 0.55 : 1, lift: 0.0002 },
+      { ...nodes, colour: hasSurface ? new THREE.Vector3(0.08, 0.09, 0.1) : colour, opacity: hasSurface ? 0.55 : 1, lift: 0.00002 },
       { transparent: hasSurface }));
     this.springs = this.add(THREE.LineSegments, body.springs, material('line',
-      { ...nodes, colour: new THREE.Vector3(0.45, 0.4, 0.7), lift: 0.0003 }));
-    this.points = this.add(THREE.Points, body.points, material('point', { ...nodes, colour, size: 7, shape: 0, lift: 0.0003 }));
+      { ...nodes, colour: new THREE.Vector3(0.45, 0.4, 0.7), lift: 0.00003 }));
+    this.points = this.add(THREE.Points, body.points, material('point', { ...nodes, colour, size: 7, shape: 0, lift: 0.0001 }));
     this.held = this.add(THREE.Points, body.held, material('point',
-      { ...nodes, colour: new THREE.Vector3(0.97, 0.97, 0.97), size: 7, shape: 1, lift: 0.003 }));
+      { ...nodes, colour: new THREE.Vector3(0.97, 0.97, 0.97), size: 7, shape: 1, lift: 0.0002 }));
     this.guided = this.add(THREE.Points, body.guided, material('point',
-      { ...nodes, colour: new THREE.Vector3(0.98, 0.8, 0.25), size: 9, shape: 2, lift: 0.003 }));
+      { ...nodes, colour: new THREE.Vector3(0.98, 0.8, 0.25), size: 9, shape: 2, lift: 0.0002 }));
     this.loads = new Arrows([0.85, 0.35, 0.12]);
-    this.frames = new Growing('lines', { mode: 2, lift: 0.001 }, true);
+    this.frames = new Growing('lines', { mode: 2, lift: 0.0001 }, true);
     this.group.add(this.loads.object, this.frames.object);
     this.turns = new Set(body.frames.map((frame) => frame[1]));
     /** The longest load so far: arrows keep one scale. */

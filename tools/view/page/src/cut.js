@@ -10,7 +10,7 @@ export class Cut {
   constructor(store) {
     this.store = store;
     this.fill = new Growing('triangles', { mode: 2 }, true);
-    this.outlines = new Growing('lines', { mode: 0, lift: 0.0004 });
+    this.outlines = new Growing('lines', { mode: 0, lift: 0.00003 });
     this.objects = [this.fill.object, this.outlines.object];
     /** @type {Float32Array[]} */
     this.distances = [];

@@ -9,21 +9,22 @@ export function exportedRecording() {
 }
 
 /**
- * @param {string[]} parts base64 of gzip of packets @param {import('./store.js').Store} store @param {import('./history.js').History} history
- * @param {import('./timeline.js').Timeline} timeline @param {import('./banner.js').Banner} banner
+ * @param {string[]} packets base64 of gzip of packets
+ * @param {any} parts of the page
  */
-export async function playExported(parts, store, history, timeline, banner) {
+export async function playExported(packets, { store, stage, history, timeline, banner }) {
   try {
+    store.exported = true;
     history.limit = Infinity; // they are in memory anyway
-    for (const part of parts)
+    for (const part of packets)
       for (const bytes of splitPackets(await gunzip(fromBase64(part)))) {
         const packet = readPacket(bytes);
-        if (packet.header.is === 'scene') store.view.colour = packet.header.view?.colour ?? store.view.colour;
         store.receivePacket(packet);
       }
     if (history.frames.length === 0) throw new Error('it has no frames');
     store.setConnection('recording', '');
     store.receiveText({ is: 'ready' });
+    startAsExported(store, stage);
     timeline.seek(0);
     timeline.update();
     if (history.frames.length > 1) timeline.toggle();
@@ -31,4 +32,14 @@ export async function playExported(parts, store, history, timeline, banner) {
     banner.noteShown = true;
     banner.show(`The recording in this page could not be read: ${/** @type {Error} */ (problem).message}.`, 'bad');
   }
+}
+
+/** The choices and the camera of the page that exported. @param {any} store @param {any} stage */
+function startAsExported(store, stage) {
+  const { camera, ...view } = store.scene.view ?? {};
+  store.setView(view);
+  if (!camera) return;
+  stage.camera.position.fromArray(camera.position);
+  stage.controls.target.fromArray(camera.target);
+  stage.controls.update();
 }

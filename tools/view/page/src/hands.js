@@ -243,8 +243,8 @@ export class Hands {
         const from = this.stage.views[hand.body].drawnAt(hand.node);
         at = this.drawn(hand.body, hand.node, hand.to);
         const along = at.map((c, i) => c - from[i]);
-        if (Math.hypot(...along) > 1e-4 * size) arrows.push({ at: from, radius: 0.004 * size, along });
-        ends.push({ at: hand.kind === 'hold' ? at : from, radius: 0.009 * size });
+        if (Math.hypot(...along) > 1e-4 * size) arrows.push({ at: from, radius: 0.003 * size, along });
+        ends.push({ at: hand.kind === 'hold' ? at : from, radius: 0.0075 * size });
       }
       seen.add(key);
       this.label(key, at, Math.hypot(...hand.force), hand);
@@ -273,7 +273,9 @@ export class Hands {
     for (const label of this.labels.values()) {
       const { x, y, depth } = this.stage.toScreen(/** @type {any} */ (label).at);
       label.hidden = depth > 1;
-      label.style.transform = `translate(${Math.round(x - bounds.left + 12)}px, ${Math.round(y - bounds.top - 26)}px)`;
+      const left = Math.min(Math.max(4, x - bounds.left + 12), bounds.width - label.offsetWidth - 4);
+      const top = Math.min(Math.max(4, y - bounds.top - 26), bounds.height - label.offsetHeight - 4);
+      label.style.transform = `translate(${Math.round(left)}px, ${Math.round(top)}px)`;
     }
     const applied = this.store.shown?.header.applied?.[this.store.scene?.client] ?? -1;
     const now = performance.now();

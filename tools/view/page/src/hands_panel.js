@@ -25,7 +25,7 @@ export class HandsPanel {
       this.problem.textContent = good ? '' : `"${text}" is no stiffness; a number above zero was expected, or nothing to let the server choose.`;
     }, { placeholder: 'automatic' });
     this.problem = h('div', { class: 'error', 'data-error': 'stiffness' });
-    this.grip = choice('grip', 'What is taken', [['face', 'The face under the pointer'], ['node', 'The nearest node']], hands.grip, (grip) => (hands.grip = grip));
+    this.grip = choice('grip', 'What is taken', [['face', 'Face under the pointer'], ['node', 'Nearest node']], hands.grip, (grip) => (hands.grip = grip));
     this.radius = h('input', { test: 'ball', type: 'range', min: 0.02, max: 0.3, step: 0.01, value: hands.radius, 'aria-label': 'Radius of the ball', oninput: () => {
       hands.radius = Number(this.radius.value);
       this.update();

@@ -7,6 +7,7 @@ export const LIMIT = 256e6; // bytes
 export class History {
   /** @param {import('./store.js').Store} store @param {number} [limit] bytes */
   constructor(store, limit = LIMIT) {
+    this.store = store;
     this.limit = limit;
     /** Kept for every how many arrived. */
     this.stride = 1;
@@ -28,6 +29,7 @@ export class History {
 
   /** @param {any} packet */
   keep(packet) {
+    if (this.store.scene.mode === 'recording' && !this.store.exported) return; // the server has them all
     const { step } = packet.header;
     const last = this.frames[this.frames.length - 1];
     if (last && step < this.latest) this.clear(); // the run was reset

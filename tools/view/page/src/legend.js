@@ -85,6 +85,6 @@ export class Legend {
 /** The name of a choice of colour for people. @param {string} key */
 export function titleOf(key) {
   const name = key.split('|')[0];
-  const spaced = name.replace(/([a-z])([A-Z])/g, (_, a, b) => `${a} ${b.toLowerCase()}`);
+  const spaced = name.replace(/([a-z])([A-Z])/g, '$1 $2');
   return spaced.charAt(0).toUpperCase() + spaced.slice(1);
 }

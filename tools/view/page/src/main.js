@@ -18,6 +18,7 @@ import { followTheme } from './theme.js';
 import { listenToKeys } from './keys.js';
 import { pick } from './picking.js';
 import { showAxes } from './axes.js';
+import { showPicked } from './picked.js';
 
 function start() {
   const element = (/** @type {string} */ id) => /** @type {HTMLElement} */ (document.getElementById(id));
@@ -44,6 +45,7 @@ function start() {
   const tree = new Tree(element('left'), store, stage);
   const bar = new Bar(element('bar'), parts, { left: tree.element, right: panels.element });
   showAxes(element('picture'), stage);
+  showPicked(element('picture'), { ...parts, panels });
   listenToKeys({ ...parts, panels, bar });
 
   stage.afterDraw.push((arrived) => {
@@ -59,7 +61,7 @@ function start() {
     pick: (/** @type {number} */ x, /** @type {number} */ y) => pick(stage, x, y),
     screenOf: (/** @type {number} */ b, /** @type {number} */ node) => stage.toScreen(stage.views[b].drawnAt(node)),
   };
-  if (recording) playExported(recording, store, history, timeline, banner);
+  if (recording) playExported(recording, { store, stage, history, timeline, banner });
   else connection?.open();
 }
 

@@ -25,7 +25,7 @@ export class Stage {
     this.views = [];
     this.cut = new Cut(store);
     this.colouring = new Colouring(store);
-    this.links = new Growing('lines', { mode: 2, lift: 0.0004 }, true);
+    this.links = new Growing('lines', { mode: 2, lift: 0.00003 }, true);
     this.world.add(...this.cut.objects, this.links.object);
     this.restBox = new THREE.Box3();
     this.asked = false;

@@ -57,6 +57,8 @@ export class Store {
     /** @type {any} the newest packet */
     this.newest = null;
     this.following = true;
+    /** Whether this page holds its recording itself. */
+    this.exported = false;
     this.ready = false;
     /** @type {any} */
     this.status = { running: false, pace: 'real', factor: 1, time: 0, step: 0, doubts: [], ended: '', control: null };
