@@ -19,6 +19,9 @@ await build({
   ...common, entryPoints: ['src/main.js'], outfile: join(out, 'app.js'), format: 'iife', target: 'es2022', charset: 'utf8', loader: { '.html': 'text' },
   banner: { js: '// The page of stroma view; with three.js and uPlot: see licences.txt' },
 });
+// The page is also written into one file, inside an element "script": nothing in it may look like a comment of HTML.
+const script = join(out, 'app.js');
+await writeFile(script, (await readFile(script, 'utf8')).replaceAll('<!--', '<\\!--'));
 await build({ ...common, entryPoints: ['styles/app.css'], outfile: join(out, 'app.css'), charset: 'utf8' });
 await copyFile(join(here, 'index.html'), join(out, 'index.html'));
 

@@ -42,7 +42,6 @@ export class BodyView {
     this.loads = new Arrows([0.85, 0.35, 0.12]);
     this.frames = new Growing('lines', { mode: 2, lift: 0.0001 }, true);
     this.group.add(this.loads.object, this.frames.object);
-    this.turns = new Set(body.frames.map((frame) => frame[1]));
     /** The longest load so far: arrows keep one scale. */
     this.longestLoad = 0;
   }
@@ -120,7 +119,7 @@ export class BodyView {
   }
 
   updateLoads() {
-    const { load, size, frames } = this.body;
+    const { load, size } = this.body;
     const items = [];
     if (load && this.store.view.loads) {
       let longest = 0;
@@ -130,7 +129,7 @@ export class BodyView {
       for (let n = 0; 3 * n < load.length && items.length < MOST_ARROWS; n++) {
         const force = [load[3 * n], load[3 * n + 1], load[3 * n + 2]];
         const length = Math.hypot(...force);
-        if (length < 1e-3 * longest || length === 0 || (frames.length && this.turns.has(n))) continue;
+        if (length < 1e-3 * longest || length === 0) continue;
         const scale = (0.12 * (size || 1)) / this.longestLoad;
         items.push({ at: this.drawnAt(n), radius: 0.0035 * (size || 1), along: force.map((f) => f * scale) });
       }
@@ -138,21 +137,21 @@ export class BodyView {
     this.loads.set(items);
   }
 
-  /** A rigid frame: its place, and the vector part of the unit quaternion of its turn. */
+  /** Rigid frames: three axes at the place, turned as the frame says; a frame without turns shows them unturned. */
   updateFrames() {
-    if (this.body.frames.length === 0) return;
+    const { frames, turn, size } = this.body;
+    if (frames.length === 0) return;
     this.frames.clear();
-    const length = 0.12 * (this.body.size || 1);
-    for (const [place, turn] of this.body.frames) {
-      const at = this.body.x.subarray(3 * place, 3 * place + 3);
-      const [x, y, z] = this.body.x.subarray(3 * turn, 3 * turn + 3);
-      const q = new THREE.Quaternion(x, y, z, Math.sqrt(Math.max(0, 1 - x * x - y * y - z * z)));
+    const length = 0.12 * (size || 1);
+    frames.forEach(([place], i) => {
+      const at = this.drawnAt(place);
+      const q = turn ? new THREE.Quaternion(turn[4 * i], turn[4 * i + 1], turn[4 * i + 2], turn[4 * i + 3]) : new THREE.Quaternion();
       AXES.forEach((tint, c) => {
         const axis = new THREE.Vector3(+(c === 0), +(c === 1), +(c === 2)).applyQuaternion(q).multiplyScalar(length);
         this.frames.add(at[0], at[1], at[2], 0, tint);
         this.frames.add(at[0] + axis.x, at[1] + axis.y, at[2] + axis.z, 0, tint);
       });
-    }
+    });
     this.frames.finish();
   }
 
@@ -161,7 +160,6 @@ export class BodyView {
     const point = new THREE.Vector3();
     const used = this.body.surface || this.body.count;
     for (let n = 0; n < used; n++) {
-      if (this.turns.has(n)) continue;
       point.set(...this.drawnAt(n));
       if (Number.isFinite(point.x + point.y + point.z)) box.expandByPoint(point);
     }

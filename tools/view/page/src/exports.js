@@ -28,7 +28,10 @@ export class ExportPanel {
       h('p', { class: 'quiet' }, 'It holds the frames seen so far and opens without a server. With a cut on, it can be cut too.'),
       this.live, h('h2', {}, 'Numbers'), h('div', { class: 'buttons' }, button('export-csv', 'Plotted values (CSV)', () => parts.panels.tabs.get('plots').panel.save())), this.note, this.problem);
     for (const kind of ['xml', 'actions'])
-      this.store.on(kind, (/** @type {any} */ message) => download(new Blob([message.text], { type: kind === 'xml' ? 'application/xml' : 'text/plain' }), message.name));
+      this.store.on(kind, (/** @type {any} */ message) => {
+        for (const { name, text } of [message, ...(message.included ?? [])]) // changed files that the scene includes
+          download(new Blob([text], { type: kind === 'xml' ? 'application/xml' : 'text/plain' }), name);
+      });
     this.store.on('scene', () => (this.live.hidden = this.store.scene.mode !== 'live' || !parts.commands.connection));
     this.store.on('arrived', (/** @type {any} */ packet) => waitFor?.(packet));
     this.stage.afterDraw.push(() => this.recorder && this.compose(this.videoCanvas));

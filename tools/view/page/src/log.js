@@ -6,6 +6,7 @@ export class Log {
   /** @param {HTMLElement} body @param {any} parts */
   constructor(body, { store, commands }) {
     this.store = store;
+    this.commands = commands;
     this.body = body;
     this.count = 0;
     this.doubts = h('div', { 'data-test': 'doubts' });
@@ -21,7 +22,15 @@ export class Log {
       this.plan.textContent = message.lines.join('\n');
     });
     store.on('messages', (message) => this.add(message.lines));
-    store.on('status', () => this.showDoubts());
+    store.on('doubts', () => this.showDoubts());
+    store.on('scene', () => this.ask());
+    store.on('status', () => {
+      const { running, ended } = store.status;
+      if (!running && (this.wasRunning || ended !== this.ended)) this.ask();
+      this.wasRunning = running;
+      this.ended = ended;
+      this.showDoubts();
+    });
     this.showDoubts();
   }
 
@@ -39,6 +48,11 @@ export class Log {
   opened(on) {
     const tab = document.getElementById('tab-log');
     if (on && tab) tab.textContent = 'Log';
+    if (on) this.ask();
+  }
+
+  ask() {
+    this.commands.request({ do: 'doubts' });
   }
 
   showDoubts() {

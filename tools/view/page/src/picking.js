@@ -95,7 +95,7 @@ function hitSection(/** @type {any} */ stage, /** @type {number[]} */ o, /** @ty
     for (let n = 0; n < view.body.count; n++) {
       const [x, y, z] = view.drawnAt(n);
       const square = (x - point[0]) ** 2 + (y - point[1]) ** 2 + (z - point[2]) ** 2;
-      if (square < closest && !view.turns.has(n)) {
+      if (square < closest) {
         closest = square;
         best = { body: view.body.index, node: n, nodes: [n], distance };
       }

@@ -34,7 +34,7 @@ export function openingPackets(store, view) {
     if (inside && body.hexahedra) cells[`${b}.hexahedra`] = body.hexahedra;
     return {
       path: body.path, node: body.node, name: body.name, nodes: count, surface: body.surface, cells: inside ? body.cells : { tetrahedra: 0, hexahedra: 0 },
-      interactive: false, why: 'This page replays a recording.', frames: body.frames.filter((frame) => frame.every((n) => n < count)), size: body.size,
+      interactive: false, why: 'This page replays a recording.', frames: body.frames.map(([place]) => [place]), size: body.size,
     };
   });
   const links = [];
@@ -71,6 +71,7 @@ export function framePacket(store, packet, number) {
     const x = arrays[`${b}.x`];
     const kept = inside || !whole ? x : x.subarray(0, 3 * body.surface);
     if (arrays[`${b}.load`] && store.view.loads) out[`${b}.load`] = arrays[`${b}.load`].subarray(0, kept.length);
+    if (arrays[`${b}.turn`]) out[`${b}.turn`] = arrays[`${b}.turn`];
     const { values, box } = kept instanceof Uint16Array ? { values: kept, box: header.boxes[b] } : quantise(kept);
     out[`${b}.x`] = values;
     return box;
@@ -125,7 +126,7 @@ export async function exportedPage(store, page, view, frames, count, stride) {
   await pack();
   if (number === 0) throw new Error('There are no frames to write yet. Run the scene first.');
   // What would end a script early in the page is written so that it does not.
-  const safe = page.js.replaceAll('</script', '<\\/script').replaceAll('<!--', '<\\!--');
+  const safe = page.js.replaceAll('</script', '<\\/script');
   return page.html.replace('<link rel="stylesheet" href="app.css">', () => `<style>\n${page.css}</style>`)
     .replace('<script src="app.js"></script>', () => `<script type="application/json" id="stroma-recording">${JSON.stringify({ packets: parts })}</script>\n<script>\n${safe}</script>`);
 }

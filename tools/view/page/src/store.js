@@ -17,7 +17,7 @@ const MOST_MESSAGES = 2000;
  * @property {{tetrahedra: number, hexahedra: number}} cells
  * @property {boolean} interactive
  * @property {string} why
- * @property {number[][]} frames rigid frames: nodes of place and turn
+ * @property {number[][]} frames rigid frames: the first number is the node of the place
  * @property {number} size diagonal of the rest box [m]
  * @property {Int32Array} sceneNode number in the scene of each node
  * @property {Float32Array} rest
@@ -33,6 +33,7 @@ const MOST_MESSAGES = 2000;
  * @property {Float32Array} x positions shown, 3 count
  * @property {boolean} inside whether the positions of inner nodes belong to the frame shown
  * @property {Float32Array | null} load
+ * @property {Float32Array | null} turn unit quaternions (x, y, z, w) of the rigid frames
  * @property {boolean} visible
  */
 
@@ -132,11 +133,14 @@ export class Store {
       case 'status':
         // The instants of a recording come only once.
         if (message.recording && !message.recording.times) message.recording.times = this.status.recording?.times;
-        this.status = message;
+        this.status = { ...message, doubts: message.doubts?.length ? message.doubts : this.status.doubts };
         break;
       case 'messages':
         this.messages.push(...message.lines);
         if (this.messages.length > MOST_MESSAGES) this.messages.splice(0, this.messages.length - MOST_MESSAGES);
+        break;
+      case 'doubts':
+        this.status.doubts = message.lines;
         break;
       case 'components':
         this.components = message.tree;
@@ -172,7 +176,7 @@ export class Store {
         sceneNode: ints('node'), rest: arrays[`${b}.rest`], triangles: ints('triangles'), owner: ints('owner'),
         edges: ints('edges'), points: ints('points'), springs: ints('springs'), held: new Int32Array(0),
         guided: new Int32Array(0), tetrahedra: null, hexahedra: null, x: arrays[`${b}.rest`].slice(), inside: true,
-        load: null, visible: !hidden.has(info.path),
+        load: null, turn: null, visible: !hidden.has(info.path),
       };
     });
     this.links = arrays.links ?? new Int32Array(0);
@@ -216,7 +220,8 @@ export class Store {
       if (x instanceof Uint16Array) dequantise(x, header.boxes[body.index], body.x);
       else if (x) body.x.set(x);
       body.inside = header.nodes === 'all' || body.surface === body.count;
-      body.load = arrays[`${body.index}.load`] ?? null;
+      body.load = arrays[`${body.index}.load`] ?? body.load; // not every frame has them
+      body.turn = arrays[`${body.index}.turn`] ?? body.turn;
     }
     for (const field of this.fields) {
       const values = arrays[`f${field.id}`];
