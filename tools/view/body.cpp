@@ -68,22 +68,22 @@ void addFaces(Body& body, const Mesh& mesh) {
 bool hasVolume(const Mesh& mesh) { return !mesh.tetrahedra.empty() || !mesh.hexahedra.empty(); }
 bool hasFaces(const Mesh& mesh) { return !mesh.triangles.empty() || !mesh.quads.empty(); }
 
-/// Of several meshes of a state the one that force fields are computed on: that of the fields' values, else the one that
-/// components find.
+/// The mesh that a force field is computed on: the one that it links, else the one that it finds as other components do.
+const Topology* topologyOfField(const ForceField& field, const State& state) {
+  if (const Data* data = field.data().find("topology"); data && data->link() && data->link()->target())
+    return dynamic_cast<const Topology*>(data->link()->target());
+  return findTopology(field, state, Link<Topology>("topology"));
+}
+
+/// Of the meshes of a state the one that the values of its fields belong to, else the one that components find.
 const Mesh* meshOf(const State& state, const System& system) {
+  for (const ForceField* field : system.forceFields()) {
+    if (&field->state() != &state || field->cellFields().empty()) continue;
+    const Topology* topology = topologyOfField(*field, state);
+    if (topology && (hasVolume(topology->mesh()) || hasFaces(topology->mesh()))) return &topology->mesh();
+  }
   const std::vector<const Topology*> candidates = topologiesOf(state);
   if (candidates.empty()) return nullptr;
-  if (candidates.size() > 1)
-    for (const ForceField* field : system.forceFields()) {
-      if (&field->state() != &state || field->cellFields().empty()) continue;
-      std::vector<double> values;
-      field->cellField(field->cellFields().front(), system.x, values);
-      for (const Topology* candidate : candidates) {
-        const Mesh& mesh = candidate->mesh();
-        for (const std::size_t count : {mesh.tetrahedra.size(), mesh.hexahedra.size(), mesh.triangles.size()})
-          if (count > 0 && count == values.size()) return &mesh;
-      }
-    }
   const Topology* usual = topologyOf(state);
   for (const auto has : {hasVolume, hasFaces})
     if (!usual || !has(usual->mesh()))

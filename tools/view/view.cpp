@@ -47,8 +47,11 @@ class BrowserViewer final : public Viewer {
     demand.all_nodes = request.inside;
     demand.fields = fieldsCalled(request.fields, drawing);
     checkAccess(request.file, true);
-    std::vector<std::string> packets{scenePacket(simulation, drawing, 1, "recording").bytes(),
-                                     heldPacket(simulation, drawing, 1).bytes()};
+    Packet scene = scenePacket(simulation, drawing, 1, "recording");
+    if (!request.fields.empty())
+      scene.header()["view"] = {{"colour", request.fields.front() + "|cells|" + unitOfField(request.fields.front())},
+                                {"range", "running"}};
+    std::vector<std::string> packets{scene.bytes(), heldPacket(simulation, drawing, 1).bytes()};
     if (request.inside) packets.push_back(cellsPacket(drawing, 1).bytes());
     long frame = 0;
     const auto keep = [&] {
