@@ -244,7 +244,8 @@ export class Store {
   /** The unit of what colours the bodies. */
   get colourUnit() {
     if (this.view.colour === 'displacement') return 'm';
-    return this.fields.find((field) => fieldKey(field) === this.view.colour)?.unit ?? '';
+    const unit = this.fields.find((field) => fieldKey(field) === this.view.colour)?.unit ?? '';
+    return unit === '-' || unit === '1' ? '' : unit;
   }
 }
 
