@@ -31,6 +31,7 @@ export class Stage {
     this.asked = false;
     this.frameChanged = this.choicesChanged = false;
     this.frameDrawn = -1;
+    /** Time spent drawing so far [ms]. */
     this.drawMilliseconds = 0;
     /** @type {number[]} frames that arrived and were not yet answered */
     this.arrived = [];
@@ -166,7 +167,7 @@ export class Stage {
     this.renderer.setClearColor(dark ? 0x16191d : 0xf7f7f4, 1);
     this.renderer.render(this.world, this.camera);
     this.frameDrawn = this.store.shown?.header.frame ?? -1;
-    this.drawMilliseconds += 0.1 * (performance.now() - begin - this.drawMilliseconds);
+    this.drawMilliseconds += performance.now() - begin;
     const { arrived } = this;
     this.arrived = [];
     for (const follower of this.afterDraw) follower(arrived);
