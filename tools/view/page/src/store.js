@@ -175,7 +175,7 @@ export class Store {
         ...info, index: b, count, frames: info.frames ?? [], cells: info.cells ?? { tetrahedra: 0, hexahedra: 0 },
         sceneNode: ints('node'), rest: arrays[`${b}.rest`], triangles: ints('triangles'), owner: ints('owner'),
         edges: ints('edges'), points: ints('points'), springs: ints('springs'), held: new Int32Array(0),
-        guided: new Int32Array(0), tetrahedra: null, hexahedra: null, x: arrays[`${b}.rest`].slice(), inside: true,
+        guided: new Int32Array(0), tetrahedra: null, hexahedra: null, x: arrays[`${b}.rest`].slice(), inside: false,
         load: null, turn: null, visible: !hidden.has(info.path),
       };
     });
