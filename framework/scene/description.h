@@ -13,6 +13,8 @@ struct AttributeDescription {
   std::string name;
   std::string value;
   SourceLocation where;
+  /// Where the file writes the value that an override stands for; no line when it writes none.
+  SourceLocation overridden{};
 };
 
 /// `<Type name="..." attribute="value"/>`.
@@ -38,10 +40,18 @@ struct NodeDescription {
   std::string name() const;
 };
 
+/// A file of a scene as it was read.
+struct SceneFileText {
+  std::string file, text;
+  bool is_on_disk = true;  ///< read from there, and not given by a program
+  bool is_prefab = false;  ///< of an element that a file stands for
+};
+
 struct SceneDescription {
   NodeDescription root;
   std::string file;
   std::vector<std::string> files;       ///< the scene and everything it included
+  std::vector<SceneFileText> texts;     ///< of `files`; none when the scene was not read from a text
   std::vector<std::string> data_paths;  ///< folders searched for files after the element's own
 };
 

@@ -79,8 +79,13 @@ void applyOverrides(const std::vector<Override>& overrides, NodeDescription& roo
                         nearest(change.path, places.paths));
       continue;
     }
-    std::erase_if(*attributes, [&](const AttributeDescription& other) { return other.name == change.attribute; });
-    attributes->push_back({change.attribute, change.value, where});
+    AttributeDescription given{change.attribute, change.value, where};
+    std::erase_if(*attributes, [&](const AttributeDescription& other) {
+      if (other.name != change.attribute) return false;
+      given.overridden = isOverride(other.where) ? other.overridden : other.where;
+      return true;
+    });
+    attributes->push_back(std::move(given));
   }
 }
 

@@ -29,7 +29,8 @@ class Resolver {
 
   /// Reads `file` and everything that it includes. False when it cannot be used; the reason has been reported at
   /// `where`.
-  bool read(const std::string& file, const SourceLocation& where, int depth, NodeDescription& root) {
+  bool read(const std::string& file, const SourceLocation& where, int depth, NodeDescription& root,
+            bool is_prefab = false) {
     std::error_code none;
     const std::string canonical = fs::canonical(file, none).string();
     if (std::find(chain_.begin(), chain_.end(), canonical) != chain_.end()) return reportCircle(canonical, where);
@@ -38,14 +39,16 @@ class Resolver {
                  where, {}, "files include each other more than " + std::to_string(limits_.include_depth) + " deep"),
              false;
     std::string text;
-    return readText(file, where, text) && take(text, file, depth, root);
+    return readText(file, where, text) && take({file, std::move(text), true, is_prefab}, depth, root);
   }
-  /// The same for a text that is there already; `file` is its name.
-  bool take(const std::string& text, const std::string& file, int depth, NodeDescription& root) {
+  /// The same for a text that is there already.
+  bool take(SceneFileText text, int depth, NodeDescription& root) {
     std::error_code none;
-    root = readXml(text, file, limits_, diagnostics_);
+    const std::string file = text.file;
+    root = readXml(text.text, file, limits_, diagnostics_);
     if (root.where.file.empty()) return false;
     scene_.files.push_back(file);
+    scene_.texts.push_back(std::move(text));
     chain_.push_back(fs::canonical(file, none).string());
     splice(root, depth);
     chain_.pop_back();
@@ -97,7 +100,7 @@ class Resolver {
       if (component.type == "include") {
         include(component, depth, node);
       } else if (const std::string prefab = prefabOf(component); !prefab.empty()) {
-        spliceFile(prefab, component.where, component, depth, node);
+        spliceFile(prefab, component.where, component, depth, node, true);
       } else {
         node.components.push_back(std::move(component));
       }
@@ -123,9 +126,9 @@ class Resolver {
   }
 
   void spliceFile(const std::string& file, const SourceLocation& where, const ComponentDescription& element, int depth,
-                  NodeDescription& into) {
+                  NodeDescription& into, bool is_prefab = false) {
     NodeDescription root;
-    if (!read(file, where, depth + 1, root)) return;
+    if (!read(file, where, depth + 1, root, is_prefab)) return;
     const std::string kind = root.name();
     for (const AttributeDescription& attribute : element.attributes)
       if (attribute.name != "href") replace(attribute, root);
@@ -244,7 +247,7 @@ SceneDescription readSceneWithPrefabs(const std::string& file, const std::vector
     return scene;
   }
   Resolver resolver(limits, is_known, scene, diagnostics);
-  if (!(text ? resolver.take(*text, file, 1, scene.root) : resolver.read(file, {file, 1, 1}, 1, scene.root))) {
+  if (!(text ? resolver.take({file, *text, false}, 1, scene.root) : resolver.read(file, {file, 1, 1}, 1, scene.root))) {
     scene.root = {};
     return scene;
   }
