@@ -24,9 +24,8 @@ InputForces::InputForces(State& state) {
 
 bool InputForces::set(long number, const Input& input, Index first_row) {
   const auto found = inputs_.find(number);
-  const bool same = found != inputs_.end() && found->second.input.nodes == input.nodes &&
-                    found->second.first_row == first_row && found->second.input.stiffness == input.stiffness &&
-                    found->second.input.damping == input.damping;
+  const bool same =
+      found != inputs_.end() && found->second.input.hasDerivativesOf(input) && found->second.first_row == first_row;
   inputs_[number] = {input, first_row};
   return !same;
 }

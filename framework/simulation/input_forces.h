@@ -1,25 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Forces from outside: a user's hand, a device, a program. They come and go between steps.
 #pragma once
 #include <map>
-#include <string>
 #include <vector>
 
 #include "framework/mechanics/force_field.h"
+#include "framework/simulation/input.h"
 
 namespace stroma {
-
-/// What acts on nodes of one state: a force, a pull towards targets, or both,
-///   f_i = force + stiffness (target_i - x_i) - damping v_i
-/// A node that is pulled by a mouse is one node with a target; a handle is several.
-struct Input {
-  std::string state;            ///< path of the state
-  std::vector<Index> nodes;     ///< of the state
-  Vec3 force = Vec3::Zero();    ///< on each node [N]
-  std::vector<Vec3> targets{};  ///< [m], one per node; empty: no pull
-  double stiffness = 0;         ///< [N/m]
-  double damping = 0;           ///< [N s/m]
-};
 
 /// The inputs on one system, as a force field whose derivatives are diagonal blocks, which every matrix has: adding one
 /// changes values of a matrix, never its pattern. The system has it in its lists while there is an input, so that it

@@ -90,6 +90,10 @@ RunReport Session::run(const RunLimits& limits) {
       report.statistics.add(report.last, seconds);
       unconverged_.add(report.last);
       if (limits.after_step) limits.after_step(report.last, seconds);
+    } catch (const ReplayError& error) {
+      report.end = RunEnd::not_replayed;
+      report.reason = error.what();
+      break;
     } catch (const OutputError& error) {
       report.end = RunEnd::output_failed;
       report.reason = error.what();

@@ -29,6 +29,7 @@ enum class RunEnd {
   stopped,        ///< requestStop(), after a whole step
   diverged,       ///< the state is that before the step that failed
   not_converged,  ///< no equilibrium, or a position constraint that does not hold: the state is no result
+  not_replayed,   ///< an event of a replay was refused: the state is that before its step
   output_failed,  ///< an observer, or what is told after each step, could not write; all others have seen the step
 };
 

@@ -276,12 +276,16 @@ void Simulation::complete() const {
 
 void Simulation::reset() {
   end();
+  takeReplayedEditsBack();
   forget();
+  for (const Edit& edit : edits_) events_.push_back({0, AttributeEdit{edit.path, edit.attribute, edit.text}});
 }
 
 /// The initial state, and nothing else.
 void Simulation::forget() {
   dropInputs();
+  events_.clear();
+  next_replayed_ = 0;
   for (std::size_t i = 0; i < systems_.size(); ++i) {
     System& system = *systems_[i];
     copy(initial_[i].first, system.x);

@@ -12,6 +12,7 @@
 #include "framework/scene/load.h"
 #include "framework/simulation/integrator.h"
 #include "framework/simulation/observer.h"
+#include "framework/simulation/run_events.h"
 #include "framework/simulation/system_report.h"
 
 namespace stroma {
@@ -50,7 +51,8 @@ class Simulation {
   /// One step. When it diverges, the states and what integrators remember are those of the last good step, and the
   /// report says why. A linear solver may start the next solve from what it has kept of the step that failed: its answer
   /// is then the same to its tolerance.
-  /// Throws OutputError after the step when an observer cannot write; all others have seen the step then.
+  /// Throws OutputError after the step when an observer cannot write; all others have seen the step then. Throws
+  /// ReplayError before the step, which is not made, when an event of replay() is refused.
   StepReport step();
   /// Some integrators compute nodes that nobody reads only on demand. Off (the default): every step ends with
   /// complete(). On: who reads x or v after a step calls complete() before; observers have it done for them.
@@ -86,15 +88,20 @@ class Simulation {
   /// Another force or target in the place of the one with this number: a handle that moves.
   void changeInput(long number, const Input& input);
   void removeInput(long number);
-  /// An input that began, changed or (without `input`) ended when `step` steps had been made.
-  struct InputEvent {
-    long step = 0, number = 0;
-    std::optional<Input> input;
-  };
-  /// Those of the run since its start, in order: given to replayInputs() of the same scene they repeat it bit for bit.
-  const std::vector<InputEvent>& inputEvents() const { return input_events_; }
-  /// From now on these happen, each before the step that it came before. Ascending in `step`.
-  void replayInputs(std::vector<InputEvent> events);
+
+  // ---- all that was done to the run from outside: inputs and attributes ----
+  /// What was done since the start of the run, in order: given to replay() of the same scene, as loaded, it repeats the
+  /// run bit for bit. What was refused is not in it; of several targets or forces of one input before the same step it
+  /// has the last. After reset() it starts with the edits that stay, at step 0. After restore() it starts with what the
+  /// checkpoint has, edits at step 0 and inputs at its step: it repeats what follows in the same scene, restored from
+  /// the same checkpoint.
+  const std::vector<RunEvent>& events() const { return events_; }
+  /// From now on these happen, each before the step that it came before; those of steps already made do not. Ascending
+  /// in `step`. reset() begins them again, with the edits of now. `file`: where they were read, for messages. Throws
+  /// SceneError with everything that can be known to be wrong now; step() throws ReplayError for the rest.
+  void replay(std::vector<RunEvent> events, const std::string& file = {});
+  /// How many of them have happened, or belong to steps that were made before.
+  std::size_t replayed() const { return next_replayed_; }
 
   /// A 64-bit hash over the bits of all x and v: the same for any number of threads.
   std::uint64_t stateHash() const;
@@ -124,8 +131,18 @@ class Simulation {
   void serializeInputs(Archive& archive);
   void setInput(long number, const Input& input);
   void dropInputs();
+  void record(InputChange change);
   void replayDue();
+  void replayOne(const RunEvent& event);
+  /// Throws ComponentError when it cannot be, whatever the scene will be like then.
+  void checkReplay(const RunEvent& event) const;
+  Problem replayProblem(std::size_t index, const ComponentError& error) const;
+  long firstNumber() const;
+  /// The edits that stood before those of a replay.
+  void takeReplayedEditsBack();
   System& systemOf(const Input& input, State*& state) const;
+  /// Throws ComponentError when an integrator that follows no changes has computed something of it.
+  void checkEdit(const LiveEdit& edit) const;
   /// Makes an edit, or leaves everything as it was and throws.
   void change(LiveEdit& edit, const LiveEdit::Value& value, Diagnostics& messages);
   void takeEditsBack();
@@ -171,7 +188,8 @@ class Simulation {
   long base_step_ = 0;
   std::map<long, Input> inputs_;  ///< that act now, by number
   long next_input_ = 1;
-  std::vector<InputEvent> input_events_, replay_;
+  std::vector<RunEvent> events_, replay_;
+  std::string replay_file_;
   std::size_t next_replayed_ = 0;
   struct Edit {
     std::string path, attribute, original, text;
@@ -180,7 +198,8 @@ class Simulation {
   /// One per attribute that has changed, in the order of their last changes: made anew in this order they leave the same
   /// values, also where one attribute follows another by a link.
   std::vector<Edit> edits_;
-  bool worked_on_ = false;  ///< an edit or an input may have brought energy in
+  std::optional<std::vector<Edit>> edits_before_replay_;  ///< when the replay has edits
+  bool worked_on_ = false;                                ///< an edit or an input may have brought energy in
   bool begun_ = false;
   bool on_demand_ = false;
   bool watches_followers_ = false;  ///< an observer watches single nodes that passive mappings place

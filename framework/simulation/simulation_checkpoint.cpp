@@ -21,7 +21,7 @@ Archive Simulation::checkpoint() {
 void Simulation::restore(Archive checkpoint) {
   end();
   const Archive before = this->checkpoint();
-  const std::vector<InputEvent> events = input_events_;
+  const std::vector<RunEvent> events = events_;
   std::vector<std::pair<PhaseTimes, PhaseCounts>> spent;
   for (const auto& system : systems_) spent.emplace_back(system->times, system->counts);
   try {
@@ -37,7 +37,7 @@ void Simulation::restore(Archive checkpoint) {
       throw std::runtime_error(
           fmt::format("the checkpoint could neither be taken ({}) nor be given up ({}): load the scene again",
                       errorSentence(), not_put_back));
-    input_events_ = events;
+    events_ = events;
     for (std::size_t i = 0; i < systems_.size(); ++i) std::tie(systems_[i]->times, systems_[i]->counts) = spent[i];
     throw;
   }

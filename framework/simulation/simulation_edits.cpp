@@ -15,22 +15,6 @@ bool isAtOrBelow(const Node* node, const Node& top) {
   return node != nullptr;
 }
 
-/// An integrator that has computed its matrix beforehand follows no change of what the matrix was made of.
-void refuseWhatWasPrecomputed(const LiveEdit& edit, const std::vector<std::unique_ptr<System>>& systems) {
-  for (const auto& system : systems) {
-    if (system->integrator().followsChanges()) continue;
-    const auto isInside = [&system](const Component* component) {
-      return isAtOrBelow(&component->node(), system->node());
-    };
-    if (!edit.component() || isInside(edit.component()) ||
-        std::any_of(edit.recompiled().begin(), edit.recompiled().end(), isInside))
-      throw ComponentError(edit.name() + " cannot change while the scene runs: " + system->integrator().path() +
-                               " has computed its matrix and loads beforehand",
-                           "an integrator that makes its matrix in steps",
-                           "load the scene again with the new value (--set " + edit.name() + "=...)");
-  }
-}
-
 /// What a system may make use of: all below its integrator, and what that names by links, and so on.
 std::vector<Component*> withinReach(const System& system) {
   std::vector<Component*> found;
@@ -97,9 +81,25 @@ class KeptMemory {
 
 }  // namespace
 
+/// An integrator that has computed its matrix beforehand follows no change of what the matrix was made of.
+void Simulation::checkEdit(const LiveEdit& edit) const {
+  for (const auto& system : systems_) {
+    if (system->integrator().followsChanges()) continue;
+    const auto isInside = [&system](const Component* component) {
+      return isAtOrBelow(&component->node(), system->node());
+    };
+    if (!edit.component() || isInside(edit.component()) ||
+        std::any_of(edit.recompiled().begin(), edit.recompiled().end(), isInside))
+      throw ComponentError(edit.name() + " cannot change while the scene runs: " + system->integrator().path() +
+                               " has computed its matrix and loads beforehand",
+                           "an integrator that makes its matrix in steps",
+                           "load the scene again with the new value (--set " + edit.name() + "=...)");
+  }
+}
+
 Diagnostics Simulation::setAttribute(const std::string& path, const std::string& attribute, const std::string& text) {
   LiveEdit edit(root(), path, attribute);
-  refuseWhatWasPrecomputed(edit, systems_);
+  checkEdit(edit);
   complete();
   Diagnostics messages;
   const LiveEdit::Value before = edit.value();
@@ -115,6 +115,7 @@ Diagnostics Simulation::setAttribute(const std::string& path, const std::string&
     edits_.erase(known);
   }
   edits_.push_back(std::move(noted));
+  events_.push_back({steps_, AttributeEdit{path, attribute, text}});
   return messages;
 }
 

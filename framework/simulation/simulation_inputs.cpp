@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Forces from outside: checked, recorded, replayed.
+// Forces from outside: checked and recorded.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,9 +9,8 @@
 #include "framework/simulation/simulation.h"
 
 namespace stroma {
-namespace {
 
-void checkNumbers(const Input& input, const State& state) {
+void checkInput(const Input& input, const State& state) {
   for (const Index node : input.nodes)
     if (node < 0 || node >= state.size())
       throw ComponentError(fmt::format("an input names node {}", node),
@@ -28,8 +27,6 @@ void checkNumbers(const Input& input, const State& state) {
     throw ComponentError("a number of an input is not finite, or its stiffness or damping is negative",
                          "finite numbers, stiffness and damping of 0 or more");
 }
-
-}  // namespace
 
 System& Simulation::systemOf(const Input& input, State*& state) const {
   std::vector<std::string> paths;
@@ -59,14 +56,14 @@ System& Simulation::systemOf(const Input& input, State*& state) const {
 void Simulation::setInput(long number, const Input& input) {
   State* state = nullptr;
   System& system = systemOf(input, state);
-  checkNumbers(input, *state);
+  checkInput(input, *state);
   const auto known = inputs_.find(number);
   if (known != inputs_.end() && known->second.state != input.state)
     throw ComponentError(fmt::format("input {} acts on {}", number, known->second.state),
                          "the same state, or another input");
   system.setInput(number, input, *state);
   inputs_[number] = input;
-  input_events_.push_back({steps_, number, input});
+  record({number, input});
   next_input_ = std::max(next_input_, number + 1);
   worked_on_ = true;
 }
@@ -87,33 +84,27 @@ void Simulation::removeInput(long number) {
   if (inputs_.erase(number) == 0)
     throw ComponentError(fmt::format("there is no input {}", number), "a number that addInput() returned");
   for (const auto& system : systems_) system->removeInput(number);
-  input_events_.push_back({steps_, number, std::nullopt});
+  record({number, std::nullopt});
 }
 
 void Simulation::dropInputs() {
   for (const auto& [number, input] : inputs_)
     for (const auto& system : systems_) system->removeInput(number);
   inputs_.clear();
-  input_events_.clear();
-  next_input_ = 1;
-  next_replayed_ = 0;
+  next_input_ = firstNumber();
 }
 
-void Simulation::replayInputs(std::vector<InputEvent> events) {
-  replay_ = std::move(events);
-  const auto past = [this](const InputEvent& event) { return event.step < steps_; };
-  next_replayed_ = std::size_t(std::find_if_not(replay_.begin(), replay_.end(), past) - replay_.begin());
-}
-
-void Simulation::replayDue() {
-  for (; next_replayed_ < replay_.size() && replay_[next_replayed_].step <= steps_; ++next_replayed_) {
-    const InputEvent& event = replay_[next_replayed_];
-    if (event.input) {
-      setInput(event.number, *event.input);
-    } else if (inputs_.count(event.number) > 0) {
-      removeInput(event.number);
-    }
+/// A target or force that another one follows before the same step has had no effect.
+void Simulation::record(InputChange change) {
+  for (auto last = events_.rbegin(); last != events_.rend() && last->step == steps_; ++last) {
+    auto* before = std::get_if<InputChange>(&last->what);
+    if (!before) break;  // an edit may read what acts
+    if (before->number != change.number) continue;
+    if (!before->input || !change.input || !before->input->hasDerivativesOf(*change.input)) break;
+    before->input = std::move(change.input);
+    return;
   }
+  events_.push_back({steps_, std::move(change)});
 }
 
 /// Those that act now. Before a checkpoint's own step nothing is replayed again.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Every attribute that may change while a scene runs, of every component of the factory, in the example of its manual
 // page: the change has an effect, it has the same one each time, and the run goes on as the same state does in a scene
-// that was written with the new value.
+// that was written with the new value; after a reset it is that of a replay.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -136,6 +136,10 @@ Outcome tryValue(const Case& test, const std::string& value, std::string& told) 
   EXPECT_EQ(hashes.size(), std::size_t(steps_after)) << "'" << value << "' ends the run";
   EXPECT_EQ(run(*again, steps_after), hashes) << "'" << value << "' a second time";
   EXPECT_EQ(run(*written, steps_after), hashes) << "the scene written with '" << value << "'";
+  edited->reset();
+  const auto replayed = load(test);
+  replayed->replay(edited->events());
+  EXPECT_EQ(run(*replayed, steps_before), run(*edited, steps_before)) << "'" << value << "', replayed after a reset";
   if (run(*unedited, steps_after) != hashes) return Outcome::checked;
   told += fmt::format("\n  '{}': no effect", value);
   return Outcome::without_effect;

@@ -131,7 +131,7 @@ TEST(Inputs, ARecordedHandIsReplayedBitForBitAndACheckpointHoldsIt) {
     played.removeInput(number);
     run(played, 3);
     Simulation replayed = simulationFromText(beamScene(solver));
-    replayed.replayInputs(played.inputEvents());
+    replayed.replay(played.events());
     run(replayed, 11);
     EXPECT_EQ(replayed.stateHash(), played.stateHash());
     Simulation restored = simulationFromText(beamScene(solver));

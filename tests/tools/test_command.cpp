@@ -55,6 +55,70 @@ TEST_F(Command, MisspeltWordsAreAnsweredWithTheNearest) {
 
 // ---- run ----
 
+/// A spring of 100 N/m that a hand pulls with 300 N/m from the fourth step on.
+constexpr const char* sprung =
+    "<Node name=\"root\" dt=\"0.01\" gravity=\"0 0 0\"><StaticSolver/><SparseLDLSolver/>"
+    "<MechanicalObject name=\"dofs\" position=\"0 0 0\"/><UniformMass totalMass=\"1\"/>"
+    "<RestShapeSpringsForceField name=\"spring\" stiffness=\"100\"/></Node>";
+constexpr const char* actions =
+    "{\"stroma\":\"actions\",\"version\":1,\"scene\":\"sprung.xml\"}\n"
+    "{\"step\":3,\"input\":1,\"state\":\"/dofs\",\"nodes\":[0],\"targets\":[[1,0,0]],\"stiffness\":300}\n"
+    "{\"step\":5,\"set\":\"/spring\",\"attribute\":\"stiffness\",\"value\":\"900\"}\n"
+    "{\"step\":8,\"end\":1}\n";
+
+TEST_F(Command, WhatWasDoneToARunIsReplayed) {
+  write("sprung.xml", sprung);
+  write("hand.actions", actions);
+  std::vector<std::string> hashes;
+  const std::tuple<int, const char*, double> runs[] = {{3, "replayed 0 actions; the run ended before 3 more", 0},
+                                                       {4, "replayed 1 action; the run ended before 2 more", 0.75},
+                                                       {6, "replayed 2 actions; the run ended before 1 more", 0.25},
+                                                       {9, "replayed 3 actions\n", 0}};
+  for (const auto& [steps, told, x] : runs) {
+    const Finished run = stroma("run sprung.xml --replay hand.actions --record out -n " + std::to_string(steps));
+    EXPECT_EQ(run.code, 0) << run.err;
+    EXPECT_TRUE(has(run.out, told)) << run.out;
+    EXPECT_FALSE(has(run.err, "recorded with")) << run.err;
+    EXPECT_NEAR(readStateFile(file("out/dofs.state.gz")).back().x[0].x(), x, 1e-12);
+  }
+  const Finished on = stroma("run sprung.xml --replay hand.actions --record out -n 6 --json --quiet");
+  EXPECT_EQ(nlohmann::json::parse(on.out)["replayed"], nlohmann::json({{"actions", 2}, {"later", 1}}));
+  const Finished resumed = stroma("run sprung.xml --replay hand.actions --record out -n 9 --resume");
+  EXPECT_TRUE(has(resumed.out, "replayed 1 action; 2 before the checkpoint\n")) << resumed.out;
+  write("other.xml", sprung);
+  EXPECT_TRUE(has(stroma("run other.xml --replay hand.actions -n 9").err,
+                  "note: hand.actions was recorded with the scene sprung.xml\n"));
+}
+
+TEST_F(Command, AReplayThatCannotBeIsRefusedBeforeOrEndsTheRun) {
+  write("sprung.xml", sprung);
+  const auto with = [&](const std::string& before, const std::string& after) {
+    std::string text = actions;
+    const std::size_t at = text.find(before);
+    write("hand.actions", text.replace(at, before.size(), after));
+    return stroma("run sprung.xml --replay hand.actions -n 9");
+  };
+  const std::tuple<const char*, const char*, const char*> unfit[] = {
+      {"stroma", "srtoma", "hand.actions:1: error: "},
+      {"\"step\":5", "\"step\":2", "hand.actions:3: error: step 2 comes after step 3"},
+      {"/spring", "/sprin", "did you mean '/spring'?"},
+      {"[0]", "[1]", "hand.actions:2: error: action 1 of the replay, before step 4: an input names node 1"}};
+  for (const auto& [before, after, told] : unfit) {
+    const Finished run = with(before, after);
+    EXPECT_EQ(run.code, 2) << run.err;
+    EXPECT_TRUE(has(run.err, told)) << run.err;
+    EXPECT_TRUE(has(run.err, "nothing was run")) << run.err;
+  }
+  EXPECT_EQ(stroma("run sprung.xml --replay absent.actions").code, 2);
+  EXPECT_EQ(stroma("run sprung.xml --replay hand.actions --json=hand.actions").code, 2);
+  EXPECT_FALSE(exists("sprung.diverged"));
+  const Finished run = with("900", "-900");
+  EXPECT_EQ(run.code, 3) << "steps were made: an exit code of 2 would say that nothing was run";
+  EXPECT_TRUE(has(run.err, "not replayed: hand.actions:3: error: action 2 of the replay, before step 6: ")) << run.err;
+  EXPECT_TRUE(has(run.err, "the last good state (t = 0.05 s) is in sprung.diverged")) << run.err;
+  EXPECT_TRUE(has(run.out, "sprung.xml: not replayed after 5 steps")) << run.out;
+}
+
 TEST_F(Command, AConstraintThatDoesNotHoldEndsTheRun) {
   write("behind.xml",
         "<Node name=\"root\" dt=\"0.01\" gravity=\"0 0 0\"><EulerExplicitSolver/>"

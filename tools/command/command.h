@@ -12,8 +12,8 @@ enum ExitCode : int {
   exit_done = 0,
   exit_comparison_failed = 1,
   exit_bad_input = 2,      ///< or an output that cannot be written: nothing was run
-  exit_diverged = 3,       ///< or no equilibrium, or broken constraints; the last state was written and named. Of a
-                           ///< strict run: or a result in doubt
+  exit_diverged = 3,       ///< or no equilibrium, or broken constraints, or an action of a replay was refused; the last
+                           ///< state was written and named. Of a strict run: or a result in doubt
   exit_output_failed = 4,  ///< an output could not be written any more; what the files have is whole up to there
   // 128 + the number of SIGINT or SIGTERM: stopped after a whole step; what was recorded is complete
 };

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <chrono>
 #include <csignal>
+#include <filesystem>
 
 #include "framework/scene/output_file.h"
 #include "framework/simulation/long_work.h"
@@ -48,6 +49,34 @@ class CheckpointClock {
   const RunRequest& request_;
   Clock::time_point last_ = Clock::now();
 };
+
+/// What the run does again.
+struct Replay {
+  std::size_t before = 0, all = 0;  ///< those that a checkpoint has behind it; all of the file
+
+  std::size_t made(const Simulation& simulation) const { return simulation.replayed() - before; }
+  std::size_t later(const Simulation& simulation) const { return all - simulation.replayed(); }
+  std::string text(const Simulation& simulation) const {
+    const auto actions = [](std::size_t count) { return fmt::format("{} action{}", count, count == 1 ? "" : "s"); };
+    std::string text = "replayed " + actions(made(simulation));
+    if (before > 0) text += fmt::format("; {} before the checkpoint", before);
+    if (later(simulation) > 0) text += fmt::format("; the run ended before {} more", later(simulation));
+    return text;
+  }
+};
+
+std::optional<Replay> beginReplay(const RunRequest& request, Simulation& simulation) {
+  if (request.replay_file.empty()) return {};
+  RecordedActions actions = readActions(request.replay_file);
+  const std::string scene = std::filesystem::path(request.scene).filename().string();
+  if (actions.scene != scene && !request.quiet)
+    fmt::print(stderr, "note: {} was recorded with the scene {}\n", request.replay_file, actions.scene);
+  Replay replay;
+  replay.all = actions.events.size();
+  simulation.replay(std::move(actions.events), request.replay_file);
+  replay.before = simulation.replayed();
+  return replay;
+}
 
 Outcome loop(Session& session, long steps, const RunRequest& request, Recorder* recorder, bool goes_on) {
   const Simulation& simulation = session.simulation();
@@ -120,6 +149,7 @@ int run(const Arguments& arguments) {
     fmt::print(stderr, "note: there is no checkpoint in {} yet: the run starts anew\n", request.record_folder);
   if (!checkpoint.empty())
     for (const std::string& note : session.restore(checkpoint)) fmt::print(stderr, "note: {}\n", note);
+  const std::optional<Replay> replay = beginReplay(request, simulation);
   const long steps = request.stepsOf(session);
   checkOutputs(request, simulation);
   const double load_seconds = secondsSince(start);
@@ -139,11 +169,15 @@ int run(const Arguments& arguments) {
     json["peak_memory_bytes"] = peakMemory();
     json["modules_opened"] = session.modules().opened();
     if (recorder) json["recorded"] = recorder->files();
+    if (replay) json["replayed"] = {{"actions", replay->made(simulation)}, {"later", replay->later(simulation)}};
     json["warnings"] = warnings;
     attempt(outcome, [&] { writeJson(json, request.json_file); });
   }
   for (const std::string& failure : outcome.failures) fmt::print(stderr, "error: {}\n", failure);
-  if (request.json_file != "-" && !request.quiet) printSummary(request, simulation, outcome);
+  if (request.json_file != "-" && !request.quiet) {
+    printSummary(request, simulation, outcome);
+    if (replay) fmt::print("{}\n", replay->text(simulation));
+  }
   for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, SIG_DFL);  // the session ends here
   return outcome.exitCode();
 }

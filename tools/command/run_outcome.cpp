@@ -19,6 +19,8 @@ const char* Outcome::word() const {
       return "interrupted";
     case RunEnd::not_converged:
       return "not converged";
+    case RunEnd::not_replayed:
+      return "not replayed";
     case RunEnd::output_failed:
       return "ended by an output";
     case RunEnd::done:
@@ -39,7 +41,7 @@ int Outcome::exitCode() const {
 void tellFailure(const Outcome& outcome, const Simulation& simulation, const std::vector<std::string>& files) {
   fmt::print(stderr, "{}: {}\n", outcome.word(), outcome.reason);
   const auto [inverted, all] = simulation.invertedCells();
-  const bool is_good = outcome.last.diverged && 2 * inverted <= all;
+  const bool is_good = (outcome.last.diverged || outcome.end == RunEnd::not_replayed) && 2 * inverted <= all;
   fmt::print(stderr, "the last {}state (t = {:.6g} s{}{}) is in {}\n", is_good ? "good " : "", simulation.time(),
              all > 0 ? fmt::format(", {} of {} elements inverted", inverted, all) : "",
              outcome.last.diverged && !is_good ? ": no good one" : "", fmt::join(files, ", "));

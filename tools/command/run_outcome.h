@@ -12,7 +12,7 @@ struct Outcome : RunReport {
   int signal = 0;                     ///< that ended it
   std::vector<std::string> failures;  ///< a sentence for each output that could not be written
 
-  bool failed() const { return end == RunEnd::diverged || end == RunEnd::not_converged; }
+  bool failed() const { return end == RunEnd::diverged || end == RunEnd::not_converged || end == RunEnd::not_replayed; }
   const char* word() const;
   int exitCode() const;
 };

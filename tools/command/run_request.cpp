@@ -26,18 +26,22 @@ const Manual manual{
     "goes on from it, or starts when there is none yet: after a crash, a kill, or Ctrl-C. --restart FILE goes on from\n"
     "any checkpoint. The run has the time, step number and bits of one that never stopped: -n and --until are those\n"
     "of the whole run, and the files of observers and recordings are continued where the checkpoint was written.\n\n"
+    "--replay FILE does again, each before its step, what was done to a run of this scene while somebody looked on:\n"
+    "nodes pulled and attributes changed. The bits are those of that run.\n\n"
     "Exit codes:\n"
     "  0    done\n"
     "  2    the scene or the options are wrong, or an output cannot be written; nothing was run\n"
     "  3    no result: a step diverged, statics found no equilibrium, or a position constraint did not hold. The last\n"
     "       state is recorded and named, with the elements that are inverted in it. With --strict also a result in\n"
-    "       doubt: elements inside out, a body that burst, energy from nowhere\n"
+    "       doubt: elements inside out, a body that burst, energy from nowhere. Also a run of which an action of\n"
+    "       --replay was refused: the state before it is recorded and named\n"
     "  4    an output could not be written any more: the run ended; what the files have is whole up to there\n"
     "  130  interrupted with Ctrl-C; what was recorded is complete\n"
     "  143  ended by SIGTERM, likewise",
     "  stroma run liver.xml -n 200\n"
     "  stroma run liver.xml --until 2 --set /liver/fem.method=polar --record results/liver --record-every 10\n"
     "  stroma run liver.xml -n 5000 --record out --resume\n"
+    "  stroma run liver.xml -n 800 --replay liver.actions\n"
     "  stroma run liver.xml -n 50 --json --quiet | python3 -m json.tool\n"};
 
 OptionList runOptions() {
@@ -53,6 +57,7 @@ OptionList runOptions() {
       ("checkpoint-every", po::value<long>()->value_name("K"), "write DIR/last.checkpoint every K steps too")  //
       ("resume", "go on from DIR/last.checkpoint if it is there")                                              //
       ("restart", po::value<std::string>()->value_name("FILE"), "go on from a checkpoint of this scene")       //
+      ("replay", po::value<std::string>()->value_name("FILE"), "do again what the file of actions says")       //
       ("json", po::value<std::string>()->implicit_value("-")->value_name("FILE"),
        "print the summary as JSON; --json=FILE writes it to a file")    //
       ("strict", "a result in doubt is none: the exit code is then 3")  //
@@ -77,6 +82,7 @@ RunRequest::RunRequest(const Values& values)
   if (values.count("record")) record_folder = values["record"].as<std::string>();
   if (values.count("json")) json_file = values["json"].as<std::string>();
   if (values.count("restart")) restart_file = values["restart"].as<std::string>();
+  if (values.count("replay")) replay_file = values["replay"].as<std::string>();
   if (steps && until) throw UsageError("-n and --until exclude each other");
   if (steps && *steps < 0) throw UsageError(fmt::format("-n {}: expected 0 or more steps", *steps));
   if (resume && !restart_file.empty()) throw UsageError("--resume and --restart exclude each other");
@@ -126,7 +132,9 @@ void checkOutputs(const RunRequest& request, const Simulation& simulation) {
   if (!request.recordsIn())  // nobody knows yet whether they will be needed
     for (const std::string& file : recordedFiles(simulation, divergedFolder(request.scene)))
       all.push_back({file, "a run without a result (--record DIR writes elsewhere)"});
-  if (const auto sentence = overwriting(all, inputsOf(simulation.scene()))) throw UsageError(*sentence);
+  std::vector<FileUse> inputs = inputsOf(simulation.scene());
+  if (!request.replay_file.empty()) inputs.push_back({request.replay_file, "--replay"});
+  if (const auto sentence = overwriting(all, inputs)) throw UsageError(*sentence);
   simulation.checkOutputs();
   for (const FileUse& output : outputs) checkWritable(output.path, output.is_replaced);
 }

@@ -11,7 +11,7 @@
 namespace stroma::command {
 
 struct RunRequest {
-  std::string scene, record_folder, restart_file, json_file;
+  std::string scene, record_folder, restart_file, replay_file, json_file;
   std::optional<long> steps;
   std::optional<double> until;
   long record_every = 1, checkpoint_every = 0;  ///< [steps]; 0: never

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// What people do to a run, as a list and as a text file: one JSON object a line,
+//   {"stroma":"actions","version":1,"scene":"organ.xml"}
+//   {"step":12,"input":1,"state":"/organ/dofs","nodes":[40],"force":[0,0,0],"targets":[[0.1,0.2,0.3]],"stiffness":500,"damping":2}
+//   {"step":15,"set":"/organ/fem","attribute":"youngModulus","value":"9000"}
+//   {"step":20,"end":1}
+// "force" (zero), "targets" (none), "stiffness" and "damping" (0) may be left out. Steps ascend.
+#pragma once
+#include <iosfwd>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "framework/simulation/input.h"
+
+namespace stroma {
+
+/// An input that began, is another now, or (without `input`) ended.
+struct InputChange {
+  long number = 0;  ///< of Simulation::addInput()
+  std::optional<Input> input{};
+};
+
+/// What Simulation::setAttribute() was given.
+struct AttributeEdit {
+  std::string path, attribute, text;
+};
+
+struct RunEvent {
+  long step = 0;  ///< how many had been made
+  std::variant<InputChange, AttributeEdit> what;
+};
+
+/// An event that is replayed was refused: a sentence with its place. The step that it came before was not made.
+class ReplayError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+struct RecordedActions {
+  std::string scene;  ///< the name of its file
+  std::vector<RunEvent> events;
+};
+
+/// The text of such a file: numbers read back to the same bits. Throws std::runtime_error with a sentence when a text in
+/// it is not UTF-8 or a number not finite.
+std::string printActions(const RecordedActions& actions);
+/// Throws SceneError with every problem, each with `file`, its line and what was expected.
+RecordedActions parseActions(std::istream& text, const std::string& file);
+/// The same of a file; throws std::runtime_error when it cannot be opened.
+RecordedActions readActions(const std::string& file);
+
+}  // namespace stroma

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// What of a scene is drawn: closed surfaces that face outwards, cells behind their faces, nodes numbered from the surface in.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/support/scene_fixture.h"
+#include "tools/view/body.h"
+#include "tools/view/scene_packets.h"
+
+namespace stroma::view {
+namespace {
+
+using test::simulationFromText;
+
+std::string block(const std::string& cells, const std::string& more = "") {
+  return "<Node name=\"root\" dt=\"0.01\"><Node name=\"block\"><EulerImplicitSolver/><CGLinearSolver/>"
+         "<RegularGridTopology name=\"grid\" n=\"4 3 5\" min=\"0 0 0\" max=\"3 2 4\"/><MechanicalObject name=\"dofs\"/>"
+         "<UniformMass totalMass=\"1\"/>" +
+         cells + more + "</Node></Node>";
+}
+const std::string hexahedra = "<HexahedronFEMForceField youngModulus=\"1000\" poissonRatio=\"0.3\"/>";
+const std::string tetrahedra =
+    "<TetrahedronSetTopologyContainer name=\"tetras\"/><Hexa2TetraTopologicalMapping input=\"@grid\" output=\"@tetras\"/>"
+    "<TetrahedronFEMForceField youngModulus=\"1000\" poissonRatio=\"0.3\"/>";
+
+Vec3 restOf(const Body& body, Index page) { return body.state->rest_position[std::size_t(body.node[std::size_t(page)])]; }
+
+/// By the divergence theorem, positive when the faces look outwards.
+double enclosedVolume(const Body& body) {
+  double volume = 0;
+  for (const Triangle& face : body.triangles)
+    volume += restOf(body, face[0]).dot(restOf(body, face[1]).cross(restOf(body, face[2]))) / 6;
+  return volume;
+}
+
+template <class Cell>
+bool hasFace(const Cell& cell, const Body& body, const Triangle& face) {
+  return std::all_of(face.begin(), face.end(), [&](Index page) {
+    return std::find(cell.begin(), cell.end(), body.node[std::size_t(page)]) != cell.end();
+  });
+}
+
+TEST(Bodies, ABlockOfHexahedraHasAClosedSurfaceAndItsInsideComesLast) {
+  const Simulation simulation = simulationFromText(block(hexahedra));
+  const Drawing drawing = drawingOf(simulation);
+  ASSERT_EQ(drawing.bodies.size(), 1u);
+  const Body& body = drawing.bodies[0];
+  EXPECT_NEAR(enclosedVolume(body), 24, 1e-12);
+  EXPECT_EQ(body.triangles.size(), 2u * 2 * (3 * 2 + 3 * 4 + 2 * 4));
+  EXPECT_EQ(body.node.size(), 60u);
+  EXPECT_EQ(body.surface, 60 - 2 * 1 * 3);
+  // Euler's formula for the quads: V - E + F = 2
+  EXPECT_EQ(body.surface - Index(body.edges.size()) + Index(body.triangles.size() / 2), 2);
+  EXPECT_TRUE(body.points.empty());
+  for (std::size_t i = 0; i < body.triangles.size(); ++i) {
+    EXPECT_TRUE(hasFace(body.mesh->hexahedra[std::size_t(body.owner[i])], body, body.triangles[i])) << i;
+    for (const Index page : body.triangles[i]) EXPECT_LT(page, body.surface);
+  }
+  for (Index page = 0; page < Index(body.node.size()); ++page)
+    EXPECT_EQ(body.page[std::size_t(body.node[std::size_t(page)])], page);
+}
+
+TEST(Bodies, TetrahedraCutFromAGridAreWhatIsDrawnOfIt) {
+  const Simulation simulation = simulationFromText(block(tetrahedra));
+  const Drawing drawing = drawingOf(simulation);
+  const Body& body = drawing.bodies.at(0);
+  EXPECT_NEAR(enclosedVolume(body), 24, 1e-12);
+  EXPECT_FALSE(body.mesh->tetrahedra.empty());
+  EXPECT_TRUE(body.mesh->hexahedra.empty());
+  for (std::size_t i = 0; i < body.triangles.size(); ++i)
+    EXPECT_TRUE(hasFace(body.mesh->tetrahedra[std::size_t(body.owner[i])], body, body.triangles[i])) << i;
+}
+
+TEST(Bodies, FieldsOfCellsHaveAValueForEachCell) {
+  Simulation simulation = simulationFromText(block(hexahedra));
+  for (int i = 0; i < 3; ++i) simulation.step();
+  const Drawing drawing = drawingOf(simulation);
+  std::vector<double> work;
+  std::vector<float> values;
+  int fields = 0;
+  for (const Field& field : drawing.fields) {
+    if (!field.source) continue;
+    ++fields;
+    ASSERT_TRUE(cellValues(field, drawing.bodies[0], work, values)) << field.name;
+    ASSERT_EQ(values.size(), 24u);
+    std::vector<double> direct;
+    field.source->cellField(field.name, simulation.systems()[0]->x, direct);
+    for (std::size_t i = 0; i < direct.size(); ++i) EXPECT_FLOAT_EQ(values[i], float(direct[i]));
+  }
+  EXPECT_GT(fields, 0);
+}
+
+TEST(Bodies, PointsWithoutCellsAreDrawnAsPoints) {
+  const Simulation simulation = simulationFromText(
+      "<Node name=\"root\"><EulerExplicitSolver/><MechanicalObject name=\"dofs\" position=\"0 0 0  1 0 0  2 0 0\"/>"
+      "<UniformMass totalMass=\"1\"/></Node>");
+  const Drawing drawing = drawingOf(simulation);
+  EXPECT_EQ(drawing.bodies.at(0).points.size(), 3u);
+  EXPECT_EQ(drawing.bodies.at(0).surface, 3);
+}
+
+TEST(Bodies, HeldAndGuidedNodesAreToldApart) {
+  const Simulation simulation = simulationFromText(
+      block(hexahedra, "<FixedProjectiveConstraint indices=\"0 1\"/>"
+                       "<PartialFixedProjectiveConstraint indices=\"5\" fixedDirections=\"1 0 0\"/>"
+                       "<LinearMovementProjectiveConstraint indices=\"59\" keyTimes=\"0 1\" movements=\"0 0 0  1 0 0\"/>"));
+  const Drawing drawing = drawingOf(simulation);
+  const Packet packet = heldPacket(simulation, drawing, 1);
+  const auto nodes = [&](std::size_t array) {
+    std::vector<Index> out;
+    for (const std::int32_t page : std::get<std::vector<std::int32_t>>(packet.arrays()[array].second))
+      out.push_back(drawing.bodies[0].node[std::size_t(page)]);
+    return out;
+  };
+  ASSERT_EQ(packet.arrays().size(), 2u);
+  EXPECT_EQ(nodes(0), (std::vector<Index>{0, 1}));
+  EXPECT_EQ(nodes(1), (std::vector<Index>{5, 59}));
+}
+
+}  // namespace
+}  // namespace stroma::view

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Who may see a run: whoever has its token. The address that is printed carries the token once; the page's cookie carries it
+// from then on. A name that leads to this machine from elsewhere (DNS rebinding) and pages of other origins are refused by
+// exact comparison of Host and Origin.
+#pragma once
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace stroma::view {
+
+class Access {
+ public:
+  /// `host`: what pages may call this machine besides 127.0.0.1 and localhost; `port`: the one that is listened on.
+  Access(const std::string& host, int port);
+
+  const std::string& token() const { return token_; }
+  /// "http://127.0.0.1:8123/?token=..."
+  std::string address() const;
+  bool isOurHost(std::string_view host) const;
+  /// Of pages that were loaded from here.
+  bool isOurOrigin(std::string_view origin) const;
+  bool isToken(std::string_view given) const;
+  /// Whether a header `Cookie` carries the token.
+  bool hasCookie(std::string_view cookies) const;
+  /// The value of `Set-Cookie`.
+  std::string cookie() const;
+
+ private:
+  std::string host_, token_, name_;
+  std::vector<std::string> names_;  ///< NAME:PORT
+};
+
+/// Whether an address can be reached from this machine only.
+bool isLoopback(const std::string& host);
+
+}  // namespace stroma::view

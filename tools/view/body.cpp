@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tools/view/body.h"
+
+#include <algorithm>
+#include <limits>
+#include <map>
+
+#include "framework/mechanics/state_topology.h"
+
+namespace stroma::view {
+namespace {
+
+/// Numbers of the state until renumber().
+void addTriangle(Body& body, Index a, Index b, Index c, Index owner) {
+  body.triangles.push_back({a, b, c});
+  body.owner.push_back(owner);
+}
+
+void addQuad(Body& body, const Quad& quad, Index owner) {
+  addTriangle(body, quad[0], quad[1], quad[2], owner);
+  addTriangle(body, quad[0], quad[2], quad[3], owner);
+}
+
+template <class Face>
+void addEdges(std::vector<Edge>& edges, const std::vector<Face>& faces) {
+  for (const Face& face : faces)
+    for (std::size_t i = 0; i < face.size(); ++i) {
+      const Index a = face[i], b = face[(i + 1) % face.size()];
+      edges.push_back({std::min(a, b), std::max(a, b)});
+    }
+}
+
+void makeUnique(std::vector<Edge>& edges) {
+  std::sort(edges.begin(), edges.end());
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+}
+
+/// The cell behind each face of the boundary: the one that has all its nodes, found around the face's first node.
+template <class Face, class Cell>
+Index cellBehind(const Face& face, const std::vector<Cell>& cells, const Adjacency& around) {
+  for (Index k = around.start[std::size_t(face[0])]; k < around.start[std::size_t(face[0]) + 1]; ++k) {
+    const Cell& cell = cells[std::size_t(around.values[std::size_t(k)])];
+    const bool has_all = std::all_of(face.begin(), face.end(),
+                                     [&cell](Index node) { return std::find(cell.begin(), cell.end(), node) != cell.end(); });
+    if (has_all) return around.values[std::size_t(k)];
+  }
+  return 0;
+}
+
+void addBoundary(Body& body, const Mesh& mesh) {
+  for (const Triangle& face : mesh.boundaryTriangles())
+    addTriangle(body, face[0], face[1], face[2], cellBehind(face, mesh.tetrahedra, mesh.tetrahedraAroundNode()));
+  for (const Quad& face : mesh.boundaryQuads())
+    addQuad(body, face,
+            Index(mesh.tetrahedra.size()) + cellBehind(face, mesh.hexahedra, mesh.hexahedraAroundNode()));
+  addEdges(body.edges, mesh.boundaryTriangles());
+  addEdges(body.edges, mesh.boundaryQuads());
+}
+
+void addFaces(Body& body, const Mesh& mesh) {
+  Index number = 0;
+  for (const Triangle& face : mesh.triangles) addTriangle(body, face[0], face[1], face[2], number++);
+  for (const Quad& face : mesh.quads) addQuad(body, face, number++);
+  addEdges(body.edges, mesh.triangles);
+  addEdges(body.edges, mesh.quads);
+}
+
+bool hasVolume(const Mesh& mesh) { return !mesh.tetrahedra.empty() || !mesh.hexahedra.empty(); }
+bool hasFaces(const Mesh& mesh) { return !mesh.triangles.empty() || !mesh.quads.empty(); }
+
+/// Of several meshes of a state the one that force fields are computed on: that of the fields' values, else the one that
+/// components find.
+const Mesh* meshOf(const State& state, const System& system) {
+  const std::vector<const Topology*> candidates = topologiesOf(state);
+  if (candidates.empty()) return nullptr;
+  if (candidates.size() > 1)
+    for (const ForceField* field : system.forceFields()) {
+      if (&field->state() != &state || field->cellFields().empty()) continue;
+      std::vector<double> values;
+      field->cellField(field->cellFields().front(), system.x, values);
+      for (const Topology* candidate : candidates) {
+        const Mesh& mesh = candidate->mesh();
+        for (const std::size_t count : {mesh.tetrahedra.size(), mesh.hexahedra.size(), mesh.triangles.size()})
+          if (count > 0 && count == values.size()) return &mesh;
+      }
+    }
+  const Topology* usual = topologyOf(state);
+  for (const auto has : {hasVolume, hasFaces})
+    if (!usual || !has(usual->mesh()))
+      for (const Topology* candidate : candidates)
+        if (has(candidate->mesh())) return &candidate->mesh();
+  return usual ? &usual->mesh() : &candidates.front()->mesh();
+}
+
+/// Numbers of the state become page numbers.
+void renumber(Body& body) {
+  const Index size = body.state->size();
+  std::vector<bool> drawn(std::size_t(size), false);
+  const auto mark = [&drawn](const auto& groups) {
+    for (const auto& group : groups)
+      for (const Index node : group) drawn[std::size_t(node)] = true;
+  };
+  mark(body.triangles), mark(body.edges), mark(body.springs);
+  const bool has_cells = body.mesh && hasVolume(*body.mesh);
+  std::vector<bool> in_cells(std::size_t(size), false);
+  if (has_cells) {
+    for (const auto& cell : body.mesh->tetrahedra)
+      for (const Index node : cell) in_cells[std::size_t(node)] = true;
+    for (const auto& cell : body.mesh->hexahedra)
+      for (const Index node : cell) in_cells[std::size_t(node)] = true;
+  }
+  body.page.assign(std::size_t(size), -1);
+  const auto take = [&](Index row) {
+    body.page[std::size_t(row)] = Index(body.node.size());
+    body.node.push_back(row);
+  };
+  for (Index row = 0; row < size; ++row) {
+    if (body.state->kindOf(row) != RowKind::place || in_cells[std::size_t(row)] > drawn[std::size_t(row)]) continue;
+    take(row);
+    if (!drawn[std::size_t(row)]) body.points.push_back(body.page[std::size_t(row)]);
+  }
+  body.surface = Index(body.node.size());
+  for (Index row = 0; row < size; ++row)
+    if (body.state->kindOf(row) == RowKind::place && body.page[std::size_t(row)] < 0) take(row);
+  for (Index row = 0; row + 1 < size; ++row)
+    if (body.state->kindOf(row) == RowKind::place && body.state->kindOf(row + 1) == RowKind::turn)
+      body.frames.push_back({body.page[std::size_t(row)], row + 1});
+  const auto rename = [&body](auto& groups) {
+    for (auto& group : groups)
+      for (Index& node : group) node = body.page[std::size_t(node)];
+  };
+  rename(body.triangles), rename(body.edges), rename(body.springs);
+}
+
+/// Where a row of a system stands.
+struct Place {
+  Index body = -1, node = -1;  ///< the node's number in the state
+};
+
+Place placeOf(const std::vector<Body>& bodies, const System& system, Index row) {
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    const State& state = *bodies[b].state;
+    if (bodies[b].system == &system && row >= state.firstRow() && row < state.firstRow() + state.size())
+      return {Index(b), row - state.firstRow()};
+  }
+  return {};
+}
+
+void addTies(const System& system, std::vector<std::array<Place, 2>>& ties, const std::vector<Body>& bodies) {
+  std::vector<Tie> pairs;
+  for (const ProjectiveConstraint* constraint : system.constraints().all()) constraint->addTies(pairs);
+  for (const Tie& tie : pairs) ties.push_back({placeOf(bodies, system, tie.a), placeOf(bodies, system, tie.b)});
+}
+
+void addFields(Drawing& drawing) {
+  const auto add = [&drawing](std::size_t body, std::string name, const ForceField* source) {
+    drawing.fields.push_back({int(drawing.fields.size()) + 1, Index(body), std::move(name), source});
+  };
+  for (std::size_t b = 0; b < drawing.bodies.size(); ++b) {
+    add(b, "velocity", nullptr);
+    if (drawing.bodies[b].cells() == 0) continue;
+    for (const ForceField* field : drawing.bodies[b].system->forceFields())
+      if (&field->state() == drawing.bodies[b].state)
+        for (const std::string& name : field->cellFields()) add(b, name, field);
+  }
+}
+
+}  // namespace
+
+Index Body::cells() const {
+  if (!mesh) return 0;
+  const std::size_t volume = mesh->tetrahedra.size() + mesh->hexahedra.size();
+  return Index(volume > 0 ? volume : mesh->triangles.size() + mesh->quads.size());
+}
+
+Drawing drawingOf(const Simulation& simulation) {
+  Drawing drawing;
+  for (const auto& system : simulation.systems())
+    for (const State* state : system->states()) {
+      Body body;
+      body.state = state, body.system = system.get(), body.mesh = meshOf(*state, *system);
+      if (body.mesh && hasVolume(*body.mesh)) {
+        addBoundary(body, *body.mesh);
+      } else if (body.mesh && hasFaces(*body.mesh)) {
+        addFaces(body, *body.mesh);
+      } else if (body.mesh) {
+        body.edges.insert(body.edges.end(), body.mesh->edges.begin(), body.mesh->edges.end());
+      }
+      makeUnique(body.edges);
+      drawing.bodies.push_back(std::move(body));
+    }
+  std::vector<std::array<Place, 2>> ties;
+  for (const auto& system : simulation.systems()) addTies(*system, ties, drawing.bodies);
+  for (Body& body : drawing.bodies) renumber(body);
+  for (const auto& [a, b] : ties)
+    if (a.body >= 0 && b.body >= 0)
+      drawing.links.push_back({a.body, drawing.bodies[std::size_t(a.body)].page[std::size_t(a.node)], b.body,
+                               drawing.bodies[std::size_t(b.body)].page[std::size_t(b.node)], true});
+  std::erase_if(drawing.links, [](const BodyLink& link) { return link.node_a < 0 || link.node_b < 0; });
+  addFields(drawing);
+  return drawing;
+}
+
+bool cellValues(const Field& field, const Body& body, std::vector<double>& work, std::vector<float>& out) {
+  field.source->cellField(field.name, body.system->x, work);
+  const Mesh& mesh = *body.mesh;
+  const bool volume = hasVolume(mesh);
+  const std::size_t first = volume ? mesh.tetrahedra.size() : mesh.triangles.size();
+  const std::size_t second = volume ? mesh.hexahedra.size() : mesh.quads.size();
+  std::size_t offset = 0;
+  if (work.size() == second && work.size() != first && work.size() != first + second)
+    offset = first;
+  else if (work.size() != first && work.size() != first + second)
+    return false;
+  out.assign(first + second, std::numeric_limits<float>::quiet_NaN());
+  for (std::size_t i = 0; i < work.size(); ++i) out[offset + i] = float(work[i]);
+  return true;
+}
+
+std::string unitOfField(const std::string& name) {
+  static const std::map<std::string, std::string> units{
+      {"vonMises", "Pa"}, {"pressure", "Pa"}, {"J", "-"}, {"strain", "-"}, {"velocity", "m/s"}};
+  const auto found = units.find(name);
+  return found == units.end() ? std::string() : found->second;
+}
+
+}  // namespace stroma::view

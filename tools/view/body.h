@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <array>
+#include <string>
+#include <vector>
+
+#include "framework/mesh/mesh.h"
+#include "framework/simulation/simulation.h"
+#include "framework/simulation/system.h"
+
+namespace stroma::view {
+
+/// What of a state is drawn. Its nodes are numbered anew for the page: those of the surface come first, so that a frame of
+/// the surface is the start of one of all nodes. "Page number" means that number below.
+struct Body {
+  const State* state = nullptr;
+  const System* system = nullptr;
+  const Mesh* mesh = nullptr;  ///< that of its cells; null for a state without one
+  std::vector<Index> node;     ///< number in the state of each page number; rows that are places only
+  std::vector<Index> page;     ///< the other way; -1 for a row that is not a place
+  Index surface = 0;           ///< how many are on the surface
+
+  std::vector<Triangle> triangles;  ///< page numbers, counter-clockwise from outside
+  std::vector<Index> owner;         ///< cell of each triangle: tetrahedra, then hexahedra; without those, triangles, then quads
+  std::vector<Edge> edges;          ///< of the faces, without diagonals of quads; or the lines
+  std::vector<Index> points;        ///< nodes that nothing else draws
+  std::vector<Edge> springs;        ///< within the body
+  std::vector<std::array<Index, 2>> frames;  ///< rigid frames: page number of the place, row of the turn in the state
+
+  /// Cells that fields may have a value for: volume cells, else triangles and quads.
+  Index cells() const;
+};
+
+/// A spring or a tie between two bodies.
+struct BodyLink {
+  Index body_a = 0, node_a = 0, body_b = 0, node_b = 0;  ///< nodes by page number
+  bool is_tie = false;
+};
+
+/// A field that pages may colour a body by.
+struct Field {
+  int id = 0;
+  Index body = 0;
+  std::string name;
+  const ForceField* source = nullptr;  ///< of a field of cells; null: a field of nodes
+};
+
+/// A simulation as pages draw it. Made once for a scene.
+struct Drawing {
+  std::vector<Body> bodies;
+  std::vector<BodyLink> links;
+  std::vector<Field> fields;
+};
+Drawing drawingOf(const Simulation& simulation);
+
+/// The values of a field of cells at the present positions, one for each of body.cells(), NaN for cells that the force field
+/// does not have. False when it fits no list of the body's cells. `work` is scratch space.
+bool cellValues(const Field& field, const Body& body, std::vector<double>& work, std::vector<float>& out);
+
+/// "Pa" for stresses and pressures, "-" for pure numbers, empty when not known.
+std::string unitOfField(const std::string& name);
+
+}  // namespace stroma::view

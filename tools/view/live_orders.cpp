@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// What pages ask of a run, and the answers.
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "framework/algebra/parallel.h"
+#include "framework/simulation/changed_scene.h"
+#include "framework/simulation/run_events.h"
+#include "tools/view/component_tree.h"
+#include "tools/view/live_run.h"
+#include "tools/view/orders.h"
+#include "tools/view/scene_packets.h"
+
+namespace stroma::view {
+namespace {
+
+using nlohmann::json;
+
+const char* wordOf(Severity severity) {
+  return severity == Severity::error ? "error" : severity == Severity::warning ? "warning" : "note";
+}
+
+json lineOf(const Problem& problem) { return {{"severity", wordOf(problem.severity)}, {"text", problem.text()}}; }
+
+std::string sentenceOf(const ComponentError& error) {
+  std::string text = error.what();
+  std::string more;
+  if (!error.expected.empty()) more = "expected " + error.expected;
+  if (!error.suggestion.empty()) more += (more.empty() ? "did you mean " : "; did you mean ") + error.suggestion + "?";
+  return more.empty() ? text : text + " (" + more + ")";
+}
+
+std::string fileName(const std::string& path) { return std::filesystem::path(path).filename().string(); }
+
+}  // namespace
+
+void LiveRun::doOrders() {
+  while (true) {
+    Order order;
+    {
+      const std::lock_guard lock(mutex_);
+      if (orders_.empty()) {
+        ordered_ = false;
+        return;
+      }
+      order = std::move(orders_.front());
+      orders_.pop_front();
+    }
+    answer(order);
+  }
+}
+
+void LiveRun::answer(const Order& order) {
+  std::string message;
+  bool good = false;
+  try {
+    message = carryOut(order);
+    good = true;
+  } catch (const ComponentError& error) {
+    message = sentenceOf(error);
+  } catch (const SceneError& error) {
+    message = error.diagnostics().text();
+  } catch (const std::exception& error) {
+    message = error.what();
+  }
+  if (order.message.contains("request"))
+    audience_.send(order.client, {{"is", "reply"}, {"request", order.message["request"]}, {"ok", good}, {"message", message}});
+  else if (!good)
+    audience_.send(order.client, {{"is", "messages"}, {"lines", {{{"severity", "error"}, {"text", message}}}}});
+}
+
+/// Returns what the reply says.
+std::string LiveRun::carryOut(const Order& order) {
+  const json& message = order.message;
+  const std::string verb = text(member(message, "do"), "do", 20);
+  if (verb == "attach") {
+    introduce(order.client);
+  } else if (verb == "leave") {
+    hands_.releaseAll(order.client);
+    dirty_ = true;
+  } else if (verb == "pull" || verb == "force" || verb == "push" || verb == "release") {
+    if (!request_.recording.empty()) throw ComponentError("no hand reaches into a recording");
+    hands_.apply(order.client, message);
+    if (!running_) hands_.orderedIsDrawn();
+    dirty_ = true;
+  } else if (verb == "set") {
+    setAttribute(message);
+  } else if (verb == "show") {
+    dirty_ = true;
+  } else if (!carryOutOfRun(verb, message)) {
+    tell(order.client, verb);
+  }
+  return {};
+}
+
+/// False for a verb that is none of these.
+bool LiveRun::carryOutOfRun(const std::string& verb, const json& message) {
+  if (verb == "run") {
+    startRunning();
+  } else if (verb == "pause") {
+    running_ = false;
+    dirty_ = true;
+  } else if (verb == "step") {
+    if (!request_.recording.empty()) throw ComponentError("a recording is not run", "seek");
+    if (!ended_.empty()) throw ComponentError("the run has ended: " + ended_, "reset");
+    running_ = false;
+    const long count = integer(message.value("count", json(1)), "count", 1, 100000);
+    for (long i = 0; i < count && ended_.empty() && !stopping_; ++i) advance(1);
+  } else if (verb == "reset") {
+    reset();
+  } else if (verb == "pace") {
+    const std::string pace = text(member(message, "pace"), "pace", 10);
+    if (pace != "real" && pace != "fast") throw ComponentError("'pace' is '" + pace + "'", "real or fast");
+    factor_ = number(message.value("factor", json(1)), "factor", 1e-6, 1e6);
+    real_time_ = pace == "real";
+    anchor_ = Clock::now(), anchor_time_ = time();
+  } else if (verb == "seek") {
+    if (request_.recording.empty()) throw ComponentError("this run is live", "a recording to seek in");
+    seek(integer(member(message, "index"), "index", 0, long(request_.recording.front().size()) - 1));
+  } else {
+    return false;
+  }
+  tellStatus(true);
+  return true;
+}
+
+void LiveRun::introduce(int client) {
+  if (generation_ == 0) generation_ = 1;
+  Packet scene = scenePacket(simulation_, drawing_, generation_, request_.recording.empty() ? "live" : "recording");
+  scene.header()["client"] = client;
+  scene.header()["build"] = request_.build;
+  audience_.send(client, scene);
+  audience_.send(client, heldPacket(simulation_, drawing_, generation_));
+  held_revision_ = heldRevision(simulation_);
+  if (cells_sent_) audience_.send(client, cellsPacket(drawing_, generation_));
+  json lines = json::array();
+  for (const Problem& problem : simulation_.scene().diagnostics.problems()) lines.push_back(lineOf(problem));
+  audience_.send(client, {{"is", "messages"}, {"lines", lines}});
+  json start = status();
+  if (!request_.recording.empty())
+    for (const StateFrame& frame : request_.recording.front()) start["recording"]["times"].push_back(frame.time);
+  audience_.send(client, start);
+  audience_.send(client, {{"is", "ready"}});
+  dirty_ = true;
+  tellStatus(true);
+}
+
+void LiveRun::tell(int client, const std::string& verb) {
+  const std::string scene = fileName(simulation_.scene().description.file);
+  if (verb == "components") {
+    audience_.send(client, {{"is", "components"}, {"tree", componentTree(session_)}});
+  } else if (verb == "explain") {
+    json lines = simulation_.explain();
+    lines.push_back(fmt::format("threads: {}", threads()));
+    audience_.send(client, {{"is", "explain"}, {"lines", lines}});
+  } else if (verb == "hash") {
+    audience_.send(client, {{"is", "hash"}, {"step", simulation_.steps()}, {"hash", fmt::format("{:016x}", simulation_.stateHash())}});
+  } else if (verb == "doubts") {
+    audience_.send(client, {{"is", "doubts"}, {"lines", simulation_.doubts()}});
+  } else if (verb == "xml") {
+    tellXml(client);
+  } else if (verb == "actions") {
+    audience_.send(client, {{"is", "actions"},
+                            {"name", std::filesystem::path(scene).stem().string() + ".actions"},
+                            {"text", printActions({scene, simulation_.events()})}});
+  } else {
+    throw ComponentError("there is nothing to do that is called '" + verb + "'",
+                         "run, pause, step, reset, pace, seek, pull, force, push, release, set, components, explain, xml, "
+                         "actions, doubts or hash");
+  }
+}
+
+void LiveRun::tellXml(int client) {
+  const ChangedScene changed = changedScene(simulation_);
+  const std::string& file = simulation_.scene().description.file;
+  const auto own = changed.texts.find(file);
+  if (own == changed.texts.end()) throw ComponentError("the scene was not read from a file");
+  json lines = json::array(), others = json::array();
+  for (const std::string& sentence : changed.not_written) lines.push_back({{"severity", "warning"}, {"text", sentence}});
+  for (const std::string& sentence : changed.notes) lines.push_back({{"severity", "note"}, {"text", sentence}});
+  if (!lines.empty()) audience_.send(client, {{"is", "messages"}, {"lines", lines}});
+  for (const std::string& name : changed.changed)
+    if (name != file) others.push_back({{"name", fileName(name)}, {"text", changed.texts.at(name)}});
+  audience_.send(client, {{"is", "xml"}, {"name", fileName(file)}, {"text", own->second}, {"included", others}});
+}
+
+void LiveRun::setAttribute(const json& message) {
+  if (!request_.recording.empty()) throw ComponentError("a recording has no attributes that could change");
+  const Diagnostics found = simulation_.setAttribute(text(member(message, "path"), "path", 1000),
+                                                     text(member(message, "attribute"), "attribute", 200),
+                                                     text(member(message, "value"), "value", 60000));
+  if (!found.problems().empty()) {
+    json lines = json::array();
+    for (const Problem& problem : found.problems()) lines.push_back(lineOf(problem));
+    audience_.send(Audience::everybody, {{"is", "messages"}, {"lines", lines}});
+  }
+  held_revision_ = -1;
+  dirty_ = true;
+  audience_.send(Audience::everybody, {{"is", "components"}, {"tree", componentTree(session_)}});
+}
+
+void LiveRun::reset() {
+  if (!request_.recording.empty()) {
+    seek(0);
+    return;
+  }
+  hands_.forget();
+  simulation_.reset();
+  ended_.clear();
+  last_ = {}, last_step_seconds_ = 0;
+  held_revision_ = -1;
+  anchor_ = Clock::now(), anchor_time_ = time();
+  dirty_ = true;
+  if (request_.after_reset) request_.after_reset();
+}
+
+void LiveRun::seek(long index) {
+  index_ = index;
+  std::size_t i = 0;
+  for (State* state : simulation_.states()) {
+    const StateFrame& frame = request_.recording[i++][std::size_t(index)];
+    for (Index row = 0; row < state->size(); ++row) {
+      state->x()[row] = frame.x[std::size_t(row)];
+      if (!frame.v.empty()) state->v()[row] = frame.v[std::size_t(row)];
+    }
+  }
+  dirty_ = true;
+}
+
+}  // namespace stroma::view

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+
+#include "tools/view/frame_maker.h"
+#include "tools/view/viewer.h"
+
+namespace stroma::view {
+
+/// What a page has asked for: its number and its message.
+struct Order {
+  int client = 0;
+  nlohmann::json message;
+};
+
+/// A scene that runs in a thread of its own and does what pages ask between steps. No step waits for anybody: while nobody is
+/// connected a step costs two reads of atomic variables more than in `stroma run`.
+class LiveRun {
+ public:
+  /// Everything outlives this.
+  LiveRun(Session& session, const ViewRequest& request, Audience& audience);
+
+  /// Runs until stop(). Its thread alone uses the session meanwhile.
+  void loop();
+
+  // ---- from any thread ----
+  void stop();
+  /// False when too many wait already. A newer place of a hand replaces one that has not been seen yet.
+  bool post(Order order);
+  void setDemand(const Demand& demand);
+  /// Throws ComponentError for a field or a word of "watch" that there is not.
+  void checkWanted(const std::set<int>& fields, const std::set<std::string>& values) const;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  bool mustReturn() const { return stopping_.load(std::memory_order_relaxed) || ordered_.load(std::memory_order_relaxed); }
+  void doOrders();
+  void answer(const Order& order);
+  std::string carryOut(const Order& order);
+  bool carryOutOfRun(const std::string& verb, const nlohmann::json& message);
+  void introduce(int client);
+  void tell(int client, const std::string& verb);
+  void tellXml(int client);
+  void setAttribute(const nlohmann::json& message);
+  void seek(long index);
+  void reset();
+  void startRunning();
+  void advance(long steps);
+  void afterStep(const StepReport& report, double seconds);
+  /// As long as the clock on the wall is behind the time of the run, unless somebody wants something.
+  void waitForRealTime();
+  void endRun(const RunReport& report);
+  void showIfDue();
+  void show(const Demand& demand);
+  void tellStatus(bool now);
+  nlohmann::json status() const;
+  Demand demand() const;
+  double time() const;
+
+  Session& session_;
+  const ViewRequest& request_;
+  Audience& audience_;
+  Simulation& simulation_;
+  Drawing drawing_;
+  Hands hands_;
+  WatchedValues values_;
+  FrameMaker frames_;
+
+  // ---- shared with the other threads ----
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<Order> orders_;
+  Demand demand_;
+  std::atomic<bool> stopping_ = false, ordered_ = false, can_draw_ = false, connected_ = false;
+
+  // ---- of the thread that steps ----
+  bool running_ = false, real_time_ = true;
+  double factor_ = 1;
+  std::string ended_;      ///< why nothing runs any more, or empty
+  bool dirty_ = true;      ///< the picture is another than the one sent last
+  int generation_ = 0;     ///< of the scene; 0: nobody has asked for it
+  bool cells_sent_ = false;
+  long frame_ = 0, held_revision_ = -1, index_ = 0;
+  StepReport last_;
+  double last_step_seconds_ = 0;
+  Clock::time_point last_shown_{}, last_status_{}, anchor_{};
+  double anchor_time_ = 0;
+  /// Of a second or so: what the status tells.
+  struct Window {
+    Clock::time_point start{};
+    double simulated = 0, stepping = 0, copying = 0, fields = 0;
+    long steps = 0;
+  };
+  Window window_;
+  nlohmann::json speed_ = nlohmann::json::object();
+};
+
+}  // namespace stroma::view

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tools/view/scene_packets.h"
+
+#include <filesystem>
+
+#include "framework/mechanics/state_positions.h"
+
+namespace stroma::view {
+namespace {
+
+using nlohmann::json;
+
+template <class Groups>
+std::vector<std::int32_t> flat(const Groups& groups) {
+  std::vector<std::int32_t> out;
+  for (const auto& group : groups) out.insert(out.end(), group.begin(), group.end());
+  return out;
+}
+
+/// A sentence when no hand reaches the body, or empty.
+std::string whyNoHand(const Body& body) {
+  if (!body.system->integrator().followsChanges())
+    return body.system->integrator().path() + " has computed its matrix and loads beforehand: no hand reaches the body";
+  if (body.state->firstRow() >= body.system->independentRows())
+    return "its positions follow from another state by a mapping: pull that one";
+  return {};
+}
+
+json describe(const Body& body) {
+  const std::string why = whyNoHand(body);
+  json out{{"path", body.state->path()},
+           {"node", body.state->node().path()},
+           {"name", body.state->node().name()},
+           {"nodes", body.node.size()},
+           {"surface", body.surface},
+           {"cells", {{"tetrahedra", body.mesh ? body.mesh->tetrahedra.size() : 0},
+                      {"hexahedra", body.mesh ? body.mesh->hexahedra.size() : 0}}},
+           {"interactive", why.empty()},
+           {"why", why},
+           {"frames", json::array()},
+           {"size", restSize(*body.state)}};
+  for (const auto& [place, turn] : body.frames) out["frames"].push_back({place, turn});
+  return out;
+}
+
+std::vector<float> restPositions(const Body& body) {
+  std::vector<float> out;
+  out.reserve(3 * body.node.size());
+  for (const Index row : body.node)
+    for (int k = 0; k < 3; ++k) out.push_back(float(body.state->rest_position[std::size_t(row)][k]));
+  return out;
+}
+
+template <class Cells>
+std::vector<std::int32_t> renumbered(const Cells& cells, const Body& body) {
+  std::vector<std::int32_t> out;
+  out.reserve(cells.size() * (cells.empty() ? 0 : cells.front().size()));
+  for (const auto& cell : cells)
+    for (const Index node : cell) out.push_back(body.page[std::size_t(node)]);
+  return out;
+}
+
+}  // namespace
+
+Packet scenePacket(const Simulation& simulation, const Drawing& drawing, int generation, const std::string& mode) {
+  const Vec3 g = simulation.root().gravity();
+  json header{{"is", "scene"},
+              {"generation", generation},
+              {"name", std::filesystem::path(simulation.scene().description.file).filename().string()},
+              {"mode", mode},
+              {"dt", simulation.dt()},
+              {"gravity", {g[0], g[1], g[2]}},
+              {"bodies", json::array()},
+              {"fields", json::array()}};
+  for (const Body& body : drawing.bodies) header["bodies"].push_back(describe(body));
+  for (const Field& field : drawing.fields)
+    header["fields"].push_back({{"id", field.id},
+                                {"body", field.body},
+                                {"name", field.name},
+                                {"on", field.source ? "cells" : "nodes"},
+                                {"unit", unitOfField(field.name)},
+                                {"source", field.source ? field.source->path() : ""}});
+  Packet packet(std::move(header));
+  for (std::size_t b = 0; b < drawing.bodies.size(); ++b) {
+    const Body& body = drawing.bodies[b];
+    const std::string prefix = std::to_string(b) + ".";
+    packet.add(prefix + "node", std::vector<std::int32_t>(body.node.begin(), body.node.end()));
+    packet.add(prefix + "rest", restPositions(body));
+    packet.add(prefix + "triangles", flat(body.triangles));
+    packet.add(prefix + "owner", std::vector<std::int32_t>(body.owner.begin(), body.owner.end()));
+    packet.add(prefix + "edges", flat(body.edges));
+    packet.add(prefix + "points", std::vector<std::int32_t>(body.points.begin(), body.points.end()));
+    packet.add(prefix + "springs", flat(body.springs));
+  }
+  std::vector<std::int32_t> links;
+  std::vector<std::uint8_t> kinds;
+  for (const BodyLink& link : drawing.links) {
+    links.insert(links.end(), {link.body_a, link.node_a, link.body_b, link.node_b});
+    kinds.push_back(link.is_tie ? 1 : 0);
+  }
+  packet.add("links", std::move(links));
+  packet.add("link_kind", std::move(kinds));
+  return packet;
+}
+
+Packet cellsPacket(const Drawing& drawing, int generation) {
+  Packet packet({{"is", "cells"}, {"generation", generation}});
+  for (std::size_t b = 0; b < drawing.bodies.size(); ++b) {
+    const Body& body = drawing.bodies[b];
+    if (!body.mesh) continue;
+    packet.add(std::to_string(b) + ".tetrahedra", renumbered(body.mesh->tetrahedra, body));
+    packet.add(std::to_string(b) + ".hexahedra", renumbered(body.mesh->hexahedra, body));
+  }
+  return packet;
+}
+
+Packet heldPacket(const Simulation& simulation, const Drawing& drawing, int generation) {
+  enum Holding : char { free, guided, held };
+  std::vector<std::vector<Holding>> holding;
+  for (const Body& body : drawing.bodies) holding.emplace_back(body.node.size(), free);
+  const auto mark = [&](const System& system, Index row, Holding how) {
+    for (std::size_t b = 0; b < drawing.bodies.size(); ++b) {
+      const Body& body = drawing.bodies[b];
+      const Index node = row - body.state->firstRow();
+      if (body.system != &system || node < 0 || node >= body.state->size()) continue;
+      const Index page = body.page[std::size_t(node)];
+      if (page >= 0) holding[b][std::size_t(page)] = std::max(holding[b][std::size_t(page)], how);
+    }
+  };
+  const double t = simulation.time(), t_end = t + simulation.dt();
+  std::vector<NodeProjector> projectors;
+  for (const auto& system : simulation.systems())
+    for (const ProjectiveConstraint* constraint : system->constraints().all()) {
+      if (!constraint->activeIn(t, t_end)) continue;
+      projectors.clear();
+      constraint->addProjectors(t, projectors);
+      for (const NodeProjector& projector : projectors)
+        mark(*system, projector.row,
+             projector.projector.isZero(0) && !constraint->prescribesMotion() ? held : guided);
+    }
+  Packet packet({{"is", "held"}, {"generation", generation}});
+  for (std::size_t b = 0; b < holding.size(); ++b)
+    for (const Holding how : {held, guided}) {
+      std::vector<std::int32_t> nodes;
+      for (std::size_t i = 0; i < holding[b].size(); ++i)
+        if (holding[b][i] == how) nodes.push_back(std::int32_t(i));
+      packet.add(std::to_string(b) + (how == held ? ".held" : ".guided"), std::move(nodes));
+    }
+  return packet;
+}
+
+long heldRevision(const Simulation& simulation) {
+  long sum = 0;
+  for (const auto& system : simulation.systems()) sum += system->constraints().revision();
+  return sum;
+}
+
+}  // namespace stroma::view

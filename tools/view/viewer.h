@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The role of the module that shows a scene in a browser. It is in a library of its own because of Boost.Beast and the page
+// that is built into it; only `stroma view` opens it.
+#pragma once
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "framework/simulation/session.h"
+#include "framework/simulation/state_file.h"
+
+namespace stroma::view {
+
+/// The instants of a recorded run, for each state of the simulation in its order. All states have the same times.
+using Recording = std::vector<std::vector<StateFrame>>;
+
+/// What is to be shown, and to whom.
+struct ViewRequest {
+  std::string host = "127.0.0.1";  ///< address to listen on
+  int port = 0;                    ///< 0: any free one
+  bool paused = false;             ///< wait for somebody to press "run"
+  double fps = 60;                 ///< most pictures a second
+  Recording recording{};           ///< not empty: these instants are shown, and nothing is run
+  std::string build;               ///< of the program; a page of another build is told to load again
+
+  // Called by the thread that serves:
+  std::function<void(const std::string& address)> opened{};  ///< pages may come
+  // Called by the thread that steps, between steps:
+  std::function<void()> after_step{}, after_reset{};
+  std::function<void(const std::string& sentence)> ended{};  ///< a step without a result, an output that fails
+};
+
+/// How a page that plays a run by itself is made.
+struct ExportRequest {
+  std::string file;
+  long steps = 100, every = 1;  ///< steps to make; steps from one picture to the next
+  std::vector<std::string> fields{};  ///< names of cell fields that are kept; all nodes' displacements always are
+  bool inside = false;          ///< the nodes inside too, so that the body can be cut
+};
+
+class Viewer {
+ public:
+  static constexpr const char *role = "viewer", *library = "view",
+                              *missing = "run `tools/setup view`, which installs Node.js with npm and builds it";
+  virtual ~Viewer() = default;
+  /// Serves pages until SIGINT or SIGTERM, and steps the loaded scene in a thread of its own. Returns the number of the
+  /// signal. Throws std::runtime_error when it cannot listen.
+  virtual int view(Session& session, const ViewRequest& request) const = 0;
+  /// Runs the loaded scene and writes one HTML file that needs no server. Throws OutputError, and std::runtime_error when
+  /// the file would have more than 50 MB or the run ends without a result.
+  virtual void writePage(Session& session, const ExportRequest& request) const = 0;
+};
+
+}  // namespace stroma::view
