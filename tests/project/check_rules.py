@@ -22,6 +22,7 @@ GUARDED = [
     (re.compile(r"^CGAL/"), ("tools/mesh/meshing/",)),
     (re.compile(r"gmsh\.h(_cwrap)?$"), ("tests/",)),
     (re.compile(r"tinyxml2\.h$"), ("framework/scene/", "tests/")),
+    (re.compile(r"^boost/(asio|beast)"), ("tools/view/", "tests/")),
     (re.compile(r"cholmod\.h$"), ("components/direct_solvers/", "components/condensation/", "tests/")),
 ]
 # Who may include the private headers of a family besides the family: its own tests (a folder of its name) and these.
@@ -32,7 +33,7 @@ READERS_OF_FAMILIES = {
     "condensation": ("tests/fuzz/",),
 }
 # Tools whose library another one links.
-TOOLS_FOR_TOOLS = {"command": {"mesh"}}
+TOOLS_FOR_TOOLS = {"command": {"mesh", "view"}}
 SKIPPED_FOLDERS = {".git", "build", "results", "__pycache__"}
 SOURCE = re.compile(r"(\.(h|cpp|py|cmake|in|xml|sh)|CMakeLists\.txt)$")
 BINARY = re.compile(r"\.(png|gif|gz|vtu|pdf|so|o|pyc)$|^tests/fuzz/corpus/")  # fuzzers write any bytes

@@ -1,7 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""The picture tool reads every form of .vtu, draws a picture, and says what is wrong when it cannot. The film tool draws the
-nearer of two triangles, keeps a white background and writes a GIF with a frame per file.
+"""The picture tool reads every form of .vtu, draws a picture, and says what is wrong when it cannot.
 Usage: test_organ_picture.py TREE STROMA"""
 import base64
 import os
@@ -21,7 +20,6 @@ except ImportError as problem:
 TOOL = os.path.join(sys.argv[1], "tools", "plots", "organ_picture.py")
 sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.dirname(TOOL))
-import organ_film  # noqa: E402
 import organ_picture  # noqa: E402
 
 POINTS = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1]], float)
@@ -105,37 +103,6 @@ def check_surface():
         assert np.dot(np.cross(b - a, c - a), a - centre[owner]) > 0, triangle
 
 
-def check_rasteriser():
-    near = [[1, 1, 5], [9, 1, 5], [1, 9, 5]]
-    far = [[0, 0, 1], [20, 0, 1], [0, 20, 1]]
-    colours = np.array([[[1.0]] * 3, [[2.0]] * 3])
-    for order in ([0, 1], [1, 0]):
-        image, depth = organ_film.rasterise(np.array([near, far], float)[order], colours[order], 12, 10)
-        assert image[3, 3, 0] == 1 and image[0, 0, 0] == 2 and image[8, 8, 0] == 2, image[:, :, 0]
-        assert depth[3, 3] == 5 and depth[0, 0] == 1
-    image, depth = organ_film.rasterise(np.array([near], float), colours[:1], 12, 10)
-    assert np.isneginf(depth[9, 11]) and image[9, 11, 0] == 0
-    slope, _ = organ_film.rasterise(np.array([far], float), np.array([[[0.0], [20.0], [0.0]]]), 12, 10)
-    assert abs(slope[2, 7, 0] - 7.5) < 1e-12  # linear, at the centre of the pixel
-    mean = organ_film.node_values(CELLS, np.array([1.0, 3.0]), 5)
-    assert mean.tolist() == [1, 2, 2, 2, 3]
-
-
-def check_film(folder):
-    from PIL import Image
-    tool, film = TOOL.replace("organ_picture", "organ_film"), os.path.join(folder, "out.gif")
-    result = subprocess.run([sys.executable, tool, folder, "--out", film, "--speed", "2"], capture_output=True, text=True)
-    assert result.returncode == 0 and "2 frames, t = 0 to 0.2 s" in result.stdout, result
-    with Image.open(film) as image:
-        assert image.n_frames == 2 and image.info["duration"] == 100, image.info
-        assert image.convert("RGB").getpixel((organ_film.WIDTH // 2, 2)) == (255, 255, 255)
-        first = image.convert("RGB").tobytes()
-        image.seek(1)
-        assert image.convert("RGB").tobytes() != first
-    result = subprocess.run([sys.executable, tool, folder, "--out", film, "--from", "0.1"], capture_output=True, text=True)
-    assert result.returncode != 0 and "a film needs two" in result.stderr, result
-
-
 def check_scene():
     with tempfile.TemporaryDirectory() as folder:
         result, _ = draw(folder)
@@ -144,10 +111,8 @@ def check_scene():
         subprocess.run([os.path.abspath(sys.argv[2]), "run", scene, "-n", "10"], check=True, cwd=folder)
         result, picture = draw(os.path.join(folder, "results", "organ"))
         assert result.returncode == 0 and os.path.getsize(picture) > 10000, result
-        check_film(os.path.join(folder, "results", "organ"))
 
 
 check_reader()
 check_surface()
-check_rasteriser()
 check_scene()

@@ -12,8 +12,9 @@ TEST(Access, OnlyOwnNamesAreHosts) {
     EXPECT_TRUE(access.isOurHost(good)) << good;
     EXPECT_TRUE(access.isOurOrigin(std::string("http://") + good)) << good;
   }
-  for (const char* bad : {"", "127.0.0.1", "127.0.0.1:81234", "127.0.0.1:812", "127.0.0.1.evil.example:8123", "evil.example",
-                          "localhost.evil.example:8123", "xlocalhost:8123", " localhost:8123", "localhost:8123,evil"}) {
+  for (const char* bad :
+       {"", "127.0.0.1", "127.0.0.1:81234", "127.0.0.1:812", "127.0.0.1.evil.example:8123", "evil.example",
+        "localhost.evil.example:8123", "xlocalhost:8123", " localhost:8123", "localhost:8123,evil"}) {
     EXPECT_FALSE(access.isOurHost(bad)) << bad;
     EXPECT_FALSE(access.isOurOrigin(std::string("http://") + bad)) << bad;
   }
@@ -41,8 +42,8 @@ TEST(Access, TheCookieIsFoundAmongOthersAndNowhereElse) {
   EXPECT_NE(access.cookie().find("SameSite=Strict"), std::string::npos);
   for (const std::string& good : {pair, "a=b; " + pair, pair + "; c=d", "a=b;" + pair + " ;c=d"})
     EXPECT_TRUE(access.hasCookie(good)) << good;
-  for (const std::string& bad : {std::string(), std::string(";"), "x" + pair, pair + "0", "stroma_8124=" + access.token(),
-                                 "stroma_8123=", "a=" + pair, access.token()})
+  for (const std::string& bad : std::vector<std::string>{"", std::string(";"), "x" + pair, pair + "0",
+                                 "stroma_8124=" + access.token(), "stroma_8123=", "a=" + pair, access.token()})
     EXPECT_FALSE(access.hasCookie(bad)) << bad;
 }
 

@@ -51,7 +51,7 @@ TEST(Packet, ArraysOfOddLengthsAreReadBack) {
 }
 
 TEST(Packet, TextThatIsNoUtf8DoesNotKeepAPacketFromBeingSent) {
-  Packet packet({{"name", "organ\xff.xml"}});
+  Packet packet(json{{"name", "organ\xff.xml"}});
   std::size_t data = 0;
   EXPECT_TRUE(headerOf(packet.bytes(), data).at("name").is_string());
 }

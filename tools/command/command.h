@@ -34,5 +34,6 @@ int doc(const Arguments& arguments);
 int regress(const Arguments& arguments);
 int mesh(const Arguments& arguments);
 int bench(const Arguments& arguments);
+int view(const Arguments& arguments);
 
 }  // namespace stroma::command

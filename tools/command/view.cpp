@@ -13,7 +13,6 @@
 #include "framework/simulation/run_events.h"
 #include "tools/command/recorder.h"
 #include "tools/command/session.h"
-#include "tools/view/access.h"
 #include "tools/view/viewer.h"
 
 extern char** environ;  // NOLINT: POSIX wants it declared so
@@ -26,8 +25,10 @@ namespace {
 
 const Manual manual{
     "stroma view SCENE|FOLDER [options]",
-    "Shows a scene in the browser while it runs: turn, cut and colour it, pull at it, change attributes, plot, record.\n"
-    "A folder that `stroma run --record` wrote is shown as it was recorded. The address is printed; whoever has it sees the\n"
+    "Shows a scene in the browser while it runs: turn, cut and colour it, pull at it, change attributes, plot, "
+    "record.\n"
+    "A folder that `stroma run --record` wrote is shown as it was recorded. The address is printed; whoever has it "
+    "sees the\n"
     "run, and nobody else. Only this machine can, unless --host says otherwise. Ctrl-C ends it.\n\n"
     "--export FILE.html makes a page that plays a run by itself, without a server, and ends.",
     "  stroma view scenes/examples/organ.xml\n"
@@ -38,34 +39,38 @@ const Manual manual{
 
 OptionList viewOptions() {
   OptionList options("options");
-  options.add_options()                                                                                                //
-      ("port", po::value<int>()->value_name("N"), "port to listen on; a free one when not given")                      //
+  options.add_options()                                                                            //
+      ("port", po::value<int>()->value_name("N"), "port to listen on; a free one when not given")  //
       ("host", po::value<std::string>()->value_name("ADDRESS"),
-       "address to listen on instead of 127.0.0.1; others can then reach the run, unencrypted")                        //
-      ("open", "open the address with xdg-open")                                                                       //
-      ("no-open", "only print the address; without either it is opened where there is a display")                      //
-      ("paused", "wait until somebody presses run")                                                                    //
-      ("fps", po::value<double>()->value_name("N"), "most pictures a second (60 when not given)")                      //
+       "address to listen on instead of 127.0.0.1; others can then reach the run, unencrypted")    //
+      ("open", "open the address with xdg-open")                                                   //
+      ("no-open", "only print the address; without either it is opened where there is a display")  //
+      ("paused", "wait until somebody presses run")                                                //
+      ("fps", po::value<double>()->value_name("N"), "most pictures a second (60 when not given)")  //
       ("record", po::value<std::string>()->value_name("DIR"),
-       "write positions and velocities of every state there, and what was done by hand")                               //
-      ("record-every", po::value<long>()->value_name("K"), "record every K steps")                                     //
-      ("replay", po::value<std::string>()->value_name("FILE"), "do again what was done by hand in a run before")       //
-      ("export", po::value<std::string>()->value_name("FILE.html"), "write a page that plays a run, and end")          //
-      ("steps,n", po::value<long>()->value_name("STEPS"), "with --export: steps to run (100 when not given)")          //
-      ("every", po::value<long>()->value_name("K"), "with --export: a picture every K steps")                          //
+       "write positions and velocities of every state there, and what was done by hand")                          //
+      ("record-every", po::value<long>()->value_name("K"), "record every K steps")                                //
+      ("replay", po::value<std::string>()->value_name("FILE"), "do again what was done by hand in a run before")  //
+      ("export", po::value<std::string>()->value_name("FILE.html"), "write a page that plays a run, and end")     //
+      ("steps,n", po::value<long>()->value_name("STEPS"), "with --export: steps to run (100 when not given)")     //
+      ("every", po::value<long>()->value_name("K"), "with --export: a picture every K steps")                     //
       ("field", po::value<std::vector<std::string>>()->value_name("NAME"),
-       "with --export: keep this field of the cells, as vonMises; may be repeated")                                    //
-      ("inside", "with --export: keep the inside of bodies too, so that they can be cut")                              //
+       "with --export: keep this field of the cells, as vonMises; may be repeated")        //
+      ("inside", "with --export: keep the inside of bodies too, so that they can be cut")  //
       ("quiet,q", "no notes");
   addSceneOptions(options);
   return options;
 }
 
+/// Whether an address can be reached from this machine only.
+bool isLoopback(const std::string& host) { return host.starts_with("127.") || host == "localhost" || host == "::1"; }
+
 template <class T>
 T inRange(const Values& values, const char* option, T otherwise, T low, T high) {
   if (!values.count(option)) return otherwise;
   const T value = values[option].as<T>();
-  if (!(value >= low && value <= high)) throw UsageError(fmt::format("--{} {}: expected {} to {}", option, value, low, high));
+  if (!(value >= low && value <= high))
+    throw UsageError(fmt::format("--{} {}: expected {} to {}", option, value, low, high));
   return value;
 }
 
@@ -74,8 +79,8 @@ std::pair<std::string, std::string> sceneAndFolder(const std::string& given) {
   if (!fs::is_directory(given)) return {given, ""};
   const std::string checkpoint = (fs::path(given) / "last.checkpoint").string();
   if (!fs::exists(checkpoint))
-    throw UsageError(fmt::format("{}: there is no last.checkpoint, which names the scene (expected a folder of stroma run --record)",
-                                 given));
+    throw UsageError(fmt::format(
+        "{}: there is no last.checkpoint, which names the scene (expected a folder of stroma run --record)", given));
   return {Checkpoint::read(checkpoint).scene, given};
 }
 
@@ -89,8 +94,8 @@ view::Recording recordingIn(const std::string& folder, const Simulation& simulat
     if (one.frames.empty()) throw UsageError(file + ": the file holds no instant");
     for (const StateFrame& frame : one.frames)
       if (Index(frame.x.size()) != state->size() || (!frame.v.empty() && frame.v.size() != frame.x.size()))
-        throw UsageError(fmt::format("{}: at T = {:g} s there are {} positions (expected {}, as {} has nodes)", file, frame.time,
-                                     frame.x.size(), state->size(), state->path()));
+        throw UsageError(fmt::format("{}: at T = {:g} s there are {} positions (expected {}, as {} has nodes)", file,
+                                     frame.time, frame.x.size(), state->size(), state->path()));
     recording.push_back(std::move(one.frames));
   }
   if (recording.empty()) throw UsageError("nothing in the scene moves: there is nothing to show");
@@ -182,11 +187,12 @@ int serve(const Values& values, Session& session, view::ViewRequest& request, co
   request.opened = [&](const std::string& address) {
     fmt::print("{}\n", address);
     std::fflush(stdout);
-    if (!view::isLoopback(request.host))
-      fmt::print(stderr,
-                 "warning: other machines can reach this run at {}, unencrypted: whoever sees the address on its way can "
-                 "steer it. A tunnel (ssh -L) is safer\n",
-                 request.host);
+    if (!isLoopback(request.host))
+      fmt::print(
+          stderr,
+          "warning: other machines can reach this run at {}, unencrypted: whoever sees the address on its way can "
+          "steer it. A tunnel (ssh -L) is safer\n",
+          request.host);
     if (!quiet) fmt::print(stderr, "Ctrl-C ends the view\n");
     if (opens) openBrowser(address);
   };
@@ -199,7 +205,8 @@ int serve(const Values& values, Session& session, view::ViewRequest& request, co
   session.finish();
   const Simulation& simulation = session.simulation();
   if (request.recording.empty())
-    fmt::print("{} steps, t = {:.6g} s, state {:016x}\n", simulation.steps(), simulation.time(), simulation.stateHash());
+    fmt::print("{} steps, t = {:.6g} s, state {:016x}\n", simulation.steps(), simulation.time(),
+               simulation.stateHash());
   return failure.empty() ? exit_done : exit_diverged;
 }
 

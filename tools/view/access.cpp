@@ -34,7 +34,9 @@ std::string Access::address() const {
   return fmt::format("http://{}{}/?token={}", host_, names_.front().substr(names_.front().find(':')), token_);
 }
 
-bool Access::isOurHost(std::string_view host) const { return std::find(names_.begin(), names_.end(), host) != names_.end(); }
+bool Access::isOurHost(std::string_view host) const {
+  return std::find(names_.begin(), names_.end(), host) != names_.end();
+}
 
 bool Access::isOurOrigin(std::string_view origin) const {
   constexpr std::string_view scheme = "http://";
@@ -61,7 +63,5 @@ bool Access::hasCookie(std::string_view cookies) const {
 }
 
 std::string Access::cookie() const { return fmt::format("{}={}; HttpOnly; SameSite=Strict; Path=/", name_, token_); }
-
-bool isLoopback(const std::string& host) { return host.starts_with("127.") || host == "localhost" || host == "::1"; }
 
 }  // namespace stroma::view

@@ -31,7 +31,4 @@ class Access {
   std::vector<std::string> names_;  ///< NAME:PORT
 };
 
-/// Whether an address can be reached from this machine only.
-bool isLoopback(const std::string& host);
-
 }  // namespace stroma::view

@@ -17,7 +17,7 @@ class Audience {
   virtual ~Audience() = default;
   /// Arrives, in order.
   virtual void send(int client, const nlohmann::json& message) = 0;
-  virtual void send(int client, const Packet& packet) = 0;
+  virtual void sendPacket(int client, const Packet& packet) = 0;
   /// The newest takes the place of one that has not been sent yet.
   virtual void show(std::shared_ptr<const Packet> frame) = 0;
   virtual void tellStatus(const nlohmann::json& status) = 0;
@@ -25,13 +25,13 @@ class Audience {
 
 /// What all clients together want of frames.
 struct Demand {
-  bool connected = false;   ///< somebody is
-  bool can_draw = false;    ///< somebody has drawn what was sent before
-  bool all_nodes = false;   ///< those inside too
-  bool loads = false;       ///< forces of the scene's loads
+  bool connected = false;  ///< somebody is
+  bool can_draw = false;   ///< somebody has drawn what was sent before
+  bool all_nodes = false;  ///< those inside too
+  bool loads = false;      ///< forces of the scene's loads
   double fps = 60;
-  std::set<int> fields{};           ///< numbers of Drawing::fields
-  std::set<std::string> values{};   ///< words of "watch"
+  std::set<int> fields{};          ///< numbers of Drawing::fields
+  std::set<std::string> values{};  ///< words of "watch"
 };
 
 }  // namespace stroma::view

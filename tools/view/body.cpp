@@ -40,8 +40,9 @@ template <class Face, class Cell>
 Index cellBehind(const Face& face, const std::vector<Cell>& cells, const Adjacency& around) {
   for (Index k = around.start[std::size_t(face[0])]; k < around.start[std::size_t(face[0]) + 1]; ++k) {
     const Cell& cell = cells[std::size_t(around.values[std::size_t(k)])];
-    const bool has_all = std::all_of(face.begin(), face.end(),
-                                     [&cell](Index node) { return std::find(cell.begin(), cell.end(), node) != cell.end(); });
+    const bool has_all = std::all_of(face.begin(), face.end(), [&cell](Index node) {
+      return std::find(cell.begin(), cell.end(), node) != cell.end();
+    });
     if (has_all) return around.values[std::size_t(k)];
   }
   return 0;
@@ -51,8 +52,7 @@ void addBoundary(Body& body, const Mesh& mesh) {
   for (const Triangle& face : mesh.boundaryTriangles())
     addTriangle(body, face[0], face[1], face[2], cellBehind(face, mesh.tetrahedra, mesh.tetrahedraAroundNode()));
   for (const Quad& face : mesh.boundaryQuads())
-    addQuad(body, face,
-            Index(mesh.tetrahedra.size()) + cellBehind(face, mesh.hexahedra, mesh.hexahedraAroundNode()));
+    addQuad(body, face, Index(mesh.tetrahedra.size()) + cellBehind(face, mesh.hexahedra, mesh.hexahedraAroundNode()));
   addEdges(body.edges, mesh.boundaryTriangles());
   addEdges(body.edges, mesh.boundaryQuads());
 }
@@ -68,22 +68,22 @@ void addFaces(Body& body, const Mesh& mesh) {
 bool hasVolume(const Mesh& mesh) { return !mesh.tetrahedra.empty() || !mesh.hexahedra.empty(); }
 bool hasFaces(const Mesh& mesh) { return !mesh.triangles.empty() || !mesh.quads.empty(); }
 
-/// Of several meshes of a state the one that force fields are computed on: that of the fields' values, else the one that
-/// components find.
+/// The mesh that a force field is computed on: the one that it links, else the one that it finds as other components do.
+const Topology* topologyOfField(const ForceField& field, const State& state) {
+  if (const Data* data = field.data().find("topology"); data && data->link() && data->link()->target())
+    return dynamic_cast<const Topology*>(data->link()->target());
+  return findTopology(field, state, Link<Topology>("topology"));
+}
+
+/// Of the meshes of a state the one that the values of its fields belong to, else the one that components find.
 const Mesh* meshOf(const State& state, const System& system) {
+  for (const ForceField* field : system.forceFields()) {
+    if (&field->state() != &state || field->cellFields().empty()) continue;
+    const Topology* topology = topologyOfField(*field, state);
+    if (topology && (hasVolume(topology->mesh()) || hasFaces(topology->mesh()))) return &topology->mesh();
+  }
   const std::vector<const Topology*> candidates = topologiesOf(state);
   if (candidates.empty()) return nullptr;
-  if (candidates.size() > 1)
-    for (const ForceField* field : system.forceFields()) {
-      if (&field->state() != &state || field->cellFields().empty()) continue;
-      std::vector<double> values;
-      field->cellField(field->cellFields().front(), system.x, values);
-      for (const Topology* candidate : candidates) {
-        const Mesh& mesh = candidate->mesh();
-        for (const std::size_t count : {mesh.tetrahedra.size(), mesh.hexahedra.size(), mesh.triangles.size()})
-          if (count > 0 && count == values.size()) return &mesh;
-      }
-    }
   const Topology* usual = topologyOf(state);
   for (const auto has : {hasVolume, hasFaces})
     if (!usual || !has(usual->mesh()))
@@ -207,14 +207,19 @@ bool cellValues(const Field& field, const Body& body, std::vector<double>& work,
   const bool volume = hasVolume(mesh);
   const std::size_t first = volume ? mesh.tetrahedra.size() : mesh.triangles.size();
   const std::size_t second = volume ? mesh.hexahedra.size() : mesh.quads.size();
-  std::size_t offset = 0;
-  if (work.size() == second && work.size() != first && work.size() != first + second)
-    offset = first;
-  else if (work.size() != first && work.size() != first + second)
-    return false;
-  out.assign(first + second, std::numeric_limits<float>::quiet_NaN());
-  for (std::size_t i = 0; i < work.size(); ++i) out[offset + i] = float(work[i]);
-  return true;
+  // numbers a cell: one of a scalar, three of a vector, six or nine of a tensor
+  for (const std::size_t width : {1, 3, 6, 9}) {
+    const std::size_t count = work.size() / width;
+    if (work.size() % width != 0 || (count != first && count != second && count != first + second)) continue;
+    const std::size_t offset = count == first || count == first + second ? 0 : first;
+    out.assign(first + second, std::numeric_limits<float>::quiet_NaN());
+    for (std::size_t i = 0; i < count; ++i) {
+      const double* values = work.data() + width * i;
+      out[offset + i] = float(width == 1 ? *values : Eigen::Map<const Eigen::VectorXd>(values, Index(width)).norm());
+    }
+    return true;
+  }
+  return false;
 }
 
 std::string unitOfField(const std::string& name) {

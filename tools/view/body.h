@@ -21,10 +21,11 @@ struct Body {
   Index surface = 0;           ///< how many are on the surface
 
   std::vector<Triangle> triangles;  ///< page numbers, counter-clockwise from outside
-  std::vector<Index> owner;         ///< cell of each triangle: tetrahedra, then hexahedra; without those, triangles, then quads
-  std::vector<Edge> edges;          ///< of the faces, without diagonals of quads; or the lines
-  std::vector<Index> points;        ///< nodes that nothing else draws
-  std::vector<Edge> springs;        ///< within the body
+  std::vector<Index>
+      owner;                ///< cell of each triangle: tetrahedra, then hexahedra; without those, triangles, then quads
+  std::vector<Edge> edges;  ///< of the faces, without diagonals of quads; or the lines
+  std::vector<Index> points;                 ///< nodes that nothing else draws
+  std::vector<Edge> springs;                 ///< within the body
   std::vector<std::array<Index, 2>> frames;  ///< rigid frames: page number of the place, row of the turn in the state
 
   /// Cells that fields may have a value for: volume cells, else triangles and quads.
@@ -54,7 +55,7 @@ struct Drawing {
 Drawing drawingOf(const Simulation& simulation);
 
 /// The values of a field of cells at the present positions, one for each of body.cells(), NaN for cells that the force field
-/// does not have. False when it fits no list of the body's cells. `work` is scratch space.
+/// does not have; of a field with several numbers a cell their Euclidean norm. False when it fits no list of the body's cells. `work` is scratch space.
 bool cellValues(const Field& field, const Body& body, std::vector<double>& work, std::vector<float>& out);
 
 /// "Pa" for stresses and pressures, "-" for pure numbers, empty when not known.

@@ -62,7 +62,8 @@ void Client::taken(std::size_t bytes) {
   json message = parse({static_cast<const char*>(buffer_.data().data()), bytes});
   buffer_.consume(buffer_.size());
   if (message.is_null()) {
-    queue(std::make_shared<std::string>(R"({"is":"messages","lines":[{"severity":"error","text":"a message was no JSON object"}]})"),
+    queue(std::make_shared<std::string>(
+              R"({"is":"messages","lines":[{"severity":"error","text":"a message was no JSON object"}]})"),
           true);
     return;
   }

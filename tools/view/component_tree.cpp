@@ -49,25 +49,25 @@ json describe(const Data& data) {
 
 json describe(const Component& component, const Factory& factory) {
   const ComponentEntry* entry = factory.find(component.type());
-  json out{{"name", component.name()},
-           {"path", component.path()},
-           {"type", component.type()},
-           {"role", component.roleText()},
-           {"help", entry ? entry->help : ""},
-           {"attributes", json::array()}};
+  json out{{"name", component.name()},     {"path", component.path()},         {"type", component.type()},
+           {"role", component.roleText()}, {"help", entry ? entry->help : ""}, {"attributes", json::array()}};
   for (const Data& data : component.data().all())
     if (!data.isShorthand()) out["attributes"].push_back(describe(data));
   return out;
 }
 
 json nodeAttribute(const char* name, std::string value, const char* unit, const char* help, bool given) {
-  return {{"name", name},   {"value", std::move(value)}, {"unit", unit},  {"help", help},   {"type", ""}, {"default", ""},
-          {"range", ""}, {"change", "at_once"},       {"given", given}, {"output", false}, {"long", false}};
+  return {
+      {"name", name}, {"value", std::move(value)}, {"unit", unit},   {"help", help},    {"type", ""},   {"default", ""},
+      {"range", ""},  {"change", "at_once"},       {"given", given}, {"output", false}, {"long", false}};
 }
 
 json describe(const Node& node, const Factory& factory) {
   const Vec3 g = node.gravity();
-  json out{{"name", node.name()}, {"path", node.path()}, {"attributes", json::array()}, {"components", json::array()},
+  json out{{"name", node.name()},
+           {"path", node.path()},
+           {"attributes", json::array()},
+           {"components", json::array()},
            {"children", json::array()}};
   out["attributes"].push_back(nodeAttribute("gravity", fmt::format("{} {} {}", g[0], g[1], g[2]), "m/s^2",
                                             "acceleration of gravity on this node and those below",

@@ -26,7 +26,13 @@ std::vector<float> rowsOf(const Body& body, ConstRows rows, bool all) {
 
 void FrameMaker::addPositions(Packet& packet, std::size_t body, bool all) const {
   const Body& drawn = drawing_.bodies[body];
-  packet.add(std::to_string(body) + ".x", rowsOf(drawn, drawn.state->x(), all));
+  const ConstRows x = drawn.state->x();
+  packet.add(std::to_string(body) + ".x", rowsOf(drawn, x, all));
+  if (drawn.frames.empty()) return;
+  std::vector<float> turns;
+  for (const auto& [place, row] : drawn.frames)
+    for (int k = 0; k < 4; ++k) turns.push_back(float(x.data[std::size_t(row) * row_doubles + std::size_t(k)]));
+  packet.add(std::to_string(body) + ".turn", std::move(turns));
 }
 
 void FrameMaker::addVelocities(Packet& packet, const Field& field, bool all) const {

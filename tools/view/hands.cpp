@@ -71,7 +71,8 @@ Hands::Hand Hands::pulling(const json& order, const Hand* before) const {
     hand.what.nodes.push_back(body.node[std::size_t(integer(node, "nodes", 0, long(body.node.size()) - 1))]);
   std::vector<Index> sorted = hand.what.nodes;
   std::sort(sorted.begin(), sorted.end());
-  if (std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end()) throw ComponentError("'nodes' has a node twice");
+  if (std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end())
+    throw ComponentError("'nodes' has a node twice");
   if (hand.kind == "force") {
     hand.what.force = place(member(order, "force"), "force") / double(nodes.size());
     return hand;
@@ -200,7 +201,10 @@ json Hands::describe() const {
   json out = json::array();
   for (const auto& [key, hand] : hands_) {
     const Body& body = drawing_.bodies[std::size_t(hand.body)];
-    json one{{"hand", key.second}, {"client", key.first}, {"kind", hand.kind}, {"body", hand.body},
+    json one{{"hand", key.second},
+             {"client", key.first},
+             {"kind", hand.kind},
+             {"body", hand.body},
              {"force", list(forceOn(hand))}};
     if (hand.kind == "push") {
       one["centre"] = list(hand.centre), one["radius"] = hand.radius, one["touched"] = hand.what.nodes.size();

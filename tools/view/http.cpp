@@ -25,9 +25,10 @@ HttpConnection::Response respond(const HttpConnection::Request& request, http::s
   response.set("X-Frame-Options", "DENY");
   response.set("Referrer-Policy", "no-referrer");
   response.set("Cross-Origin-Resource-Policy", "same-origin");
-  response.set("Content-Security-Policy",
-               "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; "
-               "img-src 'self' data: blob:; media-src blob:; frame-ancestors 'none'; base-uri 'none'; form-action 'none'");
+  response.set(
+      "Content-Security-Policy",
+      "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; "
+      "img-src 'self' data: blob:; media-src blob:; frame-ancestors 'none'; base-uri 'none'; form-action 'none'");
   response.keep_alive(request.keep_alive());
   response.body() = std::move(body);
   response.prepare_payload();
@@ -48,7 +49,8 @@ void HttpConnection::read() {
   parser_->body_limit(0);
   stream_.expires_after(longest_wait);
   http::async_read(stream_, buffer_, *parser_, [self = shared_from_this()](beast::error_code error, std::size_t) {
-    if (error == http::error::end_of_stream || error == beast::error::timeout || error == boost::asio::error::operation_aborted)
+    if (error == http::error::end_of_stream || error == beast::error::timeout ||
+        error == boost::asio::error::operation_aborted)
       return;
     if (error) {  // an answer where there can be one
       Request none;
@@ -65,7 +67,8 @@ void HttpConnection::taken() {
   const Access& access = server_.access();
   const bool is_ours = access.isOurHost(viewOf(request[http::field::host]));
   if (is_ours && beast::websocket::is_upgrade(request) && request.target() == "/live") {
-    if (access.isOurOrigin(viewOf(request[http::field::origin])) && access.hasCookie(viewOf(request[http::field::cookie]))) {
+    if (access.isOurOrigin(viewOf(request[http::field::origin])) &&
+        access.hasCookie(viewOf(request[http::field::cookie]))) {
       std::make_shared<Client>(server_, stream_.release_socket())->accept(std::move(request));
       return;
     }

@@ -65,7 +65,8 @@ void LiveRun::answer(const Order& order) {
     message = error.what();
   }
   if (order.message.contains("request"))
-    audience_.send(order.client, {{"is", "reply"}, {"request", order.message["request"]}, {"ok", good}, {"message", message}});
+    audience_.send(order.client,
+                   {{"is", "reply"}, {"request", order.message["request"]}, {"ok", good}, {"message", message}});
   else if (!good)
     audience_.send(order.client, {{"is", "messages"}, {"lines", {{{"severity", "error"}, {"text", message}}}}});
 }
@@ -130,10 +131,10 @@ void LiveRun::introduce(int client) {
   Packet scene = scenePacket(simulation_, drawing_, generation_, request_.recording.empty() ? "live" : "recording");
   scene.header()["client"] = client;
   scene.header()["build"] = request_.build;
-  audience_.send(client, scene);
-  audience_.send(client, heldPacket(simulation_, drawing_, generation_));
+  audience_.sendPacket(client, scene);
+  audience_.sendPacket(client, heldPacket(simulation_, drawing_, generation_));
   held_revision_ = heldRevision(simulation_);
-  if (cells_sent_) audience_.send(client, cellsPacket(drawing_, generation_));
+  if (cells_sent_) audience_.sendPacket(client, cellsPacket(drawing_, generation_));
   json lines = json::array();
   for (const Problem& problem : simulation_.scene().diagnostics.problems()) lines.push_back(lineOf(problem));
   audience_.send(client, {{"is", "messages"}, {"lines", lines}});
@@ -155,7 +156,9 @@ void LiveRun::tell(int client, const std::string& verb) {
     lines.push_back(fmt::format("threads: {}", threads()));
     audience_.send(client, {{"is", "explain"}, {"lines", lines}});
   } else if (verb == "hash") {
-    audience_.send(client, {{"is", "hash"}, {"step", simulation_.steps()}, {"hash", fmt::format("{:016x}", simulation_.stateHash())}});
+    audience_.send(
+        client,
+        {{"is", "hash"}, {"step", simulation_.steps()}, {"hash", fmt::format("{:016x}", simulation_.stateHash())}});
   } else if (verb == "doubts") {
     audience_.send(client, {{"is", "doubts"}, {"lines", simulation_.doubts()}});
   } else if (verb == "xml") {
@@ -165,9 +168,10 @@ void LiveRun::tell(int client, const std::string& verb) {
                             {"name", std::filesystem::path(scene).stem().string() + ".actions"},
                             {"text", printActions({scene, simulation_.events()})}});
   } else {
-    throw ComponentError("there is nothing to do that is called '" + verb + "'",
-                         "run, pause, step, reset, pace, seek, pull, force, push, release, set, components, explain, xml, "
-                         "actions, doubts or hash");
+    throw ComponentError(
+        "there is nothing to do that is called '" + verb + "'",
+        "run, pause, step, reset, pace, seek, pull, force, push, release, set, components, explain, xml, "
+        "actions, doubts or hash");
   }
 }
 
@@ -177,7 +181,8 @@ void LiveRun::tellXml(int client) {
   const auto own = changed.texts.find(file);
   if (own == changed.texts.end()) throw ComponentError("the scene was not read from a file");
   json lines = json::array(), others = json::array();
-  for (const std::string& sentence : changed.not_written) lines.push_back({{"severity", "warning"}, {"text", sentence}});
+  for (const std::string& sentence : changed.not_written)
+    lines.push_back({{"severity", "warning"}, {"text", sentence}});
   for (const std::string& sentence : changed.notes) lines.push_back({{"severity", "note"}, {"text", sentence}});
   if (!lines.empty()) audience_.send(client, {{"is", "messages"}, {"lines", lines}});
   for (const std::string& name : changed.changed)

@@ -57,7 +57,8 @@ bool LiveRun::post(Order order) {
     if (isOfHand(order.message)) {
       // the newest place of a hand is what counts, unless it was let go of or has become another hand meanwhile
       const auto same = std::find_if(orders_.rbegin(), orders_.rend(), [&order](const Order& other) {
-        return other.client == order.client && other.message.value("hand", json()) == order.message.value("hand", json());
+        return other.client == order.client &&
+               other.message.value("hand", json()) == order.message.value("hand", json());
       });
       if (same != orders_.rend() && same->message["do"] == order.message["do"] && !same->message.contains("request")) {
         same->message = std::move(order.message);
@@ -182,7 +183,8 @@ void LiveRun::waitForRealTime() {
     showIfDue();
     std::unique_lock lock(mutex_);
     if (!stopping_ && orders_.empty())
-      changed_.wait_until(lock, dirty_ && can_draw_ ? std::min(until, Clock::now() + std::chrono::milliseconds(2)) : until);
+      changed_.wait_until(lock,
+                          dirty_ && can_draw_ ? std::min(until, Clock::now() + std::chrono::milliseconds(2)) : until);
   }
 }
 
@@ -192,8 +194,10 @@ void LiveRun::showIfDue() {
   if (!can_draw_.load(std::memory_order_relaxed) || !dirty_ || generation_ == 0) return;
   const auto now = Clock::now();
   const Demand wanted = demand();
-  if (secondsBetween(last_shown_, now) < 1 / wanted.fps) return;
-  last_shown_ = now;
+  const auto period = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1 / wanted.fps));
+  if (now - last_shown_ < period) return;
+  // a picture that is a little late does not make all later ones late
+  last_shown_ = now - last_shown_ < 2 * period ? last_shown_ + period : now;
   show(wanted);
 }
 
@@ -201,11 +205,11 @@ void LiveRun::show(const Demand& wanted) {
   const auto start = Clock::now();
   const double fields_before = frames_.fieldSeconds();
   if (wanted.all_nodes && !cells_sent_) {
-    audience_.send(Audience::everybody, cellsPacket(drawing_, generation_));
+    audience_.sendPacket(Audience::everybody, cellsPacket(drawing_, generation_));
     cells_sent_ = true;
   }
   if (const long revision = heldRevision(simulation_); revision != held_revision_) {
-    audience_.send(Audience::everybody, heldPacket(simulation_, drawing_, generation_));
+    audience_.sendPacket(Audience::everybody, heldPacket(simulation_, drawing_, generation_));
     held_revision_ = revision;
   }
   const std::shared_ptr<Packet> frame = frames_.make(wanted, ++frame_, time(), !running_);
@@ -225,10 +229,16 @@ void LiveRun::show(const Demand& wanted) {
 }
 
 json LiveRun::status() const {
-  json out{{"is", "status"},       {"running", running_},          {"pace", real_time_ ? "real" : "fast"},
-           {"factor", factor_},    {"time", time()},               {"step", simulation_.steps()},
-           {"dt", simulation_.dt()}, {"ended", ended_},
-           {"doubts", json::array()}, {"mode", request_.recording.empty() ? "live" : "recording"}};
+  json out{{"is", "status"},
+           {"running", running_},
+           {"pace", real_time_ ? "real" : "fast"},
+           {"factor", factor_},
+           {"time", time()},
+           {"step", simulation_.steps()},
+           {"dt", simulation_.dt()},
+           {"ended", ended_},
+           {"doubts", json::array()},
+           {"mode", request_.recording.empty() ? "live" : "recording"}};
   out.update(speed_);
   if (!request_.recording.empty()) out["recording"] = {{"count", request_.recording.front().size()}, {"index", index_}};
   return out;
@@ -241,10 +251,12 @@ void LiveRun::tellStatus(bool now) {
   last_status_ = time_now;
   const double wall = secondsBetween(window_.start, time_now);
   if (running_ && wall >= 0.2)
-    speed_ = {{"ratio", window_.simulated / wall},
-              {"steps_per_second", double(window_.steps) / wall},
-              {"step_ms", window_.steps > 0 ? 1e3 * window_.stepping / double(window_.steps) : 0.},
-              {"share", {{"step", window_.stepping / wall}, {"copy", window_.copying / wall}, {"fields", window_.fields / wall}}}};
+    speed_ = {
+        {"ratio", window_.simulated / wall},
+        {"steps_per_second", double(window_.steps) / wall},
+        {"step_ms", window_.steps > 0 ? 1e3 * window_.stepping / double(window_.steps) : 0.},
+        {"share",
+         {{"step", window_.stepping / wall}, {"copy", window_.copying / wall}, {"fields", window_.fields / wall}}}};
   if (running_ && wall >= window_seconds) window_ = {.start = time_now};
   audience_.tellStatus(status());
 }

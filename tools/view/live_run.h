@@ -37,7 +37,9 @@ class LiveRun {
 
  private:
   using Clock = std::chrono::steady_clock;
-  bool mustReturn() const { return stopping_.load(std::memory_order_relaxed) || ordered_.load(std::memory_order_relaxed); }
+  bool mustReturn() const {
+    return stopping_.load(std::memory_order_relaxed) || ordered_.load(std::memory_order_relaxed);
+  }
   void doOrders();
   void answer(const Order& order);
   std::string carryOut(const Order& order);
@@ -80,9 +82,9 @@ class LiveRun {
   // ---- of the thread that steps ----
   bool running_ = false, real_time_ = true;
   double factor_ = 1;
-  std::string ended_;      ///< why nothing runs any more, or empty
-  bool dirty_ = true;      ///< the picture is another than the one sent last
-  int generation_ = 0;     ///< of the scene; 0: nobody has asked for it
+  std::string ended_;   ///< why nothing runs any more, or empty
+  bool dirty_ = true;   ///< the picture is another than the one sent last
+  int generation_ = 0;  ///< of the scene; 0: nobody has asked for it
   bool cells_sent_ = false;
   long frame_ = 0, held_revision_ = -1, index_ = 0;
   StepReport last_;

@@ -18,7 +18,8 @@ inline const nlohmann::json& member(const nlohmann::json& order, const char* nam
 }
 
 inline double number(const nlohmann::json& value, const char* name, double low, double high) {
-  if (!value.is_number() || !std::isfinite(value.get<double>()) || value.get<double>() < low || value.get<double>() > high)
+  if (!value.is_number() || !std::isfinite(value.get<double>()) || value.get<double>() < low ||
+      value.get<double>() > high)
     throw ComponentError(std::string("'") + name + "' is " + value.dump().substr(0, 40),
                          "a number from " + nlohmann::json(low).dump() + " to " + nlohmann::json(high).dump());
   return value.get<double>();
@@ -35,7 +36,8 @@ inline long integer(const nlohmann::json& value, const char* name, long low, lon
 
 inline std::string text(const nlohmann::json& value, const char* name, std::size_t longest) {
   if (!value.is_string() || value.get_ref<const std::string&>().size() > longest)
-    throw ComponentError(std::string("'") + name + "' is no text of at most " + std::to_string(longest) + " characters");
+    throw ComponentError(std::string("'") + name + "' is no text of at most " + std::to_string(longest) +
+                         " characters");
   return value.get<std::string>();
 }
 

@@ -5,8 +5,8 @@
 #include <array>
 
 // NAME_begin and NAME_end: the bytes of a file of the bundle.
-#define STROMA_PAGE_FILE(name, file)                                                            \
-  asm(".section .rodata\n.global " #name "_begin\n.global " #name "_end\n.balign 16\n" #name    \
+#define STROMA_PAGE_FILE(name, file)                                                             \
+  asm(".section .rodata\n.global " #name "_begin\n.global " #name "_end\n.balign 16\n" #name     \
       "_begin:\n.incbin \"" STROMA_PAGE_FOLDER "/" file "\"\n" #name "_end:\n.byte 0\n.text\n"); \
   extern "C" __attribute__((visibility("hidden"))) const char name##_begin[], name##_end[];
 
@@ -29,7 +29,8 @@ const PageFile* pageFile(std::string_view target) {
       {"/app.css", "text/css; charset=utf-8", between(stroma_page_style_begin, stroma_page_style_end)},
       {"/licences.txt", "text/plain; charset=utf-8", between(stroma_page_licences_begin, stroma_page_licences_end)},
   }};
-  const auto found = std::find_if(files.begin(), files.end(), [&](const PageFile& file) { return file.target == target; });
+  const auto found =
+      std::find_if(files.begin(), files.end(), [&](const PageFile& file) { return file.target == target; });
   return found == files.end() ? nullptr : &*found;
 }
 

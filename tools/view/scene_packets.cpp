@@ -33,8 +33,9 @@ json describe(const Body& body) {
            {"name", body.state->node().name()},
            {"nodes", body.node.size()},
            {"surface", body.surface},
-           {"cells", {{"tetrahedra", body.mesh ? body.mesh->tetrahedra.size() : 0},
-                      {"hexahedra", body.mesh ? body.mesh->hexahedra.size() : 0}}},
+           {"cells",
+            {{"tetrahedra", body.mesh ? body.mesh->tetrahedra.size() : 0},
+             {"hexahedra", body.mesh ? body.mesh->hexahedra.size() : 0}}},
            {"interactive", why.empty()},
            {"why", why},
            {"frames", json::array()},
@@ -135,8 +136,7 @@ Packet heldPacket(const Simulation& simulation, const Drawing& drawing, int gene
       projectors.clear();
       constraint->addProjectors(t, projectors);
       for (const NodeProjector& projector : projectors)
-        mark(*system, projector.row,
-             projector.projector.isZero(0) && !constraint->prescribesMotion() ? held : guided);
+        mark(*system, projector.row, projector.projector.isZero(0) && !constraint->prescribesMotion() ? held : guided);
     }
   Packet packet({{"is", "held"}, {"generation", generation}});
   for (std::size_t b = 0; b < holding.size(); ++b)

@@ -25,7 +25,8 @@ std::shared_ptr<const std::string> textOf(const json& message) {
 Tcp::acceptor listenOn(asio::io_context& context, const std::string& host, int port) {
   boost::system::error_code error;
   const auto address = asio::ip::make_address(host == "localhost" ? "127.0.0.1" : host, error);
-  if (error) throw std::runtime_error(fmt::format("--host {}: expected an address of this machine, as 127.0.0.1", host));
+  if (error)
+    throw std::runtime_error(fmt::format("--host {}: expected an address of this machine, as 127.0.0.1", host));
   Tcp::acceptor acceptor(context);
   const Tcp::endpoint endpoint(address, static_cast<unsigned short>(port));
   acceptor.open(endpoint.protocol(), error);
@@ -83,7 +84,7 @@ void Server::send(int client, const json& message) {
   asio::post(context_, [this, client, bytes = textOf(message)] { deliver(client, bytes, true); });
 }
 
-void Server::send(int client, const Packet& packet) {
+void Server::sendPacket(int client, const Packet& packet) {
   asio::post(context_, [this, client, bytes = std::make_shared<const std::string>(packet.bytes())] {
     deliver(client, bytes, false);
   });
@@ -170,7 +171,9 @@ void Server::take(Client& client, json message) {
     const std::string verb = text(member(message, "do"), "do", 20);
     if (verb == "hello") {
       if (client.isReady()) throw ComponentError("'hello' comes once");
-      if (text(message.value("build", json("")), "build", 200) != request_.build) {
+      // a page that has just been loaded does not know yet which build it is of
+      const std::string build = text(message.value("build", json("")), "build", 200);
+      if (!build.empty() && build != request_.build) {
         client.queue(textOf({{"is", "reload"}}), true);
         return;
       }
@@ -208,10 +211,12 @@ void Server::take(Client& client, json message) {
       throw ComponentError("another page has control", "control taken first");
     } else {
       if (needsControl(verb) && control_ == 0) control_ = client.number();
-      if (!run_->post({client.number(), std::move(message)})) refuse(client, json::object(), "too many messages wait already");
+      if (!run_->post({client.number(), std::move(message)}))
+        refuse(client, json::object(), "too many messages wait already");
     }
   } catch (const ComponentError& error) {
-    refuse(client, message, error.expected.empty() ? error.what() : fmt::format("{} (expected {})", error.what(), error.expected));
+    refuse(client, message,
+           error.expected.empty() ? error.what() : fmt::format("{} (expected {})", error.what(), error.expected));
   }
 }
 

@@ -28,7 +28,7 @@ class Server final : public Audience {
 
   // ---- Audience: the thread that steps ----
   void send(int client, const nlohmann::json& message) override;
-  void send(int client, const Packet& packet) override;
+  void sendPacket(int client, const Packet& packet) override;
   void show(std::shared_ptr<const Packet> frame) override;
   void tellStatus(const nlohmann::json& status) override;
 

@@ -65,7 +65,8 @@ std::string standalonePage(const std::vector<std::string>& packets) {
     bytes += packet;
   }
   std::string page(pageFile("/")->content);
-  replaceOnce(page, R"(<link rel="stylesheet" href="app.css">)", "<style>" + std::string(pageFile("/app.css")->content) + "</style>");
+  replaceOnce(page, R"(<link rel="stylesheet" href="app.css">)",
+              "<style>" + std::string(pageFile("/app.css")->content) + "</style>");
   replaceOnce(page, R"(<script src="app.js"></script>)",
               "<script type=\"application/json\" id=\"stroma-recording\">{\"packets\":[\"" + base64(compressed(bytes)) +
                   "\"]}</script>\n<script>" + inScript(pageFile("/app.js")->content) + "</script>");

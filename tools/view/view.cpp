@@ -47,8 +47,11 @@ class BrowserViewer final : public Viewer {
     demand.all_nodes = request.inside;
     demand.fields = fieldsCalled(request.fields, drawing);
     checkAccess(request.file, true);
-    std::vector<std::string> packets{scenePacket(simulation, drawing, 1, "recording").bytes(),
-                                     heldPacket(simulation, drawing, 1).bytes()};
+    Packet scene = scenePacket(simulation, drawing, 1, "recording");
+    if (!request.fields.empty())
+      scene.header()["view"] = {{"colour", request.fields.front() + "|cells|" + unitOfField(request.fields.front())},
+                                {"range", "running"}};
+    std::vector<std::string> packets{scene.bytes(), heldPacket(simulation, drawing, 1).bytes()};
     if (request.inside) packets.push_back(cellsPacket(drawing, 1).bytes());
     long frame = 0;
     const auto keep = [&] {
@@ -67,9 +70,9 @@ class BrowserViewer final : public Viewer {
       throw std::runtime_error("the run has no result to show: " + report.reason);
     const std::string page = standalonePage(packets);
     if (page.size() > most_page_bytes)
-      throw std::runtime_error(fmt::format("{} would have {} MB, more than the {} MB that browsers open well (expected --every {})",
-                                           request.file, page.size() >> 20, most_page_bytes >> 20,
-                                           request.every * long(page.size() / most_page_bytes + 1)));
+      throw std::runtime_error(fmt::format(
+          "{} would have {} MB, more than the {} MB that browsers open well (expected --every {})", request.file,
+          page.size() >> 20, most_page_bytes >> 20, request.every * long(page.size() / most_page_bytes + 1)));
     writeWholeFile(request.file, page);
   }
 };
@@ -78,7 +81,8 @@ class BrowserViewer final : public Viewer {
 }  // namespace stroma::view
 
 extern "C" __attribute__((visibility("default"))) const stroma::ServiceInfo* stroma_service() {
-  static const stroma::ServiceInfo info{STROMA_ABI, stroma::view::Viewer::role,
-                                        []() -> void* { return static_cast<stroma::view::Viewer*>(new stroma::view::BrowserViewer); }};
+  static const stroma::ServiceInfo info{STROMA_ABI, stroma::view::Viewer::role, []() -> void* {
+                                          return static_cast<stroma::view::Viewer*>(new stroma::view::BrowserViewer);
+                                        }};
   return &info;
 }

@@ -33,9 +33,9 @@ struct ViewRequest {
 /// How a page that plays a run by itself is made.
 struct ExportRequest {
   std::string file;
-  long steps = 100, every = 1;  ///< steps to make; steps from one picture to the next
+  long steps = 100, every = 1;        ///< steps to make; steps from one picture to the next
   std::vector<std::string> fields{};  ///< names of cell fields that are kept; all nodes' displacements always are
-  bool inside = false;          ///< the nodes inside too, so that the body can be cut
+  bool inside = false;                ///< the nodes inside too, so that the body can be cut
 };
 
 class Viewer {

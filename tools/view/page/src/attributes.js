@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The tab "Attributes": those of the chosen node or component, edited in place where that is possible while the scene runs.
+import { h } from './dom.js';
+
+export class Attributes {
+  /** @param {HTMLElement} body @param {any} parts */
+  constructor(body, { store, commands }) {
+    this.body = body;
+    this.store = store;
+    this.commands = commands;
+    /** What was typed and refused, by path and attribute: kept when the panel is built anew. @type {Map<string, {text: string, error: string}>} */
+    this.refused = new Map();
+    this.filter = '';
+    store.on('selection', () => this.build());
+    store.on('components', () => this.refresh());
+    this.build();
+  }
+
+  /** @param {boolean} on */
+  opened(on) {
+    if (on) this.commands.request({ do: 'components' }); // outputs change while the scene runs
+  }
+
+  /** @param {any} [node] @returns {any} the node or component with the chosen path */
+  find(node = this.store.components) {
+    const { selected } = this.store;
+    if (!node) return null;
+    if (node.path === selected) return node;
+    for (const component of node.components ?? []) if (component.path === selected) return component;
+    for (const child of node.children ?? []) {
+      const found = this.find(child);
+      if (found) return found;
+    }
+    return null;
+  }
+
+  /** New values without losing what is being typed. */
+  refresh() {
+    const focused = this.body.contains(document.activeElement) && document.activeElement?.tagName === 'INPUT';
+    if (!focused) this.build();
+  }
+
+  build() {
+    const item = this.find();
+    if (!item) {
+      this.body.replaceChildren(h('p', { class: 'quiet' }, this.store.components || this.commands.connection
+        ? 'Choose a node or a component in the tree of the scene.' : 'A recording holds no attributes.'));
+      return;
+    }
+    const scroll = this.body.scrollTop;
+    const attributes = (item.attributes ?? []);
+    const order = (/** @type {any} */ a) => (a.output ? 3 : a.change === 'at_once' || a.change === 'recompile' ? 0 : a.given ? 1 : 2);
+    this.body.replaceChildren(h('h2', {}, item.path), h('p', {}, h('strong', {}, item.type ? `${item.type} ` : 'Node '), item.name),
+      item.help ? h('p', { class: 'quiet' }, item.help) : null,
+      ...[...attributes].sort((a, b) => order(a) - order(b)).map((attribute) => this.attribute(item, attribute)));
+    this.body.scrollTop = scroll;
+  }
+
+  /** @param {any} item @param {any} attribute */
+  attribute(item, attribute) {
+    const key = `${item.path} ${attribute.name}`;
+    const live = !attribute.output && !attribute.long && (attribute.change === 'at_once' || attribute.change === 'recompile') && this.commands.connection;
+    const kept = this.refused.get(key);
+    const error = h('div', { class: 'error', 'data-error': `${item.path}.${attribute.name}`, role: 'alert', hidden: !kept }, kept?.error ?? '');
+    const names = { 'data-path': item.path, 'data-attribute': attribute.name, id: `attribute-${key}`, 'aria-label': `${attribute.name} of ${item.path}` };
+    let control;
+    if (live && attribute.choices?.length) {
+      control = h('select', { ...names, onchange: () => this.set(item, attribute, control, error) },
+        ...attribute.choices.map((/** @type {string} */ value) => h('option', { value }, value)));
+      control.value = attribute.value;
+    } else if (live && attribute.type === 'bool') {
+      control = h('select', { ...names, onchange: () => this.set(item, attribute, control, error) }, h('option', { value: 'true' }, 'true'), h('option', { value: 'false' }, 'false'));
+      control.value = /^(1|true)$/i.test(attribute.value) ? 'true' : 'false';
+    } else if (live) {
+      control = h('input', { ...names, type: 'text', spellcheck: 'false', autocomplete: 'off', value: kept?.text ?? attribute.value, class: kept ? 'wrong' : '',
+        onkeydown: (/** @type {KeyboardEvent} */ event) => {
+          if (event.key === 'Enter') this.set(item, attribute, control, error);
+          else if (event.key === 'Escape') {
+            this.refused.delete(key);
+            control.value = attribute.value;
+            control.classList.remove('wrong');
+            error.hidden = true;
+            event.stopPropagation();
+          }
+        } });
+    } else control = h('span', { class: 'value mono', ...names }, shortened(attribute.value, attribute.long) || '–');
+    const facts = [attribute.range ? `Range: ${attribute.range}.` : '', attribute.default !== undefined && attribute.default !== '' ? `Default: ${shortened(attribute.default, false)}.` : '',
+      attribute.change === 'restart' && !attribute.output ? 'A change needs a restart.' : ''].filter(Boolean).join(' ');
+    return h('div', { class: `attribute${attribute.given ? ' given' : ''}` },
+      h('div', { class: 'line' }, h('label', { for: live ? `attribute-${key}` : null }, attribute.name), control, attribute.unit ? h('span', { class: 'unit' }, attribute.unit) : null,
+        attribute.output ? h('span', { class: 'tag' }, 'output') : null), error,
+      h('div', { class: 'help' }, [attribute.help, facts].filter(Boolean).join(' ')));
+  }
+
+  /** @param {any} item @param {any} attribute @param {any} control @param {HTMLElement} error */
+  async set(item, attribute, control, error) {
+    const key = `${item.path} ${attribute.name}`;
+    const text = control.value;
+    control.dataset.state = 'asked';
+    const reply = await this.commands.ask({ do: 'set', path: item.path, attribute: attribute.name, value: text });
+    control.dataset.state = reply.ok ? 'set' : 'refused';
+    control.classList.toggle('wrong', !reply.ok);
+    error.hidden = reply.ok;
+    error.textContent = reply.ok ? '' : reply.message;
+    if (reply.ok) {
+      this.refused.delete(key);
+      attribute.value = text;
+      attribute.given = true;
+      this.commands.request({ do: 'components' });
+    } else this.refused.set(key, { text, error: reply.message });
+  }
+}
+
+/** @param {string} text @param {boolean} cut whether the server cut it already */
+function shortened(text, cut) {
+  const value = String(text ?? '');
+  return value.length > 160 ? `${value.slice(0, 160)}…` : cut ? `${value}…` : value;
+}

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// What is drawn of one body: surface, wireframe, points, springs, held and guided nodes, loads, rigid frames.
+import * as THREE from 'three';
+import { bodyColour } from './colours.js';
+import { Numbers, material, nodeGeometry, shared } from './gpu.js';
+import { Arrows, Growing } from './shapes.js';
+
+const MOST_ARROWS = 3000;
+const AXES = [[0.80, 0.25, 0.22], [0.25, 0.60, 0.28], [0.22, 0.40, 0.85]];
+
+export class BodyView {
+  /** @param {import('./store.js').Body} body @param {import('./store.js').Store} store */
+  constructor(body, store) {
+    this.body = body;
+    this.store = store;
+    this.group = new THREE.Group();
+    this.positions = new Numbers(body.count, 3);
+    this.rest = new Numbers(body.count, 3);
+    this.rest.set(body.rest);
+    this.positions.set(body.x);
+    this.nodeValues = new Numbers(1, 1);
+    this.cellValues = new Numbers(1, 1);
+    /** @type {Float32Array | null} */
+    this.uploaded = null;
+    const nodes = { positions: this.positions.texture, rest: this.rest.texture };
+
+    const colour = new THREE.Vector3(...bodyColour(body.index));
+    this.surface = this.add(THREE.Mesh, body.triangles, material('surface',
+      { ...nodes, nodeValues: this.nodeValues.texture, cellValues: this.cellValues.texture, mode: 0, colour },
+      { polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 }));
+    const hasSurface = body.triangles.length > 0;
+    this.wireframe = this.add(THREE.LineSegments, body.edges, material('line',
+      { ...nodes, colour: hasSurface ? new THREE.Vector3(0.08, 0.09, 0.1) : colour, opacity: hasSurface ? 0.55 : 1, lift: 0.00002 },
+      { transparent: hasSurface }));
+    this.springs = this.add(THREE.LineSegments, body.springs, material('line',
+      { ...nodes, colour: new THREE.Vector3(0.45, 0.4, 0.7), lift: 0.00003 }));
+    this.points = this.add(THREE.Points, body.points, material('point', { ...nodes, colour, size: 7, shape: 0, lift: 0.0001 }));
+    this.held = this.add(THREE.Points, body.held, material('point',
+      { ...nodes, colour: new THREE.Vector3(0.97, 0.97, 0.97), size: 7, shape: 1, lift: 0.0002 }));
+    this.guided = this.add(THREE.Points, body.guided, material('point',
+      { ...nodes, colour: new THREE.Vector3(0.98, 0.8, 0.25), size: 9, shape: 2, lift: 0.0002 }));
+    this.loads = new Arrows([0.85, 0.35, 0.12]);
+    this.frames = new Growing('lines', { mode: 2, lift: 0.0001 }, true);
+    this.group.add(this.loads.object, this.frames.object);
+    /** The longest load so far: arrows keep one scale. */
+    this.longestLoad = 0;
+  }
+
+  /** @param {any} Kind @param {Int32Array} nodes @param {THREE.Material} made */
+  add(Kind, nodes, made) {
+    const object = new Kind(nodeGeometry(nodes), made);
+    object.frustumCulled = false;
+    this.group.add(object);
+    return object;
+  }
+
+  setConstraints() {
+    for (const [object, nodes] of [[this.held, this.body.held], [this.guided, this.body.guided]]) {
+      object.geometry.dispose();
+      object.geometry = nodeGeometry(nodes);
+    }
+  }
+
+  /** Takes over the frame that the store shows. */
+  update() {
+    const { body } = this;
+    this.positions.set(body.x);
+    this.updateLoads();
+    this.updateFrames();
+  }
+
+  /**
+   * Colours by a field.
+   * @param {'colour' | 'displacement' | 'nodes' | 'cells'} kind
+   * @param {Float32Array | null} values at the nodes, or one per triangle
+   */
+  colourBy(kind, values) {
+    const { uniforms } = this.surface.material;
+    if (values && values !== this.uploaded && (kind === 'nodes' || kind === 'cells')) {
+      const nodes = kind === 'nodes';
+      let numbers = nodes ? this.nodeValues : this.cellValues;
+      if (numbers.data.length < values.length) {
+        numbers.dispose();
+        numbers = new Numbers(nodes ? this.body.count : values.length, 1);
+        if (nodes) this.nodeValues = numbers;
+        else this.cellValues = numbers;
+        uniforms[nodes ? 'nodeValues' : 'cellValues'].value = numbers.texture;
+      }
+      numbers.set(values);
+      this.uploaded = values;
+    }
+    uniforms.mode.value = kind === 'displacement' ? 3 : !values || kind === 'colour' ? 0 : kind === 'nodes' ? 1 : 2;
+  }
+
+  /** Shows and hides by the choices of the store. */
+  choose() {
+    const { view } = this.store;
+    this.group.visible = this.body.visible;
+    const bare = this.body.triangles.length === 0;
+    this.surface.visible = view.surface && !bare;
+    this.wireframe.visible = (view.wireframe || bare || !view.surface) && this.body.edges.length > 0;
+    this.points.visible = view.points && this.body.points.length > 0;
+    this.springs.visible = view.springs && this.body.springs.length > 0;
+    this.held.visible = view.held && this.body.held.length > 0;
+    this.guided.visible = view.held && this.body.guided.length > 0;
+    this.loads.object.visible = view.loads && this.loads.geometry.instanceCount > 0;
+    this.frames.object.visible = view.frames && this.frames.count > 0;
+    const { material: made } = this.surface;
+    made.uniforms.opacity.value = view.opacity;
+    made.transparent = view.opacity < 1;
+    made.depthWrite = view.opacity === 1;
+  }
+
+  /** @param {number} node @returns {number[]} where the node is drawn */
+  drawnAt(node) {
+    const { x, rest } = this.body;
+    const factor = shared.exaggeration.value;
+    return [0, 1, 2].map((c) => rest[3 * node + c] + factor * (x[3 * node + c] - rest[3 * node + c]));
+  }
+
+  updateLoads() {
+    const { load, size } = this.body;
+    const items = [];
+    if (load && this.store.view.loads) {
+      let longest = 0;
+      for (let i = 0; i < load.length; i += 3) longest = Math.max(longest, load[i] ** 2 + load[i + 1] ** 2 + load[i + 2] ** 2);
+      longest = Math.sqrt(longest);
+      this.longestLoad = Math.max(longest, this.longestLoad);
+      for (let n = 0; 3 * n < load.length && items.length < MOST_ARROWS; n++) {
+        const force = [load[3 * n], load[3 * n + 1], load[3 * n + 2]];
+        const length = Math.hypot(...force);
+        if (length < 1e-3 * longest || length === 0) continue;
+        const scale = (0.12 * (size || 1)) / this.longestLoad;
+        items.push({ at: this.drawnAt(n), radius: 0.0035 * (size || 1), along: force.map((f) => f * scale) });
+      }
+    }
+    this.loads.set(items);
+  }
+
+  /** Rigid frames: three axes at the place, turned as the frame says; a frame without turns shows them unturned. */
+  updateFrames() {
+    const { frames, turn, size } = this.body;
+    if (frames.length === 0) return;
+    this.frames.clear();
+    const length = 0.12 * (size || 1);
+    frames.forEach(([place], i) => {
+      const at = this.drawnAt(place);
+      const q = turn ? new THREE.Quaternion(turn[4 * i], turn[4 * i + 1], turn[4 * i + 2], turn[4 * i + 3]) : new THREE.Quaternion();
+      AXES.forEach((tint, c) => {
+        const axis = new THREE.Vector3(+(c === 0), +(c === 1), +(c === 2)).applyQuaternion(q).multiplyScalar(length);
+        this.frames.add(at[0], at[1], at[2], 0, tint);
+        this.frames.add(at[0] + axis.x, at[1] + axis.y, at[2] + axis.z, 0, tint);
+      });
+    });
+    this.frames.finish();
+  }
+
+  /** Grows `box` by the places of the nodes that are drawn. @param {THREE.Box3} box */
+  extend(box) {
+    const point = new THREE.Vector3();
+    const used = this.body.surface || this.body.count;
+    for (let n = 0; n < used; n++) {
+      point.set(...this.drawnAt(n));
+      if (Number.isFinite(point.x + point.y + point.z)) box.expandByPoint(point);
+    }
+  }
+
+  dispose() {
+    for (const numbers of [this.positions, this.rest, this.nodeValues, this.cellValues]) numbers.dispose();
+    for (const object of [this.surface, this.wireframe, this.springs, this.points, this.held, this.guided]) {
+      object.geometry.dispose();
+      object.material.dispose();
+    }
+    this.loads.dispose();
+    this.frames.dispose();
+    this.group.removeFromParent();
+  }
+}

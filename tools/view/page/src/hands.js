@@ -1,0 +1,290 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Hands: what the pointer does to a body. It pulls a node or a face with a spring, leaves it held, or pushes with a ball.
+import * as THREE from 'three';
+import { quantity } from './formats.js';
+import { h } from './dom.js';
+import { pick } from './picking.js';
+import { shared } from './gpu.js';
+import { Arrows, Balls } from './shapes.js';
+
+/** @typedef {'look' | 'pull' | 'hold' | 'push'} Mode */
+
+export class Hands {
+  /** @param {import('./stage.js').Stage} stage @param {import('./store.js').Store} store @param {import('./commands.js').Commands} commands */
+  constructor(stage, store, commands) {
+    this.stage = stage;
+    this.store = store;
+    this.commands = commands;
+    /** @type {Mode} */
+    this.mode = 'look';
+    this.grip = 'face';
+    /** @type {number | null} [N/m]; null: the server chooses */
+    this.stiffness = null;
+    /** Radius of the ball as a part of the body's size. */
+    this.radius = 0.1;
+    this.sequence = 0;
+    this.count = 0;
+    /** @type {any} the drag under way */
+    this.drag = null;
+    /** @type {Map<number, number>} when the event of a sequence number happened */
+    this.sent = new Map();
+    this.lastDelay = NaN;
+    /** @type {number[]} */
+    this.delays = [];
+    this.arrows = new Arrows([0.93, 0.45, 0.1]);
+    this.balls = new Balls([0.3, 0.45, 0.75], 0.55);
+    this.ends = new Balls([0.93, 0.45, 0.1], 1);
+    stage.world.add(this.arrows.object, this.balls.object, this.ends.object);
+    /** @type {Map<string, HTMLElement>} */
+    this.labels = new Map();
+    this.overlay = /** @type {HTMLElement} */ (document.getElementById('overlay'));
+    stage.afterDraw.push(() => this.afterDraw());
+    store.on('frame', () => this.show());
+    store.on('scene', () => this.forget());
+    store.on('connection', () => this.store.connection.state !== 'open' && this.forget());
+    this.listen(stage.canvas);
+  }
+
+  /** @param {HTMLCanvasElement} canvas */
+  listen(canvas) {
+    canvas.addEventListener('pointerdown', (event) => this.down(event), { capture: true });
+    canvas.addEventListener('pointermove', (event) => this.move(event), { capture: true });
+    for (const name of /** @type {const} */ (['pointerup', 'pointercancel']))
+      canvas.addEventListener(name, (event) => this.up(event), { capture: true });
+    canvas.addEventListener('wheel', (event) => this.wheel(event), { capture: true, passive: false });
+  }
+
+  /** @param {Mode} mode */
+  setMode(mode) {
+    this.mode = mode;
+    this.stage.canvas.dataset.mode = mode;
+    this.store.emit('hand-mode', mode);
+  }
+
+  /** The hands of the frame shown that are this page's own. */
+  get own() {
+    return (this.store.shown?.header.hands ?? []).filter((/** @type {any} */ hand) => hand.client === this.store.scene.client);
+  }
+
+  /** @param {PointerEvent} event */
+  down(event) {
+    if (this.mode === 'look' || this.drag || event.button !== 0 || !this.store.following || !this.commands.connection) return;
+    const picked = pick(this.stage, event.clientX, event.clientY);
+    const again = this.mode === 'push' ? null : this.heldAt(event.clientX, event.clientY);
+    if (!picked && !again) return; // beside the bodies the pointer turns the view
+    event.stopImmediatePropagation();
+    event.preventDefault();
+    if (picked && !again) this.store.emit('picked', picked);
+    const body = this.store.bodies[(again ?? picked)?.body];
+    if (!body.interactive) return this.store.say('warning', body.why || `${body.name} cannot be pulled.`);
+    if (!this.commands.mayCommand()) return this.store.emit('control-needed');
+    this.stage.canvas.setPointerCapture(event.pointerId);
+    this.stage.controls.enabled = false;
+    this.drag = again ? this.takeAgain(again) : this.mode === 'push' ? this.beginPush(picked, body) : this.beginPull(picked, body);
+    this.drag.pointer = event.pointerId;
+    this.drag.started = { x: event.clientX, y: event.clientY };
+    const centre = new THREE.Vector3(...this.drag.anchor);
+    const normal = this.stage.camera.getWorldDirection(new THREE.Vector3());
+    this.drag.plane = new THREE.Plane().setFromNormalAndCoplanarPoint(normal, centre);
+    this.drag.grabbed = this.onPlane(event.clientX, event.clientY) ?? centre;
+    this.send(event.timeStamp, true);
+  }
+
+  /** @param {any} picked @param {any} body */
+  beginPull(picked, body) {
+    const nodes = this.grip === 'node' ? [picked.node] : picked.nodes;
+    const starts = nodes.map((/** @type {number} */ n) => [...body.x.subarray(3 * n, 3 * n + 3)]);
+    return {
+      hand: `h${++this.count}`, kind: this.mode, body: body.index, nodes, starts, anchor: picked.point, moved: new THREE.Vector3(),
+    };
+  }
+
+  /** The ball touches the body where the pointer is. @param {any} picked @param {any} body */
+  beginPush(picked, body) {
+    const radius = this.radius * body.size;
+    const towards = this.stage.ray(...this.centreOf(picked.point)).direction;
+    const anchor = picked.point.map((/** @type {number} */ p, /** @type {number} */ c) => p - radius * towards.getComponent(c));
+    return { hand: `h${++this.count}`, kind: 'push', body: body.index, radius, anchor, moved: new THREE.Vector3() };
+  }
+
+  /** @param {number[]} point @returns {[number, number]} */
+  centreOf(point) {
+    const { x, y } = this.stage.toScreen(point);
+    return [x, y];
+  }
+
+  /** A hold whose end is under the pointer. @param {number} x @param {number} y */
+  heldAt(x, y) {
+    return this.own.find((/** @type {any} */ hand) => {
+      if (hand.kind !== 'hold' || !this.kept?.has(hand.hand)) return false;
+      const place = this.stage.toScreen(this.drawn(hand.body, hand.node, hand.to));
+      return Math.hypot(place.x - x, place.y - y) < 14;
+    });
+  }
+
+  /** @param {any} hand */
+  takeAgain(hand) {
+    const kept = this.kept?.get(hand.hand);
+    return { ...kept, anchor: this.drawn(hand.body, hand.node, hand.to), before: kept.moved.clone(), moved: kept.moved.clone() };
+  }
+
+  /** @param {number} x @param {number} y */
+  onPlane(x, y) {
+    return this.stage.ray(x, y).intersectPlane(this.drag.plane, new THREE.Vector3());
+  }
+
+  /** @param {PointerEvent} event */
+  move(event) {
+    if (!this.drag || event.pointerId !== this.drag.pointer) return;
+    event.stopImmediatePropagation();
+    const place = this.onPlane(event.clientX, event.clientY);
+    if (!place) return;
+    this.drag.moved.subVectors(place, this.drag.grabbed);
+    if (this.drag.deeper) this.drag.moved.add(this.drag.deeper);
+    if (this.drag.kind !== 'push') this.drag.moved.divideScalar(shared.exaggeration.value || 1);
+    if (this.drag.before) this.drag.moved.add(this.drag.before);
+    this.send(event.timeStamp, false);
+  }
+
+  /** While a ball is dragged, the wheel moves it along the view. @param {WheelEvent} event */
+  wheel(event) {
+    if (this.drag?.kind !== 'push') return;
+    event.preventDefault();
+    event.stopImmediatePropagation();
+    this.deepen(-Math.sign(event.deltaY) * 0.15, event.timeStamp);
+  }
+
+  /** Moves the ball along the view. @param {number} part of its radius @param {number} time of the event */
+  deepen(part, time) {
+    if (this.drag?.kind !== 'push') return;
+    const step = this.stage.camera.getWorldDirection(new THREE.Vector3()).multiplyScalar(part * this.drag.radius);
+    this.drag.deeper = (this.drag.deeper ?? new THREE.Vector3()).add(step);
+    this.drag.moved.add(step);
+    this.send(time, false);
+  }
+
+  /** @param {PointerEvent} event */
+  up(event) {
+    if (!this.drag || event.pointerId !== this.drag.pointer) return;
+    event.stopImmediatePropagation();
+    this.end(event.type === 'pointercancel');
+  }
+
+  /** Ends the drag; what is held stays held unless `letGo`. @param {boolean} letGo */
+  end(letGo) {
+    if (!this.drag) return false;
+    const { drag } = this;
+    this.drag = null;
+    this.stage.controls.enabled = true;
+    if (drag.kind === 'hold' && !letGo) {
+      this.kept ??= new Map();
+      this.kept.set(drag.hand, drag);
+    } else this.release(drag.hand);
+    this.stage.requestDraw();
+    return true;
+  }
+
+  /** @param {string} hand */
+  release(hand) {
+    this.kept?.delete(hand);
+    this.commands.send({ do: 'release', hand });
+  }
+
+  releaseAll() {
+    this.end(true);
+    for (const hand of this.own) this.release(hand.hand);
+  }
+
+  forget() {
+    this.drag = null;
+    this.kept = new Map();
+    this.sent.clear();
+    this.stage.controls.enabled = true;
+    this.show();
+  }
+
+  /** @param {number} time of the event @param {boolean} first */
+  send(time, first) {
+    const { drag } = this;
+    const sequence = ++this.sequence;
+    this.sent.set(sequence, time);
+    const moved = drag.moved.toArray();
+    const stiffness = this.stiffness === null ? {} : { stiffness: this.stiffness };
+    const move = (/** @type {number[]} */ p) => p.map((c, i) => c + moved[i]);
+    const message = drag.kind === 'push'
+      ? { do: 'push', hand: drag.hand, body: drag.body, centre: move(drag.anchor), radius: drag.radius, ...stiffness, sequence }
+      : { do: 'pull', kind: drag.kind, hand: drag.hand, body: drag.body, nodes: drag.nodes, targets: drag.starts.map(move), ...stiffness, sequence };
+    if (first) this.commands.tell(message).then((reply) => !reply.ok && this.drag === drag && this.end(true));
+    else this.commands.send(message);
+  }
+
+  /** Where a point is drawn that would be at `to` when `node` is at its place. @param {number} b @param {number} node @param {number[]} to */
+  drawn(b, node, to) {
+    const { rest } = this.store.bodies[b];
+    const k = shared.exaggeration.value;
+    return to.map((c, i) => rest[3 * node + i] + k * (c - rest[3 * node + i]));
+  }
+
+  /** Arrows, balls and forces of the frame shown. */
+  show() {
+    const hands = this.store.shown?.header.hands ?? [];
+    const arrows = [], ends = [], balls = [];
+    const seen = new Set();
+    for (const hand of hands) {
+      const body = this.store.bodies[hand.body];
+      if (!body) continue;
+      const key = `${hand.client}.${hand.hand}`;
+      const size = body.size || 1;
+      let at;
+      if (hand.kind === 'push') {
+        balls.push({ at: hand.centre, radius: hand.radius });
+        at = hand.centre;
+      } else {
+        const from = this.stage.views[hand.body].drawnAt(hand.node);
+        at = this.drawn(hand.body, hand.node, hand.to);
+        const along = at.map((c, i) => c - from[i]);
+        if (Math.hypot(...along) > 1e-4 * size) arrows.push({ at: from, radius: 0.003 * size, along });
+        ends.push({ at: hand.kind === 'hold' ? at : from, radius: 0.0075 * size });
+      }
+      seen.add(key);
+      this.label(key, at, Math.hypot(...hand.force), hand);
+    }
+    for (const [key, label] of this.labels) if (!seen.has(key)) this.labels.delete(key) && label.remove();
+    this.arrows.set(arrows);
+    this.ends.set(ends);
+    this.balls.set(balls);
+  }
+
+  /** @param {string} key @param {number[]} at @param {number} force [N] @param {any} hand */
+  label(key, at, force, hand) {
+    let label = this.labels.get(key);
+    if (!label) {
+      label = h('div', { class: 'force', 'data-hand': hand.hand });
+      this.overlay.append(label);
+      this.labels.set(key, label);
+    }
+    label.dataset.force = String(force);
+    label.textContent = quantity(force, 'N') + (hand.kind === 'push' && hand.touched === 0 ? ', touches nothing' : '');
+    /** @type {any} */ (label).at = at;
+  }
+
+  afterDraw() {
+    const bounds = this.overlay.getBoundingClientRect();
+    for (const label of this.labels.values()) {
+      const { x, y, depth } = this.stage.toScreen(/** @type {any} */ (label).at);
+      label.hidden = depth > 1;
+      const left = Math.min(Math.max(4, x - bounds.left + 12), bounds.width - label.offsetWidth - 4);
+      const top = Math.min(Math.max(4, y - bounds.top - 26), bounds.height - label.offsetHeight - 4);
+      label.style.transform = `translate(${Math.round(left)}px, ${Math.round(top)}px)`;
+    }
+    const applied = this.store.shown?.header.applied?.[this.store.scene?.client] ?? -1;
+    const now = performance.now();
+    for (const [sequence, time] of this.sent) {
+      if (sequence > applied) break;
+      this.lastDelay = now - time;
+      this.delays.push(this.lastDelay);
+      this.sent.delete(sequence);
+    }
+    if (this.delays.length > 10000) this.delays.splice(0, 5000);
+  }
+}

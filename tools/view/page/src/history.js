@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Frames kept in the page, to look back while the run goes on. When they fill their share of memory every second one is
+// dropped, and from then on only every second one is kept: the whole run stays covered evenly.
+
+export const LIMIT = 256e6; // bytes
+
+export class History {
+  /** @param {import('./store.js').Store} store @param {number} [limit] bytes */
+  constructor(store, limit = LIMIT) {
+    this.store = store;
+    this.limit = limit;
+    /** Kept for every how many arrived. */
+    this.stride = 1;
+    this.skipped = 0;
+    this.clear();
+    store.on('scene', () => this.clear());
+    store.on('arrived', (packet) => this.keep(packet));
+  }
+
+  clear() {
+    /** @type {any[]} */
+    this.frames = [];
+    this.bytes = 0;
+    this.stride = 1;
+    this.skipped = 0;
+    /** The step before which nothing is known. */
+    this.latest = -1;
+  }
+
+  /** @param {any} packet */
+  keep(packet) {
+    if (this.store.scene.mode === 'recording' && !this.store.exported) return; // the server has them all
+    const { step } = packet.header;
+    const last = this.frames[this.frames.length - 1];
+    if (last && step < this.latest) this.clear(); // the run was reset
+    this.latest = step;
+    if (last && last.header.step === step && this.frames.length) { // the same instant with other fields or nodes
+      this.bytes += packet.bytes - last.bytes;
+      this.frames[this.frames.length - 1] = packet;
+      return;
+    }
+    if (this.frames.length && ++this.skipped < this.stride) return;
+    this.skipped = 0;
+    this.frames.push(packet);
+    this.bytes += packet.bytes;
+    if (this.bytes > this.limit && this.frames.length > 2) this.thin();
+  }
+
+  thin() {
+    this.frames = this.frames.filter((_, i) => i % 2 === 0);
+    this.bytes = this.frames.reduce((sum, frame) => sum + frame.bytes, 0);
+    this.stride *= 2;
+  }
+
+  /** The values of a field at or before a frame: fields do not come with each. @param {number} index @param {number} id */
+  fieldBefore(index, id) {
+    for (let i = index; i >= 0; i--) if (this.frames[i].arrays[`f${id}`]) return this.frames[i];
+    return null;
+  }
+}

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Makes the packets of an exported page from kept frames: 16-bit positions, and without what only a section needs.
+import { gzip, joinPackets, quantise, toBase64, writePacket } from './messages.js';
+
+export const LARGEST = 50e6; // bytes of an exported page
+const PIECE = 16e6; // bytes compressed at once
+
+/**
+ * @param {import('./store.js').Store} store
+ * @param {any} view choices that the exported page starts with
+ * @returns {ArrayBuffer[]} the packets before the frames
+ */
+export function openingPackets(store, view) {
+  const inside = withInside(store);
+  /** @type {Record<string, any>} */
+  const arrays = {};
+  const held = /** @type {Record<string, any>} */ ({});
+  const cells = /** @type {Record<string, any>} */ ({});
+  const bodies = store.bodies.map((body, b) => {
+    const count = inside ? body.count : body.surface;
+    const known = (/** @type {Int32Array} */ nodes, /** @type {number} */ group) => {
+      const kept = [];
+      for (let i = 0; i < nodes.length; i += group)
+        if (nodes.subarray(i, i + group).every((n) => n < count)) kept.push(...nodes.subarray(i, i + group));
+      return Int32Array.from(kept);
+    };
+    Object.assign(arrays, {
+      [`${b}.node`]: body.sceneNode.subarray(0, count), [`${b}.rest`]: body.rest.subarray(0, 3 * count), [`${b}.triangles`]: body.triangles,
+      [`${b}.owner`]: body.owner, [`${b}.edges`]: body.edges, [`${b}.points`]: body.points, [`${b}.springs`]: known(body.springs, 2),
+    });
+    held[`${b}.held`] = known(body.held, 1);
+    held[`${b}.guided`] = known(body.guided, 1);
+    if (inside && body.tetrahedra) cells[`${b}.tetrahedra`] = body.tetrahedra;
+    if (inside && body.hexahedra) cells[`${b}.hexahedra`] = body.hexahedra;
+    return {
+      path: body.path, node: body.node, name: body.name, nodes: count, surface: body.surface, cells: inside ? body.cells : { tetrahedra: 0, hexahedra: 0 },
+      interactive: false, why: 'This page replays a recording.', frames: body.frames.map(([place]) => [place]), size: body.size,
+    };
+  });
+  const links = [];
+  const kinds = [];
+  const all = store.links ?? new Int32Array(0);
+  for (let k = 0; k < all.length; k += 4)
+    if (all[k + 1] < bodies[all[k]].nodes && all[k + 3] < bodies[all[k + 2]].nodes) {
+      links.push(...all.subarray(k, k + 4));
+      kinds.push(store.linkKinds[k / 4]);
+    }
+  Object.assign(arrays, { links: Int32Array.from(links), link_kind: Uint8Array.from(kinds) });
+  const { name, dt, gravity, build } = store.scene;
+  const fields = [...store.chosenFields().values()];
+  const packets = [writePacket({ is: 'scene', generation: 1, client: 0, build, name, mode: 'recording', dt, gravity, bodies, fields, view }, arrays),
+    writePacket({ is: 'held', generation: 1 }, held)];
+  if (inside) packets.push(writePacket({ is: 'cells', generation: 1 }, cells));
+  return packets;
+}
+
+/** Whether the page exported can cut: it can when it does now. @param {import('./store.js').Store} store */
+const withInside = (store) => store.view.cut.on && store.bodies.some((body) => body.tetrahedra);
+
+/**
+ * @param {import('./store.js').Store} store @param {any} packet a frame as it came
+ * @param {number} number of the frame
+ */
+export function framePacket(store, packet, number) {
+  const { header, arrays } = packet;
+  const inside = withInside(store);
+  const whole = header.nodes === 'all';
+  /** @type {Record<string, any>} */
+  const out = {};
+  const boxes = store.bodies.map((body, b) => {
+    const x = arrays[`${b}.x`];
+    const kept = inside || !whole ? x : x.subarray(0, 3 * body.surface);
+    if (arrays[`${b}.load`] && store.view.loads) out[`${b}.load`] = arrays[`${b}.load`].subarray(0, kept.length);
+    if (arrays[`${b}.turn`]) out[`${b}.turn`] = arrays[`${b}.turn`];
+    const { values, box } = kept instanceof Uint16Array ? { values: kept, box: header.boxes[b] } : quantise(kept);
+    out[`${b}.x`] = values;
+    return box;
+  });
+  for (const field of store.chosenFields().values()) {
+    const values = arrays[`f${field.id}`];
+    if (!values) continue;
+    const body = store.bodies[field.body];
+    if (inside || !whole) out[`f${field.id}`] = values;
+    else if (field.on === 'nodes') out[`f${field.id}`] = values.subarray(0, body.surface);
+    else out[`f${field.id}`] = body.cells.tetrahedra + body.cells.hexahedra ? Float32Array.from(body.owner, (cell) => values[cell]) : values;
+  }
+  return writePacket({ is: 'frame', generation: 1, frame: number, step: header.step, time: header.time, nodes: inside && whole ? 'all' : 'surface', format: 'u16',
+    applied: {}, hands: header.hands ?? [], values: header.values ?? {}, boxes }, out);
+}
+
+/**
+ * The text of one page that replays the frames; refuses what would be too large.
+ * @param {import('./store.js').Store} store
+ * @param {{html: string, css: string, js: string}} page
+ * @param {any} view
+ * @param {AsyncIterable<any> | Iterable<any>} frames
+ * @param {number} count of the frames
+ * @param {number} stride every how many frames of the run they are
+ * @returns {Promise<string>}
+ */
+export async function exportedPage(store, page, view, frames, count, stride) {
+  let pieces = openingPackets(store, view);
+  let waiting = pieces.reduce((sum, piece) => sum + piece.byteLength, 0);
+  /** @type {string[]} */
+  const parts = [];
+  let size = page.js.length + page.css.length + page.html.length;
+  let number = 0;
+  const pack = async () => {
+    if (pieces.length === 0) return;
+    const part = toBase64(await gzip(joinPackets(pieces)));
+    parts.push(part);
+    size += part.length;
+    pieces = [];
+    waiting = 0;
+    if (size > LARGEST) {
+      const whole = number > 0 ? (size / number) * count : size;
+      throw new Error(number > 0 ? `The page would have about ${Math.round(whole / 1e6)} MB; at most 50 MB are written. Take every ${Math.ceil((1.1 * stride * whole) / LARGEST)}th frame.`
+        : 'The mesh alone is larger than 50 MB; a single page cannot hold it.');
+    }
+  };
+  for await (const packet of frames) {
+    pieces.push(framePacket(store, packet, number++));
+    waiting += pieces[pieces.length - 1].byteLength;
+    if (waiting > PIECE) await pack();
+  }
+  await pack();
+  if (number === 0) throw new Error('There are no frames to write yet. Run the scene first.');
+  // What would end a script early in the page is written so that it does not.
+  const safe = page.js.replaceAll('</script', '<\\/script');
+  return page.html.replace('<link rel="stylesheet" href="app.css">', () => `<style>\n${page.css}</style>`)
+    .replace('<script src="app.js"></script>', () => `<script type="application/json" id="stroma-recording">${JSON.stringify({ packets: parts })}</script>\n<script>\n${safe}</script>`);
+}

@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The picture: camera, bodies, section. Draws only when something changed, within an animation frame.
+import * as THREE from 'three';
+import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
+import { BodyView } from './body.js';
+import { Colouring } from './colouring.js';
+import { Cut } from './cut.js';
+import { setColourMap, shared } from './gpu.js';
+import { Growing } from './shapes.js';
+
+export class Stage {
+  /** @param {HTMLCanvasElement} canvas @param {import('./store.js').Store} store */
+  constructor(canvas, store) {
+    this.canvas = canvas;
+    this.store = store;
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, powerPreference: 'high-performance' });
+    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    shared.pixelRatio.value = this.renderer.getPixelRatio();
+    this.camera = new THREE.PerspectiveCamera(32, 1, 0.01, 100);
+    this.world = new THREE.Scene();
+    this.controls = new OrbitControls(this.camera, canvas);
+    this.controls.zoomToCursor = true;
+    this.controls.addEventListener('change', () => this.requestDraw());
+    /** @type {BodyView[]} */
+    this.views = [];
+    this.cut = new Cut(store);
+    this.colouring = new Colouring(store);
+    this.links = new Growing('lines', { mode: 2, lift: 0.00003 }, true);
+    this.world.add(...this.cut.objects, this.links.object);
+    this.restBox = new THREE.Box3();
+    this.asked = false;
+    this.frameChanged = this.choicesChanged = false;
+    this.frameDrawn = -1;
+    this.drawMilliseconds = 0;
+    /** @type {number[]} frames that arrived and were not yet answered */
+    this.arrived = [];
+    /** Called after drawing: for the frames to acknowledge, the delay of hands, and what follows the picture. */
+    /** @type {((arrived: number[]) => void)[]} */
+    this.afterDraw = [];
+    this.fitPending = true;
+    setColourMap(store.view.map);
+    this.listen();
+    new ResizeObserver(() => this.resize()).observe(/** @type {HTMLElement} */ (canvas.parentElement));
+    this.resize();
+  }
+
+  listen() {
+    const { store } = this;
+    store.on('scene', () => this.build());
+    store.on('held', () => {
+      for (const view of this.views) view.setConstraints();
+      this.choose();
+    });
+    store.on('cells', () => this.choose());
+    store.on('arrived', (packet) => {
+      this.arrived.push(packet.header.frame);
+      this.requestDraw();
+    });
+    store.on('frame', () => {
+      this.frameChanged = true;
+      this.requestDraw();
+    });
+    store.on('view', (change) => {
+      if (change.map) setColourMap(change.map);
+      if (change.exaggeration !== undefined) shared.exaggeration.value = change.exaggeration;
+      this.choose();
+    });
+  }
+
+  build() {
+    for (const view of this.views) view.dispose();
+    this.views = this.store.bodies.map((body) => new BodyView(body, this.store));
+    for (const view of this.views) this.world.add(view.group);
+    this.colouring.reset();
+    this.measure();
+    // The same scene sent again, after a lost connection or a change of topology, keeps the camera.
+    if (this.fitPending || this.name !== this.store.scene.name) this.view();
+    this.name = this.store.scene.name;
+    this.fitPending = false;
+    this.choose();
+  }
+
+  /** The box of what is drawn now; the plane of the cut is placed in it. */
+  measure() {
+    this.restBox.makeEmpty();
+    for (const view of this.views) if (view.body.visible) view.extend(this.restBox);
+  }
+
+  choose() {
+    this.choicesChanged = this.frameChanged = true;
+    this.requestDraw();
+  }
+
+  /** The box of what is drawn now. */
+  box() {
+    const box = new THREE.Box3();
+    for (const view of this.views) if (view.body.visible) view.extend(box);
+    if (box.isEmpty()) box.set(new THREE.Vector3(-0.5, -0.5, -0.5), new THREE.Vector3(0.5, 0.5, 0.5));
+    return box;
+  }
+
+  /** Frames the bodies without turning the camera. */
+  fit() {
+    const sphere = this.box().getBoundingSphere(new THREE.Sphere());
+    const radius = Math.max(sphere.radius, 1e-9);
+    const half = (this.camera.fov * Math.PI) / 360;
+    const narrow = Math.atan(Math.tan(half) * Math.min(1, this.camera.aspect));
+    const distance = (1.02 * radius) / Math.sin(narrow);
+    const direction = this.camera.position.clone().sub(this.controls.target);
+    if (direction.lengthSq() === 0) direction.set(0.5, 0.4, 1);
+    this.controls.target.copy(sphere.center);
+    this.camera.position.copy(sphere.center).addScaledVector(direction.normalize(), distance);
+    this.camera.near = distance / 200;
+    this.camera.far = distance * 20;
+    this.controls.minDistance = distance / 100;
+    this.controls.maxDistance = distance * 8;
+    this.camera.updateProjectionMatrix();
+    this.controls.update();
+    this.requestDraw();
+  }
+
+  /** The first view: from the front, a little from above. */
+  view() {
+    this.controls.target.set(0, 0, 0);
+    this.camera.up.set(0, 1, 0);
+    const gravity = this.store.scene?.gravity ?? [0, -1, 0];
+    const direction = new THREE.Vector3(0.35, 0.3, 1);
+    if (Math.abs(gravity[2]) > Math.abs(gravity[1])) { // the third axis is up
+      this.camera.up.set(0, 0, 1);
+      direction.set(0.35, -1, 0.35);
+    }
+    // OrbitControls keeps the up of its beginning.
+    const quaternion = new THREE.Quaternion().setFromUnitVectors(this.camera.up, new THREE.Vector3(0, 1, 0));
+    Object.assign(this.controls, { _quat: quaternion, _quatInverse: quaternion.clone().invert() });
+    this.camera.position.copy(direction);
+    this.fit();
+  }
+
+  resize() {
+    const { clientWidth: width, clientHeight: height } = /** @type {HTMLElement} */ (this.canvas.parentElement);
+    if (width === 0 || height === 0) return;
+    this.renderer.setSize(width, height, false);
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+    this.draw(); // at once: setting the size has emptied the canvas
+  }
+
+  requestDraw() {
+    if (this.asked) return;
+    this.asked = true;
+    requestAnimationFrame(() => {
+      this.asked = false;
+      this.draw();
+    });
+  }
+
+  draw() {
+    const begin = performance.now();
+    if (this.frameChanged) this.update();
+    const dark = document.documentElement.dataset.theme === 'dark';
+    this.renderer.setClearColor(dark ? 0x16191d : 0xf7f7f4, 1);
+    this.renderer.render(this.world, this.camera);
+    this.frameDrawn = this.store.shown?.header.frame ?? -1;
+    this.drawMilliseconds += 0.1 * (performance.now() - begin - this.drawMilliseconds);
+    const { arrived } = this;
+    this.arrived = [];
+    for (const follower of this.afterDraw) follower(arrived);
+  }
+
+  update() {
+    const { store } = this;
+    for (const view of this.views) {
+      if (!view.body.visible) continue;
+      view.update();
+    }
+    this.colouring.update();
+    for (const view of this.views) {
+      const { kind, surface } = this.colouring.of(view.body);
+      view.colourBy(/** @type {any} */ (kind), surface);
+      view.choose();
+    }
+    if (store.view.cut.on || shared.cut.value) this.cut.update(this.restBox, (body) => this.colouring.of(body));
+    this.updateLinks();
+    this.frameChanged = this.choicesChanged = false;
+  }
+
+  updateLinks() {
+    const links = this.store.links ?? [];
+    this.links.clear();
+    if (this.store.view.springs)
+      for (let k = 0; k < links.length; k += 4) {
+        const tint = this.store.linkKinds[k / 4] === 1 ? [0.75, 0.55, 0.15] : [0.45, 0.4, 0.7];
+        for (const end of [k, k + 2]) {
+          const [x, y, z] = this.views[links[end]].drawnAt(links[end + 1]);
+          this.links.add(x, y, z, 0, tint);
+        }
+      }
+    this.links.finish();
+  }
+
+  /** @param {number[]} point of the world @returns {{x: number, y: number, depth: number}} CSS pixels in the window */
+  toScreen(point) {
+    const rectangle = this.canvas.getBoundingClientRect();
+    const p = new THREE.Vector3(...point).project(this.camera);
+    return {
+      x: rectangle.left + ((p.x + 1) / 2) * rectangle.width, y: rectangle.top + ((1 - p.y) / 2) * rectangle.height, depth: p.z,
+    };
+  }
+
+  /** @param {number} x @param {number} y CSS pixels in the window @returns {THREE.Ray} */
+  ray(x, y) {
+    const rectangle = this.canvas.getBoundingClientRect();
+    this.camera.updateMatrixWorld();
+    const caster = new THREE.Raycaster();
+    caster.setFromCamera(new THREE.Vector2(((x - rectangle.left) / rectangle.width) * 2 - 1,
+      1 - ((y - rectangle.top) / rectangle.height) * 2), this.camera);
+    return caster.ray;
+  }
+}

@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// What the page knows: the scene, the frame shown, the state of the run, and the choices of the person who looks.
+// Everything else listens to its events: connection, scene, held, cells, arrived, frame, status, messages, components,
+// explain, xml, actions, hash, view, selection.
+import { dequantise } from './messages.js';
+
+const MOST_MESSAGES = 2000;
+
+/**
+ * @typedef {object} Body
+ * @property {number} index
+ * @property {string} path
+ * @property {string} node path of the scene's node
+ * @property {string} name
+ * @property {number} count number of nodes
+ * @property {number} surface number of nodes that the surface uses; they come first
+ * @property {{tetrahedra: number, hexahedra: number}} cells
+ * @property {boolean} interactive
+ * @property {string} why
+ * @property {number[][]} frames rigid frames: the first number is the node of the place
+ * @property {number} size diagonal of the rest box [m]
+ * @property {Int32Array} sceneNode number in the scene of each node
+ * @property {Float32Array} rest
+ * @property {Int32Array} triangles
+ * @property {Int32Array} owner
+ * @property {Int32Array} edges
+ * @property {Int32Array} points
+ * @property {Int32Array} springs
+ * @property {Int32Array} held
+ * @property {Int32Array} guided
+ * @property {Int32Array | null} tetrahedra known once all nodes were wanted
+ * @property {Int32Array | null} hexahedra
+ * @property {Float32Array} x positions shown, 3 count
+ * @property {boolean} inside whether the positions of inner nodes belong to the frame shown
+ * @property {Float32Array | null} load
+ * @property {Float32Array | null} turn unit quaternions (x, y, z, w) of the rigid frames
+ * @property {boolean} visible
+ */
+
+export class Store {
+  constructor() {
+    /** @type {Map<string, ((data?: any) => void)[]>} */
+    this.listeners = new Map();
+    this.connection = { state: 'connecting', sentence: '' };
+    this.build = '';
+    /** @type {any} */
+    this.scene = null;
+    /** @type {Body[]} */
+    this.bodies = [];
+    /** @type {any[]} */
+    this.fields = [];
+    /** @type {Map<number, Float32Array>} newest values of each field as they came */
+    this.values = new Map();
+    /** Fields whose newest values came with all nodes: one value per cell, not per triangle. */
+    this.valuesOfAll = new Set();
+    /** @type {any} the packet shown */
+    this.shown = null;
+    /** @type {any} the newest packet */
+    this.newest = null;
+    this.following = true;
+    /** Whether this page holds its recording itself. */
+    this.exported = false;
+    this.ready = false;
+    /** @type {any} */
+    this.status = { running: false, pace: 'real', factor: 1, time: 0, step: 0, doubts: [], ended: '', control: null };
+    /** @type {{severity: string, text: string}[]} */
+    this.messages = [];
+    /** @type {any} */
+    this.components = null;
+    /** @type {{body: number, node: number}[]} nodes whose values are plotted; numbers of the page */
+    this.watched = [];
+    this.selected = '';
+    this.view = {
+      colour: '', map: 'viridis', range: 'automatic', low: 0, high: 1, exaggeration: 1, legend: true,
+      surface: true, wireframe: false, points: true, springs: true, held: true, loads: false, frames: true, opacity: 1,
+      cut: { on: false, normal: [1, 0, 0], place: 0.5, flip: false, outlines: true, fill: true },
+      theme: 'auto', remote: false,
+    };
+  }
+
+  /** @param {string} event @param {(data?: any) => void} listener */
+  on(event, listener) {
+    const list = this.listeners.get(event) ?? [];
+    list.push(listener);
+    this.listeners.set(event, list);
+  }
+
+  /** @param {string} event @param {any} [data] */
+  emit(event, data) {
+    for (const listener of this.listeners.get(event) ?? []) listener(data);
+  }
+
+  /** @param {string} state @param {string} sentence */
+  setConnection(state, sentence) {
+    this.connection = { state, sentence };
+    this.emit('connection');
+  }
+
+  /** A new connection: the server sends everything again. */
+  restart() {
+    this.ready = false;
+    this.values.clear();
+  }
+
+  /** @param {Partial<Store['view']>} change */
+  setView(change) {
+    Object.assign(this.view, change);
+    this.emit('view', change);
+  }
+
+  /** @param {Partial<Store['view']['cut']>} change */
+  setCut(change) {
+    this.setView({ cut: { ...this.view.cut, ...change } });
+  }
+
+  /** @param {string} path of a node or component of the scene */
+  select(path) {
+    this.selected = path;
+    this.emit('selection', path);
+  }
+
+  /** @param {string} severity @param {string} text */
+  say(severity, text) {
+    this.receiveText({ is: 'messages', lines: [{ severity, text }] });
+  }
+
+  /** @param {any} message */
+  receiveText(message) {
+    switch (message.is) {
+      case 'ready':
+        this.ready = true;
+        break;
+      case 'status':
+        // The instants of a recording come only once.
+        if (message.recording && !message.recording.times) message.recording.times = this.status.recording?.times;
+        this.status = { ...message, doubts: message.doubts?.length ? message.doubts : this.status.doubts };
+        break;
+      case 'messages':
+        this.messages.push(...message.lines);
+        if (this.messages.length > MOST_MESSAGES) this.messages.splice(0, this.messages.length - MOST_MESSAGES);
+        break;
+      case 'doubts':
+        this.status.doubts = message.lines;
+        break;
+      case 'components':
+        this.components = message.tree;
+        break;
+    }
+    this.emit(message.is, message);
+  }
+
+  /** @param {import('./messages.js').Packet} packet */
+  receivePacket(packet) {
+    const { is, generation } = packet.header;
+    if (is === 'scene') return this.takeScene(packet);
+    if (!this.scene || (generation !== undefined && generation !== this.scene.generation)) return;
+    if (is === 'held') return this.takeHeld(packet);
+    if (is === 'cells') return this.takeCells(packet);
+    if (is !== 'frame') return;
+    this.newest = packet;
+    this.emit('arrived', packet);
+    if (this.following) this.show(packet);
+  }
+
+  /** @param {import('./messages.js').Packet} packet */
+  takeScene({ header, arrays }) {
+    const hidden = new Set(this.bodies.filter((body) => !body.visible).map((body) => body.path));
+    this.scenePacket = { header, arrays };
+    this.scene = header;
+    this.build ||= header.build;
+    this.bodies = header.bodies.map((/** @type {any} */ info, /** @type {number} */ b) => {
+      const count = info.nodes ?? arrays[`${b}.rest`].length / 3;
+      const ints = (/** @type {string} */ name) => arrays[`${b}.${name}`] ?? new Int32Array(0);
+      return {
+        ...info, index: b, count, frames: info.frames ?? [], cells: info.cells ?? { tetrahedra: 0, hexahedra: 0 },
+        sceneNode: ints('node'), rest: arrays[`${b}.rest`], triangles: ints('triangles'), owner: ints('owner'),
+        edges: ints('edges'), points: ints('points'), springs: ints('springs'), held: new Int32Array(0),
+        guided: new Int32Array(0), tetrahedra: null, hexahedra: null, x: arrays[`${b}.rest`].slice(), inside: true,
+        load: null, turn: null, visible: !hidden.has(info.path),
+      };
+    });
+    this.links = arrays.links ?? new Int32Array(0);
+    this.linkKinds = arrays.link_kind ?? new Uint8Array(0);
+    this.fields = header.fields ?? [];
+    this.values.clear();
+    this.shown = this.newest = this.heldPacket = this.cellsPacket = null;
+    this.following = true;
+    this.emit('scene');
+  }
+
+  /** @param {import('./messages.js').Packet} packet */
+  takeHeld({ header, arrays }) {
+    this.heldPacket = { header, arrays };
+    for (const body of this.bodies) {
+      body.held = arrays[`${body.index}.held`] ?? new Int32Array(0);
+      body.guided = arrays[`${body.index}.guided`] ?? new Int32Array(0);
+    }
+    this.emit('held');
+  }
+
+  /** @param {import('./messages.js').Packet} packet */
+  takeCells({ header, arrays }) {
+    this.cellsPacket = { header, arrays };
+    for (const body of this.bodies) {
+      body.tetrahedra = arrays[`${body.index}.tetrahedra`] ?? new Int32Array(0);
+      body.hexahedra = arrays[`${body.index}.hexahedra`] ?? new Int32Array(0);
+    }
+    this.emit('cells');
+  }
+
+  /**
+   * Shows a frame: the newest one, or one of the past.
+   * @param {any} packet
+   */
+  show(packet) {
+    const { header, arrays } = packet;
+    this.shown = packet;
+    for (const body of this.bodies) {
+      const x = arrays[`${body.index}.x`];
+      if (x instanceof Uint16Array) dequantise(x, header.boxes[body.index], body.x);
+      else if (x) body.x.set(x);
+      body.inside = header.nodes === 'all' || body.surface === body.count;
+      body.load = arrays[`${body.index}.load`] ?? body.load; // not every frame has them
+      body.turn = arrays[`${body.index}.turn`] ?? body.turn;
+    }
+    for (const field of this.fields) {
+      const values = arrays[`f${field.id}`];
+      if (!values) continue;
+      this.values.set(field.id, values);
+      if (header.nodes === 'all') this.valuesOfAll.add(field.id);
+      else this.valuesOfAll.delete(field.id);
+    }
+    this.emit('frame', packet);
+  }
+
+  /** The fields with the name chosen, one per body at most. @returns {Map<number, any>} */
+  chosenFields() {
+    const chosen = new Map();
+    for (const field of this.fields)
+      if (fieldKey(field) === this.view.colour && !chosen.has(field.body)) chosen.set(field.body, field);
+    return chosen;
+  }
+
+  /** The unit of what colours the bodies. */
+  get colourUnit() {
+    if (this.view.colour === 'displacement') return 'm';
+    return this.fields.find((field) => fieldKey(field) === this.view.colour)?.unit ?? '';
+  }
+}
+
+/** What is shown as one choice: fields of several bodies with the same name, place and unit. @param {any} field */
+export const fieldKey = (field) => `${field.name}|${field.on}|${field.unit}`;
