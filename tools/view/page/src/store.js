@@ -175,7 +175,7 @@ export class Store {
         ...info, index: b, count, frames: info.frames ?? [], cells: info.cells ?? { tetrahedra: 0, hexahedra: 0 },
         sceneNode: ints('node'), rest: arrays[`${b}.rest`], triangles: ints('triangles'), owner: ints('owner'),
         edges: ints('edges'), points: ints('points'), springs: ints('springs'), held: new Int32Array(0),
-        guided: new Int32Array(0), tetrahedra: null, hexahedra: null, x: arrays[`${b}.rest`].slice(), inside: true,
+        guided: new Int32Array(0), tetrahedra: null, hexahedra: null, x: arrays[`${b}.rest`].slice(), inside: false,
         load: null, turn: null, visible: !hidden.has(info.path),
       };
     });
@@ -244,7 +244,8 @@ export class Store {
   /** The unit of what colours the bodies. */
   get colourUnit() {
     if (this.view.colour === 'displacement') return 'm';
-    return this.fields.find((field) => fieldKey(field) === this.view.colour)?.unit ?? '';
+    const unit = this.fields.find((field) => fieldKey(field) === this.view.colour)?.unit ?? '';
+    return unit === '-' || unit === '1' ? '' : unit;
   }
 }
 
