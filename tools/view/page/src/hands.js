@@ -23,7 +23,6 @@ export class Hands {
     /** Radius of the ball as a part of the body's size. */
     this.radius = 0.1;
     this.sequence = 0;
-    this.count = 0;
     /** @type {any} the drag under way */
     this.drag = null;
     /** @type {Map<number, number>} when the event of a sequence number happened */
@@ -75,7 +74,7 @@ export class Hands {
     event.stopImmediatePropagation();
     event.preventDefault();
     const body = this.store.bodies[(again ?? picked)?.body];
-    if (!body.interactive) return this.store.say('warning', body.why || `${body.name} cannot be pulled.`);
+    if (!body.interactive) return this.store.notify(body.why || `${body.name} cannot be pulled.`, 'warning');
     if (!this.commands.mayCommand()) return this.store.emit('control-needed');
     this.stage.canvas.setPointerCapture(event.pointerId);
     this.stage.controls.enabled = false;
@@ -89,12 +88,20 @@ export class Hands {
     this.send(event.timeStamp, true);
   }
 
+  /** A name that none of this page's hands has: names come again, so that plots have few curves. */
+  freeName() {
+    const used = new Set([...(this.kept?.keys() ?? []), ...this.own.map((/** @type {any} */ hand) => hand.hand)]);
+    let number = 1;
+    while (used.has(`h${number}`)) number++;
+    return `h${number}`;
+  }
+
   /** @param {any} picked @param {any} body */
   beginPull(picked, body) {
     const nodes = this.grip === 'node' ? [picked.node] : picked.nodes;
     const starts = nodes.map((/** @type {number} */ n) => [...body.x.subarray(3 * n, 3 * n + 3)]);
     return {
-      hand: `h${++this.count}`, kind: this.mode, body: body.index, nodes, starts, anchor: picked.point, moved: new THREE.Vector3(),
+      hand: this.freeName(), kind: this.mode, body: body.index, nodes, starts, anchor: picked.point, moved: new THREE.Vector3(),
     };
   }
 
@@ -103,7 +110,7 @@ export class Hands {
     const radius = this.radius * body.size;
     const towards = this.stage.ray(...this.centreOf(picked.point)).direction;
     const anchor = picked.point.map((/** @type {number} */ p, /** @type {number} */ c) => p - radius * towards.getComponent(c));
-    return { hand: `h${++this.count}`, kind: 'push', body: body.index, radius, anchor, moved: new THREE.Vector3() };
+    return { hand: this.freeName(), kind: 'push', body: body.index, radius, anchor, moved: new THREE.Vector3() };
   }
 
   /** @param {number[]} point @returns {[number, number]} */

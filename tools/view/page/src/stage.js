@@ -146,8 +146,12 @@ export class Stage {
     const { clientWidth: width, clientHeight: height } = /** @type {HTMLElement} */ (this.canvas.parentElement);
     if (width === 0 || height === 0) return;
     this.renderer.setSize(width, height, false);
+    // What fitted into a narrow picture fits into a wide one, and fills it.
+    const nearer = Math.min(1, this.camera.aspect) / Math.min(1, width / height);
+    this.camera.position.sub(this.controls.target).multiplyScalar(nearer).add(this.controls.target);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
+    this.controls.update();
     this.draw(); // at once: setting the size has emptied the canvas
   }
 
@@ -164,7 +168,7 @@ export class Stage {
     const begin = performance.now();
     if (this.frameChanged) this.update();
     const dark = document.documentElement.dataset.theme === 'dark';
-    this.renderer.setClearColor(dark ? 0x16191d : 0xf7f7f4, 1);
+    this.renderer.setClearColor(dark ? 0x23282e : 0xf7f7f4, 1);
     this.renderer.render(this.world, this.camera);
     this.frameDrawn = this.store.shown?.header.frame ?? -1;
     this.drawMilliseconds += performance.now() - begin;
