@@ -74,7 +74,7 @@ def watched(arguments, scene, options, wants):
 
 
 def pulled(arguments, scene, options, body_nodes):
-    """Steps a second while a hand moves 60 times a second."""
+    """Steps a second while a hand moves at 60 Hz."""
     with Server(arguments.stroma, os.path.join(TREE, scene), *options) as server:
         page = Watcher(server)
         server.pages.append(page)
