@@ -34,10 +34,9 @@ export class BodyView {
     this.single = this.surface.geometry;
     this.joint = sharedGeometry(body.triangles, body.surface);
     this.surface.geometry = this.joint;
-    const hasSurface = body.triangles.length > 0;
     this.wireframe = this.add(THREE.LineSegments, body.edges, material('line',
-      { ...nodes, colour: hasSurface ? new THREE.Vector3(0.08, 0.09, 0.1) : colour, opacity: hasSurface ? 0.55 : 1, lift: 0.00002 },
-      { transparent: hasSurface }));
+      { ...nodes, colour: new THREE.Vector3(), lift: 0.00002 },
+      { transparent: true }));
     this.springs = this.add(THREE.LineSegments, body.springs, material('line',
       { ...nodes, colour: new THREE.Vector3(0.45, 0.4, 0.7), lift: 0.00003 }));
     this.points = this.add(THREE.Points, body.points, material('point', { ...nodes, colour, size: 7, shape: 0, lift: 0.0001 }));
@@ -119,6 +118,12 @@ export class BodyView {
     const bare = this.body.triangles.length === 0;
     this.surface.visible = view.surface && !bare;
     this.wireframe.visible = (view.wireframe || bare || !view.surface) && this.body.edges.length > 0;
+    // Alone, lines have the colour of the body: black ones are not seen on dark ground.
+    const alone = bare || !view.surface;
+    const { colour, opacity } = this.wireframe.material.uniforms;
+    if (alone) colour.value.set(...bodyColour(this.body.index));
+    else colour.value.set(0.08, 0.09, 0.1);
+    opacity.value = alone ? 1 : 0.55;
     this.points.visible = view.points && this.body.points.length > 0;
     this.springs.visible = view.springs && this.body.springs.length > 0;
     this.held.visible = view.held && this.body.held.length > 0;

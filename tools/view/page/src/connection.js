@@ -45,8 +45,9 @@ export class Connection {
     this.waiting.clear();
     if (this.stopped) return;
     const seconds = this.delay / 1000;
+    const again = this.delay === LONGEST_DELAY ? ' If the program was started again, open the address that it printed.' : '';
     this.store.setConnection('lost',
-      `The connection to the simulation is lost. It is tried again in ${seconds < 1 ? 'a moment' : `${Math.round(seconds)} s`}.`);
+      `The connection to the simulation is lost. It is tried again in ${seconds < 1 ? 'a moment' : `${Math.round(seconds)} s`}.${again}`);
     this.retry = window.setTimeout(() => this.open(), this.delay);
     this.delay = Math.min(2 * this.delay, LONGEST_DELAY);
   }

@@ -20,11 +20,11 @@ export class ExportPanel {
     this.video = button('export-video', 'Record a video', () => this.toggleVideo());
     this.note = h('p', { class: 'quiet', test: 'export-note', role: 'status' });
     this.problem = h('div', { class: 'error', 'data-error': 'export', role: 'alert' });
-    const strideField = numberField('export-stride', 'Every how many frames', '1', (value) => (this.stride = value >= 1 ? Math.floor(value) : 1), { size: 3 });
+    const strideField = numberField('export-stride', 'One frame in how many', '1', (value) => (this.stride = value >= 1 ? Math.floor(value) : 1), { size: 3 });
     this.live = h('div', {}, h('h2', {}, 'Scene and actions'), h('div', { class: 'buttons' }, button('export-xml', 'Scene with changes (XML)', () => this.ask('xml')),
       button('export-actions', 'Actions of this run', () => this.ask('actions'))), h('p', { class: 'quiet' }, 'The actions repeat this run to the bit: stroma run SCENE --replay FILE.'));
     body.append(h('h2', {}, 'Picture and video'), h('div', { class: 'buttons' }, button('export-png', 'Picture (PNG)', () => this.png()), this.video),
-      h('h2', {}, 'One page that replays'), row('Every', strideField, h('span', { class: 'unit' }, 'th frame')), h('div', { class: 'buttons' }, button('export-html', 'Page (HTML)', () => this.html())),
+      h('h2', {}, 'One page that replays'), row('One frame in', strideField), h('div', { class: 'buttons' }, button('export-html', 'Page (HTML)', () => this.html())),
       h('p', { class: 'quiet' }, 'It holds the frames seen so far and opens without a server. With a cut on, it can be cut too.'),
       this.live, h('h2', {}, 'Numbers'), h('div', { class: 'buttons' }, button('export-csv', 'Plotted values (CSV)', () => parts.panels.tabs.get('plots').panel.save())), this.note, this.problem);
     for (const kind of ['xml', 'actions'])

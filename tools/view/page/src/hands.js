@@ -9,6 +9,8 @@ import { Arrows, Balls } from './shapes.js';
 
 /** @typedef {'look' | 'pull' | 'hold' | 'push'} Mode */
 
+const MOST_WAITING = 2000;
+
 export class Hands {
   /** @param {import('./stage.js').Stage} stage @param {import('./store.js').Store} store @param {import('./commands.js').Commands} commands */
   constructor(stage, store, commands) {
@@ -214,6 +216,7 @@ export class Hands {
     const { drag } = this;
     const sequence = ++this.sequence;
     this.sent.set(sequence, time);
+    if (this.sent.size > MOST_WAITING) this.sent.delete(this.sent.keys().next().value); // refused ones are never applied
     const moved = drag.moved.toArray();
     const stiffness = this.stiffness === null ? {} : { stiffness: this.stiffness };
     const move = (/** @type {number[]} */ p) => p.map((c, i) => c + moved[i]);

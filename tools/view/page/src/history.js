@@ -13,7 +13,7 @@ export class History {
     this.stride = 1;
     this.skipped = 0;
     this.clear();
-    store.on('scene', () => this.clear());
+    store.on('scene', () => store.sameScene || this.clear());
     store.on('arrived', (packet) => this.keep(packet));
   }
 

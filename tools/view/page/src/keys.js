@@ -4,7 +4,7 @@ import { h } from './dom.js';
 
 const HELP = [['Space', 'Run or pause; play in a recording'], ['→', 'One step; the next frame when looking back'], ['←', 'The frame before'],
   ['F', 'Frame the bodies'], ['R', 'The first view again'], ['Shift R', 'Back to the start of the run'], ['1 2 3 4', 'Look, pull, hold, push'],
-  ['Page up, Page down', 'Move the ball along the view while pushing'], ['W', 'Wireframe'], ['C', 'Cut'], ['L', 'Legend'], ['Esc', 'End a drag'], ['?', 'These keys']];
+  ['PgUp PgDn', 'Move the ball along the view while pushing'], ['W', 'Wireframe'], ['C', 'Cut'], ['L', 'Legend'], ['Esc', 'End a drag'], ['?', 'These keys']];
 
 /** @param {any} parts */
 export function listenToKeys({ store, stage, hands, timeline, bar }) {

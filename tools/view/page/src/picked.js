@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The node picked last: a mark on it, its numbers, and a button that plots it.
 import { h } from './dom.js';
-import { number } from './formats.js';
+import { number, quantity } from './formats.js';
 import { pick } from './picking.js';
 import { Balls } from './shapes.js';
 
@@ -30,15 +30,19 @@ export function showPicked(parent, { store, stage, hands, panels }) {
     if (!body) return mark.set([]);
     const x = [...body.x.subarray(3 * picked.node, 3 * picked.node + 3)];
     mark.set(body.visible ? [{ at: stage.views[picked.body].drawnAt(picked.node), radius: 0.008 * (body.size || 1) }] : []);
-    text.textContent = `${body.name}, node ${body.sceneNode[picked.node]}: ${x.map((c) => number(c, 4)).join(', ')} m`;
+    const name = `node.${picked.body}.${body.sceneNode[picked.node]}.reaction`;
+    const reaction = ['x', 'y', 'z'].map((axis) => store.shown?.header.values?.[`${name}.${axis}`] ?? 0);
+    const force = Math.hypot(...reaction);
+    text.textContent = `${body.name}, node ${body.sceneNode[picked.node]}: ${x.map((c) => number(c, 4)).join(', ')} m${force > 0 ? `, reaction ${quantity(force, 'N')}` : ''}`;
   };
   const choose = (/** @type {any} */ now) => {
-    picked = now;
+    picked = store.picked = now && { body: now.body, node: now.node };
+    store.emit('watched');
     update();
     stage.requestDraw();
   };
   store.on('picked', choose);
-  store.on('scene', () => choose(null));
+  store.on('scene', () => store.sameScene || choose(null));
   store.on('frame', update);
   stage.canvas.addEventListener('pointerdown', (/** @type {PointerEvent} */ event) => (pressed = event.isPrimary && event.button === 0 ? { x: event.clientX, y: event.clientY } : null), { capture: true });
   stage.canvas.addEventListener('pointerup', (/** @type {PointerEvent} */ event) => {

@@ -49,6 +49,7 @@ export class Plots {
     for (const kind of KINDS) this.choices.append(checkbox(`plot-${kind.key}`, kind.title, this.chosen.has(kind.key), (on) => this.choose(kind.key, on)));
     store.on('arrived', (/** @type {any} */ packet) => this.take(packet));
     store.on('scene', () => {
+      if (store.sameScene) return;
       store.watched = [];
       this.clear();
       this.listNodes();
@@ -174,7 +175,10 @@ export class Plots {
       this.charts.replaceChildren(...kinds.map((kind) => this.make(kind)));
       this.drawnKinds = key;
     }
-    for (const { plot, kind } of this.plots.values()) plot.setData(this.data(kind));
+    for (const { plot, kind } of this.plots.values()) {
+      plot.setData(this.data(kind));
+      if (plot.cursor.left < 0) plot.setLegend({ idx: this.series.times.length - 1 }); // the newest, while nobody points
+    }
   }
 
   /** @param {Kind} kind */

@@ -114,7 +114,7 @@ export async function exportedPage(store, page, view, frames, count, stride) {
     waiting = 0;
     if (size > LARGEST) {
       const whole = number > 0 ? (size / number) * count : size;
-      throw new Error(number > 0 ? `The page would have about ${Math.round(whole / 1e6)} MB; at most 50 MB are written. Take every ${Math.ceil((1.1 * stride * whole) / LARGEST)}th frame.`
+      throw new Error(number > 0 ? `The page would have about ${Math.round(whole / 1e6)} MB; at most 50 MB are written. Take one frame in ${Math.ceil((1.1 * stride * whole) / LARGEST)}.`
         : 'The mesh alone is larger than 50 MB; a single page cannot hold it.');
     }
   };

@@ -69,6 +69,8 @@ export class Store {
     this.components = null;
     /** @type {{body: number, node: number}[]} nodes whose values are plotted; numbers of the page */
     this.watched = [];
+    /** The node picked last. @type {{body: number, node: number} | null} */
+    this.picked = null;
     this.selected = '';
     this.view = {
       colour: '', map: 'viridis', range: 'running', low: 0, high: 1, exaggeration: 1, legend: true,
@@ -171,7 +173,10 @@ export class Store {
   /** @param {import('./messages.js').Packet} packet */
   takeScene({ header, arrays }) {
     const hidden = new Set(this.bodies.filter((body) => !body.visible).map((body) => body.path));
-    this.scenePacket = { header, arrays };
+    const kind = JSON.stringify([header.name, header.mode, header.bodies.map((/** @type {any} */ b) => [b.path, b.nodes, b.surface])]);
+    /** Whether it is the scene from before, as after a lost connection: what was kept stays good. */
+    this.sameScene = kind === this.kindOfScene;
+    this.kindOfScene = kind;
     this.scene = header;
     this.build ||= header.build;
     this.bodies = header.bodies.map((/** @type {any} */ info, /** @type {number} */ b) => {
@@ -189,14 +194,13 @@ export class Store {
     this.linkKinds = arrays.link_kind ?? new Uint8Array(0);
     this.fields = header.fields ?? [];
     this.values.clear();
-    this.shown = this.newest = this.heldPacket = this.cellsPacket = null;
+    this.shown = this.newest = null;
     this.following = true;
     this.emit('scene');
   }
 
   /** @param {import('./messages.js').Packet} packet */
-  takeHeld({ header, arrays }) {
-    this.heldPacket = { header, arrays };
+  takeHeld({ arrays }) {
     for (const body of this.bodies) {
       body.held = arrays[`${body.index}.held`] ?? new Int32Array(0);
       body.guided = arrays[`${body.index}.guided`] ?? new Int32Array(0);
@@ -205,8 +209,7 @@ export class Store {
   }
 
   /** @param {import('./messages.js').Packet} packet */
-  takeCells({ header, arrays }) {
-    this.cellsPacket = { header, arrays };
+  takeCells({ arrays }) {
     for (const body of this.bodies) {
       body.tetrahedra = arrays[`${body.index}.tetrahedra`] ?? new Int32Array(0);
       body.hexahedra = arrays[`${body.index}.hexahedra`] ?? new Int32Array(0);

@@ -30,9 +30,10 @@ export class Wants {
     });
     if (want !== this.last && this.connection.send(JSON.parse(want))) this.last = want;
     const values = [...this.groups];
-    for (const { body, node } of this.store.watched)
+    const nodes = [...this.store.watched, ...(this.store.picked ? [this.store.picked] : [])];
+    for (const { body, node } of nodes)
       for (const what of ['position', 'velocity', 'reaction']) values.push(`node.${body}.${this.store.bodies[body]?.sceneNode[node]}.${what}`);
-    const watch = JSON.stringify({ do: 'watch', values });
+    const watch = JSON.stringify({ do: 'watch', values: [...new Set(values)] });
     if (watch !== this.lastWatch && this.connection.send(JSON.parse(watch))) this.lastWatch = watch;
   }
 }
