@@ -81,8 +81,7 @@ class Simulation {
 
   // ---- forces from outside, between steps ----
   /// Acts from the next step on, until it is removed; returns its number. Throws ComponentError with a sentence: an
-  /// unknown state or node, a state that follows another by a mapping, or one whose integrator has computed its matrix
-  /// beforehand.
+  /// unknown state or node, a state that follows another by a mapping, or nodes inside a condensed body.
   long addInput(const Input& input);
   /// Another force or target in the place of the one with this number: a handle that moves.
   void changeInput(long number, const Input& input);

@@ -22,8 +22,9 @@ void Simulation::checkReplay(const RunEvent& event) const {
     checkEdit(LiveEdit(root(), edit->path, edit->attribute));
   } else if (const auto& input = std::get<InputChange>(event.what).input) {
     State* state = nullptr;
-    systemOf(*input, state);
+    const System& system = systemOf(*input, state);
     checkInput(*input, *state);
+    system.integrator().checkInputOn(*state, input->nodes);
   }
 }
 
