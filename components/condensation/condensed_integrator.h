@@ -95,7 +95,7 @@ class CondensedIntegrator : public Integrator {
   void restoreTouched(System& system);
   const std::vector<Touch>& touches() const { return touches_; }
   std::size_t moved() const { return moved_.size(); }  ///< touches before those of pulls
-  std::vector<Hand>& hands() { return hands_; }        ///< one a node, ascending
+  std::vector<Hand>& hands() { return hands_; }        ///< one per node, ascending
   Hand& handOn(Index node);
   /// lambda = (E^T C E + S)^-1 (wanted - E^T u), u the displacement without it; S = diag(1/stiffness), 0 for moved
   /// nodes; shape (touches).

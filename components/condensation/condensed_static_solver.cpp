@@ -221,11 +221,11 @@ void CondensedStaticSolver::compare(Index node, const Force& now, const Force& b
 /// Hands on other nodes than before: everything is summed anew, so that one that has gone leaves nothing behind.
 void CondensedStaticSolver::compareHands() {
   if (hands().empty() && hand_nodes_.empty()) return;
-  std::vector<Index> nodes;
-  for (const Hand& hand : hands()) nodes.push_back(hand.node);
-  if (nodes != hand_nodes_) {
+  const auto is_on = [](const Hand& hand, Index node) { return hand.node == node; };
+  if (!std::equal(hands().begin(), hands().end(), hand_nodes_.begin(), hand_nodes_.end(), is_on)) {
     started_ = false;
-    hand_nodes_ = std::move(nodes);
+    hand_nodes_.clear();
+    for (const Hand& hand : hands()) hand_nodes_.push_back(hand.node);
     hand_last_.assign(hand_nodes_.size(), Force{});
   }
   for (std::size_t i = 0; i < hand_nodes_.size(); ++i) {

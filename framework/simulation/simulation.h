@@ -96,7 +96,7 @@ class Simulation {
   const std::vector<RunEvent>& events() const { return events_; }
   /// From now on these happen, each before the step that it came before; those of steps already made do not. Ascending
   /// in `step`. reset() begins them again, with the edits of now. `file`: where they were read, for messages. Throws
-  /// SceneError with everything that can be known to be wrong now; step() throws ReplayError for the rest.
+  /// SceneError with what can be known to be wrong now; step() throws ReplayError for the rest.
   void replay(std::vector<RunEvent> events, const std::string& file = {});
   /// How many of them have happened, or belong to steps that were made before.
   std::size_t replayed() const { return next_replayed_; }
