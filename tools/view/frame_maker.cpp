@@ -9,7 +9,7 @@ namespace stroma::view {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr double share_of_fields = 0.02;
+constexpr double share_of_fields = 0.01;
 
 std::vector<float> rowsOf(const Body& body, ConstRows rows, bool all) {
   const std::size_t count = all ? body.node.size() : std::size_t(body.surface);

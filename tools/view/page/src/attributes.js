@@ -51,7 +51,7 @@ export class Attributes {
     const attributes = (item.attributes ?? []);
     const order = (/** @type {any} */ a) => (a.output ? 3 : a.change === 'at_once' || a.change === 'recompile' ? 0 : a.given ? 1 : 2);
     this.body.replaceChildren(h('h2', {}, item.path), h('p', {}, h('strong', {}, item.type ? `${item.type} ` : 'Node '), item.name),
-      item.help ? h('p', { class: 'quiet' }, item.help) : null,
+      item.help ? h('p', { class: 'quiet' }, sentence(item.help)) : null,
       ...[...attributes].sort((a, b) => order(a) - order(b)).map((attribute) => this.attribute(item, attribute)));
     this.body.scrollTop = scroll;
   }
@@ -87,9 +87,9 @@ export class Attributes {
     const facts = [attribute.range ? `Range: ${attribute.range}.` : '', attribute.default !== undefined && attribute.default !== '' ? `Default: ${shortened(attribute.default, false)}.` : '',
       attribute.change === 'restart' && !attribute.output ? 'A change needs a restart.' : ''].filter(Boolean).join(' ');
     return h('div', { class: `attribute${attribute.given ? ' given' : ''}` },
-      h('div', { class: 'line' }, h('label', { for: live ? `attribute-${key}` : null }, attribute.name), control, attribute.unit ? h('span', { class: 'unit' }, attribute.unit) : null,
+      h('div', { class: 'line' }, h('label', { for: live ? `attribute-${key}` : null }, attribute.name), control, attribute.unit && attribute.unit !== '-' ? h('span', { class: 'unit' }, attribute.unit) : null,
         attribute.output ? h('span', { class: 'tag' }, 'output') : null), error,
-      h('div', { class: 'help' }, [attribute.help, facts].filter(Boolean).join(' ')));
+      h('div', { class: 'help' }, [sentence(attribute.help), facts].filter(Boolean).join(' ')));
   }
 
   /** @param {any} item @param {any} attribute @param {any} control @param {HTMLElement} error */
@@ -109,6 +109,12 @@ export class Attributes {
       this.commands.request({ do: 'components' });
     } else this.refused.set(key, { text, error: reply.message });
   }
+}
+
+/** @param {string} [text] of a help */
+function sentence(text) {
+  if (!text) return '';
+  return text.charAt(0).toUpperCase() + text.slice(1) + (/[.!?]$/.test(text) ? '' : '.');
 }
 
 /** @param {string} text @param {boolean} cut whether the server cut it already */

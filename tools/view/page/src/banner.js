@@ -2,6 +2,8 @@
 // The banner over the picture: loss of the connection, another page's control, the end of a run.
 import { h } from './dom.js';
 
+const NOTICE = 7000; // [ms] a notice stays
+
 export class Banner {
   /** @param {HTMLElement} element @param {import('./store.js').Store} store @param {import('./commands.js').Commands} commands */
   constructor(element, store, commands) {
@@ -9,6 +11,16 @@ export class Banner {
     this.store = store;
     this.commands = commands;
     this.controlAsked = false;
+    this.notice = '';
+    store.on('notice', (text) => {
+      this.notice = text;
+      clearTimeout(this.timer);
+      this.timer = setTimeout(() => {
+        this.notice = '';
+        this.update();
+      }, NOTICE);
+      this.update();
+    });
     for (const event of ['connection', 'status', 'scene']) store.on(event, () => this.update());
     store.on('control-needed', () => {
       this.controlAsked = true;
@@ -36,6 +48,7 @@ export class Banner {
         onclick: () => this.commands.takeControl()?.then((reply) => !reply.ok && this.store.say('error', reply.message)) }, 'Take control'));
     this.controlAsked = false;
     if (this.noteShown) return;
+    if (this.notice) return this.show(this.notice);
     this.show('');
   }
 }

@@ -72,7 +72,8 @@ export class Bar {
 
   showTime() {
     const header = this.store.shown?.header;
-    this.time.textContent = header ? `t = ${number(header.time, 4)} s · step ${header.step}` : '';
+    const instant = header && (header.step > 0 || this.store.scene?.mode !== 'recording') ? ` · step ${header.step}` : '';
+    this.time.textContent = header ? `t = ${number(header.time, 4)} s${instant}` : '';
   }
 
   update() {

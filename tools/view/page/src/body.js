@@ -2,10 +2,11 @@
 // What is drawn of one body: surface, wireframe, points, springs, held and guided nodes, loads, rigid frames.
 import * as THREE from 'three';
 import { bodyColour } from './colours.js';
-import { Numbers, material, nodeGeometry, shared } from './gpu.js';
+import { Numbers, material, nodeGeometry, shared, sharedGeometry } from './gpu.js';
 import { Arrows, Growing } from './shapes.js';
 
 const MOST_ARROWS = 3000;
+const MANY_NODES = 600; // held nodes beyond this are drawn smaller
 const AXES = [[0.80, 0.25, 0.22], [0.25, 0.60, 0.28], [0.22, 0.40, 0.85]];
 
 export class BodyView {
@@ -14,10 +15,12 @@ export class BodyView {
     this.body = body;
     this.store = store;
     this.group = new THREE.Group();
-    this.positions = new Numbers(body.count, 3);
+    /** Nodes whose positions are on the graphics card: all, or those of the surface. */
+    this.used = body.surface;
+    this.positions = new Numbers(this.used, 3);
     this.rest = new Numbers(body.count, 3);
     this.rest.set(body.rest);
-    this.positions.set(body.x);
+    this.positions.set(body.x.subarray(0, 3 * this.used));
     this.nodeValues = new Numbers(1, 1);
     this.cellValues = new Numbers(1, 1);
     /** @type {Float32Array | null} */
@@ -28,6 +31,9 @@ export class BodyView {
     this.surface = this.add(THREE.Mesh, body.triangles, material('surface',
       { ...nodes, nodeValues: this.nodeValues.texture, cellValues: this.cellValues.texture, mode: 0, colour },
       { polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 }));
+    this.single = this.surface.geometry;
+    this.joint = sharedGeometry(body.triangles, body.surface);
+    this.surface.geometry = this.joint;
     const hasSurface = body.triangles.length > 0;
     this.wireframe = this.add(THREE.LineSegments, body.edges, material('line',
       { ...nodes, colour: hasSurface ? new THREE.Vector3(0.08, 0.09, 0.1) : colour, opacity: hasSurface ? 0.55 : 1, lift: 0.00002 },
@@ -55,18 +61,31 @@ export class BodyView {
   }
 
   setConstraints() {
-    for (const [object, nodes] of [[this.held, this.body.held], [this.guided, this.body.guided]]) {
+    for (const [object, nodes] of /** @type {[any, Int32Array][]} */ ([[this.held, this.body.held], [this.guided, this.body.guided]])) {
       object.geometry.dispose();
-      object.geometry = nodeGeometry(nodes);
+      object.geometry = nodeGeometry(nodes.filter((n) => n < this.used));
+      object.material.uniforms.size.value = (object === this.held ? 7 : 9) * (nodes.length > MANY_NODES ? 0.5 : 1);
     }
   }
 
   /** Takes over the frame that the store shows. */
   update() {
     const { body } = this;
-    this.positions.set(body.x);
+    const used = body.inside ? body.count : body.surface;
+    if (used !== this.used) this.useNodes(used);
+    this.positions.set(body.x.subarray(0, 3 * used));
     this.updateLoads();
     this.updateFrames();
+  }
+
+  /** @param {number} used number of nodes whose positions come with each frame from now on */
+  useNodes(used) {
+    this.used = used;
+    this.positions.dispose();
+    this.positions = new Numbers(used, 3);
+    for (const object of [this.surface, this.wireframe, this.springs, this.points, this.held, this.guided])
+      object.material.uniforms.positions.value = this.positions.texture;
+    this.setConstraints();
   }
 
   /**
@@ -90,6 +109,7 @@ export class BodyView {
       this.uploaded = values;
     }
     uniforms.mode.value = kind === 'displacement' ? 3 : !values || kind === 'colour' ? 0 : kind === 'nodes' ? 1 : 2;
+    this.surface.geometry = uniforms.mode.value === 2 ? this.single : this.joint;
   }
 
   /** Shows and hides by the choices of the store. */
@@ -171,6 +191,8 @@ export class BodyView {
       object.geometry.dispose();
       object.material.dispose();
     }
+    this.single.dispose();
+    this.joint.dispose();
     this.loads.dispose();
     this.frames.dispose();
     this.group.removeFromParent();

@@ -21,6 +21,7 @@ export class Colouring {
     this.spread = new Map();
     this.running = [Infinity, -Infinity];
     this.last = '';
+    this.lastStep = 0;
   }
 
   /** @param {any} body @returns {Coloured} */
@@ -32,8 +33,11 @@ export class Colouring {
   update() {
     const { view } = this.store;
     this.coloured.clear();
-    if (this.last !== view.colour) this.running = [Infinity, -Infinity];
+    const step = this.store.shown?.header.step ?? 0;
+    const reset = this.store.following && step < this.lastStep; // the run began anew
+    if (this.last !== view.colour || reset) this.running = [Infinity, -Infinity];
     this.last = view.colour;
+    if (this.store.following) this.lastStep = step;
     if (!view.colour) return;
     const range = [Infinity, -Infinity];
     const fields = this.store.chosenFields();

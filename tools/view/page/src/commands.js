@@ -31,7 +31,7 @@ export class Commands {
     if (!this.connection) return { ok: false, message: 'This page replays a recording: there is no simulation to command.' };
     if (this.connection.isOpen && !this.mayCommand()) {
       this.store.emit('control-needed');
-      return { ok: false, message: 'Another page has control of this run. Take control first.' };
+      return { ok: false, message: 'Another page has control of this run. Take control first.', needsControl: true };
     }
     return this.connection.ask(message);
   }
@@ -39,7 +39,7 @@ export class Commands {
   /** Like ask, and a refusal is shown among the messages. @param {any} message */
   async tell(message) {
     const reply = await this.ask(message);
-    if (!reply.ok) this.store.say('error', reply.message);
+    if (!reply.ok && !(/** @type {any} */ (reply).needsControl)) this.store.notify(reply.message);
     return reply;
   }
 

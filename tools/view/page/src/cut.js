@@ -11,6 +11,7 @@ export class Cut {
     this.store = store;
     this.fill = new Growing('triangles', { mode: 2 }, true);
     this.outlines = new Growing('lines', { mode: 0, lift: 0.00003 });
+    this.outlines.material.transparent = true;
     this.objects = [this.fill.object, this.outlines.object];
     /** @type {Float32Array[]} */
     this.distances = [];
@@ -57,6 +58,8 @@ export class Cut {
       for (const body of this.store.bodies)
         if (body.visible && body.inside && body.tetrahedra) this.cutBody(body, normal, offset, colouring(body));
     }
+    // Outlines that would cover the colours fade.
+    this.outlines.material.uniforms.opacity.value = 0.65 * Math.min(1, Math.max(0.12, 24000 / this.outlines.count));
     this.fill.finish();
     this.outlines.finish();
     this.fill.object.visible &&= cut.fill;

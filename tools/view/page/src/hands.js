@@ -23,7 +23,6 @@ export class Hands {
     /** Radius of the ball as a part of the body's size. */
     this.radius = 0.1;
     this.sequence = 0;
-    this.count = 0;
     /** @type {any} the drag under way */
     this.drag = null;
     /** @type {Map<number, number>} when the event of a sequence number happened */
@@ -74,9 +73,8 @@ export class Hands {
     if (!picked && !again) return; // beside the bodies the pointer turns the view
     event.stopImmediatePropagation();
     event.preventDefault();
-    if (picked && !again) this.store.emit('picked', picked);
     const body = this.store.bodies[(again ?? picked)?.body];
-    if (!body.interactive) return this.store.say('warning', body.why || `${body.name} cannot be pulled.`);
+    if (!body.interactive) return this.store.notify(body.why || `${body.name} cannot be pulled.`, 'warning');
     if (!this.commands.mayCommand()) return this.store.emit('control-needed');
     this.stage.canvas.setPointerCapture(event.pointerId);
     this.stage.controls.enabled = false;
@@ -90,12 +88,20 @@ export class Hands {
     this.send(event.timeStamp, true);
   }
 
+  /** A name that none of this page's hands has: names come again, so that plots have few curves. */
+  freeName() {
+    const used = new Set([...(this.kept?.keys() ?? []), ...this.own.map((/** @type {any} */ hand) => hand.hand)]);
+    let number = 1;
+    while (used.has(`h${number}`)) number++;
+    return `h${number}`;
+  }
+
   /** @param {any} picked @param {any} body */
   beginPull(picked, body) {
     const nodes = this.grip === 'node' ? [picked.node] : picked.nodes;
     const starts = nodes.map((/** @type {number} */ n) => [...body.x.subarray(3 * n, 3 * n + 3)]);
     return {
-      hand: `h${++this.count}`, kind: this.mode, body: body.index, nodes, starts, anchor: picked.point, moved: new THREE.Vector3(),
+      hand: this.freeName(), kind: this.mode, body: body.index, nodes, starts, anchor: picked.point, moved: new THREE.Vector3(),
     };
   }
 
@@ -104,7 +110,7 @@ export class Hands {
     const radius = this.radius * body.size;
     const towards = this.stage.ray(...this.centreOf(picked.point)).direction;
     const anchor = picked.point.map((/** @type {number} */ p, /** @type {number} */ c) => p - radius * towards.getComponent(c));
-    return { hand: `h${++this.count}`, kind: 'push', body: body.index, radius, anchor, moved: new THREE.Vector3() };
+    return { hand: this.freeName(), kind: 'push', body: body.index, radius, anchor, moved: new THREE.Vector3() };
   }
 
   /** @param {number[]} point @returns {[number, number]} */
@@ -117,7 +123,7 @@ export class Hands {
   heldAt(x, y) {
     return this.own.find((/** @type {any} */ hand) => {
       if (hand.kind !== 'hold' || !this.kept?.has(hand.hand)) return false;
-      const place = this.stage.toScreen(this.drawn(hand.body, hand.node, hand.to));
+      const place = this.stage.toScreen(this.drawn(hand.body, this.nodesOf(hand), hand.to));
       return Math.hypot(place.x - x, place.y - y) < 14;
     });
   }
@@ -125,7 +131,7 @@ export class Hands {
   /** @param {any} hand */
   takeAgain(hand) {
     const kept = this.kept?.get(hand.hand);
-    return { ...kept, anchor: this.drawn(hand.body, hand.node, hand.to), before: kept.moved.clone(), moved: kept.moved.clone() };
+    return { ...kept, anchor: this.drawn(hand.body, this.nodesOf(hand), hand.to), before: kept.moved.clone(), moved: kept.moved.clone() };
   }
 
   /** @param {number} x @param {number} y */
@@ -218,11 +224,17 @@ export class Hands {
     else this.commands.send(message);
   }
 
-  /** Where a point is drawn that would be at `to` when `node` is at its place. @param {number} b @param {number} node @param {number[]} to */
-  drawn(b, node, to) {
-    const { rest } = this.store.bodies[b];
+  /** The nodes that a hand holds: all of them for hands of this page, of others the one that the frame names. @param {any} hand @returns {number[]} */
+  nodesOf(hand) {
+    const known = hand.client !== this.store.scene.client ? null : this.drag?.hand === hand.hand ? this.drag : this.kept?.get(hand.hand);
+    return known?.nodes ?? [hand.node];
+  }
+
+  /** Where the target of nodes is drawn. @param {number} b @param {number[]} nodes @param {number[]} to */
+  drawn(b, nodes, to) {
+    const rest = mean(nodes.map((n) => [...this.store.bodies[b].rest.subarray(3 * n, 3 * n + 3)]));
     const k = shared.exaggeration.value;
-    return to.map((c, i) => rest[3 * node + i] + k * (c - rest[3 * node + i]));
+    return to.map((c, i) => rest[i] + k * (c - rest[i]));
   }
 
   /** Arrows, balls and forces of the frame shown. */
@@ -240,8 +252,9 @@ export class Hands {
         balls.push({ at: hand.centre, radius: hand.radius });
         at = hand.centre;
       } else {
-        const from = this.stage.views[hand.body].drawnAt(hand.node);
-        at = this.drawn(hand.body, hand.node, hand.to);
+        const nodes = this.nodesOf(hand);
+        const from = mean(nodes.map((n) => this.stage.views[hand.body].drawnAt(n)));
+        at = hand.to ? this.drawn(hand.body, nodes, hand.to) : from.map((c, i) => c + 0.1 * size * hand.force[i] / (Math.hypot(...hand.force) || 1));
         const along = at.map((c, i) => c - from[i]);
         if (Math.hypot(...along) > 1e-4 * size) arrows.push({ at: from, radius: 0.003 * size, along });
         ends.push({ at: hand.kind === 'hold' ? at : from, radius: 0.0075 * size });
@@ -288,3 +301,6 @@ export class Hands {
     if (this.delays.length > 10000) this.delays.splice(0, 5000);
   }
 }
+
+/** @param {number[][]} points */
+const mean = (points) => [0, 1, 2].map((c) => points.reduce((sum, p) => sum + p[c], 0) / points.length);

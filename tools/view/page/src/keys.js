@@ -25,7 +25,10 @@ export function listenToKeys({ store, stage, hands, timeline, bar }) {
     1: () => hands.setMode('look'), 2: () => hands.setMode('pull'), 3: () => hands.setMode('hold'), 4: () => hands.setMode('push'),
     w: () => store.setView({ wireframe: !store.view.wireframe }), c: () => store.setCut({ on: !store.view.cut.on }), l: () => store.setView({ legend: !store.view.legend }),
     PageUp: () => hands.deepen(0.15, performance.now()), PageDown: () => hands.deepen(-0.15, performance.now()),
-    Escape: () => hands.end(true), '?': help,
+    Escape: () => {
+      if (hands.end(true)) return;
+      for (const id of ['left', 'right']) document.getElementById(id)?.classList.remove('open');
+    }, '?': help,
   };
   window.addEventListener('keydown', (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey || dialog.open) return;

@@ -85,7 +85,7 @@ class Solids {
     this.geometry.setAttribute('position', shape.attributes.position);
     this.geometry.setAttribute('normal', shape.attributes.normal);
     this.material = material('solid', { colour: new THREE.Vector3(...colour), opacity },
-      { transparent: opacity < 1, depthWrite: opacity === 1 });
+      { transparent: opacity < 1, depthWrite: opacity === 1, side: arrow ? THREE.DoubleSide : THREE.FrontSide });
     this.object = new THREE.Mesh(this.geometry, this.material);
     this.object.frustumCulled = false;
     this.capacity = 0;

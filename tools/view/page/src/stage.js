@@ -31,6 +31,7 @@ export class Stage {
     this.asked = false;
     this.frameChanged = this.choicesChanged = false;
     this.frameDrawn = -1;
+    /** Time spent drawing so far [ms]. */
     this.drawMilliseconds = 0;
     /** @type {number[]} frames that arrived and were not yet answered */
     this.arrived = [];
@@ -101,15 +102,20 @@ export class Stage {
 
   /** Frames the bodies without turning the camera. */
   fit() {
-    const sphere = this.box().getBoundingSphere(new THREE.Sphere());
-    const radius = Math.max(sphere.radius, 1e-9);
-    const half = (this.camera.fov * Math.PI) / 360;
-    const narrow = Math.atan(Math.tan(half) * Math.min(1, this.camera.aspect));
-    const distance = (1.02 * radius) / Math.sin(narrow);
-    const direction = this.camera.position.clone().sub(this.controls.target);
-    if (direction.lengthSq() === 0) direction.set(0.5, 0.4, 1);
-    this.controls.target.copy(sphere.center);
-    this.camera.position.copy(sphere.center).addScaledVector(direction.normalize(), distance);
+    const box = this.box();
+    const centre = box.getCenter(new THREE.Vector3());
+    const back = this.camera.position.clone().sub(this.controls.target).normalize();
+    const right = new THREE.Vector3().crossVectors(this.camera.up, back).normalize();
+    const up = new THREE.Vector3().crossVectors(back, right);
+    const height = 0.84 * Math.tan((this.camera.fov * Math.PI) / 360); // a margin around
+    const width = height * this.camera.aspect;
+    let distance = 1e-6;
+    for (let corner = 0; corner < 8; corner++) {
+      const p = new THREE.Vector3(corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y, corner & 4 ? box.max.z : box.min.z).sub(centre);
+      distance = Math.max(distance, p.dot(back) + Math.abs(p.dot(up)) / height, p.dot(back) + Math.abs(p.dot(right)) / width);
+    }
+    this.controls.target.copy(centre);
+    this.camera.position.copy(centre).addScaledVector(back, distance);
     this.camera.near = distance / 200;
     this.camera.far = distance * 20;
     this.controls.minDistance = distance / 100;
@@ -140,8 +146,12 @@ export class Stage {
     const { clientWidth: width, clientHeight: height } = /** @type {HTMLElement} */ (this.canvas.parentElement);
     if (width === 0 || height === 0) return;
     this.renderer.setSize(width, height, false);
+    // What fitted into a narrow picture fits into a wide one, and fills it.
+    const nearer = Math.min(1, this.camera.aspect) / Math.min(1, width / height);
+    this.camera.position.sub(this.controls.target).multiplyScalar(nearer).add(this.controls.target);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
+    this.controls.update();
     this.draw(); // at once: setting the size has emptied the canvas
   }
 
@@ -158,10 +168,10 @@ export class Stage {
     const begin = performance.now();
     if (this.frameChanged) this.update();
     const dark = document.documentElement.dataset.theme === 'dark';
-    this.renderer.setClearColor(dark ? 0x16191d : 0xf7f7f4, 1);
+    this.renderer.setClearColor(dark ? 0x23282e : 0xf7f7f4, 1);
     this.renderer.render(this.world, this.camera);
     this.frameDrawn = this.store.shown?.header.frame ?? -1;
-    this.drawMilliseconds += 0.1 * (performance.now() - begin - this.drawMilliseconds);
+    this.drawMilliseconds += performance.now() - begin;
     const { arrived } = this;
     this.arrived = [];
     for (const follower of this.afterDraw) follower(arrived);

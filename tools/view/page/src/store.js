@@ -71,7 +71,7 @@ export class Store {
     this.watched = [];
     this.selected = '';
     this.view = {
-      colour: '', map: 'viridis', range: 'automatic', low: 0, high: 1, exaggeration: 1, legend: true,
+      colour: '', map: 'viridis', range: 'running', low: 0, high: 1, exaggeration: 1, legend: true,
       surface: true, wireframe: false, points: true, springs: true, held: true, loads: false, frames: true, opacity: 1,
       cut: { on: false, normal: [1, 0, 0], place: 0.5, flip: false, outlines: true, fill: true },
       theme: 'auto', remote: false,
@@ -122,6 +122,12 @@ export class Store {
   /** @param {string} severity @param {string} text */
   say(severity, text) {
     this.receiveText({ is: 'messages', lines: [{ severity, text }] });
+  }
+
+  /** Says something at once where the person looks, and in the log. @param {string} text @param {string} [severity] */
+  notify(text, severity = 'error') {
+    this.say(severity, text);
+    this.emit('notice', text);
   }
 
   /** @param {any} message */
@@ -175,7 +181,7 @@ export class Store {
         ...info, index: b, count, frames: info.frames ?? [], cells: info.cells ?? { tetrahedra: 0, hexahedra: 0 },
         sceneNode: ints('node'), rest: arrays[`${b}.rest`], triangles: ints('triangles'), owner: ints('owner'),
         edges: ints('edges'), points: ints('points'), springs: ints('springs'), held: new Int32Array(0),
-        guided: new Int32Array(0), tetrahedra: null, hexahedra: null, x: arrays[`${b}.rest`].slice(), inside: true,
+        guided: new Int32Array(0), tetrahedra: null, hexahedra: null, x: arrays[`${b}.rest`].slice(), inside: false,
         load: null, turn: null, visible: !hidden.has(info.path),
       };
     });
@@ -244,7 +250,8 @@ export class Store {
   /** The unit of what colours the bodies. */
   get colourUnit() {
     if (this.view.colour === 'displacement') return 'm';
-    return this.fields.find((field) => fieldKey(field) === this.view.colour)?.unit ?? '';
+    const unit = this.fields.find((field) => fieldKey(field) === this.view.colour)?.unit ?? '';
+    return unit === '-' || unit === '1' ? '' : unit;
   }
 }
 

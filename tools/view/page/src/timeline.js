@@ -16,6 +16,7 @@ export class Timeline {
     this.store = store;
     this.history = history;
     this.commands = commands;
+    this.measured = { at: 0, spent: 0, share: 0 };
     this.index = -1;
     this.playing = 0;
     this.loop = true;
@@ -75,8 +76,12 @@ export class Timeline {
 
   showShares() {
     const { status } = this.store;
-    const drawing = Math.min(1, (this.stage.drawMilliseconds * 60) / 1000);
-    const share = { ...status.share, drawing: status.running ? drawing : 0 };
+    const now = performance.now();
+    if (now - this.measured.at > 500) {
+      const { drawMilliseconds } = this.stage;
+      this.measured = { at: now, spent: drawMilliseconds, share: (drawMilliseconds - this.measured.spent) / (now - this.measured.at) };
+    }
+    const share = status.running ? { ...status.share, drawing: this.measured.share } : {};
     const parts = SHARES.map(([key]) => share[key] ?? 0);
     const total = Math.max(1, parts.reduce((sum, part) => sum + part, 0));
     parts.forEach((part, i) => (this.shareBar.children[i].style.width = `${(100 * part) / total}%`));
