@@ -119,6 +119,10 @@ class Browser:
         """On the page."""
         ActionChains(self.driver).send_keys(*keys).perform()
 
+    def press_with(self, modifier, key):
+        """A key while another one is down."""
+        ActionChains(self.driver).key_down(modifier).send_keys(key).key_up(modifier).perform()
+
     def choose(self, name, value):
         """In a list."""
         self.script("(() => { const e = arguments[0]; e.value = arguments[1]; e.dispatchEvent(new Event('change', {bubbles: true})); })()",

@@ -239,6 +239,8 @@ class Reaching(PageTest):
             browser.press(Keys.ARROW_RIGHT)
             browser.until("(h => h.length === 1 && h[0].kind === 'hold')(window.stroma.store.newest.header.hands)", "what stays held")
             browser.press("4")
+            browser.until("window.stroma.store.shown.header.step === 1 && window.stroma.frameDrawn === window.stroma.store.shown.header.frame", "the step")
+            x, y = browser.place(0, node)
             browser.pointer("down", x, y)
             browser.pointer("move", x + 2, y)
             browser.press(Keys.ARROW_RIGHT)
@@ -301,7 +303,7 @@ class Reaching(PageTest):
             browser.press(Keys.ESCAPE)
             browser.until(lambda: not browser.find("keys").is_displayed(), "the list to close")
             browser.press("f")
-            browser.press(Keys.SHIFT + "r" + Keys.NULL)
+            browser.press_with(Keys.SHIFT, "R")
             browser.until("window.stroma.store.shown.header.step === 0", "the reset")
 
     def test_controls_have_names(self):
@@ -404,7 +406,7 @@ class Exports(PageTest):
             _, video = browser.download(lambda: browser.click("export-video"), ".webm")
             self.assertEqual(video[:4], b"\x1a\x45\xdf\xa3")
             self.assertGreater(len(video), 5000)
-            browser.press(" ")
+            browser.click("pause")
             browser.until(f"!{WATCHED}.running", "the pause")
             path, html = browser.download(lambda: browser.click("export-html"), ".html")
             frames = browser.script("window.stroma.history.frames.length")
