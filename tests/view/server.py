@@ -81,7 +81,9 @@ class Server:
             return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
 
     def end(self):
-        """Ctrl-C; checks the exit code. What it printed last."""
+        """Ctrl-C; checks the exit code. What it printed last; a second call does nothing."""
+        if self.errors.closed:
+            return ""
         for page in self.pages:
             page.socket.cut()
         if self.process.poll() is None:
