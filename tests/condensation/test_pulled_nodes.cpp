@@ -92,7 +92,7 @@ constexpr const char* dynamic_solvers[] = {
 }  // namespace
 
 TEST(PulledNodes, StaticBodiesAreTheWholeBodyWithTheSameInputs) {
-  for (const std::string loads : {std::string(), changing, drag, slide, drag + slide + changing})
+  for (const std::string& loads : {std::string(), changing, drag, slide, drag + slide + changing})
     for (const char* solver :
          {"<CondensedStaticSolver/>", "<CondensedStaticSolver condensed=\"false\"/>",
           "<CondensedStaticSolver incremental=\"false\"/>", "<CondensedStaticSolver precision=\"single\"/>"}) {
@@ -107,7 +107,7 @@ TEST(PulledNodes, StaticBodiesAreTheWholeBodyWithTheSameInputs) {
 }
 
 TEST(PulledNodes, DynamicBodiesOfTheSameMassesMoveAlike) {
-  for (const std::string loads : {std::string(), drag + slide + changing}) {
+  for (const std::string& loads : {std::string(), drag + slide + changing}) {
     Block block{.solver = dynamic_solvers[2], .loads = loads};
     block.mass = surfaceMass();
     const std::string full = block.text();
@@ -163,7 +163,7 @@ TEST(PulledNodes, WhatWentBeforeAStepOrAResetLeavesNothingBehind) {
   std::vector<std::string> solvers(std::begin(dynamic_solvers), std::end(dynamic_solvers));
   solvers.insert(solvers.end(), {"<CondensedStaticSolver/>", "<CondensedStaticSolver precision=\"single\"/>"});
   for (const std::string& solver : solvers)
-    for (const std::string loads : {slide + changing, drag}) {
+    for (const std::string& loads : {slide + changing, drag}) {
       SCOPED_TRACE(solver + loads);
       const Block block{.solver = solver, .loads = loads};
       Simulation touched = simulationFromText(block.text()), never = simulationFromText(block.text());

@@ -42,8 +42,9 @@ TEST(Access, TheCookieIsFoundAmongOthersAndNowhereElse) {
   EXPECT_NE(access.cookie().find("SameSite=Strict"), std::string::npos);
   for (const std::string& good : {pair, "a=b; " + pair, pair + "; c=d", "a=b;" + pair + " ;c=d"})
     EXPECT_TRUE(access.hasCookie(good)) << good;
-  for (const std::string& bad : std::vector<std::string>{"", std::string(";"), "x" + pair, pair + "0",
-                                 "stroma_8124=" + access.token(), "stroma_8123=", "a=" + pair, access.token()})
+  for (const std::string& bad :
+       std::vector<std::string>{"", std::string(";"), "x" + pair, pair + "0", "stroma_8124=" + access.token(),
+                                "stroma_8123=", "a=" + pair, access.token()})
     EXPECT_FALSE(access.hasCookie(bad)) << bad;
 }
 

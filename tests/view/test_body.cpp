@@ -108,6 +108,27 @@ TEST(Bodies, PointsWithoutCellsAreDrawnAsPoints) {
   EXPECT_EQ(drawing.bodies.at(0).surface, 3);
 }
 
+TEST(Bodies, SpringsAreDrawnWithinABodyAndBetweenTwo) {
+  const Simulation simulation = simulationFromText(
+      "<Node name=\"root\"><EulerImplicitSolver/><CGLinearSolver/><Node name=\"a\"><MechanicalObject name=\"dofs\" "
+      "position=\"0 0 0  1 0 0  2 0 0\"/><UniformMass totalMass=\"1\"/>"
+      "<SpringForceField spring=\"0 2 100 0 2\"/></Node><Node name=\"b\"><MechanicalObject name=\"dofs\" "
+      "position=\"0 1 0  1 1 0\"/><UniformMass totalMass=\"1\"/></Node>"
+      "<SpringForceField object1=\"@a/dofs\" object2=\"@b/dofs\" spring=\"1 0 100 0 1\"/></Node>");
+  const Drawing drawing = drawingOf(simulation);
+  ASSERT_EQ(drawing.bodies.size(), 2u);
+  ASSERT_EQ(drawing.bodies[0].springs.size(), 1u);
+  const auto [from, to] = drawing.bodies[0].springs[0];
+  EXPECT_EQ(drawing.bodies[0].node[std::size_t(from)], 0);
+  EXPECT_EQ(drawing.bodies[0].node[std::size_t(to)], 2);
+  ASSERT_EQ(drawing.links.size(), 1u);
+  EXPECT_EQ(drawing.links[0].body_a, 0);
+  EXPECT_EQ(drawing.bodies[0].node[std::size_t(drawing.links[0].node_a)], 1);
+  EXPECT_EQ(drawing.links[0].body_b, 1);
+  EXPECT_EQ(drawing.bodies[1].node[std::size_t(drawing.links[0].node_b)], 0);
+  EXPECT_FALSE(drawing.links[0].is_tie);
+}
+
 TEST(Bodies, HeldAndGuidedNodesAreToldApart) {
   const Simulation simulation = simulationFromText(
       block(hexahedra,

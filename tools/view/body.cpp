@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 
+#include "framework/mechanics/drawn_segments.h"
 #include "framework/mechanics/state_topology.h"
 
 namespace stroma::view {
@@ -146,10 +147,40 @@ Place placeOf(const std::vector<Body>& bodies, const System& system, Index row) 
   return {};
 }
 
+/// The body of a state; -1 when it is not drawn.
+Index bodyOf(const std::vector<Body>& bodies, const State* state) {
+  const auto found = std::find_if(bodies.begin(), bodies.end(), [&](const Body& body) { return body.state == state; });
+  return found == bodies.end() ? -1 : Index(found - bodies.begin());
+}
+
+/// Springs within a body go to it, others to `between`.
+void addSprings(const Simulation& simulation, std::vector<Body>& bodies, std::vector<std::array<Place, 2>>& between) {
+  std::vector<DrawnSegments::Segment> segments;
+  for (const auto& system : simulation.systems())
+    for (const ForceField* field : system->forceFields())
+      if (const auto* drawn = dynamic_cast<const DrawnSegments*>(field)) drawn->addSegments(segments);
+  for (const DrawnSegments::Segment& segment : segments) {
+    const Place a{bodyOf(bodies, segment.first), segment.first_node};
+    const Place b{bodyOf(bodies, segment.second), segment.second_node};
+    if (a.body < 0 || b.body < 0) continue;
+    if (a.body == b.body)
+      bodies[std::size_t(a.body)].springs.push_back({a.node, b.node});
+    else
+      between.push_back({a, b});
+  }
+}
+
 void addTies(const System& system, std::vector<std::array<Place, 2>>& ties, const std::vector<Body>& bodies) {
   std::vector<Tie> pairs;
   for (const ProjectiveConstraint* constraint : system.constraints().all()) constraint->addTies(pairs);
   for (const Tie& tie : pairs) ties.push_back({placeOf(bodies, system, tie.a), placeOf(bodies, system, tie.b)});
+}
+
+void addLinks(Drawing& drawing, const std::vector<std::array<Place, 2>>& pairs, bool are_ties) {
+  for (const auto& [a, b] : pairs)
+    if (a.body >= 0 && b.body >= 0)
+      drawing.links.push_back({a.body, drawing.bodies[std::size_t(a.body)].page[std::size_t(a.node)], b.body,
+                               drawing.bodies[std::size_t(b.body)].page[std::size_t(b.node)], are_ties});
 }
 
 void addFields(Drawing& drawing) {
@@ -189,13 +220,12 @@ Drawing drawingOf(const Simulation& simulation) {
       makeUnique(body.edges);
       drawing.bodies.push_back(std::move(body));
     }
-  std::vector<std::array<Place, 2>> ties;
+  std::vector<std::array<Place, 2>> ties, springs;
   for (const auto& system : simulation.systems()) addTies(*system, ties, drawing.bodies);
+  addSprings(simulation, drawing.bodies, springs);
   for (Body& body : drawing.bodies) renumber(body);
-  for (const auto& [a, b] : ties)
-    if (a.body >= 0 && b.body >= 0)
-      drawing.links.push_back({a.body, drawing.bodies[std::size_t(a.body)].page[std::size_t(a.node)], b.body,
-                               drawing.bodies[std::size_t(b.body)].page[std::size_t(b.node)], true});
+  addLinks(drawing, springs, false);
+  addLinks(drawing, ties, true);
   std::erase_if(drawing.links, [](const BodyLink& link) { return link.node_a < 0 || link.node_b < 0; });
   addFields(drawing);
   return drawing;
