@@ -306,6 +306,7 @@ StepReport CondensedDynamicSolver::step(System& system, const StepContext& conte
   moveTouched(system, context);
   if (!touchFault().empty()) return giveUp(system, touchFault());
   addTimedForces();
+  for (const Hand& hand : hands()) Eigen::Map<Vec3>(right_.data() + 3 * hand.node) += hand.force;
   multiply(right_.data(), next_.data());
   if (!touches().empty()) {
     const Eigen::VectorXd& reaction = solveTouches(next_.data());

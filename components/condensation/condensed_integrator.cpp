@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "framework/scene/node.h"
 
@@ -46,21 +47,26 @@ void CondensedIntegrator::declare(DataTable& table) {
 
 void CondensedIntegrator::moveTouched(System& system, const StepContext& context) {
   system.setTime(context.t_end);
-  const std::vector<char>* moving = body_.movingRows();
-  if (!moving) return;
-  if (body_.constraintsAreFixed()) {
+  const bool moves = body_.movingRows() != nullptr;
+  if (!moves && !hands_changed_ && hands_.empty()) return;
+  if (!moves) {
+    // nothing begins or ends
+  } else if (body_.constraintsAreFixed()) {
     for (ProjectiveConstraint* constraint : system.constraints().all())
       if (constraint->prescribesMotion() && constraint->activeIn(context.t, context.t_end))
         constraint->beginMotion(context.t, system.x);
   } else {
     system.beginStep(context);
   }
-  updateTouches(system);
+  const bool other_moved = moves && findMoved(system), other_pulls = hands_changed_ && findHands(system);
+  if (other_moved || other_pulls) compileTouches();
+  if (!hands_.empty()) gatherHands(system);
+  if (!moves) return;
   for (std::size_t i = 0; i < touching_.size(); ++i) touched_before_[i] = system.x[touching_[i].row];
   system.constraints().placePrescribed(context, system.x, system.v);
-  for (std::size_t k = 0; k < touches_.size(); ++k) {
-    const Index row = activeRow(touches_[k].node);
-    wanted_[Index(k)] = touches_[k].direction.dot(system.x[row] - body_.reference()[row]);
+  for (std::size_t k = 0; k < moved_.size(); ++k) {
+    const Index row = activeRow(moved_[k].node);
+    wanted_[Index(k)] = moved_[k].direction.dot(system.x[row] - body_.reference()[row]);
   }
 }
 
@@ -68,44 +74,79 @@ void CondensedIntegrator::restoreTouched(System& system) {
   for (std::size_t i = 0; i < touching_.size(); ++i) system.x[touching_[i].row] = touched_before_[i];
 }
 
-// The directions that constraints hold now beyond those that are always held.
-void CondensedIntegrator::updateTouches(System& system) {
+/// The directions that a projector leaves, at a node.
+void CondensedIntegrator::addDirections(Index node, const Mat3& projector, double stiffness, std::vector<Touch>& to) {
+  if (projector.isIdentity()) {
+    for (int c = 0; c < 3; ++c) to.push_back({node, Vec3::Unit(c), stiffness});
+    return;
+  }
+  const Eigen::SelfAdjointEigenSolver<Mat3> axes(projector);
+  for (int c = 0; c < 3; ++c)
+    if (axes.eigenvalues()[c] > 0.5) to.push_back({node, axes.eigenvectors().col(c), stiffness});
+}
+
+// The directions that constraints hold now beyond those that are always held. False when they are those of before.
+bool CondensedIntegrator::findMoved(const System& system) {
   touching_now_.clear();
   for (const NodeProjector& held : system.constraints().projectors())
     if ((*body_.movingRows())[held.row]) touching_now_.push_back(held);
   const auto same = [](const NodeProjector& a, const NodeProjector& b) {
     return a.row == b.row && a.projector == b.projector;
   };
-  if (std::equal(touching_.begin(), touching_.end(), touching_now_.begin(), touching_now_.end(), same)) return;
+  if (std::equal(touching_.begin(), touching_.end(), touching_now_.begin(), touching_now_.end(), same)) return false;
   touching_ = touching_now_;
   touched_before_.resize(touching_.size());
-  touches_.clear();
+  moved_.clear();
   dragged_nodes_.clear();
   for (const NodeProjector& held : touching_) {
-    const Index node = body_.nodeOf(held.row) - first_active_;
-    const Mat3 directions = body_.projector(body_.nodeOf(held.row)) - held.projector;
-    if (directions.isIdentity()) {
-      for (int c = 0; c < 3; ++c) touches_.push_back({node, Vec3::Unit(c)});
-    } else {
-      const Eigen::SelfAdjointEigenSolver<Mat3> axes(directions);
-      for (int c = 0; c < 3; ++c)
-        if (axes.eigenvalues()[c] > 0.5) touches_.push_back({node, axes.eigenvectors().col(c)});
-    }
+    const Index node = body_.nodeOf(held.row);
+    addDirections(node - first_active_, body_.projector(node) - held.projector, 0, moved_);
     for (const State* state : system.states())
       if (const Index local = held.row - state->firstRow(); local >= 0 && local < state->size())
         dragged_nodes_.push_back(local);
   }
   drag_forces_.assign(touching_.size(), Vec3::Zero());
+  return true;
+}
+
+/// E, C E and the factor of E^T C E + S. Columns that were there before a pull came or went are kept.
+void CondensedIntegrator::compileTouches() {
+  std::vector<Touch> before = std::exchange(touches_, moved_);
+  touches_.insert(touches_.end(), pulls_.begin(), pulls_.end());
+  if (std::none_of(touches_.begin(), touches_.end(), isPull) && std::none_of(before.begin(), before.end(), isPull))
+    before.clear();
   const Index count = Index(touches_.size());
   wanted_.setZero(count), reaction_.setZero(count);
-  touch_columns_.setZero(Index(padded()), count);
+  const Eigen::MatrixXd columns = std::exchange(touch_columns_, Eigen::MatrixXd(Index(padded()), count));
   Eigen::MatrixXd small(count, count);
   for (Index k = 0; k < count; ++k) {
-    complianceOf(touches_[k], touch_columns_.col(k).data());
+    const Touch& touch = touches_[k];
+    const auto same = std::find_if(before.begin(), before.end(), [&touch](const Touch& other) {
+      return other.node == touch.node && other.direction == touch.direction;
+    });
+    if (same != before.end())
+      touch_columns_.col(k) = columns.col(same - before.begin());
+    else
+      complianceOf(touch, touch_columns_.col(k).data());
     for (Index l = 0; l < count; ++l)
       small(l, k) = touches_[l].direction.dot(touch_columns_.col(k).segment<3>(3 * touches_[l].node));
   }
-  factorTouches((small + small.transpose()) / 2);
+  small = ((small + small.transpose()) / 2).eval();
+  weigh(small);
+  factorTouches(small);
+}
+
+// With W = diag(1 + S/diag(E^T C E))^-1/2, W (E^T C E + S) W has the diagonal of E^T C E: its condition is that of the
+// body, however soft the springs are. A spring of no stiffness has the weight 0, and no reaction.
+void CondensedIntegrator::weigh(Eigen::MatrixXd& small) {
+  weights_.resize(0);
+  if (pulls_.empty()) return;
+  weights_.setOnes(small.rows());
+  const Eigen::VectorXd diagonal = small.diagonal();
+  for (Index k = Index(moved_.size()); k < small.rows(); ++k)
+    weights_[k] = 1 / std::sqrt(1 + 1 / (touches_[k].stiffness * diagonal[k]));
+  small = (weights_.asDiagonal() * small * weights_.asDiagonal()).eval();
+  small.diagonal() = diagonal;
 }
 
 // The entries of C are right to the numbers they are stored in. Where E^T C E is nearly singular, the reactions lose as
@@ -116,8 +157,9 @@ void CondensedIntegrator::factorTouches(const Eigen::MatrixXd& small) {
   touch_factor_.compute(small);
   if (touch_factor_.info() != Eigen::Success) {
     touch_fault_ = fmt::format(
-        "the compliance of the {} nodes that are moved by position is not positive definite in {} precision: {}",
-        touching_.size(), isSingle() ? "single" : "double",
+        "the compliance of the {} {} that are moved by position{} is not positive definite in {} precision: {}",
+        pulls_.empty() ? touching_.size() : touches_.size(), pulls_.empty() ? "nodes" : "directions",
+        pulls_.empty() ? "" : " or pulled", isSingle() ? "single" : "double",
         isSingle() ? "use precision=\"double\"" : "move fewer nodes, or soften the body (poissonRatio near 1/2)");
     return;
   }
@@ -128,7 +170,9 @@ const Eigen::VectorXd& CondensedIntegrator::solveTouches(const double* u) {
   for (std::size_t k = 0; k < touches_.size(); ++k)
     reaction_[Index(k)] =
         wanted_[Index(k)] - touches_[k].direction.dot(Eigen::Map<const Vec3>(u + 3 * touches_[k].node));
+  if (weights_.size() > 0) reaction_.array() *= weights_.array();
   touch_factor_.solveInPlace(reaction_);
+  if (weights_.size() > 0) reaction_.array() *= weights_.array();
   return reaction_;
 }
 
@@ -191,7 +235,7 @@ bool CondensedIntegrator::writeActive(System& system, const double* u, const dou
 void CondensedIntegrator::finish(System& system) {
   for (Vec3& force : drag_forces_) force.setZero();
   std::size_t at = 0;
-  for (std::size_t k = 0; k < touches_.size(); ++k) {
+  for (std::size_t k = 0; k < moved_.size(); ++k) {
     while (body_.nodeOf(touching_[at].row) - first_active_ != touches_[k].node) ++at;
     drag_forces_[at] += reaction_[Index(k)] * touches_[k].direction;
   }
@@ -230,7 +274,9 @@ void CondensedIntegrator::reset() {
   behind_ = false;
   touch_error_ = 0;
   range_.reset();
-  touching_.clear(), touches_.clear(), dragged_nodes_.clear(), drag_forces_.clear();
+  touching_.clear(), moved_.clear(), dragged_nodes_.clear(), drag_forces_.clear();
+  pulls_.clear(), touches_.clear(), hands_.clear(), touch_fault_.clear();
+  hands_changed_ = true;
 }
 
 void CondensedIntegrator::serialize(Archive& archive) {

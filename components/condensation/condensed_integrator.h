@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What the condensed solvers share: precomputation, its cache on disk, nodes moved by position, the interior on demand
-// and the range of linear elasticity.
+// What the condensed solvers share: precomputation, its cache on disk, nodes moved by position or pulled by a hand, the
+// interior on demand and the range of linear elasticity.
 #pragma once
 #include <Eigen/Dense>
 #include <array>
@@ -29,6 +29,9 @@ class CondensedIntegrator : public Integrator {
   void compile(System& system) final;
   bool answersForState() const final { return true; }
   bool followsChanges() const final { return false; }
+  bool acceptsInputs() const final { return true; }
+  void checkInputOn(const State& state, const std::vector<Index>& nodes) const final;
+  void sceneChanged() final { hands_changed_ = true; }
   void stepTaken(const StepContext& context) final;
   void complete(System& system) final;
   std::string doubt() const final;
@@ -43,10 +46,17 @@ class CondensedIntegrator : public Integrator {
   /// before and after half of C; the sparse factor of every node.
   enum class Form { columns, symmetric, joined, factor };
   enum class Precision : int { double_precision, single_precision };
-  /// A direction in which a node is moved by position, and the force that this takes.
+  /// A direction in which a node is moved by position, or pulled by a spring.
   struct Touch {
     Index node = 0;  ///< active
     Vec3 direction = Vec3::Zero();
+    double stiffness = 0;  ///< of the spring [N/m]; 0: moved by position
+    bool operator==(const Touch&) const = default;
+  };
+  /// Forces of inputs on one node, projected; that of a pull is not known before touches are solved for.
+  struct Hand {
+    Index node = 0;  ///< active
+    Vec3 force = Vec3::Zero();
   };
 
   virtual bool isDynamic() const = 0;
@@ -76,14 +86,19 @@ class CondensedIntegrator : public Integrator {
   std::string describe() const final;
 
   // ---- for steps ----
-  /// Prescribed motion at the end of the step: x of the touched nodes has it, touches() and wanted() say what it means.
+  /// Prescribed motion at the end of the step: x of the moved nodes has it, touches() says what it means. Inputs:
+  /// hands() and further touches.
   void moveTouched(System& system, const StepContext& context);
   /// After moveTouched(): empty, or why the reactions cannot be solved for.
   const std::string& touchFault() const { return touch_fault_; }
   /// Takes moveTouched() back.
   void restoreTouched(System& system);
   const std::vector<Touch>& touches() const { return touches_; }
-  /// lambda = (E^T C E)^-1 (wanted - E^T u), u the displacement without it; shape (touches).
+  std::size_t moved() const { return moved_.size(); }  ///< touches before those of pulls
+  std::vector<Hand>& hands() { return hands_; }        ///< one per node, ascending
+  Hand& handOn(Index node);
+  /// lambda = (E^T C E + S)^-1 (wanted - E^T u), u the displacement without it; S = diag(1/stiffness), 0 for moved
+  /// nodes; shape (touches).
   const Eigen::VectorXd& solveTouches(const double* u);
   const Eigen::MatrixXd& touchColumns() const { return touch_columns_; }  ///< C E, shape (padded, touches)
   /// Forces on inside nodes that change in time, reduced to kept ones: active f changes by out.
@@ -146,8 +161,15 @@ class CondensedIntegrator : public Integrator {
   void checkFactor();
   void sweepConstantForce();
   void prepareActive(System& system, const std::vector<Index>& order, const std::vector<double>& force);
-  void updateTouches(System& system);
+  static bool isPull(const Touch& touch) { return touch.stiffness > 0; }
+  static void addDirections(Index node, const Mat3& projector, double stiffness, std::vector<Touch>& to);
+  bool findMoved(const System& system);
+  void compileTouches();
+  void weigh(Eigen::MatrixXd& small);
   void factorTouches(const Eigen::MatrixXd& small);
+  bool findHands(const System& system);
+  void gatherHands(const System& system);
+  double pullStiffness(const Input& input) const;
   std::string cacheFolder() const;
   [[noreturn]] void refuseFree(System& system, Index node) const;
 
@@ -178,13 +200,16 @@ class CondensedIntegrator : public Integrator {
   std::vector<double> interior_constant_;  ///< L_II^-1 f_I of what does not change, shape (3 interior)
   Array<double> sweep_, timed_reduced_;    ///< over all free nodes
   bool behind_ = false, asks_force_ = false, factor_checked_ = false;
-  Array<double> origin_;  ///< x_0 of active nodes, shape (padded)
-  std::vector<Touch> touches_;
+  Array<double> origin_;                        ///< x_0 of active nodes, shape (padded)
+  std::vector<Touch> moved_, pulls_, touches_;  ///< the last is both
   std::vector<NodeProjector> touching_, touching_now_;
   std::vector<Vec3> touched_before_;
   Eigen::MatrixXd touch_columns_;
   Eigen::LLT<Eigen::MatrixXd> touch_factor_;
   Eigen::VectorXd wanted_, reaction_;
+  Eigen::VectorXd weights_;  ///< of rows of E^T C E + S, so that soft springs do not spoil its condition; empty: 1
+  std::vector<Hand> hands_;
+  bool hands_changed_ = true;
   std::string touch_fault_;
   double touch_error_ = 0;  ///< of reactions, estimated
   double square_ = 0;       ///< sum of u^2 of the last step [m^2]

@@ -17,6 +17,8 @@
 // directions and d where it goes, lambda = (E^T C E)^-1 (d - E^T C f). lambda is what the motion takes [N]: dragForces,
 // for draggedNodes.
 //
+// Inputs (a hand that pulls) reach kept nodes; with condensed="false" every node.
+//
 // Pressure on a surface is a dead load on the shape at rest. Everything is right for small turns and strains only; runs
 // that leave rotationBound or strainBound on the surface are warned of at their end: it looks at the end, at every
 // record of the displacements, and at a 64th of the surface in other steps. Velocities are zero but for nodes with a
@@ -71,11 +73,14 @@ class CondensedStaticSolver final : public CondensedIntegrator {
 
  private:
   using Force = std::array<double, 3>;
+  static bool isZero(const Force& f) { return f[0] == 0 && f[1] == 0 && f[2] == 0; }
   void addColumns(const std::vector<Index>& nodes, const std::vector<Force>& forces, double* u) const;
   double entry(Index i, Index j) const;
   void multiplyConstantLoads();
   void gatherLoads();
   void addTouches();
+  void compare(Index node, const Force& now, const Force& before);
+  void compareHands();
   void update();
   StepReport giveUp(System& system, const std::string& reason);
 
@@ -88,6 +93,8 @@ class CondensedStaticSolver final : public CondensedIntegrator {
   std::vector<Index> nodes_, changed_nodes_;
   std::vector<Force> forces_, changes_;  ///< those that are not zero
   std::vector<Index> place_;             ///< of an active node in candidates_, or -1
+  std::vector<Index> hand_nodes_;        ///< in u_, also when the step is not taken
+  std::vector<Force> hand_last_;         ///< on them
   Array<double> at_touches_;             ///< u without reactions, where touches read it
   int chain_ = longest_chain;
   bool started_ = false;
@@ -185,33 +192,56 @@ void CondensedStaticSolver::addTouches() {
       double sum = base_[row];
       for (std::size_t k = 0; k < load_.size(); ++k) {
         const Force& f = load_[k];
-        if (f[0] == 0 && f[1] == 0 && f[2] == 0) continue;
+        if (isZero(f)) continue;
         for (Index d = 0; d < 3; ++d) sum += entry(row, 3 * candidates_[k] + d) * f[d];
       }
+      for (const Hand& hand : hands())
+        for (Index d = 0; d < 3 && !hand.force.isZero(0); ++d) sum += entry(row, 3 * hand.node + d) * hand.force[d];
       at_touches_[row] = sum;
     }
   const Eigen::VectorXd& reaction = solveTouches(at_touches_.data());
-  for (std::size_t k = 0; k < touches().size(); ++k) {
+  for (std::size_t k = 0; k < moved(); ++k) {
     Force& sum = load_[place_[touches()[k].node]];
     for (std::size_t c = 0; c < 3; ++c) sum[c] += reaction[Index(k)] * touches()[k].direction[Index(c)];
   }
+  for (std::size_t k = moved(); k < touches().size(); ++k)
+    handOn(touches()[k].node).force += reaction[Index(k)] * touches()[k].direction;
 }
 
-/// u_ follows load_ by the shorter of two lists: what is loaded, or what has changed.
+void CondensedStaticSolver::compare(Index node, const Force& now, const Force& before) {
+  if (!isZero(now)) {
+    nodes_.push_back(node);
+    forces_.push_back(now);
+  }
+  if (now == before) return;
+  changed_nodes_.push_back(node);
+  changes_.push_back({now[0] - before[0], now[1] - before[1], now[2] - before[2]});
+}
+
+/// Hands on other nodes than before: everything is summed anew, so that one that has gone leaves nothing behind.
+void CondensedStaticSolver::compareHands() {
+  if (hands().empty() && hand_nodes_.empty()) return;
+  const auto is_on = [](const Hand& hand, Index node) { return hand.node == node; };
+  if (!std::equal(hands().begin(), hands().end(), hand_nodes_.begin(), hand_nodes_.end(), is_on)) {
+    started_ = false;
+    hand_nodes_.clear();
+    for (const Hand& hand : hands()) hand_nodes_.push_back(hand.node);
+    hand_last_.assign(hand_nodes_.size(), Force{});
+  }
+  for (std::size_t i = 0; i < hand_nodes_.size(); ++i) {
+    const Vec3& force = hands()[i].force;
+    const Force now{force[0], force[1], force[2]};
+    compare(hand_nodes_[i], now, hand_last_[i]);
+    hand_last_[i] = now;
+  }
+}
+
+/// u_ follows load_ and the hands by the shorter of two lists: what is loaded, or what has changed.
 void CondensedStaticSolver::update() {
   nodes_.clear(), forces_.clear(), changed_nodes_.clear(), changes_.clear();
-  for (std::size_t i = 0; i < load_.size(); ++i) {
-    const Force &f = load_[i], &g = last_[i];
-    if (f[0] != 0 || f[1] != 0 || f[2] != 0) {
-      nodes_.push_back(candidates_[i]);
-      forces_.push_back(f);
-    }
-    if (f != g) {
-      changed_nodes_.push_back(candidates_[i]);
-      changes_.push_back({f[0] - g[0], f[1] - g[1], f[2] - g[2]});
-    }
-  }
+  for (std::size_t i = 0; i < load_.size(); ++i) compare(candidates_[i], load_[i], last_[i]);
   last_ = load_;
+  compareHands();
   if (started_ && changed_nodes_.empty()) {
     multiplied_ = 0;
     return;
@@ -255,12 +285,15 @@ void CondensedStaticSolver::serialize(Archive& archive) {
   archive.value("chain", chain_);
   archive.rows("displacement", u_.data(), u_.size());
   archive.list("loads", last_);
+  archive.list("hand nodes", hand_nodes_);
+  archive.list("hand loads", hand_last_);
 }
 
 void CondensedStaticSolver::reset() {
   CondensedIntegrator::reset();
   started_ = false;
   chain_ = longest_chain;
+  hand_nodes_.clear(), hand_last_.clear();
 }
 
 }  // namespace

@@ -21,6 +21,7 @@
 // </Node>
 #include <fmt/format.h>
 
+#include "framework/mechanics/drawn_segments.h"
 #include "framework/mechanics/node_group_field.h"
 #include "framework/mechanics/node_indices.h"
 #include "framework/scene/factory.h"
@@ -28,7 +29,7 @@
 namespace stroma {
 namespace {
 
-class RestShapeSpringsForceField final : public NodeGroupField<1> {
+class RestShapeSpringsForceField final : public NodeGroupField<1>, public DrawnSegments {
  public:
   void declare(DataTable& table) override {
     ForceField::declare(table);
@@ -96,6 +97,13 @@ class RestShapeSpringsForceField final : public NodeGroupField<1> {
   void addForce(ConstRows x, ConstRows, Rows f) override {
     for (std::size_t i = 0; i < nodes_.size(); ++i)
       f[rows_[i][0]] += NodeGroupField::stiffness_[i].blocks[0] * (x[rows_[i][0]] - targets_[i]);
+  }
+
+  /// To the nodes of another body; a place at rest is no node.
+  void addSegments(std::vector<Segment>& segments) const override {
+    if (const State* other = external_.get())
+      for (std::size_t i = 0; i < nodes_.size(); ++i)
+        segments.push_back({&state(), nodes_[i], other, external_nodes_[i]});
   }
 
  private:

@@ -90,6 +90,10 @@ void SpringField::addForce(ConstRows x, ConstRows v, Rows f) {
   }
 }
 
+void SpringField::addSegments(std::vector<Segment>& segments) const {
+  for (const Spring& spring : springs_) segments.push_back({&state(), spring.a, &second(), spring.b});
+}
+
 std::string SpringField::worstElement(ConstRows x) const {
   std::size_t worst = springs_.size();
   double largest = 0;

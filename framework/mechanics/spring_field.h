@@ -10,6 +10,7 @@
 // zero there (it points every way) and the stiffness -k I. The turning of n is left out of the derivative of the
 // damping force with respect to x: it would make the stiffness unsymmetric.
 #pragma once
+#include "framework/mechanics/drawn_segments.h"
 #include "framework/mechanics/node_group_field.h"
 
 namespace stroma {
@@ -23,7 +24,7 @@ struct Spring {
 };
 
 /// Springs between nodes of one state or of two.
-class SpringField : public NodeGroupField<2, PairTangent> {
+class SpringField : public NodeGroupField<2, PairTangent>, public DrawnSegments {
  public:
   std::vector<State*> states() const override;
   ForceTraits traits() const override;
@@ -31,6 +32,7 @@ class SpringField : public NodeGroupField<2, PairTangent> {
   double energy(ConstRows x) const override;
   void addForce(ConstRows x, ConstRows v, Rows f) override;
   std::string worstElement(ConstRows x) const override;
+  void addSegments(std::vector<Segment>& segments) const override;
 
  protected:
   /// Called in init(), after ForceField::init(): the springs, and the state of their second ends when it is another.

@@ -37,18 +37,19 @@ class InputForces final : public ForceField {
   void addDamping(double factor, BlockMatrix& matrix) const override;
   void addDampingDiagonal(double factor, std::vector<double>& blocks) const override;
 
- private:
-  struct Placed {
-    Input input;
-    Index first_row;
-  };
-  /// visit(row, input, place in the list of nodes)
+  /// visit(row, input, place in the list of nodes); in the order of their numbers
   template <class Visit>
   void forNodes(Visit&& visit) const {
     for (const auto& [number, placed] : inputs_)
       for (std::size_t i = 0; i < placed.input.nodes.size(); ++i)
         visit(placed.first_row + placed.input.nodes[i], placed.input, i);
   }
+
+ private:
+  struct Placed {
+    Input input;
+    Index first_row;
+  };
 
   std::map<long, Placed> inputs_;  ///< by number: sums are taken in this order
 };

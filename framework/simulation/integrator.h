@@ -6,6 +6,7 @@
 
 namespace stroma {
 
+class State;
 class System;
 
 /// Moves a System through a step. A node's integrator owns every state of its node and below.
@@ -47,8 +48,13 @@ class Integrator : public Component {
   /// A sentence on why what the steps have shown so far may be no result, or empty.
   virtual std::string doubt() const { return {}; }
   /// False when it has computed its matrix and loads beforehand: attributes of what it moves cannot change while the
-  /// scene runs, and no input reaches it.
+  /// scene runs.
   virtual bool followsChanges() const { return true; }
+  /// Whether inputs reach what it moves. One that follows no changes reads System::inputs() in its steps; sceneChanged()
+  /// tells it of other nodes, stiffnesses or dampings.
+  virtual bool acceptsInputs() const { return followsChanges(); }
+  /// Throws ComponentError when an input cannot act on one of these nodes of a state.
+  virtual void checkInputOn(const State& /*state*/, const std::vector<Index>& /*nodes*/) const {}
   /// One line for `explain`: what a step does.
   virtual std::string describe() const = 0;
 

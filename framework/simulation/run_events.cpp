@@ -4,19 +4,35 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cassert>
 #include <cerrno>
+#include <clocale>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <forward_list>
 #include <fstream>
+#include <functional>
+#include <iterator>
 #include <limits>
-#include <nlohmann/json.hpp>
+#include <map>
+#include <numeric>
 #include <set>
+#include <string_view>
+#include <unordered_map>
 #include <utility>
+#include <valarray>
 
 #include "framework/scene/diagnostics.h"
 #include "framework/scene/load.h"
 #include "framework/scene/text.h"
+
+// Its names are for this file alone: opening the library then looks none of them up. What it includes itself comes before.
+#pragma GCC visibility push(hidden)
+#include <nlohmann/json.hpp>
+#pragma GCC visibility pop
 
 namespace stroma {
 namespace {
@@ -247,6 +263,9 @@ RecordedActions parseActions(std::istream& text, const std::string& file) {
       problems.error({file, number, 0}, {}, wrong.message, wrong.expected, wrong.suggestion);
       // what follows is no action, or is within the same line
       if (number == 1 || line.size() >= ReadLimits().attribute_bytes) break;
+      if (problems.errorCount() < told_action_problems) continue;
+      problems.error({file, number + 1, 0}, {}, "what follows was not looked at");
+      break;
     }
   }
   if (problems.hasErrors()) throw SceneError(std::move(problems));

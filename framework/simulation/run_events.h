@@ -39,6 +39,9 @@ class ReplayError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Nobody reads more about one file.
+constexpr int told_action_problems = 20;
+
 struct RecordedActions {
   std::string scene;  ///< the name of its file
   std::vector<RunEvent> events;
@@ -47,7 +50,7 @@ struct RecordedActions {
 /// The text of such a file: numbers read back to the same bits. Throws std::runtime_error with a sentence when a text in
 /// it is not UTF-8 or a number not finite.
 std::string printActions(const RecordedActions& actions);
-/// Throws SceneError with every problem, each with `file`, its line and what was expected.
+/// Throws SceneError with every problem (the first told_action_problems), each with `file`, its line and what was expected.
 RecordedActions parseActions(std::istream& text, const std::string& file);
 /// The same of a file; throws std::runtime_error when it cannot be opened.
 RecordedActions readActions(const std::string& file);

@@ -82,8 +82,7 @@ class Simulation {
 
   // ---- forces from outside, between steps ----
   /// Acts from the next step on, until it is removed; returns its number. Throws ComponentError with a sentence: an
-  /// unknown state or node, a state that follows another by a mapping, or one whose integrator has computed its matrix
-  /// beforehand.
+  /// unknown state or node, a state that follows another by a mapping, or nodes inside a condensed body.
   long addInput(const Input& input);
   /// Another force or target in the place of the one with this number: a handle that moves.
   void changeInput(long number, const Input& input);
@@ -98,7 +97,7 @@ class Simulation {
   const std::vector<RunEvent>& events() const { return events_; }
   /// From now on these happen, each before the step that it came before; those of steps already made do not. Ascending
   /// in `step`. reset() begins them again, with the edits of now. `file`: where they were read, for messages. Throws
-  /// SceneError with everything that can be known to be wrong now; step() throws ReplayError for the rest.
+  /// SceneError with what can be known to be wrong now; step() throws ReplayError for the rest.
   void replay(std::vector<RunEvent> events, const std::string& file = {});
   /// How many of them have happened, or belong to steps that were made before.
   std::size_t replayed() const { return next_replayed_; }

@@ -40,10 +40,10 @@ System& Simulation::systemOf(const Input& input, State*& state) const {
   for (const auto& system : systems_) {
     const auto& own = system->states();
     if (std::find(own.begin(), own.end(), state) == own.end()) continue;
-    if (!system->integrator().followsChanges())
-      throw ComponentError(fmt::format("no input reaches {}: {} has computed its matrix and loads beforehand",
-                                       state->path(), system->integrator().path()),
-                           "an integrator that makes its matrix in steps");
+    if (!system->integrator().acceptsInputs())
+      throw ComponentError(
+          fmt::format("no input reaches {}: {} does not take any", state->path(), system->integrator().path()),
+          "an integrator that takes inputs");
     if (state->firstRow() >= system->independentRows())
       throw ComponentError(
           fmt::format("no input acts on {}: its positions follow from another state by a mapping", state->path()),
@@ -57,6 +57,7 @@ void Simulation::setInput(long number, const Input& input) {
   State* state = nullptr;
   System& system = systemOf(input, state);
   checkInput(input, *state);
+  system.integrator().checkInputOn(*state, input.nodes);
   const auto known = inputs_.find(number);
   if (known != inputs_.end() && known->second.state != input.state)
     throw ComponentError(fmt::format("input {} acts on {}", number, known->second.state),

@@ -22,8 +22,9 @@ void Simulation::checkReplay(const RunEvent& event) const {
     checkEdit(LiveEdit(root(), edit->path, edit->attribute));
   } else if (const auto& input = std::get<InputChange>(event.what).input) {
     State* state = nullptr;
-    systemOf(*input, state);
+    const System& system = systemOf(*input, state);
     checkInput(*input, *state);
+    system.integrator().checkInputOn(*state, input->nodes);
   }
 }
 
@@ -42,7 +43,8 @@ void Simulation::replay(std::vector<RunEvent> events, const std::string& file) {
   std::swap(replay_, events);
   std::string file_before = std::exchange(replay_file_, file);
   Diagnostics problems;
-  for (std::size_t i = 0; i < replay_.size(); ++i) {
+  std::size_t looked = 0;
+  for (std::size_t i = 0; i < replay_.size() && problems.errorCount() < told_action_problems; looked = ++i) {
     try {
       if (i > 0 && replay_[i].step < replay_[i - 1].step)
         throw ComponentError("it comes after one of a later step", "actions in the order of their steps");
@@ -51,6 +53,7 @@ void Simulation::replay(std::vector<RunEvent> events, const std::string& file) {
       problems.add(replayProblem(i, error));
     }
   }
+  if (looked < replay_.size()) problems.error({replay_file_, 0, 0}, {}, "the actions after these were not looked at");
   if (problems.hasErrors()) {
     replay_ = std::move(events), replay_file_ = std::move(file_before);
     throw SceneError(std::move(problems));

@@ -88,10 +88,13 @@ class System final {
 
   // ---- forces from outside ----
   /// Adds an input on nodes of `state`, one of the independent states, or puts it in the place of the one with the same
-  /// number. Nothing is compiled again, but for an integrator when the first damping comes or the last goes; unless only
+  /// number. Nothing is compiled again, but for an integrator that follows changes when the first damping comes or the
+  /// last goes; unless only
   /// forces or targets are others, Integrator::sceneChanged() is called.
   void setInput(long number, const Input& input, const State& state);
   void removeInput(long number);
+  /// Null when none acts.
+  const InputForces* inputs() const { return inputs_ && !inputs_->empty() ? inputs_.get() : nullptr; }
 
   // ---- parts ----
   ConstraintSet& constraints() { return constraints_; }

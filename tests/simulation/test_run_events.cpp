@@ -308,6 +308,17 @@ TEST(RunEvents, DamagedLinesAreRefusedWithTheirPlace) {
   expectContains(several, "x.actions:4: ");
 }
 
+TEST(RunEvents, ThousandsOfProblemsAreNotTold) {
+  std::string text = head;
+  std::vector<RunEvent> events;
+  for (int i = 0; i < 500; ++i) text += "{}\n", events.push_back({i, AttributeEdit{"/absent", "a", "1"}});
+  Simulation simulation = simulationFromText(beam(direct));
+  for (const std::string& problems : {problemsOfText(text), refusal(simulation, events)}) {
+    EXPECT_EQ(std::count(problems.begin(), problems.end(), '\n'), told_action_problems + 1) << problems;
+    expectContains(problems, "not looked at");
+  }
+}
+
 TEST(RunEvents, OtherFilesAndOtherVersionsAreRefused) {
   for (const char* text : {"", "\n", "<Node/>\n", "{}\n", "{\"stroma\":\"recording\",\"version\":1,\"scene\":\"\"}\n"})
     expectContains(problemsOfText(std::string(text) + good), "x.actions:1: error: this is no file of actions");

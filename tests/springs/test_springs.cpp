@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "framework/mechanics/drawn_segments.h"
 #include "tests/support/scene_fixture.h"
 
 namespace stroma::test {
@@ -289,6 +290,55 @@ TEST(BendingSprings, JoinTheNodesAcrossInnerEdges) {
   expectContains(problemsOf(R"(<Node name="root"><EulerExplicitSolver/><MechanicalObject position="0 0 0 1 0 0 0 1 0"/>
     <MeshTopology position="0 0 0 1 0 0 0 1 0" triangles="0 1 2"/><UniformMass totalMass="1"/><TriangularBendingSprings/></Node>)"),
                  "share an edge");
+}
+
+// ---- what is drawn ----
+
+std::vector<DrawnSegments::Segment> segmentsOf(const Simulation& simulation, const char* path) {
+  std::vector<DrawnSegments::Segment> segments;
+  auto* field = dynamic_cast<DrawnSegments*>(findComponent(simulation.root(), path));
+  EXPECT_TRUE(field) << path;
+  if (field) field->addSegments(segments);
+  return segments;
+}
+
+TEST(DrawnSegments, AreTheEnabledSpringsOfOneState) {
+  Simulation simulation =
+      simulationFromText(row("0 0 0 1 0 0 2 0 0 3 1 0",
+                             "<SpringForceField name='springs' springsIndices1='0 3 1' springsIndices2='1 2 3' "
+                             "lengths='1' enabled='1 0 1'/>"));
+  const State* dofs = simulation.states().at(0);
+  using Segments = std::vector<DrawnSegments::Segment>;
+  EXPECT_EQ(segmentsOf(simulation, "/springs"), (Segments{{dofs, 0, dofs, 1}, {dofs, 1, dofs, 3}}));
+  simulation.setAttribute("/springs", "springsIndices2", "2 2 0");
+  EXPECT_EQ(segmentsOf(simulation, "/springs"), (Segments{{dofs, 0, dofs, 2}, {dofs, 1, dofs, 0}}));
+}
+
+TEST(DrawnSegments, JoinNodesOfTwoStates) {
+  Simulation simulation = simulationFromText(
+      "<Node name='root' dt='0.01' gravity='0 0 0'><EulerExplicitSolver/><Node name='a'><MechanicalObject name='dofs' "
+      "position='0 0 0 1 0 0'/><UniformMass vertexMass='1'/></Node><Node name='b'><MechanicalObject name='dofs' "
+      "position='0 0 1 1 0 1 2 0 1'/><UniformMass vertexMass='1'/><RestShapeSpringsForceField name='follows' "
+      "points='2 0' external_rest_shape='@../a/dofs' external_points='0 1'/><RestShapeSpringsForceField name='stays' "
+      "points='1'/></Node><SpringForceField name='springs' object1='@b/dofs' object2='@a/dofs' springsIndices1='2 0' "
+      "springsIndices2='1 0' lengths='1'/></Node>");
+  const State *a = simulation.states().at(0), *b = simulation.states().at(1);
+  ASSERT_EQ(a->path(), "/a/dofs");
+  using Segments = std::vector<DrawnSegments::Segment>;
+  EXPECT_EQ(segmentsOf(simulation, "/springs"), (Segments{{b, 2, a, 1}, {b, 0, a, 0}}));
+  EXPECT_EQ(segmentsOf(simulation, "/b/follows"), (Segments{{b, 2, a, 0}, {b, 0, a, 1}}));
+  EXPECT_EQ(segmentsOf(simulation, "/b/stays"), Segments{}) << "a place at rest is no node";
+}
+
+TEST(DrawnSegments, OfAMeshAreItsPairs) {
+  Simulation simulation = simulationFromText(
+      "<Node name='root' dt='0.01' gravity='0 0 0'><EulerExplicitSolver/><RegularGridTopology n='3 2 2' min='0 0 0' "
+      "max='2 1 1'/><MechanicalObject/><UniformMass totalMass='1'/><RegularGridSpringForceField name='springs' "
+      "linesStiffness='500' quadsStiffness='0' quadsDamping='0' cubesStiffness='0' cubesDamping='0'/></Node>");
+  const auto segments = segmentsOf(simulation, "/springs");
+  EXPECT_EQ(segments.size(), 20u) << "edges of two cubes that share a face";
+  for (const auto& [first, node, second, other] : segments)
+    EXPECT_NEAR((first->rest_position[node] - second->rest_position[other]).norm(), 1, 1e-12);
 }
 
 }  // namespace

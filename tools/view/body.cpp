@@ -207,7 +207,7 @@ bool cellValues(const Field& field, const Body& body, std::vector<double>& work,
   const bool volume = hasVolume(mesh);
   const std::size_t first = volume ? mesh.tetrahedra.size() : mesh.triangles.size();
   const std::size_t second = volume ? mesh.hexahedra.size() : mesh.quads.size();
-  // numbers a cell: one of a scalar, three of a vector, six or nine of a tensor
+  // numbers per cell: one of a scalar, three of a vector, six or nine of a tensor
   for (const std::size_t width : {1, 3, 6, 9}) {
     const std::size_t count = work.size() / width;
     if (work.size() % width != 0 || (count != first && count != second && count != first + second)) continue;

@@ -9,7 +9,13 @@ namespace stroma::view {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr double share_of_fields = 0.02;
+constexpr double share_of_fields = 0.01;
+
+/// What acts from outside and does not resist: not springs, not dampers.
+bool isLoad(const ForceField& field) {
+  const ForceTraits traits = field.traits();
+  return dynamic_cast<const LocalLoad*>(&field) || (!traits.has_stiffness && !traits.velocity_dependent);
+}
 
 std::vector<float> rowsOf(const Body& body, ConstRows rows, bool all) {
   const std::size_t count = all ? body.node.size() : std::size_t(body.surface);
@@ -61,7 +67,7 @@ void FrameMaker::addLoads(Packet& packet, bool all) {
     loads_.resize(body.system->allRows());
     bool any = false;
     for (ForceField* field : body.system->forceFields()) {
-      if (!dynamic_cast<LocalLoad*>(field) || &field->state() != body.state) continue;
+      if (!isLoad(*field) || &field->state() != body.state) continue;
       field->addForce(body.system->x, body.system->v, loads_);
       any = true;
     }

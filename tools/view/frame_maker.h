@@ -7,7 +7,7 @@
 namespace stroma::view {
 
 /// Copies what is drawn out of a simulation, between steps. Positions cost one pass over the nodes. Fields of cells are
-/// computed at most for a fiftieth of the time; a page keeps the last ones.
+/// computed at most for a hundredth of the time; a page keeps the last ones.
 class FrameMaker {
  public:
   FrameMaker(const Simulation& simulation, const Drawing& drawing) : simulation_(simulation), drawing_(drawing) {}

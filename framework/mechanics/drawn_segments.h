@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <vector>
+
+#include "framework/scene/types.h"
+
+namespace stroma {
+
+class State;
+
+/// Implemented by force fields that join pairs of nodes, so that who draws a scene can show them: the mesh of a body does
+/// not have them.
+class DrawnSegments {
+ public:
+  /// Two nodes, each of its state. The states may be those of two systems, or one that nothing moves.
+  struct Segment {
+    const State* first;
+    Index first_node;
+    const State* second;
+    Index second_node;
+    bool operator==(const Segment&) const = default;
+  };
+  virtual ~DrawnSegments() = default;
+  /// Appends one segment for each pair, in the order of the field's elements; after init(), and again after a change of
+  /// its attributes.
+  virtual void addSegments(std::vector<Segment>& segments) const = 0;
+};
+
+}  // namespace stroma

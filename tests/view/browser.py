@@ -1,0 +1,247 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Chromium without a window, and what tests ask of the page of `stroma view`."""
+import io
+import os
+import shutil
+import socket
+import sys
+import tempfile
+import threading
+import time
+
+try:
+    import numpy
+    from PIL import Image
+    from selenium import webdriver
+    from selenium.webdriver.common.action_chains import ActionChains
+    from selenium.webdriver.common.by import By
+    from selenium.webdriver.common.keys import Keys
+    from selenium.webdriver.chrome.service import Service
+except ImportError as missing:
+    print(f"skipped: {missing} (packages python3-selenium, python3-numpy and python3-matplotlib)")
+    sys.exit(77)
+
+PATIENCE = float(os.environ.get("STROMA_TEST_PATIENCE", 60))
+
+
+def skip_without_browser():
+    """Ends the program with 77 and a reason."""
+    for program, package in (("chromium", "chromium"), ("chromedriver", "chromium-driver")):
+        if not shutil.which(program):
+            print(f"skipped: there is no {program} (package {package})")
+            sys.exit(77)
+
+
+class Browser:
+    """One browser for all cases; a context."""
+
+    def __init__(self):
+        self.folder = tempfile.mkdtemp(prefix="stroma_browser_")
+        self.downloads = os.path.join(self.folder, "downloads")
+        os.mkdir(self.downloads)
+        options = webdriver.ChromeOptions()
+        options.binary_location = shutil.which("chromium")
+        for argument in ("--headless=new", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-sandbox",
+                         "--disable-dev-shm-usage", "--disable-extensions", "--no-first-run", "--disable-background-networking",
+                         "--disable-component-update", "--disable-sync", "--mute-audio", "--window-size=1280,800", "--force-device-scale-factor=1",
+                         f"--user-data-dir={os.path.join(self.folder, 'profile')}"):
+            options.add_argument(argument)
+        options.add_experimental_option("prefs", {"download.default_directory": self.downloads, "download.prompt_for_download": False,
+                                                  "profile.default_content_setting_values.automatic_downloads": 1})
+        options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+        self.driver = webdriver.Chrome(options=options, service=Service(shutil.which("chromedriver")))
+        self.driver.set_page_load_timeout(PATIENCE)
+        self.driver.set_script_timeout(PATIENCE)
+        self.size(1280, 800)
+
+    def close(self):
+        """Ends the browser."""
+        self.driver.quit()
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+
+    def size(self, width, height, touch=False):
+        """Of the page, in CSS pixels; with `touch`, a device without a mouse."""
+        self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
+                                    {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": touch})
+        self.driver.execute_cdp_cmd("Emulation.setTouchEmulationEnabled", {"enabled": touch, "maxTouchPoints": 5 if touch else 1})
+
+    def scheme(self, name):
+        """light or dark, as the system would ask for."""
+        self.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [{"name": "prefers-color-scheme", "value": name}]})
+
+    def script(self, text, *arguments):
+        """The value of some JavaScript."""
+        return self.driver.execute_script("return " + text, *arguments)
+
+    def open(self, address, ready=True):
+        """An address, and waits until the scene is drawn."""
+        self.driver.get(address)
+        if ready:
+            self.until("window.stroma && window.stroma.ready && window.stroma.store.bodies.length > 0", "the scene to be drawn")
+
+    def until(self, condition, what, seconds=PATIENCE):
+        """Waits for some JavaScript, or a function, to be true."""
+        end = time.monotonic() + seconds
+        while True:
+            value = condition() if callable(condition) else self.script(condition)
+            if value:
+                return value
+            if time.monotonic() > end:
+                raise AssertionError(f"waited {seconds} s for {what}\n" + "\n".join(self.complaints()))
+            time.sleep(0.03)
+
+    def complaints(self):
+        """What the console holds of errors and warnings since it was last asked; but not that drawing is done by software."""
+        return [entry["message"] for entry in self.driver.get_log("browser")
+                if entry["level"] in ("SEVERE", "WARNING") and "GPU stall" not in entry["message"] and "swiftshader" not in entry["message"].lower()]
+
+    # ---- elements ----
+
+    def find(self, name):
+        """By data-test."""
+        return self.driver.find_element(By.CSS_SELECTOR, f'[data-test="{name}"]')
+
+    def css(self, selector):
+        """By any selector."""
+        return self.driver.find_element(By.CSS_SELECTOR, selector)
+
+    def click(self, name):
+        """What has this data-test."""
+        self.find(name).click()
+
+    def press(self, *keys):
+        """On the page."""
+        ActionChains(self.driver).send_keys(*keys).perform()
+
+    def press_with(self, modifier, key):
+        """A key while another one is down."""
+        ActionChains(self.driver).key_down(modifier).send_keys(key).key_up(modifier).perform()
+
+    def choose(self, name, value):
+        """In a list."""
+        self.script("(() => { const e = arguments[0]; e.value = arguments[1]; e.dispatchEvent(new Event('change', {bubbles: true})); })()",
+                    self.find(name), value)
+
+    # ---- pictures ----
+
+    def picture(self, element="canvas"):
+        """Pixels of an element, (height, width, 3), as they are shown."""
+        box = self.script("(r => [r.left, r.top, r.width, r.height])(document.querySelector(arguments[0]).getBoundingClientRect())", element)
+        whole = numpy.asarray(Image.open(io.BytesIO(self.driver.get_screenshot_as_png())).convert("RGB"))
+        left, top, width, height = (int(round(value)) for value in box)
+        return whole[max(0, top):top + height, max(0, left):left + width]
+
+    def drawn(self):
+        """Part of the picture that is not its most frequent colour, and how many colours that part has."""
+        pixels = self.picture().reshape(-1, 3)
+        codes = pixels.astype(int) @ [65536, 256, 1]
+        colours, counts = numpy.unique(codes, return_counts=True)
+        background = colours[counts.argmax()]
+        return (codes != background).mean(), len(colours) - 1
+
+    def positions(self, body=0):
+        """As last drawn."""
+        return numpy.array(self.script(f"Array.from(window.stroma.positions({body}))")).reshape(-1, 3)
+
+    def place(self, body, node):
+        """Where a node is drawn, in CSS pixels."""
+        place = self.script(f"window.stroma.screenOf({body}, {node})")
+        return place["x"], place["y"]
+
+    # ---- hands ----
+
+    def pointer(self, kind, x, y, touch=False):
+        """down, move or up, as the browser's own input."""
+        if touch:
+            points = [] if kind == "up" else [{"x": x, "y": y}]
+            names = {"down": "touchStart", "move": "touchMove", "up": "touchEnd"}
+            self.driver.execute_cdp_cmd("Input.dispatchTouchEvent", {"type": names[kind], "touchPoints": points})
+            return
+        names = {"down": "mousePressed", "move": "mouseMoved", "up": "mouseReleased"}
+        self.driver.execute_cdp_cmd("Input.dispatchMouseEvent", {"type": names[kind], "x": x, "y": y, "clickCount": 0 if kind == "move" else 1,
+                                                                 "button": "left", "buttons": 0 if kind == "up" else 1})
+
+    def download(self, click, ending, seconds=PATIENCE):
+        """What a click writes; the bytes of a whole file with this ending."""
+        before = set(os.listdir(self.downloads))
+        click()
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            new = [name for name in set(os.listdir(self.downloads)) - before if name.endswith(ending)]
+            if new:
+                path = os.path.join(self.downloads, new[0])
+                size = -1
+                while size != os.path.getsize(path):  # a browser names the file before it is whole
+                    size = os.path.getsize(path)
+                    time.sleep(0.1)
+                with open(path, "rb") as file:
+                    return path, file.read()
+            time.sleep(0.05)
+        raise AssertionError(f"no file *{ending} was written; the console: {self.complaints()}")
+
+
+class Proxy:
+    """Stands between the page and the server; can cut what goes through it."""
+
+    def __init__(self, port):
+        self.target, self.is_cut, self.pairs = port, False, []
+        self.listener = socket.create_server(("127.0.0.1", 0))
+        self.port = self.listener.getsockname()[1]
+        threading.Thread(target=self._accept, daemon=True).start()
+
+    def _accept(self):
+        while True:
+            try:
+                near, _ = self.listener.accept()
+            except OSError:
+                return
+            if self.is_cut:
+                near.close()
+                continue
+            far = socket.create_connection(("127.0.0.1", self.target))
+            self.pairs += [near, far]
+            for one, other in ((near, far), (far, near)):
+                threading.Thread(target=self._pump, args=(one, other), daemon=True).start()
+
+    def _pump(self, source, target):
+        try:
+            while data := source.recv(1 << 16):
+                if data[:4] == b"GET ":  # the server knows its own name alone
+                    data = data.replace(f"127.0.0.1:{self.port}".encode(), f"127.0.0.1:{self.target}".encode())
+                target.sendall(data)
+        except OSError:
+            pass
+        for one in (source, target):
+            try:
+                one.shutdown(socket.SHUT_RDWR)
+            except OSError:
+                pass
+
+    def cut(self):
+        """From now on nothing goes through."""
+        self.is_cut = True
+        for one in self.pairs:
+            try:
+                one.shutdown(socket.SHUT_RDWR)
+                one.close()
+            except OSError:
+                pass
+        self.pairs = []
+
+    def mend(self):
+        """New connections go through."""
+        self.is_cut = False
+
+    def close(self):
+        """For good."""
+        self.listener.close()
+        self.cut()
+
+
+__all__ = ["Browser", "Image", "Keys", "Proxy", "skip_without_browser"]

@@ -1,0 +1,438 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""The page of `stroma view` in Chromium: every example scene is drawn, hands reach in, files are written, and the page survives
+the loss of its server. Usage: test_page.py TREE STROMA [names of tests]"""
+import glob
+import io
+import os
+import signal
+import sys
+import tempfile
+import unittest
+
+from browser import Browser, Image, Keys, Proxy, skip_without_browser
+
+skip_without_browser()
+
+import numpy  # pylint: disable=wrong-import-position
+
+from server import Server  # pylint: disable=wrong-import-position
+from test_protocol import BLOCK, command, example, hash_of_run  # pylint: disable=wrong-import-position
+
+TREE, STROMA = (os.path.abspath(path) for path in sys.argv[1:3])
+EXAMPLES = sorted(glob.glob(os.path.join(TREE, "scenes", "examples", "*.xml")))
+WATCHED = "window.stroma.store.status"
+browser = None
+
+
+def setUpModule():
+    """Starting a browser costs more than any case."""
+    global browser  # pylint: disable=global-statement
+    browser = Browser()
+
+
+def tearDownModule():
+    """Ends it."""
+    browser.close()
+
+
+class PageTest(unittest.TestCase):
+    """A case leaves the browser as it found it, and the console without complaints."""
+
+    quiet = True
+
+    def setUp(self):
+        browser.complaints()
+
+    def tearDown(self):
+        complaints = browser.complaints()
+        browser.driver.get("about:blank")
+        browser.size(1280, 800)
+        if self.quiet:
+            self.assertEqual(complaints, [], "the console")
+
+    def shows_bodies(self):
+        """Something is drawn that has shades."""
+        part, colours = browser.drawn()
+        self.assertGreater(part, 0.01, "hardly anything is drawn")
+        self.assertLess(part, 0.98)
+        self.assertGreater(colours, 8)
+
+
+class EveryExample(PageTest):
+    """One server a scene."""
+
+    def test_opens_draws_runs_pauses_and_resets(self):
+        for scene in EXAMPLES:
+            with self.subTest(os.path.basename(scene)), Server(STROMA, scene, "--paused") as server:
+                browser.open(server.address)
+                self.assertNotIn("token", browser.driver.current_url)
+                self.assertIn(os.path.basename(scene), browser.driver.title)
+                self.shows_bodies()
+                bodies = browser.script("window.stroma.store.bodies.length")
+                start = [browser.positions(body) for body in range(bodies)]
+                browser.choose("pace", "fast")
+                browser.until(f"{WATCHED}.pace === 'fast'", "the pace")
+                browser.click("run")
+                browser.until(f"window.stroma.store.shown.header.step > 3 || {WATCHED}.ended", "steps")
+                self.assertEqual(browser.script(f"{WATCHED}.ended"), "")
+                browser.click("pause")
+                browser.until(f"!{WATCHED}.running", "the pause")
+                moved = max(abs(browser.positions(body) - start[body]).max() for body in range(bodies))
+                self.assertGreater(moved, 0)
+                browser.click("step")
+                browser.click("reset")
+                browser.until("window.stroma.store.shown.header.step === 0 && window.stroma.store.newest === window.stroma.store.shown", "the reset")
+                browser.until(lambda start=start: all((browser.positions(body) == start[body]).all() for body in range(len(start))), "the start")
+
+
+class Drawing(PageTest):
+    """What is on the canvas."""
+
+    def test_a_run_changes_the_picture(self):
+        with Server(STROMA, example("organ.xml"), "--paused") as server:
+            browser.open(server.address)
+            before = browser.picture()
+            browser.script("window.stroma.stage.requestDraw && window.stroma.stage.requestDraw()")
+            self.assertEqual(abs(browser.picture().astype(int) - before).max(), 0, "a still scene gives another picture")
+            for _ in range(10):
+                browser.press(Keys.ARROW_RIGHT)
+            browser.until("window.stroma.store.shown.header.step >= 10 && window.stroma.frameDrawn === window.stroma.store.shown.header.frame", "ten steps")
+            changed = (abs(browser.picture().astype(int) - before).max(axis=2) > 8).mean()
+            self.assertGreater(changed, 0.002)
+
+    def test_fields_colour_the_bodies(self):
+        with Server(STROMA, example("organ.xml"), "--paused") as server:
+            browser.open(server.address)
+            browser.click("step")
+            browser.until("window.stroma.store.shown.header.step === 1", "a step")
+            plain = browser.drawn()[1]
+            options = browser.script("Array.from(document.querySelector('[data-test=field]').options, o => o.value)")
+            self.assertGreater(len(options), 3)
+            before = browser.picture()
+            for value in options[1:]:
+                browser.choose("field", value)
+                browser.until("!document.querySelector('[data-test=legend]').hidden", f"the legend of {value}")
+                browser.until(lambda before=before: (browser.picture() != before).any(), f"another picture with {value}")
+                before = browser.picture()
+            self.assertGreater(browser.drawn()[1], plain / 2)
+            legend = browser.find("legend").text
+            self.assertTrue(any(unit in legend for unit in ("Pa", "m/s", "–", "-", "m")), legend)
+
+    def test_a_cut_shows_the_inside(self):
+        with Server(STROMA, example("organ.xml"), "--paused") as server:
+            browser.open(server.address)
+            before = browser.picture()
+            browser.click("tab-cut")
+            browser.click("cut")
+            browser.until("window.stroma.store.view.cut.on && window.stroma.store.bodies[0].tetrahedra", "cells")
+            browser.until(lambda: (browser.picture() != before).mean() > 0.01, "the cut")
+            self.shows_bodies()
+
+    def test_light_and_dark(self):
+        with Server(STROMA, example("organ.xml"), "--paused") as server:
+            shades = {}
+            for scheme in ("light", "dark"):
+                browser.scheme(scheme)
+                browser.open(server.address)
+                self.shows_bodies()
+                shades[scheme] = numpy.median(browser.picture("body"))
+            self.assertGreater(shades["light"], shades["dark"] + 60)
+            browser.click("theme")
+            browser.until(lambda: numpy.median(browser.picture("body")) > shades["dark"] + 60, "the light page")
+            browser.script("localStorage.clear()")
+            browser.scheme("light")
+
+    def test_a_small_window_and_a_touch(self):
+        with Server(STROMA, example("organ.xml"), "--paused") as server:
+            browser.size(400, 700, touch=True)
+            browser.open(server.address)
+            self.shows_bodies()
+            wide = browser.script("document.documentElement.scrollWidth")
+            self.assertLessEqual(wide, 400, "the page is wider than the window")
+            for name in ("run", "pause", "step", "reset"):
+                box = browser.find(name).rect
+                self.assertTrue(0 <= box["x"] and box["x"] + box["width"] <= 400 and 0 <= box["y"] and box["y"] + box["height"] <= 700, (name, box))
+            # a finger turns the view
+            before = browser.picture()
+            browser.pointer("down", 200, 350, touch=True)
+            for x in range(200, 290, 15):
+                browser.pointer("move", x, 360, touch=True)
+            browser.pointer("up", 290, 360, touch=True)
+            browser.until(lambda: (browser.picture() != before).mean() > 0.01, "the view to turn")
+            # and pulls
+            browser.script("window.stroma.hands.setMode('pull')")
+            self.pull(200, 350, touch=True)
+
+    def pull(self, x, y, touch):
+        """From where a body is drawn near (x, y)."""
+        node = browser.script("(([x, y]) => { let best = [1e9]; const b = window.stroma.store.bodies[0]; for (let n = 0; n < b.surface; ++n) {"
+                              " const p = window.stroma.screenOf(0, n), hit = window.stroma.pick(p.x, p.y);"
+                              " const d = Math.hypot(p.x - x, p.y - y); if (hit && d < best[0]) best = [d, n, p.x, p.y]; } return best; })(arguments[0])", [x, y])
+        self.assertGreater(len(node), 1, "no node can be picked")
+        _, _, x, y = node
+        browser.pointer("down", x, y, touch)
+        browser.pointer("move", x + 15, y - 10, touch)
+        browser.pointer("move", x + 30, y - 20, touch)
+        browser.until("window.stroma.store.newest.header.hands.length > 0", "the hand")
+        browser.pointer("up", x + 30, y - 20, touch)
+        browser.until("window.stroma.store.newest.header.hands.length === 0", "the hand to let go")
+
+
+class Reaching(PageTest):
+    """Hands and attributes."""
+
+    def test_the_static_answer_is_that_of_the_force_that_is_shown(self):
+        """A node is picked at its pixel and pulled; a ConstantForceField of the shown force holds the body there."""
+        with tempfile.TemporaryDirectory() as folder:
+            scene = os.path.join(folder, "block.xml")
+            with open(scene, "w", encoding="utf-8") as file:
+                file.write(BLOCK.format(""))
+            with Server(STROMA, scene, "--paused") as server:
+                browser.open(server.address)
+                rest = browser.positions()
+                node = browser.script("(() => { const s = window.stroma, b = s.store.bodies[0]; let best = [-1, -1];"
+                                      " for (let n = 0; n < b.surface; ++n) { const p = s.screenOf(0, n), hit = s.pick(p.x, p.y);"
+                                      " if (hit && hit.node === n && b.rest[3 * n + 2] > best[0]) best = [b.rest[3 * n + 2], n]; } return best[1]; })()")
+                self.assertGreaterEqual(node, 0, "no node is found at its own pixel")
+                browser.click("tab-hands")
+                browser.click("hand-pull")
+                browser.choose("grip", "node")
+                x, y = browser.place(0, node)
+                browser.pointer("down", x, y)
+                browser.pointer("move", x + 20, y - 30)
+                browser.pointer("move", x + 40, y - 60)
+                browser.until("window.stroma.store.newest.header.hands.length === 1", "the hand")
+                browser.press(Keys.ARROW_RIGHT)
+                browser.until("window.stroma.store.shown.header.step === 1 && window.stroma.frameDrawn === window.stroma.store.shown.header.frame", "the step")
+                hand = browser.script("window.stroma.store.shown.header.hands[0]")
+                label = float(browser.css(f'.force[data-hand="{hand["hand"]}"]').get_attribute("data-force"))
+                pulled = browser.positions()
+                in_scene = browser.script(f"window.stroma.store.bodies[0].sceneNode[{hand['node']}]")
+                browser.pointer("up", x + 40, y - 60)
+                self.assertEqual(hand["node"], node)
+                self.assertAlmostEqual(label, float(numpy.linalg.norm(hand["force"])), places=12)
+                delays = browser.script("window.stroma.delays.length")
+                self.assertGreater(delays, 0, "no delay from the pointer to the picture was measured")
+            moved = abs(pulled - rest).max()
+            self.assertGreater(moved, 1e-3)
+            force = " ".join(repr(float(value)) for value in hand["force"])
+            with open(scene, "w", encoding="utf-8") as file:
+                file.write(BLOCK.format(f'<ConstantForceField indices="{in_scene}" totalForce="{force}"/>'))
+            with Server(STROMA, scene, "--paused") as server:
+                page = server.page()
+                page.do("step", count=1)
+                page.picture(1)
+                # the picture has single precision; test_protocol.py compares in double
+                self.assertLess(abs(page.positions() - pulled).max(), 1e-6 * moved + 0.35 * 2**-23)
+
+    def test_hold_and_push(self):
+        with Server(STROMA, example("organ.xml"), "--paused") as server:
+            browser.open(server.address)
+            node = browser.script("(() => { const s = window.stroma; for (let n = 0; n < s.store.bodies[0].surface; ++n) { const p = s.screenOf(0, n);"
+                                  " if (s.pick(p.x, p.y)?.node === n) return n; } return -1; })()")
+            x, y = browser.place(0, node)
+            browser.press("3")
+            browser.pointer("down", x, y)
+            browser.pointer("move", x + 10, y)
+            browser.pointer("up", x + 10, y)
+            browser.press(Keys.ARROW_RIGHT)
+            browser.until("(h => h.length === 1 && h[0].kind === 'hold')(window.stroma.store.newest.header.hands)", "what stays held")
+            browser.press("4")
+            browser.until("window.stroma.store.shown.header.step === 1 && window.stroma.frameDrawn === window.stroma.store.shown.header.frame", "the step")
+            x, y = browser.place(0, node)
+            browser.pointer("down", x, y)
+            browser.pointer("move", x + 2, y)
+            browser.press(Keys.ARROW_RIGHT)
+            browser.until("window.stroma.store.newest.header.hands.some(h => h.kind === 'push')", "the ball")
+            browser.press(Keys.ESCAPE)
+            browser.until("window.stroma.store.newest.header.hands.every(h => h.kind === 'hold')", "the ball to be gone")
+            browser.pointer("up", x + 2, y)
+            browser.click("tab-hands")
+            browser.click("release-all")
+            browser.until("window.stroma.store.newest.header.hands.length === 0", "all to be let go")
+
+    def test_an_attribute_is_edited_and_a_bad_value_refused(self):
+        scene = example("organ.xml")
+        with Server(STROMA, scene, "--paused") as server:
+            browser.open(server.address)
+            browser.until("document.querySelector('button[data-path=\"/organ/fem\"]')", "the tree")
+            browser.css('button[data-path="/organ/fem"]').click()
+            field = '[data-path="/organ/fem"][data-attribute="youngModulus"]:not(button)'
+            browser.css(field).clear()
+            browser.css(field).send_keys("-3", Keys.ENTER)
+            error = '[data-error="/organ/fem.youngModulus"]'
+            browser.until(lambda: browser.css(error).is_displayed() and browser.css(error).text, "the refusal")
+            self.assertIn("expected", browser.css(error).text)
+            self.assertEqual(browser.css(field).get_attribute("value"), "-3")
+            browser.css(field).clear()
+            browser.css(field).send_keys("20000", Keys.ENTER)
+            browser.until(lambda: not browser.css(error).is_displayed(), "the edit")
+            for _ in range(5):
+                browser.click("step")
+            browser.until("window.stroma.store.shown.header.step === 5", "five steps")
+            state = server.page().hash()[1]
+            self.assertEqual(state, hash_of_run(scene, 5, "--set", "/organ/fem.youngModulus=20000"))
+            browser.click("tab-export")
+            _, xml = browser.download(lambda: browser.click("export-xml"), ".xml")
+            with open(scene, "rb") as file:
+                self.assertEqual(xml, file.read().replace(b'youngModulus="10000"', b'youngModulus="20000"'))
+            path, actions = browser.download(lambda: browser.click("export-actions"), ".actions")
+            self.assertGreaterEqual(len(actions.splitlines()), 2)
+            self.assertEqual(hash_of_run(scene, 5, "--replay", path), state)
+
+    def test_keys(self):
+        with Server(STROMA, example("organ.xml"), "--paused") as server:
+            browser.open(server.address)
+            browser.press(" ")
+            browser.until(f"{WATCHED}.running", "the run")
+            browser.press(" ")
+            browser.until(f"!{WATCHED}.running", "the pause")
+            step = server.page().hash()[0]
+            browser.press(Keys.ARROW_RIGHT)
+            browser.until(f"window.stroma.store.shown.header.step === {step + 1}", "one step")
+            for key, value in (("w", "view.wireframe"), ("c", "view.cut.on"), ("l", "view.legend")):
+                before = browser.script(f"window.stroma.store.{value}")
+                browser.press(key)
+                browser.until(f"window.stroma.store.{value} === {str(not before).lower()}", key)
+            for key, mode in (("2", "pull"), ("3", "hold"), ("4", "push"), ("1", "look")):
+                browser.press(key)
+                self.assertEqual(browser.script("window.stroma.hands.mode"), mode)
+            browser.press("?")
+            browser.until(lambda: browser.find("keys").is_displayed(), "the list of keys")
+            browser.press(Keys.ESCAPE)
+            browser.until(lambda: not browser.find("keys").is_displayed(), "the list to close")
+            browser.press("f")
+            browser.press_with(Keys.SHIFT, "R")
+            browser.until("window.stroma.store.shown.header.step === 0", "the reset")
+
+    def test_controls_have_names(self):
+        with Server(STROMA, example("organ.xml"), "--paused") as server:
+            browser.open(server.address)
+            nameless = browser.script("Array.from(document.querySelectorAll('button, input, select, [role=tab]')).filter(e => !(e.textContent.trim()"
+                                      " || e.getAttribute('aria-label') || e.title || (e.labels && e.labels.length))).map(e => e.outerHTML)")
+            self.assertEqual(nameless, [])
+
+
+class Connections(PageTest):
+    """Loss and return; two pages; recordings."""
+
+    def test_the_connection_is_lost_and_comes_back(self):
+        self.quiet = False  # the browser complains of the connection, rightly
+        with Server(STROMA, example("organ.xml")) as server:
+            proxy = Proxy(server.port)  # a server that is started again has another token
+            browser.open(server.address.replace(f":{server.port}/", f":{proxy.port}/"))
+            browser.until(f"{WATCHED}.step > 2", "steps")
+            proxy.cut()
+            browser.until(lambda: browser.find("banner").is_displayed() and "lost" in browser.find("banner").text, "the word on the loss")
+            step = browser.script(f"{WATCHED}.step")
+            self.shows_bodies()
+            proxy.mend()
+            browser.until(lambda: not browser.find("banner").is_displayed(), "the connection to come back")
+            browser.until(f"{WATCHED}.step > {step} && window.stroma.store.shown.header.step > {step}", "the run, which went on")
+            browser.click("pause")
+            browser.until(f"!{WATCHED}.running", "the pause")
+            # a server that is stopped says nothing; what it missed comes when it goes on
+            server.process.send_signal(signal.SIGSTOP)
+            browser.click("step")
+            server.process.send_signal(signal.SIGCONT)
+            step = browser.script(f"{WATCHED}.step")
+            browser.until(f"window.stroma.store.shown.header.step >= {step}", "the step")
+            browser.driver.get("about:blank")
+            proxy.close()
+
+    def test_two_pages(self):
+        with Server(STROMA, example("organ.xml"), "--paused") as server:
+            other = server.page()
+            other.do("control")
+            browser.open(server.address)
+            browser.click("run")
+            browser.until(lambda: browser.find("banner").is_displayed() and "control" in browser.find("banner").text, "the word on control")
+            other.do("step", count=2)
+            browser.until("window.stroma.store.shown.header.step === 2", "the other page's steps")
+            browser.click("take-control")
+            browser.until(f"{WATCHED}.control === window.stroma.store.scene.client", "control")
+            browser.until(lambda: not browser.find("banner").is_displayed(), "the banner to go")
+            browser.click("step")
+            other.picture(3)
+            self.assertIn("control", other.refused("run"))
+
+    def test_a_recording_is_scrubbed(self):
+        with tempfile.TemporaryDirectory() as folder:
+            recorded = os.path.join(folder, "run")
+            command("run", example("organ.xml"), "-n", "20", "-q", "--record", recorded, "--record-every", "4")
+            with Server(STROMA, recorded) as server:
+                browser.open(server.address)
+                self.assertFalse(browser.find("run").is_displayed())
+                seen = []
+                for index in (5, 2, 0):
+                    browser.script("(e => { e.value = arguments[1]; e.dispatchEvent(new Event('input', {bubbles: true})); })(arguments[0])",
+                                   browser.find("timeline"), str(index))
+                    browser.until(f"window.stroma.store.shown.header.index === {index} && window.stroma.frameDrawn === window.stroma.store.shown.header.frame",
+                                  f"instant {index}")
+                    seen.append(browser.picture())
+                self.assertTrue((seen[0] != seen[1]).any() and (seen[1] != seen[2]).any())
+                browser.click("play")
+                browser.until("window.stroma.store.shown.header.index >= 3", "the recording to play")
+
+    def test_looking_back_while_the_run_goes_on(self):
+        with Server(STROMA, example("organ.xml")) as server:
+            browser.open(server.address)
+            browser.until("window.stroma.history.frames.length > 20", "frames")
+            browser.script("(e => { e.value = 3; e.dispatchEvent(new Event('input', {bubbles: true})); })(arguments[0])", browser.find("timeline"))
+            step = browser.script("window.stroma.store.shown.header.step")
+            now = browser.script(f"{WATCHED}.step")
+            self.assertLess(step, now)
+            browser.until(f"{WATCHED}.step > {now + 5}", "the run to go on")
+            self.assertEqual(browser.script("window.stroma.store.shown.header.step"), step)
+            browser.click("live")
+            browser.until(f"window.stroma.store.shown.header.step > {now}", "the present")
+
+
+class Exports(PageTest):
+    """Files that the page writes."""
+
+    def test_picture_video_page_and_numbers(self):
+        with Server(STROMA, example("organ.xml")) as server:
+            browser.open(server.address)
+            browser.until("window.stroma.history.frames.length > 10", "frames")
+            browser.click("tab-export")
+            _, png = browser.download(lambda: browser.click("export-png"), ".png")
+            image = numpy.asarray(Image.open(io.BytesIO(png)).convert("RGB"))
+            self.assertGreater(len(numpy.unique(image.reshape(-1, 3), axis=0)), 8)
+            browser.click("export-video")
+            frame = browser.script("window.stroma.frameDrawn")
+            browser.until(f"window.stroma.frameDrawn > {frame} + 20", "some pictures")
+            _, video = browser.download(lambda: browser.click("export-video"), ".webm")
+            self.assertEqual(video[:4], b"\x1a\x45\xdf\xa3")
+            self.assertGreater(len(video), 5000)
+            browser.click("pause")
+            browser.until(f"!{WATCHED}.running", "the pause")
+            path, html = browser.download(lambda: browser.click("export-html"), ".html")
+            frames = browser.script("window.stroma.history.frames.length")
+            last = browser.positions()
+        self.assertNotIn(server.token.encode(), html)
+        browser.open("file://" + path)
+        self.shows_bodies()
+        self.assertEqual(browser.script("window.stroma.timeline.count"), frames)
+        browser.script("window.stroma.timeline.seek(arguments[0])", frames - 1)
+        browser.until("window.stroma.frameDrawn === window.stroma.store.shown.header.frame", "the last picture")
+        extent = numpy.ptp(last, axis=0).max()
+        self.assertLess(abs(browser.positions() - last).max(), extent / 65535)
+        self.assertFalse(browser.find("run").is_displayed())
+
+    def test_the_command_writes_a_page_too(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = os.path.join(folder, "organ.html")
+            command("view", example("organ.xml"), "--export", file, "-n", "20", "--every", "4", "--field", "vonMises", "--inside")
+            browser.open("file://" + file)
+            self.shows_bodies()
+            self.assertEqual(browser.script("window.stroma.timeline.count"), 6)
+            before = browser.picture()
+            browser.script("window.stroma.timeline.seek(5)")
+            browser.until(lambda: (browser.picture() != before).any(), "another instant")
+            self.assertEqual(browser.script("performance.getEntriesByType('resource').filter(e => !e.name.startsWith('data:') && !e.name.startsWith('blob:')).length"), 0)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=[sys.argv[0], *sys.argv[3:]], verbosity=2)

@@ -1,0 +1,572 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""`stroma view` seen by pages without a browser: what is shown is the run, and what is done by hand is in the run, to the bit.
+Usage: test_protocol.py TREE STROMA [names of tests]"""
+import glob
+import json
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+import numpy
+
+from server import Server
+
+TREE, STROMA = (os.path.abspath(path) for path in sys.argv[1:3])
+EXAMPLES = sorted(glob.glob(os.path.join(TREE, "scenes", "examples", "*.xml")))
+
+
+def example(name):
+    """Path of an example scene."""
+    return os.path.join(TREE, "scenes", "examples", name)
+
+
+def command(*arguments, expected=0):
+    """Output and messages of the command, which runs in a folder that is gone afterwards."""
+    with tempfile.TemporaryDirectory() as folder:
+        result = subprocess.run([STROMA, *arguments], capture_output=True, text=True, cwd=folder, timeout=120)
+    assert result.returncode == expected, (arguments, result)
+    return result.stdout, result.stderr
+
+
+def hash_of_run(scene, steps, *options):
+    """State of `stroma run` after so many steps."""
+    output, _ = command("run", scene, "-n", str(steps), "-q", "--json", *options)
+    return json.loads(output)["state_hash"]
+
+
+def replayed_hash(page, scene, steps, *options):
+    """State of a run that repeats what the pages did."""
+    actions = page.tell("actions")
+    with tempfile.TemporaryDirectory() as folder:
+        file = os.path.join(folder, actions["name"])
+        with open(file, "w", encoding="utf-8") as out:
+            out.write(actions["text"])
+        return hash_of_run(scene, steps, "--replay", file, *options)
+
+
+def check_scene(test, packet):
+    """Numbers of a scene packet agree with each other."""
+    for number, body in enumerate(packet["bodies"]):
+        of = lambda name, number=number: packet.arrays.get(f"{number}.{name}", numpy.zeros(0))
+        nodes, surface = body["nodes"], body["surface"]
+        test.assertEqual(len(of("node")), nodes)
+        test.assertEqual(len(of("rest")), 3 * nodes)
+        test.assertTrue(numpy.isfinite(of("rest")).all())
+        test.assertEqual(len(set(of("node"))), nodes, "a node comes twice")
+        for name in ("triangles", "edges", "points"):
+            used = of(name)
+            test.assertTrue(((used >= 0) & (used < surface)).all() if len(used) else True, f"{name} of {body['path']}")
+        drawn = numpy.concatenate([of(name) for name in ("triangles", "edges", "points")])
+        test.assertEqual(len(numpy.unique(drawn)), surface, f"the surface of {body['path']} is what is drawn")
+        test.assertEqual(len(of("owner")) * 3, len(of("triangles")))
+        test.assertGreater(body["size"], 0)
+        test.assertEqual(body["interactive"], not body.get("why"), body)
+
+
+class EveryExample(unittest.TestCase):
+    """One server a scene."""
+
+    def test_shows_runs_pauses_steps_and_resets(self):
+        for scene in EXAMPLES:
+            with self.subTest(os.path.basename(scene)), Server(STROMA, scene, "--paused") as server:
+                page = server.page()
+                check_scene(self, page.scene)
+                page.picture(0)
+                start = page.hash()
+                self.assertEqual(start, (0, hash_of_run(scene, 0)))
+                for body, described in enumerate(page.scene["bodies"]):
+                    self.assertEqual(page.positions(body).shape, (described["surface"], 3))
+                page.do("step", count=2)
+                self.look_at_everything(page)
+                page.do("step", count=2)
+                page.picture(4)
+                self.assertEqual(page.hash(), (4, hash_of_run(scene, 4)))
+                page.do("pace", pace="fast", factor=1)
+                page.do("run")
+                page.until(lambda: page.status["step"] > 5 or page.status["ended"], "steps")
+                self.assertEqual(page.status["ended"], "")
+                page.pause()
+                page.do("reset")
+                page.picture(0)
+                self.assertEqual(page.hash(), start)
+                self.assertFalse([line for line in page.messages if line["severity"] == "error"])
+
+    def look_at_everything(self, page):
+        """All nodes, fields, loads and values: none of it may change a bit of the run."""
+        fields = page.scene["fields"]  # those of cells are known once a step has been made
+        page.do("want", nodes="all", fields=[field["id"] for field in fields], loads=True, format="f32", fps=240)
+        page.do("watch", values=["energy", "solver"])
+        page.until(lambda: page.frame["nodes"] == "all" and "energy.kinetic" in page.frame["values"]
+                   and all(f"f{field['id']}" in page.frame.arrays for field in fields), "all fields")
+        for body, described in enumerate(page.scene["bodies"]):
+            self.assertEqual(page.positions(body).shape, (described["nodes"], 3))
+            rest = page.scene.arrays[f"{body}.rest"].reshape(-1, 3)
+            self.assertLess(abs(page.positions(body) - rest).max(), described["size"])
+        for field in fields:
+            body = page.scene["bodies"][field["body"]]
+            length = body["nodes"] if field["on"] == "nodes" else sum(body["cells"].values())
+            values = page.frame.arrays[f"f{field['id']}"]
+            self.assertEqual(len(values), length, field)
+            self.assertTrue(numpy.isfinite(values).all(), field)
+        page.until(lambda: page.cells is not None or not any(sum(body["cells"].values()) for body in page.scene["bodies"]), "cells")
+
+
+class Run(unittest.TestCase):
+    """Time and numbers of one run."""
+
+    def test_a_viewed_run_has_the_bits_of_one_that_nobody_sees(self):
+        scene = example("organ.xml")
+        with Server(STROMA, scene) as server:
+            page = server.page()
+            fields = [field["id"] for field in page.scene["fields"]]
+            page.do("want", nodes="all", fields=fields, loads=True, format="u16", fps=240)
+            page.do("watch", values=["energy", "solver", "node.0.3.position", "node.0.3.velocity", "node.0.3.reaction"])
+            page.do("pace", pace="fast", factor=1)
+            page.until(lambda: page.status["step"] > 150, "150 steps")
+            page.pause()
+            step, state = page.hash()
+            self.assertEqual(state, hash_of_run(scene, step))
+            for name in ("position", "velocity", "reaction"):
+                for axis in "xyz":
+                    self.assertIn(f"node.0.3.{name}.{axis}", page.frame["values"])
+            text = server.end()
+            self.assertIn(state, text)
+
+    def test_positions_in_16_bits_are_near_those_in_32(self):
+        with Server(STROMA, example("organ.xml"), "--paused") as server:
+            page = server.page()
+            page.do("step", count=5)
+            exact = page.positions() if page.picture(5)["format"] == "f32" else None
+            page.do("want", nodes="surface", format="u16")
+            page.until(lambda: page.frame["format"] == "u16", "short positions")
+            extent = numpy.ptp(exact, axis=0).max()
+            error = abs(page.positions() - exact).max()
+            self.assertLess(error, extent / 65535)
+            self.assertGreater(error, 0)
+
+    def test_real_time_is_kept_and_the_factor_slows_it(self):
+        with Server(STROMA, example("organ.xml"), "--paused") as server:
+            page = server.page()
+            for factor in (1, 0.25):
+                page.do("pace", pace="real", factor=factor)
+                before, began = page.status["time"], time.monotonic()
+                page.do("run")
+                page.during(1)
+                page.pause()
+                passed = time.monotonic() - began
+                simulated = page.status["time"] - before
+                # never ahead by more than two steps; behind only as far as the machine is busy
+                self.assertLess(simulated, factor * passed + 0.041)
+                self.assertGreater(simulated, 0.25 * factor * passed)
+
+    def test_energies_are_those_of_the_run(self):
+        with Server(STROMA, example("organ_static.xml"), "--paused") as server:
+            page = server.page()
+            page.do("watch", values=["energy", "solver"])
+            page.do("step", count=1)
+            page.until(lambda: page.frame["step"] == 1 and "newton" in page.frame["values"], "values")
+            values = page.frame["values"]
+            summary = json.loads(command("run", example("organ_static.xml"), "-n", "1", "-q", "--json")[0])
+            for name, value in summary["energies"]["end"].items():
+                self.assertEqual(values[f"energy.{name}"], value)
+            self.assertEqual(values["newton"], summary["newton"]["iterations"])
+
+    def test_reactions_carry_the_weight(self):
+        """Statics: reactions of the held nodes, weight and load cancel."""
+        with Server(STROMA, example("organ_static.xml"), "--paused", "--set", "/organ/solver.newton_iterations=60") as server:
+            page = server.page()
+            page.do("want", nodes="all", loads=True)
+            page.do("step", count=1)
+            page.until(lambda: page.frame["step"] == 1 and "0.load" in page.frame.arrays, "loads")
+            page.until(lambda: page.held is not None, "held nodes")
+            nodes = page.scene.arrays["0.node"][page.held.arrays["0.held"]]
+            load = page.frame.arrays["0.load"].reshape(-1, 3).astype(float).sum(axis=0)
+            numpy.testing.assert_allclose(load, [2, -2, 0], atol=1e-5)
+            total = numpy.zeros(3)
+            for first in range(0, len(nodes), 60):
+                some = [f"node.0.{node}.reaction" for node in nodes[first:first + 60]]
+                page.do("watch", values=some)
+                page.until(lambda some=some: some[-1] + ".x" in page.frame["values"], "reactions")
+                total += [sum(page.frame["values"][f"{name}.{axis}"] for name in some) for axis in "xyz"]
+            self.assertAlmostEqual(total[0], -2, delta=1e-4)
+            self.assertAlmostEqual(total[2], 0, delta=1e-4)
+            self.assertGreater(total[1], 2)
+
+    def test_questions_are_answered(self):
+        with Server(STROMA, example("organ.xml"), "--paused") as server:
+            page = server.page()
+            tree = page.tell("components")["tree"]
+            names = {component["path"]: component for child in tree["children"] for component in child["components"]}
+            fem = names["/organ/fem"]
+            young = next(one for one in fem["attributes"] if one["name"] == "youngModulus")
+            self.assertEqual((young["value"], young["unit"], young["given"]), ("10000", "Pa", True))
+            self.assertIn(young["change"], ("at_once", "recompile"))
+            method = next(one for one in fem["attributes"] if one["name"] == "method")
+            self.assertIn("polar", method["choices"])
+            self.assertTrue(any("linear solver /organ/linear" in line for line in page.tell("explain")["lines"]))
+            xml = page.tell("xml")
+            with open(example("organ.xml"), encoding="utf-8") as file:
+                self.assertEqual(xml["text"], file.read())
+
+
+class Edits(unittest.TestCase):
+    """Attributes that change while the scene runs."""
+
+    def test_an_edit_equals_a_run_with_it_from_then_on(self):
+        scene = example("organ.xml")
+        with Server(STROMA, scene, "--paused") as server:
+            page = server.page()
+            page.do("step", count=4)
+            before = page.hash()
+            page.do("set", path="/organ/fem", attribute="youngModulus", value="20000")
+            self.assertEqual(page.hash(), before)
+            page.do("step", count=3)
+            page.do("set", path="/", attribute="gravity", value="0 -5 1")
+            page.do("step", count=5)
+            step, state = page.hash()
+            self.assertEqual(step, 12)
+            self.assertNotEqual(state, hash_of_run(scene, 12))
+            self.assertEqual(state, replayed_hash(page, scene, 12))
+            changed = page.tell("xml")["text"]
+            self.assertIn('youngModulus="20000"', changed)
+            self.assertIn("<!-- Soft tissue in quasi-static motion", changed)
+            # reset keeps the edits: the run is that of the changed scene
+            page.do("reset")
+            page.do("step", count=6)
+            with tempfile.TemporaryDirectory() as folder:
+                os.symlink(os.path.join(TREE, "scenes", "meshes"), os.path.join(folder, "meshes"))
+                os.mkdir(os.path.join(folder, "examples"))
+                file = os.path.join(folder, "examples", "organ.xml")
+                with open(file, "w", encoding="utf-8") as out:
+                    out.write(changed)
+                self.assertEqual(page.hash(), (6, hash_of_run(file, 6)))
+
+    def test_bad_values_are_refused_in_the_words_of_the_command_line(self):
+        scene = example("organ.xml")
+        with Server(STROMA, scene, "--paused") as server:
+            page = server.page()
+            page.do("step", count=2)
+            before = page.hash()
+            for path, attribute, value in (("/organ/fem", "youngModulus", "-5"), ("/organ/fem", "youngModulus", "soft"),
+                                           ("/organ/fem", "poissonRatio", "0.7"), ("/", "gravity", "down"), ("/", "dt", "0")):
+                told = page.refused("set", path=path, attribute=attribute, value=value)
+                _, errors = command("run", scene, "-n", "1", "-q", "--set", f"{path}.{attribute}={value}", expected=2)
+                # both name what was expected, in the same words
+                expected = re.search(r"\(expected ([^;)]*)", told)
+                self.assertTrue(expected, told)
+                if attribute != "dt":  # whose range is told in other words when a scene is loaded
+                    self.assertIn(expected.group(1), errors)
+            for path, attribute, part in (("/organ/fm", "youngModulus", "fem"), ("/organ/fem", "youngsModulus", "youngModulus"),
+                                          ("/organ/loader", "filename", "load the scene again")):
+                self.assertIn(part, page.refused("set", path=path, attribute=attribute, value="1"))
+            self.assertEqual(page.hash(), before)
+            page.do("step", count=2)
+            self.assertEqual(page.hash(), (4, hash_of_run(scene, 4)))
+
+
+BLOCK = """<Node name="root" gravity="0 0 0" dt="1"><Node name="block">
+  <StaticSolver newton_iterations="30" relative_residual_tolerance_threshold="1e-13" absolute_residual_tolerance_threshold="1e-13"/>
+  <SparseLDLSolver/><RegularGridTopology n="3 3 7" min="0 0 0" max="0.1 0.1 0.3"/><MechanicalObject name="dofs"/>
+  <HexahedronFEMForceField name="fem" youngModulus="2000" poissonRatio="0.3" method="large"/>
+  <BoxROI name="roi" box="-1 -1 -0.001 1 1 0.001"/><FixedProjectiveConstraint indices="@roi.indices"/>
+  {}
+</Node></Node>"""
+
+
+class Hands(unittest.TestCase):
+    """Pull, hold, push: by the engine's inputs."""
+
+    def still_positions(self, page):
+        """x of every node after the step, in double precision: as watched values."""
+        places = []
+        for first in range(0, page.scene["bodies"][0]["nodes"], 60):
+            some = [f"node.0.{node}.position" for node in range(first, min(first + 60, page.scene["bodies"][0]["nodes"]))]
+            page.do("watch", values=some)
+            page.until(lambda some=some: some[-1] + ".x" in page.frame["values"], "positions")
+            places += [[page.frame["values"][f"{name}.{axis}"] for axis in "xyz"] for name in some]
+        return numpy.array(places)
+
+    def test_the_shown_force_is_the_force_that_holds_the_body_there(self):
+        """A static pull, and the same body under a ConstantForceField of the force that the view shows."""
+        with tempfile.TemporaryDirectory() as folder:
+            scene = os.path.join(folder, "block.xml")
+            with open(scene, "w", encoding="utf-8") as file:
+                file.write(BLOCK.format(""))
+            with Server(STROMA, scene, "--paused") as server:
+                page = server.page()
+                page.picture(0)
+                start = self.still_positions(page)
+                node = int(numpy.argmax(page.scene.arrays["0.rest"].reshape(-1, 3) @ [1, 1, 1]))
+                in_scene = int(page.scene.arrays["0.node"][node])
+                target = start[in_scene] + [0.05, 0.01, 0.02]
+                page.do("pull", hand="h", body=0, nodes=[node], targets=[list(target)], stiffness=3, sequence=1)
+                page.do("step", count=1)
+                page.until(lambda: page.frame["step"] == 1 and page.frame["hands"], "the pull")
+                hand, pulled = page.frame["hands"][0], self.still_positions(page)
+                numpy.testing.assert_allclose(hand["to"], target, rtol=1e-12)
+                self.assertEqual((hand["node"], hand["kind"]), (node, "pull"))
+            moved = numpy.linalg.norm(pulled[in_scene] - start[in_scene])
+            self.assertGreater(moved, 0.01)
+            numpy.testing.assert_allclose(hand["force"], 3 * (target - pulled[in_scene]), rtol=1e-9)  # the spring's own law
+            force = " ".join(repr(value) for value in hand["force"])
+            with open(scene, "w", encoding="utf-8") as file:
+                file.write(BLOCK.format(f'<ConstantForceField indices="{in_scene}" totalForce="{force}"/>'))
+            with Server(STROMA, scene, "--paused") as server:
+                page = server.page()
+                page.do("step", count=1)
+                page.picture(1)
+                self.assertLess(abs(self.still_positions(page) - pulled).max(), 1e-6 * moved)
+
+    def test_hands_are_replayed_to_the_bit(self):
+        scene = example("organ.xml")
+        with Server(STROMA, scene, "--paused") as server:
+            page = server.page()
+            rest = page.scene.arrays["0.rest"].reshape(-1, 3)
+            place = [float(value) for value in rest[5]]
+            page.do("step", count=3)
+            for k in range(4):
+                target = [place[0] + 0.004 * k, place[1], place[2]]
+                page.do("pull", hand="a", body=0, nodes=[5], targets=[target], sequence=k)
+                page.do("step", count=2)
+            page.do("pull", kind="hold", hand="b", body=0, nodes=[1, 2], targets=[list(map(float, rest[i])) for i in (1, 2)])
+            page.do("force", hand="c", body=0, nodes=[7, 8], force=[0, 0.1, 0])
+            page.do("step", count=2)
+            page.do("release", hand="a")
+            centre, radius = [float(value) for value in rest.mean(axis=0)], 0.3 * page.scene["bodies"][0]["size"]
+            page.do("push", hand="d", body=0, centre=centre, radius=radius, sequence=9)
+            page.do("step", count=1)
+            page.until(lambda: page.frame["step"] == 14, "the push")
+            kinds = {hand["hand"]: hand for hand in page.frame["hands"]}
+            self.assertEqual({name: hand["kind"] for name, hand in kinds.items()}, {"b": "hold", "c": "force", "d": "push"})
+            self.assertGreater(kinds["d"]["touched"], 0)
+            numpy.testing.assert_allclose(kinds["c"]["force"], [0, 0.1, 0], atol=1e-12)
+            for name in "bcd":
+                page.do("release", hand=name)
+            page.do("step", count=6)
+            step, state = page.hash()
+            self.assertEqual(step, 20)
+            self.assertNotEqual(state, hash_of_run(scene, 20))
+            self.assertEqual(state, replayed_hash(page, scene, 20))
+
+    def test_a_run_that_never_paused_is_replayed_to_the_bit(self):
+        scene = example("organ.xml")
+        with Server(STROMA, scene) as server:
+            page = server.page()
+            page.do("pace", pace="fast", factor=1)
+            place = [float(value) for value in page.scene.arrays["0.rest"][:3]]
+            for k in range(30):
+                page.do("pull", hand="a", body=0, nodes=[0], targets=[[place[0] + 0.001 * k, place[1], place[2]]], sequence=k)
+                page.during(0.01)
+            page.until(lambda: page.frame["applied"].get(str(page.scene["client"])) == 29, "the last place of the hand")
+            page.do("release", hand="a")
+            page.do("set", path="/organ/solver", attribute="rayleighMass", value="0.3")
+            page.during(0.1)
+            page.pause()
+            step, state = page.hash()
+            self.assertEqual(state, replayed_hash(page, scene, step))
+
+    def test_what_a_hand_cannot_take_is_refused(self):
+        with Server(STROMA, example("organ.xml"), "--paused") as server:
+            page = server.page()
+            nodes = page.scene["bodies"][0]["nodes"]
+            good = {"hand": "h", "body": 0, "nodes": [1], "targets": [[0, 0, 0]]}
+            for wrong in ({"body": 1}, {"body": -1}, {"nodes": []}, {"nodes": [nodes]}, {"nodes": [-1]}, {"nodes": [1, 1]},
+                          {"targets": []}, {"targets": [[0, 0]]}, {"targets": [[0, 0, 1e300]]}, {"stiffness": 0},
+                          {"stiffness": -1}, {"stiffness": 1e300}, {"kind": "tear"}):
+                page.refused("pull", **{**good, **wrong})
+            page.refused("push", hand="p", body=0, centre=[0, 0, 0], radius=0)
+            page.refused("force", hand="f", body=0, nodes=[1], force=[0, 0])
+            page.do("step", count=2)
+            self.assertEqual(page.hash(), (2, hash_of_run(example("organ.xml"), 2)))
+
+
+class Audience(unittest.TestCase):
+    """Several pages, slow pages, pages that go."""
+
+    def test_one_page_has_control_and_another_takes_it(self):
+        with Server(STROMA, example("organ.xml"), "--paused") as server:
+            first, second = server.page(), server.page()
+            second.until(lambda: second.status.get("clients") == 2, "both to be counted")
+            self.assertEqual(second.status["control"], first.scene["client"])
+            self.assertIn("control", second.refused("step", count=1))
+            self.assertIn("control", second.refused("set", path="/organ/fem", attribute="youngModulus", value="1"))
+            first.do("step", count=1)
+            second.picture(1)
+            numpy.testing.assert_array_equal(second.positions(), first.positions() if first.picture(1) else None)
+            self.assertEqual(second.hash(), first.hash())  # questions need no control
+            second.do("control")
+            first.until(lambda: first.status["control"] == second.scene["client"], "control to be taken")
+            first.refused("run")
+            second.do("step", count=1)
+            second.socket.close()
+            first.until(lambda: first.status["control"] is None and first.status["clients"] == 1, "control to be free")
+            first.do("step", count=1)
+            self.assertEqual(first.hash()[0], 3)
+
+    def test_a_page_that_goes_lets_go(self):
+        """Its hands end; the run goes on; it finds it again."""
+        with Server(STROMA, example("organ.xml")) as server:
+            page = server.page()
+            build = page.scene["build"]
+            place = [float(value) for value in page.scene.arrays["0.rest"][:3]]
+            page.do("pull", hand="a", body=0, nodes=[0], targets=[[place[0] + 0.01, place[1], place[2]]])
+            page.until(lambda: page.frame["hands"], "the hand")
+            step = page.status["step"]
+            page.socket.cut()
+            time.sleep(0.3)
+            again = server.page(hello=False)
+            again.hello(build)
+            again.until(lambda: again.frame is not None, "a picture")
+            self.assertGreater(again.frame["step"], step + 3)
+            self.assertEqual(again.frame["hands"], [])
+            again.pause()
+            actions = again.tell("actions")["text"]
+            self.assertEqual(len(actions.strip().splitlines()), 3, "one line about the file, a beginning and an end:\n" + actions)
+
+    def test_a_page_of_another_build_is_told_to_load_again(self):
+        with Server(STROMA, example("organ.xml"), "--paused") as server:
+            page = server.page(hello=False)
+            page.socket.send({"do": "hello", "build": "another"})
+            page.until(lambda: "reload" in page.last, "the word to load again")
+
+    def test_a_page_that_draws_nothing_slows_nobody_and_nothing_queues(self):
+        with Server(STROMA, example("organ.xml")) as server:
+            idle, page = server.page(draws=False), server.page()
+            idle.do("pace", pace="fast", factor=1)
+            idle.do("want", nodes="all", fps=240)
+            page.do("want", nodes="all", fps=240)
+            page.during(0.5)
+            before, frames = server.memory(), page.frames
+            page.during(2)
+            self.assertLess(server.memory() - before, 4 << 20)
+            self.assertGreater(page.frames - frames, 40)
+            idle.during(0.1)
+            self.assertLessEqual(idle.frames, 2, "more pictures came than may be under way")
+            shown = idle.frame["frame"]
+            idle.drawn()
+            idle.until(lambda: idle.frame["frame"] > shown, "the newest picture")
+            idle.drawn()
+            idle.until(lambda: idle.frame["frame"] > page.frame["frame"] - 20, "a picture of now")
+
+    def test_a_page_that_does_not_read_slows_nobody(self):
+        with Server(STROMA, example("organ.xml")) as server:
+            deaf, page = server.page(draws=False), server.page()
+            page.do("control")
+            page.do("pace", pace="fast", factor=1)
+            for number in range(400):  # answers of some size that it never reads
+                deaf.socket.send({"do": "components", "request": number})
+            before, frames = server.memory(), page.frames
+            page.during(2)
+            self.assertGreater(page.frames - frames, 20)
+            self.assertLess(server.memory() - before, 600 << 20)
+            self.assertEqual(server.page().ready, True)
+
+    def test_nobody_connected_costs_no_pictures(self):
+        with Server(STROMA, example("organ.xml")) as server:
+            page = server.page()
+            page.do("pace", pace="fast", factor=1)
+            page.picture()
+            number, step = page.frame["frame"], page.frame["step"]
+            page.socket.close()
+            time.sleep(1)
+            again = server.page()
+            again.picture()
+            self.assertLess(again.frame["frame"] - number, 20)
+            self.assertGreater(again.frame["step"], step)
+
+
+class Recording(unittest.TestCase):
+    """A run that `stroma run --record` wrote."""
+
+    def test_its_instants_are_shown(self):
+        scene = example("organ.xml")
+        with tempfile.TemporaryDirectory() as folder:
+            recorded = os.path.join(folder, "run")
+            command("run", scene, "-n", "20", "-q", "--record", recorded, "--record-every", "4")
+            with Server(STROMA, scene, "--paused") as server:
+                live = server.page()
+                wanted = {}
+                for step in range(0, 21, 4):
+                    if step:
+                        live.do("step", count=4)
+                    live.picture(step)
+                    wanted[step // 4] = live.positions()
+            with Server(STROMA, recorded) as server:
+                page = server.page()
+                self.assertEqual(page.scene["mode"], "recording")
+                recording = page.status["recording"]
+                self.assertEqual(recording["count"], 6)
+                numpy.testing.assert_allclose(recording["times"], [0, 0.08, 0.16, 0.24, 0.32, 0.4], rtol=1e-12)
+                for index in (5, 0, 3, 3, 1):
+                    page.do("seek", index=index)
+                    page.until(lambda index=index: page.frame["index"] == index, f"instant {index}")
+                    numpy.testing.assert_array_equal(page.positions(), wanted[index])
+                    self.assertAlmostEqual(page.frame["time"], 0.08 * index)
+                for verb, values in (("seek", {"index": 6}), ("seek", {"index": -1}), ("run", {}), ("step", {}),
+                                     ("set", {"path": "/organ/fem", "attribute": "youngModulus", "value": "1"}),
+                                     ("pull", {"hand": "h", "body": 0, "nodes": [1], "targets": [[0, 0, 0]]})):
+                    page.refused(verb, **values)
+
+    def test_a_viewed_run_is_recorded(self):
+        with tempfile.TemporaryDirectory() as folder:
+            recorded = os.path.join(folder, "run")
+            with Server(STROMA, example("organ.xml"), "--paused", "--record", recorded) as server:
+                page = server.page()
+                page.do("step", count=3)
+                page.do("force", hand="c", body=0, nodes=[7], force=[0, 0.1, 0])
+                page.do("step", count=2)
+                state = page.hash()[1]
+                server.end()
+            self.assertEqual(hash_of_run(example("organ.xml"), 5, "--replay", os.path.join(recorded, "run.actions")), state)
+            with Server(STROMA, recorded) as server:
+                self.assertEqual(server.page().status["recording"]["count"], 6)
+
+
+class Command(unittest.TestCase):
+    """What goes wrong before anybody connects, and how it ends."""
+
+    def test_mistakes_are_sentences(self):
+        for arguments, part in ((("none.xml",), "none.xml"), ((example("organ.xml"), "--port", "70000"), "65535"),
+                                ((example("organ.xml"), "--fps", "0"), "fps"), ((example("organ.xml"), "--host", "nowhere"), "--host"),
+                                ((TREE,), "last.checkpoint")):
+            _, errors = command("view", *arguments, "--no-open", expected=2)
+            self.assertIn(part, errors)
+
+    def test_a_taken_port_is_named(self):
+        with Server(STROMA, example("organ.xml"), "--paused") as server:
+            with tempfile.TemporaryDirectory() as folder:
+                result = subprocess.run([STROMA, "view", example("organ.xml"), "--no-open", "--port", str(server.port)],
+                                        capture_output=True, text=True, cwd=folder, timeout=60)
+            self.assertEqual(result.returncode, 2, result)
+            self.assertIn(str(server.port), result.stderr)
+
+    def test_a_run_without_a_result_says_why(self):
+        text = """<Node dt="1"><EulerExplicitSolver/><RegularGridTopology n="3 3 3" min="0 0 0" max="0.1 0.1 0.1"/>
+          <MechanicalObject/><UniformMass totalMass="1"/>
+          <HexahedronFEMForceField youngModulus="1e6" poissonRatio="0.3" method="svd"/>
+          <ConstantForceField indices="0" totalForce="1e6 0 0"/></Node>"""
+        with tempfile.TemporaryDirectory() as folder:
+            scene = os.path.join(folder, "burst.xml")
+            with open(scene, "w", encoding="utf-8") as file:
+                file.write(text)
+            with Server(STROMA, scene, "--paused", expected=3) as server:
+                page = server.page()
+                page.do("pace", pace="fast", factor=1)
+                page.do("run")
+                page.until(lambda: page.status["ended"], "the end of the run")
+                self.assertFalse(page.status["running"])
+                self.assertIn("reset", page.refused("run"))
+                self.assertTrue([line for line in page.messages if line["severity"] == "error"])
+                page.do("reset")
+                page.until(lambda: not page.status["ended"], "the reset")
+                page.do("run")
+                page.until(lambda: page.status["ended"], "the end of the run once more")
+
+
+if __name__ == "__main__":
+    unittest.main(argv=[sys.argv[0], *sys.argv[3:]], verbosity=2)
