@@ -149,10 +149,17 @@ class Browser:
         """As last drawn."""
         return numpy.array(self.script(f"Array.from(window.stroma.positions({body}))")).reshape(-1, 3)
 
-    def place(self, body, node):
-        """Where a node is drawn, in CSS pixels."""
-        place = self.script(f"window.stroma.screenOf({body}, {node})")
-        return place["x"], place["y"]
+    def reachable(self, score="0"):
+        """(node, x, y) of the node of body 0 with the highest score (an expression of its rest position r) that is picked at its
+        own pixel; pixels are whole numbers, as those of a mouse."""
+        found = self.script("""(() => { const s = window.stroma, b = s.store.bodies[0]; let best = [-Infinity, null];
+            for (let n = 0; n < b.surface; ++n) {
+              const p = s.screenOf(0, n), x = Math.round(p.x), y = Math.round(p.y), r = b.rest.subarray(3 * n, 3 * n + 3);
+              const score = """ + score + """;
+              if (score > best[0] && document.elementFromPoint(x, y) === s.stage.canvas && s.pick(x, y)?.node === n) best = [score, [n, x, y]];
+            } return best[1]; })()""")
+        assert found, "no node is picked at its own pixel"
+        return found
 
     # ---- hands ----
 

@@ -234,7 +234,7 @@ class Page:
         return self.frame
 
     def positions(self, body=0):
-        """x of the last frame, one row a node."""
+        """x of the last frame, one row per node."""
         x = self.frame.arrays[f"{body}.x"]
         if self.frame["format"] == "u16":
             low, high = numpy.split(numpy.array(self.frame["boxes"][body]), 2)

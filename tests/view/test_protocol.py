@@ -98,7 +98,7 @@ class EveryExample(unittest.TestCase):
 
     def look_at_everything(self, page):
         """All nodes, fields, loads and values: none of it may change a bit of the run."""
-        fields = page.scene["fields"]  # those of cells are known once a step has been made
+        fields = page.scene["fields"]  # those of cells are known after the first step
         page.do("want", nodes="all", fields=[field["id"] for field in fields], loads=True, format="f32", fps=240)
         page.do("watch", values=["energy", "solver"])
         page.until(lambda: page.frame["nodes"] == "all" and "energy.kinetic" in page.frame["values"]

@@ -32,6 +32,9 @@ WRONG = [None, True, False, 0, -1, 1, 0.5, 1e300, -1e300, 2**31, 2**53 + 1, 2**6
          "a" * 60000, [], [[]], [None], ["x"], [1, 2, 3], [[1, 2, 3]] * 3, list(range(9000)), {}, {"do": "run"}, [{"a": []}] * 20]
 
 
+ABSENT = object()
+
+
 def deep(levels, inner="1"):
     """[[[...]]]"""
     return "[" * levels + inner + "]" * levels
@@ -147,7 +150,8 @@ class Doors(unittest.TestCase):
             from websocket import WebSocket  # pylint: disable=import-outside-toplevel
             WebSocket(self.server.port, path, {**given, **{name.replace("_", "-"): value for name, value in headers.items()}}).cut()
         except Closed as closed:
-            self.assertIn(closed.status, (0, 400, 403, 404, 405, 426), headers)
+            # a page that has the token may also be answered as if it had asked for a page
+            self.assertIn(closed.status, (0, 400, 403, 404, 405, 426, *((200, 303) if path != "/live" else ())), headers)
             return
         self.fail(f"the upgrade was granted: {path} {headers}")
 
@@ -209,39 +213,30 @@ class Messages(unittest.TestCase):
     def test_values_of_wrong_types_are_refused(self):
         """Every field of every command with every wrong value, and without it: an answer each time, and no effect on the state."""
         page, sent = self.page, 0
-        harmless = {"drawn", "want", "watch", "control", "pace", "release", "components", "explain", "xml", "actions", "hash", "doubts"}
         for good in GOOD:
             for field in good:
-                for wrong in ["absent", *WRONG]:
-                    message = {**good, "request": 10**6 + sent}
-                    if field == "do" or good["do"] not in harmless:
-                        # those that change the run come from a page that has no control, or with a value that cannot be meant
-                        if good["do"] in ("run", "step", "reset", "hello", "attach", "leave", "show") and field == "do" and wrong == "absent":
-                            pass
-                    if wrong == "absent":
-                        message.pop(field)
-                    else:
-                        message[field] = wrong
+                for wrong in [ABSENT, *WRONG]:
+                    message = {**good, field: wrong, "request": 10**6 + sent}
+                    if wrong is ABSENT:
+                        del message[field]
                     if self.would_act(message):
                         continue
                     page.socket.send(message)
                     sent += 1
                     page.until(lambda number=message["request"]: number in page.replies, f"a reply to {json.dumps(message)[:200]}")
                     reply = page.replies.pop(message["request"])
-                    if not reply["ok"]:
-                        self.assertTrue(reply["message"])
-        self.assertGreater(sent, 1000)
+                    self.assertTrue(reply["ok"] or reply["message"], message)
+        self.assertGreater(sent, 1500)
         for name in ("h", "f", "p"):
             page.do("release", hand=name)
 
     @staticmethod
     def would_act(message):
-        """What is right after all and changes the state."""
-        return message.get("do") in ("run", "reset", "step", "set") and "request" in message and (
-            message["do"] in ("run", "reset")
-            or message["do"] == "step" and ("count" not in message or message["count"] is not True and message["count"] in (1, 9000))
-            or message["do"] == "set" and isinstance(message.get("value"), str) and "path" in message and message.get("attribute") == "youngModulus"
-            and message["path"] == "/organ/fem")
+        """What is right after all, and changes the state."""
+        verb = message.get("do")
+        if verb == "step":
+            return "count" not in message or message["count"] in (1, 9000) and message["count"] is not True
+        return verb in ("run", "reset")
 
     def test_wrong_types_of_the_number_of_a_request_are_harmless(self):
         for wrong in WRONG:
@@ -397,6 +392,7 @@ class Fuzz(unittest.TestCase):
                 self.assertIsNone(server.process.poll(), f"the server ended at message {count}, seed {SEED}")
             page.socket.cut()
             page = server.page()
+            page.do("control")
             page.do("pause")
             self.assertLess(server.memory() - memory, 200 << 20)
             # edits stay; a value that a message may have set is put back by hand, and the run is that of the scene

@@ -35,6 +35,11 @@ HttpConnection::Response respond(const HttpConnection::Request& request, http::s
   return response;
 }
 
+/// One name, and it is ours: of two somebody else may read the other.
+bool namesUs(const HttpConnection::Request& request, const Access& access) {
+  return request.count(http::field::host) == 1 && access.isOurHost(viewOf(request[http::field::host]));
+}
+
 }  // namespace
 
 HttpConnection::HttpConnection(Server& server, boost::asio::ip::tcp::socket socket)
@@ -65,7 +70,7 @@ void HttpConnection::read() {
 void HttpConnection::taken() {
   Request request = parser_->release();
   const Access& access = server_.access();
-  const bool is_ours = access.isOurHost(viewOf(request[http::field::host]));
+  const bool is_ours = namesUs(request, access);
   if (is_ours && beast::websocket::is_upgrade(request) && request.target() == "/live") {
     if (access.isOurOrigin(viewOf(request[http::field::origin])) &&
         access.hasCookie(viewOf(request[http::field::cookie]))) {
@@ -81,8 +86,7 @@ void HttpConnection::taken() {
 
 HttpConnection::Response HttpConnection::answer(const Request& request) const {
   const Access& access = server_.access();
-  if (!access.isOurHost(viewOf(request[http::field::host])))
-    return respond(request, http::status::forbidden, "This server is not called so.\n");
+  if (!namesUs(request, access)) return respond(request, http::status::forbidden, "This server is not called so.\n");
   const std::string_view origin = viewOf(request[http::field::origin]);
   if (!origin.empty() && !access.isOurOrigin(origin))
     return respond(request, http::status::forbidden, "Pages of other origins see nothing here.\n");

@@ -187,6 +187,7 @@ void Server::take(Client& client, json message) {
     if (verb == "drawn") {
       client.drawn(integer(member(message, "frame"), "frame", 0, 1L << 52));
       demandChanged();
+      accepted();
     } else if (verb == "want") {
       client.setWants(message, *run_);
       demandChanged();

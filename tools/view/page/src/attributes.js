@@ -10,7 +10,8 @@ export class Attributes {
     this.commands = commands;
     /** What was typed and refused, by path and attribute: kept when the panel is built anew. @type {Map<string, {text: string, error: string}>} */
     this.refused = new Map();
-    this.filter = '';
+    /** What is typed and not yet sent. @type {Map<string, string>} */
+    this.drafts = new Map();
     store.on('selection', () => this.build());
     store.on('components', () => this.refresh());
     this.build();
@@ -72,13 +73,15 @@ export class Attributes {
       control = h('select', { ...names, onchange: () => this.set(item, attribute, control, error) }, h('option', { value: 'true' }, 'true'), h('option', { value: 'false' }, 'false'));
       control.value = /^(1|true)$/i.test(attribute.value) ? 'true' : 'false';
     } else if (live) {
-      control = h('input', { ...names, type: 'text', spellcheck: 'false', autocomplete: 'off', value: kept?.text ?? attribute.value, class: kept ? 'wrong' : '',
+      control = h('input', { ...names, type: 'text', spellcheck: 'false', autocomplete: 'off', value: this.drafts.get(key) ?? kept?.text ?? attribute.value, class: kept ? 'wrong' : this.drafts.has(key) ? 'draft' : '', title: 'Enter sets it, Escape takes the old value back',
+        oninput: () => this.draft(key, control, attribute), onchange: () => this.draft(key, control, attribute),
         onkeydown: (/** @type {KeyboardEvent} */ event) => {
           if (event.key === 'Enter') this.set(item, attribute, control, error);
           else if (event.key === 'Escape') {
             this.refused.delete(key);
+            this.drafts.delete(key);
             control.value = attribute.value;
-            control.classList.remove('wrong');
+            control.classList.remove('wrong', 'draft');
             error.hidden = true;
             event.stopPropagation();
           }
@@ -92,12 +95,22 @@ export class Attributes {
       h('div', { class: 'help' }, [sentence(attribute.help), facts].filter(Boolean).join(' ')));
   }
 
+  /** Keeps what is typed while the panel is built anew. @param {string} key @param {any} control @param {any} attribute */
+  draft(key, control, attribute) {
+    const changed = control.value !== attribute.value && control.value !== this.refused.get(key)?.text;
+    if (changed) this.drafts.set(key, control.value);
+    else this.drafts.delete(key);
+    control.classList.toggle('draft', changed);
+  }
+
   /** @param {any} item @param {any} attribute @param {any} control @param {HTMLElement} error */
   async set(item, attribute, control, error) {
     const key = `${item.path} ${attribute.name}`;
     const text = control.value;
     control.dataset.state = 'asked';
     const reply = await this.commands.ask({ do: 'set', path: item.path, attribute: attribute.name, value: text });
+    if (control.value === text) this.drafts.delete(key);
+    control.classList.remove('draft');
     control.dataset.state = reply.ok ? 'set' : 'refused';
     control.classList.toggle('wrong', !reply.ok);
     error.hidden = reply.ok;
@@ -108,6 +121,7 @@ export class Attributes {
       attribute.given = true;
       this.commands.request({ do: 'components' });
     } else this.refused.set(key, { text, error: reply.message });
+    if (!control.isConnected) this.build(); // the panel was built anew while the answer was awaited
   }
 }
 

@@ -12,7 +12,7 @@ const PAUSE = 100; // [ms] between two drawings
 
 /** @type {Kind[]} */
 const KINDS = [
-  { key: 'energy', title: 'Energy', unit: 'J', group: 'energy', lines: [['energy.kinetic', 'kinetic'], ['energy.elastic', 'elastic'], ['energy.gravity', 'gravity']] },
+  { key: 'energy', title: 'Energy', unit: 'J', group: 'energy', lines: [['energy.kinetic', 'kinetic'], ['energy.elastic', 'force fields'], ['energy.gravity', 'gravity']] },
   { key: 'step', title: 'Time of a step', unit: 'ms', group: 'solver', lines: [['step_ms', 'step']] },
   { key: 'iterations', title: 'Iterations', unit: '', group: 'solver', lines: [['iterations', 'linear'], ['newton', 'Newton']] },
   { key: 'residual', title: 'Residual', unit: '', group: 'solver', log: true, lines: [['residual', 'residual']] },
