@@ -185,6 +185,7 @@ class Messages(unittest.TestCase):
 
     def setUp(self):
         self.server = Server(STROMA, SCENE, "--paused")
+        self.addCleanup(self.server.kill)  # also after a failure
         self.page = self.server.page()
         self.page.do("step", count=2)
         self.state = self.page.hash()
