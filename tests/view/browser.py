@@ -13,6 +13,7 @@ try:
     import numpy
     from PIL import Image
     from selenium import webdriver
+    from selenium.common.exceptions import StaleElementReferenceException
     from selenium.webdriver.common.action_chains import ActionChains
     from selenium.webdriver.common.by import By
     from selenium.webdriver.common.keys import Keys
@@ -89,9 +90,12 @@ class Browser:
         """Waits for some JavaScript, or a function, to be true."""
         end = time.monotonic() + seconds
         while True:
-            value = condition() if callable(condition) else self.script(condition)
-            if value:
-                return value
+            try:
+                value = condition() if callable(condition) else self.script(condition)
+                if value:
+                    return value
+            except StaleElementReferenceException:
+                pass  # the page has made the element anew meanwhile
             if time.monotonic() > end:
                 raise AssertionError(f"waited {seconds} s for {what}\n" + "\n".join(self.complaints()))
             time.sleep(0.03)

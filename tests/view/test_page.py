@@ -256,8 +256,7 @@ class Reaching(PageTest):
 
     def type_over(self, field, text):
         """As a person does: new values from the server leave alone what has the focus."""
-        browser.css(field).click()
-        browser.press_with(Keys.CONTROL, "a")
+        browser.script("(e => { e.focus(); e.select(); })(document.querySelector(arguments[0]))", field)
         browser.press(text, Keys.ENTER)
 
     def test_an_attribute_is_edited_and_a_bad_value_refused(self):

@@ -320,6 +320,18 @@ class Messages(unittest.TestCase):
         self.page.until(lambda: self.page.status["clients"] == 1, "the others to be gone")
         self.assertLess(self.server.memory() - before, 16 << 20)
 
+    def test_more_messages_than_may_wait_lose_no_page(self):
+        """While the run is busy: a new page gets its scene, and the hands of one that goes are let go."""
+        busy = self.page
+        busy.do("force", hand="f", body=0, nodes=[3], force=[0, 0, 0])
+        busy.socket.send({"do": "step", "count": 1000})
+        for _ in range(2000):
+            busy.socket.send({"do": "doubts"})
+        page = self.server.page()
+        busy.socket.cut()
+        page.until(lambda: page.frame is not None and page.frame["step"] == 1002 and not page.frame["hands"], "a picture without hands")
+        self.state = page.hash()
+
     def test_before_hello_nothing_is_done(self):
         page = self.server.page(hello=False)
         for message in GOOD[1:]:

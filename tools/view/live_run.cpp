@@ -27,6 +27,12 @@ bool isOfHand(const json& message) {
   return verb == "pull" || verb == "force" || verb == "push";
 }
 
+/// Once per page, and never to be lost: a page would wait for its scene for ever, or leave its hands behind.
+bool isOfServer(const json& message) {
+  const std::string verb = message.value("do", "");
+  return verb == "attach" || verb == "leave";
+}
+
 }  // namespace
 
 LiveRun::LiveRun(Session& session, const ViewRequest& request, Audience& audience)
@@ -65,7 +71,7 @@ bool LiveRun::post(Order order) {
         return true;
       }
     }
-    if (orders_.size() >= most_orders) return false;
+    if (orders_.size() >= most_orders && !isOfServer(order.message)) return false;
     orders_.push_back(std::move(order));
     ordered_ = true;
   }
