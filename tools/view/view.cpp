@@ -50,7 +50,7 @@ class BrowserViewer final : public Viewer {
     Packet scene = scenePacket(simulation, drawing, 1, "recording");
     if (!request.fields.empty())
       scene.header()["view"] = {{"colour", request.fields.front() + "|cells|" + unitOfField(request.fields.front())},
-                                {"range", "running"}};
+                                {"range", "most"}};
     std::vector<std::string> packets{scene.bytes(), heldPacket(simulation, drawing, 1).bytes()};
     if (request.inside) packets.push_back(cellsPacket(drawing, 1).bytes());
     long frame = 0;

@@ -26,7 +26,7 @@ export class ColourPanel {
     if (!keys.has(view.colour)) view.colour = '';
     this.field = choice('field', 'Coloured by', /** @type {any} */ ([...keys]), view.colour, (colour) => store.setView({ colour }));
     this.map = choice('map', 'Colour map', Object.entries(MAPS).map(([name, { title }]) => [name, title]), view.map, (map) => store.setView({ map }));
-    this.range = choice('range', 'Range', [['running', 'Automatic, of the run'], ['automatic', 'Automatic, each frame'], ['fixed', 'Fixed']], view.range, (range) => {
+    this.range = choice('range', 'Range', [['most', '98 % of the values'], ['running', 'All values of the run'], ['automatic', 'All values of the frame'], ['fixed', 'Fixed']], view.range, (range) => {
       const { x: low, y: high } = shared.range.value; // a fixed range starts with what is seen
       store.setView(range === 'fixed' ? { range, low, high } : { range });
     });

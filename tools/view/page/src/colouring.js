@@ -47,7 +47,7 @@ export class Colouring {
       this.coloured.set(body.index, coloured);
       if (view.range === 'fixed') continue;
       if (coloured.kind === 'displacement') displacementRange(body, range);
-      else if (coloured.surface) extremes(view.cut.on && coloured.cells ? coloured.cells : coloured.surface, range);
+      else if (coloured.surface) (view.range === 'most' ? bulk : extremes)(view.cut.on && coloured.cells ? coloured.cells : coloured.surface, range);
     }
     this.setRange(range);
   }
@@ -78,7 +78,7 @@ export class Colouring {
       return;
     }
     let [low, high] = range;
-    if (view.range === 'running') {
+    if (view.range !== 'automatic') {
       this.running = [Math.min(low, this.running[0]), Math.max(high, this.running[1])];
       [low, high] = this.running;
     }
@@ -91,8 +91,24 @@ export class Colouring {
   }
 }
 
+/**
+ * From the lowest to the highest value but for one in a hundred at either end: a few cells at a corner would leave all others in
+ * one colour. Large lists are sampled.
+ * @param {Float32Array} values @param {number[]} range
+ */
+export function bulk(values, range) {
+  const stride = Math.max(1, Math.floor(values.length / 4096));
+  const sample = new Float32Array(Math.ceil(values.length / stride));
+  let count = 0;
+  for (let i = 0; i < values.length; i += stride) if (Number.isFinite(values[i])) sample[count++] = values[i];
+  if (count === 0) return;
+  const sorted = sample.subarray(0, count).sort();
+  range[0] = Math.min(range[0], sorted[Math.floor(0.01 * (count - 1))]);
+  range[1] = Math.max(range[1], sorted[Math.ceil(0.99 * (count - 1))]);
+}
+
 /** @param {Float32Array} values @param {number[]} range */
-function extremes(values, range) {
+export function extremes(values, range) {
   let [low, high] = range;
   for (let i = 0; i < values.length; i++) {
     const value = values[i];

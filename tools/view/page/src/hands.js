@@ -7,6 +7,8 @@ import { pick } from './picking.js';
 import { shared } from './gpu.js';
 import { Arrows, Balls } from './shapes.js';
 
+const MOST_NODES = 500; // of a patch: a message of one has to stay below 64 kB
+
 /** @typedef {'look' | 'pull' | 'hold' | 'push'} Mode */
 
 const MOST_WAITING = 2000;
@@ -19,11 +21,11 @@ export class Hands {
     this.commands = commands;
     /** @type {Mode} */
     this.mode = 'look';
-    this.grip = 'face';
+    this.grip = 'patch';
     /** @type {number | null} [N/m]; null: the server chooses */
     this.stiffness = null;
     /** Radius of the ball as a part of the body's size. */
-    this.radius = 0.1;
+    this.radius = 0.06;
     this.sequence = 0;
     /** @type {any} the drag under way */
     this.drag = null;
@@ -100,11 +102,23 @@ export class Hands {
 
   /** @param {any} picked @param {any} body */
   beginPull(picked, body) {
-    const nodes = this.grip === 'node' ? [picked.node] : picked.nodes;
+    const nodes = this.grip === 'node' ? [picked.node] : this.grip === 'patch' ? this.patch(picked, body) : picked.nodes;
     const starts = nodes.map((/** @type {number} */ n) => [...body.x.subarray(3 * n, 3 * n + 3)]);
     return {
       hand: this.freeName(), kind: this.mode, body: body.index, nodes, starts, anchor: picked.point, moved: new THREE.Vector3(),
     };
+  }
+
+  /** Nodes of the surface within the ball's radius of the place; the face there when there are none. @param {any} picked @param {any} body */
+  patch(picked, body) {
+    const reach = (this.radius * body.size) ** 2;
+    const at = picked.node; // the drawn place may be exaggerated, that of the node is not
+    const nodes = [];
+    for (let n = 0; n < body.surface; n++) {
+      const square = (body.x[3 * n] - body.x[3 * at]) ** 2 + (body.x[3 * n + 1] - body.x[3 * at + 1]) ** 2 + (body.x[3 * n + 2] - body.x[3 * at + 2]) ** 2;
+      if (square <= reach) nodes.push(n);
+    }
+    return nodes.length > 0 && nodes.length <= MOST_NODES ? nodes : picked.nodes;
   }
 
   /** The ball touches the body where the pointer is. @param {any} picked @param {any} body */

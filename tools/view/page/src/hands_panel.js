@@ -25,7 +25,7 @@ export class HandsPanel {
       this.problem.textContent = good ? '' : `"${text}" is no stiffness; a number above zero was expected, or nothing to let the server choose.`;
     }, { placeholder: 'automatic' });
     this.problem = h('div', { class: 'error', 'data-error': 'stiffness' });
-    this.grip = choice('grip', 'What is taken', [['face', 'Face under the pointer'], ['node', 'Nearest node']], hands.grip, (grip) => (hands.grip = grip));
+    this.grip = choice('grip', 'What is taken', [['patch', 'A patch as wide as the ball'], ['face', 'Face under the pointer'], ['node', 'Nearest node']], hands.grip, (grip) => (hands.grip = grip));
     this.radius = h('input', { test: 'ball', type: 'range', min: 0.02, max: 0.3, step: 0.01, value: hands.radius, 'aria-label': 'Radius of the ball', oninput: () => {
       hands.radius = Number(this.radius.value);
       this.update();
@@ -34,7 +34,7 @@ export class HandsPanel {
     this.list = h('ul', { class: 'list', 'data-test': 'hands-list' });
     this.total = h('p', { class: 'number', 'data-test': 'force' });
     body.append(h('div', { class: 'segments wide', role: 'group', 'aria-label': 'Hand' }, ...this.modes), this.help, row('Stiffness', this.stiffness, h('span', { class: 'unit' }, 'N/m')), this.problem,
-      row('Takes', this.grip), row('Ball', this.radius, this.radiusText), h('h2', {}, 'In action'), this.list, this.total,
+      row('Takes', this.grip), row('Width', this.radius, this.radiusText), h('h2', {}, 'In action'), this.list, this.total,
       h('div', { class: 'buttons' }, h('button', { test: 'release-all', type: 'button', onclick: () => hands.releaseAll() }, 'Let all go')),
       this.control = h('div', {}, h('p', { class: 'quiet' }), h('button', { test: 'control', type: 'button', onclick: () => commands.takeControl() }, 'Take control')));
     store.on('hand-mode', () => this.update());

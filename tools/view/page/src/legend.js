@@ -28,7 +28,7 @@ export class Legend {
     const texts = alike(places.map((place) => place / scale.factor));
     const name = titleOf(view.colour);
     return {
-      caption: `${name} [${scale.unit || '–'}]`, map: view.map,
+      caption: `${name} [${scale.unit || '–'}]${view.range === 'most' && view.colour !== 'displacement' ? ', 98 %' : ''}`, map: view.map,
       marks: places.map((place, i) => ({ at: high > low ? (place - low) / (high - low) : 0.5, text: texts[i] })),
     };
   }

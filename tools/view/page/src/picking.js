@@ -3,6 +3,7 @@
 import { shared } from './gpu.js';
 
 const NEAR = 12; // CSS pixels
+const BESIDE = 6; // CSS pixels beside the outline of a body that still count
 
 /** @typedef {{body: number, node: number, sceneNode: number, nodes: number[], point: number[], distance: number}} Picked */
 
@@ -23,7 +24,7 @@ export function pick(stage, x, y) {
     if (hit) best = { body: view.body.index, ...hit };
   }
   best = hitSection(stage, origin, direction, best);
-  best = nearestLoose(stage, x, y, best) ?? best;
+  best = nearestLoose(stage, x, y, best) ?? best ?? nearestBeside(stage, x, y);
   if (!best) return null;
   const body = stage.store.bodies[best.body];
   const point = origin.map((o, c) => o + best.distance * direction[c]);
@@ -102,6 +103,31 @@ function hitSection(/** @type {any} */ stage, /** @type {number[]} */ o, /** @ty
     }
   }
   return best;
+}
+
+/** A node of a surface whose outline the pointer just misses: the nearest one to the eye. */
+function nearestBeside(/** @type {any} */ stage, /** @type {number} */ x, /** @type {number} */ y) {
+  if (!stage.store.view.surface) return null;
+  const { camera } = stage;
+  const m = camera.projectionMatrix.clone().multiply(camera.matrixWorldInverse).elements;
+  const picture = stage.canvas.getBoundingClientRect();
+  const eye = camera.position.toArray();
+  const cut = shared.cut.value ? shared.plane.value : null;
+  let found = null;
+  for (const view of stage.views) {
+    if (!view.body.visible || view.body.triangles.length === 0) continue;
+    for (let n = 0; n < view.body.surface; n++) {
+      const p = view.drawnAt(n);
+      const w = m[3] * p[0] + m[7] * p[1] + m[11] * p[2] + m[15];
+      const px = picture.left + ((m[0] * p[0] + m[4] * p[1] + m[8] * p[2] + m[12]) / w + 1) * 0.5 * picture.width;
+      const py = picture.top + (1 - (m[1] * p[0] + m[5] * p[1] + m[9] * p[2] + m[13]) / w) * 0.5 * picture.height;
+      if (!(w > 0 && Math.hypot(px - x, py - y) < BESIDE)) continue;
+      if (cut && cut.x * p[0] + cut.y * p[1] + cut.z * p[2] > cut.w) continue;
+      const distance = Math.hypot(p[0] - eye[0], p[1] - eye[1], p[2] - eye[2]);
+      if (!found || distance < found.distance) found = { body: view.body.index, node: n, nodes: [n], distance };
+    }
+  }
+  return found;
 }
 
 /** Nodes without faces: points, and bodies of lines. */

@@ -73,7 +73,7 @@ export class Store {
     this.picked = null;
     this.selected = '';
     this.view = {
-      colour: '', map: 'viridis', range: 'running', low: 0, high: 1, exaggeration: 1, legend: true,
+      colour: '', map: 'viridis', range: 'most', low: 0, high: 1, exaggeration: 1, legend: true,
       surface: true, wireframe: false, points: true, springs: true, held: true, loads: false, frames: true, opacity: 1,
       cut: { on: false, normal: [1, 0, 0], place: 0.5, flip: false, outlines: true, fill: true },
       theme: 'auto', remote: false,
