@@ -8,6 +8,7 @@ import os
 import signal
 import sys
 import tempfile
+import time
 import unittest
 
 from browser import Browser, Image, Keys, Proxy, skip_without_browser
@@ -413,9 +414,13 @@ class Exports(PageTest):
             self.assertGreater(len(video), 5000)
             browser.click("pause")
             browser.until(f"!{WATCHED}.running", "the pause")
+            still = "[window.stroma.history.frames.length, window.stroma.frameDrawn]"
+            seen = None
+            while seen != browser.script(still):  # the last picture comes after the word on the pause
+                seen = browser.script(still)
+                time.sleep(0.3)
+            frames, last = seen[0], browser.positions()
             path, html = browser.download(lambda: browser.click("export-html"), ".html")
-            frames = browser.script("window.stroma.history.frames.length")
-            last = browser.positions()
         self.assertNotIn(viewed.token.encode(), html)
         browser.open("file://" + path)
         self.shows_bodies()
