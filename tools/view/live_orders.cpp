@@ -2,6 +2,7 @@
 // What pages ask of a run, and the answers.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "framework/algebra/parallel.h"
@@ -107,7 +108,7 @@ bool LiveRun::carryOutOfRun(const std::string& verb, const json& message) {
     if (!ended_.empty()) throw ComponentError("the run has ended: " + ended_, "reset");
     running_ = false;
     const long count = integer(message.value("count", json(1)), "count", 1, 100000);
-    for (long i = 0; i < count && ended_.empty() && !stopping_; ++i) advance(1);
+    for (long i = 0; i < count && ended_.empty() && !stopping_ && !isPauseAsked(); ++i) advance(1);
   } else if (verb == "reset") {
     reset();
   } else if (verb == "pace") {
@@ -124,6 +125,14 @@ bool LiveRun::carryOutOfRun(const std::string& verb, const json& message) {
   }
   tellStatus(true);
   return true;
+}
+
+bool LiveRun::isPauseAsked() const {
+  const std::lock_guard lock(mutex_);
+  return std::any_of(orders_.begin(), orders_.end(), [](const Order& order) {
+    const std::string verb = order.message.value("do", "");
+    return verb == "pause" || verb == "reset";
+  });
 }
 
 void LiveRun::introduce(int client) {

@@ -61,10 +61,10 @@ bool LiveRun::post(Order order) {
   {
     const std::lock_guard lock(mutex_);
     if (isOfHand(order.message)) {
-      // the newest place of a hand is what counts, unless it was let go of or has become another hand meanwhile
+      // the newest place of a hand is what counts, unless something else was asked for meanwhile
       const auto same = std::find_if(orders_.rbegin(), orders_.rend(), [&order](const Order& other) {
-        return other.client == order.client &&
-               other.message.value("hand", json()) == order.message.value("hand", json());
+        return !isOfHand(other.message) || (other.client == order.client &&
+                                            other.message.value("hand", json()) == order.message.value("hand", json()));
       });
       if (same != orders_.rend() && same->message["do"] == order.message["do"] && !same->message.contains("request")) {
         same->message = std::move(order.message);

@@ -44,6 +44,8 @@ class LiveRun {
   void answer(const Order& order);
   std::string carryOut(const Order& order);
   bool carryOutOfRun(const std::string& verb, const nlohmann::json& message);
+  /// Many steps in a row end early for it.
+  bool isPauseAsked() const;
   void introduce(int client);
   void tell(int client, const std::string& verb);
   void tellXml(int client);

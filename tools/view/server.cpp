@@ -81,6 +81,10 @@ void Server::accept() {
 // ---- from the thread that steps ----
 
 void Server::send(int client, const json& message) {
+  if (message.value("is", "") == "status") {
+    asio::post(context_, [this, client, message] { deliver(client, textOf(withControl(message)), true); });
+    return;
+  }
   asio::post(context_, [this, client, bytes = textOf(message)] { deliver(client, bytes, true); });
 }
 
@@ -99,12 +103,16 @@ void Server::show(std::shared_ptr<const Packet> frame) {
 
 void Server::tellStatus(const json& status) {
   asio::post(context_, [this, status] {
-    status_ = status;
-    status_["control"] = control_ == 0 ? json() : json(control_);
-    status_["clients"] = clients_.size();
-    const auto bytes = textOf(status_);
+    const auto bytes = textOf(withControl(status));
     for (const auto clients = clients_; const auto& [number, client] : clients) client->tellStatus(bytes);
   });
+}
+
+/// Who has control is known here, not to the run.
+json Server::withControl(json status) const {
+  status["control"] = control_ == 0 ? json() : json(control_);
+  status["clients"] = clients_.size();
+  return status;
 }
 
 void Server::deliver(int client, std::shared_ptr<const std::string> bytes, bool is_text) {
@@ -215,6 +223,8 @@ void Server::take(Client& client, json message) {
       if (!run_->post({client.number(), std::move(message)}))
         refuse(client, json::object(), "too many messages wait already");
     }
+  } catch (const json::exception& error) {
+    refuse(client, message, error.what());
   } catch (const ComponentError& error) {
     refuse(client, message,
            error.expected.empty() ? error.what() : fmt::format("{} (expected {})", error.what(), error.expected));

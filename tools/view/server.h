@@ -45,6 +45,7 @@ class Server final : public Audience {
 
  private:
   void accept();
+  nlohmann::json withControl(nlohmann::json status) const;
   void deliver(int client, std::shared_ptr<const std::string> bytes, bool is_text);
   bool needsControl(const std::string& verb) const;
   void setControl(int client);
@@ -58,7 +59,6 @@ class Server final : public Audience {
   LiveRun* run_ = nullptr;
   std::map<int, std::shared_ptr<Client>> clients_;
   int next_client_ = 1, control_ = 0, connections_ = 0, signal_ = 0;
-  nlohmann::json status_;
 };
 
 }  // namespace stroma::view
