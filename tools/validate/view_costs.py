@@ -95,6 +95,26 @@ def pulled(arguments, scene, options, body_nodes):
         return steps / now, math.hypot(*force)
 
 
+def delay(arguments, scene, options):
+    """Median and longest time [ms] from an order of a hand to the arrival of the first picture that has its effect, and the
+    time of a step [ms]."""
+    with Server(arguments.stroma, os.path.join(TREE, scene), *options) as server:
+        page = Watcher(server)
+        server.pages.append(page)
+        page.do("pace", pace="fast")
+        page.picture()
+        place = [float(value) for value in page.scene.arrays["0.rest"].reshape(-1, 3)[0]]
+        own, times = str(page.scene["client"]), []
+        for k in range(1, 201):
+            page.during(0.003 + 0.017 * (k * 7 % 13) / 13)  # at all phases of the pictures
+            start = time.monotonic()
+            page.socket.send({"do": "pull", "hand": "a", "body": 0, "nodes": [0],
+                              "targets": [[place[0] + 1e-5 * k, place[1], place[2]]], "sequence": k})
+            page.until(lambda: page.frame.get("applied", {}).get(own) == k, "the order to take effect")
+            times.append(1e3 * (time.monotonic() - start))
+        return statistics.median(times), max(times), page.status["step_ms"]
+
+
 def memory(arguments, scene):
     """Resident memory [MB] at some instants of a watched run."""
     with Server(arguments.stroma, os.path.join(TREE, scene)) as server:
@@ -129,6 +149,10 @@ def main():
               flush=True)
     steps, force = pulled(arguments, "scenes/examples/organ_condensed.xml", ["--set", "/organ/paraview.enable=false"], 0)
     print(f"\nCondensed organ, pulled by a moving hand ({force:.3g} N at the end): {steps:.0f} steps a second")
+    print("\n| From an order to the picture with its effect | Median | Longest of 200 | Step |\n|---|---|---|---|")
+    for name, scene, options in (("5,000 tetrahedra", cube, []), ("42,875 nodes", cube, large)):
+        middle, longest, step = delay(arguments, scene, options)
+        print(f"| {name} | {middle:.1f} ms | {longest:.1f} ms | {step:.2f} ms |", flush=True)
     if arguments.memory_seconds > 0:
         print(f"Memory over {arguments.memory_seconds:g} s [MB]: {', '.join(f'{x:.1f}' for x in memory(arguments, 'scenes/examples/organ.xml'))}")
 
