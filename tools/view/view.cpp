@@ -51,7 +51,7 @@ class BrowserViewer final : public Viewer {
     if (!request.fields.empty())
       scene.header()["view"] = {{"colour", request.fields.front() + "|cells|" + unitOfField(request.fields.front())},
                                 {"range", "most"}};
-    std::vector<std::string> packets{scene.bytes(), heldPacket(simulation, drawing, 1).bytes()};
+    std::vector<std::string> packets{scene.bytes(), heldPacket(simulation, drawing, 1, simulation.time()).bytes()};
     if (request.inside) packets.push_back(cellsPacket(drawing, 1).bytes());
     long frame = 0;
     const auto keep = [&] {
