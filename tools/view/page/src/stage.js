@@ -57,6 +57,8 @@ export class Stage {
       this.arrived.push(packet.header.frame);
       this.requestDraw();
     });
+    // Frames of an earlier connection are nothing to the new one.
+    store.on('connection', () => store.connection.state === 'open' && (this.arrived = []));
     store.on('frame', () => {
       this.frameChanged = true;
       this.requestDraw();
@@ -72,7 +74,8 @@ export class Stage {
     for (const view of this.views) view.dispose();
     this.views = this.store.bodies.map((body) => new BodyView(body, this.store));
     for (const view of this.views) this.world.add(view.group);
-    this.colouring.reset();
+    for (const view of this.views) view.setConstraints();
+    if (!this.store.continued) this.colouring.reset();
     this.measure();
     // The same scene sent again, after a lost connection or a change of topology, keeps the camera.
     if (this.fitPending || this.name !== this.store.scene.name) this.view();
