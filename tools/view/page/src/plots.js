@@ -6,6 +6,7 @@ import { alike, number } from './formats.js';
 import { Series } from './series.js';
 
 const INK = ['#3f8fb5', '#d0803a', '#5b9a5b', '#9a6bb5'];
+const MOST_NODES = 6; // watched at once
 const PAUSE = 100; // [ms] between two drawings
 
 /** @typedef {{key: string, title: string, unit: string, lines: [string, string][], group: string, log?: boolean}} Kind */
@@ -58,6 +59,10 @@ export class Plots {
     new ResizeObserver(() => this.resize()).observe(body);
   }
 
+  get mostNodes() {
+    return MOST_NODES;
+  }
+
   /** @param {boolean} on */
   opened(on) {
     this.isOpen = on;
@@ -82,7 +87,7 @@ export class Plots {
   watch(body, node) {
     const { watched } = this.store;
     if (!watched.some((/** @type {any} */ w) => w.body === body && w.node === node)) watched.push({ body, node });
-    if (watched.length > 6) watched.shift();
+    if (watched.length > MOST_NODES) watched.shift();
     if (!this.commands.connection) this.fromHistory();
     this.store.emit('watched');
     this.listNodes();
