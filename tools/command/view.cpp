@@ -140,7 +140,8 @@ int serve(const ViewCommand& command, Session& session, const view::Viewer& view
   std::optional<ViewRecording> recording;
   view::ViewRequest request = command.live;
   if (!command.record_folder.empty()) {
-    recording.emplace(session, command);
+    // not before: a port that is taken leaves the recording that is there
+    request.listening = [&] { recording.emplace(session, command); };
     request.after_step = [&recording] { recording->write(); };
   }
   request.after_reset = [&] {

@@ -93,6 +93,7 @@ class BrowserViewer final : public Viewer {
   int view(Session& session, const ViewRequest& request) const override {
     Server server(request);
     LiveRun run(session, request, server);
+    if (request.listening) request.listening();
     return server.serve(run);
   }
 

@@ -23,6 +23,8 @@ struct ViewRequest {
   Recording recording{};           ///< not empty: these instants are shown, and nothing is run
   std::string build;               ///< of the program; a page of another build is told to load again
 
+  std::function<void()>
+      listening{};  ///< called once, before anything runs: what must not happen where nobody is served
   // Called by the thread that serves:
   std::function<void(const std::string& address)> opened{};  ///< pages may come
   // Called by the thread that steps, between steps:
