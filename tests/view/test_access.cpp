@@ -22,6 +22,44 @@ TEST(Access, OnlyOwnNamesAreHosts) {
     EXPECT_FALSE(access.isOurOrigin(bad)) << bad;
 }
 
+TEST(Access, AnAddressThatTheConnectionCameToIsAName) {
+  const Access access("0.0.0.0", 8123);
+  EXPECT_TRUE(access.address().starts_with("http://127.0.0.1:8123/?token="));
+  EXPECT_TRUE(access.isOurHost("192.168.1.5:8123", "192.168.1.5"));
+  EXPECT_TRUE(access.isOurOrigin("http://192.168.1.5:8123", "192.168.1.5"));
+  EXPECT_TRUE(access.isOurHost("[fd00::2]:8123", "fd00::2"));
+  EXPECT_TRUE(access.isOurHost("127.0.0.1:8123", "192.168.1.5"));
+  EXPECT_FALSE(access.isOurHost("192.168.1.5:8123"));
+  for (const char* bad : {"192.168.1.5", "192.168.1.5:80", "192.168.1.55:8123", "192.168.1.5.evil.example:8123",
+                          "192.168.1.6:8123", "0.0.0.0:8123", "[192.168.1.5]:8123", ":8123"})
+    EXPECT_FALSE(access.isOurHost(bad, "192.168.1.5")) << bad;
+  EXPECT_FALSE(access.isOurHost("fd00::2:8123", "fd00::2"));
+  EXPECT_FALSE(access.isOurHost(":8123", ""));
+}
+
+TEST(Access, AddressesOfTheSixthVersionStandInBrackets) {
+  const Access one("::1", 8123), any("::", 8123);
+  for (const Access* access : {&one, &any}) {
+    EXPECT_TRUE(access->address().starts_with("http://[::1]:8123/?token=")) << access->address();
+    EXPECT_TRUE(access->isOurHost("[::1]:8123"));
+    EXPECT_TRUE(access->isOurOrigin("http://[::1]:8123"));
+    for (const char* bad : {"::1:8123", "[::1]", "[::]:8123", "[::1]:81", "[::1]8123"})
+      EXPECT_FALSE(access->isOurHost(bad)) << bad;
+  }
+}
+
+TEST(Access, ThePortOfHttpMayBeLeftOut) {
+  const Access access("192.168.1.5", 80);
+  EXPECT_TRUE(access.address().starts_with("http://192.168.1.5/?token="));
+  for (const char* good : {"192.168.1.5", "192.168.1.5:80", "localhost", "127.0.0.1:80"}) {
+    EXPECT_TRUE(access.isOurHost(good)) << good;
+    EXPECT_TRUE(access.isOurOrigin(std::string("http://") + good)) << good;
+  }
+  EXPECT_TRUE(access.isOurHost("[::1]", "::1"));
+  for (const char* bad : {"", "192.168.1.5:8", "192.168.1.5:", "192.168.1.5:8080", "192.168.1.5.evil.example"})
+    EXPECT_FALSE(access.isOurHost(bad)) << bad;
+}
+
 TEST(Access, TokensAreOfTheirRunAndWhole) {
   const Access one("127.0.0.1", 8123), other("127.0.0.1", 8123);
   EXPECT_EQ(one.token().size(), 32u);

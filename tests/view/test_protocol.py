@@ -2,10 +2,15 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """`stroma view` seen by pages without a browser: what is shown is the run, and what is done by hand is in the run, to the bit.
 Usage: test_protocol.py TREE STROMA [names of tests]"""
+import base64
 import glob
+import gzip
 import json
 import os
 import re
+import resource
+import shutil
+import struct
 import subprocess
 import sys
 import tempfile
@@ -15,6 +20,7 @@ import unittest
 import numpy
 
 from server import Server
+from websocket import Packet
 
 TREE, STROMA = (os.path.abspath(path) for path in sys.argv[1:3])
 EXAMPLES = sorted(glob.glob(os.path.join(TREE, "scenes", "examples", "*.xml")))
@@ -25,12 +31,58 @@ def example(name):
     return os.path.join(TREE, "scenes", "examples", name)
 
 
-def command(*arguments, expected=0):
-    """Output and messages of the command, which runs in a folder that is gone afterwards."""
+GRID = """<Node gravity="0 -9.81 0" dt="0.01"><EulerImplicitSolver/><CGLinearSolver iterations="100" tolerance="1e-9" threshold="1e-9"/>
+  <RegularGridTopology n="{n} {n} {n}" min="0 0 0" max="0.1 0.1 0.1"/><MechanicalObject name="dofs"/><UniformMass totalMass="1"/>
+  <HexahedronFEMForceField name="fem" youngModulus="2e4" poissonRatio="0.3" method="large"/><FixedProjectiveConstraint indices="0 1 2"/></Node>
+"""
+
+
+def command(*arguments, expected=0, cwd=None, **options):
+    """Output and messages of the command, which runs in a folder that is gone afterwards, or in the one named."""
     with tempfile.TemporaryDirectory() as folder:
-        result = subprocess.run([STROMA, *arguments], capture_output=True, text=True, cwd=folder, timeout=120)
+        result = subprocess.run([STROMA, *arguments], capture_output=True, text=True, cwd=cwd or folder, timeout=120, **options)
     assert result.returncode == expected, (arguments, result)
     return result.stdout, result.stderr
+
+
+def write(folder, name, text):
+    """Path of a new file."""
+    path = os.path.join(folder, name)
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(text)
+    return path
+
+
+def contents(folder):
+    """{path: bytes} of all files below."""
+    out = {}
+    for root, _, names in os.walk(folder):
+        for name in names:
+            with open(os.path.join(root, name), "rb") as file:
+                out[os.path.join(root, name)] = file.read()
+    return out
+
+
+def packets_of_page(path):
+    """Scene and frames that an exported page plays."""
+    with open(path, encoding="utf-8") as file:
+        parts = json.loads(re.search(r'<script type="application/json" id="stroma-recording">(.*?)</script>', file.read(), re.S).group(1))
+    packets = []
+    for part in parts["packets"]:
+        data, at = gzip.decompress(base64.b64decode(part, validate=True)), 0
+        while at < len(data):
+            length, = struct.unpack_from("<I", data, at)
+            packets.append(Packet(data[at + 4:at + 4 + length]))
+            at += 4 + length
+        assert at == len(data)
+    assert [packet["is"] for packet in packets[:2]] == ["scene", "held"]
+    return packets[0], [packet for packet in packets if packet["is"] == "frame"]
+
+
+def positions_in(frame, body=0):
+    """x of a picture of a page, one row per node, and the widest side of its box."""
+    low, high = numpy.split(numpy.array(frame["boxes"][body]), 2)
+    return low + frame.arrays[f"{body}.x"].reshape(-1, 3) / 65535.0 * (high - low), (high - low).max()
 
 
 def hash_of_run(scene, steps, *options):
@@ -544,6 +596,178 @@ class Recording(unittest.TestCase):
                 self.assertEqual(server.page().status["recording"]["count"], 6)
 
 
+class Exports(unittest.TestCase):
+    """`stroma view --export`: a page that is written without a browser."""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = folder.name
+        self.scene = write(self.folder, "block.xml", GRID.format(n=4))
+        self.page = os.path.join(self.folder, "page.html")
+
+    def test_a_run(self):
+        command("view", self.scene, "--export", self.page, "-n", "7", "--every", "3")
+        scene, frames = packets_of_page(self.page)
+        self.assertEqual(scene["mode"], "recording")
+        self.assertEqual([frame["step"] for frame in frames], [0, 3, 6])
+        with Server(STROMA, self.scene, "--paused") as server:
+            live = server.page()
+            for frame in frames:
+                if frame["step"]:
+                    live.do("step", count=3)
+                live.picture(frame["step"])
+                x, width = positions_in(frame)
+                numpy.testing.assert_allclose(x, live.positions(), rtol=0, atol=width / 65535)
+
+    def test_a_recording_is_not_run_anew(self):
+        """What was recorded is shown: a run with another stiffness, of which the scene knows nothing."""
+        recorded = os.path.join(self.folder, "results", "soft")
+        command("run", self.scene, "-n", "9", "-q", "--record", recorded, "--record-every", "2", "--set", "/fem.youngModulus=300")
+        before = contents(recorded)
+        command("view", recorded, "--export", self.page, "--every", "2")
+        _, frames = packets_of_page(self.page)
+        numpy.testing.assert_allclose([frame["time"] for frame in frames], [0, 0.04, 0.08], rtol=1e-12)
+        with Server(STROMA, recorded) as server:
+            viewed = server.page()
+            self.assertEqual(viewed.status["recording"]["count"], 6)
+            for number, frame in enumerate(frames):
+                viewed.do("seek", index=2 * number)
+                viewed.until(lambda number=number: viewed.frame["index"] == 2 * number, "the instant")
+                x, width = positions_in(frame)
+                numpy.testing.assert_allclose(x, viewed.positions(), rtol=0, atol=width / 65535)
+        self.assertEqual(contents(recorded), before)
+
+    def test_what_is_too_large_stops_early_and_names_a_stride_that_fits(self):
+        """A page of 50 MB takes some 1,000 pictures of this grid; 100,000 steps would take minutes."""
+        scene = write(self.folder, "fine.xml", GRID.format(n=24).replace("<EulerImplicitSolver/><CGLinearSolver iterations=\"100\" tolerance=\"1e-9\" "
+                      "threshold=\"1e-9\"/>", "<EulerExplicitSolver/>").replace('dt="0.01"', 'dt="1e-4"'))
+        began = time.monotonic()
+        _, errors = command("view", scene, "--export", self.page, "-n", "100000", "--inside", "--field", "vonMises", expected=2)
+        print(f"refused after {time.monotonic() - began:.1f} s: {errors.strip()}")
+        stride = re.search(r"expected --every (\d+)", errors)
+        self.assertTrue(stride, errors)
+        self.assertFalse(os.path.exists(self.page))
+        self.assertGreater(int(stride.group(1)), 20)
+
+    def test_a_run_without_a_result_is_no_page(self):
+        scene = write(self.folder, "burst.xml", GRID.format(n=3).replace("EulerImplicitSolver", "EulerExplicitSolver").replace('dt="0.01"', 'dt="1"'))
+        _, errors = command("view", scene, "--export", self.page, expected=3)
+        self.assertIn("no result", errors)
+        self.assertFalse(os.path.exists(self.page))
+
+    def test_a_page_that_cannot_be_written_any_more(self):
+        """A file may have 100 kB here; the page has more."""
+        _, errors = command("view", self.scene, "--export", self.page, "-n", "2", expected=4,
+                            preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (100000, 100000)))
+        self.assertIn("page.html", errors)
+        self.assertFalse(os.path.exists(self.page))
+
+
+class Files(unittest.TestCase):
+    """Nothing that is read is written over, and an output that fails is not passed over."""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = folder.name
+        self.scene = write(self.folder, "block.xml", GRID.format(n=3))
+        self.recorded = os.path.join(self.folder, "rec")
+        self.actions = write(self.folder, "run.actions", '{"stroma":"actions","version":1,"scene":"other.xml"}\n'
+                             '{"step":1,"set":"/fem","attribute":"youngModulus","value":"9000"}\n')
+
+    def refused(self, *arguments):
+        """With a sentence, and with every file as it was."""
+        before = contents(self.folder)
+        _, errors = command("view", *arguments, expected=2, cwd=self.folder)
+        self.assertIn("overwrite", errors)
+        self.assertEqual(contents(self.folder), before)
+
+    def test_what_is_read_is_not_overwritten(self):
+        self.refused("block.xml", "--export", "block.xml")
+        self.refused("block.xml", "--export", "./run.actions", "--replay", self.actions)
+        self.refused("block.xml", "--no-open", "--record", ".", "--replay", "run.actions")
+        os.symlink(self.scene, os.path.join(self.folder, "link.html"))
+        self.refused("block.xml", "--export", "link.html")
+        command("run", self.scene, "-n", "2", "-q", "--record", self.recorded)
+        shutil.copy(self.actions, self.recorded)
+        self.refused("block.xml", "--no-open", "--record", "rec", "--replay", "rec/run.actions")
+        for name in os.listdir(self.recorded):
+            self.refused("rec", "--export", os.path.join("rec", name))
+
+    def test_a_port_that_is_taken_leaves_a_recording(self):
+        command("run", self.scene, "-n", "2", "-q", "--record", self.recorded)
+        before = contents(self.folder)
+        with Server(STROMA, self.scene, "--paused") as server:
+            command("view", self.scene, "--no-open", "--port", str(server.port), "--record", self.recorded, expected=2)
+        self.assertEqual(contents(self.folder), before)
+
+    def test_actions_of_another_scene_are_noted(self):
+        for quiet in ((), ("--quiet",)):
+            with Server(STROMA, self.scene, "--paused", "--replay", self.actions, *quiet) as server:
+                self.assertEqual("recorded with the scene other.xml" in server.error_text(), not quiet)
+                page = server.page()
+                page.do("step", count=3)
+                self.assertEqual(page.hash()[1], hash_of_run(self.scene, 3, "--replay", self.actions))
+
+    def test_a_recording_of_a_relative_scene_opens_from_elsewhere(self):
+        command("run", "block.xml", "-n", "2", "-q", "--record", "results/block", cwd=self.folder)
+        recorded = os.path.join(self.folder, "results", "block")
+        with Server(STROMA, recorded) as server:
+            self.assertEqual(server.page().status["recording"]["count"], 3)
+        os.rename(self.scene, os.path.join(recorded, "block.xml"))
+        with Server(STROMA, recorded + "/") as server:
+            self.assertEqual(server.page().status["recording"]["count"], 3)
+        os.remove(os.path.join(recorded, "block.xml"))
+        _, errors = command("view", recorded, "--no-open", expected=2)
+        self.assertIn("last.checkpoint names the scene block.xml", errors)
+
+    def test_a_recording_that_cannot_grow_ends_the_run(self):
+        with Server(STROMA, self.scene, "--paused", "--record", self.recorded, expected=4) as server:
+            page = server.page()
+            page.do("step", count=2)
+            size = max(len(data) for data in contents(self.recorded).values())
+            resource.prlimit(server.process.pid, resource.RLIMIT_FSIZE, (size, resource.RLIM_INFINITY))
+            page.do("run")
+            page.until(lambda: page.status["ended"], "the end of the run")
+            self.assertIn(".state.gz", page.status["ended"])
+            server.end()
+
+    def test_a_failing_output_is_forgiven_when_a_reset_begins_it_anew(self):
+        with Server(STROMA, self.scene, "--paused", "--record", self.recorded) as server:
+            page = server.page()
+            page.do("step", count=2)
+            size = max(len(data) for data in contents(self.recorded).values())
+            resource.prlimit(server.process.pid, resource.RLIMIT_FSIZE, (size, resource.RLIM_INFINITY))
+            page.do("run")
+            page.until(lambda: page.status["ended"], "the end of the run")
+            resource.prlimit(server.process.pid, resource.RLIMIT_FSIZE, (resource.RLIM_INFINITY, resource.RLIM_INFINITY))
+            page.do("reset")
+            page.do("step", count=1)
+            server.end()
+        with Server(STROMA, self.recorded) as server:
+            self.assertEqual(server.page().status["recording"]["count"], 2)
+
+    def test_a_reset_whose_recording_cannot_begin_leaves_the_one_before(self):
+        with Server(STROMA, self.scene, "--paused", "--record", self.recorded, expected=4) as server:
+            page = server.page()
+            page.do("step", count=2)
+            file = os.path.join(self.recorded, "dofs.state.gz")
+            os.rename(file, file + ".kept")
+            os.mkdir(file)
+            before = contents(self.recorded)
+            self.assertIn("dofs.state.gz", page.refused("reset"))
+            page.ask("step", count=1)
+            page.until(lambda: page.status["ended"], "the end of the run")
+            self.assertIn("dofs.state.gz", page.status["ended"])
+            self.assertIn("ended", page.refused("run"))
+            server.process.send_signal(2)
+            server.process.wait(60)
+            self.assertIn("error: ", server.error_text())
+            self.assertEqual(contents(self.recorded), before)
+            server.end()
+
+
 class Command(unittest.TestCase):
     """What goes wrong before anybody connects, and how it ends."""
 
@@ -553,6 +777,29 @@ class Command(unittest.TestCase):
                                 ((TREE,), "last.checkpoint")):
             _, errors = command("view", *arguments, "--no-open", expected=2)
             self.assertIn(part, errors)
+
+    def test_options_without_their_partner_are_mistakes(self):
+        scene = example("organ.xml")
+        with tempfile.TemporaryDirectory() as folder:
+            recorded = os.path.join(folder, "run")
+            command("run", scene, "-n", "1", "-q", "--record", recorded)
+            for option in (("--steps", "5"), ("--every", "2"), ("--field", "vonMises"), ("--inside",)):
+                self.named(option[0], "--export", scene, *option, "--no-open")
+            for option in (("--port", "0"), ("--host", "127.0.0.1"), ("--open",), ("--no-open",), ("--paused",), ("--fps", "30"), ("--record", "x")):
+                self.named(option[0], "--export", scene, "--export", "page.html", *option)
+            self.named("--record-every", "--record", scene, "--record-every", "2")
+            self.named("--steps", "recording", recorded, "--export", "page.html", "-n", "5")
+            self.named("--record", "recording", recorded, "--record", "x", "--no-open")
+            self.named("--replay", "recording", recorded, "--replay", "x", "--no-open")
+            self.named("--every", "1 to", scene, "--export", "page.html", "--every", "0")
+
+    def named(self, option, part, *arguments):
+        """The mistake, and nothing is written."""
+        with tempfile.TemporaryDirectory() as folder:
+            _, errors = command("view", *arguments, expected=2, cwd=folder)
+            self.assertEqual(os.listdir(folder), [])
+        self.assertIn(option, errors)
+        self.assertIn(part, errors)
 
     def test_a_taken_port_is_named(self):
         with Server(STROMA, example("organ.xml"), "--paused") as server:

@@ -5,13 +5,17 @@ Usage: test_security.py TREE STROMA [--messages N] [--seed S] [names of tests]""
 import json
 import os
 import random
+import re
+import shutil
 import socket
+import subprocess
 import sys
+import tempfile
 import time
 import unittest
 
 from server import Server
-from websocket import BINARY, CLOSE, PING, TEXT, Closed, frame_bytes
+from websocket import BINARY, CLOSE, PING, TEXT, Closed, frame_bytes, read_head
 
 TREE, STROMA = (os.path.abspath(path) for path in sys.argv[1:3])
 SCENE = os.path.join(TREE, "scenes", "examples", "organ.xml")
@@ -178,6 +182,66 @@ class Doors(unittest.TestCase):
         with Server(STROMA, SCENE, "--paused", "--host", "0.0.0.0") as server:
             self.assertIn("warning", server.error_text())
         self.assertNotIn("warning: other machines", self.server.error_text())
+
+
+class Addresses(unittest.TestCase):
+    """--host: the page is reached by the addresses of the machine, and by no other name."""
+
+    def start(self, host, expected):
+        """Port and token; the server ends with the test."""
+        folder = tempfile.mkdtemp(prefix="stroma_view_")
+        self.addCleanup(shutil.rmtree, folder)
+        process = subprocess.Popen([STROMA, "view", SCENE, "--no-open", "--paused", "--host", host], stdout=subprocess.PIPE,
+                                   stderr=subprocess.DEVNULL, text=True, cwd=folder)
+        self.addCleanup(process.stdout.close)
+        self.addCleanup(process.wait)
+        self.addCleanup(process.kill)
+        address = process.stdout.readline().strip()
+        match = re.fullmatch(re.escape(f"http://{expected}:") + r"(\d+)/\?token=([0-9a-f]{32})", address)
+        self.assertTrue(match, address)
+        return int(match.group(1)), match.group(2)
+
+    @staticmethod
+    def ask(address, port, path, host, *headers):
+        """(status, headers) of a request to an address by a name."""
+        with socket.create_connection((address, port), timeout=60) as connection:
+            connection.sendall("\r\n".join([f"GET {path} HTTP/1.1", f"Host: {host}", *headers, "", ""]).encode())
+            with connection.makefile("rb") as stream:
+                return read_head(stream)
+
+    def reached(self, address, port, token, host):
+        """The token gives the cookie, the cookie the page and the websocket, to this name alone."""
+        status, headers = self.ask(address, port, f"/?token={token}", host)
+        self.assertEqual(status, 303, (address, host))
+        cookie = "Cookie: " + headers["set-cookie"].split(";")[0]
+        self.assertEqual(self.ask(address, port, "/", host, cookie, "Connection: close")[0], 200)
+        upgrade = ("Upgrade: websocket", "Connection: Upgrade", "Sec-WebSocket-Version: 13", "Sec-WebSocket-Key: " + "A" * 22 + "==", cookie)
+        self.assertEqual(self.ask(address, port, "/live", host, f"Origin: http://{host}", *upgrade)[0], 101)
+        for wrong in (f"127.0.0.3:{port}", f"192.0.2.77:{port}", f"[::2]:{port}", f"0.0.0.0:{port}", f"[::]:{port}", f"evil.example:{port}",
+                      f"{host}.evil.example", f"{host}0", host.rpartition(":")[0], f"x{host}", "", f"[{host}]"):
+            self.assertIn(self.ask(address, port, f"/?token={token}", wrong)[0], (400, 403), wrong)
+            self.assertEqual(self.ask(address, port, "/live", host, f"Origin: http://{wrong}", *upgrade)[0], 403, wrong)
+
+    def test_a_second_address_of_the_machine(self):
+        port, token = self.start("0.0.0.0", "127.0.0.1")
+        for address in ("127.0.0.1", "127.0.0.2"):
+            self.reached(address, port, token, f"{address}:{port}")
+        self.assertEqual(self.ask("127.0.0.1", port, f"/?token={token}", f"127.0.0.2:{port}")[0], 403)  # this connection came to another
+        port, token = self.start("127.0.0.2", "127.0.0.2")
+        self.reached("127.0.0.2", port, token, f"127.0.0.2:{port}")
+
+    def test_addresses_of_the_sixth_version(self):
+        try:
+            with socket.socket(socket.AF_INET6) as one:
+                one.bind(("::1", 0))
+        except OSError as error:
+            self.skipTest(f"this machine has no ::1: {error}")
+        for given in ("::1", "[::1]", "0:0:0:0:0:0:0:1"):
+            port, token = self.start(given, "[0:0:0:0:0:0:0:1]" if given.startswith("0") else "[::1]")
+            self.reached("::1", port, token, f"[::1]:{port}")
+        port, token = self.start("::", "[::1]")
+        self.reached("::1", port, token, f"[::1]:{port}")
+        self.reached("127.0.0.2", port, token, f"127.0.0.2:{port}")
 
 
 class Messages(unittest.TestCase):

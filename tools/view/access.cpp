@@ -4,10 +4,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <boost/asio/ip/address.hpp>
 #include <random>
 
 namespace stroma::view {
 namespace {
+
+constexpr std::string_view http_port = ":80";  // browsers leave it out
+
+/// An address of IPv6 stands in brackets there.
+std::string inUrl(std::string_view address) {
+  return address.find(':') == std::string_view::npos ? std::string(address) : fmt::format("[{}]", address);
+}
 
 std::string randomToken() {
   std::random_device source;  // the kernel's
@@ -25,22 +33,32 @@ std::string_view trimmed(std::string_view text) {
 }  // namespace
 
 Access::Access(const std::string& host, int port)
-    : host_(host == "0.0.0.0" ? "127.0.0.1" : host), token_(randomToken()), name_(fmt::format("stroma_{}", port)) {
-  for (const std::string& name : {std::string("127.0.0.1"), std::string("localhost"), host})
-    names_.push_back(fmt::format("{}:{}", name, port));
+    : port_(fmt::format(":{}", port)), token_(randomToken()), name_(fmt::format("stroma_{}", port)) {
+  boost::system::error_code error;
+  const auto address = boost::asio::ip::make_address(host, error);
+  const bool is_any = !error && address.is_unspecified();  // no machine is called so
+  host_ = inUrl(!is_any ? host : address.is_v6() ? "::1" : "127.0.0.1");
+  names_ = {"127.0.0.1", "localhost", host_};
 }
 
 std::string Access::address() const {
-  return fmt::format("http://{}{}/?token={}", host_, names_.front().substr(names_.front().find(':')), token_);
+  return fmt::format("http://{}{}/?token={}", host_, port_ == http_port ? "" : port_, token_);
 }
 
-bool Access::isOurHost(std::string_view host) const {
-  return std::find(names_.begin(), names_.end(), host) != names_.end();
+bool Access::names(std::string_view host, std::string_view name) const {
+  if (!host.starts_with(name)) return false;
+  const std::string_view port = host.substr(name.size());
+  return port == port_ || (port.empty() && port_ == http_port);
 }
 
-bool Access::isOurOrigin(std::string_view origin) const {
+bool Access::isOurHost(std::string_view host, std::string_view local) const {
+  if (!local.empty() && names(host, inUrl(local))) return true;
+  return std::any_of(names_.begin(), names_.end(), [&](const std::string& name) { return names(host, name); });
+}
+
+bool Access::isOurOrigin(std::string_view origin, std::string_view local) const {
   constexpr std::string_view scheme = "http://";
-  return origin.starts_with(scheme) && isOurHost(origin.substr(scheme.size()));
+  return origin.starts_with(scheme) && isOurHost(origin.substr(scheme.size()), local);
 }
 
 /// In a time that does not tell how much of it is right.

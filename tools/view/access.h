@@ -11,15 +11,18 @@ namespace stroma::view {
 
 class Access {
  public:
-  /// `host`: what pages may call this machine besides 127.0.0.1 and localhost; `port`: the one that is listened on.
+  /// `host`: the address that is listened on, which pages may call this machine by, besides 127.0.0.1 and localhost;
+  /// `port`: the one that is listened on.
   Access(const std::string& host, int port);
 
   const std::string& token() const { return token_; }
-  /// "http://127.0.0.1:8123/?token=..."
+  /// "http://127.0.0.1:8123/?token=...". Where all addresses are listened on, the machine's own one.
   std::string address() const;
-  bool isOurHost(std::string_view host) const;
+  /// `local`: the address of this machine that the connection came to, as "192.168.1.5" or "::1": a page may have been
+  /// opened by it, which names no other machine. Names are those of the header Host: "[::1]:8123"; port 80 may be left out.
+  bool isOurHost(std::string_view host, std::string_view local = {}) const;
   /// Of pages that were loaded from here.
-  bool isOurOrigin(std::string_view origin) const;
+  bool isOurOrigin(std::string_view origin, std::string_view local = {}) const;
   bool isToken(std::string_view given) const;
   /// Whether a header `Cookie` carries the token.
   bool hasCookie(std::string_view cookies) const;
@@ -27,8 +30,11 @@ class Access {
   std::string cookie() const;
 
  private:
+  bool names(std::string_view host, std::string_view name) const;
+
+  std::string port_;  ///< ":8123"
   std::string host_, token_, name_;
-  std::vector<std::string> names_;  ///< NAME:PORT
+  std::vector<std::string> names_;  ///< without port
 };
 
 }  // namespace stroma::view

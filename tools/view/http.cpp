@@ -35,18 +35,41 @@ HttpConnection::Response respond(const HttpConnection::Request& request, http::s
   return response;
 }
 
-/// One name, and it is ours: of two somebody else may read the other.
-bool namesUs(const HttpConnection::Request& request, const Access& access) {
-  return request.count(http::field::host) == 1 && access.isOurHost(viewOf(request[http::field::host]));
+/// The address of this machine at the end of a connection, as a browser writes it; empty when it has gone.
+std::string localAddress(const boost::asio::ip::tcp::socket& socket) {
+  namespace ip = boost::asio::ip;
+  beast::error_code error;
+  ip::address address = socket.local_endpoint(error).address();
+  if (error) return {};
+  if (!address.is_v6()) return address.to_string();
+  ip::address_v6 six = address.to_v6();
+  if (six.is_v4_mapped()) return ip::make_address_v4(ip::v4_mapped, six).to_string();
+  six.scope_id(0);  // no name of a host has it
+  return six.to_string();
 }
 
 }  // namespace
 
 HttpConnection::HttpConnection(Server& server, boost::asio::ip::tcp::socket socket)
-    : server_(server), stream_(std::move(socket)) {
+    : server_(server), local_(localAddress(socket)), stream_(std::move(socket)) {
   server_.countConnection(1);
 }
-HttpConnection::~HttpConnection() { server_.countConnection(-1); }
+
+HttpConnection::~HttpConnection() {
+  if (is_counted_) server_.countConnection(-1);
+}
+
+boost::asio::ip::tcp::socket HttpConnection::release() {
+  is_counted_ = false;
+  server_.countConnection(-1);
+  return stream_.release_socket();
+}
+
+/// One name, and it is ours: of two somebody else may read the other.
+bool HttpConnection::namesUs(const Request& request) const {
+  return request.count(http::field::host) == 1 &&
+         server_.access().isOurHost(viewOf(request[http::field::host]), local_);
+}
 
 void HttpConnection::read() {
   parser_.emplace();
@@ -70,11 +93,11 @@ void HttpConnection::read() {
 void HttpConnection::taken() {
   Request request = parser_->release();
   const Access& access = server_.access();
-  const bool is_ours = namesUs(request, access);
+  const bool is_ours = namesUs(request);
   if (is_ours && beast::websocket::is_upgrade(request) && request.target() == "/live") {
-    if (access.isOurOrigin(viewOf(request[http::field::origin])) &&
+    if (access.isOurOrigin(viewOf(request[http::field::origin]), local_) &&
         access.hasCookie(viewOf(request[http::field::cookie]))) {
-      std::make_shared<Client>(server_, stream_.release_socket())->accept(std::move(request));
+      std::make_shared<Client>(server_, release())->accept(std::move(request));
       return;
     }
     request.keep_alive(false);
@@ -86,9 +109,9 @@ void HttpConnection::taken() {
 
 HttpConnection::Response HttpConnection::answer(const Request& request) const {
   const Access& access = server_.access();
-  if (!namesUs(request, access)) return respond(request, http::status::forbidden, "This server is not called so.\n");
+  if (!namesUs(request)) return respond(request, http::status::forbidden, "This server is not called so.\n");
   const std::string_view origin = viewOf(request[http::field::origin]);
-  if (!origin.empty() && !access.isOurOrigin(origin))
+  if (!origin.empty() && !access.isOurOrigin(origin, local_))
     return respond(request, http::status::forbidden, "Pages of other origins see nothing here.\n");
   if (request.method() != http::verb::get)
     return respond(request, http::status::method_not_allowed, "Only GET is answered.\n");

@@ -24,12 +24,17 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
  private:
   void read();
   void taken();
+  bool namesUs(const Request& request) const;
+  /// The socket becomes that of somebody who counts it himself.
+  boost::asio::ip::tcp::socket release();
   Response answer(const Request& request) const;
   Response page(const Request& request) const;
   void write(Response response);
 
   Server& server_;
+  std::string local_;  ///< address of this machine that the browser has connected to
   boost::beast::tcp_stream stream_;
+  bool is_counted_ = true;
   boost::beast::flat_buffer buffer_{16 << 10};
   std::optional<boost::beast::http::request_parser<boost::beast::http::empty_body>> parser_;
   Response response_;

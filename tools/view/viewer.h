@@ -23,17 +23,23 @@ struct ViewRequest {
   Recording recording{};           ///< not empty: these instants are shown, and nothing is run
   std::string build;               ///< of the program; a page of another build is told to load again
 
+  std::function<void()>
+      listening{};  ///< called once, before anything runs: what must not happen where nobody is served
   // Called by the thread that serves:
   std::function<void(const std::string& address)> opened{};  ///< pages may come
   // Called by the thread that steps, between steps:
+  /// May throw OutputError: the run ends. A reset whose after_reset threw lets after_step throw until another has not.
   std::function<void()> after_step{}, after_reset{};
-  std::function<void(const std::string& sentence)> ended{};  ///< a step without a result, an output that fails
+  std::function<void(const std::string& sentence)> output_failed{};  ///< of an observer, before `ended`
+  std::function<void(const std::string& sentence)> ended{};          ///< a step without a result, an output that fails
 };
 
 /// How a page that plays a run by itself is made.
 struct ExportRequest {
   std::string file;
-  long steps = 100, every = 1;        ///< steps to make; steps from one picture to the next
+  long steps = 100;                   ///< to make
+  long every = 1;                     ///< steps, or instants of the recording, from one picture to the next
+  Recording recording{};              ///< not empty: its instants are shown, and nothing is run
   std::vector<std::string> fields{};  ///< names of cell fields that are kept; all nodes' displacements always are
   bool inside = false;                ///< the nodes inside too, so that the body can be cut
 };
@@ -46,9 +52,10 @@ class Viewer {
   /// Serves pages until SIGINT or SIGTERM, and steps the loaded scene in a thread of its own. Returns the number of the
   /// signal. Throws std::runtime_error when it cannot listen.
   virtual int view(Session& session, const ViewRequest& request) const = 0;
-  /// Runs the loaded scene and writes one HTML file that needs no server. Throws OutputError, and std::runtime_error when
-  /// the file would have more than 50 MB or the run ends without a result.
-  virtual void writePage(Session& session, const ExportRequest& request) const = 0;
+  /// Runs the loaded scene, or takes its recording, and writes one HTML file that needs no server. Returns how the run
+  /// ended; there is a file only when that is RunEnd::done. Throws OutputError, ComponentError for a field that no body
+  /// has, and std::runtime_error as soon as the file has more than 50 MB, with the `every` that fits.
+  virtual RunReport writePage(Session& session, const ExportRequest& request) const = 0;
 };
 
 }  // namespace stroma::view

@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tools/command/view_request.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+
+#include "framework/scene/output_file.h"
+#include "framework/simulation/checkpoint.h"
+#include "framework/simulation/file_uses.h"
+#include "tools/command/recorder.h"
+#include "tools/command/session.h"
+
+namespace po = boost::program_options;
+namespace fs = std::filesystem;
+
+namespace stroma::command {
+namespace {
+
+const Manual manual{
+    "stroma view SCENE|FOLDER [options]",
+    "Shows a scene in the browser while it runs: turn, cut and colour it, pull at it, change attributes, plot, "
+    "record.\n"
+    "A folder that `stroma run --record` wrote is shown as it was recorded. The address is printed; whoever has it "
+    "sees the\n"
+    "run, and nobody else. Only this machine can, unless --host says otherwise. Ctrl-C ends it.\n\n"
+    "--export FILE.html makes a page that plays a run, or a recording, by itself, without a server, and ends.\n\n"
+    "Exit codes:\n"
+    "  0    done\n"
+    "  2    the scene or the options are wrong, or an output cannot be written; nothing was run\n"
+    "  3    no result: the run ended by itself, and nobody has reset it\n"
+    "  4    an output could not be written any more; what the files have is whole up to there",
+    "  stroma view scenes/examples/organ.xml\n"
+    "  stroma view organ.xml --paused --set /organ/fem.youngModulus=3000 --record results/pulled\n"
+    "  stroma view results/pulled\n"
+    "  stroma run organ.xml -n 500 --replay results/pulled/run.actions       the same run without a browser\n"
+    "  stroma view organ.xml --export organ.html -n 200 --every 2 --field vonMises\n"
+    "  stroma view results/pulled --export pulled.html --every 5             every fifth instant of a recording\n"};
+
+OptionList viewOptions() {
+  OptionList options("options");
+  options.add_options()                                                                            //
+      ("port", po::value<int>()->value_name("N"), "port to listen on; a free one when not given")  //
+      ("host", po::value<std::string>()->value_name("ADDRESS"),
+       "address to listen on instead of 127.0.0.1; others can then reach the run, unencrypted")    //
+      ("open", "open the address with xdg-open")                                                   //
+      ("no-open", "only print the address; without either it is opened where there is a display")  //
+      ("paused", "wait until somebody presses run")                                                //
+      ("fps", po::value<double>()->value_name("N"), "most pictures a second (60 when not given)")  //
+      ("record", po::value<std::string>()->value_name("DIR"),
+       "write positions and velocities of every state there, and what was done by hand")                          //
+      ("record-every", po::value<long>()->value_name("K"), "record every K steps")                                //
+      ("replay", po::value<std::string>()->value_name("FILE"), "do again what was done by hand in a run before")  //
+      ("export", po::value<std::string>()->value_name("FILE.html"), "write a page that plays a run, and end")     //
+      ("steps,n", po::value<long>()->value_name("STEPS"), "with --export: steps to run (100 when not given)")     //
+      ("every", po::value<long>()->value_name("K"),
+       "with --export: a picture every K steps; of a recording, every K instants")  //
+      ("field", po::value<std::vector<std::string>>()->value_name("NAME"),
+       "with --export: keep this field of the cells, as vonMises; may be repeated")        //
+      ("inside", "with --export: keep the inside of bodies too, so that they can be cut")  //
+      ("quiet,q", "no notes");
+  addSceneOptions(options);
+  return options;
+}
+
+template <class T>
+T inRange(const Values& values, const char* option, T otherwise, T low, T high) {
+  if (!values.count(option)) return otherwise;
+  const T value = values[option].as<T>();
+  if (!(value >= low && value <= high))
+    throw UsageError(fmt::format("--{} {}: expected {} to {}", option, value, low, high));
+  return value;
+}
+
+std::string textOf(const Values& values, const char* option) {
+  return values.count(option) ? values[option].as<std::string>() : "";
+}
+
+bool shouldOpen(const Values& values) {
+  if (values.count("open") && values.count("no-open")) throw UsageError("--open and --no-open exclude each other");
+  if (values.count("open")) return true;
+  return !values.count("no-open") && (std::getenv("DISPLAY") || std::getenv("WAYLAND_DISPLAY"));
+}
+
+/// An option that would have no effect is a mistake.
+void checkPartners(const Values& values, bool is_recording) {
+  if (values.count("export")) {
+    for (const char* option : {"port", "host", "open", "no-open", "paused", "fps", "record"})
+      if (values.count(option))
+        throw UsageError(
+            fmt::format("--{} and --export exclude each other: a page is written, nobody is served", option));
+  } else {
+    for (const char* option : {"steps", "every", "field", "inside"})
+      if (values.count(option)) throw UsageError(fmt::format("--{} needs --export FILE.html", option));
+  }
+  if (values.count("record-every") && !values.count("record")) throw UsageError("--record-every needs --record DIR");
+  if (!is_recording) return;
+  if (values.count("record")) throw UsageError("--record: a recording is not recorded again");
+  if (values.count("replay")) throw UsageError("--replay: a recording is not run");
+  if (values.count("steps"))
+    throw UsageError("--steps: a recording is not run (expected --every K for every K-th of its instants)");
+}
+
+/// The scene that wrote a checkpoint: its name may be relative to the folder that the run was started in, which most often
+/// is one of those above the folder of the recording.
+std::string sceneOf(const std::string& folder) {
+  const std::string checkpoint = (fs::path(folder) / "last.checkpoint").string();
+  if (!fs::exists(checkpoint))
+    throw UsageError(fmt::format(
+        "{}: there is no last.checkpoint, which names the scene (expected a folder of stroma run --record)", folder));
+  const std::string scene = Checkpoint::read(checkpoint).scene;
+  std::error_code error;
+  if (fs::is_regular_file(scene, error)) return scene;
+  if (fs::path(scene).is_absolute())
+    throw UsageError(fmt::format("{} names the scene {}, which is not there any more", checkpoint, scene));
+  fs::path above = fs::canonical(folder);
+  while (true) {
+    if (const fs::path found = above / scene; fs::is_regular_file(found, error))
+      return found.lexically_normal().string();
+    if (above == above.parent_path()) break;
+    above = above.parent_path();
+  }
+  throw UsageError(
+      fmt::format("{} names the scene {}, which is neither here nor in {} or a folder above it (expected the scene at "
+                  "its place, or "
+                  "the command in the folder that the run was started in)",
+                  checkpoint, scene, folder));
+}
+
+}  // namespace
+
+std::optional<Values> parseViewOptions(const Arguments& arguments) {
+  return parseOptions(manual, viewOptions(), {"SCENE"}, arguments);
+}
+
+ViewCommand::ViewCommand(const Values& values)
+    : scene(required(values, "SCENE", manual)),
+      record_folder(textOf(values, "record")),
+      replay_file(textOf(values, "replay")),
+      exports(values.count("export") > 0),
+      quiet(values.count("quiet") > 0) {
+  if (fs::is_directory(scene)) recording_folder = scene;
+  checkPartners(values, isRecording());
+  record_every = inRange<long>(values, "record-every", 1, 1, 1L << 40);
+  if (exports) {
+    page.file = textOf(values, "export");
+    page.steps = inRange<long>(values, "steps", 100, 0, 1L << 40);
+    page.every = inRange<long>(values, "every", 1, 1, 1L << 40);
+    if (values.count("field")) page.fields = values["field"].as<std::vector<std::string>>();
+    page.inside = values.count("inside") > 0;
+  } else {
+    opens = shouldOpen(values);
+    if (values.count("host")) live.host = textOf(values, "host");
+    if (live.host.starts_with('[') && live.host.ends_with(']')) live.host = live.host.substr(1, live.host.size() - 2);
+    live.port = inRange<int>(values, "port", 0, 0, 65535);
+    live.fps = inRange<double>(values, "fps", 60, 0.1, 240);
+    live.paused = values.count("paused") > 0;
+  }
+  if (isRecording()) scene = sceneOf(recording_folder);
+}
+
+std::string ViewCommand::actionsFile() const { return (fs::path(record_folder) / "run.actions").string(); }
+
+view::Recording recordingIn(const std::string& folder, const Simulation& simulation) {
+  view::Recording recording;
+  for (const State* state : simulation.states()) {
+    const std::string file = (fs::path(folder) / stateFileName(state->path())).string();
+    StateRecording one = readRecording(file);
+    if (!one.unfinished.empty()) fmt::print(stderr, "warning: {}\n", one.unfinished);
+    if (one.frames.empty()) throw UsageError(file + ": the file holds no instant");
+    for (const StateFrame& frame : one.frames)
+      if (Index(frame.x.size()) != state->size() || (!frame.v.empty() && frame.v.size() != frame.x.size()))
+        throw UsageError(fmt::format("{}: at T = {:g} s there are {} positions (expected {}, as {} has nodes)", file,
+                                     frame.time, frame.x.size(), state->size(), state->path()));
+    recording.push_back(std::move(one.frames));
+  }
+  if (recording.empty()) throw UsageError("nothing in the scene moves: there is nothing to show");
+  std::size_t least = recording.front().size();
+  for (const auto& frames : recording) least = std::min(least, frames.size());
+  for (auto& frames : recording) frames.resize(least);
+  return recording;
+}
+
+void checkOutputs(const ViewCommand& command, const Simulation& simulation) {
+  std::vector<FileUse> named;  // by options
+  if (command.exports) named.push_back({command.page.file, "--export", true});
+  if (!command.record_folder.empty()) {
+    for (const std::string& file : recordedFiles(simulation, command.record_folder))
+      named.push_back({file, "--record", file.ends_with(".checkpoint")});
+    named.push_back({command.actionsFile(), "--record", true});
+  }
+  std::vector<FileUse> outputs = outputsOf(simulation), inputs = inputsOf(simulation.scene());
+  outputs.insert(outputs.end(), named.begin(), named.end());
+  if (!command.replay_file.empty()) inputs.push_back({command.replay_file, "--replay"});
+  if (command.isRecording()) {
+    for (const std::string& file : recordedFiles(simulation, command.recording_folder))
+      inputs.push_back({file, "the recording"});
+    inputs.push_back({(fs::path(command.recording_folder) / "run.actions").string(), "the recording"});
+  }
+  if (const auto sentence = overwriting(outputs, inputs)) throw UsageError(*sentence);
+  simulation.checkOutputs();
+  // a page is written at the end, when its options have proved right: not even its folder is made before
+  for (const FileUse& output : named) (command.exports ? checkAccess : checkWritable)(output.path, output.is_replaced);
+}
+
+}  // namespace stroma::command

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tools/view/recorded_instant.h"
+
+#include "framework/simulation/simulation.h"
+
+namespace stroma::view {
+
+void showInstant(Simulation& simulation, const Recording& recording, std::size_t instant) {
+  std::size_t i = 0;
+  for (State* state : simulation.states()) {
+    const StateFrame& frame = recording[i++][instant];
+    for (Index row = 0; row < state->size(); ++row) {
+      state->x()[row] = frame.x[std::size_t(row)];
+      if (!frame.v.empty()) state->v()[row] = frame.v[std::size_t(row)];
+    }
+  }
+}
+
+}  // namespace stroma::view
