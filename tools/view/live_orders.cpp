@@ -6,11 +6,13 @@
 #include <filesystem>
 
 #include "framework/algebra/parallel.h"
+#include "framework/scene/output_file.h"
 #include "framework/simulation/changed_scene.h"
 #include "framework/simulation/run_events.h"
 #include "tools/view/component_tree.h"
 #include "tools/view/live_run.h"
 #include "tools/view/orders.h"
+#include "tools/view/recorded_instant.h"
 #include "tools/view/scene_packets.h"
 
 namespace stroma::view {
@@ -245,20 +247,17 @@ void LiveRun::reset() {
   held_revision_ = -1;
   anchor_ = Clock::now(), anchor_time_ = time();
   dirty_ = true;
-  if (request_.after_reset) request_.after_reset();
+  if (!request_.after_reset) return;
+  try {
+    request_.after_reset();
+  } catch (const OutputError& error) {
+    endWithoutOutput(error.what());
+  }
 }
 
 void LiveRun::seek(long index) {
   index_ = index;
-  std::size_t i = 0;
-  for (State* state : simulation_.states()) {
-    const StateFrame& frame = request_.recording[i++][std::size_t(index)];
-    for (Index row = 0; row < state->size(); ++row) {
-      state->x()[row] = frame.x[std::size_t(row)];
-      if (!frame.v.empty()) state->v()[row] = frame.v[std::size_t(row)];
-    }
-  }
-  for (const auto& system : simulation_.systems()) system->setTime(time());  // loads of the instant
+  showInstant(simulation_, request_.recording, std::size_t(index));
   held_revision_ = -1;
   dirty_ = true;
 }

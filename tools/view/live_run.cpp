@@ -145,7 +145,9 @@ void LiveRun::advance(long steps) {
   };
   try {
     const RunReport report = session_.run(limits);
-    if (report.end != RunEnd::done && report.end != RunEnd::stopped)
+    if (report.end == RunEnd::output_failed)
+      endWithoutOutput(report.reason);
+    else if (report.end != RunEnd::done && report.end != RunEnd::stopped)
       endRun(report.reason.empty() ? "the run has no result" : report.reason);
   } catch (const std::exception& error) {
     endRun(error.what());
@@ -164,6 +166,11 @@ void LiveRun::afterStep(const StepReport& report, double seconds) {
   if (!connected_.load(std::memory_order_relaxed)) return;
   showIfDue();
   tellStatus(false);
+}
+
+void LiveRun::endWithoutOutput(const std::string& sentence) {
+  if (request_.output_failed) request_.output_failed(sentence);
+  endRun(sentence);
 }
 
 void LiveRun::endRun(const std::string& sentence) {

@@ -63,6 +63,8 @@ class LiveRun {
   void waitForRealTime();
   /// There is no result any more: `sentence` says why. A reset begins again.
   void endRun(const std::string& sentence);
+  /// An output cannot be written any more.
+  void endWithoutOutput(const std::string& sentence);
   void showIfDue();
   void show(const Demand& demand);
   void tellStatus(bool now);
