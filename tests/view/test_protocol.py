@@ -19,7 +19,7 @@ import unittest
 
 import numpy
 
-from server import Server
+from server import Page, Server
 from websocket import Packet
 
 TREE, STROMA = (os.path.abspath(path) for path in sys.argv[1:3])
@@ -476,6 +476,30 @@ class Audience(unittest.TestCase):
             first.until(lambda: first.status["control"] is None and first.status["clients"] == 1, "control to be free")
             first.do("step", count=1)
             self.assertEqual(first.hash()[0], 3)
+
+    def test_who_loses_control_lets_go(self):
+        with Server(STROMA, example("organ.xml"), "--paused") as server:
+            first, second = server.page(), server.page()
+            place = [float(value) for value in first.scene.arrays["0.rest"].reshape(-1, 3)[0]]
+            first.do("pull", hand="h", body=0, nodes=[0], targets=[place])
+            second.until(lambda: second.frame and second.frame["hands"], "the hand")
+            second.do("control")
+            second.until(lambda: not second.frame["hands"], "the hand to let go")
+            first.refused("release", hand="h")
+
+    def test_the_first_packet_of_a_page_is_the_scene(self):
+        with Server(STROMA, example("organ.xml"), "--fps", "240") as server:
+            server.page().do("pace", pace="fast")
+            for _ in range(20):
+                page = Page(server, hello=False)
+                server.pages.append(page)
+                seen = []
+                take, page.take_packet = page.take_packet, lambda packet: (seen.append(packet["is"]), take(packet))
+                page.hello()
+                page.until(lambda: page.frame is not None, "a picture")
+                self.assertEqual(seen[0], "scene", seen)
+                self.assertLess(seen.index("held"), seen.index("frame"), seen)
+                page.socket.close()
 
     def test_a_page_that_goes_lets_go(self):
         """Its hands end; the run goes on; it finds it again."""
