@@ -17,9 +17,15 @@
 
 namespace stroma {
 
-void CondensedIntegrator::checkInputOn(const State& state, const std::vector<Index>& nodes) const {
+void CondensedIntegrator::checkInputOn(const State& state, const Input& input) const {
+  if (input.ball)
+    throw ComponentError(
+        fmt::format("no ball pushes {}: {} solves each step by a matrix that it has made before, and what a ball "
+                    "touches follows from the shape at the end of the step",
+                    state.path(), path()),
+        "forces and pulls on nodes that are named", isDynamic() ? "EulerImplicitSolver" : "StaticSolver");
   if (!leavesInside()) return;
-  for (const Index node : nodes)
+  for (const Index node : input.nodes)
     if (const Index free = body_.nodeOf(state.firstRow() + node); free >= 0 && free < body_.interior())
       throw ComponentError(
           fmt::format("no input acts on node {} of {}: it is inside, and {} solves for the kept nodes "

@@ -30,7 +30,7 @@ class CondensedIntegrator : public Integrator {
   bool answersForState() const final { return true; }
   bool followsChanges() const final { return false; }
   bool acceptsInputs() const final { return true; }
-  void checkInputOn(const State& state, const std::vector<Index>& nodes) const final;
+  void checkInputOn(const State& state, const Input& input) const final;
   void sceneChanged() final { hands_changed_ = true; }
   void stepTaken(const StepContext& context) final;
   void complete(System& system) final;

@@ -2,6 +2,7 @@
 #pragma once
 #include "framework/algebra/linear_solver.h"
 #include "framework/scene/component.h"
+#include "framework/simulation/input.h"
 #include "framework/simulation/step.h"
 
 namespace stroma {
@@ -53,8 +54,8 @@ class Integrator : public Component {
   /// Whether inputs reach what it moves. One that follows no changes reads System::inputs() in its steps; sceneChanged()
   /// tells it of other nodes, stiffnesses or dampings.
   virtual bool acceptsInputs() const { return followsChanges(); }
-  /// Throws ComponentError when an input cannot act on one of these nodes of a state.
-  virtual void checkInputOn(const State& /*state*/, const std::vector<Index>& /*nodes*/) const {}
+  /// Throws ComponentError when this input cannot act on a state; its own numbers are good.
+  virtual void checkInputOn(const State& /*state*/, const Input& /*input*/) const {}
   /// One line for `explain`: what a step does.
   virtual std::string describe() const = 0;
 

@@ -59,12 +59,23 @@ std::string list(const Vec3& value) {
   return fmt::format("[{},{},{}]", number(value[0]), number(value[1]), number(value[2]));
 }
 
+std::string printedBall(long step, long which, const Input& input) {
+  if (!input.nodes.empty() || !input.targets.empty() || !input.force.isZero(0))
+    throw std::runtime_error("an action has a ball and also nodes, targets or a force: it has no text");
+  const auto& [centre, radius] = *input.ball;
+  return fmt::format(
+      "{{\"step\":{},\"input\":{},\"state\":{},\"ball\":[{},{},{},{}],\"stiffness\":{},\"damping\":{}}}\n", step, which,
+      quoted(input.state), number(centre[0]), number(centre[1]), number(centre[2]), number(radius),
+      number(input.stiffness), number(input.damping));
+}
+
 std::string printed(const RunEvent& event) {
   if (const auto* edit = std::get_if<AttributeEdit>(&event.what))
     return fmt::format("{{\"step\":{},\"set\":{},\"attribute\":{},\"value\":{}}}\n", event.step, quoted(edit->path),
                        quoted(edit->attribute), quoted(edit->text));
   const auto& [which, input] = std::get<InputChange>(event.what);
   if (!input) return fmt::format("{{\"step\":{},\"end\":{}}}\n", event.step, which);
+  if (input->ball) return printedBall(event.step, which, *input);
   std::vector<std::string> targets;
   for (const Vec3& target : input->targets) targets.push_back(list(target));
   return fmt::format(
@@ -133,6 +144,13 @@ class Line {
     for (const Json& value : at(key)) out.push_back(vectorOf(value, key, expected));
     return out;
   }
+  Ball ball(const char* key) const {
+    constexpr const char* expected = "three numbers of its centre and its radius, as [0, 1.5, 0, 0.1]";
+    const Json& value = at(key);
+    if (!value.is_array() || value.size() != 4) wrong(key, expected);
+    const auto real = [&](std::size_t i) { return realOf(value[i], key, expected); };
+    return {{real(0), real(1), real(2)}, real(3)};
+  }
   std::vector<Index> nodes(const char* key) const {
     std::vector<Index> out;
     if (!at(key).is_array()) wrong(key, "a list of nodes, as [40, 41]");
@@ -182,7 +200,14 @@ RunEvent parsedEvent(const Line& line) {
   }
   if (!line.has("input"))
     throw Wrong{"the line does not say what was done",
-                "\"set\" (an attribute), \"input\" (a force or pull) or \"end\" (of an input)"};
+                "\"set\" (an attribute), \"input\" (a force, a pull or a ball) or \"end\" (of an input)"};
+  if (line.has("ball")) {
+    line.expectOnly({"step", "input", "state", "ball", "stiffness", "damping"});
+    Input input;
+    input.state = line.text("state"), input.ball = line.ball("ball");
+    input.stiffness = line.real("stiffness"), input.damping = line.real("damping");
+    return {line.whole("step", 0), InputChange{line.whole("input", 1), std::move(input)}};
+  }
   line.expectOnly({"step", "input", "state", "nodes", "force", "targets", "stiffness", "damping"});
   Input input{line.text("state"),      line.nodes("nodes"),    line.vector("force"),
               line.vectors("targets"), line.real("stiffness"), line.real("damping")};

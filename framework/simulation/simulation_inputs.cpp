@@ -4,23 +4,45 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "framework/scene/names.h"
 #include "framework/simulation/simulation.h"
 
 namespace stroma {
 
-void checkInput(const Input& input, const State& state) {
+namespace {
+
+void checkBall(const Input& input, const State& state) {
+  if (!input.nodes.empty() || !input.targets.empty() || !input.force.isZero(0))
+    throw ComponentError("an input has a ball and also nodes, targets or a force",
+                         "a ball, or nodes: one input for each");
+  const auto& [centre, radius] = *input.ball;
+  if (!centre.allFinite() || !std::isfinite(radius) || !(radius > 0))
+    throw ComponentError("a number of a ball is not finite, or its radius is not positive",
+                         "a finite centre and a radius of more than 0");
+  for (Index i = 0; i < state.size(); ++i)
+    if (state.kindOf(i) == RowKind::place) return;
+  throw ComponentError(fmt::format("a ball pushes places, and {} has none", state.path()), "a state with points");
+}
+
+void checkNodes(const Input& input, const State& state) {
   for (const Index node : input.nodes)
     if (node < 0 || node >= state.size())
       throw ComponentError(fmt::format("an input names node {}", node),
                            fmt::format("nodes 0 to {} of {}", state.size() - 1, state.path()));
-  if (input.nodes.empty()) throw ComponentError("an input names no node", "the nodes it acts on");
+  if (input.nodes.empty()) throw ComponentError("an input names no node", "the nodes it acts on, or a ball");
   if (!input.targets.empty() && input.targets.size() != input.nodes.size())
     throw ComponentError(fmt::format("an input has {} targets for {} nodes", input.targets.size(), input.nodes.size()),
                          "one target per node, or none");
   if (input.targets.empty() && input.stiffness != 0)
     throw ComponentError("an input has a stiffness and no targets", "a target per node, or stiffness 0");
+}
+
+}  // namespace
+
+void checkInput(const Input& input, const State& state) {
+  input.ball ? checkBall(input, state) : checkNodes(input, state);
   bool finite = input.force.allFinite() && std::isfinite(input.stiffness) && std::isfinite(input.damping);
   for (const Vec3& target : input.targets) finite = finite && target.allFinite();
   if (!finite || input.stiffness < 0 || input.damping < 0)
@@ -57,7 +79,7 @@ void Simulation::setInput(long number, const Input& input) {
   State* state = nullptr;
   System& system = systemOf(input, state);
   checkInput(input, *state);
-  system.integrator().checkInputOn(*state, input.nodes);
+  system.integrator().checkInputOn(*state, input);
   const auto known = inputs_.find(number);
   if (known != inputs_.end() && known->second.state != input.state)
     throw ComponentError(fmt::format("input {} acts on {}", number, known->second.state),
@@ -95,7 +117,7 @@ void Simulation::dropInputs() {
   next_input_ = firstNumber();
 }
 
-/// A target or force that another one follows before the same step has had no effect.
+/// A target, force or place of a ball that another one follows before the same step has had no effect.
 void Simulation::record(InputChange change) {
   for (auto last = events_.rbegin(); last != events_.rend() && last->step == steps_; ++last) {
     auto* before = std::get_if<InputChange>(&last->what);
@@ -125,6 +147,12 @@ void Simulation::serializeInputs(Archive& archive) {
     archive.list(name + "targets", input.targets);
     archive.value(name + "stiffness", input.stiffness);
     archive.value(name + "damping", input.damping);
+    std::vector<double> ball;  // centre and radius, or nothing
+    if (input.ball) ball = {input.ball->centre[0], input.ball->centre[1], input.ball->centre[2], input.ball->radius};
+    archive.list(name + "ball", ball);
+    if (!ball.empty() && ball.size() != 4)
+      throw std::runtime_error(fmt::format("the ball of input {} has {} numbers, not 4", number, ball.size()));
+    if (!ball.empty()) input.ball = Ball{{ball[0], ball[1], ball[2]}, ball[3]};
     if (archive.isReading()) setInput(number, input);
   }
 }

@@ -24,7 +24,7 @@ void Simulation::checkReplay(const RunEvent& event) const {
     State* state = nullptr;
     const System& system = systemOf(*input, state);
     checkInput(*input, *state);
-    system.integrator().checkInputOn(*state, input->nodes);
+    system.integrator().checkInputOn(*state, *input);
   }
 }
 

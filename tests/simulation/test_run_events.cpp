@@ -276,7 +276,7 @@ TEST(RunEvents, DamagedLinesAreRefusedWithTheirPlace) {
       {"{\"step\":3,\"end\":1", "no JSON"},
       {"[1]", "no object"},
       {"{\"step\":1e400,\"end\":1}", "number overflow"},
-      {"{\"step\":3}", "\"input\" (a force or pull)"},
+      {"{\"step\":3}", "\"input\" (a force, a pull or a ball)"},
       {"{\"step\":2,\"end\":1}", "step 2 comes after step 3"},
       {"{\"step\":3,\"end\":2}", "input 2 ends and has not begun"},
       {"{\"step\":3,\"end\":1,\"end\":1}", "'end' is there twice"},
