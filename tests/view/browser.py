@@ -86,6 +86,11 @@ class Browser:
         if ready:
             self.until("window.stroma && window.stroma.ready && window.stroma.store.bodies.length > 0", "the scene to be drawn")
 
+    def leave(self):
+        """The page for an empty one, and waits until it is gone: a server that ends before would be missed, rightly."""
+        self.driver.get("about:blank")
+        self.until("location.href === 'about:blank' && !window.stroma", "the page to be left")
+
     def until(self, condition, what, seconds=PATIENCE):
         """Waits for some JavaScript, or a function, to be true."""
         end = time.monotonic() + seconds
@@ -126,6 +131,14 @@ class Browser:
     def press_with(self, modifier, key):
         """A key while another one is down."""
         ActionChains(self.driver).key_down(modifier).send_keys(key).key_up(modifier).perform()
+
+    def key(self, key, **more):
+        """An event of a key that an own keyboard could not make, such as Caps Lock."""
+        self.script("document.body.dispatchEvent(new KeyboardEvent('keydown', {key: arguments[0], bubbles: true, cancelable: true, ...arguments[1]}))", key, more)
+
+    def drawn_step(self, step):
+        """Waits until the picture of a step is drawn."""
+        self.until(f"window.stroma.store.shown.header.step === {step} && window.stroma.frameDrawn === window.stroma.store.shown.header.frame", f"the picture of step {step}")
 
     def choose(self, name, value):
         """In a list."""

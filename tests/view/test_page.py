@@ -41,9 +41,14 @@ class Server(server.Server):
     """The page is left before its server ends: it would complain, rightly."""
 
     def end(self):
+        browser.leave()
         PageTest.complaints += browser.complaints()
-        browser.driver.get("about:blank")
         return super().end()
+
+    def __exit__(self, kind, error, trace):
+        if kind is not None:
+            browser.leave()
+        super().__exit__(kind, error, trace)
 
 
 class PageTest(unittest.TestCase):
@@ -58,7 +63,7 @@ class PageTest(unittest.TestCase):
 
     def tearDown(self):
         PageTest.complaints += browser.complaints()
-        browser.driver.get("about:blank")
+        browser.leave()
         browser.size(1280, 800)
         if self.quiet:
             self.assertEqual(PageTest.complaints, [], "the console")
@@ -312,6 +317,127 @@ class Reaching(PageTest):
             browser.press_with(Keys.SHIFT, "R")
             browser.until("window.stroma.store.shown.header.step === 0", "the reset")
 
+    def test_caps_lock_does_not_reset(self):
+        with Server(STROMA, example("organ.xml"), "--paused") as viewed:
+            browser.open(viewed.address)
+            browser.press(Keys.ARROW_RIGHT)
+            browser.drawn_step(1)
+            browser.key("R")  # Caps Lock
+            browser.press(Keys.ARROW_RIGHT)
+            browser.drawn_step(2)
+            browser.key("r", shiftKey=True)  # and Shift with it
+            browser.until("window.stroma.store.shown.header.step === 0", "the reset")
+
+    def test_the_view_and_hands_by_keys(self):
+        with Server(STROMA, example("organ.xml"), "--paused") as viewed:
+            browser.open(viewed.address)
+            place = "[...window.stroma.stage.camera.position.toArray(), ...window.stroma.stage.controls.target.toArray()]"
+            for keys in ((Keys.SHIFT, Keys.ARROW_LEFT), (Keys.SHIFT, Keys.ARROW_UP), (Keys.ALT, Keys.ARROW_LEFT), (Keys.ALT, Keys.ARROW_DOWN)):
+                before = numpy.array(browser.script(place))
+                browser.press_with(*keys)
+                after = numpy.array(browser.script(place))
+                moves = keys[0] == Keys.ALT
+                self.assertGreater(abs(after - before)[:3].max(), 1e-4, keys)
+                self.assertEqual(abs(after - before)[3:].max() > 1e-6, moves, keys)
+                self.assertAlmostEqual(numpy.linalg.norm((after[:3] - after[3:])), numpy.linalg.norm(before[:3] - before[3:]), places=6)
+            self.assertIn("/", browser.driver.current_url)
+            distance = "window.stroma.stage.camera.position.distanceTo(window.stroma.stage.controls.target)"
+            before = browser.script(distance)
+            browser.press("+")
+            self.assertAlmostEqual(browser.script(distance), 0.9 * before, places=9)
+            browser.press("-")
+            self.assertAlmostEqual(browser.script(distance), before, places=9)
+            browser.press("r")
+            browser.press("3", "n")
+            browser.until(lambda: browser.find("picked").is_displayed(), "the picked node")
+            browser.press(Keys.ENTER)
+            browser.until("window.stroma.store.newest.header.hands.length === 1", "the hand")
+            start = numpy.array(browser.script("window.stroma.store.newest.header.hands[0].to"))
+            browser.press(Keys.ARROW_UP, Keys.ARROW_UP, Keys.ARROW_RIGHT, Keys.PAGE_UP)
+            right, up, away = (numpy.array(browser.script(f"window.stroma.stage.inPicture({axis}).toArray()")) for axis in ("1, 0, 0", "0, 1, 0", "0, 0, 1"))
+            wanted = 0.02 * browser.script("window.stroma.store.bodies[0].size") * (2 * up + right + away)
+            browser.until(lambda: abs(numpy.array(browser.script("window.stroma.store.newest.header.hands[0].to")) - start - wanted).max() < 1e-6, "the moves")
+            self.assertEqual(browser.script("window.stroma.store.newest.header.step"), 0, "an arrow made a step")
+            browser.press(Keys.ENTER)
+            browser.press(Keys.ARROW_RIGHT)
+            browser.drawn_step(1)
+            self.assertEqual(browser.script("window.stroma.store.newest.header.hands.map(h => h.kind)"), ["hold"])
+            browser.press(Keys.ENTER, Keys.ESCAPE)  # takes it again, and lets go
+            browser.until("window.stroma.store.newest.header.hands.length === 0", "the hand to let go")
+
+    def test_push_and_arrows_where_the_body_is_exaggerated(self):
+        """The ball touches the true body in truth and the drawn body in the picture; arrows begin at the mean of the nodes."""
+        with Server(STROMA, example("organ.xml"), "--paused") as viewed:
+            browser.open(viewed.address)
+            for _ in range(15):
+                browser.press(Keys.ARROW_RIGHT)
+            browser.drawn_step(15)
+            browser.script("window.stroma.store.setView({exaggeration: 4})")
+            browser.script("window.stroma.stage.fit()")
+            browser.press("4")
+            # of what sank most
+            node, x, y = browser.reachable("(d => d)(Math.hypot(...[0, 1, 2].map(c => b.x[3 * n + c] - b.rest[3 * n + c])))")
+            of = "Array.from(window.stroma.store.bodies[0].{}.subarray(" + f"{3 * node}, {3 * node + 3}))"
+            rest, true = (numpy.array(browser.script(of.format(name))) for name in ("rest", "x"))
+            browser.pointer("down", x, y)
+            browser.until("window.stroma.store.shown.header.hands.length === 1", "the ball")
+            ball = "[window.stroma.store.shown.header.hands[0], Array.from(window.stroma.hands.balls.origin.array.slice(0, 4))]"
+            hand, drawn = browser.script(ball)
+            radius = hand["radius"]
+            pixel = 0.02 * radius + 3e-3 * browser.script("window.stroma.store.bodies[0].size")
+            self.assertGreater(3 * numpy.linalg.norm(true - rest), 3 * pixel, "too small a deformation to tell")
+            self.assertAlmostEqual(numpy.linalg.norm(numpy.array(hand["centre"]) - true), radius, delta=pixel)
+            self.assertAlmostEqual(numpy.linalg.norm(numpy.array(drawn[:3]) - (rest + 4 * (true - rest))), radius, delta=pixel)
+            browser.pointer("move", x + 40, y)
+            browser.until(f"Math.abs({ball}[0].centre[0] - {hand['centre'][0]!r}) > 1e-9", "the move")
+            moved = numpy.linalg.norm(numpy.array(browser.script(ball)[0]["centre"]) - hand["centre"])
+            seen = numpy.array(browser.script("((s, p) => { s.camera.updateMatrixWorld(); const h = 2 * Math.tan(s.camera.fov * Math.PI / 360) / s.canvas.clientHeight;"
+                                              " const v = s.inPicture(0, 0, 1).toArray(); return 40 * h * v.reduce((d, c, i) => d + c * (p[i] - s.camera.position.toArray()[i]), 0); })"
+                                              "(window.stroma.stage, arguments[0])", drawn[:3]))
+            self.assertAlmostEqual(moved, float(seen) / 4, delta=0.05 * moved)
+            browser.press(Keys.ESCAPE)
+            browser.pointer("up", x + 40, y)
+            browser.until("window.stroma.store.newest.header.hands.length === 0 && window.stroma.store.shown === window.stroma.store.newest", "the ball to be gone")
+            # another page's hand, as a frame tells it
+            other = {"hand": "h1", "client": 99, "kind": "pull", "body": 0, "node": node, "at": [0.1, 0.2, 0.3], "rest_at": [0.1, 0.1, 0.1], "to": [0.2, 0.2, 0.2], "force": [1, 0, 0]}
+            browser.script("window.stroma.store.show({...window.stroma.store.shown, header: {...window.stroma.store.shown.header, hands: [arguments[0]]}})", other)
+            arrow = browser.script("[...window.stroma.hands.arrows.origin.array.slice(0, 3), ...window.stroma.hands.arrows.along.array.slice(0, 3)]")
+            self.assertLess(abs(numpy.array(arrow) - [0.1, 0.5, 0.9, 0.4, 0.0, -0.4]).max(), 1e-6)
+
+    def test_attributes_change_in_place_and_keep_what_is_typed(self):
+        with Server(STROMA, example("organ.xml"), "--paused") as viewed:
+            browser.open(viewed.address)
+            browser.until("document.querySelector('button[data-path=\"/organ/fem\"]')", "the tree")
+            browser.css('button[data-path="/organ/fem"]').click()
+            young, poisson = (browser.css(f'[data-path="/organ/fem"][data-attribute="{name}"]:not(button)') for name in ("youngModulus", "poissonRatio"))
+            link = browser.css('button[data-path="/organ/fem"]')
+            young.click()
+            young.send_keys("5")
+            typed = young.get_attribute("value")
+            other = viewed.page()
+            before = browser.script("(window.stroma.store.on('components', () => (window.told = (window.told ?? 0) + 1)), window.told ?? 0)")
+            browser.script("window.stroma.commands.takeControl()")
+            browser.until(f"{WATCHED}.control === window.stroma.store.scene.client", "control")
+            browser.script("window.stroma.commands.ask({do: 'set', path: '/organ/fem', attribute: 'poissonRatio', value: '0.31'})")
+            browser.script("window.stroma.commands.request({do: 'components'})")
+            browser.until(f"window.told > {before}", "the components")
+            browser.until(lambda: poisson.get_attribute("value") == "0.31", "the new value in the old field")
+            self.assertEqual(young.get_attribute("value"), typed, "what is typed is lost")
+            self.assertTrue(browser.script("document.activeElement === arguments[0]", young), "the focus is lost")
+            link.click()  # would be stale
+            del other
+
+    def test_what_a_monitor_watches_is_plotted(self):
+        with Server(STROMA, example("ten_tetrahedra.xml"), "--paused") as viewed:
+            browser.open(viewed.address)
+            browser.until("document.querySelector('button[data-path=\"/block/mirror\"]')", "the tree")
+            browser.css('button[data-path="/block/mirror"]').click()
+            browser.click("plot-monitor")
+            watched = browser.script("window.stroma.store.watched.map(({body, node}) => [window.stroma.store.bodies[body].node, window.stroma.store.bodies[body].sceneNode[node]])")
+            self.assertEqual(watched, [["/block", 6], ["/block", 90]])
+            browser.click("step")
+            browser.until("document.querySelectorAll('.plot[data-plot^=\"node.\"]').length >= 4", "their plots")
+
     def test_controls_have_names(self):
         with Server(STROMA, example("organ.xml"), "--paused") as viewed:
             browser.open(viewed.address)
@@ -344,7 +470,7 @@ class Connections(PageTest):
             viewed.process.send_signal(signal.SIGCONT)
             step = browser.script(f"{WATCHED}.step")
             browser.until(f"window.stroma.store.shown.header.step >= {step}", "the step")
-            browser.driver.get("about:blank")
+            browser.leave()
             proxy.close()
 
     def test_two_pages(self):
@@ -380,6 +506,32 @@ class Connections(PageTest):
                 self.assertTrue((seen[0] != seen[1]).any() and (seen[1] != seen[2]).any())
                 browser.click("play")
                 browser.until("window.stroma.store.shown.header.index >= 3", "the recording to play")
+
+    def test_a_scene_sent_again_keeps_choices_and_hands(self):
+        """As when springs are set in a run. Until the server tells of it, its frames are of another generation: each is answered."""
+        with Server(STROMA, example("organ.xml")) as viewed:
+            browser.open(viewed.address)
+            browser.press(" ")
+            browser.until(f"!{WATCHED}.running", "the pause")
+            browser.press("3", "n", Keys.ENTER, Keys.ARROW_UP, Keys.ENTER)
+            browser.until("window.stroma.store.newest.header.hands.length === 1 && window.stroma.store.newest === window.stroma.store.shown", "what is held")
+            browser.script("window.stroma.store.setView({exaggeration: 2, wireframe: true})")
+            browser.script("window.stroma.stage.turn(0.3, 0.2)")
+            browser.script("window.stroma.panels.tabs.get('plots').panel.watch(0, 3)")
+            state = ("(s => [s.hands.kept.size, s.store.watched.length, s.store.view.exaggeration, s.store.view.wireframe, s.history.frames.length > 0,"
+                     " s.stage.camera.position.toArray(), s.store.bodies[0].held.length, s.frameDrawn >= 0])(window.stroma)")
+            before = browser.script(state)
+            self.assertEqual(before[0], 1)
+            browser.script("""(s => { const arrays = {};
+                for (const b of s.store.bodies) for (const [name, key] of [['node', 'sceneNode'], ['rest', 'rest'], ['triangles', 'triangles'], ['owner', 'owner'],
+                  ['edges', 'edges'], ['points', 'points'], ['springs', 'springs']]) arrays[`${b.index}.${name}`] = b[key].slice();
+                s.store.receivePacket({header: {...s.store.scene, generation: s.store.scene.generation + 1}, arrays, bytes: 0}); })(window.stroma)""")
+            self.assertEqual(browser.script(state), before)
+            self.shows_bodies()
+            browser.script("(s => { window.sent = []; const send = s.connection.send.bind(s.connection);"
+                           " s.connection.send = m => { window.sent.push(m); return send(m); }; })(window.stroma)")
+            browser.press(" ")
+            browser.until("window.sent.filter(m => m.do === 'drawn').length > 5", "the answers to frames that are not drawn")
 
     def test_looking_back_while_the_run_goes_on(self):
         with Server(STROMA, example("organ.xml")) as viewed:

@@ -168,8 +168,13 @@ export class Hands {
     const radius = this.radius * body.size;
     const towards = this.stage.ray(...this.centreOf(picked.point)).direction;
     const before = (/** @type {number[]} */ place) => place.map((p, c) => p - radius * towards.getComponent(c));
-    const centre = before(truePlace(body, picked, shared.exaggeration.value));
-    return { hand: this.freeName(), kind: 'push', body: body.index, radius, centre, anchor: before(picked.point), moved: new THREE.Vector3() };
+    const k = shared.exaggeration.value;
+    const centre = before(truePlace(body, picked, k));
+    const anchor = before(picked.point);
+    // It begins under the pointer, although another node may be nearer to it than what was picked.
+    const nearest = shiftOfBall(body, centre, k);
+    const offset = anchor.map((c, i) => c - centre[i] - nearest[i]);
+    return { hand: this.freeName(), kind: 'push', body: body.index, radius, centre, anchor, offset, moved: new THREE.Vector3() };
   }
 
   /** @param {number[]} point @returns {[number, number]} */
@@ -305,7 +310,8 @@ export class Hands {
       let at;
       if (hand.kind === 'push') {
         const shift = shiftOfBall(body, hand.centre, shared.exaggeration.value);
-        at = hand.centre.map((/** @type {number} */ c, /** @type {number} */ i) => c + shift[i]);
+        const offset = hand.client === this.store.scene.client && this.drag?.hand === hand.hand ? this.drag.offset : [0, 0, 0];
+        at = hand.centre.map((/** @type {number} */ c, /** @type {number} */ i) => c + shift[i] + offset[i]);
         balls.push({ at, radius: hand.radius });
       } else {
         const { from, to } = this.places(hand);

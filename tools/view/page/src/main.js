@@ -57,7 +57,7 @@ function start() {
   window.addEventListener('pagehide', () => connection?.leave());
   window.addEventListener('pageshow', (event) => event.persisted && connection?.open());
   /** @type {any} */ (window).stroma = {
-    store, stage, hands, history, panels, timeline, connection,
+    store, stage, hands, history, panels, timeline, commands, connection,
     get ready() { return store.ready && stage.frameDrawn >= 0; },
     get frameDrawn() { return stage.frameDrawn; },
     get lastDelay() { return hands.lastDelay; },
