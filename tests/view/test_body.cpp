@@ -136,7 +136,7 @@ TEST(Bodies, HeldAndGuidedNodesAreToldApart) {
             "<PartialFixedProjectiveConstraint indices=\"5\" fixedDirections=\"1 0 0\"/>"
             "<LinearMovementProjectiveConstraint indices=\"59\" keyTimes=\"0 1\" movements=\"0 0 0  1 0 0\"/>"));
   const Drawing drawing = drawingOf(simulation);
-  const Packet packet = heldPacket(simulation, drawing, 1);
+  const Packet packet = heldPacket(simulation, drawing, 1, simulation.time());
   const auto nodes = [&](std::size_t array) {
     std::vector<Index> out;
     for (const std::int32_t page : std::get<std::vector<std::int32_t>>(packet.arrays()[array].second))

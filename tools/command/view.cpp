@@ -172,6 +172,17 @@ void beginReplay(const ViewCommand& command, Simulation& simulation) {
   simulation.replay(std::move(actions.events), command.replay_file);
 }
 
+/// A view has no end of its own: exporters would fill the disk. A recording is not run, so nothing is to be written.
+void leaveOutputs(const ViewCommand& command, Simulation& simulation) {
+  std::vector<std::string> left;
+  for (const Observer* observer : simulation.observers())
+    if (!observer->files().empty()) left.push_back(observer->path());
+  simulation.dropObservers();
+  if (!left.empty() && !command.quiet && !command.isRecording())
+    fmt::print(stderr, "note: {} write{} no file in a view (--outputs)\n", fmt::join(left, ", "),
+               left.size() == 1 ? "s" : "");
+}
+
 }  // namespace
 
 int view(const Arguments& arguments) {
@@ -187,8 +198,8 @@ int view(const Arguments& arguments) {
   if (command.isRecording()) {
     (command.exports ? command.page.recording : command.live.recording) =
         recordingIn(command.recording_folder, simulation);
-    simulation.dropObservers();  // nothing is run, so nothing is to be written
   }
+  if (command.isRecording() || !command.outputs) leaveOutputs(command, simulation);
   beginReplay(command, simulation);
   checkOutputs(command, simulation);
   return command.exports ? exportPage(command, session, *viewer) : serve(command, session, *viewer);

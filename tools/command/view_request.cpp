@@ -60,6 +60,8 @@ OptionList viewOptions() {
       ("field", po::value<std::vector<std::string>>()->value_name("NAME"),
        "with --export: keep this field of the cells, as vonMises; may be repeated")        //
       ("inside", "with --export: keep the inside of bodies too, so that they can be cut")  //
+      ("outputs",
+       "write the files of the scene's observers too; without it none is written, however long one looks")  //
       ("quiet,q", "no notes");
   addSceneOptions(options);
   return options;
@@ -140,6 +142,7 @@ ViewCommand::ViewCommand(const Values& values)
       record_folder(textOf(values, "record")),
       replay_file(textOf(values, "replay")),
       exports(values.count("export") > 0),
+      outputs(values.count("outputs") > 0),
       quiet(values.count("quiet") > 0) {
   if (fs::is_directory(scene)) recording_folder = scene;
   checkPartners(values, isRecording());

@@ -17,6 +17,7 @@ struct ViewCommand {
   long record_every = 1;       ///< [steps]
   bool exports = false;        ///< a page is written, nothing is served
   bool opens = false;          ///< the browser, at the address
+  bool outputs = false;        ///< observers of the scene write their files
   bool quiet = false;          ///< no notes
   view::ViewRequest live{};    ///< without its recording and what it is told of
   view::ExportRequest page{};  ///< likewise

@@ -5,7 +5,6 @@
 #include <limits>
 #include <map>
 
-#include "framework/mechanics/drawn_segments.h"
 #include "framework/mechanics/state_topology.h"
 
 namespace stroma::view {
@@ -155,11 +154,7 @@ Index bodyOf(const std::vector<Body>& bodies, const State* state) {
 
 /// Springs within a body go to it, others to `between`.
 void addSprings(const Simulation& simulation, std::vector<Body>& bodies, std::vector<std::array<Place, 2>>& between) {
-  std::vector<DrawnSegments::Segment> segments;
-  for (const auto& system : simulation.systems())
-    for (const ForceField* field : system->forceFields())
-      if (const auto* drawn = dynamic_cast<const DrawnSegments*>(field)) drawn->addSegments(segments);
-  for (const DrawnSegments::Segment& segment : segments) {
+  for (const DrawnSegments::Segment& segment : segmentsOf(simulation)) {
     const Place a{bodyOf(bodies, segment.first), segment.first_node};
     const Place b{bodyOf(bodies, segment.second), segment.second_node};
     if (a.body < 0 || b.body < 0) continue;
@@ -202,6 +197,14 @@ Index Body::cells() const {
   if (!mesh) return 0;
   const std::size_t volume = mesh->tetrahedra.size() + mesh->hexahedra.size();
   return Index(volume > 0 ? volume : mesh->triangles.size() + mesh->quads.size());
+}
+
+std::vector<DrawnSegments::Segment> segmentsOf(const Simulation& simulation) {
+  std::vector<DrawnSegments::Segment> segments;
+  for (const auto& system : simulation.systems())
+    for (const ForceField* field : system->forceFields())
+      if (const auto* drawn = dynamic_cast<const DrawnSegments*>(field)) drawn->addSegments(segments);
+  return segments;
 }
 
 Drawing drawingOf(const Simulation& simulation) {

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "framework/mechanics/drawn_segments.h"
 #include "framework/mesh/mesh.h"
 #include "framework/simulation/simulation.h"
 #include "framework/simulation/system.h"
@@ -53,6 +54,8 @@ struct Drawing {
   std::vector<Field> fields;
 };
 Drawing drawingOf(const Simulation& simulation);
+/// The pairs of nodes that force fields join: the part of a drawing that an edit can change.
+std::vector<DrawnSegments::Segment> segmentsOf(const Simulation& simulation);
 
 /// The values of a field of cells at the present positions, one for each of body.cells(), NaN for cells that the force field
 /// does not have; of a field with several numbers per cell their Euclidean norm. False when it fits no list of the body's cells. `work` is scratch space.

@@ -12,7 +12,7 @@ namespace websocket = beast::websocket;
 using nlohmann::json;
 
 constexpr std::size_t most_message_bytes = 64 << 10;
-constexpr std::size_t most_queued_bytes = 512u << 20;
+constexpr std::size_t most_queued_bytes = 256u << 20;  // the cells of ten million tetrahedra
 constexpr std::size_t most_queued = 2000;
 constexpr int deepest = 16;  ///< nested brackets in a message
 
@@ -123,8 +123,9 @@ bool Client::nextOutgoing() {
     next_status_ = nullptr;
   } else if (next_frame_ && under_way_ < most_under_way) {
     last_sent_ = next_frame_->header()["frame"].get<long>();
-    const Packet frame = short_positions_ ? withShortPositions(*next_frame_) : *next_frame_;
-    current_ = {std::make_shared<std::string>(frame.bytes()), false};
+    current_ = {std::make_shared<std::string>(short_positions_ ? withShortPositions(*next_frame_).bytes()
+                                                               : next_frame_->bytes()),
+                false};
     next_frame_ = nullptr;
     ++under_way_;
   } else {

@@ -31,6 +31,10 @@ class Client : public std::enable_shared_from_this<Client> {
   void close();
 
   int number() const { return number_; }
+  /// It has said what it is, and may ask.
+  bool hasGreeted() const { return has_greeted_; }
+  void greet() { has_greeted_ = true; }
+  /// It has been sent the scene, and can be sent frames of it.
   bool isReady() const { return is_ready_; }
   void setReady() { is_ready_ = true; }
   bool wantsFrames() const { return is_ready_ && !next_frame_ && under_way_ < most_under_way; }
@@ -56,7 +60,7 @@ class Client : public std::enable_shared_from_this<Client> {
   boost::beast::websocket::stream<boost::beast::tcp_stream> stream_;
   boost::beast::flat_buffer buffer_;
   int number_ = 0;
-  bool is_ready_ = false, writing_ = false, gone_ = false, short_positions_ = false;
+  bool has_greeted_ = false, is_ready_ = false, writing_ = false, gone_ = false, short_positions_ = false;
   std::deque<Outgoing> queue_;
   std::size_t queued_bytes_ = 0;
   std::shared_ptr<const Packet> next_frame_;

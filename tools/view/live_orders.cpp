@@ -6,11 +6,13 @@
 #include <filesystem>
 
 #include "framework/algebra/parallel.h"
+#include "framework/scene/output_file.h"
 #include "framework/simulation/changed_scene.h"
 #include "framework/simulation/run_events.h"
 #include "tools/view/component_tree.h"
 #include "tools/view/live_run.h"
 #include "tools/view/orders.h"
+#include "tools/view/recorded_instant.h"
 #include "tools/view/scene_packets.h"
 
 namespace stroma::view {
@@ -24,29 +26,24 @@ const char* wordOf(Severity severity) {
 
 json lineOf(const Problem& problem) { return {{"severity", wordOf(problem.severity)}, {"text", problem.text()}}; }
 
-std::string sentenceOf(const ComponentError& error) {
-  std::string text = error.what();
-  std::string more;
-  if (!error.expected.empty()) more = "expected " + error.expected;
-  if (!error.suggestion.empty()) more += (more.empty() ? "did you mean " : "; did you mean ") + error.suggestion + "?";
-  return more.empty() ? text : text + " (" + more + ")";
-}
-
 std::string fileName(const std::string& path) { return std::filesystem::path(path).filename().string(); }
 
 }  // namespace
 
-void LiveRun::doOrders() {
+void LiveRun::doOrders(bool of_server_only) {
   while (true) {
     Order order;
     {
       const std::lock_guard lock(mutex_);
-      if (orders_.empty()) {
-        ordered_ = false;
+      const auto next = std::find_if(orders_.begin(), orders_.end(), [of_server_only](const Order& waiting) {
+        return !of_server_only || isOfServer(waiting.message);
+      });
+      if (next == orders_.end()) {
+        ordered_ = !orders_.empty();
         return;
       }
-      order = std::move(orders_.front());
-      orders_.pop_front();
+      order = std::move(*next);
+      orders_.erase(next);
     }
     answer(order);
   }
@@ -108,7 +105,10 @@ bool LiveRun::carryOutOfRun(const std::string& verb, const json& message) {
     if (!ended_.empty()) throw ComponentError("the run has ended: " + ended_, "reset");
     running_ = false;
     const long count = integer(message.value("count", json(1)), "count", 1, 100000);
-    for (long i = 0; i < count && ended_.empty() && !stopping_ && !isPauseAsked(); ++i) advance(1);
+    for (long i = 0; i < count && ended_.empty() && !stopping_ && !isPauseAsked(); ++i) {
+      doOrders(true);
+      advance(1);
+    }
   } else if (verb == "reset") {
     reset();
   } else if (verb == "pace") {
@@ -135,15 +135,34 @@ bool LiveRun::isPauseAsked() const {
   });
 }
 
-void LiveRun::introduce(int client) {
-  if (generation_ == 0) generation_ = 1;
+void LiveRun::sendScene(int client) {
   Packet scene = scenePacket(simulation_, drawing_, generation_, request_.recording.empty() ? "live" : "recording");
-  scene.header()["client"] = client;
+  if (client != Audience::everybody) scene.header()["client"] = client;
   scene.header()["build"] = request_.build;
   audience_.sendPacket(client, scene);
-  audience_.sendPacket(client, heldPacket(simulation_, drawing_, generation_));
+  audience_.sendPacket(client, heldPacket(simulation_, drawing_, generation_, time()));
   held_revision_ = heldRevision(simulation_);
   if (cells_sent_) audience_.sendPacket(client, cellsPacket(drawing_, generation_));
+}
+
+/// An edit may have joined other nodes: what is drawn is then another scene for the pages.
+void LiveRun::redraw() {
+  std::vector<DrawnSegments::Segment> segments = segmentsOf(simulation_);
+  if (segments == segments_) return;
+  segments_ = std::move(segments);
+  Drawing drawing = drawingOf(simulation_);
+  {
+    const std::lock_guard lock(mutex_);
+    drawing_ = std::move(drawing);
+  }
+  if (generation_ == 0) return;
+  ++generation_;
+  sendScene(Audience::everybody);
+}
+
+void LiveRun::introduce(int client) {
+  if (generation_ == 0) generation_ = 1;
+  sendScene(client);
   json lines = json::array();
   for (const Problem& problem : simulation_.scene().diagnostics.problems()) lines.push_back(lineOf(problem));
   audience_.send(client, {{"is", "messages"}, {"lines", lines}});
@@ -211,6 +230,7 @@ void LiveRun::setAttribute(const json& message) {
   }
   held_revision_ = -1;
   dirty_ = true;
+  redraw();
   audience_.send(Audience::everybody, {{"is", "components"}, {"tree", componentTree(session_)}});
 }
 
@@ -219,26 +239,26 @@ void LiveRun::reset() {
     seek(0);
     return;
   }
-  hands_.forget();
   simulation_.reset();
+  hands_.forget();
+  ++run_;
   ended_.clear();
   last_ = {}, last_step_seconds_ = 0;
   held_revision_ = -1;
   anchor_ = Clock::now(), anchor_time_ = time();
   dirty_ = true;
-  if (request_.after_reset) request_.after_reset();
+  if (!request_.after_reset) return;
+  try {
+    request_.after_reset();
+  } catch (const OutputError& error) {
+    endWithoutOutput(error.what());
+  }
 }
 
 void LiveRun::seek(long index) {
   index_ = index;
-  std::size_t i = 0;
-  for (State* state : simulation_.states()) {
-    const StateFrame& frame = request_.recording[i++][std::size_t(index)];
-    for (Index row = 0; row < state->size(); ++row) {
-      state->x()[row] = frame.x[std::size_t(row)];
-      if (!frame.v.empty()) state->v()[row] = frame.v[std::size_t(row)];
-    }
-  }
+  showInstant(simulation_, request_.recording, std::size_t(index));
+  held_revision_ = -1;
   dirty_ = true;
 }
 

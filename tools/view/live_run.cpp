@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "framework/scene/output_file.h"
+#include "tools/view/orders.h"
 #include "tools/view/scene_packets.h"
 
 namespace stroma::view {
@@ -27,12 +28,6 @@ bool isOfHand(const json& message) {
   return verb == "pull" || verb == "force" || verb == "push";
 }
 
-/// Once per page, and never to be lost: a page would wait for its scene for ever, or leave its hands behind.
-bool isOfServer(const json& message) {
-  const std::string verb = message.value("do", "");
-  return verb == "attach" || verb == "leave";
-}
-
 }  // namespace
 
 LiveRun::LiveRun(Session& session, const ViewRequest& request, Audience& audience)
@@ -43,7 +38,8 @@ LiveRun::LiveRun(Session& session, const ViewRequest& request, Audience& audienc
       drawing_(drawingOf(simulation_)),
       hands_(simulation_, drawing_),
       values_(simulation_, drawing_),
-      frames_(simulation_, drawing_) {
+      frames_(simulation_, drawing_),
+      segments_(segmentsOf(simulation_)) {
   simulation_.computeOnDemand(true);
 }
 
@@ -88,8 +84,8 @@ void LiveRun::setDemand(const Demand& demand) {
   changed_.notify_all();
 }
 
-// Neither the drawing nor what it points to of meshes and states changes while the scene runs.
 void LiveRun::checkWanted(const std::set<int>& fields, const std::set<std::string>& values) const {
+  const std::lock_guard lock(mutex_);  // an edit may replace the drawing
   for (const int field : fields)
     if (field < 1 || field > int(drawing_.fields.size()))
       throw ComponentError(fmt::format("there is no field {}", field),
@@ -108,11 +104,16 @@ void LiveRun::loop() {
   if (!request_.paused && request_.recording.empty()) startRunning();
   if (!request_.recording.empty()) seek(0);
   while (!stopping_) {
-    doOrders();
-    if (running_) advance(steps_per_call);
-    if (running_ || stopping_) continue;
-    showIfDue();
-    tellStatus(false);
+    try {
+      doOrders();
+      if (running_) advance(steps_per_call);
+      if (running_ || stopping_) continue;
+      showIfDue();
+      tellStatus(false);
+    } catch (const std::exception& error) {  // of what is only looked at
+      endRun(error.what());
+      dirty_ = false;
+    }
     std::unique_lock lock(mutex_);
     // woken by orders and by pages that have drawn; a picture that is due a little later takes a short sleep
     if (!stopping_ && orders_.empty())
@@ -142,17 +143,14 @@ void LiveRun::advance(long steps) {
     if (running_) waitForRealTime();
     return mustReturn();
   };
-  if (hands_.pushes()) {
-    hands_.updatePushes();
-    limits.steps = 1;
-  }
   try {
     const RunReport report = session_.run(limits);
-    if (report.end != RunEnd::done && report.end != RunEnd::stopped) endRun(report);
+    if (report.end == RunEnd::output_failed)
+      endWithoutOutput(report.reason);
+    else if (report.end != RunEnd::done && report.end != RunEnd::stopped)
+      endRun(report.reason.empty() ? "the run has no result" : report.reason);
   } catch (const std::exception& error) {
-    RunReport report;
-    report.reason = error.what();
-    endRun(report);
+    endRun(error.what());
   }
 }
 
@@ -170,9 +168,14 @@ void LiveRun::afterStep(const StepReport& report, double seconds) {
   tellStatus(false);
 }
 
-void LiveRun::endRun(const RunReport& report) {
+void LiveRun::endWithoutOutput(const std::string& sentence) {
+  if (request_.output_failed) request_.output_failed(sentence);
+  endRun(sentence);
+}
+
+void LiveRun::endRun(const std::string& sentence) {
   running_ = false;
-  ended_ = report.reason.empty() ? "the run ended" : report.reason;
+  ended_ = sentence;
   dirty_ = true;
   audience_.send(Audience::everybody, {{"is", "messages"}, {"lines", {{{"severity", "error"}, {"text", ended_}}}}});
   if (request_.ended) request_.ended(ended_);
@@ -215,12 +218,12 @@ void LiveRun::show(const Demand& wanted) {
     cells_sent_ = true;
   }
   if (const long revision = heldRevision(simulation_); revision != held_revision_) {
-    audience_.sendPacket(Audience::everybody, heldPacket(simulation_, drawing_, generation_));
+    audience_.sendPacket(Audience::everybody, heldPacket(simulation_, drawing_, generation_, time()));
     held_revision_ = revision;
   }
   const std::shared_ptr<Packet> frame = frames_.make(wanted, ++frame_, time(), !running_);
   json& header = frame->header();
-  header["generation"] = generation_;
+  header["generation"] = generation_, header["run"] = run_;
   header["hands"] = hands_.describe();
   header["values"] = values_.read(wanted.values, last_, 1e3 * last_step_seconds_);
   header["applied"] = json::object();
@@ -234,6 +237,16 @@ void LiveRun::show(const Demand& wanted) {
   window_.copying += secondsBetween(start, Clock::now()) - fields;
 }
 
+/// Now and then, and at most for a hundredth of the time.
+void LiveRun::lookForDoubts() {
+  const auto start = Clock::now();
+  if (simulation_.steps() == 0) doubts_.clear();
+  if (start < doubts_due_ || simulation_.steps() == 0 || !request_.recording.empty()) return;
+  doubts_ = simulation_.doubts();
+  const auto now = Clock::now();
+  doubts_due_ = now + std::max<Clock::duration>(std::chrono::seconds(2), 100 * (now - start));
+}
+
 json LiveRun::status() const {
   json out{{"is", "status"},
            {"running", running_},
@@ -243,7 +256,7 @@ json LiveRun::status() const {
            {"step", simulation_.steps()},
            {"dt", simulation_.dt()},
            {"ended", ended_},
-           {"doubts", json::array()},
+           {"doubts", doubts_},
            {"mode", request_.recording.empty() ? "live" : "recording"}};
   out.update(speed_);
   if (!request_.recording.empty()) out["recording"] = {{"count", request_.recording.front().size()}, {"index", index_}};
@@ -264,6 +277,7 @@ void LiveRun::tellStatus(bool now) {
         {"share",
          {{"step", window_.stepping / wall}, {"copy", window_.copying / wall}, {"fields", window_.fields / wall}}}};
   if (running_ && wall >= window_seconds) window_ = {.start = time_now};
+  lookForDoubts();
   audience_.tellStatus(status());
 }
 

@@ -6,6 +6,7 @@
 #include <deque>
 #include <mutex>
 
+#include "framework/mechanics/drawn_segments.h"
 #include "tools/view/frame_maker.h"
 #include "tools/view/viewer.h"
 
@@ -40,13 +41,16 @@ class LiveRun {
   bool mustReturn() const {
     return stopping_.load(std::memory_order_relaxed) || ordered_.load(std::memory_order_relaxed);
   }
-  void doOrders();
+  /// Those that wait, in their order; `of_server_only`: pages that come and go, which never wait.
+  void doOrders(bool of_server_only = false);
   void answer(const Order& order);
   std::string carryOut(const Order& order);
   bool carryOutOfRun(const std::string& verb, const nlohmann::json& message);
   /// Many steps in a row end early for it.
   bool isPauseAsked() const;
   void introduce(int client);
+  void sendScene(int client);
+  void redraw();
   void tell(int client, const std::string& verb);
   void tellXml(int client);
   void setAttribute(const nlohmann::json& message);
@@ -57,10 +61,14 @@ class LiveRun {
   void afterStep(const StepReport& report, double seconds);
   /// As long as the clock on the wall is behind the time of the run, unless somebody wants something.
   void waitForRealTime();
-  void endRun(const RunReport& report);
+  /// There is no result any more: `sentence` says why. A reset begins again.
+  void endRun(const std::string& sentence);
+  /// An output cannot be written any more.
+  void endWithoutOutput(const std::string& sentence);
   void showIfDue();
   void show(const Demand& demand);
   void tellStatus(bool now);
+  void lookForDoubts();
   nlohmann::json status() const;
   Demand demand() const;
   double time() const;
@@ -73,6 +81,7 @@ class LiveRun {
   Hands hands_;
   WatchedValues values_;
   FrameMaker frames_;
+  std::vector<DrawnSegments::Segment> segments_;  ///< that the drawing was made with
 
   // ---- shared with the other threads ----
   mutable std::mutex mutex_;
@@ -87,6 +96,9 @@ class LiveRun {
   std::string ended_;   ///< why nothing runs any more, or empty
   bool dirty_ = true;   ///< the picture is another than the one sent last
   int generation_ = 0;  ///< of the scene; 0: nobody has asked for it
+  long run_ = 0;        ///< how often the run has begun anew
+  std::vector<std::string> doubts_;
+  Clock::time_point doubts_due_{};
   bool cells_sent_ = false;
   long frame_ = 0, held_revision_ = -1, index_ = 0;
   StepReport last_;

@@ -10,6 +10,19 @@
 
 namespace stroma::view {
 
+/// What the message asks for. Throws ComponentError for a verb that there is not, and for members that it does not have: a
+/// misspelt one would be left out without a word.
+std::string checkedVerb(const nlohmann::json& order);
+
+/// With what was expected, and the nearest right name.
+std::string sentenceOf(const ComponentError& error);
+
+/// A page that comes or goes: the server's own order, which never waits.
+inline bool isOfServer(const nlohmann::json& order) {
+  const std::string verb = order.value("do", "");
+  return verb == "attach" || verb == "leave";
+}
+
 /// A member of a message that has to be there.
 inline const nlohmann::json& member(const nlohmann::json& order, const char* name) {
   const auto found = order.find(name);

@@ -2,6 +2,7 @@
 #include "tools/view/recorded_instant.h"
 
 #include "framework/simulation/simulation.h"
+#include "framework/simulation/system.h"
 
 namespace stroma::view {
 
@@ -14,6 +15,8 @@ void showInstant(Simulation& simulation, const Recording& recording, std::size_t
       if (!frame.v.empty()) state->v()[row] = frame.v[std::size_t(row)];
     }
   }
+  if (!recording.empty())  // loads of the instant
+    for (const auto& system : simulation.systems()) system->setTime(recording.front()[instant].time);
 }
 
 }  // namespace stroma::view

@@ -115,7 +115,7 @@ Packet cellsPacket(const Drawing& drawing, int generation) {
   return packet;
 }
 
-Packet heldPacket(const Simulation& simulation, const Drawing& drawing, int generation) {
+Packet heldPacket(const Simulation& simulation, const Drawing& drawing, int generation, double t) {
   enum Holding : char { free, guided, held };
   std::vector<std::vector<Holding>> holding;
   for (const Body& body : drawing.bodies) holding.emplace_back(body.node.size(), free);
@@ -128,7 +128,7 @@ Packet heldPacket(const Simulation& simulation, const Drawing& drawing, int gene
       if (page >= 0) holding[b][std::size_t(page)] = std::max(holding[b][std::size_t(page)], how);
     }
   };
-  const double t = simulation.time(), t_end = t + simulation.dt();
+  const double t_end = t + simulation.dt();
   std::vector<NodeProjector> projectors;
   for (const auto& system : simulation.systems())
     for (const ProjectiveConstraint* constraint : system->constraints().all()) {

@@ -74,7 +74,12 @@ void Server::accept() {
       socket.set_option(Tcp::no_delay(true), ignored);
       std::make_shared<HttpConnection>(*this, std::move(socket))->start();
     }
-    accept();
+    if (!error) return accept();
+    // out of descriptors, perhaps: not again at once
+    pause_.expires_after(std::chrono::milliseconds(200));
+    pause_.async_wait([this](const boost::system::error_code& stopped) {
+      if (!stopped) accept();
+    });
   });
 }
 
@@ -116,6 +121,14 @@ json Server::withControl(json status) const {
 }
 
 void Server::deliver(int client, std::shared_ptr<const std::string> bytes, bool is_text) {
+  // the first packet for a page is its scene: from then on it can draw
+  const auto one = clients_.find(client);
+  if (!is_text && one != clients_.end() && !one->second->isReady()) {
+    one->second->setReady();
+    one->second->queue(std::move(bytes), is_text);
+    demandChanged();
+    return;
+  }
   // a list of its own: a client that does not read is dropped while it is gone through
   for (const auto clients = clients_; const auto& [number, each] : clients)
     if (client == everybody ? each->isReady() : number == client) each->queue(bytes, is_text);
@@ -159,6 +172,8 @@ bool Server::needsControl(const std::string& verb) const {
 }
 
 void Server::setControl(int client) {
+  // who had control cannot let go any more
+  if (control_ != 0 && control_ != client) run_->post({control_, {{"do", "leave"}}});
   control_ = client;
   run_->post({client, {{"do", "show"}}});
 }
@@ -176,22 +191,21 @@ void Server::take(Client& client, json message) {
       client.queue(textOf({{"is", "reply"}, {"request", message["request"]}, {"ok", true}, {"message", ""}}), true);
   };
   try {
-    const std::string verb = text(member(message, "do"), "do", 20);
+    const std::string verb = checkedVerb(message);
     if (verb == "hello") {
-      if (client.isReady()) throw ComponentError("'hello' comes once");
+      if (client.hasGreeted()) throw ComponentError("'hello' comes once");
       // a page that has just been loaded does not know yet which build it is of
       const std::string build = text(message.value("build", json("")), "build", 200);
       if (!build.empty() && build != request_.build) {
         client.queue(textOf({{"is", "reload"}}), true);
         return;
       }
-      client.setReady();
+      client.greet();
       if (control_ == 0) control_ = client.number();
       run_->post({client.number(), {{"do", "attach"}}});
-      demandChanged();
       return accepted();
     }
-    if (!client.isReady()) throw ComponentError("the first message is not 'hello'");
+    if (!client.hasGreeted()) throw ComponentError("the first message is not 'hello'");
     if (verb == "drawn") {
       client.drawn(integer(member(message, "frame"), "frame", 0, 1L << 52));
       demandChanged();
@@ -214,20 +228,16 @@ void Server::take(Client& client, json message) {
     } else if (verb == "control") {
       setControl(client.number());
       accepted();
-    } else if (verb == "attach" || verb == "leave" || verb == "show") {
-      throw ComponentError("there is nothing to do that is called '" + verb + "'");
     } else if (needsControl(verb) && control_ != 0 && control_ != client.number()) {
       throw ComponentError("another page has control", "control taken first");
     } else {
       if (needsControl(verb) && control_ == 0) control_ = client.number();
-      if (!run_->post({client.number(), std::move(message)}))
-        refuse(client, json::object(), "too many messages wait already");
+      if (!run_->post({client.number(), message})) refuse(client, message, "too many messages wait already");
     }
   } catch (const json::exception& error) {
     refuse(client, message, error.what());
   } catch (const ComponentError& error) {
-    refuse(client, message,
-           error.expected.empty() ? error.what() : fmt::format("{} (expected {})", error.what(), error.expected));
+    refuse(client, message, sentenceOf(error));
   }
 }
 

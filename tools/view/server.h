@@ -3,6 +3,7 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/signal_set.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <map>
 #include <memory>
 
@@ -40,10 +41,12 @@ class Server final : public Audience {
   /// A message of a page.
   void take(Client& client, nlohmann::json message);
   void demandChanged();
-  bool isFull() const { return connections_ >= 128; }
+  /// Of connections that may become pages, and of pages.
+  bool isFull() const { return connections_ + int(clients_.size()) >= most_connections; }
   void countConnection(int change) { connections_ += change; }
 
  private:
+  static constexpr int most_connections = 64;
   void accept();
   nlohmann::json withControl(nlohmann::json status) const;
   void deliver(int client, std::shared_ptr<const std::string> bytes, bool is_text);
@@ -56,6 +59,7 @@ class Server final : public Audience {
   boost::asio::ip::tcp::acceptor acceptor_;
   Access access_;
   boost::asio::signal_set signals_;
+  boost::asio::steady_timer pause_{context_};  ///< after a connection that could not be accepted
   LiveRun* run_ = nullptr;
   std::map<int, std::shared_ptr<Client>> clients_;
   int next_client_ = 1, control_ = 0, connections_ = 0, signal_ = 0;

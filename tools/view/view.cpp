@@ -44,7 +44,7 @@ class PageMaker {
       scene.header()["view"] = {{"colour", request.fields.front() + "|cells|" + unitOfField(request.fields.front())},
                                 {"range", "most"}};
     page_.add(scene.bytes());
-    page_.add(heldPacket(simulation, drawing_, 1).bytes());
+    page_.add(heldPacket(simulation, drawing_, 1, simulation.time()).bytes());
     if (request.inside) page_.add(cellsPacket(drawing_, 1).bytes());
     opening_ = page_.size();
   }

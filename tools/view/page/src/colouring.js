@@ -21,7 +21,7 @@ export class Colouring {
     this.spread = new Map();
     this.running = [Infinity, -Infinity];
     this.last = '';
-    this.lastStep = 0;
+    this.lastStep = this.lastRun = 0;
   }
 
   /** @param {any} body @returns {Coloured} */
@@ -34,10 +34,14 @@ export class Colouring {
     const { view } = this.store;
     this.coloured.clear();
     const step = this.store.shown?.header.step ?? 0;
-    const reset = this.store.following && step < this.lastStep; // the run began anew
+    const run = this.store.shown?.header.run ?? 0;
+    const reset = this.store.following && (step < this.lastStep || run !== this.lastRun); // the run began anew
     if (this.last !== view.colour || reset) this.running = [Infinity, -Infinity];
     this.last = view.colour;
-    if (this.store.following) this.lastStep = step;
+    if (this.store.following) {
+      this.lastStep = step;
+      this.lastRun = run;
+    }
     if (!view.colour) return;
     const range = [Infinity, -Infinity];
     const fields = this.store.chosenFields();

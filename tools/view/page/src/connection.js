@@ -68,6 +68,14 @@ export class Connection {
     }
   }
 
+  /** Closes without a word: the page is being left. */
+  leave() {
+    clearTimeout(this.retry);
+    const { socket } = this;
+    this.socket = null;
+    socket?.close();
+  }
+
   reload() {
     this.stopped = true;
     this.socket?.close();

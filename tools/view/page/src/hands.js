@@ -4,6 +4,7 @@ import * as THREE from 'three';
 import { quantity } from './formats.js';
 import { h } from './dom.js';
 import { pick } from './picking.js';
+import { exaggerated, shiftOfBall, truePlace } from './places.js';
 import { shared } from './gpu.js';
 import { Arrows, Balls } from './shapes.js';
 
@@ -43,7 +44,7 @@ export class Hands {
     this.overlay = /** @type {HTMLElement} */ (document.getElementById('overlay'));
     stage.afterDraw.push(() => this.afterDraw());
     store.on('frame', () => this.show());
-    store.on('scene', () => this.forget());
+    store.on('scene', () => (store.continued ? this.show() : this.forget()));
     store.on('connection', () => this.store.connection.state !== 'open' && this.forget());
     this.listen(stage.canvas);
   }
@@ -77,19 +78,60 @@ export class Hands {
     if (!picked && !again) return; // beside the bodies the pointer turns the view
     event.stopImmediatePropagation();
     event.preventDefault();
-    const body = this.store.bodies[(again ?? picked)?.body];
-    if (!body.interactive) return this.store.notify(body.why || `${body.name} cannot be pulled.`, 'warning');
-    if (!this.commands.mayCommand()) return this.store.emit('control-needed');
+    if (!this.begin(picked, again)) return;
     this.stage.canvas.setPointerCapture(event.pointerId);
     this.stage.controls.enabled = false;
-    this.drag = again ? this.takeAgain(again) : this.mode === 'push' ? this.beginPush(picked, body) : this.beginPull(picked, body);
     this.drag.pointer = event.pointerId;
-    this.drag.started = { x: event.clientX, y: event.clientY };
     const centre = new THREE.Vector3(...this.drag.anchor);
     const normal = this.stage.camera.getWorldDirection(new THREE.Vector3());
     this.drag.plane = new THREE.Plane().setFromNormalAndCoplanarPoint(normal, centre);
     this.drag.grabbed = this.onPlane(event.clientX, event.clientY) ?? centre;
     this.send(event.timeStamp, true);
+  }
+
+  /** Takes what was picked, or a hold again. @param {any} picked @param {any} again @returns {boolean} whether it may be moved now */
+  begin(picked, again) {
+    const body = this.store.bodies[(again ?? picked).body];
+    if (!body.interactive) this.store.notify(body.why || `${body.name} cannot be pulled.`, 'warning');
+    else if (!this.commands.mayCommand()) this.store.emit('control-needed');
+    else {
+      this.drag = again ? this.takeAgain(again) : this.mode === 'push' ? this.beginPush(picked, body) : this.beginPull(picked, body);
+      // As the pointer moves on the picture; in truth all is smaller by the factor of exaggeration.
+      this.drag.keys = false;
+      this.drag.byPointer = new THREE.Vector3();
+      this.drag.byKeys = new THREE.Vector3();
+      return true;
+    }
+    return false;
+  }
+
+  /** Takes a picked node without a pointer; keys move it. A hand that only looks pulls. @param {{body: number, node: number} | null} picked */
+  beginByKeys(picked) {
+    if (this.drag || !picked || !this.store.following || !this.commands.connection) return false;
+    if (this.mode === 'look') this.setMode('pull');
+    const { body, node } = picked;
+    const held = this.mode === 'push' ? undefined : this.own.find((/** @type {any} */ hand) => hand.kind === 'hold' && hand.body === body && this.kept?.get(hand.hand)?.nodes.includes(node));
+    if (!this.begin({ body, node, nodes: [node], point: this.stage.views[body].drawnAt(node) }, held)) return false;
+    this.drag.keys = true;
+    this.send(performance.now(), true);
+    return true;
+  }
+
+  /** Moves what keys have taken. @param {number} right @param {number} up @param {number} away parts of the body's size */
+  moveByKeys(right, up, away) {
+    const size = this.store.bodies[this.drag.body].size || 1;
+    const step = this.stage.inPicture(right * size, up * size, away * size);
+    this.drag.byKeys.add(step);
+    this.update(performance.now());
+  }
+
+  /** Sends where the drag has led. A ball and its body move alike, so the factor holds for both: following the pointer with the drawn
+   * ball instead would add the body's answer to the order that caused it, which grows without end. @param {number} time of the event */
+  update(time) {
+    const { drag } = this;
+    drag.moved.addVectors(drag.byPointer, drag.byKeys).divideScalar(shared.exaggeration.value || 1);
+    if (drag.before) drag.moved.add(drag.before);
+    this.send(time, false);
   }
 
   /** A name that none of this page's hands has: names come again, so that plots have few curves. */
@@ -125,8 +167,9 @@ export class Hands {
   beginPush(picked, body) {
     const radius = this.radius * body.size;
     const towards = this.stage.ray(...this.centreOf(picked.point)).direction;
-    const anchor = picked.point.map((/** @type {number} */ p, /** @type {number} */ c) => p - radius * towards.getComponent(c));
-    return { hand: this.freeName(), kind: 'push', body: body.index, radius, anchor, moved: new THREE.Vector3() };
+    const before = (/** @type {number[]} */ place) => place.map((p, c) => p - radius * towards.getComponent(c));
+    const centre = before(truePlace(body, picked, shared.exaggeration.value));
+    return { hand: this.freeName(), kind: 'push', body: body.index, radius, centre, anchor: before(picked.point), moved: new THREE.Vector3() };
   }
 
   /** @param {number[]} point @returns {[number, number]} */
@@ -139,7 +182,7 @@ export class Hands {
   heldAt(x, y) {
     return this.own.find((/** @type {any} */ hand) => {
       if (hand.kind !== 'hold' || !this.kept?.has(hand.hand)) return false;
-      const place = this.stage.toScreen(this.drawn(hand.body, this.nodesOf(hand), hand.to));
+      const place = this.stage.toScreen(this.places(hand).to);
       return Math.hypot(place.x - x, place.y - y) < 14;
     });
   }
@@ -147,7 +190,7 @@ export class Hands {
   /** @param {any} hand */
   takeAgain(hand) {
     const kept = this.kept?.get(hand.hand);
-    return { ...kept, anchor: this.drawn(hand.body, this.nodesOf(hand), hand.to), before: kept.moved.clone(), moved: kept.moved.clone() };
+    return { ...kept, anchor: this.places(hand).to, before: kept.moved.clone(), moved: kept.moved.clone() };
   }
 
   /** @param {number} x @param {number} y */
@@ -161,11 +204,8 @@ export class Hands {
     event.stopImmediatePropagation();
     const place = this.onPlane(event.clientX, event.clientY);
     if (!place) return;
-    this.drag.moved.subVectors(place, this.drag.grabbed);
-    if (this.drag.deeper) this.drag.moved.add(this.drag.deeper);
-    if (this.drag.kind !== 'push') this.drag.moved.divideScalar(shared.exaggeration.value || 1);
-    if (this.drag.before) this.drag.moved.add(this.drag.before);
-    this.send(event.timeStamp, false);
+    this.drag.byPointer.subVectors(place, this.drag.grabbed);
+    this.update(event.timeStamp);
   }
 
   /** While a ball is dragged, the wheel moves it along the view. @param {WheelEvent} event */
@@ -179,10 +219,8 @@ export class Hands {
   /** Moves the ball along the view. @param {number} part of its radius @param {number} time of the event */
   deepen(part, time) {
     if (this.drag?.kind !== 'push') return;
-    const step = this.stage.camera.getWorldDirection(new THREE.Vector3()).multiplyScalar(part * this.drag.radius);
-    this.drag.deeper = (this.drag.deeper ?? new THREE.Vector3()).add(step);
-    this.drag.moved.add(step);
-    this.send(time, false);
+    this.drag.byKeys.add(this.stage.inPicture(0, 0, part * this.drag.radius));
+    this.update(time);
   }
 
   /** @param {PointerEvent} event */
@@ -235,23 +273,23 @@ export class Hands {
     const stiffness = this.stiffness === null ? {} : { stiffness: this.stiffness };
     const move = (/** @type {number[]} */ p) => p.map((c, i) => c + moved[i]);
     const message = drag.kind === 'push'
-      ? { do: 'push', hand: drag.hand, body: drag.body, centre: move(drag.anchor), radius: drag.radius, ...stiffness, sequence }
+      ? { do: 'push', hand: drag.hand, body: drag.body, centre: move(drag.centre), radius: drag.radius, ...stiffness, sequence }
       : { do: 'pull', kind: drag.kind, hand: drag.hand, body: drag.body, nodes: drag.nodes, targets: drag.starts.map(move), ...stiffness, sequence };
     if (first) this.commands.tell(message).then((reply) => !reply.ok && this.drag === drag && this.end(true));
     else this.commands.send(message);
   }
 
-  /** The nodes that a hand holds: all of them for hands of this page, of others the one that the frame names. @param {any} hand @returns {number[]} */
-  nodesOf(hand) {
-    const known = hand.client !== this.store.scene.client ? null : this.drag?.hand === hand.hand ? this.drag : this.kept?.get(hand.hand);
-    return known?.nodes ?? [hand.node];
-  }
-
-  /** Where the target of nodes is drawn. @param {number} b @param {number[]} nodes @param {number[]} to */
-  drawn(b, nodes, to) {
-    const rest = mean(nodes.map((n) => [...this.store.bodies[b].rest.subarray(3 * n, 3 * n + 3)]));
+  /** Where the arrow of a hand begins and ends: means over its nodes, which the frame tells. @param {any} hand */
+  places(hand) {
+    const { rest, x, size } = this.store.bodies[hand.body];
+    // Frames that were written without these places have the first node.
+    const of = (/** @type {Float32Array} */ values) => [...values.subarray(3 * hand.node, 3 * hand.node + 3)];
+    const restAt = hand.rest_at ?? of(rest);
     const k = shared.exaggeration.value;
-    return to.map((c, i) => rest[i] + k * (c - rest[i]));
+    const from = exaggerated(restAt, hand.at ?? of(x), k);
+    const length = Math.hypot(...hand.force) || 1;
+    const to = hand.to ? exaggerated(restAt, hand.to, k) : from.map((c, i) => c + (0.1 * (size || 1) * hand.force[i]) / length);
+    return { from, to };
   }
 
   /** Arrows, balls and forces of the frame shown. */
@@ -266,13 +304,13 @@ export class Hands {
       const size = body.size || 1;
       let at;
       if (hand.kind === 'push') {
-        balls.push({ at: hand.centre, radius: hand.radius });
-        at = hand.centre;
+        const shift = shiftOfBall(body, hand.centre, shared.exaggeration.value);
+        at = hand.centre.map((/** @type {number} */ c, /** @type {number} */ i) => c + shift[i]);
+        balls.push({ at, radius: hand.radius });
       } else {
-        const nodes = this.nodesOf(hand);
-        const from = mean(nodes.map((n) => this.stage.views[hand.body].drawnAt(n)));
-        at = hand.to ? this.drawn(hand.body, nodes, hand.to) : from.map((c, i) => c + 0.1 * size * hand.force[i] / (Math.hypot(...hand.force) || 1));
-        const along = at.map((c, i) => c - from[i]);
+        const { from, to } = this.places(hand);
+        at = to;
+        const along = to.map((c, i) => c - from[i]);
         if (Math.hypot(...along) > 1e-4 * size) arrows.push({ at: from, radius: 0.003 * size, along });
         ends.push({ at: hand.kind === 'hold' ? at : from, radius: 0.0075 * size });
       }
@@ -318,6 +356,3 @@ export class Hands {
     if (this.delays.length > 10000) this.delays.splice(0, 5000);
   }
 }
-
-/** @param {number[][]} points */
-const mean = (points) => [0, 1, 2].map((c) => points.reduce((sum, p) => sum + p[c], 0) / points.length);

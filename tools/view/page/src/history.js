@@ -25,15 +25,21 @@ export class History {
     this.skipped = 0;
     /** The step before which nothing is known. */
     this.latest = -1;
+    /** Number of the run that the frames belong to: it grows with each reset. */
+    this.run = 0;
   }
 
   /** @param {any} packet */
   keep(packet) {
     if (this.store.scene.mode === 'recording' && !this.store.exported) return; // the server has them all
-    const { step } = packet.header;
-    const last = this.frames[this.frames.length - 1];
-    if (last && step < this.latest) this.clear(); // the run was reset
+    const { step, run = 0 } = packet.header;
+    if (this.frames.length && (run !== this.run || step < this.latest)) { // the run was reset
+      this.clear();
+      this.store.following = true; // nothing is left to look back at
+    }
     this.latest = step;
+    this.run = run;
+    const last = this.frames[this.frames.length - 1];
     if (last && last.header.step === step && this.frames.length) { // the same instant with other fields or nodes
       this.bytes += packet.bytes - last.bytes;
       this.frames[this.frames.length - 1] = packet;
@@ -52,9 +58,9 @@ export class History {
     this.stride *= 2;
   }
 
-  /** The values of a field at or before a frame: fields do not come with each. @param {number} index @param {number} id */
-  fieldBefore(index, id) {
-    for (let i = index; i >= 0; i--) if (this.frames[i].arrays[`f${id}`]) return this.frames[i];
+  /** The last frame, at or before one, that has an array: fields and loads do not come with each. @param {number} index @param {string} name */
+  lastWith(index, name) {
+    for (let i = index; i >= 0; i--) if (this.frames[i].arrays[name]) return this.frames[i];
     return null;
   }
 }

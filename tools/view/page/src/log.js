@@ -22,15 +22,7 @@ export class Log {
       this.plan.textContent = message.lines.join('\n');
     });
     store.on('messages', (message) => this.add(message.lines));
-    store.on('doubts', () => this.showDoubts());
-    store.on('scene', () => this.ask());
-    store.on('status', () => {
-      const { running, ended } = store.status;
-      if (!running && (this.wasRunning || ended !== this.ended)) this.ask();
-      this.wasRunning = running;
-      this.ended = ended;
-      this.showDoubts();
-    });
+    store.on('status', () => this.showDoubts());
     this.showDoubts();
   }
 
@@ -48,11 +40,6 @@ export class Log {
   opened(on) {
     const tab = document.getElementById('tab-log');
     if (on && tab) tab.textContent = 'Log';
-    if (on) this.ask();
-  }
-
-  ask() {
-    this.commands.request({ do: 'doubts' });
   }
 
   showDoubts() {

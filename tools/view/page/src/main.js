@@ -51,8 +51,13 @@ function start() {
   stage.afterDraw.push((arrived) => {
     for (const frame of arrived) connection?.send({ do: 'drawn', frame });
   });
+  // What is not drawn is answered too: the server would wait for it.
+  store.on('dropped', (frame) => connection?.send({ do: 'drawn', frame }));
+  // A page that is left says so; one that comes back as it was begins anew.
+  window.addEventListener('pagehide', () => connection?.leave());
+  window.addEventListener('pageshow', (event) => event.persisted && connection?.open());
   /** @type {any} */ (window).stroma = {
-    store, stage, hands, history, panels, timeline,
+    store, stage, hands, history, panels, timeline, connection,
     get ready() { return store.ready && stage.frameDrawn >= 0; },
     get frameDrawn() { return stage.frameDrawn; },
     get lastDelay() { return hands.lastDelay; },

@@ -32,6 +32,31 @@ export function pick(stage, x, y) {
   return { body: best.body, node, sceneNode: body.sceneNode[node], nodes: best.nodes ?? [node], point, distance: best.distance };
 }
 
+/** What is in the middle of the picture; when nothing is there, the node drawn nearest to it. @param {import('./stage.js').Stage} stage @returns {Picked | null} */
+export function pickMiddle(stage) {
+  const box = stage.canvas.getBoundingClientRect();
+  const [x, y] = [box.left + box.width / 2, box.top + box.height / 2];
+  const hit = pick(stage, x, y);
+  if (hit) return hit;
+  let closest = Infinity;
+  let found = null;
+  for (const view of stage.views) {
+    if (!view.body.visible) continue;
+    for (let n = 0; n < (view.body.surface || view.body.count); n++) {
+      const place = stage.toScreen(view.drawnAt(n));
+      const away = Math.hypot(place.x - x, place.y - y);
+      if (place.depth > 1 || away >= closest) continue;
+      closest = away;
+      found = { view, node: n };
+    }
+  }
+  if (!found) return null;
+  const { view, node } = found;
+  const seen = stage.toScreen(view.drawnAt(node));
+  // What hides that node is meant.
+  return pick(stage, seen.x, seen.y) ?? { body: view.body.index, node, sceneNode: view.body.sceneNode[node], nodes: [node], point: view.drawnAt(node), distance: 0 };
+}
+
 /** @param {any} body @param {number[]} o @param {number[]} d @param {number} limit */
 function hitFaces(body, o, d, limit) {
   const { triangles, x, rest } = body;

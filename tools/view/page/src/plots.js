@@ -6,6 +6,7 @@ import { alike, number } from './formats.js';
 import { Series } from './series.js';
 
 const INK = ['#3f8fb5', '#d0803a', '#5b9a5b', '#9a6bb5'];
+const MOST_NODES = 6; // watched at once
 const PAUSE = 100; // [ms] between two drawings
 
 /** @typedef {{key: string, title: string, unit: string, lines: [string, string][], group: string, log?: boolean}} Kind */
@@ -58,6 +59,10 @@ export class Plots {
     new ResizeObserver(() => this.resize()).observe(body);
   }
 
+  get mostNodes() {
+    return MOST_NODES;
+  }
+
   /** @param {boolean} on */
   opened(on) {
     this.isOpen = on;
@@ -82,7 +87,7 @@ export class Plots {
   watch(body, node) {
     const { watched } = this.store;
     if (!watched.some((/** @type {any} */ w) => w.body === body && w.node === node)) watched.push({ body, node });
-    if (watched.length > 6) watched.shift();
+    if (watched.length > MOST_NODES) watched.shift();
     if (!this.commands.connection) this.fromHistory();
     this.store.emit('watched');
     this.listNodes();
@@ -107,25 +112,23 @@ export class Plots {
     for (const hand of header.hands ?? []) values[`hand.${hand.hand}`] = Math.hypot(...hand.force);
     // A frame without hands ends their curves.
     if (!header.hands?.length) for (const name of this.series.columns.keys()) if (name.startsWith('hand.')) values[name] = 0;
-    this.series.add(header.time, values);
+    this.series.add(header.time, values, header.run);
     this.later();
   }
 
   /** An exported page computes the places of watched nodes from its frames. */
   fromHistory() {
-    const shown = this.store.shown;
     this.series.clear();
     for (const packet of this.history.frames) {
-      this.store.show(packet);
       const values = { ...packet.header.values };
       for (const { body, node } of this.store.watched) {
         const b = this.store.bodies[body];
-        'xyz'.split('').forEach((axis, c) => (values[`node.${body}.${b.sceneNode[node]}.position.${axis}`] = b.x[3 * node + c]));
+        const place = placeIn(packet, body, node);
+        'xyz'.split('').forEach((axis, c) => (values[`node.${body}.${b.sceneNode[node]}.position.${axis}`] = place[c]));
       }
       for (const hand of packet.header.hands ?? []) values[`hand.${hand.hand}`] = Math.hypot(...hand.force);
-      this.series.add(packet.header.time, values);
+      this.series.add(packet.header.time, values, packet.header.run);
     }
-    if (shown) this.store.show(shown);
   }
 
   later() {
@@ -222,4 +225,13 @@ export class Plots {
   save() {
     download(new Blob([this.series.csv()], { type: 'text/csv' }), `${(this.store.scene?.name ?? 'scene').replace(/\.[^.]*$/, '')}.csv`);
   }
+}
+
+/** The place of a node in a frame that is not shown. @param {any} packet @param {number} body @param {number} node */
+function placeIn({ header, arrays }, body, node) {
+  const x = arrays[`${body}.x`];
+  const place = [...(x?.subarray(3 * node, 3 * node + 3) ?? [])];
+  if (place.length < 3) return [NaN, NaN, NaN]; // a node inside that the frame does not have
+  const box = x instanceof Uint16Array ? header.boxes[body] : null;
+  return box ? place.map((value, c) => box[c] + (value * (box[3 + c] - box[c])) / 65535) : place;
 }

@@ -84,7 +84,7 @@ export function framePacket(store, packet, number) {
     else if (field.on === 'nodes') out[`f${field.id}`] = values.subarray(0, body.surface);
     else out[`f${field.id}`] = body.cells.tetrahedra + body.cells.hexahedra ? Float32Array.from(body.owner, (cell) => values[cell]) : values;
   }
-  return writePacket({ is: 'frame', generation: 1, frame: number, step: header.step, time: header.time, nodes: inside && whole ? 'all' : 'surface', format: 'u16',
+  return writePacket({ is: 'frame', generation: 1, frame: number, step: header.step, time: header.time, run: header.run ?? 0, nodes: inside && whole ? 'all' : 'surface', format: 'u16',
     applied: {}, hands: header.hands ?? [], values: header.values ?? {}, boxes }, out);
 }
 

@@ -11,15 +11,16 @@ export class Series {
   clear() {
     /** @type {number[]} */
     this.times = [];
+    this.run = 0;
     /** @type {Map<string, (number | null)[]>} */
     this.columns = new Map();
   }
 
-  /** @param {number} time [s] @param {Record<string, number>} values */
-  add(time, values) {
-    const last = this.times[this.times.length - 1];
-    if (time < last) this.clear(); // the run was reset
-    if (time === last) this.drop(); // the same instant, seen again
+  /** @param {number} time [s] @param {Record<string, number>} values @param {number} [run] a number that grows with each reset */
+  add(time, values, run = 0) {
+    if (run !== this.run || time < this.times[this.times.length - 1]) this.clear(); // the run was reset
+    this.run = run;
+    if (time === this.times[this.times.length - 1]) this.drop(); // the same instant, seen again
     const names = Object.keys(values);
     if (names.length === 0) return;
     for (const name of names) if (!this.columns.has(name)) this.columns.set(name, new Array(this.times.length).fill(null));

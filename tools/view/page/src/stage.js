@@ -57,6 +57,8 @@ export class Stage {
       this.arrived.push(packet.header.frame);
       this.requestDraw();
     });
+    // Frames of an earlier connection are nothing to the new one.
+    store.on('connection', () => store.connection.state === 'open' && (this.arrived = []));
     store.on('frame', () => {
       this.frameChanged = true;
       this.requestDraw();
@@ -72,7 +74,8 @@ export class Stage {
     for (const view of this.views) view.dispose();
     this.views = this.store.bodies.map((body) => new BodyView(body, this.store));
     for (const view of this.views) this.world.add(view.group);
-    this.colouring.reset();
+    for (const view of this.views) view.setConstraints();
+    if (!this.store.continued) this.colouring.reset();
     this.measure();
     // The same scene sent again, after a lost connection or a change of topology, keeps the camera.
     if (this.fitPending || this.name !== this.store.scene.name) this.view();
@@ -140,6 +143,45 @@ export class Stage {
     Object.assign(this.controls, { _quat: quaternion, _quatInverse: quaternion.clone().invert() });
     this.camera.position.copy(direction);
     this.fit();
+  }
+
+  /** A movement as it is seen: to the right, up and away from the eye. @param {number} right @param {number} up @param {number} away [m] */
+  inPicture(right, up, away) {
+    this.camera.updateMatrixWorld();
+    const [x, y, z] = [0, 1, 2].map((axis) => new THREE.Vector3().setFromMatrixColumn(this.camera.matrixWorld, axis));
+    return x.multiplyScalar(right).addScaledVector(y, up).addScaledVector(z, -away);
+  }
+
+  /** Turns the view about its middle. @param {number} sideways @param {number} upward angles */
+  turn(sideways, upward) {
+    const back = this.camera.position.clone().sub(this.controls.target);
+    const right = new THREE.Vector3().crossVectors(this.camera.up, back).normalize();
+    const fromUp = back.angleTo(this.camera.up); // never over the pole
+    const tilt = Math.min(Math.max(fromUp - upward, 0.01), Math.PI - 0.01) - fromUp;
+    back.applyAxisAngle(right, tilt).applyAxisAngle(this.camera.up, sideways);
+    this.camera.position.copy(this.controls.target).add(back);
+    this.controls.update();
+    this.requestDraw();
+  }
+
+  /** Moves the view. @param {number} right @param {number} up parts of the picture's height */
+  move(right, up) {
+    const height = 2 * this.camera.position.distanceTo(this.controls.target) * Math.tan((this.camera.fov * Math.PI) / 360);
+    const step = this.inPicture(right * height, up * height, 0);
+    this.camera.position.add(step);
+    this.controls.target.add(step);
+    this.controls.update();
+    this.requestDraw();
+  }
+
+  /** Comes nearer or goes away. @param {number} factor of the distance */
+  zoom(factor) {
+    const back = this.camera.position.clone().sub(this.controls.target);
+    const { minDistance, maxDistance } = this.controls;
+    back.setLength(Math.min(Math.max(back.length() * factor, minDistance), maxDistance));
+    this.camera.position.copy(this.controls.target).add(back);
+    this.controls.update();
+    this.requestDraw();
   }
 
   resize() {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What the page knows: the scene, the frame shown, the state of the run, and the choices of the person who looks.
 // Everything else listens to its events: connection, scene, held, cells, arrived, frame, status, messages, components,
-// explain, xml, actions, hash, view, selection.
+// explain, xml, actions, hash, view, selection; dropped, with the number of a frame that belongs to no scene known here.
 import { dequantise } from './messages.js';
 
 const MOST_MESSAGES = 2000;
@@ -57,6 +57,10 @@ export class Store {
     this.shown = null;
     /** @type {any} the newest packet */
     this.newest = null;
+    /** The newest packet with each array that does not come with every frame: fields and loads. @type {Map<string, any>} */
+    this.newestWith = new Map();
+    /** Arrays of the nodes held: as the server told them last, and as they are shown. @type {any} */
+    this.heldNow = this.heldShown = null;
     this.following = true;
     /** Whether this page holds its recording itself. */
     this.exported = false;
@@ -101,7 +105,9 @@ export class Store {
   /** A new connection: the server sends everything again. */
   restart() {
     this.ready = false;
+    this.isNewConnection = true;
     this.values.clear();
+    this.newestWith.clear();
   }
 
   /** @param {Partial<Store['view']>} change */
@@ -141,14 +147,11 @@ export class Store {
       case 'status':
         // The instants of a recording come only once.
         if (message.recording && !message.recording.times) message.recording.times = this.status.recording?.times;
-        this.status = { ...message, doubts: message.doubts?.length ? message.doubts : this.status.doubts };
+        this.status = { ...message, doubts: message.doubts ?? this.status.doubts };
         break;
       case 'messages':
         this.messages.push(...message.lines);
         if (this.messages.length > MOST_MESSAGES) this.messages.splice(0, this.messages.length - MOST_MESSAGES);
-        break;
-      case 'doubts':
-        this.status.doubts = message.lines;
         break;
       case 'components':
         this.components = message.tree;
@@ -161,11 +164,16 @@ export class Store {
   receivePacket(packet) {
     const { is, generation } = packet.header;
     if (is === 'scene') return this.takeScene(packet);
-    if (!this.scene || (generation !== undefined && generation !== this.scene.generation)) return;
+    if (!this.scene || (generation !== undefined && generation !== this.scene.generation)) {
+      if (is === 'frame') this.emit('dropped', packet.header.frame);
+      return;
+    }
     if (is === 'held') return this.takeHeld(packet);
     if (is === 'cells') return this.takeCells(packet);
     if (is !== 'frame') return;
     this.newest = packet;
+    packet.held = this.heldNow;
+    for (const name of Object.keys(packet.arrays)) if (/^f\d+$|\.load$/.test(name)) this.newestWith.set(name, packet);
     this.emit('arrived', packet);
     if (this.following) this.show(packet);
   }
@@ -173,9 +181,14 @@ export class Store {
   /** @param {import('./messages.js').Packet} packet */
   takeScene({ header, arrays }) {
     const hidden = new Set(this.bodies.filter((body) => !body.visible).map((body) => body.path));
-    const kind = JSON.stringify([header.name, header.mode, header.bodies.map((/** @type {any} */ b) => [b.path, b.nodes, b.surface])]);
+    const kind = JSON.stringify([header.name, header.mode, header.bodies.map((/** @type {any} */ b) => [b.path, b.nodes, b.surface]),
+      (header.fields ?? []).map((/** @type {any} */ f) => [f.id, f.body, f.name, f.on, f.unit])]);
+    const before = this.bodies;
     /** Whether it is the scene from before, as after a lost connection: what was kept stays good. */
-    this.sameScene = kind === this.kindOfScene;
+    this.sameScene = kind === this.kindOfScene && before.every((body, b) => sameNumbers(body.sceneNode, arrays[`${b}.node`]));
+    /** Whether it is sent again within a connection, as after a change of springs: even hands go on. */
+    this.continued = this.sameScene && !this.isNewConnection;
+    this.isNewConnection = false;
     this.kindOfScene = kind;
     this.scene = header;
     this.build ||= header.build;
@@ -187,20 +200,30 @@ export class Store {
         sceneNode: ints('node'), rest: arrays[`${b}.rest`], triangles: ints('triangles'), owner: ints('owner'),
         edges: ints('edges'), points: ints('points'), springs: ints('springs'), held: new Int32Array(0),
         guided: new Int32Array(0), tetrahedra: null, hexahedra: null, x: arrays[`${b}.rest`].slice(), inside: false,
-        load: null, turn: null, visible: !hidden.has(info.path),
+        load: null, turn: null, visible: !hidden.has(info.path), ...(this.continued ? stateOf(before[b]) : {}),
       };
     });
     this.links = arrays.links ?? new Int32Array(0);
     this.linkKinds = arrays.link_kind ?? new Uint8Array(0);
     this.fields = header.fields ?? [];
-    this.values.clear();
-    this.shown = this.newest = null;
-    this.following = true;
+    if (!this.continued) {
+      this.values.clear();
+      this.newestWith.clear();
+      this.shown = this.newest = this.heldNow = this.heldShown = null;
+      this.following = true;
+    }
     this.emit('scene');
   }
 
   /** @param {import('./messages.js').Packet} packet */
   takeHeld({ arrays }) {
+    this.heldNow = arrays;
+    if (this.following) this.showHeld(arrays);
+  }
+
+  /** @param {any} arrays of a packet "held" */
+  showHeld(arrays) {
+    this.heldShown = arrays;
     for (const body of this.bodies) {
       body.held = arrays[`${body.index}.held`] ?? new Int32Array(0);
       body.guided = arrays[`${body.index}.guided`] ?? new Int32Array(0);
@@ -218,25 +241,32 @@ export class Store {
   }
 
   /**
-   * Shows a frame: the newest one, or one of the past.
+   * Shows a frame: the newest one, or one of the past. Not every frame has all fields and the loads.
    * @param {any} packet
+   * @param {(name: string) => any} [lastWith] the last packet until then that has an array; null when there is none
    */
-  show(packet) {
+  show(packet, lastWith = (name) => this.newestWith.get(name)) {
     const { header, arrays } = packet;
     this.shown = packet;
+    if (packet.held && packet.held !== this.heldShown) this.showHeld(packet.held);
     for (const body of this.bodies) {
       const x = arrays[`${body.index}.x`];
       if (x instanceof Uint16Array) dequantise(x, header.boxes[body.index], body.x);
       else if (x) body.x.set(x);
       body.inside = header.nodes === 'all' || body.surface === body.count;
-      body.load = arrays[`${body.index}.load`] ?? body.load; // not every frame has them
+      const load = `${body.index}.load`;
+      body.load = (arrays[load] ? packet : lastWith(load))?.arrays[load] ?? null;
       body.turn = arrays[`${body.index}.turn`] ?? body.turn;
     }
     for (const field of this.fields) {
-      const values = arrays[`f${field.id}`];
-      if (!values) continue;
-      this.values.set(field.id, values);
-      if (header.nodes === 'all') this.valuesOfAll.add(field.id);
+      const name = `f${field.id}`;
+      const source = arrays[name] ? packet : lastWith(name);
+      if (!source) {
+        this.values.delete(field.id);
+        continue;
+      }
+      this.values.set(field.id, source.arrays[name]);
+      if (source.header.nodes === 'all') this.valuesOfAll.add(field.id);
       else this.valuesOfAll.delete(field.id);
     }
     this.emit('frame', packet);
@@ -257,6 +287,14 @@ export class Store {
     return unit === '-' || unit === '1' ? '' : unit;
   }
 }
+
+/** What a body keeps when its scene is sent again with the same nodes. @param {Body} body */
+function stateOf({ x, inside, load, turn, held, guided, tetrahedra, hexahedra }) {
+  return { x, inside, load, turn, held, guided, tetrahedra, hexahedra };
+}
+
+/** @param {Int32Array} a @param {Int32Array} [b] */
+const sameNumbers = (a, b = new Int32Array(0)) => a.length === b.length && a.every((value, i) => value === b[i]);
 
 /** What is shown as one choice: fields of several bodies with the same name, place and unit. @param {any} field */
 export const fieldKey = (field) => `${field.name}|${field.on}|${field.unit}`;

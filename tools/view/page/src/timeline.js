@@ -35,8 +35,10 @@ export class Timeline {
     store.on('arrived', () => this.update());
     store.on('status', () => this.update());
     store.on('scene', () => {
-      this.stop();
-      this.index = -1;
+      if (!store.continued) {
+        this.stop();
+        this.index = -1;
+      }
       this.update();
     });
     store.on('frame', () => this.showTime());
@@ -97,19 +99,8 @@ export class Timeline {
     const frame = this.history.frames[this.index];
     if (!frame) return;
     this.store.following = false;
-    for (const field of this.store.chosenFields().values()) {
-      const before = this.history.fieldBefore(this.index, field.id);
-      if (before && before !== frame) this.takeField(before, field.id);
-    }
-    this.store.show(frame);
+    this.store.show(frame, (name) => this.history.lastWith(this.index, name));
     this.live.setAttribute('aria-pressed', 'false');
-  }
-
-  /** @param {any} packet @param {number} id */
-  takeField(packet, id) {
-    this.store.values.set(id, packet.arrays[`f${id}`]);
-    if (packet.header.nodes === 'all') this.store.valuesOfAll.add(id);
-    else this.store.valuesOfAll.delete(id);
   }
 
   goLive() {

@@ -30,9 +30,16 @@ export class Tree {
 
   update() {
     const root = this.store.components ?? this.fromBodies();
+    // Values of attributes are not shown here: what is pointed at stays as long as nothing else changed.
+    const shape = JSON.stringify([root, this.store.selected, [...this.folded], this.store.bodies.map((body) => [body.node, body.visible, body.count])],
+      (key, value) => (key === 'attributes' ? undefined : value));
+    if (shape === this.shape) return;
+    this.shape = shape;
+    const focused = this.body.contains(document.activeElement) ? nameOf(/** @type {Element} */ (document.activeElement)) : '';
     const scroll = this.body.scrollTop;
     this.body.replaceChildren(h('ul', { class: 'tree' }, this.node(root)));
     this.body.scrollTop = scroll;
+    if (focused) [...this.body.querySelectorAll('button, input')].find((element) => nameOf(element) === focused)?.focus({ preventScroll: true });
   }
 
   /** The tree while the server has not told its components, or in an exported page. */
@@ -88,3 +95,6 @@ export class Tree {
         named ? component.name : '', named ? ' ' : '', h('span', { class: 'type' }, component.type))));
   }
 }
+
+/** What stays of a control when the tree is made anew. @param {Element} element */
+const nameOf = (element) => element.getAttribute('aria-label') ?? `${element.tagName} ${element.getAttribute('title')}`;
