@@ -663,7 +663,7 @@ class Exports(unittest.TestCase):
         self.assertEqual(contents(recorded), before)
 
     def test_what_is_too_large_stops_early_and_names_a_stride_that_fits(self):
-        """A page of 50 MB takes some 1,000 pictures of this grid; 100,000 steps would take minutes."""
+        """A page of 50 MB takes some 460 pictures of this grid; 100,000 steps would take a quarter of an hour."""
         scene = write(self.folder, "fine.xml", GRID.format(n=24).replace("<EulerImplicitSolver/><CGLinearSolver iterations=\"100\" tolerance=\"1e-9\" "
                       "threshold=\"1e-9\"/>", "<EulerExplicitSolver/>").replace('dt="0.01"', 'dt="1e-4"'))
         began = time.monotonic()
