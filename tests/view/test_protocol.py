@@ -508,7 +508,7 @@ class Audience(unittest.TestCase):
             build = page.scene["build"]
             place = [float(value) for value in page.scene.arrays["0.rest"][:3]]
             page.do("pull", hand="a", body=0, nodes=[0], targets=[[place[0] + 0.01, place[1], place[2]]])
-            page.until(lambda: page.frame["hands"], "the hand")
+            page.until(lambda: page.frame and page.frame["hands"], "the hand")
             step = page.status["step"]
             page.socket.cut()
             time.sleep(0.3)
@@ -597,7 +597,7 @@ class Recording(unittest.TestCase):
                 numpy.testing.assert_allclose(recording["times"], [0, 0.08, 0.16, 0.24, 0.32, 0.4], rtol=1e-12)
                 for index in (5, 0, 3, 3, 1):
                     page.do("seek", index=index)
-                    page.until(lambda index=index: page.frame["index"] == index, f"instant {index}")
+                    page.until(lambda index=index: page.frame and page.frame["index"] == index, f"instant {index}")
                     numpy.testing.assert_array_equal(page.positions(), wanted[index])
                     self.assertAlmostEqual(page.frame["time"], 0.08 * index)
                 for verb, values in (("seek", {"index": 6}), ("seek", {"index": -1}), ("run", {}), ("step", {}),

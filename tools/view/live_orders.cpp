@@ -252,6 +252,7 @@ void LiveRun::reset() {
     request_.after_reset();
   } catch (const OutputError& error) {
     endWithoutOutput(error.what());
+    throw;
   }
 }
 
