@@ -134,6 +134,7 @@ class Page:
         self.socket.send({"do": "hello", **({"build": build} if build else {})})
         self.until(lambda: self.ready or "reload" in self.last, "everything that belongs to the start")
         assert "reload" not in self.last, "the page was told to load itself again"
+        self.until(lambda: self.frame is not None, "the first picture")
 
     # ---- what comes ----
 
