@@ -235,6 +235,19 @@ TEST(PulledNodes, NodesInsideAreRefusedAndEditsStillAre) {
     EXPECT_NO_THROW(simulationFromText(Block{.solver = solver}.text()).addInput(force({inside}, {1, 0, 0})));
 }
 
+TEST(PulledNodes, ABallIsRefusedWithASentence) {
+  Input ball;
+  ball.state = "/body/dofs", ball.ball = Ball{{0, 0, 0}, 0.1}, ball.stiffness = 10;
+  Simulation simulation = simulationFromText(Block{}.text());
+  try {
+    simulation.addInput(ball);
+    FAIL() << "the ball was taken";
+  } catch (const ComponentError& error) {
+    expectContains(error.what(), "no ball pushes /body/dofs: ");
+  }
+  EXPECT_EQ(simulation.events().size(), 0u);
+}
+
 TEST(PulledNodes, ForcesThatObserversReadHaveTheInputs) {
   Simulation simulation = simulationFromText(Block{.solver = "<CondensedStaticSolver/>"}.text());
   simulation.addInput(pull(simulation, {134}, {0.004, 0.002, -0.003}, 20));
