@@ -238,14 +238,18 @@ TEST(PulledNodes, NodesInsideAreRefusedAndEditsStillAre) {
 TEST(PulledNodes, ABallIsRefusedWithASentence) {
   Input ball;
   ball.state = "/body/dofs", ball.ball = Ball{{0, 0, 0}, 0.1}, ball.stiffness = 10;
-  Simulation simulation = simulationFromText(Block{}.text());
-  try {
-    simulation.addInput(ball);
-    FAIL() << "the ball was taken";
-  } catch (const ComponentError& error) {
-    expectContains(error.what(), "no ball pushes /body/dofs: ");
+  for (const std::string solver : {"<CondensedStaticSolver/>", dynamic_solvers[0], dynamic_solvers[1]}) {
+    SCOPED_TRACE(solver);
+    Simulation simulation = simulationFromText(Block{.solver = solver}.text());
+    try {
+      simulation.addInput(ball);
+      ADD_FAILURE() << "the ball was taken";
+    } catch (const ComponentError& error) {
+      expectContains(error.what(), "no ball pushes /body/dofs: ");
+      expectContains(error.suggestion, solver[10] == 'S' ? "StaticSolver" : "EulerImplicitSolver");
+    }
+    EXPECT_EQ(simulation.events().size(), 0u);
   }
-  EXPECT_EQ(simulation.events().size(), 0u);
 }
 
 TEST(PulledNodes, ForcesThatObserversReadHaveTheInputs) {
