@@ -94,12 +94,20 @@ struct Wrong {
 
 constexpr std::int64_t most = std::int64_t(1) << 53;  ///< steps and numbers of inputs
 
+constexpr int deepest = 2;  ///< a target lies in a list in the object of its line
+constexpr const char* example = "one object a line, as {\"step\":20,\"end\":1}";
+
 /// The object of one line: each of its keys is asked for by name, and none is left.
 class Line {
  public:
   explicit Line(const std::string& text) {
     std::string twice;
     const auto watch = [&](int depth, Json::parse_event_t event, Json& parsed) {
+      const bool is_list = event == Json::parse_event_t::array_start;
+      if (depth == 0 && is_list) throw Wrong{"this is no object", example};
+      // refused before it is read: a long line of brackets would take a hundred times its bytes
+      if (depth > deepest && (is_list || event == Json::parse_event_t::object_start))
+        throw Wrong{"the line has lists within lists of lists", "lists of numbers, or of targets"};
       if (depth == 1 && event == Json::parse_event_t::key && !keys_.insert(parsed.get<std::string>()).second)
         twice = parsed.get<std::string>();
       return true;
@@ -111,9 +119,9 @@ class Line {
       const std::size_t column = sentence.find("column ");
       throw Wrong{fmt::format("this is no JSON: {}",
                               sentence.substr(column == std::string::npos ? sentence.find(']') + 2 : column, 160)),
-                  "one object a line, as {\"step\":20,\"end\":1}"};
+                  example};
     }
-    if (!object_.is_object()) throw Wrong{"this is no object", "one object a line, as {\"step\":20,\"end\":1}"};
+    if (!object_.is_object()) throw Wrong{"this is no object", example};
     if (!twice.empty()) throw Wrong{fmt::format("{} is there twice", inQuotes(twice)), "each name once"};
   }
 

@@ -235,6 +235,23 @@ TEST(PulledNodes, NodesInsideAreRefusedAndEditsStillAre) {
     EXPECT_NO_THROW(simulationFromText(Block{.solver = solver}.text()).addInput(force({inside}, {1, 0, 0})));
 }
 
+TEST(PulledNodes, ABallIsRefusedWithASentence) {
+  Input ball;
+  ball.state = "/body/dofs", ball.ball = Ball{{0, 0, 0}, 0.1}, ball.stiffness = 10;
+  for (const std::string solver : {"<CondensedStaticSolver/>", dynamic_solvers[0], dynamic_solvers[1]}) {
+    SCOPED_TRACE(solver);
+    Simulation simulation = simulationFromText(Block{.solver = solver}.text());
+    try {
+      simulation.addInput(ball);
+      ADD_FAILURE() << "the ball was taken";
+    } catch (const ComponentError& error) {
+      expectContains(error.what(), "no ball pushes /body/dofs: ");
+      expectContains(error.suggestion, solver[10] == 'S' ? "StaticSolver" : "EulerImplicitSolver");
+    }
+    EXPECT_EQ(simulation.events().size(), 0u);
+  }
+}
+
 TEST(PulledNodes, ForcesThatObserversReadHaveTheInputs) {
   Simulation simulation = simulationFromText(Block{.solver = "<CondensedStaticSolver/>"}.text());
   simulation.addInput(pull(simulation, {134}, {0.004, 0.002, -0.003}, 20));

@@ -326,7 +326,11 @@ TEST(RunEvents, OtherFilesAndOtherVersionsAreRefused) {
   expectContains(problemsOfText("{\"stroma\":\"actions\",\"version\":1}\n"), "\"scene\" is missing");
   const std::string endless = head + std::string(std::size_t(17) << 20, '[');
   expectContains(problemsOfText(endless + "\n" + good), "x.actions:2: error: the line is longer than 16777216 bytes");
-  expectContains(problemsOfText(head + std::string(std::size_t(1) << 20, '[')), "x.actions:2: error: this is no JSON");
+  const std::string brackets(std::size_t(1) << 20, '[');
+  expectContains(problemsOfText(head + brackets), "x.actions:2: error: this is no object");
+  for (const std::string& deep : {"{\"targets\":" + brackets, std::string("{\"targets\":[[{}]]}")})
+    expectContains(problemsOfText(head + deep), "x.actions:2: error: the line has lists within lists of lists");
+  expectContains(problemsOfText(head + std::string("{\"step\":") + std::string(std::size_t(1) << 20, '1')), "no JSON");
   EXPECT_THROW(readActions("absent.actions"), std::runtime_error);
   EXPECT_THROW(readActions("."), std::runtime_error);
 }
