@@ -190,7 +190,8 @@ export class Store {
     this.continued = this.sameScene && !this.isNewConnection;
     this.isNewConnection = false;
     this.kindOfScene = kind;
-    this.scene = header;
+    // What is sent to all pages at once names none of them.
+    this.scene = this.continued && header.client === undefined ? { ...header, client: this.scene.client } : header;
     this.build ||= header.build;
     this.bodies = header.bodies.map((/** @type {any} */ info, /** @type {number} */ b) => {
       const count = info.nodes ?? arrays[`${b}.rest`].length / 3;
