@@ -700,11 +700,11 @@ class Files(unittest.TestCase):
         self.actions = write(self.folder, "run.actions", '{"stroma":"actions","version":1,"scene":"other.xml"}\n'
                              '{"step":1,"set":"/fem","attribute":"youngModulus","value":"9000"}\n')
 
-    def refused(self, *arguments):
+    def refused(self, *arguments, part="overwrite"):
         """With a sentence, and with every file as it was."""
         before = contents(self.folder)
         _, errors = command("view", *arguments, expected=2, cwd=self.folder)
-        self.assertIn("overwrite", errors)
+        self.assertIn(part, errors)
         self.assertEqual(contents(self.folder), before)
 
     def test_what_is_read_is_not_overwritten(self):
@@ -757,6 +757,28 @@ class Files(unittest.TestCase):
             self.assertIn(".state.gz", page.status["ended"])
             server.end()
 
+    def test_an_observer_that_cannot_write_ends_the_run(self):
+        scene = write(self.folder, "watched.xml", GRID.format(n=3).replace("</Node>", '<WriteState filename="x.state"/></Node>'))
+        with Server(STROMA, scene, "--paused", "--outputs", expected=4) as server:
+            page = server.page()
+            page.do("step", count=2)
+            size = os.path.getsize(os.path.join(server.folder, "x.state"))
+            resource.prlimit(server.process.pid, resource.RLIMIT_FSIZE, (size, resource.RLIM_INFINITY))
+            page.do("run")
+            page.until(lambda: page.status["ended"], "the end of the run")
+            self.assertIn("x.state", page.status["ended"])
+            server.end()
+
+    def test_observers_write_only_when_asked(self):
+        write(self.folder, "watched.xml", GRID.format(n=3).replace("</Node>", '<WriteState filename="x.state"/></Node>'))
+        out = os.path.join(self.folder, "x.state")
+        _, errors = command("view", "watched.xml", "--export", "page.html", "-n", "2", cwd=self.folder)
+        self.assertFalse(os.path.exists(out))
+        self.assertIn("--outputs", errors)
+        command("view", "watched.xml", "--export", "page.html", "-n", "2", "--outputs", cwd=self.folder)
+        self.assertTrue(os.path.exists(out))
+        self.refused("watched.xml", "--export", "x.state", "--outputs", part="would both write")
+
     def test_a_failing_output_is_forgiven_when_a_reset_begins_it_anew(self):
         with Server(STROMA, self.scene, "--paused", "--record", self.recorded) as server:
             page = server.page()
@@ -780,8 +802,7 @@ class Files(unittest.TestCase):
             os.rename(file, file + ".kept")
             os.mkdir(file)
             before = contents(self.recorded)
-            self.assertIn("dofs.state.gz", page.refused("reset"))
-            page.ask("step", count=1)
+            page.ask("reset")
             page.until(lambda: page.status["ended"], "the end of the run")
             self.assertIn("dofs.state.gz", page.status["ended"])
             self.assertIn("ended", page.refused("run"))
@@ -813,6 +834,7 @@ class Command(unittest.TestCase):
                 self.named(option[0], "--export", scene, "--export", "page.html", *option)
             self.named("--record-every", "--record", scene, "--record-every", "2")
             self.named("--steps", "recording", recorded, "--export", "page.html", "-n", "5")
+            self.named("--outputs", "recording", recorded, "--outputs", "--no-open")
             self.named("--record", "recording", recorded, "--record", "x", "--no-open")
             self.named("--replay", "recording", recorded, "--replay", "x", "--no-open")
             self.named("--every", "1 to", scene, "--export", "page.html", "--every", "0")

@@ -100,7 +100,8 @@ void checkPartners(const Values& values, bool is_recording) {
   if (values.count("record-every") && !values.count("record")) throw UsageError("--record-every needs --record DIR");
   if (!is_recording) return;
   if (values.count("record")) throw UsageError("--record: a recording is not recorded again");
-  if (values.count("replay")) throw UsageError("--replay: a recording is not run");
+  for (const char* option : {"replay", "outputs"})
+    if (values.count(option)) throw UsageError(fmt::format("--{}: a recording is not run", option));
   if (values.count("steps"))
     throw UsageError("--steps: a recording is not run (expected --every K for every K-th of its instants)");
 }
