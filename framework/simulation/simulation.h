@@ -82,15 +82,15 @@ class Simulation {
 
   // ---- forces from outside, between steps ----
   /// Acts from the next step on, until it is removed; returns its number. Throws ComponentError with a sentence: an
-  /// unknown state or node, a state that follows another by a mapping, or nodes inside a condensed body.
+  /// unknown state or node, a state that follows another by a mapping, nodes inside a condensed body or a ball on one.
   long addInput(const Input& input);
-  /// Another force or target in the place of the one with this number: a handle that moves.
+  /// Another force, target or ball in the place of the one with this number: a handle that moves.
   void changeInput(long number, const Input& input);
   void removeInput(long number);
 
   // ---- all that was done to the run from outside: inputs and attributes ----
   /// What was done since the start of the run, in order: given to replay() of the same scene, as loaded, it repeats the
-  /// run bit for bit. What was refused is not in it; of several targets or forces of one input before the same step it
+  /// run bit for bit. What was refused is not in it; of several targets, forces or balls of one input before the same step it
   /// has the last. After reset() it starts with the edits that stay, at step 0. After restore() it starts with what the
   /// checkpoint has, edits at step 0 and inputs at its step: it repeats what follows in the same scene, restored from
   /// the same checkpoint.

@@ -87,10 +87,9 @@ class System final {
   void serialize(Archive& archive, const StepContext& last);
 
   // ---- forces from outside ----
-  /// Adds an input on nodes of `state`, one of the independent states, or puts it in the place of the one with the same
-  /// number. Nothing is compiled again, but for an integrator that follows changes when the first damping comes or the
-  /// last goes; unless only
-  /// forces or targets are others, Integrator::sceneChanged() is called.
+  /// Adds an input on `state`, one of the independent states, or puts it in the place of the one with the same number.
+  /// Nothing is compiled again, but for an integrator that follows changes when the first damping comes or the last
+  /// goes; unless only forces, targets or a ball's place and size are others, Integrator::sceneChanged() is called.
   void setInput(long number, const Input& input, const State& state);
   void removeInput(long number);
   /// Null when none acts.

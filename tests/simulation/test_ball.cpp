@@ -272,6 +272,33 @@ TEST(Ball, ARunIsReplayedBitForBitAlsoThroughATextAndACheckpointHoldsIt) {
     }
 }
 
+/// What an integrator keeps between steps is in the checkpoint also while a ball touches.
+TEST(Ball, EveryIntegratorGoesOnFromACheckpointBitForBit) {
+  for (const char* integrator :
+       {"<NewmarkImplicitSolver/>", "<TrapezoidalRuleSolver/>", "<VariationalSymplecticSolver/>",
+        "<EulerImplicitSolver newtonIterations=\"3\"/>", "<EulerImplicitSolver rayleighStiffness=\"0.1\"/>",
+        "<NewtonCotesSolver/>", "<CentralDifferenceSolver/>", "<RungeKutta2Solver/>", "<RungeKutta4Solver/>"})
+    for (const double damping : {0., 1.}) {
+      SCOPED_TRACE(integrator + std::to_string(damping));
+      const bool is_implicit = std::string(integrator).find_first_of("NT") == 1 ||
+                               std::string(integrator).find("Implicit") != std::string::npos;
+      const bool solves = is_implicit && std::string(integrator).find("Cotes") == std::string::npos;
+      const std::string scene = blockScene(integrator + (solves ? iterative : std::string()), "0.0005");
+      Simulation played = simulationFromText(scene), restored = simulationFromText(scene);
+      const long number = played.addInput(pushing(0.14, damping));
+      run(played, 4);
+      played.changeInput(number, pushing(0.138, damping));
+      restored.restore(played.checkpoint());
+      run(played, 4), run(restored, 4);
+      EXPECT_EQ(restored.stateHash(), played.stateHash());
+      EXPECT_LT(positions(played)[43].y(), 0.1) << "nothing was pushed";
+      Simulation replayed = simulationFromText(scene);
+      replayed.replay(played.events());
+      run(replayed, 8);
+      EXPECT_EQ(replayed.stateHash(), played.stateHash());
+    }
+}
+
 std::string refusal(Simulation& simulation, const Input& input) {
   try {
     simulation.addInput(input);
