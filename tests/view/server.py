@@ -155,7 +155,10 @@ class Page:
         if kind == "ready":
             self.ready = True
         elif kind == "status":
+            before = (self.status or {}).get("recording", {})
             self.status = {**(self.status or {}), **message}
+            if "recording" in message:  # its times come once
+                self.status["recording"] = {**before, **message["recording"]}
         elif kind == "messages":
             self.messages += message["lines"]
         elif kind == "reply":

@@ -477,6 +477,20 @@ class Audience(unittest.TestCase):
             first.do("step", count=1)
             self.assertEqual(first.hash()[0], 3)
 
+    def test_what_a_page_that_goes_has_left_waiting_is_not_done(self):
+        with Server(STROMA, example("organ.xml"), "--paused") as server:
+            first, second = server.page(), server.page()
+            place = [float(value) for value in first.scene.arrays["0.rest"].reshape(-1, 3)[0]]
+            first.socket.send({"do": "step", "count": 1500})
+            first.socket.send({"do": "pull", "hand": "h", "body": 0, "nodes": [0], "targets": [place]})
+            first.socket.close()
+            second.until(lambda: second.status.get("control") is None, "the page to be gone")
+            step, _ = second.hash()
+            self.assertEqual(step, 1500)
+            second.do("step", count=1)
+            second.until(lambda: second.frame["step"] == 1501, "a step")
+            self.assertEqual(second.frame["hands"], [])
+
     def test_who_loses_control_lets_go(self):
         with Server(STROMA, example("organ.xml"), "--paused") as server:
             first, second = server.page(), server.page()

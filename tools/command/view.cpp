@@ -63,20 +63,25 @@ class ViewRecording {
   }
   /// The files of the run before are left as they are when those of this one cannot be opened.
   void start() {
+    is_of_this_run_ = false;
     attempt([this] {
       auto next = std::make_unique<Recorder>(session_, command_.record_folder, command_.record_every);
       next->dropCheckpoint();
+      fs::remove(command_.actionsFile());  // of the run before: it would repeat another one
       next->write();
       recorder_ = std::move(next);
+      is_of_this_run_ = true;
     });
     failure_.reset();
   }
   /// Nothing follows what an output lacks: the files end before it, and have no checkpoint.
   void finish() {
+    // what was done is whole whatever else could not be written; beside states of another run it would not belong
+    if (is_of_this_run_)
+      writeWholeFile(command_.actionsFile(), printActions({fs::path(session_.sceneFile()).filename().string(),
+                                                           session_.simulation().events()}));
     if (failure_) throw OutputError(*failure_);
     recorder_->finish(true);
-    writeWholeFile(command_.actionsFile(),
-                   printActions({fs::path(session_.sceneFile()).filename().string(), session_.simulation().events()}));
   }
   bool hasFailed() const { return failure_.has_value(); }
 
@@ -95,6 +100,7 @@ class ViewRecording {
   const ViewCommand& command_;
   std::unique_ptr<Recorder> recorder_;
   std::optional<OutputError> failure_;
+  bool is_of_this_run_ = false;  ///< what the folder has
 };
 
 /// How a view ended.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "framework/mechanics/state_positions.h"
 #include "tools/view/orders.h"
@@ -67,10 +68,13 @@ void Hands::chooseStiffness(const Body& body, const std::vector<Index>& nodes, c
     return;
   }
   const System& system = *body.system;
-  double mass = 0, total_mass = 0;
+  double mass = 0, least_mass = std::numeric_limits<double>::infinity(), total_mass = 0;
   for (const Mass* owner : system.masses())
     if (&owner->state() == body.state) {
-      for (const Index node : nodes) mass += owner->lumped()[std::size_t(node)] / double(nodes.size());
+      for (const Index node : nodes) {
+        mass += owner->lumped()[std::size_t(node)] / double(nodes.size());
+        least_mass = std::min(least_mass, owner->lumped()[std::size_t(node)]);
+      }
       total_mass += owner->totalMass();
     }
   if (k == 0) {
@@ -79,9 +83,10 @@ void Hands::chooseStiffness(const Body& body, const std::vector<Index>& nodes, c
     // what nothing holds in shape is lifted as a whole: ten times its weight by its size
     if (!(own > 0) && size > 0) own = 10 * total_mass * 9.81 / size / double(nodes.size());
     k = fractionOf(hand.kind) * (own > 0 ? own : 100);
-    if (isExplicit(system.integrator()) && mass > 0) k = std::min(k, mass / (4 * simulation_.dt() * simulation_.dt()));
+    if (isExplicit(system.integrator()) && mass > 0)
+      k = std::min(k, least_mass / (4 * simulation_.dt() * simulation_.dt()));
   }
-  hand.what.damping = mass > 0 ? std::sqrt(k * mass) : 0;
+  hand.what.damping = mass > 0 ? std::sqrt(k * std::min(mass, least_mass)) : 0;
 }
 
 std::vector<Index> Hands::nodesOf(const json& order, const Body& body) const {
@@ -184,8 +189,8 @@ Vec3 Hands::forceOn(const Hand& hand, std::size_t& touched) const {
   for (const Index node : body.node) {
     const Vec3 from = x[node] - what.ball->centre;
     const double distance = from.norm();
-    if (!(distance < what.ball->radius) || distance == 0) continue;
-    const Vec3 n = from / distance;
+    if (!(distance < what.ball->radius)) continue;
+    const Vec3 n = distance > 0 ? Vec3(from / distance) : Vec3(1, 0, 0);  // as the engine has it
     sum += (what.stiffness * (what.ball->radius - distance) - what.damping * v[node].dot(n)) * n;
     ++touched;
   }

@@ -141,7 +141,7 @@ void LiveRun::sendScene(int client) {
   scene.header()["build"] = request_.build;
   audience_.sendPacket(client, scene);
   audience_.sendPacket(client, heldPacket(simulation_, drawing_, generation_, time()));
-  held_revision_ = heldRevision(simulation_);
+  if (client == Audience::everybody) held_revision_ = heldRevision(simulation_);
   if (cells_sent_) audience_.sendPacket(client, cellsPacket(drawing_, generation_));
 }
 
@@ -149,8 +149,8 @@ void LiveRun::sendScene(int client) {
 void LiveRun::redraw() {
   std::vector<DrawnSegments::Segment> segments = segmentsOf(simulation_);
   if (segments == segments_) return;
-  segments_ = std::move(segments);
   Drawing drawing = drawingOf(simulation_);
+  segments_ = std::move(segments);
   {
     const std::lock_guard lock(mutex_);
     drawing_ = std::move(drawing);
@@ -239,17 +239,24 @@ void LiveRun::reset() {
     seek(0);
     return;
   }
-  simulation_.reset();
+  std::string failure;
+  try {
+    simulation_.reset();
+  } catch (const OutputError& error) {  // of an observer that ends; all others have ended
+    failure = error.what();
+    simulation_.reset();
+  }
   hands_.forget();
+  redraw();
   ++run_;
   ended_.clear();
   last_ = {}, last_step_seconds_ = 0;
   held_revision_ = -1;
   anchor_ = Clock::now(), anchor_time_ = time();
   dirty_ = true;
-  if (!request_.after_reset) return;
   try {
-    request_.after_reset();
+    if (request_.after_reset) request_.after_reset();
+    if (!failure.empty()) endWithoutOutput(failure);
   } catch (const OutputError& error) {
     endWithoutOutput(error.what());
     throw;

@@ -67,6 +67,10 @@ bool LiveRun::post(Order order) {
         return true;
       }
     }
+    // what a page that goes has left in the queue would be done by nobody's hand
+    if (order.message.value("do", "") == "leave")
+      std::erase_if(orders_,
+                    [&order](const Order& other) { return other.client == order.client && isOfHand(other.message); });
     if (orders_.size() >= most_orders && !isOfServer(order.message)) return false;
     orders_.push_back(std::move(order));
     ordered_ = true;
@@ -101,8 +105,12 @@ Demand LiveRun::demand() const {
 // ---- the thread that steps ----
 
 void LiveRun::loop() {
-  if (!request_.paused && request_.recording.empty()) startRunning();
-  if (!request_.recording.empty()) seek(0);
+  try {
+    if (!request_.paused && request_.recording.empty()) startRunning();
+    if (!request_.recording.empty()) seek(0);
+  } catch (const std::exception& error) {
+    endRun(error.what());
+  }
   while (!stopping_) {
     try {
       doOrders();
@@ -149,6 +157,8 @@ void LiveRun::advance(long steps) {
       endWithoutOutput(report.reason);
     else if (report.end != RunEnd::done && report.end != RunEnd::stopped)
       endRun(report.reason.empty() ? "the run has no result" : report.reason);
+  } catch (const OutputError& error) {
+    endWithoutOutput(error.what());
   } catch (const std::exception& error) {
     endRun(error.what());
   }
@@ -159,6 +169,10 @@ void LiveRun::afterStep(const StepReport& report, double seconds) {
   last_ = report;
   last_step_seconds_ = seconds;
   dirty_ = true;
+  if (simulation_.replayed() != replayed_) {  // an edit may have been among them
+    replayed_ = simulation_.replayed();
+    redraw();
+  }
   window_.steps += 1;
   window_.simulated += simulation_.dt();
   window_.stepping += seconds;
@@ -242,7 +256,12 @@ void LiveRun::lookForDoubts() {
   const auto start = Clock::now();
   if (simulation_.steps() == 0) doubts_.clear();
   if (start < doubts_due_ || simulation_.steps() == 0 || !request_.recording.empty()) return;
-  doubts_ = simulation_.doubts();
+  doubts_due_ = start + std::chrono::seconds(2);
+  try {
+    doubts_ = simulation_.doubts();
+  } catch (const std::exception& error) {  // the way here may be that of a run that has just failed
+    doubts_ = {error.what()};
+  }
   const auto now = Clock::now();
   doubts_due_ = now + std::max<Clock::duration>(std::chrono::seconds(2), 100 * (now - start));
 }

@@ -96,7 +96,8 @@ class LiveRun {
   std::string ended_;   ///< why nothing runs any more, or empty
   bool dirty_ = true;   ///< the picture is another than the one sent last
   int generation_ = 0;  ///< of the scene; 0: nobody has asked for it
-  long run_ = 0;        ///< how often the run has begun anew
+  std::size_t replayed_ = 0;
+  long run_ = 0;  ///< how often the run has begun anew
   std::vector<std::string> doubts_;
   Clock::time_point doubts_due_{};
   bool cells_sent_ = false;

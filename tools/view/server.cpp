@@ -58,10 +58,10 @@ int Server::serve(LiveRun& run) {
   });
   accept();
   std::thread stepping([&run] { run.loop(); });
+  // whatever happens here, the run ends after a whole step
+  const std::shared_ptr<void> end(nullptr, [&run, &stepping](void*) { run.stop(), stepping.join(); });
   if (request_.opened) request_.opened(access_.address());
   context_.run();
-  run.stop();
-  stepping.join();
   for (const auto clients = clients_; const auto& [number, client] : clients) client->close();
   return signal_;
 }

@@ -40,7 +40,8 @@ export class History {
     this.latest = step;
     this.run = run;
     const last = this.frames[this.frames.length - 1];
-    if (last && last.header.step === step && this.frames.length) { // the same instant with other fields or nodes
+    // the same instant with other fields or nodes; a recording has times, and no steps
+    if (last && last.header.step === step && last.header.time === packet.header.time) {
       this.bytes += packet.bytes - last.bytes;
       this.frames[this.frames.length - 1] = packet;
       return;
