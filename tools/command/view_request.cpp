@@ -80,10 +80,15 @@ std::string textOf(const Values& values, const char* option) {
   return values.count(option) ? values[option].as<std::string>() : "";
 }
 
+bool isGiven(const char* variable) {
+  const char* value = std::getenv(variable);
+  return value && *value;
+}
+
 bool shouldOpen(const Values& values) {
   if (values.count("open") && values.count("no-open")) throw UsageError("--open and --no-open exclude each other");
   if (values.count("open")) return true;
-  return !values.count("no-open") && (std::getenv("DISPLAY") || std::getenv("WAYLAND_DISPLAY"));
+  return !values.count("no-open") && (isGiven("DISPLAY") || isGiven("WAYLAND_DISPLAY"));
 }
 
 /// An option that would have no effect is a mistake.
