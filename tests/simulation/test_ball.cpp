@@ -5,6 +5,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "tests/simulation/refused_input.h"
 #include "tests/support/scene_fixture.h"
 
 namespace stroma::test {
@@ -297,15 +298,6 @@ TEST(Ball, EveryIntegratorGoesOnFromACheckpointBitForBit) {
       run(replayed, 8);
       EXPECT_EQ(replayed.stateHash(), played.stateHash());
     }
-}
-
-std::string refusal(Simulation& simulation, const Input& input) {
-  try {
-    simulation.addInput(input);
-  } catch (const ComponentError& error) {
-    return std::string(error.what()) + "|" + error.expected + "|" + error.suggestion;
-  }
-  return "nothing was refused";
 }
 
 TEST(Ball, WhatIsNoBallIsRefusedWithASentence) {

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "tests/simulation/refused_input.h"
 #include "tests/support/scene_fixture.h"
 
 namespace stroma::test {
@@ -144,15 +145,6 @@ TEST(Inputs, ARecordedHandIsReplayedBitForBitAndACheckpointHoldsIt) {
     run(untouched, 11);
     EXPECT_NE(untouched.stateHash(), played.stateHash());
   }
-}
-
-std::string refusal(Simulation& simulation, const Input& input) {
-  try {
-    simulation.addInput(input);
-  } catch (const ComponentError& error) {
-    return std::string(error.what()) + "|" + error.expected + "|" + error.suggestion;
-  }
-  return "nothing was refused";
 }
 
 TEST(Inputs, WhatCannotActIsRefusedWithASentence) {

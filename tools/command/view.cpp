@@ -2,9 +2,9 @@
 // stroma view: a scene, or a recorded run, in the browser.
 #include <fmt/format.h>
 #include <spawn.h>
+#include <unistd.h>
 
 #include <algorithm>
-#include <csignal>
 #include <filesystem>
 #include <memory>
 
@@ -14,8 +14,6 @@
 #include "tools/command/recorder.h"
 #include "tools/command/session.h"
 #include "tools/command/view_request.h"
-
-extern char** environ;  // NOLINT: POSIX wants it declared so
 
 namespace fs = std::filesystem;
 
@@ -30,7 +28,6 @@ void openBrowser(const std::string& address) {
   std::string program = "xdg-open", text = address;
   char* arguments[] = {program.data(), text.data(), nullptr};
   pid_t child = 0;
-  std::signal(SIGCHLD, SIG_IGN);
   if (posix_spawnp(&child, "xdg-open", nullptr, nullptr, arguments, environ) != 0)
     fmt::print(stderr, "note: there is no xdg-open: open the address by hand\n");
 }

@@ -239,7 +239,7 @@ void LiveRun::show(const Demand& wanted) {
   json& header = frame->header();
   header["generation"] = generation_, header["run"] = run_;
   header["hands"] = hands_.describe();
-  header["values"] = values_.read(wanted.values, last_, 1e3 * last_step_seconds_);
+  header["values"] = values_.read(wanted.values, last_, 1e3 * last_step_seconds_, !running_);
   header["applied"] = json::object();
   for (const auto& [client, sequence] : hands_.drawn()) header["applied"][std::to_string(client)] = sequence;
   if (!request_.recording.empty()) header["index"] = index_;

@@ -50,17 +50,25 @@ void WatchedValues::check(const std::string& word) const {
   if (word != "energy" && word != "solver") nodeOf(word);
 }
 
-Vec3 WatchedValues::reaction(const System& system, Index row) const {
-  forces_.resize(system.allRows());
-  for (ForceField* field : system.forceFields()) field->addForce(system.x, system.v, forces_);
-  for (const Mass* mass : system.masses()) mass->addGravity(forces_);
+Vec3 WatchedValues::reaction(const System& system, Index row) {
+  if (forces_of_ != &system) {
+    forces_.resize(system.allRows());
+    for (ForceField* field : system.forceFields()) field->addForce(system.x, system.v, forces_);
+    for (const Mass* mass : system.masses()) mass->addGravity(forces_);
+    forces_of_ = &system;
+  }
   return -Vec3(ConstRows(forces_)[row]);
 }
 
-json WatchedValues::read(const std::set<std::string>& words, const StepReport& last, double step_ms) const {
+json WatchedValues::read(const std::set<std::string>& words, const StepReport& last, double step_ms, bool still) {
+  using Clock = std::chrono::steady_clock;
+  const auto start = Clock::now();
+  const bool with_costly = still || start >= due_;
+  forces_of_ = nullptr;
   json values = json::object();
   for (const std::string& word : words) {
     if (word == "energy") {
+      if (!with_costly) continue;
       const Energies energies = energiesOf(simulation_);
       values["energy.kinetic"] = energies.kinetic;
       values["energy.elastic"] = energies.elastic;
@@ -72,12 +80,15 @@ json WatchedValues::read(const std::set<std::string>& words, const StepReport& l
       values["residual"] = last.linear_residual;
     } else {
       const NodeWord node = nodeOf(word);
+      if (node.what == "reaction" && !with_costly) continue;
       const Vec3 value = node.what == "position"   ? Vec3(ConstRows(node.body->system->x)[node.row])
                          : node.what == "velocity" ? Vec3(ConstRows(node.body->system->v)[node.row])
                                                    : reaction(*node.body->system, node.row);
       for (int k = 0; k < 3; ++k) values[word + "." + "xyz"[k]] = value[k];
     }
   }
+  const auto now = Clock::now();
+  if (with_costly) due_ = now + 100 * (now - start);
   return values;
 }
 

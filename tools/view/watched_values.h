@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
+#include <chrono>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
@@ -16,8 +17,10 @@ class WatchedValues {
   /// Throws ComponentError when `word` is none that can be watched: "energy", "solver", or "node.BODY.NODE.position",
   /// ".velocity" or ".reaction" with the node's number in the scene.
   void check(const std::string& word) const;
-  /// Values by name ("energy.kinetic", "node.0.12.position.x") at the present state.
-  nlohmann::json read(const std::set<std::string>& words, const StepReport& last, double step_ms) const;
+  /// Values by name ("energy.kinetic", "node.0.12.position.x") at the present state. Energies and reactions, which cost a
+  /// pass over all elements, are left out where they would take more than a hundredth of the time, unless nothing moves
+  /// (`still`).
+  nlohmann::json read(const std::set<std::string>& words, const StepReport& last, double step_ms, bool still);
 
  private:
   struct NodeWord {
@@ -27,11 +30,14 @@ class WatchedValues {
   };
   NodeWord nodeOf(const std::string& word) const;
   /// Minus the sum of all forces on the row [N]: what a constraint adds to hold it, in statics and where it stands still.
-  Vec3 reaction(const System& system, Index row) const;
+  /// Of all rows of a system; computed once for all words of a read().
+  Vec3 reaction(const System& system, Index row);
 
   const Simulation& simulation_;
   const Drawing& drawing_;
-  mutable Vector forces_;
+  Vector forces_;
+  const System* forces_of_ = nullptr;  ///< whose forces_ are those of this read()
+  std::chrono::steady_clock::time_point due_{};
 };
 
 }  // namespace stroma::view

@@ -19,6 +19,8 @@ export function showPicked(parent, { store, stage, hands, panels }) {
   const close = h('button', { test: 'unpick', class: 'small', type: 'button', 'aria-label': 'Forget the picked node', onclick: () => choose(null) }, '×');
   const card = h('div', { id: 'picked', 'data-test': 'picked', hidden: true }, text, plot, close);
   parent.append(card);
+  /** @type {Map<string, number>} the last ones known [N] */
+  const reactions = new Map();
   /** @type {any} */
   let picked = null;
   /** @type {any} */
@@ -31,8 +33,10 @@ export function showPicked(parent, { store, stage, hands, panels }) {
     const x = [...body.x.subarray(3 * picked.node, 3 * picked.node + 3)];
     mark.set(body.visible ? [{ at: stage.views[picked.body].drawnAt(picked.node), radius: 0.008 * (body.size || 1) }] : []);
     const name = `node.${picked.body}.${body.sceneNode[picked.node]}.reaction`;
-    const reaction = ['x', 'y', 'z'].map((axis) => store.shown?.header.values?.[`${name}.${axis}`] ?? 0);
-    const force = Math.hypot(...reaction);
+    // not every frame has it, as it takes a pass over all elements
+    const reaction = ['x', 'y', 'z'].map((axis) => store.shown?.header.values?.[`${name}.${axis}`]);
+    if (reaction.every(Number.isFinite)) reactions.set(name, Math.hypot(...reaction));
+    const force = reactions.get(name) ?? 0;
     text.textContent = `${body.name}, node ${body.sceneNode[picked.node]}: ${x.map((c) => number(c, 4)).join(', ')} m${force > 0 ? `, reaction ${quantity(force, 'N')}` : ''}`;
   };
   const choose = (/** @type {any} */ now) => {
