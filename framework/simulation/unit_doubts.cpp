@@ -19,7 +19,7 @@ struct Range {
   double low, high, typical;
   bool has(double value) const { return value >= low && value <= high; }
 };
-constexpr Range ranges[] = {{1e-5, 10, 0.1}, {10, 1e12, 1e4}, {20, 25000, 1000}, {0.1, 500, 9.81}};
+constexpr Range ranges[] = {{1e-5, 10, 0.1}, {10, 1e12, 1e4}, {10, 25000, 1000}, {0.1, 500, 9.81}};
 /// Of the weight of a body over its stiffness, density * gravity * size / modulus: what it keeps its shape with.
 constexpr double heaviest = 30;
 
@@ -93,7 +93,7 @@ struct Remedy {
   }
 };
 
-/// Few changes first, then usual values.
+/// Few changes and usual values: a change is worth two decades.
 void consider(const WrittenBody& body, const std::array<UnitChoice, quantities.size()>& units, Remedy& best) {
   Factors factors;
   for (const Quantity q : quantities) factors[q] = units[q].factor;
@@ -104,7 +104,7 @@ void consider(const WrittenBody& body, const std::array<UnitChoice, quantities.s
     if (remedy.units[q].factor != 1 && body.has_unit[q]) return;
     if (body.value[q] > 0) remedy.cost += std::abs(std::log10(body.value[q] * factors[q] / ranges[q].typical));
   }
-  remedy.cost += 100. * double(remedy.changes());
+  remedy.cost += 2. * double(remedy.changes());
   if (remedy.cost < best.cost) best = remedy;
 }
 
@@ -128,12 +128,12 @@ std::string inWords(Quantity quantity, double si) {
                        any_modulus[] = {{"GPa", 1e9}, {"MPa", 1e6}, {"kPa", 1e3}, {"Pa", 1}};
   const auto say = [si](const auto& units) {
     for (const UnitChoice& each : units)
-      if (si >= each.factor) return fmt::format("{:.3g} {}", si / each.factor, each.unit);
-    return fmt::format("{:.3g} {}", si / std::rbegin(units)->factor, std::rbegin(units)->unit);
+      if (si >= each.factor) return fmt::format("{:.4g} {}", si / each.factor, each.unit);
+    return fmt::format("{:.4g} {}", si / std::rbegin(units)->factor, std::rbegin(units)->unit);
   };
   if (quantity == body_size) return say(any_length);
   if (quantity == body_modulus) return say(any_modulus);
-  return fmt::format("{:.4g} {}", si, quantity == body_density ? "kg/m^3" : "m/s^2");
+  return fmt::format("{:.6g} {}", si, quantity == body_density ? "kg/m^3" : "m/s^2");
 }
 
 std::string nameOf(const WrittenBody& body, Quantity quantity) {
