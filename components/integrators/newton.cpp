@@ -9,6 +9,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "framework/simulation/step_progress.h"
+
 namespace stroma {
 namespace {
 
@@ -88,6 +90,14 @@ std::string tooSmallLoads(double attainable) {
       "from "
       "the origin",
       attainable);
+}
+
+/// To people who wait for the step.
+void tellProgress(const StepReport& report) {
+  StepProgress* progress = stepProgress();
+  if (!progress) return;
+  progress->newton_iterations.store(report.newton_iterations, std::memory_order_relaxed);
+  progress->newton_residual.store(report.newton_residual, std::memory_order_relaxed);
 }
 
 /// A solve that ended for a reason that lies in the matrix has no result to rely on.
@@ -246,6 +256,7 @@ StepReport Newton::solve(NonlinearProblem& problem, LinearSolver& solver) {
   for (;;) {
     history_.push_back(now);
     report.newton_residual = scale_ > 0 ? now / scale_ : now;
+    tellProgress(report);
     if (!std::isfinite(now)) {
       report.diverged = true;
       report.reason = "the force is not finite where the step starts";

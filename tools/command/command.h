@@ -35,5 +35,9 @@ int regress(const Arguments& arguments);
 int mesh(const Arguments& arguments);
 int bench(const Arguments& arguments);
 int view(const Arguments& arguments);
+int watch(const Arguments& arguments);
+
+/// Whether this program has the subcommand.
+bool isSubcommand(const std::string& name);
 
 }  // namespace stroma::command

@@ -22,8 +22,9 @@ struct Subcommand {
   const char* purpose;
 };
 
-constexpr std::array<Subcommand, 9> subcommands{{
+constexpr std::array<Subcommand, 10> subcommands{{
     {"run", run, "simulate a scene"},
+    {"watch", watch, "run a scene again whenever one of its files is saved"},
     {"check", check, "report every problem of a scene without running it"},
     {"view", view, "show a scene in the browser while it runs, and reach into it"},
     {"explain", explain, "print the compiled plan: what each step does, what was skipped and why"},
@@ -58,6 +59,10 @@ int dispatch(const std::string& name, const Arguments& arguments) {
 }
 
 }  // namespace
+
+bool stroma::command::isSubcommand(const std::string& name) {
+  return std::ranges::find(subcommands, name, &Subcommand::name) != subcommands.end();
+}
 
 int main(int count, char** values) {
   // OpenBLAS would start a thread for every core when a module opens it, and let them spin; factorisations use one
