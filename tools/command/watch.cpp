@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <chrono>
 #include <csignal>
 #include <cstring>
@@ -100,28 +101,31 @@ class RunningProcess {
   std::optional<int> code_;
 };
 
-std::string change(double now, double before, const char* unit, double scale) {
-  std::string text = fmt::format("{:.4g} {}, before {:.4g} {}", scale * now, unit, scale * before, unit);
-  if (before > 0) text += fmt::format(" ({:+.2g} %)", 100 * (now / before - 1));
-  return text;
+std::string change(double now, double before, const char* unit) {
+  std::string text = fmt::format("{:.3g} {}, before {:.3g} {}", now, unit, before, unit);
+  if (!(before > 0)) return text;
+  const double share = 100 * (now / before - 1);
+  return text + fmt::format(" ({:+.{}f} %)", share, std::abs(share) < 9.95 ? 1 : 0);
 }
 
 /// What a run has found, beside what the run before it found (null: there is none).
 void compare(const Json& now, const Json& before) {
-  if (!before.is_null() && now["state_hash"] == before["state_hash"]) fmt::print("the result is the same, bit for bit\n");
+  const bool is_same = !before.is_null() && now["state_hash"] == before["state_hash"];
+  if (is_same) fmt::print("the result is the same, bit for bit\n");
   for (const Json& state : now["greatest_displacements"]) {
+    if (is_same) break;
     const double metres = state["metres"];
-    std::string text = fmt::format("{:.4g} m", metres);
+    std::string text = fmt::format("{:.3g} m", metres);
     if (!before.is_null())
       for (const Json& other : before["greatest_displacements"])
-        if (other["state"] == state["state"]) text = change(metres, other["metres"], "m", 1);
+        if (other["state"] == state["state"]) text = change(metres, other["metres"], "m");
     fmt::print("greatest displacement of {}: {} at node {}\n", state["state"].get<std::string>(), text,
                state["node"].get<long>());
   }
   if (before.is_null()) return;
   if (now["steps"] != before["steps"])
     fmt::print("steps: {}, before {}\n", now["steps"].get<long>(), before["steps"].get<long>());
-  fmt::print("time per step: {}\n", change(now["ms_per_step"]["mean"], before["ms_per_step"]["mean"], "ms", 1));
+  fmt::print("time per step: {}\n", change(now["ms_per_step"]["mean"], before["ms_per_step"]["mean"], "ms"));
 }
 
 class Watch {
