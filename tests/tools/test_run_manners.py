@@ -129,7 +129,7 @@ class Progress(Folder):
     def test_a_terminal_has_one_line_that_fits(self):
         self.write("fall.xml", FALLING)
         steps = str(self.steps_of("fall.xml", 1))
-        for width in (200, 60, 30, 12):
+        for width in (200, 60, 40, 12):
             text = self.on_terminal(width, "run", "fall.xml", "-n", steps, "--no-record")
             drawn, summary = text.rsplit("\r\x1b[K", 1)
             lines = [line for line in drawn.split("\r\x1b[K") if line]
@@ -140,7 +140,7 @@ class Progress(Folder):
                 self.assertTrue(line.startswith("step "), line)
             if width == 200:
                 self.assertTrue(LINE.match(lines[-1]), lines[-1])
-            if width >= 30:
+            if width >= 40:
                 self.assertTrue(lines[-1].endswith(" to go"), lines[-1])
             self.assertTrue(summary.startswith("fall.xml: done"), repr(summary))  # the line is gone
 

@@ -47,6 +47,7 @@ DefaultRecording::DefaultRecording(Session& session, const RunRequest& request, 
   const long room = most_ > 2 ? std::min(between, mostStrided() - 1) : 0;
   const long made = std::max(1L, steps - simulation_.steps());
   every_ = room > 0 ? std::min((made + room - 1) / room, longest_first_stride) : never;
+  bytes_.reserve(head_ + each_ * std::min(most_, std::size_t(made / every_) + 3));
 }
 
 /// A folder that is there is replaced only when a run left it so.

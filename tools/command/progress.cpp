@@ -136,20 +136,21 @@ std::string Progress::text(double now, std::size_t width) {
   Pieces pieces;
   pieces.add(0, fmt::format("step {}/{}", made, last_));
   if (steps > 0) pieces.add(2, fmt::format("{} %", 100 * (made - first_) / steps));
-  pieces.add(5, fmt::format("t = {:.6g} s", time_.load(std::memory_order_relaxed)));
-  if (pace_.isKnown()) pieces.add(6, fmt::format("{:.3g} ms/step", 1e3 * pace_.secondsPerStep()));
   if (is_slow || !pace_.isKnown()) {
     const int iterations = step_.newton_iterations.load(std::memory_order_relaxed);
     pieces.add(3, fmt::format("step {}: {} so far", made + 1, durationText(age)));
     if (iterations > 0)
       pieces.add(4, fmt::format("Newton iteration {}, residual {:.1g}", iterations,
                                 step_.newton_residual.load(std::memory_order_relaxed)));
-  } else {
+  }
+  pieces.add(5, fmt::format("t = {:.6g} s", time_.load(std::memory_order_relaxed)));
+  if (pace_.isKnown()) {
     const int newton = newton_.load(std::memory_order_relaxed), linear = linear_.load(std::memory_order_relaxed);
+    pieces.add(6, fmt::format("{:.3g} ms/step", 1e3 * pace_.secondsPerStep()));
     if (newton > 1) pieces.add(9, counted(newton, "Newton iteration"));
     if (linear > 0) pieces.add(8, counted(linear, "linear iteration"));
+    pieces.add(7, durationText(now - began_) + " elapsed");
   }
-  pieces.add(7, durationText(now - began_) + " elapsed");
   if (is_stopping_())
     pieces.add(1, "ends after this step");
   else if (pace_.isKnown())
