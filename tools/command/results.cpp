@@ -68,7 +68,7 @@ Results resultsOf(const Simulation& simulation, const std::string& recording) {
   Results results{recording, writtenFiles(simulation), {}};
   if (!recording.empty()) {
     if (isBuilt<view::Viewer>()) results.commands.push_back(program() + " view " + quoted(recording));
-    if (isSubcommand("picture")) results.commands.push_back(program() + " picture " + quoted(recording));
+    if (findSubcommand("picture")) results.commands.push_back(program() + " picture " + quoted(recording));
   }
   if (isProgram("paraview"))
     for (const std::string& file : results.files)

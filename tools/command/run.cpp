@@ -217,8 +217,6 @@ struct Run {
   }
 };
 
-}  // namespace
-
 int run(const Arguments& arguments) {
   const auto values = parseRunOptions(arguments);
   if (!values) return exit_done;
@@ -235,12 +233,15 @@ int run(const Arguments& arguments) {
   finish(run.session, request, recordings, outcome);
   const bool doubts = tellWarnings(outcome.statistics, run.session.simulation().doubts(), run.warnings);
   outcome.doubted = request.strict && (doubts || !outcome.statistics.unconverged.none());
-  if (wants_json)
-    attempt(outcome, [&] { writeJson(run.json(outcome, at_start, recordings), request.json_file); });
+  if (wants_json) attempt(outcome, [&] { writeJson(run.json(outcome, at_start, recordings), request.json_file); });
   for (const std::string& failure : outcome.failures) fmt::print(stderr, "error: {}\n", failure);
   if (request.json_file != "-" && !request.quiet) run.print(outcome, recordings);
   for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, SIG_DFL);  // the session ends here
   return outcome.exitCode();
 }
+
+}  // namespace
+
+const Subcommand run_command{"run", "simulate a scene", Group::runs, run, runLine};
 
 }  // namespace stroma::command

@@ -69,12 +69,14 @@ void addRunOptions(OptionList& options) {
       ("quiet,q", "no progress, no notes, no summary");
 }
 
-std::optional<Values> parseRunOptions(const Arguments& arguments) {
-  OptionList options("options");
-  addRunOptions(options);
-  addSceneOptions(options);
-  return parseOptions(manual, options, {"SCENE"}, arguments);
+CommandLine runLine() {
+  CommandLine line{manual, OptionList("options"), {"SCENE"}};
+  addRunOptions(line.options);
+  addSceneOptions(line.options);
+  return line;
 }
+
+std::optional<Values> parseRunOptions(const Arguments& arguments) { return parseOptions(runLine(), arguments); }
 
 RunRequest::RunRequest(const Values& values)
     : scene(required(values, "SCENE", manual)),

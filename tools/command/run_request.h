@@ -37,6 +37,8 @@ struct RunRequest {
 
 /// Those of `stroma run`, without the scene's.
 void addRunOptions(OptionList& options);
+CommandLine runLine();
+
 /// Empty when the user asked for help, and got it.
 std::optional<Values> parseRunOptions(const Arguments& arguments);
 

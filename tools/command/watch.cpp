@@ -242,14 +242,17 @@ Arguments withoutTimes(const Arguments& arguments) {
   return kept;
 }
 
-}  // namespace
+CommandLine watchLine() {
+  CommandLine line{manual, OptionList("options"), {"SCENE"}};
+  line.options.add_options()("times", po::value<long>()->value_name("K"),
+                             "end after K runs; those that a save stopped do not count");
+  addRunOptions(line.options);
+  addSceneOptions(line.options);
+  return line;
+}
 
 int watch(const Arguments& arguments) {
-  OptionList options("options");
-  options.add_options()("times", po::value<long>()->value_name("K"), "end after K runs; those that a save stopped do not count");
-  addRunOptions(options);
-  addSceneOptions(options);
-  const auto values = parseOptions(manual, options, {"SCENE"}, arguments);
+  const auto values = parseOptions(watchLine(), arguments);
   if (!values) return exit_done;
   const std::string scene = required(*values, "SCENE", manual);
   const RunRequest request(*values);
@@ -264,5 +267,10 @@ int watch(const Arguments& arguments) {
   for (const int signal : {SIGINT, SIGTERM}) ::sigaction(signal, &action, nullptr);
   return Watch(scene, withoutTimes(arguments), times).run();
 }
+
+}  // namespace
+
+const Subcommand watch_command{"watch", "run a scene again whenever one of its files is saved", Group::runs, watch,
+                               watchLine};
 
 }  // namespace stroma::command
