@@ -92,14 +92,6 @@ std::string tooSmallLoads(double attainable) {
       attainable);
 }
 
-/// To people who wait for the step.
-void tellProgress(const StepReport& report) {
-  StepProgress* progress = stepProgress();
-  if (!progress) return;
-  progress->newton_iterations.store(report.newton_iterations, std::memory_order_relaxed);
-  progress->newton_residual.store(report.newton_residual, std::memory_order_relaxed);
-}
-
 /// A solve that ended for a reason that lies in the matrix has no result to rely on.
 bool isSolved(const SolveReport& solve) { return solve.usable() && solve.stop != SolveStop::breakdown; }
 
@@ -256,7 +248,7 @@ StepReport Newton::solve(NonlinearProblem& problem, LinearSolver& solver) {
   for (;;) {
     history_.push_back(now);
     report.newton_residual = scale_ > 0 ? now / scale_ : now;
-    tellProgress(report);
+    tellNewtonIterate(report.newton_iterations, report.newton_residual);
     if (!std::isfinite(now)) {
       report.diverged = true;
       report.reason = "the force is not finite where the step starts";

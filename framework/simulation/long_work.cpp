@@ -40,9 +40,7 @@ std::string durationText(double seconds) {
 }
 
 LongWork::LongWork(std::string what, double operations)
-    : what_(std::move(what)),
-      terminal_(isatty(STDERR_FILENO)),
-      silent_(operations < few_operations || !wanted_at_all) {
+    : what_(std::move(what)), terminal_(isatty(STDERR_FILENO)), silent_(operations < few_operations || !wanted_at_all) {
   if (!silent_) ++telling;
 }
 

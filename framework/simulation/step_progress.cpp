@@ -8,7 +8,13 @@ thread_local StepProgress* progress_of_thread = nullptr;
 
 }  // namespace
 
-StepProgress* stepProgress() { return progress_of_thread; }
 void setStepProgress(StepProgress* progress) { progress_of_thread = progress; }
+
+void tellNewtonIterate(int iterations, double relative_residual) {
+  StepProgress* const progress = progress_of_thread;
+  if (!progress) return;
+  progress->newton_iterations.store(iterations, std::memory_order_relaxed);
+  progress->newton_residual.store(relative_residual, std::memory_order_relaxed);
+}
 
 }  // namespace stroma

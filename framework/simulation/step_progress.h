@@ -11,8 +11,10 @@ struct StepProgress {
 };
 
 /// Where the steps of the calling thread tell how far they are. Null, as every thread begins: nobody wants to know.
-StepProgress* stepProgress();
 /// `progress` outlives the steps, or is replaced by null before it goes.
 void setStepProgress(StepProgress* progress);
+
+/// Of a solve by Newton's method: who wants to know learns it.
+void tellNewtonIterate(int iterations, double relative_residual);
 
 }  // namespace stroma

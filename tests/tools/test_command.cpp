@@ -160,7 +160,7 @@ TEST_F(Command, LongFactorisationsTellHowFarTheyAre) {
   int lines = 0, estimates = 0;
   for (std::size_t at = 0; (at = run.err.find(" %", at)) != std::string::npos; ++at) ++lines;
   for (std::size_t at = 0; (at = run.err.find(" to go\n", at)) != std::string::npos; ++at) ++estimates;
-  EXPECT_EQ(lines, 5) << run.err;  // each quarter
+  EXPECT_EQ(lines, 5) << run.err;      // each quarter
   EXPECT_EQ(estimates, 3) << run.err;  // but for the first and the last
   EXPECT_TRUE(has(run.err, "the factor of 26100 nodes: 100 %\n")) << run.err;
 }

@@ -272,8 +272,7 @@ TEST_F(NothingIsLost, TheLastStateOfADivergedRunSaysHowGoodItIs) {
   const Finished good = stroma("run good.xml --set /.dt=10 --quiet"),
                  bad = stroma("run bad.xml --set /.dt=10 --quiet --json");
   EXPECT_EQ(good.code, 3) << good.err;
-  EXPECT_TRUE(has(good.err, "the last good state (t = 0 s, 0 of 1 elements inverted) is in good.last/"))
-      << good.err;
+  EXPECT_TRUE(has(good.err, "the last good state (t = 0 s, 0 of 1 elements inverted) is in good.last/")) << good.err;
   EXPECT_EQ(bad.code, 3) << bad.err;
   EXPECT_TRUE(has(bad.err, "the last state (t = 0 s, 1 of 1 elements inverted: no good one) is in bad.last/"))
       << bad.err;

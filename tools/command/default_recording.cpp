@@ -14,7 +14,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t most_bytes = 48u << 20;  // of the instants; a checkpoint of as many nodes is smaller than the rest
+constexpr std::size_t most_bytes =
+    48u << 20;  // of the instants; a checkpoint of as many nodes is smaller than the rest
 constexpr long between = 20;
 // a run of very many steps is often ended before its last one: it begins with a shorter stride, which grows
 constexpr long longest_first_stride = 1000;

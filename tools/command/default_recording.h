@@ -31,7 +31,7 @@ class DefaultRecording {
   bool write(bool is_needed, bool may_go_on);
 
   const std::string& folder() const { return folder_; }
-  std::vector<std::string> files() const;      ///< that were written
+  std::vector<std::string> files() const;  ///< that were written
   std::size_t instants() const { return count_; }
   const std::string& reason() const { return reason_; }  ///< a sentence on why nothing was written, or empty
 
@@ -48,7 +48,7 @@ class DefaultRecording {
   std::vector<State*> states_;
   std::string bytes_;  ///< of the file
   std::size_t head_ = 0, each_ = 0, count_ = 0;
-  std::size_t most_ = 0;  ///< instants that there is room for
+  std::size_t most_ = 0;                   ///< instants that there is room for
   long every_ = 0, next_ = 0, last_ = -1;  ///< [steps]
   bool has_checkpoint_ = false;
 };

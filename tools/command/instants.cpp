@@ -51,7 +51,9 @@ const double* takeRows(const double* from, Index count, std::vector<Vec3>& rows)
 
 }  // namespace
 
-std::string instantsFile(const std::string& folder) { return (std::filesystem::path(folder) / "run.instants").string(); }
+std::string instantsFile(const std::string& folder) {
+  return (std::filesystem::path(folder) / "run.instants").string();
+}
 
 bool isInstantsFile(const std::string& file) {
   std::string start(beginning.size(), ' ');
@@ -86,7 +88,7 @@ std::size_t InstantsHead::instantBytes() const {
 }
 
 std::string InstantsHead::line() const {
-  Json json = {{"stroma", "instants"}, {"version", 1},     {"scene", scene},          {"folder", folder},
+  Json json = {{"stroma", "instants"}, {"version", 1},       {"scene", scene},         {"folder", folder},
                {"set", overrides},     {"modules", modules}, {"states", Json::array()}};
   for (const StateSize& state : states) json["states"].push_back({{"path", state.path}, {"nodes", state.nodes}});
   return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";

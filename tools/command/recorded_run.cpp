@@ -70,8 +70,8 @@ RecordedRun recordedRun(const std::string& folder) {
     return {is_there ? there : foundScene(head.scene, instants, folder), head.overrides, head.modules};
   }
   if (!fs::exists(checkpoint, error))
-    throw UsageError(
-        fmt::format("{}: there is no last.checkpoint, which names the scene (expected a folder of stroma run)", folder));
+    throw UsageError(fmt::format(
+        "{}: there is no last.checkpoint, which names the scene (expected a folder of stroma run)", folder));
   return {foundScene(Checkpoint::read(checkpoint).scene, checkpoint, folder), {}, {}};
 }
 

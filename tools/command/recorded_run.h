@@ -12,9 +12,9 @@ namespace stroma::command {
 
 /// What it takes to load the scene of a recording again.
 struct RecordedRun {
-  std::string scene;                    ///< file, as it is found from here
-  std::vector<std::string> overrides;   ///< as --set had them; none where the folder does not tell
-  std::vector<std::string> modules;     ///< as --module had them; none where the folder does not tell
+  std::string scene;                   ///< file, as it is found from here
+  std::vector<std::string> overrides;  ///< as --set had them; none where the folder does not tell
+  std::vector<std::string> modules;    ///< as --module had them; none where the folder does not tell
 };
 
 /// Throws UsageError when the folder does not name its scene, or the scene is not there any more.

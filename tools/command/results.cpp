@@ -88,7 +88,8 @@ void Results::print() const {
     fmt::print("written: {}{}\n", fmt::join(files.begin(), files.begin() + long(std::min(most, files.size())), ", "),
                files.size() > most ? fmt::format(" and {} more", files.size() - most) : "");
   if (!commands.empty())
-    fmt::print("to look at it: {}\n", fmt::join(commands.begin(), commands.begin() + long(std::min(most, commands.size())), "  or  "));
+    fmt::print("to look at it: {}\n",
+               fmt::join(commands.begin(), commands.begin() + long(std::min(most, commands.size())), "  or  "));
 }
 
 }  // namespace stroma::command

@@ -108,7 +108,8 @@ struct Recordings {
   /// A folder that can be looked at, or empty.
   std::string folder(const RunRequest& request) const {
     if (is_last_written) return last->folder();
-    return named && !named->files().empty() && named->files().back().ends_with(".checkpoint") ? request.record_folder : "";
+    return named && !named->files().empty() && named->files().back().ends_with(".checkpoint") ? request.record_folder
+                                                                                              : "";
   }
   /// Where the last state is, for tellFailure().
   std::string placeOfState() const {

@@ -23,8 +23,10 @@ const Manual manual{
     "stroma run SCENE [options]",
     "Simulates a scene: 100 steps unless -n or --until says otherwise. Progress and messages go to standard error,\n"
     "the summary to standard output. Ctrl-C, or SIGTERM, ends the run after a whole step.\n\n"
-    "A run leaves some twenty instants and a checkpoint in STEM.last, in the current folder, for `stroma view STEM.last`.\n"
-    "The next run of a scene of that name replaces them. --no-record leaves nothing, --record DIR keeps what you name.\n\n"
+    "A run leaves some twenty instants and a checkpoint in STEM.last, in the current folder, for `stroma view "
+    "STEM.last`.\n"
+    "The next run of a scene of that name replaces them. --no-record leaves nothing, --record DIR keeps what you "
+    "name.\n\n"
     "--record leaves a checkpoint, DIR/last.checkpoint: every minute, and at the end. The same command with --resume\n"
     "goes on from it, or starts when there is none yet: after a crash, a kill, or Ctrl-C. --restart FILE goes on from\n"
     "any checkpoint. The run has the time, step number and bits of one that never stopped: -n and --until are those\n"
@@ -54,7 +56,7 @@ void addRunOptions(OptionList& options) {
       ("steps,n", po::value<long>()->value_name("STEPS"), "number of steps; 0 loads, compiles and records t = 0")     //
       ("until", po::value<double>()->value_name("T"), "run to this time [s] instead")                                 //
       ("record", po::value<std::string>()->value_name("DIR"), "write positions and velocities of every state there")  //
-      ("no-record", "leave nothing in STEM.last, even when the run has no result")  //
+      ("no-record", "leave nothing in STEM.last, even when the run has no result")                                    //
       ("record-every", po::value<long>()->value_name("K"),
        "record every K steps; the first and last instant always")  //
       ("checkpoint-seconds", po::value<double>()->value_name("S"),

@@ -10,8 +10,8 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cmath>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <cstring>
 #include <ctime>
@@ -35,7 +35,8 @@ constexpr auto look_every = std::chrono::milliseconds(100), settles_in = std::ch
 
 const Manual manual{
     "stroma watch SCENE [options of stroma run]",
-    "Runs a scene, and again whenever a file that it reads is saved: the scene, what it includes, meshes, tables. Prints\n"
+    "Runs a scene, and again whenever a file that it reads is saved: the scene, what it includes, meshes, tables. "
+    "Prints\n"
     "what each run says, and how the result differs from that of the run before. A save in the middle of a run ends\n"
     "it after its step and begins the next one. A scene with mistakes is told of and waited for.\n\n"
     "Ctrl-C, or SIGTERM, ends the watch.\n\n"

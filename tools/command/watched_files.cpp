@@ -28,8 +28,7 @@ void addNamed(const std::vector<AttributeDescription>& attributes, const std::st
 
 void addNamed(const NodeDescription& node, std::vector<std::string>& files) {
   addNamed(node.attributes, node.folder, files);
-  for (const ComponentDescription& component : node.components)
-    addNamed(component.attributes, component.folder, files);
+  for (const ComponentDescription& component : node.components) addNamed(component.attributes, component.folder, files);
   for (const NodeDescription& child : node.children) addNamed(child, files);
 }
 
@@ -73,7 +72,9 @@ std::string FileStamps::changed() const {
     const std::optional<Stamp> now = stampOf(file);
     if (now == stamp) continue;
     told.push_back(fmt::format("{} {}", fs::path(file).filename().string(),
-                               !now ? "is gone" : stamp ? "was saved" : "has come"));
+                               !now    ? "is gone"
+                               : stamp ? "was saved"
+                                       : "has come"));
   }
   if (told.size() > most) told[most] = fmt::format("and {} more", told.size() - most);
   told.resize(std::min(told.size(), most + 1));
