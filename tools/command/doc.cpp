@@ -5,6 +5,8 @@
 #include <algorithm>
 
 #include "framework/scene/change_table.h"
+#include "tools/command/attribute_text.h"
+#include "tools/command/component_json.h"
 #include "tools/command/session.h"
 
 namespace po = boost::program_options;
@@ -37,26 +39,11 @@ std::string presentName(const std::string& name) {
                                near.empty() ? "stroma list prints them all" : "did you mean " + near + "?"));
 }
 
-std::string traits(const Data& data) {
-  std::string text = data.typeText();
-  if (!data.unitText().empty() && data.unitText() != "-") text += " [" + data.unitText() + "]";
-  if (data.isOutput()) return text + ", computed";
-  if (data.isRequired()) {
-    text += ", required";
-  } else {
-    text += data.defaultText().empty() ? ", empty by default" : ", default " + data.defaultText();
-  }
-  if (!data.rangeText().empty()) text += ", in " + data.rangeText();
-  if (data.changeEffect() == ChangeEffect::at_once) text += ", may change in a run";
-  if (data.changeEffect() == ChangeEffect::recompile) text += ", may change in a run (the component is made anew)";
-  return text;
-}
-
 void printAttributes(const Component& component) {
   fmt::print("Attributes:\n");
   for (const Data& data : component.data().all()) {
     if (data.isShorthand()) continue;
-    fmt::print("  {} ({})\n      {}{}\n", data.name(), traits(data), data.helpText(),
+    fmt::print("  {} ({})\n      {}{}\n", data.name(), traitsOf(data), data.helpText(),
                data.aliases().empty() ? "" : fmt::format("; also called {}", fmt::join(data.aliases(), ", ")));
   }
   std::vector<std::string> shorthands;
@@ -69,10 +56,14 @@ void printAttributes(const Component& component) {
 
 int doc(const Arguments& arguments) {
   OptionList options("options");
-  options.add_options()("module", po::value<std::vector<std::string>>()->value_name("FILE.so"),
-                        "open a module of components by its path; may be repeated");
+  options.add_options()                        //
+      ("json", "print it as JSON")             //
+      ("all", "every component, with --json")  //
+      ("module", po::value<std::vector<std::string>>()->value_name("FILE.so"),
+       "open a module of components by its path; may be repeated");
   const auto values = parseOptions(manual, options, {"NAME"}, arguments);
   if (!values) return exit_done;
+  if (values->count("json") || values->count("all")) return docAsJson(*values, manual);
   const std::string given = required(*values, "NAME", manual);
   Session session;
   configure(session, *values);

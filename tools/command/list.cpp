@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cctype>
 
+#include "tools/command/component_json.h"
 #include "tools/command/session.h"
 
 namespace stroma::command {
@@ -23,7 +24,8 @@ bool contains(const std::string& text, const std::string& pattern) {
 }  // namespace
 
 int list(const Arguments& arguments) {
-  const OptionList options("options");
+  OptionList options("options");
+  options.add_options()("json", "print them as JSON, with their roles");
   const auto values = parseOptions(manual, options, {"PATTERN"}, arguments);
   if (!values) return exit_done;
   const std::string pattern = values->count("PATTERN") ? (*values)["PATTERN"].as<std::string>() : "";
@@ -42,6 +44,7 @@ int list(const Arguments& arguments) {
         fmt::format("no component matches '{}'{}", pattern, near.empty() ? "" : "; did you mean " + near + "?"));
   }
   std::ranges::sort(found, {}, &Modules::IndexEntry::type);
+  if (values->count("json")) return printJson(listJson(session, found));
   std::size_t type_width = 0, module_width = 0;
   for (const auto& entry : found) {
     type_width = std::max(type_width, entry.type.size());

@@ -22,13 +22,14 @@ struct Subcommand {
   const char* purpose;
 };
 
-constexpr std::array<Subcommand, 9> subcommands{{
+constexpr std::array<Subcommand, 10> subcommands{{
     {"run", run, "simulate a scene"},
     {"check", check, "report every problem of a scene without running it"},
     {"view", view, "show a scene in the browser while it runs, and reach into it"},
     {"explain", explain, "print the compiled plan: what each step does, what was skipped and why"},
     {"list", list, "list the components, or those that match a pattern"},
     {"doc", doc, "print the manual page of a component"},
+    {"schema", schema, "print a schema by which editors complete and check scenes"},
     {"regress", regress, "run scenes and compare their states with stored ones"},
     {"mesh", mesh, "make a tetrahedral mesh from a segmented image or a closed surface"},
     {"bench", bench, "measure the speed of the kernels and solvers"},
