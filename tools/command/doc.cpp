@@ -52,16 +52,18 @@ void printAttributes(const Component& component) {
   if (!shorthands.empty()) fmt::print("  shorthands: {}\n", fmt::join(shorthands, ", "));
 }
 
-}  // namespace
-
-int doc(const Arguments& arguments) {
+CommandLine line() {
   OptionList options("options");
   options.add_options()                        //
       ("json", "print it as JSON")             //
       ("all", "every component, with --json")  //
       ("module", po::value<std::vector<std::string>>()->value_name("FILE.so"),
        "open a module of components by its path; may be repeated");
-  const auto values = parseOptions(manual, options, {"NAME"}, arguments);
+  return {manual, options, {"NAME"}};
+}
+
+int doc(const Arguments& arguments) {
+  const auto values = parseOptions(line(), arguments);
   if (!values) return exit_done;
   if (values->count("json") || values->count("all")) return docAsJson(*values, manual);
   const std::string given = required(*values, "NAME", manual);
@@ -78,5 +80,9 @@ int doc(const Arguments& arguments) {
   printAttributes(*component);
   return exit_done;
 }
+
+}  // namespace
+
+const Subcommand doc_command{"doc", "print the manual page of a component", Group::scenes, doc, line};
 
 }  // namespace stroma::command

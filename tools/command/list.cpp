@@ -21,12 +21,14 @@ bool contains(const std::string& text, const std::string& pattern) {
   return std::search(text.begin(), text.end(), pattern.begin(), pattern.end(), same) != text.end();
 }
 
-}  // namespace
-
-int list(const Arguments& arguments) {
+CommandLine line() {
   OptionList options("options");
   options.add_options()("json", "print them as JSON, with their roles");
-  const auto values = parseOptions(manual, options, {"PATTERN"}, arguments);
+  return {manual, options, {"PATTERN"}};
+}
+
+int list(const Arguments& arguments) {
+  const auto values = parseOptions(line(), arguments);
   if (!values) return exit_done;
   const std::string pattern = values->count("PATTERN") ? (*values)["PATTERN"].as<std::string>() : "";
   Session session;
@@ -54,5 +56,9 @@ int list(const Arguments& arguments) {
     fmt::print("{:{}}  {:{}}  {}\n", entry.type, type_width, entry.module, module_width, entry.help);
   return exit_done;
 }
+
+}  // namespace
+
+const Subcommand list_command{"list", "list the components, or those that match a pattern", Group::scenes, list, line};
 
 }  // namespace stroma::command

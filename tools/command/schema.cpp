@@ -28,9 +28,7 @@ void save(const std::string& file, const std::string& text) {
   if (!out) throw UsageError(fmt::format("{} cannot be written", file));
 }
 
-}  // namespace
-
-int schema(const Arguments& arguments) {
+CommandLine line() {
   OptionList options("options");
   options.add_options()  //
       ("format", po::value<std::string>()->value_name("xsd|rnc")->default_value("xsd"),
@@ -38,7 +36,11 @@ int schema(const Arguments& arguments) {
       ("output,o", po::value<std::string>()->value_name("FILE"), "write it to a file")  //
       ("module", po::value<std::vector<std::string>>()->value_name("FILE.so"),
        "open a module of components by its path; may be repeated");
-  const auto values = parseOptions(manual, options, {}, arguments);
+  return {manual, options, {}};
+}
+
+int schema(const Arguments& arguments) {
+  const auto values = parseOptions(line(), arguments);
   if (!values) return exit_done;
   const std::string format = (*values)["format"].as<std::string>();
   if (format != "xsd" && format != "rnc") throw UsageError(fmt::format("--format {}: expected xsd or rnc", format));
@@ -55,5 +57,10 @@ int schema(const Arguments& arguments) {
   fmt::print("{}: {} components of {} modules\n", file, schema.components, schema.modules);
   return exit_done;
 }
+
+}  // namespace
+
+const Subcommand schema_command{"schema", "print a schema, by which editors complete and check scenes", Group::scenes,
+                                schema, line};
 
 }  // namespace stroma::command
