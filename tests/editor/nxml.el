@@ -1,7 +1,7 @@
 ;; SPDX-License-Identifier: LGPL-2.1-or-later
 ;; Emacs as an editor of scenes, without a screen: emacs --batch -l nxml.el SCHEMA SCENE PLACE...
-;; Prints a line of JSON: what nxml-mode marks in SCENE, and what it offers at each PLACE, a text in the scene after which
-;; the cursor stands.
+;; SCHEMA is a file, or - for the one that schemas.xml beside the scene names. Prints a line of JSON: what nxml-mode marks in
+;; SCENE, and what it offers at each PLACE, a text in the scene after which the cursor stands.
 (require 'nxml-mode)
 (require 'rng-valid)
 (require 'rng-nxml)
@@ -34,7 +34,9 @@
 (let* ((schema (pop command-line-args-left)) (scene (pop command-line-args-left)) offers)
   (find-file scene)
   (nxml-mode)
-  (rng-set-schema-file-1 schema)
+  (if (string= schema "-")
+      (rng-auto-set-schema)
+    (rng-set-schema-file-1 schema))
   (validate)
   (let ((marks (vconcat (marked))))
     (while command-line-args-left

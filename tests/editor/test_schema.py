@@ -195,9 +195,9 @@ class Text(Schemas):
 
 
 class Emacs(Schemas):
-    def emacs(self, text, *places):
+    def emacs(self, text, *places, schema=None):
         file = self.write("typed.xml", text)
-        done = run("emacs", "--batch", "-Q", "-l", NXML, self.rnc, file, *places)
+        done = run("emacs", "--batch", "-Q", "-l", NXML, schema or self.rnc, file, *places)
         self.assertEqual(done.returncode, 0, done.stderr)
         return json.loads(done.stdout.splitlines()[-1])
 
@@ -211,6 +211,12 @@ class Emacs(Schemas):
             found = self.emacs(GOOD.replace(right, wrong))["marked"]
             line = GOOD[:GOOD.index(right)].count("\n") + 1
             self.assertEqual([(each["line"], each["text"]) for each in found], [(line, marked)], found)
+
+    def test_it_finds_the_schema_that_a_file_beside_the_scene_names(self):
+        self.write("schemas.xml", '<locatingRules xmlns="http://thaiopensource.com/ns/locating-rules/1.0">\n'
+                                  '<uri pattern="*.xml" uri="stroma.rnc"/>\n</locatingRules>\n')
+        found = self.emacs(GOOD.replace("totalMass", "totalMas"), schema="-")["marked"]
+        self.assertEqual([each["text"] for each in found], ["totalMas"], found)
 
     def test_names_and_words_are_completed(self):
         def offered(typed):

@@ -47,19 +47,19 @@ SchemaAttribute nodeAttribute(const std::string& name) {
   return attribute(name, found->second.first, found->second.second);
 }
 
-/// Adds those of `names` that are not there yet.
-template <class Names, class Make>
-void addMissing(SchemaType& type, const Names& names, Make make) {
-  std::set<std::string> present;
-  for (const SchemaAttribute& each : type.attributes) present.insert(each.names.begin(), each.names.end());
-  for (const auto& name : names)
-    if (present.insert(std::string(name)).second) type.attributes.push_back(make(std::string(name)));
-}
-
 SchemaAttribute drawingAttribute(const std::string& name) { return attribute(name, textValue(), without_effect); }
 
-void sortByName(SchemaType& type) {
-  std::ranges::sort(type.attributes, {}, [](const SchemaAttribute& each) { return each.names.front(); });
+using Names = std::set<std::string>;
+
+/// Adds those of `names` that are not in `present` yet.
+template <class List, class Make>
+void addMissing(std::vector<SchemaAttribute>& attributes, const List& names, Make make, Names& present) {
+  for (const auto& name : names)
+    if (present.insert(std::string(name)).second) attributes.push_back(make(std::string(name)));
+}
+
+void sortByName(std::vector<SchemaAttribute>& attributes) {
+  std::ranges::sort(attributes, {}, [](const SchemaAttribute& each) { return each.names.front(); });
 }
 
 /// `src` gives what is no link; a file is the business of who reads it.
@@ -74,22 +74,31 @@ SchemaAttribute attributeOf(const Data& data, const std::string& type) {
   return out;
 }
 
-SchemaType typeOf(const Component& component) {
+/// Besides what is `shared`.
+SchemaType typeOf(const Component& component, const Names& shared) {
   SchemaType type{component.type()};
-  for (const Data& data : component.data().all())
-    if (!data.isOutput()) type.attributes.push_back(attributeOf(data, component.type()));
-  addMissing(type, commonAttributes(), commonAttribute);
-  addMissing(type, visualOnly(component), drawingAttribute);
-  addMissing(type, visualAttributes(), drawingAttribute);
-  sortByName(type);
+  Names present = shared;
+  for (const Data& data : component.data().all()) {
+    if (data.isOutput()) {
+      present.insert(data.name());
+      continue;
+    }
+    type.attributes.push_back(attributeOf(data, component.type()));
+    present.insert(type.attributes.back().names.begin(), type.attributes.back().names.end());
+  }
+  addMissing(type.attributes, commonAttributes(), commonAttribute, present);
+  addMissing(type.attributes, visualOnly(component), drawingAttribute, present);
+  addMissing(type.attributes, visualAttributes(), drawingAttribute, present);
+  sortByName(type.attributes);
   return type;
 }
 
 SchemaType nodeType() {
-  SchemaType type{"Node"};
-  for (const std::string& name : nodeAttributes()) type.attributes.push_back(nodeAttribute(name));
-  addMissing(type, visualAttributes(), drawingAttribute);
-  sortByName(type);
+  SchemaType type{"Node", SchemaType::Kind::node};
+  Names present;
+  addMissing(type.attributes, nodeAttributes(), nodeAttribute, present);
+  addMissing(type.attributes, visualAttributes(), drawingAttribute, present);
+  sortByName(type.attributes);
   return type;
 }
 
@@ -99,14 +108,22 @@ std::string helpOf(const Component& component, const ComponentEntry& entry) {
 }
 
 void addComponents(Session& session, Schema& schema) {
-  std::set<std::string> modules;
+  std::vector<std::unique_ptr<Component>> components;
+  Names declared, modules;
   for (const ComponentEntry* entry : session.factory().entries()) {
-    const auto component = session.factory().make(entry->type);
-    schema.types.push_back(typeOf(*component));
-    schema.elements.push_back({entry->type, entry->type, helpOf(*component, *entry)});
+    components.push_back(session.factory().make(entry->type));
+    schema.elements.push_back({entry->type, entry->type, helpOf(*components.back(), *entry)});
     modules.insert(entry->module);
+    for (const std::string& name : components.back()->data().names()) declared.insert(name);
   }
-  schema.components = schema.types.size(), schema.modules = modules.size();
+  // what a component declares is its own: it may be another thing there, or computed
+  addMissing(schema.shared, commonAttributes(), commonAttribute, declared);
+  addMissing(schema.shared, visualAttributes(), drawingAttribute, declared);
+  sortByName(schema.shared);
+  Names shared;
+  for (const SchemaAttribute& each : schema.shared) shared.insert(each.names.front());
+  for (const auto& component : components) schema.types.push_back(typeOf(*component, shared));
+  schema.components = components.size(), schema.modules = modules.size();
 }
 
 void addOldNames(const Factory& factory, Schema& schema) {
@@ -120,13 +137,13 @@ void addOldNames(const Factory& factory, Schema& schema) {
 
 /// What is no component and stands where components do.
 void addOthers(const Factory& factory, Schema& schema) {
-  schema.types.push_back({"any_attributes", {}, true});
+  schema.types.push_back({"any_attributes", SchemaType::Kind::anything});
   for (const std::string_view name : acceptedWithoutEffect())
     if (!factory.find(std::string(name)))
       schema.elements.push_back({std::string(name), "any_attributes", without_effect});
   SchemaAttribute href = attribute("href", textValue(), "The file, beside this one or on the data path.");
   href.required = true;
-  schema.types.push_back({"included_file", {href}, true});
+  schema.types.push_back({"included_file", SchemaType::Kind::anything, {href}});
   schema.elements.push_back({"include", "included_file",
                              "Puts the content of another file here. name=\"...\" names its node; an attribute of all "
                              "its elements or, as element__attribute, of one is replaced."});
@@ -136,7 +153,7 @@ void addOthers(const Factory& factory, Schema& schema) {
   std::ranges::sort(names);
   SchemaAttribute type = attribute("type", wordValue("component_name", names), "The component.");
   type.required = true;
-  schema.types.push_back({"typed_object", {type}, true});
+  schema.types.push_back({"typed_object", SchemaType::Kind::anything, {type}});
   schema.elements.push_back({"Object", "typed_object", "A component by its type, as SOFA's older scenes write it."});
 }
 

@@ -19,11 +19,12 @@ struct SchemaAttribute {
   bool by_src = false;  ///< `src` can give it too
 };
 
-/// The attributes of a component. With `anything` a scene may write others too.
+/// The attributes of a component, of a Node, or of an element that may have any others too.
 struct SchemaType {
+  enum class Kind { component, node, anything };
   std::string name;
-  std::vector<SchemaAttribute> attributes{};
-  bool anything = false;
+  Kind kind = Kind::component;
+  std::vector<SchemaAttribute> attributes{};  ///< of a component: besides the shared ones
 };
 
 /// An element inside a Node, by the name of its type. Several elements share one when a component was renamed.
@@ -32,10 +33,11 @@ struct SchemaElement {
 };
 
 struct Schema {
-  std::string version;  ///< of the command
+  std::string version;                  ///< of the command
+  std::vector<SchemaAttribute> shared;  ///< what every component takes, `src` among them
   std::vector<SchemaType> types;
   std::vector<SchemaElement> elements;
-  SchemaType node;  ///< of a Node; `help` of its element below
+  SchemaType node;
   std::string node_help;
   std::vector<std::string> roots;  ///< what the outermost element may be called; all hold what a Node holds
   std::size_t components = 0, modules = 0;

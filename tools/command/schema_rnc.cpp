@@ -47,6 +47,7 @@ class Writer {
     for (const SchemaElement& each : schema_.elements)
       out_ += documentation("", each.help) +
               fmt::format("element.{0} = element {0} {{ type.{1} }}\n", each.name, each.type);
+    shared();
     type(schema_.node);
     for (const SchemaType& each : schema_.types) type(each);
     for (const auto& [name, value] : values_) out_ += fmt::format("value.{} = {}\n", name, choice(value->alternatives));
@@ -64,29 +65,31 @@ class Writer {
     return out + (needed ? "" : "?");
   }
 
-  void type(const SchemaType& type) {
-    std::vector<std::string> parts, by_src, not_by_src;
-    for (const SchemaAttribute& each : type.attributes) {
-      const bool chooses = each.required && each.by_src;
-      if (each.names.front() == "src") continue;
-      if (chooses) not_by_src.push_back(attribute(each, true)), by_src.push_back(attribute(each, false));
-      if (!chooses) parts.push_back(documentation("  ", each.help) + "  " + attribute(each, each.required));
-    }
-    // what `src` can give must be written without it
-    const bool has_src = hasSrc(type);
-    if (has_src && !by_src.empty())
-      parts.push_back(fmt::format("  (({}) | (attribute src {{ value.text }}, {}))", fmt::join(not_by_src, ", "),
-                                  fmt::join(by_src, ", ")));
-    else if (has_src)
-      parts.push_back("  attribute src { value.text }?");
-    if (type.anything) parts.push_back("  attribute * - (" + namesOf(type) + ") { text }*");
-    out_ += fmt::format("\ntype.{} =\n{}\n", type.name, fmt::join(parts, ",\n"));
+  void shared() {
+    std::vector<std::string> parts;
+    for (const SchemaAttribute& each : schema_.shared)
+      if (each.names.front() != "src") parts.push_back(part(each));
+    out_ += fmt::format("\nshared.attributes =\n{}\n", fmt::join(parts, ",\n"));
   }
 
-  static bool hasSrc(const SchemaType& type) {
-    for (const SchemaAttribute& each : type.attributes)
-      if (each.names.front() == "src") return true;
-    return false;
+  std::string part(const SchemaAttribute& each) {
+    return documentation("  ", each.help) + "  " + attribute(each, each.required);
+  }
+
+  /// What `src` can give must be written without it.
+  void type(const SchemaType& type) {
+    std::vector<std::string> parts, without{"empty"}, with{"attribute src { value.text }"};
+    for (const SchemaAttribute& each : type.attributes) {
+      if (each.required && each.by_src)
+        without.push_back(attribute(each, true)), with.push_back(attribute(each, false));
+      else
+        parts.push_back(part(each));
+    }
+    if (type.kind == SchemaType::Kind::component)
+      parts.push_back(
+          fmt::format("  (({}) | ({})),\n  shared.attributes", fmt::join(without, ", "), fmt::join(with, ", ")));
+    if (type.kind == SchemaType::Kind::anything) parts.push_back("  attribute * - (" + namesOf(type) + ") { text }*");
+    out_ += fmt::format("\ntype.{} =\n{}\n", type.name, fmt::join(parts, ",\n"));
   }
 
   static std::string namesOf(const SchemaType& type) {

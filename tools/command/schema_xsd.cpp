@@ -42,8 +42,11 @@ class Writer {
     line(0, "<xs:schema xmlns:xs=\"http://www.w3.org/2001/XMLSchema\" version=\"{}\">", schema_.version);
     for (const std::string& root : schema_.roots) element(1, root, "Node", schema_.node_help);
     nodeContent();
-    type(schema_.node, true);
-    for (const SchemaType& each : schema_.types) type(each, false);
+    line(1, "<xs:attributeGroup name=\"shared.attributes\">");
+    for (const SchemaAttribute& each : schema_.shared) attribute(each, each.names.front());
+    line(1, "</xs:attributeGroup>");
+    type(schema_.node);
+    for (const SchemaType& each : schema_.types) type(each);
     for (const auto& [name, value] : values_) simpleType(1, &name, value->alternatives);
     line(0, "</xs:schema>");
     return std::move(out_);
@@ -77,12 +80,15 @@ class Writer {
     line(1, "</xs:group>");
   }
 
-  void type(const SchemaType& type, bool is_node) {
+  void type(const SchemaType& type) {
     line(1, "<xs:complexType name=\"{}.attributes\">", type.name);
-    if (is_node) line(2, "<xs:group ref=\"node.content\" minOccurs=\"0\" maxOccurs=\"unbounded\"/>");
+    if (type.kind == SchemaType::Kind::node)
+      line(2, "<xs:group ref=\"node.content\" minOccurs=\"0\" maxOccurs=\"unbounded\"/>");
     for (const SchemaAttribute& each : type.attributes)
       for (const std::string& name : each.names) attribute(each, name);
-    if (type.anything) line(2, "<xs:anyAttribute namespace=\"##local\" processContents=\"skip\"/>");
+    if (type.kind == SchemaType::Kind::component) line(2, "<xs:attributeGroup ref=\"shared.attributes\"/>");
+    if (type.kind == SchemaType::Kind::anything)
+      line(2, "<xs:anyAttribute namespace=\"##local\" processContents=\"skip\"/>");
     line(1, "</xs:complexType>");
   }
 
