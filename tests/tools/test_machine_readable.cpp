@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What programs read: components, their attributes and the compiled plan as JSON. It says what the text says.
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
@@ -50,7 +51,7 @@ TEST_F(MachineReadable, AComponentWithItsAttributes) {
   EXPECT_EQ(page.at("role"), "force field");
   EXPECT_NE(page.at("manual").get<std::string>().find("Example:"), std::string::npos);
   const Json modulus = named(page.at("attributes"), "youngModulus");
-  EXPECT_EQ(modulus.at("kind"), "real");
+  EXPECT_EQ(modulus.at("kind"), "reals");
   EXPECT_EQ(modulus.at("unit"), "Pa");
   EXPECT_EQ(modulus.at("physical"), true);
   EXPECT_EQ(modulus.at("required"), false);
@@ -58,7 +59,8 @@ TEST_F(MachineReadable, AComponentWithItsAttributes) {
   EXPECT_EQ(ratio.at("range"), "(-1, 0.5)");
   const Json method = named(page.at("attributes"), "method");
   EXPECT_EQ(method.at("kind"), "choice");
-  EXPECT_EQ(method.at("choices"), Json({"small", "large", "polar", "svd", "nodal"}));
+  for (const char* word : {"small", "large", "polar", "svd", "nodal"})
+    EXPECT_NE(std::ranges::find(method.at("choices"), word), method.at("choices").end()) << word;
   const Json state = named(page.at("attributes"), "mstate");
   EXPECT_EQ(state.at("kind"), "link");
   EXPECT_NE(state.at("link"), "");

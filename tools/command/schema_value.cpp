@@ -18,7 +18,12 @@ using Kind = SchemaAlternative::Kind;
 const std::string number = "[\\-+]?([0-9]+[.]?[0-9]*|[.][0-9]+)([eE][\\-+]?[0-9]+)?";
 const std::string whole = "[\\-+]?[0-9]+";
 const std::string rising = "[0-9]+-[0-9]+(-[0-9]+)?";
-const std::string unit = "[A-Za-z%µ(][A-Za-z0-9%µ·\\^*/.() \\-]*";
+// a factor of a unit, such as kPa or m^2, and factors in a row
+const std::string factor =
+    "([munµcdkMGh]?(m|g|s|N|Pa|J|L|l|Hz|B|bar|rad)|in|inch|ft|t|tonne|lb|min|h|deg|degrees?|dyn|kgf|lbf|mmHg|"
+    "mmH2O|cmH2O|psi|atm|%)(\\^?-?[0-9])?";
+const std::string factors = "(1?[*/.·(])*" + factor + "([*/.·()]+" + factor + ")*[)]?";
+const std::string unit = "(1? ?[*/.·(] ?)*" + factor + "(( |[*/.·()])+" + factor + ")*[)]?";
 
 /// Words of a list that hold a comma, which a validator cannot look into further.
 std::string withCommas(const std::string& item) {
@@ -101,7 +106,7 @@ std::vector<SchemaAlternative> numberOrNumbers(const std::string& kind, const Ra
   if (kind == "reals" || kind == "vectors")
     return {
         listOf({numeric(Kind::real, range), pattern(withCommas(number)),
-                pattern(fmt::format("{0}(/{0})?({1})?,?", number, unit)), pattern("[*/·]?[1(]*" + unit + "|[*/·]")})};
+                pattern(fmt::format("{0}/{0}({1})?,?|{0}{1},?", number, factors)), pattern(factors + ",?|[*/·]|1/?")})};
   if (kind == "indices") return {listOf({numeric(Kind::integer, range), pattern(withCommas("[0-9]+"))})};
   return {listOf({numeric(Kind::integer, range), pattern(rising), pattern(withCommas(whole + "|" + rising))})};
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The scene as an XML Schema 1.0. The outermost element is global, all others are local to a node, so that a component is
-// no document of its own. An attribute is required only where one name alone can give it: the rest is the command's.
+// no document of its own. An attribute is required only where it has one name: the rest is the command's.
 #include <fmt/format.h>
 
 #include <map>
@@ -93,7 +93,7 @@ class Writer {
   }
 
   void attribute(const SchemaAttribute& attribute, const std::string& name) {
-    const bool alone = attribute.names.size() == 1 && !attribute.by_src;
+    const bool alone = attribute.names.size() == 1;
     values_.emplace(attribute.value.name, &attribute.value);
     line(2, "<xs:attribute name=\"{}\" type=\"{}\"{}>", name, attribute.value.name,
          attribute.required && alone ? " use=\"required\"" : "");
