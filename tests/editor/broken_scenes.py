@@ -45,6 +45,8 @@ MISTAKES = [
     ("a word among whole numbers", 'indices="0, 1 2"', 'indices="0, 1 two"'),
     ("a range that has no end", 'indices="0, 1 2"', 'indices="0, 1-"'),
     ("a negative distance between marks", 'indices="4"', 'indices="3--7"'),
+    ("a unit in the wrong case", 'youngModulus="10000"', 'youngModulus="10 kpa"'),
+    ("a unit that there is not", 'totalMass="0.08"', 'totalMass="80 grams"'),
     ("a number above its range", 'poissonRatio="0.3"', 'poissonRatio="0.6"'),
     ("a number at the open end of its range", 'poissonRatio="0.3"', 'poissonRatio="0.5"'),
     ("a number below its range", 'rayleighStiffness="0.02"', 'rayleighStiffness="-1"'),

@@ -100,6 +100,22 @@ class Acceptance(Schemas):
             for file, lines in refused(list(files)).items():
                 self.assertEqual(lines, [], f"{judge} refuses {files[file]}")
 
+    def test_units(self):
+        text = GOOD
+        for right, other in (('totalMass="0.08"', 'totalMass="80 g"'), ('youngModulus="10000"', 'youngModulus="10 kPa"'),
+                             ('dt="0.01"', 'dt="1/100 s"'), ('gravity="0 -9.81 0"', 'gravity="-9.81 m/s^2"'),
+                             ('max="0.2 0.05 0.05"', 'max="200 50 50 mm"'), ('keyTimes="0 1"', 'keyTimes="0 s 1000 ms"'),
+                             ('rayleighStiffness="0.02"', 'rayleighStiffness="2e1 ms"'),
+                             ('rayleighMass="0.5"', 'rayleighMass="30 1/min"'), ('poissonRatio="0.3"', 'poissonRatio="30 %"'),
+                             ('box="-0.01 -1 -1  0.01 1 1"', 'box="-10 -1000 -1000  10 1000 1000 mm"')):
+            self.assertIn(right, text)
+            text = text.replace(right, other)
+        files = [self.write("units.xml", text), self.write("marks.xml", text.replace("10 kPa", "10 N/mm²·m/m"))]
+        for file in files:
+            self.assertEqual(self.check(file).returncode, 0, self.check(file).stdout)
+        for judge, refused in self.judges().items():
+            self.assertEqual(refused(files), {file: [] for file in files}, judge)
+
     def test_components_of_a_module_given_by_its_path(self):
         component = "FickleForceField"
         file = self.write("module.xml", f'<Node>\n<{component}/>\n</Node>\n')

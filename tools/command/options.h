@@ -25,7 +25,7 @@ struct Manual {
 struct CommandLine {
   Manual manual;
   OptionList options;                  ///< without --help, which all have
-  std::vector<std::string> positions;  ///< names of the positional arguments, in order
+  std::vector<std::string> positions;  ///< names of the positional arguments, in order; NAME... takes all that is left
 };
 
 /// The values of `options` and of the positional arguments `positions` (the names of options declared hidden). Prints

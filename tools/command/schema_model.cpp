@@ -36,9 +36,9 @@ SchemaAttribute nodeAttribute(const std::string& name) {
   static const std::map<std::string, std::pair<SchemaValue, const char*>> known = {
       {"name", {textValue(), "The name of the node, for links and --set."}},
       {"gravity",
-       {plainValue("vector"),
-        "Acceleration of all masses in this node and below\n3 reals [m/s^2], that of the node above by default, "
-        "0 -9.81 0 on the outermost one"}},
+       {plainValue("gravity"),
+        "Acceleration of all masses in this node and below\n3 reals, or one along y [m/s^2]; that of the node above by "
+        "default, 0 -9.81 0 on the outermost one"}},
       {"dt", {plainValue("real", true), "Time step, on the outermost Node only\nreal [s], default 0.01, > 0"}},
       {"time", {plainValue("real"), "Time at the start, on the outermost Node only\nreal [s], default 0"}},
       {"activated", {plainValue("boolean"), "false: nothing in this node takes part\ntrue or false, default true"}}};

@@ -6,6 +6,7 @@
 #include <cctype>
 #include <cstdlib>
 
+#include "framework/scene/units.h"
 #include "tools/command/component_json.h"
 
 namespace stroma::command {
@@ -18,12 +19,16 @@ using Kind = SchemaAlternative::Kind;
 const std::string number = "[\\-+]?([0-9]+[.]?[0-9]*|[.][0-9]+)([eE][\\-+]?[0-9]+)?";
 const std::string whole = "[\\-+]?[0-9]+";
 const std::string rising = "[0-9]+-[0-9]+(-[0-9]+)?";
-// a factor of a unit, such as kPa or m^2, and factors in a row
-const std::string factor =
-    "([munµcdkMGh]?(m|g|s|N|Pa|J|L|l|Hz|B|bar|rad)|in|inch|ft|t|tonne|lb|min|h|deg|degrees?|dyn|kgf|lbf|mmHg|"
-    "mmH2O|cmH2O|psi|atm|%)(\\^?-?[0-9])?";
-const std::string factors = "(1?[*/.·(])*" + factor + "([*/.·()]+" + factor + ")*[)]?";
-const std::string unit = "(1? ?[*/.·(] ?)*" + factor + "(( |[*/.·()])+" + factor + ")*[)]?";
+/// A factor of a unit, such as kPa or m^2.
+std::string unitFactor() {
+  std::string names = "°";
+  for (const std::string& name : unitNames()) names += "|" + (name[0] == 'u' ? "[uµμ]" + name.substr(1) : name);
+  return "(" + names + ")(\\^-?[0-9]|[²³⁴]|⁻[¹²³])?";
+}
+const std::string factor = unitFactor();
+/// Factors in a row, in one word of a list; and with spaces.
+const std::string factors = "(1?[*/.·⋅(])*" + factor + "([*/.·⋅()]+" + factor + ")*[)]?";
+const std::string unit = "(1? ?[*/.·⋅(] ?)*" + factor + "(( |[*/.·⋅()])+" + factor + ")*[)]?";
 
 /// Words of a list that hold a comma, which a validator cannot look into further.
 std::string withCommas(const std::string& item) {
@@ -104,9 +109,9 @@ std::vector<SchemaAlternative> numberOrNumbers(const std::string& kind, const Ra
   if (kind == "real") return {numeric(Kind::real, range), quantity()};
   if (kind == "integer") return {numeric(Kind::integer, range)};
   if (kind == "reals" || kind == "vectors")
-    return {
-        listOf({numeric(Kind::real, range), pattern(withCommas(number)),
-                pattern(fmt::format("{0}/{0}({1})?,?|{0}{1},?", number, factors)), pattern(factors + ",?|[*/·]|1/?")})};
+    return {listOf({numeric(Kind::real, range), pattern(withCommas(number)),
+                    pattern(fmt::format("{0}/{0}({1})?,?|{0}{1},?", number, factors)),
+                    pattern(factors + ",?|[*/·⋅]|1/?")})};
   if (kind == "indices") return {listOf({numeric(Kind::integer, range), pattern(withCommas("[0-9]+"))})};
   return {listOf({numeric(Kind::integer, range), pattern(rising), pattern(withCommas(whole + "|" + rising))})};
 }
@@ -131,7 +136,7 @@ SchemaValue templateValue(const std::vector<std::string>& words) {
 
 SchemaValue plainValue(const std::string& kind, bool positive) {
   if (kind == "boolean") return {"plain_boolean", {{.kind = Kind::boolean}}};
-  if (kind == "vector") return {"plain_vector", {tuple(3)}};
+  if (kind == "gravity") return {"gravity", {tuple(3), numeric(Kind::real, {}), quantity()}};
   Range range;
   if (positive) range.min = SchemaBound{"0", false};
   return {nameOf("plain_real", range), {numeric(Kind::real, range), quantity()}};

@@ -40,7 +40,8 @@ SchemaValue textValue();
 SchemaValue wordValue(std::string name, std::vector<std::string> words);
 /// Words of `template`: of a list, or names of SOFA's matrices.
 SchemaValue templateValue(const std::vector<std::string>& words);
-/// What a Node takes, where links are not followed: "boolean", "real", "vector"; a real may have to be above 0.
+/// What a Node takes, where links are not followed: "boolean", "real", or "gravity", which is a vector or acts along y. A
+/// real may have to be above 0.
 SchemaValue plainValue(const std::string& kind, bool positive = false);
 
 }  // namespace stroma::command
