@@ -8,6 +8,7 @@
 #include <cstring>
 #include <filesystem>
 
+#include "framework/scene/services.h"
 #include "tools/command/command.h"
 
 namespace stroma::command {
@@ -20,7 +21,8 @@ int bench(const Arguments& arguments) {
   for (std::string& copy : copies) values.push_back(copy.data());
   values.push_back(nullptr);
   execv(name.c_str(), values.data());
-  throw UsageError(fmt::format("cannot start {} ({}): build the target stroma-bench", name, std::strerror(errno)));
+  throw UsageError(fmt::format("cannot start {} ({}): {}", name, std::strerror(errno),
+                               howToGet("stroma-bench", "`tools/setup build` in the sources installs Google Benchmark and builds it")));
 }
 
 }  // namespace stroma::command
