@@ -46,7 +46,8 @@ std::string howToGet(const std::string& part, const std::string& otherwise) {
 // The library stays open: the object's code is in it.
 void* makeService(const std::string& name, const std::string& role, const std::string& missing) {
   const fs::path path = fs::path(moduleFolder()) / (name + ".so");
-  if (!fs::exists(path)) throw ComponentError("there is no " + role + " here: " + howToGet(name, missing), path.string());
+  if (!fs::exists(path))
+    throw ComponentError("there is no " + role + " here: " + howToGet(name, missing), path.string());
   void* library = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (!library) throw ComponentError("the " + role + " cannot be opened: " + dlerror());
   using Entry = const ServiceInfo* (*)();

@@ -21,8 +21,9 @@ int bench(const Arguments& arguments) {
   for (std::string& copy : copies) values.push_back(copy.data());
   values.push_back(nullptr);
   execv(name.c_str(), values.data());
-  throw UsageError(fmt::format("cannot start {} ({}): {}", name, std::strerror(errno),
-                               howToGet("stroma-bench", "`tools/setup build` in the sources installs Google Benchmark and builds it")));
+  throw UsageError(fmt::format(
+      "cannot start {} ({}): {}", name, std::strerror(errno),
+      howToGet("stroma-bench", "`tools/setup build` in the sources installs Google Benchmark and builds it")));
 }
 
 }  // namespace stroma::command
