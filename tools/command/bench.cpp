@@ -9,14 +9,10 @@
 #include <cstring>
 #include <filesystem>
 
-<<<<<<< HEAD
 #include "framework/scene/services.h"
-#include "tools/command/command.h"
-=======
 #include "tools/command/options.h"
 
 namespace po = boost::program_options;
->>>>>>> main
 
 namespace stroma::command {
 namespace {
