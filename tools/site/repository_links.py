@@ -11,6 +11,7 @@ FENCE = re.compile(r"^(\s*)(```+|~~~+)")
 # A link or a picture with its target, or a piece of code: whichever comes first in a line.
 PIECE = re.compile(r"(?P<link>\]\((?P<target>[^)\s]+)(?P<title>\s+\"[^\"]*\")?\))|(?P<code>(?<!`)`[^`\n]+`(?!`))|(?P<open>\[)")
 ITEM = re.compile(r"^\s*([-*]|\d+\.)\s+")
+GENERATED = {"components": "components/README.md", "tools/command": "command.md", "tools/command/words/topics.txt": "words.md"}
 LANGUAGES = {".xml": "xml", ".py": "python", ".cpp": "cpp", ".h": "cpp", ".sh": "sh", ".cmake": "cmake", ".txt": "text"}
 
 
@@ -36,6 +37,8 @@ class Repository:
         """The site path of a file or folder of the repository, made when it is the first link to it."""
         if path in self.scenes:
             return self.scenes[path]
+        if path in GENERATED:  # the site has a page for it
+            return GENERATED[path]
         if path == "README.md":
             return "README.md"
         if path.startswith("docs/"):
