@@ -49,7 +49,7 @@ std::string traits(const Data& data) {
 }
 
 void printAttributes(const Component& component) {
-  fmt::print("Attributes:\n");
+  fmt::print("Attributes, with any unit of the dimension in brackets, as 10 kPa for [Pa] (docs/units.md):\n");
   for (const Data& data : component.data().all()) {
     if (data.isShorthand()) continue;
     fmt::print("  {} ({})\n      {}{}\n", data.name(), traits(data), data.helpText(),
