@@ -82,7 +82,8 @@ class ComponentPages:
         """One component."""
         site = self.repository.components[component["name"]]
         family = self.repository.relative("components/README.md#" + slug(title_of(component["module"])), site)
-        lines = [f"# {component['name']}", "", sentence(component["help"]), "",
+        name = re.sub(r"(?<=[a-z])(?=[A-Z])", "<wbr>", component["name"])  # where a narrow window may break it
+        lines = [f"# {name}", "", sentence(component["help"]), "",
                  f"<small>Family [{title_of(component['module'])}]({family}) · role {component['role']} · "
                  f"module `{component['module']}`</small>", ""]
         prose, example = split_manual(component.get("manual") or "")

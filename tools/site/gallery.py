@@ -42,8 +42,8 @@ def examples(root):
 class Gallery:
     """Fills the gallery of the site whose source is in `folder`, with the command `stroma`."""
 
-    def __init__(self, root, stroma, folder, say):
-        self.root, self.stroma, self.folder, self.say = root, os.path.abspath(stroma), folder, say
+    def __init__(self, root, stroma, folder, say, draft=False):
+        self.root, self.stroma, self.folder, self.say, self.draft = root, os.path.abspath(stroma), folder, say, draft
 
     def filled(self, text):
         """The page with what belongs behind every comment."""
@@ -63,7 +63,7 @@ class Gallery:
         return section.rstrip() + "\n\n" + self._shown(scene, options) + "\n"
 
     def _shown(self, scene, options):
-        name, steps = os.path.splitext(os.path.basename(scene))[0], options.get("steps", "100")
+        name, steps = os.path.splitext(os.path.basename(scene))[0], "1" if self.draft else options.get("steps", "100")
         self.say(f"{scene}, {steps} steps")
         with tempfile.TemporaryDirectory() as scratch:
             counts = self._json(["check", os.path.join(self.root, scene), "--json"], scratch)

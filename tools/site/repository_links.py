@@ -12,6 +12,7 @@ FENCE = re.compile(r"^(\s*)(```+|~~~+)")
 PIECE = re.compile(r"(?P<link>\]\((?P<target>[^)\s]+)(?P<title>\s+\"[^\"]*\")?\))|(?P<code>(?<!`)`[^`\n]+`(?!`))|(?P<open>\[)")
 ITEM = re.compile(r"^\s*([-*]|\d+\.)\s+")
 GENERATED = {"components": "components/README.md", "tools/command": "command.md", "tools/command/words/topics.txt": "words.md"}
+WIDE = 11  # bars in a row of a table that wants the room of the headings beside it
 LANGUAGES = {".xml": "xml", ".py": "python", ".cpp": "cpp", ".h": "cpp", ".sh": "sh", ".cmake": "cmake", ".txt": "text"}
 
 
@@ -89,7 +90,8 @@ class Repository:
 
     def add(self, path, site, text):
         """A page whose links are written as from `path` of the repository."""
-        self.pages[site] = self.turned(text, path, site)
+        wide = max((line.count("|") for line in text.split("\n") if line.startswith("|")), default=0) >= WIDE
+        self.pages[site] = ("---\nhide:\n  - toc\n---\n" if wide else "") + self.turned(text, path, site)
 
     def turned(self, text, path, site):
         """The text with the links of the site, and blank lines where Python-Markdown wants them before lists."""

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """The page of words that people search for, from the topics of `stroma doc`."""
-import re
+import os
 
 from component_pages import escaped
 
@@ -47,6 +47,7 @@ def words_page(text, repository):
 
 
 def page_link(path, repository):
-    """A link to a page of docs/."""
-    title = re.sub(r"(.*/)?(.*)\.md$", r"\2", path).replace("_", " ")
+    """A link to a page of docs/, with its title."""
+    with open(os.path.join(repository.root, path), encoding="utf-8") as file:
+        title = next((line[2:].strip() for line in file if line.startswith("# ")), os.path.basename(path))
     return f"[{title}]({repository.relative(repository.place(path), 'words.md')})"
