@@ -3,7 +3,7 @@
 import re
 import xml.etree.ElementTree as xml
 
-WHOLE = re.compile(r"^\s*(?:<\?xml.*?\?>|<!--.*?-->|\s)*<Node\b[^>]*\b(?:gravity|dt)=", re.S)
+WHOLE = re.compile(r"^\s*(?:<\?xml.*?\?>|<!--.*?-->|\s)*<Node\b.*</Node>\s*$", re.S)
 
 
 class FragmentError(Exception):
@@ -11,7 +11,7 @@ class FragmentError(Exception):
 
 
 def is_whole(text):
-    """Is it a scene of its own: a root node with gravity or a time step."""
+    """Is it a scene of its own: one node from end to end."""
     return bool(WHOLE.match(text))
 
 
