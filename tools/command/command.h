@@ -35,5 +35,6 @@ int regress(const Arguments& arguments);
 int mesh(const Arguments& arguments);
 int bench(const Arguments& arguments);
 int view(const Arguments& arguments);
+int picture(const Arguments& arguments);
 
 }  // namespace stroma::command

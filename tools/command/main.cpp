@@ -22,10 +22,11 @@ struct Subcommand {
   const char* purpose;
 };
 
-constexpr std::array<Subcommand, 9> subcommands{{
+constexpr std::array<Subcommand, 10> subcommands{{
     {"run", run, "simulate a scene"},
     {"check", check, "report every problem of a scene without running it"},
     {"view", view, "show a scene in the browser while it runs, and reach into it"},
+    {"picture", picture, "draw a scene or a recorded run into a PNG file"},
     {"explain", explain, "print the compiled plan: what each step does, what was skipped and why"},
     {"list", list, "list the components, or those that match a pattern"},
     {"doc", doc, "print the manual page of a component"},

@@ -8,10 +8,10 @@
 #include <filesystem>
 
 #include "framework/scene/output_file.h"
-#include "framework/simulation/checkpoint.h"
 #include "framework/simulation/file_uses.h"
 #include "tools/command/recorder.h"
 #include "tools/command/session.h"
+#include "tools/command/shown_scene.h"
 
 namespace po = boost::program_options;
 namespace fs = std::filesystem;
@@ -111,32 +111,6 @@ void checkPartners(const Values& values, bool is_recording) {
     throw UsageError("--steps: a recording is not run (expected --every K for every K-th of its instants)");
 }
 
-/// The scene that wrote a checkpoint: its name may be relative to the folder that the run was started in, which most often
-/// is one of those above the folder of the recording.
-std::string sceneOf(const std::string& folder) {
-  const std::string checkpoint = (fs::path(folder) / "last.checkpoint").string();
-  if (!fs::exists(checkpoint))
-    throw UsageError(fmt::format(
-        "{}: there is no last.checkpoint, which names the scene (expected a folder of stroma run --record)", folder));
-  const std::string scene = Checkpoint::read(checkpoint).scene;
-  std::error_code error;
-  if (fs::is_regular_file(scene, error)) return scene;
-  if (fs::path(scene).is_absolute())
-    throw UsageError(fmt::format("{} names the scene {}, which is not there any more", checkpoint, scene));
-  fs::path above = fs::canonical(folder);
-  while (true) {
-    if (const fs::path found = above / scene; fs::is_regular_file(found, error))
-      return found.lexically_normal().string();
-    if (above == above.parent_path()) break;
-    above = above.parent_path();
-  }
-  throw UsageError(
-      fmt::format("{} names the scene {}, which is neither here nor in {} or a folder above it (expected the scene at "
-                  "its place, or "
-                  "the command in the folder that the run was started in)",
-                  checkpoint, scene, folder));
-}
-
 }  // namespace
 
 std::optional<Values> parseViewOptions(const Arguments& arguments) {
@@ -172,26 +146,6 @@ ViewCommand::ViewCommand(const Values& values)
 
 std::string ViewCommand::actionsFile() const { return (fs::path(record_folder) / "run.actions").string(); }
 
-view::Recording recordingIn(const std::string& folder, const Simulation& simulation) {
-  view::Recording recording;
-  for (const State* state : simulation.states()) {
-    const std::string file = (fs::path(folder) / stateFileName(state->path())).string();
-    StateRecording one = readRecording(file);
-    if (!one.unfinished.empty()) fmt::print(stderr, "warning: {}\n", one.unfinished);
-    if (one.frames.empty()) throw UsageError(file + ": the file holds no instant");
-    for (const StateFrame& frame : one.frames)
-      if (Index(frame.x.size()) != state->size() || (!frame.v.empty() && frame.v.size() != frame.x.size()))
-        throw UsageError(fmt::format("{}: at T = {:g} s there are {} positions (expected {}, as {} has nodes)", file,
-                                     frame.time, frame.x.size(), state->size(), state->path()));
-    recording.push_back(std::move(one.frames));
-  }
-  if (recording.empty()) throw UsageError("nothing in the scene moves: there is nothing to show");
-  std::size_t least = recording.front().size();
-  for (const auto& frames : recording) least = std::min(least, frames.size());
-  for (auto& frames : recording) frames.resize(least);
-  return recording;
-}
-
 void checkOutputs(const ViewCommand& command, const Simulation& simulation) {
   std::vector<FileUse> named;  // by options
   if (command.exports) named.push_back({command.page.file, "--export", true});
@@ -203,11 +157,8 @@ void checkOutputs(const ViewCommand& command, const Simulation& simulation) {
   std::vector<FileUse> outputs = outputsOf(simulation), inputs = inputsOf(simulation.scene());
   outputs.insert(outputs.end(), named.begin(), named.end());
   if (!command.replay_file.empty()) inputs.push_back({command.replay_file, "--replay"});
-  if (command.isRecording()) {
-    for (const std::string& file : recordedFiles(simulation, command.recording_folder))
-      inputs.push_back({file, "the recording"});
-    inputs.push_back({(fs::path(command.recording_folder) / "run.actions").string(), "the recording"});
-  }
+  if (command.isRecording())
+    for (const FileUse& file : filesOfRecording(command.recording_folder, simulation)) inputs.push_back(file);
   if (const auto sentence = overwriting(outputs, inputs)) throw UsageError(*sentence);
   simulation.checkOutputs();
   // a page is written at the end, when its options have proved right: not even its folder is made before

@@ -31,9 +31,6 @@ struct ViewCommand {
 /// Empty when the user asked for help, and got it.
 std::optional<Values> parseViewOptions(const Arguments& arguments);
 
-/// The instants in the folder, which must fit the states of the scene. Throws std::runtime_error.
-view::Recording recordingIn(const std::string& folder, const Simulation& simulation);
-
 /// Throws UsageError when the view would write over what it reads, or one file twice, SceneError when observers cannot
 /// write, and OutputError when it cannot write what the options name. Nothing has been written then.
 void checkOutputs(const ViewCommand& command, const Simulation& simulation);
