@@ -13,6 +13,7 @@ import numpy as np
 from PIL import Image
 
 TREE, STROMA = (os.path.abspath(path) for path in sys.argv[1:3])
+MARGIN = 1.12  # around what is drawn
 EXAMPLES = sorted(glob.glob(os.path.join(TREE, "scenes", "examples", "*.xml")))
 WITHOUT_DISPLAY = {name: value for name, value in os.environ.items() if name not in ("DISPLAY", "WAYLAND_DISPLAY")}
 
@@ -103,11 +104,11 @@ class Pixels(Case):
         scene = self.write("cube.xml", CUBE % "")
         self.picture(scene, "-n", 0, "--field", "none", *self.LOOK)
         seen = body(pixels(self.path("cube.png")))
-        self.assertAlmostEqual(seen.sum() / (400 / 1.08) ** 2, 1, delta=0.01)
+        self.assertAlmostEqual(seen.sum() / (400 / MARGIN) ** 2, 1, delta=0.01)
         rows, columns = np.flatnonzero(seen.any(axis=1)), np.flatnonzero(seen.any(axis=0))
         for line in (rows, columns):
-            self.assertAlmostEqual(line[0], 400 * (1 - 1 / 1.08) / 2, delta=1.5)
-            self.assertAlmostEqual(line[-1], 399 - 400 * (1 - 1 / 1.08) / 2, delta=1.5)
+            self.assertAlmostEqual(line[0], 400 * (1 - 1 / MARGIN) / 2, delta=1.5)
+            self.assertAlmostEqual(line[-1], 399 - 400 * (1 - 1 / MARGIN) / 2, delta=1.5)
         self.assertTrue((pixels(self.path("cube.png"))[200, 200, :3] == (0xc9, 0x82, 0x76)).all())
 
     def test_colours_are_those_of_the_map(self):
@@ -116,7 +117,7 @@ class Pixels(Case):
         for name in ("viridis", "cividis", "inferno"):
             self.picture(scene, "-n", 1, "--field", "displacement", "--range", "0,1", "--colours", name, *self.LOOK)
             image = pixels(self.path("cube.png"))
-            side = 400 / 1.08
+            side = 400 / MARGIN
             for height in (0.02, 0.25, 0.5, 0.75, 0.98):
                 row = int(200 + (0.5 - height) * side)
                 expected = 255 * np.array(matplotlib.colormaps[name](0.5 * height)[:3])
@@ -142,7 +143,7 @@ class Pixels(Case):
         self.picture(scene, "-n", 1, "--views", "front,side", "--bare", "--size", "800x400")
         image = pixels(self.path("cube.png"))
         front, side = body(image[:, :400]), body(image[:, 400:])
-        scale = 400 / 1.08 / 1.5  # the wider of the two gives the scale of both
+        scale = 400 / MARGIN / 1.5  # the wider of the two gives the scale of both
         self.assertAlmostEqual(front.sum() / scale**2, 1, delta=0.02)
         self.assertAlmostEqual(side.sum() / scale**2, 1, delta=0.02)
         widths = [np.ptp(np.flatnonzero(half.any(axis=0))) + 1 for half in (front, side)]
@@ -156,7 +157,7 @@ class Pixels(Case):
         for cut, part in (("x=0.25", 0.25), ("x=0.25,below", 0.25), ("x=0.25,above", 0.75), ("z=0.5", 1)):
             self.picture(scene, "-n", 0, "--cut", cut, "--field", "displacement", *self.LOOK)
             seen = body(pixels(self.path("cube.png")))
-            self.assertAlmostEqual(seen.sum() / (400 / 1.08) ** 2, part, delta=0.01, msg=cut)
+            self.assertAlmostEqual(seen.sum() / (400 / MARGIN) ** 2, part, delta=0.01, msg=cut)
 
     def test_shapes_are_exaggerated_and_numbers_are_not(self):
         scene = self.write("cube.xml", CUBE % MOVED)
@@ -177,9 +178,8 @@ class Pixels(Case):
         self.picture(self.write("free.xml", CUBE % ""), "-n", 0, "--view", "bottom", "--size", "400x400", "--no-legend",
                      "--field", "none")
         self.picture(scene, "-n", 0, "--view", "bottom", "--size", "400x400", "--no-legend", "--field", "none")
-        dark = [(pixels(self.path(name))[100:300, 100:300, :3].max(axis=2) < 90).sum() for name in ("free.png", "cube.png")]
-        self.assertEqual(dark[0], 0)
-        self.assertGreater(dark[1], 100)
+        dark = [(pixels(self.path(name))[:, :, :3].max(axis=2) < 90).sum() for name in ("free.png", "cube.png")]
+        self.assertGreater(dark[1] - dark[0], 150)  # nine dots
 
     def test_transparent_pictures_have_no_background(self):
         scene = self.write("cube.xml", CUBE % "")

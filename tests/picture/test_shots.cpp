@@ -13,7 +13,8 @@ namespace {
 using test::simulationFromText;
 
 std::string block(const std::string& more = "") {
-  return "<Node name=\"root\" dt=\"0.01\" gravity=\"0 -9.81 0\"><Node name=\"block\"><EulerImplicitSolver/><CGLinearSolver/>"
+  return "<Node name=\"root\" dt=\"0.01\" gravity=\"0 -9.81 0\"><Node "
+         "name=\"block\"><EulerImplicitSolver/><CGLinearSolver/>"
          "<RegularGridTopology name=\"grid\" n=\"4 3 5\" min=\"0 0 0\" max=\"3 2 4\"/><MechanicalObject name=\"dofs\"/>"
          "<UniformMass totalMass=\"1\"/><HexahedronFEMForceField youngModulus=\"1000\" poissonRatio=\"0.3\"/>"
          "<FixedProjectiveConstraint indices=\"0 1 2 3\"/>" +
@@ -71,7 +72,8 @@ TEST(Shots, DisplacementsAreMeasuredFromRestAndHeldNodesAreMarked) {
   PictureRequest request;
   request.field = "displacement";
   ShotTaker taker(simulation, request);
-  for (const float value : taker.take(0).bodies[0].values) EXPECT_EQ(value, 0);
+  const Shot start = taker.take(0);
+  for (const float value : start.bodies[0].values) EXPECT_EQ(value, 0);
   for (int i = 0; i < 3; ++i) simulation.step();
   const Shot shot = taker.take(simulation.time());
   const drawing::Body& body = taker.drawing().bodies[0];

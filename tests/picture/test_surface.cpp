@@ -60,9 +60,7 @@ TEST(Outlines, OfACubeAreItsTwelveEdges) {
   EXPECT_EQ(std::set<Edge>(smooth.begin(), smooth.end()).size(), 6u);  // the hexagon that one sees from a corner
 }
 
-TEST(Outlines, BordersAreSeen) {
-  EXPECT_EQ(outline({{0, 1, 2}}, cube, {0, 0, 1}, 0.9).size(), 3u);
-}
+TEST(Outlines, BordersAreSeen) { EXPECT_EQ(outline({{0, 1, 2}}, cube, {0, 0, 1}, 0.9).size(), 3u); }
 
 TEST(Eyes, AreRightHandedAndLookWhereTheySay) {
   for (const bool third : {false, true})

@@ -19,8 +19,9 @@
 namespace stroma::picture {
 namespace {
 
-constexpr double crease = 0.9;  // [rad]: coarse meshes of smooth organs have edges of up to 50 degrees
-constexpr Colour spring_colour{0.45, 0.4, 0.7}, line_colour{0.1, 0.11, 0.12}, ghost_colour{0.55, 0.57, 0.6},
+constexpr double crease = 1.15,
+                 ghost_crease = 1.4;  // [rad]: coarse meshes of smooth organs have edges of up to 60 degrees
+constexpr Colour spring_colour{0.45, 0.4, 0.7}, line_colour{0.5, 0.52, 0.54}, ghost_colour{0.55, 0.57, 0.6},
     held_colour{0.2, 0.21, 0.23}, guided_colour{0.93, 0.66, 0.1};
 constexpr std::array<std::array<unsigned char, 3>, 3> axis_colours{{{204, 64, 56}, {64, 153, 72}, {56, 102, 217}}};
 
@@ -56,6 +57,13 @@ void setColour(vtkActor& actor, const Colour& colour) {
   actor.GetProperty()->SetColor(colour[0], colour[1], colour[2]);
 }
 
+/// The colour as it is.
+void leaveUnlit(vtkActor& actor) {
+  actor.GetProperty()->SetLighting(false);
+  actor.GetProperty()->SetAmbient(0);
+  actor.GetProperty()->SetDiffuse(1);
+}
+
 /// The turn of a quaternion x y z w.
 Mat3 turnOf(const float* q) { return Eigen::Quaterniond(q[3], q[0], q[1], q[2]).normalized().toRotationMatrix(); }
 
@@ -83,7 +91,7 @@ BodyActors::BodyActors(const drawing::Body& body, ValuesAt values_at, Points res
     whole->SetOutput(ghost_);
     const auto actor = addActor(*whole, false);
     setColour(*actor, ghost_colour);
-    actor->GetProperty()->SetLighting(false);
+    leaveUnlit(*actor);
     actor->GetProperty()->SetLineWidth(float(1.5 * style.pixel));
   }
   points_actor_ = addNodes(points_, body.points, colour);
@@ -94,7 +102,7 @@ BodyActors::BodyActors(const drawing::Body& body, ValuesAt values_at, Points res
   frames_->SetPoints(vtkNew<vtkPoints>());
   const auto actor = addActor(*clipped(frames_), false);
   actor->GetMapper()->ScalarVisibilityOn();
-  actor->GetProperty()->SetLighting(false);
+  leaveUnlit(*actor);
   actor->GetProperty()->SetLineWidth(float(3 * style.pixel));
 }
 
@@ -130,11 +138,11 @@ vtkSmartPointer<vtkActor> BodyActors::addActor(vtkAlgorithm& from, bool coloured
   setColour(*actor, colour_);
   vtkProperty& property = *actor->GetProperty();
   property.SetInterpolationToPhong();
-  property.SetLighting(style_.request->shaded);
-  property.SetAmbient(0.16);
-  property.SetDiffuse(0.86);
+  property.SetAmbient(0.42);
+  property.SetDiffuse(0.64);
   property.SetSpecular(0.06);
   property.SetSpecularPower(24);
+  if (!style_.request->shaded) leaveUnlit(*actor);
   renderer_.AddActor(actor);
   return actor;
 }
@@ -187,8 +195,7 @@ void BodyActors::buildLines() {
   if (!body_.edges.empty() && (bare || style_.request->edges)) {
     const auto actor = addActor(*clipped(edges_), bare && values_at_ == ValuesAt::nodes);
     if (!bare) setColour(*actor, line_colour);
-    if (!bare) actor->GetProperty()->SetLighting(false);
-    if (!bare) actor->GetProperty()->SetOpacity(0.55);
+    if (!bare) leaveUnlit(*actor);
     actor->GetProperty()->SetRenderLinesAsTubes(bare);
     actor->GetProperty()->SetLineWidth(float((bare ? 5 : 0.8) * style_.pixel));
   }
@@ -271,7 +278,8 @@ void BodyActors::showFrames(const BodyShot& shot) {
 
 void BodyActors::face(const Vec3& back, double pixels_per_metre) {
   if (style_.request->ghost) {
-    ghost_->SetLines(cellsOf(body_.triangles.empty() ? body_.edges : outline(body_.triangles, rest_, back, crease)));
+    ghost_->SetLines(
+        cellsOf(body_.triangles.empty() ? body_.edges : outline(body_.triangles, rest_, back, ghost_crease)));
     ghost_->Modified();
   }
   // dots of fine meshes do not melt into one

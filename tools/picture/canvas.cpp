@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <stdexcept>
 
 namespace stroma::picture {
@@ -20,11 +21,24 @@ struct Covered {
   std::vector<double> part{};
 };
 
+/// DejaVu Sans, which Debian installs with every library that draws text; else what VTK has in its place.
+void setFont(vtkTextProperty& property, bool bold) {
+  const char* file =
+      bold ? "/usr/share/fonts/truetype/dejavu/DejaVuSans-Bold.ttf" : "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
+  std::error_code error;
+  if (std::filesystem::exists(file, error)) {
+    property.SetFontFamily(VTK_FONT_FILE);
+    property.SetFontFile(file);
+  } else {
+    property.SetFontFamilyToArial();
+    property.SetBold(bold);
+  }
+}
+
 Covered coverOf(const std::string& text, const Letters& letters) {
   vtkNew<vtkTextProperty> property;
-  property->SetFontFamilyToArial();
+  setFont(*property, letters.bold);
   property->SetFontSize(std::max(1, int(std::lround(letters.size))));
-  property->SetBold(letters.bold);
   property->SetColor(0, 0, 0);
   vtkNew<vtkImageData> data;
   int size[2] = {0, 0};

@@ -10,7 +10,7 @@ namespace {
 constexpr double usual_width = 1200, usual_height = 900;  // [pixels] of a picture with one panel
 constexpr double panel_width = 620, panel_height = 760;   // of one of several
 constexpr double least_width = 560, least_height = 440, most_width = 3200;
-constexpr double margin = 1.08;  // of what is shown, around bodies
+constexpr double margin = 1.12;  // of what is shown, around bodies
 constexpr std::array<Colour, 3> axis_colours{{{0.8, 0.25, 0.22}, {0.25, 0.6, 0.28}, {0.22, 0.4, 0.85}}};
 
 void drawArrow(Canvas& canvas, double x, double y, double dx, double dy, double size, const Colour& colour) {

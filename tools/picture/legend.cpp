@@ -83,8 +83,8 @@ std::string Legend::caption() const {
 }
 
 std::string Legend::summary() const {
-  const auto ends = alike({range_.low / scale_.factor, range_.high / scale_.factor});
-  return fmt::format("{} {} to {}{}{}", field_.title, ends[0], ends[1], scale_.unit.empty() ? "" : " ", scale_.unit);
+  return fmt::format("{} {:.4g} to {:.4g}{}{}", field_.title, range_.low / scale_.factor, range_.high / scale_.factor,
+                     scale_.unit.empty() ? "" : " ", scale_.unit);
 }
 
 int Legend::width(double size) const {

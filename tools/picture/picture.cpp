@@ -21,9 +21,11 @@ std::size_t bytesOf(const Shot& shot) {
   return bytes;
 }
 
-bool isThirdAxisUp(const Simulation& simulation) {
+/// By gravity; without it, of a body that is longest along z.
+bool isThirdAxisUp(const Simulation& simulation, const Vec3& size) {
+  constexpr double clearly = 1.3;
   const Vec3 g = simulation.root().gravity();
-  return std::abs(g[2]) > std::abs(g[1]);
+  return g.isZero() ? size[2] > clearly * std::max(size[0], size[1]) : std::abs(g[2]) > std::abs(g[1]);
 }
 
 /// Times with as many decimals as tell them apart.
@@ -46,10 +48,10 @@ class VtkPictureMaker final : public PictureMaker {
   void begin(const Simulation& simulation, const PictureRequest& request) override {
     request_ = request;
     map_ = std::make_unique<ColourMap>(request.colours);
-    eyes_.clear();
-    for (const std::string& view : request.views) eyes_.push_back(eyeOf(view, isThirdAxisUp(simulation)));
-    if (eyes_.empty()) eyes_.push_back(eyeOf("oblique", isThirdAxisUp(simulation)));
     taker_ = std::make_unique<ShotTaker>(simulation, request_);
+    const bool third_axis_up = isThirdAxisUp(simulation, taker_->restSize());
+    for (const std::string& view : request.views) eyes_.push_back(eyeOf(view, third_axis_up));
+    if (eyes_.empty()) eyes_.push_back(eyeOf("oblique", third_axis_up));
     scene_ = std::filesystem::path(simulation.scene().description.file).filename().string();
     stage_ = std::make_unique<Stage>();
   }

@@ -65,6 +65,7 @@ ShotTaker::ShotTaker(const Simulation& simulation, const PictureRequest& request
   drawn_.assign(drawing_.bodies.size(), true);
   hide(request.hidden);
   choose();
+  hideOneOfTwo();
 }
 
 void ShotTaker::hide(const std::vector<std::string>& paths) {
@@ -81,6 +82,52 @@ void ShotTaker::hide(const std::vector<std::string>& paths) {
       throw ComponentError(fmt::format("no body is at {}, which is to be hidden", path),
                            fmt::format("{}", fmt::join(known, ", ")), nearest(path, known));
   }
+}
+
+namespace {
+
+struct Box {
+  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  void add(const Body& body) {
+    for (const Index row : body.node) {
+      const Vec3& p = body.state->rest_position[std::size_t(row)];
+      low = low.cwiseMin(p), high = high.cwiseMax(p);
+    }
+  }
+  Vec3 size() const { return low[0] <= high[0] ? Vec3(high - low) : Vec3(Vec3::Zero()); }
+};
+
+}  // namespace
+
+Vec3 ShotTaker::restSize() const {
+  Box box;
+  for (std::size_t b = 0; b < drawing_.bodies.size(); ++b)
+    if (drawn_[b]) box.add(drawing_.bodies[b]);
+  return box.size();
+}
+
+/// Two surfaces of the same body, one embedded in the other, would show through each other: that is drawn which has the
+/// field, and of two that have it the embedded one.
+void ShotTaker::hideOneOfTwo() {
+  for (const auto& system : simulation_.systems())
+    for (const auto* mappings : {&system->actors().mappings, &system->actors().passive_mappings})
+      for (const Mapping* mapping : *mappings) hideOneOfTwo(mapping->input(), mapping->output());
+}
+
+void ShotTaker::hideOneOfTwo(const State& parent, const State& child) {
+  constexpr double most = 0.8;  // of the parent's sides: a smaller child is a part of it
+  const auto bodyOf = [this](const State& state) {
+    std::size_t b = 0;
+    while (b < drawing_.bodies.size() && drawing_.bodies[b].state != &state) ++b;
+    return b;
+  };
+  const std::size_t p = bodyOf(parent), c = bodyOf(child);
+  if (p == drawing_.bodies.size() || c == drawing_.bodies.size() || !drawn_[p] || !drawn_[c]) return;
+  if (drawing_.bodies[p].triangles.empty() || drawing_.bodies[c].triangles.empty()) return;
+  Box of_parent, of_child;
+  of_parent.add(drawing_.bodies[p]), of_child.add(drawing_.bodies[c]);
+  if ((of_child.size().array() < most * of_parent.size().array()).any()) return;
+  drawn_[valuesAt(c) == ValuesAt::none && valuesAt(p) != ValuesAt::none ? c : p] = false;
 }
 
 std::vector<FieldWord> ShotTaker::fieldsOf(const drawing::Drawing& drawing) {

@@ -40,6 +40,7 @@ class ShotTaker {
   const std::string& field() const { return field_; }  ///< its name; "none"
   ValuesAt valuesAt(std::size_t body) const;
   Points rest(std::size_t body) const;  ///< of as many nodes as the shots have [m]
+  Vec3 restSize() const;                ///< of the box around what is drawn, at rest [m]
   /// Of the values that are seen in all shots so far: of stresses and the like from the lowest to the highest percentile but
   /// for one in a hundred at either end, as a few cells at a corner would leave all others in one colour.
   Range bulk() const { return bulk_; }
@@ -49,6 +50,8 @@ class ShotTaker {
  private:
   void choose();
   void hide(const std::vector<std::string>& paths);
+  void hideOneOfTwo();
+  void hideOneOfTwo(const State& parent, const State& child);
   Index nodesOf(const drawing::Body& body) const;
   void addValues(std::size_t b, BodyShot& shot);
   void addCellValues(std::size_t b, BodyShot& shot);

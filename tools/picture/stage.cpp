@@ -116,7 +116,7 @@ Stage::Stage() : parts_(std::make_unique<Parts>()) {
   p.renderer->AutomaticLightCreationOff();
   p.renderer->GetActiveCamera()->ParallelProjectionOn();
   addLight(*p.renderer, {-0.55, 0.75, 1}, 0.72);
-  addLight(*p.renderer, {0.3, -0.1, 1}, 0.36);
+  addLight(*p.renderer, {0.7, 0.1, 0.9}, 0.42);
   vtkMapper::SetResolveCoincidentTopologyToPolygonOffset();
   vtkMapper::SetResolveCoincidentTopologyPolygonOffsetParameters(1, 1);
 }
@@ -206,15 +206,22 @@ void Stage::show(const Shot& shot) {
 }
 
 void Stage::include(const Shot& shot, const Eye& eye, Extent& extent) const {
-  const auto& bodies = parts_->bodies;
-  const double k = parts_->style.request->exaggeration;
-  for (std::size_t b = 0; b < bodies.size(); ++b) {
-    if (!bodies[b]) continue;
-    const Points &rest = bodies[b]->rest(), &x = shot.bodies[b].x;
+  const PictureRequest& request = *parts_->style.request;
+  const auto add = [&](Vec3 p) {
+    if (request.cut) {  // what is cut away takes no room
+      const int axis = request.cut->axis;
+      const bool keeps_below = parts_->plane->GetNormal()[axis] > 0;
+      p[axis] = keeps_below ? std::min(p[axis], request.cut->at) : std::max(p[axis], request.cut->at);
+    }
+    extent.include(eye, p);
+  };
+  for (std::size_t b = 0; b < parts_->bodies.size(); ++b) {
+    if (!parts_->bodies[b]) continue;
+    const Points &rest = parts_->bodies[b]->rest(), &x = shot.bodies[b].x;
     for (std::size_t i = 0; i < rest.size(); i += 3) {
       const Vec3 at_rest(rest[i], rest[i + 1], rest[i + 2]);
-      extent.include(eye, at_rest + k * (Vec3(x[i], x[i + 1], x[i + 2]) - at_rest));
-      if (parts_->style.request->ghost) extent.include(eye, at_rest);
+      add(at_rest + request.exaggeration * (Vec3(x[i], x[i + 1], x[i + 2]) - at_rest));
+      if (request.ghost) extent.include(eye, at_rest);
     }
   }
 }
