@@ -7,6 +7,7 @@
 
 #include "framework/scene/change_table.h"
 #include "framework/scene/files.h"
+#include "framework/scene/gravity.h"
 #include "framework/scene/instantiation.h"
 #include "framework/scene/overrides.h"
 #include "framework/scene/text.h"
@@ -43,14 +44,19 @@ bool isVisualAttribute(std::string_view name) {
          name.starts_with("draw");
 }
 
+void refuse(const AttributeDescription& attribute, const std::string& path, Problem problem, Diagnostics& diagnostics) {
+  problem.where = attribute.where;
+  problem.path = path + "." + attribute.name;
+  diagnostics.add(std::move(problem));
+}
+
 /// Reads one value that is not an attribute of a component; reports failure.
 template <class T>
-bool readInto(T& member, const AttributeDescription& attribute, const std::string& path, Diagnostics& diagnostics) {
-  std::optional<Problem> problem = Data(attribute.name, &member).parse(attribute.value, DataOrigin::written);
+bool readInto(T& member, const AttributeDescription& attribute, const std::string& path, Diagnostics& diagnostics,
+              const char* unit = "") {
+  std::optional<Problem> problem = Data(attribute.name, &member).unit(unit).parse(attribute.value, DataOrigin::written);
   if (!problem) return true;
-  problem->where = attribute.where;
-  problem->path = path + "." + attribute.name;
-  diagnostics.add(std::move(*problem));
+  refuse(attribute, path, std::move(*problem), diagnostics);
   return false;
 }
 
@@ -84,10 +90,14 @@ void Instantiation::readNodeAttribute(const AttributeDescription& attribute, Nod
   const std::string path = node.path();
   if (attribute.name == "gravity") {
     Vec3 gravity = Vec3::Zero();
-    if (readInto(gravity, attribute, path, diagnostics_)) node.own_gravity = gravity;
+    std::string note;
+    std::optional<Problem> problem = readGravity(attribute.value, gravity, note);
+    if (problem) return refuse(attribute, path, std::move(*problem), diagnostics_);
+    node.own_gravity = gravity;
+    if (!note.empty()) diagnostics_.note(attribute.where, path + ".gravity", note);
   } else if (attribute.name == "dt") {
     double dt = 0;
-    if (!readInto(dt, attribute, path, diagnostics_)) return;
+    if (!readInto(dt, attribute, path, diagnostics_, "s")) return;
     if (!(dt > 0)) {
       diagnostics_.error(attribute.where, path + ".dt", "the time step is " + printReal(dt), "a value > 0 s");
     } else if (dt < shortest_time_step || dt > longest_time_step) {
@@ -103,7 +113,7 @@ void Instantiation::readNodeAttribute(const AttributeDescription& attribute, Nod
     }
   } else if (attribute.name == "time") {
     double time = 0;
-    if (readInto(time, attribute, path, diagnostics_) && !node.parent()) node.root_time = time;
+    if (readInto(time, attribute, path, diagnostics_, "s") && !node.parent()) node.root_time = time;
   } else if (attribute.name == "activated") {
     bool activated = true;
     if (readInto(activated, attribute, path, diagnostics_) && !activated && !node.parent())

@@ -145,8 +145,6 @@ int write(const PictureCommand& command, PictureMaker& maker) {
   return exit_done;
 }
 
-}  // namespace
-
 int picture(const Arguments& arguments) {
   const auto values = parsePictureOptions(arguments);
   if (!values) return exit_done;
@@ -175,5 +173,10 @@ int picture(const Arguments& arguments) {
   const int code = write(command, *maker);
   return no_result.empty() ? code : exit_diverged;
 }
+
+}  // namespace
+
+const Subcommand picture_command{"picture", "draw a scene, or a recorded run, into a PNG file", Group::runs, picture,
+                                 pictureLine};
 
 }  // namespace stroma::command

@@ -224,9 +224,9 @@ void readLook(const Values& values, picture::PictureRequest& look) {
 
 }  // namespace
 
-std::optional<Values> parsePictureOptions(const Arguments& arguments) {
-  return parseOptions(manual, pictureOptions(), {"SCENE"}, arguments);
-}
+CommandLine pictureLine() { return {manual, pictureOptions(), {"SCENE"}}; }
+
+std::optional<Values> parsePictureOptions(const Arguments& arguments) { return parseOptions(pictureLine(), arguments); }
 
 PictureCommand::PictureCommand(const Values& values)
     : scene(required(values, "SCENE", manual)),

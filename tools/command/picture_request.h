@@ -38,6 +38,8 @@ struct PictureCommand {
   bool isRecording() const { return !recording_folder.empty(); }
 };
 
+CommandLine pictureLine();
+
 /// Empty when the user asked for help, and got it.
 std::optional<Values> parsePictureOptions(const Arguments& arguments);
 

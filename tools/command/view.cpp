@@ -176,8 +176,6 @@ void beginReplay(const ViewCommand& command, Simulation& simulation) {
   simulation.replay(std::move(actions.events), command.replay_file);
 }
 
-}  // namespace
-
 int view(const Arguments& arguments) {
   const auto values = parseViewOptions(arguments);
   if (!values) return exit_done;
@@ -199,5 +197,10 @@ int view(const Arguments& arguments) {
   checkOutputs(command, simulation);
   return command.exports ? exportPage(command, session, *viewer) : serve(command, session, *viewer);
 }
+
+}  // namespace
+
+const Subcommand view_command{"view", "show a scene in the browser while it runs, and reach into it", Group::runs, view,
+                              viewLine};
 
 }  // namespace stroma::command

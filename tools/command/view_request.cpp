@@ -113,9 +113,9 @@ void checkPartners(const Values& values, bool is_recording) {
 
 }  // namespace
 
-std::optional<Values> parseViewOptions(const Arguments& arguments) {
-  return parseOptions(manual, viewOptions(), {"SCENE"}, arguments);
-}
+CommandLine viewLine() { return {manual, viewOptions(), {"SCENE"}}; }
+
+std::optional<Values> parseViewOptions(const Arguments& arguments) { return parseOptions(viewLine(), arguments); }
 
 ViewCommand::ViewCommand(const Values& values)
     : scene(required(values, "SCENE", manual)),
