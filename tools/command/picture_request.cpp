@@ -43,18 +43,16 @@ void addLook(OptionList& options) {
       ("field", po::value<std::string>()->value_name("NAME"),
        "what the colours show: displacement, velocity, vonMises, ...; none; help lists those of the scene")       //
       ("range", po::value<std::string>()->value_name("LOW,HIGH"), "of the colours, in the SI unit of the field")  //
-      ("colours", po::value<std::string>()->value_name("NAME"),
-       "viridis (when not given), cividis, inferno, warm, grey, or diverging, which is even about zero")  //
-      ("flat", "one colour for each cell, in place of the mean at the nodes")                             //
-      ("no-shading", "colours exactly as in the legend")                                                  //
-      ("view", po::value<std::vector<std::string>>()->value_name("NAME"),
-       "oblique (when not given), iso, front, back, left, right, side, top, bottom, or AZIMUTH,ELEVATION in degrees; "
-       "may "
-       "be repeated: side by side")                                                                       //
-      ("views", po::value<std::string>()->value_name("NAME,NAME..."), "several views by name")            //
-      ("size", po::value<std::string>()->value_name("WxH"), "pixels; as fits the bodies when not given")  //
-      ("edges", "draw the edges of the cells")                                                            //
-      ("ghost", "draw the outline of the rest shape")                                                     //
+      ("colours", po::value<std::string>()->value_name("viridis|cividis|inferno|warm|grey|diverging"),
+       "the colour map, viridis when not given; diverging is even about zero")  //
+      ("flat", "one colour for each cell, in place of the mean at the nodes")   //
+      ("no-shading", "colours exactly as in the legend")                        //
+      ("view", po::value<std::vector<std::string>>()->value_name("oblique|iso|front|back|left|right|side|top|bottom"),
+       "seen from there, oblique when not given; or AZIMUTH,ELEVATION in degrees; may be repeated: side by side")  //
+      ("views", po::value<std::string>()->value_name("NAME,NAME..."), "several views by name")                     //
+      ("size", po::value<std::string>()->value_name("WxH"), "pixels; as fits the bodies when not given")           //
+      ("edges", "draw the edges of the cells")                                                                     //
+      ("ghost", "draw the outline of the rest shape")                                                              //
       ("cut", po::value<std::string>()->value_name("x=VALUE"),
        "cut the bodies open at a coordinate [m] of x, y or z and look inside; x=VALUE,below or ,above names the side "
        "kept")                                                                                     //
