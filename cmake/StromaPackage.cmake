@@ -3,7 +3,7 @@
 # or libraries under the GPL, is apart from the command: without it, messages name the package to install.
 #
 #   stroma          the command, the framework, modules that need small libraries, the live view, scenes, documents
-#   stroma-vtk      VTK's formats: VTKExporter, MeshVTKLoader's reader, the reader of segmented images
+#   stroma-vtk      VTK's formats and `stroma picture`: VTKExporter, MeshVTKLoader's reader, the reader of segmented images
 #   stroma-mesh     `stroma mesh` (CGAL, GPL)
 #   stroma-solvers  direct solvers and condensed bodies (CHOLMOD and BLAS, GPL)
 #   stroma-dev      headers, stroma-config.cmake and the indexer, for modules outside the tree
@@ -85,8 +85,8 @@ viscosity, fluid in tissue, muscles, membranes and springs, with implicit and
 explicit integrators. Names and attributes are those of SOFA.")
 stroma_package(vtk stroma-vtk DEPENDS "stroma (${same})"
   SUMMARY "simulation of soft tissue - formats of VTK"
-  DESCRIPTION "Writes results for ParaView. Reads the meshes of VTK, and the segmented images
-that 'stroma mesh' fills with tetrahedra.")
+  DESCRIPTION "Writes results for ParaView and pictures without a display. Reads the meshes of
+VTK, and the segmented images that 'stroma mesh' fills with tetrahedra.")
 stroma_package(solvers stroma-solvers DEPENDS "stroma (${same})"
   SUMMARY "simulation of soft tissue - direct solvers and condensed bodies"
   DESCRIPTION "Sparse factorisations, and linear bodies that are inverted beforehand. Under
