@@ -32,8 +32,9 @@ int main(int count, char** values) {
     const int errors = error.diagnostics().errorCount();
     fmt::print(stderr, "{}\n{} error{}: nothing was run\n", error.diagnostics().text(), errors, errors == 1 ? "" : "s");
   } catch (const stroma::ComponentError& error) {
-    fmt::print(stderr, "stroma: {}{}\n", error.what(),
-               error.expected.empty() ? "" : " (expected " + error.expected + ")");
+    fmt::print(stderr, "stroma: {}{}{}\n", error.what(),
+               error.expected.empty() ? "" : " (expected " + error.expected + ")",
+               error.suggestion.empty() ? "" : "; did you mean '" + error.suggestion + "'?");
   } catch (const std::bad_alloc&) {
     fmt::print(stderr, "stroma: out of memory\n");
   } catch (const std::exception& error) {

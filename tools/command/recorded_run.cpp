@@ -43,9 +43,9 @@ void checkFrame(const StateFrame& frame, const std::string& file, const State& s
                                  frame.time, frame.x.size(), state.size(), state.path()));
 }
 
-view::Recording instantsIn(const std::string& file, const Simulation& simulation) {
+drawing::Recording instantsIn(const std::string& file, const Simulation& simulation) {
   const std::vector<StateSize> recorded = readInstantsHead(file).states;
-  view::Recording all = readInstants(file), recording;
+  drawing::Recording all = readInstants(file), recording;
   for (const State* state : simulation.states()) {
     const auto found = std::find_if(recorded.begin(), recorded.end(),
                                     [state](const StateSize& size) { return size.path == state->path(); });
@@ -86,9 +86,9 @@ void configureAsRecorded(Session& session, const RecordedRun& run, const Values&
   session.setOverrides(parseOverrides(texts));
 }
 
-view::Recording recordingIn(const std::string& folder, const Simulation& simulation) {
+drawing::Recording recordingIn(const std::string& folder, const Simulation& simulation) {
   if (fs::exists(instantsFile(folder))) return instantsIn(instantsFile(folder), simulation);
-  view::Recording recording;
+  drawing::Recording recording;
   for (const State* state : simulation.states()) {
     const std::string file = (fs::path(folder) / stateFileName(state->path())).string();
     StateRecording one = readRecording(file);
@@ -104,9 +104,10 @@ view::Recording recordingIn(const std::string& folder, const Simulation& simulat
   return recording;
 }
 
-std::vector<std::string> filesOfRecording(const std::string& folder, const Simulation& simulation) {
-  std::vector<std::string> files = recordedFiles(simulation, folder);
-  files.push_back(instantsFile(folder));
+std::vector<FileUse> filesOfRecording(const std::string& folder, const Simulation& simulation) {
+  std::vector<FileUse> files{{instantsFile(folder), "the recording"},
+                             {(fs::path(folder) / "run.actions").string(), "the recording"}};
+  for (const std::string& file : recordedFiles(simulation, folder)) files.push_back({file, "the recording"});
   return files;
 }
 

@@ -4,9 +4,10 @@
 #include <string>
 #include <vector>
 
+#include "framework/simulation/file_uses.h"
 #include "framework/simulation/session.h"
 #include "tools/command/options.h"
-#include "tools/view/viewer.h"
+#include "tools/drawing/recording.h"
 
 namespace stroma::command {
 
@@ -24,9 +25,9 @@ RecordedRun recordedRun(const std::string& folder);
 void configureAsRecorded(Session& session, const RecordedRun& run, const Values& values);
 
 /// The instants in the folder, which must fit the states of the scene. Throws std::runtime_error.
-view::Recording recordingIn(const std::string& folder, const Simulation& simulation);
+drawing::Recording recordingIn(const std::string& folder, const Simulation& simulation);
 
-/// The files of a recording that are, or could be, in the folder.
-std::vector<std::string> filesOfRecording(const std::string& folder, const Simulation& simulation);
+/// The files of a recording that are, or could be, in the folder: what must not be written over.
+std::vector<FileUse> filesOfRecording(const std::string& folder, const Simulation& simulation);
 
 }  // namespace stroma::command

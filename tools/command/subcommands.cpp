@@ -13,6 +13,7 @@ std::span<const Subcommand* const> subcommands() {
       &run_command,
       &watch_command,
       &view_command,
+      &picture_command,
       // make scenes
       &check_command,
       &explain_command,

@@ -159,11 +159,8 @@ void checkOutputs(const ViewCommand& command, const Simulation& simulation) {
   std::vector<FileUse> outputs = outputsOf(simulation), inputs = inputsOf(simulation.scene());
   outputs.insert(outputs.end(), named.begin(), named.end());
   if (!command.replay_file.empty()) inputs.push_back({command.replay_file, "--replay"});
-  if (command.isRecording()) {
-    for (const std::string& file : filesOfRecording(command.recording_folder, simulation))
-      inputs.push_back({file, "the recording"});
-    inputs.push_back({(fs::path(command.recording_folder) / "run.actions").string(), "the recording"});
-  }
+  if (command.isRecording())
+    for (const FileUse& file : filesOfRecording(command.recording_folder, simulation)) inputs.push_back(file);
   if (const auto sentence = overwriting(outputs, inputs)) throw UsageError(*sentence);
   simulation.checkOutputs();
   // a page is written at the end, when its options have proved right: not even its folder is made before
