@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The attributes of nodes and components: read, or refused with the nearest right name.
 #include <algorithm>
-#include <array>
 #include <filesystem>
 #include <map>
 
 #include "framework/scene/change_table.h"
+#include "framework/scene/common_attributes.h"
 #include "framework/scene/files.h"
 #include "framework/scene/gravity.h"
 #include "framework/scene/instantiation.h"
@@ -16,23 +16,6 @@
 namespace stroma {
 
 namespace {
-
-/// Attributes of every component that SOFA keeps for itself. `name`, `src` and `template` have a meaning here.
-const std::vector<std::string> common = {"name",      "template", "src",  "printLog",
-                                         "listening", "tags",     "bbox", "componentState"};
-const std::vector<std::string> node_attributes = {"name",
-                                                  "gravity",
-                                                  "dt",
-                                                  "time",
-                                                  "activated",
-                                                  "animate",
-                                                  "sleeping",
-                                                  "tags",
-                                                  "bbox",
-                                                  "canChangeSleepingState",
-                                                  "printLog",
-                                                  "listening",
-                                                  "componentState"};
 
 bool contains(const std::vector<std::string>& list, std::string_view word) {
   return std::find(list.begin(), list.end(), word) != list.end();
@@ -76,12 +59,12 @@ bool Instantiation::isSwitchedOffOrVisual(const AttributeDescription& attribute,
 void Instantiation::readNodeAttributes(const NodeDescription& description, Node& node) {
   for (const AttributeDescription& attribute : description.attributes) {
     if (isSwitchedOffOrVisual(attribute, "Node", nullptr)) continue;
-    if (contains(node_attributes, attribute.name)) {
+    if (contains(nodeAttributes(), attribute.name)) {
       readNodeAttribute(attribute, node);
     } else {
       diagnostics_.error(attribute.where, node.path() + "." + attribute.name,
                          "a Node has no attribute " + inQuotes(attribute.name), "gravity, dt, time, name or activated",
-                         nearest(attribute.name, node_attributes));
+                         nearest(attribute.name, nodeAttributes()));
     }
   }
 }
@@ -194,7 +177,7 @@ void Instantiation::unknownAttribute(const AttributeDescription& attribute, Comp
   if (readCommonAttribute(attribute, component)) return;
   if (isSwitchedOffOrVisual(attribute, component.type(), &component)) return;
   std::vector<std::string> names = component.data().names();
-  names.insert(names.end(), common.begin(), common.end());
+  names.insert(names.end(), commonAttributes().begin(), commonAttributes().end());
   const std::string advice(adviceOn(attribute.name));
   const std::string guess = advice.empty() ? nearest(attribute.name, names) : std::string();
   fail(component,
@@ -205,7 +188,7 @@ void Instantiation::unknownAttribute(const AttributeDescription& attribute, Comp
 }
 
 bool Instantiation::readCommonAttribute(const AttributeDescription& attribute, Component& component) {
-  if (!contains(common, attribute.name)) return false;
+  if (!contains(commonAttributes(), attribute.name)) return false;
   if (attribute.name == "name") {
     if (attribute.value.find_first_of("/@.[") != std::string::npos)
       diagnostics_.warning(attribute.where, component.path(), "no link can reach a name that contains one of / @ . [");
@@ -219,13 +202,9 @@ bool Instantiation::readCommonAttribute(const AttributeDescription& attribute, C
 
 /// There is one set of types: 3-vectors of doubles. SOFA's names for it, and those of its matrices, are accepted.
 void Instantiation::checkTemplate(const AttributeDescription& attribute, Component& component) {
-  static constexpr std::array<std::string_view, 13> accepted = {
-      "Vec3", "Vec3d",       "Vec3f",      "StdVec3Types", "GraphScattered", "Edge",  "Triangle",
-      "Quad", "Tetrahedron", "Hexahedron", "Prism",        "Pyramid",        "double"};
   Words words(attribute.value);
   for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
-    if (std::find(accepted.begin(), accepted.end(), word) != accepted.end()) continue;
-    if (word.starts_with("CompressedRowSparseMatrix")) continue;
+    if (contains(templateWords(), word) || word.starts_with("CompressedRowSparseMatrix")) continue;
     return fail(component, {Severity::error,
                             attribute.where,
                             component.path() + ".template",

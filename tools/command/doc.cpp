@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include "framework/scene/change_table.h"
+#include "tools/command/attribute_text.h"
+#include "tools/command/component_json.h"
 #include "tools/command/doc_words.h"
 #include "tools/command/session.h"
 
@@ -33,26 +35,11 @@ std::string presentName(const std::string& name) {
   return name;
 }
 
-std::string traits(const Data& data) {
-  std::string text = data.typeText();
-  if (!data.unitText().empty() && data.unitText() != "-") text += " [" + data.unitText() + "]";
-  if (data.isOutput()) return text + ", computed";
-  if (data.isRequired()) {
-    text += ", required";
-  } else {
-    text += data.defaultText().empty() ? ", empty by default" : ", default " + data.defaultText();
-  }
-  if (!data.rangeText().empty()) text += ", in " + data.rangeText();
-  if (data.changeEffect() == ChangeEffect::at_once) text += ", may change in a run";
-  if (data.changeEffect() == ChangeEffect::recompile) text += ", may change in a run (the component is made anew)";
-  return text;
-}
-
 void printAttributes(const Component& component) {
   fmt::print("Attributes, with any unit of the dimension in brackets, as 10 kPa for [Pa] (docs/units.md):\n");
   for (const Data& data : component.data().all()) {
     if (data.isShorthand()) continue;
-    fmt::print("  {} ({})\n      {}{}\n", data.name(), traits(data), data.helpText(),
+    fmt::print("  {} ({})\n      {}{}\n", data.name(), traitsOf(data), data.helpText(),
                data.aliases().empty() ? "" : fmt::format("; also called {}", fmt::join(data.aliases(), ", ")));
   }
   std::vector<std::string> shorthands;
@@ -63,14 +50,18 @@ void printAttributes(const Component& component) {
 
 CommandLine line() {
   OptionList options("options");
-  options.add_options()("module", po::value<std::vector<std::string>>()->value_name("FILE.so"),
-                        "open a module of components by its path; may be repeated");
+  options.add_options()                        //
+      ("json", "print it as JSON")             //
+      ("all", "every component, with --json")  //
+      ("module", po::value<std::vector<std::string>>()->value_name("FILE.so"),
+       "open a module of components by its path; may be repeated");
   return {manual, options, {"NAME..."}};
 }
 
 int doc(const Arguments& arguments) {
   const auto values = parseOptions(line(), arguments);
   if (!values) return exit_done;
+  if (values->count("json") || values->count("all")) return docAsJson(*values, manual);
   const std::string given = required(*values, "NAME", manual);
   Session session;
   configure(session, *values);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "tools/command/component_json.h"
 #include "tools/command/session.h"
 #include "tools/command/words.h"
 
@@ -56,7 +57,11 @@ void print(const std::vector<const Topic*>& about) {
   fmt::print("topics: {}; `stroma doc {}` tells more\n", fmt::join(names, ", "), about.front()->name);
 }
 
-CommandLine line() { return {manual, OptionList("options"), {"WORD..."}}; }
+CommandLine line() {
+  OptionList options("options");
+  options.add_options()("json", "print them as JSON, with their roles");
+  return {manual, options, {"WORD..."}};
+}
 
 int list(const Arguments& arguments) {
   const auto values = parseOptions(line(), arguments);
@@ -73,6 +78,7 @@ int list(const Arguments& arguments) {
   const auto about = word.empty() ? std::vector<const Topic*>{} : topicsAbout(word);
   if (found.empty() && about.empty()) nothingFound(word, session.modules());
   std::ranges::sort(found, {}, &Modules::IndexEntry::type);
+  if (values->count("json")) return printJson(listJson(session, found));
   print(found);
   if (!about.empty()) print(about);
   return exit_done;

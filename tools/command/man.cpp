@@ -34,29 +34,64 @@ constexpr const char* page_date = STROMA_PAGE_DATE;
 std::string head(const std::string& name, int section, const std::string& purpose) {
   std::string title = name;
   std::ranges::transform(title, title.begin(), [](unsigned char c) { return std::toupper(c); });
-  return fmt::format(".TH {} {} {} \"Stroma {}\" \"Stroma\"\n.SH NAME\n{} \\- {}\n", escaped(title), section, page_date,
-                     STROMA_VERSION, escaped(name), escaped(purpose));
+  return fmt::format(".TH {} {} {} \"Stroma {}\" \"Stroma\"\n.SH NAME\n{}\n", escaped(title), section, page_date,
+                     STROMA_VERSION, brokenForTroff(escaped(name) + " \\- " + escaped(purpose)));
 }
 
-/// Paragraphs are filled; lines that are indented stay as they are.
-std::string filled(const std::string& text) {
-  std::istringstream in(text);
-  std::string out;
-  bool in_lines = false, starts = false;
-  for (std::string line; std::getline(in, line);) {
-    const bool is_indented = line.starts_with("  ");
-    if (is_indented != in_lines) out += is_indented ? ".RS 2\n.nf\n" : ".fi\n.RE\n";
-    if (line.empty()) {
-      starts = true;
-    } else {
-      if (starts && !is_indented) out += ".PP\n";
-      starts = false;
-      out += escaped(is_indented ? line.substr(2) : line) + "\n";
-    }
-    in_lines = is_indented;
-  }
-  return in_lines ? out + ".fi\n.RE\n" : out;
+/// "  3    no result" to ("3", "no result"); an empty name where a line is none of a list.
+std::pair<std::string, std::string> listed(const std::string& line) {
+  const auto start = line.find_first_not_of(' '), end = line.find("  ", start);
+  if (start != 2 || end == std::string::npos || line.substr(start, end - start).find(' ') != std::string::npos)
+    return {};
+  return {line.substr(start, end - start), line.substr(line.find_first_not_of(' ', end))};
 }
+
+/// The text of --help as troff has it: paragraphs are filled, indented lines stay as they are, and a list of names with
+/// what they mean, such as exit codes, becomes one.
+class HelpText {
+ public:
+  std::string read(std::string_view text) {
+    std::istringstream in{std::string(text)};
+    for (std::string line; std::getline(in, line);) take(line);
+    close();
+    return std::move(out_);
+  }
+
+ private:
+  enum class Mode { none, paragraph, item, lines };
+
+  void take(const std::string& line) {
+    if (line.empty()) return close();
+    const bool is_indented = line.starts_with("  ");
+    if (const auto [name, meaning] = listed(line); !name.empty()) {
+      close();
+      out_ += ".TP\n" + escaped(name) + "\n";
+      mode_ = Mode::item, text_ = meaning;
+    } else if (is_indented && mode_ == Mode::item) {
+      text_ += line;
+    } else if (is_indented) {
+      if (mode_ != Mode::lines) close(), out_ += ".RS 2\n.nf\n", mode_ = Mode::lines;
+      out_ += escaped(line.substr(2)) + "\n";
+    } else {
+      if (mode_ != Mode::paragraph) close();
+      mode_ = Mode::paragraph, (text_ += ' ') += line;
+    }
+  }
+
+  void close() {
+    if (mode_ == Mode::lines) out_ += ".fi\n.RE\n";
+    if (mode_ == Mode::paragraph && has_paragraph_) out_ += ".PP\n";
+    if (mode_ == Mode::paragraph) has_paragraph_ = true;
+    if (!text_.empty()) out_ += brokenForTroff(escaped(text_)) + "\n";
+    mode_ = Mode::none, text_.clear();
+  }
+
+  std::string out_, text_;
+  Mode mode_ = Mode::none;
+  bool has_paragraph_ = false;
+};
+
+std::string filled(std::string_view text) { return HelpText().read(text); }
 
 std::string optionText(const po::option_description& option) {
   const std::string names = option.format_name(), value = option.format_parameter();
@@ -66,7 +101,7 @@ std::string optionText(const po::option_description& option) {
   if (!short_name.empty()) out += "\\fB" + escaped(short_name) + "\\fP, ";
   out += "\\fB" + escaped(long_name) + "\\fP";
   if (!value.empty()) out += " \\fI" + escaped(value) + "\\fP";
-  return out + "\n" + escaped(option.description()) + "\n";
+  return out + "\n" + brokenForTroff(escaped(option.description())) + "\n";
 }
 
 std::string seeAlso() {
@@ -79,7 +114,7 @@ Page pageOf(const Subcommand& subcommand) {
   Page page{fmt::format("stroma-{}", subcommand.name), 1, {}};
   page.text = head(page.name, 1, subcommand.purpose);
   page.text += ".SH SYNOPSIS\n\\fB" + escaped(line.manual.usage) + "\\fP\n";
-  page.text += ".SH DESCRIPTION\n" + filled(line.manual.purpose + "\n");
+  page.text += ".SH DESCRIPTION\n" + filled(line.manual.purpose);
   page.text += ".SH OPTIONS\n";
   for (const auto& option : line.options.options()) page.text += optionText(*option);
   page.text += ".TP\n\\fB\\-h\\fP, \\fB\\-\\-help\\fP\nprint the options and examples\n";
@@ -89,16 +124,19 @@ Page pageOf(const Subcommand& subcommand) {
 }
 
 std::string tagged(const std::string& tag, const std::string& text) {
-  return ".TP\n\\fB" + escaped(tag) + "\\fP\n" + escaped(text) + "\n";
+  return ".TP\n\\fB" + escaped(tag) + "\\fP\n" + brokenForTroff(escaped(text)) + "\n";
 }
 
 Page overview() {
   Page page{"stroma", 1, head("stroma", 1, "soft tissue from an XML scene")};
   page.text += ".SH SYNOPSIS\n\\fBstroma\\fP \\fISUBCOMMAND\\fP ...\n.SH DESCRIPTION\n";
-  page.text += escaped(
-      "Stroma simulates soft tissue. A scene in XML names a mesh, a material, loads and a solver; the command runs it "
-      "and writes results. Each subcommand has a page of its own, as in stroma-run(1), and --help with examples.\n"
-      "The file format is in stroma-scene(5); `stroma doc NAME` prints the page of a component or of a topic.\n");
+  page.text +=
+      brokenForTroff(escaped(
+          "Stroma simulates soft tissue. A scene in XML names a mesh, a material, loads and a solver; the command runs "
+          "it "
+          "and writes results. Each subcommand has a page of its own, as in stroma-run(1), and --help with examples.\n"
+          "The file format is in stroma-scene(5); `stroma doc NAME` prints the page of a component or of a topic.")) +
+      "\n";
   for (const auto& [group, title] : groupNames()) {
     page.text += fmt::format(".SS {}\n", escaped(title));
     for (const Subcommand* subcommand : subcommands())

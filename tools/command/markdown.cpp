@@ -86,7 +86,11 @@ std::string inlined(const std::string& text, Piece&& piece) {
   for (std::sregex_iterator at(text.begin(), text.end(), marks), end; at != end; ++at) {
     out += piece(std::string(rest, text.cbegin() + at->position()), false);
     for (std::size_t group = 1; group <= 3; ++group)
-      if ((*at)[group].matched) out += piece((*at)[group].str(), group < 3);
+      if ((*at)[group].matched) {
+        std::string inner = (*at)[group].str();
+        if (group > 1) std::erase(inner, '`');
+        out += piece(inner, group < 3);
+      }
     rest = text.cbegin() + at->position() + at->length();
   }
   return out + piece(std::string(rest, text.cend()), false);
@@ -131,10 +135,7 @@ std::string set(const std::string& piece, bool is_set_off) {
   if (piece.empty()) return "";
   return is_set_off ? "\\fB" + escaped(piece) + "\\fP" : escaped(piece);
 }
-std::string setText(const std::string& text) {
-  const std::string out = inlined(text, set);
-  return out.starts_with('.') || out.starts_with('\'') ? "\\&" + out : out;
-}
+std::string setText(const std::string& text) { return brokenForTroff(inlined(text, set)); }
 
 std::string manTable(const Block& block) {
   std::string out;
@@ -169,11 +170,25 @@ std::string asText(const std::vector<Block>& blocks) {
   return out;
 }
 
+std::string brokenForTroff(const std::string& text) {
+  std::istringstream in(text);
+  std::string out;
+  std::size_t column = 0;
+  for (std::string word; in >> word;) {
+    const bool starts_line = out.empty() || column + word.size() > 76;
+    if (!out.empty()) out += starts_line ? '\n' : ' ';
+    if (starts_line && (word[0] == '.' || word[0] == '\'')) out += "\\&";
+    out += word;
+    column = (starts_line ? 0 : column + 1) + word.size();
+  }
+  return out;
+}
+
 std::string escaped(std::string_view text) {
   std::string out;
   bool starts_line = true;
   for (const char letter : text) {
-    if (starts_line && (letter == '.' || letter == '\'')) out += "\\&";
+    if (starts_line && letter == '.') out += "\\&";
     switch (letter) {
       case '\\':
         out += "\\e";
@@ -212,7 +227,7 @@ std::string asMan(const std::vector<Block>& blocks) {
         std::ranges::transform(title, title.begin(), [](unsigned char c) { return std::toupper(c); });
       out += fmt::format("{} {}\n", block.level == 2 ? ".SH" : ".SS", escaped(title));
     } else if (block.kind == Kind::code) {
-      out += ".PP\n.RS 4\n.nf\n" + escaped(block.text) + ".fi\n.RE\n";
+      (out += starts_section ? "" : ".PP\n") += ".RS 4\n.nf\n" + escaped(block.text) + ".fi\n.RE\n";
     } else if (block.kind == Kind::table) {
       out += manTable(block);
     } else if (block.kind == Kind::item) {

@@ -24,7 +24,11 @@ std::string asText(const std::vector<Block>& blocks);
 /// The body of a manual page in the man macros: headings of level 2 are its sections.
 std::string asMan(const std::vector<Block>& blocks);
 
-/// `text` as it has to be written for troff to print it: hyphens, backslashes, a point at the start of a line.
+/// Escaped text in lines of at most 80 bytes, as far as words allow; troff fills them again.
+std::string brokenForTroff(const std::string& text);
+
+/// `text` as it has to be written for troff to print it: hyphens, quotes, backslashes, a point at the start of a
+/// line.
 std::string escaped(std::string_view text);
 
 }  // namespace stroma::command

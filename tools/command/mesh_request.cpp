@@ -26,7 +26,7 @@ const Manual manual{
     "in the unit of INPUT after "
     "--scale; a size bounds the radius of the sphere\naround a tetrahedron or triangle, whose edges are about as long. "
     "The same input gives the same file.",
-    "  stroma mesh leg.nii.gz -o leg.msh --unit mm --cell-size 0.012 --cell-size 2=0.006\n"
+    "  stroma mesh scenes/meshes/leg.nii.gz -o leg.msh --unit mm --cell-size 0.012 --cell-size 2=0.006\n"
     "  stroma mesh leg.mhd -o leg.msh --name 1=soft --name 2=tibia --json\n"
     "  stroma mesh liver.stl -o liver.vtu --cell-size 0.01 --feature-angle 60\n"
     "  stroma mesh scan.obj -o scan.msh --cell-size 0.01 --voxels 0.0015\n"};

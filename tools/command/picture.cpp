@@ -151,7 +151,7 @@ int picture(const Arguments& arguments) {
   const PictureCommand command(*values);
   const auto maker = service<PictureMaker>();
   Session session;
-  configure(session, *values);
+  configureAsRecorded(session, command.recorded, *values);
   Simulation& simulation = session.load(command.scene);
   if (command.lists_fields) return listFields(simulation, *maker);
   reportProblems(simulation.scene(), command.quiet);

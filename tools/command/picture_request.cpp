@@ -10,7 +10,6 @@
 
 #include "framework/scene/output_file.h"
 #include "tools/command/session.h"
-#include "tools/command/shown_scene.h"
 
 namespace po = boost::program_options;
 namespace fs = std::filesystem;
@@ -246,7 +245,9 @@ PictureCommand::PictureCommand(const Values& values)
   const std::string ending = fs::path(file).extension().string();
   if (ending != ".png" && ending != ".apng")
     throw UsageError(fmt::format("-o {}: expected a name that ends with .png", file));
-  if (isRecording()) scene = sceneOf(recording_folder);
+  if (!isRecording()) return;
+  recorded = recordedRun(recording_folder);
+  scene = recorded.scene;
 }
 
 void checkOutputs(const PictureCommand& command, const Simulation& simulation) {

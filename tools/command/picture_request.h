@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tools/command/options.h"
+#include "tools/command/recorded_run.h"
 #include "tools/picture/picture_maker.h"
 
 namespace stroma::command {
@@ -20,6 +21,7 @@ struct AskedTime {
 struct PictureCommand {
   std::string scene;             ///< its file
   std::string recording_folder;  ///< of the recording that was named in place of a scene; empty: the scene is run
+  RecordedRun recorded{};        ///< the run of that recording
   std::string file;              ///< to write
   bool is_named = false;         ///< the user has named the file
   std::optional<long> steps{};

@@ -183,7 +183,7 @@ int view(const Arguments& arguments) {
   command.live.build = buildIdentity();
   const auto viewer = service<view::Viewer>();
   Session session;
-  configure(session, *values);
+  configureAsRecorded(session, command.recorded, *values);
   Simulation& simulation = session.load(command.scene);
   reportProblems(simulation.scene(), command.quiet);
   if (command.isRecording()) {

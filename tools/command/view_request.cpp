@@ -11,7 +11,6 @@
 #include "framework/simulation/file_uses.h"
 #include "tools/command/recorder.h"
 #include "tools/command/session.h"
-#include "tools/command/shown_scene.h"
 
 namespace po = boost::program_options;
 namespace fs = std::filesystem;
@@ -23,8 +22,8 @@ const Manual manual{
     "stroma view SCENE|FOLDER [options]",
     "Shows a scene in the browser while it runs: turn, cut and colour it, pull at it, change attributes, plot, "
     "record.\n"
-    "A folder that `stroma run --record` wrote is shown as it was recorded. The address is printed; whoever has it "
-    "sees the\n"
+    "A folder that `stroma run` left, or `stroma run --record` wrote, is shown as it was recorded. The address is "
+    "printed; whoever has it sees the\n"
     "run, and nobody else. Only this machine can, unless --host says otherwise. Ctrl-C ends it.\n\n"
     "--export FILE.html makes a page that plays a run, or a recording, by itself, without a server, and ends.\n\n"
     "Exit codes:\n"
@@ -35,6 +34,7 @@ const Manual manual{
     "  stroma view scenes/examples/organ.xml\n"
     "  stroma view organ.xml --paused --set /organ/fem.youngModulus=3000 --record results/pulled\n"
     "  stroma view results/pulled\n"
+    "  stroma view organ.last                        what `stroma run organ.xml` has left\n"
     "  stroma run organ.xml -n 500 --replay results/pulled/run.actions       the same run without a browser\n"
     "  stroma view organ.xml --export organ.html -n 200 --every 2 --field vonMises\n"
     "  stroma view results/pulled --export pulled.html --every 5             every fifth instant of a recording\n"};
@@ -141,7 +141,9 @@ ViewCommand::ViewCommand(const Values& values)
     live.fps = inRange<double>(values, "fps", 60, 0.1, 240);
     live.paused = values.count("paused") > 0;
   }
-  if (isRecording()) scene = sceneOf(recording_folder);
+  if (!isRecording()) return;
+  recorded = recordedRun(recording_folder);
+  scene = recorded.scene;
 }
 
 std::string ViewCommand::actionsFile() const { return (fs::path(record_folder) / "run.actions").string(); }

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "tools/command/options.h"
+#include "tools/command/recorded_run.h"
 #include "tools/view/viewer.h"
 
 namespace stroma::command {
@@ -13,6 +13,7 @@ namespace stroma::command {
 struct ViewCommand {
   std::string scene;             ///< its file
   std::string recording_folder;  ///< of the recording that was named in place of a scene; empty: a scene is run
+  RecordedRun recorded{};        ///< the run of that recording
   std::string record_folder, replay_file;
   long record_every = 1;       ///< [steps]
   bool exports = false;        ///< a page is written, nothing is served

@@ -4,23 +4,25 @@
 function __stroma_complete
     set -l words (commandline -opc)
     set -l typed (commandline -ct)
+    set -l front (string match -r -- '^--[^=]*=' $typed)
     for answer in ($words[1] __complete $words[2..] "$typed" 2>/dev/null)
         set -l text (string sub -s 2 -- $answer)
         switch (string sub -l 1 -- $answer)
             case f
-                set -l front (string match -r -- '^--[^=]*=' $typed)
                 set -l patterns (string split ' ' -- (string split -f 1 \t -- $text))
                 for file in (__fish_complete_path (string replace -r -- '^--[^=]*=' '' $typed) | string split -f 1 \t)
                     if string match -q -- '*/' $file
-                        echo $front$file
+                        echo "$front$file"
                         continue
                     end
                     for pattern in $patterns
-                        string match -q -- $pattern (string replace -r '.*/' '' $file); and echo $front$file; and break
+                        string match -q -- $pattern (string replace -r '.*/' '' $file); and echo "$front$file"; and break
                     end
                 end
             case d
-                __fish_complete_directories (string replace -r -- '^--[^=]*=' '' $typed)
+                for folder in (__fish_complete_directories (string replace -r -- '^--[^=]*=' '' $typed))
+                    echo "$front$folder"
+                end
             case '*'
                 echo $text
         end
