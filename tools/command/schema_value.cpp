@@ -16,19 +16,26 @@ using Kind = SchemaAlternative::Kind;
 
 // ---- patterns; white space has been made single spaces, and commas separate too ----
 
-const std::string number = "[\\-+]?([0-9]+[.]?[0-9]*|[.][0-9]+)([eE][\\-+]?[0-9]+)?";
-const std::string whole = "[\\-+]?[0-9]+";
-const std::string rising = "[0-9]+-[0-9]+(-[0-9]+)?";
-/// A factor of a unit, such as kPa or m^2.
-std::string unitFactor() {
-  std::string names = "°";
-  for (const std::string& name : unitNames()) names += "|" + (name[0] == 'u' ? "[uµμ]" + name.substr(1) : name);
-  return "(" + names + ")(\\^-?[0-9]|[²³⁴]|⁻[¹²³])?";
+constexpr const char* number = "[\\-+]?([0-9]+[.]?[0-9]*|[.][0-9]+)([eE][\\-+]?[0-9]+)?";
+constexpr const char* whole = "[\\-+]?[0-9]+";
+constexpr const char* rising = "[0-9]+-[0-9]+(-[0-9]+)?";
+
+struct UnitPatterns {
+  std::string in_list;  ///< factors in a row, in one word
+  std::string at_end;   ///< with spaces
+};
+
+/// From every name of a unit with its prefixes, which takes a while: for this command only.
+const UnitPatterns& unitPatterns() {
+  static const UnitPatterns patterns = [] {
+    std::string names = "°";
+    for (const std::string& name : unitNames()) names += "|" + (name[0] == 'u' ? "[uµμ]" + name.substr(1) : name);
+    const std::string factor = "(" + names + ")(\\^-?[0-9]|[²³⁴]|⁻[¹²³])?";
+    return UnitPatterns{"(1?[*/.·⋅(])*" + factor + "([*/.·⋅()]+" + factor + ")*[)]?",
+                        "(1? ?[*/.·⋅(] ?)*" + factor + "(( |[*/.·⋅()])+" + factor + ")*[)]?"};
+  }();
+  return patterns;
 }
-const std::string factor = unitFactor();
-/// Factors in a row, in one word of a list; and with spaces.
-const std::string factors = "(1?[*/.·⋅(])*" + factor + "([*/.·⋅()]+" + factor + ")*[)]?";
-const std::string unit = "(1? ?[*/.·⋅(] ?)*" + factor + "(( |[*/.·⋅()])+" + factor + ")*[)]?";
 
 /// Words of a list that hold a comma, which a validator cannot look into further.
 std::string withCommas(const std::string& item) {
@@ -49,12 +56,13 @@ SchemaAlternative listOf(std::vector<SchemaAlternative> items) {
 SchemaAlternative link() { return pattern("@.*"); }
 
 /// A number with a unit, or a fraction: "10 kPa", "1/20 s", "1/20".
-SchemaAlternative quantity() { return pattern(fmt::format("{0} ?/ ?{0}( ?{1})?|{0} ?{1}", number, unit)); }
+SchemaAlternative quantity() {
+  return pattern(fmt::format("{0} ?/ ?{0}( ?{1})?|{0} ?{1}", number, unitPatterns().at_end));
+}
 
-/// A pattern for three or sixteen numbers, with a unit after each, after the last one, or none.
-SchemaAlternative tuple(int count) {
-  const std::string item = fmt::format("{0}( ?/ ?{0})?( ?{1})?", number, unit);
-  return pattern(exactly(item, count));
+/// Three numbers, with a unit after each, after the last one, or none.
+SchemaAlternative vector() {
+  return pattern(exactly(fmt::format("{0}( ?/ ?{0})?( ?{1})?", number, unitPatterns().at_end), 3));
 }
 
 // ---- ranges ----
@@ -110,10 +118,11 @@ std::vector<SchemaAlternative> numberOrNumbers(const std::string& kind, const Ra
   if (kind == "integer") return {numeric(Kind::integer, range)};
   if (kind == "reals" || kind == "vectors")
     return {listOf({numeric(Kind::real, range), pattern(withCommas(number)),
-                    pattern(fmt::format("{0}/{0}({1})?,?|{0}{1},?", number, factors)),
-                    pattern(factors + ",?|[*/·⋅]|1/?")})};
+                    pattern(fmt::format("{0}/{0}({1})?,?|{0}{1},?", number, unitPatterns().in_list)),
+                    pattern(unitPatterns().in_list + ",?|[*/·⋅]|1/?")})};
   if (kind == "indices") return {listOf({numeric(Kind::integer, range), pattern(withCommas("[0-9]+"))})};
-  return {listOf({numeric(Kind::integer, range), pattern(rising), pattern(withCommas(whole + "|" + rising))})};
+  return {listOf(
+      {numeric(Kind::integer, range), pattern(rising), pattern(withCommas(fmt::format("{}|{}", whole, rising)))})};
 }
 
 SchemaValue orLink(SchemaValue value) {
@@ -136,7 +145,7 @@ SchemaValue templateValue(const std::vector<std::string>& words) {
 
 SchemaValue plainValue(const std::string& kind, bool positive) {
   if (kind == "boolean") return {"plain_boolean", {{.kind = Kind::boolean}}};
-  if (kind == "gravity") return {"gravity", {tuple(3), numeric(Kind::real, {}), quantity()}};
+  if (kind == "gravity") return {"gravity", {vector(), numeric(Kind::real, {}), quantity()}};
   Range range;
   if (positive) range.min = SchemaBound{"0", false};
   return {nameOf("plain_real", range), {numeric(Kind::real, range), quantity()}};
@@ -154,8 +163,8 @@ SchemaValue valueOf(const Data& data) {
   if (kind == "boolean") return orLink({"boolean", {{.kind = Kind::boolean}}});
   if (kind == "booleans")
     return orLink({"booleans", {listOf({{.kind = Kind::boolean}, pattern(withCommas("true|false|0|1"))})}});
-  if (kind == "vector") return orLink({"vector", {tuple(3)}});
-  if (kind == "matrix") return orLink({"matrix", {tuple(16)}});
+  if (kind == "vector") return orLink({"vector", {vector()}});
+  if (kind == "matrix") return orLink({"matrix", {pattern(exactly(number, 16))}});
   if (kind == "integer triple") return orLink({"integer_triple", {pattern(exactly(whole, 3))}});
   Range range = rangeOf(data, kind == "integer" || kind == "integers");
   if (kind == "indices") range.min = SchemaBound{"0", true};
