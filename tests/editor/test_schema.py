@@ -31,6 +31,38 @@ def scenes():
     return [scene for scene in found if "out_of_tree_module" not in scene]
 
 
+def pressures():
+    """A force per area, in the ways that the reader of units has for products, quotients, powers and brackets."""
+    for force, length in (("N", "m"), ("mN", "mm"), ("uN", "µm"), ("dyn", "cm"), ("lbf", "in")):
+        squares = [f"{length}{power}" for power in ("2", "^2", "**2", "^(2)", "**(2)", "²", "^02")]
+        squares += [f"({length})^2", f"({length} {length})", f"({length}*{length})", f"({length} . {length})", f"({length}2)",
+                    f"( {length} )2", f"({length}/(1/{length}))", f"({length}.{length})", f"({length}·{length})"]
+        yield from (f"{force}{sign}{square}" for square in squares for sign in ("/", " / ", "/ ", " /"))
+        yield from (f"{force}{sign}{length}{power}" for sign in (" ", "*", " * ", ".", "·", " ⋅ ")
+                    for power in ("-2", "^-2", "**-2", "^(-2)", "⁻²"))
+        yield from (f"{force}/{length}/{length}", f"({force})/({length})/{length}", f"({force}/{length}2)", f"({force})(1/{length}2)",
+                    f"{force}(1/{length}^2)", f"{force} (1 / {length}2)", f"{length}-2{force}", f"{length}^-2 {force}", f"(({force}))/{length}2",
+                    f"1/({length}2/{force})", f"/({length}2 {force}-1)", f"({force}/{length})/{length}", f"(1/{length})({force}/{length})",
+                    f"({length}-1)2{force}")
+
+
+def made_values():
+    """Elements, attributes and values, of which `stroma check` takes most."""
+    law, grid = "TetrahedronFEMForceField", "RegularGridTopology"
+    units = list(pressures())
+    yield [(law, "youngModulus", f"10 {unit}") for unit in units]
+    yield [(law, "youngModulus", number + unit) for number in ("10", "+1.5e3 ", "1/3 ", ".5", "5.") for unit in units[::17]]
+    yield [(law, "poissonRatio", value) for value in ("30 %", "30%", "1/3", "0.3", "+.3", "1/3 %", "3e1 %")]
+    yield [("Node", "gravity", value) for value in (
+        "0 -9.81 0 m/s2", "0 -9.81 0 m/s^2", "-9.81 m s-2", "0 -9.81 0 m/(s s)", "0 m/s2 -9.81 m/s2, 0 m/s2", "0,-981,0 cm/s**2", "1/2 m/s2",
+        "0 -98/10 0", "-9.81", "0m/s² -9.81m/s² 0m/s²", "0 -9.81 0 m/s/s")]
+    yield [(grid, "max", value) for value in (
+        "10mm 10mm 10mm", "10 mm 10 mm 10 mm", "10, 10, 10 mm", "1/2 1/2 1/2", "1/2 1 3 cm", " 10 10 10mm ", "10 mm,10 mm,10 mm,", "1 1 1 µm")]
+    yield [("MechanicalObject", "position", value) for value in (
+        "1 2 3 mm", "1mm 2mm 3mm", ", 1 2 3, 4 5 6 mm", "1/2 2 3 4 5 6/7 mm", "1/2 1 1", "1 2 3 mm,", "1 m 2 m 3 m 1 mm 2 mm 3 mm")]
+    yield [("Node", "dt", value) for value in ("1/100 s", "10 ms", "10ms", "1/60 s", "1/60", "0.01s", "1e1 ms")]
+
+
 class Schemas(unittest.TestCase):
     """Schemas and scenes in a folder of their own."""
 
@@ -115,6 +147,31 @@ class Acceptance(Schemas):
             self.assertEqual(self.check(file).returncode, 0, self.check(file).stdout)
         for judge, refused in self.judges().items():
             self.assertEqual(refused(files), {file: [] for file in files}, judge)
+
+    def test_units_as_the_grammar_makes_them(self):
+        """Whatever `stroma check` takes as a value with a unit, the schemas take; made of all ways to write a unit."""
+        cases = [each for kind in made_values() for each in kind]
+        self.assertGreater(len(cases), 600)
+        lines = [f'<{element} {attribute}="{value}"/>' for element, attribute, value in cases]
+        file = self.write("made.xml", "<Node>\n" + "\n".join(lines) + "\n</Node>\n")
+        problems = json.loads(self.check(file).stdout)["problems"]
+        taken = []
+        for number, (_, attribute, value) in enumerate(cases):
+            said = [each for each in problems if each["line"] == number + 2 and each.get("attribute", attribute) == attribute
+                    and re.search("unit|number|value|list|divi|bracket|power|finite", each["message"])
+                    and each["severity"] == "error" and attribute in json.dumps(each)]
+            if not said:
+                taken.append(number + 2)
+        self.assertGreater(len(taken), 500, problems[:5])
+        for judge, refused in self.judges().items():
+            wrong = sorted(set(refused([file])[file]) & set(taken))
+            self.assertEqual([lines[line - 2] for line in wrong], [], judge)
+
+    def test_long_lists_with_a_unit(self):
+        numbers = " ".join(["1 2.5 3e-2"] * 4000)
+        file = self.write("long.xml", f'<Node><MechanicalObject position="{numbers} mm"/></Node>')
+        for judge, refused in self.judges().items():
+            self.assertEqual(refused([file]), {file: []}, judge)
 
     def test_components_of_a_module_given_by_its_path(self):
         component = "FickleForceField"
@@ -203,11 +260,31 @@ class Text(Schemas):
             self.assertTrue(help_text and len(help_text) > 5, each.get("name"))
 
     def test_what_cannot_be_done_is_said(self):
-        for arguments, expected in ((["--format", "dtd"], "expected xsd or rnc"), (["-o", "no/such/folder/x"], "cannot be written"),
+        for arguments, expected in ((["--format", "dtd"], "expected xsd or rnc"), (["-o", self.xsd + "/x"], "cannot make the folder"),
                                     (["--module", "no_such.so"], "no_such.so"), (["extra"], "too many")):
             said = run(STROMA, "schema", *arguments)
             self.assertEqual(said.returncode, 2, arguments)
             self.assertIn(expected, said.stderr)
+
+
+    def test_only_a_schema_is_replaced(self):
+        scene = self.write("mine.xml", GOOD)
+        said = run(STROMA, "schema", "-o", scene)
+        self.assertEqual(said.returncode, 2)
+        self.assertIn("is no schema", said.stderr)
+        with open(scene, encoding="utf-8") as text:
+            self.assertEqual(text.read(), GOOD)
+        place = self.write("place.xsd", "")
+        for kind in ("xsd", "rnc", "xsd", "xsd"):
+            self.assertEqual(run(STROMA, "schema", "--format", kind, "-o", place).returncode, 0)
+        with open(place, encoding="utf-8") as text, open(self.xsd, encoding="utf-8") as first:
+            self.assertEqual(text.read(), first.read())
+
+    @unittest.skipUnless(os.path.exists("/dev/full"), "there is no /dev/full")
+    def test_a_full_disk_is_said(self):
+        said = run(STROMA, "schema", "-o", "/dev/full")
+        self.assertEqual(said.returncode, 4)
+        self.assertIn("No space left", said.stderr)
 
 
 class Emacs(Schemas):

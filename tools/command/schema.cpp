@@ -2,8 +2,10 @@
 // stroma schema: what editors complete and check scenes with.
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <fstream>
 
+#include "framework/scene/output_file.h"
 #include "tools/command/schema_text.h"
 #include "tools/command/session.h"
 
@@ -22,10 +24,22 @@ const Manual manual{
     "  stroma schema -o stroma.xsd\n  stroma schema --format rnc -o stroma.rnc\n"
     "  stroma schema --module ./springs.so -o stroma.xsd\n"};
 
-void save(const std::string& file, const std::string& text) {
-  std::ofstream out(file, std::ios::binary);
-  out << text << std::flush;
-  if (!out) throw UsageError(fmt::format("{} cannot be written", file));
+/// Whether `file` begins as one of either format does.
+bool isSchema(const std::string& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::string start(1024, '\0');
+  in.read(start.data(), std::streamsize(start.size()));
+  start.resize(std::size_t(in.gcount()));
+  return start.find("<xs:schema ") != start.npos || start.find("\ndatatypes xsd = ") != start.npos;
+}
+
+/// -o takes the place of a schema, of an empty file or of none: a scene has the same ending.
+void refuseToReplace(const std::string& file) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error) || std::filesystem::file_size(file, error) == 0) return;
+  if (!isSchema(file))
+    throw UsageError(
+        fmt::format("{} is there and is no schema: it stays as it is. Give another name, or remove it", file));
 }
 
 CommandLine line() {
@@ -44,16 +58,23 @@ int schema(const Arguments& arguments) {
   if (!values) return exit_done;
   const std::string format = (*values)["format"].as<std::string>();
   if (format != "xsd" && format != "rnc") throw UsageError(fmt::format("--format {}: expected xsd or rnc", format));
+  const bool is_saved = values->count("output") > 0;
+  const std::string file = is_saved ? (*values)["output"].as<std::string>() : "";
+  if (is_saved) refuseToReplace(file), checkWritable(file, true);
   Session session;
   configure(session, *values);
   const Schema schema = makeSchema(session);
   const std::string text = format == "xsd" ? asXsd(schema) : asRelaxNg(schema);
-  if (!values->count("output")) {
+  if (!is_saved) {
     fmt::print("{}", text);
     return exit_done;
   }
-  const std::string file = (*values)["output"].as<std::string>();
-  save(file, text);
+  try {
+    writeWholeFile(file, text);
+  } catch (const OutputError& error) {
+    fmt::print(stderr, "error: {}\n", error.what());
+    return exit_output_failed;
+  }
   fmt::print("{}: {} components of {} modules\n", file, schema.components, schema.modules);
   return exit_done;
 }

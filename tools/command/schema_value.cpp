@@ -20,15 +20,26 @@ constexpr const char* number = "[\\-+]?([0-9]+[.]?[0-9]*|[.][0-9]+)([eE][\\-+]?[
 constexpr const char* whole = "[\\-+]?[0-9]+";
 constexpr const char* rising = "[0-9]+-[0-9]+(-[0-9]+)?";
 
-/// A unit at the end of a value, from every name with its prefixes. Made when it is asked for, as no other command needs it.
+/// A unit, from every name with its prefixes, as readUnit() takes it; brackets need not match. Made when it is asked for,
+/// as no other command needs it.
 const std::string& unitPattern() {
   static const std::string all = [] {
     std::string names = "°";
     for (const std::string& name : unitNames()) names += "|" + (name[0] == 'u' ? "[uµμ]" + name.substr(1) : name);
-    const std::string factor = "(" + names + ")(\\^-?[0-9]|[²³⁴]|⁻[¹²³])?";
-    return "(1? ?[*/.·⋅(] ?)*" + factor + "(( |[*/.·⋅()])+" + factor + ")*[)]?";
+    const std::string name = "%*(" + names + ")%*";
+    const std::string power = "((\\^|[*][*])?(-?[0-9]+)|(\\^|[*][*])[(]-?[0-9]+[)]|[²³⁴]|⁻[¹²³])";
+    const std::string closed = "( ?[)]" + power + "?)", sign = "( ?[*/·⋅] ?| ?[.]| )", open = "[(] ?(1? ?/ ?)?";
+    // two names need something between them, and a power or a bracket is enough
+    const std::string between = fmt::format("({0}{1}*{2}?|{1}+{2}?|{2}|{3})({3})*", power, closed, sign, open);
+    return fmt::format("(1?/)?({0})*{1}({2}{1})*{3}?{4}*", open, name, between, power, closed);
   }();
   return all;
+}
+
+/// A number or a fraction, which has no blanks inside.
+const std::string& fraction() {
+  static const std::string text = fmt::format("{0}(/{0})?", number);
+  return text;
 }
 
 /// Words of a list that hold a comma, which a validator cannot look into further.
@@ -36,9 +47,11 @@ std::string withCommas(const std::string& item) {
   return fmt::format(",+({0}(,+{0})*)?,*|{0}(,+{0})+,*|{0},+", "(" + item + ")");
 }
 
-/// Exactly `count` of them.
+/// Exactly `count` of them. All are written out: libxml2 counts wrongly where an item can end in several ways.
 std::string exactly(const std::string& item, int count) {
-  return fmt::format("[ ,]*({0})([ ,]+({0})){{{1}}}[ ,]*", item, count - 1);
+  std::string out = fmt::format("[ ,]*({})", item);
+  for (int i = 1; i < count; ++i) out += fmt::format("[ ,]+({})", item);
+  return out + "[ ,]*";
 }
 
 SchemaAlternative pattern(std::string text) { return {.kind = Kind::pattern, .pattern = std::move(text)}; }
@@ -50,16 +63,17 @@ SchemaAlternative listOf(std::vector<SchemaAlternative> items) {
 SchemaAlternative link() { return pattern("@.*"); }
 
 /// A number with a unit, or a fraction: "10 kPa", "1/20 s", "1/20".
-SchemaAlternative quantity() { return pattern(fmt::format("{0} ?/ ?{0}( ?{1})?|{0} ?{1}", number, unitPattern())); }
+SchemaAlternative quantity() {
+  return pattern(fmt::format("[ ,]*({0}/{0}|{1} ?{2})[ ,]*", number, fraction(), unitPattern()));
+}
 
-/// Numbers of which the last has a unit, its own or that of all: how large they are in SI is more than a pattern knows.
+/// Numbers with a unit after the last one or after each: how large they are in SI is more than a pattern knows.
 SchemaAlternative quantities() {
-  const std::string item = fmt::format("{0}( ?/ ?{0})?", number);
-  return pattern(fmt::format("({0}( ?{1})?[ ,]+)*{0} ?{1}", item, unitPattern()));
+  return pattern(fmt::format("[ ,]*({0}( ?{1})?[ ,]+)*{0} ?{1}[ ,]*", fraction(), unitPattern()));
 }
 
 /// Three numbers, with a unit after each, after the last one, or none.
-SchemaAlternative vector() { return pattern(exactly(fmt::format("{0}( ?/ ?{0})?( ?{1})?", number, unitPattern()), 3)); }
+SchemaAlternative vector() { return pattern(exactly(fmt::format("{0}( ?{1})?", fraction(), unitPattern()), 3)); }
 
 // ---- ranges ----
 
@@ -107,7 +121,10 @@ std::string nameOfWords(const std::vector<std::string>& words) {
   return name;
 }
 
-SchemaAlternative numeric(Kind kind, const Range& range) { return {.kind = kind, .min = range.min, .max = range.max}; }
+/// NaN and INF, which XML Schema has among its numbers, are none here.
+SchemaAlternative numeric(Kind kind, const Range& range) {
+  return {.kind = kind, .min = range.min, .max = range.max, .pattern = kind == Kind::real ? number : ""};
+}
 
 std::vector<SchemaAlternative> numberOrNumbers(const std::string& kind, const Range& range) {
   if (kind == "real") return {numeric(Kind::real, range), quantity()};
@@ -160,7 +177,7 @@ SchemaValue valueOf(const Data& data) {
   if (kind == "booleans")
     return orLink({"booleans", {listOf({{.kind = Kind::boolean}, pattern(withCommas("true|false|0|1"))})}});
   if (kind == "vector") return orLink({"vector", {vector()}});
-  if (kind == "matrix") return orLink({"matrix", {pattern(exactly(number, 16))}});
+  if (kind == "matrix") return orLink({"matrix", {pattern(exactly(fraction(), 16))}});
   if (kind == "integer triple") return orLink({"integer_triple", {pattern(exactly(whole, 3))}});
   Range range = rangeOf(data, kind == "integer" || kind == "integers");
   if (kind == "indices") range.min = SchemaBound{"0", true};
