@@ -61,6 +61,39 @@ TEST_F(ManualPages, ManFindsNothingWrong) {
   }
 }
 
+/// Each name under FILES is that of a file which the runs below leave.
+TEST_F(ManualPages, FilesThatItNamesAreWritten) {
+  write("organ.xml",
+        "<Node><EulerImplicitSolver/><CGLinearSolver/><MechanicalObject name='dofs' position='0 0 0'/>"
+        "<UniformMass totalMass='1'/></Node>");
+  ASSERT_EQ(stroma("run organ.xml -n 2").code, 0);
+  ASSERT_EQ(stroma("run organ.xml -n 2 --record kept").code, 0);
+  const std::string page = readText(folder_ / "man/man1/stroma.1");
+  const auto start = page.find(".SH FILES\n"), end = page.find("\n.SH ", start + 1);
+  const std::string files = page.substr(start, end - start);
+  const std::regex tag("\n\\.TP\n\\\\fB(.*)\\\\fP\n");
+  int named = 0;
+  for (std::sregex_iterator at(files.begin(), files.end(), tag), none; at != none; ++at, ++named) {
+    std::string name = std::regex_replace((*at)[1].str(), std::regex("SCENE|STEM"), "organ");
+    name = std::regex_replace(name, std::regex("^DIR"), "kept");
+    const std::filesystem::path path = folder_ / name;
+    const bool is_any = path.filename() == "NAME.state.gz";
+    bool is_there = !is_any && std::filesystem::exists(path);
+    for (const auto& entry : std::filesystem::directory_iterator(path.parent_path()))
+      is_there = is_there || (is_any && entry.path().filename().string().ends_with(".state.gz"));
+    EXPECT_TRUE(is_there) << name << " is not written";
+  }
+  EXPECT_GE(named, 4);
+}
+
+TEST_F(ManualPages, AFolderThatCannotBeMadeIsASentence) {
+  write("taken", "a file");
+  const Finished refused = stroma("man --write taken");
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_TRUE(has(refused.err, "cannot make the folder")) << refused.err;
+  EXPECT_FALSE(has(refused.err, "filesystem error")) << refused.err;
+}
+
 TEST_F(ManualPages, OnePageIsPrinted) {
   EXPECT_EQ(stroma("man run").out, readText(folder_ / "man/man1/stroma-run.1"));
   EXPECT_EQ(stroma("man").out, readText(folder_ / "man/man1/stroma.1"));

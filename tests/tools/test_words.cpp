@@ -6,6 +6,7 @@
 #include <sstream>
 #include <vector>
 
+#include "framework/mechanics/force_field.h"
 #include "framework/scene/change_table.h"
 #include "framework/scene/modules.h"
 #include "tests/support/shell.h"
@@ -183,6 +184,22 @@ TEST_F(Words, PeopleFindWhatTheySearchFor) {
   EXPECT_TRUE(has(misspelt.err, "did you mean contact?")) << misspelt.err;
 }
 
+/// Every field of cells that some component offers is a word of the topic on them.
+TEST_F(Words, FieldsOfCellsAreNamed) {
+  Factory factory;
+  Modules modules(factory);
+  modules.openAll();
+  const std::string page = stroma("doc stress").out;
+  std::set<std::string> fields;
+  for (const ComponentEntry* entry : factory.entries())
+    if (const auto component = factory.make(entry->type))
+      if (const auto* field = dynamic_cast<const ForceField*>(component.get()))
+        for (const std::string& name : field->cellFields()) fields.insert(name);
+  EXPECT_GE(fields.size(), 4u);
+  for (const std::string& name : fields) EXPECT_TRUE(has(page, name)) << name << "\n" << page;
+  EXPECT_TRUE(has(page, "stroma picture")) << page;
+}
+
 TEST_F(Words, ComponentsOfSofaThatAreNotHereAreAnswered) {
   const auto types = allComponents();
   std::set<std::string> names;
@@ -201,14 +218,20 @@ TEST_F(Words, ComponentsOfSofaThatAreNotHereAreAnswered) {
       }
     }
   }
-  const std::pair<const char*, const char*> others[] = {{"OglModel", "accepted without effect"},
-                                                        {"DefaultAnimationLoop", "accepted without effect"},
-                                                        {"UncoupledConstraintCorrection", "no Lagrangian constraints"},
-                                                        {"FixedConstraint", "is now called FixedProjectiveConstraint"},
-                                                        {"SparseGrid", "MeshGmshLoader"},
-                                                        {"BoxConstraint", "write a BoxROI"},
-                                                        {"MeshSTLLoader", "\nAttributes"},
-                                                        {"TriangleCollisionModel", "contact: not yet"}};
+  const std::pair<const char*, const char*> others[] = {
+      {"OglModel", "accepted without effect"},
+      {"DefaultAnimationLoop", "accepted without effect"},
+      {"UncoupledConstraintCorrection", "no Lagrangian constraints"},
+      {"FixedConstraint", "is now called FixedProjectiveConstraint"},
+      {"SparseGrid", "MeshGmshLoader"},
+      {"BoxConstraint", "write a BoxROI"},
+      {"ShapeMatching", "ShapeMemoryForceField"},
+      {"TransformEngine", "scale3d, rotation and translation"},
+      {"TransformPosition", "scale3d, rotation and translation"},
+      {"TriangularAnisotropicFEMForceField", "fibres of membranes are not"},
+      {"OscillatorConstraint", "OscillatorProjectiveConstraint"},
+      {"MeshSTLLoader", "\nAttributes"},
+      {"TriangleCollisionModel", "contact: not yet"}};
   for (const auto& [type, expected] : others) {
     const Finished doc = stroma(std::string("doc ") + type);
     EXPECT_EQ(doc.code, 0) << type << doc.err;

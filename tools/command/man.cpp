@@ -167,7 +167,9 @@ Page overview() {
            {"SCENE.xml", "a scene, see stroma-scene(5)"},
            {"DIR/NAME.state.gz", "positions and velocities of a state, of stroma run --record DIR"},
            {"DIR/last.checkpoint", "what --resume goes on from"},
-           {"SCENE.diverged", "the folder with the last good state of a run that ended without a result"}})
+           {"STEM.last/run.instants",
+            "positions and velocities at a few times of a run without --record, in the current folder; stroma view and "
+            "stroma picture open STEM.last"}})
     page.text += tagged(name, meaning);
   page.text += ".SH SEE ALSO\n";
   std::vector<std::string> names;
@@ -205,12 +207,19 @@ CommandLine line() {
   return {manual, options, {"PAGE"}};
 }
 
-void writeAll(const std::string& folder) {
-  for (const Page& page : pages()) {
-    const auto place = std::filesystem::path(folder) / fmt::format("man{}", page.section);
-    std::filesystem::create_directories(place);
-    writeWholeFile((place / page.file()).string(), page.text);
+int writeAll(const std::string& folder) {
+  const auto fileOf = [&folder](const Page& page) {
+    return (std::filesystem::path(folder) / fmt::format("man{}", page.section) / page.file()).string();
+  };
+  const std::vector<Page> all = pages();
+  for (const Page& page : all) checkWritable(fileOf(page), true);
+  try {
+    for (const Page& page : all) writeWholeFile(fileOf(page), page.text);
+  } catch (const OutputError& error) {
+    fmt::print(stderr, "error: {}\n", error.what());
+    return exit_output_failed;
   }
+  return exit_done;
 }
 
 /// False when there is no `man`.
@@ -225,8 +234,7 @@ int man(const Arguments& arguments) {
   if (!values) return exit_done;
   if (values->count("write")) {
     if (values->count("PAGE")) throw UsageError("--write writes all pages: leave the name out");
-    writeAll((*values)["write"].as<std::string>());
-    return exit_done;
+    return writeAll((*values)["write"].as<std::string>());
   }
   const std::string name = values->count("PAGE") ? (*values)["PAGE"].as<std::string>() : "stroma";
   const std::vector<Page> all = pages();
