@@ -9,6 +9,7 @@
 
 #include "framework/scene/output_file.h"
 #include "framework/simulation/long_work.h"
+#include "tools/command/measured_end.h"
 #include "tools/command/progress.h"
 #include "tools/command/recorder.h"
 #include "tools/command/run_outcome.h"
@@ -144,6 +145,9 @@ int run(const Arguments& arguments) {
   Simulation& simulation = session.load(request.scene);
   simulation.computeOnDemand(true);
   std::vector<std::string> warnings = reportProblems(simulation.scene(), request.quiet);
+  if (!request.measure_file.empty()) simulation.dropObservers();
+  std::optional<MeasuredQuantity> measured;
+  if (!request.measured_quantity.empty()) measured.emplace(simulation, request.measured_quantity);
   const std::string checkpoint = request.checkpointToGoOnFrom();
   if (request.resume && checkpoint.empty() && !request.quiet)
     fmt::print(stderr, "note: there is no checkpoint in {} yet: the run starts anew\n", request.record_folder);
@@ -160,6 +164,8 @@ int run(const Arguments& arguments) {
   if (request.recordsIn()) recorder.emplace(session, request.record_folder, request.record_every);
   Outcome outcome = loop(session, steps, request, recorder ? &*recorder : nullptr, !checkpoint.empty());
   finish(session, request, recorder, outcome);
+  if (!request.measure_file.empty())
+    attempt(outcome, [&] { writeMeasuredEnd(simulation, measured ? &*measured : nullptr, request.measure_file); });
   const bool doubts = tellWarnings(outcome.statistics, simulation.doubts(), warnings);
   outcome.doubted = request.strict && (doubts || !outcome.statistics.unconverged.none());
   if (wants_json) {

@@ -60,6 +60,10 @@ OptionList runOptions() {
       ("replay", po::value<std::string>()->value_name("FILE"), "do again what the file of actions says")       //
       ("json", po::value<std::string>()->implicit_value("-")->value_name("FILE"),
        "print the summary as JSON; --json=FILE writes it to a file")    //
+      ("measure", po::value<std::string>()->value_name("FILE"),
+       "as `stroma sweep` does: no exporter writes, and the shapes and cells of the end go to this file")  //
+      ("measure-value", po::value<std::string>()->value_name("PATH.NAME[:NODES]"),
+       "a quantity whose mean at the end goes to the file too")  //
       ("strict", "a result in doubt is none: the exit code is then 3")  //
       ("quiet,q", "no progress, no notes");
   addSceneOptions(options);
@@ -81,6 +85,9 @@ RunRequest::RunRequest(const Values& values)
   if (values.count("until")) until = values["until"].as<double>();
   if (values.count("record")) record_folder = values["record"].as<std::string>();
   if (values.count("json")) json_file = values["json"].as<std::string>();
+  if (values.count("measure")) measure_file = values["measure"].as<std::string>();
+  if (values.count("measure-value")) measured_quantity = values["measure-value"].as<std::string>();
+  if (!measured_quantity.empty() && measure_file.empty()) throw UsageError("--measure-value needs --measure FILE");
   if (values.count("restart")) restart_file = values["restart"].as<std::string>();
   if (values.count("replay")) replay_file = values["replay"].as<std::string>();
   if (steps && until) throw UsageError("-n and --until exclude each other");
@@ -127,6 +134,7 @@ void checkOutputs(const RunRequest& request, const Simulation& simulation) {
     for (const std::string& file : recordedFiles(simulation, request.record_folder))
       outputs.push_back({file, "--record", file.ends_with(".checkpoint")});
   if (!request.json_file.empty() && request.json_file != "-") outputs.push_back({request.json_file, "--json", true});
+  if (!request.measure_file.empty()) outputs.push_back({request.measure_file, "--measure", true});
   std::vector<FileUse> all = outputsOf(simulation);
   all.insert(all.end(), outputs.begin(), outputs.end());
   if (!request.recordsIn())  // nobody knows yet whether they will be needed

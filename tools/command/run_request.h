@@ -12,6 +12,7 @@ namespace stroma::command {
 
 struct RunRequest {
   std::string scene, record_folder, restart_file, replay_file, json_file;
+  std::string measure_file, measured_quantity;  ///< for `stroma sweep`
   std::optional<long> steps;
   std::optional<double> until;
   long record_every = 1, checkpoint_every = 0;  ///< [steps]; 0: never
