@@ -15,20 +15,7 @@ namespace {
 
 using namespace stroma::bench;
 
-constexpr const char* help =
-    "usage: stroma bench [options]\n\n"
-    "Measures the limits of this machine and, as shares of them, what Stroma does: products, forces, assembly, whole "
-    "steps,\nstart-up. Prints a table; never fails because something was slow.\n\n"
-    "  --json FILE              write everything, each repetition too\n"
-    "  --scenes DIR             the folder that holds benchmarks/, examples/ and meshes/\n"
-    "  --accuracy [--csv FILE]  error against run time of a cantilever instead\n"
-    "  --benchmark_filter=EXPR  only the figures that match, as in --benchmark_filter=step; so every option of Google\n"
-    "                           Benchmark (--benchmark_list_tests, --benchmark_repetitions=N, "
-    "--benchmark_min_time=S)\n\n"
-    "examples:\n"
-    "  stroma bench\n"
-    "  stroma bench --benchmark_filter='product|force' --json figures.json\n"
-    "  stroma bench --accuracy --csv cantilever.csv\n";
+constexpr const char* help = "stroma-bench does the work of `stroma bench`: `stroma bench --help` lists the options\n";
 
 class UsageError : public std::runtime_error {
  public:

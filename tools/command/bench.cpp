@@ -4,15 +4,42 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
 
-#include "tools/command/command.h"
+#include "tools/command/options.h"
+
+namespace po = boost::program_options;
 
 namespace stroma::command {
+namespace {
+
+const Manual manual{
+    "stroma bench [options]",
+    "Measures the limits of this machine and, as shares of them, what Stroma does: products, forces, assembly, whole "
+    "steps,\nstart-up. Prints a table; never fails because something was slow. Every option of Google Benchmark is "
+    "passed on, as\n--benchmark_list_tests and --benchmark_repetitions=N.",
+    "  stroma bench\n"
+    "  stroma bench --benchmark_filter='product|force' --json figures.json\n"
+    "  stroma bench --accuracy --csv cantilever.csv\n"};
+
+CommandLine line() {
+  const auto text = [](const char* word) { return po::value<std::string>()->value_name(word); };
+  OptionList options("options");
+  options.add_options()                                                                                  //
+      ("json", text("FILE"), "write everything, each repetition too")                                    //
+      ("scenes", text("DIR"), "the folder that holds benchmarks/, examples/ and meshes/")                //
+      ("accuracy", "error against run time of a cantilever instead")                                     //
+      ("csv", text("FILE"), "with --accuracy: write the figures to a file")                              //
+      ("benchmark_filter", text("EXPR"), "only the figures that match, as in --benchmark_filter=step");  //
+  return {manual, options, {}};
+}
 
 int bench(const Arguments& arguments) {
+  const auto asksForHelp = [](const std::string& word) { return word == "--help" || word == "-h"; };
+  if (std::ranges::any_of(arguments, asksForHelp)) return parseOptions(line(), {"--help"}), exit_done;
   const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe").parent_path() / "stroma-bench";
   std::string name = program.string();
   std::vector<std::string> copies = arguments;
@@ -22,5 +49,9 @@ int bench(const Arguments& arguments) {
   execv(name.c_str(), values.data());
   throw UsageError(fmt::format("cannot start {} ({}): build the target stroma-bench", name, std::strerror(errno)));
 }
+
+}  // namespace
+
+const Subcommand bench_command{"bench", "measure the speed of the kernels and solvers", Group::checks, bench, line};
 
 }  // namespace stroma::command

@@ -63,13 +63,15 @@ std::string counts(const Simulation& simulation) {
 
 void print(const Json& json) { fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace)); }
 
-}  // namespace
-
-int check(const Arguments& arguments) {
+CommandLine line() {
   OptionList options("options");
   options.add_options()("json", "print the problems as JSON");
   addSceneOptions(options);
-  const auto values = parseOptions(manual, options, {"SCENE"}, arguments);
+  return {manual, options, {"SCENE"}};
+}
+
+int check(const Arguments& arguments) {
+  const auto values = parseOptions(line(), arguments);
   if (!values) return exit_done;
   const std::string scene = required(*values, "SCENE", manual);
   const bool json = values->count("json") > 0;
@@ -99,5 +101,10 @@ int check(const Arguments& arguments) {
   print(report(scene, false, problems));
   return exit_bad_input;
 }
+
+}  // namespace
+
+const Subcommand check_command{"check", "report every problem of a scene without running it", Group::scenes, check,
+                               line};
 
 }  // namespace stroma::command

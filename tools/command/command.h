@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The subcommands of `stroma`, one .cpp each.
 #pragma once
+#include <span>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace stroma::command {
@@ -20,20 +22,35 @@ enum ExitCode : int {
 
 using Arguments = std::vector<std::string>;  ///< what follows the subcommand
 
+/// What --help, shell completion and the manual say of a subcommand's arguments (options.h).
+struct CommandLine;
+
+/// Where `stroma --help` lists a subcommand. The order is that of the list.
+enum class Group { runs, scenes, checks, command, hidden };
+
+/// One subcommand, defined in its own .cpp.
+struct Subcommand {
+  const char* name;
+  const char* purpose;  ///< half a line
+  Group group;
+  int (*call)(const Arguments& arguments);
+  CommandLine (*line)();
+};
+
 /// A mistake in the arguments: a sentence for the user, exit code 2.
 class UsageError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-int run(const Arguments& arguments);
-int check(const Arguments& arguments);
-int explain(const Arguments& arguments);
-int list(const Arguments& arguments);
-int doc(const Arguments& arguments);
-int regress(const Arguments& arguments);
-int mesh(const Arguments& arguments);
-int bench(const Arguments& arguments);
-int view(const Arguments& arguments);
+extern const Subcommand run_command, view_command;
+extern const Subcommand check_command, explain_command, list_command, doc_command, mesh_command;
+extern const Subcommand regress_command, bench_command;
+
+/// The one table of subcommands (subcommands.cpp): a new one is a line in it and a declaration above. Help, completion and
+/// the manual follow.
+std::span<const Subcommand* const> subcommands();
+/// Null when there is none.
+const Subcommand* findSubcommand(std::string_view name);
 
 }  // namespace stroma::command

@@ -65,13 +65,15 @@ void printAttributes(const Component& component) {
   if (!shorthands.empty()) fmt::print("  shorthands: {}\n", fmt::join(shorthands, ", "));
 }
 
-}  // namespace
-
-int doc(const Arguments& arguments) {
+CommandLine line() {
   OptionList options("options");
   options.add_options()("module", po::value<std::vector<std::string>>()->value_name("FILE.so"),
                         "open a module of components by its path; may be repeated");
-  const auto values = parseOptions(manual, options, {"NAME"}, arguments);
+  return {manual, options, {"NAME"}};
+}
+
+int doc(const Arguments& arguments) {
+  const auto values = parseOptions(line(), arguments);
   if (!values) return exit_done;
   const std::string given = required(*values, "NAME", manual);
   Session session;
@@ -87,5 +89,9 @@ int doc(const Arguments& arguments) {
   printAttributes(*component);
   return exit_done;
 }
+
+}  // namespace
+
+const Subcommand doc_command{"doc", "print the manual page of a component", Group::scenes, doc, line};
 
 }  // namespace stroma::command

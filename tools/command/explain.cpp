@@ -17,12 +17,14 @@ std::string names(const std::vector<std::string>& list) {
   return list.empty() ? "none" : fmt::format("{}", fmt::join(list, ", "));
 }
 
-}  // namespace
-
-int explain(const Arguments& arguments) {
+CommandLine line() {
   OptionList options("options");
   addSceneOptions(options);
-  const auto values = parseOptions(manual, options, {"SCENE"}, arguments);
+  return {manual, options, {"SCENE"}};
+}
+
+int explain(const Arguments& arguments) {
+  const auto values = parseOptions(line(), arguments);
   if (!values) return exit_done;
   Session session;
   configure(session, *values);
@@ -34,5 +36,10 @@ int explain(const Arguments& arguments) {
   fmt::print("threads: {}\n", threads());
   return exit_done;
 }
+
+}  // namespace
+
+const Subcommand explain_command{"explain", "print the compiled plan: what each step does, what was skipped and why",
+                                 Group::scenes, explain, line};
 
 }  // namespace stroma::command

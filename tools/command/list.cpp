@@ -20,11 +20,10 @@ bool contains(const std::string& text, const std::string& pattern) {
   return std::search(text.begin(), text.end(), pattern.begin(), pattern.end(), same) != text.end();
 }
 
-}  // namespace
+CommandLine line() { return {manual, OptionList("options"), {"PATTERN"}}; }
 
 int list(const Arguments& arguments) {
-  const OptionList options("options");
-  const auto values = parseOptions(manual, options, {"PATTERN"}, arguments);
+  const auto values = parseOptions(line(), arguments);
   if (!values) return exit_done;
   const std::string pattern = values->count("PATTERN") ? (*values)["PATTERN"].as<std::string>() : "";
   Session session;
@@ -51,5 +50,9 @@ int list(const Arguments& arguments) {
     fmt::print("{:{}}  {:{}}  {}\n", entry.type, type_width, entry.module, module_width, entry.help);
   return exit_done;
 }
+
+}  // namespace
+
+const Subcommand list_command{"list", "list the components, or those that match a pattern", Group::scenes, list, line};
 
 }  // namespace stroma::command

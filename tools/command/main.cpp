@@ -4,8 +4,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
 #include <csignal>
 #include <cstdio>
 
@@ -16,28 +14,10 @@ namespace {
 
 using namespace stroma::command;
 
-struct Subcommand {
-  const char* name;
-  int (*call)(const Arguments&);
-  const char* purpose;
-};
-
-constexpr std::array<Subcommand, 9> subcommands{{
-    {"run", run, "simulate a scene"},
-    {"check", check, "report every problem of a scene without running it"},
-    {"view", view, "show a scene in the browser while it runs, and reach into it"},
-    {"explain", explain, "print the compiled plan: what each step does, what was skipped and why"},
-    {"list", list, "list the components, or those that match a pattern"},
-    {"doc", doc, "print the manual page of a component"},
-    {"regress", regress, "run scenes and compare their states with stored ones"},
-    {"mesh", mesh, "make a tetrahedral mesh from a segmented image or a closed surface"},
-    {"bench", bench, "measure the speed of the kernels and solvers"},
-}};
-
 void printHelp(std::FILE* stream) {
   fmt::print(stream, "stroma {}: soft tissue from an XML scene\n\nusage: stroma SUBCOMMAND ...\n\n", STROMA_VERSION);
-  for (const Subcommand& subcommand : subcommands)
-    fmt::print(stream, "  {:8} {}\n", subcommand.name, subcommand.purpose);
+  for (const Subcommand* subcommand : subcommands())
+    if (subcommand->group != Group::hidden) fmt::print(stream, "  {:8} {}\n", subcommand->name, subcommand->purpose);
   fmt::print(
       stream,
       "\n`stroma SUBCOMMAND --help` prints its options and examples.\n"
@@ -47,10 +27,10 @@ void printHelp(std::FILE* stream) {
 }
 
 int dispatch(const std::string& name, const Arguments& arguments) {
-  const auto found = std::ranges::find(subcommands, name, &Subcommand::name);
-  if (found != subcommands.end()) return found->call(arguments);
+  if (const Subcommand* subcommand = findSubcommand(name)) return subcommand->call(arguments);
   std::vector<std::string> names;
-  for (const Subcommand& subcommand : subcommands) names.emplace_back(subcommand.name);
+  for (const Subcommand* subcommand : subcommands())
+    if (subcommand->group != Group::hidden) names.emplace_back(subcommand->name);
   const std::string near = stroma::nearest(name, names);
   throw UsageError(fmt::format("there is no subcommand '{}' ({})", name,
                                near.empty() ? fmt::format("expected one of: {}", fmt::join(names, ", "))

@@ -230,8 +230,6 @@ Meshed meshSurface(MeshRequest& request) {
   return out;
 }
 
-}  // namespace
-
 int mesh(const Arguments& arguments) {
   std::optional<MeshRequest> request = readMeshRequest(arguments);
   if (!request) return exit_done;
@@ -246,5 +244,10 @@ int mesh(const Arguments& arguments) {
   printMeshReport(*request, meshed, quality);
   return exit_done;
 }
+
+}  // namespace
+
+const Subcommand mesh_command{"mesh", "make a tetrahedral mesh from a segmented image or a closed surface",
+                              Group::scenes, mesh, meshLine};
 
 }  // namespace stroma::command

@@ -159,8 +159,10 @@ const char* MeshRequest::surfaceLoader() const {
   return input.ends_with(".vtk") || input.ends_with(".vtp") ? "MeshVTKLoader" : nullptr;
 }
 
+CommandLine meshLine() { return {manual, optionList(), {"INPUT"}}; }
+
 std::optional<MeshRequest> readMeshRequest(const Arguments& arguments) {
-  const auto values = parseOptions(manual, optionList(), {"INPUT"}, arguments);
+  const auto values = parseOptions(meshLine(), arguments);
   if (!values) return {};
   return readRequest(*values);
 }

@@ -23,6 +23,8 @@ struct MeshRequest {
   const char* surfaceLoader() const;
 };
 
+CommandLine meshLine();
+
 /// None when only the manual was wanted. Throws UsageError.
 std::optional<MeshRequest> readMeshRequest(const Arguments& arguments);
 

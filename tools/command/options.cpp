@@ -11,7 +11,6 @@
 namespace po = boost::program_options;
 
 namespace stroma::command {
-namespace {
 
 std::string helpText(const Manual& manual, const OptionList& options) {
   std::ostringstream text;
@@ -21,6 +20,8 @@ std::string helpText(const Manual& manual, const OptionList& options) {
        << manual.examples;
   return text.str();
 }
+
+namespace {
 
 std::string unknownOption(const std::string& given, const OptionList& options, const Manual& manual) {
   std::vector<std::string> names{"--help"};
@@ -59,6 +60,10 @@ std::optional<Values> parseOptions(const Manual& manual, const OptionList& optio
   if (!values.count("help")) return values;
   fmt::print("{}", helpText(manual, options));
   return std::nullopt;
+}
+
+std::optional<Values> parseOptions(const CommandLine& line, const Arguments& arguments) {
+  return parseOptions(line.manual, line.options, line.positions, arguments);
 }
 
 std::string required(const Values& values, const std::string& name, const Manual& manual) {

@@ -20,10 +20,23 @@ struct Manual {
   std::string examples;  ///< lines
 };
 
+/// What a subcommand takes. The name of a value says how a shell completes it: DIR or FOLDER is a folder, FILE a file,
+/// FILE.html one that ends so, PATH.ATTR=VALUE an attribute of the scene on the line, and a|b one of these words.
+struct CommandLine {
+  Manual manual;
+  OptionList options;                  ///< without --help, which all have
+  std::vector<std::string> positions;  ///< names of the positional arguments, in order
+};
+
 /// The values of `options` and of the positional arguments `positions` (the names of options declared hidden). Prints
 /// the help and returns nothing when it was asked for. Throws UsageError with the nearest right option.
 std::optional<Values> parseOptions(const Manual& manual, const OptionList& options,
                                    const std::vector<std::string>& positions, const Arguments& arguments);
+
+std::optional<Values> parseOptions(const CommandLine& line, const Arguments& arguments);
+
+/// The --help of a subcommand.
+std::string helpText(const Manual& manual, const OptionList& options);
 
 /// The positional argument `name`, or a UsageError that names what is missing.
 std::string required(const Values& values, const std::string& name, const Manual& manual);

@@ -238,10 +238,10 @@ std::vector<Result> runList(const RegressionList& list, const Values& values) {
   return results;
 }
 
-}  // namespace
+CommandLine line() { return {manual, regressOptions(), {"LIST"}}; }
 
 int regress(const Arguments& arguments) {
-  const auto values = parseOptions(manual, regressOptions(), {"LIST"}, arguments);
+  const auto values = parseOptions(line(), arguments);
   if (!values) return exit_done;
   const RegressionList list = readRegressionList(required(*values, "LIST", manual));
   const bool update = values->count("update") > 0;
@@ -258,5 +258,10 @@ int regress(const Arguments& arguments) {
   if (values->count("junit")) writeJunit("stroma regress", junitCases(results), (*values)["junit"].as<std::string>());
   return failed == 0 ? exit_done : exit_comparison_failed;
 }
+
+}  // namespace
+
+const Subcommand regress_command{"regress", "run scenes and compare their states with stored ones", Group::checks,
+                                 regress, line};
 
 }  // namespace stroma::command

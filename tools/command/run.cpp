@@ -132,8 +132,6 @@ void finish(Session& session, const RunRequest& request, std::optional<Recorder>
     tellFailure(outcome, session.simulation(), recorder ? recorder->files() : std::vector<std::string>{"no file"});
 }
 
-}  // namespace
-
 int run(const Arguments& arguments) {
   const auto start = Clock::now();
   const auto values = parseRunOptions(arguments);
@@ -187,5 +185,9 @@ int run(const Arguments& arguments) {
   for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, SIG_DFL);  // the session ends here
   return outcome.exitCode();
 }
+
+}  // namespace
+
+const Subcommand run_command{"run", "simulate a scene", Group::runs, run, runLine};
 
 }  // namespace stroma::command

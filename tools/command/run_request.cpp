@@ -72,9 +72,9 @@ OptionList runOptions() {
 
 }  // namespace
 
-std::optional<Values> parseRunOptions(const Arguments& arguments) {
-  return parseOptions(manual, runOptions(), {"SCENE"}, arguments);
-}
+CommandLine runLine() { return {manual, runOptions(), {"SCENE"}}; }
+
+std::optional<Values> parseRunOptions(const Arguments& arguments) { return parseOptions(runLine(), arguments); }
 
 RunRequest::RunRequest(const Values& values)
     : scene(required(values, "SCENE", manual)),

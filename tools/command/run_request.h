@@ -32,6 +32,8 @@ struct RunRequest {
   void readInterval(const Values& values, const std::string& option, long& interval) const;
 };
 
+CommandLine runLine();
+
 /// Empty when the user asked for help, and got it.
 std::optional<Values> parseRunOptions(const Arguments& arguments);
 

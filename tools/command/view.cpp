@@ -186,8 +186,6 @@ void leaveOutputs(const ViewCommand& command, Simulation& simulation) {
                left.size() == 1 ? "s" : "");
 }
 
-}  // namespace
-
 int view(const Arguments& arguments) {
   const auto values = parseViewOptions(arguments);
   if (!values) return exit_done;
@@ -207,5 +205,10 @@ int view(const Arguments& arguments) {
   checkOutputs(command, simulation);
   return command.exports ? exportPage(command, session, *viewer) : serve(command, session, *viewer);
 }
+
+}  // namespace
+
+const Subcommand view_command{"view", "show a scene in the browser while it runs, and reach into it", Group::runs, view,
+                              viewLine};
 
 }  // namespace stroma::command

@@ -139,9 +139,9 @@ std::string sceneOf(const std::string& folder) {
 
 }  // namespace
 
-std::optional<Values> parseViewOptions(const Arguments& arguments) {
-  return parseOptions(manual, viewOptions(), {"SCENE"}, arguments);
-}
+CommandLine viewLine() { return {manual, viewOptions(), {"SCENE"}}; }
+
+std::optional<Values> parseViewOptions(const Arguments& arguments) { return parseOptions(viewLine(), arguments); }
 
 ViewCommand::ViewCommand(const Values& values)
     : scene(required(values, "SCENE", manual)),

@@ -28,6 +28,8 @@ struct ViewCommand {
   std::string actionsFile() const;  ///< what was done by hand, in the folder that is recorded in
 };
 
+CommandLine viewLine();
+
 /// Empty when the user asked for help, and got it.
 std::optional<Values> parseViewOptions(const Arguments& arguments);
 

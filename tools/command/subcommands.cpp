@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The one table of subcommands, in the order of the help.
+#include <algorithm>
+#include <array>
+
+#include "tools/command/command.h"
+
+namespace stroma::command {
+
+std::span<const Subcommand* const> subcommands() {
+  static constexpr std::array table{
+      &run_command,     &view_command,                                                 // run and see
+      &check_command,   &explain_command, &list_command, &doc_command, &mesh_command,  // make scenes
+      &regress_command, &bench_command,                                                // compare and measure
+  };
+  return table;
+}
+
+const Subcommand* findSubcommand(std::string_view name) {
+  const auto table = subcommands();
+  const auto found = std::ranges::find(table, name, [](const Subcommand* one) { return std::string_view(one->name); });
+  return found == table.end() ? nullptr : *found;
+}
+
+}  // namespace stroma::command
