@@ -81,14 +81,12 @@ const Mesh* volumeMeshOf(const Simulation& simulation, const State& state) {
     for (const ForceField* field : system->forceFields()) {
       if (&field->state() != &state) continue;
       const Data* link = field->data().find("topology");
-      const auto* given =
-          link && link->link() ? dynamic_cast<const Topology*>(link->link()->target()) : nullptr;
+      const auto* given = link && link->link() ? dynamic_cast<const Topology*>(link->link()->target()) : nullptr;
       if (!given) try {
           given = findTopology(*field, state, Link<Topology>("topology"));
         } catch (const ComponentError&) {  // none fits: the field needs none
         }
-      if (given && given->mesh().nodes() == state.size() && highestDimension(given->mesh()) == 3)
-        return &given->mesh();
+      if (given && given->mesh().nodes() == state.size() && highestDimension(given->mesh()) == 3) return &given->mesh();
     }
   const Topology* own = topologyOf(state);
   return own && highestDimension(own->mesh()) == 3 ? &own->mesh() : nullptr;
@@ -141,7 +139,8 @@ void MeasuredQuantity::failName(const Component& component, const std::string& n
   std::vector<std::string> names = component.data().names();
   if (const auto* field = dynamic_cast<const ForceField*>(&component))
     for (const std::string& cell_field : field->cellFields()) names.push_back(cell_field);
-  if (dynamic_cast<const State*>(&component)) names.insert(names.end(), std::begin(state_quantities), std::end(state_quantities));
+  if (dynamic_cast<const State*>(&component))
+    names.insert(names.end(), std::begin(state_quantities), std::end(state_quantities));
   const std::string near = nearest(name, names);
   throw ComponentError(fmt::format("{} has no quantity {}{}", component.path(), name,
                                    near.empty() ? "" : fmt::format("; did you mean '{}'?", near)));

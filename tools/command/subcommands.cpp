@@ -11,7 +11,7 @@ std::span<const Subcommand* const> subcommands() {
   static constexpr std::array table{
       &run_command,     &view_command,                                                 // run and see
       &check_command,   &explain_command, &list_command, &doc_command, &mesh_command,  // make scenes
-      &regress_command, &bench_command,                                                // compare and measure
+      &regress_command, &sweep_command,   &bench_command,                                                // compare and measure
   };
   return table;
 }

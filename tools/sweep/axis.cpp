@@ -59,10 +59,9 @@ Axis axisOf(const std::vector<Variation>& together, const std::string& text) {
   Axis axis;
   for (const Variation& variation : together) {
     if (variation.values.size() != together.front().values.size())
-      throw std::invalid_argument(
-          fmt::format("--zip {}: {} has {} values and {} has {}: expected as many of each", inQuotes(text),
-                      together.front().attribute, together.front().values.size(), variation.attribute,
-                      variation.values.size()));
+      throw std::invalid_argument(fmt::format(
+          "--zip {}: {} has {} values and {} has {}: expected as many of each", inQuotes(text),
+          together.front().attribute, together.front().values.size(), variation.attribute, variation.values.size()));
     axis.attributes.push_back(variation.attribute);
     axis.values.resize(variation.values.size());
     for (std::size_t k = 0; k < variation.values.size(); ++k) axis.values[k].push_back(variation.values[k]);

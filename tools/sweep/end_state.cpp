@@ -86,8 +86,7 @@ EndState EndState::read(const std::string& file) {
     }
     return end;
   } catch (const std::runtime_error& error) {
-    throw std::runtime_error(
-        fmt::format("{} is not what `stroma run --measure` writes: {}", file, error.what()));
+    throw std::runtime_error(fmt::format("{} is not what `stroma run --measure` writes: {}", file, error.what()));
   }
 }
 
