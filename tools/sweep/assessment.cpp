@@ -126,7 +126,7 @@ AxisEstimate Assessor::estimate(std::size_t axis, const Line& line, Values& limi
   const auto apart = [&](std::size_t a, std::size_t b) { return measure_.distance(*u[a], *u[b], points_); };
   if (s.size() < 2) return result;
   const double next = apart(0, 1);
-  result.uncertainty = next, result.how = "difference to the next finest";
+  result.uncertainty = result.expected = next, result.how = "difference to the next finest";
   if (!axes_[axis].hasOrder() || s.size() < 3 || next == 0) return result;
   const auto correctionFrom = [&](std::size_t first) -> std::optional<std::pair<double, Values>> {
     const auto order =
@@ -147,13 +147,14 @@ AxisEstimate Assessor::estimate(std::size_t axis, const Line& line, Values& limi
   const bool extrapolates = request_.reference == "extrapolated";
   const auto coarse = s.size() >= 4 && extrapolates ? correctionFrom(1) : std::nullopt;
   if (!extrapolates) {
-    result.uncertainty = safety * correction;
+    result.uncertainty = safety * correction, result.expected = correction;
     result.how = "1.25 times the correction to size zero";
   } else if (coarse) {
     result.uncertainty = measure_.distance(sum(*u[0], limit), sum(*u[1], coarse->second), points_);
+    result.expected = result.uncertainty;
     result.how = "difference to the extrapolation without the finest";
   } else {
-    result.uncertainty = (safety - 1) * correction;
+    result.uncertainty = result.expected = (safety - 1) * correction;
     result.how = "a quarter of the correction to size zero";
   }
   return result;
@@ -168,7 +169,7 @@ void Assessor::settleReference(std::vector<Entry>& entries, Entry& run, Assessme
     Values limit;
     AxisEstimate estimated = estimate(a, lineAlong(a, entries, *finest, run), limit);
     if (estimated.how.empty()) continue;
-    assessment.uncertainty += estimated.uncertainty;
+    assessment.uncertainty += estimated.uncertainty, assessment.expected += estimated.expected;
     if (request_.reference == "extrapolated" && !limit.empty()) reference_ = sum(reference_, limit), corrected = true;
     assessment.axes.push_back(std::move(estimated));
   }
@@ -193,8 +194,8 @@ void Assessor::distances(std::vector<Entry>& entries, Assessment& assessment) {
   const double magnitude = comparesOnOwnMesh() ? 1 : measure_.norm(reference_, points_);
   assessment.is_relative = magnitude > 0;
   const double scale = assessment.is_relative ? magnitude : 1;
-  assessment.uncertainty /= scale;
-  for (AxisEstimate& axis : assessment.axes) axis.uncertainty /= scale;
+  assessment.uncertainty /= scale, assessment.expected /= scale;
+  for (AxisEstimate& axis : assessment.axes) axis.uncertainty /= scale, axis.expected /= scale;
   for (Entry& entry : entries) {
     if (!entry.runs.isGood()) continue;
     try {
@@ -203,7 +204,7 @@ void Assessor::distances(std::vector<Entry>& entries, Assessment& assessment) {
       entry.outside = sample.outside, entry.farthest = sample.farthest;
       entry.error =
           sample.own_error ? *sample.own_error : measure_.distance(sample.values, reference_, points_) / scale;
-      if (entry.is_reference) entry.error = assessment.uncertainty;
+      if (entry.is_reference) entry.error = assessment.expected;
     } catch (const std::runtime_error& problem) {
       entry.runs.outcome = "not comparable", entry.runs.failure = problem.what();
     }
@@ -231,18 +232,18 @@ Assessment Assessor::assess(std::vector<Entry>& entries) {
     settleReference(entries, *run, assessment);
   }
   distances(entries, assessment);
-  markFront(entries, assessment.uncertainty);
+  markFront(entries, assessment.expected);
   return assessment;
 }
 
-void markFront(std::vector<Entry>& entries, double uncertainty) {
+void markFront(std::vector<Entry>& entries, double expected) {
   std::vector<Entry*> order;
   for (Entry& entry : entries)
     if (entry.error && entry.runs.isGood() && !entry.configuration.isExtraReference()) order.push_back(&entry);
   std::ranges::stable_sort(order, {}, [](const Entry* entry) { return entry->runs.medianOf(&Repetition::seconds); });
   double best = std::numeric_limits<double>::infinity();
   for (Entry* entry : order) {
-    const double error = std::max(*entry->error, uncertainty);
+    const double error = std::max(*entry->error, expected);
     entry->on_front = error < best;
     best = std::min(best, error);
   }

@@ -31,12 +31,14 @@ struct AxisEstimate {
   std::size_t axis = 0;
   std::optional<double> order;  ///< fitted
   double uncertainty = 0;       ///< that this axis leaves to the reference, as the errors
+  double expected = 0;          ///< the same without a margin of safety
   std::string how;              ///< half a sentence
 };
 
 struct Assessment {
   std::string reference;    ///< half a sentence: what the errors are measured against
   double uncertainty = 0;   ///< of the reference, and so of every error
+  double expected = 0;      ///< the reference's own error as it is estimated, without a margin of safety
   bool is_relative = true;  ///< errors are shares of the reference's norm; else they have its unit
   std::vector<AxisEstimate> axes;
   std::vector<std::string> notes;
@@ -82,9 +84,9 @@ class Assessor {
   std::unordered_map<std::string, Sample> samples_;  ///< by keys
 };
 
-/// Marks the entries that no other one beats in time to the end and error. Errors below the uncertainty count as it:
-/// nobody can tell them apart.
-void markFront(std::vector<Entry>& entries, double uncertainty);
+/// Marks the entries that no other one beats in time to the end and error. Errors below `expected`, the reference's own,
+/// count as it: nobody can tell them apart.
+void markFront(std::vector<Entry>& entries, double expected);
 
 /// The finest good entry of the grid, or null.
 const Entry* finestOf(const std::vector<Axis>& axes, const std::vector<Entry>& entries);

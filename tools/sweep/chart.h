@@ -29,6 +29,7 @@ struct Chart {
   std::vector<ChartPoint> front;    ///< joined by a broad line
   std::vector<ChartPoint> without;  ///< no result: marked at the top edge, at their x
   double uncertainty = 0;           ///< of y: below it a band
+  double least = 0;                 ///< of y: what lies below is drawn at the lower edge
 };
 
 /// `standalone`: a file of its own, with its colours in it. Otherwise the page that holds it gives the classes theirs.

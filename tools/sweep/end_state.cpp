@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <iterator>
@@ -37,13 +38,6 @@ std::vector<Cell> cellsIn(const ValueLists& values, const std::string& name, std
 
 }  // namespace
 
-double Body::volume() const {
-  double volume = 0;
-  for (const Tetrahedron& cell : tetrahedra) volume += cell_kinds::tetrahedron.size(cornersOf(cell, rest).data());
-  for (const Hexahedron& cell : hexahedra) volume += cell_kinds::hexahedron.size(cornersOf(cell, rest).data());
-  return volume;
-}
-
 std::size_t EndState::nodes() const {
   std::size_t nodes = 0;
   for (const Body& body : bodies) nodes += body.rest.size();
@@ -57,9 +51,22 @@ std::size_t EndState::cells() const {
 }
 
 double EndState::spacing() const {
-  double volume = 0;
-  for (const Body& body : bodies) volume += body.volume();
-  return cells() == 0 ? 0 : std::cbrt(std::abs(volume) / double(cells()));
+  double sum = 0, volume = 0;
+  const auto add = [&](const CellKind& kind, const auto& cells, const std::vector<Vec3>& rest) {
+    for (const auto& cell : cells) {
+      const auto corners = cornersOf(cell, rest);
+      const double size = std::abs(kind.size(corners.data()));
+      double longest = 0;
+      for (const auto& [a, b] : kind.edges)
+        longest = std::max(longest, (corners[std::size_t(a)] - corners[std::size_t(b)]).norm());
+      sum += size * longest, volume += size;
+    }
+  };
+  for (const Body& body : bodies) {
+    add(cell_kinds::tetrahedron, body.tetrahedra, body.rest);
+    add(cell_kinds::hexahedron, body.hexahedra, body.rest);
+  }
+  return volume > 0 ? sum / volume : 0;
 }
 
 EndState EndState::read(const std::string& file) {

@@ -17,7 +17,6 @@ struct Body {
   std::vector<Hexahedron> hexahedra;
 
   std::size_t cells() const { return tetrahedra.size() + hexahedra.size(); }
-  double volume() const;  ///< at rest [m^3]
 };
 
 struct EndState {
@@ -28,7 +27,7 @@ struct EndState {
 
   std::size_t nodes() const;
   std::size_t cells() const;
-  /// Spacing of the mesh [m]: the edge of the cube that has the mean volume of a cell; 0 without cells.
+  /// Spacing of the mesh [m]: the mean of the longest edges of the cells, by their volumes; 0 without cells.
   double spacing() const;
   /// Throws std::runtime_error with a sentence.
   static EndState read(const std::string& file);

@@ -37,8 +37,8 @@ struct Trial {
   std::size_t axis = 0, value = 0;
   Configuration configuration;
   int exit_code = -1;
-  std::string messages;
-  std::optional<EndState> end;
+  std::string messages{};
+  std::optional<EndState> end{};
 };
 
 /// The first value of all axes, then each other value of each axis with the first ones of the rest, then --reference-set.

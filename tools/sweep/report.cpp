@@ -22,7 +22,7 @@ std::string timeText(double seconds) { return numberText(seconds, Numbers::secon
 std::string errorText(const Findings& findings, const Entry& entry) {
   const Assessment& assessment = findings.assessment;
   const Numbers numbers = assessment.is_relative ? Numbers::share : Numbers::plain;
-  if (*entry.error <= assessment.uncertainty) return "below " + numberText(assessment.uncertainty, numbers);
+  if (entry.is_reference && assessment.expected > 0) return "about " + numberText(*entry.error, numbers);
   return numberText(*entry.error, numbers);
 }
 

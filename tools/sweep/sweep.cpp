@@ -189,8 +189,7 @@ class Sweep {
       fmt::print("\n{:>12}  {:>12}  the front: nothing is both faster and more accurate\n", "time", "error");
     for (const Entry* entry : front)
       fmt::print("{:>12}  {:>12}  {}\n", numberText(entry->runs.medianOf(&Repetition::seconds), Numbers::seconds),
-                 (*entry->error <= assessment_.uncertainty ? "< " : "") +
-                     numberText(std::max(*entry->error, assessment_.uncertainty), numbers),
+                 (entry->is_reference ? "about " : "") + numberText(*entry->error, numbers),
                  nameOf(axes_, entry->configuration));
     if (!findings.goal.empty()) fmt::print("\n{}\n", findings.goal);
     if (cheapest_) fmt::print("\n  {}\n", commandLine(request_, cheapest_->configuration));

@@ -15,13 +15,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-double number(const nlohmann::json& summary, std::initializer_list<const char*> path) {
+long number(const nlohmann::json& summary, std::initializer_list<const char*> path) {
   const nlohmann::json* at = &summary;
   for (const char* key : path) {
     if (!at->is_object() || !at->contains(key)) return 0;
     at = &(*at)[key];
   }
-  return at->is_number() ? at->get<double>() : 0;
+  return at->is_number() ? at->get<long>() : 0;
 }
 
 Json settingsOf(const std::vector<Axis>& axes, const Configuration& configuration) {
@@ -128,11 +128,11 @@ std::vector<Series> seriesOf(const Findings& findings) {
       });
       std::vector<double> sizes, errors;
       for (const Entry* entry : series.entries) {
-        // an error of the size of its uncertainty tells no slope
-        if (entry->is_reference || *entry->error < 2 * findings.assessment.uncertainty) continue;
+        // an error of the size of the reference's own tells no slope
+        if (entry->is_reference || *entry->error < 2 * findings.assessment.expected) continue;
         sizes.push_back(axis.sizes[entry->configuration.choice[a]]), errors.push_back(*entry->error);
       }
-      if (axis.hasOrder()) series.order = slopeOf(sizes, errors);
+      if (axis.hasOrder() && sizes.size() >= 3) series.order = slopeOf(sizes, errors);
       all.push_back(std::move(series));
     }
   }

@@ -11,7 +11,7 @@
   const share = (value) => (data.error.relative ? `${digits(value * 100)} %` : digits(value));
   const bytes = (value) => `${digits(value / 1e6)} MB`;
   const length = (value) => (value === 0 ? '' : value < 1 ? `${digits(value * 1e3)} mm` : `${digits(value)} m`);
-  const errorOf = (row) => (row.error === null ? 'none' : row.error <= data.error.uncertainty ? `below ${share(data.error.uncertainty)}` : share(row.error));
+  const errorOf = (row) => (row.error === null ? 'none' : (row.is_reference ? 'about ' : '') + share(row.error));
 
   function element(tag, text, parent, kind) {
     const made = document.createElement(tag);
@@ -59,9 +59,9 @@
     };
     fact('outcome', row.outcome);
     if (row.sentence) fact('why', row.sentence);
-    fact('error', errorOf(row) + (row.error !== null && row.error > data.error.uncertainty && data.error.uncertainty > 0 ? ` ± ${share(data.error.uncertainty)}` : ''));
+    fact('error', errorOf(row) + (row.error !== null && data.error.uncertainty > 0 ? ` ± ${share(data.error.uncertainty)}` : ''));
     if (row.runs > 0) {
-      fact('time to the end', `${seconds(row.seconds)} (${row.runs} runs, ${seconds(row.seconds_spread)} apart)${row.disturbed ? ', disturbed' : ''}${row.timed ? '' : ', not timed'}`);
+      fact('time to the end', `${seconds(row.seconds)} (${row.runs === 1 ? 'one run' : `median of ${row.runs}, ${seconds(row.seconds_spread)} apart`})${row.disturbed ? ', disturbed' : ''}${row.timed ? '' : ', not timed'}`);
       fact('per step', seconds(row.ms_per_step / 1e3));
       fact('loading', seconds(row.load_seconds));
       fact('steps', row.steps);
