@@ -91,7 +91,8 @@ TEST(CommonPoints, WeightsAreVolumes) {
   for (const bool tetrahedra : {true, false}) {
     const Body body = cube(3, tetrahedra);
     double sum = 0;
-    for (const double weight : CommonPoints(endOf(body)).weights()) sum += weight;
+    const CommonPoints points(endOf(body));
+    for (const double weight : points.weights()) sum += weight;
     EXPECT_NEAR(sum, 1, 1e-12);
     EXPECT_NEAR(endOf(body).spacing(), (tetrahedra ? std::sqrt(3) : 1.0) / 3, 0.1);
   }

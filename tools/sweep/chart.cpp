@@ -58,7 +58,8 @@ class Drawing {
   std::vector<double> valuesOf(double ChartPoint::*value) const {
     std::vector<double> values;
     for (const ChartLine& line : chart_.lines)
-      for (const ChartPoint& point : line.points) values.push_back(value == &ChartPoint::y ? std::max(point.y, chart_.least) : point.*value);
+      for (const ChartPoint& point : line.points)
+        values.push_back(value == &ChartPoint::y ? std::max(point.y, chart_.least) : point.*value);
     if (value == &ChartPoint::x)
       for (const ChartPoint& point : chart_.without) values.push_back(point.x);
     return values;
@@ -111,7 +112,8 @@ class Drawing {
     const double y = y_.at(chart_.uncertainty);
     out_ += fmt::format("<rect class=\"band\" x=\"{}\" y=\"{:.1f}\" width=\"{}\" height=\"{:.1f}\"/>\n", left, y,
                         width - right - left, height - bottom - y);
-    put("note", left + 8, height - bottom - 7, "the reference is known to " + numberText(chart_.uncertainty, chart_.y_numbers), "start");
+    put("note", left + 8, height - bottom - 7,
+        "the reference is known to " + numberText(chart_.uncertainty, chart_.y_numbers), "start");
   }
 
   void drawLine(const ChartLine& line) {

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -20,18 +21,18 @@ template <class Cell>
 void addGaussPoints(const CellKind& kind, const std::vector<Cell>& cells, const std::vector<Vec3>& rest, int degree,
                     std::vector<Vec3>& places, std::vector<double>& weights) {
   std::array<double, most_cell_nodes> shape{};
+  std::array<LocalPoint, most_cell_nodes> slope{};
   for (const Cell& cell : cells) {
     const auto corners = cornersOf(cell, rest);
-    const QuadratureRule& rule = kind.rule(degree);
-    double all = 0;
-    for (const QuadraturePoint& point : rule.points) all += point.weight;
-    const double volume = std::abs(kind.size(corners.data()));
-    for (const QuadraturePoint& point : rule.points) {
+    for (const QuadraturePoint& point : kind.rule(degree).points) {
       kind.shapes(point.xi, shape.data());
+      kind.gradients(point.xi, slope.data());
       Vec3 x = Vec3::Zero();
-      for (std::size_t a = 0; a < cell.size(); ++a) x += shape[a] * corners[a];
+      Mat3 jacobian = Mat3::Zero();
+      for (std::size_t a = 0; a < cell.size(); ++a)
+        x += shape[a] * corners[a], jacobian += corners[a] * Vec3(slope[a].data()).transpose();
       places.push_back(x);
-      weights.push_back(volume * point.weight / all);
+      weights.push_back(std::abs(jacobian.determinant()) * point.weight);
     }
   }
 }
