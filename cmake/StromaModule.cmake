@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# stroma_module(NAME COMPONENTS stem... [KERNELS stem...] [SHARED stem...] [LIBRARIES lib...] [LEVELS])
+# stroma_module(NAME COMPONENTS stem... [KERNELS stem...] [SHARED stem...] [LIBRARIES lib...] [LEVELS] [PACKAGE part])
 #   Builds the components stem.cpp of the current folder as one runtime module, NAME.so, with its index and manual beside
 #   it: the target stroma_NAME. With LEVELS it is built once for each instruction set of STROMA_LEVELS. KERNELS are
 #   private sources that are compiled like components. SHARED are those that hold no element loops: they are compiled
 #   once, for all levels, as stroma_NAME_shared, which the family's tests link too. The generated registry lists every
-#   component by name, so nothing depends on static initialisers.
+#   component by name, so nothing depends on static initialisers. PACKAGE names the package that brings the module, where its
+#   libraries are too heavy for the one of the command: stroma-<part> (cmake/StromaInstall.cmake).
 #   Outside this tree, after find_package(stroma), the same call builds NAME.so with NAME.index and NAME.manual beside it in
 #   the current build folder; a folder like that is named in STROMA_MODULE_PATH.
 
@@ -12,6 +13,30 @@ define_property(GLOBAL PROPERTY STROMA_MODULES BRIEF_DOCS "names of the modules"
 if(NOT TARGET stroma::stroma_flags)
   add_custom_target(stroma_modules_index ALL)  # all modules of the tree
 endif()
+
+# Parts: what may be missing, in a build that is not complete or among installed packages. moduleFolder() gets a list of
+# them, from which messages say how to get a missing one (framework/scene/services.h).
+function(stroma_part name target file package)
+  set_property(GLOBAL APPEND PROPERTY STROMA_PARTS_TARGETS ${target})
+  set_property(GLOBAL APPEND_STRING PROPERTY STROMA_PARTS_BUILT "${name}\t${target}\t${file}\n")
+  set_property(GLOBAL APPEND_STRING PROPERTY STROMA_PARTS_PACKAGED "${name}\t${package}\n")
+endfunction()
+
+# A part that is left out because something is not installed here.
+function(stroma_left_out part wanted)
+  message(STATUS "${part} is left out: ${wanted} was not found")
+  set_property(GLOBAL APPEND PROPERTY STROMA_LEFT_OUT "${part} (${wanted} was not found)")
+endfunction()
+
+# PACKAGE of a call as the component of its install rules and the name of the package.
+macro(stroma_package_of part)
+  set(install_component runtime)
+  set(package stroma)
+  if(NOT "${part}" STREQUAL "")
+    set(install_component ${part})
+    set(package stroma-${part})
+  endif()
+endmacro()
 
 # What every target of the project compiles with. (The installed package brings it along.)
 if(NOT TARGET stroma::stroma_flags)
@@ -82,7 +107,7 @@ if(NOT TARGET stroma::stroma_flags)
 endif()
 
 function(stroma_module name)
-  cmake_parse_arguments(arg "LEVELS" "" "COMPONENTS;KERNELS;SHARED;LIBRARIES" ${ARGN})
+  cmake_parse_arguments(arg "LEVELS" "PACKAGE" "COMPONENTS;KERNELS;SHARED;LIBRARIES" ${ARGN})
   set(registry ${CMAKE_CURRENT_BINARY_DIR}/${name}_registry.cpp)
   set(declarations "")
   set(calls "")
@@ -114,6 +139,7 @@ extern \"C\" __attribute__((visibility(\"default\"))) const stroma::ModuleInfo* 
     return()
   endif()
 
+  stroma_package_of("${arg_PACKAGE}")
   if(arg_LEVELS)
     set(levels ${STROMA_LEVELS})
   else()
@@ -157,7 +183,7 @@ extern \"C\" __attribute__((visibility(\"default\"))) const stroma::ModuleInfo* 
     set_target_properties(${target} PROPERTIES
       LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib/${folder}
       INSTALL_RPATH "$ORIGIN/..:$ORIGIN/../..")
-    install(TARGETS ${target} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/${folder})
+    install(TARGETS ${target} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/${folder} COMPONENT ${install_component})
     list(APPEND built ${target})
   endforeach()
   # The index and the manual of the module, made by opening its first build once; afterwards nobody needs to.
@@ -170,7 +196,9 @@ extern \"C\" __attribute__((visibility(\"default\"))) const stroma::ModuleInfo* 
     COMMENT "Indexing ${name}" VERBATIM)
   add_custom_target(stroma_${name} DEPENDS ${folder}/${name}.index)
   add_dependencies(stroma_modules_index stroma_${name})
-  install(FILES ${folder}/${name}.index ${folder}/${name}.manual DESTINATION ${CMAKE_INSTALL_LIBDIR}/stroma)
+  # With the command whatever package has the module: `list` knows all components, and what a missing one needs.
+  install(FILES ${folder}/${name}.index ${folder}/${name}.manual DESTINATION ${CMAKE_INSTALL_LIBDIR}/stroma COMPONENT runtime)
+  stroma_part(${name} stroma_${name} ${folder}/${name}.index ${package})
   set_property(GLOBAL APPEND PROPERTY STROMA_MODULES ${name})
   set_property(GLOBAL PROPERTY STROMA_MODULE_${name}_SOURCES ${manual_sources})
 endfunction()
@@ -186,27 +214,31 @@ function(stroma_outside_module name sources manual_sources libraries)
     COMMENT "Indexing ${name}" VERBATIM)
 endfunction()
 
-# stroma_service(NAME SOURCES file... LIBRARIES lib...)
+# stroma_service(NAME SOURCES file... LIBRARIES lib... [PACKAGE part])
 #   Builds a shared library beside the modules that framework/scene/services.h opens by name. It has no level: what it does
 #   is not done in a step.
 function(stroma_service name)
-  cmake_parse_arguments(arg "" "" "SOURCES;LIBRARIES" ${ARGN})
+  cmake_parse_arguments(arg "" "PACKAGE" "SOURCES;LIBRARIES" ${ARGN})
+  stroma_package_of("${arg_PACKAGE}")
   add_library(${name} MODULE ${arg_SOURCES})
   target_link_libraries(${name} PRIVATE stroma ${arg_LIBRARIES})
   set_target_properties(${name} PROPERTIES PREFIX "" CXX_VISIBILITY_PRESET hidden
     LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib/stroma INSTALL_RPATH "$ORIGIN/..")
-  install(TARGETS ${name} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/stroma OPTIONAL)
+  install(TARGETS ${name} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/stroma COMPONENT ${install_component})
+  stroma_part(${name} ${name} ${CMAKE_BINARY_DIR}/lib/stroma/${name}.so ${package})
 endfunction()
 
-# stroma_reader(NAME SOURCES file... LIBRARIES lib...)
+# stroma_reader(NAME SOURCES file... LIBRARIES lib... [PACKAGE part])
 #   Builds a program beside the modules that reads files with the libraries of others (framework/scene/reader_process.h).
 function(stroma_reader name)
-  cmake_parse_arguments(arg "" "" "SOURCES;LIBRARIES" ${ARGN})
+  cmake_parse_arguments(arg "" "PACKAGE" "SOURCES;LIBRARIES" ${ARGN})
+  stroma_package_of("${arg_PACKAGE}")
   add_executable(${name} ${arg_SOURCES})
   target_link_libraries(${name} PRIVATE stroma ${arg_LIBRARIES})
   set_target_properties(${name} PROPERTIES
     RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib/stroma INSTALL_RPATH "$ORIGIN/..")
-  install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_LIBDIR}/stroma OPTIONAL)
+  install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_LIBDIR}/stroma COMPONENT ${install_component})
+  stroma_part(${name} ${name} ${CMAKE_BINARY_DIR}/lib/stroma/${name} ${package})
 endfunction()
 
 # Where the components of modules that are not built yet would come from: framework/scene/modules.cpp looks there for a

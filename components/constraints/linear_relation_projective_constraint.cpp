@@ -64,12 +64,13 @@ class LinearRelationProjectiveConstraint final : public ProjectiveConstraint {
     table.addLink("object1", object1_).help("state of indices; the one of this node when not given");
     table.addLink("object2", object2_).help("state of indices2; that of object1 when not given");
     table.add("indices", own_.indices).help("nodes: as many for each relation as there are coefficients").required();
-    table.add("coefficients", own_.coefficients).help("c_j, those of one relation").required();
+    table.add("coefficients", own_.coefficients).unit("-").help("c_j, those of one relation").required();
     table.add("directions", own_.directions)
+        .unit("-")
         .help("d_j, one for each coefficient or one for all; not given: the relation holds in x, y and z");
     table.add("indices2", common_.indices).help("nodes of object2 that take part in every relation");
-    table.add("coefficients2", common_.coefficients).help("C_k, one for each of indices2");
-    table.add("directions2", common_.directions).help("D_k, one for each of indices2 or one for all");
+    table.add("coefficients2", common_.coefficients).unit("-").help("C_k, one for each of indices2");
+    table.add("directions2", common_.directions).unit("-").help("D_k, one for each of indices2 or one for all");
   }
 
   void init() override {

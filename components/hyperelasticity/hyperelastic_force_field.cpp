@@ -43,6 +43,7 @@ void HyperelasticForceField::declare(DataTable& table) {
       .help("Poisson's ratio at small strains, with youngModulus");
   declareParameters(table);
   table.add("AnisotropyDirections", directions_)
+      .unit("-")
       .help("fibre, or fibre and sheet (and normal): for all cells, or for each cell or node one after the other");
   table.addChoice("discretization", discretization, {"mjed", "standard"})
       .help("mjed: derivatives by J and invariants; standard: the textbook's S and elasticity tensor, to compare");

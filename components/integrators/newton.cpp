@@ -9,6 +9,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "framework/simulation/step_progress.h"
+
 namespace stroma {
 namespace {
 
@@ -246,6 +248,7 @@ StepReport Newton::solve(NonlinearProblem& problem, LinearSolver& solver) {
   for (;;) {
     history_.push_back(now);
     report.newton_residual = scale_ > 0 ? now / scale_ : now;
+    tellNewtonIterate(report.newton_iterations, report.newton_residual);
     if (!std::isfinite(now)) {
       report.diverged = true;
       report.reason = "the force is not finite where the step starts";

@@ -103,12 +103,13 @@ class MechanicalObject final : public State {
     static constexpr const char* names[5][3] = {
         {"dx", "dy", "dz"}, {"rx", "ry", "rz"}, {"sx", "sy", "sz"}, {"dx2", "dy2", "dz2"}, {"rx2", "ry2", "rz2"}};
     static constexpr const char* wholes[5] = {"translation", "rotation", "scale3d", "translation2", "rotation2"};
+    static constexpr const char* units[5] = {"m", "degree", "-", "m", "degree"};
     Vec3* const targets[5] = {&translation_, &rotation_, &scale_, &translation2_, &rotation2_};
     for (std::size_t i = 0; i < 5; ++i)
       for (std::size_t c = 0; c < 3; ++c) {
         Shorthand& shorthand = shorthands_[3 * i + c];
         shorthand = {names[i][c], wholes[i], 0, &(*targets[i])[Eigen::Index(c)]};
-        table.add(shorthand.name, shorthand.value).help(fmt::format("{}[{}]", wholes[i], c)).shorthand();
+        table.add(shorthand.name, shorthand.value).help(fmt::format("{}[{}]", wholes[i], c)).unit(units[i]).shorthand();
       }
   }
 

@@ -15,6 +15,7 @@
 #include "components/topology/gmsh_reader.h"
 #include "components/topology/mesh_container.h"
 #include "framework/mesh/cell_lists.h"
+#include "framework/mesh/mesh_loader.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
@@ -24,10 +25,13 @@ class MeshTopology : public MeshContainer {
  public:
   void declare(DataTable& table) override {
     table.add("filename", filename_).alias("fileTopology").help("Gmsh file to read the mesh from").input();
+    table.add("unit", unit_).help("unit of the file's positions, as mm: they become metres; empty: metres");
     MeshContainer::declare(table);
   }
   void init() override {
     if (!filename_.empty()) readFile();
+    if (filename_.empty() && !unit_.empty())
+      throw ComponentError("unit is that of a file, and there is none", "position with a unit, as \"0 0 0 10 0 0 mm\"");
     finish();
     if (!filename_.empty()) complainOfCells();
   }
@@ -44,9 +48,11 @@ class MeshTopology : public MeshContainer {
       throw ComponentError(fmt::format("filename {} is not a Gmsh file", filename_.given), "a .msh file",
                            "a loader of the format, and src=\"@loader\"");
     mesh_ = readGmsh(filename_.found).mesh;
+    makeMetres(mesh_.position, unit_);
   }
 
   FileName filename_;
+  std::string unit_;
 };
 
 }  // namespace

@@ -33,7 +33,7 @@
 namespace stroma {
 namespace {
 
-const ReaderProgram program{"read_vtk_mesh", "VTK's reader", "build the target read_vtk_mesh (it needs libvtk9-dev)"};
+const ReaderProgram program{"read_vtk_mesh", "VTK's reader", "`tools/setup build` in the sources installs VTK and builds it"};
 
 class MeshVTKLoader : public MeshLoader {
  public:

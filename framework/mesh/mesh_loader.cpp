@@ -9,6 +9,7 @@
 
 #include "framework/mesh/cell_attributes.h"
 #include "framework/mesh/cell_faces.h"
+#include "framework/scene/units.h"
 
 namespace stroma {
 
@@ -33,6 +34,8 @@ void appendMissing(std::vector<Cell>& cells, const std::vector<Cell>& candidates
 
 void MeshLoader::declare(DataTable& table) {
   table.add("filename", filename_).help("mesh file").required().input();
+  table.add("unit", unit_)
+      .help("unit of the file's positions, as mm: they become metres before all else; empty: metres");
   table.add("translation", translation_).unit("m").help("moves the mesh, after rotation and scale");
   table.add("rotation", rotation_).unit("degree").help("Euler angles about x, then y, then z");
   table.add("scale3d", scale3d_).unit("-").help("factor for each axis, applied first");
@@ -58,12 +61,13 @@ void MeshLoader::declareDirections(DataTable& table) {
       [&table](const CellKind& kind, auto& directions) {
         if (kind.dimension < 3) return;
         table.add(fmt::format("{}Directions", kind.plural), directions)
+            .unit("-")
             .help(
                 fmt::format("directions of each {}, of cell data; they turn and stretch with the mesh", kind.singular))
             .output();
       },
       directions_.cells);
-  table.add("nodeDirections", directions_.nodes).help("the same of each node, of point data").output();
+  table.add("nodeDirections", directions_.nodes).unit("-").help("the same of each node, of point data").output();
 }
 
 void MeshLoader::declareGroups(DataTable& table, const std::string& word) {
@@ -85,6 +89,7 @@ void MeshLoader::init() {
   if (const std::string error = mesh_.firstError(); !error.empty())
     throw ComponentError(fmt::format("{}: {}", filename_.given, error));
   if (only_attached_points_) removeUnusedNodes();
+  makeMetres(mesh_.position, unit_);
   transform();
   if (triangulate_) splitQuads();
   if (flip_normals_) flipFaces();
@@ -168,6 +173,20 @@ void MeshLoader::splitQuads() {
     mesh_.triangles.push_back({q[0], q[2], q[3]});
   }
   mesh_.quads.clear();
+}
+
+void makeMetres(std::vector<Vec3>& positions, const std::string& unit) {
+  if (unit.empty()) return;
+  const Dimension length = readUnit("m").dimension;
+  Unit given;
+  try {
+    given = readUnit(unit);
+  } catch (const ComponentError& error) {
+    throw ComponentError(error.what(), describe(length), error.suggestion);
+  }
+  if (given.dimension != length) throw ComponentError(fmt::format("'{}' is no unit of length", unit), describe(length));
+  for (Vec3& p : positions)
+    for (int i = 0; i < 3; ++i) p[i] = inSI(p[i], given);
 }
 
 Mat3 rotationFromDegrees(const Vec3& angles) {

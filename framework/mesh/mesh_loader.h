@@ -44,12 +44,16 @@ class MeshLoader : public MeshSource {
   void splitQuads();
 
   FileName filename_;
+  std::string unit_;
   Mesh mesh_;
   bool flip_normals_ = false, triangulate_ = false, only_attached_points_ = false;
   Vec3 translation_ = Vec3::Zero(), rotation_ = Vec3::Zero(), scale3d_ = Vec3::Ones();
   double scale_ = 1;
   std::array<double, 16> transformation_{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
 };
+
+/// Makes metres of positions in `unit`, a length such as "mm"; empty: they are metres. Throws ComponentError.
+void makeMetres(std::vector<Vec3>& positions, const std::string& unit);
 
 /// Rotation by Euler angles [degrees]: about x, then y, then z, all fixed axes (R = Rz Ry Rx, as SOFA's).
 Mat3 rotationFromDegrees(const Vec3& angles);

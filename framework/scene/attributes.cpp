@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The attributes of nodes and components: read, or refused with the nearest right name.
 #include <algorithm>
-#include <array>
 #include <filesystem>
 #include <map>
 
 #include "framework/scene/change_table.h"
+#include "framework/scene/common_attributes.h"
 #include "framework/scene/files.h"
+#include "framework/scene/gravity.h"
 #include "framework/scene/instantiation.h"
 #include "framework/scene/overrides.h"
 #include "framework/scene/text.h"
@@ -15,23 +16,6 @@
 namespace stroma {
 
 namespace {
-
-/// Attributes of every component that SOFA keeps for itself. `name`, `src` and `template` have a meaning here.
-const std::vector<std::string> common = {"name",      "template", "src",  "printLog",
-                                         "listening", "tags",     "bbox", "componentState"};
-const std::vector<std::string> node_attributes = {"name",
-                                                  "gravity",
-                                                  "dt",
-                                                  "time",
-                                                  "activated",
-                                                  "animate",
-                                                  "sleeping",
-                                                  "tags",
-                                                  "bbox",
-                                                  "canChangeSleepingState",
-                                                  "printLog",
-                                                  "listening",
-                                                  "componentState"};
 
 bool contains(const std::vector<std::string>& list, std::string_view word) {
   return std::find(list.begin(), list.end(), word) != list.end();
@@ -43,14 +27,19 @@ bool isVisualAttribute(std::string_view name) {
          name.starts_with("draw");
 }
 
+void refuse(const AttributeDescription& attribute, const std::string& path, Problem problem, Diagnostics& diagnostics) {
+  problem.where = attribute.where;
+  problem.path = path + "." + attribute.name;
+  diagnostics.add(std::move(problem));
+}
+
 /// Reads one value that is not an attribute of a component; reports failure.
 template <class T>
-bool readInto(T& member, const AttributeDescription& attribute, const std::string& path, Diagnostics& diagnostics) {
-  std::optional<Problem> problem = Data(attribute.name, &member).parse(attribute.value, DataOrigin::written);
+bool readInto(T& member, const AttributeDescription& attribute, const std::string& path, Diagnostics& diagnostics,
+              const char* unit = "") {
+  std::optional<Problem> problem = Data(attribute.name, &member).unit(unit).parse(attribute.value, DataOrigin::written);
   if (!problem) return true;
-  problem->where = attribute.where;
-  problem->path = path + "." + attribute.name;
-  diagnostics.add(std::move(*problem));
+  refuse(attribute, path, std::move(*problem), diagnostics);
   return false;
 }
 
@@ -70,12 +59,12 @@ bool Instantiation::isSwitchedOffOrVisual(const AttributeDescription& attribute,
 void Instantiation::readNodeAttributes(const NodeDescription& description, Node& node) {
   for (const AttributeDescription& attribute : description.attributes) {
     if (isSwitchedOffOrVisual(attribute, "Node", nullptr)) continue;
-    if (contains(node_attributes, attribute.name)) {
+    if (contains(nodeAttributes(), attribute.name)) {
       readNodeAttribute(attribute, node);
     } else {
       diagnostics_.error(attribute.where, node.path() + "." + attribute.name,
                          "a Node has no attribute " + inQuotes(attribute.name), "gravity, dt, time, name or activated",
-                         nearest(attribute.name, node_attributes));
+                         nearest(attribute.name, nodeAttributes()));
     }
   }
 }
@@ -84,10 +73,14 @@ void Instantiation::readNodeAttribute(const AttributeDescription& attribute, Nod
   const std::string path = node.path();
   if (attribute.name == "gravity") {
     Vec3 gravity = Vec3::Zero();
-    if (readInto(gravity, attribute, path, diagnostics_)) node.own_gravity = gravity;
+    std::string note;
+    std::optional<Problem> problem = readGravity(attribute.value, gravity, note);
+    if (problem) return refuse(attribute, path, std::move(*problem), diagnostics_);
+    node.own_gravity = gravity;
+    if (!note.empty()) diagnostics_.note(attribute.where, path + ".gravity", note);
   } else if (attribute.name == "dt") {
     double dt = 0;
-    if (!readInto(dt, attribute, path, diagnostics_)) return;
+    if (!readInto(dt, attribute, path, diagnostics_, "s")) return;
     if (!(dt > 0)) {
       diagnostics_.error(attribute.where, path + ".dt", "the time step is " + printReal(dt), "a value > 0 s");
     } else if (dt < shortest_time_step || dt > longest_time_step) {
@@ -103,7 +96,7 @@ void Instantiation::readNodeAttribute(const AttributeDescription& attribute, Nod
     }
   } else if (attribute.name == "time") {
     double time = 0;
-    if (readInto(time, attribute, path, diagnostics_) && !node.parent()) node.root_time = time;
+    if (readInto(time, attribute, path, diagnostics_, "s") && !node.parent()) node.root_time = time;
   } else if (attribute.name == "activated") {
     bool activated = true;
     if (readInto(activated, attribute, path, diagnostics_) && !activated && !node.parent())
@@ -184,7 +177,7 @@ void Instantiation::unknownAttribute(const AttributeDescription& attribute, Comp
   if (readCommonAttribute(attribute, component)) return;
   if (isSwitchedOffOrVisual(attribute, component.type(), &component)) return;
   std::vector<std::string> names = component.data().names();
-  names.insert(names.end(), common.begin(), common.end());
+  names.insert(names.end(), commonAttributes().begin(), commonAttributes().end());
   const std::string advice(adviceOn(attribute.name));
   const std::string guess = advice.empty() ? nearest(attribute.name, names) : std::string();
   fail(component,
@@ -195,7 +188,7 @@ void Instantiation::unknownAttribute(const AttributeDescription& attribute, Comp
 }
 
 bool Instantiation::readCommonAttribute(const AttributeDescription& attribute, Component& component) {
-  if (!contains(common, attribute.name)) return false;
+  if (!contains(commonAttributes(), attribute.name)) return false;
   if (attribute.name == "name") {
     if (attribute.value.find_first_of("/@.[") != std::string::npos)
       diagnostics_.warning(attribute.where, component.path(), "no link can reach a name that contains one of / @ . [");
@@ -209,13 +202,9 @@ bool Instantiation::readCommonAttribute(const AttributeDescription& attribute, C
 
 /// There is one set of types: 3-vectors of doubles. SOFA's names for it, and those of its matrices, are accepted.
 void Instantiation::checkTemplate(const AttributeDescription& attribute, Component& component) {
-  static constexpr std::array<std::string_view, 13> accepted = {
-      "Vec3", "Vec3d",       "Vec3f",      "StdVec3Types", "GraphScattered", "Edge",  "Triangle",
-      "Quad", "Tetrahedron", "Hexahedron", "Prism",        "Pyramid",        "double"};
   Words words(attribute.value);
   for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
-    if (std::find(accepted.begin(), accepted.end(), word) != accepted.end()) continue;
-    if (word.starts_with("CompressedRowSparseMatrix")) continue;
+    if (contains(templateWords(), word) || word.starts_with("CompressedRowSparseMatrix")) continue;
     return fail(component, {Severity::error,
                             attribute.where,
                             component.path() + ".template",

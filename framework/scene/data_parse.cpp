@@ -6,6 +6,7 @@
 
 #include "framework/scene/data.h"
 #include "framework/scene/text.h"
+#include "framework/scene/units.h"
 
 namespace stroma {
 
@@ -194,6 +195,30 @@ bool readChoice(std::string_view text, const ChoiceRef& choice, Failure& why) {
   return false;
 }
 
+template <class T>
+constexpr bool holds_reals =
+    std::is_same_v<T, double> || std::is_same_v<T, Vec3> || std::is_same_v<T, std::vector<double>> ||
+    std::is_same_v<T, std::vector<Vec3>> || std::is_same_v<T, std::array<double, 16>>;
+
+/// What was refused as plain numbers, once more as numbers with units or fractions.
+template <class T>
+bool readWithUnits(std::string_view text, std::string_view unit, T& out, Failure& why, std::string& expected) {
+  if constexpr (holds_reals<T>) {
+    try {
+      const std::optional<std::string> plain = withoutUnits(text, unit);
+      if (!plain) return false;
+      if (std::is_same_v<T, double> && plain->find(' ') != plain->npos)
+        return why.message = inQuotes(trimmed(text)) + " is more than one number", false;
+      out = T{};
+      return readValue(*plain, out, why = {});
+    } catch (const ComponentError& error) {
+      why = {error.what(), error.suggestion};
+      expected = error.expected;
+    }
+  }
+  return false;
+}
+
 }  // namespace
 
 std::optional<Problem> Data::parse(std::string_view text, DataOrigin origin) {
@@ -214,7 +239,7 @@ std::optional<Problem> Data::parse(std::string_view text, DataOrigin origin) {
           return pointer->path = trimmed(text), true;
         } else {
           std::decay_t<decltype(*pointer)> value{};
-          if (!readValue(text, value, why)) return false;
+          if (!readValue(text, value, why) && !readWithUnits(text, unit_, value, why, problem.expected)) return false;
           std::swap(*pointer, value);
           const std::optional<Problem> out_of_range = checkRange();
           if (!out_of_range) return true;

@@ -239,8 +239,8 @@ void Instantiation::linkData(const PendingLink& link, Component& source, const D
 void Instantiation::resolveSrc(const PendingLink& link) {
   // What places or prepares the source's mesh has been applied to its values: taking it over would apply it twice.
   static const std::vector<std::string> own_business = {
-      "filename",       "translation", "rotation",    "scale3d",           "scale",
-      "transformation", "flipNormals", "triangulate", "createSubelements", "onlyAttachedPoints"};
+      "filename",    "translation",       "rotation",           "scale3d", "scale", "transformation", "flipNormals",
+      "triangulate", "createSubelements", "onlyAttachedPoints", "unit"};
   Component& component = *link.component;
   const std::string path = component.path() + ".src";
   Target target = follow(component, parsePath(link.text, false));

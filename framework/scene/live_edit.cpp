@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "framework/scene/gravity.h"
 #include "framework/scene/names.h"
 #include "framework/scene/text.h"
 #include "framework/scene/time_step.h"
@@ -99,19 +100,22 @@ LiveEdit::Value LiveEdit::value() const {
   return {Data("gravity", &gravity).print(), node_->own_gravity ? DataOrigin::written : DataOrigin::by_default};
 }
 
-void LiveEdit::parseNode(const Value& value) {
+void LiveEdit::parseNode(const Value& value, Diagnostics& messages) {
   if (!changesTimeStep() && value.origin == DataOrigin::by_default) return node_->own_gravity.reset();
   double dt = 0;
   Vec3 gravity = Vec3::Zero();
-  Data data = changesTimeStep() ? Data("dt", &dt) : Data("gravity", &gravity);
-  if (changesTimeStep()) data.min(shortest_time_step).max(longest_time_step).unit("s");
-  const std::optional<Problem> problem = data.parse(value.text, value.origin);
+  std::string note;
+  const std::optional<Problem> problem =
+      changesTimeStep()
+          ? Data("dt", &dt).min(shortest_time_step).max(longest_time_step).unit("s").parse(value.text, value.origin)
+          : readGravity(value.text, gravity, note);
   if (problem) throw ComponentError(name() + ": " + problem->message, problem->expected, problem->suggestion);
   if (changesTimeStep()) {
     node_->root_dt = dt;
   } else {
     node_->own_gravity = gravity;
   }
+  if (!note.empty()) messages.note(node_->where(), name(), note);
 }
 
 void LiveEdit::takeLinkedValues(Component& component) {
@@ -133,7 +137,7 @@ void LiveEdit::remake(Diagnostics& messages) {
 }
 
 void LiveEdit::apply(const Value& value, Diagnostics& messages) {
-  if (!data_) return parseNode(value);
+  if (!data_) return parseNode(value, messages);
   if (value.origin == DataOrigin::by_override && trimmed(value.text).starts_with("@"))
     refuse(name(), inQuotes(value.text) + " is a link, and links are made when the scene is loaded");
   const std::optional<Problem> problem = data_->parse(value.text, value.origin);

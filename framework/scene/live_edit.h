@@ -54,7 +54,7 @@ class LiveEdit {
  private:
   void findAttribute();
   void collectDependents(Component& source, const Data* changed);
-  void parseNode(const Value& value);
+  void parseNode(const Value& value, Diagnostics& messages);
   void remake(Diagnostics& messages);
   static void takeLinkedValues(Component& component);
 

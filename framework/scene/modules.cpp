@@ -118,6 +118,9 @@ std::string Modules::Impl::libraryOf(const std::string& module) const {
   for (auto level = std::find(levels.begin(), levels.end(), best); level != levels.end(); ++level)
     if (fs::exists(folder / *level / file)) return (folder / *level / file).string();
   if (fs::exists(folder / file)) return (folder / file).string();
+  if (std::none_of(levels.begin(), levels.end(), [&](const char* level) { return fs::exists(folder / level / file); }))
+    throw std::runtime_error("the module " + module + " is not here: " +
+                             howToGet(module, "it was not installed with the others in " + folder.string()));
   throw std::runtime_error("module " + module + " has no build for this machine (" + best + ") in " + folder.string());
 }
 

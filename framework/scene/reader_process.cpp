@@ -128,7 +128,8 @@ std::string firstLine(const std::string& text) {
 ValueLists readInOwnProcess(const ReaderProgram& program, const std::string& file, const Texts& arguments) {
   const std::string path = std::filesystem::path(moduleFolder()) / program.name;
   if (access(path.c_str(), X_OK) != 0)
-    throw ComponentError(fmt::format("{} is not in this build: {}", program.reader, program.missing), path);
+    throw ComponentError(fmt::format("{} is not here: {}", program.reader, howToGet(program.name, program.missing)),
+                         path);
   const Buffer lists("lists"), printed("printed");
   Texts words{path, file};
   words.insert(words.end(), arguments.begin(), arguments.end());

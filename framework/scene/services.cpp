@@ -4,6 +4,7 @@
 #include <dlfcn.h>
 
 #include <filesystem>
+#include <fstream>
 
 #include "framework/scene/abi.h"
 #include "framework/scene/diagnostics.h"
@@ -21,10 +22,32 @@ std::string moduleFolder() {
   return none ? std::string() : (library.parent_path() / "stroma").string();
 }
 
+namespace {
+
+/// The second word of the line "name<tab>word" of a list in moduleFolder(), or empty.
+std::string listed(const char* list, const std::string& name) {
+  std::ifstream lines(fs::path(moduleFolder()) / list);
+  for (std::string line; std::getline(lines, line);)
+    if (line.starts_with(name + '\t')) return line.substr(name.size() + 1);
+  return {};
+}
+
+}  // namespace
+
+std::string howToGet(const std::string& part, const std::string& otherwise) {
+  if (const std::string package = listed("parts.packages", part); !package.empty())
+    return "install the package " + package;
+  if (const std::string target = listed("parts.targets", part); !target.empty())
+    return "'cmake --build " + fs::path(moduleFolder()).parent_path().parent_path().string() + " --target " + target +
+           "' builds it";
+  return otherwise;
+}
+
 // The library stays open: the object's code is in it.
 void* makeService(const std::string& name, const std::string& role, const std::string& missing) {
   const fs::path path = fs::path(moduleFolder()) / (name + ".so");
-  if (!fs::exists(path)) throw ComponentError("this build has no " + role + ": " + missing, path.string());
+  if (!fs::exists(path))
+    throw ComponentError("there is no " + role + " here: " + howToGet(name, missing), path.string());
   void* library = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (!library) throw ComponentError("the " + role + " cannot be opened: " + dlerror());
   using Entry = const ServiceInfo* (*)();

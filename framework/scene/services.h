@@ -19,8 +19,12 @@ struct ServiceInfo {
 /// The folder of the modules, stroma/ beside the framework library; empty when it cannot be found.
 std::string moduleFolder();
 
-/// Opens NAME.so in moduleFolder() and makes its object. Throws ComponentError with `missing` (why it may not be there
-/// and what helps) when there is no such library, and when it is another version's or plays another role.
+/// What brings a part that is missing (a module, service, reader or program by its name): the command that builds it where
+/// moduleFolder() is that of a build, the package that has it where it was installed from packages, else `otherwise`.
+std::string howToGet(const std::string& part, const std::string& otherwise);
+
+/// Opens NAME.so in moduleFolder() and makes its object. Throws ComponentError with howToGet(name, missing) when there is
+/// no such library, and when it is another version's or plays another role.
 void* makeService(const std::string& name, const std::string& role, const std::string& missing);
 
 /// The same with the type of the role, which names itself in `Role::role`, its library in `Role::library` and what to

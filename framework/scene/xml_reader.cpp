@@ -103,6 +103,17 @@ class Reader {
   std::size_t next_tag_ = 0;
 };
 
+/// Where the outermost element says which schema it follows: nothing for the scene.
+bool isForEditors(std::string_view name) { return name.starts_with("xmlns:") || name.starts_with("xsi:"); }
+
+/// Processing instructions are for editors too, and tinyxml2 takes them before comments only. Places stay what they are.
+std::string withoutInstructions(std::string text, const XmlPositions& positions) {
+  for (const auto& [begin, end] : positions.instructions)
+    for (std::size_t i = begin; i < end; ++i)
+      if (text[i] != '\n') text[i] = ' ';
+  return text;
+}
+
 }  // namespace
 
 NodeDescription readXml(const std::string& text, const std::string& file, const ReadLimits& limits,
@@ -126,7 +137,9 @@ NodeDescription readXml(const std::string& text, const std::string& file, const 
   if (!scanXml(text, file, limits, positions, diagnostics)) return root;
 
   tinyxml2::XMLDocument document;
-  if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) {
+  const std::string changed = positions.instructions.empty() ? std::string() : withoutInstructions(text, positions);
+  const std::string& plain = positions.instructions.empty() ? text : changed;
+  if (document.Parse(plain.data(), plain.size()) != tinyxml2::XML_SUCCESS) {
     diagnostics.error({file, document.ErrorLineNum(), 0}, {},
                       std::string("this is not well-formed XML: ") + document.ErrorName());
     return root;
@@ -146,6 +159,7 @@ NodeDescription readXml(const std::string& text, const std::string& file, const 
     return root;
   }
   Reader(file, positions, diagnostics).readNode(*top, root);
+  std::erase_if(root.attributes, [](const AttributeDescription& attribute) { return isForEditors(attribute.name); });
   if (is_group && !root.find("name")) root.attributes.push_back({"name", std::string(tag), where});
   return root;
 }

@@ -33,7 +33,10 @@ class Scanner {
       } else if (rest.starts_with("<![CDATA[")) {
         good = skip("]]>", "a CDATA section");
       } else if (rest.starts_with("<?")) {
-        good = skip("?>", "a declaration");
+        const bool is_declaration = rest.size() > 5 && rest.starts_with("<?xml") && isSpace(rest[5]);
+        const std::size_t start = at_;
+        good = skip("?>", is_declaration ? "a declaration" : "a processing instruction");
+        if (!is_declaration) positions_.instructions.emplace_back(start, at_);
       } else if (rest.starts_with("<!")) {
         return fail(here(), "a document type definition is not part of a scene", "elements only");
       } else {

@@ -5,6 +5,7 @@
 #pragma once
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "framework/scene/diagnostics.h"
@@ -24,6 +25,8 @@ struct XmlPositions {
   };
   std::vector<Tag> tags;
   std::vector<TextPosition> attributes;
+  /// Where processing instructions stand in the text (first byte, end), as <?xml-model ...?> for editors.
+  std::vector<std::pair<std::size_t, std::size_t>> instructions;
 };
 
 /// False when the file cannot be used: exactly one sentence has gone to `diagnostics`.

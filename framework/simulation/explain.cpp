@@ -1,50 +1,94 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The compiled plan in words: what a step does, what observers cost, what the scene did not need.
+// The compiled plan of a scene: its systems, what observers cost, what the scene did not need; and the plan in lines.
 #include <fmt/format.h>
 
 #include "framework/mesh/topology.h"
-#include "framework/simulation/simulation.h"
+#include "framework/simulation/plan.h"
 
 namespace stroma {
 namespace {
 
-void explainObservers(const std::vector<Observer*>& observers, std::vector<std::string>& lines) {
-  if (observers.empty()) {
-    lines.push_back("observers: none, so energies, stresses and files are not computed");
-    return;
-  }
-  lines.push_back("observers, after each step:");
-  for (const Observer* observer : observers)
-    lines.push_back(fmt::format("  {} ({}) {}", observer->path(), observer->type(), observer->describe()));
+PlanItem itemOf(const Observer& observer) {
+  return {"observer", observer.path(), observer.type(), PlanWhen::after_each_step, observer.describe(), {}, {}};
 }
 
-void explainTopologies(const Node& root, std::vector<std::string>& lines) {
-  std::vector<Topology*> topologies;
-  root.collect(topologies);
-  for (const Topology* topology : topologies)
-    lines.push_back(fmt::format("mesh {}: {} nodes; tables derived from its cells: {}", topology->path(),
-                                topology->mesh().nodes(), topology->mesh().derivedTables()));
-}
-
-void explainIgnored(const std::vector<std::string>& ignored, std::vector<std::string>& lines) {
-  if (ignored.empty()) return;
-  std::string line = "accepted without effect (drawing, plug-ins, scheduling):";
-  for (const std::string& name : ignored) line += " " + name;
-  lines.push_back(line);
+PlanItem itemOf(const Topology& topology) {
+  const Index nodes = topology.mesh().nodes();
+  return {"mesh",
+          topology.path(),
+          topology.type(),
+          PlanWhen::once,
+          fmt::format("{} nodes; tables derived from its cells: {}", nodes, topology.mesh().derivedTables()),
+          {{"nodes", double(nodes)}},
+          {}};
 }
 
 }  // namespace
 
-std::vector<std::string> Simulation::explain() const {
-  std::vector<std::string> lines;
-  lines.push_back(fmt::format("time step {:.6g} s from t = {:.6g} s", dt(), root().root_time));
-  if (systems_.empty()) lines.push_back("no integrator: nothing moves");
-  for (const auto& system : systems_)
-    for (std::string& line : stroma::explain(*system)) lines.push_back(std::move(line));
-  explainTopologies(root(), lines);
-  explainObservers(observers_, lines);
-  explainIgnored(scene_.no_effect, lines);
+std::string wordFor(PlanWhen when) {
+  switch (when) {
+    case PlanWhen::once:
+      return "once";
+    case PlanWhen::each_evaluation:
+      return "each evaluation";
+    case PlanWhen::each_step:
+      return "each step";
+    case PlanWhen::after_each_step:
+      return "after each step";
+    case PlanWhen::skipped:
+      return "skipped";
+    case PlanWhen::held:
+      break;
+  }
+  return "held";
+}
+
+std::string PlanItem::line() const {
+  std::string text = kind;
+  if (!path.empty()) text += " " + path;
+  if (!note.empty()) text += ", " + note;
+  return says.empty() ? text : text + ": " + says;
+}
+
+std::vector<std::string> SystemPlan::lines() const {
+  std::vector<std::string> lines{fmt::format("system of {}: {} nodes in one vector, {} of them independent", integrator,
+                                             nodes, independent_nodes)};
+  for (const PlanItem& item : items) lines.push_back("  " + item.line());
   return lines;
 }
+
+std::vector<std::string> Plan::lines() const {
+  std::vector<std::string> lines{fmt::format("time step {:.6g} s from t = {:.6g} s", dt, start_time)};
+  if (systems.empty()) lines.push_back("no integrator: nothing moves");
+  for (const SystemPlan& system : systems)
+    for (std::string& line : system.lines()) lines.push_back(std::move(line));
+  for (const PlanItem& mesh : meshes) lines.push_back(mesh.line());
+  lines.push_back(observers.empty() ? "observers: none, so energies, stresses and files are not computed"
+                                    : "observers, after each step:");
+  for (const PlanItem& observer : observers)
+    lines.push_back(fmt::format("  {} ({}) {}", observer.path, observer.type, observer.says));
+  if (without_effect.empty()) return lines;
+  std::string line = "accepted without effect (drawing, plug-ins, scheduling):";
+  for (const std::string& name : without_effect) line += " " + name;
+  lines.push_back(line);
+  return lines;
+}
+
+Plan planOf(const Simulation& simulation) {
+  Plan plan;
+  plan.dt = simulation.dt();
+  plan.start_time = simulation.root().root_time;
+  plan.without_effect = simulation.scene().no_effect;
+  for (const auto& system : simulation.systems()) plan.systems.push_back(planOf(*system));
+  std::vector<Topology*> topologies;
+  simulation.root().collect(topologies);
+  for (const Topology* topology : topologies) plan.meshes.push_back(itemOf(*topology));
+  for (const Observer* observer : simulation.observers()) plan.observers.push_back(itemOf(*observer));
+  return plan;
+}
+
+std::vector<std::string> explain(const System& system) { return planOf(system).lines(); }
+
+std::vector<std::string> Simulation::explain() const { return planOf(*this).lines(); }
 
 }  // namespace stroma

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <cstdio>
 
 namespace stroma {
@@ -13,15 +14,39 @@ namespace {
 
 constexpr double few_operations = 1e11;  // a few seconds
 std::atomic<bool> wanted_at_all{true};
+std::atomic<int> telling{0};
+
+std::string twoUnits(long small, long per_large, const char* large, const char* unit) {
+  const long rest = small % per_large;
+  return fmt::format("{} {}{}", small / per_large, large, rest > 0 ? fmt::format(" {} {}", rest, unit) : "");
+}
 
 }  // namespace
 
 void tellLongWork(bool wanted) { wanted_at_all = wanted; }
 
+bool isTellingLongWork() { return telling > 0; }
+
+std::string durationText(double seconds) {
+  if (seconds < 0.95) return fmt::format("{:.1f} s", seconds);
+  seconds = std::min(seconds, 1e9);
+  const long whole = std::lround(seconds);
+  if (whole < 100) return fmt::format("{} s", whole);
+  if (whole < 600) return twoUnits(std::lround(seconds / 10) * 10, 60, "min", "s");
+  const long minutes = std::lround(seconds / 60);
+  if (minutes < 100) return fmt::format("{} min", minutes);
+  if (minutes < 48 * 60) return twoUnits(minutes, 60, "h", "min");
+  return twoUnits(std::lround(seconds / 3600), 24, "d", "h");
+}
+
 LongWork::LongWork(std::string what, double operations)
-    : what_(std::move(what)),
-      terminal_(isatty(STDERR_FILENO)),
-      silent_(operations < few_operations || !wanted_at_all) {}
+    : what_(std::move(what)), terminal_(isatty(STDERR_FILENO)), silent_(operations < few_operations || !wanted_at_all) {
+  if (!silent_) ++telling;
+}
+
+LongWork::~LongWork() {
+  if (!silent_) --telling;
+}
 
 void LongWork::advise(const std::string& sentence) const {
   if (!silent_) fmt::print(stderr, "{}: {}\n", what_, sentence);
@@ -32,8 +57,12 @@ void LongWork::say(double share) {
   const int step = int(share * (terminal_ ? 100 : 4));
   if (silent_ || step <= last_) return;
   last_ = step;
-  const bool stays = terminal_ && share < 0.999;
-  fmt::print(stderr, "{}{}: {:.0f} %{}", terminal_ ? "\r" : "", what_, 100 * share, stays ? "" : "\n");
+  const bool ends = share >= 0.999;
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  // the first share says little of the rest
+  const std::string to_go = ends || share < 0.02 ? "" : durationText(seconds * (1 - share) / share) + " to go";
+  fmt::print(stderr, "{}{}: {:.0f} %{}{}{}", terminal_ ? "\r\033[K" : "", what_, 100 * share, to_go.empty() ? "" : ", ",
+             to_go, terminal_ && !ends ? "" : "\n");
   std::fflush(stderr);
 }
 

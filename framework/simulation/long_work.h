@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
+#include <chrono>
 #include <string>
 
 namespace stroma {
@@ -7,12 +8,20 @@ namespace stroma {
 /// False: nothing is told of long work. True when nothing was said.
 void tellLongWork(bool wanted);
 
+/// "0.4 s", "12 s", "3 min 20 s", "2 h 5 min", "3 d 4 h".
+std::string durationText(double seconds);
+
+/// Whether long work is telling how far it is: nobody else then writes on the terminal's line.
+bool isTellingLongWork();
+
 /// Tells on standard error how far long work before the first step is: in place on a terminal, else a line each
-/// quarter.
+/// quarter, with the time that the rest will take.
 class LongWork {
  public:
   /// Work of few operations is not told of.
   LongWork(std::string what, double operations);
+  LongWork(const LongWork&) = delete;
+  ~LongWork();
   /// The share that is done; one that is below an earlier one says nothing.
   void say(double share);
   /// A sentence for who waits: said where the work itself is told of.
@@ -22,6 +31,7 @@ class LongWork {
   std::string what_;
   bool terminal_, silent_;
   int last_ = -1;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
 }  // namespace stroma

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "framework/simulation/empty_selections.h"
+#include "framework/simulation/unit_doubts.h"
 
 namespace stroma {
 namespace {
@@ -146,6 +147,7 @@ Simulation::Simulation(Scene scene) : scene_(std::move(scene)) {
   if (!diagnostics.hasErrors()) compileObservers(diagnostics);
   if (diagnostics.hasErrors()) throw SceneError(diagnostics);
   warnOfEmptySelections(root(), diagnostics);
+  warnOfUnits(scene_);
 
   if (integrators.empty())
     diagnostics.warning(root().where(), root().path(), "the scene has no integrator: time passes and nothing moves");

@@ -58,6 +58,8 @@ TEST_F(MeshCommand, OptionsWithoutEffectAndNamesThatMeanTwoThingsAreRefused) {
            {"tet.obj -o n.msh --free-volume", "--free-volume does nothing here"},
            {"tet.obj -o n.msh --feature-angle 1000", "at most 180"},
            {"tet.obj -o n.vtu --msh22", "--msh22 does nothing here"},
+           {"tet.obj -o n.msh --unit kg", "--unit kg: expected a length, such as m, cm, mm"},
+           {"tet.obj -o n.msh --unit mm --scale 2", "--unit and --scale: expected one of them"},
            {"two.mha -o n.vtu --name 1=a", "--name does nothing here"},
            {"two.mha -o n.msh --cell-size 2 --cell-size 3", "another one before it"},
            {"two.mha -o n.msh --name 1=a --name 2=a", "would have one name"},

@@ -46,6 +46,14 @@ TEST_F(MeshCommand, EveryFormatAndEveryRunGivesTheSameMesh) {
   }
 }
 
+TEST_F(MeshCommand, AUnitIsTheScaleThatMakesMetres) {
+  if (!makeLeg("leg.mhd")) GTEST_SKIP() << "no Python with numpy";
+  const std::string sizes = " --cell-size 0.03 --distance 0.004 -o ";
+  ASSERT_EQ(stroma("mesh leg.mhd --scale 0.001" + sizes + "scale.msh").code, 0);
+  ASSERT_EQ(stroma("mesh leg.mhd --unit mm" + sizes + "unit.msh").code, 0);
+  EXPECT_EQ(bytes("unit.msh"), bytes("scale.msh"));
+}
+
 /// A ball of `radius` voxels in a cube of `size`^3 as a MetaImage: axes turned about z by 90 degrees, spacing 1 2 3.
 std::string turnedBall(int size, double radius) {
   std::string voxels;

@@ -18,7 +18,8 @@ FRAMEWORK = {
 }
 # Libraries that only some folders may include: header pattern, folders.
 GUARDED = [
-    (re.compile(r"vtk\w+\.h$"), ("components/vtk_io/", "components/topology/read_vtk_mesh.cpp", "tools/mesh/image_io/", "tests/")),
+    (re.compile(r"vtk\w+\.h$"), ("components/vtk_io/", "components/topology/read_vtk_mesh.cpp", "tools/mesh/image_io/", "tools/picture/", "tests/")),
+    (re.compile(r"^(EGL|GL)/"), ("tools/picture/",)),
     (re.compile(r"^CGAL/"), ("tools/mesh/meshing/",)),
     (re.compile(r"gmsh\.h(_cwrap)?$"), ("tests/",)),
     (re.compile(r"tinyxml2\.h$"), ("framework/scene/", "tests/")),
@@ -33,7 +34,7 @@ READERS_OF_FAMILIES = {
     "condensation": ("tests/fuzz/",),
 }
 # Tools whose library another one links.
-TOOLS_FOR_TOOLS = {"command": {"mesh", "view", "sweep"}}
+TOOLS_FOR_TOOLS = {"command": {"mesh", "view", "picture", "drawing", "sweep"}, "view": {"drawing"}, "picture": {"drawing"}}
 SKIPPED_FOLDERS = {".git", "build", "results", "__pycache__"}
 SOURCE = re.compile(r"(\.(h|cpp|py|cmake|in|xml|sh)|CMakeLists\.txt)$")
 BINARY = re.compile(r"\.(png|gif|gz|vtu|pdf|so|o|pyc)$|^tests/fuzz/corpus/")  # fuzzers write any bytes
@@ -133,6 +134,10 @@ PLANTED = {  # path: (text, part of the expected finding, or None where there is
     "framework/fem/s.cpp": (LICENCE + '#include "components/elasticity/g.h"\n', 'write "framework/<folder>/..."'),
     "tools/bench/t.cpp": (LICENCE + '#include "components/elasticity/g.h"\n', None),
     "tools/command/u.cpp": (LICENCE + '#include "tools/mesh/o.h"\n', None),
+    "tools/picture/v.cpp": (LICENCE + '#include <vtkActor.h>\n#include <EGL/egl.h>\n#include "tools/drawing/w.h"\n', None),
+    "tools/picture/x.cpp": (LICENCE + '#include "tools/view/w.h"\n', "its own folder only"),
+    "tools/drawing/w.h": (LICENCE + '#include "tools/picture/w.h"\n', "its own folder only"),
+    "tools/view/w.h": (LICENCE + '#include "tools/drawing/w.h"\n#include <EGL/egl.h>\n', "which only tools/picture/"),
     "tools/mesh/v.cpp": (LICENCE + '#include "tools/command/i.h"\n', "its own folder only"),
     "tools/command/h.cpp": (LICENCE + '#include "components/elasticity/g.h"\n', "for the family and its tests"),
     "tools/command/i.cpp": (LICENCE + '#include "i.h"\n#include "framework/scene/node.h"\n', None),

@@ -3,9 +3,47 @@
 """tools/setup without doing any of its work: usage, and what it says when packages are missing and cannot be installed.
 Programs that it calls are replaced by small ones in a folder at the front of PATH."""
 import os
+import shutil
 import subprocess
 import sys
 import tempfile
+
+
+def check_stages(setup):
+    """`run` shows the first scene before it builds the rest; --quick ends there; what cannot be built is said."""
+    with tempfile.TemporaryDirectory() as folder:
+        tree, build, log = (os.path.join(folder, name) for name in ("tree", "build", "log"))
+        for place in ("tree/tools", "build/bin", "programs"):
+            os.makedirs(os.path.join(folder, place))
+        shutil.copy(setup, os.path.join(tree, "tools", "setup"))
+        programs = {"programs/dpkg-query": "printf installed", "programs/cmake": f'echo "cmake $@" >> {log}; exit ${{CMAKE_CODE:-0}}',
+                    "build/bin/stroma": f'echo "stroma $@" >> {log}'}
+        for path, body in programs.items():
+            with open(os.path.join(folder, path), "w", encoding="ascii") as file:
+                file.write("#!/bin/sh\n" + body + "\n")
+            os.chmod(os.path.join(folder, path), 0o755)
+        os.makedirs(os.path.join(tree, "tools", "plots"))
+        with open(os.path.join(tree, "tools", "plots", "organ_picture.py"), "w", encoding="ascii") as file:
+            file.write(f"open({log!r}, 'a').write('picture\\n')\n")
+        environment = dict(os.environ, PATH=os.path.join(folder, "programs") + ":" + os.environ["PATH"], BUILD=build)
+
+        def stages(*arguments, code=0, **more):
+            if os.path.exists(log):
+                os.remove(log)
+            result = subprocess.run(["bash", os.path.join(tree, "tools", "setup"), *arguments], capture_output=True, text=True,
+                                    env=dict(environment, **more), stdin=subprocess.DEVNULL, timeout=60)
+            assert result.returncode == code, result
+            with open(log, encoding="ascii") as file:
+                lines = file.read().strip().split("\n")
+            return [line.split()[-1] if line.startswith("cmake --build") else line.split()[0] for line in lines], result
+
+        shown = ["cmake", "first_scene", "stroma", "picture"]
+        assert stages("run", "-y")[0] == shown + ["stroma_all"]
+        done, result = stages("run", "-y", "--quick")
+        assert done == shown and "tools/setup build" in result.stdout, result
+        assert stages("build")[0] == ["cmake", "stroma_all"]
+        done, result = stages("install", os.path.join(folder, "prefix"), code=1, CMAKE_CODE="1")
+        assert done == ["cmake"] and "Configuring failed" in result.stderr, result
 
 
 def main():
@@ -26,7 +64,7 @@ def main():
 
     result = run("--help")
     assert result.returncode == 0 and "tools/setup run" in result.stdout, result
-    for wrong in ((), ("tset",), ("test", "--fast"), ("test", "-j", "many")):
+    for wrong in ((), ("tset",), ("test", "--fast"), ("test", "-j", "many"), ("run", "folder"), ("install", "one", "two")):
         result = run(*wrong)
         assert result.returncode == 2 and "tools/setup" in result.stderr, (wrong, result)
 
@@ -53,7 +91,8 @@ def main():
     # Which instruction sets are built: the machine's, all when asked for, what was built before as long as it has it.
     installed = {"dpkg-query": "printf installed", "cmake": 'case "$*" in *--build*) exit 1;; *) echo "$@" >&3;; esac'}
 
-    def levels(*arguments, before=None):
+    def configured(*arguments, before=None):
+        """The arguments of the call of cmake that configures."""
         with tempfile.TemporaryDirectory() as folder:
             log, build = os.path.join(folder, "log"), os.path.join(folder, "build")
             if before:
@@ -65,7 +104,10 @@ def main():
             run(*arguments, programs=programs)
             del os.environ["BUILD"]
             with open(log, encoding="ascii") as file:
-                return file.read().split("-DSTROMA_LEVELS=")[1].split()[0]
+                return file.read().split("\n")[0]
+
+    def levels(*arguments, before=None):
+        return configured(*arguments, before=before).split("-DSTROMA_LEVELS=")[1].split()[0]
 
     machine, every = levels("test", "-y"), "x86-64-v2;x86-64-v3;x86-64-v4"
     assert machine in every.split(";"), machine
@@ -73,6 +115,9 @@ def main():
     assert levels("test", "-y", "--all-levels") == every
     assert levels("run", "-y", before=every) == every
     assert levels("test", "-y", before="x86-64-v1") == machine
+    assert levels("package", "-y") == every and levels("build") == machine
+    assert "-DCMAKE_INSTALL_PREFIX=/usr" in configured("package") and "INSTALL_PREFIX" not in configured("run")
+    check_stages(setup)
     print("tools/setup says and does what it should")
 
 

@@ -43,7 +43,7 @@ TEST(ReaderProcess, EveryEndIsASentence) {
   EXPECT_EQ(errorOf(unruly, {"time"}), name + "took more computing time than a file of this size needs" + damaged);
   EXPECT_EQ(errorOf(unruly, {"refuses"}), "folder/file.x is no good | a better one | that one");
   const std::string none = errorOf({"no_such_reader", "the missing reader", "build it"}, {});
-  EXPECT_EQ(none.find("the missing reader is not in this build: build it"), 0u) << none;
+  EXPECT_EQ(none.find("the missing reader is not here: build it"), 0u) << none;
 }
 
 TEST(ReaderProcess, MemoryIsLimitedByTheSizeOfTheFile) {

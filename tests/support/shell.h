@@ -4,7 +4,9 @@
 #include <sys/wait.h>
 
 #include <cstdlib>
+#include <cstring>
 #include <iterator>
+#include <vector>
 
 #include "tests/support/folder_fixture.h"
 
@@ -18,6 +20,14 @@ struct Finished {
 inline std::string readText(const std::filesystem::path& path) {
   std::ifstream stream(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+/// The numbers of a file of instants: of each its time, positions and velocities.
+inline std::vector<double> instantsIn(const std::filesystem::path& file) {
+  const std::string bytes = readText(file), data = bytes.substr(std::min(bytes.size(), bytes.find('\n') + 1));
+  std::vector<double> numbers(data.size() / sizeof(double));
+  std::memcpy(numbers.data(), data.data(), numbers.size() * sizeof(double));
+  return numbers;
 }
 
 /// The folder is the working directory of what a test runs.

@@ -87,7 +87,7 @@ def positions_in(frame, body=0):
 
 def hash_of_run(scene, steps, *options):
     """State of `stroma run` after so many steps."""
-    output, _ = command("run", scene, "-n", str(steps), "-q", "--json", *options)
+    output, _ = command("run", scene, "-n", str(steps), "-q", "--no-record", "--json", *options)
     return json.loads(output)["state_hash"]
 
 
@@ -223,7 +223,7 @@ class Run(unittest.TestCase):
             page.do("step", count=1)
             page.until(lambda: page.frame["step"] == 1 and "newton" in page.frame["values"], "values")
             values = page.frame["values"]
-            summary = json.loads(command("run", example("organ_static.xml"), "-n", "1", "-q", "--json")[0])
+            summary = json.loads(command("run", example("organ_static.xml"), "-n", "1", "-q", "--no-record", "--json")[0])
             for name, value in summary["energies"]["end"].items():
                 self.assertEqual(values[f"energy.{name}"], value)
             self.assertEqual(values["newton"], summary["newton"]["iterations"])

@@ -26,10 +26,10 @@ struct Command {
   std::string peers = {};
 };
 
-/// Runs `stroma run SCENE -n STEPS --quiet` in `folder`, silent. Returns its wall time [s], negative when it failed.
+/// Runs `stroma run SCENE -n STEPS --quiet --no-record` in `folder`, silent. Returns its wall time [s], negative when it failed.
 double processSeconds(const Command& command, const std::string& scene, const std::string& folder) {
-  std::vector<std::string> words{programFolder() + "/stroma",   "run",    scene, "-n",
-                                 std::to_string(command.steps), "--quiet"};
+  std::vector<std::string> words{programFolder() + "/stroma",   "run",     scene,        "-n",
+                                 std::to_string(command.steps), "--quiet", "--no-record"};
   for (const std::string& text : command.overrides) words.insert(words.end(), {"--set", text});
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());

@@ -9,6 +9,7 @@
 #include <cstring>
 #include <filesystem>
 
+#include "framework/scene/services.h"
 #include "tools/command/options.h"
 
 namespace po = boost::program_options;
@@ -47,7 +48,9 @@ int bench(const Arguments& arguments) {
   for (std::string& copy : copies) values.push_back(copy.data());
   values.push_back(nullptr);
   execv(name.c_str(), values.data());
-  throw UsageError(fmt::format("cannot start {} ({}): build the target stroma-bench", name, std::strerror(errno)));
+  throw UsageError(fmt::format(
+      "cannot start {} ({}): {}", name, std::strerror(errno),
+      howToGet("stroma-bench", "`tools/setup build` in the sources installs Google Benchmark and builds it")));
 }
 
 }  // namespace

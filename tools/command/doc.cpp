@@ -2,9 +2,10 @@
 // stroma doc: the manual page of a component, from the comment of its source and its attribute table.
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "framework/scene/change_table.h"
+#include "tools/command/attribute_text.h"
+#include "tools/command/component_json.h"
+#include "tools/command/doc_words.h"
 #include "tools/command/session.h"
 
 namespace po = boost::program_options;
@@ -13,10 +14,15 @@ namespace stroma::command {
 namespace {
 
 const Manual manual{
-    "stroma doc NAME",
-    "Prints the manual page of a component: what it computes, an example scene, and its attributes with "
-    "type, unit, default\nand range.",
-    "  stroma doc TetrahedronFEMForceField\n  stroma doc CGLinearSolver | less\n"};
+    "stroma doc NAME [options]",
+    "Prints the manual page of a component: what it computes, an example scene, and its attributes with type, unit, "
+    "default\nand range. `stroma doc scene` prints the file format, and `stroma doc scene links` what it says of "
+    "links. Of "
+    "a topic, as in\n`stroma doc boundary conditions`, it says what there is and what there is not yet. For a "
+    "component of "
+    "SOFA that Stroma does\nnot have it says what to do instead.",
+    "  stroma doc TetrahedronFEMForceField\n  stroma doc CGLinearSolver | less\n  stroma doc scene\n"
+    "  stroma doc incompressible\n  stroma doc GenericConstraintSolver\n"};
 
 /// The present name of a component; says so when the scene format renamed it.
 std::string presentName(const std::string& name) {
@@ -29,34 +35,11 @@ std::string presentName(const std::string& name) {
   return name;
 }
 
-[[noreturn]] void unknown(const std::string& name, const Modules& modules) {
-  std::vector<std::string> names;
-  for (const auto& entry : modules.index()) names.push_back(entry.type);
-  const std::string near = nearest(name, names);
-  throw UsageError(fmt::format("there is no component '{}' ({})", name,
-                               near.empty() ? "stroma list prints them all" : "did you mean " + near + "?"));
-}
-
-std::string traits(const Data& data) {
-  std::string text = data.typeText();
-  if (!data.unitText().empty() && data.unitText() != "-") text += " [" + data.unitText() + "]";
-  if (data.isOutput()) return text + ", computed";
-  if (data.isRequired()) {
-    text += ", required";
-  } else {
-    text += data.defaultText().empty() ? ", empty by default" : ", default " + data.defaultText();
-  }
-  if (!data.rangeText().empty()) text += ", in " + data.rangeText();
-  if (data.changeEffect() == ChangeEffect::at_once) text += ", may change in a run";
-  if (data.changeEffect() == ChangeEffect::recompile) text += ", may change in a run (the component is made anew)";
-  return text;
-}
-
 void printAttributes(const Component& component) {
-  fmt::print("Attributes:\n");
+  fmt::print("Attributes, with any unit of the dimension in brackets, as 10 kPa for [Pa] (docs/units.md):\n");
   for (const Data& data : component.data().all()) {
     if (data.isShorthand()) continue;
-    fmt::print("  {} ({})\n      {}{}\n", data.name(), traits(data), data.helpText(),
+    fmt::print("  {} ({})\n      {}{}\n", data.name(), traitsOf(data), data.helpText(),
                data.aliases().empty() ? "" : fmt::format("; also called {}", fmt::join(data.aliases(), ", ")));
   }
   std::vector<std::string> shorthands;
@@ -67,22 +50,25 @@ void printAttributes(const Component& component) {
 
 CommandLine line() {
   OptionList options("options");
-  options.add_options()("module", po::value<std::vector<std::string>>()->value_name("FILE.so"),
-                        "open a module of components by its path; may be repeated");
-  return {manual, options, {"NAME"}};
+  options.add_options()                        //
+      ("json", "print it as JSON")             //
+      ("all", "every component, with --json")  //
+      ("module", po::value<std::vector<std::string>>()->value_name("FILE.so"),
+       "open a module of components by its path; may be repeated");
+  return {manual, options, {"NAME..."}};
 }
 
 int doc(const Arguments& arguments) {
   const auto values = parseOptions(line(), arguments);
   if (!values) return exit_done;
+  if (values->count("json") || values->count("all")) return docAsJson(*values, manual);
   const std::string given = required(*values, "NAME", manual);
   Session session;
   configure(session, *values);
+  if (!session.modules().provide(given)) return explainWord(given, session.modules());
   const std::string name = presentName(given);
-  if (!session.modules().provide(name)) unknown(given, session.modules());
   const auto component = session.factory().make(name);
   const ComponentEntry* entry = session.factory().find(name);
-  if (!component || !entry) unknown(given, session.modules());
   fmt::print("{} ({}, module {})\n{}\n\n", name, component->roleText(), entry->module, entry->help);
   const std::string page = session.modules().manual(name);
   if (!page.empty()) fmt::print("{}{}\n", page, page.ends_with('\n') ? "" : "\n");
@@ -92,6 +78,7 @@ int doc(const Arguments& arguments) {
 
 }  // namespace
 
-const Subcommand doc_command{"doc", "print the manual page of a component", Group::scenes, doc, line};
+const Subcommand doc_command{"doc", "print the manual page of a component, of the scene file or of a topic",
+                             Group::scenes, doc, line};
 
 }  // namespace stroma::command

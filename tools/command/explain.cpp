@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "framework/algebra/parallel.h"
+#include "tools/command/plan_json.h"
 #include "tools/command/session.h"
 
 namespace stroma::command {
@@ -19,6 +20,7 @@ std::string names(const std::vector<std::string>& list) {
 
 CommandLine line() {
   OptionList options("options");
+  options.add_options()("json", "print the plan as JSON");
   addSceneOptions(options);
   return {manual, options, {"SCENE"}};
 }
@@ -30,6 +32,7 @@ int explain(const Arguments& arguments) {
   configure(session, *values);
   const Simulation& simulation = session.load(required(*values, "SCENE", manual));
   reportProblems(simulation.scene(), true);
+  if (values->count("json")) return printJson(planJson(session));
   for (const std::string& line : simulation.explain()) fmt::print("{}\n", line);
   fmt::print("modules opened: {} (instructions: {})\n", names(session.modules().opened()), instructionLevel());
   fmt::print("modules not opened, the scene names nothing in them: {}\n", names(session.modules().notOpened()));

@@ -3,44 +3,45 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 
+#include "tools/command/component_json.h"
 #include "tools/command/session.h"
+#include "tools/command/words.h"
 
 namespace stroma::command {
 namespace {
 
-const Manual manual{"stroma list [PATTERN]",
-                    "Lists components with their module and one line of help: all of them, or those whose name, module "
-                    "or help contains\nPATTERN (upper and lower case are the same).",
-                    "  stroma list\n  stroma list solver\n  stroma list elasticity\n"};
+const Manual manual{
+    "stroma list [WORD]",
+    "Lists components with their module and one line of help: all of them, or those whose name, module "
+    "or help contains the\nword, and those that belong to a topic of that name, such as contact, units or "
+    "boundary conditions. Upper and lower case are the\nsame. `stroma doc TOPIC` tells more of a topic.",
+    "  stroma list\n  stroma list solver\n  stroma list boundary conditions\n"};
 
-bool contains(const std::string& text, const std::string& pattern) {
-  const auto same = [](unsigned char a, unsigned char b) { return std::tolower(a) == std::tolower(b); };
-  return std::search(text.begin(), text.end(), pattern.begin(), pattern.end(), same) != text.end();
+bool has(const std::vector<std::string>& list, const std::string& word) {
+  return std::ranges::find(list, word) != list.end();
 }
 
-CommandLine line() { return {manual, OptionList("options"), {"PATTERN"}}; }
+/// Topics with the word in their name or in another word for them.
+std::vector<const Topic*> topicsAbout(const std::string& word) {
+  std::vector<const Topic*> found;
+  const Topic* exact = findTopic(word);
+  for (const Topic& topic : topics()) {
+    const auto contains = [&](const std::string& other) { return containsWord(other, word); };
+    if (&topic == exact || contains(topic.name) || std::ranges::any_of(topic.also, contains)) found.push_back(&topic);
+  }
+  return found;
+}
 
-int list(const Arguments& arguments) {
-  const auto values = parseOptions(line(), arguments);
-  if (!values) return exit_done;
-  const std::string pattern = values->count("PATTERN") ? (*values)["PATTERN"].as<std::string>() : "";
-  Session session;
-  configure(session, *values);
-  std::vector<Modules::IndexEntry> found;
-  std::vector<std::string> names;
-  for (const Modules::IndexEntry& entry : session.modules().index()) {
-    names.push_back(entry.type);
-    if (contains(entry.type, pattern) || contains(entry.module, pattern) || contains(entry.help, pattern))
-      found.push_back(entry);
-  }
-  if (found.empty()) {
-    const std::string near = nearest(pattern, names);
-    throw UsageError(
-        fmt::format("no component matches '{}'{}", pattern, near.empty() ? "" : "; did you mean " + near + "?"));
-  }
-  std::ranges::sort(found, {}, &Modules::IndexEntry::type);
+[[noreturn]] void nothingFound(const std::string& word, const Modules& modules) {
+  std::vector<std::string> names = topicWords();
+  for (const Modules::IndexEntry& entry : modules.index()) names.push_back(entry.type);
+  const std::string near = nearest(word, names);
+  throw UsageError(
+      fmt::format("no component matches '{}'{}", word, near.empty() ? "" : "; did you mean " + near + "?"));
+}
+
+void print(const std::vector<Modules::IndexEntry>& found) {
   std::size_t type_width = 0, module_width = 0;
   for (const auto& entry : found) {
     type_width = std::max(type_width, entry.type.size());
@@ -48,11 +49,43 @@ int list(const Arguments& arguments) {
   }
   for (const auto& entry : found)
     fmt::print("{:{}}  {:{}}  {}\n", entry.type, type_width, entry.module, module_width, entry.help);
+}
+
+void print(const std::vector<const Topic*>& about) {
+  std::vector<std::string> names;
+  for (const Topic* topic : about) names.push_back(topic->name + (topic->is_missing ? " (not yet)" : ""));
+  fmt::print("topics: {}; `stroma doc {}` tells more\n", fmt::join(names, ", "), about.front()->name);
+}
+
+CommandLine line() {
+  OptionList options("options");
+  options.add_options()("json", "print them as JSON, with their roles");
+  return {manual, options, {"WORD..."}};
+}
+
+int list(const Arguments& arguments) {
+  const auto values = parseOptions(line(), arguments);
+  if (!values) return exit_done;
+  const std::string word = values->count("WORD") ? (*values)["WORD"].as<std::string>() : "";
+  Session session;
+  configure(session, *values);
+  const Topic* topic = word.empty() ? nullptr : findTopic(word);
+  std::vector<Modules::IndexEntry> found;
+  for (const Modules::IndexEntry& entry : session.modules().index())
+    if (containsWord(entry.type, word) || containsWord(entry.module, word) || containsWord(entry.help, word) ||
+        (topic && has(topic->components, entry.type)))
+      found.push_back(entry);
+  const auto about = word.empty() ? std::vector<const Topic*>{} : topicsAbout(word);
+  if (found.empty() && about.empty()) nothingFound(word, session.modules());
+  std::ranges::sort(found, {}, &Modules::IndexEntry::type);
+  if (values->count("json")) return printJson(listJson(session, found));
+  print(found);
+  if (!about.empty()) print(about);
   return exit_done;
 }
 
 }  // namespace
 
-const Subcommand list_command{"list", "list the components, or those that match a pattern", Group::scenes, list, line};
+const Subcommand list_command{"list", "list the components, or those that a word leads to", Group::scenes, list, line};
 
 }  // namespace stroma::command

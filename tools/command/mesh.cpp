@@ -96,7 +96,7 @@ void refuseTooMany(const MeshRequest& request, double cells, const Vec3& box) {
       fmt::format("about {:.1e} cells are to be expected, more than --most-cells {:.2g}: the body's box is {:.4g} x "
                   "{:.4g} x {:.4g} with --scale {:.4g}, and the cell size {:.4g}",
                   cells, request.most_cells, box.x(), box.y(), box.z(), request.scale, request.criteria.cell_size),
-      "lengths in one unit (--scale 0.001 takes millimetres to metres), or larger cells");
+      "lengths in one unit (--unit mm takes millimetres to metres), or larger cells");
 }
 
 /// Volume and area of each label; a stair of voxels has about 1.5 times the area of what it stands for.

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <filesystem>
 
+#include "framework/scene/units.h"
+
 namespace fs = std::filesystem;
 namespace po = boost::program_options;
 
@@ -20,10 +22,11 @@ const Manual manual{
     "outside),\nwhich gives one region per label, or a closed surface of triangles (.obj .stl .vtk .vtp), which gives "
     "label 1. A surface\nthat cuts itself is filled with voxels first (--voxels). MESH is a\n.msh file (the labels are "
     "physical groups, and so are the surfaces between them, as "
-    "\"soft.bone\" and \"soft.outside\")\nor a .vtu file (cell data `label`). Lengths are in the unit of INPUT after "
+    "\"soft.bone\" and \"soft.outside\")\nor a .vtu file (cell data `label`). Lengths are in metres with --unit, else "
+    "in the unit of INPUT after "
     "--scale; a size bounds the radius of the sphere\naround a tetrahedron or triangle, whose edges are about as long. "
     "The same input gives the same file.",
-    "  stroma mesh leg.nii.gz -o leg.msh --scale 0.001 --cell-size 0.012 --cell-size 2=0.006\n"
+    "  stroma mesh scenes/meshes/leg.nii.gz -o leg.msh --unit mm --cell-size 0.012 --cell-size 2=0.006\n"
     "  stroma mesh leg.mhd -o leg.msh --name 1=soft --name 2=tibia --json\n"
     "  stroma mesh liver.stl -o liver.vtu --cell-size 0.01 --feature-angle 60\n"
     "  stroma mesh scan.obj -o scan.msh --cell-size 0.01 --voxels 0.0015\n"};
@@ -72,13 +75,23 @@ OptionList optionList() {
        "each label's voxels, as far as the shapes of cells allow")  //
       ("most-cells", number("COUNT"),
        "stop before meshing when more cells are to be expected (default: 5e6; 1e6 take "
-       "about a gigabyte and minutes)")                                                                     //
-      ("progress", number("SECONDS"), "time between two lines of progress on standard error (default: 5)")  //
-      ("scale", number("FACTOR"), "factor on the positions of INPUT, as 0.001 from mm to m")                //
-      ("name", list("LABEL=NAME"), "name of a label in a .msh file, without '.'; may be repeated")          //
-      ("msh22", "write .msh format 2.2 instead of 4.1")                                                     //
+       "about a gigabyte and minutes)")                                                                             //
+      ("progress", number("SECONDS"), "time between two lines of progress on standard error (default: 5)")          //
+      ("scale", number("FACTOR"), "factor on the positions of INPUT, as 0.001 from mm to m")                        //
+      ("unit", number("UNIT"), "unit of the positions of INPUT, as mm: they become metres, as with --scale 0.001")  //
+      ("name", list("LABEL=NAME"), "name of a label in a .msh file, without '.'; may be repeated")                  //
+      ("msh22", "write .msh format 2.2 instead of 4.1")                                                             //
       ("json", "print the report as JSON");
   return options;
+}
+
+/// The length of a unit [m].
+double metresOf(const std::string& name) {
+  const Dimension length = readUnit("m").dimension;
+  const std::optional<Unit> unit = findUnit(name);
+  if (!unit || unit->dimension != length)
+    throw UsageError(fmt::format("--unit {}: expected {}", name, describe(length)));
+  return inSI(1, *unit);
 }
 
 void readCriteria(const Values& values, MeshRequest& request) {
@@ -89,6 +102,8 @@ void readCriteria(const Values& values, MeshRequest& request) {
   take("facet-size", criteria.facet_size), take("facet-angle", criteria.facet_angle);
   take("distance", criteria.distance), take("dihedral-angle", criteria.dihedral_angle);
   take("feature-angle", criteria.feature_angle), take("scale", request.scale);
+  if (values.count("unit") && values.count("scale")) throw UsageError("--unit and --scale: expected one of them");
+  if (values.count("unit")) request.scale = metresOf(values["unit"].as<std::string>());
   take("voxels", request.voxels), take("most-cells", request.most_cells), take("progress", request.progress);
   if (criteria.facet_angle > 30)
     throw UsageError(fmt::format("--facet-angle {}: expected at most 30, beyond which refinement may not end",

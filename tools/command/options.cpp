@@ -32,6 +32,27 @@ std::string unknownOption(const std::string& given, const OptionList& options, c
                      manual.usage);
 }
 
+/// A position of this name takes all words that are left.
+bool takesAll(const std::string& position) { return position.ends_with("..."); }
+std::string keyOf(const std::string& position) {
+  return takesAll(position) ? position.substr(0, position.size() - 3) : position;
+}
+
+/// Words of one position become one text: `stroma doc boundary conditions`.
+void joinWords(po::parsed_options& parsed) {
+  std::vector<po::option> joined;
+  for (const po::option& option : parsed.options) {
+    const auto first = std::ranges::find_if(joined, [&](const po::option& other) {
+      return option.position_key >= 0 && other.position_key >= 0 && other.string_key == option.string_key;
+    });
+    if (first == joined.end())
+      joined.push_back(option);
+    else
+      first->value[0] += " " + option.value[0];
+  }
+  parsed.options = std::move(joined);
+}
+
 }  // namespace
 
 std::optional<Values> parseOptions(const Manual& manual, const OptionList& options,
@@ -41,14 +62,16 @@ std::optional<Values> parseOptions(const Manual& manual, const OptionList& optio
   all.add_options()("help,h", "this text");
   po::positional_options_description order;
   for (const std::string& position : positions) {
-    all.add_options()(position.c_str(), po::value<std::string>());
-    order.add(position.c_str(), 1);
+    all.add_options()(keyOf(position).c_str(), po::value<std::string>());
+    order.add(keyOf(position).c_str(), takesAll(position) ? -1 : 1);
   }
   Values values;
   try {
     // an option must be spelled out: a prefix that is right today becomes ambiguous with the next option
     const int style = po::command_line_style::default_style & ~po::command_line_style::allow_guessing;
-    po::store(po::command_line_parser(arguments).options(all).positional(order).style(style).run(), values);
+    po::parsed_options parsed = po::command_line_parser(arguments).options(all).positional(order).style(style).run();
+    joinWords(parsed);
+    po::store(parsed, values);
     po::notify(values);
   } catch (const po::unknown_option& error) {
     throw UsageError(unknownOption(error.get_option_name(), options, manual));

@@ -4,6 +4,7 @@
 #include <boost/program_options.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "tools/command/command.h"
@@ -15,9 +16,9 @@ using OptionList = boost::program_options::options_description;
 
 /// What --help prints around the options.
 struct Manual {
-  std::string usage;     ///< "stroma run SCENE [options]"
-  std::string purpose;   ///< a paragraph
-  std::string examples;  ///< lines
+  std::string_view usage;     ///< "stroma run SCENE [options]"
+  std::string_view purpose;   ///< a paragraph
+  std::string_view examples;  ///< lines
 };
 
 /// What a subcommand takes. The name of a value says how a shell completes it: DIR or FOLDER is a folder, FILE a file,
@@ -25,7 +26,7 @@ struct Manual {
 struct CommandLine {
   Manual manual;
   OptionList options;                  ///< without --help, which all have
-  std::vector<std::string> positions;  ///< names of the positional arguments, in order
+  std::vector<std::string> positions;  ///< names of the positional arguments, in order; NAME... takes all that is left
 };
 
 /// The values of `options` and of the positional arguments `positions` (the names of options declared hidden). Prints

@@ -2,48 +2,170 @@
 #include "tools/command/progress.h"
 
 #include <fmt/format.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <cstdio>
+#include <cstdlib>
+#include <cstring>
+
+#include "framework/simulation/long_work.h"
 
 namespace stroma::command {
 namespace {
 
-constexpr auto redraw_every = std::chrono::milliseconds(100);
-constexpr long lines_in_a_pipe = 10;
+constexpr double redrawn_every = 0.1, looked_every = 0.25;  // [s]
+constexpr double shortest_told = 1;                         // [s] between two lines, and from the start to the first
+constexpr double longest_untold = 30;                       // [s]
+constexpr double long_step = 2;                             // [s]
+
+bool isTerminal() {
+  const char* kind = std::getenv("TERM");
+  return isatty(STDERR_FILENO) && !(kind && std::strcmp(kind, "dumb") == 0);
+}
+
+std::size_t terminalWidth() {
+  winsize size{};
+  return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 1 ? size.ws_col - 1u : 79u;
+}
+
+/// Pieces of a line. Those that matter least go first where it is too long.
+class Pieces {
+ public:
+  /// `rank`: 0 matters most.
+  void add(int rank, std::string text) { pieces_.push_back({rank, std::move(text)}); }
+  std::string joined(std::size_t width) const {
+    for (int most = 9;; --most) {
+      std::string line;
+      for (const auto& [rank, text] : pieces_)
+        if (rank <= most) line += (line.empty() ? "" : "  ") + text;
+      if (line.size() <= width) return line;
+      if (most == 0) return line.substr(0, width);
+    }
+  }
+
+ private:
+  std::vector<std::pair<int, std::string>> pieces_;
+};
+
+std::string counted(int count, const char* what) { return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s"); }
 
 }  // namespace
 
-Progress::Progress(long steps, bool quiet)
-    : steps_(steps), quiet_(quiet), terminal_(isatty(STDERR_FILENO)), next_line_((steps + 9) / lines_in_a_pipe) {}
+Progress::Progress(std::string scene, bool quiet, std::function<bool()> is_stopping)
+    : scene_(std::move(scene)), is_stopping_(std::move(is_stopping)), terminal_(isTerminal()) {
+  if (!quiet) thread_ = std::thread([this] { tell(); });
+}
 
-void Progress::show(const Simulation& simulation, const StepReport& report) {
-  if (quiet_) return;
-  if (terminal_) {
-    const auto now = Clock::now();
-    if (now - last_drawn_ < redraw_every && simulation.steps() != steps_) return;
-    last_drawn_ = now;
-    line_open_ = true;
-    print(simulation, report, "\r\033[K", "");
-  } else if (simulation.steps() >= next_line_) {
-    next_line_ += (steps_ + 9) / lines_in_a_pipe;
-    print(simulation, report, "", "\n");
-  }
+void Progress::loaded() {
+  const std::lock_guard lock(mutex_);
+  stage_ = waits;
+  clear();
+}
+
+void Progress::begin(const Simulation& simulation, long last) {
+  if (!thread_.joinable()) return;
+  setStepProgress(&step_);
+  const std::lock_guard lock(mutex_);
+  first_ = simulation.steps(), last_ = last;
+  began_ = std::chrono::duration<double>(Clock::now() - start_).count();
+  made_ = first_;
+  time_ = simulation.time();
+  stage_ = runs;
 }
 
 void Progress::finish() {
-  if (line_open_) fmt::print(stderr, "\n");
+  if (!thread_.joinable()) return;
+  setStepProgress(nullptr);
+  {
+    const std::lock_guard lock(mutex_);
+    stage_ = ends;
+    clear();
+  }
+  wake_.notify_one();
+  thread_.join();
+}
+
+void Progress::clear() {
+  if (line_open_) print("");
   line_open_ = false;
 }
 
-void Progress::print(const Simulation& simulation, const StepReport& report, const char* before, const char* after) {
-  const double ms = std::chrono::duration<double, std::milli>(Clock::now() - start_).count();
-  fmt::print(stderr, "{}step {}/{}  t = {:.6g} s  {:.3g} ms/step", before, simulation.steps(), steps_,
-             simulation.time(), ms / double(simulation.steps()));
-  if (report.newton_iterations > 1) fmt::print(stderr, "  {} Newton iterations", report.newton_iterations);
-  if (report.linear_iterations > 0) fmt::print(stderr, "  {} linear iterations", report.linear_iterations);
-  fmt::print(stderr, "{}", after);
+void Progress::tell() {
+  std::unique_lock lock(mutex_);
+  const std::chrono::duration<double> pause(terminal_ ? redrawn_every : looked_every);
+  while (!wake_.wait_for(lock, pause, [this] { return stage_ == ends; })) {
+    const double now = std::chrono::duration<double>(Clock::now() - start_).count();
+    if (stage_ == loads) lookAtLoad(now);
+    if (stage_ == runs) look(now);
+  }
+}
+
+void Progress::lookAtLoad(double now) {
+  if (isTellingLongWork()) {  // the line is another's
+    line_open_ = false;
+    return;
+  }
+  if (now < (terminal_ ? shortest_told : told_ + longest_untold)) return;
+  told_ = now;
+  print(fmt::format("loading {}: {} so far", scene_, durationText(now)));
+}
+
+void Progress::look(double now) {
+  const long made = made_.load(std::memory_order_relaxed);
+  pace_.look(now - began_, made - first_);
+  if (terminal_) return print(text(now, terminalWidth()));
+  if (isLineDue(now, made - first_)) print(text(now, std::string::npos));
+}
+
+/// In a pipe.
+bool Progress::isLineDue(double now, long done) {
+  const long steps = last_ - first_;
+  const int tenths = steps > 0 ? int(10 * double(done) / double(steps)) : 0;
+  const double since = now - std::max(told_, began_);
+  if (since < longest_untold && (tenths <= tenths_ || since < shortest_told)) return false;
+  tenths_ = tenths;
+  told_ = now;
+  return true;
+}
+
+std::string Progress::text(double now, std::size_t width) {
+  const long made = made_.load(std::memory_order_relaxed), steps = last_ - first_;
+  const double age = pace_.age();
+  const bool is_slow = age > long_step && age > 2 * pace_.secondsPerStep();
+  Pieces pieces;
+  pieces.add(0, fmt::format("step {}/{}", made, last_));
+  if (steps > 0) pieces.add(2, fmt::format("{} %", 100 * (made - first_) / steps));
+  if (is_slow || !pace_.isKnown()) {
+    const int iterations = step_.newton_iterations.load(std::memory_order_relaxed);
+    pieces.add(3, fmt::format("step {}: {} so far", made + 1, durationText(age)));
+    if (iterations > 0)
+      pieces.add(4, fmt::format("Newton iteration {}, residual {:.1g}", iterations,
+                                step_.newton_residual.load(std::memory_order_relaxed)));
+  }
+  pieces.add(5, fmt::format("t = {:.6g} s", time_.load(std::memory_order_relaxed)));
+  if (pace_.isKnown()) {
+    const int newton = newton_.load(std::memory_order_relaxed), linear = linear_.load(std::memory_order_relaxed);
+    pieces.add(6, fmt::format("{:.3g} ms/step", 1e3 * pace_.secondsPerStep()));
+    if (newton > 1) pieces.add(9, counted(newton, "Newton iteration"));
+    if (linear > 0) pieces.add(8, counted(linear, "linear iteration"));
+    pieces.add(7, durationText(now - began_) + " elapsed");
+  }
+  if (is_stopping_())
+    pieces.add(1, "ends after this step");
+  else if (pace_.isKnown())
+    pieces.add(1, durationText(pace_.secondsToGo(last_ - made)) + " to go");
+  return pieces.joined(width);
+}
+
+/// On a terminal in place of the line before.
+void Progress::print(const std::string& text) {
+  if (terminal_)
+    fmt::print(stderr, "\r\033[K{}", text);
+  else
+    fmt::print(stderr, "{}\n", text);
   std::fflush(stderr);
+  line_open_ = terminal_;
 }
 
 }  // namespace stroma::command

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "framework/scene/output_file.h"
+#include "tools/command/instants.h"
 
 namespace stroma::command {
 
@@ -27,20 +28,29 @@ std::vector<std::string> recordedFiles(const Simulation& simulation, const std::
 }
 
 Recorder::Recorder(Session& session, const std::string& folder, long every)
-    : session_(session), every_(every), states_(session.simulation().states()) {
+    : session_(session), every_(every), states_(session.simulation().states()), folder_(folder) {
   std::vector<std::string> files = recordedFiles(session.simulation(), folder);
   checkpoint_ = std::move(files.back());
   files.pop_back();
   for (const std::string& file : files) writers_.emplace_back(file);
 }
 
+/// A folder that a run left to be looked at is one that the user has named from now on.
+void Recorder::takeOver() {
+  std::error_code error;
+  if (isInstantsFile(instantsFile(folder_))) fs::remove(instantsFile(folder_), error);
+  if (error) throw OutputError(instantsFile(folder_), "cannot remove the instants of a run before", error.value());
+}
+
 void Recorder::dropCheckpoint() {
+  takeOver();
   std::error_code error;
   fs::remove(checkpoint_, error);
   if (error) throw OutputError(checkpoint_, "cannot remove the checkpoint of a run before", error.value());
 }
 
 void Recorder::goOn() {
+  takeOver();
   const Simulation& simulation = session_.simulation();
   const bool is_due = simulation.steps() % every_ == 0;
   bool all_have_it = true;

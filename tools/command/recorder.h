@@ -34,6 +34,7 @@ class Recorder {
 
  private:
   void record();
+  void takeOver();
   template <class Act>
   void forEachWriter(Act&& act);
 
@@ -41,7 +42,7 @@ class Recorder {
   long every_;
   std::vector<State*> states_;
   std::vector<StateWriter> writers_;
-  std::string checkpoint_;  ///< file
+  std::string folder_, checkpoint_;  ///< folder and file
   long last_step_ = -1;
   bool is_empty_ = true;  ///< nothing has been recorded
 };

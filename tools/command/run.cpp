@@ -8,10 +8,13 @@
 #include <filesystem>
 
 #include "framework/scene/output_file.h"
+#include "framework/simulation/file_uses.h"
 #include "framework/simulation/long_work.h"
+#include "tools/command/default_recording.h"
 #include "tools/command/measured_end.h"
 #include "tools/command/progress.h"
 #include "tools/command/recorder.h"
+#include "tools/command/results.h"
 #include "tools/command/run_outcome.h"
 #include "tools/command/session.h"
 #include "tools/command/statistics.h"
@@ -79,23 +82,60 @@ std::optional<Replay> beginReplay(const RunRequest& request, Simulation& simulat
   return replay;
 }
 
-Outcome loop(Session& session, long steps, const RunRequest& request, Recorder* recorder, bool goes_on) {
+/// What the run keeps of its instants: --record, or what every run leaves.
+struct Recordings {
+  std::optional<Recorder> named;
+  std::optional<DefaultRecording> last;
+  bool is_last_written = false;
+
+  Recordings(Session& session, const RunRequest& request, long steps) {
+    if (request.recordsIn()) named.emplace(session, request.record_folder, request.record_every);
+    if (request.leavesLast()) last.emplace(session, request, steps);
+  }
+  void begin(bool goes_on) {
+    // a run that starts anew replaces files that the checkpoint of the run before counts on: that one goes first
+    if (named && !goes_on) named->dropCheckpoint();
+    if (named) named->write();
+    if (last) last->begin();
+  }
+  void stepMade() {
+    if (named) named->write();
+    if (last) last->stepMade();
+  }
+  std::vector<std::string> files() const {
+    if (named) return named->files();
+    return is_last_written ? last->files() : std::vector<std::string>{};
+  }
+  /// A folder that can be looked at, or empty.
+  std::string folder(const RunRequest& request) const {
+    if (is_last_written) return last->folder();
+    return named && !named->files().empty() && named->files().back().ends_with(".checkpoint") ? request.record_folder
+                                                                                              : "";
+  }
+  /// Where the last state is, for tellFailure().
+  std::string placeOfState() const {
+    const auto all = files();
+    if (!all.empty()) return fmt::format("is in {}", fmt::join(all, ", "));
+    return "is in no file" + (last && !last->reason().empty() ? ": " + last->reason() : last ? "" : " (--no-record)");
+  }
+};
+
+Outcome loop(Session& session, long steps, const RunRequest& request, Recordings& recordings, Progress& progress,
+             bool goes_on) {
   const Simulation& simulation = session.simulation();
-  stopOnSignals(session);
+  Recorder* recorder = recordings.named ? &*recordings.named : nullptr;
   if (recorder && goes_on) recorder->goOn();
   session.simulation().begin();
-  // a run that starts anew replaces files that the checkpoint of the run before counts on: that one goes first
-  if (recorder && !goes_on) recorder->dropCheckpoint();
-  if (recorder) recorder->write();
-  Progress progress(steps, request.quiet);
+  recordings.begin(goes_on);
   CheckpointClock checkpoints(request);
   RunLimits limits;
   limits.steps = std::max(0L, steps - simulation.steps());
   limits.after_step = [&](const StepReport& report, double) {
-    if (recorder) recorder->write();
+    recordings.stepMade();
     if (recorder && report.constraints_converged && checkpoints.isDue(simulation.steps())) recorder->writeCheckpoint();
-    progress.show(simulation, report);
+    progress.stepMade(simulation, report);
   };
+  progress.begin(simulation, steps);
   Outcome outcome;
   static_cast<RunReport&>(outcome) = session.run(limits);
   outcome.signal = stopped_by;
@@ -117,71 +157,94 @@ nlohmann::ordered_json toJson(const Energies& energies) {
   return {{"kinetic", energies.kinetic}, {"elastic", energies.elastic}, {"gravity", energies.gravity}};
 }
 
-/// Ends all files. `recorder` is made for a run without a result when there was none.
-void finish(Session& session, const RunRequest& request, std::optional<Recorder>& recorder, Outcome& outcome) {
+/// Ends all files.
+void finish(Session& session, const RunRequest& request, Recordings& recordings, Outcome& outcome) {
   if (outcome.end == RunEnd::output_failed) outcome.failures.push_back(outcome.reason);
-  attempt(outcome, [&] {
-    if (outcome.failed() && !recorder) recorder.emplace(session, divergedFolder(request.scene), 1);
-  });
   // the checkpoint comes before what observers write at the very end: a run that goes on does not have it
   // to go on from a state that is no result would make it look like one
   const bool may_go_on = outcome.failures.empty() && outcome.end != RunEnd::not_converged;
-  if (recorder) attempt(outcome, [&] { recorder->finish(may_go_on); });
+  if (recordings.named) attempt(outcome, [&] { recordings.named->finish(may_go_on); });
+  if (recordings.last) recordings.is_last_written = recordings.last->write(outcome.failed(), may_go_on);
   attempt(outcome, [&] { session.finish(); });
-  if (outcome.failed())
-    tellFailure(outcome, session.simulation(), recorder ? recorder->files() : std::vector<std::string>{"no file"});
+  if (outcome.failed()) return tellFailure(outcome, session.simulation(), recordings.placeOfState());
+  if (recordings.last && !recordings.last->reason().empty() && !request.quiet)
+    fmt::print(stderr, "note: nothing is left to be looked at: {}\n", recordings.last->reason());
 }
 
-int run(const Arguments& arguments) {
-  const auto start = Clock::now();
-  const auto values = parseRunOptions(arguments);
-  if (!values) return exit_done;
-  const RunRequest request(*values);
-  tellLongWork(!request.quiet);
-  Session session;
-  configure(session, *values);
-  Simulation& simulation = session.load(request.scene);
-  simulation.computeOnDemand(true);
-  std::vector<std::string> warnings = reportProblems(simulation.scene(), request.quiet);
-  if (!request.measure_file.empty()) simulation.dropObservers();
-  std::optional<MeasuredQuantity> measured;
-  if (!request.measured_quantity.empty()) measured.emplace(simulation, request.measured_quantity);
-  const std::string checkpoint = request.checkpointToGoOnFrom();
-  if (request.resume && checkpoint.empty() && !request.quiet)
-    fmt::print(stderr, "note: there is no checkpoint in {} yet: the run starts anew\n", request.record_folder);
-  if (!checkpoint.empty())
-    for (const std::string& note : session.restore(checkpoint)) fmt::print(stderr, "note: {}\n", note);
-  const std::optional<Replay> replay = beginReplay(request, simulation);
-  const long steps = request.stepsOf(session);
-  checkOutputs(request, simulation);
-  const double load_seconds = secondsSince(start);
+/// A scene that is ready for its first step.
+struct Run {
+  const RunRequest& request;
+  Session session{};
+  std::string checkpoint{};  ///< that it goes on from, or empty
+  std::optional<Replay> replay{};
+  std::optional<MeasuredQuantity> measured{};
+  std::vector<std::string> warnings{};
+  long steps = 0;
+  double load_seconds = 0;
 
-  const bool wants_json = !request.json_file.empty();
-  const Energies at_start = wants_json ? energiesOf(simulation) : Energies{};
-  std::optional<Recorder> recorder;
-  if (request.recordsIn()) recorder.emplace(session, request.record_folder, request.record_every);
-  Outcome outcome = loop(session, steps, request, recorder ? &*recorder : nullptr, !checkpoint.empty());
-  finish(session, request, recorder, outcome);
-  if (!request.measure_file.empty())
-    attempt(outcome, [&] { writeMeasuredEnd(simulation, measured ? &*measured : nullptr, request.measure_file); });
-  const bool doubts = tellWarnings(outcome.statistics, simulation.doubts(), warnings);
-  outcome.doubted = request.strict && (doubts || !outcome.statistics.unconverged.none());
-  if (wants_json) {
+  void load(const Values& values, Progress& progress) {
+    const auto start = Clock::now();
+    configure(session, values);
+    Simulation& simulation = session.load(request.scene);
+    progress.loaded();
+    simulation.computeOnDemand(true);
+    warnings = reportProblems(simulation.scene(), request.quiet);
+    if (!request.measure_file.empty()) simulation.dropObservers();
+    if (!request.measured_quantity.empty()) measured.emplace(simulation, request.measured_quantity);
+    checkpoint = request.checkpointToGoOnFrom();
+    if (request.resume && checkpoint.empty() && !request.quiet)
+      fmt::print(stderr, "note: there is no checkpoint in {} yet: the run starts anew\n", request.record_folder);
+    if (!checkpoint.empty())
+      for (const std::string& note : session.restore(checkpoint)) fmt::print(stderr, "note: {}\n", note);
+    replay = beginReplay(request, simulation);
+    steps = request.stepsOf(session);
+    checkOutputs(request, simulation);
+    load_seconds = secondsSince(start);
+  }
+  nlohmann::ordered_json json(const Outcome& outcome, const Energies& at_start, const Recordings& recordings) {
+    const Simulation& simulation = session.simulation();
     auto json = summary(request, simulation, outcome);
     json["load_seconds"] = load_seconds;
     json["energies"] = {{"start", toJson(at_start)}, {"end", toJson(energiesOf(simulation))}};
     json["peak_memory_bytes"] = peakMemory();
     json["modules_opened"] = session.modules().opened();
-    if (recorder) json["recorded"] = recorder->files();
+    if (const auto files = recordings.files(); !files.empty()) json["recorded"] = files;
+    json["results"] = resultsOf(simulation, recordings.folder(request)).json();
+    for (const FileUse& input : inputsOf(simulation.scene())) json["inputs"].push_back(input.path);
     if (replay) json["replayed"] = {{"actions", replay->made(simulation)}, {"later", replay->later(simulation)}};
     json["warnings"] = warnings;
-    attempt(outcome, [&] { writeJson(json, request.json_file); });
+    return json;
   }
+  void print(const Outcome& outcome, const Recordings& recordings) const {
+    printSummary(request, session.simulation(), outcome);
+    if (replay) fmt::print("{}\n", replay->text(session.simulation()));
+    resultsOf(session.simulation(), recordings.folder(request)).print();
+  }
+};
+
+int run(const Arguments& arguments) {
+  const auto values = parseRunOptions(arguments);
+  if (!values) return exit_done;
+  const RunRequest request(*values);
+  tellLongWork(!request.quiet);
+  Run run{request};
+  Progress progress(request.scene, request.quiet, [] { return stopped_by != 0; });
+  run.load(*values, progress);
+  const bool wants_json = !request.json_file.empty();
+  const Energies at_start = wants_json ? energiesOf(run.session.simulation()) : Energies{};
+  Recordings recordings(run.session, request, run.steps);
+  stopOnSignals(run.session);
+  Outcome outcome = loop(run.session, run.steps, request, recordings, progress, !run.checkpoint.empty());
+  finish(run.session, request, recordings, outcome);
+  if (!request.measure_file.empty())
+    attempt(outcome, [&] {
+      writeMeasuredEnd(run.session.simulation(), run.measured ? &*run.measured : nullptr, request.measure_file);
+    });
+  const bool doubts = tellWarnings(outcome.statistics, run.session.simulation().doubts(), run.warnings);
+  outcome.doubted = request.strict && (doubts || !outcome.statistics.unconverged.none());
+  if (wants_json) attempt(outcome, [&] { writeJson(run.json(outcome, at_start, recordings), request.json_file); });
   for (const std::string& failure : outcome.failures) fmt::print(stderr, "error: {}\n", failure);
-  if (request.json_file != "-" && !request.quiet) {
-    printSummary(request, simulation, outcome);
-    if (replay) fmt::print("{}\n", replay->text(simulation));
-  }
+  if (request.json_file != "-" && !request.quiet) run.print(outcome, recordings);
   for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, SIG_DFL);  // the session ends here
   return outcome.exitCode();
 }

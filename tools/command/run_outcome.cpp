@@ -38,13 +38,13 @@ int Outcome::exitCode() const {
 }
 
 /// A state from which most elements have to unfold first is where the trouble is, not what was there before it.
-void tellFailure(const Outcome& outcome, const Simulation& simulation, const std::vector<std::string>& files) {
+void tellFailure(const Outcome& outcome, const Simulation& simulation, const std::string& place) {
   fmt::print(stderr, "{}: {}\n", outcome.word(), outcome.reason);
   const auto [inverted, all] = simulation.invertedCells();
   const bool is_good = (outcome.last.diverged || outcome.end == RunEnd::not_replayed) && 2 * inverted <= all;
-  fmt::print(stderr, "the last {}state (t = {:.6g} s{}{}) is in {}\n", is_good ? "good " : "", simulation.time(),
+  fmt::print(stderr, "the last {}state (t = {:.6g} s{}{}) {}\n", is_good ? "good " : "", simulation.time(),
              all > 0 ? fmt::format(", {} of {} elements inverted", inverted, all) : "",
-             outcome.last.diverged && !is_good ? ": no good one" : "", fmt::join(files, ", "));
+             outcome.last.diverged && !is_good ? ": no good one" : "", place);
 }
 
 bool tellWarnings(const RunStatistics& statistics, const std::vector<std::string>& doubts,
@@ -61,6 +61,23 @@ bool tellWarnings(const RunStatistics& statistics, const std::vector<std::string
   return !doubts.empty();
 }
 
+/// The node of each state that is farthest from where it started.
+nlohmann::ordered_json greatestDisplacements(const Simulation& simulation) {
+  auto all = nlohmann::ordered_json::array();
+  simulation.complete();
+  for (const State* state : simulation.states()) {
+    double greatest = 0;
+    Index node = 0;
+    for (Index i = 0; i < state->size(); ++i) {
+      if (state->kindOf(i) != RowKind::place) continue;
+      const double distance = (state->x()[i] - state->position[std::size_t(i)]).norm();
+      if (distance > greatest) greatest = distance, node = i;
+    }
+    all.push_back({{"state", state->path()}, {"metres", greatest}, {"node", node}});
+  }
+  return all;
+}
+
 nlohmann::ordered_json summary(const RunRequest& request, const Simulation& simulation, const Outcome& outcome) {
   nlohmann::ordered_json json;
   json["scene"] = request.scene;
@@ -75,6 +92,7 @@ nlohmann::ordered_json summary(const RunRequest& request, const Simulation& simu
   json.update(solvers(outcome.statistics));
   json["threads"] = threads();
   json["state_hash"] = fmt::format("{:016x}", simulation.stateHash());
+  json["greatest_displacements"] = greatestDisplacements(simulation);
   if (outcome.failed()) {
     const auto [inverted, all] = simulation.invertedCells();
     json["inverted_elements"] = {{"inverted", inverted}, {"of", all}};

@@ -17,8 +17,9 @@ struct Outcome : RunReport {
   int exitCode() const;
 };
 
-/// Prints what happened to a run without a result, and how good the state is that it has left in `files`.
-void tellFailure(const Outcome& outcome, const Simulation& simulation, const std::vector<std::string>& files);
+/// Prints what happened to a run without a result, and how good its last state is. `place`: "is in FILE, FILE", or what
+/// became of it.
+void tellFailure(const Outcome& outcome, const Simulation& simulation, const std::string& place);
 /// Prints what a run's end gives reason to warn of and appends it to `warnings`, but for what the load has warned of
 /// already. Whether there are doubts.
 bool tellWarnings(const RunStatistics& statistics, const std::vector<std::string>& doubts,

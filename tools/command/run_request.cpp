@@ -8,6 +8,7 @@
 
 #include "framework/scene/output_file.h"
 #include "framework/simulation/file_uses.h"
+#include "tools/command/default_recording.h"
 #include "tools/command/recorder.h"
 #include "tools/command/session.h"
 
@@ -22,6 +23,10 @@ const Manual manual{
     "stroma run SCENE [options]",
     "Simulates a scene: 100 steps unless -n or --until says otherwise. Progress and messages go to standard error,\n"
     "the summary to standard output. Ctrl-C, or SIGTERM, ends the run after a whole step.\n\n"
+    "A run leaves some twenty instants and a checkpoint in STEM.last, in the current folder, for `stroma view "
+    "STEM.last`.\n"
+    "The next run of a scene of that name replaces them. --no-record leaves nothing, --record DIR keeps what you "
+    "name.\n\n"
     "--record leaves a checkpoint, DIR/last.checkpoint: every minute, and at the end. The same command with --resume\n"
     "goes on from it, or starts when there is none yet: after a crash, a kill, or Ctrl-C. --restart FILE goes on from\n"
     "any checkpoint. The run has the time, step number and bits of one that never stopped: -n and --until are those\n"
@@ -32,24 +37,26 @@ const Manual manual{
     "  0    done\n"
     "  2    the scene or the options are wrong, or an output cannot be written; nothing was run\n"
     "  3    no result: a step diverged, statics found no equilibrium, or a position constraint did not hold. The last\n"
-    "       state is recorded and named, with the elements that are inverted in it. With --strict also a result in\n"
+    "       state is in STEM.last, or DIR, with the elements that are inverted in it. With --strict also a result in\n"
     "       doubt: elements inside out, a body that burst, energy from nowhere. Also a run of which an action of\n"
     "       --replay was refused: the state before it is recorded and named\n"
     "  4    an output could not be written any more: the run ended; what the files have is whole up to there\n"
     "  130  interrupted with Ctrl-C; what was recorded is complete\n"
     "  143  ended by SIGTERM, likewise",
-    "  stroma run liver.xml -n 200\n"
+    "  stroma run liver.xml -n 200 && stroma view liver.last\n"
     "  stroma run liver.xml --until 2 --set /liver/fem.method=polar --record results/liver --record-every 10\n"
     "  stroma run liver.xml -n 5000 --record out --resume\n"
     "  stroma run liver.xml -n 800 --replay liver.actions\n"
     "  stroma run liver.xml -n 50 --json --quiet | python3 -m json.tool\n"};
 
-OptionList runOptions() {
-  OptionList options("options");
+}  // namespace
+
+void addRunOptions(OptionList& options) {
   options.add_options()                                                                                               //
       ("steps,n", po::value<long>()->value_name("STEPS"), "number of steps; 0 loads, compiles and records t = 0")     //
       ("until", po::value<double>()->value_name("T"), "run to this time [s] instead")                                 //
       ("record", po::value<std::string>()->value_name("DIR"), "write positions and velocities of every state there")  //
+      ("no-record", "leave nothing in STEM.last, even when the run has no result")                                    //
       ("record-every", po::value<long>()->value_name("K"),
        "record every K steps; the first and last instant always")  //
       ("checkpoint-seconds", po::value<double>()->value_name("S"),
@@ -65,14 +72,15 @@ OptionList runOptions() {
       ("measure-value", po::value<std::string>()->value_name("PATH.NAME[:NODES]"),
        "a quantity whose mean at the end goes to the file too")  //
       ("strict", "a result in doubt is none: the exit code is then 3")  //
-      ("quiet,q", "no progress, no notes");
-  addSceneOptions(options);
-  return options;
+      ("quiet,q", "no progress, no notes, no summary");
 }
 
-}  // namespace
-
-CommandLine runLine() { return {manual, runOptions(), {"SCENE"}}; }
+CommandLine runLine() {
+  CommandLine line{manual, OptionList("options"), {"SCENE"}};
+  addRunOptions(line.options);
+  addSceneOptions(line.options);
+  return line;
+}
 
 std::optional<Values> parseRunOptions(const Arguments& arguments) { return parseOptions(runLine(), arguments); }
 
@@ -80,7 +88,8 @@ RunRequest::RunRequest(const Values& values)
     : scene(required(values, "SCENE", manual)),
       quiet(values.count("quiet") > 0),
       strict(values.count("strict") > 0),
-      resume(values.count("resume") > 0) {
+      resume(values.count("resume") > 0),
+      no_record(values.count("no-record") > 0) {
   if (values.count("steps")) steps = values["steps"].as<long>();
   if (values.count("until")) until = values["until"].as<double>();
   if (values.count("record")) record_folder = values["record"].as<std::string>();
@@ -90,6 +99,11 @@ RunRequest::RunRequest(const Values& values)
   if (!measured_quantity.empty() && measure_file.empty()) throw UsageError("--measure-value needs --measure FILE");
   if (values.count("restart")) restart_file = values["restart"].as<std::string>();
   if (values.count("replay")) replay_file = values["replay"].as<std::string>();
+  if (values.count("set")) overrides = values["set"].as<std::vector<std::string>>();
+  if (values.count("module"))
+    for (const std::string& file : values["module"].as<std::vector<std::string>>())
+      modules.push_back(std::filesystem::absolute(file).string());
+  if (recordsIn() && no_record) throw UsageError("--record and --no-record exclude each other");
   if (steps && until) throw UsageError("-n and --until exclude each other");
   if (steps && *steps < 0) throw UsageError(fmt::format("-n {}: expected 0 or more steps", *steps));
   if (resume && !restart_file.empty()) throw UsageError("--resume and --restart exclude each other");
@@ -124,10 +138,6 @@ std::string RunRequest::checkpointToGoOnFrom() const {
   return std::filesystem::exists(last) ? last : "";
 }
 
-std::string divergedFolder(const std::string& scene) {
-  return std::filesystem::path(scene).stem().string() + ".diverged";
-}
-
 void checkOutputs(const RunRequest& request, const Simulation& simulation) {
   std::vector<FileUse> outputs;
   if (request.recordsIn())
@@ -137,9 +147,9 @@ void checkOutputs(const RunRequest& request, const Simulation& simulation) {
   if (!request.measure_file.empty()) outputs.push_back({request.measure_file, "--measure", true});
   std::vector<FileUse> all = outputsOf(simulation);
   all.insert(all.end(), outputs.begin(), outputs.end());
-  if (!request.recordsIn())  // nobody knows yet whether they will be needed
-    for (const std::string& file : recordedFiles(simulation, divergedFolder(request.scene)))
-      all.push_back({file, "a run without a result (--record DIR writes elsewhere)"});
+  if (request.leavesLast())
+    for (const std::string& file : lastFiles(request.scene))
+      all.push_back({file, "what the run leaves to be looked at (--no-record leaves nothing)", true});
   std::vector<FileUse> inputs = inputsOf(simulation.scene());
   if (!request.replay_file.empty()) inputs.push_back({request.replay_file, "--replay"});
   if (const auto sentence = overwriting(all, inputs)) throw UsageError(*sentence);

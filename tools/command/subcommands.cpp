@@ -9,9 +9,27 @@ namespace stroma::command {
 
 std::span<const Subcommand* const> subcommands() {
   static constexpr std::array table{
-      &run_command,     &view_command,                                                 // run and see
-      &check_command,   &explain_command, &list_command, &doc_command, &mesh_command,  // make scenes
-      &regress_command, &sweep_command,   &bench_command,                                                // compare and measure
+      // run and see
+      &run_command,
+      &watch_command,
+      &view_command,
+      &picture_command,
+      // make scenes
+      &check_command,
+      &explain_command,
+      &list_command,
+      &doc_command,
+      &schema_command,
+      &mesh_command,
+      // compare and measure
+      &regress_command,
+      &sweep_command,
+      &bench_command,
+      // the command itself
+      &help_command,
+      &man_command,
+      &completion_command,
+      &complete_command,
   };
   return table;
 }

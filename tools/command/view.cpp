@@ -13,6 +13,7 @@
 #include "framework/simulation/run_events.h"
 #include "tools/command/recorder.h"
 #include "tools/command/session.h"
+#include "tools/command/shown_scene.h"
 #include "tools/command/view_request.h"
 
 namespace fs = std::filesystem;
@@ -175,17 +176,6 @@ void beginReplay(const ViewCommand& command, Simulation& simulation) {
   simulation.replay(std::move(actions.events), command.replay_file);
 }
 
-/// A view has no end of its own: exporters would fill the disk. A recording is not run, so nothing is to be written.
-void leaveOutputs(const ViewCommand& command, Simulation& simulation) {
-  std::vector<std::string> left;
-  for (const Observer* observer : simulation.observers())
-    if (!observer->files().empty()) left.push_back(observer->path());
-  simulation.dropObservers();
-  if (!left.empty() && !command.quiet && !command.isRecording())
-    fmt::print(stderr, "note: {} write{} no file in a view (--outputs)\n", fmt::join(left, ", "),
-               left.size() == 1 ? "s" : "");
-}
-
 int view(const Arguments& arguments) {
   const auto values = parseViewOptions(arguments);
   if (!values) return exit_done;
@@ -193,14 +183,16 @@ int view(const Arguments& arguments) {
   command.live.build = buildIdentity();
   const auto viewer = service<view::Viewer>();
   Session session;
-  configure(session, *values);
+  configureAsRecorded(session, command.recorded, *values);
   Simulation& simulation = session.load(command.scene);
   reportProblems(simulation.scene(), command.quiet);
   if (command.isRecording()) {
     (command.exports ? command.page.recording : command.live.recording) =
         recordingIn(command.recording_folder, simulation);
   }
-  if (command.isRecording() || !command.outputs) leaveOutputs(command, simulation);
+  // A view has no end of its own: exporters would fill the disk. A recording is not run, so nothing is to be written.
+  if (command.isRecording() || !command.outputs)
+    leaveOutputs(simulation, command.quiet || command.isRecording() ? "" : "in a view (--outputs)");
   beginReplay(command, simulation);
   checkOutputs(command, simulation);
   return command.exports ? exportPage(command, session, *viewer) : serve(command, session, *viewer);

@@ -8,7 +8,6 @@
 #include <filesystem>
 
 #include "framework/scene/output_file.h"
-#include "framework/simulation/checkpoint.h"
 #include "framework/simulation/file_uses.h"
 #include "tools/command/recorder.h"
 #include "tools/command/session.h"
@@ -23,8 +22,8 @@ const Manual manual{
     "stroma view SCENE|FOLDER [options]",
     "Shows a scene in the browser while it runs: turn, cut and colour it, pull at it, change attributes, plot, "
     "record.\n"
-    "A folder that `stroma run --record` wrote is shown as it was recorded. The address is printed; whoever has it "
-    "sees the\n"
+    "A folder that `stroma run` left, or `stroma run --record` wrote, is shown as it was recorded. The address is "
+    "printed; whoever has it sees the\n"
     "run, and nobody else. Only this machine can, unless --host says otherwise. Ctrl-C ends it.\n\n"
     "--export FILE.html makes a page that plays a run, or a recording, by itself, without a server, and ends.\n\n"
     "Exit codes:\n"
@@ -35,6 +34,7 @@ const Manual manual{
     "  stroma view scenes/examples/organ.xml\n"
     "  stroma view organ.xml --paused --set /organ/fem.youngModulus=3000 --record results/pulled\n"
     "  stroma view results/pulled\n"
+    "  stroma view organ.last                        what `stroma run organ.xml` has left\n"
     "  stroma run organ.xml -n 500 --replay results/pulled/run.actions       the same run without a browser\n"
     "  stroma view organ.xml --export organ.html -n 200 --every 2 --field vonMises\n"
     "  stroma view results/pulled --export pulled.html --every 5             every fifth instant of a recording\n"};
@@ -111,32 +111,6 @@ void checkPartners(const Values& values, bool is_recording) {
     throw UsageError("--steps: a recording is not run (expected --every K for every K-th of its instants)");
 }
 
-/// The scene that wrote a checkpoint: its name may be relative to the folder that the run was started in, which most often
-/// is one of those above the folder of the recording.
-std::string sceneOf(const std::string& folder) {
-  const std::string checkpoint = (fs::path(folder) / "last.checkpoint").string();
-  if (!fs::exists(checkpoint))
-    throw UsageError(fmt::format(
-        "{}: there is no last.checkpoint, which names the scene (expected a folder of stroma run --record)", folder));
-  const std::string scene = Checkpoint::read(checkpoint).scene;
-  std::error_code error;
-  if (fs::is_regular_file(scene, error)) return scene;
-  if (fs::path(scene).is_absolute())
-    throw UsageError(fmt::format("{} names the scene {}, which is not there any more", checkpoint, scene));
-  fs::path above = fs::canonical(folder);
-  while (true) {
-    if (const fs::path found = above / scene; fs::is_regular_file(found, error))
-      return found.lexically_normal().string();
-    if (above == above.parent_path()) break;
-    above = above.parent_path();
-  }
-  throw UsageError(
-      fmt::format("{} names the scene {}, which is neither here nor in {} or a folder above it (expected the scene at "
-                  "its place, or "
-                  "the command in the folder that the run was started in)",
-                  checkpoint, scene, folder));
-}
-
 }  // namespace
 
 CommandLine viewLine() { return {manual, viewOptions(), {"SCENE"}}; }
@@ -167,30 +141,12 @@ ViewCommand::ViewCommand(const Values& values)
     live.fps = inRange<double>(values, "fps", 60, 0.1, 240);
     live.paused = values.count("paused") > 0;
   }
-  if (isRecording()) scene = sceneOf(recording_folder);
+  if (!isRecording()) return;
+  recorded = recordedRun(recording_folder);
+  scene = recorded.scene;
 }
 
 std::string ViewCommand::actionsFile() const { return (fs::path(record_folder) / "run.actions").string(); }
-
-view::Recording recordingIn(const std::string& folder, const Simulation& simulation) {
-  view::Recording recording;
-  for (const State* state : simulation.states()) {
-    const std::string file = (fs::path(folder) / stateFileName(state->path())).string();
-    StateRecording one = readRecording(file);
-    if (!one.unfinished.empty()) fmt::print(stderr, "warning: {}\n", one.unfinished);
-    if (one.frames.empty()) throw UsageError(file + ": the file holds no instant");
-    for (const StateFrame& frame : one.frames)
-      if (Index(frame.x.size()) != state->size() || (!frame.v.empty() && frame.v.size() != frame.x.size()))
-        throw UsageError(fmt::format("{}: at T = {:g} s there are {} positions (expected {}, as {} has nodes)", file,
-                                     frame.time, frame.x.size(), state->size(), state->path()));
-    recording.push_back(std::move(one.frames));
-  }
-  if (recording.empty()) throw UsageError("nothing in the scene moves: there is nothing to show");
-  std::size_t least = recording.front().size();
-  for (const auto& frames : recording) least = std::min(least, frames.size());
-  for (auto& frames : recording) frames.resize(least);
-  return recording;
-}
 
 void checkOutputs(const ViewCommand& command, const Simulation& simulation) {
   std::vector<FileUse> named;  // by options
@@ -203,11 +159,8 @@ void checkOutputs(const ViewCommand& command, const Simulation& simulation) {
   std::vector<FileUse> outputs = outputsOf(simulation), inputs = inputsOf(simulation.scene());
   outputs.insert(outputs.end(), named.begin(), named.end());
   if (!command.replay_file.empty()) inputs.push_back({command.replay_file, "--replay"});
-  if (command.isRecording()) {
-    for (const std::string& file : recordedFiles(simulation, command.recording_folder))
-      inputs.push_back({file, "the recording"});
-    inputs.push_back({(fs::path(command.recording_folder) / "run.actions").string(), "the recording"});
-  }
+  if (command.isRecording())
+    for (const FileUse& file : filesOfRecording(command.recording_folder, simulation)) inputs.push_back(file);
   if (const auto sentence = overwriting(outputs, inputs)) throw UsageError(*sentence);
   simulation.checkOutputs();
   // a page is written at the end, when its options have proved right: not even its folder is made before

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "tools/command/options.h"
+#include "tools/command/recorded_run.h"
 #include "tools/view/viewer.h"
 
 namespace stroma::command {
@@ -13,6 +13,7 @@ namespace stroma::command {
 struct ViewCommand {
   std::string scene;             ///< its file
   std::string recording_folder;  ///< of the recording that was named in place of a scene; empty: a scene is run
+  RecordedRun recorded{};        ///< the run of that recording
   std::string record_folder, replay_file;
   long record_every = 1;       ///< [steps]
   bool exports = false;        ///< a page is written, nothing is served
@@ -32,9 +33,6 @@ CommandLine viewLine();
 
 /// Empty when the user asked for help, and got it.
 std::optional<Values> parseViewOptions(const Arguments& arguments);
-
-/// The instants in the folder, which must fit the states of the scene. Throws std::runtime_error.
-view::Recording recordingIn(const std::string& folder, const Simulation& simulation);
 
 /// Throws UsageError when the view would write over what it reads, or one file twice, SceneError when observers cannot
 /// write, and OutputError when it cannot write what the options name. Nothing has been written then.

@@ -11,7 +11,7 @@ namespace stroma {
 namespace {
 
 const ReaderProgram program{"read_label_image", "the reader of images",
-                            "build the target read_label_image (it needs libvtk9-dev)"};
+                            "`tools/setup build` in the sources installs VTK and builds it"};
 
 }  // namespace
 

@@ -89,7 +89,7 @@ void runAll(const SweepRequest& request, const ErrorMeasure& measure, const fs::
     const std::string end = (folder / fmt::format("{}.values", i)).string();
     std::vector<std::string> words = runArguments(only_load, trials[i].configuration);
     words.insert(words.begin(), request.program);
-    words.insert(words.end(), {"--quiet", "--measure", end});
+    words.insert(words.end(), {"--quiet", "--no-record", "--measure", end});
     if (measure.asksRun()) words.insert(words.end(), {"--measure-value", measure.quantity});
     job.process = {words, folder.string(), (folder / fmt::format("{}.log", i)).string(), {}};
     scheduler.add(job);

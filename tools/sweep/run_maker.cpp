@@ -33,7 +33,7 @@ Job RunMaker::jobFor(std::size_t number, const Entry& entry, int repetition) con
   job.cores = configuration.threads, job.timed = isTimed(entry);
   std::vector<std::string> words = runArguments(request_, configuration);
   words.insert(words.begin(), request_.program);
-  words.insert(words.end(), {"--quiet", fmt::format("--json={}.json", repetition), "--measure", "end.values"});
+  words.insert(words.end(), {"--quiet", "--no-record", fmt::format("--json={}.json", repetition), "--measure", "end.values"});
   if (measure_.asksRun()) words.insert(words.end(), {"--measure-value", measure_.quantity});
   job.process = {words, configuration.folder, fmt::format("{}.log", repetition), {}};
   return job;

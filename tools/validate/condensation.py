@@ -74,8 +74,8 @@ def milliseconds(stroma, name, n, kept, loaded):
             file.write(scene(n, solver, kept, loaded))
         times, starts = [], []
         for _ in range(3):
-            result = subprocess.run([stroma, "run", path, "-n", str(steps), "--quiet", "--json", "-"], capture_output=True,
-                                    text=True)
+            result = subprocess.run([stroma, "run", path, "-n", str(steps), "--quiet", "--no-record", "--json", "-"],
+                                    capture_output=True, text=True)
             if result.returncode not in (0, 3) or not result.stdout.startswith("{"):
                 raise RuntimeError(f"{name}, {n}^3 nodes: {result.stderr}")
             summary = json.loads(result.stdout)
@@ -114,7 +114,7 @@ def starts(stroma):
             with open(path, "w") as file:
                 file.write(scene(28, solver, 2000, 3))
             begin = time.perf_counter()
-            subprocess.run([stroma, "run", path, "-n", str(steps), "--quiet"], check=True, capture_output=True)
+            subprocess.run([stroma, "run", path, "-n", str(steps), "--quiet", "--no-record"], check=True, capture_output=True)
             return time.perf_counter() - begin
         plain = sorted(seconds('<EulerImplicitSolver/><CGLinearSolver/>', 0) for _ in range(7))[3]
         print(f"the scene with EulerImplicitSolver and CGLinearSolver: {plain:.3f} s")

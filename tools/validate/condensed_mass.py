@@ -50,7 +50,8 @@ def positions(stroma, attributes, load, dt, steps):
         path = os.path.join(folder, "cube.xml")
         with open(path, "w") as file:
             file.write(scene(attributes, load, dt, os.path.join(folder, "motion")))
-        result = subprocess.run([stroma, "run", path, "-n", str(steps), "--quiet"], capture_output=True, text=True)
+        result = subprocess.run([stroma, "run", path, "-n", str(steps), "--quiet", "--no-record"], capture_output=True,
+                                text=True)
         if result.returncode not in (0, 3):
             raise RuntimeError(result.stderr)
         with open(glob.glob(os.path.join(folder, "motion*"))[0]) as file:

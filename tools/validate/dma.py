@@ -77,7 +77,8 @@ def measure(stroma, mesh, nodes, update, steps, w):
         name = os.path.join(folder, "torque")
         settings = {"/.dt": period / steps, "/disc/loader.filename": mesh, "/disc/plate.pulsation": w,
                     "/disc/law.viscousUpdate": update, "/disc/torque.fileName": name}
-        command = [stroma, "run", os.path.join(sr.ROOT, "scenes/validation/dma.xml"), "--quiet", "-n", str(steps * periods)]
+        command = [stroma, "run", os.path.join(sr.ROOT, "scenes/validation/dma.xml"), "--quiet", "--no-record", "-n",
+                   str(steps * periods)]
         for key, value in settings.items():
             command += ["--set", f"{key}={value if isinstance(value, str) else repr(float(value))}"]
         result = subprocess.run(command, capture_output=True, text=True)

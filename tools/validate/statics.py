@@ -93,8 +93,8 @@ def solve(program, scene):
         path = os.path.join(folder, "scene.xml")
         with open(path, "w") as file:
             file.write(scene)
-        result = subprocess.run([program, "run", path, "-n", "1", "--quiet", "--json", "-", "--threads", "1"], cwd=folder,
-                                capture_output=True, text=True)
+        result = subprocess.run([program, "run", path, "-n", "1", "--quiet", "--no-record", "--json", "-", "--threads", "1"],
+                                cwd=folder, capture_output=True, text=True)
     if not result.stdout.lstrip().startswith("{"):
         return None, None
     summary = json.loads(result.stdout)

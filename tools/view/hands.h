@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/view/body.h"
+#include "tools/view/drawn.h"
 
 namespace stroma::view {
 

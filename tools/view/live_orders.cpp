@@ -9,10 +9,10 @@
 #include "framework/scene/output_file.h"
 #include "framework/simulation/changed_scene.h"
 #include "framework/simulation/run_events.h"
+#include "tools/drawing/recording.h"
 #include "tools/view/component_tree.h"
 #include "tools/view/live_run.h"
 #include "tools/view/orders.h"
-#include "tools/view/recorded_instant.h"
 #include "tools/view/scene_packets.h"
 
 namespace stroma::view {
@@ -262,7 +262,7 @@ void LiveRun::reset() {
 
 void LiveRun::seek(long index) {
   index_ = index;
-  showInstant(simulation_, request_.recording, std::size_t(index));
+  drawing::showInstant(simulation_, request_.recording, std::size_t(index));
   held_revision_ = -1;
   dirty_ = true;
 }

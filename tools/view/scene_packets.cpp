@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "framework/mechanics/state_positions.h"
+#include "tools/drawing/held_nodes.h"
 
 namespace stroma::view {
 namespace {
@@ -116,35 +117,15 @@ Packet cellsPacket(const Drawing& drawing, int generation) {
 }
 
 Packet heldPacket(const Simulation& simulation, const Drawing& drawing, int generation, double t) {
-  enum Holding : char { free, guided, held };
-  std::vector<std::vector<Holding>> holding;
-  for (const Body& body : drawing.bodies) holding.emplace_back(body.node.size(), free);
-  const auto mark = [&](const System& system, Index row, Holding how) {
-    for (std::size_t b = 0; b < drawing.bodies.size(); ++b) {
-      const Body& body = drawing.bodies[b];
-      const Index node = row - body.state->firstRow();
-      if (body.system != &system || node < 0 || node >= body.state->size()) continue;
-      const Index page = body.page[std::size_t(node)];
-      if (page >= 0) holding[b][std::size_t(page)] = std::max(holding[b][std::size_t(page)], how);
-    }
-  };
-  const double t_end = t + simulation.dt();
-  std::vector<NodeProjector> projectors;
-  for (const auto& system : simulation.systems())
-    for (const ProjectiveConstraint* constraint : system->constraints().all()) {
-      if (!constraint->activeIn(t, t_end)) continue;
-      projectors.clear();
-      constraint->addProjectors(t, projectors);
-      for (const NodeProjector& projector : projectors)
-        mark(*system, projector.row, projector.projector.isZero(0) && !constraint->prescribesMotion() ? held : guided);
-    }
+  using drawing::Holding;
+  const auto holdings = drawing::holdingsOf(simulation, drawing, t);
   Packet packet({{"is", "held"}, {"generation", generation}});
-  for (std::size_t b = 0; b < holding.size(); ++b)
-    for (const Holding how : {held, guided}) {
+  for (std::size_t b = 0; b < holdings.size(); ++b)
+    for (const Holding how : {Holding::held, Holding::guided}) {
       std::vector<std::int32_t> nodes;
-      for (std::size_t i = 0; i < holding[b].size(); ++i)
-        if (holding[b][i] == how) nodes.push_back(std::int32_t(i));
-      packet.add(std::to_string(b) + (how == held ? ".held" : ".guided"), std::move(nodes));
+      for (std::size_t i = 0; i < holdings[b].size(); ++i)
+        if (holdings[b][i] == how) nodes.push_back(std::int32_t(i));
+      packet.add(std::to_string(b) + (how == Holding::held ? ".held" : ".guided"), std::move(nodes));
     }
   return packet;
 }

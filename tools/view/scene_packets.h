@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What is sent of a scene once: bodies, fields, cells; and what holds nodes.
 #pragma once
-#include "tools/view/body.h"
+#include "tools/view/drawn.h"
 #include "tools/view/packet.h"
 
 namespace stroma::view {

@@ -7,7 +7,7 @@
 #include "framework/scene/abi.h"
 #include "framework/scene/output_file.h"
 #include "framework/scene/services.h"
-#include "tools/view/recorded_instant.h"
+#include "tools/drawing/recording.h"
 #include "tools/view/scene_packets.h"
 #include "tools/view/server.h"
 #include "tools/view/standalone_page.h"
@@ -123,7 +123,7 @@ class BrowserViewer final : public Viewer {
   static RunReport keepRecording(Simulation& simulation, const ExportRequest& request, PageMaker& page) {
     const auto count = request.recording.front().size(), every = std::size_t(request.every);
     for (std::size_t i = 0; i < count; i += every) {
-      showInstant(simulation, request.recording, i);
+      drawing::showInstant(simulation, request.recording, i);
       page.keep(request.recording.front()[i].time);
       page.checkSize(long((count - 1) / every + 1));
     }

@@ -7,12 +7,11 @@
 #include <vector>
 
 #include "framework/simulation/session.h"
-#include "framework/simulation/state_file.h"
+#include "tools/drawing/recording.h"
 
 namespace stroma::view {
 
-/// The instants of a recorded run, for each state of the simulation in its order. All states have the same times.
-using Recording = std::vector<std::vector<StateFrame>>;
+using drawing::Recording;
 
 /// What is to be shown, and to whom.
 struct ViewRequest {

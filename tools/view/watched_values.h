@@ -5,7 +5,7 @@
 #include <set>
 #include <string>
 
-#include "tools/view/body.h"
+#include "tools/view/drawn.h"
 
 namespace stroma::view {
 

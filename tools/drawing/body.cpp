@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "tools/view/body.h"
+#include "tools/drawing/body.h"
 
 #include <algorithm>
 #include <limits>
@@ -7,7 +7,7 @@
 
 #include "framework/mechanics/state_topology.h"
 
-namespace stroma::view {
+namespace stroma::drawing {
 namespace {
 
 /// Numbers of the state until renumber().
@@ -256,10 +256,10 @@ bool cellValues(const Field& field, const Body& body, std::vector<double>& work,
 }
 
 std::string unitOfField(const std::string& name) {
-  static const std::map<std::string, std::string> units{
-      {"vonMises", "Pa"}, {"pressure", "Pa"}, {"J", "-"}, {"strain", "-"}, {"velocity", "m/s"}};
+  static const std::map<std::string, std::string> units{{"vonMises", "Pa"}, {"pressure", "Pa"},  {"J", "-"},
+                                                        {"strain", "-"},    {"velocity", "m/s"}, {"displacement", "m"}};
   const auto found = units.find(name);
   return found == units.end() ? std::string() : found->second;
 }
 
-}  // namespace stroma::view
+}  // namespace stroma::drawing

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "tools/view/recorded_instant.h"
+#include "tools/drawing/recording.h"
 
 #include "framework/simulation/simulation.h"
 #include "framework/simulation/system.h"
 
-namespace stroma::view {
+namespace stroma::drawing {
 
 void showInstant(Simulation& simulation, const Recording& recording, std::size_t instant) {
   std::size_t i = 0;
@@ -19,4 +19,4 @@ void showInstant(Simulation& simulation, const Recording& recording, std::size_t
     for (const auto& system : simulation.systems()) system->setTime(recording.front()[instant].time);
 }
 
-}  // namespace stroma::view
+}  // namespace stroma::drawing

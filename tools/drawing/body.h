@@ -9,10 +9,10 @@
 #include "framework/simulation/simulation.h"
 #include "framework/simulation/system.h"
 
-namespace stroma::view {
+namespace stroma::drawing {
 
-/// What of a state is drawn. Its nodes are numbered anew for the page: those of the surface come first, so that a frame of
-/// the surface is the start of one of all nodes. "Page number" means that number below.
+/// What of a state is drawn. Its nodes are numbered anew for those who draw: those of the surface come first, so that the
+/// positions of the surface are the start of those of all nodes. "Page number" means that number below.
 struct Body {
   const State* state = nullptr;
   const System* system = nullptr;
@@ -39,7 +39,7 @@ struct BodyLink {
   bool is_tie = false;
 };
 
-/// A field that pages may colour a body by.
+/// A field that a body may be coloured by.
 struct Field {
   int id = 0;
   Index body = 0;
@@ -47,7 +47,7 @@ struct Field {
   const ForceField* source = nullptr;  ///< of a field of cells; null: a field of nodes
 };
 
-/// A simulation as pages draw it. Made once for a scene.
+/// A simulation as a page or a picture draws it. Made once for a scene.
 struct Drawing {
   std::vector<Body> bodies;
   std::vector<BodyLink> links;
@@ -64,4 +64,4 @@ bool cellValues(const Field& field, const Body& body, std::vector<double>& work,
 /// "Pa" for stresses and pressures, "-" for pure numbers, empty when not known.
 std::string unitOfField(const std::string& name);
 
-}  // namespace stroma::view
+}  // namespace stroma::drawing

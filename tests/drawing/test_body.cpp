@@ -5,10 +5,10 @@
 #include <cmath>
 
 #include "tests/support/scene_fixture.h"
-#include "tools/view/body.h"
-#include "tools/view/scene_packets.h"
+#include "tools/drawing/body.h"
+#include "tools/drawing/held_nodes.h"
 
-namespace stroma::view {
+namespace stroma::drawing {
 namespace {
 
 using test::simulationFromText;
@@ -136,17 +136,16 @@ TEST(Bodies, HeldAndGuidedNodesAreToldApart) {
             "<PartialFixedProjectiveConstraint indices=\"5\" fixedDirections=\"1 0 0\"/>"
             "<LinearMovementProjectiveConstraint indices=\"59\" keyTimes=\"0 1\" movements=\"0 0 0  1 0 0\"/>"));
   const Drawing drawing = drawingOf(simulation);
-  const Packet packet = heldPacket(simulation, drawing, 1, simulation.time());
-  const auto nodes = [&](std::size_t array) {
+  const auto holdings = holdingsOf(simulation, drawing, simulation.time());
+  const auto nodes = [&](Holding how) {
     std::vector<Index> out;
-    for (const std::int32_t page : std::get<std::vector<std::int32_t>>(packet.arrays()[array].second))
-      out.push_back(drawing.bodies[0].node[std::size_t(page)]);
+    for (std::size_t page = 0; page < holdings.at(0).size(); ++page)
+      if (holdings[0][page] == how) out.push_back(drawing.bodies[0].node[page]);
     return out;
   };
-  ASSERT_EQ(packet.arrays().size(), 2u);
-  EXPECT_EQ(nodes(0), (std::vector<Index>{0, 1}));
-  EXPECT_EQ(nodes(1), (std::vector<Index>{5, 59}));
+  EXPECT_EQ(nodes(Holding::held), (std::vector<Index>{0, 1}));
+  EXPECT_EQ(nodes(Holding::guided), (std::vector<Index>{5, 59}));
 }
 
 }  // namespace
-}  // namespace stroma::view
+}  // namespace stroma::drawing

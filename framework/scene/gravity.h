@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "framework/scene/diagnostics.h"
+#include "framework/scene/types.h"
+
+namespace stroma {
+
+/// Reads the attribute gravity of a node [m/s^2]. One number alone acts along y, as SOFA's default does: `note` then
+/// says so. On a problem `gravity` keeps its value.
+[[nodiscard]] std::optional<Problem> readGravity(std::string_view text, Vec3& gravity, std::string& note);
+
+}  // namespace stroma

@@ -1,0 +1,168 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Makes the documentation site and checks it: every link, anchor and picture leads somewhere, nothing is fetched from elsewhere,
+every component and example has its page, and in a browser no page is wider than its window and the search finds words without
+a server. Usage: test_site.py TREE BUILD, or test_site.py --self-test"""
+import html.parser
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import urllib.parse
+
+SKIPPED = 77
+
+
+class Reader(html.parser.HTMLParser):
+    """Links, anchors and what a page loads."""
+
+    def __init__(self):
+        super().__init__()
+        self.links, self.loads, self.anchors, self.pictures = [], [], set(), []
+
+    def handle_starttag(self, tag, attrs):
+        given = dict(attrs)
+        self.anchors.update(value for key, value in attrs if key in ("id", "name") and value)
+        if tag == "a" and given.get("href"):
+            self.links.append(given["href"])
+        if tag == "img":
+            self.pictures.append((given.get("src", ""), given.get("alt", "")))
+        if tag in ("script", "img", "source", "iframe") and given.get("src"):
+            self.loads.append(given["src"])
+        if tag == "link" and given.get("rel") in ("stylesheet", "icon", "preconnect", "preload") and given.get("href"):
+            self.loads.append(given["href"])
+
+
+def read_pages(site):
+    """Path -> Reader of every page that mkdocs made."""
+    pages = {}
+    for folder, _, names in os.walk(site):
+        for name in names:
+            path = os.path.relpath(os.path.join(folder, name), site)
+            if name.endswith(".html") and not path.startswith("gallery" + os.sep):  # those play by themselves
+                reader = Reader()
+                with open(os.path.join(site, path), encoding="utf-8") as file:
+                    reader.feed(file.read())
+                pages[path] = reader
+    return pages
+
+
+def problems(site):
+    """What is wrong with the files of the site."""
+    pages, found = read_pages(site), []
+    for path, page in sorted(pages.items()):
+        for link in page.loads:
+            if "://" in link or link.startswith("//"):
+                found.append(f"{path} fetches {link}")
+            elif not link.startswith("data:") and not os.path.exists(local(site, path, link)[0]):
+                found.append(f"{path} loads {link}, which is not there")
+        found += [f"{path}: the picture {source} has no words for those who do not see it" for source, words in page.pictures if not words]
+        for link in page.links:
+            if "://" in link or link.startswith("mailto:"):
+                continue
+            target, anchor = local(site, path, link)
+            if path == "404.html":  # its links start at the root of a server
+                continue
+            if not os.path.exists(target):
+                found.append(f"{path} links to {link}, which is not there")
+            elif anchor and target.endswith(".html"):
+                other = pages.get(os.path.relpath(target, site))
+                if other and anchor not in other.anchors:
+                    found.append(f"{path} links to {link}, which has no such heading")
+    return found, len(pages)
+
+
+def local(site, path, link):
+    """(file, anchor) of a link on a page."""
+    parts = urllib.parse.urlsplit(link)
+    name = urllib.parse.unquote(parts.path)
+    base = site if name.startswith("/") else os.path.dirname(os.path.join(site, path))
+    target = os.path.normpath(os.path.join(base, name.lstrip("/"))) if name else os.path.join(site, path)
+    return os.path.join(target, "index.html") if os.path.isdir(target) else target, urllib.parse.unquote(parts.fragment)
+
+
+def missing_pages(tree, build, site):
+    """Components and examples without a place in the site."""
+    stroma = os.path.join(build, "bin", "stroma")
+    components = json.loads(subprocess.run([stroma, "list", "--json"], capture_output=True, text=True, check=True).stdout)
+    found = [f"no page of {c['name']}" for c in components
+             if not os.path.exists(os.path.join(site, "components", c["module"], c["name"] + ".html"))]
+    with open(os.path.join(site, "gallery.html"), encoding="utf-8") as file:
+        gallery = file.read()
+    for name in sorted(os.listdir(os.path.join(tree, "scenes", "examples"))):
+        stem, ending = os.path.splitext(name)
+        if ending == ".xml" and (f"scenes/examples/{name}" not in gallery
+                                 or not os.path.exists(os.path.join(site, "gallery", stem + ".png"))):
+            found.append(f"the gallery does not show {name}")
+    return found
+
+
+# ---- in a browser ----
+
+WIDTHS = (1280, 390)
+
+
+def browse(tree, site):
+    """Problems that only a browser sees."""
+    sys.path.insert(0, os.path.join(tree, "tests", "view"))
+    from browser import Browser, skip_without_browser  # pylint: disable=import-outside-toplevel
+    skip_without_browser()
+    found = []
+    looked_at = ["index.html", "first_scene.html", "gallery.html", "words.html", "validation.html", "benchmarks.html", "limits.html",
+                 "stability/force_fields.html", "experiments/truth_cube.html", "developer.html", "components/index.html",
+                 "components/elasticity/TetrahedronFEMForceField.html", "command.html"]
+    with Browser() as browser:
+        for width in WIDTHS:
+            browser.size(width, 900, touch=width < 600)
+            for page in looked_at:
+                browser.driver.get("file://" + os.path.join(site, page))
+                wide, window = browser.script("return [document.documentElement.scrollWidth, window.innerWidth]")
+                if wide > window:
+                    found.append(f"{page} is {wide} pixels wide in a window of {window}")
+                if browser.script("return [...document.images].some(i => i.complete && !i.naturalWidth)"):
+                    found.append(f"{page} has a picture that does not show")
+        browser.size(1280, 900)
+        browser.driver.get("file://" + os.path.join(site, "index.html") + "?q=BoxROI")
+        browser.until(lambda: "BoxROI.html" in browser.script("return document.querySelector('.md-search-result').innerHTML"),
+                     "the search finds a component")
+        errors = browser.complaints()
+        found += [f"the browser says: {error}" for error in errors if "favicon" not in error]
+    return found
+
+
+def self_test():
+    """Planted mistakes are found."""
+    with tempfile.TemporaryDirectory() as site:
+        with open(os.path.join(site, "a.html"), "w", encoding="utf-8") as file:
+            file.write('<h1 id="top">A</h1><a href="b.html">b</a><a href="#nowhere">n</a><a href="a.html#top">t</a><img src="c.png">'
+                       '<script src="https://host/x.js"></script><a href="https://host/">out</a>')
+        found, count = problems(site)
+        expected = ("links to b.html", "no such heading", "loads c.png", "has no words", "fetches https://host/x.js")
+        assert count == 1 and len(found) == len(expected), found
+        assert all(any(words in line for line in found) for words in expected), found
+    print("planted mistakes of a site are found")
+
+
+def main():
+    if sys.argv[1:] == ["--self-test"]:
+        self_test()
+        return
+    tree, build = (os.path.abspath(path) for path in sys.argv[1:3])
+    if not shutil.which("mkdocs"):
+        print("skipped: there is no mkdocs (packages mkdocs and mkdocs-material)")
+        sys.exit(SKIPPED)
+    with tempfile.TemporaryDirectory(prefix="stroma_site_") as folder:
+        site = os.path.join(folder, "site")
+        made = subprocess.run([sys.executable, os.path.join(tree, "tools", "site", "build"), site, "--draft", "--stroma",
+                               os.path.join(build, "bin", "stroma")], capture_output=True, text=True, check=False)
+        assert made.returncode == 0, made.stderr[-4000:]
+        found, count = problems(site)
+        found += missing_pages(tree, build, site) + browse(tree, site)
+        assert not found, "\n".join(found)
+        print(f"{count} pages; every link, anchor and picture leads somewhere, and nothing is fetched")
+
+
+if __name__ == "__main__":
+    main()

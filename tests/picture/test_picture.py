@@ -1,0 +1,306 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""`stroma picture` draws what it says, without a display. Pictures are read back with PIL, colours compared with matplotlib's.
+Usage: test_picture.py TREE STROMA [SUITE...]"""
+import glob
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import numpy as np
+from PIL import Image
+
+TREE, STROMA = (os.path.abspath(path) for path in sys.argv[1:3])
+MARGIN = 1.12  # around what is drawn
+EXAMPLES = sorted(glob.glob(os.path.join(TREE, "scenes", "examples", "*.xml")))
+WITHOUT_DISPLAY = {name: value for name, value in os.environ.items() if name not in ("DISPLAY", "WAYLAND_DISPLAY")}
+
+# A cube of 1 m from the origin. What moves it moves its upper face by 0.5 m along z, within a step.
+CUBE = """<Node name="root" dt="0.01" gravity="0 0 0"><Node name="cube"><EulerImplicitSolver/><CGLinearSolver/>
+  <RegularGridTopology name="grid" n="3 3 3" min="0 0 0" max="1 1 1"/><MechanicalObject name="dofs"/>
+  <UniformMass totalMass="1"/><HexahedronFEMForceField youngModulus="1000" poissonRatio="0.3"/>%s</Node></Node>"""
+MOVED = """<BoxROI name="below" box="-1 -1 -1 2 0.1 2"/><BoxROI name="amid" box="-1 0.4 -1 2 0.6 2"/>
+  <BoxROI name="above" box="-1 0.9 -1 2 2 2"/><FixedProjectiveConstraint indices="@below.indices"/>
+  <LinearMovementProjectiveConstraint indices="@amid.indices" keyTimes="0 0.01 1" movements="0 0 0  0 0 0.25  0 0 0.25"/>
+  <LinearMovementProjectiveConstraint indices="@above.indices" keyTimes="0 0.01 1" movements="0 0 0  0 0 0.5  0 0 0.5"/>"""
+FALLING = '<ConstantForceField indices="0" totalForce="0 -9.81 0"/>'
+
+
+def run(*arguments, folder, code=0):
+    result = subprocess.run([STROMA, *map(str, arguments)], capture_output=True, text=True, cwd=folder, env=WITHOUT_DISPLAY,
+                            timeout=200)
+    assert result.returncode == code, f"{arguments} ended with {result.returncode}\n{result.stdout}{result.stderr}"
+    return result.stdout + result.stderr
+
+
+def pixels(path):
+    with Image.open(path) as image:
+        return np.asarray(image.convert("RGBA")).astype(int)
+
+
+def body(image):
+    """Which pixels are neither white nor clear."""
+    return (image[:, :, 3] > 0) & (image[:, :, :3].min(axis=2) < 250)
+
+
+class Case(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.mkdtemp(prefix="picture")
+        self.addCleanup(subprocess.run, ["rm", "-rf", self.folder])
+
+    def path(self, name):
+        return os.path.join(self.folder, name)
+
+    def write(self, name, text):
+        with open(self.path(name), "w", encoding="utf-8") as file:
+            file.write(text)
+        return name
+
+    def picture(self, *arguments, code=0):
+        return run("picture", *arguments, folder=self.folder, code=code)
+
+
+class EveryExample(Case):
+    def test_is_drawn_and_opens_no_display(self):
+        for scene in EXAMPLES:
+            name = os.path.splitext(os.path.basename(scene))[0]
+            with self.subTest(name):
+                said = self.picture(scene, "-n", 2, "--size", "320x240", "--quiet")
+                self.assertIn(f"{name}.png: ", said)
+                image = pixels(self.path(f"{name}.png"))
+                self.assertEqual(image.shape, (240, 320, 4))
+                seen = body(image[:, :230])  # left of the legend
+                self.assertGreater(seen.mean(), 0.02, "the body is not seen")
+                self.assertLess(seen.mean(), 0.9)
+                self.assertTrue((image[0, :, :3] == 255).all(), "the border is white")
+                self.assertTrue((image[:, :, 3] == 255).all())
+
+    def test_opens_the_renderer_for_pictures_only(self):
+        def libraries(*arguments):
+            environment = {**WITHOUT_DISPLAY, "LD_DEBUG": "files", "LD_DEBUG_OUTPUT": self.path("opened")}
+            subprocess.run([STROMA, *arguments], cwd=self.folder, env=environment, capture_output=True, check=True)
+            text = ""
+            for file in glob.glob(self.path("opened.*")):
+                with open(file, encoding="utf-8", errors="replace") as opened:
+                    text += opened.read()
+                os.remove(file)
+            return text
+        scene = self.write("cube.xml", CUBE % "")
+        drawn = libraries("picture", scene, "-n", "1")
+        self.assertIn("libvtkRenderingOpenGL2", drawn)
+        self.assertIn("libEGL", drawn)
+        ran = libraries("run", scene, "-n", "1")
+        self.assertIn("libc.so", ran)
+        for library in ("libvtk", "libEGL", "libGLEW", "libX11", "picture.so"):
+            self.assertNotIn(library, ran)
+
+
+class Pixels(Case):
+    LOOK = ("--view", "front", "--bare", "--no-shading", "--size", "400x400")
+
+    def test_a_cube_covers_what_it_should(self):
+        scene = self.write("cube.xml", CUBE % "")
+        self.picture(scene, "-n", 0, "--field", "none", *self.LOOK)
+        seen = body(pixels(self.path("cube.png")))
+        self.assertAlmostEqual(seen.sum() / (400 / MARGIN) ** 2, 1, delta=0.01)
+        rows, columns = np.flatnonzero(seen.any(axis=1)), np.flatnonzero(seen.any(axis=0))
+        for line in (rows, columns):
+            self.assertAlmostEqual(line[0], 400 * (1 - 1 / MARGIN) / 2, delta=1.5)
+            self.assertAlmostEqual(line[-1], 399 - 400 * (1 - 1 / MARGIN) / 2, delta=1.5)
+        self.assertTrue((pixels(self.path("cube.png"))[200, 200, :3] == (0xc9, 0x82, 0x76)).all())
+
+    def test_colours_are_those_of_the_map(self):
+        import matplotlib
+        scene = self.write("cube.xml", CUBE % MOVED)
+        for name in ("viridis", "cividis", "inferno"):
+            self.picture(scene, "-n", 1, "--field", "displacement", "--range", "0,1", "--colours", name, *self.LOOK)
+            image = pixels(self.path("cube.png"))
+            side = 400 / MARGIN
+            for height in (0.02, 0.25, 0.5, 0.75, 0.98):
+                row = int(200 + (0.5 - height) * side)
+                expected = 255 * np.array(matplotlib.colormaps[name](0.5 * height)[:3])
+                difference = np.abs(image[row, 100:300, :3] - expected).max()
+                self.assertLess(difference, 6, f"{name} at {height}")
+
+    def test_the_legend_has_the_colours_of_the_map(self):
+        import matplotlib
+        scene = self.write("cube.xml", CUBE % MOVED)
+        self.picture(scene, "-n", 1, "--field", "displacement", "--range", "0,1", "--size", "600x450")
+        image = pixels(self.path("cube.png"))[:, :, :3]
+        for t in (0.1, 0.5, 0.9):
+            expected = 255 * np.array(matplotlib.colormaps["viridis"](t)[:3])
+            right = image[:, 480:]  # the body has colours up to 0.5
+            self.assertLess(np.abs(right - expected).max(axis=2).min(), 8, t)
+        self.picture(scene, "-n", 1, "--field", "displacement", "--range", "0,1", "--size", "600x450", "--no-legend")
+        image = pixels(self.path("cube.png"))[:, :, :3]
+        self.assertGreater(np.abs(image - 255 * np.array(matplotlib.colormaps["viridis"](0.9)[:3])).max(axis=2).min(), 20)
+
+    def test_views_stand_side_by_side(self):
+        """A cube with its upper face moved along z: a square from the front, sheared from the side."""
+        scene = self.write("cube.xml", CUBE % MOVED)
+        self.picture(scene, "-n", 1, "--views", "front,side", "--bare", "--size", "800x400")
+        image = pixels(self.path("cube.png"))
+        front, side = body(image[:, :400]), body(image[:, 400:])
+        scale = 400 / MARGIN / 1.5  # the wider of the two gives the scale of both
+        self.assertAlmostEqual(front.sum() / scale**2, 1, delta=0.02)
+        self.assertAlmostEqual(side.sum() / scale**2, 1, delta=0.02)
+        widths = [np.ptp(np.flatnonzero(half.any(axis=0))) + 1 for half in (front, side)]
+        self.assertAlmostEqual(widths[0] / scale, 1, delta=0.02)
+        self.assertAlmostEqual(widths[1] / scale, 1.5, delta=0.02)
+        top, bottom = (np.flatnonzero(side[row]).mean() for row in (int(200 - 0.48 * scale), int(200 + 0.48 * scale)))
+        self.assertLess(top, bottom, "z is to the left of who looks from the right")
+
+    def test_a_cut_halves_the_cube(self):
+        scene = self.write("cube.xml", CUBE % "")
+        for cut, part in (("x=0.25", 0.25), ("x=0.25,below", 0.25), ("x=0.25,above", 0.75), ("z=0.5", 1)):
+            self.picture(scene, "-n", 0, "--cut", cut, "--field", "displacement", *self.LOOK)
+            seen = body(pixels(self.path("cube.png")))
+            self.assertAlmostEqual(seen.sum() / (400 / MARGIN) ** 2, part, delta=0.01, msg=cut)
+
+    def test_shapes_are_exaggerated_and_numbers_are_not(self):
+        scene = self.write("cube.xml", CUBE % MOVED)
+        self.picture(scene, "-n", 1, "--view", "side", "--bare", "--size", "400x400", "--exaggerate", 4, "--field",
+                     "displacement", "--range", "0,1")
+        seen = body(pixels(self.path("cube.png")))
+        width, height = (np.ptp(np.flatnonzero(seen.any(axis=axis))) + 1 for axis in (0, 1))
+        self.assertAlmostEqual(width / height, 3, delta=0.05)
+
+    def test_edges_ghost_and_held_nodes_are_seen(self):
+        scene = self.write("cube.xml", CUBE % MOVED)
+        plain = ("-n", 1, "--view", "iso", "--size", "400x400", "--no-legend", "--field", "none")
+        self.picture(scene, *plain)
+        without = pixels(self.path("cube.png"))
+        for option in ("--edges", "--ghost"):
+            self.picture(scene, *plain, option)
+            self.assertGreater((pixels(self.path("cube.png")) != without).any(axis=2).sum(), 300, option)
+        self.picture(self.write("free.xml", CUBE % ""), "-n", 0, "--view", "bottom", "--size", "400x400", "--no-legend",
+                     "--field", "none")
+        self.picture(scene, "-n", 0, "--view", "bottom", "--size", "400x400", "--no-legend", "--field", "none")
+        dark = [(pixels(self.path(name))[:, :, :3].max(axis=2) < 90).sum() for name in ("free.png", "cube.png")]
+        self.assertGreater(dark[1] - dark[0], 150)  # nine dots
+
+    def test_transparent_pictures_have_no_background(self):
+        scene = self.write("cube.xml", CUBE % "")
+        self.picture(scene, "-n", 0, "--transparent", "--bare", "--size", "300x300", "--view", "front")
+        image = pixels(self.path("cube.png"))
+        self.assertEqual(image[5, 5, 3], 0)
+        self.assertEqual(image[150, 150, 3], 255)
+
+    def test_a_picture_says_what_it_is(self):
+        scene = self.write("cube.xml", CUBE % "")
+        self.picture(scene, "-n", 0, "--title", "Würfel", "--size", "300x300")
+        with Image.open(self.path("cube.png")) as image:
+            self.assertEqual(image.text["Software"], "stroma")
+            self.assertEqual(image.text["Source"], "cube.xml")
+            self.assertEqual(image.text["Title"], "Würfel")
+
+
+class Films(Case):
+    def test_frames_are_counted_and_differ(self):
+        scene = self.write("cube.xml", CUBE % FALLING)
+        said = self.picture(scene, "-n", 10, "--animate", "--every", 2, "--fps", 10, "--size", "240x180", "-o", "film.png")
+        self.assertIn("6 frames", said)
+        with Image.open(self.path("film.png")) as film:
+            self.assertEqual(film.n_frames, 6)
+            frames = []
+            for i in range(film.n_frames):
+                film.seek(i)
+                self.assertAlmostEqual(film.info["duration"], 100)
+                frames.append(np.asarray(film.convert("RGB")).astype(int))
+        for before, after in zip(frames, frames[1:]):
+            self.assertGreater((before != after).any(axis=2).sum(), 50)
+
+    def test_its_last_frame_is_the_picture_of_the_end(self):
+        """Ranges and cameras are those of all frames: a range that is given and a body that does not leave its box show it."""
+        scene = self.write("cube.xml", CUBE % MOVED)
+        look = ("--field", "displacement", "--range", "0,1", "--size", "240x180", "--view", "front", "--bare")
+        self.picture(scene, "-n", 4, "--animate", "--every", 1, "-o", "film.png", *look)
+        self.picture(scene, "-n", 4, "-o", "end.png", *look)
+        with Image.open(self.path("film.png")) as film:
+            film.seek(film.n_frames - 1)
+            last = np.asarray(film.convert("RGB")).astype(int)
+        self.assertTrue((last == pixels(self.path("end.png"))[:, :, :3]).all())
+
+
+class Recordings(Case):
+    def test_are_drawn_like_the_run(self):
+        scene = self.write("cube.xml", CUBE % FALLING)
+        run("run", scene, "-n", 6, "--record", "kept", "--quiet", folder=self.folder)
+        self.picture(scene, "-n", 6, "--size", "300x200", "-o", "live.png")
+        self.picture("kept", "--size", "300x200")
+        live, kept = pixels(self.path("live.png")), pixels(self.path("kept.png"))
+        self.assertTrue((live == kept).all())
+        self.picture("kept", "--at", "0.03", "--size", "300x200", "-o", "half.png")
+        self.picture(scene, "--at", "0.03", "--size", "300x200", "-o", "half_live.png")
+        self.assertTrue((pixels(self.path("half.png")) == pixels(self.path("half_live.png"))).all())
+        self.assertFalse((pixels(self.path("half.png")) == kept).all())
+        said = self.picture("kept", "--animate", "--size", "200x150", "-o", "film.png")
+        self.assertIn("7 frames", said)
+
+    def test_instants_stand_side_by_side(self):
+        scene = self.write("cube.xml", CUBE % MOVED)
+        self.picture(scene, "-n", 1, "--at", "start,end", "--view", "side", "--bare", "--size", "800x400")
+        image = pixels(self.path("cube.png"))
+        start, end = body(image[:, :400]), body(image[:, 400:])
+        widths = [np.ptp(np.flatnonzero(half.any(axis=0))) + 1 for half in (start, end)]
+        self.assertAlmostEqual(widths[1] / widths[0], 1.5, delta=0.02)
+
+
+class Refusals(Case):
+    def refused(self, *arguments, code=2):
+        before = set(os.listdir(self.folder))
+        said = self.picture(*arguments, code=code)
+        self.assertEqual(set(os.listdir(self.folder)), before, "something was written")
+        return said
+
+    def test_name_what_was_expected(self):
+        scene = self.write("cube.xml", CUBE % "")
+        for arguments, words in ((("--field", "vonMisses"), "did you mean 'vonMises'"), (("--colours", "virdis"), "viridis"),
+                                 (("--view", "frnt"), "front"), (("--range", "3,1"), "LOW below HIGH"),
+                                 (("--size", "10x10"), "64 to 7680"), (("--cut", "w=3"), "x=VALUE"), (("--every", 2), "--animate"),
+                                 (("--at", "soon"), "start or end"), (("-o", "cube.jpg"), ".png"), (("-n", 1, "--until", 1), "exclude"),
+                                 (("--hide", "/cub"), "/cube"), (("-n", 1, "--at", 5), "larger -n")):
+            with self.subTest(arguments):
+                self.assertIn(words, self.refused(scene, *arguments))
+
+    def test_fields_are_listed(self):
+        said = self.refused(self.write("cube.xml", CUBE % ""), "--field", "help", code=0)
+        for name in ("displacement", "velocity", "vonMises", "none"):
+            self.assertIn(name, said)
+
+    def test_another_file_is_not_written_over(self):
+        scene = self.write("cube.xml", CUBE % "")
+        self.write("cube.png", "an image of my own")
+        self.assertIn("no picture of stroma", self.refused(scene, "-n", 0))
+        with open(self.path("cube.png"), encoding="utf-8") as file:
+            self.assertEqual(file.read(), "an image of my own")
+        self.picture(scene, "-n", 0, "-o", "cube.png", "--size", "100x100")  # asked for by name
+        self.picture(scene, "-n", 0, "--size", "120x100")                    # its own
+        self.assertEqual(pixels(self.path("cube.png")).shape[1], 120)
+
+    def test_no_picture_of_a_run_without_a_result(self):
+        scene = self.write("cube.xml", '<Node name="root" dt="0.1"><EulerExplicitSolver/><Node name="cube">'
+                           + (CUBE % FALLING).split("<CGLinearSolver/>")[1].replace('youngModulus="1000"', 'youngModulus="1e9"'))
+        said = self.refused(scene, "-n", 300, code=3)
+        self.assertIn("no result", said)
+        self.picture(scene, "-n", 300, "--anyway", "--size", "400x300", code=3)
+        image = pixels(self.path("cube.png"))[:, :, :3]
+        red = (image[:, :, 0] > 150) & (image[:, :, 1] < 90) & (image[:, :, 2] < 90)
+        self.assertGreater(red[:60].sum(), 50, "the warning is in the picture")
+
+    def test_a_machine_without_a_renderer_is_told_the_package(self):
+        """EGL finds no driver where its list of vendors is empty."""
+        scene = self.write("cube.xml", CUBE % "")
+        self.write("none", "")
+        environment = {**WITHOUT_DISPLAY, "__EGL_VENDOR_LIBRARY_FILENAMES": self.path("none")}
+        result = subprocess.run([STROMA, "picture", scene, "-n", "0"], capture_output=True, text=True, cwd=self.folder,
+                                env=environment, timeout=60)
+        self.assertEqual(result.returncode, 2, result.stderr)
+        self.assertIn("libgl1-mesa-dri", result.stderr)
+        self.assertFalse(os.path.exists(self.path("cube.png")))
+
+
+if __name__ == "__main__":
+    unittest.main(argv=[sys.argv[0], *sys.argv[3:]], verbosity=2)

@@ -1,0 +1,328 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""What `stroma run` tells of a run while it lasts, in a pipe and on a terminal, and what it leaves to be looked at.
+Usage: test_run_manners.py TREE STROMA [unittest arguments]"""
+import fcntl
+import glob
+import json
+import os
+import pty
+import re
+import shutil
+import struct
+import subprocess
+import sys
+import tempfile
+import termios
+import time
+import unittest
+
+TREE, STROMA = (os.path.abspath(path) for path in sys.argv[1:3])
+HAS_VIEW = os.path.exists(os.path.join(os.path.dirname(STROMA), "..", "lib", "stroma", "view.so"))
+FALLING = """<Node name="root" dt="0.01" gravity="0 -10 0"><EulerExplicitSolver/>
+<MechanicalObject name="dofs" position="0 0 0  1 0 0"/><UniformMass totalMass="2"/></Node>
+"""
+# A step of statics that takes seconds: a block that is bent far.
+BENT = """<Node name="root" dt="1" gravity="0 -30 0"><StaticSolver/><CGLinearSolver iterations="20000" tolerance="1e-9" threshold="1e-30"/>
+<RegularGridTopology n="{n} {n} {n}" min="0 0 0" max="0.1 0.1 0.3"/><MechanicalObject name="dofs"/><UniformMass totalMass="0.3"/>
+<HexahedronHyperelasticityFEMForceField name="fem" materialName="StableNeoHookean" youngModulus="30000" poissonRatio="0.45"/>
+<BoxROI name="end" box="-1 -1 -0.001 1 1 0.001"/><FixedProjectiveConstraint indices="@end.indices"/></Node>
+"""
+LINE = re.compile(r"step (\d+)/(\d+)  (\d+) %  t = \S+ s  \S+ ms/step  .*elapsed  (.*) to go$")
+
+
+def seconds(text):
+    units = {"s": 1, "min": 60, "h": 3600, "d": 86400}
+    words = text.split()
+    return sum(float(number) * units[unit] for number, unit in zip(words[::2], words[1::2]))
+
+
+class Folder(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = folder.name
+
+    def path(self, *names):
+        return os.path.join(self.folder, *names)
+
+    def write(self, name, text):
+        with open(self.path(name), "w", encoding="utf-8") as file:
+            file.write(text)
+        return self.path(name)
+
+    def read(self, *names):
+        with open(self.path(*names), "rb") as file:
+            return file.read()
+
+    def stroma(self, *arguments, code=0, cwd=None):
+        result = subprocess.run([STROMA, *arguments], capture_output=True, text=True, cwd=cwd or self.folder, timeout=120)
+        self.assertEqual(result.returncode, code, result.stdout + result.stderr)
+        return result
+
+    def steps_of(self, scene, wanted):
+        """How many steps take `wanted` seconds."""
+        summary = json.loads(self.stroma("run", scene, "-n", "20000", "-q", "--json", "--no-record").stdout)
+        return int(20000 * wanted / summary["wall_seconds"])
+
+    def instants(self, folder):
+        """Head and numbers of what a run has left."""
+        line, data = self.read(folder, "run.instants").split(b"\n", 1)
+        head = json.loads(line)
+        numbers = 1 + sum(6 * state["nodes"] for state in head["states"])
+        self.assertEqual(len(data) % (8 * numbers), 0)
+        values = struct.unpack(f"<{len(data) // 8}d", data)
+        return head, [values[i:i + numbers] for i in range(0, len(values), numbers)]
+
+
+class Progress(Folder):
+    def test_a_pipe_gets_few_lines_with_the_time_to_go(self):
+        self.write("fall.xml", FALLING)
+        process = subprocess.Popen([STROMA, "run", "fall.xml", "-n", str(self.steps_of("fall.xml", 4)), "--no-record"],
+                                   cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        told = [(time.monotonic(), line.rstrip("\n")) for line in process.stderr]
+        end = time.monotonic()
+        process.communicate()
+        self.assertEqual(process.returncode, 0)
+        self.assertGreaterEqual(len(told), 1)
+        self.assertLessEqual(len(told), 10)
+        for when, line in told:
+            match = LINE.match(line)
+            self.assertTrue(match, line)
+            share = int(match.group(1)) / int(match.group(2))
+            self.assertEqual(int(match.group(3)), int(100 * share))
+            told_rest, rest = seconds(match.group(4)), end - when  # whatever else runs beside
+            self.assertLess(told_rest, 2 + 3 * rest, line)
+            self.assertGreater(told_rest, rest / 3 - 2, line)
+
+    def test_a_run_of_a_moment_tells_nothing(self):
+        self.write("fall.xml", FALLING)
+        self.assertEqual(self.stroma("run", "fall.xml", "-n", "50").stderr, "")
+
+    def test_quiet_is_silent(self):
+        self.write("fall.xml", FALLING)
+        result = self.stroma("run", "fall.xml", "-n", str(self.steps_of("fall.xml", 2)), "--quiet")
+        self.assertEqual(result.stdout + result.stderr, "")
+
+    def on_terminal(self, width, *arguments):
+        """All that the command writes on a terminal of `width` columns, pieces between carriage returns."""
+        pid, terminal = pty.fork()
+        if pid == 0:
+            os.chdir(self.folder)
+            os.environ["TERM"] = "xterm"
+            fcntl.ioctl(2, termios.TIOCSWINSZ, struct.pack("HHHH", 24, width, 0, 0))
+            os.execv(STROMA, [STROMA, *arguments])
+        text = b""
+        while True:
+            try:
+                piece = os.read(terminal, 65536)
+            except OSError:  # the other end is closed
+                break
+            if not piece:
+                break
+            text += piece
+        os.close(terminal)
+        _, status = os.waitpid(pid, 0)
+        self.assertEqual(os.waitstatus_to_exitcode(status), 0, text)
+        return text.decode()
+
+    def test_a_terminal_has_one_line_that_fits(self):
+        self.write("fall.xml", FALLING)
+        steps = str(self.steps_of("fall.xml", 1))
+        for width in (200, 60, 40, 12):
+            text = self.on_terminal(width, "run", "fall.xml", "-n", steps, "--no-record")
+            drawn, summary = text.rsplit("\r\x1b[K", 1)
+            lines = [line for line in drawn.split("\r\x1b[K") if line]
+            self.assertGreater(len(lines), 3)
+            for line in lines:
+                self.assertLess(len(line), width)
+                self.assertNotIn("\n", line)
+                self.assertTrue(line.startswith("step "), line)
+            if width == 200:
+                self.assertTrue(LINE.match(lines[-1]), lines[-1])
+            if width >= 40:
+                self.assertTrue(lines[-1].endswith(" to go"), lines[-1])
+            self.assertTrue(summary.startswith("fall.xml: done"), repr(summary))  # the line is gone
+
+    def test_a_long_step_shows_life(self):
+        self.write("bent.xml", BENT.format(n=16))
+        text = self.on_terminal(200, "run", "bent.xml", "-n", "1", "--no-record")
+        lines = [line for line in text.split("\r\x1b[K") if "so far" in line]
+        self.assertGreater(len(lines), 10)
+        iterations = [int(match.group(1)) for match in re.finditer(r"Newton iteration (\d+), residual \S+", text)]
+        self.assertGreater(len(set(iterations)), 1, text)
+        self.assertRegex(lines[-1], r"^step 0/1  0 %  step 1: \S+ s so far  Newton iteration \d+")
+
+
+class DefaultRecording(Folder):
+    def test_a_run_leaves_something_to_look_at(self):
+        scene = self.write("fall.xml", FALLING)
+        result = self.stroma("run", scene, "-n", "100")
+        head, instants = self.instants("fall.last")
+        self.assertEqual((head["scene"], head["folder"]), (scene, os.path.realpath(self.folder)))
+        times = [instant[0] for instant in instants]
+        self.assertEqual(len(times), 21)
+        for i, t in enumerate(times):
+            self.assertAlmostEqual(t, 0.05 * i)
+        for t, *numbers in instants:  # the velocity under a constant acceleration is exact for every scheme of order one
+            self.assertAlmostEqual(numbers[7], -10 * t)
+            self.assertEqual(numbers[3], 1)
+        self.assertIn("recorded in fall.last\n", result.stdout)
+        self.assertIn("fall.last/last.checkpoint", self.stroma("run", scene, "-n", "3", "--json").stdout)
+        self.assertEqual([instant[0] for instant in self.instants("fall.last")[1]], [0, 0.01, 0.02, 0.03])
+
+    def test_the_instants_are_evenly_spread_whatever_the_steps(self):
+        self.write("fall.xml", FALLING)
+        for steps in (0, 1, 2, 19, 20, 21, 22, 41, 999, 20001, 43210, 163000):
+            self.stroma("run", "fall.xml", "-n", str(steps), "-q")
+            at = [round(instant[0] / 0.01) for instant in self.instants("fall.last")[1]]
+            self.assertEqual((at[0], at[-1]), (0, steps))
+            self.assertGreaterEqual(len(at), min(steps + 1, 11), steps)
+            self.assertLessEqual(len(at), 42)
+            strides = {b - a for a, b in zip(at[:-1], at[1:-1])}
+            self.assertLessEqual(len(strides), 1, (steps, at))
+
+    def test_many_nodes_leave_fewer(self):
+        self.write("many.xml", """<Node name="root" dt="0.01" gravity="0 -10 0"><EulerExplicitSolver/>
+<RegularGridTopology n="50 50 50" min="0 0 0" max="1 1 1"/><MechanicalObject name="dofs"/><UniformMass totalMass="2"/></Node>
+""")
+        self.stroma("run", "many.xml", "-n", "40", "-q")
+        self.assertLess(sum(os.path.getsize(file) for file in glob.glob(self.path("many.last", "*"))), 64 << 20)
+        at = [round(instant[0] / 0.01) for instant in self.instants("many.last")[1]]
+        self.assertEqual((at[0], at[-1]), (0, 40))
+        self.assertGreater(len(at), 4)
+
+    def test_no_bit_of_the_run_depends_on_it(self):
+        for name in ("organ.xml", "organ_condensed.xml", "liver.xml"):
+            scene = os.path.join(TREE, "scenes", "examples", name)
+            hashes = {json.loads(self.stroma("run", scene, "-n", "30", "-q", "--json", *options).stdout)["state_hash"]
+                      for options in ((), ("--no-record",))}
+            self.assertEqual(len(hashes), 1, name)
+
+    def test_no_record_leaves_nothing(self):
+        self.write("fall.xml", FALLING)
+        result = self.stroma("run", "fall.xml", "-n", "5", "--no-record")
+        self.assertEqual(os.listdir(self.folder), ["fall.xml"])
+        self.assertNotIn("fall.last", result.stdout)
+        self.stroma("run", "fall.xml", "--record", "out", "--no-record", code=2)
+
+    def test_what_is_not_ours_stays(self):
+        scene = self.write("fall.xml", FALLING)
+        self.write("fall.last", "a file of the user")
+        note = self.stroma("run", scene, "-n", "5").stderr
+        self.assertEqual(note.count("\n"), 1)
+        self.assertTrue(note.startswith("note: ") and "fall.last" in note, note)
+        self.assertEqual(self.read("fall.last"), b"a file of the user")
+        os.remove(self.path("fall.last"))
+        for contents in ((), ("notes.txt",), ("run.instants",), ("last.checkpoint",)):
+            os.mkdir(self.path("fall.last"))
+            for name in contents:
+                self.write(os.path.join("fall.last", name), "kept")
+            self.assertIn("fall.last", self.stroma("run", scene, "-n", "5").stderr)
+            self.assertEqual(tuple(os.listdir(self.path("fall.last"))), contents)
+            for name in contents:
+                self.assertEqual(self.read("fall.last", name), b"kept")
+            shutil.rmtree(self.path("fall.last"))
+        # beside what a run left, files of others stay too
+        self.stroma("run", scene, "-n", "5")
+        self.write(os.path.join("fall.last", "picture.png"), "kept")
+        self.assertEqual(self.stroma("run", scene, "-n", "7").stderr, "")
+        self.assertEqual(self.read("fall.last", "picture.png"), b"kept")
+        self.assertEqual(len(self.instants("fall.last")[1]), 8)
+
+    def test_a_folder_that_record_names_is_the_users(self):
+        self.write("fall.xml", FALLING)
+        self.stroma("run", "fall.xml", "-n", "5")
+        self.stroma("run", "fall.xml", "-n", "3", "--record", "fall.last")
+        before = {name: self.read("fall.last", name) for name in os.listdir(self.path("fall.last"))}
+        self.assertEqual(sorted(before), ["dofs.state.gz", "last.checkpoint"])
+        self.assertIn("note: ", self.stroma("run", "fall.xml", "-n", "5").stderr)
+        self.assertEqual({name: self.read("fall.last", name) for name in os.listdir(self.path("fall.last"))}, before)
+
+    def test_a_place_that_cannot_be_written_is_a_note(self):
+        scene = self.write("fall.xml", FALLING)
+        result = self.stroma("run", scene, "-n", "5", cwd="/proc")
+        self.assertEqual(result.stderr.count("\n"), 1, result.stderr)
+        self.assertTrue(result.stderr.startswith("note: "), result.stderr)
+        self.assertNotIn("recorded in", result.stdout)
+        self.assertEqual(self.stroma("run", scene, "-n", "5", "--quiet", cwd="/proc").stderr, "")
+
+    def test_a_full_disk_is_a_note(self):
+        os.mkdir(self.path("disk"))
+        if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=64k", "none", self.path("disk")], capture_output=True).returncode:
+            self.skipTest("only root may mount a small disk")
+        try:
+            scene = self.write("many.xml", FALLING.replace("0 0 0  1 0 0", " ".join(f"{i} 0 0" for i in range(500))))
+            result = self.stroma("run", scene, "-n", "50", cwd=self.path("disk"))
+            self.assertIn("No space left on device", result.stderr)
+            self.assertEqual(result.stderr.count("\n"), 1, result.stderr)
+        finally:
+            subprocess.run(["umount", self.path("disk")], check=True)
+
+    def test_a_run_that_is_killed_leaves_what_was_there(self):
+        self.write("fall.xml", FALLING)
+        self.stroma("run", "fall.xml", "-n", "5")
+        before = self.read("fall.last", "run.instants")
+        process = subprocess.Popen([STROMA, "run", "fall.xml", "-n", "1000000000", "-q"], cwd=self.folder)
+        time.sleep(0.5)
+        process.kill()
+        process.wait()
+        self.assertEqual(sorted(os.listdir(self.path("fall.last"))), ["last.checkpoint", "run.instants"])
+        self.assertEqual(self.read("fall.last", "run.instants"), before)
+
+    def test_an_interrupted_run_goes_on_from_it(self):
+        self.write("fall.xml", FALLING)
+        process = subprocess.Popen([STROMA, "run", "fall.xml", "-n", "1000000000"], cwd=self.folder, stdout=subprocess.PIPE, text=True)
+        time.sleep(0.7)
+        process.terminate()
+        out, _ = process.communicate()
+        self.assertEqual(process.returncode, 143)
+        self.assertIn("recorded in fall.last", out)
+        steps = int(re.search(r"after (\d+) steps", out).group(1))
+        instants = self.instants("fall.last")[1]
+        self.assertGreater(len(instants), 11)
+        self.assertEqual(round(instants[-1][0] / 0.01), steps)
+        on = self.stroma("run", "fall.xml", "-n", str(steps + 10), "--restart", "fall.last/last.checkpoint", "--json", "-q")
+        self.assertEqual(json.loads(on.stdout)["state_hash"],
+                         json.loads(self.stroma("run", "fall.xml", "-n", str(steps + 10), "--json", "-q").stdout)["state_hash"])
+
+
+@unittest.skipUnless(HAS_VIEW, "the live view was not built")
+class Looking(Folder):
+    def frames_of(self, folder, *options):
+        self.stroma("view", folder, "--export", "page.html", *options)
+        self.assertGreater(os.path.getsize(self.path("page.html")), 100000)
+        os.remove(self.path("page.html"))
+
+    def test_the_commands_at_the_end_work(self):
+        os.mkdir(self.path("my scenes"))
+        scene = self.write(os.path.join("my scenes", "a block.xml"), """<Node name="root" dt="0.01" gravity="0 -10 0"><EulerImplicitSolver/>
+<CGLinearSolver/><RegularGridTopology name="grid" n="3 3 3" min="0 0 0" max="1 1 1"/><MechanicalObject name="dofs"/><UniformMass totalMass="2"/>
+<HexahedronFEMForceField youngModulus="3000" poissonRatio="0.3"/><FixedProjectiveConstraint indices="0 1 2"/></Node>
+""")
+        out = self.stroma("run", scene, "-n", "5", "--set", "/grid.n=4 4 4").stdout
+        commands = out.rsplit("to look at it: ", 1)[1].strip().split("  or  ")
+        views = [command for command in commands if " view " in command]
+        self.assertEqual(len(views), 1, commands)
+        # the overrides of the run are known: the scene alone has another number of nodes
+        subprocess.run(views[0] + " --export page.html", shell=True, cwd=self.folder, check=True, capture_output=True)
+        for command in commands:
+            self.assertTrue(" view " in command or " picture " in command, command)
+        results = json.loads(self.stroma("run", scene, "-n", "5", "--json", "-q").stdout)["results"]
+        self.assertEqual(results["recording"], "a block.last")
+        self.assertEqual(len(results["commands"]), len(commands))
+
+    def test_every_example_can_be_looked_at(self):
+        looked = 0
+        for scene in sorted(glob.glob(os.path.join(TREE, "scenes", "examples", "*.xml"))):
+            name = os.path.splitext(os.path.basename(scene))[0]
+            with self.subTest(name):
+                self.stroma("run", scene, "-n", "2", "-q")
+                self.assertTrue(os.path.exists(self.path(name + ".last", "run.instants")))
+                self.frames_of(name + ".last")
+                looked += 1
+        self.assertGreater(looked, 10)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=[sys.argv[0], *sys.argv[3:]], verbosity=2)

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tools/command/default_recording.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <limits>
+
+#include "framework/scene/output_file.h"
+
+namespace stroma::command {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t most_bytes =
+    48u << 20;  // of the instants; a checkpoint of as many nodes is smaller than the rest
+constexpr long between = 20;
+// a run of very many steps is often ended before its last one: it begins with a shorter stride, which grows
+constexpr long longest_first_stride = 1000;
+constexpr std::size_t most_instants = 2 * between + 2;
+constexpr long never = std::numeric_limits<long>::max();
+
+std::string checkpointIn(const std::string& folder) { return (fs::path(folder) / "last.checkpoint").string(); }
+
+}  // namespace
+
+std::string lastFolder(const std::string& scene) { return fs::path(scene).stem().string() + ".last"; }
+
+std::vector<std::string> lastFiles(const std::string& scene) {
+  return {instantsFile(lastFolder(scene)), checkpointIn(lastFolder(scene))};
+}
+
+DefaultRecording::DefaultRecording(Session& session, const RunRequest& request, long steps)
+    : session_(session),
+      simulation_(session.simulation()),
+      folder_(lastFolder(request.scene)),
+      states_(session.simulation().states()) {
+  checkPlace();
+  std::error_code error;
+  const InstantsHead head{request.scene, fs::current_path(error).string(), request.overrides, request.modules,
+                          sizesOf(simulation_)};
+  bytes_ = head.line();
+  head_ = bytes_.size();
+  each_ = head.instantBytes();
+  most_ = states_.empty() ? 0 : std::min(most_bytes / each_, most_instants);
+  const long room = most_ > 2 ? std::min(between, mostStrided() - 1) : 0;
+  const long made = std::max(1L, steps - simulation_.steps());
+  every_ = room > 0 ? std::min((made + room - 1) / room, longest_first_stride) : never;
+  bytes_.reserve(head_ + each_ * std::min(most_, std::size_t(made / every_) + 3));
+}
+
+/// A folder that is there is replaced only when a run left it so.
+void DefaultRecording::checkPlace() {
+  std::error_code error;
+  if (fs::symlink_status(folder_, error).type() != fs::file_type::not_found) {
+    if (!fs::is_directory(folder_, error) || !isInstantsFile(instantsFile(folder_)))
+      reason_ = fmt::format("{} is not what a run left to be looked at: it stays as it is", folder_);
+    return;
+  }
+  try {
+    checkAccess(instantsFile(folder_), true);
+  } catch (const OutputError& failure) {
+    reason_ = failure.what();
+  }
+}
+
+void DefaultRecording::begin() {
+  next_ = never;
+  if (!reason_.empty() || most_ < 2) return;
+  next_ = simulation_.steps();
+  keep();
+}
+
+void DefaultRecording::keep() {
+  if (last_ == simulation_.steps()) return;
+  last_ = simulation_.steps();
+  if (every_ != never && long(count_) >= mostStrided()) thin();
+  next_ = every_ == never ? never : last_ + every_;
+  simulation_.complete();
+  appendInstant(bytes_, simulation_.time(), states_);
+  ++count_;
+}
+
+/// Every second instant, and twice the stride: room for as many again.
+void DefaultRecording::thin() {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < count_; i += 2, ++kept)
+    std::copy_n(bytes_.data() + head_ + i * each_, each_, bytes_.data() + head_ + kept * each_);
+  count_ = kept;
+  bytes_.resize(head_ + count_ * each_);
+  every_ *= 2;
+}
+
+bool DefaultRecording::write(bool is_needed, bool may_go_on) {
+  if (reason_.empty()) checkPlace();
+  if (!reason_.empty() || states_.empty()) return false;
+  if (most_ == 0 && !is_needed) {
+    reason_ = fmt::format("an instant of this scene has {} MB: --record DIR keeps it", each_ >> 20);
+    return false;
+  }
+  every_ = never;
+  keep();
+  try {
+    makeFolderOf(instantsFile(folder_));
+    writeWholeFile(instantsFile(folder_), bytes_);
+    has_checkpoint_ = may_go_on;
+    if (may_go_on)
+      session_.writeCheckpoint(checkpointIn(folder_));
+    else
+      fs::remove(checkpointIn(folder_));
+  } catch (const OutputError& failure) {
+    reason_ = failure.what();
+  } catch (const fs::filesystem_error& failure) {
+    reason_ = failure.what();
+  }
+  return reason_.empty();
+}
+
+std::vector<std::string> DefaultRecording::files() const {
+  std::vector<std::string> files{instantsFile(folder_)};
+  if (has_checkpoint_) files.push_back(checkpointIn(folder_));
+  return files;
+}
+
+}  // namespace stroma::command

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tools/command/instants.h"
+
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "framework/scene/output_file.h"
+
+namespace stroma::command {
+namespace {
+
+using Json = nlohmann::ordered_json;
+constexpr std::string_view beginning = R"({"stroma":"instants","version":1,)";
+
+[[noreturn]] void fail(const std::string& file, const std::string& what) {
+  throw std::runtime_error(fmt::format("{}: {}", file, what));
+}
+
+/// What is read of a file, up to and with the first line.
+InstantsHead takeHead(std::istream& stream, const std::string& file) {
+  std::string line;
+  std::getline(stream, line);
+  if (!line.starts_with(beginning))
+    fail(file, fmt::format("these are no instants (expected a file that starts with {})", beginning));
+  try {
+    const Json json = Json::parse(line);
+    InstantsHead head{json.at("scene"), json.at("folder"), json.at("set"), json.at("modules"), {}};
+    for (const Json& state : json.at("states")) head.states.push_back({state.at("path"), state.at("nodes")});
+    return head;
+  } catch (const Json::exception& error) {
+    fail(file, fmt::format("the first line is damaged ({})", error.what()));
+  }
+}
+
+std::ifstream opened(const std::string& file) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) fail(file, fmt::format("cannot open ({})", std::strerror(errno)));
+  return stream;
+}
+
+const double* takeRows(const double* from, Index count, std::vector<Vec3>& rows) {
+  for (Index i = 0; i < count; ++i, from += 3) rows.emplace_back(from[0], from[1], from[2]);
+  return from;
+}
+
+}  // namespace
+
+std::string instantsFile(const std::string& folder) {
+  return (std::filesystem::path(folder) / "run.instants").string();
+}
+
+bool isInstantsFile(const std::string& file) {
+  std::string start(beginning.size(), ' ');
+  std::ifstream stream(file, std::ios::binary);
+  return stream.read(start.data(), std::streamsize(start.size())) && start == beginning;
+}
+
+std::vector<StateSize> sizesOf(const Simulation& simulation) {
+  std::vector<StateSize> sizes;
+  for (const State* state : simulation.states()) sizes.push_back({state->path(), state->size()});
+  return sizes;
+}
+
+void appendInstant(std::string& bytes, double time, const std::vector<State*>& states) {
+  std::size_t at = bytes.size(), nodes = 0;
+  for (const State* state : states) nodes += std::size_t(state->size());
+  bytes.resize(at + (1 + 6 * nodes) * sizeof(double));
+  const auto append = [&](const double* numbers, std::size_t count) {
+    std::memcpy(bytes.data() + at, numbers, count * sizeof(double));
+    at += count * sizeof(double);
+  };
+  append(&time, 1);
+  for (const State* state : states)
+    for (const ConstRows rows : {ConstRows(state->x()), ConstRows(state->v())})
+      for (const double* row = rows.data; row != rows.data + rows.doubles(); row += row_doubles) append(row, 3);
+}
+
+std::size_t InstantsHead::instantBytes() const {
+  std::size_t numbers = 1;
+  for (const StateSize& state : states) numbers += 6 * std::size_t(state.nodes);
+  return numbers * sizeof(double);
+}
+
+std::string InstantsHead::line() const {
+  Json json = {{"stroma", "instants"}, {"version", 1},       {"scene", scene},         {"folder", folder},
+               {"set", overrides},     {"modules", modules}, {"states", Json::array()}};
+  for (const StateSize& state : states) json["states"].push_back({{"path", state.path}, {"nodes", state.nodes}});
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+InstantsHead readInstantsHead(const std::string& file) {
+  std::ifstream stream = opened(file);
+  return takeHead(stream, file);
+}
+
+std::vector<std::vector<StateFrame>> readInstants(const std::string& file) {
+  std::ifstream stream = opened(file);
+  const InstantsHead head = takeHead(stream, file);
+  const auto start = stream.tellg();
+  const std::size_t bytes = head.instantBytes();
+  std::error_code error;
+  const std::size_t rest = std::size_t(std::filesystem::file_size(file, error)) - std::size_t(start);
+  if (error || rest == 0 || rest % bytes != 0)
+    fail(file, fmt::format("the file is cut short (expected instants of {} bytes each)", bytes));
+  std::vector<std::vector<StateFrame>> all(head.states.size());
+  std::vector<double> instant(bytes / sizeof(double));
+  for (std::size_t count = rest / bytes; count > 0; --count) {
+    if (!stream.read(reinterpret_cast<char*>(instant.data()), std::streamsize(bytes))) fail(file, "cannot be read");
+    const double* from = instant.data() + 1;
+    for (std::size_t s = 0; s < all.size(); ++s) {
+      StateFrame& frame = all[s].emplace_back();
+      frame.time = instant[0];
+      from = takeRows(from, head.states[s].nodes, frame.x);
+      from = takeRows(from, head.states[s].nodes, frame.v);
+    }
+  }
+  return all;
+}
+
+}  // namespace stroma::command

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+namespace stroma::command {
+
+/// How fast steps are, from looks at how many have been made. Recent steps count most: the weight of a look fades over the
+/// last third of the run so far, and over no fewer than about eight steps.
+class Pace {
+ public:
+  /// At `now` [s], not before the last look, `steps` have been made.
+  void look(double now, long steps);
+  bool isKnown() const { return steps_ > 0; }
+  /// Of a step [s]. A step that takes longer than those before it counts while it is under way.
+  double secondsPerStep() const;
+  /// For `remaining` steps, of which one is under way [s].
+  double secondsToGo(long remaining) const;
+  /// How long the step under way has taken [s]; as exact as the looks are frequent.
+  double age() const { return now_ - last_change_; }
+
+ private:
+  double now_ = 0, last_change_ = 0;
+  long last_steps_ = 0;
+  double seconds_ = 0, steps_ = 0;  ///< faded sums
+};
+
+}  // namespace stroma::command

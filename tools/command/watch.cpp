@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// stroma watch: runs a scene again whenever one of its files is saved. Each run is a process of its own, `stroma run` with
+// the same options: whatever becomes of it, the watch goes on.
+#include <fcntl.h>
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstring>
+#include <ctime>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "tools/command/run_request.h"
+#include "tools/command/session.h"
+#include "tools/command/watched_files.h"
+
+namespace po = boost::program_options;
+namespace fs = std::filesystem;
+
+namespace stroma::command {
+namespace {
+
+using Json = nlohmann::ordered_json;
+constexpr auto look_every = std::chrono::milliseconds(100), settles_in = std::chrono::milliseconds(60);
+
+const Manual manual{
+    "stroma watch SCENE [options of stroma run]",
+    "Runs a scene, and again whenever a file that it reads is saved: the scene, what it includes, meshes, tables. "
+    "Prints\n"
+    "what each run says, and how the result differs from that of the run before. A save in the middle of a run ends\n"
+    "it after its step and begins the next one. A scene with mistakes is told of and waited for.\n\n"
+    "Ctrl-C, or SIGTERM, ends the watch.\n\n"
+    "Exit codes:\n"
+    "  0    ended by Ctrl-C or SIGTERM, which is how a watch ends\n"
+    "  2    the options are wrong, or the scene is not there; nothing was run\n"
+    "  With --times that of the last run",
+    "  stroma watch liver.xml -n 200\n"
+    "  stroma watch liver.xml --until 2 --set /liver/fem.method=polar --quiet\n"};
+
+volatile std::sig_atomic_t ended = 0;
+
+/// A folder of its own for what runs report; goes with it.
+class Scratch {
+ public:
+  Scratch() {
+    std::string name = (fs::temp_directory_path() / "stroma-watch-XXXXXX").string();
+    if (!::mkdtemp(name.data())) throw std::runtime_error(fmt::format("{}: {}", name, std::strerror(errno)));
+    folder_ = name;
+  }
+  Scratch(const Scratch&) = delete;
+  ~Scratch() {
+    std::error_code error;
+    fs::remove_all(folder_, error);
+  }
+  std::string report() const { return (folder_ / "run.json").string(); }
+
+ private:
+  fs::path folder_;
+};
+
+/// One `stroma run`.
+class RunningProcess {
+ public:
+  explicit RunningProcess(const Arguments& arguments) {
+    std::vector<char*> words{program_invocation_name, const_cast<char*>("run")};
+    for (const std::string& argument : arguments) words.push_back(const_cast<char*>(argument.c_str()));
+    words.push_back(nullptr);
+    child_ = ::fork();
+    if (child_ < 0) throw std::runtime_error(fmt::format("cannot start a run: {}", std::strerror(errno)));
+    if (child_ > 0) return;
+    ::prctl(PR_SET_PDEATHSIG, SIGTERM);  // a watch that is killed leaves no run behind
+    ::execv("/proc/self/exe", words.data());
+    ::_exit(127);
+  }
+  RunningProcess(const RunningProcess&) = delete;
+  ~RunningProcess() {
+    if (code_) return;
+    stop();
+    ::waitpid(child_, nullptr, 0);
+  }
+  void stop() const { ::kill(child_, SIGTERM); }
+  /// The exit code, as a shell gives it, or nothing while it runs.
+  std::optional<int> code() {
+    int status = 0;
+    if (!code_ && ::waitpid(child_, &status, WNOHANG) == child_)
+      code_ = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    return code_;
+  }
+
+ private:
+  pid_t child_ = 0;
+  std::optional<int> code_;
+};
+
+std::string change(double now, double before, const char* unit) {
+  std::string text = fmt::format("{:.3g} {}, before {:.3g} {}", now, unit, before, unit);
+  if (!(before > 0)) return text;
+  const double share = 100 * (now / before - 1);
+  return text + fmt::format(" ({:+.{}f} %)", share, std::abs(share) < 9.95 ? 1 : 0);
+}
+
+/// What a run has found, beside what the run before it found (null: there is none).
+void compare(const Json& now, const Json& before) {
+  const bool is_same = !before.is_null() && now["state_hash"] == before["state_hash"];
+  if (is_same) fmt::print("the result is the same, bit for bit\n");
+  for (const Json& state : now["greatest_displacements"]) {
+    if (is_same) break;
+    const double metres = state["metres"];
+    std::string text = fmt::format("{:.3g} m", metres);
+    if (!before.is_null())
+      for (const Json& other : before["greatest_displacements"])
+        if (other["state"] == state["state"]) text = change(metres, other["metres"], "m");
+    fmt::print("greatest displacement of {}: {} at node {}\n", state["state"].get<std::string>(), text,
+               state["node"].get<long>());
+  }
+  if (before.is_null()) return;
+  if (now["steps"] != before["steps"])
+    fmt::print("steps: {}, before {}\n", now["steps"].get<long>(), before["steps"].get<long>());
+  fmt::print("time per step: {}\n", change(now["ms_per_step"]["mean"], before["ms_per_step"]["mean"], "ms"));
+}
+
+class Watch {
+ public:
+  Watch(std::string scene, Arguments arguments, long times)
+      : scene_(std::move(scene)), arguments_(std::move(arguments)), times_(times), inputs_({scene_}) {
+    arguments_.push_back("--json=" + scratch_.report());
+  }
+
+  int run() {
+    std::string why = "the first run";
+    for (;;) {
+      const int code = runOnce(why);
+      if (ended) return exit_done;
+      if (!was_stopped_ && ++made_ == times_) return code;
+      why = was_stopped_ ? change_ : waitForChange();
+      if (ended) return exit_done;
+    }
+  }
+
+ private:
+  /// Returns its exit code; a save in between stops it.
+  int runOnce(const std::string& why) {
+    fmt::print("==== {:%H:%M:%S}, {}: {}\n", fmt::localtime(std::time(nullptr)), scene_, why);
+    std::fflush(stdout);
+    // inputs that nobody knows of yet are among what the scene names
+    std::vector<std::string> files = filesNamedBy(scene_);
+    const FileStamps named(files), inputs = FileStamps(inputs_);
+    was_stopped_ = false;
+    std::error_code error;
+    fs::remove(scratch_.report(), error);
+    RunningProcess process(arguments_);
+    while (!process.code()) {
+      std::this_thread::sleep_for(look_every);
+      if (ended && !was_stopped_) process.stop();
+      if (was_stopped_ || ended || inputs.changed().empty()) continue;
+      was_stopped_ = true;
+      change_ = settled(inputs);
+      fmt::print(stderr, "{}: the run ends after its step\n", change_);
+      process.stop();
+    }
+    const int code = *process.code();
+    tell(code);
+    files.insert(files.end(), inputs_.begin(), inputs_.end());
+    seen_ = FileStamps(is_known_ ? inputs_ : files);
+    // as they were before the run; but what a run has written that cannot tell is no reason for another
+    if (is_known_ || code == exit_bad_input) seen_.takeFrom(named);
+    seen_.takeFrom(inputs);
+    return code;
+  }
+
+  /// Reads the report of the run that has ended.
+  void tell(int code) {
+    std::ifstream stream(scratch_.report());
+    const Json report = Json::parse(stream, nullptr, false);
+    is_known_ = !report.is_discarded();
+    if (!is_known_) {
+      if (code > 128) fmt::print(stderr, "the run was ended by signal {}\n", code - 128);
+      return;
+    }
+    inputs_ = report["inputs"].get<std::vector<std::string>>();
+    inputs_.push_back(scene_);
+    if (was_stopped_ || ended) return;
+    compare(report, before_);
+    before_ = report;
+  }
+
+  /// Editors write a file in several goes: what changed, once nothing changes any more.
+  static std::string settled(const FileStamps& before) {
+    const std::vector<std::string> files = before.files();
+    FileStamps last(files);
+    for (;;) {
+      std::this_thread::sleep_for(settles_in);
+      FileStamps now(files);
+      if (now == last || ended) return before.changed();
+      last = std::move(now);
+    }
+  }
+
+  std::string waitForChange() {
+    const std::size_t others = seen_.files().size() - 1;
+    fmt::print("waiting for a save of {}{}; Ctrl-C ends\n", scene_,
+               others > 0 ? fmt::format(" or {} other file{}", others, others == 1 ? "" : "s") : "");
+    std::fflush(stdout);
+    for (;;) {
+      if (ended) return {};
+      if (!seen_.changed().empty())
+        if (std::string what = settled(seen_); !what.empty()) return what;
+      std::this_thread::sleep_for(look_every);
+    }
+  }
+
+  const std::string scene_;
+  Arguments arguments_;
+  const long times_;
+  Scratch scratch_;
+  std::vector<std::string> inputs_;  ///< of the last run that could tell
+  bool is_known_ = false;            ///< the last run could
+  FileStamps seen_;                  ///< what is waited for
+  Json before_;                      ///< report of the last whole run
+  bool was_stopped_ = false;         ///< the last run, by a save
+  std::string change_;               ///< that save
+  long made_ = 0;
+};
+
+Arguments withoutTimes(const Arguments& arguments) {
+  Arguments kept;
+  for (std::size_t i = 0; i < arguments.size(); ++i) {
+    if (arguments[i] == "--times")
+      ++i;
+    else if (!arguments[i].starts_with("--times="))
+      kept.push_back(arguments[i]);
+  }
+  return kept;
+}
+
+CommandLine watchLine() {
+  CommandLine line{manual, OptionList("options"), {"SCENE"}};
+  line.options.add_options()("times", po::value<long>()->value_name("K"),
+                             "end after K runs; those that a save stopped do not count");
+  addRunOptions(line.options);
+  addSceneOptions(line.options);
+  return line;
+}
+
+int watch(const Arguments& arguments) {
+  const auto values = parseOptions(watchLine(), arguments);
+  if (!values) return exit_done;
+  const std::string scene = required(*values, "SCENE", manual);
+  const RunRequest request(*values);
+  for (const char* option : {"json", "resume"})
+    if (values->count(option))
+      throw UsageError(fmt::format("--{}: a watched scene is run from its start, for people to read", option));
+  const long times = values->count("times") ? (*values)["times"].as<long>() : -1;
+  if (times == 0 || times < -1) throw UsageError(fmt::format("--times {}: expected 1 or more", times));
+  if (!fs::exists(scene)) throw UsageError(scene + ": there is no such file");
+  struct sigaction action {};
+  action.sa_handler = [](int) { ended = 1; };  // not restarted: sleeps end at once
+  for (const int signal : {SIGINT, SIGTERM}) ::sigaction(signal, &action, nullptr);
+  return Watch(scene, withoutTimes(arguments), times).run();
+}
+
+}  // namespace
+
+const Subcommand watch_command{"watch", "run a scene again whenever one of its files is saved", Group::runs, watch,
+                               watchLine};
+
+}  // namespace stroma::command

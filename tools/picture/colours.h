@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Colour maps that are even to the eye and safe for the colour-blind: those of the live view, and two for print.
+#pragma once
+#include <array>
+#include <string>
+#include <vector>
+
+namespace stroma::picture {
+
+using Colour = std::array<double, 3>;  ///< red, green, blue, 0 to 1, as a screen takes them (sRGB)
+
+/// Names of the maps.
+std::vector<std::string> colourMapNames();
+
+class ColourMap {
+ public:
+  /// Throws ComponentError with the nearest name.
+  explicit ColourMap(const std::string& name);
+  Colour at(double t) const;                    ///< t from 0 to 1
+  bool isSigned() const { return is_signed_; }  ///< its middle is a value of its own
+
+ private:
+  std::vector<Colour> places_;  ///< even from 0 to 1
+  bool is_signed_ = false;
+};
+
+/// Quiet colours that are told apart by lightness too: that of body `number` where no field colours it.
+Colour bodyColour(std::size_t number);
+
+}  // namespace stroma::picture

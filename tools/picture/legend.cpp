@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tools/picture/legend.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace stroma::picture {
+namespace {
+
+struct Prefix {
+  const char* text;
+  double factor;
+};
+constexpr std::array<Prefix, 7> prefixes{
+    {{"G", 1e9}, {"M", 1e6}, {"k", 1e3}, {"", 1}, {"m", 1e-3}, {"µ", 1e-6}, {"n", 1e-9}}};
+
+}  // namespace
+
+Scale scaleFor(double largest, const std::string& si_unit) {
+  if (si_unit.empty() || si_unit == "-" || !(largest > 0)) return {1, si_unit == "-" ? "" : si_unit};
+  for (const Prefix& prefix : prefixes)
+    if (largest >= 0.9999 * prefix.factor) {
+      if (si_unit.starts_with("m") && prefix.factor > 1) break;  // nobody measures bodies in km
+      return {prefix.factor, prefix.text + si_unit};
+    }
+  return {1, si_unit};
+}
+
+double roundStep(double span, int most) {
+  const double least = span / most;
+  const double power = std::pow(10., std::floor(std::log10(least)));
+  for (const double part : {1., 2., 2.5, 5.})
+    if (part * power >= least * (1 - 1e-9)) return part * power;
+  return 10 * power;
+}
+
+Range rounded(const Range& range) {
+  const double size = std::max(std::abs(range.low), std::abs(range.high));
+  if (!(range.low <= range.high)) return {0, 1};
+  if (range.high - range.low <= 1e-5 * size || size == 0) {
+    const double half = size > 0 ? 0.05 * size : 0.5;
+    return size > 0 ? rounded({range.low - half, range.high + half}) : Range{0, 1};
+  }
+  double low = range.low;
+  if (low > 0 && low < 0.3 * range.high) low = 0;  // from nothing on, when most of the way is there
+  const double step = roundStep(range.high - low, 7);
+  return {step * std::floor(low / step + 1e-6), step * std::ceil(range.high / step - 1e-6)};
+}
+
+std::vector<std::string> alike(const std::vector<double>& numbers) {
+  double largest = 0;
+  for (const double number : numbers) largest = std::max(largest, std::abs(number));
+  const bool is_long = largest >= 1e5 || (largest > 0 && largest < 1e-3);
+  for (int decimals = 0;; ++decimals) {
+    std::vector<std::string> texts;
+    bool exact = true;
+    for (const double number : numbers) {
+      texts.push_back(is_long ? fmt::format("{:.{}e}", number, decimals) : fmt::format("{:.{}f}", number, decimals));
+      if (texts.back().starts_with('-') && std::stod(texts.back()) == 0) texts.back().erase(0, 1);
+      exact = exact && std::abs(std::stod(texts.back()) - number) <= 1e-4 * largest;
+    }
+    if (exact || decimals == 6) return texts;
+  }
+}
+
+Legend::Legend(const ColourMap& map, const Range& range, const Range& extremes, const FieldWord& field,
+               std::string note)
+    : map_(map), range_(range), extremes_(extremes), field_(field), note_(std::move(note)) {
+  scale_ = scaleFor(std::max(std::abs(range.low), std::abs(range.high)), field.unit);
+  const double step = roundStep(range.high - range.low, 7);
+  std::vector<double> shown;
+  for (double mark = step * std::ceil(range.low / step - 1e-6); mark <= range.high + 1e-6 * step; mark += step) {
+    marks_.push_back(mark);
+    shown.push_back(mark / scale_.factor);
+  }
+  texts_ = alike(shown);
+}
+
+std::string Legend::caption() const {
+  return scale_.unit.empty() ? field_.title : fmt::format("{} [{}]", field_.title, scale_.unit);
+}
+
+std::string Legend::summary() const {
+  return fmt::format("{} {:.4g} to {:.4g}{}{}", field_.title, range_.low / scale_.factor, range_.high / scale_.factor,
+                     scale_.unit.empty() ? "" : " ", scale_.unit);
+}
+
+int Legend::width(double size) const {
+  int numbers = 0;
+  for (const std::string& text : texts_) numbers = std::max(numbers, sizeOf(text, {size})[0]);
+  const double notes = note_.empty() ? 0 : 1.1 * size;
+  return int(1.1 * size + 0.6 * size + numbers + 0.5 * size + 1.2 * size + notes + 0.5 * size);
+}
+
+void Legend::draw(Canvas& canvas, int x, int y, int height, double size) const {
+  const int bar = int(1.1 * size), tip = int(0.8 * bar);
+  for (int row = 0; row < height; ++row) canvas.fill(x, y + row, bar, 1, map_.at(1 - (row + 0.5) / height));
+  const double span = range_.high - range_.low, bottom = y + height, right = x + bar;
+  if (extremes_.high > range_.high + 1e-6 * span)
+    canvas.fillTriangle({double(x), double(y), right, double(y), x + 0.5 * bar, double(y - tip)}, map_.at(1));
+  if (extremes_.low < range_.low - 1e-6 * span)
+    canvas.fillTriangle({double(x), bottom, right, bottom, x + 0.5 * bar, bottom + tip}, map_.at(0));
+  int numbers = 0;
+  for (std::size_t i = 0; i < marks_.size(); ++i) {
+    const double at = y + (1 - (marks_[i] - range_.low) / span) * height;
+    canvas.fill(x + bar, int(at - 0.5), int(0.3 * size), std::max(1, int(size / 14)), Letters().colour);
+    canvas.text(texts_[i], x + bar + 0.6 * size, at, {0, 0.5}, {size});
+    numbers = std::max(numbers, sizeOf(texts_[i], {size})[0]);
+  }
+  Letters upwards{1.05 * size};
+  upwards.upwards = true;
+  const double left = x + bar + 1.1 * size + numbers, middle = y + 0.5 * height;
+  canvas.text(caption(), left, middle, {0, 0.5}, upwards);
+  upwards.size = 0.75 * size, upwards.colour = {0.42, 0.44, 0.47};
+  canvas.text(note_, left + 1.35 * size, middle, {0, 0.5}, upwards);
+}
+
+}  // namespace stroma::picture

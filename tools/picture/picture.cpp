@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The module's door: pictures and films of a simulation.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <filesystem>
+
+#include "framework/scene/abi.h"
+#include "framework/scene/services.h"
+#include "tools/picture/composition.h"
+
+namespace stroma::picture {
+namespace {
+
+constexpr std::size_t most_bytes = std::size_t(4) << 30;
+
+std::size_t bytesOf(const Shot& shot) {
+  std::size_t bytes = 0;
+  for (const BodyShot& body : shot.bodies)
+    bytes += 4 * (body.x.size() + body.values.size() + body.turns.size() + body.held.size() + body.guided.size());
+  return bytes;
+}
+
+/// By gravity; without it, of a body that is longest along z.
+bool isThirdAxisUp(const Simulation& simulation, const Vec3& size) {
+  constexpr double clearly = 1.3;
+  const Vec3 g = simulation.root().gravity();
+  return g.isZero() ? size[2] > clearly * std::max(size[0], size[1]) : std::abs(g[2]) > std::abs(g[1]);
+}
+
+/// Times with as many decimals as tell them apart.
+std::vector<std::string> timesOf(const std::vector<Shot>& shots) {
+  std::vector<double> times;
+  for (const Shot& shot : shots) times.push_back(std::round(shot.time * 1e6) / 1e6);
+  std::vector<std::string> texts;
+  for (const std::string& text : alike(times)) texts.push_back("t = " + text + " s");
+  return texts;
+}
+
+class VtkPictureMaker final : public PictureMaker {
+ public:
+  std::vector<FieldWord> fields(const Simulation& simulation) const override {
+    return ShotTaker::fieldsOf(drawing::drawingOf(simulation));
+  }
+  std::vector<std::string> colours() const override { return colourMapNames(); }
+  std::vector<std::string> views() const override { return viewNames(); }
+
+  void begin(const Simulation& simulation, const PictureRequest& request) override {
+    request_ = request;
+    map_ = std::make_unique<ColourMap>(request.colours);
+    taker_ = std::make_unique<ShotTaker>(simulation, request_);
+    const bool third_axis_up = isThirdAxisUp(simulation, taker_->restSize());
+    for (const std::string& view : request.views) eyes_.push_back(eyeOf(view, third_axis_up));
+    if (eyes_.empty()) eyes_.push_back(eyeOf("oblique", third_axis_up));
+    scene_ = std::filesystem::path(simulation.scene().description.file).filename().string();
+    stage_ = std::make_unique<Stage>();
+  }
+
+  void take(double time) override {
+    shots_.push_back(taker_->take(time));
+    bytes_ += bytesOf(shots_.back());
+    if (bytes_ > most_bytes)
+      throw std::runtime_error(
+          fmt::format("{} states of this scene have more than 4 GB (expected a larger --every)", shots_.size()));
+  }
+  std::size_t taken() const override { return shots_.size(); }
+  void warn(const std::string& words) override { warning_ = words; }
+
+  std::string summary() const override { return legend_ ? legend_->summary() : "no field"; }
+
+  std::string still() override {
+    build();
+    const std::size_t columns = shots_.size() * eyes_.size();
+    const Composition composition(request_, warning_, extents_, legend_.get(), columns);
+    std::vector<Panel> panels;
+    std::vector<std::string> captions;
+    const std::vector<std::string> times = timesOf(shots_);
+    for (std::size_t s = 0; s < shots_.size(); ++s)
+      for (const Eye& eye : eyes_) {
+        panels.push_back({&shots_[s], &eye});
+        captions.push_back(eyes_.size() > 1 ? eye.name + ", " + times[s] : times[s]);
+      }
+    return png(compose(composition, panels, captions), words());
+  }
+
+  std::string film(double fps) override {
+    build();
+    const Composition composition(request_, warning_, extents_, legend_.get(), eyes_.size());
+    const std::vector<std::string> times = timesOf(shots_);
+    AnimatedPng film(fps, request_.transparent, words());
+    for (std::size_t s = 0; s < shots_.size(); ++s) {
+      std::vector<Panel> panels;
+      std::vector<std::string> captions;
+      for (const Eye& eye : eyes_) {
+        panels.push_back({&shots_[s], &eye});
+        captions.push_back(eyes_.size() > 1 ? eye.name + ", " + times[s] : times[s]);
+      }
+      film.add(compose(composition, panels, captions));
+    }
+    return film.finish();
+  }
+
+ private:
+  /// What depends on all shots: range, legend, and what the panels show.
+  void build() {
+    Range range = request_.range.value_or(taker_->bulk());
+    if (!request_.range) {
+      if (map_->isSigned()) {
+        const double middle = taker_->field() == "J" ? 1 : 0;
+        const double reach = std::max(std::abs(range.low - middle), std::abs(range.high - middle));
+        range = {middle - reach, middle + reach};
+      }
+      range = rounded(range);
+    }
+    bool coloured = false;
+    for (std::size_t b = 0; b < taker_->drawing().bodies.size(); ++b)
+      coloured = coloured || (taker_->isDrawn(b) && taker_->valuesAt(b) != ValuesAt::none);
+    if (coloured) {
+      FieldWord word;
+      for (const FieldWord& one : ShotTaker::fieldsOf(taker_->drawing()))
+        if (one.name == taker_->field()) word = one;
+      const bool is_mean = !request_.flat && word.name != "displacement" && word.name != "velocity";
+      legend_ = std::make_unique<Legend>(*map_, range, taker_->extremes(), word, is_mean ? "mean at the nodes" : "");
+    }
+    stage_->build(*taker_, request_, *map_, range, eyes_.front());
+    for (const Eye& eye : eyes_) {
+      Extent& extent = extents_.emplace_back();
+      for (const Shot& shot : shots_) stage_->include(shot, eye, extent);
+    }
+  }
+
+  Image compose(const Composition& composition, const std::vector<Panel>& panels,
+                const std::vector<std::string>& captions) {
+    const Shot* shown = nullptr;
+    return composition.compose(panels, captions, [&](std::size_t i, int width, int height, double metres_per_pixel) {
+      if (panels[i].shot != shown) stage_->show(*panels[i].shot);
+      shown = panels[i].shot;
+      return stage_->draw(*panels[i].eye, extents_[std::size_t(panels[i].eye - eyes_.data())], metres_per_pixel, width,
+                          height);
+    });
+  }
+
+  Words words() const {
+    Words words{{"Software", "stroma"}, {"Source", scene_}, {"Description", summary()}};
+    if (!request_.title.empty()) words["Title"] = request_.title;
+    return words;
+  }
+
+  PictureRequest request_;
+  std::unique_ptr<ColourMap> map_;
+  std::vector<Eye> eyes_;
+  std::unique_ptr<ShotTaker> taker_;
+  std::string scene_, warning_;
+  std::vector<Shot> shots_;
+  std::size_t bytes_ = 0;
+  std::vector<Extent> extents_;  ///< by eye
+  std::unique_ptr<Legend> legend_;
+  std::unique_ptr<Stage> stage_;
+};
+
+}  // namespace
+}  // namespace stroma::picture
+
+extern "C" __attribute__((visibility("default"))) const stroma::ServiceInfo* stroma_service() {
+  static const stroma::ServiceInfo info{
+      STROMA_ABI, stroma::picture::PictureMaker::role,
+      []() -> void* { return static_cast<stroma::picture::PictureMaker*>(new stroma::picture::VtkPictureMaker); }};
+  return &info;
+}

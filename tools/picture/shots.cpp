@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tools/picture/shots.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "tools/drawing/held_nodes.h"
+
+namespace stroma::picture {
+namespace {
+
+using drawing::Body;
+using drawing::Field;
+
+bool isOnNodes(const std::string& field) { return field == "displacement" || field == "velocity"; }
+
+/// `visit(cell number, its nodes in the state)` for the cells that fields have values for.
+template <class Visit>
+void forEachCell(const Body& body, Visit&& visit) {
+  const Mesh& mesh = *body.mesh;
+  Index number = 0;
+  const auto all = [&](const auto& cells) {
+    for (const auto& cell : cells) visit(number++, cell);
+  };
+  if (mesh.tetrahedra.empty() && mesh.hexahedra.empty())
+    all(mesh.triangles), all(mesh.quads);
+  else
+    all(mesh.tetrahedra), all(mesh.hexahedra);
+}
+
+/// The part of the values that is left when one in a hundred goes at either end.
+Range bulkOf(std::vector<float> values) {
+  std::erase_if(values, [](float value) { return !std::isfinite(value); });
+  if (values.empty()) return {std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+  const auto at = [&values](double part) {
+    const auto place = values.begin() + long(part);
+    std::nth_element(values.begin(), place, values.end());
+    return double(*place);
+  };
+  const double last = double(values.size() - 1);
+  return {at(std::floor(0.01 * last)), at(std::ceil(0.99 * last))};
+}
+
+void widen(Range& range, const Range& by) { range = {std::min(range.low, by.low), std::max(range.high, by.high)}; }
+
+}  // namespace
+
+std::string titleOf(const std::string& field) {
+  static const std::map<std::string, std::string> titles{{"vonMises", "von Mises stress"}, {"J", "volume ratio J"}};
+  const auto found = titles.find(field);
+  if (found != titles.end()) return found->second;
+  std::string spaced;
+  for (const char c : field)
+    spaced += std::isupper(static_cast<unsigned char>(c)) && !spaced.empty() ? std::string(" ") + char(std::tolower(c))
+                                                                             : std::string(1, c);
+  return spaced;
+}
+
+ShotTaker::ShotTaker(const Simulation& simulation, const PictureRequest& request)
+    : simulation_(simulation), request_(request), drawing_(drawing::drawingOf(simulation)), field_(request.field) {
+  if (drawing_.bodies.empty()) throw std::runtime_error("nothing in the scene has positions: there is nothing to draw");
+  drawn_.assign(drawing_.bodies.size(), true);
+  hide(request.hidden);
+  choose();
+  hideOneOfTwo();
+}
+
+void ShotTaker::hide(const std::vector<std::string>& paths) {
+  for (const std::string& path : paths) {
+    bool found = false;
+    std::vector<std::string> known;
+    for (std::size_t b = 0; b < drawing_.bodies.size(); ++b) {
+      const std::string& state = drawing_.bodies[b].state->path();
+      known.push_back(drawing_.bodies[b].state->node().path());
+      const bool is_below = state == path || state.starts_with(path + "/");
+      if (is_below) drawn_[b] = false, found = true;
+    }
+    if (!found)
+      throw ComponentError(fmt::format("no body is at {}, which is to be hidden", path),
+                           fmt::format("{}", fmt::join(known, ", ")), nearest(path, known));
+  }
+}
+
+namespace {
+
+struct Box {
+  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  void add(const Body& body) {
+    for (const Index row : body.node) {
+      const Vec3& p = body.state->rest_position[std::size_t(row)];
+      low = low.cwiseMin(p), high = high.cwiseMax(p);
+    }
+  }
+  Vec3 size() const { return low[0] <= high[0] ? Vec3(high - low) : Vec3(Vec3::Zero()); }
+};
+
+}  // namespace
+
+Vec3 ShotTaker::restSize() const {
+  Box box;
+  for (std::size_t b = 0; b < drawing_.bodies.size(); ++b)
+    if (drawn_[b]) box.add(drawing_.bodies[b]);
+  return box.size();
+}
+
+/// Two surfaces of the same body, one embedded in the other, would show through each other: that is drawn which has the
+/// field, and of two that have it the embedded one.
+void ShotTaker::hideOneOfTwo() {
+  for (const auto& system : simulation_.systems())
+    for (const auto* mappings : {&system->actors().mappings, &system->actors().passive_mappings})
+      for (const Mapping* mapping : *mappings) hideOneOfTwo(mapping->input(), mapping->output());
+}
+
+void ShotTaker::hideOneOfTwo(const State& parent, const State& child) {
+  constexpr double most = 0.8;  // of the parent's sides: a smaller child is a part of it
+  const auto bodyOf = [this](const State& state) {
+    std::size_t b = 0;
+    while (b < drawing_.bodies.size() && drawing_.bodies[b].state != &state) ++b;
+    return b;
+  };
+  const std::size_t p = bodyOf(parent), c = bodyOf(child);
+  if (p == drawing_.bodies.size() || c == drawing_.bodies.size() || !drawn_[p] || !drawn_[c]) return;
+  if (drawing_.bodies[p].triangles.empty() || drawing_.bodies[c].triangles.empty()) return;
+  Box of_parent, of_child;
+  of_parent.add(drawing_.bodies[p]), of_child.add(drawing_.bodies[c]);
+  if ((of_child.size().array() < most * of_parent.size().array()).any()) return;
+  drawn_[valuesAt(c) == ValuesAt::none && valuesAt(p) != ValuesAt::none ? c : p] = false;
+}
+
+std::vector<FieldWord> ShotTaker::fieldsOf(const drawing::Drawing& drawing) {
+  std::vector<FieldWord> words{{"displacement", titleOf("displacement"), "m"}};
+  for (const Field& field : drawing.fields)
+    if (std::none_of(words.begin(), words.end(), [&](const FieldWord& word) { return word.name == field.name; }))
+      words.push_back({field.name, titleOf(field.name), drawing::unitOfField(field.name)});
+  return words;
+}
+
+/// Without a word for it: the stress, where all that has a surface has one; else what every body has.
+void ShotTaker::choose() {
+  const std::vector<FieldWord> words = fieldsOf(drawing_);
+  std::vector<std::string> names{"none"};
+  for (const FieldWord& word : words) names.push_back(word.name);
+  if (field_.empty()) {
+    field_ = "vonMises";
+    for (std::size_t b = 0; b < drawing_.bodies.size(); ++b)
+      if (drawn_[b] && !drawing_.bodies[b].triangles.empty() && valuesAt(b) == ValuesAt::none) field_ = "displacement";
+    if (std::find(names.begin(), names.end(), field_) == names.end()) field_ = "displacement";
+  } else if (std::find(names.begin(), names.end(), field_) == names.end()) {
+    throw ComponentError(fmt::format("no body has a field '{}'", field_), fmt::format("{}", fmt::join(names, ", ")),
+                         nearest(field_, names));
+  }
+}
+
+ValuesAt ShotTaker::valuesAt(std::size_t body) const {
+  if (field_ == "none") return ValuesAt::none;
+  if (isOnNodes(field_)) return ValuesAt::nodes;
+  const bool has_it = std::any_of(drawing_.fields.begin(), drawing_.fields.end(), [&](const Field& field) {
+    return std::size_t(field.body) == body && field.name == field_;
+  });
+  return !has_it ? ValuesAt::none : request_.flat ? ValuesAt::cells : ValuesAt::nodes;
+}
+
+Index ShotTaker::nodesOf(const Body& body) const { return request_.cut ? Index(body.node.size()) : body.surface; }
+
+Points ShotTaker::rest(std::size_t body) const {
+  const Body& drawn = drawing_.bodies[body];
+  Points out;
+  for (Index i = 0; i < nodesOf(drawn); ++i) {
+    const Vec3& p = drawn.state->rest_position[std::size_t(drawn.node[std::size_t(i)])];
+    for (int k = 0; k < 3; ++k) out.push_back(float(p[k]));
+  }
+  return out;
+}
+
+Shot ShotTaker::take(double time) {
+  simulation_.complete();
+  Shot shot{time, {}};
+  const auto holdings = drawing::holdingsOf(simulation_, drawing_, time);
+  for (std::size_t b = 0; b < drawing_.bodies.size(); ++b) {
+    BodyShot& of_body = shot.bodies.emplace_back();
+    if (!drawn_[b]) continue;
+    const Body& body = drawing_.bodies[b];
+    const ConstRows x = body.state->x();
+    const Index count = nodesOf(body);
+    of_body.x.reserve(3 * std::size_t(count));
+    for (Index i = 0; i < count; ++i) {
+      const Vec3 p = x[body.node[std::size_t(i)]];
+      for (int k = 0; k < 3; ++k) of_body.x.push_back(float(p[k]));
+      const drawing::Holding how = holdings[b][std::size_t(i)];
+      if (how == drawing::Holding::held) of_body.held.push_back(i);
+      if (how == drawing::Holding::guided) of_body.guided.push_back(i);
+    }
+    for (const auto& [place, row] : body.frames)
+      for (int k = 0; k < 4; ++k)
+        of_body.turns.push_back(float(x.data[std::size_t(row) * row_doubles + std::size_t(k)]));
+    addValues(b, of_body);
+    measure(b, of_body);
+  }
+  return shot;
+}
+
+void ShotTaker::addValues(std::size_t b, BodyShot& shot) {
+  if (valuesAt(b) == ValuesAt::none) return;
+  if (!isOnNodes(field_)) return addCellValues(b, shot);
+  const Body& body = drawing_.bodies[b];
+  const ConstRows x = body.state->x(), v = body.state->v();
+  for (Index i = 0; i < nodesOf(body); ++i) {
+    const Index row = body.node[std::size_t(i)];
+    shot.values.push_back(
+        float(field_ == "velocity" ? v[row].norm() : (x[row] - body.state->rest_position[std::size_t(row)]).norm()));
+  }
+}
+
+void ShotTaker::addCellValues(std::size_t b, BodyShot& shot) {
+  const Body& body = drawing_.bodies[b];
+  for (const Field& field : drawing_.fields) {
+    if (std::size_t(field.body) != b || field.name != field_) continue;
+    if (!cellValues(field, body, work_, cell_values_)) continue;
+    shot.values = request_.flat ? cell_values_ : meansAtNodes(body);
+    return;
+  }
+}
+
+/// The mean over the cells around each node that have a value.
+std::vector<float> ShotTaker::meansAtNodes(const Body& body) const {
+  const auto count = std::size_t(nodesOf(body));
+  std::vector<double> sum(count, 0.), weight(count, 0.);
+  forEachCell(body, [&](Index number, const auto& cell) {
+    const float value = cell_values_[std::size_t(number)];
+    if (!std::isfinite(value)) return;
+    for (const Index node : cell) {
+      const auto page = std::size_t(body.page[std::size_t(node)]);
+      if (page < count) sum[page] += value, weight[page] += 1;
+    }
+  });
+  std::vector<float> means(count);
+  for (std::size_t i = 0; i < count; ++i)
+    means[i] = weight[i] > 0 ? float(sum[i] / weight[i]) : std::numeric_limits<float>::quiet_NaN();
+  return means;
+}
+
+void ShotTaker::measure(std::size_t b, const BodyShot& shot) {
+  if (shot.values.empty()) return;
+  const Body& body = drawing_.bodies[b];
+  std::vector<float> seen = shot.values;
+  if (valuesAt(b) == ValuesAt::cells && !request_.cut) {
+    seen.clear();
+    for (const Index cell : body.owner) seen.push_back(shot.values[std::size_t(cell)]);
+  }
+  Range all{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+  for (const float value : seen)
+    if (std::isfinite(value)) all = {std::min(all.low, double(value)), std::max(all.high, double(value))};
+  widen(extremes_, all);
+  widen(bulk_, isOnNodes(field_) ? Range{0, all.high} : bulkOf(std::move(seen)));
+}
+
+}  // namespace stroma::picture

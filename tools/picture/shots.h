@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// States of a simulation, as far as they are drawn: positions, the values that give the colours, what is held.
+#pragma once
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "tools/drawing/body.h"
+#include "tools/picture/picture_maker.h"
+#include "tools/picture/surface.h"
+
+namespace stroma::picture {
+
+/// A body at an instant, by page number.
+struct BodyShot {
+  Points x{};                           ///< of the surface's nodes, or of all when the body is cut [m]
+  std::vector<float> values{};          ///< of these nodes, or of the cells; empty: the body has no such field
+  std::vector<float> turns{};           ///< four for each rigid frame: its quaternion x y z w
+  std::vector<Index> held{}, guided{};  ///< nodes that constraints act on
+};
+
+struct Shot {
+  double time = 0;
+  std::vector<BodyShot> bodies{};
+};
+
+/// Where the values of a body are.
+enum class ValuesAt { none, nodes, cells };
+
+/// Takes shots. The field, and with it what is kept, is chosen once.
+class ShotTaker {
+ public:
+  /// Throws ComponentError for a field that no body has, or a hidden node that there is not.
+  ShotTaker(const Simulation& simulation, const PictureRequest& request);
+
+  Shot take(double time);
+
+  const drawing::Drawing& drawing() const { return drawing_; }
+  bool isDrawn(std::size_t body) const { return drawn_[body]; }
+  const std::string& field() const { return field_; }  ///< its name; "none"
+  ValuesAt valuesAt(std::size_t body) const;
+  Points rest(std::size_t body) const;  ///< of as many nodes as the shots have [m]
+  Vec3 restSize() const;                ///< of the box around what is drawn, at rest [m]
+  /// Of the values that are seen in all shots so far: of stresses and the like from the lowest to the highest percentile but
+  /// for one in a hundred at either end, as a few cells at a corner would leave all others in one colour.
+  Range bulk() const { return bulk_; }
+  Range extremes() const { return extremes_; }
+  static std::vector<FieldWord> fieldsOf(const drawing::Drawing& drawing);
+
+ private:
+  void choose();
+  void hide(const std::vector<std::string>& paths);
+  void hideOneOfTwo();
+  void hideOneOfTwo(const State& parent, const State& child);
+  Index nodesOf(const drawing::Body& body) const;
+  void addValues(std::size_t b, BodyShot& shot);
+  void addCellValues(std::size_t b, BodyShot& shot);
+  void measure(std::size_t b, const BodyShot& shot);
+  std::vector<float> meansAtNodes(const drawing::Body& body) const;
+
+  const Simulation& simulation_;
+  const PictureRequest& request_;
+  drawing::Drawing drawing_;
+  std::vector<bool> drawn_;
+  std::string field_;
+  std::vector<double> work_;
+  std::vector<float> cell_values_;
+  Range bulk_{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()}, extremes_ = bulk_;
+};
+
+/// The field for people: "von Mises stress".
+std::string titleOf(const std::string& field);
+
+}  // namespace stroma::picture

@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""The gallery: docs/gallery.md with a picture, numbers and the source of every example, all made by running it.
+
+A section says what is shown by a comment that pages do not show:
+    <!-- scene: scenes/examples/organ.xml steps=200 picture="--field vonMises" page -->
+`picture` are options for `stroma picture`; with `page` there is also a page that plays the run by itself."""
+import json
+import os
+import re
+import shlex
+import subprocess
+import tempfile
+
+from repository_links import slug
+
+COMMENT = re.compile(r"<!-- scene: (\S+)(.*?)-->")
+HEADING = re.compile(r"^## (.+)$")
+
+
+class GalleryError(Exception):
+    """An example that cannot be shown."""
+
+
+def shown_scenes(text):
+    """Scene -> anchor of its section, in the order of the page."""
+    scenes, heading = {}, ""
+    for line in text.split("\n"):
+        match = HEADING.match(line)
+        heading = match.group(1) if match else heading
+        match = COMMENT.search(line)
+        if match:
+            scenes[match.group(1)] = slug(heading)
+    return scenes
+
+
+def examples(root):
+    """All scenes that the gallery has to show."""
+    folder = os.path.join(root, "scenes", "examples")
+    return sorted("scenes/examples/" + name for name in os.listdir(folder) if name.endswith(".xml"))
+
+
+class Gallery:
+    """Fills the gallery of the site whose source is in `folder`, with the command `stroma`."""
+
+    def __init__(self, root, stroma, folder, say, draft=False):
+        self.root, self.stroma, self.folder, self.say, self.draft = root, os.path.abspath(stroma), folder, say, draft
+
+    def filled(self, text):
+        """The page with what belongs behind every comment."""
+        os.makedirs(os.path.join(self.folder, "gallery"), exist_ok=True)
+        not_shown = set(examples(self.root)) - set(shown_scenes(text))
+        if not_shown:
+            raise GalleryError("docs/gallery.md does not show " + ", ".join(sorted(not_shown)))
+        sections = re.split(r"(?m)^(?=## )", text)
+        return "".join(self._section(section) for section in sections)
+
+    def _section(self, section):
+        match = COMMENT.search(section)
+        if not match:
+            return section
+        scene, options = match.group(1), dict(
+            (word.split("=", 1) + [True])[:2] for word in shlex.split(match.group(2)))
+        return section.rstrip() + "\n\n" + self._shown(scene, options) + "\n"
+
+    def _shown(self, scene, options):
+        name, steps = os.path.splitext(os.path.basename(scene))[0], "1" if self.draft else options.get("steps", "100")
+        self.say(f"{scene}, {steps} steps")
+        with tempfile.TemporaryDirectory() as scratch:
+            counts = self._json(["check", os.path.join(self.root, scene), "--json"], scratch)
+            run = self._json(["run", os.path.join(self.root, scene), "-n", steps, "--quiet", "--json", "--no-record"], scratch)
+            picture = os.path.join(self.folder, "gallery", name + ".png")
+            self._call(["picture", os.path.join(self.root, scene), "-n", steps, "-o", picture,
+                        *shlex.split(options.get("picture", ""))], scratch)
+            link = ""
+            if "page" in options:
+                page = os.path.join(self.folder, "gallery", name + ".html")
+                every = options.get("every", str(max(1, int(steps) // 100)))
+                self._call(["view", os.path.join(self.root, scene), "--export", page, "-n", steps, "--every", every,
+                            *shlex.split(options.get("fields", ""))], scratch)
+                link = f" · [turn it and play it](gallery/{name}.html){{target=_blank}}"
+        with open(os.path.join(self.root, scene), encoding="utf-8") as file:
+            source = file.read().rstrip()
+        size = "{ width=640 }"
+        shown = f"![{name} after {steps} steps](gallery/{name}.png){size}"
+        lines = [shown, "", self._numbers(counts, run) + link, "",
+                 f'??? note "{scene}"', "", "    ```xml", *("    " + line for line in source.split("\n")), "    ```", ""]
+        return "\n".join(lines)
+
+    @staticmethod
+    def _numbers(counts, run):
+        milliseconds = run["ms_per_step"]["median"]
+        parts = [*counted(counts), f"{run['steps']} steps of {run['simulated_time'] / max(1, run['steps']):.3g} s",
+                 f"{milliseconds:.3g} ms per step"]
+        end = run["energies"]["end"]
+        if end.get("potential") is not None:
+            parts.append(f"elastic energy at the end {end['potential']:.4g} J")
+        return " · ".join(parts)
+
+    def _json(self, arguments, scratch):
+        return json.loads(self._call(arguments, scratch))
+
+    def _call(self, arguments, scratch):
+        done = subprocess.run([self.stroma, *arguments], cwd=scratch, capture_output=True, text=True, stdin=subprocess.DEVNULL)
+        if done.returncode:
+            raise GalleryError(f"stroma {' '.join(arguments)} ended with {done.returncode}:\n{done.stderr or done.stdout}")
+        return done.stdout
+
+
+def counted(counts):
+    """Nodes and cells of all bodies of a scene, from `stroma check --json`."""
+    return [f"{number:,} {word}" for word, number in counts.items() if isinstance(number, int) and number]
