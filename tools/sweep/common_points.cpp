@@ -14,7 +14,7 @@
 namespace stroma::sweep {
 namespace {
 
-/// Meshes with more cells are sampled at one point a cell: there are enough of them.
+/// Meshes with more cells are sampled at one point per cell: there are enough of them.
 constexpr std::size_t fine_mesh = 50'000;
 
 template <class Cell>

@@ -8,8 +8,6 @@
 
 namespace stroma::sweep {
 
-enum class Engine { local, parallel, slurm };
-
 /// What the user asked for, as it was written.
 struct SweepRequest {
   std::string program;                 ///< the command that makes the runs
@@ -27,8 +25,6 @@ struct SweepRequest {
   int jobs = 0;                                 ///< cores for timed runs; 0: half of them
   bool timed = true;
   unsigned seed = 1;  ///< of the order of the runs
-  Engine engine = Engine::local;
-  std::vector<std::string> hosts;  ///< --sshlogin of GNU parallel
   bool quiet = false;
   std::string line;  ///< the command as it was given, for the report
 };
