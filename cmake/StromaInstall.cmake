@@ -42,11 +42,12 @@ file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/lib/stroma/parts.targets CONTENT "${pa
 
 # Everything but the tests.
 get_property(targets GLOBAL PROPERTY STROMA_PARTS_TARGETS)
-add_custom_target(stroma_all DEPENDS stroma-command stroma-index stroma_manual ${targets})
+add_custom_target(stroma_all DEPENDS stroma-command stroma-index stroma_manual stroma_schema ${targets})
 
 # `cmake --install` builds nothing. What a build that is not complete lacks is said before anything is installed.
 file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/parts.built CONTENT "stroma\tstroma-command\t${CMAKE_BINARY_DIR}/bin/stroma
 stroma-index\tstroma-index\t${CMAKE_BINARY_DIR}/bin/stroma-index
 the manual\tstroma_manual\t${CMAKE_BINARY_DIR}/share/man/man1/stroma.1
+the schema\tstroma_schema\t${CMAKE_BINARY_DIR}/share/stroma/stroma.xsd
 ${parts_built}" @ONLY)
 configure_file(cmake/check_build.cmake.in ${CMAKE_BINARY_DIR}/check_build.cmake @ONLY)

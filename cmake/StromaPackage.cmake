@@ -3,7 +3,7 @@
 # or libraries under the GPL, is apart from the command: without it, messages name the package to install.
 #
 #   stroma          the command, the framework, modules that need small libraries, the live view, scenes, documents
-#   stroma-vtk      VTK's formats: VTKExporter, MeshVTKLoader's reader, the reader of segmented images
+#   stroma-vtk      VTK's formats: VTKExporter, MeshVTKLoader's reader, the reader of segmented images; `stroma picture`
 #   stroma-mesh     `stroma mesh` (CGAL, GPL)
 #   stroma-solvers  direct solvers and condensed bodies (CHOLMOD and BLAS, GPL)
 #   stroma-dev      headers, stroma-config.cmake and the indexer, for modules outside the tree
@@ -83,10 +83,10 @@ stroma_package(runtime stroma
 or shows it live in the browser. Corotational and hyperelastic elements,
 viscosity, fluid in tissue, muscles, membranes and springs, with implicit and
 explicit integrators. Names and attributes are those of SOFA.")
-stroma_package(vtk stroma-vtk DEPENDS "stroma (${same})"
-  SUMMARY "simulation of soft tissue - formats of VTK"
+stroma_package(vtk stroma-vtk DEPENDS "stroma (${same}), libegl-mesa0, libgl1-mesa-dri"
+  SUMMARY "simulation of soft tissue - formats of VTK, pictures"
   DESCRIPTION "Writes results for ParaView. Reads the meshes of VTK, and the segmented images
-that 'stroma mesh' fills with tetrahedra.")
+that 'stroma mesh' fills with tetrahedra. Draws pictures without a display.")
 stroma_package(solvers stroma-solvers DEPENDS "stroma (${same})"
   SUMMARY "simulation of soft tissue - direct solvers and condensed bodies"
   DESCRIPTION "Sparse factorisations, and linear bodies that are inverted beforehand. Under

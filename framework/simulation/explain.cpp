@@ -12,14 +12,31 @@ PlanItem itemOf(const Observer& observer) {
   return {"observer", observer.path(), observer.type(), PlanWhen::after_each_step, observer.describe(), {}, {}};
 }
 
+/// Its nodes and its cells: those of volumes, else faces, else edges.
+std::vector<std::pair<std::string, double>> sizes(const Mesh& mesh) {
+  std::vector<std::pair<std::string, double>> all{{"nodes", double(mesh.nodes())}};
+  const auto add = [&all](const char* word, std::size_t count) {
+    if (count > 0) all.emplace_back(word, double(count));
+    return count > 0;
+  };
+  const bool tetrahedra = add("tetrahedra", mesh.tetrahedra.size()),
+             hexahedra = add("hexahedra", mesh.hexahedra.size());
+  if (tetrahedra || hexahedra) return all;
+  const bool triangles = add("triangles", mesh.triangles.size()), quads = add("quads", mesh.quads.size());
+  if (!triangles && !quads) add("edges", mesh.edges.size());
+  return all;
+}
+
 PlanItem itemOf(const Topology& topology) {
-  const Index nodes = topology.mesh().nodes();
+  const auto figures = sizes(topology.mesh());
+  std::string says;
+  for (const auto& [word, count] : figures) says += fmt::format("{}{} {}", says.empty() ? "" : ", ", count, word);
   return {"mesh",
           topology.path(),
           topology.type(),
           PlanWhen::once,
-          fmt::format("{} nodes; tables derived from its cells: {}", nodes, topology.mesh().derivedTables()),
-          {{"nodes", double(nodes)}},
+          fmt::format("{}; tables derived from its cells: {}", says, topology.mesh().derivedTables()),
+          figures,
           {}};
 }
 

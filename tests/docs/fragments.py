@@ -3,16 +3,18 @@
 import re
 import xml.etree.ElementTree as xml
 
-WHOLE = re.compile(r"^\s*(?:<\?xml.*?\?>|<!--.*?-->|\s)*<Node\b.*</Node>\s*$", re.S)
+WHOLE = re.compile(r"^\s*(?:<\?xml.*?\?>|<!--.*?-->|\s)*<Node\b(?P<attributes>[^>]*)>.*</Node>\s*$", re.S)
 
 
 class FragmentError(Exception):
     """A fragment that cannot be put anywhere."""
 
 
-def is_whole(text):
-    """Is it a scene of its own: one node from end to end."""
-    return bool(WHOLE.match(text))
+def is_whole(text, title):
+    """Is it a scene of its own: one node from end to end. One with a title but without gravity and time step is a part that
+    other scenes include."""
+    match = WHOLE.match(text)
+    return bool(match) and (not title or bool(re.search(r"\b(gravity|dt)=", match.group("attributes"))))
 
 
 def _twin(host, part):

@@ -9,8 +9,8 @@ The blocks of a page are taken in order, in a folder of its own that looks like 
 well; folder and variables carry over to the next block. text after sh: its output, line by line in this order; numbers agree
 within one per cent or one unit of the last digit shown, and "..." stands for anything. xml: a whole scene is written
 under its title="NAME.xml" and checked by `stroma check`; a fragment says what it is part of. cpp with a title: a whole
-file, which must compile. Other blocks are not looked at. `stroma view` and `stroma watch` end only when somebody ends them, so
-that they are interrupted here after some seconds. What else can be asked for is in page_blocks.py."""
+file, which must compile. Other blocks are not looked at. `stroma view` and `stroma watch` end only when somebody ends them: Ctrl-C
+is pressed here when they have begun. What else can be asked for is in page_blocks.py."""
 import glob
 import os
 import shlex
@@ -20,7 +20,8 @@ import subprocess
 import sys
 import tempfile
 
-sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+HERE = os.path.dirname(os.path.abspath(__file__))
+sys.path.insert(0, HERE)
 from fragments import FragmentError, is_whole, put  # noqa: E402
 from page_blocks import PageError, blocks_of, missing_output  # noqa: E402
 
@@ -28,15 +29,12 @@ MOST_NOT_RUN = 40
 SECONDS = 100
 WRAPPER = """#!/bin/bash
 case "$1" in
-  view | watch)
-    for argument; do case "$argument" in --export* | --help | -h) exec {stroma} "$@" ;; esac; done
-    said=$(mktemp)
-    timeout --preserve-status -s INT 3 {stroma} "$@" >"$said" 2>&1 </dev/null
-    code=$?
-    cat "$said"; rm -f "$said"
-    [ $code = 130 ] || [ $code = 0 ] ; exit $((code == 130 || code == 0 ? 0 : code)) ;;
+  view) sign=http:// ;;
+  watch) sign="waiting" ;;
+  *) exec {stroma} "$@" ;;
 esac
-exec {stroma} "$@"
+for argument; do case "$argument" in --export* | --times* | --help | -h) exec {stroma} "$@" ;; esac; done
+exec {python} {interrupted} "$sign" {stroma} "$@"
 """
 
 
@@ -72,7 +70,8 @@ class Page:
                 os.symlink(os.path.join(self.build, "bin", name), os.path.join(commands, name))
         self.stroma = os.path.join(commands, "stroma")
         with open(self.stroma, "w", encoding="ascii") as file:
-            file.write(WRAPPER.format(stroma=shlex.quote(os.path.join(self.build, "bin", "stroma"))))
+            file.write(WRAPPER.format(stroma=shlex.quote(os.path.join(self.build, "bin", "stroma")), python=shlex.quote(sys.executable),
+                                      interrupted=shlex.quote(os.path.join(HERE, "interrupted.py"))))
         os.chmod(self.stroma, 0o755)
         os.mkdir(os.path.join(self.folder, "home"))
         self.state = os.path.join(self.folder, "state")
@@ -161,7 +160,7 @@ class Page:
                 text = put(text, file.read())
             place = os.path.dirname(block.asked["part of"])
             path = self._write(os.path.join(place, f"fragment_of_line_{block.line}.xml"), text)
-        elif is_whole(text):
+        elif is_whole(text, block.title):
             path = self._write(block.title or f"scene_of_line_{block.line}.xml", text)
         elif block.title:  # a part that scenes include
             self._write(block.title, text)

@@ -118,14 +118,14 @@ def browse(tree, site):
             browser.size(width, 900, touch=width < 600)
             for page in looked_at:
                 browser.driver.get("file://" + os.path.join(site, page))
-                wide, window = browser.script("return [document.documentElement.scrollWidth, window.innerWidth]")
+                wide, window = browser.script("[document.documentElement.scrollWidth, window.innerWidth]")
                 if wide > window:
                     found.append(f"{page} is {wide} pixels wide in a window of {window}")
-                if browser.script("return [...document.images].some(i => i.complete && !i.naturalWidth)"):
+                if browser.script("[...document.images].some(i => i.complete && !i.naturalWidth)"):
                     found.append(f"{page} has a picture that does not show")
         browser.size(1280, 900)
         browser.driver.get("file://" + os.path.join(site, "index.html") + "?q=BoxROI")
-        browser.until(lambda: "BoxROI.html" in browser.script("return document.querySelector('.md-search-result').innerHTML"),
+        browser.until(lambda: "BoxROI.html" in browser.script("document.querySelector('.md-search-result').innerHTML"),
                      "the search finds a component")
         errors = browser.complaints()
         found += [f"the browser says: {error}" for error in errors if "favicon" not in error]

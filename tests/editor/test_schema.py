@@ -110,7 +110,7 @@ class Acceptance(Schemas):
                              ('box="-0.01 -1 -1  0.01 1 1"', 'box="-10 -1000 -1000  10 1000 1000 mm"')):
             self.assertIn(right, text)
             text = text.replace(right, other)
-        files = [self.write("units.xml", text), self.write("marks.xml", text.replace("10 kPa", "10 N/mm²·m/m"))]
+        files = [self.write("units.xml", text), self.write("marks.xml", text.replace("10 kPa", "0.01 N/mm²"))]
         for file in files:
             self.assertEqual(self.check(file).returncode, 0, self.check(file).stdout)
         for judge, refused in self.judges().items():

@@ -15,7 +15,7 @@ PACKAGES = {"stroma", "stroma-vtk", "stroma-mesh", "stroma-solvers", "stroma-dev
 WHERE = {  # a file, whatever the folder of libraries is called: its package
     "bin/stroma": "stroma", "stroma/view.so": "stroma", "stroma/vtk_io.index": "stroma", "stroma/parts.packages": "stroma",
     "scenes/meshes/leg.nii.gz": "stroma", "scenes/regression/list": "stroma", "doc/stroma/docs/install.md": "stroma",
-    "stroma/vtk_io.so": "stroma-vtk", "stroma/read_label_image": "stroma-vtk", "stroma/read_vtk_mesh": "stroma-vtk",
+    "stroma/vtk_io.so": "stroma-vtk", "stroma/picture.so": "stroma-vtk", "stroma/read_label_image": "stroma-vtk", "stroma/read_vtk_mesh": "stroma-vtk",
     "stroma/meshing.so": "stroma-mesh", "stroma/direct_solvers.so": "stroma-solvers",
     "cmake/stroma/stroma-config.cmake": "stroma-dev", "stroma/stroma-index": "stroma-dev", "libstroma.so": "stroma-dev",
     "framework/scene/component.h": "stroma-dev"}

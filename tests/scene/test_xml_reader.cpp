@@ -52,6 +52,29 @@ TEST(XmlReader, LinesAndColumnsOfElementsAndAttributes) {
   EXPECT_EQ(force.folder, "folder");
 }
 
+TEST(XmlReader, WhatIsForEditorsIsNothingForTheScene) {
+  Diagnostics diagnostics;
+  const NodeDescription root = read(
+      "<?xml version=\"1.0\"?>\n"
+      "<!-- tinyxml2 wants processing instructions before comments -->\n"
+      "<?xml-model href=\"stroma.xsd\"\n"
+      "  type=\"application/xml\"?><Node xmlns:xsi=\"http://www.w3.org/2001/XMLSchema-instance\"\n"
+      "   xsi:noNamespaceSchemaLocation=\"stroma.xsd\" name=\"root\"><?editor fold?>\n"
+      "  <Mesh a=\"1\"><?inside ?></Mesh>\n"
+      "</Node>\n",
+      diagnostics);
+  EXPECT_TRUE(diagnostics.problems().empty()) << diagnostics.text();
+  ASSERT_EQ(root.attributes.size(), 1u);
+  EXPECT_EQ(root.attributes[0].name, "name");
+  EXPECT_EQ(root.attributes[0].where.text(), "folder/scene.xml:5:48");
+  EXPECT_EQ(root.where.text(), "folder/scene.xml:4:28");
+  EXPECT_EQ(root.components.at(0).attributes.at(0).where.text(), "folder/scene.xml:6:9");
+  // inside a scene it is an attribute like others
+  const NodeDescription inner = read("<Node><M xsi:nil=\"1\"/></Node>", diagnostics);
+  EXPECT_EQ(inner.components.at(0).attributes.size(), 1u);
+  EXPECT_TRUE(refusal("<Node><?never ends </Node>").message.find("processing instruction") != std::string::npos);
+}
+
 TEST(XmlReader, EntitiesAndWhiteSpaceOfValues) {
   Diagnostics diagnostics;
   const NodeDescription root = read("<Node name='a'><M x='&lt;1 &amp; 2&#10;3'/></Node>", diagnostics);

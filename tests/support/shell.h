@@ -34,11 +34,16 @@ inline std::vector<double> instantsIn(const std::filesystem::path& file) {
 class CommandTest : public FolderTest {
  protected:
   /// `stroma <arguments>` through the shell.
-  Finished stroma(const std::string& arguments) const {
+  Finished stroma(const std::string& arguments) const { return shell("'" STROMA_COMMAND "' " + arguments); }
+  /// Any command.
+  Finished shell(const std::string& command) const {
     const auto out = folder_ / ".out", err = folder_ / ".err";
-    const std::string line = "cd '" + folder_.string() + "' && '" STROMA_COMMAND "' " + arguments + " >.out 2>.err";
-    const int status = std::system(line.c_str());
+    const int status = std::system(("cd '" + folder_.string() + "' && " + command + " >.out 2>.err").c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, readText(out), readText(err)};
+  }
+  /// Whether a program is installed: tests that need another one skip without it.
+  static bool isInstalled(const std::string& program) {
+    return std::system(("command -v " + program + " >/dev/null").c_str()) == 0;
   }
 };
 

@@ -128,12 +128,12 @@ class Progress(Folder):
 
     def test_a_terminal_has_one_line_that_fits(self):
         self.write("fall.xml", FALLING)
-        steps = str(self.steps_of("fall.xml", 1))
+        steps = str(self.steps_of("fall.xml", 2))
         for width in (200, 60, 40, 12):
             text = self.on_terminal(width, "run", "fall.xml", "-n", steps, "--no-record")
             drawn, summary = text.rsplit("\r\x1b[K", 1)
             lines = [line for line in drawn.split("\r\x1b[K") if line]
-            self.assertGreater(len(lines), 3)
+            self.assertGreaterEqual(len(lines), 2)
             for line in lines:
                 self.assertLess(len(line), width)
                 self.assertNotIn("\n", line)
@@ -307,6 +307,8 @@ class Looking(Folder):
         # the overrides of the run are known: the scene alone has another number of nodes
         subprocess.run(views[0] + " --export page.html", shell=True, cwd=self.folder, check=True, capture_output=True)
         for command in commands:
+            if " picture " in command:
+                subprocess.run(command, shell=True, cwd=self.folder, check=True, capture_output=True)
             self.assertTrue(" view " in command or " picture " in command, command)
         results = json.loads(self.stroma("run", scene, "-n", "5", "--json", "-q").stdout)["results"]
         self.assertEqual(results["recording"], "a block.last")

@@ -14,7 +14,7 @@
 
 #include "framework/scene/services.h"
 #include "framework/simulation/file_uses.h"
-#include "tools/command/command.h"
+#include "tools/picture/picture_maker.h"
 #include "tools/view/viewer.h"
 
 namespace stroma::command {
@@ -68,7 +68,7 @@ Results resultsOf(const Simulation& simulation, const std::string& recording) {
   Results results{recording, writtenFiles(simulation), {}};
   if (!recording.empty()) {
     if (isBuilt<view::Viewer>()) results.commands.push_back(program() + " view " + quoted(recording));
-    if (findSubcommand("picture")) results.commands.push_back(program() + " picture " + quoted(recording));
+    if (isBuilt<picture::PictureMaker>()) results.commands.push_back(program() + " picture " + quoted(recording));
   }
   if (isProgram("paraview"))
     for (const std::string& file : results.files)

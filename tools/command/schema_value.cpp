@@ -16,19 +16,20 @@ using Kind = SchemaAlternative::Kind;
 
 // ---- patterns; white space has been made single spaces, and commas separate too ----
 
-const std::string number = "[\\-+]?([0-9]+[.]?[0-9]*|[.][0-9]+)([eE][\\-+]?[0-9]+)?";
-const std::string whole = "[\\-+]?[0-9]+";
-const std::string rising = "[0-9]+-[0-9]+(-[0-9]+)?";
-/// A factor of a unit, such as kPa or m^2.
-std::string unitFactor() {
-  std::string names = "°";
-  for (const std::string& name : unitNames()) names += "|" + (name[0] == 'u' ? "[uµμ]" + name.substr(1) : name);
-  return "(" + names + ")(\\^-?[0-9]|[²³⁴]|⁻[¹²³])?";
+constexpr const char* number = "[\\-+]?([0-9]+[.]?[0-9]*|[.][0-9]+)([eE][\\-+]?[0-9]+)?";
+constexpr const char* whole = "[\\-+]?[0-9]+";
+constexpr const char* rising = "[0-9]+-[0-9]+(-[0-9]+)?";
+
+/// A unit at the end of a value, from every name with its prefixes. Made when it is asked for, as no other command needs it.
+const std::string& unitPattern() {
+  static const std::string all = [] {
+    std::string names = "°";
+    for (const std::string& name : unitNames()) names += "|" + (name[0] == 'u' ? "[uµμ]" + name.substr(1) : name);
+    const std::string factor = "(" + names + ")(\\^-?[0-9]|[²³⁴]|⁻[¹²³])?";
+    return "(1? ?[*/.·⋅(] ?)*" + factor + "(( |[*/.·⋅()])+" + factor + ")*[)]?";
+  }();
+  return all;
 }
-const std::string factor = unitFactor();
-/// Factors in a row, in one word of a list; and with spaces.
-const std::string factors = "(1?[*/.·⋅(])*" + factor + "([*/.·⋅()]+" + factor + ")*[)]?";
-const std::string unit = "(1? ?[*/.·⋅(] ?)*" + factor + "(( |[*/.·⋅()])+" + factor + ")*[)]?";
 
 /// Words of a list that hold a comma, which a validator cannot look into further.
 std::string withCommas(const std::string& item) {
@@ -49,13 +50,16 @@ SchemaAlternative listOf(std::vector<SchemaAlternative> items) {
 SchemaAlternative link() { return pattern("@.*"); }
 
 /// A number with a unit, or a fraction: "10 kPa", "1/20 s", "1/20".
-SchemaAlternative quantity() { return pattern(fmt::format("{0} ?/ ?{0}( ?{1})?|{0} ?{1}", number, unit)); }
+SchemaAlternative quantity() { return pattern(fmt::format("{0} ?/ ?{0}( ?{1})?|{0} ?{1}", number, unitPattern())); }
 
-/// A pattern for three or sixteen numbers, with a unit after each, after the last one, or none.
-SchemaAlternative tuple(int count) {
-  const std::string item = fmt::format("{0}( ?/ ?{0})?( ?{1})?", number, unit);
-  return pattern(exactly(item, count));
+/// Numbers of which the last has a unit, its own or that of all: how large they are in SI is more than a pattern knows.
+SchemaAlternative quantities() {
+  const std::string item = fmt::format("{0}( ?/ ?{0})?", number);
+  return pattern(fmt::format("({0}( ?{1})?[ ,]+)*{0} ?{1}", item, unitPattern()));
 }
+
+/// Three numbers, with a unit after each, after the last one, or none.
+SchemaAlternative vector() { return pattern(exactly(fmt::format("{0}( ?/ ?{0})?( ?{1})?", number, unitPattern()), 3)); }
 
 // ---- ranges ----
 
@@ -109,11 +113,12 @@ std::vector<SchemaAlternative> numberOrNumbers(const std::string& kind, const Ra
   if (kind == "real") return {numeric(Kind::real, range), quantity()};
   if (kind == "integer") return {numeric(Kind::integer, range)};
   if (kind == "reals" || kind == "vectors")
-    return {listOf({numeric(Kind::real, range), pattern(withCommas(number)),
-                    pattern(fmt::format("{0}/{0}({1})?,?|{0}{1},?", number, factors)),
-                    pattern(factors + ",?|[*/·⋅]|1/?")})};
+    return {
+        listOf({numeric(Kind::real, range), pattern(withCommas(number)), pattern(fmt::format("{0}/{0},?", number))}),
+        quantities()};
   if (kind == "indices") return {listOf({numeric(Kind::integer, range), pattern(withCommas("[0-9]+"))})};
-  return {listOf({numeric(Kind::integer, range), pattern(rising), pattern(withCommas(whole + "|" + rising))})};
+  return {listOf(
+      {numeric(Kind::integer, range), pattern(rising), pattern(withCommas(fmt::format("{}|{}", whole, rising)))})};
 }
 
 SchemaValue orLink(SchemaValue value) {
@@ -136,7 +141,7 @@ SchemaValue templateValue(const std::vector<std::string>& words) {
 
 SchemaValue plainValue(const std::string& kind, bool positive) {
   if (kind == "boolean") return {"plain_boolean", {{.kind = Kind::boolean}}};
-  if (kind == "gravity") return {"gravity", {tuple(3), numeric(Kind::real, {}), quantity()}};
+  if (kind == "gravity") return {"gravity", {vector(), numeric(Kind::real, {}), quantity()}};
   Range range;
   if (positive) range.min = SchemaBound{"0", false};
   return {nameOf("plain_real", range), {numeric(Kind::real, range), quantity()}};
@@ -154,8 +159,8 @@ SchemaValue valueOf(const Data& data) {
   if (kind == "boolean") return orLink({"boolean", {{.kind = Kind::boolean}}});
   if (kind == "booleans")
     return orLink({"booleans", {listOf({{.kind = Kind::boolean}, pattern(withCommas("true|false|0|1"))})}});
-  if (kind == "vector") return orLink({"vector", {tuple(3)}});
-  if (kind == "matrix") return orLink({"matrix", {tuple(16)}});
+  if (kind == "vector") return orLink({"vector", {vector()}});
+  if (kind == "matrix") return orLink({"matrix", {pattern(exactly(number, 16))}});
   if (kind == "integer triple") return orLink({"integer_triple", {pattern(exactly(whole, 3))}});
   Range range = rangeOf(data, kind == "integer" || kind == "integers");
   if (kind == "indices") range.min = SchemaBound{"0", true};

@@ -50,10 +50,8 @@ struct FieldWord {
 /// Takes states of a simulation, and draws them when all are known: the same range of colours and the same camera for all.
 class PictureMaker {
  public:
-  static constexpr const char
-      *role = "picture maker",
-      *library = "picture",
-      *missing = "its library needs VTK (libvtk9.1) and libegl1; `tools/setup run` installs and builds it";
+  static constexpr const char *role = "picture maker", *library = "picture",
+                              *missing = "run `tools/setup run`, which installs VTK and EGL and builds it";
   virtual ~PictureMaker() = default;
   /// What bodies of the scene can be coloured by.
   virtual std::vector<FieldWord> fields(const Simulation& simulation) const = 0;

@@ -4,6 +4,7 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <stdexcept>
@@ -36,38 +37,39 @@ int paeth(int left, int above, int corner) {
   return a <= b && a <= c ? left : b <= c ? above : corner;
 }
 
-/// A row as differences to its neighbours; kinds 0 to 4 of the standard.
-void filterRow(int kind, const std::uint8_t* row, const std::uint8_t* above, std::size_t size, std::size_t channels,
-               std::uint8_t* out) {
-  for (std::size_t i = 0; i < size; ++i) {
+constexpr std::size_t kinds = 5;  ///< of filters, numbered as in the standard
+
+/// A row as differences to its neighbours, by each filter; the sums of their sizes.
+std::array<long, kinds> filterRow(const std::vector<std::uint8_t>& row, const std::vector<std::uint8_t>& above,
+                                  std::size_t channels, std::array<std::vector<std::uint8_t>, kinds>& out) {
+  std::array<long, kinds> sums{};
+  for (std::size_t i = 0; i < row.size(); ++i) {
     const int left = i >= channels ? row[i - channels] : 0, up = above[i],
               corner = i >= channels ? above[i - channels] : 0;
-    const int guess[] = {0, left, up, (left + up) / 2, paeth(left, up, corner)};
-    out[i] = std::uint8_t(row[i] - guess[kind]);
+    const std::array<int, kinds> guess{0, left, up, (left + up) / 2, paeth(left, up, corner)};
+    for (std::size_t k = 0; k < kinds; ++k) {
+      out[k][i] = std::uint8_t(row[i] - guess[k]);
+      sums[k] += std::abs(int(std::int8_t(out[k][i])));
+    }
   }
+  return sums;
 }
 
-/// Each row behind the filter whose differences are least in sum.
+/// Each row behind the number of the filter whose differences are least in sum.
 std::string filtered(const Image& image, const Rectangle& part, std::size_t channels) {
   const std::size_t size = channels * std::size_t(part.width);
-  std::vector<std::uint8_t> row(size), above(size, 0), trial(size), chosen(size);
+  std::vector<std::uint8_t> row(size), above(size, 0);
+  std::array<std::vector<std::uint8_t>, kinds> differences;
+  for (auto& one : differences) one.resize(size);
   std::string out;
   out.reserve((size + 1) * std::size_t(part.height));
   for (int y = 0; y < part.height; ++y) {
     for (int x = 0; x < part.width; ++x)
       std::copy_n(image.at(part.x + x, part.y + y), channels, row.data() + channels * std::size_t(x));
-    long least = -1;
-    int kind = 0;
-    for (int k = 0; k < 5 && least != 0; ++k) {
-      filterRow(k, row.data(), above.data(), size, channels, trial.data());
-      long sum = 0;
-      for (const std::uint8_t value : trial) sum += std::abs(int(std::int8_t(value)));
-      if (least >= 0 && sum >= least) continue;
-      least = sum, kind = k;
-      chosen.swap(trial);
-    }
+    const std::array<long, kinds> sums = filterRow(row, above, channels, differences);
+    const auto kind = std::size_t(std::min_element(sums.begin(), sums.end()) - sums.begin());
     out += char(kind);
-    out.append(reinterpret_cast<const char*>(chosen.data()), size);
+    out.append(reinterpret_cast<const char*>(differences[kind].data()), size);
     row.swap(above);
   }
   return out;

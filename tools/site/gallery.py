@@ -66,7 +66,7 @@ class Gallery:
         name, steps = os.path.splitext(os.path.basename(scene))[0], "1" if self.draft else options.get("steps", "100")
         self.say(f"{scene}, {steps} steps")
         with tempfile.TemporaryDirectory() as scratch:
-            counts = self._json(["check", os.path.join(self.root, scene), "--json"], scratch)
+            plan = self._json(["explain", os.path.join(self.root, scene), "--json"], scratch)
             run = self._json(["run", os.path.join(self.root, scene), "-n", steps, "--quiet", "--json", "--no-record"], scratch)
             picture = os.path.join(self.folder, "gallery", name + ".png")
             self._call(["picture", os.path.join(self.root, scene), "-n", steps, "-o", picture,
@@ -82,19 +82,18 @@ class Gallery:
             source = file.read().rstrip()
         size = "{ width=640 }"
         shown = f"![{name} after {steps} steps](gallery/{name}.png){size}"
-        lines = [shown, "", self._numbers(counts, run) + link, "",
+        lines = [shown, "", self._numbers(plan, run) + link, "",
                  f'??? note "{scene}"', "", "    ```xml", *("    " + line for line in source.split("\n")), "    ```", ""]
         return "\n".join(lines)
 
     @staticmethod
-    def _numbers(counts, run):
-        milliseconds = run["ms_per_step"]["median"]
-        parts = [*counted(counts), f"{run['steps']} steps of {run['simulated_time'] / max(1, run['steps']):.3g} s",
-                 f"{milliseconds:.3g} ms per step"]
-        end = run["energies"]["end"]
-        if end.get("potential") is not None:
-            parts.append(f"elastic energy at the end {end['potential']:.4g} J")
-        return " · ".join(parts)
+    def _numbers(plan, run):
+        steps = max(1, run["steps"])
+        parts = [*counted(plan), f"{steps:,} step{'s' if steps > 1 else ''} of {run['simulated_time'] / steps:.3g} s",
+                 f"{run['ms_per_step']['median']:.3g} ms per step"]
+        farthest = max(run["greatest_displacements"], key=lambda one: one["metres"], default={"metres": 0})["metres"]
+        parts += [f"largest displacement {1000 * farthest:.3g} mm", f"elastic energy at the end {run['energies']['end']['elastic']:.3g} J"]
+        return '<span class="numbers" markdown>' + " · ".join(parts) + "</span>"
 
     def _json(self, arguments, scratch):
         return json.loads(self._call(arguments, scratch))
@@ -106,6 +105,11 @@ class Gallery:
         return done.stdout
 
 
-def counted(counts):
-    """Nodes and cells of all bodies of a scene, from `stroma check --json`."""
-    return [f"{number:,} {word}" for word, number in counts.items() if isinstance(number, int) and number]
+def counted(plan):
+    """Nodes and cells of a scene, from `stroma explain --json`; cells of a mesh that is cut into others do not count."""
+    nodes = sum(system["nodes"] for system in plan["systems"])
+    for kind in ("tetrahedra", "hexahedra", "quads", "triangles", "edges"):
+        cells = [mesh[kind] for mesh in plan["meshes"] if mesh.get(kind)]
+        if cells:
+            return [f"{nodes:,} nodes", f"{' + '.join(f'{int(number):,}' for number in cells)} {kind}"]
+    return [f"{nodes:,} nodes"]

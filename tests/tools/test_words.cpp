@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The words that people look for lead to components, commands and pages that exist.
+#include <algorithm>
+#include <map>
+#include <set>
+#include <sstream>
+#include <vector>
+
+#include "framework/scene/change_table.h"
+#include "framework/scene/modules.h"
+#include "tests/support/shell.h"
+
+namespace stroma::test {
+namespace {
+
+using Words = CommandTest;
+
+bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+struct Entry {
+  std::string head;
+  std::vector<std::string> lines;
+};
+
+/// The blocks of a table: a line that is not indented, and the indented ones below it.
+std::vector<Entry> tableOf(const std::string& file) {
+  std::istringstream in(readText(std::string(STROMA_SOURCE_DIR "/tools/command/words/") + file));
+  std::vector<Entry> entries;
+  for (std::string line; std::getline(in, line);) {
+    if (line.empty() || line[0] == '#') continue;
+    if (line[0] != ' ')
+      entries.push_back({line, {}});
+    else
+      entries.back().lines.push_back(line.substr(line.find_first_not_of(' ')));
+  }
+  return entries;
+}
+
+/// What stands after "key: " in the lines of an entry.
+std::vector<std::string> listOf(const Entry& entry, const std::string& key, char mark) {
+  std::vector<std::string> words;
+  for (const std::string& line : entry.lines) {
+    if (!line.starts_with(key + ": ")) continue;
+    std::istringstream in(line.substr(key.size() + 2));
+    for (std::string word; std::getline(in, word, mark);)
+      if (const auto first = word.find_first_not_of(' '); first != std::string::npos)
+        words.push_back(word.substr(first));
+  }
+  return words;
+}
+
+std::string nameOf(const Entry& entry) { return entry.head.substr(0, entry.head.find(" (not yet)")); }
+
+std::set<std::string> allComponents() {
+  Factory factory;
+  const Modules modules(factory);
+  std::set<std::string> types;
+  for (const auto& entry : modules.index()) types.insert(entry.type);
+  return types;
+}
+
+TEST_F(Words, ATopicNamesOnlyWhatIsThere) {
+  const auto types = allComponents();
+  const std::string help = stroma("--help").out;
+  for (const Entry& topic : tableOf("topics.txt")) {
+    for (const std::string& type : listOf(topic, "components", ' '))
+      EXPECT_TRUE(types.count(type)) << topic.head << " names the component " << type;
+    for (const std::string& command : listOf(topic, "commands", ' '))
+      EXPECT_TRUE(has(help, "\n  " + command + " ")) << topic.head << " names the subcommand " << command;
+    for (const std::string& page : listOf(topic, "pages", ' '))
+      EXPECT_TRUE(std::filesystem::exists(STROMA_SOURCE_DIR "/" + page)) << topic.head << " names the page " << page;
+    EXPECT_TRUE(has(topic.head, "(not yet)") || !listOf(topic, "components", ' ').empty() ||
+                !listOf(topic, "commands", ' ').empty())
+        << topic.head << " leads nowhere";
+  }
+}
+
+TEST_F(Words, EveryComponentIsReachedByATopic) {
+  std::set<std::string> reached;
+  for (const Entry& topic : tableOf("topics.txt"))
+    for (const std::string& type : listOf(topic, "components", ' ')) reached.insert(type);
+  for (const std::string& type : allComponents())
+    EXPECT_TRUE(reached.count(type)) << "no topic in tools/command/words/topics.txt names " << type;
+}
+
+TEST_F(Words, EveryWordOfATopicLeadsToIt) {
+  const auto types = allComponents();
+  std::map<std::string, std::string> topic_of;
+  for (const Entry& topic : tableOf("topics.txt")) {
+    auto words = listOf(topic, "also", ',');
+    words.push_back(nameOf(topic));
+    const Finished list = stroma("list \"" + nameOf(topic) + "\"");
+    EXPECT_TRUE(has(list.out, nameOf(topic))) << list.out << list.err;
+    for (const std::string& word : words) {
+      const auto [other, is_new] = topic_of.emplace(word, nameOf(topic));
+      EXPECT_TRUE(is_new) << word << " is a word of " << other->second << " and of " << nameOf(topic);
+      EXPECT_FALSE(types.count(word)) << word << " is a component";
+      if (word.starts_with("scene") || presentType(word) != word) continue;  // they have pages
+      const Finished doc = stroma("doc \"" + word + "\"");
+      EXPECT_EQ(doc.code, 0) << word << "\n" << doc.err;
+      EXPECT_TRUE(has("\n" + doc.out, "\n" + nameOf(topic)) || has(doc.out, "without effect")) << word << "\n"
+                                                                                               << doc.out;
+    }
+  }
+}
+
+TEST_F(Words, PeopleFindWhatTheySearchFor) {
+  for (const char* word : {"contact",
+                           "collision",
+                           "gravity",
+                           "material",
+                           "viewer",
+                           "GUI",
+                           "SOFA",
+                           "plugin",
+                           "python",
+                           "cutting",
+                           "GPU",
+                           "units",
+                           "stress",
+                           "strain",
+                           "plasticity",
+                           "damping",
+                           "Rayleigh",
+                           "friction",
+                           "mesh",
+                           "tetrahedron",
+                           "hexahedron",
+                           "beam",
+                           "shell",
+                           "cloth",
+                           "rope",
+                           "cable",
+                           "muscle",
+                           "fluid",
+                           "incompressible",
+                           "nu=0.5",
+                           "viscoelastic",
+                           "Prony",
+                           "Dirichlet",
+                           "fix",
+                           "clamp",
+                           "force",
+                           "pressure",
+                           "traction",
+                           "dt",
+                           "integrator",
+                           "implicit",
+                           "solver",
+                           "direct solver",
+                           "preconditioner",
+                           "statics",
+                           "equilibrium",
+                           "restart",
+                           "checkpoint",
+                           "export",
+                           "VTK",
+                           "ParaView",
+                           "CSV",
+                           "picture",
+                           "movie",
+                           "threads",
+                           "parallel",
+                           "OpenMP",
+                           "speed",
+                           "convergence",
+                           "NaN",
+                           "inverted",
+                           "regression test",
+                           "time step",
+                           "boundary conditions",
+                           "Boundary-Condition",
+                           "tets",
+                           "neo hookean"}) {
+    EXPECT_EQ(stroma("doc \"" + std::string(word) + "\"").code, 0) << word;
+    EXPECT_EQ(stroma("list \"" + std::string(word) + "\"").code, 0) << word;
+  }
+  EXPECT_TRUE(has(stroma("doc boundary conditions").out, "FixedProjectiveConstraint"));
+  EXPECT_TRUE(has(stroma("doc contact").out, "contact: not yet\n"));
+  EXPECT_TRUE(has(stroma("list gravity").out, "UniformMass"));
+  const Finished misspelt = stroma("doc contatc");
+  EXPECT_EQ(misspelt.code, 2);
+  EXPECT_TRUE(has(misspelt.err, "did you mean contact?")) << misspelt.err;
+}
+
+TEST_F(Words, ComponentsOfSofaThatAreNotHereAreAnswered) {
+  const auto types = allComponents();
+  std::set<std::string> names;
+  for (const Entry& topic : tableOf("topics.txt")) names.insert(nameOf(topic));
+  for (const Entry& answer : tableOf("sofa.txt")) {
+    const std::string topic = answer.head.substr(0, answer.head.find(": "));
+    EXPECT_TRUE(names.count(topic)) << answer.head << ": there is no topic '" << topic << "'";
+    for (const std::string& line : answer.lines) {
+      std::istringstream in(line);
+      for (std::string type; in >> type;) {
+        if (has(type, "*")) continue;
+        EXPECT_FALSE(types.count(type)) << type << " is a component now: it goes from words/sofa.txt";
+        const Finished doc = stroma("doc " + type);
+        EXPECT_EQ(doc.code, 0) << type;
+        EXPECT_TRUE(has(doc.out, type + " is a component of SOFA that Stroma does not have. ")) << doc.out;
+      }
+    }
+  }
+  const std::pair<const char*, const char*> others[] = {{"OglModel", "accepted without effect"},
+                                                        {"DefaultAnimationLoop", "accepted without effect"},
+                                                        {"UncoupledConstraintCorrection", "no Lagrangian constraints"},
+                                                        {"FixedConstraint", "is now called FixedProjectiveConstraint"},
+                                                        {"SparseGrid", "MeshGmshLoader"},
+                                                        {"BoxConstraint", "write a BoxROI"},
+                                                        {"MeshSTLLoader", "\nAttributes"},
+                                                        {"TriangleCollisionModel", "contact: not yet"}};
+  for (const auto& [type, expected] : others) {
+    const Finished doc = stroma(std::string("doc ") + type);
+    EXPECT_EQ(doc.code, 0) << type << doc.err;
+    EXPECT_TRUE(has(doc.out, expected)) << type << "\n" << doc.out;
+  }
+  for (const std::string_view idle : acceptedWithoutEffect())
+    EXPECT_TRUE(has(stroma("doc " + std::string(idle)).out, "without effect")) << idle;
+}
+
+}  // namespace
+}  // namespace stroma::test
