@@ -175,7 +175,7 @@ std::string brokenForTroff(const std::string& text) {
   std::string out;
   std::size_t column = 0;
   for (std::string word; in >> word;) {
-    const bool starts_line = out.empty() || column + word.size() > 76;
+    const bool starts_line = out.empty() || column + word.size() > 70;
     if (!out.empty()) out += starts_line ? '\n' : ' ';
     if (starts_line && (word[0] == '.' || word[0] == '\'')) out += "\\&";
     out += word;

@@ -20,21 +20,15 @@ constexpr const char* number = "[\\-+]?([0-9]+[.]?[0-9]*|[.][0-9]+)([eE][\\-+]?[
 constexpr const char* whole = "[\\-+]?[0-9]+";
 constexpr const char* rising = "[0-9]+-[0-9]+(-[0-9]+)?";
 
-struct UnitPatterns {
-  std::string in_list;  ///< factors in a row, in one word
-  std::string at_end;   ///< with spaces
-};
-
-/// From every name of a unit with its prefixes, which takes a while: for this command only.
-const UnitPatterns& unitPatterns() {
-  static const UnitPatterns patterns = [] {
+/// A unit at the end of a value, from every name with its prefixes. Made when it is asked for, as no other command needs it.
+const std::string& unitPattern() {
+  static const std::string all = [] {
     std::string names = "°";
     for (const std::string& name : unitNames()) names += "|" + (name[0] == 'u' ? "[uµμ]" + name.substr(1) : name);
     const std::string factor = "(" + names + ")(\\^-?[0-9]|[²³⁴]|⁻[¹²³])?";
-    return UnitPatterns{"(1?[*/.·⋅(])*" + factor + "([*/.·⋅()]+" + factor + ")*[)]?",
-                        "(1? ?[*/.·⋅(] ?)*" + factor + "(( |[*/.·⋅()])+" + factor + ")*[)]?"};
+    return "(1? ?[*/.·⋅(] ?)*" + factor + "(( |[*/.·⋅()])+" + factor + ")*[)]?";
   }();
-  return patterns;
+  return all;
 }
 
 /// Words of a list that hold a comma, which a validator cannot look into further.
@@ -56,14 +50,16 @@ SchemaAlternative listOf(std::vector<SchemaAlternative> items) {
 SchemaAlternative link() { return pattern("@.*"); }
 
 /// A number with a unit, or a fraction: "10 kPa", "1/20 s", "1/20".
-SchemaAlternative quantity() {
-  return pattern(fmt::format("{0} ?/ ?{0}( ?{1})?|{0} ?{1}", number, unitPatterns().at_end));
+SchemaAlternative quantity() { return pattern(fmt::format("{0} ?/ ?{0}( ?{1})?|{0} ?{1}", number, unitPattern())); }
+
+/// Numbers of which the last has a unit, its own or that of all: how large they are in SI is more than a pattern knows.
+SchemaAlternative quantities() {
+  const std::string item = fmt::format("{0}( ?/ ?{0})?", number);
+  return pattern(fmt::format("({0}( ?{1})?[ ,]+)*{0} ?{1}", item, unitPattern()));
 }
 
 /// Three numbers, with a unit after each, after the last one, or none.
-SchemaAlternative vector() {
-  return pattern(exactly(fmt::format("{0}( ?/ ?{0})?( ?{1})?", number, unitPatterns().at_end), 3));
-}
+SchemaAlternative vector() { return pattern(exactly(fmt::format("{0}( ?/ ?{0})?( ?{1})?", number, unitPattern()), 3)); }
 
 // ---- ranges ----
 
@@ -117,9 +113,9 @@ std::vector<SchemaAlternative> numberOrNumbers(const std::string& kind, const Ra
   if (kind == "real") return {numeric(Kind::real, range), quantity()};
   if (kind == "integer") return {numeric(Kind::integer, range)};
   if (kind == "reals" || kind == "vectors")
-    return {listOf({numeric(Kind::real, range), pattern(withCommas(number)),
-                    pattern(fmt::format("{0}/{0}({1})?,?|{0}{1},?", number, unitPatterns().in_list)),
-                    pattern(unitPatterns().in_list + ",?|[*/·⋅]|1/?")})};
+    return {
+        listOf({numeric(Kind::real, range), pattern(withCommas(number)), pattern(fmt::format("{0}/{0},?", number))}),
+        quantities()};
   if (kind == "indices") return {listOf({numeric(Kind::integer, range), pattern(withCommas("[0-9]+"))})};
   return {listOf(
       {numeric(Kind::integer, range), pattern(rising), pattern(withCommas(fmt::format("{}|{}", whole, rising)))})};
