@@ -16,7 +16,7 @@ using Kind = SchemaAlternative::Kind;
 
 // ---- patterns; white space has been made single spaces, and commas separate too ----
 
-constexpr const char* number = "[\\-+]?([0-9]+[.]?[0-9]*|[.][0-9]+)([eE][\\-+]?[0-9]+)?";
+constexpr const char* number = "[\\-+]?([0-9]+([.][0-9]*)?|[.][0-9]+)([eE][\\-+]?[0-9]+)?";
 constexpr const char* whole = "[\\-+]?[0-9]+";
 constexpr const char* rising = "[0-9]+-[0-9]+(-[0-9]+)?";
 
@@ -53,9 +53,10 @@ SchemaAlternative link() { return pattern("@.*"); }
 SchemaAlternative quantity() { return pattern(fmt::format("{0} ?/ ?{0}( ?{1})?|{0} ?{1}", number, unitPattern())); }
 
 /// Numbers of which the last has a unit, its own or that of all: how large they are in SI is more than a pattern knows.
+/// At most 64: validators that backtrack take minutes over thousands.
 SchemaAlternative quantities() {
   const std::string item = fmt::format("{0}( ?/ ?{0})?", number);
-  return pattern(fmt::format("({0}( ?{1})?[ ,]+)*{0} ?{1}", item, unitPattern()));
+  return pattern(fmt::format("({0}( ?{1})?[ ,]+){{0,63}}{0} ?{1}", item, unitPattern()));
 }
 
 /// Three numbers, with a unit after each, after the last one, or none.
