@@ -197,7 +197,7 @@ std::string faultText(const WrittenBody& body, const Factors& factors) {
                         inWords(q, ranges[q].low), inWords(q, ranges[q].high));
   if (!text.empty()) return text;
   const bool is_known = isKnown(body, body_density) && isKnown(body, body_gravity);
-  return fmt::format("density x gravity x size is {}{:.2g} times {}: the body is too heavy for its stiffness",
+  return fmt::format("density x gravity x size is {}{:.3g} times {}: the body is too heavy for its stiffness",
                      is_known ? "" : "for tissue on earth ", weightOf(body, factors), nameOf(body, body_modulus));
 }
 

@@ -26,6 +26,7 @@ T parsed(const std::string& text, const std::string& unit) {
 template <class T>
 Problem refused(const std::string& text, const std::string& unit) {
   T value{};
+  if constexpr (std::is_same_v<T, Vec3>) value.setZero();
   const T before = value;
   Data data("value", &value);
   const auto problem = data.unit(unit).parse(text, DataOrigin::written);

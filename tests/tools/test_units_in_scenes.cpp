@@ -272,14 +272,17 @@ struct Body {
 };
 
 std::string bodyScene(const Body& body) {
-  return fmt::format(R"(<Node name="root" {}>
-  <EulerImplicitSolver/><CGLinearSolver/>
+  return fmt::format(
+      R"(<Node name="root" {}>
+  {}<CGLinearSolver/>
   <RegularGridTopology name="grid" n="3 3 3" min="0 0 0" max="{}"/>
   <MechanicalObject/>
   {}
   <HexahedronFEMForceField name="fem" youngModulus="{}" poissonRatio="0.45"/>
 </Node>)",
-                     body.gravity, body.max, body.mass, body.young);
+      body.gravity,
+      *body.mass ? "<EulerImplicitSolver/>" : "<StaticSolver/><FixedProjectiveConstraint indices='0 1 2 3 4 5 6 7 8'/>",
+      body.max, body.mass, body.young);
 }
 
 TEST_F(UnitsInScenes, ConsistentOnesRaiseNoDoubt) {
@@ -343,9 +346,9 @@ TEST_F(UnitsInScenes, NumbersThatFitNoSystemAreDoubted) {
       // millimetres, kilopascals and tonnes, with the gravity of metres
       {{"", "100 80 60", "<DiagonalMass name='mass' massDensity='1.06e-9'/>", "10"},
        3,
-       {"read in mm, t, s:", "youngModulus 10 MPa", "gravity is outside",
-        "write gravity=\"0 -9810 0\" if mm, t, s are meant, else with units", "\"mm\" after the lengths of /grid",
-        "youngModulus=\"10 kPa\"", "massDensity=\"1.06e-09 t/mm^3\""}},
+       {"read in mm, t, s:", "youngModulus 10 MPa", "gravity is outside", "write gravity=\"0 -9810 0\" on / (",
+        "if mm, t, s are meant, else with units", "\"mm\" after the lengths of /grid", "youngModulus=\"10 kPa\"",
+        "massDensity=\"1.06e-09 t/mm^3\""}},
       // gravity in millimetres
       {{"gravity='0 0 -9810'", "0.1 0.08 0.06", tissue, "10000"}, 1, {"gravity=\"0 0 -9810 mm/s^2\""}},
       // units here and none there: what has none is SI
