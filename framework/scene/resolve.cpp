@@ -58,9 +58,12 @@ class Resolver {
  private:
   /// At most what the limits leave is read: a huge file or many small ones cost a sentence, not memory.
   bool readText(const std::string& file, const SourceLocation& where, std::string& text) {
-    std::ifstream in(file, std::ios::binary);
     std::error_code none;
-    if (!in || fs::is_directory(file, none))
+    // what is included can be a pipe, which would be waited for; the scene itself may come from one
+    const bool is_waited_for = !chain_.empty() && !fs::is_regular_file(file, none);
+    std::ifstream in;
+    if (!is_waited_for) in.open(file, std::ios::binary);
+    if (is_waited_for || !in || fs::is_directory(file, none))
       return diagnostics_.error(where, {}, "the file " + file + " cannot be read"), false;
     std::vector<char> chunk(1 << 16);
     while (in && text.size() <= limits_.file_bytes) {

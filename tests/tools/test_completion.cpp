@@ -80,25 +80,50 @@ TEST_F(Completion, SettingsComeFromTheSceneOnTheLine) {
     EXPECT_EQ(asked(std::string("run ") + words), "") << words;
 }
 
+TEST_F(Completion, OnlyPlainNamesOfASceneAreOffered) {
+  for (const char* name : {"$(touch PWNED)", "`touch PWNED`", "two words", ";ls", "a&amp;b", "a|b", "a&#10;=/evil",
+                           "a&#9;b", "&#27;[31m", "&quot;", "\\", "*", "~root", "{a,b}", "!!", "#no",
+                           "a\xC2\x9B"
+                           "b"}) {
+    write("hostile.xml", std::string("<Node><Node name=\"") + name + "\"/><Node name=\"plain_1-a\"/></Node>");
+    EXPECT_EQ(asked("run hostile.xml --set /"), "+/plain_1-a/\n") << name;
+    write("hostile.xml",
+          std::string("<Node><HexahedronFEMForceField name='fem' youngModulus=\"") + name + "\"/></Node>");
+    const std::string value = asked("run hostile.xml --set /fem.youngModulus=");
+    EXPECT_TRUE(value.empty()) << value;
+    const std::string beside = stroma("__complete run hostile.xml --set /fem.youngM").out;
+    EXPECT_EQ(std::count(beside.begin(), beside.end(), '\n'), 1) << beside;
+    EXPECT_FALSE(has(beside, "\x1B") || has(beside, "\xC2\x9B")) << beside;
+  }
+}
+
+TEST_F(Completion, APipeIsNotWaitedFor) {
+  ASSERT_EQ(shell("mkfifo pipe.xml").code, 0);
+  write("waits.xml", "<Node><include href='pipe.xml'/></Node>");
+  const Finished asked = shell("timeout 20 ./stroma __complete run waits.xml --set /");
+  EXPECT_EQ(asked.code, 0);
+  EXPECT_EQ(asked.out, "");
+  EXPECT_EQ(shell("timeout 20 ./stroma __complete run pipe.xml --set /").code, 0);
+  const Finished check = shell("timeout 20 ./stroma check waits.xml");
+  EXPECT_EQ(check.code, 2);
+  EXPECT_TRUE(has(check.out + check.err, "pipe.xml cannot be read")) << check.out << check.err;
+}
+
 // ---- the shells ----
 
-/// Completes a line as bash does: COMP_WORDS are split at blanks, = and :.
+/// A scene with names that a shell would run, beside a good one.
+constexpr const char* hostile =
+    "<Node><Node name='$(touch PWNED)'/><Node name='`touch PWNED`'/><Node name=';touch PWNED;'/><Node name='two "
+    "words'/>"
+    "<Node name='a&#10;+/$(touch PWNED)'/><Node name='good'/></Node>";
+
+/// Completes a line as bash does, which replaces what stands behind a blank, = or :. An interactive bash is in
+/// test_completion_in_bash.py.
 constexpr const char* bash_harness = R"(
 source script.bash
 answers() {
-  COMP_LINE=$1 COMP_POINT=${#1} COMP_WORDS=()
-  local word="" i letter
-  for ((i = 0; i < ${#1}; i++)); do
-    letter=${1:i:1}
-    case $letter in
-      ' ') [[ -n $word ]] && COMP_WORDS+=("$word"); word="" ;;
-      [=:]) [[ -n $word && $word != [=:]* ]] && { COMP_WORDS+=("$word"); word=""; }; word+=$letter ;;
-      *) [[ $word == [=:]* ]] && { COMP_WORDS+=("$word"); word=""; }; word+=$letter ;;
-    esac
-  done
-  if [[ $word == [=:]* ]]; then COMP_WORDS+=("$word" ""); else COMP_WORDS+=("$word"); fi
-  COMP_CWORD=$((${#COMP_WORDS[@]} - 1))
-  _stroma
+  COMP_LINE=$1 COMP_POINT=${#1}
+  _stroma stroma "${1##*[ =:]}" ""
   echo "${COMPREPLY[*]}"
 }
 )";
@@ -168,6 +193,18 @@ TEST_F(Completion, ZshOffersIt) {
     EXPECT_EQ(said("zsh -f", std::string("LINE_TO_COMPLETE='") + line + "'\n" + zsh_harness),
               std::string(expected) + "\n")
         << line;
+}
+
+TEST_F(Completion, NoShellRunsANameOfAScene) {
+  write("hostile.xml", hostile);
+  const std::string line = "stroma run hostile.xml --set /", good = "/good/";
+  if (isInstalled("bash")) EXPECT_EQ(said("bash --norc", bash_harness + ("answers '" + line + "'\n")), good + "\n");
+  if (isInstalled("fish"))
+    EXPECT_EQ(said("HOME=\"$PWD\" fish --no-config", "source script.fish\ncomplete -C '" + line + "'\n"), good + "\n");
+  if (isInstalled("zsh"))
+    EXPECT_EQ(said("zsh -f", "LINE_TO_COMPLETE='" + line + "'\n" + zsh_harness),
+              "stroma run hostile.xml --set " + good + "\n");
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "PWNED"));
 }
 
 TEST_F(Completion, AnotherShellIsRefused) {

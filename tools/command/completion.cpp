@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <map>
 
 #include "framework/scene/modules.h"
@@ -39,6 +40,25 @@ const Option* optionOf(const OptionList& options, const std::string& word) {
         name == option->canonical_display_name(po::command_line_style::allow_dash_for_short))
       return option.get();
   return nullptr;
+}
+
+/// Only letters and marks that mean nothing to any shell. A scene of somebody else may have other names; they are not
+/// offered, whatever a shell would do with them.
+bool isPlain(std::string_view text) {
+  return std::ranges::all_of(text, [](unsigned char c) {
+    return (c < 0x80 && std::isalnum(c)) || std::string_view("_.:+-/=@,%").find(char(c)) != std::string_view::npos;
+  });
+}
+
+/// Without control characters, in ASCII and of UTF-8: terminals obey them.
+std::string withoutControls(std::string text) {
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const auto c = static_cast<unsigned char>(text[i]),
+               next = static_cast<unsigned char>(text[std::min(i + 1, text.size() - 1)]);
+    if (c < 0x20 || c == 0x7f) text[i] = ' ';
+    if (c == 0xc2 && next < 0xa0) text.replace(i, 2, " ");
+  }
+  return text;
 }
 
 /// Up to the end of its first part: descriptions stand beside the words.
@@ -168,7 +188,7 @@ std::vector<Candidate> complete(const std::vector<std::string>& words) {
     std::vector<Candidate> list = atCursor(words);
     std::erase_if(list, [&](const Candidate& candidate) {
       return (candidate.kind == Kind::word || candidate.kind == Kind::start) &&
-             !candidate.text.starts_with(words.back());
+             !(candidate.text.starts_with(words.back()) && isPlain(candidate.text));
     });
     return list;
   } catch (const std::exception&) {
@@ -181,7 +201,7 @@ namespace {
 /// One line per candidate: its kind, its text, a tab and its description. `=` a word, `+` a beginning, `f` files, `d` folders.
 void print(const Candidate& candidate) {
   static constexpr const char* marks = "=+fd";
-  fmt::print("{}{}\t{}\n", marks[int(candidate.kind)], candidate.text, candidate.description);
+  fmt::print("{}{}\t{}\n", marks[int(candidate.kind)], candidate.text, withoutControls(candidate.description));
 }
 
 CommandLine hiddenLine() { return {{}, OptionList("options"), {}}; }

@@ -12,19 +12,19 @@ function __stroma_complete
                 set -l patterns (string split ' ' -- (string split -f 1 \t -- $text))
                 for file in (__fish_complete_path (string replace -r -- '^--[^=]*=' '' $typed) | string split -f 1 \t)
                     if string match -q -- '*/' $file
-                        echo "$front$file"
+                        printf '%s\n' "$front$file"
                         continue
                     end
                     for pattern in $patterns
-                        string match -q -- $pattern (string replace -r '.*/' '' $file); and echo "$front$file"; and break
+                        string match -q -- $pattern (string replace -r '.*/' '' $file); and printf '%s\n' "$front$file"; and break
                     end
                 end
             case d
                 for folder in (__fish_complete_directories (string replace -r -- '^--[^=]*=' '' $typed))
-                    echo "$front$folder"
+                    printf '%s\n' "$front$folder"
                 end
             case '*'
-                echo $text
+                printf '%s\n' $text
         end
     end
 end
