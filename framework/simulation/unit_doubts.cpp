@@ -295,10 +295,12 @@ Advice adviceWithin(const UnitSystem& system, const WrittenBody& body) {
 
 // ---- which system is meant, and which body is off in it ----
 
-/// Numbers that are none of things: benchmarks without dimensions have a density of 1, and no gravity or another 1.
+/// Numbers that are none of things: benchmarks without dimensions have a density of 1, and another 1 or a gravity that
+/// no place has.
 bool isWithoutDimensions(const WrittenBody& body) {
   const auto isOne = [&body](Quantity q) { return std::abs(body.value[q] - 1) < 1e-6; };
-  return isOne(body_density) && (isOne(body_gravity) || isOne(body_modulus) || body.value[body_gravity] == 0);
+  return isOne(body_density) &&
+         (isOne(body_gravity) || isOne(body_modulus) || body.value[body_gravity] < ranges[body_gravity].low);
 }
 
 struct Doubt {
