@@ -40,7 +40,10 @@ void MeshLoader::declare(DataTable& table) {
   table.add("rotation", rotation_).unit("degree").help("Euler angles about x, then y, then z");
   table.add("scale3d", scale3d_).unit("-").help("factor for each axis, applied first");
   table.add("scale", scale_).unit("-").help("one factor for the three axes").shorthand();
-  table.add("transformation", transformation_).help("4x4 matrix by rows; replaces translation, rotation and scale");
+  table.add("transformation", transformation_)
+      .help(
+          "4x4 matrix by rows; replaces translation, rotation and scale. Its last column is in metres, whatever unit "
+          "is");
   table.add("flipNormals", flip_normals_).help("turn triangles and quads over");
   table.add("triangulate", triangulate_).help("split quads into triangles");
   table.add("createSubelements", create_subelements_).help("add the faces and edges of the volume cells");
@@ -139,6 +142,9 @@ void MeshLoader::transform() {
       throw ComponentError("the last row of transformation is not that of an affine map", "0 0 0 1");
     linear << m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10];
     shift << m[3], m[7], m[11];
+    if (!unit_.empty() && inSI(1, readLengthUnit(unit_)) != 1 && shift != Vec3::Zero())
+      warn(fmt::format("the last column of transformation is in metres: unit=\"{}\" is that of the file", unit_),
+           fmt::format("write metres, or leave unit out and scale by {}", inSI(1, readLengthUnit(unit_))));
   } else {
     if (!parts) return;
     linear = rotationFromDegrees(rotation_) * scale3d_.asDiagonal();
@@ -177,14 +183,7 @@ void MeshLoader::splitQuads() {
 
 void makeMetres(std::vector<Vec3>& positions, const std::string& unit) {
   if (unit.empty()) return;
-  const Dimension length = readUnit("m").dimension;
-  Unit given;
-  try {
-    given = readUnit(unit);
-  } catch (const ComponentError& error) {
-    throw ComponentError(error.what(), describe(length), error.suggestion);
-  }
-  if (given.dimension != length) throw ComponentError(fmt::format("'{}' is no unit of length", unit), describe(length));
+  const Unit given = readLengthUnit(unit);
   for (Vec3& p : positions)
     for (int i = 0; i < 3; ++i) p[i] = inSI(p[i], given);
 }

@@ -70,11 +70,21 @@ bool readNumber(std::string_view word, bool& out, Failure& why) {
   return false;
 }
 
+/// "1,5" is what many write for 1.5: what to write instead, or empty.
+std::string withPoint(std::string_view word) {
+  const auto isDigit = [word](std::size_t i) { return i < word.size() && word[i] >= '0' && word[i] <= '9'; };
+  const std::size_t comma = word.find(',');
+  if (comma == word.npos || comma == 0 || !isDigit(comma - 1) || !isDigit(comma + 1)) return {};
+  return "write " + std::string(word.substr(0, comma)) + "." + std::string(word.substr(comma + 1));
+}
+
 template <class T>
 bool readScalar(std::string_view text, T& out, Failure& why) {
   const std::string_view word = trimmed(text);
   if (word.empty()) return why.message = "the value is empty", false;
-  return readNumber(word, out, why);
+  if (readNumber(word, out, why)) return true;
+  if (std::is_same_v<T, double> && word.size() < 30) why.suggestion = withPoint(word);
+  return false;
 }
 
 /// Exactly `count` numbers.

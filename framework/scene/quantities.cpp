@@ -18,7 +18,6 @@ using Wide = unsigned __int128;
 constexpr std::string_view spaces = " \t\n\r\f\v", separators = " \t\n\r\f\v,";
 
 bool isDigit(char c) { return c >= '0' && c <= '9'; }
-bool isLetter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
 char at(std::string_view text, std::size_t i) { return i < text.size() ? text[i] : '\0'; }
 
 std::size_t countDigits(std::string_view text, std::size_t from) {
@@ -79,7 +78,7 @@ struct Item {
 
 class ItemReader {
  public:
-  explicit ItemReader(std::string_view text) : rest_(text) {}
+  ItemReader(std::string_view text, const Dimension& wanted) : rest_(text), wanted_(wanted) {}
 
   /// False at the end, and where no number stands: isBroken() tells. Throws ComponentError of a unit.
   bool next(Item& item) {
@@ -103,19 +102,28 @@ class ItemReader {
     return found;
   }
 
+  /// "/20", " / 20".
   void readDivisor(Item& item) {
-    if (at(rest_, 0) != '/' || !(isDigit(at(rest_, 1)) || at(rest_, 1) == '.')) return;
-    rest_.remove_prefix(1);
+    const std::string_view before = rest_;
+    skip(spaces);
+    const bool divides = at(rest_, 0) == '/';
+    if (divides) rest_.remove_prefix(1), skip(spaces);
+    if (!divides || !(isDigit(at(rest_, 0)) || at(rest_, 0) == '.')) return void(rest_ = before);
     item.divisor = number(false);
     broken_ = item.divisor.empty();
   }
 
   /// "1/" before a letter begins a unit, and no number.
   static bool startsUnit(std::string_view text) {
-    const auto isNamed = [text](std::size_t i) {
-      return isLetter(at(text, i)) || at(text, i) == '(' || at(text, i) == '%';
+    const auto skipOver = [&text](char c) {
+      if (at(text, 0) != c) return;
+      text.remove_prefix(1);
+      text.remove_prefix(std::min(text.find_first_not_of(spaces), text.size()));
     };
-    return isNamed(0) || (at(text, 0) == '/' && isNamed(1)) || (text.starts_with("1/") && isNamed(2));
+    if (const std::string_view after = trimmed(text.substr(std::min<std::size_t>(1, text.size()))); at(after, 0) == '/')
+      skipOver('1');
+    skipOver('/');
+    return isLetter(at(text, 0)) || at(text, 0) == '(' || at(text, 0) == '%';
   }
 
   void readUnit(Item& item) {
@@ -123,11 +131,12 @@ class ItemReader {
     skip(spaces);
     if (!startsUnit(rest_)) return void(rest_ = before);
     const std::string_view start = rest_;
-    item.unit = readUnitFront(rest_);
+    item.unit = readUnitFront(rest_, &wanted_);
     item.unit_text = start.substr(0, start.size() - rest_.size());
   }
 
   std::string_view rest_;
+  Dimension wanted_;
   bool broken_ = false;
 };
 
@@ -139,9 +148,17 @@ struct Layout {
   std::string wrong;  ///< a sentence on the first unit that is not of the wanted dimension
 };
 
+/// What a unit of another dimension is.
+std::string wrongUnit(const Item& item) {
+  const std::string unit = inQuotes(item.unit_text), kind = describe(item.unit->dimension);
+  if (item.unit->dimension == Dimension{}) return unit + " is the unit of a pure number";
+  const auto end = std::min(kind.find(','), kind.find(" ("));
+  return end == kind.npos ? unit + " is of another dimension" : unit + " is the unit of " + kind.substr(0, end);
+}
+
 Layout layoutOf(std::string_view text, const Dimension& wanted) {
   Layout layout;
-  ItemReader reader(text);
+  ItemReader reader(text, wanted);
   for (Item item; reader.next(item);) {
     ++layout.numbers;
     layout.has_fraction = layout.has_fraction || !item.divisor.empty();
@@ -149,12 +166,20 @@ Layout layoutOf(std::string_view text, const Dimension& wanted) {
     if (!item.unit) continue;
     ++layout.with_unit;
     if (item.unit->dimension == wanted || !layout.wrong.empty()) continue;
-    const std::string kind = describe(item.unit->dimension);
-    layout.wrong =
-        inQuotes(item.unit_text) + " is the unit of " + kind.substr(0, std::min(kind.find(','), kind.find(" (")));
+    layout.wrong = wrongUnit(item);
   }
   layout.is_broken = reader.isBroken();
   return layout;
+}
+
+/// "1,5 kPa" would be the two numbers 1 kPa and 5 kPa.
+void refuseDecimalComma(std::string_view text) {
+  const std::size_t comma = text.find(',');
+  if (comma == text.npos || comma == 0 || !isDigit(text[comma - 1]) || !isDigit(at(text, comma + 1))) return;
+  std::string with_point(trimmed(text)), with_space = with_point;
+  with_point[with_point.find(',')] = '.', with_space[with_space.find(',')] = ' ';
+  throw ComponentError("a comma separates numbers, and " + inQuotes(trimmed(text)) + " may mean one",
+                       inQuotes(with_point) + ", or " + inQuotes(with_space) + " for two numbers");
 }
 
 /// None where `text` is to be refused as if there were no units: it has none, or a word that the attribute would not
@@ -176,6 +201,7 @@ std::optional<Layout> layoutFor(std::string_view text, const std::optional<Unit>
       layout.with_unit == 0 || layout.with_unit == layout.numbers || (layout.with_unit == 1 && layout.last_has_unit);
   if (!is_clear)
     throw ComponentError("some of the numbers have a unit", "one unit at the end for all numbers, or one after each");
+  if (layout.numbers == 2 && layout.with_unit == 1) refuseDecimalComma(text);
   return layout;
 }
 
@@ -268,8 +294,10 @@ std::optional<std::string> withoutUnits(std::string_view written, std::string_vi
   if (!layout) return {};
   const Unit to = own.value_or(Unit{}), otherwise = layout->last.value_or(to);
   std::string out;
-  ItemReader reader(text);
+  ItemReader reader(text, to.dimension);
   for (Item item; reader.next(item);) {
+    if (!item.divisor.empty() && decimalOf(item.divisor).digits == 0)
+      throw ComponentError(inQuotes(trimmed(written)) + " divides by zero", "another number after the /");
     const std::optional<double> value = valueOf(item, item.unit.value_or(otherwise), to);
     if (!value) throw ComponentError(inQuotes(item.number) + " with its unit or divisor does not fit a double");
     out += (out.empty() ? "" : " ") + printReal(*value);
@@ -280,7 +308,7 @@ std::optional<std::string> withoutUnits(std::string_view written, std::string_vi
 bool hasUnit(std::string_view text) {
   const std::string plain = plainUnitText(text);
   try {
-    ItemReader reader(plain);
+    ItemReader reader(plain, Dimension{});
     for (Item item; reader.next(item);)
       if (item.unit) return true;
   } catch (const ComponentError&) {

@@ -40,7 +40,8 @@ constexpr Symbol symbols[] = {{"m", {length}, "mcukdn"},
                               {"deg", {angle, 1, 18, -1, 1}},
                               {"degree", {angle, 1, 18, -1, 1}},
                               {"degrees", {angle, 1, 18, -1, 1}},
-                              {"N", {force}, "mkMun"},
+                              {"N", {force}, "mkMuncp"},
+                              {"daN", {force, 1, 1, 1}},
                               {"dyn", {force, 1, 1, -5}},
                               {"kgf", {force, 980665, 1, -5}},
                               {"lbf", {force, 44482216152605, 1, -13}},
@@ -59,13 +60,15 @@ constexpr Symbol symbols[] = {{"m", {length}, "mcukdn"},
 
 /// What people write for it: too far from the name to be found as the nearest.
 constexpr std::pair<std::string_view, std::string_view> spelt_out[] = {
-    {"sec", "s"},         {"second", "s"},      {"seconds", "s"}, {"msec", "ms"},       {"minute", "min"},
-    {"minutes", "min"},   {"hr", "h"},          {"hour", "h"},    {"hours", "h"},       {"meter", "m"},
-    {"meters", "m"},      {"metre", "m"},       {"metres", "m"},  {"millimeter", "mm"}, {"millimetre", "mm"},
-    {"centimeter", "cm"}, {"centimetre", "cm"}, {"micron", "um"}, {"newton", "N"},      {"Newton", "N"},
-    {"pascal", "Pa"},     {"Pascal", "Pa"},     {"gram", "g"},    {"kilogram", "kg"},   {"ton", "t"},
-    {"litre", "L"},       {"liter", "L"},       {"cc", "mL"},     {"radian", "rad"},    {"radians", "rad"},
-    {"Torr", "mmHg"},     {"mmhg", "mmHg"},     {"percent", "%"}, {"dyne", "dyn"}};
+    {"sec", "s"},         {"second", "s"},      {"seconds", "s"},  {"msec", "ms"},       {"minute", "min"},
+    {"minutes", "min"},   {"hr", "h"},          {"hour", "h"},     {"hours", "h"},       {"meter", "m"},
+    {"meters", "m"},      {"metre", "m"},       {"metres", "m"},   {"millimeter", "mm"}, {"millimetre", "mm"},
+    {"centimeter", "cm"}, {"centimetre", "cm"}, {"micron", "um"},  {"newton", "N"},      {"Newton", "N"},
+    {"pascal", "Pa"},     {"Pascal", "Pa"},     {"gram", "g"},     {"kilogram", "kg"},   {"ton", "t"},
+    {"litre", "L"},       {"liter", "L"},       {"cc", "mL"},      {"radian", "rad"},    {"radians", "rad"},
+    {"Nm", "N m"},        {"Ns", "N s"},        {"Pas", "Pa s"},   {"kNm", "kN m"},      {"mNm", "mN m"},
+    {"Nmm", "N mm"},      {"mNs", "mN s"},      {"kPas", "kPa s"}, {"mPas", "mPa s"},    {"Torr", "mmHg"},
+    {"mmhg", "mmHg"},     {"percent", "%"},     {"dyne", "dyn"}};
 
 /// Of each dimension that attributes have: what it is, and units that are usual for it.
 struct Kind {
@@ -95,18 +98,26 @@ constexpr Kind kinds[] = {{"m", "a length", "m, cm, mm"},
                           {"B", "an amount of memory", "MB, GB"}};
 
 int tenOfPrefix(char prefix) {
-  constexpr std::string_view names = "numcdhkMG";
-  constexpr int tens[] = {-9, -6, -3, -2, -1, 2, 3, 6, 9};
+  constexpr std::string_view names = "pnumcdhkMG";
+  constexpr int tens[] = {-12, -9, -6, -3, -2, -1, 2, 3, 6, 9};
   return tens[names.find(prefix)];
 }
 
-[[noreturn]] void refuseName(std::string_view name) {
-  for (const auto& [written, right] : spelt_out)
-    if (written == name) throw ComponentError(inQuotes(name) + " is not a unit", "a unit", std::string(right));
-  throw ComponentError(inQuotes(name) + " is not a unit", "a unit", nearest(name, unitNames()));
+/// The names that may have been meant: of one dimension when it is given.
+std::vector<std::string> namesOf(const Dimension* wanted) {
+  std::vector<std::string> names = unitNames();
+  if (wanted) std::erase_if(names, [wanted](const std::string& each) { return readUnit(each).dimension != *wanted; });
+  return names;
 }
 
-Unit unitNamed(std::string_view name) {
+[[noreturn]] void refuseName(std::string_view name, const Dimension* wanted) {
+  for (const auto& [written, right] : spelt_out)
+    if (written == name && (!wanted || readUnit(right).dimension == *wanted))
+      throw ComponentError(inQuotes(name) + " is not a unit", "a unit", std::string(right));
+  throw ComponentError(inQuotes(name) + " is not a unit", "a unit", nearest(name, namesOf(wanted)));
+}
+
+std::optional<Unit> unitNamed(std::string_view name) {
   for (const Symbol& symbol : symbols)
     if (symbol.name == name) return symbol.unit;
   for (const Symbol& symbol : symbols) {
@@ -116,7 +127,7 @@ Unit unitNamed(std::string_view name) {
     unit.ten += tenOfPrefix(name[0]);
     return unit;
   }
-  refuseName(name);
+  return {};
 }
 
 [[noreturn]] void refuseSize() { throw ComponentError("the unit has too large powers", "a unit such as m^2/(Pa s)"); }
@@ -153,18 +164,17 @@ Unit power(const Unit& unit, int exponent) {
   return out;
 }
 
-bool isLetter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
-
 /// unit := ["1"] ["/"] factor {separator factor}; the separator is a space, * or . for a product, or /.
 class UnitReader {
  public:
-  explicit UnitReader(std::string_view text) : rest_(text) {}
+  explicit UnitReader(std::string_view text, const Dimension* wanted = nullptr) : rest_(text), wanted_(wanted) {}
   std::string_view rest() const { return rest_; }
 
   Unit read(int depth = 0) {
     constexpr int deepest = 8;
     if (depth > deepest) refuseSize();
     skipSpaces();
+    if (depth == 0) start_ = rest_;
     bool divides = startsReciprocal();
     if (divides) rest_.remove_prefix(rest_.find('/') + 1);
     Unit unit = power(factor(depth), divides ? -1 : 1);
@@ -180,7 +190,16 @@ class UnitReader {
     return peek() == '1' && rest_.find_first_not_of(" \t\r\n", 1) != rest_.npos &&
            rest_[rest_.find_first_not_of(" \t\r\n", 1)] == '/';
   }
-  bool startsFactor() const { return isLetter(peek()) || peek() == '(' || peek() == '%'; }
+  bool startsFactor() const { return isLetter(peek()) || peek() == '('; }
+
+  /// Nothing of the unit before a name that was just taken, and nothing after it.
+  bool isAlone(std::string_view name) const {
+    const std::string_view after = trimmed(rest_);
+    const bool has_power = !rest_.empty() && std::string_view(" \t\r\n,").find(rest_[0]) == rest_.npos;
+    const bool has_factor =
+        !after.empty() && (isLetter(after[0]) || std::string_view("*/(").find(after[0]) != after.npos);
+    return name.data() == start_.data() && !has_power && !has_factor;
+  }
 
   /// What stands before the next factor, if there is one. After a division only another one is clear.
   bool separator(bool& divides) {
@@ -189,6 +208,7 @@ class UnitReader {
     const bool product = peek() == '*' || (peek() == '.' && isLetter(peek(1)));
     const bool division = peek() == '/';
     if (product || division) rest_.remove_prefix(1), skipSpaces();
+    if (peek() == '%') refusePercent();
     if (!product && !division && !startsFactor()) return rest_ = before, false;
     if (divides && !division)
       throw ComponentError("what follows the division may belong above or below it",
@@ -207,9 +227,23 @@ class UnitReader {
       if (peek() != ')') throw ComponentError("a bracket of the unit is not closed", ")");
       rest_.remove_prefix(1);
     } else {
-      unit = unitNamed(name());
+      const std::string_view written = name();
+      const std::optional<Unit> known = unitNamed(written);
+      if (!known) refuseName(written, isAlone(written) ? wanted_ : nullptr);
+      unit = *known;
+      if (written == "%") return refuseFactorsOfPercent(), unit;
     }
     return power(unit, exponent());
+  }
+
+  [[noreturn]] static void refusePercent() {
+    throw ComponentError("% is a unit of its own and no factor of one", "a unit without %");
+  }
+  void refuseFactorsOfPercent() {
+    const std::string_view before = rest_;
+    skipSpaces();
+    if (startsFactor() || peek() == '*' || peek() == '/' || peek() == '^') refusePercent();
+    rest_ = before;
   }
 
   std::string_view name() {
@@ -242,13 +276,14 @@ class UnitReader {
     return value;
   }
 
-  std::string_view rest_;
+  std::string_view rest_, start_;
+  const Dimension* wanted_;
 };
 
 }  // namespace
 
-Unit readUnitFront(std::string_view& text) {
-  UnitReader reader(text);
+Unit readUnitFront(std::string_view& text, const Dimension* wanted) {
+  UnitReader reader(text, wanted);
   const Unit unit = reader.read();
   text = reader.rest();
   return unit;
@@ -262,6 +297,18 @@ Unit readUnit(std::string_view written) {
   if (!trimmed(reader.rest()).empty())
     throw ComponentError(inQuotes(written) + " is not a unit", "a unit such as m^2/(Pa s)");
   return unit;
+}
+
+Unit readLengthUnit(std::string_view text) {
+  try {
+    std::string plain = plainUnitText(trimmed(text));
+    std::string_view rest = plain;
+    const Unit unit = readUnitFront(rest, &length);
+    if (unit.dimension == length && trimmed(rest).empty()) return unit;
+  } catch (const ComponentError& error) {
+    throw ComponentError(error.what(), describe(length), error.suggestion);
+  }
+  throw ComponentError(inQuotes(text) + " is no unit of length", describe(length));
 }
 
 std::optional<Unit> findUnit(std::string_view text) {

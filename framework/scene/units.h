@@ -14,7 +14,7 @@ namespace stroma {
 /// Exponents of metre, kilogram, second, radian and byte. An angle counts: 1 Hz is not 1 rad/s.
 using Dimension = std::array<int, 5>;
 
-/// A unit is 10^ten * numerator / denominator * pi^pi of the SI unit of its dimension, without any rounding.
+/// A unit is 10^ten * numerator / denominator * pi^pi of the SI unit of its dimension. All are whole numbers.
 struct Unit {
   Dimension dimension{};
   std::uint64_t numerator = 1, denominator = 1;
@@ -25,8 +25,15 @@ struct Unit {
 /// nearest right name.
 Unit readUnit(std::string_view text);
 
-/// The same of a unit at the front of `text`, which then holds what follows.
-Unit readUnitFront(std::string_view& text);
+/// The same of a unit at the front of `text`, which then holds what follows. With `wanted`, what is suggested for an
+/// unknown name that stands alone is of this dimension.
+Unit readUnitFront(std::string_view& text, const Dimension* wanted = nullptr);
+
+/// readUnit() of a length. Throws ComponentError for another dimension too.
+Unit readLengthUnit(std::string_view text);
+
+/// Of the names of units, whatever the locale.
+constexpr bool isLetter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
 
 /// `text` with "u" for the micro sign, "^2" for a raised 2 and the like: what readUnitFront() reads.
 std::string plainUnitText(std::string_view text);
@@ -39,7 +46,10 @@ std::string describe(const Dimension& dimension);
 
 /// Numbers with units as the plain numbers that they are in the unit `declared` of an attribute; none when `text` has
 /// neither a unit nor a fraction, or cannot be told from a plain mistake. One unit at the end serves all numbers, else
-/// each has its own. `declared` may be two, as "N or N s". Values are exact before their one rounding: "20 ms" has the bits of 0.02. Throws ComponentError.
+/// each has its own. `declared` may be two, as "N or N s". Throws ComponentError.
+///
+/// Where the units differ by a power of ten, the point of the number moves: "20 ms" has the bits of 0.02. With other
+/// units and fractions the first 18 digits of a number count, and the result is rounded once; where pi enters, twice.
 std::optional<std::string> withoutUnits(std::string_view text, std::string_view declared);
 
 /// True when the value of an attribute is written with a unit.
@@ -55,7 +65,7 @@ struct Decimal {
   bool negative = false;
 };
 
-/// (a / b) * unit / declared, rounded once; none when it does not fit a double or b is zero.
+/// (a / b) * unit / declared, rounded once (where pi enters, twice); none when it does not fit a double or b is zero.
 std::optional<double> exactQuotient(const Decimal& a, const Decimal& b, const Unit& unit, const Unit& declared);
 
 /// Every unit with its usual prefixes: for suggestions and the manual.

@@ -2,6 +2,7 @@
 #include "framework/simulation/long_work.h"
 
 #include <fmt/format.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -21,7 +22,26 @@ std::string twoUnits(long small, long per_large, const char* large, const char* 
   return fmt::format("{} {}{}", small / per_large, large, rest > 0 ? fmt::format(" {} {}", rest, unit) : "");
 }
 
+/// The first bytes of a text, whole characters of UTF-8.
+void cut(std::string& text, std::size_t most) {
+  if (text.size() <= most) return;
+  const auto is_inside = [&text](std::size_t at) { return (static_cast<unsigned char>(text[at]) & 0xC0) == 0x80; };
+  while (most > 0 && is_inside(most)) --most;
+  text.resize(most);
+}
+
 }  // namespace
+
+std::size_t terminalWidth() {
+  winsize size{};
+  return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 1 ? size.ws_col - 1u : 79u;
+}
+
+std::string fittedLine(std::string head, std::string tail, std::size_t width) {
+  cut(tail, width);
+  cut(head, width - tail.size());
+  return head + tail;
+}
 
 void tellLongWork(bool wanted) { wanted_at_all = wanted; }
 
@@ -61,8 +81,11 @@ void LongWork::say(double share) {
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
   // the first share says little of the rest
   const std::string to_go = ends || share < 0.02 ? "" : durationText(seconds * (1 - share) / share) + " to go";
-  fmt::print(stderr, "{}{}: {:.0f} %{}{}{}", terminal_ ? "\r\033[K" : "", what_, 100 * share, to_go.empty() ? "" : ", ",
-             to_go, terminal_ && !ends ? "" : "\n");
+  const std::string tail = fmt::format(": {:.0f} %{}{}", 100 * share, to_go.empty() ? "" : ", ", to_go);
+  if (terminal_)
+    fmt::print(stderr, "\r\033[K{}{}", fittedLine(what_, tail, terminalWidth()), ends ? "\n" : "");
+  else
+    fmt::print(stderr, "{}{}\n", what_, tail);
   std::fflush(stderr);
 }
 

@@ -11,6 +11,11 @@ void tellLongWork(bool wanted);
 /// "0.4 s", "12 s", "3 min 20 s", "2 h 5 min", "3 d 4 h".
 std::string durationText(double seconds);
 
+/// Bytes of one line of the terminal on standard error; the last column stays empty.
+std::size_t terminalWidth();
+/// `head` and `tail` in a line of at most `width` bytes: the end of `head` goes first. No character is cut in two.
+std::string fittedLine(std::string head, std::string tail, std::size_t width);
+
 /// Whether long work is telling how far it is: nobody else then writes on the terminal's line.
 bool isTellingLongWork();
 

@@ -4,9 +4,11 @@
 
 namespace stroma {
 
-/// At most one warning: when size, stiffness, density and gravity of a body are those of no thing in any consistent
-/// system of units (m kg s, mm t s, cm g s and the like), which of them is off in the nearest, and what to write.
-/// Silent where one of the four is unknown, and in scenes without dimensions (a density of 1).
+/// At most one warning: when sizes, stiffness, densities and gravity of the bodies are those of no things in any
+/// consistent system of units (m kg s, mm t s, cm g s ...). It is read in the system in which the fewest bodies
+/// are off, names the first of them, and says what to write where that is plain. With a unit anywhere, SI is meant.
+/// Silent on bodies whose moduli are unknown, and on bodies without dimensions: a density of 1, with another 1 or
+/// without gravity, in a scene without units.
 void warnOfUnits(Scene& scene);
 
 }  // namespace stroma

@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <limits>
+#include <unordered_map>
 
 #include "framework/mechanics/state_positions.h"
 #include "framework/mechanics/state_topology.h"
@@ -64,18 +65,22 @@ double volumeOf(const Mesh& mesh) {
   return volume / mesh.overlap;
 }
 
-/// The moduli of a field that is a body's own, as far as they are attributes; the first that is there.
-const Data* moduliOf(const ForceField& field, double& low, double& high) {
-  const Data* first = nullptr;
-  low = std::numeric_limits<double>::infinity(), high = 0;
+/// Adds the moduli of a field that are attributes to those of its body.
+void addModuli(const ForceField& field, WrittenBody& body) {
+  double stiffest = 0;
+  std::vector<Modulus> found;
   for (const Data& data : field.data().all()) {
     const auto* list = std::get_if<std::vector<double>*>(&data.pointer());
     if (data.unitText() != "Pa" || data.isOutput() || !list || (*list)->empty() || data.name() == "pressure") continue;
+    const double largest = *std::max_element((*list)->begin(), (*list)->end());
+    if (!(largest > 0)) continue;
+    stiffest = std::max(stiffest, largest), found.push_back({&field, &data});
     for (const double value : **list)
-      if (value > 0) low = std::min(low, value), high = std::max(high, value);
-    if (high > 0 && !first) first = &data;
+      if (value > 0) body.softest = std::min(body.softest, value);
   }
-  return first;
+  const bool is_stiffer = stiffest > body.value[body_modulus];
+  body.moduli.insert(is_stiffer ? body.moduli.begin() : body.moduli.end(), found.begin(), found.end());
+  if (is_stiffer) body.value[body_modulus] = stiffest;
 }
 
 const Data* massDataOf(const Mass& mass) {
@@ -93,6 +98,38 @@ bool lengthsHaveUnit(const State& state, const Written& written) {
          written.hasUnitOf(source, "cellWidth");
 }
 
+const std::vector<Vec3>* positionsIn(const Component& component) {
+  const Data* data = component.data().find("position");
+  const auto* list = data ? std::get_if<std::vector<Vec3>*>(&data->pointer()) : nullptr;
+  return list ? *list : nullptr;
+}
+
+bool readsFile(const Component& component) {
+  const Data* file = component.data().find("filename");
+  return component.data().find("unit") && file && file->isSet();
+}
+
+/// It has its lengths from the scene, not from another component.
+bool holdsLengths(const Component& component) {
+  const auto isWritten = [&component](const char* name) {
+    const Data* data = component.data().find(name);
+    return data && data->isSet() && data->origin() != DataOrigin::linked && !data->isOutput();
+  };
+  return isWritten("position") || isWritten("max") || isWritten("cellWidth");
+}
+
+/// The first in this node or below that has exactly these positions as its own.
+const Component* findSource(const Node& node, const std::vector<Vec3>& positions) {
+  for (const auto& component : node.components()) {
+    if (!readsFile(*component) && !holdsLengths(*component)) continue;
+    const std::vector<Vec3>* own = positionsIn(*component);
+    if (own && *own == positions) return component.get();
+  }
+  for (const auto& child : node.children())
+    if (const Component* found = findSource(*child, positions)) return found;
+  return nullptr;
+}
+
 }  // namespace
 
 bool hasAnyUnit(const NodeDescription& node) {
@@ -104,49 +141,68 @@ bool hasAnyUnit(const NodeDescription& node) {
 }
 
 const Component& sourceOfLengths(const State& state, bool& is_file) {
-  const auto readsFile = [](const Component& component) {
-    const Data* file = component.data().find("filename");
-    return component.data().find("unit") && file && file->isSet();
-  };
-  is_file = true;
-  for (const Node* node = &state.node(); node; node = node->parent())
-    for (const auto& component : node->components())
-      if (readsFile(*component)) return *component;
-  is_file = false;
   const Topology* topology = topologyOf(state);
-  for (const char* name : {"position", "max", "cellWidth"})
-    if (const Data* data = topology->data().find(name); data && data->isSet()) return *topology;
-  return state;
+  const std::vector<Vec3>& positions = topology ? topology->mesh().position : state.rest_position;
+  const Component* source = nullptr;
+  for (const Node* node = &state.node(); node && !source; node = node->parent()) source = findSource(*node, positions);
+  if (!source) source = topology ? static_cast<const Component*>(topology) : &state;
+  is_file = readsFile(*source);
+  return *source;
 }
 
+namespace {
+
+/// The gravity that is written for a node, which says in what units even where it does not act.
+double writtenGravity(const Node& at) {
+  for (const Node* node = &at; node; node = node->parent())
+    if (node->own_gravity) return node->own_gravity->norm();
+  return 0;
+}
+
+/// A body of a state without fields yet.
+WrittenBody bodyOf(const State& state, const Mass* mass) {
+  WrittenBody body{&state, {}, nullptr, nullptr, {restSize(state), 0, 0, 0}, std::numeric_limits<double>::infinity()};
+  const Topology* topology = topologyOf(state);
+  const double volume = topology ? volumeOf(topology->mesh()) : 0;
+  const Data* data = mass ? massDataOf(*mass) : nullptr;
+  body.value[body_gravity] = writtenGravity(state.node());
+  if (data && volume > 0) {
+    body.mass = mass, body.mass_data = data;
+    body.value[body_density] = mass->totalMass() / volume, body.value[body_gravity] = mass->node().gravity().norm();
+  }
+  return body;
+}
+
+}  // namespace
+
 std::vector<WrittenBody> writtenBodies(const Scene& scene) {
-  const Written written(scene.description.root);
   std::vector<WrittenBody> bodies;
   std::vector<ForceField*> fields;
   std::vector<Mass*> masses;
   scene.root->collect(fields);
   scene.root->collect(masses);
+  std::unordered_map<const State*, const Mass*> mass_of;
+  for (const Mass* mass : masses) mass_of.emplace(&mass->state(), mass);
+  std::unordered_map<const State*, std::size_t> body_of;
   for (const ForceField* field : fields) {
+    if (!field->traits().forces_balance) continue;
     const State& state = field->state();
-    const auto mass = std::find_if(masses.begin(), masses.end(), [&](const Mass* m) { return &m->state() == &state; });
-    double low = 0, high = 0;
-    const Data* moduli = field->traits().forces_balance ? moduliOf(*field, low, high) : nullptr;
-    if (!moduli || mass == masses.end()) continue;
-    const Topology* topology = topologyOf(state);
-    const double volume = topology ? volumeOf(topology->mesh()) : 0, length = restSize(state);
-    const Data* mass_data = massDataOf(**mass);
-    if (!(volume > 0 && length > 0 && mass_data)) continue;
-    bodies.push_back({&state,
-                      field,
-                      moduli,
-                      *mass,
-                      mass_data,
-                      {length, high, (*mass)->totalMass() / volume, (*mass)->node().gravity().norm()},
-                      low,
-                      {lengthsHaveUnit(state, written), written.hasUnitOf(*field, moduli->name()),
-                       written.hasUnitOf(**mass, mass_data->name()), written.gravityHasUnit()}});
+    const auto [at, is_new] = body_of.emplace(&state, bodies.size());
+    const auto mass = mass_of.find(&state);
+    if (is_new) bodies.push_back(bodyOf(state, mass == mass_of.end() ? nullptr : mass->second));
+    addModuli(*field, bodies[at->second]);
   }
+  std::erase_if(bodies, [](const WrittenBody& body) { return body.moduli.empty() || !(body.value[body_size] > 0); });
   return bodies;
+}
+
+std::array<bool, body_quantities.size()> quantitiesWithUnit(const Scene& scene, const WrittenBody& body) {
+  const Written written(scene.description.root);
+  const bool modulus = std::any_of(body.moduli.begin(), body.moduli.end(), [&written](const Modulus& each) {
+    return written.hasUnitOf(*each.field, each.data->name());
+  });
+  return {lengthsHaveUnit(*body.state, written), modulus,
+          body.mass && written.hasUnitOf(*body.mass, body.mass_data->name()), written.gravityHasUnit()};
 }
 
 }  // namespace stroma

@@ -12,25 +12,32 @@ namespace stroma {
 
 /// What a body has that a unit could be wrong of.
 enum Quantity : std::size_t { body_size, body_modulus, body_density, body_gravity };
-constexpr std::array quantities = {body_size, body_modulus, body_density, body_gravity};
+constexpr std::array body_quantities = {body_size, body_modulus, body_density, body_gravity};
 
-/// An elastic body with a mass and a volume, in the scene's own numbers. The components live as long as the scene.
-struct WrittenBody {
-  const State* state;
+/// An attribute that holds moduli.
+struct Modulus {
   const ForceField* field;
-  const Data* modulus;  ///< the first attribute of the field that is one
-  const Mass* mass;
-  const Data* mass_data;                         ///< that gives the mass
-  std::array<double, quantities.size()> value;   ///< of moduli the largest
-  double softest;                                ///< of moduli the smallest
-  std::array<bool, quantities.size()> has_unit;  ///< written so: it is SI
-
-  /// Its density then depends on the unit of length.
-  bool hasMassWithoutDensity() const { return mass_data->name() != "massDensity"; }
+  const Data* data;
 };
 
-/// Every body of a scene whose four quantities are known.
+/// An elastic body in the scene's own numbers: a state with all fields on it. The components live as long as the scene.
+struct WrittenBody {
+  const State* state;
+  std::vector<Modulus> moduli;                       ///< the stiffest field's first
+  const Mass* mass;                                  ///< null: it has none, or none whose volume is known
+  const Data* mass_data;                             ///< that gives the mass
+  std::array<double, body_quantities.size()> value;  ///< of moduli the largest; 0: unknown, or none
+  double softest;                                    ///< of moduli the smallest
+
+  /// Its density then depends on the unit of length.
+  bool hasMassWithoutDensity() const { return mass_data && mass_data->name() != "massDensity"; }
+};
+
+/// Every body of a scene whose size and moduli are known.
 std::vector<WrittenBody> writtenBodies(const Scene& scene);
+
+/// Which quantities of a body are written with a unit, and so are SI.
+std::array<bool, body_quantities.size()> quantitiesWithUnit(const Scene& scene, const WrittenBody& body);
 
 /// True when some attribute of the scene is written with a unit.
 bool hasAnyUnit(const NodeDescription& root);

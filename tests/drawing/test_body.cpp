@@ -2,6 +2,7 @@
 // What of a scene is drawn: closed surfaces that face outwards, cells behind their faces, nodes numbered from the surface in.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "tests/support/scene_fixture.h"
@@ -92,11 +93,40 @@ TEST(Bodies, FieldsOfCellsHaveAValueForEachCell) {
     const std::size_t width = direct.size() / values.size();
     for (std::size_t i = 0; i < values.size(); ++i) {
       double squares = 0;
-      for (std::size_t k = 0; k < width; ++k) squares += direct[width * i + k] * direct[width * i + k];
+      for (std::size_t k = 0; k < width; ++k)  // a shear of a symmetric tensor stands for two
+        squares += (width == 6 && k > 2 ? 2 : 1) * direct[width * i + k] * direct[width * i + k];
       EXPECT_FLOAT_EQ(std::abs(values[i]), float(std::sqrt(squares)));
     }
   }
   EXPECT_GT(fields, 0);
+}
+
+/// A pull of 10 % along an axis strains by E = diag((1.1^2 - 1) / 2, 0, 0), wherever the axis points.
+TEST(Bodies, TheNormOfATensorDoesNotTurnWithTheAxes) {
+  const Simulation simulation = simulationFromText(
+      "<Node name=\"root\"><Node "
+      "name=\"block\"><EulerImplicitSolver/><CGLinearSolver/><TetrahedronSetTopologyContainer "
+      "position=\"0 0 0  1 0 0  0 1 0  0 0 1\" tetrahedra=\"0 1 2 3\"/><MechanicalObject name=\"dofs\"/><UniformMass "
+      "totalMass=\"1\"/><TetrahedronHyperelasticityFEMForceField materialName=\"StableNeoHookean\" "
+      "youngModulus=\"1000\" "
+      "poissonRatio=\"0.3\"/></Node></Node>");
+  const Drawing drawing = drawingOf(simulation);
+  const auto strain = std::find_if(drawing.fields.begin(), drawing.fields.end(),
+                                   [](const Field& field) { return field.name == "strain"; });
+  ASSERT_NE(strain, drawing.fields.end());
+  const Body& body = drawing.bodies.at(0);
+  std::vector<double> work;
+  std::vector<float> values;
+  for (const Vec3& axis : {Vec3(1, 0, 0), Vec3(1, 1, 0), Vec3(1, -2, 3)}) {
+    const Vec3 along = axis.normalized();
+    auto x = const_cast<State*>(body.state)->x();
+    for (Index row = 0; row < body.state->size(); ++row) {
+      const Vec3 rest = body.state->rest_position[std::size_t(row)];
+      x[row] = Vec3(rest + 0.1 * along.dot(rest) * along);
+    }
+    ASSERT_TRUE(cellValues(*strain, body, work, values));
+    EXPECT_NEAR(values.at(0), 0.105, 1e-6) << axis.transpose();
+  }
 }
 
 TEST(Bodies, PointsWithoutCellsAreDrawnAsPoints) {

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <random>
+#include <set>
 
 #include "tools/picture/legend.h"
 
@@ -46,6 +47,30 @@ TEST(Legends, NumbersHaveTheDecimalsThatTellThemApart) {
   EXPECT_EQ(alike({0, 250, 500}), (std::vector<std::string>{"0", "250", "500"}));
   EXPECT_EQ(alike({-0.25, 0, 0.25}), (std::vector<std::string>{"-0.25", "0.00", "0.25"}));
   EXPECT_EQ(alike({0, 2e-5}), (std::vector<std::string>{"0e+00", "2e-05"}));
+}
+
+TEST(Legends, NumbersThatHaveMuchInCommonAreToldApart) {
+  EXPECT_EQ(alike({0.9999, 1, 1.0001}), (std::vector<std::string>{"0.9999", "1.0000", "1.0001"}));
+  EXPECT_EQ(alike({20, 20.001, 20.002}), (std::vector<std::string>{"20.000", "20.001", "20.002"}));
+  EXPECT_EQ(alike({20, 20 + 1e-7}), (std::vector<std::string>{"20.0000000", "20.0000001"}));
+  EXPECT_EQ(alike({0, 1e-7}), (std::vector<std::string>{"0e+00", "1e-07"}));
+  EXPECT_EQ(alike({101325, 101326}), (std::vector<std::string>{"1.01325e+05", "1.01326e+05"}));
+  EXPECT_EQ(alike({0.1 + 0.2, 0.3}), (std::vector<std::string>{"0.3", "0.3"}));  // the same but for round-off
+}
+
+TEST(Legends, MarksOfNarrowRangesAreFewAndToldApart) {
+  const ColourMap map("viridis");
+  const FieldWord word{"J", "volume ratio J", "-"};
+  const auto legend = [&](double low, double high) { return Legend(map, {low, high}, {low, high}, word, ""); };
+  for (const double width : {2e-4, 1e-6, 1e-8}) {
+    const std::vector<std::string> texts = legend(1 - width / 2, 1 + width / 2).texts();
+    EXPECT_GE(texts.size(), 3u) << width;
+    EXPECT_LE(texts.size(), 8u) << width;
+    EXPECT_EQ(std::set<std::string>(texts.begin(), texts.end()).size(), texts.size()) << width;
+  }
+  EXPECT_EQ(legend(0.9999, 1.0001).summary(), "volume ratio J 0.9999 to 1.0001");
+  EXPECT_EQ(legend(0, 2.5).summary(), "volume ratio J 0 to 2.5");
+  EXPECT_LE(legend(1, 1.0000000000000002).texts().size(), 8u);  // it ends
 }
 
 TEST(Legends, UnitsSuitTheSize) {

@@ -4,6 +4,8 @@
 Usage: test_picture.py TREE STROMA [SUITE...]"""
 import glob
 import os
+import resource
+import signal
 import subprocess
 import sys
 import tempfile
@@ -26,6 +28,9 @@ MOVED = """<BoxROI name="below" box="-1 -1 -1 2 0.1 2"/><BoxROI name="amid" box=
   <LinearMovementProjectiveConstraint indices="@amid.indices" keyTimes="0 0.01 1" movements="0 0 0  0 0 0.25  0 0 0.25"/>
   <LinearMovementProjectiveConstraint indices="@above.indices" keyTimes="0 0.01 1" movements="0 0 0  0 0 0.5  0 0 0.5"/>"""
 FALLING = '<ConstantForceField indices="0" totalForce="0 -9.81 0"/>'
+
+EXPLODING = ('<Node name="root" dt="0.1"><EulerExplicitSolver/><Node name="cube">'
+             + (CUBE % FALLING).split("<CGLinearSolver/>")[1].replace('youngModulus="1000"', 'youngModulus="1e9"'))
 
 
 def run(*arguments, folder, code=0):
@@ -167,6 +172,84 @@ class Pixels(Case):
         width, height = (np.ptp(np.flatnonzero(seen.any(axis=axis))) + 1 for axis in (0, 1))
         self.assertAlmostEqual(width / height, 3, delta=0.05)
 
+    def test_exaggeration_leaves_colours_and_range(self):
+        scene = self.write("cube.xml", CUBE % MOVED)
+        look = ("-n", 1, "--view", "front", "--size", "400x400", "--field", "displacement", "--no-shading")
+        ranges, images = set(), []
+        for number, more in enumerate(((), ("--exaggerate", 1), ("--exaggerate", 0), ("--exaggerate", 2))):
+            said = self.picture(scene, *look, "-o", f"{number}.png", *more)
+            ranges.add(said.split(": ")[1].split(",")[0])
+            images.append(pixels(self.path(f"{number}.png")))
+        self.assertEqual(ranges, {"displacement 0 to 500 mm"})
+        self.assertTrue((images[0] == images[1]).all())
+        # the face moves along the view: a factor changes neither what is seen of it nor the legend
+        self.assertTrue((images[0][:, 340:] == images[3][:, 340:]).all())
+        self.assertLess(np.abs(images[0] - images[2])[:, :300, :3].max(axis=2)[60:340].mean(), 3)
+
+    def test_shaded_colours_stay_near_the_legend(self):
+        """A cube of one colour, from a corner: its three faces are told apart, and none is far from the map."""
+        import matplotlib
+        scene = self.write("cube.xml", CUBE % "")
+        for value, span in ((1.0, "-1,0"), (0.5, "-1,1")):
+            self.picture(scene, "-n", 0, "--field", "displacement", f"--range={span}", "--view", "iso", "--bare", "--size",
+                         "300x300")
+            image = pixels(self.path("cube.png"))[:, :, :3]
+            expected = 255 * np.array(matplotlib.colormaps["viridis"](value)[:3])
+            faces = [image[y, x] for x, y in ((150, 75), (85, 190), (215, 190))]
+            for face in faces:
+                self.assertGreater((face.sum() / expected.sum()), 0.75)
+                self.assertLess((face.sum() / expected.sum()), 1.06)
+            self.assertGreater(max(face.sum() for face in faces) / min(face.sum() for face in faces), 1.08)
+
+    def test_what_is_hidden_is_not_seen(self):
+        body_at = ('<Node name="%s"><EulerImplicitSolver/><CGLinearSolver/><RegularGridTopology name="grid" n="2 2 2" '
+                   'min="%g 0 0" max="%g 1 1"/><MechanicalObject name="dofs"/><UniformMass totalMass="1"/></Node>')
+        scene = self.write("two.xml", '<Node name="root" gravity="0 0 0">' + body_at % ("left", 0, 1)
+                           + body_at % ("right", 2, 3) + "</Node>")
+        look = ("-n", 0, "--view", "front", "--bare", "--size", "300x100")
+        self.picture(scene, *look)
+        widths = [np.ptp(np.flatnonzero(body(pixels(self.path("two.png"))).any(axis=0)))]
+        for path in ("/left", "/left/", "/right"):
+            self.picture(scene, *look, "--hide", path)
+            seen = body(pixels(self.path("two.png")))
+            self.assertTrue(seen.any())
+            widths.append(np.ptp(np.flatnonzero(seen.any(axis=0))))
+            self.assertGreater(seen[50].sum() / widths[-1], 0.98, "one body, without a gap")
+        self.assertLess(widths[1], 100)
+        self.assertGreater(widths[0], 200)
+
+    def test_captions_tell_close_times_apart(self):
+        scene = self.write("cube.xml", (CUBE % "").replace('dt="0.01"', 'dt="1e-7"'))
+        self.picture(scene, "--at", "1e-7,2e-7,3e-7", "--size", "900x300", "--no-legend", "--field", "none")
+        image = pixels(self.path("cube.png"))[:, :, :3]
+        strips = [image[-20:, 300 * i + 30:300 * i + 270] for i in range(3)]
+        dark = [(strip.max(axis=2) < 120).sum() for strip in strips]
+        self.assertGreater(min(dark), 50, "there are letters")
+        for a, b in ((0, 1), (1, 2), (0, 2)):
+            self.assertGreater(np.abs(strips[a] - strips[b]).max(), 100, "the last digit differs")
+
+    def test_small_pictures_are_left_to_the_bodies(self):
+        scene = self.write("cube.xml", CUBE % "")
+        self.picture(scene, "-n", 0, "--size", "64x64", "--view", "front", "-o", "small.png")
+        self.picture(scene, "-n", 0, "--size", "64x64", "--view", "front", "--bare", "-o", "bare.png")
+        small, bare = (body(pixels(self.path(f"{name}.png"))) for name in ("small", "bare"))
+        self.assertTrue((small == bare).all())
+        self.picture(scene, "-n", 0, "--size", "150x150", "--view", "front")
+        self.assertGreater(body(pixels(self.path("cube.png"))[:120]).sum(), 0.25 * 150 * 120)
+
+    def test_many_panels_fit_or_are_refused(self):
+        scene = self.write("cube.xml", CUBE % "")
+        self.picture(scene, "-n", 0, "--size", "320x64", "--views", "front,back,left,right,top", "--bare")
+        seen = body(pixels(self.path("cube.png")))
+        for i in range(5):
+            self.assertTrue(seen[32, 64 * i + 20:64 * i + 44].all())
+        for views, size in ((6, "320x64"), (3000, "64x64")):
+            said = self.picture(scene, "-n", 0, "--size", size, "--views", ",".join(["front"] * views), code=2)
+            self.assertIn("side by side", said)
+        self.picture(scene, "-n", 0, "--views", ",".join(["front"] * 50))
+        self.assertEqual(pixels(self.path("cube.png")).shape[1], 3200)
+        self.picture(scene, "-n", 0, "--views", ",".join(["front"] * 51), code=2)
+
     def test_edges_ghost_and_held_nodes_are_seen(self):
         scene = self.write("cube.xml", CUBE % MOVED)
         plain = ("-n", 1, "--view", "iso", "--size", "400x400", "--no-legend", "--field", "none")
@@ -224,6 +307,34 @@ class Films(Case):
         self.assertTrue((last == pixels(self.path("end.png"))[:, :, :3]).all())
 
 
+    def test_slow_films_are_slow(self):
+        scene = self.write("cube.xml", CUBE % FALLING)
+        for fps in (0.1, 0.5, 25, 1000):
+            self.picture(scene, "-n", 1, "--animate", "--fps", fps, "--size", "64x64", "-o", "film.png")
+            with Image.open(self.path("film.png")) as film:
+                self.assertAlmostEqual(film.info["duration"], 1000 / fps, delta=0.01 / fps)
+
+    def test_a_film_of_a_recording_has_the_frames_of_its_run(self):
+        scene = self.write("cube.xml", CUBE % FALLING)
+        run("run", scene, "-n", 10, "--record", "kept", "--quiet", folder=self.folder)
+        look = ("--animate", "--every", 4, "--size", "200x150")
+        for name, what in (("live", (scene, "-n", 10)), ("kept", ("kept",))):
+            self.assertIn("4 frames", self.picture(*what, *look, "-o", f"{name}.png"))  # 0, 4, 8 and 10
+        frames = []
+        for name in ("live", "kept"):
+            with Image.open(self.path(f"{name}.png")) as film:
+                frames.append([])
+                for i in range(film.n_frames):
+                    film.seek(i)
+                    frames[-1].append(np.asarray(film.convert("RGB")).astype(int))
+        for live, kept in zip(*frames):
+            self.assertTrue((live == kept).all())
+        run("run", scene, "-n", 101, "--record", "long", "--quiet", folder=self.folder)
+        for what in ((scene, "-n", 101), ("long",)):
+            self.assertIn("52 frames", self.picture(*what, "--animate", "--size", "64x64", "--bare", "-o", "film.png"))
+        self.assertIn("101 frames", self.picture(scene, "--animate", "--size", "64x64", "--bare", "-o", "film.png"))
+
+
 class Recordings(Case):
     def test_are_drawn_like_the_run(self):
         scene = self.write("cube.xml", CUBE % FALLING)
@@ -238,6 +349,17 @@ class Recordings(Case):
         self.assertFalse((pixels(self.path("half.png")) == kept).all())
         said = self.picture("kept", "--animate", "--size", "200x150", "-o", "film.png")
         self.assertIn("7 frames", said)
+
+    def test_times_stand_as_asked_of_a_run_too(self):
+        scene = self.write("cube.xml", CUBE % FALLING)
+        run("run", scene, "-n", 6, "--record", "kept", "--quiet", folder=self.folder)
+        look = ("--at", "end,0.02,start,0.02", "--size", "480x120", "--bare")
+        self.picture(scene, "-n", 6, *look, "-o", "live.png")
+        self.picture("kept", *look, "-o", "kept.png")
+        live, kept = pixels(self.path("live.png")), pixels(self.path("kept.png"))
+        self.assertTrue((live == kept).all())
+        self.assertTrue((live[:, 120:240] == live[:, 360:]).all())
+        self.assertFalse((live[:, :120] == live[:, 240:360]).all())
 
     def test_instants_stand_side_by_side(self):
         scene = self.write("cube.xml", CUBE % MOVED)
@@ -261,7 +383,11 @@ class Refusals(Case):
                                  (("--view", "frnt"), "front"), (("--range", "3,1"), "LOW below HIGH"),
                                  (("--size", "10x10"), "64 to 7680"), (("--cut", "w=3"), "x=VALUE"), (("--every", 2), "--animate"),
                                  (("--at", "soon"), "start or end"), (("-o", "cube.jpg"), ".png"), (("-n", 1, "--until", 1), "exclude"),
-                                 (("--hide", "/cub"), "/cube"), (("-n", 1, "--at", 5), "larger -n")):
+                                 (("--hide", "/cub"), "/cube"), (("-n", 1, "--at", 5), "larger -n"), (("--until", 1, "--at", "0.5,1.5"), "--at 1.5: the run ends at 1 s"),
+                                 (("--at=-1",), "from 0 s on"), (("--fps", 0.01, "--animate"), "0.1 or more"),
+                                 (("--fps", 1e6, "--animate"), "1000 or less"),
+                                 (("--range", "1,1.0000000000000002"), "tells its ends apart"),
+                                 (("--range", "0,1e-40"), "tells its ends apart"), (("--range=-1e308,1e308",), "tells its ends")):
             with self.subTest(arguments):
                 self.assertIn(words, self.refused(scene, *arguments))
 
@@ -281,14 +407,28 @@ class Refusals(Case):
         self.assertEqual(pixels(self.path("cube.png")).shape[1], 120)
 
     def test_no_picture_of_a_run_without_a_result(self):
-        scene = self.write("cube.xml", '<Node name="root" dt="0.1"><EulerExplicitSolver/><Node name="cube">'
-                           + (CUBE % FALLING).split("<CGLinearSolver/>")[1].replace('youngModulus="1000"', 'youngModulus="1e9"'))
+        scene = self.write("cube.xml", EXPLODING)
         said = self.refused(scene, "-n", 300, code=3)
         self.assertIn("no result", said)
         self.picture(scene, "-n", 300, "--anyway", "--size", "400x300", code=3)
         image = pixels(self.path("cube.png"))[:, :, :3]
         red = (image[:, :, 0] > 150) & (image[:, :, 1] < 90) & (image[:, :, 2] < 90)
         self.assertGreater(red[:60].sum(), 50, "the warning is in the picture")
+
+    def test_a_time_beyond_the_end_is_refused_before_the_run(self):
+        scene = self.write("cube.xml", CUBE % FALLING)  # a run of hours
+        self.assertIn("larger -n", self.refused(scene, "-n", 100000000, "--at", "start,2000000"))
+
+    def test_a_picture_that_cannot_be_written_is_told_of_a_run_without_a_result_too(self):
+        scene = self.write("cube.xml", EXPLODING)
+        def limit():
+            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+            resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
+        environment = {**WITHOUT_DISPLAY, "MESA_SHADER_CACHE_DISABLE": "true"}
+        result = subprocess.run([STROMA, "picture", scene, "-n", "300", "--anyway"], capture_output=True, text=True,
+                                cwd=self.folder, env=environment, timeout=100, preexec_fn=limit, restore_signals=False)
+        self.assertEqual(result.returncode, 4, result.stderr)
+        self.assertIn("cube.png", result.stderr)
 
     def test_a_machine_without_a_renderer_is_told_the_package(self):
         """EGL finds no driver where its list of vendors is empty."""

@@ -112,12 +112,15 @@ TEST(Shots, WhatThereIsNotIsRefusedWithTheNearestName) {
   } catch (const ComponentError& error) {
     EXPECT_EQ(error.suggestion, "/block");
   }
-  request.hidden = {"/block"};
-  EXPECT_FALSE(ShotTaker(simulation, request).isDrawn(0));
+  for (const std::string path : {"/block", "/block/", "/block/dofs"}) {
+    request.hidden = {path};
+    EXPECT_FALSE(ShotTaker(simulation, request).isDrawn(0)) << path;
+  }
 }
 
 TEST(Shots, FieldsHaveTitlesForPeople) {
   EXPECT_EQ(titleOf("vonMises"), "von Mises stress");
+  EXPECT_EQ(titleOf("strain"), "strain (norm)");
   EXPECT_EQ(titleOf("porePressure"), "pore pressure");
   EXPECT_EQ(titleOf("displacement"), "displacement");
 }

@@ -34,7 +34,7 @@ READERS_OF_FAMILIES = {
     "condensation": ("tests/fuzz/",),
 }
 # Tools whose library another one links.
-TOOLS_FOR_TOOLS = {"command": {"mesh", "view", "picture", "drawing"}, "view": {"drawing"}, "picture": {"drawing"}}
+TOOLS_FOR_TOOLS = {"command": {"mesh", "view", "picture", "drawing", "sweep"}, "view": {"drawing"}, "picture": {"drawing"}}
 SKIPPED_FOLDERS = {".git", "build", "results", "__pycache__"}
 SOURCE = re.compile(r"(\.(h|cpp|py|cmake|in|xml|sh)|CMakeLists\.txt)$")
 BINARY = re.compile(r"\.(png|gif|gz|vtu|pdf|so|o|pyc)$|^tests/fuzz/corpus/")  # fuzzers write any bytes

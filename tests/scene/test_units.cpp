@@ -26,6 +26,7 @@ T parsed(const std::string& text, const std::string& unit) {
 template <class T>
 Problem refused(const std::string& text, const std::string& unit) {
   T value{};
+  if constexpr (std::is_same_v<T, Vec3>) value.setZero();
   const T before = value;
   Data data("value", &value);
   const auto problem = data.unit(unit).parse(text, DataOrigin::written);
@@ -91,6 +92,15 @@ TEST(Units, HaveTheBitsOfTheNumberInSI) {
       {"1e300 km", "m", 1e303},
       {"0e999 km", "m", 0},
       {"0/7 min", "s", 0},
+      {"1/ 100 s", "s", 0.01},
+      {"1 / 100 s", "s", 0.01},
+      {"1 /100", "s", 0.01},
+      {"10 / s", "1/s", 10},
+      {"6 1 / min", "1/s", 0.1},
+      {"2 daN", "N", 20},
+      {"3 cN", "N", 0.03},
+      {"4 pN", "N", 4e-12},
+      {"10 kPa mm/m", "Pa", 10},
       {"1655381971801263308800 MPa", "Pa", 1655381971801263308800e6},
   };
   for (const auto& [text, unit, value] : cases)
@@ -159,8 +169,31 @@ TEST(Units, AWrongOneIsRefusedWithWhatWasExpected) {
   EXPECT_EQ(refused<double>("0.45 kPa", "").expected, "numbers without unit");
   EXPECT_EQ(refused<double>("45 %", "").expected, "numbers without unit");
   EXPECT_EQ(refused<double>("45 deg", "-").message, "'deg' is the unit of an angle");
-  EXPECT_EQ(refused<double>("3 kg m", "Pa").message, "'kg m' is the unit of m kg");
+  EXPECT_EQ(refused<double>("3 kg m", "Pa").message, "'kg m' is of another dimension");
+  EXPECT_EQ(refused<double>("3 m s", "Pa").message, "'m s' is of another dimension");
+  EXPECT_EQ(refused<double>("3 %", "Pa").message, "'%' is the unit of a pure number");
   refused<int>("3 mm", "m");
+}
+
+TEST(Units, DivisionByZeroSaysSo) {
+  for (const char* text : {"1/0 s", "1/0", "1/ 0.0 ms"})
+    EXPECT_NE(refused<double>(text, "s").message.find("divides by zero"), std::string::npos) << text;
+}
+
+TEST(Units, PercentStandsAlone) {
+  using List = std::vector<double>;
+  EXPECT_EQ(parsed<List>("10% 20 %", "-"), (List{0.1, 0.2}));
+  EXPECT_EQ(parsed<List>("10 20 %", "-"), (List{0.1, 0.2}));
+  for (const char* text : {"10 MPa%", "10 MPa %", "10 % MPa", "10 %*MPa", "10 MPa*%"})
+    EXPECT_NE(refused<double>(text, "Pa").message.find("% is a unit of its own"), std::string::npos) << text;
+}
+
+TEST(Units, ADecimalCommaIsRefusedWithThePoint) {
+  EXPECT_NE(refused<double>("1,5 kPa", "Pa").expected.find("'1.5 kPa'"), std::string::npos);
+  EXPECT_NE(refused<std::vector<double>>("1,5 kPa", "Pa").expected.find("'1.5 kPa', or '1 5 kPa'"), std::string::npos);
+  EXPECT_EQ(refused<double>("1,5", "Pa").suggestion, "write 1.5");
+  EXPECT_EQ(parsed<std::vector<double>>("1, 5 kPa", "Pa"), (std::vector<double>{1000, 5000}));
+  EXPECT_EQ(parsed<std::vector<double>>("1,2,5 kPa", "Pa"), (std::vector<double>{1000, 2000, 5000}));
 }
 
 TEST(Units, AnAttributeMayHaveOneOfTwo) {
@@ -180,6 +213,17 @@ TEST(Units, AnUnknownOneIsRefusedWithTheNearest) {
   EXPECT_EQ(suggestion("20 seconds", "s"), "s");
   EXPECT_EQ(suggestion("1 Kg/m^3", "kg/m^3"), "kg");
   EXPECT_EQ(suggestion("3 metre", "m"), "m");
+  EXPECT_EQ(suggestion("1 Nm", "N m"), "N m");
+  EXPECT_EQ(suggestion("1 Ns", "N s"), "N s");
+  EXPECT_EQ(suggestion("1 Pas", "N s/m^2"), "Pa s");
+  EXPECT_EQ(refused<Vec3>("1 0 0 Nm", "N m").suggestion, "N m");
+  for (const char* force : {"1 Nm", "1 nm3", "1 kn"}) {
+    const std::string found = suggestion(force, "N");
+    EXPECT_TRUE(found.empty() || readUnit(found).dimension == readUnit("N").dimension) << force << " " << found;
+  }
+  EXPECT_EQ(suggestion("1 kn", "N"), "kN");
+  EXPECT_EQ(suggestion("1 Ms", "s"), "ms");
+  EXPECT_EQ(suggestion("1 PA, 2 Pa", "Pa"), "Pa");
   EXPECT_EQ(refused<double>("10 kpa", "Pa").expected, "a pressure, such as Pa, kPa, MPa, mmHg");
   EXPECT_EQ(refused<double>("10 kpa", "Pa").message, "'kpa' is not a unit");
 }
@@ -217,6 +261,19 @@ TEST(Units, FactorsOfFiles) {
   EXPECT_EQ(inSI(7, readUnit("m")), 7);
 }
 
+TEST(Units, LengthsOfFilesAreLengths) {
+  EXPECT_EQ(inSI(5, readLengthUnit(" µm ")), 5e-6);
+  for (const auto& [text, suggestion] :
+       {std::pair{"kg", ""}, {"millimetre", "mm"}, {"MM", "mm"}, {"", ""}, {"mm mm", ""}})
+    try {
+      readLengthUnit(text);
+      ADD_FAILURE() << text;
+    } catch (const ComponentError& error) {
+      EXPECT_EQ(error.expected, "a length, such as m, cm, mm") << text;
+      EXPECT_EQ(error.suggestion, suggestion) << text;
+    }
+}
+
 TEST(Units, ATextWithOneIsTold) {
   EXPECT_TRUE(hasUnit("1 2 3 mm"));
   EXPECT_TRUE(hasUnit("1 mm 2"));
@@ -239,6 +296,15 @@ TEST(Gravity, OneNumberActsAlongY) {
   EXPECT_FALSE(readGravity("0", gravity, note));
   EXPECT_EQ(gravity, Vec3(0, 0, 0));
   EXPECT_TRUE(note.empty()) << "nothing acts: no direction to tell";
+  gravity = Vec3(1, 2, 3);
+  for (const char* text : {"9.81 m/s^2", "+9.81", "981 cm/s^2"}) {
+    const auto upwards = readGravity(text, gravity, note);
+    ASSERT_TRUE(upwards) << text;
+    EXPECT_NE(upwards->message.find("upwards"), std::string::npos) << text;
+    EXPECT_EQ(upwards->suggestion, "write -" + std::string(text + (text[0] == '+' ? 1 : 0)));
+    EXPECT_EQ(gravity, Vec3(1, 2, 3)) << text;
+  }
+  EXPECT_FALSE(readGravity("0 9.81 0", gravity, note)) << "three numbers may point anywhere";
   const auto two = readGravity("0 -9.81", gravity, note);
   ASSERT_TRUE(two);
   EXPECT_NE(two->message.find("2 numbers instead of 3"), std::string::npos);

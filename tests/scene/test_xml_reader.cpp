@@ -66,8 +66,8 @@ TEST(XmlReader, WhatIsForEditorsIsNothingForTheScene) {
   EXPECT_TRUE(diagnostics.problems().empty()) << diagnostics.text();
   ASSERT_EQ(root.attributes.size(), 1u);
   EXPECT_EQ(root.attributes[0].name, "name");
-  EXPECT_EQ(root.attributes[0].where.text(), "folder/scene.xml:5:48");
-  EXPECT_EQ(root.where.text(), "folder/scene.xml:4:28");
+  EXPECT_EQ(root.attributes[0].where.text(), "folder/scene.xml:5:47");
+  EXPECT_EQ(root.where.text(), "folder/scene.xml:4:27");
   EXPECT_EQ(root.components.at(0).attributes.at(0).where.text(), "folder/scene.xml:6:9");
   // inside a scene it is an attribute like others
   const NodeDescription inner = read("<Node><M xsi:nil=\"1\"/></Node>", diagnostics);

@@ -9,6 +9,7 @@ import os
 import pty
 import re
 import shutil
+import signal
 import struct
 import subprocess
 import sys
@@ -144,6 +145,35 @@ class Progress(Folder):
                 self.assertTrue(lines[-1].endswith(" to go"), lines[-1])
             self.assertTrue(summary.startswith("fall.xml: done"), repr(summary))  # the line is gone
 
+    def drawn_by_load(self, scene, width):
+        """The lines that a load draws in place; the name of the scene's file, and of the node, is longer than a line."""
+        name = "a scene whose name is longer than a line of the terminal " + "\u00e9" * 20
+        self.write(name + ".xml", scene.replace("root", name))
+        text = self.on_terminal(width, "run", name + ".xml", "-n", "0", "--no-record")
+        lines = [piece.split("\r\n")[0] for piece in text.split("\r\x1b[K")[1:]]
+        lines = [line for line in lines if line and "done after" not in line]
+        for line in lines:
+            self.assertLess(len(line.encode()), width, line)
+        return lines
+
+    def test_the_line_of_a_load_fits(self):
+        large = """<Node name="root" dt="0.01" gravity="0 0 0"><EulerImplicitSolver/><CGLinearSolver/>
+<RegularGridTopology n="90 90 90" min="0 0 0" max="1 1 1"/><MechanicalObject/><UniformMass totalMass="1"/>
+<HexahedronFEMForceField method="small" youngModulus="5000" poissonRatio="0.3"/></Node>
+"""
+        lines = self.drawn_by_load(large, 40)
+        self.assertTrue(lines and all(re.match("loading a sc.* s so far$", line) for line in lines), lines)
+
+    def test_the_line_of_long_work_fits(self):
+        plate = """<Node name="root" dt="0.01" gravity="0 0 0"><CondensedStaticSolver name="root"/>
+<RegularGridTopology n="29 29 2" min="0 0 0" max="0.6 0.6 0.02"/><MechanicalObject/>
+<HexahedronFEMForceField method="small" youngModulus="5000" poissonRatio="0.3"/><FixedProjectiveConstraint indices="0 1 29 800"/></Node>
+"""
+        for width in (40, 12):
+            lines = [line for line in self.drawn_by_load(plate, width) if not line.startswith("l")]
+            self.assertGreater(len(lines), 3)
+            self.assertEqual(lines[-1][-5:], "100 %")
+
     def test_a_long_step_shows_life(self):
         self.write("bent.xml", BENT.format(n=16))
         text = self.on_terminal(200, "run", "bent.xml", "-n", "1", "--no-record")
@@ -258,6 +288,122 @@ class DefaultRecording(Folder):
             self.assertEqual(result.stderr.count("\n"), 1, result.stderr)
         finally:
             subprocess.run(["umount", self.path("disk")], check=True)
+
+    def test_links_are_not_followed(self):
+        scene = self.write("fall.xml", FALLING)
+        self.stroma("run", scene, "-n", "5")
+        os.rename(self.path("fall.last"), self.path("elsewhere"))
+        os.symlink("elsewhere", self.path("fall.last"))
+        before = {name: self.read("elsewhere", name) for name in ("run.instants", "last.checkpoint")}
+        for link in (("fall.last",), ("fall.last", "run.instants"), ("fall.last", "last.checkpoint")):
+            note = self.stroma("run", scene, "-n", "7").stderr
+            self.assertTrue(note.startswith("note: nothing is left") and note.count("\n") == 1, note)
+            self.assertIn("/".join(link), note)
+            self.assertTrue(os.path.islink(self.path(*link)))
+            self.assertEqual({name: self.read("elsewhere", name) for name in before}, before)
+            # the next one: one of the files is a link
+            if os.path.islink(self.path("fall.last")):
+                os.remove(self.path("fall.last"))
+                shutil.copytree(self.path("elsewhere"), self.path("fall.last"))
+            else:
+                os.remove(self.path(*link))
+                shutil.copy(self.path("elsewhere", link[1]), self.path(*link))
+            if link[-1] != "last.checkpoint":
+                file = "run.instants" if link == ("fall.last",) else "last.checkpoint"
+                os.remove(self.path("fall.last", file))
+                os.symlink(os.path.join("..", "elsewhere", file), self.path("fall.last", file))
+        self.assertEqual(self.stroma("run", scene, "-n", "7").stderr, "")
+
+    def state_of_checkpoint(self, folder):
+        """The hash of the state in the checkpoint of a folder, and the steps it has behind it."""
+        shutil.copy(self.path(folder, "last.checkpoint"), self.path("copy.checkpoint"))
+        result = json.loads(self.stroma("run", "fall.xml", "-n", "0", "--restart", "copy.checkpoint", "-q", "--json", "--no-record").stdout)
+        return result["steps"]
+
+    def test_of_runs_at_once_one_is_left_whole(self):
+        self.write("fall.xml", FALLING)
+        for _ in range(5):
+            shutil.rmtree(self.path("fall.last"), ignore_errors=True)
+            for again in range(2):  # where nothing is, and where something is
+                runs = [subprocess.Popen([STROMA, "run", "fall.xml", "-q", "-n", str(steps)], cwd=self.folder, stderr=subprocess.PIPE)
+                        for steps in (50, 60, 70, 80)]
+                self.assertEqual([(run.wait(), run.communicate()[1]) for run in runs], 4 * [(0, b"")])
+                self.assertEqual(sorted(os.listdir(self.path("fall.last"))), ["last.checkpoint", "run.instants"])
+                last = self.instants("fall.last")[1][-1][0]
+                self.assertEqual(self.state_of_checkpoint("fall.last"), round(last / 0.01))
+            self.assertEqual([name for name in os.listdir(self.folder) if "part" in name], [])
+
+    def test_a_failed_write_leaves_the_run_before_whole(self):
+        os.mkdir(self.path("disk"))
+        if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=200k", "none", self.path("disk")], capture_output=True).returncode:
+            self.skipTest("only root may mount a small disk")
+        try:
+            scene = self.write("many.xml", FALLING.replace("0 0 0  1 0 0", " ".join(f"{i} 0 0" for i in range(500))))
+            self.stroma("run", scene, "-n", "1", cwd=self.path("disk"))
+            before = {name: self.read("disk", "many.last", name) for name in ("run.instants", "last.checkpoint")}
+            result = self.stroma("run", scene, "-n", "50", cwd=self.path("disk"))
+            self.assertRegex(result.stderr, r"^note: nothing is left .*No space left on device.*; many.last is that of a run before\n$")
+            self.assertEqual({name: self.read("disk", "many.last", name) for name in os.listdir(self.path("disk", "many.last"))}, before)
+        finally:
+            subprocess.run(["umount", self.path("disk")], check=True)
+
+    def test_a_run_goes_on_from_its_own_folder(self):
+        self.write("fall.xml", FALLING)
+        self.stroma("run", "fall.xml", "-n", "10", "-q")
+        restart = ("--restart", "fall.last/last.checkpoint", "-q")
+        # a run that fails takes nothing away from what it went on from
+        before = self.read("fall.last", "last.checkpoint")
+        self.stroma("run", "fall.xml", "-n", "90", "--set", "/.gravity=0 1e304 0", "--set", "/.dt=10", *restart, code=3)
+        self.assertEqual(self.read("fall.last", "last.checkpoint"), before)
+        self.stroma("run", "fall.xml", "-n", "30", *restart)
+        self.assertEqual(self.state_of_checkpoint("fall.last"), 30)
+
+    def test_a_long_run_writes_now_and_then(self):
+        self.write("fall.xml", FALLING)
+        self.stroma("run", "fall.xml", "-n", "5")
+        process = subprocess.Popen([STROMA, "run", "fall.xml", "-n", "1000000000", "-q", "--checkpoint-seconds", "0.2"], cwd=self.folder)
+        time.sleep(2)
+        process.kill()
+        process.wait()
+        instants = self.instants("fall.last")[1]
+        self.assertGreater(len(instants), 6)
+        self.assertGreater(instants[-1][0], 1)
+        self.assertEqual(self.state_of_checkpoint("fall.last"), round(instants[-1][0] / 0.01))
+
+    def test_closing_the_terminal_keeps_the_recording(self):
+        self.write("fall.xml", FALLING)
+        arguments = [STROMA, "run", "fall.xml", "-n", "1000000000"]
+        process = subprocess.Popen(arguments, cwd=self.folder, stdout=subprocess.PIPE, text=True)
+        time.sleep(0.7)
+        process.send_signal(signal.SIGHUP)
+        out, _ = process.communicate()
+        self.assertEqual(process.returncode, 129)
+        self.assertIn("recorded in fall.last", out)
+        self.assertGreater(len(self.instants("fall.last")[1]), 11)
+        process = subprocess.Popen(arguments, cwd=self.folder, stdout=subprocess.DEVNULL,
+                                   preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN))  # nohup
+        time.sleep(0.7)
+        process.send_signal(signal.SIGHUP)
+        time.sleep(0.3)
+        self.assertIsNone(process.poll())
+        process.terminate()
+        self.assertEqual(process.wait(), 143)
+
+    def test_a_reader_who_goes_does_not_end_the_run(self):
+        self.write("fall.xml", FALLING)
+        steps = self.steps_of("fall.xml", 3)
+        for closed in ({"stdout"}, {"stderr"}, {"stdout", "stderr"}):
+            shutil.rmtree(self.path("fall.last"), ignore_errors=True)
+            pipes = {name: subprocess.PIPE for name in ("stdout", "stderr")}
+            process = subprocess.Popen([STROMA, "run", "fall.xml", "-n", str(steps), "--json"], cwd=self.folder, **pipes)
+            for name in closed:
+                getattr(process, name).close()
+            self.assertEqual(process.wait(60), 0)
+            for name in set(pipes) - closed:
+                text = getattr(process, name).read()
+                self.assertTrue(text)
+                getattr(process, name).close()
+            self.assertEqual(round(self.instants("fall.last")[1][-1][0] / 0.01), steps)
 
     def test_a_run_that_is_killed_leaves_what_was_there(self):
         self.write("fall.xml", FALLING)

@@ -272,14 +272,17 @@ struct Body {
 };
 
 std::string bodyScene(const Body& body) {
-  return fmt::format(R"(<Node name="root" {}>
-  <EulerImplicitSolver/><CGLinearSolver/>
+  return fmt::format(
+      R"(<Node name="root" {}>
+  {}<CGLinearSolver/>
   <RegularGridTopology name="grid" n="3 3 3" min="0 0 0" max="{}"/>
   <MechanicalObject/>
   {}
   <HexahedronFEMForceField name="fem" youngModulus="{}" poissonRatio="0.45"/>
 </Node>)",
-                     body.gravity, body.max, body.mass, body.young);
+      body.gravity,
+      *body.mass ? "<EulerImplicitSolver/>" : "<StaticSolver/><FixedProjectiveConstraint indices='0 1 2 3 4 5 6 7 8'/>",
+      body.max, body.mass, body.young);
 }
 
 TEST_F(UnitsInScenes, ConsistentOnesRaiseNoDoubt) {
@@ -299,9 +302,13 @@ TEST_F(UnitsInScenes, ConsistentOnesRaiseNoDoubt) {
       {"gravity='0 0 0'", "100 80 60", "<DiagonalMass massDensity='1.06e-6'/>", "10"},
       {"gravity='0 0 0'", "1 1 1", "<DiagonalMass massDensity='1'/>", "1"},  // without dimensions
       {g, "1 1 1", "<UniformMass totalMass='1'/>", "1"},
-      {g, "10 1 1", "<DiagonalMass massDensity='1'/>", "1000"},
+      {"gravity='0 0 0'", "10 1 1", "<DiagonalMass massDensity='1'/>", "1000"},
+      {g, "10 1 1", "<DiagonalMass massDensity='1000'/>", "1e6"},  // the cantilever of textbooks
+      {g, "10 1 1", "<DiagonalMass massDensity='7850'/>", "210e9"},
+      {g, "60 5 5", "<DiagonalMass massDensity='7850'/>", "210e9"},
+      {g, "10 1 1", "", "210e9"},                          // no mass
+      {"gravity='0 -9810 0'", "100 80 60", "", "210000"},  // mm, N, MPa
       {"gravity='0 -9.81 0 m/s^2'", "100 80 60 mm", "<DiagonalMass massDensity='1.06 g/cm^3'/>", "10 kPa"},
-      {"gravity='0 -9.81 0 m/s^2'", "100 80 60 mm", "<DiagonalMass massDensity='1.06 g/cm^3'/>", "10 Pa"},
   };
   for (const Body& body : bodies) {
     const auto warnings = problemsOf(bodyScene(body));
@@ -321,13 +328,13 @@ TEST_F(UnitsInScenes, NumbersThatFitNoSystemAreDoubted) {
       // a mesh in millimetres
       {{g, "80 60 50", tissue, "10000"},
        3,
-       {"size 111.8 m", "density 1060 kg/m^3", "size is outside 10 um to 10 m", "\"mm\" after the lengths of /grid"}},
+       {"size 111.8 m", "density 1060 kg/m^3", "size is outside 10 um to 100 m", "\"mm\" after the lengths of /grid"}},
       {{g, "80 60 50", "<UniformMass totalMass='0.25'/>", "10000"}, 3, {"\"mm\" after the lengths of /grid"}},
       {{"", "80 60 50", tissue, "10000"}, 3, {"\"mm\" after the lengths of /grid"}},
       // kilopascals
       {{g, "0.1 0.08 0.06", tissue, "10"},
        6,
-       {"youngModulus=\"10 kPa\" on /fem", "times youngModulus: the body would not keep its shape"}},
+       {"youngModulus=\"10 kPa\" on /fem", "times youngModulus: the body is too heavy for its stiffness"}},
       // the density of millimetres
       {{g, "0.1 0.08 0.06", "<DiagonalMass name='mass' massDensity='1.06e-6'/>", "10000"},
        5,
@@ -339,15 +346,28 @@ TEST_F(UnitsInScenes, NumbersThatFitNoSystemAreDoubted) {
       // millimetres, kilopascals and tonnes, with the gravity of metres
       {{"", "100 80 60", "<DiagonalMass name='mass' massDensity='1.06e-9'/>", "10"},
        3,
-       {"read in mm, t, s:", "youngModulus 10 MPa", "gravity is outside",
-        "write gravity=\"0 -9810 0\" if mm, t, s are meant, else with units", "\"mm\" after the lengths of /grid",
-        "youngModulus=\"10 kPa\"", "massDensity=\"1.06e-09 t/mm^3\""}},
+       {"read in mm, t, s:", "youngModulus 10 MPa", "gravity is outside", "write gravity=\"0 -9810 0\" on / (",
+        "if mm, t, s are meant, else with units", "\"mm\" after the lengths of /grid", "youngModulus=\"10 kPa\"",
+        "massDensity=\"1.06e-09 t/mm^3\""}},
       // gravity in millimetres
       {{"gravity='0 0 -9810'", "0.1 0.08 0.06", tissue, "10000"}, 1, {"gravity=\"0 0 -9810 mm/s^2\""}},
       // units here and none there: what has none is SI
       {{"gravity='0 -9.81 0'", "80 60 50", "<DiagonalMass massDensity='1.06 g/cm^3'/>", "10 kPa"},
        3,
        {"\"mm\" after the lengths of /grid"}},
+      // large for what it bears, with and without a mass
+      {{g, "70 30 20", tissue, "5000"}, 3, {"too heavy for its stiffness", "\"mm\" after the lengths of /grid"}},
+      {{g, "70 30 20", "", "5000"},
+       3,
+       {"do size, stiffness and gravity fit", "for tissue on earth", "\"mm\" after the lengths of /grid"}},
+      {{g, "80 60 50", "", "10 kPa"}, 3, {"size is outside 10 um to 100 m", "\"mm\" after the lengths of /grid"}},
+      // a density of 1 does not switch the doubt off
+      {{g, "0.1 0.08 0.06", "<DiagonalMass name='mass' massDensity='1'/>", "10000"},
+       5,
+       {"density is outside", "massDensity=\"1 g/cm^3\" on /mass"}},
+      {{"gravity='0 0 0'", "0.1 0.08 0.06", "<DiagonalMass name='mass' massDensity='1'/>", "10 kPa"},
+       5,
+       {"density is outside", "massDensity=\"1 g/cm^3\" on /mass"}},
   };
   for (const Case& each : cases) {
     const auto warnings = problemsOf(bodyScene(each.body));
@@ -356,6 +376,95 @@ TEST_F(UnitsInScenes, NumbersThatFitNoSystemAreDoubted) {
     for (const std::string& part : each.parts)
       EXPECT_NE(warnings[0].text().find(part), std::string::npos) << part << " is not in: " << warnings[0].text();
   }
+}
+
+TEST_F(UnitsInScenes, WhatHasAUnitIsNotAdvisedAgainst) {
+  const char* const g = "gravity='0 -9.81 0'";
+  const char* const tissue = "<DiagonalMass name='mass' massDensity='1060'/>";
+  // all in range, and heavy: nothing says which of them is wrong
+  for (const char* young : {"10 Pa", "40 Pa"}) {
+    const auto warnings = problemsOf(bodyScene({g, "0.5 0.08 0.06", tissue, young}));
+    ASSERT_EQ(warnings.size(), 1u);
+    EXPECT_NE(warnings[0].message.find("the body is too heavy for its stiffness"), std::string::npos)
+        << warnings[0].text();
+    EXPECT_EQ(warnings[0].suggestion, "");
+  }
+  const auto tiny = problemsOf(bodyScene({g, "0.1 0.08 0.06", tissue, "10 mPa"}));
+  ASSERT_EQ(tiny.size(), 1u);
+  EXPECT_NE(tiny[0].message.find("youngModulus is outside 10 Pa to 1000 GPa"), std::string::npos) << tiny[0].text();
+  EXPECT_EQ(tiny[0].suggestion, "");
+  write("scene.xml", bodyScene({g, "0.1 0.08 0.06", tissue, "10000"}));
+  const Finished set = stroma("check scene.xml --set \"/fem.youngModulus=10 Pa\"");
+  EXPECT_NE(set.err.find("too heavy for its stiffness"), std::string::npos) << set.err;
+  EXPECT_EQ(set.err.find("after the lengths"), std::string::npos) << set.err;
+}
+
+/// A scene in mm, t, s with two bodies, the second with other numbers.
+std::string twoBodies(const std::string& second) {
+  const auto node = [](const std::string& name, const std::string& mass) {
+    return fmt::format(
+        "<Node name='{}'>\n<RegularGridTopology n='3 3 3' min='0 0 0' max='100 80 60'/>\n"
+        "<MechanicalObject/>\n{}\n<HexahedronFEMForceField youngModulus='0.01' poissonRatio='0.45'/>\n"
+        "</Node>\n",
+        name, mass);
+  };
+  return "<Node gravity='0 -9810 0'>\n<EulerImplicitSolver/><CGLinearSolver/>\n" +
+         node("good", "<DiagonalMass massDensity='1.06e-9'/>") + node("wrong", second) + "</Node>";
+}
+
+TEST_F(UnitsInScenes, TheBodyThatIsOffIsBlamed) {
+  EXPECT_TRUE(problemsOf(twoBodies("<DiagonalMass massDensity='1.06e-9'/>")).empty());
+  const auto warnings = problemsOf(twoBodies("<DiagonalMass name='mass' massDensity='1060'/>"));
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_EQ(warnings[0].path, "/wrong/mass.massDensity") << warnings[0].text();
+  EXPECT_EQ(warnings[0].where.line, 12);
+  const std::string text = warnings[0].text();
+  for (const char* part : {"read in mm, t, s: size 141.4 mm, youngModulus 10 kPa", "density is outside",
+                           "write massDensity=\"1.06e-09\" on /wrong/mass", "if mm, t, s are meant"})
+    EXPECT_NE(text.find(part), std::string::npos) << part << " is not in: " << text;
+  EXPECT_EQ(text.find("too heavy"), std::string::npos) << text;
+  EXPECT_EQ(text.find("with units"), std::string::npos) << "the other body is right: " << text;
+}
+
+TEST_F(UnitsInScenes, TheStiffestFieldBearsTheWeight) {
+  const std::string soft = "<HexahedronFEMForceField name='soft' youngModulus='15' poissonRatio='0.45'/>";
+  const std::string mass = "<DiagonalMass massDensity='1060'/>";
+  const auto warnings = [this](const std::string& in_node) {
+    return problemsOf(bodyScene({"gravity='0 -9.81 0'", "0.1 0.08 0.06", in_node.c_str(), "1e6"}));
+  };
+  EXPECT_TRUE(warnings(mass + soft).empty());
+  EXPECT_EQ(problemsOf(bodyScene({"gravity='0 -9.81 0'", "0.5 0.08 0.06", mass.c_str(), "15"})).size(), 1u)
+      << "alone it does not";
+}
+
+TEST_F(UnitsInScenes, ALoaderOfAnotherMeshIsNotNamed) {
+  std::filesystem::create_directory_symlink(STROMA_SOURCE_DIR "/scenes", folder_ / "scenes");
+  const auto warnings = problemsOf(R"(<Node name="root" gravity="0 -9.81 0">
+  <EulerImplicitSolver/><CGLinearSolver/>
+  <MeshGmshLoader name="other" filename="scenes/meshes/organ_600.msh"/>
+  <RegularGridTopology name="grid" n="3 3 3" min="0 0 0" max="80 60 50"/>
+  <HexahedronSetTopologyContainer name="cells" position="@grid.position" hexahedra="@grid.hexahedra"/>
+  <MechanicalObject/>
+  <DiagonalMass massDensity="1060"/>
+  <HexahedronFEMForceField youngModulus="10000" poissonRatio="0.45"/>
+</Node>)");
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_NE(warnings[0].text().find("\"mm\" after the lengths of /grid"), std::string::npos) << warnings[0].text();
+  EXPECT_EQ(warnings[0].path, "/grid");
+}
+
+TEST_F(UnitsInScenes, TheColumnOfATransformationStaysInMetres) {
+  write("m.obj", "v 0 0 0\nv 12.5 0 0\nv 0 30 0\nf 1 2 3\n");
+  const auto warned = [this](const std::string& more) {
+    const auto warnings = problemsOf(meshScene("<MeshOBJLoader name='mesh' filename='m.obj' " + more + "/>"));
+    return std::count_if(warnings.begin(), warnings.end(), [](const Problem& each) {
+      return each.message.find("the last column of transformation is in metres") != std::string::npos;
+    });
+  };
+  EXPECT_EQ(warned("unit='mm' transformation='1 0 0 5  0 1 0 0  0 0 1 0  0 0 0 1'"), 1);
+  EXPECT_EQ(warned("unit='mm' transformation='0 -1 0 0  1 0 0 0  0 0 1 0  0 0 0 1'"), 0);
+  EXPECT_EQ(warned("unit='m' transformation='1 0 0 5  0 1 0 0  0 0 1 0  0 0 0 1'"), 0);
+  EXPECT_EQ(warned("transformation='1 0 0 5  0 1 0 0  0 0 1 0  0 0 0 1'"), 0);
 }
 
 TEST_F(UnitsInScenes, ALoaderIsNamedForItsUnit) {

@@ -4,6 +4,7 @@
 Usage: test_watch.py STROMA [unittest arguments]"""
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -13,6 +14,7 @@ import time
 import unittest
 
 STROMA = os.path.abspath(sys.argv[1])
+MODULE = os.path.join(os.path.dirname(STROMA), "..", "lib", "test_modules", "fickle.so")
 MESHED = """<Node name="root" dt="0.01" gravity="0 {gravity} 0"><EulerExplicitSolver/>
 <MeshGmshLoader name="loader" filename="body.msh"/><TetrahedronSetTopologyContainer src="@loader"/>
 <MechanicalObject name="dofs"/><UniformMass totalMass="2"/><WriteState filename="written.state"/></Node>
@@ -143,6 +145,61 @@ class Watch(unittest.TestCase):
         self.replace("part.xml", part.format(mass=3))
         watched.until("the result is the same")
         self.assertEqual(watched.end(), 0)
+
+    def test_a_broken_include_is_waited_for(self):
+        self.write("body.xml", '<Node name="root" dt="0.01"><EulerExplicitSolver/><include href="part.xml"/><include href="more.xml"/></Node>')
+        part = '<Node name="part"><include href="inner.xml"/></Node>'
+        inner = '<Node name="inner"><MechanicalObject name="dofs" position="0 0 0"/><UniformMass totalMass="1"/></Node>'
+        self.write("part.xml", "<Node")
+        self.write("more.xml", '<Node name="more"/>')
+        watched = self.watch("body.xml", "-n", "2", "--quiet")
+        self.assertIn("part.xml:1:", watched.until("waiting for a save of body.xml or 2 other files.*\n"))
+        self.replace("part.xml", part)  # names a file that is not there
+        self.assertIn("part.xml was saved", watched.until("waiting for a save of body.xml or 3 other files.*\n"))
+        self.write("inner.xml", inner)
+        self.assertIn("inner.xml has come", watched.until("greatest displacement .*\n"))
+        watched.until("waiting for .*\n")
+        self.write("inner.xml", inner[:-3])
+        self.assertIn("inner.xml:1:", watched.until("waiting for .*\n"))
+        self.write("inner.xml", inner)
+        self.assertIn("inner.xml was saved", watched.until("the result is the same"))
+        self.assertEqual(watched.end(), 0)
+
+    def test_a_result_that_overflows_does_not_end_it(self):
+        watched = self.watch("body.xml", "-n", "10", "--quiet")
+        watched.until("waiting for .*\n")
+        self.write("body.xml", MESHED.format(gravity="1e200"))  # its square is no number
+        self.assertIn("greatest displacement of /dofs: 5.5e+197 m, before 0.055 m", watched.until("waiting for .*\n"))
+        self.write("body.xml", MESHED.format(gravity="1.7e308 1.7e308").replace('"0 1.7', '"1.7').replace('dt="0.01"', 'dt="1"'))
+        self.assertIn("greatest displacement of /dofs: no finite number, before 5.5e+197 m", watched.until("waiting for .*\n"))
+        self.write("body.xml", MESHED.format(gravity=-10))
+        self.assertIn("greatest displacement of /dofs: 0.055 m", watched.until("waiting for .*\n"))
+        self.assertEqual(watched.end(), 0)
+
+    def test_files_of_options_are_watched(self):
+        self.write("none.actions", '{"stroma":"actions","version":1,"scene":"body.xml"}\n')
+        run = [STROMA, "run", "body.xml", "-n", "3", "-q"]
+        subprocess.run(run, cwd=self.folder, check=True)
+        shutil.copy(os.path.join(self.folder, "body.last", "last.checkpoint"), os.path.join(self.folder, "start.checkpoint"))
+        options = ["--replay", "none.actions", "--restart", "start.checkpoint"]
+        names = ["none.actions", "start.checkpoint"]
+        if os.path.exists(MODULE):
+            shutil.copy(MODULE, os.path.join(self.folder, "mine.so"))
+            options, names = options + ["--module", "mine.so"], names + ["mine.so"]
+        watched = self.watch("body.xml", "-n", "6", "-q", *options)
+        watched.until("waiting for .*\n")
+        for name in names:
+            os.utime(os.path.join(self.folder, name))
+            self.assertIn(f"{name} was saved", watched.until("waiting for .*\n"))
+        self.assertEqual(watched.end(), 0)
+
+    def test_a_checkpoint_that_the_run_replaces_is_refused(self):
+        subprocess.run([STROMA, "run", "body.xml", "-n", "3", "-q"], cwd=self.folder, check=True)
+        restart = ("--restart", os.path.join("body.last", "last.checkpoint"))
+        watched = self.watch("body.xml", "-n", "6", *restart)
+        self.assertEqual(watched.process.wait(20), 2)
+        watched.until("body.last/last.checkpoint: the first run would replace it")
+        self.assertEqual(self.watch("body.xml", "-n", "6", "--no-record", "--times", "1", *restart).process.wait(20), 0)
 
     def test_a_save_in_the_middle_of_a_run_begins_the_next(self):
         watched = self.watch("body.xml", "-n", "1000000000", "--set", "/WriteState.period=1e6")

@@ -17,7 +17,7 @@ enum ExitCode : int {
   exit_diverged = 3,       ///< or no equilibrium, or broken constraints, or an action of a replay was refused; the last
                            ///< state was written and named. Of a strict run: or a result in doubt
   exit_output_failed = 4,  ///< an output could not be written any more; what the files have is whole up to there
-  // 128 + the number of SIGINT or SIGTERM: stopped after a whole step; what was recorded is complete
+  // 128 + the number of SIGHUP, SIGINT or SIGTERM: stopped after a whole step; what was recorded is complete
 };
 
 using Arguments = std::vector<std::string>;  ///< what follows the subcommand
@@ -45,7 +45,7 @@ class UsageError : public std::runtime_error {
 
 extern const Subcommand run_command, watch_command, view_command, picture_command;
 extern const Subcommand check_command, explain_command, list_command, doc_command, schema_command, mesh_command;
-extern const Subcommand regress_command, bench_command;
+extern const Subcommand regress_command, sweep_command, bench_command;
 extern const Subcommand help_command, man_command, completion_command, complete_command;
 
 /// The one table of subcommands (subcommands.cpp): a new one is a line in it and a declaration above. Help, completion and

@@ -21,8 +21,7 @@ constexpr long between = 20;
 constexpr long longest_first_stride = 1000;
 constexpr std::size_t most_instants = 2 * between + 2;
 constexpr long never = std::numeric_limits<long>::max();
-
-std::string checkpointIn(const std::string& folder) { return (fs::path(folder) / "last.checkpoint").string(); }
+constexpr double never_seconds = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
@@ -39,6 +38,9 @@ DefaultRecording::DefaultRecording(Session& session, const RunRequest& request, 
       states_(session.simulation().states()) {
   checkPlace();
   std::error_code error;
+  goes_on_in_place_ = fs::equivalent(request.restart_file, checkpointIn(folder_), error);
+  if (goes_on_in_place_) own_checkpoint_ = identityOf(checkpointIn(folder_));
+  write_every_ = request.checkpoint_seconds > 0 ? request.checkpoint_seconds : never_seconds;
   const InstantsHead head{request.scene, fs::current_path(error).string(), request.overrides, request.modules,
                           sizesOf(simulation_)};
   bytes_ = head.line();
@@ -54,11 +56,8 @@ DefaultRecording::DefaultRecording(Session& session, const RunRequest& request, 
 /// A folder that is there is replaced only when a run left it so.
 void DefaultRecording::checkPlace() {
   std::error_code error;
-  if (fs::symlink_status(folder_, error).type() != fs::file_type::not_found) {
-    if (!fs::is_directory(folder_, error) || !isInstantsFile(instantsFile(folder_)))
-      reason_ = fmt::format("{} is not what a run left to be looked at: it stays as it is", folder_);
-    return;
-  }
+  reason_ = reasonToKeep(folder_);
+  if (fs::symlink_status(folder_, error).type() != fs::file_type::not_found) return;
   try {
     checkAccess(instantsFile(folder_), true);
   } catch (const OutputError& failure) {
@@ -68,7 +67,10 @@ void DefaultRecording::checkPlace() {
 
 void DefaultRecording::begin() {
   next_ = never;
-  if (!reason_.empty() || most_ < 2) return;
+  if (!reason_.empty() || most_ < 2) {
+    write_every_ = never_seconds;
+    return;
+  }
   next_ = simulation_.steps();
   keep();
 }
@@ -102,20 +104,48 @@ bool DefaultRecording::write(bool is_needed, bool may_go_on) {
   }
   every_ = never;
   keep();
+  // a run that fails does not take away what it went on from
+  const bool with_checkpoint = may_go_on && !(goes_on_in_place_ && is_needed);
   try {
-    makeFolderOf(instantsFile(folder_));
-    writeWholeFile(instantsFile(folder_), bytes_);
-    has_checkpoint_ = may_go_on;
-    if (may_go_on)
-      session_.writeCheckpoint(checkpointIn(folder_));
-    else
-      fs::remove(checkpointIn(folder_));
-  } catch (const OutputError& failure) {
-    reason_ = failure.what();
-  } catch (const fs::filesystem_error& failure) {
+    putInPlace(with_checkpoint);
+    has_checkpoint_ = with_checkpoint;
+  } catch (const std::runtime_error& failure) {
     reason_ = failure.what();
   }
   return reason_.empty();
+}
+
+void DefaultRecording::putInPlace(bool with_checkpoint) {
+  std::optional<FileIdentity> own = own_checkpoint_;
+  replaceFiles(folder_, own_checkpoint_, [&](const std::string& fresh) {
+    writeWholeFile(instantsFile(fresh), bytes_);
+    if (!with_checkpoint) return;
+    session_.writeCheckpoint(checkpointIn(fresh));
+    own = identityOf(checkpointIn(fresh));
+  });
+  own_checkpoint_ = own;
+  written_time_ = simulation_.time();
+}
+
+/// As if the run ended here. What cannot be written now is tried again later, and told of at the end.
+void DefaultRecording::writeMeanwhile() {
+  seconds_ = 0;
+  const std::size_t bytes = bytes_.size();
+  if (last_ != simulation_.steps()) {
+    simulation_.complete();
+    appendInstant(bytes_, simulation_.time(), states_);
+  }
+  try {
+    putInPlace(!goes_on_in_place_);
+  } catch (const std::runtime_error&) {
+  }
+  bytes_.resize(bytes);
+}
+
+std::string DefaultRecording::rest() const {
+  if (written_time_) return fmt::format("; {} has the run up to t = {:.6g} s", folder_, *written_time_);
+  const bool is_runs = reasonToKeep(folder_).empty() && isInstantsFile(instantsFile(folder_));
+  return is_runs ? fmt::format("; {} is that of a run before", folder_) : "";
 }
 
 std::vector<std::string> DefaultRecording::files() const {

@@ -60,8 +60,8 @@ void printOverview(std::FILE* stream) {
       stream,
       "\n`stroma SUBCOMMAND --help` prints its options and examples, `stroma doc scene` the file format.\n"
       "Exit codes: 0 done, 1 a comparison failed, 2 bad input (nothing was run), 3 no result (the last state is\n"
-      "written and named), 4 an output could not be written any more, 130 interrupted with Ctrl-C, 143 ended by "
-      "SIGTERM.\n");
+      "written and named), 4 an output could not be written any more, 129 ended by SIGHUP, 130 interrupted with\n"
+      "Ctrl-C, 143 ended by SIGTERM.\n");
 }
 
 void printVersion() {

@@ -87,11 +87,12 @@ OptionList optionList() {
 
 /// The length of a unit [m].
 double metresOf(const std::string& name) {
-  const Dimension length = readUnit("m").dimension;
-  const std::optional<Unit> unit = findUnit(name);
-  if (!unit || unit->dimension != length)
-    throw UsageError(fmt::format("--unit {}: expected {}", name, describe(length)));
-  return inSI(1, *unit);
+  try {
+    return inSI(1, readLengthUnit(name));
+  } catch (const ComponentError& error) {
+    const std::string nearest = error.suggestion.empty() ? "" : fmt::format("; did you mean '{}'?", error.suggestion);
+    throw UsageError(fmt::format("--unit {}: expected {}{}", name, error.expected, nearest));
+  }
 }
 
 void readCriteria(const Values& values, MeshRequest& request) {

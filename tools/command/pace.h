@@ -3,13 +3,16 @@
 
 namespace stroma::command {
 
-/// How fast steps are, from looks at how many have been made. Recent steps count most: the weight of a look fades over the
-/// last third of the run so far, and over no fewer than about eight steps.
+/// How fast steps are, from looks at how many have been made. Recent steps count most: the weight of a look fades over
+/// the last third of the run so far, and over no fewer than about eight steps. The first step often prepares what all
+/// others use (a factor, a library): once there are others it does not count.
 class Pace {
  public:
   /// At `now` [s], not before the last look, `steps` have been made.
   void look(double now, long steps);
-  bool isKnown() const { return steps_ > 0; }
+  bool isKnown() const { return first_ >= 0; }
+  /// Whether enough steps after the first are known to tell when the last one will be made.
+  bool isSteady() const { return steps_ >= 3 || (steps_ > 0 && seconds_ >= 2); }
   /// Of a step [s]. A step that takes longer than those before it counts while it is under way.
   double secondsPerStep() const;
   /// For `remaining` steps, of which one is under way [s].
@@ -20,7 +23,9 @@ class Pace {
  private:
   double now_ = 0, last_change_ = 0;
   long last_steps_ = 0;
-  double seconds_ = 0, steps_ = 0;  ///< faded sums
+  double first_ = -1;               ///< a step up to the first look that saw one [s]; negative: none has
+  double began_ = 0;                ///< when those that count did [s]
+  double seconds_ = 0, steps_ = 0;  ///< faded sums of those after it
 };
 
 }  // namespace stroma::command

@@ -16,75 +16,115 @@
 namespace stroma::command {
 namespace {
 
-constexpr long usual_steps = 100, most_frames = 100;
+constexpr long usual_steps = 100, most_intervals = 100;  // of a film, from frame to frame
 
 using picture::PictureMaker;
 
-/// The times that are to be drawn, in their order; each is given away once.
+/// The times that a picture shows, in the order of the panels, and which state each has been given.
 class Wanted {
  public:
-  explicit Wanted(std::vector<AskedTime> times) : times_(std::move(times)) {
-    if (times_.empty()) times_.push_back({AskedTime::Kind::end, 0});
+  explicit Wanted(const std::vector<AskedTime>& times) {
+    for (const AskedTime& time : times) times_.push_back({time, {}});
+    if (times_.empty()) times_.push_back({});
   }
-  bool takeStart(double now) {
-    const bool asked =
-        std::erase_if(times_, [](const AskedTime& one) { return one.kind == AskedTime::Kind::start; }) > 0;
-    return takeReached(now) || asked;
-  }
-  bool takeReached(double now) {
-    return std::erase_if(times_, [now](const AskedTime& one) {
-             return one.kind == AskedTime::Kind::time && one.time <= now + 1e-9 * std::max(1., std::abs(now));
-           }) > 0;
+  /// Gives a state to all that wait for it: those of a kind, and those whose time has come. False when there are none.
+  bool give(std::size_t state, double now, double slack, std::optional<AskedTime::Kind> kind = {}) {
+    bool given = false;
+    for (auto& [asked, of] : times_) {
+      const bool came = asked.kind == AskedTime::Kind::time ? asked.time <= now + slack : kind == asked.kind;
+      if (of || !came) continue;
+      of = state, given = true;
+    }
+    return given;
   }
   bool hasEnd() const {
     return std::any_of(times_.begin(), times_.end(),
-                       [](const AskedTime& one) { return one.kind == AskedTime::Kind::end; });
+                       [](const Panel& one) { return one.asked.kind == AskedTime::Kind::end; });
   }
   /// The last time that is asked for by number and has not come; or nothing.
   std::optional<double> last() const {
     std::optional<double> last;
-    for (const AskedTime& one : times_)
-      if (one.kind == AskedTime::Kind::time) last = std::max(last.value_or(one.time), one.time);
+    for (const auto& [asked, of] : times_)
+      if (asked.kind == AskedTime::Kind::time && !of) last = std::max(last.value_or(asked.time), asked.time);
     return last;
+  }
+  /// The states that have been given, in the order of the panels.
+  std::vector<std::size_t> order() const {
+    std::vector<std::size_t> order;
+    for (const Panel& one : times_)
+      if (one.state) order.push_back(*one.state);
+    return order;
   }
 
  private:
-  std::vector<AskedTime> times_;
+  struct Panel {
+    AskedTime asked;
+    std::optional<std::size_t> state{};
+  };
+  std::vector<Panel> times_;
 };
 
+long stepsUntil(const Session& session, double time, const char* option) {
+  try {
+    return session.stepsUntil(time);
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(fmt::format("--{} {}: {}", option, time, error.what()));
+  }
+}
+
+/// The steps to make. Throws UsageError when a time that is asked for lies before the start or behind the end.
 RunLimits limitsOf(const PictureCommand& command, const Session& session) {
   RunLimits limits;
-  limits.steps = command.steps.value_or(usual_steps);
-  std::optional<double> until = command.until;
+  long last = 0;
+  for (const AskedTime& asked : command.at)
+    if (asked.kind == AskedTime::Kind::time) last = std::max(last, stepsUntil(session, asked.time, "at"));
   const bool needs_end = command.at.empty() || Wanted(command.at).hasEnd();
-  if (!command.steps && !until && !needs_end) until = Wanted(command.at).last().value_or(session.simulation().time());
-  if (!until) return limits;
-  try {
-    limits.steps = session.stepsUntil(*until);
-  } catch (const std::invalid_argument& error) {
-    throw UsageError(fmt::format("--{} {}: {}", command.until ? "until" : "at", *until, error.what()));
-  }
+  limits.steps = command.until ? stepsUntil(session, *command.until, "until")
+                               : command.steps.value_or(needs_end ? usual_steps : last);
+  if (last > limits.steps)
+    throw UsageError(fmt::format("--at {}: the run ends at {:g} s (expected a larger -n or --until)",
+                                 Wanted(command.at).last().value_or(0),
+                                 session.simulation().time() + double(limits.steps) * session.simulation().dt()));
   return limits;
 }
 
+/// From frame to frame, of `intervals` steps or instants that make at most 100 of a film: 101 frames with the start.
+long usualEvery(long intervals) { return std::max(1L, (intervals + most_intervals - 1) / most_intervals); }
+
 /// Why there is no result, or empty.
 std::string run(const PictureCommand& command, Session& session, PictureMaker& maker) {
+  using Kind = AskedTime::Kind;
   const Simulation& simulation = session.simulation();
   RunLimits limits = limitsOf(command, session);
-  const long every = command.every.value_or(std::max(1L, (limits.steps + most_frames - 1) / most_frames));
+  const long every = command.every.value_or(usualEvery(limits.steps));
+  const double slack = 1e-6 * simulation.dt();
   Wanted wanted(command.at);
   long taken_at = -1;
   const auto take = [&] {
     if (taken_at != simulation.steps()) maker.take(simulation.time());
     taken_at = simulation.steps();
   };
-  if (command.animates || wanted.takeStart(simulation.time())) take();
+  const auto takeWanted = [&](std::optional<Kind> kind = {}) {
+    const std::size_t state = maker.taken() - (taken_at == simulation.steps() ? 1 : 0);
+    if (wanted.give(state, simulation.time(), slack, kind)) take();
+  };
+  command.animates ? take() : takeWanted(Kind::start);
   limits.after_step = [&](const StepReport&, double) {
-    if (command.animates ? simulation.steps() % every == 0 : wanted.takeReached(simulation.time())) take();
+    if (!command.animates)
+      takeWanted();
+    else if (simulation.steps() % every == 0)
+      take();
   };
   const RunReport report = session.run(limits);
-  if (command.animates || wanted.hasEnd() || report.end != RunEnd::done) take();
-  if (report.end != RunEnd::done) return report.reason;
+  const bool is_whole = report.end == RunEnd::done;
+  command.animates ? take() : takeWanted(Kind::end);
+  std::vector<std::size_t> order = wanted.order();
+  if (!is_whole && !command.animates && taken_at != simulation.steps()) {  // what --anyway draws
+    take();
+    order.push_back(maker.taken() - 1);
+  }
+  maker.arrange(order);
+  if (!is_whole) return report.reason;
   std::vector<std::string> warnings;
   tellWarnings(report.statistics, simulation.doubts(), warnings);
   if (const auto time = wanted.last(); time && !command.animates)
@@ -112,8 +152,10 @@ void showRecording(const PictureCommand& command, Simulation& simulation, Pictur
   const std::vector<StateFrame>& frames = recording.front();
   std::vector<std::size_t> instants;
   if (command.animates) {
-    const auto every = std::size_t(command.every.value_or(long(frames.size() + most_frames - 1) / most_frames));
+    const auto every = std::size_t(command.every.value_or(usualEvery(long(frames.size()) - 1)));
     for (std::size_t i = 0; i < frames.size(); i += every) instants.push_back(i);
+    if (instants.back() + 1 != frames.size())
+      instants.push_back(frames.size() - 1);  // as a run ends with its last state
   } else {
     for (const AskedTime& asked : command.at) instants.push_back(instantAt(asked, frames));
     if (instants.empty()) instants.push_back(frames.size() - 1);
@@ -171,7 +213,7 @@ int picture(const Arguments& arguments) {
     maker->warn(fmt::format("no result: the run ended at t = {:.4g} s", simulation.time()));
   }
   const int code = write(command, *maker);
-  return no_result.empty() ? code : exit_diverged;
+  return code != exit_done || no_result.empty() ? code : exit_diverged;
 }
 
 }  // namespace

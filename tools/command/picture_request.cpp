@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <sstream>
 
 #include "framework/scene/output_file.h"
@@ -74,7 +75,7 @@ OptionList pictureOptions() {
        "times to draw, side by side: seconds, start, end")  //
       ("animate", "write an animated PNG")                  //
       ("every", po::value<long>()->value_name("K"),
-       "with --animate: a frame every K steps, or instants of a recording (at most 100 frames when not given)")  //
+       "with --animate: a frame every K steps, or instants of a recording (at most 101 frames when not given)")  //
       ("fps", po::value<double>()->value_name("N"), "with --animate: frames a second (20 when not given)")       //
       ("anyway", "draw the last good state of a run without a result, with a warning in the picture");
   addLook(options);
@@ -109,6 +110,12 @@ picture::Range rangeIn(const std::string& text) {
   const auto low = ends.size() == 2 ? numberIn(ends[0]) : std::nullopt, high = low ? numberIn(ends[1]) : std::nullopt;
   if (!high || *low >= *high)
     throw UsageError(fmt::format("--range {}: expected LOW,HIGH with LOW below HIGH, as --range=0,2500", text));
+  constexpr double narrow = 1e-9, least = 1e-30, most = 1e30;
+  const double size = std::max(std::abs(*low), std::abs(*high));
+  if (size > most || *high - *low < std::max(least, narrow * size))
+    throw UsageError(fmt::format(
+        "--range {}: no legend tells its ends apart (expected a width of {:g} or more, and of {:g} of the ends)", text,
+        least, narrow));
   return {*low, *high};
 }
 
@@ -160,11 +167,11 @@ void readSize(const std::string& text, picture::PictureRequest& look) {
 }
 
 template <class T>
-std::optional<T> positive(const Values& values, const char* option, T least) {
+std::optional<T> positive(const Values& values, const char* option, T least, T most = std::numeric_limits<T>::max()) {
   if (!values.count(option)) return std::nullopt;
   const T value = values[option].as<T>();
-  if (!(value >= least) || !std::isfinite(double(value)))
-    throw UsageError(fmt::format("--{} {}: expected {} or more", option, value, least));
+  if (!(value >= least)) throw UsageError(fmt::format("--{} {}: expected {} or more", option, value, least));
+  if (value > most) throw UsageError(fmt::format("--{} {}: expected {} or less", option, value, most));
   return value;
 }
 
@@ -182,11 +189,25 @@ void checkPartners(const Values& values, bool is_recording) {
       throw UsageError(fmt::format("--{}: a recording is not run (expected --at T for one of its instants)", option));
 }
 
+/// Views and times stand side by side.
+void checkPanels(const PictureCommand& command) {
+  const std::size_t views = std::max<std::size_t>(1, command.look.views.size()),
+                    times = std::max<std::size_t>(1, command.at.size());
+  const int width = command.look.width > 0 ? command.look.width : picture::most_width;
+  const auto most = std::size_t(width / picture::least_panel_width);
+  if (views * times > most)
+    throw UsageError(
+        fmt::format("{} views of {} times side by side: on {} pixels there is room for {} panels of {} pixels "
+                    "(expected fewer views or "
+                    "times, or a wider --size)",
+                    views, times, width, most, picture::least_panel_width));
+}
+
 /// organ.xml, organ.last and results/organ/ give organ.png.
 std::string usualFile(const std::string& scene, bool is_recording) {
   fs::path path = fs::absolute(scene).lexically_normal();
   if (!path.has_filename()) path = path.parent_path();
-  const bool has_ending = !is_recording || path.extension() == ".last" || path.extension() == ".diverged";
+  const bool has_ending = !is_recording || path.extension() == ".last";
   return (has_ending ? path.stem() : path.filename()).string() + ".png";
 }
 
@@ -232,7 +253,7 @@ PictureCommand::PictureCommand(const Values& values)
       steps(positive<long>(values, "steps", 0)),
       animates(values.count("animate") > 0),
       every(positive<long>(values, "every", 1)),
-      fps(positive<double>(values, "fps", 0.1).value_or(20)),
+      fps(positive<double>(values, "fps", 0.1, 1000).value_or(20)),
       anyway(values.count("anyway") > 0),
       lists_fields(textOf(values, "field") == "help"),
       quiet(values.count("quiet") > 0) {
@@ -241,6 +262,7 @@ PictureCommand::PictureCommand(const Values& values)
   if (values.count("until")) until = values["until"].as<double>();
   if (values.count("at")) at = timesIn(textOf(values, "at"));
   readLook(values, look);
+  checkPanels(*this);
   if (!is_named) file = usualFile(scene, isRecording());
   const std::string ending = fs::path(file).extension().string();
   if (ending != ".png" && ending != ".apng")

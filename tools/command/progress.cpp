@@ -2,7 +2,6 @@
 #include "tools/command/progress.h"
 
 #include <fmt/format.h>
-#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <cstdio>
@@ -22,11 +21,6 @@ constexpr double long_step = 2;                             // [s]
 bool isTerminal() {
   const char* kind = std::getenv("TERM");
   return isatty(STDERR_FILENO) && !(kind && std::strcmp(kind, "dumb") == 0);
-}
-
-std::size_t terminalWidth() {
-  winsize size{};
-  return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 1 ? size.ws_col - 1u : 79u;
 }
 
 /// Pieces of a line. Those that matter least go first where it is too long.
@@ -108,7 +102,8 @@ void Progress::lookAtLoad(double now) {
   }
   if (now < (terminal_ ? shortest_told : told_ + longest_untold)) return;
   told_ = now;
-  print(fmt::format("loading {}: {} so far", scene_, durationText(now)));
+  print(fittedLine("loading " + scene_, fmt::format(": {} so far", durationText(now)),
+                   terminal_ ? terminalWidth() : std::string::npos));
 }
 
 void Progress::look(double now) {
@@ -153,7 +148,7 @@ std::string Progress::text(double now, std::size_t width) {
   }
   if (is_stopping_())
     pieces.add(1, "ends after this step");
-  else if (pace_.isKnown())
+  else if (pace_.isSteady())
     pieces.add(1, durationText(pace_.secondsToGo(last_ - made)) + " to go");
   return pieces.joined(width);
 }

@@ -16,8 +16,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The scene that wrote `file`: its name may be relative to the folder that the run was started in, which most often is one
-/// of those above the folder of the recording.
+/// The scene that wrote `file`: its name may be relative to the folder that the run was started in, which most often is
+/// one of those above the folder of the recording.
 std::string foundScene(const std::string& scene, const std::string& file, const std::string& folder) {
   std::error_code error;
   if (fs::is_regular_file(scene, error)) return scene;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Folders with a recording: what `stroma run --record DIR` wrote, or what a run without it has left (default_recording.h).
+// Folders with a recording: what `stroma run --record DIR` wrote, or what a run without it has left
+// (default_recording.h).
 #pragma once
 #include <string>
 #include <vector>

@@ -10,7 +10,9 @@
 #include "framework/scene/output_file.h"
 #include "framework/simulation/file_uses.h"
 #include "framework/simulation/long_work.h"
+#include "tools/command/closed_pipes.h"
 #include "tools/command/default_recording.h"
+#include "tools/command/measured_end.h"
 #include "tools/command/progress.h"
 #include "tools/command/recorder.h"
 #include "tools/command/results.h"
@@ -30,11 +32,12 @@ volatile std::sig_atomic_t stopped_by = 0;
 
 void stopOnSignals(Session& session) {
   interruptible = &session;
-  for (const int signal : {SIGINT, SIGTERM})
-    std::signal(signal, [](int number) {
-      stopped_by = number;
-      interruptible.load()->requestStop();
-    });
+  const auto stop = [](int number) {
+    stopped_by = number;
+    interruptible.load()->requestStop();
+  };
+  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, stop);
+  if (std::signal(SIGHUP, stop) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);  // nohup
 }
 
 /// When a checkpoint is due.
@@ -97,9 +100,9 @@ struct Recordings {
     if (named) named->write();
     if (last) last->begin();
   }
-  void stepMade() {
+  void stepMade(const StepReport& report, double seconds) {
     if (named) named->write();
-    if (last) last->stepMade();
+    if (last) last->stepMade(report, seconds);
   }
   std::vector<std::string> files() const {
     if (named) return named->files();
@@ -115,7 +118,8 @@ struct Recordings {
   std::string placeOfState() const {
     const auto all = files();
     if (!all.empty()) return fmt::format("is in {}", fmt::join(all, ", "));
-    return "is in no file" + (last && !last->reason().empty() ? ": " + last->reason() : last ? "" : " (--no-record)");
+    if (!last) return "is in no file (--no-record)";
+    return "is in no file" + (last->reason().empty() ? "" : ": " + last->reason() + last->rest());
   }
 };
 
@@ -129,8 +133,8 @@ Outcome loop(Session& session, long steps, const RunRequest& request, Recordings
   CheckpointClock checkpoints(request);
   RunLimits limits;
   limits.steps = std::max(0L, steps - simulation.steps());
-  limits.after_step = [&](const StepReport& report, double) {
-    recordings.stepMade();
+  limits.after_step = [&](const StepReport& report, double seconds) {
+    recordings.stepMade(report, seconds);
     if (recorder && report.constraints_converged && checkpoints.isDue(simulation.steps())) recorder->writeCheckpoint();
     progress.stepMade(simulation, report);
   };
@@ -159,15 +163,16 @@ nlohmann::ordered_json toJson(const Energies& energies) {
 /// Ends all files.
 void finish(Session& session, const RunRequest& request, Recordings& recordings, Outcome& outcome) {
   if (outcome.end == RunEnd::output_failed) outcome.failures.push_back(outcome.reason);
-  // the checkpoint comes before what observers write at the very end: a run that goes on does not have it
   // to go on from a state that is no result would make it look like one
   const bool may_go_on = outcome.failures.empty() && outcome.end != RunEnd::not_converged;
+  // the checkpoint comes before what observers write at the very end: a run that goes on does not have it
   if (recordings.named) attempt(outcome, [&] { recordings.named->finish(may_go_on); });
   if (recordings.last) recordings.is_last_written = recordings.last->write(outcome.failed(), may_go_on);
   attempt(outcome, [&] { session.finish(); });
   if (outcome.failed()) return tellFailure(outcome, session.simulation(), recordings.placeOfState());
   if (recordings.last && !recordings.last->reason().empty() && !request.quiet)
-    fmt::print(stderr, "note: nothing is left to be looked at: {}\n", recordings.last->reason());
+    fmt::print(stderr, "note: nothing is left to be looked at: {}{}\n", recordings.last->reason(),
+               recordings.last->rest());
 }
 
 /// A scene that is ready for its first step.
@@ -176,6 +181,7 @@ struct Run {
   Session session{};
   std::string checkpoint{};  ///< that it goes on from, or empty
   std::optional<Replay> replay{};
+  std::optional<MeasuredQuantity> measured{};
   std::vector<std::string> warnings{};
   long steps = 0;
   double load_seconds = 0;
@@ -187,6 +193,8 @@ struct Run {
     progress.loaded();
     simulation.computeOnDemand(true);
     warnings = reportProblems(simulation.scene(), request.quiet);
+    if (!request.measure_file.empty()) simulation.dropObservers();
+    if (!request.measured_quantity.empty()) measured.emplace(simulation, request.measured_quantity);
     checkpoint = request.checkpointToGoOnFrom();
     if (request.resume && checkpoint.empty() && !request.quiet)
       fmt::print(stderr, "note: there is no checkpoint in {} yet: the run starts anew\n", request.record_folder);
@@ -222,6 +230,7 @@ int run(const Arguments& arguments) {
   const auto values = parseRunOptions(arguments);
   if (!values) return exit_done;
   const RunRequest request(*values);
+  outliveReaders();
   tellLongWork(!request.quiet);
   Run run{request};
   Progress progress(request.scene, request.quiet, [] { return stopped_by != 0; });
@@ -232,12 +241,16 @@ int run(const Arguments& arguments) {
   stopOnSignals(run.session);
   Outcome outcome = loop(run.session, run.steps, request, recordings, progress, !run.checkpoint.empty());
   finish(run.session, request, recordings, outcome);
+  if (!request.measure_file.empty())
+    attempt(outcome, [&] {
+      writeMeasuredEnd(run.session.simulation(), run.measured ? &*run.measured : nullptr, request.measure_file);
+    });
   const bool doubts = tellWarnings(outcome.statistics, run.session.simulation().doubts(), run.warnings);
   outcome.doubted = request.strict && (doubts || !outcome.statistics.unconverged.none());
   if (wants_json) attempt(outcome, [&] { writeJson(run.json(outcome, at_start, recordings), request.json_file); });
   for (const std::string& failure : outcome.failures) fmt::print(stderr, "error: {}\n", failure);
   if (request.json_file != "-" && !request.quiet) run.print(outcome, recordings);
-  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, SIG_DFL);  // the session ends here
+  for (const int signal : {SIGHUP, SIGINT, SIGTERM}) std::signal(signal, SIG_DFL);  // the session ends here
   return outcome.exitCode();
 }
 

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "framework/algebra/parallel.h"
 #include "framework/scene/output_file.h"
@@ -70,8 +71,9 @@ nlohmann::ordered_json greatestDisplacements(const Simulation& simulation) {
     Index node = 0;
     for (Index i = 0; i < state->size(); ++i) {
       if (state->kindOf(i) != RowKind::place) continue;
-      const double distance = (state->x()[i] - state->position[std::size_t(i)]).norm();
-      if (distance > greatest) greatest = distance, node = i;
+      const double distance = (state->x()[i] - state->position[std::size_t(i)]).stableNorm();  // squares overflow
+      if (!(distance <= greatest)) greatest = distance, node = i;  // what is no number is farthest
+      if (std::isnan(greatest)) break;
     }
     all.push_back({{"state", state->path()}, {"metres", greatest}, {"node", node}});
   }

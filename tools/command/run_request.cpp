@@ -22,15 +22,18 @@ constexpr long default_steps = 100;
 const Manual manual{
     "stroma run SCENE [options]",
     "Simulates a scene: 100 steps unless -n or --until says otherwise. Progress and messages go to standard error,\n"
-    "the summary to standard output. Ctrl-C, or SIGTERM, ends the run after a whole step.\n\n"
+    "the summary to standard output. Ctrl-C, SIGTERM or SIGHUP ends the run after a whole step. A reader of the "
+    "output\n"
+    "who goes early (`| head`) does not end it.\n\n"
     "A run leaves some twenty instants and a checkpoint in STEM.last, in the current folder, for `stroma view "
     "STEM.last`.\n"
-    "The next run of a scene of that name replaces them. --no-record leaves nothing, --record DIR keeps what you "
-    "name.\n\n"
+    "The instants are kept in memory, and written every minute and at the end. The next run of a scene of that name\n"
+    "replaces them. --no-record leaves nothing, --record DIR keeps what you name.\n\n"
     "--record leaves a checkpoint, DIR/last.checkpoint: every minute, and at the end. The same command with --resume\n"
     "goes on from it, or starts when there is none yet: after a crash, a kill, or Ctrl-C. --restart FILE goes on from\n"
-    "any checkpoint. The run has the time, step number and bits of one that never stopped: -n and --until are those\n"
-    "of the whole run, and the files of observers and recordings are continued where the checkpoint was written.\n\n"
+    "any checkpoint; that of STEM.last is replaced when the run ends with a result. The run has the time, step number\n"
+    "and bits of one that never stopped: -n and --until are those of the whole run, and the files of observers and\n"
+    "recordings are continued where the checkpoint was written.\n\n"
     "--replay FILE does again, each before its step, what was done to a run of this scene while somebody looked on:\n"
     "nodes pulled and attributes changed. The bits are those of that run.\n\n"
     "Exit codes:\n"
@@ -41,7 +44,8 @@ const Manual manual{
     "       doubt: elements inside out, a body that burst, energy from nowhere. Also a run of which an action of\n"
     "       --replay was refused: the state before it is recorded and named\n"
     "  4    an output could not be written any more: the run ended; what the files have is whole up to there\n"
-    "  130  interrupted with Ctrl-C; what was recorded is complete\n"
+    "  129  ended by SIGHUP: the terminal was closed; what was recorded is complete\n"
+    "  130  interrupted with Ctrl-C, likewise\n"
     "  143  ended by SIGTERM, likewise",
     "  stroma run liver.xml -n 200 && stroma view liver.last\n"
     "  stroma run liver.xml --until 2 --set /liver/fem.method=polar --record results/liver --record-every 10\n"
@@ -60,13 +64,18 @@ void addRunOptions(OptionList& options) {
       ("record-every", po::value<long>()->value_name("K"),
        "record every K steps; the first and last instant always")  //
       ("checkpoint-seconds", po::value<double>()->value_name("S"),
-       "write DIR/last.checkpoint every S seconds of wall time (60 when not given; 0: only at the end)")       //
+       "write DIR/last.checkpoint, or STEM.last, every S seconds of wall time (60 when not given; 0: only at the "
+       "end)")                                                                                                 //
       ("checkpoint-every", po::value<long>()->value_name("K"), "write DIR/last.checkpoint every K steps too")  //
       ("resume", "go on from DIR/last.checkpoint if it is there")                                              //
       ("restart", po::value<std::string>()->value_name("FILE"), "go on from a checkpoint of this scene")       //
       ("replay", po::value<std::string>()->value_name("FILE"), "do again what the file of actions says")       //
       ("json", po::value<std::string>()->implicit_value("-")->value_name("FILE"),
        "print the summary as JSON; --json=FILE writes it to a file")    //
+      ("measure", po::value<std::string>()->value_name("FILE"),
+       "as `stroma sweep` does: no exporter writes, and the shapes and cells of the end go to this file")  //
+      ("measure-value", po::value<std::string>()->value_name("PATH.NAME[:NODES]"),
+       "a quantity whose mean at the end goes to the file too")  //
       ("strict", "a result in doubt is none: the exit code is then 3")  //
       ("quiet,q", "no progress, no notes, no summary");
 }
@@ -90,6 +99,9 @@ RunRequest::RunRequest(const Values& values)
   if (values.count("until")) until = values["until"].as<double>();
   if (values.count("record")) record_folder = values["record"].as<std::string>();
   if (values.count("json")) json_file = values["json"].as<std::string>();
+  if (values.count("measure")) measure_file = values["measure"].as<std::string>();
+  if (values.count("measure-value")) measured_quantity = values["measure-value"].as<std::string>();
+  if (!measured_quantity.empty() && measure_file.empty()) throw UsageError("--measure-value needs --measure FILE");
   if (values.count("restart")) restart_file = values["restart"].as<std::string>();
   if (values.count("replay")) replay_file = values["replay"].as<std::string>();
   if (values.count("set")) overrides = values["set"].as<std::vector<std::string>>();
@@ -100,7 +112,7 @@ RunRequest::RunRequest(const Values& values)
   if (steps && until) throw UsageError("-n and --until exclude each other");
   if (steps && *steps < 0) throw UsageError(fmt::format("-n {}: expected 0 or more steps", *steps));
   if (resume && !restart_file.empty()) throw UsageError("--resume and --restart exclude each other");
-  for (const char* option : {"record-every", "checkpoint-every", "checkpoint-seconds", "resume"})
+  for (const char* option : {"record-every", "checkpoint-every", "resume"})
     if (values.count(option) && !recordsIn()) throw UsageError(fmt::format("--{} needs --record DIR", option));
   readInterval(values, "record-every", record_every);
   readInterval(values, "checkpoint-every", checkpoint_every);
@@ -137,6 +149,7 @@ void checkOutputs(const RunRequest& request, const Simulation& simulation) {
     for (const std::string& file : recordedFiles(simulation, request.record_folder))
       outputs.push_back({file, "--record", file.ends_with(".checkpoint")});
   if (!request.json_file.empty() && request.json_file != "-") outputs.push_back({request.json_file, "--json", true});
+  if (!request.measure_file.empty()) outputs.push_back({request.measure_file, "--measure", true});
   std::vector<FileUse> all = outputsOf(simulation);
   all.insert(all.end(), outputs.begin(), outputs.end());
   if (request.leavesLast())

@@ -13,6 +13,7 @@ namespace stroma::command {
 
 struct RunRequest {
   std::string scene, record_folder, restart_file, replay_file, json_file;
+  std::string measure_file, measured_quantity;  ///< for `stroma sweep`
   std::vector<std::string> overrides, modules;  ///< as --set and --module had them; paths of modules are absolute
   std::optional<long> steps;
   std::optional<double> until;
@@ -43,8 +44,8 @@ CommandLine runLine();
 std::optional<Values> parseRunOptions(const Arguments& arguments);
 
 /// What a run refuses between loading and its first step, which `stroma check` refuses too. Throws UsageError when the
-/// run would write over what it reads, or one file twice, SceneError when observers cannot write, and OutputError when it
-/// cannot write what the options name. Without such options nothing is written, and nothing has been when it throws.
+/// run would write over what it reads, or one file twice, SceneError when observers cannot write, and OutputError when
+/// it cannot write what the options name. Without such options nothing is written, and nothing has been when it throws.
 void checkOutputs(const RunRequest& request, const Simulation& simulation);
 
 }  // namespace stroma::command

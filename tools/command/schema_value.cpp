@@ -16,7 +16,7 @@ using Kind = SchemaAlternative::Kind;
 
 // ---- patterns; white space has been made single spaces, and commas separate too ----
 
-constexpr const char* number = "[\\-+]?([0-9]+[.]?[0-9]*|[.][0-9]+)([eE][\\-+]?[0-9]+)?";
+constexpr const char* number = "[\\-+]?([0-9]+([.][0-9]*)?|[.][0-9]+)([eE][\\-+]?[0-9]+)?";
 constexpr const char* whole = "[\\-+]?[0-9]+";
 constexpr const char* rising = "[0-9]+-[0-9]+(-[0-9]+)?";
 
@@ -31,14 +31,14 @@ const std::string& unitPattern() {
     const std::string closed = "( ?[)]" + power + "?)", sign = "( ?[*/·⋅] ?| ?[.]| )", open = "[(] ?(1? ?/ ?)?";
     // two names need something between them, and a power or a bracket is enough
     const std::string between = fmt::format("({0}{1}*{2}?|{1}+{2}?|{2}|{3})({3})*", power, closed, sign, open);
-    return fmt::format("(1?/)?({0})*{1}({2}{1})*{3}?{4}*", open, name, between, power, closed);
+    return fmt::format("(1? ?/ ?)?({0})*{1}({2}{1})*{3}?{4}*", open, name, between, power, closed);
   }();
   return all;
 }
 
-/// A number or a fraction, which has no blanks inside.
+/// A number or a fraction.
 const std::string& fraction() {
-  static const std::string text = fmt::format("{0}(/{0})?", number);
+  static const std::string text = fmt::format("{0}( ?/ ?{0})?", number);
   return text;
 }
 
@@ -64,7 +64,7 @@ SchemaAlternative link() { return pattern("@.*"); }
 
 /// A number with a unit, or a fraction: "10 kPa", "1/20 s", "1/20".
 SchemaAlternative quantity() {
-  return pattern(fmt::format("[ ,]*({0}/{0}|{1} ?{2})[ ,]*", number, fraction(), unitPattern()));
+  return pattern(fmt::format("[ ,]*({0} ?/ ?{0}|{1} ?{2})[ ,]*", number, fraction(), unitPattern()));
 }
 
 /// Numbers with a unit after the last one or after each: how large they are in SI is more than a pattern knows.

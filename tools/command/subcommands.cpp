@@ -23,6 +23,7 @@ std::span<const Subcommand* const> subcommands() {
       &mesh_command,
       // compare and measure
       &regress_command,
+      &sweep_command,
       &bench_command,
       // the command itself
       &help_command,

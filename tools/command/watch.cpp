@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// stroma watch: runs a scene again whenever one of its files is saved. Each run is a process of its own, `stroma run` with
-// the same options: whatever becomes of it, the watch goes on.
+// stroma watch: runs a scene again whenever one of its files is saved. Each run is a process of its own, `stroma run`
+// with the same options: whatever becomes of it, the watch goes on.
 #include <fcntl.h>
 #include <fmt/chrono.h>
 #include <fmt/format.h>
@@ -17,9 +17,11 @@
 #include <ctime>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "tools/command/default_recording.h"
 #include "tools/command/run_request.h"
 #include "tools/command/session.h"
 #include "tools/command/watched_files.h"
@@ -35,13 +37,14 @@ constexpr auto look_every = std::chrono::milliseconds(100), settles_in = std::ch
 
 const Manual manual{
     "stroma watch SCENE [options of stroma run]",
-    "Runs a scene, and again whenever a file that it reads is saved: the scene, what it includes, meshes, tables. "
-    "Prints\n"
-    "what each run says, and how the result differs from that of the run before. A save in the middle of a run ends\n"
-    "it after its step and begins the next one. A scene with mistakes is told of and waited for.\n\n"
-    "Ctrl-C, or SIGTERM, ends the watch.\n\n"
+    "Runs a scene, and again whenever a file that it reads is saved: the scene, what it includes, meshes, tables, and\n"
+    "the files of --replay, --restart and --module. Prints what each run says, and how the result differs from that "
+    "of\n"
+    "the run before. A save in the middle of a run ends it after its step and begins the next one. A scene with\n"
+    "mistakes is told of and waited for.\n\n"
+    "Ctrl-C, SIGTERM or SIGHUP ends the watch.\n\n"
     "Exit codes:\n"
-    "  0    ended by Ctrl-C or SIGTERM, which is how a watch ends\n"
+    "  0    ended by one of these signals, which is how a watch ends\n"
     "  2    the options are wrong, or the scene is not there; nothing was run\n"
     "  With --times that of the last run",
     "  stroma watch liver.xml -n 200\n"
@@ -102,37 +105,53 @@ class RunningProcess {
   std::optional<int> code_;
 };
 
+/// JSON has no number for what overflowed: null.
+double numberOf(const Json& value) {
+  return value.is_number() ? value.get<double>() : std::numeric_limits<double>::quiet_NaN();
+}
+
+std::string measured(double value, const char* unit) {
+  return std::isfinite(value) ? fmt::format("{:.3g} {}", value, unit) : "no finite number";
+}
+
 std::string change(double now, double before, const char* unit) {
-  std::string text = fmt::format("{:.3g} {}, before {:.3g} {}", now, unit, before, unit);
-  if (!(before > 0)) return text;
+  std::string text = fmt::format("{}, before {}", measured(now, unit), measured(before, unit));
   const double share = 100 * (now / before - 1);
+  if (!(before > 0) || !std::isfinite(share)) return text;
   return text + fmt::format(" ({:+.{}f} %)", share, std::abs(share) < 9.95 ? 1 : 0);
+}
+
+void compareDisplacements(const Json& now, const Json& before) {
+  for (const Json& state : now.at("greatest_displacements")) {
+    const double metres = numberOf(state.at("metres"));
+    std::string text = measured(metres, "m");
+    if (!before.is_null())
+      for (const Json& other : before.at("greatest_displacements"))
+        if (other.at("state") == state.at("state")) text = change(metres, numberOf(other.at("metres")), "m");
+    fmt::print("greatest displacement of {}: {} at node {}\n", state.at("state").get<std::string>(), text,
+               state.at("node").get<long>());
+  }
 }
 
 /// What a run has found, beside what the run before it found (null: there is none).
 void compare(const Json& now, const Json& before) {
-  const bool is_same = !before.is_null() && now["state_hash"] == before["state_hash"];
-  if (is_same) fmt::print("the result is the same, bit for bit\n");
-  for (const Json& state : now["greatest_displacements"]) {
-    if (is_same) break;
-    const double metres = state["metres"];
-    std::string text = fmt::format("{:.3g} m", metres);
-    if (!before.is_null())
-      for (const Json& other : before["greatest_displacements"])
-        if (other["state"] == state["state"]) text = change(metres, other["metres"], "m");
-    fmt::print("greatest displacement of {}: {} at node {}\n", state["state"].get<std::string>(), text,
-               state["node"].get<long>());
-  }
+  if (!before.is_null() && now.at("state_hash") == before.at("state_hash"))
+    fmt::print("the result is the same, bit for bit\n");
+  else
+    compareDisplacements(now, before);
   if (before.is_null()) return;
-  if (now["steps"] != before["steps"])
-    fmt::print("steps: {}, before {}\n", now["steps"].get<long>(), before["steps"].get<long>());
-  fmt::print("time per step: {}\n", change(now["ms_per_step"]["mean"], before["ms_per_step"]["mean"], "ms"));
+  if (now.at("steps") != before.at("steps"))
+    fmt::print("steps: {}, before {}\n", now.at("steps").get<long>(), before.at("steps").get<long>());
+  const auto mean = [](const Json& report) { return numberOf(report.at("ms_per_step").at("mean")); };
+  fmt::print("time per step: {}\n", change(mean(now), mean(before), "ms"));
 }
 
 class Watch {
  public:
-  Watch(std::string scene, Arguments arguments, long times)
-      : scene_(std::move(scene)), arguments_(std::move(arguments)), times_(times), inputs_({scene_}) {
+  /// `beside`: files that the options name.
+  Watch(std::string scene, Arguments arguments, std::vector<std::string> beside, long times)
+      : scene_(std::move(scene)), arguments_(std::move(arguments)), beside_(std::move(beside)), times_(times) {
+    takeInputs({});
     arguments_.push_back("--json=" + scratch_.report());
   }
 
@@ -187,11 +206,20 @@ class Watch {
       if (code > 128) fmt::print(stderr, "the run was ended by signal {}\n", code - 128);
       return;
     }
-    inputs_ = report["inputs"].get<std::vector<std::string>>();
+    try {
+      takeInputs(report.value("inputs", std::vector<std::string>{}));
+      if (was_stopped_ || ended) return;
+      compare(report, before_);
+      before_ = report;
+    } catch (const Json::exception& error) {  // a run that tells less than this one understands ends no watch
+      fmt::print(stderr, "the run's report cannot be compared: {}\n", error.what());
+    }
+  }
+
+  void takeInputs(std::vector<std::string> of_run) {
+    inputs_ = std::move(of_run);
     inputs_.push_back(scene_);
-    if (was_stopped_ || ended) return;
-    compare(report, before_);
-    before_ = report;
+    inputs_.insert(inputs_.end(), beside_.begin(), beside_.end());
   }
 
   /// Editors write a file in several goes: what changed, once nothing changes any more.
@@ -221,9 +249,10 @@ class Watch {
 
   const std::string scene_;
   Arguments arguments_;
+  const std::vector<std::string> beside_;
   const long times_;
   Scratch scratch_;
-  std::vector<std::string> inputs_;  ///< of the last run that could tell
+  std::vector<std::string> inputs_;  ///< of the last run that could tell, and those beside
   bool is_known_ = false;            ///< the last run could
   FileStamps seen_;                  ///< what is waited for
   Json before_;                      ///< report of the last whole run
@@ -241,6 +270,16 @@ Arguments withoutTimes(const Arguments& arguments) {
       kept.push_back(arguments[i]);
   }
   return kept;
+}
+
+/// Each run is to start from what the first one started from.
+void checkRestart(const RunRequest& request) {
+  const std::string folder = request.recordsIn() ? request.record_folder : lastFolder(request.scene);
+  std::error_code error;
+  const bool is_replaced = fs::equivalent(request.restart_file, fs::path(folder) / "last.checkpoint", error);
+  if (!is_replaced || request.no_record) return;
+  throw UsageError(fmt::format("--restart {}: the first run would replace it (expected a copy with another name)",
+                               request.restart_file));
 }
 
 CommandLine watchLine() {
@@ -263,10 +302,17 @@ int watch(const Arguments& arguments) {
   const long times = values->count("times") ? (*values)["times"].as<long>() : -1;
   if (times == 0 || times < -1) throw UsageError(fmt::format("--times {}: expected 1 or more", times));
   if (!fs::exists(scene)) throw UsageError(scene + ": there is no such file");
+  checkRestart(request);
+  std::vector<std::string> beside = request.modules;
+  for (const std::string& file : {request.replay_file, request.restart_file})
+    if (!file.empty()) beside.push_back(file);
   struct sigaction action {};
   action.sa_handler = [](int) { ended = 1; };  // not restarted: sleeps end at once
   for (const int signal : {SIGINT, SIGTERM}) ::sigaction(signal, &action, nullptr);
-  return Watch(scene, withoutTimes(arguments), times).run();
+  struct sigaction before {};
+  if (::sigaction(SIGHUP, nullptr, &before) == 0 && before.sa_handler != SIG_IGN)  // nohup
+    ::sigaction(SIGHUP, &action, nullptr);
+  return Watch(scene, withoutTimes(arguments), std::move(beside), times).run();
 }
 
 }  // namespace

@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
+#include <set>
 
 #include "framework/scene/load.h"
 
@@ -14,36 +16,70 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Files that the attributes of an element may name: where they are, or where they would be looked for first.
+/// Where a file is, or where it would be looked for first.
+std::string placeOf(const std::string& name, const std::string& folder) {
+  const std::string found = findFile(name, folder, nullptr);
+  return found.empty() ? (fs::path(folder) / name).string() : found;
+}
+
+/// Files that the attributes of an element may name.
 void addNamed(const std::vector<AttributeDescription>& attributes, const std::string& folder,
               std::vector<std::string>& files) {
   for (const AttributeDescription& attribute : attributes) {
     std::string name = attribute.name;
     std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return char(std::tolower(c)); });
     if (name.find("file") == std::string::npos || attribute.value.empty()) continue;
-    const std::string found = findFile(attribute.value, folder, nullptr);
-    files.push_back(found.empty() ? (fs::path(folder) / attribute.value).string() : found);
+    files.push_back(placeOf(attribute.value, folder));
   }
 }
 
-void addNamed(const NodeDescription& node, std::vector<std::string>& files) {
-  addNamed(node.attributes, node.folder, files);
-  for (const ComponentDescription& component : node.components) addNamed(component.attributes, component.folder, files);
-  for (const NodeDescription& child : node.children) addNamed(child, files);
-}
+/// The scene with all that it includes, each file by itself: one that cannot be read hides no other.
+class NamedFiles {
+ public:
+  void addScene(const std::string& file, int depth) {
+    std::error_code error;
+    files.push_back(file);
+    if (depth > limits_.include_depth || !seen_.insert(fs::weakly_canonical(file, error)).second) return;
+    if (!fs::is_regular_file(file, error) || fs::file_size(file, error) > limits_.file_bytes) return;
+    std::ifstream stream(file, std::ios::binary);
+    const std::string text(std::istreambuf_iterator<char>(stream), {});
+    Diagnostics diagnostics;  // what the run says is enough
+    addNode(readXml(text, file, limits_, diagnostics), depth);
+  }
+
+  std::vector<std::string> files;
+
+ private:
+  void addNode(const NodeDescription& node, int depth) {
+    addNamed(node.attributes, node.folder, files);
+    for (const ComponentDescription& component : node.components) addComponent(component, depth);
+    for (const NodeDescription& child : node.children) addNode(child, depth);
+  }
+
+  void addComponent(const ComponentDescription& component, int depth) {
+    addNamed(component.attributes, component.folder, files);
+    if (component.type == "include") {
+      if (const AttributeDescription* href = component.find("href"); href && !href->value.empty())
+        addScene(placeOf(href->value, component.folder), depth + 1);
+    } else if (const std::string prefab = findFile("Objects/" + component.type + ".xml", component.folder, nullptr);
+               !prefab.empty()) {
+      addScene(prefab, depth + 1);
+    }
+  }
+
+  const ReadLimits limits_;
+  std::set<fs::path> seen_;
+};
 
 }  // namespace
 
 std::vector<std::string> filesNamedBy(const std::string& scene) {
-  std::vector<std::string> files{scene};
+  NamedFiles named;
   try {
-    Diagnostics diagnostics;
-    const SceneDescription description = readScene(scene, {}, {}, diagnostics);
-    files.insert(files.end(), description.files.begin(), description.files.end());
-    addNamed(description.root, files);
-  } catch (const std::exception&) {  // what the run says of it is enough
+    named.addScene(scene, 0);
+  } catch (const std::exception&) {  // those found so far; what the run says of it is enough
   }
-  return files;
+  return named.files;
 }
 
 FileStamps::FileStamps(const std::vector<std::string>& files) {

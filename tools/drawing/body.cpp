@@ -234,6 +234,19 @@ Drawing drawingOf(const Simulation& simulation) {
   return drawing;
 }
 
+namespace {
+
+/// Of a number; of a vector; of a symmetric tensor xx yy zz xy yz zx, whose shears stand for two components each; of a
+/// tensor of nine numbers. No turn of the axes changes it.
+double normOf(const double* values, std::size_t width) {
+  if (width == 1) return *values;
+  double square = 0;
+  for (std::size_t k = 0; k < width; ++k) square += (width == 6 && k >= 3 ? 2 : 1) * values[k] * values[k];
+  return std::sqrt(square);
+}
+
+}  // namespace
+
 bool cellValues(const Field& field, const Body& body, std::vector<double>& work, std::vector<float>& out) {
   field.source->cellField(field.name, body.system->x, work);
   const Mesh& mesh = *body.mesh;
@@ -246,10 +259,7 @@ bool cellValues(const Field& field, const Body& body, std::vector<double>& work,
     if (work.size() % width != 0 || (count != first && count != second && count != first + second)) continue;
     const std::size_t offset = count == first || count == first + second ? 0 : first;
     out.assign(first + second, std::numeric_limits<float>::quiet_NaN());
-    for (std::size_t i = 0; i < count; ++i) {
-      const double* values = work.data() + width * i;
-      out[offset + i] = float(width == 1 ? *values : Eigen::Map<const Eigen::VectorXd>(values, Index(width)).norm());
-    }
+    for (std::size_t i = 0; i < count; ++i) out[offset + i] = float(normOf(work.data() + width * i, width));
     return true;
   }
   return false;

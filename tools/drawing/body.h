@@ -58,7 +58,8 @@ Drawing drawingOf(const Simulation& simulation);
 std::vector<DrawnSegments::Segment> segmentsOf(const Simulation& simulation);
 
 /// The values of a field of cells at the present positions, one for each of body.cells(), NaN for cells that the force field
-/// does not have; of a field with several numbers per cell their Euclidean norm. False when it fits no list of the body's cells. `work` is scratch space.
+/// does not have. Of a field of vectors or tensors, their norms; six numbers are a symmetric tensor xx yy zz xy yz zx. False
+/// when the field fits no list of the body's cells. `work` is scratch space.
 bool cellValues(const Field& field, const Body& body, std::vector<double>& work, std::vector<float>& out);
 
 /// "Pa" for stresses and pressures, "-" for pure numbers, empty when not known.

@@ -138,9 +138,10 @@ vtkSmartPointer<vtkActor> BodyActors::addActor(vtkAlgorithm& from, bool coloured
   setColour(*actor, colour_);
   vtkProperty& property = *actor->GetProperty();
   property.SetInterpolationToPhong();
-  property.SetAmbient(0.42);
-  property.SetDiffuse(0.64);
-  property.SetSpecular(0.06);
+  // colours that mean something stay near those of the legend
+  property.SetAmbient(coloured ? 0.70 : 0.42);
+  property.SetDiffuse(coloured ? 0.33 : 0.64);
+  property.SetSpecular(coloured ? 0.02 : 0.06);
   property.SetSpecularPower(24);
   if (!style_.request->shaded) leaveUnlit(*actor);
   renderer_.AddActor(actor);

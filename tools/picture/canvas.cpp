@@ -101,8 +101,10 @@ void Canvas::fillTriangle(const std::array<double, 6>& p, const Colour& colour) 
 }
 
 void Canvas::paste(const Image& image, int x, int y) {
-  for (int row = 0; row < image.height; ++row)
-    std::copy_n(image.at(0, row), 4 * std::size_t(image.width), image_.at(x, y + row));
+  const int left = std::max(0, x), right = std::min(image_.width, x + image.width);
+  if (left >= right) return;
+  for (int row = std::max(0, y); row < std::min(image_.height, y + image.height); ++row)
+    std::copy_n(image.at(left - x, row - y), 4 * std::size_t(right - left), image_.at(left, row));
 }
 
 void Canvas::text(const std::string& text, double x, double y, Anchor anchor, const Letters& letters) {

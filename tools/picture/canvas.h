@@ -29,7 +29,7 @@ class Canvas {
   void fill(int x, int y, int width, int height, const Colour& colour);
   /// The triangle with corners [pixels].
   void fillTriangle(const std::array<double, 6>& corners, const Colour& colour);
-  /// An image as it is.
+  /// An image as it is; what lies beyond the canvas is left out.
   void paste(const Image& image, int x, int y);
   /// A text in UTF-8.
   void text(const std::string& text, double x, double y, Anchor anchor, const Letters& letters);

@@ -9,8 +9,11 @@ namespace {
 
 constexpr double usual_width = 1200, usual_height = 900;  // [pixels] of a picture with one panel
 constexpr double panel_width = 620, panel_height = 760;   // of one of several
-constexpr double least_width = 560, least_height = 440, most_width = 3200;
-constexpr double margin = 1.12;  // of what is shown, around bodies
+constexpr double least_width = 560, least_height = 440;
+// smaller pictures have no letters, axes and legend: they would cover the bodies
+constexpr double least_lettered_width = 112, least_lettered_height = 110;  // [pixels] of a panel
+constexpr double most_legend = 0.4;                                        // of the width
+constexpr double margin = 1.12;                                            // of what is shown, around bodies
 constexpr std::array<Colour, 3> axis_colours{{{0.8, 0.25, 0.22}, {0.25, 0.6, 0.28}, {0.22, 0.4, 0.85}}};
 
 void drawArrow(Canvas& canvas, double x, double y, double dx, double dy, double size, const Colour& colour) {
@@ -22,6 +25,13 @@ void drawArrow(Canvas& canvas, double x, double y, double dx, double dy, double 
                       colour);
   canvas.fillTriangle(
       {x + dx, y + dy, ex - 2.4 * half * uy, ey + 2.4 * half * ux, ex + 2.4 * half * uy, ey - 2.4 * half * ux}, colour);
+}
+
+/// Letters as large as asked, or so much smaller that the text is no wider than that.
+Letters fitted(const std::string& text, Letters letters, double width) {
+  const double drawn = sizeOf(text, letters)[0];
+  if (drawn > width) letters.size = std::max(4., std::floor(letters.size * width / drawn));
+  return letters;
 }
 
 }  // namespace
@@ -38,18 +48,22 @@ Composition::Composition(const PictureRequest& request, std::string warning, con
   const double n = double(columns);
   double width = request.width, height = request.height;
   if (request.width == 0) {
-    width = columns == 1 ? usual_width : std::min(most_width, n * panel_width + 160);
+    width = columns == 1 ? usual_width : std::min(double(most_width), n * panel_width + 160);
     height = columns == 1 ? usual_height : panel_height;
   }
   letters_ = std::clamp(20 * std::min(width / usual_width, height / usual_height) * (columns > 1 ? 1.15 : 1), 9., 64.);
   const double line = 1.7 * letters_;
   top_ = int((request.title.empty() ? 0 : 1.25 * line) + (warning_.empty() ? 0 : line));
-  const double bottom = request.bare ? 0 : line;
+  has_letters_ = !request.bare && width / n >= least_lettered_width && height >= least_lettered_height;
+  const double bottom = has_letters_ ? line : 0;
   legend_width_ = legend_ ? legend_->width(letters_) : 0;
+  if (!has_letters_ || legend_width_ > most_legend * width || (width - legend_width_) / n < least_panel_width)
+    legend_ = nullptr, legend_width_ = 0;
   // one metre of the bodies has the same length in all panels
   metres_per_pixel_ = std::max(shown_width / ((width - legend_width_) / n), shown_height / (height - top_ - bottom));
   if (request.width == 0) {
-    width = std::clamp(n * shown_width / metres_per_pixel_ + legend_width_, std::min(least_width, width), width);
+    width = std::clamp(n * shown_width / metres_per_pixel_ + legend_width_,
+                       std::min(std::max(least_width, n * least_panel_width + legend_width_), width), width);
     height = std::clamp(shown_height / metres_per_pixel_ + top_ + bottom, std::min(least_height, height), height);
   }
   width_ = int(width), height_ = int(height);
@@ -63,11 +77,11 @@ Canvas Composition::begin() const {
   double y = 0.3 * letters_;
   Letters title{1.25 * letters_};
   title.bold = true;
-  canvas.text(request_.title, middle, y, {0.5, 0}, title);
+  canvas.text(request_.title, middle, y, {0.5, 0}, fitted(request_.title, title, 2 * middle));
   if (!request_.title.empty()) y += 2.125 * letters_;
   Letters warning{letters_, {0.75, 0.1, 0.08}};
   warning.bold = true;
-  canvas.text(warning_, middle, y, {0.5, 0}, warning);
+  canvas.text(warning_, middle, y, {0.5, 0}, fitted(warning_, warning, 2 * middle));
   if (legend_) {
     const int height = int(std::min(0.72 * height_, 28 * letters_));
     legend_->draw(canvas, int(width_ - legend_width_), (height_ - height) / 2, height, letters_);
@@ -90,9 +104,10 @@ void Composition::addPanel(Canvas& canvas, std::size_t column, const Image& imag
     }
     canvas.paste(opaque, left, top_);
   }
-  if (request_.bare) return;
+  if (!has_letters_) return;
   addAxes(canvas, left, top_ + panel_height_, eye);
-  canvas.text(caption, left + 0.5 * panel_width_, top_ + panel_height_ + 0.3 * letters_, {0.5, 0}, {letters_});
+  canvas.text(caption, left + 0.5 * panel_width_, top_ + panel_height_ + 0.3 * letters_, {0.5, 0},
+              fitted(caption, {letters_}, 0.96 * panel_width_));
 }
 
 /// In the lower left corner at x, y.

@@ -38,7 +38,8 @@ class Composition {
 
   const PictureRequest& request_;
   std::string warning_;
-  const Legend* legend_;
+  const Legend* legend_;  ///< null: there is none, or no room for it
+  bool has_letters_ = true;
   int width_ = 0, height_ = 0, panel_width_ = 0, panel_height_ = 0, top_ = 0, legend_width_ = 0;
   double letters_ = 20, metres_per_pixel_ = 1;
 };

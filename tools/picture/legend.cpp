@@ -9,6 +9,8 @@
 namespace stroma::picture {
 namespace {
 
+constexpr int most_steps = 7;  // from mark to mark
+
 struct Prefix {
   const char* text;
   double factor;
@@ -45,13 +47,19 @@ Range rounded(const Range& range) {
   }
   double low = range.low;
   if (low > 0 && low < 0.3 * range.high) low = 0;  // from nothing on, when most of the way is there
-  const double step = roundStep(range.high - low, 7);
+  const double step = roundStep(range.high - low, most_steps);
   return {step * std::floor(low / step + 1e-6), step * std::ceil(range.high / step - 1e-6)};
 }
 
 std::vector<std::string> alike(const std::vector<double>& numbers) {
+  constexpr int most_decimals = 15;
   double largest = 0;
   for (const double number : numbers) largest = std::max(largest, std::abs(number));
+  std::vector<double> sorted = numbers;
+  std::sort(sorted.begin(), sorted.end());
+  double slack = 1e-4 * largest;
+  for (std::size_t i = 1; i < sorted.size(); ++i)  // the same number, but for rounding, may come again
+    if (const double gap = sorted[i] - sorted[i - 1]; gap > 1e-12 * largest) slack = std::min(slack, 0.01 * gap);
   const bool is_long = largest >= 1e5 || (largest > 0 && largest < 1e-3);
   for (int decimals = 0;; ++decimals) {
     std::vector<std::string> texts;
@@ -59,9 +67,9 @@ std::vector<std::string> alike(const std::vector<double>& numbers) {
     for (const double number : numbers) {
       texts.push_back(is_long ? fmt::format("{:.{}e}", number, decimals) : fmt::format("{:.{}f}", number, decimals));
       if (texts.back().starts_with('-') && std::stod(texts.back()) == 0) texts.back().erase(0, 1);
-      exact = exact && std::abs(std::stod(texts.back()) - number) <= 1e-4 * largest;
+      exact = exact && std::abs(std::stod(texts.back()) - number) <= slack;
     }
-    if (exact || decimals == 6) return texts;
+    if (exact || decimals == most_decimals) return texts;
   }
 }
 
@@ -69,9 +77,12 @@ Legend::Legend(const ColourMap& map, const Range& range, const Range& extremes, 
                std::string note)
     : map_(map), range_(range), extremes_(extremes), field_(field), note_(std::move(note)) {
   scale_ = scaleFor(std::max(std::abs(range.low), std::abs(range.high)), field.unit);
-  const double step = roundStep(range.high - range.low, 7);
+  const double step = roundStep(range.high - range.low, most_steps);
   std::vector<double> shown;
-  for (double mark = step * std::ceil(range.low / step - 1e-6); mark <= range.high + 1e-6 * step; mark += step) {
+  const double first = std::ceil(range.low / step - 1e-6);
+  for (int i = 0; i <= most_steps; ++i) {
+    const double mark = step * (first + i);
+    if (!(mark <= range.high + 1e-6 * step)) break;
     marks_.push_back(mark);
     shown.push_back(mark / scale_.factor);
   }
@@ -83,8 +94,11 @@ std::string Legend::caption() const {
 }
 
 std::string Legend::summary() const {
-  return fmt::format("{} {:.4g} to {:.4g}{}{}", field_.title, range_.low / scale_.factor, range_.high / scale_.factor,
-                     scale_.unit.empty() ? "" : " ", scale_.unit);
+  // four digits of what tells the ends apart
+  const double size = std::max(std::abs(range_.low), std::abs(range_.high));
+  const int digits = std::clamp(3 + int(std::ceil(std::log10(size / (range_.high - range_.low)))), 4, 16);
+  return fmt::format("{} {:.{}g} to {:.{}g}{}{}", field_.title, range_.low / scale_.factor, digits,
+                     range_.high / scale_.factor, digits, scale_.unit.empty() ? "" : " ", scale_.unit);
 }
 
 int Legend::width(double size) const {

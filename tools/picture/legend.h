@@ -22,7 +22,7 @@ double roundStep(double span, int most);
 /// The range from round numbers to round numbers, all of it inside. Of one value alone: a range around it.
 Range rounded(const Range& range);
 
-/// Numbers with as many decimals as tell them apart.
+/// Numbers with as many decimals as tell them apart, whatever they have in common: "20.000", "20.001".
 std::vector<std::string> alike(const std::vector<double>& numbers);
 
 class Legend {
@@ -32,8 +32,9 @@ class Legend {
 
   int width(double letter_size) const;  ///< [pixels]
   void draw(Canvas& canvas, int x, int y, int height, double letter_size) const;
-  std::string caption() const;  ///< "von Mises stress [kPa]"
-  std::string summary() const;  ///< "von Mises stress 0 to 2.5 kPa"
+  std::string caption() const;                                      ///< "von Mises stress [kPa]"
+  const std::vector<std::string>& texts() const { return texts_; }  ///< at the marks, upwards
+  std::string summary() const;                                      ///< "von Mises stress 0 to 2.5 kPa"
 
  private:
   ColourMap map_;

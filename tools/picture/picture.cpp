@@ -31,7 +31,7 @@ bool isThirdAxisUp(const Simulation& simulation, const Vec3& size) {
 /// Times with as many decimals as tell them apart.
 std::vector<std::string> timesOf(const std::vector<Shot>& shots) {
   std::vector<double> times;
-  for (const Shot& shot : shots) times.push_back(std::round(shot.time * 1e6) / 1e6);
+  for (const Shot& shot : shots) times.push_back(shot.time);
   std::vector<std::string> texts;
   for (const std::string& text : alike(times)) texts.push_back("t = " + text + " s");
   return texts;
@@ -64,20 +64,23 @@ class VtkPictureMaker final : public PictureMaker {
           fmt::format("{} states of this scene have more than 4 GB (expected a larger --every)", shots_.size()));
   }
   std::size_t taken() const override { return shots_.size(); }
+  void arrange(std::vector<std::size_t> order) override { order_ = std::move(order); }
   void warn(const std::string& words) override { warning_ = words; }
 
   std::string summary() const override { return legend_ ? legend_->summary() : "no field"; }
 
   std::string still() override {
     build();
-    const std::size_t columns = shots_.size() * eyes_.size();
+    if (order_.empty())
+      for (std::size_t s = 0; s < shots_.size(); ++s) order_.push_back(s);
+    const std::size_t columns = order_.size() * eyes_.size();
     const Composition composition(request_, warning_, extents_, legend_.get(), columns);
     std::vector<Panel> panels;
     std::vector<std::string> captions;
     const std::vector<std::string> times = timesOf(shots_);
-    for (std::size_t s = 0; s < shots_.size(); ++s)
+    for (const std::size_t s : order_)
       for (const Eye& eye : eyes_) {
-        panels.push_back({&shots_[s], &eye});
+        panels.push_back({&shots_.at(s), &eye});
         captions.push_back(eyes_.size() > 1 ? eye.name + ", " + times[s] : times[s]);
       }
     return png(compose(composition, panels, captions), words());
@@ -152,6 +155,7 @@ class VtkPictureMaker final : public PictureMaker {
   std::unique_ptr<ShotTaker> taker_;
   std::string scene_, warning_;
   std::vector<Shot> shots_;
+  std::vector<std::size_t> order_;  ///< of a still
   std::size_t bytes_ = 0;
   std::vector<Extent> extents_;  ///< by eye
   std::unique_ptr<Legend> legend_;

@@ -21,6 +21,9 @@ struct Range {
   double low = 0, high = 0;
 };
 
+/// How wide a picture may be made for what is in it, and how narrow its panels [pixels].
+inline constexpr int most_width = 3200, least_panel_width = 64;
+
 /// How the picture is to look.
 struct PictureRequest {
   std::string field{};              ///< empty: one that suits the scene; "none": bodies in colours of their own
@@ -64,6 +67,8 @@ class PictureMaker {
   /// Keeps the present state. Throws std::runtime_error when all that is kept has more than 4 GB.
   virtual void take(double time) = 0;
   virtual std::size_t taken() const = 0;
+  /// Which states a still shows, by their numbers as taken, from left to right. Without a word: all, as taken.
+  virtual void arrange(std::vector<std::size_t> order) = 0;
   /// Red words above what is drawn: why it is no result.
   virtual void warn(const std::string& words) = 0;
   /// A line: what the colours mean, and their range.

@@ -132,9 +132,10 @@ void AnimatedPng::add(const Image& frame) {
   std::string control;
   addNumber(control, sequence_++);
   for (const int number : {part.width, part.height, part.x, part.y}) addNumber(control, std::uint32_t(number));
-  constexpr double parts = 10000;  // of a second
-  addShort(control, std::uint32_t(std::lround(std::clamp(parts / fps_, 1., 65535.)))),
-      addShort(control, std::uint32_t(parts));
+  double parts = 10000;  // of a second; fewer for a frame that is shown long, as both numbers have 16 bits
+  while (parts > 1 && parts / fps_ > 65535) parts /= 10;
+  addShort(control, std::uint32_t(std::lround(std::clamp(parts / fps_, 1., 65535.))));
+  addShort(control, std::uint32_t(parts));
   control.append(2, '\0');  // it stays, and takes the place of what was there
   addChunk(chunks_, "fcTL", control);
   const std::string data = compressed(filtered(frame, part, transparent_ ? 4 : 3), quick);

@@ -49,7 +49,8 @@ void widen(Range& range, const Range& by) { range = {std::min(range.low, by.low)
 }  // namespace
 
 std::string titleOf(const std::string& field) {
-  static const std::map<std::string, std::string> titles{{"vonMises", "von Mises stress"}, {"J", "volume ratio J"}};
+  static const std::map<std::string, std::string> titles{
+      {"vonMises", "von Mises stress"}, {"J", "volume ratio J"}, {"strain", "strain (norm)"}};
   const auto found = titles.find(field);
   if (found != titles.end()) return found->second;
   std::string spaced;
@@ -69,7 +70,8 @@ ShotTaker::ShotTaker(const Simulation& simulation, const PictureRequest& request
 }
 
 void ShotTaker::hide(const std::vector<std::string>& paths) {
-  for (const std::string& path : paths) {
+  for (std::string path : paths) {
+    while (path.size() > 1 && path.ends_with('/')) path.pop_back();
     bool found = false;
     std::vector<std::string> known;
     for (std::size_t b = 0; b < drawing_.bodies.size(); ++b) {

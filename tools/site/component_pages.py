@@ -185,10 +185,10 @@ def meaning_of(data):
         parts.append(f"In `{data['range']}`.")
     if data.get("aliases"):
         parts.append("Also called " + ", ".join(f"`{alias}`" for alias in data["aliases"]) + ".")
-    if data.get("changes") in ("at once", "at_once"):
+    if data.get("physical"):
+        parts.append("The default is used with a warning.")
+    if data.get("changes") in ("at once", "recompile"):  # else the scene has to be loaded again
         parts.append("May change in a run.")
-    elif data.get("changes") not in (None, "", "never", "reload", "not", "no"):
-        parts.append("May change in a run; the component is then made anew.")
     return " ".join(parts)
 
 
@@ -201,7 +201,7 @@ def attribute_table(heading, table):
              "|---|---|---|" + ("" if is_output else "---|") + "---|"]
     for data in table:
         unit = data.get("unit") or ""
-        cells = [f"`{data['name']}`", escaped(data.get("type") or ""), escaped("" if unit == "-" else unit)]
+        cells = [f"`{data['name']}`", "word" if data.get("choices") else escaped(data.get("type") or ""), escaped("" if unit == "-" else unit)]
         cells += [] if is_output else [default_of(data)]
         lines.append("| " + " | ".join([*cells, meaning_of(data)]) + " |")
     return lines + [""]

@@ -90,9 +90,9 @@ class Gallery:
     def _numbers(plan, run):
         steps = max(1, run["steps"])
         parts = [*counted(plan), f"{steps:,} step{'s' if steps > 1 else ''} of {run['simulated_time'] / steps:.3g} s",
-                 f"{run['ms_per_step']['median']:.3g} ms per step"]
+                 f"{duration(run['ms_per_step']['median'])} per step"]
         farthest = max(run["greatest_displacements"], key=lambda one: one["metres"], default={"metres": 0})["metres"]
-        parts += [f"largest displacement {1000 * farthest:.3g} mm", f"elastic energy at the end {run['energies']['end']['elastic']:.3g} J"]
+        parts.append(f"largest displacement {1000 * farthest:.3g} mm")
         return '<span class="numbers" markdown>' + " · ".join(parts) + "</span>"
 
     def _json(self, arguments, scratch):
@@ -103,6 +103,11 @@ class Gallery:
         if done.returncode:
             raise GalleryError(f"stroma {' '.join(arguments)} ended with {done.returncode}:\n{done.stderr or done.stdout}")
         return done.stdout
+
+
+def duration(milliseconds):
+    """In the unit that suits it."""
+    return f"{1000 * milliseconds:.3g} microseconds" if milliseconds < 0.01 else f"{milliseconds:.3g} ms"
 
 
 def counted(plan):

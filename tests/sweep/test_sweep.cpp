@@ -1,0 +1,288 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// `stroma sweep` as a user meets it: known orders, kills, the goal, refusals.
+#include <nlohmann/json.hpp>
+
+#include <map>
+
+#include "tests/support/shell.h"
+
+namespace stroma::test {
+namespace {
+
+bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+/// A bar of 1 m, 1000 kg/m^3 and 1 MPa that hangs from its top under 10 m/s^2, without lateral contraction:
+/// u_y = -0.01 (s - s^2 / 2), s the distance from the top; elastic energy 1/2 E A 0.01^2 / 3.
+constexpr const char* bar = R"(<Node name="root" gravity="0 -10 0" dt="1">
+  <Node name="bar">
+    <StaticSolver/><SparseLDLSolver/>
+    <RegularGridTopology name="grid" n="2 3 2" min="0 0 0" max="0.01 1 0.01"/>
+    <MechanicalObject name="dofs"/>
+    <DiagonalMass massDensity="1000"/>
+    <HexahedronFEMForceField name="fem" method="small" youngModulus="1e6" poissonRatio="0"/>
+    <BoxROI name="top" box="-1 0.999 -1  1 1.001 1"/>
+    <FixedProjectiveConstraint indices="@top.indices"/>
+  </Node>
+</Node>)";
+constexpr const char* bar_meshes = " --vary '/bar/grid.n=2 3 2,2 5 2,2 9 2,2 17 2' -n 1 --repeat 1 -q ";
+constexpr const char* bar_formula = " --reference '0; -0.01*(1-y-(1-y)^2/2); 0' ";
+
+/// x = 0.1 sin(10 t): a mass on a spring that starts with 1 m/s.
+constexpr const char* oscillator = R"(<Node name="root" gravity="0 0 0" dt="0.01">
+  <EulerImplicitSolver name="solver" rayleighMass="0" rayleighStiffness="0"/>
+  <CGLinearSolver name="linear" iterations="100" tolerance="1e-14" threshold="1e-30"/>
+  <MechanicalObject name="dofs" position="0 0 0" velocity="1 0 0"/>
+  <UniformMass totalMass="1"/>
+  <RestShapeSpringsForceField name="spring" stiffness="100"/>
+</Node>)";
+
+class Sweep : public CommandTest {
+ protected:
+  nlohmann::json table(const std::string& folder) const {
+    return nlohmann::json::parse(readText(folder_ / folder / "table.json"));
+  }
+  nlohmann::json tableOf(const std::string& arguments) {
+    const Finished run = stroma("sweep " + arguments + " -o out");
+    EXPECT_EQ(run.code, 0) << run.err;
+    nlohmann::json json = table("out");
+    std::filesystem::remove_all(folder_ / "out");
+    return json;
+  }
+  /// The files that say that a run is whole, and when they were written.
+  std::map<std::string, std::filesystem::file_time_type> outcomes(const std::string& folder) const {
+    std::map<std::string, std::filesystem::file_time_type> found;
+    if (!std::filesystem::exists(folder_ / folder / "runs")) return found;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_ / folder / "runs"))
+      if (entry.path().string().ends_with(".outcome.json")) found[entry.path().string()] = entry.last_write_time();
+    return found;
+  }
+  Finished shell(const std::string& line) const {
+    write("line.sh", line + "\n");
+    const int status = std::system(("cd '" + folder_.string() + "' && sh line.sh >.out 2>.err").c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, readText(folder_ / ".out"), readText(folder_ / ".err")};
+  }
+};
+
+// ---- orders ----
+
+TEST_F(Sweep, ErrorOfABarFallsWithTheSquareOfTheMesh) {
+  write("bar.xml", bar);
+  const auto json = tableOf(std::string("bar.xml") + bar_meshes + bar_formula);
+  ASSERT_EQ(json["series"].size(), 1u);
+  EXPECT_NEAR(json["series"][0]["order"].get<double>(), 2, 1e-3);
+  // nodes are exact; between them the parabola is missed by h^2 / 12 of its curvature at the two Gauss points
+  const double h = 0.5, expected = h * h / 12 / std::sqrt(2.0 / 15);
+  EXPECT_NEAR(json["configurations"][0]["error"].get<double>(), expected, 1e-3 * expected);
+  for (const auto& row : json["configurations"]) EXPECT_EQ(row["outcome"], "done");
+}
+
+TEST_F(Sweep, EnergyOfABarHasTheOrderTwoOnceMore) {
+  write("bar.xml", bar);
+  const auto json = tableOf(std::string("bar.xml") + bar_meshes + "--error energy --reference '0.5*1e6*1e-4*1e-4/3'");
+  EXPECT_NEAR(json["series"][0]["order"].get<double>(), 2, 0.01);
+}
+
+TEST_F(Sweep, ExtrapolationFindsTheExactSolution) {
+  write("bar.xml", bar);
+  const std::string line = std::string("bar.xml") + bar_meshes + "--error energy --reference ";
+  const auto exact = tableOf(line + "'0.5*1e6*1e-4*1e-4/3'"), own = tableOf(line + "extrapolated");
+  EXPECT_NEAR(own["estimates"][0]["order"].get<double>(), 2, 0.05);
+  for (int i = 0; i < 4; ++i) {
+    const double one = own["configurations"][i]["error"], other = exact["configurations"][i]["error"];
+    EXPECT_NEAR(one, other, 0.02 * other + 1e-12) << i;
+    EXPECT_LE(std::abs(one - other), own["error"]["uncertainty"].get<double>() + 1e-9) << i;
+  }
+  EXPECT_LT(own["error"]["uncertainty"].get<double>(), 0.1 * exact["configurations"][3]["error"].get<double>());
+}
+
+/// Between the nodes the error of a field oscillates, and no extrapolation removes it: the uncertainty has to say so.
+TEST_F(Sweep, UncertaintyOfAnExtrapolatedFieldCoversItsError) {
+  write("bar.xml", bar);
+  const auto own = tableOf(std::string("bar.xml") + bar_meshes + "--reference extrapolated");
+  const double told = own["error"]["uncertainty"];
+  for (int i = 0; i < 3; ++i) {
+    const double h = 0.5 / (1 << i), exact = h * h / std::sqrt(120.0) / std::sqrt(2.0 / 15);
+    EXPECT_NEAR(own["configurations"][i]["error"].get<double>(), exact, told) << i;
+  }
+}
+
+TEST_F(Sweep, UncertaintyOfTheFinestRunCoversItsError) {
+  write("bar.xml", bar);
+  const auto exact = tableOf(std::string("bar.xml") + bar_meshes + bar_formula);
+  const auto own = tableOf(std::string("bar.xml") + bar_meshes + "--reference finest");
+  const double error = exact["configurations"][3]["error"], told = own["error"]["uncertainty"];
+  EXPECT_GT(told, error);
+  EXPECT_LT(told, 2 * error);
+  EXPECT_TRUE(own["configurations"][3]["is_reference"].get<bool>());
+}
+
+TEST_F(Sweep, EulersMethodHasTheOrderOneInTheTimeStep) {
+  write("oscillator.xml", oscillator);
+  const std::string steps = "oscillator.xml --vary dt=0.004,0.002,0.001,0.0005 --until 0.2 --repeat 1 -q ";
+  const auto json = tableOf(steps + "--error /dofs.displacement --reference '0.1*sin(10*t); 0; 0'");
+  EXPECT_NEAR(json["series"][0]["order"].get<double>(), 1, 0.05);
+  const auto own = tableOf(steps + "--reference extrapolated");
+  EXPECT_NEAR(own["estimates"][0]["order"].get<double>(), 1, 0.05);
+  const double error = json["configurations"][0]["error"];
+  EXPECT_NEAR(own["configurations"][0]["error"].get<double>(), error, 0.02 * error);
+}
+
+// ---- what is run, and how often ----
+
+constexpr const char* many_steps =
+    "sweep oscillator.xml --vary dt=4e-6,3e-6,2e-6,1e-6 --vary /spring.stiffness=90,100 --until 0.5 ";
+
+TEST_F(Sweep, AKilledSweepGoesOnAndRunsNothingTwice) {
+  write("oscillator.xml", oscillator);
+  shell("timeout -s KILL 4 '" STROMA_COMMAND "' " + std::string(many_steps) + "-o out --repeat 2");
+  const auto before = outcomes("out");
+  ASSERT_LT(before.size(), 16u) << "the kill came too late to show anything";
+  const Finished again = stroma(std::string(many_steps) + "-o out --repeat 2");
+  ASSERT_EQ(again.code, 0) << again.err;
+  const auto after = outcomes("out");
+  EXPECT_EQ(after.size(), 16u);
+  for (const auto& [file, time] : before) EXPECT_EQ(after.at(file), time) << file << " was made twice";
+  EXPECT_TRUE(has(again.err, std::to_string(16 - before.size()) + " runs made")) << again.err;
+  const Finished third = stroma(std::string(many_steps) + "-o out --repeat 2");
+  EXPECT_TRUE(has(third.err, "\n0 runs made")) << third.err;
+  EXPECT_EQ(outcomes("out"), after);
+}
+
+TEST_F(Sweep, AKilledWorkerIsRunAgain) {
+  write("oscillator.xml", oscillator);
+  const Finished run = shell("'" STROMA_COMMAND "' " + std::string(many_steps) +
+                             "-o out --repeat 1 & sweep=$!\n"
+                             "for i in 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20; do\n"
+                             "  sleep 0.5; [ -d out/runs ] && pkill -KILL -P $sweep && break\ndone\nwait $sweep");
+  EXPECT_EQ(run.code, 0) << run.err;
+  EXPECT_TRUE(has(run.err, "killed by signal 9")) << run.err;
+  const auto json = table("out");
+  EXPECT_EQ(json["configurations"].size(), 8u);
+  for (const auto& row : json["configurations"]) EXPECT_EQ(row["outcome"], "done");
+}
+
+TEST_F(Sweep, ARunThatIsAlwaysKilledIsARowWithItsSentence) {
+  write("oscillator.xml", oscillator);
+  const Finished run =
+      shell("ulimit -t 2; '" STROMA_COMMAND "' sweep oscillator.xml --vary dt=1e-2,2e-8 --until 1 -o out --repeat 1");
+  EXPECT_EQ(run.code, 0) << run.err;
+  const auto rows = table("out")["configurations"];
+  EXPECT_EQ(rows[0]["outcome"], "done");
+  EXPECT_EQ(rows[1]["outcome"], "killed");
+  EXPECT_TRUE(has(rows[1]["sentence"], "3 times")) << rows[1]["sentence"];
+  EXPECT_FALSE(rows[1]["on_front"].get<bool>());
+  EXPECT_TRUE(has(run.out, "the finest value of dt has no result")) << run.out;
+}
+
+TEST_F(Sweep, AChangedSceneIsRunAgain) {
+  write("bar.xml", bar);
+  const std::string line = std::string("sweep bar.xml") + bar_meshes + "-o out";
+  ASSERT_EQ(stroma(line).code, 0);
+  const auto before = outcomes("out");
+  std::string changed = bar;
+  changed.replace(changed.find("1e6"), 3, "2e6");
+  write("bar.xml", changed);
+  ASSERT_EQ(stroma(line).code, 0);
+  EXPECT_EQ(outcomes("out").size(), 2 * before.size());
+}
+
+// ---- failures, zip, goal ----
+
+TEST_F(Sweep, FailuresAreRowsAndNeverOnTheFront) {
+  write("bar.xml", bar);
+  const auto json = tableOf(
+      "bar.xml --vary /bar/fem.youngModulus=1e6,1e-6 --vary '/bar/grid.n=2 3 2,2 5 2' -n 1 --repeat 1 -q "
+      "--set /bar/fem.method=large");
+  int failed = 0;
+  for (const auto& row : json["configurations"])
+    if (row["settings"]["/bar/fem.youngModulus"] == "1e-6") {
+      ++failed;
+      EXPECT_NE(row["outcome"], "done");
+      EXPECT_NE(row.value("sentence", ""), "");
+      EXPECT_FALSE(row["on_front"].get<bool>());
+      EXPECT_TRUE(row["error"].is_null());
+    }
+  EXPECT_EQ(failed, 2);
+}
+
+TEST_F(Sweep, ZipVariesAttributesTogether) {
+  write("bar.xml", bar);
+  const auto json =
+      tableOf("bar.xml --zip '/bar/grid.n=2 3 2,2 5 2; /bar/fem.youngModulus=1e6,1e6' -n 1 --repeat 1 -q");
+  ASSERT_EQ(json["configurations"].size(), 2u);
+  EXPECT_EQ(json["configurations"][1]["settings"]["/bar/grid.n"], "2 5 2");
+  EXPECT_EQ(json["series"][0]["axis"], "grid.n, fem.youngModulus");
+}
+
+TEST_F(Sweep, TheGoalIsTheCheapestOfTheWholeGrid) {
+  write("oscillator.xml", oscillator);
+  const std::string grid =
+      "sweep oscillator.xml --vary dt=1e-3,5e-4,1e-4,2e-5,4e-6 --until 0.2 --repeat 1 -q --error /dofs.displacement "
+      "--reference '0.1*sin(10*t); 0; 0' -o ";
+  ASSERT_EQ(stroma(grid + "whole").code, 0);
+  std::string wanted;
+  double least = INFINITY;
+  const auto whole = table("whole");
+  for (const auto& row : whole["configurations"])
+    if (row["error"].get<double>() < 1e-3 && row["seconds"].get<double>() < least)
+      wanted = row["command"], least = row["seconds"];
+  const Finished search = stroma(grid + "goal --goal 'error<0.1%'");
+  ASSERT_EQ(search.code, 0) << search.err;
+  EXPECT_TRUE(has(search.out, "  " + wanted + "\n")) << search.out << wanted;
+  EXPECT_LT(table("goal")["configurations"].size(), 5u);
+  EXPECT_GT(table("goal")["not_run"].get<int>(), 0);
+  EXPECT_EQ(stroma(grid + "goal --goal 'error<0.00001%'").code, 1);
+}
+
+// ---- refusals ----
+
+TEST_F(Sweep, BadInputIsRefusedBeforeAnythingIsRun) {
+  write("bar.xml", bar);
+  const std::pair<const char*, const char*> cases[] = {
+      {"--vary /bar/fem.yuongModulus=1,2 -n 1", "did you mean 'youngModulus'"},
+      {"--vary /bar/femm.youngModulus=1,2 -n 1", "did you mean '/bar/fem'"},
+      {"--vary /bar/fem.method=small,lrage -n 1", "large"},
+      {"--vary dt=1,2 -n 1", "give --until"},
+      {"-n 1", "nothing varies"},
+      {"--vary /bar/fem.method=small --error L3 -n 1", "expected l2, max, energy"},
+      {"--vary /bar/fem.method=small --error /bar/dofs.displacment -n 1", "did you mean 'displacement'"},
+      {"--vary /bar/fem.method=small --reference fines -n 1", "neither finest nor extrapolated"},
+      {"--vary /bar/fem.method=small --reference extrapolated -n 1", "needs three values"},
+      {"--vary /bar/fem.method=small --goal 1% -n 1", "error<1%"},
+      {"--vary /bar/fem.method=small --reference-set /bar/grid.m=3 -n 1", "m"},
+      {"--vary /bar/fem.method=small --reepat 2", "did you mean --repeat"},
+      {"--vary threads=1,x -n 1", "whole numbers"},
+  };
+  for (const auto& [arguments, expected] : cases) {
+    const Finished run = stroma(std::string("sweep bar.xml ") + arguments + " -o out");
+    EXPECT_EQ(run.code, 2) << arguments << "\n" << run.err;
+    EXPECT_TRUE(has(run.err, expected)) << arguments << "\n" << run.err;
+    EXPECT_FALSE(exists("out")) << arguments;
+  }
+  EXPECT_EQ(stroma("sweep bar.xml --vary /bar/fem.method=small -n 1").code, 2) << "no -o";
+  EXPECT_EQ(stroma("sweep none.xml --vary /bar/fem.method=small -n 1 -o out").code, 2);
+}
+
+// ---- the report ----
+
+TEST_F(Sweep, TheReportIsOneFileAndTheTablesAgree) {
+  write("bar.xml", bar);
+  ASSERT_EQ(stroma(std::string("sweep bar.xml") + bar_meshes + "--vary /bar/fem.method=small,large -o out").code, 0);
+  const std::string page = readText(folder_ / "out/report.html"), csv = readText(folder_ / "out/table.csv");
+  for (const char* elsewhere : {"src=", "href=", "http://", "https://", "@import", "url("}) {
+    std::string text = page;
+    for (std::size_t at; (at = text.find("http://www.w3.org/2000/svg")) != std::string::npos;) text.erase(at, 26);
+    EXPECT_FALSE(has(text, elsewhere)) << elsewhere;
+  }
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 1 + 8);
+  EXPECT_TRUE(has(page, "order 2.0"));
+  for (const char* file : {"out/work_precision.svg", "out/error_1.svg", "out/table.json"})
+    EXPECT_TRUE(exists(file)) << file;
+  const auto json = table("out");
+  EXPECT_EQ(json["configurations"].size(), 8u);
+  for (const char* key : {"seed", "build", "machine", "scene_digest"}) EXPECT_TRUE(json.contains(key)) << key;
+  EXPECT_TRUE(json["configurations"][0]["measured"][0].contains("load_at_start"));
+}
+
+}  // namespace
+}  // namespace stroma::test

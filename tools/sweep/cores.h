@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The machine: which processors there are, and how busy they are.
+#pragma once
+#include <string>
+#include <vector>
+
+namespace stroma::sweep {
+
+/// One processor of each physical core that this process may use, by their numbers in the system: the second thread of a
+/// core would disturb the first.
+std::vector<int> physicalCores();
+
+/// Mean number of busy processors over the last minute.
+double loadOfMachine();
+
+/// "host: processor, 8 cores"
+std::string machineText();
+std::string hostName();
+
+}  // namespace stroma::sweep

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tools/sweep/probe.h"
+
+#include <fmt/format.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <optional>
+#include <set>
+#include <stdexcept>
+
+#include "framework/scene/output_file.h"
+#include "tools/sweep/cores.h"
+#include "tools/sweep/scheduler.h"
+
+namespace stroma::sweep {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Removes a folder, whatever happens.
+struct TemporaryFolder {
+  fs::path path;
+  explicit TemporaryFolder(fs::path folder) : path(std::move(folder)) { makeFolderOf((path / "file").string()); }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  ~TemporaryFolder() {
+    std::error_code none;
+    fs::remove_all(path, none);
+  }
+};
+
+struct Trial {
+  std::size_t axis = 0, value = 0;
+  Configuration configuration;
+  int exit_code = -1;
+  std::string messages{};
+  std::optional<EndState> end{};
+};
+
+/// The first value of all axes, then each other value of each axis with the first ones of the rest, then --reference-set.
+std::vector<Trial> trialsOf(const SweepRequest& request, const std::vector<Axis>& axes) {
+  std::vector<Trial> trials;
+  const std::vector<std::size_t> first(axes.size(), 0);
+  trials.push_back({0, 0, configurationOf(request, axes, first)});
+  for (std::size_t a = 0; a < axes.size(); ++a)
+    for (std::size_t k = 1; k < axes[a].size(); ++k) {
+      std::vector<std::size_t> choice = first;
+      choice[a] = k;
+      trials.push_back({a, k, configurationOf(request, axes, choice)});
+    }
+  if (!request.reference_settings.empty()) trials.push_back({axes.size(), 0, extraReference(request, axes)});
+  return trials;
+}
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))
+    text.replace(at, from.size(), to);
+  return text;
+}
+
+/// Whether a message is about one of the settings itself, rather than about what they make of the scene together.
+bool namesSetting(const Trial& trial) {
+  return std::ranges::any_of(trial.configuration.settings, [&](const std::string& setting) {
+    std::string attribute = setting.substr(0, setting.find('='));
+    if (!attribute.starts_with('/')) attribute = "/." + attribute;
+    return trial.messages.find("--set " + attribute + ": error") != std::string::npos;
+  });
+}
+
+[[noreturn]] void refuse(const Trial& trial) {
+  std::string text = replaced(trial.messages, "--set ", "--vary ");
+  text = replaced(text, "stroma: ", "");
+  while (text.ends_with('\n')) text.pop_back();
+  throw std::invalid_argument(text.find("nothing was run") == std::string::npos ? text + "\nnothing was run" : text);
+}
+
+void runAll(const SweepRequest& request, const ErrorMeasure& measure, const fs::path& folder,
+            std::vector<Trial>& trials) {
+  SweepRequest only_load = request;
+  only_load.steps = 0, only_load.until.reset();
+  Scheduler scheduler(physicalCores(), 0);
+  for (std::size_t i = 0; i < trials.size(); ++i) {
+    Job job;
+    job.number = i, job.timed = false;
+    const std::string end = (folder / fmt::format("{}.values", i)).string();
+    std::vector<std::string> words = runArguments(only_load, trials[i].configuration);
+    words.insert(words.begin(), request.program);
+    words.insert(words.end(), {"--quiet", "--no-record", "--measure", end});
+    if (measure.asksRun()) words.insert(words.end(), {"--measure-value", measure.quantity});
+    job.process = {words, folder.string(), (folder / fmt::format("{}.log", i)).string(), {}};
+    scheduler.add(job);
+  }
+  const auto finished = [&](const Job& job, const ProcessEnd& ended, const Circumstances&) {
+    Trial& trial = trials[job.number];
+    trial.exit_code = ended.signal ? -1 : ended.exit_code;
+    std::ifstream log(job.process.log);
+    trial.messages.assign(std::istreambuf_iterator<char>(log), {});
+    const fs::path end = folder / fmt::format("{}.values", job.number);
+    if (ended.exit_code == 0 && fs::exists(end)) trial.end = EndState::read(end.string());
+  };
+  if (const int signal = scheduler.run(finished, [] {})) std::raise(signal);
+}
+
+/// What the scene makes of the values tells what they are: a mesh when the spacing differs, a time step when dt does.
+void learnKinds(std::vector<Axis>& axes, const std::vector<Trial>& trials) {
+  for (std::size_t a = 0; a < axes.size(); ++a) {
+    std::vector<double> spacings(axes[a].size()), steps(axes[a].size());
+    bool all = true;
+    for (std::size_t k = 0; k < axes[a].size(); ++k) {
+      const auto found = k == 0 ? trials.begin() : std::ranges::find_if(trials, [&](const Trial& trial) {
+        return trial.axis == a && trial.value == k;
+      });
+      all = all && found->end;
+      if (found->end) spacings[k] = found->end->spacing(), steps[k] = found->end->dt;
+    }
+    const auto differ = [&](const std::vector<double>& sizes) {
+      return std::set<double>(sizes.begin(), sizes.end()).size() == sizes.size() &&
+             std::ranges::all_of(sizes, [](double size) { return size > 0; });
+    };
+    if (!all || axes[a].size() < 2) continue;
+    if (differ(spacings))
+      axes[a].kind = AxisKind::mesh, axes[a].sizes = spacings;
+    else if (differ(steps))
+      axes[a].kind = AxisKind::time_step, axes[a].sizes = steps;
+  }
+}
+
+}  // namespace
+
+Probed probe(const SweepRequest& request, std::vector<Axis>& axes, const ErrorMeasure& measure) {
+  const TemporaryFolder folder(fs::path(request.folder) / "loading");
+  std::vector<Trial> trials = trialsOf(request, axes);
+  runAll(request, measure, folder.path, trials);
+  for (const Trial& trial : trials)
+    if (trial.exit_code == 2 && (namesSetting(trial) || trial.axis == axes.size())) refuse(trial);
+  if (std::ranges::none_of(trials, [](const Trial& trial) { return trial.end.has_value(); })) refuse(trials.front());
+  learnKinds(axes, trials);
+  std::set<double> steps;
+  std::set<std::string> inputs;
+  for (const Trial& trial : trials) {
+    if (!trial.end) continue;
+    steps.insert(trial.end->dt);
+    inputs.insert(trial.end->inputs.begin(), trial.end->inputs.end());
+  }
+  if (steps.size() > 1 && !request.until)
+    throw std::invalid_argument("the time step varies: give --until T instead of -n, so that all runs end at one time");
+  return {{inputs.begin(), inputs.end()}};
+}
+
+}  // namespace stroma::sweep

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// A run as a process of its own.
+#pragma once
+#include <signal.h>
+#include <sys/types.h>
+
+#include <string>
+#include <vector>
+
+namespace stroma::sweep {
+
+struct ProcessRequest {
+  std::vector<std::string> words;  ///< program and arguments
+  std::string folder;              ///< where it works
+  std::string log;                 ///< file that gets its standard error
+  std::vector<int> cores;          ///< processors that it may use; empty: any
+};
+
+/// How a process ended, and what it took.
+struct ProcessEnd {
+  int exit_code = 0, signal = 0;  ///< of the signal that ended it, else 0
+  double cpu_seconds = 0;
+  long preemptions = 0;  ///< how often somebody else got its core
+};
+
+/// Starts it. It ends with this process, whatever becomes of that. Throws std::runtime_error.
+pid_t start(const ProcessRequest& request);
+/// Whether it has ended; `end` tells how.
+bool hasEnded(pid_t process, ProcessEnd& end);
+
+/// While one lives, SIGCHLD, SIGINT and SIGTERM come by wait() alone.
+class SignalGuard {
+ public:
+  SignalGuard();
+  SignalGuard(const SignalGuard&) = delete;
+  ~SignalGuard();
+  /// Waits until a process has ended, at most `seconds`. Returns SIGINT or SIGTERM when one came, else 0.
+  int wait(double seconds) const;
+
+ private:
+  sigset_t before_{}, set_{};
+};
+
+}  // namespace stroma::sweep

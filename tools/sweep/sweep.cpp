@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The module's door: the story of a sweep.
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "framework/scene/abi.h"
+#include "framework/scene/output_file.h"
+#include "framework/scene/services.h"
+#include "tools/sweep/digest.h"
+#include "tools/sweep/goal.h"
+#include "tools/sweep/probe.h"
+#include "tools/sweep/report.h"
+#include "tools/sweep/run_maker.h"
+
+namespace stroma::sweep {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Two sweeps in one folder would make the same runs twice.
+class FolderLock {
+ public:
+  explicit FolderLock(const std::string& folder) {
+    const std::string file = folder + "/.lock";
+    makeFolderOf(file);
+    descriptor_ = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+    if (descriptor_ < 0) throw OutputError(file, "cannot open", errno);
+    if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
+      close(descriptor_);
+      throw std::invalid_argument(fmt::format("another sweep works in {}: wait for it, or give another -o", folder));
+    }
+  }
+  FolderLock(const FolderLock&) = delete;
+  ~FolderLock() { close(descriptor_); }
+
+ private:
+  int descriptor_;
+};
+
+class Sweep {
+ public:
+  explicit Sweep(const SweepRequest& request)
+      : request_(request),
+        axes_(parseAxes(request.vary, request.zip)),
+        bound_(request.goal.empty() ? 0 : parseGoal(request.goal)) {
+    if (bound_ > 0 && !request.timed) throw std::invalid_argument("--goal looks for the cheapest: it needs the times");
+    const ErrorMeasure measure = ErrorMeasure::parse(request.error);
+    allConfigurations(request, axes_);  // what it refuses comes before anything is loaded
+    probed_ = probe(request, axes_, measure);
+    assessor_.emplace(request_, axes_);
+    makeEntries();
+    runs_.emplace(request_, axes_, assessor_->measure());
+  }
+
+  int make() {
+    if (!request_.quiet) fmt::print(stderr, "{} configurations in {}\n", entries_.size(), request_.folder);
+    const int signal = bound_ > 0 ? search() : makeAll();
+    if (!request_.quiet && signal == 0) fmt::print(stderr, "{} runs made, the others were there\n", runs_->made());
+    if (bound_ <= 0 || signal) assessment_ = assessor_->assess(entries_);
+    return tell(signal);
+  }
+
+ private:
+  void makeEntries() {
+    build_ = digestOfBuild(request_.program);
+    scene_ = digestOfFiles(probed_.inputs);
+    std::vector<Configuration> all = allConfigurations(request_, axes_);
+    if (!request_.reference_settings.empty()) all.push_back(extraReference(request_, axes_));
+    for (Configuration& configuration : all) {
+      std::string text = build_ + "\n" + scene_ + "\n";
+      for (const std::string& word : runArguments(request_, configuration)) text += word + "\n";
+      if (assessor_->measure().asksRun()) text += assessor_->measure().quantity;
+      configuration.key = digestOf(text);
+      configuration.folder = (fs::path(request_.folder) / "runs" / configuration.key).string();
+      entries_.emplace_back().configuration = std::move(configuration);
+    }
+  }
+
+  int makeAll() {
+    std::vector<Entry*> all;
+    for (Entry& entry : entries_) all.push_back(&entry);
+    return runs_->make(all);
+  }
+
+  /// The finest of the grid, and along each ordered axis those that tell how well it is known.
+  std::vector<Entry*> referenceRuns() {
+    std::vector<Entry*> runs;
+    if (entries_.back().configuration.isExtraReference()) runs.push_back(&entries_.back());
+    if (!assessor_->needsRuns()) return runs;
+    std::vector<std::size_t> finest;
+    for (const Axis& axis : axes_) finest.push_back(axis.finest());
+    runs.push_back(&entries_[indexOf(axes_, finest)]);
+    for (std::size_t a = 0; a < axes_.size(); ++a) {
+      if (!axes_[a].isOrdered()) continue;
+      std::vector<std::size_t> values(axes_[a].size());
+      for (std::size_t k = 0; k < values.size(); ++k) values[k] = k;
+      std::ranges::sort(values, [&](std::size_t one, std::size_t other) { return axes_[a].isFiner(one, other); });
+      const std::size_t count = std::min<std::size_t>(values.size(), axes_[a].hasOrder() ? 3 : 2);
+      for (std::size_t k = 1; k < count; ++k) {
+        std::vector<std::size_t> choice = finest;
+        choice[a] = values[k];
+        runs.push_back(&entries_[indexOf(axes_, choice)]);
+      }
+    }
+    return runs;
+  }
+
+  int search() {
+    GoalSearch search(axes_, bound_);
+    std::vector<Entry*> wave = referenceRuns();
+    for (;;) {
+      if (const int signal = wave.empty() ? 0 : runs_->make(wave)) return signal;
+      assessment_ = assessor_->assess(entries_);
+      for (const Entry* entry : wave)
+        if (!entry->configuration.isExtraReference())
+          search.learn(entry->configuration.choice, {entry->error.has_value(), entry->error.value_or(0),
+                                                     entry->runs.medianOf(&Repetition::seconds)});
+      const std::vector<std::size_t> next = search.next();
+      if (next.empty()) break;
+      wave = {&entries_[indexOf(axes_, next)]};
+    }
+    if (!search.cheapest().empty()) cheapest_ = &entries_[indexOf(axes_, search.cheapest())];
+    return 0;
+  }
+
+  std::string goalSentence() const {
+    const Numbers numbers = assessment_.is_relative ? Numbers::share : Numbers::plain;
+    const std::string assumed =
+        "Assumed: a finer mesh, time step or tolerance, and more iterations, give no larger error and take no less "
+        "time.";
+    if (!cheapest_)
+      return fmt::format("No configuration has an error below {}. {}", numberText(bound_, numbers), assumed);
+    std::string text = fmt::format("The cheapest with an error below {}: {}, {}, error {}. {}",
+                                   numberText(bound_, numbers), nameOf(axes_, cheapest_->configuration),
+                                   numberText(cheapest_->runs.medianOf(&Repetition::seconds), Numbers::seconds),
+                                   numberText(*cheapest_->error, numbers), assumed);
+    if (assessment_.uncertainty > bound_ / 2)
+      text += fmt::format(" The reference itself is known to {} only: give finer values, or --reference-set.",
+                          numberText(assessment_.uncertainty, numbers));
+    return text;
+  }
+
+  int tell(int signal) {
+    constexpr int by_signal = 128;
+    std::size_t not_run = 0;
+    if (bound_ > 0 || signal) {
+      const auto isOpen = [](const Entry& entry) { return entry.runs.outcome == "not run"; };
+      const Entry* const cheapest = cheapest_;
+      const std::string key = cheapest ? cheapest->configuration.key : "";
+      not_run = std::size_t(std::ranges::count_if(entries_, isOpen));
+      std::erase_if(entries_, isOpen);
+      cheapest_ = nullptr;
+      for (const Entry& entry : entries_)
+        if (!key.empty() && entry.configuration.key == key) cheapest_ = &entry;
+    }
+    Findings findings{request_, axes_, entries_, assessment_, build_, scene_, not_run, {}, cheapest_};
+    if (bound_ > 0 && !signal) findings.goal = goalSentence();
+    const Written written = writeReport(findings);
+    if (signal) {
+      fmt::print(stderr, "stopped: {} runs are open; the same command goes on with them\n", not_run);
+      return by_signal + signal;
+    }
+    printSummary(findings, written);
+    const bool any = std::ranges::any_of(entries_, [](const Entry& entry) { return entry.error.has_value(); });
+    if (!any) return 3;
+    return bound_ > 0 && !cheapest_ ? 1 : 0;
+  }
+
+  void printSummary(const Findings& findings, const Written& written) const {
+    const Numbers numbers = assessment_.is_relative ? Numbers::share : Numbers::plain;
+    const auto good = std::ranges::count_if(entries_, [](const Entry& entry) { return entry.error.has_value(); });
+    fmt::print("{} configurations, {} with a result; reference: {}", entries_.size(), good, assessment_.reference);
+    if (assessment_.uncertainty > 0) fmt::print(", known to {}", numberText(assessment_.uncertainty, numbers));
+    fmt::print("\n");
+    for (const std::string& note : assessment_.notes) fmt::print("note: {}\n", note);
+    std::vector<const Entry*> front;
+    for (const Entry& entry : entries_) {
+      if (entry.on_front) front.push_back(&entry);
+      if (!entry.runs.failure.empty())
+        fmt::print("without a result: {}: {}\n", nameOf(axes_, entry.configuration), entry.runs.failure);
+    }
+    std::ranges::sort(front, {}, [](const Entry* entry) { return entry->runs.medianOf(&Repetition::seconds); });
+    if (!front.empty())
+      fmt::print("\n{:>12}  {:>12}  the front: nothing is both faster and more accurate\n", "time", "error");
+    for (const Entry* entry : front)
+      fmt::print("{:>12}  {:>12}  {}\n", numberText(entry->runs.medianOf(&Repetition::seconds), Numbers::seconds),
+                 (entry->is_reference ? "about " : "") + numberText(*entry->error, numbers),
+                 nameOf(axes_, entry->configuration));
+    if (!findings.goal.empty()) fmt::print("\n{}\n", findings.goal);
+    if (cheapest_) fmt::print("\n  {}\n", commandLine(request_, cheapest_->configuration));
+    for (const std::string& note : written.notes) fmt::print("note: {}\n", note);
+    fmt::print("\n{}: {}\n", request_.folder, fmt::join(written.files, " "));
+  }
+
+  const SweepRequest& request_;
+  std::vector<Axis> axes_;
+  double bound_;
+  Probed probed_;
+  std::optional<Assessor> assessor_;
+  std::optional<RunMaker> runs_;
+  std::vector<Entry> entries_;
+  Assessment assessment_;
+  const Entry* cheapest_ = nullptr;
+  std::string build_, scene_;
+};
+
+class LocalSweeper final : public Sweeper {
+ public:
+  int sweep(const SweepRequest& request) const override {
+    parseAxes(request.vary, request.zip);  // what is misspelt leaves no folder behind
+    ErrorMeasure::parse(request.error);
+    const bool is_new = !fs::exists(request.folder);
+    try {
+      const FolderLock lock(request.folder);
+      return Sweep(request).make();
+    } catch (const std::invalid_argument&) {
+      std::error_code none;
+      if (is_new) fs::remove_all(request.folder, none);
+      throw;
+    }
+  }
+};
+
+}  // namespace
+}  // namespace stroma::sweep
+
+extern "C" __attribute__((visibility("default"))) const stroma::ServiceInfo* stroma_service() {
+  static const stroma::ServiceInfo info{STROMA_ABI, stroma::sweep::Sweeper::role, []() -> void* {
+                                          return static_cast<stroma::sweep::Sweeper*>(new stroma::sweep::LocalSweeper);
+                                        }};
+  return &info;
+}

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The role of the module that compares configurations of a scene. It is in a library of its own, which only `stroma sweep`
+// opens.
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace stroma::sweep {
+
+/// What the user asked for, as it was written.
+struct SweepRequest {
+  std::string program;                 ///< the command that makes the runs
+  std::string scene, folder;           ///< absolute
+  std::vector<std::string> vary, zip;  ///< "PATH.ATTR=a,b,c"; zip: several of these with ";" between them
+  std::vector<std::string> settings;   ///< --set of all runs
+  std::vector<std::string> modules;    ///< --module of all runs
+  std::optional<long> steps;
+  std::optional<double> until;  ///< [s]
+  int threads = 1;
+  std::string error = "l2", reference = "finest";
+  std::vector<std::string> reference_settings;  ///< of one more run, which is the reference
+  std::string goal;                             ///< "error<1%", or empty: the whole grid
+  int repeat = 3;                               ///< runs of each configuration
+  int jobs = 0;                                 ///< cores for timed runs; 0: half of them
+  bool timed = true;
+  unsigned seed = 1;  ///< of the order of the runs
+  bool quiet = false;
+  std::string line;  ///< the command as it was given, for the report
+};
+
+class Sweeper {
+ public:
+  static constexpr const char *role = "sweeper", *library = "sweep", *missing = "build it with `ninja sweep`";
+  virtual ~Sweeper() = default;
+  /// Makes the runs that are not there yet, writes the tables and the report. Returns an exit code of the command: 0, 1
+  /// (no configuration reaches the goal), 3 (no run has a result), 130 or 143 (stopped). Throws std::invalid_argument
+  /// with a sentence for bad input, before anything is run, and OutputError.
+  virtual int sweep(const SweepRequest& request) const = 0;
+};
+
+}  // namespace stroma::sweep
