@@ -137,7 +137,7 @@ TEST(Modules, TheBestBuildOfTheMachineIsOpened) {
     modules.provide("Other");
     FAIL();
   } catch (const std::runtime_error& error) {
-    EXPECT_NE(std::string(error.what()).find("no build for this machine"), std::string::npos);
+    EXPECT_NE(std::string(error.what()).find("the module absent is not here"), std::string::npos);
   }
 }
 

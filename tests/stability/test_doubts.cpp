@@ -152,7 +152,7 @@ TEST(Doubts, LateForcesUnderASecondOrderRuleAreNamed) {
   Simulation early = simulationFromText(
       R"(<Node name="root" dt="0.01" gravity="0 0 -9.81"><RegularGridTopology name="grid" n="2 2 2" min="0 0 0" max="1 1 1"/>
   <Node name="body"><NewmarkImplicitSolver/><SparseLDLSolver/><TetrahedronSetTopologyContainer name="cells"/>
-  <Hexa2TetraTopologicalMapping input="@../grid" output="@cells"/><MechanicalObject/><UniformMass totalMass="1"/>
+  <Hexa2TetraTopologicalMapping input="@../grid" output="@cells"/><MechanicalObject/><UniformMass totalMass="1000"/>
   <TetrahedronHyperelasticityFEMForceField materialName="NeoHookean" youngModulus="1000" poissonRatio="0.3"/>
   <TetrahedronPorousForceField fluidFraction="0.5" bulkModulus="100" limitModulus="400" permeability="1e-4"
   coupling="semi_implicit"/></Node></Node>)");
