@@ -22,10 +22,10 @@ function(stroma_part name target file package)
   set_property(GLOBAL APPEND_STRING PROPERTY STROMA_PARTS_PACKAGED "${name}\t${package}\n")
 endfunction()
 
-# A part that is left out because something is not installed here.
-function(stroma_left_out part wanted)
-  message(STATUS "${part} is left out: ${wanted} was not found")
-  set_property(GLOBAL APPEND PROPERTY STROMA_LEFT_OUT "${part} (${wanted} was not found)")
+# A part that is left out: because something is not installed here, or because it is not wanted.
+function(stroma_left_out part why)
+  message(STATUS "${part} is left out: ${why}")
+  set_property(GLOBAL APPEND PROPERTY STROMA_LEFT_OUT "${part} (${why})")
 endfunction()
 
 # PACKAGE of a call as the component of its install rules and the name of the package.

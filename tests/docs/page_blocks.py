@@ -7,12 +7,15 @@ Comments, which no reader sees, stand on lines of their own above a block:
     <!-- refused: WORDS -->        an xml scene or fragment that `stroma check` must refuse, with these words
     <!-- exit code N -->           the last command of an sh block ends with N
     <!-- times vary -->            of an output: numbers before a unit of time, rate or memory are not compared
-    <!-- not output -->            a text block that is no output of the commands before it"""
+    <!-- not output -->            a text block that is no output of the commands before it
+    <!-- formula -->               a text block with a formula, a figure or a list
+
+Every block names its language: what has none would be looked at by no test."""
 import re
 from dataclasses import dataclass, field
 
 OPEN = re.compile(r"^(\s*)(```+|~~~+)\s*([\w+-]*)\s*(.*)$")
-COMMENT = re.compile(r"^\s*<!--\s*(not run|part of|refused|exit code|times vary|not output)\s*:?\s*(.*?)\s*-->\s*$")
+COMMENT = re.compile(r"^\s*<!--\s*(not run|part of|refused|exit code|times vary|not output|formula)\s*:?\s*(.*?)\s*-->\s*$")
 TITLE = re.compile(r'title="([^"]+)"')
 
 
@@ -59,6 +62,8 @@ def _read(lines, start, opening, asked):
         raise PageError(f"line {start + 1}: the block has no end")
     if asked.get("not run") == "":
         raise PageError(f"line {start + 1}: 'not run' without a reason")
+    if not language:
+        raise PageError(f"line {start + 1}: a block without a language (text, after <!-- formula --> or <!-- not output -->, if it is none)")
     title = TITLE.search(rest)
     return number, Block(start + 1, language.lower(), title.group(1) if title else "", "\n".join(body) + "\n", asked)
 
@@ -66,7 +71,7 @@ def _read(lines, start, opening, asked):
 # ---- outputs ----
 
 NUMBER = re.compile(r"(?<![\w.])[-+]?(?:\d[\d,]*\.?\d*|\.\d+)(?:e[-+]?\d+)?(?![\w.]*\w)", re.I)
-VARYING = re.compile(r"\s*(?:ns|us|µs|ms|s|min|h|steps/s|steps per second|ms per step|ms/step|kB|MB|GB|%)(?![\w/])")
+VARYING = re.compile(r"\s*(?:ns|us|µs|ms|s|min|h|steps/s|steps per second|ms per step|ms/step|kB|MB|GB)(?![\w/])")
 
 
 def _numbers(line, times_vary):

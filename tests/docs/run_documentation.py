@@ -122,7 +122,7 @@ class Page:
             raise Wrong(f"the commands ended with {done.returncode}, not {expected}:\n{block.text}{done.stdout[-3000:]}")
 
     def _text(self, block):
-        if "not output" in block.asked:
+        if "not output" in block.asked or "formula" in block.asked:
             return
         if self.output is None:
             raise Wrong("a text block without commands before it (<!-- not output --> if it is none)")
@@ -247,6 +247,10 @@ PLANTED = [  # page, what must be said of it (None: nothing is wrong)
     ("```sh\necho tip 0.0312 m after 5 ms\n```\n```text\ntip 0.0332 m after 5 ms\n```\n", "no such line"),
     ("```sh\necho tip 0.0312 m after 5 ms\n```\n```text\ntip 0.0312 m after 9 ms\n```\n", "no such line"),
     ("```sh\necho tip 0.0312 m after 5 ms\n```\n<!-- times vary -->\n```text\ntip 0.0312 m ... 9 ms\n```\n", None),
+    ("```sh\necho 5.1 % off, 9 ms\n```\n<!-- times vary -->\n```text\n5.9 % off, 2 ms\n```\n", "no such line"),
+    ("```sh\necho 5.1 % off, 9 ms\n```\n<!-- times vary -->\n```text\n5.1 % off, 2 ms\n```\n", None),
+    ("```\nw = 3\n```\n", "without a language"),
+    ("<!-- formula -->\n```text\nw = 3\n```\n", None),
     ("```sh\necho tip 1 of 2; echo end\n```\n```text\nend\ntip 1 of 2\n```\n", "no such line"),
     ("```sh\necho a tip\n```\n```text\na tap\n```\n", "no such line"),
     ("```sh\necho a\n```\n```text\n...\n```\n", "says nothing"),

@@ -102,6 +102,26 @@ def missing_pages(tree, build, site):
 # ---- in a browser ----
 
 WIDTHS = (1280, 390)
+FEW = ["index.html", "first_scene.html", "gallery.html", "words.html", "validation.html", "benchmarks.html", "limits.html",
+       "stability/force_fields.html", "experiments/truth_cube.html", "developer.html", "components/index.html",
+       "components/elasticity/TetrahedronFEMForceField.html", "command.html"]
+
+
+def pages_to_look_at(site, every):
+    """A few pages; or every page but sources, with one component per family."""
+    if not every:
+        return FEW
+    found, families = set(FEW), set()
+    for path in sorted(read_pages(site)):
+        parts = path.split("/")
+        if parts[0] in ("sources", "404.html"):
+            continue
+        if parts[0] == "components" and len(parts) == 3 and parts[2] != "index.html":
+            if parts[1] in families:
+                continue
+            families.add(parts[1])
+        found.add(path)
+    return sorted(found)
 
 
 def browse(tree, site):
@@ -110,13 +130,10 @@ def browse(tree, site):
     from browser import Browser, skip_without_browser  # pylint: disable=import-outside-toplevel
     skip_without_browser()
     found = []
-    looked_at = ["index.html", "first_scene.html", "gallery.html", "words.html", "validation.html", "benchmarks.html", "limits.html",
-                 "stability/force_fields.html", "experiments/truth_cube.html", "developer.html", "components/index.html",
-                 "components/elasticity/TetrahedronFEMForceField.html", "command.html"]
     with Browser() as browser:
         for width in WIDTHS:
             browser.size(width, 900, touch=width < 600)
-            for page in looked_at:
+            for page in pages_to_look_at(site, every=width == WIDTHS[-1]):
                 browser.driver.get("file://" + os.path.join(site, page))
                 wide, window = browser.script("[document.documentElement.scrollWidth, window.innerWidth]")
                 if wide > window:
@@ -132,8 +149,33 @@ def browse(tree, site):
     return found
 
 
+def check_refusals(tree):
+    """A folder with anything but a site in it is left as it is."""
+    with tempfile.TemporaryDirectory() as folder:
+        full, new = os.path.join(folder, "full"), os.path.join(folder, "new")
+        os.mkdir(full)
+        with open(os.path.join(full, "kept.txt"), "w", encoding="ascii") as file:
+            file.write("mine")
+        environment = dict(os.environ, HOME=os.path.join(folder, "home"))
+        os.mkdir(environment["HOME"])
+        # Without mkdocs the script ends before it looks at anything.
+        for out in () if not shutil.which("mkdocs") else (full, os.path.join(full, "kept.txt"), tree, os.path.dirname(tree), os.path.join(tree, "docs"), environment["HOME"], folder):
+            made = subprocess.run([sys.executable, os.path.join(tree, "tools", "site", "build"), out, "--stroma", "/no/command"],
+                                  capture_output=True, text=True, check=False, env=environment)
+            assert made.returncode == 2 and out in made.stderr, (out, made)
+        assert os.listdir(full) == ["kept.txt"] and not os.listdir(environment["HOME"])
+        sys.path.insert(0, os.path.join(tree, "tools", "site"))
+        from output_folder import mark, refusal  # pylint: disable=import-outside-toplevel
+        assert refusal(new, tree) is None and refusal(environment["HOME"], tree) is None  # not there; empty
+        mark(new)
+        with open(os.path.join(new, "index.html"), "w", encoding="ascii"):
+            pass
+        assert refusal(new, tree) is None and refusal(full, tree)
+
+
 def self_test():
     """Planted mistakes are found."""
+    check_refusals(os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))))
     with tempfile.TemporaryDirectory() as site:
         with open(os.path.join(site, "a.html"), "w", encoding="utf-8") as file:
             file.write('<h1 id="top">A</h1><a href="b.html">b</a><a href="#nowhere">n</a><a href="a.html#top">t</a><img src="c.png">'
@@ -159,7 +201,9 @@ def main():
                                os.path.join(build, "bin", "stroma")], capture_output=True, text=True, check=False)
         assert made.returncode == 0, made.stderr[-4000:]
         found, count = problems(site)
-        found += missing_pages(tree, build, site) + browse(tree, site)
+        found += missing_pages(tree, build, site)
+        assert not found, "\n".join(found)  # also where there is no browser
+        found = browse(tree, site)
         assert not found, "\n".join(found)
         print(f"{count} pages; every link, anchor and picture leads somewhere, and nothing is fetched")
 

@@ -9,6 +9,32 @@ import sys
 import tempfile
 
 
+# What the small `stroma` does when it is asked for a picture.
+PICTURE = 'mkdir -p results/organ; [ "$PICTURE_CODE" != 0 ] || echo x > results/organ/organ.png; exit ${PICTURE_CODE:-0}'
+# And the small `cmake`: it fails where it is told to, and installs the command.
+CMAKE = """case "$1" in
+  --build) exit ${BUILD_CODE:-0} ;;
+  --install) mkdir -p "$4/bin"; cp "$2/bin/stroma" "$4/bin"; printf '%s/bin/stroma' "$4" > "$2/install_manifest.txt" ;;
+esac
+exit ${CMAKE_CODE:-0}"""
+
+
+def check_install(stages, folder, build):
+    """A folder that cannot be written is refused before the build; what is printed removes an installation, also with a space."""
+    file = os.path.join(folder, "a file")
+    with open(file, "w", encoding="ascii"):
+        pass
+    done, result = stages("install", os.path.join(file, "below"), code=1)
+    assert done == [] and f"sudo cmake --install {build} --prefix {folder}/a\\ file/below --strip" in result.stderr, (done, result)
+    prefix = os.path.join(folder, "my prefix")
+    result = stages("install", prefix)[1]
+    removal = next(line for line in result.stdout.split("\n") if line.startswith("To remove it:")).partition(":")[2]
+    assert os.path.exists(os.path.join(prefix, "bin", "stroma")), result
+    os.remove(os.path.join(build, "install_manifest.txt"))  # an installation elsewhere has another
+    subprocess.run(["bash", "-c", removal], check=True)
+    assert not [names for _, _, names in os.walk(prefix) if names], removal
+
+
 def check_stages(setup):
     """`run` shows the first scene before it builds the rest; --quick ends there; what cannot be built is said."""
     with tempfile.TemporaryDirectory() as folder:
@@ -16,8 +42,8 @@ def check_stages(setup):
         for place in ("tree/tools", "build/bin", "programs"):
             os.makedirs(os.path.join(folder, place))
         shutil.copy(setup, os.path.join(tree, "tools", "setup"))
-        programs = {"programs/dpkg-query": "printf installed", "programs/cmake": f'echo "cmake $@" >> {log}; exit ${{CMAKE_CODE:-0}}',
-                    "build/bin/stroma": f'echo "stroma $@" >> {log}'}
+        programs = {"programs/dpkg-query": "printf installed", "programs/cmake": f'echo "cmake $@" >> {log}; {CMAKE}',
+                    "build/bin/stroma": f'echo "stroma $@" >> {log}; [ "$1" != picture ] || {{ {PICTURE}; }}'}
         for path, body in programs.items():
             with open(os.path.join(folder, path), "w", encoding="ascii") as file:
                 file.write("#!/bin/sh\n" + body + "\n")
@@ -25,21 +51,30 @@ def check_stages(setup):
         environment = dict(os.environ, PATH=os.path.join(folder, "programs") + ":" + os.environ["PATH"], BUILD=build)
 
         def stages(*arguments, code=0, **more):
-            if os.path.exists(log):
-                os.remove(log)
+            with open(log, "w", encoding="ascii"):
+                pass
             result = subprocess.run(["bash", os.path.join(tree, "tools", "setup"), *arguments], capture_output=True, text=True,
                                     env=dict(environment, **more), stdin=subprocess.DEVNULL, timeout=60)
             assert result.returncode == code, result
             with open(log, encoding="ascii") as file:
-                lines = file.read().strip().split("\n")
+                lines = file.read().splitlines()
             which = {"cmake --build": -1, "stroma picture": 1}  # word of the line that tells what is done; else the first
             return [line.split()[which.get(" ".join(line.split()[:2]), 0)] for line in lines], result
 
         shown = ["cmake", "first_scene", "stroma", "picture"]
-        assert stages("run", "-y")[0] == shown + ["stroma_all"]
+        done, result = stages("run", "-y", PICTURE_CODE="0")
+        assert done == shown + ["stroma_all"] and "Picture:" in result.stdout, result
+        # no picture is no reason to stop, and one of an earlier run is not this one's
+        done, result = stages("run", "-y", PICTURE_CODE="4")
+        assert done == shown + ["stroma_all"] and "No picture could be made" in result.stdout, result
+        assert "Picture:" not in result.stdout, result
         done, result = stages("run", "-y", "--quick")
         assert done == shown and "tools/setup build" in result.stdout, result
+        assert f"BUILD={build} " in result.stdout, result
         assert stages("build")[0] == ["cmake", "stroma_all"]
+        result = stages("build", "--no-view", "-j2", code=1, BUILD_CODE="1")[1]
+        assert f"BUILD={build} {tree}/tools/setup build --no-view -j2 tries again" in result.stderr, result
+        check_install(stages, folder, build)
         done, result = stages("install", os.path.join(folder, "prefix"), code=1, CMAKE_CODE="1")
         assert done == ["cmake"] and "Configuring failed" in result.stderr, result
 
@@ -62,7 +97,8 @@ def main():
 
     result = run("--help")
     assert result.returncode == 0 and "tools/setup run" in result.stdout, result
-    for wrong in ((), ("tset",), ("test", "--fast"), ("test", "-j", "many"), ("run", "folder"), ("install", "one", "two")):
+    for wrong in ((), ("tset",), ("test", "--fast"), ("test", "-j", "many"), ("test", "-j"), ("test", "-j", "0"), ("test", "-j00"),
+                  ("view", "--no-view"), ("run", "folder"), ("install", "one", "two")):
         result = run(*wrong)
         assert result.returncode == 2 and "tools/setup" in result.stderr, (wrong, result)
 
