@@ -5,7 +5,10 @@
 #include <cmath>
 #include <random>
 
+#include "tests/support/folder_fixture.h"
 #include "tools/sweep/assessment.h"
+#include "tools/sweep/chart.h"
+#include "tools/sweep/digest.h"
 #include "tools/sweep/goal.h"
 
 namespace stroma::sweep {
@@ -95,6 +98,39 @@ TEST(Front, HasWhatNothingBeatsAndNoFailure) {
   for (const Entry& entry : entries) front.push_back(entry.on_front);
   EXPECT_EQ(front, (std::vector<bool>{true, true, false, true, false, false}))
       << "below the uncertainty of 0.02 more time buys nothing that can be seen";
+}
+
+TEST(Front, RunsWithoutTimesAreNotOnIt) {
+  std::vector<Entry> entries{entryOf(0, 0.5), entryOf(2, 0.2)};
+  entries[0].runs.repetitions[0].timed = false;
+  EXPECT_EQ(entries[0].runs.medianOf(&Repetition::seconds), 0);
+  markFront(entries, 0.02);
+  EXPECT_FALSE(entries[0].on_front);
+  EXPECT_TRUE(entries[1].on_front);
+}
+
+TEST(Chart, LabelsAreNotCutWithinACharacter) {
+  for (std::size_t before = 15; before < 30; ++before) {
+    Chart chart;
+    chart.id = "chart";
+    ChartLine line;
+    line.label = std::string(before, 'a') + "\u00b5\u00b5\u00b5\u00b5\u00b5\u00b5\u00b5\u00b5";
+    line.points = {{1, 1, 0, false, false}, {2, 2, 0, false, false}};
+    chart.lines.push_back(line);
+    const std::string text = svgOf(chart, true, false);
+    const std::size_t cut = text.find("\u2026");
+    ASSERT_NE(cut, std::string::npos);
+    EXPECT_NE(static_cast<unsigned char>(text[cut - 1]), 0xc2) << "the first byte of two";
+  }
+}
+
+class Digest : public test::FolderTest {};
+
+TEST_F(Digest, ChangesWithTheModulesOfTheUser) {
+  const std::string module = write("module.so", "one"), before = digestOfBuild("/bin/sh", {module});
+  EXPECT_EQ(digestOfBuild("/bin/sh", {module}), before);
+  write("module.so", "two");
+  EXPECT_NE(digestOfBuild("/bin/sh", {module}), before);
 }
 
 TEST(Axes, ZipVariesTogetherAndCommasCanBeKept) {

@@ -92,7 +92,7 @@ TEST_F(Sweep, ExtrapolationFindsTheExactSolution) {
     EXPECT_NEAR(one, other, 0.02 * other + 1e-12) << i;
     EXPECT_LE(std::abs(one - other), own["error"]["uncertainty"].get<double>() + 1e-9) << i;
   }
-  EXPECT_LT(own["error"]["uncertainty"].get<double>(), 0.1 * exact["configurations"][3]["error"].get<double>());
+  EXPECT_LT(own["error"]["uncertainty"].get<double>(), 0.3 * exact["configurations"][3]["error"].get<double>());
 }
 
 /// Between the nodes the error of a field oscillates, and no extrapolation removes it: the uncertainty has to say so.
@@ -127,15 +127,64 @@ TEST_F(Sweep, EulersMethodHasTheOrderOneInTheTimeStep) {
   EXPECT_NEAR(own["configurations"][0]["error"].get<double>(), error, 0.02 * error);
 }
 
+/// 70, 110, 100 have differences that shrink like those of order 2, but they turn round.
+TEST_F(Sweep, ValuesThatOscillateFollowNoOrder) {
+  write("oscillator.xml", oscillator);
+  const std::string line = "oscillator.xml --until 0.08 --repeat 1 -q --error /spring.stiffness --zip ";
+  const auto turning = tableOf(line + "'dt=0.04,0.02,0.01; /spring.stiffness=70,110,100'");
+  EXPECT_TRUE(turning["estimates"][0]["order"].is_null()) << turning["estimates"];
+  EXPECT_NEAR(turning["error"]["uncertainty"].get<double>(), 0.3, 1e-9);
+  const auto steady = tableOf(line + "'dt=0.04,0.02,0.01; /spring.stiffness=50,90,100'");
+  EXPECT_NEAR(steady["estimates"][0]["order"].get<double>(), 2, 1e-6);
+  EXPECT_NEAR(steady["error"]["uncertainty"].get<double>(), 1.25 * 0.1 / 3, 1e-9);
+  const auto steep = tableOf(line + "'dt=0.04,0.02,0.01; /spring.stiffness=19,99,100'");
+  EXPECT_NEAR(steep["error"]["uncertainty"].get<double>(), 1.25 * 0.01 / 3, 1e-9) << "as of order 2, and no higher";
+}
+
+TEST_F(Sweep, TwoValuesAreUncertainByTheirRatio) {
+  write("oscillator.xml", oscillator);
+  const auto json = tableOf(
+      "oscillator.xml --until 0.12 --repeat 1 -q --error /spring.stiffness --zip "
+      "'dt=0.012,0.01; /spring.stiffness=99,100'");
+  EXPECT_NEAR(json["error"]["uncertainty"].get<double>(), 3 * 0.01 / 0.2, 1e-9);
+}
+
 // ---- what is run, and how often ----
 
 constexpr const char* many_steps =
-    "sweep oscillator.xml --vary dt=4e-6,3e-6,2e-6,1e-6 --vary /spring.stiffness=90,100 --until 0.5 ";
+    "sweep oscillator.xml --vary dt=4e-6,2.5e-6,2e-6,1e-6 --vary /spring.stiffness=90,100 --until 0.5 ";
+
+TEST_F(Sweep, ASecondSweepAtOnceIsRefusedAndRemovesNothing) {
+  write("oscillator.xml", oscillator);
+  const std::string line =
+      "'" STROMA_COMMAND "' sweep oscillator.xml --vary dt=4e-6,2e-6 --until 0.5 --repeat 1 -o out";
+  const Finished run = shell(line +
+                             " 2>.first & first=$!\n"
+                             "while [ ! -e out/.lock ]; do sleep 0.01; done; sleep 0.1\n" +
+                             line + " 2>.second; echo second $? >.codes; wait $first; echo first $? >>.codes");
+  EXPECT_EQ(readText(folder_ / ".codes"), "second 2\nfirst 0\n") << readText(folder_ / ".second");
+  EXPECT_TRUE(has(readText(folder_ / ".second"), "another sweep works in")) << readText(folder_ / ".second");
+  EXPECT_EQ(outcomes("out").size(), 2u);
+}
+
+/// All of them begin at once in a folder that is not there: however the others are refused, one sweep is whole.
+TEST_F(Sweep, OfSweepsThatBeginTogetherOneIsWhole) {
+  write("oscillator.xml", oscillator);
+  shell("for i in 1 2 3 4; do '" STROMA_COMMAND
+        "' sweep oscillator.xml --vary dt=4e-5,2e-5 --until 0.5 --repeat 1 -o out "
+        ">.out$i 2>&1 & done; wait");
+  EXPECT_EQ(outcomes("out").size(), 2u);
+  EXPECT_EQ(table("out")["configurations"].size(), 2u);
+}
 
 TEST_F(Sweep, AKilledSweepGoesOnAndRunsNothingTwice) {
   write("oscillator.xml", oscillator);
-  shell("timeout -s KILL 4 '" STROMA_COMMAND "' " + std::string(many_steps) + "-o out --repeat 2");
+  shell("'" STROMA_COMMAND "' " + std::string(many_steps) +
+        "-o out --repeat 2 & sweep=$!\n"
+        "for i in $(seq 600); do ls out/runs/*/*.outcome.json >.found 2>&1 && break; sleep 0.05; done\n"
+        "kill -KILL $sweep; wait $sweep");
   const auto before = outcomes("out");
+  ASSERT_GT(before.size(), 0u) << "the kill came too early to show anything";
   ASSERT_LT(before.size(), 16u) << "the kill came too late to show anything";
   const Finished again = stroma(std::string(many_steps) + "-o out --repeat 2");
   ASSERT_EQ(again.code, 0) << again.err;
@@ -184,6 +233,71 @@ TEST_F(Sweep, AChangedSceneIsRunAgain) {
   write("bar.xml", changed);
   ASSERT_EQ(stroma(line).code, 0);
   EXPECT_EQ(outcomes("out").size(), 2 * before.size());
+}
+
+TEST_F(Sweep, TimesAreThoseOfTimedRunsOnly) {
+  write("bar.xml", bar);
+  const std::string line = "sweep bar.xml --vary '/bar/grid.n=2 3 2,2 5 2' -n 1 -q -o out ";
+  ASSERT_EQ(stroma(line + "--no-times").code, 0);
+  auto rows = table("out")["configurations"];
+  for (const auto& row : rows) {
+    EXPECT_TRUE(row["seconds"].is_null() && row["ms_per_step"].is_null()) << row;
+    EXPECT_FALSE(row["on_front"].get<bool>());
+    EXPECT_FALSE(row["timed"].get<bool>());
+  }
+  ASSERT_EQ(stroma(line + "--repeat 2").code, 0);
+  rows = table("out")["configurations"];
+  for (const auto& row : rows) {
+    EXPECT_GT(row["seconds"].get<double>(), 0);
+    EXPECT_EQ(row["measured"].size(), 3u) << "one that tells no time, and two that do";
+  }
+}
+
+TEST_F(Sweep, AnEndThatCannotBeReadIsARowAndTheRestIsCompared) {
+  write("bar.xml", bar);
+  const std::string line = std::string("sweep bar.xml") + bar_meshes + "-o out";
+  ASSERT_EQ(stroma(line).code, 0);
+  const std::string finest = table("out")["configurations"][3]["key"];
+  write("out/runs/" + finest + "/end.values", "damaged");
+  const Finished again = stroma(line);
+  EXPECT_EQ(again.code, 0) << again.err;
+  const auto rows = table("out")["configurations"];
+  EXPECT_EQ(rows[3]["outcome"], "not comparable");
+  EXPECT_TRUE(rows[3]["seconds"].is_null());
+  EXPECT_TRUE(rows[2]["is_reference"].get<bool>());
+  EXPECT_FALSE(rows[0]["error"].is_null());
+}
+
+TEST_F(Sweep, NamesOfFilesAreThoseOfTheUsersFolder) {
+  const std::string hanging = R"(<Node name="root" dt="0.01" gravity="0 -10 0">
+  <EulerExplicitSolver/>
+  <MeshOBJLoader name="loader" filename="none.obj"/>
+  <MechanicalObject name="dofs" position="@loader.position"/>
+  <UniformMass totalMass="2"/>
+</Node>)";
+  write("stone.xml", hanging);
+  write("one.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"),
+      write("sub/two.obj", "v 0 0 0\nv 1 0 0\nv 0 2 0\nf 1 2 3\n");
+  const Finished run = stroma(
+      "sweep stone.xml --vary /loader.filename=one.obj,sub/two.obj -n 2 --no-times -o out --error /dofs.displacement");
+  EXPECT_EQ(run.code, 0) << run.err;
+  for (const auto& row : table("out")["configurations"]) EXPECT_EQ(row["outcome"], "done") << row;
+}
+
+TEST_F(Sweep, CommandsAreQuotedForAShell) {
+  write("it's.xml", bar);
+  ASSERT_EQ(stroma("sweep \"it's.xml\" --vary '/bar/grid.n=2 3 2,2 5 2' -n 1 --no-times -q -o out").code, 0);
+  const auto json = table("out");
+  EXPECT_TRUE(has(json["command"], R"(stroma sweep 'it'\''s.xml' --vary '/bar/grid.n=2 3 2,2 5 2' -n 1)"))
+      << json["command"];
+}
+
+TEST_F(Sweep, ItWaitsForItsRunsWhereEndsOfProcessesAreIgnored) {
+  write("bar.xml", bar);
+  write("ignoring.sh", "trap '' CHLD\nexec '" STROMA_COMMAND
+                       "' sweep bar.xml --vary '/bar/grid.n=2 3 2,2 5 2' -n 1 --no-times -q -o out\n");
+  const Finished run = shell("timeout -s KILL 60 sh ignoring.sh");
+  EXPECT_EQ(run.code, 0) << run.err;
 }
 
 // ---- failures, zip, goal ----
@@ -252,6 +366,10 @@ TEST_F(Sweep, BadInputIsRefusedBeforeAnythingIsRun) {
       {"--vary /bar/fem.method=small --reference-set /bar/grid.m=3 -n 1", "m"},
       {"--vary /bar/fem.method=small --reepat 2", "did you mean --repeat"},
       {"--vary threads=1,x -n 1", "whole numbers"},
+      {"--vary threads=1,01 -n 1", "are the same run"},
+      {"--zip '/bar/fem.youngModulus=1,2,1; /bar/fem.poissonRatio=0,0.1,0' -n 1", "is there twice"},
+      {"--vary dt=0.04,0.03 --until 0.12 --error '/bar/dof.position:(0 0.5 0)'", "there is no state /bar/dof"},
+      {"--vary dt=0.04,0.03 --until 0.05", "expected a whole number"},
   };
   for (const auto& [arguments, expected] : cases) {
     const Finished run = stroma(std::string("sweep bar.xml ") + arguments + " -o out");

@@ -126,10 +126,7 @@ int sweepScene(const Arguments& arguments) {
   const auto values = parseOptions(line(), arguments);
   if (!values) return exit_done;
   sweep::SweepRequest request = requestOf(*values);
-  request.line = "stroma sweep";
-  for (const std::string& argument : arguments)
-    request.line +=
-        argument.find_first_of(" ;<>()*$&'\"") == std::string::npos ? " " + argument : " '" + argument + "'";
+  request.words.assign(arguments.begin(), arguments.end());
   return service<sweep::Sweeper>()->sweep(request);
 }
 

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <stdexcept>
 
@@ -22,6 +23,10 @@ double fineness(const Axis& axis, std::size_t value) {
 
 /// Safety of a correction that is not made. Source: Roache 1998, section 5.9.
 constexpr double safety = 1.25, safety_without_order = 3;
+/// Elements and integrators of the framework have no higher one: a fit above it is luck, and would flatter.
+constexpr double highest_order = 2;
+/// Differences that point less the same way than this are no approach to a limit.
+constexpr double least_cosine = 0.5;
 
 Values scaledDifference(double factor, const Values& a, const Values& b) {
   Values result(a.size());
@@ -31,6 +36,10 @@ Values scaledDifference(double factor, const Values& a, const Values& b) {
 
 Values sum(const Values& a, const Values& b) {
   return scaledDifference(1, a, scaledDifference(-1, b, Values(b.size(), Vec3::Zero())));
+}
+
+void leaveOut(Entry& entry, const std::exception& problem) {
+  entry.runs.outcome = "not comparable", entry.runs.failure = problem.what();
 }
 
 }  // namespace
@@ -102,8 +111,9 @@ Assessor::Line Assessor::lineAlong(std::size_t axis, const std::vector<Entry>& e
     const bool is_inverse = axes_[axis].kind == AxisKind::iterations;
     if (!on_line) continue;
     try {
-      points.emplace_back(is_inverse ? 1 / size : size, &sampleOf(entry).values);
-    } catch (const std::runtime_error&) {  // distances() says why
+      const Sample& sample = sampleOf(entry);
+      if (isOfReferenceTime(sample)) points.emplace_back(is_inverse ? 1 / size : size, &sample.values);
+    } catch (const std::exception&) {  // distances() says why
     }
   }
   std::ranges::sort(points, {}, [](const auto& point) { return point.first; });
@@ -127,8 +137,17 @@ AxisEstimate Assessor::estimate(std::size_t axis, const Line& line, Values& limi
   if (s.size() < 2) return result;
   const double next = apart(0, 1);
   result.uncertainty = result.expected = next, result.how = "difference to the next finest";
-  if (!axes_[axis].hasOrder() || s.size() < 3 || next == 0) return result;
+  if (!axes_[axis].hasOrder() || next == 0) return result;
+  if (s.size() == 2) {
+    result.expected = correctionFactor(s[0], s[1], 1) * next;
+    result.uncertainty = safety_without_order * result.expected;
+    result.how = "three times the correction to size zero by an order of 1: two values tell no order";
+    return result;
+  }
   const auto correctionFrom = [&](std::size_t first) -> std::optional<std::pair<double, Values>> {
+    if (measure_.cosine(scaledDifference(1, *u[first], *u[first + 1]),
+                        scaledDifference(1, *u[first + 1], *u[first + 2]), points_) <= least_cosine)
+      return {};
     const auto order =
         fittedOrder(s[first], s[first + 1], s[first + 2], apart(first, first + 1), apart(first + 1, first + 2));
     if (!order || *order < 0.5) return {};
@@ -143,16 +162,16 @@ AxisEstimate Assessor::estimate(std::size_t axis, const Line& line, Values& limi
   }
   result.order = fine->first;
   limit = fine->second;
-  const double correction = measure_.norm(limit, points_);
+  const double correction = correctionFactor(s[0], s[1], std::min(*result.order, highest_order)) * next;
   const bool extrapolates = request_.reference == "extrapolated";
   const auto coarse = s.size() >= 4 && extrapolates ? correctionFrom(1) : std::nullopt;
   if (!extrapolates) {
     result.uncertainty = safety * correction, result.expected = correction;
     result.how = "1.25 times the correction to size zero";
   } else if (coarse) {
-    result.uncertainty = measure_.distance(sum(*u[0], limit), sum(*u[1], coarse->second), points_);
-    result.expected = result.uncertainty;
-    result.how = "difference to the extrapolation without the finest";
+    result.expected = measure_.distance(sum(*u[0], limit), sum(*u[1], coarse->second), points_);
+    result.uncertainty = std::max(result.expected, (safety - 1) * correction);
+    result.how = "difference to the extrapolation without the finest, or a quarter of the correction to size zero";
   } else {
     result.uncertainty = result.expected = (safety - 1) * correction;
     result.how = "a quarter of the correction to size zero";
@@ -190,6 +209,22 @@ void Assessor::settleReference(std::vector<Entry>& entries, Entry& run, Assessme
   run.is_reference = !corrected;
 }
 
+bool Assessor::isOfReferenceTime(const Sample& sample) const {
+  constexpr double tolerance = 1e-6;
+  return std::abs(sample.time - reference_time_) <=
+         tolerance * std::max(std::abs(reference_time_), std::abs(sample.time));
+}
+
+double Assessor::errorOf(const Sample& sample, double scale) const {
+  if (sample.own_error) return *sample.own_error;
+  if (given_ && given_->dependsOnTime())
+    return measure_.distance(sample.values, given_->valuesAt(points_, sample.time), points_) / scale;
+  if (!isOfReferenceTime(sample))
+    throw std::runtime_error(
+        fmt::format("it ends at {:g} s and the reference at {:g} s", sample.time, reference_time_));
+  return measure_.distance(sample.values, reference_, points_) / scale;
+}
+
 void Assessor::distances(std::vector<Entry>& entries, Assessment& assessment) {
   const double magnitude = comparesOnOwnMesh() ? 1 : measure_.norm(reference_, points_);
   assessment.is_relative = magnitude > 0;
@@ -202,44 +237,52 @@ void Assessor::distances(std::vector<Entry>& entries, Assessment& assessment) {
       const Sample& sample = sampleOf(entry);
       entry.nodes = sample.nodes, entry.cells = sample.cells, entry.spacing = sample.spacing, entry.dt = sample.dt;
       entry.outside = sample.outside, entry.farthest = sample.farthest;
-      entry.error =
-          sample.own_error ? *sample.own_error : measure_.distance(sample.values, reference_, points_) / scale;
+      entry.error = errorOf(sample, scale);
       if (entry.is_reference) entry.error = assessment.expected;
-    } catch (const std::runtime_error& problem) {
-      entry.runs.outcome = "not comparable", entry.runs.failure = problem.what();
+    } catch (const std::exception& problem) {
+      leaveOut(entry, problem);
     }
   }
+}
+
+void Assessor::settle(std::vector<Entry>& entries, Entry& run, Assessment& assessment) {
+  if (points_of_ != run.configuration.key && !(given_ && !points_of_.empty())) {
+    samples_.clear();
+    if (measure_.isField() && !comparesOnOwnMesh())
+      points_ = given_ ? given_->points() : CommonPoints(EndState::read(endFile(run.configuration.folder)));
+    points_of_ = run.configuration.key;
+  }
+  reference_time_ = sampleOf(run).time;
+  if (!given_) return settleReference(entries, run, assessment);
+  assessment.reference = given_->text();
+  if (!comparesOnOwnMesh()) reference_ = given_->valuesAt(points_, reference_time_);
+  reference_time_ = given_->time().value_or(reference_time_);
 }
 
 Assessment Assessor::assess(std::vector<Entry>& entries) {
   Assessment assessment;
   for (Entry& entry : entries) entry.error.reset(), entry.is_reference = entry.on_front = false;
-  Entry* run = referenceRun(entries);
-  if (!run) {
-    assessment.reference = "none: no run has a result";
+  while (Entry* run = referenceRun(entries)) {
+    try {
+      assessment = {};
+      settle(entries, *run, assessment);
+    } catch (const std::exception& problem) {  // the next finest stands in
+      leaveOut(*run, problem);
+      continue;
+    }
+    distances(entries, assessment);
+    if (request_.timed) markFront(entries, assessment.expected);
     return assessment;
   }
-  if (points_of_ != run->configuration.key && !(given_ && !points_of_.empty())) {
-    points_of_ = run->configuration.key;
-    samples_.clear();
-    if (measure_.isField() && !comparesOnOwnMesh())
-      points_ = given_ ? given_->points() : CommonPoints(EndState::read(endFile(run->configuration.folder)));
-  }
-  if (given_) {
-    assessment.reference = given_->text();
-    if (!comparesOnOwnMesh()) reference_ = given_->valuesAt(points_, sampleOf(*run).time);
-  } else {
-    settleReference(entries, *run, assessment);
-  }
-  distances(entries, assessment);
-  markFront(entries, assessment.expected);
+  assessment.reference = "none: no run has a result";
   return assessment;
 }
 
 void markFront(std::vector<Entry>& entries, double expected) {
   std::vector<Entry*> order;
   for (Entry& entry : entries)
-    if (entry.error && entry.runs.isGood() && !entry.configuration.isExtraReference()) order.push_back(&entry);
+    if (entry.error && entry.runs.isGood() && entry.runs.hasTimes() && !entry.configuration.isExtraReference())
+      order.push_back(&entry);
   std::ranges::stable_sort(order, {}, [](const Entry* entry) { return entry->runs.medianOf(&Repetition::seconds); });
   double best = std::numeric_limits<double>::infinity();
   for (Entry* entry : order) {

@@ -70,6 +70,11 @@ class Assessor {
   Line lineAlong(std::size_t axis, const std::vector<Entry>& entries, const Entry& finest, const Entry& reference);
   AxisEstimate estimate(std::size_t axis, const Line& line, Values& limit) const;
   void settleReference(std::vector<Entry>& entries, Entry& run, Assessment& assessment);
+  bool isOfReferenceTime(const Sample& sample) const;
+  /// Of a run. Throws std::runtime_error when it cannot be compared.
+  double errorOf(const Sample& sample, double scale) const;
+  /// The reference that this run is of or tells the points for.
+  void settle(std::vector<Entry>& entries, Entry& run, Assessment& assessment);
   void distances(std::vector<Entry>& entries, Assessment& assessment);
   /// A formula has a value everywhere: no mesh but the run's own is needed.
   bool comparesOnOwnMesh() const { return given_ && measure_.isField() && given_->points().size() == 0; }
@@ -81,6 +86,7 @@ class Assessor {
   CommonPoints points_;
   std::string points_of_;  ///< the run that gave them
   Values reference_;
+  double reference_time_ = 0;                        ///< [s]
   std::unordered_map<std::string, Sample> samples_;  ///< by keys
 };
 

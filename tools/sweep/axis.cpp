@@ -66,6 +66,10 @@ Axis axisOf(const std::vector<Variation>& together, const std::string& text) {
     axis.values.resize(variation.values.size());
     for (std::size_t k = 0; k < variation.values.size(); ++k) axis.values[k].push_back(variation.values[k]);
   }
+  for (std::size_t k = 1; k < axis.size(); ++k)
+    if (std::find(axis.values.begin(), axis.values.begin() + std::ptrdiff_t(k), axis.values[k]) !=
+        axis.values.begin() + std::ptrdiff_t(k))
+      throw std::invalid_argument(fmt::format("--zip {}: {} is there twice", inQuotes(text), axis.settingText(k)));
   return axis;
 }
 

@@ -174,7 +174,10 @@ class Drawing {
 
   static std::string shortened(const std::string& text) {
     constexpr std::size_t most = 26;
-    return text.size() <= most ? text : text.substr(0, most - 1) + "\u2026";
+    if (text.size() <= most) return text;
+    std::size_t end = most - 1;
+    while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xc0) == 0x80) --end;  // not within a character
+    return text.substr(0, end) + "\u2026";
   }
 
   const Chart& chart_;

@@ -92,6 +92,12 @@ std::string commandLine(const SweepRequest& request, const Configuration& config
   return line;
 }
 
+std::string commandLine(const SweepRequest& request) {
+  std::string line = "stroma sweep";
+  for (const std::string& word : request.words) line += " " + quoted(word);
+  return line;
+}
+
 std::string quoted(const std::string& word) {
   const auto isPlain = [](unsigned char c) {
     return std::isalnum(c) || std::string_view("_-./=+:,@%").find(char(c)) != std::string_view::npos;

@@ -36,6 +36,8 @@ std::string nameOf(const std::vector<Axis>& axes, const Configuration& configura
 std::vector<std::string> runArguments(const SweepRequest& request, const Configuration& configuration);
 /// The same as a line for a shell, for a user.
 std::string commandLine(const SweepRequest& request, const Configuration& configuration);
+/// The command line of the sweep itself, for a user.
+std::string commandLine(const SweepRequest& request);
 /// In single quotes where a shell needs them.
 std::string quoted(const std::string& word);
 

@@ -49,14 +49,15 @@ std::string digestOfFiles(std::vector<std::string> files) {
   return digestOf(sums);
 }
 
-std::string digestOfBuild(const std::string& program) {
-  std::vector<std::string> files{program};
-  const fs::path modules = moduleFolder();
+std::string digestOfBuild(const std::string& program, const std::vector<std::string>& modules) {
+  std::vector<std::string> files(modules);
+  files.push_back(program);
+  const fs::path folder = moduleFolder();
   std::error_code none;
-  for (const auto& entry : fs::recursive_directory_iterator(modules, none))
+  for (const auto& entry : fs::recursive_directory_iterator(folder, none))
     if (entry.path().extension() == ".so" && entry.path().stem() != "sweep" && entry.path().stem() != "view")
       files.push_back(entry.path().string());
-  for (const auto& entry : fs::directory_iterator(modules.parent_path(), none))
+  for (const auto& entry : fs::directory_iterator(folder.parent_path(), none))
     if (entry.path().filename().string().starts_with("libstroma.so")) files.push_back(entry.path().string());
   return digestOf(buildIdentity() + digestOfFiles(files));
 }

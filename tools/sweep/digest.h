@@ -10,7 +10,7 @@ namespace stroma::sweep {
 std::string digestOf(const std::string& text);
 /// Of the contents of files; a file that is missing counts as empty.
 std::string digestOfFiles(std::vector<std::string> files);
-/// Of the command, its library and its modules.
-std::string digestOfBuild(const std::string& program);
+/// Of the command, its library and its modules, and of the files of --module.
+std::string digestOfBuild(const std::string& program, const std::vector<std::string>& modules);
 
 }  // namespace stroma::sweep

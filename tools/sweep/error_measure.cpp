@@ -36,9 +36,13 @@ Vec3 placeIn(const std::string& text) {
 }
 
 double at(const nlohmann::json& summary, const char* part) {
-  return summary.value("energies", nlohmann::json::object())
-      .value("end", nlohmann::json::object())
-      .value(part, std::nan(""));
+  // numbers that are not finite are null there
+  const nlohmann::json* place = &summary;
+  for (const char* key : {"energies", "end", part}) {
+    if (!place->is_object() || !place->contains(key)) return std::nan("");
+    place = &(*place)[key];
+  }
+  return place->is_number() ? place->get<double>() : std::nan("");
 }
 
 Vec3 atPlace(const ErrorMeasure& measure, const EndState& end) {
@@ -59,6 +63,7 @@ Vec3 atPlace(const ErrorMeasure& measure, const EndState& end) {
 
 ErrorMeasure ErrorMeasure::parse(const std::string& text) {
   ErrorMeasure measure;
+  measure.text = text;
   for (std::size_t i = 0; i < std::size(words); ++i)
     if (text == words[i]) {
       measure.kind = Kind(i);
@@ -124,6 +129,15 @@ double ErrorMeasure::norm(const Values& values, const CommonPoints& points) cons
     most = std::max(most, values[i].norm());
   }
   return kind == Kind::max ? most : std::sqrt(sum);
+}
+
+double ErrorMeasure::cosine(const Values& a, const Values& b, const CommonPoints& points) const {
+  double ab = 0, aa = 0, bb = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const double weight = isField() ? points.weights()[i] : 1;
+    ab += weight * a[i].dot(b[i]), aa += weight * a[i].squaredNorm(), bb += weight * b[i].squaredNorm();
+  }
+  return aa > 0 && bb > 0 ? ab / std::sqrt(aa * bb) : 0;
 }
 
 double ErrorMeasure::distance(const Values& a, const Values& b, const CommonPoints& points) const {

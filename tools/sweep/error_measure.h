@@ -22,6 +22,7 @@ struct ErrorMeasure {
     place,     ///< of the displacement, position or velocity of one place of a state
   };
   Kind kind = Kind::l2;
+  std::string text;         ///< as it was written
   std::string quantity;     ///< PATH.NAME[:NODES]
   std::string state, name;  ///< of a place
   Vec3 place = Vec3::Zero();
@@ -37,6 +38,8 @@ struct ErrorMeasure {
   /// Of a run. `points` for fields. Throws std::runtime_error with a sentence.
   Values valuesOf(const EndState& end, const nlohmann::json& summary, const CommonPoints& points) const;
   double norm(const Values& values, const CommonPoints& points) const;
+  /// Cosine of the angle between two lists as vectors, by the weights of the points; 0 when one of them vanishes.
+  double cosine(const Values& a, const Values& b, const CommonPoints& points) const;
   double distance(const Values& a, const Values& b, const CommonPoints& points) const;
 };
 

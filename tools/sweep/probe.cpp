@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 
 #include <algorithm>
+#include <cmath>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
@@ -91,7 +92,7 @@ void runAll(const SweepRequest& request, const ErrorMeasure& measure, const fs::
     words.insert(words.begin(), request.program);
     words.insert(words.end(), {"--quiet", "--no-record", "--measure", end});
     if (measure.asksRun()) words.insert(words.end(), {"--measure-value", measure.quantity});
-    job.process = {words, folder.string(), (folder / fmt::format("{}.log", i)).string(), {}};
+    job.process = {words, fs::current_path().string(), (folder / fmt::format("{}.log", i)).string(), {}};
     scheduler.add(job);
   }
   const auto finished = [&](const Job& job, const ProcessEnd& ended, const Circumstances&) {
@@ -129,6 +130,35 @@ void learnKinds(std::vector<Axis>& axes, const std::vector<Trial>& trials) {
   }
 }
 
+/// A run whose last step would pass --until ends later than the others.
+void checkSteps(const SweepRequest& request, const std::vector<Trial>& trials) {
+  constexpr double tolerance = 1e-6;
+  for (const Trial& trial : trials) {
+    if (!trial.end || !(trial.end->dt > 0)) continue;
+    const double steps = (*request.until - trial.end->time) / trial.end->dt;
+    if (std::abs(steps - std::round(steps)) > tolerance * steps)
+      throw std::invalid_argument(
+          fmt::format("--until {:g} is {:.6g} steps of dt={:g}: expected a whole number, so that all runs end at one "
+                      "time",
+                      *request.until, steps, trial.end->dt));
+  }
+}
+
+/// A measure that no run can have is refused now, and not after all of them.
+void checkMeasure(const ErrorMeasure& measure, const std::vector<Trial>& trials) {
+  if (measure.kind == ErrorMeasure::Kind::energy) return;
+  std::optional<CommonPoints> points;
+  for (const Trial& trial : trials) {
+    if (!trial.end) continue;
+    try {
+      if (!points) points = measure.isField() ? CommonPoints(*trial.end) : CommonPoints();
+      measure.valuesOf(*trial.end, {}, *points);
+    } catch (const std::runtime_error& problem) {
+      throw std::invalid_argument(fmt::format("--error {}: {}", measure.text, problem.what()));
+    }
+  }
+}
+
 }  // namespace
 
 Probed probe(const SweepRequest& request, std::vector<Axis>& axes, const ErrorMeasure& measure) {
@@ -138,6 +168,7 @@ Probed probe(const SweepRequest& request, std::vector<Axis>& axes, const ErrorMe
   for (const Trial& trial : trials)
     if (trial.exit_code == 2 && (namesSetting(trial) || trial.axis == axes.size())) refuse(trial);
   if (std::ranges::none_of(trials, [](const Trial& trial) { return trial.end.has_value(); })) refuse(trials.front());
+  checkMeasure(measure, trials);
   learnKinds(axes, trials);
   std::set<double> steps;
   std::set<std::string> inputs;
@@ -148,6 +179,7 @@ Probed probe(const SweepRequest& request, std::vector<Axis>& axes, const ErrorMe
   }
   if (steps.size() > 1 && !request.until)
     throw std::invalid_argument("the time step varies: give --until T instead of -n, so that all runs end at one time");
+  if (steps.size() > 1) checkSteps(request, trials);
   return {{inputs.begin(), inputs.end()}};
 }
 

@@ -68,9 +68,16 @@ SignalGuard::SignalGuard() {
   sigemptyset(&set_);
   for (const int signal : {SIGCHLD, SIGINT, SIGTERM}) sigaddset(&set_, signal);
   sigprocmask(SIG_BLOCK, &set_, &before_);
+  // a parent may have had it ignored: then nobody could wait for the runs
+  struct sigaction usual {};
+  usual.sa_handler = SIG_DFL;
+  sigaction(SIGCHLD, &usual, &children_);
 }
 
-SignalGuard::~SignalGuard() { sigprocmask(SIG_SETMASK, &before_, nullptr); }
+SignalGuard::~SignalGuard() {
+  sigaction(SIGCHLD, &children_, nullptr);
+  sigprocmask(SIG_SETMASK, &before_, nullptr);
+}
 
 int SignalGuard::wait(double seconds) const {
   const double whole = std::floor(seconds);

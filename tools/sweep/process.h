@@ -39,6 +39,7 @@ class SignalGuard {
 
  private:
   sigset_t before_{}, set_{};
+  struct sigaction children_ {};
 };
 
 }  // namespace stroma::sweep

@@ -40,6 +40,7 @@ class Formula final : public GivenReference {
     for (const Vec3& place : points.places()) values.push_back(at(place));
     return values;
   }
+  bool dependsOnTime() const override { return true; }
   std::string text() const override { return "the formula " + text_; }
 
  private:
@@ -104,6 +105,7 @@ class GivenEnd final : public GivenReference {
   }
   CommonPoints points() const override { return points_; }
   Values valuesAt(const CommonPoints& points, double) const override { return measure_.valuesOf(end_, {}, points); }
+  std::optional<double> time() const override { return end_.time; }
   std::string text() const override { return "the run that left " + text_; }
 
  private:

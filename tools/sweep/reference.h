@@ -2,6 +2,7 @@
 // --reference that is no run of the sweep: a closed form, or a file.
 #pragma once
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "tools/sweep/error_measure.h"
@@ -15,6 +16,10 @@ class GivenReference {
   virtual CommonPoints points() const { return {}; }
   /// At the points, at the time t [s] of the end.
   virtual Values valuesAt(const CommonPoints& points, double t) const = 0;
+  /// Whether it has a value at any time.
+  virtual bool dependsOnTime() const { return false; }
+  /// The time that it is of [s], where it is known.
+  virtual std::optional<double> time() const { return {}; }
   /// Half a sentence: "the formula ...".
   virtual std::string text() const = 0;
 };

@@ -95,7 +95,7 @@ std::string foot(const Findings& findings) {
       "on "
       "their cores</p><pre>{}</pre></footer>\n",
       escaped(machineText()), findings.build, findings.request.seed,
-      findings.request.timed ? findings.request.repeat : 1, escaped(findings.request.line));
+      findings.request.timed ? findings.request.repeat : 1, escaped(commandLine(findings.request)));
 }
 
 /// Inside of a script element.
@@ -105,15 +105,18 @@ std::string embedded(const nlohmann::ordered_json& json) {
   return out;
 }
 
-/// Whether the program has made the picture.
-bool makePicture(const std::string& svg, const std::string& png) {
+constexpr int not_installed = 127;
+
+/// The exit code of the program that makes the picture.
+int makePicture(const std::string& svg, const std::string& png) {
   const pid_t child = fork();
   if (child == 0) {
     execlp("rsvg-convert", "rsvg-convert", "--zoom=2", "--output", png.c_str(), svg.c_str(), nullptr);
-    _exit(127);
+    _exit(not_installed);
   }
   int status = 0;
-  return child > 0 && waitpid(child, &status, 0) == child && WIFEXITED(status) && WEXITSTATUS(status) == 0;
+  const bool has_ended = child > 0 && waitpid(child, &status, 0) == child && WIFEXITED(status);
+  return has_ended ? WEXITSTATUS(status) : -1;
 }
 
 }  // namespace
@@ -155,16 +158,18 @@ Written writeReport(const Findings& findings) {
   write("table.json", jsonOf(findings).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
   const std::vector<Chart> charts = chartsOf(findings);
   write("report.html", pageOf(findings, charts));
-  bool has_pictures = true;
+  int code = 0;
   for (const Chart& chart : charts) {
     const std::string plain = write(chart.id + ".svg", svgOf(chart, true, false));
     const std::string picture = fs::path(plain).replace_extension(".png").string();
-    has_pictures = has_pictures && makePicture(plain, picture);
-    if (has_pictures) written.files.push_back(chart.id + ".png");
+    if (code == 0) code = makePicture(plain, picture);
+    if (code == 0) written.files.push_back(chart.id + ".png");
     writeWholeFile(plain, svgOf(chart, true, true));
   }
-  if (!has_pictures)
+  if (code == not_installed)
     written.notes.push_back("no .png: rsvg-convert is missing (package librsvg2-bin); the .svg files are there");
+  else if (code != 0)
+    written.notes.push_back("not every .png: rsvg-convert has failed; the .svg files are there");
   return written;
 }
 

@@ -50,9 +50,8 @@ Repetition repetitionOf(const Json& outcome, Json summary) {
 
 std::vector<const Repetition*> thatCount(const std::vector<Repetition>& all) {
   std::vector<const Repetition*> runs;
-  const bool any_timed = std::ranges::any_of(all, &Repetition::timed);
   for (const Repetition& run : all)
-    if (run.exit_code == 0 && (run.timed || !any_timed)) runs.push_back(&run);
+    if (run.exit_code == 0 && run.timed) runs.push_back(&run);
   return runs;
 }
 
@@ -64,6 +63,12 @@ std::vector<double> valuesOf(const std::vector<Repetition>& all, double Repetiti
 }
 
 }  // namespace
+
+int Runs::untimed() const {
+  return int(std::ranges::count_if(repetitions, [](const Repetition& run) { return !run.timed; }));
+}
+
+bool Runs::hasTimes() const { return !thatCount(repetitions).empty(); }
 
 double Runs::medianOf(double Repetition::*value) const {
   const std::vector<double> values = valuesOf(repetitions, value);

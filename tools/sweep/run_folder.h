@@ -45,7 +45,10 @@ struct Runs {
   bool areComplete(int wanted) const {
     return failure.empty() ? int(repetitions.size()) >= wanted : !repetitions.empty();
   }
-  /// Over the timed runs, or over all when none was timed.
+  /// Runs that were made without times: they tell none.
+  int untimed() const;
+  bool hasTimes() const;
+  /// Over the timed runs; 0 when there is none.
   double medianOf(double Repetition::*value) const;
   /// Largest less smallest of the same runs.
   double spreadOf(double Repetition::*value) const;

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <random>
 #include <stdexcept>
 
@@ -17,8 +19,18 @@ namespace {
 /// A run that somebody or something kills is made again so often.
 constexpr int most_attempts = 3;
 
-bool isWhole(const ProcessEnd& end) {
-  return end.signal == 0 && (end.exit_code == 0 || end.exit_code == 2 || end.exit_code == 3);
+/// Whether the log says that the scene was refused. Want of memory or of room on the disk passes.
+bool namesError(const std::string& log_file) {
+  std::ifstream stream(log_file);
+  for (std::string line; std::getline(stream, line);)
+    if (line.find(": error: ") != std::string::npos) return true;
+  return false;
+}
+
+/// Whether the same run would end like this again.
+bool isWhole(const ProcessEnd& end, const std::string& log_file) {
+  if (end.signal != 0) return false;
+  return end.exit_code == 0 || end.exit_code == 3 || (end.exit_code == 2 && namesError(log_file));
 }
 
 }  // namespace
@@ -33,16 +45,20 @@ Job RunMaker::jobFor(std::size_t number, const Entry& entry, int repetition) con
   job.cores = configuration.threads, job.timed = isTimed(entry);
   std::vector<std::string> words = runArguments(request_, configuration);
   words.insert(words.begin(), request_.program);
-  words.insert(words.end(), {"--quiet", "--no-record", fmt::format("--json={}.json", repetition), "--measure", "end.values"});
+  words.insert(words.end(),
+               {"--quiet", "--no-record", fmt::format("--json={}/{}.json", configuration.folder, repetition),
+                "--measure", endFile(configuration.folder)});
   if (measure_.asksRun()) words.insert(words.end(), {"--measure-value", measure_.quantity});
-  job.process = {words, configuration.folder, fmt::format("{}.log", repetition), {}};
+  // names of files are those that the user's own command would have
+  job.process = {
+      words, std::filesystem::current_path().string(), fmt::format("{}/{}.log", configuration.folder, repetition), {}};
   return job;
 }
 
 void RunMaker::take(Entry& entry, const Job& job, const ProcessEnd& end, const Circumstances& circumstances) {
   const std::string& folder = entry.configuration.folder;
   std::string outcome;
-  if (isWhole(end)) {
+  if (isWhole(end, job.process.log)) {
     writeOutcome(folder, job, end, circumstances);
     ++made_;
     entry.runs = readRuns(folder);
@@ -55,10 +71,10 @@ void RunMaker::take(Entry& entry, const Job& job, const ProcessEnd& end, const C
       scheduler_.add(job);
       progress_.expect(entry.configuration);
     } else {
-      const std::string sentence = sentenceIn(fmt::format("{}/{}", folder, job.process.log));
-      entry.runs.outcome = "killed";
-      entry.runs.failure =
-          fmt::format("the run was {} {} times{}", how, most_attempts, sentence.empty() ? "" : ": " + sentence);
+      const std::string sentence = sentenceIn(job.process.log);
+      entry.runs.outcome = end.signal ? "killed" : "failed";
+      entry.runs.failure = fmt::format("the run {}{} {} times{}", end.signal ? "was " : "", how, most_attempts,
+                                       sentence.empty() ? "" : ": " + sentence);
     }
   }
   progress_.finished(entry.configuration, outcome, circumstances.seconds);

@@ -20,7 +20,7 @@ class RunMaker {
   int made() const { return made_; }
 
  private:
-  int wanted(const Entry& entry) const { return isTimed(entry) ? request_.repeat : 1; }
+  int wanted(const Entry& entry) const { return isTimed(entry) ? request_.repeat + entry.runs.untimed() : 1; }
   bool isTimed(const Entry& entry) const { return request_.timed && !entry.configuration.isExtraReference(); }
   Job jobFor(std::size_t number, const Entry& entry, int repetition) const;
   void take(Entry& entry, const Job& job, const ProcessEnd& end, const Circumstances& circumstances);

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -30,7 +31,10 @@ class FolderLock {
     makeFolderOf(file);
     descriptor_ = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
     if (descriptor_ < 0) throw OutputError(file, "cannot open", errno);
-    if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
+    struct stat status {};
+    const bool has_lock = flock(descriptor_, LOCK_EX | LOCK_NB) == 0;
+    // a sweep that was refused may have removed the file between open() and flock()
+    if (!has_lock || fstat(descriptor_, &status) != 0 || status.st_nlink == 0) {
       close(descriptor_);
       throw std::invalid_argument(fmt::format("another sweep works in {}: wait for it, or give another -o", folder));
     }
@@ -41,6 +45,13 @@ class FolderLock {
  private:
   int descriptor_;
 };
+
+/// Whether the folder has nothing but its lock.
+bool isEmpty(const std::string& folder) {
+  const fs::directory_iterator files(folder);
+  return std::all_of(fs::begin(files), fs::end(files),
+                     [](const auto& file) { return file.path().filename() == ".lock"; });
+}
 
 class Sweep {
  public:
@@ -67,7 +78,7 @@ class Sweep {
 
  private:
   void makeEntries() {
-    build_ = digestOfBuild(request_.program);
+    build_ = digestOfBuild(request_.program, request_.modules);
     scene_ = digestOfFiles(probed_.inputs);
     std::vector<Configuration> all = allConfigurations(request_, axes_);
     if (!request_.reference_settings.empty()) all.push_back(extraReference(request_, axes_));
@@ -77,6 +88,12 @@ class Sweep {
       if (assessor_->measure().asksRun()) text += assessor_->measure().quantity;
       configuration.key = digestOf(text);
       configuration.folder = (fs::path(request_.folder) / "runs" / configuration.key).string();
+      const auto same = std::ranges::find(entries_, configuration.key, [](const Entry& entry) -> const std::string& {
+        return entry.configuration.key;
+      });
+      if (same != entries_.end())
+        throw std::invalid_argument(fmt::format("{} and {} are the same run: expected different values",
+                                                nameOf(axes_, same->configuration), nameOf(axes_, configuration)));
       entries_.emplace_back().configuration = std::move(configuration);
     }
   }
@@ -111,20 +128,23 @@ class Sweep {
   }
 
   int search() {
-    GoalSearch search(axes_, bound_);
     std::vector<Entry*> wave = referenceRuns();
+    std::vector<std::size_t> cheapest;
     for (;;) {
       if (const int signal = wave.empty() ? 0 : runs_->make(wave)) return signal;
       assessment_ = assessor_->assess(entries_);
-      for (const Entry* entry : wave)
-        if (!entry->configuration.isExtraReference())
-          search.learn(entry->configuration.choice, {entry->error.has_value(), entry->error.value_or(0),
-                                                     entry->runs.medianOf(&Repetition::seconds)});
+      // a run may change the reference, and with it every error: all is learnt anew
+      GoalSearch search(axes_, bound_);
+      for (const Entry& entry : entries_)
+        if (!entry.configuration.isExtraReference() && entry.runs.outcome != "not run")
+          search.learn(entry.configuration.choice,
+                       {entry.error.has_value(), entry.error.value_or(0), entry.runs.medianOf(&Repetition::seconds)});
+      cheapest = search.cheapest();
       const std::vector<std::size_t> next = search.next();
       if (next.empty()) break;
       wave = {&entries_[indexOf(axes_, next)]};
     }
-    if (!search.cheapest().empty()) cheapest_ = &entries_[indexOf(axes_, search.cheapest())];
+    if (!cheapest.empty()) cheapest_ = &entries_[indexOf(axes_, cheapest)];
     return 0;
   }
 
@@ -139,9 +159,11 @@ class Sweep {
                                    numberText(bound_, numbers), nameOf(axes_, cheapest_->configuration),
                                    numberText(cheapest_->runs.medianOf(&Repetition::seconds), Numbers::seconds),
                                    numberText(*cheapest_->error, numbers), assumed);
-    if (assessment_.uncertainty > bound_ / 2)
-      text += fmt::format(" The reference itself is known to {} only: give finer values, or --reference-set.",
-                          numberText(assessment_.uncertainty, numbers));
+    if (*cheapest_->error + assessment_.uncertainty >= bound_)
+      text += fmt::format(
+          " This is not certain: the reference itself is known to {} only, and with it the error may "
+          "be above the bound. Give finer values, or --reference-set.",
+          numberText(assessment_.uncertainty, numbers));
     return text;
   }
 
@@ -214,9 +236,11 @@ class LocalSweeper final : public Sweeper {
   int sweep(const SweepRequest& request) const override {
     parseAxes(request.vary, request.zip);  // what is misspelt leaves no folder behind
     ErrorMeasure::parse(request.error);
-    const bool is_new = !fs::exists(request.folder);
+    const bool was_there = fs::exists(request.folder);
+    const FolderLock lock(request.folder);
+    // what another sweep has made meanwhile is not this one's to remove
+    const bool is_new = !was_there && isEmpty(request.folder);
     try {
-      const FolderLock lock(request.folder);
       return Sweep(request).make();
     } catch (const std::invalid_argument&) {
       std::error_code none;

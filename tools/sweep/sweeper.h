@@ -26,7 +26,7 @@ struct SweepRequest {
   bool timed = true;
   unsigned seed = 1;  ///< of the order of the runs
   bool quiet = false;
-  std::string line;  ///< the command as it was given, for the report
+  std::vector<std::string> words;  ///< the command's arguments as they were given, for the report
 };
 
 class Sweeper {

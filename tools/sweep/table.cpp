@@ -33,17 +33,19 @@ Json settingsOf(const std::vector<Axis>& axes, const Configuration& configuratio
 }
 
 /// Figures of the runs of an entry.
-Json figuresOf(const Entry& entry) {
+Json figuresOf(const Entry& entry, bool timed) {
   Json row;
   const auto& runs = entry.runs.repetitions;
   const nlohmann::json none = nlohmann::json::object();
   const nlohmann::json& summary = runs.empty() ? none : runs.front().summary;
-  row["seconds"] = entry.runs.medianOf(&Repetition::seconds);
-  row["seconds_spread"] = entry.runs.spreadOf(&Repetition::seconds);
-  row["ms_per_step"] = entry.runs.medianOf(&Repetition::step_ms);
-  row["load_seconds"] = entry.runs.medianOf(&Repetition::load_seconds);
+  const bool has_times = timed && entry.runs.isGood() && entry.runs.hasTimes();
+  const auto time = [&](double value) { return has_times ? Json(value) : Json(); };
+  row["seconds"] = time(entry.runs.medianOf(&Repetition::seconds));
+  row["seconds_spread"] = time(entry.runs.spreadOf(&Repetition::seconds));
+  row["ms_per_step"] = time(entry.runs.medianOf(&Repetition::step_ms));
+  row["load_seconds"] = time(entry.runs.medianOf(&Repetition::load_seconds));
   row["runs"] = runs.size();
-  row["timed"] = std::ranges::any_of(runs, &Repetition::timed);
+  row["timed"] = has_times;
   row["disturbed"] = entry.runs.wereDisturbed();
   row["steps"] = number(summary, {"steps"});
   row["newton_iterations"] = number(summary, {"newton", "iterations"});
@@ -83,7 +85,7 @@ Json rowOf(const Findings& findings, const Entry& entry) {
   row["error_uncertainty"] = entry.error ? Json(findings.assessment.uncertainty) : Json();
   row["is_reference"] = entry.is_reference;
   row["on_front"] = entry.on_front;
-  row.update(figuresOf(entry));
+  row.update(figuresOf(entry, findings.request.timed));
   if (entry.outside > 0) row["points_outside"] = {{"count", entry.outside}, {"farthest_m", entry.farthest}};
   row["measured"] = Json::array();
   for (const Repetition& run : entry.runs.repetitions) row["measured"].push_back(runOf(run));
@@ -187,7 +189,7 @@ Json jsonOf(const Findings& findings) {
   const Assessment& assessment = findings.assessment;
   Json json;
   json["scene"] = request.scene;
-  json["command"] = request.line;
+  json["command"] = commandLine(request);
   json["stroma"] = STROMA_VERSION;
   json["build"] = findings.build;
   json["scene_digest"] = findings.scene_digest;

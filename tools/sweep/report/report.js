@@ -61,9 +61,9 @@
     if (row.sentence) fact('why', row.sentence);
     fact('error', errorOf(row) + (row.error !== null && data.error.uncertainty > 0 ? ` ± ${share(data.error.uncertainty)}` : ''));
     if (row.runs > 0) {
-      fact('time to the end', `${seconds(row.seconds)} (${row.runs === 1 ? 'one run' : `median of ${row.runs}, ${seconds(row.seconds_spread)} apart`})${row.disturbed ? ', disturbed' : ''}${row.timed ? '' : ', not timed'}`);
-      fact('per step', seconds(row.ms_per_step / 1e3));
-      fact('loading', seconds(row.load_seconds));
+      if (row.timed) fact('time to the end', `${seconds(row.seconds)} (${row.runs === 1 ? 'one run' : `median of ${row.runs}, ${seconds(row.seconds_spread)} apart`})${row.disturbed ? ', disturbed' : ''}`);
+      if (row.timed) fact('per step', seconds(row.ms_per_step / 1e3));
+      if (row.timed) fact('loading', seconds(row.load_seconds));
       fact('steps', row.steps);
       fact('Newton iterations', row.newton_iterations);
       fact('linear iterations', row.linear_iterations);
@@ -84,7 +84,7 @@
     const index = Number(point.dataset.entry), row = rows[index];
     point.setAttribute('tabindex', '-1');
     point.setAttribute('role', 'button');
-    const text = `${row.name}\n${row.error === null ? row.sentence : `error ${errorOf(row)}, ${seconds(row.seconds)}`}`;
+    const text = `${row.name}\n${row.error === null ? row.sentence : `error ${errorOf(row)}${row.timed ? `, ${seconds(row.seconds)}` : ''}`}`;
     point.setAttribute('aria-label', text.replace('\n', ': '));
     point.onclick = () => choose(index);
     point.onpointerenter = (event) => {
@@ -136,8 +136,8 @@
   const columns = [
     ...attributes.map((name) => ({ title: short(name), value: (row) => row.settings[name] ?? '' })),
     { title: 'error', value: (row) => row.error ?? Infinity, text: errorOf },
-    { title: 'time to the end', value: (row) => row.seconds, text: (row) => (row.runs ? seconds(row.seconds) : '') },
-    { title: 'per step', value: (row) => row.ms_per_step, text: (row) => (row.runs ? seconds(row.ms_per_step / 1e3) : '') },
+    { title: 'time to the end', value: (row) => row.seconds, text: (row) => (row.timed ? seconds(row.seconds) : '') },
+    { title: 'per step', value: (row) => row.ms_per_step, text: (row) => (row.timed ? seconds(row.ms_per_step / 1e3) : '') },
     { title: 'Newton', value: (row) => row.newton_iterations },
     { title: 'linear', value: (row) => row.linear_iterations },
     { title: 'memory', value: (row) => row.peak_memory_bytes, text: (row) => (row.runs ? bytes(row.peak_memory_bytes) : '') },
