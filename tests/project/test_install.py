@@ -3,6 +3,7 @@
 """Installs a build into a folder, moves that elsewhere and works with it from an empty folder; no installed file may know a path of
 the sources or of the build. A build that is not complete is refused before anything is installed. A part that is missing is named
 with what brings it. Usage: test_install.py TREE BUILD"""
+import contextlib
 import gzip
 import os
 import re
@@ -121,9 +122,27 @@ def check_image():
             assert file.read() == kept.read(), "scenes/meshes/leg.nii.gz is not what make_leg.py makes"
 
 
+@contextlib.contextmanager
+def kept(path):
+    """The file as it was, whatever happens meanwhile."""
+    before = None
+    if os.path.exists(path):
+        with open(path, "rb") as file:
+            before = file.read()
+    try:
+        yield
+    finally:
+        if before is not None:
+            with open(path, "wb") as file:
+                file.write(before)
+        elif os.path.exists(path):
+            os.remove(path)
+
+
 def main():
     check_image()
-    with tempfile.TemporaryDirectory() as folder:
+    # The list of a person's own installation, which this one overwrites.
+    with tempfile.TemporaryDirectory() as folder, kept(os.path.join(BUILD, "install_manifest.txt")):
         check_refusal(folder)
         first, prefix, here = (os.path.join(folder, name) for name in ("first", "moved to a place", "elsewhere"))
         run("cmake", "--install", BUILD, "--prefix", first)

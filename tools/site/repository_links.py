@@ -40,8 +40,6 @@ class Repository:
             return self.scenes[path]
         if path in GENERATED:  # the site has a page for it
             return GENERATED[path]
-        if path == "README.md":
-            return "README.md"
         if path.startswith("docs/"):
             return path[len("docs/"):]
         full = os.path.join(self.root, path)

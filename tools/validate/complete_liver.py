@@ -38,7 +38,7 @@ def make_mesh(stroma, folder):
     said = (result.stderr.strip() + "\n" + result.stdout.strip()).replace(path, "liver.msh")
     said = "\n".join(line.split(", read ")[0] for line in said.splitlines())
     return ["/liver/loader.filename=" + path] + HELD, \
-        f"`stroma mesh liver-smooth.obj -o liver.msh --scale {SCALE} --cell-size {CELL} --voxels {VOXEL}`, which says:\n\n```\n{said}\n```"
+        f"`stroma mesh liver-smooth.obj -o liver.msh --scale {SCALE} --cell-size {CELL} --voxels {VOXEL}`, which says:\n\n<!-- not output -->\n```text\n{said}\n```"
 
 
 def swing(stroma, settings):
