@@ -21,9 +21,7 @@ class RunEdits {
   /// See Simulation::setAttribute().
   Diagnostics set(const std::string& path, const std::string& attribute, const std::string& text);
   /// Throws ComponentError when it cannot change, whatever its new value.
-  void check(const std::string& path, const std::string& attribute) const {
-    check(LiveEdit(root_, path, attribute));
-  }
+  void check(const std::string& path, const std::string& attribute) const { check(LiveEdit(root_, path, attribute)); }
   /// Each attribute once, in the order of their last changes.
   std::vector<Override> all() const;
   /// The attributes of the scene as it was loaded.

@@ -9,7 +9,6 @@
 
 #include "framework/scene/usual_component.h"
 
-
 namespace stroma {
 namespace {
 
@@ -80,10 +79,11 @@ void checkUnmovedStates(const Node& root, Diagnostics& diagnostics) {
     if (actors.empty()) {
       diagnostics.note(state->where(), state->path(), "no integrator in this node or above: the state does not move");
     } else {
-      diagnostics.error(state->where(), state->path(),
-                        fmt::format("{} acts on this state, but no integrator moves it", actors.front()->path()),
-                        "an integrator in the state's node or above",
-                        "add <" + usualComponent(Part::integrator) + "/> and a linear solver to " + state->node().path());
+      diagnostics.error(
+          state->where(), state->path(),
+          fmt::format("{} acts on this state, but no integrator moves it", actors.front()->path()),
+          "an integrator in the state's node or above",
+          "add <" + usualComponent(Part::integrator) + "/> and a linear solver to " + state->node().path());
     }
   }
 }

@@ -96,7 +96,8 @@ std::vector<std::string> doubtsOf(const Simulation& simulation) {
         say(where + folded), folded_states.insert(&field->state());
       else if (const std::string beyond = field->doubt(system.x); !beyond.empty())
         say(where + beyond);
-      if (simulation.steps() > 0 && movesVisibly(system, simulation.dt())) say(laggedForce(*field, system.integrator()));
+      if (simulation.steps() > 0 && movesVisibly(system, simulation.dt()))
+        say(laggedForce(*field, system.integrator()));
     }
     // what force fields do not look at: springs and shape memory know no volumes, and a point inside a cell not its
     // corners

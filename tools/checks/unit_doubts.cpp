@@ -361,9 +361,9 @@ void warn(const Scene& scene, const Doubt& doubt, bool all_are_off, bool has_uni
   const Component& fallback = *body.moduli[0].field;
   const bool is_placed = !advice.text.empty();
   diagnostics.warning(is_placed ? advice.where : fallback.where(), is_placed ? advice.path : fallback.path(),
-                            fmt::format("{}; read in {}: {}, of which {}", head, doubt.system->name,
-                                        readingOf(body, factors), faultText(body, factors)),
-                            advice.text);
+                      fmt::format("{}; read in {}: {}, of which {}", head, doubt.system->name, readingOf(body, factors),
+                                  faultText(body, factors)),
+                      advice.text);
 }
 
 }  // namespace
