@@ -9,7 +9,7 @@
 #include "tests/scene/test_components.h"
 
 namespace stroma {
-namespace {
+namespace STROMA_TEST_FILE {
 
 NodeDescription read(const std::string& text, Diagnostics& diagnostics, const ReadLimits& limits = {}) {
   return readXml(text, "folder/scene.xml", limits, diagnostics);
@@ -241,5 +241,5 @@ TEST(XmlReader, ManyAttributesOnOneLineTakeLinearTime) {
   EXPECT_EQ(root.components.back().where.column, 7 + 16 * 199999);
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma

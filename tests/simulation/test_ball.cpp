@@ -9,7 +9,7 @@
 #include "tests/support/scene_fixture.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 /// One node of 1 kg at the origin that a spring of 100 N/m holds there.
 std::string springScene(const std::string& integrator, const std::string& dt) {
@@ -340,5 +340,5 @@ TEST(Ball, ItsTextIsKeptToTheBitAndWhatIsDamagedIsRefused) {
   }
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

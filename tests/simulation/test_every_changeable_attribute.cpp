@@ -12,7 +12,7 @@
 #include "tests/support/scene_text.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 constexpr int steps_before = 4, steps_after = 4;
 
@@ -219,5 +219,5 @@ TEST(EveryChangeableAttribute, ChangesARunAsASceneWrittenWithItsNewValueGoesOn) 
   }
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

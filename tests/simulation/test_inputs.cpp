@@ -8,7 +8,7 @@
 #include "tests/support/scene_fixture.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 /// One node of 1 kg at the origin that a spring of 100 N/m holds there.
 std::string springScene(const std::string& integrator, const std::string& dt) {
@@ -163,5 +163,5 @@ TEST(Inputs, WhatCannotActIsRefusedWithASentence) {
   EXPECT_EQ(simulation.stateHash(), same.stateHash()) << "a refused input left something behind";
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

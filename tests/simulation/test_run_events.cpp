@@ -8,7 +8,7 @@
 #include "tests/support/scene_fixture.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 std::string beam(const std::string& solver) {
   return "<Node name=\"root\" dt=\"0.01\" gravity=\"0 -9.81 0\"><EulerImplicitSolver/>" + solver +
@@ -335,5 +335,5 @@ TEST(RunEvents, OtherFilesAndOtherVersionsAreRefused) {
   EXPECT_THROW(readActions("."), std::runtime_error);
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

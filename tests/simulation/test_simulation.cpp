@@ -10,7 +10,7 @@
 #include "tests/support/scene_fixture.h"
 
 namespace stroma {
-namespace {
+namespace STROMA_TEST_FILE {
 
 class TestState final : public State {
  public:
@@ -240,5 +240,5 @@ TEST_F(SimulationTest, ExplainNamesWhatRuns) {
     EXPECT_TRUE(has(text, part)) << text;
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma

@@ -8,7 +8,7 @@
 #include "tests/support/scene_text.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 constexpr const char* line = "0 0 0  1 0.1 0  2 0 0.2  3 0.1 0.1";
 
@@ -239,5 +239,5 @@ TEST(SystemReports, ThePlan) {
   expectContains(text, "mapping /mapped/mean");
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test
