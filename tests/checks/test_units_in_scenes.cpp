@@ -15,7 +15,7 @@
 #include "tools/session/session.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 bool holdsReals(const Data& data) {
   const DataPointer& at = data.pointer();
@@ -510,5 +510,5 @@ TEST_F(UnitsInScenes, NoSceneOfTheProjectIsDoubted) {
   EXPECT_GT(scenes, 45);
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

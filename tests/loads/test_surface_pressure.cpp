@@ -8,7 +8,7 @@
 #include "tests/support/field_under_test.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 const std::string cube_positions = "0 0 0  1 0 0  1 1 0  0 1 0  0 0 1  1 0 1  1 1 1  0 1 1";
 const std::string cube_quads = "0 3 2 1  4 5 6 7  0 1 5 4  1 2 6 5  2 3 7 6  3 0 4 7";
@@ -329,5 +329,5 @@ TEST(TrianglePressure, SaysWhatIsWrong) {
                  "cauchyStress has no meaning");
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

@@ -4,7 +4,7 @@
 #include "tests/support/scene_text.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 std::string scene(const std::string& attributes, const std::string& more = "") {
   return fmt::format("<Node name='root'>{}<MechanicalObject name='dofs' {}/></Node>", more, attributes);
@@ -73,5 +73,5 @@ TEST(MechanicalObject, SaysWhatIsWrong) {
   EXPECT_EQ(problemsOf(scene("position='0 0 0' template='Vec3d' showObject='1'")), "");
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

@@ -13,7 +13,7 @@
 #include "tests/support/folder_fixture.h"
 
 namespace stroma {
-namespace {
+namespace STROMA_TEST_FILE {
 
 template <class T>
 T parsed(const std::string& text) {
@@ -256,5 +256,5 @@ TEST(DataTable, OutputsCannotBeWritten) {
   EXPECT_TRUE(indices.empty());
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma

@@ -10,7 +10,7 @@
 #include "tests/support/xml_writer.h"
 
 namespace stroma {
-namespace {
+namespace STROMA_TEST_FILE {
 
 NodeDescription read(const std::string& text, Diagnostics& diagnostics, const ReadLimits& limits = {}) {
   return readXml(text, "folder/scene.xml", limits, diagnostics);
@@ -242,5 +242,5 @@ TEST(XmlReader, ManyAttributesOnOneLineTakeLinearTime) {
   EXPECT_EQ(root.components.back().where.column, 7 + 16 * 199999);
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma

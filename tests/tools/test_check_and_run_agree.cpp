@@ -21,7 +21,7 @@
 #include "tools/session/session.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 namespace fs = std::filesystem;
 
@@ -272,5 +272,5 @@ TEST_F(TheCommandsAgree, OnWhatKeepsARunFromItsFirstStep) {
   }
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

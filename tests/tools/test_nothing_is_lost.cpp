@@ -8,7 +8,7 @@
 #include "tests/support/shell.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 namespace fs = std::filesystem;
 
@@ -277,5 +277,5 @@ TEST_F(NothingIsLost, TheLastStateOfADivergedRunSaysHowGoodItIs) {
   EXPECT_EQ(nlohmann::json::parse(bad.out).at("inverted_elements").at("inverted"), 1);
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

@@ -8,7 +8,7 @@
 #include "tests/support/shell.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 namespace fs = std::filesystem;
 
@@ -232,5 +232,5 @@ TEST_F(Regress, AnAnswerOfSolvesThatStoppedShortIsStoredOnlyWhenTheListSaysSo) {
   EXPECT_EQ(stroma("regress short").code, 0);
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

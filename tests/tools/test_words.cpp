@@ -12,7 +12,7 @@
 #include "tests/support/shell.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 using Words = CommandTest;
 
@@ -241,5 +241,5 @@ TEST_F(Words, ComponentsOfSofaThatAreNotHereAreAnswered) {
     EXPECT_TRUE(has(stroma("doc " + std::string(idle)).out, "without effect")) << idle;
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

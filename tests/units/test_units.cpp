@@ -12,7 +12,7 @@
 #include "framework/scene/gravity.h"
 
 namespace stroma {
-namespace {
+namespace STROMA_TEST_FILE {
 
 template <class T>
 T parsed(const std::string& text, const std::string& unit) {
@@ -313,5 +313,5 @@ TEST(Gravity, OneNumberActsAlongY) {
   EXPECT_NE(wrong->expected.find("an acceleration, such as m/s^2"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma
