@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "framework/simulation/empty_selections.h"
+#include "framework/simulation/idle_parts.h"
 #include "framework/simulation/unit_doubts.h"
 
 namespace stroma {
@@ -152,6 +153,8 @@ Simulation::Simulation(Scene scene) : scene_(std::move(scene)) {
   if (integrators.empty())
     diagnostics.warning(root().where(), root().path(), "the scene has no integrator: time passes and nothing moves");
   for (const auto& system : systems_) {
+    warnOfHeldBodies(*system, diagnostics);
+    warnOfCellsWithoutLaw(*system, root(), diagnostics);
     for (const ForceField* field : system->forceFields())
       if (std::string sentence = laggedForce(*field, system->integrator()); !sentence.empty())
         diagnostics.warning(field->where(), field->path(), std::move(sentence));
