@@ -149,8 +149,7 @@ class MechanicalObject final : public State {
     } else {
       warn(
           "no positions: neither position, rest_position, size nor a mesh in this node or above; one node at the "
-          "origin "
-          "is made",
+          "origin is made",
           "position=\"@loader.position\", or a topology in the same node");
       position.assign(1, Vec3::Zero());
     }

@@ -8,7 +8,7 @@ Usage: check_text.py TREE, or check_text.py --self-test (plants mistakes and exp
 import os
 import re
 
-from planted import run
+from planted import run, tree_files
 
 LONGEST = 35  # words in a sentence
 
@@ -24,7 +24,7 @@ LINK = re.compile(r"\[[^\]]*\]\(([^)\s]+)\)")
 ABBREVIATION = re.compile(r"\b(?:St|Fig|Figs|vs|cf|al|i\.e|e\.g|resp|no|approx|etc|[A-Z])\.$")
 LONGEST_LINE = 140  # columns of C++; .clang-format wraps code at 120 and does not wrap comments
 RUN_TOGETHER = re.compile(r"^//+ [^<]*/> <[A-Z]", re.M)  # the end of an element of the line before, then another one
-SKIPPED_FOLDERS = {".git", "build", "results", "__pycache__", "references", "meshes"}
+SKIPPED_FOLDERS = {"references", "meshes"}
 
 
 def is_page(path):
@@ -101,13 +101,11 @@ def broken_lines(text):
 
 
 def files(tree):
-    for folder, folders, names in os.walk(tree):
-        folders[:] = sorted(name for name in folders if name not in SKIPPED_FOLDERS and not name.startswith("build"))
-        for name in sorted(names):
-            path = os.path.relpath(os.path.join(folder, name), tree).replace(os.sep, "/")
-            if path.endswith((".md", ".h", ".cpp", ".py", ".xml", ".txt", ".cmake")) or "." not in name:
-                if path != "tests/project/check_text.py":
-                    yield path
+    for path in tree_files(tree):
+        *folders, name = path.split("/")
+        if path.endswith((".md", ".h", ".cpp", ".py", ".xml", ".txt", ".cmake")) or "." not in name:
+            if path != "tests/project/check_text.py" and not SKIPPED_FOLDERS.intersection(folders):
+                yield path
 
 
 def problems(tree):
