@@ -181,11 +181,11 @@ def check_refusals(tree):
         os.mkdir(environment["HOME"])
         # Without mkdocs the script ends before it looks at anything.
         for out in () if not shutil.which("mkdocs") else (full, os.path.join(full, "kept.txt"), tree, os.path.dirname(tree), os.path.join(tree, "docs"), environment["HOME"], folder):
-            made = subprocess.run([sys.executable, os.path.join(tree, "tools", "site", "build"), out, "--stroma", "/no/command"],
+            made = subprocess.run([sys.executable, os.path.join(tree, "docs", "site", "build"), out, "--stroma", "/no/command"],
                                   capture_output=True, text=True, check=False, env=environment)
             assert made.returncode == 2 and out in made.stderr, (out, made)
         assert os.listdir(full) == ["kept.txt"] and not os.listdir(environment["HOME"])
-        sys.path.insert(0, os.path.join(tree, "tools", "site"))
+        sys.path.insert(0, os.path.join(tree, "docs", "site"))
         from output_folder import mark, refusal  # pylint: disable=import-outside-toplevel
         assert refusal(new, tree) is None and refusal(environment["HOME"], tree) is None  # not there; empty
         mark(new)
@@ -218,7 +218,7 @@ def main():
         sys.exit(SKIPPED)
     with tempfile.TemporaryDirectory(prefix="stroma_site_") as folder:
         site = os.path.join(folder, "site")
-        made = subprocess.run([sys.executable, os.path.join(tree, "tools", "site", "build"), site, "--draft", "--stroma",
+        made = subprocess.run([sys.executable, os.path.join(tree, "docs", "site", "build"), site, "--draft", "--stroma",
                                os.path.join(build, "bin", "stroma")], capture_output=True, text=True, check=False)
         assert made.returncode == 0, made.stderr[-4000:]
         found, count = problems(site)
