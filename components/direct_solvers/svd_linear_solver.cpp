@@ -32,9 +32,7 @@ namespace {
 class SingularValues final : public DenseFactor {
  public:
   explicit SingularValues(double smallest) : smallest_(smallest) {}
-  SolveStop factor(const BlockMatrix& matrix, Index&) override {
-    dense_.setZero();  // the decomposition leaves its own numbers there
-    fill(matrix);
+  SolveStop factor(Index&, StopToken) override {
     if (!dense_.allFinite()) return SolveStop::breakdown;
     const int n = int(dense_.rows());
     values_.resize(n);

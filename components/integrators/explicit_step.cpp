@@ -31,11 +31,12 @@ void Acceleration::compile(System& system, const std::string& method) {
   right_side_.resize(system.independentRows());
 }
 
-bool Acceleration::solve(ConstRows f, Rows a, StepReport& report) {
+bool Acceleration::solve(ConstRows f, Rows a, StopToken stop, StepReport& report) {
   if (solver_) {
     copy(f, right_side_);
     system_->constraints().project(right_side_);
-    if (!solveOrShift(*solver_, system_->matrix().withFactors({.mass = 1}), right_side_, a, report)) return false;
+    SystemMatrix& matrix = system_->matrix().withFactors({.mass = 1});
+    if (!solveOrShift(*solver_, matrix, right_side_, a, {.stop = stop}, report)) return false;
   } else {
     const double* __restrict force = f.data;
     const double* __restrict inverse = inverse_mass_->data();
@@ -143,7 +144,7 @@ StepReport ExplicitStep::step(System& system, const StepContext& context) {
       placeStage(system, context, stage);
       system.computeForce(stage_x_, stage_v_, system.f);
     }
-    if (!acceleration_.solve(system.independent(system.f), accelerations_[i], report)) return report;
+    if (!acceleration_.solve(system.independent(system.f), accelerations_[i], context.stop, report)) return report;
   }
   if (depends_on_time_) system.setTime(context.t_end);
   finish(system, h);

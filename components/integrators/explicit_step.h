@@ -18,7 +18,7 @@ class Acceleration {
   /// missing.
   void compile(System& system, const std::string& method);
   /// f [N], a [m/s^2], shape (independentRows()). False when the solve failed: the report says why.
-  bool solve(ConstRows f, Rows a, StepReport& report);
+  bool solve(ConstRows f, Rows a, StopToken stop, StepReport& report);
   bool isDiagonal() const { return solver_ == nullptr; }
   std::string describe() const;
 

@@ -37,8 +37,8 @@ class ImplicitStep final : public NonlinearProblem {
 
   /// Allocates; throws ComponentError when a linear solver or a mass is missing.
   void compile(Integrator& integrator, System& system);
-  /// From x0, v0 in System::x and v, after beginStep(), to x(u), u there. When it diverges they are not usable.
-  StepReport solve(const ImplicitScheme& scheme);
+  /// From x0, v0 in System::x and v, after beginStep(), to x(u), u there. When it fails they are not usable.
+  StepReport solve(const ImplicitScheme& scheme, StopToken stop);
   /// u - v0 of the last solve() [m/s].
   ConstRows change() const { return change_; }
   /// out = F(x, v) at the system's x and v [N], not projected; shape (independentRows()).
@@ -63,8 +63,8 @@ class ImplicitStep final : public NonlinearProblem {
   Rows x() const { return system_->independent(system_->x); }
   Rows v() const { return system_->independent(system_->v); }
   void setTime(double time);
-  StepReport solveLinearised();
-  StepReport solveIterating();
+  StepReport solveLinearised(StopToken stop);
+  StepReport solveIterating(StopToken stop);
   void startIterating();
   void addDamping(double factor, Rows out);
   void advance();

@@ -67,9 +67,11 @@ class ShiftedMatrix final : public SystemMatrix {
   BlockMatrix matrix_;
 };
 
-SolveReport solveOnce(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows x, StepReport& report) {
+SolveReport solveOnce(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms,
+                      StepReport& report) {
   const auto start = std::chrono::steady_clock::now();
-  const SolveReport solve = solver.solve(matrix, b, x);
+  const SolveReport solve = solver.solve(matrix, b, x, terms);
+  report.stopped = report.stopped || solve.stop == SolveStop::stopped;
   report.solve_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   report.linear_iterations += solve.iterations;
   report.factorisations += solve.factored;
@@ -115,10 +117,14 @@ void declareNewton(DataTable& table, NewtonSettings& settings, const NewtonNames
   threshold(names.absolute_correction, settings.absolute_correction, "m", "the correction is below this");
 }
 
-bool solveOrShift(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows x, StepReport& report) {
+bool solveOrShift(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms,
+                  StepReport& report) {
   clear(x);
-  SolveReport solve = solveOnce(solver, matrix, b, x, report);
+  SolveReport solve = solveOnce(solver, matrix, b, x, terms, report);
   report.linear_stop = solve.stop;
+  if (report.stopped) return false;
+  report.linear_at_limit =
+      report.linear_at_limit || solve.stop == SolveStop::iteration_limit || solve.stop == SolveStop::stagnated;
   report.linear_converged =
       report.linear_converged && (solve.stop == SolveStop::converged || solve.stop == SolveStop::zero_right_side);
   if (isSolved(solve)) return true;
@@ -135,7 +141,8 @@ bool solveOrShift(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows 
     for (int attempt = 0; attempt < 7; ++attempt, shift *= 10) {
       shifted.setShift(shift);
       clear(x);
-      solve = solveOnce(solver, shifted, b, x, report);
+      solve = solveOnce(solver, shifted, b, x, terms, report);
+      if (report.stopped) return false;
       if (isSolved(solve)) {
         report.reason += fmt::format("; {:g} times its diagonal was added", shift);
         return true;
@@ -178,6 +185,12 @@ void Newton::compile(Index rows) {
 bool Newton::converged(double now) const {
   return now <= settings.relative_residual * scale_ || now <= settings.absolute_residual ||
          (history_.size() > 1 && now <= settings.successive_residual * history_[history_.size() - 2]);
+}
+
+/// The relative residual at which a solve ends.
+double Newton::goal() const {
+  return scale_ > 0 ? std::max(settings.relative_residual, settings.absolute_residual / scale_)
+                    : settings.relative_residual;
 }
 
 /// True when the correction is small enough to stop. It is the whole correction that counts: a step can be short because
@@ -238,8 +251,9 @@ void Newton::leaveBest(NonlinearProblem& problem, double now, StepReport& report
   report.newton_residual = best_norm_ / scale_;
 }
 
-StepReport Newton::solve(NonlinearProblem& problem, LinearSolver& solver) {
+StepReport Newton::solve(NonlinearProblem& problem, LinearSolver& solver, StopToken stop) {
   StepReport report;
+  stop_ = stop;
   history_.clear();
   best_norm_ = std::numeric_limits<double>::infinity();
   problem.residual(residual_);
@@ -248,16 +262,19 @@ StepReport Newton::solve(NonlinearProblem& problem, LinearSolver& solver) {
   for (;;) {
     history_.push_back(now);
     report.newton_residual = scale_ > 0 ? now / scale_ : now;
-    tellNewtonIterate(report.newton_iterations, report.newton_residual);
+    tellNewtonIterate(report.newton_iterations, report.newton_residual, goal());
     if (!std::isfinite(now)) {
       report.diverged = true;
       report.reason = "the force is not finite where the step starts";
       return report;
     }
     if (converged(now)) {
-      report.linear_converged = true;  // its solves were means only: what counts is the residual that they led to
+      report.linear_converged = true,
+      report.linear_at_limit = false;  // its solves were means only: what counts is the residual that they led to
       return report;
     }
+    report.stopped = stop.isStopAsked();
+    if (report.stopped) return report;
     if (report.newton_iterations > 0) keepIfBest(problem, now);
     if (report.newton_iterations == settings.iterations || isPointless()) {
       if (isAtRoundOff(problem, now, report)) return report;
@@ -275,13 +292,12 @@ StepReport Newton::solve(NonlinearProblem& problem, LinearSolver& solver) {
 /// One iteration. False when it is the last: converged by its correction, or failed as the report says.
 bool Newton::iterate(NonlinearProblem& problem, LinearSolver& solver, double& now, StepReport& report) {
   ++report.newton_iterations;
-  solver.setTolerance(forcingTerm(now));
-  const bool solved = solveOrShift(solver, problem.tangent(), residual_, direction_, report);
-  solver.setTolerance(0);
-  if (!solved) return false;
+  if (!solveOrShift(solver, problem.tangent(), residual_, direction_, {forcingTerm(now), stop_}, report)) return false;
   const bool shifted = report.linear_stop == SolveStop::not_definite || report.linear_stop == SolveStop::breakdown;
   const double before = now;
   if (search(problem, now) == 0) {
+    report.stopped = stop_.isStopAsked();
+    if (report.stopped) return false;
     if (isAtRoundOff(problem, now, report)) return false;
     leaveBest(problem, now, report);
     report.reason = fmt::format("the line search found no decrease at Newton iteration {}, relative residual {:.2g}{}",
@@ -317,8 +333,8 @@ void Newton::move(NonlinearProblem& problem, double step) {
   problem.unknownsChanged();
 }
 
-/// Makes the step that the line search accepts; residual_ and `now` become those of the new iterate. 0: none accepted,
-/// the iterate is unchanged.
+/// Makes the step that the line search accepts; residual_ and `now` become those of the new iterate. 0: none accepted, or
+/// stopped; the iterate is unchanged.
 double Newton::search(NonlinearProblem& problem, double& now) {
   const double slope = dot(residual_, direction_);
   if (!std::isfinite(slope)) return 0;
@@ -347,7 +363,7 @@ double Newton::search(NonlinearProblem& problem, double& now) {
 double Newton::searchEnergy(NonlinearProblem& problem, double slope, double& now) {
   const double before = problem.energy();
   double step = 1, noise_of_positions = 0;
-  for (int trial = 0; trial < settings.line_search_iterations; ++trial) {
+  for (int trial = 0; trial < settings.line_search_iterations && !stop_.isStopAsked(); ++trial) {
     move(problem, step);
     const double after = problem.energy();
     // the whole correction is refused: how far can rounded positions be to blame?
@@ -379,7 +395,7 @@ double Newton::searchWork(NonlinearProblem& problem, double& now) {
   const double before = std::abs(dot(residual_, direction_));
   double step = 1;
   const int trials = std::min(20, settings.line_search_iterations);
-  for (int trial = 0; trial < trials; ++trial, step *= settings.line_search_coefficient) {
+  for (int trial = 0; trial < trials && !stop_.isStopAsked(); ++trial, step *= settings.line_search_coefficient) {
     move(problem, step);
     problem.residual(trial_);
     const double candidate = norm(trial_);

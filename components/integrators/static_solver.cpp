@@ -211,6 +211,7 @@ StepReport StaticSolver::step(System& system, const StepContext& context) {
   const bool is_held_otherwise = !is_checked_ || heldDirections(system.constraints()) != held_before;
   if (is_held_otherwise && !checkFreeBodies(system, report)) return report;
   report = solveInParts(system, context);
+  if (report.stopped) return report;
   // what turns or comes and goes from step to step is looked at only where a solve has failed: it takes memory and time
   if (!report.newton_converged && settings_.iterations > 1 && revisionOfHolds(system) != checked_revision_) {
     const Rows x = system.independent(system.x);
@@ -235,17 +236,17 @@ StepReport StaticSolver::solvePart(System& system, const StepContext& context) {
   StepReport report;
   // what follows a node that has moved in the solve has its place only after it
   constexpr int most_solves = 4;
-  for (int again = 0; report.newton_converged && !report.diverged; ++again) {
+  for (int again = 0; report.newton_converged && !report.failed(); ++again) {
     const StepReport before = report;
     StepReport advance;
     if (!advancePrescribed(system, context, advance) && again > 0) break;
-    if (!advance.newton_converged) return advance;
+    if (!advance.newton_converged || advance.stopped) return advance;
     if (again == most_solves) {
       report.newton_converged = false;
       report.reason = fmt::format("nodes that follow others still moved after {} solves", most_solves);
       break;
     }
-    report = newton_.solve(problem_, *solver_);
+    report = newton_.solve(problem_, *solver_, context.stop);
     addCounts(before, report);
     addCounts(advance, report);
   }
@@ -271,6 +272,7 @@ StepReport StaticSolver::solveInParts(System& system, const StepContext& context
     addCounts(report, attempt);
     report = attempt;
     report.load_parts = parts;
+    if (report.stopped) return report;
     if (good && share == 1) return report;
     if (good) {
       done = share, part *= 2;
@@ -316,9 +318,9 @@ bool StaticSolver::advancePrescribed(System& system, const StepContext& context,
   clear(moved_v_);
   problem_.leaveOut(force_);
   system.constraints().project(force_);
-  solver_->setTolerance(settings_.forcing);
-  const bool solved = solveOrShift(*solver_, problem_.tangent(), force_, mode_, report);
-  solver_->setTolerance(0);
+  const SolveTerms terms{settings_.forcing, context.stop};
+  const bool solved = solveOrShift(*solver_, problem_.tangent(), force_, mode_, terms, report);
+  if (report.stopped) return true;
   motion.advance(1, d, x);
   const double alone = problem_.energy();
   double energy = alone;

@@ -37,7 +37,7 @@ class TrapezoidalRuleSolver final : public Integrator {
     scheme.drift = context.dt;
     scheme.time = context.t_end;
     scheme.old_time = context.t;
-    return implicit_.solve(scheme);
+    return implicit_.solve(scheme, context.stop);
   }
   bool keepsEnergy() const override { return true; }
   std::string describe() const override { return "trapezoidal step" + implicit_.describe(); }

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "framework/algebra/left_work.h"
+
 namespace stroma {
 
 void DirectSolver::declare(DataTable& table) {
@@ -37,8 +39,32 @@ bool DirectSolver::analyseIfNew(const SystemMatrix& matrix, const BlockMatrix& v
   return true;
 }
 
-bool DirectSolver::update(SystemMatrix& matrix, Kept& kept, SolveReport& report) {
+/// Left to itself, a factorisation takes what it works on with it: the next one begins with an analysis.
+SolveStop DirectSolver::factorLoaded(Kept& kept, Index rows, Index& row, StopToken stop) {
+  constexpr Index few_rows = 500;  // factored in less time than anybody waits
+  if (kept.factors->heedsStop() || rows < few_rows || !stop.isWatched()) return kept.factors->factor(row, stop);
+  struct Result {
+    SolveStop stop = SolveStop::stopped;
+    Index row = -1;
+  };
+  const auto result = std::make_shared<Result>();
+  const void* const code = *reinterpret_cast<const void* const*>(kept.factors.get());  // its table of virtual functions
+  const auto work = [factors = kept.factors, result] { result->stop = factors->factor(result->row, {}); };
+  if (!runOrLeave(work, code, stop)) {
+    kept.factors.reset();
+    kept.analysed = {};
+    return SolveStop::stopped;
+  }
+  row = result->row;
+  return result->stop;
+}
+
+bool DirectSolver::update(SystemMatrix& matrix, Kept& kept, SolveReport& report, StopToken stop) {
   const BlockMatrix& a = matrix.assemble();
+  if (stop.isStopAsked()) {
+    report.stop = SolveStop::stopped;
+    return false;
+  }
   const bool is_new = analyseIfNew(matrix, a, kept);
   if (!is_new && kept.factored && kept.key == matrix.key()) return true;
   kept.factored = false;
@@ -52,28 +78,31 @@ bool DirectSolver::update(SystemMatrix& matrix, Kept& kept, SolveReport& report)
     report.stop = SolveStop::not_finite;
     return false;
   }
-  const SolveStop stop = kept.factors->factor(a, report.row);
-  noteFactored(*kept.factors);
-  kept.factored = stop == SolveStop::converged;
-  if (!kept.factored) report.stop = stop;
+  kept.factors->load(a);
+  const SolveStop end = factorLoaded(kept, a.rows(), report.row, stop);
+  if (end != SolveStop::stopped) noteFactored(*kept.factors);
+  kept.factored = end == SolveStop::converged;
+  if (!kept.factored) report.stop = end;
   kept.key = matrix.key();
   return kept.factored;
 }
 
-Factorisation* DirectSolver::factor(SystemMatrix& matrix, SolveReport& report) {
+Factorisation* DirectSolver::factor(SystemMatrix& matrix, SolveReport& report, StopToken stop) {
   Kept& kept = kept_.of(matrix);
-  return update(matrix, kept, report) ? kept.factors.get() : nullptr;
+  return update(matrix, kept, report, stop) ? kept.factors.get() : nullptr;
 }
 
-Factorisation* DirectSolver::factorValues(SystemMatrix& matrix, const std::vector<double>& values) {
+Factorisation* DirectSolver::factorValues(SystemMatrix& matrix, const std::vector<double>& values, StopToken stop) {
   BlockMatrix former = matrix.pattern();
   if (former.values().size() != values.size()) return nullptr;
   former.values() = values;
   Kept& kept = kept_.of(matrix);
   analyseIfNew(matrix, former, kept);
   kept.factored = false;
+  kept.factors->load(former);
   Index row = -1;
-  return kept.factors->factor(former, row) == SolveStop::converged ? kept.factors.get() : nullptr;
+  const SolveStop end = factorLoaded(kept, former.rows(), row, stop);
+  return end == SolveStop::converged ? kept.factors.get() : nullptr;
 }
 
 namespace {
@@ -87,7 +116,7 @@ double residual(const BlockMatrix& a, ConstRows b, ConstRows x, Rows r) {
 
 }  // namespace
 
-SolveReport DirectSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x) {
+SolveReport DirectSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms) {
   SolveReport report;
   const double norm_b = norm(b);
   if (norm_b == 0) {
@@ -102,7 +131,7 @@ SolveReport DirectSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x) {
     return report;
   }
   Kept& kept = kept_.of(matrix);
-  if (!update(matrix, kept, report)) return report;
+  if (!update(matrix, kept, report, terms.stop)) return report;
   const BlockMatrix& a = matrix.assemble();
   Factorisation& factors = *kept.factors;
   factors.apply(b, x);

@@ -114,6 +114,7 @@ void merge(StepReport&& part, StepReport& whole) {
   whole.constraints_converged = whole.constraints_converged && part.constraints_converged;
   if (whole.linear_converged) whole.linear_stop = part.linear_stop;
   whole.linear_converged = whole.linear_converged && part.linear_converged;
+  whole.linear_at_limit = whole.linear_at_limit || part.linear_at_limit;
   if (whole.constraint_reason.empty()) whole.constraint_reason = std::move(part.constraint_reason);
   if (whole.reason.empty()) whole.reason = std::move(part.reason);
 }
@@ -176,13 +177,13 @@ std::vector<State*> Simulation::states() const {
   return states;
 }
 
-StepReport Simulation::step() {
+StepReport Simulation::step(StopToken stop) {
   begin();
   if (next_replayed_ < replay_.size()) replayDue();
-  const StepContext context = nextStep();
+  const StepContext context = nextStep(stop);
   StepReport report;
-  for (std::size_t i = 0; i < systems_.size() && !report.diverged; ++i) advance(i, context, report);
-  if (report.diverged) return report;
+  for (std::size_t i = 0; i < systems_.size() && !report.failed(); ++i) advance(i, context, report);
+  if (report.failed()) return report;
   for (const auto& system : systems_) {
     const PhaseTimer timer(system->times.total);
     system->integrator().stepTaken(context);
@@ -194,8 +195,9 @@ StepReport Simulation::step() {
   return report;
 }
 
-StepContext Simulation::nextStep() const {
+StepContext Simulation::nextStep(StopToken stop) const {
   StepContext context;
+  context.stop = stop;
   context.index = steps_ + 1;
   context.t = time_;
   context.dt = dt();
@@ -211,8 +213,14 @@ void Simulation::advance(std::size_t index, const StepContext& context, StepRepo
   const bool lean = system.integrator().answersForState() && systems_.size() == 1;
   auto& [x_before, v_before] = good_[index];
   if (!lean) copy(system.x, x_before), copy(system.v, v_before);
+  system.keepSolver();
 
   StepReport part = system.integrator().step(system, context);
+  if (part.stopped) {
+    if (!lean) takeBack(index);
+    report.stopped = true;
+    return;
+  }
   if (!part.diverged) system.endStep(context, x_before, part);
   std::string fault = part.diverged ? part.reason : lean ? std::string() : watches_[index].firstFault(x_before);
   if (part.diverged && fault.empty()) fault = "the integrator gave the step up";
@@ -265,6 +273,7 @@ void Simulation::takeBack(std::size_t failed) {
   for (std::size_t i = 0; i <= failed; ++i) {
     copy(good_[i].first, systems_[i]->x);
     copy(good_[i].second, systems_[i]->v);
+    systems_[i]->takeSolverBack();
   }
 }
 

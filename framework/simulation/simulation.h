@@ -49,11 +49,11 @@ class Simulation {
   /// cannot be written; none has been changed then, unless a disk is full.
   void begin();
   /// One step. When it diverges, the states and what integrators remember are those of the last good step, and the
-  /// report says why. A linear solver may start the next solve from what it has kept of the step that failed: its answer
-  /// is then the same to its tolerance.
+  /// report says why.
   /// Throws OutputError after the step when an observer cannot write; all others have seen the step then. Throws
   /// ReplayError before the step, which is not made, when an event of replay() is refused.
-  StepReport step();
+  /// A step that is asked to stop before its end is taken back like one that diverges; the report says so.
+  StepReport step(StopToken stop = {});
   /// Some integrators compute nodes that nobody reads only on demand. Off (the default): every step ends with
   /// complete(). On: who reads x or v after a step calls complete() before; observers have it done for them.
   void computeOnDemand(bool on) { on_demand_ = on; }
@@ -152,7 +152,7 @@ class Simulation {
   /// A change of dt: times of steps count on from here.
   void countFromHere() { base_time_ = time_, base_step_ = steps_; }
   /// Times of the step that comes.
-  StepContext nextStep() const;
+  StepContext nextStep(StopToken stop) const;
   /// One step of system `index`; when it fails, all systems up to it are taken back.
   void advance(std::size_t index, const StepContext& context, StepReport& report);
   /// The step stands for `history`; its fault makes a step without time unsolved.

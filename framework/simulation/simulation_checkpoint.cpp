@@ -69,7 +69,7 @@ void Simulation::serialize(Archive& archive) {
     archive.enter(component->path());
     component->serialize(archive);
   }
-  StepContext last = nextStep();
+  StepContext last = nextStep({});
   last.index = steps_, last.t = time_ - last.dt, last.t_end = time_;
   if (steps_ > base_step_) last.t = base_time_ + double(steps_ - 1 - base_step_) * last.dt;
   for (std::size_t i = 0; i < systems_.size(); ++i) {

@@ -83,6 +83,14 @@ void System::endStep(const StepContext& context, ConstRows x_start, StepReport& 
   applyMappings();
 }
 
+void System::keepSolver() {
+  if (LinearSolver* solver = linearSolver()) solver->keepFor(matrix_);
+}
+
+void System::takeSolverBack() {
+  if (LinearSolver* solver = linearSolver()) solver->takeBackFor(matrix_);
+}
+
 void System::applyMappings() {
   mappings_.place(x, v);
   mappings_.placePassive(x, v);

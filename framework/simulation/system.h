@@ -48,6 +48,9 @@ class System final {
   /// What the integrator leaves to it: prescribed motion and tied rows exactly, then position constraints, for a step
   /// from positions `x_start`; mapped states follow.
   void endStep(const StepContext& context, ConstRows x_start, StepReport& report);
+  /// Before and after a step that may not be taken: what the linear solver remembers of former solves.
+  void keepSolver();
+  void takeSolverBack();
   void applyMappings();  ///< those that nothing acts on too
 
   // ---- forces ----

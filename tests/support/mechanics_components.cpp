@@ -24,7 +24,7 @@ class TestIntegrator final : public Integrator {
 class TestSolver final : public LinearSolver {
  public:
   void declare(DataTable&) override {}
-  SolveReport solve(SystemMatrix&, ConstRows, Rows) override { return {}; }
+  SolveReport solve(SystemMatrix&, ConstRows, Rows, const SolveTerms&) override { return {}; }
   bool needsSymmetric() const override { return true; }
 };
 

@@ -22,9 +22,9 @@ constexpr long default_steps = 100;
 const Manual manual{
     "stroma run SCENE [options]",
     "Simulates a scene: 100 steps unless -n or --until says otherwise. Progress and messages go to standard error,\n"
-    "the summary to standard output. Ctrl-C, SIGTERM or SIGHUP ends the run after a whole step. A reader of the "
-    "output\n"
-    "who goes early (`| head`) does not end it.\n\n"
+    "the summary to standard output. Ctrl-C, SIGTERM or SIGHUP ends the run with its last whole step, and a\n"
+    "long step is given up; once more ends it at once. A reader of the output who goes early (`| head`) does not end "
+    "it.\n\n"
     "A run leaves some twenty instants and a checkpoint in STEM.last, in the current folder, for `stroma view "
     "STEM.last`.\n"
     "The instants are kept in memory, and written every minute and at the end. The next run of a scene of that name\n"
@@ -71,11 +71,11 @@ void addRunOptions(OptionList& options) {
       ("restart", po::value<std::string>()->value_name("FILE"), "go on from a checkpoint of this scene")       //
       ("replay", po::value<std::string>()->value_name("FILE"), "do again what the file of actions says")       //
       ("json", po::value<std::string>()->implicit_value("-")->value_name("FILE"),
-       "print the summary as JSON; --json=FILE writes it to a file")    //
+       "print the summary as JSON; --json=FILE writes it to a file")  //
       ("measure", po::value<std::string>()->value_name("FILE"),
        "as `stroma sweep` does: no exporter writes, and the shapes and cells of the end go to this file")  //
       ("measure-value", po::value<std::string>()->value_name("PATH.NAME[:NODES]"),
-       "a quantity whose mean at the end goes to the file too")  //
+       "a quantity whose mean at the end goes to the file too")         //
       ("strict", "a result in doubt is none: the exit code is then 3")  //
       ("quiet,q", "no progress, no notes, no summary");
 }

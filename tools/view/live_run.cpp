@@ -49,8 +49,14 @@ void LiveRun::stop() {
   {
     const std::lock_guard lock(mutex_);
     stopping_ = true;
+    session_.requestStop();
   }
   changed_.notify_all();
+}
+
+void LiveRun::stopIsDone() {
+  const std::lock_guard lock(mutex_);
+  if (!stopping_) session_.withdrawStop();
 }
 
 bool LiveRun::post(Order order) {
@@ -72,6 +78,9 @@ bool LiveRun::post(Order order) {
       std::erase_if(orders_,
                     [&order](const Order& other) { return other.client == order.client && isOfHand(other.message); });
     if (orders_.size() >= most_orders && !isOfServer(order.message)) return false;
+    // a step of minutes is given up for it
+    if (const std::string verb = order.message.value("do", ""); verb == "pause" || verb == "reset")
+      session_.requestStop();
     orders_.push_back(std::move(order));
     ordered_ = true;
   }
@@ -114,7 +123,7 @@ void LiveRun::loop() {
   while (!stopping_) {
     try {
       doOrders();
-      if (running_) advance(steps_per_call);
+      if (running_ && !stopping_) advance(steps_per_call);
       if (running_ || stopping_) continue;
       showIfDue();
       tellStatus(false);
