@@ -90,7 +90,6 @@ ImplicitScheme BDFOdeSolver::schemeOfOrder2(System& system, double h) {
 }
 
 StepReport BDFOdeSolver::step(System& system, const StepContext& context) {
-  system.beginStep(context);
   const double h = context.dt;
   ImplicitScheme scheme;
   scheme.weight = scheme.displacement = scheme.drift = h;

@@ -77,7 +77,6 @@ void CentralDifferenceSolver::compile(System& system) {
 }
 
 StepReport CentralDifferenceSolver::step(System& system, const StepContext& context) {
-  system.beginStep(context);
   if (depends_on_time_) system.setTime(context.t);
   StepReport report;
   system.computeForce(system.x, system.v, system.f);

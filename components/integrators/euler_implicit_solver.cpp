@@ -91,7 +91,6 @@ void EulerImplicitSolver::compile(System& system) {
 }
 
 StepReport EulerImplicitSolver::step(System& system, const StepContext& context) {
-  system.beginStep(context);
   const double h = context.dt;
   ImplicitScheme scheme;
   scheme.weight = scheme.displacement = theta_ * h;

@@ -131,7 +131,6 @@ void ExplicitStep::compile(Integrator& integrator, System& system) {
 }
 
 StepReport ExplicitStep::step(System& system, const StepContext& context) {
-  system.beginStep(context);
   StepReport report;
   const double h = context.dt;
   for (std::size_t i = 0; i < scheme.stages.size(); ++i) {
@@ -156,13 +155,13 @@ void ExplicitStep::placeStage(System& system, const StepContext& context, const 
   const Rows x = system.independent(stage_x_), v = system.independent(stage_v_);
   copy(system.independent(system.x), x);
   copy(system.independent(system.v), v);
-  system.motion().begin(x);
+  orientations_.take(system.motion(), x);
   axpy(stage.time * h, v, x);
   for (std::size_t j = 0; j < stage.v.size(); ++j) {
     if (stage.x[j] != 0) axpy(h * h * stage.x[j], accelerations_[j], x);
     if (stage.v[j] != 0) axpy(h * stage.v[j], accelerations_[j], v);
   }
-  system.motion().end(x);
+  orientations_.turn(x);
   // a motion in pieces changes its velocity at once between two of them: the ends of the step belong to the one within,
   // by more than what makes two times the same (key_times.h)
   const double margin = std::min(1e-10 * h + 1e-11 * std::abs(context.t_end), h / 4);
@@ -177,7 +176,7 @@ void ExplicitStep::finish(System& system, double h) {
   const double* __restrict a = accelerations_[0].rows().data;
   double* __restrict velocity = v.data;
   double* __restrict position = x.data;
-  system.motion().begin(x);
+  orientations_.take(system.motion(), x);
 #pragma omp simd
   for (std::size_t i = 0; i < x.doubles(); ++i) {
     velocity[i] += for_v * a[i];
@@ -187,7 +186,7 @@ void ExplicitStep::finish(System& system, double h) {
     if (scheme.x[j] != 0) axpy(h * h * scheme.x[j], accelerations_[j], x);
     if (scheme.v[j] != 0) axpy(h * scheme.v[j], accelerations_[j], v);
   }
-  system.motion().end(x);
+  orientations_.turn(x);
 }
 
 std::string ExplicitStep::describe() const {

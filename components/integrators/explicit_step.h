@@ -61,7 +61,6 @@ class ExplicitStep {
 
   /// Allocates; warns when the time step is too large for the highest frequency of the elements.
   void compile(Integrator& integrator, System& system);
-  /// The whole step, beginStep() included.
   StepReport step(System& system, const StepContext& context);
   std::string describe() const;
 
@@ -72,6 +71,7 @@ class ExplicitStep {
   Acceleration acceleration_;
   std::vector<Vector> accelerations_;  ///< a_j, each of shape (independentRows())
   Vector stage_x_, stage_v_;           ///< shape (allRows())
+  Orientations orientations_;
   bool depends_on_time_ = false;
 };
 

@@ -147,14 +147,14 @@ void ImplicitStep::advance() {
   double* __restrict velocity = v().data;
   double* __restrict position = x().data;
   const std::size_t count = x().doubles();
-  system_->motion().begin(x());
+  orientations_.take(system_->motion(), x());
 #pragma omp simd
   for (std::size_t i = 0; i < count; ++i) {
     velocity[i] += change[i];
     position[i] += drift * velocity[i] + rest * change[i];
   }
   if (scheme_.has_history) axpy(1, position_predictor, x());
-  system_->motion().end(x());
+  orientations_.turn(x());
 }
 
 StepReport ImplicitStep::solveIterating(StopToken stop) {
@@ -200,12 +200,12 @@ void ImplicitStep::unknownsChanged() {
   const double* __restrict u = v().data;
   double* __restrict position = x().data;
   const std::size_t count = x().doubles();
-  system_->motion().begin(x0_);
+  orientations_.take(system_->motion(), x0_);
 #pragma omp simd
   for (std::size_t i = 0; i < count; ++i) position[i] = x0[i] + old_part * v0[i] + new_part * u[i];
   if (scheme_.has_history) axpy(1, position_predictor, x());
-  system_->motion().end(x());
-  system_->motion().end(x0_);
+  orientations_.turn(x());
+  orientations_.turn(x0_);
 }
 
 /// R = weight F(x(u), u) + old_weight F(x0, v0) - M (u - v0 - velocity_predictor). The stiffness of rK K u is the one

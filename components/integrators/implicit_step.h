@@ -81,6 +81,7 @@ class ImplicitStep final : public NonlinearProblem {
   Vector change_;          ///< u - v0
   Vector constant_;        ///< old_weight F(x0, v0)
   Vector x0_, v0_, work_;  ///< the state before the step, for Newton
+  Orientations orientations_;
 
   std::vector<double> graph_;
   Link<NewtonSolver> newton_link_{"Newton solver"};

@@ -103,7 +103,6 @@ void NewmarkImplicitSolver::compile(System& system) {
 }
 
 StepReport NewmarkImplicitSolver::step(System& system, const StepContext& context) {
-  system.beginStep(context);
   if (!started_) {
     StepReport first;
     implicit_.wholeForce(context.t, force_);

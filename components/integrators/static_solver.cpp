@@ -48,6 +48,7 @@
 #include <cassert>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "components/integrators/equilibrium.h"
 #include "components/integrators/free_body.h"
@@ -69,7 +70,10 @@ class StaticSolver final : public Integrator {
   bool movesInTime() const override { return false; }
   void sceneChanged() override { is_checked_ = false; }
   void reset() override { is_checked_ = false; }
-  void serialize(Archive& archive) override { archive.value("is_checked", is_checked_); }
+  void serialize(Archive& archive) override {
+    archive.value("is_checked", is_checked_);
+    archive.value("held", held_);
+  }
 
  private:
   void checkSettings() const;
@@ -93,6 +97,7 @@ class StaticSolver final : public Integrator {
   Vector moved_, moved_v_, displacement_;  ///< work space of advancePrescribed(), shape (all rows)
   bool is_checked_ = false;                ///< no body was free when something last changed
   long checked_revision_ = -1;             ///< of what held bodies then
+  long held_ = 0;                          ///< directions of nodes, in the last step
 };
 
 void StaticSolver::declare(DataTable& table) {
@@ -203,12 +208,11 @@ bool StaticSolver::checkFreeBodies(System& system, StepReport& report) {
 }
 
 StepReport StaticSolver::step(System& system, const StepContext& context) {
-  const long held_before = heldDirections(system.constraints());
-  system.beginStep(context);
   clear(system.v);
   problem_.begin();
   StepReport report;
-  const bool is_held_otherwise = !is_checked_ || heldDirections(system.constraints()) != held_before;
+  const long held_before = std::exchange(held_, heldDirections(system.constraints()));
+  const bool is_held_otherwise = !is_checked_ || held_ != held_before;
   if (is_held_otherwise && !checkFreeBodies(system, report)) return report;
   report = solveInParts(system, context);
   if (report.stopped) return report;

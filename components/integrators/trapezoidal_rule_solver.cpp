@@ -30,8 +30,7 @@ class TrapezoidalRuleSolver final : public Integrator {
     implicit_.declareNewtonSolver(table);
   }
   void compile(System& system) override { implicit_.compile(*this, system); }
-  StepReport step(System& system, const StepContext& context) override {
-    system.beginStep(context);
+  StepReport step(System&, const StepContext& context) override {
     ImplicitScheme scheme;
     scheme.weight = scheme.old_weight = scheme.displacement = context.dt / 2;
     scheme.drift = context.dt;

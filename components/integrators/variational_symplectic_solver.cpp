@@ -120,7 +120,6 @@ StepReport VariationalSymplecticSolver::step(System& system, const StepContext& 
 }
 
 StepReport VariationalSymplecticSolver::implicitStep(System& system, const StepContext& context) {
-  system.beginStep(context);
   const double h = context.dt;
   ImplicitScheme scheme;
   scheme.weight = scheme.displacement = scheme.drift = h / 2;

@@ -23,35 +23,62 @@ class Motion {
 
   /// x moves by s dx. Rows that `dx` has; x may have more.
   void advance(double s, ConstRows dx, Rows x) const {
-    const Rows moving = x.head(dx.count);
-    begin(moving);
-    axpy(s, dx, moving);
-    end(moving);
-  }
-  /// For loops that add several increments: begin() takes orientations out of x and leaves zeros, on which rotation
-  /// vectors are added up as everything is; end() turns the orientations that were taken by what has come together. One
-  /// begin() may serve the end() of several vectors.
-  void begin(Rows x) const {
-    if (turns()) takeOut(x);
-  }
-  void end(Rows x) const {
-    if (turns()) turnBack(x);
+    walk(
+        dx.count, [&](Index begin, Index end) { axpy(s, part(dx, begin, end), part(x, begin, end)); },
+        [&](Index row) { turnRow(s * Vec3(dx[row]), x, row); });
   }
   /// x0 becomes the increment that leads from it to x1.
   void difference(ConstRows x1, Rows x0) const {
-    if (turns()) return rotationsBetween(x1, x0);
-    xpay(x1, -1, x0);
+    walk(
+        x0.count, [&](Index begin, Index end) { xpay(part(x1, begin, end), -1, part(x0, begin, end)); },
+        [&](Index row) { differenceOfRow(x1, x0, row); });
   }
 
  private:
-  void takeOut(Rows x) const;
-  void turnBack(Rows x) const;
-  void rotationsBetween(ConstRows x1, Rows x0) const;
+  friend class Orientations;
+  /// The first `count` rows: ranges of those that do not turn, and those that do one by one.
+  template <class Range, class Turning>
+  void walk(Index count, Range&& range, Turning&& turning) const {
+    Index done = 0;
+    for (const Index row : turning_) {
+      if (row >= count) break;
+      range(done, row);
+      turning(row);
+      done = row + 1;
+    }
+    range(done, count);
+  }
+  template <class View>
+  static View part(View x, Index begin, Index end) {
+    return {x.data + std::size_t(begin) * row_doubles, end - begin};
+  }
+  static void turnRow(const Vec3& r, Rows x, Index row);
+  static void differenceOfRow(ConstRows x1, Rows x0, Index row);
 
-  std::vector<Index> turning_;     ///< ascending
-  std::vector<RowKind> kinds_;     ///< shape (rows), empty where all rows are places
-  mutable std::vector<double> q_;  ///< what begin() took, shape (turning rows, 4)
-  mutable std::vector<Vec3> r_;    ///< work space of rotationsBetween(), shape (turning rows)
+  std::vector<Index> turning_;  ///< ascending
+  std::vector<RowKind> kinds_;  ///< shape (rows), empty where all rows are places
+};
+
+/// For loops that add several increments: the orientations of a vector, taken out of it. Who adds keeps one from step to
+/// step, which allocates the first time alone.
+class Orientations {
+ public:
+  /// Takes them out of x and leaves zeros, on which rotation vectors are added up as everything is.
+  void take(const Motion& motion, Rows x) {
+    motion_ = &motion;
+    if (motion.turns()) takeOut(x);
+  }
+  /// Puts them into x, turned by what has come together there; into several vectors, if several are made of the one.
+  void turn(Rows x) const {
+    if (motion_->turns()) turnBack(x);
+  }
+
+ private:
+  void takeOut(Rows x);
+  void turnBack(Rows x) const;
+
+  const Motion* motion_ = nullptr;
+  std::vector<double> q_;  ///< shape (turning rows, 4)
 };
 
 }  // namespace stroma

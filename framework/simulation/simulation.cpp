@@ -210,11 +210,13 @@ void Simulation::advance(std::size_t index, const StepContext& context, StepRepo
   System& system = *systems_[index];
   const PhaseTimer timer(system.times.total);
   // where several systems move, one may have to go back because another one failed
-  const bool lean = system.integrator().answersForState() && systems_.size() == 1;
+  const bool owns_state = system.integrator().stateOwner();
+  const bool lean = owns_state && systems_.size() == 1;
   auto& [x_before, v_before] = good_[index];
   if (!lean) copy(system.x, x_before), copy(system.v, v_before);
   system.keepSolver();
 
+  if (!owns_state) system.beginStep(context);
   StepReport part = system.integrator().step(system, context);
   if (part.stopped) {
     if (!lean) takeBack(index);
@@ -279,9 +281,11 @@ void Simulation::takeBack(std::size_t failed) {
 
 void Simulation::complete() const {
   for (const auto& system : systems_) {
-    system->integrator().complete(*system);
-    // the integrator left mapped rows behind with all others
-    if (system->integrator().answersForState() && !system->actors().passive_mappings.empty()) system->applyMappings();
+    StateOwner* const owner = system->integrator().stateOwner();
+    if (!owner) continue;
+    owner->complete(*system);
+    // it left mapped rows behind with all others
+    if (!system->actors().passive_mappings.empty()) system->applyMappings();
   }
 }
 

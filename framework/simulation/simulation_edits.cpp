@@ -84,7 +84,7 @@ class KeptMemory {
 /// An integrator that has computed its matrix beforehand follows no change of what the matrix was made of.
 void Simulation::checkEdit(const LiveEdit& edit) const {
   for (const auto& system : systems_) {
-    if (system->integrator().followsChanges()) continue;
+    if (!system->integrator().stateOwner()) continue;
     const auto isInside = [&system](const Component* component) {
       return isAtOrBelow(&component->node(), system->node());
     };
@@ -124,7 +124,7 @@ void Simulation::change(LiveEdit& edit, const LiveEdit::Value& value, Diagnostic
   keepState();
   std::vector<System*> concerned;
   for (const auto& system : systems_)
-    if (system->integrator().followsChanges() && reaches(edit, *system)) concerned.push_back(system.get());
+    if (!system->integrator().stateOwner() && reaches(edit, *system)) concerned.push_back(system.get());
   std::vector<Component*> remembering = edit.recompiled();
   for (const System* system : concerned) remembering.push_back(&system->integrator());
   KeptMemory kept(std::move(remembering));

@@ -15,7 +15,6 @@ class Stumbling final : public Integrator {
   void declare(DataTable&) override {}
   void compile(System&) override {}
   StepReport step(System& system, const StepContext& context) override {
-    system.beginStep(context);
     StepReport report;
     report.diverged = stumbles && context.index == 4;
     if (report.diverged) stumbles = false;
