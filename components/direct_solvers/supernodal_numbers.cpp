@@ -17,7 +17,7 @@ void dpotrf_(const char* uplo, const int* n, double* a, const int* lda, int* inf
 namespace stroma {
 namespace {
 
-constexpr double one = 1, minus = -1, zero = 0;
+constexpr double plus_one = 1, minus_one = -1, zero_factor = 0;
 /// A call of BLAS with more operations than this, a tenth of a second or so, is made in portions.
 constexpr double most_operations = 4e9;
 constexpr int widest_diagonal = 2048, diagonal_portion = 512;
@@ -87,10 +87,10 @@ bool SupernodalNumbers::updateBy(int d, int s) {
     if (j > 0 && stop_.isStopAsked()) return false;
     const int count = std::min(portion, wide - j), below = wide - j - count + rest;
     double* to = update_.data() + std::size_t(j) * std::size_t(height) + j;
-    dsyrk_("L", "N", &count, &inner, &one, from + j, &stride, &zero, to, &height);
+    dsyrk_("L", "N", &count, &inner, &plus_one, from + j, &stride, &zero_factor, to, &height);
     if (below > 0)
-      dgemm_("N", "C", &below, &count, &inner, &one, from + j + count, &stride, from + j, &stride, &zero, to + count,
-             &height);
+      dgemm_("N", "C", &below, &count, &inner, &plus_one, from + j + count, &stride, from + j, &stride, &zero_factor,
+             to + count, &height);
   }
   const int s_height = pattern_.start[s + 1] - pattern_.start[s];
   relative_.resize(std::max(relative_.size(), std::size_t(height)));
@@ -119,8 +119,8 @@ bool SupernodalNumbers::factorDiagonal(int s, int& info) {
     dpotrf_("L", &count, corner, &height, &info);
     if (info > 0) info += j;
     if (info > 0 || below == 0) return true;
-    dtrsm_("R", "L", "C", "N", &below, &count, &one, corner, &height, corner + count, &height);
-    dsyrk_("L", "N", &below, &count, &minus, corner + count, &height, &one,
+    dtrsm_("R", "L", "C", "N", &below, &count, &plus_one, corner, &height, corner + count, &height);
+    dsyrk_("L", "N", &below, &count, &minus_one, corner + count, &height, &plus_one,
            corner + std::size_t(count) * std::size_t(height) + count, &height);
   }
   return true;
@@ -135,7 +135,7 @@ bool SupernodalNumbers::solveBelow(int s) {
   for (int i = 0; i < below; i += portion) {
     if (i > 0 && stop_.isStopAsked()) return false;
     const int count = std::min(portion, below - i);
-    dtrsm_("R", "L", "C", "N", &count, &columns, &one, block, &height, block + columns + i, &height);
+    dtrsm_("R", "L", "C", "N", &count, &columns, &plus_one, block, &height, block + columns + i, &height);
   }
   return true;
 }

@@ -34,7 +34,7 @@
 namespace stroma {
 namespace {
 
-enum class Preconditioner { automatic, none, block_jacobi };
+enum class CGPreconditioner { automatic, none, block_jacobi };
 
 class CGLinearSolver final : public KrylovSolver {
  public:
@@ -74,7 +74,7 @@ class CGLinearSolver final : public KrylovSolver {
 
   double threshold_ = 1e-5;
   bool warm_start_ = false;
-  Preconditioner preconditioner_ = Preconditioner::automatic;
+  CGPreconditioner preconditioner_ = CGPreconditioner::automatic;
   bool precondition_ = false;
   PerMatrix<Kept> kept_;
 };
@@ -96,8 +96,8 @@ void CGLinearSolver::declare(DataTable& table) {
 
 void CGLinearSolver::init() {
   KrylovSolver::init();
-  precondition_ = preconditioner_ == Preconditioner::block_jacobi ||
-                  (preconditioner_ == Preconditioner::automatic && !data().find("iterations")->isSet());
+  precondition_ = preconditioner_ == CGPreconditioner::block_jacobi ||
+                  (preconditioner_ == CGPreconditioner::automatic && !data().find("iterations")->isSet());
 }
 
 CGLinearSolver::Kept& CGLinearSolver::keptFor(const SystemMatrix& matrix, Index rows) {

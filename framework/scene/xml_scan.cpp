@@ -9,9 +9,6 @@ namespace stroma {
 
 namespace {
 
-bool isSpace(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
-bool endsName(char c) { return isSpace(c) || c == '=' || c == '/' || c == '>' || c == '<' || c == '"' || c == '\''; }
-
 class Scanner {
  public:
   Scanner(std::string_view text, const std::string& file, const ReadLimits& limits, XmlPositions& positions,
@@ -33,7 +30,7 @@ class Scanner {
       } else if (rest.starts_with("<![CDATA[")) {
         good = skip("]]>", "a CDATA section");
       } else if (rest.starts_with("<?")) {
-        const bool is_declaration = rest.size() > 5 && rest.starts_with("<?xml") && isSpace(rest[5]);
+        const bool is_declaration = rest.size() > 5 && rest.starts_with("<?xml") && isXmlSpace(rest[5]);
         const std::size_t start = at_;
         good = skip("?>", is_declaration ? "a declaration" : "a processing instruction");
         if (!is_declaration) positions_.instructions.emplace_back(start, at_);
@@ -86,12 +83,12 @@ class Scanner {
 
   std::string_view name() {
     const std::size_t start = at_;
-    while (at_ < text_.size() && !endsName(text_[at_])) ++at_;
+    while (at_ < text_.size() && !endsXmlName(text_[at_])) ++at_;
     return text_.substr(start, at_ - start);
   }
 
   void spaces() {
-    while (at_ < text_.size() && isSpace(text_[at_])) ++at_;
+    while (at_ < text_.size() && isXmlSpace(text_[at_])) ++at_;
   }
 
   bool startTag() {

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <filesystem>
 
-#include "framework/scene/units.h"
+#include "tools/units/units.h"
 
 namespace fs = std::filesystem;
 namespace po = boost::program_options;
@@ -15,7 +15,7 @@ namespace po = boost::program_options;
 namespace stroma::command {
 namespace {
 
-const Manual manual{
+const Manual mesh_manual{
     "stroma mesh INPUT -o MESH [options]",
     "Fills a body with tetrahedra. INPUT is a segmented volume image (.nii .nii.gz .mhd .mha .vti: one label a voxel, "
     "0 "
@@ -153,8 +153,8 @@ void refuseIdle(const Values& values, const MeshRequest& request) {
 
 MeshRequest readRequest(const Values& values) {
   MeshRequest request;
-  request.input = required(values, "INPUT", manual);
-  request.output = required(values, "out", manual);
+  request.input = required(values, "INPUT", mesh_manual);
+  request.output = required(values, "out", mesh_manual);
   if (!request.toVtu() && !request.output.ends_with(".msh"))
     throw UsageError(fmt::format("-o {}: expected a name that ends with .msh or .vtu", request.output));
   const fs::path folder = fs::absolute(request.output).parent_path();
@@ -175,7 +175,7 @@ const char* MeshRequest::surfaceLoader() const {
   return input.ends_with(".vtk") || input.ends_with(".vtp") ? "MeshVTKLoader" : nullptr;
 }
 
-CommandLine meshLine() { return {manual, optionList(), {"INPUT"}}; }
+CommandLine meshLine() { return {mesh_manual, optionList(), {"INPUT"}}; }
 
 std::optional<MeshRequest> readMeshRequest(const Arguments& arguments) {
   const auto values = parseOptions(meshLine(), arguments);

@@ -10,6 +10,7 @@
 #include <set>
 #include <sstream>
 
+#include "framework/scene/text.h"
 #include "tools/command/command.h"
 
 namespace stroma::command {
@@ -23,11 +24,6 @@ std::string caseName(const std::string& scene, const std::vector<std::string>& o
   while (name.starts_with("../")) name.erase(0, 3);  // a folder that begins with a dot is easily overlooked
   std::ranges::replace(name, '/', '.');
   return name;
-}
-
-std::string trimmed(const std::string& text) {
-  const auto first = text.find_first_not_of(" \t\r");
-  return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
 }
 
 RegressionCase readCase(const std::string& line, const fs::path& folder) {
@@ -65,7 +61,7 @@ RegressionList readRegressionList(const std::string& file) {
   std::set<std::string> names;
   std::string line;
   for (int number = 1; std::getline(stream, line); ++number) {
-    line = trimmed(line.substr(0, line.find('#')));
+    line = std::string(trimmed(std::string_view(line).substr(0, line.find('#'))));
     if (line.empty()) continue;
     if (list.reference_folder.empty()) {
       list.reference_folder = (folder / line).lexically_normal().string();

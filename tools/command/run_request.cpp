@@ -7,10 +7,10 @@
 #include <filesystem>
 
 #include "framework/scene/output_file.h"
-#include "framework/simulation/file_uses.h"
 #include "tools/command/default_recording.h"
 #include "tools/command/recorder.h"
 #include "tools/command/session.h"
+#include "tools/session/file_uses.h"
 
 namespace po = boost::program_options;
 
@@ -19,25 +19,15 @@ namespace {
 
 constexpr long default_steps = 100;
 
-const Manual manual{
+const Manual run_manual{
     "stroma run SCENE [options]",
     "Simulates a scene: 100 steps unless -n or --until says otherwise. Progress and messages go to standard error,\n"
-<<<<<<< HEAD
     "the summary to standard output. Ctrl-C, SIGTERM or SIGHUP ends the run with its last whole step, and a\n"
     "long step is given up; once more ends it at once. A reader of the output who goes early (`| head`) does not end "
     "it.\n\n"
-    "A run leaves some twenty instants and a checkpoint in STEM.last, in the current folder, for `stroma view "
-    "STEM.last`.\n"
-    "The instants are kept in memory, and written every minute and at the end. The next run of a scene of that name\n"
-    "replaces them. --no-record leaves nothing, --record DIR keeps what you name.\n\n"
-=======
-    "the summary to standard output. Ctrl-C, SIGTERM or SIGHUP ends the run after a whole step. A reader of the "
-    "output\n"
-    "who goes early (`| head`) does not end it.\n\n"
     "A run leaves some twenty instants and a checkpoint in results/STEM/last, below the current folder, for\n"
     "`stroma view results/STEM/last`. The instants are kept in memory, and written every minute and at the end. The\n"
     "next run of a scene of that name replaces them. --no-record leaves nothing, --record DIR keeps what you name.\n\n"
->>>>>>> e4422d983a2e0509e44190765999974fcbac2790
     "--record leaves a checkpoint, DIR/last.checkpoint: every minute, and at the end. The same command with --resume\n"
     "goes on from it, or starts when there is none yet: after a crash, a kill, or Ctrl-C. --restart FILE goes on from\n"
     "any checkpoint; that of results/STEM/last is replaced when the run ends with a result. The run has the time, "
@@ -92,7 +82,7 @@ void addRunOptions(OptionList& options) {
 }
 
 CommandLine runLine() {
-  CommandLine line{manual, OptionList("options"), {"SCENE"}};
+  CommandLine line{run_manual, OptionList("options"), {"SCENE"}};
   addRunOptions(line.options);
   addSceneOptions(line.options);
   return line;
@@ -101,7 +91,7 @@ CommandLine runLine() {
 std::optional<Values> parseRunOptions(const Arguments& arguments) { return parseOptions(runLine(), arguments); }
 
 RunRequest::RunRequest(const Values& values)
-    : scene(required(values, "SCENE", manual)),
+    : scene(required(values, "SCENE", run_manual)),
       quiet(values.count("quiet") > 0),
       strict(values.count("strict") > 0),
       resume(values.count("resume") > 0),
