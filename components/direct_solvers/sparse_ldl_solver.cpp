@@ -31,6 +31,7 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "components/direct_solvers/interruptible_factor.h"
 #include "components/direct_solvers/lu_factor.h"
 #include "components/direct_solvers/supernodal_numbers.h"
 #include "framework/algebra/memory.h"
@@ -93,7 +94,6 @@ class CholeskyFactor final : public Factorisation {
   void load(const BlockMatrix& matrix) override;  ///< the upper triangle
   /// `row` is the one at which a pivot was not positive.
   SolveStop factor(Index& row, StopToken stop) override;
-  bool heedsStop() const override { return true; }
   void apply(ConstRows b, Rows x) override;
   /// In single precision, which reads half as much.
   void applyRoughly(ConstRows b, Rows x) override;
@@ -333,7 +333,7 @@ class SparseLDLSolver final : public DirectSolver {
  protected:
   std::unique_ptr<Factorisation> makeFactorisation(bool symmetric) const override {
     if (symmetric) return std::make_unique<CholeskyFactor>();
-    return LUFactor::make();
+    return std::make_unique<InterruptibleFactor<LUFactor>>(LUFactor::make);
   }
   void noteFactored(const Factorisation& factors) override;
   SolveStop uselessFactor() const override { return SolveStop::not_definite; }
@@ -365,7 +365,7 @@ void SparseLDLSolver::noteFactored(const Factorisation& factors) {
     flops_ = cholesky->flops(), entries_ = cholesky->entries();
   } else {
     ordering_ = "COLAMD";
-    flops_ = 0, entries_ = static_cast<const LUFactor&>(factors).entries();
+    flops_ = 0, entries_ = static_cast<const InterruptibleFactor<LUFactor>&>(factors).inner().entries();
   }
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "components/integrators/orientations.h"
 #include "framework/algebra/linear_solver.h"
 #include "framework/simulation/integrator.h"
 #include "framework/simulation/system.h"

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "components/integrators/newton_solver.h"
+#include "components/integrators/orientations.h"
 #include "framework/simulation/integrator.h"
 #include "framework/simulation/system.h"
 

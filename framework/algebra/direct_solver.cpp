@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "framework/algebra/left_work.h"
-
 namespace stroma {
 
 void DirectSolver::declare(DataTable& table) {
@@ -39,26 +37,6 @@ bool DirectSolver::analyseIfNew(const SystemMatrix& matrix, const BlockMatrix& v
   return true;
 }
 
-/// Left to itself, a factorisation takes what it works on with it: the next one begins with an analysis.
-SolveStop DirectSolver::factorLoaded(Kept& kept, Index rows, Index& row, StopToken stop) {
-  constexpr Index few_rows = 500;  // factored in less time than anybody waits
-  if (kept.factors->heedsStop() || rows < few_rows || !stop.isWatched()) return kept.factors->factor(row, stop);
-  struct Result {
-    SolveStop stop = SolveStop::stopped;
-    Index row = -1;
-  };
-  const auto result = std::make_shared<Result>();
-  const void* const code = *reinterpret_cast<const void* const*>(kept.factors.get());  // its table of virtual functions
-  const auto work = [factors = kept.factors, result] { result->stop = factors->factor(result->row, {}); };
-  if (!runOrLeave(work, code, stop)) {
-    kept.factors.reset();
-    kept.analysed = {};
-    return SolveStop::stopped;
-  }
-  row = result->row;
-  return result->stop;
-}
-
 bool DirectSolver::update(SystemMatrix& matrix, Kept& kept, SolveReport& report, StopToken stop) {
   const BlockMatrix& a = matrix.assemble();
   if (stop.isStopAsked()) {
@@ -79,7 +57,7 @@ bool DirectSolver::update(SystemMatrix& matrix, Kept& kept, SolveReport& report,
     return false;
   }
   kept.factors->load(a);
-  const SolveStop end = factorLoaded(kept, a.rows(), report.row, stop);
+  const SolveStop end = kept.factors->factor(report.row, stop);
   if (end != SolveStop::stopped) noteFactored(*kept.factors);
   kept.factored = end == SolveStop::converged;
   if (!kept.factored) report.stop = end;
@@ -101,7 +79,7 @@ Factorisation* DirectSolver::factorValues(SystemMatrix& matrix, const std::vecto
   kept.factored = false;
   kept.factors->load(former);
   Index row = -1;
-  const SolveStop end = factorLoaded(kept, former.rows(), row, stop);
+  const SolveStop end = kept.factors->factor(row, stop);
   return end == SolveStop::converged ? kept.factors.get() : nullptr;
 }
 

@@ -23,8 +23,6 @@ class Factorisation {
   virtual void load(const BlockMatrix& matrix) = 0;
   /// Factors the loaded values. Returns the reason it could not (`row`: where, when that is known), else converged.
   virtual SolveStop factor(Index& row, StopToken stop) = 0;
-  /// False where a library factors in one call: the caller then sees to it that a stop need not wait for its end.
-  virtual bool heedsStop() const { return false; }
   /// x = A^-1 b with the last factors, of shape (rows); no residual is computed.
   virtual void apply(ConstRows b, Rows x) = 0;
   /// The same where about six right digits are enough: in a preconditioner.
@@ -65,13 +63,12 @@ class DirectSolver : public LinearSolver {
 
  private:
   struct Kept {
-    std::shared_ptr<Factorisation> factors;  ///< shared with a call that was left to end by itself
+    std::unique_ptr<Factorisation> factors;
     bool symmetric = true, factored = false;
     MatrixKey analysed, key;  ///< whose pattern was analysed, whose values were factored
     Vector residual, correction;
   };
   bool update(SystemMatrix& matrix, Kept& kept, SolveReport& report, StopToken stop);
-  static SolveStop factorLoaded(Kept& kept, Index rows, Index& row, StopToken stop);
   bool analyseIfNew(const SystemMatrix& matrix, const BlockMatrix& values, Kept& kept) const;
 
   std::string template_ = "CompressedRowSparseMatrixMat3x3";

@@ -30,16 +30,6 @@ Vec3 logarithm(const Quaternion& q) {
   return sign * 2 * std::atan2(sine, std::abs(q.w())) / sine * q.vec();
 }
 
-Eigen::Map<Quaternion> at(double* data, std::size_t row) { return Eigen::Map<Quaternion>(data + row * row_doubles); }
-
-/// q' = exp(r) q
-void turnBy(const Vec3& r, Eigen::Map<Quaternion> q) {
-  if (r.isZero(0)) return;
-  q = exponential(r) * q;
-  q.normalize();  // round-off must not add up
-  if (q.w() < 0) q.coeffs() = -q.coeffs();
-}
-
 }  // namespace
 
 void Motion::compile(const std::vector<State*>& states) {
@@ -58,32 +48,18 @@ void Motion::compile(const std::vector<State*>& states) {
 
 RowKind Motion::kindOf(Index row) const { return kinds_.empty() ? RowKind::place : kinds_[std::size_t(row)]; }
 
-void Motion::turnRow(const Vec3& r, Rows x, Index row) { turnBy(r, at(x.data, std::size_t(row))); }
+void Motion::turnBy(const Vec3& r, double* row) {
+  if (r.isZero(0)) return;
+  Eigen::Map<Quaternion> q(row);
+  q = exponential(r) * q;
+  q.normalize();  // round-off must not add up
+  if (q.w() < 0) q.coeffs() = -q.coeffs();
+}
 
 void Motion::differenceOfRow(ConstRows x1, Rows x0, Index row) {
   const std::size_t first = std::size_t(row) * row_doubles;
   x0[row] = logarithm(Quaternion(x1.data + first) * Quaternion(x0.data + first).conjugate());
   x0.data[first + 3] = 0;
-}
-
-void Orientations::takeOut(Rows x) {
-  const std::vector<Index>& turning = motion_->turning_;
-  q_.resize(turning.size() * row_doubles);
-  for (std::size_t i = 0; i < turning.size() && turning[i] < x.count; ++i) {
-    double* row = x.data + std::size_t(turning[i]) * row_doubles;
-    std::copy_n(row, row_doubles, q_.data() + i * row_doubles);
-    std::fill_n(row, row_doubles, 0.0);
-  }
-}
-
-void Orientations::turnBack(Rows x) const {
-  const std::vector<Index>& turning = motion_->turning_;
-  for (std::size_t i = 0; i < turning.size() && turning[i] < x.count; ++i) {
-    const Vec3 r = x[turning[i]];
-    auto q = at(x.data, std::size_t(turning[i]));
-    q = Quaternion(q_.data() + i * row_doubles);
-    turnBy(r, q);
-  }
 }
 
 }  // namespace stroma

@@ -25,7 +25,7 @@ class Motion {
   void advance(double s, ConstRows dx, Rows x) const {
     walk(
         dx.count, [&](Index begin, Index end) { axpy(s, part(dx, begin, end), part(x, begin, end)); },
-        [&](Index row) { turnRow(s * Vec3(dx[row]), x, row); });
+        [&](Index row) { turnBy(s * Vec3(dx[row]), x.data + std::size_t(row) * row_doubles); });
   }
   /// x0 becomes the increment that leads from it to x1.
   void difference(ConstRows x1, Rows x0) const {
@@ -33,9 +33,12 @@ class Motion {
         x0.count, [&](Index begin, Index end) { xpay(part(x1, begin, end), -1, part(x0, begin, end)); },
         [&](Index row) { differenceOfRow(x1, x0, row); });
   }
+  /// The rows that turn, ascending.
+  const std::vector<Index>& turningRows() const { return turning_; }
+  /// The orientation q, four numbers, becomes exp(r) q.
+  static void turnBy(const Vec3& r, double* q);
 
  private:
-  friend class Orientations;
   /// The first `count` rows: ranges of those that do not turn, and those that do one by one.
   template <class Range, class Turning>
   void walk(Index count, Range&& range, Turning&& turning) const {
@@ -52,33 +55,10 @@ class Motion {
   static View part(View x, Index begin, Index end) {
     return {x.data + std::size_t(begin) * row_doubles, end - begin};
   }
-  static void turnRow(const Vec3& r, Rows x, Index row);
   static void differenceOfRow(ConstRows x1, Rows x0, Index row);
 
   std::vector<Index> turning_;  ///< ascending
   std::vector<RowKind> kinds_;  ///< shape (rows), empty where all rows are places
-};
-
-/// For loops that add several increments: the orientations of a vector, taken out of it. Who adds keeps one from step to
-/// step, which allocates the first time alone.
-class Orientations {
- public:
-  /// Takes them out of x and leaves zeros, on which rotation vectors are added up as everything is.
-  void take(const Motion& motion, Rows x) {
-    motion_ = &motion;
-    if (motion.turns()) takeOut(x);
-  }
-  /// Puts them into x, turned by what has come together there; into several vectors, if several are made of the one.
-  void turn(Rows x) const {
-    if (motion_->turns()) turnBack(x);
-  }
-
- private:
-  void takeOut(Rows x);
-  void turnBack(Rows x) const;
-
-  const Motion* motion_ = nullptr;
-  std::vector<double> q_;  ///< shape (turning rows, 4)
 };
 
 }  // namespace stroma

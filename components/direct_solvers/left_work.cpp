@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "framework/algebra/left_work.h"
+#include "components/direct_solvers/left_work.h"
 
 #include <dlfcn.h>
 
