@@ -112,8 +112,7 @@ class Drawing {
     const double y = y_.at(chart_.uncertainty);
     out_ += fmt::format("<rect class=\"band\" x=\"{}\" y=\"{:.1f}\" width=\"{}\" height=\"{:.1f}\"/>\n", left, y,
                         width - right - left, height - bottom - y);
-    put("note", left + 8, height - bottom - 7,
-        "the reference is known to " + numberText(chart_.uncertainty, chart_.y_numbers), "start");
+    put("note", left + 8, height - bottom - 7, chart_.uncertainty_text, "start");
   }
 
   void drawLine(const ChartLine& line) {

@@ -64,9 +64,10 @@ std::string paragraphs(const Findings& findings) {
   const auto good = std::ranges::count_if(findings.entries, [](const Entry& entry) { return entry.error.has_value(); });
   std::string text = fmt::format("<p><strong>{} configurations, {} with a result.</strong> The reference is {}",
                                  findings.entries.size(), good, escaped(assessment.reference));
-  if (assessment.uncertainty > 0)
-    text += fmt::format("; it is known to <strong>{}</strong>, and so is every error",
-                        numberText(assessment.uncertainty, assessment.is_relative ? Numbers::share : Numbers::plain));
+  if (assessment.isUncertain())
+    text += fmt::format("; <strong>{}</strong>, and so is every error",
+                        knownTo(assessment, numberText(assessment.uncertainty,
+                                                       assessment.is_relative ? Numbers::share : Numbers::plain)));
   text += assessment.is_relative ? ". Errors are shares of the reference.</p>\n"
                                  : ". Errors have the reference's unit.</p>\n";
   if (!findings.goal.empty()) text += fmt::format("<p class=\"goal\">{}</p>\n", escaped(findings.goal));

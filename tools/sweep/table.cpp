@@ -74,6 +74,11 @@ Json runOf(const Repetition& run) {
           {"machine", run.machine}};
 }
 
+/// Null where nothing tells it.
+Json uncertaintyOf(const Assessment& assessment) {
+  return assessment.knowledge == Knowledge::none ? Json() : Json(assessment.uncertainty);
+}
+
 Json rowOf(const Findings& findings, const Entry& entry) {
   Json row;
   row["name"] = nameOf(findings.axes, entry.configuration);
@@ -82,7 +87,7 @@ Json rowOf(const Findings& findings, const Entry& entry) {
   row["outcome"] = entry.runs.outcome;
   if (!entry.runs.failure.empty()) row["sentence"] = entry.runs.failure;
   row["error"] = entry.error ? Json(*entry.error) : Json();
-  row["error_uncertainty"] = entry.error ? Json(findings.assessment.uncertainty) : Json();
+  row["error_uncertainty"] = entry.error ? uncertaintyOf(findings.assessment) : Json();
   row["is_reference"] = entry.is_reference;
   row["on_front"] = entry.on_front;
   row.update(figuresOf(entry, findings.request.timed));
@@ -196,8 +201,10 @@ Json jsonOf(const Findings& findings) {
   json["machine"] = machineText();
   json["seed"] = request.seed;
   json["repeat"] = request.repeat;
-  json["error"] = {
-      {"measure", request.error}, {"relative", assessment.is_relative}, {"uncertainty", assessment.uncertainty}};
+  json["error"] = {{"measure", request.error},
+                   {"relative", assessment.is_relative},
+                   {"uncertainty", uncertaintyOf(assessment)},
+                   {"uncertainty_is_whole", assessment.knowledge == Knowledge::whole}};
   json["reference"] = assessment.reference;
   json["estimates"] = Json::array();
   for (const AxisEstimate& axis : assessment.axes)
