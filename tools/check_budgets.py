@@ -13,16 +13,16 @@ import statistics
 import sys
 
 TREE = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+sys.path.insert(0, os.path.join(TREE, "tests", "support"))
+from tree_files import tree_files  # noqa: E402 pylint: disable=wrong-import-position
+
 OPENING = re.compile(r"^\s*(?:if|for|while|switch|else|do|catch|try|namespace|struct|class|enum|union|extern)\b|^\s*[{}]|\[[^\]]*\]\s*(?:\(|\{)|=\s*\{")
 
 
 def sources(*folders, ends=(".h", ".cpp")):
-    for folder in folders:
-        for where, inner, names in os.walk(os.path.join(TREE, folder)):
-            inner[:] = sorted(inner)
-            for name in sorted(names):
-                if name.endswith(ends):
-                    yield os.path.join(where, name)
+    for path in tree_files(TREE):
+        if path.split("/")[0] in folders and path.endswith(ends):
+            yield os.path.join(TREE, path)
 
 
 def read(path):

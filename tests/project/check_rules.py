@@ -5,7 +5,7 @@ machine in any text. Usage: check_rules.py TREE, or check_rules.py --self-test (
 import os
 import re
 
-from planted import run
+from planted import run, tree_files
 
 # A folder of framework/ and those it may include.
 FRAMEWORK = {
@@ -35,7 +35,6 @@ READERS_OF_FAMILIES = {
 }
 # Tools whose library another one links.
 TOOLS_FOR_TOOLS = {"command": {"mesh", "view", "picture", "drawing", "sweep"}, "view": {"drawing"}, "picture": {"drawing"}}
-SKIPPED_FOLDERS = {".git", "build", "results", "__pycache__"}
 SOURCE = re.compile(r"(\.(h|cpp|py|cmake|in|xml|sh)|CMakeLists\.txt)$")
 BINARY = re.compile(r"\.(png|gif|gz|vtu|pdf|so|o|pyc)$|^tests/fuzz/corpus/")  # fuzzers write any bytes
 MACHINE_PATH = re.compile(r"(?<![\w.$}*\]/-])/(work|tmp|home)/")
@@ -84,21 +83,13 @@ def badly_named_tests(path, text):
                 yield match.start(), f"the name of a test, {name}, is not in CamelCase"
 
 
-def files(tree):
-    for folder, folders, names in os.walk(tree):
-        names = [name for name in names if name != ".git"]  # of a linked work tree
-        folders[:] = sorted(name for name in folders if name not in SKIPPED_FOLDERS and not name.startswith("build"))
-        for name in sorted(names):
-            yield os.path.relpath(os.path.join(folder, name), tree).replace(os.sep, "/")
-
-
 def is_source(path, text):
     return bool(SOURCE.search(path)) or text.startswith("#!")
 
 
 def problems(tree):
     found, counted = [], 0
-    for path in files(tree):
+    for path in tree_files(tree):
         if BINARY.search(path):
             continue
         with open(os.path.join(tree, path), encoding="utf-8", errors="replace") as file:

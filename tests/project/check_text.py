@@ -7,7 +7,7 @@ Usage: check_text.py TREE, or check_text.py --self-test (plants mistakes and exp
 import os
 import re
 
-from planted import run
+from planted import run, tree_files
 
 LONGEST = 35  # words in a sentence
 
@@ -21,7 +21,7 @@ IDIOM = re.compile(rf"\b{COUNTED}[`)]?\s+an?\s+{EACH}\b(?![-'’])".replace("\n"
 SAID = re.compile(r"\bstep \d+ \(from t = |in \d+ of \d+ steps \(worst relative residual|\bnot at rest: ")
 LINK = re.compile(r"\[[^\]]*\]\(([^)\s]+)\)")
 ABBREVIATION = re.compile(r"\b(?:St|Fig|Figs|vs|cf|al|i\.e|e\.g|resp|no|approx|etc|[A-Z])\.$")
-SKIPPED_FOLDERS = {".git", "build", "results", "__pycache__", "references", "meshes"}
+SKIPPED_FOLDERS = {"references", "meshes"}
 
 
 def is_page(path):
@@ -90,13 +90,11 @@ def idioms(text):
 
 
 def files(tree):
-    for folder, folders, names in os.walk(tree):
-        folders[:] = sorted(name for name in folders if name not in SKIPPED_FOLDERS and not name.startswith("build"))
-        for name in sorted(names):
-            path = os.path.relpath(os.path.join(folder, name), tree).replace(os.sep, "/")
-            if path.endswith((".md", ".h", ".cpp", ".py", ".xml", ".txt", ".cmake")) or "." not in name:
-                if path != "tests/project/check_text.py":
-                    yield path
+    for path in tree_files(tree):
+        *folders, name = path.split("/")
+        if path.endswith((".md", ".h", ".cpp", ".py", ".xml", ".txt", ".cmake")) or "." not in name:
+            if path != "tests/project/check_text.py" and not SKIPPED_FOLDERS.intersection(folders):
+                yield path
 
 
 def problems(tree):

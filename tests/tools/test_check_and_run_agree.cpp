@@ -227,7 +227,7 @@ TEST_F(TheCommandsAgree, OnWhatKeepsARunFromItsFirstStep) {
   write("file", "");
   std::string recording = "T= 0\n  X=";
   for (int i = 0; i < 27 * 3; ++i) recording += " 0";
-  write("scene.last/run.instants", recording + "\n");
+  write("results/scene/last/run.instants", recording + "\n");
   fs::create_directory(folder_ / "folder");
   const auto with = [](const std::string& what) { return fmt::format(fmt::runtime(block), "", "3 3 3", what); };
   const std::string other =
@@ -243,7 +243,7 @@ TEST_F(TheCommandsAgree, OnWhatKeepsARunFromItsFirstStep) {
       {with(R"(<WriteState filename="folder"/>)"), "folder: cannot open for writing (Is a directory)"},
       {with(R"(<EnergyMonitor filename="file/a/b/energy.txt"/><VTKExporter filename="file/a"/>)"), "2 errors"},
       {with(R"(<VTKExporter filename=")" + std::string(300, 'x') + R"("/>)"), "File name too long"},
-      {with(R"(<ReadState filename="scene.last/run.instants"/>)"), "what the run leaves to be looked at"},
+      {with(R"(<ReadState filename="results/scene/last/run.instants"/>)"), "what the run leaves to be looked at"},
       {fmt::format(fmt::runtime(block), "<CholeskySolver/>", "16 16 16", ""), "4096 nodes are too many for the dense"},
       {fmt::format(fmt::runtime(block), "<SVDLinearSolver/>", "16 16 16", ""), "4096 nodes are too many for the dense"},
       {R"(<Node>)" + other + R"(<Node>)" + with(R"(<VTKExporter cellsDataFields="stress=@/other/fem.vonMises"/>)") +

@@ -168,9 +168,10 @@ Page overview() {
            {"SCENE.xml", "a scene, see stroma-scene(5)"},
            {"DIR/NAME.state.gz", "positions and velocities of a state, of stroma run --record DIR"},
            {"DIR/last.checkpoint", "what --resume goes on from"},
-           {"STEM.last/run.instants",
-            "positions and velocities at a few times of a run without --record, in the current folder; stroma view and "
-            "stroma picture open STEM.last"}})
+           {"results/STEM/last/run.instants",
+            "positions and velocities at a few times of a run without --record, below the current folder; stroma view "
+            "and "
+            "stroma picture open results/STEM/last"}})
     page.text += tagged(name, meaning);
   page.text += ".SH SEE ALSO\n";
   std::vector<std::string> names;

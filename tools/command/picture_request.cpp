@@ -36,7 +36,7 @@ const Manual manual{
     "  stroma picture organ.xml --field help                                  lists the fields\n"
     "  stroma picture organ.xml --views front,side,iso --edges --ghost\n"
     "  stroma picture organ.xml --cut x=0.02 --range 0,3000 --size 1600x1200\n"
-    "  stroma picture organ.last --animate --fps 25 -o organ_film.png         a film of a recording\n"};
+    "  stroma picture results/organ/last --animate --fps 25 -o organ_film.png a film of a recording\n"};
 
 void addLook(OptionList& options) {
   options.add_options()  //
@@ -203,12 +203,12 @@ void checkPanels(const PictureCommand& command) {
                     views, times, width, most, picture::least_panel_width));
 }
 
-/// organ.xml, organ.last and results/organ/ give organ.png.
+/// organ.xml, results/organ/last and results/organ/ give organ.png.
 std::string usualFile(const std::string& scene, bool is_recording) {
   fs::path path = fs::absolute(scene).lexically_normal();
   if (!path.has_filename()) path = path.parent_path();
-  const bool has_ending = !is_recording || path.extension() == ".last";
-  return (has_ending ? path.stem() : path.filename()).string() + ".png";
+  if (is_recording && path.filename() == "last") path = path.parent_path();
+  return (is_recording ? path.filename() : path.stem()).string() + ".png";
 }
 
 bool isPictureOfStroma(const std::string& path) {

@@ -34,7 +34,7 @@ const Manual manual{
     "  stroma view scenes/examples/organ.xml\n"
     "  stroma view organ.xml --paused --set /organ/fem.youngModulus=3000 --record results/pulled\n"
     "  stroma view results/pulled\n"
-    "  stroma view organ.last                        what `stroma run organ.xml` has left\n"
+    "  stroma view results/organ/last                what `stroma run organ.xml` has left\n"
     "  stroma run organ.xml -n 500 --replay results/pulled/run.actions       the same run without a browser\n"
     "  stroma view organ.xml --export organ.html -n 200 --every 2 --field vonMises\n"
     "  stroma view results/pulled --export pulled.html --every 5             every fifth instant of a recording\n"};

@@ -31,7 +31,9 @@ std::string fileName(const std::string& path) { return std::filesystem::path(pat
 }  // namespace
 
 void LiveRun::doOrders(bool of_server_only) {
-  while (true) {
+  constexpr auto longest = std::chrono::milliseconds(10);
+  const auto start = Clock::now();
+  do {
     Order order;
     {
       const std::lock_guard lock(mutex_);
@@ -46,7 +48,7 @@ void LiveRun::doOrders(bool of_server_only) {
       orders_.erase(next);
     }
     answer(order);
-  }
+  } while (Clock::now() - start < longest);
 }
 
 void LiveRun::answer(const Order& order) {

@@ -23,6 +23,9 @@ double secondsBetween(std::chrono::steady_clock::time_point from, std::chrono::s
   return std::chrono::duration<double>(to - from).count();
 }
 
+/// What changes nothing, and only its page wants to know.
+bool isQuestion(const json& message) { return !needsControl(message.value("do", "")); }
+
 bool isOfHand(const json& message) {
   const std::string verb = message.value("do", "");
   return verb == "pull" || verb == "force" || verb == "push";
@@ -67,10 +70,11 @@ bool LiveRun::post(Order order) {
         return true;
       }
     }
-    // what a page that goes has left in the queue would be done by nobody's hand
+    // what a page that goes has left in the queue would be done by nobody's hand, or told to nobody
     if (order.message.value("do", "") == "leave")
-      std::erase_if(orders_,
-                    [&order](const Order& other) { return other.client == order.client && isOfHand(other.message); });
+      std::erase_if(orders_, [&order](const Order& other) {
+        return other.client == order.client && (isOfHand(other.message) || isQuestion(other.message));
+      });
     if (orders_.size() >= most_orders && !isOfServer(order.message)) return false;
     orders_.push_back(std::move(order));
     ordered_ = true;
@@ -114,7 +118,10 @@ void LiveRun::loop() {
   while (!stopping_) {
     try {
       doOrders();
-      if (running_) advance(steps_per_call);
+      if (running_ && secondsAhead() > 0)
+        waitForRealTime();
+      else if (running_)
+        advance(steps_per_call);
       if (running_ || stopping_) continue;
       showIfDue();
       tellStatus(false);
@@ -196,11 +203,15 @@ void LiveRun::endRun(const std::string& sentence) {
   tellStatus(true);
 }
 
+double LiveRun::secondsAhead() const {
+  return real_time_ ? (time() - anchor_time_) / factor_ - secondsBetween(anchor_, Clock::now()) : 0;
+}
+
 void LiveRun::waitForRealTime() {
-  if (!real_time_) return;
-  const double ahead = (time() - anchor_time_) / factor_ - secondsBetween(anchor_, Clock::now());
+  const double ahead = secondsAhead();
   if (ahead < -0.25) anchor_ = Clock::now(), anchor_time_ = time();  // what is lost is lost: no rush to catch up
   if (ahead <= 0) return;
+  showIfDue();
   const auto until = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(ahead));
   while (Clock::now() < until && !mustReturn()) {
     showIfDue();
