@@ -9,7 +9,7 @@
 
 #include "framework/mesh/cell_attributes.h"
 #include "framework/mesh/cell_faces.h"
-#include "framework/scene/units.h"
+#include "framework/scene/written_units.h"
 
 namespace stroma {
 
@@ -142,9 +142,9 @@ void MeshLoader::transform() {
       throw ComponentError("the last row of transformation is not that of an affine map", "0 0 0 1");
     linear << m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10];
     shift << m[3], m[7], m[11];
-    if (!unit_.empty() && inSI(1, readLengthUnit(unit_)) != 1 && shift != Vec3::Zero())
+    if (metresOf(unit_) != 1 && shift != Vec3::Zero())
       warn(fmt::format("the last column of transformation is in metres: unit=\"{}\" is that of the file", unit_),
-           fmt::format("write metres, or leave unit out and scale by {}", inSI(1, readLengthUnit(unit_))));
+           fmt::format("write metres, or leave unit out and scale by {}", metresOf(unit_)));
   } else {
     if (!parts) return;
     linear = rotationFromDegrees(rotation_) * scale3d_.asDiagonal();
@@ -179,13 +179,6 @@ void MeshLoader::splitQuads() {
     mesh_.triangles.push_back({q[0], q[2], q[3]});
   }
   mesh_.quads.clear();
-}
-
-void makeMetres(std::vector<Vec3>& positions, const std::string& unit) {
-  if (unit.empty()) return;
-  const Unit given = readLengthUnit(unit);
-  for (Vec3& p : positions)
-    for (int i = 0; i < 3; ++i) p[i] = inSI(p[i], given);
 }
 
 Mat3 rotationFromDegrees(const Vec3& angles) {

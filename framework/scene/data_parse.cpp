@@ -6,7 +6,7 @@
 
 #include "framework/scene/data.h"
 #include "framework/scene/text.h"
-#include "framework/scene/units.h"
+#include "framework/scene/written_units.h"
 
 namespace stroma {
 

@@ -20,11 +20,7 @@ bool contains(const std::vector<std::string_view>& list, std::string_view word) 
 
 bool hasNoEffect(const ComponentDescription& component) { return contains(acceptedWithoutEffect(), component.type); }
 
-bool isVisualModel(const ComponentDescription& component) {
-  static const std::vector<std::string_view> types = {"OglModel",   "VisualModelImpl",  "VisualModel",
-                                                      "VisualMesh", "OglCylinderModel", "SlicedVolumetricModel"};
-  return contains(types, component.type);
-}
+bool isVisualModel(const ComponentDescription& component) { return contains(visualModels(), component.type); }
 
 /// What a node that only carries a visual model holds beside it: the mapping that moves it and the mesh it is made of.
 bool servesVisualModel(const ComponentDescription& component) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Inputs on condensed bodies: forces and pulls are those of the whole body, and nothing is left when they have gone.
 #include "tests/condensation/bodies.h"
+#include "tools/session/replay.h"
 
 using namespace stroma;
 using namespace stroma::test;
@@ -202,7 +203,7 @@ TEST(PulledNodes, ARunRepeatsBitForBitAlsoFromACheckpoint) {
     Archive let_go = played.checkpoint();
     run(played, 2);
     Simulation replayed = simulationFromText(block.text()), restored = simulationFromText(block.text());
-    replayed.replay(played.events());
+    replay(replayed, played.events());
     run(replayed, 8);
     EXPECT_EQ(replayed.stateHash(), played.stateHash());
     restored.restore(std::move(let_go));

@@ -6,6 +6,7 @@
 
 #include "tests/condensation/bodies.h"
 #include "tests/support/ground_spring.h"
+#include "tools/checks/result_doubts.h"
 
 using namespace stroma;
 using namespace stroma::test;
@@ -149,7 +150,7 @@ TEST(CondensedRange, IsDoubtedWhenItIsLeft) {
     Simulation simulation = simulationFromText(block.text());
     simulation.step();
     std::string text;
-    for (const std::string& sentence : simulation.doubts()) text += sentence;
+    for (const std::string& sentence : doubtsOf(simulation)) text += sentence;
     return text;
   };
   EXPECT_EQ(doubts(0.02, ""), "");
@@ -165,7 +166,7 @@ std::string doubtsAfter(const Block& block, int steps) {
   simulation.computeOnDemand(true);
   for (int i = 0; i < steps; ++i) simulation.step();
   std::string text;
-  for (const std::string& sentence : simulation.doubts()) text += sentence;
+  for (const std::string& sentence : doubtsOf(simulation)) text += sentence;
   return text;
 }
 
@@ -216,7 +217,7 @@ TEST(CondensedRange, IsCountedFromTheShapeAtRest) {
     Simulation simulation = simulationFromText(replaced(block.text(), object, stretched(factor)));
     simulation.step();
     std::string text;
-    for (const std::string& sentence : simulation.doubts()) text += sentence;
+    for (const std::string& sentence : doubtsOf(simulation)) text += sentence;
     return text;
   };
   EXPECT_EQ(doubts(1.5, ""), "");  // one step to the rest shape, where the strain is zero

@@ -7,6 +7,7 @@
 
 #include "framework/scene/load.h"
 #include "tests/scene/test_components.h"
+#include "tests/support/xml_writer.h"
 
 namespace stroma {
 namespace {

@@ -8,8 +8,8 @@
 #include <iterator>
 #include <random>
 
-#include "framework/simulation/session.h"
 #include "tests/support/scene_fixture.h"
+#include "tools/session/session.h"
 
 namespace stroma::test {
 namespace {

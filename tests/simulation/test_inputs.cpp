@@ -6,6 +6,7 @@
 
 #include "tests/simulation/refused_input.h"
 #include "tests/support/scene_fixture.h"
+#include "tools/session/replay.h"
 
 namespace stroma::test {
 namespace {
@@ -132,7 +133,7 @@ TEST(Inputs, ARecordedHandIsReplayedBitForBitAndACheckpointHoldsIt) {
     played.removeInput(number);
     run(played, 3);
     Simulation replayed = simulationFromText(beamScene(solver));
-    replayed.replay(played.events());
+    replay(replayed, played.events());
     run(replayed, 11);
     EXPECT_EQ(replayed.stateHash(), played.stateHash());
     Simulation restored = simulationFromText(beamScene(solver));

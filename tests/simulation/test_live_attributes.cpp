@@ -2,8 +2,8 @@
 // Attributes that change while a scene runs: each change does what its declaration promises, or is refused.
 #include <gtest/gtest.h>
 
-#include "framework/simulation/session.h"
 #include "tests/support/scene_fixture.h"
+#include "tools/session/session.h"
 
 namespace stroma::test {
 namespace {

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "tests/support/scene_fixture.h"
+#include "tools/plan/plan.h"
 
 namespace stroma {
 namespace {
@@ -235,7 +236,7 @@ TEST_F(SimulationTest, TheHashSeesEveryBit) {
 TEST_F(SimulationTest, ExplainNamesWhatRuns) {
   const Simulation simulation(scene(two_bodies));
   std::string text;
-  for (const std::string& line : simulation.explain()) text += line + "\n";
+  for (const std::string& line : planOf(simulation).lines()) text += line + "\n";
   for (const char* part : {"/a/dofs", "/b/mover", "moves along", "/watch", "remembers"})
     EXPECT_TRUE(has(text, part)) << text;
 }

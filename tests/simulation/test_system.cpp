@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "tests/support/scene_text.h"
+#include "tools/plan/plan.h"
 
 namespace stroma::test {
 namespace {
@@ -232,7 +233,7 @@ TEST(SystemReports, TheFirstNumberThatIsNotFinite) {
 TEST(SystemReports, ThePlan) {
   Simulation simulation(sceneFromText(two_bodies));
   std::string text;
-  for (const std::string& plan : explain(*simulation.systems()[0])) text += plan + "\n";
+  for (const std::string& plan : planOf(*simulation.systems()[0]).lines()) text += plan + "\n";
   expectContains(text, "9 nodes in one vector, 6 of them independent");
   expectContains(text, "computed once");
   expectContains(text, "/b/springs");

@@ -16,9 +16,9 @@
 #include <map>
 #include <set>
 
-#include "framework/simulation/session.h"
 #include "tests/support/manual_examples.h"
 #include "tests/support/shell.h"
+#include "tools/session/session.h"
 
 namespace stroma::test {
 namespace {

@@ -5,6 +5,7 @@
 #include "framework/algebra/parallel.h"
 #include "tools/command/plan_json.h"
 #include "tools/command/session.h"
+#include "tools/plan/plan.h"
 
 namespace stroma::command {
 namespace {
@@ -33,7 +34,7 @@ int explain(const Arguments& arguments) {
   const Simulation& simulation = session.load(required(*values, "SCENE", manual));
   reportProblems(simulation.scene(), true);
   if (values->count("json")) return printJson(planJson(session));
-  for (const std::string& line : simulation.explain()) fmt::print("{}\n", line);
+  for (const std::string& line : planOf(simulation).lines()) fmt::print("{}\n", line);
   fmt::print("modules opened: {} (instructions: {})\n", names(session.modules().opened()), instructionLevel());
   fmt::print("modules not opened, the scene names nothing in them: {}\n", names(session.modules().notOpened()));
   fmt::print("threads: {}\n", threads());

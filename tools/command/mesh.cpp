@@ -13,10 +13,10 @@
 #include "framework/mesh/mesh_loader.h"
 #include "framework/scene/output_file.h"
 #include "framework/scene/services.h"
-#include "framework/simulation/file_uses.h"
 #include "tools/command/mesh_report.h"
 #include "tools/mesh/enclosed_volume.h"
 #include "tools/mesh/voxels.h"
+#include "tools/session/file_uses.h"
 
 namespace fs = std::filesystem;
 

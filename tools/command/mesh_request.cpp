@@ -7,7 +7,7 @@
 #include <cmath>
 #include <filesystem>
 
-#include "framework/scene/units.h"
+#include "tools/units/units.h"
 
 namespace fs = std::filesystem;
 namespace po = boost::program_options;

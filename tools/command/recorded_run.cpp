@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "framework/simulation/checkpoint.h"
 #include "tools/command/instants.h"
 #include "tools/command/recorder.h"
 #include "tools/command/session.h"
+#include "tools/session/checkpoint.h"
 
 namespace stroma::command {
 namespace {

@@ -10,13 +10,13 @@
 #include <set>
 
 #include "framework/scene/output_file.h"
-#include "framework/simulation/file_uses.h"
-#include "framework/simulation/statistics.h"
 #include "tools/command/bits.h"
 #include "tools/command/comparison.h"
 #include "tools/command/junit.h"
 #include "tools/command/regression_list.h"
 #include "tools/command/session.h"
+#include "tools/session/file_uses.h"
+#include "tools/session/statistics.h"
 
 namespace po = boost::program_options;
 namespace fs = std::filesystem;

@@ -7,10 +7,10 @@
 #include <filesystem>
 
 #include "framework/scene/output_file.h"
-#include "framework/simulation/file_uses.h"
 #include "tools/command/default_recording.h"
 #include "tools/command/recorder.h"
 #include "tools/command/session.h"
+#include "tools/session/file_uses.h"
 
 namespace po = boost::program_options;
 

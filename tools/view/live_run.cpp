@@ -6,6 +6,8 @@
 #include <algorithm>
 
 #include "framework/scene/output_file.h"
+#include "tools/checks/result_doubts.h"
+#include "tools/session/replay.h"
 #include "tools/view/orders.h"
 #include "tools/view/scene_packets.h"
 
@@ -176,8 +178,8 @@ void LiveRun::afterStep(const StepReport& report, double seconds) {
   last_ = report;
   last_step_seconds_ = seconds;
   dirty_ = true;
-  if (simulation_.replayed() != replayed_) {  // an edit may have been among them
-    replayed_ = simulation_.replayed();
+  if (replayed(simulation_) != replayed_) {  // an edit may have been among them
+    replayed_ = replayed(simulation_);
     redraw();
   }
   window_.steps += 1;
@@ -269,7 +271,7 @@ void LiveRun::lookForDoubts() {
   if (start < doubts_due_ || simulation_.steps() == 0 || !request_.recording.empty()) return;
   doubts_due_ = start + std::chrono::seconds(2);
   try {
-    doubts_ = simulation_.doubts();
+    doubts_ = doubtsOf(simulation_);
   } catch (const std::exception& error) {  // the way here may be that of a run that has just failed
     doubts_ = {error.what()};
   }
