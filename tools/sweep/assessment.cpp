@@ -89,6 +89,7 @@ const Assessor::Sample& Assessor::sampleOf(const Entry& entry) {
   sample.nodes = end.nodes(), sample.cells = end.cells(), sample.spacing = end.spacing();
   sample.spacings = spacingTensor(end);
   sample.dt = end.dt, sample.time = end.time;
+  sample.length_unit = end.length_unit, sample.time_unit = end.time_unit;
   if (measure_.isField()) sample.outside = points.outside(), sample.farthest = points.farthestOutside();
   return samples_[entry.configuration.key] = std::move(sample);
 }
@@ -304,6 +305,7 @@ void Assessor::settle(std::vector<Entry>& entries, Entry& run, Assessment& asses
     points_of_ = run.configuration.key;
   }
   reference_time_ = sampleOf(run).time;
+  assessment.length_unit = sampleOf(run).length_unit, assessment.time_unit = sampleOf(run).time_unit;
   if (!given_) return settleReference(entries, run, assessment);
   assessment.reference = given_->text();
   if (!comparesOnOwnMesh()) reference_ = given_->valuesAt(points_, reference_time_);

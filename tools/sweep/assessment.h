@@ -46,6 +46,7 @@ struct Assessment {
   Knowledge knowledge = Knowledge::whole;  ///< in part: the uncertainty is at least this; none: there is no number
   double expected = 0;                     ///< the reference's own error as it is estimated, without a margin of safety
   bool is_relative = true;                 ///< errors are shares of the reference's norm; else they have its unit
+  std::string length_unit, time_unit;      ///< of the scene; empty: unknown
   std::vector<AxisEstimate> axes;
   std::vector<std::string> notes;
 
@@ -66,7 +67,8 @@ class Assessor {
     Values values;
     std::size_t nodes = 0, cells = 0, outside = 0;
     double spacing = 0, dt = 0, time = 0, farthest = 0;
-    Mat3 spacings = Mat3::Zero();     ///< in all directions, see spacingTensor()
+    Mat3 spacings = Mat3::Zero();  ///< in all directions, see spacingTensor()
+    std::string length_unit, time_unit;
     std::optional<double> own_error;  ///< from a formula, at the Gauss points of the run's own mesh
   };
   /// Runs along an axis from fine to coarse.

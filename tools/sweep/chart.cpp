@@ -13,7 +13,7 @@
 namespace stroma::sweep {
 namespace {
 
-constexpr double width = 790, height = 460, left = 78, right = 216, top = 46, bottom = 58;
+constexpr double width = 812, height = 464, left = 100, right = 216, top = 46, bottom = 58;
 constexpr std::size_t colours = 8;
 
 /// Shapes differ too, for who does not tell the colours apart. Around (0 0), about 9 wide.

@@ -153,8 +153,14 @@ Chart errorAgainst(const Findings& findings, std::size_t axis) {
   chart.title = fmt::format("Error against the {}", what);
   chart.x_label = along.label() == "dt" ? what : fmt::format("{} ({})", what, along.label());
   chart.x_label = capitalised(chart.x_label);
-  if (along.kind == AxisKind::mesh) chart.x_numbers = Numbers::metres;
-  if (along.kind == AxisKind::time_step) chart.x_numbers = Numbers::seconds;
+  const bool is_mesh = along.kind == AxisKind::mesh;
+  if (is_mesh || along.kind == AxisKind::time_step) {
+    const std::string& unit = is_mesh ? findings.assessment.length_unit : findings.assessment.time_unit;
+    if (unit == "m" || unit == "s")
+      chart.x_numbers = is_mesh ? Numbers::metres : Numbers::seconds;
+    else if (!unit.empty())
+      chart.x_label += fmt::format(" [{}]", unit);
+  }
   const auto size = [&](const Entry& entry) { return along.sizes[entry.configuration.choice[axis]]; };
   chart.lines = linesAlong(findings, axis, size);
   for (ChartLine& line : chart.lines) {

@@ -55,8 +55,8 @@ Json figuresOf(const Entry& entry, bool timed) {
   row["warnings"] = summary.contains("warnings") ? summary["warnings"].size() : 0;
   row["nodes"] = entry.nodes;
   row["cells"] = entry.cells;
-  row["spacing_m"] = entry.spacing;
-  row["dt_s"] = entry.dt;
+  row["spacing"] = entry.spacing;
+  row["dt"] = entry.dt;
   row["threads"] = entry.configuration.threads;
   return row;
 }
@@ -91,7 +91,7 @@ Json rowOf(const Findings& findings, const Entry& entry) {
   row["is_reference"] = entry.is_reference;
   row["on_front"] = entry.on_front;
   row.update(figuresOf(entry, findings.request.timed));
-  if (entry.outside > 0) row["points_outside"] = {{"count", entry.outside}, {"farthest_m", entry.farthest}};
+  if (entry.outside > 0) row["points_outside"] = {{"count", entry.outside}, {"farthest", entry.farthest}};
   row["measured"] = Json::array();
   for (const Repetition& run : entry.runs.repetitions) row["measured"].push_back(runOf(run));
   row["command"] = commandLine(findings.request, entry.configuration);
@@ -164,8 +164,8 @@ std::string csvOf(const Findings& findings) {
                                          "peak_memory_bytes",
                                          "nodes",
                                          "cells",
-                                         "spacing_m",
-                                         "dt_s",
+                                         "spacing",
+                                         "dt",
                                          "threads",
                                          "runs",
                                          "timed",
@@ -205,6 +205,7 @@ Json jsonOf(const Findings& findings) {
                    {"relative", assessment.is_relative},
                    {"uncertainty", uncertaintyOf(assessment)},
                    {"uncertainty_is_whole", assessment.knowledge == Knowledge::whole}};
+  json["units"] = {{"length", assessment.length_unit}, {"time", assessment.time_unit}};
   json["reference"] = assessment.reference;
   json["estimates"] = Json::array();
   for (const AxisEstimate& axis : assessment.axes)
