@@ -19,7 +19,7 @@ namespace {
 
 constexpr long default_steps = 100;
 
-const Manual manual{
+const Manual run_manual{
     "stroma run SCENE [options]",
     "Simulates a scene: 100 steps unless -n or --until says otherwise. Progress and messages go to standard error,\n"
     "the summary to standard output. Ctrl-C, SIGTERM or SIGHUP ends the run after a whole step. A reader of the "
@@ -82,7 +82,7 @@ void addRunOptions(OptionList& options) {
 }
 
 CommandLine runLine() {
-  CommandLine line{manual, OptionList("options"), {"SCENE"}};
+  CommandLine line{run_manual, OptionList("options"), {"SCENE"}};
   addRunOptions(line.options);
   addSceneOptions(line.options);
   return line;
@@ -91,7 +91,7 @@ CommandLine runLine() {
 std::optional<Values> parseRunOptions(const Arguments& arguments) { return parseOptions(runLine(), arguments); }
 
 RunRequest::RunRequest(const Values& values)
-    : scene(required(values, "SCENE", manual)),
+    : scene(required(values, "SCENE", run_manual)),
       quiet(values.count("quiet") > 0),
       strict(values.count("strict") > 0),
       resume(values.count("resume") > 0),

@@ -10,7 +10,7 @@ namespace stroma {
 namespace {
 
 constexpr std::string_view head = "stroma lists 1\n", end = "end\n";
-constexpr std::string_view kinds = "dit";  // by the order in the variant
+constexpr std::string_view kind_letters = "dit";  // by the order in the variant
 
 void put(std::string& bytes, std::uint64_t count) { bytes.append(reinterpret_cast<const char*>(&count), sizeof count); }
 void put(std::string& bytes, const std::string& text) {
@@ -71,7 +71,7 @@ class Taker {
 std::string ValueLists::bytes() const {
   std::string bytes(head);
   for (const auto& [name, list] : lists_) {
-    bytes += kinds[list.index()];
+    bytes += kind_letters[list.index()];
     put(bytes, name);
     std::visit([&bytes](const auto& values) { putAll(bytes, values); }, list);
   }
@@ -85,11 +85,11 @@ ValueLists ValueLists::fromBytes(std::string_view bytes) {
   while (!taker.starts(end)) {
     const char kind = taker.take(1)[0];
     const std::string name = taker.text();
-    if (kind == kinds[0])
+    if (kind == kind_letters[0])
       lists.add(name, taker.numbers<double>());
-    else if (kind == kinds[1])
+    else if (kind == kind_letters[1])
       lists.add(name, taker.numbers<std::int64_t>());
-    else if (kind == kinds[2])
+    else if (kind == kind_letters[2])
       lists.add(name, taker.texts());
     else
       throw std::runtime_error("a list is of no known kind");

@@ -51,7 +51,7 @@ struct Place {
 };
 
 /// An edit and where it belongs.
-struct Wanted {
+struct WantedEdit {
   std::string name;     ///< "/organ/fem.youngModulus"
   std::string element;  ///< its path
   bool is_node = false;
@@ -72,7 +72,7 @@ class Writer {
   ChangedScene run() {
     for (const SceneFileText& text : scene_.texts) result_.texts.emplace(text.file, text.text);
     for (const Override& edit : simulation_.edits()) locate(edit);
-    for (const Wanted& wanted : wanted_)
+    for (const WantedEdit& wanted : wanted_)
       if (!wanted.is_there && isAlone(wanted)) changes_[nameOf(wanted.place.file)].push_back(changeOf(wanted));
     for (const auto& [file, changes] : changes_) write(file, changes);
     tellOverrides();
@@ -103,12 +103,12 @@ class Writer {
   void locate(const Override& edit) {
     const LiveEdit live(simulation_.root(), edit.path, edit.attribute);
     const Component* component = live.component();
-    Wanted wanted{
+    WantedEdit wanted{
         live.name(), component ? component->path() : live.node()->path(), !component, edit.attribute, edit.value, {},
         {}};
     if (component) wanted.attribute = component->data().find(edit.attribute)->name();
     // the same attribute by another path or name: the last counts
-    std::erase_if(wanted_, [&](const Wanted& other) { return other.name == wanted.name; });
+    std::erase_if(wanted_, [&](const WantedEdit& other) { return other.name == wanted.name; });
     const auto element =
         std::find_if(elements_.begin(), elements_.end(), [&](const Element& each) { return wanted.isOf(each); });
     if (scene_.texts.empty()) return refuse(wanted.name, wanted.value, "the scene was not read from a text");
@@ -130,7 +130,7 @@ class Writer {
   }
 
   /// Where the value stands in a file, else the tag that gets the attribute.
-  void findPlace(const Element& element, const Component* component, Wanted& wanted) const {
+  void findPlace(const Element& element, const Component* component, WantedEdit& wanted) const {
     wanted.where = *element.where;
     wanted.place = {canonical(element.where->file), element.where->line, element.where->column, wanted.attribute};
     for (const AttributeDescription& attribute : *element.attributes) {
@@ -157,10 +157,10 @@ class Writer {
   // ---- a place that several elements share ----
 
   /// False when another element would change too that is not to change so.
-  bool isAlone(const Wanted& wanted) {
+  bool isAlone(const WantedEdit& wanted) {
     for (const Element& element : elements_) {
       if (wanted.isOf(element) || !isMadeAt(element, wanted.place)) continue;
-      const bool agrees = std::any_of(wanted_.begin(), wanted_.end(), [&](const Wanted& other) {
+      const bool agrees = std::any_of(wanted_.begin(), wanted_.end(), [&](const WantedEdit& other) {
         return other.isOf(element) && other.place == wanted.place && other.value == wanted.value;
       });
       if (agrees) continue;
@@ -184,7 +184,7 @@ class Writer {
 
   // ---- texts ----
 
-  static TextChange changeOf(const Wanted& wanted) {
+  static TextChange changeOf(const WantedEdit& wanted) {
     return {{wanted.place.line, wanted.place.column}, wanted.attribute, wanted.value};
   }
 
@@ -204,7 +204,7 @@ class Writer {
   void tellOverrides() {
     for (const Element& element : elements_)
       for (const AttributeDescription& attribute : *element.attributes) {
-        const auto is_edited = [&](const Wanted& wanted) {
+        const auto is_edited = [&](const WantedEdit& wanted) {
           const Component* component = wanted.is_node ? nullptr : findComponent(simulation_.root(), wanted.element);
           return wanted.isOf(element) && isCalled(attribute.name, wanted.attribute, component);
         };
@@ -231,7 +231,7 @@ class Writer {
   const Simulation& simulation_;
   const SceneDescription& scene_;
   std::vector<Element> elements_;
-  std::vector<Wanted> wanted_;
+  std::vector<WantedEdit> wanted_;
   std::map<std::string, std::vector<TextChange>> changes_;  ///< by file
   ChangedScene result_;
 };

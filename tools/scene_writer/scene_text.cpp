@@ -11,8 +11,6 @@
 namespace stroma {
 namespace {
 
-bool isSpace(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
-bool endsName(char c) { return isSpace(c) || c == '=' || c == '/' || c == '>' || c == '<' || c == '"' || c == '\''; }
 bool isBefore(TextPosition a, TextPosition b) { return std::pair(a.line, a.column) < std::pair(b.line, b.column); }
 
 /// The value between quotes of this kind, so that the reader gives it back to the byte.
@@ -93,11 +91,11 @@ class Editor {
   }
 
   std::size_t endOfName(std::size_t at) const {
-    while (at < text_.size() && !endsName(text_[at])) ++at;
+    while (at < text_.size() && !endsXmlName(text_[at])) ++at;
     return at;
   }
   std::size_t skipSpaces(std::size_t at) const {
-    while (at < text_.size() && isSpace(text_[at])) ++at;
+    while (at < text_.size() && isXmlSpace(text_[at])) ++at;
     return at;
   }
 

@@ -15,6 +15,17 @@ constexpr double large_size = 10, heaviest_large = 1;
 /// Only loose gels and cells are softer [Pa], and they are small: a body that is too heavy too has a wrong modulus.
 constexpr double soft_modulus = 100;
 
+/// Written in m/s^2 a hundredth of the earth's gravity is a small load; in a smaller unit of length it is that of the
+/// earth, whose digits were taken for those of the unit.
+constexpr double smallest_load = 0.01;
+
+bool isPlausible(const WrittenBody& body, Quantity q, double factor) {
+  const double value = body.value[q] * factor;
+  if (q == body_modulus) return value >= plausible[q].low && body.softest * factor <= plausible[q].high;
+  return plausible[q].has(value) ||
+         (q == body_gravity && factor == 1 && value >= smallest_load && value < plausible[q].low);
+}
+
 /// What is not known is as usual.
 double usualIfUnknown(const WrittenBody& body, const Factors& f, Quantity q) {
   return isKnown(body, q) ? body.value[q] * f[q] : plausible[q].typical;
@@ -45,13 +56,8 @@ double weightOf(const WrittenBody& body, const Factors& f) {
 
 Faults faultsOf(const WrittenBody& body, const Factors& factors) {
   Faults faults;
-  for (const Quantity q : body_quantities) {
-    const double value = body.value[q] * factors[q];
-    if (!isKnown(body, q)) continue;
-    const bool good = q == body_modulus ? value >= plausible[q].low && body.softest * factors[q] <= plausible[q].high
-                                        : plausible[q].has(value);
-    if (!good) faults.out.push_back(q);
-  }
+  for (const Quantity q : body_quantities)
+    if (isKnown(body, q) && !isPlausible(body, q, factors[q])) faults.out.push_back(q);
   const double weight = weightOf(body, factors);
   const bool bears_weight = isKnown(body, body_density) && isKnown(body, body_gravity);
   const bool too_large = body.value[body_size] * factors[body_size] > large_size && weight > heaviest_large;
