@@ -19,7 +19,7 @@
 
 #include "components/output/table_file.h"
 #include "framework/scene/factory.h"
-#include "framework/scene/unit_system.h"
+#include "framework/scene/written_units.h"
 #include "framework/simulation/simulation.h"
 #include "framework/simulation/state_file.h"
 
@@ -62,11 +62,11 @@ class Monitor final : public Observer {
   void begin(const Simulation& simulation) override {
     goes_on_ = simulation.steps() > 0;
     bool is_new = false;
-    const UnitSystem units = unitsOf(simulation.scene());
-    time_unit_ = units.inBrackets("s");
-    if (export_x_) is_new = open(x_file_, "x", "positions" + units.inBrackets("m")) || is_new;
-    if (export_v_) is_new = open(v_file_, "v", "velocities" + units.inBrackets("m/s")) || is_new;
-    if (export_f_) is_new = open(f_file_, "f", "forces" + units.inBrackets("N")) || is_new;
+    const auto unit = [&](const char* si_unit) { return unitInBrackets(simulation.scene(), si_unit); };
+    time_unit_ = unit("s");
+    if (export_x_) is_new = open(x_file_, "x", "positions" + unit("m")) || is_new;
+    if (export_v_) is_new = open(v_file_, "v", "velocities" + unit("m/s")) || is_new;
+    if (export_f_) is_new = open(f_file_, "f", "forces" + unit("N")) || is_new;
     if (!is_new) return;
     if (export_f_)
       for (const auto& system : simulation.systems()) system->computeForce(system->x, system->v, system->f);

@@ -12,7 +12,7 @@
 #include "framework/scene/overrides.h"
 #include "framework/scene/text.h"
 #include "framework/scene/time_step.h"
-#include "framework/scene/unit_system.h"
+#include "framework/scene/written_units.h"
 
 namespace stroma {
 

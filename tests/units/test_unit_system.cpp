@@ -6,7 +6,7 @@
 #include <array>
 
 #include "framework/scene/modules.h"
-#include "framework/scene/unit_system.h"
+#include "tools/units/unit_system.h"
 
 namespace stroma {
 namespace {

@@ -11,9 +11,9 @@
 #include "framework/mesh/cell_lists.h"
 #include "framework/scene/output_file.h"
 #include "framework/scene/text.h"
-#include "framework/scene/unit_system.h"
 #include "framework/scene/value_lists.h"
 #include "tools/session/file_uses.h"
+#include "tools/units/unit_system.h"
 
 namespace stroma::command {
 namespace {

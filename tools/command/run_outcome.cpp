@@ -8,9 +8,9 @@
 
 #include "framework/algebra/parallel.h"
 #include "framework/scene/output_file.h"
-#include "framework/scene/unit_system.h"
 #include "tools/checks/result_doubts.h"
 #include "tools/command/statistics.h"
+#include "tools/units/unit_system.h"
 
 namespace stroma::command {
 

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "framework/scene/unit_system.h"
 #include "tools/drawing/body.h"
 #include "tools/picture/picture_maker.h"
 #include "tools/picture/surface.h"
+#include "tools/units/unit_system.h"
 
 namespace stroma::picture {
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "framework/scene/unit_system.h"
+#include "tools/units/unit_system.h"
 #include "tools/units/written_bodies.h"
 
 namespace stroma {

@@ -2,7 +2,7 @@
 // Names of units in a consistent system. Each unit of a text of SI is renamed by itself: "N s/m" of mm, t, s is "N s/mm".
 // Those with a name of their own (Pa, N, J, W) become it with the prefix of their power of ten, dyn where it is one
 // and else what they are made of.
-#include "framework/scene/unit_system.h"
+#include "tools/units/unit_system.h"
 
 #include <fmt/format.h>
 
@@ -170,5 +170,7 @@ UnitSystem unitsOf(const Scene& scene) {
   }
   return found ? *found : UnitSystem{};
 }
+
+std::string unitInBrackets(const Scene& scene, std::string_view si_unit) { return unitsOf(scene).inBrackets(si_unit); }
 
 }  // namespace stroma

@@ -9,7 +9,7 @@
 #include "framework/mechanics/state_positions.h"
 #include "framework/mechanics/state_topology.h"
 #include "framework/scene/text.h"
-#include "framework/scene/unit_system.h"
+#include "tools/units/unit_system.h"
 #include "tools/units/units.h"
 
 namespace stroma {

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "framework/scene/unit_system.h"
+#include "tools/units/unit_system.h"
 
 namespace stroma::view {
 namespace {

@@ -4,8 +4,8 @@
 #include <filesystem>
 
 #include "framework/mechanics/state_positions.h"
-#include "framework/scene/unit_system.h"
 #include "tools/drawing/held_nodes.h"
+#include "tools/units/unit_system.h"
 
 namespace stroma::view {
 namespace {

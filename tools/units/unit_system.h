@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The units that the numbers of a scene are in. Nothing is computed with them: whoever shows a number asks here what to
-// write beside it. tools/units answers.
+// write beside it; components ask by framework/scene/written_units.h.
 #pragma once
-#include <optional>
 #include <string>
 #include <string_view>
 
@@ -27,9 +26,6 @@ struct UnitSystem {
 /// "mm t s", "mm kPa s", "cm, g, s": three units of which one is a length, one a time, and one a mass, a force or a
 /// pressure. Throws ComponentError.
 UnitSystem readUnitSystem(std::string_view text);
-
-/// What is wrong with the attribute `units` of a node.
-std::optional<Problem> problemOfUnits(std::string_view text, const NodeDescription& root, bool is_outermost);
 
 /// Of a scene: what `units` on the outermost node declares; SI where some value is written with a unit; else the system in
 /// which sizes, stiffness, densities and gravity of all bodies are those of things, where there is only one, or SI.
