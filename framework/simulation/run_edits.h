@@ -34,7 +34,8 @@ class RunEdits {
     std::string path, attribute, original, text;
     DataOrigin origin = DataOrigin::by_default;  ///< of `original`
   };
-  /// An integrator that has computed its matrix beforehand follows no change of what the matrix was made of.
+  /// An integrator that has computed its matrix beforehand follows no change of what the matrix was made of, and one that
+  /// moves the bodies of others stands for them.
   void check(const LiveEdit& edit) const;
   /// Makes an edit, or leaves everything as it was and throws.
   void change(LiveEdit& edit, const LiveEdit::Value& value, Diagnostics& messages);

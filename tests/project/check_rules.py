@@ -35,8 +35,8 @@ READERS_OF_FAMILIES = {
 # Tools whose library another one links.
 TOOLS_FOR_TOOLS = {
     "command": {"mesh", "view", "picture", "drawing", "sweep", "session", "plan", "units", "checks"},
-    "view": {"drawing", "session", "plan", "scene_writer", "checks"},
-    "picture": {"drawing"},
+    "view": {"drawing", "session", "plan", "scene_writer", "checks", "units"},
+    "picture": {"drawing", "units"},
     "sweep": {"session"},
     "session": {"checks"},
     "checks": {"units"},
