@@ -101,17 +101,17 @@ void orderStates(Actors& actors) {
 }  // namespace
 
 Actors collectActors(const SystemMembers& members) {
-  if (members.states.empty())
+  Actors actors;
+  const auto pick = [&members]<class Role>(std::vector<Role*>& out) {
+    for (Component* component : members.acting)
+      if (auto* role = dynamic_cast<Role*>(component)) out.push_back(role);
+  };
+  pick(actors.states), pick(actors.force_fields), pick(actors.masses), pick(actors.constraints);
+  pick(actors.position_constraints), pick(actors.mappings);
+  if (actors.states.empty())
     throw ComponentError(fmt::format("there is no mechanical state in {} or below, so there is nothing to move",
                                      members.integrator->node().path()),
                          "a " + usualComponent(Part::state) + " in the integrator's node or below");
-  Actors actors;
-  actors.states = members.states;
-  actors.force_fields = members.force_fields;
-  actors.masses = members.masses;
-  actors.constraints = members.constraints;
-  actors.position_constraints = members.position_constraints;
-  actors.mappings = members.mappings;
   requireOneMassPerState(actors.masses);
   for (std::size_t i = 0; i < actors.mappings.size(); ++i) checkMapping(actors, i);
   orderMappings(actors.mappings);

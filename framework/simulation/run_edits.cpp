@@ -14,9 +14,19 @@
 namespace stroma {
 namespace {
 
-/// What a system may make use of: all that it holds, and what that names by links, and so on.
+/// Whether something of a system is in `top` or below.
+bool isPartlyBelow(const System& system, const Node& top) {
+  const auto is_below = [&top](const Component* component) {
+    const Node* node = &component->node();
+    while (node && node != &top) node = node->parent();
+    return node != nullptr;
+  };
+  return std::any_of(system.components().begin(), system.components().end(), is_below);
+}
+
+/// What a system may make use of: its components, and what they name by links, and so on.
 std::vector<Component*> withinReach(const System& system) {
-  std::vector<Component*> found = system.reach().components();
+  std::vector<Component*> found = system.components();
   for (std::size_t i = 0; i < found.size(); ++i)
     for (const Data& attribute : found[i]->data().all()) {
       Component* target = attribute.link() ? attribute.link()->target() : nullptr;
@@ -27,11 +37,10 @@ std::vector<Component*> withinReach(const System& system) {
 
 /// True when an edit may change something for a system. Components also find others in the nodes above their own.
 bool reaches(const LiveEdit& edit, const System& system) {
-  const SystemReach& reach = system.reach();
-  if (edit.node()) return reach.isBelow(*edit.node()) || reach.holds(*edit.node());
+  if (edit.node()) return isPartlyBelow(system, *edit.node());
   const std::vector<Component*> near = withinReach(system);
   const auto matters = [&](Component* component) {
-    return reach.isBelow(component->node()) || std::find(near.begin(), near.end(), component) != near.end();
+    return isPartlyBelow(system, component->node()) || std::find(near.begin(), near.end(), component) != near.end();
   };
   return matters(edit.component()) || std::any_of(edit.recompiled().begin(), edit.recompiled().end(), matters);
 }
@@ -90,7 +99,10 @@ void RunEdits::check(const LiveEdit& edit) const {
                         edit.name(), merged.because, merged.integrator->path(), system->integrator().path()),
             fmt::format("an attribute of {} or of its linear solver", system->integrator().path()));
     if (!system->integrator().stateOwner()) continue;
-    const auto inside = [&system](const Component* component) { return system->reach().holds(*component); };
+    const std::vector<Component*>& own = system->components();
+    const auto inside = [&own](const Component* component) {
+      return std::find(own.begin(), own.end(), component) != own.end();
+    };
     if (!edit.component() || inside(edit.component()) ||
         std::any_of(edit.recompiled().begin(), edit.recompiled().end(), inside))
       throw ComponentError(edit.name() + " cannot change while the scene runs: " + system->integrator().path() +

@@ -27,36 +27,6 @@ std::unique_ptr<System> compileSystem(const SystemMembers& members, Diagnostics&
   return nullptr;
 }
 
-/// What would act on a state if something moved it, or null.
-const Component* actorOn(const State& state, const Node& root) {
-  std::vector<Component*> components;
-  root.collect(components);
-  const auto acts = [&state](const Component* component) {
-    const std::vector<State*> states = statesActedOn(*component);
-    return std::find(states.begin(), states.end(), &state) != states.end();
-  };
-  const auto actor = std::find_if(components.begin(), components.end(), acts);
-  return actor == components.end() ? nullptr : *actor;
-}
-
-/// A state that no integrator reaches stays where it is: fine for a marker, a mistake for a body.
-void checkUnmovedStates(const Node& root, Diagnostics& diagnostics) {
-  std::vector<State*> states;
-  root.collect(states);
-  for (const State* state : states) {
-    if (state->isBound()) continue;
-    const Component* actor = actorOn(*state, root);
-    if (!actor) {
-      diagnostics.note(state->where(), state->path(), "no integrator in this node or above: the state does not move");
-    } else {
-      diagnostics.error(state->where(), state->path(),
-                        fmt::format("{} acts on this state, but no integrator moves it", actor->path()),
-                        "an integrator in the state's node or above",
-                        "add <" + usualComponent(Part::integrator) + "/> and a linear solver to " + state->node().path());
-    }
-  }
-}
-
 /// FNV-1a, 64 bits, over the bytes of the bits of a number, lowest byte first.
 void hashNumber(std::uint64_t& hash, double number) {
   const auto bits = std::bit_cast<std::uint64_t>(number);
@@ -110,7 +80,6 @@ Simulation::Simulation(Scene scene)
   const std::vector<SystemMembers> found = findSystems(root(), diagnostics);
   for (const SystemMembers& members : found)
     if (auto system = compileSystem(members, diagnostics)) systems_.push_back(std::move(system));
-  if (!diagnostics.hasErrors()) checkUnmovedStates(root(), diagnostics);
   if (!(root().root_time + dt() > root().root_time))
     diagnostics.error(root().where(), root().path() + ".time",
                       fmt::format("at {:g} s a step of {:g} s does not change the time", root().root_time, dt()),

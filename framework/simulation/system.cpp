@@ -13,10 +13,23 @@
 
 namespace stroma {
 
+namespace {
+
+std::vector<Component*> componentsOf(const SystemMembers& members) {
+  std::vector<Component*> found;
+  members.integrator->node().collect(found);
+  for (const MergedIntegrator& merged : members.merged) merged.integrator->node().collect(found);
+  for (Component* acting : members.acting)
+    if (std::find(found.begin(), found.end(), acting) == found.end()) found.push_back(acting);
+  return found;
+}
+
+}  // namespace
+
 System::System(const SystemMembers& members)
     : integrator_(*members.integrator),
       merged_(members.merged),
-      reach_(members),
+      components_(componentsOf(members)),
       actors_(collectActors(members)),
       constraints_(actors_),
       matrix_(*this) {

@@ -40,10 +40,11 @@ class System final {
   ConstRows independent(const Vector& all) const { return all.head(independentRows()); }
   Integrator& integrator() const { return integrator_; }
   LinearSolver* linearSolver() const;  ///< the integrator's partner, or null
-  Node& node() const;  ///< the integrator's
+  Node& node() const;                  ///< the integrator's
   /// Other integrators whose bodies move in this system.
   const std::vector<MergedIntegrator>& merged() const { return merged_; }
-  const SystemReach& reach() const { return reach_; }
+  /// All that stands below its integrators, and what acts from elsewhere.
+  const std::vector<Component*>& components() const { return components_; }
 
   // ---- the story of a step: beginStep(), the integrator's step, endStep(). Simulation tells it ----
   /// Forces are those of the step's end, constraints begin or end, mapped states follow.
@@ -123,7 +124,7 @@ class System final {
 
   Integrator& integrator_;
   std::vector<MergedIntegrator> merged_;
-  SystemReach reach_;
+  std::vector<Component*> components_;
   Actors actors_;
   MappingChain mappings_;
   ConstraintSet constraints_;

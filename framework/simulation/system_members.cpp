@@ -8,16 +8,11 @@
 
 #include "framework/mesh/topology.h"
 #include "framework/scene/node.h"
+#include "framework/scene/usual_component.h"
 #include "framework/simulation/integrator.h"
 
 namespace stroma {
 namespace {
-
-bool isAtOrBelow(const Node& node, const Node& top) {
-  const Node* at = &node;
-  while (at && at != &top) at = at->parent();
-  return at != nullptr;
-}
 
 template <class Role>
 std::vector<Role*> all(const Node& root) {
@@ -77,6 +72,7 @@ class SystemSearch {
     collectIntegrators(root_, nullptr);
     findOwners();
     lookAtAll();
+    reportUnmovedStates();
     reportUnusedPartners();
     return systems();
   }
@@ -138,9 +134,28 @@ class SystemSearch {
     for (const Component* actor : all<Component>(root_)) {
       const std::vector<State*> states = statesActedOn(*actor);
       const auto moved = std::find_if(states.begin(), states.end(), [this](State* s) { return ownerOf(s) != nobody; });
-      if (moved == states.end()) continue;  // nothing moves: the states say so
       for (const State* state : states)
-        ownerOf(state) == nobody ? refuseUnmoved(*actor, *state) : couple(*actor, **moved, *state);
+        if (moved == states.end())
+          unmoved_.emplace(state, actor);
+        else
+          ownerOf(state) == nobody ? refuseUnmoved(*actor, *state) : couple(*actor, **moved, *state);
+    }
+  }
+
+  /// A state that no integrator reaches stays where it is: fine for a marker, a mistake for a body.
+  void reportUnmovedStates() {
+    for (const State* state : all<State>(root_)) {
+      if (ownerOf(state) != nobody) continue;
+      const auto actor = unmoved_.find(state);
+      if (actor == unmoved_.end())
+        diagnostics_.note(state->where(), state->path(),
+                          "no integrator in this node or above: the state does not move");
+      else
+        diagnostics_.error(
+            state->where(), state->path(),
+            fmt::format("{} acts on this state, but no integrator moves it", actor->second->path()),
+            "an integrator in the state's node or above",
+            "add <" + usualComponent(Part::integrator) + "/> and a linear solver to " + state->node().path());
     }
   }
 
@@ -196,78 +211,39 @@ class SystemSearch {
     }
   }
 
-  template <class Role>
-  std::vector<Role*> of(std::size_t leader) const {
-    std::vector<Role*> members = all<Role>(root_);
-    std::erase_if(members, [&](const Role* actor) { return systemOf(statesActedOn(*actor)) != leader; });
-    return members;
-  }
-  std::size_t systemOf(const std::vector<State*>& states) const {
+  /// The integrator that moves a state, or what something acts on; else nobody.
+  std::size_t moverOf(Component& component) const {
+    std::vector<State*> states = statesActedOn(component);
+    if (auto* state = dynamic_cast<State*>(&component)) states.push_back(state);
     for (const State* state : states)
       if (ownerOf(state) != nobody) return leaderOf(ownerOf(state));
     return nobody;
   }
 
   std::vector<SystemMembers> systems() const {
-    std::vector<SystemMembers> systems;
+    std::vector<SystemMembers> of_integrator(integrators_.size()), systems;
+    for (Component* component : all<Component>(root_))
+      if (const std::size_t mover = moverOf(*component); mover != nobody)
+        of_integrator[mover].acting.push_back(component);
     for (std::size_t i = 0; i < integrators_.size(); ++i) {
-      if (leaderOf(i) != i) continue;
-      SystemMembers members;
-      members.integrator = integrators_[i];
-      for (std::size_t j = 0; j < integrators_.size(); ++j)
-        if (j != i && leaderOf(j) == i) members.merged.push_back({integrators_[j], because_.at(j)});
-      members.states = all<State>(root_);
-      std::erase_if(members.states, [&](const State* s) { return ownerOf(s) == nobody || leaderOf(ownerOf(s)) != i; });
-      members.force_fields = of<ForceField>(i);
-      members.masses = of<Mass>(i);
-      members.constraints = of<ProjectiveConstraint>(i);
-      members.position_constraints = of<PositionConstraint>(i);
-      members.mappings = of<Mapping>(i);
-      systems.push_back(std::move(members));
+      of_integrator[i].integrator = integrators_[i];
+      if (leaderOf(i) != i) of_integrator[leaderOf(i)].merged.push_back({integrators_[i], because_.at(i)});
     }
+    for (std::size_t i = 0; i < integrators_.size(); ++i)
+      if (leaderOf(i) == i) systems.push_back(std::move(of_integrator[i]));
     return systems;
   }
 
   const Node& root_;
   Diagnostics& diagnostics_;
   std::vector<Integrator*> integrators_;
-  std::vector<std::size_t> leader_;             ///< of each integrator: itself, or one before it
-  std::map<std::size_t, std::string> because_;  ///< of each integrator that another one moves: what joined them
-  std::map<const State*, std::size_t> owner_;   ///< index of its integrator
+  std::vector<std::size_t> leader_;                   ///< of each integrator: itself, or one before it
+  std::map<std::size_t, std::string> because_;        ///< of each integrator that another one moves: what joined them
+  std::map<const State*, std::size_t> owner_;         ///< index of its integrator
+  std::map<const State*, const Component*> unmoved_;  ///< what acts on states that nothing moves
 };
 
 }  // namespace
-
-SystemReach::SystemReach(const SystemMembers& members) : tops_{&members.integrator->node()} {
-  for (const MergedIntegrator& each : members.merged) tops_.push_back(&each.integrator->node());
-  const auto add = [this](const auto& actors) {
-    for (Component* actor : actors)
-      if (!holds(*actor)) outside_.push_back(actor);
-  };
-  add(members.states), add(members.force_fields), add(members.masses), add(members.constraints);
-  add(members.position_constraints), add(members.mappings);
-}
-
-bool SystemReach::holds(const Node& node) const {
-  return std::any_of(tops_.begin(), tops_.end(), [&node](const Node* top) { return isAtOrBelow(node, *top); });
-}
-
-bool SystemReach::holds(const Component& component) const {
-  return holds(component.node()) || std::find(outside_.begin(), outside_.end(), &component) != outside_.end();
-}
-
-bool SystemReach::isBelow(const Node& node) const {
-  return std::any_of(tops_.begin(), tops_.end(), [&node](const Node* top) { return isAtOrBelow(*top, node); }) ||
-         std::any_of(outside_.begin(), outside_.end(),
-                     [&node](const Component* component) { return isAtOrBelow(component->node(), node); });
-}
-
-std::vector<Component*> SystemReach::components() const {
-  std::vector<Component*> found;
-  for (const Node* top : tops_) top->collect(found);
-  found.insert(found.end(), outside_.begin(), outside_.end());
-  return found;
-}
 
 std::vector<State*> statesActedOn(const Component& component) {
   if (const auto* field = dynamic_cast<const ForceField*>(&component)) return field->states();

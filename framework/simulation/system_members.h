@@ -26,34 +26,11 @@ struct MergedIntegrator {
   std::string because;  ///< the path of what couples its bodies to others
 };
 
-/// What one system is made of, each list in document order.
+/// What one system is made of.
 struct SystemMembers {
   Integrator* integrator = nullptr;
   std::vector<MergedIntegrator> merged;
-  std::vector<State*> states;
-  std::vector<ForceField*> force_fields;
-  std::vector<Mass*> masses;
-  std::vector<ProjectiveConstraint*> constraints;
-  std::vector<PositionConstraint*> position_constraints;
-  std::vector<Mapping*> mappings;
-};
-
-/// Where what a system is made of stands: everything below its integrators, and what acts from elsewhere.
-class SystemReach {
- public:
-  explicit SystemReach(const SystemMembers& members);
-  /// Whether a node is that of one of its integrators, or below.
-  bool holds(const Node& node) const;
-  /// Whether a component is in such a node, or acts in the system from elsewhere.
-  bool holds(const Component& component) const;
-  /// Whether something of the system is in `node` or below.
-  bool isBelow(const Node& node) const;
-  /// All that the system holds.
-  std::vector<Component*> components() const;
-
- private:
-  std::vector<const Node*> tops_;
-  std::vector<Component*> outside_;
+  std::vector<Component*> acting;  ///< its states and what acts on them, in document order
 };
 
 /// Everything in the scene that acts is in exactly one system, or is reported: what acts on states that nothing moves,
