@@ -7,8 +7,6 @@
 #include <bit>
 #include <cmath>
 
-#include "framework/scene/usual_component.h"
-
 namespace stroma {
 namespace {
 
