@@ -4,17 +4,18 @@
 //   q = A p,  alpha = r.z / p.q,  x += alpha p,  r -= alpha q,  z = D^-1 r,  beta = r.z / (r.z)_before,  p = z + beta p
 //
 // z = r without a preconditioner; with block_jacobi, D holds the 3x3 diagonal blocks of A. Where `preconditioner` is not
-// written, a scene that writes `iterations`, as SOFA's do, has none, and every other one has block_jacobi. The product A p is matrix-free (each force field multiplies from its elements) or uses the assembled matrix: `template`
+// written, a scene that writes `iterations`, as SOFA's do, has none, and every other one has block_jacobi. The product
+// A p is matrix-free (each force field multiplies from its elements) or uses the assembled matrix: `template`
 // GraphScattered forces the first, CompressedRowSparseMatrix the second, and auto takes the cheaper one for
 // `iterations` products by the cost that the force fields state.
 //
 // It stops when |r| <= tolerance |b|; after `iterations` products (a scene that must keep a frame rate writes them; the
-// run says how far the residual was then from the tolerance, and a strict run takes that for a doubt); when b = 0; when a number is not finite; and when the matrix shows itself to
-// be singular or not definite, |p.A p| <= threshold^2 |p| |A p| or p.A p < 0: x then keeps the last iterate, the best
-// one in the energy of A. SOFA compares p.A p itself with `threshold`, a test whose outcome depends on the units of the
-// scene and which can stop a well-posed solve at its first iteration (nothing then moves). Here it is the cosine
-// between p and A p, which no units enter; with the default it passes for every matrix of condition number below 4e20.
-// All other iterates are those of SOFA's solver.
+// run says how far the residual was then from the tolerance, and a strict run takes that for a doubt); when b = 0; when
+// a number is not finite; and when the matrix shows itself to be singular or not definite, |p.A p| <= threshold^2 |p|
+// |A p| or p.A p < 0: x then keeps the last iterate, the best one in the energy of A. SOFA compares p.A p itself with
+// `threshold`, a test whose outcome depends on the units of the scene and which can stop a well-posed solve at its
+// first iteration (nothing then moves). Here it is the cosine between p and A p, which no units enter; with the default
+// it passes for every matrix of condition number below 4e20. All other iterates are those of SOFA's solver.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">
@@ -40,9 +41,19 @@ class CGLinearSolver final : public KrylovSolver {
  public:
   void declare(DataTable& table) override;
   void init() override;
-  SolveReport solve(SystemMatrix& matrix, ConstRows b, Rows x) override;
+  SolveReport solve(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms) override;
   void serializeFor(SystemMatrix& matrix, Archive& archive) override {
     if (warm_start_) archive.rows("previous", keptFor(matrix, matrix.rows()).previous);
+  }
+  void keepFor(SystemMatrix& matrix) override {
+    if (!warm_start_) return;
+    Kept& kept = keptFor(matrix, matrix.rows());
+    copy(kept.previous, kept.before_step);
+  }
+  void takeBackFor(SystemMatrix& matrix) override {
+    if (!warm_start_) return;
+    Kept& kept = keptFor(matrix, matrix.rows());
+    copy(kept.before_step, kept.previous);
   }
   void reset() override {
     kept_.forEach([](Kept& kept) { kept.previous.resize(kept.previous.count()); });
@@ -52,6 +63,7 @@ class CGLinearSolver final : public KrylovSolver {
   /// For each matrix: work space, the last solution and the inverses of the diagonal blocks.
   struct Kept {
     Vector r, p, q, z, previous;
+    Vector before_step;  ///< `previous` then
     std::vector<double> blocks;
     cg::BlockJacobi jacobi;
     MatrixKey jacobi_key;
@@ -94,7 +106,7 @@ CGLinearSolver::Kept& CGLinearSolver::keptFor(const SystemMatrix& matrix, Index 
   if (kept.r.count() == rows) return kept;
   for (Vector* vector : {&kept.r, &kept.p, &kept.q}) vector->resize(rows);
   if (precondition_) kept.z.resize(rows);
-  if (warm_start_) kept.previous.resize(rows);
+  if (warm_start_) kept.previous.resize(rows), kept.before_step.resize(rows);
   kept.jacobi_key = {};
   return kept;
 }
@@ -133,6 +145,10 @@ SolveReport CGLinearSolver::iterate(const SystemMatrix& matrix, Kept& kept, Rows
       break;
     }
     const bool converged = std::sqrt(residual) <= enough;
+    if (!converged && isStopAsked()) {
+      report.stop = SolveStop::stopped;
+      break;
+    }
     if (converged || report.iterations == iterations_) {
       axpy(alpha, p, x);
       report.stop = converged ? SolveStop::converged : SolveStop::iteration_limit;
@@ -146,9 +162,9 @@ SolveReport CGLinearSolver::iterate(const SystemMatrix& matrix, Kept& kept, Rows
   return report;
 }
 
-SolveReport CGLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x) {
+SolveReport CGLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms) {
   SolveReport report;
-  if (!begin(matrix, b, x, report)) return report;
+  if (!begin(matrix, b, x, terms, report)) return report;
   Kept& kept = keptFor(matrix, b.count);
   prepare(matrix, kept);
   if (kept.bad_block >= 0) {
@@ -164,7 +180,7 @@ SolveReport CGLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x) {
   } else {
     report = iterate(matrix, kept, x, residual);
   }
-  if (warm_start_ && report.stop != SolveStop::not_finite) copy(x, kept.previous);
+  if (warm_start_ && report.stop != SolveStop::not_finite && report.stop != SolveStop::stopped) copy(x, kept.previous);
   return report;
 }
 

@@ -85,7 +85,7 @@ class KeptMemory {
 
 void RunEdits::check(const LiveEdit& edit) const {
   for (const auto& system : systems_) {
-    if (system->integrator().followsChanges()) continue;
+    if (!system->integrator().stateOwner()) continue;
     const auto isInside = [&system](const Component* component) {
       return isAtOrBelow(&component->node(), system->node());
     };
@@ -125,7 +125,7 @@ void RunEdits::change(LiveEdit& edit, const LiveEdit::Value& value, Diagnostics&
   snapshots_.takeGood(systems_);
   std::vector<System*> concerned;
   for (const auto& system : systems_)
-    if (system->integrator().followsChanges() && reaches(edit, *system)) concerned.push_back(system.get());
+    if (!system->integrator().stateOwner() && reaches(edit, *system)) concerned.push_back(system.get());
   std::vector<Component*> remembering = edit.recompiled();
   for (const System* system : concerned) remembering.push_back(&system->integrator());
   KeptMemory kept(std::move(remembering));

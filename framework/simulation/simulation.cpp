@@ -9,7 +9,6 @@
 
 #include "framework/scene/usual_component.h"
 
-
 namespace stroma {
 namespace {
 
@@ -80,10 +79,11 @@ void checkUnmovedStates(const Node& root, Diagnostics& diagnostics) {
     if (actors.empty()) {
       diagnostics.note(state->where(), state->path(), "no integrator in this node or above: the state does not move");
     } else {
-      diagnostics.error(state->where(), state->path(),
-                        fmt::format("{} acts on this state, but no integrator moves it", actors.front()->path()),
-                        "an integrator in the state's node or above",
-                        "add <" + usualComponent(Part::integrator) + "/> and a linear solver to " + state->node().path());
+      diagnostics.error(
+          state->where(), state->path(),
+          fmt::format("{} acts on this state, but no integrator moves it", actors.front()->path()),
+          "an integrator in the state's node or above",
+          "add <" + usualComponent(Part::integrator) + "/> and a linear solver to " + state->node().path());
     }
   }
 }
@@ -114,6 +114,7 @@ void merge(StepReport&& part, StepReport& whole) {
   whole.constraints_converged = whole.constraints_converged && part.constraints_converged;
   if (whole.linear_converged) whole.linear_stop = part.linear_stop;
   whole.linear_converged = whole.linear_converged && part.linear_converged;
+  whole.linear_at_limit = whole.linear_at_limit || part.linear_at_limit;
   if (whole.constraint_reason.empty()) whole.constraint_reason = std::move(part.constraint_reason);
   if (whole.reason.empty()) whole.reason = std::move(part.reason);
 }
@@ -169,13 +170,14 @@ std::vector<State*> Simulation::states() const {
   return states;
 }
 
-StepReport Simulation::step() {
+StepReport Simulation::step(StopToken stop) {
   begin();
   if (director_) director_->beforeStep(*this);
-  const StepContext context = clock_.next(dt());
+  StepContext context = clock_.next(dt());
+  context.stop = stop;
   StepReport report;
-  for (std::size_t i = 0; i < systems_.size() && !report.diverged; ++i) advance(i, context, report);
-  if (report.diverged) return report;
+  for (std::size_t i = 0; i < systems_.size() && !report.failed(); ++i) advance(i, context, report);
+  if (report.failed()) return report;
   for (const auto& system : systems_) {
     const PhaseTimer timer(system->times.total);
     system->integrator().stepTaken(context);
@@ -190,11 +192,19 @@ void Simulation::advance(std::size_t index, const StepContext& context, StepRepo
   System& system = *systems_[index];
   const PhaseTimer timer(system.times.total);
   // where several systems move, one may have to go back because another one failed
-  const bool lean = system.integrator().answersForState() && systems_.size() == 1;
+  const bool owns_state = system.integrator().stateOwner();
+  const bool lean = owns_state && systems_.size() == 1;
   Snapshot& before = snapshots_.good(index);
   if (!lean) before.take(system);
+  system.keepSolver();
 
+  if (!owns_state) system.beginStep(context);
   StepReport part = system.integrator().step(system, context);
+  if (part.stopped) {
+    if (!lean) takeBack(index);
+    report.stopped = true;
+    return;
+  }
   if (!part.diverged) system.endStep(context, before.x, part);
   std::string fault = part.diverged ? part.reason : lean ? std::string() : fault_watches_[index].firstFault(before.x);
   if (part.diverged && fault.empty()) fault = "the integrator gave the step up";
@@ -204,7 +214,7 @@ void Simulation::advance(std::size_t index, const StepContext& context, StepRepo
     if (part.unsolved) part.reason = whereAndWhy(system, context, part.reason, "");
     if (!lean && system.integrator().keepsEnergy()) watch_.look(index, system, before, context);
   } else {
-    if (!lean) snapshots_.putGoodBack(systems_, index + 1);
+    if (!lean) takeBack(index);
     report.diverged = true;
     // the states are those of the last good step: the worst elements are where the trouble began, not where it ended
     report.reason = whereAndWhy(system, context, fault, " before the step");
@@ -227,6 +237,12 @@ void Simulation::endHistory(History& history, const StepContext& context, StepRe
   if (!report.unsolved)
     report.reason = fmt::format("step {} (to t = {:.6g} s): {}{}", context.index, context.t_end, fault, before);
   report.unsolved = true;
+}
+
+/// Systems up to the one that failed, as they were before the step.
+void Simulation::takeBack(std::size_t failed) {
+  snapshots_.putGoodBack(systems_, failed + 1);
+  for (std::size_t i = 0; i <= failed; ++i) systems_[i]->takeSolverBack();
 }
 
 void Simulation::reset() {

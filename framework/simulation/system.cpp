@@ -78,10 +78,18 @@ void System::beginStep(const StepContext& context) {
 void System::endStep(const StepContext& context, ConstRows x_start, StepReport& report) {
   const bool moved = constraints_.end(context, x, v);
   // where rows are left behind, mapped states follow when they are complete
-  if (moved || !integrator_.answersForState()) applyMappings();
+  if (moved || !integrator_.stateOwner()) applyMappings();
   if (corrections_.empty()) return;
   corrections_.enforce(context, x_start, x, v, report);
   applyMappings();
+}
+
+void System::keepSolver() {
+  if (LinearSolver* solver = linearSolver()) solver->keepFor(matrix_);
+}
+
+void System::takeSolverBack() {
+  if (LinearSolver* solver = linearSolver()) solver->takeBackFor(matrix_);
 }
 
 void System::applyMappings() {

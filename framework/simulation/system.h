@@ -42,19 +42,22 @@ class System final {
   LinearSolver* linearSolver() const;  ///< the integrator's partner, or null
   Node& node() const { return node_; }
 
-  // ---- the story of a step: beginStep(), the integrator's step, endStep() ----
+  // ---- the story of a step: beginStep(), the integrator's step, endStep(). Simulation tells it ----
   /// Forces are those of the step's end, constraints begin or end, mapped states follow.
   void beginStep(const StepContext& context);
   /// What the integrator leaves to it: prescribed motion and tied rows exactly, then position constraints, for a step
   /// from positions `x_start`; mapped states follow.
   void endStep(const StepContext& context, ConstRows x_start, StepReport& report);
+  /// Before and after a step that may not be taken: what the linear solver remembers of former solves.
+  void keepSolver();
+  void takeSolverBack();
   void applyMappings();  ///< those that nothing acts on too
 
   // ---- forces ----
   /// f = sum of forces at (x, v), gravity included; prepares the stiffness at x. Not projected.
   void computeForce(ConstRows x, ConstRows v, Rows f);
   /// The same, plus the sum of (k + k_rayleigh rayleighStiffness of the field) K p for all fields, in one pass;
-  /// System::f becomes the force alone where it was asked for.
+  /// System::f becomes the force alone where it was asked for, which changes no bit of the rest.
   void computeForceAndProduct(ConstRows x, ConstRows v, ConstRows p, double k, double k_rayleigh, Rows out);
   /// An integrator that reads System::f after computeForceAndProduct() says so once; observers ask a State.
   void requestForce() { states().front()->requestForce(); }

@@ -54,8 +54,14 @@ void LiveRun::stop() {
   {
     const std::lock_guard lock(mutex_);
     stopping_ = true;
+    session_.requestStop();
   }
   changed_.notify_all();
+}
+
+void LiveRun::stopIsDone() {
+  const std::lock_guard lock(mutex_);
+  if (!stopping_) session_.withdrawStop();
 }
 
 bool LiveRun::post(Order order) {
@@ -78,6 +84,9 @@ bool LiveRun::post(Order order) {
         return other.client == order.client && (isOfHand(other.message) || isQuestion(other.message));
       });
     if (orders_.size() >= most_orders && !isOfServer(order.message)) return false;
+    // a step of minutes is given up for it
+    if (const std::string verb = order.message.value("do", ""); verb == "pause" || verb == "reset")
+      session_.requestStop();
     orders_.push_back(std::move(order));
     ordered_ = true;
   }
@@ -122,7 +131,7 @@ void LiveRun::loop() {
       doOrders();
       if (running_ && secondsAhead() > 0)
         waitForRealTime();
-      else if (running_)
+      else if (running_ && !stopping_)
         advance(steps_per_call);
       if (running_ || stopping_) continue;
       showIfDue();

@@ -20,8 +20,6 @@ std::vector<std::int32_t> flat(const Groups& groups) {
 
 /// A sentence when no hand reaches the body, or empty.
 std::string whyNoHand(const Body& body) {
-  if (!body.system->integrator().acceptsInputs())
-    return body.system->integrator().path() + " has computed its matrix and loads beforehand: no hand reaches the body";
   if (body.state->firstRow() >= body.system->independentRows())
     return "its positions follow from another state by a mapping: pull that one";
   return {};
