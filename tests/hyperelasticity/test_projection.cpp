@@ -3,12 +3,13 @@
 // doubles and on packs.
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <cmath>
 #include <limits>
 #include <random>
 
 #include "components/hyperelasticity/symmetric_projection.h"
+#include "tests/support/dense_algebra.h"
 
 namespace stroma {
 namespace STROMA_TEST_FILE {
@@ -21,7 +22,7 @@ Matrix withEigenvalues(const Eigen::Vector<double, n>& values, std::mt19937& ran
   std::uniform_real_distribution<double> uniform(-1, 1);
   Matrix any;
   for (int i = 0; i < n * n; ++i) any(i / n, i % n) = uniform(random);
-  const Matrix q = any.householderQr().householderQ();
+  const Matrix q = test::orthonormal(any);
   const Matrix m = q * values.asDiagonal() * q.transpose();
   return (m + m.transpose()) / 2;
 }
@@ -49,8 +50,9 @@ std::vector<Matrix> cases() {
   return all;
 }
 Matrix expected(const Matrix& m) {
-  const Eigen::SelfAdjointEigenSolver<Matrix> solver(m);
-  return solver.eigenvectors() * solver.eigenvalues().cwiseMin(0).asDiagonal() * solver.eigenvectors().transpose();
+  const test::Spectrum spectrum = test::spectrum(m);
+  const Matrix vectors = spectrum.vectors;
+  return vectors * spectrum.values.cwiseMin(0).asDiagonal() * vectors.transpose();
 }
 template <class T>
 Matrix projected(const Matrix& m, int lane) {
@@ -72,7 +74,7 @@ void expectNear(const Matrix& result, const Matrix& m) {
   EXPECT_LE((result - expected(m)).cwiseAbs().maxCoeff(), 1e-13 * scale) << m;
   EXPECT_TRUE(result == result.transpose());
   const Matrix sized = scale > 0 ? Matrix(result / scale) : result;
-  EXPECT_LE(Eigen::SelfAdjointEigenSolver<Matrix>(sized).eigenvalues().maxCoeff(), 1e-14);
+  EXPECT_LE(test::eigenvalues(sized).maxCoeff(), 1e-14);
 }
 
 TEST(SymmetricProjection, IsTheNearestNegativeMatrix) {

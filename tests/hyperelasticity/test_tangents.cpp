@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The two replaced tangents: what they are where elements are compressed, and that they are the exact one elsewhere.
-#include <Eigen/Eigenvalues>
-
 #include "tests/hyperelasticity/law_cases.h"
+#include "tests/support/dense_algebra.h"
 
 namespace stroma::test {
 namespace STROMA_TEST_FILE {
@@ -31,7 +30,7 @@ Mat3 someShape(double j) {
   return f;
 }
 double largestEigenvalue(const Eigen::MatrixXd& k) {
-  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(k).eigenvalues().maxCoeff();
+  return eigenvalues(k).maxCoeff();
 }
 
 /// K' - K = -V b psi_JJ ((dJ_i . dJ_j) Id - dJ_i (x) dJ_j), with psi_JJ = lambda + mu of StableNeoHookean.

@@ -4,6 +4,7 @@
 
 #include "framework/algebra/parallel.h"
 #include "framework/mesh/topology.h"
+#include "tests/support/dense_algebra.h"
 #include "tests/support/field_under_test.h"
 
 namespace stroma::test {
@@ -62,10 +63,7 @@ Vec3 targetByEigen(const std::vector<Vec3>& rest, ConstRows x, Index node, const
   }
   Mat3 a = Mat3::Zero();
   for (Index j : neighbours) a += (x[j] - mean) * (rest[j] - rest_mean).transpose();
-  const Eigen::JacobiSVD<Mat3, Eigen::FullPivHouseholderQRPreconditioner> svd(
-      a, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Vec3 sign(1, 1, (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1);
-  return mean + svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose() * (rest[node] - rest_mean);
+  return mean + kabschRotation(a) * (rest[node] - rest_mean);
 }
 
 TEST(ShapeMemory, PlainForceDrawsToTheTargetOfTheNeighbourhood) {
@@ -239,10 +237,7 @@ double distanceToRest(const State& state) {
   Mat3 a = Mat3::Zero();
   for (Index i = 0; i < state.size(); ++i)
     a += (state.x()[i] - mean) * (state.rest_position[i] - rest_mean).transpose();
-  const Eigen::JacobiSVD<Mat3, Eigen::FullPivHouseholderQRPreconditioner> svd(
-      a, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Vec3 sign(1, 1, (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1);
-  const Mat3 r = svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose();
+  const Mat3 r = kabschRotation(a);
   double worst = 0;
   for (Index i = 0; i < state.size(); ++i)
     worst = std::max(worst, (state.x()[i] - mean - r * (state.rest_position[i] - rest_mean)).norm());

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
+#include "tests/support/dense_algebra.h"
 #include "tests/support/scene_fixture.h"
 #include "tests/support/stored_matrix.h"
 
