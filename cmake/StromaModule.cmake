@@ -45,7 +45,9 @@ if(NOT TARGET stroma::stroma_flags)
     -fopenmp-simd -fno-math-errno -fno-trapping-math -fvisibility-inlines-hidden
   -fpch-preprocess  # for ccache
   # false alarms of GCC 12 in ordinary string and variant code
-  -Wno-restrict -Wno-maybe-uninitialized -Wno-array-bounds -Wno-stringop-overflow)
+  -Wno-restrict -Wno-maybe-uninitialized -Wno-array-bounds -Wno-stringop-overflow
+  # in units of several files, names of the other files are no surroundings
+  $<$<BOOL:$<TARGET_PROPERTY:UNITY_BUILD>>:-Wno-shadow$<SEMICOLON>-Wno-subobject-linkage>)
 endif()
 if(STROMA_WERROR)
   target_compile_options(stroma_flags INTERFACE -Werror)
@@ -68,6 +70,11 @@ function(stroma_unity target size)
   if(STROMA_UNITY)
     set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${size})
   endif()
+endfunction()
+
+# stroma_alone(file...): sources that take the compiler so long that each stays a unit.
+function(stroma_alone)
+  set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 endfunction()
 
 # stroma_precompiled(NAME OPTIONS option... [HEADERS header...] [HIDDEN] [PROGRAMS])

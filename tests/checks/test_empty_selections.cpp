@@ -10,7 +10,7 @@
 #include "tests/support/scene_fixture.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 bool isSelection(const Data& data) {
   const auto& pointer = data.pointer();
@@ -81,5 +81,5 @@ TEST_F(EmptySelections, ThatAreNotGivenAreNone) {
   }
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

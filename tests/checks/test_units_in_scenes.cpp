@@ -15,7 +15,7 @@
 #include "tools/session/session.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 bool holdsReals(const Data& data) {
   const DataPointer& at = data.pointer();
@@ -288,12 +288,14 @@ std::string bodyScene(const Body& body) {
 TEST_F(UnitsInScenes, ConsistentOnesRaiseNoDoubt) {
   const char* const g = "gravity='0 -9.81 0'";
   const Body bodies[] = {
-      {g, "0.1 0.08 0.06", "<DiagonalMass massDensity='1060'/>", "10000"},                       // m kg s
-      {g, "0.1 0.08 0.06", "<UniformMass totalMass='0.5'/>", "500"},                             // brain
-      {"", "0.1 0.08 0.06", "<DiagonalMass massDensity='1060'/>", "10000"},                      // gravity by default
-      {g, "1 0.05 0.05", "<DiagonalMass massDensity='7850'/>", "2.1e11"},                        // steel
-      {g, "2e-4 1e-4 1e-4", "<DiagonalMass massDensity='1000'/>", "100"},                        // cells
-      {"gravity='0 0 -9810'", "100 80 60", "<DiagonalMass massDensity='1.06e-6'/>", "10"},       // mm kg s, kPa
+      {g, "0.1 0.08 0.06", "<DiagonalMass massDensity='1060'/>", "10000"},   // m kg s
+      {g, "0.1 0.08 0.06", "<UniformMass totalMass='0.5'/>", "500"},         // brain
+      {"", "0.1 0.08 0.06", "<DiagonalMass massDensity='1060'/>", "10000"},  // gravity by default
+      {g, "1 0.05 0.05", "<DiagonalMass massDensity='7850'/>", "2.1e11"},    // steel
+      {g, "2e-4 1e-4 1e-4", "<DiagonalMass massDensity='1000'/>", "100"},    // cells
+      {"gravity='0 -0.0981 0'", "0.1 0.08 0.06", "<DiagonalMass massDensity='1060'/>",
+       "10000"},                                                                            // a hundredth: a small load
+      {"gravity='0 0 -9810'", "100 80 60", "<DiagonalMass massDensity='1.06e-6'/>", "10"},  // mm kg s, kPa
       {"gravity='0 0 -9810'", "100 80 60", "<DiagonalMass massDensity='1.06e-9'/>", "0.01"},     // mm t s, MPa
       {"gravity='0 0 -9810'", "100 80 60", "<UniformMass totalMass='5e-4'/>", "0.01"},           // the same by its mass
       {"gravity='0 0 -9810'", "100 80 60", "<DiagonalMass massDensity='1.06e-3'/>", "10000"},    // mm g s, Pa
@@ -510,5 +512,5 @@ TEST_F(UnitsInScenes, NoSceneOfTheProjectIsDoubted) {
   EXPECT_GT(scenes, 45);
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

@@ -10,7 +10,7 @@
 #include "tests/support/folder_fixture.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 namespace fs = std::filesystem;
 
@@ -86,5 +86,5 @@ TEST_F(WholeFiles, InAFolderThatCannotBeWrittenInAreFoundBefore) {
   EXPECT_EQ(status, 0);
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

@@ -10,7 +10,7 @@
 #include "framework/scene/diagnostics.h"
 
 namespace stroma {
-namespace {
+namespace STROMA_TEST_FILE {
 
 const ReaderProgram unruly{STROMA_UNRULY_READER, "the unruly reader", "build it"};
 
@@ -78,5 +78,5 @@ TEST(ValueLists, BytesThatAreCutShortOrLongerAreRefused) {
   EXPECT_THROW(ValueLists::fromBytes(bytes + "x"), std::runtime_error);
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma

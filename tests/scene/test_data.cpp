@@ -13,7 +13,7 @@
 #include "tests/support/folder_fixture.h"
 
 namespace stroma {
-namespace {
+namespace STROMA_TEST_FILE {
 
 template <class T>
 T parsed(const std::string& text) {
@@ -82,6 +82,8 @@ TEST(DataParse, JunkIsRefusedAndChangesNothing) {
   refused<Vec3>("1 2", Vec3(7, 8, 9));
   EXPECT_NE(refused<Vec3>("1 2 3 4").message.find("4 numbers instead of 3"), std::string::npos);
   EXPECT_NE(refused<std::vector<Vec3>>("1 2 3 4").message.find("multiple of 3"), std::string::npos);
+  EXPECT_NE(refused<std::vector<Vec3>>("1 2 3 0 0 0 1").suggestion.find("Rigid3"), std::string::npos);
+  EXPECT_EQ(refused<std::vector<Vec3>>("1 2 3 4").suggestion.find("Rigid3"), std::string::npos);
   EXPECT_NE(refused<std::vector<double>>("1 2 three").message.find("item 3"), std::string::npos);
   EXPECT_NE(refused<std::vector<Triangle>>("0 1 -2").message.find("count from 0"), std::string::npos);
   EXPECT_NE(refused<std::vector<int>>("0-2000000000").message.find("too long"), std::string::npos);
@@ -256,5 +258,5 @@ TEST(DataTable, OutputsCannotBeWritten) {
   EXPECT_TRUE(indices.empty());
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma

@@ -12,7 +12,7 @@
 #include "tools/session/session.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 const std::string body =
     "  <TestIntegrator/>\n"
@@ -307,5 +307,5 @@ INSTANTIATE_TEST_SUITE_P(AllScenes, ChangedExample, testing::ValuesIn(exampleSce
   return name;
 });
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

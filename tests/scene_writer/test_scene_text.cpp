@@ -9,7 +9,7 @@
 #include "tools/scene_writer/scene_text.h"
 
 namespace stroma {
-namespace {
+namespace STROMA_TEST_FILE {
 
 using test::expectContains;
 
@@ -144,5 +144,5 @@ TEST(SceneText, APlaceWithoutATagOrAnAttributeIsRefused) {
   expectContains(refusal(text, {{2, 1}, "k", std::string("a\0b", 3)}), "a byte that is 0");
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma

@@ -10,7 +10,7 @@
 #include "tests/support/scene_fixture.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 const std::string stone =
     "<Node name=\"root\" dt=\"0.01\" gravity=\"0 -10 0\"><EulerExplicitSolver name=\"euler\"/><MechanicalObject "
@@ -163,5 +163,5 @@ TEST(Session, StepsThatDidNotConvergeBeforeACheckpointStayKnown) {
   EXPECT_EQ(second.run({.steps = 0}).statistics.unconverged.steps, 0) << "another run";
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

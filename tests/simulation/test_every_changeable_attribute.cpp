@@ -13,7 +13,7 @@
 #include "tools/session/replay.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 constexpr int steps_before = 4, steps_after = 4;
 
@@ -220,5 +220,5 @@ TEST(EveryChangeableAttribute, ChangesARunAsASceneWrittenWithItsNewValueGoesOn) 
   }
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

@@ -9,7 +9,7 @@
 #include "tools/session/replay.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 /// One node of 1 kg at the origin that a spring of 100 N/m holds there.
 std::string springScene(const std::string& integrator, const std::string& dt) {
@@ -164,5 +164,5 @@ TEST(Inputs, WhatCannotActIsRefusedWithASentence) {
   EXPECT_EQ(simulation.stateHash(), same.stateHash()) << "a refused input left something behind";
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

@@ -6,7 +6,7 @@
 #include "tools/session/session.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 struct Beam {
   std::string integrator = "<EulerImplicitSolver/>", solver = "<SparseLDLSolver/>", method = "large", young = "5000",
@@ -309,5 +309,5 @@ TEST(LiveAttributes, WhatWasComputedBeforehandFollowsNoChange) {
               std::string::npos);
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

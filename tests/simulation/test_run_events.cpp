@@ -10,7 +10,7 @@
 #include "tools/session/replay.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 std::string beam(const std::string& solver) {
   return "<Node name=\"root\" dt=\"0.01\" gravity=\"0 -9.81 0\"><EulerImplicitSolver/>" + solver +
@@ -337,5 +337,5 @@ TEST(RunEvents, OtherFilesAndOtherVersionsAreRefused) {
   EXPECT_THROW(readActions("."), std::runtime_error);
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

@@ -11,7 +11,7 @@
 #include "tools/plan/plan.h"
 
 namespace stroma {
-namespace {
+namespace STROMA_TEST_FILE {
 
 class TestState final : public State {
  public:
@@ -241,5 +241,5 @@ TEST_F(SimulationTest, ExplainNamesWhatRuns) {
     EXPECT_TRUE(has(text, part)) << text;
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma

@@ -9,7 +9,7 @@
 #include "tools/plan/plan.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 constexpr const char* line = "0 0 0  1 0.1 0  2 0 0.2  3 0.1 0.1";
 
@@ -240,5 +240,5 @@ TEST(SystemReports, ThePlan) {
   expectContains(text, "mapping /mapped/mean");
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

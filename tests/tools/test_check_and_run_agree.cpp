@@ -21,7 +21,7 @@
 #include "tools/session/session.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 namespace fs = std::filesystem;
 
@@ -232,7 +232,8 @@ TEST_F(TheCommandsAgree, OnWhatKeepsARunFromItsFirstStep) {
   const auto with = [](const std::string& what) { return fmt::format(fmt::runtime(block), "", "3 3 3", what); };
   const std::string other =
       R"(<Node name="other"><EulerExplicitSolver/><RegularGridTopology n="2 2 2" min="0 0 0" max="1 1 1"/>
-    <MechanicalObject name="dofs"/><UniformMass totalMass="1"/><HexahedronFEMForceField name="fem" youngModulus="1" poissonRatio="0"/></Node>)";
+    <MechanicalObject name="dofs"/><UniformMass totalMass="1"/>
+    <HexahedronFEMForceField name="fem" youngModulus="1" poissonRatio="0"/></Node>)";
   const std::string lone = R"(<Node><Node name="a"><MechanicalObject name="dofs" position="0 0 0"/>)";
   const std::vector<Refused> cases = {
       {with(R"(<VTKExporter cellsDataFields="strain"/>)"), "gives 48 values of 'strain'"},
@@ -272,5 +273,5 @@ TEST_F(TheCommandsAgree, OnWhatKeepsARunFromItsFirstStep) {
   }
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

@@ -6,7 +6,7 @@
 #include "tests/support/shell.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 using Command = CommandTest;
 
@@ -406,5 +406,5 @@ TEST_F(Command, ARunWithoutAResultIsNoneWhenItIsResumed) {
   EXPECT_EQ(resumed.code, 3) << resumed.err;
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

@@ -8,7 +8,7 @@
 #include "tests/support/shell.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 namespace fs = std::filesystem;
 
@@ -302,5 +302,24 @@ TEST_F(NothingIsLost, TheLastStateOfADivergedRunSaysHowGoodItIs) {
   EXPECT_EQ(nlohmann::json::parse(bad.out).at("inverted_elements").at("inverted"), 1);
 }
 
-}  // namespace
+/// A link to a file would put the output in that file's place, whatever it is: every writer refuses it alike.
+TEST_F(NothingIsLost, NoOutputGoesThroughALinkToAFile) {
+  write("notes.txt", "kept");
+  for (const char* link : {"out.png", "out.txt", "out.msh", "out.json"})
+    fs::create_symlink("notes.txt", folder_ / link);
+  writeScene("");
+  std::vector<std::string> commands = {"picture fall.xml -n 0 -o out.png", "run fall.xml -n 1 --json=out.json"};
+  for (const std::string& line : commands) {
+    const Finished run = stroma(line);
+    EXPECT_NE(run.code, 0) << line;
+    EXPECT_TRUE(has(run.err, "is a symbolic link to notes.txt, which would be overwritten")) << line << run.err;
+  }
+  writeScene("<WriteState filename='out.txt'/>");
+  const Finished run = stroma("run fall.xml -n 1");
+  EXPECT_EQ(run.code, 2);
+  EXPECT_TRUE(has(run.err, "is a symbolic link")) << run.err;
+  EXPECT_EQ(readText(folder_ / "notes.txt"), "kept");
+}
+
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

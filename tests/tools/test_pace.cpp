@@ -8,7 +8,7 @@
 #include "tools/command/pace.h"
 
 namespace stroma::command {
-namespace {
+namespace STROMA_TEST_FILE {
 
 constexpr double look_every = 0.25;  // [s], as in a pipe
 
@@ -114,5 +114,5 @@ TEST(NewtonPace, AnotherSolveBeginsAnew) {
   EXPECT_LT(pace.secondsToGo(), 0);
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::command

@@ -12,7 +12,7 @@
 #include "framework/scene/gravity.h"
 
 namespace stroma {
-namespace {
+namespace STROMA_TEST_FILE {
 
 template <class T>
 T parsed(const std::string& text, const std::string& unit) {
@@ -226,6 +226,11 @@ TEST(Units, AnUnknownOneIsRefusedWithTheNearest) {
   EXPECT_EQ(suggestion("1 PA, 2 Pa", "Pa"), "Pa");
   EXPECT_EQ(refused<double>("10 kpa", "Pa").expected, "a pressure, such as Pa, kPa, MPa, mmHg");
   EXPECT_EQ(refused<double>("10 kpa", "Pa").message, "'kpa' is not a unit");
+  for (const char* number : {"nan", "inf", "-nan", "NaN"})
+    EXPECT_NE(refused<std::vector<Vec3>>(std::string("0 0 ") + number, "m").message.find("is not a"),
+              std::string::npos);
+  EXPECT_EQ(refused<std::vector<Vec3>>("0 0 nan", "m").message, "'nan' is not a finite number");
+  EXPECT_EQ(refused<std::vector<Vec3>>("1 mm 0 inf", "m").message, "'inf' is not a finite number");
 }
 
 TEST(Units, JunkKeepsItsOwnSentence) {
@@ -313,5 +318,5 @@ TEST(Gravity, OneNumberActsAlongY) {
   EXPECT_NE(wrong->expected.find("an acceleration, such as m/s^2"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma

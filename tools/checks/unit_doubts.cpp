@@ -39,6 +39,16 @@ bool has(const std::vector<Quantity>& list, Quantity q) { return std::find(list.
 /// A value that is unknown is none to judge, and no gravity is plausible.
 bool isKnown(const WrittenBody& body, Quantity q) { return q == body_modulus || body.value[q] > 0; }
 
+/// Written in m/s^2 a hundredth of the earth's gravity is a small load; in a smaller unit of length it is that of the
+/// earth, whose digits were taken for those of the unit.
+constexpr double smallest_load = 0.01;
+
+bool isPlausible(const WrittenBody& body, Quantity q, double factor) {
+  const double value = body.value[q] * factor;
+  if (q == body_modulus) return value >= ranges[q].low && body.softest * factor <= ranges[q].high;
+  return ranges[q].has(value) || (q == body_gravity && factor == 1 && value >= smallest_load && value < ranges[q].low);
+}
+
 /// What is not known is as usual.
 double usualIfUnknown(const WrittenBody& body, const Factors& f, Quantity q) {
   return isKnown(body, q) ? body.value[q] * f[q] : ranges[q].typical;
@@ -61,11 +71,7 @@ struct Faults {
 Faults faultsOf(const WrittenBody& body, const Factors& factors) {
   Faults faults;
   for (const Quantity q : body_quantities) {
-    const double value = body.value[q] * factors[q];
-    if (!isKnown(body, q)) continue;
-    const bool good = q == body_modulus ? value >= ranges[q].low && body.softest * factors[q] <= ranges[q].high
-                                        : ranges[q].has(value);
-    if (!good) faults.out.push_back(q);
+    if (isKnown(body, q) && !isPlausible(body, q, factors[q])) faults.out.push_back(q);
   }
   const double weight = weightOf(body, factors);
   const bool bears_weight = isKnown(body, body_density) && isKnown(body, body_gravity);

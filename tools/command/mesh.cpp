@@ -179,17 +179,18 @@ Mesh readSurface(const MeshRequest& request, const char* loader) {
   if (!fs::exists(request.input)) throw ComponentError(fmt::format("there is no file {}", request.input));
   Factory factory;
   Modules modules(factory);
-  Diagnostics diagnostics;
   SceneDescription description;
   description.file = "stroma mesh";
-  std::string escaped;
-  for (const char c : fs::absolute(request.input).string())
-    c == '&' ? escaped += "&amp;" : c == '"' ? escaped += "&quot;" : c == '<' ? escaped += "&lt;" : escaped += c;
-  description.root = readXml(
-      fmt::format("<Node name=\"root\"><{} name=\"surface\" filename=\"{}\" triangulate=\"true\" scale=\"{}\"/></Node>",
-                  loader, escaped, request.scale),
-      description.file, {}, diagnostics);
-  const Scene scene = instantiate(std::move(description), factory, modules, std::move(diagnostics));
+  const SourceLocation where{description.file};
+  description.root.where = where;
+  description.root.components.push_back({loader,
+                                         {{"name", "surface", where},
+                                          {"filename", fs::absolute(request.input).string(), where},
+                                          {"triangulate", "true", where},
+                                          {"scale", fmt::format("{}", request.scale), where}},
+                                         where,
+                                         {}});
+  const Scene scene = instantiate(std::move(description), factory, modules);
   std::vector<MeshLoader*> loaders;
   scene.root->collect(loaders);
   return Mesh(loaders.at(0)->mesh());

@@ -22,7 +22,8 @@ const Manual mesh_manual{
     "outside),\nwhich gives one region per label, or a closed surface of triangles (.obj .stl .vtk .vtp), which gives "
     "label 1. A surface\nthat cuts itself is filled with voxels first (--voxels). MESH is a\n.msh file (the labels are "
     "physical groups, and so are the surfaces between them, as "
-    "\"soft.bone\" and \"soft.outside\")\nor a .vtu file (cell data `label`). Lengths are in metres with --unit, else "
+    "\"soft.bone\" and \"soft.outside\"; the\nwall of a hollow is \"soft.cavity\", of several \"soft.cavity_1\" and so "
+    "on)\nor a .vtu file (cell data `label`). Lengths are in metres with --unit, else "
     "in the unit of INPUT after "
     "--scale; a size bounds the radius of the sphere\naround a tetrahedron or triangle, whose edges are about as long. "
     "The same input gives the same file.",

@@ -33,6 +33,9 @@ RegressionCase readCase(const std::string& line, const fs::path& folder) {
   if (!(words >> scene >> result.steps >> result.tolerance) || result.steps < 0 || !(result.tolerance >= 0) ||
       std::isinf(result.tolerance))
     throw UsageError("expected SCENE STEPS TOLERANCE [PATH.ATTR=VALUE ...]");
+  if (result.tolerance >= 1)
+    throw UsageError(fmt::format("the tolerance {:g} lets every state pass: expected a share of the motion below 1",
+                                 result.tolerance));
   for (std::string word; words >> word;) {
     if (word == "bits=processor") {
       result.bits_of_processor = true;

@@ -30,6 +30,17 @@ int writeAll(int descriptor, std::string_view bytes, bool is_regular, std::uint6
   return 0;
 }
 
+/// A link to a file would take that file's place, whatever it is. Links of the system, such as /dev/stdout, lead to where
+/// output goes.
+void refuseLink(const std::string& path) {
+  std::error_code error;
+  if (!fs::is_symlink(fs::symlink_status(path, error)) || !fs::is_regular_file(path, error)) return;
+  const std::string place = fs::absolute(path, error).lexically_normal().string();
+  if (place.starts_with("/dev/") || place.starts_with("/proc/")) return;
+  throw OutputError(
+      path, "is a symbolic link to " + fs::read_symlink(path, error).string() + ", which would be overwritten", EEXIST);
+}
+
 /// A file in the folder of `path` that has no name, or, where the file system knows no such files, one of its own.
 class Draft {
  public:
@@ -130,6 +141,7 @@ OutputFile& OutputFile::operator=(OutputFile&& other) noexcept {
 
 void OutputFile::open(const std::string& path) {
   forget();
+  refuseLink(path);
   path_ = path, size_ = 0, is_cut_ = failed_ = false;
   is_new_ = ::access(path.c_str(), F_OK) != 0;
   descriptor_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
@@ -190,6 +202,7 @@ void checkAccess(const std::string& path, bool is_replaced) {
   if (is_missing && ::access(there.c_str(), W_OK | X_OK) != 0)
     throw OutputError(folder.string(), "cannot make the folder", errno);
   if (fs::is_directory(path, error)) throw OutputError(path, "cannot open for writing", EISDIR);
+  refuseLink(path);
   const bool is_there = !is_missing && ::access(path.c_str(), F_OK) == 0;
   if (!is_missing && !is_there && errno != ENOENT) throw OutputError(path, "cannot open for writing", errno);
   if (is_there && ::access(path.c_str(), W_OK) != 0) throw OutputError(path, "cannot open for writing", errno);
@@ -214,6 +227,7 @@ void checkWritable(const std::string& path, bool is_replaced) {
 }
 
 void writeWholeFile(const std::string& path, std::string_view bytes) {
+  refuseLink(path);
   std::error_code error;
   // a device or a pipe has no other name, and what a link points to stays behind it
   if (fs::is_symlink(fs::symlink_status(path, error)) ||

@@ -9,6 +9,7 @@
 
 #include "framework/scene/output_file.h"
 #include "tools/checks/empty_selections.h"
+#include "tools/checks/idle_parts.h"
 #include "tools/checks/result_doubts.h"
 #include "tools/checks/unit_doubts.h"
 #include "tools/session/file_uses.h"
@@ -59,6 +60,7 @@ Simulation& Session::take(const std::string& file, Scene scene) {
   checkOverwriting(*simulation, diagnostics);
   if (diagnostics.hasErrors()) throw SceneError(std::move(diagnostics));
   warnOfEmptySelections(simulation->root(), diagnostics);
+  warnOfIdleParts(*simulation, diagnostics);
   warnOfUnits(simulation->scene(), diagnostics);
   warnOfLaggedForces(*simulation, diagnostics);
   simulation_ = std::move(simulation);

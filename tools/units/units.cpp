@@ -111,6 +111,10 @@ std::vector<std::string> namesOf(const Dimension* wanted) {
 }
 
 [[noreturn]] void refuseName(std::string_view name, const Dimension* wanted) {
+  double number = 0;  // what a program prints for what is none
+  const auto [end, code] = std::from_chars(name.data(), name.data() + name.size(), number);
+  if (code == std::errc() && end == name.data() + name.size())
+    throw ComponentError(inQuotes(name) + " is not a finite number", "finite numbers");
   for (const auto& [written, right] : spelt_out)
     if (written == name && (!wanted || readUnit(right).dimension == *wanted))
       throw ComponentError(inQuotes(name) + " is not a unit", "a unit", std::string(right));

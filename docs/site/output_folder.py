@@ -26,4 +26,4 @@ def mark(out):
     """Makes the folder, as one of a site: what is in it may be replaced."""
     os.makedirs(out, exist_ok=True)
     with open(os.path.join(out, MARKER), "w", encoding="ascii") as file:
-        file.write("tools/site/build made this folder; the next site made here replaces what is in it\n")
+        file.write("docs/site/build made this folder; the next site made here replaces what is in it\n")

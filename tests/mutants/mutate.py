@@ -2,10 +2,10 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Makes small wrong changes in the engine and its components, one at a time, and counts how many of them a test notices.
 
-  tools/mutants/mutate.py --work build/mutants --count 300 --seed 1        the whole measurement, some hours
-  tools/mutants/mutate.py --work build/mutants --count 300 --resume        goes on where it stopped
-  tools/mutants/mutate.py --work build/mutants --only 'components/springs/*' --count 20 --minutes 15
-  tools/mutants/mutate.py --list --count 40                                what would be changed; builds nothing
+  tests/mutants/mutate.py --work build/mutants --count 300 --seed 1        the whole measurement, some hours
+  tests/mutants/mutate.py --work build/mutants --count 300 --resume        goes on where it stopped
+  tests/mutants/mutate.py --work build/mutants --only 'components/springs/*' --count 20 --minutes 15
+  tests/mutants/mutate.py --list --count 40                                what would be changed; builds nothing
 
 A change is a sign, a factor, a dropped term, a swapped index, a condition or a returned value, in code: not in messages,
 includes, assertions, or what only declares. A seed chooses them, weighted towards formulas; a header of the framework

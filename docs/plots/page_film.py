@@ -8,7 +8,7 @@
 
 docs/organ.gif is made by
   build/release/bin/stroma view scenes/examples/organ_pulled.xml --export organ.html -n 350 --every 4 --field vonMises
-  tools/plots/page_film.py organ.html --out docs/organ.gif --from 1.15 \
+  docs/plots/page_film.py organ.html --out docs/organ.gif --from 1.15 \
       --view '{"held": false, "range": "fixed", "low": 0, "high": 1500}'
 
 The page is drawn by Chromium without a screen, as anybody sees it. Needs Debian's chromium, chromium-driver, python3-selenium and

@@ -6,7 +6,7 @@ Whatever the damage is, the program must end by itself with one of its exit code
 memory beyond what the scene needs, and no number that is not finite in any file it writes. Each mutant is made from the
 seed and its number alone, so that `--seed S --first N --count 1 --keep DIR` makes it again.
 
-Example: tools/fuzz_scenes.py --stroma build/release/bin/stroma --seed 1 --count 500 --jobs 2"""
+Example: tests/fuzz/fuzz_scenes.py --stroma build/release/bin/stroma --seed 1 --count 500 --jobs 2"""
 
 import argparse
 import concurrent.futures
@@ -24,7 +24,7 @@ import time
 from collections import Counter
 from pathlib import Path
 
-TREE = Path(__file__).resolve().parent.parent
+TREE = Path(__file__).resolve().parent.parent.parent
 NUMBER = re.compile(rb"[-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?")
 ATTRIBUTE = re.compile(rb'[\w:]+\s*=\s*"[^"]*"')
 ELEMENT = re.compile(rb"<[^<>]*/>")
