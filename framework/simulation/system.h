@@ -14,13 +14,13 @@ namespace stroma {
 
 class Integrator;
 
-/// The unknowns below one integrator as one contiguous vector each, and the forces on them. Its parts have names of
+/// The unknowns that one integrator moves as one contiguous vector each, and the forces on them. Its parts have names of
 /// their own: constraints() say what may move, matrix() is the matrix of a linear solve, system_report.h says what can
 /// be said about it all.
 class System final {
  public:
-  /// Collects from `node` and below. Problems are thrown as ComponentError.
-  System(Node& node, Integrator& integrator);
+  /// Problems are thrown as ComponentError.
+  explicit System(const SystemMembers& members);
   System(const System&) = delete;
 
   // ---- unknowns; shape (allRows()), independent states first ----
@@ -40,7 +40,11 @@ class System final {
   ConstRows independent(const Vector& all) const { return all.head(independentRows()); }
   Integrator& integrator() const { return integrator_; }
   LinearSolver* linearSolver() const;  ///< the integrator's partner, or null
-  Node& node() const { return node_; }
+  Node& node() const;                  ///< the integrator's
+  /// Other integrators whose bodies move in this system.
+  const std::vector<MergedIntegrator>& merged() const { return merged_; }
+  /// All that stands below its integrators, and what acts from elsewhere.
+  const std::vector<Component*>& components() const { return components_; }
 
   // ---- the story of a step: beginStep(), the integrator's step, endStep(). Simulation tells it ----
   /// Forces are those of the step's end, constraints begin or end, mapped states follow.
@@ -118,8 +122,9 @@ class System final {
   template <class Factor>
   void addMassProducts(ConstRows p, Rows out, Factor factor) const;
 
-  Node& node_;
   Integrator& integrator_;
+  std::vector<MergedIntegrator> merged_;
+  std::vector<Component*> components_;
   Actors actors_;
   MappingChain mappings_;
   ConstraintSet constraints_;

@@ -120,8 +120,9 @@ Demand LiveRun::demand() const {
 // ---- the thread that steps ----
 
 void LiveRun::loop() {
+  bool waits_for_page = !request_.paused && request_.recording.empty();
   try {
-    if (!request_.paused && request_.recording.empty()) startRunning();
+    if (waits_for_page && request_.at_once) startRunning();
     if (!request_.recording.empty()) seek(0);
   } catch (const std::exception& error) {
     endRun(error.what());
@@ -129,6 +130,8 @@ void LiveRun::loop() {
   while (!stopping_) {
     try {
       doOrders();
+      if (waits_for_page && connected_ && !running_ && ended_.empty()) startRunning();
+      if (connected_ || running_) waits_for_page = false;
       if (running_ && secondsAhead() > 0)
         waitForRealTime();
       else if (running_ && !stopping_)
