@@ -42,9 +42,10 @@ class Integrator : public Component {
   /// After a change of an attribute or of inputs between steps, compiled and with the memory of serialize() given back:
   /// what was concluded about the scene as it was has to be concluded again.
   virtual void sceneChanged() {}
-  /// From x and v where the step starts to those at its end, after System::beginStep() unless it is a StateOwner. A step that fails, here or in another system, is not taken:
-  /// x and v are then put back, and nothing else is. What serialize() knows must therefore be such that the same step
-  /// can be tried again and ends with the same bits; what a step changes of it belongs into stepTaken().
+  /// From x and v where the step starts to those at its end, after System::beginStep() unless it is a StateOwner. A step
+  /// that fails, here or in another system, is not taken: x and v are then put back, and nothing else is. What
+  /// serialize() knows must therefore be such that the same step can be tried again and ends with the same bits; what a
+  /// step changes of it belongs into stepTaken().
   virtual StepReport step(System& system, const StepContext& context) = 0;
   /// The steps of all systems were good: takes over what later steps need to know of the one just made.
   virtual void stepTaken(const StepContext& /*context*/) {}

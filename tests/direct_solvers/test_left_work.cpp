@@ -9,7 +9,7 @@
 #include <stdexcept>
 
 namespace stroma {
-namespace {
+namespace STROMA_TEST_FILE {
 
 const void* const here = reinterpret_cast<const void*>(&runOrLeave);
 
@@ -44,5 +44,5 @@ TEST(LeftWork, WhatItThrowsIsThrown) {
   EXPECT_THROW(runOrLeave([] { throw std::runtime_error("no memory"); }, here, StopToken(request)), std::runtime_error);
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma

@@ -8,10 +8,8 @@
 
 #include "tests/support/solver_fixture.h"
 
-using namespace stroma;
-using namespace stroma::test;
-
-namespace {
+namespace stroma::test {
+namespace STROMA_TEST_FILE {
 
 /// Those that look for themselves, and those whose library factors in one call.
 const char* const solvers[] = {"SparseLDLSolver", "EigenSparseLU", "EigenSimplicialLLT", "CholeskySolver"};
@@ -21,8 +19,6 @@ std::string element(const char* type) { return std::string("<") + type + "/>"; }
 bool sameBits(const Vector& a, const Vector& b) {
   return std::equal(a.rows().data, a.rows().data + a.rows().doubles(), b.rows().data);
 }
-
-}  // namespace
 
 TEST(StoppedFactorisation, ARequestThatIsThereIsHeededBeforeTheWork) {
   for (const char* type : solvers) {
@@ -77,3 +73,6 @@ TEST(StoppedFactorisation, AtAnyMomentItLeavesNothingBehind) {
     RecordProperty(std::string(type) + "_stopped", stopped);
   }
 }
+
+}  // namespace STROMA_TEST_FILE
+}  // namespace stroma::test

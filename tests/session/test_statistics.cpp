@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
@@ -41,5 +41,5 @@ TEST(UnconvergedSteps, AdviseNoIterationsWhereTheMatrixIsToBlame) {
   }
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

@@ -8,7 +8,7 @@
 #include "tools/session/session.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 /// Springs to the ground that stiffen with distance. It counts what is asked of it, and makes a request at a given count.
 class CountingGround final : public ForceField {
@@ -160,5 +160,5 @@ TEST(Stopping, TheCheckpointIsThatOfTheLastWholeStep) {
   }
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

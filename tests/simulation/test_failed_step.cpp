@@ -14,7 +14,7 @@ class Stumbling final : public Integrator {
  public:
   void declare(DataTable&) override {}
   void compile(System&) override {}
-  StepReport step(System& system, const StepContext& context) override {
+  StepReport step(System&, const StepContext& context) override {
     StepReport report;
     report.diverged = stumbles && context.index == 4;
     if (report.diverged) stumbles = false;

@@ -8,7 +8,7 @@
 #include "tests/support/scene_fixture.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 namespace fs = std::filesystem;
 
@@ -97,5 +97,5 @@ TEST_F(Observers, ChangeNoBitOfTheRun) {
   }
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test
