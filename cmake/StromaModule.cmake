@@ -45,7 +45,9 @@ if(NOT TARGET stroma::stroma_flags)
     -fopenmp-simd -fno-math-errno -fno-trapping-math -fvisibility-inlines-hidden
   -fpch-preprocess  # for ccache
   # false alarms of GCC 12 in ordinary string and variant code
-  -Wno-restrict -Wno-maybe-uninitialized -Wno-array-bounds -Wno-stringop-overflow)
+  -Wno-restrict -Wno-maybe-uninitialized -Wno-array-bounds -Wno-stringop-overflow
+  # in units of several files, names of the other files are no surroundings
+  $<$<BOOL:$<TARGET_PROPERTY:UNITY_BUILD>>:-Wno-shadow$<SEMICOLON>-Wno-subobject-linkage>)
 endif()
 if(STROMA_WERROR)
   target_compile_options(stroma_flags INTERFACE -Werror)
@@ -60,6 +62,20 @@ if(STROMA_FUZZ)
   # what libFuzzer sees of the code, and undefined behaviour as an end
   target_compile_options(stroma_flags INTERFACE -fsanitize=fuzzer-no-link -fno-sanitize-recover=all -O1)
 endif()
+
+# stroma_unity(TARGET SIZE): compiles SIZE sources of a target as one unit (STROMA_UNITY). The size is a trade: what they
+# include is read and instantiated once for all of them, and a change in one compiles all of them again. Names in anonymous
+# namespaces must then differ between the files of a target.
+function(stroma_unity target size)
+  if(STROMA_UNITY)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${size})
+  endif()
+endfunction()
+
+# stroma_alone(file...): sources that take the compiler so long that each stays a unit.
+function(stroma_alone)
+  set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+endfunction()
 
 # stroma_precompiled(NAME OPTIONS option... [HEADERS header...] [HIDDEN] [PROGRAMS])
 #   Precompiled headers for all targets with these compiler options: a target takes them with
@@ -153,6 +169,7 @@ extern \"C\" __attribute__((visibility(\"default\"))) const stroma::ModuleInfo* 
     stroma_level_options(baseline options)
     target_compile_options(stroma_${name}_shared PRIVATE ${options})
     set_target_properties(stroma_${name}_shared PROPERTIES CXX_VISIBILITY_PRESET hidden)
+    stroma_unity(stroma_${name}_shared 4)
     target_precompile_headers(stroma_${name}_shared REUSE_FROM stroma_precompiled_baseline)
     set(shared $<TARGET_OBJECTS:stroma_${name}_shared>)
   endif()
@@ -176,6 +193,9 @@ extern \"C\" __attribute__((visibility(\"default\"))) const stroma::ModuleInfo* 
       set(folder stroma)
     else()
       set(folder stroma/${level})
+    endif()
+    if(NOT name MATCHES "elasticity")
+      stroma_unity(${target} 4)
     endif()
     stroma_level_options(${level} options)
     target_compile_options(${target} PRIVATE ${options})

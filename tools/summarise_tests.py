@@ -1,21 +1,27 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Reads the JUnit file of ctest and prints the tests that failed or were skipped; the last line is
-"N passed, N failed" (with ", N skipped" when some were). Usage: summarise_tests.py FILE.xml CTEST_EXIT_CODE.
+"""Reads JUnit files of ctest and prints the tests that were skipped, then what those said that failed; the last line is
+"N passed, N failed" (with ", N skipped" when some were). Usage: summarise_tests.py FILE.xml... CTEST_EXIT_CODE.
 Exit code 0 when nothing failed and ctest itself said so."""
 import re
 import sys
 import xml.etree.ElementTree as ElementTree
 
+MOST_LINES = 100  # of what one test said: its end
+
+
+def cases_of(path):
+    """The test cases of a file. Output of a crashed test may hold bytes that XML forbids."""
+    with open(path, "rb") as file:
+        text = re.sub(r"[\x00-\x08\x0b\x0c\x0e-\x1f\ufffe\uffff]", "?", file.read().decode("utf-8", "replace"))
+    return ElementTree.fromstring(text).iter("testcase")
+
 
 def main():
-    if len(sys.argv) != 3:
+    if len(sys.argv) < 3:
         sys.exit(__doc__)
-    # Output of a crashed test may hold bytes that XML forbids.
-    with open(sys.argv[1], "rb") as file:
-        text = re.sub(r"[\x00-\x08\x0b\x0c\x0e-\x1f\ufffe\uffff]", "?", file.read().decode("utf-8", "replace"))
-    passed, failed, skipped = [], [], []
-    for case in ElementTree.fromstring(text).iter("testcase"):
+    passed, failed, skipped, said = [], [], [], {}
+    for case in (case for path in sys.argv[1:-1] for case in cases_of(path)):
         reason = case.find("skipped")
         if case.get("status") == "run" and case.find("failure") is None:
             passed.append(case.get("name"))
@@ -23,12 +29,15 @@ def main():
             skipped.append(case.get("name"))
         else:  # failed, timed out, crashed, or its program was not built
             failed.append(case.get("name"))
+            said[case.get("name")] = (case.findtext("system-out") or "").strip().split("\n")[-MOST_LINES:]
     for name in skipped:
         print(f"skipped: {name}")
     for name in failed:
-        print(f"failed: {name}")
-    if not failed and int(sys.argv[2]) != 0:
-        print(f"ctest ended with {sys.argv[2]} although no test is marked as failed")
+        print(f"\nfailed: {name}", *said[name], sep="\n")
+    if failed:
+        print("\nfailed:", *failed)
+    elif int(sys.argv[-1]) != 0:
+        print(f"ctest ended with {sys.argv[-1]} although no test is marked as failed")
         failed.append("ctest")
     print(f"{len(passed)} passed, {len(failed)} failed" + (f", {len(skipped)} skipped" if skipped else ""))
     sys.exit(1 if failed or not passed else 0)

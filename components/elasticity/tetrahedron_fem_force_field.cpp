@@ -8,10 +8,11 @@
 // appendix A).
 //
 // method = small: R = I, pure linear elasticity; large: QR frame (first edge, plane of the first two), depends on the
-// order of the vertices, so that elements of one strain differ by its square: it fails the patch test by that; polar: nearest orthogonal matrix, the least stretched axis flipped in an inverted element;
-// svd: the smallest inversion (Irving et al. 2004); nodal: one rotation per node (Mueller et al. 2002), which leaves
-// ghost forces and is here for comparison only. Other components' words qr, none, polar2, triangle, stable_polar and
-// identity are taken as large, small, polar, large, svd and small.
+// order of the vertices, so that elements of one strain differ by its square: it fails the patch test by that; polar:
+// nearest orthogonal matrix, the least stretched axis flipped in an inverted element; svd: the smallest inversion
+// (Irving et al. 2004); nodal: one rotation per node (Mueller et al. 2002), which leaves ghost forces and is here for
+// comparison only. Other components' words qr, none, polar2, triangle, stable_polar and identity are taken as large,
+// small, polar, large, svd and small.
 //
 // method = green is the nonlinear geometric reference without rotations: St. Venant-Kirchhoff,
 //   E = (F^T F - I)/2,   S = lambda tr(E) I + 2 mu E,   f_i = -V_0 F S G_i,   W = V_0 (lambda/2 tr(E)^2 + mu E : E)

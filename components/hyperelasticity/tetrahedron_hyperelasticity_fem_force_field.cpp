@@ -72,8 +72,9 @@
 // that change linearly in a step: second order, with an integrator of second order. viscousPart = deviatoric relaxes the
 // stress of the change of shape alone, as FEBio's uncoupled viscoelastic materials do, and the bulk modulus stays: S_h
 // is then that of the energy without its last term, of a law with isochoric invariants, and its last term is added as
-// it is. With dilatation = mean (of hexahedra) it is the only choice. The tangent follows the force exactly. The history moves on at the end of a step; its energy is the potential of the force with the history held:
-// what EnergyMonitor prints as elastic is not what a viscous body stores, and can be negative. projectedTangent and
+// it is. With dilatation = mean (of hexahedra) it is the only choice. The tangent follows the force exactly. The
+// history moves on at the end of a step; its energy is the potential of the force with the history held: what
+// EnergyMonitor prints as elastic is not what a viscous body stores, and can be negative. projectedTangent and
 // matrixRegularization replace the law's part of the tangent; that of the history is added as it is, and may have a
 // sign.
 //

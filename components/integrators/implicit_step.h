@@ -12,8 +12,8 @@
 namespace stroma {
 
 /// With F(x, v) = f(x, v) + rK K(x) v - rM M v the whole force and u the unknown velocity, a step solves
-///   M (u - v0 - velocity_predictor) = weight F(x(u), u) + old_weight F(x0, v0),   x(u) = x0 + drift v0 + position_predictor + displacement (u -
-///   v0)
+///   M (u - v0 - velocity_predictor) = weight F(x(u), u) + old_weight F(x0, v0),
+///   x(u) = x0 + drift v0 + position_predictor + displacement (u - v0)
 struct ImplicitScheme {
   double weight = 0, old_weight = 0;  ///< [s]
   double drift = 0;                   ///< [s]

@@ -4,17 +4,18 @@
 //   q = A p,  alpha = r.z / p.q,  x += alpha p,  r -= alpha q,  z = D^-1 r,  beta = r.z / (r.z)_before,  p = z + beta p
 //
 // z = r without a preconditioner; with block_jacobi, D holds the 3x3 diagonal blocks of A. Where `preconditioner` is not
-// written, a scene that writes `iterations`, as SOFA's do, has none, and every other one has block_jacobi. The product A p is matrix-free (each force field multiplies from its elements) or uses the assembled matrix: `template`
+// written, a scene that writes `iterations`, as SOFA's do, has none, and every other one has block_jacobi. The product
+// A p is matrix-free (each force field multiplies from its elements) or uses the assembled matrix: `template`
 // GraphScattered forces the first, CompressedRowSparseMatrix the second, and auto takes the cheaper one for
 // `iterations` products by the cost that the force fields state.
 //
 // It stops when |r| <= tolerance |b|; after `iterations` products (a scene that must keep a frame rate writes them; the
-// run says how far the residual was then from the tolerance, and a strict run takes that for a doubt); when b = 0; when a number is not finite; and when the matrix shows itself to
-// be singular or not definite, |p.A p| <= threshold^2 |p| |A p| or p.A p < 0: x then keeps the last iterate, the best
-// one in the energy of A. SOFA compares p.A p itself with `threshold`, a test whose outcome depends on the units of the
-// scene and which can stop a well-posed solve at its first iteration (nothing then moves). Here it is the cosine
-// between p and A p, which no units enter; with the default it passes for every matrix of condition number below 4e20.
-// All other iterates are those of SOFA's solver.
+// run says how far the residual was then from the tolerance, and a strict run takes that for a doubt); when b = 0; when
+// a number is not finite; and when the matrix shows itself to be singular or not definite, |p.A p| <= threshold^2 |p|
+// |A p| or p.A p < 0: x then keeps the last iterate, the best one in the energy of A. SOFA compares p.A p itself with
+// `threshold`, a test whose outcome depends on the units of the scene and which can stop a well-posed solve at its
+// first iteration (nothing then moves). Here it is the cosine between p and A p, which no units enter; with the default
+// it passes for every matrix of condition number below 4e20. All other iterates are those of SOFA's solver.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">
@@ -34,7 +35,7 @@
 namespace stroma {
 namespace {
 
-enum class Preconditioner { automatic, none, block_jacobi };
+enum class CGPreconditioner { automatic, none, block_jacobi };
 
 class CGLinearSolver final : public KrylovSolver {
  public:
@@ -63,7 +64,7 @@ class CGLinearSolver final : public KrylovSolver {
 
   double threshold_ = 1e-5;
   bool warm_start_ = false;
-  Preconditioner preconditioner_ = Preconditioner::automatic;
+  CGPreconditioner preconditioner_ = CGPreconditioner::automatic;
   bool precondition_ = false;
   PerMatrix<Kept> kept_;
 };
@@ -85,8 +86,8 @@ void CGLinearSolver::declare(DataTable& table) {
 
 void CGLinearSolver::init() {
   KrylovSolver::init();
-  precondition_ = preconditioner_ == Preconditioner::block_jacobi ||
-                  (preconditioner_ == Preconditioner::automatic && !data().find("iterations")->isSet());
+  precondition_ = preconditioner_ == CGPreconditioner::block_jacobi ||
+                  (preconditioner_ == CGPreconditioner::automatic && !data().find("iterations")->isSet());
 }
 
 CGLinearSolver::Kept& CGLinearSolver::keptFor(const SystemMatrix& matrix, Index rows) {

@@ -3,14 +3,21 @@
 //
 //   f_a = p A_a,   A_a = integral of N_a n dA,   E = -p V on a closed surface
 //
-// A positive pressure pushes along the normals, which turn counter-clockwise around a face: outward on the boundary of
-// a body or of a cavity filled from inside. A body under pressure from outside has a negative one. The forces are exact
+// A cavity is inflated by a NEGATIVE pressure, and so is a body pressed from outside: a positive pressure pushes along the
+// normals, which turn counter-clockwise around a face and point out of the material of a body, at the wall of a cavity
+// into the cavity. A finger of `stroma mesh` whose hollow is blown up by 20 kPa:
+//
+//   <MeshGmshLoader name="loader" filename="finger.msh" group="finger.cavity"/>
+//   <SurfacePressureForceField triangleIndices="@loader.groupTriangleIndices" pressure="-20 kPa"/>
+//
+// A closed surface of its own that is turned outward, such as a balloon, is inflated by a positive one. The forces are exact
 // for triangles and for bilinear quads, warped or not; on a closed surface they have no resultant and no moment, and
 // their work is p dV.
 //
-// Loaded are the listed triangles and quads; without lists all of the mesh, or the boundary of its volume cells when it
-// lists no faces, that lie in the box from min to max in the rest shape (both corners, or neither for everywhere). With
-// a mainDirection d of unit length a face of normal n at rest is loaded by |n.d| times the pressure.
+// Loaded are the listed triangles and quads; without lists all of the mesh but those between two of its volume cells, or
+// the boundary of these when it lists no faces, that lie in the box from min to max in the rest shape (both corners, or
+// neither for everywhere). With a mainDirection d of unit length a face of normal n at rest is loaded by |n.d| times
+// the pressure.
 //
 // Over time the pressure is constant; or linear between keyTimes; or with pulseMode it starts at 0, moves to `pressure`
 // at pressureSpeed, and then goes to and fro between pressureLowerBound and it. With volumeConservationMode it is that

@@ -21,7 +21,8 @@
 //   <FixedProjectiveConstraint indices="0 1"/>
 //   <MeshSpringForceField linesStiffness="500"/>
 //   <TrianglePressureForceField triangleList="1" useConstantForce="false" cauchyStress="3 1 -2 0.5 0 4"
-//   tangent="exact"/> <TrianglePressureForceField triangleList="0 1" pressure="0 1 4"/>
+//     tangent="exact"/>
+//   <TrianglePressureForceField triangleList="0 1" pressure="0 1 4"/>
 // </Node>
 #include <fmt/format.h>
 

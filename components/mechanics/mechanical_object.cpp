@@ -2,7 +2,8 @@
 // MechanicalObject: the nodes of a body, their positions x, velocities v and rest positions X.
 //
 // The positions come, in this order, from `position`, from `rest_position`, from the mesh of the same node
-// (`useTopology`), or are `size` nodes at the origin. They are then scaled (`scale3d`), rotated (`rotation`, degrees,
+// (`useTopology`), are `size` nodes at the origin, or come from the mesh of the nearest node above, up to one with a
+// state of its own, whose mesh that is. They are then scaled (`scale3d`), rotated (`rotation`, degrees,
 // about x, then y, then z: R = Rz Ry Rx) and translated (`translation`):
 //
 //   x = R S x_given + t
@@ -14,8 +15,9 @@
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">
 //   <EulerExplicitSolver/>
-//   <MechanicalObject name="dofs" position="0 0 0  1 0 0" velocity="0 1 0  0 1 0" rotation="0 0 90" translation="0 2
-//   0"/> <UniformMass totalMass="2"/>
+//   <MechanicalObject name="dofs" position="0 0 0  1 0 0" velocity="0 1 0  0 1 0" rotation="0 0 90"
+//     translation="0 2 0"/>
+//   <UniformMass totalMass="2"/>
 // </Node>
 #include <fmt/format.h>
 
@@ -134,6 +136,7 @@ class MechanicalObject final : public State {
     if (!position.empty()) return;
     const Topology* mesh = topology_.get();
     if (!mesh && rest_position.empty() && use_topology_) mesh = firstTopology(*this, false);
+    if (!mesh && rest_position.empty() && use_topology_ && size_ == 0) mesh = meshAbove();
     if (!rest_position.empty()) {
       position = rest_position;
     } else if (mesh) {
@@ -145,10 +148,27 @@ class MechanicalObject final : public State {
       position.assign(size_, Vec3::Zero());
     } else {
       warn(
-          "no positions: neither position, rest_position, size nor a mesh in this node; one node at the origin is made",
+          "no positions: neither position, rest_position, size nor a mesh in this node or above; one node at the "
+          "origin is made",
           "position=\"@loader.position\", or a topology in the same node");
       position.assign(1, Vec3::Zero());
     }
+  }
+
+  /// A mesh above that no other state has between it and this node, or beside it.
+  const Topology* meshAbove() const {
+    for (const Node* above = node().parent(); above; above = above->parent()) {
+      const Topology* found = nullptr;
+      for (const auto& component : above->components()) {
+        if (dynamic_cast<const State*>(component.get())) return nullptr;
+        auto* topology = dynamic_cast<Topology*>(component.get());
+        if (!found && topology && topology->answersLookup()) found = topology;
+      }
+      if (!found) continue;
+      const_cast<Topology*>(found)->ensureReady();
+      return found;
+    }
+    return nullptr;
   }
 
   void transform() {

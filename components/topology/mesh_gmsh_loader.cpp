@@ -7,7 +7,8 @@
 //
 // Physical groups: `tetrahedraGroups` and its like hold the tag of each cell of the file (0: none). With group="NAME"
 // (or a tag), `groupIndices` holds the nodes of the cells of that group, ascending: a surface named in the mesher is a
-// selection in the scene. ValuesFromLabels turns tetrahedraGroups into a material of each tetrahedron.
+// selection in the scene. `groupTriangleIndices` and `groupQuadIndices` are its faces, which loads take.
+// ValuesFromLabels turns tetrahedraGroups into a material of each tetrahedron.
 //
 // Directions: directionArray="fibres" names a view of the file ($ElementData or $NodeData) of three numbers each, or
 // nine for a frame by rows; `tetrahedraDirections`, `hexahedraDirections` and `nodeDirections` hold them, turned with
@@ -40,6 +41,12 @@ class MeshGmshLoader : public MeshLoader {
     MeshLoader::declare(table);
     table.add("group", group_).help("physical group, by name or tag, whose nodes go to groupIndices");
     table.add("groupIndices", group_indices_).help("nodes of the physical group, ascending").output();
+    table.add("groupTriangleIndices", group_triangles_)
+        .help("triangles of the physical group, by their index")
+        .output();
+    table.add("groupQuadIndices", group_quads_)
+        .help("quads of the physical group, by their index; not to be used with triangulate")
+        .output();
     declareGroups(table, "physical group");
     declareDirections(table);
   }
@@ -61,7 +68,7 @@ class MeshGmshLoader : public MeshLoader {
   int tagOf(const GmshFile& content, int dimension, bool& known) const;
 
   std::string group_;
-  std::vector<int> group_indices_;
+  std::vector<int> group_indices_, group_triangles_, group_quads_;
 };
 
 /// The tag that `group` means for cells of a dimension: the same name may have a tag in each.
@@ -106,8 +113,14 @@ void MeshGmshLoader::selectGroup(const GmshFile& content) {
   bool known = false;
   const auto collect = [&](const CellKind& kind, const auto& cells, const std::vector<int>& groups) {
     const int tag = tagOf(content, kind.dimension, known);
-    for (std::size_t c = 0; c < cells.size(); ++c)
-      if (groups[c] == tag) group_indices_.insert(group_indices_.end(), cells[c].begin(), cells[c].end());
+    std::vector<int>* faces = kind.type == cell_kinds::triangle.type ? &group_triangles_
+                              : kind.type == cell_kinds::quad.type   ? &group_quads_
+                                                                     : nullptr;
+    for (std::size_t c = 0; c < cells.size(); ++c) {
+      if (groups[c] != tag) continue;
+      group_indices_.insert(group_indices_.end(), cells[c].begin(), cells[c].end());
+      if (faces) faces->push_back(int(c));
+    }
   };
   forEachCellList(collect, content.mesh, content.groups);
   std::vector<std::string> names;

@@ -17,6 +17,7 @@
 #include "framework/mesh/cell_lists.h"
 #include "framework/mesh/mesh_loader.h"
 #include "framework/scene/factory.h"
+#include "framework/scene/written_units.h"
 
 namespace stroma {
 namespace {

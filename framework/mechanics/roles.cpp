@@ -6,6 +6,7 @@
 #include "framework/mechanics/mass.h"
 #include "framework/mechanics/position_constraint.h"
 #include "framework/mechanics/projective_constraint.h"
+#include "framework/scene/usual_component.h"
 
 namespace stroma {
 
@@ -25,7 +26,7 @@ State* findState(const Component& component, const Link<State>& link) {
   if (State* linked = link.get()) return linked;
   if (State* found = component.find<State>(true)) return found;
   throw ComponentError("this " + component.roleText() + " has no mechanical state to act on",
-                       "a MechanicalObject in the same node or above, or mstate=\"@path\"");
+                       "a " + usualComponent(Part::state) + " in the same node or above, or mstate=\"@path\"");
 }
 
 }  // namespace

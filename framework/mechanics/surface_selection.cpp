@@ -4,11 +4,44 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
+
+#include "framework/mesh/cell_faces.h"
 
 namespace stroma {
 
 namespace {
 bool isSet(const Component& load, const char* attribute) { return load.data().find(attribute)->isSet(); }
+
+/// What helps when a mesh of volume cells lists no faces.
+std::string addsFaces() {
+  return "createSubelements=\"true\" on the mesh loader, which lists the faces of volume cells, or min and max here "
+         "instead of indices";
+}
+
+template <class Cell>
+Cell withSortedNodes(Cell cell) {
+  std::sort(cell.begin(), cell.end());
+  return cell;
+}
+
+template <class Cell>
+std::vector<Cell> sortedSets(const std::vector<Cell>& cells) {
+  std::vector<Cell> sets;
+  sets.reserve(cells.size());
+  for (const Cell& cell : cells) sets.push_back(withSortedNodes(cell));
+  std::sort(sets.begin(), sets.end());
+  return sets;
+}
+
+/// Faces between two volume cells: loaders list them beside those of the surface, and no load acts on them from outside.
+template <class Cell>
+std::vector<Cell> innerFaces(const std::vector<Cell>& faces, const std::vector<Cell>& boundary) {
+  const std::vector<Cell> all = sortedSets(faces), outer = sortedSets(boundary);
+  std::vector<Cell> inner;
+  std::set_difference(all.begin(), all.end(), outer.begin(), outer.end(), std::back_inserter(inner));
+  return inner;
+}
 }  // namespace
 
 void SurfaceSelection::declare(DataTable& table) {
@@ -31,14 +64,15 @@ std::vector<Face> SurfaceSelection::listed(const Component& load, const Mesh& me
     throw ComponentError("faces are listed and the box min, max is given too", "one of them");
   const auto take = [&](const char* name, const std::vector<int>& indices, const auto& cells, const char* word) {
     if (isSet(load, name) && indices.empty())
-      throw ComponentError(fmt::format("{} lists no face", name), fmt::format("at least one of the {}", word),
-                           "when a selection is linked here, check that its box holds faces");
+      throw ComponentError(cells.empty() ? fmt::format("{} lists no face, and the mesh lists no {}", name, word)
+                                         : fmt::format("{} lists no face", name),
+                           cells.empty() ? addsFaces() : fmt::format("at least one of the {}", word),
+                           cells.empty() ? "" : "when a selection is linked here, check that its box holds faces");
     for (std::size_t i = 0; i < indices.size(); ++i) {
       if (indices[i] < 0 || std::size_t(indices[i]) >= cells.size())
         throw ComponentError(
             fmt::format("{}[{}] is {}, and the mesh lists {} {}", name, i, indices[i], cells.size(), word),
-            cells.empty() ? "min and max, which select faces of volume cells as well"
-                          : fmt::format("indices in 0 ... {}", cells.size() - 1));
+            cells.empty() ? addsFaces() : fmt::format("indices in 0 ... {}", cells.size() - 1));
       faces.push_back(cells[indices[i]]);
     }
     if (!isSet(load, name) && !cells.empty())
@@ -60,16 +94,24 @@ std::vector<Face> SurfaceSelection::inBox(const Component& load, const Mesh& mes
     throw ComponentError(fmt::format("min and max are the same point {:g} {:g} {:g}", low_.x(), low_.y(), low_.z()),
                          "two corners of a box, or none of them for the whole surface");
   const Vec3 lower = low_.cwiseMin(high_), upper = low_.cwiseMax(high_);
-  const auto take = [&](const auto& cells) {
-    for (const auto& cell : cells)
-      if (everywhere || std::all_of(cell.begin(), cell.end(), [&](Index node) {
-            const Vec3& p = state.rest_position[node];
-            return p.cwiseMax(lower).cwiseMin(upper) == p;
-          }))
-        faces.push_back(cell);
+  const auto take = [&]<class Cell>(const std::vector<Cell>& cells, const std::vector<Cell>& inner) {
+    for (const Cell& cell : cells) {
+      const bool inside = everywhere || std::all_of(cell.begin(), cell.end(), [&](Index node) {
+                            const Vec3& p = state.rest_position[node];
+                            return p.cwiseMax(lower).cwiseMin(upper) == p;
+                          });
+      if (inside && !std::binary_search(inner.begin(), inner.end(), withSortedNodes(cell))) faces.push_back(cell);
+    }
   };
-  take(given ? mesh.triangles : mesh.boundaryTriangles());
-  take(given ? mesh.quads : mesh.boundaryQuads());
+  if (!given) {
+    take(mesh.boundaryTriangles(), {});
+    take(mesh.boundaryQuads(), {});
+    return faces;
+  }
+  take(mesh.triangles, mesh.tetrahedra.empty() ? std::vector<Triangle>()
+                                               : innerFaces(mesh.tetrahedronFaces(), mesh.boundaryTriangles()));
+  take(mesh.quads, mesh.hexahedra.empty() ? std::vector<Quad>()
+                                          : innerFaces(uniqueFaces(mesh.hexahedra, false), mesh.boundaryQuads()));
   return faces;
 }
 

@@ -9,7 +9,8 @@
 namespace stroma {
 
 /// The faces that a surface load acts on, as attributes of its component: the listed triangles and quads; without lists
-/// all of the mesh, or the boundary of its volume cells when it lists no faces, that lie in a box of the rest shape.
+/// all of the mesh but those between two of its volume cells, or the boundary of these when it lists no faces, that lie
+/// in a box of the rest shape.
 class SurfaceSelection {
  public:
   /// Declares triangleIndices, quadIndices, min and max.

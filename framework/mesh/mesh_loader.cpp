@@ -2,14 +2,18 @@
 #include "framework/mesh/mesh_loader.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
 #include <numbers>
 
 #include "framework/mesh/cell_attributes.h"
 #include "framework/mesh/cell_faces.h"
-#include "framework/scene/units.h"
+#include "framework/scene/written_units.h"
 
 namespace stroma {
 
@@ -28,6 +32,66 @@ void appendMissing(std::vector<Cell>& cells, const std::vector<Cell>& candidates
   std::sort(present.begin(), present.end());
   for (const Cell& cell : candidates)
     if (!std::binary_search(present.begin(), present.end(), sorted(cell))) cells.push_back(cell);
+}
+
+/// Of `keys`, those whose value another one before them has; ascending.
+template <class Key>
+std::vector<Index> secondOnes(std::vector<std::pair<Key, Index>> keys) {
+  std::sort(keys.begin(), keys.end());
+  std::vector<Index> second;
+  for (std::size_t i = 1; i < keys.size(); ++i)
+    if (keys[i].first == keys[i - 1].first) second.push_back(keys[i].second);
+  std::sort(second.begin(), second.end());
+  return second;
+}
+
+/// Volume cells are numbered through, tetrahedra first.
+std::vector<Index> repeatedCells(const Mesh& mesh) {
+  std::vector<Index> all;
+  Index first = 0;
+  forEachCellList(
+      [&]<class Cell>(const CellKind& kind, const std::vector<Cell>& cells) {
+        if (kind.dimension < 3) return;
+        std::vector<std::pair<Cell, Index>> keys;
+        keys.reserve(cells.size());
+        for (Cell cell : cells) {
+          std::sort(cell.begin(), cell.end());
+          keys.emplace_back(cell, first++);
+        }
+        const std::vector<Index> second = secondOnes(std::move(keys));
+        all.insert(all.end(), second.begin(), second.end());
+      },
+      mesh);
+  return all;
+}
+
+/// Places are told apart to a share of the mesh's size that is round-off of files with nine digits.
+std::vector<Index> coincidentNodes(const Mesh& mesh, const MeshReport& box) {
+  constexpr double share = 1e-8;
+  const double size = (box.high - box.low).maxCoeff();
+  if (!(size > 0)) return {};
+  std::vector<char> used(mesh.position.size(), 0);
+  forEachCellList(
+      [&used](const CellKind& kind, const auto& cells) {
+        for (std::size_t c = 0; kind.dimension == 3 && c < cells.size(); ++c)
+          for (const Index node : cells[c]) used[std::size_t(node)] = 1;
+      },
+      mesh);
+  std::vector<std::pair<std::array<std::int64_t, 3>, Index>> keys;
+  for (std::size_t n = 0; n < used.size(); ++n) {
+    if (!used[n]) continue;
+    const Vec3 place = (mesh.position[n] - box.low) / (share * size);
+    keys.push_back({{std::llround(place.x()), std::llround(place.y()), std::llround(place.z())}, Index(n)});
+  }
+  return secondOnes(std::move(keys));
+}
+
+/// "3 nodes in the place of others (0 1 2)", at most five of them named.
+std::string someOf(const std::vector<Index>& list, std::string_view what) {
+  const std::size_t shown = std::min<std::size_t>(list.size(), 5);
+  return fmt::format("{} {} ({}{})", list.size(), what,
+                     fmt::join(list.begin(), list.begin() + std::ptrdiff_t(shown), " "),
+                     shown < list.size() ? " ..." : "");
 }
 
 }  // namespace
@@ -142,9 +206,9 @@ void MeshLoader::transform() {
       throw ComponentError("the last row of transformation is not that of an affine map", "0 0 0 1");
     linear << m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10];
     shift << m[3], m[7], m[11];
-    if (!unit_.empty() && inSI(1, readLengthUnit(unit_)) != 1 && shift != Vec3::Zero())
+    if (metresOf(unit_) != 1 && shift != Vec3::Zero())
       warn(fmt::format("the last column of transformation is in metres: unit=\"{}\" is that of the file", unit_),
-           fmt::format("write metres, or leave unit out and scale by {}", inSI(1, readLengthUnit(unit_))));
+           fmt::format("write metres, or leave unit out and scale by {}", metresOf(unit_)));
   } else {
     if (!parts) return;
     linear = rotationFromDegrees(rotation_) * scale3d_.asDiagonal();
@@ -181,13 +245,6 @@ void MeshLoader::splitQuads() {
   mesh_.quads.clear();
 }
 
-void makeMetres(std::vector<Vec3>& positions, const std::string& unit) {
-  if (unit.empty()) return;
-  const Unit given = readLengthUnit(unit);
-  for (Vec3& p : positions)
-    for (int i = 0; i < 3; ++i) p[i] = inSI(p[i], given);
-}
-
 Mat3 rotationFromDegrees(const Vec3& angles) {
   const Vec3 a = angles * (std::numbers::pi / 180);
   using Turn = Eigen::AngleAxisd;
@@ -205,8 +262,14 @@ void addSubelements(Mesh& mesh) {
 std::string meshComplaint(const Mesh& mesh) {
   const MeshReport report = mesh.report();
   const bool no_volume = highestDimension(mesh) == 3 && !(report.volume > 0);
-  if (report.inverted.empty() && report.flat.empty() && report.unused_nodes.empty() && !no_volume) return {};
-  return fmt::format("{}{}", no_volume ? "the mesh has no volume: " : "the mesh has faults: ", report.text());
+  std::string twice;
+  if (const std::vector<Index> cells = repeatedCells(mesh); !cells.empty())
+    twice = ", " + someOf(cells, "volume cells that are there already");
+  if (const std::vector<Index> nodes = coincidentNodes(mesh, report); !nodes.empty())
+    twice += ", " + someOf(nodes, "nodes in the place of others, which part the body unless something joins them");
+  if (report.inverted.empty() && report.flat.empty() && report.unused_nodes.empty() && !no_volume && twice.empty())
+    return {};
+  return fmt::format("{}{}{}", no_volume ? "the mesh has no volume: " : "the mesh has faults: ", report.text(), twice);
 }
 
 }  // namespace stroma

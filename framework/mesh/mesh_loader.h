@@ -52,8 +52,6 @@ class MeshLoader : public MeshSource {
   std::array<double, 16> transformation_{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
 };
 
-/// Makes metres of positions in `unit`, a length such as "mm"; empty: they are metres. Throws ComponentError.
-void makeMetres(std::vector<Vec3>& positions, const std::string& unit);
 
 /// Rotation by Euler angles [degrees]: about x, then y, then z, all fixed axes (R = Rz Ry Rx, as SOFA's).
 Mat3 rotationFromDegrees(const Vec3& angles);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // One table of everything that SOFA renamed, so that old and new scenes load: the loader maps old names (with one
-// note), and a test checks that every replacement exists.
+// note), and a test checks that every replacement exists. The table is in tools/sofa.
 #pragma once
 #include <string_view>
 #include <vector>
@@ -32,6 +32,8 @@ const std::vector<AttributeChange>& attributeChanges();
 std::string_view adviceOn(std::string_view attribute);
 /// Components of SOFA that only draw, load plugins or schedule: accepted without effect, summed up in one line.
 const std::vector<std::string_view>& acceptedWithoutEffect();
+/// Those of them that draw the body of a node.
+const std::vector<std::string_view>& visualModels();
 /// Attributes any component may carry that only matter for drawing or for SOFA's own bookkeeping.
 const std::vector<std::string_view>& visualAttributes();
 

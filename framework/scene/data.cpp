@@ -49,7 +49,7 @@ struct IsNumber : std::bool_constant<std::is_same_v<T, int> || std::is_same_v<T,
 
 /// Calls f(number) for every number of a value; f returns false to stop. Values that hold none are skipped.
 template <class T, class F>
-bool forNumbers(const T& value, F&& f) {
+bool allNumbers(const T& value, F&& f) {
   if constexpr (IsNumber<T>::value) {
     return f(double(value));
   } else if constexpr (std::is_same_v<T, Vec3>) {
@@ -59,7 +59,7 @@ bool forNumbers(const T& value, F&& f) {
     return true;
   } else {
     for (const auto& item : value)
-      if (!forNumbers(item, f)) return false;
+      if (!allNumbers(item, f)) return false;
     return true;
   }
 }
@@ -78,7 +78,7 @@ std::optional<Problem> Data::checkRange() const {
         if constexpr (std::is_same_v<Pointer, ChoiceRef> || std::is_same_v<Pointer, LinkBase*>) {
           return true;
         } else {
-          return forNumbers(*pointer, [&](double value) { return ++count, bad = value, inside(value); });
+          return allNumbers(*pointer, [&](double value) { return ++count, bad = value, inside(value); });
         }
       },
       pointer_);

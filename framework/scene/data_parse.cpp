@@ -6,7 +6,7 @@
 
 #include "framework/scene/data.h"
 #include "framework/scene/text.h"
-#include "framework/scene/units.h"
+#include "framework/scene/written_units.h"
 
 namespace stroma {
 
@@ -185,6 +185,10 @@ bool readGroups(std::string_view text, std::vector<Item>& out, Failure& why, Mak
   }
   if (count % width == 0) return true;
   why.message = std::to_string(count) + " numbers are not a multiple of " + std::to_string(width);
+  constexpr std::size_t rigid_width = 7;
+  if (std::is_same_v<Item, Vec3> && count % rigid_width == 0)
+    why.suggestion =
+        "a node is a point of three coordinates: rigid frames of seven numbers, SOFA's Rigid3, do not exist";
   return false;
 }
 

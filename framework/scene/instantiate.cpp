@@ -7,6 +7,7 @@
 #include "framework/scene/change_table.h"
 #include "framework/scene/files.h"
 #include "framework/scene/instantiation.h"
+#include "framework/scene/missing_types.h"
 #include "framework/scene/names.h"
 #include "framework/scene/text.h"
 
@@ -20,11 +21,7 @@ bool contains(const std::vector<std::string_view>& list, std::string_view word) 
 
 bool hasNoEffect(const ComponentDescription& component) { return contains(acceptedWithoutEffect(), component.type); }
 
-bool isVisualModel(const ComponentDescription& component) {
-  static const std::vector<std::string_view> types = {"OglModel",   "VisualModelImpl",  "VisualModel",
-                                                      "VisualMesh", "OglCylinderModel", "SlicedVolumetricModel"};
-  return contains(types, component.type);
-}
+bool isVisualModel(const ComponentDescription& component) { return contains(visualModels(), component.type); }
 
 /// What a node that only carries a visual model holds beside it: the mapping that moves it and the mesh it is made of.
 bool servesVisualModel(const ComponentDescription& component) {
@@ -44,12 +41,23 @@ bool holdsOnlyVisuals(const NodeDescription& node) {
          std::all_of(node.children.begin(), node.children.end(), holdsOnlyVisuals);
 }
 
+MissingTypeAdvice& missingTypeAdvice() {
+  static MissingTypeAdvice advice;
+  return advice;
+}
+
 bool isOff(const NodeDescription& node) {
   const AttributeDescription* activated = node.find("activated");
   return activated && (trimmed(activated->value) == "false" || trimmed(activated->value) == "0");
 }
 
 }  // namespace
+
+void adviseOnMissingTypes(MissingTypeAdvice advice) { missingTypeAdvice() = std::move(advice); }
+
+std::string adviceOnMissingType(const std::string& type) {
+  return missingTypeAdvice() ? missingTypeAdvice()(type) : std::string();
+}
 
 Instantiation::Instantiation(Scene& scene, Factory& factory, Modules& modules)
     : scene_(scene), factory_(factory), modules_(modules), diagnostics_(scene.diagnostics) {}
@@ -195,7 +203,8 @@ std::unique_ptr<Component> Instantiation::createUnknown(const ComponentDescripti
                                                         const std::string& path) {
   const std::string present(presentType(description.type));
   if (present != description.type) {
-    diagnostics_.error(description.where, path, description.type + ", now called " + present + ", is not available");
+    diagnostics_.error(description.where, path, description.type + ", now called " + present + ", is not available", {},
+                       adviceOnMissingType(present));
     return std::make_unique<UnknownComponent>();
   }
   for (const TypeRemoval& removal : typeRemovals()) {
@@ -204,12 +213,16 @@ std::unique_ptr<Component> Instantiation::createUnknown(const ComponentDescripti
                        std::string(removal.advice));
     return std::make_unique<UnknownComponent>();
   }
+  const std::string nothing = "there is no component " + inQuotes(description.type);
+  if (std::string advice = adviceOnMissingType(description.type); !advice.empty()) {
+    diagnostics_.error(description.where, path, nothing, {}, std::move(advice));
+    return std::make_unique<UnknownComponent>();
+  }
   std::vector<std::string> names{"Node", "include"};
   for (const Modules::IndexEntry& entry : modules_.index()) names.push_back(entry.type);
   for (const ComponentEntry* entry : factory_.entries()) names.push_back(entry->type);
   const std::string guess = nearest(description.type, names);
-  diagnostics_.error(description.where, path, "there is no component " + inQuotes(description.type),
-                     "a name from 'stroma list'", guess);
+  diagnostics_.error(description.where, path, nothing, "a name from 'stroma list'", guess);
   if (!guess.empty() && guess != "Node" && guess != "include" && modules_.provide(guess)) return factory_.make(guess);
   return std::make_unique<UnknownComponent>();
 }

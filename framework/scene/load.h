@@ -31,8 +31,6 @@ NodeDescription readXml(const std::string& text, const std::string& file, const 
 /// Reads the file, splices includes (cycles are reported), applies the overrides.
 SceneDescription readScene(const std::string& file, const std::vector<Override>& overrides, const ReadLimits& limits,
                            Diagnostics& diagnostics);
-/// Back to XML, for round-trip tests and dumps.
-std::string writeXml(const NodeDescription& root);
 
 /// A scene in memory. Owns the tree.
 struct Scene {

@@ -9,8 +9,31 @@ namespace stroma {
 
 namespace {
 
-bool isSpace(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
-bool endsName(char c) { return isSpace(c) || c == '=' || c == '/' || c == '>' || c == '<' || c == '"' || c == '\''; }
+/// Where a text stops to be UTF-8 (RFC 3629: no overlong forms, surrogates or code points above 10FFFF), or its size.
+std::size_t firstByteNotUtf8(std::string_view text) {
+  for (std::size_t i = 0; i < text.size();) {
+    const auto byte = [&](std::size_t k) -> unsigned {
+      return k < text.size() ? static_cast<unsigned char>(text[k]) : 0;
+    };
+    const unsigned first = byte(i), second = byte(i + 1);
+    if (first < 0x80) {
+      ++i;
+      continue;
+    }
+    const std::size_t length = first >= 0xC2 && first <= 0xDF   ? 2
+                               : (first & 0xF0) == 0xE0         ? 3
+                               : first >= 0xF0 && first <= 0xF4 ? 4
+                                                                : 0;
+    if (length == 0) return i;
+    for (std::size_t k = 1; k < length; ++k)
+      if ((byte(i + k) & 0xC0) != 0x80) return i;
+    const bool is_overlong = (first == 0xE0 && second < 0xA0) || (first == 0xF0 && second < 0x90);
+    const bool is_beyond = (first == 0xED && second > 0x9F) || (first == 0xF4 && second > 0x8F);
+    if (is_overlong || is_beyond) return i;
+    i += length;
+  }
+  return text.size();
+}
 
 class Scanner {
  public:
@@ -25,6 +48,14 @@ class Scanner {
       at_ = zero;
       return fail(here(), "a byte that is 0 stands in the text", "XML in UTF-8");
     }
+    if (const std::size_t wrong = firstByteNotUtf8(text_); wrong < text_.size()) {
+      at_ = wrong;
+      const auto byte = static_cast<unsigned char>(text_[wrong]);
+      constexpr std::string_view digits = "0123456789ABCDEF";
+      return fail(here(),
+                  std::string("the byte ") + digits[byte >> 4] + digits[byte & 15] + " is not part of a UTF-8 text",
+                  "UTF-8; of a file in Latin-1, 'iconv -f latin1 -t utf8' makes one");
+    }
     while ((at_ = text_.find('<', at_)) != std::string_view::npos) {
       const std::string_view rest = text_.substr(at_);
       bool good = true;
@@ -33,7 +64,7 @@ class Scanner {
       } else if (rest.starts_with("<![CDATA[")) {
         good = skip("]]>", "a CDATA section");
       } else if (rest.starts_with("<?")) {
-        const bool is_declaration = rest.size() > 5 && rest.starts_with("<?xml") && isSpace(rest[5]);
+        const bool is_declaration = rest.size() > 5 && rest.starts_with("<?xml") && isXmlSpace(rest[5]);
         const std::size_t start = at_;
         good = skip("?>", is_declaration ? "a declaration" : "a processing instruction");
         if (!is_declaration) positions_.instructions.emplace_back(start, at_);
@@ -86,12 +117,12 @@ class Scanner {
 
   std::string_view name() {
     const std::size_t start = at_;
-    while (at_ < text_.size() && !endsName(text_[at_])) ++at_;
+    while (at_ < text_.size() && !endsXmlName(text_[at_])) ++at_;
     return text_.substr(start, at_ - start);
   }
 
   void spaces() {
-    while (at_ < text_.size() && isSpace(text_[at_])) ++at_;
+    while (at_ < text_.size() && isXmlSpace(text_[at_])) ++at_;
   }
 
   bool startTag() {

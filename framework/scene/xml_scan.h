@@ -17,6 +17,11 @@ struct TextPosition {
   int line = 0, column = 0;
 };
 
+/// White space of XML.
+inline bool isXmlSpace(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
+/// Is this what ends the name of an element or an attribute?
+inline bool endsXmlName(char c) { return isXmlSpace(c) || c == '=' || c == '/' || c == '>' || c == '<' || c == '"' || c == '\''; }
+
 /// Start tags and their attributes in the order of the file.
 struct XmlPositions {
   struct Tag {

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "framework/scene/node.h"
+#include "framework/scene/usual_component.h"
 
 namespace stroma {
 
@@ -131,7 +132,7 @@ Actors collectActors(const Node& node) {
   if (actors.states.empty())
     throw ComponentError(
         fmt::format("there is no mechanical state in {} or below, so there is nothing to move", node.path()),
-        "a MechanicalObject in the integrator's node or below");
+        "a " + usualComponent(Part::state) + " in the integrator's node or below");
   requireStateIn(actors.states, actors.force_fields);
   requireStateIn(actors.states, actors.masses);
   requireStateIn(actors.states, actors.constraints);

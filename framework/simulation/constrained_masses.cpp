@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "framework/scene/usual_component.h"
 #include "framework/simulation/constraint_set.h"
 
 namespace stroma {
@@ -42,7 +43,7 @@ void requireDiagonalUnderMotion(const Actors& actors) {
         fmt::format("{} moves nodes, and their inertia would not reach their neighbours through a mass "
                     "that is not diagonal",
                     (*moving)->path()),
-        "a diagonal mass", "use DiagonalMass, or lumping=\"true\"");
+        "a diagonal mass", "use " + usualComponent(Part::diagonal_mass) + ", or lumping=\"true\"");
 }
 
 void requireMassOf(const State& state, const Actors& actors, const std::vector<char>& held,
@@ -54,7 +55,7 @@ void requireMassOf(const State& state, const Actors& actors, const std::vector<c
     if (held[row] || mass[row] > 0) continue;
     if (!has_mass)
       throw ComponentError(fmt::format("{} has no mass, so its motion is not defined", state.path()),
-                           "a mass in the state's node", "add <UniformMass totalMass=\"1\"/>");
+                           "a mass in the state's node", "add <" + usualComponent(Part::mass) + " totalMass=\"1\"/>");
     throw ComponentError(
         fmt::format("node {} of {} has a mass of {} kg, so its motion is not defined", i, state.path(), mass[row]),
         "a positive mass at every node that is not held");

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "framework/scene/node.h"
+#include "framework/scene/usual_component.h"
 
 namespace stroma {
 
@@ -17,7 +18,7 @@ std::string Integrator::missingPartner() const {
     return dynamic_cast<const LinearSolver*>(component.get()) && component->answersLookup();
   });
   if (has_one) return {};
-  return movesInTime() ? "PCGLinearSolver" : "SparseLDLSolver";
+  return usualComponent(movesInTime() ? Part::solver_in_time : Part::solver_of_equilibria);
 }
 
 }  // namespace stroma

@@ -1,42 +1,41 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+// Long work before the first step says how far it is to who listens; nothing is printed here.
 #pragma once
-#include <chrono>
+#include <functional>
+#include <memory>
 #include <string>
 
 namespace stroma {
 
-/// False: nothing is told of long work. True when nothing was said.
-void tellLongWork(bool wanted);
+/// Hears of one piece of long work, until it is done. Called by one thread at a time.
+class LongWorkListener {
+ public:
+  virtual ~LongWorkListener() = default;
+  /// The share that is done; one may be below an earlier one.
+  virtual void say(double share) = 0;
+  /// A sentence for who waits.
+  virtual void advise(const std::string& sentence) = 0;
+};
 
-/// "0.4 s", "12 s", "3 min 20 s", "2 h 5 min", "3 d 4 h".
-std::string durationText(double seconds);
+/// Makes the listener for work that takes about so many operations, or null when nobody wants to hear of it.
+using MakeLongWorkListener =
+    std::function<std::unique_ptr<LongWorkListener>(const std::string& what, double operations)>;
 
-/// Bytes of one line of the terminal on standard error; the last column stays empty.
-std::size_t terminalWidth();
-/// `head` and `tail` in a line of at most `width` bytes: the end of `head` goes first. No character is cut in two.
-std::string fittedLine(std::string head, std::string tail, std::size_t width);
+/// Who listens to all long work of the process from now on; empty, as at the start: nobody. Not while work goes on.
+void listenToLongWork(MakeLongWorkListener make);
 
-/// Whether long work is telling how far it is: nobody else then writes on the terminal's line.
-bool isTellingLongWork();
-
-/// Tells on standard error how far long work before the first step is: in place on a terminal, else a line each
-/// quarter, with the time that the rest will take.
 class LongWork {
  public:
-  /// Work of few operations is not told of.
-  LongWork(std::string what, double operations);
-  LongWork(const LongWork&) = delete;
-  ~LongWork();
-  /// The share that is done; one that is below an earlier one says nothing.
-  void say(double share);
-  /// A sentence for who waits: said where the work itself is told of.
-  void advise(const std::string& sentence) const;
+  LongWork(const std::string& what, double operations);
+  void say(double share) {
+    if (listener_) listener_->say(share);
+  }
+  void advise(const std::string& sentence) {
+    if (listener_) listener_->advise(sentence);
+  }
 
  private:
-  std::string what_;
-  bool terminal_, silent_;
-  int last_ = -1;
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  std::unique_ptr<LongWorkListener> listener_;
 };
 
 }  // namespace stroma

@@ -9,10 +9,6 @@ namespace stroma {
 
 namespace {
 
-using Block = Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>;
-
-Block blockAt(std::vector<double>& values, Index slot) { return Block(values.data() + std::size_t(slot) * 9); }
-
 bool byRow(const NodeProjector& a, const NodeProjector& b) { return a.row < b.row; }
 
 const NodeProjector* findRow(const std::vector<NodeProjector>& list, std::size_t count, Index row) {

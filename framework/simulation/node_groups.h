@@ -1,10 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
+#include <Eigen/Core>
 #include <vector>
 
 #include "framework/mechanics/projective_constraint.h"
 
 namespace stroma {
+
+/// One of a list of 3x3 blocks.
+inline Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> blockAt(std::vector<double>& values, Index slot) {
+  return Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(values.data() + std::size_t(slot) * 9);
+}
 
 /// Groups of rows that have one velocity. With Q the projector that all of a group's n rows allow, P is Q/n in each of
 /// its blocks; P M P then carries the group's mass, so that the merged body is solved exactly, whatever the masses.

@@ -12,14 +12,10 @@ namespace stroma {
 
 namespace {
 
-using Block = Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>;
-
 /// What a projector leaves of a coefficient that it takes away, relative to it.
 constexpr double projector_round_off = 1e-12;
 /// A relation of length one that adds less than this to others follows from them.
 constexpr double least_independent = 1e-10;
-
-Block blockAt(std::vector<double>& values, Index slot) { return Block(values.data() + std::size_t(slot) * 9); }
 
 void gather(ConstRows vector, const std::vector<Index>& rows, Eigen::Ref<Eigen::VectorXd> out) {
   for (std::size_t i = 0; i < rows.size(); ++i) out.segment<3>(3 * Eigen::Index(i)) = vector[rows[i]];
@@ -259,7 +255,7 @@ void RelationClusters::eliminateDiagonal(std::vector<double>& blocks) const {
       const Mat3 taken = cluster.basis.middleCols<3>(3 * Eigen::Index(i)).transpose() *
                          cluster.basis.middleCols<3>(3 * Eigen::Index(i));
       const Mat3 free = Mat3::Identity() - taken;
-      Block block = blockAt(blocks, cluster.rows[i]);
+      auto block = blockAt(blocks, cluster.rows[i]);
       block = (free * block * free + taken).eval();
     }
 }

@@ -7,8 +7,8 @@
 #include <bit>
 #include <cmath>
 
-#include "framework/simulation/empty_selections.h"
-#include "framework/simulation/unit_doubts.h"
+#include "framework/scene/usual_component.h"
+
 
 namespace stroma {
 namespace {
@@ -83,7 +83,7 @@ void checkUnmovedStates(const Node& root, Diagnostics& diagnostics) {
       diagnostics.error(state->where(), state->path(),
                         fmt::format("{} acts on this state, but no integrator moves it", actors.front()->path()),
                         "an integrator in the state's node or above",
-                        "add <EulerImplicitSolver/> and a linear solver to " + state->node().path());
+                        "add <" + usualComponent(Part::integrator) + "/> and a linear solver to " + state->node().path());
     }
   }
 }
@@ -132,7 +132,10 @@ std::string whereAndWhy(const System& system, const StepContext& context, const 
 
 }  // namespace
 
-Simulation::Simulation(Scene scene) : scene_(std::move(scene)) {
+Simulation::Simulation(Scene scene)
+    : scene_(std::move(scene)),
+      inputs_(root(), systems_, clock_, log_, watch_),
+      edits_(root(), systems_, snapshots_, clock_, log_, watch_) {
   Diagnostics& diagnostics = scene_.diagnostics;
   std::vector<Integrator*> integrators;
   collectIntegrators(root(), nullptr, integrators, diagnostics);
@@ -143,28 +146,18 @@ Simulation::Simulation(Scene scene) : scene_(std::move(scene)) {
     diagnostics.error(root().where(), root().path() + ".time",
                       fmt::format("at {:g} s a step of {:g} s does not change the time", root().root_time, dt()),
                       "a start nearer to zero, or a longer dt");
-  root().collect(observers_);
-  if (!diagnostics.hasErrors()) compileObservers(diagnostics);
+  observers_.collect(root());
+  if (!diagnostics.hasErrors()) observers_.compile(diagnostics);
   if (diagnostics.hasErrors()) throw SceneError(diagnostics);
-  warnOfEmptySelections(root(), diagnostics);
-  warnOfUnits(scene_);
 
   if (integrators.empty())
     diagnostics.warning(root().where(), root().path(), "the scene has no integrator: time passes and nothing moves");
-  for (const auto& system : systems_) {
-    for (const ForceField* field : system->forceFields())
-      if (std::string sentence = laggedForce(*field, system->integrator()); !sentence.empty())
-        diagnostics.warning(field->where(), field->path(), std::move(sentence));
-    good_.emplace_back(Vector(system->allRows()), Vector(system->allRows()));
-    reversals_.emplace_back();
-    watches_.emplace_back(*system);
-    initial_.emplace_back(Vector(system->allRows()), Vector(system->allRows()));
-    copy(system->x, initial_.back().first);
-    copy(system->v, initial_.back().second);
-  }
+  for (const auto& system : systems_) fault_watches_.emplace_back(*system);
+  snapshots_.compile(systems_);
+  watch_.compile(systems_);
   root().collect(histories_);
-  watchFollowers();
-  time_ = base_time_ = root().root_time;
+  observers_.watchFollowers();
+  clock_.start(root().root_time);
 }
 
 Simulation::~Simulation() = default;
@@ -178,8 +171,8 @@ std::vector<State*> Simulation::states() const {
 
 StepReport Simulation::step() {
   begin();
-  if (next_replayed_ < replay_.size()) replayDue();
-  const StepContext context = nextStep();
+  if (director_) director_->beforeStep(*this);
+  const StepContext context = clock_.next(dt());
   StepReport report;
   for (std::size_t i = 0; i < systems_.size() && !report.diverged; ++i) advance(i, context, report);
   if (report.diverged) return report;
@@ -188,20 +181,9 @@ StepReport Simulation::step() {
     system->integrator().stepTaken(context);
   }
   for (History* history : histories_) endHistory(*history, context, report);
-  ++steps_;
-  time_ = context.t_end;
-  notify(context);
+  clock_.stepMade(context);
+  observers_.afterStep(context);
   return report;
-}
-
-StepContext Simulation::nextStep() const {
-  StepContext context;
-  context.index = steps_ + 1;
-  context.t = time_;
-  context.dt = dt();
-  // a product rather than a sum: the time of step n does not carry the round-off of n additions
-  context.t_end = base_time_ + double(context.index - base_step_) * context.dt;
-  return context;
 }
 
 void Simulation::advance(std::size_t index, const StepContext& context, StepReport& report) {
@@ -209,20 +191,20 @@ void Simulation::advance(std::size_t index, const StepContext& context, StepRepo
   const PhaseTimer timer(system.times.total);
   // where several systems move, one may have to go back because another one failed
   const bool lean = system.integrator().answersForState() && systems_.size() == 1;
-  auto& [x_before, v_before] = good_[index];
-  if (!lean) copy(system.x, x_before), copy(system.v, v_before);
+  Snapshot& before = snapshots_.good(index);
+  if (!lean) before.take(system);
 
   StepReport part = system.integrator().step(system, context);
-  if (!part.diverged) system.endStep(context, x_before, part);
-  std::string fault = part.diverged ? part.reason : lean ? std::string() : watches_[index].firstFault(x_before);
+  if (!part.diverged) system.endStep(context, before.x, part);
+  std::string fault = part.diverged ? part.reason : lean ? std::string() : fault_watches_[index].firstFault(before.x);
   if (part.diverged && fault.empty()) fault = "the integrator gave the step up";
 
   system.times.solve += part.solve_seconds;
   if (fault.empty()) {
     if (part.unsolved) part.reason = whereAndWhy(system, context, part.reason, "");
-    if (!lean && system.integrator().keepsEnergy()) watchReversals(index, context.index);
+    if (!lean && system.integrator().keepsEnergy()) watch_.look(index, system, before, context);
   } else {
-    if (!lean) takeBack(index);
+    if (!lean) snapshots_.putGoodBack(systems_, index + 1);
     report.diverged = true;
     // the states are those of the last good step: the worst elements are where the trouble began, not where it ended
     report.reason = whereAndWhy(system, context, fault, " before the step");
@@ -247,63 +229,54 @@ void Simulation::endHistory(History& history, const StepContext& context, StepRe
   report.unsolved = true;
 }
 
-void Simulation::keepState() {
-  for (std::size_t i = 0; i < systems_.size(); ++i) {
-    copy(systems_[i]->x, good_[i].first);
-    copy(systems_[i]->v, good_[i].second);
-  }
-}
-
-void Simulation::takeBackState() {
-  for (std::size_t i = 0; i < systems_.size(); ++i) {
-    copy(good_[i].first, systems_[i]->x);
-    copy(good_[i].second, systems_[i]->v);
-  }
-}
-
-void Simulation::takeBack(std::size_t failed) {
-  for (std::size_t i = 0; i <= failed; ++i) {
-    copy(good_[i].first, systems_[i]->x);
-    copy(good_[i].second, systems_[i]->v);
-  }
-}
-
-void Simulation::complete() const {
-  for (const auto& system : systems_) {
-    system->integrator().complete(*system);
-    // the integrator left mapped rows behind with all others
-    if (system->integrator().answersForState() && !system->actors().passive_mappings.empty()) system->applyMappings();
-  }
-}
-
 void Simulation::reset() {
   end();
-  takeReplayedEditsBack();
+  if (director_) director_->beforeReset(*this);
   forget();
-  for (const Edit& edit : edits_) events_.push_back({0, AttributeEdit{edit.path, edit.attribute, edit.text}});
+  for (const Override& edit : edits()) log_.record(0, AttributeEdit{edit.path, edit.attribute, edit.value});
 }
 
-/// The initial state, and nothing else.
 void Simulation::forget() {
-  dropInputs();
-  events_.clear();
-  next_replayed_ = 0;
-  for (std::size_t i = 0; i < systems_.size(); ++i) {
-    System& system = *systems_[i];
-    copy(initial_[i].first, system.x);
-    copy(initial_[i].second, system.v);
-    clear(system.f);
-    system.times = {};
-    system.counts = {};
+  if (director_) director_->restart();
+  inputs_.drop(director_ ? director_->firstFreeNumber() : 1);
+  log_.clear();
+  snapshots_.putStartBack(systems_);
+  for (const auto& system : systems_) {
+    clear(system->f);
+    system->times = {};
+    system->counts = {};
   }
   std::vector<Component*> components;
   root().collect(components);
   for (Component* component : components) component->reset();
-  reversals_.assign(systems_.size(), {});
-  steps_ = 0;
-  time_ = root().root_time;
-  worked_on_ = false;
-  countFromHere();
+  watch_.reset();
+  clock_.start(root().root_time);
+}
+
+void Simulation::check(const RunEvent& event) const {
+  if (const auto* edit = std::get_if<AttributeEdit>(&event.what)) {
+    edits_.check(edit->path, edit->attribute);
+  } else if (const auto& input = std::get<InputChange>(event.what).input) {
+    inputs_.check(*input);
+  }
+}
+
+void Simulation::make(const RunEvent& event) {
+  if (const auto* edit = std::get_if<AttributeEdit>(&event.what)) {
+    setAttribute(edit->path, edit->attribute, edit->text);
+    return;
+  }
+  const auto& [number, input] = std::get<InputChange>(event.what);
+  if (input) {
+    inputs_.set(number, *input);
+  } else if (inputs_.has(number)) {
+    removeInput(number);
+  }
+}
+
+void Simulation::setDirector(std::unique_ptr<RunDirector> director) {
+  director_ = std::move(director);
+  if (director_) inputs_.reserve(director_->firstFreeNumber());
 }
 
 std::uint64_t Simulation::stateHash() const {

@@ -13,7 +13,7 @@ namespace stroma {
 Archive Simulation::checkpoint() {
   complete();
   Archive archive;
-  serializeEdits(archive);
+  edits_.serialize(archive);
   serialize(archive);
   return archive;
 }
@@ -21,7 +21,7 @@ Archive Simulation::checkpoint() {
 void Simulation::restore(Archive checkpoint) {
   end();
   const Archive before = this->checkpoint();
-  const std::vector<RunEvent> events = events_;
+  const std::vector<RunEvent> events = log_.events();
   std::vector<std::pair<PhaseTimes, PhaseCounts>> spent;
   for (const auto& system : systems_) spent.emplace_back(system->times, system->counts);
   try {
@@ -37,7 +37,7 @@ void Simulation::restore(Archive checkpoint) {
       throw std::runtime_error(
           fmt::format("the checkpoint could neither be taken ({}) nor be given up ({}): load the scene again",
                       errorSentence(), not_put_back));
-    events_ = events;
+    log_.replaceBy(events);
     for (std::size_t i = 0; i < systems_.size(); ++i) std::tie(systems_[i]->times, systems_[i]->counts) = spent[i];
     throw;
   }
@@ -45,37 +45,35 @@ void Simulation::restore(Archive checkpoint) {
 
 void Simulation::take(Archive values) {
   forget();
-  serializeEdits(values);
+  edits_.serialize(values);
   serialize(values);
   values.checkAllRead();
 }
 
 void Simulation::serialize(Archive& archive) {
   archive.enter("simulation");
-  archive.value("time", time_);
-  archive.value("steps", steps_);
-  archive.value("base_time", base_time_);
-  archive.value("base_step", base_step_);
-  archive.value("worked_on", worked_on_);
+  clock_.serialize(archive);
+  watch_.serialize(archive);
   for (State* state : states()) {
     archive.enter(state->path() + ":state");
     archive.rows("x", state->x().data, state->x().doubles());
     archive.rows("v", state->v().data, state->v().doubles());
   }
-  serializeInputs(archive);  // before what integrators have concluded about the scene with them
+  archive.enter("inputs");  // before what integrators have concluded about the scene with them
+  inputs_.serialize(archive);
+  std::size_t replayed = director_ ? director_->done() : 0;
+  archive.value("replayed", replayed);
+  if (archive.isReading() && director_) director_->goOnFrom(replayed);
   std::vector<Component*> components;
   root().collect(components);
   for (Component* component : components) {
     archive.enter(component->path());
     component->serialize(archive);
   }
-  StepContext last = nextStep();
-  last.index = steps_, last.t = time_ - last.dt, last.t_end = time_;
-  if (steps_ > base_step_) last.t = base_time_ + double(steps_ - 1 - base_step_) * last.dt;
+  const StepContext last = clock_.last(dt());
   for (std::size_t i = 0; i < systems_.size(); ++i) {
     archive.enter(systems_[i]->integrator().path() + ":system");
-    archive.value("turned", reversals_[i].turned);
-    archive.value("in_a_row", reversals_[i].in_a_row);
+    watch_.serialize(i, archive);
     systems_[i]->serialize(archive, last);
   }
 }

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "framework/scene/node.h"
+#include "framework/scene/usual_component.h"
 #include "framework/simulation/integrator.h"
 
 namespace stroma {
@@ -56,7 +57,7 @@ void System::checkLinearSolver() const {
   if (const Index most = solver->mostRows(); independentRows() > most)
     throw ComponentError(
         fmt::format("{} nodes are too many for the dense matrix of {}", independentRows(), solver->path()),
-        fmt::format("at most {} nodes", most), "SparseLDLSolver");
+        fmt::format("at most {} nodes", most), usualComponent(Part::solver_of_equilibria));
   if (!solver->needsSymmetric() || matrix_.symmetric()) return;
   for (const ForceField* field : forceFields())
     if (const ForceTraits traits = field->traits();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What can be said about a system: its plan, and where its state went wrong.
+// What can be said about a system: where its state went wrong.
 #pragma once
 #include <string>
 #include <vector>
@@ -32,7 +32,5 @@ std::vector<std::string> grownBodies(const System& system);
 /// Throws ComponentError when a mass or a force field has a Rayleigh factor and `method` (a sentence's subject) has no
 /// damping: it would be ignored.
 void refuseRayleighFactors(const System& system, const std::string& method);
-/// A line each for what runs and what is skipped, with the reason.
-std::vector<std::string> explain(const System& system);
 
 }  // namespace stroma

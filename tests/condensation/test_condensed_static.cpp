@@ -7,7 +7,7 @@ using namespace stroma::test;
 
 namespace {
 
-const std::string newton =
+const std::string whole_newton =
     "<StaticSolver newton_iterations=\"5\" relative_residual_tolerance_threshold=\"1e-10\"/><SparseLDLSolver/>";
 
 std::string twoMaterials(const std::string& cells) {
@@ -18,7 +18,7 @@ std::string twoMaterials(const std::string& cells) {
 }
 
 double condensedAgainstNewton(Block block, const std::string& attributes) {
-  block.solver = newton;
+  block.solver = whole_newton;
   const Vector expected = after(block.text(), 1);
   EXPECT_GT(norm(expected), 1e-4);
   block.solver = "<CondensedStaticSolver " + attributes + "/>";

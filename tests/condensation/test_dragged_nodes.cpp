@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Nodes moved by position: their motion is a load through the compliance, and the force that it takes an output.
 #include "tests/condensation/bodies.h"
+#include "tools/checks/result_doubts.h"
 
 using namespace stroma;
 using namespace stroma::test;
@@ -122,7 +123,7 @@ TEST(DraggedNodes, ManyInSinglePrecisionAreThoseOfDouble) {
     for (std::size_t i = 0; i < 2; ++i)
       for (const Vec3& force : forcesOf(runs[i])) sums[i] += force;
     EXPECT_LT((sums[1] - sums[0]).norm(), 1e-4 * sums[0].norm()) << type;
-    EXPECT_TRUE(runs[1].doubts().empty());
+    EXPECT_TRUE(doubtsOf(runs[1]).empty());
   }
 }
 
@@ -136,7 +137,7 @@ TEST(DraggedNodes, WhatSinglePrecisionCannotHoldIsSaid) {
         ratio));
     const StepReport report = simulation.step();
     std::string said = report.reason;
-    for (const std::string& sentence : simulation.doubts()) said += sentence;
+    for (const std::string& sentence : doubtsOf(simulation)) said += sentence;
     return said;
   };
   EXPECT_EQ(run("double", "0.49999999"), "");

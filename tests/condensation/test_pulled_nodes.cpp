@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Inputs on condensed bodies: forces and pulls are those of the whole body, and nothing is left when they have gone.
 #include "tests/condensation/bodies.h"
+#include "tools/session/replay.h"
 
 using namespace stroma;
 using namespace stroma::test;
@@ -64,7 +65,7 @@ void useHands(Simulation& a, Simulation& b, Check&& check) {
   check("all have ended", 1e-4);
 }
 
-const std::string drag =
+const std::string dragged =
     "<LinearMovementProjectiveConstraint indices=\"136 134\" keyTimes=\"0 1 100\" outside=\"hold\" "
     "movements=\"0 0 0  0.004 0.002 -0.003  0.001 0 0\"/>";
 const std::string slide = "<FixedPlaneProjectiveConstraint indices=\"139 135\" direction=\"1 2 1\"/>";
@@ -92,7 +93,7 @@ constexpr const char* dynamic_solvers[] = {
 }  // namespace
 
 TEST(PulledNodes, StaticBodiesAreTheWholeBodyWithTheSameInputs) {
-  for (const std::string& loads : {std::string(), changing, drag, slide, drag + slide + changing})
+  for (const std::string& loads : {std::string(), changing, dragged, slide, dragged + slide + changing})
     for (const char* solver :
          {"<CondensedStaticSolver/>", "<CondensedStaticSolver condensed=\"false\"/>",
           "<CondensedStaticSolver incremental=\"false\"/>", "<CondensedStaticSolver precision=\"single\"/>"}) {
@@ -107,7 +108,7 @@ TEST(PulledNodes, StaticBodiesAreTheWholeBodyWithTheSameInputs) {
 }
 
 TEST(PulledNodes, DynamicBodiesOfTheSameMassesMoveAlike) {
-  for (const std::string& loads : {std::string(), drag + slide + changing}) {
+  for (const std::string& loads : {std::string(), dragged + slide + changing}) {
     Block block{.solver = dynamic_solvers[2], .loads = loads};
     block.mass = surfaceMass();
     const std::string full = block.text();
@@ -163,7 +164,7 @@ TEST(PulledNodes, WhatWentBeforeAStepOrAResetLeavesNothingBehind) {
   std::vector<std::string> solvers(std::begin(dynamic_solvers), std::end(dynamic_solvers));
   solvers.insert(solvers.end(), {"<CondensedStaticSolver/>", "<CondensedStaticSolver precision=\"single\"/>"});
   for (const std::string& solver : solvers)
-    for (const std::string& loads : {slide + changing, drag}) {
+    for (const std::string& loads : {slide + changing, dragged}) {
       SCOPED_TRACE(solver + loads);
       const Block block{.solver = solver, .loads = loads};
       Simulation touched = simulationFromText(block.text()), never = simulationFromText(block.text());
@@ -190,7 +191,7 @@ TEST(PulledNodes, WhatWentBeforeAStepOrAResetLeavesNothingBehind) {
 TEST(PulledNodes, ARunRepeatsBitForBitAlsoFromACheckpoint) {
   for (const char* solver : {dynamic_solvers[0], dynamic_solvers[1], dynamic_solvers[2], "<CondensedStaticSolver/>"}) {
     SCOPED_TRACE(solver);
-    const Block block{.solver = solver, .loads = drag + changing};
+    const Block block{.solver = solver, .loads = dragged + changing};
     Simulation played = simulationFromText(block.text());
     run(played, 2);
     const long number = played.addInput(pull(played, {134, 139}, {0.001, 0, 0}, 10, 3));
@@ -202,7 +203,7 @@ TEST(PulledNodes, ARunRepeatsBitForBitAlsoFromACheckpoint) {
     Archive let_go = played.checkpoint();
     run(played, 2);
     Simulation replayed = simulationFromText(block.text()), restored = simulationFromText(block.text());
-    replayed.replay(played.events());
+    replay(replayed, played.events());
     run(replayed, 8);
     EXPECT_EQ(replayed.stateHash(), played.stateHash());
     restored.restore(std::move(let_go));

@@ -6,6 +6,7 @@
 
 #include "tests/condensation/bodies.h"
 #include "tests/support/ground_spring.h"
+#include "tools/checks/result_doubts.h"
 
 using namespace stroma;
 using namespace stroma::test;
@@ -149,7 +150,7 @@ TEST(CondensedRange, IsDoubtedWhenItIsLeft) {
     Simulation simulation = simulationFromText(block.text());
     simulation.step();
     std::string text;
-    for (const std::string& sentence : simulation.doubts()) text += sentence;
+    for (const std::string& sentence : doubtsOf(simulation)) text += sentence;
     return text;
   };
   EXPECT_EQ(doubts(0.02, ""), "");
@@ -165,12 +166,12 @@ std::string doubtsAfter(const Block& block, int steps) {
   simulation.computeOnDemand(true);
   for (int i = 0; i < steps; ++i) simulation.step();
   std::string text;
-  for (const std::string& sentence : simulation.doubts()) text += sentence;
+  for (const std::string& sentence : doubtsOf(simulation)) text += sentence;
   return text;
 }
 
 /// One node of the surface is dragged by 10 mm, to x = 10 mm at `peak` s, and to where it was at `end` s.
-std::string drag(double peak, double end) {
+std::string dragTo(double peak, double end) {
   return "<LinearMovementProjectiveConstraint indices=\"137\" keyTimes=\"0 " + std::to_string(peak) + " " +
          std::to_string(end) + "\" outside=\"hold\" movements=\"0 0 0 0.01 0 0 0 0 0\"/>";
 }
@@ -183,7 +184,7 @@ TEST(CondensedRange, IsDoubtedAtTheEndOfARamp) {
       for (const int steps : {2, 10, 37}) {
         const double end = 0.02 * steps;
         Block block{
-            .solver = "<Condensed" + solver + "Solver" + more + "/>", .loads = drag(end, 99), .gravity = "0 0 0"};
+            .solver = "<Condensed" + solver + "Solver" + more + "/>", .loads = dragTo(end, 99), .gravity = "0 0 0"};
         const std::string text = doubtsAfter(block, steps);
         EXPECT_NE(text.find("has turned by"), std::string::npos) << solver << more << steps;
         EXPECT_NE(text.find(fmt::format("at t = {:.6g} s", end)), std::string::npos) << text;
@@ -191,7 +192,7 @@ TEST(CondensedRange, IsDoubtedAtTheEndOfARamp) {
 }
 
 TEST(CondensedRange, IsDoubtedAfterAPeakThatIsOver) {
-  const Block block{.solver = "<CondensedStaticSolver/>", .loads = drag(0.2, 0.4), .gravity = "0 0 0"};
+  const Block block{.solver = "<CondensedStaticSolver/>", .loads = dragTo(0.2, 0.4), .gravity = "0 0 0"};
   const std::string text = doubtsAfter(block, 25);
   EXPECT_NE(text.find("has turned by"), std::string::npos);
   EXPECT_NE(text.find("at t = 0.2 s"), std::string::npos) << text;
@@ -216,7 +217,7 @@ TEST(CondensedRange, IsCountedFromTheShapeAtRest) {
     Simulation simulation = simulationFromText(replaced(block.text(), object, stretched(factor)));
     simulation.step();
     std::string text;
-    for (const std::string& sentence : simulation.doubts()) text += sentence;
+    for (const std::string& sentence : doubtsOf(simulation)) text += sentence;
     return text;
   };
   EXPECT_EQ(doubts(1.5, ""), "");  // one step to the rest shape, where the strain is zero

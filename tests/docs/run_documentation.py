@@ -21,9 +21,10 @@ import sys
 import tempfile
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-sys.path.insert(0, HERE)
+sys.path[:0] = [HERE, os.path.join(HERE, "..", "support")]
 from fragments import FragmentError, is_whole, put  # noqa: E402
 from page_blocks import PageError, blocks_of, missing_output  # noqa: E402
+from tree_files import tree_files  # noqa: E402
 
 MOST_NOT_RUN = 24
 SECONDS = 100
@@ -58,11 +59,13 @@ class Page:
     def _lay_out(self):
         """A folder like the source tree: scenes as copies, because commands may write beside them; the rest as links."""
         os.mkdir(self.work)
-        for name in os.listdir(self.tree):
-            if name == "scenes":
-                shutil.copytree(os.path.join(self.tree, name), os.path.join(self.work, name))
-            elif not name.startswith(".") and name not in ("build", "results"):
-                os.symlink(os.path.join(self.tree, name), os.path.join(self.work, name))
+        for path in tree_files(self.tree):
+            top, copy = path.split("/")[0], os.path.join(self.work, path)
+            if top == "scenes":
+                os.makedirs(os.path.dirname(copy), exist_ok=True)
+                shutil.copy(os.path.join(self.tree, path), copy)
+            elif not top.startswith(".") and not os.path.lexists(os.path.join(self.work, top)):
+                os.symlink(os.path.join(self.tree, top), os.path.join(self.work, top))
         commands = os.path.join(self.work, "build", "release", "bin")
         os.makedirs(commands)
         for name in os.listdir(os.path.join(self.build, "bin")):

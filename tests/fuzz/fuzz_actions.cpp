@@ -3,8 +3,8 @@
 #include <sstream>
 
 #include "framework/scene/diagnostics.h"
-#include "framework/simulation/run_events.h"
 #include "tests/fuzz/fuzz.h"
+#include "tools/session/action_file.h"
 
 namespace {
 

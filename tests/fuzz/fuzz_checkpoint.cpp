@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 #include <zlib.h>
 
-#include "framework/simulation/checkpoint.h"
 #include "tests/fuzz/fuzz.h"
+#include "tools/session/checkpoint.h"
 
 namespace {
 

@@ -4,6 +4,7 @@
 #include "framework/scene/load.h"
 #include "tests/fuzz/every_attribute.h"
 #include "tests/fuzz/fuzz.h"
+#include "tests/support/xml_writer.h"
 
 namespace {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What MeshVTKLoader takes from the program that runs VTK: any bytes, since a damaged file may make that program do
-// anything. VTK itself is another's and its faults end that program; tools/fuzz_scenes.py damages files that it reads.
+// anything. VTK itself is another's and its faults end that program; tests/fuzz/fuzz_scenes.py damages files that it reads.
 #include "components/topology/cells_from_vtk.h"
 #include "framework/mesh/mesh_loader.h"
 #include "tests/fuzz/fuzz.h"

@@ -10,7 +10,7 @@
 #include "tests/hyperelasticity/law_cases.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 std::string oneCell(const std::string& attributes, const std::string& position = "0 0 0 1 0 0 0 1 0 0 0 1") {
   return "<Node name=\"root\" dt=\"0.01\"><EulerImplicitSolver/><CGLinearSolver/>"
@@ -203,5 +203,5 @@ INSTANTIATE_TEST_SUITE_P(
                     "materialName=\"TransverselyIsotropicMooneyRivlin\" ParameterSet=\"300 200 150 12 2500 1.06 5000\"",
                     "materialName=\"TransverselyIsotropicMooneyRivlin\" ParameterSet=\"300 200 150 12 2500 1 5000\""));
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

@@ -8,7 +8,7 @@
 #include "tests/hyperelasticity/law_cases.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 using namespace stroma::hyperelastic;
 
@@ -86,5 +86,5 @@ TEST(HyperelasticBenchmarks, CooksMembrane) {
   }
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

@@ -10,7 +10,7 @@
 #include "tests/hyperelasticity/law_cases.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 struct ClosedForm {
   std::string attributes;
@@ -375,5 +375,5 @@ TEST(HyperelasticClosedForms, SmallStrainsAreHookes) {
       }
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

@@ -6,7 +6,7 @@
 #include "tests/hyperelasticity/law_cases.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 struct Reference {
   double energy = 0;
@@ -86,5 +86,5 @@ TEST(HyperelasticDerivatives, OfTheFormulasByAutomaticDifferentiation) {
                         law.axes(), law.name + " " + type);
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

@@ -6,7 +6,7 @@
 #include "tests/hyperelasticity/law_cases.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 const std::string hexahedral = "HexahedronHyperelasticityFEMForceField";
 const std::string fibres = "materialName=\"TransverselyIsotropic\" ParameterSet=\"1000 4000 3000 1.5\" ";
@@ -101,5 +101,5 @@ TEST(AnisotropyDirections, ACountOfBothIsSaid) {
       << loaded.diagnostics.text();
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

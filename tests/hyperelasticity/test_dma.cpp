@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 TEST(SwingingDisc, ModulusIsThatOfTheMaxwellModel) {
   using Complex = std::complex<double>;
@@ -43,5 +43,5 @@ TEST(SwingingDisc, ModulusIsThatOfTheMaxwellModel) {
   EXPECT_NEAR(std::arg(modulus), std::arg(expected), 2e-3);
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

@@ -3,7 +3,7 @@
 #include "tests/hyperelasticity/law_cases.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 TEST(HyperelasticForms, MjedIsTheStandardDiscretisation) {
   for (const LawCase& law : lawCases())
@@ -31,5 +31,5 @@ TEST(HyperelasticForms, MjedIsTheStandardDiscretisation) {
     }
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

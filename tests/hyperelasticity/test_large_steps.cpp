@@ -10,7 +10,7 @@
 using namespace stroma;
 using namespace stroma::test;
 
-namespace {
+namespace STROMA_TEST_FILE {
 
 const std::string hexahedral = "HexahedronHyperelasticityFEMForceField";
 
@@ -47,8 +47,6 @@ struct Pressed {
 
 /// Under strong uniaxial compression the force of this law falls again: its tangent is singular at 1/sqrt(3).
 bool allows(const LawCase& law, double move) { return law.name != "StVenantKirchhoff" || move > -0.4; }
-
-}  // namespace
 
 TEST(LargeSteps, ABlockBetweenPlatesWithoutFrictionStaysABlock) {
   for (const LawCase& law : lawCases())
@@ -91,3 +89,5 @@ TEST(LargeSteps, AStepThatMayNotBeDividedSaysWhyItFailed) {
   EXPECT_FALSE(block.report.reason.empty());
   EXPECT_EQ(block.report.load_parts, 1);
 }
+
+}  // namespace STROMA_TEST_FILE

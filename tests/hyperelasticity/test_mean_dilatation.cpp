@@ -9,7 +9,7 @@
 #include "tests/hyperelasticity/law_cases.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 const std::string type = "HexahedronHyperelasticityFEMForceField";
 const std::string mean = " dilatation=\"mean\"";
@@ -208,5 +208,5 @@ TEST(MeanDilatation, CooksMembraneDoesNotLock) {
   EXPECT_LT(local[16], 0.8 * averaged[16]) << "local cells lock";
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

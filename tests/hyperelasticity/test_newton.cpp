@@ -11,7 +11,7 @@
 #include "tests/support/newton_history.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 /// A bar along x of n cells and of length n, held at its left end, or at both.
 std::string bar(const std::string& law, const std::string& integrator, double mass, int n = 8, bool both = false,
@@ -202,5 +202,5 @@ TEST(HyperelasticNewton, IncompressibleBeamsDoNotLock) {
   }
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

@@ -5,7 +5,7 @@
 #include "tests/hyperelasticity/law_cases.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 std::string ogden(const std::string& values) { return "materialName=\"Ogden\" ParameterSet=\"" + values + "\""; }
 
@@ -72,5 +72,5 @@ TEST(Ogden, AnyOddNumberFromThreeIsTaken) {
   EXPECT_NE(gap.find("Ogden needs mu2, alpha2, mu3, alpha3, mu4"), std::string::npos) << gap;
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

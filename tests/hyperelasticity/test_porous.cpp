@@ -6,7 +6,7 @@
 #include "tests/hyperelasticity/porous_bodies.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 /// sigma of the only element: f_1 = -sigma cof F int grad N_1 dV.
 double stress(const PorousKind& kind, FieldUnderTest& t, const Mat3& f) {
@@ -321,5 +321,5 @@ TEST(Porous, SaysWhatIsWrong) {
   expectCell("0 1 1\" hexa", "0 1 1 5 5 5\" hexa", "no hexahedron has node 8");
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

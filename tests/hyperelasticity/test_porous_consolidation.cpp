@@ -6,7 +6,7 @@
 #include "tests/hyperelasticity/porous_bodies.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 /// alpha = 1 and M = K_lim, and another pair.
 struct Biot {
@@ -289,5 +289,5 @@ TEST(PorousConsolidation, PressureThatSwingsIsNoResult) {
     }
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

@@ -11,7 +11,7 @@
 #include "components/hyperelasticity/symmetric_projection.h"
 
 namespace stroma {
-namespace {
+namespace STROMA_TEST_FILE {
 
 constexpr int n = 9;
 using Matrix = Eigen::Matrix<double, n, n>;
@@ -112,5 +112,5 @@ TEST(SymmetricProjection, NaNStays) {
   }
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma

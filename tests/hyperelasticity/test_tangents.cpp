@@ -5,7 +5,7 @@
 #include "tests/hyperelasticity/law_cases.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 const std::string one_cell =
     "<Node name=\"root\" dt=\"0.01\"><EulerImplicitSolver/><CGLinearSolver/>"
@@ -93,5 +93,5 @@ TEST(HyperelasticTangents, ProductsAreOfTheMatrix) {
     }
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

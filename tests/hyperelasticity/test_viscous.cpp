@@ -8,7 +8,7 @@
 #include "tests/hyperelasticity/viscous_bodies.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 TEST(ViscousLaw, StepRelaxation) {
   const double times[4] = {0, 0.01, 0.1, 1}, published[4] = {770, 690.737, 466.729, 337.097}, h = 0.002;
@@ -313,5 +313,5 @@ TEST(ViscousLaw, SeriesWithoutMeaningAreRefused) {
   EXPECT_EQ(problemsOf(oneCell(law + " viscous=\"false\" ParameterAlpha=\"0.2\" ParameterTau=\"1\"")), "");
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

@@ -7,7 +7,7 @@
 #include "tests/hyperelasticity/viscous_bodies.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 const std::string deviatoric = prony + " viscousPart=\"deviatoric\"";
 const std::string mean = " dilatation=\"mean\"";
@@ -83,5 +83,5 @@ TEST(ViscousPart, LawsWithoutSuchAPartAreRefused) {
   expectContains(problemsOf(oneCell(all, true)), "viscousPart=\"deviatoric\"");
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

@@ -14,7 +14,7 @@
 using namespace stroma;
 using namespace stroma::test;
 
-namespace {
+namespace STROMA_TEST_FILE {
 
 constexpr double mass = 0.5, stiffness = 8, omega = 4;  // omega^2 = stiffness / mass
 const Vec3 x0(1, 0.5, -2), v0(0, 3, 1);
@@ -100,8 +100,6 @@ std::pair<Vec3, Vec3> integrate(const std::function<Vec3(double, const Vec3&, co
 }
 
 std::string spring(const std::string& more = "") { return fmt::format("stiffness='{}' {}", stiffness, more); }
-
-}  // namespace
 
 TEST(Orders, Oscillator) {
   const Vec3 x1 = std::cos(omega) * x0 + std::sin(omega) / omega * v0;
@@ -246,3 +244,5 @@ TEST(Orders, CentralDifferencesDampByTheMassWithoutLosingTheirOrder) {
   const Vec3 x1 = std::exp(-decay) * (std::cos(turning) * x0 + std::sin(turning) / turning * (v0 + decay * x0));
   expectOrder({fmt::format("<CentralDifferenceSolver rayleighMass='{}'/>", rm), 2, false}, spring(), x1, {});
 }
+
+}  // namespace STROMA_TEST_FILE

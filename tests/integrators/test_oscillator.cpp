@@ -13,7 +13,7 @@
 using namespace stroma;
 using namespace stroma::test;
 
-namespace {
+namespace STROMA_TEST_FILE {
 
 constexpr double mass = 0.5, stiffness = 8, omega = 4;  // omega^2 = stiffness / mass
 
@@ -51,8 +51,6 @@ double order(const std::string& integrator) { return std::log2(errorAt1(integrat
 double energyOf(Simulation& simulation) {
   return mass / 2 * velocityOf(simulation).squaredNorm() + stiffness / 2 * positionOf(simulation).squaredNorm();
 }
-
-}  // namespace
 
 TEST(Oscillator, OrdersInTime) {
   EXPECT_NEAR(order("<EulerImplicitSolver/>"), 1, 0.05);
@@ -264,3 +262,5 @@ TEST(Oscillator, ATwistThatIsNotConservativeNeedsADirectSolver) {
     }
   }
 }
+
+}  // namespace STROMA_TEST_FILE

@@ -8,7 +8,7 @@
 #include "tests/support/scene_fixture.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 std::string warningOf(const std::string& scene) {
   ::testing::internal::CaptureStderr();
@@ -69,5 +69,5 @@ TEST(StableStep, NewmarksParametersThatLoseItAreNamed) {
   EXPECT_NE(warning(0.25, 0.49).find("gamma = 0.49 adds energy"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

@@ -2,7 +2,7 @@
 #include "tests/support/scene_text.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 std::vector<Vec3> forcesOf(const std::string& attributes) {
   Simulation simulation(sceneFromText(fourNodes("<ConstantForceField " + attributes + "/>")));
@@ -45,5 +45,5 @@ TEST(ConstantForceField, SaysWhatIsWrong) {
                  "all 4 nodes");
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

@@ -7,7 +7,7 @@
 #include "tests/support/scene_fixture.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 std::string scene(const std::string& load, const std::string& integrator, double dt,
                   const std::string& gravity = "0 0 0", const std::string& positions = "0 0 0") {
@@ -125,5 +125,5 @@ TEST(EllipsoidForceField, SphereHoldsAtTheDepthOfTheWeight) {
                  "not positive");
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

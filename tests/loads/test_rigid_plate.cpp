@@ -5,7 +5,7 @@
 #include "tests/support/field_under_test.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 const std::string type = "RigidPlateForceField";
 
@@ -83,5 +83,5 @@ TEST(RigidPlate, SaysWhatIsWrong) {
   expectContains(problemsOf(flat), "normal has no direction");
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

@@ -8,7 +8,7 @@
 #include "tests/support/field_under_test.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 const std::string cube_positions = "0 0 0  1 0 0  1 1 0  0 1 0  0 0 1  1 0 1  1 1 1  0 1 1";
 const std::string cube_quads = "0 3 2 1  4 5 6 7  0 1 5 4  1 2 6 5  2 3 7 6  3 0 4 7";
@@ -329,5 +329,28 @@ TEST(TrianglePressure, SaysWhatIsWrong) {
                  "cauchyStress has no meaning");
 }
 
-}  // namespace
+/// Two tetrahedra with all of their faces listed, as mesh loaders list them: the one between them bears no pressure.
+TEST(SurfacePressure, FacesBetweenTwoCellsAreNotLoaded) {
+  const std::string positions = "0 0 0  1 0 0  0 1 0  0 0 1  1 1 1", cells = "tetrahedra='0 1 2 3  1 2 3 4' ",
+                    inner = "1 2 3", outer = "0 2 1  0 1 3  0 3 2  1 2 4  2 3 4  1 4 3";
+  FieldUnderTest skin = pressureOn(positions, cells + triangles(outer), "pressure='2'"),
+                 all = pressureOn(positions, cells + triangles(inner + " " + outer), "pressure='2'"),
+                 none = pressureOn(positions, cells, "pressure='2'"),
+                 listed =
+                     pressureOn(positions, cells + triangles(inner + " " + outer), "pressure='2' triangleIndices='0'");
+  const Vector f = skin.force(), of_all = all.force(), of_none = none.force();
+  for (Index i = 0; i < 5; ++i) {
+    EXPECT_NEAR((of_all[i] - f[i]).norm(), 0, 1e-14) << i;
+    EXPECT_NEAR((of_none[i] - f[i]).norm(), 0, 1e-14) << i;
+  }
+  EXPECT_GT(sumOf(listed.force()).norm(), 1);
+}
+
+TEST(SurfacePressure, AMeshWithoutFacesSaysWhatListsThem) {
+  const std::string told = problemsOf(scene("0 0 0  1 0 0  0 1 0  0 0 1", "tetrahedra='0 1 2 3'",
+                                            "SurfacePressureForceField pressure='1' triangleIndices='0'"));
+  expectContains(told, "createSubelements=\"true\" on the mesh loader");
+}
+
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

@@ -8,7 +8,7 @@
 #include "tests/support/field_under_test.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 const std::string type = "SurfaceTractionForceField";
 const std::string positions = "0 0 0  1 0 .1  2 0 0  0 1 .2  1 1 .3  2 1 0  0 2 0  1 2 -.1  2 2 .2";
@@ -113,5 +113,5 @@ TEST(SurfaceTraction, SaysWhatIsWrong) {
   expectContains(problems("traction='1 0 0' min='8 8 8' max='9 9 9'"), "no face of the mesh is loaded");
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "tests/support/scene_fixture.h"
+#include "tools/plan/plan.h"
 
 namespace stroma::test {
 namespace {
@@ -179,7 +180,7 @@ TEST(Mappings, AForceOnAPointIsAForceOnItsCell) {
 }
 
 bool explains(const Simulation& simulation, const std::string& words) {
-  for (const std::string& line : simulation.explain())
+  for (const std::string& line : planOf(simulation).lines())
     if (line.find(words) != std::string::npos) return true;
   return false;
 }

@@ -8,7 +8,7 @@
 #include "tests/support/scene_text.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 std::string body(const std::string& mesh, const std::string& mass, const std::string& state = "") {
   return fmt::format(R"(<Node name="root" gravity="0 -10 1"><TestIntegrator/><TestMesh name="mesh" {}/>
@@ -218,5 +218,5 @@ TEST(Masses, WarnOfDefaultsAndOfNodesWithoutCells) {
   expectContains(warnings(body("", "<UniformMass totalMass='1' separateGravity='true'/>")), "separateGravity");
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

@@ -4,7 +4,7 @@
 #include "tests/support/scene_text.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 std::string scene(const std::string& attributes, const std::string& more = "") {
   return fmt::format("<Node name='root'>{}<MechanicalObject name='dofs' {}/></Node>", more, attributes);
@@ -73,5 +73,32 @@ TEST(MechanicalObject, SaysWhatIsWrong) {
   EXPECT_EQ(problemsOf(scene("position='0 0 0' template='Vec3d' showObject='1'")), "");
 }
 
-}  // namespace
+/// SOFA's scenes often have the grid in the node of the solver, above those of the bodies. A mesh that belongs to another
+/// state, and a size, keep it out.
+TEST(MechanicalObject, TakesTheMeshAboveThatNoOtherStateHas) {
+  const auto above = [](const std::string& beside, const std::string& attributes) {
+    return "<Node name='root' gravity='0 0 0'><RegularGridTopology name='grid' n='3 2 2' min='0 0 0' max='2 1 1'/>" +
+           beside + "<Node name='body'><EulerImplicitSolver/><CGLinearSolver/><MechanicalObject name='dofs' " +
+           attributes + "/><UniformMass totalMass='1'/></Node></Node>";
+  };
+  const auto nodes = [](const std::string& text) {
+    const Scene loaded = sceneFromText(text);
+    return dynamic_cast<State&>(*findComponent(*loaded.root, "/body/dofs")).size();
+  };
+  EXPECT_EQ(nodes(above("", "")), 12);
+  EXPECT_EQ(nodes(above("", "size='4'")), 4);
+  EXPECT_EQ(nodes(above("", "useTopology='false'")), 1);
+  EXPECT_EQ(nodes(above("<MechanicalObject name='other'/>", "")), 1);
+  Scene loaded = sceneFromText(above("", "translation='0 0 5'"));
+  EXPECT_EQ(loaded.diagnostics.text(), "");
+  expectNear(dynamic_cast<State&>(*findComponent(*loaded.root, "/body/dofs")).position[11], Vec3(2, 1, 6));
+}
+
+TEST(MechanicalObject, SaysThatRigidFramesAreNoNodes) {
+  const std::string told = problemsOf(scene("template='Rigid3' position='0 0 0 0 0 0 1'"));
+  expectContains(told, "7 numbers are not a multiple of 3");
+  expectContains(told, "Rigid3, do not exist");
+}
+
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

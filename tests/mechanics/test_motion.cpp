@@ -8,7 +8,7 @@
 #include "tests/support/scene_text.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 /// Frames at `position`, each with its orientation at (0 0 0 1).
 class FrameState final : public State {
@@ -229,5 +229,5 @@ TEST(Motion, NorByAnEdit) {
   EXPECT_FALSE(simulation.step().diverged);
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

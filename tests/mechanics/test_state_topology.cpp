@@ -7,7 +7,7 @@
 #include "tests/support/scene_text.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 const std::string four_nodes = "position='0 0 0  1 0 0  0 1 0  0 0 1'";
 const std::string five_nodes = "position='0 0 0  1 0 0  0 1 0  0 0 1  1 1 1'";
@@ -97,5 +97,5 @@ TEST(StateTopology, ACutOfOneOfTwoTopologiesNeedsALink) {
   expectContains(text, "link");
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

@@ -23,7 +23,7 @@ class MeshCommand : public CommandTest {
   }
   /// The example leg in the format of the name; false when there is no Python with numpy.
   bool makeLeg(const std::string& file, const std::string& voxel = "3") const {
-    const std::string line = "/usr/bin/python3 '" STROMA_SOURCE_DIR "/tools/mesh/make_leg.py' --voxel " + voxel +
+    const std::string line = "/usr/bin/python3 '" STROMA_SOURCE_DIR "/scenes/meshes/make_leg.py' --voxel " + voxel +
                              " --out '" + (folder_ / file).string() + "' >'" + (folder_ / ".leg").string() + "' 2>&1";
     return std::system(line.c_str()) == 0;
   }

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <fstream>
+#include <set>
 #include <sstream>
 
 #include "framework/scene/component.h"
@@ -260,6 +261,59 @@ TEST_F(MeshCommand, SurfacesThatEncloseNothingAreRefused) {
                                           {"branched.obj", "the surface branches"},
                                           {"none.stl", "there is no file none.stl"}})
     expectRefused(input, sentence);
+}
+
+/// The surface of a box from `low` to `high`; `hollow`: turned inward.
+Surface box(const Vec3& low, const Vec3& high, bool hollow) {
+  Surface s = cube();
+  for (Vec3& p : s.position) p = low + p.cwiseProduct(high - low);
+  if (hollow)
+    for (auto& [a, b, c] : s.triangles) std::swap(b, c);
+  return s;
+}
+
+/// The nodes of the triangles of a physical group.
+std::set<Index> nodesOfGroup(const GmshFile& file, const std::string& name) {
+  std::set<Index> nodes;
+  for (std::size_t t = 0; t < file.mesh.triangles.size(); ++t) {
+    const auto found = file.group_names.find({2, file.groups.triangles[t]});
+    if (found == file.group_names.end() || found->second != name) continue;
+    nodes.insert(file.mesh.triangles[t].begin(), file.mesh.triangles[t].end());
+  }
+  return nodes;
+}
+
+/// The edges of the outer box are convex, those of the hollows concave: both are kept, so the volume is that of the boxes
+/// and every node of a wall lies in one of its planes. Skin and hollows are groups of their own.
+TEST_F(MeshCommand, ABoxInABoxKeepsItsEdgesAndItsCavityIsAGroup) {
+  const Surface one = joined(box({0, 0, 0}, {10, 2, 2}, false), box({1, 0.5, 0.5}, {6, 1.5, 1.5}, true)),
+                two = joined(one, box({7, 0.5, 0.5}, {9, 1.5, 1.5}, true));
+  write("one.obj", objText(one)), write("two.obj", objText(two));
+  for (const std::string& size : {std::string("0.5"), std::string("0.3")}) {
+    ASSERT_FALSE(report("one.obj -o one.msh --cell-size " + size + " --name 1=finger").is_null());
+    const GmshFile file = readGmsh((folder_ / "one.msh").string());
+    EXPECT_NEAR(file.mesh.report().volume, 40 - 5, 1e-6 * 35) << size;
+    const std::set<Index> skin = nodesOfGroup(file, "finger.outside"), cavity = nodesOfGroup(file, "finger.cavity");
+    EXPECT_GT(skin.size(), 20u);
+    EXPECT_GT(cavity.size(), 20u);
+    for (const Index n : cavity) {
+      const Vec3 p = file.mesh.position[n], from = (p - Vec3(1, 0.5, 0.5)).cwiseAbs(),
+                 to = (p - Vec3(6, 1.5, 1.5)).cwiseAbs();
+      EXPECT_LT(std::min(from.minCoeff(), to.minCoeff()), 1e-6) << p.transpose();
+      EXPECT_EQ(skin.count(n), 0u);
+    }
+  }
+  ASSERT_FALSE(report("two.obj -o two.msh --cell-size 0.5 --name 1=finger").is_null());
+  const GmshFile file = readGmsh((folder_ / "two.msh").string());
+  const auto largestX = [&file](const std::string& name) {
+    double largest = 0;
+    for (const Index n : nodesOfGroup(file, name)) largest = std::max(largest, file.mesh.position[n].x());
+    return largest;
+  };
+  EXPECT_NEAR(largestX("finger.cavity_1"), 6, 1e-6);
+  EXPECT_NEAR(largestX("finger.cavity_2"), 9, 1e-6);
+  EXPECT_NEAR(largestX("finger.outside"), 10, 1e-6);
+  EXPECT_NEAR(file.mesh.report().volume, 40 - 5 - 2, 1e-6 * 33);
 }
 
 }  // namespace

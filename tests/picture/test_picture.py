@@ -430,6 +430,13 @@ class Refusals(Case):
         self.assertEqual(result.returncode, 4, result.stderr)
         self.assertIn("cube.png", result.stderr)
 
+    def test_a_cut_beside_the_body_is_refused(self):
+        scene = self.write("cube.xml", CUBE % "")
+        said = self.picture(scene, "-n", "0", "--cut", "x=9", code=2)
+        self.assertIn("--cut x=9: what is drawn lies between x = 0 and 1", said)
+        self.assertFalse(os.path.exists(self.path("cube.png")))
+        self.picture(scene, "-n", "0", "--cut", "x=0.9")
+
     def test_a_machine_without_a_renderer_is_told_the_package(self):
         """EGL finds no driver where its list of vendors is empty."""
         scene = self.write("cube.xml", CUBE % "")

@@ -7,6 +7,7 @@
 #include "framework/algebra/parallel.h"
 #include "framework/mechanics/position_constraint.h"
 #include "tests/position_constraints/position_scenes.h"
+#include "tools/plan/plan.h"
 
 namespace stroma::test {
 namespace {
@@ -321,7 +322,7 @@ TEST(PositionConstraints, ASceneThatNeedsNoneHasNone) {
   Simulation with = simulationFromText(hangingOrgan(implicit_euler, "<VolumeConstraint/>", "0.02"));
   Simulation without = simulationFromText(hangingOrgan(implicit_euler, "", "0.02"));
   const auto says = [](const Simulation& simulation) {
-    for (const std::string& line : explain(*simulation.systems()[0]))
+    for (const std::string& line : planOf(*simulation.systems()[0]).lines())
       if (line.find("position constraint") != std::string::npos) return true;
     return false;
   };

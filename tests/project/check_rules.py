@@ -5,7 +5,7 @@ machine in any text. Usage: check_rules.py TREE, or check_rules.py --self-test (
 import os
 import re
 
-from planted import run
+from planted import run, tree_files
 
 # A folder of framework/ and those it may include.
 FRAMEWORK = {
@@ -34,13 +34,21 @@ READERS_OF_FAMILIES = {
     "condensation": ("tests/fuzz/",),
 }
 # Tools whose library another one links.
-TOOLS_FOR_TOOLS = {"command": {"mesh", "view", "picture", "drawing", "sweep"}, "view": {"drawing"}, "picture": {"drawing"}}
-SKIPPED_FOLDERS = {".git", "build", "results", "__pycache__"}
+TOOLS_FOR_TOOLS = {
+    "command": {"mesh", "view", "picture", "drawing", "sweep", "session", "plan", "units", "checks"},
+    "view": {"drawing", "session", "plan", "scene_writer", "checks"},
+    "picture": {"drawing"},
+    "sweep": {"session"},
+    "session": {"checks"},
+    "checks": {"units"},
+}
 SOURCE = re.compile(r"(\.(h|cpp|py|cmake|in|xml|sh)|CMakeLists\.txt)$")
 BINARY = re.compile(r"\.(png|gif|gz|vtu|pdf|so|o|pyc)$|^tests/fuzz/corpus/")  # fuzzers write any bytes
 MACHINE_PATH = re.compile(r"(?<![\w.$}*\]/-])/(work|tmp|home)/")
 TEST = re.compile(r"^(?:TEST|TEST_F|TEST_P|TYPED_TEST)\((\w+),\s*(\w+)\)", re.M)
 NAME_OF_TEST = re.compile(r"[A-Z][A-Za-z0-9]*$")
+REGISTERED = re.compile(r'\badd<[^;()]*>\(\s*"([A-Z]\w+)"')  # a component in its module
+LITERAL = re.compile(r'"((?:\\.|[^"\\\n])*)"')
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.M)
 
 
@@ -84,12 +92,15 @@ def badly_named_tests(path, text):
                 yield match.start(), f"the name of a test, {name}, is not in CamelCase"
 
 
-def files(tree):
-    for folder, folders, names in os.walk(tree):
-        names = [name for name in names if name != ".git"]  # of a linked work tree
-        folders[:] = sorted(name for name in folders if name not in SKIPPED_FOLDERS and not name.startswith("build"))
-        for name in sorted(names):
-            yield os.path.relpath(os.path.join(folder, name), tree).replace(os.sep, "/")
+def known_components(text, names):
+    """The engine asks for parts to be played, not for components by name."""
+    for match in LITERAL.finditer(text):
+        line = text[text.rfind("\n", 0, match.start()) + 1:match.start()]
+        if line.lstrip().startswith(("#include", "//")):
+            continue
+        for word in re.findall(r"\w+", match.group(1)):
+            if word in names:
+                yield match.start(), f"the engine knows {word} by name: ask for a part (framework/scene/usual_component.h)"
 
 
 def is_source(path, text):
@@ -97,8 +108,8 @@ def is_source(path, text):
 
 
 def problems(tree):
-    found, counted = [], 0
-    for path in files(tree):
+    found, counted, components, engine = [], 0, set(), {}
+    for path in tree_files(tree):
         if BINARY.search(path):
             continue
         with open(os.path.join(tree, path), encoding="utf-8", errors="replace") as file:
@@ -111,12 +122,19 @@ def problems(tree):
             found.append(f"{path}:{line}: a path of one machine: {text[match.start():match.start() + 30].split()[0]}")
         for start, why in badly_named_tests(path, text) if path.endswith(".cpp") else []:
             found.append(f"{path}:{text.count(chr(10), 0, start) + 1}: {why}")
+        if path.startswith("components/") and path.endswith(".cpp"):
+            components.update(REGISTERED.findall(text))
+        if path.startswith("framework/") and path.endswith((".h", ".cpp")):
+            engine[path] = text
         if path.endswith((".h", ".cpp")):
             for match in INCLUDE.finditer(text):
                 why = included_problem(path, match.group(1) == '"', match.group(2),
                                        lambda other: os.path.exists(os.path.join(tree, other)))
                 if why:
                     found.append(f"{path}:{text.count(chr(10), 0, match.start()) + 1}: {why}")
+    for path, text in engine.items():
+        for start, why in known_components(text, components):
+            found.append(f"{path}:{text.count(chr(10), 0, start) + 1}: {why}")
     return found, counted
 
 
@@ -146,6 +164,9 @@ PLANTED = {  # path: (text, part of the expected finding, or None where there is
     "tools/mesh/meshing/n.h": (LICENCE, None),
     "tools/mesh/o.h": (LICENCE + '#include "tools/bench/p.h"\n', "its own folder only"),
     "framework/mesh/p.cpp": (LICENCE + "#include <CGAL/Random.h>\n", "which only tools/mesh/meshing/"),
+    "components/loads/a.cpp": (LICENCE + 'STROMA_COMPONENT(a) { factory.add<A>("SomeForceField", "pushes"); }\n', None),
+    "framework/simulation/a.cpp": (LICENCE + 'const char* text = "use a SomeForceField";\n', "knows SomeForceField by name"),
+    "framework/simulation/b.cpp": (LICENCE + '// "SomeForceField"\nconst char* text = "use SomeForceFields";\n', None),
     "framework/simulation/j.cpp": (LICENCE + '#include "framework/fem/d.h"\n#include <vector>\n', None),
     "tests/scene/test_w.cpp": (LICENCE + "TEST(Suite, CaseOne) {}\nTEST_F(Suite2, Case) {}\n", None),
     "tests/scene/test_x.cpp": (LICENCE + "TEST(Suite, case) {}\n", "case, is not in CamelCase"),

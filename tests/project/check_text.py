@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Holds the English of the project. In README.md, CHANGELOG.md and docs/: no sentence above 35 words, and no link to a file that
-is not there. There and in comments, help texts and messages: no "one a cell" for "one per cell".
+is not there. There and in comments, help texts and messages: no "one a cell" for "one per cell". In C++: no line above 140
+columns, which .clang-format leaves alone in comments, and no example whose elements a formatter ran together.
 
 Usage: check_text.py TREE, or check_text.py --self-test (plants mistakes and expects each to be found)."""
 import os
 import re
 
-from planted import run
+from planted import run, tree_files
 
 LONGEST = 35  # words in a sentence
 
@@ -21,7 +22,9 @@ IDIOM = re.compile(rf"\b{COUNTED}[`)]?\s+an?\s+{EACH}\b(?![-'’])".replace("\n"
 SAID = re.compile(r"\bstep \d+ \(from t = |in \d+ of \d+ steps \(worst relative residual|\bnot at rest: ")
 LINK = re.compile(r"\[[^\]]*\]\(([^)\s]+)\)")
 ABBREVIATION = re.compile(r"\b(?:St|Fig|Figs|vs|cf|al|i\.e|e\.g|resp|no|approx|etc|[A-Z])\.$")
-SKIPPED_FOLDERS = {".git", "build", "results", "__pycache__", "references", "meshes"}
+LONGEST_LINE = 140  # columns of C++; .clang-format wraps code at 120 and does not wrap comments
+RUN_TOGETHER = re.compile(r"^//+ [^<]*/> <[A-Z]", re.M)  # the end of an element of the line before, then another one
+SKIPPED_FOLDERS = {"references", "meshes"}
 
 
 def is_page(path):
@@ -89,14 +92,20 @@ def idioms(text):
         yield text.count("\n", 0, match.start()) + 1, f'"{" ".join(match.group(0).split())}": write "per"'
 
 
+def broken_lines(text):
+    for number, line in enumerate(text.split("\n"), 1):
+        if len(line) > LONGEST_LINE:
+            yield number, f"a line of {len(line)} columns: at most {LONGEST_LINE}"
+    for match in RUN_TOGETHER.finditer(text):
+        yield text.count("\n", 0, match.start()) + 1, "elements of an example run together: one on a line of its own each"
+
+
 def files(tree):
-    for folder, folders, names in os.walk(tree):
-        folders[:] = sorted(name for name in folders if name not in SKIPPED_FOLDERS and not name.startswith("build"))
-        for name in sorted(names):
-            path = os.path.relpath(os.path.join(folder, name), tree).replace(os.sep, "/")
-            if path.endswith((".md", ".h", ".cpp", ".py", ".xml", ".txt", ".cmake")) or "." not in name:
-                if path != "tests/project/check_text.py":
-                    yield path
+    for path in tree_files(tree):
+        *folders, name = path.split("/")
+        if path.endswith((".md", ".h", ".cpp", ".py", ".xml", ".txt", ".cmake")) or "." not in name:
+            if path != "tests/project/check_text.py" and not SKIPPED_FOLDERS.intersection(folders):
+                yield path
 
 
 def problems(tree):
@@ -106,6 +115,8 @@ def problems(tree):
             text = file.read()
         counted += 1
         here = list(idioms(text))
+        if path.endswith((".h", ".cpp")):
+            here += broken_lines(text)
         if is_page(path):
             here += problems_of_page(path, text, lambda other: os.path.exists(os.path.join(tree, other)))
         found += [f"{path}:{line}: {what}" for line, what in sorted(here)]
@@ -129,6 +140,10 @@ PLANTED = {  # path: (text, part of the expected finding, or None where there is
     "framework/l.h": ("/// values, one a node\n", '"one a node"'),
     "tools/m.py": ('print("three solves an iteration")\n', '"solves an iteration"'),
     "tools/n": ("#!/bin/sh\n# one a core\n", '"one a core"'),
+    "framework/p.h": ("// " + "x" * 138 + "\n", "a line of 141 columns"),
+    "framework/q.h": ("// " + "\u00b7" * 137 + "\n", None),
+    "components/r.cpp": ('//   <A a="0 2\n//   0"/> <B/>\n', "run together"),
+    "components/s.cpp": ('//   <A a="0 2"/> <B/>\n//   <C a="0\n//     1"/>\n', None),
     "framework/o.cpp": ("// does not solve a step, takes a step back, 5 ms per step, one a cell-wise\n", None),
 }
 

@@ -1,8 +1,12 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""What the checks of the tree share: their command line, and a self-test that plants files and expects each finding."""
+"""What the checks of the tree share: its files, their command line, and a self-test that plants files and expects each finding."""
 import os
+import subprocess
 import sys
 import tempfile
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
+from tree_files import tree_files  # noqa: E402 pylint: disable=wrong-import-position
 
 
 def self_test(planted, problems):
@@ -13,6 +17,7 @@ def self_test(planted, problems):
             with open(os.path.join(tree, path), "w", encoding="utf-8") as file:
                 file.write(text)
         found, counted = problems(tree)
+        check_untracked(planted, problems, tree)
     assert counted == len(planted), (counted, len(planted))
     for path, (_, expected) in planted.items():
         here = [finding for finding in found if finding.split(":")[0] == path]
@@ -21,6 +26,22 @@ def self_test(planted, problems):
         else:
             assert len(here) == 1 and expected in here[0], (path, expected, here)
     print(f"{len(planted)} planted files judged as expected")
+
+
+def check_untracked(planted, problems, tree):
+    """Where git knows the tree, what it does not track is not read: a run may leave anything between the sources."""
+    def git(*arguments):
+        subprocess.run(["git", "-C", tree, *arguments], check=True, capture_output=True)
+    try:
+        git("init", "-q")
+    except OSError:
+        return  # there is no git
+    good, bad = (next(path for path, (_, expected) in planted.items() if (expected is None) == wanted) for wanted in (True, False))
+    git("add", good)
+    assert problems(tree) == ([], 1), (good, problems(tree))
+    git("add", bad)
+    found, counted = problems(tree)
+    assert counted == 2 and found, (bad, found)
 
 
 def run(usage, planted, problems):

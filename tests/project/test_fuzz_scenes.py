@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""tools/fuzz_scenes.py finds what a program may do wrong, here one that does it on purpose; and a short run of it with the
+"""tests/fuzz/fuzz_scenes.py finds what a program may do wrong, here one that does it on purpose; and a short run of it with the
 real one finds nothing. Usage: test_fuzz_scenes.py TREE STROMA"""
 import os
 import re
@@ -9,7 +9,7 @@ import sys
 import tempfile
 
 TREE, STROMA = sys.argv[1:3]
-SCRIPT = os.path.join(TREE, "tools", "fuzz_scenes.py")
+SCRIPT = os.path.join(TREE, "tests", "fuzz", "fuzz_scenes.py")
 WRONG = {  # what the program does: part of the expected finding
     "kill -SEGV $$": "crash: code -11",
     "exit 1": "crash: code 1",

@@ -13,7 +13,7 @@ import sys
 import tempfile
 
 TREE, BUILD = (os.path.abspath(path) for path in sys.argv[1:3])
-sys.path.insert(0, os.path.join(TREE, "tools", "mesh"))
+sys.path.insert(0, os.path.join(TREE, "scenes", "meshes"))
 ENVIRONMENT = {name: value for name, value in os.environ.items() if not name.startswith("STROMA_")}
 
 
@@ -113,7 +113,7 @@ def check_missing(prefix, here, stroma, mesh, organ):
 
 
 def check_image():
-    """The sample image is what tools/mesh/make_leg.py makes."""
+    """The sample image is what scenes/meshes/make_leg.py makes."""
     import make_leg
     with tempfile.TemporaryDirectory() as folder:
         made = os.path.join(folder, "leg.nii")

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""tools/mutants must find the places that can be made wrong, and only those. Usage: test_mutants.py TREE"""
+"""tests/mutants must find the places that can be made wrong, and only those. Usage: test_mutants.py TREE"""
 import os
 import sys
 
@@ -30,7 +30,7 @@ PLANTED = {  # a line of code: the changed lines that are expected, all of them
 
 
 def main():
-    sys.path.insert(0, os.path.join(sys.argv[1], "tools", "mutants"))
+    sys.path.insert(0, os.path.join(sys.argv[1], "tests", "mutants"))
     import sites
     text = "".join(f"void f{n}() {{\n  {line}\n}}\n" if not line.startswith("#") else line + "\n"
                    for n, line in enumerate(PLANTED))

@@ -13,7 +13,7 @@ except ImportError:
     print("numpy is not installed")
     sys.exit(77)
 
-sys.path.insert(0, os.path.join(sys.argv[1], "tools", "mesh"))
+sys.path.insert(0, os.path.join(sys.argv[1], "scenes", "meshes"))
 sys.dont_write_bytecode = True
 import make_organ  # noqa: E402
 
@@ -47,7 +47,7 @@ def check_judgement():
 def check_tool():
     with tempfile.TemporaryDirectory() as folder:
         made = os.path.join(folder, "organ.vtk")
-        tool = os.path.join(sys.argv[1], "tools", "mesh", "make_organ.py")
+        tool = os.path.join(sys.argv[1], "scenes", "meshes", "make_organ.py")
         subprocess.run([sys.executable, tool, "--tets", "300", "--out", made], check=True)
         assert filecmp.cmp(made, os.path.join(MESHES, "organ_300.vtk"), shallow=False), "organ_300.vtk has changed"
         assert subprocess.run([sys.executable, tool, "--tets", "5", "--out", made], capture_output=True).returncode == 2

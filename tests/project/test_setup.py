@@ -35,6 +35,25 @@ def check_install(stages, folder, build):
     assert not [names for _, _, names in os.walk(prefix) if names], removal
 
 
+def check_tests(stages, build):
+    """The checks of the tree come before the build and keep it from beginning; then what has changed since the last tests."""
+    checks = ["check_rules.py", "check_text.py", "check_budgets.py"]
+    done, result = stages("test", "-y", code=1, PYTHON_CODE="1")
+    assert done == checks[:1] and result.stdout.endswith("\n0 passed, 1 failed\n"), (done, result)
+    whole = [*checks, "cmake", "all", "all", "summarise_tests.py"]
+    assert stages("test", "-y")[0] == whole
+    for name, place in (("test_scene", "bin"), ("test_fem", "bin"), ("fem.so", "lib/stroma/v4"), ("picture.so", "lib/stroma")):
+        path = os.path.join(build, place, name)
+        os.makedirs(os.path.dirname(path), exist_ok=True)
+        with open(path, "w", encoding="ascii"):
+            pass
+        os.utime(path, (1, 1) if name.startswith("test_") else None)
+    later = os.stat(os.path.join(build, "tests.xml")).st_mtime + 2
+    os.utime(os.path.join(build, "lib/stroma/v4/fem.so"), (later, later))
+    done = stages("test", "-y")[0]
+    assert done == [*whole[:4], "all", "^(fem)$", "^(fem)$", "summarise_tests.py"], done
+
+
 def check_stages(setup):
     """`run` shows the first scene before it builds the rest; --quick ends there; what cannot be built is said."""
     with tempfile.TemporaryDirectory() as folder:
@@ -42,7 +61,10 @@ def check_stages(setup):
         for place in ("tree/tools", "build/bin", "programs"):
             os.makedirs(os.path.join(folder, place))
         shutil.copy(setup, os.path.join(tree, "tools", "setup"))
-        programs = {"programs/dpkg-query": "printf installed", "programs/cmake": f'echo "cmake $@" >> {log}; {CMAKE}',
+        ctest = 'for a; do case $a in *.xml) echo "<testsuite/>" > "$a";; esac; done; for last; do :; done; [ "$last" != --no-tests=error ] || last=all'
+        programs = {"programs/ctest": f'{ctest}; echo "ctest $last" >> {log}',
+                    "programs/python3": f'echo "python3 ${{1##*/}}" >> {log}; exit ${{PYTHON_CODE:-0}}',
+                    "programs/dpkg-query": "printf installed", "programs/cmake": f'echo "cmake $@" >> {log}; {CMAKE}',
                     "build/bin/stroma": f'echo "stroma $@" >> {log}; [ "$1" != picture ] || {{ {PICTURE}; }}'}
         for path, body in programs.items():
             with open(os.path.join(folder, path), "w", encoding="ascii") as file:
@@ -58,8 +80,9 @@ def check_stages(setup):
             assert result.returncode == code, result
             with open(log, encoding="ascii") as file:
                 lines = file.read().splitlines()
-            which = {"cmake --build": -1, "stroma picture": 1}  # word of the line that tells what is done; else the first
-            return [line.split()[which.get(" ".join(line.split()[:2]), 0)] for line in lines], result
+            # the word of the line that tells what is done
+            which = {"cmake --build": -1, "stroma picture": 1, "ctest": 1, "python3": 1}
+            return [line.split()[which.get(" ".join(line.split()[:2]), which.get(line.split()[0], 0))] for line in lines], result
 
         shown = ["cmake", "first_scene", "stroma", "picture"]
         done, result = stages("run", "-y", PICTURE_CODE="0")
@@ -74,6 +97,7 @@ def check_stages(setup):
         assert stages("build")[0] == ["cmake", "stroma_all"]
         result = stages("build", "--no-view", "-j2", code=1, BUILD_CODE="1")[1]
         assert f"BUILD={build} {tree}/tools/setup build --no-view -j2 tries again" in result.stderr, result
+        check_tests(stages, build)
         check_install(stages, folder, build)
         done, result = stages("install", os.path.join(folder, "prefix"), code=1, CMAKE_CODE="1")
         assert done == ["cmake"] and "Configuring failed" in result.stderr, result
@@ -123,7 +147,8 @@ def main():
     result = run("install", programs={"dpkg-query": "printf installed", "apt-get": "exit 1", "sudo": "exit 1"})
     assert result.returncode == 0 and result.stdout == "", result
     # Which instruction sets are built: the machine's, all when asked for, what was built before as long as it has it.
-    installed = {"dpkg-query": "printf installed", "cmake": 'case "$*" in *--build*) exit 1;; *) echo "$@" >&3;; esac'}
+    installed = {"dpkg-query": "printf installed", "cmake": 'case "$*" in *--build*) exit 1;; *) echo "$@" >&3;; esac',
+                 "python3": "exit 0"}  # the checks of the tree
 
     def configured(*arguments, before=None):
         """The arguments of the call of cmake that configures."""

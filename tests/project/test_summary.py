@@ -32,8 +32,16 @@ def main():
             with open(path, "w", encoding="utf-8") as file:
                 file.write('<?xml version="1.0" encoding="UTF-8"?><testsuite>' + "".join(cases) + "</testsuite>")
             result = subprocess.run([sys.executable, script, path, str(ctest_code)], capture_output=True, text=True)
+            if FAIL in cases:
+                assert "failed: b\nbad ?\n" in result.stdout, result.stdout
             got = result.stdout.strip().split("\n")[-1]
             assert (got, result.returncode) == (last_line, code), (cases, got, result.returncode, result.stderr)
+        both = [os.path.join(folder, name) for name in ("first.xml", "second.xml")]
+        for path, cases in zip(both, ([PASS, SKIP], [FAIL, PASS])):
+            with open(path, "w", encoding="utf-8") as file:
+                file.write("<testsuite>" + "".join(cases) + "</testsuite>")
+        result = subprocess.run([sys.executable, script, *both, "8"], capture_output=True, text=True)
+        assert result.stdout.endswith("\nfailed: b\nbad ?\n\nfailed: b\n2 passed, 1 failed, 1 skipped\n"), result
     print(f"{len(CASES)} summaries as expected")
 
 

@@ -6,12 +6,14 @@
 #include <bit>
 #include <clocale>
 #include <cmath>
+#include <cstdlib>
 #include <random>
 
 #include "framework/scene/component.h"
+#include "tests/support/folder_fixture.h"
 
 namespace stroma {
-namespace {
+namespace STROMA_TEST_FILE {
 
 template <class T>
 T parsed(const std::string& text) {
@@ -80,6 +82,8 @@ TEST(DataParse, JunkIsRefusedAndChangesNothing) {
   refused<Vec3>("1 2", Vec3(7, 8, 9));
   EXPECT_NE(refused<Vec3>("1 2 3 4").message.find("4 numbers instead of 3"), std::string::npos);
   EXPECT_NE(refused<std::vector<Vec3>>("1 2 3 4").message.find("multiple of 3"), std::string::npos);
+  EXPECT_NE(refused<std::vector<Vec3>>("1 2 3 0 0 0 1").suggestion.find("Rigid3"), std::string::npos);
+  EXPECT_EQ(refused<std::vector<Vec3>>("1 2 3 4").suggestion.find("Rigid3"), std::string::npos);
   EXPECT_NE(refused<std::vector<double>>("1 2 three").message.find("item 3"), std::string::npos);
   EXPECT_NE(refused<std::vector<Triangle>>("0 1 -2").message.find("count from 0"), std::string::npos);
   EXPECT_NE(refused<std::vector<int>>("0-2000000000").message.find("too long"), std::string::npos);
@@ -167,10 +171,18 @@ TEST(DataPrint, EveryTypeReadsBack) {
   roundTrip(std::vector<Hexahedron>{{0, 1, 2, 3, 4, 5, 6, 7}});
 }
 
-TEST(DataPrint, TheLocaleOfTheProcessPlaysNoPart) {
+class DataInALocale : public test::FolderTest {};
+
+TEST_F(DataInALocale, OfTheProcessIsReadAndPrintedAlike) {
+  // one with a decimal comma, made here: which ones the system has is its own affair
+  const std::string made = "localedef -i de_DE -f UTF-8 " + folder_.string() + "/comma >/dev/null 2>&1";
+  if (std::system(made.c_str()) != 0) GTEST_SKIP() << "no locale can be made (package locales)";
+  ::setenv("LOCPATH", folder_.c_str(), 1);
   const std::string before = std::setlocale(LC_ALL, nullptr);
-  if (!std::setlocale(LC_ALL, "de_DE.UTF-8") && !std::setlocale(LC_ALL, "fr_FR.UTF-8"))
-    GTEST_SKIP() << "no locale with a decimal comma is installed";
+  const char* comma = std::setlocale(LC_ALL, "comma");
+  ::unsetenv("LOCPATH");
+  ASSERT_TRUE(comma);
+  ASSERT_STREQ(std::localeconv()->decimal_point, ",");
   double half = 0.5;
   EXPECT_EQ(Data("x", &half).print(), "0.5");
   EXPECT_EQ(parsed<double>("2.5"), 2.5);
@@ -246,5 +258,5 @@ TEST(DataTable, OutputsCannotBeWritten) {
   EXPECT_TRUE(indices.empty());
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 namespace stroma {
-namespace {
+namespace STROMA_TEST_FILE {
 
 TEST(Nearest, FindsTheNameMeant) {
   const std::vector<std::string> names = {"MechanicalObject", "MeshTopology", "TetrahedronFEMForceField", "UniformMass",
@@ -39,5 +39,5 @@ TEST(Diagnostics, CountsAllAndKeepsABoundedNumber) {
   EXPECT_NE(diagnostics.text().find("more problems"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma

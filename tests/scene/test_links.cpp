@@ -6,7 +6,7 @@
 #include "tests/scene/test_components.h"
 
 namespace stroma::testing {
-namespace {
+namespace STROMA_TEST_FILE {
 
 using Links = SceneTest;
 
@@ -205,5 +205,5 @@ TEST_F(Links, SofasNumberedNamesReachUnnamedComponents) {
   EXPECT_NE(findComponent(*scene.root, "/TestMesh2"), nullptr);
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::testing

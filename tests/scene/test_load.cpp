@@ -5,7 +5,7 @@
 #include "tests/scene/test_components.h"
 
 namespace stroma::testing {
-namespace {
+namespace STROMA_TEST_FILE {
 
 using Load = SceneTest;
 
@@ -331,5 +331,5 @@ TEST_F(Load, ATowerOfIncludesIsBounded) {
   EXPECT_TRUE(diagnostics.hasErrors());
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::testing

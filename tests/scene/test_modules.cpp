@@ -10,7 +10,7 @@
 #include "tests/scene/test_components.h"
 
 namespace stroma::testing {
-namespace {
+namespace STROMA_TEST_FILE {
 
 const std::string folder_of_modules = STROMA_TEST_MODULES;
 
@@ -260,5 +260,5 @@ TEST_F(BuiltModules, DefaultsReadBack) {
   }
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::testing

@@ -7,9 +7,10 @@
 
 #include "framework/scene/load.h"
 #include "tests/scene/test_components.h"
+#include "tests/support/xml_writer.h"
 
 namespace stroma {
-namespace {
+namespace STROMA_TEST_FILE {
 
 NodeDescription read(const std::string& text, Diagnostics& diagnostics, const ReadLimits& limits = {}) {
   return readXml(text, "folder/scene.xml", limits, diagnostics);
@@ -241,5 +242,24 @@ TEST(XmlReader, ManyAttributesOnOneLineTakeLinearTime) {
   EXPECT_EQ(root.components.back().where.column, 7 + 16 * 199999);
 }
 
-}  // namespace
+TEST(XmlReader, WhatIsNotUtf8IsRefusedAtItsPlace) {
+  const auto told = [](const std::string& text) { return refusal(text).text(); };
+  // "Muskel é" in Latin-1, which the declaration says
+  const std::string latin =
+      "<?xml version=\"1.0\" encoding=\"ISO-8859-1\"?>\n<Node name=\"root\">\n  <A name=\"\xE9\"/></Node>";
+  EXPECT_NE(told(latin).find(":3:12: error: the byte E9 is not part of a UTF-8 text (expected UTF-8"),
+            std::string::npos)
+      << told(latin);
+  for (const char* wrong : {"\x80", "\xC3", "\xC0\xAF", "\xE0\x80\xAF", "\xED\xA0\x80", "\xF4\x90\x80\x80", "\xFF"})
+    EXPECT_NE(told(std::string("<Node name=\"") + wrong + "\"/>").find("UTF-8"), std::string::npos) << wrong;
+  for (const char* right :
+       {"\xC3\xA9", "\xE2\x82\xAC", "\xED\x9F\xBF", "\xEF\xBB\xBF", "\xF0\x9F\x98\x80", "\xF4\x8F\xBF\xBF"}) {
+    Diagnostics diagnostics;
+    const NodeDescription root = read(std::string("<Node name=\"") + right + "\"/>", diagnostics);
+    EXPECT_EQ(diagnostics.text(), "");
+    EXPECT_EQ(root.name(), right);
+  }
+}
+
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma

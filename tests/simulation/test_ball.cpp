@@ -7,9 +7,11 @@
 
 #include "tests/simulation/refused_input.h"
 #include "tests/support/scene_fixture.h"
+#include "tools/session/action_file.h"
+#include "tools/session/replay.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 /// One node of 1 kg at the origin that a spring of 100 N/m holds there.
 std::string springScene(const std::string& integrator, const std::string& dt) {
@@ -256,7 +258,7 @@ TEST(Ball, ARunIsReplayedBitForBitAlsoThroughATextAndACheckpointHoldsIt) {
       std::istringstream text(printActions({"block.xml", played.events()}));
       for (const std::vector<RunEvent>& events : {played.events(), parseActions(text, "block.actions").events}) {
         Simulation replayed = simulationFromText(scene);
-        replayed.replay(events);
+        replay(replayed, events);
         run(replayed, 11);
         EXPECT_EQ(replayed.stateHash(), played.stateHash());
         EXPECT_EQ(printActions({"", replayed.events()}), printActions({"", played.events()}));
@@ -294,7 +296,7 @@ TEST(Ball, EveryIntegratorGoesOnFromACheckpointBitForBit) {
       EXPECT_EQ(restored.stateHash(), played.stateHash());
       EXPECT_LT(positions(played)[43].y(), 0.1) << "nothing was pushed";
       Simulation replayed = simulationFromText(scene);
-      replayed.replay(played.events());
+      replay(replayed, played.events());
       run(replayed, 8);
       EXPECT_EQ(replayed.stateHash(), played.stateHash());
     }
@@ -340,5 +342,5 @@ TEST(Ball, ItsTextIsKeptToTheBitAndWhatIsDamagedIsRefused) {
   }
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

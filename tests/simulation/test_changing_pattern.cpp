@@ -9,7 +9,7 @@
 #include "tests/support/scene_text.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 /// Springs of rest length zero between pairs of nodes, each from one time to another.
 class ComingSprings final : public NodeGroupField<2, PairTangent> {
@@ -201,5 +201,5 @@ TEST(ChangingPattern, ABodyThatOnlyAVanishingSpringHeldIsNamed) {
   expectContains(report.reason, "the part of /dofs around node 0 (4 nodes) is not held against turning");
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

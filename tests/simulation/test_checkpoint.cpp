@@ -8,11 +8,11 @@
 #include <iterator>
 #include <random>
 
-#include "framework/simulation/session.h"
 #include "tests/support/scene_fixture.h"
+#include "tools/session/session.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 struct Variant {
   std::string scene, text, name;
@@ -151,5 +151,5 @@ TEST(Checkpoint, MemoryMatters) {
   EXPECT_NE(forgetful.stateHash(), whole.stateHash()) << "BDF's last step does not matter: nothing was tested";
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

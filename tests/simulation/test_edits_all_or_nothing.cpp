@@ -5,7 +5,7 @@
 #include "tests/support/scene_text.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 /// Does nothing, and throws where it is told to.
 class Troubled final : public ForceField {
@@ -299,5 +299,5 @@ TEST(EditsAllOrNothing, ARestoreThatFailsLeavesTheRunWhereItWas) {
   EXPECT_EQ(simulation.stateHash(), same.stateHash());
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

@@ -10,9 +10,10 @@
 
 #include "tests/support/force_field_examples.h"
 #include "tests/support/scene_text.h"
+#include "tools/session/replay.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 constexpr int steps_before = 4, steps_after = 4;
 
@@ -138,7 +139,7 @@ Outcome tryValue(const Case& test, const std::string& value, std::string& told) 
   EXPECT_EQ(run(*written, steps_after), hashes) << "the scene written with '" << value << "'";
   edited->reset();
   const auto replayed = load(test);
-  replayed->replay(edited->events());
+  replay(*replayed, edited->events());
   EXPECT_EQ(run(*replayed, steps_before), run(*edited, steps_before)) << "'" << value << "', replayed after a reset";
   if (run(*unedited, steps_after) != hashes) return Outcome::checked;
   told += fmt::format("\n  '{}': no effect", value);
@@ -219,5 +220,5 @@ TEST(EveryChangeableAttribute, ChangesARunAsASceneWrittenWithItsNewValueGoesOn) 
   }
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

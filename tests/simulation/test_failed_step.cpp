@@ -8,7 +8,7 @@
 #include "tests/support/scene_text.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 /// Gives up at its first try of step 4.
 class Stumbling final : public Integrator {
@@ -126,5 +126,5 @@ TEST(FailedStep, NoNumberOfItsCheckpointIsInfinite) {
   }
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

@@ -6,9 +6,10 @@
 
 #include "tests/simulation/refused_input.h"
 #include "tests/support/scene_fixture.h"
+#include "tools/session/replay.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 /// One node of 1 kg at the origin that a spring of 100 N/m holds there.
 std::string springScene(const std::string& integrator, const std::string& dt) {
@@ -132,7 +133,7 @@ TEST(Inputs, ARecordedHandIsReplayedBitForBitAndACheckpointHoldsIt) {
     played.removeInput(number);
     run(played, 3);
     Simulation replayed = simulationFromText(beamScene(solver));
-    replayed.replay(played.events());
+    replay(replayed, played.events());
     run(replayed, 11);
     EXPECT_EQ(replayed.stateHash(), played.stateHash());
     Simulation restored = simulationFromText(beamScene(solver));
@@ -163,5 +164,5 @@ TEST(Inputs, WhatCannotActIsRefusedWithASentence) {
   EXPECT_EQ(simulation.stateHash(), same.stateHash()) << "a refused input left something behind";
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

@@ -2,11 +2,11 @@
 // Attributes that change while a scene runs: each change does what its declaration promises, or is refused.
 #include <gtest/gtest.h>
 
-#include "framework/simulation/session.h"
 #include "tests/support/scene_fixture.h"
+#include "tools/session/session.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 struct Beam {
   std::string integrator = "<EulerImplicitSolver/>", solver = "<SparseLDLSolver/>", method = "large", young = "5000",
@@ -309,5 +309,5 @@ TEST(LiveAttributes, WhatWasComputedBeforehandFollowsNoChange) {
               std::string::npos);
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

@@ -6,9 +6,11 @@
 #include <sstream>
 
 #include "tests/support/scene_fixture.h"
+#include "tools/session/action_file.h"
+#include "tools/session/replay.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 std::string beam(const std::string& solver) {
   return "<Node name=\"root\" dt=\"0.01\" gravity=\"0 -9.81 0\"><EulerImplicitSolver/>" + solver +
@@ -43,10 +45,10 @@ std::vector<RunEvent> throughText(const std::vector<RunEvent>& events) {
 void expectRepeats(const Simulation& played, const std::string& scene) {
   for (const std::vector<RunEvent>& events : {played.events(), throughText(played.events())}) {
     Simulation replayed = simulationFromText(scene);
-    replayed.replay(events);
+    replay(replayed, events);
     run(replayed, int(played.steps()));
     EXPECT_EQ(replayed.stateHash(), played.stateHash());
-    EXPECT_EQ(replayed.replayed(), events.size());
+    EXPECT_EQ(stroma::replayed(replayed), events.size());
     EXPECT_EQ(printActions({"", replayed.events()}), printActions({"", played.events()}));
     replayed.reset();
     run(replayed, int(played.steps()));
@@ -165,8 +167,8 @@ TEST(RunEvents, WhatFollowsACheckpointRepeatsFromIt) {
     played.setAttribute("/fem", "youngModulus", "8e3");
     run(played, 3);
     replayed.restore(then);
-    replayed.replay(played.events());
-    EXPECT_EQ(replayed.replayed(), 1u) << "the edit that the checkpoint has";
+    replay(replayed, played.events());
+    EXPECT_EQ(stroma::replayed(replayed), 1u) << "the edit that the checkpoint has";
     run(replayed, 4);
     EXPECT_EQ(replayed.stateHash(), played.stateHash());
   }
@@ -177,14 +179,14 @@ TEST(RunEvents, AHandDuringAReplayHasANumberOfItsOwn) {
   run(played, 3);
   pullAround(played);
   Simulation replayed = simulationFromText(beam(direct));
-  replayed.replay(played.events());
+  replay(replayed, played.events());
   EXPECT_EQ(replayed.addInput(pull(44, {0, 0, 0.3}, 10)), 2);
   run(replayed, 8);
   EXPECT_EQ(replayed.events().size(), played.events().size() + 1);
 }
 
 std::string refusal(Simulation& simulation, std::vector<RunEvent> events) {
-  return problemsIn([&] { simulation.replay(std::move(events), "some.actions"); });
+  return problemsIn([&] { replay(simulation, std::move(events), "some.actions"); });
 }
 
 TEST(RunEvents, WhatCannotBeReplayedIsRefusedBeforeTheRun) {
@@ -211,7 +213,7 @@ TEST(RunEvents, WhatCannotBeReplayedIsRefusedBeforeTheRun) {
 
 TEST(RunEvents, ARefusedValueEndsTheRunBeforeItsStep) {
   Simulation simulation = simulationFromText(beam(direct)), same = simulationFromText(beam(direct));
-  simulation.replay({{2, AttributeEdit{"/fem", "youngModulus", "-1"}}}, "some.actions");
+  replay(simulation, {{2, AttributeEdit{"/fem", "youngModulus", "-1"}}}, "some.actions");
   run(simulation, 2), run(same, 2);
   for (int i = 0; i < 2; ++i) {
     try {
@@ -335,5 +337,5 @@ TEST(RunEvents, OtherFilesAndOtherVersionsAreRefused) {
   EXPECT_THROW(readActions("."), std::runtime_error);
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

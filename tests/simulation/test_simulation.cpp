@@ -8,9 +8,10 @@
 #include <limits>
 
 #include "tests/support/scene_fixture.h"
+#include "tools/plan/plan.h"
 
 namespace stroma {
-namespace {
+namespace STROMA_TEST_FILE {
 
 class TestState final : public State {
  public:
@@ -235,10 +236,10 @@ TEST_F(SimulationTest, TheHashSeesEveryBit) {
 TEST_F(SimulationTest, ExplainNamesWhatRuns) {
   const Simulation simulation(scene(two_bodies));
   std::string text;
-  for (const std::string& line : simulation.explain()) text += line + "\n";
+  for (const std::string& line : planOf(simulation).lines()) text += line + "\n";
   for (const char* part : {"/a/dofs", "/b/mover", "moves along", "/watch", "remembers"})
     EXPECT_TRUE(has(text, part)) << text;
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma

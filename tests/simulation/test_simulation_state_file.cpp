@@ -13,7 +13,7 @@
 #include "framework/scene/output_file.h"
 #include "tests/support/folder_fixture.h"
 
-namespace {
+namespace STROMA_TEST_FILE {
 
 namespace fs = std::filesystem;
 using namespace stroma;
@@ -280,4 +280,4 @@ TEST(StateFileName, IsTheStatesPath) {
   EXPECT_EQ(stateFileName("/dofs"), "dofs.state.gz");
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE

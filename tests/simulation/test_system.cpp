@@ -6,9 +6,10 @@
 #include <limits>
 
 #include "tests/support/scene_text.h"
+#include "tools/plan/plan.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 constexpr const char* line = "0 0 0  1 0.1 0  2 0 0.2  3 0.1 0.1";
 
@@ -232,12 +233,12 @@ TEST(SystemReports, TheFirstNumberThatIsNotFinite) {
 TEST(SystemReports, ThePlan) {
   Simulation simulation(sceneFromText(two_bodies));
   std::string text;
-  for (const std::string& plan : explain(*simulation.systems()[0])) text += plan + "\n";
+  for (const std::string& plan : planOf(*simulation.systems()[0]).lines()) text += plan + "\n";
   expectContains(text, "9 nodes in one vector, 6 of them independent");
   expectContains(text, "computed once");
   expectContains(text, "/b/springs");
   expectContains(text, "mapping /mapped/mean");
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

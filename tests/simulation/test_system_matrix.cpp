@@ -7,7 +7,7 @@
 #include "tests/support/scene_text.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 /// A bent line of five nodes, one held, one in a slanted plane, one along an axis.
 std::string scene(const std::string& fields, const std::string& more = "") {
@@ -205,5 +205,5 @@ TEST(SystemMatrix, ChoosesTheCheaperForm) {
   EXPECT_TRUE(prefers("<TestLinearNet productCost='155' assemblyCost='1000'/>", 8)) << "assembled once for all steps";
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

@@ -11,7 +11,7 @@
 #include "tests/support/scene_fixture.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 /// Conjugate gradients and direct solvers, statics and dynamics, tetrahedra and hexahedra, laws with a register of their
 /// own, mappings.
@@ -109,5 +109,5 @@ TEST(TwoSimulations, DirectSolversOrderTheirUnknownsAsAlone) {
   }
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

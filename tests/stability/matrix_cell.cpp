@@ -8,6 +8,7 @@
 #include <random>
 
 #include "tests/stability/matrix.h"
+#include "tools/checks/result_doubts.h"
 
 namespace stroma::test::matrix {
 
@@ -217,7 +218,7 @@ class Run {
     outcome_.ending = ending;
     outcome_.text = text;
     if (ending == Ending::elsewhere || ending == Ending::moving || ending == Ending::rings) {
-      const auto doubts = simulation_->doubts();
+      const auto doubts = doubtsOf(*simulation_);
       if (doubts.empty() && unconverged_.empty()) {
         if (ending == Ending::rings) outcome_.ending = Ending::moving;
       } else {

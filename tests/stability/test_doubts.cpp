@@ -5,13 +5,14 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/scene_fixture.h"
+#include "tools/checks/result_doubts.h"
 
 namespace stroma::test {
 namespace {
 
 std::string doubtsOf(const Simulation& simulation) {
   std::string all;
-  for (const std::string& sentence : simulation.doubts()) all += sentence + "\n";
+  for (const std::string& sentence : doubtsOf(simulation)) all += sentence + "\n";
   return all;
 }
 bool says(const std::string& text, const std::string& words) { return text.find(words) != std::string::npos; }

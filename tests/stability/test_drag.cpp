@@ -8,6 +8,7 @@
 #include <filesystem>
 
 #include "tests/stability/dragged.h"
+#include "tools/checks/result_doubts.h"
 
 namespace stroma::test {
 namespace {
@@ -65,7 +66,7 @@ TEST(Drag, AShapeThatIsKeptIsNamed) {
                                   {Override::parse("/organ/fem.method=polar")}, factory(), modules()));
   for (int step = 0; step < 1000; ++step) ASSERT_FALSE(simulation.step().diverged) << step;
   if (farthestFromRest(simulation) < 1e-6 * 0.264) return;
-  const std::vector<std::string> sentences = simulation.doubts();
+  const std::vector<std::string> sentences = doubtsOf(simulation);
   ASSERT_EQ(sentences.size(), 1u);
   for (const char* word : {"/organ/fem", "inverted", "tetrahedron ", "J = "})
     EXPECT_NE(sentences[0].find(word), std::string::npos) << sentences[0];

@@ -181,7 +181,7 @@ TEST_F(Sweep, AKilledSweepGoesOnAndRunsNothingTwice) {
   write("oscillator.xml", oscillator);
   shell("'" STROMA_COMMAND "' " + std::string(many_steps) +
         "-o out --repeat 2 & sweep=$!\n"
-        "for i in $(seq 600); do ls out/runs/*/*.outcome.json >.found 2>&1 && break; sleep 0.05; done\n"
+        "for i in $(seq 1200); do ls out/runs/*/*.outcome.json >.found 2>&1 && break; sleep 0.05; done\n"
         "kill -KILL $sweep; wait $sweep");
   const auto before = outcomes("out");
   ASSERT_GT(before.size(), 0u) << "the kill came too early to show anything";
@@ -199,15 +199,28 @@ TEST_F(Sweep, AKilledSweepGoesOnAndRunsNothingTwice) {
 
 TEST_F(Sweep, AKilledWorkerIsRunAgain) {
   write("oscillator.xml", oscillator);
-  const Finished run = shell("'" STROMA_COMMAND "' " + std::string(many_steps) +
-                             "-o out --repeat 1 & sweep=$!\n"
-                             "for i in 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20; do\n"
-                             "  sleep 0.5; [ -d out/runs ] && pkill -KILL -P $sweep && break\ndone\nwait $sweep");
+  const Finished run =
+      shell("'" STROMA_COMMAND "' " + std::string(many_steps) +
+            "-o out --repeat 1 & sweep=$!\n"
+            "for i in $(seq 1200); do [ -d out/runs ] && pkill -KILL -P $sweep && break; sleep 0.05; done\n"
+            "wait $sweep");
   EXPECT_EQ(run.code, 0) << run.err;
   EXPECT_TRUE(has(run.err, "killed by signal 9")) << run.err;
   const auto json = table("out");
   EXPECT_EQ(json["configurations"].size(), 8u);
   for (const auto& row : json["configurations"]) EXPECT_EQ(row["outcome"], "done");
+}
+
+/// The signal waits when the sweep begins, so that it comes neither early nor late: at the first run, as between two.
+TEST_F(Sweep, ASignalBetweenRunsStopsIt) {
+  write("oscillator.xml", oscillator);
+  write("pending.py",
+        "import os, signal, sys\nsignal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])\n"
+        "os.kill(os.getpid(), signal.SIGINT)\nos.execv(sys.argv[1], sys.argv[1:])\n");
+  const Finished run = shell("exec python3 pending.py '" STROMA_COMMAND "' " + std::string(many_steps) + "-o out");
+  EXPECT_EQ(run.code, 130) << run.err;
+  EXPECT_TRUE(has(run.err, "stopped before the first run")) << run.err;
+  EXPECT_FALSE(exists("out"));
 }
 
 TEST_F(Sweep, ARunThatIsAlwaysKilledIsARowWithItsSentence) {

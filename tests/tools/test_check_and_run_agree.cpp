@@ -16,12 +16,12 @@
 #include <map>
 #include <set>
 
-#include "framework/simulation/session.h"
 #include "tests/support/manual_examples.h"
 #include "tests/support/shell.h"
+#include "tools/session/session.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 namespace fs = std::filesystem;
 
@@ -227,12 +227,13 @@ TEST_F(TheCommandsAgree, OnWhatKeepsARunFromItsFirstStep) {
   write("file", "");
   std::string recording = "T= 0\n  X=";
   for (int i = 0; i < 27 * 3; ++i) recording += " 0";
-  write("scene.last/run.instants", recording + "\n");
+  write("results/scene/last/run.instants", recording + "\n");
   fs::create_directory(folder_ / "folder");
   const auto with = [](const std::string& what) { return fmt::format(fmt::runtime(block), "", "3 3 3", what); };
   const std::string other =
       R"(<Node name="other"><EulerExplicitSolver/><RegularGridTopology n="2 2 2" min="0 0 0" max="1 1 1"/>
-    <MechanicalObject name="dofs"/><UniformMass totalMass="1"/><HexahedronFEMForceField name="fem" youngModulus="1" poissonRatio="0"/></Node>)";
+    <MechanicalObject name="dofs"/><UniformMass totalMass="1"/>
+    <HexahedronFEMForceField name="fem" youngModulus="1" poissonRatio="0"/></Node>)";
   const std::string lone = R"(<Node><Node name="a"><MechanicalObject name="dofs" position="0 0 0"/>)";
   const std::vector<Refused> cases = {
       {with(R"(<VTKExporter cellsDataFields="strain"/>)"), "gives 48 values of 'strain'"},
@@ -243,7 +244,7 @@ TEST_F(TheCommandsAgree, OnWhatKeepsARunFromItsFirstStep) {
       {with(R"(<WriteState filename="folder"/>)"), "folder: cannot open for writing (Is a directory)"},
       {with(R"(<EnergyMonitor filename="file/a/b/energy.txt"/><VTKExporter filename="file/a"/>)"), "2 errors"},
       {with(R"(<VTKExporter filename=")" + std::string(300, 'x') + R"("/>)"), "File name too long"},
-      {with(R"(<ReadState filename="scene.last/run.instants"/>)"), "what the run leaves to be looked at"},
+      {with(R"(<ReadState filename="results/scene/last/run.instants"/>)"), "what the run leaves to be looked at"},
       {fmt::format(fmt::runtime(block), "<CholeskySolver/>", "16 16 16", ""), "4096 nodes are too many for the dense"},
       {fmt::format(fmt::runtime(block), "<SVDLinearSolver/>", "16 16 16", ""), "4096 nodes are too many for the dense"},
       {R"(<Node>)" + other + R"(<Node>)" + with(R"(<VTKExporter cellsDataFields="stress=@/other/fem.vonMises"/>)") +
@@ -272,5 +273,5 @@ TEST_F(TheCommandsAgree, OnWhatKeepsARunFromItsFirstStep) {
   }
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

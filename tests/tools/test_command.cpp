@@ -6,7 +6,7 @@
 #include "tests/support/shell.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 using Command = CommandTest;
 
@@ -111,11 +111,11 @@ TEST_F(Command, AReplayThatCannotBeIsRefusedBeforeOrEndsTheRun) {
   }
   EXPECT_EQ(stroma("run sprung.xml --replay absent.actions").code, 2);
   EXPECT_EQ(stroma("run sprung.xml --replay hand.actions --json=hand.actions").code, 2);
-  EXPECT_FALSE(exists("sprung.last"));
+  EXPECT_FALSE(exists("results/sprung/last"));
   const Finished run = with("900", "-900");
   EXPECT_EQ(run.code, 3) << "steps were made: an exit code of 2 would say that nothing was run";
   EXPECT_TRUE(has(run.err, "not replayed: hand.actions:3: error: action 2 of the replay, before step 6: ")) << run.err;
-  EXPECT_TRUE(has(run.err, "the last good state (t = 0.05 s) is in sprung.last/run.instants")) << run.err;
+  EXPECT_TRUE(has(run.err, "the last good state (t = 0.05 s) is in results/sprung/last/run.instants")) << run.err;
   EXPECT_TRUE(has(run.out, "sprung.xml: not replayed after 5 steps")) << run.out;
 }
 
@@ -291,8 +291,8 @@ TEST_F(Command, ADivergedRunKeepsTheLastGoodState) {
   EXPECT_EQ(run.code, 3) << run.err;
   EXPECT_TRUE(has(run.err, "diverged: step 1 ")) << run.err;
   EXPECT_TRUE(has(run.err, "node 0 of /dofs")) << run.err;
-  EXPECT_TRUE(has(run.err, "is in burst.last/run.instants, burst.last/last.checkpoint\n")) << run.err;
-  const auto instants = instantsIn(folder_ / "burst.last/run.instants");
+  EXPECT_TRUE(has(run.err, "is in results/burst/last/run.instants, results/burst/last/last.checkpoint\n")) << run.err;
+  const auto instants = instantsIn(folder_ / "results/burst/last/run.instants");
   EXPECT_EQ(instants, std::vector<double>({0, 0, 0, 0, 1e308, 0, 0})) << "time, position, velocity";
   const Finished none = stroma("run burst.xml --set /.dt=1 -n 50 --quiet --no-record");
   EXPECT_EQ(none.code, 3);
@@ -338,7 +338,7 @@ TEST_F(Command, BadInputWritesNothing) {
   EXPECT_EQ(run.code, 2);
   EXPECT_FALSE(exists("out"));
   EXPECT_EQ(stroma("run bad.xml").code, 2);
-  EXPECT_FALSE(exists("bad.last"));
+  EXPECT_FALSE(exists("results/bad/last"));
   EXPECT_TRUE(has(run.err, "bad.xml:3")) << run.err;
   EXPECT_TRUE(has(run.err, "position")) << run.err;
   EXPECT_TRUE(has(run.err, "bad.xml:4")) << run.err;
@@ -406,5 +406,5 @@ TEST_F(Command, ARunWithoutAResultIsNoneWhenItIsResumed) {
   EXPECT_EQ(resumed.code, 3) << resumed.err;
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

@@ -5,7 +5,7 @@
 #include "tests/support/shell.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 constexpr const char* beam =
     "<Node name='root' dt='0.01'><RegularGridTopology name='grid' n='3 3 3' min='0 0 0' max='1 1 1'/>"
@@ -214,5 +214,5 @@ TEST_F(Completion, AnotherShellIsRefused) {
   EXPECT_TRUE(has(finished.err, "expected bash, zsh or fish")) << finished.err;
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

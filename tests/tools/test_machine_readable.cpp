@@ -8,7 +8,7 @@
 #include "tests/support/shell.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 using Json = nlohmann::json;
 using MachineReadable = CommandTest;
@@ -158,5 +158,5 @@ TEST_F(MachineReadable, WhatASceneDoesNotNeedIsSkippedAndSaid) {
   EXPECT_TRUE(plan.at("observers").empty());
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

@@ -9,7 +9,7 @@
 #include "tests/support/shell.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 using ManualExamples = CommandTest;
 
@@ -34,5 +34,5 @@ TEST_F(ManualExamples, EveryComponentHasOneAndItRuns) {
   }
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

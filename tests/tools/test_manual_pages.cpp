@@ -6,7 +6,7 @@
 #include "tests/support/shell.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 class ManualPages : public CommandTest {
  protected:
@@ -113,5 +113,5 @@ TEST_F(ManualPages, HelpAndVersionSayWhatTheCommandIs) {
   EXPECT_FALSE(has(stroma("--help").out, "__complete"));
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

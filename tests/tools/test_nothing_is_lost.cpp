@@ -8,7 +8,7 @@
 #include "tests/support/shell.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 namespace fs = std::filesystem;
 
@@ -70,14 +70,15 @@ TEST_F(NothingIsLost, NoOutputOverwritesWhatTheRunReads) {
       {"", "--json=fall.xml", "--json would overwrite fall.xml, which the scene reads"},
       {"", "--json=out/last.checkpoint --record out", "--record and --json would both write"},
       {"", "--record here --set /ReadState.filename=dofs.state.gz", "--record would overwrite"},
-      {"", "--set /ReadState.filename=fall.last/run.instants", "what the run leaves to be looked at"},
-      {"<WriteState filename='fall.last/last.checkpoint'/>", "", "would both write fall.last/last.checkpoint"},
+      {"", "--set /ReadState.filename=results/fall/last/run.instants", "what the run leaves to be looked at"},
+      {"<WriteState filename='results/fall/last/last.checkpoint'/>", "",
+       "would both write results/fall/last/last.checkpoint"},
   };
   fs::copy(folder_ / "body.msh", folder_ / "body_x.txt");
   fs::copy(folder_ / "body.msh", folder_ / "body00003.vtu");
   fs::copy(folder_ / "start.state", folder_ / "dofs.state.gz");
-  fs::create_directory(folder_ / "fall.last");
-  fs::copy(folder_ / "start.state", folder_ / "fall.last/run.instants");
+  fs::create_directories(folder_ / "results/fall/last");
+  fs::copy(folder_ / "start.state", folder_ / "results/fall/last/run.instants");
   for (const auto& [observers, options, expected] : cases) {
     writeScene(observers);
     const auto before = contents();
@@ -268,12 +269,32 @@ TEST_F(NothingIsLost, TheLastStateOfADivergedRunSaysHowGoodItIs) {
   const Finished good = stroma("run good.xml --set /.dt=10 --quiet"),
                  bad = stroma("run bad.xml --set /.dt=10 --quiet --json");
   EXPECT_EQ(good.code, 3) << good.err;
-  EXPECT_TRUE(has(good.err, "the last good state (t = 0 s, 0 of 1 elements inverted) is in good.last/")) << good.err;
+  EXPECT_TRUE(has(good.err, "the last good state (t = 0 s, 0 of 1 elements inverted) is in results/good/last/"))
+      << good.err;
   EXPECT_EQ(bad.code, 3) << bad.err;
-  EXPECT_TRUE(has(bad.err, "the last state (t = 0 s, 1 of 1 elements inverted: no good one) is in bad.last/"))
+  EXPECT_TRUE(has(bad.err, "the last state (t = 0 s, 1 of 1 elements inverted: no good one) is in results/bad/last/"))
       << bad.err;
   EXPECT_EQ(nlohmann::json::parse(bad.out).at("inverted_elements").at("inverted"), 1);
 }
 
-}  // namespace
+/// A link to a file would put the output in that file's place, whatever it is: every writer refuses it alike.
+TEST_F(NothingIsLost, NoOutputGoesThroughALinkToAFile) {
+  write("notes.txt", "kept");
+  for (const char* link : {"out.png", "out.txt", "out.msh", "out.json"})
+    fs::create_symlink("notes.txt", folder_ / link);
+  writeScene("");
+  std::vector<std::string> commands = {"picture fall.xml -n 0 -o out.png", "run fall.xml -n 1 --json=out.json"};
+  for (const std::string& line : commands) {
+    const Finished run = stroma(line);
+    EXPECT_NE(run.code, 0) << line;
+    EXPECT_TRUE(has(run.err, "is a symbolic link to notes.txt, which would be overwritten")) << line << run.err;
+  }
+  writeScene("<WriteState filename='out.txt'/>");
+  const Finished run = stroma("run fall.xml -n 1");
+  EXPECT_EQ(run.code, 2);
+  EXPECT_TRUE(has(run.err, "is a symbolic link")) << run.err;
+  EXPECT_EQ(readText(folder_ / "notes.txt"), "kept");
+}
+
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

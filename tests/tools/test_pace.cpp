@@ -8,7 +8,7 @@
 #include "tools/command/pace.h"
 
 namespace stroma::command {
-namespace {
+namespace STROMA_TEST_FILE {
 
 constexpr double look_every = 0.25;  // [s], as in a pipe
 
@@ -81,5 +81,5 @@ TEST(Pace, StepsThatBecomeSlowerAreNoticed) {
   EXPECT_LT(late, 0.2);
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::command

@@ -4,7 +4,7 @@
 #include "tests/support/shell.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 using PlantedMistakes = CommandTest;
 
@@ -65,5 +65,5 @@ TEST_F(PlantedMistakes, BrokenFilesGetASentence) {
   }
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

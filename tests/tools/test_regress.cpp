@@ -8,7 +8,7 @@
 #include "tests/support/shell.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 namespace fs = std::filesystem;
 
@@ -232,5 +232,14 @@ TEST_F(Regress, AnAnswerOfSolvesThatStoppedShortIsStoredOnlyWhenTheListSaysSo) {
   EXPECT_EQ(stroma("regress short").code, 0);
 }
 
-}  // namespace
+TEST_F(Regress, AToleranceThatLetsEverythingPassIsRefused) {
+  for (const char* tolerance : {"1e9", "1"}) {
+    write("list", fmt::format("references\nfall.xml 8 {}\n", tolerance));
+    const Finished run = stroma("regress list");
+    EXPECT_EQ(run.code, 2);
+    EXPECT_NE(run.err.find("lets every state pass"), std::string::npos) << run.err;
+  }
+}
+
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

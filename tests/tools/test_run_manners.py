@@ -18,8 +18,12 @@ import termios
 import time
 import unittest
 
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
+from processes import PATIENCE, until, until_computed  # noqa: E402
+
 TREE, STROMA = (os.path.abspath(path) for path in sys.argv[1:3])
 HAS_VIEW = os.path.exists(os.path.join(os.path.dirname(STROMA), "..", "lib", "stroma", "view.so"))
+LAST = os.path.join("results", "fall", "last")  # what a run of fall.xml leaves
 FALLING = """<Node name="root" dt="0.01" gravity="0 -10 0"><EulerExplicitSolver/>
 <MechanicalObject name="dofs" position="0 0 0  1 0 0"/><UniformMass totalMass="2"/></Node>
 """
@@ -48,6 +52,7 @@ class Folder(unittest.TestCase):
         return os.path.join(self.folder, *names)
 
     def write(self, name, text):
+        os.makedirs(os.path.dirname(self.path(name)), exist_ok=True)
         with open(self.path(name), "w", encoding="utf-8") as file:
             file.write(text)
         return self.path(name)
@@ -57,7 +62,7 @@ class Folder(unittest.TestCase):
             return file.read()
 
     def stroma(self, *arguments, code=0, cwd=None):
-        result = subprocess.run([STROMA, *arguments], capture_output=True, text=True, cwd=cwd or self.folder, timeout=120)
+        result = subprocess.run([STROMA, *arguments], capture_output=True, text=True, cwd=cwd or self.folder, timeout=5 * PATIENCE)
         self.assertEqual(result.returncode, code, result.stdout + result.stderr)
         return result
 
@@ -79,22 +84,21 @@ class Folder(unittest.TestCase):
 class Progress(Folder):
     def test_a_pipe_gets_few_lines_with_the_time_to_go(self):
         self.write("fall.xml", FALLING)
-        process = subprocess.Popen([STROMA, "run", "fall.xml", "-n", str(self.steps_of("fall.xml", 4)), "--no-record"],
-                                   cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        told = [(time.monotonic(), line.rstrip("\n")) for line in process.stderr]
-        end = time.monotonic()
-        process.communicate()
-        self.assertEqual(process.returncode, 0)
-        self.assertGreaterEqual(len(told), 1)
-        self.assertLessEqual(len(told), 10)
-        for when, line in told:
+        steps, told = self.steps_of("fall.xml", 3), []
+        while not told:  # a machine that was busy a moment ago may be fast now
+            began = time.monotonic()
+            told = self.stroma("run", "fall.xml", "-n", str(steps), "--no-record").stderr.splitlines()
+            steps *= 2
+        self.assertLessEqual(len(told), 10 + (time.monotonic() - began) / 30)
+        before = -1
+        for line in told:
             match = LINE.match(line)
             self.assertTrue(match, line)
             share = int(match.group(1)) / int(match.group(2))
             self.assertEqual(int(match.group(3)), int(100 * share))
-            told_rest, rest = seconds(match.group(4)), end - when  # whatever else runs beside
-            self.assertLess(told_rest, 2 + 3 * rest, line)
-            self.assertGreater(told_rest, rest / 3 - 2, line)
+            self.assertGreater(share, before)
+            before = share
+            self.assertGreaterEqual(seconds(match.group(4)), 0)  # how good it is: test_pace.cpp
 
     def test_a_run_of_a_moment_tells_nothing(self):
         self.write("fall.xml", FALLING)
@@ -188,7 +192,7 @@ class DefaultRecording(Folder):
     def test_a_run_leaves_something_to_look_at(self):
         scene = self.write("fall.xml", FALLING)
         result = self.stroma("run", scene, "-n", "100")
-        head, instants = self.instants("fall.last")
+        head, instants = self.instants(LAST)
         self.assertEqual((head["scene"], head["folder"]), (scene, os.path.realpath(self.folder)))
         times = [instant[0] for instant in instants]
         self.assertEqual(len(times), 21)
@@ -197,15 +201,15 @@ class DefaultRecording(Folder):
         for t, *numbers in instants:  # the velocity under a constant acceleration is exact for every scheme of order one
             self.assertAlmostEqual(numbers[7], -10 * t)
             self.assertEqual(numbers[3], 1)
-        self.assertIn("recorded in fall.last\n", result.stdout)
-        self.assertIn("fall.last/last.checkpoint", self.stroma("run", scene, "-n", "3", "--json").stdout)
-        self.assertEqual([instant[0] for instant in self.instants("fall.last")[1]], [0, 0.01, 0.02, 0.03])
+        self.assertIn(f"recorded in {LAST}\n", result.stdout)
+        self.assertIn(LAST + "/last.checkpoint", self.stroma("run", scene, "-n", "3", "--json").stdout)
+        self.assertEqual([instant[0] for instant in self.instants(LAST)[1]], [0, 0.01, 0.02, 0.03])
 
     def test_the_instants_are_evenly_spread_whatever_the_steps(self):
         self.write("fall.xml", FALLING)
         for steps in (0, 1, 2, 19, 20, 21, 22, 41, 999, 20001, 43210, 163000):
             self.stroma("run", "fall.xml", "-n", str(steps), "-q")
-            at = [round(instant[0] / 0.01) for instant in self.instants("fall.last")[1]]
+            at = [round(instant[0] / 0.01) for instant in self.instants(LAST)[1]]
             self.assertEqual((at[0], at[-1]), (0, steps))
             self.assertGreaterEqual(len(at), min(steps + 1, 11), steps)
             self.assertLessEqual(len(at), 42)
@@ -217,8 +221,8 @@ class DefaultRecording(Folder):
 <RegularGridTopology n="50 50 50" min="0 0 0" max="1 1 1"/><MechanicalObject name="dofs"/><UniformMass totalMass="2"/></Node>
 """)
         self.stroma("run", "many.xml", "-n", "40", "-q")
-        self.assertLess(sum(os.path.getsize(file) for file in glob.glob(self.path("many.last", "*"))), 64 << 20)
-        at = [round(instant[0] / 0.01) for instant in self.instants("many.last")[1]]
+        self.assertLess(sum(os.path.getsize(file) for file in glob.glob(self.path("results/many/last", "*"))), 64 << 20)
+        at = [round(instant[0] / 0.01) for instant in self.instants("results/many/last")[1]]
         self.assertEqual((at[0], at[-1]), (0, 40))
         self.assertGreater(len(at), 4)
 
@@ -233,41 +237,41 @@ class DefaultRecording(Folder):
         self.write("fall.xml", FALLING)
         result = self.stroma("run", "fall.xml", "-n", "5", "--no-record")
         self.assertEqual(os.listdir(self.folder), ["fall.xml"])
-        self.assertNotIn("fall.last", result.stdout)
+        self.assertNotIn(LAST, result.stdout)
         self.stroma("run", "fall.xml", "--record", "out", "--no-record", code=2)
 
     def test_what_is_not_ours_stays(self):
         scene = self.write("fall.xml", FALLING)
-        self.write("fall.last", "a file of the user")
+        self.write(LAST, "a file of the user")
         note = self.stroma("run", scene, "-n", "5").stderr
         self.assertEqual(note.count("\n"), 1)
-        self.assertTrue(note.startswith("note: ") and "fall.last" in note, note)
-        self.assertEqual(self.read("fall.last"), b"a file of the user")
-        os.remove(self.path("fall.last"))
+        self.assertTrue(note.startswith("note: ") and LAST in note, note)
+        self.assertEqual(self.read(LAST), b"a file of the user")
+        os.remove(self.path(LAST))
         for contents in ((), ("notes.txt",), ("run.instants",), ("last.checkpoint",)):
-            os.mkdir(self.path("fall.last"))
+            os.mkdir(self.path(LAST))
             for name in contents:
-                self.write(os.path.join("fall.last", name), "kept")
-            self.assertIn("fall.last", self.stroma("run", scene, "-n", "5").stderr)
-            self.assertEqual(tuple(os.listdir(self.path("fall.last"))), contents)
+                self.write(os.path.join(LAST, name), "kept")
+            self.assertIn(LAST, self.stroma("run", scene, "-n", "5").stderr)
+            self.assertEqual(tuple(os.listdir(self.path(LAST))), contents)
             for name in contents:
-                self.assertEqual(self.read("fall.last", name), b"kept")
-            shutil.rmtree(self.path("fall.last"))
+                self.assertEqual(self.read(LAST, name), b"kept")
+            shutil.rmtree(self.path(LAST))
         # beside what a run left, files of others stay too
         self.stroma("run", scene, "-n", "5")
-        self.write(os.path.join("fall.last", "picture.png"), "kept")
+        self.write(os.path.join(LAST, "picture.png"), "kept")
         self.assertEqual(self.stroma("run", scene, "-n", "7").stderr, "")
-        self.assertEqual(self.read("fall.last", "picture.png"), b"kept")
-        self.assertEqual(len(self.instants("fall.last")[1]), 8)
+        self.assertEqual(self.read(LAST, "picture.png"), b"kept")
+        self.assertEqual(len(self.instants(LAST)[1]), 8)
 
     def test_a_folder_that_record_names_is_the_users(self):
         self.write("fall.xml", FALLING)
         self.stroma("run", "fall.xml", "-n", "5")
-        self.stroma("run", "fall.xml", "-n", "3", "--record", "fall.last")
-        before = {name: self.read("fall.last", name) for name in os.listdir(self.path("fall.last"))}
+        self.stroma("run", "fall.xml", "-n", "3", "--record", LAST)
+        before = {name: self.read(LAST, name) for name in os.listdir(self.path(LAST))}
         self.assertEqual(sorted(before), ["dofs.state.gz", "last.checkpoint"])
         self.assertIn("note: ", self.stroma("run", "fall.xml", "-n", "5").stderr)
-        self.assertEqual({name: self.read("fall.last", name) for name in os.listdir(self.path("fall.last"))}, before)
+        self.assertEqual({name: self.read(LAST, name) for name in os.listdir(self.path(LAST))}, before)
 
     def test_a_place_that_cannot_be_written_is_a_note(self):
         scene = self.write("fall.xml", FALLING)
@@ -292,26 +296,26 @@ class DefaultRecording(Folder):
     def test_links_are_not_followed(self):
         scene = self.write("fall.xml", FALLING)
         self.stroma("run", scene, "-n", "5")
-        os.rename(self.path("fall.last"), self.path("elsewhere"))
-        os.symlink("elsewhere", self.path("fall.last"))
+        os.rename(self.path(LAST), self.path("elsewhere"))
+        os.symlink(os.path.join("..", "..", "elsewhere"), self.path(LAST))
         before = {name: self.read("elsewhere", name) for name in ("run.instants", "last.checkpoint")}
-        for link in (("fall.last",), ("fall.last", "run.instants"), ("fall.last", "last.checkpoint")):
+        for link in ((LAST,), (LAST, "run.instants"), (LAST, "last.checkpoint")):
             note = self.stroma("run", scene, "-n", "7").stderr
             self.assertTrue(note.startswith("note: nothing is left") and note.count("\n") == 1, note)
             self.assertIn("/".join(link), note)
             self.assertTrue(os.path.islink(self.path(*link)))
             self.assertEqual({name: self.read("elsewhere", name) for name in before}, before)
             # the next one: one of the files is a link
-            if os.path.islink(self.path("fall.last")):
-                os.remove(self.path("fall.last"))
-                shutil.copytree(self.path("elsewhere"), self.path("fall.last"))
+            if os.path.islink(self.path(LAST)):
+                os.remove(self.path(LAST))
+                shutil.copytree(self.path("elsewhere"), self.path(LAST))
             else:
                 os.remove(self.path(*link))
                 shutil.copy(self.path("elsewhere", link[1]), self.path(*link))
             if link[-1] != "last.checkpoint":
-                file = "run.instants" if link == ("fall.last",) else "last.checkpoint"
-                os.remove(self.path("fall.last", file))
-                os.symlink(os.path.join("..", "elsewhere", file), self.path("fall.last", file))
+                file = "run.instants" if link == (LAST,) else "last.checkpoint"
+                os.remove(self.path(LAST, file))
+                os.symlink(os.path.join("..", "..", "..", "elsewhere", file), self.path(LAST, file))
         self.assertEqual(self.stroma("run", scene, "-n", "7").stderr, "")
 
     def state_of_checkpoint(self, folder):
@@ -323,15 +327,15 @@ class DefaultRecording(Folder):
     def test_of_runs_at_once_one_is_left_whole(self):
         self.write("fall.xml", FALLING)
         for _ in range(5):
-            shutil.rmtree(self.path("fall.last"), ignore_errors=True)
+            shutil.rmtree(self.path(LAST), ignore_errors=True)
             for again in range(2):  # where nothing is, and where something is
                 runs = [subprocess.Popen([STROMA, "run", "fall.xml", "-q", "-n", str(steps)], cwd=self.folder, stderr=subprocess.PIPE)
                         for steps in (50, 60, 70, 80)]
                 self.assertEqual([(run.wait(), run.communicate()[1]) for run in runs], 4 * [(0, b"")])
-                self.assertEqual(sorted(os.listdir(self.path("fall.last"))), ["last.checkpoint", "run.instants"])
-                last = self.instants("fall.last")[1][-1][0]
-                self.assertEqual(self.state_of_checkpoint("fall.last"), round(last / 0.01))
-            self.assertEqual([name for name in os.listdir(self.folder) if "part" in name], [])
+                self.assertEqual(sorted(os.listdir(self.path(LAST))), ["last.checkpoint", "run.instants"])
+                last = self.instants(LAST)[1][-1][0]
+                self.assertEqual(self.state_of_checkpoint(LAST), round(last / 0.01))
+            self.assertEqual(os.listdir(os.path.dirname(self.path(LAST))), ["last"])
 
     def test_a_failed_write_leaves_the_run_before_whole(self):
         os.mkdir(self.path("disk"))
@@ -340,51 +344,56 @@ class DefaultRecording(Folder):
         try:
             scene = self.write("many.xml", FALLING.replace("0 0 0  1 0 0", " ".join(f"{i} 0 0" for i in range(500))))
             self.stroma("run", scene, "-n", "1", cwd=self.path("disk"))
-            before = {name: self.read("disk", "many.last", name) for name in ("run.instants", "last.checkpoint")}
+            before = {name: self.read("disk", "results/many/last", name) for name in ("run.instants", "last.checkpoint")}
             result = self.stroma("run", scene, "-n", "50", cwd=self.path("disk"))
-            self.assertRegex(result.stderr, r"^note: nothing is left .*No space left on device.*; many.last is that of a run before\n$")
-            self.assertEqual({name: self.read("disk", "many.last", name) for name in os.listdir(self.path("disk", "many.last"))}, before)
+            self.assertRegex(result.stderr, r"^note: nothing is left .*No space left on device.*; results/many/last is that of a run before\n$")
+            self.assertEqual({name: self.read("disk", "results/many/last", name) for name in os.listdir(self.path("disk", "results/many/last"))}, before)
         finally:
             subprocess.run(["umount", self.path("disk")], check=True)
 
     def test_a_run_goes_on_from_its_own_folder(self):
         self.write("fall.xml", FALLING)
         self.stroma("run", "fall.xml", "-n", "10", "-q")
-        restart = ("--restart", "fall.last/last.checkpoint", "-q")
+        restart = ("--restart", LAST + "/last.checkpoint", "-q")
         # a run that fails takes nothing away from what it went on from
-        before = self.read("fall.last", "last.checkpoint")
+        before = self.read(LAST, "last.checkpoint")
         self.stroma("run", "fall.xml", "-n", "90", "--set", "/.gravity=0 1e304 0", "--set", "/.dt=10", *restart, code=3)
-        self.assertEqual(self.read("fall.last", "last.checkpoint"), before)
+        self.assertEqual(self.read(LAST, "last.checkpoint"), before)
         self.stroma("run", "fall.xml", "-n", "30", *restart)
-        self.assertEqual(self.state_of_checkpoint("fall.last"), 30)
+        self.assertEqual(self.state_of_checkpoint(LAST), 30)
 
     def test_a_long_run_writes_now_and_then(self):
         self.write("fall.xml", FALLING)
         self.stroma("run", "fall.xml", "-n", "5")
         process = subprocess.Popen([STROMA, "run", "fall.xml", "-n", "1000000000", "-q", "--checkpoint-seconds", "0.2"], cwd=self.folder)
-        time.sleep(2)
+
+        def is_written():
+            instants, checkpoint = (os.stat(self.path(LAST, name)).st_mtime_ns for name in ("run.instants", "last.checkpoint"))
+            # the checkpoint is that of the instants: written after them
+            return checkpoint >= instants and self.instants(LAST)[1][-1][0] > 1
+        until(is_written, "what is written now and then")
         process.kill()
         process.wait()
-        instants = self.instants("fall.last")[1]
+        instants = self.instants(LAST)[1]
         self.assertGreater(len(instants), 6)
         self.assertGreater(instants[-1][0], 1)
-        self.assertEqual(self.state_of_checkpoint("fall.last"), round(instants[-1][0] / 0.01))
+        self.assertEqual(self.state_of_checkpoint(LAST), round(instants[-1][0] / 0.01))
 
     def test_closing_the_terminal_keeps_the_recording(self):
         self.write("fall.xml", FALLING)
         arguments = [STROMA, "run", "fall.xml", "-n", "1000000000"]
         process = subprocess.Popen(arguments, cwd=self.folder, stdout=subprocess.PIPE, text=True)
-        time.sleep(0.7)
+        until_computed(process.pid)
         process.send_signal(signal.SIGHUP)
         out, _ = process.communicate()
         self.assertEqual(process.returncode, 129)
-        self.assertIn("recorded in fall.last", out)
-        self.assertGreater(len(self.instants("fall.last")[1]), 11)
+        self.assertIn(f"recorded in {LAST}", out)
+        self.assertGreater(len(self.instants(LAST)[1]), 11)
         process = subprocess.Popen(arguments, cwd=self.folder, stdout=subprocess.DEVNULL,
                                    preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN))  # nohup
-        time.sleep(0.7)
+        until_computed(process.pid)
         process.send_signal(signal.SIGHUP)
-        time.sleep(0.3)
+        until_computed(process.pid)
         self.assertIsNone(process.poll())
         process.terminate()
         self.assertEqual(process.wait(), 143)
@@ -393,42 +402,46 @@ class DefaultRecording(Folder):
         self.write("fall.xml", FALLING)
         steps = self.steps_of("fall.xml", 3)
         for closed in ({"stdout"}, {"stderr"}, {"stdout", "stderr"}):
-            shutil.rmtree(self.path("fall.last"), ignore_errors=True)
-            pipes = {name: subprocess.PIPE for name in ("stdout", "stderr")}
-            process = subprocess.Popen([STROMA, "run", "fall.xml", "-n", str(steps), "--json"], cwd=self.folder, **pipes)
-            for name in closed:
-                getattr(process, name).close()
-            self.assertEqual(process.wait(60), 0)
-            for name in set(pipes) - closed:
-                text = getattr(process, name).read()
-                self.assertTrue(text)
-                getattr(process, name).close()
-            self.assertEqual(round(self.instants("fall.last")[1][-1][0] / 0.01), steps)
+            texts = []
+            while not texts:
+                shutil.rmtree(self.path(LAST), ignore_errors=True)
+                pipes = {name: subprocess.PIPE for name in ("stdout", "stderr")}
+                process = subprocess.Popen([STROMA, "run", "fall.xml", "-n", str(steps), "--json"], cwd=self.folder, **pipes)
+                for name in closed:
+                    getattr(process, name).close()
+                self.assertEqual(process.wait(5 * PATIENCE), 0)
+                self.assertEqual(round(self.instants(LAST)[1][-1][0] / 0.01), steps)
+                texts = [getattr(process, name).read() for name in set(pipes) - closed] or [b"nobody reads"]
+                for name in set(pipes) - closed:
+                    getattr(process, name).close()
+                if closed == {"stdout"} and not texts[0]:
+                    steps, texts = 2 * steps, []  # the run was so short that it told nothing of its progress
+            self.assertTrue(all(texts), closed)
 
     def test_a_run_that_is_killed_leaves_what_was_there(self):
         self.write("fall.xml", FALLING)
         self.stroma("run", "fall.xml", "-n", "5")
-        before = self.read("fall.last", "run.instants")
+        before = self.read(LAST, "run.instants")
         process = subprocess.Popen([STROMA, "run", "fall.xml", "-n", "1000000000", "-q"], cwd=self.folder)
-        time.sleep(0.5)
+        until_computed(process.pid)
         process.kill()
         process.wait()
-        self.assertEqual(sorted(os.listdir(self.path("fall.last"))), ["last.checkpoint", "run.instants"])
-        self.assertEqual(self.read("fall.last", "run.instants"), before)
+        self.assertEqual(sorted(os.listdir(self.path(LAST))), ["last.checkpoint", "run.instants"])
+        self.assertEqual(self.read(LAST, "run.instants"), before)
 
     def test_an_interrupted_run_goes_on_from_it(self):
         self.write("fall.xml", FALLING)
         process = subprocess.Popen([STROMA, "run", "fall.xml", "-n", "1000000000"], cwd=self.folder, stdout=subprocess.PIPE, text=True)
-        time.sleep(0.7)
+        until_computed(process.pid)
         process.terminate()
         out, _ = process.communicate()
         self.assertEqual(process.returncode, 143)
-        self.assertIn("recorded in fall.last", out)
+        self.assertIn(f"recorded in {LAST}", out)
         steps = int(re.search(r"after (\d+) steps", out).group(1))
-        instants = self.instants("fall.last")[1]
+        instants = self.instants(LAST)[1]
         self.assertGreater(len(instants), 11)
         self.assertEqual(round(instants[-1][0] / 0.01), steps)
-        on = self.stroma("run", "fall.xml", "-n", str(steps + 10), "--restart", "fall.last/last.checkpoint", "--json", "-q")
+        on = self.stroma("run", "fall.xml", "-n", str(steps + 10), "--restart", LAST + "/last.checkpoint", "--json", "-q")
         self.assertEqual(json.loads(on.stdout)["state_hash"],
                          json.loads(self.stroma("run", "fall.xml", "-n", str(steps + 10), "--json", "-q").stdout)["state_hash"])
 
@@ -457,7 +470,7 @@ class Looking(Folder):
                 subprocess.run(command, shell=True, cwd=self.folder, check=True, capture_output=True)
             self.assertTrue(" view " in command or " picture " in command, command)
         results = json.loads(self.stroma("run", scene, "-n", "5", "--json", "-q").stdout)["results"]
-        self.assertEqual(results["recording"], "a block.last")
+        self.assertEqual(results["recording"], "results/a block/last")
         self.assertEqual(len(results["commands"]), len(commands))
 
     def test_every_example_can_be_looked_at(self):
@@ -466,8 +479,8 @@ class Looking(Folder):
             name = os.path.splitext(os.path.basename(scene))[0]
             with self.subTest(name):
                 self.stroma("run", scene, "-n", "2", "-q")
-                self.assertTrue(os.path.exists(self.path(name + ".last", "run.instants")))
-                self.frames_of(name + ".last")
+                self.assertTrue(os.path.exists(self.path("results", name, "last", "run.instants")))
+                self.frames_of(f"results/{name}/last")
                 looked += 1
         self.assertGreater(looked, 10)
 

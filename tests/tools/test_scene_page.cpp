@@ -7,7 +7,7 @@
 #include "tests/support/shell.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 using ScenePage = CommandTest;
 
@@ -123,5 +123,5 @@ TEST_F(ScenePage, TheCommandPrintsItAndItsSections) {
   EXPECT_EQ(stroma("doc scene nonsense").code, 2);
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

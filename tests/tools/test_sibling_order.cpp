@@ -13,7 +13,7 @@
 #include "tests/support/scene_fixture.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 using namespace tinyxml2;
 
@@ -96,5 +96,5 @@ INSTANTIATE_TEST_SUITE_P(Examples, SiblingOrder,
                            return name;
                          });
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

@@ -13,6 +13,9 @@ import threading
 import time
 import unittest
 
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
+from processes import PATIENCE, children, processor_seconds, until  # noqa: E402
+
 STROMA = os.path.abspath(sys.argv[1])
 MODULE = os.path.join(os.path.dirname(STROMA), "..", "lib", "test_modules", "fickle.so")
 MESHED = """<Node name="root" dt="0.01" gravity="0 {gravity} 0"><EulerExplicitSolver/>
@@ -37,7 +40,7 @@ class Watched:
         for line in self.process.stdout:
             self.text += line
 
-    def until(self, pattern, seconds=20):
+    def until(self, pattern, seconds=PATIENCE):
         """What has been printed since the last call, up to what matches; the wait ends there."""
         end = time.monotonic() + seconds
         while time.monotonic() < end:
@@ -51,10 +54,14 @@ class Watched:
             time.sleep(0.02)
         raise AssertionError(f"nothing matches {pattern} in {self.text[self.seen:]!r} after {self.text[:self.seen]!r}")
 
+    def until_it_steps(self):
+        """The run is in the middle of its steps."""
+        until(lambda: any(processor_seconds(run) > 0.5 for run in children(self.process.pid)), "a run that steps")
+
     def end(self, number=signal.SIGINT):
         """The exit code after a signal to the whole group, as a terminal sends it."""
         os.killpg(self.process.pid, number)
-        code = self.process.wait(20)
+        code = self.process.wait(PATIENCE)
         self.reader.join()
         return code
 
@@ -180,7 +187,7 @@ class Watch(unittest.TestCase):
         self.write("none.actions", '{"stroma":"actions","version":1,"scene":"body.xml"}\n')
         run = [STROMA, "run", "body.xml", "-n", "3", "-q"]
         subprocess.run(run, cwd=self.folder, check=True)
-        shutil.copy(os.path.join(self.folder, "body.last", "last.checkpoint"), os.path.join(self.folder, "start.checkpoint"))
+        shutil.copy(os.path.join(self.folder, "results", "body", "last", "last.checkpoint"), os.path.join(self.folder, "start.checkpoint"))
         options = ["--replay", "none.actions", "--restart", "start.checkpoint"]
         names = ["none.actions", "start.checkpoint"]
         if os.path.exists(MODULE):
@@ -195,41 +202,40 @@ class Watch(unittest.TestCase):
 
     def test_a_checkpoint_that_the_run_replaces_is_refused(self):
         subprocess.run([STROMA, "run", "body.xml", "-n", "3", "-q"], cwd=self.folder, check=True)
-        restart = ("--restart", os.path.join("body.last", "last.checkpoint"))
+        restart = ("--restart", os.path.join("results", "body", "last", "last.checkpoint"))
         watched = self.watch("body.xml", "-n", "6", *restart)
-        self.assertEqual(watched.process.wait(20), 2)
-        watched.until("body.last/last.checkpoint: the first run would replace it")
-        self.assertEqual(self.watch("body.xml", "-n", "6", "--no-record", "--times", "1", *restart).process.wait(20), 0)
+        self.assertEqual(watched.process.wait(PATIENCE), 2)
+        watched.until("results/body/last/last.checkpoint: the first run would replace it")
+        self.assertEqual(self.watch("body.xml", "-n", "6", "--no-record", "--times", "1", *restart).process.wait(PATIENCE), 0)
 
     def test_a_save_in_the_middle_of_a_run_begins_the_next(self):
         watched = self.watch("body.xml", "-n", "1000000000", "--set", "/WriteState.period=1e6")
-        time.sleep(1)
+        watched.until_it_steps()
         self.write("body.msh", BLOCK.format(height=2))
         self.write("body.xml", MESHED.format(gravity=-30))
         text = watched.until("(?s)==== .*==== [^\n]*\n")
         self.assertIn("was saved: the run ends after its step\n", text)
         self.assertIn("body.xml: interrupted after ", text)
         self.assertNotIn("greatest displacement", text)
-        time.sleep(0.5)
+        watched.until_it_steps()
         self.assertEqual(watched.end(), 0)
         self.assertEqual(watched.text.count("interrupted after"), 2)
 
     def test_times_ends_it_with_the_last_exit_code(self):
         for arguments, code in ((("-n", "2"), 0), (("-n", "2", "--set", "/.dt=-1"), 2)):
             watched = self.watch("body.xml", "--times", "1", *arguments)
-            self.assertEqual(watched.process.wait(20), code)
+            self.assertEqual(watched.process.wait(PATIENCE), code)
         for arguments in (("absent.xml",), ("body.xml", "--json"), ("body.xml", "--times", "0"), ("body.xml", "--recrod", "x"),
                           ("body.xml", "-n", "-1")):
-            self.assertEqual(self.watch(*arguments).process.wait(20), 2, arguments)
+            self.assertEqual(self.watch(*arguments).process.wait(PATIENCE), 2, arguments)
 
     def test_a_watch_that_is_killed_leaves_no_run_behind(self):
         watched = self.watch("body.xml", "-n", "1000000000", "-q", "--no-record", "--set", "/WriteState.period=1e6")
-        time.sleep(0.7)
-        runs = subprocess.run(["ps", "-o", "pid=", "--ppid", str(watched.process.pid)], capture_output=True, text=True).stdout.split()
-        self.assertEqual(len(runs), 1)
+        watched.until_it_steps()
+        self.assertEqual(len(children(watched.process.pid)), 1)
         os.kill(watched.process.pid, signal.SIGKILL)
         watched.process.wait()
-        watched.reader.join(20)  # nobody holds the pipe any more
+        watched.reader.join(PATIENCE)  # nobody holds the pipe any more
         self.assertFalse(watched.reader.is_alive())
 
 

@@ -12,7 +12,7 @@
 #include "tests/support/shell.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 using Words = CommandTest;
 
@@ -241,5 +241,19 @@ TEST_F(Words, ComponentsOfSofaThatAreNotHereAreAnswered) {
     EXPECT_TRUE(has(stroma("doc " + std::string(idle)).out, "without effect")) << idle;
 }
 
-}  // namespace
+/// The sentence of `stroma doc` stands in the error itself, for every component of SOFA that is known as missing.
+TEST_F(Words, AMissingComponentOfSofaIsRefusedWithWhatToDoInstead) {
+  write("scene.xml",
+        "<Node name=\"root\">\n  <CollisionPipeline/>\n  <LCPConstraintSolver/>\n  <CollisionPipelin/></Node>");
+  const Finished run = stroma("check scene.xml");
+  EXPECT_EQ(run.code, 2);
+  EXPECT_TRUE(has(run.err,
+                  "scene.xml:2:3: error: /CollisionPipeline: there is no component 'CollisionPipeline' (a component of "
+                  "SOFA that Stroma does not have. Bodies do not collide"))
+      << run.err;
+  EXPECT_TRUE(has(run.err, "There are no Lagrangian constraints")) << run.err;
+  EXPECT_TRUE(has(run.err, "there is no component 'CollisionPipelin' (expected a name from 'stroma list'")) << run.err;
+}
+
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

@@ -58,6 +58,9 @@ TEST_F(Loaders, GmshGroups) {
   EXPECT_EQ(indices("skin"), "1 2 3");
   EXPECT_EQ(indices("5"), "1 2 3");
   EXPECT_EQ(indices("body"), "0 1 2 3 4");
+  const Scene skin = sceneFromText(sceneText("MeshGmshLoader", path, "group=\"skin\""));
+  EXPECT_EQ(findComponent(*skin.root, "/loader")->data().find("groupTriangleIndices")->print(), "0");
+  EXPECT_EQ(findComponent(*skin.root, "/loader")->data().find("groupQuadIndices")->print(), "");
   const std::string text = errors(sceneText("MeshGmshLoader", path, "group=\"skim\""));
   expectContains(text, "no physical group 'skim'");
   expectContains(text, "skin");
@@ -151,6 +154,25 @@ TEST_F(Loaders, RealSurfaces) {
   EXPECT_EQ(mesh(sceneFromText(sceneText("MeshOBJLoader", folder + "truthcylinder1.obj"))).nodes(), 830);
   const Scene bad = sceneFromText(sceneText("MeshGmshLoader", folder + "6_tetra_bad.msh"));
   expectContains(bad.diagnostics.text(), "inverted");
+}
+
+TEST_F(Loaders, CellsAndNodesThatAreThereTwiceAreSaid) {
+  std::string text = two_tetrahedra;
+  const auto replace = [&text](const std::string& old, const std::string& now) {
+    text.replace(text.find(old), old.size(), now);
+  };
+  EXPECT_EQ(sceneFromText(sceneText("MeshGmshLoader", write("good.msh", text))).diagnostics.text().find("faults"),
+            std::string::npos);
+  replace("$Elements\n4\n", "$Elements\n5\n");
+  replace("1 20 30 40 50\n$End", "1 20 30 40 50\n5 4 2 1 1 30 10 20 40\n$End");
+  expectContains(sceneFromText(sceneText("MeshGmshLoader", write("cell.msh", text))).diagnostics.text(),
+                 "1 volume cells that are there already (2)");
+  text = two_tetrahedra;
+  replace("$Nodes\n5\n", "$Nodes\n6\n");
+  replace("50 1 1 1\n", "50 1 1 1\n60 1 0 1e-12\n");
+  replace("1 20 30 40 50\n$End", "1 60 30 40 50\n$End");
+  expectContains(sceneFromText(sceneText("MeshGmshLoader", write("node.msh", text))).diagnostics.text(),
+                 "1 nodes in the place of others");
 }
 
 }  // namespace

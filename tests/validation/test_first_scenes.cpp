@@ -5,8 +5,9 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "framework/simulation/statistics.h"
 #include "tests/support/scene_fixture.h"
+#include "tools/plan/plan.h"
+#include "tools/session/statistics.h"
 
 using namespace stroma;
 using namespace stroma::test;
@@ -85,12 +86,12 @@ TEST(FirstScenes, ACapThatASceneWritesHoldsAndIsToldOf) {
 }
 
 TEST(FirstScenes, ASolverThatIsMadeIsSaidByThePlan) {
-  const auto planOf = [](const std::string& solvers) {
-    std::string plan;
-    for (const std::string& line : simulationFromText(beam(solvers, 0.1)).explain()) plan += line + "\n";
-    return plan;
+  const auto linesOf = [](const std::string& solvers) {
+    std::string lines;
+    for (const std::string& line : planOf(simulationFromText(beam(solvers, 0.1))).lines()) lines += line + "\n";
+    return lines;
   };
-  EXPECT_NE(planOf(in_time).find("PCGLinearSolver, made"), std::string::npos);
-  EXPECT_NE(planOf("<StaticSolver/>").find("SparseLDLSolver, made"), std::string::npos);
-  EXPECT_EQ(planOf("<EulerExplicitSolver/>").find("LinearSolver"), std::string::npos);
+  EXPECT_NE(linesOf(in_time).find("PCGLinearSolver, made"), std::string::npos);
+  EXPECT_NE(linesOf("<StaticSolver/>").find("SparseLDLSolver, made"), std::string::npos);
+  EXPECT_EQ(linesOf("<EulerExplicitSolver/>").find("LinearSolver"), std::string::npos);
 }

@@ -14,7 +14,7 @@ TEST(Picture, ToolDrawsTheDeflectionCurves) {
   const std::string picture = STROMA_BINARY_DIR "/validation_test.png";
   std::filesystem::remove(picture);
   const std::string tool =
-      "/usr/bin/python3 '" STROMA_SOURCE_DIR "/tools/plots/validation_picture.py' --stroma '" STROMA_COMMAND "'";
+      "/usr/bin/python3 '" STROMA_SOURCE_DIR "/docs/plots/validation_picture.py' --stroma '" STROMA_COMMAND "'";
   EXPECT_EQ(std::system((tool + " --cells 2 --out '" + picture + "' > /dev/null").c_str()), 0);
   ASSERT_TRUE(std::filesystem::exists(picture));
   EXPECT_GT(std::filesystem::file_size(picture), 10000u);

@@ -43,6 +43,7 @@ class Browser:
         options = webdriver.ChromeOptions()
         options.binary_location = shutil.which("chromium")
         for argument in ("--headless=new", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-sandbox",
+                         "--disable-gpu-compositing", "--disable-gpu-rasterization",  # by software too, and not by way of another imitated card
                          "--disable-dev-shm-usage", "--disable-extensions", "--no-first-run", "--disable-background-networking",
                          "--disable-component-update", "--disable-sync", "--mute-audio", "--window-size=1280,800", "--force-device-scale-factor=1",
                          f"--user-data-dir={os.path.join(self.folder, 'profile')}"):

@@ -13,8 +13,8 @@
 #include <fstream>
 #include <iterator>
 
-#include "framework/simulation/checkpoint.h"
 #include "tests/vtk_io/vtk_fixture.h"
+#include "tools/session/checkpoint.h"
 
 namespace stroma::test {
 namespace {

@@ -48,6 +48,8 @@ Pointer<vtkUnstructuredGrid> allKinds() {
   return grid;
 }
 
+const std::string as_written = "createSubelements=\"false\"";
+
 void expectAllKinds(const Mesh& mesh) {
   ASSERT_EQ(mesh.nodes(), 9);
   EXPECT_EQ(mesh.position[8], Vec3(1.0 / 3, 0.5, 2));
@@ -132,6 +134,17 @@ TEST_F(VtkTest, DirectionsReachALaw) {
   expectContains(problems("frames", fibres + "AnisotropyDirections=\"@loader.nodeDirections\""), "has 10 vectors");
 }
 
+/// As MeshGmshLoader does: a scene selects faces alike, whichever of the two has read its mesh.
+TEST_F(VtkTest, FacesAndEdgesOfCellsAreListed) {
+  const std::string path = write("cells.vtk", with_directions);
+  const Mesh all = load("MeshVTKLoader", path), own = load("MeshVTKLoader", path, as_written);
+  EXPECT_EQ(own.triangles.size(), 1u);
+  EXPECT_EQ(own.edges.size(), 0u);
+  EXPECT_EQ(all.triangles.size(), 7u);  // the one of the file, then the other faces of two tetrahedra
+  EXPECT_EQ(all.triangles.front(), own.triangles.front());
+  EXPECT_EQ(all.edges.size(), 9u);
+}
+
 TEST_F(VtkTest, LegacyVersionsAndEncodings) {
   for (const int version : {42, 51})
     for (const bool binary : {false, true}) {
@@ -143,7 +156,7 @@ TEST_F(VtkTest, LegacyVersionsAndEncodings) {
       writer->SetFileVersion(version);
       binary ? writer->SetFileTypeToBinary() : writer->SetFileTypeToASCII();
       writer->Write();
-      const Mesh mesh = load("MeshVTKLoader", path);
+      const Mesh mesh = load("MeshVTKLoader", path, as_written);
       if (binary) {
         expectAllKinds(mesh);
       } else {
@@ -161,7 +174,7 @@ TEST_F(VtkTest, XmlEncodings) {
     writer->SetInputData(allKinds());
     writer->SetDataMode(mode);
     writer->Write();
-    expectAllKinds(load("MeshVTKLoader", path));
+    expectAllKinds(load("MeshVTKLoader", path, as_written));
   }
   const Scene scene = sceneFromText(sceneText("MeshVTKLoader", folder_ / "mesh.vtu"));
   expectContains(scene.diagnostics.text(), "1 cells of kind vtkVertex are not used");

@@ -6,8 +6,8 @@ namespace stroma::test {
 
 class VtkTest : public LoaderTest {
  protected:
-  static Mesh load(const std::string& type, const std::string& file) {
-    const Scene scene = sceneFromText(sceneText(type, file));
+  static Mesh load(const std::string& type, const std::string& file, const std::string& attributes = {}) {
+    const Scene scene = sceneFromText(sceneText(type, file, attributes));
     return mesh(scene);
   }
   static std::string bytesOf(const std::filesystem::path& path) {

@@ -17,7 +17,7 @@ namespace po = boost::program_options;
 namespace stroma::command {
 namespace {
 
-const Manual manual{
+const Manual bench_manual{
     "stroma bench [options]",
     "Measures the limits of this machine and, as shares of them, what Stroma does: products, forces, assembly, whole "
     "steps,\nstart-up. Prints a table; never fails because something was slow. Every option of Google Benchmark is "
@@ -26,7 +26,7 @@ const Manual manual{
     "  stroma bench --benchmark_filter='product|force' --json figures.json\n"
     "  stroma bench --accuracy --csv cantilever.csv\n"};
 
-CommandLine line() {
+CommandLine benchLine() {
   const auto text = [](const char* word) { return po::value<std::string>()->value_name(word); };
   OptionList options("options");
   options.add_options()                                                                                  //
@@ -35,12 +35,12 @@ CommandLine line() {
       ("accuracy", "error against run time of a cantilever instead")                                     //
       ("csv", text("FILE"), "with --accuracy: write the figures to a file")                              //
       ("benchmark_filter", text("EXPR"), "only the figures that match, as in --benchmark_filter=step");  //
-  return {manual, options, {}};
+  return {bench_manual, options, {}};
 }
 
 int bench(const Arguments& arguments) {
   const auto asksForHelp = [](const std::string& word) { return word == "--help" || word == "-h"; };
-  if (std::ranges::any_of(arguments, asksForHelp)) return parseOptions(line(), {"--help"}), exit_done;
+  if (std::ranges::any_of(arguments, asksForHelp)) return parseOptions(benchLine(), {"--help"}), exit_done;
   const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe").parent_path() / "stroma-bench";
   std::string name = program.string();
   std::vector<std::string> copies = arguments;
@@ -55,6 +55,6 @@ int bench(const Arguments& arguments) {
 
 }  // namespace
 
-const Subcommand bench_command{"bench", "measure the speed of the kernels and solvers", Group::checks, bench, line};
+const Subcommand bench_command{"bench", "measure the speed of the kernels and solvers", Group::checks, bench, benchLine};
 
 }  // namespace stroma::command

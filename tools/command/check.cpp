@@ -10,7 +10,7 @@
 namespace stroma::command {
 namespace {
 
-const Manual manual{
+const Manual check_manual{
     "stroma check SCENE [options]",
     "Does what `stroma run` does before its first step, and writes nothing but the cacheFolder of a condensed solver.\n"
     "Reports every problem found in one run, each with its place, what was expected and the nearest right name.\n"
@@ -63,17 +63,17 @@ std::string counts(const Simulation& simulation) {
 
 void print(const Json& json) { fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace)); }
 
-CommandLine line() {
+CommandLine checkLine() {
   OptionList options("options");
   options.add_options()("json", "print the problems as JSON");
   addSceneOptions(options);
-  return {manual, options, {"SCENE"}};
+  return {check_manual, options, {"SCENE"}};
 }
 
 int check(const Arguments& arguments) {
-  const auto values = parseOptions(line(), arguments);
+  const auto values = parseOptions(checkLine(), arguments);
   if (!values) return exit_done;
-  const std::string scene = required(*values, "SCENE", manual);
+  const std::string scene = required(*values, "SCENE", check_manual);
   const bool json = values->count("json") > 0;
   Session session;
   configure(session, *values);
@@ -105,6 +105,6 @@ int check(const Arguments& arguments) {
 }  // namespace
 
 const Subcommand check_command{"check", "report every problem of a scene without running it", Group::scenes, check,
-                               line};
+                               checkLine};
 
 }  // namespace stroma::command

@@ -18,7 +18,7 @@ namespace po = boost::program_options;
 namespace stroma::command {
 namespace {
 
-using Kind = Candidate::Kind;
+using CandidateKind = Candidate::Kind;
 using Option = po::option_description;
 
 /// The name of a value in help: of "[=FILE(=-)]" FILE.
@@ -135,7 +135,7 @@ std::vector<Candidate> atCursor(const std::vector<std::string>& words) {
     if (!option || !takesValue(*option)) return {};
     auto list = valuesOf(*option, line, typed.substr(equals + 1));
     for (Candidate& candidate : list)
-      if (candidate.kind == Kind::word || candidate.kind == Kind::start)
+      if (candidate.kind == CandidateKind::word || candidate.kind == CandidateKind::start)
         candidate.text = typed.substr(0, equals + 1) + candidate.text;
     return list;
   }
@@ -167,11 +167,11 @@ std::vector<Candidate> candidatesFor(const std::string& name) {
     return list;
   }
   if (name == "SUBCOMMAND") return subcommandNames();
-  if (name == "DIR" || name == "FOLDER") return {{"", "", Kind::folders}};
-  if (name.starts_with("FILE.")) return {{"*" + name.substr(4), "", Kind::files}};
+  if (name == "DIR" || name == "FOLDER") return {{"", "", CandidateKind::folders}};
+  if (name.starts_with("FILE.")) return {{"*" + name.substr(4), "", CandidateKind::files}};
   const auto found = meanings.find(name);
   const std::string meaning = found == meanings.end() ? name : found->second;
-  if (meaning.starts_with('*')) return {{meaning, "", Kind::files}};
+  if (meaning.starts_with('*')) return {{meaning, "", CandidateKind::files}};
   if (meaning.find('|') == std::string::npos) return {};  // a number, a text
   std::vector<Candidate> list;
   for (std::size_t at = 0; at <= meaning.size();) {
@@ -187,7 +187,7 @@ std::vector<Candidate> complete(const std::vector<std::string>& words) {
   try {
     std::vector<Candidate> list = atCursor(words);
     std::erase_if(list, [&](const Candidate& candidate) {
-      return (candidate.kind == Kind::word || candidate.kind == Kind::start) &&
+      return (candidate.kind == CandidateKind::word || candidate.kind == CandidateKind::start) &&
              !(candidate.text.starts_with(words.back()) && isPlain(candidate.text));
     });
     return list;
@@ -211,7 +211,7 @@ int answerShell(const Arguments& words) {
   return exit_done;
 }
 
-const Manual manual{
+const Manual completion_manual{
     "stroma completion bash|zsh|fish",
     "Prints the script that lets a shell complete subcommands, options with what they do, values, scenes, names of\n"
     "components, and --set from the scene on the line. An installed Stroma needs none: its scripts lie where the "
@@ -221,12 +221,12 @@ const Manual manual{
     "  source <(stroma completion zsh)                    in ~/.zshrc, after compinit\n"
     "  stroma completion fish | source                    in ~/.config/fish/config.fish\n"};
 
-CommandLine line() { return {manual, OptionList("options"), {"SHELL"}}; }
+CommandLine completionLine() { return {completion_manual, OptionList("options"), {"SHELL"}}; }
 
 int printScript(const Arguments& arguments) {
-  const auto values = parseOptions(line(), arguments);
+  const auto values = parseOptions(completionLine(), arguments);
   if (!values) return exit_done;
-  const std::string shell = required(*values, "SHELL", manual);
+  const std::string shell = required(*values, "SHELL", completion_manual);
   const std::string_view script = completionScript(shell);
   if (script.empty()) throw UsageError(fmt::format("there is no script for '{}' (expected bash, zsh or fish)", shell));
   fmt::print("{}", script);
@@ -236,7 +236,7 @@ int printScript(const Arguments& arguments) {
 }  // namespace
 
 const Subcommand completion_command{"completion", "print the script that completes the command in a shell",
-                                    Group::command, printScript, line};
+                                    Group::command, printScript, completionLine};
 const Subcommand complete_command{"__complete", "", Group::hidden, answerShell, hiddenLine};
 
 }  // namespace stroma::command

@@ -11,7 +11,7 @@
 namespace stroma::command {
 namespace {
 
-using Kind = Candidate::Kind;
+using CandidateKind = Candidate::Kind;
 
 /// A larger scene takes longer to read than a key press may.
 constexpr std::size_t largest_scene = 4u << 20;
@@ -69,9 +69,9 @@ class Settings {
     const std::string front = typed.empty() ? "/" : folder;
     forPlaces(*place.node, [&](const std::string& name, const Place& there) {
       if (there.node)
-        out_.push_back({front + name + "/", "node", Kind::start});
+        out_.push_back({front + name + "/", "node", CandidateKind::start});
       else
-        out_.push_back({front + name + ".", there.component->type, Kind::start});
+        out_.push_back({front + name + ".", there.component->type, CandidateKind::start});
     });
     return std::move(out_);
   }
@@ -86,7 +86,7 @@ class Settings {
       if (data.isOutput()) continue;
       const AttributeDescription* now = written(place, data.name());
       const std::string value = now && isShort(now->value) ? "[" + now->value + "] " : "";
-      out_.push_back({path + "." + data.name() + "=", value + data.helpText(), Kind::start});
+      out_.push_back({path + "." + data.name() + "=", value + data.helpText(), CandidateKind::start});
     }
     return std::move(out_);
   }
@@ -110,10 +110,10 @@ class Settings {
 
  private:
   void attributesOfNode(const std::string& front, const Place& place) {
-    out_.push_back({front + "gravity=", "[m/s^2] three numbers", Kind::start});
+    out_.push_back({front + "gravity=", "[m/s^2] three numbers", CandidateKind::start});
     if (place.node != &root_) return;
-    out_.push_back({front + "dt=", "[s] the time step", Kind::start});
-    out_.push_back({front + "time=", "[s] at the start", Kind::start});
+    out_.push_back({front + "dt=", "[s] the time step", CandidateKind::start});
+    out_.push_back({front + "time=", "[s] at the start", CandidateKind::start});
   }
 
   std::unique_ptr<Component> make(const Place& place) {

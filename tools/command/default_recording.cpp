@@ -25,7 +25,9 @@ constexpr double never_seconds = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
-std::string lastFolder(const std::string& scene) { return fs::path(scene).stem().string() + ".last"; }
+std::string lastFolder(const std::string& scene) {
+  return (fs::path("results") / fs::path(scene).stem() / "last").string();
+}
 
 std::vector<std::string> lastFiles(const std::string& scene) {
   return {instantsFile(lastFolder(scene)), checkpointIn(lastFolder(scene))};

@@ -9,7 +9,7 @@
 
 namespace stroma::command {
 
-/// "organ.last", in the current folder, for scenes/organ.xml.
+/// "results/organ/last", below the current folder, for scenes/organ.xml.
 std::string lastFolder(const std::string& scene);
 /// What a run leaves there.
 std::vector<std::string> lastFiles(const std::string& scene);

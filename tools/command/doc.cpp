@@ -13,7 +13,7 @@ namespace po = boost::program_options;
 namespace stroma::command {
 namespace {
 
-const Manual manual{
+const Manual doc_manual{
     "stroma doc NAME [options]",
     "Prints the manual page of a component: what it computes, an example scene, and its attributes with type, unit, "
     "default\nand range. `stroma doc scene` prints the file format, and `stroma doc scene links` what it says of "
@@ -48,21 +48,21 @@ void printAttributes(const Component& component) {
   if (!shorthands.empty()) fmt::print("  shorthands: {}\n", fmt::join(shorthands, ", "));
 }
 
-CommandLine line() {
+CommandLine docLine() {
   OptionList options("options");
   options.add_options()                        //
       ("json", "print it as JSON")             //
       ("all", "every component, with --json")  //
       ("module", po::value<std::vector<std::string>>()->value_name("FILE.so"),
        "open a module of components by its path; may be repeated");
-  return {manual, options, {"NAME..."}};
+  return {doc_manual, options, {"NAME..."}};
 }
 
 int doc(const Arguments& arguments) {
-  const auto values = parseOptions(line(), arguments);
+  const auto values = parseOptions(docLine(), arguments);
   if (!values) return exit_done;
-  if (values->count("json") || values->count("all")) return docAsJson(*values, manual);
-  const std::string given = required(*values, "NAME", manual);
+  if (values->count("json") || values->count("all")) return docAsJson(*values, doc_manual);
+  const std::string given = required(*values, "NAME", doc_manual);
   Session session;
   configure(session, *values);
   if (!session.modules().provide(given)) return explainWord(given, session.modules());
@@ -79,6 +79,6 @@ int doc(const Arguments& arguments) {
 }  // namespace
 
 const Subcommand doc_command{"doc", "print the manual page of a component, of the scene file or of a topic",
-                             Group::scenes, doc, line};
+                             Group::scenes, doc, docLine};
 
 }  // namespace stroma::command

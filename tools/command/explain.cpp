@@ -5,11 +5,12 @@
 #include "framework/algebra/parallel.h"
 #include "tools/command/plan_json.h"
 #include "tools/command/session.h"
+#include "tools/plan/plan.h"
 
 namespace stroma::command {
 namespace {
 
-const Manual manual{"stroma explain SCENE [options]",
+const Manual explain_manual{"stroma explain SCENE [options]",
                     "Prints the compiled plan of a scene: what runs each step and how often, what was skipped and why, "
                     "which modules were\nopened and which were not needed.",
                     "  stroma explain liver.xml\n  stroma explain liver.xml --set /liver/solver.iterations=50\n"};
@@ -18,22 +19,22 @@ std::string names(const std::vector<std::string>& list) {
   return list.empty() ? "none" : fmt::format("{}", fmt::join(list, ", "));
 }
 
-CommandLine line() {
+CommandLine explainLine() {
   OptionList options("options");
   options.add_options()("json", "print the plan as JSON");
   addSceneOptions(options);
-  return {manual, options, {"SCENE"}};
+  return {explain_manual, options, {"SCENE"}};
 }
 
 int explain(const Arguments& arguments) {
-  const auto values = parseOptions(line(), arguments);
+  const auto values = parseOptions(explainLine(), arguments);
   if (!values) return exit_done;
   Session session;
   configure(session, *values);
-  const Simulation& simulation = session.load(required(*values, "SCENE", manual));
+  const Simulation& simulation = session.load(required(*values, "SCENE", explain_manual));
   reportProblems(simulation.scene(), true);
   if (values->count("json")) return printJson(planJson(session));
-  for (const std::string& line : simulation.explain()) fmt::print("{}\n", line);
+  for (const std::string& line : planOf(simulation).lines()) fmt::print("{}\n", line);
   fmt::print("modules opened: {} (instructions: {})\n", names(session.modules().opened()), instructionLevel());
   fmt::print("modules not opened, the scene names nothing in them: {}\n", names(session.modules().notOpened()));
   fmt::print("threads: {}\n", threads());
@@ -43,6 +44,6 @@ int explain(const Arguments& arguments) {
 }  // namespace
 
 const Subcommand explain_command{"explain", "print the compiled plan: what each step does, what was skipped and why",
-                                 Group::scenes, explain, line};
+                                 Group::scenes, explain, explainLine};
 
 }  // namespace stroma::command

@@ -22,13 +22,13 @@ constexpr std::array<std::pair<Group, const char*>, 4> groups{{
     {Group::command, "the command itself"},
 }};
 
-const Manual manual{"stroma help [SUBCOMMAND]", "Prints what `stroma --help` prints, or the help of a subcommand.",
+const Manual help_manual{"stroma help [SUBCOMMAND]", "Prints what `stroma --help` prints, or the help of a subcommand.",
                     "  stroma help\n  stroma help run\n"};
 
-CommandLine line() { return {manual, OptionList("options"), {"SUBCOMMAND"}}; }
+CommandLine helpLine() { return {help_manual, OptionList("options"), {"SUBCOMMAND"}}; }
 
 int help(const Arguments& arguments) {
-  const auto values = parseOptions(line(), arguments);
+  const auto values = parseOptions(helpLine(), arguments);
   if (!values) return exit_done;
   if (!values->count("SUBCOMMAND")) return printOverview(stdout), exit_done;
   return subcommandNamed((*values)["SUBCOMMAND"].as<std::string>()).call({"--help"});
@@ -77,6 +77,6 @@ void printVersion() {
   fmt::print("licence: LGPL-2.1-or-later\n");
 }
 
-const Subcommand help_command{"help", "print this, or the help of a subcommand", Group::command, help, line};
+const Subcommand help_command{"help", "print this, or the help of a subcommand", Group::command, help, helpLine};
 
 }  // namespace stroma::command

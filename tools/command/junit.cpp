@@ -12,7 +12,7 @@ namespace stroma::command {
 namespace {
 
 /// As the text of an attribute or an element.
-std::string escaped(const std::string& text) {
+std::string asXmlText(const std::string& text) {
   std::string out;
   for (const char c : text) {
     const bool is_control = static_cast<unsigned char>(c) < 0x20 && c != '\n' && c != '\t';
@@ -42,15 +42,15 @@ void writeJunit(const std::string& suite, const std::vector<JunitCase>& cases, c
   stream << "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
          << fmt::format(
                 "<testsuite name=\"{}\" tests=\"{}\" failures=\"{}\" errors=\"0\" skipped=\"0\" time=\"{:.3f}\">\n",
-                escaped(suite), cases.size(), failures, seconds);
+                asXmlText(suite), cases.size(), failures, seconds);
   for (const JunitCase& test : cases) {
-    stream << fmt::format("  <testcase classname=\"{}\" name=\"{}\" time=\"{:.3f}\"", escaped(suite),
-                          escaped(test.name), test.seconds);
+    stream << fmt::format("  <testcase classname=\"{}\" name=\"{}\" time=\"{:.3f}\"", asXmlText(suite),
+                          asXmlText(test.name), test.seconds);
     if (test.failure.empty())
       stream << "/>\n";
     else
       stream << fmt::format(">\n    <failure message=\"{}\">{}</failure>\n  </testcase>\n",
-                            escaped(firstLine(test.failure)), escaped(test.failure));
+                            asXmlText(firstLine(test.failure)), asXmlText(test.failure));
   }
   stream << "</testsuite>\n";
   writeWholeFile(file, stream.str());

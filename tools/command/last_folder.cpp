@@ -25,6 +25,8 @@ class FreshFolder {
   explicit FreshFolder(const std::string& start) {
     std::random_device random;
     std::error_code error;
+    path_ = start;
+    fs::create_directories(fs::path(start).parent_path(), error);
     for (int attempt = 0; attempt < 100 && !error; ++attempt) {
       path_ = fmt::format("{}{}.part", start, random());
       if (fs::create_directory(path_, error)) return;

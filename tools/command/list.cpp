@@ -11,7 +11,7 @@
 namespace stroma::command {
 namespace {
 
-const Manual manual{
+const Manual list_manual{
     "stroma list [WORD]",
     "Lists components with their module and one line of help: all of them, or those whose name, module "
     "or help contains the\nword, and those that belong to a topic of that name, such as contact, units or "
@@ -57,14 +57,14 @@ void print(const std::vector<const Topic*>& about) {
   fmt::print("topics: {}; `stroma doc {}` tells more\n", fmt::join(names, ", "), about.front()->name);
 }
 
-CommandLine line() {
+CommandLine listLine() {
   OptionList options("options");
   options.add_options()("json", "print them as JSON, with their roles");
-  return {manual, options, {"WORD..."}};
+  return {list_manual, options, {"WORD..."}};
 }
 
 int list(const Arguments& arguments) {
-  const auto values = parseOptions(line(), arguments);
+  const auto values = parseOptions(listLine(), arguments);
   if (!values) return exit_done;
   const std::string word = values->count("WORD") ? (*values)["WORD"].as<std::string>() : "";
   Session session;
@@ -86,6 +86,6 @@ int list(const Arguments& arguments) {
 
 }  // namespace
 
-const Subcommand list_command{"list", "list the components, or those that a word leads to", Group::scenes, list, line};
+const Subcommand list_command{"list", "list the components, or those that a word leads to", Group::scenes, list, listLine};
 
 }  // namespace stroma::command

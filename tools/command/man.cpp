@@ -168,9 +168,10 @@ Page overview() {
            {"SCENE.xml", "a scene, see stroma-scene(5)"},
            {"DIR/NAME.state.gz", "positions and velocities of a state, of stroma run --record DIR"},
            {"DIR/last.checkpoint", "what --resume goes on from"},
-           {"STEM.last/run.instants",
-            "positions and velocities at a few times of a run without --record, in the current folder; stroma view and "
-            "stroma picture open STEM.last"}})
+           {"results/STEM/last/run.instants",
+            "positions and velocities at a few times of a run without --record, below the current folder; stroma view "
+            "and "
+            "stroma picture open results/STEM/last"}})
     page.text += tagged(name, meaning);
   page.text += ".SH SEE ALSO\n";
   std::vector<std::string> names;
@@ -195,17 +196,17 @@ std::vector<Page> pages() {
   return all;
 }
 
-const Manual manual{
+const Manual man_manual{
     "stroma man [PAGE] [options]",
     "Shows a page of the manual: stroma, a subcommand, or scene for the file format. Where the output is no terminal,\n"
     "or there is no `man`, the page is printed as `man` reads it. An installed Stroma has them in share/man.",
     "  stroma man\n  stroma man run\n  stroma man scene | man -l -\n  stroma man --write share/man\n"};
 
-CommandLine line() {
+CommandLine manLine() {
   OptionList options("options");
   options.add_options()("write", po::value<std::string>()->value_name("DIR"),
                         "write all pages there, in man1 and man5, and show none");
-  return {manual, options, {"PAGE"}};
+  return {man_manual, options, {"PAGE"}};
 }
 
 int writeAll(const std::string& folder) {
@@ -231,7 +232,7 @@ bool showIn(const std::string& text) {
 }
 
 int man(const Arguments& arguments) {
-  const auto values = parseOptions(line(), arguments);
+  const auto values = parseOptions(manLine(), arguments);
   if (!values) return exit_done;
   if (values->count("write")) {
     if (values->count("PAGE")) throw UsageError("--write writes all pages: leave the name out");
@@ -248,6 +249,6 @@ int man(const Arguments& arguments) {
 
 }  // namespace
 
-const Subcommand man_command{"man", "show a page of the manual", Group::command, man, line};
+const Subcommand man_command{"man", "show a page of the manual", Group::command, man, manLine};
 
 }  // namespace stroma::command

@@ -13,7 +13,7 @@
 namespace stroma::command {
 namespace {
 
-using Kind = Block::Kind;
+using BlockKind = Block::Kind;
 
 constexpr std::size_t text_width = 96, name_width = 30;
 
@@ -44,7 +44,7 @@ class Reader {
   void take(const std::string& line) {
     const std::string_view text = trimmed(line);
     if (text.starts_with("```")) {
-      if (!in_code_) add(Kind::code, "");
+      if (!in_code_) add(BlockKind::code, "");
       in_code_ = !in_code_, goes_on_ = false;
     } else if (in_code_) {
       (blocks_.back().text += line) += '\n';
@@ -52,22 +52,22 @@ class Reader {
       goes_on_ = false;
     } else if (text[0] == '#') {
       const auto level = text.find_first_not_of('#');
-      add(Kind::heading, trimmed(text.substr(level))).level = int(level);
+      add(BlockKind::heading, trimmed(text.substr(level))).level = int(level);
       goes_on_ = false;
     } else if (text[0] == '|') {
-      if (!goes_on_ || blocks_.back().kind != Kind::table) add(Kind::table, "");
+      if (!goes_on_ || blocks_.back().kind != BlockKind::table) add(BlockKind::table, "");
       if (auto cells = cellsOf(text); !isRule(cells) || blocks_.back().rows.empty())
         blocks_.back().rows.push_back(std::move(cells));
     } else if (text.starts_with("- ")) {
-      add(Kind::item, text.substr(2));
+      add(BlockKind::item, text.substr(2));
     } else if (goes_on_) {
       (blocks_.back().text += ' ') += text;
     } else {
-      add(Kind::paragraph, text);
+      add(BlockKind::paragraph, text);
     }
   }
 
-  Block& add(Kind kind, std::string_view text) {
+  Block& add(BlockKind kind, std::string_view text) {
     blocks_.push_back({kind, 0, std::string(text), {}});
     goes_on_ = true;
     return blocks_.back();
@@ -154,16 +154,16 @@ std::vector<Block> readMarkdown(std::string_view page) { return Reader().read(pa
 std::string asText(const std::vector<Block>& blocks) {
   std::string out;
   for (const Block& block : blocks) {
-    if (!out.empty() && block.kind != Kind::item) out += '\n';
-    if (block.kind == Kind::heading) {
+    if (!out.empty() && block.kind != BlockKind::item) out += '\n';
+    if (block.kind == BlockKind::heading) {
       out += plain(block.text) + "\n" + std::string(plain(block.text).size(), block.level > 1 ? '-' : '=') + "\n";
-    } else if (block.kind == Kind::code) {
+    } else if (block.kind == BlockKind::code) {
       std::istringstream in(block.text);
       for (std::string line; std::getline(in, line);) out += line.empty() ? "\n" : "    " + line + "\n";
-    } else if (block.kind == Kind::table) {
+    } else if (block.kind == BlockKind::table) {
       for (std::size_t i = 1; i < block.rows.size(); ++i) out += rowText(block.rows[i]);
     } else {
-      const bool is_item = block.kind == Kind::item;
+      const bool is_item = block.kind == BlockKind::item;
       out += (is_item ? "- " : "") + wrapped(plain(block.text), is_item ? 2 : 0, is_item ? 2 : 0) + "\n";
     }
   }
@@ -220,22 +220,22 @@ std::string asMan(const std::vector<Block>& blocks) {
   std::string out;
   bool starts_section = true;
   for (const Block& block : blocks) {
-    if (block.kind == Kind::heading && block.level == 1) continue;
-    if (block.kind == Kind::heading) {
+    if (block.kind == BlockKind::heading && block.level == 1) continue;
+    if (block.kind == BlockKind::heading) {
       std::string title = block.text;
       if (block.level == 2)
         std::ranges::transform(title, title.begin(), [](unsigned char c) { return std::toupper(c); });
       out += fmt::format("{} {}\n", block.level == 2 ? ".SH" : ".SS", escaped(title));
-    } else if (block.kind == Kind::code) {
+    } else if (block.kind == BlockKind::code) {
       (out += starts_section ? "" : ".PP\n") += ".RS 4\n.nf\n" + escaped(block.text) + ".fi\n.RE\n";
-    } else if (block.kind == Kind::table) {
+    } else if (block.kind == BlockKind::table) {
       out += manTable(block);
-    } else if (block.kind == Kind::item) {
+    } else if (block.kind == BlockKind::item) {
       out += ".IP \\(bu 2\n" + setText(block.text) + "\n";
     } else {
       out += (starts_section ? "" : ".PP\n") + setText(block.text) + "\n";
     }
-    starts_section = block.kind == Kind::heading;
+    starts_section = block.kind == BlockKind::heading;
   }
   return out;
 }

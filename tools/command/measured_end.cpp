@@ -12,7 +12,7 @@
 #include "framework/scene/output_file.h"
 #include "framework/scene/text.h"
 #include "framework/scene/value_lists.h"
-#include "framework/simulation/file_uses.h"
+#include "tools/session/file_uses.h"
 
 namespace stroma::command {
 namespace {

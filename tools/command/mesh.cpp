@@ -13,10 +13,10 @@
 #include "framework/mesh/mesh_loader.h"
 #include "framework/scene/output_file.h"
 #include "framework/scene/services.h"
-#include "framework/simulation/file_uses.h"
 #include "tools/command/mesh_report.h"
 #include "tools/mesh/enclosed_volume.h"
 #include "tools/mesh/voxels.h"
+#include "tools/session/file_uses.h"
 
 namespace fs = std::filesystem;
 
@@ -32,7 +32,7 @@ void completeSizes(MeshCriteria& criteria, double longest_side, const std::vecto
   criteria.distance = smallest / 10;
 }
 
-class Clock {
+class StageClock {
  public:
   double seconds() {
     const auto now = std::chrono::steady_clock::now();
@@ -150,7 +150,7 @@ std::vector<ImagePart> partsOf(const LabelImage& image, const LabelledMesh& mesh
   return parts;
 }
 
-Meshed meshVoxels(MeshRequest& request, const LabelImage& image, Clock& clock) {
+Meshed meshVoxels(MeshRequest& request, const LabelImage& image, StageClock& clock) {
   Meshed out;
   checkLabels(request, image.values);
   completeSizes(request.criteria, image.bodySize().maxCoeff(), image.values);
@@ -168,7 +168,7 @@ Meshed meshVoxels(MeshRequest& request, const LabelImage& image, Clock& clock) {
 }
 
 Meshed meshImage(MeshRequest& request) {
-  Clock clock;
+  StageClock clock;
   LabelImage image = readLabelImage(request.input);
   image.origin *= request.scale, image.steps *= request.scale;
   return meshVoxels(request, image, clock);
@@ -179,24 +179,25 @@ Mesh readSurface(const MeshRequest& request, const char* loader) {
   if (!fs::exists(request.input)) throw ComponentError(fmt::format("there is no file {}", request.input));
   Factory factory;
   Modules modules(factory);
-  Diagnostics diagnostics;
   SceneDescription description;
   description.file = "stroma mesh";
-  std::string escaped;
-  for (const char c : fs::absolute(request.input).string())
-    c == '&' ? escaped += "&amp;" : c == '"' ? escaped += "&quot;" : c == '<' ? escaped += "&lt;" : escaped += c;
-  description.root = readXml(
-      fmt::format("<Node name=\"root\"><{} name=\"surface\" filename=\"{}\" triangulate=\"true\" scale=\"{}\"/></Node>",
-                  loader, escaped, request.scale),
-      description.file, {}, diagnostics);
-  const Scene scene = instantiate(std::move(description), factory, modules, std::move(diagnostics));
+  const SourceLocation where{description.file};
+  description.root.where = where;
+  description.root.components.push_back({loader,
+                                         {{"name", "surface", where},
+                                          {"filename", fs::absolute(request.input).string(), where},
+                                          {"triangulate", "true", where},
+                                          {"scale", fmt::format("{}", request.scale), where}},
+                                         where,
+                                         {}});
+  const Scene scene = instantiate(std::move(description), factory, modules);
   std::vector<MeshLoader*> loaders;
   scene.root->collect(loaders);
   return Mesh(loaders.at(0)->mesh());
 }
 
 /// The inside of a surface that may cut itself.
-Meshed meshFilled(MeshRequest& request, const Mesh& surface, Clock& clock) {
+Meshed meshFilled(MeshRequest& request, const Mesh& surface, StageClock& clock) {
   const Voxels filled = voxelsInside(surface.position, surface.triangles, request.voxels);
   if (filled.covered + filled.reversed > 0)
     fmt::print(
@@ -208,7 +209,7 @@ Meshed meshFilled(MeshRequest& request, const Mesh& surface, Clock& clock) {
 }
 
 Meshed meshSurface(MeshRequest& request) {
-  Clock clock;
+  StageClock clock;
   Meshed out;
   const Mesh surface = readSurface(request, request.surfaceLoader());
   if (surface.triangles.empty())

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <filesystem>
 
-#include "framework/scene/units.h"
+#include "tools/units/units.h"
 
 namespace fs = std::filesystem;
 namespace po = boost::program_options;
@@ -15,14 +15,15 @@ namespace po = boost::program_options;
 namespace stroma::command {
 namespace {
 
-const Manual manual{
+const Manual mesh_manual{
     "stroma mesh INPUT -o MESH [options]",
     "Fills a body with tetrahedra. INPUT is a segmented volume image (.nii .nii.gz .mhd .mha .vti: one label a voxel, "
     "0 "
     "outside),\nwhich gives one region per label, or a closed surface of triangles (.obj .stl .vtk .vtp), which gives "
     "label 1. A surface\nthat cuts itself is filled with voxels first (--voxels). MESH is a\n.msh file (the labels are "
     "physical groups, and so are the surfaces between them, as "
-    "\"soft.bone\" and \"soft.outside\")\nor a .vtu file (cell data `label`). Lengths are in metres with --unit, else "
+    "\"soft.bone\" and \"soft.outside\"; the\nwall of a hollow is \"soft.cavity\", of several \"soft.cavity_1\" and so "
+    "on)\nor a .vtu file (cell data `label`). Lengths are in metres with --unit, else "
     "in the unit of INPUT after "
     "--scale; a size bounds the radius of the sphere\naround a tetrahedron or triangle, whose edges are about as long. "
     "The same input gives the same file.",
@@ -153,8 +154,8 @@ void refuseIdle(const Values& values, const MeshRequest& request) {
 
 MeshRequest readRequest(const Values& values) {
   MeshRequest request;
-  request.input = required(values, "INPUT", manual);
-  request.output = required(values, "out", manual);
+  request.input = required(values, "INPUT", mesh_manual);
+  request.output = required(values, "out", mesh_manual);
   if (!request.toVtu() && !request.output.ends_with(".msh"))
     throw UsageError(fmt::format("-o {}: expected a name that ends with .msh or .vtu", request.output));
   const fs::path folder = fs::absolute(request.output).parent_path();
@@ -175,7 +176,7 @@ const char* MeshRequest::surfaceLoader() const {
   return input.ends_with(".vtk") || input.ends_with(".vtp") ? "MeshVTKLoader" : nullptr;
 }
 
-CommandLine meshLine() { return {manual, optionList(), {"INPUT"}}; }
+CommandLine meshLine() { return {mesh_manual, optionList(), {"INPUT"}}; }
 
 std::optional<MeshRequest> readMeshRequest(const Arguments& arguments) {
   const auto values = parseOptions(meshLine(), arguments);

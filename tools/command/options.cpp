@@ -94,4 +94,8 @@ std::string required(const Values& values, const std::string& name, const Manual
   throw UsageError(fmt::format("{} is missing; usage: {}", name, manual.usage));
 }
 
+std::string textOf(const Values& values, const char* option) {
+  return values.count(option) ? values[option].as<std::string>() : "";
+}
+
 }  // namespace stroma::command

@@ -42,4 +42,7 @@ std::string helpText(const Manual& manual, const OptionList& options);
 /// The positional argument `name`, or a UsageError that names what is missing.
 std::string required(const Values& values, const std::string& name, const Manual& manual);
 
+/// The text of an option, empty where it is not given.
+std::string textOf(const Values& values, const char* option);
+
 }  // namespace stroma::command

@@ -8,6 +8,7 @@
 
 #include "framework/scene/output_file.h"
 #include "framework/scene/services.h"
+#include "tools/checks/result_doubts.h"
 #include "tools/command/picture_request.h"
 #include "tools/command/run_outcome.h"
 #include "tools/command/session.h"
@@ -126,7 +127,7 @@ std::string run(const PictureCommand& command, Session& session, PictureMaker& m
   maker.arrange(order);
   if (!is_whole) return report.reason;
   std::vector<std::string> warnings;
-  tellWarnings(report.statistics, simulation.doubts(), warnings);
+  tellWarnings(report.statistics, doubtsOf(simulation), warnings);
   if (const auto time = wanted.last(); time && !command.animates)
     throw UsageError(
         fmt::format("--at {}: the run ended at {:g} s (expected a larger -n or --until)", *time, simulation.time()));

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 namespace stroma::command {
 namespace {
 
-const Manual manual{
+const Manual picture_manual{
     "stroma picture SCENE|FOLDER [options]",
     "Draws a scene into a PNG file, without a display: runs it, 100 steps unless -n, --until or --at says otherwise, "
     "and\n"
@@ -36,7 +36,7 @@ const Manual manual{
     "  stroma picture organ.xml --field help                                  lists the fields\n"
     "  stroma picture organ.xml --views front,side,iso --edges --ghost\n"
     "  stroma picture organ.xml --cut x=0.02 --range 0,3000 --size 1600x1200\n"
-    "  stroma picture organ.last --animate --fps 25 -o organ_film.png         a film of a recording\n"};
+    "  stroma picture results/organ/last --animate --fps 25 -o organ_film.png a film of a recording\n"};
 
 void addLook(OptionList& options) {
   options.add_options()  //
@@ -82,10 +82,6 @@ OptionList pictureOptions() {
   options.add_options()("quiet,q", "no notes");
   addSceneOptions(options);
   return options;
-}
-
-std::string textOf(const Values& values, const char* option) {
-  return values.count(option) ? values[option].as<std::string>() : "";
 }
 
 std::vector<std::string> parts(const std::string& text, char separator) {
@@ -176,7 +172,7 @@ std::optional<T> positive(const Values& values, const char* option, T least, T m
 }
 
 /// An option that would have no effect is a mistake.
-void checkPartners(const Values& values, bool is_recording) {
+void checkPicturePartners(const Values& values, bool is_recording) {
   if (values.count("steps") && values.count("until")) throw UsageError("-n and --until exclude each other");
   for (const char* option : {"every", "fps"})
     if (values.count(option) && !values.count("animate")) throw UsageError(fmt::format("--{} needs --animate", option));
@@ -203,12 +199,12 @@ void checkPanels(const PictureCommand& command) {
                     views, times, width, most, picture::least_panel_width));
 }
 
-/// organ.xml, organ.last and results/organ/ give organ.png.
+/// organ.xml, results/organ/last and results/organ/ give organ.png.
 std::string usualFile(const std::string& scene, bool is_recording) {
   fs::path path = fs::absolute(scene).lexically_normal();
   if (!path.has_filename()) path = path.parent_path();
-  const bool has_ending = !is_recording || path.extension() == ".last";
-  return (has_ending ? path.stem() : path.filename()).string() + ".png";
+  if (is_recording && path.filename() == "last") path = path.parent_path();
+  return (is_recording ? path.filename() : path.stem()).string() + ".png";
 }
 
 bool isPictureOfStroma(const std::string& path) {
@@ -242,12 +238,12 @@ void readLook(const Values& values, picture::PictureRequest& look) {
 
 }  // namespace
 
-CommandLine pictureLine() { return {manual, pictureOptions(), {"SCENE"}}; }
+CommandLine pictureLine() { return {picture_manual, pictureOptions(), {"SCENE"}}; }
 
 std::optional<Values> parsePictureOptions(const Arguments& arguments) { return parseOptions(pictureLine(), arguments); }
 
 PictureCommand::PictureCommand(const Values& values)
-    : scene(required(values, "SCENE", manual)),
+    : scene(required(values, "SCENE", picture_manual)),
       file(textOf(values, "output")),
       is_named(values.count("output") > 0),
       steps(positive<long>(values, "steps", 0)),
@@ -258,7 +254,7 @@ PictureCommand::PictureCommand(const Values& values)
       lists_fields(textOf(values, "field") == "help"),
       quiet(values.count("quiet") > 0) {
   if (fs::is_directory(scene)) recording_folder = scene;
-  checkPartners(values, isRecording());
+  checkPicturePartners(values, isRecording());
   if (values.count("until")) until = values["until"].as<double>();
   if (values.count("at")) at = timesIn(textOf(values, "at"));
   readLook(values, look);

@@ -2,7 +2,7 @@
 #include "tools/command/plan_json.h"
 
 #include "framework/algebra/parallel.h"
-#include "framework/simulation/plan.h"
+#include "tools/plan/plan.h"
 
 namespace stroma::command {
 namespace {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The compiled plan for programs: what `stroma explain SCENE --json` prints.
 #pragma once
-#include "framework/simulation/session.h"
 #include "tools/command/component_json.h"
+#include "tools/session/session.h"
 
 namespace stroma::command {
 

@@ -8,7 +8,7 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "framework/simulation/long_work.h"
+#include "tools/command/long_work.h"
 
 namespace stroma::command {
 namespace {

@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "framework/simulation/checkpoint.h"
 #include "tools/command/instants.h"
 #include "tools/command/recorder.h"
 #include "tools/command/session.h"
+#include "tools/session/checkpoint.h"
 
 namespace stroma::command {
 namespace {
@@ -69,9 +69,12 @@ RecordedRun recordedRun(const std::string& folder) {
     const bool is_there = fs::is_regular_file(there, error);
     return {is_there ? there : foundScene(head.scene, instants, folder), head.overrides, head.modules};
   }
-  if (!fs::exists(checkpoint, error))
-    throw UsageError(fmt::format(
-        "{}: there is no last.checkpoint, which names the scene (expected a folder of stroma run)", folder));
+  if (!fs::exists(checkpoint, error)) {
+    const std::string below = (fs::path(folder) / "last").string();
+    throw UsageError(
+        fmt::format("{}: there is no last.checkpoint, which names the scene (expected a folder of stroma run{})",
+                    folder, fs::exists(instantsFile(below), error) ? fmt::format("; did you mean '{}'?", below) : ""));
+  }
   return {foundScene(Checkpoint::read(checkpoint).scene, checkpoint, folder), {}, {}};
 }
 

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "framework/simulation/file_uses.h"
-#include "framework/simulation/session.h"
 #include "tools/command/options.h"
 #include "tools/drawing/recording.h"
+#include "tools/session/file_uses.h"
+#include "tools/session/session.h"
 
 namespace stroma::command {
 

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "framework/simulation/session.h"
 #include "framework/simulation/state_file.h"
+#include "tools/session/session.h"
 
 namespace stroma::command {
 

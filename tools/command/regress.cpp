@@ -10,13 +10,13 @@
 #include <set>
 
 #include "framework/scene/output_file.h"
-#include "framework/simulation/file_uses.h"
-#include "framework/simulation/statistics.h"
 #include "tools/command/bits.h"
 #include "tools/command/comparison.h"
 #include "tools/command/junit.h"
 #include "tools/command/regression_list.h"
 #include "tools/command/session.h"
+#include "tools/session/file_uses.h"
+#include "tools/session/statistics.h"
 
 namespace po = boost::program_options;
 namespace fs = std::filesystem;
@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 namespace stroma::command {
 namespace {
 
-const Manual manual{
+const Manual regress_manual{
     "stroma regress LIST [options]",
     "Runs every scene of a list and compares the positions and velocities of every state with stored ones at the "
     "start, "
@@ -184,7 +184,7 @@ Json toJson(const Result& result) {
           {"remark", result.remark}, {"seconds", result.seconds},        {"states", states}};
 }
 
-void writeJson(const std::vector<Result>& results, const std::string& file) {
+void writeResults(const std::vector<Result>& results, const std::string& file) {
   Json json = Json::array();
   for (const Result& result : results) json.push_back(toJson(result));
   writeWholeFile(file, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
@@ -211,7 +211,7 @@ OptionList regressOptions() {
 
 /// Before the cases take their time.
 void checkReports(const RegressionList& list, const Values& values) {
-  std::vector<FileUse> inputs{{required(values, "LIST", manual), "the list"}}, outputs;
+  std::vector<FileUse> inputs{{required(values, "LIST", regress_manual), "the list"}}, outputs;
   for (const RegressionCase& test : list.cases) inputs.push_back({test.scene, "the case " + test.name});
   for (const char* option : {"json", "junit"})
     if (values.count(option)) outputs.push_back({values[option].as<std::string>(), std::string("--") + option, true});
@@ -238,12 +238,12 @@ std::vector<Result> runList(const RegressionList& list, const Values& values) {
   return results;
 }
 
-CommandLine line() { return {manual, regressOptions(), {"LIST"}}; }
+CommandLine regressLine() { return {regress_manual, regressOptions(), {"LIST"}}; }
 
 int regress(const Arguments& arguments) {
-  const auto values = parseOptions(line(), arguments);
+  const auto values = parseOptions(regressLine(), arguments);
   if (!values) return exit_done;
-  const RegressionList list = readRegressionList(required(*values, "LIST", manual));
+  const RegressionList list = readRegressionList(required(*values, "LIST", regress_manual));
   const bool update = values->count("update") > 0;
   if (update && values->count("set"))
     throw UsageError("--update with --set would store what the list does not say: write the setting into the list");
@@ -254,7 +254,7 @@ int regress(const Arguments& arguments) {
   const std::vector<Result> results = runList(list, *values);
   const auto failed = std::ranges::count_if(results, [](const Result& result) { return !result.failure.empty(); });
   fmt::print("{} {}, {} failed\n", std::ssize(results) - failed, update ? "updated" : "passed", failed);
-  if (values->count("json")) writeJson(results, (*values)["json"].as<std::string>());
+  if (values->count("json")) writeResults(results, (*values)["json"].as<std::string>());
   if (values->count("junit")) writeJunit("stroma regress", junitCases(results), (*values)["junit"].as<std::string>());
   return failed == 0 ? exit_done : exit_comparison_failed;
 }
@@ -262,6 +262,6 @@ int regress(const Arguments& arguments) {
 }  // namespace
 
 const Subcommand regress_command{"regress", "run scenes and compare their states with stored ones", Group::checks,
-                                 regress, line};
+                                 regress, regressLine};
 
 }  // namespace stroma::command

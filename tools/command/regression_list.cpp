@@ -10,6 +10,7 @@
 #include <set>
 #include <sstream>
 
+#include "framework/scene/text.h"
 #include "tools/command/command.h"
 
 namespace stroma::command {
@@ -25,11 +26,6 @@ std::string caseName(const std::string& scene, const std::vector<std::string>& o
   return name;
 }
 
-std::string trimmed(const std::string& text) {
-  const auto first = text.find_first_not_of(" \t\r");
-  return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
-}
-
 RegressionCase readCase(const std::string& line, const fs::path& folder) {
   std::istringstream words(line);
   RegressionCase result;
@@ -37,6 +33,9 @@ RegressionCase readCase(const std::string& line, const fs::path& folder) {
   if (!(words >> scene >> result.steps >> result.tolerance) || result.steps < 0 || !(result.tolerance >= 0) ||
       std::isinf(result.tolerance))
     throw UsageError("expected SCENE STEPS TOLERANCE [PATH.ATTR=VALUE ...]");
+  if (result.tolerance >= 1)
+    throw UsageError(fmt::format("the tolerance {:g} lets every state pass: expected a share of the motion below 1",
+                                 result.tolerance));
   for (std::string word; words >> word;) {
     if (word == "bits=processor") {
       result.bits_of_processor = true;
@@ -65,7 +64,7 @@ RegressionList readRegressionList(const std::string& file) {
   std::set<std::string> names;
   std::string line;
   for (int number = 1; std::getline(stream, line); ++number) {
-    line = trimmed(line.substr(0, line.find('#')));
+    line = std::string(trimmed(std::string_view(line).substr(0, line.find('#'))));
     if (line.empty()) continue;
     if (list.reference_folder.empty()) {
       list.reference_folder = (folder / line).lexically_normal().string();

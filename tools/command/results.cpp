@@ -13,8 +13,8 @@
 #include <sstream>
 
 #include "framework/scene/services.h"
-#include "framework/simulation/file_uses.h"
 #include "tools/picture/picture_maker.h"
+#include "tools/session/file_uses.h"
 #include "tools/view/viewer.h"
 
 namespace stroma::command {

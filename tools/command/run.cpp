@@ -8,10 +8,10 @@
 #include <filesystem>
 
 #include "framework/scene/output_file.h"
-#include "framework/simulation/file_uses.h"
-#include "framework/simulation/long_work.h"
+#include "tools/checks/result_doubts.h"
 #include "tools/command/closed_pipes.h"
 #include "tools/command/default_recording.h"
+#include "tools/command/long_work.h"
 #include "tools/command/measured_end.h"
 #include "tools/command/progress.h"
 #include "tools/command/recorder.h"
@@ -19,6 +19,9 @@
 #include "tools/command/run_outcome.h"
 #include "tools/command/session.h"
 #include "tools/command/statistics.h"
+#include "tools/session/action_file.h"
+#include "tools/session/file_uses.h"
+#include "tools/session/replay.h"
 
 namespace stroma::command {
 namespace {
@@ -60,8 +63,8 @@ class CheckpointClock {
 struct Replay {
   std::size_t before = 0, all = 0;  ///< those that a checkpoint has behind it; all of the file
 
-  std::size_t made(const Simulation& simulation) const { return simulation.replayed() - before; }
-  std::size_t later(const Simulation& simulation) const { return all - simulation.replayed(); }
+  std::size_t made(const Simulation& simulation) const { return replayed(simulation) - before; }
+  std::size_t later(const Simulation& simulation) const { return all - replayed(simulation); }
   std::string text(const Simulation& simulation) const {
     const auto actions = [](std::size_t count) { return fmt::format("{} action{}", count, count == 1 ? "" : "s"); };
     std::string text = "replayed " + actions(made(simulation));
@@ -79,8 +82,8 @@ std::optional<Replay> beginReplay(const RunRequest& request, Simulation& simulat
     fmt::print(stderr, "note: {} was recorded with the scene {}\n", request.replay_file, actions.scene);
   Replay replay;
   replay.all = actions.events.size();
-  simulation.replay(std::move(actions.events), request.replay_file);
-  replay.before = simulation.replayed();
+  stroma::replay(simulation, std::move(actions.events), request.replay_file);
+  replay.before = replayed(simulation);
   return replay;
 }
 
@@ -245,7 +248,7 @@ int run(const Arguments& arguments) {
     attempt(outcome, [&] {
       writeMeasuredEnd(run.session.simulation(), run.measured ? &*run.measured : nullptr, request.measure_file);
     });
-  const bool doubts = tellWarnings(outcome.statistics, run.session.simulation().doubts(), run.warnings);
+  const bool doubts = tellWarnings(outcome.statistics, doubtsOf(run.session.simulation()), run.warnings);
   outcome.doubted = request.strict && (doubts || !outcome.statistics.unconverged.none());
   if (wants_json) attempt(outcome, [&] { writeJson(run.json(outcome, at_start, recordings), request.json_file); });
   for (const std::string& failure : outcome.failures) fmt::print(stderr, "error: {}\n", failure);

@@ -8,6 +8,7 @@
 
 #include "framework/algebra/parallel.h"
 #include "framework/scene/output_file.h"
+#include "tools/checks/result_doubts.h"
 #include "tools/command/statistics.h"
 
 namespace stroma::command {
@@ -41,7 +42,7 @@ int Outcome::exitCode() const {
 /// A state from which most elements have to unfold first is where the trouble is, not what was there before it.
 void tellFailure(const Outcome& outcome, const Simulation& simulation, const std::string& place) {
   fmt::print(stderr, "{}: {}\n", outcome.word(), outcome.reason);
-  const auto [inverted, all] = simulation.invertedCells();
+  const auto [inverted, all] = invertedCells(simulation);
   const bool is_good = (outcome.last.diverged || outcome.end == RunEnd::not_replayed) && 2 * inverted <= all;
   fmt::print(stderr, "the last {}state (t = {:.6g} s{}{}) {}\n", is_good ? "good " : "", simulation.time(),
              all > 0 ? fmt::format(", {} of {} elements inverted", inverted, all) : "",
@@ -96,7 +97,7 @@ nlohmann::ordered_json summary(const RunRequest& request, const Simulation& simu
   json["state_hash"] = fmt::format("{:016x}", simulation.stateHash());
   json["greatest_displacements"] = greatestDisplacements(simulation);
   if (outcome.failed()) {
-    const auto [inverted, all] = simulation.invertedCells();
+    const auto [inverted, all] = invertedCells(simulation);
     json["inverted_elements"] = {{"inverted", inverted}, {"of", all}};
   }
   return json;

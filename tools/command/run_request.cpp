@@ -7,10 +7,10 @@
 #include <filesystem>
 
 #include "framework/scene/output_file.h"
-#include "framework/simulation/file_uses.h"
 #include "tools/command/default_recording.h"
 #include "tools/command/recorder.h"
 #include "tools/command/session.h"
+#include "tools/session/file_uses.h"
 
 namespace po = boost::program_options;
 
@@ -19,35 +19,36 @@ namespace {
 
 constexpr long default_steps = 100;
 
-const Manual manual{
+const Manual run_manual{
     "stroma run SCENE [options]",
     "Simulates a scene: 100 steps unless -n or --until says otherwise. Progress and messages go to standard error,\n"
     "the summary to standard output. Ctrl-C, SIGTERM or SIGHUP ends the run after a whole step. A reader of the "
     "output\n"
     "who goes early (`| head`) does not end it.\n\n"
-    "A run leaves some twenty instants and a checkpoint in STEM.last, in the current folder, for `stroma view "
-    "STEM.last`.\n"
-    "The instants are kept in memory, and written every minute and at the end. The next run of a scene of that name\n"
-    "replaces them. --no-record leaves nothing, --record DIR keeps what you name.\n\n"
+    "A run leaves some twenty instants and a checkpoint in results/STEM/last, below the current folder, for\n"
+    "`stroma view results/STEM/last`. The instants are kept in memory, and written every minute and at the end. The\n"
+    "next run of a scene of that name replaces them. --no-record leaves nothing, --record DIR keeps what you name.\n\n"
     "--record leaves a checkpoint, DIR/last.checkpoint: every minute, and at the end. The same command with --resume\n"
     "goes on from it, or starts when there is none yet: after a crash, a kill, or Ctrl-C. --restart FILE goes on from\n"
-    "any checkpoint; that of STEM.last is replaced when the run ends with a result. The run has the time, step number\n"
-    "and bits of one that never stopped: -n and --until are those of the whole run, and the files of observers and\n"
-    "recordings are continued where the checkpoint was written.\n\n"
+    "any checkpoint; that of results/STEM/last is replaced when the run ends with a result. The run has the time, "
+    "step\n"
+    "number and bits of one that never stopped: -n and --until are those of the whole run, and the files of observers\n"
+    "and recordings are continued where the checkpoint was written.\n\n"
     "--replay FILE does again, each before its step, what was done to a run of this scene while somebody looked on:\n"
     "nodes pulled and attributes changed. The bits are those of that run.\n\n"
     "Exit codes:\n"
     "  0    done\n"
     "  2    the scene or the options are wrong, or an output cannot be written; nothing was run\n"
     "  3    no result: a step diverged, statics found no equilibrium, or a position constraint did not hold. The last\n"
-    "       state is in STEM.last, or DIR, with the elements that are inverted in it. With --strict also a result in\n"
-    "       doubt: elements inside out, a body that burst, energy from nowhere. Also a run of which an action of\n"
-    "       --replay was refused: the state before it is recorded and named\n"
+    "       state is in results/STEM/last, or DIR, with the elements that are inverted in it. With --strict also a\n"
+    "       result in doubt: elements inside out, a body that burst, energy from nowhere. Also a run of which an "
+    "action\n"
+    "       of --replay was refused: the state before it is recorded and named\n"
     "  4    an output could not be written any more: the run ended; what the files have is whole up to there\n"
     "  129  ended by SIGHUP: the terminal was closed; what was recorded is complete\n"
     "  130  interrupted with Ctrl-C, likewise\n"
     "  143  ended by SIGTERM, likewise",
-    "  stroma run liver.xml -n 200 && stroma view liver.last\n"
+    "  stroma run liver.xml -n 200 && stroma view results/liver/last\n"
     "  stroma run liver.xml --until 2 --set /liver/fem.method=polar --record results/liver --record-every 10\n"
     "  stroma run liver.xml -n 5000 --record out --resume\n"
     "  stroma run liver.xml -n 800 --replay liver.actions\n"
@@ -60,28 +61,28 @@ void addRunOptions(OptionList& options) {
       ("steps,n", po::value<long>()->value_name("STEPS"), "number of steps; 0 loads, compiles and records t = 0")     //
       ("until", po::value<double>()->value_name("T"), "run to this time [s] instead")                                 //
       ("record", po::value<std::string>()->value_name("DIR"), "write positions and velocities of every state there")  //
-      ("no-record", "leave nothing in STEM.last, even when the run has no result")                                    //
+      ("no-record", "leave nothing in results/STEM/last, even when the run has no result")                            //
       ("record-every", po::value<long>()->value_name("K"),
        "record every K steps; the first and last instant always")  //
       ("checkpoint-seconds", po::value<double>()->value_name("S"),
-       "write DIR/last.checkpoint, or STEM.last, every S seconds of wall time (60 when not given; 0: only at the "
-       "end)")                                                                                                 //
+       "write DIR/last.checkpoint, or that of results/STEM/last, every S seconds of wall time (60 when not given; 0: "
+       "only at the end)")                                                                                     //
       ("checkpoint-every", po::value<long>()->value_name("K"), "write DIR/last.checkpoint every K steps too")  //
       ("resume", "go on from DIR/last.checkpoint if it is there")                                              //
       ("restart", po::value<std::string>()->value_name("FILE"), "go on from a checkpoint of this scene")       //
       ("replay", po::value<std::string>()->value_name("FILE"), "do again what the file of actions says")       //
       ("json", po::value<std::string>()->implicit_value("-")->value_name("FILE"),
-       "print the summary as JSON; --json=FILE writes it to a file")    //
+       "print the summary as JSON; --json=FILE writes it to a file")  //
       ("measure", po::value<std::string>()->value_name("FILE"),
        "as `stroma sweep` does: no exporter writes, and the shapes and cells of the end go to this file")  //
       ("measure-value", po::value<std::string>()->value_name("PATH.NAME[:NODES]"),
-       "a quantity whose mean at the end goes to the file too")  //
+       "a quantity whose mean at the end goes to the file too")         //
       ("strict", "a result in doubt is none: the exit code is then 3")  //
       ("quiet,q", "no progress, no notes, no summary");
 }
 
 CommandLine runLine() {
-  CommandLine line{manual, OptionList("options"), {"SCENE"}};
+  CommandLine line{run_manual, OptionList("options"), {"SCENE"}};
   addRunOptions(line.options);
   addSceneOptions(line.options);
   return line;
@@ -90,7 +91,7 @@ CommandLine runLine() {
 std::optional<Values> parseRunOptions(const Arguments& arguments) { return parseOptions(runLine(), arguments); }
 
 RunRequest::RunRequest(const Values& values)
-    : scene(required(values, "SCENE", manual)),
+    : scene(required(values, "SCENE", run_manual)),
       quiet(values.count("quiet") > 0),
       strict(values.count("strict") > 0),
       resume(values.count("resume") > 0),

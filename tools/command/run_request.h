@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "framework/simulation/session.h"
 #include "tools/command/command.h"
 #include "tools/command/options.h"
+#include "tools/session/session.h"
 
 namespace stroma::command {
 

@@ -14,7 +14,7 @@ namespace po = boost::program_options;
 namespace stroma::command {
 namespace {
 
-const Manual manual{
+const Manual schema_manual{
     "stroma schema [options]",
     "Prints a schema of scenes, made from the attributes of all components: editors complete and check with it. A "
     "scene\n"
@@ -42,7 +42,7 @@ void refuseToReplace(const std::string& file) {
         fmt::format("{} is there and is no schema: it stays as it is. Give another name, or remove it", file));
 }
 
-CommandLine line() {
+CommandLine schemaLine() {
   OptionList options("options");
   options.add_options()  //
       ("format", po::value<std::string>()->value_name("xsd|rnc")->default_value("xsd"),
@@ -50,11 +50,11 @@ CommandLine line() {
       ("output,o", po::value<std::string>()->value_name("FILE"), "write it to a file")  //
       ("module", po::value<std::vector<std::string>>()->value_name("FILE.so"),
        "open a module of components by its path; may be repeated");
-  return {manual, options, {}};
+  return {schema_manual, options, {}};
 }
 
 int schema(const Arguments& arguments) {
-  const auto values = parseOptions(line(), arguments);
+  const auto values = parseOptions(schemaLine(), arguments);
   if (!values) return exit_done;
   const std::string format = (*values)["format"].as<std::string>();
   if (format != "xsd" && format != "rnc") throw UsageError(fmt::format("--format {}: expected xsd or rnc", format));
@@ -82,6 +82,6 @@ int schema(const Arguments& arguments) {
 }  // namespace
 
 const Subcommand schema_command{"schema", "print a schema, by which editors complete and check scenes", Group::scenes,
-                                schema, line};
+                                schema, schemaLine};
 
 }  // namespace stroma::command

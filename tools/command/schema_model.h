@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "framework/simulation/session.h"
 #include "tools/command/schema_value.h"
+#include "tools/session/session.h"
 
 namespace stroma::command {
 

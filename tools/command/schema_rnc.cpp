@@ -12,7 +12,7 @@ namespace {
 using Kind = SchemaAlternative::Kind;
 
 /// In double quotes. Patterns and words hold none; help is not written.
-std::string quoted(const std::string& text) { return "\"" + text + "\""; }
+std::string inQuotes(const std::string& text) { return "\"" + text + "\""; }
 
 /// Text as comments that a processor keeps.
 std::string documentation(const std::string& indent, const std::string& text) {
@@ -24,9 +24,9 @@ std::string documentation(const std::string& indent, const std::string& text) {
   return out + "\n";
 }
 
-class Writer {
+class RncWriter {
  public:
-  explicit Writer(const Schema& schema) : schema_(schema) {}
+  explicit RncWriter(const Schema& schema) : schema_(schema) {}
 
   std::string write() {
     out_ = fmt::format(
@@ -112,13 +112,13 @@ class Writer {
     if (each.kind == Kind::text) return "text";
     if (each.kind == Kind::words) {
       std::string out;
-      for (const std::string& word : each.words) out += (out.empty() ? "" : " | ") + quoted(word);
+      for (const std::string& word : each.words) out += (out.empty() ? "" : " | ") + inQuotes(word);
       return out;
     }
     static const std::map<Kind, const char*> bases = {
         {Kind::boolean, "boolean"}, {Kind::integer, "int"}, {Kind::real, "double"}, {Kind::pattern, "token"}};
     std::string facets;
-    if (!each.pattern.empty()) facets += " pattern = " + quoted(each.pattern);
+    if (!each.pattern.empty()) facets += " pattern = " + inQuotes(each.pattern);
     if (each.min) facets += bound("min", *each.min);
     if (each.max) facets += bound("max", *each.max);
     return fmt::format("xsd:{}{}", bases.at(each.kind), facets.empty() ? "" : " {" + facets + " }");
@@ -135,6 +135,6 @@ class Writer {
 
 }  // namespace
 
-std::string asRelaxNg(const Schema& schema) { return Writer(schema).write(); }
+std::string asRelaxNg(const Schema& schema) { return RncWriter(schema).write(); }
 
 }  // namespace stroma::command

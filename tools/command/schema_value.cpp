@@ -6,7 +6,7 @@
 #include <cctype>
 #include <cstdlib>
 
-#include "framework/scene/units.h"
+#include "tools/units/units.h"
 #include "tools/command/component_json.h"
 
 namespace stroma::command {

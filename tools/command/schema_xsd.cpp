@@ -12,7 +12,7 @@ namespace {
 
 using Kind = SchemaAlternative::Kind;
 
-std::string escaped(const std::string& text) {
+std::string escapedXml(const std::string& text) {
   std::string out;
   for (const char c : text) {
     if (c == '&') {
@@ -30,9 +30,9 @@ std::string escaped(const std::string& text) {
   return out;
 }
 
-class Writer {
+class XsdWriter {
  public:
-  explicit Writer(const Schema& schema) : schema_(schema) {}
+  explicit XsdWriter(const Schema& schema) : schema_(schema) {}
 
   std::string write() {
     line(0, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>");
@@ -61,7 +61,7 @@ class Writer {
   }
 
   void help(int depth, const std::string& text) {
-    line(depth, "<xs:annotation><xs:documentation>{}</xs:documentation></xs:annotation>", escaped(text));
+    line(depth, "<xs:annotation><xs:documentation>{}</xs:documentation></xs:annotation>", escapedXml(text));
   }
 
   /// Names of types have a prefix: an element may be called as a value is.
@@ -127,8 +127,8 @@ class Writer {
                                                       {Kind::integer, "int"}, {Kind::real, "double"},
                                                       {Kind::words, "token"}, {Kind::pattern, "token"}};
     line(depth, "<xs:restriction base=\"xs:{}\">", bases.at(each.kind));
-    for (const std::string& word : each.words) line(depth + 1, "<xs:enumeration value=\"{}\"/>", escaped(word));
-    if (!each.pattern.empty()) line(depth + 1, "<xs:pattern value=\"{}\"/>", escaped(each.pattern));
+    for (const std::string& word : each.words) line(depth + 1, "<xs:enumeration value=\"{}\"/>", escapedXml(word));
+    if (!each.pattern.empty()) line(depth + 1, "<xs:pattern value=\"{}\"/>", escapedXml(each.pattern));
     if (each.min) bound(depth + 1, "min", *each.min);
     if (each.max) bound(depth + 1, "max", *each.max);
     line(depth, "</xs:restriction>");
@@ -145,6 +145,6 @@ class Writer {
 
 }  // namespace
 
-std::string asXsd(const Schema& schema) { return Writer(schema).write(); }
+std::string asXsd(const Schema& schema) { return XsdWriter(schema).write(); }
 
 }  // namespace stroma::command

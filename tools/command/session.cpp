@@ -6,6 +6,8 @@
 #include <cstdio>
 
 #include "framework/algebra/parallel.h"
+#include "framework/scene/missing_types.h"
+#include "tools/command/words.h"
 
 namespace po = boost::program_options;
 
@@ -21,6 +23,10 @@ void addSceneOptions(OptionList& options) {
 }
 
 void configure(Session& session, const Values& values) {
+  adviseOnMissingTypes([](const std::string& type) {
+    const auto answer = sofaAnswer(type);
+    return answer ? "a component of SOFA that Stroma does not have. " + answer->advice : std::string();
+  });
   if (values.count("module"))
     for (const std::string& file : values["module"].as<std::vector<std::string>>()) session.modules().open(file);
   if (values.count("set")) session.setOverrides(parseOverrides(values["set"].as<std::vector<std::string>>()));

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "framework/simulation/session.h"
 #include "tools/command/options.h"
+#include "tools/session/session.h"
 
 namespace stroma::command {
 

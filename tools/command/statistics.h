@@ -3,7 +3,7 @@
 #pragma once
 #include <nlohmann/json.hpp>
 
-#include "framework/simulation/statistics.h"
+#include "tools/session/statistics.h"
 
 namespace stroma::command {
 

@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 namespace stroma::command {
 namespace {
 
-const Manual manual{
+const Manual sweep_manual{
     "stroma sweep SCENE --vary PATH.ATTR=a,b,c ... -o DIR [options]",
     "Runs a scene with every combination of the values, each in a process and a folder of its own, and compares them "
     "by\n"
@@ -98,10 +98,10 @@ void checkNumbers(const sweep::SweepRequest& request) {
 sweep::SweepRequest requestOf(const Values& values) {
   sweep::SweepRequest request;
   request.program = fs::read_symlink("/proc/self/exe").string();
-  request.scene = required(values, "SCENE", manual);
+  request.scene = required(values, "SCENE", sweep_manual);
   if (!fs::exists(request.scene)) throw UsageError(fmt::format("{}: there is no such file", request.scene));
   request.scene = fs::absolute(request.scene).lexically_normal().string();
-  if (!values.count("output")) throw UsageError(fmt::format("-o DIR is missing; usage: {}", manual.usage));
+  if (!values.count("output")) throw UsageError(fmt::format("-o DIR is missing; usage: {}", sweep_manual.usage));
   request.folder = fs::absolute(values["output"].as<std::string>()).lexically_normal().string();
   take(values, "vary", request.vary), take(values, "zip", request.zip), take(values, "set", request.settings);
   take(values, "reference-set", request.reference_settings);
@@ -120,10 +120,10 @@ sweep::SweepRequest requestOf(const Values& values) {
   return request;
 }
 
-CommandLine line() { return {manual, sweepOptions(), {"SCENE"}}; }
+CommandLine sweepLine() { return {sweep_manual, sweepOptions(), {"SCENE"}}; }
 
 int sweepScene(const Arguments& arguments) {
-  const auto values = parseOptions(line(), arguments);
+  const auto values = parseOptions(sweepLine(), arguments);
   if (!values) return exit_done;
   sweep::SweepRequest request = requestOf(*values);
   request.words.assign(arguments.begin(), arguments.end());
@@ -133,6 +133,6 @@ int sweepScene(const Arguments& arguments) {
 }  // namespace
 
 const Subcommand sweep_command{"sweep", "compare configurations of a scene by error and run time", Group::checks,
-                               sweepScene, line};
+                               sweepScene, sweepLine};
 
 }  // namespace stroma::command

@@ -15,6 +15,8 @@
 #include "tools/command/session.h"
 #include "tools/command/shown_scene.h"
 #include "tools/command/view_request.h"
+#include "tools/session/action_file.h"
+#include "tools/session/replay.h"
 
 namespace fs = std::filesystem;
 
@@ -173,7 +175,7 @@ void beginReplay(const ViewCommand& command, Simulation& simulation) {
   RecordedActions actions = readActions(command.replay_file);
   if (actions.scene != fs::path(command.scene).filename().string() && !command.quiet)
     fmt::print(stderr, "note: {} was recorded with the scene {}\n", command.replay_file, actions.scene);
-  simulation.replay(std::move(actions.events), command.replay_file);
+  stroma::replay(simulation, std::move(actions.events), command.replay_file);
 }
 
 int view(const Arguments& arguments) {

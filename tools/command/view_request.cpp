@@ -8,9 +8,9 @@
 #include <filesystem>
 
 #include "framework/scene/output_file.h"
-#include "framework/simulation/file_uses.h"
 #include "tools/command/recorder.h"
 #include "tools/command/session.h"
+#include "tools/session/file_uses.h"
 
 namespace po = boost::program_options;
 namespace fs = std::filesystem;
@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 namespace stroma::command {
 namespace {
 
-const Manual manual{
+const Manual view_manual{
     "stroma view SCENE|FOLDER [options]",
     "Shows a scene in the browser while it runs: turn, cut and colour it, pull at it, change attributes, plot, "
     "record.\n"
@@ -34,7 +34,7 @@ const Manual manual{
     "  stroma view scenes/examples/organ.xml\n"
     "  stroma view organ.xml --paused --set /organ/fem.youngModulus=3000 --record results/pulled\n"
     "  stroma view results/pulled\n"
-    "  stroma view organ.last                        what `stroma run organ.xml` has left\n"
+    "  stroma view results/organ/last                what `stroma run organ.xml` has left\n"
     "  stroma run organ.xml -n 500 --replay results/pulled/run.actions       the same run without a browser\n"
     "  stroma view organ.xml --export organ.html -n 200 --every 2 --field vonMises\n"
     "  stroma view results/pulled --export pulled.html --every 5             every fifth instant of a recording\n"};
@@ -76,10 +76,6 @@ T inRange(const Values& values, const char* option, T otherwise, T low, T high) 
   return value;
 }
 
-std::string textOf(const Values& values, const char* option) {
-  return values.count(option) ? values[option].as<std::string>() : "";
-}
-
 bool isGiven(const char* variable) {
   const char* value = std::getenv(variable);
   return value && *value;
@@ -92,7 +88,7 @@ bool shouldOpen(const Values& values) {
 }
 
 /// An option that would have no effect is a mistake.
-void checkPartners(const Values& values, bool is_recording) {
+void checkViewPartners(const Values& values, bool is_recording) {
   if (values.count("export")) {
     for (const char* option : {"port", "host", "open", "no-open", "paused", "fps", "record"})
       if (values.count(option))
@@ -113,19 +109,19 @@ void checkPartners(const Values& values, bool is_recording) {
 
 }  // namespace
 
-CommandLine viewLine() { return {manual, viewOptions(), {"SCENE"}}; }
+CommandLine viewLine() { return {view_manual, viewOptions(), {"SCENE"}}; }
 
 std::optional<Values> parseViewOptions(const Arguments& arguments) { return parseOptions(viewLine(), arguments); }
 
 ViewCommand::ViewCommand(const Values& values)
-    : scene(required(values, "SCENE", manual)),
+    : scene(required(values, "SCENE", view_manual)),
       record_folder(textOf(values, "record")),
       replay_file(textOf(values, "replay")),
       exports(values.count("export") > 0),
       outputs(values.count("outputs") > 0),
       quiet(values.count("quiet") > 0) {
   if (fs::is_directory(scene)) recording_folder = scene;
-  checkPartners(values, isRecording());
+  checkViewPartners(values, isRecording());
   record_every = inRange<long>(values, "record-every", 1, 1, 1L << 40);
   if (exports) {
     page.file = textOf(values, "export");

@@ -35,7 +35,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 constexpr auto look_every = std::chrono::milliseconds(100), settles_in = std::chrono::milliseconds(60);
 
-const Manual manual{
+const Manual watch_manual{
     "stroma watch SCENE [options of stroma run]",
     "Runs a scene, and again whenever a file that it reads is saved: the scene, what it includes, meshes, tables, and\n"
     "the files of --replay, --restart and --module. Prints what each run says, and how the result differs from that "
@@ -283,7 +283,7 @@ void checkRestart(const RunRequest& request) {
 }
 
 CommandLine watchLine() {
-  CommandLine line{manual, OptionList("options"), {"SCENE"}};
+  CommandLine line{watch_manual, OptionList("options"), {"SCENE"}};
   line.options.add_options()("times", po::value<long>()->value_name("K"),
                              "end after K runs; those that a save stopped do not count");
   addRunOptions(line.options);
@@ -294,7 +294,7 @@ CommandLine watchLine() {
 int watch(const Arguments& arguments) {
   const auto values = parseOptions(watchLine(), arguments);
   if (!values) return exit_done;
-  const std::string scene = required(*values, "SCENE", manual);
+  const std::string scene = required(*values, "SCENE", watch_manual);
   const RunRequest request(*values);
   for (const char* option : {"json", "resume"})
     if (values->count(option))

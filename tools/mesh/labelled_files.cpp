@@ -4,7 +4,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <iterator>
+#include <tuple>
 
 #include "framework/mesh/cell_kind.h"
 
@@ -27,10 +29,14 @@ struct Content {
 Content contentOf(const LabelledMesh& mesh, const LabelNames& names) {
   Content content{regionTriangles(mesh), {}};
   const auto& triangles = content.triangles;
+  const bool several = std::ranges::any_of(triangles, [](const RegionTriangle& one) { return one.cavity > 1; });
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     const RegionTriangle& now = triangles[t];
-    if (t == 0 || now.inside != triangles[t - 1].inside || now.outside != triangles[t - 1].outside) {
-      const std::string outside = now.outside ? nameOf(now.outside, names) : "outside";
+    const auto key = [](const RegionTriangle& one) { return std::tuple(one.inside, one.outside, one.cavity); };
+    if (t == 0 || key(now) != key(triangles[t - 1])) {
+      const std::string outside = now.outside  ? nameOf(now.outside, names)
+                                  : now.cavity ? fmt::format("cavity{}", several ? fmt::format("_{}", now.cavity) : "")
+                                               : "outside";
       content.groups.push_back({2, int(content.groups.size()) + 1, nameOf(now.inside, names) + "." + outside, {}});
     }
     content.groups.back().cells.push_back(Index(t));

@@ -13,7 +13,9 @@ using LabelNames = std::map<int, std::string>;
 std::string nameOf(int label, const LabelNames& names);
 
 /// Gmsh .msh, ASCII, format 4.1 or 2.2. Each label is a physical group of tetrahedra with the label as its tag and its
-/// name, each surface between two regions one of triangles, named "soft.bone" or "soft.outside".
+/// name, each surface between two regions one of triangles, named "soft.bone" or "soft.outside". A hollow that the body
+/// encloses is no part of the skin: its wall is "soft.cavity", of several "soft.cavity_1" (the largest),
+/// "soft.cavity_2".
 std::string gmshText(const LabelledMesh& mesh, const LabelNames& names, bool format_22);
 
 /// VTK's XML format .vtu: the tetrahedra with cell data `label`.

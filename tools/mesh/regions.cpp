@@ -94,6 +94,41 @@ void reportSurfaces(const LabelledMesh& mesh, std::map<int, RegionReport>& regio
     if (parent[c] == Index(c)) ++regions[mesh.labels[c]].parts;
 }
 
+/// Of the tetrahedron between the origin and a triangle: their sum over a closed surface is the volume inside, negative
+/// where the surface is turned inward.
+double signedVolume(const LabelledMesh& mesh, const Triangle& t) {
+  return mesh.position[t[0]].dot(mesh.position[t[1]].cross(mesh.position[t[2]])) / 6;
+}
+
+/// The closed surfaces of which the boundary to the outside consists. Triangles are turned out of the material, so the wall
+/// of a hollow encloses a negative volume.
+void numberCavities(const LabelledMesh& mesh, std::vector<RegionTriangle>& triangles) {
+  std::vector<std::size_t> outer;
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    if (triangles[t].outside == 0) outer.push_back(t);
+  std::vector<Index> parent(outer.size());
+  std::iota(parent.begin(), parent.end(), 0);
+  std::map<Edge, Index> first_with;
+  for (std::size_t i = 0; i < outer.size(); ++i) {
+    const Triangle& nodes = triangles[outer[i]].nodes;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto [low, high] = std::minmax(nodes[k], nodes[(k + 1) % 3]);
+      const auto [other, is_new] = first_with.try_emplace(Edge{low, high}, Index(i));
+      if (!is_new) parent[rootOf(parent, Index(i))] = rootOf(parent, other->second);
+    }
+  }
+  std::map<Index, double> volume;  // by root
+  for (std::size_t i = 0; i < outer.size(); ++i)
+    volume[rootOf(parent, Index(i))] += signedVolume(mesh, triangles[outer[i]].nodes);
+  std::vector<std::pair<double, Index>> hollows;
+  for (const auto& [root, enclosed] : volume)
+    if (enclosed < 0) hollows.emplace_back(enclosed, root);
+  std::sort(hollows.begin(), hollows.end());
+  for (std::size_t i = 0; i < outer.size(); ++i)
+    for (std::size_t c = 0; c < hollows.size(); ++c)
+      if (hollows[c].second == rootOf(parent, Index(i))) triangles[outer[i]].cavity = int(c) + 1;
+}
+
 }  // namespace
 
 std::array<double, 2> dihedralAngles(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
@@ -118,12 +153,14 @@ std::vector<RegionTriangle> regionTriangles(const LabelledMesh& mesh) {
     const int own = mesh.labels[face.cell], across = other < 0 ? 0 : mesh.labels[other];
     if (own == across) return;
     if (across == 0 || own < across)
-      triangles.push_back({face.nodes, own, across});
+      triangles.push_back({face.nodes, own, across, 0});
     else
-      triangles.push_back({{face.nodes[0], face.nodes[2], face.nodes[1]}, across, own});
+      triangles.push_back({{face.nodes[0], face.nodes[2], face.nodes[1]}, across, own, 0});
   });
+  numberCavities(mesh, triangles);
   std::stable_sort(triangles.begin(), triangles.end(), [](const RegionTriangle& a, const RegionTriangle& b) {
-    return std::tuple(a.outside != 0, a.inside, a.outside) < std::tuple(b.outside != 0, b.inside, b.outside);
+    return std::tuple(a.outside != 0, a.inside, a.outside, a.cavity) <
+           std::tuple(b.outside != 0, b.inside, b.outside, b.cavity);
   });
   return triangles;
 }

@@ -21,9 +21,11 @@ struct RegionTriangle {
   Triangle nodes;  ///< counter-clockwise seen from outside of `inside`
   int inside = 0;  ///< the smaller label that is not 0
   int outside = 0;
+  int cavity = 0;  ///< of triangles to the outside: 0 on the skin, from 1 on in a hollow that the body encloses
 };
 
-/// All of them, by (outside is 0 or not, inside, outside), then by their nodes.
+/// All of them, by (outside is 0 or not, inside, outside, cavity), then by their nodes. Cavities are numbered from the
+/// largest down.
 std::vector<RegionTriangle> regionTriangles(const LabelledMesh& mesh);
 
 /// One label of a mesh.

@@ -13,6 +13,7 @@
 #include <vtkTrivialProducer.h>
 #include <vtkUnsignedCharArray.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -23,7 +24,7 @@ constexpr double crease = 1.15,
                  ghost_crease = 1.4;  // [rad]: coarse meshes of smooth organs have edges of up to 60 degrees
 constexpr Colour spring_colour{0.45, 0.4, 0.7}, line_colour{0.5, 0.52, 0.54}, ghost_colour{0.55, 0.57, 0.6},
     held_colour{0.2, 0.21, 0.23}, guided_colour{0.93, 0.66, 0.1};
-constexpr std::array<std::array<unsigned char, 3>, 3> axis_colours{{{204, 64, 56}, {64, 153, 72}, {56, 102, 217}}};
+constexpr std::array<std::array<unsigned char, 3>, 3> body_axis_colours{{{204, 64, 56}, {64, 153, 72}, {56, 102, 217}}};
 
 vtkSmartPointer<vtkFloatArray> arrayOf(const float* values, std::size_t count, int components, const char* name) {
   auto array = vtkSmartPointer<vtkFloatArray>::New();
@@ -268,7 +269,7 @@ void BodyActors::showFrames(const BodyShot& shot) {
     for (int axis = 0; axis < 3; ++axis) {
       const Vec3 end = centre + length * turn.col(axis);
       lines.push_back({Index(points->InsertNextPoint(centre.data())), Index(points->InsertNextPoint(end.data()))});
-      colours->InsertNextTypedTuple(axis_colours[std::size_t(axis)].data());
+      colours->InsertNextTypedTuple(body_axis_colours[std::size_t(axis)].data());
     }
   }
   frames_->SetPoints(points);

@@ -4,8 +4,10 @@
 
 #include <cmath>
 #include <filesystem>
+#include <limits>
 
 #include "framework/scene/abi.h"
+#include "framework/scene/diagnostics.h"
 #include "framework/scene/services.h"
 #include "tools/picture/composition.h"
 
@@ -104,8 +106,24 @@ class VtkPictureMaker final : public PictureMaker {
   }
 
  private:
+  /// A plane that no shot reaches would leave an empty picture, or all of the body.
+  void checkCut() const {
+    if (!request_.cut) return;
+    const int axis = request_.cut->axis;
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (const Shot& shot : shots_)
+      for (const BodyShot& body : shot.bodies)
+        for (std::size_t i = std::size_t(axis); i < body.x.size(); i += 3)
+          low = std::min(low, double(body.x[i])), high = std::max(high, double(body.x[i]));
+    if (!(low <= high) || (low <= request_.cut->at && request_.cut->at <= high)) return;
+    throw ComponentError(fmt::format("--cut {0}={1:.6g}: what is drawn lies between {0} = {2:.6g} and {3:.6g}",
+                                     "xyz"[axis], request_.cut->at, low, high),
+                         "a coordinate between them");
+  }
+
   /// What depends on all shots: range, legend, and what the panels show.
   void build() {
+    checkCut();
     Range range = request_.range.value_or(taker_->bulk());
     if (!request_.range) {
       if (map_->isSigned()) {

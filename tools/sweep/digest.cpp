@@ -10,7 +10,7 @@
 #include <fstream>
 
 #include "framework/scene/services.h"
-#include "framework/simulation/checkpoint.h"
+#include "tools/session/checkpoint.h"
 
 namespace stroma::sweep {
 namespace {

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -103,7 +102,7 @@ void runAll(const SweepRequest& request, const ErrorMeasure& measure, const fs::
     const fs::path end = folder / fmt::format("{}.values", job.number);
     if (ended.exit_code == 0 && fs::exists(end)) trial.end = EndState::read(end.string());
   };
-  if (const int signal = scheduler.run(finished, [] {})) std::raise(signal);
+  if (const int signal = scheduler.run(finished, [] {})) throw Stopped{signal};
 }
 
 /// What the scene makes of the values tells what they are: a mesh when the spacing differs, a time step when dt does.

@@ -28,6 +28,11 @@ pid_t start(const ProcessRequest& request);
 /// Whether it has ended; `end` tells how.
 bool hasEnded(pid_t process, ProcessEnd& end);
 
+/// Thrown where SIGINT or SIGTERM has come and nothing is left to tell.
+struct Stopped {
+  int signal = 0;
+};
+
 /// While one lives, SIGCHLD, SIGINT and SIGTERM come by wait() alone.
 class SignalGuard {
  public:

@@ -15,13 +15,13 @@
 namespace stroma::sweep {
 namespace {
 
-using Json = nlohmann::json;
+using RunJson = nlohmann::json;
 namespace fs = std::filesystem;
 
-std::optional<Json> jsonIn(const std::string& file) {
+std::optional<RunJson> jsonIn(const std::string& file) {
   std::ifstream stream(file);
   if (!stream) return {};
-  Json json = Json::parse(stream, nullptr, false);
+  RunJson json = RunJson::parse(stream, nullptr, false);
   if (json.is_discarded() || !json.is_object()) return {};
   return json;
 }
@@ -30,7 +30,7 @@ std::string summaryFile(const std::string& folder, int repetition) {
   return fmt::format("{}/{}.json", folder, repetition);
 }
 
-Repetition repetitionOf(const Json& outcome, Json summary) {
+Repetition repetitionOf(const RunJson& outcome, RunJson summary) {
   Repetition run;
   run.exit_code = outcome.value("exit_code", 0);
   run.process_seconds = outcome.value("process_seconds", 0.0);
@@ -129,7 +129,7 @@ Runs readRuns(const std::string& folder) {
     auto summary = jsonIn(summaryFile(folder, k));
     const bool has_end = fs::exists(endFile(folder));
     if (code == 0 && (!summary || !has_end)) break;  // somebody has tidied up: made again
-    runs.repetitions.push_back(repetitionOf(*outcome, summary.value_or(Json::object())));
+    runs.repetitions.push_back(repetitionOf(*outcome, summary.value_or(RunJson::object())));
     runs.outcome = code == 0   ? "done"
                    : code == 2 ? "refused"
                    : summary   ? summary->value("outcome", "failed")

@@ -53,6 +53,8 @@ bool isEmpty(const std::string& folder) {
                      [](const auto& file) { return file.path().filename() == ".lock"; });
 }
 
+constexpr int by_signal = 128;  // of an exit code
+
 class Sweep {
  public:
   explicit Sweep(const SweepRequest& request)
@@ -168,7 +170,6 @@ class Sweep {
   }
 
   int tell(int signal) {
-    constexpr int by_signal = 128;
     std::size_t not_run = 0;
     if (bound_ > 0 || signal) {
       const auto isOpen = [](const Entry& entry) { return entry.runs.outcome == "not run"; };
@@ -234,6 +235,7 @@ class Sweep {
 class LocalSweeper final : public Sweeper {
  public:
   int sweep(const SweepRequest& request) const override {
+    const SignalGuard signals;             // from here on: one that comes between two runs is taken at the next
     parseAxes(request.vary, request.zip);  // what is misspelt leaves no folder behind
     ErrorMeasure::parse(request.error);
     const bool was_there = fs::exists(request.folder);
@@ -243,10 +245,19 @@ class LocalSweeper final : public Sweeper {
     try {
       return Sweep(request).make();
     } catch (const std::invalid_argument&) {
-      std::error_code none;
-      if (is_new) fs::remove_all(request.folder, none);
+      if (is_new) remove(request.folder);
       throw;
+    } catch (const Stopped& stopped) {
+      if (is_new) remove(request.folder);
+      fmt::print(stderr, "stopped before the first run\n");
+      return by_signal + stopped.signal;
     }
+  }
+
+ private:
+  static void remove(const std::string& folder) {
+    std::error_code none;
+    fs::remove_all(folder, none);
   }
 };
 

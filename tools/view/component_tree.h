@@ -2,7 +2,7 @@
 #pragma once
 #include <nlohmann/json.hpp>
 
-#include "framework/simulation/session.h"
+#include "tools/session/session.h"
 
 namespace stroma::view {
 

@@ -7,9 +7,12 @@
 
 #include "framework/algebra/parallel.h"
 #include "framework/scene/output_file.h"
-#include "framework/simulation/changed_scene.h"
 #include "framework/simulation/run_events.h"
+#include "tools/checks/result_doubts.h"
 #include "tools/drawing/recording.h"
+#include "tools/plan/plan.h"
+#include "tools/scene_writer/changed_scene.h"
+#include "tools/session/action_file.h"
 #include "tools/view/component_tree.h"
 #include "tools/view/live_run.h"
 #include "tools/view/orders.h"
@@ -31,7 +34,9 @@ std::string fileName(const std::string& path) { return std::filesystem::path(pat
 }  // namespace
 
 void LiveRun::doOrders(bool of_server_only) {
-  while (true) {
+  constexpr auto longest = std::chrono::milliseconds(10);
+  const auto start = Clock::now();
+  do {
     Order order;
     {
       const std::lock_guard lock(mutex_);
@@ -46,7 +51,7 @@ void LiveRun::doOrders(bool of_server_only) {
       orders_.erase(next);
     }
     answer(order);
-  }
+  } while (Clock::now() - start < longest);
 }
 
 void LiveRun::answer(const Order& order) {
@@ -180,7 +185,7 @@ void LiveRun::tell(int client, const std::string& verb) {
   if (verb == "components") {
     audience_.send(client, {{"is", "components"}, {"tree", componentTree(session_)}});
   } else if (verb == "explain") {
-    json lines = simulation_.explain();
+    json lines = planOf(simulation_).lines();
     lines.push_back(fmt::format("threads: {}", threads()));
     audience_.send(client, {{"is", "explain"}, {"lines", lines}});
   } else if (verb == "hash") {
@@ -188,7 +193,7 @@ void LiveRun::tell(int client, const std::string& verb) {
         client,
         {{"is", "hash"}, {"step", simulation_.steps()}, {"hash", fmt::format("{:016x}", simulation_.stateHash())}});
   } else if (verb == "doubts") {
-    audience_.send(client, {{"is", "doubts"}, {"lines", simulation_.doubts()}});
+    audience_.send(client, {{"is", "doubts"}, {"lines", doubtsOf(simulation_)}});
   } else if (verb == "xml") {
     tellXml(client);
   } else if (verb == "actions") {

@@ -6,6 +6,8 @@
 #include <algorithm>
 
 #include "framework/scene/output_file.h"
+#include "tools/checks/result_doubts.h"
+#include "tools/session/replay.h"
 #include "tools/view/orders.h"
 #include "tools/view/scene_packets.h"
 
@@ -22,6 +24,9 @@ constexpr double window_seconds = 1;
 double secondsBetween(std::chrono::steady_clock::time_point from, std::chrono::steady_clock::time_point to) {
   return std::chrono::duration<double>(to - from).count();
 }
+
+/// What changes nothing, and only its page wants to know.
+bool isQuestion(const json& message) { return !needsControl(message.value("do", "")); }
 
 bool isOfHand(const json& message) {
   const std::string verb = message.value("do", "");
@@ -67,10 +72,11 @@ bool LiveRun::post(Order order) {
         return true;
       }
     }
-    // what a page that goes has left in the queue would be done by nobody's hand
+    // what a page that goes has left in the queue would be done by nobody's hand, or told to nobody
     if (order.message.value("do", "") == "leave")
-      std::erase_if(orders_,
-                    [&order](const Order& other) { return other.client == order.client && isOfHand(other.message); });
+      std::erase_if(orders_, [&order](const Order& other) {
+        return other.client == order.client && (isOfHand(other.message) || isQuestion(other.message));
+      });
     if (orders_.size() >= most_orders && !isOfServer(order.message)) return false;
     orders_.push_back(std::move(order));
     ordered_ = true;
@@ -114,7 +120,10 @@ void LiveRun::loop() {
   while (!stopping_) {
     try {
       doOrders();
-      if (running_) advance(steps_per_call);
+      if (running_ && secondsAhead() > 0)
+        waitForRealTime();
+      else if (running_)
+        advance(steps_per_call);
       if (running_ || stopping_) continue;
       showIfDue();
       tellStatus(false);
@@ -169,8 +178,8 @@ void LiveRun::afterStep(const StepReport& report, double seconds) {
   last_ = report;
   last_step_seconds_ = seconds;
   dirty_ = true;
-  if (simulation_.replayed() != replayed_) {  // an edit may have been among them
-    replayed_ = simulation_.replayed();
+  if (replayed(simulation_) != replayed_) {  // an edit may have been among them
+    replayed_ = replayed(simulation_);
     redraw();
   }
   window_.steps += 1;
@@ -196,11 +205,15 @@ void LiveRun::endRun(const std::string& sentence) {
   tellStatus(true);
 }
 
+double LiveRun::secondsAhead() const {
+  return real_time_ ? (time() - anchor_time_) / factor_ - secondsBetween(anchor_, Clock::now()) : 0;
+}
+
 void LiveRun::waitForRealTime() {
-  if (!real_time_) return;
-  const double ahead = (time() - anchor_time_) / factor_ - secondsBetween(anchor_, Clock::now());
+  const double ahead = secondsAhead();
   if (ahead < -0.25) anchor_ = Clock::now(), anchor_time_ = time();  // what is lost is lost: no rush to catch up
   if (ahead <= 0) return;
+  showIfDue();
   const auto until = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(ahead));
   while (Clock::now() < until && !mustReturn()) {
     showIfDue();
@@ -258,7 +271,7 @@ void LiveRun::lookForDoubts() {
   if (start < doubts_due_ || simulation_.steps() == 0 || !request_.recording.empty()) return;
   doubts_due_ = start + std::chrono::seconds(2);
   try {
-    doubts_ = simulation_.doubts();
+    doubts_ = doubtsOf(simulation_);
   } catch (const std::exception& error) {  // the way here may be that of a run that has just failed
     doubts_ = {error.what()};
   }

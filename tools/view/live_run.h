@@ -41,7 +41,8 @@ class LiveRun {
   bool mustReturn() const {
     return stopping_.load(std::memory_order_relaxed) || ordered_.load(std::memory_order_relaxed);
   }
-  /// Those that wait, in their order; `of_server_only`: pages that come and go, which never wait.
+  /// Those that wait, in their order, for some ten milliseconds: what is left over waits for another step and its picture, so
+  /// that a page that asks without end slows nobody. `of_server_only`: pages that come and go, which never wait.
   void doOrders(bool of_server_only = false);
   void answer(const Order& order);
   std::string carryOut(const Order& order);
@@ -59,7 +60,9 @@ class LiveRun {
   void startRunning();
   void advance(long steps);
   void afterStep(const StepReport& report, double seconds);
-  /// As long as the clock on the wall is behind the time of the run, unless somebody wants something.
+  /// How far the time of the run is before the clock on the wall that it keeps to [s].
+  double secondsAhead() const;
+  /// As long as it is before it, unless somebody wants something.
   void waitForRealTime();
   /// There is no result any more: `sentence` says why. A reset begins again.
   void endRun(const std::string& sentence);

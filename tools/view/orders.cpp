@@ -60,6 +60,12 @@ std::string checkedVerb(const json& order) {
   return verb;
 }
 
+bool needsControl(const std::string& verb) {
+  for (const char* free : {"components", "explain", "xml", "actions", "hash", "doubts"})
+    if (verb == free) return false;
+  return true;
+}
+
 std::string sentenceOf(const ComponentError& error) {
   std::string more;
   if (!error.expected.empty()) more = "expected " + error.expected;

@@ -17,6 +17,9 @@ std::string checkedVerb(const nlohmann::json& order);
 /// With what was expected, and the nearest right name.
 std::string sentenceOf(const ComponentError& error);
 
+/// Whether the page that asks for this must have control: it changes the run, or how it is shown.
+bool needsControl(const std::string& verb);
+
 /// A page that comes or goes: the server's own order, which never waits.
 inline bool isOfServer(const nlohmann::json& order) {
   const std::string verb = order.value("do", "");

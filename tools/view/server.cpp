@@ -165,12 +165,6 @@ void Server::demandChanged() {
   run_->setDemand(all);
 }
 
-bool Server::needsControl(const std::string& verb) const {
-  for (const char* free : {"components", "explain", "xml", "actions", "hash", "doubts"})
-    if (verb == free) return false;
-  return true;
-}
-
 void Server::setControl(int client) {
   // who had control cannot let go any more
   if (control_ != 0 && control_ != client) run_->post({control_, {{"do", "leave"}}});

@@ -50,7 +50,6 @@ class Server final : public Audience {
   void accept();
   nlohmann::json withControl(nlohmann::json status) const;
   void deliver(int client, std::shared_ptr<const std::string> bytes, bool is_text);
-  bool needsControl(const std::string& verb) const;
   void setControl(int client);
   void refuse(Client& client, const nlohmann::json& message, const std::string& why);
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "framework/simulation/session.h"
 #include "tools/drawing/recording.h"
+#include "tools/session/session.h"
 
 namespace stroma::view {
 

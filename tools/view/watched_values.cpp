@@ -4,7 +4,7 @@
 #include <charconv>
 #include <vector>
 
-#include "framework/simulation/statistics.h"
+#include "tools/session/statistics.h"
 
 namespace stroma::view {
 namespace {

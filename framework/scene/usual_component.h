@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <string>
+
+namespace stroma {
+
+/// What the engine asks for by the part it plays: where a scene leaves it out, and in messages that say what to write.
+enum class Part {
+  state,
+  mass,           ///< whose sum is given
+  diagonal_mass,  ///< of a mesh with a density
+  integrator,
+  solver_in_time,       ///< of matrices that a mass keeps well-conditioned
+  solver_of_equilibria  ///< of any matrix, by a factorisation
+};
+
+/// The component that usually plays it. tools/sofa answers: no name of a component is known here.
+std::string usualComponent(Part part);
+
+}  // namespace stroma

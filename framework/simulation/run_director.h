@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <cstddef>
+
+namespace stroma {
+
+class Simulation;
+
+/// Does things to a run by itself, before its steps: a replay.
+class RunDirector {
+ public:
+  virtual ~RunDirector() = default;
+  /// Called before each step; the step is not made when it throws.
+  virtual void beforeStep(Simulation& simulation) = 0;
+  /// reset() follows: edits that it has made are not to stay.
+  virtual void beforeReset(Simulation& simulation) = 0;
+  /// The run is at its start again.
+  virtual void restart() = 0;
+  /// Inputs with lower numbers are its own.
+  virtual long firstFreeNumber() const = 0;
+  /// How many of its doings are done: a checkpoint has it.
+  virtual std::size_t done() const = 0;
+  virtual void goOnFrom(std::size_t done) = 0;
+};
+
+}  // namespace stroma

@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Attributes that change while a simulation runs.
+#include "framework/simulation/run_edits.h"
+
+#include <algorithm>
+#include <list>
+
+#include "framework/scene/node.h"
+#include "framework/simulation/error_sentence.h"
+#include "framework/simulation/integrator.h"
+
+namespace stroma {
+namespace {
+
+bool isAtOrBelow(const Node* node, const Node& top) {
+  while (node && node != &top) node = node->parent();
+  return node != nullptr;
+}
+
+/// What a system may make use of: all below its integrator, and what that names by links, and so on.
+std::vector<Component*> withinReach(const System& system) {
+  std::vector<Component*> found;
+  system.node().collect(found);
+  for (std::size_t i = 0; i < found.size(); ++i)
+    for (const Data& attribute : found[i]->data().all()) {
+      Component* target = attribute.link() ? attribute.link()->target() : nullptr;
+      if (target && std::find(found.begin(), found.end(), target) == found.end()) found.push_back(target);
+    }
+  return found;
+}
+
+/// True when an edit may change something for a system. Components also find others in the nodes above their own.
+bool reaches(const LiveEdit& edit, const System& system) {
+  const Node& top = system.node();
+  if (edit.node()) return isAtOrBelow(edit.node(), top) || isAtOrBelow(&top, *edit.node());
+  const std::vector<Component*> near = withinReach(system);
+  const auto matters = [&](Component* component) {
+    return isAtOrBelow(&top, component->node()) || std::find(near.begin(), near.end(), component) != near.end();
+  };
+  return matters(edit.component()) || std::any_of(edit.recompiled().begin(), edit.recompiled().end(), matters);
+}
+
+/// What the components remember, around a change that makes some anew.
+class KeptMemory {
+ public:
+  explicit KeptMemory(std::vector<Component*> components) : components_(std::move(components)) {
+    std::sort(components_.begin(), components_.end());
+    components_.erase(std::unique(components_.begin(), components_.end()), components_.end());
+    for (Component* component : components_) visit(*component);
+  }
+  void giveBack() {
+    archive_ = archive_.readable();  // from its start, also when it is given back twice
+    for (Component* component : components_) {
+      try {
+        visit(*component);
+      } catch (const std::runtime_error&) {  // the archive speaks of checkpoints
+        throw ComponentError(component->path() + " remembers the steps so far in another size than it would now have",
+                             "a value that leaves its size");
+      }
+    }
+  }
+
+ private:
+  void visit(Component& component) {
+    archive_.enter(component.path());
+    component.serialize(archive_);
+  }
+  std::vector<Component*> components_;
+  Archive archive_;
+};
+
+/// In a catch clause: the error as one of the attribute, which says what has become of it.
+[[noreturn]] void throwAgain(const LiveEdit& edit) {
+  const std::string kept = "; " + edit.name() + " keeps its old value";
+  try {
+    throw;
+  } catch (const ComponentError& error) {
+    throw ComponentError(error.what() + kept, error.expected, error.suggestion);
+  } catch (const std::exception& error) {
+    throw ComponentError(edit.name() + " cannot change: " + error.what() + kept);
+  }
+}
+
+}  // namespace
+
+void RunEdits::check(const LiveEdit& edit) const {
+  for (const auto& system : systems_) {
+    if (system->integrator().followsChanges()) continue;
+    const auto isInside = [&system](const Component* component) {
+      return isAtOrBelow(&component->node(), system->node());
+    };
+    if (!edit.component() || isInside(edit.component()) ||
+        std::any_of(edit.recompiled().begin(), edit.recompiled().end(), isInside))
+      throw ComponentError(edit.name() + " cannot change while the scene runs: " + system->integrator().path() +
+                               " has computed its matrix and loads beforehand",
+                           "an integrator that makes its matrix in steps",
+                           "load the scene again with the new value (--set " + edit.name() + "=...)");
+  }
+}
+
+Diagnostics RunEdits::set(const std::string& path, const std::string& attribute, const std::string& text) {
+  LiveEdit edit(root_, path, attribute);
+  check(edit);
+  complete(systems_);
+  Diagnostics messages;
+  const LiveEdit::Value before = edit.value();
+  change(edit, {text}, messages);
+  if (edit.changesTimeStep()) clock_.countFromHere();
+  watch_.noteWork();
+  const auto known = std::find_if(edits_.begin(), edits_.end(), [&](const Edit& other) {
+    return other.path == path && other.attribute == attribute;
+  });
+  Edit noted{path, attribute, before.text, text, before.origin};
+  if (known != edits_.end()) {
+    noted.original = known->original, noted.origin = known->origin;
+    edits_.erase(known);
+  }
+  edits_.push_back(std::move(noted));
+  log_.record(clock_.steps(), AttributeEdit{path, attribute, text});
+  return messages;
+}
+
+void RunEdits::change(LiveEdit& edit, const LiveEdit::Value& value, Diagnostics& messages) {
+  const LiveEdit::Value before = edit.value();
+  snapshots_.takeGood(systems_);
+  std::vector<System*> concerned;
+  for (const auto& system : systems_)
+    if (system->integrator().followsChanges() && reaches(edit, *system)) concerned.push_back(system.get());
+  std::vector<Component*> remembering = edit.recompiled();
+  for (const System* system : concerned) remembering.push_back(&system->integrator());
+  KeptMemory kept(std::move(remembering));
+  const auto put = [&](const LiveEdit::Value& wanted, Diagnostics& told) {
+    edit.apply(wanted, told);
+    std::list<LiveEdit::Listener> listeners;
+    for (Component* component : edit.recompiled()) listeners.emplace_back(*component, told);
+    for (System* system : concerned) {
+      const LiveEdit::Listener listener(system->integrator(), told);
+      if (edit.changesTimeStep()) system->integrator().compile(*system);
+      if (edit.changesGravity()) system->gravityChanged();
+      if (!edit.recompiled().empty()) system->componentsChanged(edit.recompiled(), clock_.time());
+    }
+    kept.giveBack();
+    for (const System* system : concerned) system->integrator().sceneChanged();
+  };
+  try {
+    put(value, messages);
+  } catch (...) {
+    std::string not_put_back;
+    try {
+      Diagnostics told_before;
+      put(before, told_before);
+    } catch (...) {
+      not_put_back = errorSentence();
+    }
+    snapshots_.putGoodBack(systems_, systems_.size());
+    if (!not_put_back.empty())
+      throw ComponentError(
+          edit.name() + " could neither be changed (" + errorSentence() + ") nor be put back (" + not_put_back + ")",
+          {}, "load the scene again");
+    throwAgain(edit);
+  }
+}
+
+std::vector<Override> RunEdits::all() const {
+  std::vector<Override> all;
+  for (const Edit& edit : edits_) all.push_back({edit.path, edit.attribute, edit.text});
+  return all;
+}
+
+void RunEdits::takeBack() {
+  for (auto edit = edits_.rbegin(); edit != edits_.rend(); ++edit) {
+    LiveEdit live(root_, edit->path, edit->attribute);
+    Diagnostics told_before;
+    change(live, {edit->original, edit->origin}, told_before);
+  }
+  edits_.clear();
+}
+
+void RunEdits::serialize(Archive& archive) {
+  archive.enter("edits");
+  std::vector<Edit> stored = edits_;
+  std::size_t count = stored.size();
+  archive.value("count", count);
+  stored.resize(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::string number = std::to_string(i) + " ";
+    archive.value(number + "path", stored[i].path);
+    archive.value(number + "attribute", stored[i].attribute);
+    archive.value(number + "text", stored[i].text);
+  }
+  if (!archive.isReading()) return;
+  takeBack();
+  for (const Edit& edit : stored) set(edit.path, edit.attribute, edit.text);
+}
+
+}  // namespace stroma

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <algorithm>
+#include <map>
+
+#include "framework/scene/archive.h"
+#include "framework/scene/node.h"
+#include "framework/simulation/input.h"
+#include "framework/simulation/run_clock.h"
+#include "framework/simulation/run_events.h"
+#include "framework/simulation/run_watch.h"
+
+namespace stroma {
+
+/// The forces from outside that act on a run, by number. What is done to them is recorded.
+class RunInputs {
+ public:
+  RunInputs(const Node& root, const Systems& systems, const RunClock& clock, RunLog& log, RunWatch& watch)
+      : root_(root), systems_(systems), clock_(clock), log_(log), watch_(watch) {}
+  RunInputs(const RunInputs&) = delete;
+
+  /// Throws ComponentError when this input cannot act.
+  void check(const Input& input) const;
+  long add(const Input& input);
+  void change(long number, const Input& input);
+  void remove(long number);
+  /// Begins, or changes, the one with this number.
+  void set(long number, const Input& input);
+  bool has(long number) const { return inputs_.count(number) > 0; }
+
+  /// None acts any more, and the next number is this one. Nothing is recorded.
+  void drop(long next_number);
+  /// add() gives no number below this one.
+  void reserve(long next_number) { next_ = std::max(next_, next_number); }
+  void serialize(Archive& archive);  ///< see Component::serialize()
+
+ private:
+  System& systemOf(const Input& input, State*& state) const;
+
+  const Node& root_;
+  const Systems& systems_;
+  const RunClock& clock_;
+  RunLog& log_;
+  RunWatch& watch_;
+  std::map<long, Input> inputs_;  ///< that act now
+  long next_ = 1;
+};
+
+}  // namespace stroma

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <vector>
+
+#include "framework/scene/diagnostics.h"
+#include "framework/simulation/observer.h"
+#include "framework/simulation/snapshots.h"
+
+namespace stroma {
+
+/// Those who see the steps of a run. See Simulation, which says when.
+class RunObservers {
+ public:
+  explicit RunObservers(const Simulation& simulation, const Systems& systems)
+      : simulation_(simulation), systems_(systems) {}
+  RunObservers(const RunObservers&) = delete;
+
+  const std::vector<Observer*>& all() const { return observers_; }
+  void collect(Node& root);
+  void compile(Diagnostics& diagnostics);
+  /// Single nodes that are watched are kept up to date, but for those that follow others.
+  void watchFollowers();
+  void clear() { observers_.clear(); }
+  void add(Observer& observer);
+  void remove(Observer& observer);
+
+  void checkOutputs() const;
+  void computeOnDemand(bool on) { on_demand_ = on; }
+  void begin();
+  /// After a good step; the time of the observers is counted apart.
+  void afterStep(const StepContext& context);
+  void end();
+
+ private:
+  template <class Tell>
+  void tellAll(Tell&& tell);
+
+  const Simulation& simulation_;
+  const Systems& systems_;
+  std::vector<Observer*> observers_;
+  bool begun_ = false;
+  bool on_demand_ = false;
+  bool watches_followers_ = false;  ///< an observer watches single nodes that passive mappings place
+};
+
+}  // namespace stroma

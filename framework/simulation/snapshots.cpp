@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "framework/simulation/snapshots.h"
+
+#include "framework/simulation/integrator.h"
+
+namespace stroma {
+
+void complete(const Systems& systems) {
+  for (const auto& system : systems) {
+    system->integrator().complete(*system);
+    // the integrator left mapped rows behind with all others
+    if (system->integrator().answersForState() && !system->actors().passive_mappings.empty()) system->applyMappings();
+  }
+}
+
+void Snapshots::compile(const Systems& systems) {
+  for (const auto& system : systems) {
+    good_.emplace_back(system->allRows());
+    start_.emplace_back(system->allRows());
+    start_.back().take(*system);
+  }
+}
+
+void Snapshots::takeGood(const Systems& systems) {
+  for (std::size_t i = 0; i < systems.size(); ++i) good_[i].take(*systems[i]);
+}
+
+void Snapshots::putGoodBack(const Systems& systems, std::size_t count) const {
+  for (std::size_t i = 0; i < count; ++i) good_[i].putBack(*systems[i]);
+}
+
+void Snapshots::putStartBack(const Systems& systems) const {
+  for (std::size_t i = 0; i < systems.size(); ++i) start_[i].putBack(*systems[i]);
+}
+
+}  // namespace stroma

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tools/checks/result_doubts.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "framework/mechanics/state_positions.h"
+#include "framework/mechanics/state_topology.h"
+#include "tools/checks/folds.h"
+
+namespace stroma {
+namespace {
+
+/// How many elements of a force field have no volume left at x, and of how many.
+CellCount foldedCount(const ForceField& field, ConstRows x) {
+  // a crushed element has the round-off of its nodes' positions for a volume
+  constexpr double flat = 1e-12;
+  const auto names = field.cellFields();
+  if (std::find(names.begin(), names.end(), "J") == names.end()) return {};
+  std::vector<double> j;
+  field.cellField("J", x, j);
+  const auto folded = std::count_if(j.begin(), j.end(), [](double value) { return !(value > flat); });
+  return {std::size_t(folded), j.size()};
+}
+
+/// The same in words with the worst element, or empty.
+std::string foldedElements(const ForceField& field, ConstRows x) {
+  const auto [folded, all] = foldedCount(field, x);
+  if (folded == 0) return {};
+  return fmt::format("{} of {} elements are inverted or flat; the worst is {}", folded, all, field.worstElement(x));
+}
+
+/// Why a force that is a step late and an integrator do not go together, or empty.
+std::string laggedForce(const ForceField& field, const Integrator& integrator) {
+  if (!field.traits().lagged || integrator.toleratesLaggedForces()) return {};
+  return fmt::format(
+      "{} acts with a quantity from before the step, and {} hardly damps what that feeds: motions may ring for ever. A "
+      "coupling without delay, or EulerImplicitSolver, does not",
+      field.path(), integrator.path());
+}
+
+/// Motions much faster than the step keep their velocity but for its sign, for ever or nearly so: a physical viscosity
+/// does not damp them either, because rules without damping of their own take it for a change of sign too.
+std::string reversals(const Simulation& simulation, std::size_t index) {
+  if (!simulation.watch().isReversing(index)) return {};
+  return fmt::format(
+      "{} at t = {:.6g} s: velocities change sign from step to step, or every other step. dt = {:.6g} s is far above "
+      "the period of the "
+      "fastest motions, which this rule does not damp: the positions are a mean at best. A smaller dt, "
+      "EulerImplicitSolver or BDFOdeSolver settles",
+      simulation.systems()[index]->integrator().path(), simulation.time(), simulation.dt());
+}
+
+/// More than half of the energy that moves about has no source. Bodies that are moved, or met by position constraints,
+/// may have got it there.
+std::string gainedEnergy(const Simulation& simulation, std::size_t index) {
+  const System& system = *simulation.systems()[index];
+  if (simulation.watch().isWorkedOn() || !system.integrator().keepsEnergy() || !system.isConservative() ||
+      !system.actors().position_constraints.empty())
+    return {};
+  for (const ForceField* field : system.forceFields())
+    if (field->traits().time_dependent) return {};
+  for (const ProjectiveConstraint* constraint : system.constraints().all())
+    if (constraint->prescribesMotion()) return {};
+  const auto& [x, v] = simulation.snapshots().start(index);
+  const double kinetic_start = system.kineticEnergy(v), potential_start = system.potentialEnergy(x);
+  const double kinetic = system.kineticEnergy(), potential = system.potentialEnergy(system.x);
+  const double gained = kinetic + potential - kinetic_start - potential_start;
+  const double moved = kinetic + kinetic_start + std::abs(potential - potential_start);
+  const double round_off = 1e-9 * (std::abs(potential) + std::abs(potential_start));
+  if (!(gained > moved / 2 && gained > round_off)) return {};
+  return fmt::format(
+      "{} has gained {:.3g} J by t = {:.6g} s with no work done on it, as rules without damping may at large steps. A "
+      "smaller dt, or EulerImplicitSolver, keeps it bounded",
+      system.integrator().path(), gained, simulation.time());
+}
+
+}  // namespace
+
+std::vector<std::string> doubtsOf(const Simulation& simulation) {
+  simulation.complete();
+  std::vector<std::string> sentences;
+  const auto say = [&sentences](std::string sentence) {
+    if (!sentence.empty()) sentences.push_back(std::move(sentence));
+  };
+  const double time = simulation.time();
+  for (std::size_t i = 0; i < simulation.systems().size(); ++i) {
+    const System& system = *simulation.systems()[i];
+    std::set<const State*> folded_states;
+    for (const ForceField* field : system.forceFields()) {
+      const std::string where = fmt::format("{} at t = {:.6g} s: ", field->path(), time);
+      if (const std::string folded = foldedElements(*field, system.x); !folded.empty())
+        say(where + folded), folded_states.insert(&field->state());
+      else if (const std::string beyond = field->doubt(system.x); !beyond.empty())
+        say(where + beyond);
+      if (simulation.steps() > 0 && movesVisibly(system, simulation.dt())) say(laggedForce(*field, system.integrator()));
+    }
+    // what force fields do not look at: springs and shape memory know no volumes, and a point inside a cell not its
+    // corners
+    for (const State* state : system.states()) {
+      if (folded_states.count(state) > 0) continue;
+      const std::vector<Vec3> now = positionsOf(*state, system.x);
+      if (now == state->rest_position) continue;  // nothing has moved: large scenes start without a look at their cells
+      for (const Topology* topology : topologiesOf(*state))
+        if (const std::string folds = foldsOf(topology->mesh(), state->rest_position, now); !folds.empty())
+          say(fmt::format("{} at t = {:.6g} s: {}", topology->path(), time, folds));
+    }
+    for (std::string& sentence : grownBodies(system)) say(std::move(sentence));
+    say(system.integrator().doubt());
+    say(gainedEnergy(simulation, i));
+    say(reversals(simulation, i));
+  }
+  return sentences;
+}
+
+/// Several force fields and meshes may describe one body: it is as bad as the worst of them says.
+CellCount invertedCells(const Simulation& simulation) {
+  simulation.complete();
+  CellCount sum;
+  const auto share = [](const CellCount& count) { return count.all ? double(count.inverted) / double(count.all) : -1; };
+  for (const auto& system : simulation.systems())
+    for (const State* state : system->states()) {
+      CellCount worst;
+      const auto look = [&](const CellCount& count) {
+        if (share(count) > share(worst)) worst = count;
+      };
+      for (const ForceField* field : system->forceFields())
+        if (&field->state() == state) look(foldedCount(*field, system->x));
+      const std::vector<Vec3> now = positionsOf(*state, system->x);
+      for (const Topology* topology : topologiesOf(*state)) {
+        const auto [inverted, all] = insideOutCells(topology->mesh(), state->rest_position, now);
+        look({inverted, all});
+      }
+      sum.inverted += worst.inverted, sum.all += worst.all;
+    }
+  return sum;
+}
+
+void warnOfLaggedForces(const Simulation& simulation, Diagnostics& diagnostics) {
+  for (const auto& system : simulation.systems())
+    for (const ForceField* field : system->forceFields())
+      if (std::string sentence = laggedForce(*field, system->integrator()); !sentence.empty())
+        diagnostics.warning(field->where(), field->path(), std::move(sentence));
+}
+
+}  // namespace stroma

@@ -1,0 +1,391 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Whether the numbers of a scene can belong together. They need not be SI: each consistent system of units is tried.
+#include "tools/checks/unit_doubts.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+
+#include "framework/scene/text.h"
+#include "tools/checks/written_bodies.h"
+
+namespace stroma {
+namespace {
+
+// ---- what is plausible ----
+
+/// In SI: bodies from a cell to a bridge, gels to diamond, foam to osmium, gravity from small moons to a centrifuge.
+struct Range {
+  double low, high, typical;
+  bool has(double value) const { return value >= low && value <= high; }
+};
+constexpr Range ranges[] = {{1e-5, 100, 0.1}, {10, 1e12, 1e4}, {10, 25000, 1000}, {0.1, 500, 9.81}};
+/// Of density * gravity * size / modulus, about the strain by a body's own weight. A brain out of its liquid has 3; at
+/// 30 a body is a puddle.
+constexpr double heaviest = 30;
+/// No organ is larger than this [m], and what is built so large bears its weight: it has far less than this strain.
+constexpr double large_size = 10, heaviest_large = 1;
+/// Only loose gels and cells are softer [Pa], and they are small: a body that is too heavy too has a wrong modulus.
+constexpr double soft_modulus = 100;
+
+/// What a number of the scene is in SI.
+using Factors = std::array<double, body_quantities.size()>;
+
+bool has(const std::vector<Quantity>& list, Quantity q) { return std::find(list.begin(), list.end(), q) != list.end(); }
+
+/// A value that is unknown is none to judge, and no gravity is plausible.
+bool isKnown(const WrittenBody& body, Quantity q) { return q == body_modulus || body.value[q] > 0; }
+
+/// Written in m/s^2 a hundredth of the earth's gravity is a small load; in a smaller unit of length it is that of the
+/// earth, whose digits were taken for those of the unit.
+constexpr double smallest_load = 0.01;
+
+bool isPlausible(const WrittenBody& body, Quantity q, double factor) {
+  const double value = body.value[q] * factor;
+  if (q == body_modulus) return value >= ranges[q].low && body.softest * factor <= ranges[q].high;
+  return ranges[q].has(value) || (q == body_gravity && factor == 1 && value >= smallest_load && value < ranges[q].low);
+}
+
+/// What is not known is as usual.
+double usualIfUnknown(const WrittenBody& body, const Factors& f, Quantity q) {
+  return isKnown(body, q) ? body.value[q] * f[q] : ranges[q].typical;
+}
+
+double weightOf(const WrittenBody& body, const Factors& f) {
+  double weight = body.value[body_size] * f[body_size] / (body.value[body_modulus] * f[body_modulus]);
+  for (const Quantity q : {body_density, body_gravity}) weight *= usualIfUnknown(body, f, q);
+  return weight;
+}
+
+/// What is wrong with a body.
+struct Faults {
+  std::vector<Quantity> out;      ///< of their ranges
+  std::vector<Quantity> suspect;  ///< at the end of their ranges, and the body is too heavy for its stiffness
+  bool too_heavy = false;
+  std::size_t count() const { return out.empty() && too_heavy ? 1 : out.size(); }
+};
+
+Faults faultsOf(const WrittenBody& body, const Factors& factors) {
+  Faults faults;
+  for (const Quantity q : body_quantities) {
+    if (isKnown(body, q) && !isPlausible(body, q, factors[q])) faults.out.push_back(q);
+  }
+  const double weight = weightOf(body, factors);
+  const bool bears_weight = isKnown(body, body_density) && isKnown(body, body_gravity);
+  const bool too_large = body.value[body_size] * factors[body_size] > large_size && weight > heaviest_large;
+  faults.too_heavy = too_large || (bears_weight && weight > heaviest);
+  if (too_large) faults.suspect.push_back(body_size);
+  if (faults.too_heavy && body.value[body_modulus] * factors[body_modulus] < soft_modulus)
+    faults.suspect.push_back(body_modulus);
+  return faults;
+}
+
+/// A consistent system of units.
+struct UnitSystem {
+  const char* name;
+  double length, mass, time;
+
+  Factors factors() const {
+    return {length, mass / (length * time * time), mass / std::pow(length, 3), length / (time * time)};
+  }
+};
+const UnitSystem systems[] = {
+    {"m, kg, s", 1, 1, 1},           {"mm, t, s", 1e-3, 1e3, 1},    {"mm, kg, s", 1e-3, 1, 1},
+    {"mm, g, s", 1e-3, 1e-3, 1},     {"cm, g, s", 1e-2, 1e-3, 1},   {"cm, kg, s", 1e-2, 1, 1},
+    {"mm, g, ms", 1e-3, 1e-3, 1e-3}, {"mm, kg, ms", 1e-3, 1, 1e-3}, {"um, kg, s", 1e-6, 1, 1}};
+const UnitSystem& si = systems[0];
+
+// ---- what would mend it ----
+
+struct UnitChoice {
+  const char* unit;
+  double factor;
+};
+constexpr UnitChoice lengths[] = {{"m", 1}, {"mm", 1e-3}, {"cm", 1e-2}, {"um", 1e-6}},
+                     moduli[] = {{"Pa", 1}, {"kPa", 1e3}, {"MPa", 1e6}, {"GPa", 1e9}},
+                     densities[] = {{"kg/m^3", 1},
+                                    {"g/cm^3", 1e3},
+                                    {"g/mm^3", 1e6},
+                                    {"kg/mm^3", 1e9},
+                                    {"t/mm^3", 1e12}},
+                     masses[] = {{"kg", 1}, {"g", 1e-3}, {"t", 1e3}},
+                     gravities[] = {{"m/s^2", 1}, {"mm/s^2", 1e-3}, {"cm/s^2", 1e-2}};
+
+/// A unit for each quantity in which the body is plausible.
+struct Remedy {
+  std::array<UnitChoice, body_quantities.size()> units;
+  double cost = std::numeric_limits<double>::infinity();
+  bool isFound() const { return std::isfinite(cost) && changes() > 0; }
+  std::size_t changes() const {
+    return std::size_t(std::count_if(units.begin(), units.end(), [](const UnitChoice& u) { return u.factor != 1; }));
+  }
+};
+
+/// Which quantities may be other than they are read: what has a unit is meant so, and what is plausible is left alone
+/// when the weight is all that is wrong.
+std::array<bool, body_quantities.size()> changeable(const Scene& scene, const WrittenBody& body) {
+  const auto has_unit = quantitiesWithUnit(scene, body);
+  const Faults faults = faultsOf(body, si.factors());
+  std::array<bool, body_quantities.size()> may{};
+  for (const Quantity q : body_quantities)
+    may[q] = !has_unit[q] && isKnown(body, q) && (!faults.out.empty() || has(faults.suspect, q));
+  return may;
+}
+
+/// Few changes and usual values: a change is worth two decades.
+void consider(const WrittenBody& body, const std::array<bool, body_quantities.size()>& may,
+              const std::array<UnitChoice, body_quantities.size()>& units, Remedy& best) {
+  Factors factors;
+  for (const Quantity q : body_quantities) {
+    factors[q] = units[q].factor;
+    if (units[q].factor != 1 && !may[q]) return;
+  }
+  if (body.hasMassWithoutDensity()) factors[body_density] /= std::pow(factors[body_size], 3);
+  if (faultsOf(body, factors).count() > 0) return;
+  Remedy remedy{units, 0};
+  for (const Quantity q : body_quantities)
+    if (body.value[q] > 0) remedy.cost += std::abs(std::log10(body.value[q] * factors[q] / ranges[q].typical));
+  remedy.cost += 2. * double(remedy.changes());
+  if (remedy.cost < best.cost) best = remedy;
+}
+
+Remedy remedyOf(const Scene& scene, const WrittenBody& body) {
+  const auto may = changeable(scene, body);
+  Remedy best{};
+  const auto look = [&](const auto& density_units) {
+    for (const UnitChoice& length : lengths)
+      for (const UnitChoice& stiffness : moduli)
+        for (const UnitChoice& heaviness : density_units)
+          for (const UnitChoice& pull : gravities) consider(body, may, {length, stiffness, heaviness, pull}, best);
+  };
+  body.hasMassWithoutDensity() ? look(masses) : look(densities);
+  return best;
+}
+
+// ---- in words ----
+
+/// "80 mm", "5 kPa": with the unit in which a person would say it.
+std::string inWords(Quantity quantity, double value) {
+  constexpr UnitChoice any_length[] = {{"m", 1}, {"mm", 1e-3}, {"um", 1e-6}},
+                       any_modulus[] = {{"GPa", 1e9}, {"MPa", 1e6}, {"kPa", 1e3}, {"Pa", 1}};
+  const auto say = [value](const auto& units) {
+    for (const UnitChoice& each : units)
+      if (value >= each.factor) return fmt::format("{:.4g} {}", value / each.factor, each.unit);
+    return fmt::format("{:.4g} {}", value / std::rbegin(units)->factor, std::rbegin(units)->unit);
+  };
+  if (quantity == body_size) return say(any_length);
+  if (quantity == body_modulus) return say(any_modulus);
+  return fmt::format("{:.6g} {}", value, quantity == body_density ? "kg/m^3" : "m/s^2");
+}
+
+std::string nameOf(const WrittenBody& body, Quantity quantity) {
+  const std::string names[] = {"size", body.moduli[0].data->name(), "density", "gravity"};
+  return names[quantity];
+}
+
+std::string readingOf(const WrittenBody& body, const Factors& factors) {
+  std::string text;
+  for (const Quantity q : body_quantities)
+    if (isKnown(body, q) || (q == body_gravity && body.mass))
+      text += fmt::format("{}{} {}", text.empty() ? "" : ", ", nameOf(body, q), inWords(q, body.value[q] * factors[q]));
+  return text;
+}
+
+std::string faultText(const WrittenBody& body, const Factors& factors) {
+  const Faults faults = faultsOf(body, factors);
+  assert(faults.count() > 0);
+  std::string text;
+  for (const Quantity q : faults.out)
+    text += fmt::format("{}{} is outside {} to {}", text.empty() ? "" : ", ", nameOf(body, q),
+                        inWords(q, ranges[q].low), inWords(q, ranges[q].high));
+  if (!text.empty()) return text;
+  const bool is_known = isKnown(body, body_density) && isKnown(body, body_gravity);
+  return fmt::format("density x gravity x size is {}{:.3g} times {}: the body is too heavy for its stiffness",
+                     is_known ? "" : "for tissue on earth ", weightOf(body, factors), nameOf(body, body_modulus));
+}
+
+std::string shortened(const std::string& text) { return text.size() > 30 ? "..." : text; }
+
+/// What to write for one quantity, and where.
+struct Advice {
+  std::string text;
+  SourceLocation where;
+  std::string path;
+};
+
+/// The numbers of an attribute in another unit, as they are written.
+std::string inOtherUnit(const Data& data, double factor) {
+  const auto print = [factor](double value) { return fmt::format("{:.12g}", value * factor); };
+  if (const auto* real = std::get_if<double*>(&data.pointer())) return print(**real);
+  std::string text;
+  if (const auto* list = std::get_if<std::vector<double>*>(&data.pointer()))
+    for (const double value : **list) text += (text.empty() ? "" : " ") + print(value);
+  return text;
+}
+
+/// `unit` follows the number; it may be empty, when the number is multiplied by `factor`.
+Advice adviceFor(const WrittenBody& body, Quantity quantity, const std::string& unit, double factor = 1) {
+  const auto valued = [&](const std::string& number) { return shortened(number) + (unit.empty() ? "" : " " + unit); };
+  const auto attribute = [&](const Component& component, const Data& data) -> Advice {
+    return {
+        fmt::format("{}=\"{}\" on {} ({})", data.name(), valued(factor == 1 ? data.print() : inOtherUnit(data, factor)),
+                    component.path(), component.where().text()),
+        component.where(), component.path() + "." + data.name()};
+  };
+  if (quantity == body_modulus) {
+    Advice advice = attribute(*body.moduli[0].field, *body.moduli[0].data);
+    for (const Modulus& other : body.moduli)
+      if (other.data != body.moduli[0].data && other.data->isSet())
+        advice.text += ", " + attribute(*other.field, *other.data).text;
+    return advice;
+  }
+  if (quantity == body_density) return attribute(*body.mass, *body.mass_data);
+  if (quantity == body_gravity) {
+    const Node* node = body.mass ? &body.mass->node() : &body.state->node();
+    while (!node->own_gravity && node->parent()) node = node->parent();
+    Vec3 pull = node->gravity() * factor;
+    for (int i = 0; i < 3 && factor != 1; ++i) pull[i] = std::round(pull[i] * 1e6) / 1e6 + 0.;
+    return {fmt::format("gravity=\"{}\" on {} ({})", valued(Data("gravity", &pull).print()), node->path(),
+                        node->where().text()),
+            node->where(), node->path()};
+  }
+  bool is_file = false;
+  const Component& source = sourceOfLengths(*body.state, is_file);
+  const std::string at = fmt::format("{} ({})", source.path(), source.where().text());
+  std::string text =
+      is_file ? fmt::format("unit=\"{}\" on {}", unit, at) : fmt::format("\"{}\" after the lengths of {}", unit, at);
+  if (unit.empty()) text = fmt::format("the lengths of {} times {:g}", at, factor);
+  return {text, source.where(), source.path()};
+}
+
+/// The units of a remedy in words; the place is that of the first.
+Advice adviceOf(const WrittenBody& body, const Remedy& remedy) {
+  Advice all;
+  for (const Quantity q : body_quantities) {
+    if (remedy.units[q].factor == 1) continue;
+    Advice advice = adviceFor(body, q, remedy.units[q].unit);
+    if (all.text.empty()) {
+      all = std::move(advice);
+    } else {
+      all.text += ", " + advice.text;
+    }
+  }
+  return all;
+}
+
+/// When one quantity is out of a system that is not SI: what it is in its units, if it was written in a usual unit.
+Advice adviceWithin(const UnitSystem& system, const WrittenBody& body) {
+  const Factors factors = system.factors();
+  const Faults faults = faultsOf(body, factors);
+  if (faults.out.size() != 1) return {};
+  const Quantity q = faults.out[0];
+  double best = std::numeric_limits<double>::infinity(), ratio = 0;
+  const auto look = [&](const auto& units) {
+    for (const UnitChoice& unit : units) {
+      Factors other = factors;
+      other[q] = unit.factor;
+      if (q == body_density && body.hasMassWithoutDensity()) other[q] /= std::pow(system.length, 3);
+      const double distance = std::abs(std::log10(body.value[q] * other[q] / ranges[q].typical));
+      if (faultsOf(body, other).count() == 0 && distance < best) best = distance, ratio = other[q] / factors[q];
+    }
+  };
+  if (q == body_size) look(lengths);
+  if (q == body_modulus) look(moduli);
+  if (q == body_density) body.hasMassWithoutDensity() ? look(masses) : look(densities);
+  if (q == body_gravity) look(gravities);
+  return ratio > 0 ? adviceFor(body, q, "", ratio) : Advice{};
+}
+
+// ---- which system is meant, and which body is off in it ----
+
+/// Numbers that are none of things: benchmarks without dimensions have a density of 1, and another 1 or a gravity that
+/// no place has.
+bool isWithoutDimensions(const WrittenBody& body) {
+  const auto isOne = [&body](Quantity q) { return std::abs(body.value[q] - 1) < 1e-6; };
+  return isOne(body_density) &&
+         (isOne(body_gravity) || isOne(body_modulus) || body.value[body_gravity] < ranges[body_gravity].low);
+}
+
+struct Doubt {
+  const UnitSystem* system;
+  std::vector<const WrittenBody*> bodies;  ///< with faults in it
+  std::size_t faults = 0;
+};
+
+Doubt doubtIn(const UnitSystem& system, const std::vector<WrittenBody>& bodies) {
+  Doubt doubt{&system, {}, 0};
+  for (const WrittenBody& body : bodies)
+    if (const std::size_t count = faultsOf(body, system.factors()).count(); count > 0)
+      doubt.bodies.push_back(&body), doubt.faults += count;
+  return doubt;
+}
+
+/// In the system with the fewest bodies that are off, and of those the fewest faults.
+Doubt leastDoubt(const std::vector<WrittenBody>& bodies) {
+  Doubt least = doubtIn(si, bodies);
+  for (const UnitSystem& system : systems) {
+    Doubt doubt = doubtIn(system, bodies);
+    const bool is_less = doubt.bodies.size() < least.bodies.size() ||
+                         (doubt.bodies.size() == least.bodies.size() && doubt.faults < least.faults);
+    if (is_less) least = std::move(doubt);
+  }
+  return least;
+}
+
+/// What to write, for the reader of a warning; empty when nothing is sure.
+Advice adviceOn(const Scene& scene, const Doubt& doubt, bool all_are_off, const Remedy& in_units) {
+  const WrittenBody& body = *doubt.bodies[0];
+  Advice units = in_units.isFound() && (doubt.system == &si || all_are_off) ? adviceOf(body, in_units) : Advice{};
+  if (doubt.system == &si) {
+    if (!units.text.empty()) units.text = "write " + units.text;
+    return units;
+  }
+  Advice within = adviceWithin(*doubt.system, body);
+  if (within.text.empty()) {
+    if (!units.text.empty()) units.text = "with units write " + units.text;
+    return units;
+  }
+  within.text = fmt::format("write {} if {} are meant", within.text, doubt.system->name);
+  if (units.text.empty()) return within;
+  units.text = within.text + ", else with units " + units.text;
+  return units;
+}
+
+void warn(const Scene& scene, const Doubt& doubt, bool all_are_off, bool has_units, const Remedy& in_units,
+          Diagnostics& diagnostics) {
+  const WrittenBody& body = *doubt.bodies[0];
+  const Factors factors = doubt.system->factors();
+  const Advice advice = adviceOn(scene, doubt, all_are_off, in_units);
+  const char* what = body.mass                     ? "size, stiffness, density and gravity"
+                     : isKnown(body, body_gravity) ? "size, stiffness and gravity"
+                                                   : "size and stiffness";
+  const std::string head = has_units ? fmt::format("{} do not fit together", what)
+                                     : fmt::format("in no consistent system of units do {} fit together", what);
+  const Component& fallback = *body.moduli[0].field;
+  const bool is_placed = !advice.text.empty();
+  diagnostics.warning(is_placed ? advice.where : fallback.where(), is_placed ? advice.path : fallback.path(),
+                            fmt::format("{}; read in {}: {}, of which {}", head, doubt.system->name,
+                                        readingOf(body, factors), faultText(body, factors)),
+                            advice.text);
+}
+
+}  // namespace
+
+void warnOfUnits(const Scene& scene, Diagnostics& diagnostics) {
+  std::vector<WrittenBody> bodies = writtenBodies(scene);
+  if (doubtIn(si, bodies).bodies.empty()) return;
+  const bool has_units = hasAnyUnit(scene.description.root);
+  if (!has_units) std::erase_if(bodies, isWithoutDimensions);
+  Doubt doubt = has_units ? doubtIn(si, bodies) : leastDoubt(bodies);
+  if (doubt.bodies.empty()) return;
+  const bool all_are_off = doubt.bodies.size() == bodies.size();
+  Remedy in_units = remedyOf(scene, *doubt.bodies[0]);
+  // One unit makes the whole scene SI: simpler than another system.
+  if (all_are_off && in_units.isFound() && in_units.changes() == 1) doubt = doubtIn(si, bodies);
+  warn(scene, doubt, all_are_off, has_units, in_units, diagnostics);
+}
+
+}  // namespace stroma

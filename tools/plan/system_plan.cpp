@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The plan of a system: an item for each thing that acts, and for what could and does not.
+#include <fmt/format.h>
+
+#include "framework/mechanics/open_choices.h"
+#include "framework/simulation/integrator.h"
+#include "tools/plan/plan.h"
+
+namespace stroma {
+namespace {
+
+std::string traitsText(const ForceTraits& traits) {
+  std::string text;
+  const auto say = [&text](const char* word) { text += (text.empty() ? "" : ", ") + std::string(word); };
+  if (!traits.has_stiffness) {
+    say("no stiffness: left out of products and matrices");
+  } else {
+    say(traits.constant_stiffness ? "constant stiffness: assembled once" : "stiffness changes with the shape");
+    if (!traits.symmetric) say("not symmetric");
+    if (!traits.exact_tangent) say("approximate tangent");
+  }
+  if (traits.linear) say("linear");
+  if (traits.velocity_dependent) say("depends on velocity");
+  if (traits.time_dependent) say("depends on time");
+  if (!traits.conservative) say("not conservative");
+  return text;
+}
+
+PlanItem itemFor(std::string kind, const Component& component, PlanWhen when, std::string says) {
+  return {std::move(kind), component.path(), component.type(), when, std::move(says), {}, {}};
+}
+
+/// States and masses; gravity.
+void addBodies(const System& system, std::vector<PlanItem>& items) {
+  for (const State* state : system.states()) {
+    const char* mapped = state->firstRow() < system.independentRows() ? "" : ", mapped";
+    items.push_back(itemFor("state", *state, PlanWhen::held, fmt::format("{} nodes{}", state->size(), mapped)));
+    items.back().figures = {{"nodes", double(state->size())}};
+  }
+  for (const Mass* mass : system.masses()) {
+    items.push_back(
+        itemFor("mass", *mass, PlanWhen::held,
+                fmt::format("{:.6g} kg, {}", mass->totalMass(), mass->isDiagonal() ? "diagonal" : "sparse matrix")));
+    items.back().figures = {{"kg", mass->totalMass()}};
+  }
+  if (system.hasGravity())
+    items.push_back({"gravity", {}, {}, PlanWhen::once, "a constant force, computed once", {}, {}});
+  else
+    items.push_back({"gravity", {}, {}, PlanWhen::skipped, "skipped, there is no mass under a gravity", {}, {}});
+}
+
+void addForces(const System& system, std::vector<PlanItem>& items) {
+  for (const ForceField* field : system.forceFields()) {
+    const auto* open = dynamic_cast<const OpenChoices*>(field);
+    std::string choice = open ? open->choice() : std::string();
+    if (!choice.empty()) choice += ", ";
+    items.push_back(itemFor("force", *field, PlanWhen::each_evaluation,
+                            "each evaluation; " + choice + traitsText(field->traits())));
+  }
+  if (system.forceFields().empty()) items.push_back({"forces", {}, {}, PlanWhen::skipped, "none but gravity", {}, {}});
+}
+
+void addConstraints(const System& system, std::vector<PlanItem>& items) {
+  const ConstraintSet& constraints = system.constraints();
+  for (const ProjectiveConstraint* constraint : constraints.all()) {
+    items.push_back(itemFor("constraint", *constraint, PlanWhen::held, {}));
+    const double end = constraint->endTime();
+    if (end < 0) continue;
+    items.back().says = fmt::format("until t = {} s", end);
+    items.back().figures = {{"end_time", end}};
+  }
+  if (!constraints.all().empty()) {
+    const std::size_t held = constraints.projectors().size();
+    const Index relations = constraints.relations().empty() ? 0 : constraints.relations().relations().count();
+    std::string says = fmt::format("{} held or guided, ", held);
+    if (relations > 0) says += fmt::format("{} scalar relation{}, ", relations, relations == 1 ? "" : "s");
+    const bool changes = bool(constraints.change());
+    items.push_back({"nodes",
+                     {},
+                     {},
+                     changes ? PlanWhen::each_step : PlanWhen::once,
+                     says + (changes ? "looked up at each step" : "looked up once"),
+                     {{"nodes", double(held)}, {"relations", double(relations)}},
+                     {}});
+  }
+  for (const PositionConstraint* constraint : system.actors().position_constraints)
+    items.push_back(itemFor("position constraint", *constraint, PlanWhen::after_each_step,
+                            "after each step; " + constraint->describe()));
+}
+
+void addMappings(const System& system, std::vector<PlanItem>& items) {
+  const auto& acting = system.actors().mappings;
+  const auto& passive = system.actors().passive_mappings;
+  for (const Mapping* mapping : acting)
+    items.push_back(itemFor("mapping", *mapping, PlanWhen::each_evaluation, "each evaluation"));
+  for (const Mapping* mapping : passive)
+    items.push_back(
+        itemFor("mapping", *mapping, PlanWhen::after_each_step, "after each step; nothing acts on its nodes"));
+  if (acting.empty() && passive.empty())
+    items.push_back({"mappings", {}, {}, PlanWhen::skipped, "none, skipped", {}, {}});
+}
+
+void addSolvers(const System& system, std::vector<PlanItem>& items) {
+  const Integrator& integrator = system.integrator();
+  items.push_back(itemFor("integrator", integrator, PlanWhen::each_step, integrator.describe()));
+  const LinearSolver* solver = system.linearSolver();
+  if (!solver) return items.push_back({"linear solver", {}, {}, PlanWhen::skipped, "none", {}, {}});
+  const long blocks = long(system.matrix().keptBlocks());
+  items.push_back(itemFor(
+      "linear solver", *solver, PlanWhen::each_step,
+      blocks >= 0 ? fmt::format("matrix of {} blocks of 3x3", blocks) : std::string("no matrix is kept so far")));
+  if (blocks >= 0) items.back().figures = {{"blocks", double(blocks)}};
+  if (solver->where().text() == integrator.where().text())
+    items.back().note = "made with its defaults because the scene has none";
+}
+
+}  // namespace
+
+SystemPlan planOf(const System& system) {
+  SystemPlan plan{system.integrator().path(), system.allRows(), system.independentRows(), {}};
+  addBodies(system, plan.items);
+  addForces(system, plan.items);
+  addConstraints(system, plan.items);
+  addMappings(system, plan.items);
+  addSolvers(system, plan.items);
+  return plan;
+}
+
+}  // namespace stroma

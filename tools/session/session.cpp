@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tools/session/session.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+#include <stdexcept>
+
+#include "framework/scene/output_file.h"
+#include "tools/checks/empty_selections.h"
+#include "tools/checks/idle_parts.h"
+#include "tools/checks/result_doubts.h"
+#include "tools/checks/unit_doubts.h"
+#include "tools/session/file_uses.h"
+#include "tools/session/replay.h"
+
+namespace stroma {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+/// Steps of dt from now to `until`; a step that round-off puts just short of it has reached it.
+double stepsTo(double until, const Simulation& simulation) {
+  return std::ceil((until - simulation.time()) / simulation.dt() - 1e-9);
+}
+
+/// A step without a result ends a run: every later one would start from it.
+RunEnd endAfter(const StepReport& step) {
+  return step.diverged ? RunEnd::diverged : step.constraints_converged ? RunEnd::done : RunEnd::not_converged;
+}
+
+const std::string& reasonOf(const StepReport& step) {
+  return step.diverged || step.unsolved || step.constraint_reason.empty() ? step.reason : step.constraint_reason;
+}
+
+}  // namespace
+
+Simulation& Session::load(const std::string& scene_file, const std::vector<Override>& more_overrides) {
+  unload();
+  std::vector<Override> overrides = overrides_;
+  overrides.insert(overrides.end(), more_overrides.begin(), more_overrides.end());
+  return take(scene_file, loadScene(scene_file, overrides, factory_, modules_));
+}
+
+Simulation& Session::loadText(const std::string& xml, const std::string& name,
+                              const std::vector<Override>& more_overrides) {
+  unload();
+  std::vector<Override> overrides = overrides_;
+  overrides.insert(overrides.end(), more_overrides.begin(), more_overrides.end());
+  return take(name, loadSceneText(xml, name, overrides, factory_, modules_));
+}
+
+Simulation& Session::take(const std::string& file, Scene scene) {
+  scene_file_ = file;
+  unconverged_ = {};
+  auto simulation = std::make_unique<Simulation>(std::move(scene));
+  Diagnostics& diagnostics = simulation->diagnostics();
+  checkOverwriting(*simulation, diagnostics);
+  if (diagnostics.hasErrors()) throw SceneError(std::move(diagnostics));
+  warnOfEmptySelections(simulation->root(), diagnostics);
+  warnOfIdleParts(*simulation, diagnostics);
+  warnOfUnits(simulation->scene(), diagnostics);
+  warnOfLaggedForces(*simulation, diagnostics);
+  simulation_ = std::move(simulation);
+  return *simulation_;
+}
+
+void Session::unload() {
+  if (simulation_) simulation_->end();
+  simulation_.reset();
+}
+
+Simulation& Session::simulation() const {
+  if (!simulation_) throw std::logic_error("the session has no scene: load one first");
+  return *simulation_;
+}
+
+long Session::stepsUntil(double t) const {
+  const double count = stepsTo(t, simulation());
+  if (!(count >= 0 && count < 1e15))
+    throw std::invalid_argument(fmt::format("expected a time from {} s on", simulation().time()));
+  return long(count);
+}
+
+RunReport Session::run(const RunLimits& limits) {
+  Simulation& running = simulation();
+  const auto start = Clock::now();
+  RunReport report;
+  running.begin();
+  for (long made = 0; made < limits.steps && report.end == RunEnd::done; ++made) {
+    if (limits.until && !(stepsTo(*limits.until, running) > 0)) break;
+    if (stop_.exchange(false)) {
+      report.end = RunEnd::stopped;
+      break;
+    }
+    try {
+      const auto step_start = Clock::now();
+      report.last = running.step();
+      report.end = endAfter(report.last);
+      if (report.last.diverged) break;
+      const double seconds = secondsSince(step_start);
+      report.statistics.add(report.last, seconds);
+      unconverged_.add(report.last);
+      if (limits.after_step) limits.after_step(report.last, seconds);
+    } catch (const ReplayError& error) {
+      report.end = RunEnd::not_replayed;
+      report.reason = error.what();
+      break;
+    } catch (const OutputError& error) {
+      report.end = RunEnd::output_failed;
+      report.reason = error.what();
+    }
+    if (limits.reached && limits.reached(running)) break;
+  }
+  if (stop_.exchange(false) && report.end == RunEnd::done) report.end = RunEnd::stopped;
+  if (report.end == RunEnd::done && report.last.unsolved) report.end = RunEnd::not_converged;
+  if (report.end == RunEnd::diverged || report.end == RunEnd::not_converged) report.reason = reasonOf(report.last);
+  report.statistics.unconverged = unconverged_;
+  report.seconds = secondsSince(start);
+  return report;
+}
+
+void Session::writeCheckpoint(const std::string& path) {
+  Checkpoint checkpoint{scene_file_, buildIdentity(), simulation().checkpoint()};
+  checkpoint.values.enter("run");
+  unconverged_.serialize(checkpoint.values);
+  checkpoint.write(path);
+}
+
+std::vector<std::string> Session::restore(const std::string& path) {
+  Checkpoint checkpoint = Checkpoint::read(path);
+  bool tells_convergence = false;
+  try {
+    UnconvergedSteps unconverged;
+    Archive run = checkpoint.values.take("run");
+    tells_convergence = !run.entries().empty();
+    if (tells_convergence) unconverged.serialize(run);
+    run.checkAllRead();
+    simulation().restore(std::move(checkpoint.values));
+    unconverged_ = unconverged;
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(fmt::format("{}: {}", path, error.what()));
+  }
+  std::vector<std::string> notes;
+  if (!tells_convergence) notes.push_back(fmt::format("{} does not tell which steps before it converged", path));
+  if (checkpoint.scene != scene_file_) notes.push_back(fmt::format("{} was written by {}", path, checkpoint.scene));
+  if (checkpoint.build != buildIdentity())
+    notes.push_back(fmt::format("{} was written by another build: the run may go on with other bits", path));
+  return notes;
+}
+
+}  // namespace stroma

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// A scene that is loaded and run by a program: what commands, a viewer, a Python module or a sweep share.
+#pragma once
+#include <atomic>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "framework/scene/modules.h"
+#include "tools/session/checkpoint.h"
+#include "tools/session/statistics.h"
+
+namespace stroma {
+
+/// When a run ends; whichever comes first.
+struct RunLimits {
+  long steps = std::numeric_limits<long>::max();     ///< made by this call
+  std::optional<double> until{};                     ///< time of the simulation [s]: the first step that reaches it
+  std::function<bool(const Simulation&)> reached{};  ///< asked after each step
+  /// Told after each good step: its report and its wall time [s].
+  std::function<void(const StepReport&, double)> after_step{};
+};
+
+enum class RunEnd {
+  done,           ///< a limit was reached
+  stopped,        ///< requestStop(), after a whole step
+  diverged,       ///< the state is that before the step that failed
+  not_converged,  ///< no equilibrium, or a position constraint that does not hold: the state is no result
+  not_replayed,   ///< an event of a replay was refused: the state is that before its step
+  output_failed,  ///< an observer, or what is told after each step, could not write; all others have seen the step
+};
+
+/// How a run ended. Nothing is printed.
+struct RunReport {
+  RunEnd end = RunEnd::done;
+  StepReport last;           ///< of the last step
+  std::string reason;        ///< a sentence, unless done or stopped
+  double seconds = 0;        ///< wall time
+  RunStatistics statistics;  ///< of this call; what is unconverged is that of the session's run
+};
+
+/// Modules, a loaded scene and its simulation. Components are code in modules: nothing of a scene outlives its session.
+///
+/// Threads: one thread at a time uses a session and what belongs to it (simulation, states, observers), and only between
+/// steps; observers are called by the thread that steps. requestStop() alone may be called by any thread, or a signal
+/// handler, at any time: the run ends after the step under way, and then another thread may take over. Two sessions may
+/// run in two threads. setThreads() is of the process and comes before any of them steps.
+class Session {
+ public:
+  Session() = default;
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+
+  Factory& factory() { return factory_; }
+  Modules& modules() { return modules_; }
+  /// Overrides of every scene that is loaded from now on.
+  void setOverrides(std::vector<Override> overrides) { overrides_ = std::move(overrides); }
+
+  /// Loads a scene and compiles it, in place of the one before. Throws SceneError with every problem found; the session
+  /// then holds no scene. Warnings and notes are in simulation().scene().diagnostics.
+  Simulation& load(const std::string& scene_file, const std::vector<Override>& more_overrides = {});
+  /// The same from XML text; `name` stands for the file in messages, and relative file names start at its folder.
+  Simulation& loadText(const std::string& xml, const std::string& name,
+                       const std::vector<Override>& more_overrides = {});
+  /// Ends observers and drops the scene.
+  void unload();
+  bool isLoaded() const { return simulation_ != nullptr; }
+  /// Throws std::logic_error when nothing is loaded.
+  Simulation& simulation() const;
+  const std::string& sceneFile() const { return scene_file_; }
+
+  /// Steps until a limit, a stop, or a step without a result. Observers see the start first; they see the end when
+  /// finish() is called. Run again to go on.
+  RunReport run(const RunLimits& limits);
+  /// How many steps it takes to `t` [s] with the present dt. Throws std::invalid_argument when that lies before the
+  /// present, or too far.
+  long stepsUntil(double t) const;
+  /// From any thread: run() ends after the step under way, or at once when it is called next.
+  void requestStop() { stop_ = true; }
+  /// Observers see the end: their files are whole.
+  void finish() { simulation().end(); }
+
+  /// With it goes which steps so far relied on solves that did not converge.
+  void writeCheckpoint(const std::string& path);
+  /// Restores a checkpoint of this scene. Returns notes: that another build or another file wrote it. Throws
+  /// std::runtime_error with a sentence.
+  std::vector<std::string> restore(const std::string& path);
+
+ private:
+  Simulation& take(const std::string& file, Scene scene);
+
+  Factory factory_;
+  Modules modules_{factory_};
+  std::vector<Override> overrides_;
+  std::string scene_file_;
+  std::unique_ptr<Simulation> simulation_;
+  UnconvergedSteps unconverged_;  ///< since the scene was loaded, or before the checkpoint
+  std::atomic<bool> stop_ = false;
+};
+
+}  // namespace stroma
