@@ -27,8 +27,8 @@
 // have none. An unsymmetric tangent needs SparseLDLSolver.
 //
 // dilatation = auto, the default, is mean where nu is above 0.45, and local below or where there is no mean (green, nodal,
-// more than 100 bulk moduli). dilatation = mean takes the volume change as one number per node, the mean over the tetrahedra around it (Bonet and
-// Burton 1998):
+// more than 100 bulk moduli). dilatation = mean takes the volume change as one number per node, the mean over the
+// tetrahedra around it (Bonet and Burton 1998):
 //   V_a = sum V_e/4,   theta_a = 1/V_a sum V_e/4 tr(eps_e),   p_e = 1/4 sum_a K theta_a,   sigma_e = p_e I + 2 mu
 //   dev(eps_e)
 // Near nu = 1/2 the mesh does not lock, and a compressed body does not buckle element by element under the pressures of

@@ -213,11 +213,17 @@ StepReport StaticSolver::step(System& system, const StepContext& context) {
   const long held_before = heldDirections(system.constraints());
   system.beginStep(context);
   clear(system.v);
+  exact_.end();  // of a step that was stopped
   problem_.begin();
   StepReport report;
   const bool is_held_otherwise = !is_checked_ || heldDirections(system.constraints()) != held_before;
   if (is_held_otherwise && !checkFreeBodies(system, report)) return report;
   report = solveInParts(system, context);
+  if (exact_.isOn()) {
+    ++exact_tangent_steps_;
+    exact_.end();
+    problem_.residual(force_);  // derivatives are those of the scene's tangent again
+  }
   // what turns or comes and goes from step to step is looked at only where a solve has failed: it takes memory and time
   if (!report.newton_converged && settings_.iterations > 1 && revisionOfHolds(system) != checked_revision_) {
     const Rows x = system.independent(system.x);
@@ -228,11 +234,6 @@ StepReport StaticSolver::step(System& system, const StepContext& context) {
   }
   report.unsolved = !report.newton_converged;
   if (report.unsolved && !report.diverged) report.reason += exactTangentHint(system);
-  if (exact_.isOn()) {
-    ++exact_tangent_steps_;
-    exact_.end();
-    problem_.residual(force_);  // derivatives are those of the scene's tangent again
-  }
   graph_.assign(newton_.history().begin(), newton_.history().end());
   if (settings_component_) settings_component_->noteResult(report, newton_);
   if (report.unsolved && !settings_.keep_unconverged) {

@@ -22,8 +22,8 @@ struct Side {
   CellFace across;  ///< the cell on the other side; -1: none
 };
 
-const CellKind& kindOf(const Hexahedron&) { return cell_kinds::hexahedron; }
-const CellKind& kindOf(const Tetrahedron&) { return cell_kinds::tetrahedron; }
+const CellKind& volumeKindOf(const Hexahedron&) { return cell_kinds::hexahedron; }
+const CellKind& volumeKindOf(const Tetrahedron&) { return cell_kinds::tetrahedron; }
 
 /// Sides in the order of cells and faces.
 template <class Cell>
@@ -35,7 +35,7 @@ std::vector<Side> sidesOf(const std::vector<Cell>& cells, int faces) {
       Side side{{-1, -1, -1, -1}, {Index(c), f}, {-1, -1}};
       const std::size_t corners = cells[c].size() == 4 ? 3 : 4;
       for (std::size_t i = 0; i < corners; ++i)
-        side.sorted[i] = cells[c][std::size_t(kindOf(cells[c]).faces[std::size_t(f)].nodes[i])];
+        side.sorted[i] = cells[c][std::size_t(volumeKindOf(cells[c]).faces[std::size_t(f)].nodes[i])];
       std::sort(side.sorted.begin(), side.sorted.end());
       sides.push_back(side);
     }
@@ -145,7 +145,7 @@ Slenderness measure(const std::vector<Cell>& cells, const std::vector<Vec3>& pos
   for (const Cell& cell : cells)
     for (const Index n : cell) low = low.cwiseMin(position[n]), high = high.cwiseMax(position[n]);
   out.extent = (high - low).maxCoeff();
-  const std::vector<Side> sides = sidesOf(cells, int(kindOf(cells[0]).faces.size()));
+  const std::vector<Side> sides = sidesOf(cells, int(volumeKindOf(cells[0]).faces.size()));
   std::vector<const Side*> boundary;
   for (const Side& side : sides)
     if (side.across.cell < 0) boundary.push_back(&side);
