@@ -219,7 +219,8 @@ StepReport StaticSolver::step(System& system, const StepContext& context) {
   const bool is_held_otherwise = !is_checked_ || heldDirections(system.constraints()) != held_before;
   if (is_held_otherwise && !checkFreeBodies(system, report)) return report;
   report = solveInParts(system, context);
-  if (exact_.isOn()) {
+  const bool tried_exact = exact_.isOn();
+  if (tried_exact) {
     ++exact_tangent_steps_;
     exact_.end();
     problem_.residual(force_);  // derivatives are those of the scene's tangent again
@@ -233,7 +234,8 @@ StepReport StaticSolver::step(System& system, const StepContext& context) {
     problem_.residual(force_);
   }
   report.unsolved = !report.newton_converged;
-  if (report.unsolved && !report.diverged) report.reason += exactTangentHint(system);
+  if (report.unsolved && !report.diverged)
+    report.reason += tried_exact ? "; with the exact tangent too" : exactTangentHint(system);
   graph_.assign(newton_.history().begin(), newton_.history().end());
   if (settings_component_) settings_component_->noteResult(report, newton_);
   if (report.unsolved && !settings_.keep_unconverged) {
