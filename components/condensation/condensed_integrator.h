@@ -23,13 +23,11 @@ namespace stroma {
 /// u_S = C f*_S with C = (A^-1)_SS, A the matrix of a static or of a dynamic step. Active nodes are those of u: the
 /// kept ones, or every free node where the inside is solved for in each step. Vectors over them have 3 numbers per node
 /// and are padded to chunks of 8.
-class CondensedIntegrator : public Integrator {
+class CondensedIntegrator : public Integrator, public StateOwner {
  public:
   void declare(DataTable& table) override;
   void compile(System& system) final;
-  bool answersForState() const final { return true; }
-  bool followsChanges() const final { return false; }
-  bool acceptsInputs() const final { return true; }
+  StateOwner* stateOwner() final { return this; }
   void checkInputOn(const State& state, const Input& input) const final;
   void sceneChanged() final { hands_changed_ = true; }
   void stepTaken(const StepContext& context) final;

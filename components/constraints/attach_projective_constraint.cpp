@@ -1,16 +1,18 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // AttachProjectiveConstraint: pairs of nodes, of two bodies or of one, that are one node from then on.
 //
-// twoWay="true": both ends of a pair have one velocity, and their masses and forces add up, exactly: with P the mean
-// over the pair, the step solves P (m M + k K + c C) P. Two bodies attached at matching nodes are the merged body. Ends
-// that lie apart at the start are brought together at their mass-weighted mean, and so are their velocities.
+// Both ends of a pair have one velocity, and their masses and forces add up, exactly: with P the mean over the pair, the
+// step solves P (m M + k K + c C) P. Two bodies attached at matching nodes are the merged body. Ends that lie apart at the
+// start are brought together at their mass-weighted mean, and so are their velocities.
 //
-// twoWay="false" (the default, as in SOFA): the nodes of indices2 follow those of indices1, which feel nothing.
-// Positions and velocities coincide at the end of every step; inside a step the follower moves with the velocity that
-// the other had at its start.
+// twoWay="false" (the default of SOFA): the nodes of indices2 follow those of indices1, which feel nothing. Positions and
+// velocities coincide at the end of every step; inside a step the follower moves with the velocity that the other had at
+// its start. The weight of a body that hangs or rests on its followers alone is then carried by nobody: a run says how
+// large the force is that the attachment took.
 //
 // Node indices1[i] of object1 is joined to node indices2[i] of object2; without the objects both are of the state of
-// this node. Both bodies must have the same integrator. A node may be attached to several others.
+// this node. Bodies that have an integrator each move in one system, which takes integrators of one kind with the same
+// attributes. A node may be attached to several others.
 //
 // Source: the attributes are SOFA's; there a two-way pair shares positions but not its inertia.
 //
@@ -29,7 +31,7 @@
 //     <UniformMass totalMass="0.4"/>
 //     <SpringForceField springsIndices1="0" springsIndices2="1" lengths="1" stiffness="200"/>
 //   </Node>
-//   <AttachProjectiveConstraint object1="@a/dofs" object2="@b/dofs" indices1="1" indices2="0" twoWay="true"/>
+//   <AttachProjectiveConstraint object1="@a/dofs" object2="@b/dofs" indices1="1" indices2="0"/>
 // </Node>
 #include <fmt/format.h>
 
@@ -50,7 +52,10 @@ class AttachProjectiveConstraint final : public ProjectiveConstraint {
     table.addLink("object2", object2_).help("state of indices2; that of object1 when not given");
     table.add("indices1", indices1_).help("nodes of object1, one for each pair").required();
     table.add("indices2", indices2_).help("nodes of object2, one for each pair").required();
-    table.add("twoWay", two_way_).help("both ends share mass and forces, else the second follows the first");
+    table.add("twoWay", two_way_)
+        .help(
+            "both ends share mass and forces; false, as in SOFA without it: the second follows and the first feels "
+            "nothing");
   }
 
   void init() override {
@@ -64,6 +69,12 @@ class AttachProjectiveConstraint final : public ProjectiveConstraint {
         throw ComponentError(fmt::format("node {} is attached to itself", leaders_[i]), "two different nodes");
       farthest = std::max(farthest, (state().position[leaders_[i]] - second_->position[followers_[i]]).norm());
     }
+    if (!data().find("twoWay")->isSet())
+      inform("twoWay is not given: both ends feel each other; in SOFA the second follows and the first feels nothing");
+    else if (!two_way_)
+      inform(
+          fmt::format("{} feels nothing of what follows it: the force that holds the nodes of {} is received by nobody",
+                      state().path(), second_->path()));
     if (farthest > 0)
       inform(fmt::format("attached nodes lie up to {:.3g} m apart: they are brought together", farthest));
   }
@@ -77,6 +88,10 @@ class AttachProjectiveConstraint final : public ProjectiveConstraint {
   void addTies(std::vector<Tie>& out) const override {
     if (!two_way_) return;
     for (std::size_t i = 0; i < followers_.size(); ++i) out.push_back({leader(i), follower(i)});
+  }
+  void addUnansweredRows(std::vector<Index>& out) const override {
+    if (two_way_) return;
+    for (std::size_t i = 0; i < followers_.size(); ++i) out.push_back(follower(i));
   }
   void prescribe(double, Rows x, Rows v) const override {
     if (two_way_) return;
@@ -92,7 +107,7 @@ class AttachProjectiveConstraint final : public ProjectiveConstraint {
 
   Link<State> object1_{"mechanical state"}, object2_{"mechanical state"};
   std::vector<int> indices1_, indices2_;
-  bool two_way_ = false;
+  bool two_way_ = true;
   State* second_ = nullptr;
   std::vector<Index> leaders_, followers_;  ///< shape (pairs)
 };

@@ -12,6 +12,7 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "components/direct_solvers/supernodal_numbers.h"
 #include "framework/algebra/memory.h"
 #include "framework/algebra/ordering_lock.h"
 
@@ -36,6 +37,7 @@ namespace {
 // - CHOLMOD 5 opens OpenMP regions of four threads in loops that are too short for them (28 ms against 7 for 3,993
 //   unknowns), so its regions are switched off around the call;
 // - the BLAS runs on one thread: OpenBLAS sums in another order on two, and no result may depend on their number.
+// The numbers are those of CHOLMOD's own loop (supernodal_numbers.h), which does not stop when it is asked to.
 
 /// Memory for CHOLMOD: a factor is written once and read a few times, so that small pages, each a fault, cost as much
 /// as the factorisation (16^3 hexahedra: 140 MB, a third of the run).
@@ -66,8 +68,9 @@ class SupernodalFactor final : public CholeskyFactor {
     cholmod_finish(&common_);
   }
   void analyse(const BlockMatrix& matrix) override;
-  /// Reads the upper triangle; `row` is the one at which a pivot was not positive.
-  SolveStop factor(const BlockMatrix& matrix, Index& row) override;
+  void load(const BlockMatrix& matrix) override;  ///< the upper triangle
+  /// `row` is the one at which a pivot was not positive.
+  SolveStop factor(Index& row, StopToken stop) override;
   void apply(ConstRows b, Rows x) override;
   /// In single precision, which reads half as much.
   void applyRoughly(ConstRows b, Rows x) override;
@@ -80,6 +83,7 @@ class SupernodalFactor final : public CholeskyFactor {
  private:
   void release();
   void check(bool good, const char* what) const;
+  SupernodalPattern supernodes() const;
   cholmod_sparse* nodeGraph(const BlockMatrix& matrix);
   std::vector<int> orderUnknowns(const BlockMatrix& matrix);
   void buildLower(const BlockMatrix& matrix, const std::vector<int>& order);
@@ -88,6 +92,7 @@ class SupernodalFactor final : public CholeskyFactor {
   cholmod_common common_;
   cholmod_sparse* lower_ = nullptr;  ///< permuted lower triangle
   cholmod_factor* factor_ = nullptr;
+  SupernodalNumbers numbers_;
   cholmod_dense *right_ = nullptr, *solution_ = nullptr, *work_y_ = nullptr, *work_e_ = nullptr;
   Array<float> rough_values_;  ///< the factor in single precision; empty: none yet
   std::vector<float> rough_, gathered_;
@@ -214,18 +219,39 @@ void SupernodalFactor::analyse(const BlockMatrix& matrix) {
   check(right_, "allocate a vector");
 }
 
-SolveStop SupernodalFactor::factor(const BlockMatrix& matrix, Index& row) {
-  const NoRegions no_regions;
-  if (openblas_set_num_threads && openblas_get_num_threads() != 1) openblas_set_num_threads(1);
+void SupernodalFactor::load(const BlockMatrix& matrix) {
   const double* __restrict values = matrix.values().data();
   double* __restrict out = static_cast<double*>(lower_->x);
   for (std::size_t i = 0; i < source_.size(); ++i) out[i] = values[source_[i]];
   rough_values_.clear();
-  cholmod_factorize(lower_, factor_, &common_);
-  check(true, "factor the matrix");
-  if (factor_->minor >= factor_->n) return SolveStop::converged;
-  row = unknown_[factor_->minor] / 3;
+}
+
+SolveStop SupernodalFactor::factor(Index& row, StopToken stop) {
+  const NoRegions no_regions;
+  if (openblas_set_num_threads && openblas_get_num_threads() != 1) openblas_set_num_threads(1);
+  if (factor_->xtype == CHOLMOD_PATTERN) {  // makes room for the numbers
+    cholmod_change_factor(CHOLMOD_REAL, 1, 1, 1, 1, factor_, &common_);
+    check(factor_->xtype == CHOLMOD_REAL, "allocate the factor");
+  }
+  const auto* values = static_cast<const double*>(lower_->x);
+  const SupernodalEnd end =
+      numbers_.factor({static_cast<const int*>(lower_->p), static_cast<const int*>(lower_->i), values}, supernodes(),
+                      static_cast<double*>(factor_->x), stop);
+  factor_->minor = end.bad_column < 0 ? factor_->n : std::size_t(end.bad_column);
+  if (end.stopped) return SolveStop::stopped;
+  if (end.bad_column < 0) return SolveStop::converged;
+  row = unknown_[std::size_t(end.bad_column)] / 3;
   return SolveStop::not_definite;
+}
+
+SupernodalPattern SupernodalFactor::supernodes() const {
+  return {int(factor_->n),
+          int(factor_->nsuper),
+          int(factor_->maxcsize),
+          static_cast<const int*>(factor_->super),
+          static_cast<const int*>(factor_->pi),
+          static_cast<const int*>(factor_->px),
+          static_cast<const int*>(factor_->s)};
 }
 
 void SupernodalFactor::apply(ConstRows b, Rows x) {

@@ -23,8 +23,7 @@ namespace {
 
 class DenseCholesky final : public DenseFactor {
  public:
-  SolveStop factor(const BlockMatrix& matrix, Index&) override {
-    fill(matrix);
+  SolveStop factor(Index&, StopToken) override {
     llt_.compute(dense_);
     return llt_.info() == Eigen::Success ? SolveStop::converged : SolveStop::not_definite;
   }

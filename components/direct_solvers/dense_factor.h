@@ -17,18 +17,19 @@ class DenseFactor : public Factorisation {
     assert(matrix.rows() <= most_rows);  // LinearSolver::mostRows() of its solvers
     dense_.setZero(3 * matrix.rows(), 3 * matrix.rows());
   }
+  void load(const BlockMatrix& matrix) override {
+    dense_.setZero();  // a decomposition may leave its own numbers there
+    for (Index i = 0; i < matrix.rows(); ++i)
+      for (Index s = matrix.rowStart()[i]; s < matrix.rowStart()[i + 1]; ++s)
+        dense_.block<3, 3>(3 * i, 3 * matrix.columns()[s]) =
+            Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(matrix.values().data() + 9 * std::size_t(s));
+  }
   Cost cost() const override {
     const double n = double(dense_.rows());
     return {1e-10 * n * n * n, 1e-9 * n * n};
   }
 
  protected:
-  void fill(const BlockMatrix& matrix) {
-    for (Index i = 0; i < matrix.rows(); ++i)
-      for (Index s = matrix.rowStart()[i]; s < matrix.rowStart()[i + 1]; ++s)
-        dense_.block<3, 3>(3 * i, 3 * matrix.columns()[s]) =
-            Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(matrix.values().data() + 9 * std::size_t(s));
-  }
   Eigen::MatrixXd dense_;
 };
 

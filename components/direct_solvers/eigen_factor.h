@@ -14,8 +14,8 @@ class EigenFactor : public Base {
     copy_.layOut(matrix);
     solver_.analyzePattern(copy_.matrix);
   }
-  SolveStop factor(const BlockMatrix& matrix, Index&) override {
-    copy_.fill(matrix);
+  void load(const BlockMatrix& matrix) override { copy_.fill(matrix); }
+  SolveStop factor(Index&, StopToken) override {
     solver_.factorize(copy_.matrix);
     return solver_.info() == Eigen::Success ? SolveStop::converged : failure;
   }

@@ -14,6 +14,7 @@
 //   <UniformMass totalMass="1"/>
 //   <FixedProjectiveConstraint indices="0 1 2"/>
 // </Node>
+#include "components/direct_solvers/interruptible_factor.h"
 #include "components/direct_solvers/lu_factor.h"
 #include "framework/scene/factory.h"
 
@@ -25,7 +26,9 @@ class EigenSparseLU final : public DirectSolver {
   bool needsSymmetric() const override { return false; }
 
  private:
-  std::unique_ptr<Factorisation> makeFactorisation(bool) const override { return LUFactor::make(); }
+  std::unique_ptr<Factorisation> makeFactorisation(bool) const override {
+    return std::make_unique<InterruptibleFactor<LUFactor>>(LUFactor::make);
+  }
 };
 
 }  // namespace

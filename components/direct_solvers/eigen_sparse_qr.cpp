@@ -27,9 +27,9 @@ using QR = Eigen::SparseQR<SparseCopy::Matrix, Eigen::COLAMDOrdering<int>>;
 
 class QRFactor final : public EigenFactor<QR, SolveStop::breakdown> {
  public:
-  SolveStop factor(const BlockMatrix& matrix, Index& row) override {
-    const SolveStop stop = EigenFactor::factor(matrix, row);
-    return stop == SolveStop::converged && solver_.rank() < copy_.matrix.cols() ? SolveStop::breakdown : stop;
+  SolveStop factor(Index& row, StopToken stop) override {
+    const SolveStop end = EigenFactor::factor(row, stop);
+    return end == SolveStop::converged && solver_.rank() < copy_.matrix.cols() ? SolveStop::breakdown : end;
   }
 };
 

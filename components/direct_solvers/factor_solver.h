@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
-#include "framework/algebra/direct_solver.h"
+#include "components/direct_solvers/interruptible_factor.h"
 
 namespace stroma {
 
@@ -15,7 +15,9 @@ class FactorSolver final : public DirectSolver {
   }
 
  private:
-  std::unique_ptr<Factorisation> makeFactorisation(bool) const override { return std::make_unique<Factor>(); }
+  std::unique_ptr<Factorisation> makeFactorisation(bool) const override {
+    return std::make_unique<InterruptibleFactor<Factor>>([] { return std::make_unique<Factor>(); });
+  }
 };
 
 }  // namespace stroma

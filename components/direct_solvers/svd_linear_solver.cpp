@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "components/direct_solvers/dense_factor.h"
+#include "components/direct_solvers/interruptible_factor.h"
 #include "framework/scene/factory.h"
 
 /// LAPACK's divide and conquer: A = U diag(s) V^T, all matrices by columns; the tuned library is faster and compiles in no
@@ -32,9 +33,7 @@ namespace {
 class SingularValues final : public DenseFactor {
  public:
   explicit SingularValues(double smallest) : smallest_(smallest) {}
-  SolveStop factor(const BlockMatrix& matrix, Index&) override {
-    dense_.setZero();  // the decomposition leaves its own numbers there
-    fill(matrix);
+  SolveStop factor(Index&, StopToken) override {
     if (!dense_.allFinite()) return SolveStop::breakdown;
     const int n = int(dense_.rows());
     values_.resize(n);
@@ -94,10 +93,11 @@ class SVDLinearSolver final : public DirectSolver {
 
  private:
   std::unique_ptr<Factorisation> makeFactorisation(bool) const override {
-    return std::make_unique<SingularValues>(smallest_);
+    return std::make_unique<InterruptibleFactor<SingularValues>>(
+        [smallest = smallest_] { return std::make_unique<SingularValues>(smallest); });
   }
   void noteFactored(const Factorisation& factors) override {
-    condition_ = static_cast<const SingularValues&>(factors).condition();
+    condition_ = static_cast<const InterruptibleFactor<SingularValues>&>(factors).inner().condition();
   }
   /// That is what the name promises: the residual may be as large as b.
   bool givesLeastSquares() const override { return true; }

@@ -24,7 +24,7 @@ void SymmetricPartFactor::analyse(const BlockMatrix& matrix) {
   work_.resize(matrix.rows());
 }
 
-SolveStop SymmetricPartFactor::factor(const BlockMatrix& matrix, Index& row) {
+void SymmetricPartFactor::load(const BlockMatrix& matrix) {
   matrix_.values() = matrix.values();
   const std::vector<double>& a = matrix_.values();
   std::vector<double>& s = part_.values();
@@ -34,23 +34,28 @@ SolveStop SymmetricPartFactor::factor(const BlockMatrix& matrix, Index& row) {
         s[9 * block + 3 * r + c] =
             0.5 * (a[9 * block + 3 * r + c] + a[9 * std::size_t(transposed_[block]) + 3 * c + r]);
   lu_.reset();
-  if (symmetric_->factor(part_, row) == SolveStop::converged) return SolveStop::converged;
-  return factorUnsymmetric(row);
+  symmetric_->load(part_);
 }
 
-SolveStop SymmetricPartFactor::factorUnsymmetric(Index& row) {
+SolveStop SymmetricPartFactor::factor(Index& row, StopToken stop) {
+  const SolveStop end = symmetric_->factor(row, stop);
+  return end == SolveStop::converged || end == SolveStop::stopped ? end : factorUnsymmetric(row, stop);
+}
+
+SolveStop SymmetricPartFactor::factorUnsymmetric(Index& row, StopToken stop) {
   row = -1;
-  lu_ = LUFactor::make();
+  lu_ = std::make_unique<InterruptibleFactor<LUFactor>>(LUFactor::make);
   lu_->analyse(matrix_);
-  const SolveStop stop = lu_->factor(matrix_, row);
-  if (stop != SolveStop::converged) lu_.reset();
-  return stop;
+  lu_->load(matrix_);
+  const SolveStop end = lu_->factor(row, stop);
+  if (end != SolveStop::converged) lu_.reset();
+  return end;
 }
 
 void SymmetricPartFactor::apply(ConstRows b, Rows x) {
   if (!lu_ && solveByProducts(b, x)) return;
   Index row = -1;
-  if (lu_ || factorUnsymmetric(row) == SolveStop::converged)
+  if (lu_ || factorUnsymmetric(row, {}) == SolveStop::converged)
     lu_->apply(b, x);
   else
     clear(x);

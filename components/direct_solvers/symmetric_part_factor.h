@@ -5,6 +5,7 @@
 // corotational method has an N of the size of the strains.
 #pragma once
 #include "components/direct_solvers/cholesky_factor.h"
+#include "components/direct_solvers/interruptible_factor.h"
 #include "components/direct_solvers/lu_factor.h"
 
 namespace stroma {
@@ -12,25 +13,27 @@ namespace stroma {
 class SymmetricPartFactor final : public Factorisation {
  public:
   void analyse(const BlockMatrix& matrix) override;
-  SolveStop factor(const BlockMatrix& matrix, Index& row) override;
-  /// To a residual of 1e-12 |b|, or as far as it goes; goes on with L U for these values where that is not enough.
+  void load(const BlockMatrix& matrix) override;
+  SolveStop factor(Index& row, StopToken stop) override;
+  /// To a residual of 1e-12 |b|, or as far as it goes; goes on with L U for these values where that is not enough, which no
+  /// stop ends.
   void apply(ConstRows b, Rows x) override;
   Cost cost() const override;
 
   std::string ordering() const { return lu_ ? "COLAMD" : symmetric_->ordering(); }
   double flops() const { return lu_ ? 0 : symmetric_->flops(); }
-  double entries() const { return lu_ ? lu_->entries() : symmetric_->entries(); }
+  double entries() const { return lu_ ? lu_->inner().entries() : symmetric_->entries(); }
 
  private:
   bool solveByProducts(ConstRows b, Rows x);
-  SolveStop factorUnsymmetric(Index& row);
+  SolveStop factorUnsymmetric(Index& row, StopToken stop);
 
   BlockMatrix matrix_;             ///< A
   BlockMatrix part_;               ///< S
   std::vector<Index> transposed_;  ///< shape (blocks): the slot of the block across the diagonal
   std::unique_ptr<CholeskyFactor> symmetric_;
-  std::unique_ptr<LUFactor> lu_;  ///< null: not needed for these values
-  std::vector<Vector> basis_;     ///< of the Krylov space, orthonormal; grows as needed
+  std::unique_ptr<InterruptibleFactor<LUFactor>> lu_;  ///< null: not needed for these values
+  std::vector<Vector> basis_;                          ///< of the Krylov space, orthonormal; grows as needed
   Vector work_;
 };
 

@@ -34,10 +34,12 @@ void HyperelasticForceField::declare(DataTable& table) {
   table.add("materialName", material_name_).physical().help(fmt::format("the law: {}", fmt::join(names, ", ")));
   table.add("ParameterSet", parameter_set_).help("the law's parameters by position, instead of by name");
   table.add("youngModulus", young_modulus_)
+      .recompiled()
       .unit("Pa")
       .min(0, false)
       .help("Young's modulus at small strains, for the parameters that are not given: one value, or one per cell");
   table.add("poissonRatio", poisson_ratio_)
+      .recompiled()
       .unit("-")
       .min(-1, false)
       .max(0.5, false)
@@ -84,6 +86,7 @@ void HyperelasticForceField::declareParameters(DataTable& table) {
     for (const auto& [meaning, laws] : laws_of[name])
       meanings.push_back(fmt::format("{} ({})", meaning, fmt::join(laws, ", ")));
     table.add(name, named_[name])
+        .recompiled()
         .unit(units[name].size() > 1 ? "" : *units[name].begin())
         .help(fmt::format("{}: one value, or one per cell", fmt::join(meanings, "; ")));
   }

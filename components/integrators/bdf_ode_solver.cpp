@@ -90,7 +90,6 @@ ImplicitScheme BDFOdeSolver::schemeOfOrder2(System& system, double h) {
 }
 
 StepReport BDFOdeSolver::step(System& system, const StepContext& context) {
-  system.beginStep(context);
   const double h = context.dt;
   ImplicitScheme scheme;
   scheme.weight = scheme.displacement = scheme.drift = h;
@@ -99,8 +98,8 @@ StepReport BDFOdeSolver::step(System& system, const StepContext& context) {
   scheme.old_time = context.t;
   const ConstRows x = system.independent(system.x);
   if (order_ == 2) copy(x, new_way_);
-  StepReport report = implicit_.solve(scheme);
-  if (order_ == 2 && !report.diverged) system.motion().difference(x, new_way_);
+  StepReport report = implicit_.solve(scheme, context.stop);
+  if (order_ == 2 && !report.failed()) system.motion().difference(x, new_way_);
   return report;
 }
 

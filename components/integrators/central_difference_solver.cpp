@@ -77,11 +77,10 @@ void CentralDifferenceSolver::compile(System& system) {
 }
 
 StepReport CentralDifferenceSolver::step(System& system, const StepContext& context) {
-  system.beginStep(context);
   if (depends_on_time_) system.setTime(context.t);
   StepReport report;
   system.computeForce(system.x, system.v, system.f);
-  if (!acceleration_.solve(system.independent(system.f), a_, report)) return report;
+  if (!acceleration_.solve(system.independent(system.f), a_, context.stop, report)) return report;
   if (depends_on_time_) system.setTime(context.t_end);
   const double h = context.dt, between = (last_step_ + h) / 2;
   // a becomes v+ - v-, of which constraints let through what they leave free

@@ -50,7 +50,7 @@ class EulerImplicitSolver final : public Integrator {
   std::string describe() const override;
 
  private:
-  StepReport firstOrderStep(System& system, double h);
+  StepReport firstOrderStep(System& system, const StepContext& context);
 
   double velocity_damping_ = 0;
   bool first_order_ = false, trapezoidal_ = false;
@@ -91,7 +91,6 @@ void EulerImplicitSolver::compile(System& system) {
 }
 
 StepReport EulerImplicitSolver::step(System& system, const StepContext& context) {
-  system.beginStep(context);
   const double h = context.dt;
   ImplicitScheme scheme;
   scheme.weight = scheme.displacement = theta_ * h;
@@ -99,20 +98,22 @@ StepReport EulerImplicitSolver::step(System& system, const StepContext& context)
   scheme.drift = h;
   scheme.time = context.t_end;
   scheme.old_time = context.t;
-  StepReport report = first_order_ ? firstOrderStep(system, h) : implicit_.solve(scheme);
-  if (report.diverged) return report;
+  StepReport report = first_order_ ? firstOrderStep(system, context) : implicit_.solve(scheme, context.stop);
+  if (report.failed()) return report;
   if (velocity_damping_ != 0 && !first_order_) scale(std::exp(-h * velocity_damping_), system.v);
   return report;
 }
 
-StepReport EulerImplicitSolver::firstOrderStep(System& system, double h) {
+StepReport EulerImplicitSolver::firstOrderStep(System& system, const StepContext& context) {
+  const double h = context.dt;
   system.computeForce(system.x, system.v, system.f);
   copy(system.independent(system.f), right_side_);
   system.constraints().project(right_side_);
   StepReport report;
   SystemMatrix& matrix = system.matrix().withFactors({.mass = 1, .stiffness = -theta_ * h});
   const Rows velocity = system.independent(system.v);
-  if (!solveOrShift(implicit_.linearSolver(), matrix, right_side_, velocity, report)) return report;
+  if (!solveOrShift(implicit_.linearSolver(), matrix, right_side_, velocity, {.stop = context.stop}, report))
+    return report;
   system.constraints().project(velocity);
   system.motion().advance(h, velocity, system.x);
   return report;

@@ -31,11 +31,12 @@ void Acceleration::compile(System& system, const std::string& method) {
   right_side_.resize(system.independentRows());
 }
 
-bool Acceleration::solve(ConstRows f, Rows a, StepReport& report) {
+bool Acceleration::solve(ConstRows f, Rows a, StopToken stop, StepReport& report) {
   if (solver_) {
     copy(f, right_side_);
     system_->constraints().project(right_side_);
-    if (!solveOrShift(*solver_, system_->matrix().withFactors({.mass = 1}), right_side_, a, report)) return false;
+    SystemMatrix& matrix = system_->matrix().withFactors({.mass = 1});
+    if (!solveOrShift(*solver_, matrix, right_side_, a, {.stop = stop}, report)) return false;
   } else {
     const double* __restrict force = f.data;
     const double* __restrict inverse = inverse_mass_->data();
@@ -130,7 +131,6 @@ void ExplicitStep::compile(Integrator& integrator, System& system) {
 }
 
 StepReport ExplicitStep::step(System& system, const StepContext& context) {
-  system.beginStep(context);
   StepReport report;
   const double h = context.dt;
   for (std::size_t i = 0; i < scheme.stages.size(); ++i) {
@@ -143,7 +143,7 @@ StepReport ExplicitStep::step(System& system, const StepContext& context) {
       placeStage(system, context, stage);
       system.computeForce(stage_x_, stage_v_, system.f);
     }
-    if (!acceleration_.solve(system.independent(system.f), accelerations_[i], report)) return report;
+    if (!acceleration_.solve(system.independent(system.f), accelerations_[i], context.stop, report)) return report;
   }
   if (depends_on_time_) system.setTime(context.t_end);
   finish(system, h);
@@ -155,13 +155,13 @@ void ExplicitStep::placeStage(System& system, const StepContext& context, const 
   const Rows x = system.independent(stage_x_), v = system.independent(stage_v_);
   copy(system.independent(system.x), x);
   copy(system.independent(system.v), v);
-  system.motion().begin(x);
+  orientations_.take(system.motion(), x);
   axpy(stage.time * h, v, x);
   for (std::size_t j = 0; j < stage.v.size(); ++j) {
     if (stage.x[j] != 0) axpy(h * h * stage.x[j], accelerations_[j], x);
     if (stage.v[j] != 0) axpy(h * stage.v[j], accelerations_[j], v);
   }
-  system.motion().end(x);
+  orientations_.turn(x);
   // a motion in pieces changes its velocity at once between two of them: the ends of the step belong to the one within,
   // by more than what makes two times the same (key_times.h)
   const double margin = std::min(1e-10 * h + 1e-11 * std::abs(context.t_end), h / 4);
@@ -176,7 +176,7 @@ void ExplicitStep::finish(System& system, double h) {
   const double* __restrict a = accelerations_[0].rows().data;
   double* __restrict velocity = v.data;
   double* __restrict position = x.data;
-  system.motion().begin(x);
+  orientations_.take(system.motion(), x);
 #pragma omp simd
   for (std::size_t i = 0; i < x.doubles(); ++i) {
     velocity[i] += for_v * a[i];
@@ -186,7 +186,7 @@ void ExplicitStep::finish(System& system, double h) {
     if (scheme.x[j] != 0) axpy(h * h * scheme.x[j], accelerations_[j], x);
     if (scheme.v[j] != 0) axpy(h * scheme.v[j], accelerations_[j], v);
   }
-  system.motion().end(x);
+  orientations_.turn(x);
 }
 
 std::string ExplicitStep::describe() const {

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "components/integrators/orientations.h"
 #include "framework/algebra/linear_solver.h"
 #include "framework/simulation/integrator.h"
 #include "framework/simulation/system.h"
@@ -18,7 +19,7 @@ class Acceleration {
   /// missing.
   void compile(System& system, const std::string& method);
   /// f [N], a [m/s^2], shape (independentRows()). False when the solve failed: the report says why.
-  bool solve(ConstRows f, Rows a, StepReport& report);
+  bool solve(ConstRows f, Rows a, StopToken stop, StepReport& report);
   bool isDiagonal() const { return solver_ == nullptr; }
   std::string describe() const;
 
@@ -61,7 +62,6 @@ class ExplicitStep {
 
   /// Allocates; warns when the time step is too large for the highest frequency of the elements.
   void compile(Integrator& integrator, System& system);
-  /// The whole step, beginStep() included.
   StepReport step(System& system, const StepContext& context);
   std::string describe() const;
 
@@ -72,6 +72,7 @@ class ExplicitStep {
   Acceleration acceleration_;
   std::vector<Vector> accelerations_;  ///< a_j, each of shape (independentRows())
   Vector stage_x_, stage_v_;           ///< shape (allRows())
+  Orientations orientations_;
   bool depends_on_time_ = false;
 };
 

@@ -6,11 +6,12 @@
 
 namespace stroma {
 
-/// A sentence when some body can be shifted or turned as a whole without any force resisting while its loads push it
-/// that way: it has no equilibrium. Empty otherwise. `force` is the projected force of the last evaluation [N], shape
-/// (independentRows()). A body is a connected part of the graph of the stiffness matrix, a state or less (or more:
-/// states tied together). What its six rigid motions T feel is T^T A T, A the stiffness with the constraints in force;
-/// motions of which that is nothing must do no work on the forces.
+/// A sentence when something can be shifted or turned without any force resisting while its loads push it that way: it
+/// has no equilibrium. Empty otherwise. `force` is the projected force of the last evaluation [N], shape
+/// (independentRows()). A part is what the graph of the stiffness matrix connects, a state, less or more; parts that ties
+/// and linear relations join make a cluster. What the six rigid motions T of its parts feel together is T^T A T, A the
+/// stiffness with the constraints in force; motions of which that is nothing must do no work on the forces. In a cluster
+/// of more than eight parts all move as one.
 std::string freeBody(System& system, ConstRows force);
 
 }  // namespace stroma

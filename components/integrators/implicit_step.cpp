@@ -71,14 +71,14 @@ void ImplicitStep::compile(Integrator& integrator, System& system) {
 
 // ---- the step ----
 
-StepReport ImplicitStep::solve(const ImplicitScheme& scheme) {
+StepReport ImplicitStep::solve(const ImplicitScheme& scheme, StopToken stop) {
   scheme_ = scheme;
   if (scheme.has_history) {
     // the way of the step before holds what relations to moved nodes made free ones do: along the constraint's forces
     system_->constraints().projectAcceleration(position_predictor);
     system_->constraints().projectAcceleration(velocity_predictor);
   }
-  return iterates() ? solveIterating() : solveLinearised();
+  return iterates() ? solveIterating(stop) : solveLinearised(stop);
 }
 
 void ImplicitStep::setTime(double time) {
@@ -111,7 +111,7 @@ SystemMatrix& ImplicitStep::tangent() {
 /// The equations linearised at (x0, v0), the unknown being u - v0. K then acts on p = drift v0 + position_predictor,
 /// the way that the step makes when the velocity does not change, and on rK v0: together with the force, in one pass
 /// over the elements.
-StepReport ImplicitStep::solveLinearised() {
+StepReport ImplicitStep::solveLinearised(StopToken stop) {
   System& s = *system_;
   const Rows b = s.independent(right_side_), dv = change_;
   const bool two_times = depends_on_time_ && scheme_.old_weight != 0;
@@ -135,7 +135,7 @@ StepReport ImplicitStep::solveLinearised() {
   s.constraints().project(b);
 
   StepReport report;
-  if (!solveOrShift(*solver_, tangent(), b, dv, report)) return report;
+  if (!solveOrShift(*solver_, tangent(), b, dv, {.stop = stop}, report)) return report;
   s.constraints().project(dv);
   advance();
   return report;
@@ -148,30 +148,32 @@ void ImplicitStep::advance() {
   double* __restrict velocity = v().data;
   double* __restrict position = x().data;
   const std::size_t count = x().doubles();
-  system_->motion().begin(x());
+  orientations_.take(system_->motion(), x());
 #pragma omp simd
   for (std::size_t i = 0; i < count; ++i) {
     velocity[i] += change[i];
     position[i] += drift * velocity[i] + rest * change[i];
   }
   if (scheme_.has_history) axpy(1, position_predictor, x());
-  system_->motion().end(x());
+  orientations_.turn(x());
 }
 
-StepReport ImplicitStep::solveIterating() {
+StepReport ImplicitStep::solveIterating(StopToken stop) {
   startIterating();
-  StepReport report = newton_.solve(*this, *solver_);
+  StepReport report = newton_.solve(*this, *solver_, stop);
   // a damping rK K v is a force, which must not change with K
   constexpr int fewest = 5;
-  if (!report.newton_converged && newton_.settings.iterations >= fewest && !has_rayleigh_stiffness_ &&
-      exact_.begin(*system_)) {
+  if (!report.stopped && !report.newton_converged && newton_.settings.iterations >= fewest &&
+      !has_rayleigh_stiffness_ && exact_.begin(*system_)) {
     const StepReport before = report;
-    report = newton_.solve(*this, *solver_);
+    report = newton_.solve(*this, *solver_, stop);
     addCounts(before, report);
     ++exact_tangent_steps_;
     exact_.end();
-    residual(system_->independent(right_side_));  // derivatives are those of the scene's tangent again
+    if (!report.stopped)
+      residual(system_->independent(right_side_));  // derivatives are those of the scene's tangent again
   }
+  if (report.stopped) return report;
   graph_.assign(newton_.history().begin(), newton_.history().end());
   if (settings_component_) settings_component_->noteResult(report, newton_);
   if (!report.newton_converged && !newton_.settings.keep_unconverged) {
@@ -211,12 +213,12 @@ void ImplicitStep::unknownsChanged() {
   const double* __restrict u = v().data;
   double* __restrict position = x().data;
   const std::size_t count = x().doubles();
-  system_->motion().begin(x0_);
+  orientations_.take(system_->motion(), x0_);
 #pragma omp simd
   for (std::size_t i = 0; i < count; ++i) position[i] = x0[i] + old_part * v0[i] + new_part * u[i];
   if (scheme_.has_history) axpy(1, position_predictor, x());
-  system_->motion().end(x());
-  system_->motion().end(x0_);
+  orientations_.turn(x());
+  orientations_.turn(x0_);
 }
 
 /// R = weight F(x(u), u) + old_weight F(x0, v0) - M (u - v0 - velocity_predictor). The stiffness of rK K u is the one

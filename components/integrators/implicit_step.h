@@ -6,6 +6,7 @@
 
 #include "components/integrators/exact_tangent.h"
 #include "components/integrators/newton_solver.h"
+#include "components/integrators/orientations.h"
 #include "framework/simulation/integrator.h"
 #include "framework/simulation/system.h"
 
@@ -38,8 +39,8 @@ class ImplicitStep final : public NonlinearProblem {
 
   /// Allocates; throws ComponentError when a linear solver or a mass is missing.
   void compile(Integrator& integrator, System& system);
-  /// From x0, v0 in System::x and v, after beginStep(), to x(u), u there. When it diverges they are not usable.
-  StepReport solve(const ImplicitScheme& scheme);
+  /// From x0, v0 in System::x and v, after beginStep(), to x(u), u there. When it fails they are not usable.
+  StepReport solve(const ImplicitScheme& scheme, StopToken stop);
   /// u - v0 of the last solve() [m/s].
   ConstRows change() const { return change_; }
   /// out = F(x, v) at the system's x and v [N], not projected; shape (independentRows()).
@@ -64,8 +65,8 @@ class ImplicitStep final : public NonlinearProblem {
   Rows x() const { return system_->independent(system_->x); }
   Rows v() const { return system_->independent(system_->v); }
   void setTime(double time);
-  StepReport solveLinearised();
-  StepReport solveIterating();
+  StepReport solveLinearised(StopToken stop);
+  StepReport solveIterating(StopToken stop);
   void startIterating();
   void addDamping(double factor, Rows out);
   void advance();
@@ -84,6 +85,7 @@ class ImplicitStep final : public NonlinearProblem {
   Vector change_;          ///< u - v0
   Vector constant_;        ///< old_weight F(x0, v0)
   Vector x0_, v0_, work_;  ///< the state before the step, for Newton
+  Orientations orientations_;
 
   std::vector<double> graph_;
   Link<NewtonSolver> newton_link_{"Newton solver"};

@@ -103,11 +103,10 @@ void NewmarkImplicitSolver::compile(System& system) {
 }
 
 StepReport NewmarkImplicitSolver::step(System& system, const StepContext& context) {
-  system.beginStep(context);
   if (!started_) {
     StepReport first;
     implicit_.wholeForce(context.t, force_);
-    if (!acceleration_.solve(force_, a_, first)) return first;
+    if (!acceleration_.solve(force_, a_, context.stop, first)) return first;
   }
   const double h = context.dt;
   ImplicitScheme scheme;
@@ -120,8 +119,8 @@ StepReport NewmarkImplicitSolver::step(System& system, const StepContext& contex
   scale((1 - gamma_) * h, implicit_.velocity_predictor);
   copy(a_, implicit_.position_predictor);
   scale(h * h * (0.5 - beta_ / gamma_), implicit_.position_predictor);
-  StepReport report = implicit_.solve(scheme);
-  if (report.diverged) return report;
+  StepReport report = implicit_.solve(scheme, context.stop);
+  if (report.failed()) return report;
   copy(a_, new_a_);
   xpay(implicit_.change(), -(1 - gamma_) * h, new_a_);
   scale(1 / (gamma_ * h), new_a_);

@@ -9,67 +9,17 @@
 #include <cstdint>
 #include <limits>
 
+#include "components/integrators/shifted_matrix.h"
 #include "framework/simulation/step_progress.h"
 
 namespace stroma {
 namespace {
 
-/// A + shift * D, D the mean size of the numbers on each row's diagonal: positive definite once the shift is large
-/// enough.
-class ShiftedMatrix final : public SystemMatrix {
- public:
-  explicit ShiftedMatrix(SystemMatrix& base) : SystemMatrix(base.identity()), base_(base) {
-    std::vector<double> blocks;
-    base.diagonalBlocks(blocks);
-    scale_.resize(base.rows());
-    double mean = 0;
-    for (std::size_t i = 0; i < scale_.size(); ++i) {
-      // sizes, not their sum: the diagonal of an indefinite block can sum to nothing
-      scale_[i] = (std::abs(blocks[9 * i]) + std::abs(blocks[9 * i + 4]) + std::abs(blocks[9 * i + 8])) / 3;
-      mean += scale_[i] / double(scale_.size());
-    }
-    // a row whose own diagonal vanishes still needs a shift
-    for (double& value : scale_) value = std::max(value, 1e-3 * mean);
-  }
-  void setShift(double shift) { shift_ = shift; }
-  Index rows() const override { return base_.rows(); }
-  void multiply(ConstRows p, Rows out) const override {
-    base_.multiply(p, out);
-    for (Index i = 0; i < rows(); ++i) out[i] += shift_ * scale_[i] * p[i];
-  }
-  const BlockMatrix& pattern() override { return base_.pattern(); }
-  const BlockMatrix& assemble() override {
-    if (assembled_shift_ == shift_) return matrix_;
-    assembled_shift_ = shift_;
-    matrix_ = base_.assemble();
-    for (Index i = 0; i < rows(); ++i) matrix_.add(matrix_.diagonal()[i], shift_ * scale_[i] * Mat3::Identity());
-    return matrix_;
-  }
-  void diagonalBlocks(std::vector<double>& blocks) const override {
-    base_.diagonalBlocks(blocks);
-    for (std::size_t i = 0; i < scale_.size(); ++i)
-      for (int c = 0; c < 3; ++c) blocks[9 * i + 4 * std::size_t(c)] += shift_ * scale_[i];
-  }
-  MatrixKey key() const override {
-    MatrixKey key = base_.key();
-    key.shift = shift_;
-    return key;
-  }
-  bool symmetric() const override { return base_.symmetric(); }
-  bool prefersAssembled(int expected_products) const override { return base_.prefersAssembled(expected_products); }
-  ConstRows positions() const override { return base_.positions(); }
-  std::string describeRow(Index row) const override { return base_.describeRow(row); }
-
- private:
-  SystemMatrix& base_;
-  std::vector<double> scale_;  ///< shape (rows)
-  double shift_ = 0, assembled_shift_ = 0;
-  BlockMatrix matrix_;
-};
-
-SolveReport solveOnce(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows x, StepReport& report) {
+SolveReport solveOnce(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms,
+                      StepReport& report) {
   const auto start = std::chrono::steady_clock::now();
-  const SolveReport solve = solver.solve(matrix, b, x);
+  const SolveReport solve = solver.solve(matrix, b, x, terms);
+  report.stopped = report.stopped || solve.stop == SolveStop::stopped;
   report.solve_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   report.linear_iterations += solve.iterations;
   report.factorisations += solve.factored;
@@ -115,10 +65,14 @@ void declareNewton(DataTable& table, NewtonSettings& settings, const NewtonNames
   threshold(names.absolute_correction, settings.absolute_correction, "m", "the correction is below this");
 }
 
-bool solveOrShift(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows x, StepReport& report) {
+bool solveOrShift(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms,
+                  StepReport& report) {
   clear(x);
-  SolveReport solve = solveOnce(solver, matrix, b, x, report);
+  SolveReport solve = solveOnce(solver, matrix, b, x, terms, report);
   report.linear_stop = solve.stop;
+  if (report.stopped) return false;
+  report.linear_at_limit =
+      report.linear_at_limit || solve.stop == SolveStop::iteration_limit || solve.stop == SolveStop::stagnated;
   report.linear_converged =
       report.linear_converged && (solve.stop == SolveStop::converged || solve.stop == SolveStop::zero_right_side);
   if (isSolved(solve)) return true;
@@ -135,7 +89,8 @@ bool solveOrShift(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows 
     for (int attempt = 0; attempt < 7; ++attempt, shift *= 10) {
       shifted.setShift(shift);
       clear(x);
-      solve = solveOnce(solver, shifted, b, x, report);
+      solve = solveOnce(solver, shifted, b, x, terms, report);
+      if (report.stopped) return false;
       if (isSolved(solve)) {
         report.reason += fmt::format("; {:g} times its diagonal was added", shift);
         return true;
@@ -178,6 +133,12 @@ void Newton::compile(Index rows) {
 bool Newton::converged(double now) const {
   return now <= settings.relative_residual * scale_ || now <= settings.absolute_residual ||
          (history_.size() > 1 && now <= settings.successive_residual * history_[history_.size() - 2]);
+}
+
+/// The relative residual at which a solve ends.
+double Newton::goal() const {
+  return scale_ > 0 ? std::max(settings.relative_residual, settings.absolute_residual / scale_)
+                    : settings.relative_residual;
 }
 
 /// True when the correction is small enough to stop. It is the whole correction that counts: a step can be short because
@@ -238,8 +199,9 @@ void Newton::leaveBest(NonlinearProblem& problem, double now, StepReport& report
   report.newton_residual = best_norm_ / scale_;
 }
 
-StepReport Newton::solve(NonlinearProblem& problem, LinearSolver& solver) {
+StepReport Newton::solve(NonlinearProblem& problem, LinearSolver& solver, StopToken stop) {
   StepReport report;
+  stop_ = stop;
   history_.clear();
   best_norm_ = std::numeric_limits<double>::infinity();
   problem.residual(residual_);
@@ -248,16 +210,19 @@ StepReport Newton::solve(NonlinearProblem& problem, LinearSolver& solver) {
   for (;;) {
     history_.push_back(now);
     report.newton_residual = scale_ > 0 ? now / scale_ : now;
-    tellNewtonIterate(report.newton_iterations, report.newton_residual);
+    tellNewtonIterate(report.newton_iterations, report.newton_residual, goal());
     if (!std::isfinite(now)) {
       report.diverged = true;
       report.reason = "the force is not finite where the step starts";
       return report;
     }
     if (converged(now)) {
-      report.linear_converged = true;  // its solves were means only: what counts is the residual that they led to
+      report.linear_converged = true,
+      report.linear_at_limit = false;  // its solves were means only: what counts is the residual that they led to
       return report;
     }
+    report.stopped = stop.isStopAsked();
+    if (report.stopped) return report;
     if (report.newton_iterations > 0) keepIfBest(problem, now);
     if (report.newton_iterations == settings.iterations || isPointless()) {
       if (isAtRoundOff(problem, now, report)) return report;
@@ -275,13 +240,12 @@ StepReport Newton::solve(NonlinearProblem& problem, LinearSolver& solver) {
 /// One iteration. False when it is the last: converged by its correction, or failed as the report says.
 bool Newton::iterate(NonlinearProblem& problem, LinearSolver& solver, double& now, StepReport& report) {
   ++report.newton_iterations;
-  solver.setTolerance(forcingTerm(now));
-  const bool solved = solveOrShift(solver, problem.tangent(), residual_, direction_, report);
-  solver.setTolerance(0);
-  if (!solved) return false;
+  if (!solveOrShift(solver, problem.tangent(), residual_, direction_, {forcingTerm(now), stop_}, report)) return false;
   const bool shifted = report.linear_stop == SolveStop::not_definite || report.linear_stop == SolveStop::breakdown;
   const double before = now;
   if (search(problem, now) == 0) {
+    report.stopped = stop_.isStopAsked();
+    if (report.stopped) return false;
     if (isAtRoundOff(problem, now, report)) return false;
     leaveBest(problem, now, report);
     report.reason = fmt::format("the line search found no decrease at Newton iteration {}, relative residual {:.2g}{}",
@@ -317,8 +281,8 @@ void Newton::move(NonlinearProblem& problem, double step) {
   problem.unknownsChanged();
 }
 
-/// Makes the step that the line search accepts; residual_ and `now` become those of the new iterate. 0: none accepted,
-/// the iterate is unchanged.
+/// Makes the step that the line search accepts; residual_ and `now` become those of the new iterate. 0: none accepted, or
+/// stopped; the iterate is unchanged.
 double Newton::search(NonlinearProblem& problem, double& now) {
   const double slope = dot(residual_, direction_);
   if (!std::isfinite(slope)) return 0;
@@ -347,7 +311,7 @@ double Newton::search(NonlinearProblem& problem, double& now) {
 double Newton::searchEnergy(NonlinearProblem& problem, double slope, double& now) {
   const double before = problem.energy();
   double step = 1, noise_of_positions = 0;
-  for (int trial = 0; trial < settings.line_search_iterations; ++trial) {
+  for (int trial = 0; trial < settings.line_search_iterations && !stop_.isStopAsked(); ++trial) {
     move(problem, step);
     const double after = problem.energy();
     // the whole correction is refused: how far can rounded positions be to blame?
@@ -379,7 +343,7 @@ double Newton::searchWork(NonlinearProblem& problem, double& now) {
   const double before = std::abs(dot(residual_, direction_));
   double step = 1;
   const int trials = std::min(20, settings.line_search_iterations);
-  for (int trial = 0; trial < trials; ++trial, step *= settings.line_search_coefficient) {
+  for (int trial = 0; trial < trials && !stop_.isStopAsked(); ++trial, step *= settings.line_search_coefficient) {
     move(problem, step);
     problem.residual(trial_);
     const double candidate = norm(trial_);

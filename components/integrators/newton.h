@@ -76,8 +76,9 @@ void declareNewton(DataTable& table, NewtonSettings& settings, const NewtonNames
 /// Solves A x = b; x enters as zero. When the solver reports a matrix that is not positive definite, the direction it
 /// has reached is kept if it goes downhill, else a growing multiple of the matrix's own diagonal is added (Levenberg)
 /// until the solve is usable. Adds to the counts of `report`; its linear_stop is the first solve's, so a shift stays
-/// visible. False when nothing helped: `report` then carries the sentence.
-bool solveOrShift(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows x, StepReport& report);
+/// visible. False when nothing helped, `report` then carries the sentence, or when it was stopped.
+bool solveOrShift(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms,
+                  StepReport& report);
 
 class Newton {
  public:
@@ -86,13 +87,15 @@ class Newton {
   void compile(Index rows);
   /// From the problem's current iterate to a root. Not converging leaves a reason and the best iterate: the last one
   /// where the line search is on the energy, which never rises; else the one of the smallest |R| after the first
-  /// iteration. `diverged` is set when no usable iterate exists.
-  StepReport solve(NonlinearProblem& problem, LinearSolver& solver);
+  /// iteration. `diverged` is set when no usable iterate exists. A stop is heeded between force evaluations and within
+  /// the linear solves.
+  StepReport solve(NonlinearProblem& problem, LinearSolver& solver, StopToken stop);
   /// |R| before each iteration and after the last one, of the last solve().
   const std::vector<double>& history() const { return history_; }
 
  private:
   bool converged(double norm) const;
+  double goal() const;
   double forcingTerm(double norm) const;
   bool isCorrectionSmall(const NonlinearProblem& problem) const;
   bool isCorrectionRoundOff(const NonlinearProblem& problem) const;
@@ -109,6 +112,7 @@ class Newton {
   Vector residual_, direction_, trial_;
   Vector base_, best_;  ///< the iterate that move() starts from; the one that is left when nothing converges
   std::vector<double> history_;
+  StopToken stop_;        ///< of the last solve()
   double scale_ = 0;      ///< the larger of |R| and loadScale() where the solve starts
   double best_norm_ = 0;  ///< |R| of best_
 };

@@ -53,6 +53,7 @@
 #include <cassert>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "components/integrators/equilibrium.h"
 #include "components/integrators/exact_tangent.h"
@@ -75,7 +76,10 @@ class StaticSolver final : public Integrator {
   bool movesInTime() const override { return false; }
   void sceneChanged() override { is_checked_ = false; }
   void reset() override { is_checked_ = false; }
-  void serialize(Archive& archive) override { archive.value("is_checked", is_checked_); }
+  void serialize(Archive& archive) override {
+    archive.value("is_checked", is_checked_);
+    archive.value("held", held_);
+  }
 
  private:
   void checkSettings() const;
@@ -102,6 +106,7 @@ class StaticSolver final : public Integrator {
   Vector moved_, moved_v_, displacement_;  ///< work space of advancePrescribed(), shape (all rows)
   bool is_checked_ = false;                ///< no body was free when something last changed
   long checked_revision_ = -1;             ///< of what held bodies then
+  long held_ = 0;                          ///< directions of nodes, in the last step
 };
 
 void StaticSolver::declare(DataTable& table) {
@@ -210,21 +215,21 @@ bool StaticSolver::checkFreeBodies(System& system, StepReport& report) {
 }
 
 StepReport StaticSolver::step(System& system, const StepContext& context) {
-  const long held_before = heldDirections(system.constraints());
-  system.beginStep(context);
   clear(system.v);
   exact_.end();  // of a step that was stopped
   problem_.begin();
   StepReport report;
-  const bool is_held_otherwise = !is_checked_ || heldDirections(system.constraints()) != held_before;
+  const long held_before = std::exchange(held_, heldDirections(system.constraints()));
+  const bool is_held_otherwise = !is_checked_ || held_ != held_before;
   if (is_held_otherwise && !checkFreeBodies(system, report)) return report;
   report = solveInParts(system, context);
   const bool tried_exact = exact_.isOn();
   if (tried_exact) {
     ++exact_tangent_steps_;
     exact_.end();
-    problem_.residual(force_);  // derivatives are those of the scene's tangent again
+    if (!report.stopped) problem_.residual(force_);  // derivatives are those of the scene's tangent again
   }
+  if (report.stopped) return report;
   // what turns or comes and goes from step to step is looked at only where a solve has failed: it takes memory and time
   if (!report.newton_converged && settings_.iterations > 1 && revisionOfHolds(system) != checked_revision_) {
     const Rows x = system.independent(system.x);
@@ -250,17 +255,17 @@ StepReport StaticSolver::solvePart(System& system, const StepContext& context) {
   StepReport report;
   // what follows a node that has moved in the solve has its place only after it
   constexpr int most_solves = 4;
-  for (int again = 0; report.newton_converged && !report.diverged; ++again) {
+  for (int again = 0; report.newton_converged && !report.failed(); ++again) {
     const StepReport before = report;
     StepReport advance;
     if (!advancePrescribed(system, context, advance) && again > 0) break;
-    if (!advance.newton_converged) return advance;
+    if (!advance.newton_converged || advance.stopped) return advance;
     if (again == most_solves) {
       report.newton_converged = false;
       report.reason = fmt::format("nodes that follow others still moved after {} solves", most_solves);
       break;
     }
-    report = newton_.solve(problem_, *solver_);
+    report = newton_.solve(problem_, *solver_, context.stop);
     addCounts(before, report);
     addCounts(advance, report);
   }
@@ -273,10 +278,10 @@ StepReport StaticSolver::solveWithFallback(System& system, const StepContext& co
   StepReport report = solvePart(system, context);
   const auto good = [&report] { return report.newton_converged && !report.diverged; };
   constexpr int fewest = 5;  // with less the scene does not ask for an equilibrium
-  if (good() || settings_.iterations < fewest || settings_.stop_when_residual_grows) return report;
+  if (good() || report.stopped || settings_.iterations < fewest || settings_.stop_when_residual_grows) return report;
   if (!exact_.begin(system)) return report;
   for (const bool from_start : {false, true}) {
-    if (good()) break;
+    if (good() || report.stopped) break;
     if (from_start) copy(good_, system.independent(system.x));
     const StepReport before = report;
     report = solvePart(system, context);
@@ -304,6 +309,7 @@ StepReport StaticSolver::solveInParts(System& system, const StepContext& context
     addCounts(report, attempt);
     report = attempt;
     report.load_parts = parts;
+    if (report.stopped) return report;
     if (good && share == 1) return report;
     if (good) {
       done = share, part *= 2;
@@ -349,9 +355,9 @@ bool StaticSolver::advancePrescribed(System& system, const StepContext& context,
   clear(moved_v_);
   problem_.leaveOut(force_);
   system.constraints().project(force_);
-  solver_->setTolerance(settings_.forcing);
-  const bool solved = solveOrShift(*solver_, problem_.tangent(), force_, mode_, report);
-  solver_->setTolerance(0);
+  const SolveTerms terms{settings_.forcing, context.stop};
+  const bool solved = solveOrShift(*solver_, problem_.tangent(), force_, mode_, terms, report);
+  if (report.stopped) return true;
   motion.advance(1, d, x);
   const double alone = problem_.energy();
   double energy = alone;

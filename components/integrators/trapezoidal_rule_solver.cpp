@@ -30,14 +30,13 @@ class TrapezoidalRuleSolver final : public Integrator {
     implicit_.declareNewtonSolver(table);
   }
   void compile(System& system) override { implicit_.compile(*this, system); }
-  StepReport step(System& system, const StepContext& context) override {
-    system.beginStep(context);
+  StepReport step(System&, const StepContext& context) override {
     ImplicitScheme scheme;
     scheme.weight = scheme.old_weight = scheme.displacement = context.dt / 2;
     scheme.drift = context.dt;
     scheme.time = context.t_end;
     scheme.old_time = context.t;
-    return implicit_.solve(scheme);
+    return implicit_.solve(scheme, context.stop);
   }
   bool keepsEnergy() const override { return true; }
   std::string describe() const override { return "trapezoidal step" + implicit_.describe(); }

@@ -115,18 +115,17 @@ StepReport VariationalSymplecticSolver::step(System& system, const StepContext& 
   if (computes_hamiltonian_ && incremental_ && !started_) new_potential_ = system.potentialEnergy(system.x);
   copy(system.independent(system.x), start_);
   StepReport report = is_explicit_ ? explicit_.step(system, context) : implicitStep(system, context);
-  if (!report.diverged && computes_hamiltonian_) noteEnergy(system);
+  if (!report.failed() && computes_hamiltonian_) noteEnergy(system);
   return report;
 }
 
 StepReport VariationalSymplecticSolver::implicitStep(System& system, const StepContext& context) {
-  system.beginStep(context);
   const double h = context.dt;
   ImplicitScheme scheme;
   scheme.weight = scheme.displacement = scheme.drift = h / 2;
   scheme.time = (context.t + context.t_end) / 2;
-  StepReport report = implicit_.solve(scheme);
-  if (report.diverged) return report;
+  StepReport report = implicit_.solve(scheme, context.stop);
+  if (report.failed()) return report;
   const Rows v = system.independent(system.v);
   system.motion().advance(h / 2, v, system.x);
   axpy(1, implicit_.change(), v);

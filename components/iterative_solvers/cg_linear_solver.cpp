@@ -41,9 +41,19 @@ class CGLinearSolver final : public KrylovSolver {
  public:
   void declare(DataTable& table) override;
   void init() override;
-  SolveReport solve(SystemMatrix& matrix, ConstRows b, Rows x) override;
+  SolveReport solve(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms) override;
   void serializeFor(SystemMatrix& matrix, Archive& archive) override {
     if (warm_start_) archive.rows("previous", keptFor(matrix, matrix.rows()).previous);
+  }
+  void keepFor(SystemMatrix& matrix) override {
+    if (!warm_start_) return;
+    Kept& kept = keptFor(matrix, matrix.rows());
+    copy(kept.previous, kept.before_step);
+  }
+  void takeBackFor(SystemMatrix& matrix) override {
+    if (!warm_start_) return;
+    Kept& kept = keptFor(matrix, matrix.rows());
+    copy(kept.before_step, kept.previous);
   }
   void reset() override {
     kept_.forEach([](Kept& kept) { kept.previous.resize(kept.previous.count()); });
@@ -53,6 +63,7 @@ class CGLinearSolver final : public KrylovSolver {
   /// For each matrix: work space, the last solution and the inverses of the diagonal blocks.
   struct Kept {
     Vector r, p, q, z, previous;
+    Vector before_step;  ///< `previous` then
     std::vector<double> blocks;
     cg::BlockJacobi jacobi;
     MatrixKey jacobi_key;
@@ -95,7 +106,7 @@ CGLinearSolver::Kept& CGLinearSolver::keptFor(const SystemMatrix& matrix, Index 
   if (kept.r.count() == rows) return kept;
   for (Vector* vector : {&kept.r, &kept.p, &kept.q}) vector->resize(rows);
   if (precondition_) kept.z.resize(rows);
-  if (warm_start_) kept.previous.resize(rows);
+  if (warm_start_) kept.previous.resize(rows), kept.before_step.resize(rows);
   kept.jacobi_key = {};
   return kept;
 }
@@ -134,6 +145,10 @@ SolveReport CGLinearSolver::iterate(const SystemMatrix& matrix, Kept& kept, Rows
       break;
     }
     const bool converged = std::sqrt(residual) <= enough;
+    if (!converged && isStopAsked()) {
+      report.stop = SolveStop::stopped;
+      break;
+    }
     if (converged || report.iterations == iterations_) {
       axpy(alpha, p, x);
       report.stop = converged ? SolveStop::converged : SolveStop::iteration_limit;
@@ -147,9 +162,9 @@ SolveReport CGLinearSolver::iterate(const SystemMatrix& matrix, Kept& kept, Rows
   return report;
 }
 
-SolveReport CGLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x) {
+SolveReport CGLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms) {
   SolveReport report;
-  if (!begin(matrix, b, x, report)) return report;
+  if (!begin(matrix, b, x, terms, report)) return report;
   Kept& kept = keptFor(matrix, b.count);
   prepare(matrix, kept);
   if (kept.bad_block >= 0) {
@@ -165,7 +180,7 @@ SolveReport CGLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x) {
   } else {
     report = iterate(matrix, kept, x, residual);
   }
-  if (warm_start_ && report.stop != SolveStop::not_finite) copy(x, kept.previous);
+  if (warm_start_ && report.stop != SolveStop::not_finite && report.stop != SolveStop::stopped) copy(x, kept.previous);
   return report;
 }
 

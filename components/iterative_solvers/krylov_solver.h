@@ -19,8 +19,9 @@ class KrylovSolver : public LinearSolver {
   // The following are inline for the reason given in vector.h.
 
   /// Makes what a solve needs besides a preconditioner. False when the solve is over: the report says why.
-  bool begin(SystemMatrix& matrix, ConstRows b, Rows x, SolveReport& report) {
+  bool begin(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms, SolveReport& report) {
     graph_.clear();
+    terms_ = terms;
     norm_b_ = norm(b);
     if (!std::isfinite(norm_b_)) {
       report.stop = SolveStop::not_finite;
@@ -35,7 +36,10 @@ class KrylovSolver : public LinearSolver {
     const bool assemble =
         form_ == Form::assembled || (form_ == Form::automatic && matrix.prefersAssembled(expected_iterations_));
     assembled_ = assemble ? &matrix.assemble() : nullptr;
-    return true;
+    if (!isStopAsked()) return true;
+    report.stop = SolveStop::stopped;
+    report.relative_residual = 1;
+    return false;
   }
   /// out = A p
   void product(const SystemMatrix& matrix, ConstRows p, Rows out) const {
@@ -51,7 +55,8 @@ class KrylovSolver : public LinearSolver {
     return dot(r, r);
   }
   /// The |b - A x| at which a solve ends.
-  double target() const { return std::max(tolerance(), requestedTolerance()) * norm_b_; }
+  double target() const { return std::max(tolerance(), terms_.relative_residual) * norm_b_; }
+  bool isStopAsked() const { return terms_.stop.isStopAsked(); }
   /// A scene that writes `iterations` and no tolerance, as SOFA's do, has SOFA's.
   double tolerance() const { return is_capped_ && !tolerance_data_->isSet() ? 1e-5 : tolerance_; }
   /// Appends to `graph` as long as init() made room: no allocation in a step.
@@ -64,6 +69,7 @@ class KrylovSolver : public LinearSolver {
   /// |b - A x| / |b| at which a solve ends.
   double tolerance_ = 1e-8;
   double norm_b_ = 0;  ///< |b| of the solve that begin() opened
+  SolveTerms terms_;   ///< its terms
 
  private:
   enum class Form { automatic, product, assembled };

@@ -37,7 +37,7 @@ namespace {
 
 class MinResLinearSolver final : public KrylovSolver {
  public:
-  SolveReport solve(SystemMatrix& matrix, ConstRows b, Rows x) override;
+  SolveReport solve(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms) override;
 
  private:
   /// Work space of a matrix.
@@ -102,6 +102,7 @@ SolveStop MinResLinearSolver::iterate(const SystemMatrix& matrix, Lanczos& work,
     report.relative_residual = phi / norm_b_;
     record(report.relative_residual);
     if (phi <= target()) return SolveStop::converged;
+    if (isStopAsked()) return SolveStop::stopped;
     if (report.iterations == iterations_) return SolveStop::iteration_limit;
 
     std::swap(w_before, w), std::swap(w, w_next);
@@ -111,9 +112,9 @@ SolveStop MinResLinearSolver::iterate(const SystemMatrix& matrix, Lanczos& work,
   }
 }
 
-SolveReport MinResLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x) {
+SolveReport MinResLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms) {
   SolveReport report;
-  if (!begin(matrix, b, x, report)) return report;
+  if (!begin(matrix, b, x, terms, report)) return report;
   Lanczos& work = work_.of(matrix);
   work.resize(b.count);
   double now = std::sqrt(residual(matrix, b, x, work.v, work.product));
@@ -122,7 +123,7 @@ SolveReport MinResLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x)
   for (;;) {
     const double before = now;
     report.stop = iterate(matrix, work, x, now, report);
-    if (report.stop == SolveStop::not_finite) return report;
+    if (report.stop == SolveStop::not_finite || report.stop == SolveStop::stopped) return report;
     // what the recurrence says differs from b - A x by round-off: the report gives the latter
     now = std::sqrt(residual(matrix, b, x, work.v, work.product));
     report.relative_residual = now / norm_b_;

@@ -52,7 +52,13 @@ class PCGLinearSolver final : public KrylovSolver, public FactorUser {
   void serializeFor(SystemMatrix& matrix, Archive& archive) override {
     if (ApproximateInverse* inverse = keptFor(matrix).inverse.get()) inverse->serialize(matrix, archive);
   }
-  SolveReport solve(SystemMatrix& matrix, ConstRows b, Rows x) override;
+  void keepFor(SystemMatrix& matrix) override {
+    if (ApproximateInverse* inverse = keptFor(matrix).inverse.get()) inverse->keep();
+  }
+  void takeBackFor(SystemMatrix& matrix) override {
+    if (ApproximateInverse* inverse = keptFor(matrix).inverse.get()) inverse->takeBack();
+  }
+  SolveReport solve(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms) override;
   Index mostRows() const override;
   bool usesFactorOf(const Component&) const override { return use_ && link_.path == "warped"; }
 
@@ -117,13 +123,13 @@ std::unique_ptr<ApproximateInverse> PCGLinearSolver::makeInverse() const {
   return nullptr;
 }
 
-SolveReport PCGLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x) {
+SolveReport PCGLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms) {
   SolveReport report;
-  if (!begin(matrix, b, x, report)) return report;
+  if (!begin(matrix, b, x, terms, report)) return report;
   auto& [inverse, work] = keptFor(matrix);
   work.resize(b.count);
   SolveReport prepared;
-  if (inverse && !inverse->follow(matrix, prepared)) {
+  if (inverse && !inverse->follow(matrix, prepared, terms.stop)) {
     prepared.relative_residual = 1;
     return prepared;
   }
@@ -133,10 +139,10 @@ SolveReport PCGLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x) {
   ApproximateInverse* const preconditioner = inverse.get();
   const auto precondition = [&](ConstRows r, Rows z) { preconditioner ? preconditioner->apply(r, z) : copy(r, z); };
   const auto note = [&](double residual) { record(residual / norm_b_); };
-  report = cg::preconditioned(multiply, precondition, note, {iterations_, target()}, b, work, x);
+  report = cg::preconditioned(multiply, precondition, note, {iterations_, target(), terms.stop}, b, work, x);
   report.relative_residual /= norm_b_;
   report.factored = prepared.factored;
-  if (inverse) inverse->solved(report.iterations);
+  if (inverse && report.stop != SolveStop::stopped) inverse->solved(report.iterations);
   return report;
 }
 

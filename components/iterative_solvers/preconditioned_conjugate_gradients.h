@@ -22,6 +22,7 @@ struct Directions {
 struct Limits {
   int iterations = 25;
   double residual = 0;  ///< stop when |b - A x| is at most this
+  StopToken stop{};
 };
 
 /// Iterates from r = b - A x until the |r| of the recurrence is small enough (converged) or something else ends it.
@@ -47,6 +48,7 @@ SolveStop descend(Product&& product, Precondition&& precondition, Record&& recor
     record(report.relative_residual);
     if (!std::isfinite(report.relative_residual)) return SolveStop::not_finite;
     const bool converged = report.relative_residual <= limits.residual;
+    if (!converged && limits.stop.isStopAsked()) return SolveStop::stopped;
     if (converged || report.iterations == limits.iterations) {
       axpy(alpha, p, x);
       return converged ? SolveStop::converged : SolveStop::iteration_limit;

@@ -15,7 +15,7 @@ class ApproximateInverse {
   virtual ~ApproximateInverse() = default;
   /// Brings B up to date with the matrix. False when there is none: the report says why and, where it is known, in which
   /// row.
-  virtual bool follow(SystemMatrix& matrix, SolveReport& report) = 0;
+  virtual bool follow(SystemMatrix& matrix, SolveReport& report, StopToken stop) = 0;
   /// z = B r.
   virtual void apply(ConstRows r, Rows z) = 0;
   /// Told after each solve how many iterations it took: what is kept over several matrices is renewed by it.
@@ -24,6 +24,9 @@ class ApproximateInverse {
   virtual void reset() = 0;
   /// See LinearSolver::serializeFor().
   virtual void serialize(SystemMatrix& /*matrix*/, Archive&) {}
+  /// See LinearSolver::keepFor().
+  virtual void keep() {}
+  virtual void takeBack() {}
   /// The multiple of its own diagonal that was added to the matrix so that a factorisation exists; 0: none.
   virtual double shift() const { return 0; }
 };

@@ -25,7 +25,7 @@ inline Eigen::Map<RowBlock> blockAt(std::vector<double>& values, Index slot) {
 class FollowingInverse : public ApproximateInverse {
  public:
   /// Brings the inverse up to date; false when the matrix has none, and the report says at which row.
-  bool follow(SystemMatrix& matrix, SolveReport& report) final {
+  bool follow(SystemMatrix& matrix, SolveReport& report, StopToken) final {
     if (key_ == matrix.key()) {
       look(matrix);
       return true;

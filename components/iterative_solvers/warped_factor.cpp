@@ -28,83 +28,114 @@ void followRotation(const Mat3& a, Eigen::Quaterniond& q) {
 }  // namespace
 
 void WarpedFactor::turn(const BlockMatrix& matrix, ConstRows x) {
+  const Vector& origin = origins_[now_.origin].positions;
   for (Index i = 0; i < matrix.rows(); ++i) {
     Mat3 a = Mat3::Zero();
     for (Index s = matrix.rowStart()[i]; s < matrix.rowStart()[i + 1]; ++s) {
       const Index j = matrix.columns()[s];
-      a += (x[j] - x[i]) * (positions_[j] - positions_[i]).transpose();
+      a += (x[j] - x[i]) * (origin[j] - origin[i]).transpose();
     }
-    followRotation(a, rotations_[i]);
-    matrices_[i] = rotations_[i].toRotationMatrix();
+    followRotation(a, now_.rotations[i]);
+    matrices_[i] = now_.rotations[i].toRotationMatrix();
   }
-  turned_ = true;
+  now_.turned = true;
 }
 
-bool WarpedFactor::follow(SystemMatrix& matrix, SolveReport& report) {
+bool WarpedFactor::follow(SystemMatrix& matrix, SolveReport& report, StopToken stop) {
   start_ = std::chrono::steady_clock::now();
-  const bool factor = renew_ || !fits(matrix);
-  if (!factor && key_ == matrix.key()) return true;
+  if (now_.renew || !fits(matrix)) return renew(matrix, report, stop);
+  if (factored_ != now_.origin && !makeAgain(matrix, report, stop)) return false;
+  if (now_.key == matrix.key()) return true;
+  now_.fresh = false;
+  if (const ConstRows positions = matrix.positions(); positions.count > 0) turn(matrix.pattern(), positions);
+  now_.key = matrix.key();
+  return true;
+}
+
+/// The factors of the matrix as it is.
+bool WarpedFactor::renew(SystemMatrix& matrix, SolveReport& report, StopToken stop) {
   const ConstRows positions = matrix.positions();
-  fresh_ = factor;
-  if (!factor) {
-    if (positions.count > 0) turn(matrix.pattern(), positions);
-    key_ = matrix.key();
-    return true;
-  }
-  rows_ = -1;
-  factors_ = solver_.factor(matrix, report);
+  now_.fresh = true;
+  now_.rows = -1;
+  factored_ = none;
+  factors_ = solver_.factor(matrix, report, stop);
   if (!factors_) return false;
   if (work_.count() != matrix.rows()) work_.resize(matrix.rows());
+  now_.origin = factored_ = 1 - kept_.origin;
+  Origin& origin = origins_[now_.origin];
   if (positions.count > 0) {
-    if (positions_.count() != positions.count) positions_.resize(positions.count);
-    copy(positions, positions_);
-    rotations_.assign(positions.count, Eigen::Quaterniond::Identity());
+    if (origin.positions.count() != positions.count) origin.positions.resize(positions.count);
+    copy(positions, origin.positions);
+    now_.rotations.assign(positions.count, Eigen::Quaterniond::Identity());
     matrices_.resize(positions.count);
   }
-  rows_ = matrix.rows(), key_ = matrix.key();
-  factored_values_ = matrix.assemble().values();
-  renew_ = turned_ = false;
-  iteration_seconds_ = factors_->cost().apply + block_product_seconds * matrix.assemble().blocks();
+  now_.rows = matrix.rows(), now_.key = matrix.key();
+  origin.values = matrix.assemble().values();
+  now_.renew = now_.turned = false;
+  now_.iteration_seconds = factors_->cost().apply + block_product_seconds * matrix.assemble().blocks();
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start_;
-  spent_ = renewal_ == Renewal::clock ? took.count() : factors_->cost().factor;
-  solves_ = 0;
+  now_.spent = renewal_ == Renewal::clock ? took.count() : factors_->cost().factor;
+  now_.solves = 0;
   start_ = std::chrono::steady_clock::now();
   return true;
 }
 
+/// Those of the values that the memory has.
+bool WarpedFactor::makeAgain(SystemMatrix& matrix, SolveReport& report, StopToken stop) {
+  factored_ = none;
+  factors_ = solver_.factorValues(matrix, origins_[now_.origin].values, stop);
+  if (!factors_) {
+    report.stop = stop.isStopAsked() ? SolveStop::stopped : SolveStop::breakdown;
+    return false;
+  }
+  factored_ = now_.origin;
+  if (work_.count() != now_.rows) work_.resize(now_.rows);
+  return true;
+}
+
+void WarpedFactor::noteRotations() {
+  matrices_.clear();
+  for (const Eigen::Quaterniond& rotation : now_.rotations) matrices_.push_back(rotation.toRotationMatrix());
+}
+
+void WarpedFactor::takeBack() {
+  now_ = kept_;
+  noteRotations();
+}
+
 void WarpedFactor::serialize(SystemMatrix& matrix, Archive& archive) {
+  Origin& origin = origins_[now_.origin];
   // factors of a pattern that has gone are made anew by the next follow(): their values are not worth keeping
-  if (!archive.isReading() && !fits(matrix)) rows_ = -1, factored_values_.clear();
-  bool is_current = rows_ >= 0 && key_ == matrix.key();
-  archive.value("rows", rows_);
+  if (!archive.isReading() && !fits(matrix)) now_.rows = -1, origin.values.clear();
+  bool is_current = now_.rows >= 0 && now_.key == matrix.key();
+  archive.value("rows", now_.rows);
   archive.value("current", is_current);
-  archive.value("renew", renew_);
-  archive.value("fresh", fresh_);
-  archive.value("turned", turned_);
-  archive.value("rough", rough_);
-  archive.value("iteration_seconds", iteration_seconds_);
-  archive.value("spent", spent_);
-  archive.value("solves", solves_);
-  archive.rows("positions", positions_);
-  archive.list("rotations", rotations_);
-  archive.list("factored_values", factored_values_);
-  if (!archive.isReading() || rows_ < 0) return;
-  factors_ = rows_ == matrix.rows() ? solver_.factorValues(matrix, factored_values_) : nullptr;
-  if (!factors_)
+  archive.value("renew", now_.renew);
+  archive.value("fresh", now_.fresh);
+  archive.value("turned", now_.turned);
+  archive.value("rough", now_.rough);
+  archive.value("iteration_seconds", now_.iteration_seconds);
+  archive.value("spent", now_.spent);
+  archive.value("solves", now_.solves);
+  archive.rows("positions", origin.positions);
+  archive.list("rotations", now_.rotations);
+  archive.list("factored_values", origin.values);
+  if (!archive.isReading()) return;
+  factored_ = none;
+  if (now_.rows < 0) return;
+  if (now_.rows != matrix.rows() || origin.values.size() != matrix.pattern().values().size())
     throw std::runtime_error(
         "the checkpoint holds a factored matrix of another pattern: it was written by another scene");
-  key_ = matrix.key();
-  if (!is_current) key_.values = -1;
-  if (work_.count() != rows_) work_.resize(rows_);
-  matrices_.clear();
-  for (const Eigen::Quaterniond& rotation : rotations_) matrices_.push_back(rotation.toRotationMatrix());
+  now_.key = matrix.key();
+  if (!is_current) now_.key.values = -1;
+  noteRotations();
 }
 
 void WarpedFactor::apply(ConstRows r, Rows z) {
   const auto applyFactors = [this](ConstRows in, Rows out) {
-    rough_ ? factors_->applyRoughly(in, out) : factors_->apply(in, out);
+    now_.rough ? factors_->applyRoughly(in, out) : factors_->apply(in, out);
   };
-  if (!turned_) return applyFactors(r, z);
+  if (!now_.turned) return applyFactors(r, z);
   for (Index i = 0; i < r.count; ++i) work_[i] = matrices_[i].transpose() * r[i];
   applyFactors(work_, z);
   for (Index i = 0; i < r.count; ++i) z[i] = (matrices_[i] * z[i]).eval();
@@ -112,13 +143,13 @@ void WarpedFactor::apply(ConstRows r, Rows z) {
 
 void WarpedFactor::solved(int iterations) {
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start_;
-  const double cost = renewal_ == Renewal::clock ? took.count() : iterations * iteration_seconds_;
-  spent_ += cost;
-  ++solves_;
+  const double cost = renewal_ == Renewal::clock ? took.count() : iterations * now_.iteration_seconds;
+  now_.spent += cost;
+  ++now_.solves;
   // a factor of the very matrix that needs this many is ill-conditioned beyond single precision
   constexpr int most_of_a_fresh_factor = 20;
-  if (fresh_ && iterations > most_of_a_fresh_factor) rough_ = false;
-  renew_ = renewal_ != Renewal::never && !fresh_ && cost > spent_ / solves_;
+  if (now_.fresh && iterations > most_of_a_fresh_factor) now_.rough = false;
+  now_.renew = renewal_ != Renewal::never && !now_.fresh && cost > now_.spent / now_.solves;
 }
 
 DirectSolver& factorSource(const Component& user, const Link<DirectSolver>& link) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 #include <Eigen/Geometry>
+#include <array>
 #include <chrono>
 
 #include "components/iterative_solvers/preconditioner.h"
@@ -26,39 +27,60 @@ class WarpedFactor final : public ApproximateInverse {
   explicit WarpedFactor(DirectSolver& solver, Renewal renewal = Renewal::estimate)
       : solver_(solver), renewal_(renewal) {}
 
-  bool follow(SystemMatrix& matrix, SolveReport& report) override;
+  bool follow(SystemMatrix& matrix, SolveReport& report, StopToken stop) override;
   void apply(ConstRows r, Rows z) override;
   void solved(int iterations) override;
-  /// With the values that were factored: they are factored again.
+  void keep() override { kept_ = now_; }
+  /// Factors that were renewed meanwhile are made again from the values before when they are needed.
+  void takeBack() override;
+  /// With the values that were factored: they are factored again when they are needed.
   void serialize(SystemMatrix& matrix, Archive& archive) override;
   void reset() override {
-    rows_ = -1;
-    renew_ = false;
-    rough_ = true;
+    now_.rows = -1;
+    now_.renew = false;
+    now_.rough = true;
   }
 
  private:
   /// Factors are kept, and of the matrix's present pattern.
-  bool fits(const SystemMatrix& matrix) const { return rows_ == matrix.rows() && key_.pattern == matrix.key().pattern; }
+  bool fits(const SystemMatrix& matrix) const {
+    return now_.rows == matrix.rows() && now_.key.pattern == matrix.key().pattern;
+  }
   void turn(const BlockMatrix& matrix, ConstRows positions);
+  bool renew(SystemMatrix& matrix, SolveReport& report, StopToken stop);
+  bool makeAgain(SystemMatrix& matrix, SolveReport& report, StopToken stop);
+  void noteRotations();
+
+  /// Where the factors were made.
+  struct Origin {
+    Vector positions;            ///< X
+    std::vector<double> values;  ///< of A_0, shape (blocks, 9)
+  };
+  /// What later solves depend on.
+  struct Memory {
+    Index rows = -1;
+    MatrixKey key;       ///< of the last follow()
+    bool renew = false;  ///< the next follow() factors
+    bool fresh = false;  ///< the last follow() factored
+    bool turned = false;
+    bool rough = true;             ///< factors are applied in single precision
+    double iteration_seconds = 0;  ///< estimate of one product and one application
+    double spent = 0;              ///< seconds since the last factorisation, with it
+    int solves = 0;                ///< since then
+    std::size_t origin = 0;        ///< which of origins_
+    std::vector<Eigen::Quaterniond> rotations;
+  };
 
   DirectSolver& solver_;
   Renewal renewal_;
   Factorisation* factors_ = nullptr;  ///< the solver's for this matrix, kept from one renewal to the next
-  Index rows_ = -1;
-  MatrixKey key_;       ///< of the last follow()
-  bool renew_ = false;  ///< the next follow() factors
-  bool fresh_ = false;  ///< the last follow() factored
-  bool turned_ = false;
-  bool rough_ = true;             ///< factors are applied in single precision
-  double iteration_seconds_ = 0;  ///< estimate of one product and one application
-  double spent_ = 0;              ///< seconds since the last factorisation, with it
-  int solves_ = 0;                ///< since then
+  std::size_t factored_ = none;       ///< of which origin they are
+  static constexpr std::size_t none = 2;
+  std::array<Origin, 2> origins_;  ///< that of the step before stays until the step is taken
+  Memory now_, kept_;
   std::chrono::steady_clock::time_point start_;
-  Vector positions_, work_;
-  std::vector<double> factored_values_;  ///< of A_0, shape (blocks, 9)
-  std::vector<Eigen::Quaterniond> rotations_;
-  std::vector<Mat3> matrices_;  ///< of rotations_, shape (rows)
+  Vector work_;
+  std::vector<Mat3> matrices_;  ///< of the rotations, shape (rows)
 };
 
 /// The one direct solver that `link` names or else the node of `user` holds. Throws ComponentError.

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Monitor: positions, velocities and forces of chosen nodes over time, in columns for gnuplot.
 //
-// One text file for each quantity asked for: <fileName>_x.txt (positions [m]), <fileName>_v.txt (velocities [m/s]),
-// <fileName>_f.txt (net force of the last evaluation [N]). A line starts with the time [s]; then follow the three
+// One text file for each quantity asked for: <fileName>_x.txt (positions), <fileName>_v.txt (velocities),
+// <fileName>_f.txt (net force of the last evaluation). Their head names the units of the scene, where they are known
+// (docs/units.md). A line starts with the time; then follow the three
 // components of each node in the order of `indices`. The first line is the start, then one per step. Numbers have the
 // fewest digits that read back to the same bits. To plot the height of the first node:
 // `plot "tip_x.txt" using 1:3 with lines`.
@@ -18,6 +19,7 @@
 
 #include "components/output/table_file.h"
 #include "framework/scene/factory.h"
+#include "framework/scene/written_units.h"
 #include "framework/simulation/simulation.h"
 #include "framework/simulation/state_file.h"
 
@@ -60,9 +62,11 @@ class Monitor final : public Observer {
   void begin(const Simulation& simulation) override {
     goes_on_ = simulation.steps() > 0;
     bool is_new = false;
-    if (export_x_) is_new = open(x_file_, "x", "positions [m]") || is_new;
-    if (export_v_) is_new = open(v_file_, "v", "velocities [m/s]") || is_new;
-    if (export_f_) is_new = open(f_file_, "f", "forces [N]") || is_new;
+    const auto unit = [&](const char* si_unit) { return unitInBrackets(simulation.scene(), si_unit); };
+    time_unit_ = unit("s");
+    if (export_x_) is_new = open(x_file_, "x", "positions" + unit("m")) || is_new;
+    if (export_v_) is_new = open(v_file_, "v", "velocities" + unit("m/s")) || is_new;
+    if (export_f_) is_new = open(f_file_, "f", "forces" + unit("N")) || is_new;
     if (!is_new) return;
     if (export_f_)
       for (const auto& system : simulation.systems()) system->computeForce(system->x, system->v, system->f);
@@ -100,8 +104,9 @@ class Monitor final : public Observer {
   std::string stem() const { return file_name_.empty() ? name() : file_name_.found; }
   std::string fileOf(const char* ending) const { return fmt::format("{}_{}.txt", stem(), ending); }
 
-  bool open(TableFile& file, const char* ending, const char* quantity) {
-    std::string head = fmt::format("# {} of {}\n# column 1: time [s]; then x y z of nodes", quantity, state_->path());
+  bool open(TableFile& file, const char* ending, const std::string& quantity) {
+    std::string head =
+        fmt::format("# {} of {}\n# column 1: time{}; then x y z of nodes", quantity, state_->path(), time_unit_);
     for (const int node : nodes_) head += fmt::format(" {}", node);
     return file.open(fileOf(ending), goes_on_, head + "\n");
   }
@@ -126,6 +131,7 @@ class Monitor final : public Observer {
   FileName file_name_;
 
   State* state_ = nullptr;
+  std::string time_unit_;  ///< " [s]"
   TableFile x_file_, v_file_, f_file_;
   bool goes_on_ = false;  ///< from a checkpoint
   std::string line_;

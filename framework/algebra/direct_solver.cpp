@@ -37,8 +37,12 @@ bool DirectSolver::analyseIfNew(const SystemMatrix& matrix, const BlockMatrix& v
   return true;
 }
 
-bool DirectSolver::update(SystemMatrix& matrix, Kept& kept, SolveReport& report) {
+bool DirectSolver::update(SystemMatrix& matrix, Kept& kept, SolveReport& report, StopToken stop) {
   const BlockMatrix& a = matrix.assemble();
+  if (stop.isStopAsked()) {
+    report.stop = SolveStop::stopped;
+    return false;
+  }
   const bool is_new = analyseIfNew(matrix, a, kept);
   if (!is_new && kept.factored && kept.key == matrix.key()) return true;
   kept.factored = false;
@@ -52,28 +56,31 @@ bool DirectSolver::update(SystemMatrix& matrix, Kept& kept, SolveReport& report)
     report.stop = SolveStop::not_finite;
     return false;
   }
-  const SolveStop stop = kept.factors->factor(a, report.row);
-  noteFactored(*kept.factors);
-  kept.factored = stop == SolveStop::converged;
-  if (!kept.factored) report.stop = stop;
+  kept.factors->load(a);
+  const SolveStop end = kept.factors->factor(report.row, stop);
+  if (end != SolveStop::stopped) noteFactored(*kept.factors);
+  kept.factored = end == SolveStop::converged;
+  if (!kept.factored) report.stop = end;
   kept.key = matrix.key();
   return kept.factored;
 }
 
-Factorisation* DirectSolver::factor(SystemMatrix& matrix, SolveReport& report) {
+Factorisation* DirectSolver::factor(SystemMatrix& matrix, SolveReport& report, StopToken stop) {
   Kept& kept = kept_.of(matrix);
-  return update(matrix, kept, report) ? kept.factors.get() : nullptr;
+  return update(matrix, kept, report, stop) ? kept.factors.get() : nullptr;
 }
 
-Factorisation* DirectSolver::factorValues(SystemMatrix& matrix, const std::vector<double>& values) {
+Factorisation* DirectSolver::factorValues(SystemMatrix& matrix, const std::vector<double>& values, StopToken stop) {
   BlockMatrix former = matrix.pattern();
   if (former.values().size() != values.size()) return nullptr;
   former.values() = values;
   Kept& kept = kept_.of(matrix);
   analyseIfNew(matrix, former, kept);
   kept.factored = false;
+  kept.factors->load(former);
   Index row = -1;
-  return kept.factors->factor(former, row) == SolveStop::converged ? kept.factors.get() : nullptr;
+  const SolveStop end = kept.factors->factor(row, stop);
+  return end == SolveStop::converged ? kept.factors.get() : nullptr;
 }
 
 namespace {
@@ -87,7 +94,7 @@ double residual(const BlockMatrix& a, ConstRows b, ConstRows x, Rows r) {
 
 }  // namespace
 
-SolveReport DirectSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x) {
+SolveReport DirectSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms) {
   SolveReport report;
   const double norm_b = norm(b);
   if (norm_b == 0) {
@@ -102,7 +109,7 @@ SolveReport DirectSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x) {
     return report;
   }
   Kept& kept = kept_.of(matrix);
-  if (!update(matrix, kept, report)) return report;
+  if (!update(matrix, kept, report, terms.stop)) return report;
   const BlockMatrix& a = matrix.assemble();
   Factorisation& factors = *kept.factors;
   factors.apply(b, x);

@@ -19,9 +19,10 @@ class Factorisation {
   virtual ~Factorisation() = default;
   /// Orders the pattern and lays out the factors.
   virtual void analyse(const BlockMatrix& matrix) = 0;
-  /// Factors values of the analysed pattern. Returns the reason it could not (`row`: where, when that is known), else
-  /// converged.
-  virtual SolveStop factor(const BlockMatrix& matrix, Index& row) = 0;
+  /// Takes the values of a matrix of the analysed pattern: the matrix is not read again.
+  virtual void load(const BlockMatrix& matrix) = 0;
+  /// Factors the loaded values. Returns the reason it could not (`row`: where, when that is known), else converged.
+  virtual SolveStop factor(Index& row, StopToken stop) = 0;
   /// x = A^-1 b with the last factors, of shape (rows); no residual is computed.
   virtual void apply(ConstRows b, Rows x) = 0;
   /// The same where about six right digits are enough: in a preconditioner.
@@ -41,15 +42,15 @@ class Factorisation {
 class DirectSolver : public LinearSolver {
  public:
   void declare(DataTable& table) override;  ///< template, factorisations
-  SolveReport solve(SystemMatrix& matrix, ConstRows b, Rows x) override;
+  SolveReport solve(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms) override;
   bool answersLookup() const override;
 
-  /// The factors of the matrix as it is now. Null when it has none; the report then says why and where. They stay where
-  /// they are as long as matrix and solver live, and keep their numbers until the next call with this matrix.
-  Factorisation* factor(SystemMatrix& matrix, SolveReport& report);
+  /// The factors of the matrix as it is now. Null when it has none, or was stopped; the report then says why and where.
+  /// They stay where they are, with their numbers, until the next call with this matrix.
+  Factorisation* factor(SystemMatrix& matrix, SolveReport& report, StopToken stop);
   /// The factors of other values in the matrix's pattern, shape (blocks, 9): those of a former step. Null when there are
-  /// none.
-  Factorisation* factorValues(SystemMatrix& matrix, const std::vector<double>& values);
+  /// none, or when it was stopped.
+  Factorisation* factorValues(SystemMatrix& matrix, const std::vector<double>& values, StopToken stop);
 
  protected:
   virtual std::unique_ptr<Factorisation> makeFactorisation(bool symmetric) const = 0;
@@ -67,7 +68,7 @@ class DirectSolver : public LinearSolver {
     MatrixKey analysed, key;  ///< whose pattern was analysed, whose values were factored
     Vector residual, correction;
   };
-  bool update(SystemMatrix& matrix, Kept& kept, SolveReport& report);
+  bool update(SystemMatrix& matrix, Kept& kept, SolveReport& report, StopToken stop);
   bool analyseIfNew(const SystemMatrix& matrix, const BlockMatrix& values, Kept& kept) const;
 
   std::string template_ = "CompressedRowSparseMatrixMat3x3";

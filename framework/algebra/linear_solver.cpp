@@ -17,6 +17,8 @@ std::string_view describe(SolveStop stop) {
       return "met a number that is not finite";
     case SolveStop::zero_right_side:
       return "had nothing to solve (zero right side)";
+    case SolveStop::stopped:
+      return "was stopped";
     case SolveStop::stagnated:
       return "reached the accuracy that round-off allows before its tolerance";
   }

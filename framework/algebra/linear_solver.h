@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "framework/algebra/block_matrix.h"
+#include "framework/algebra/stop.h"
 #include "framework/scene/component.h"
 
 namespace stroma {
@@ -63,7 +64,16 @@ class SystemMatrix {
 };
 
 /// Why an iterative or direct solve ended.
-enum class SolveStop { converged, iteration_limit, breakdown, not_definite, not_finite, zero_right_side, stagnated };
+enum class SolveStop {
+  converged,
+  iteration_limit,
+  breakdown,
+  not_definite,
+  not_finite,
+  zero_right_side,
+  stagnated,
+  stopped,  ///< somebody asked for it (SolveTerms::stop): there is no solution
+};
 std::string_view describe(SolveStop stop);
 
 struct SolveReport {
@@ -72,7 +82,17 @@ struct SolveReport {
   double relative_residual = 0;  ///< |b - A x| / |b| as the solver knows it
   bool factored = false;         ///< a factorisation was made in this solve
   Index row = -1;                ///< the row where a factorisation broke down, -1 otherwise
-  bool usable() const { return stop != SolveStop::not_finite && stop != SolveStop::not_definite; }
+  bool usable() const {
+    return stop != SolveStop::not_finite && stop != SolveStop::not_definite && stop != SolveStop::stopped;
+  }
+};
+
+/// What the caller of one solve says besides the equations.
+struct SolveTerms {
+  /// The |b - A x| / |b| that it is content with: solvers by products stop there where their own tolerance asks for more.
+  /// 0: their tolerance.
+  double relative_residual = 0;
+  StopToken stop{};  ///< a solve that is asked to stop ends within a product or a supernode, without a solution
 };
 
 /// Solves A x = b for any number of integrators. What it keeps between calls (factors, work space, a last solution) it
@@ -81,23 +101,17 @@ class LinearSolver : public Component {
  public:
   std::string roleText() const override { return "linear solver"; }
   /// x on entry is the initial guess (zero unless the caller knows better).
-  virtual SolveReport solve(SystemMatrix& matrix, ConstRows b, Rows x) = 0;
+  virtual SolveReport solve(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms = {}) = 0;
   /// Writes or reads what is kept for this matrix and bits of later solves depend on, see Component::serialize(): a last
   /// solution to start from, factors of former values. What is made again from the matrix is not part of it.
   virtual void serializeFor(SystemMatrix& /*matrix*/, Archive&) {}
+  /// Before a step, and after one that is not taken: what serializeFor() knows is then again what it was.
+  virtual void keepFor(SystemMatrix& /*matrix*/) {}
+  virtual void takeBackFor(SystemMatrix& /*matrix*/) {}
   /// True for solvers that need a symmetric matrix; System refuses the pairing at compile time with a sentence.
   virtual bool needsSymmetric() const = 0;
   /// Rows of the largest matrix that it takes; System refuses the pairing likewise.
   virtual Index mostRows() const { return std::numeric_limits<Index>::max(); }
-  /// The |b - A x| / |b| that the caller of the next solves is content with: solvers by products stop there where their
-  /// own tolerance asks for more. 0: their tolerance.
-  void setTolerance(double relative_residual) { requested_tolerance_ = relative_residual; }
-
- protected:
-  double requestedTolerance() const { return requested_tolerance_; }
-
- private:
-  double requested_tolerance_ = 0;
 };
 
 }  // namespace stroma

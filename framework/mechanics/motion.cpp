@@ -30,8 +30,6 @@ Vec3 logarithm(const Quaternion& q) {
   return sign * 2 * std::atan2(sine, std::abs(q.w())) / sine * q.vec();
 }
 
-Eigen::Map<Quaternion> at(double* data, std::size_t row) { return Eigen::Map<Quaternion>(data + row * row_doubles); }
-
 }  // namespace
 
 void Motion::compile(const std::vector<State*>& states) {
@@ -46,43 +44,22 @@ void Motion::compile(const std::vector<State*>& states) {
   }
   for (std::size_t row = 0; row < kinds_.size(); ++row)
     if (kinds_[row] == RowKind::turn) turning_.push_back(Index(row));
-  q_.assign(turning_.size() * row_doubles, 0);
-  r_.resize(turning_.size());
 }
 
 RowKind Motion::kindOf(Index row) const { return kinds_.empty() ? RowKind::place : kinds_[std::size_t(row)]; }
 
-void Motion::takeOut(Rows x) const {
-  for (std::size_t i = 0; i < turning_.size() && turning_[i] < x.count; ++i) {
-    double* row = x.data + std::size_t(turning_[i]) * row_doubles;
-    std::copy_n(row, row_doubles, q_.data() + i * row_doubles);
-    std::fill_n(row, row_doubles, 0.0);
-  }
+void Motion::turnBy(const Vec3& r, double* row) {
+  if (r.isZero(0)) return;
+  Eigen::Map<Quaternion> q(row);
+  q = exponential(r) * q;
+  q.normalize();  // round-off must not add up
+  if (q.w() < 0) q.coeffs() = -q.coeffs();
 }
 
-void Motion::turnBack(Rows x) const {
-  for (std::size_t i = 0; i < turning_.size() && turning_[i] < x.count; ++i) {
-    const Vec3 r = x[turning_[i]];
-    auto q = at(x.data, std::size_t(turning_[i]));
-    q = Quaternion(q_.data() + i * row_doubles);
-    if (r.isZero(0)) continue;
-    q = exponential(r) * q;
-    q.normalize();  // round-off must not add up
-    if (q.w() < 0) q.coeffs() = -q.coeffs();
-  }
-}
-
-void Motion::rotationsBetween(ConstRows x1, Rows x0) const {
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < turning_.size() && turning_[i] < x0.count; ++i) {
-    const std::size_t first = std::size_t(turning_[i]) * row_doubles;
-    r_[count++] = logarithm(Quaternion(x1.data + first) * Quaternion(x0.data + first).conjugate());
-  }
-  xpay(x1, -1, x0);
-  for (std::size_t i = 0; i < count; ++i) {
-    x0[turning_[i]] = r_[i];
-    x0.data[std::size_t(turning_[i]) * row_doubles + 3] = 0;
-  }
+void Motion::differenceOfRow(ConstRows x1, Rows x0, Index row) {
+  const std::size_t first = std::size_t(row) * row_doubles;
+  x0[row] = logarithm(Quaternion(x1.data + first) * Quaternion(x0.data + first).conjugate());
+  x0.data[first + 3] = 0;
 }
 
 }  // namespace stroma

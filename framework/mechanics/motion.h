@@ -23,35 +23,42 @@ class Motion {
 
   /// x moves by s dx. Rows that `dx` has; x may have more.
   void advance(double s, ConstRows dx, Rows x) const {
-    const Rows moving = x.head(dx.count);
-    begin(moving);
-    axpy(s, dx, moving);
-    end(moving);
-  }
-  /// For loops that add several increments: begin() takes orientations out of x and leaves zeros, on which rotation
-  /// vectors are added up as everything is; end() turns the orientations that were taken by what has come together. One
-  /// begin() may serve the end() of several vectors.
-  void begin(Rows x) const {
-    if (turns()) takeOut(x);
-  }
-  void end(Rows x) const {
-    if (turns()) turnBack(x);
+    walk(
+        dx.count, [&](Index begin, Index end) { axpy(s, part(dx, begin, end), part(x, begin, end)); },
+        [&](Index row) { turnBy(s * Vec3(dx[row]), x.data + std::size_t(row) * row_doubles); });
   }
   /// x0 becomes the increment that leads from it to x1.
   void difference(ConstRows x1, Rows x0) const {
-    if (turns()) return rotationsBetween(x1, x0);
-    xpay(x1, -1, x0);
+    walk(
+        x0.count, [&](Index begin, Index end) { xpay(part(x1, begin, end), -1, part(x0, begin, end)); },
+        [&](Index row) { differenceOfRow(x1, x0, row); });
   }
+  /// The rows that turn, ascending.
+  const std::vector<Index>& turningRows() const { return turning_; }
+  /// The orientation q, four numbers, becomes exp(r) q.
+  static void turnBy(const Vec3& r, double* q);
 
  private:
-  void takeOut(Rows x) const;
-  void turnBack(Rows x) const;
-  void rotationsBetween(ConstRows x1, Rows x0) const;
+  /// The first `count` rows: ranges of those that do not turn, and those that do one by one.
+  template <class Range, class Turning>
+  void walk(Index count, Range&& range, Turning&& turning) const {
+    Index done = 0;
+    for (const Index row : turning_) {
+      if (row >= count) break;
+      range(done, row);
+      turning(row);
+      done = row + 1;
+    }
+    range(done, count);
+  }
+  template <class View>
+  static View part(View x, Index begin, Index end) {
+    return {x.data + std::size_t(begin) * row_doubles, end - begin};
+  }
+  static void differenceOfRow(ConstRows x1, Rows x0, Index row);
 
-  std::vector<Index> turning_;     ///< ascending
-  std::vector<RowKind> kinds_;     ///< shape (rows), empty where all rows are places
-  mutable std::vector<double> q_;  ///< what begin() took, shape (turning rows, 4)
-  mutable std::vector<Vec3> r_;    ///< work space of rotationsBetween(), shape (turning rows)
+  std::vector<Index> turning_;  ///< ascending
+  std::vector<RowKind> kinds_;  ///< shape (rows), empty where all rows are places
 };
 
 }  // namespace stroma

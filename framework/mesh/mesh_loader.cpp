@@ -2,13 +2,11 @@
 #include "framework/mesh/mesh_loader.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
 #include <numbers>
 
 #include "framework/mesh/cell_attributes.h"
@@ -32,66 +30,6 @@ void appendMissing(std::vector<Cell>& cells, const std::vector<Cell>& candidates
   std::sort(present.begin(), present.end());
   for (const Cell& cell : candidates)
     if (!std::binary_search(present.begin(), present.end(), sorted(cell))) cells.push_back(cell);
-}
-
-/// Of `keys`, those whose value another one before them has; ascending.
-template <class Key>
-std::vector<Index> secondOnes(std::vector<std::pair<Key, Index>> keys) {
-  std::sort(keys.begin(), keys.end());
-  std::vector<Index> second;
-  for (std::size_t i = 1; i < keys.size(); ++i)
-    if (keys[i].first == keys[i - 1].first) second.push_back(keys[i].second);
-  std::sort(second.begin(), second.end());
-  return second;
-}
-
-/// Volume cells are numbered through, tetrahedra first.
-std::vector<Index> repeatedCells(const Mesh& mesh) {
-  std::vector<Index> all;
-  Index first = 0;
-  forEachCellList(
-      [&]<class Cell>(const CellKind& kind, const std::vector<Cell>& cells) {
-        if (kind.dimension < 3) return;
-        std::vector<std::pair<Cell, Index>> keys;
-        keys.reserve(cells.size());
-        for (Cell cell : cells) {
-          std::sort(cell.begin(), cell.end());
-          keys.emplace_back(cell, first++);
-        }
-        const std::vector<Index> second = secondOnes(std::move(keys));
-        all.insert(all.end(), second.begin(), second.end());
-      },
-      mesh);
-  return all;
-}
-
-/// Places are told apart to a share of the mesh's size that is round-off of files with nine digits.
-std::vector<Index> coincidentNodes(const Mesh& mesh, const MeshReport& box) {
-  constexpr double share = 1e-8;
-  const double size = (box.high - box.low).maxCoeff();
-  if (!(size > 0)) return {};
-  std::vector<char> used(mesh.position.size(), 0);
-  forEachCellList(
-      [&used](const CellKind& kind, const auto& cells) {
-        for (std::size_t c = 0; kind.dimension == 3 && c < cells.size(); ++c)
-          for (const Index node : cells[c]) used[std::size_t(node)] = 1;
-      },
-      mesh);
-  std::vector<std::pair<std::array<std::int64_t, 3>, Index>> keys;
-  for (std::size_t n = 0; n < used.size(); ++n) {
-    if (!used[n]) continue;
-    const Vec3 place = (mesh.position[n] - box.low) / (share * size);
-    keys.push_back({{std::llround(place.x()), std::llround(place.y()), std::llround(place.z())}, Index(n)});
-  }
-  return secondOnes(std::move(keys));
-}
-
-/// "3 nodes in the place of others (0 1 2)", at most five of them named.
-std::string someOf(const std::vector<Index>& list, std::string_view what) {
-  const std::size_t shown = std::min<std::size_t>(list.size(), 5);
-  return fmt::format("{} {} ({}{})", list.size(), what,
-                     fmt::join(list.begin(), list.begin() + std::ptrdiff_t(shown), " "),
-                     shown < list.size() ? " ..." : "");
 }
 
 }  // namespace
@@ -257,19 +195,6 @@ void addSubelements(Mesh& mesh) {
   // A mesh of its own, so that the lists derived from the cells before the new ones are not kept.
   const Mesh complete{mesh};
   appendMissing(mesh.edges, complete.allEdges());
-}
-
-std::string meshComplaint(const Mesh& mesh) {
-  const MeshReport report = mesh.report();
-  const bool no_volume = highestDimension(mesh) == 3 && !(report.volume > 0);
-  std::string twice;
-  if (const std::vector<Index> cells = repeatedCells(mesh); !cells.empty())
-    twice = ", " + someOf(cells, "volume cells that are there already");
-  if (const std::vector<Index> nodes = coincidentNodes(mesh, report); !nodes.empty())
-    twice += ", " + someOf(nodes, "nodes in the place of others, which part the body unless something joins them");
-  if (report.inverted.empty() && report.flat.empty() && report.unused_nodes.empty() && !no_volume && twice.empty())
-    return {};
-  return fmt::format("{}{}{}", no_volume ? "the mesh has no volume: " : "the mesh has faults: ", report.text(), twice);
 }
 
 }  // namespace stroma

@@ -52,7 +52,6 @@ class MeshLoader : public MeshSource {
   std::array<double, 16> transformation_{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
 };
 
-
 /// Rotation by Euler angles [degrees]: about x, then y, then z, all fixed axes (R = Rz Ry Rx, as SOFA's).
 Mat3 rotationFromDegrees(const Vec3& angles);
 

@@ -12,6 +12,7 @@
 #include "framework/scene/overrides.h"
 #include "framework/scene/text.h"
 #include "framework/scene/time_step.h"
+#include "framework/scene/written_units.h"
 
 namespace stroma {
 
@@ -97,6 +98,9 @@ void Instantiation::readNodeAttribute(const AttributeDescription& attribute, Nod
   } else if (attribute.name == "time") {
     double time = 0;
     if (readInto(time, attribute, path, diagnostics_, "s") && !node.parent()) node.root_time = time;
+  } else if (attribute.name == "units") {
+    std::optional<Problem> problem = problemOfUnits(attribute.value, scene_.description.root, !node.parent());
+    if (problem) refuse(attribute, path, std::move(*problem), diagnostics_);
   } else if (attribute.name == "activated") {
     bool activated = true;
     if (readInto(activated, attribute, path, diagnostics_) && !activated && !node.parent())

@@ -11,6 +11,10 @@
 
 namespace stroma {
 
+struct NodeDescription;
+struct Problem;
+struct Scene;
+
 /// Numbers with units as the plain numbers that they are in the unit `declared` of an attribute; none when `text` has
 /// neither a unit nor a fraction, or cannot be told from a plain mistake. One unit at the end serves all numbers, else
 /// each has its own. `declared` may be two, as "N or N s". Throws ComponentError.
@@ -20,5 +24,10 @@ std::optional<std::string> withoutUnits(std::string_view text, std::string_view 
 double metresOf(const std::string& unit);
 /// Lengths in `unit` become metres; none: they are.
 void makeMetres(std::vector<Vec3>& lengths, const std::string& unit);
+
+/// What is wrong with the attribute `units` of a node, which says what the numbers of a scene are in.
+std::optional<Problem> problemOfUnits(std::string_view text, const NodeDescription& root, bool is_outermost);
+/// " [mm]" for "m" in a scene in millimetres; nothing where its units are unknown.
+std::string unitInBrackets(const Scene& scene, std::string_view si_unit);
 
 }  // namespace stroma

@@ -9,30 +9,14 @@
 
 #include "framework/scene/node.h"
 #include "framework/scene/usual_component.h"
+#include "framework/simulation/integrator.h"
 
 namespace stroma {
 
 namespace {
 
-template <class Actor>
-std::vector<State*> statesOf(const Actor& actor) {
-  return {&actor.state()};
-}
-std::vector<State*> statesOf(const ForceField& field) { return field.states(); }
-std::vector<State*> statesOf(const ProjectiveConstraint& constraint) { return constraint.states(); }
-
 bool contains(const std::vector<State*>& states, const State* state) {
   return std::find(states.begin(), states.end(), state) != states.end();
-}
-
-template <class Actor>
-void requireStateIn(const std::vector<State*>& states, const std::vector<Actor*>& actors) {
-  for (const Actor* actor : actors)
-    for (const State* state : statesOf(*actor))
-      if (!contains(states, state))
-        throw ComponentError(fmt::format("the {} {} acts on {}, which this integrator does not move", actor->roleText(),
-                                         actor->path(), state->path()),
-                             "components and their state below the same integrator");
 }
 
 void requireOneMassPerState(const std::vector<Mass*>& masses) {
@@ -46,11 +30,6 @@ void requireOneMassPerState(const std::vector<Mass*>& masses) {
 
 void checkMapping(const Actors& actors, std::size_t index) {
   const Mapping& mapping = *actors.mappings[index];
-  for (const State* state : {&mapping.input(), &mapping.output()})
-    if (!contains(actors.states, state))
-      throw ComponentError(
-          fmt::format("the mapping {} joins {}, which this integrator does not move", mapping.path(), state->path()),
-          "both states of a mapping below the same integrator");
   for (std::size_t j = 0; j < index; ++j)
     if (&mapping.output() == &actors.mappings[j]->output())
       throw ComponentError(fmt::format("two mappings place {}: {} and {}", mapping.output().path(),
@@ -83,7 +62,7 @@ void orderMappings(std::vector<Mapping*>& mappings) {
 }
 
 bool somethingActsOn(const Actors& actors, const State* state) {
-  const auto acts = [state](const auto* actor) { return contains(statesOf(*actor), state); };
+  const auto acts = [state](const auto* actor) { return contains(statesActedOn(*actor), state); };
   return std::any_of(actors.force_fields.begin(), actors.force_fields.end(), acts) ||
          std::any_of(actors.masses.begin(), actors.masses.end(), acts) ||
          std::any_of(actors.position_constraints.begin(), actors.position_constraints.end(), acts);
@@ -121,22 +100,18 @@ void orderStates(Actors& actors) {
 
 }  // namespace
 
-Actors collectActors(const Node& node) {
+Actors collectActors(const SystemMembers& members) {
   Actors actors;
-  node.collect(actors.states);
-  node.collect(actors.force_fields);
-  node.collect(actors.masses);
-  node.collect(actors.constraints);
-  node.collect(actors.position_constraints);
-  node.collect(actors.mappings);
+  const auto pick = [&members]<class Role>(std::vector<Role*>& out) {
+    for (Component* component : members.acting)
+      if (auto* role = dynamic_cast<Role*>(component)) out.push_back(role);
+  };
+  pick(actors.states), pick(actors.force_fields), pick(actors.masses), pick(actors.constraints);
+  pick(actors.position_constraints), pick(actors.mappings);
   if (actors.states.empty())
-    throw ComponentError(
-        fmt::format("there is no mechanical state in {} or below, so there is nothing to move", node.path()),
-        "a " + usualComponent(Part::state) + " in the integrator's node or below");
-  requireStateIn(actors.states, actors.force_fields);
-  requireStateIn(actors.states, actors.masses);
-  requireStateIn(actors.states, actors.constraints);
-  requireStateIn(actors.states, actors.position_constraints);
+    throw ComponentError(fmt::format("there is no mechanical state in {} or below, so there is nothing to move",
+                                     members.integrator->node().path()),
+                         "a " + usualComponent(Part::state) + " in the integrator's node or below");
   requireOneMassPerState(actors.masses);
   for (std::size_t i = 0; i < actors.mappings.size(); ++i) checkMapping(actors, i);
   orderMappings(actors.mappings);

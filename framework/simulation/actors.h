@@ -3,16 +3,12 @@
 #include <string>
 #include <vector>
 
-#include "framework/mechanics/force_field.h"
-#include "framework/mechanics/mapping.h"
-#include "framework/mechanics/mass.h"
 #include "framework/mechanics/motion.h"
-#include "framework/mechanics/position_constraint.h"
-#include "framework/mechanics/projective_constraint.h"
+#include "framework/simulation/system_members.h"
 
 namespace stroma {
 
-/// What lies below an integrator, as flat lists: the states that it moves and all that acts on them. Independent states
+/// What a system is made of, as flat lists: the states that it moves and all that acts on them. Independent states
 /// come first (rows [0, independent_rows)), mapped ones after them.
 struct Actors {
   std::vector<State*> states;
@@ -38,9 +34,9 @@ struct Actors {
   std::string describeRow(Index row) const;
 };
 
-/// Collects from `node` and below and gives the states their order; their rows are counted, not yet bound. Throws
-/// ComponentError where what acts on a state does not fit it.
-Actors collectActors(const Node& node);
+/// Gives the states of a system their order; their rows are counted, not yet bound. Throws ComponentError where what acts
+/// on a state does not fit it.
+Actors collectActors(const SystemMembers& members);
 
 /// Calls compile() of masses, force fields and mappings once states are bound to their rows, and sorts the force fields
 /// by their traits.

@@ -10,6 +10,20 @@ namespace stroma {
 class State;
 class System;
 
+/// The role of an integrator that moves x and v by a matrix and loads that it has computed beforehand, and answers for
+/// them. What it moves cannot change while the scene runs, but inputs act: it reads System::inputs() in its steps, and
+/// Integrator::sceneChanged() tells it of other nodes, stiffnesses or dampings. Its steps begin themselves
+/// (System::beginStep()), find what is not finite, and leave x and v as they were when they are given up. They may leave
+/// rows behind until complete(), so that a step costs nothing that grows with nodes that nobody reads.
+class StateOwner {
+ public:
+  virtual ~StateOwner() = default;
+  /// Brings the rows that steps have left behind to the present.
+  virtual void complete(System& system) = 0;
+  /// Throws ComponentError when this input cannot act on a state; its own numbers are good.
+  virtual void checkInputOn(const State& state, const Input& input) const = 0;
+};
+
 /// Moves a System through a step. A node's integrator owns every state of its node and below.
 class Integrator : public Component {
  public:
@@ -28,7 +42,7 @@ class Integrator : public Component {
   /// After a change of an attribute or of inputs between steps, compiled and with the memory of serialize() given back:
   /// what was concluded about the scene as it was has to be concluded again.
   virtual void sceneChanged() {}
-  /// From x and v where the step starts to those at its end. A step that fails, here or in another system, is not taken:
+  /// From x and v where the step starts to those at its end, after System::beginStep() unless it is a StateOwner. A step that fails, here or in another system, is not taken:
   /// x and v are then put back, and nothing else is. What serialize() knows must therefore be such that the same step
   /// can be tried again and ends with the same bits; what a step changes of it belongs into stepTaken().
   virtual StepReport step(System& system, const StepContext& context) = 0;
@@ -40,22 +54,11 @@ class Integrator : public Component {
   virtual bool keepsEnergy() const { return false; }
   /// False for implicit rules of second order: a force that is a step late feeds motions that they hardly damp.
   virtual bool toleratesLaggedForces() const { return !keepsEnergy(); }
-  /// True for an integrator that answers for x and v itself: when it gives a step up it has left them as they were, it
-  /// reports what is not finite, and it may leave rows behind until complete(). A step of it then costs nothing that
-  /// grows with nodes that nobody reads.
-  virtual bool answersForState() const { return false; }
-  /// Brings the rows that steps have left behind to the present.
-  virtual void complete(System&) {}
+  /// Itself, when it is one; null for integrators that read forces, masses and constraints as they are.
+  virtual StateOwner* stateOwner() { return nullptr; }
+  const StateOwner* stateOwner() const { return const_cast<Integrator*>(this)->stateOwner(); }
   /// A sentence on why what the steps have shown so far may be no result, or empty.
   virtual std::string doubt() const { return {}; }
-  /// False when it has computed its matrix and loads beforehand: attributes of what it moves cannot change while the
-  /// scene runs.
-  virtual bool followsChanges() const { return true; }
-  /// Whether inputs reach what it moves. One that follows no changes reads System::inputs() in its steps; sceneChanged()
-  /// tells it of other nodes, stiffnesses or dampings.
-  virtual bool acceptsInputs() const { return followsChanges(); }
-  /// Throws ComponentError when this input cannot act on a state; its own numbers are good.
-  virtual void checkInputOn(const State& /*state*/, const Input& /*input*/) const {}
   /// One line for `explain`: what a step does.
   virtual std::string describe() const = 0;
 

@@ -73,7 +73,7 @@ bool MechanicalMatrix::symmetric() const {
 // is P A P p + (I - P) p.
 void MechanicalMatrix::multiply(ConstRows p, Rows out) const {
   if (constraints_.relations().empty()) return multiplyFree(p, out);
-  free_part_.resize(rows());
+  if (free_part_.count() != rows()) free_part_.resize(rows());
   copy(p, free_part_);
   constraints_.project(free_part_);
   multiplyFree(free_part_, out);

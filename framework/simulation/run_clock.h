@@ -18,12 +18,12 @@ class RunClock {
   /// Of the step that comes.
   StepContext next(double dt) const {
     const long index = steps_ + 1;
-    return {index, time_, dt, base_time_ + double(index - base_step_) * dt};
+    return {index, time_, dt, base_time_ + double(index - base_step_) * dt, {}};
   }
   /// Of the last step.
   StepContext last(double dt) const {
     const double from = steps_ > base_step_ ? base_time_ + double(steps_ - 1 - base_step_) * dt : time_ - dt;
-    return {steps_, from, dt, time_};
+    return {steps_, from, dt, time_, {}};
   }
   void stepMade(const StepContext& context) { steps_ = context.index, time_ = context.t_end; }
 

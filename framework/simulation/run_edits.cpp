@@ -2,6 +2,8 @@
 // Attributes that change while a simulation runs.
 #include "framework/simulation/run_edits.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <list>
 
@@ -12,15 +14,19 @@
 namespace stroma {
 namespace {
 
-bool isAtOrBelow(const Node* node, const Node& top) {
-  while (node && node != &top) node = node->parent();
-  return node != nullptr;
+/// Whether something of a system is in `top` or below.
+bool isPartlyBelow(const System& system, const Node& top) {
+  const auto is_below = [&top](const Component* component) {
+    const Node* node = &component->node();
+    while (node && node != &top) node = node->parent();
+    return node != nullptr;
+  };
+  return std::any_of(system.components().begin(), system.components().end(), is_below);
 }
 
-/// What a system may make use of: all below its integrator, and what that names by links, and so on.
+/// What a system may make use of: its components, and what they name by links, and so on.
 std::vector<Component*> withinReach(const System& system) {
-  std::vector<Component*> found;
-  system.node().collect(found);
+  std::vector<Component*> found = system.components();
   for (std::size_t i = 0; i < found.size(); ++i)
     for (const Data& attribute : found[i]->data().all()) {
       Component* target = attribute.link() ? attribute.link()->target() : nullptr;
@@ -31,11 +37,10 @@ std::vector<Component*> withinReach(const System& system) {
 
 /// True when an edit may change something for a system. Components also find others in the nodes above their own.
 bool reaches(const LiveEdit& edit, const System& system) {
-  const Node& top = system.node();
-  if (edit.node()) return isAtOrBelow(edit.node(), top) || isAtOrBelow(&top, *edit.node());
+  if (edit.node()) return isPartlyBelow(system, *edit.node());
   const std::vector<Component*> near = withinReach(system);
   const auto matters = [&](Component* component) {
-    return isAtOrBelow(&top, component->node()) || std::find(near.begin(), near.end(), component) != near.end();
+    return isPartlyBelow(system, component->node()) || std::find(near.begin(), near.end(), component) != near.end();
   };
   return matters(edit.component()) || std::any_of(edit.recompiled().begin(), edit.recompiled().end(), matters);
 }
@@ -85,12 +90,21 @@ class KeptMemory {
 
 void RunEdits::check(const LiveEdit& edit) const {
   for (const auto& system : systems_) {
-    if (system->integrator().followsChanges()) continue;
-    const auto isInside = [&system](const Component* component) {
-      return isAtOrBelow(&component->node(), system->node());
+    for (const MergedIntegrator& merged : system->merged())
+      if (edit.component() && edit.component() != system->linearSolver() &&
+          (edit.component() == merged.integrator || edit.component() == merged.integrator->linearSolver()))
+        throw ComponentError(
+            fmt::format("{} would have no effect: {} couples the bodies of {} and {}, and the second "
+                        "moves them all",
+                        edit.name(), merged.because, merged.integrator->path(), system->integrator().path()),
+            fmt::format("an attribute of {} or of its linear solver", system->integrator().path()));
+    if (!system->integrator().stateOwner()) continue;
+    const std::vector<Component*>& own = system->components();
+    const auto inside = [&own](const Component* component) {
+      return std::find(own.begin(), own.end(), component) != own.end();
     };
-    if (!edit.component() || isInside(edit.component()) ||
-        std::any_of(edit.recompiled().begin(), edit.recompiled().end(), isInside))
+    if (!edit.component() || inside(edit.component()) ||
+        std::any_of(edit.recompiled().begin(), edit.recompiled().end(), inside))
       throw ComponentError(edit.name() + " cannot change while the scene runs: " + system->integrator().path() +
                                " has computed its matrix and loads beforehand",
                            "an integrator that makes its matrix in steps",
@@ -125,7 +139,7 @@ void RunEdits::change(LiveEdit& edit, const LiveEdit::Value& value, Diagnostics&
   snapshots_.takeGood(systems_);
   std::vector<System*> concerned;
   for (const auto& system : systems_)
-    if (system->integrator().followsChanges() && reaches(edit, *system)) concerned.push_back(system.get());
+    if (!system->integrator().stateOwner() && reaches(edit, *system)) concerned.push_back(system.get());
   std::vector<Component*> remembering = edit.recompiled();
   for (const System* system : concerned) remembering.push_back(&system->integrator());
   KeptMemory kept(std::move(remembering));

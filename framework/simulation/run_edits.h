@@ -21,9 +21,7 @@ class RunEdits {
   /// See Simulation::setAttribute().
   Diagnostics set(const std::string& path, const std::string& attribute, const std::string& text);
   /// Throws ComponentError when it cannot change, whatever its new value.
-  void check(const std::string& path, const std::string& attribute) const {
-    check(LiveEdit(root_, path, attribute));
-  }
+  void check(const std::string& path, const std::string& attribute) const { check(LiveEdit(root_, path, attribute)); }
   /// Each attribute once, in the order of their last changes.
   std::vector<Override> all() const;
   /// The attributes of the scene as it was loaded.
@@ -36,7 +34,8 @@ class RunEdits {
     std::string path, attribute, original, text;
     DataOrigin origin = DataOrigin::by_default;  ///< of `original`
   };
-  /// An integrator that has computed its matrix beforehand follows no change of what the matrix was made of.
+  /// An integrator that has computed its matrix beforehand follows no change of what the matrix was made of, and one that
+  /// moves the bodies of others stands for them.
   void check(const LiveEdit& edit) const;
   /// Makes an edit, or leaves everything as it was and throws.
   void change(LiveEdit& edit, const LiveEdit::Value& value, Diagnostics& messages);

@@ -67,10 +67,6 @@ System& RunInputs::systemOf(const Input& input, State*& state) const {
   for (const auto& system : systems_) {
     const auto& own = system->states();
     if (std::find(own.begin(), own.end(), state) == own.end()) continue;
-    if (!system->integrator().acceptsInputs())
-      throw ComponentError(
-          fmt::format("no input reaches {}: {} does not take any", state->path(), system->integrator().path()),
-          "an integrator that takes inputs");
     if (state->firstRow() >= system->independentRows())
       throw ComponentError(
           fmt::format("no input acts on {}: its positions follow from another state by a mapping", state->path()),
@@ -82,16 +78,16 @@ System& RunInputs::systemOf(const Input& input, State*& state) const {
 
 void RunInputs::check(const Input& input) const {
   State* state = nullptr;
-  const System& system = systemOf(input, state);
+  System& system = systemOf(input, state);
   checkInput(input, *state);
-  system.integrator().checkInputOn(*state, input);
+  if (const StateOwner* owner = system.integrator().stateOwner()) owner->checkInputOn(*state, input);
 }
 
 void RunInputs::set(long number, const Input& input) {
   State* state = nullptr;
   System& system = systemOf(input, state);
   checkInput(input, *state);
-  system.integrator().checkInputOn(*state, input);
+  if (const StateOwner* owner = system.integrator().stateOwner()) owner->checkInputOn(*state, input);
   const auto known = inputs_.find(number);
   if (known != inputs_.end() && known->second.state != input.state)
     throw ComponentError(fmt::format("input {} acts on {}", number, known->second.state),

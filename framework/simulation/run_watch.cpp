@@ -22,8 +22,8 @@ void RunWatch::reset() {
 void RunWatch::look(std::size_t index, const System& system, const Snapshot& before, const StepContext& context) {
   if (context.index % look_every > 1) return;
   const Vector &now = system.v, &then = before.v;
-  const bool turned = dot(now, then) < -0.5 * std::sqrt(dot(now, now) * dot(then, then)) &&
-                      movesVisibly(system, context.dt);
+  const bool turned =
+      dot(now, then) < -0.5 * std::sqrt(dot(now, now) * dot(then, then)) && movesVisibly(system, context.dt);
   Reversals& reversals = reversals_[index];
   if (context.index % look_every == 0) {
     reversals.turned = turned;

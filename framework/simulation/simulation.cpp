@@ -7,37 +7,14 @@
 #include <bit>
 #include <cmath>
 
-#include "framework/scene/usual_component.h"
-
-
 namespace stroma {
 namespace {
 
-/// A system owns everything below its integrator, so on any way from the root to a leaf at most one is allowed.
-void collectIntegrators(const Node& node, Integrator* above, std::vector<Integrator*>& found,
-                        Diagnostics& diagnostics) {
-  for (const auto& component : node.components()) {
-    auto* integrator = dynamic_cast<Integrator*>(component.get());
-    if (!integrator) continue;
-    if (above) {
-      diagnostics.error(integrator->where(), integrator->path(),
-                        fmt::format("this integrator lies below the integrator {}, which already moves every state "
-                                    "of {} and below",
-                                    above->path(), above->node().path()),
-                        "one integrator on the way from the root to a state",
-                        "remove one of the two, or make their nodes siblings");
-      continue;
-    }
-    above = integrator;
-    found.push_back(integrator);
-  }
-  for (const auto& child : node.children()) collectIntegrators(*child, above, found, diagnostics);
-}
-
 /// Null when the integrator, or what it found below itself, cannot work as written: the reason is in `diagnostics`.
-std::unique_ptr<System> compileSystem(Integrator& integrator, Diagnostics& diagnostics) {
+std::unique_ptr<System> compileSystem(const SystemMembers& members, Diagnostics& diagnostics) {
+  Integrator& integrator = *members.integrator;
   try {
-    auto system = std::make_unique<System>(integrator.node(), integrator);
+    auto system = std::make_unique<System>(members);
     integrator.compile(*system);
     return system;
   } catch (const ComponentError& error) {
@@ -46,46 +23,6 @@ std::unique_ptr<System> compileSystem(Integrator& integrator, Diagnostics& diagn
     // the component that failed has been reported already
   }
   return nullptr;
-}
-
-template <class Role>
-void addActorsOn(const State& state, const Node& root, std::vector<const Component*>& out) {
-  std::vector<Role*> all;
-  root.collect(all);
-  for (const Role* actor : all)
-    if (&actor->state() == &state) out.push_back(actor);
-}
-
-/// What would act on a state if something moved it.
-std::vector<const Component*> actorsOn(const State& state, const Node& root) {
-  std::vector<const Component*> actors;
-  addActorsOn<ForceField>(state, root, actors);
-  addActorsOn<Mass>(state, root, actors);
-  addActorsOn<ProjectiveConstraint>(state, root, actors);
-  addActorsOn<PositionConstraint>(state, root, actors);
-  std::vector<Mapping*> mappings;
-  root.collect(mappings);
-  for (const Mapping* mapping : mappings)
-    if (&mapping->input() == &state || &mapping->output() == &state) actors.push_back(mapping);
-  return actors;
-}
-
-/// A state that no integrator reaches stays where it is: fine for a marker, a mistake for a body.
-void checkUnmovedStates(const Node& root, Diagnostics& diagnostics) {
-  std::vector<State*> states;
-  root.collect(states);
-  for (const State* state : states) {
-    if (state->isBound()) continue;
-    const auto actors = actorsOn(*state, root);
-    if (actors.empty()) {
-      diagnostics.note(state->where(), state->path(), "no integrator in this node or above: the state does not move");
-    } else {
-      diagnostics.error(state->where(), state->path(),
-                        fmt::format("{} acts on this state, but no integrator moves it", actors.front()->path()),
-                        "an integrator in the state's node or above",
-                        "add <" + usualComponent(Part::integrator) + "/> and a linear solver to " + state->node().path());
-    }
-  }
 }
 
 /// FNV-1a, 64 bits, over the bytes of the bits of a number, lowest byte first.
@@ -114,6 +51,7 @@ void merge(StepReport&& part, StepReport& whole) {
   whole.constraints_converged = whole.constraints_converged && part.constraints_converged;
   if (whole.linear_converged) whole.linear_stop = part.linear_stop;
   whole.linear_converged = whole.linear_converged && part.linear_converged;
+  whole.linear_at_limit = whole.linear_at_limit || part.linear_at_limit;
   if (whole.constraint_reason.empty()) whole.constraint_reason = std::move(part.constraint_reason);
   if (whole.reason.empty()) whole.reason = std::move(part.reason);
 }
@@ -137,11 +75,9 @@ Simulation::Simulation(Scene scene)
       inputs_(root(), systems_, clock_, log_, watch_),
       edits_(root(), systems_, snapshots_, clock_, log_, watch_) {
   Diagnostics& diagnostics = scene_.diagnostics;
-  std::vector<Integrator*> integrators;
-  collectIntegrators(root(), nullptr, integrators, diagnostics);
-  for (Integrator* integrator : integrators)
-    if (auto system = compileSystem(*integrator, diagnostics)) systems_.push_back(std::move(system));
-  if (!diagnostics.hasErrors()) checkUnmovedStates(root(), diagnostics);
+  const std::vector<SystemMembers> found = findSystems(root(), diagnostics);
+  for (const SystemMembers& members : found)
+    if (auto system = compileSystem(members, diagnostics)) systems_.push_back(std::move(system));
   if (!(root().root_time + dt() > root().root_time))
     diagnostics.error(root().where(), root().path() + ".time",
                       fmt::format("at {:g} s a step of {:g} s does not change the time", root().root_time, dt()),
@@ -150,7 +86,7 @@ Simulation::Simulation(Scene scene)
   if (!diagnostics.hasErrors()) observers_.compile(diagnostics);
   if (diagnostics.hasErrors()) throw SceneError(diagnostics);
 
-  if (integrators.empty())
+  if (found.empty())
     diagnostics.warning(root().where(), root().path(), "the scene has no integrator: time passes and nothing moves");
   for (const auto& system : systems_) fault_watches_.emplace_back(*system);
   snapshots_.compile(systems_);
@@ -169,13 +105,14 @@ std::vector<State*> Simulation::states() const {
   return states;
 }
 
-StepReport Simulation::step() {
+StepReport Simulation::step(StopToken stop) {
   begin();
   if (director_) director_->beforeStep(*this);
-  const StepContext context = clock_.next(dt());
+  StepContext context = clock_.next(dt());
+  context.stop = stop;
   StepReport report;
-  for (std::size_t i = 0; i < systems_.size() && !report.diverged; ++i) advance(i, context, report);
-  if (report.diverged) return report;
+  for (std::size_t i = 0; i < systems_.size() && !report.failed(); ++i) advance(i, context, report);
+  if (report.failed()) return report;
   for (const auto& system : systems_) {
     const PhaseTimer timer(system->times.total);
     system->integrator().stepTaken(context);
@@ -190,11 +127,19 @@ void Simulation::advance(std::size_t index, const StepContext& context, StepRepo
   System& system = *systems_[index];
   const PhaseTimer timer(system.times.total);
   // where several systems move, one may have to go back because another one failed
-  const bool lean = system.integrator().answersForState() && systems_.size() == 1;
+  const bool owns_state = system.integrator().stateOwner();
+  const bool lean = owns_state && systems_.size() == 1;
   Snapshot& before = snapshots_.good(index);
   if (!lean) before.take(system);
+  system.keepSolver();
 
+  if (!owns_state) system.beginStep(context);
   StepReport part = system.integrator().step(system, context);
+  if (part.stopped) {
+    if (!lean) takeBack(index);
+    report.stopped = true;
+    return;
+  }
   if (!part.diverged) system.endStep(context, before.x, part);
   std::string fault = part.diverged ? part.reason : lean ? std::string() : fault_watches_[index].firstFault(before.x);
   if (part.diverged && fault.empty()) fault = "the integrator gave the step up";
@@ -204,7 +149,7 @@ void Simulation::advance(std::size_t index, const StepContext& context, StepRepo
     if (part.unsolved) part.reason = whereAndWhy(system, context, part.reason, "");
     if (!lean && system.integrator().keepsEnergy()) watch_.look(index, system, before, context);
   } else {
-    if (!lean) snapshots_.putGoodBack(systems_, index + 1);
+    if (!lean) takeBack(index);
     report.diverged = true;
     // the states are those of the last good step: the worst elements are where the trouble began, not where it ended
     report.reason = whereAndWhy(system, context, fault, " before the step");
@@ -227,6 +172,12 @@ void Simulation::endHistory(History& history, const StepContext& context, StepRe
   if (!report.unsolved)
     report.reason = fmt::format("step {} (to t = {:.6g} s): {}{}", context.index, context.t_end, fault, before);
   report.unsolved = true;
+}
+
+/// Systems up to the one that failed, as they were before the step.
+void Simulation::takeBack(std::size_t failed) {
+  snapshots_.putGoodBack(systems_, failed + 1);
+  for (std::size_t i = 0; i <= failed; ++i) systems_[i]->takeSolverBack();
 }
 
 void Simulation::reset() {

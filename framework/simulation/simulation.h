@@ -52,11 +52,10 @@ class Simulation {
   /// cannot be written; none has been changed then, unless a disk is full.
   void begin() { observers_.begin(); }
   /// One step. When it diverges, the states and what integrators remember are those of the last good step, and the
-  /// report says why. A linear solver may start the next solve from what it has kept of the step that failed: its answer
-  /// is then the same to its tolerance.
+  /// report says why. So are they when it is asked to stop before its end.
   /// Throws OutputError after the step when an observer cannot write; all others have seen the step then. What
   /// a director throws is thrown before the step, which is not made.
-  StepReport step();
+  StepReport step(StopToken stop = {});
   /// Some integrators compute nodes that nobody reads only on demand. Off (the default): every step ends with
   /// complete(). On: who reads x or v after a step calls complete() before; observers have it done for them.
   void computeOnDemand(bool on) { observers_.computeOnDemand(on); }
@@ -124,6 +123,7 @@ class Simulation {
   void forget();
   /// One step of system `index`; when it fails, all systems up to it are taken back.
   void advance(std::size_t index, const StepContext& context, StepReport& report);
+  void takeBack(std::size_t failed);
   /// The step stands for `history`; its fault makes a step without time unsolved.
   void endHistory(History& history, const StepContext& context, StepReport& report) const;
 

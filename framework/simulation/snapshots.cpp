@@ -7,9 +7,11 @@ namespace stroma {
 
 void complete(const Systems& systems) {
   for (const auto& system : systems) {
-    system->integrator().complete(*system);
-    // the integrator left mapped rows behind with all others
-    if (system->integrator().answersForState() && !system->actors().passive_mappings.empty()) system->applyMappings();
+    StateOwner* const owner = system->integrator().stateOwner();
+    if (!owner) continue;
+    owner->complete(*system);
+    // it left mapped rows behind with all others
+    if (!system->actors().passive_mappings.empty()) system->applyMappings();
   }
 }
 

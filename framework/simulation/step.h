@@ -12,11 +12,13 @@ struct StepContext {
   double t = 0;      ///< time at the start [s]
   double dt = 0;     ///< [s]
   double t_end = 0;  ///< t + dt
+  StopToken stop{};  ///< a step that is asked to stop is given up, and never half made
 };
 
 /// What a step did. Not converging is said here, not in a log.
 struct StepReport {
   bool diverged = false;  ///< the state is not usable: the run stops
+  bool stopped = false;   ///< StepContext::stop came before the end of the step: nor is it then, and nothing is wrong
   bool unsolved = false;  ///< statics have not reached their equilibrium, or a history is at fault: no result
   std::string reason;     ///< a sentence, when diverged or not converged
   int newton_iterations = 0;
@@ -27,11 +29,14 @@ struct StepReport {
   double linear_residual = 0;  ///< relative, of the last linear solve
   bool linear_converged = true;
   SolveStop linear_stop = SolveStop::converged;
-  double newton_residual = 0;  ///< relative, where a Newton method ran
+  bool linear_at_limit = false;  ///< a solve ended at its limit of iterations, or where round-off kept it
+  double newton_residual = 0;    ///< relative, where a Newton method ran
   bool newton_converged = true;
   int constraint_sweeps = 0;          ///< turns of the position constraints, for positions and for velocities
   bool constraints_converged = true;  ///< false: positions or velocities break a position constraint, no result
   std::string constraint_reason;      ///< a sentence, when not constraints_converged
+  /// The step is not taken: x and v are put back.
+  bool failed() const { return diverged || stopped; }
 };
 
 }  // namespace stroma

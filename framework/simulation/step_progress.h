@@ -8,6 +8,7 @@ namespace stroma {
 struct StepProgress {
   std::atomic<int> newton_iterations = 0;   ///< made by the solve under way
   std::atomic<double> newton_residual = 0;  ///< relative, that of the present iterate
+  std::atomic<double> newton_goal = 0;      ///< at which the solve ends, likewise relative
 };
 
 /// Where the steps of the calling thread tell how far they are. Null, as every thread begins: nobody wants to know.
@@ -15,6 +16,6 @@ struct StepProgress {
 void setStepProgress(StepProgress* progress);
 
 /// Of a solve by Newton's method: who wants to know learns it.
-void tellNewtonIterate(int iterations, double relative_residual);
+void tellNewtonIterate(int iterations, double relative_residual, double goal);
 
 }  // namespace stroma

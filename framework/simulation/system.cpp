@@ -13,19 +13,40 @@
 
 namespace stroma {
 
-System::System(Node& node, Integrator& integrator)
-    : node_(node), integrator_(integrator), actors_(collectActors(node)), constraints_(actors_), matrix_(*this) {
+namespace {
+
+std::vector<Component*> componentsOf(const SystemMembers& members) {
+  std::vector<Component*> found;
+  members.integrator->node().collect(found);
+  for (const MergedIntegrator& merged : members.merged) merged.integrator->node().collect(found);
+  for (Component* acting : members.acting)
+    if (std::find(found.begin(), found.end(), acting) == found.end()) found.push_back(acting);
+  return found;
+}
+
+}  // namespace
+
+System::System(const SystemMembers& members)
+    : integrator_(*members.integrator),
+      merged_(members.merged),
+      components_(componentsOf(members)),
+      actors_(collectActors(members)),
+      constraints_(actors_),
+      matrix_(*this) {
   for (Vector* vector : {&x, &v, &f}) vector->resize(allRows());
   bindStates();
   compileActors(actors_);
   mappings_.compile(actors_);
-  const double start = node_.root().root_time;
+  const double start = node().root().root_time;
   constraints_.compile(start, x, v);
   setTime(start);
   applyMappings();
   computeGravity();
   checkLinearSolver();
   corrections_.compile(actors_, integrator_, constraints_);
+  std::vector<Index> unanswered;
+  for (const ProjectiveConstraint* constraint : constraints_.all()) constraint->addUnansweredRows(unanswered);
+  if (!unanswered.empty()) requestForce();  // a run says what they take
 }
 
 void System::bindStates() {
@@ -69,6 +90,8 @@ void System::checkLinearSolver() const {
 
 LinearSolver* System::linearSolver() const { return integrator_.linearSolver(); }
 
+Node& System::node() const { return integrator_.node(); }
+
 void System::beginStep(const StepContext& context) {
   setTime(context.t_end);
   constraints_.begin(context, x, v);
@@ -78,10 +101,18 @@ void System::beginStep(const StepContext& context) {
 void System::endStep(const StepContext& context, ConstRows x_start, StepReport& report) {
   const bool moved = constraints_.end(context, x, v);
   // where rows are left behind, mapped states follow when they are complete
-  if (moved || !integrator_.answersForState()) applyMappings();
+  if (moved || !integrator_.stateOwner()) applyMappings();
   if (corrections_.empty()) return;
   corrections_.enforce(context, x_start, x, v, report);
   applyMappings();
+}
+
+void System::keepSolver() {
+  if (LinearSolver* solver = linearSolver()) solver->keepFor(matrix_);
+}
+
+void System::takeSolverBack() {
+  if (LinearSolver* solver = linearSolver()) solver->takeBackFor(matrix_);
 }
 
 void System::applyMappings() {

@@ -14,13 +14,13 @@ namespace stroma {
 
 class Integrator;
 
-/// The unknowns below one integrator as one contiguous vector each, and the forces on them. Its parts have names of
+/// The unknowns that one integrator moves as one contiguous vector each, and the forces on them. Its parts have names of
 /// their own: constraints() say what may move, matrix() is the matrix of a linear solve, system_report.h says what can
 /// be said about it all.
 class System final {
  public:
-  /// Collects from `node` and below. Problems are thrown as ComponentError.
-  System(Node& node, Integrator& integrator);
+  /// Problems are thrown as ComponentError.
+  explicit System(const SystemMembers& members);
   System(const System&) = delete;
 
   // ---- unknowns; shape (allRows()), independent states first ----
@@ -40,21 +40,28 @@ class System final {
   ConstRows independent(const Vector& all) const { return all.head(independentRows()); }
   Integrator& integrator() const { return integrator_; }
   LinearSolver* linearSolver() const;  ///< the integrator's partner, or null
-  Node& node() const { return node_; }
+  Node& node() const;                  ///< the integrator's
+  /// Other integrators whose bodies move in this system.
+  const std::vector<MergedIntegrator>& merged() const { return merged_; }
+  /// All that stands below its integrators, and what acts from elsewhere.
+  const std::vector<Component*>& components() const { return components_; }
 
-  // ---- the story of a step: beginStep(), the integrator's step, endStep() ----
+  // ---- the story of a step: beginStep(), the integrator's step, endStep(). Simulation tells it ----
   /// Forces are those of the step's end, constraints begin or end, mapped states follow.
   void beginStep(const StepContext& context);
   /// What the integrator leaves to it: prescribed motion and tied rows exactly, then position constraints, for a step
   /// from positions `x_start`; mapped states follow.
   void endStep(const StepContext& context, ConstRows x_start, StepReport& report);
+  /// Before and after a step that may not be taken: what the linear solver remembers of former solves.
+  void keepSolver();
+  void takeSolverBack();
   void applyMappings();  ///< those that nothing acts on too
 
   // ---- forces ----
   /// f = sum of forces at (x, v), gravity included; prepares the stiffness at x. Not projected.
   void computeForce(ConstRows x, ConstRows v, Rows f);
   /// The same, plus the sum of (k + k_rayleigh rayleighStiffness of the field) K p for all fields, in one pass;
-  /// System::f becomes the force alone where it was asked for.
+  /// System::f becomes the force alone where it was asked for, which changes no bit of the rest.
   void computeForceAndProduct(ConstRows x, ConstRows v, ConstRows p, double k, double k_rayleigh, Rows out);
   /// An integrator that reads System::f after computeForceAndProduct() says so once; observers ask a State.
   void requestForce() { states().front()->requestForce(); }
@@ -115,8 +122,9 @@ class System final {
   template <class Factor>
   void addMassProducts(ConstRows p, Rows out, Factor factor) const;
 
-  Node& node_;
   Integrator& integrator_;
+  std::vector<MergedIntegrator> merged_;
+  std::vector<Component*> components_;
   Actors actors_;
   MappingChain mappings_;
   ConstraintSet constraints_;

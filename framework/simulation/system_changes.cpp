@@ -49,7 +49,7 @@ void System::inputsChanged(bool were_empty, bool were_damped) {
   if (inputs_->empty()) std::erase(actors_.force_fields, inputs_.get());
   sortByTraits(actors_);
   matrix_.valuesChanged();
-  if (were_damped != inputs_->isDamped() && integrator_.followsChanges()) {
+  if (were_damped != inputs_->isDamped() && !integrator_.stateOwner()) {
     // how an integrator searches along a line depends on whether all forces have a potential
     Archive kept;
     integrator_.serialize(kept);

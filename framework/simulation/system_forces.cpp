@@ -47,13 +47,16 @@ void System::computeForce(ConstRows x_now, ConstRows v_now, Rows f_now) {
 
 void System::computeForceAndProduct(ConstRows x_now, ConstRows v_now, ConstRows p, double k, double k_rayleigh,
                                     Rows out) {
-  const bool asked = std::any_of(states().begin(), states().end(), [](const State* s) { return s->forceRequested(); });
-  if (asked || !mappings_.isLinear()) {  // the geometric stiffness of mappings needs the force alone too
-    computeForce(x_now, v_now, f);
+  const bool is_needed = !mappings_.isLinear();  // by the geometric stiffness of mappings
+  const bool is_read =
+      std::any_of(states().begin(), states().end(), [](const State* s) { return s->forceRequested(); });
+  if (is_needed || is_read) computeForce(x_now, v_now, f);
+  if (is_needed) {
     copy(f, out);
     addStiffnessProduct(p, k, k_rayleigh, independent(out));
     return;
   }
+  // in one pass whether somebody reads the force alone or not: its last bits are others than those of two
   const PhaseTimer timer(times.force);
   assert(out.count == allRows());
   const ConstRows x_all = mappings_.positions(x_now), v_all = mappings_.velocities(v_now);

@@ -15,10 +15,8 @@ class WrongInverse final : public Factorisation {
  public:
   WrongInverse(double error, int& applications) : error_(error), applications_(applications) {}
   void analyse(const BlockMatrix&) override {}
-  SolveStop factor(const BlockMatrix& matrix, Index&) override {
-    factors_.compute(StoredMatrix(matrix).dense());
-    return SolveStop::converged;
-  }
+  void load(const BlockMatrix& matrix) override { factors_.compute(StoredMatrix(matrix).dense()); }
+  SolveStop factor(Index&, StopToken) override { return SolveStop::converged; }
   void apply(ConstRows b, Rows x) override {
     ++applications_;
     const Eigen::VectorXd solution = (1 + error_) * factors_.solve(dense(b));
@@ -58,7 +56,7 @@ Solved solveWith(double error) {
   const Vector b = randomVector(20, 1);
   Vector x(20);
   WrongSolver solver(error);
-  const SolveReport report = solver.solve(matrix, b, x);
+  const SolveReport report = solver.solve(matrix, b, x, {});
   return {report, (dense(b) - matrix.dense() * dense(x)).norm() / dense(b).norm(), solver.applications};
 }
 

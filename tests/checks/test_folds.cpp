@@ -6,8 +6,8 @@
 #include <numbers>
 
 #include "framework/mesh/cell_kind.h"
-#include "tools/checks/folds.h"
 #include "tests/support/meshes.h"
+#include "tools/checks/folds.h"
 
 namespace stroma::test {
 namespace {

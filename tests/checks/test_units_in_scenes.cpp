@@ -9,10 +9,10 @@
 #include <set>
 
 #include "framework/mechanics/state.h"
-#include "tools/units/units.h"
 #include "tests/support/shell.h"
 #include "tools/scene_writer/changed_scene.h"
 #include "tools/session/session.h"
+#include "tools/units/units.h"
 
 namespace stroma::test {
 namespace STROMA_TEST_FILE {

@@ -2,7 +2,7 @@
 // State files, compressed or not, on any bytes. Check sums are put right first: they catch what disks do to a file, and
 // what is behind them is to hold as well.
 #include "framework/simulation/state_file.h"
-#include "framework/simulation/state_file_marks.h"
+#include "tools/recordings/state_file_marks.h"
 #include "tests/fuzz/fuzz.h"
 
 namespace {

@@ -112,6 +112,26 @@ TEST_F(Output, MonitorWritesColumns) {
   for (const auto& row : f) EXPECT_NEAR(row[2], -20, 1e-13);
 }
 
+/// Particles tell no units; what the scene declares is written.
+TEST_F(Output, MonitorNamesTheUnitsOfTheScene) {
+  const auto headOf = [](const std::string& file) {
+    std::ifstream stream(file);
+    std::string quantity, columns;
+    std::getline(stream, quantity), std::getline(stream, columns);
+    return quantity + "\n" + columns;
+  };
+  const std::string monitor = R"(<Monitor name="tip" indices="2" ExportPositions="true" ExportForces="true"/>)";
+  run(monitor, 1);
+  EXPECT_EQ(headOf("tip_x.txt"), "# positions of /dofs\n# column 1: time; then x y z of nodes 2");
+  std::string declared = scene(monitor);
+  declared.replace(declared.find("dt="), 3, "units=\"mm kPa s\" dt=");
+  Simulation simulation = simulationFromText(declared);
+  simulation.begin();
+  simulation.end();
+  EXPECT_EQ(headOf("tip_x.txt"), "# positions [mm] of /dofs\n# column 1: time [s]; then x y z of nodes 2");
+  EXPECT_EQ(headOf("tip_f.txt").substr(0, 13), "# forces [mN]");
+}
+
 TEST_F(Output, EnergyMonitorWritesTheBalance) {
   run(R"(<EnergyMonitor filename="energy.txt" exportEveryNumberOfSteps="2"/>)", 5);
   const auto rows = columns("energy.txt");

@@ -20,7 +20,7 @@ EXAMPLES = sorted(glob.glob(os.path.join(TREE, "scenes", "examples", "*.xml")))
 WITHOUT_DISPLAY = {name: value for name, value in os.environ.items() if name not in ("DISPLAY", "WAYLAND_DISPLAY")}
 
 # A cube of 1 m from the origin. What moves it moves its upper face by 0.5 m along z, within a step.
-CUBE = """<Node name="root" dt="0.01" gravity="0 0 0"><Node name="cube"><EulerImplicitSolver/><CGLinearSolver/>
+CUBE = """<Node name="root" units="m kg s" dt="0.01" gravity="0 0 0"><Node name="cube"><EulerImplicitSolver/><CGLinearSolver/>
   <RegularGridTopology name="grid" n="3 3 3" min="0 0 0" max="1 1 1"/><MechanicalObject name="dofs"/>
   <UniformMass totalMass="1"/><HexahedronFEMForceField youngModulus="1000" poissonRatio="0.3"/>%s</Node></Node>"""
 MOVED = """<BoxROI name="below" box="-1 -1 -1 2 0.1 2"/><BoxROI name="amid" box="-1 0.4 -1 2 0.6 2"/>
@@ -180,6 +180,11 @@ class Pixels(Case):
             said = self.picture(scene, *look, "-o", f"{number}.png", *more)
             ranges.add(said.split(": ")[1].split(",")[0])
             images.append(pixels(self.path(f"{number}.png")))
+            with Image.open(self.path(f"{number}.png")) as image:
+                factor = more[1] if more else 1
+                self.assertEqual(f"displacements drawn × {factor}" in image.text["Description"], factor != 1)
+        captions = [(image[375:, :340, :3].min(axis=2) < 128).sum() for image in images]
+        self.assertGreater(min(captions[2], captions[3]), 1.5 * captions[0], "the picture says that it is exaggerated")
         self.assertEqual(ranges, {"displacement 0 to 500 mm"})
         self.assertTrue((images[0] == images[1]).all())
         # the face moves along the view: a factor changes neither what is seen of it nor the legend

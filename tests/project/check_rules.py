@@ -28,7 +28,6 @@ GUARDED = [
 ]
 # Who may include the private headers of a family besides the family: its own tests (a folder of its name) and these.
 READERS_OF_FAMILIES = {
-    "elasticity": ("tools/bench/",),  # counts the operations of its kernels
     "topology": ("tests/mesh/", "tests/meshing/", "tests/support/",  # read meshes back, cut cells
                  "tests/fuzz/"),
     "condensation": ("tests/fuzz/",),
@@ -36,8 +35,8 @@ READERS_OF_FAMILIES = {
 # Tools whose library another one links.
 TOOLS_FOR_TOOLS = {
     "command": {"mesh", "view", "picture", "drawing", "sweep", "session", "plan", "units", "checks"},
-    "view": {"drawing", "session", "plan", "scene_writer", "checks"},
-    "picture": {"drawing"},
+    "view": {"drawing", "session", "plan", "scene_writer", "checks", "units"},
+    "picture": {"drawing", "units"},
     "sweep": {"session"},
     "session": {"checks"},
     "checks": {"units"},
@@ -150,7 +149,7 @@ PLANTED = {  # path: (text, part of the expected finding, or None where there is
     "tests/elasticity/q.cpp": (LICENCE + '#include "components/elasticity/g.h"\n', None),
     "tests/validation/r.cpp": (LICENCE + '#include "components/elasticity/g.h"\n', "for the family and its tests"),
     "framework/fem/s.cpp": (LICENCE + '#include "components/elasticity/g.h"\n', 'write "framework/<folder>/..."'),
-    "tools/bench/t.cpp": (LICENCE + '#include "components/elasticity/g.h"\n', None),
+    "tools/bench/t.cpp": (LICENCE + '#include "components/elasticity/g.h"\n', "for the family and its tests"),
     "tools/command/u.cpp": (LICENCE + '#include "tools/mesh/o.h"\n', None),
     "tools/picture/v.cpp": (LICENCE + '#include <vtkActor.h>\n#include <EGL/egl.h>\n#include "tools/drawing/w.h"\n', None),
     "tools/picture/x.cpp": (LICENCE + '#include "tools/view/w.h"\n', "its own folder only"),

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "framework/scene/change_table.h"
+#include "framework/scene/usual_component.h"
 #include "tests/scene/test_components.h"
 
 namespace stroma::testing {
@@ -232,6 +233,18 @@ TEST_F(BuiltModules, RenamedAttributesExist) {
     ASSERT_NE(component, nullptr) << change.type;
     EXPECT_NE(component->data().find(change.new_attribute), nullptr) << change.type << "." << change.new_attribute;
     EXPECT_EQ(component->data().find(change.old_attribute), nullptr) << change.type << "." << change.old_attribute;
+  }
+}
+
+TEST_F(BuiltModules, WhoUsuallyPlaysAPartExistsAndPlaysIt) {
+  const std::pair<Part, const char*> roles[] = {
+      {Part::state, "mechanical state"},       {Part::mass, "mass"},
+      {Part::diagonal_mass, "mass"},           {Part::integrator, "integrator"},
+      {Part::solver_in_time, "linear solver"}, {Part::solver_of_equilibria, "linear solver"}};
+  for (const auto& [part, role] : roles) {
+    const std::unique_ptr<Component> component = factory.make(usualComponent(part));
+    ASSERT_NE(component, nullptr) << usualComponent(part);
+    EXPECT_EQ(component->roleText(), role) << usualComponent(part);
   }
 }
 

@@ -63,7 +63,7 @@ int analyses = 0;  ///< of all factorisations below
 class CountingFactorisation final : public Factorisation {
  public:
   void analyse(const BlockMatrix&) override { ++analyses; }
-  SolveStop factor(const BlockMatrix& matrix, Index&) override {
+  void load(const BlockMatrix& matrix) override {
     Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(3 * matrix.rows(), 3 * matrix.rows());
     for (Index i = 0; i < matrix.rows(); ++i)
       for (Index s = matrix.rowStart()[std::size_t(i)]; s < matrix.rowStart()[std::size_t(i) + 1]; ++s)
@@ -71,8 +71,8 @@ class CountingFactorisation final : public Factorisation {
           dense(3 * i + c / 3, 3 * matrix.columns()[std::size_t(s)] + c % 3) =
               matrix.values()[std::size_t(s) * 9 + std::size_t(c)];
     factors_.compute(dense);
-    return SolveStop::converged;
   }
+  SolveStop factor(Index&, StopToken) override { return SolveStop::converged; }
   void apply(ConstRows b, Rows x) override {
     Eigen::VectorXd all(3 * b.count);
     for (Index i = 0; i < b.count; ++i) all.segment<3>(3 * i) = b[i];

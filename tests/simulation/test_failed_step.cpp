@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// A step that fails is taken back: x, v and what integrators remember are as if it had not been tried. A linear solver
-// that starts from what it did last gives the same answer to its tolerance.
+// A step that fails is taken back: x, v and what integrators and linear solvers remember are as if it had not been tried.
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -16,7 +15,6 @@ class Stumbling final : public Integrator {
   void declare(DataTable&) override {}
   void compile(System&) override {}
   StepReport step(System& system, const StepContext& context) override {
-    system.beginStep(context);
     StepReport report;
     report.diverged = stumbles && context.index == 4;
     if (report.diverged) stumbles = false;
@@ -99,15 +97,19 @@ TEST(FailedStep, LeavesTheMemoryOfTheIntegratorThatFailed) {
     }
 }
 
-TEST(FailedStep, OfASolverThatStartsFromItsLastSolutionChangesNoMoreThanItsTolerance) {
-  const std::string scene = sceneOf(
-      body("good", "EulerImplicitSolver", {}, "<CGLinearSolver warmStart='true' tolerance='1e-10'/>") + bad_body);
-  Simulation tried = simulationFromText(scene), never = simulationFromText(scene);
-  dynamic_cast<Stumbling&>(never.systems()[1]->integrator()).stumbles = false;
-  for (int step = 1; step <= 9; ++step) tried.step();
-  for (int step = 1; step <= 8; ++step) never.step();
-  ASSERT_EQ(tried.steps(), 8);
-  EXPECT_LT((tried.systems()[0]->x[2] - never.systems()[0]->x[2]).norm(), 1e-10);
+/// A warm start, and the factors of a former matrix turned with the body.
+TEST(FailedStep, LeavesTheMemoryOfTheLinearSolver) {
+  for (const char* solver : {"<CGLinearSolver warmStart='true' tolerance='1e-10'/>",
+                             "<PCGLinearSolver preconditioner='warped'/><SparseLDLSolver/>"}) {
+    SCOPED_TRACE(solver);
+    const std::string scene = sceneOf(body("good", "EulerImplicitSolver", {}, solver) + bad_body);
+    Simulation tried = simulationFromText(scene), never = simulationFromText(scene);
+    dynamic_cast<Stumbling&>(never.systems()[1]->integrator()).stumbles = false;
+    for (int step = 1; step <= 9; ++step) tried.step();
+    for (int step = 1; step <= 8; ++step) never.step();
+    ASSERT_EQ(tried.steps(), 8);
+    EXPECT_EQ(tried.stateHash(), never.stateHash());
+  }
 }
 
 /// The factors of its matrix are products that no double holds.

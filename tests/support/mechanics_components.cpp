@@ -9,22 +9,19 @@
 namespace stroma::test {
 namespace {
 
-/// Does nothing in a step but start it; a test calls the system itself.
+/// Does nothing in a step; a test calls the system itself.
 class TestIntegrator final : public Integrator {
  public:
   void declare(DataTable& table) override { declareLinearSolver(table, false); }
   void compile(System&) override {}
-  StepReport step(System& system, const StepContext& context) override {
-    system.beginStep(context);
-    return {};
-  }
+  StepReport step(System&, const StepContext&) override { return {}; }
   std::string describe() const override { return "nothing"; }
 };
 
 class TestSolver final : public LinearSolver {
  public:
   void declare(DataTable&) override {}
-  SolveReport solve(SystemMatrix&, ConstRows, Rows) override { return {}; }
+  SolveReport solve(SystemMatrix&, ConstRows, Rows, const SolveTerms&) override { return {}; }
   bool needsSymmetric() const override { return true; }
 };
 

@@ -239,6 +239,31 @@ TEST_F(NothingIsLost, ARunThatIsEndedGoesOn) {
   }
 }
 
+/// Of a static step that takes many times as long as the test waits, by a factorisation that no library call interrupts:
+/// the first signal gives the step up, and what was recorded before it is whole and goes on.
+TEST_F(NothingIsLost, ALongStepIsGivenUp) {
+  write("long.xml", R"(<Node name="root" dt="1" gravity="0 -9.81 0"><StaticSolver/><SparseLDLSolver/>
+  <RegularGridTopology name="grid" n="21 21 21" min="0 0 0" max="0.1 0.1 0.1"/>
+  <MechanicalObject name="dofs" position="@grid.position"/><UniformMass totalMass="1"/>
+  <HexahedronFEMForceField youngModulus="4000" poissonRatio="0.4" method="svd" tangent="exact"/>
+  <BoxROI name="end" box="-1 -0.001 -1  1 0.001 1"/><FixedProjectiveConstraint indices="@end.indices"/></Node>)");
+  for (const auto& [signals, code] : {std::pair("kill -TERM $pid", 143), std::pair("kill -INT $pid", 130),
+                                      std::pair("kill -INT $pid; kill -INT $pid", 130)}) {
+    const Finished run = shell("'" STROMA_COMMAND
+                               "' run long.xml -n 1 --quiet --record out & pid=$!; "
+                               "while ! [ -s out/dofs.state.gz ]; do sleep 0.01; done; sleep 0.3; " +
+                               std::string(signals) + "; wait $pid");
+    EXPECT_EQ(run.code, code) << run.err;
+    if (std::string(signals).find(';') == std::string::npos) {
+      EXPECT_EQ(readRecording(file("out/dofs.state.gz")).unfinished, "");
+      EXPECT_EQ(readStateFile(file("out/dofs.state.gz")).size(), 1u) << "of a step that was given up there is nothing";
+      ASSERT_TRUE(exists("out/last.checkpoint"));
+      EXPECT_EQ(stroma("run long.xml -n 0 --quiet --record out --resume").code, 0);
+    }
+    fs::remove_all(folder_ / "out");
+  }
+}
+
 TEST_F(NothingIsLost, ARunFromTheStartDoesNotLeaveTheCheckpointOfTheOneBefore) {
   writeScene("");
   ASSERT_EQ(stroma("run fall.xml -n 5 --quiet --record out").code, 0);

@@ -81,5 +81,38 @@ TEST(Pace, StepsThatBecomeSlowerAreNoticed) {
   EXPECT_LT(late, 0.2);
 }
 
+/// A residual that falls by ten every two seconds, from 1 to the goal of 1e-8.
+TEST(NewtonPace, TellsWhatIsLeftOfASteadyFall) {
+  NewtonPace pace;
+  EXPECT_LT(pace.secondsToGo(), 0) << "nothing is known";
+  for (int iteration = 0; iteration <= 4; ++iteration) {
+    pace.look(2.0 * iteration, 0, iteration, std::pow(10, -iteration), 1e-8);
+    pace.look(2.0 * iteration + 0.5, 0, iteration, std::pow(10, -iteration), 1e-8);
+    if (iteration == 0) {
+      EXPECT_LT(pace.secondsToGo(), 0) << "one iterate tells no pace";
+      continue;
+    }
+    EXPECT_NEAR(pace.secondsToGo(), 2.0 * (8 - iteration) - 0.5, 1e-9);
+  }
+}
+
+TEST(NewtonPace, TellsNothingWhileTheResidualStays) {
+  NewtonPace pace;
+  for (int iteration = 0; iteration < 5; ++iteration) pace.look(iteration, 0, iteration, 0.1, 1e-8);
+  EXPECT_LT(pace.secondsToGo(), 0);
+}
+
+TEST(NewtonPace, AnotherSolveBeginsAnew) {
+  NewtonPace pace;
+  pace.look(0, 0, 0, 1, 1e-8);
+  pace.look(1, 0, 1, 0.1, 1e-8);
+  EXPECT_GT(pace.secondsToGo(), 0);
+  pace.look(2, 0, 0, 1, 1e-8);  // the next part of a divided step
+  EXPECT_LT(pace.secondsToGo(), 0);
+  pace.look(3, 0, 1, 0.1, 1e-8);
+  pace.look(4, 1, 0, 1, 1e-8);  // the next step
+  EXPECT_LT(pace.secondsToGo(), 0);
+}
+
 }  // namespace STROMA_TEST_FILE
 }  // namespace stroma::command

@@ -147,6 +147,50 @@ class Drawing(PageTest):
             browser.until(lambda: (browser.picture() != before).mean() > 0.01, "the cut")
             self.shows_bodies()
 
+    def test_the_canvas_says_which_hand_acts_and_how_the_cut_moves(self):
+        with Server(STROMA, example("organ.xml"), "--paused") as viewed:
+            browser.open(viewed.address)
+            hint = "document.querySelector('[data-test=hint]')"
+            self.assertTrue(browser.script(f"{hint}.hidden"))
+            browser.script("window.stroma.hands.setMode('pull')")
+            self.assertIn("Pull: drag a body", browser.script(f"{hint}.textContent"))
+            browser.script("window.stroma.store.setCut({ on: true, place: 0.25, normal: [1, 0, 0] })")
+            before = browser.script(f"{hint}.textContent")
+            self.assertRegex(before, r"Cut at x = [−0-9.]+ [cmµ]?m \(\[ and \] move it")
+            self.assertIn(browser.script("document.querySelector('[data-test=cut-at]').textContent"), before)
+            browser.script("window.stroma.store.setCut({ place: 0.75 })")
+            self.assertNotEqual(browser.script(f"{hint}.textContent"), before)
+            browser.script("window.stroma.store.setView({ exaggeration: 10 })")
+            self.assertIn("Displacements drawn × 10", browser.script(f"{hint}.textContent"))
+
+    def test_the_legend_names_the_largest_value(self):
+        with Server(STROMA, example("organ.xml"), "--paused") as viewed:
+            browser.open(viewed.address)
+            browser.click("step")
+            browser.until("window.stroma.store.shown.header.step === 1", "a step")
+            colour = browser.script("Array.from(document.querySelector('[data-test=field]').options, o => o.value)"
+                                    ".find(v => v.startsWith('vonMises'))")
+            browser.choose("field", colour)
+            legend = "document.querySelector('[data-test=legend]')"
+            browser.until(f"{legend}.textContent.includes('Maximum')", "the largest value")
+            self.assertRegex(browser.find("legend").text, r"(?s)Von Mises \[k?Pa\].*Maximum [0-9.]+ k?Pa.*98 % of the values")
+
+    def test_a_body_that_goes_far_stays_in_sight(self):
+        with Server(STROMA, example("organ.xml"), "--paused") as viewed:
+            browser.open(viewed.address)
+            browser.script("window.stroma.stage.follow(true)")
+            far = browser.script("""(() => {
+              const { store, stage } = window.stroma;
+              const { x } = store.bodies[0];
+              for (let i = 0; i < x.length; i += 3) x[i] += 1000 * store.bodies[0].size;
+              stage.choose();
+              stage.draw();
+              const centre = stage.roughBox().getCenter(stage.controls.target.clone());
+              return [stage.camera.far / stage.camera.position.distanceTo(centre), centre.distanceTo(stage.controls.target) / store.bodies[0].size];
+            })()""")
+            self.assertGreater(far[0], 1, "it is not behind the last plane that is drawn")
+            self.assertLess(far[1], 1, "the camera has followed")
+
     def test_light_and_dark(self):
         with Server(STROMA, example("organ.xml"), "--paused") as viewed:
             shades = {}

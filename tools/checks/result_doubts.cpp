@@ -33,6 +33,36 @@ std::string foldedElements(const ForceField& field, ConstRows x) {
   return fmt::format("{} of {} elements are inverted or flat; the worst is {}", folded, all, field.worstElement(x));
 }
 
+/// A sentence for each constraint by which nodes follow others that do not feel it, as long as that takes a force: f, less
+/// what the nodes' acceleration since `v_before` takes.
+std::vector<std::string> unansweredForces(const System& system, ConstRows v_before, double dt, double time) {
+  std::vector<std::string> sentences;
+  std::vector<Index> rows;
+  for (const ProjectiveConstraint* constraint : system.constraints().all()) {
+    rows.clear();
+    constraint->addUnansweredRows(rows);
+    if (rows.empty()) continue;
+    Vector force(system.independentRows());
+    copy(system.independent(system.f), force);
+    if (system.integrator().movesInTime()) {
+      Vector acceleration(system.independentRows());
+      copy(system.independent(system.v), acceleration);
+      axpy(-1, system.independent(v_before), acceleration);
+      scale(1 / dt, acceleration);
+      system.addMassProduct(acceleration, -1, force);
+    }
+    Vec3 sum = Vec3::Zero();
+    double sizes = 0;
+    for (const Index row : rows) sum += Vec3(force[row]), sizes += Vec3(force[row]).norm();
+    if (sum.norm() <= 1e-9 * sizes) continue;
+    sentences.push_back(fmt::format(
+        "{} at t = {:.6g} s: the nodes that follow pull with ({:.3g} {:.3g} {:.3g}) N, together {:.3g} N, and "
+        "what they follow does not feel it: nobody carries this force",
+        constraint->path(), time, sum[0], sum[1], sum[2], sum.norm()));
+  }
+  return sentences;
+}
+
 /// Why a force that is a step late and an integrator do not go together, or empty.
 std::string laggedForce(const ForceField& field, const Integrator& integrator) {
   if (!field.traits().lagged || integrator.toleratesLaggedForces()) return {};
@@ -96,7 +126,8 @@ std::vector<std::string> doubtsOf(const Simulation& simulation) {
         say(where + folded), folded_states.insert(&field->state());
       else if (const std::string beyond = field->doubt(system.x); !beyond.empty())
         say(where + beyond);
-      if (simulation.steps() > 0 && movesVisibly(system, simulation.dt())) say(laggedForce(*field, system.integrator()));
+      if (simulation.steps() > 0 && movesVisibly(system, simulation.dt()))
+        say(laggedForce(*field, system.integrator()));
     }
     // what force fields do not look at: springs and shape memory know no volumes, and a point inside a cell not its
     // corners
@@ -109,6 +140,10 @@ std::vector<std::string> doubtsOf(const Simulation& simulation) {
           say(fmt::format("{} at t = {:.6g} s: {}", topology->path(), time, folds));
     }
     for (std::string& sentence : grownBodies(system)) say(std::move(sentence));
+    if (simulation.steps() > 0 && system.counts.forces > 0)
+      for (std::string& sentence :
+           unansweredForces(system, simulation.snapshots().good(i).v, simulation.dt(), simulation.time()))
+        say(std::move(sentence));
     say(system.integrator().doubt());
     say(gainedEnergy(simulation, i));
     say(reversals(simulation, i));

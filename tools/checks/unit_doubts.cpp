@@ -10,93 +10,14 @@
 #include <limits>
 
 #include "framework/scene/text.h"
-#include "tools/checks/written_bodies.h"
+#include "tools/units/plausible_units.h"
 
 namespace stroma {
 namespace {
 
-// ---- what is plausible ----
-
-/// In SI: bodies from a cell to a bridge, gels to diamond, foam to osmium, gravity from small moons to a centrifuge.
-struct Range {
-  double low, high, typical;
-  bool has(double value) const { return value >= low && value <= high; }
-};
-constexpr Range ranges[] = {{1e-5, 100, 0.1}, {10, 1e12, 1e4}, {10, 25000, 1000}, {0.1, 500, 9.81}};
-/// Of density * gravity * size / modulus, about the strain by a body's own weight. A brain out of its liquid has 3; at
-/// 30 a body is a puddle.
-constexpr double heaviest = 30;
-/// No organ is larger than this [m], and what is built so large bears its weight: it has far less than this strain.
-constexpr double large_size = 10, heaviest_large = 1;
-/// Only loose gels and cells are softer [Pa], and they are small: a body that is too heavy too has a wrong modulus.
-constexpr double soft_modulus = 100;
-
-/// What a number of the scene is in SI.
-using Factors = std::array<double, body_quantities.size()>;
-
 bool has(const std::vector<Quantity>& list, Quantity q) { return std::find(list.begin(), list.end(), q) != list.end(); }
 
-/// A value that is unknown is none to judge, and no gravity is plausible.
-bool isKnown(const WrittenBody& body, Quantity q) { return q == body_modulus || body.value[q] > 0; }
-
-/// Written in m/s^2 a hundredth of the earth's gravity is a small load; in a smaller unit of length it is that of the
-/// earth, whose digits were taken for those of the unit.
-constexpr double smallest_load = 0.01;
-
-bool isPlausible(const WrittenBody& body, Quantity q, double factor) {
-  const double value = body.value[q] * factor;
-  if (q == body_modulus) return value >= ranges[q].low && body.softest * factor <= ranges[q].high;
-  return ranges[q].has(value) || (q == body_gravity && factor == 1 && value >= smallest_load && value < ranges[q].low);
-}
-
-/// What is not known is as usual.
-double usualIfUnknown(const WrittenBody& body, const Factors& f, Quantity q) {
-  return isKnown(body, q) ? body.value[q] * f[q] : ranges[q].typical;
-}
-
-double weightOf(const WrittenBody& body, const Factors& f) {
-  double weight = body.value[body_size] * f[body_size] / (body.value[body_modulus] * f[body_modulus]);
-  for (const Quantity q : {body_density, body_gravity}) weight *= usualIfUnknown(body, f, q);
-  return weight;
-}
-
-/// What is wrong with a body.
-struct Faults {
-  std::vector<Quantity> out;      ///< of their ranges
-  std::vector<Quantity> suspect;  ///< at the end of their ranges, and the body is too heavy for its stiffness
-  bool too_heavy = false;
-  std::size_t count() const { return out.empty() && too_heavy ? 1 : out.size(); }
-};
-
-Faults faultsOf(const WrittenBody& body, const Factors& factors) {
-  Faults faults;
-  for (const Quantity q : body_quantities) {
-    if (isKnown(body, q) && !isPlausible(body, q, factors[q])) faults.out.push_back(q);
-  }
-  const double weight = weightOf(body, factors);
-  const bool bears_weight = isKnown(body, body_density) && isKnown(body, body_gravity);
-  const bool too_large = body.value[body_size] * factors[body_size] > large_size && weight > heaviest_large;
-  faults.too_heavy = too_large || (bears_weight && weight > heaviest);
-  if (too_large) faults.suspect.push_back(body_size);
-  if (faults.too_heavy && body.value[body_modulus] * factors[body_modulus] < soft_modulus)
-    faults.suspect.push_back(body_modulus);
-  return faults;
-}
-
-/// A consistent system of units.
-struct UnitSystem {
-  const char* name;
-  double length, mass, time;
-
-  Factors factors() const {
-    return {length, mass / (length * time * time), mass / std::pow(length, 3), length / (time * time)};
-  }
-};
-const UnitSystem systems[] = {
-    {"m, kg, s", 1, 1, 1},           {"mm, t, s", 1e-3, 1e3, 1},    {"mm, kg, s", 1e-3, 1, 1},
-    {"mm, g, s", 1e-3, 1e-3, 1},     {"cm, g, s", 1e-2, 1e-3, 1},   {"cm, kg, s", 1e-2, 1, 1},
-    {"mm, g, ms", 1e-3, 1e-3, 1e-3}, {"mm, kg, ms", 1e-3, 1, 1e-3}, {"um, kg, s", 1e-6, 1, 1}};
-const UnitSystem& si = systems[0];
+const UnitSystem& si() { return unitSystems().front(); }
 
 // ---- what would mend it ----
 
@@ -128,7 +49,7 @@ struct Remedy {
 /// when the weight is all that is wrong.
 std::array<bool, body_quantities.size()> changeable(const Scene& scene, const WrittenBody& body) {
   const auto has_unit = quantitiesWithUnit(scene, body);
-  const Faults faults = faultsOf(body, si.factors());
+  const Faults faults = faultsOf(body, factorsOf(si()));
   std::array<bool, body_quantities.size()> may{};
   for (const Quantity q : body_quantities)
     may[q] = !has_unit[q] && isKnown(body, q) && (!faults.out.empty() || has(faults.suspect, q));
@@ -147,7 +68,7 @@ void consider(const WrittenBody& body, const std::array<bool, body_quantities.si
   if (faultsOf(body, factors).count() > 0) return;
   Remedy remedy{units, 0};
   for (const Quantity q : body_quantities)
-    if (body.value[q] > 0) remedy.cost += std::abs(std::log10(body.value[q] * factors[q] / ranges[q].typical));
+    if (body.value[q] > 0) remedy.cost += std::abs(std::log10(body.value[q] * factors[q] / plausible[q].typical));
   remedy.cost += 2. * double(remedy.changes());
   if (remedy.cost < best.cost) best = remedy;
 }
@@ -200,7 +121,7 @@ std::string faultText(const WrittenBody& body, const Factors& factors) {
   std::string text;
   for (const Quantity q : faults.out)
     text += fmt::format("{}{} is outside {} to {}", text.empty() ? "" : ", ", nameOf(body, q),
-                        inWords(q, ranges[q].low), inWords(q, ranges[q].high));
+                        inWords(q, plausible[q].low), inWords(q, plausible[q].high));
   if (!text.empty()) return text;
   const bool is_known = isKnown(body, body_density) && isKnown(body, body_gravity);
   return fmt::format("density x gravity x size is {}{:.3g} times {}: the body is too heavy for its stiffness",
@@ -278,7 +199,7 @@ Advice adviceOf(const WrittenBody& body, const Remedy& remedy) {
 
 /// When one quantity is out of a system that is not SI: what it is in its units, if it was written in a usual unit.
 Advice adviceWithin(const UnitSystem& system, const WrittenBody& body) {
-  const Factors factors = system.factors();
+  const Factors factors = factorsOf(system);
   const Faults faults = faultsOf(body, factors);
   if (faults.out.size() != 1) return {};
   const Quantity q = faults.out[0];
@@ -288,7 +209,7 @@ Advice adviceWithin(const UnitSystem& system, const WrittenBody& body) {
       Factors other = factors;
       other[q] = unit.factor;
       if (q == body_density && body.hasMassWithoutDensity()) other[q] /= std::pow(system.length, 3);
-      const double distance = std::abs(std::log10(body.value[q] * other[q] / ranges[q].typical));
+      const double distance = std::abs(std::log10(body.value[q] * other[q] / plausible[q].typical));
       if (faultsOf(body, other).count() == 0 && distance < best) best = distance, ratio = other[q] / factors[q];
     }
   };
@@ -301,14 +222,6 @@ Advice adviceWithin(const UnitSystem& system, const WrittenBody& body) {
 
 // ---- which system is meant, and which body is off in it ----
 
-/// Numbers that are none of things: benchmarks without dimensions have a density of 1, and another 1 or a gravity that
-/// no place has.
-bool isWithoutDimensions(const WrittenBody& body) {
-  const auto isOne = [&body](Quantity q) { return std::abs(body.value[q] - 1) < 1e-6; };
-  return isOne(body_density) &&
-         (isOne(body_gravity) || isOne(body_modulus) || body.value[body_gravity] < ranges[body_gravity].low);
-}
-
 struct Doubt {
   const UnitSystem* system;
   std::vector<const WrittenBody*> bodies;  ///< with faults in it
@@ -318,15 +231,15 @@ struct Doubt {
 Doubt doubtIn(const UnitSystem& system, const std::vector<WrittenBody>& bodies) {
   Doubt doubt{&system, {}, 0};
   for (const WrittenBody& body : bodies)
-    if (const std::size_t count = faultsOf(body, system.factors()).count(); count > 0)
+    if (const std::size_t count = faultsOf(body, factorsOf(system)).count(); count > 0)
       doubt.bodies.push_back(&body), doubt.faults += count;
   return doubt;
 }
 
 /// In the system with the fewest bodies that are off, and of those the fewest faults.
 Doubt leastDoubt(const std::vector<WrittenBody>& bodies) {
-  Doubt least = doubtIn(si, bodies);
-  for (const UnitSystem& system : systems) {
+  Doubt least = doubtIn(si(), bodies);
+  for (const UnitSystem& system : unitSystems()) {
     Doubt doubt = doubtIn(system, bodies);
     const bool is_less = doubt.bodies.size() < least.bodies.size() ||
                          (doubt.bodies.size() == least.bodies.size() && doubt.faults < least.faults);
@@ -338,8 +251,8 @@ Doubt leastDoubt(const std::vector<WrittenBody>& bodies) {
 /// What to write, for the reader of a warning; empty when nothing is sure.
 Advice adviceOn(const Scene& scene, const Doubt& doubt, bool all_are_off, const Remedy& in_units) {
   const WrittenBody& body = *doubt.bodies[0];
-  Advice units = in_units.isFound() && (doubt.system == &si || all_are_off) ? adviceOf(body, in_units) : Advice{};
-  if (doubt.system == &si) {
+  Advice units = in_units.isFound() && (doubt.system == &si() || all_are_off) ? adviceOf(body, in_units) : Advice{};
+  if (doubt.system == &si()) {
     if (!units.text.empty()) units.text = "write " + units.text;
     return units;
   }
@@ -357,7 +270,7 @@ Advice adviceOn(const Scene& scene, const Doubt& doubt, bool all_are_off, const 
 void warn(const Scene& scene, const Doubt& doubt, bool all_are_off, bool has_units, const Remedy& in_units,
           Diagnostics& diagnostics) {
   const WrittenBody& body = *doubt.bodies[0];
-  const Factors factors = doubt.system->factors();
+  const Factors factors = factorsOf(*doubt.system);
   const Advice advice = adviceOn(scene, doubt, all_are_off, in_units);
   const char* what = body.mass                     ? "size, stiffness, density and gravity"
                      : isKnown(body, body_gravity) ? "size, stiffness and gravity"
@@ -367,24 +280,26 @@ void warn(const Scene& scene, const Doubt& doubt, bool all_are_off, bool has_uni
   const Component& fallback = *body.moduli[0].field;
   const bool is_placed = !advice.text.empty();
   diagnostics.warning(is_placed ? advice.where : fallback.where(), is_placed ? advice.path : fallback.path(),
-                            fmt::format("{}; read in {}: {}, of which {}", head, doubt.system->name,
-                                        readingOf(body, factors), faultText(body, factors)),
-                            advice.text);
+                      fmt::format("{}; read in {}: {}, of which {}", head, doubt.system->name, readingOf(body, factors),
+                                  faultText(body, factors)),
+                      advice.text);
 }
 
 }  // namespace
 
 void warnOfUnits(const Scene& scene, Diagnostics& diagnostics) {
   std::vector<WrittenBody> bodies = writtenBodies(scene);
-  if (doubtIn(si, bodies).bodies.empty()) return;
+  const bool is_declared = scene.description.root.find("units");
+  if (!is_declared && doubtIn(si(), bodies).bodies.empty()) return;
   const bool has_units = hasAnyUnit(scene.description.root);
   if (!has_units) std::erase_if(bodies, isWithoutDimensions);
-  Doubt doubt = has_units ? doubtIn(si, bodies) : leastDoubt(bodies);
+  const UnitSystem declared = is_declared ? unitsOf(scene) : UnitSystem{};
+  Doubt doubt = declared.isKnown() ? doubtIn(declared, bodies) : has_units ? doubtIn(si(), bodies) : leastDoubt(bodies);
   if (doubt.bodies.empty()) return;
   const bool all_are_off = doubt.bodies.size() == bodies.size();
   Remedy in_units = remedyOf(scene, *doubt.bodies[0]);
   // One unit makes the whole scene SI: simpler than another system.
-  if (all_are_off && in_units.isFound() && in_units.changes() == 1) doubt = doubtIn(si, bodies);
+  if (!is_declared && all_are_off && in_units.isFound() && in_units.changes() == 1) doubt = doubtIn(si(), bodies);
   warn(scene, doubt, all_are_off, has_units, in_units, diagnostics);
 }
 

@@ -17,7 +17,7 @@ enum ExitCode : int {
   exit_diverged = 3,       ///< or no equilibrium, or broken constraints, or an action of a replay was refused; the last
                            ///< state was written and named. Of a strict run: or a result in doubt
   exit_output_failed = 4,  ///< an output could not be written any more; what the files have is whole up to there
-  // 128 + the number of SIGHUP, SIGINT or SIGTERM: stopped after a whole step; what was recorded is complete
+  // 128 + the number of SIGHUP, SIGINT or SIGTERM: stopped with the last whole step; what was recorded is complete
 };
 
 using Arguments = std::vector<std::string>;  ///< what follows the subcommand

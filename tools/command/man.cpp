@@ -151,7 +151,7 @@ Page overview() {
             "no result: the simulation diverged, statics found no equilibrium, or a position constraint did not hold; "
             "the last state is written and named"},
            {"4", "an output could not be written any more; what all files have is whole up to there"},
-           {"129", "ended by SIGHUP, after a whole step"},
+           {"129", "ended by SIGHUP, with the last whole step"},
            {"130", "interrupted with Ctrl-C, likewise"},
            {"143", "ended by SIGTERM, likewise"}})
     page.text += tagged(code, meaning);

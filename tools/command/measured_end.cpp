@@ -13,6 +13,7 @@
 #include "framework/scene/text.h"
 #include "framework/scene/value_lists.h"
 #include "tools/session/file_uses.h"
+#include "tools/units/unit_system.h"
 
 namespace stroma::command {
 namespace {
@@ -212,6 +213,8 @@ void writeMeasuredEnd(const Simulation& simulation, const MeasuredQuantity* quan
   if (quantity) values.add("quantity", Reals(quantity->now()));
   Texts inputs, paths;
   for (const FileUse& use : inputsOf(simulation.scene())) inputs.push_back(use.path);
+  const UnitSystem units = unitsOf(simulation.scene());
+  values.add("units", Texts{units.unit("m"), units.unit("s")});
   values.add("inputs", inputs);
   for (const State* state : simulation.states()) {
     const std::string& path = paths.emplace_back(state->path());

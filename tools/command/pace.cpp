@@ -34,4 +34,24 @@ double Pace::secondsToGo(long remaining) const {
   return std::max(0.0, double(remaining) * each - std::min(age(), each));
 }
 
+void NewtonPace::look(double now, long step, int iterations, double residual, double goal) {
+  now_ = now;
+  goal_ = goal;
+  if (step == step_ && iterations == iterations_) return;
+  if (step != step_ || iterations < iterations_) last_.clear();  // another solve
+  step_ = step, iterations_ = iterations;
+  if (!(residual > 0)) return last_.clear();
+  last_.push_back({now, std::log(residual)});
+  if (constexpr std::size_t few = 6; last_.size() > few) last_.erase(last_.begin());
+}
+
+double NewtonPace::secondsToGo() const {
+  if (last_.size() < 2 || !(goal_ > 0)) return -1;
+  const Iterate &first = last_.front(), &last = last_.back();
+  const double fallen = first.logarithm - last.logarithm, took = last.when - first.when;
+  if (!(fallen > 0.01 * double(last_.size()) && took > 0)) return -1;
+  const double left = std::max(0.0, last.logarithm - std::log(goal_));
+  return std::max(0.0, left * took / fallen - (now_ - last.when));
+}
+
 }  // namespace stroma::command

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
+#include <vector>
 
 namespace stroma::command {
 
@@ -26,6 +27,25 @@ class Pace {
   double first_ = -1;               ///< a step up to the first look that saw one [s]; negative: none has
   double began_ = 0;                ///< when those that count did [s]
   double seconds_ = 0, steps_ = 0;  ///< faded sums of those after it
+};
+
+/// How long Newton's method will take to its goal, from how fast the logarithm of the residual has fallen over the last few
+/// iterations. It falls ever faster near the solution, so that this is more than it takes; while it does not fall nothing
+/// is told.
+class NewtonPace {
+ public:
+  /// At `now` [s], not before the last look, the iterate of `iterations` iterations of step `step` has this residual.
+  void look(double now, long step, int iterations, double residual, double goal);
+  double secondsToGo() const;  ///< negative: unknown
+
+ private:
+  struct Iterate {
+    double when = 0, logarithm = 0;
+  };
+  std::vector<Iterate> last_;  ///< a few, the oldest first
+  long step_ = -1;
+  int iterations_ = -1;
+  double now_ = 0, goal_ = 0;
 };
 
 }  // namespace stroma::command

@@ -109,6 +109,9 @@ void Progress::lookAtLoad(double now) {
 void Progress::look(double now) {
   const long made = made_.load(std::memory_order_relaxed);
   pace_.look(now - began_, made - first_);
+  newton_pace_.look(now - began_, made, step_.newton_iterations.load(std::memory_order_relaxed),
+                    step_.newton_residual.load(std::memory_order_relaxed),
+                    step_.newton_goal.load(std::memory_order_relaxed));
   if (terminal_) return print(text(now, terminalWidth()));
   if (isLineDue(now, made - first_)) print(text(now, std::string::npos));
 }
@@ -135,8 +138,11 @@ std::string Progress::text(double now, std::size_t width) {
     const int iterations = step_.newton_iterations.load(std::memory_order_relaxed);
     pieces.add(3, fmt::format("step {}: {} so far", made + 1, durationText(age)));
     if (iterations > 0)
-      pieces.add(4, fmt::format("Newton iteration {}, residual {:.1g}", iterations,
-                                step_.newton_residual.load(std::memory_order_relaxed)));
+      pieces.add(4, fmt::format("Newton iteration {}, residual {:.1g} (goal {:.1g})", iterations,
+                                step_.newton_residual.load(std::memory_order_relaxed),
+                                step_.newton_goal.load(std::memory_order_relaxed)));
+    if (const double to_go = newton_pace_.secondsToGo(); to_go >= 0)
+      pieces.add(4, fmt::format("about {} to go in this step", durationText(to_go)));
   }
   pieces.add(5, fmt::format("t = {:.6g} s", time_.load(std::memory_order_relaxed)));
   if (pace_.isKnown()) {
@@ -147,7 +153,7 @@ std::string Progress::text(double now, std::size_t width) {
     pieces.add(7, durationText(now - began_) + " elapsed");
   }
   if (is_stopping_())
-    pieces.add(1, "ends after this step");
+    pieces.add(1, "stopping: once more ends it at once");
   else if (pace_.isSteady())
     pieces.add(1, durationText(pace_.secondsToGo(last_ - made)) + " to go");
   return pieces.joined(width);

@@ -19,7 +19,7 @@ namespace stroma::command {
 /// pays for a few stores, and a step or a load of minutes shows life too.
 class Progress {
  public:
-  /// The scene is being loaded. `quiet`: nothing is told at all. `is_stopping`: the run ends after the step under way.
+  /// The scene is being loaded. `quiet`: nothing is told at all. `is_stopping`: the run is about to end.
   Progress(std::string scene, bool quiet, std::function<bool()> is_stopping);
   ~Progress() { finish(); }
   /// Nothing is told until begin(): others print.
@@ -65,6 +65,7 @@ class Progress {
   int tenths_ = 0;    ///< of the run that lines have told of
   bool line_open_ = false;
   Pace pace_;
+  NewtonPace newton_pace_;
   std::thread thread_;
 };
 

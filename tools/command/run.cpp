@@ -29,13 +29,17 @@ namespace {
 using Clock = std::chrono::steady_clock;
 double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-/// The session that signals stop, and the signal that did.
+/// The session that signals stop, and the signal that did. The same signal a second time ends the process at once.
 std::atomic<Session*> interruptible = nullptr;
 volatile std::sig_atomic_t stopped_by = 0;
 
 void stopOnSignals(Session& session) {
   interruptible = &session;
   const auto stop = [](int number) {
+    if (stopped_by == number) {
+      std::signal(number, SIG_DFL);
+      std::raise(number);
+    }
     stopped_by = number;
     interruptible.load()->requestStop();
   };

@@ -10,6 +10,7 @@
 #include "framework/scene/output_file.h"
 #include "tools/checks/result_doubts.h"
 #include "tools/command/statistics.h"
+#include "tools/units/unit_system.h"
 
 namespace stroma::command {
 
@@ -76,7 +77,7 @@ nlohmann::ordered_json greatestDisplacements(const Simulation& simulation) {
       if (!(distance <= greatest)) greatest = distance, node = i;  // what is no number is farthest
       if (std::isnan(greatest)) break;
     }
-    all.push_back({{"state", state->path()}, {"metres", greatest}, {"node", node}});
+    all.push_back({{"state", state->path()}, {"distance", greatest}, {"node", node}});
   }
   return all;
 }
@@ -95,6 +96,11 @@ nlohmann::ordered_json summary(const RunRequest& request, const Simulation& simu
   json.update(solvers(outcome.statistics));
   json["threads"] = threads();
   json["state_hash"] = fmt::format("{:016x}", simulation.stateHash());
+  const UnitSystem units = unitsOf(simulation.scene());
+  json["units"] = units.isKnown() ? nlohmann::ordered_json{{"system", units.name},         {"length", units.unit("m")},
+                                                           {"time", units.unit("s")},      {"force", units.unit("N")},
+                                                           {"pressure", units.unit("Pa")}, {"energy", units.unit("J")}}
+                                  : nlohmann::ordered_json();
   json["greatest_displacements"] = greatestDisplacements(simulation);
   if (outcome.failed()) {
     const auto [inverted, all] = invertedCells(simulation);
@@ -104,8 +110,8 @@ nlohmann::ordered_json summary(const RunRequest& request, const Simulation& simu
 }
 
 void printSummary(const RunRequest& request, const Simulation& simulation, const Outcome& outcome) {
-  fmt::print("{}: {} after {} steps, t = {:.6g} s; {:.3g} s of wall time", request.scene, outcome.word(),
-             simulation.steps(), simulation.time(), outcome.seconds);
+  fmt::print("{}: {} after {} steps, t = {:.6g}{}; {:.3g} s of wall time", request.scene, outcome.word(),
+             simulation.steps(), simulation.time(), unitsOf(simulation.scene()).behind("s"), outcome.seconds);
   if (!outcome.statistics.step_ms.empty())
     fmt::print(", {:.3g} ms per step (median {:.3g}, p99 {:.3g})", outcome.statistics.meanMs(),
                outcome.statistics.quantileMs(0.5), outcome.statistics.quantileMs(0.99));

@@ -22,9 +22,9 @@ constexpr long default_steps = 100;
 const Manual run_manual{
     "stroma run SCENE [options]",
     "Simulates a scene: 100 steps unless -n or --until says otherwise. Progress and messages go to standard error,\n"
-    "the summary to standard output. Ctrl-C, SIGTERM or SIGHUP ends the run after a whole step. A reader of the "
-    "output\n"
-    "who goes early (`| head`) does not end it.\n\n"
+    "the summary to standard output. Ctrl-C, SIGTERM or SIGHUP ends the run with its last whole step, and a\n"
+    "long step is given up; once more ends it at once. A reader of the output who goes early (`| head`) does not end "
+    "it.\n\n"
     "A run leaves some twenty instants and a checkpoint in results/STEM/last, below the current folder, for\n"
     "`stroma view results/STEM/last`. The instants are kept in memory, and written every minute and at the end. The\n"
     "next run of a scene of that name replaces them. --no-record leaves nothing, --record DIR keeps what you name.\n\n"

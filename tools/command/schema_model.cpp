@@ -41,6 +41,11 @@ SchemaAttribute nodeAttribute(const std::string& name) {
         "default, 0 -9.81 0 on the outermost one"}},
       {"dt", {plainValue("real", true), "Time step, on the outermost Node only\nreal [s], default 0.01, > 0"}},
       {"time", {plainValue("real"), "Time at the start, on the outermost Node only\nreal [s], default 0"}},
+      {"units",
+       {textValue(),
+        "What the numbers are in, on the outermost Node only: shown beside them, nothing is converted\na length, a "
+        "mass "
+        "(or pressure, or force) and a time, as mm t s"}},
       {"activated", {plainValue("boolean"), "false: nothing in this node takes part\ntrue or false, default true"}}};
   const auto found = known.find(name);
   if (found == known.end()) return attribute(name, textValue(), without_effect);

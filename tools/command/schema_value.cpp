@@ -6,8 +6,8 @@
 #include <cctype>
 #include <cstdlib>
 
-#include "tools/units/units.h"
 #include "tools/command/component_json.h"
+#include "tools/units/units.h"
 
 namespace stroma::command {
 namespace {

@@ -44,11 +44,12 @@ OptionList viewOptions() {
   options.add_options()                                                                            //
       ("port", po::value<int>()->value_name("N"), "port to listen on; a free one when not given")  //
       ("host", po::value<std::string>()->value_name("ADDRESS"),
-       "address to listen on instead of 127.0.0.1; others can then reach the run, unencrypted")    //
-      ("open", "open the address with xdg-open")                                                   //
-      ("no-open", "only print the address; without either it is opened where there is a display")  //
-      ("paused", "wait until somebody presses run")                                                //
-      ("fps", po::value<double>()->value_name("N"), "most pictures a second (60 when not given)")  //
+       "address to listen on instead of 127.0.0.1; others can then reach the run, unencrypted")           //
+      ("open", "open the address with xdg-open")                                                          //
+      ("no-open", "only print the address; without either it is opened where there is a display")         //
+      ("at-once", "run before the first page is there: without it the run begins when somebody sees it")  //
+      ("paused", "wait until somebody presses run")                                                       //
+      ("fps", po::value<double>()->value_name("N"), "most pictures a second (60 when not given)")         //
       ("record", po::value<std::string>()->value_name("DIR"),
        "write positions and velocities of every state there, and what was done by hand")                          //
       ("record-every", po::value<long>()->value_name("K"), "record every K steps")                                //
@@ -90,7 +91,7 @@ bool shouldOpen(const Values& values) {
 /// An option that would have no effect is a mistake.
 void checkViewPartners(const Values& values, bool is_recording) {
   if (values.count("export")) {
-    for (const char* option : {"port", "host", "open", "no-open", "paused", "fps", "record"})
+    for (const char* option : {"port", "host", "open", "no-open", "at-once", "paused", "fps", "record"})
       if (values.count(option))
         throw UsageError(
             fmt::format("--{} and --export exclude each other: a page is written, nobody is served", option));
@@ -135,6 +136,7 @@ ViewCommand::ViewCommand(const Values& values)
     if (live.host.starts_with('[') && live.host.ends_with(']')) live.host = live.host.substr(1, live.host.size() - 2);
     live.port = inRange<int>(values, "port", 0, 0, 65535);
     live.fps = inRange<double>(values, "fps", 60, 0.1, 240);
+    live.at_once = values.count("at-once") > 0;
     live.paused = values.count("paused") > 0;
   }
   if (!isRecording()) return;

@@ -110,11 +110,11 @@ double numberOf(const Json& value) {
   return value.is_number() ? value.get<double>() : std::numeric_limits<double>::quiet_NaN();
 }
 
-std::string measured(double value, const char* unit) {
-  return std::isfinite(value) ? fmt::format("{:.3g} {}", value, unit) : "no finite number";
+std::string measured(double value, const std::string& unit) {
+  return std::isfinite(value) ? fmt::format("{:.3g}{}{}", value, unit.empty() ? "" : " ", unit) : "no finite number";
 }
 
-std::string change(double now, double before, const char* unit) {
+std::string change(double now, double before, const std::string& unit) {
   std::string text = fmt::format("{}, before {}", measured(now, unit), measured(before, unit));
   const double share = 100 * (now / before - 1);
   if (!(before > 0) || !std::isfinite(share)) return text;
@@ -123,11 +123,12 @@ std::string change(double now, double before, const char* unit) {
 
 void compareDisplacements(const Json& now, const Json& before) {
   for (const Json& state : now.at("greatest_displacements")) {
-    const double metres = numberOf(state.at("metres"));
-    std::string text = measured(metres, "m");
+    const double distance = numberOf(state.at("distance"));
+    const std::string unit = now.at("units").is_null() ? "" : now.at("units").at("length").get<std::string>();
+    std::string text = measured(distance, unit);
     if (!before.is_null())
       for (const Json& other : before.at("greatest_displacements"))
-        if (other.at("state") == state.at("state")) text = change(metres, numberOf(other.at("metres")), "m");
+        if (other.at("state") == state.at("state")) text = change(distance, numberOf(other.at("distance")), unit);
     fmt::print("greatest displacement of {}: {} at node {}\n", state.at("state").get<std::string>(), text,
                state.at("node").get<long>());
   }

@@ -18,16 +18,24 @@ struct Prefix {
 constexpr std::array<Prefix, 7> prefixes{
     {{"G", 1e9}, {"M", 1e6}, {"k", 1e3}, {"", 1}, {"m", 1e-3}, {"µ", 1e-6}, {"n", 1e-9}}};
 
+constexpr std::array<Prefix, 9> given_prefixes{
+    {{"G", 1e9}, {"M", 1e6}, {"k", 1e3}, {"", 1}, {"c", 1e-2}, {"m", 1e-3}, {"u", 1e-6}, {"µ", 1e-6}, {"n", 1e-9}}};
+
 }  // namespace
 
-Scale scaleFor(double largest, const std::string& si_unit) {
-  if (si_unit.empty() || si_unit == "-" || !(largest > 0)) return {1, si_unit == "-" ? "" : si_unit};
+Scale scaleFor(double largest, const std::string& unit) {
+  if (unit.empty() || unit == "-" || !(largest > 0)) return {1, unit == "-" ? "" : unit};
+  double own = 1;  // of the unit: 1000 of kPa
+  std::string plain = unit;
+  for (const char* base : {"Pa", "m/s", "m", "N", "J"})
+    for (const Prefix& prefix : given_prefixes)
+      if (unit == std::string(prefix.text) + base) own = prefix.factor, plain = base;
   for (const Prefix& prefix : prefixes)
-    if (largest >= 0.9999 * prefix.factor) {
-      if (si_unit.starts_with("m") && prefix.factor > 1) break;  // nobody measures bodies in km
-      return {prefix.factor, prefix.text + si_unit};
+    if (largest * own >= 0.9999 * prefix.factor) {
+      if (plain.starts_with("m") && prefix.factor > 1) break;  // nobody measures bodies in km
+      return {prefix.factor / own, prefix.text + plain};
     }
-  return {1, si_unit};
+  return {1 / own, plain};
 }
 
 double roundStep(double span, int most) {

@@ -9,12 +9,12 @@
 
 namespace stroma::picture {
 
-/// A unit that suits the size of numbers: kPa for thousands of Pa.
+/// A unit that suits the size of numbers: kPa for thousands of Pa, N for thousands of mN.
 struct Scale {
-  double factor = 1;  ///< of the SI unit
+  double factor = 1;  ///< of the given unit
   std::string unit;
 };
-Scale scaleFor(double largest, const std::string& si_unit);
+Scale scaleFor(double largest, const std::string& unit);
 
 /// The distance of round numbers (1, 2, 2.5 or 5 times a power of ten) of which at most `most` intervals fit.
 double roundStep(double span, int most);

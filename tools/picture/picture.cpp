@@ -30,19 +30,26 @@ bool isThirdAxisUp(const Simulation& simulation, const Vec3& size) {
   return g.isZero() ? size[2] > clearly * std::max(size[0], size[1]) : std::abs(g[2]) > std::abs(g[1]);
 }
 
-/// Times with as many decimals as tell them apart.
-std::vector<std::string> timesOf(const std::vector<Shot>& shots) {
+/// Empty where displacements are drawn as they are.
+std::string exaggerationNote(const PictureRequest& request) {
+  return request.exaggeration == 1 ? "" : fmt::format(", displacements drawn × {:g}", request.exaggeration);
+}
+
+/// Times with as many decimals as tell them apart, and what else a caption must say.
+std::vector<std::string> timesOf(const std::vector<Shot>& shots, const UnitSystem& units,
+                                 const PictureRequest& request) {
   std::vector<double> times;
   for (const Shot& shot : shots) times.push_back(shot.time);
   std::vector<std::string> texts;
-  for (const std::string& text : alike(times)) texts.push_back("t = " + text + " s");
+  for (const std::string& text : alike(times))
+    texts.push_back("t = " + text + units.behind("s") + exaggerationNote(request));
   return texts;
 }
 
 class VtkPictureMaker final : public PictureMaker {
  public:
   std::vector<FieldWord> fields(const Simulation& simulation) const override {
-    return ShotTaker::fieldsOf(drawing::drawingOf(simulation));
+    return ShotTaker::fieldsOf(drawing::drawingOf(simulation), unitsOf(simulation.scene()));
   }
   std::vector<std::string> colours() const override { return colourMapNames(); }
   std::vector<std::string> views() const override { return viewNames(); }
@@ -69,7 +76,9 @@ class VtkPictureMaker final : public PictureMaker {
   void arrange(std::vector<std::size_t> order) override { order_ = std::move(order); }
   void warn(const std::string& words) override { warning_ = words; }
 
-  std::string summary() const override { return legend_ ? legend_->summary() : "no field"; }
+  std::string summary() const override {
+    return (legend_ ? legend_->summary() : "no field") + exaggerationNote(request_);
+  }
 
   std::string still() override {
     build();
@@ -79,7 +88,7 @@ class VtkPictureMaker final : public PictureMaker {
     const Composition composition(request_, warning_, extents_, legend_.get(), columns);
     std::vector<Panel> panels;
     std::vector<std::string> captions;
-    const std::vector<std::string> times = timesOf(shots_);
+    const std::vector<std::string> times = timesOf(shots_, taker_->units(), request_);
     for (const std::size_t s : order_)
       for (const Eye& eye : eyes_) {
         panels.push_back({&shots_.at(s), &eye});
@@ -91,7 +100,7 @@ class VtkPictureMaker final : public PictureMaker {
   std::string film(double fps) override {
     build();
     const Composition composition(request_, warning_, extents_, legend_.get(), eyes_.size());
-    const std::vector<std::string> times = timesOf(shots_);
+    const std::vector<std::string> times = timesOf(shots_, taker_->units(), request_);
     AnimatedPng film(fps, request_.transparent, words());
     for (std::size_t s = 0; s < shots_.size(); ++s) {
       std::vector<Panel> panels;
@@ -138,7 +147,7 @@ class VtkPictureMaker final : public PictureMaker {
       coloured = coloured || (taker_->isDrawn(b) && taker_->valuesAt(b) != ValuesAt::none);
     if (coloured) {
       FieldWord word;
-      for (const FieldWord& one : ShotTaker::fieldsOf(taker_->drawing()))
+      for (const FieldWord& one : ShotTaker::fieldsOf(taker_->drawing(), taker_->units()))
         if (one.name == taker_->field()) word = one;
       const bool is_mean = !request_.flat && word.name != "displacement" && word.name != "velocity";
       legend_ = std::make_unique<Legend>(*map_, range, taker_->extremes(), word, is_mean ? "mean at the nodes" : "");

@@ -61,7 +61,11 @@ std::string titleOf(const std::string& field) {
 }
 
 ShotTaker::ShotTaker(const Simulation& simulation, const PictureRequest& request)
-    : simulation_(simulation), request_(request), drawing_(drawing::drawingOf(simulation)), field_(request.field) {
+    : simulation_(simulation),
+      request_(request),
+      drawing_(drawing::drawingOf(simulation)),
+      field_(request.field),
+      units_(unitsOf(simulation.scene())) {
   if (drawing_.bodies.empty()) throw std::runtime_error("nothing in the scene has positions: there is nothing to draw");
   drawn_.assign(drawing_.bodies.size(), true);
   hide(request.hidden);
@@ -132,17 +136,17 @@ void ShotTaker::hideOneOfTwo(const State& parent, const State& child) {
   drawn_[valuesAt(c) == ValuesAt::none && valuesAt(p) != ValuesAt::none ? c : p] = false;
 }
 
-std::vector<FieldWord> ShotTaker::fieldsOf(const drawing::Drawing& drawing) {
-  std::vector<FieldWord> words{{"displacement", titleOf("displacement"), "m"}};
+std::vector<FieldWord> ShotTaker::fieldsOf(const drawing::Drawing& drawing, const UnitSystem& units) {
+  std::vector<FieldWord> words{{"displacement", titleOf("displacement"), units.unit("m")}};
   for (const Field& field : drawing.fields)
     if (std::none_of(words.begin(), words.end(), [&](const FieldWord& word) { return word.name == field.name; }))
-      words.push_back({field.name, titleOf(field.name), drawing::unitOfField(field.name)});
+      words.push_back({field.name, titleOf(field.name), units.unit(drawing::unitOfField(field.name))});
   return words;
 }
 
 /// Without a word for it: the stress, where all that has a surface has one; else what every body has.
 void ShotTaker::choose() {
-  const std::vector<FieldWord> words = fieldsOf(drawing_);
+  const std::vector<FieldWord> words = fieldsOf(drawing_, units_);
   std::vector<std::string> names{"none"};
   for (const FieldWord& word : words) names.push_back(word.name);
   if (field_.empty()) {

@@ -8,6 +8,7 @@
 #include "tools/drawing/body.h"
 #include "tools/picture/picture_maker.h"
 #include "tools/picture/surface.h"
+#include "tools/units/unit_system.h"
 
 namespace stroma::picture {
 
@@ -45,7 +46,8 @@ class ShotTaker {
   /// for one in a hundred at either end, as a few cells at a corner would leave all others in one colour.
   Range bulk() const { return bulk_; }
   Range extremes() const { return extremes_; }
-  static std::vector<FieldWord> fieldsOf(const drawing::Drawing& drawing);
+  static std::vector<FieldWord> fieldsOf(const drawing::Drawing& drawing, const UnitSystem& units);
+  const UnitSystem& units() const { return units_; }
 
  private:
   void choose();
@@ -63,6 +65,7 @@ class ShotTaker {
   drawing::Drawing drawing_;
   std::vector<bool> drawn_;
   std::string field_;
+  UnitSystem units_;  ///< of the scene
   std::vector<double> work_;
   std::vector<float> cell_values_;
   Range bulk_{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()}, extremes_ = bulk_;

@@ -103,6 +103,10 @@ void addMappings(const System& system, std::vector<PlanItem>& items) {
 void addSolvers(const System& system, std::vector<PlanItem>& items) {
   const Integrator& integrator = system.integrator();
   items.push_back(itemFor("integrator", integrator, PlanWhen::each_step, integrator.describe()));
+  for (const MergedIntegrator& merged : system.merged())
+    items.push_back(itemFor(
+        "integrator", *merged.integrator, PlanWhen::skipped,
+        fmt::format("skipped, its bodies move in this system because {} couples them to others", merged.because)));
   const LinearSolver* solver = system.linearSolver();
   if (!solver) return items.push_back({"linear solver", {}, {}, PlanWhen::skipped, "none", {}, {}});
   const long blocks = long(system.matrix().keptBlocks());

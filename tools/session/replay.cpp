@@ -89,8 +89,6 @@ void replay(Simulation& simulation, std::vector<RunEvent> events, const std::str
   simulation.setDirector(std::make_unique<Replay>(simulation, std::move(events), file));
 }
 
-std::size_t replayed(const Simulation& simulation) {
-  return simulation.director() ? simulation.director()->done() : 0;
-}
+std::size_t replayed(const Simulation& simulation) { return simulation.director() ? simulation.director()->done() : 0; }
 
 }  // namespace stroma

@@ -91,13 +91,15 @@ RunReport Session::run(const RunLimits& limits) {
   running.begin();
   for (long made = 0; made < limits.steps && report.end == RunEnd::done; ++made) {
     if (limits.until && !(stepsTo(*limits.until, running) > 0)) break;
-    if (stop_.exchange(false)) {
+    if (stop_.take()) {
       report.end = RunEnd::stopped;
       break;
     }
     try {
       const auto step_start = Clock::now();
-      report.last = running.step();
+      StepReport step = running.step(StopToken(stop_));
+      if (step.stopped) break;
+      report.last = std::move(step);
       report.end = endAfter(report.last);
       if (report.last.diverged) break;
       const double seconds = secondsSince(step_start);
@@ -114,7 +116,7 @@ RunReport Session::run(const RunLimits& limits) {
     }
     if (limits.reached && limits.reached(running)) break;
   }
-  if (stop_.exchange(false) && report.end == RunEnd::done) report.end = RunEnd::stopped;
+  if (stop_.take() && report.end == RunEnd::done) report.end = RunEnd::stopped;
   if (report.end == RunEnd::done && report.last.unsolved) report.end = RunEnd::not_converged;
   if (report.end == RunEnd::diverged || report.end == RunEnd::not_converged) report.reason = reasonOf(report.last);
   report.statistics.unconverged = unconverged_;

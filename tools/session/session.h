@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // A scene that is loaded and run by a program: what commands, a viewer, a Python module or a sweep share.
 #pragma once
-#include <atomic>
 #include <functional>
 #include <limits>
 #include <memory>
@@ -26,7 +25,7 @@ struct RunLimits {
 
 enum class RunEnd {
   done,           ///< a limit was reached
-  stopped,        ///< requestStop(), after a whole step
+  stopped,        ///< requestStop(): the state is that after the last whole step
   diverged,       ///< the state is that before the step that failed
   not_converged,  ///< no equilibrium, or a position constraint that does not hold: the state is no result
   not_replayed,   ///< an event of a replay was refused: the state is that before its step
@@ -46,7 +45,7 @@ struct RunReport {
 ///
 /// Threads: one thread at a time uses a session and what belongs to it (simulation, states, observers), and only between
 /// steps; observers are called by the thread that steps. requestStop() alone may be called by any thread, or a signal
-/// handler, at any time: the run ends after the step under way, and then another thread may take over. Two sessions may
+/// handler, at any time: the run ends at once, a long step under way is given up, and then another thread may take over. Two sessions may
 /// run in two threads. setThreads() is of the process and comes before any of them steps.
 class Session {
  public:
@@ -78,8 +77,10 @@ class Session {
   /// How many steps it takes to `t` [s] with the present dt. Throws std::invalid_argument when that lies before the
   /// present, or too far.
   long stepsUntil(double t) const;
-  /// From any thread: run() ends after the step under way, or at once when it is called next.
-  void requestStop() { stop_ = true; }
+  /// From any thread: run() ends with the last whole step, or at once when it is called next.
+  void requestStop() { stop_.make(); }
+  /// A stop that nobody has heeded yet is not wanted any more.
+  void withdrawStop() { stop_.take(); }
   /// Observers see the end: their files are whole.
   void finish() { simulation().end(); }
 
@@ -98,7 +99,7 @@ class Session {
   std::string scene_file_;
   std::unique_ptr<Simulation> simulation_;
   UnconvergedSteps unconverged_;  ///< since the scene was loaded, or before the checkpoint
-  std::atomic<bool> stop_ = false;
+  StopRequest stop_;
 };
 
 }  // namespace stroma

@@ -33,18 +33,21 @@ void RunStatistics::add(const StepReport& report, double step_seconds) {
 
 void UnconvergedSteps::add(const StepReport& report) {
   ++steps;
+  const bool is_at_limit = !report.linear_converged && report.linear_at_limit;
   linear += report.linear_converged ? 0 : 1;
+  linear_at_limit += is_at_limit;
   newton += report.newton_converged ? 0 : 1;
   constraints += report.constraints_converged ? 0 : 1;
   if (!report.constraints_converged && constraint_reason.empty()) constraint_reason = report.constraint_reason;
   if (report.unsolved && report.newton_converged && without_result++ == 0) without_result_reason = report.reason;
-  worst_residual = std::max(worst_residual, report.linear_residual);
+  if (is_at_limit) worst_residual = std::max(worst_residual, report.linear_residual);
   worst_newton_residual = std::max(worst_newton_residual, report.newton_residual);
 }
 
 void UnconvergedSteps::serialize(Archive& archive) {
   archive.value("steps", steps);
   archive.value("linear", linear);
+  archive.value("linear_at_limit", linear_at_limit);
   archive.value("newton", newton);
   archive.value("constraints", constraints);
   archive.value("without_result", without_result);
@@ -56,11 +59,16 @@ void UnconvergedSteps::serialize(Archive& archive) {
 
 std::vector<std::string> UnconvergedSteps::warnings() const {
   std::vector<std::string> warnings;
-  if (linear > 0)
+  if (linear_at_limit > 0)
     warnings.push_back(fmt::format(
         "the linear solver stopped before its tolerance in {} of {} steps (worst relative residual {:.2g}): raise its "
         "iterations or its tolerance",
-        linear, steps, worst_residual));
+        linear_at_limit, steps, worst_residual));
+  if (linear > linear_at_limit)
+    warnings.push_back(fmt::format(
+        "the matrix of the linear solves was singular or not positive definite in {} of {} steps: they went on along a "
+        "direction that was found before, or with more on the diagonal",
+        linear - linear_at_limit, steps));
   if (newton > 0)
     warnings.push_back(
         fmt::format("Newton's method did not converge in {} of {} steps (worst relative residual {:.2g})", newton,

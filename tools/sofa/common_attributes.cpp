@@ -14,6 +14,7 @@ const std::vector<std::string>& nodeAttributes() {
                                                  "gravity",
                                                  "dt",
                                                  "time",
+                                                 "units",
                                                  "activated",
                                                  "animate",
                                                  "sleeping",

@@ -8,8 +8,6 @@
 #include <limits>
 #include <stdexcept>
 
-#include "tools/sweep/richardson.h"
-
 namespace stroma::sweep {
 namespace {
 
@@ -21,13 +19,6 @@ double fineness(const Axis& axis, std::size_t value) {
   return coarser / double(axis.size() - 1);
 }
 
-/// Safety of a correction that is not made. Source: Roache 1998, section 5.9.
-constexpr double safety = 1.25, safety_without_order = 3;
-/// Elements and integrators of the framework have no higher one: a fit above it is luck, and would flatter.
-constexpr double highest_order = 2;
-/// Differences that point less the same way than this are no approach to a limit.
-constexpr double least_cosine = 0.5;
-
 Values scaledDifference(double factor, const Values& a, const Values& b) {
   Values result(a.size());
   for (std::size_t i = 0; i < a.size(); ++i) result[i] = factor * (a[i] - b[i]);
@@ -37,6 +28,9 @@ Values scaledDifference(double factor, const Values& a, const Values& b) {
 Values sum(const Values& a, const Values& b) {
   return scaledDifference(1, a, scaledDifference(-1, b, Values(b.size(), Vec3::Zero())));
 }
+
+/// A direction that is refined less than this bounds nothing.
+constexpr double least_bounding_refinement = 1.1;
 
 void leaveOut(Entry& entry, const std::exception& problem) {
   entry.runs.outcome = "not comparable", entry.runs.failure = problem.what();
@@ -93,38 +87,77 @@ const Assessor::Sample& Assessor::sampleOf(const Entry& entry) {
     sample.values.clear();
   }
   sample.nodes = end.nodes(), sample.cells = end.cells(), sample.spacing = end.spacing();
+  sample.spacings = spacingTensor(end);
   sample.dt = end.dt, sample.time = end.time;
+  sample.length_unit = end.length_unit, sample.time_unit = end.time_unit;
   if (measure_.isField()) sample.outside = points.outside(), sample.farthest = points.farthestOutside();
   return samples_[entry.configuration.key] = std::move(sample);
 }
 
 Assessor::Line Assessor::lineAlong(std::size_t axis, const std::vector<Entry>& entries, const Entry& finest,
                                    const Entry& reference) {
-  std::vector<std::pair<double, const Values*>> points;
+  struct Point {
+    double size;
+    const Sample* sample;
+    std::string name;
+  };
+  std::vector<Point> points;
   for (const Entry& entry : entries) {
     if (!entry.runs.isGood() || entry.configuration.isExtraReference()) continue;
     bool on_line = true;
     for (std::size_t a = 0; a < axes_.size(); ++a)
       on_line = on_line && (a == axis || entry.configuration.choice[a] == finest.configuration.choice[a]);
-    const double size = axes_[axis].sizes[entry.configuration.choice[axis]];
+    if (!on_line) continue;
+    const std::size_t value = entry.configuration.choice[axis];
+    const double size = axes_[axis].sizes[value];
     // more iterations are finer: their inverse is the size
     const bool is_inverse = axes_[axis].kind == AxisKind::iterations;
-    if (!on_line) continue;
     try {
       const Sample& sample = sampleOf(entry);
-      if (isOfReferenceTime(sample)) points.emplace_back(is_inverse ? 1 / size : size, &sample.values);
+      if (isOfReferenceTime(sample))
+        points.push_back({is_inverse ? 1 / size : size, &sample, axes_[axis].valueText(value)});
     } catch (const std::exception&) {  // distances() says why
     }
   }
-  std::ranges::sort(points, {}, [](const auto& point) { return point.first; });
+  std::ranges::sort(points, {}, &Point::size);
   if (reference.configuration.isExtraReference() && axes_[axis].hasOrder()) {
     const Sample& extra = sampleOf(reference);
-    const double size = axes_[axis].kind == AxisKind::mesh ? extra.spacing : extra.dt;
-    if (!points.empty() && size < 0.999 * points.front().first) points.insert(points.begin(), {size, &extra.values});
+    const Vec3& direction = axes_[axis].direction;
+    const double size = axes_[axis].kind != AxisKind::mesh ? extra.dt
+                        : direction.isZero()               ? extra.spacing
+                                                           : spacingAlong(extra.spacings, direction);
+    if (!points.empty() && size < 0.999 * points.front().size)
+      points.insert(points.begin(), {size, &extra, "the run of --reference-set"});
   }
   Line line;
-  for (const auto& [size, values] : points) line.sizes.push_back(size), line.values.push_back(values);
+  for (const Point& point : points) {
+    line.sizes.push_back(point.size), line.values.push_back(&point.sample->values);
+    line.spacings.push_back(point.sample->spacings), line.names.push_back(point.name);
+  }
   return line;
+}
+
+Triple Assessor::tripleOf(const Line& line, std::size_t first) const {
+  const auto& u = line.values;
+  const auto apart = [&](std::size_t a, std::size_t b) { return measure_.distance(*u[a], *u[b], points_); };
+  const auto& s = line.sizes;
+  Triple triple{s[first],
+                s[first + 1],
+                s[first + 2],
+                apart(first, first + 1),
+                apart(first + 1, first + 2),
+                apart(first, first + 2),
+                0};
+  triple.cosine = measure_.cosine(scaledDifference(1, *u[first], *u[first + 1]),
+                                  scaledDifference(1, *u[first + 1], *u[first + 2]), points_);
+  const Refinement whole = refinementBetween(line.spacings[first], line.spacings[first + 2]);
+  for (std::size_t k = first; k < first + 2; ++k) {
+    const Refinement step = refinementBetween(line.spacings[k], line.spacings[k + 1]);
+    if (step.isEven(whole.fixed())) continue;
+    triple.least_refinement =
+        refinementBetween(line.spacings[first], line.spacings[first + 1]).ratio[std::size_t(whole.fixed())];
+  }
+  return triple;
 }
 
 /// `limit` gets what is to be added to the finest values.
@@ -133,61 +166,70 @@ AxisEstimate Assessor::estimate(std::size_t axis, const Line& line, Values& limi
   result.axis = axis;
   const auto& s = line.sizes;
   const auto& u = line.values;
-  const auto apart = [&](std::size_t a, std::size_t b) { return measure_.distance(*u[a], *u[b], points_); };
   if (s.size() < 2) return result;
-  const double next = apart(0, 1);
+  const double next = measure_.distance(*u[0], *u[1], points_);
   result.uncertainty = result.expected = next, result.how = "difference to the next finest";
-  if (!axes_[axis].hasOrder() || next == 0) return result;
-  if (s.size() == 2) {
-    result.expected = correctionFactor(s[0], s[1], 1) * next;
-    result.uncertainty = safety_without_order * result.expected;
-    result.how = "three times the correction to size zero by an order of 1: two values tell no order";
-    return result;
-  }
-  const auto correctionFrom = [&](std::size_t first) -> std::optional<std::pair<double, Values>> {
-    if (measure_.cosine(scaledDifference(1, *u[first], *u[first + 1]),
-                        scaledDifference(1, *u[first + 1], *u[first + 2]), points_) <= least_cosine)
-      return {};
-    const auto order =
-        fittedOrder(s[first], s[first + 1], s[first + 2], apart(first, first + 1), apart(first + 1, first + 2));
-    if (!order || *order < 0.5) return {};
-    const double factor = correctionFactor(s[first], s[first + 1], *order);
-    return std::pair(*order, scaledDifference(factor, *u[first], *u[first + 1]));
-  };
-  const auto fine = correctionFrom(0);
-  if (!fine) {
-    result.uncertainty = safety_without_order * next;
-    result.how = "three times the difference to the next finest: the differences follow no order";
-    return result;
-  }
-  result.order = fine->first;
-  limit = fine->second;
-  const double correction = correctionFactor(s[0], s[1], std::min(*result.order, highest_order)) * next;
+  if (!axes_[axis].hasOrder()) return result;
   const bool extrapolates = request_.reference == "extrapolated";
-  const auto coarse = s.size() >= 4 && extrapolates ? correctionFrom(1) : std::nullopt;
-  if (!extrapolates) {
-    result.uncertainty = safety * correction, result.expected = correction;
-    result.how = "1.25 times the correction to size zero";
-  } else if (coarse) {
-    result.expected = measure_.distance(sum(*u[0], limit), sum(*u[1], coarse->second), points_);
-    result.uncertainty = std::max(result.expected, (safety - 1) * correction);
-    result.how = "difference to the extrapolation without the finest, or a quarter of the correction to size zero";
-  } else {
-    result.uncertainty = result.expected = (safety - 1) * correction;
-    result.how = "a quarter of the correction to size zero";
+  const auto limitOf = [&](const Extrapolation& from, std::size_t first) {
+    return sum(*u[first], scaledDifference(from.factor, *u[first], *u[first + 1]));
+  };
+  Extrapolation found = s.size() == 2 ? ofTwo(s[0], s[1], next) : extrapolate(tripleOf(line, 0));
+  if (s.size() > 3) {
+    const Extrapolation without_finest = extrapolate(tripleOf(line, 1));
+    found = confirmed(found, without_finest, measure_.distance(limitOf(found, 0), limitOf(without_finest, 1), points_));
   }
+  const Margin& margin = extrapolates ? found.of_limit : found.of_finest;
+  result.order = found.order, result.uncertainty = margin.size, result.how = margin.how;
+  result.expected = found.correction;
+  if (!extrapolates || !found.hasLimit()) return result;
+  limit = scaledDifference(found.factor, *u[0], *u[1]);
+  result.expected = margin.size / 2;  // one standard deviation of two
   return result;
+}
+
+/// What the refinement of the three finest meshes leaves open.
+void Assessor::tellRefinement(std::size_t axis, const Line& line, Assessment& assessment) const {
+  const std::size_t last = std::min<std::size_t>(line.sizes.size(), 3) - 1;
+  const Refinement whole = refinementBetween(line.spacings[0], line.spacings[last]);
+  const std::string label = axes_[axis].label();
+  std::string directions;
+  for (int i = 0; i < whole.fixed(); ++i)
+    directions += (i ? " and " : "") + directionText(whole.direction[std::size_t(i)]);
+  if (!directions.empty()) {
+    assessment.knowledge = Knowledge::in_part;
+    assessment.notes.push_back(fmt::format(
+        "the meshes of {} are not refined along {}: what the spacing there leaves is not in the uncertainty", label,
+        directions));
+  }
+  for (std::size_t k = 0; k < last; ++k) {
+    const Refinement step = refinementBetween(line.spacings[k], line.spacings[k + 1]);
+    if (step.isEven(whole.fixed())) continue;
+    const auto least = std::size_t(whole.fixed());
+    assessment.notes.push_back(fmt::format(
+        "{} is refined unevenly: from {} to {} the spacing falls by {:.3g} along {} and by {:.3g} along {}; the order "
+        "cannot be told (expected meshes whose spacing falls alike in all directions)",
+        label, line.names[k + 1], line.names[k], step.ratio[2], directionText(step.direction[2]), step.ratio[least],
+        directionText(step.direction[least])));
+    if (k == 0 && step.ratio[least] < least_bounding_refinement) assessment.knowledge = Knowledge::in_part;
+  }
 }
 
 void Assessor::settleReference(std::vector<Entry>& entries, Entry& run, Assessment& assessment) {
   reference_ = sampleOf(run).values;
   const Entry* finest = finestOf(axes_, entries);
   bool corrected = false;
+  std::string untold;
   for (std::size_t a = 0; finest && a < axes_.size(); ++a) {
     if (!axes_[a].isOrdered()) continue;
     Values limit;
-    AxisEstimate estimated = estimate(a, lineAlong(a, entries, *finest, run), limit);
-    if (estimated.how.empty()) continue;
+    const Line line = lineAlong(a, entries, *finest, run);
+    AxisEstimate estimated = estimate(a, line, limit);
+    if (estimated.how.empty()) {
+      untold += (untold.empty() ? "" : " and ") + axes_[a].label();
+      continue;
+    }
+    if (axes_[a].kind == AxisKind::mesh) tellRefinement(a, line, assessment);
     assessment.uncertainty += estimated.uncertainty, assessment.expected += estimated.expected;
     if (request_.reference == "extrapolated" && !limit.empty()) reference_ = sum(reference_, limit), corrected = true;
     assessment.axes.push_back(std::move(estimated));
@@ -197,15 +239,25 @@ void Assessor::settleReference(std::vector<Entry>& entries, Entry& run, Assessme
   assessment.reference = corrected ? "the extrapolation from " + name : name;
   if (request_.reference == "extrapolated" && !corrected)
     assessment.notes.push_back(
-        "nothing could be extrapolated: the differences follow no order; the reference is the finest run");
+        "nothing could be extrapolated: fewer than three results along each mesh and time step, or differences that "
+        "follow no order; the reference is the finest run");
+  for (const Axis& axis : axes_)
+    if (std::ranges::any_of(axis.sizes, [](double size) { return std::isinf(size); }))
+      assessment.notes.push_back(
+          fmt::format("a value of {} was refused: how fine it would have been is not known", axis.label()));
   for (const Axis& axis : axes_)
     if (finest && fineness(axis, finest->configuration.choice[std::size_t(&axis - axes_.data())]) < 1 &&
         axis.isOrdered())
       assessment.notes.push_back(
           fmt::format("the finest value of {} has no result: the reference is the next finest", axis.label()));
-  if (assessment.axes.empty())
+  if (assessment.axes.empty()) {
+    assessment.knowledge = Knowledge::none;
+    assessment.notes.push_back("nothing that varies tells how well the reference is known: its uncertainty is unknown");
+  } else if (!untold.empty()) {
+    assessment.knowledge = Knowledge::in_part;
     assessment.notes.push_back(
-        "nothing that varies tells how well the reference is known: its uncertainty counts as zero");
+        fmt::format("{} has one result only: what it leaves to the reference is not in the uncertainty", untold));
+  }
   run.is_reference = !corrected;
 }
 
@@ -253,6 +305,7 @@ void Assessor::settle(std::vector<Entry>& entries, Entry& run, Assessment& asses
     points_of_ = run.configuration.key;
   }
   reference_time_ = sampleOf(run).time;
+  assessment.length_unit = sampleOf(run).length_unit, assessment.time_unit = sampleOf(run).time_unit;
   if (!given_) return settleReference(entries, run, assessment);
   assessment.reference = given_->text();
   if (!comparesOnOwnMesh()) reference_ = given_->valuesAt(points_, reference_time_);
@@ -290,6 +343,11 @@ void markFront(std::vector<Entry>& entries, double expected) {
     entry->on_front = error < best;
     best = std::min(best, error);
   }
+}
+
+std::string knownTo(const Assessment& assessment, const std::string& number) {
+  if (assessment.knowledge == Knowledge::none) return "nothing tells how well it is known";
+  return "known to " + number + (assessment.knowledge == Knowledge::in_part ? " at best" : "");
 }
 
 }  // namespace stroma::sweep

@@ -9,6 +9,8 @@
 
 #include "tools/sweep/configuration.h"
 #include "tools/sweep/reference.h"
+#include "tools/sweep/refinement.h"
+#include "tools/sweep/richardson.h"
 #include "tools/sweep/run_folder.h"
 
 namespace stroma::sweep {
@@ -35,13 +37,20 @@ struct AxisEstimate {
   std::string how;              ///< half a sentence
 };
 
+/// How much of the reference's error the uncertainty has in it.
+enum class Knowledge { whole, in_part, none };
+
 struct Assessment {
-  std::string reference;    ///< half a sentence: what the errors are measured against
-  double uncertainty = 0;   ///< of the reference, and so of every error
-  double expected = 0;      ///< the reference's own error as it is estimated, without a margin of safety
-  bool is_relative = true;  ///< errors are shares of the reference's norm; else they have its unit
+  std::string reference;                   ///< half a sentence: what the errors are measured against
+  double uncertainty = 0;                  ///< of the reference, and so of every error
+  Knowledge knowledge = Knowledge::whole;  ///< in part: the uncertainty is at least this; none: there is no number
+  double expected = 0;                     ///< the reference's own error as it is estimated, without a margin of safety
+  bool is_relative = true;                 ///< errors are shares of the reference's norm; else they have its unit
+  std::string length_unit, time_unit;      ///< of the scene; empty: unknown
   std::vector<AxisEstimate> axes;
   std::vector<std::string> notes;
+
+  bool isUncertain() const { return uncertainty > 0 || knowledge != Knowledge::whole; }
 };
 
 class Assessor {
@@ -58,16 +67,22 @@ class Assessor {
     Values values;
     std::size_t nodes = 0, cells = 0, outside = 0;
     double spacing = 0, dt = 0, time = 0, farthest = 0;
+    Mat3 spacings = Mat3::Zero();  ///< in all directions, see spacingTensor()
+    std::string length_unit, time_unit;
     std::optional<double> own_error;  ///< from a formula, at the Gauss points of the run's own mesh
   };
   /// Runs along an axis from fine to coarse.
   struct Line {
     std::vector<double> sizes;
     std::vector<const Values*> values;
+    std::vector<Mat3> spacings;
+    std::vector<std::string> names;  ///< of the axis' values
   };
   Entry* referenceRun(std::vector<Entry>& entries) const;
   const Sample& sampleOf(const Entry& entry);
   Line lineAlong(std::size_t axis, const std::vector<Entry>& entries, const Entry& finest, const Entry& reference);
+  Triple tripleOf(const Line& line, std::size_t first) const;
+  void tellRefinement(std::size_t axis, const Line& line, Assessment& assessment) const;
   AxisEstimate estimate(std::size_t axis, const Line& line, Values& limit) const;
   void settleReference(std::vector<Entry>& entries, Entry& run, Assessment& assessment);
   bool isOfReferenceTime(const Sample& sample) const;
@@ -93,6 +108,9 @@ class Assessor {
 /// Marks the entries that no other one beats in time to the end and error. Errors below `expected`, the reference's own,
 /// count as it: nobody can tell them apart.
 void markFront(std::vector<Entry>& entries, double expected);
+
+/// "known to 3 %", with what it does not hold; `number` is the uncertainty in words.
+std::string knownTo(const Assessment& assessment, const std::string& number);
 
 /// The finest good entry of the grid, or null.
 const Entry* finestOf(const std::vector<Axis>& axes, const std::vector<Entry>& entries);

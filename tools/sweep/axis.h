@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "framework/scene/types.h"
+
 namespace stroma::sweep {
 
 /// What the values of an axis mean for the error.
@@ -20,7 +22,10 @@ struct Axis {
   std::vector<std::string> attributes;           ///< "/beam/grid.n", shape (attributes)
   std::vector<std::vector<std::string>> values;  ///< shape (values, attributes)
   AxisKind kind = AxisKind::words;
-  std::vector<double> sizes;  ///< h, dt, tolerance or number of iterations, shape (values); empty for words
+  /// h, dt, tolerance or number of iterations, shape (values); empty for words, infinite where the scene refuses a value.
+  std::vector<double> sizes;
+  /// Of meshes that are refined unevenly: h is their spacing along it. Else zero: h is that of EndState::spacing().
+  Vec3 direction = Vec3::Zero();
 
   std::size_t size() const { return values.size(); }
   bool isOrdered() const { return kind != AxisKind::words; }

@@ -13,7 +13,7 @@
 namespace stroma::sweep {
 namespace {
 
-constexpr double width = 790, height = 460, left = 78, right = 216, top = 46, bottom = 58;
+constexpr double width = 812, height = 464, left = 100, right = 216, top = 46, bottom = 58;
 constexpr std::size_t colours = 8;
 
 /// Shapes differ too, for who does not tell the colours apart. Around (0 0), about 9 wide.
@@ -112,8 +112,7 @@ class Drawing {
     const double y = y_.at(chart_.uncertainty);
     out_ += fmt::format("<rect class=\"band\" x=\"{}\" y=\"{:.1f}\" width=\"{}\" height=\"{:.1f}\"/>\n", left, y,
                         width - right - left, height - bottom - y);
-    put("note", left + 8, height - bottom - 7,
-        "the reference is known to " + numberText(chart_.uncertainty, chart_.y_numbers), "start");
+    put("note", left + 8, height - bottom - 7, chart_.uncertainty_text, "start");
   }
 
   void drawLine(const ChartLine& line) {

@@ -29,6 +29,7 @@ struct Chart {
   std::vector<ChartPoint> front;    ///< joined by a broad line
   std::vector<ChartPoint> without;  ///< no result: marked at the top edge, at their x
   double uncertainty = 0;           ///< of y: below it a band
+  std::string uncertainty_text;     ///< in the band
   double least = 0;                 ///< of y: what lies below is drawn at the lower edge
 };
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <map>
 
 #include "tools/sweep/report.h"
@@ -123,6 +124,8 @@ Chart emptyChart(const Findings& findings) {
   chart.y_label = capitalised(chart.y_label);
   chart.y_numbers = findings.assessment.is_relative ? Numbers::share : Numbers::plain;
   chart.uncertainty = findings.assessment.uncertainty;
+  chart.uncertainty_text =
+      "the reference: " + knownTo(findings.assessment, numberText(chart.uncertainty, chart.y_numbers));
   constexpr double below = 3;  // runs that share the reference's own error may come arbitrarily near to it
   chart.least = findings.assessment.expected / below;
   return chart;
@@ -150,8 +153,14 @@ Chart errorAgainst(const Findings& findings, std::size_t axis) {
   chart.title = fmt::format("Error against the {}", what);
   chart.x_label = along.label() == "dt" ? what : fmt::format("{} ({})", what, along.label());
   chart.x_label = capitalised(chart.x_label);
-  if (along.kind == AxisKind::mesh) chart.x_numbers = Numbers::metres;
-  if (along.kind == AxisKind::time_step) chart.x_numbers = Numbers::seconds;
+  const bool is_mesh = along.kind == AxisKind::mesh;
+  if (is_mesh || along.kind == AxisKind::time_step) {
+    const std::string& unit = is_mesh ? findings.assessment.length_unit : findings.assessment.time_unit;
+    if (unit == "m" || unit == "s")
+      chart.x_numbers = is_mesh ? Numbers::metres : Numbers::seconds;
+    else if (!unit.empty())
+      chart.x_label += fmt::format(" [{}]", unit);
+  }
   const auto size = [&](const Entry& entry) { return along.sizes[entry.configuration.choice[axis]]; };
   chart.lines = linesAlong(findings, axis, size);
   for (ChartLine& line : chart.lines) {
@@ -167,7 +176,8 @@ Chart errorAgainst(const Findings& findings, std::size_t axis) {
   }
   for (std::size_t i = 0; i < findings.entries.size(); ++i) {
     const Entry& entry = findings.entries[i];
-    if (choiceOf(entry) && !entry.error) chart.without.push_back({size(entry), 0, i, false, false});
+    if (choiceOf(entry) && !entry.error && std::isfinite(size(entry)))
+      chart.without.push_back({size(entry), 0, i, false, false});
   }
   return chart;
 }

@@ -81,6 +81,9 @@ EndState EndState::read(const std::string& file) {
     end.time = times[0], end.dt = times[1];
     end.quantity = values.get<Reals>("quantity");
     end.inputs = values.get<Texts>("inputs");
+    const Texts& units = values.get<Texts>("units");
+    if (units.size() != 2) throw std::runtime_error("it has no units");
+    end.length_unit = units[0], end.time_unit = units[1];
     for (const std::string& path : values.get<Texts>("states")) {
       Body& body = end.bodies.emplace_back();
       body.path = path;

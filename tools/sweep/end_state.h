@@ -20,10 +20,11 @@ struct Body {
 };
 
 struct EndState {
-  double time = 0, dt = 0;  ///< [s]
+  double time = 0, dt = 0;
   std::vector<Body> bodies;
-  std::vector<double> quantity;     ///< of --measure-value: one number or three; empty when there was none
-  std::vector<std::string> inputs;  ///< files that the run has read
+  std::vector<double> quantity;        ///< of --measure-value: one number or three; empty when there was none
+  std::string length_unit, time_unit;  ///< of the scene; empty: unknown
+  std::vector<std::string> inputs;     ///< files that the run has read
 
   std::size_t nodes() const;
   std::size_t cells() const;

@@ -9,12 +9,14 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <optional>
 #include <set>
 #include <stdexcept>
 
 #include "framework/scene/output_file.h"
 #include "tools/sweep/cores.h"
+#include "tools/sweep/refinement.h"
 #include "tools/sweep/scheduler.h"
 
 namespace stroma::sweep {
@@ -105,25 +107,34 @@ void runAll(const SweepRequest& request, const ErrorMeasure& measure, const fs::
   if (const int signal = scheduler.run(finished, [] {})) throw Stopped{signal};
 }
 
-/// What the scene makes of the values tells what they are: a mesh when the spacing differs, a time step when dt does.
+/// What the scene makes of the values tells what they are: a mesh when the spacing differs, a time step when dt does. A
+/// value that the scene refuses has no size; it counts as coarser than all others, so that it stands for none of them.
 void learnKinds(std::vector<Axis>& axes, const std::vector<Trial>& trials) {
   for (std::size_t a = 0; a < axes.size(); ++a) {
-    std::vector<double> spacings(axes[a].size()), steps(axes[a].size());
-    bool all = true;
+    const double unknown = std::numeric_limits<double>::infinity();
+    std::vector<double> spacings(axes[a].size(), unknown), steps(axes[a].size(), unknown);
+    std::vector<Mat3> tensors(axes[a].size(), Mat3::Zero());
     for (std::size_t k = 0; k < axes[a].size(); ++k) {
       const auto found = k == 0 ? trials.begin() : std::ranges::find_if(trials, [&](const Trial& trial) {
         return trial.axis == a && trial.value == k;
       });
-      all = all && found->end;
-      if (found->end) spacings[k] = found->end->spacing(), steps[k] = found->end->dt;
+      if (!found->end) continue;
+      spacings[k] = found->end->spacing(), steps[k] = found->end->dt;
+      tensors[k] = spacingTensor(*found->end);
     }
+    const Vec3 direction = mostRefined(tensors);
+    for (std::size_t k = 0; k < spacings.size() && !direction.isZero(); ++k)
+      if (!tensors[k].isZero()) spacings[k] = spacingAlong(tensors[k], direction);
     const auto differ = [&](const std::vector<double>& sizes) {
-      return std::set<double>(sizes.begin(), sizes.end()).size() == sizes.size() &&
-             std::ranges::all_of(sizes, [](double size) { return size > 0; });
+      std::set<double> known(sizes.begin(), sizes.end());
+      known.erase(unknown);
+      return known.size() > 1 &&
+             known.size() ==
+                 std::size_t(std::ranges::count_if(sizes, [](double size) { return std::isfinite(size); })) &&
+             *known.begin() > 0;
     };
-    if (!all || axes[a].size() < 2) continue;
     if (differ(spacings))
-      axes[a].kind = AxisKind::mesh, axes[a].sizes = spacings;
+      axes[a].kind = AxisKind::mesh, axes[a].sizes = spacings, axes[a].direction = direction;
     else if (differ(steps))
       axes[a].kind = AxisKind::time_step, axes[a].sizes = steps;
   }

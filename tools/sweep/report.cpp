@@ -40,9 +40,10 @@ std::string frontList(const Findings& findings) {
         errorText(findings, *entry), escaped(nameOf(findings.axes, entry->configuration)),
         fmt::format("<button class=\"copy\" data-text=\"{}\">copy the command</button>",
                     escaped(commandLine(findings.request, entry->configuration))));
-  return "<section><h2>The front: nothing is both faster and more accurate</h2><table class=\"front-table\"><thead><tr>"
+  return "<section><h2>The front: nothing is both faster and more accurate</h2><div class=\"scroll\"><table "
+         "class=\"front-table\"><thead><tr>"
          "<th>time to the end</th><th>error</th><th>settings</th><th></th></tr></thead><tbody>" +
-         rows + "</tbody></table></section>\n";
+         rows + "</tbody></table></div></section>\n";
 }
 
 std::string failures(const Findings& findings) {
@@ -54,9 +55,9 @@ std::string failures(const Findings& findings) {
                           escaped(entry.runs.outcome), escaped(entry.runs.failure));
   if (rows.empty()) return "";
   return "<section><h2>Without a "
-         "result</h2><table><thead><tr><th>settings</th><th>outcome</th><th>why</th></tr></thead>"
+         "result</h2><div class=\"scroll\"><table><thead><tr><th>settings</th><th>outcome</th><th>why</th></tr></thead>"
          "<tbody>" +
-         rows + "</tbody></table></section>\n";
+         rows + "</tbody></table></div></section>\n";
 }
 
 std::string paragraphs(const Findings& findings) {
@@ -64,9 +65,10 @@ std::string paragraphs(const Findings& findings) {
   const auto good = std::ranges::count_if(findings.entries, [](const Entry& entry) { return entry.error.has_value(); });
   std::string text = fmt::format("<p><strong>{} configurations, {} with a result.</strong> The reference is {}",
                                  findings.entries.size(), good, escaped(assessment.reference));
-  if (assessment.uncertainty > 0)
-    text += fmt::format("; it is known to <strong>{}</strong>, and so is every error",
-                        numberText(assessment.uncertainty, assessment.is_relative ? Numbers::share : Numbers::plain));
+  if (assessment.isUncertain())
+    text += fmt::format("; <strong>{}</strong>, and so is every error",
+                        knownTo(assessment, numberText(assessment.uncertainty,
+                                                       assessment.is_relative ? Numbers::share : Numbers::plain)));
   text += assessment.is_relative ? ". Errors are shares of the reference.</p>\n"
                                  : ". Errors have the reference's unit.</p>\n";
   if (!findings.goal.empty()) text += fmt::format("<p class=\"goal\">{}</p>\n", escaped(findings.goal));

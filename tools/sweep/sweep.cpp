@@ -161,11 +161,11 @@ class Sweep {
                                    numberText(bound_, numbers), nameOf(axes_, cheapest_->configuration),
                                    numberText(cheapest_->runs.medianOf(&Repetition::seconds), Numbers::seconds),
                                    numberText(*cheapest_->error, numbers), assumed);
-    if (*cheapest_->error + assessment_.uncertainty >= bound_)
+    if (*cheapest_->error + assessment_.uncertainty >= bound_ || assessment_.knowledge != Knowledge::whole)
       text += fmt::format(
-          " This is not certain: the reference itself is known to {} only, and with it the error may "
-          "be above the bound. Give finer values, or --reference-set.",
-          numberText(assessment_.uncertainty, numbers));
+          " This is not certain: of the reference itself {}, and with it the error may be above the bound. Give finer "
+          "values, or --reference-set.",
+          knownTo(assessment_, numberText(assessment_.uncertainty, numbers)));
     return text;
   }
 
@@ -198,7 +198,8 @@ class Sweep {
     const Numbers numbers = assessment_.is_relative ? Numbers::share : Numbers::plain;
     const auto good = std::ranges::count_if(entries_, [](const Entry& entry) { return entry.error.has_value(); });
     fmt::print("{} configurations, {} with a result; reference: {}", entries_.size(), good, assessment_.reference);
-    if (assessment_.uncertainty > 0) fmt::print(", known to {}", numberText(assessment_.uncertainty, numbers));
+    if (assessment_.isUncertain())
+      fmt::print(", {}", knownTo(assessment_, numberText(assessment_.uncertainty, numbers)));
     fmt::print("\n");
     for (const std::string& note : assessment_.notes) fmt::print("note: {}\n", note);
     std::vector<const Entry*> front;

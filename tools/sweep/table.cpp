@@ -55,8 +55,8 @@ Json figuresOf(const Entry& entry, bool timed) {
   row["warnings"] = summary.contains("warnings") ? summary["warnings"].size() : 0;
   row["nodes"] = entry.nodes;
   row["cells"] = entry.cells;
-  row["spacing_m"] = entry.spacing;
-  row["dt_s"] = entry.dt;
+  row["spacing"] = entry.spacing;
+  row["dt"] = entry.dt;
   row["threads"] = entry.configuration.threads;
   return row;
 }
@@ -74,6 +74,11 @@ Json runOf(const Repetition& run) {
           {"machine", run.machine}};
 }
 
+/// Null where nothing tells it.
+Json uncertaintyOf(const Assessment& assessment) {
+  return assessment.knowledge == Knowledge::none ? Json() : Json(assessment.uncertainty);
+}
+
 Json rowOf(const Findings& findings, const Entry& entry) {
   Json row;
   row["name"] = nameOf(findings.axes, entry.configuration);
@@ -82,11 +87,11 @@ Json rowOf(const Findings& findings, const Entry& entry) {
   row["outcome"] = entry.runs.outcome;
   if (!entry.runs.failure.empty()) row["sentence"] = entry.runs.failure;
   row["error"] = entry.error ? Json(*entry.error) : Json();
-  row["error_uncertainty"] = entry.error ? Json(findings.assessment.uncertainty) : Json();
+  row["error_uncertainty"] = entry.error ? uncertaintyOf(findings.assessment) : Json();
   row["is_reference"] = entry.is_reference;
   row["on_front"] = entry.on_front;
   row.update(figuresOf(entry, findings.request.timed));
-  if (entry.outside > 0) row["points_outside"] = {{"count", entry.outside}, {"farthest_m", entry.farthest}};
+  if (entry.outside > 0) row["points_outside"] = {{"count", entry.outside}, {"farthest", entry.farthest}};
   row["measured"] = Json::array();
   for (const Repetition& run : entry.runs.repetitions) row["measured"].push_back(runOf(run));
   row["command"] = commandLine(findings.request, entry.configuration);
@@ -159,8 +164,8 @@ std::string csvOf(const Findings& findings) {
                                          "peak_memory_bytes",
                                          "nodes",
                                          "cells",
-                                         "spacing_m",
-                                         "dt_s",
+                                         "spacing",
+                                         "dt",
                                          "threads",
                                          "runs",
                                          "timed",
@@ -196,8 +201,11 @@ Json jsonOf(const Findings& findings) {
   json["machine"] = machineText();
   json["seed"] = request.seed;
   json["repeat"] = request.repeat;
-  json["error"] = {
-      {"measure", request.error}, {"relative", assessment.is_relative}, {"uncertainty", assessment.uncertainty}};
+  json["error"] = {{"measure", request.error},
+                   {"relative", assessment.is_relative},
+                   {"uncertainty", uncertaintyOf(assessment)},
+                   {"uncertainty_is_whole", assessment.knowledge == Knowledge::whole}};
+  json["units"] = {{"length", assessment.length_unit}, {"time", assessment.time_unit}};
   json["reference"] = assessment.reference;
   json["estimates"] = Json::array();
   for (const AxisEstimate& axis : assessment.axes)

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include "tools/units/unit_system.h"
+
 namespace stroma::view {
 namespace {
 
@@ -28,12 +30,12 @@ const char* wordOf(ChangeEffect effect) {
   return words[int(effect)];
 }
 
-json describe(const Data& data) {
+json describe(const Data& data, const UnitSystem& units) {
   const std::size_t length = lengthOf(data);
   const bool is_long = length > most_values;
   json out{{"name", data.name()},
            {"value", is_long ? fmt::format("{} values", length) : data.print()},
-           {"unit", data.unitText()},
+           {"unit", units.unit(data.unitText())},
            {"help", data.helpText()},
            {"type", data.typeText()},
            {"default", data.defaultText()},
@@ -47,40 +49,50 @@ json describe(const Data& data) {
   return out;
 }
 
-json describe(const Component& component, const Factory& factory) {
+json describe(const Component& component, const Factory& factory, const UnitSystem& units) {
   const ComponentEntry* entry = factory.find(component.type());
   json out{{"name", component.name()},     {"path", component.path()},         {"type", component.type()},
            {"role", component.roleText()}, {"help", entry ? entry->help : ""}, {"attributes", json::array()}};
   for (const Data& data : component.data().all())
-    if (!data.isShorthand()) out["attributes"].push_back(describe(data));
+    if (!data.isShorthand()) out["attributes"].push_back(describe(data, units));
   return out;
 }
 
-json nodeAttribute(const char* name, std::string value, const char* unit, const char* help, bool given) {
-  return {
-      {"name", name}, {"value", std::move(value)}, {"unit", unit},   {"help", help},    {"type", ""},   {"default", ""},
-      {"range", ""},  {"change", "at_once"},       {"given", given}, {"output", false}, {"long", false}};
+json nodeAttribute(const char* name, std::string value, std::string unit, const char* help, bool given) {
+  return {{"name", name},
+          {"value", std::move(value)},
+          {"unit", std::move(unit)},
+          {"help", help},
+          {"type", ""},
+          {"default", ""},
+          {"range", ""},
+          {"change", "at_once"},
+          {"given", given},
+          {"output", false},
+          {"long", false}};
 }
 
-json describe(const Node& node, const Factory& factory) {
+json describe(const Node& node, const Factory& factory, const UnitSystem& units) {
   const Vec3 g = node.gravity();
   json out{{"name", node.name()},
            {"path", node.path()},
            {"attributes", json::array()},
            {"components", json::array()},
            {"children", json::array()}};
-  out["attributes"].push_back(nodeAttribute("gravity", fmt::format("{} {} {}", g[0], g[1], g[2]), "m/s^2",
+  out["attributes"].push_back(nodeAttribute("gravity", fmt::format("{} {} {}", g[0], g[1], g[2]), units.unit("m/s^2"),
                                             "acceleration of gravity on this node and those below",
                                             node.own_gravity.has_value()));
   if (!node.parent())
-    out["attributes"].push_back(nodeAttribute("dt", fmt::format("{}", node.dt()), "s", "time step", true));
-  for (const auto& component : node.components()) out["components"].push_back(describe(*component, factory));
-  for (const auto& child : node.children()) out["children"].push_back(describe(*child, factory));
+    out["attributes"].push_back(nodeAttribute("dt", fmt::format("{}", node.dt()), units.unit("s"), "time step", true));
+  for (const auto& component : node.components()) out["components"].push_back(describe(*component, factory, units));
+  for (const auto& child : node.children()) out["children"].push_back(describe(*child, factory, units));
   return out;
 }
 
 }  // namespace
 
-json componentTree(Session& session) { return describe(session.simulation().root(), session.factory()); }
+json componentTree(Session& session) {
+  return describe(session.simulation().root(), session.factory(), unitsOf(session.simulation().scene()));
+}
 
 }  // namespace stroma::view

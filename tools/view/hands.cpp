@@ -30,7 +30,7 @@ double fractionOf(const std::string& kind) {
 
 /// Its steps are stable only while dt is short against the periods of what they move.
 bool isExplicit(const Integrator& integrator) {
-  return integrator.movesInTime() && !integrator.linearSolver() && !integrator.answersForState();
+  return integrator.movesInTime() && !integrator.linearSolver() && !integrator.stateOwner();
 }
 
 }  // namespace

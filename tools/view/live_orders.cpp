@@ -103,6 +103,7 @@ bool LiveRun::carryOutOfRun(const std::string& verb, const json& message) {
   if (verb == "run") {
     startRunning();
   } else if (verb == "pause") {
+    stopIsDone();
     running_ = false;
     dirty_ = true;
   } else if (verb == "step") {
@@ -115,6 +116,7 @@ bool LiveRun::carryOutOfRun(const std::string& verb, const json& message) {
       advance(1);
     }
   } else if (verb == "reset") {
+    stopIsDone();
     reset();
   } else if (verb == "pace") {
     const std::string pace = text(member(message, "pace"), "pace", 10);

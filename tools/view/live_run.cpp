@@ -54,8 +54,14 @@ void LiveRun::stop() {
   {
     const std::lock_guard lock(mutex_);
     stopping_ = true;
+    session_.requestStop();
   }
   changed_.notify_all();
+}
+
+void LiveRun::stopIsDone() {
+  const std::lock_guard lock(mutex_);
+  if (!stopping_) session_.withdrawStop();
 }
 
 bool LiveRun::post(Order order) {
@@ -78,6 +84,9 @@ bool LiveRun::post(Order order) {
         return other.client == order.client && (isOfHand(other.message) || isQuestion(other.message));
       });
     if (orders_.size() >= most_orders && !isOfServer(order.message)) return false;
+    // a step of minutes is given up for it
+    if (const std::string verb = order.message.value("do", ""); verb == "pause" || verb == "reset")
+      session_.requestStop();
     orders_.push_back(std::move(order));
     ordered_ = true;
   }
@@ -111,8 +120,9 @@ Demand LiveRun::demand() const {
 // ---- the thread that steps ----
 
 void LiveRun::loop() {
+  bool waits_for_page = !request_.paused && request_.recording.empty();
   try {
-    if (!request_.paused && request_.recording.empty()) startRunning();
+    if (waits_for_page && request_.at_once) startRunning();
     if (!request_.recording.empty()) seek(0);
   } catch (const std::exception& error) {
     endRun(error.what());
@@ -120,9 +130,11 @@ void LiveRun::loop() {
   while (!stopping_) {
     try {
       doOrders();
+      if (waits_for_page && connected_ && !running_ && ended_.empty()) startRunning();
+      if (connected_ || running_) waits_for_page = false;
       if (running_ && secondsAhead() > 0)
         waitForRealTime();
-      else if (running_)
+      else if (running_ && !stopping_)
         advance(steps_per_call);
       if (running_ || stopping_) continue;
       showIfDue();

@@ -47,6 +47,8 @@ class LiveRun {
   void answer(const Order& order);
   std::string carryOut(const Order& order);
   bool carryOutOfRun(const std::string& verb, const nlohmann::json& message);
+  /// Nothing runs that the stop of post() would still have to end.
+  void stopIsDone();
   /// Many steps in a row end early for it.
   bool isPauseAsked() const;
   void introduce(int client);

@@ -5,6 +5,7 @@
 
 #include "framework/mechanics/state_positions.h"
 #include "tools/drawing/held_nodes.h"
+#include "tools/units/unit_system.h"
 
 namespace stroma::view {
 namespace {
@@ -20,8 +21,6 @@ std::vector<std::int32_t> flat(const Groups& groups) {
 
 /// A sentence when no hand reaches the body, or empty.
 std::string whyNoHand(const Body& body) {
-  if (!body.system->integrator().acceptsInputs())
-    return body.system->integrator().path() + " has computed its matrix and loads beforehand: no hand reaches the body";
   if (body.state->firstRow() >= body.system->independentRows())
     return "its positions follow from another state by a mapping: pull that one";
   return {};
@@ -62,16 +61,25 @@ std::vector<std::int32_t> renumbered(const Cells& cells, const Body& body) {
   return out;
 }
 
+/// What units of SI are called in the scene; empty when its units are unknown.
+json namesIn(const UnitSystem& units) {
+  json names = json::object();
+  for (const char* si : {"m", "s", "m/s", "N", "J", "N/m"}) names[si] = units.unit(si);
+  return names;
+}
+
 }  // namespace
 
 Packet scenePacket(const Simulation& simulation, const Drawing& drawing, int generation, const std::string& mode) {
   const Vec3 g = simulation.root().gravity();
+  const UnitSystem units = unitsOf(simulation.scene());
   json header{{"is", "scene"},
               {"generation", generation},
               {"name", std::filesystem::path(simulation.scene().description.file).filename().string()},
               {"mode", mode},
               {"dt", simulation.dt()},
               {"gravity", {g[0], g[1], g[2]}},
+              {"units", namesIn(units)},
               {"bodies", json::array()},
               {"fields", json::array()}};
   for (const Body& body : drawing.bodies) header["bodies"].push_back(describe(body));
@@ -80,7 +88,7 @@ Packet scenePacket(const Simulation& simulation, const Drawing& drawing, int gen
                                 {"body", field.body},
                                 {"name", field.name},
                                 {"on", field.source ? "cells" : "nodes"},
-                                {"unit", unitOfField(field.name)},
+                                {"unit", units.unit(unitOfField(field.name))},
                                 {"source", field.source ? field.source->path() : ""}});
   Packet packet(std::move(header));
   for (std::size_t b = 0; b < drawing.bodies.size(); ++b) {

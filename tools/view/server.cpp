@@ -58,7 +58,7 @@ int Server::serve(LiveRun& run) {
   });
   accept();
   std::thread stepping([&run] { run.loop(); });
-  // whatever happens here, the run ends after a whole step
+  // whatever happens here, the run ends with its last whole step
   const std::shared_ptr<void> end(nullptr, [&run, &stepping](void*) { run.stop(), stepping.join(); });
   if (request_.opened) request_.opened(access_.address());
   context_.run();

@@ -8,6 +8,7 @@
 #include "framework/scene/output_file.h"
 #include "framework/scene/services.h"
 #include "tools/drawing/recording.h"
+#include "tools/units/unit_system.h"
 #include "tools/view/scene_packets.h"
 #include "tools/view/server.h"
 #include "tools/view/standalone_page.h"
@@ -41,7 +42,8 @@ class PageMaker {
     demand_.fields = fieldsCalled(request.fields, drawing_);
     Packet scene = scenePacket(simulation, drawing_, 1, "recording");
     if (!request.fields.empty())
-      scene.header()["view"] = {{"colour", request.fields.front() + "|cells|" + unitOfField(request.fields.front())},
+      scene.header()["view"] = {{"colour", request.fields.front() + "|cells|" +
+                                               unitsOf(simulation.scene()).unit(unitOfField(request.fields.front()))},
                                 {"range", "most"}};
     page_.add(scene.bytes());
     page_.add(heldPacket(simulation, drawing_, 1, simulation.time()).bytes());

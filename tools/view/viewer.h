@@ -17,6 +17,7 @@ using drawing::Recording;
 struct ViewRequest {
   std::string host = "127.0.0.1";  ///< address to listen on
   int port = 0;                    ///< 0: any free one
+  bool at_once = false;            ///< run before a page is there to see it
   bool paused = false;             ///< wait for somebody to press "run"
   double fps = 60;                 ///< most pictures a second
   Recording recording{};           ///< not empty: these instants are shown, and nothing is run

@@ -10,7 +10,7 @@
   const seconds = (value) => (value >= 100 ? `${digits(value)} s` : value >= 1 ? `${digits(value)} s` : value >= 1e-3 ? `${digits(value * 1e3)} ms` : `${digits(value * 1e6)} µs`);
   const share = (value) => (data.error.relative ? `${digits(value * 100)} %` : digits(value));
   const bytes = (value) => `${digits(value / 1e6)} MB`;
-  const length = (value) => (value === 0 ? '' : value < 1 ? `${digits(value * 1e3)} mm` : `${digits(value)} m`);
+  const length = (value) => (value === 0 ? '' : data.units.length !== 'm' ? `${digits(value)} ${data.units.length}`.trim() : value < 1 ? `${digits(value * 1e3)} mm` : `${digits(value)} m`);
   const errorOf = (row) => (row.error === null ? 'none' : (row.is_reference ? 'about ' : '') + share(row.error));
 
   function element(tag, text, parent, kind) {
@@ -69,8 +69,8 @@
       fact('linear iterations', row.linear_iterations);
       fact('memory', bytes(row.peak_memory_bytes));
       fact('threads', row.threads);
-      if (row.nodes) fact('mesh', `${row.nodes} nodes, ${row.cells} cells, h ${length(row.spacing_m)}`);
-      if (row.points_outside) fact('compared outside of the mesh', `${row.points_outside.count} points, up to ${length(row.points_outside.farthest_m)}`);
+      if (row.nodes) fact('mesh', `${row.nodes} nodes, ${row.cells} cells, h ${length(row.spacing)}`);
+      if (row.points_outside) fact('compared outside of the mesh', `${row.points_outside.count} points, up to ${length(row.points_outside.farthest)}`);
       if (row.warnings) fact('warnings', row.warnings);
       fact('load at the start', row.measured.map((run) => digits(run.load_at_start, 2)).join(', '));
       fact('cores', row.measured.map((run) => run.cores.join('+')).join(', '));

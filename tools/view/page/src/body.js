@@ -122,6 +122,8 @@ export class BodyView {
     const alone = bare || !view.surface;
     const { colour, opacity } = this.wireframe.material.uniforms;
     if (alone) colour.value.set(...bodyColour(this.body.index));
+    // The dark ends of the maps swallow dark lines.
+    else if (view.colour) colour.value.set(0.78, 0.8, 0.82);
     else colour.value.set(0.08, 0.09, 0.1);
     opacity.value = alone ? 1 : 0.55;
     this.points.visible = view.points && this.body.points.length > 0;

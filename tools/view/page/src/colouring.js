@@ -20,6 +20,8 @@ export class Colouring {
     /** @type {Map<number, {from: Float32Array, values: Float32Array}>} cells spread over triangles, by field */
     this.spread = new Map();
     this.running = [Infinity, -Infinity];
+    /** The largest value of the frame, whatever the range. */
+    this.largest = NaN;
     this.last = '';
     this.lastStep = this.lastRun = 0;
   }
@@ -42,17 +44,22 @@ export class Colouring {
       this.lastStep = step;
       this.lastRun = run;
     }
+    this.largest = NaN;
     if (!view.colour) return;
+    const all = [Infinity, -Infinity];
     const range = [Infinity, -Infinity];
     const fields = this.store.chosenFields();
     for (const body of this.store.bodies) {
       if (!body.visible) continue;
       const coloured = view.colour === 'displacement' ? { ...PLAIN, kind: 'displacement' } : this.fromField(body, fields.get(body.index));
       this.coloured.set(body.index, coloured);
+      if (coloured.kind === 'displacement') displacementRange(body, all);
+      else if (coloured.surface) extremes(coloured.cells ?? coloured.nodes ?? coloured.surface, all);
       if (view.range === 'fixed') continue;
       if (coloured.kind === 'displacement') displacementRange(body, range);
       else if (coloured.surface) (view.range === 'most' ? bulk : extremes)(view.cut.on && coloured.cells ? coloured.cells : coloured.surface, range);
     }
+    this.largest = all[1];
     this.setRange(range);
   }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The tab "Cut": the plane that lets one see inside.
 import { checkbox, h, numberField, row } from './dom.js';
+import { cutText } from './hint.js';
 
 const AXES = { x: [1, 0, 0], y: [0, 1, 0], z: [0, 0, 1] };
 
@@ -8,6 +9,7 @@ export class CutPanel {
   /** @param {HTMLElement} body @param {any} parts */
   constructor(body, { store, stage }) {
     this.store = store;
+    this.stage = stage;
     const { cut } = store.view;
     this.on = checkbox('cut', 'Cut by a plane (C)', cut.on, (on) => store.setCut({ on }));
     this.axes = Object.entries(AXES).map(([name, normal]) =>
@@ -27,7 +29,7 @@ export class CutPanel {
     this.outlines = checkbox('cut-outlines', 'Outlines of cells', cut.outlines, (outlines) => store.setCut({ outlines }));
     this.fill = checkbox('cut-fill', 'Filled', cut.fill, (fill) => store.setCut({ fill }));
     this.note = h('p', { class: 'quiet' });
-    body.append(this.on, row('Across', h('span', { class: 'segments wide' }, ...this.axes, view)), row('Place', this.place), row('Normal', ...this.normal),
+    body.append(this.on, row('Across', h('span', { class: 'segments wide' }, ...this.axes, view)), row('Place', this.place, this.at = h('span', { class: 'unit number', 'data-test': 'cut-at' })), row('Normal', ...this.normal),
       h('div', { class: 'checks' }, this.flip, this.outlines, this.fill), this.note);
     store.on('view', () => this.update());
     store.on('scene', () => this.update());
@@ -43,6 +45,7 @@ export class CutPanel {
     set(this.fill, cut.fill);
     Object.values(AXES).forEach((axis, i) => this.axes[i].setAttribute('aria-pressed', String(cut.on && axis.every((c, k) => Math.abs(c - cut.normal[k]) < 1e-9))));
     this.place.value = String(cut.place);
+    this.at.textContent = this.store.scene && !this.stage.restBox.isEmpty() ? cutText(this.store, this.stage) : '';
     this.normal.forEach((field, c) => (field.value = String(Math.round(1000 * cut.normal[c]) / 1000)));
     const cells = this.store.bodies.reduce((sum, b) => sum + b.cells.tetrahedra + b.cells.hexahedra, 0);
     this.note.textContent = this.store.scene && cells === 0 ? 'No body of this scene has tetrahedra or hexahedra: surfaces are cut, without a section.' : '';

@@ -66,6 +66,7 @@ export class ExportPanel {
     const context = /** @type {CanvasRenderingContext2D} */ (target.getContext('2d'));
     context.drawImage(canvas, 0, 0, target.width, target.height);
     /** @type {any} */ (this).legend.draw(context, target.width, target.height, scale);
+    /** @type {any} */ (this).hint.draw(context, scale);
     const style = getComputedStyle(document.documentElement);
     const bounds = canvas.getBoundingClientRect();
     context.save();

@@ -3,7 +3,10 @@
 
 /** @type {[number, string][]} */
 const PREFIXES = [[1e9, 'G'], [1e6, 'M'], [1e3, 'k'], [1, ''], [1e-3, 'm'], [1e-6, 'µ'], [1e-9, 'n']];
-const PREFIXED = /^(Pa|N|J|W|m|s|Hz|m\/s|N\/m|m\/s2|m\/s\^2|Pa s)$/; // square metres and kilograms take none
+// The unit may have a prefix of its own, as kPa of a scene in mm, kg, s. Square metres and kilograms take none.
+const PREFIXED = /^([GMkcmuµn]?)(Pa|N|J|W|m|s|Hz|m\/s|N\/m|m\/s2|m\/s\^2|Pa s)$/;
+/** @type {Record<string, number>} */
+const OWN = { G: 1e9, M: 1e6, k: 1e3, '': 1, c: 1e-2, m: 1e-3, u: 1e-6, µ: 1e-6, n: 1e-9 };
 
 /** @param {number} value @param {number} [digits] significant ones */
 export function number(value, digits = 3) {
@@ -21,9 +24,12 @@ export function number(value, digits = 3) {
  * @returns {{factor: number, unit: string}} numbers are divided by the factor
  */
 export function scaleFor(largest, unit) {
-  if (!PREFIXED.test(unit) || !(largest > 0) || !Number.isFinite(largest)) return { factor: 1, unit };
-  for (const [factor, prefix] of PREFIXES) if (largest >= factor && (unit !== 's' || factor <= 1)) return { factor, unit: prefix + unit };
-  return { factor: 1, unit };
+  const [, given, plain] = unit.match(PREFIXED) ?? [];
+  if (plain === undefined || !(largest > 0) || !Number.isFinite(largest)) return { factor: 1, unit };
+  const own = OWN[given];
+  for (const [factor, prefix] of PREFIXES)
+    if (largest * own >= factor * (1 - 1e-9) && (plain !== 's' || factor <= 1)) return { factor: factor / own, unit: prefix + plain };
+  return { factor: 1 / own, unit: plain };
 }
 
 /** @param {number} value @param {string} unit @param {number} [digits] */

@@ -338,7 +338,7 @@ export class Hands {
       this.labels.set(key, label);
     }
     label.dataset.force = String(force);
-    label.textContent = quantity(force, 'N') + (hand.kind === 'push' && hand.touched === 0 ? ', touches nothing' : '');
+    label.textContent = quantity(force, this.store.unit('N')) + (hand.kind === 'push' && hand.touched === 0 ? ', touches nothing' : '');
     /** @type {any} */ (label).at = at;
   }
 

@@ -33,7 +33,7 @@ export class HandsPanel {
     this.radiusText = h('span', { class: 'unit number' });
     this.list = h('ul', { class: 'list', 'data-test': 'hands-list' });
     this.total = h('p', { class: 'number', 'data-test': 'force' });
-    body.append(h('div', { class: 'segments wide', role: 'group', 'aria-label': 'Hand' }, ...this.modes), this.help, row('Stiffness', this.stiffness, h('span', { class: 'unit' }, 'N/m')), this.problem,
+    body.append(h('div', { class: 'segments wide', role: 'group', 'aria-label': 'Hand' }, ...this.modes), this.help, row('Stiffness', this.stiffness, this.stiffnessUnit = h('span', { class: 'unit' })), this.problem,
       row('Takes', this.grip), row('Width', this.radius, this.radiusText), h('h2', {}, 'In action'), this.list, this.total,
       h('div', { class: 'buttons' }, h('button', { test: 'release-all', type: 'button', onclick: () => hands.releaseAll() }, 'Let all go')),
       this.control = h('div', {}, h('p', { class: 'quiet' }), h('button', { test: 'control', type: 'button', onclick: () => commands.takeControl() }, 'Take control')));
@@ -49,7 +49,8 @@ export class HandsPanel {
     const { mode } = this.hands;
     MODES.forEach(([name], i) => this.modes[i].setAttribute('aria-pressed', String(name === mode)));
     this.help.textContent = /** @type {any} */ (HELP)[mode];
-    this.radiusText.textContent = quantity(this.hands.radius * (this.store.bodies[0]?.size ?? 1), 'm', 2);
+    this.stiffnessUnit.textContent = this.store.unit('N/m');
+    this.radiusText.textContent = quantity(this.hands.radius * (this.store.bodies[0]?.size ?? 1), this.store.unit('m'), 2);
   }
 
   controls() {
@@ -69,7 +70,7 @@ export class HandsPanel {
     all.forEach((/** @type {any} */ hand, /** @type {number} */ i) => {
       const body = this.store.bodies[hand.body];
       const what = hand.kind === 'push' ? `pushes ${hand.touched ?? 0} nodes` : `${hand.kind}s node ${body?.sceneNode[hand.node]}`;
-      this.list.children[i].firstChild.textContent = `${body?.name}: ${what}, ${quantity(Math.hypot(...hand.force), 'N', 4)}`;
+      this.list.children[i].firstChild.textContent = `${body?.name}: ${what}, ${quantity(Math.hypot(...hand.force), this.store.unit('N'), 4)}`;
     });
     this.total.textContent = all.length ? '' : 'Nothing is pulled, held or pushed.';
   }

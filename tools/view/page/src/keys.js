@@ -5,14 +5,15 @@ import { pickMiddle } from './picking.js';
 
 const HELP = [['Space', 'Run or pause; play in a recording'], ['→', 'One step; the next frame when looking back'], ['←', 'The frame before'],
   ['Shift R', 'Back to the start of the run'], ['Shift + arrows', 'Turn the view'], ['Alt + arrows', 'Move the view'], ['+ −', 'Come nearer, go away'],
-  ['F', 'Frame the bodies'], ['R', 'The first view again'], ['1 2 3 4', 'Look, pull, hold, push'], ['N', 'Pick the node in the middle of the picture'],
+  ['F', 'Frame the bodies'], ['G', 'The camera follows the bodies, or not'], ['R', 'The first view again'], ['1 2 3 4', 'Look, pull, hold, push'], ['N', 'Pick the node in the middle of the picture'],
   ['Enter', 'Take the picked node; let it go, or leave it held'], ['Arrows, PgUp, PgDn', 'Move what Enter took: in the picture, and along the view'],
-  ['PgUp PgDn', 'Move the ball along the view while pushing'], ['W', 'Wireframe'], ['C', 'Cut'], ['L', 'Legend'],
+  ['PgUp PgDn', 'Move the ball along the view while pushing'], ['W', 'Wireframe'], ['C', 'Cut'], ['[ ]', 'Move the cut'], ['L', 'Legend'],
   ['Esc', 'Let go'], ['?', 'These keys']];
 
 const TURN = Math.PI / 24; // a press
 const MOVE = 0.05; // of the picture's height
 const NEARER = 0.9; // of the distance
+const CUT = 0.02; // of the way through the bodies
 const PULL = 0.02; // of the body's size
 /** @type {Record<string, number[]>} to the right, up, away */
 const DIRECTIONS = { ArrowRight: [1, 0, 0], ArrowLeft: [-1, 0, 0], ArrowUp: [0, 1, 0], ArrowDown: [0, -1, 0], PageUp: [0, 0, 1], PageDown: [0, 0, -1] };
@@ -42,9 +43,10 @@ export function listenToKeys({ store, stage, hands, timeline, bar }) {
     ' ': () => (live() ? bar.toggle() : timeline.toggle()),
     ArrowRight: () => (live() && store.following ? bar.tell({ do: 'step', count: 1 }) : timeline.move(1)),
     ArrowLeft: () => timeline.move(-1),
-    r: () => stage.view(), 'Shift r': () => live() && bar.tell({ do: 'reset' }), f: () => stage.fit(),
+    r: () => stage.view(), 'Shift r': () => live() && bar.tell({ do: 'reset' }), f: () => stage.fit(), g: () => stage.follow(!stage.follows),
     1: () => hands.setMode('look'), 2: () => hands.setMode('pull'), 3: () => hands.setMode('hold'), 4: () => hands.setMode('push'),
-    w: () => store.setView({ wireframe: !store.view.wireframe }), c: () => store.setCut({ on: !store.view.cut.on }), l: () => store.setView({ legend: !store.view.legend }),
+    w: () => store.setView({ wireframe: !store.view.wireframe }), c: () => store.setCut({ on: !store.view.cut.on }), '[': () => store.setCut({ on: true, place: Math.max(0, store.view.cut.place - CUT) }), ']': () => store.setCut({ on: true, place: Math.min(1, store.view.cut.place + CUT) }),
+    l: () => store.setView({ legend: !store.view.legend }),
     n: () => {
       if (!store.scene) return;
       store.emit('picked', pickMiddle(stage));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The legend: what the colours mean, with numbers and unit. It is drawn into pictures and videos too.
 import { colourAt, css, gradient } from './colours.js';
-import { alike, scaleFor, ticks } from './formats.js';
+import { alike, number, scaleFor, ticks } from './formats.js';
 import { h } from './dom.js';
 import { shared } from './gpu.js';
 
@@ -9,14 +9,19 @@ export class Legend {
   /** @param {HTMLElement} parent @param {import('./store.js').Store} store @param {import('./stage.js').Stage} stage */
   constructor(parent, store, stage) {
     this.store = store;
+    this.stage = stage;
     this.caption = h('div', { class: 'caption' });
     this.scale = h('div', { class: 'scale' });
     this.marks = h('div', { class: 'marks' });
-    this.element = h('div', { id: 'legend', 'data-test': 'legend', role: 'img', hidden: true }, this.caption, this.scale, this.marks);
+    this.notes = h('div', { class: 'notes' });
+    this.element = h('div', { id: 'legend', 'data-test': 'legend', role: 'img', hidden: true }, this.caption, this.scale, this.marks, this.notes);
     parent.append(this.element);
     this.last = '';
     stage.afterDraw.push(() => this.update());
   }
+
+  /** The largest value that is shown now. */
+  get most() { return this.stage.colouring.largest; }
 
   /** What the legend says now, or null. */
   content() {
@@ -26,9 +31,12 @@ export class Legend {
     const scale = scaleFor(Math.max(Math.abs(low), Math.abs(high)), this.store.colourUnit);
     const places = high > low ? ticks(low, high, 5) : [low];
     const texts = alike(places.map((place) => place / scale.factor));
-    const name = titleOf(view.colour);
+    const { most } = this;
+    const unit = scale.unit ? ` ${scale.unit}` : '';
     return {
-      caption: `${name} [${scale.unit || '–'}]${view.range === 'most' && view.colour !== 'displacement' ? ', 98 %' : ''}`, map: view.map,
+      caption: titleOf(view.colour) + (scale.unit ? ` [${scale.unit}]` : ''), map: view.map,
+      maximum: Number.isFinite(most) ? `Maximum ${number(most / scale.factor)}${unit}` : '',
+      note: view.range === 'most' && view.colour !== 'displacement' ? '98 % of the values' : '',
       marks: places.map((place, i) => ({ at: high > low ? (place - low) / (high - low) : 0.5, text: texts[i] })),
     };
   }
@@ -41,6 +49,7 @@ export class Legend {
     this.element.hidden = !content;
     if (!content) return;
     this.caption.textContent = content.caption;
+    this.notes.replaceChildren(...[content.maximum, content.note].filter(Boolean).map((line) => h('div', {}, line)));
     this.scale.style.background = gradient(content.map);
     this.element.setAttribute('aria-label', `${content.caption}, from ${content.marks[0]?.text} to ${content.marks[content.marks.length - 1]?.text}`);
     this.marks.replaceChildren(...content.marks.map(({ at, text }) => {
@@ -58,7 +67,8 @@ export class Legend {
     context.save();
     context.scale(scale, scale);
     context.font = '600 12px system-ui, sans-serif';
-    const box = { w: Math.max(92, context.measureText(content.caption).width + 20), h: 196 };
+    const notes = [content.maximum, content.note].filter(Boolean);
+    const box = { w: Math.max(92, ...[content.caption, ...notes].map((line) => context.measureText(line).width + 20)), h: 196 + 16 * notes.length };
     const left = width / scale - box.w - 14;
     const top = height / scale - box.h - 14;
     context.fillStyle = style.getPropertyValue('--panel');
@@ -78,6 +88,7 @@ export class Legend {
     context.fillStyle = style.getPropertyValue('--text');
     context.font = '12px system-ui, sans-serif';
     for (const { at, text } of content.marks) context.fillText(text, left + 32, from + (1 - at) * length);
+    notes.forEach((line, i) => context.fillText(line, left + 10, from + length + 20 + 16 * i));
     context.restore();
   }
 }

@@ -18,6 +18,7 @@ import { followTheme } from './theme.js';
 import { listenToKeys } from './keys.js';
 import { pick } from './picking.js';
 import { showAxes } from './axes.js';
+import { Hint } from './hint.js';
 import { showPicked } from './picked.js';
 
 function start() {
@@ -40,7 +41,8 @@ function start() {
   const wants = new Wants(store, stage, connection);
   const legend = new Legend(/** @type {HTMLElement} */ (element('picture')), store, stage);
   const timeline = new Timeline(element('foot'), store, stage, history, commands);
-  const parts = { store, stage, hands, history, wants, legend, timeline, commands, connection };
+  const hint = new Hint(element('picture'), { store, stage, hands });
+  const parts = { store, stage, hands, history, wants, legend, hint, timeline, commands, connection };
   const panels = new Panels(element('right'), parts);
   const tree = new Tree(element('left'), store, stage);
   const bar = new Bar(element('bar'), parts, { left: tree.element, right: panels.element });

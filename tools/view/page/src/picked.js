@@ -37,7 +37,7 @@ export function showPicked(parent, { store, stage, hands, panels }) {
     const reaction = ['x', 'y', 'z'].map((axis) => store.shown?.header.values?.[`${name}.${axis}`]);
     if (reaction.every(Number.isFinite)) reactions.set(name, Math.hypot(...reaction));
     const force = reactions.get(name) ?? 0;
-    text.textContent = `${body.name}, node ${body.sceneNode[picked.node]}: ${x.map((c) => number(c, 4)).join(', ')} m${force > 0 ? `, reaction ${quantity(force, 'N')}` : ''}`;
+    text.textContent = `${body.name}, node ${body.sceneNode[picked.node]}: ${x.map((c) => number(c, 4)).join(', ')} ${store.unit('m')}`.trim() + (force > 0 ? `, reaction ${quantity(force, store.unit('N'))}` : '');
   };
   const choose = (/** @type {any} */ now) => {
     picked = store.picked = now && { body: now.body, node: now.node };

@@ -141,17 +141,20 @@ export class Plots {
 
   /** What is plotted now. @returns {Kind[]} */
   kinds() {
-    const list = KINDS.filter((kind) => this.chosen.has(kind.key)).map((kind) => (kind.key !== 'hands' ? kind
+    const list = KINDS.filter((kind) => this.chosen.has(kind.key)).map((kind) => ({ ...kind, unit: this.inScene(kind.unit) })).map((kind) => (kind.key !== 'hands' ? kind
       : { ...kind, lines: [...this.series.columns.keys()].filter((name) => name.startsWith('hand.')).slice(-4).map((name) => /** @type {[string, string]} */ ([name, name.slice(5)])) }));
     for (const { body, node } of this.store.watched) {
       const name = `node.${body}.${this.store.bodies[body].sceneNode[node]}`;
       const title = `${this.store.bodies[body].name}, node ${this.store.bodies[body].sceneNode[node]}`;
       for (const [what, unit] of [['position', 'm'], ['velocity', 'm/s'], ['reaction', 'N']])
         if (this.series.columns.has(`${name}.${what}.x`))
-          list.push({ key: `${name}.${what}`, title: `${title}: ${what}`, unit, group: '', lines: 'xyz'.split('').map((axis) => /** @type {[string, string]} */ ([`${name}.${what}.${axis}`, axis])) });
+          list.push({ key: `${name}.${what}`, title: `${title}: ${what}`, unit: this.store.unit(unit), group: '', lines: 'xyz'.split('').map((axis) => /** @type {[string, string]} */ ([`${name}.${what}.${axis}`, axis])) });
     }
     return list.filter((kind) => kind.lines.length);
   }
+
+  /** Times of the computer stay what they are. @param {string} unit */
+  inScene(unit) { return unit === 'ms' ? unit : this.store.unit(unit); }
 
   rebuild() {
     for (const { plot } of this.plots.values()) plot.destroy();
@@ -198,7 +201,7 @@ export class Plots {
       width: Math.max(120, this.body.clientWidth - 26), height: 150, cursor: { drag: { x: true, y: false } }, legend: { show: true },
       scales: { x: { time: false }, y: { distr: kind.log ? 3 : 1 } },
       axes: [{ ...axis, size: 26, values: (_, ticks) => alike(ticks) }, { ...axis, size: 56, values: (_, ticks) => (kind.log ? ticks.map((t) => (t === null ? '' : t.toExponential(0))) : alike(ticks)) }],
-      series: [{ label: 't', value: (_, v) => (v === null ? '–' : `${number(v, 4)} s`) },
+      series: [{ label: 't', value: (_, v) => (v === null ? '–' : `${number(v, 4)} ${this.store.unit('s')}`.trim()) },
         ...kind.lines.map(([, label], i) => ({ label, stroke: INK[i % INK.length], width: 1.5, points: { show: false }, spanGaps: true, value: (/** @type {any} */ _, /** @type {number} */ v) => (v === null || v === undefined ? '–' : number(v, 4)) }))],
     }, /** @type {any} */ (this.data(kind)), element);
     this.plots.set(kind.key, { plot, kind, element });

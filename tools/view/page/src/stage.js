@@ -39,6 +39,9 @@ export class Stage {
     /** @type {((arrived: number[]) => void)[]} */
     this.afterDraw = [];
     this.fitPending = true;
+    this.follows = false;
+    /** @type {THREE.Vector3 | null} where the bodies were when the camera went with them last */
+    this.followed = null;
     setColourMap(store.view.map);
     this.listen();
     new ResizeObserver(() => this.resize()).observe(/** @type {HTMLElement} */ (canvas.parentElement));
@@ -101,6 +104,47 @@ export class Stage {
     for (const view of this.views) if (view.body.visible) view.extend(box);
     if (box.isEmpty()) box.set(new THREE.Vector3(-0.5, -0.5, -0.5), new THREE.Vector3(0.5, 0.5, 0.5));
     return box;
+  }
+
+  /** Whether the camera goes where the bodies go. @param {boolean} on */
+  follow(on) {
+    this.follows = on;
+    this.followed = on ? this.roughBox().getCenter(new THREE.Vector3()) : null;
+    this.store.emit('view', {});
+  }
+
+  /** The box of some hundred nodes of each body: for every frame. */
+  roughBox() {
+    const some = 500;
+    const box = new THREE.Box3();
+    const point = new THREE.Vector3();
+    for (const view of this.views) {
+      const used = view.body.visible ? view.body.surface || view.body.count : 0;
+      for (let n = 0; n < used; n += Math.ceil(used / some)) {
+        point.set(...view.drawnAt(n));
+        if (Number.isFinite(point.x + point.y + point.z)) box.expandByPoint(point);
+      }
+    }
+    return box;
+  }
+
+  /** What has gone far stays drawn, and in the middle when the camera follows. */
+  keepInSight() {
+    if (!this.views.length) return;
+    const box = this.roughBox();
+    if (box.isEmpty()) return;
+    const centre = box.getCenter(new THREE.Vector3());
+    if (this.follows && this.followed) {
+      const step = centre.clone().sub(this.followed);
+      this.camera.position.add(step);
+      this.controls.target.add(step);
+      this.followed = centre;
+    }
+    const reach = this.camera.position.distanceTo(centre) + box.getSize(new THREE.Vector3()).length();
+    if (!(reach > this.camera.far / 2)) return;
+    this.camera.far = 4 * reach;
+    this.controls.maxDistance = Math.max(this.controls.maxDistance, 2 * reach);
+    this.camera.updateProjectionMatrix();
   }
 
   /** Frames the bodies without turning the camera. */
@@ -225,6 +269,7 @@ export class Stage {
       if (!view.body.visible) continue;
       view.update();
     }
+    this.keepInSight();
     this.colouring.update();
     for (const view of this.views) {
       const { kind, surface } = this.colouring.of(view.body);

@@ -281,9 +281,12 @@ export class Store {
     return chosen;
   }
 
+  /** What a unit of SI is called in the scene: "mm" for m; empty where the scene's units are unknown. @param {string} si */
+  unit(si) { return this.scene?.units?.[si] ?? ''; }
+
   /** The unit of what colours the bodies. */
   get colourUnit() {
-    if (this.view.colour === 'displacement') return 'm';
+    if (this.view.colour === 'displacement') return this.unit('m');
     const unit = this.fields.find((field) => fieldKey(field) === this.view.colour)?.unit ?? '';
     return unit === '-' || unit === '1' ? '' : unit;
   }

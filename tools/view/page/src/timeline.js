@@ -72,7 +72,7 @@ export class Timeline {
 
   showTime() {
     const header = this.store.shown?.header;
-    this.at.textContent = header ? `${number(header.time, 4)} s` : '';
+    this.at.textContent = header ? `${number(header.time, 4)} ${this.store.unit('s')}`.trim() : '';
     this.slider.setAttribute('aria-valuetext', this.at.textContent);
   }
 

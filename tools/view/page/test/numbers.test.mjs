@@ -51,3 +51,14 @@ test('a series aligns values that begin late, forgets the time before a reset an
   series.add(0.5, { a: 7 });
   assert.deepEqual(series.times, [0.5]);
 });
+
+test('units with a prefix of their own keep their size', () => {
+  assert.equal(quantity(10.7, 'N'), '10.7 N');
+  assert.equal(quantity(10700, 'mN'), '10.7 N'); // of a scene in mm, kg, s
+  assert.equal(quantity(12, 'kPa'), '12.0 kPa');
+  assert.equal(quantity(0.02, 'MPa'), '20.0 kPa');
+  assert.equal(quantity(120, 'mm'), '120 mm');
+  assert.equal(quantity(3, 'mm/s'), '3.00 mm/s');
+  assert.equal(quantity(5, 'uJ'), '5.00 µJ');
+  assert.equal(quantity(12345, ''), '12345'); // unknown units: a number alone
+});

@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The check of a mesh: counts, volume, the worst cell, and what a person would want to know before a run.
+// The check of a mesh: counts, volume, the worst cell, and what a person would want to know before a run. Declared by the
+// engine: Mesh::report(), meshComplaint().
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
+#include <utility>
 
 #include "framework/mesh/cell_lists.h"
+#include "framework/mesh/mesh_loader.h"
 
 namespace stroma {
 
@@ -43,6 +48,58 @@ std::string named(const std::vector<Index>& list, std::string_view what) {
   return fmt::format("{} {} ({}{})", list.size(), what,
                      fmt::join(list.begin(), list.begin() + std::ptrdiff_t(shown), " "),
                      shown < list.size() ? " ..." : "");
+}
+
+/// Of `keys`, those whose value another one before them has; ascending.
+template <class Key>
+std::vector<Index> secondOnes(std::vector<std::pair<Key, Index>> keys) {
+  std::sort(keys.begin(), keys.end());
+  std::vector<Index> second;
+  for (std::size_t i = 1; i < keys.size(); ++i)
+    if (keys[i].first == keys[i - 1].first) second.push_back(keys[i].second);
+  std::sort(second.begin(), second.end());
+  return second;
+}
+
+/// Volume cells are numbered through, tetrahedra first.
+std::vector<Index> repeatedCells(const Mesh& mesh) {
+  std::vector<Index> all;
+  Index first = 0;
+  forEachCellList(
+      [&]<class Cell>(const CellKind& kind, const std::vector<Cell>& cells) {
+        if (kind.dimension < 3) return;
+        std::vector<std::pair<Cell, Index>> keys;
+        keys.reserve(cells.size());
+        for (Cell cell : cells) {
+          std::sort(cell.begin(), cell.end());
+          keys.emplace_back(cell, first++);
+        }
+        const std::vector<Index> second = secondOnes(std::move(keys));
+        all.insert(all.end(), second.begin(), second.end());
+      },
+      mesh);
+  return all;
+}
+
+/// Places are told apart to a share of the mesh's size that is round-off of files with nine digits.
+std::vector<Index> coincidentNodes(const Mesh& mesh, const MeshReport& box) {
+  constexpr double share = 1e-8;
+  const double size = (box.high - box.low).maxCoeff();
+  if (!(size > 0)) return {};
+  std::vector<char> used(mesh.position.size(), 0);
+  forEachCellList(
+      [&used](const CellKind& kind, const auto& cells) {
+        for (std::size_t c = 0; kind.dimension == 3 && c < cells.size(); ++c)
+          for (const Index node : cells[c]) used[std::size_t(node)] = 1;
+      },
+      mesh);
+  std::vector<std::pair<std::array<std::int64_t, 3>, Index>> keys;
+  for (std::size_t n = 0; n < used.size(); ++n) {
+    if (!used[n]) continue;
+    const Vec3 place = (mesh.position[n] - box.low) / (share * size);
+    keys.push_back({{std::llround(place.x()), std::llround(place.y()), std::llround(place.z())}, Index(n)});
+  }
+  return secondOnes(std::move(keys));
 }
 
 }  // namespace
@@ -97,6 +154,19 @@ std::string MeshReport::text() const {
   parts.push_back(fmt::format("box ({:.4g} {:.4g} {:.4g}) to ({:.4g} {:.4g} {:.4g})", low.x(), low.y(), low.z(),
                               high.x(), high.y(), high.z()));
   return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+std::string meshComplaint(const Mesh& mesh) {
+  const MeshReport report = mesh.report();
+  const bool no_volume = highestDimension(mesh) == 3 && !(report.volume > 0);
+  std::string twice;
+  if (const std::vector<Index> cells = repeatedCells(mesh); !cells.empty())
+    twice = ", " + named(cells, "volume cells that are there already");
+  if (const std::vector<Index> nodes = coincidentNodes(mesh, report); !nodes.empty())
+    twice += ", " + named(nodes, "nodes in the place of others, which part the body unless something joins them");
+  if (report.inverted.empty() && report.flat.empty() && report.unused_nodes.empty() && !no_volume && twice.empty())
+    return {};
+  return fmt::format("{}{}{}", no_volume ? "the mesh has no volume: " : "the mesh has faults: ", report.text(), twice);
 }
 
 }  // namespace stroma

@@ -2,7 +2,7 @@
 #pragma once
 #include <cmath>
 
-namespace stroma::bench {
+namespace stroma::test {
 
 /// A double that counts the operations done with it: + - * / and a square root one each, a multiply-add two;
 /// comparisons, selections, signs and absolute values none.
@@ -34,4 +34,4 @@ inline Counted abs(Counted a) { return Counted(std::abs(a.value)); }
 inline Counted maximum(Counted a, Counted b) { return a.value < b.value ? b : a; }
 inline Counted select(bool condition, Counted a, Counted b) { return condition ? a : b; }
 
-}  // namespace stroma::bench
+}  // namespace stroma::test

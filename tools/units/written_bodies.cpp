@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "tools/checks/written_bodies.h"
+#include "tools/units/written_bodies.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -9,6 +9,7 @@
 #include "framework/mechanics/state_positions.h"
 #include "framework/mechanics/state_topology.h"
 #include "framework/scene/text.h"
+#include "tools/units/unit_system.h"
 #include "tools/units/units.h"
 
 namespace stroma {
@@ -17,7 +18,7 @@ namespace {
 /// Every layout of units has one behind the last number.
 bool endsWithUnit(const AttributeDescription& attribute) {
   constexpr std::size_t longest = 100;
-  if (attribute.name == "name") return false;
+  if (attribute.name == "name" || attribute.name == "units") return false;
   if (attribute.name == "unit") return !attribute.value.empty();
   std::string_view end = trimmed(attribute.value);
   if (end.size() > longest) {

@@ -14,7 +14,7 @@
 #include <utility>
 
 #include "framework/simulation/state_file.h"
-#include "framework/simulation/state_file_marks.h"
+#include "tools/recordings/state_file_marks.h"
 
 namespace stroma {
 namespace {

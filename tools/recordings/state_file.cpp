@@ -11,7 +11,7 @@
 #include <stdexcept>
 
 #include "framework/scene/output_file.h"
-#include "framework/simulation/state_file_marks.h"
+#include "tools/recordings/state_file_marks.h"
 
 namespace stroma {
 namespace {

@@ -39,9 +39,6 @@ std::vector<WrittenBody> writtenBodies(const Scene& scene);
 /// Which quantities of a body are written with a unit, and so are SI.
 std::array<bool, body_quantities.size()> quantitiesWithUnit(const Scene& scene, const WrittenBody& body);
 
-/// True when some attribute of the scene is written with a unit.
-bool hasAnyUnit(const NodeDescription& root);
-
 /// Where the positions of a state come from: a file (`is_file`: the component has an attribute `unit`), a grid, a list.
 const Component& sourceOfLengths(const State& state, bool& is_file);
 
