@@ -9,7 +9,6 @@
 #include <set>
 
 #include "framework/mechanics/state_topology.h"
-#include "framework/mesh/cells_across.h"
 #include "framework/scene/names.h"
 
 namespace stroma {
@@ -205,7 +204,6 @@ void ElasticForceField::init() {
   checkVariant();
   tellSurprises();
   elements_->bind(*mesh_, state().rest_position, variant_);
-  tellCoarseness();
 }
 
 void ElasticForceField::tellSurprises() const {
@@ -257,15 +255,6 @@ void ElasticForceField::chooseDilatation() {
 std::string ElasticForceField::choice() const {
   if (dilatation_ != Dilatation::automatic) return {};
   return variant_.mean_dilatation ? "mean dilatation" : "local dilatation";
-}
-
-void ElasticForceField::tellCoarseness() const {
-  if (mesh_->overlap != 1) return;
-  const bool hexahedra = kind_word_ == "hexahedron";
-  const std::vector<Vec3>& rest = state().rest_position;
-  const std::string coarse = tooCoarseForBending(
-      hexahedra ? slenderness(mesh_->hexahedra, rest) : slenderness(mesh_->tetrahedra, rest), hexahedra);
-  if (!coarse.empty()) inform(coarse);
 }
 
 void ElasticForceField::checkVariant() const {

@@ -65,7 +65,6 @@ class ElasticForceField : public ElementKernelsField, public OpenChoices {
   std::string whyNoMean() const;
   /// Notes on what is so by construction and surprises nevertheless.
   void tellSurprises() const;
-  void tellCoarseness() const;
   /// Throws ComponentError for lists of a wrong length or a value without a material.
   void checkMaterial() const;
   /// Of one cell [Pa], localStiffnessFactor included.

@@ -13,7 +13,6 @@
 
 #include "components/hyperelasticity/hyperelastic_volume.h"
 #include "framework/mechanics/state_topology.h"
-#include "framework/mesh/cells_across.h"
 #include "framework/scene/names.h"
 
 namespace stroma {
@@ -108,12 +107,6 @@ void HyperelasticForceField::init() {
     throw ComponentError("viscosity has no kernels for these cells", "tetrahedra");
   checkShapes();
   chooseDilatation();
-  if (mesh_->overlap == 1) {
-    const std::vector<Vec3>& rest = state().rest_position;
-    const std::string coarse = tooCoarseForBending(
-        hexahedra ? slenderness(mesh_->hexahedra, rest) : slenderness(mesh_->tetrahedra, rest), hexahedra);
-    if (!coarse.empty()) inform(coarse);
-  }
   checkViscousPart();
   if (regularised_ && projected_)
     throw ComponentError("matrixRegularization and projectedTangent both replace the tangent", "one of them");

@@ -2,7 +2,7 @@
 #pragma once
 #include <string>
 
-#include "framework/mesh/mesh.h"
+#include "framework/simulation/simulation.h"
 
 namespace stroma {
 
@@ -22,5 +22,8 @@ Slenderness slenderness(const std::vector<Tetrahedron>& cells, const std::vector
 /// A sentence where linear cells over the thickness of a slender body are so few that it is more than 3 % too stiff in
 /// bending, or empty. Straight edges add a shear to bending: the error is about share / n^2 with n cells.
 std::string tooCoarseForBending(const Slenderness& body, bool hexahedra);
+
+/// A note with that sentence for each elastic force field of such a body.
+void noteCoarseCells(const Simulation& simulation, Diagnostics& diagnostics);
 
 }  // namespace stroma

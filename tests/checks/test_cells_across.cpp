@@ -2,7 +2,7 @@
 // How many cells lie over the thickness of a body, and what is said of too few.
 #include <gtest/gtest.h>
 
-#include "framework/mesh/cells_across.h"
+#include "tools/checks/cells_across.h"
 #include "tests/support/meshes.h"
 
 namespace stroma::test {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "framework/mesh/cells_across.h"
+#include "tools/checks/cells_across.h"
 
 #include <fmt/format.h>
 
@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 
+#include "framework/mechanics/state_topology.h"
 #include "framework/mesh/cell_faces.h"
 #include "framework/mesh/cell_tables.h"
 
@@ -183,6 +184,32 @@ std::string tooCoarseForBending(const Slenderness& body, bool hexahedra) {
       "stiff. {} over the thickness are within 3 %{}",
       n, hexahedra ? "hexahedra" : "tetrahedra", body.thickness, body.extent, 100 * too_stiff,
       std::ceil(std::sqrt(share / limit)), hexahedra ? "" : "; so are fewer hexahedra, which bend better");
+}
+
+/// Its cells: of the kind that its name has, in a mesh of its state.
+static std::string coarsenessOf(const ForceField& field) {
+  const std::string type = field.type();
+  const bool not_tetrahedra = type.find("Hexahedron") != std::string::npos;
+  const bool not_hexahedra = type.find("Tetrahedr") != std::string::npos;
+  const std::vector<Vec3>& rest = field.state().rest_position;
+  for (const Topology* topology : topologiesOf(field.state())) {
+    const Mesh& mesh = topology->mesh();
+    if (mesh.overlap != 1 || std::size_t(mesh.nodes()) > rest.size()) continue;
+    if (!not_tetrahedra && !mesh.tetrahedra.empty())
+      return tooCoarseForBending(slenderness(mesh.tetrahedra, rest), false);
+    if (!not_hexahedra && !mesh.hexahedra.empty()) return tooCoarseForBending(slenderness(mesh.hexahedra, rest), true);
+  }
+  return {};
+}
+
+void noteCoarseCells(const Simulation& simulation, Diagnostics& diagnostics) {
+  for (const auto& system : simulation.systems())
+    for (const ForceField* field : system->forceFields()) {
+      const std::vector<std::string> known = field->cellFields();
+      if (std::find(known.begin(), known.end(), "vonMises") == known.end()) continue;
+      if (const std::string coarse = coarsenessOf(*field); !coarse.empty())
+        diagnostics.note(field->where(), field->path(), coarse);
+    }
 }
 
 }  // namespace stroma
