@@ -5,6 +5,7 @@
 #pragma once
 #include <Eigen/Eigenvalues>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -24,6 +25,10 @@ class ElasticElements {
   virtual bool has(ElasticMethod method) const = 0;
   /// Does a method have ElasticVariant::mean_dilatation?
   virtual bool hasMeanDilatation(ElasticMethod method) const = 0;
+  /// The Poisson's ratio from which the mean dilatation is taken where a scene leaves the choice open.
+  virtual double meanDilatationFrom() const = 0;
+  /// How many bulk moduli the cells may have for a mean dilatation.
+  virtual std::size_t mostMaterials() const { return std::numeric_limits<std::size_t>::max(); }
   /// With a constant B: the forces of method svd are the gradient of an energy, so that they exert no torque.
   virtual bool rotationHasPotential() const = 0;
 

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "framework/mechanics/state_topology.h"
 #include "framework/scene/names.h"
@@ -124,11 +125,12 @@ void ElasticForceField::declare(DataTable& table) {
   table.add("updateVolume", update_volume_).help("update the volume factor of B too (needs updateStiffnessMatrix)");
   table.addChoice("tangent", tangent_, {"warped", "exact"})
       .help("stiffness: R K R^T, or the exact derivative of the force");
-  table.addChoice("dilatation", dilatation_, {"local", "mean"})
+  table.addChoice("dilatation", dilatation_, {"auto", "local", "mean"})
       .help(
           "volume change: that at each integration point, or its mean (over a hexahedron, around a node of "
-          "tetrahedra), "
-          "which does not lock at Poisson ratios near 1/2");
+          "tetrahedra), which does not lock at Poisson ratios near 1/2; auto: the mean from 0.4 on for hexahedra, "
+          "above "
+          "0.45 for tetrahedra");
   table.addChoice("assembling", assembling_, {"auto", "true", "false"})
       .alias("computeGlobalMatrix")
       .help(
@@ -180,7 +182,8 @@ void ElasticForceField::chooseKind(const Topology& topology) {
                          : topology.mesh().tetrahedra.empty() ? ""
                                                               : "TetrahedronFEMForceField");
   }
-  elements_ = found[0]->make();
+  make_elements_ = found[0]->make;
+  elements_ = make_elements_();
   kind_word_ = lowerCase(found[0]->word);
 }
 
@@ -195,10 +198,10 @@ void ElasticForceField::init() {
                     : update_b_    ? elastic::Update::strain_displacement
                                    : elastic::Update::none;
   variant_.exact_tangent = tangent_ == Tangent::exact;
-  variant_.mean_dilatation = dilatation_ == Dilatation::mean;
+  checkMaterial();
+  chooseDilatation();
   variant_.own_matrix = assembling_ == Assembling::yes;
   checkVariant();
-  checkMaterial();
   tellSurprises();
   elements_->bind(*mesh_, state().rest_position, variant_);
 }
@@ -212,13 +215,46 @@ void ElasticForceField::tellSurprises() const {
                               : ", and of a constant B (updateStiffnessMatrix=\"false\") its forces turn a free body, "
                                 "by about the square of the strain too"));
   const bool rotated = variant_.method != ElasticMethod::small && variant_.method != ElasticMethod::green;
-  constexpr double nearly_incompressible = 0.49;
-  if (variant_.mean_dilatation && rotated && !variant_.exact_tangent &&
-      *std::max_element(poisson_ratio_.begin(), poisson_ratio_.end()) > nearly_incompressible)
+  const double largest = *std::max_element(poisson_ratio_.begin(), poisson_ratio_.end());
+  constexpr double locking = 0.45, nearly_incompressible = 0.49;
+  if (!variant_.mean_dilatation && largest > locking)
+    warn(fmt::format(
+             "poissonRatio {:g} with a volume change at each integration point locks: a body is far too stiff in "
+             "bending{}",
+             largest, dilatation_ == Dilatation::automatic ? "; " + whyNoMean() : ""),
+         dilatation_ == Dilatation::automatic ? "method=\"svd\", or hexahedra" : "dilatation=\"mean\"");
+  if (variant_.mean_dilatation && rotated && !variant_.exact_tangent && largest > nearly_incompressible)
     inform(
         "with a warped tangent Newton's method slows down and may stall this near to incompressibility: "
         "tangent=\"exact\" "
         "converges quadratically");
+}
+
+/// Why there is no mean dilatation, or empty.
+std::string ElasticForceField::whyNoMean() const {
+  if (!elements_->hasMeanDilatation(variant_.method))
+    return fmt::format("method {} has no mean dilatation for a {}", wordOf(variant_.method), kind_word_);
+  std::set<double> bulk;
+  const bool is_list = young_modulus_.size() > 1 || poisson_ratio_.size() > 1 || !stiffness_factor_.empty();
+  for (std::size_t cell = 0; is_list && cell < std::size_t(elements_->count(*mesh_)); ++cell)
+    bulk.insert(lame(cell).bulk());
+  if (bulk.size() > elements_->mostMaterials())
+    return fmt::format("{} bulk moduli are more than the mean dilatation of a {} takes ({})", bulk.size(), kind_word_,
+                       elements_->mostMaterials());
+  return {};
+}
+
+void ElasticForceField::chooseDilatation() {
+  variant_.mean_dilatation = dilatation_ == Dilatation::mean;
+  if (dilatation_ != Dilatation::automatic) return;
+  const double largest = *std::max_element(poisson_ratio_.begin(), poisson_ratio_.end());
+  if (largest < elements_->meanDilatationFrom()) return;
+  variant_.mean_dilatation = whyNoMean().empty();
+}
+
+std::string ElasticForceField::choice() const {
+  if (dilatation_ != Dilatation::automatic) return {};
+  return variant_.mean_dilatation ? "mean dilatation" : "local dilatation";
 }
 
 void ElasticForceField::checkVariant() const {
@@ -243,9 +279,7 @@ void ElasticForceField::checkVariant() const {
 }
 
 void ElasticForceField::checkMeanDilatation() const {
-  if (!elements_->hasMeanDilatation(variant_.method))
-    throw ComponentError(fmt::format("method {} has no mean dilatation for a {}", wordOf(variant_.method), kind_word_),
-                         "dilatation=\"local\"");
+  if (!elements_->hasMeanDilatation(variant_.method)) throw ComponentError(whyNoMean(), "dilatation=\"local\"");
 }
 
 void ElasticForceField::checkMaterial() const {
@@ -280,7 +314,27 @@ ForceTraits ElasticForceField::traits() const {
 }
 
 void ElasticForceField::compile() {
+  const bool mean = variant_.mean_dilatation;
+  chooseDilatation();
+  if (variant_.mean_dilatation != mean) elements_->bind(*mesh_, state().rest_position, variant_);
   method_ = elements_->make(state().firstRow(), [this](std::size_t cell) { return lame(cell); });
+  other_method_.reset(), other_elements_.reset();
+}
+
+bool ElasticForceField::useExactTangent(bool exact) {
+  const bool has_other = tangent_ == Tangent::warped && variant_.method != ElasticMethod::small &&
+                         variant_.method != ElasticMethod::green && variant_.method != ElasticMethod::nodal;
+  if (!has_other || variant_.exact_tangent == exact) return has_other;
+  variant_.exact_tangent = exact;
+  if (!other_method_) {
+    other_elements_ = make_elements_();
+    other_elements_->bind(*mesh_, state().rest_position, variant_);
+    other_method_ = other_elements_->make(state().firstRow(), [this](std::size_t cell) { return lame(cell); });
+  }
+  std::swap(elements_, other_elements_);
+  std::swap(method_, other_method_);
+  ++tangent_changes_;
+  return true;
 }
 
 Lame ElasticForceField::lame(std::size_t cell) const {
@@ -294,60 +348,6 @@ ForceField::Cost ElasticForceField::cost() const {
   // a matrix of its own is enough, and so is none
   const bool fixed = assembling_ != Assembling::automatic;
   return {cells * each.product, fixed ? 1e30 : cells * each.assembly};
-}
-
-ConstRows ElasticForceField::ownRows(ConstRows x) const {
-  return {x.data + std::size_t(state().firstRow()) * row_doubles, state().size()};
-}
-
-std::string ElasticForceField::worstElement(ConstRows x) const {
-  double worst = std::numeric_limits<double>::infinity();
-  std::size_t at = 0;
-  const std::size_t count = std::size_t(elements_->count(*mesh_));
-  for (std::size_t cell = 0; cell < count; ++cell) {
-    const double j = elements_->jacobian(cell, ownRows(x));
-    if (!(j >= worst)) worst = j, at = cell;  // a NaN is the worst
-    if (worst != worst) break;
-  }
-  return fmt::format("{}: J = {:.3g}", elements_->describe(at), worst);
-}
-
-/// The limit is generous: at 0.5 a linear law is off by a half for most tissues.
-std::string ElasticForceField::doubt(ConstRows x) const {
-  constexpr double limit = 0.5;
-  const std::size_t count = std::size_t(elements_->count(*mesh_));
-  std::size_t beyond = 0, at = 0;
-  double worst = 0;
-  for (std::size_t cell = 0; cell < count; ++cell) {
-    const double strain = elements_->strainBeyond(limit, cell, ownRows(x));
-    beyond += strain > 0;
-    if (strain > worst) worst = strain, at = cell;
-  }
-  if (beyond == 0) return {};
-  return fmt::format(
-      "{} of {} elements are strained beyond {:.0f} %, where a law that is linear in the strain says little; the worst "
-      "is {}: {:.0f} %. A hyperelastic force field is made for such strains",
-      beyond, count, 100 * limit, elements_->describe(at), 100 * worst);
-}
-
-void ElasticForceField::cellField(const std::string& name, ConstRows x, std::vector<double>& out) const {
-  const std::size_t count = std::size_t(elements_->count(*mesh_));
-  const ConstRows own = ownRows(x);
-  out.resize(name == "strain" ? 6 * count : count);
-  for (std::size_t cell = 0; cell < count; ++cell) {
-    if (name == "J") {
-      out[cell] = elements_->jacobian(cell, own);
-      continue;
-    }
-    const Mat3 strain = elements_->strain(cell, own);
-    if (name == "strain") {
-      const double v[6] = {strain(0, 0), strain(1, 1), strain(2, 2), strain(0, 1), strain(1, 2), strain(2, 0)};
-      std::copy(v, v + 6, out.begin() + std::ptrdiff_t(6 * cell));
-    } else {
-      const Mat3 deviator = 2 * lame(cell).mu * (strain - strain.trace() / 3 * Mat3::Identity());
-      out[cell] = std::sqrt(1.5) * deviator.norm();
-    }
-  }
 }
 
 }  // namespace stroma

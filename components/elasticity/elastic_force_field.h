@@ -3,13 +3,14 @@
 #pragma once
 #include "components/elasticity/elastic_elements.h"
 #include "framework/fem/element_kernels_field.h"
+#include "framework/mechanics/open_choices.h"
 #include "framework/mechanics/state_topology.h"
 #include "framework/mesh/topology.h"
 
 namespace stroma {
 
 /// One class serves every elastic component name: a name sets its default words, the mesh decides the kind of element.
-class ElasticForceField : public ElementKernelsField {
+class ElasticForceField : public ElementKernelsField, public OpenChoices {
  public:
   /// The words of `method`: first those of ElasticMethod, then other components' words for the same.
   enum class Word : int {
@@ -38,6 +39,9 @@ class ElasticForceField : public ElementKernelsField {
   void init() override;
   ForceTraits traits() const override;
   void compile() override;
+  bool useExactTangent(bool exact) override;
+  long patternRevision() const override { return tangent_changes_; }
+  std::string choice() const override;
 
   Cost cost() const override;
   std::string worstElement(ConstRows x) const override;
@@ -48,7 +52,7 @@ class ElasticForceField : public ElementKernelsField {
  private:
   enum class Tangent : int { warped, exact };
   enum class Assembling : int { automatic, yes, no };
-  enum class Dilatation : int { local, mean };
+  enum class Dilatation : int { automatic, local, mean };
 
   /// The kind of element that the mesh has and the name serves; throws ComponentError when none or several fit.
   void chooseKind(const Topology& topology);
@@ -56,6 +60,9 @@ class ElasticForceField : public ElementKernelsField {
   /// Throws ComponentError for combinations of attributes that mean nothing together.
   void checkVariant() const;
   void checkMeanDilatation() const;
+  /// Of automatic: by Poisson's ratio, where the method has a mean.
+  void chooseDilatation();
+  std::string whyNoMean() const;
   /// Notes on what is so by construction and surprises nevertheless.
   void tellSurprises() const;
   /// Throws ComponentError for lists of a wrong length or a value without a material.
@@ -72,7 +79,7 @@ class ElasticForceField : public ElementKernelsField {
   bool update_b_ = false, update_volume_ = false;
   Tangent tangent_ = Tangent::warped;
   Assembling assembling_ = Assembling::automatic;
-  Dilatation dilatation_ = Dilatation::local;
+  Dilatation dilatation_ = Dilatation::automatic;
   double plastic_max_threshold_ = 0;
 
   /// Of the topology, which owns it.
@@ -81,6 +88,11 @@ class ElasticForceField : public ElementKernelsField {
   std::string kind_word_;  ///< "tetrahedron", for messages
   /// The cells as one kind of element: makes the method, and evaluates fields for output.
   std::unique_ptr<ElasticElements> elements_;
+  /// Those of the other tangent, which useExactTangent() has put aside; null before.
+  std::unique_ptr<ElementKernels> other_method_;
+  std::unique_ptr<ElasticElements> other_elements_;
+  std::unique_ptr<ElasticElements> (*make_elements_)() = nullptr;
+  long tangent_changes_ = 0;
 };
 
 }  // namespace stroma

@@ -21,8 +21,11 @@
 // (Euler's law), which a constant B does not ensure. updateVolume also updates the determinant in B and in the weight.
 // Both have a meaning for large, polar and svd. tangent = exact adds the derivatives of R and B; it is symmetric for
 // small and green only, because the rotation of the mean edges minimises no energy: an unsymmetric tangent needs
-// SparseLDLSolver.
+// SparseLDLSolver, which factors its symmetric part and does the rest by products.
 //
+// dilatation = auto, the default, is mean where nu is 0.4 or more, and local below. A cantilever with eight cells
+// over its height, cells twice as long as high, has 96, 93 and 84 % of Euler's deflection with local at 0.4, 0.45 and 0.49, and 97,
+// 97 and 96 % with mean.
 // dilatation = mean takes the volume change as one number per element, its mean at rest weights (Nagtegaal, Parks and
 // Rice 1974; the B-bar of Hughes 1980): near nu = 1/2 the element does not lock, and a compressed body does not buckle
 // element by element under the pressures of locking. For green it is the mean of tr(E). With updateVolume a point
@@ -59,6 +62,7 @@ class Hexahedra final : public ElasticElements {
   Index count(const Mesh& mesh) const override { return Index(mesh.hexahedra.size()); }
   bool has(ElasticMethod method) const override { return method != ElasticMethod::nodal; }
   bool hasMeanDilatation(ElasticMethod) const override { return true; }
+  double meanDilatationFrom() const override { return 0.4; }
   bool rotationHasPotential() const override { return false; }
 
   void bind(const Mesh& mesh, const std::vector<Vec3>& rest, const ElasticVariant& variant) override {

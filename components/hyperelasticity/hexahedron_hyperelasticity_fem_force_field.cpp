@@ -2,7 +2,8 @@
 // Hyperelastic hexahedra with 2x2x2 Gauss points: the laws, attributes and forms of
 // TetrahedronHyperelasticityFEMForceField, whose page says what is computed, at each of eight points
 //   F = sum_i dx/dxi_i (x) grad xi_i,   f_a = -sum_p w_p P_p grad N_a
-// Trilinear cells lock when nearly incompressible (nu above about 0.48). dilatation = mean does not: the part k U(J) of
+// Trilinear cells lock when nearly incompressible. dilatation = auto, the default, is mean where nu at small strains is 0.4
+// or more and the law has one; it says so where it has none and nu is above 0.45. dilatation = mean does not lock: the part k U(J) of
 // the energy (k0 or lambda, see the table of laws) takes one volume change per cell, v/V of its volumes now and at
 // rest,
 //   E = sum_p w_p W_0(F_p) + k V U(v/V),   W_0 = W with k = 0

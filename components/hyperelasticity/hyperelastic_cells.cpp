@@ -76,8 +76,34 @@ void HyperelasticForceField::checkShapes() const {
   }
 }
 
+void HyperelasticForceField::chooseDilatation() {
+  mean_dilatation_ = dilatation_ == Dilatation::mean;
+  if (mean_dilatation_) checkMeanDilatation();
+  if (dilatation_ != Dilatation::automatic) return;
+  constexpr double from = 0.4, nearly_incompressible = 0.45;
+  double largest = -1;
+  for (std::size_t set = 0; set * law_.parameters.size() < values_.size(); ++set) {
+    const hyperelastic::HyperelasticLaw::Moduli moduli = law_.moduliAtRest(parametersIn(values_, set));
+    largest = std::max(largest, (3 * moduli.bulk - 2 * moduli.shear) / (6 * moduli.bulk + 2 * moduli.shear));
+  }
+  if (largest < from) return;
+  try {
+    checkMeanDilatation();
+    mean_dilatation_ = true;
+  } catch (const ComponentError& error) {
+    if (largest > nearly_incompressible)
+      warn(fmt::format("{}, so that the cells lock at Poisson's ratio {:.4g}: a body is far too stiff in bending",
+                       error.what(), largest),
+           hexahedra ? "a law with a part in J alone" : "hexahedra");
+  }
+}
+
+std::string HyperelasticForceField::choice() const {
+  if (dilatation_ != Dilatation::automatic || !hexahedra) return {};
+  return mean_dilatation_ ? "mean dilatation" : "local dilatation";
+}
+
 void HyperelasticForceField::checkMeanDilatation() const {
-  if (dilatation_ == Dilatation::local) return;
   const std::string expected = "dilatation=\"local\"";
   if (!hexahedra)
     throw ComponentError("the mean dilatation of a hyperelastic law exists for hexahedra", expected,

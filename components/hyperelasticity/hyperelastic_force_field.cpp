@@ -49,8 +49,11 @@ void HyperelasticForceField::declare(DataTable& table) {
       .help("fibre, or fibre and sheet (and normal): for all cells, or for each cell or node one after the other");
   table.addChoice("discretization", discretization, {"mjed", "standard"})
       .help("mjed: derivatives by J and invariants; standard: the textbook's S and elasticity tensor, to compare");
-  table.addChoice("dilatation", dilatation_, {"local", "mean"})
-      .help("of hexahedra, the volume change that bulk stiffness meets: at each point, or one per cell: no locking");
+  table.addChoice("dilatation", dilatation_, {"auto", "local", "mean"})
+      .help(
+          "of hexahedra, the volume change that bulk stiffness meets: at each point, or one per cell: no locking; "
+          "auto: "
+          "one per cell where Poisson's ratio at small strains is 0.4 or more");
   table.add("matrixRegularization", regularised_)
       .help("where J < 1 turn the tangent's part with d2W/dJ2 into a multiple of the identity (Marchesseau 2.3)");
   table.add("projectedTangent", projected_)
@@ -103,7 +106,7 @@ void HyperelasticForceField::init() {
   if (series_.terms() > 0 && !(hexahedra ? residualStressKernels().hexahedra : residualStressKernels().tetrahedra))
     throw ComponentError("viscosity has no kernels for these cells", "tetrahedra");
   checkShapes();
-  checkMeanDilatation();
+  chooseDilatation();
   checkViscousPart();
   if (regularised_ && projected_)
     throw ComponentError("matrixRegularization and projectedTangent both replace the tangent", "one of them");
@@ -193,7 +196,7 @@ void HyperelasticForceField::compile() {
     own.parameters = [this](std::size_t cell) { return parametersIn(local_values_, cell); };
   }
   method_ = make(own);
-  const bool mean = dilatation_ == Dilatation::mean;
+  const bool mean = mean_dilatation_;
   if (series_.terms() > 0) makeViscous(own, volumeIsApart() && !mean ? make(cells()) : nullptr);
   if (mean)
     method_ = std::make_unique<hyperelastic::SumOfKernels>(std::move(method_),

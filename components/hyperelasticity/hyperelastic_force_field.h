@@ -6,15 +6,16 @@
 #include "components/hyperelasticity/viscous_law.h"
 #include "framework/fem/element_kernels_field.h"
 #include "framework/mechanics/history.h"
+#include "framework/mechanics/open_choices.h"
 #include "framework/mechanics/state_topology.h"
 #include "framework/mesh/topology.h"
 
 namespace stroma {
 
-class HyperelasticForceField : public ElementKernelsField, public History {
+class HyperelasticForceField : public ElementKernelsField, public History, public OpenChoices {
  public:
   enum class Discretization : int { mjed, standard };
-  enum class Dilatation : int { local, mean };
+  enum class Dilatation : int { automatic, local, mean };
 
   // ---- set by the registration of a name ----
   bool hexahedra = false;
@@ -24,6 +25,7 @@ class HyperelasticForceField : public ElementKernelsField, public History {
   void init() override;
   ForceTraits traits() const override;
   void compile() override;
+  std::string choice() const override;
   void reset() override;
   void serialize(Archive& archive) override;
   void setTime(double t) override;
@@ -72,12 +74,15 @@ class HyperelasticForceField : public ElementKernelsField, public History {
   std::size_t worstCell(ConstRows x, double& jacobian) const;
   void checkFinite(ConstRows x, ConstRows f);
   void checkShapes() const;
+  /// Of automatic: by Poisson's ratio at rest, where the law and the cells have a mean.
+  void chooseDilatation();
+  /// Throws ComponentError where there is no mean dilatation.
   void checkMeanDilatation() const;
   void checkViscousPart() const;
   hyperelastic::Values parametersIn(const std::vector<double>& values, std::size_t cell) const;
   /// The part k U(J) of the energy is apart from the rest: it has the mean dilatation, or does not relax.
   bool volumeIsApart() const {
-    return dilatation_ == Dilatation::mean || (series_.terms() > 0 && series_.part == PronyPart::deviatoric);
+    return mean_dilatation_ || (series_.terms() > 0 && series_.part == PronyPart::deviatoric);
   }
   std::vector<double> withoutVolume() const;
   void makeViscous(const hyperelastic::Cells& cells, std::unique_ptr<ElementKernels> whole);
@@ -89,7 +94,8 @@ class HyperelasticForceField : public ElementKernelsField, public History {
   std::map<std::string, std::vector<double>> named_;
   std::vector<Vec3> directions_;
   bool regularised_ = false, projected_ = false, consider_inversion_ = false;
-  Dilatation dilatation_ = Dilatation::local;
+  Dilatation dilatation_ = Dilatation::automatic;
+  bool mean_dilatation_ = false;  ///< dilatation_, or what was chosen for it
   std::string parameter_file_;
   PronyAttributes prony_;
 

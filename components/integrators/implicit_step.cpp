@@ -34,6 +34,7 @@ void ImplicitStep::declareNewton(DataTable& table) {
 }
 
 void ImplicitStep::declareNewtonSolver(DataTable& table) {
+  declareExactTangentSteps(table, exact_tangent_steps_);
   table.add("residualGraph", graph_).help("residuals of the last step's Newton iterations").unit("N s").output();
   table.addLink("newtonSolver", newton_link_)
       .help("a NewtonRaphsonSolver, whose settings stand for this component's; without it, the one of the same node");
@@ -160,6 +161,18 @@ void ImplicitStep::advance() {
 StepReport ImplicitStep::solveIterating(StopToken stop) {
   startIterating();
   StepReport report = newton_.solve(*this, *solver_, stop);
+  // a damping rK K v is a force, which must not change with K
+  constexpr int fewest = 5;
+  if (!report.stopped && !report.newton_converged && newton_.settings.iterations >= fewest &&
+      !has_rayleigh_stiffness_ && exact_.begin(*system_)) {
+    const StepReport before = report;
+    report = newton_.solve(*this, *solver_, stop);
+    addCounts(before, report);
+    ++exact_tangent_steps_;
+    exact_.end();
+    if (!report.stopped)
+      residual(system_->independent(right_side_));  // derivatives are those of the scene's tangent again
+  }
   if (report.stopped) return report;
   graph_.assign(newton_.history().begin(), newton_.history().end());
   if (settings_component_) settings_component_->noteResult(report, newton_);

@@ -4,6 +4,7 @@
 #pragma once
 #include <string>
 
+#include "components/integrators/exact_tangent.h"
 #include "components/integrators/newton_solver.h"
 #include "components/integrators/orientations.h"
 #include "framework/simulation/integrator.h"
@@ -74,6 +75,8 @@ class ImplicitStep final : public NonlinearProblem {
   LinearSolver* solver_ = nullptr;
   NewtonSolver* settings_component_ = nullptr;
   Newton newton_;
+  ExactTangent exact_;
+  int exact_tangent_steps_ = 0;
   ImplicitScheme scheme_;
   bool has_rayleigh_mass_ = false, has_rayleigh_stiffness_ = false, has_own_stiffness_damping_ = false;
   bool depends_on_time_ = false;

@@ -22,6 +22,11 @@
 // step's own. The run tells how many steps were divided. No part is smaller than `smallest_part`: then the step says
 // under how much of its loads the last equilibrium is, and leaves that, or with moved nodes is taken back.
 //
+// Before that, a solve that fails or gets no further with the approximate tangent of a force field (tangent="warped")
+// is tried with the exact one, from the best iterate and then from where it began, and the rest of the step with it. The
+// run tells how many steps needed that. The linear solver must take what the exact tangent is: CGLinearSolver takes
+// symmetric ones only. With fewer than five Newton iterations it is not tried.
+//
 // A step ends when |f| <= relative_residual_tolerance_threshold * the |f| where the step starts (reactions of held
 // nodes included), or when one of the other thresholds (off by default: they are absolute, or measure the step instead
 // of the balance of forces) is met, or when dx no longer changes x in double precision. After newton_iterations without
@@ -51,6 +56,7 @@
 #include <utility>
 
 #include "components/integrators/equilibrium.h"
+#include "components/integrators/exact_tangent.h"
 #include "components/integrators/free_body.h"
 #include "components/integrators/newton_solver.h"
 #include "framework/scene/archive.h"
@@ -82,6 +88,7 @@ class StaticSolver final : public Integrator {
   }
   bool checkFreeBodies(System& system, StepReport& report);
   StepReport solvePart(System& system, const StepContext& context);
+  StepReport solveWithFallback(System& system, const StepContext& context);
   StepReport solveInParts(System& system, const StepContext& context);
   bool advancePrescribed(System& system, const StepContext& context, StepReport& report);
 
@@ -92,6 +99,8 @@ class StaticSolver final : public Integrator {
   NewtonSolver* settings_component_ = nullptr;
   Equilibrium problem_;
   Newton newton_;
+  ExactTangent exact_;
+  int exact_tangent_steps_ = 0;
   double smallest_part_ = 1.0 / 1024;
   Vector force_, mode_, good_;
   Vector moved_, moved_v_, displacement_;  ///< work space of advancePrescribed(), shape (all rows)
@@ -127,6 +136,7 @@ void StaticSolver::declare(DataTable& table) {
   table.add("should_diverge_when_residual_is_growing", settings_.stop_when_residual_grows)
       .help("end the run when an iteration makes the residual larger");
   table.add("residualGraph", graph_).help("|f| of the last step's Newton iterations").unit("N").output();
+  declareExactTangentSteps(table, exact_tangent_steps_);
   declareLinearSolver(table);
   table.addLink("newtonSolver", newton_link_)
       .help("a NewtonRaphsonSolver, whose settings stand for this component's; without it, the one of the same node");
@@ -166,13 +176,6 @@ void StaticSolver::checkSettings() const {
                              "the settings in one of the two");
 }
 
-void addCounts(const StepReport& from, StepReport& to) {
-  to.newton_iterations += from.newton_iterations;
-  to.linear_iterations += from.linear_iterations;
-  to.factorisations += from.factorisations;
-  to.solve_seconds += from.solve_seconds;
-}
-
 /// How many directions of nodes are held.
 long heldDirections(const ConstraintSet& constraints) {
   const auto count = [](long sum, const NodeProjector& held) { return sum + 3 - std::lround(held.projector.trace()); };
@@ -189,7 +192,11 @@ long revisionOfHolds(const System& system) {
 std::string exactTangentHint(const System& system) {
   for (const ForceField* field : system.forceFields())
     if (field->traits().has_stiffness && !field->traits().exact_tangent && field->data().find("tangent"))
-      return fmt::format("; the tangent of {} is an approximation: tangent=\"exact\" may converge", field->path());
+      return fmt::format(
+          "; the tangent of {} is an approximation: tangent=\"exact\" may converge, with SparseLDLSolver where it is "
+          "not "
+          "symmetric",
+          field->path());
   return {};
 }
 
@@ -209,12 +216,19 @@ bool StaticSolver::checkFreeBodies(System& system, StepReport& report) {
 
 StepReport StaticSolver::step(System& system, const StepContext& context) {
   clear(system.v);
+  exact_.end();  // of a step that was stopped
   problem_.begin();
   StepReport report;
   const long held_before = std::exchange(held_, heldDirections(system.constraints()));
   const bool is_held_otherwise = !is_checked_ || held_ != held_before;
   if (is_held_otherwise && !checkFreeBodies(system, report)) return report;
   report = solveInParts(system, context);
+  const bool tried_exact = exact_.isOn();
+  if (tried_exact) {
+    ++exact_tangent_steps_;
+    exact_.end();
+    if (!report.stopped) problem_.residual(force_);  // derivatives are those of the scene's tangent again
+  }
   if (report.stopped) return report;
   // what turns or comes and goes from step to step is looked at only where a solve has failed: it takes memory and time
   if (!report.newton_converged && settings_.iterations > 1 && revisionOfHolds(system) != checked_revision_) {
@@ -225,7 +239,8 @@ StepReport StaticSolver::step(System& system, const StepContext& context) {
     problem_.residual(force_);
   }
   report.unsolved = !report.newton_converged;
-  if (report.unsolved && !report.diverged) report.reason += exactTangentHint(system);
+  if (report.unsolved && !report.diverged)
+    report.reason += tried_exact ? "; with the exact tangent too" : exactTangentHint(system);
   graph_.assign(newton_.history().begin(), newton_.history().end());
   if (settings_component_) settings_component_->noteResult(report, newton_);
   if (report.unsolved && !settings_.keep_unconverged) {
@@ -257,6 +272,24 @@ StepReport StaticSolver::solvePart(System& system, const StepContext& context) {
   return report;
 }
 
+/// A part that fails with approximate tangents is tried again with the exact ones, which then serve the rest of the
+/// step: from the best iterate, then from where the part began.
+StepReport StaticSolver::solveWithFallback(System& system, const StepContext& context) {
+  StepReport report = solvePart(system, context);
+  const auto good = [&report] { return report.newton_converged && !report.diverged; };
+  constexpr int fewest = 5;  // with less the scene does not ask for an equilibrium
+  if (good() || report.stopped || settings_.iterations < fewest || settings_.stop_when_residual_grows) return report;
+  if (!exact_.begin(system)) return report;
+  for (const bool from_start : {false, true}) {
+    if (good() || report.stopped) break;
+    if (from_start) copy(good_, system.independent(system.x));
+    const StepReport before = report;
+    report = solvePart(system, context);
+    addCounts(before, report);
+  }
+  return report;
+}
+
 /// The whole step, or what it was divided into; see the top of this file.
 StepReport StaticSolver::solveInParts(System& system, const StepContext& context) {
   constexpr double part_residual = 1e-4;
@@ -271,7 +304,7 @@ StepReport StaticSolver::solveInParts(System& system, const StepContext& context
         share < 1 ? std::max(part_residual, settings_.relative_residual) : settings_.relative_residual;
     problem_.setShare(share);
     copy(x, good_);
-    StepReport attempt = solvePart(system, end);
+    StepReport attempt = solveWithFallback(system, end);
     const bool good = attempt.newton_converged && !attempt.diverged;
     addCounts(report, attempt);
     report = attempt;

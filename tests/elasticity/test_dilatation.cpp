@@ -141,6 +141,41 @@ TEST(MeanDilatation, ANearlyIncompressibleTubeDoesNotLock) {
   }
 }
 
+/// What a scene that does not choose gets, by its forces.
+TEST(MeanDilatation, IsTheDefaultWhereCellsLock) {
+  const auto forces = [](const std::string& cut, const std::string& poisson, const std::string& attributes) {
+    std::string text = layers("method='svd' " + attributes, cut);
+    const std::size_t at = text.find("poissonRatio='") + 14;
+    text.replace(at, text.find('\'', at) - at, poisson);
+    FieldUnderTest t(text, cut.empty() ? "HexahedronFEMForceField" : "TetrahedronFEMForceField");
+    for (Index i = 0; i < t.x.count(); ++i) t.x[i].z() *= 1 + 3 * t.x[i].x();
+    const Vector f = t.force();
+    std::vector<double> all;
+    for (Index i = 0; i < f.count(); ++i)
+      for (int c = 0; c < 3; ++c) all.push_back(f[i][c]);
+    return all;
+  };
+  for (const std::string cut : {"", "six"})
+    for (const std::string poisson : {"0.3", "0.39", "0.42", "0.45", "0.46", "0.499"}) {
+      const bool mean = std::stod(poisson) > (cut.empty() ? 0.395 : 0.455);
+      const auto chosen = forces(cut, poisson, "");
+      EXPECT_EQ(chosen == forces(cut, poisson, "dilatation='mean'"), mean) << cut << " " << poisson;
+      EXPECT_EQ(chosen == forces(cut, poisson, "dilatation='local'"), !mean) << cut << " " << poisson;
+    }
+}
+
+TEST(MeanDilatation, WhereThereIsNoneLockingIsSaid) {
+  const auto warnings = [](const std::string& attributes) {
+    const Scene scene = sceneFromText(layers(attributes, "six"));
+    std::string all;
+    for (const Problem& problem : scene.diagnostics.problems()) all += problem.message + "\n";
+    return all;
+  };
+  EXPECT_NE(warnings("method='green'").find("locks"), std::string::npos);
+  EXPECT_NE(warnings("method='svd' dilatation='local'").find("locks"), std::string::npos);
+  EXPECT_EQ(warnings("method='svd'").find("locks"), std::string::npos);
+}
+
 TEST(MeanDilatation, RefusesAMaterialForEachCell) {
   std::string moduli;
   for (int cell = 0; cell < 16 * 6 * 6; ++cell) moduli += fmt::format("{} ", 1000 + cell);

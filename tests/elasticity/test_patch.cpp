@@ -10,7 +10,7 @@
 #include "tests/support/field_under_test.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 const std::vector<Vec3> inner{{.249, .342, .192}, {.826, .288, .288}, {.850, .649, .263}, {.273, .750, .230},
                               {.320, .186, .643}, {.677, .305, .683}, {.788, .693, .644}, {.165, .745, .702}};
@@ -176,5 +176,5 @@ TEST(PatchTest, LinearMethodIsExact) {
   }
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

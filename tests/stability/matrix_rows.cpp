@@ -88,7 +88,9 @@ std::string block(Cells cells, const std::string& field, const std::string& inte
 void addBlock(std::vector<Row>& out, Cells cells, const std::string& type, const std::string& variant,
               const std::string& attributes) {
   const char* names[] = {"tetrahedra", "boxes", "hexahedra"};
-  const std::string field = type + " " + attributes;
+  // the rows of the mean name it; the others are those of a volume change at each point
+  const bool is_open = type.ends_with("FEMForceField") && attributes.find("dilatation") == std::string::npos;
+  const std::string field = type + " " + attributes + (is_open ? " dilatation=\"local\"" : "");
   out.push_back({fmt::format("{} {}", variant.empty() ? type : names[int(cells)], variant), type,
                  [=](const std::string& integrator, const Condition& c) { return block(cells, field, integrator, c); },
                  slowestOfBlock, true, variant.empty()});

@@ -211,7 +211,7 @@ std::string scene(const Case& tested) {
   <MeshTopology name="mesh" position="{}" hexahedra="{}"/>
   <Node name="body"><StaticSolver newton_iterations="100" relative_residual_tolerance_threshold="1e-10"/><SparseLDLSolver/>
     {}<MechanicalObject/><DiagonalMass massDensity="1000"/>
-    <{}FEMForceField method="{}" tangent="exact" youngModulus="{}" poissonRatio="{}"/>{}
+    <{}FEMForceField method="{}" dilatation="local" tangent="exact" youngModulus="{}" poissonRatio="{}"/>{}
   </Node></Node>)",
                      g.x(), g.y(), g.z(), position, cells, body, tested.tetrahedra ? "Tetrahedron" : "Hexahedron",
                      tested.large ? "green" : "small", young_modulus, tested.poisson, tested.specimen.constraints);

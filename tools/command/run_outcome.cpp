@@ -118,6 +118,12 @@ void printSummary(const RunRequest& request, const Simulation& simulation, const
   if (outcome.statistics.divided_steps > 0)
     fmt::print("\n{} of the steps had to be divided, into up to {} parts", outcome.statistics.divided_steps,
                outcome.statistics.most_load_parts);
+  for (const auto& system : simulation.systems())
+    if (const Data* steps = system->integrator().data().find("exactTangentSteps"); steps && steps->print() != "0")
+      fmt::print(
+          "\nin {} of the steps {} failed with the approximate tangent of a force field and went on with the exact "
+          "one: tangent=\"exact\" there takes it from the start",
+          steps->print(), system->integrator().path());
   fmt::print("\nstate hash {:016x}\n", simulation.stateHash());
 }
 

@@ -2,6 +2,7 @@
 // The plan of a system: an item for each thing that acts, and for what could and does not.
 #include <fmt/format.h>
 
+#include "framework/mechanics/open_choices.h"
 #include "framework/simulation/integrator.h"
 #include "tools/plan/plan.h"
 
@@ -49,9 +50,13 @@ void addBodies(const System& system, std::vector<PlanItem>& items) {
 }
 
 void addForces(const System& system, std::vector<PlanItem>& items) {
-  for (const ForceField* field : system.forceFields())
-    items.push_back(
-        itemFor("force", *field, PlanWhen::each_evaluation, "each evaluation; " + traitsText(field->traits())));
+  for (const ForceField* field : system.forceFields()) {
+    const auto* open = dynamic_cast<const OpenChoices*>(field);
+    std::string choice = open ? open->choice() : std::string();
+    if (!choice.empty()) choice += ", ";
+    items.push_back(itemFor("force", *field, PlanWhen::each_evaluation,
+                            "each evaluation; " + choice + traitsText(field->traits())));
+  }
   if (system.forceFields().empty()) items.push_back({"forces", {}, {}, PlanWhen::skipped, "none but gravity", {}, {}});
 }
 

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "framework/scene/output_file.h"
+#include "tools/checks/cells_across.h"
 #include "tools/checks/empty_selections.h"
 #include "tools/checks/idle_parts.h"
 #include "tools/checks/result_doubts.h"
@@ -61,6 +62,7 @@ Simulation& Session::take(const std::string& file, Scene scene) {
   if (diagnostics.hasErrors()) throw SceneError(std::move(diagnostics));
   warnOfEmptySelections(simulation->root(), diagnostics);
   warnOfIdleParts(*simulation, diagnostics);
+  noteCoarseCells(*simulation, diagnostics);
   warnOfUnits(simulation->scene(), diagnostics);
   warnOfLaggedForces(*simulation, diagnostics);
   simulation_ = std::move(simulation);

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <string>
+
+namespace stroma {
+
+/// What a force field decides where a scene leaves it open, and what an integrator may decide for it.
+class OpenChoices {
+ public:
+  virtual ~OpenChoices() = default;
+  /// What was chosen, for the plan ("mean dilatation"); or empty.
+  virtual std::string choice() const { return {}; }
+  /// Takes the derivative of the force for the stiffness from the next addForce() on, where
+  /// ForceField::traits().exact_tangent is false; or what the scene asks for again. May make
+  /// ForceField::patternRevision() grow. False, and nothing changes, for a field that has no other stiffness.
+  virtual bool useExactTangent(bool) { return false; }
+};
+
+}  // namespace stroma

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tools/checks/cells_across.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "framework/mechanics/state_topology.h"
+#include "framework/mesh/cell_faces.h"
+#include "framework/mesh/cell_tables.h"
+
+namespace stroma {
+namespace {
+
+constexpr std::size_t most_cells = 100000, most_lines = 400;
+
+struct Side {
+  std::array<Index, 4> sorted;  ///< nodes; -1 for the fourth of a triangle
+  CellFace at;
+  CellFace across;  ///< the cell on the other side; -1: none
+};
+
+const CellKind& volumeKindOf(const Hexahedron&) { return cell_kinds::hexahedron; }
+const CellKind& volumeKindOf(const Tetrahedron&) { return cell_kinds::tetrahedron; }
+
+/// Sides in the order of cells and faces.
+template <class Cell>
+std::vector<Side> sidesOf(const std::vector<Cell>& cells, int faces) {
+  std::vector<Side> sides;
+  sides.reserve(cells.size() * std::size_t(faces));
+  for (std::size_t c = 0; c < cells.size(); ++c)
+    for (int f = 0; f < faces; ++f) {
+      Side side{{-1, -1, -1, -1}, {Index(c), f}, {-1, -1}};
+      const std::size_t corners = cells[c].size() == 4 ? 3 : 4;
+      for (std::size_t i = 0; i < corners; ++i)
+        side.sorted[i] = cells[c][std::size_t(volumeKindOf(cells[c]).faces[std::size_t(f)].nodes[i])];
+      std::sort(side.sorted.begin(), side.sorted.end());
+      sides.push_back(side);
+    }
+  std::vector<std::size_t> order(sides.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return sides[a].sorted < sides[b].sorted; });
+  for (std::size_t i = 0; i + 1 < order.size(); ++i) {
+    Side &a = sides[order[i]], &b = sides[order[i + 1]];
+    if (a.sorted == b.sorted) a.across = b.at, b.across = a.at, ++i;
+  }
+  return sides;
+}
+
+struct Line {
+  double length, cells;
+};
+
+Vec3 middle(const Side& side, const std::vector<Vec3>& position) {
+  Vec3 sum = Vec3::Zero();
+  int count = 0;
+  for (const Index n : side.sorted)
+    if (n >= 0) sum += position[n], ++count;
+  return sum / count;
+}
+
+/// Through opposite faces.
+Line lineFrom(const Side& start, const std::vector<Hexahedron>& cells, const std::vector<Side>& sides,
+              const std::vector<Vec3>& position) {
+  const Side* side = &start;
+  double count = 0;
+  while (count < double(cells.size())) {
+    ++count;
+    const std::size_t first = std::size_t(side->at.cell) * 6;
+    const Side* opposite = nullptr;
+    for (std::size_t f = 0; f < 6; ++f) {
+      const Side& other = sides[first + f];
+      const bool apart = std::none_of(other.sorted.begin(), other.sorted.end(), [&](Index n) {
+        return std::find(side->sorted.begin(), side->sorted.end(), n) != side->sorted.end();
+      });
+      if (apart) opposite = &other;
+    }
+    if (!opposite) return {0, 0};
+    if (opposite->across.cell < 0) return {(middle(*opposite, position) - middle(start, position)).norm(), count};
+    side = &sides[std::size_t(opposite->across.cell) * 6 + std::size_t(opposite->across.face)];
+  }
+  return {0, 0};
+}
+
+/// Along the normal; a cell counts with the cube root of six times its volume, the edge of the cube that six such fill.
+Line lineFrom(const Side& start, const std::vector<Tetrahedron>& cells, const std::vector<Side>& sides,
+              const std::vector<Vec3>& position) {
+  const auto plane = [&](const Side& side) -> Vec3 {
+    const Vec3 a = position[side.sorted[1]], b = position[side.sorted[2]], c = position[side.sorted[3]];
+    return Vec3((b - a).cross(c - a)).normalized();
+  };
+  const auto centre = [&](Index cell) -> Vec3 {
+    Vec3 sum = Vec3::Zero();
+    for (const Index n : cells[std::size_t(cell)]) sum += position[n] / 4;
+    return sum;
+  };
+  const auto triangleMiddle = [&](const Side& side) { return middle(side, position); };
+  const Vec3 origin = triangleMiddle(start);
+  Vec3 inward = plane(start);
+  if (inward.dot(centre(start.at.cell) - origin) < 0) inward = -inward;
+  CellFace at = start.at;
+  double reached = 0, size = 0, count = 0;
+  while (count < double(cells.size())) {
+    const Tetrahedron& cell = cells[std::size_t(at.cell)];
+    const Vec3 corner = position[cell[0]];
+    size += std::cbrt(
+        std::abs((position[cell[1]] - corner).cross(position[cell[2]] - corner).dot(position[cell[3]] - corner)));
+    ++count;
+    const Side* out = nullptr;
+    double nearest = std::numeric_limits<double>::infinity();
+    for (int f = 0; f < 4; ++f) {
+      if (f == at.face) continue;
+      const Side& side = sides[std::size_t(at.cell) * 4 + std::size_t(f)];
+      Vec3 normal = plane(side);
+      const Vec3 point = triangleMiddle(side);
+      if (normal.dot(point - centre(at.cell)) < 0) normal = -normal;
+      const double rate = normal.dot(inward);
+      if (rate <= 1e-9) continue;
+      const double along = normal.dot(point - origin) / rate;
+      if (along < nearest) nearest = along, out = &side;
+    }
+    if (!out) return {0, 0};
+    reached = std::max(reached, nearest);
+    if (out->across.cell < 0) return {reached, reached / (size / count)};
+    at = out->across;
+  }
+  return {0, 0};
+}
+
+double median(std::vector<double>& values) {
+  if (values.empty()) return 0;
+  const auto at = values.begin() + std::ptrdiff_t(values.size() / 2);
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+template <class Cell>
+Slenderness measure(const std::vector<Cell>& cells, const std::vector<Vec3>& position) {
+  Slenderness out;
+  if (cells.empty() || cells.size() > most_cells) return out;
+  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  for (const Cell& cell : cells)
+    for (const Index n : cell) low = low.cwiseMin(position[n]), high = high.cwiseMax(position[n]);
+  out.extent = (high - low).maxCoeff();
+  const std::vector<Side> sides = sidesOf(cells, int(volumeKindOf(cells[0]).faces.size()));
+  std::vector<const Side*> boundary;
+  for (const Side& side : sides)
+    if (side.across.cell < 0) boundary.push_back(&side);
+  const std::size_t stride = std::max<std::size_t>(1, boundary.size() / most_lines);
+  std::vector<double> lengths, counts;
+  for (std::size_t i = 0; i < boundary.size(); i += stride) {
+    const Line line = lineFrom(*boundary[i], cells, sides, position);
+    if (line.cells > 0) lengths.push_back(line.length);
+    if (line.cells > 0 && line.length < 0.3 * out.extent) counts.push_back(line.cells);
+  }
+  out.thickness = median(lengths);
+  out.cells = median(counts);
+  return out;
+}
+
+}  // namespace
+
+Slenderness slenderness(const std::vector<Hexahedron>& cells, const std::vector<Vec3>& position) {
+  return measure(cells, position);
+}
+Slenderness slenderness(const std::vector<Tetrahedron>& cells, const std::vector<Vec3>& position) {
+  return measure(cells, position);
+}
+
+std::string tooCoarseForBending(const Slenderness& body, bool hexahedra) {
+  // measured on cantilevers under their weight of 4 and 8 cubes over the height, at Poisson's ratios 0.3 to 0.499
+  constexpr double share_hexahedra = 1.2, share_tetrahedra = 3, limit = 0.03;
+  const double share = hexahedra ? share_hexahedra : share_tetrahedra;
+  if (!body.isSlender() || !(body.cells > 0)) return {};
+  const double n = body.cells, error = share / (n * n);
+  if (error < limit) return {};
+  const double too_stiff = error / (1 + error);
+  return fmt::format(
+      "{:.2g} {} lie over a thickness of {:.3g} in a body of {:.3g}: coarse for bending, where it is some {:.0f} % too "
+      "stiff. {} over the thickness are within 3 %{}",
+      n, hexahedra ? "hexahedra" : "tetrahedra", body.thickness, body.extent, 100 * too_stiff,
+      std::ceil(std::sqrt(share / limit)), hexahedra ? "" : "; so are fewer hexahedra, which bend better");
+}
+
+/// Its cells: of the kind that its name has, in a mesh of its state.
+static std::string coarsenessOf(const ForceField& field) {
+  const std::string type = field.type();
+  const bool not_tetrahedra = type.find("Hexahedron") != std::string::npos;
+  const bool not_hexahedra = type.find("Tetrahedr") != std::string::npos;
+  const std::vector<Vec3>& rest = field.state().rest_position;
+  for (const Topology* topology : topologiesOf(field.state())) {
+    const Mesh& mesh = topology->mesh();
+    if (mesh.overlap != 1 || std::size_t(mesh.nodes()) > rest.size()) continue;
+    if (!not_tetrahedra && !mesh.tetrahedra.empty())
+      return tooCoarseForBending(slenderness(mesh.tetrahedra, rest), false);
+    if (!not_hexahedra && !mesh.hexahedra.empty()) return tooCoarseForBending(slenderness(mesh.hexahedra, rest), true);
+  }
+  return {};
+}
+
+void noteCoarseCells(const Simulation& simulation, Diagnostics& diagnostics) {
+  for (const auto& system : simulation.systems())
+    for (const ForceField* field : system->forceFields()) {
+      const std::vector<std::string> known = field->cellFields();
+      if (std::find(known.begin(), known.end(), "vonMises") == known.end()) continue;
+      if (const std::string coarse = coarsenessOf(*field); !coarse.empty())
+        diagnostics.note(field->where(), field->path(), coarse);
+    }
+}
+
+}  // namespace stroma
