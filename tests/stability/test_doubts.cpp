@@ -130,10 +130,10 @@ TEST(Doubts, MeshesThatSpringsLetFoldAreNamed) {
   <RegularGridTopology name="grid" n="3 3 3" min="0 0 0" max="1 1 1"/><MechanicalObject/><UniformMass totalMass="1"/>
   <MeshSpringForceField stiffness="100"/></Node>)");
   Vector& x = block.systems()[0]->x;
-  EXPECT_EQ(doubtsOf(block), "");
+  EXPECT_EQ(doubtsText(block), "");
   for (Index i = 0; i < x.count(); ++i) x[i].y() *= -1;
-  EXPECT_TRUE(says(doubtsOf(block), "/grid at t = 0 s: 8 of 8 hexahedra are inside out at a corner"))
-      << doubtsOf(block);
+  EXPECT_TRUE(says(doubtsText(block), "/grid at t = 0 s: 8 of 8 hexahedra are inside out at a corner"))
+      << doubtsText(block);
 }
 
 TEST(Doubts, LateForcesUnderASecondOrderRuleAreNamed) {
@@ -159,7 +159,7 @@ TEST(Doubts, LateForcesUnderASecondOrderRuleAreNamed) {
   coupling="semi_implicit"/></Node></Node>)");
   ASSERT_EQ(early.scene().diagnostics.problems().size(), 1u);
   EXPECT_TRUE(says(early.scene().diagnostics.problems()[0].text(), "from before the step"));
-  EXPECT_EQ(doubtsOf(early), "");
+  EXPECT_EQ(doubtsText(early), "");
   for (const std::string rule : {"<BDFOdeSolver order='2'/>", "<NewmarkImplicitSolver/>", "<TrapezoidalRuleSolver/>"}) {
     EXPECT_TRUE(says(sponge(rule, "semi_implicit"), "from before the step")) << rule;
     EXPECT_EQ(sponge(rule, "implicit"), "") << rule;
