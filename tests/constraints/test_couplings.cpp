@@ -280,7 +280,8 @@ struct Column {
   std::string scene(const std::string& solver, const std::string& each, const std::string& attachment) const {
     return fmt::format(
         R"(<Node name="root" dt="1" gravity="0 {} 0">{}{}{}<AttachProjectiveConstraint name="glue"
-        object1="@lower/dofs" object2="@upper/dofs" indices1="{}" indices2="{}" {}/></Node>)",
+        object1="@lower/dofs" object2="@upper/dofs"
+        indices1="{}" indices2="{}" {}/></Node>)",
         -gravity, solver,
         body("lower", 0, lower, each + "<FixedProjectiveConstraint indices='" + level(int(lower), 0) + "'/>"),
         body("upper", lower, upper, each), level(int(lower), int(lower)), level(int(upper), 0), attachment);

@@ -10,7 +10,7 @@
 namespace stroma::test {
 namespace {
 
-std::string doubtsOf(const Simulation& simulation) {
+std::string doubtsText(const Simulation& simulation) {
   std::string all;
   for (const std::string& sentence : doubtsOf(simulation)) all += sentence + "\n";
   return all;
@@ -38,19 +38,19 @@ TEST(Doubts, StrainsBeyondALinearLawAreNamed) {
       Simulation simulation = cell(kind + "FEMForceField method=\"" + method + "\"");
       Vector& x = simulation.systems()[0]->x;
       for (Index i = 0; i < x.count(); ++i) x[i].x() *= 1.4;
-      EXPECT_EQ(doubtsOf(simulation), "");
+      EXPECT_EQ(doubtsText(simulation), "");
       for (Index i = 0; i < x.count(); ++i) x[i].x() *= 1.6 / 1.4;
-      const std::string text = doubtsOf(simulation);
+      const std::string text = doubtsText(simulation);
       for (const std::string word : {"/body/fem at t = 0 s", "strained beyond 50 %", "hedron ", ": 60 %"})
         EXPECT_TRUE(says(text, word)) << word << " in " << text;
       for (Index i = 0; i < x.count(); ++i) x[i].x() *= 0.4 / 1.6;
-      EXPECT_TRUE(says(doubtsOf(simulation), "strained beyond 50 %"));
+      EXPECT_TRUE(says(doubtsText(simulation), "strained beyond 50 %"));
     }
   // the law of large strains is asked for none
   Simulation simulation = cell("HexahedronHyperelasticityFEMForceField materialName=\"NeoHookean\"");
   Vector& x = simulation.systems()[0]->x;
   for (Index i = 0; i < x.count(); ++i) x[i].x() *= 1.6;
-  EXPECT_EQ(doubtsOf(simulation), "");
+  EXPECT_EQ(doubtsText(simulation), "");
 }
 
 /// An hourglass has no strain in the mean of the cell.
@@ -59,7 +59,7 @@ TEST(Doubts, StrainsAreThoseOfThePointsOfAHexahedron) {
   Vector& x = simulation.systems()[0]->x;
   const int signs[] = {1, -1, 1, -1, 1, -1, 1, -1};
   for (Index i = 0; i < 8; ++i) x[i].x() += 0.1 * signs[i] * 0.45;
-  const std::string text = doubtsOf(simulation);
+  const std::string text = doubtsText(simulation);
   EXPECT_TRUE(says(text, "1 of 1 elements are strained beyond 50 %")) << text;
 }
 
@@ -73,7 +73,7 @@ TEST(Doubts, EnergyFromNowhereIsNamed) {
   <SpringForceField springsIndices1="0 1" springsIndices2="1 2" lengths="1 1" stiffness="1000" damping="0"/></Node>)",
         dt, gravity, integrator));
     for (int step = 0; step < 200; ++step) EXPECT_FALSE(simulation.step().diverged);
-    return doubtsOf(simulation);
+    return doubtsText(simulation);
   };
   for (const std::string integrator :
        {"NewmarkImplicitSolver", "TrapezoidalRuleSolver", "EulerImplicitSolver trapezoidalScheme=\"true\""}) {
@@ -95,7 +95,7 @@ TEST(Doubts, VelocitiesThatRingAreNamed) {
   <SpringForceField springsIndices1="0 1" springsIndices2="1 2" lengths="1 1" stiffness="1000" damping="0"/></Node>)",
         dt, integrator));
     for (int step = 0; step < 40; ++step) EXPECT_FALSE(simulation.step().diverged);
-    return doubtsOf(simulation);
+    return doubtsText(simulation);
   };
   for (const std::string integrator : {"NewmarkImplicitSolver", "TrapezoidalRuleSolver", "VariationalSymplecticSolver",
                                        "EulerImplicitSolver trapezoidalScheme=\"true\""}) {
@@ -119,7 +119,7 @@ TEST(Doubts, ABodyThatHasSettledIsNotInDoubt) {
   <FixedProjectiveConstraint indices="0 1 2 3 4 5 6 7 8"/></Node></Node>)",
         rule));
     for (int step = 0; step < 3000; ++step) ASSERT_FALSE(simulation.step().diverged);
-    EXPECT_EQ(doubtsOf(simulation), "") << rule;
+    EXPECT_EQ(doubtsText(simulation), "") << rule;
   }
 }
 
@@ -147,7 +147,7 @@ TEST(Doubts, LateForcesUnderASecondOrderRuleAreNamed) {
   coupling="{}"/></Node></Node>)",
         integrator, coupling));
     EXPECT_FALSE(simulation.step().diverged);
-    return doubtsOf(simulation);
+    return doubtsText(simulation);
   };
   // known before the first step already
   Simulation early = simulationFromText(
