@@ -68,7 +68,10 @@ class CountingGround final : public ForceField {
   std::vector<Mat3> tangents_;
 };
 
-const bool registered = (factory().add<CountingGround>("TestCountingGround", "test"), true);
+/// A session that knows it.
+struct GroundSession : Session {
+  GroundSession() { factory().add<CountingGround>("TestCountingGround", "test"); }
+};
 
 struct Method {
   const char *integrator, *solver;
@@ -106,7 +109,7 @@ TEST(Stopping, ALongStepIsGivenUpWithinAFewOperations) {
   std::mt19937 random(7);
   for (const Method& method : methods) {
     SCOPED_TRACE(fmt::format("{} {}", method.integrator, method.solver));
-    Session whole;
+    GroundSession whole;
     whole.loadText(scene(method), "ground.xml");
     CountingGround& counter = groundOf(whole);
     std::vector<long> counts;  // after each step
@@ -119,7 +122,7 @@ TEST(Stopping, ALongStepIsGivenUpWithinAFewOperations) {
     for (int trial = 0; trial < 20; ++trial) {
       const long when = std::uniform_int_distribution<long>(1, counts.back() - 1)(random);
       SCOPED_TRACE(when);
-      Session session;
+      GroundSession session;
       Simulation& simulation = session.loadText(scene(method), "ground.xml");
       CountingGround& ground = groundOf(session);
       ground.when = when;
@@ -142,7 +145,7 @@ TEST(Stopping, ALongStepIsGivenUpWithinAFewOperations) {
 TEST(Stopping, TheCheckpointIsThatOfTheLastWholeStep) {
   for (const Method& method : methods) {
     SCOPED_TRACE(fmt::format("{} {}", method.integrator, method.solver));
-    Session whole, stopped;
+    GroundSession whole, stopped;
     whole.loadText(scene(method), "ground.xml");
     stopped.loadText(scene(method), "ground.xml");
     whole.run({.steps = 2});

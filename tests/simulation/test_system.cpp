@@ -185,7 +185,7 @@ TEST(SystemErrors, NameWhatIsWrong) {
   expectContains(
       problemsOf("<Node name='root'><MechanicalObject name='far' position='0 0 0'/><Node name='b'><TestIntegrator/>" +
                  state + "<TestSprings name='s' mstate='@/far'/></Node></Node>"),
-      "the force field /b/s acts on /far, which no integrator moves");
+      "/far: /b/s acts on this state, but no integrator moves it");
   expectContains(problemsOf(inRoot(state + R"(<Node name="c"><MechanicalObject name="dofs" size="1"/>
     <FixedProjectiveConstraint name="hold" indices="0"/><TestMean name="mean" input="@/dofs" output="@/c/dofs"/></Node>)")),
                  "/c/hold holds nodes of /c/dofs, whose positions follow from /dofs by /c/mean");
