@@ -5,7 +5,7 @@
 #include "tests/support/scene_fixture.h"
 
 namespace stroma::test {
-namespace {
+namespace STROMA_TEST_FILE {
 
 std::string told(const std::string& text) {
   Simulation simulation = simulationFromText(text);
@@ -47,5 +47,5 @@ TEST(IdleParts, CellsWithoutALawInAMixedMeshAreSaid) {
   EXPECT_EQ(told(mixed(tetrahedra + hexahedra)).find("no law"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

@@ -255,5 +255,15 @@ TEST_F(Words, AMissingComponentOfSofaIsRefusedWithWhatToDoInstead) {
   EXPECT_TRUE(has(run.err, "there is no component 'CollisionPipelin' (expected a name from 'stroma list'")) << run.err;
 }
 
+/// Who blows up a cavity reads the sign first, with the lines of a scene.
+TEST_F(Words, ThePageOfThePressureSaysFirstWhichSignInflatesACavity) {
+  const std::string page = stroma("doc SurfacePressureForceField").out;
+  const auto sign = page.find("A cavity is inflated by a NEGATIVE pressure"), selection = page.find("groupTriangleIndices");
+  ASSERT_NE(sign, std::string::npos) << page;
+  ASSERT_NE(selection, std::string::npos) << page;
+  EXPECT_LT(sign, page.find("Loaded are"));
+  EXPECT_LT(selection, page.find("Loaded are"));
+}
+
 }  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test
