@@ -47,9 +47,7 @@ class WarpedFactor final : public ApproximateInverse {
     return now_.rows == matrix.rows() && now_.key.pattern == matrix.key().pattern;
   }
   /// Is the matrix that of the last follow(), as far as the steps that were taken go?
-  bool isCurrent(const SystemMatrix& matrix) const {
-    return now_.key == matrix.key() || taken_back_ == matrix.key();
-  }
+  bool isCurrent(const SystemMatrix& matrix) const { return now_.key == matrix.key() || taken_back_ == matrix.key(); }
   void turn(const BlockMatrix& matrix, ConstRows positions);
   bool renew(SystemMatrix& matrix, SolveReport& report, StopToken stop);
   bool makeAgain(SystemMatrix& matrix, SolveReport& report, StopToken stop);

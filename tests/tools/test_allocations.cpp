@@ -159,6 +159,25 @@ std::string beam(const std::string& integrator, const std::string& more = {}) {
          more;
 }
 
+/// Products that go through relations, ties and mappings.
+TEST(Allocations, NoneInStepsOfCoupledNodes) {
+  if (!can_count) GTEST_SKIP() << "a sanitizer has its own malloc";
+  const std::string couplings[] = {
+      "<LinearRelationProjectiveConstraint indices='36 37 38  39 40 41' coefficients='1 -2 1'/>",
+      "<AttachProjectiveConstraint indices1='36 37' indices2='44 43' twoWay='1'/>",
+      "<Node name='ends'><MechanicalObject position='0 0 0.3  0.1 0.1 0.3'/><SubsetMapping indices='36 44'/>"
+      "<SpringForceField springsIndices1='0' springsIndices2='1' lengths='0.1' stiffness='100'/></Node>"};
+  for (const std::string& coupling : couplings)
+    for (const char* integrator : {"EulerImplicitSolver", "EulerImplicitSolver newtonIterations='3'"}) {
+      SCOPED_TRACE(coupling + integrator);
+      std::string body = beam(integrator, coupling);
+      const std::string solver = "<CGLinearSolver ";
+      body.insert(body.find(solver) + solver.size(), "template='GraphScattered' ");
+      Simulation simulation(test::sceneFromText("<Node name='root' dt='0.005' gravity='0 -1 0'>" + body + "</Node>"));
+      expectNoneInSteps(simulation);
+    }
+}
+
 /// Each with a memory, which has to be that of before when the other one fails.
 TEST(Allocations, NoneInStepsOfTwoBodies) {
   if (!can_count) GTEST_SKIP() << "a sanitizer has its own malloc";
