@@ -85,7 +85,6 @@ void HyperelasticForceField::declareParameters(DataTable& table) {
     for (const auto& [meaning, laws] : laws_of[name])
       meanings.push_back(fmt::format("{} ({})", meaning, fmt::join(laws, ", ")));
     table.add(name, named_[name])
-        .recompiled()
         .unit(units[name].size() > 1 ? "" : *units[name].begin())
         .help(fmt::format("{}: one value, or one per cell", fmt::join(meanings, "; ")));
   }

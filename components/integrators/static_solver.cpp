@@ -86,7 +86,7 @@ class StaticSolver final : public Integrator {
   bool mayDivide() const {
     return smallest_part_ < 1 && settings_.iterations >= 5 && !settings_.stop_when_residual_grows;
   }
-  bool checkFreeBodies(System& system, StepReport& report);
+  bool checkFreeBodies(System& system, StopToken stop, StepReport& report);
   StepReport solvePart(System& system, const StepContext& context);
   StepReport solveWithFallback(System& system, const StepContext& context);
   StepReport solveInParts(System& system, const StepContext& context);
@@ -200,11 +200,13 @@ std::string exactTangentHint(const System& system) {
   return {};
 }
 
-/// False, with the sentence, when a body has no equilibrium where the step starts.
-bool StaticSolver::checkFreeBodies(System& system, StepReport& report) {
+/// False, with the sentence, when a body has no equilibrium where the step starts; or when it is asked to stop.
+bool StaticSolver::checkFreeBodies(System& system, StopToken stop, StepReport& report) {
   problem_.giveUp();
   problem_.setShare(1);
   problem_.residual(force_);
+  report.stopped = stop.isStopAsked();
+  if (report.stopped) return false;
   const std::string sentence = freeBody(system, force_);
   checked_revision_ = revisionOfHolds(system);
   is_checked_ = sentence.empty();
@@ -221,7 +223,7 @@ StepReport StaticSolver::step(System& system, const StepContext& context) {
   StepReport report;
   const long held_before = std::exchange(held_, heldDirections(system.constraints()));
   const bool is_held_otherwise = !is_checked_ || held_ != held_before;
-  if (is_held_otherwise && !checkFreeBodies(system, report)) return report;
+  if (is_held_otherwise && !checkFreeBodies(system, context.stop, report)) return report;
   report = solveInParts(system, context);
   const bool tried_exact = exact_.isOn();
   if (tried_exact) {
@@ -234,7 +236,7 @@ StepReport StaticSolver::step(System& system, const StepContext& context) {
   if (!report.newton_converged && settings_.iterations > 1 && revisionOfHolds(system) != checked_revision_) {
     const Rows x = system.independent(system.x);
     copy(x, good_);
-    if (!checkFreeBodies(system, report)) return report;
+    if (!checkFreeBodies(system, context.stop, report)) return report;
     copy(good_, x);
     problem_.residual(force_);
   }

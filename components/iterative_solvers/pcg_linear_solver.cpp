@@ -53,10 +53,10 @@ class PCGLinearSolver final : public KrylovSolver, public FactorUser {
     if (ApproximateInverse* inverse = keptFor(matrix).inverse.get()) inverse->serialize(matrix, archive);
   }
   void keepFor(SystemMatrix& matrix) override {
-    if (ApproximateInverse* inverse = keptFor(matrix).inverse.get()) inverse->keep();
+    if (ApproximateInverse* inverse = keptFor(matrix).inverse.get()) inverse->keep(matrix);
   }
   void takeBackFor(SystemMatrix& matrix) override {
-    if (ApproximateInverse* inverse = keptFor(matrix).inverse.get()) inverse->takeBack();
+    if (ApproximateInverse* inverse = keptFor(matrix).inverse.get()) inverse->takeBack(matrix);
   }
   SolveReport solve(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms) override;
   Index mostRows() const override;

@@ -25,8 +25,8 @@ class ApproximateInverse {
   /// See LinearSolver::serializeFor().
   virtual void serialize(SystemMatrix& /*matrix*/, Archive&) {}
   /// See LinearSolver::keepFor().
-  virtual void keep() {}
-  virtual void takeBack() {}
+  virtual void keep(const SystemMatrix&) {}
+  virtual void takeBack(const SystemMatrix&) {}
   /// The multiple of its own diagonal that was added to the matrix so that a factorisation exists; 0: none.
   virtual double shift() const { return 0; }
 };

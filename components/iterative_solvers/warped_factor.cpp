@@ -43,6 +43,7 @@ void WarpedFactor::turn(const BlockMatrix& matrix, ConstRows x) {
 
 bool WarpedFactor::follow(SystemMatrix& matrix, SolveReport& report, StopToken stop) {
   start_ = std::chrono::steady_clock::now();
+  taken_back_ = {};
   if (now_.renew || !fits(matrix)) return renew(matrix, report, stop);
   if (factored_ != now_.origin && !makeAgain(matrix, report, stop)) return false;
   if (now_.key == matrix.key()) return true;
@@ -98,8 +99,9 @@ void WarpedFactor::noteRotations() {
   for (const Eigen::Quaterniond& rotation : now_.rotations) matrices_.push_back(rotation.toRotationMatrix());
 }
 
-void WarpedFactor::takeBack() {
+void WarpedFactor::takeBack(const SystemMatrix& matrix) {
   now_ = kept_;
+  taken_back_ = kept_current_ ? matrix.key() : MatrixKey{};
   noteRotations();
 }
 
@@ -107,7 +109,7 @@ void WarpedFactor::serialize(SystemMatrix& matrix, Archive& archive) {
   Origin& origin = origins_[now_.origin];
   // factors of a pattern that has gone are made anew by the next follow(): their values are not worth keeping
   if (!archive.isReading() && !fits(matrix)) now_.rows = -1, origin.values.clear();
-  bool is_current = now_.rows >= 0 && now_.key == matrix.key();
+  bool is_current = now_.rows >= 0 && isCurrent(matrix);
   archive.value("rows", now_.rows);
   archive.value("current", is_current);
   archive.value("renew", now_.renew);
@@ -122,6 +124,7 @@ void WarpedFactor::serialize(SystemMatrix& matrix, Archive& archive) {
   archive.list("factored_values", origin.values);
   if (!archive.isReading()) return;
   factored_ = none;
+  taken_back_ = {};
   if (now_.rows < 0) return;
   if (now_.rows != matrix.rows() || origin.values.size() != matrix.pattern().values().size())
     throw std::runtime_error(

@@ -30,9 +30,9 @@ class WarpedFactor final : public ApproximateInverse {
   bool follow(SystemMatrix& matrix, SolveReport& report, StopToken stop) override;
   void apply(ConstRows r, Rows z) override;
   void solved(int iterations) override;
-  void keep() override { kept_ = now_; }
+  void keep(const SystemMatrix& matrix) override { kept_ = now_, kept_current_ = isCurrent(matrix); }
   /// Factors that were renewed meanwhile are made again from the values before when they are needed.
-  void takeBack() override;
+  void takeBack(const SystemMatrix& matrix) override;
   /// With the values that were factored: they are factored again when they are needed.
   void serialize(SystemMatrix& matrix, Archive& archive) override;
   void reset() override {
@@ -45,6 +45,10 @@ class WarpedFactor final : public ApproximateInverse {
   /// Factors are kept, and of the matrix's present pattern.
   bool fits(const SystemMatrix& matrix) const {
     return now_.rows == matrix.rows() && now_.key.pattern == matrix.key().pattern;
+  }
+  /// Is the matrix that of the last follow(), as far as the steps that were taken go?
+  bool isCurrent(const SystemMatrix& matrix) const {
+    return now_.key == matrix.key() || taken_back_ == matrix.key();
   }
   void turn(const BlockMatrix& matrix, ConstRows positions);
   bool renew(SystemMatrix& matrix, SolveReport& report, StopToken stop);
@@ -78,6 +82,8 @@ class WarpedFactor final : public ApproximateInverse {
   static constexpr std::size_t none = 2;
   std::array<Origin, 2> origins_;  ///< that of the step before stays until the step is taken
   Memory now_, kept_;
+  bool kept_current_ = false;
+  MatrixKey taken_back_;  ///< what a step that was taken back left of the matrix of now_
   std::chrono::steady_clock::time_point start_;
   Vector work_;
   std::vector<Mat3> matrices_;  ///< of the rotations, shape (rows)

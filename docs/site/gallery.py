@@ -91,8 +91,9 @@ class Gallery:
         steps = max(1, run["steps"])
         parts = [*counted(plan), f"{steps:,} step{'s' if steps > 1 else ''} of {run['simulated_time'] / steps:.3g} s",
                  f"{duration(run['ms_per_step']['median'])} per step"]
-        farthest = max(run["greatest_displacements"], key=lambda one: one["metres"], default={"metres": 0})["metres"]
-        parts.append(f"largest displacement {1000 * farthest:.3g} mm")
+        farthest = max((one["distance"] for one in run["greatest_displacements"]), default=0)
+        unit = (run["units"] or {}).get("length", "")  # of no unit where a scene has no system of units
+        parts.append("largest displacement " + (f"{1000 * farthest:.3g} mm" if unit == "m" else f"{farthest:.3g} {unit}".rstrip()))
         return '<span class="numbers" markdown>' + " · ".join(parts) + "</span>"
 
     def _json(self, arguments, scratch):

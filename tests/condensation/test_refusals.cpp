@@ -83,7 +83,7 @@ TEST(CondensedRefusals, WhatOneMatrixDoesNotHave) {
                       .more = "<LinearRelationProjectiveConstraint indices=\"50 51\" coefficients=\"1 1\"/>"},
                 {"linear relations"});
   expectRefused(Block{.solver = "<CondensedStaticSolver/>",
-                      .more = "<AttachProjectiveConstraint indices1=\"50\" indices2=\"51\"/>"},
+                      .more = "<AttachProjectiveConstraint indices1=\"50\" indices2=\"51\" twoWay=\"false\"/>"},
                 {"follow others"});
   expectRefused(Block{.solver = "<CondensedStaticSolver surfaceIndices=\"700\"/>"}, {"surfaceIndices", "700"});
   expectRefused(Block{.solver = "<CondensedStaticSolver surfaceIndices=\"70\" condensed=\"false\"/>"},

@@ -75,8 +75,9 @@ std::vector<Case> cases() {
   for (const std::string& type : offered().preconditioners) {
     std::vector<std::string> settings = settingsOf(type);
     settings.emplace_back();
+    const bool takes_factors = factory().make(type)->data().find("linearSolver");
     for (const std::string& setting : settings) {
-      const std::string shared = element(type, "name='b' " + setting) + factors;
+      const std::string shared = element(type, "name='b' " + setting) + (takes_factors ? factors : "");
       all.push_back(
           {fmt::format("{} {}", type, setting), "<PCGLinearSolver name='solver' preconditioner='@b'/>" + shared});
       all.push_back({fmt::format("{} {} of two solvers", type, setting), shared,

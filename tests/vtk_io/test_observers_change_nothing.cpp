@@ -18,7 +18,7 @@ const std::map<std::string, std::string> asked_for = {
     {"Monitor", "indices='3 7' ExportPositions='1' ExportVelocities='1' ExportForces='1' fileName='watched'"},
     {"VTKExporter",
      "filename='body' exportEveryNumberOfSteps='1' pointsDataFields='displacement velocity force' "
-     "cellsDataFields='vonMises J strain'"},
+     "cellsDataFields='vonMises J'"},
     {"WriteState", "filename='all.state' period='0.01' writeX='1' writeX0='1' writeV='1' writeF='1'"},
 };
 
