@@ -18,7 +18,7 @@ from processes import PATIENCE, children, processor_seconds, until  # noqa: E402
 
 STROMA = os.path.abspath(sys.argv[1])
 MODULE = os.path.join(os.path.dirname(STROMA), "..", "lib", "test_modules", "fickle.so")
-MESHED = """<Node name="root" dt="0.01" gravity="0 {gravity} 0"><EulerExplicitSolver/>
+MESHED = """<Node name="root" units="m kg s" dt="0.01" gravity="0 {gravity} 0"><EulerExplicitSolver/>
 <MeshGmshLoader name="loader" filename="body.msh"/><TetrahedronSetTopologyContainer src="@loader"/>
 <MechanicalObject name="dofs"/><UniformMass totalMass="2"/><WriteState filename="written.state"/></Node>
 """
