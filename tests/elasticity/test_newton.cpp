@@ -76,13 +76,14 @@ TEST(ElasticNewton, TheMeanDilatationHasOneEquilibrium) {
   }
 }
 
-/// A warped tangent alone does not arrive this near to incompressibility. From a scene that leaves the tangent open the
-/// equilibrium of the exact one is found all the same, the count tells that it was needed, and the next step begins with
-/// the scene's tangent again.
+/// A warped tangent alone does not arrive this near to incompressibility under loads that bend the bar far (it does
+/// under lighter ones). From a scene that leaves the tangent open the equilibrium of the exact one is found all the
+/// same, the count tells that it was needed, and the next step begins with the scene's tangent again.
 TEST(ElasticNewton, AStaticSolveThatFailsGoesOnWithTheExactTangent) {
   for (const bool tetrahedra : {true, false}) {
-    Simulation exact = simulationFromText(bar(tetrahedra, "method='svd' tangent='exact'", 0.49999, 0.02));
-    Simulation open = simulationFromText(bar(tetrahedra, "method='svd'", 0.49999, 0.02));
+    const double mass = tetrahedra ? 0.15 : 0.05;
+    Simulation exact = simulationFromText(bar(tetrahedra, "method='svd' tangent='exact'", 0.49999, mass));
+    Simulation open = simulationFromText(bar(tetrahedra, "method='svd'", 0.49999, mass));
     ASSERT_TRUE(exact.step().newton_converged);
     const StepReport report = open.step();
     ASSERT_TRUE(report.newton_converged) << report.reason;

@@ -37,12 +37,13 @@ TEST(ViscousLaw, StepRelaxation) {
     }
 }
 
-/// Each point of a hexahedron has its own past: under any shape that is held, all stresses relax by the same share.
+/// Each point of a hexahedron has its own past: under any shape that is held, all stresses relax by the same share. With
+/// the dilatation of the points: viscosity has no mean one, and the elastic body to compare with must not take it.
 TEST(ViscousLaw, EveryPointOfAHexahedronRelaxes) {
   for (const LawCase& l : lawCases()) {
     SCOPED_TRACE(l.name);
     FieldUnderTest t(block(l.attributes + prony + update("exponential")), hexahedral),
-        elastic(block(l.attributes), hexahedral);
+        elastic(block(l.attributes + " dilatation=\"local\""), hexahedral);
     t.deform(0.05), elastic.deform(0.05);
     copy(t.x, t.system().x);
     t.field().reset();
