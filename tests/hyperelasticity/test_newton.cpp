@@ -84,7 +84,8 @@ TEST(HyperelasticNewton, BarTwistedByHalfATurn) {
   }
 }
 
-/// The upper face comes down to 30 % in 35 steps; faces glued. StVenantKirchhoff collapses under pressure by its law.
+/// The upper face comes down to 30 % in 35 steps; faces glued. StVenantKirchhoff collapses under pressure by its law. With
+/// the dilatation of the points: its mean alone does not resist that single points turn inside out.
 TEST(HyperelasticNewton, BlockPressedToThirtyPercent) {
   for (const LawCase& law : lawCases()) {
     if (law.name == "StVenantKirchhoff") continue;
@@ -97,7 +98,7 @@ TEST(HyperelasticNewton, BlockPressedToThirtyPercent) {
   <BoxROI name="high" box="-1 -1 0.099 1 1 1" position="@dofs.rest_position"/>
   <FixedProjectiveConstraint indices="@low.indices"/>
   <LinearMovementProjectiveConstraint indices="@high.indices" keyTimes="0 35" movements="0 0 0 0 0 -0.07" outside="hold"/>
-  <HexahedronHyperelasticityFEMForceField {} projectedTangent="true"/></Node>)",
+  <HexahedronHyperelasticityFEMForceField {} projectedTangent="true" dilatation="local"/></Node>)",
         law.attributes));
     StepReport report;
     int iterations = 0;

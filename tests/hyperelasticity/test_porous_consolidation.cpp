@@ -240,7 +240,7 @@ TEST(PorousConsolidation, AFluidThatStaysDoesNotLockHexahedra) {
     return "<" + porousKinds()[1].elastic + " materialName=\"NeoHookean\" ParameterSet=\"7692 " + attributes + "/>";
   };
   const double drained = tip(tissue("11538\"")), mean = tip(tissue("1e7\" dilatation=\"mean\"")),
-               local = tip(tissue("1e7\"")),
+               local = tip(tissue("1e7\" dilatation=\"local\"")),
                porous = tip(tissue("11538\"") + "<" + porousKinds()[1].field +
                             " fluidFraction=\"0.5\" bulkModulus=\"1\" limitModulus=\"1e7\" permeability=\"0\" "
                             "coupling=\"implicit\"/>");
