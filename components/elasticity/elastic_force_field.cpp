@@ -322,7 +322,8 @@ void ElasticForceField::compile() {
 }
 
 bool ElasticForceField::useExactTangent(bool exact) {
-  const bool has_other = tangent_ == Tangent::warped && variant_.method != ElasticMethod::small &&
+  // a tangent that the scene names stays
+  const bool has_other = tangent_ == Tangent::warped && !data().find("tangent")->isSet() && variant_.method != ElasticMethod::small &&
                          variant_.method != ElasticMethod::green && variant_.method != ElasticMethod::nodal;
   if (!has_other || variant_.exact_tangent == exact) return has_other;
   variant_.exact_tangent = exact;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <map>
 
+#include "framework/algebra/direct_solver.h"
 #include "framework/mesh/topology.h"
 #include "framework/scene/node.h"
 #include "framework/scene/usual_component.h"
@@ -202,6 +203,12 @@ class SystemSearch {
       if (dynamic_cast<const State*>(component) || dynamic_cast<const Topology*>(component)) continue;
       const auto beside = [component](const Integrator* each) { return &each->node() == &component->node(); };
       if (std::any_of(integrators_.begin(), integrators_.end(), beside)) continue;
+      // a direct solver whose factors another component takes from its own node
+      const auto takes_factors = [component](const Component* each) {
+        const auto* taker = dynamic_cast<const FactorUser*>(each);
+        return taker && &each->node() == &component->node() && taker->usesFactorOf(*component);
+      };
+      if (std::any_of(components.begin(), components.end(), takes_factors)) continue;
       diagnostics_.error(
           component->where(), component->path(),
           fmt::format("no integrator uses the {} {}: {} takes the one of its own node, {}", component->roleText(),
