@@ -323,8 +323,9 @@ void ElasticForceField::compile() {
 
 bool ElasticForceField::useExactTangent(bool exact) {
   // a tangent that the scene names stays
-  const bool has_other = tangent_ == Tangent::warped && !data().find("tangent")->isSet() && variant_.method != ElasticMethod::small &&
-                         variant_.method != ElasticMethod::green && variant_.method != ElasticMethod::nodal;
+  const bool has_other = tangent_ == Tangent::warped && !data().find("tangent")->isSet() &&
+                         variant_.method != ElasticMethod::small && variant_.method != ElasticMethod::green &&
+                         variant_.method != ElasticMethod::nodal;
   if (!has_other || variant_.exact_tangent == exact) return has_other;
   variant_.exact_tangent = exact;
   if (!other_method_) {
