@@ -91,6 +91,14 @@ class KeptMemory {
 void RunEdits::check(const LiveEdit& edit) const {
   for (const auto& system : systems_) {
     for (const MergedIntegrator& merged : system->merged())
+      if (edit.component() == &system->integrator() ||
+          (edit.component() && edit.component() == system->linearSolver() &&
+           merged.integrator->linearSolver() != system->linearSolver()))
+        throw ComponentError(
+            fmt::format("{} cannot change while the scene runs: {} couples the bodies of {} and {}, which must be alike",
+                        edit.name(), merged.because, system->integrator().path(), merged.integrator->path()),
+            "the same change of both in the scene");
+    for (const MergedIntegrator& merged : system->merged())
       if (edit.component() && edit.component() != system->linearSolver() &&
           (edit.component() == merged.integrator || edit.component() == merged.integrator->linearSolver()))
         throw ComponentError(
