@@ -140,11 +140,8 @@ TEST(Couplings, AttributesOfAnIntegratorThatStandsAsideDoNotChange) {
   } catch (const ComponentError& error) {
     expectContains(error.what(), "/a_b couples the bodies of /b/solver and /a/solver");
   }
-  simulation.step();
-  const Vec3 before = simulation.systems()[0]->v[30];
-  simulation.setAttribute("/a/solver", "rayleighMass", "1000");
-  simulation.step();
-  EXPECT_LT(simulation.systems()[0]->v[30].norm(), 0.5 * before.norm()) << "the damping is that of all bodies";
+  // and neither do those of the one that moves both: the scene would not be alike when it is written again
+  EXPECT_THROW(simulation.setAttribute("/a/solver", "rayleighMass", "1000"), ComponentError);
 }
 
 // ---- closed forms ----
