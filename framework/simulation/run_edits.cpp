@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <list>
 
 #include "framework/scene/node.h"
@@ -90,22 +91,20 @@ class KeptMemory {
 
 void RunEdits::check(const LiveEdit& edit) const {
   for (const auto& system : systems_) {
-    for (const MergedIntegrator& merged : system->merged())
-      if (edit.component() == &system->integrator() ||
-          (edit.component() && edit.component() == system->linearSolver() &&
-           merged.integrator->linearSolver() != system->linearSolver()))
+    // coupled integrators that are not alike would be refused when the changed scene is loaded again
+    for (const MergedIntegrator& merged : system->merged()) {
+      const Component* const own[] = {&system->integrator(), merged.integrator};
+      const Component* const solvers[] = {system->linearSolver(), merged.integrator->linearSolver()};
+      const bool is_shared = solvers[0] == solvers[1];
+      const auto isEdited = [&edit](const Component* each) { return edit.component() && edit.component() == each; };
+      if (std::any_of(std::begin(own), std::end(own), isEdited) ||
+          (!is_shared && std::any_of(std::begin(solvers), std::end(solvers), isEdited)))
         throw ComponentError(
-            fmt::format("{} cannot change while the scene runs: {} couples the bodies of {} and {}, which must be alike",
-                        edit.name(), merged.because, system->integrator().path(), merged.integrator->path()),
-            "the same change of both in the scene");
-    for (const MergedIntegrator& merged : system->merged())
-      if (edit.component() && edit.component() != system->linearSolver() &&
-          (edit.component() == merged.integrator || edit.component() == merged.integrator->linearSolver()))
-        throw ComponentError(
-            fmt::format("{} would have no effect: {} couples the bodies of {} and {}, and the second "
-                        "moves them all",
+            fmt::format("{} cannot change while the scene runs: {} couples the bodies of {} and {}, "
+                        "integrators that must stay alike",
                         edit.name(), merged.because, merged.integrator->path(), system->integrator().path()),
-            fmt::format("an attribute of {} or of its linear solver", system->integrator().path()));
+            "one integrator in a node above both bodies", "load the scene again with the new value for both");
+    }
     if (!system->integrator().stateOwner()) continue;
     const std::vector<Component*>& own = system->components();
     const auto inside = [&own](const Component* component) {

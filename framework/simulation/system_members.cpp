@@ -35,7 +35,8 @@ Component* partnerOf(const Component& owner, const LinkBase& link) {
 /// In which attribute two components differ, or empty. What they use is looked into as well.
 std::string differenceOf(const Component& a, const Component& b, int depth = 0) {
   constexpr int deepest = 3;  // integrator, linear solver, preconditioner, its factors
-  if (a.type() != b.type()) return fmt::format("{} is a {} and {} a {}", a.path(), a.type(), b.path(), b.type());
+  if (a.type() != b.type())
+    return fmt::format("{} has the type {} and {} the type {}", a.path(), a.type(), b.path(), b.type());
   for (std::size_t i = 0; i < a.data().all().size(); ++i) {
     const Data &first = a.data().all()[i], &second = b.data().all()[i];
     if (first.isOutput()) continue;
@@ -214,7 +215,8 @@ class SystemSearch {
           fmt::format("no integrator uses the {} {}: {} takes the one of its own node, {}", component->roleText(),
                       component->path(), user->first->path(), user->first->node().path()),
           fmt::format("the {} in the node of the integrator, or named by it", component->roleText()),
-          fmt::format("move it to {}, or remove it", user->first->node().path()));
+          partnerOf(*user->first, *user->second) ? std::string("remove it")
+                                                 : fmt::format("move it to {}", user->first->node().path()));
     }
   }
 

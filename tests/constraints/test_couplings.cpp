@@ -130,7 +130,7 @@ TEST(Couplings, ExplainTellsWhatMovesTogetherAndWhy) {
   expectContains(text, "system of /far/solver: 27 nodes");
 }
 
-TEST(Couplings, AttributesOfAnIntegratorThatStandsAsideDoNotChange) {
+TEST(Couplings, AttributesOfCoupledIntegratorsDoNotChangeAlone) {
   const std::string integrator = "<EulerImplicitSolver name='solver'/><SparseLDLSolver/>";
   Simulation simulation =
       simulationFromText(scene(block("a", 2, 0, integrator) + block("b", 2, 2, integrator) + attachment("a", "b")));
@@ -140,8 +140,20 @@ TEST(Couplings, AttributesOfAnIntegratorThatStandsAsideDoNotChange) {
   } catch (const ComponentError& error) {
     expectContains(error.what(), "/a_b couples the bodies of /b/solver and /a/solver");
   }
-  // and neither do those of the one that moves both: the scene would not be alike when it is written again
+  // and neither do those of the one that moves both: the scene would be refused when it is loaded again
   EXPECT_THROW(simulation.setAttribute("/a/solver", "rayleighMass", "1000"), ComponentError);
+}
+
+/// What the first integrator says holds for all bodies: both fall, and damped both fall slower.
+TEST(Couplings, TheFirstIntegratorMovesAllBodies) {
+  const auto fall = [](const std::string& damping) {
+    const std::string integrator = "<EulerImplicitSolver " + damping + "/><SparseLDLSolver/>";
+    Simulation simulation =
+        simulationFromText(scene(block("a", 2, 0, integrator) + block("b", 2, 2, integrator) + attachment("a", "b")));
+    for (int step = 0; step < 2; ++step) simulation.step();
+    return simulation.systems()[0]->v[30].norm();
+  };
+  EXPECT_LT(fall("rayleighMass='1000'"), 0.5 * fall(""));
 }
 
 // ---- closed forms ----
