@@ -1,0 +1,395 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// BarrierContact: surfaces that push each other apart before they touch, and never pass through each other.
+//
+// Between the surfaces of `mstate` and `other`, of each with itself (selfContact) and with obstacles acts a pressure that
+// depends on the gap d. With r = d/contactDistance and stiffness kappa it is, for r < 1,
+//
+//   p = kappa (2 (r - 1) ln r + (r - 1)^2 / r)
+//
+// Its energy per area, -kappa contactDistance (r - 1)^2 ln r, has no bound as the gap closes. Under kappa/10 surfaces rest
+// at 0.83 contactDistance, under kappa/1000 at 0.98. Vertices carry their share of the surface (contact_terms.h), so that
+// forces hardly depend on the mesh. The tangent is that of p along the normals alone. The gap is the distance less
+// `thickness`.
+//
+// Friction: with l the normal force of a contact and u the way along the surfaces since the start of the step, the force
+// is mu l f against u, f = 2 y - y^2 with y = |u| / (slipVelocity dt) below 1, else 1. What sticks therefore creeps, at
+// less than slipVelocity. l and directions are those of the solve before; solves are repeated until they no longer
+// change, at most frictionIterations times.
+//
+// Every iterate is shortened where something would pass through something, and round-off is taken into account. After each
+// step an exact test of all edges against all triangles finds what crosses all the same; `crossings` counts such steps.
+// A start with surfaces in one another is refused, and so are integrators that do not ask how far they may step, explicit
+// ones and those with one linear solve: EulerImplicitSolver with newtonIterations, or StaticSolver.
+//
+// Surfaces are the boundary of the volume cells of a mesh, or its triangles and quads when it has none. Places of one
+// piece that are nearer than contactDistance at rest do not push each other, and are kept from crossing. Obstacles are
+// planes (nx ny nz o: bodies are where n.x > o), spheres (x y z r), capsules (x y z  x y z  r) and boxes (two corners).
+// They stand, or move together by `movements` at `keyTimes`, in each solve as far as nothing is in their way; a step is
+// solved again until they have come all the way.
+//
+// Source: Li, Ferguson, Schneider, Langlois, Zorin, Panozzo, Jiang and Kaufman 2020; Li et al. 2023 (physical barrier).
+//
+// Example:
+// <Node name="root" dt="0.01" gravity="0 0 -9.81">
+//   <EulerImplicitSolver newtonIterations="30"/>
+//   <SparseLDLSolver/>
+//   <MeshTopology position="0 0 0  1 0 0  0 1 0  0.3 0.3 0.8" tetrahedra="0 1 2 3"/>
+//   <MechanicalObject/>
+//   <UniformMass totalMass="2"/>
+//   <TetrahedronFEMForceField youngModulus="1e5" poissonRatio="0.3"/>
+//   <BarrierContact contactDistance="0.25" planes="-0.19 0.29 0.94 -0.35"/>
+// </Node>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "components/contact/contact_bodies.h"
+#include "components/contact/contact_friction.h"
+#include "components/contact/contact_obstacles.h"
+#include "framework/mechanics/force_field.h"
+#include "framework/mechanics/state_topology.h"
+#include "framework/mechanics/step_limiter.h"
+#include "framework/scene/archive.h"
+#include "framework/scene/factory.h"
+#include "framework/scene/node.h"
+
+namespace stroma {
+namespace {
+
+using namespace contact;
+
+class BarrierContact final : public ForceField, public StepLimiter {
+ public:
+  void declare(DataTable& table) override;
+  void init() override;
+  std::vector<State*> states() const override {
+    return other_state_ ? std::vector<State*>{&state(), other_state_} : std::vector<State*>{&state()};
+  }
+  ForceTraits traits() const override {
+    ForceTraits traits;
+    traits.symmetric = true;
+    traits.conservative = friction_.mu == 0;
+    return traits;
+  }
+  void compile() override;
+  double energy(ConstRows x) const override;
+  void addForce(ConstRows x, ConstRows v, Rows f) override;
+  void addStiffnessProduct(ConstRows dx, double factor, Rows df) const override {
+    terms_.addProduct(dx, factor, df);
+    friction_.terms().addProduct(dx, factor, df);
+  }
+  void addPattern(BlockPattern& pattern) const override;
+  long patternRevision() const override { return pattern_revision_; }
+  void addStiffness(double factor, BlockMatrix& matrix) const override {
+    terms_.addTo(factor, matrix);
+    friction_.terms().addTo(factor, matrix);
+  }
+  void addStiffnessDiagonal(double factor, std::vector<double>& blocks) const override {
+    terms_.addDiagonal(factor, blocks);
+    friction_.terms().addDiagonal(factor, blocks);
+  }
+  void stepBegins(ConstRows x, double t, double t_end) override;
+  double longestStep(ConstRows x, ConstRows dx) override;
+  bool movesOn(ConstRows x) override;
+  std::string overlap(ConstRows x) override;
+  void reset() override;
+  void serialize(Archive& archive) override;
+
+ private:
+  void lookAgain(const std::vector<Vec3>& x) const;
+  Term termOf(const Touch& touch) const;
+  void noteSlides();
+  void slideTo(const std::vector<Vec3>& x) {
+    friction_.compute(law_.surfaces, x, start_, law_.moved - moved_at_start_);
+  }
+  bool obstaclesArrive();
+  std::string nameOf(int vertex) const { return nameOfVertex(law_.surfaces, states(), vertex); }
+  void noteOutputs();
+
+  // ---- attributes ----
+  BarrierLaw law_;
+  Friction friction_;
+  double stiffness_ = 0, slip_velocity_ = 1e-4;
+  int friction_iterations_ = 10;
+  bool self_ = true;
+  Link<State> other_{"mechanical state"};
+  TopologyLink topology_;
+  Obstacles obstacles_;
+  int crossings_ = 0;
+  double smallest_gap_ = 0;
+  std::vector<Vec3> contact_forces_;
+
+  State* other_state_ = nullptr;
+  double kappa_ = 0;
+  mutable long pattern_revision_ = 0;
+  mutable std::vector<Vec3> x_;  ///< of all vertices; work space
+  std::vector<Vec3> start_;      ///< at the start of the step
+  Vec3 moved_at_start_ = Vec3::Zero(), goal_ = Vec3::Zero();
+  double travel_ = 0;  ///< the longest way of a vertex in the last step [m]
+  int rounds_ = 0;
+  Terms terms_;  ///< of the last force
+};
+
+void BarrierContact::declare(DataTable& table) {
+  ForceField::declare(table);
+  table.addLink("other", other_).help("state of a second body; without it, mstate meets itself and obstacles");
+  topology_.declare(table, "mesh whose surface mstate has");
+  table.add("contactDistance", law_.range)
+      .help("gap below which surfaces push; 0: a tenth of their mean edge")
+      .unit("m")
+      .min(0);
+  table.add("stiffness", stiffness_)
+      .help("kappa; 0: a tenth of the largest youngModulus of the bodies")
+      .unit("Pa")
+      .min(0);
+  table.add("thickness", law_.thickness).help("distance of two surfaces at which their gap is zero").unit("m").min(0);
+  table.add("friction", friction_.mu).help("Coulomb's coefficient mu").unit("-").min(0);
+  table.add("slipVelocity", slip_velocity_).help("what sticks may creep as fast").unit("m/s").min(0, false);
+  table.add("frictionIterations", friction_iterations_)
+      .help("most solves of a step for directions of friction")
+      .unit("-")
+      .min(1);
+  table.add("selfContact", self_).help("a body meets itself; several bodies of one state meet by this too");
+  obstacles_.declare(table);
+  table.add("crossings", crossings_).help("steps after which an edge and a triangle had a point in common").output();
+  table.add("smallestGap", smallest_gap_)
+      .help("smallest gap after the last step; 0: nothing is in reach")
+      .unit("m")
+      .output();
+  table.add("contactForces", contact_forces_)
+      .help("normal contact force on each node of mstate after the last step")
+      .unit("N")
+      .output();
+}
+
+void BarrierContact::init() {
+  ForceField::init();
+  other_state_ = other_.target() && other_.get() != &state() ? other_.get() : nullptr;
+  for (const State* body : states())
+    if (!body->row_kinds.empty())
+      throw ComponentError(fmt::format("{} has rows that are no points", body->path()), "a state of points");
+  obstacles_.init();
+  kappa_ = stiffness_ > 0 ? stiffness_ : 0.1 * largestYoungModulus(states());
+  if (!(kappa_ > 0))
+    throw ComponentError("stiffness is not given, and no body here has a youngModulus from which it would follow",
+                         "stiffness=\"...\" in pascal, about a tenth of the bodies' Young's modulus");
+}
+
+void BarrierContact::compile() {
+  law_.surfaces.clear();
+  for (const State* body : states()) {
+    const Topology* topology = body == &state() ? topology_.find(*this, *body) : nullptr;
+    if (!topology && !(topology = topologyOf(*body)))
+      throw ComponentError(fmt::format("{} has no mesh, so no surface", body->path()), "a topology beside it");
+    const std::size_t before = law_.surfaces.faces.size();
+    law_.surfaces.addState(*body, topology->mesh());
+    if (law_.surfaces.faces.size() == before)
+      throw ComponentError(fmt::format("the mesh of {} has no triangle, quad or volume cell", body->path()),
+                           "a surface");
+  }
+  obstacles_.addTo(law_);
+  law_.surfaces.finish();
+  if (law_.range == 0) law_.range = 0.1 * law_.surfaces.meanEdge();
+  law_.candidates.self_contact = self_;
+  law_.compile();
+  goal_ = law_.moved = moved_at_start_ = obstacles_.displacement(state().node().root().root_time);
+  terms_.clear(), friction_.clear();
+  travel_ = 0;
+  ++pattern_revision_;
+  const std::vector<Vec3> x = presentPositions(law_.surfaces, states(), law_.moved);
+  refuseOverlap(law_, x, [this](int vertex) { return nameOf(vertex); });
+  law_.candidates.forget();  // as after reset()
+}
+
+// ---- forces ----
+
+void BarrierContact::lookAgain(const std::vector<Vec3>& x) const {
+  if (law_.candidates.covers(x)) return;
+  const double least = 0.5 * law_.range;
+  law_.candidates.find(x, std::max(least, std::min(2 * travel_, law_.surfaces.meanEdge())));
+  law_.weigh(x);
+  ++pattern_revision_;
+}
+
+double BarrierContact::energy(ConstRows x) const {
+  law_.surfaces.gather(x, law_.moved, x_);
+  lookAgain(x_);
+  double sum = 0;
+  for (const Touch& touch : law_.touches(x_)) sum += kappa_ * touch.share * Barrier(touch.gap, touch.range).value;
+  return sum;
+}
+
+Term BarrierContact::termOf(const Touch& touch) const {
+  Term term;
+  for (std::size_t i = 0; i < 4; ++i) term.rows[i] = touch.v[i] >= 0 ? law_.surfaces.rows[std::size_t(touch.v[i])] : -1;
+  term.c = touch.c;
+  const Barrier barrier(touch.gap, touch.range);
+  term.force = -kappa_ * touch.share * barrier.slope * touch.n;
+  term.m = std::max(0.0, kappa_ * touch.share * barrier.curvature) * touch.n * touch.n.transpose();
+  return term;
+}
+
+void BarrierContact::addForce(ConstRows x, ConstRows, Rows f) {
+  law_.surfaces.gather(x, law_.moved, x_);
+  lookAgain(x_);
+  law_.weigh(x_);
+  terms_.clear();
+  for (const Touch& touch : law_.touches(x_)) terms_.push_back(termOf(touch));
+  terms_.addForce(f);
+  if (friction_.mu == 0) return;
+  slideTo(x_);
+  friction_.terms().addForce(f);
+}
+
+void BarrierContact::addPattern(BlockPattern& pattern) const {
+  for (const Candidate& pair : law_.candidates.pairs()) {
+    if (!pair.pushes) continue;
+    std::array<Index, 4> rows;
+    int count = 0;
+    for (const int v : pair.v)
+      if (const Index row = law_.surfaces.rows[std::size_t(v)]; row >= 0) rows[std::size_t(count++)] = row;
+    pattern.addClique(rows.data(), count);
+  }
+  friction_.terms().addPattern(pattern);
+  terms_.addPattern(pattern);
+}
+
+// ---- friction ----
+
+/// Of the touches at the positions of x_.
+void BarrierContact::noteSlides() {
+  friction_.slides.clear();
+  if (friction_.mu == 0) return;
+  for (const Touch& touch : law_.touches(x_))
+    if (const double l = -kappa_ * touch.share * Barrier(touch.gap, touch.range).slope; l > 0)
+      friction_.slides.push_back({touch.v, touch.c, touch.n, friction_.mu * l, touch.v[1] < 0});
+}
+
+// ---- steps ----
+
+void BarrierContact::stepBegins(ConstRows x, double t, double t_end) {
+  law_.surfaces.gather(x, law_.moved, x_);
+  if (start_.size() == x_.size()) {
+    travel_ = 0;
+    for (std::size_t v = 0; v < x_.size(); ++v) travel_ = std::max(travel_, (x_[v] - start_[v]).norm());
+  }
+  start_ = x_;
+  moved_at_start_ = law_.moved;
+  friction_.slip = slip_velocity_ * (t_end - t);
+  rounds_ = 0;
+  lookAgain(x_);
+  law_.weigh(x_);
+  noteSlides();
+  goal_ = obstacles_.displacement(t_end);
+  obstaclesArrive();
+}
+
+/// Moves obstacles towards their goal as far as bodies let them; true when they are there.
+bool BarrierContact::obstaclesArrive() {
+  const Vec3 way = goal_ - law_.moved;
+  if (way.isZero(0)) return true;
+  std::vector<Vec3> dx(x_.size(), Vec3::Zero());
+  for (std::size_t v = 0; v < dx.size(); ++v)
+    if (!law_.surfaces.moves(int(v))) dx[v] = way;
+  const double step = law_.longestStep(x_, dx, way);
+  law_.moved = step < 1 ? Vec3(law_.moved + step * way) : goal_;
+  for (std::size_t v = 0; v < dx.size(); ++v) x_[v] += step * dx[v];
+  return step == 1;
+}
+
+double BarrierContact::longestStep(ConstRows x, ConstRows dx) {
+  law_.surfaces.gather(x, law_.moved, x_);
+  std::vector<Vec3> way(x_.size(), Vec3::Zero());
+  for (std::size_t v = 0; v < way.size(); ++v)
+    if (const Index row = law_.surfaces.rows[v]; row >= 0) way[v] = dx[row];
+  return law_.longestStep(x_, way, Vec3::Zero());
+}
+
+bool BarrierContact::movesOn(ConstRows x) {
+  constexpr int most_rounds = 1000;
+  law_.surfaces.gather(x, law_.moved, x_);
+  const bool arrived = (goal_ - law_.moved).isZero(0);
+  if (!arrived && rounds_ < most_rounds) {
+    ++rounds_;
+    law_.weigh(x_);
+    noteSlides();
+    obstaclesArrive();
+    return true;
+  }
+  if (friction_.mu == 0 || ++rounds_ >= friction_iterations_) return false;
+  slideTo(x_);
+  const std::vector<Vec3> before = friction_.forces(x_.size());
+  law_.weigh(x_);
+  noteSlides();
+  slideTo(x_);
+  double change = 0, size = 0;
+  const std::vector<Vec3> after = friction_.forces(x_.size());
+  for (std::size_t v = 0; v < before.size(); ++v)
+    change += (after[v] - before[v]).squaredNorm(), size += after[v].squaredNorm();
+  return change > 1e-6 * size;
+}
+
+void BarrierContact::noteOutputs() {
+  smallest_gap_ = 0;
+  contact_forces_.assign(std::size_t(state().size()), Vec3::Zero());
+  for (const Touch& touch : law_.touches(x_)) {
+    if (smallest_gap_ == 0 || touch.gap < smallest_gap_) smallest_gap_ = touch.gap;
+    const Term term = termOf(touch);
+    for (std::size_t i = 0; i < 4; ++i)
+      if (const Index node = term.rows[i] - state().firstRow(); term.rows[i] >= 0 && node >= 0 && node < state().size())
+        contact_forces_[std::size_t(node)] += term.c[i] * term.force;
+  }
+}
+
+std::string BarrierContact::overlap(ConstRows x) {
+  law_.surfaces.gather(x, law_.moved, x_);
+  const auto crossings = law_.candidates.crossings(x_);
+  lookAgain(x_);
+  noteOutputs();
+  std::string found;
+  if (!crossings.empty()) {
+    found = fmt::format("{} edges and triangles of {} cross; {}", crossings.size(), path(),
+                        describe(crossings.front(), law_.surfaces, [this](int vertex) { return nameOf(vertex); }));
+  } else if (smallest_gap_ < 0) {
+    found = fmt::format("a gap of {} is {:.3g} m", path(), smallest_gap_);
+  } else if (!(goal_ - law_.moved).isZero(0)) {
+    return fmt::format("the obstacles of {} have not come all their way: {:.3g} m are left", path(),
+                       (goal_ - law_.moved).norm());
+  }
+  crossings_ += !found.empty();
+  return found;
+}
+
+void BarrierContact::reset() {
+  law_.candidates.forget();
+  goal_ = law_.moved = moved_at_start_ = obstacles_.displacement(state().node().root().root_time);
+  start_.clear(), terms_.clear(), friction_.clear();
+  travel_ = 0, crossings_ = 0;
+  ++pattern_revision_;
+}
+
+void BarrierContact::serialize(Archive& archive) {
+  archive.list("found_at", law_.candidates.foundAt());
+  archive.value("margin", law_.candidates.margin());
+  archive.list("start", start_);
+  for (int k = 0; k < 3; ++k) archive.value(std::string("moved_") + char('x' + k), law_.moved[k]);
+  archive.value("crossings", crossings_);
+  archive.value("travel", travel_);
+  if (!archive.isReading()) return;
+  goal_ = law_.moved;
+  const std::vector<Vec3> at = law_.candidates.foundAt();
+  if (at.size() == law_.surfaces.rows.size()) {
+    law_.candidates.find(at, law_.candidates.margin());
+    law_.weigh(at);
+  }
+  ++pattern_revision_;
+}
+
+}  // namespace
+}  // namespace stroma
+
+STROMA_COMPONENT(barrier_contact) {
+  factory.add<stroma::BarrierContact>("BarrierContact",
+                                      "surfaces that push each other apart and never pass through each other");
+}

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "components/contact/contact_candidates.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+
+#include "framework/collision/exact_intersection.h"
+
+namespace stroma::contact {
+
+namespace {
+bool has(const std::array<int, 3>& face, int vertex) {
+  return face[0] == vertex || face[1] == vertex || face[2] == vertex;
+}
+}  // namespace
+
+void Candidates::compile(const Surfaces& surfaces) {
+  surfaces_ = &surfaces;
+  hierarchies_.assign(surfaces.bodies().size(), {});
+  boxes_.assign(surfaces.bodies().size(), {});
+  for (std::size_t b = 0; b < boxes_.size(); ++b) boxes_[b].resize(std::size_t(surfaces.bodies()[b].faces));
+  fit(surfaces.rest, nullptr);
+  for (std::size_t b = 0; b < boxes_.size(); ++b) hierarchies_[b].build(boxes_[b]);
+  forget();
+}
+
+bool Candidates::mayMeet(int a, int b) const {
+  const auto& bodies = surfaces_->bodies();
+  if (a == b) return self_contact && bodies[std::size_t(a)].moves;
+  return bodies[std::size_t(a)].moves || bodies[std::size_t(b)].moves;
+}
+
+void Candidates::fit(const std::vector<Vec3>& x, const std::vector<Vec3>* dx) {
+  for (std::size_t b = 0; b < boxes_.size(); ++b) {
+    const Surfaces::Body& body = surfaces_->bodies()[b];
+    for (int f = 0; f < body.faces; ++f) {
+      Box box;
+      const std::size_t face = std::size_t(body.first_face + f);
+      for (const int v : surfaces_->faces[face]) {
+        box.add(x[std::size_t(v)]);
+        if (dx) box.add(x[std::size_t(v)] + (*dx)[std::size_t(v)]);
+      }
+      box.low.array() -= surfaces_->radius[face], box.high.array() += surfaces_->radius[face];
+      boxes_[b][std::size_t(f)] = box;
+    }
+    hierarchies_[b].refit(boxes_[b]);
+  }
+}
+
+template <class Visit>
+void Candidates::forEachNearPair(double margin, Visit&& visit) const {
+  const auto& bodies = surfaces_->bodies();
+  for (int a = 0; a < int(bodies.size()); ++a)
+    for (int b = a; b < int(bodies.size()); ++b)
+      if (mayMeet(a, b))
+        Hierarchy::pairs(hierarchies_[std::size_t(a)], hierarchies_[std::size_t(b)], margin, [&](int f, int g) {
+          visit(bodies[std::size_t(a)].first_face + f, bodies[std::size_t(b)].first_face + g);
+        });
+}
+
+Candidate Candidates::vertexAndFace(int vertex, int face) const {
+  const Surfaces& s = *surfaces_;
+  const auto& f = s.faces[std::size_t(face)];
+  const double own =
+      s.radius[std::size_t(s.faces_around.values[std::size_t(s.faces_around.start[std::size_t(vertex)])])];
+  return {PairKind::point_triangle, vertex, face, {vertex, f[0], f[1], f[2]}, own + s.radius[std::size_t(face)], true};
+}
+
+Candidate Candidates::twoEdges(int a, int b, double radius) const {
+  if (a > b) std::swap(a, b);
+  const auto &p = surfaces_->edges[std::size_t(a)], &q = surfaces_->edges[std::size_t(b)];
+  return {PairKind::edge_edge, a, b, {p[0], p[1], q[0], q[1]}, radius, true};
+}
+
+/// The pairs that two triangles stand for: each vertex and edge belongs to one triangle.
+template <class Visit>
+void Candidates::pairsOf(int f, int g, Visit&& visit) const {
+  const Surfaces& s = *surfaces_;
+  for (const auto& [from, to] : {std::array{f, g}, std::array{g, f}})
+    for (const int v : s.owned_vertices[std::size_t(from)])
+      if (v >= 0 && !has(s.faces[std::size_t(to)], v)) visit(vertexAndFace(v, to));
+  const double radius = s.radius[std::size_t(f)] + s.radius[std::size_t(g)];
+  for (const int a : s.owned_edges[std::size_t(f)])
+    for (const int b : s.owned_edges[std::size_t(g)]) {
+      if (a < 0 || b < 0) continue;
+      const auto &p = s.edges[std::size_t(a)], &q = s.edges[std::size_t(b)];
+      if (p[0] != q[0] && p[0] != q[1] && p[1] != q[0] && p[1] != q[1]) visit(twoEdges(a, b, radius));
+    }
+}
+
+void Candidates::find(const std::vector<Vec3>& x, double margin) {
+  found_at_ = x;
+  margin_ = margin;
+  pairs_.clear();
+  face_pairs_.clear();
+  fit(x, nullptr);
+  const double near = reach + 2 * margin;
+  const Surfaces& s = *surfaces_;
+  forEachNearPair(near, [&](int f, int g) {
+    face_pairs_.push_back({f, g});
+    pairsOf(f, g, [&](Candidate pair) {
+      const double far = near + pair.radius;
+      if (closestPoints(pair.kind, pointsOf(pair, x)).difference.squaredNorm() > far * far) return;
+      if (s.pieceOf(pair.v[0]) == s.pieceOf(pair.v[3]))
+        pair.pushes = closestPoints(pair.kind, pointsOf(pair, s.rest)).distance() > reach;
+      pairs_.push_back(pair);
+    });
+  });
+  std::sort(pairs_.begin(), pairs_.end());
+}
+
+bool Candidates::covers(const std::vector<Vec3>& x) const {
+  if (found_at_.size() != x.size()) return false;
+  for (std::size_t v = 0; v < x.size(); ++v)
+    if (!((x[v] - found_at_[v]).squaredNorm() <= margin_ * margin_)) return false;
+  return true;
+}
+
+double Candidates::longestStep(const std::vector<Vec3>& x, const std::vector<Vec3>& dx, double thickness) {
+  double step = 1;
+  const auto shorten = [&](const Candidate& pair) {
+    step = std::min(step, stroma::longestStep(pair.kind, pointsOf(pair, x), pointsOf(pair, dx),
+                                              {.longest = step, .thickness = thickness + pair.radius}));
+  };
+  std::vector<Vec3> end(x.size());
+  for (std::size_t v = 0; v < x.size(); ++v) end[v] = x[v] + dx[v];
+  if (covers(x) && covers(end)) {
+    for (const Candidate& pair : pairs_) shorten(pair);
+  } else {
+    fit(x, &dx);
+    forEachNearPair(thickness, [&](int f, int g) { pairsOf(f, g, shorten); });
+  }
+  return step;
+}
+
+std::vector<Candidates::Crossing> Candidates::crossings(const std::vector<Vec3>& x) {
+  const Surfaces& s = *surfaces_;
+  std::vector<Crossing> found;
+  const auto test = [&](int from, int to) {
+    const auto& face = s.faces[std::size_t(to)];
+    const Vec3 &a = x[std::size_t(face[0])], &b = x[std::size_t(face[1])], &c = x[std::size_t(face[2])];
+    for (const int e : s.owned_edges[std::size_t(from)]) {
+      if (e < 0) continue;
+      const auto& ends = s.edges[std::size_t(e)];
+      if (has(face, ends[0]) || has(face, ends[1])) continue;
+      const Vec3 &p = x[std::size_t(ends[0])], &q = x[std::size_t(ends[1])];
+      if (!segmentMeetsTriangle(p, q, a, b, c)) continue;
+      const Vec3 n = (b - a).cross(c - a).normalized();
+      found.push_back({e, to, std::min(std::abs(n.dot(p - a)), std::abs(n.dot(q - a)))});
+    }
+  };
+  const auto both = [&](int f, int g) { test(f, g), test(g, f); };
+  if (covers(x)) {
+    for (const auto& [f, g] : face_pairs_) both(f, g);
+  } else {
+    fit(x, nullptr);
+    forEachNearPair(0, both);
+  }
+  std::sort(found.begin(), found.end(), [](const Crossing& a, const Crossing& b) { return a.depth > b.depth; });
+  return found;
+}
+
+}  // namespace stroma::contact

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "components/contact/contact_obstacles.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace stroma::contact {
+
+void Obstacles::declare(DataTable& table) {
+  table.add("planes", planes_).help("planes as obstacles: normal and offset, four numbers each");
+  table.add("spheres", spheres_).help("spheres: centre and radius, four numbers each").unit("m");
+  table.add("capsules", capsules_).help("capsules: two centres and a radius, seven numbers each").unit("m");
+  table.add("boxes", boxes_).help("boxes along the axes: two corners, six numbers each").unit("m");
+  table.add("keyTimes", times_).help("times of movements, ascending").unit("s");
+  table.add("movements", movements_).help("displacement of all obstacles at keyTimes, linear between them").unit("m");
+}
+
+void Obstacles::init() {
+  path_.assign(times_, movements_, "keyTimes", "movements");
+  if (!times_.empty() || !movements_.empty()) path_.check();
+}
+
+void Obstacles::addTo(BarrierLaw& law) const {
+  const auto each = [](const std::vector<double>& numbers, std::size_t count, const char* name, auto&& add) {
+    if (numbers.size() % count != 0)
+      throw ComponentError(fmt::format("{} has {} numbers", name, numbers.size()), fmt::format("{} for each", count));
+    for (std::size_t i = 0; i < numbers.size(); i += count) add(numbers.data() + i);
+  };
+  const auto point = [](const double* p) { return Vec3(p[0], p[1], p[2]); };
+  const auto radius = [](double r) {
+    if (!(r > 0)) throw ComponentError(fmt::format("an obstacle has a radius of {:g}", r), "a length above zero");
+    return r;
+  };
+  law.planes.clear();
+  each(planes_, 4, "planes", [&](const double* p) {
+    const double length = point(p).norm();
+    if (!(length > 0)) throw ComponentError("a plane has no normal", "a vector that is not zero");
+    law.planes.push_back({point(p) / length, p[3] / length});
+  });
+  each(spheres_, 4, "spheres", [&](const double* p) {
+    law.surfaces.addObstacle({point(p)}, {{0, 0, 0}}, radius(p[3]));
+  });
+  each(capsules_, 7, "capsules", [&](const double* p) {
+    law.surfaces.addObstacle({point(p), point(p + 3)}, {{0, 0, 1}}, radius(p[6]));
+  });
+  each(boxes_, 6, "boxes", [&](const double* p) {
+    std::vector<Vec3> corners;
+    for (int k = 0; k < 8; ++k) corners.emplace_back(p[k & 1 ? 3 : 0], p[k & 2 ? 4 : 1], p[k & 4 ? 5 : 2]);
+    law.surfaces.addObstacle(corners,
+                             {{0, 2, 1},
+                              {1, 2, 3},
+                              {4, 5, 6},
+                              {5, 7, 6},
+                              {0, 1, 4},
+                              {1, 5, 4},
+                              {2, 6, 3},
+                              {3, 6, 7},
+                              {0, 4, 2},
+                              {2, 4, 6},
+                              {1, 3, 5},
+                              {3, 7, 5}},
+                             0);
+  });
+}
+
+std::string describe(const Candidates::Crossing& crossing, const Surfaces& surfaces,
+                     const std::function<std::string(int)>& name) {
+  const auto& ends = surfaces.edges[std::size_t(crossing.edge)];
+  return fmt::format("the edge from {} to {} goes {:.3g} m through the triangle at {}", name(ends[0]), name(ends[1]),
+                     crossing.depth, name(surfaces.faces[std::size_t(crossing.face)][0]));
+}
+
+void refuseOverlap(const BarrierLaw& law, const std::vector<Vec3>& x, const std::function<std::string(int)>& name) {
+  std::string found;
+  const auto crossings = law.candidates.crossings(x);
+  for (std::size_t i = 0; i < std::min<std::size_t>(3, crossings.size()); ++i)
+    found += (found.empty() ? "" : "; ") + describe(crossings[i], law.surfaces, name);
+  if (!found.empty())
+    throw ComponentError(fmt::format("bodies start in one another, in {} places: {}", crossings.size(), found),
+                         "a start in which surfaces do not cross");
+  double deepest = 0;
+  int pairs = 0;
+  const auto look = [&](double gap, int vertex, const char* what) {
+    if (gap > 0) return;
+    if (++pairs == 1 || gap < deepest)
+      deepest = gap, found = fmt::format("{} is {:.3g} m inside {}", name(vertex), -gap, what);
+  };
+  law.candidates.find(x, law.range);
+  for (const Candidate& pair : law.candidates.pairs())
+    if (pair.pushes)
+      look(closestPoints(pair.kind, law.candidates.pointsOf(pair, x)).distance() - pair.radius - law.thickness,
+           law.surfaces.moves(pair.v[0]) ? pair.v[0] : pair.v[3],
+           pair.radius > 0 ? "an obstacle" : "the thickness of another surface");
+  for (std::size_t p = 0; p < law.planes.size(); ++p)
+    for (std::size_t v = 0; v < x.size(); ++v)
+      if (law.surfaces.moves(int(v))) look(law.gapToPlane(p, x[v]), int(v), "a plane");
+  if (pairs > 0)
+    throw ComponentError(fmt::format("bodies start in one another, in {} pairs; the deepest: {}", pairs, found),
+                         "a start with gaps everywhere");
+}
+
+}  // namespace stroma::contact

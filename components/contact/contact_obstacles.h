@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <functional>
+#include <string>
+
+#include "components/contact/contact_terms.h"
+#include "framework/mechanics/key_times.h"
+
+namespace stroma::contact {
+
+/// What stands or moves on a path beside the bodies, as attributes of a component.
+class Obstacles {
+ public:
+  void declare(DataTable& table);
+  void init();  ///< throws ComponentError
+  void addTo(BarrierLaw& law) const;
+  Vec3 displacement(double t) const { return times_.empty() ? Vec3(Vec3::Zero()) : path_.at(t); }  ///< [m]
+
+ private:
+  std::vector<double> planes_, spheres_, capsules_, boxes_, times_;
+  std::vector<Vec3> movements_;
+  KeyTimes<Vec3> path_;
+};
+
+/// Throws ComponentError when surfaces lie in one another, or nearer than their thickness, at x, with the worst places.
+/// `name` says what a vertex is.
+void refuseOverlap(const BarrierLaw& law, const std::vector<Vec3>& x, const std::function<std::string(int)>& name);
+
+/// "the edge from A to B goes 0.1 m through the triangle at C"
+std::string describe(const Candidates::Crossing& crossing, const Surfaces& surfaces,
+                     const std::function<std::string(int)>& name);
+
+}  // namespace stroma::contact

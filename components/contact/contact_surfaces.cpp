@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "components/contact/contact_surfaces.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numeric>
+
+namespace stroma::contact {
+
+int Surfaces::addVertex(Index row, const Vec3& x) {
+  rows.push_back(row);
+  rest.push_back(x);
+  body_.push_back(int(bodies_.size()) - 1);
+  ++bodies_.back().vertices;
+  return int(rows.size()) - 1;
+}
+
+void Surfaces::addState(const State& state, const Mesh& mesh) {
+  bodies_.push_back({.moves = true, .first_vertex = int(rows.size()), .first_face = int(faces.size())});
+  std::map<Index, int> vertex_of;
+  const auto vertex = [&](Index node) {
+    const auto [at, is_new] = vertex_of.try_emplace(node, -1);
+    if (is_new) at->second = addVertex(state.firstRow() + node, state.rest_position[std::size_t(node)]);
+    return at->second;
+  };
+  const auto add = [&](Index a, Index b, Index c) {
+    const int i = vertex(a), j = vertex(b), k = vertex(c);
+    faces.push_back({i, j, k});
+  };
+  const bool hollow = mesh.tetrahedra.empty() && mesh.hexahedra.empty();
+  for (const Triangle& t : hollow ? mesh.triangles : mesh.boundaryTriangles()) add(t[0], t[1], t[2]);
+  for (const Quad& q : hollow ? mesh.quads : mesh.boundaryQuads()) add(q[0], q[1], q[2]), add(q[0], q[2], q[3]);
+  bodies_.back().faces = int(faces.size()) - bodies_.back().first_face;
+  radius.resize(faces.size(), 0);
+}
+
+void Surfaces::addObstacle(const std::vector<Vec3>& points, const std::vector<std::array<int, 3>>& of_points,
+                           double r) {
+  bodies_.push_back({.first_vertex = int(rows.size()), .first_face = int(faces.size())});
+  const int first = int(rows.size());
+  for (const Vec3& p : points) addVertex(-1, p);
+  for (const auto& f : of_points) faces.push_back({first + f[0], first + f[1], first + f[2]});
+  bodies_.back().faces = int(of_points.size());
+  radius.resize(faces.size(), r);
+}
+
+void Surfaces::finish() {
+  area.clear();
+  for (const auto& [a, b, c] : faces) {
+    const Vec3 &p = rest[std::size_t(a)], &q = rest[std::size_t(b)], &r = rest[std::size_t(c)];
+    area.push_back(0.5 * (q - p).cross(r - p).norm());
+  }
+  std::vector<std::vector<Index>> around(rows.size());
+  for (std::size_t f = 0; f < faces.size(); ++f)
+    for (std::size_t k = 0; k < 3; ++k)
+      if (auto& list = around[std::size_t(faces[f][k])]; list.empty() || list.back() != Index(f))
+        list.push_back(Index(f));
+  faces_around = {};
+  for (const auto& list : around) {
+    faces_around.values.insert(faces_around.values.end(), list.begin(), list.end());
+    faces_around.start.push_back(Index(faces_around.values.size()));
+  }
+  findEdges();
+  findOwners();
+  findPieces();
+}
+
+void Surfaces::findPieces() {
+  piece_.resize(rows.size());
+  std::iota(piece_.begin(), piece_.end(), 0);
+  const auto root = [this](int v) {
+    while (piece_[std::size_t(v)] != v) v = piece_[std::size_t(v)] = piece_[std::size_t(piece_[std::size_t(v)])];
+    return v;
+  };
+  for (const auto& face : faces)
+    for (const int v : face) piece_[std::size_t(root(v))] = root(face[0]);
+  for (std::size_t v = 0; v < piece_.size(); ++v) piece_[v] = root(int(v));
+}
+
+void Surfaces::findEdges() {
+  std::map<std::array<int, 2>, int> edge_of;
+  face_edges.assign(faces.size(), {-1, -1, -1});
+  for (std::size_t f = 0; f < faces.size(); ++f)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const int a = faces[f][k], b = faces[f][(k + 1) % 3], tip = faces[f][(k + 2) % 3];
+      if (a == b) continue;
+      const std::array<int, 2> key{std::min(a, b), std::max(a, b)};
+      const auto [at, is_new] = edge_of.try_emplace(key, int(edges.size()));
+      face_edges[f][k] = at->second;
+      if (is_new) {
+        edges.push_back(key);
+        edge_faces.push_back({-1, -1});
+        edge_tips.push_back({-1, -1});
+        edge_area.push_back(0);
+        edge_square.push_back((rest[std::size_t(a)] - rest[std::size_t(b)]).squaredNorm());
+      }
+      const std::size_t e = std::size_t(at->second);
+      if (tip == a || tip == b) continue;  // an edge alone
+      const std::size_t side = edge_faces[e][0] < 0 ? 0 : 1;
+      edge_faces[e][side] = int(f), edge_tips[e][side] = tip;
+      edge_area[e] += area[f] / 3;
+    }
+  inner.assign(rows.size(), false);
+  for (const auto& edge : edges)
+    for (const int v : edge) inner[std::size_t(v)] = true;
+  std::vector<bool> open(bodies_.size(), false);
+  for (std::size_t e = 0; e < edges.size(); ++e) {
+    if (edge_faces[e][0] >= 0 && edge_faces[e][1] >= 0) continue;
+    for (const int v : edges[e]) inner[std::size_t(v)] = false;
+    open[std::size_t(bodyOf(edges[e][0]))] = true;
+  }
+  for (std::size_t b = 0; b < bodies_.size(); ++b) bodies_[b].closed = !open[b];
+}
+
+void Surfaces::findOwners() {
+  std::vector<bool> has_vertex(rows.size(), false), has_edge(edges.size(), false);
+  owned_vertices.assign(faces.size(), {-1, -1, -1});
+  owned_edges = owned_vertices;
+  for (std::size_t f = 0; f < faces.size(); ++f)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::size_t v = std::size_t(faces[f][k]);
+      if (!has_vertex[v]) owned_vertices[f][k] = int(v);
+      has_vertex[v] = true;
+      const int e = face_edges[f][k];
+      if (e < 0 || has_edge[std::size_t(e)]) continue;
+      owned_edges[f][k] = e;
+      has_edge[std::size_t(e)] = true;
+    }
+}
+
+void Surfaces::gather(ConstRows x, const Vec3& moved, std::vector<Vec3>& out) const {
+  out.resize(rows.size());
+  for (std::size_t v = 0; v < rows.size(); ++v) out[v] = rows[v] >= 0 ? Vec3(x[rows[v]]) : Vec3(rest[v] + moved);
+}
+
+double Surfaces::meanEdge() const {
+  double sum = 0;
+  int count = 0;
+  for (std::size_t e = 0; e < edges.size(); ++e)
+    if (moves(edges[e][0])) sum += std::sqrt(edge_square[e]), ++count;
+  return count > 0 ? sum / count : 0;
+}
+
+}  // namespace stroma::contact

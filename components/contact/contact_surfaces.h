@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include "framework/mechanics/state.h"
+#include "framework/mesh/mesh.h"
+
+namespace stroma::contact {
+
+/// The surfaces of all bodies of an interaction and of its obstacles, as one list of vertices, edges and triangles. A
+/// triangle may repeat its first vertex: (a, a, b) is an edge, (a, a, a) a point; obstacles have such, with a radius.
+class Surfaces {
+ public:
+  struct Body {
+    bool moves = false;   ///< its vertices are rows of a state, else of an obstacle
+    bool closed = false;  ///< every edge has two triangles: only the outer side of these counts
+    int first_vertex = 0, vertices = 0, first_face = 0, faces = 0;
+  };
+
+  void clear() { *this = {}; }
+  /// The boundary of the mesh's volume cells, or its faces when it has none. `first_row`: of the state's nodes.
+  void addState(const State& state, const Mesh& mesh);
+  /// An obstacle; `radius`: of its rounded points and edges.
+  void addObstacle(const std::vector<Vec3>& points, const std::vector<std::array<int, 3>>& faces, double radius);
+  /// When all have been added.
+  void finish();
+  /// Positions of all vertices: rows of x, and obstacles moved by `moved`.
+  void gather(ConstRows x, const Vec3& moved, std::vector<Vec3>& out) const;
+
+  const std::vector<Body>& bodies() const { return bodies_; }
+  /// Vertices with one number are joined by triangles.
+  int pieceOf(int vertex) const { return piece_[std::size_t(vertex)]; }
+  int bodyOf(int vertex) const { return body_[std::size_t(vertex)]; }
+  bool moves(int vertex) const { return rows[std::size_t(vertex)] >= 0; }
+  bool sameEdge(int edge, int a, int b) const {
+    return edges[std::size_t(edge)] == std::array{std::min(a, b), std::max(a, b)};
+  }
+  double meanEdge() const;  ///< of what moves, at rest [m]
+
+  // ---- vertices ----
+  std::vector<Index> rows;  ///< of the system; -1: of an obstacle
+  std::vector<Vec3> rest;   ///< [m]
+  std::vector<bool> inner;  ///< surrounded by triangles
+  Adjacency faces_around;   ///< triangles of each vertex
+  // ---- triangles ----
+  std::vector<std::array<int, 3>> faces;
+  std::vector<double> area;                                     ///< at rest [m^2]
+  std::vector<double> radius;                                   ///< [m]
+  std::vector<std::array<int, 3>> face_edges;                   ///< edge from corner k to k + 1; -1: none
+  std::vector<std::array<int, 3>> owned_vertices, owned_edges;  ///< each vertex and edge belongs to one triangle; -1
+  // ---- edges ----
+  std::vector<std::array<int, 2>> edges;       ///< smaller vertex first
+  std::vector<std::array<int, 2>> edge_faces;  ///< -1: none
+  std::vector<std::array<int, 2>> edge_tips;   ///< the third vertex of these triangles
+  std::vector<double> edge_area;               ///< a third of these triangles [m^2]
+  std::vector<double> edge_square;             ///< squared length at rest [m^2]
+
+ private:
+  int addVertex(Index row, const Vec3& x);
+  void findEdges();
+  void findOwners();
+  void findPieces();
+
+  std::vector<Body> bodies_;
+  std::vector<int> body_, piece_;  ///< of each vertex
+};
+
+}  // namespace stroma::contact

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The barrier between surfaces (Li, Ferguson, Schneider, Langlois, Zorin, Panozzo, Jiang and Kaufman 2020; the physical
+// barrier and the sums over features Li et al. 2023). With the gap d, r = d/dh, for r < 1:
+//   b = -dh (r - 1)^2 ln r
+//   b' = -(2 (r - 1) ln r + (r - 1)^2 / r),   b'' = -(2 ln r + 4 (r - 1)/r - (r - 1)^2/r^2) / dh
+// The energy is kappa times the integral of b over the surfaces, each vertex standing for its share A of the surface:
+//   E = kappa sum_vertices A/2 [sum_triangles b - sum_inner-edges b + sum_inner-vertices b]
+//     + kappa sum_edge-pairs A_e m b
+// What edges and vertices take away is what neighbouring triangles with one closest point would count twice. Against
+// obstacles, which have no vertices of their own in this sum, A/2 is A. A is the part of the triangles around a vertex
+// that faces the other surface, A = sum a/3 max(0, -n.u), u towards the vertex. Two edges count where both are ridges
+// towards each other, so that flat surfaces are pressed by their vertices alone. A, ridges and the factor m of parallel
+// edges are those of the last force. Every pair has a tenth of its share besides with a tenth of dh: nothing comes so
+// near unless it has no other share.
+#pragma once
+#include <cstdint>
+
+#include "components/contact/contact_candidates.h"
+#include "framework/algebra/block_matrix.h"
+
+namespace stroma::contact {
+
+/// One closest pair of points that counts.
+struct Touch {
+  std::array<int, 4> v;     ///< vertices; of a plane the first one
+  std::array<double, 4> c;  ///< the difference of the closest points is sum c_i x_i
+  Vec3 n;                   ///< unit, its direction
+  double gap = 0;           ///< [m]
+  double share = 0;         ///< [m^2]; negative: takes away what was counted twice
+  double range = 0;         ///< dh [m]
+};
+
+struct Barrier {
+  double value, slope, curvature;
+  Barrier(double gap, double range);
+};
+
+class BarrierLaw {
+ public:
+  double range = 0, thickness = 0;  ///< dh [m]; distance of surfaces at which the gap is zero [m]
+  std::vector<Plane> planes;
+  Vec3 moved = Vec3::Zero();  ///< of all obstacles [m]
+  Surfaces surfaces;
+  mutable Candidates candidates;
+
+  void compile();
+  /// Shares at x. `touches` then are sums with these until the next call.
+  void weigh(const std::vector<Vec3>& x) const;
+  /// What counts at x; nearer than dh. Not to be called before weigh().
+  const std::vector<Touch>& touches(const std::vector<Vec3>& x) const;
+  /// The largest s <= 1 up to which vertices may move by s dx while planes move by s way.
+  double longestStep(const std::vector<Vec3>& x, const std::vector<Vec3>& dx, const Vec3& way) const;
+  double gapToPlane(std::size_t plane, const Vec3& x) const {
+    return planes[plane].normal.dot(x - moved) - planes[plane].offset - thickness;
+  }
+
+ private:
+  struct Feature {
+    std::int64_t key;
+    int count;
+    const Candidate* pair;
+    std::array<double, 4> c;
+    Vec3 difference;
+  };
+  void look(const std::vector<Vec3>& x) const;
+  double shareOf(int vertex, const Vec3& towards, const std::vector<Vec3>& x) const;
+  double wholeShareOf(int vertex) const;
+  double ridge(int edge, const Vec3& towards, const std::vector<Vec3>& x) const;
+  void addFeature(Feature feature) const;
+  void addFeaturesOf(const Candidate& pair, const ClosestPoints& closest, const std::vector<Vec3>& x) const;
+  void addVertexTouches(int vertex) const;
+  void addEdgeTouches(const Candidate& pair, const ClosestPoints& closest, double factor) const;
+  void addPlaneTouches(const std::vector<Vec3>& x) const;
+  void addTouch(const Candidate& pair, const std::array<double, 4>& c, const Vec3& difference, double share,
+                double small) const;
+
+  std::vector<bool> plane_vertex_;              ///< moves and belongs to a triangle
+  mutable std::vector<ClosestPoints> closest_;  ///< of each candidate
+  mutable std::vector<double> vertex_share_, edge_factor_, plane_share_;
+  mutable std::vector<Feature> features_;
+  mutable std::vector<Touch> touches_;
+};
+
+/// A force f c_i on each of up to four rows and its derivative -c_i c_j m, m symmetric and positive.
+struct Term {
+  std::array<Index, 4> rows{-1, -1, -1, -1};  ///< -1: of an obstacle
+  std::array<double, 4> c{};
+  Vec3 force;
+  Mat3 m;
+};
+class Terms : public std::vector<Term> {
+ public:
+  void addForce(Rows f) const;
+  void addProduct(ConstRows dx, double factor, Rows df) const;  ///< of the derivative
+  void addPattern(BlockPattern& pattern) const;
+  void addTo(double factor, BlockMatrix& matrix) const;
+  void addDiagonal(double factor, std::vector<double>& blocks) const;
+};
+
+}  // namespace stroma::contact

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Boxes around things, in a binary tree: which of them are near a box, in the time of their number's logarithm. A tree
+// with a new place for each box keeps its shape: refit() costs a fraction of build().
+#pragma once
+#include <limits>
+#include <vector>
+
+#include "framework/scene/types.h"
+
+namespace stroma {
+
+struct Box {
+  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
+  Vec3 high = Vec3::Constant(-std::numeric_limits<double>::infinity());
+
+  void add(const Vec3& p) { low = low.cwiseMin(p), high = high.cwiseMax(p); }
+  void add(const Box& other) { low = low.cwiseMin(other.low), high = high.cwiseMax(other.high); }
+  Box grownBy(double margin) const { return {low.array() - margin, high.array() + margin}; }
+  bool meets(const Box& other) const {
+    return (low.array() <= other.high.array()).all() && (other.low.array() <= high.array()).all();
+  }
+  /// From a point to the nearest of the box, squared [m^2].
+  double squaredDistance(const Vec3& p) const {
+    return ((low - p).cwiseMax(p - high)).cwiseMax(Vec3::Zero()).squaredNorm();
+  }
+};
+
+class BoxTree {
+ public:
+  /// One leaf for each box, by the middles of their longest axis.
+  void build(std::vector<Box> boxes);
+  /// The same things moved: `boxes` has the shape that build() had.
+  void refit(const std::vector<Box>& boxes);
+  bool empty() const { return nodes_.empty(); }
+  const Box& whole() const { return nodes_.front().box; }
+
+  /// visit(i) for every box i that meets `box`.
+  template <class Visit>
+  void forEachMeeting(const Box& box, Visit&& visit) const {
+    if (empty()) return;
+    std::vector<Index> waiting{0};
+    while (!waiting.empty()) {
+      const Node& node = nodes_[std::size_t(waiting.back())];
+      waiting.pop_back();
+      if (!node.box.meets(box)) continue;
+      if (node.item >= 0) {
+        visit(node.item);
+      } else {
+        waiting.push_back(node.right);
+        waiting.push_back(node.left);
+      }
+    }
+  }
+  /// visit(i) for boxes in an order in which near ones come early; visit returns the squared distance that is still of
+  /// interest, and boxes farther from p than that are passed over.
+  template <class Visit>
+  void forEachNear(const Vec3& p, double squared, Visit&& visit) const {
+    if (empty()) return;
+    std::vector<Index> waiting{0};
+    while (!waiting.empty()) {
+      const Node& node = nodes_[std::size_t(waiting.back())];
+      waiting.pop_back();
+      if (node.box.squaredDistance(p) > squared) continue;
+      if (node.item >= 0) {
+        squared = visit(node.item);
+      } else {
+        const bool left_first =
+            nodes_[std::size_t(node.left)].box.squaredDistance(p) < nodes_[std::size_t(node.right)].box.squaredDistance(p);
+        waiting.push_back(left_first ? node.right : node.left);
+        waiting.push_back(left_first ? node.left : node.right);
+      }
+    }
+  }
+
+ private:
+  /// A parent comes before its children.
+  struct Node {
+    Box box;
+    Index left = -1, right = -1, item = -1;
+  };
+  Index makeNode(const std::vector<Box>& boxes, std::vector<Index>& order, std::size_t begin, std::size_t end);
+
+  std::vector<Node> nodes_;
+};
+
+}  // namespace stroma

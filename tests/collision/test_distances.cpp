@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The tree of boxes against looking at all of them, distances against points laid over both things.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+#include <set>
+
+#include "framework/collision/box_tree.h"
+#include "framework/collision/distances.h"
+
+namespace stroma {
+namespace STROMA_TEST_FILE {
+
+Vec3 somewhere(std::mt19937& random) {
+  std::uniform_real_distribution<double> place(-1, 1);
+  return {place(random), place(random), place(random)};
+}
+
+std::vector<Box> someBoxes(std::mt19937& random, int count) {
+  std::vector<Box> boxes(static_cast<std::size_t>(count));
+  for (Box& box : boxes) {
+    const Vec3 p = somewhere(random);
+    box.add(p);
+    box.add(Vec3(p + 0.2 * somewhere(random)));
+  }
+  return boxes;
+}
+
+TEST(BoxTree, FindsWhatMeetsABoxAndNothingElse) {
+  std::mt19937 random(1);
+  for (const int count : {1, 2, 3, 50, 333}) {
+    std::vector<Box> boxes = someBoxes(random, count);
+    BoxTree tree;
+    tree.build(boxes);
+    for (int round = 0; round < 20; ++round) {
+      if (round == 10) tree.refit(boxes = someBoxes(random, count));
+      const Box asked = someBoxes(random, 1)[0].grownBy(0.1);
+      std::set<Index> found, expected;
+      tree.forEachMeeting(asked, [&](Index i) { EXPECT_TRUE(found.insert(i).second); });
+      for (Index i = 0; i < count; ++i)
+        if (boxes[std::size_t(i)].meets(asked)) expected.insert(i);
+      EXPECT_EQ(found, expected);
+    }
+  }
+}
+
+TEST(BoxTree, FindsTheNearest) {
+  std::mt19937 random(2);
+  const std::vector<Box> boxes = someBoxes(random, 200);
+  BoxTree tree;
+  tree.build(boxes);
+  for (int round = 0; round < 50; ++round) {
+    const Vec3 p = 2 * somewhere(random);
+    double best = 1e30, expected = 1e30;
+    int visits = 0;
+    tree.forEachNear(p, best, [&](Index i) {
+      ++visits;
+      return best = std::min(best, boxes[std::size_t(i)].squaredDistance(p));
+    });
+    for (const Box& box : boxes) expected = std::min(expected, box.squaredDistance(p));
+    EXPECT_EQ(best, expected);
+    EXPECT_LT(visits, 100);
+  }
+}
+
+/// Points of a thing of up to three corners, a fine net.
+std::vector<Vec3> laidOver(const std::vector<Vec3>& corners) {
+  std::vector<Vec3> points;
+  constexpr int n = 60;
+  for (int i = 0; i <= n; ++i)
+    for (int j = 0; j <= (corners.size() == 3 ? n - i : 0); ++j) {
+      Vec3 p = corners[0];
+      if (corners.size() > 1) p += (corners[1] - corners[0]) * i / n;
+      if (corners.size() > 2) p += (corners[2] - corners[0]) * j / n;
+      points.push_back(p);
+    }
+  return points;
+}
+
+TEST(Distances, AreThoseOfTheNearestPoints) {
+  std::mt19937 random(3);
+  for (std::size_t a = 1; a <= 3; ++a)
+    for (std::size_t b = a; b <= 3; ++b)
+      for (int round = 0; round < 8; ++round) {
+        std::vector<Vec3> first(a), second(b);
+        for (Vec3& p : first) p = somewhere(random);
+        for (Vec3& p : second) p = somewhere(random);
+        double least = 1e30;
+        for (const Vec3& p : laidOver(first))
+          for (const Vec3& q : laidOver(second)) least = std::min(least, (p - q).norm());
+        const double found = distanceOf(first, second);
+        EXPECT_LE(found, least + 1e-12);
+        EXPECT_GE(found, least - 0.08) << a << " and " << b << " corners";
+        EXPECT_NEAR(found, distanceOf(second, first), 1e-14);
+      }
+}
+
+TEST(Distances, OfThingsThatCrossAreZero) {
+  const std::vector<Vec3> flat{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, line{{0.2, 0.2, -1}, {0.2, 0.2, 1}},
+      beside{{0.8, 0.8, -1}, {0.8, 0.8, 1}}, upright{{0.2, 0.2, -1}, {0.2, 0.2, 1}, {2, 2, 0.1}};
+  EXPECT_EQ(distanceOf(flat, line), 0);
+  EXPECT_EQ(distanceOf(flat, upright), 0);
+  EXPECT_NEAR(distanceOf(flat, beside), 0.6 / std::sqrt(2), 1e-12);
+  EXPECT_EQ(distanceOf(std::vector<Vec3>{{0, 0, 3}}, flat), 3);
+}
+
+}  // namespace STROMA_TEST_FILE
+}  // namespace stroma

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Longest steps: what meets is never missed, what is free is seldom stopped. Whether a pair meets on its way is known by
+// construction: two points of it are led through each other at a time that is chosen.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+#include "framework/collision/longest_step.h"
+
+namespace stroma::test {
+namespace STROMA_TEST_FILE {
+
+constexpr PairKind kinds[] = {PairKind::point_triangle, PairKind::edge_edge};
+
+class Motions {
+ public:
+  explicit Motions(unsigned seed) : random_(seed) {}
+  double number(double low = -1, double high = 1) { return std::uniform_real_distribution<double>(low, high)(random_); }
+  Vec3 point() { return {number(), number(), number()}; }
+  FourPoints four() { return {point(), point(), point(), point()}; }
+  /// Pairs of which a point of each side is at one place at time `when`. `degenerate`: slivers, parallel edges, points at corners, ...
+  void meeting(PairKind kind, double when, int degenerate, double scale, FourPoints& x, FourPoints& dx) {
+    FourPoints at = four();
+    double u = number(0, 1), w = number(0, 1);
+    if (degenerate & 1) u = std::round(u);
+    if (degenerate & 2) w = std::round(w);
+    if (degenerate & 4) at[3] = at[2] + (degenerate & 8 ? 1e-9 : 1e-3) * point();
+    if (degenerate & 16) at[1] = at[0] + (at[3] - at[2]) + 1e-7 * number() * point();
+    const Vec3 second = kind == PairKind::edge_edge ? Vec3((1 - w) * at[2] + w * at[3])
+                                                    : Vec3((1 - u) * at[1] + u * ((1 - w) * at[2] + w * at[3]));
+    const Vec3 first = kind == PairKind::edge_edge ? Vec3((1 - u) * at[0] + u * at[1]) : at[0];
+    at[0] += second - first;
+    if (kind == PairKind::edge_edge) at[1] += second - first;
+    dx = four();
+    const double size = std::pow(10, number(-3, 2));
+    for (std::size_t i = 0; i < 4; ++i) {
+      if (degenerate & 32) dx[i] = i < (kind == PairKind::edge_edge ? 2u : 1u) ? dx[0] : dx[3];
+      dx[i] *= size * scale;
+      x[i] = scale * at[i] - when * dx[i];
+    }
+  }
+
+ private:
+  std::mt19937 random_;
+};
+
+double smallestDistance(PairKind kind, const FourPoints& x, const FourPoints& dx, double until) {
+  double least = 1e300;
+  for (int i = 0; i <= 200; ++i) {
+    FourPoints now;
+    for (std::size_t k = 0; k < 4; ++k) now[k] = x[k] + until * i / 200 * dx[k];
+    least = std::min(least, closestPoints(kind, now).distance());
+  }
+  return least;
+}
+
+TEST(LongestStep, MissesNothingThatMeets) {
+  Motions motions(1);
+  double lost = 0;
+  int far = 0;
+  for (int i = 0; i < 100000; ++i)
+    for (const PairKind kind : kinds) {
+      FourPoints x, dx;
+      const double when = motions.number(0.001, 1);
+      motions.meeting(kind, when, 0, 1, x, dx);
+      const double t = longestStep(kind, x, dx, {.left = 1e-3});
+      ASSERT_LE(t, when * (1 + 1e-9)) << "missed";
+      ASSERT_LT(t, 1) << "missed";
+      lost += when - t;
+      far += when - t > 0.1 * when;
+    }
+  RecordProperty("mean part of the step that is lost", std::to_string(lost / 2e5));
+  EXPECT_LT(lost / 2e5, 0.02);
+  EXPECT_LT(far, 20000) << "pairs may meet before as well, but few do";
+}
+
+TEST(LongestStep, MissesNoDegeneratePair) {
+  Motions motions(2);
+  for (int i = 0; i < 64000; ++i)
+    for (const PairKind kind : kinds) {
+      FourPoints x, dx;
+      const double when = motions.number(0.001, 1), scale = std::pow(10, motions.number(-60, 60));
+      motions.meeting(kind, when, i % 64, scale, x, dx);
+      for (const double left : {0.1, 1e-6}) {
+        const double t = longestStep(kind, x, dx, {.left = left});
+        ASSERT_LE(t, when * (1 + 1e-9) + 1e-9) << "missed, case " << i % 64;
+        ASSERT_TRUE(t < 1 || when > 1 - 1e-9) << "missed, case " << i % 64;
+      }
+    }
+}
+
+TEST(LongestStep, StopsFewThatAreFree) {
+  Motions motions(3);
+  int stopped = 0, free = 0, slow = 0;
+  for (int i = 0; i < 20000; ++i)
+    for (const PairKind kind : kinds) {
+      const FourPoints x = motions.four(), dx = motions.four();
+      const double least = smallestDistance(kind, x, dx, 1), start = closestPoints(kind, x).distance();
+      const double t = longestStep(kind, x, dx, {.left = 1e-3});
+      if (least < 0.02) continue;  // may meet between the samples
+      ++free;
+      stopped += t < 1;
+      slow += longestStep(kind, x, dx) < 1 && least > 0.11 * start;
+    }
+  EXPECT_GT(free, 20000);
+  EXPECT_EQ(stopped, 0);
+  EXPECT_EQ(slow, 0) << "a step is shortened only where less than a tenth of the distance would be left";
+}
+
+/// What slides along a face at a millionth of its motion is free, in a few advances.
+TEST(LongestStep, DoesNotTireOfSliding) {
+  const FourPoints x{Vec3(0.3, 0.3, 1e-6), Vec3(0, 0, 0), Vec3(1e4, 0, 0), Vec3(0, 1e4, 0)};
+  const FourPoints dx{Vec3(1e3, 1e3, 0), Vec3(0, 0, 0), Vec3(0, 0, 0), Vec3(0, 0, 0)};
+  EXPECT_EQ(longestStep(PairKind::point_triangle, x, dx), 1);
+}
+
+TEST(LongestStep, OfPairsThatTouchOrStandOrAreNoNumbers) {
+  const Vec3 o = Vec3::Zero(), e(1, 0, 0), f(0, 1, 0), g(0, 0, 1);
+  const FourPoints still{o, o, o, o}, down{Vec3(-g), o, o, o};
+  EXPECT_EQ(longestStep(PairKind::point_triangle, {Vec3(0.2 * e + 0.2 * f), o, e, f}, down), 0);
+  EXPECT_EQ(longestStep(PairKind::point_triangle, {Vec3(0.2 * e + 0.2 * f), o, e, f}, still), 1);
+  EXPECT_EQ(longestStep(PairKind::edge_edge, {o, o, o, o}, {g, o, o, o}), 0);
+  EXPECT_EQ(longestStep(PairKind::point_triangle, {g, o, e, f}, {Vec3::Constant(std::nan("")), o, o, o}), 0);
+  const double t = longestStep(PairKind::point_triangle, {Vec3(0.2 * e + 0.2 * f + g), o, e, f},
+                               {Vec3(-2 * g), o, o, o}, {.thickness = 0.5});
+  EXPECT_LT(t, 0.25);
+  EXPECT_GT(t, 0.22);
+  EXPECT_NEAR(longestStepToPlane(1, 2), 0.45, 1e-12);
+  EXPECT_EQ(longestStepToPlane(1, -2), 1);
+  EXPECT_EQ(longestStepToPlane(0, 2), 0);
+}
+
+/// Points that are kept on their sides of the planes do not meet on any way.
+TEST(Truncation, KeepsPairsApart) {
+  Motions motions(4);
+  int shortened = 0;
+  for (int i = 0; i < 20000; ++i)
+    for (const PairKind kind : kinds) {
+      const FourPoints x = motions.four(), wanted = motions.four();
+      FourPoints dx = wanted;
+      truncateAtPlane(x, kind, 0.9, dx);
+      shortened += dx != wanted;
+      const double start = closestPoints(kind, x).distance();
+      // each point by its own part of its motion
+      FourPoints now;
+      for (std::size_t k = 0; k < 4; ++k) now[k] = x[k] + motions.number(0, 1) * dx[k];
+      ASSERT_GE(closestPoints(kind, now).distance(), 0.1 * start * (1 - 1e-9));
+    }
+  EXPECT_GT(shortened, 10000);
+}
+
+}  // namespace STROMA_TEST_FILE
+}  // namespace stroma::test

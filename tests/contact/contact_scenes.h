@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Bodies for the tests of contact.
+#pragma once
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "framework/mesh/topology.h"
+#include "tests/support/scene_fixture.h"
+
+namespace stroma::test {
+
+/// A cloud of points and tetrahedra, as attributes.
+struct Body {
+  std::vector<Vec3> points;
+  std::vector<std::array<int, 4>> cells;
+
+  void turn(const Mat3& rotation, const Vec3& shift) {
+    for (Vec3& p : points) p = rotation * p + shift;
+  }
+  double lowest(int axis) const {
+    double low = 1e300;
+    for (const Vec3& p : points) low = std::min(low, p[axis]);
+    return low;
+  }
+  std::string mesh() const {
+    std::string text = "<MeshTopology name=\"mesh\" position=\"";
+    for (const Vec3& p : points) text += fmt::format("{} {} {}  ", p.x(), p.y(), p.z());
+    text += "\" tetrahedra=\"";
+    for (auto c : cells) {  // positive volumes
+      const Vec3 a = points[std::size_t(c[0])];
+      if ((points[std::size_t(c[1])] - a).cross(points[std::size_t(c[2])] - a).dot(points[std::size_t(c[3])] - a) < 0)
+        std::swap(c[0], c[1]);
+      text += fmt::format("{} {} {} {}  ", c[0], c[1], c[2], c[3]);
+    }
+    return text + "\"/>";
+  }
+};
+
+/// A box of n[0] x n[1] x n[2] cells, each cut into six tetrahedra.
+inline Body boxOf(const Vec3& low, const Vec3& high, std::array<int, 3> n = {1, 1, 1}) {
+  Body body;
+  const auto node = [&](int i, int j, int k) { return i + (n[0] + 1) * (j + (n[1] + 1) * k); };
+  for (int k = 0; k <= n[2]; ++k)
+    for (int j = 0; j <= n[1]; ++j)
+      for (int i = 0; i <= n[0]; ++i)
+        body.points.push_back(low +
+                              (high - low).cwiseProduct(Vec3(double(i) / n[0], double(j) / n[1], double(k) / n[2])));
+  const int paths[6][2] = {{1, 2}, {1, 4}, {2, 1}, {2, 4}, {4, 1}, {4, 2}};
+  for (int k = 0; k < n[2]; ++k)
+    for (int j = 0; j < n[1]; ++j)
+      for (int i = 0; i < n[0]; ++i)
+        for (const auto& [first, second] : paths) {
+          const auto corner = [&](int bits) { return node(i + (bits & 1), j + (bits >> 1 & 1), k + (bits >> 2 & 1)); };
+          body.cells.push_back({corner(0), corner(first), corner(first | second), corner(7)});
+        }
+  return body;
+}
+
+/// A pyramid with its tip up, or down.
+inline Body spike(bool down = false) {
+  Body body{{{-.5, 0, -.5}, {.5, 0, -.5}, {.5, 0, .5}, {-.5, 0, .5}, {0, 3, 0}}, {{0, 1, 2, 4}, {0, 2, 3, 4}}};
+  if (down)
+    for (Vec3& p : body.points) p.y() = -p.y();
+  return body;
+}
+/// A roof with its ridge along z.
+inline Body wedge(bool down = false) {
+  Body body{{{-.5, 0, -1}, {.5, 0, -1}, {0, 3, -1}, {-.5, 0, 1}, {.5, 0, 1}, {0, 3, 1}},
+            {{0, 1, 2, 3}, {1, 2, 3, 4}, {2, 3, 4, 5}}};
+  if (down)
+    for (Vec3& p : body.points) p.y() = -p.y();
+  return body;
+}
+
+/// A node with a state "dofs", its mesh and a field for it.
+inline std::string bodyNode(const std::string& name, const Body& body, const std::string& more,
+                            const std::string& state = "", double young = 1e6, double poisson = 0.4) {
+  return fmt::format(
+      "<Node name=\"{}\">{}<MechanicalObject name=\"dofs\" {}/><MeshMatrixMass massDensity=\"1000\" lumping=\"true\"/>"
+      "<TetrahedronFEMForceField youngModulus=\"{}\" poissonRatio=\"{}\"/>{}</Node>",
+      name, body.mesh(), state, young, poisson, more);
+}
+
+inline std::string contactScene(
+    const std::string& content, double dt = 0.01, const Vec3& gravity = Vec3::Zero(),
+    const std::string& integrator = "<EulerImplicitSolver newtonIterations=\"60\" newtonTolerance=\"1e-8\"/>") {
+  return fmt::format("<Node name=\"root\" dt=\"{}\" gravity=\"{} {} {}\">{}<SparseLDLSolver/>{}</Node>", dt,
+                     gravity.x(), gravity.y(), gravity.z(), integrator, content);
+}
+
+inline const std::string between =
+    "<BarrierContact name=\"contact\" mstate=\"@a/dofs\" topology=\"@a/mesh\" other=\"@b/dofs\" {}/>";
+
+/// A step that converges and after which nothing crosses.
+inline void expectCleanStep(Simulation& simulation, int step, bool must_converge = true) {
+  const StepReport report = simulation.step();
+  ASSERT_FALSE(report.diverged) << "step " << step << ": " << report.reason;
+  ASSERT_TRUE(report.constraints_converged) << "step " << step << ": " << report.constraint_reason;
+  if (must_converge) {
+    ASSERT_TRUE(report.newton_converged) << "step " << step << ": " << report.reason;
+  }
+  for (const auto& system : simulation.systems())
+    ASSERT_TRUE(std::isfinite(dot(system->x, system->x))) << "step " << step;
+}
+
+inline double outputOf(Simulation& simulation, const char* name) {
+  for (const auto& system : simulation.systems())
+    for (ForceField* field : system->forceFields())
+      if (field->type() == "BarrierContact") return std::stod(field->data().find(name)->print());
+  return -1;
+}
+
+}  // namespace stroma::test

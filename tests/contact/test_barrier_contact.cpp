@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The barrier's closed forms, friction, momentum, what is refused, and that nothing crosses.
+#include <Eigen/Geometry>
+
+#include "framework/simulation/simulation.h"
+#include "tests/contact/contact_scenes.h"
+#include "tests/support/field_under_test.h"
+
+namespace stroma::test {
+namespace STROMA_TEST_FILE {
+
+std::string contact(const std::string& attributes) { return fmt::format(fmt::runtime(between), attributes); }
+
+/// Under a pressure p two blocks rest at the gap where p = kappa (2 (r - 1) ln r + (r - 1)^2/r), everywhere.
+TEST(BarrierContact, BlocksRestAtTheGapOfTheirPressure) {
+  for (const auto& [share, r] : {std::pair(0.01, 0.9434), std::pair(0.1, 0.8285), std::pair(1.0, 0.5324)}) {
+    const double range = 0.02, kappa = 1e5;
+    const Body low = boxOf(Vec3(0, 0, 0), Vec3(1, 1, 0.5), {3, 3, 2});
+    const Body high = boxOf(Vec3(0, 0, 0.5 + 0.9 * range), Vec3(1, 1, 1 + 0.9 * range), {3, 3, 2});
+    const std::string upright = "<PartialFixedProjectiveConstraint indices=\"{}\" fixedDirections=\"1 1 {}\"/>";
+    std::string all, bottom;
+    for (int i = 0; i < 48; ++i) all += fmt::format("{} ", i);
+    for (int i = 0; i < 16; ++i) bottom += fmt::format("{} ", i);
+    const std::string load = fmt::format("<SurfacePressureForceField pressure=\"{}\" min=\"-1 -1 {}\" max=\"2 2 2\"/>",
+                                         -share * kappa, 0.99 + 0.9 * range);
+    Simulation simulation = simulationFromText(contactScene(
+        bodyNode("a", low, fmt::format(fmt::runtime(upright), all, 0) + fmt::format(fmt::runtime(upright), bottom, 1),
+                 "", 1e7, 0) +
+            bodyNode("b", high, fmt::format(fmt::runtime(upright), all, 0) + load, "", 1e7, 0) +
+            contact(fmt::format("contactDistance=\"{}\" stiffness=\"{}\"", range, kappa)),
+        1, Vec3::Zero(), "<StaticSolver/>"));
+    const StepReport report = simulation.step();
+    ASSERT_TRUE(report.newton_converged) << report.reason;
+    const System& system = *simulation.systems()[0];
+    const Index a = simulation.states()[0]->firstRow(), b = simulation.states()[1]->firstRow();
+    double least = 1e300, most = 0;
+    for (Index i = 0; i < 16; ++i) {
+      const double gap = (system.x[b + i].z() - system.x[a + 32 + i].z()) / range;
+      least = std::min(least, gap), most = std::max(most, gap);
+    }
+    EXPECT_NEAR(least, r, 1e-4) << "p/kappa " << share;
+    EXPECT_NEAR(most, r, 1e-4) << "p/kappa " << share;
+    EXPECT_NEAR(outputOf(simulation, "smallestGap") / range, r, 1e-4);
+  }
+}
+
+/// Force, energy and products belong together, in reach of faces, edges, vertices and a plane.
+TEST(BarrierContact, ForceIsTheSlopeOfTheEnergy) {
+  int checked = 0;
+  for (unsigned seed = 1; seed < 30; ++seed) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> uniform(-1, 1);
+    Body a = boxOf(Vec3(0, 0, 0), Vec3(1, 1, 1)), b = boxOf(Vec3(0, 0, 0), Vec3(0.7, 0.6, 0.5));
+    b.turn(Eigen::AngleAxisd(3 * uniform(random), Vec3(uniform(random), uniform(random), uniform(random)).normalized())
+               .toRotationMatrix(),
+           Vec3::Zero());
+    b.turn(Mat3::Identity(), Vec3(uniform(random), uniform(random), 1.03 - b.lowest(2)));
+    FieldUnderTest t(contactScene(bodyNode("a", a, "") + bodyNode("b", b, "") +
+                                  contact("contactDistance=\"0.2\" planes=\"0 0 1 -0.1\"")),
+                     "BarrierContact");
+    Vector f = t.force();
+    if (dot(f, f) == 0) continue;
+    ++checked;
+    const double step = 1e-6;
+    Vector up(t.x.count()), down(t.x.count());
+    copy(t.x, up), copy(t.x, down);
+    axpy(step, t.direction, up), axpy(-step, t.direction, down);
+    f = t.force();
+    const double slope = (t.field().energy(up) - t.field().energy(down)) / (2 * step);
+    EXPECT_NEAR(-slope, dot(f, t.direction), 1e-6 * std::sqrt(dot(f, f) * dot(t.direction, t.direction)))
+        << "seed " << seed;
+    Vector product = t.product(t.direction);
+    const BlockMatrix k = t.matrix();
+    Vector assembled(t.x.count());
+    k.multiply(t.direction, assembled);
+    EXPECT_LT(relativeDifference(assembled, t.product(t.direction)), 1e-12);
+    expectSymmetricProducts(t);
+    EXPECT_LE(dot(t.direction, product), 0);
+  }
+  EXPECT_GT(checked, 15);
+}
+
+/// Two free bodies that collide keep what they have together, to round-off.
+TEST(BarrierContact, CollidingBodiesKeepTheirMomentum) {
+  Body a = boxOf(Vec3(0, 0, 0), Vec3(1, 1, 1), {2, 2, 2}), b = boxOf(Vec3(0, 0, 0), Vec3(0.8, 0.8, 0.8), {2, 2, 2});
+  b.turn(Eigen::AngleAxisd(0.7, Vec3(1, 2, 0.3).normalized()).toRotationMatrix(), Vec3(0.3, 0.2, 0));
+  b.turn(Mat3::Identity(), Vec3(0, 0, 1.05 - b.lowest(2)));
+  std::string velocity = "velocity=\"";
+  for (int i = 0; i < 27; ++i) velocity += "0.2 0 -3 ";
+  Simulation simulation = simulationFromText(
+      contactScene(bodyNode("a", a, "") + bodyNode("b", b, "", velocity + "\"") + contact("contactDistance=\"0.02\""),
+                   0.005, Vec3::Zero(), "<EulerImplicitSolver newtonIterations=\"100\" newtonTolerance=\"1e-12\"/>"));
+  System& system = *simulation.systems()[0];
+  const auto momentum = [&] {
+    Vector v(system.allRows());
+    system.addMassProduct(system.v, 1, v);
+    Vec3 sum = Vec3::Zero();
+    for (Index i = 0; i < v.count(); ++i) sum += v[i];
+    return sum;
+  };
+  const Vec3 before = momentum();
+  double touched = 0;
+  for (int i = 0; i < 80; ++i) {
+    expectCleanStep(simulation, i, false);
+    touched = std::max(touched, outputOf(simulation, "smallestGap"));
+    ASSERT_LT((momentum() - before).norm(), 1e-9 * before.norm()) << "step " << i;
+  }
+  EXPECT_GT(touched, 0) << "they never met";
+  EXPECT_GT(system.v[0].norm(), 0.1) << "the first was pushed";
+}
+
+/// tan q = 0.5: with mu = 0.505 a block creeps at the share of slipVelocity where the smoothed friction carries it, with 0.49 it
+/// slides 1/2 g (sin q - mu cos q) t^2, and with 0.50 it is not accelerated: the velocity that it is let go with stays.
+TEST(BarrierContact, SticksAndSlipsWhereCoulombSays) {
+  const double c = 1 / std::sqrt(1.25), s = 0.5 * c, dt = 0.004, slip_velocity = 1e-5;
+  for (const double mu : {0.505, 0.5, 0.49}) {
+    const Body block = boxOf(Vec3(0, 0, 0.00976), Vec3(1, 1, 0.20976));
+    const std::string floor = fmt::format(
+        "<PartialFixedProjectiveConstraint indices=\"0 1 2 3 4 5 6 7\" fixedDirections=\"1 1 0\" endTime=\"0.198\"/>"
+        "<BarrierContact planes=\"0 0 1 0\" contactDistance=\"0.01\" stiffness=\"1e6\" friction=\"{}\" "
+        "slipVelocity=\"{}\"/>",
+        mu, slip_velocity);
+    Simulation simulation =
+        simulationFromText(contactScene(bodyNode("a", block, floor, "", 1e10, 0), dt, 9.81 * Vec3(s, 0, -c),
+                                        "<EulerImplicitSolver newtonIterations=\"60\" newtonTolerance=\"1e-9\"/>"));
+    const System& system = *simulation.systems()[0];
+    const auto mean = [&](ConstRows rows) {
+      double sum = 0;
+      for (Index i = 0; i < 8; ++i) sum += rows[i].x() / 8;
+      return sum;
+    };
+    for (int i = 0; i < 50; ++i) expectCleanStep(simulation, i);  // it settles, held against sliding
+    const double start = mean(system.x);
+    double early = 0;
+    for (int i = 0; i < 250; ++i) {
+      expectCleanStep(simulation, i);
+      if (i == 50) early = mean(system.v);
+    }
+    const double way = mean(system.x) - start, velocity = mean(system.v);
+    RecordProperty(fmt::format("way with mu {}", mu), std::to_string(way));
+    if (mu == 0.505) {
+      EXPECT_NEAR(velocity, (1 - std::sqrt(1 - 0.5 / mu)) * slip_velocity, 0.01 * slip_velocity);
+      EXPECT_LT(way, 2e-5);
+    } else if (mu == 0.5) {
+      EXPECT_NEAR(velocity, early, 1e-6);
+      EXPECT_LT(way, 0.02 * 0.0438717);
+    } else {
+      EXPECT_NEAR(way, 0.0438717, 0.01 * 0.0438717);
+    }
+  }
+}
+
+TEST(BarrierContact, RefusesAStartInOverlap) {
+  const std::string text =
+      problemsOf(contactScene(bodyNode("a", boxOf(Vec3(0, 0, 0), Vec3(1, 1, 1)), "") +
+                              bodyNode("b", boxOf(Vec3(0.2, 0.3, 0.9), Vec3(0.8, 0.7, 1.5)), "") + contact("")));
+  expectContains(text, "bodies start in one another");
+  expectContains(text, "of /b/dofs");
+  expectContains(problemsOf(contactScene(
+                     bodyNode("a", boxOf(Vec3(0, 0, -0.1), Vec3(1, 1, 1)), "<BarrierContact planes=\"0 0 1 0\"/>"))),
+                 "0.1 m inside a plane");
+}
+
+TEST(BarrierContact, RefusesIntegratorsThatDoNotAsk) {
+  const std::string body = bodyNode("a", boxOf(Vec3(0, 0, 0.1), Vec3(1, 1, 1)), "<BarrierContact planes=\"0 0 1 0\"/>");
+  for (const char* integrator : {"<EulerExplicitSolver/>", "<EulerImplicitSolver/>", "<CentralDifferenceSolver/>"})
+    expectContains(problemsOf(contactScene(body, 1e-5, Vec3::Zero(), integrator)), "without asking");
+  expectContains(problemsOf(contactScene(body, 0.01, Vec3::Zero(), "<EulerImplicitSolver/>")), "newtonIterations");
+}
+
+/// An obstacle on its way pushes a body before it, and nothing crosses, however far it goes in a step.
+TEST(BarrierContact, MovingObstaclesPush) {
+  Simulation simulation = simulationFromText(
+      contactScene(bodyNode("a", boxOf(Vec3(0, 0, 0), Vec3(1, 1, 1), {2, 2, 2}),
+                            "<BarrierContact name=\"contact\" contactDistance=\"0.02\" spheres=\"0.5 0.5 1.35 0.3\" "
+                            "boxes=\"-1 -1 -0.5 2 2 -0.05\" keyTimes=\"0 0.2\" movements=\"0 0 0  0 0 -0.2\"/>"),
+                   0.02, Vec3(0, 0, -9.81)));
+  for (int i = 0; i < 8; ++i) expectCleanStep(simulation, i, false);
+  EXPECT_EQ(outputOf(simulation, "crossings"), 0);
+}
+
+}  // namespace STROMA_TEST_FILE
+}  // namespace stroma::test
