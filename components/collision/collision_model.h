@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <array>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "framework/collision/box_tree.h"
+#include "framework/mechanics/state.h"
+#include "framework/mechanics/state_topology.h"
+
+namespace stroma::collision {
+
+/// A part of a surface: one, two or three nodes of the model's state, and a radius [m].
+struct Part {
+  std::array<Index, 3> node{-1, -1, -1};
+  int corners = 0;
+  double radius = 0;
+};
+
+/// What the surface of a body is for whoever looks whether bodies touch: its parts, and with what they may meet.
+class CollisionModel : public Component {
+ public:
+  std::string roleText() const override { return "collision model"; }
+  void declare(DataTable& table) override;
+  void init() override;
+
+  enum class Kind { point, line, triangle, sphere };
+  virtual Kind kind() const = 0;
+  const std::vector<Part>& parts() const { return parts_; }
+  /// The places of the corners of a part now, in `out`; returns as many as it has.
+  std::span<const Vec3> corners(const Part& part, std::array<Vec3, 3>& out) const;
+  double contactDistance() const { return contact_distance_; }
+  bool isActive() const { return active_; }
+  /// Whether the two may meet at all, wherever they are.
+  static bool mayMeet(const CollisionModel& a, const CollisionModel& b);
+
+ protected:
+  virtual void makeParts(std::vector<Part>& parts) = 0;
+  const State& state() const { return *state_; }
+  /// The mesh of the model, or null.
+  const Mesh* mesh() const;
+
+ private:
+  Link<State> mstate_{"mechanical state"};
+  TopologyLink topology_;
+  State* state_ = nullptr;
+  std::vector<Part> parts_;
+  bool active_ = true, moving_ = true, simulated_ = true, self_collision_ = false, both_sides_ = false;
+  double contact_distance_ = 0, stiffness_ = 10, friction_ = 0, restitution_ = 0;
+  std::vector<int> groups_;
+};
+
+}  // namespace stroma::collision
