@@ -26,8 +26,10 @@ inline std::map<double, std::vector<Index>> materials(const Elements& elements) 
 template <class Single>
 std::unique_ptr<ElementKernels> averagedKernelsOf(const Elements& elements) {
   const TetrahedronShapes& shapes = elements.shapes;
+  std::map<double, std::vector<Index>> cells = materials(elements);
   std::vector<AveragedCells<Single>> all;
-  for (const auto& [bulk, numbers] : materials(elements)) {
+  std::vector<std::vector<Fan>> fans_of_mesh;  // with cells and nodes of the mesh
+  for (const auto& [bulk, numbers] : cells) {
     AveragedCells<Single>& m = all.emplace_back();
     std::vector<double> volume;
     for (Index e : numbers) {
@@ -35,7 +37,7 @@ std::unique_ptr<ElementKernels> averagedKernelsOf(const Elements& elements) {
       volume.push_back(shapes.weight(shapes.restEdges(m.cells.back())));
     }
     m.fans = gatherFans(m.cells, shapes.positions().size());
-    std::vector<Fan> fans = m.fans;  // with numbers of the mesh
+    std::vector<Fan>& fans = fans_of_mesh.emplace_back(m.fans);
     for (Fan& fan : fans)
       for (Index& e : fan.element) e = e >= 0 ? numbers[e] : -1;
     m.storage = fanStorage<StorageOf<FanOf<Single>>>(fans, elements);
@@ -45,7 +47,21 @@ std::unique_ptr<ElementKernels> averagedKernelsOf(const Elements& elements) {
       for (Index& node : cell) node += elements.first_row;
     m.average(bulk, volume);
   }
-  return std::make_unique<NodalDilatation<Single>>(std::move(all));
+  // other constants: only where the same cells have equal ones
+  auto fill = [cells = std::move(cells), fans = std::move(fans_of_mesh), &shapes = elements.shapes,
+               first_row = elements.first_row, lame = elements.lame](std::vector<AveragedCells<Single>>& stored) {
+    const std::map<double, std::vector<Index>> now = materials({shapes, first_row, lame});
+    std::size_t i = 0;
+    for (auto a = cells.begin(), b = now.begin(); i < stored.size() || b != now.end(); ++a, ++b, ++i)
+      if (i == stored.size() || b == now.end() || a->second != b->second) return false;
+    i = 0;
+    for (const auto& [bulk, numbers] : now) {
+      fillFans(stored[i].storage, fans[i], shapes, lame);
+      stored[i++].setBulk(bulk);
+    }
+    return true;
+  };
+  return std::make_unique<NodalDilatation<Single>>(std::move(all), std::move(fill));
 }
 
 }  // namespace stroma::tetrahedron

@@ -95,7 +95,13 @@ struct ExactDeviatoric : Model {
   template <class T>
   static void product(const Rest<T>& rest, const ExactAveragedTangent<T>& t, T factor, const V3<T> (&x)[4],
                       const V3<T> (&dx)[4], V3<T> (&df)[4]) {
-    productAndVolumeChange(rest, t, factor, x, dx, df);
+    productApart(rest, t, factor, x, dx, df);
+  }
+  /// Called and not inlined: for what is not done in each product. noipa: as in model_kernels.h.
+  template <class T>
+  [[gnu::noipa, gnu::flatten]] static T productApart(const Rest<T>& rest, const Tangent<T>& t, const T& factor,
+                                                     const V3<T> (&x)[4], const V3<T> (&dx)[4], V3<T> (&df)[4]) {
+    return productAndVolumeChange(rest, t, factor, x, dx, df);
   }
 };
 
@@ -108,6 +114,7 @@ struct AveragedCells {
   std::vector<Fan> fans;           ///< in the order of the storage's elements; Fan::element indexes `cells`
   std::vector<Tetrahedron> cells;  ///< rows of their nodes
   std::vector<Index> rows;         ///< rows of the nodes of all cells, ascending
+  std::vector<double> share;       ///< V_a [m^3], shape of rows
   std::vector<double> factor;      ///< c_a = K/V_a [Pa/m^3], shape of rows
   NodalPatches patches;            ///< over `rows`, made when a matrix is asked for
 
@@ -116,10 +123,14 @@ struct AveragedCells {
     for (const Tetrahedron& cell : cells) rows.insert(rows.end(), cell.begin(), cell.end());
     std::sort(rows.begin(), rows.end());
     rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
-    std::vector<double> share(rows.size(), 0.);
+    share.assign(rows.size(), 0.);
     for (std::size_t e = 0; e < cells.size(); ++e)
       for (Index row : cells[e])
         share[std::size_t(std::lower_bound(rows.begin(), rows.end(), row) - rows.begin())] += volume[e] / 4;
+    setBulk(bulk);
+  }
+  void setBulk(double bulk) {
+    factor.clear();
     for (double v : share) factor.push_back(v > 0 ? bulk / v : 0);
   }
 };

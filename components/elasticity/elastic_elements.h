@@ -31,6 +31,10 @@ class ElasticElements {
   virtual std::size_t mostMaterials() const { return std::numeric_limits<std::size_t>::max(); }
   /// With a constant B: the forces of method svd are the gradient of an energy, so that they exert no torque.
   virtual bool rotationHasPotential() const = 0;
+  /// Do large, polar and svd have updateStiffnessMatrix?
+  virtual bool updatesStrainDisplacement() const { return true; }
+  /// Before bind(): method polar takes the polar factor of the edges, not that of F. False: it cannot.
+  virtual bool usePolarOfEdges() { return false; }
 
   /// Looks at the rest shapes; throws ComponentError for a cell without a volume. `rest` is kept by reference.
   virtual void bind(const Mesh& mesh, const std::vector<Vec3>& rest, const ElasticVariant& variant) = 0;

@@ -20,9 +20,14 @@ std::vector<ElasticKind>& offeredKinds() {
   return kinds;
 }
 
-std::string lowerCase(std::string word) {
-  for (char& c : word) c = char(std::tolower(c));
-  return word;
+/// "quadratic tetrahedron" of "QuadraticTetrahedron".
+std::string lowerCase(const std::string& word) {
+  std::string text;
+  for (const char c : word) {
+    if (std::isupper(static_cast<unsigned char>(c)) && !text.empty()) text += ' ';
+    text += char(std::tolower(c));
+  }
+  return text;
 }
 
 ElasticMethod canonical(ElasticForceField::Word word) {
@@ -131,6 +136,8 @@ void ElasticForceField::declare(DataTable& table) {
           "tetrahedra), which does not lock at Poisson ratios near 1/2; auto: the mean from 0.4 on for hexahedra, "
           "above "
           "0.45 for tetrahedra");
+  table.addChoice("polarOf", polar_of_, {"gradient", "edges"})
+      .help("of tetrahedra, method polar or svd: the matrix whose polar factor turns a cell, F or (SOFA) that of its edges");
   table.addChoice("assembling", assembling_, {"auto", "true", "false"})
       .alias("computeGlobalMatrix")
       .help(
@@ -198,16 +205,31 @@ void ElasticForceField::init() {
                     : update_b_    ? elastic::Update::strain_displacement
                                    : elastic::Update::none;
   variant_.exact_tangent = tangent_ == Tangent::exact;
-  checkMaterial();
-  chooseDilatation();
   variant_.own_matrix = assembling_ == Assembling::yes;
-  checkVariant();
-  tellSurprises();
+  method_.reset();
+  compileMaterial();
+  if (polar_of_ == PolarOf::edges) {
+    const bool turns = variant_.method == ElasticMethod::polar || variant_.method == ElasticMethod::svd;
+    if (!turns || variant_.exact_tangent || variant_.mean_dilatation || update_b_ || !elements_->usePolarOfEdges())
+      throw ComponentError("polarOf=\"edges\" is of method polar of tetrahedra, with local dilatation and constant B",
+                           "polarOf=\"gradient\"");
+  }
   elements_->bind(*mesh_, state().rest_position, variant_);
 }
 
+void ElasticForceField::compileMaterial() {
+  readMaterial();
+  const bool is_other = chooseDilatation();
+  checkVariant();
+  tellSurprises();
+  if (is_other && method_) elements_->bind(*mesh_, state().rest_position, variant_), method_.reset();
+}
+
+// What may change while a scene runs is the material: kinds, shapes and the order of the elements stay.
+void ElasticForceField::recompile() { compileMaterial(); }
+
 void ElasticForceField::tellSurprises() const {
-  if (variant_.method == ElasticMethod::large)
+  if (variant_.method == ElasticMethod::large && elements_->updatesStrainDisplacement())
     inform(
         fmt::format("method large takes the frame of an element from the order of its nodes: it fails the patch test "
                     "by the square of the strain{}. method svd does neither",
@@ -235,21 +257,20 @@ std::string ElasticForceField::whyNoMean() const {
   if (!elements_->hasMeanDilatation(variant_.method))
     return fmt::format("method {} has no mean dilatation for a {}", wordOf(variant_.method), kind_word_);
   std::set<double> bulk;
-  const bool is_list = young_modulus_.size() > 1 || poisson_ratio_.size() > 1 || !stiffness_factor_.empty();
-  for (std::size_t cell = 0; is_list && cell < std::size_t(elements_->count(*mesh_)); ++cell)
-    bulk.insert(lame(cell).bulk());
+  for (const Lame& constants : constants_) bulk.insert(constants.bulk());
   if (bulk.size() > elements_->mostMaterials())
     return fmt::format("{} bulk moduli are more than the mean dilatation of a {} takes ({})", bulk.size(), kind_word_,
                        elements_->mostMaterials());
   return {};
 }
 
-void ElasticForceField::chooseDilatation() {
+bool ElasticForceField::chooseDilatation() {
+  const bool before = variant_.mean_dilatation;
   variant_.mean_dilatation = dilatation_ == Dilatation::mean;
-  if (dilatation_ != Dilatation::automatic) return;
+  if (dilatation_ != Dilatation::automatic) return variant_.mean_dilatation != before;
   const double largest = *std::max_element(poisson_ratio_.begin(), poisson_ratio_.end());
-  if (largest < elements_->meanDilatationFrom()) return;
-  variant_.mean_dilatation = whyNoMean().empty();
+  if (largest >= elements_->meanDilatationFrom()) variant_.mean_dilatation = whyNoMean().empty();
+  return variant_.mean_dilatation != before;
 }
 
 std::string ElasticForceField::choice() const {
@@ -267,6 +288,9 @@ void ElasticForceField::checkVariant() const {
   if (update_volume_ && !update_b_)
     throw ComponentError("updateVolume has no meaning while B is constant", "updateStiffnessMatrix=\"true\" with it");
   const bool rotated = method == ElasticMethod::large || method == ElasticMethod::polar || method == ElasticMethod::svd;
+  if (update_b_ && !elements_->updatesStrainDisplacement())
+    throw ComponentError(fmt::format("updateStiffnessMatrix does not exist for a {}", kind_word_),
+                         "updateStiffnessMatrix=\"false\"");
   if (update_b_ && !rotated)
     throw ComponentError(fmt::format("updateStiffnessMatrix has no meaning for method {}", wordOf(method)),
                          "method large, polar or svd");
@@ -282,7 +306,7 @@ void ElasticForceField::checkMeanDilatation() const {
   if (!elements_->hasMeanDilatation(variant_.method)) throw ComponentError(whyNoMean(), "dilatation=\"local\"");
 }
 
-void ElasticForceField::checkMaterial() const {
+void ElasticForceField::readMaterial() {
   const std::size_t count = std::size_t(elements_->count(*mesh_));
   const auto check = [&](const char* name, const std::vector<double>& values, bool may_be_empty) {
     if ((may_be_empty && values.empty()) || values.size() == 1 || values.size() == count) return;
@@ -294,6 +318,11 @@ void ElasticForceField::checkMaterial() const {
   check("localStiffnessFactor", stiffness_factor_, true);
   const std::string problem = mesh_->firstError();
   if (!problem.empty()) throw ComponentError(problem);
+  const bool is_list = young_modulus_.size() > 1 || poisson_ratio_.size() > 1 || !stiffness_factor_.empty();
+  constants_.resize(is_list ? count : 1);
+  for (std::size_t cell = 0; cell < constants_.size(); ++cell)
+    constants_[cell] =
+        Lame::from(at(young_modulus_, cell, 0) * at(stiffness_factor_, cell, 1), at(poisson_ratio_, cell, 0));
 }
 
 ForceTraits ElasticForceField::traits() const {
@@ -301,7 +330,7 @@ ForceTraits ElasticForceField::traits() const {
   const bool green = variant_.method == ElasticMethod::green;
   const bool svd_potential =
       variant_.method == ElasticMethod::svd && !update_b_ && elements_ && elements_->rotationHasPotential();
-  const bool potential = linear || green || svd_potential;
+  const bool potential = linear || green || (svd_potential && polar_of_ == PolarOf::gradient);
   ForceTraits t;
   t.linear = t.constant_stiffness = linear;
   t.conservative = potential;
@@ -309,38 +338,37 @@ ForceTraits ElasticForceField::traits() const {
   t.symmetric = nodal || !variant_.exact_tangent || potential;
   t.forces_balance = !nodal;
   t.has_rest_shape = true;
-  t.torques_balance = update_b_ || green || svd_potential;
+  t.torques_balance = update_b_ || green || (svd_potential && polar_of_ == PolarOf::gradient);
   return t;
 }
 
 void ElasticForceField::compile() {
-  const bool mean = variant_.mean_dilatation;
-  chooseDilatation();
-  if (variant_.mean_dilatation != mean) elements_->bind(*mesh_, state().rest_position, variant_);
-  method_ = elements_->make(state().firstRow(), [this](std::size_t cell) { return lame(cell); });
   other_method_.reset(), other_elements_.reset();
+  if (method_ && first_row_ == state().firstRow() && method_->refill()) return;
+  method_ = makeMethod(*elements_);
+  first_row_ = state().firstRow();
+}
+
+std::unique_ptr<ElementKernels> ElasticForceField::makeMethod(const ElasticElements& elements) const {
+  return elements.make(state().firstRow(), [this](std::size_t cell) { return lame(cell); });
 }
 
 bool ElasticForceField::useExactTangent(bool exact) {
   // a tangent that the scene names stays
   const bool has_other = tangent_ == Tangent::warped && !data().find("tangent")->isSet() &&
                          variant_.method != ElasticMethod::small && variant_.method != ElasticMethod::green &&
-                         variant_.method != ElasticMethod::nodal;
+                         variant_.method != ElasticMethod::nodal && polar_of_ == PolarOf::gradient;
   if (!has_other || variant_.exact_tangent == exact) return has_other;
   variant_.exact_tangent = exact;
   if (!other_method_) {
     other_elements_ = make_elements_();
     other_elements_->bind(*mesh_, state().rest_position, variant_);
-    other_method_ = other_elements_->make(state().firstRow(), [this](std::size_t cell) { return lame(cell); });
+    other_method_ = makeMethod(*other_elements_);
   }
   std::swap(elements_, other_elements_);
   std::swap(method_, other_method_);
   ++tangent_changes_;
   return true;
-}
-
-Lame ElasticForceField::lame(std::size_t cell) const {
-  return Lame::from(at(young_modulus_, cell, 0) * at(stiffness_factor_, cell, 1), at(poisson_ratio_, cell, 0));
 }
 
 /// Measured on one core at 2.6 GHz with 8 lanes; in proportion for fewer. An element's own assembly is its scatter.

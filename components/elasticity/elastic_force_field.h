@@ -37,6 +37,7 @@ class ElasticForceField : public ElementKernelsField, public OpenChoices {
 
   void declare(DataTable& table) override;
   void init() override;
+  void recompile() override;
   ForceTraits traits() const override;
   void compile() override;
   bool useExactTangent(bool exact) override;
@@ -60,15 +61,18 @@ class ElasticForceField : public ElementKernelsField, public OpenChoices {
   /// Throws ComponentError for combinations of attributes that mean nothing together.
   void checkVariant() const;
   void checkMeanDilatation() const;
-  /// Of automatic: by Poisson's ratio, where the method has a mean.
-  void chooseDilatation();
+  /// Of automatic: by Poisson's ratio, where the method has a mean. True when it is another than before.
+  bool chooseDilatation();
+  /// What depends on the material alone.
+  void compileMaterial();
   std::string whyNoMean() const;
   /// Notes on what is so by construction and surprises nevertheless.
   void tellSurprises() const;
   /// Throws ComponentError for lists of a wrong length or a value without a material.
-  void checkMaterial() const;
+  void readMaterial();
   /// Of one cell [Pa], localStiffnessFactor included.
-  Lame lame(std::size_t cell) const;
+  Lame lame(std::size_t cell) const { return constants_[constants_.size() > 1 ? cell : 0]; }
+  std::unique_ptr<ElementKernels> makeMethod(const ElasticElements& elements) const;
   /// The rows of this state out of the system's.
   ConstRows ownRows(ConstRows x) const;
   bool isSet(const char* attribute) const { return data().find(attribute)->isSet(); }
@@ -80,12 +84,15 @@ class ElasticForceField : public ElementKernelsField, public OpenChoices {
   Tangent tangent_ = Tangent::warped;
   Assembling assembling_ = Assembling::automatic;
   Dilatation dilatation_ = Dilatation::automatic;
+  enum class PolarOf : int { gradient, edges } polar_of_ = PolarOf::gradient;
   double plastic_max_threshold_ = 0;
 
   /// Of the topology, which owns it.
   const Mesh* mesh_ = nullptr;
   ElasticVariant variant_;
-  std::string kind_word_;  ///< "tetrahedron", for messages
+  std::vector<Lame> constants_;  ///< [Pa], one for all or one per cell
+  Index first_row_ = -1;         ///< that method_ was made for
+  std::string kind_word_;        ///< "tetrahedron", for messages
   /// The cells as one kind of element: makes the method, and evaluates fields for output.
   std::unique_ptr<ElasticElements> elements_;
   /// Those of the other tangent, which useExactTangent() has put aside; null before.

@@ -44,6 +44,10 @@ class AssembledKernels final : public ElementKernels {
     addForce(x, f);
     addProduct(dx, factor, f);
   }
+  bool refill() override {
+    is_stale_ = true;
+    return method_->refill();
+  }
   double energy(ConstRows x) const override { return method_->energy(x); }
   void addProduct(ConstRows dx, double factor, Rows df) const override { matrix_.multiplyAdd(factor, dx, df); }
   void addPattern(BlockPattern& pattern) const override { method_->addPattern(pattern); }
@@ -65,13 +69,14 @@ class AssembledKernels final : public ElementKernels {
       matrix_ = BlockMatrix(std::move(pattern));
       slots_ = method_->slots(matrix_);
     }
-    if (!first && constant_) return;
+    if (!first && constant_ && !is_stale_) return;
+    is_stale_ = false;
     matrix_.clear();
     method_->assemble(1, slots_, matrix_.values());
   }
   /// The method whose K is kept; computes forces and energies.
   std::unique_ptr<ElementKernels> method_;
-  bool constant_;
+  bool constant_, is_stale_ = false;  ///< stale: the constants are others
   /// K at the x of the last force, over all rows of the system.
   BlockMatrix matrix_;
   std::vector<Index> slots_;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The stiffness of a hexahedron that is a box at rest, by its modes.
 #pragma once
-#include "framework/fem/hexahedron.h"
+#include "components/elasticity/hexahedron_law.h"
 
 namespace stroma::hexahedron {
 

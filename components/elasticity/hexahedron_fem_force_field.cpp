@@ -137,8 +137,8 @@ class Hexahedra final : public ElasticElements {
   }
   template <class Shape>
   std::unique_ptr<ElementKernels> makeGreen(const Elements& elements) const {
-    if (variant_.mean_dilatation) return kernelsOf<Green<Shape, true>>(elements);
-    return kernelsOf<Green<Shape, false>>(elements);
+    if (variant_.mean_dilatation) return kernelsOf<GreenModel<Shape, true>>(elements);
+    return kernelsOf<GreenModel<Shape, false>>(elements);
   }
   /// R of the mean edges for F from the frame to the world; the frame itself where nothing is turned.
   Mat3 rotationOf(const Mat3& f, const Mat3& frame) const {

@@ -1,13 +1,35 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // method = green of hexahedra: St. Venant-Kirchhoff, no rotation. Gradients hold w^1/2 / 8, so that F is w^1/2 F.
 #pragma once
+#include "components/elasticity/green_model.h"
 #include "components/elasticity/hexahedron_matrix.h"
 #include "components/elasticity/hexahedron_rest.h"
 
 namespace stroma::hexahedron {
 
+/// What the shapes of green_model.h share here.
+struct GaussShape {
+  static constexpr int nodes = 8, points = 8;
+  template <class T>
+  static PointValues<T> at(const V3<T> (&x)[8]) {
+    return atPoints(modesOf(x));
+  }
+  template <class T>
+  static void toNodes(const PointValues<T>& forces, V3<T> (&f)[8]) {
+    nodesOf(fromPoints(forces), f);
+  }
+  template <class T>
+  static void matrixOf(const Gradients<T> (&g)[8], const GreenState<T> (&state)[8], T lambda, T mu, T (&k)[8 * 8 * 9]) {
+    greenMatrix(g, state, lambda, mu, k);
+  }
+  template <class T>
+  static void addMeanMatrixOf(const Gradients<T> (&g)[8], const GreenState<T> (&state)[8], T bulk, T (&k)[8 * 8 * 9]) {
+    addMeanMatrix(g, state, bulk, k);
+  }
+};
+
 /// Gauss points of any shape.
-struct PointShape {
+struct PointShape : GaussShape {
   template <class T>
   using Rest = PointRest<T>;
   template <class T>
@@ -38,7 +60,7 @@ struct PointShape {
 };
 
 /// Gauss points of a box, in its own axes.
-struct BoxShape {
+struct BoxShape : GaussShape {
   template <class T>
   using Rest = BoxRest<T>;
   template <class T>
@@ -65,98 +87,6 @@ struct BoxShape {
   template <class T>
   static void addForces(const BoxRest<T>&, const Tangent<T>& t, const M3<T>& stress, int p, PointValues<T>& f) {
     addColumns(stress.c0 * t.gradient[0], stress.c1 * t.gradient[1], stress.c2 * t.gradient[2], p, f);
-  }
-};
-
-/// `mean`: the volume change is the mean of tr(E) over the element; its stress is F times one pressure.
-template <class Shape, bool mean>
-struct Green : HexahedronModel {
-  static constexpr bool reads_position = true;
-  template <class T>
-  using Rest = typename Shape::template Rest<T>;
-  template <class T>
-  using Tangent = typename Shape::template Tangent<T>;
-
-  template <class T>
-  static void force(const auto& rest, const auto& t, const V3<T> (&x)[8], V3<T> (&f)[8]) {
-    const PointValues<T> j = atPoints(modesOf(x));
-    const T pressure = pressureOf(rest, t, j);
-    PointValues<T> forces;
-    for (int p = 0; p < 8; ++p) {
-      const M3<T> deformation = Shape::deformation(rest, t, j, p);
-      M3<T> stress = greenStress(deformation, Shape::inverseWeight(rest, t, p), t.lambda, t.mu);
-      if constexpr (mean) stress = stress + deformation * pressure;
-      Shape::addForces(rest, t, stress, p, forces);
-    }
-    nodesOf(fromPoints(forces), f);
-  }
-  template <class T>
-  static T energy(const auto& rest, const auto& t, const V3<T> (&x)[8]) {
-    const PointValues<T> j = atPoints(modesOf(x));
-    T sum(0.), volume_change(0.);
-    for (int p = 0; p < 8; ++p) {
-      const T inverse_weight = Shape::inverseWeight(rest, t, p);
-      const S3<T> strain = greenStrain(Shape::deformation(rest, t, j, p), inverse_weight);
-      sum += storedEnergy(strain, t.lambda, t.mu) / inverse_weight;
-      volume_change += (strain.xx + strain.yy + strain.zz) / inverse_weight;
-    }
-    if constexpr (mean) sum += T(0.5) * t.bulk * volume_change * volume_change;
-    return sum;
-  }
-  template <class T>
-  static void product(const auto& rest, const auto& t, T factor, const V3<T> (&x)[8], const V3<T> (&dx)[8],
-                      V3<T> (&df)[8]) {
-    const PointValues<T> j = atPoints(modesOf(x)), dj = atPoints(modesOf(dx));
-    const T lambda = factor * t.lambda, mu = factor * t.mu;
-    const T pressure = factor * pressureOf(rest, t, j), dpressure = factor * pressureDifferential(rest, t, j, dj);
-    PointValues<T> forces;
-    for (int p = 0; p < 8; ++p) {
-      const M3<T> f = Shape::deformation(rest, t, j, p), change = Shape::deformation(rest, t, dj, p);
-      M3<T> stress = greenStressDifferential(f, change, Shape::inverseWeight(rest, t, p), lambda, mu);
-      if constexpr (mean) stress = stress + change * pressure + f * dpressure;
-      Shape::addForces(rest, t, stress, p, forces);
-    }
-    nodesOf(fromPoints(forces), df);
-  }
-  template <class T>
-  static void matrix(const auto& rest, const auto& t, const V3<T> (&x)[8], T (&k)[8 * 8 * 9]) {
-    const PointValues<T> j = atPoints(modesOf(x));
-    const T pressure = pressureOf(rest, t, j);
-    Gradients<T> g[8];
-    GreenState<T> state[8];
-    for (int p = 0; p < 8; ++p) {
-      g[p] = Shape::gradients(rest, t, p);
-      state[p].f = Shape::deformation(rest, t, j, p);
-      state[p].inverse_weight = Shape::inverseWeight(rest, t, p);
-      S3<T>& s = state[p].minus_s;
-      s = restoringStress(greenStrain(state[p].f, state[p].inverse_weight), t.lambda, t.mu);
-      if constexpr (mean) s.xx += pressure, s.yy += pressure, s.zz += pressure;
-    }
-    greenMatrix(g, state, t.lambda, t.mu, k);
-    if constexpr (mean) addMeanMatrix(g, state, t.bulk, k);
-  }
-
- private:
-  /// -K/V sum w tr(E)
-  template <class T>
-  static T pressureOf(const auto& rest, const auto& t, const PointValues<T>& j) {
-    if constexpr (!mean) return T(0.);
-    T sum(0.);  // tr(F^T F) holds the weight already
-    for (int p = 0; p < 8; ++p) {
-      const M3<T> f = Shape::deformation(rest, t, j, p);
-      sum += T(0.5) * squaredNorm(f) - T(1.5) / Shape::inverseWeight(rest, t, p);
-    }
-    return -t.bulk * sum;
-  }
-  template <class T>
-  static T pressureDifferential(const auto& rest, const auto& t, const PointValues<T>& j, const PointValues<T>& dj) {
-    if constexpr (!mean) return T(0.);
-    T sum(0.);
-    for (int p = 0; p < 8; ++p) {
-      const M3<T> f = Shape::deformation(rest, t, j, p), change = Shape::deformation(rest, t, dj, p);
-      sum += stroma::dot(f.c0, change.c0) + (stroma::dot(f.c1, change.c1) + stroma::dot(f.c2, change.c2));
-    }
-    return -t.bulk * sum;
   }
 };
 

@@ -23,22 +23,25 @@ std::unique_ptr<ElementKernels> meanKernels(const Elements& elements);
 std::unique_ptr<ElementKernels> exactMeanKernels(const Elements& elements);
 
 template <class Storage>
-[[gnu::noinline]] Storage filled(const Elements& elements) {
-  const HexahedronShapes& shapes = elements.shapes;
-  const Mesh& mesh = shapes.mesh();
-  Storage storage;
-  storage.build(mesh.hexahedra, shapes.positions(), elements.first_row,
-                [&](std::size_t e, bool padding, auto& rest, auto& tangent) {
-                  // cells that cover the body twice share its stiffness; a padding lane has none
-                  const double share = padding ? 0 : 1 / mesh.overlap;
-                  const Lame constants{elements.lame(e).lambda * share, elements.lame(e).mu * share};
-                  shapes.set(shapes.atRest(e), constants, rest, tangent);
-                });
-  return storage;
+[[gnu::noinline]] void fillCells(Storage& storage, const HexahedronShapes& shapes,
+                                 const std::function<Lame(std::size_t)>& lame) {
+  // cells that cover the body twice share its stiffness; a padding lane has none
+  const double overlap = shapes.mesh().overlap;
+  storage.fill([&](std::size_t e, bool padding, auto& rest, auto& tangent) {
+    const double share = padding ? 0 : 1 / overlap;
+    const Lame own = lame(e), constants{own.lambda * share, own.mu * share};
+    shapes.set(shapes.atRest(e), constants, rest, tangent);
+  });
 }
 template <class Model>
 std::unique_ptr<ElementKernels> kernelsOf(const Elements& elements) {
-  return std::make_unique<ModelKernels<Model>>(filled<StorageOf<Model>>(elements));
+  using Storage = StorageOf<Model>;
+  const HexahedronShapes& shapes = elements.shapes;
+  Storage storage;
+  storage.arrange(shapes.mesh().hexahedra, shapes.positions(), elements.first_row);
+  fillCells(storage, shapes, elements.lame);
+  return std::make_unique<ModelKernels<Model>>(
+      std::move(storage), [&shapes, lame = elements.lame](Storage& stored) { fillCells(stored, shapes, lame); });
 }
 
 }  // namespace stroma::hexahedron

@@ -2,6 +2,9 @@
 // Hexahedra of any shape with dilatation = mean.
 #include "components/elasticity/hexahedron_kernels.h"
 
+#define STROMA_MEAN_FORCES
+#include "components/elasticity/hexahedron_mean_forces.h"
+
 namespace stroma::hexahedron {
 
 std::unique_ptr<ElementKernels> meanKernels(const Elements& elements) {

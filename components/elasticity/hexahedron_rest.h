@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What all models of hexahedra share, and the rest shapes that they read.
 #pragma once
-#include "framework/fem/hexahedron.h"
+#include "components/elasticity/hexahedron_law.h"
 #include "framework/fem/model_kernels.h"
 
 namespace stroma::hexahedron {

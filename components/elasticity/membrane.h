@@ -180,6 +180,34 @@ struct Large : Model {
   }
 };
 
+/// The strain of the displacement u in the triangle's own frame, sym(grad u), and forces R A0 B^T D B u along it, as in
+/// SOFA. B is that of the rest shape or (current) that of the shape of the moment. No energy has these forces.
+template <bool current>
+struct Displaced : Large {
+  template <class T>
+  static void force(const Rest<T>& rest, Tangent<T>& t, const V3<T> (&x)[3], V3<T> (&f)[3]) {
+    const Qr<T> qr(gradientOf(rest.inverse, x));
+    t.axis0 = qr.r.c0, t.axis1 = qr.r.c1;
+    t.tension = {T(0.), T(0.), T(0.)};
+    Plane<T> strain = qr.strain();
+    if constexpr (current) {
+      // m = 1 + grad u against the rest shape; against the present one grad u is 1 - m^-1
+      const T i00 = qr.inverse00(), i11 = qr.inverse11(), i01 = -(qr.u01 * i00 * i11);
+      t.inverse[0] = rest.inverse[0] * i00;
+      t.inverse[1] = fma(rest.inverse[0], i01, rest.inverse[1] * i11);
+      t.inverse[2] = rest.inverse[2] * i11;
+      strain = {T(1.) - i00, T(1.) - i11, -i01};
+    }
+    linearForces(t, strain, T(-1.), f);
+  }
+  /// As long as B is that of the rest shape: the axes held.
+  template <class T>
+  static void product(const Rest<T>& rest, const Tangent<T>& t, T factor, const V3<T> (&x)[3], const V3<T> (&dx)[3],
+                      V3<T> (&df)[3]) {
+    Model::product(rest, t, factor, x, dx, df);
+  }
+};
+
 /// The same with the exact tangent: the turning of the frame included, and with it the stiffness across the plane that
 /// tension gives (and compression takes).
 struct ExactLarge : Large {

@@ -23,7 +23,15 @@ class NodalDilatation final : public ElementKernels {
   static constexpr bool exact = Model::reads_position;
 
  public:
-  explicit NodalDilatation(std::vector<Cells>&& materials) : materials_(std::move(materials)) {}
+  /// Puts other constants into the materials; false where they cannot be these.
+  using Fill = std::function<bool(std::vector<Cells>&)>;
+  NodalDilatation(std::vector<Cells>&& materials, Fill fill)
+      : materials_(std::move(materials)), fill_(std::move(fill)) {}
+
+  bool refill() override {
+    gradients_ready_ = false;
+    return fill_(materials_);
+  }
 
   void addForce(ConstRows x, Rows f) override {
     if constexpr (exact) keep(x);
@@ -240,8 +248,8 @@ class NodalDilatation final : public ElementKernels {
         V3<Pack> dx[4]{}, unused[4];
         V3<Pack>& moved = dx[1 + component / 3];
         (component % 3 == 0 ? moved.x : component % 3 == 1 ? moved.y : moved.z) = Pack(1.);
-        change[component] = Single::productAndVolumeChange(m.storage.rest[b].of[i], m.storage.tangent[b].of[i],
-                                                           Pack(1.), c.x, dx, unused);
+        change[component] =
+            Single::productApart(m.storage.rest[b].of[i], m.storage.tangent[b].of[i], Pack(1.), c.x, dx, unused);
       }
       out[i] = {
           {change[0], change[1], change[2]}, {change[3], change[4], change[5]}, {change[6], change[7], change[8]}};
@@ -269,8 +277,9 @@ class NodalDilatation final : public ElementKernels {
   }
 
   mutable std::vector<Cells> materials_;  ///< mutable for the patches, which a scene without a matrix does not make
-  Vector x_;                              ///< of the last force, for the exact tangent
-  mutable Vector sums_;                   ///< x: sum of V_e/4 tr(eps_e), then pressures, of one material at a time
+  Fill fill_;
+  Vector x_;             ///< of the last force, for the exact tangent
+  mutable Vector sums_;  ///< x: sum of V_e/4 tr(eps_e), then pressures, of one material at a time
   mutable bool gradients_ready_ = false;
 };
 

@@ -4,7 +4,7 @@
 //   f_i = -R_i sum_j K_ij (R_i^T x_j - X_j) = -V_0 sigma_i g_i^(i),   g_j^(i) = R_i G_j,  H_i = F R_i^T - I,
 // so the rows of one element belong to different frames, do not sum to zero, and leave ghost forces.
 #pragma once
-#include "framework/fem/tetrahedron.h"
+#include "components/elasticity/tetrahedron_corotational.h"
 
 namespace stroma::tetrahedron {
 

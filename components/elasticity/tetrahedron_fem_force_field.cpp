@@ -63,6 +63,34 @@ using namespace stroma::tetrahedron;
 
 namespace {
 
+/// method = polar with polarOf = edges, as in SOFA: with the edges D_s now and D_m at rest, R = polar(D_s) polar(D_m)^T.
+/// It depends on which node is the first of a cell.
+struct EdgePolar : Model {
+  template <class T>
+  using Rest = RestShape<T>;
+  template <class T>
+  static void force(const Rest<T>& rest, Tangent<T>& t, const V3<T> (&x)[4], V3<T> (&f)[4]) {
+    nodalForces(restoringStress(strain(rest, t, x), t.ratio, T(1.)), t.g, f);
+  }
+  template <class T>
+  static T energy(const Rest<T>& rest, const auto& t, const V3<T> (&x)[4]) {
+    auto unheld = t;
+    return storedEnergy(strain(rest, unheld, x), t.ratio, T(1.));
+  }
+  template <class T>
+  static S3<T> strain(const Rest<T>& rest, auto& t, const V3<T> (&x)[4]) {
+    const Edges<T> edges(x);
+    const M3<T> now = rotation::Polar::of(M3<T>{edges.e[0], edges.e[1], edges.e[2]});
+    const M3<T> then = rotation::Polar::of(M3<T>{rest.edges[0], rest.edges[1], rest.edges[2]});
+    const M3<T> r{fma(then.c0.x, now.c0, fma(then.c1.x, now.c1, now.c2 * then.c2.x)),
+                  fma(then.c0.y, now.c0, fma(then.c1.y, now.c1, now.c2 * then.c2.y)),
+                  fma(then.c0.z, now.c0, fma(then.c1.z, now.c1, now.c2 * then.c2.z))};
+    const Gradients<T> g = rotated(r, rest.g);
+    t.g = {g.g1 * rest.root, g.g2 * rest.root, g.g3 * rest.root};
+    return strainOfKinematics<Update::none>(edges.e, t.g, rest.root);
+  }
+};
+
 class Tetrahedra final : public ElasticElements {
  public:
   Index count(const Mesh& mesh) const override { return Index(mesh.tetrahedra.size()); }
@@ -74,6 +102,7 @@ class Tetrahedra final : public ElasticElements {
   double meanDilatationFrom() const override { return std::nextafter(0.45, 1); }
   std::size_t mostMaterials() const override { return 100; }  // averaged_kernels.h
   bool rotationHasPotential() const override { return true; }
+  bool usePolarOfEdges() override { return polar_of_edges_ = true; }
 
   void bind(const Mesh& mesh, const std::vector<Vec3>& rest, const ElasticVariant& variant) override {
     variant_ = variant;
@@ -110,7 +139,9 @@ class Tetrahedra final : public ElasticElements {
 
  private:
   std::unique_ptr<ElementKernels> makeMethod(const Elements& elements) const {
-    if (variant_.method == ElasticMethod::nodal) return makeNodal(elements);
+    if (variant_.method == ElasticMethod::nodal)
+      return std::make_unique<NodalWarping>(oneByOne<StorageOf<NodalModel>>(elements));
+    if (polar_of_edges_) return std::make_unique<ModelKernels<EdgePolar>>(oneByOne<StorageOf<EdgePolar>>(elements));
     if (variant_.method == ElasticMethod::green) return kernelsOf<Green>(elements);
     if (variant_.method == ElasticMethod::small)
       return variant_.mean_dilatation ? averagedKernelsOf<Deviatoric<Linear>>(elements) : kernelsOf<Linear>(elements);
@@ -119,17 +150,20 @@ class Tetrahedra final : public ElasticElements {
                                       : rotatedKernels<Rotation>(variant_, elements);
     });
   }
-  static std::unique_ptr<ElementKernels> makeNodal(const Elements& elements) {
+  /// Not in fans, which change the order of the nodes of a cell.
+  template <class Storage>
+  static Storage oneByOne(const Elements& elements) {
     const std::vector<Tetrahedron>& cells = elements.shapes.mesh().tetrahedra;
-    StorageOf<NodalModel> storage;
+    Storage storage;
     storage.build(cells, elements.shapes.positions(), elements.first_row,
                   [&](std::size_t e, bool padding, auto& rest, auto& tangent) {
                     elements.shapes.set(e, cells[e], padding, elements.lame, rest, tangent);
                   });
-    return std::make_unique<NodalWarping>(std::move(storage));
+    return storage;
   }
 
   ElasticVariant variant_;
+  bool polar_of_edges_ = false;
   std::unique_ptr<TetrahedronShapes> shapes_;
 };
 

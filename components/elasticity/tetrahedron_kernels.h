@@ -21,28 +21,39 @@ std::unique_ptr<ElementKernels> rotatedKernels(const ElasticVariant& variant, co
 template <class Rotation>
 std::unique_ptr<ElementKernels> averagedKernels(const ElasticVariant& variant, const Elements& elements);
 
+/// The elements of `fans`, whose `element` are cells of the mesh.
+template <class Storage>
+[[gnu::noinline]] void fillFans(Storage& storage, const std::vector<Fan>& fans, const TetrahedronShapes& shapes,
+                                const LameOf& lame) {
+  storage.fill([&](std::size_t f, bool padding, auto& rest, auto& tangent) {
+    for (int i = 0; i < fan_size; ++i) {
+      const Index e = fans[f].element[i];
+      Tetrahedron nodes;
+      for (int a = 0; a < 4; ++a) nodes[a] = fans[f].nodes[corner(i, a)];
+      shapes.set(std::size_t(e >= 0 ? e : fans[f].element[0]), nodes, padding || e < 0, lame, rest.of[i],
+                 tangent.of[i]);
+    }
+  });
+}
 template <class Storage>
 Storage fanStorage(const std::vector<Fan>& fans, const Elements& elements) {
   std::vector<std::array<Index, fan_nodes>> cells;
   cells.reserve(fans.size());
   for (const Fan& fan : fans) cells.push_back(fan.nodes);
   Storage storage;
-  storage.build(cells, elements.shapes.positions(), elements.first_row,
-                [&](std::size_t f, bool padding, auto& rest, auto& tangent) {
-                  for (int i = 0; i < fan_size; ++i) {
-                    const Index e = fans[f].element[i];
-                    Tetrahedron nodes;
-                    for (int a = 0; a < 4; ++a) nodes[a] = cells[f][corner(i, a)];
-                    elements.shapes.set(std::size_t(e >= 0 ? e : fans[f].element[0]), nodes, padding || e < 0,
-                                        elements.lame, rest.of[i], tangent.of[i]);
-                  }
-                });
+  storage.arrange(cells, elements.shapes.positions(), elements.first_row);
+  fillFans(storage, fans, elements.shapes, elements.lame);
   return storage;
 }
 template <class Single>
 std::unique_ptr<ElementKernels> kernelsOf(const Elements& elements) {
-  const std::vector<Fan> fans = gatherFans(elements.shapes.mesh().tetrahedra, elements.shapes.positions().size());
-  return std::make_unique<ModelKernels<FanOf<Single>>>(fanStorage<StorageOf<FanOf<Single>>>(fans, elements));
+  using Storage = StorageOf<FanOf<Single>>;
+  std::vector<Fan> fans = gatherFans(elements.shapes.mesh().tetrahedra, elements.shapes.positions().size());
+  Storage storage = fanStorage<Storage>(fans, elements);
+  return std::make_unique<ModelKernels<FanOf<Single>>>(
+      std::move(storage), [fans = std::move(fans), &shapes = elements.shapes, lame = elements.lame](Storage& stored) {
+        fillFans(stored, fans, shapes, lame);
+      });
 }
 
 }  // namespace stroma::tetrahedron

@@ -3,8 +3,8 @@
 // because its rotations belong to nodes.
 #pragma once
 #include "components/elasticity/nodal_warping.h"
+#include "components/elasticity/tetrahedron_corotational.h"
 #include "framework/fem/model_kernels.h"
-#include "framework/fem/tetrahedron.h"
 
 namespace stroma::tetrahedron {
 
@@ -60,6 +60,7 @@ struct Linear : Model {
 /// method = large, polar, svd with the warped tangent.
 template <class Rotation, Update update>
 struct Corotational : Model {
+  static constexpr bool long_force = true;
   template <class T>
   using Rest = RestOf<update, T>;
   template <class T>

@@ -58,14 +58,15 @@ class TetrahedronShapes {
     const Mat3 axes = restFrame(e), edges = restEdges(nodes), inverse = edges.inverse();
     const M3<double> own = fromEigen((inverse * axes).transpose()), world = fromEigen(inverse.transpose());
     const double volume = padding ? 0 : weight(edges);  // a padding lane has no stiffness
-    if constexpr (requires { rest.root; }) rest.root = std::sqrt(lame(e).mu * volume);
+    const Lame constants = lame(e);
+    if constexpr (requires { rest.root; }) rest.root = std::sqrt(constants.mu * volume);
     if constexpr (requires { rest.g; }) rest.g = {own.c0, own.c1, own.c2};
     if constexpr (requires { rest.edges; }) {
       const M3<double> local = fromEigen(axes.transpose() * edges);
       rest.edges[0] = local.c0, rest.edges[1] = local.c1, rest.edges[2] = local.c2;
     }
     if constexpr (requires { rest.inverse_six_volume; }) rest.inverse_six_volume = 1 / edges.determinant();
-    setTangent(tangent, {world.c0, world.c1, world.c2}, lame(e), volume);
+    setTangent(tangent, {world.c0, world.c1, world.c2}, constants, volume);
   }
 
  private:

@@ -15,6 +15,10 @@
 // exact is the derivative of the force, for Newton's method; under compression it is not definite. Neither resists
 // bending: TriangularBendingSprings or FastTriangularBendingSprings do.
 //
+// strain = rest and current are SOFA's forces, of the displacement u in the frame of the triangle: f = -R A0 h B^T D B u
+// with the B of the rest shape or of the shape of the moment. They are no gradient, turn a free triangle a little, and
+// differ from the others in second order of the strain. TriangularFEMForceFieldOptim has the first of them.
+//
 // Source: the name, method, moduli and drawing attributes are SOFA's; thickness (1 there), planeStrain of its
 // TriangleFEMForceField, which is the same here, and tangent.
 //
@@ -51,11 +55,12 @@ class TriangularFEMForceField final : public ElementKernelsField {
   void init() override;
   ForceTraits traits() const override {
     ForceTraits traits;
-    const bool small = method_word_ == Method::small;
+    const bool small = method_word_ == Method::small, own = strain == StrainWord::energy;
     traits.linear = traits.constant_stiffness = small;
-    traits.symmetric = traits.conservative = traits.forces_balance = true;
-    traits.exact_tangent = small || tangent_ == TangentWord::exact;
-    traits.torques_balance = !small;
+    traits.symmetric = traits.forces_balance = true;
+    traits.conservative = small || own;
+    traits.exact_tangent = small || (own && tangent_ == TangentWord::exact);
+    traits.torques_balance = !small && own;
     return traits;
   }
   void compile() override;
@@ -65,6 +70,10 @@ class TriangularFEMForceField final : public ElementKernelsField {
     return {(tangent_ == TangentWord::exact ? 12. : 4.) * lanes * triangles, 60 * triangles};
   }
   std::string worstElement(ConstRows x) const override;
+
+  /// Set by the registration of a name.
+  enum class StrainWord : int { energy, rest, current };
+  StrainWord strain = StrainWord::energy;
 
  private:
   enum class Method : int { small, large };
@@ -113,6 +122,8 @@ void TriangularFEMForceField::declare(DataTable& table) {
       .help("large: the strain in the frame of the triangle (QR); small: in its frame at rest, linear");
   table.addChoice("tangent", tangent_, {"warped", "exact"})
       .help("stiffness: R K R^T and that of tension, or the exact derivative of the force");
+  table.addChoice("strain", strain, {"energy", "rest", "current"})
+      .help("of large: energy, the gradient of an energy; rest and current, SOFA's, with its B of that shape");
   for (const char* name : {"hosfordExponant", "criteriaValue", "showStressValue", "showStressVector",
                            "showFracturableTriangles", "computePrincipalStress"})
     table.addVisualOnly(name);
@@ -124,6 +135,8 @@ void TriangularFEMForceField::init() {
   triangles_ = &mesh.triangles;
   const std::string problem = mesh.firstError();
   if (!problem.empty()) throw ComponentError(problem);
+  if (strain != StrainWord::energy && (method_word_ == Method::small || tangent_ == TangentWord::exact))
+    throw ComponentError("strain rest and current are of method large and the warped tangent", "strain=\"energy\"");
   spread(young_modulus_, triangles_->size(), "youngModulus", "triangles");
   spread(poisson_ratio_, triangles_->size(), "poissonRatio", "triangles");
   checkTriangles();
@@ -166,6 +179,10 @@ void TriangularFEMForceField::compile() {
                 });
   if (method_word_ == Method::small)
     method_ = std::make_unique<ModelKernels<membrane::Linear>>(std::move(storage));
+  else if (strain == StrainWord::rest)
+    method_ = std::make_unique<ModelKernels<membrane::Displaced<false>>>(std::move(storage));
+  else if (strain == StrainWord::current)
+    method_ = std::make_unique<ModelKernels<membrane::Displaced<true>>>(std::move(storage));
   else if (tangent_ == TangentWord::exact)
     method_ = std::make_unique<ModelKernels<membrane::ExactLarge>>(std::move(storage));
   else
@@ -192,4 +209,7 @@ STROMA_COMPONENT(triangular_fem_force_field) {
   const std::string help = "an elastic membrane of triangles in plane stress";
   factory.add<TriangularFEMForceField>("TriangularFEMForceField", help);
   factory.add<TriangularFEMForceField>("TriangleFEMForceField", help);
+  factory.add<TriangularFEMForceField>("TriangularFEMForceFieldOptim", help + ", with the strain of displacements", [](auto& f) {
+    f.strain = TriangularFEMForceField::StrainWord::rest;
+  });
 }

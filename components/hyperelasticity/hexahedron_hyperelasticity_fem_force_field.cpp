@@ -34,5 +34,5 @@ STROMA_COMPONENT(hexahedron_hyperelasticity_fem_force_field) {
   factory.add<HyperelasticForceField>(
       "HexahedronHyperelasticityFEMForceField",
       "hyperelastic hexahedra: laws of large strains (StVenantKirchhoff, NeoHookean, ...) at 2x2x2 points",
-      [](HyperelasticForceField& f) { f.hexahedra = true; });
+      [](HyperelasticForceField& f) { f.kind = &cell_kinds::hexahedron; });
 }

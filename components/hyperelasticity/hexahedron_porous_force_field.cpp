@@ -31,7 +31,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "components/hyperelasticity/hexahedron_volume.h"
+#include "components/hyperelasticity/cell_volume.h"
 #include "components/hyperelasticity/porous_force_field.h"
 #include "components/hyperelasticity/porous_loops.h"
 #include "framework/scene/factory.h"

@@ -112,8 +112,7 @@ void HyperelasticForceField::readDirections() {
     return frameOf(fibre, sheet, describe(cell));
   };
   axes_.resize(cellCount());
-  for (std::size_t cell = 0; cell < axes_.size(); ++cell)
-    axes_[cell] = hexahedra ? averaged(cell, mesh_->hexahedra[cell]) : averaged(cell, mesh_->tetrahedra[cell]);
+  for (std::size_t cell = 0; cell < axes_.size(); ++cell) axes_[cell] = averaged(cell, nodesOf(cell));
 }
 
 }  // namespace stroma

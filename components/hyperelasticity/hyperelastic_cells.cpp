@@ -9,7 +9,7 @@
 #include <limits>
 
 #include "components/hyperelasticity/hyperelastic_force_field.h"
-#include "framework/mesh/cell_kind.h"
+#include "framework/mesh/cell_lists.h"
 
 namespace stroma {
 namespace {
@@ -17,14 +17,18 @@ namespace {
 /// Gradients of shape functions (columns, in the order of the cell) at the integration points.
 using Gradients = Eigen::Matrix<double, 3, Eigen::Dynamic>;
 
-/// Those along xi, eta and zeta of the hexahedron at the kernels' point p, where xi goes fastest.
-Gradients localGradients(int p) {
+/// Those along xi, eta and zeta at the kernels' points: of a hexahedron xi goes fastest.
+std::vector<Gradients> localGradients(const CellKind& kind) {
   constexpr int node_of_point[8] = {0, 1, 3, 2, 4, 5, 7, 6};
-  std::array<LocalPoint, 8> slopes;
-  cell_kinds::hexahedron.gradients(cell_kinds::hexahedron.rule(2).points[node_of_point[p]].xi, slopes.data());
-  Gradients local(3, 8);
-  for (int a = 0; a < 8; ++a) local.col(a) = Vec3(slopes[a].data());
-  return local;
+  const auto points = kind.rule(2).points;
+  std::vector<Gradients> result;
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    std::array<LocalPoint, most_cell_nodes> slopes;
+    kind.gradients(points[kind.type == CellType::hexahedron ? std::size_t(node_of_point[p]) : p].xi, slopes.data());
+    result.emplace_back(3, kind.nodes);
+    for (int a = 0; a < kind.nodes; ++a) result.back().col(a) = Vec3(slopes[std::size_t(a)].data());
+  }
+  return result;
 }
 /// dx/d(xi, eta, zeta) at a point.
 Mat3 edgesOf(const std::vector<Vec3>& corner, const Gradients& local) {
@@ -33,9 +37,9 @@ Mat3 edgesOf(const std::vector<Vec3>& corner, const Gradients& local) {
   return j;
 }
 
-std::vector<Gradients> gradientsOf(const std::vector<Vec3>& corner) {
+std::vector<Gradients> gradientsOf(const CellKind& kind, const std::vector<Vec3>& corner) {
   std::vector<Gradients> result;
-  if (corner.size() == 4) {
+  if (kind.affine) {
     Mat3 edges;
     edges << corner[1] - corner[0], corner[2] - corner[0], corner[3] - corner[0];
     const Mat3 g = edges.inverse().transpose();
@@ -43,31 +47,35 @@ std::vector<Gradients> gradientsOf(const std::vector<Vec3>& corner) {
     all << -g.rowwise().sum(), g;
     return {all};
   }
-  for (int p = 0; p < 8; ++p) {
-    const Gradients local = localGradients(p);
+  for (const Gradients& local : localGradients(kind))
     result.push_back(edgesOf(corner, local).inverse().transpose() * local);
-  }
   return result;
-}
-
-template <class Nodes, class Position>
-std::vector<Vec3> cornersOf(const Nodes& nodes, Position&& position) {
-  std::vector<Vec3> corner;
-  corner.reserve(std::size(nodes));
-  for (Index n : nodes) corner.push_back(position(n));
-  return corner;
 }
 
 }  // namespace
 
+std::span<const Index> HyperelasticForceField::nodesOf(std::size_t cell) const {
+  std::span<const Index> nodes;
+  forEachCellList(
+      [&](const CellKind& of, const auto& cells) {
+        if (of.type == kind->type) nodes = cells[cell];
+      },
+      *mesh_);
+  return nodes;
+}
+
+std::vector<Vec3> HyperelasticForceField::restCorners(std::size_t cell) const {
+  std::vector<Vec3> corner;
+  for (const Index n : nodesOf(cell)) corner.push_back(state().rest_position[n]);
+  return corner;
+}
+
 void HyperelasticForceField::checkShapes() const {
   for (std::size_t cell = 0; cell < cellCount(); ++cell) {
-    const auto rest = [&](Index n) -> Vec3 { return state().rest_position[n]; };
-    const std::vector<Vec3> corner =
-        hexahedra ? cornersOf(mesh_->hexahedra[cell], rest) : cornersOf(mesh_->tetrahedra[cell], rest);
+    const std::vector<Vec3> corner = restCorners(cell);
     double longest = 0;
     for (const Vec3& c : corner) longest = std::max(longest, (c - corner[0]).norm());
-    for (const Gradients& g : gradientsOf(corner)) {
+    for (const Gradients& g : gradientsOf(*kind, corner)) {
       Mat3 f = Mat3::Zero();
       for (std::size_t a = 0; a < corner.size(); ++a) f += corner[a] * g.col(Eigen::Index(a)).transpose();
       if (!(g.norm() < 1e12 / longest) || !(std::abs(f.trace() - 3) < 1e-3))
@@ -80,7 +88,8 @@ void HyperelasticForceField::chooseDilatation() {
   mean_dilatation_ = dilatation_ == Dilatation::mean;
   if (mean_dilatation_) checkMeanDilatation();
   if (dilatation_ != Dilatation::automatic) return;
-  constexpr double from = 0.4, nearly_incompressible = 0.45;
+  const double from = kind->type == CellType::quadratic_tetrahedron ? 0.45 : 0.4,
+               nearly_incompressible = std::max(from, 0.45);
   double largest = -1;
   for (std::size_t set = 0; set * law_.parameters.size() < values_.size(); ++set) {
     const hyperelastic::HyperelasticLaw::Moduli moduli = law_.moduliAtRest(parametersIn(values_, set));
@@ -94,19 +103,20 @@ void HyperelasticForceField::chooseDilatation() {
     if (largest > nearly_incompressible)
       warn(fmt::format("{}, so that the cells lock at Poisson's ratio {:.4g}: a body is far too stiff in bending",
                        error.what(), largest),
-           hexahedra ? "a law with a part in J alone" : "hexahedra");
+           kernels().mean_volume ? "a law with a part in J alone" : "hexahedra");
   }
 }
 
 std::string HyperelasticForceField::choice() const {
-  if (dilatation_ != Dilatation::automatic || !hexahedra) return {};
+  if (dilatation_ != Dilatation::automatic || !kernels().mean_volume) return {};
   return mean_dilatation_ ? "mean dilatation" : "local dilatation";
 }
 
 void HyperelasticForceField::checkMeanDilatation() const {
   const std::string expected = "dilatation=\"local\"";
-  if (!hexahedra)
-    throw ComponentError("the mean dilatation of a hyperelastic law exists for hexahedra", expected,
+  if (!kernels().mean_volume)
+    throw ComponentError("the mean dilatation of a hyperelastic law exists for hexahedra and quadratic tetrahedra",
+                         expected,
                          "HexahedronHyperelasticityFEMForceField, or TetrahedronFEMForceField for small strains");
   if (law_.volume == hyperelastic::VolumePart::none)
     throw ComponentError(
@@ -116,14 +126,14 @@ void HyperelasticForceField::checkMeanDilatation() const {
   if (series_.terms() > 0 && series_.part == PronyPart::all)
     throw ComponentError("viscosity relaxes the stress of a point, and the mean dilatation has one for all points",
                          expected, "viscousPart=\"deviatoric\", which leaves the volume elastic");
+  const std::vector<Gradients> local = localGradients(*kind);
   for (std::size_t cell = 0; cell < cellCount(); ++cell) {
-    const std::vector<Vec3> corner =
-        cornersOf(mesh_->hexahedra[cell], [&](Index n) -> Vec3 { return state().rest_position[n]; });
-    const double first = edgesOf(corner, localGradients(0)).determinant();
-    for (int p = 1; p < 8; ++p)
-      if (edgesOf(corner, localGradients(p)).determinant() * first <= 0)
+    const std::vector<Vec3> corner = restCorners(cell);
+    const double first = edgesOf(corner, local[0]).determinant();
+    for (const Gradients& at_point : local)
+      if (edgesOf(corner, at_point).determinant() * first <= 0)
         throw ComponentError(describe(cell) + " is folded at rest: its points have volumes of both signs",
-                             "a hexahedron with one volume, or " + expected);
+                             fmt::format("a {} with one volume, or {}", kind->singular, expected));
   }
 }
 
@@ -145,23 +155,18 @@ void HyperelasticForceField::checkViscousPart() const {
 }
 
 std::string HyperelasticForceField::describe(std::size_t cell) const {
-  return hexahedra ? fmt::format("hexahedron {} (nodes {})", cell, fmt::join(mesh_->hexahedra[cell], " "))
-                   : fmt::format("tetrahedron {} (nodes {})", cell, fmt::join(mesh_->tetrahedra[cell], " "));
+  return fmt::format("{} {} (nodes {})", kind->singular, cell, fmt::join(nodesOf(cell), " "));
 }
 
 std::vector<Mat3> HyperelasticForceField::deformations(std::size_t cell, ConstRows x) const {
-  const auto rest = [&](Index n) -> Vec3 { return state().rest_position[n]; };
-  const auto now = [&](Index n) -> Vec3 { return x[n]; };
-  const auto both = [&](const auto& nodes) {
-    const std::vector<Vec3> corner = cornersOf(nodes, now);
-    std::vector<Mat3> result;
-    for (const Gradients& g : gradientsOf(cornersOf(nodes, rest))) {
-      result.push_back(Mat3::Zero());
-      for (std::size_t a = 0; a < corner.size(); ++a) result.back() += corner[a] * g.col(Eigen::Index(a)).transpose();
-    }
-    return result;
-  };
-  return hexahedra ? both(mesh_->hexahedra[cell]) : both(mesh_->tetrahedra[cell]);
+  const std::span<const Index> nodes = nodesOf(cell);
+  std::vector<Mat3> result;
+  for (const Gradients& g : gradientsOf(*kind, restCorners(cell))) {
+    result.push_back(Mat3::Zero());
+    for (std::size_t a = 0; a < nodes.size(); ++a)
+      result.back() += Vec3(x[nodes[a]]) * g.col(Eigen::Index(a)).transpose();
+  }
+  return result;
 }
 
 double HyperelasticForceField::smallestJacobian(std::size_t cell, ConstRows x) const {

@@ -12,7 +12,9 @@
 #include <set>
 
 #include "components/hyperelasticity/hyperelastic_volume.h"
+#include "components/hyperelasticity/quadratic_kernels.h"
 #include "framework/mechanics/state_topology.h"
+#include "framework/mesh/cell_lists.h"
 #include "framework/scene/names.h"
 
 namespace stroma {
@@ -51,9 +53,10 @@ void HyperelasticForceField::declare(DataTable& table) {
       .help("mjed: derivatives by J and invariants; standard: the textbook's S and elasticity tensor, to compare");
   table.addChoice("dilatation", dilatation_, {"auto", "local", "mean"})
       .help(
-          "of hexahedra, the volume change that bulk stiffness meets: at each point, or one per cell: no locking; "
+          "of hexahedra and quadratic tetrahedra, the volume change that bulk stiffness meets: at each point, or one "
+          "per cell: no locking; "
           "auto: "
-          "one per cell where Poisson's ratio at small strains is 0.4 or more");
+          "one per cell where Poisson's ratio at small strains is 0.4 (of quadratic tetrahedra 0.45) or more");
   table.add("matrixRegularization", regularised_)
       .help("where J < 1 turn the tangent's part with d2W/dJ2 into a multiple of the identity (Marchesseau 2.3)");
   table.add("projectedTangent", projected_)
@@ -91,7 +94,23 @@ void HyperelasticForceField::declareParameters(DataTable& table) {
 }
 
 std::size_t HyperelasticForceField::cellCount() const {
-  return hexahedra ? mesh_->hexahedra.size() : mesh_->tetrahedra.size();
+  std::size_t count = 0;
+  forEachCellList([&](const CellKind& of, const auto& cells) { count += of.type == kind->type ? cells.size() : 0; }, *mesh_);
+  return count;
+}
+
+/// Nanoseconds as in ForceField::Cost.
+HyperelasticForceField::KindKernels HyperelasticForceField::kernels() const {
+  using hyperelastic::Cells;
+  using Method = std::unique_ptr<ElementKernels>;
+  if (kind->type == CellType::hexahedron)
+    return {[](const HyperelasticLaw& law, const Cells& cells) -> Method { return law.hexahedra(cells); },
+            hyperelastic::meanVolumeKernels().hexahedra, residualStressKernels().hexahedra, 120, 1200};
+  if (kind->type == CellType::quadratic_tetrahedron)
+    return {hyperelastic::quadraticKernels().make, hyperelastic::meanVolumeKernels().quadratic_tetrahedra, nullptr, 100,
+            2500};
+  return {[](const HyperelasticLaw& law, const Cells& cells) -> Method { return law.tetrahedra(cells); }, nullptr,
+          residualStressKernels().tetrahedra, 12, 150};
 }
 
 void HyperelasticForceField::init() {
@@ -102,8 +121,8 @@ void HyperelasticForceField::init() {
   readParameters();
   readDirections();
   series_ = prony_.read(*this);
-  if (series_.terms() > 0 && !(hexahedra ? residualStressKernels().hexahedra : residualStressKernels().tetrahedra))
-    throw ComponentError("viscosity has no kernels for these cells", "tetrahedra");
+  if (series_.terms() > 0 && !kernels().held)
+    throw ComponentError(fmt::format("viscosity has no kernels for {}", kind->plural), "tetrahedra");
   checkShapes();
   chooseDilatation();
   checkViscousPart();
@@ -113,9 +132,11 @@ void HyperelasticForceField::init() {
     throw ComponentError(
         fmt::format("matrixRegularization acts on d2W/dJ2 of the law, and the energy of {} has no J", law_.name),
         "projectedTangent=\"true\" for this law");
-  if (hexahedra && regularised_)
-    throw ComponentError("matrixRegularization exists for tetrahedra", "projectedTangent=\"true\" for hexahedra");
-  if (hexahedra && discretization == Discretization::standard)
+  const bool tetrahedra = kind->type == CellType::tetrahedron;
+  if (!tetrahedra && regularised_)
+    throw ComponentError("matrixRegularization exists for tetrahedra",
+                         fmt::format("projectedTangent=\"true\" for {}", kind->plural));
+  if (!tetrahedra && discretization == Discretization::standard)
     throw ComponentError("discretization standard, for comparison, exists for tetrahedra", "discretization=\"mjed\"");
   if (discretization == Discretization::standard && (regularised_ || projected_))
     throw ComponentError("discretization standard is the textbook's form, with its exact tangent",
@@ -144,9 +165,9 @@ void HyperelasticForceField::chooseMesh() {
   if (!topology) throw ComponentError("there is no mesh", "a topology with cells in this node or above");
   mesh_ = &topology->mesh();
   if (cellCount() == 0)
-    throw ComponentError(fmt::format("{} holds no {}", topology->path(), hexahedra ? "hexahedra" : "tetrahedra"),
-                         fmt::format("a mesh of {}", hexahedra ? "hexahedra" : "tetrahedra"),
-                         hexahedra || mesh_->hexahedra.empty()
+    throw ComponentError(fmt::format("{} holds no {}", topology->path(), kind->plural),
+                         fmt::format("a mesh of {}", kind->plural),
+                         kind->type != CellType::tetrahedron || mesh_->hexahedra.empty()
                              ? ""
                              : "cut its hexahedra with Hexa2TetraTopologicalMapping, or "
                                "HexahedronHyperelasticityFEMForceField");
@@ -177,7 +198,7 @@ Mat3 HyperelasticForceField::axes(std::size_t cell) const { return axes_.size() 
 hyperelastic::Cells HyperelasticForceField::cells() const {
   const Form form = discretization == Discretization::standard ? Form::standard
                     : regularised_                             ? Form::regularised
-                    : projected_                               ? Form::projected
+                    : projected_ || definite_                  ? Form::projected
                                                                : Form::mjed;
   return {mesh_,
           &state().rest_position,
@@ -188,27 +209,52 @@ hyperelastic::Cells HyperelasticForceField::cells() const {
 }
 
 void HyperelasticForceField::compile() {
-  const auto make = hexahedra ? law_.hexahedra : law_.tetrahedra;
-  hyperelastic::Cells own = cells();
-  if (volumeIsApart()) {
-    local_values_ = withoutVolume();
-    own.parameters = [this](std::size_t cell) { return parametersIn(local_values_, cell); };
+  definite_ = false;
+  other_method_.reset();
+  if (volumeIsApart()) local_values_ = withoutVolume();
+  if (series_.terms() == 0) {
+    method_ = makeElastic();
+    return;
   }
+  const auto make = [this](const hyperelastic::Cells& of) { return kernels().make(law_, of); };
+  const hyperelastic::Cells own = elasticCells();
   method_ = make(own);
   const bool mean = mean_dilatation_;
-  if (series_.terms() > 0) makeViscous(own, volumeIsApart() && !mean ? make(cells()) : nullptr);
+  makeViscous(own, volumeIsApart() && !mean ? make(cells()) : nullptr);
   if (mean)
-    method_ = std::make_unique<hyperelastic::SumOfKernels>(std::move(method_),
-                                                           hyperelastic::meanVolumeKernels().hexahedra(cells(), law_));
+    method_ = std::make_unique<hyperelastic::SumOfKernels>(std::move(method_), kernels().mean_volume(cells(), law_, false));
+}
+
+/// Without what volumeIsApart() puts aside.
+hyperelastic::Cells HyperelasticForceField::elasticCells() const {
+  hyperelastic::Cells own = cells();
+  if (volumeIsApart()) own.parameters = [this](std::size_t cell) { return parametersIn(local_values_, cell); };
+  return own;
+}
+
+std::unique_ptr<ElementKernels> HyperelasticForceField::makeElastic() const {
+  const KindKernels of = kernels();
+  std::unique_ptr<ElementKernels> method = of.make(law_, elasticCells());
+  if (!mean_dilatation_) return method;
+  return std::make_unique<hyperelastic::SumOfKernels>(std::move(method), of.mean_volume(cells(), law_, definite_));
+}
+
+/// Elements of both lie in one order: what was looked up for the one serves the other.
+bool HyperelasticForceField::useDefiniteTangent(bool definite) {
+  const bool has_other = series_.terms() == 0 && !regularised_ && !projected_ && discretization == Discretization::mjed;
+  if (!has_other || definite_ == definite) return has_other;
+  definite_ = definite;
+  if (!other_method_) other_method_ = makeElastic();
+  std::swap(method_, other_method_);
+  return true;
 }
 
 // ---- viscosity ----
 
 /// method_, that of `own`, relaxes; `whole` is the law of which it is a part, or null.
 void HyperelasticForceField::makeViscous(const hyperelastic::Cells& own, std::unique_ptr<ElementKernels> whole) {
-  const auto held = hexahedra ? residualStressKernels().hexahedra : residualStressKernels().tetrahedra;
   auto viscous = std::make_unique<ViscousLaw>(std::move(method_), std::move(whole), law_, own, cellCount(), series_,
-                                              held(own), node().root().root_time);
+                                              kernels().held(own), node().root().root_time);
   viscous_ = viscous.get();
   method_ = std::move(viscous);
   reset();
@@ -269,7 +315,7 @@ void HyperelasticForceField::checkFinite(ConstRows x, ConstRows f) {
 
 ForceField::Cost HyperelasticForceField::cost() const {
   const double cells = double(cellCount());
-  return {cells * (hexahedra ? 120 : 12), cells * (hexahedra ? 1200 : 150)};
+  return {cells * kernels().product, cells * kernels().assembly};
 }
 
 ConstRows HyperelasticForceField::ownRows(ConstRows x) const {

@@ -8,6 +8,7 @@
 #include "framework/mechanics/history.h"
 #include "framework/mechanics/open_choices.h"
 #include "framework/mechanics/state_topology.h"
+#include "framework/mesh/cell_kind.h"
 #include "framework/mesh/topology.h"
 
 namespace stroma {
@@ -18,7 +19,7 @@ class HyperelasticForceField : public ElementKernelsField, public History, publi
   enum class Dilatation : int { automatic, local, mean };
 
   // ---- set by the registration of a name ----
-  bool hexahedra = false;
+  const CellKind* kind = &cell_kinds::tetrahedron;
   Discretization discretization = Discretization::mjed;
 
   void declare(DataTable& table) override;
@@ -26,6 +27,7 @@ class HyperelasticForceField : public ElementKernelsField, public History, publi
   ForceTraits traits() const override;
   void compile() override;
   std::string choice() const override;
+  bool useDefiniteTangent(bool definite) override;
   void reset() override;
   void serialize(Archive& archive) override;
   void setTime(double t) override;
@@ -48,6 +50,15 @@ class HyperelasticForceField : public ElementKernelsField, public History, publi
   hyperelastic::Cells cells() const;
 
  private:
+  /// What there is for a kind of cell; null: nothing.
+  struct KindKernels {
+    std::unique_ptr<ElementKernels> (*make)(const hyperelastic::HyperelasticLaw&, const hyperelastic::Cells&);
+    std::unique_ptr<ElementKernels> (*mean_volume)(const hyperelastic::Cells&, const hyperelastic::HyperelasticLaw&,
+                                                    bool definite);
+    decltype(hyperelastic::ResidualStressKernels::tetrahedra) held;
+    double product, assembly;
+  };
+  KindKernels kernels() const;
   void declareParameters(DataTable& table);
   void refusePlugin() const;
   void chooseMesh();
@@ -65,6 +76,8 @@ class HyperelasticForceField : public ElementKernelsField, public History, publi
   void readDirections();
   Mat3 axes(std::size_t cell) const;
   std::size_t cellCount() const;
+  std::span<const Index> nodesOf(std::size_t cell) const;
+  std::vector<Vec3> restCorners(std::size_t cell) const;
   std::string describe(std::size_t cell) const;
   /// Columns of F at the cell's integration points; x starts at node 0.
   std::vector<Mat3> deformations(std::size_t cell, ConstRows x) const;
@@ -85,6 +98,8 @@ class HyperelasticForceField : public ElementKernelsField, public History, publi
     return mean_dilatation_ || (series_.terms() > 0 && series_.part == PronyPart::deviatoric);
   }
   std::vector<double> withoutVolume() const;
+  hyperelastic::Cells elasticCells() const;
+  std::unique_ptr<ElementKernels> makeElastic() const;
   void makeViscous(const hyperelastic::Cells& cells, std::unique_ptr<ElementKernels> whole);
   ConstRows systemRows() const;
 
@@ -96,6 +111,8 @@ class HyperelasticForceField : public ElementKernelsField, public History, publi
   bool regularised_ = false, projected_ = false, consider_inversion_ = false;
   Dilatation dilatation_ = Dilatation::automatic;
   bool mean_dilatation_ = false;  ///< dilatation_, or what was chosen for it
+  bool definite_ = false;         ///< useDefiniteTangent()
+  std::unique_ptr<ElementKernels> other_method_;  ///< the method with the other tangent, once it was asked for
   std::string parameter_file_;
   PronyAttributes prony_;
 

@@ -8,6 +8,7 @@
 #include "components/hyperelasticity/hyperelastic_hexahedron.h"
 #include "components/hyperelasticity/hyperelastic_spectral.h"
 #include "components/hyperelasticity/hyperelastic_tetrahedron.h"
+#include "components/hyperelasticity/point_functions.h"
 #include "framework/scene/factory.h"
 
 namespace stroma::hyperelastic {
@@ -66,6 +67,7 @@ HyperelasticLaw lawOf(std::string name, std::string formula, std::vector<Paramet
   law.name = std::move(name), law.formula = std::move(formula), law.parameters = std::move(parameters);
   law.tetrahedra = tetrahedraOf<Law>;
   law.hexahedra = hexahedraOf<Law>;
+  law.at_point = pointFunctionsOf<Law>;
   law.stress = [](Values values, const Mat3& f) -> Mat3 {
     typename Mjed<Law>::template Tangent<double> t;
     return toEigen(Mjed<Law>::stress(parametersOf<Law>(values), 1., fromEigen(f), t));

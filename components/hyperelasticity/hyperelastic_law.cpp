@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "components/hyperelasticity/hyperelastic_volume.h"
+#include "components/hyperelasticity/quadratic_kernels.h"
 
 namespace stroma::hyperelastic {
 namespace {
@@ -45,6 +46,10 @@ HyperelasticLaw::Moduli HyperelasticLaw::moduliAtRest(Values values) const {
   return {differential(values, unit, shear)(1, 2) / 2, differential(values, unit, unit).trace() / 9};
 }
 
+QuadraticKernels& quadraticKernels() {
+  static QuadraticKernels kernels;
+  return kernels;
+}
 MeanVolumeKernels& meanVolumeKernels() {
   static MeanVolumeKernels kernels;
   return kernels;

@@ -37,6 +37,9 @@ struct Cells {
   Form form;
 };
 
+/// A law at a point, of point_functions.h.
+struct PointFunctions;
+
 /// U(J) of a part k U(J) of an energy, k a parameter: what makes a body incompressible as k grows.
 enum class VolumePart : int {
   none,              ///< the energy has none
@@ -65,6 +68,8 @@ struct HyperelasticLaw {
 
   std::unique_ptr<ElementKernels> (*tetrahedra)(const Cells&) = nullptr;
   std::unique_ptr<ElementKernels> (*hexahedra)(const Cells&) = nullptr;
+  /// For kernels of other cells; null for a form that they do not have.
+  const PointFunctions* (*at_point)(Form) = nullptr;
   /// P [Pa] of F, and dP at F for dF, in the material's axes.
   Mat3 (*stress)(Values parameters, const Mat3& f) = nullptr;
   Mat3 (*differential)(Values parameters, const Mat3& f, const Mat3& df) = nullptr;

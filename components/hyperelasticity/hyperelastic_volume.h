@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Mean dilatation of hyperelastic hexahedra. A law W = W_0(F) + k U(J) has
+// Mean dilatation of hyperelastic hexahedra and quadratic tetrahedra. A law W = W_0(F) + k U(J) has
 //   E = sum_q w_q W_0(F_q) + k V U(v/V)
 // V and v the element's volume at rest and now: of J only its mean over the element, v/V = sum_q w_q J_q / sum_q w_q,
 // meets the stiffness k, so that a nearly incompressible element does not lock (Nagtegaal, Parks and Rice 1974; Simo,
@@ -13,8 +13,11 @@ namespace stroma::hyperelastic {
 
 struct MeanVolumeKernels {
   /// -k V dU of the hexahedra of `cells`, arranged as the elements of a law: the slots of one serve the other. k is the
-  /// volume parameter of `law`.
-  std::unique_ptr<ElementKernels> (*hexahedra)(const Cells& cells, const HyperelasticLaw& law) = nullptr;
+  /// volume parameter of `law`. `definite`: with a tangent that has no unstable direction, without the part of the
+  /// pressure, and with U'' where it is positive.
+  std::unique_ptr<ElementKernels> (*hexahedra)(const Cells& cells, const HyperelasticLaw& law, bool definite) = nullptr;
+  /// The same of quadratic tetrahedra.
+  std::unique_ptr<ElementKernels> (*quadratic_tetrahedra)(const Cells& cells, const HyperelasticLaw& law, bool definite) = nullptr;
 };
 /// Empty until a module has offered them.
 MeanVolumeKernels& meanVolumeKernels();

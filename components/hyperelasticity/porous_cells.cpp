@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "components/hyperelasticity/hexahedron_volume.h"
+#include "components/hyperelasticity/cell_volume.h"
 #include "framework/fem/eigen_matrix.h"
 
 namespace stroma::porous {

@@ -32,7 +32,7 @@ void append(const Hexahedron& cell, const std::array<Corners, N>& corners, std::
 }
 
 /// Local nodes of a face.
-const std::array<int, 4>& faceOf(int face) { return cell_kinds::hexahedron.faces[face].nodes; }
+const auto& faceOf(int face) { return cell_kinds::hexahedron.faces[face].nodes; }
 
 using FaceNodes = std::array<Index, 4>;
 

@@ -13,7 +13,7 @@ namespace stroma {
 namespace {
 
 // VTK's numbers (vtkCellType.h) of the kinds that are no kind of ours
-constexpr int poly_line = 4, triangle_strip = 6, polygon = 7, pixel = 8, voxel = 11;
+constexpr int poly_line = 4, triangle_strip = 6, polygon = 7, pixel = 8, voxel = 11, quadratic_edge = 21;
 
 /// The kind that VTK's number stands for, and which of our nodes each of VTK's is; null for others.
 struct Numbering {
@@ -125,8 +125,9 @@ void VtkMesh::skip(int type, std::map<std::string, long>& skipped) const {
   const auto found = kinds_.find(type);
   if (found == kinds_.end()) fail(fmt::format("cells of kind {}", type));
   const auto& [kind, is_linear] = found->second;
-  if (!is_linear)
-    throw ComponentError(fmt::format("{}: cells of kind {} are not supported", name_, kind), "linear cells");
+  if (!is_linear && type != quadratic_edge)
+    throw ComponentError(fmt::format("{}: cells of kind {} are not supported", name_, kind),
+                         "linear cells, quadratic tetrahedra or triangles");
   ++skipped[kind];
 }
 

@@ -10,11 +10,10 @@ struct Known {
   std::string_view name;
 };
 
-constexpr Known without_kind[] = {{6, 6, "prisms"}, {7, 5, "pyramids"}};
+constexpr Known without_kind[] = {{6, 6, "prisms"}, {7, 5, "pyramids"}, {8, 3, "quadratic edges"}};
 
-constexpr Known quadratic[] = {{8, 3, "edges"},       {9, 6, "triangles"}, {10, 9, "quads"},     {11, 10, "tetrahedra"},
-                               {12, 27, "hexahedra"}, {13, 18, "prisms"},  {14, 14, "pyramids"}, {16, 8, "quads"},
-                               {17, 20, "hexahedra"}, {18, 15, "prisms"},  {19, 13, "pyramids"}};
+constexpr Known quadratic[] = {{10, 9, "quads"}, {12, 27, "hexahedra"}, {13, 18, "prisms"}, {14, 14, "pyramids"},
+                               {16, 8, "quads"}, {17, 20, "hexahedra"}, {18, 15, "prisms"}, {19, 13, "pyramids"}};
 
 }  // namespace
 
@@ -25,8 +24,9 @@ GmshElement gmshElement(int number, const GmshCursor& where) {
   for (const Known& known : quadratic)
     if (known.number == number)
       where.fail(fmt::format("quadratic {} ({} nodes) are not supported", known.name, known.nodes),
-                 "linear elements (Mesh.ElementOrder = 1 in Gmsh)");
-  where.fail(fmt::format("elements of type {} are not known", number), "Gmsh's linear elements");
+                 "linear elements (Mesh.ElementOrder = 1 in Gmsh), or quadratic tetrahedra and triangles");
+  where.fail(fmt::format("elements of type {} are not known", number),
+             "Gmsh's linear elements, quadratic tetrahedra and triangles");
 }
 
 }  // namespace stroma

@@ -12,7 +12,8 @@ struct GmshElement {
   std::string_view name;  ///< plural
 };
 
-/// Throws through the cursor for numbers that are not known, and for quadratic elements.
+/// Throws through the cursor for numbers that are not known, and for quadratic elements other than
+/// tetrahedra, triangles and edges.
 GmshElement gmshElement(int number, const GmshCursor& where);
 
 }  // namespace stroma

@@ -3,7 +3,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
+#include "framework/mechanics/state_positions.h"
 #include "framework/mesh/cell_attributes.h"
+#include "framework/mesh/cell_lists.h"
 #include "framework/mesh/mesh_loader.h"
 
 namespace stroma {
@@ -11,6 +15,7 @@ namespace stroma {
 void MeshContainer::declare(DataTable& table) {
   table.add("position", mesh_.position).alias("points").unit("m").help("nodes");
   table.add("nbPoints", point_count_).min(0).help("number of nodes, checked against the positions");
+  table.add("allowEmpty", allow_empty_).help("a container without positions or without cells is no error");
   forEachCellList(
       [&table](const CellKind& kind, auto& cells) {
         addCellList(table, kind, cells)
@@ -24,12 +29,44 @@ void MeshContainer::declare(DataTable& table) {
     table.addVisualOnly(name);
 }
 
+void MeshContainer::takeFromMapping() {
+  std::vector<TopologicalMapping*> mappings;
+  node().root().collect(mappings);
+  TopologicalMapping* mine = nullptr;
+  for (TopologicalMapping* mapping : mappings) {
+    if (mapping->output() != this) continue;
+    if (mine) throw ComponentError(fmt::format("both {} and {} fill this container", mine->path(), mapping->path()));
+    mine = mapping;
+  }
+  if (!mine) return;
+  const auto refuse = [&](std::string_view name) {
+    throw ComponentError(fmt::format("{} are given, and {} fills this container too", name, mine->path()),
+                         "one of them");
+  };
+  // what a linked loader has is replaced; what stands here would be lost without a word
+  const auto is_written = [this](std::string_view name) {
+    const DataOrigin origin = data().find(name)->origin();
+    return origin == DataOrigin::written || origin == DataOrigin::by_override;
+  };
+  if (!mesh_.position.empty() && is_written("position")) refuse("positions");
+  forEachCellList(
+      [&](const CellKind& each, const auto& cells) {
+        if (!cells.empty() && is_written(each.plural)) refuse(each.plural);
+      },
+      mesh_);
+  mine->ensureReady();
+  // Hexahedra that came with the positions would count the body a second time.
+  mesh_ = mine->mesh();
+}
+
 void MeshContainer::finish() {
   if (!prisms_.empty() || !pyramids_.empty())
     throw ComponentError(fmt::format("{} prisms and {} pyramids are given", prisms_.size(), pyramids_.size()),
                          "tetrahedra or hexahedra");
   if (mesh_.position.empty()) takePositionsFromState();
-  if (mesh_.position.empty()) throw ComponentError("there are no nodes", "position, or src=\"@loader\"");
+  if (mesh_.position.empty() && allow_empty_) mesh_.position.assign(std::size_t(point_count_), Vec3::Zero());
+  if (mesh_.position.empty() && !allow_empty_)
+    throw ComponentError("there are no nodes", "position, or src=\"@loader\"");
   if (point_count_ > 0 && point_count_ != mesh_.nodes())
     throw ComponentError(fmt::format("nbPoints is {}, but there are {} positions", point_count_, mesh_.nodes()));
   if (const std::string error = mesh_.firstError(); !error.empty()) throw ComponentError(error);
@@ -49,15 +86,29 @@ void MeshContainer::complainOfCells() const {
   if (const std::string complaint = meshComplaint(mesh_); !complaint.empty()) warn(complaint);
 }
 
+/// Of frames their centres; numbers have no place, and the cells say how many nodes there are.
+void MeshContainer::takeNodesOf(Component& state, bool is_given) {
+  if (is_given) state.ensureReady();
+  const auto& frames = dynamic_cast<const State&>(state);
+  if (is_given && frames.hasFrames()) return void(mesh_.position = nodePlaces(frames, frames.position));
+  Index last = -1;
+  forEachCellList(
+      [&last](const CellKind&, const auto& cells) {
+        for (const auto& cell : cells) last = std::max(last, *std::max_element(cell.begin(), cell.end()));
+      },
+      mesh_);
+  mesh_.position.assign(std::size_t(last + 1), Vec3::Zero());
+}
+
 void MeshContainer::takePositionsFromState() {
   // SOFA's scenes may give the positions to the state only. A state that takes its positions from here has none.
   for (const auto& component : node().components()) {
     if (component->roleText() != "mechanical state") continue;
     const Data* position = component->data().find("position");
     if (!position || !position->isSet()) position = component->data().find("rest_position");
+    auto* const* values = position ? std::get_if<std::vector<Vec3>*>(&position->pointer()) : nullptr;
+    if (position && !values) return takeNodesOf(*component, position->isSet());
     if (!position || !position->isSet()) continue;
-    auto* const* values = std::get_if<std::vector<Vec3>*>(&position->pointer());
-    if (!values) continue;
     // A link is followed when the state is made ready, unless it is the state that asked for this topology.
     if ((*values)->empty()) component->ensureReady();
     mesh_.position = **values;

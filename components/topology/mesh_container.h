@@ -11,6 +11,9 @@ class MeshContainer : public Topology {
   void declare(DataTable& table) override;
 
  protected:
+  /// Takes the mesh of the topological mapping that names this container as its output, or lies beside it. Throws
+  /// ComponentError for two of them, and for cells that the scene writes here as well.
+  void takeFromMapping();
   /// Completes missing positions from the state of the node, then checks. Throws ComponentError; complains of cells
   /// that were written in the scene.
   void finish();
@@ -18,10 +21,12 @@ class MeshContainer : public Topology {
   /// Raises a warning with the mesh report for cells that no loader has checked.
   void complainOfCells() const;
 
-  int point_count_ = 0;  ///< attribute nbPoints; 0: from the positions
+  int point_count_ = 0;      ///< attribute nbPoints; 0: from the positions
+  bool allow_empty_ = false;  ///< attribute allowEmpty
 
  private:
   void takePositionsFromState();
+  void takeNodesOf(Component& state, bool is_given);
   std::vector<std::array<Index, 6>> prisms_;
   std::vector<std::array<Index, 5>> pyramids_;
 };

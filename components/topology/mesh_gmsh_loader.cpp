@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Reads a Gmsh mesh: .msh formats 1, 2.2, 4.0 and 4.1, ASCII or binary (4.0: ASCII, as Gmsh itself).
 //
-// Edges, triangles, quads, tetrahedra and hexahedra are read; points, prisms and pyramids are counted and reported;
-// quadratic elements are an error. Nodes keep the order of the file, whatever their tags. As in SOFA the faces and
+// Edges, triangles, quads, tetrahedra and hexahedra are read, and quadratic triangles (6 nodes) and tetrahedra (10
+// nodes), whose nodes are brought to VTK's order; points, prisms, pyramids and quadratic edges are counted and reported;
+// other quadratic elements are an error. Nodes keep the order of the file, whatever their tags. As in SOFA the faces and
 // edges of the volume cells are added to the lists of the file unless createSubelements="false".
 //
 // Physical groups: `tetrahedraGroups` and its like hold the tag of each cell of the file (0: none). With group="NAME"
@@ -47,6 +48,9 @@ class MeshGmshLoader : public MeshLoader {
     table.add("groupQuadIndices", group_quads_)
         .help("quads of the physical group, by their index; not to be used with triangulate")
         .output();
+    table.add("groupQuadraticTriangleIndices", group_quadratic_triangles_)
+        .help("quadratic triangles of the physical group, by their index")
+        .output();
     declareGroups(table, "physical group");
     declareDirections(table);
   }
@@ -68,7 +72,7 @@ class MeshGmshLoader : public MeshLoader {
   int tagOf(const GmshFile& content, int dimension, bool& known) const;
 
   std::string group_;
-  std::vector<int> group_indices_, group_triangles_, group_quads_;
+  std::vector<int> group_indices_, group_triangles_, group_quads_, group_quadratic_triangles_;
 };
 
 /// The tag that `group` means for cells of a dimension: the same name may have a tag in each.
@@ -113,9 +117,10 @@ void MeshGmshLoader::selectGroup(const GmshFile& content) {
   bool known = false;
   const auto collect = [&](const CellKind& kind, const auto& cells, const std::vector<int>& groups) {
     const int tag = tagOf(content, kind.dimension, known);
-    std::vector<int>* faces = kind.type == cell_kinds::triangle.type ? &group_triangles_
-                              : kind.type == cell_kinds::quad.type   ? &group_quads_
-                                                                     : nullptr;
+    std::vector<int>* faces = kind.type == CellType::triangle             ? &group_triangles_
+                              : kind.type == CellType::quad               ? &group_quads_
+                              : kind.type == CellType::quadratic_triangle ? &group_quadratic_triangles_
+                                                                          : nullptr;
     for (std::size_t c = 0; c < cells.size(); ++c) {
       if (groups[c] != tag) continue;
       group_indices_.insert(group_indices_.end(), cells[c].begin(), cells[c].end());

@@ -30,6 +30,7 @@ class MeshTopology : public MeshContainer {
     MeshContainer::declare(table);
   }
   void init() override {
+    takeFromMapping();
     if (!filename_.empty()) readFile();
     if (filename_.empty() && !unit_.empty())
       throw ComponentError("unit is that of a file, and there is none", "position with a unit, as \"0 0 0 10 0 0 mm\"");

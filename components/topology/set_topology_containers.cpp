@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The containers of SOFA's topologies (EdgeSet-, TriangleSet-, QuadSet-, TetrahedronSet- and
+// The containers of SOFA's topologies (PointSet-, EdgeSet-, TriangleSet-, QuadSet-, TetrahedronSet- and
 // HexahedronSetTopologyContainer): a mesh whose main cells are of one kind.
 //
-// The cells come from attributes, from a loader (src="@loader") or, for tetrahedra, from a topological mapping that
-// names the container as its output or lies beside it. Edges and faces of the main cells are derived when something
+// The cells come from attributes, from a loader (src="@loader") or from a topological mapping that names the container as
+// its output (one that makes tetrahedra may also lie beside it). Edges and faces of the main cells are derived when something
 // asks for them; createTriangleArray and createQuadArray make them a part of the mesh at once.
 //
 // Source: the attributes are those of SOFA.
@@ -34,9 +34,9 @@ class SetTopologyContainer : public MeshContainer {
   }
 
   void init() override {
-    if (kind == &cell_kinds::tetrahedron) takeFromMapping();
+    takeFromMapping();
     finish();
-    if (mainCells() == 0)
+    if (mainCells() == 0 && !allow_empty_)
       throw ComponentError(fmt::format("there are no {}", kind->plural),
                            fmt::format("{}=\"...\", or src=\"@loader\"", kind->plural));
     if (create_triangles_ && mesh_.triangles.empty()) mesh_.triangles = uniqueFaces(mesh_.tetrahedra, false);
@@ -45,44 +45,13 @@ class SetTopologyContainer : public MeshContainer {
   }
 
   const CellKind* kind = &cell_kinds::edge;  ///< of the main cells
+  void allowEmpty() { allow_empty_ = true; }
 
  private:
-  void takeFromMapping();
   std::size_t mainCells() const;
 
   bool create_triangles_ = false, create_quads_ = false, create_edges_ = false;
 };
-
-void SetTopologyContainer::takeFromMapping() {
-  std::vector<TopologicalMapping*> mappings;
-  node().root().collect(mappings);
-  TopologicalMapping* mine = nullptr;
-  for (TopologicalMapping* mapping : mappings) {
-    if (mapping->output() != this) continue;
-    if (mine) throw ComponentError(fmt::format("both {} and {} fill this container", mine->path(), mapping->path()));
-    mine = mapping;
-  }
-  if (!mine) return;
-  const auto refuse = [&](std::string_view name) {
-    throw ComponentError(fmt::format("{} are given, and {} fills this container too", name, mine->path()),
-                         "one of them");
-  };
-  // what a linked loader has is replaced; what stands here would be lost without a word
-  const auto is_written = [this](std::string_view name) {
-    const DataOrigin origin = data().find(name)->origin();
-    return origin == DataOrigin::written || origin == DataOrigin::by_override;
-  };
-  if (!mesh_.tetrahedra.empty()) refuse("tetrahedra");
-  if (!mesh_.position.empty() && is_written("position")) refuse("positions");
-  forEachCellList(
-      [&](const CellKind& each, const auto& cells) {
-        if (!cells.empty() && is_written(each.plural)) refuse(each.plural);
-      },
-      mesh_);
-  mine->ensureReady();
-  // Hexahedra that came with the positions would count the body a second time.
-  mesh_ = mine->mesh();
-}
 
 std::size_t SetTopologyContainer::mainCells() const {
   std::size_t count = 0;
@@ -100,6 +69,8 @@ STROMA_COMPONENT(set_topology_containers) {
         type, fmt::format("a mesh of {}", kind.plural),
         [&kind](stroma::SetTopologyContainer& made) { made.kind = &kind; });
   };
+  factory.add<stroma::SetTopologyContainer>("PointSetTopologyContainer", "points without cells",
+                                            [](stroma::SetTopologyContainer& made) { made.allowEmpty(); });
   add("EdgeSetTopologyContainer", kinds::edge);
   add("TriangleSetTopologyContainer", kinds::triangle);
   add("QuadSetTopologyContainer", kinds::quad);

@@ -132,6 +132,10 @@ std::vector<Quad> uniqueFaces(const std::vector<Hexahedron>& cells, bool boundar
   return uniqueFacesOf<cell_kinds::hexahedron, 4>(cells, boundary_only);
 }
 
+std::vector<QuadraticTriangle> uniqueFaces(const std::vector<QuadraticTetrahedron>& cells, bool boundary_only) {
+  return uniqueFacesOf<cell_kinds::quadratic_tetrahedron, 6>(cells, boundary_only);
+}
+
 std::vector<std::array<CellFace, 2>> sharedFaces(const std::vector<Hexahedron>& cells) {
   const auto keys = sortedFaces<cell_kinds::hexahedron, 4>(cells);
   std::vector<std::array<CellFace, 2>> out;

@@ -17,6 +17,7 @@ struct CellFace {
 /// ascending order of their sorted nodes.
 std::vector<Triangle> uniqueFaces(const std::vector<Tetrahedron>& cells, bool boundary_only);
 std::vector<Quad> uniqueFaces(const std::vector<Hexahedron>& cells, bool boundary_only);
+std::vector<QuadraticTriangle> uniqueFaces(const std::vector<QuadraticTetrahedron>& cells, bool boundary_only);
 
 /// Pairs of hexahedra that share a face (the first two cells of it), in ascending order of the face's sorted nodes.
 std::vector<std::array<CellFace, 2>> sharedFaces(const std::vector<Hexahedron>& cells);

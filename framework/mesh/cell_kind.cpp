@@ -20,29 +20,43 @@ Mat3 jacobian(const CellKind& kind, const LocalPoint& xi, const Vec3* x) {
   return columns;
 }
 
+/// With the best rule: |J_1 x J_2| is no polynomial.
+double integralOfArea(const CellKind& kind, const Vec3* x) {
+  double area = 0;
+  for (const QuadraturePoint& point : kind.rules.back().points) {
+    const Mat3 j = jacobian(kind, point.xi, x);
+    area += point.weight * j.col(0).cross(j.col(1)).norm();
+  }
+  return area;
+}
+
+double determinantAt(const CellKind& kind, const LocalPoint& xi, const Vec3* x) {
+  const Mat3 j = jacobian(kind, xi, x);
+  return j.col(0).cross(j.col(1)).dot(j.col(2));
+}
+
+double integralOfDeterminant(const CellKind& kind, int degree, const Vec3* x) {
+  double volume = 0;
+  for (const QuadraturePoint& point : kind.rule(degree).points)
+    volume += point.weight * determinantAt(kind, point.xi, x);
+  return volume;
+}
+
 }  // namespace
 
 double edgeLength(const Vec3* x) { return simplexSize(1, x); }
 double triangleArea(const Vec3* x) { return simplexSize(2, x); }
 double tetrahedronSize(const Vec3* x) { return simplexSize(3, x); }
 
-double quadArea(const Vec3* x) {
-  double area = 0;
-  for (const QuadraturePoint& point : cell_kinds::quad.rule(3).points) {
-    const Mat3 j = jacobian(cell_kinds::quad, point.xi, x);
-    area += point.weight * j.col(0).cross(j.col(1)).norm();
-  }
-  return area;
-}
+double quadArea(const Vec3* x) { return integralOfArea(cell_kinds::quad, x); }
+double quadraticTriangleArea(const Vec3* x) { return integralOfArea(cell_kinds::quadratic_triangle, x); }
 
 double hexahedronSize(const Vec3* x) {
   // det J of the trilinear map is quadratic in each coordinate.
-  double volume = 0;
-  for (const QuadraturePoint& point : cell_kinds::hexahedron.rule(2).points) {
-    const Mat3 j = jacobian(cell_kinds::hexahedron, point.xi, x);
-    volume += point.weight * j.col(0).cross(j.col(1)).dot(j.col(2));
-  }
-  return volume;
+  return integralOfDeterminant(cell_kinds::hexahedron, 2, x);
+}
+double quadraticTetrahedronSize(const Vec3* x) {
+  return integralOfDeterminant(cell_kinds::quadratic_tetrahedron, 3, x);
 }
 
 double tetrahedronShape(const Vec3* x) {
@@ -51,6 +65,14 @@ double tetrahedronShape(const Vec3* x) {
   for (const auto& [a, b] : cell_kinds::tetrahedron.edges) squares += (x[b] - x[a]).squaredNorm();
   if (!(squares > 0)) return 0;
   return std::copysign(12 * std::cbrt(9 * volume * volume) / squares, volume);
+}
+
+double quadraticTetrahedronShape(const Vec3* x) {
+  const double corners = tetrahedronShape(x), flat = 6 * tetrahedronSize(x);
+  double least = 1;  // det dx/dxi at a node over that of the flat cell, 1 where middles are in the middle
+  for (const LocalPoint& xi : quadratic_tetrahedron_nodes)
+    least = std::min(least, determinantAt(cell_kinds::quadratic_tetrahedron, xi, x) / flat);
+  return corners > 0 ? corners * least : corners;
 }
 
 double hexahedronShape(const Vec3* x) {

@@ -4,7 +4,8 @@
 //
 // x(xi) = sum_a N_a(xi) x_a maps the reference cell to the cell. Boxes (edge, quad, hexahedron) have -1 <= xi_i <= 1 and
 //   N_a = prod_i (1 + s_ai xi_i) / 2,   s_a the coordinates of node a,
-// simplices (triangle, tetrahedron) xi_i >= 0, sum xi_i <= 1 and N_0 = 1 - sum xi_i, N_i = xi_i.
+// simplices (triangle, tetrahedron) xi_i >= 0, sum xi_i <= 1 and N_0 = 1 - sum xi_i, N_i = xi_i. With l_a these N_a, the
+// quadratic simplices have N_a = l_a (2 l_a - 1) at corners and 4 l_a l_b at the node between corners a and b.
 #pragma once
 #include <string_view>
 
@@ -16,25 +17,27 @@ struct CellKind {
   CellType type;
   std::string_view singular, plural;  ///< "tetrahedron", "tetrahedra"
   std::string_view word;              ///< in template="Vec3,Tetrahedron"
-  std::string_view alias;             ///< SOFA's second word for a list of these cells ("tetras"), or empty
+  std::string_view alias{};           ///< SOFA's second word for a list of these cells ("tetras"), or empty
   int nodes, dimension;
-  bool affine;                                ///< x(xi) is affine, whatever the nodes: a simplex
-  std::span<const LocalPoint> reference;      ///< xi of the nodes
-  std::span<const std::array<int, 2>> edges;  ///< by local nodes; of triangles and quads all the way round
-  std::span<const LocalFace> faces;           ///< of volume cells
-  /// Of volume cells: the three nodes joined to a node by an edge, right-handed. Their tetrahedron with the node has the
+  int order = 1;                          ///< degree of the shape functions
+  bool affine;                            ///< x(xi) is affine, whatever the nodes: a simplex
+  std::span<const LocalPoint> reference;  ///< xi of the nodes
+  std::span<const std::array<int, 2>>
+      edges{};  ///< by local nodes, halves in quadratic cells; of triangles and quads all the way round
+  std::span<const LocalFace> faces{};  ///< of volume cells
+  /// Of volume cells: the three nodes joined to a corner by an edge, right-handed. Their tetrahedron with the node has the
   /// sign of the cell there.
-  std::span<const std::array<int, 3>> corner_edges;
+  std::span<const std::array<int, 3>> corner_edges{};
   std::span<const QuadratureRule> rules;                        ///< ascending in degree
   void (*shapes)(const LocalPoint& xi, double* n);              ///< N_a, shape (nodes)
   void (*gradients)(const LocalPoint& xi, LocalPoint* slopes);  ///< dN_a/dxi, shape (nodes)
   void (*hold)(LocalPoint& xi);  ///< moves a point outside of the reference cell to its border
   /// Length [m], area [m^2] or signed volume [m^3] of the cell with nodes at x, shape (nodes); null for points.
-  double (*size)(const Vec3* x);
+  double (*size)(const Vec3* x) = nullptr;
   /// Of volume cells, else null: 1 for the regular cell, 0 flat, < 0 inverted. Of a tetrahedron the mean ratio
   /// sign(V) 12 (3 |V|)^(2/3) / (sum of squared edge lengths); of a hexahedron the worst of the tetrahedra at its
   /// corners, scaled so that a cube has 1.
-  double (*quality)(const Vec3* x);
+  double (*quality)(const Vec3* x) = nullptr;
   CellFormat vtk, gmsh;
 
   /// The rule with the fewest points that is exact for this degree; the last when there is none.
@@ -54,20 +57,14 @@ inline constexpr CellKind point{
     .singular = "point",
     .plural = "points",
     .word = "Point",
-    .alias = "",
     .nodes = 1,
     .dimension = 0,
     .affine = true,
     .reference = point_nodes,
-    .edges = {},
-    .faces = {},
-    .corner_edges = {},
     .rules = point_rules,
     .shapes = simplexShapes<0>,
     .gradients = simplexGradients<0>,
     .hold = holdInSimplex<0>,
-    .size = nullptr,
-    .quality = nullptr,
     .vtk = format(1, 1),
     .gmsh = format(15, 1),
 };
@@ -82,14 +79,11 @@ inline constexpr CellKind edge{
     .affine = true,
     .reference = edge_nodes,
     .edges = edge_edges,
-    .faces = {},
-    .corner_edges = {},
     .rules = edge_rules,
     .shapes = boxShapes<edge_nodes, 1>,
     .gradients = boxGradients<edge_nodes, 1>,
     .hold = holdInBox<1>,
     .size = edgeLength,
-    .quality = nullptr,
     .vtk = format(3, 2),
     .gmsh = format(1, 2),
 };
@@ -98,20 +92,16 @@ inline constexpr CellKind triangle{
     .singular = "triangle",
     .plural = "triangles",
     .word = "Triangle",
-    .alias = "",
     .nodes = 3,
     .dimension = 2,
     .affine = true,
     .reference = triangle_nodes,
     .edges = triangle_edges,
-    .faces = {},
-    .corner_edges = {},
     .rules = triangle_rules,
     .shapes = simplexShapes<2>,
     .gradients = simplexGradients<2>,
     .hold = holdInSimplex<2>,
     .size = triangleArea,
-    .quality = nullptr,
     .vtk = format(5, 3),
     .gmsh = format(2, 3),
 };
@@ -120,20 +110,16 @@ inline constexpr CellKind quad{
     .singular = "quad",
     .plural = "quads",
     .word = "Quad",
-    .alias = "",
     .nodes = 4,
     .dimension = 2,
     .affine = false,
     .reference = quad_nodes,
     .edges = quad_edges,
-    .faces = {},
-    .corner_edges = {},
     .rules = quad_rules,
     .shapes = boxShapes<quad_nodes, 2>,
     .gradients = boxGradients<quad_nodes, 2>,
     .hold = holdInBox<2>,
     .size = quadArea,
-    .quality = nullptr,
     .vtk = format(9, 4),
     .gmsh = format(3, 4),
 };
@@ -182,9 +168,51 @@ inline constexpr CellKind hexahedron{
     .gmsh = format(5, 8),
 };
 
+inline constexpr CellKind quadratic_triangle{
+    .type = CellType::quadratic_triangle,
+    .singular = "quadraticTriangle",
+    .plural = "quadraticTriangles",
+    .word = "QuadraticTriangle",
+    .nodes = 6,
+    .dimension = 2,
+    .order = 2,
+    .affine = false,
+    .reference = quadratic_triangle_nodes,
+    .edges = quadratic_triangle_edges,
+    .rules = quadratic_triangle_rules,
+    .shapes = quadraticShapes<triangle_middles, 2>,
+    .gradients = quadraticGradients<triangle_middles, 2>,
+    .hold = holdInSimplex<2>,
+    .size = quadraticTriangleArea,
+    .vtk = format(22, 6),
+    .gmsh = format(9, 6),
+};
+inline constexpr CellKind quadratic_tetrahedron{
+    .type = CellType::quadratic_tetrahedron,
+    .singular = "quadraticTetrahedron",
+    .plural = "quadraticTetrahedra",
+    .word = "QuadraticTetrahedron",
+    .nodes = 10,
+    .dimension = 3,
+    .order = 2,
+    .affine = false,
+    .reference = quadratic_tetrahedron_nodes,
+    .edges = quadratic_tetrahedron_edges,
+    .faces = quadratic_tetrahedron_faces,
+    .corner_edges = quadratic_tetrahedron_corner_edges,
+    .rules = quadratic_tetrahedron_rules,
+    .shapes = quadraticShapes<tetrahedron_middles, 3>,
+    .gradients = quadraticGradients<tetrahedron_middles, 3>,
+    .hold = holdInSimplex<3>,
+    .size = quadraticTetrahedronSize,
+    .quality = quadraticTetrahedronShape,
+    .vtk = format(24, 10),
+    .gmsh = format(11, 10, last_two_swapped),
+};
+
 /// By CellType.
-inline constexpr std::array<const CellKind*, cell_types> all{&point, &edge,        &triangle,
-                                                             &quad,  &tetrahedron, &hexahedron};
+inline constexpr std::array<const CellKind*, cell_types> all{
+    &point, &edge, &triangle, &quad, &tetrahedron, &hexahedron, &quadratic_triangle, &quadratic_tetrahedron};
 
 }  // namespace cell_kinds
 

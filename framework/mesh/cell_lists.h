@@ -11,18 +11,20 @@ namespace stroma {
 /// Something for each kind of cell that a mesh lists, under the names of the mesh.
 template <class T>
 struct PerCellList {
-  T edges{}, triangles{}, quads{}, tetrahedra{}, hexahedra{};
+  T edges{}, triangles{}, quads{}, quadratic_triangles{}, tetrahedra{}, hexahedra{}, quadratic_tetrahedra{};
 };
 
 /// Calls visit(kind, list...) for each kind that a mesh lists, with its list in each of `holders`: meshes, or whatever
-/// has members of the same names. Ascending in dimension; tetrahedra come before hexahedra.
+/// has members of the same names. Ascending in dimension; tetrahedra come before hexahedra, quadratic cells last.
 template <class Visit, class... Holders>
 void forEachCellList(Visit&& visit, Holders&&... holders) {
   visit(cell_kinds::edge, holders.edges...);
   visit(cell_kinds::triangle, holders.triangles...);
   visit(cell_kinds::quad, holders.quads...);
+  visit(cell_kinds::quadratic_triangle, holders.quadratic_triangles...);
   visit(cell_kinds::tetrahedron, holders.tetrahedra...);
   visit(cell_kinds::hexahedron, holders.hexahedra...);
+  visit(cell_kinds::quadratic_tetrahedron, holders.quadratic_tetrahedra...);
 }
 
 /// 3 for a mesh with volume cells, 2 for a surface, 1 for lines, 0 without cells.

@@ -8,8 +8,8 @@ namespace stroma {
 std::optional<OpenEdge> firstOpenEdge(const std::vector<Face>& faces) {
   std::map<Edge, OpenEdge> edges;
   for (const Face& face : faces)
-    for (int i = 0; i < face.corners; ++i) {
-      const Index a = face.nodes[i], b = face.nodes[std::size_t((i + 1) % face.corners)];
+    for (const auto& [i, j] : face.kind().edges) {
+      const Index a = face.nodes[i], b = face.nodes[j];
       OpenEdge& edge = edges[{std::min(a, b), std::max(a, b)}];
       ++(a < b ? edge.along : edge.back);
     }

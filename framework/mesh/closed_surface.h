@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The volume behind a surface of triangles and bilinear quads that is closed: every edge is run through as often one
+// The volume behind a surface of faces (area_vectors.h) that is closed: every edge is run through as often one
 // way as the other. Positions come from a function of the node (`position(node)` [m]), so that a surface can lie in any
 // vector.
 #pragma once
@@ -25,7 +25,7 @@ namespace area_vectors {
 template <class Position>
 Corners cornersOf(const Face& face, const Position& position, const Vec3& origin = Vec3::Zero()) {
   Corners x;
-  for (std::size_t a = 0; a < 4; ++a) x[a] = position(face.nodes[a]) - origin;
+  for (std::size_t a = 0; a < x.size(); ++a) x[a] = position(face.nodes[a]) - origin;
   return x;
 }
 

@@ -89,6 +89,11 @@ const std::vector<Quad>& Mesh::boundaryQuads() const {
   return *boundary_quads_;
 }
 
+const std::vector<QuadraticTriangle>& Mesh::boundaryQuadraticTriangles() const {
+  if (!boundary_quadratic_triangles_) boundary_quadratic_triangles_ = uniqueFaces(quadratic_tetrahedra, true);
+  return *boundary_quadratic_triangles_;
+}
+
 const Adjacency& Mesh::tetrahedraAroundNode() const {
   if (!tetrahedra_around_node_) tetrahedra_around_node_ = cellsAroundNodes(tetrahedra, position.size());
   return *tetrahedra_around_node_;
@@ -106,8 +111,9 @@ const Adjacency& Mesh::nodesAroundNode() const {
 
 int Mesh::derivedTables() const {
   return int(all_edges_.has_value()) + int(tetrahedron_faces_.has_value()) + int(boundary_triangles_.has_value()) +
-         int(boundary_quads_.has_value()) + int(tetrahedra_around_node_.has_value()) +
-         int(hexahedra_around_node_.has_value()) + int(nodes_around_node_.has_value());
+         int(boundary_quads_.has_value()) + int(boundary_quadratic_triangles_.has_value()) +
+         int(tetrahedra_around_node_.has_value()) + int(hexahedra_around_node_.has_value()) +
+         int(nodes_around_node_.has_value());
 }
 
 }  // namespace stroma

@@ -25,7 +25,8 @@ std::string withAttributes(std::string example, const std::string& type, const s
 
 /// `mild`: no element is near a singular shape, where differences of forces and approximate tangents lose their
 /// meaning.
-void expectConsistent(FieldUnderTest& t, const std::string& what, bool mild = true) {
+/// `approximate`: by how much an approximate tangent may be off at strains of a tenth.
+void expectConsistent(FieldUnderTest& t, const std::string& what, bool mild = true, double approximate = 0.3) {
   SCOPED_TRACE(what);
   const ForceTraits traits = t.field().traits();
   Vector f = traits.velocity_dependent ? t.forceAt(t.x, t.velocity) : t.force();
@@ -57,7 +58,7 @@ void expectConsistent(FieldUnderTest& t, const std::string& what, bool mild = tr
   else {  // approximate by design: say by how much, and that it is the same in kind
     ::testing::Test::RecordProperty("tangent error of " + what, std::to_string(error));
     if (mild) {
-      EXPECT_LT(error, 0.3) << "at strains of a tenth";
+      EXPECT_LT(error, approximate) << "at strains of a tenth";
     }
   }
 
@@ -144,9 +145,11 @@ TEST(ForceFieldContract, EveryRegisteredForceField) {
     ASSERT_FALSE(example.empty()) << entry->type;
     const std::string original = fieldOf(example, entry->type);
     ASSERT_FALSE(original.empty()) << entry->type << ": its example has no force field";
-    FieldUnderTest t(withAttributes(example, entry->type, original, ""), entry->type);
+    const bool warped_only = entry->type == "TriangularFEMForceFieldOptim";  // of its strain there is no exact tangent
+    FieldUnderTest t(withAttributes(example, entry->type, original, warped_only ? "tangent=\"warped\"" : ""), entry->type);
+    if (!t.field().state().hasPointsOnly()) continue;  // tests/beams has the contract of frames
     t.deform(0.03);
-    expectConsistent(t, entry->type);
+    expectConsistent(t, entry->type, true, warped_only ? 0.5 : 0.3);
     expectDamping(t, entry->type);
     expectBalanced(t, entry->type, true);
     ++tested;
@@ -280,14 +283,20 @@ TEST(ForceFieldContract, VariantsWithoutMeaningAreRefused) {
   };
   for (const ElasticBody& body : elasticBodies()) {
     SCOPED_TRACE(body.name);
-    expectRefused(body, "method=\"small\" updateStiffnessMatrix=\"true\"", "no meaning for method small");
-    expectRefused(body, "method=\"green\" updateStiffnessMatrix=\"true\"", "no meaning for method green");
+    const std::string words = body.quadratic ? "does not exist for" : "no meaning for method";
+    expectRefused(body, "method=\"small\" updateStiffnessMatrix=\"true\"", words);
+    expectRefused(body, "method=\"green\" updateStiffnessMatrix=\"true\"", words);
     expectRefused(body, "method=\"green\" tangent=\"warped\"", "no warped tangent");
     expectRefused(body, "method=\"polar\" updateVolume=\"true\"", "updateVolume");
     expectRefused(body, "method=\"poler\"", "polar");
     expectRefused(body, "template=\"Vec3,Prism\"", "Vec3,");
     expectRefused(body, body.tetrahedra ? "method=\"nodal\" tangent=\"exact\"" : "method=\"nodal\"",
-                  body.tetrahedra ? "no exact tangent" : "method nodal does not exist for a hexahedron");
+                  body.tetrahedra  ? "no exact tangent"
+                  : body.quadratic ? "method nodal does not exist for a quadratic tetrahedron"
+                                   : "method nodal does not exist for a hexahedron");
+    if (body.quadratic)
+      expectRefused(body, "method=\"polar\" updateStiffnessMatrix=\"true\"",
+                    "does not exist for a quadratic tetrahedron");
   }
   for (const char* method : {"nodal", "green"})
     expectRefused(bodyOfTetrahedra(), "dilatation=\"mean\" method=\"" + std::string(method) + "\"",

@@ -8,18 +8,22 @@ namespace stroma::test {
 namespace {
 
 /// Cells along an edge of the cube: enough for the loop to use its threads.
-int cellsFor(const ElasticBody& body) { return body.tetrahedra ? 19 : 20; }
+int cellsFor(const ElasticBody& body) { return body.quadratic ? 9 : body.tetrahedra ? 19 : 20; }
 TEST(Determinism, TheMeshesAreLargeEnoughForThreads) {
   for (const ElasticBody& body : elasticBodies()) {
     const Index cubes = Index(std::pow(cellsFor(body), 3));
     // at most two tetrahedra make an element of the loop
-    EXPECT_GE(body.tetrahedra ? 5 * cubes / 2 : cubes, parallelElements(body.tetrahedra ? 5 : 8)) << body.name;
+    const Index elements = body.quadratic ? 6 * cubes : body.tetrahedra ? 5 * cubes / 2 : cubes;
+    EXPECT_GE(elements, parallelElements(body.quadratic ? 10 : body.tetrahedra ? 5 : 8)) << body.name;
   }
 }
 
 /// A cube of cells, of tetrahedra or hexahedra, held at its first nodes.
 std::string sceneOf(const ElasticBody& body, const std::string& attributes, int cells, const std::string& solver) {
   const std::string hold = "<FixedProjectiveConstraint indices=\"0 1 2 3 4 5 6 7\"/>";
+  if (body.quadratic)
+    return quadraticScene(attributes, "QuadraticTetrahedronFEMForceField youngModulus=\"1e4\" poissonRatio=\"0.4\"",
+                          solver, {cells, cells, cells}, hold);
   if (!body.tetrahedra)
     return hexahedraScene(attributes, body.name == "boxes", solver, {cells + 1, cells + 1, cells + 1}, hold);
   const std::string n = std::to_string(cells + 1);

@@ -212,7 +212,7 @@ TEST(Operations, OfHexahedraAreThoseOfTheBenchmarks) {
   using rotation::Polar;
   expectOperations<BoxCorotational<Polar>>(HexahedronVariant::polar_boxes);
   expectOperations<PointCorotational<LocalDilatation, Polar, Update::strain_displacement>>(HexahedronVariant::polar_b);
-  expectOperations<Green<BoxShape, false>>(HexahedronVariant::green);
+  expectOperations<elastic::GreenModel<BoxShape, false>>(HexahedronVariant::green);
 }
 
 }  // namespace

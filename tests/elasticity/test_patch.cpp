@@ -152,11 +152,12 @@ TEST(PatchTest, AMethodThatFailsItSaysSo) {
     const auto told = [&body](const std::string& attributes) {
       return sceneFromText(body.scene(attributes)).diagnostics.text();
     };
+    EXPECT_EQ(told("method='svd'"), "");
+    if (body.quadratic) continue;  // whose frames are those of the scene's axes: it passes
     expectContains(told("method='large'"), "fails the patch test");
     expectContains(told("method='large'"), "turn a free body");
     expectContains(told("method='large' updateStiffnessMatrix='true'"), "fails the patch test");
     EXPECT_EQ(told("method='large' updateStiffnessMatrix='true'").find("turn a free body"), std::string::npos);
-    EXPECT_EQ(told("method='svd'"), "");
   }
 }
 

@@ -33,7 +33,8 @@ void offerLaw() {
                                  {{"mu", "Pa", "shear modulus", true}, {"bulk", "Pa", "bulk modulus", true}});
   law.infinite_at_zero = true;
   offerHyperelasticLaw(law);
-  factory().add<HyperelasticForceField>("HexahedraWithALawOfTheTest", "", [](auto& field) { field.hexahedra = true; });
+  factory().add<HyperelasticForceField>("HexahedraWithALawOfTheTest", "",
+                                        [](auto& field) { field.kind = &cell_kinds::hexahedron; });
 }
 
 /// n x n cells, one over the thickness of 1 mm; z held everywhere, traction of 62.5 kPa upwards on the right edge.

@@ -6,7 +6,9 @@
 #include <map>
 
 #include "components/hyperelasticity/hyperelastic_force_field.h"
+#include "framework/mechanics/open_choices.h"
 #include "tests/hyperelasticity/law_cases.h"
+#include "tests/support/dense_algebra.h"
 
 namespace stroma::test {
 namespace STROMA_TEST_FILE {
@@ -142,6 +144,44 @@ TEST(MeanDilatation, WithInversionAndProjection) {
   Vector assembled(exact.x.count());
   k.multiply(projected.direction, assembled);
   EXPECT_LT(relativeDifference(assembled, projected.product(projected.direction)), 1e-12);
+}
+
+/// K of a field at the x of the last force, as a dense matrix.
+Eigen::MatrixXd denseMatrix(FieldUnderTest& t) {
+  const Index rows = t.x.count();
+  Eigen::MatrixXd dense(3 * rows, 3 * rows);
+  Vector unit(rows);
+  for (Index column = 0; column < 3 * rows; ++column) {
+    clear(unit);
+    unit[column / 3][column % 3] = 1;
+    const Vector product = t.product(unit);
+    for (Index row = 0; row < 3 * rows; ++row) dense(row, column) = product[row / 3][row % 3];
+  }
+  return dense;
+}
+
+/// Under a pressure far above the stiffness of shapes the tangent has unstable directions; the one that Newton's method
+/// asks for then has none, and the force is the same.
+TEST(MeanDilatation, ADefiniteTangentHasNoUnstableDirection) {
+  for (const LawCase& law : lawsWithVolume())
+    for (const std::string& dilatation : {mean, at_points}) {
+      SCOPED_TRACE(law.name + dilatation);
+      FieldUnderTest t(block(law.attributes + dilatation), type);
+      t.deform(0.1);
+      for (Index i = 0; i < t.x.count(); ++i) t.x[i] = 0.7 * Vec3(t.x[i]);
+      auto& open = dynamic_cast<OpenChoices&>(t.field());
+      const Vector exact = t.force();
+      const Eigen::VectorXd plain = eigenvalues(denseMatrix(t));
+      EXPECT_GT(plain.maxCoeff(), 1e-6 * plain.cwiseAbs().maxCoeff()) << "no direction was unstable";
+      ASSERT_TRUE(open.useDefiniteTangent(true));
+      EXPECT_LT(relativeDifference(exact, t.force()), 1e-13);
+      const Eigen::VectorXd definite = eigenvalues(denseMatrix(t));
+      EXPECT_LT(definite.maxCoeff(), 1e-9 * definite.cwiseAbs().maxCoeff());
+      expectMatrixOfProducts(t);
+      expectSymmetricProducts(t);
+      ASSERT_TRUE(open.useDefiniteTangent(false));
+      EXPECT_LT(relativeDifference(t.product(t.direction), t.differenceOfForces(1e-6 * t.typicalEdge())), 1e-5);
+    }
 }
 
 TEST(MeanDilatation, IsRefusedWhereItHasNoMeaning) {

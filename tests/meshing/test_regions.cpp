@@ -154,6 +154,35 @@ TEST(Regions, VolumesAreMatchedByMovingBoundaries) {
   EXPECT_GE(qualityOf(mesh).smallest_angle, std::min(5., qualityOf(before).smallest_angle) - 1e-6);
 }
 
+/// The corners are those of the first order.
+TEST(Regions, FilesOfTheSecondOrderHaveANodeOnEachEdge) {
+  const LabelledMesh mesh = ball(4, 1);
+  for (const bool format_22 : {false, true}) {
+    const GmshFile first = parseGmsh(gmshText(mesh, {}, format_22), "first.msh"),
+                   file = parseGmsh(gmshText(mesh, {}, format_22, 2), "second.msh");
+    EXPECT_EQ(file.mesh.firstError(), "");
+    ASSERT_EQ(file.mesh.quadratic_tetrahedra.size(), mesh.tetrahedra.size());
+    ASSERT_EQ(file.mesh.quadratic_triangles.size(), first.mesh.triangles.size());
+    EXPECT_EQ(file.mesh.position.size(), mesh.position.size() + first.mesh.allEdges().size());
+    EXPECT_EQ(file.groups.quadratic_tetrahedra, first.groups.tetrahedra);
+    const auto& p = file.mesh.position;
+    const auto expectRaised = [&](const auto& cell, const auto& corners, const auto& middles) {
+      for (std::size_t a = 0; a < corners.size(); ++a) EXPECT_EQ(cell[a], corners[a]);
+      for (std::size_t e = 0; e < middles.size(); ++e)
+        EXPECT_LT((p[cell[corners.size() + e]] -
+                   (p[corners[std::size_t(middles[e][0])]] + p[corners[std::size_t(middles[e][1])]]) / 2)
+                      .norm(),
+                  1e-7);
+    };
+    for (std::size_t c = 0; c < mesh.tetrahedra.size(); ++c)
+      expectRaised(file.mesh.quadratic_tetrahedra[c], first.mesh.tetrahedra[c], cell_tables::tetrahedron_middles);
+    for (std::size_t t = 0; t < first.mesh.triangles.size(); ++t)
+      expectRaised(file.mesh.quadratic_triangles[t], first.mesh.triangles[t], cell_tables::triangle_middles);
+    EXPECT_NEAR(file.mesh.report().volume, first.mesh.report().volume, 1e-6 * first.mesh.report().volume);
+  }
+  EXPECT_NE(vtuText(mesh, 2).find("\n24\n"), std::string::npos);
+}
+
 TEST(Regions, FilesKeepCellsLabelsAndNamesInOurReaderAndInGmshs) {
   const LabelledMesh mesh = ball(4, 1);
   gmsh::initialize();

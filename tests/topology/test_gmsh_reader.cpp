@@ -96,6 +96,8 @@ class Gmsh : public testing::Test {
     compareCells(file.mesh, file.mesh.quads, 3, position);
     compareCells(file.mesh, file.mesh.tetrahedra, 4, position);
     compareCells(file.mesh, file.mesh.hexahedra, 5, position);
+    compareCells(file.mesh, file.mesh.quadratic_triangles, 9, position);
+    compareCells(file.mesh, file.mesh.quadratic_tetrahedra, 11, position);
   }
 
   static std::array<double, 3> at(const Mesh& mesh, Index node) { return rounded(mesh.position[node].data()); }
@@ -119,7 +121,8 @@ class Gmsh : public testing::Test {
     }
     for (const Cell& cell : cells) {
       std::vector<std::array<double, 3>> corners;
-      for (const Index node : cell) corners.push_back(at(mesh, node));
+      for (std::size_t k = 0; k < size; ++k)
+        corners.push_back(at(mesh, cell[std::size_t(kindByNumber(&CellKind::gmsh, type)->gmsh.order[k])]));
       found.insert(corners);
     }
     EXPECT_EQ(found, expected) << "elements of type " << type;
@@ -153,6 +156,30 @@ TEST_F(Gmsh, EveryFormatReadsAsTheLibraryHasIt) {
         EXPECT_NEAR(file.mesh.report().volume, hexahedra ? 2 : 0.7, 1e-9);
       }
   }
+}
+
+TEST_F(Gmsh, QuadraticTetrahedraReadAsTheLibraryHasThem) {
+  makeTetrahedra();
+  gmsh::model::mesh::setOrder(2);
+  for (const double version : {1.0, 2.2, 4.0, 4.1})
+    for (const bool binary : {false, true}) {
+      if (binary && (version == 1 || version == 4)) continue;
+      SCOPED_TRACE(testing::Message() << "version " << version << (binary ? " binary" : " ASCII"));
+      const GmshFile file = readGmsh(write(version, binary));
+      compare(file);
+      EXPECT_EQ(file.mesh.firstError(), "");
+      EXPECT_GT(file.mesh.quadratic_tetrahedra.size(), 5u);
+      EXPECT_GT(file.mesh.quadratic_triangles.size(), 5u);
+      EXPECT_GT(file.skipped.at("quadratic edges"), 3);
+      EXPECT_NEAR(file.mesh.report().volume, 0.7, 1e-9);
+      EXPECT_TRUE(file.mesh.report().inverted.empty());
+      for (const QuadraticTetrahedron& cell : file.mesh.quadratic_tetrahedra)  // each middle between its corners
+        for (std::size_t e = 0; e < 6; ++e) {
+          const auto [a, b] = cell_tables::tetrahedron_middles[e];
+          const auto& p = file.mesh.position;
+          EXPECT_LT((p[cell[4 + e]] - (p[cell[std::size_t(a)]] + p[cell[std::size_t(b)]]) / 2).norm(), 1e-12);
+        }
+    }
 }
 
 TEST_F(Gmsh, PhysicalGroups) {
@@ -271,8 +298,8 @@ TEST_F(Gmsh, SparseNodeNumbers) {
   EXPECT_EQ(sparse.mesh.position, dense.mesh.position);
 }
 
-TEST_F(Gmsh, QuadraticElementsAreNamed) {
-  makeTetrahedra();
+TEST_F(Gmsh, QuadraticHexahedraAreNamed) {
+  makeHexahedra();
   gmsh::model::mesh::setOrder(2);
   for (const double version : {2.2, 4.1})
     for (const bool binary : {false, true})
@@ -382,7 +409,7 @@ TEST(GmshErrors, SayLineAndCause) {
   EXPECT_NE(errorOf(with("2 1 0 0", "1 1 0 0")).find("node number 1 appears twice"), std::string::npos);
   EXPECT_NE(errorOf(with("2.2 0 8", "3.1 0 8")).find("format 3.1 is not known"), std::string::npos);
   EXPECT_NE(errorOf(with("1 4 2 0 1", "1 77 2 0 1")).find("elements of type 77 are not known"), std::string::npos);
-  EXPECT_NE(errorOf(with("1 4 2 0 1", "1 11 2 0 1")).find("quadratic tetrahedra (10 nodes)"), std::string::npos);
+  EXPECT_NE(errorOf(with("1 4 2 0 1", "1 12 2 0 1")).find("quadratic hexahedra (27 nodes)"), std::string::npos);
   EXPECT_NE(errorOf(with("$EndNodes", "5 1 1 1\n$EndNodes")).find("'5' where the section should end"),
             std::string::npos);
   EXPECT_NE(errorOf("").find("has no nodes"), std::string::npos);

@@ -16,9 +16,10 @@ std::string nameOf(int label, const LabelNames& names);
 /// name, each surface between two regions one of triangles, named "soft.bone" or "soft.outside". A hollow that the body
 /// encloses is no part of the skin: its wall is "soft.cavity", of several "soft.cavity_1" (the largest),
 /// "soft.cavity_2".
-std::string gmshText(const LabelledMesh& mesh, const LabelNames& names, bool format_22);
+/// `order` 2: quadratic tetrahedra and triangles, with a node in the middle of each edge after all corners.
+std::string gmshText(const LabelledMesh& mesh, const LabelNames& names, bool format_22, int order = 1);
 
 /// VTK's XML format .vtu: the tetrahedra with cell data `label`.
-std::string vtuText(const LabelledMesh& mesh);
+std::string vtuText(const LabelledMesh& mesh, int order = 1);
 
 }  // namespace stroma
