@@ -36,8 +36,9 @@ namespace {
 //   that CHOLMOD neither permutes nor copies it again at each factorisation;
 // - CHOLMOD 5 opens OpenMP regions of four threads in loops that are too short for them (28 ms against 7 for 3,993
 //   unknowns), so its regions are switched off around the call;
-// - the BLAS runs on one thread: OpenBLAS sums in another order on two, and no result may depend on their number.
-// The numbers are those of CHOLMOD's own loop (supernodal_numbers.h), which does not stop when it is asked to.
+// - each call of the BLAS runs on one thread: OpenBLAS sums in another order on two, and no result may depend on their
+//   number. Threads share the supernodes and their pieces instead.
+// The numbers are made by a loop of our own (supernodal_numbers.h): CHOLMOD's does not stop when it is asked to.
 
 /// Memory for CHOLMOD: a factor is written once and read a few times, so that small pages, each a fault, cost as much
 /// as the factorisation (16^3 hexahedra: 140 MB, a third of the run).
@@ -214,6 +215,7 @@ void SupernodalFactor::analyse(const BlockMatrix& matrix) {
   common_.postorder = 0;
   factor_ = cholmod_analyze(lower_, &common_);
   check(factor_, "analyse the matrix");
+  numbers_.setPattern(supernodes());
   flops_ = common_.fl, entries_ = common_.lnz;
   right_ = cholmod_allocate_dense(unknown_.size(), 1, unknown_.size(), CHOLMOD_REAL, &common_);
   check(right_, "allocate a vector");
@@ -235,7 +237,7 @@ SolveStop SupernodalFactor::factor(Index& row, StopToken stop) {
   }
   const auto* values = static_cast<const double*>(lower_->x);
   const SupernodalEnd end =
-      numbers_.factor({static_cast<const int*>(lower_->p), static_cast<const int*>(lower_->i), values}, supernodes(),
+      numbers_.factor({static_cast<const int*>(lower_->p), static_cast<const int*>(lower_->i), values},
                       static_cast<double*>(factor_->x), stop);
   factor_->minor = end.bad_column < 0 ? factor_->n : std::size_t(end.bad_column);
   if (end.stopped) return SolveStop::stopped;
@@ -247,7 +249,6 @@ SolveStop SupernodalFactor::factor(Index& row, StopToken stop) {
 SupernodalPattern SupernodalFactor::supernodes() const {
   return {int(factor_->n),
           int(factor_->nsuper),
-          int(factor_->maxcsize),
           static_cast<const int*>(factor_->super),
           static_cast<const int*>(factor_->pi),
           static_cast<const int*>(factor_->px),

@@ -1,10 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The numbers of A = L L^T for an analysed pattern, supernode by supernode from the left (Ng and Peyton 1993): the loop
-// of CHOLMOD's cholmod_super_numeric with the same calls of BLAS in the same order, hence the same bits. That one says
-// nothing and cannot be stopped until it is over, minutes later for a large body; this one looks between its calls.
+// The numbers of A = L L^T for an analysed pattern, supernode by supernode from the left (Ng and Peyton 1993). CHOLMOD's
+// cholmod_super_numeric says nothing and cannot be stopped until it is over, minutes later for a large body, and runs on
+// one thread wherever bits must not depend on threads. This looks between its calls of BLAS whether it shall stop. Small
+// factors are made with CHOLMOD's calls in their order, hence to the same bits. Large ones are made by threads: subtrees of
+// the elimination tree first, and then the supernodes above them one by one, each in pieces of its columns and rows. What
+// is done in which order does not depend on the number of threads.
 #pragma once
+#include <memory>
+#include <mutex>
 #include <vector>
 
+#include "components/direct_solvers/supernodal_plan.h"
 #include "framework/algebra/memory.h"
 #include "framework/algebra/stop.h"
 
@@ -16,16 +22,6 @@ struct LowerTriangle {
   const double* values;
 };
 
-/// Where the columns and rows of a factor's supernodes lie; see cholmod_factor.
-struct SupernodalPattern {
-  int columns = 0, count = 0;
-  int largest_update = 0;       ///< numbers of the largest update of one supernode by another
-  const int* first = nullptr;   ///< column, shape (count + 1)
-  const int* start = nullptr;   ///< of the rows in `rows`, shape (count + 1); the first rows are the columns' own
-  const int* offset = nullptr;  ///< of the values, column by column, shape (count + 1)
-  const int* rows = nullptr;
-};
-
 struct SupernodalEnd {
   bool stopped = false;
   int bad_column = -1;  ///< whose pivot is not positive
@@ -34,25 +30,47 @@ struct SupernodalEnd {
 /// With its work space.
 class SupernodalNumbers {
  public:
+  /// A pattern that is to be factored, perhaps often.
+  void setPattern(const SupernodalPattern& pattern) {
+    pattern_ = pattern;
+    plan_ = planOf(pattern);
+  }
   /// Fills `values` of the factor, or stops on the way: they are of no use then.
-  SupernodalEnd factor(const LowerTriangle& matrix, const SupernodalPattern& pattern, double* values, StopToken stop);
+  SupernodalEnd factor(const LowerTriangle& matrix, double* values, StopToken stop);
 
  private:
-  void begin(const LowerTriangle& matrix, int s);
-  bool updateBy(int d, int s);
+  /// What one thread needs.
+  struct Work {
+    std::vector<int> place;     ///< of a row in the supernode under way, shape (columns)
+    std::vector<int> relative;  ///< the same for the rows of an update
+    Array<double> update;
+  };
+  /// Work space of pieces that run at once.
+  class Works {
+   public:
+    std::unique_ptr<Work> take(int columns);
+    void giveBack(std::unique_ptr<Work> work);
+
+   private:
+    std::mutex access_;
+    std::vector<std::unique_ptr<Work>> free_;
+  };
+
+  SupernodalEnd factorList(const LowerTriangle& matrix, const std::vector<int>& supernodes, Work& work);
+  SupernodalEnd factorParts(const LowerTriangle& matrix);
+  SupernodalEnd factorInPieces(const LowerTriangle& matrix, int s, Work& work);
+  void begin(const LowerTriangle& matrix, int s, Work& work);
+  bool updateColumns(const SupernodalPlan::Update& u, int s, int first, int last, const std::vector<int>& place,
+                     Work& work);
   bool factorDiagonal(int s, int& info);
   bool solveBelow(int s);
-  void waitFor(int d, int done);
+  int factorPanel(int s);
 
   SupernodalPattern pattern_;
+  SupernodalPlan plan_;
   double* values_ = nullptr;
   StopToken stop_;
-  std::vector<int> place_;      ///< of a row in the supernode under way, shape (columns)
-  std::vector<int> supernode_;  ///< of a column, shape (columns)
-  /// Supernodes that still have to act wait in the list of the next one that they act on; how many rows of each are done.
-  std::vector<int> list_, next_, done_;
-  std::vector<int> relative_;
-  Array<double> update_;
+  Works works_;
 };
 
 }  // namespace stroma

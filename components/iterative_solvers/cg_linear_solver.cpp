@@ -15,7 +15,9 @@
 // |A p| or p.A p < 0: x then keeps the last iterate, the best one in the energy of A. SOFA compares p.A p itself with
 // `threshold`, a test whose outcome depends on the units of the scene and which can stop a well-posed solve at its
 // first iteration (nothing then moves). Here it is the cosine between p and A p, which no units enter; with the default
-// it passes for every matrix of condition number below 4e20. All other iterates are those of SOFA's solver.
+// it passes for every matrix of condition number below 4e20. All other iterates are those of SOFA's solver. SOFA's test is
+// there too: with absoluteThreshold t above zero, iteration k ends when |r| <= tolerance |b| or, before x moves, when
+// |p.A p| <= t; in the first solve of a run neither ends the first iteration. Scenes in SOFA's dialect have it.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">
@@ -44,6 +46,7 @@ class CGLinearSolver final : public KrylovSolver {
   SolveReport solve(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms) override;
   void serializeFor(SystemMatrix& matrix, Archive& archive) override {
     if (warm_start_) archive.rows("previous", keptFor(matrix, matrix.rows()).previous);
+    if (absolute_threshold_ > 0) archive.value("has_solved", keptFor(matrix, matrix.rows()).has_solved);
   }
   void keepFor(SystemMatrix& matrix) override {
     if (!warm_start_) return;
@@ -56,7 +59,7 @@ class CGLinearSolver final : public KrylovSolver {
     copy(kept.before_step, kept.previous);
   }
   void reset() override {
-    kept_.forEach([](Kept& kept) { kept.previous.resize(kept.previous.count()); });
+    kept_.forEach([](Kept& kept) { kept.previous.resize(kept.previous.count()), kept.has_solved = false; });
   }
 
  private:
@@ -68,12 +71,14 @@ class CGLinearSolver final : public KrylovSolver {
     cg::BlockJacobi jacobi;
     MatrixKey jacobi_key;
     Index bad_block = -1;
+    bool has_solved = false;  ///< since the start of the run
   };
   Kept& keptFor(const SystemMatrix& matrix, Index rows);
   void prepare(const SystemMatrix& matrix, Kept& kept) const;
   SolveReport iterate(const SystemMatrix& matrix, Kept& kept, Rows x, double residual);
+  SolveReport iterateAbsolutely(const SystemMatrix& matrix, Kept& kept, Rows x, double residual);
 
-  double threshold_ = 1e-5;
+  double threshold_ = 1e-5, absolute_threshold_ = 0;
   bool warm_start_ = false;
   CGPreconditioner preconditioner_ = CGPreconditioner::automatic;
   bool precondition_ = false;
@@ -88,6 +93,10 @@ void CGLinearSolver::declare(DataTable& table) {
       .unit("-")
       .min(0)
       .max(1e-2);
+  table.add("absoluteThreshold", absolute_threshold_)
+      .help("above zero: stop when |p.A p| is not above it, as SOFA does; it depends on the units of the scene")
+      .unit("J")
+      .min(0);
   table.add("warmStart", warm_start_).help("start from the solution of the previous solve");
   table.addChoice("preconditioner", preconditioner_, {"auto", "none", "block_jacobi"})
       .help(
@@ -97,6 +106,8 @@ void CGLinearSolver::declare(DataTable& table) {
 
 void CGLinearSolver::init() {
   KrylovSolver::init();
+  if (absolute_threshold_ > 0 && preconditioner_ == CGPreconditioner::block_jacobi)
+    throw ComponentError("absoluteThreshold is a test of plain conjugate gradients", "preconditioner=\"none\"");
   precondition_ = preconditioner_ == CGPreconditioner::block_jacobi ||
                   (preconditioner_ == CGPreconditioner::automatic && !data().find("iterations")->isSet());
 }
@@ -162,6 +173,40 @@ SolveReport CGLinearSolver::iterate(const SystemMatrix& matrix, Kept& kept, Rows
   return report;
 }
 
+/// SOFA's loop, with its ends in its order.
+SolveReport CGLinearSolver::iterateAbsolutely(const SystemMatrix& matrix, Kept& kept, Rows x, double residual) {
+  Vector &r = kept.r, &p = kept.p, &q = kept.q;
+  SolveReport report;
+  const bool is_first_solve = !kept.has_solved;
+  kept.has_solved = true;
+  double rho_before = 0;
+  report.stop = SolveStop::iteration_limit;
+  for (int k = 1; k <= iterations_; ++k) {
+    const bool must_go_on = is_first_solve && k == 1;
+    report.stop = SolveStop::converged;
+    if (std::sqrt(residual) <= target() && !must_go_on) break;
+    report.stop = isStopAsked() ? SolveStop::stopped : SolveStop::not_finite;
+    if (isStopAsked() || !std::isfinite(residual)) break;
+    if (k == 1)
+      copy(r, p);
+    else
+      scale(residual / rho_before, p), axpy(1, r, p);
+    product(matrix, p, q);
+    report.iterations = k;
+    const double curve = dot(p, q);
+    report.stop = SolveStop::iteration_limit;
+    if (std::abs(curve) <= absolute_threshold_ && !must_go_on) break;
+    if (curve == 0) break;
+    const double alpha = residual / curve;
+    axpy(alpha, p, x);
+    rho_before = residual;
+    residual = cg::reduceResidual(alpha, q, r);
+    record(std::sqrt(residual) / norm_b_);
+  }
+  report.relative_residual = std::sqrt(residual) / norm_b_;
+  return report;
+}
+
 SolveReport CGLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms) {
   SolveReport report;
   if (!begin(matrix, b, x, terms, report)) return report;
@@ -175,7 +220,9 @@ SolveReport CGLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x, con
   }
   if (warm_start_) copy(kept.previous, x);
   const double residual = KrylovSolver::residual(matrix, b, x, kept.r, kept.q);
-  if (std::sqrt(residual) <= target()) {
+  if (absolute_threshold_ > 0 && !precondition_) {
+    report = iterateAbsolutely(matrix, kept, x, residual);
+  } else if (std::sqrt(residual) <= target()) {
     report.relative_residual = std::sqrt(residual) / norm_b_;
   } else {
     report = iterate(matrix, kept, x, residual);

@@ -29,10 +29,9 @@ void KrylovSolver::declare(DataTable& table) {
 }
 
 void KrylovSolver::init() {
-  constexpr int usual = 100;
   is_capped_ = data().find("iterations")->isSet();
   tolerance_data_ = data().find("tolerance");
-  expected_iterations_ = is_capped_ ? iterations_ : usual;
+  if (is_capped_) expected_iterations_ = iterations_;
   const std::vector<std::string> assembled = {"CompressedRowSparseMatrix", "CompressedRowSparseMatrixd",
                                               "CompressedRowSparseMatrixMat3x3", "CompressedRowSparseMatrixMat3x3d"};
   if (template_ == "auto" || template_.empty()) {

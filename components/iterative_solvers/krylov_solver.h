@@ -68,6 +68,8 @@ class KrylovSolver : public LinearSolver {
   int iterations_ = 20000;
   /// |b - A x| / |b| at which a solve ends.
   double tolerance_ = 1e-8;
+  /// What a solve is taken to need when the form of the product is chosen, where the scene does not limit it.
+  int expected_iterations_ = 100;
   double norm_b_ = 0;  ///< |b| of the solve that begin() opened
   SolveTerms terms_;   ///< its terms
 
@@ -78,8 +80,6 @@ class KrylovSolver : public LinearSolver {
   std::vector<double> graph_;
   /// Whether products go through the elements or the matrix; automatic asks the system for the cheaper.
   Form form_ = Form::automatic;
-  /// What a solve is taken to need when the form of the product is chosen.
-  int expected_iterations_ = 0;
   bool is_capped_ = false;                  ///< the scene writes `iterations`
   const Data* tolerance_data_ = nullptr;    ///< the attribute
   const BlockMatrix* assembled_ = nullptr;  ///< null while products are matrix-free

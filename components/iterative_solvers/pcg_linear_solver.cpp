@@ -14,6 +14,8 @@
 //                        multiple of the diagonal is added, which the attribute `shift` tells
 //   warped               the factors that a direct solver of the same node made of a former matrix, turned with the
 //                        body (see WarpPreconditioner): few iterations whatever the mesh or Poisson's ratio
+//   multigrid            a V-cycle over groups of nodes (see MultigridPreconditioner): few iterations whatever the size,
+//                        without factors, which take memory and time beyond some 20,000 nodes
 //
 // It stops when |r| <= tolerance |b|, after `iterations` products, when b = 0, when a number is not finite, and when
 // the matrix shows itself to be singular or not definite; x then keeps the last iterate. Where |r| of the recurrence is
@@ -29,6 +31,7 @@
 // </Node>
 #include "components/iterative_solvers/incomplete_cholesky.h"
 #include "components/iterative_solvers/krylov_solver.h"
+#include "components/iterative_solvers/multigrid.h"
 #include "components/iterative_solvers/preconditioned_conjugate_gradients.h"
 #include "components/iterative_solvers/warped_factor.h"
 #include "framework/scene/factory.h"
@@ -39,7 +42,7 @@ namespace {
 class PCGLinearSolver final : public KrylovSolver, public FactorUser {
  public:
   PCGLinearSolver() {
-    link_.words = {"none", "jacobi", "block_jacobi", "ssor", "incomplete_cholesky", "warped"};
+    link_.words = {"none", "jacobi", "block_jacobi", "ssor", "incomplete_cholesky", "warped", "multigrid"};
     link_.path = "block_jacobi";
   }
   void declare(DataTable& table) override;
@@ -89,7 +92,8 @@ void PCGLinearSolver::declare(DataTable& table) {
   table.addLink("preconditioner", link_)
       .alias("preconditioners")
       .help(
-          "none, jacobi, block_jacobi (the default), ssor, incomplete_cholesky, warped, or a link to a preconditioner");
+          "none, jacobi, block_jacobi (the default), ssor, incomplete_cholesky, warped, multigrid, or a link to a "
+          "preconditioner");
   table.add("shift", shift_)
       .help("multiple of the diagonal that incomplete_cholesky had to add in the last solve")
       .unit("-")
@@ -101,6 +105,7 @@ void PCGLinearSolver::declare(DataTable& table) {
 }
 
 void PCGLinearSolver::init() {
+  if (use_ && link_.path == "multigrid") expected_iterations_ = 15;
   KrylovSolver::init();
   if (use_) link_.get();  // ready before the first solve
   if (use_ && link_.path == "warped") factor_source_ = &factorSource(*this, factors_);
@@ -120,6 +125,7 @@ std::unique_ptr<ApproximateInverse> PCGLinearSolver::makeInverse() const {
   if (word == "ssor") return std::make_unique<Ssor>();
   if (word == "incomplete_cholesky") return std::make_unique<IncompleteCholesky>();
   if (word == "warped") return std::make_unique<WarpedFactor>(*factor_source_);
+  if (word == "multigrid") return std::make_unique<Multigrid>();
   return nullptr;
 }
 
@@ -142,7 +148,7 @@ SolveReport PCGLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x, co
   report = cg::preconditioned(multiply, precondition, note, {iterations_, target(), terms.stop}, b, work, x);
   report.relative_residual /= norm_b_;
   report.factored = prepared.factored;
-  if (inverse && report.stop != SolveStop::stopped) inverse->solved(report.iterations);
+  if (inverse && report.stop != SolveStop::stopped) inverse->solved(report);
   return report;
 }
 

@@ -19,7 +19,7 @@ class ApproximateInverse {
   /// z = B r.
   virtual void apply(ConstRows r, Rows z) = 0;
   /// Told after each solve how many iterations it took: what is kept over several matrices is renewed by it.
-  virtual void solved(int /*iterations*/) {}
+  virtual void solved(const SolveReport&) {}
   /// Forgets the values seen so far.
   virtual void reset() = 0;
   /// See LinearSolver::serializeFor().

@@ -144,7 +144,8 @@ void WarpedFactor::apply(ConstRows r, Rows z) {
   for (Index i = 0; i < r.count; ++i) z[i] = (matrices_[i] * z[i]).eval();
 }
 
-void WarpedFactor::solved(int iterations) {
+void WarpedFactor::solved(const SolveReport& report) {
+  const int iterations = report.iterations;
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start_;
   const double cost = renewal_ == Renewal::clock ? took.count() : iterations * now_.iteration_seconds;
   now_.spent += cost;

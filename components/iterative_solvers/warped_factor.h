@@ -29,7 +29,7 @@ class WarpedFactor final : public ApproximateInverse {
 
   bool follow(SystemMatrix& matrix, SolveReport& report, StopToken stop) override;
   void apply(ConstRows r, Rows z) override;
-  void solved(int iterations) override;
+  void solved(const SolveReport& report) override;
   void keep(const SystemMatrix& matrix) override { kept_ = now_, kept_current_ = isCurrent(matrix); }
   /// Factors that were renewed meanwhile are made again from the values before when they are needed.
   void takeBack(const SystemMatrix& matrix) override;

@@ -25,11 +25,11 @@ std::vector<Kind> kinds() {
   all.push_back({"CG", "<CGLinearSolver" + limits + "/>", true});
   all.push_back({"MinRes", "<MinResLinearSolver" + limits + "/>"});
   all.push_back({"MinResAssembled", "<MinResLinearSolver template=\"CompressedRowSparseMatrix\"" + limits + "/>"});
-  for (const char* word : {"none", "jacobi", "block_jacobi", "ssor", "incomplete_cholesky"})
+  for (const char* word : {"none", "jacobi", "block_jacobi", "ssor", "incomplete_cholesky", "multigrid"})
     all.push_back({std::string("PCG_") + word,
                    "<PCGLinearSolver preconditioner=\"" + std::string(word) + "\"" + limits + "/>", true});
   all.push_back({"PCG_warped", "<PCGLinearSolver preconditioner=\"warped\"" + limits + "/><SparseLDLSolver/>", true});
-  for (const char* type : {"Jacobi", "BlockJacobi", "SSOR", "IncompleteCholesky"})
+  for (const char* type : {"Jacobi", "BlockJacobi", "SSOR", "IncompleteCholesky", "Multigrid"})
     all.push_back({std::string("PCG_linked_") + type,
                    "<PCGLinearSolver preconditioner=\"@p\"" + limits + "/><" + type + "Preconditioner name=\"p\"/>",
                    true});
@@ -37,6 +37,7 @@ std::vector<Kind> kinds() {
       {"PCG_linked_Warp",
        "<PCGLinearSolver preconditioner=\"@p\"" + limits + "/><WarpPreconditioner name=\"p\"/><EigenSimplicialLLT/>",
        true});
+  all.push_back({"Automatic", "<AutomaticLinearSolver/>", true, true});
   for (const char* type : {"SparseLDLSolver", "EigenSimplicialLLT", "SparseCholeskySolver", "CholeskySolver"})
     all.push_back({type, "<" + std::string(type) + "/>", true, true});
   for (const char* type :

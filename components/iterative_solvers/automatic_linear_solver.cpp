@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// AutomaticLinearSolver: A x = b by factors or by conjugate gradients with multigrid, whichever costs less. It is what an
+// integrator of statics gets when its scene names no linear solver.
+//
+// With w h nodes in a cross-section and l / w the slenderness of a body of n nodes, its factors take
+//
+//   135 (w h)^3 l / w flops   and   81 (w h)^2 l / w numbers,
+//
+// the laws of nested dissection with factors from cubes; a hierarchy and its iterations take a time in proportion to the
+// blocks of the matrix. l, w and h come from the second moments of the nodes. Both times are estimated from counts, for a
+// core of 40 Gflop/s: no clock is read, and each run chooses the same on every machine and with every number of threads.
+// Bodies of less than 2,500 nodes are always factored.
+//
+// A solve by multigrid that goes on for longer than factors would have taken (a Poisson's ratio near 1/2 with cells that
+// lock, badly shaped cells) is ended, and the matrix is factored from then on, if factors fit into half of the memory.
+// `choice` says what was chosen and why. A matrix that is not symmetric is factored. See SparseLDLSolver,
+// MultigridPreconditioner and PCGLinearSolver for what the methods do.
+//
+// Example:
+// <Node name="root" dt="0.01" gravity="0 -9.81 0">
+//   <StaticSolver/>
+//   <AutomaticLinearSolver/>
+//   <MechanicalObject position="0 0 0  1 0 0  0 1 0  0 0 1"/>
+//   <MeshTopology position="0 0 0  1 0 0  0 1 0  0 0 1" tetrahedra="0 1 2 3"/>
+//   <UniformMass totalMass="1"/>
+//   <TetrahedronFEMForceField youngModulus="5000" poissonRatio="0.3" method="small"/>
+//   <FixedProjectiveConstraint indices="0 1 2"/>
+// </Node>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "components/iterative_solvers/krylov_solver.h"
+#include "components/iterative_solvers/multigrid.h"
+#include "components/iterative_solvers/preconditioned_conjugate_gradients.h"
+#include "components/iterative_solvers/solver_costs.h"
+#include "components/iterative_solvers/warped_factor.h"
+#include "framework/algebra/solver_choice.h"
+#include "framework/scene/factory.h"
+#include "framework/scene/usual_component.h"
+
+namespace stroma {
+namespace {
+
+constexpr Index always_factored = 2500;  // nodes
+
+class AutomaticLinearSolver final : public KrylovSolver, public FactorUser, public SolverChoice {
+ public:
+  void declare(DataTable& table) override;
+  void init() override;
+  void reset() override {
+    kept_.forEach([](Kept& kept) { kept.inverse.reset(), kept.now = {}; });
+  }
+  std::string missingPartner() const override;
+  bool usesFactorOf(const Component& solver) const override { return direct_ == &solver; }
+  bool needsSymmetric() const override { return direct_ && direct_->needsSymmetric(); }
+  SolveReport solve(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms) override;
+  void serializeFor(SystemMatrix& matrix, Archive& archive) override;
+  void keepFor(SystemMatrix& matrix) override;
+  void takeBackFor(SystemMatrix& matrix) override;
+  void choose(SystemMatrix& matrix) override { keptFor(matrix); }
+  std::string choice() const override { return choice_; }
+
+ private:
+  enum class Way : int { open, factors, multigrid };
+  struct Memory {
+    Way way = Way::open;
+    int patience = 0;
+  };
+  /// For each matrix.
+  struct Kept {
+    Memory now, before_step;
+    Multigrid inverse;
+    cg::Directions work;
+  };
+  Kept& keptFor(SystemMatrix& matrix);
+  void chooseFor(SystemMatrix& matrix, Kept& kept);
+  SolveReport iterate(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms, Kept& kept);
+
+  Link<DirectSolver> factors_{"direct solver"};
+  DirectSolver* direct_ = nullptr;
+  std::string choice_;
+  int changes_ = 0;
+  PerMatrix<Kept> kept_;
+};
+
+void AutomaticLinearSolver::declare(DataTable& table) {
+  KrylovSolver::declare(table);
+  table.addLink("directSolver", factors_).help("what factors; without it, the direct solver of the same node");
+  table.add("choice", choice_).help("what was chosen, and why").output();
+  table.add("changes", changes_).help("how often a choice proved wrong and was changed").unit("-").output();
+}
+
+void AutomaticLinearSolver::init() {
+  expected_iterations_ = 15;
+  KrylovSolver::init();
+  direct_ = &factorSource(*this, factors_);
+}
+
+std::string AutomaticLinearSolver::missingPartner() const {
+  const auto& components = node().components();
+  const bool has_one = std::any_of(components.begin(), components.end(), [](const auto& component) {
+    return dynamic_cast<const DirectSolver*>(component.get()) != nullptr;
+  });
+  return has_one || !factors_.path.empty() ? std::string() : usualComponent(Part::solver_of_equilibria);
+}
+
+AutomaticLinearSolver::Kept& AutomaticLinearSolver::keptFor(SystemMatrix& matrix) {
+  Kept& kept = kept_.of(matrix);
+  if (kept.now.way == Way::open) chooseFor(matrix, kept);
+  return kept;
+}
+
+void AutomaticLinearSolver::chooseFor(SystemMatrix& matrix, Kept& kept) {
+  const Index rows = matrix.rows();
+  kept.now = {Way::factors, 0};
+  choice_ = fmt::format("{} factors: {} nodes are few", direct_->type(), rows);
+  if (rows < always_factored || rows > direct_->mostRows()) return;
+  const Extents extents = extentsOf(rows, matrix.positions());
+  const SolverCosts costs = solverCosts(matrix.pattern(), extents);
+  const std::string shape =
+      fmt::format("{} nodes, {:.0f} x {:.0f} x {:.0f}", rows, extents.length, extents.width, extents.height);
+  const std::string estimates = fmt::format("estimated {:.2g} s with factors of {:.2g} GB, {:.2g} s with multigrid",
+                                            costs.direct, 8e-9 * costs.factor_entries, costs.multigrid());
+  if (costs.multigrid() >= costs.direct) {
+    choice_ = fmt::format("{} factors: {}, {}", direct_->type(), shape, estimates);
+    return;
+  }
+  kept.now = {Way::multigrid, costs.patience()};
+  choice_ = fmt::format("conjugate gradients with multigrid: {}, {}", shape, estimates);
+}
+
+SolveReport AutomaticLinearSolver::iterate(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms,
+                                           Kept& kept) {
+  SolveReport report;
+  if (!begin(matrix, b, x, terms, report)) return report;
+  kept.work.resize(b.count);
+  SolveReport prepared;
+  if (!kept.inverse.follow(matrix, prepared, terms.stop)) {
+    prepared.relative_residual = 1;
+    return prepared;
+  }
+  const auto multiply = [&](ConstRows p, Rows out) { product(matrix, p, out); };
+  const auto precondition = [&](ConstRows r, Rows z) { kept.inverse.apply(r, z); };
+  const auto note = [&](double residual) { record(residual / norm_b_); };
+  const int most = std::min(iterations_, kept.now.patience);
+  report = cg::preconditioned(multiply, precondition, note, {most, target(), terms.stop}, b, kept.work, x);
+  report.relative_residual /= norm_b_;
+  if (report.stop != SolveStop::stopped) kept.inverse.solved(report);
+  return report;
+}
+
+SolveReport AutomaticLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms) {
+  Kept& kept = keptFor(matrix);
+  if (kept.now.way == Way::factors || !matrix.symmetric()) return direct_->solve(matrix, b, x, terms);
+  const SolveReport report = iterate(matrix, b, x, terms, kept);
+  constexpr double round_off = 1e-6;  // of a slender body: factors would leave as much
+  const bool gave_up = report.stop == SolveStop::iteration_limit && report.iterations == kept.now.patience;
+  const bool stagnated = report.stop == SolveStop::stagnated && report.relative_residual > round_off;
+  if (!gave_up && !stagnated) return report;
+  kept.now.way = Way::factors;
+  kept.inverse.reset();
+  ++changes_;
+  choice_ = fmt::format("{} factors, after {} iterations with multigrid left a residual of {:.2g}", direct_->type(),
+                        report.iterations, report.relative_residual);
+  clear(x);
+  SolveReport again = direct_->solve(matrix, b, x, terms);
+  again.iterations += report.iterations;
+  return again;
+}
+
+void AutomaticLinearSolver::serializeFor(SystemMatrix& matrix, Archive& archive) {
+  Kept& kept = keptFor(matrix);
+  archive.value("way", kept.now.way);
+  archive.value("patience", kept.now.patience);
+  kept.inverse.serialize(matrix, archive);
+}
+
+void AutomaticLinearSolver::keepFor(SystemMatrix& matrix) {
+  Kept& kept = keptFor(matrix);
+  kept.before_step = kept.now;
+  kept.inverse.keep(matrix);
+}
+
+void AutomaticLinearSolver::takeBackFor(SystemMatrix& matrix) {
+  Kept& kept = keptFor(matrix);
+  kept.now = kept.before_step;
+  kept.inverse.takeBack(matrix);
+}
+
+}  // namespace
+}  // namespace stroma
+
+STROMA_COMPONENT(automatic_linear_solver) {
+  factory.add<stroma::AutomaticLinearSolver>("AutomaticLinearSolver",
+                                             "factors or conjugate gradients with multigrid, whichever costs less");
+}

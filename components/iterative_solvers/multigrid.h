@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <memory>
+
+#include "components/iterative_solvers/multigrid_hierarchy.h"
+#include "components/iterative_solvers/preconditioner.h"
+
+namespace stroma {
+
+/// A V-cycle of smoothed aggregation over the assembled matrix, kept while the matrix changes. Each solve is compared
+/// with the first one after the hierarchy was made, by iterations for a decade of the residual: what it took more is
+/// lost, and once more is lost than a new hierarchy costs, the next matrix gets one. Costs are counted in iterations, so
+/// that each run does the same.
+class Multigrid final : public ApproximateInverse {
+ public:
+  bool follow(SystemMatrix& matrix, SolveReport& report, StopToken stop) override;
+  void apply(ConstRows r, Rows z) override { now_.hierarchy->apply(r, z); }
+  void solved(const SolveReport& report) override;
+  void reset() override { now_ = {}; }
+  /// The hierarchies themselves are shared, and never changed once made.
+  void keep(const SystemMatrix& matrix) override { kept_ = now_, kept_current_ = isCurrent(matrix); }
+  void takeBack(const SystemMatrix& matrix) override;
+  void serialize(SystemMatrix& matrix, Archive& archive) override;
+
+  const amg::Hierarchy* hierarchy() const { return now_.hierarchy.get(); }
+  /// How often one was made.
+  int made() const { return made_; }
+
+ private:
+  /// What later solves depend on.
+  struct Memory {
+    std::shared_ptr<amg::Hierarchy> hierarchy;  ///< null: none so far
+    MatrixKey key;                              ///< of the last follow()
+    bool fresh = false;                         ///< the last follow() made the hierarchy
+    bool renew = false;                         ///< the next one that sees other values does
+    double rate = 0;                            ///< iterations for a decade with the fresh one; 0: not known yet
+    double lost = 0;                            ///< iterations more than with a fresh one, since it was made
+  };
+  bool isCurrent(const SystemMatrix& matrix) const { return now_.key == matrix.key() || taken_back_ == matrix.key(); }
+  bool make(SystemMatrix& matrix, SolveReport& report, StopToken stop);
+
+  Memory now_, kept_;
+  bool kept_current_ = false;
+  MatrixKey taken_back_;  ///< what a step that was taken back left of the matrix of now_
+  int made_ = 0;
+};
+
+}  // namespace stroma

@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "components/iterative_solvers/multigrid_hierarchy.h"
+
+#include <Eigen/Geometry>
+
+#include "components/iterative_solvers/multigrid_galerkin.h"
+
+namespace stroma::amg {
+namespace {
+
+/// Nodes of a level that is small enough to be inverted.
+constexpr Index few_nodes = 100;
+/// A level with more nodes than this share of the one before is not worth having.
+constexpr double least_coarsening = 0.6;
+/// See strongLinks(); half of it from level to level.
+constexpr double weak_link = 0.08;
+
+BlockView<3> viewOf(const BlockMatrix& a) {
+  return {a.rows(), a.rowStart().data(), a.columns().data(), a.diagonal().data(), a.values().data()};
+}
+
+/// The directions in which a node is coupled to others: a held direction is in no motion.
+Mat3 coupledDirections(const BlockView<3>& a, Index row) {
+  Mat3 sum = Mat3::Zero();
+  for (Index s = a.start[row]; s < a.start[row + 1]; ++s)
+    if (a.columns[s] != row) sum.noalias() += a.block(s) * a.block(s).transpose();
+  const double trace = sum.trace();
+  if (!(trace > 0)) return Mat3::Zero();
+  sum /= trace;
+  if (sum.determinant() > 1e-8) return Mat3::Identity();
+  const Eigen::SelfAdjointEigenSolver<Mat3> values(sum);
+  Mat3 kept = Mat3::Zero();
+  for (int k = 0; k < 3; ++k)
+    if (values.eigenvalues()[k] > 1e-14)
+      kept += values.eigenvectors().col(k) * values.eigenvectors().col(k).transpose();
+  return kept;
+}
+
+/// Translations, and rotations about the middle in units of the body's size.
+void rigidMotions(const BlockView<3>& a, ConstRows x, Motions<3>& motions) {
+  motions.resize(std::size_t(a.rows));
+  const bool known = x.count == a.rows;
+  Vec3 middle = Vec3::Zero();
+  double size = 0;
+  if (known) {
+    for (Index i = 0; i < a.rows; ++i) middle += x[i] / double(a.rows);
+    for (Index i = 0; i < a.rows; ++i) size = std::max(size, (x[i] - middle).norm());
+  }
+  forRows(a.rows, [&](Index i) {
+    const Mat3 free = coupledDirections(a, i);
+    auto block = motions.at(i);
+    block.leftCols<3>() = free;
+    if (!(size > 0)) return;
+    const Vec3 arm = (x[i] - middle) / size;
+    for (int k = 0; k < 3; ++k) block.col(3 + k) = free * Vec3(Vec3::Unit(k)).cross(arm);
+  });
+}
+
+/// False when the matrix is not positive definite, also with what round-off may have taken.
+template <int D>
+bool invert(const BlockView<D>& a, double scale, DenseInverse& out) {
+  const Eigen::Index count = Eigen::Index(a.rows) * D;
+  Eigen::MatrixXd full = Eigen::MatrixXd::Zero(count, count);
+  for (Index i = 0; i < a.rows; ++i)
+    for (Index s = a.start[i]; s < a.start[i + 1]; ++s)
+      full.block<D, D>(Eigen::Index(i) * D, Eigen::Index(a.columns[s]) * D) = scale * a.block(s);
+  full = (0.5 * (full + full.transpose())).eval();
+  const double largest = full.diagonal().maxCoeff();
+  for (const double shift : {0.0, 1e-9}) {
+    full.diagonal().array() += shift * largest;
+    const Eigen::LLT<Eigen::MatrixXd> factor(full);
+    if (factor.info() != Eigen::Success) continue;
+    const Eigen::MatrixXd inverse = factor.solve(Eigen::MatrixXd::Identity(count, count));
+    if (!inverse.allFinite()) continue;
+    out.unknowns = int(count);
+    out.values.resize(std::size_t(count * count));
+    Eigen::Map<Eigen::MatrixXf>(out.values.data(), count, count) =
+        (0.5 * (inverse + inverse.transpose())).cast<float>();
+    return true;
+  }
+  return false;
+}
+
+/// Makes the levels one after the other.
+class Builder {
+ public:
+  Builder(Hierarchy& made, SolveReport& report, StopToken stop) : made_(made), report_(report), stop_(stop) {}
+
+  /// `level` and all below it. False: the report says why.
+  template <int D>
+  bool build(const BlockView<D>& a, const Motions<D>& motions, Level<D>& level, double weak) {
+    if (stop_.isStopAsked()) return fail(SolveStop::stopped);
+    if (const Index bad = fillLevel(a, made_.scale, level); bad >= 0)
+      return fail(SolveStop::not_definite, D == 3 ? bad : -1);
+    level.largest = largestEigenvalue(level);
+    if (a.rows <= few_nodes) return finish(a);
+    const Aggregates groups = aggregate(strongLinks(a, weak));
+    if (groups.count() == 0) return true;
+    if (groups.count() > least_coarsening * a.rows) return a.rows > 4 * few_nodes || finish(a);
+    Motions<modes> coarse_motions;
+    CoarseMatrix coarse;
+    makeCoarse(a, groups, motions, level, coarse_motions, coarse);
+    made_.coarse.emplace_back();
+    return build(coarse.view(), coarse_motions, made_.coarse.back(), weak / 2);
+  }
+
+ private:
+  template <int D>
+  void makeCoarse(const BlockView<D>& a, const Aggregates& groups, const Motions<D>& motions, Level<D>& level,
+                  Motions<modes>& coarse_motions, CoarseMatrix& coarse) {
+    Motions<D> basis;
+    orthonormalise(groups, motions, basis, coarse_motions);
+    smoothBasis(a, groups, basis, made_.scale, level);
+    transposeProlongation(level, groups.count());
+    coarse = galerkin(a, level);
+  }
+  template <int D>
+  bool finish(const BlockView<D>& a) {
+    return invert(a, made_.scale, made_.last) || fail(SolveStop::not_definite);
+  }
+  bool fail(SolveStop stop, Index row = -1) {
+    report_.stop = stop;
+    report_.row = row;
+    return false;
+  }
+
+  Hierarchy& made_;
+  SolveReport& report_;
+  StopToken stop_;
+};
+
+/// The largest number of the diagonal; not finite where one of the diagonal is not.
+double largestOnDiagonal(const BlockMatrix& a) {
+  double largest = 0, sum = 0;
+  for (const Index slot : a.diagonal())
+    for (const int k : {0, 4, 8}) {
+      const double value = a.values()[std::size_t(slot) * 9 + std::size_t(k)];
+      largest = std::max(largest, value);
+      sum += value;
+    }
+  return std::isfinite(sum) ? largest : sum;
+}
+
+/// Floats as they are, two in the room of a double.
+template <class Values>
+void serializeFloats(Archive& archive, const std::string& name, Values& values) {
+  std::vector<double> pairs((values.size() + 1) / 2, 0.0);
+  std::memcpy(pairs.data(), values.data(), values.size() * sizeof(float));
+  std::int64_t count = std::int64_t(values.size());
+  archive.value(name + "_count", count);
+  archive.list(name, pairs);
+  if (!archive.isReading()) return;
+  values.resize(std::size_t(count));
+  std::memcpy(values.data(), pairs.data(), values.size() * sizeof(float));
+}
+
+template <int R, int C>
+void serializeBlocks(Archive& archive, const std::string& name, Blocks<R, C>& blocks) {
+  archive.list(name + "_start", blocks.start);
+  archive.list(name + "_columns", blocks.columns);
+  serializeFloats(archive, name, blocks.values);
+}
+
+template <int D>
+void serializeLevel(Archive& archive, const std::string& name, Level<D>& level) {
+  serializeBlocks(archive, name + "a", level.a);
+  serializeBlocks(archive, name + "p", level.p);
+  serializeBlocks(archive, name + "r", level.r);
+  serializeFloats(archive, name + "inverse", level.inverse);
+  archive.value(name + "largest", level.largest);
+  if (archive.isReading()) level.allocateWork();
+}
+
+template <int D>
+std::size_t bytesOf(const Level<D>& level) {
+  const std::size_t floats =
+      level.a.values.size() + level.p.values.size() + level.r.values.size() + level.inverse.size() + 4 * level.x.size();
+  return 4 * (floats + level.a.columns.size() + level.p.columns.size() + level.r.columns.size());
+}
+
+}  // namespace
+
+void DenseInverse::apply(const float* b, float* x, int used, int wide) const {
+  const int rows = unknowns / used;
+  for (int i = 0; i < rows * wide; ++i) x[i] = 0;
+  // a column of the inverse is a row of it
+  for (int i = 0; i < unknowns; ++i) {
+    const float* __restrict column = values.data() + std::size_t(i) * std::size_t(unknowns);
+    float sum[8] = {};
+    for (int k = 0; k < rows; ++k)
+      for (int l = 0; l < used; ++l) sum[l] += column[k * used + l] * b[k * wide + l];
+    x[i / used * wide + i % used] = sum[0] + sum[1] + sum[2] + sum[3] + sum[4] + sum[5];
+  }
+}
+
+template <int D>
+void Hierarchy::cycle(Level<D>& level, std::size_t below) {
+  if (below == coarse.size()) {
+    if (last.unknowns > 0) return last.apply(level.b.data(), level.x.data(), D, lanes<D>);
+    level.smoothFromZero(4 * smoother_steps);
+    return;
+  }
+  level.smoothFromZero(smoother_steps);
+  level.residual();
+  Level<modes>& next = coarse[below];
+  level.restrictTo(next.b);
+  cycle(next, below + 1);
+  level.correctBy(next.x);
+  level.smooth(smoother_steps);
+}
+
+void Hierarchy::apply(ConstRows r, Rows z) {
+  const double size = std::max(largest(r), std::numeric_limits<double>::min());
+  const double in = 1 / size;
+  forRows(r.count, [&](Index i) {
+    for (int l = 0; l < row_doubles; ++l) {
+      const std::size_t at = std::size_t(i) * row_doubles + std::size_t(l);
+      fine.b[at] = float(in * r.data[at]);
+    }
+  });
+  cycle(fine, 0);
+  const double out = size * scale;
+  forRows(r.count, [&](Index i) {
+    for (int l = 0; l < row_doubles; ++l) {
+      const std::size_t at = std::size_t(i) * row_doubles + std::size_t(l);
+      z.data[at] = out * double(fine.x[at]);
+    }
+  });
+}
+
+double Hierarchy::complexity() const {
+  double numbers = double(fine.a.values.size());
+  for (const Level<modes>& level : coarse) numbers += double(level.a.values.size());
+  return numbers / double(std::max<std::size_t>(fine.a.values.size(), 1));
+}
+
+std::size_t Hierarchy::bytes() const {
+  std::size_t sum = bytesOf(fine) + 4 * last.values.size();
+  for (const Level<modes>& level : coarse) sum += bytesOf(level);
+  return sum;
+}
+
+void Hierarchy::serialize(Archive& archive) {
+  std::int64_t count = std::int64_t(coarse.size());
+  archive.value("levels", count);
+  archive.value("scale", scale);
+  archive.value("last_unknowns", last.unknowns);
+  serializeFloats(archive, "last", last.values);
+  coarse.resize(std::size_t(count));
+  serializeLevel(archive, "level0_", fine);
+  for (std::size_t k = 0; k < coarse.size(); ++k)
+    serializeLevel(archive, "level" + std::to_string(k + 1) + "_", coarse[k]);
+}
+
+std::shared_ptr<Hierarchy> makeHierarchy(const BlockMatrix& matrix, ConstRows positions, SolveReport& report,
+                                         StopToken stop) {
+  const double largest = largestOnDiagonal(matrix);
+  if (!std::isfinite(largest) || !(largest > 0)) {
+    report.stop = std::isfinite(largest) ? SolveStop::not_definite : SolveStop::not_finite;
+    return nullptr;
+  }
+  auto made = std::make_shared<Hierarchy>();
+  made->scale = 1 / largest;
+  made->coarse.reserve(30);  // levels stay where they are while the next ones are made
+  Motions<3> motions;
+  rigidMotions(viewOf(matrix), positions, motions);
+  Builder builder(*made, report, stop);
+  if (!builder.build(viewOf(matrix), motions, made->fine, weak_link)) return nullptr;
+  return made;
+}
+
+}  // namespace stroma::amg

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <memory>
+#include <vector>
+
+#include "components/iterative_solvers/multigrid_blocks.h"
+#include "framework/algebra/block_matrix.h"
+#include "framework/algebra/linear_solver.h"
+#include "framework/scene/archive.h"
+
+namespace stroma::amg {
+
+/// The inverse of the last level's matrix, in full.
+struct DenseInverse {
+  int unknowns = 0;     ///< 0: there is none, the smoother stands for it
+  Array<float> values;  ///< shape (unknowns, unknowns)
+
+  /// x = A^-1 b, both with `wide` numbers for each `used` unknowns.
+  void apply(const float* b, float* x, int used, int wide) const;
+};
+
+/// Levels of a smoothed aggregation (Vanek, Mandel, Brezina 1996), the first for the nodes of a system and the others for
+/// groups of them, which move like rigid bodies.
+struct Hierarchy {
+  Level<3> fine;
+  std::vector<Level<modes>> coarse;
+  DenseInverse last;
+  double scale = 1;  ///< levels hold A times this
+
+  /// z = B r, one V-cycle: symmetric.
+  void apply(ConstRows r, Rows z);
+  /// Numbers of all levels' matrices over those of the first.
+  double complexity() const;
+  int levels() const { return 1 + int(coarse.size()); }
+  /// Bytes that it takes.
+  std::size_t bytes() const;
+  /// What apply() reads, not its work space.
+  void serialize(Archive& archive);
+
+ private:
+  template <int D>
+  void cycle(Level<D>& level, std::size_t below);
+};
+
+/// Steps of the smoother before and after the coarse correction.
+constexpr int smoother_steps = 2;
+
+/// The hierarchy of a symmetric matrix. `positions` (of the rows; count 0: not known) give the six motions that no level
+/// may resist. Null, and the report says why and where, when the matrix is not positive definite, as far as this shows,
+/// or not finite, or it was stopped.
+std::shared_ptr<Hierarchy> makeHierarchy(const BlockMatrix& matrix, ConstRows positions, SolveReport& report,
+                                         StopToken stop);
+
+}  // namespace stroma::amg

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Multigrid as a preconditioner, on blocks of hexahedra that no component made: iterations against size, slenderness,
+// contrast and Poisson's ratio; what a hierarchy must be; and when it is made anew.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "components/iterative_solvers/multigrid_aggregates.h"
+#include "components/iterative_solvers/solver_costs.h"
+#include "framework/algebra/parallel.h"
+#include "tests/support/elastic_block.h"
+#include "tests/support/solver_fixture.h"
+
+namespace stroma::test {
+namespace {
+
+constexpr const char* multigrid = "<PCGLinearSolver preconditioner='multigrid'/>";
+constexpr const char* block_jacobi = "<PCGLinearSolver preconditioner='block_jacobi'/>";
+
+ElasticBlock box(Index nx, Index ny, Index nz) {
+  ElasticBlock block;
+  block.cells = {nx, ny, nz};
+  return block;
+}
+
+/// With its nodes where they are, unless `hides_nodes`.
+StoredMatrix matrixOf(const ElasticBlock& block, bool hides_nodes = false) {
+  StoredMatrix matrix = block.matrix();
+  matrix.nodes.resize(hides_nodes ? 0 : std::size_t(matrix.rows()));
+  for (Index k = 0; k < block.nodes(2) && !hides_nodes; ++k)
+    for (Index j = 0; j < block.nodes(1); ++j)
+      for (Index i = 0; i < block.nodes(0); ++i) matrix.nodes[std::size_t(block.node(i, j, k))] = Vec3(i, j, k);
+  return matrix;
+}
+
+/// The block's own weight; nothing on the held floor.
+Vector weight(const ElasticBlock& block) {
+  Vector b(block.count());
+  for (Index i = block.hold_floor ? block.node(0, 0, 1) : 0; i < b.count(); ++i) b[i] = Vec3(0.1, 0, -1);
+  return b;
+}
+
+int iterations(const ElasticBlock& block, const char* solver, bool hides_nodes = false) {
+  StoredMatrix matrix = matrixOf(block, hides_nodes);
+  const Vector b = weight(block);
+  SolverInScene in_scene(solver);
+  Vector x;
+  const SolveReport report = in_scene.solve(matrix, b, x);
+  EXPECT_EQ(report.stop, SolveStop::converged) << describe(report.stop);
+  Vector r(b.count());
+  matrix.values.multiply(x, r);
+  EXPECT_LE(distance(r, b), 1.2e-8 * norm(b));
+  return report.iterations;
+}
+
+TEST(Multigrid, IterationsHardlyGrowWithTheSizeOfABody) {
+  const int small = iterations(box(6, 6, 6), multigrid), large = iterations(box(20, 20, 20), multigrid);
+  const int plain = iterations(box(20, 20, 20), block_jacobi);
+  fmt::print("6^3 cells: {} iterations; 20^3: {}, block Jacobi {}\n", small, large, plain);
+  EXPECT_LE(large, 1.5 * small);
+  EXPECT_LE(large, 20);
+  EXPECT_GE(plain, 5 * large);
+}
+
+TEST(Multigrid, SlenderBodiesAndStiffPartsTakeLittleMore) {
+  const int cube = iterations(box(12, 12, 12), multigrid);
+  const int beam = iterations(box(6, 6, 120), multigrid), plain_beam = iterations(box(6, 6, 120), block_jacobi);
+  ElasticBlock bone = box(12, 12, 12);
+  bone.stiffer = [](Vec3 at) { return std::abs(at.x() - 6) < 2 && std::abs(at.y() - 6) < 2 ? 1e4 : 1.; };
+  const int mixed = iterations(bone, multigrid), plain_mixed = iterations(bone, block_jacobi);
+  fmt::print("cube {}; beam 20:1 {} (block Jacobi {}); stiff core 10,000:1 {} ({})\n", cube, beam, plain_beam, mixed,
+             plain_mixed);
+  EXPECT_LE(beam, 2 * cube);
+  EXPECT_LE(mixed, 1.5 * cube);
+  EXPECT_GE(plain_beam, 20 * beam);
+}
+
+TEST(Multigrid, NearlyIncompressibleBodiesAreSolved) {
+  for (const double poisson : {0.45, 0.499, 0.4999}) {
+    ElasticBlock block = box(10, 10, 10);
+    block.poisson = poisson;
+    const int found = iterations(block, multigrid), plain = iterations(block, block_jacobi);
+    fmt::print("nu {}: {} iterations, block Jacobi {}\n", poisson, found, plain);
+    EXPECT_LE(3 * found, plain);
+  }
+}
+
+TEST(Multigrid, MotionsOfRigidBodiesAreWhatMakesItWork) {
+  const int with = iterations(box(6, 6, 60), multigrid), without = iterations(box(6, 6, 60), multigrid, true);
+  fmt::print("with rotations {} iterations, without {}\n", with, without);
+  EXPECT_GE(without, 2 * with);
+}
+
+TEST(Multigrid, BitsDoNotDependOnThreads) {
+  StoredMatrix matrix = matrixOf(box(16, 16, 16));
+  const Vector b = weight(box(16, 16, 16));
+  std::vector<Vector> found(3);
+  for (const int count : {1, 2, 3}) {
+    setThreads(count);
+    SolverInScene solver(multigrid);
+    solver.solve(matrix, b, found[std::size_t(count) - 1]);
+  }
+  setThreads(1);
+  for (const int other : {1, 2})
+    EXPECT_EQ(std::memcmp(found[0].rows().data, found[std::size_t(other)].rows().data,
+                          found[0].rows().doubles() * sizeof(double)),
+              0);
+}
+
+TEST(Multigrid, ASlidingWallAndLooseNodesAreServed) {
+  ElasticBlock block = box(8, 8, 8);
+  block.slide_wall = true;
+  EXPECT_LE(iterations(block, multigrid), 25);
+}
+
+// A matrix that hardly changes keeps its hierarchy, and no assembly is asked for; one that becomes another gets a new one
+// before long.
+TEST(Multigrid, TheHierarchyIsKeptAsLongAsItPays) {
+  const ElasticBlock block = box(12, 12, 12);
+  StoredMatrix matrix = matrixOf(block);
+  const Vector b = weight(block);
+  SolverInScene solver(multigrid);
+  Vector x;
+  const int fresh = solver.solve(matrix, b, x).iterations;
+  for (int change = 0; change < 5; ++change) {
+    for (Index row = 0; row < matrix.rows(); ++row) matrix.values.add(row, row, 1e-3 * Mat3::Identity());
+    ++matrix.revision_number;
+    x = Vector(b.count());
+    EXPECT_LE(solver.solve(matrix, b, x).iterations, fresh + 1);
+  }
+  EXPECT_EQ(matrix.assemblies, 1);
+  const auto soften = [&](Index row) { return row % 2 == 0 ? 40. : 0.; };
+  for (Index row = 0; row < matrix.rows(); ++row) matrix.values.add(row, row, soften(row) * Mat3::Identity());
+  int last = 0;
+  for (int change = 0; change < 4; ++change) {
+    ++matrix.revision_number;
+    x = Vector(b.count());
+    last = solver.solve(matrix, b, x).iterations;
+  }
+  EXPECT_EQ(matrix.assemblies, 2);
+  EXPECT_LE(last, 2 * fresh);
+}
+
+TEST(Multigrid, EveryNodeWithStrongNeighboursIsInOneGroup) {
+  amg::StrongGraph line;  // a chain of 10 nodes, and one alone
+  for (Index i = 0; i < 10; ++i) {
+    if (i > 0) line.neighbours.push_back(i - 1);
+    if (i < 9) line.neighbours.push_back(i + 1);
+    line.start.push_back(Index(line.neighbours.size()));
+  }
+  line.start.push_back(line.start.back());
+  const amg::Aggregates groups = amg::aggregate(line);
+  EXPECT_EQ(groups.of[10], -1);
+  EXPECT_EQ(groups.members.size(), 10u);
+  EXPECT_GE(groups.count(), 3);
+  EXPECT_LE(groups.count(), 5);
+  for (Index k = 0; k < groups.count(); ++k)
+    for (Index m = groups.start[std::size_t(k)]; m < groups.start[std::size_t(k) + 1]; ++m)
+      EXPECT_EQ(groups.of[std::size_t(groups.members[std::size_t(m)])], k);
+}
+
+TEST(SolverCosts, ShapesOfBodiesAreFound) {
+  const StoredMatrix beam = matrixOf(box(6, 6, 60));
+  const Extents extents = extentsOf(beam.rows(), beam.positions());
+  EXPECT_NEAR(extents.length, 61, 3);
+  EXPECT_NEAR(extents.width, 7, 1);
+  EXPECT_NEAR(extents.height, 7, 1);
+  const Extents unknown = extentsOf(1000, {});
+  EXPECT_NEAR(unknown.width, 10, 1e-9);
+}
+
+// A cube of 13,824 nodes is solved by multigrid where the scene is silent; where that takes too long, by factors, and the
+// solver says so.
+TEST(AutomaticLinearSolver, ChangesAChoiceThatProvesWrong) {
+  ElasticBlock block = box(16, 16, 16);
+  const auto solve = [&](double poisson) {
+    block.poisson = poisson;
+    StoredMatrix matrix = matrixOf(block);
+    const Vector b = weight(block);
+    SolverInScene solver("<AutomaticLinearSolver/>");
+    Vector x;
+    const SolveReport report = solver.solve(matrix, b, x);
+    EXPECT_EQ(report.stop, SolveStop::converged);
+    EXPECT_LE(report.relative_residual, 1.1e-8);
+    return solver.solver->data().find("choice")->print();
+  };
+  EXPECT_NE(solve(0.3).find("multigrid: 4913 nodes"), std::string::npos) << solve(0.3);
+  EXPECT_NE(solve(0.499999).find("factors, after"), std::string::npos) << solve(0.499999);
+}
+
+}  // namespace
+}  // namespace stroma::test
