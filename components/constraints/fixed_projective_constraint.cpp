@@ -4,8 +4,8 @@
 //   P_i = 0 for each listed node: the change of velocity, and the residual force, are projected to zero
 //
 // A listed node that starts with a velocity keeps it; activate_projectVelocity sets it to zero. After `endTime` the
-// nodes are free. The nodes must be named: `indices`, or `fixAll` for all of them. FixedTranslationProjectiveConstraint
-// is the same: it differs where nodes have a rotation.
+// nodes are free. The nodes must be named: `indices`, or `fixAll` for all of them. A rigid frame is held with its
+// orientation; FixedTranslationProjectiveConstraint holds its centre alone, and is the same for points.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">
@@ -27,7 +27,15 @@ class FixedProjectiveConstraint final : public HeldNodes {
     table.add("activate_projectVelocity", project_velocity_).help("also set the velocity of the nodes to zero");
     table.addVisualOnly("coordinates");
   }
+  void init() override {
+    HeldNodes::init();
+    const bool all = !(state().hasFrames() && type() == "FixedTranslationProjectiveConstraint");
+    holdAllRows(std::vector<Mat3>(all ? std::size_t(state().rows_per_node) : 1, Mat3::Zero()));
+  }
   bool projectsVelocity() const override { return project_velocity_; }
+
+ protected:
+  bool takesAllRows() const override { return true; }
 
  private:
   bool project_velocity_ = false;
@@ -39,5 +47,5 @@ class FixedProjectiveConstraint final : public HeldNodes {
 STROMA_COMPONENT(fixed_projective_constraint) {
   factory.add<stroma::FixedProjectiveConstraint>("FixedProjectiveConstraint", "Holds nodes in place");
   factory.add<stroma::FixedProjectiveConstraint>("FixedTranslationProjectiveConstraint",
-                                                 "Holds nodes in place: nodes here have no rotation to leave free");
+                                                 "Holds nodes in place, and leaves frames free to turn");
 }

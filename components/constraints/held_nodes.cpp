@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "components/constraints/held_nodes.h"
 
+#include <fmt/format.h>
+
 #include "framework/mechanics/node_indices.h"
 #include "framework/scene/archive.h"
 
@@ -10,6 +12,7 @@ void HeldNodes::declare(DataTable& table) {
   ProjectiveConstraint::declare(table);
   table.add("indices", indices_).recompiled().help("nodes to hold");
   table.add("fixAll", fix_all_).help("hold every node");
+  table.add("ignoreMissing", ignore_missing_).help("nodes that the state does not have, or none at all, are no error");
   table.addVisualOnly("topology");
 }
 
@@ -22,6 +25,16 @@ void HeldNodes::init() {
   if (!data().find("indices")->isSet())
     throw ComponentError("no indices: which nodes are held?",
                          "indices=\"0 3 7\", indices=\"@roi.indices\" or fixAll=\"true\"");
+  if (ignore_missing_) {
+    std::vector<int> there = indices_;
+    const auto missing = std::erase_if(there, [this](int node) { return node < 0 || node >= state().nodes(); });
+    if (missing > 0 || there.empty())
+      warn(there.empty() ? "no node is held" : fmt::format("{} of {} indices are no nodes of {}", missing, indices_.size(),
+                                                           state().path()));
+    nodes_.clear();
+    if (!there.empty()) nodes_ = checkedNodes(there, state(), "indices");
+    return;
+  }
   nodes_ = checkedNodes(indices_, state(), "indices");
 }
 
@@ -32,8 +45,14 @@ void HeldNodes::serializeStart(Archive& archive, std::vector<Vec3>& start) const
   if (whose != nodes_) start.clear();
 }
 
+void HeldNodes::holdAllRows(const std::vector<Mat3>& projectors) { of_rows_ = projectors; }
+
 void HeldNodes::addProjectors(double, std::vector<NodeProjector>& out) const {
-  for (Index node : nodes_) out.push_back({state().firstRow() + node, projector_});
+  for (Index node : nodes_) {
+    if (of_rows_.empty()) out.push_back({state().firstRow() + node, projector_});
+    for (std::size_t k = 0; k < of_rows_.size(); ++k)
+      out.push_back({state().firstRow() + node + Index(k), of_rows_[k]});
+  }
 }
 
 }  // namespace stroma

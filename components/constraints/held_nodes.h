@@ -14,6 +14,8 @@ class HeldNodes : public ProjectiveConstraint {
   void addProjectors(double, std::vector<NodeProjector>& out) const override;
 
  protected:
+  /// After init(): also the orientations of frames and all numbers of a node, with projectors of their own.
+  void holdAllRows(const std::vector<Mat3>& projectors);
   const std::vector<Index>& nodes() const { return nodes_; }  ///< ascending, each once
   Index row(std::size_t i) const { return state().firstRow() + nodes_[i]; }
   /// Where a movement of the nodes started, shape (nodes) or empty. Read for other nodes it is empty: theirs begins anew.
@@ -25,8 +27,9 @@ class HeldNodes : public ProjectiveConstraint {
 
  private:
   std::vector<int> indices_;
-  bool fix_all_ = false;
+  bool fix_all_ = false, ignore_missing_ = false;
   std::vector<Index> nodes_;
+  std::vector<Mat3> of_rows_;  ///< projectors of the rows of a node; empty: projector_ of its first one
 };
 
 }  // namespace stroma

@@ -3,7 +3,8 @@
 //
 //   P_i = diag(1 - d_x, 1 - d_y, 1 - d_z), d = fixedDirections
 //
-// The components of the velocity along the held axes do not change; projectVelocity sets them to zero. Two constraints
+// A rigid frame has six: x, y and z of its centre, and of its turn about fixed axes. Of nodes that are numbers there is one
+// for each. The components of the velocity along the held axes do not change; projectVelocity sets them to zero. Two constraints
 // on one node leave it the directions that both leave free. After `endTime` the nodes are free.
 //
 // Example:
@@ -27,7 +28,8 @@ class PartialFixedProjectiveConstraint final : public HeldNodes {
  public:
   void declare(DataTable& table) override {
     HeldNodes::declare(table);
-    table.add("fixedDirections", directions_).help("for x, y and z: 1 held, 0 free");
+    table.add("fixedDirections", directions_)
+        .help("for x, y and z, of frames also for the turns about them, or for each number: 1 held, 0 free");
     table.add("projectVelocity", project_velocity_)
         .alias("activate_projectVelocity")
         .help("also set the velocity along the held directions to zero");
@@ -35,14 +37,26 @@ class PartialFixedProjectiveConstraint final : public HeldNodes {
 
   void init() override {
     HeldNodes::init();
-    if (directions_.size() != 3)
+    const std::size_t rows = std::size_t(state().rows_per_node);
+    const bool numbers = state().kindOf(0) == RowKind::value;
+    if (directions_.size() != (numbers ? rows : 3 * rows))
       throw ComponentError(fmt::format("fixedDirections has {} values", directions_.size()),
-                           "3 values, one for each of x, y, z");
+                           numbers     ? fmt::format("{}, one for each number of a node", rows)
+                           : rows == 1 ? "3 values, one for each of x, y, z"
+                                       : "6 values: for x, y, z and the turns about them");
     if (std::none_of(directions_.begin(), directions_.end(), [](bool held) { return held; }))
       warn("fixedDirections holds no direction: the constraint does nothing", "write 1 for each direction to hold");
-    for (int c = 0; c < 3; ++c) projector_(c, c) = directions_[c] ? 0 : 1;
+    std::vector<Mat3> projectors(rows, Mat3::Zero());
+    for (std::size_t i = 0; i < directions_.size(); ++i) {
+      const Index c = numbers ? 0 : Index(i % 3);
+      projectors[numbers ? i : i / 3](c, c) = directions_[i] ? 0 : 1;
+    }
+    holdAllRows(projectors);
   }
   bool projectsVelocity() const override { return project_velocity_; }
+
+ protected:
+  bool takesAllRows() const override { return true; }
 
  private:
   std::vector<bool> directions_{true, true, true};

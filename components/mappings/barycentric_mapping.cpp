@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// BarycentricMapping: points embedded in the tetrahedra or hexahedra of a body, as a fine surface in a coarse mesh.
+// BarycentricMapping: points embedded in the tetrahedra, hexahedra or quadratic tetrahedra of a body, as a fine surface in
+// a coarse mesh.
 //
 //   x_c = sum_a N_a(xi) x_a,   v_c = sum_a N_a v_a,   f_a += N_a f_c
 //
-// a runs over the corners of the cell that holds the point at the start: N_a are its volume coordinates in a
-// tetrahedron, and the trilinear functions of the coordinates xi in a hexahedron, found by Newton's method. A point
-// outside of all cells belongs to the nearest one, whose map is continued: linearly, for hexahedra from the nearest
+// a runs over the nodes of the cell that holds the point at the start: N_a are its volume coordinates in a
+// tetrahedron, and in a hexahedron or a quadratic tetrahedron the trilinear or quadratic functions of the coordinates xi,
+// found by Newton's method. A point
+// outside of all cells belongs to the nearest one, whose map is continued: linearly, for these two from the nearest
 // point of the cell. Every map of the body that is affine moves the points exactly. Points far outside swing far: the
 // component says how many there are and how far they lie.
 //
@@ -118,6 +120,10 @@ class BarycentricMapping final : public WeightedMapping {
 
   void init() override {
     WeightedMapping::init();
+    for (const State* state : {&input(), &output()})
+      if (!state->hasPointsOnly())
+        throw ComponentError(state->path() + " has other nodes than points",
+                             "points; a RigidMapping or a SkinningMapping with frames");
     const Topology* topology = findTopology(input(), input(), input_topology_, MeshNodes::all, "input_topology");
     if (!topology)
       throw ComponentError(fmt::format("{} has no mesh", input().path()), "a topology, or input_topology=\"@path\"");
@@ -180,7 +186,15 @@ class BarycentricMapping final : public WeightedMapping {
     bg::assign_inverse(around);
     for (std::size_t c = 0; c < cells.size(); ++c) {
       Vec3 from = Vec3::Constant(std::numeric_limits<double>::infinity()), to = -from;
-      for (const Vec3& p : cornersOf(cells[c], body)) from = from.cwiseMin(p), to = to.cwiseMax(p);
+      const auto corners = cornersOf(cells[c], body);
+      for (const Vec3& p : corners) from = from.cwiseMin(p), to = to.cwiseMax(p);
+      if constexpr (std::tuple_size_v<Cell> ==
+                    10)  // the Bezier points of curved edges bound the cell, its nodes do not
+        for (std::size_t e = 0; e < cell_tables::tetrahedron_middles.size(); ++e) {
+          const auto [a, b] = cell_tables::tetrahedron_middles[e];
+          const Vec3 p = 2 * corners[4 + e] - (corners[std::size_t(a)] + corners[std::size_t(b)]) / 2;
+          from = from.cwiseMin(p), to = to.cwiseMax(p);
+        }
       boxes.emplace_back(Box(toPoint(from), toPoint(to)), c);
       bg::expand(around, boxes.back().first);
     }

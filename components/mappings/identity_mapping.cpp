@@ -31,11 +31,11 @@ class IdentityMapping final : public WeightedMapping {
  public:
   void init() override {
     WeightedMapping::init();
-    if (input().size() != output().size())
-      throw ComponentError(fmt::format("{} has {} nodes and {} has {}", output().path(), output().size(),
-                                       input().path(), input().size()),
+    if (input().nodes() != output().nodes())
+      throw ComponentError(fmt::format("{} has {} nodes and {} has {}", output().path(), output().nodes(),
+                                       input().path(), input().nodes()),
                            "as many of each");
-    for (Index i = 0; i < input().size(); ++i) addNode({{i, 1}});
+    for (Index node = 0; node < input().nodes(); ++node) addCopy(node * input().rows_per_node);
   }
 };
 

@@ -46,11 +46,11 @@ class SubsetMapping final : public WeightedMapping {
   void init() override {
     WeightedMapping::init();
     const std::vector<Index> nodes = chosen();
-    if (Index(nodes.size()) != output().size())
+    if (Index(nodes.size()) != output().nodes())
       throw ComponentError(
-          fmt::format("{} has {} nodes, and {} are to be followed", output().path(), output().size(), nodes.size()),
+          fmt::format("{} has {} nodes, and {} are to be followed", output().path(), output().nodes(), nodes.size()),
           "as many of each");
-    for (const Index node : nodes) addNode({{node, 1}});
+    for (const Index node : nodes) addCopy(node);
   }
 
  private:
@@ -62,26 +62,26 @@ class SubsetMapping final : public WeightedMapping {
     if (listed && ranged) throw ComponentError("indices and a range are both given", "one of them");
     if (listed) return checkedNodesInOrder(indices_, input(), "indices");
     if (!ranged) return nearest();
-    if (first_ > last_ || last_ >= input().size())
+    if (first_ > last_ || last_ >= input().nodes())
       throw ComponentError(
-          fmt::format("the range {} to {} of the {} nodes of {}", first_, last_, input().size(), input().path()),
+          fmt::format("the range {} to {} of the {} nodes of {}", first_, last_, input().nodes(), input().path()),
           "first <= last, both nodes");
     std::vector<Index> nodes;
-    for (Index node = first_; node <= last_; ++node) nodes.push_back(node);
+    for (Index node = first_; node <= last_; ++node) nodes.push_back(node * input().rows_per_node);
     return nodes;
   }
 
   std::vector<Index> nearest() const {
     std::vector<Index> nodes;
-    for (std::size_t i = 0; i < output().position.size(); ++i) {
-      const Vec3& own = output().position[i];
+    for (const Index i : allNodes(output())) {
+      const Vec3& own = output().position[std::size_t(i)];
       Index best = 0;
-      for (Index node = 1; node < input().size(); ++node)
+      for (const Index node : allNodes(input()))
         if ((input().position[node] - own).squaredNorm() < (input().position[best] - own).squaredNorm()) best = node;
       const double distance = (input().position[best] - own).norm();
       if (!(distance <= radius_))
-        throw ComponentError(fmt::format("node {} of {} is {:.3g} m from the nearest node of {}", i, output().path(),
-                                         distance, input().path()),
+        throw ComponentError(fmt::format("node {} of {} is {:.3g} m from the nearest node of {}",
+                                         i / output().rows_per_node, output().path(), distance, input().path()),
                              fmt::format("at most radius = {:g} m", radius_), "indices, or a larger radius");
       nodes.push_back(best);
     }

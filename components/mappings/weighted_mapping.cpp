@@ -3,34 +3,11 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
-#include "framework/mechanics/force_field.h"
-#include "framework/mechanics/mass.h"
-
 namespace stroma {
 
-void WeightedMapping::declare(DataTable& table) {
-  table.addLink("input", input_).help("state that is followed; the one of the parent node or above when not given");
-  table.addLink("output", output_).help("state whose nodes follow; the one of this node when not given");
-  table.add("mapForces", maps_forces_).help("false: forces on the nodes that follow are an error, not lost");
-  table.add("mapMasses", maps_masses_).help("false: a mass of the nodes that follow is an error, not lost");
-  table.add("mapConstraints", maps_constraints_)
-      .help("SOFA's; without effect: constraints on nodes that follow are an error");
-  table.add("mapMatrices", maps_matrices_).help("SOFA's; without effect: a matrix is mapped where a solver wants one");
-}
-
 void WeightedMapping::init() {
-  parent_ = input_.get();
-  if (!parent_ && node().parent()) parent_ = node().parent()->find<State>(this, true);
-  child_ = output_.get() ? output_.get() : find<State>(false);
-  if (!parent_)
-    throw ComponentError("there is no state to follow", "a MechanicalObject in a node above, or input=\"@path\"");
-  if (!child_)
-    throw ComponentError("there is no state that follows", "a MechanicalObject in the same node, or output=\"@path\"");
-  if (parent_ == child_) throw ComponentError(fmt::format("{} cannot follow itself", parent_->path()), "two states");
-  parent_->ensureReady();
-  child_->ensureReady();
+  LinkedMapping::init();
+  inputs_ = inputs();
   start_ = {0};
   weights_.clear();
 }
@@ -40,44 +17,40 @@ void WeightedMapping::addNode(const std::vector<Weight>& weights) {
   start_.push_back(weights_.size());
 }
 
-void WeightedMapping::compile() {
-  const auto refuse = [this](const Component& actor, const char* attribute) {
-    throw ComponentError(fmt::format("{} acts on {}, and {} is false", actor.path(), child_->path(), attribute),
-                         fmt::format("{}=\"true\", or nothing that acts there", attribute));
-  };
-  std::vector<ForceField*> fields;
-  std::vector<Mass*> masses;
-  node().root().collect(fields);
-  node().root().collect(masses);
-  for (const ForceField* field : fields) {
-    const std::vector<State*> states = field->states();
-    if (!maps_forces_ && std::find(states.begin(), states.end(), child_) != states.end()) refuse(*field, "mapForces");
+void WeightedMapping::addCopy(Index first_row, int state) {
+  const State& from = *inputs_[std::size_t(state)];
+  const Index rows = output().rows_per_node;
+  for (Index k = 0; k < rows; ++k) {
+    const Index own = Index(start_.size()) - 1;
+    if (from.rows_per_node < rows || from.kindOf(first_row + k) != output().kindOf(own))
+      throw ComponentError(fmt::format("the nodes of {} and {} are of different types", from.path(), output().path()),
+                           "states of one template, or points that are the centres of frames");
+    addNode({{first_row + k, 1, state}});
   }
-  for (const Mass* mass : masses)
-    if (!maps_masses_ && &mass->state() == child_) refuse(*mass, "mapMasses");
 }
 
 void WeightedMapping::apply(Rows x) const {
-  const Index first = child_->firstRow(), parent = parent_->firstRow();
-  for (Index i = 0; i < child_->size(); ++i) {
-    Vec3 sum = Vec3::Zero();
-    for (std::size_t k = start_[i]; k < start_[i + 1]; ++k) sum += weights_[k].value * x[parent + weights_[k].parent];
-    x[first + i] = sum;
+  using Row = Eigen::Map<Eigen::Vector4d>;
+  const auto at = [x](Index row) { return Row(x.data + std::size_t(row) * row_doubles); };
+  const Index first = output().firstRow();
+  for (Index i = 0; i < output().size(); ++i) {
+    Eigen::Vector4d sum = Eigen::Vector4d::Zero();
+    for (std::size_t k = start_[i]; k < start_[i + 1]; ++k) sum += weights_[k].value * at(row(weights_[k]));
+    at(first + i) = sum;
   }
 }
 
 void WeightedMapping::applyJT(Rows f) const {
-  const Index first = child_->firstRow(), parent = parent_->firstRow();
-  for (Index i = 0; i < child_->size(); ++i)
-    for (std::size_t k = start_[i]; k < start_[i + 1]; ++k)
-      f[parent + weights_[k].parent] += weights_[k].value * f[first + i];
+  const Index first = output().firstRow();
+  for (Index i = 0; i < output().size(); ++i)
+    for (std::size_t k = start_[i]; k < start_[i + 1]; ++k) f[row(weights_[k])] += weights_[k].value * f[first + i];
 }
 
 void WeightedMapping::addJacobian(std::vector<JacobianBlock>& out) const {
-  const Index first = child_->firstRow(), parent = parent_->firstRow();
-  for (Index i = 0; i < child_->size(); ++i)
+  const Index first = output().firstRow();
+  for (Index i = 0; i < output().size(); ++i)
     for (std::size_t k = start_[i]; k < start_[i + 1]; ++k)
-      out.push_back({first + i, parent + weights_[k].parent, weights_[k].value * Mat3::Identity()});
+      out.push_back({first + i, row(weights_[k]), weights_[k].value * Mat3::Identity()});
 }
 
 }  // namespace stroma

@@ -1,18 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
-#include "framework/mechanics/mapping.h"
+#include "components/mappings/linked_mapping.h"
 
 namespace stroma {
 
-/// What mappings share whose child nodes are weighted sums of parent nodes, x_c = sum w x_p with weights that do not
-/// change: J has a block w I for each weight.
-class WeightedMapping : public Mapping {
+/// What mappings share whose child rows are weighted sums of parent rows, x_c = sum w x_p with weights that do not
+/// change: J has a block w I for each weight. An orientation can have one parent only, of weight 1.
+class WeightedMapping : public LinkedMapping {
  public:
-  void declare(DataTable& table) override;  ///< input, output and SOFA's switches
-  void init() override;                     ///< finds both states
-  void compile() override;
-  State& input() const override { return *parent_; }
-  State& output() const override { return *child_; }
+  void init() override;
   bool isLinear() const override { return true; }
   void apply(Rows x) const override;
   void applyJ(Rows v) const override { apply(v); }
@@ -24,18 +20,21 @@ class WeightedMapping : public Mapping {
 
  protected:
   struct Weight {
-    Index parent = 0;  ///< node of input()
+    Index parent = 0;  ///< row of input(), or of the state below
     double value = 0;
+    int state = 0;  ///< of inputs()
   };
-  /// The weights of the next node of output(). Called once for each node, in init().
+  /// The weights of the next row of output(). Called once for each row, in init().
   void addNode(const std::vector<Weight>& weights);
+  /// The next rows of output() are those of a node, given by the first of its rows. Throws ComponentError where the two
+  /// are not alike.
+  void addCopy(Index first_row, int state = 0);
 
  private:
-  State *parent_ = nullptr, *child_ = nullptr;
+  Index row(const Weight& weight) const { return inputs_[std::size_t(weight.state)]->firstRow() + weight.parent; }
+  std::vector<State*> inputs_;
   std::vector<std::size_t> start_{0};  ///< of each child node's weights
   std::vector<Weight> weights_;
-  Link<State> input_{"mechanical state"}, output_{"mechanical state"};
-  bool maps_forces_ = true, maps_constraints_ = true, maps_masses_ = true, maps_matrices_ = false;
 };
 
 }  // namespace stroma

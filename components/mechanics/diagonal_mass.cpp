@@ -4,12 +4,19 @@
 //   m_i = sum over cells of rho * integral of N_i dV
 //
 // that is rho V / 4 at each node of a tetrahedron and, in a hexahedron, the integral by two Gauss points per axis
-// (rho V / 8 in a box). These are the row sums of the consistent matrix of MeshMatrixMass. On a mesh without volumes
+// (rho V / 8 in a box). These are the row sums of the consistent matrix of MeshMatrixMass. Those of a quadratic cell are
+// negative at its corners: its mass m goes to the nodes in proportion to the diagonal of its consistent matrix,
+//   m_i = m M_ii / sum_j M_jj
+// (E. Hinton, T. Rock, O. C. Zienkiewicz 1976), in a straight quadratic tetrahedron m/36 at a corner and 4 m/27 at the
+// middle of an edge: positive, and of the right sum. The weight m g acts at the nodes as these masses do. On a mesh without volumes
 // rho is a mass per area (triangles and quads) or per length (edges). Where cells overlap, as when a body is cut into
 // tetrahedra twice, each counts for its part.
 //
 // Of totalMass, massDensity and vertexMass the first that is given is used. Volumes are those of the rest shape unless
 // computeMassOnRest="false".
+//
+// Rigid frames (template Rigid3), the nodes of beams for instance, have an inertia besides: `inertia` as of UniformMass,
+// without it the mass of each times the unit matrix [m^2].
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">
@@ -18,6 +25,7 @@
 //   <MechanicalObject name="dofs"/>
 //   <DiagonalMass massDensity="1000"/>
 // </Node>
+#include "components/mechanics/frame_inertia.h"
 #include "components/mechanics/mesh_mass.h"
 #include "framework/scene/factory.h"
 
@@ -26,22 +34,38 @@ namespace {
 
 class DiagonalMass final : public MeshMass {
  public:
+  void declare(DataTable& table) override {
+    MeshMass::declare(table);
+    frames_.declare(table);
+  }
+
   void init() override {
     MeshMass::init();
     if (isNodal()) {
       masses_ = nodalMasses();
     } else {
-      masses_.assign(state().size(), 0.0);
-      forEachEntry([this](Index i, Index, double mass) { masses_[i] += mass; });
+      masses_.assign(state().nodes(), 0.0);
+      addLumped(masses_);
     }
     checkMasses(masses_);
     finish(masses_);
+    if (state().hasPointsOnly()) return;
+    std::vector<TurningInertia> turning;
+    const std::vector<double> nodal = masses_;
+    std::vector<Mat3> tensors;
+    if (state().hasFrames()) tensors = frames_.tensors(*this, state(), nodal, Mat3::Identity());
+    masses_ = FrameInertia::ofRows(state(), nodal, tensors, turning);
+    setTurningInertias(std::move(turning));
   }
 
   const std::vector<double>& lumped() const override { return masses_; }
   bool isDiagonal() const override { return true; }
 
+ protected:
+  bool takesAllRows() const override { return true; }
+
  private:
+  FrameInertia frames_;
   std::vector<double> masses_;
 };
 

@@ -12,6 +12,11 @@
 // positions only, so that the body starts rotated or translated against its rest shape. Attribute names and the order
 // of these operations are those of SOFA.
 //
+// `template` says what a node is: a point ("Vec3"), a rigid frame ("Rigid3"), or one, two or six numbers ("Vec1", "Vec2",
+// "Vec6"). A frame has seven numbers in positions, its centre and its orientation, a quaternion x y z w, and six in
+// velocities: of its centre, and its angular velocity in fixed axes [rad/s]. Scale and translation act on its centre,
+// rotations on both. An increment dx, dw moves it to x + dx and exp(dw) q.
+//
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">
 //   <EulerExplicitSolver/>
@@ -21,10 +26,10 @@
 // </Node>
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
+#include <cmath>
 #include <numbers>
 
-#include "framework/mechanics/state.h"
+#include "framework/mechanics/frames.h"
 #include "framework/mechanics/state_topology.h"
 #include "framework/scene/factory.h"
 
@@ -48,34 +53,153 @@ class MechanicalObject final : public State {
       table.addVisualOnly(drawing);
   }
 
+  /// Positions of frames and numbers are flat lists.
+  void chooseTemplate(const std::string& word) override {
+    const NodeType* type = typeOf(word);
+    if (!type || type->kinds.empty()) return;
+    data().find("position")->keepIn(&flat_position_);
+    data().find("velocity")->keepIn(&flat_velocity_);
+    data().find("rest_position")->keepIn(&flat_rest_);
+    data().find("reset_position")->keepIn(&flat_reset_);
+  }
+
   void init() override {
-    if (template_ != "Vec3" && template_ != "Vec3d" && template_ != "Vec3f")
-      throw ComponentError(fmt::format("nodes of type {} do not exist here", template_), "Vec3");
+    const NodeType* type = typeOf(template_);
+    if (!type)
+      throw ComponentError(fmt::format("nodes of type {} do not exist here", template_),
+                           "Vec3, Rigid3, Vec1, Vec2 or Vec6");
+    kinds_ = type->kinds;
     readShorthands();
+    if (!kinds_.empty()) readFlat();
     findPositions();
+    if (!kinds_.empty()) makeRows();
     checkFinite(position, "position");
     transform();
     if (rest_position.empty()) {
       rest_position = position;
-      for (Vec3& point : rest_position) point *= rest_scale_;
+      for (std::size_t i = 0; i < rest_position.size(); ++i)
+        if (kindOf(Index(i)) != RowKind::turn) rest_position[i] *= rest_scale_;
     } else if (data().find("restScale")->isSet()) {
       throw ComponentError("rest_position and restScale are both given", "one of them");
     }
-    const Mat3 rotation = rotationXyz(rotation2_);
-    if (!rotation2_.isZero(0))
-      for (Vec3& point : position) point = rotation * point;
-    for (Vec3& point : position) point += translation2_;
+    if (!rotation2_.isZero(0)) turnBy(rotationXyz(rotation2_));
+    translateBy(translation2_);
     if (velocity.empty()) velocity.assign(position.size(), Vec3::Zero());
+    if (velocity.size() == 1) velocity.resize(position.size(), Vec3(velocity[0]));
     checkSizes();
-    reset_position_ = position;
-    size_ = size();
+    if (kinds_.empty()) {
+      reset_position_ = position;
+    } else {
+      flat_position_ = flat_reset_ = flat(position, true), flat_rest_ = flat(rest_position, true);
+      flat_velocity_ = flat(velocity, false);
+    }
+    size_ = nodes();
   }
 
  private:
+  /// What the rows of a node are; none: it is a point.
+  struct NodeType {
+    std::string_view word;
+    std::vector<RowKind> kinds;
+  };
+  static const NodeType* typeOf(std::string_view word) {
+    static const std::vector<NodeType> types{{"Vec3", {}},
+                                             {"Rigid3", {RowKind::place, RowKind::turn}},
+                                             {"Vec1", {RowKind::value}},
+                                             {"Vec2", {2, RowKind::value}},
+                                             {"Vec6", {6, RowKind::value}}};
+    if (word.ends_with('d') || word.ends_with('f')) word.remove_suffix(1);  // SOFA's words for two sizes of numbers
+    for (const NodeType& type : types)
+      if (type.word == word) return &type;
+    return nullptr;
+  }
+
+  // ---- frames and numbers: flat lists as the scene has them, and rows ----
+
+  int numbersOfNode(bool in_positions) const {
+    int numbers = 0;
+    for (const RowKind kind : kinds_)
+      numbers += kind == RowKind::value ? 1 : kind == RowKind::place || !in_positions ? 3 : 4;
+    return numbers;
+  }
+
+  std::vector<Vec3> rowsOf(const std::vector<double>& flat, bool in_positions, const char* name) const {
+    const std::size_t numbers = std::size_t(numbersOfNode(in_positions));
+    if (flat.size() % numbers != 0)
+      throw ComponentError(fmt::format("{} has {} numbers", name, flat.size()),
+                           fmt::format("{} numbers for each node of type {}", numbers, template_));
+    std::vector<Vec3> rows;
+    for (const double* at = flat.data(); at != flat.data() + flat.size();)
+      for (const RowKind kind : kinds_) {
+        if (kind == RowKind::value) {
+          rows.emplace_back(*at++, 0, 0);
+        } else if (kind == RowKind::place || !in_positions) {
+          rows.emplace_back(at[0], at[1], at[2]), at += 3;
+        } else {
+          const Quaternion q(at);
+          if (!(q.norm() > 1e-6) || !std::isfinite(q.norm()))
+            throw ComponentError(fmt::format("{}: frame {} has the quaternion {} {} {} {}, which is no orientation",
+                                             name, rows.size() / 2, at[0], at[1], at[2], at[3]),
+                                 "x y z w of length one", "0 0 0 1 does not turn");
+          if (std::abs(q.norm() - 1) > 1e-3)
+            warn(fmt::format("{}: the quaternion of frame {} has the length {:.4g}: it is made one", name,
+                             rows.size() / 2, q.norm()));
+          rows.push_back(rotationVector(q.normalized())), at += 4;
+        }
+      }
+    return rows;
+  }
+
+  std::vector<double> flat(const std::vector<Vec3>& rows, bool in_positions) const {
+    std::vector<double> numbers;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const RowKind kind = kindOf(Index(i));
+      Quaternion q =
+          kind == RowKind::turn && in_positions ? turnedBy(rows[i]) : Quaternion(0, rows[i][0], rows[i][1], rows[i][2]);
+      numbers.insert(numbers.end(), q.coeffs().data(),
+                     q.coeffs().data() + (kind == RowKind::value                  ? 1
+                                          : kind == RowKind::turn && in_positions ? 4
+                                                                                  : 3));
+    }
+    return numbers;
+  }
+
+  void readFlat() {
+    position = rowsOf(flat_position_, true, "position");
+    rest_position = rowsOf(flat_rest_, true, "rest_position");
+    velocity = rowsOf(flat_velocity_, false, "velocity");
+    if (velocity.size() == kinds_.size() && position.size() > velocity.size())  // one for all
+      for (std::size_t i = kinds_.size(); i < position.size(); ++i) velocity.push_back(velocity[i % kinds_.size()]);
+  }
+
+  /// Of points that a mesh gives: frames that are not turned, or numbers that are zero.
+  void makeRows() {
+    rows_per_node = Index(kinds_.size());
+    if (position_is_of_points_) {
+      const std::vector<Vec3> points = std::move(position);
+      position.clear();
+      for (const Vec3& point : points)
+        for (const RowKind kind : kinds_) position.push_back(kind == RowKind::place ? point : Vec3(Vec3::Zero()));
+    }
+    row_kinds.clear();
+    while (row_kinds.size() < position.size()) row_kinds.insert(row_kinds.end(), kinds_.begin(), kinds_.end());
+  }
+
+  void turnBy(const Mat3& rotation) {
+    for (std::size_t i = 0; i < position.size(); ++i) {
+      if (kindOf(Index(i)) == RowKind::place) position[i] = rotation * position[i];
+      if (kindOf(Index(i)) == RowKind::turn) position[i] = rotationVector(Quaternion(rotation) * turnedBy(position[i]));
+    }
+  }
+  void translateBy(const Vec3& way) {
+    for (std::size_t i = 0; i < position.size(); ++i)
+      if (kindOf(Index(i)) == RowKind::place) position[i] += way;
+  }
+
   void declareVectors(DataTable& table) {
-    table.add("template", template_).help("type of a node; only Vec3 (three coordinates)");
+    table.add("template", template_).help("type of a node: Vec3, Rigid3, Vec1, Vec2 or Vec6");
     table.add("position", position).help("initial positions; from the mesh of this node when not given").unit("m");
-    table.add("velocity", velocity).help("initial velocities; zero when not given").unit("m/s");
+    table.add("velocity", velocity).help("initial velocities, one for each node or one for all; zero when not given").unit("m/s");
     table.add("rest_position", rest_position)
         .help("positions without stress; the transformed positions when not given")
         .unit("m");
@@ -133,7 +257,12 @@ class MechanicalObject final : public State {
   }
 
   void findPositions() {
+    position_is_of_points_ = position.empty() && rest_position.empty();
     if (!position.empty()) return;
+    if (!kinds_.empty() && kinds_[0] == RowKind::value && rest_position.empty()) {  // a mapping may say how many
+      position.assign(std::size_t(std::max(size_, 1)), Vec3::Zero());
+      return;
+    }
     const Topology* mesh = topology_.get();
     if (!mesh && rest_position.empty() && use_topology_) mesh = firstTopology(*this, false);
     if (!mesh && rest_position.empty() && use_topology_ && size_ == 0) mesh = meshAbove();
@@ -172,13 +301,10 @@ class MechanicalObject final : public State {
   }
 
   void transform() {
-    const Mat3 rotation = rotationXyz(rotation_);
-    const bool rotates = !rotation_.isZero(0);
-    for (Vec3& point : position) {
-      point = point.cwiseProduct(scale_);
-      if (rotates) point = rotation * point;
-      point += translation_;
-    }
+    for (std::size_t i = 0; i < position.size(); ++i)
+      if (kindOf(Index(i)) == RowKind::place) position[i] = position[i].cwiseProduct(scale_);
+    if (!rotation_.isZero(0)) turnBy(rotationXyz(rotation_));
+    translateBy(translation_);
   }
 
   void checkFinite(const std::vector<Vec3>& points, const char* name) const {
@@ -193,14 +319,16 @@ class MechanicalObject final : public State {
     checkFinite(rest_position, "rest_position");
     checkFinite(velocity, "velocity");
     const auto require = [this](std::size_t found, const char* name) {
+      const std::size_t rows = std::size_t(rows_per_node);
       if (found != position.size())
-        throw ComponentError(fmt::format("{} has {} entries and there are {} positions", name, found, position.size()),
-                             fmt::format("{} entries", position.size()));
+        throw ComponentError(
+            fmt::format("{} has {} entries and there are {} positions", name, found / rows, position.size() / rows),
+            fmt::format("{} entries", position.size() / rows));
     };
     require(rest_position.size(), "rest_position");
     require(velocity.size(), "velocity");
-    if (data().find("size")->isSet() && std::size_t(size_) != position.size())
-      throw ComponentError(fmt::format("size is {} and there are {} positions", size_, position.size()),
+    if (data().find("size")->isSet() && size_ != nodes())
+      throw ComponentError(fmt::format("size is {} and there are {} positions", size_, nodes()),
                            "size only when no positions are given");
   }
 
@@ -211,6 +339,9 @@ class MechanicalObject final : public State {
   };
 
   std::string template_ = "Vec3";
+  std::vector<RowKind> kinds_;  ///< of one node; empty for points
+  std::vector<double> flat_position_, flat_velocity_, flat_rest_, flat_reset_;
+  bool position_is_of_points_ = false;
   std::vector<Vec3> reset_position_;
   int size_ = 0;
   bool use_topology_ = true;

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "framework/mechanics/state_positions.h"
 #include "framework/mechanics/state_topology.h"
 #include "framework/mesh/cell_lists.h"
 #include "framework/mesh/simplex_size.h"
@@ -43,7 +44,7 @@ void cellMassMatrix(const MassCell& cell, const std::vector<Vec3>& position, Cel
   if (kind.affine) return simplexMatrix(kind.nodes, simplexSize(kind.dimension, x.data()), out);
   out.fill(0);
   std::array<double, most_cell_nodes> shape;
-  for (const QuadraturePoint& point : kind.rule(2).points) {
+  for (const QuadraturePoint& point : kind.rule(2 * kind.order).points) {
     kind.shapes(point.xi, shape.data());
     const double measure = point.weight * measureAt(kind, point.xi, x.data());
     for (int i = 0; i < kind.nodes; ++i)
@@ -90,7 +91,7 @@ void MeshMass::init() {
   Mass::init();
   source_ = chooseSource();
   if (source_ == Source::nodes) {
-    const std::size_t nodes = std::size_t(state().size());
+    const std::size_t nodes = std::size_t(state().nodes());
     if (vertex_mass_.size() == 1) vertex_mass_.resize(nodes, vertex_mass_[0]);
     if (vertex_mass_.size() != nodes)
       throw ComponentError(
@@ -109,9 +110,10 @@ void MeshMass::findMesh() {
                          "a topology in this node or above, or topology=\"@path\"", "UniformMass needs no mesh");
   const State& positions = geometry_state_.get() ? *geometry_state_.get() : state();
   geometry_ = compute_on_rest_ ? &positions.rest_position : &positions.position;
-  if (Index(geometry_->size()) != state().size())
+  if (positions.hasFrames()) geometry_ = &(places_ = nodePlaces(positions, *geometry_));
+  if (Index(geometry_->size()) != state().nodes())
     throw ComponentError(fmt::format("{} has {} nodes and {} has {}", positions.path(), geometry_->size(),
-                                     state().path(), state().size()),
+                                     state().path(), state().nodes()),
                          "a geometryState of as many nodes as the state");
 }
 
@@ -168,6 +170,25 @@ void MeshMass::findDensities(double overlap) {
   }
 }
 
+void MeshMass::addLumped(std::vector<double>& masses) const {
+  CellMatrix matrix;
+  for (std::size_t c = 0; c < cells_.size(); ++c) {
+    const auto [kind, nodes] = cells_[c];
+    const std::size_t count = std::size_t(kind->nodes);
+    cellMassMatrix(cells_[c], geometry(), matrix);
+    double sum = 0, diagonal = 0;
+    for (std::size_t k = 0; k < count * count; ++k) sum += matrix[k];
+    for (std::size_t i = 0; i < count; ++i) diagonal += matrix[i * count + i];
+    for (std::size_t i = 0; i < count; ++i) {
+      if (kind->order > 1) {
+        masses[nodes[i]] += density(c) * (diagonal > 0 ? sum / diagonal * matrix[i * count + i] : 0);
+        continue;
+      }
+      for (std::size_t j = 0; j < count; ++j) masses[nodes[i]] += density(c) * matrix[i * count + j];
+    }
+  }
+}
+
 void MeshMass::checkMasses(const std::vector<double>& masses) const {
   std::vector<char> used(masses.size(), isNodal());
   for (const MassCell& cell : cells_)
@@ -187,7 +208,7 @@ void MeshMass::checkMasses(const std::vector<double>& masses) const {
 
 void MeshMass::finish(std::vector<double> nodal) {
   vertex_mass_ = std::move(nodal);
-  if (isNodal()) total_mass_ = std::accumulate(lumped().begin(), lumped().end(), 0.0);
+  if (isNodal()) total_mass_ = std::accumulate(vertex_mass_.begin(), vertex_mass_.end(), 0.0);
   cells_ = {};
   densities_ = {};
 }

@@ -8,7 +8,7 @@
 namespace stroma {
 
 /// integral of N_i N_j over a cell, row-major count x count, [m^d] with d the cell's dimension.
-using CellMatrix = std::array<double, 64>;
+using CellMatrix = std::array<double, std::size_t(most_cell_nodes) * most_cell_nodes>;
 
 /// A cell that carries mass: kind->nodes node indices at `nodes`.
 struct MassCell {
@@ -17,7 +17,7 @@ struct MassCell {
 };
 
 /// Fills the first count * count numbers. Simplices: V (1 + delta_ij) / ((d + 1)(d + 2)), with the sign of V for a
-/// tetrahedron; other cells: the quadrature of degree 2.
+/// tetrahedron; other cells: a quadrature that is exact for N_i N_j.
 void cellMassMatrix(const MassCell& cell, const std::vector<Vec3>& position, CellMatrix& out);
 
 /// What masses given by a mesh share: where the cells and positions are, and how density, total mass and nodal masses
@@ -45,6 +45,9 @@ class MeshMass : public Mass {
           add(nodes[i], nodes[j], density(c) * matrix[std::size_t(i * kind->nodes + j)]);
     }
   }
+  /// masses[node] += those of the cells on the diagonal: row sums; of quadratic cells, whose row sums are negative at
+  /// corners, the mass in proportion to the diagonal (Hinton, Rock and Zienkiewicz 1976).
+  void addLumped(std::vector<double>& masses) const;
   /// Mass of a cell over its size, [kg/m^d], the mesh's overlap taken into account.
   double density(std::size_t cell) const { return densities_.size() == 1 ? densities_[0] : densities_[cell]; }
   const std::vector<Vec3>& geometry() const { return *geometry_; }  ///< positions that give the sizes, shape (nodes)
@@ -76,6 +79,7 @@ class MeshMass : public Mass {
   Source source_ = Source::total;
   const Topology* mesh_owner_ = nullptr;
   const std::vector<Vec3>* geometry_ = nullptr;
+  std::vector<Vec3> places_;  ///< of frames
   std::vector<MassCell> cells_;
   std::vector<double> densities_;
 };

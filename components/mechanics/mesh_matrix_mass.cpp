@@ -5,13 +5,21 @@
 //
 // In a tetrahedron rho V / 20 (1 + delta_ij); in a hexahedron the integral by two Gauss points per axis, which is exact
 // for parallelepipeds. On a mesh without volumes rho is a mass per area (triangles and quads) or per length (edges).
-// With `lumping` the rows are summed onto the diagonal, which gives the masses of DiagonalMass.
+// With `lumping` the rows are summed onto the diagonal, which gives the masses of DiagonalMass. In a quadratic
+// tetrahedron the integral is by fourteen points, exact where edges are straight (V/420 times 6 at a corner, 32 at the
+// middle of an edge); its weight is the consistent one, M g: -m/20 at a corner and m/5 at a middle. Lumped it has the
+// masses of DiagonalMass.
 //
 // Of totalMass, massDensity and vertexMass the first that is given is used. vertexMass m_i gives the diagonal matrix of
 // them; with edgeMass, one for each of the mesh's edges (those that it lists, else all of its cells, ascending),
 // M_ii = m_i and M_ij = the mass of the edge i j. Links to vertexMass read M_ii, whatever it came from. As in
 // SOFA the volumes are those of the initial positions unless computeMassOnRest="true"; the two are the same for a body
 // that starts undeformed.
+//
+// With matrix="edges" it has entries at vertices and along edges only, as in SOFA: a hexahedron V/20 at each vertex and V/40
+// along each of its 12 edges, a quad A/8 and A/16, simplices what they have anyway. Gravity, and the diagonal with lumping,
+// take 2.5 times the entry of a vertex in volumes and twice that on surfaces. That of hexahedra is not definite, and it is
+// not consistent: it is there to repeat SOFA's results.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">
@@ -44,6 +52,7 @@ class MeshMatrixMass final : public MeshMass {
     table.add("edgeMass", edge_mass_)
         .help("with vertexMass: what couples the two nodes of each edge, one for all or one per edge")
         .unit("kg");
+    table.addChoice("matrix", form_, {"consistent", "edges"}).help("the integrals, or SOFA's entries at vertices and edges");
     table.addVisualOnly("printMass");
   }
 
@@ -60,14 +69,16 @@ class MeshMatrixMass final : public MeshMass {
     } else {
       build();
     }
-    checkMasses(row_sums_);
-    std::vector<double> diagonal = row_sums_;
+    if (isQuadratic()) masses_.assign(row_sums_.size(), 0.), addLumped(masses_);
+    checkMasses(lumped());
+    std::vector<double> diagonal = lumped();
     for (Index i = 0; !lumping_ && i < state().size(); ++i) diagonal[i] = values_[find(i, i)];
     if (lumping_) start_ = columns_ = slots_ = {}, values_ = {};
     finish(std::move(diagonal));
   }
 
-  const std::vector<double>& lumped() const override { return row_sums_; }
+  const std::vector<double>& lumped() const override { return masses_.empty() ? row_sums_ : masses_; }
+  const std::vector<double>& rowSums() const override { return lumping_ ? lumped() : row_sums_; }
   bool isDiagonal() const override { return lumping_; }
 
   /// Node by node: 12 bytes and 6 flops for each pair of neighbours.
@@ -123,15 +134,47 @@ class MeshMatrixMass final : public MeshMass {
   }
 
  private:
+  bool isQuadratic() const { return !cells().empty() && cells().back().kind->order > 1; }
   /// Compressed rows over pairs of nodes that share a cell.
   void build() {
     findPairs();
     values_.assign(columns_.size(), 0.0);
     row_sums_.assign(state().size(), 0.0);
+    if (form_ == Form::edges) return buildAlongEdges();
     forEachEntry([this](Index i, Index j, double mass) {
       values_[find(i, j)] += mass;
       row_sums_[i] += mass;
     });
+  }
+
+  /// Shares of a cell's mass at a vertex and along an edge, and what a vertex weighs over its entry.
+  struct Shares {
+    double vertex, edge, weight;
+  };
+  static Shares sharesOf(const CellKind& kind) {
+    if (&kind == &cell_kinds::hexahedron) return {1. / 20, 1. / 40, 2.5};
+    if (&kind == &cell_kinds::tetrahedron) return {1. / 10, 1. / 20, 2.5};
+    if (&kind == &cell_kinds::quad) return {1. / 8, 1. / 16, 2};
+    if (&kind == &cell_kinds::triangle) return {1. / 6, 1. / 12, 2};
+    return {1. / 3, 1. / 6, 1.5};
+  }
+
+  void buildAlongEdges() {
+    CellMatrix matrix;
+    for (std::size_t c = 0; c < cells().size(); ++c) {
+      const auto [kind, nodes] = cells()[c];
+      cellMassMatrix(cells()[c], geometry(), matrix);
+      double mass = 0;
+      for (int k = 0; k < kind->nodes * kind->nodes; ++k) mass += density(c) * matrix[std::size_t(k)];
+      const Shares shares = sharesOf(*kind);
+      for (int i = 0; i < kind->nodes; ++i) {
+        values_[find(nodes[i], nodes[i])] += shares.vertex * mass;
+        row_sums_[nodes[i]] += shares.vertex * shares.weight * mass;
+      }
+      for (const auto& [i, j] : kind->edges)
+        for (const auto& [row, column] : {std::pair(nodes[i], nodes[j]), std::pair(nodes[j], nodes[i])})
+          values_[find(row, column)] += shares.edge * mass;
+    }
   }
 
   /// M from vertexMass and edgeMass.
@@ -189,12 +232,14 @@ class MeshMatrixMass final : public MeshMass {
     return Index(std::lower_bound(begin, end, column) - columns_.begin());
   }
 
+  enum class Form : int { consistent, edges } form_ = Form::consistent;
   bool lumping_ = false;
   std::vector<double> edge_mass_;       ///< [kg], as given
   std::vector<Index> start_, columns_;  ///< compressed rows of M: shapes (nodes + 1), (pairs)
   std::vector<Index> slots_;            ///< blocks of the system's matrix, shape (pairs)
   std::vector<double> values_;          ///< M_ij [kg], shape (pairs)
   std::vector<double> row_sums_;        ///< [kg], shape (nodes)
+  std::vector<double> masses_;          ///< of quadratic cells, whose row sums are negative at corners [kg]
 };
 
 }  // namespace

@@ -78,6 +78,7 @@ class BendingSprings final : public SpringField {
  public:
   void declare(DataTable& table) override {
     ForceField::declare(table);
+    declareDamping(table);
     topology_.declare(table, "surface");
     table.add("stiffness", stiffness_).help("spring constant").unit("N/m").min(0);
     table.add("damping", damping_).help("force along a spring over its speed of elongation").unit("N s/m").min(0);

@@ -12,6 +12,8 @@
 //
 //   E = sum k/2 (L - L0)^2, force and tangent as in SpringForceField; with noCompression only while L > L0
 //
+// With perLength="true" stiffness [N] and damping [N s] of a spring are divided by its length at rest, as SOFA does.
+//
 // Source: the attributes are SOFA's.
 //
 // Example:
@@ -60,7 +62,11 @@ class MeshSprings : public SpringField {
 
   void declare(DataTable& table) override {
     ForceField::declare(table);
+    declareDamping(table);
     topology_.declare(table, "mesh whose cells give the springs");
+    table.add("perLength", per_length_).help("stiffness and damping are divided by the length of a spring at rest");
+    table.add("stiffness", stiffness_).help("spring constant of all kinds of cells").unit("N/m").min(0).shorthand();
+    table.add("damping", damping_of_all_).help("damping of all kinds of cells").unit("N s/m").min(0).shorthand();
     table.add("noCompression", no_compression_).help("springs resist elongation only");
     table.add("localRange", range_).help("first and last node that springs may join; -1 -1: all nodes");
     for (const char* name : {"drawMinElongationRange", "drawMaxElongationRange", "drawSpringSize"})
@@ -99,17 +105,37 @@ class MeshSprings : public SpringField {
   void finish(const char* expected) {
     if (springs_.empty())
       throw ComponentError("there is no spring: no kind of cell in the mesh has a stiffness", expected);
-    for (Spring& spring : springs_) spring.length = restDistance(spring);
+    for (Spring& spring : springs_) {
+      spring.length = restDistance(spring);
+      if (!per_length_) continue;
+      if (!(spring.length > 0))
+        throw ComponentError(fmt::format("nodes {} and {} are one place at rest", spring.a, spring.b),
+                             "nodes apart, or perLength=\"false\"");
+      spring.stiffness /= spring.length, spring.damping /= spring.length;
+    }
     setSprings(std::move(springs_));
     pairs_.clear();
+  }
+
+  /// `stiffness` and `damping` where a kind has none of its own.
+  void spreadToKinds() {
+    for (Kind& kind : kinds_) {
+      if (data().find("stiffness")->isSet()) overwrite(kind.stiffness, stiffness_, kind, "Stiffness");
+      if (data().find("damping")->isSet()) overwrite(kind.damping, damping_of_all_, kind, "Damping");
+    }
   }
 
   Kind kinds_[5] = {
       {"lines", nullptr}, {"triangles", nullptr}, {"quads", nullptr}, {"tetrahedra", "tetras"}, {"cubes", "hexas"}};
 
  private:
+  void overwrite(double& value, double all, const Kind& kind, const char* what) const {
+    const Data* own = data().find(std::string(kind.name) + what);
+    if (own && !own->isSet()) value = all;
+  }
   TopologyLink topology_;
-  bool no_compression_ = false;
+  bool no_compression_ = false, per_length_ = false;
+  double stiffness_ = 0, damping_of_all_ = 0;
   std::vector<int> range_{-1, -1};
   std::set<Edge> pairs_;
   std::vector<Spring> springs_;
@@ -123,17 +149,12 @@ class MeshSpringForceField final : public MeshSprings {
  public:
   void declare(DataTable& table) override {
     MeshSprings::declare(table);
-    table.add("stiffness", stiffness_).help("spring constant of all kinds of cells").unit("N/m").min(0).shorthand();
-    table.add("damping", damping_).help("damping of all kinds of cells").unit("N s/m").min(0).shorthand();
     for (int kind : {lines, triangles, quads, tetrahedra, cubes}) declareKind(table, kind);
   }
 
   void init() override {
     const Mesh& mesh = findMesh();
-    for (Kind& kind : kinds_) {
-      if (data().find("stiffness")->isSet()) overwrite(kind.stiffness, stiffness_, kind, "Stiffness");
-      if (data().find("damping")->isSet()) overwrite(kind.damping, damping_, kind, "Damping");
-    }
+    spreadToKinds();
     if (kinds_[lines].isSet()) addAllPairs(mesh.allEdges(), lines);
     if (kinds_[triangles].isSet())
       addAllPairs(mesh.triangles.empty() ? mesh.tetrahedronFaces() : mesh.triangles, triangles);
@@ -144,16 +165,12 @@ class MeshSpringForceField final : public MeshSprings {
   }
 
  private:
-  void overwrite(double& value, double all, const Kind& kind, const char* what) const {
-    if (!data().find(std::string(kind.name) + what)->isSet()) value = all;
-  }
   template <class Cell>
   void addAllPairs(const std::vector<Cell>& cells, int kind) {
     for (const Cell& cell : cells)
       for (std::size_t i = 0; i < cell.size(); ++i)
         for (std::size_t j = i + 1; j < cell.size(); ++j) addPair(cell[i], cell[j], kind);
   }
-  double stiffness_ = 0, damping_ = 0;
 };
 
 class RegularGridSpringForceField final : public MeshSprings {
@@ -168,6 +185,7 @@ class RegularGridSpringForceField final : public MeshSprings {
 
   void init() override {
     const Mesh& mesh = findMesh();
+    spreadToKinds();
     if (mesh.hexahedra.empty() && mesh.quads.empty() && mesh.edges.empty())
       throw ComponentError("the mesh has no cells of a grid", "a RegularGridTopology");
     if (kinds_[lines].isSet())

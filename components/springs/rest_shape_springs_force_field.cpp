@@ -7,9 +7,14 @@
 // external_rest_shape, the positions of its nodes (external_points, else those with the numbers of `points`) at the
 // start of each step. The springs do not act on that other body.
 //
+// A rigid frame is also turned back, by a torque along the shortest turn th from its target orientation q_t to q:
+//
+//   E = sum a_i/2 |th_i|^2,   exp(th_i) = q_i q_t^-1,   torque = -a_i th_i
+//   K = -a_i (I + c [th]^2), the symmetric part, with c as in dexp^-1;   a = angularStiffness
+//
 // `stiffness` has a value for each point or one for all. Without `points` every node has a spring.
 //
-// Source: the attributes are SOFA's; those for rigid bodies have no meaning here.
+// Source: the attributes are SOFA's.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">
@@ -22,6 +27,7 @@
 #include <fmt/format.h>
 
 #include "framework/mechanics/drawn_segments.h"
+#include "framework/mechanics/frames.h"
 #include "framework/mechanics/node_group_field.h"
 #include "framework/mechanics/node_indices.h"
 #include "framework/scene/factory.h"
@@ -44,8 +50,12 @@ class RestShapeSpringsForceField final : public NodeGroupField<1>, public DrawnS
     table.add("pivot_points", pivot_points_)
         .help("of rigid bodies only: a node here is a point and turns about nothing");
     table.add("activeDirections", directions_).help("for x, y and z: 1 pulled, 0 free");
-    for (const char* name : {"drawSpring", "springColor", "recompute_indices", "angularStiffness"})
-      table.addVisualOnly(name);
+    table.add("angularStiffness", angular_stiffness_)
+        .recompiled()
+        .help("torque over the turn of frames, one per point or one for all")
+        .unit("N m")
+        .min(0);
+    for (const char* name : {"drawSpring", "springColor", "recompute_indices"}) table.addVisualOnly(name);
   }
 
   void init() override {
@@ -53,7 +63,7 @@ class RestShapeSpringsForceField final : public NodeGroupField<1>, public DrawnS
     if (data().find("points")->isSet()) {
       nodes_ = checkedNodesInOrder(points_, state(), "points");
     } else {
-      inform(fmt::format("no points: all {} nodes of {} have a spring", state().size(), state().path()));
+      inform(fmt::format("no points: all {} nodes of {} have a spring", state().nodes(), state().path()));
       nodes_ = allNodes(state());
     }
     if (!pivot_points_.empty())
@@ -61,23 +71,31 @@ class RestShapeSpringsForceField final : public NodeGroupField<1>, public DrawnS
           fmt::format("pivot_points are of rigid bodies, and the nodes of {} are points", state().path()),
           "points, or external_points of another state");
     spread(stiffness_constants_, nodes_.size(), "stiffness", "points");
-    if (directions_.size() != 3)
-      throw ComponentError(fmt::format("activeDirections has {} values", directions_.size()), "3 values");
+    spread(angular_stiffness_, nodes_.size(), "angularStiffness", "points");
+    const std::size_t count = directions_.size();
+    if (count != 3 && !(count == 6 && state().hasFrames()))
+      throw ComponentError(fmt::format("activeDirections has {} values", count), "3 values");
+    if (count == 6 && (directions_[3] != directions_[4] || directions_[4] != directions_[5]))
+      throw ComponentError("activeDirections has some turns only", "1 1 1 or 0 0 0 for the turns about x, y and z");
     for (int c = 0; c < 3; ++c) active_(c, c) = directions_[c] ? 1 : 0;
     findTargets();
   }
 
   ForceTraits traits() const override {
     ForceTraits traits;
-    traits.linear = traits.constant_stiffness = traits.symmetric = traits.conservative = traits.exact_tangent = true;
+    traits.symmetric = traits.conservative = traits.exact_tangent = true;
+    traits.linear = traits.constant_stiffness = !state().hasFrames();
     traits.time_dependent = external_.target() != nullptr;
     return traits;
   }
 
   void compile() override {
-    setNodes(nodes_, false);
-    for (std::size_t i = 0; i < nodes_.size(); ++i)
-      NodeGroupField::stiffness_[i].blocks[0] = -stiffness_constants_[i] * active_;
+    std::vector<Index> rows = state().kindOf(0) == RowKind::value ? rowsOf(nodes_, state()) : nodes_;
+    if (state().hasFrames())
+      for (const Index node : nodes_) rows.push_back(node + 1);  // orientations after all centres
+    setNodes(rows, false);
+    for (std::size_t i = 0; i < targets_.size(); ++i)
+      NodeGroupField::stiffness_[i].blocks[0] = -constantOf(i) * active_;
   }
 
   void setTime(double) override {
@@ -85,18 +103,27 @@ class RestShapeSpringsForceField final : public NodeGroupField<1>, public DrawnS
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
       const Index node = external_nodes_[i];
       targets_[i] = other.isBound() ? Vec3(other.x()[node]) : other.position[node];
+      if (i < turns_.size())
+        turns_[i] = other.isBound() ? orientationIn(other.x(), node + 1) : turnedBy(other.position[node + 1]);
     }
   }
 
   double energy(ConstRows x) const override {
     double sum = 0;
-    for (std::size_t i = 0; i < nodes_.size(); ++i)
-      sum += stiffness_constants_[i] / 2 * (active_ * (x[rows_[i][0]] - targets_[i])).squaredNorm();
+    for (std::size_t i = 0; i < targets_.size(); ++i)
+      sum += constantOf(i) / 2 * (active_ * (x[rows_[i][0]] - targets_[i])).squaredNorm();
+    for (std::size_t i = 0; i < turns_.size(); ++i) sum += angularOf(i) / 2 * turnOf(i, x).squaredNorm();
     return sum;
   }
   void addForce(ConstRows x, ConstRows, Rows f) override {
-    for (std::size_t i = 0; i < nodes_.size(); ++i)
+    for (std::size_t i = 0; i < targets_.size(); ++i)
       f[rows_[i][0]] += NodeGroupField::stiffness_[i].blocks[0] * (x[rows_[i][0]] - targets_[i]);
+    for (std::size_t i = 0; i < turns_.size(); ++i) {
+      const Vec3 turn = turnOf(i, x);
+      const Mat3 inverse = dexpInverse(turn);
+      f[rows_[targets_.size() + i][0]] -= angularOf(i) * turn;
+      NodeGroupField::stiffness_[targets_.size() + i].blocks[0] = -angularOf(i) / 2 * (inverse + inverse.transpose());
+    }
   }
 
   /// To the nodes of another body; a place at rest is no node.
@@ -106,7 +133,19 @@ class RestShapeSpringsForceField final : public NodeGroupField<1>, public DrawnS
         segments.push_back({&state(), nodes_[i], other, external_nodes_[i]});
   }
 
+ protected:
+  bool takesAllRows() const override { return true; }
+
  private:
+  double constantOf(std::size_t target) const {
+    return stiffness_constants_[target / (targets_.size() / nodes_.size())];
+  }
+  double angularOf(std::size_t i) const { return directions_.back() ? angular_stiffness_[i] : 0; }
+  /// From the target to the orientation.
+  Vec3 turnOf(std::size_t i, ConstRows x) const {
+    return rotationVector(orientationIn(x, rows_[targets_.size() + i][0]) * turns_[i].conjugate());
+  }
+
   void findTargets() {
     const State* other = external_.get();
     if (!other && data().find("external_points")->isSet())
@@ -121,18 +160,30 @@ class RestShapeSpringsForceField final : public NodeGroupField<1>, public DrawnS
             fmt::format("external_points has {} values for {} points", external_nodes_.size(), nodes_.size()),
             "as many of each");
     }
-    targets_.clear();
-    for (std::size_t i = 0; i < nodes_.size(); ++i)
-      targets_.push_back(other ? other->position[external_nodes_[i]] : state().rest_position[nodes_[i]]);
+    if (other)
+      inform(fmt::format(
+          "the springs pull {} alone: {} does not feel them, and its nodes are where they were when the step began. "
+          "SpringForceField between the two acts on both",
+          state().path(), other->path()));
+    if (other && other->hasFrames() != state().hasFrames())
+      throw ComponentError(fmt::format("the nodes of {} and {} are of different types", other->path(), state().path()),
+                           "frames for frames, points for points");
+    targets_.clear(), turns_.clear();
+    const std::vector<Vec3>& from = other ? other->position : state().rest_position;
+    for (const Index row : state().kindOf(0) == RowKind::value ? rowsOf(nodes_, state()) : nodes_)
+      targets_.push_back(from[std::size_t(other ? external_nodes_[targets_.size()] : row)]);
+    for (std::size_t i = 0; state().hasFrames() && i < nodes_.size(); ++i)
+      turns_.push_back(turnedBy(from[std::size_t((other ? external_nodes_[i] : nodes_[i]) + 1)]));
   }
 
   std::vector<int> points_, external_points_, pivot_points_;
-  std::vector<double> stiffness_constants_{100};
+  std::vector<double> stiffness_constants_{100}, angular_stiffness_{100};
   std::vector<bool> directions_{true, true, true};
   Link<State> external_{"mechanical state"};
 
   std::vector<Index> nodes_, external_nodes_;  ///< shape (points)
   std::vector<Vec3> targets_;                  ///< [m], shape (points)
+  std::vector<Quaternion> turns_;              ///< of frames, shape (points)
   Mat3 active_ = Mat3::Zero();
 };
 

@@ -40,6 +40,7 @@ class SpringForceField final : public SpringField {
  public:
   void declare(DataTable& table) override {
     ForceField::declare(table);
+    declareDamping(table);
     table.addLink("object1", object1_).help("state of the first ends; the one of this node when not given");
     table.addLink("object2", object2_).help("state of the second ends; the one of the first ends when not given");
     table.add("spring", all_in_one_).help("five numbers per spring: node, node, stiffness, damping, rest length");
@@ -65,6 +66,9 @@ class SpringForceField final : public SpringField {
     setSprings(data().find("spring")->isSet() ? fromOneList(*second) : fromLists(*second), second);
   }
 
+ protected:
+  bool takesAllRows() const override { return true; }  // a spring ends at the centre of a frame
+
  private:
   std::vector<Spring> fromOneList(const State& second) const {
     for (const char* other : {"springsIndices1", "springsIndices2", "lengths", "stiffness", "damping"})
@@ -78,12 +82,12 @@ class SpringForceField final : public SpringField {
       const double* v = all_in_one_.data() + s;
       for (int end = 0; end < 2; ++end) {
         const State& owner = end == 0 ? state() : second;
-        if (v[end] != std::floor(v[end]) || v[end] < 0 || v[end] >= owner.size())
+        if (v[end] != std::floor(v[end]) || v[end] < 0 || v[end] >= owner.nodes())
           throw ComponentError(fmt::format("spring[{}] is {:g}, and {} has {} nodes", s + std::size_t(end), v[end],
-                                           owner.path(), owner.size()),
-                               fmt::format("an index in 0 ... {}", owner.size() - 1));
+                                           owner.path(), owner.nodes()),
+                               fmt::format("an index in 0 ... {}", owner.nodes() - 1));
       }
-      springs.push_back({Index(v[0]), Index(v[1]), v[2], v[3], v[4]});
+      springs.push_back({Index(v[0]) * state().rows_per_node, Index(v[1]) * second.rows_per_node, v[2], v[3], v[4]});
     }
     return withSwitches(std::move(springs));
   }

@@ -125,6 +125,7 @@ TEST(Couplings, ExplainTellsWhatMovesTogetherAndWhy) {
   std::string text;
   for (const std::string& line : planOf(simulation).lines()) text += line + "\n";
   expectContains(text, "system of /a/solver: 54 nodes");
+  expectContains(text, "linear solver /b/SparseLDLSolver: skipped, /a/SparseLDLSolver solves for this system");
   expectContains(text, "integrator /b/solver: skipped, its bodies move in this system because /a_b couples them");
   expectContains(text, "constraint /a_b");
   expectContains(text, "system of /far/solver: 27 nodes");

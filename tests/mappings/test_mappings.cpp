@@ -7,6 +7,7 @@
 #include <cmath>
 #include <random>
 
+#include "tests/support/quadratic_block.h"
 #include "tests/support/scene_fixture.h"
 #include "tools/plan/plan.h"
 
@@ -158,6 +159,39 @@ TEST(Mappings, HexahedraAreTrilinear) {
 }
 
 /// A force on an embedded point is a force on the corners of its cell, in every solver's matrix too.
+/// Points in cells with straight edges follow a quadratic map of the body exactly; those in curved cells every affine one.
+TEST(Mappings, QuadraticTetrahedraAreQuadratic) {
+  QuadraticBlock block =
+      QuadraticBlock::box({2, 2, 2}, [](const Vec3& p) { return Vec3(0.09 * p.x(), 0.06 * p.y(), 0.12 * p.z()); });
+  const auto quadratic = [](const Vec3& p) {
+    return Vec3(p.x() + 3 * p.y() * p.z(), p.y() - 2 * p.x() * p.x(), p.z() + p.x() * p.y() + 4 * p.z() * p.z());
+  };
+  Mat3 map;
+  map << 1.3, 0.2, -0.4, 0.1, 0.8, 0.3, -0.2, 0.5, 1.1;
+  const auto affine = [&map](const Vec3& p) { return Vec3(map * p + Vec3(1, 2, 3)); };
+  for (const bool curved : {false, true}) {
+    if (curved) block.crumple(0.003);
+    std::vector<Vec3> points = scattered(100, 0);
+    for (const QuadraticTetrahedron& cell : block.cells) points.push_back(block.position[std::size_t(cell[7])]);
+    Simulation simulation = simulationFromText(
+        "<Node name=\"root\" gravity=\"0 0 0\"><EulerImplicitSolver/><SparseLDLSolver/>" + block.topology() +
+        "<MechanicalObject name=\"dofs\"/><UniformMass totalMass=\"1\"/><Node name=\"child\"><MechanicalObject "
+        "name=\"points\" position=\"" +
+        list(points) + "\"/><BarycentricMapping/></Node></Node>");
+    System& system = *simulation.systems().at(0);
+    const Mapping& mapping = mappingOf(simulation);
+    const State& child = mapping.output();
+    const auto expectMoved = [&](const auto& by) {
+      for (std::size_t n = 0; n < block.position.size(); ++n) system.x[Index(n)] = by(block.position[n]);
+      mapping.apply(system.x);
+      for (std::size_t i = 0; i < points.size(); ++i)
+        EXPECT_LT((Vec3(system.x[child.firstRow() + Index(i)]) - by(points[i])).norm(), 1e-12) << i;
+    };
+    expectMoved(affine);
+    if (!curved) expectMoved(quadratic);
+  }
+}
+
 TEST(Mappings, AForceOnAPointIsAForceOnItsCell) {
   const auto after = [](const Scene& scene) {
     Simulation simulation = simulationFromText(scene.text());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// After the first step a system allocates nothing.
+// After the first step a system allocates nothing, and a change of a number little.
 #include <cstdlib>
 #include <new>
 
@@ -7,10 +7,12 @@
 
 namespace {
 long allocations = 0;
-}
+std::size_t allocated_bytes = 0;
+}  // namespace
 
 [[gnu::noinline]] void* operator new(std::size_t size) {
   ++allocations;
+  allocated_bytes += size;
   if (void* memory = std::malloc(size)) return memory;
   throw std::bad_alloc();
 }
@@ -48,6 +50,32 @@ TEST(System, AllocatesNothingAfterTheFirstStep) {
   EXPECT_GT(before, 0) << "the counter counts";
   for (long i = 1; i < 8; ++i) step(i);
   EXPECT_EQ(allocations, before);
+}
+
+/// Bytes allocated by loading a body of `method`, and then by a change of its Young's modulus.
+std::pair<std::size_t, std::size_t> bytesToLoadAndToChange(const std::string& element, const std::string& method) {
+  const std::size_t start = allocated_bytes;
+  Simulation simulation(
+      sceneFromText("<Node name=\"root\"><EulerImplicitSolver/><CGLinearSolver iterations=\"20\" tolerance=\"1e-8\"/>"
+                    "<RegularGridTopology name=\"grid\" n=\"9 9 17\" min=\"0 0 0\" max=\"0.1 0.1 0.2\"/>"
+                    "<Node name=\"body\"><TetrahedronSetTopologyContainer name=\"mesh\"/><Hexa2TetraTopologicalMapping "
+                    "input=\"@../grid\" output=\"@mesh\" swapping=\"true\"/><MechanicalObject/><UniformMass "
+                    "totalMass=\"1\"/><" +
+                    element + " name=\"fem\" " + method + "/></Node></Node>"));
+  simulation.step();
+  const std::size_t loaded = allocated_bytes;
+  simulation.setAttribute("/body/fem", "youngModulus", "9000");
+  return {loaded - start, allocated_bytes - loaded};
+}
+
+// Kinds, shapes, fans and the order of the elements stay what they are: 5,120 tetrahedra of some hundred bytes each.
+TEST(LiveEdit, OfYoungsModulusMakesNoElementsAnew) {
+  for (const std::string method : {"method=\"large\"", "method=\"svd\" poissonRatio=\"0.49\"", "method=\"small\""}) {
+    SCOPED_TRACE(method);
+    const auto [load, change] = bytesToLoadAndToChange("TetrahedronFEMForceField", method);
+    EXPECT_GT(load, 5120u * 500);
+    EXPECT_LT(change, 5120u * 150);
+  }
 }
 
 }  // namespace

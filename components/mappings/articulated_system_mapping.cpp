@@ -1,0 +1,367 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// ArticulatedSystemMapping: rigid frames that are joined in a tree by hinges and slides, as functions of their numbers.
+//
+// The state that is followed has a number for each hinge (its angle [rad]) and each slide (its way [m]) (template Vec1). Frame
+// 0 is the root: it stays where it starts, or is the frame indexInput2 of input2. Each ArticulationCenter joins a frame
+// `childIndex` to a frame `parentIndex` at a point that lies at posOnParent in the axes of the one and at posOnChild in those
+// of the other; its Articulations follow one after the other,
+//
+//   q_child = q_parent exp(y_1 a_1) exp(y_2 a_2) ...,   c_child = c_parent + q_parent (posOnParent + sum of slides) - q_child posOnChild
+//
+// where a slide along a_k, which turns with the hinges before it, adds y_k a_k to the sum. J has, for a number y_k with the axis
+// u in space, for every frame beyond it the velocities u x (c - joint) and u of a hinge, u and 0 of a slide.
+//
+// ArticulatedHierarchyContainer stands in the node of the mapping or below; the centres are in nodes below it, and their
+// articulations with them or in nodes below.
+//
+// Source: names and attributes are SOFA's; articulationProcess other than 0 is not there.
+//
+// Example:
+// <Node name="root" dt="0.01" gravity="0 -9.81 0">
+//   <EulerImplicitSolver/>
+//   <CGLinearSolver iterations="50" tolerance="1e-12"/>
+//   <MechanicalObject name="angles" template="Vec1" position="0 0"/>
+//   <UniformMass totalMass="0.01"/>
+//   <RestShapeSpringsForceField stiffness="2"/>
+//   <Node name="arm">
+//     <MechanicalObject name="frames" template="Rigid3" position="0 0 0  0 0 0 1   0.5 0 0  0 0 0 1   1.5 0 0  0 0 0 1"/>
+//     <ConstantForceField indices="1 2" forces="0 -1 0 0 0 0"/>
+//     <ArticulatedSystemMapping input1="@../angles" output="@frames"/>
+//     <ArticulatedHierarchyContainer/>
+//     <Node name="shoulder">
+//       <ArticulationCenter parentIndex="0" childIndex="1" posOnParent="0 0 0" posOnChild="-0.5 0 0"/>
+//       <Articulation rotation="true" rotationAxis="0 0 1" articulationIndex="0"/>
+//     </Node>
+//     <Node name="elbow">
+//       <ArticulationCenter parentIndex="1" childIndex="2" posOnParent="0.5 0 0" posOnChild="-0.5 0 0"/>
+//       <Articulation rotation="true" rotationAxis="0 0 1" articulationIndex="1"/>
+//     </Node>
+//   </Node>
+// </Node>
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "components/mappings/linked_mapping.h"
+#include "framework/mechanics/frames.h"
+#include "framework/scene/factory.h"
+
+namespace stroma {
+namespace {
+
+class ArticulatedPart : public Component {
+ public:
+  void init() override {}
+  std::string roleText() const override { return "part of an articulated system"; }
+};
+
+class ArticulatedHierarchyContainer final : public ArticulatedPart {
+ public:
+  void declare(DataTable& table) override {
+    table.add("filename", file_name_).help("not available: the centres are components");
+  }
+  void init() override {
+    if (!file_name_.empty())
+      throw ComponentError("hierarchies are not read from files", "ArticulationCenter components");
+  }
+
+ private:
+  std::string file_name_;
+};
+
+class ArticulationCenter final : public ArticulatedPart {
+ public:
+  void declare(DataTable& table) override {
+    table.add("parentIndex", parent).help("frame nearer to the root").required().min(0);
+    table.add("childIndex", child).help("frame beyond it").required().min(0);
+    table.add("posOnParent", on_parent).unit("m").help("the joint in the axes of the parent");
+    table.add("posOnChild", on_child).unit("m").help("the joint in the axes of the child");
+    table.add("articulationProcess", process_).help("0: the articulations follow one after the other");
+    table.addVisualOnly("globalPosition");
+  }
+  void init() override {
+    if (process_ != 0) throw ComponentError(fmt::format("articulationProcess is {}", process_), "0");
+  }
+  int parent = 0, child = 0;
+  Vec3 on_parent = Vec3::Zero(), on_child = Vec3::Zero();
+
+ private:
+  int process_ = 0;
+};
+
+class Articulation final : public ArticulatedPart {
+ public:
+  void declare(DataTable& table) override {
+    table.add("translation", translation).help("a slide");
+    table.add("rotation", rotation).help("a hinge");
+    table.add("rotationAxis", axis).alias("axis").help("of the hinge or the slide, in the axes of the parent").unit("-");
+    table.add("articulationIndex", number).help("number of the state that is followed").min(0);
+  }
+  void init() override {
+    if (translation == rotation)
+      throw ComponentError(
+          rotation ? "an articulation is a hinge and a slide" : "an articulation is neither hinge nor slide",
+          "rotation=\"true\" or translation=\"true\"");
+    if (!(axis.norm() > 0)) throw ComponentError("rotationAxis has no direction", "an axis that is not zero");
+    axis.normalize();
+  }
+  bool translation = false, rotation = false;
+  Vec3 axis = Vec3::UnitX();
+  int number = 0;
+};
+
+class ArticulatedSystemMapping final : public CurvedMapping {
+ public:
+  void declare(DataTable& table) override {
+    CurvedMapping::declare(table);
+    table.find("input")->alias("input1");
+    table.addLink("input2", input2_)
+        .help("state of the frame that the root is; without it the root stays where it starts");
+    table.add("indexInput2", root_index_).help("that frame").min(0);
+    declareGeometricStiffness(table, geometric_, false);
+    for (const char* name : {"container", "indexFromEnd"}) table.addVisualOnly(name);
+  }
+  void init() override;
+  std::vector<State*> inputs() const override {
+    std::vector<State*> states{&input()};
+    if (root_) states.push_back(root_);
+    return states;
+  }
+  void apply(Rows x) const override;
+  void applyJ(Rows v) const override;
+  void applyJT(Rows f) const override;
+  void addJacobian(std::vector<JacobianBlock>& out) const override;
+
+ protected:
+  void geometricBlocks(ConstRows f, std::vector<Block>& out) const override;
+
+ private:
+  /// A hinge or a slide, and where it is at the last apply().
+  struct Joint {
+    bool is_hinge = true;
+    Vec3 axis;
+    Index number = 0;
+  };
+  struct Limb {
+    Index parent = 0, child = 0;
+    Vec3 on_parent, on_child;
+    std::size_t first = 0, last = 0;  ///< of its joints
+  };
+  void collect();
+  void order(std::vector<Limb> limbs);
+  Index row(Index frame) const { return output().firstRow() + 2 * frame; }
+  Index rowOf(const Joint& joint) const { return input().firstRow() + joint.number; }
+  /// Velocity of the centre of a frame by a joint before it.
+  Vec3 way(std::size_t joint, const Vec3& centre) const {
+    return joints_[joint].is_hinge ? Vec3(axes_[joint].cross(centre - places_[joint])) : axes_[joint];
+  }
+
+  Link<State> input2_{"mechanical state"};
+  int root_index_ = 0;
+  GeometricStiffness geometric_ = GeometricStiffness::exact;
+  State* root_ = nullptr;
+  std::vector<Joint> joints_;
+  std::vector<Limb> limbs_;                                    ///< parents before children
+  std::vector<std::vector<std::size_t>> paths_;                ///< of each frame its joints, from the root on
+  Vec3 root_centre_ = Vec3::Zero(), root_arm_ = Vec3::Zero();  ///< where it starts; in the axes of input2's frame
+  Quaternion root_turn_ = Quaternion::Identity();              ///< the same of its orientation
+  mutable std::vector<Vec3> axes_, places_;                    ///< in space, of each joint
+  mutable std::vector<Vec3> centres_;                          ///< of each frame
+  mutable Vec3 pivot_ = Vec3::Zero();                          ///< the centre of input2's frame
+};
+
+void ArticulatedSystemMapping::init() {
+  CurvedMapping::init();
+  root_ = input2_.get();
+  if (input().rows_per_node != 1 || input().kindOf(0) != RowKind::value)
+    throw ComponentError(input().path() + " has no numbers", "a state of template Vec1");
+  if (!output().hasFrames()) throw ComponentError(output().path() + " has no frames", "a state of template Rigid3");
+  if (root_ && (!root_->hasFrames() || root_index_ >= root_->nodes()))
+    throw ComponentError(fmt::format("{} has no frame {}", root_->path(), root_index_),
+                         "a frame of a state of template Rigid3");
+  collect();
+  root_centre_ = output().position[0], root_turn_ = turnedBy(output().position[1]);
+  if (root_) {
+    const std::size_t at = std::size_t(2 * root_index_);
+    const Quaternion back = turnedBy(root_->position[at + 1]).conjugate();
+    root_arm_ = back * (root_centre_ - root_->position[at]), root_turn_ = back * root_turn_;
+  }
+}
+
+void ArticulatedSystemMapping::collect() {
+  std::vector<ArticulationCenter*> centers;
+  std::vector<Articulation*> articulations;
+  node().collect(centers), node().collect(articulations);
+  if (centers.empty())
+    throw ComponentError("there is no ArticulationCenter in this node or below", "one for each joint");
+  joints_.clear();
+  std::vector<Limb> limbs;
+  for (ArticulationCenter* center : centers) {
+    center->ensureReady();
+    for (const int frame : {center->parent, center->child})
+      if (frame >= output().nodes())
+        throw ComponentError(fmt::format("{} names frame {} of {}", center->path(), frame, output().nodes()),
+                             fmt::format("0 to {}", output().nodes() - 1));
+    Limb limb{Index(center->parent), Index(center->child), center->on_parent, center->on_child, joints_.size(), 0};
+    for (Articulation* one : articulations) {
+      if (&one->node() != &center->node() && one->node().parent() != &center->node()) continue;
+      one->ensureReady();
+      if (one->number >= input().nodes())
+        throw ComponentError(fmt::format("{} names number {} of {}", one->path(), one->number, input().nodes()),
+                             fmt::format("0 to {}", input().nodes() - 1));
+      joints_.push_back({one->rotation, one->axis, Index(one->number)});
+    }
+    limb.last = joints_.size();
+    limbs.push_back(limb);
+  }
+  order(std::move(limbs));
+}
+
+void ArticulatedSystemMapping::order(std::vector<Limb> limbs) {
+  limbs_.clear();
+  paths_.assign(std::size_t(output().nodes()), {});
+  std::vector<char> placed(std::size_t(output().nodes()), 0);
+  placed[0] = 1;
+  while (!limbs.empty()) {
+    const auto next =
+        std::find_if(limbs.begin(), limbs.end(), [&](const Limb& limb) { return placed[std::size_t(limb.parent)]; });
+    if (next == limbs.end() || placed[std::size_t(next->child)])
+      throw ComponentError(next == limbs.end()
+                               ? fmt::format("frame {} hangs on nothing that leads to frame 0", limbs[0].parent)
+                               : fmt::format("two articulations place frame {}", next->child),
+                           "a tree of frames from frame 0 on");
+    placed[std::size_t(next->child)] = 1;
+    std::vector<std::size_t>& path = paths_[std::size_t(next->child)] = paths_[std::size_t(next->parent)];
+    for (std::size_t j = next->first; j < next->last; ++j) path.push_back(j);
+    limbs_.push_back(*next);
+    limbs.erase(next);
+  }
+  const auto lost = std::find(placed.begin(), placed.end(), 0);
+  if (lost != placed.end())
+    throw ComponentError(fmt::format("nothing places frame {}", lost - placed.begin()),
+                         "an ArticulationCenter for each frame but 0");
+  axes_.assign(joints_.size(), Vec3::Zero()), places_ = axes_;
+  centres_.assign(std::size_t(output().nodes()), Vec3::Zero());
+}
+
+void ArticulatedSystemMapping::apply(Rows x) const {
+  const auto turn = [x](Index at) { return Eigen::Map<Quaternion>(x.data + std::size_t(at) * row_doubles); };
+  if (root_) {
+    const Index at = root_->firstRow() + 2 * root_index_;
+    const Quaternion q = orientationIn(x, at + 1);
+    pivot_ = x[at];
+    x[row(0)] = pivot_ + q * root_arm_;
+    turn(row(0) + 1) = q * root_turn_;
+  } else {
+    x[row(0)] = root_centre_;
+    turn(row(0) + 1) = root_turn_;
+  }
+  centres_[0] = x[row(0)];
+  for (const Limb& limb : limbs_) {
+    const Quaternion parent = orientationIn(x, row(limb.parent) + 1);
+    Quaternion q = parent;
+    Vec3 place = x[row(limb.parent)] + parent * limb.on_parent;
+    for (std::size_t j = limb.first; j < limb.last; ++j) {
+      const double y = x[rowOf(joints_[j])][0];
+      axes_[j] = q * joints_[j].axis, places_[j] = place;
+      if (joints_[j].is_hinge)
+        q = q * turnedBy(y * joints_[j].axis);
+      else
+        place += y * axes_[j];
+    }
+    x[row(limb.child)] = place - q * limb.on_child;
+    turn(row(limb.child) + 1) = q;
+    centres_[std::size_t(limb.child)] = x[row(limb.child)];
+  }
+}
+
+void ArticulatedSystemMapping::applyJ(Rows v) const {
+  for (Index frame = 0; frame < output().nodes(); ++frame) {
+    const Vec3& centre = centres_[std::size_t(frame)];
+    Vec3 linear = Vec3::Zero(), angular = Vec3::Zero();
+    if (root_) {
+      const Index at = root_->firstRow() + 2 * root_index_;
+      angular = v[at + 1], linear = v[at] + angular.cross(centre - pivot_);
+    }
+    for (const std::size_t j : paths_[std::size_t(frame)]) {
+      const double rate = v[rowOf(joints_[j])][0];
+      linear += rate * way(j, centre);
+      if (joints_[j].is_hinge) angular += rate * axes_[j];
+    }
+    v[row(frame)] = linear, v[row(frame) + 1] = angular;
+  }
+}
+
+void ArticulatedSystemMapping::applyJT(Rows f) const {
+  for (Index frame = 0; frame < output().nodes(); ++frame) {
+    const Vec3 centre = centres_[std::size_t(frame)], force = f[row(frame)], torque = f[row(frame) + 1];
+    if (root_) {
+      const Index at = root_->firstRow() + 2 * root_index_;
+      f[at] += force, f[at + 1] += torque + (centre - pivot_).cross(force);
+    }
+    for (const std::size_t j : paths_[std::size_t(frame)])
+      f[rowOf(joints_[j])][0] += way(j, centre).dot(force) + (joints_[j].is_hinge ? axes_[j].dot(torque) : 0);
+  }
+}
+
+void ArticulatedSystemMapping::addJacobian(std::vector<JacobianBlock>& out) const {
+  for (Index frame = 0; frame < output().nodes(); ++frame) {
+    const Vec3& centre = centres_[std::size_t(frame)];
+    const Index own = row(frame);
+    if (root_) {
+      const Index at = root_->firstRow() + 2 * root_index_;
+      out.push_back({own, at, Mat3::Identity()});
+      out.push_back({own, at + 1, -crossMatrix(centre - pivot_)});
+      out.push_back({own + 1, at + 1, Mat3::Identity()});
+    }
+    for (const std::size_t j : paths_[std::size_t(frame)]) {
+      out.push_back({own, rowOf(joints_[j]), way(j, centre) * Vec3::UnitX().transpose()});
+      const Vec3 turn = joints_[j].is_hinge ? axes_[j] : Vec3(Vec3::Zero());
+      out.push_back({own + 1, rowOf(joints_[j]), turn * Vec3::UnitX().transpose()});
+    }
+  }
+}
+
+/// d2c/dy_i dy_j = u_i x (dc/dy_j) for a hinge i before j or j itself; of the turn, 1/2 u_i x u_j.
+void ArticulatedSystemMapping::geometricBlocks(ConstRows f, std::vector<Block>& out) const {
+  if (geometric_ == GeometricStiffness::none) return;
+  const Mat3 first = Vec3::UnitX() * Vec3::UnitX().transpose();
+  for (Index frame = 0; frame < output().nodes(); ++frame) {
+    const Vec3& centre = centres_[std::size_t(frame)];
+    const Vec3 force = f.count > 0 ? Vec3(f[row(frame)]) : Vec3(Vec3::Zero());
+    const Vec3 torque = f.count > 0 ? Vec3(f[row(frame) + 1]) : Vec3(Vec3::Zero());
+    const std::vector<std::size_t>& path = paths_[std::size_t(frame)];
+    for (std::size_t b = 0; b < path.size(); ++b) {
+      const std::size_t j = path[b];
+      const Vec3 linear = way(j, centre), turn = joints_[j].is_hinge ? axes_[j] : Vec3(Vec3::Zero());
+      const Vec3 moment = linear.cross(force) + 0.5 * turn.cross(torque);  // a turn th before j works th.moment
+      if (root_) {
+        const Index at = root_->firstRow() + 2 * root_index_ + 1;
+        out.push_back({at, rowOf(joints_[j]), moment * Vec3::UnitX().transpose()});
+        out.push_back({rowOf(joints_[j]), at, Vec3::UnitX() * moment.transpose()});
+      }
+      for (std::size_t a = 0; a <= b; ++a) {
+        const std::size_t i = path[a];
+        const double value = joints_[i].is_hinge ? axes_[i].dot(moment) : 0;
+        out.push_back({rowOf(joints_[i]), rowOf(joints_[j]), value * first});
+        if (a != b) out.push_back({rowOf(joints_[j]), rowOf(joints_[i]), value * first});
+      }
+    }
+    if (!root_) continue;
+    const Index at = root_->firstRow() + 2 * root_index_ + 1;
+    const Vec3 r = centre - pivot_;
+    out.push_back({at, at, 0.5 * (r * force.transpose() + force * r.transpose()) - r.dot(force) * Mat3::Identity()});
+  }
+}
+
+}  // namespace
+}  // namespace stroma
+
+STROMA_COMPONENT(articulated_system_mapping) {
+  factory.add<stroma::ArticulatedSystemMapping>("ArticulatedSystemMapping",
+                                                "frames joined in a tree by hinges and slides");
+  factory.add<stroma::ArticulatedHierarchyContainer>("ArticulatedHierarchyContainer",
+                                                     "the articulated system of a node");
+  factory.add<stroma::ArticulationCenter>("ArticulationCenter", "a joint between two frames of an articulated system");
+  factory.add<stroma::Articulation>("Articulation", "a hinge or a slide of a joint");
+}

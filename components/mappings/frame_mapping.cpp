@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "components/mappings/frame_mapping.h"
+
+namespace stroma {
+
+void FrameMapping::declare(DataTable& table) {
+  LinkedMapping::declare(table);
+  declareGeometricStiffness(table, geometric_, false);
+}
+
+void FrameMapping::start() {
+  if (!input().hasFrames())
+    throw ComponentError(input().path() + " has no frames that could carry anything", "a state of template Rigid3");
+  start_ = {0};
+  carried_.clear(), turns_.clear();
+}
+
+void FrameMapping::addPoint(const std::vector<Carried>& by) {
+  carried_.insert(carried_.end(), by.begin(), by.end());
+  start_.push_back(carried_.size());
+}
+
+void FrameMapping::addFrame(Index frame, const Vec3& local, const Quaternion& turn) {
+  addPoint({{frame, 1, local}});
+  start_.push_back(carried_.size());
+  turns_.emplace_back(frame, turn);
+}
+
+Vec3 FrameMapping::centre(Index frame, bool at_rest) const { return rowsOfInput(at_rest)[std::size_t(2 * frame)]; }
+
+Quaternion FrameMapping::orientation(Index frame, bool at_rest) const {
+  return turnedBy(rowsOfInput(at_rest)[std::size_t(2 * frame + 1)]);
+}
+
+void FrameMapping::placeChild(bool at_rest) {
+  State& child = output();
+  for (const bool rest : {false, true}) {
+    if (rest && !at_rest) continue;
+    std::vector<Vec3>& rows = rest ? child.rest_position : child.position;
+    std::size_t turn = 0;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      if (child.kindOf(Index(i)) == RowKind::turn) {
+        rows[i] = rotationVector(orientation(turns_[turn].first, rest) * turns_[turn].second), ++turn;
+        continue;
+      }
+      rows[i].setZero();
+      for (std::size_t k = start_[i]; k < start_[i + 1]; ++k)
+        rows[i] += carried_[k].weight *
+                   (centre(carried_[k].frame, rest) + orientation(carried_[k].frame, rest) * carried_[k].local);
+    }
+  }
+}
+
+void FrameMapping::apply(Rows x) const {
+  const Index first = output().firstRow();
+  arms_.resize(carried_.size());
+  std::size_t turn = 0;
+  for (std::size_t i = 0; i + 1 < start_.size(); ++i) {
+    const Index row = first + Index(i);
+    if (output().kindOf(Index(i)) == RowKind::turn) {
+      const auto& [frame, local] = turns_[turn++];
+      Eigen::Map<Quaternion>(x.data + std::size_t(row) * row_doubles) = orientationIn(x, parentRow(frame) + 1) * local;
+      continue;
+    }
+    Vec3 sum = Vec3::Zero();
+    for (std::size_t k = start_[i]; k < start_[i + 1]; ++k) {
+      const Carried& by = carried_[k];
+      arms_[k] = orientationIn(x, parentRow(by.frame) + 1) * by.local;
+      sum += by.weight * (x[parentRow(by.frame)] + arms_[k]);
+    }
+    x[row] = sum;
+  }
+}
+
+void FrameMapping::applyJ(Rows v) const {
+  const Index first = output().firstRow();
+  std::size_t turn = 0;
+  for (std::size_t i = 0; i + 1 < start_.size(); ++i) {
+    Vec3 sum = Vec3::Zero();
+    if (output().kindOf(Index(i)) == RowKind::turn) sum = v[parentRow(turns_[turn++].first) + 1];
+    for (std::size_t k = start_[i]; k < start_[i + 1]; ++k) {
+      const Index row = parentRow(carried_[k].frame);
+      sum += carried_[k].weight * (v[row] + v[row + 1].cross(arms_[k]));
+    }
+    v[first + Index(i)] = sum;
+  }
+}
+
+void FrameMapping::applyJT(Rows f) const {
+  const Index first = output().firstRow();
+  std::size_t turn = 0;
+  for (std::size_t i = 0; i + 1 < start_.size(); ++i) {
+    const Vec3 force = f[first + Index(i)];
+    if (output().kindOf(Index(i)) == RowKind::turn) f[parentRow(turns_[turn++].first) + 1] += force;
+    for (std::size_t k = start_[i]; k < start_[i + 1]; ++k) {
+      const Index row = parentRow(carried_[k].frame);
+      f[row] += carried_[k].weight * force;
+      f[row + 1] += carried_[k].weight * arms_[k].cross(force);
+    }
+  }
+}
+
+void FrameMapping::addJacobian(std::vector<JacobianBlock>& out) const {
+  const Index first = output().firstRow();
+  std::size_t turn = 0;
+  for (std::size_t i = 0; i + 1 < start_.size(); ++i) {
+    const Index own = first + Index(i);
+    if (output().kindOf(Index(i)) == RowKind::turn)
+      out.push_back({own, parentRow(turns_[turn++].first) + 1, Mat3::Identity()});
+    for (std::size_t k = start_[i]; k < start_[i + 1]; ++k) {
+      const Index row = parentRow(carried_[k].frame);
+      const double w = carried_[k].weight;
+      out.push_back({own, row, w * Mat3::Identity()});
+      out.push_back({own, row + 1, -w * crossMatrix(arms_[k])});
+    }
+  }
+}
+
+void FrameMapping::geometricBlocks(ConstRows f, std::vector<Block>& out) const {
+  if (geometric_ == GeometricStiffness::none) return;
+  const Index first = output().firstRow();
+  for (std::size_t i = 0; i + 1 < start_.size(); ++i)
+    for (std::size_t k = start_[i]; k < start_[i + 1]; ++k) {
+      const Index row = parentRow(carried_[k].frame) + 1;
+      Block block{row, row, Mat3::Zero()};
+      if (f.count > 0) {
+        const Vec3 force = carried_[k].weight * f[first + Index(i)], &r = arms_[k];
+        block.value = 0.5 * (r * force.transpose() + force * r.transpose()) - r.dot(force) * Mat3::Identity();
+      }
+      out.push_back(block);
+    }
+}
+
+}  // namespace stroma

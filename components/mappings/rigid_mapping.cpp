@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// RigidMapping: points, or frames, that are fixed in rigid frames.
+//
+//   x_i = c + q p_i,   v_i = c' + omega x (q p_i);   force on the frame: sum f_i, torque sum (q p_i) x f_i
+//
+// with c and q the centre and the orientation of the frame `index` of the state that is followed (counted from the last one
+// with indexFromEnd), or of the frame that rigidIndexPerPoint lists for each point. p_i, the place of the point in the axes
+// of its frame, is initialPoints, or the position of the child as the scene gives it; with globalToLocalCoords these are
+// places in space where the scene starts (useX0: at rest). A child of frames (template Rigid3) is carried in the same way,
+// each at p_i and turned by the orientation that the scene gives; RigidRigidMapping is another name for that.
+//
+// geometricStiffness: the torque of f_i changes as the frame turns, by (dw x r) x f. Exact has it in the tangent, without
+// the part 1/2 [torque], which is zero for all torques of a frame in equilibrium together: the tangent is then symmetric.
+//
+// Source: the names and attributes are SOFA's, whose Exact is not symmetric.
+//
+// Example:
+// <Node name="root" dt="0.01" gravity="0 -9.81 0">
+//   <EulerImplicitSolver/>
+//   <CGLinearSolver iterations="50" tolerance="1e-10"/>
+//   <MechanicalObject name="body" template="Rigid3" position="0 0 0  0 0 0 1"/>
+//   <UniformMass totalMass="2" inertia="0.01 0.02 0.03"/>
+//   <Node name="corners">
+//     <MechanicalObject name="points" position="0.1 0 0  -0.1 0 0.1"/>
+//     <RigidMapping/>
+//     <RestShapeSpringsForceField points="0" stiffness="100"/>
+//   </Node>
+// </Node>
+#include <fmt/format.h>
+
+#include "components/mappings/frame_mapping.h"
+#include "framework/mechanics/state_positions.h"
+#include "framework/scene/factory.h"
+
+namespace stroma {
+namespace {
+
+class RigidMapping final : public FrameMapping {
+ public:
+  void declare(DataTable& table) override {
+    FrameMapping::declare(table);
+    table.add("index", index_).help("frame that carries all points").min(0);
+    table.add("indexFromEnd", from_end_).help("count index from the last frame: 0 is the last");
+    table.add("rigidIndexPerPoint", index_per_point_).help("frame that carries each point");
+    table.add("initialPoints", initial_points_)
+        .unit("m")
+        .help("places of the points in the axes of their frames; the positions of the child when not given");
+    table.add("globalToLocalCoords", from_space_).help("the positions of the child are places in space at the start");
+    table.add("useX0", use_rest_).help("with globalToLocalCoords: at rest instead of at the start");
+    table.add("applyRestPosition", place_rest_)
+        .help("the rest positions of the child are also those that the frames give");
+  }
+
+  void init() override {
+    FrameMapping::init();
+    start();
+    State& child = output();
+    const bool listed = data().find("initialPoints")->isSet();
+    const std::vector<Vec3> places = listed ? initial_points_ : nodePlaces(child, child.position);
+    if (Index(places.size()) != child.nodes())
+      throw ComponentError(
+          fmt::format("initialPoints has {} points, and {} has {} nodes", places.size(), child.path(), child.nodes()),
+          "as many of each");
+    if (!child.hasPointsOnly() && !child.hasFrames())
+      throw ComponentError(child.path() + " has numbers, which no frame carries", "points or frames");
+    const std::vector<Index> frames = framesOf(places.size());
+    const std::vector<Vec3> given = child.position;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      Vec3 local = places[i];
+      Quaternion turn = child.hasFrames() ? turnedBy(given[2 * i + 1]) : Quaternion::Identity();
+      if (from_space_) {
+        const Quaternion back = orientation(frames[i], use_rest_).conjugate();
+        local = back * (local - centre(frames[i], use_rest_)), turn = back * turn;
+      }
+      if (child.hasFrames())
+        addFrame(frames[i], local, turn);
+      else
+        addPoint({{frames[i], 1, local}});
+    }
+    placeChild(place_rest_);
+  }
+
+ private:
+  std::vector<Index> framesOf(std::size_t points) const {
+    const Index count = input().nodes();
+    std::vector<Index> frames(points, from_end_ ? count - 1 - index_ : index_);
+    if (!index_per_point_.empty()) {
+      if (index_per_point_.size() != points)
+        throw ComponentError(
+            fmt::format("rigidIndexPerPoint has {} values for {} points", index_per_point_.size(), points),
+            "one for each");
+      frames.assign(index_per_point_.begin(), index_per_point_.end());
+    }
+    for (const Index frame : frames)
+      if (frame < 0 || frame >= count)
+        throw ComponentError(fmt::format("there is no frame {}: {} has {}", frame, input().path(), count),
+                             fmt::format("0 to {}", count - 1));
+    return frames;
+  }
+
+  int index_ = 0;
+  bool from_end_ = false, from_space_ = false, use_rest_ = false, place_rest_ = true;
+  std::vector<int> index_per_point_;
+  std::vector<Vec3> initial_points_;
+};
+
+}  // namespace
+}  // namespace stroma
+
+STROMA_COMPONENT(rigid_mapping) {
+  factory.add<stroma::RigidMapping>("RigidMapping", "points or frames fixed in rigid frames");
+  factory.add<stroma::RigidMapping>("RigidRigidMapping", "frames fixed in rigid frames");
+}

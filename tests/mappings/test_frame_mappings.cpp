@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Mappings that are not linear, or of other rows than points: Jacobian, its transpose and geometric stiffness against
+// differences of what apply() and applyJT() do.
+#include <fmt/format.h>
+
+#include <numbers>
+#include <random>
+
+#include "framework/mechanics/frames.h"
+#include "tests/support/scene_text.h"
+
+namespace stroma::test {
+namespace STROMA_TEST_FILE {
+
+const std::string frames =
+    "<MechanicalObject name=\"frames\" template=\"Rigid3\" position=\"0 0 0  0.1 0.2 0.3 0.9   1 0.5 0  -0.4 0.1 0 0.8 "
+    "  2 0 1  0 0 "
+    "0 1\"/>"
+    "<UniformMass totalMass=\"3\" inertia=\"0.1 0.2 0.3\"/>";
+
+std::string underFrames(const std::string& child) {
+  return "<Node name=\"root\" gravity=\"0 0 0\"><EulerImplicitSolver/><SparseLDLSolver/>" + frames +
+         "<Node name=\"child\">" + child + "</Node></Node>";
+}
+std::string underPoints(const std::string& child) {
+  return "<Node name=\"root\" gravity=\"0 0 0\"><EulerImplicitSolver/><SparseLDLSolver/>"
+         "<MechanicalObject name=\"points\" position=\"0 0 0  1 0.2 0  1.5 1 0.3  0 1 1\"/><UniformMass "
+         "totalMass=\"4\"/>"
+         "<Node name=\"child\">" +
+         child + "</Node></Node>";
+}
+
+struct Case {
+  std::string name, scene;
+};
+std::ostream& operator<<(std::ostream& out, const Case& c) { return out << c.name; }
+
+std::vector<Case> cases() {
+  const std::string points = "<MechanicalObject name=\"dofs\" position=\"0.1 0.2 -0.3  0.5 0 0  0 0.4 0.2\"/>";
+  const std::string numbers =
+      "<MeshTopology edges=\"0 1  1 2  2 3  0 3\"/><MechanicalObject name=\"dofs\" template=\"Vec1\"/>";
+  std::vector<Case> all{
+      {"Rigid", underFrames(points + "<RigidMapping index=\"1\"/>")},
+      {"RigidOfEach",
+       underFrames(points + "<RigidMapping rigidIndexPerPoint=\"2 0 1\" globalToLocalCoords=\"true\"/>")},
+      {"RigidToFrames", underFrames("<MechanicalObject name=\"dofs\" template=\"Rigid3\" position=\"0.3 0 0  0 0.2 0 "
+                                    "0.9   0 0.2 0.1  0.5 0 0 0.8\"/>"
+                                    "<RigidRigidMapping rigidIndexPerPoint=\"0 2\"/>")},
+      {"Skinning", underFrames(points + "<SkinningMapping nbRef=\"3\"/>")},
+      {"SkinningByHand",
+       underFrames(points + "<SkinningMapping nbRef=\"2\" indices=\"0 1  1 2  2 0\" weight=\"1 3  1 1  0.2 0.8\"/>")},
+      {"Centres", underFrames("<MechanicalObject name=\"dofs\" position=\"0 0 0  0 0 0  0 0 0\"/><IdentityMapping/>")},
+      {"SameFrames", underFrames("<MechanicalObject name=\"dofs\" template=\"Rigid3\" position=\"0 0 0 0 0 0 1  0 0 0 "
+                                 "0 0 0 1  0 0 0 0 0 0 1\"/><IdentityMapping/>")},
+      {"SomeFrames", underFrames("<MechanicalObject name=\"dofs\" template=\"Rigid3\" position=\"0 0 0 0 0 0 1  0 0 0 "
+                                 "0 0 0 1\"/><SubsetMapping indices=\"2 0\"/>")}};
+  for (const bool with_root : {false, true})
+    all.push_back(
+        {with_root ? "ArticulatedOnAFrame" : "Articulated",
+         std::string(
+             "<Node name=\"root\" gravity=\"0 0 0\"><EulerImplicitSolver/><SparseLDLSolver/><Node name=\"base\">"
+             "<MechanicalObject name=\"dofs\" template=\"Rigid3\" position=\"0.3 0 0.1  0.1 0.2 0.3 "
+             "0.9\"/><UniformMass totalMass=\"1\"/>"
+             "</Node><MechanicalObject name=\"angles\" template=\"Vec1\" position=\"0.4 -0.3 0.2 0.7\"/><UniformMass "
+             "totalMass=\"1\"/>"
+             "<Node name=\"child\"><MechanicalObject name=\"frames\" template=\"Rigid3\" position=\"0 0 0  0 0 0 1   1 "
+             "0 0  0 0 0 1   "
+             "2 0 0  0 0 0 1  1 1 0  0 0 0 1\"/><ArticulatedSystemMapping input1=\"@../angles\" output=\"@frames\" ") +
+             (with_root ? "input2=\"@../base/dofs\"" : "") +
+             "/><Node name=\"a\"><ArticulationCenter parentIndex=\"0\" childIndex=\"1\" posOnParent=\"0.5 0 0\" "
+             "posOnChild=\"-0.5 0.1 0\"/>"
+             "<Articulation rotation=\"true\" rotationAxis=\"0 0 1\" articulationIndex=\"0\"/></Node>"
+             "<Node name=\"b\"><ArticulationCenter parentIndex=\"1\" childIndex=\"2\" posOnParent=\"0.5 0 0\" "
+             "posOnChild=\"-0.5 0 0\"/>"
+             "<Node name=\"x\"><Articulation rotation=\"true\" rotationAxis=\"0 1 0\" articulationIndex=\"1\"/></Node>"
+             "<Node name=\"y\"><Articulation translation=\"true\" rotationAxis=\"1 0 1\" "
+             "articulationIndex=\"2\"/></Node>"
+             "<Node name=\"z\"><Articulation rotation=\"true\" rotationAxis=\"1 0 0\" "
+             "articulationIndex=\"3\"/></Node></Node>"
+             "<Node name=\"c\"><ArticulationCenter parentIndex=\"1\" childIndex=\"3\" posOnParent=\"0 0.5 0\" "
+             "posOnChild=\"0 -0.5 0\"/>"
+             "<Articulation rotation=\"true\" rotationAxis=\"1 0 0\" articulationIndex=\"3\"/></Node></Node></Node>"});
+  for (const std::string word : {"Exact", "None", "Stabilized"}) {
+    const std::string geometric = " geometricStiffness=\"" + word + "\"";
+    all.push_back({"Distance" + word, underPoints(numbers + "<DistanceMapping" + geometric + "/>")});
+    all.push_back({"SquareDistance" + word, underPoints(numbers + "<SquareDistanceMapping" + geometric + "/>")});
+    all.push_back(
+        {"FromTarget" + word, underPoints("<MechanicalObject name=\"dofs\" template=\"Vec1\"/><DistanceFromTarget "
+                                          "indices=\"1 3\" targetPositions=\"2 2 2  -1 0 0.5\"" +
+                                          geometric + "/>")});
+  }
+  return all;
+}
+
+class MappingContract : public testing::TestWithParam<Case> {};
+
+struct UnderTest {
+  Simulation simulation;
+  System& system;
+  const Mapping& mapping;
+  explicit UnderTest(const std::string& text)
+      : simulation(simulationFromText(text)),
+        system(*simulation.systems().at(0)),
+        mapping(system.actors().mappings.empty() ? *system.actors().passive_mappings.at(0)
+                                                 : *system.actors().mappings.at(0)) {}
+  /// Positions a step along d from those of the scene, with the child where the mapping has it.
+  Vector movedBy(double s, const Vector& d) const {
+    Vector x(system.allRows());
+    copy(system.x, x);
+    system.motion().advance(s, system.independent(d), system.independent(x));
+    mapping.apply(x);
+    return x;
+  }
+};
+
+Vector randomRows(const System& system, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  Vector rows(system.allRows());
+  for (Index i = 0; i < rows.count(); ++i) {
+    rows[i] = Vec3(uniform(random), uniform(random), uniform(random));
+    if (system.motion().kindOf(i) == RowKind::value) rows[i][1] = rows[i][2] = 0;
+  }
+  return rows;
+}
+
+TEST_P(MappingContract, JacobianIsTheDerivative) {
+  UnderTest t(GetParam().scene);
+  const State& child = t.mapping.output();
+  Vector d = randomRows(t.system, 3);
+  const double h = 1e-5;
+  Vector after = t.movedBy(h, d), before = t.movedBy(-h, d);
+  t.system.motion().difference(after, before);
+  t.mapping.apply(t.system.x);
+  Vector by_blocks(t.system.allRows());
+  std::vector<JacobianBlock> blocks;
+  t.mapping.addJacobian(blocks);
+  for (const JacobianBlock& block : blocks) by_blocks[block.child] += block.block * d[block.parent];
+  t.mapping.applyJ(d);
+  double size = 0;
+  for (Index i = child.firstRow(); i < child.firstRow() + child.size(); ++i) {
+    size += d[i].norm();
+    EXPECT_LT((before[i] / (2 * h) - d[i]).norm(), 1e-8) << "row " << i;
+    EXPECT_LT((by_blocks[i] - d[i]).norm(), 1e-13);
+  }
+  EXPECT_GT(size, 0.1);
+}
+
+TEST_P(MappingContract, ForcesAreTheTranspose) {
+  UnderTest t(GetParam().scene);
+  Vector v = randomRows(t.system, 4), f = randomRows(t.system, 5);
+  const State& child = t.mapping.output();
+  for (Index i = 0; i < t.system.independentRows(); ++i) f[i].setZero();
+  t.mapping.applyJ(v);
+  double power = 0, pulled = 0;
+  for (Index i = child.firstRow(); i < child.firstRow() + child.size(); ++i) power += f[i].dot(v[i]);
+  t.mapping.applyJT(f);
+  for (Index i = 0; i < t.system.independentRows(); ++i) pulled += f[i].dot(v[i]);
+  EXPECT_NEAR(pulled, power, 1e-12);
+}
+
+/// The derivative of J^T f, less the skew part 1/2 [torque] of turns; assembled, as a product, and symmetric.
+TEST_P(MappingContract, GeometricStiffnessIsTheDerivativeOfForces) {
+  UnderTest t(GetParam().scene);
+  if (t.mapping.isLinear()) return;
+  const State& child = t.mapping.output();
+  const bool none = GetParam().name.ends_with("None"), stabilized = GetParam().name.ends_with("Stabilized");
+  const Vector d = randomRows(t.system, 6);
+  Vector f = randomRows(t.system, 7);
+  for (Index i = 0; i < t.system.independentRows(); ++i) f[i].setZero();
+  for (Index i = child.firstRow(); i < child.firstRow() + child.size(); ++i) {
+    if (t.system.motion().kindOf(i) == RowKind::turn) f[i].setZero();
+    if (stabilized) f[i][0] = -std::abs(f[i][0]);  // tensions are what it keeps
+  }
+  const double h = 1e-5;
+  const auto pulled = [&](double s) {
+    const Vector x = t.movedBy(s, d);
+    Vector all(t.system.allRows());
+    copy(f, all);
+    t.mapping.applyJT(all);
+    return all;
+  };
+  const Vector plus = pulled(h), minus = pulled(-h);
+  t.mapping.apply(t.system.x);
+  Vector here(t.system.allRows()), product(t.system.allRows());
+  copy(f, here);
+  t.mapping.applyJT(here);
+  t.mapping.addGeometricProduct(f, d, 1, product);
+  BlockPattern pattern(t.system.allRows());
+  t.mapping.addGeometricPattern(pattern);
+  BlockMatrix matrix(std::move(pattern));
+  t.mapping.addGeometricStiffness(f, 1, matrix);
+  Vector assembled(t.system.allRows()), symmetric(t.system.allRows());
+  matrix.multiply(d, assembled);
+  double size = 0;
+  for (Index i = 0; i < t.system.independentRows(); ++i) {
+    Vec3 difference = (plus[i] - minus[i]) / (2 * h);
+    if (t.system.motion().kindOf(i) == RowKind::turn) difference -= 0.5 * Vec3(d[i]).cross(Vec3(here[i]));
+    EXPECT_LT((assembled[i] - product[i]).norm(), 1e-12);
+    if (!none) EXPECT_LT((difference - product[i]).norm(), 1e-8) << "row " << i;
+    size += product[i].norm();
+  }
+  EXPECT_EQ(size > 1e-3, !none);
+  const Vector other = randomRows(t.system, 8);
+  t.mapping.addGeometricProduct(f, other, 1, symmetric);
+  EXPECT_NEAR(dot(other, product), dot(d, symmetric), 1e-12);
+}
+
+INSTANTIATE_TEST_SUITE_P(Mappings, MappingContract, testing::ValuesIn(cases()),
+                         [](const auto& values) { return values.param.name; });
+
+TEST(FrameMappings, PointsFollowTheirFrames) {
+  Simulation simulation = simulationFromText(
+      underFrames("<MechanicalObject name=\"dofs\" position=\"0.1 0 0  0 0.2 0\"/><RigidMapping index=\"2\"/>"));
+  System& system = *simulation.systems()[0];
+  EXPECT_LT((system.x[6] - Vec3(2.1, 0, 1)).norm(), 1e-15);
+  Motion::turnBy(Vec3(0, 0, std::numbers::pi / 2), system.x.rows().data + 5 * row_doubles);
+  system.applyMappings();
+  EXPECT_LT((system.x[6] - Vec3(2, 0.1, 1)).norm(), 1e-15);
+  EXPECT_LT((system.x[7] - Vec3(1.8, 0, 1)).norm(), 1e-15);
+}
+
+/// Nodes of one body are those of two parents, one of them carried by a frame: both feel what acts on them.
+TEST(FrameMappings, ABodyIsGluedToAFrame) {
+  Simulation simulation = simulationFromText(
+      R"(<Node name="root" dt="0.01" gravity="0 0 0"><EulerImplicitSolver/><CGLinearSolver iterations="200" tolerance="1e-14"/>
+      <Node name="rigid"><MechanicalObject name="dofs" template="Rigid3" position="0 0 0  0 0 0 1"/>
+        <UniformMass totalMass="1" inertia="0.1 0.1 0.1"/><FixedTranslationProjectiveConstraint indices="0"/>
+        <Node name="end"><MechanicalObject name="dofs" position="1 0 0"/><RigidMapping/></Node></Node>
+      <Node name="free"><MechanicalObject name="dofs" position="1 1 0"/><UniformMass totalMass="1"/>
+        <FixedProjectiveConstraint indices="0"/></Node>
+      <Node name="both"><MechanicalObject name="dofs" position="1 0 0  1 1 0"/>
+        <SubsetMultiMapping input="@../rigid/end/dofs @../free/dofs" indexPairs="0 0  1 0"/>
+        <SpringForceField springsIndices1="0" springsIndices2="1" lengths="0.5" stiffness="100" damping="0"/></Node></Node>)");
+  ASSERT_FALSE(simulation.step().diverged);
+  System& system = *simulation.systems()[0];
+  // a tension of 50 N at an arm of 1 m: h 50 / (J + h^2 k), J = 0.1 kg m^2
+  EXPECT_NEAR(system.v[1][2], 0.01 * 50 / (0.1 + 1e-4 * 100), 1e-9);
+  EXPECT_NEAR(system.v[1][0], 0, 1e-12);
+}
+
+TEST(FrameMappings, SayWhatTheyNeed) {
+  expectContains(problemsOf(underPoints("<MechanicalObject position=\"0 0 0\"/><RigidMapping/>")),
+                 "has no frames that could carry");
+  expectContains(problemsOf(underFrames("<MechanicalObject position=\"0 0 0\"/><RigidMapping index=\"7\"/>")),
+                 "there is no frame 7");
+  expectContains(
+      problemsOf("<Node name=\"root\"><EulerImplicitSolver/><CGLinearSolver/>" + frames + "<PlaneForceField/></Node>"),
+      "has rigid frames");
+}
+
+}  // namespace STROMA_TEST_FILE
+}  // namespace stroma::test

@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// States of frames and of numbers as scenes write them: what is read, held, loaded, selected, written and read again.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "framework/mechanics/frames.h"
+#include "framework/simulation/state_file.h"
+#include "tests/support/scene_text.h"
+
+namespace stroma::test {
+namespace STROMA_TEST_FILE {
+
+std::string scene(const std::string& object,
+                  const std::string& more = "<UniformMass totalMass=\"2\" inertia=\"0.1 0.2 0.25\"/>",
+                  const std::string& integrator = "<EulerImplicitSolver/><SparseLDLSolver/>") {
+  return "<Node name=\"root\" dt=\"0.01\" gravity=\"0 -10 0\">" + integrator + "<MechanicalObject name=\"dofs\" " +
+         object + "/>" + more + "</Node>";
+}
+const System& systemOf(const Simulation& simulation) { return *simulation.systems()[0]; }
+
+TEST(Frames, SevenNumbersAreACentreAndAQuaternion) {
+  const Simulation simulation =
+      simulationFromText(scene("template=\"Rigid3d\" position=\"1 2 3  0 0 0.6 0.8   4 5 6  0 0 -0.6 -0.8\" "
+                               "velocity=\"1 0 0  0 2 0  0 1 0  0 0 3\""));
+  const System& system = systemOf(simulation);
+  EXPECT_EQ(system.allRows(), 4);
+  EXPECT_EQ(Vec3(system.x[2]), Vec3(4, 5, 6));
+  for (const Index row : {1, 3})
+    EXPECT_LT(orientationIn(system.x, row).angularDistance(Quaternion(0.8, 0, 0, 0.6)), 1e-15);
+  EXPECT_EQ(Vec3(system.v[3]), Vec3(0, 0, 3));
+  const State& state = *simulation.states()[0];
+  EXPECT_EQ(state.nodes(), 2);
+  const std::string text = state.data().find("position")->print();
+  EXPECT_EQ(text.substr(0, 6), "1 2 3 ") << text;
+  EXPECT_EQ(std::count(text.begin(), text.end(), ' '), 13) << text;
+}
+
+TEST(Frames, HalfATurnKeepsAllItsDigits) {
+  const Simulation simulation = simulationFromText(scene("template=\"Rigid3\" position=\"0 0 0  0.6 0.8 0 1e-9\""));
+  EXPECT_NEAR(systemOf(simulation).x.rows().data[7], 1e-9, 1e-15);
+}
+
+TEST(Frames, ScaleAndRotationActOnBoth) {
+  const Simulation simulation = simulationFromText(
+      scene("template=\"Rigid3\" position=\"1 0 0  0 0 0 1\" scale=\"2\" rotation=\"0 0 90\" translation=\"0 0 5\""));
+  const System& system = systemOf(simulation);
+  EXPECT_LT((system.x[0] - Vec3(0, 2, 5)).norm(), 1e-15);
+  EXPECT_LT((orientationIn(system.x, 1) * Vec3::UnitX() - Vec3::UnitY()).norm(), 1e-15);
+}
+
+TEST(Frames, SayWhatIsWrong) {
+  expectContains(problemsOf(scene("template=\"Rigid3\" position=\"1 2 3 0 0 0\"")),
+                 "7 numbers for each node of type Rigid3");
+  expectContains(problemsOf(scene("template=\"Rigid3\" position=\"1 2 3 0 0 0 0\"")), "which is no orientation");
+  expectContains(problemsOf(scene("template=\"Rigid4\" position=\"1 2 3\"")), "nodes of type Rigid4 do not exist");
+  expectContains(problemsOf(scene("position=\"1 2 3 0 0 0 1\"")), "template=\"Rigid3\"");
+  expectContains(
+      problemsOf(scene("template=\"Rigid3\" position=\"0 0 0 0 0 0 1\"", "<UniformMass vertexMass=\"1 2\"/>")),
+      "vertexMass has 2 numbers");
+  expectContains(problemsOf(scene("template=\"Rigid3\" position=\"0 0 0 0 0 0 1\"",
+                                  "<UniformMass totalMass=\"1\" inertia=\"1 2 -1\"/>")),
+                 "three positive ones");
+}
+
+TEST(Frames, TheMassOfSOFAIsRead) {
+  for (const char* mass : {"<UniformMass vertexMass=\"2 1 0.1 0 0 0 0.2 0 0 0 0.3\"/>",
+                           "<UniformMass vertexMass=\"2 1 [0.1 0 0,0 0.2 0,0 0 0.3]\"/>",
+                           "<UniformMass totalMass=\"2\" inertia=\"0.2 0.4 0.6\"/>",
+                           "<UniformMass totalMass=\"2\" inertia=\"0.2 0 0 0 0.4 0 0 0 0.6\"/>",
+                           "<DiagonalMass vertexMass=\"2\" inertia=\"0.2 0.4 0.6\"/>"}) {
+    const Simulation simulation =
+        simulationFromText(scene("template=\"Rigid3\" position=\"0 0 0  0 0 0 1\" velocity=\"1 0 0  1 2 3\"", mass));
+    EXPECT_NEAR(systemOf(simulation).kineticEnergy(), 0.5 * (2 + 0.2 + 0.4 * 4 + 0.6 * 9), 1e-14) << mass;
+  }
+}
+
+TEST(Frames, AreHeldInPart) {
+  const std::string two = "template=\"Rigid3\" position=\"0 0 0  0 0 0 1  1 0 0  0 0 0 1\"",
+                    mass = "<UniformMass totalMass=\"2\" inertia=\"1 1 1\"/>",
+                    torque = "<ConstantForceField indices=\"0\" forces=\"1 2 3 4 5 6\"/>";
+  const auto after = [&](const std::string& constraint) {
+    Simulation simulation = simulationFromText(scene(two, mass + torque + constraint));
+    EXPECT_FALSE(simulation.step().diverged);
+    return std::pair(Vec3(systemOf(simulation).v[0]), Vec3(systemOf(simulation).v[1]));
+  };
+  const auto [v, w] = after("");
+  EXPECT_LT((v - 0.01 * Vec3(1, 2 - 10, 3)).norm(), 1e-14);
+  EXPECT_LT((w - 0.01 * Vec3(4, 5, 6)).norm(), 1e-14);
+  const auto held = after("<FixedProjectiveConstraint indices=\"0\"/>");
+  EXPECT_EQ(held.first.norm() + held.second.norm(), 0);
+  const auto turns = after("<FixedTranslationProjectiveConstraint indices=\"0\"/>");
+  EXPECT_EQ(turns.first.norm(), 0);
+  EXPECT_LT((turns.second - w).norm(), 1e-14);
+  const auto partly = after("<PartialFixedProjectiveConstraint indices=\"0\" fixedDirections=\"0 1 0 1 0 1\"/>");
+  EXPECT_LT((partly.first - Vec3(v.x(), 0, v.z())).norm(), 1e-14);
+  EXPECT_LT((partly.second - Vec3(0, w.y(), 0)).norm(), 1e-14);
+}
+
+TEST(Frames, AreSelectedByTheirCentres) {
+  const Simulation simulation = simulationFromText(
+      scene("template=\"Rigid3\" position=\"0 0 0  0 0 0 1  1 0 0  0 0 0 1\"",
+            "<UniformMass totalMass=\"2\" inertia=\"1 1 1\"/>"
+            "<BoxROI name=\"box\" box=\"0.5 -1 -1 2 1 1\"/><FixedProjectiveConstraint indices=\"@box.indices\"/>"));
+  EXPECT_EQ(systemOf(simulation).constraints().projectorOf(1), -1);
+  EXPECT_GE(systemOf(simulation).constraints().projectorOf(3), 0);
+}
+
+TEST(Frames, SpringsTurnThemBack) {
+  // J th'' = -k th about one axis
+  Simulation simulation = simulationFromText(
+      "<Node name=\"root\" dt=\"0.001\" gravity=\"0 0 0\"><TrapezoidalRuleSolver/><SparseLDLSolver/>"
+      "<MechanicalObject template=\"Rigid3\" position=\"0.1 0 0  0 0 0.19866933 0.98006658\" rest_position=\"0 0 0  0 "
+      "0 0 1\"/>"
+      "<UniformMass totalMass=\"2\" inertia=\"0.1 0.2 0.25\"/><RestShapeSpringsForceField stiffness=\"8\" "
+      "angularStiffness=\"4\"/></Node>");
+  const double start = systemOf(simulation).potentialEnergy(systemOf(simulation).x);
+  EXPECT_NEAR(start, 0.5 * 8 * 0.01 + 0.5 * 4 * 0.16, 1e-8);
+  for (int i = 0; i < 500; ++i) ASSERT_FALSE(simulation.step().diverged);
+  const System& system = systemOf(simulation);
+  EXPECT_NEAR(rotationVector(orientationIn(system.x, 1)).z(), 0.4 * std::cos(std::sqrt(4 / 0.25) * 0.5), 2e-5);
+  EXPECT_NEAR(system.x[0][0], 0.1 * std::cos(std::sqrt(8 / 2.) * 0.5), 2e-5);
+  EXPECT_NEAR(system.potentialEnergy(system.x) + system.kineticEnergy(), start, 1e-6 * start);
+}
+
+/// Numbers move along one direction: statics of them is not singular.
+TEST(Numbers, HaveOneDirectionEach) {
+  for (const std::string type : {"Vec1", "Vec2", "Vec6"}) {
+    const int count = type[3] - '0';
+    std::string position, force;
+    for (int i = 0; i < 2 * count; ++i) position += fmt::format("{} ", i), force += "3 ";
+    Simulation simulation = simulationFromText(
+        scene("template=\"" + type + "\" position=\"" + position + "\"",
+              "<RestShapeSpringsForceField stiffness=\"6\"/><ConstantForceField forces=\"" + force + "\"/>",
+              "<StaticSolver/><SparseLDLSolver/>"));
+    const StepReport report = simulation.step();
+    ASSERT_FALSE(report.diverged) << report.reason;
+    EXPECT_TRUE(report.newton_converged);
+    EXPECT_EQ(simulation.states()[0]->nodes(), 2);
+    for (Index i = 0; i < 2 * count; ++i) {
+      EXPECT_NEAR(systemOf(simulation).x[i][0], i + 0.5, 1e-12) << type;
+      EXPECT_EQ(systemOf(simulation).x[i][1], 0);
+    }
+  }
+}
+
+TEST(Frames, AreWrittenAndReadAgain) {
+  const std::filesystem::path folder = std::filesystem::temp_directory_path() / "stroma_test_frames";
+  std::filesystem::create_directories(folder);
+  const std::string file = (folder / "frames.state").string();
+  const std::string object =
+      "template=\"Rigid3\" position=\"1 0 0  0 0 0 1  0 1 0  0 0 0 1\" velocity=\"1 0 0  1 2 3   0 0 0  0 -9 0\"";
+  const std::string mass = "<UniformMass totalMass=\"2\" inertia=\"0.1 0.2 0.25\"/>";
+  std::vector<Vector> recorded;
+  const auto note = [&](const Simulation& simulation) {
+    recorded.emplace_back(4);
+    copy(systemOf(simulation).x, recorded.back());
+  };
+  {
+    Simulation simulation = simulationFromText(
+        scene(object, mass + "<WriteState filename=\"" + file + "\" writeV=\"true\" writeX0=\"true\"/>"));
+    simulation.begin();
+    note(simulation);
+    for (int i = 0; i < 40; ++i) {
+      ASSERT_FALSE(simulation.step().diverged);
+      note(simulation);
+    }
+    simulation.end();
+  }
+  std::ifstream stream(file);
+  std::string line;
+  while (std::getline(stream, line) && line.find("X=") == line.npos) {
+  }
+  EXPECT_EQ(std::count(line.begin(), line.end(), ' '), 2 + 14) << line;
+  Simulation replay = simulationFromText(scene(object, mass + "<ReadState filename=\"" + file + "\"/>"));
+  double turned = 0;
+  for (std::size_t i = 1; i <= 40; ++i) {
+    ASSERT_FALSE(replay.step().diverged);
+    for (std::size_t k = 0; k < 16; ++k)
+      EXPECT_NEAR(systemOf(replay).x.rows().data[k], recorded[i].rows().data[k], 1e-14) << i;
+    turned = std::max(turned, orientationIn(recorded[i], 3).angularDistance(Quaternion::Identity()));
+  }
+  EXPECT_GT(turned, 3) << "more than any hemisphere";
+  std::filesystem::remove_all(folder);
+}
+
+}  // namespace STROMA_TEST_FILE
+}  // namespace stroma::test
