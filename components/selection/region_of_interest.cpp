@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Selects the nodes and cells of a mesh that lie in a region: boxes (BoxROI) or spheres (SphereROI).
+// Selects the nodes and cells of a mesh that lie in a region: boxes (BoxROI), spheres (SphereROI), rectangles (PlaneROI),
+// one box without another (PairBoxROI) or a closed surface (MeshROI).
 //
 // The outputs are link sources: indices="@roi.indices". A node on the border is inside. A cell is inside when all its
 // nodes are (strict="true") or when the mean of its nodes is (strict="false"). The nodes tested are `position`, else
@@ -12,6 +13,10 @@
 // with 0 <= a, b <= 1, |c| <= d/2 and n the unit normal (borders widened by 1e-9 of the box, for round-off). SphereROI:
 // `centers` and `radii`, one radius for each centre or one for all.
 //
+// PlaneROI: `plane` lists rectangles of ten numbers, three corners p0 p1 p2 and a depth d: points p0 + a (p1 - p0) +
+// b (p2 - p0) + c n with 0 <= a, b <= 1 and |c| <= d/2. PairBoxROI: nodes in inclusiveBox that are not in includedBox. MeshROI:
+// nodes inside of the surface of ROIposition and ROItriangles, by its solid angle.
+//
 // Unlike SOFA a region that is not given is an error (there: the unit cube), and so is an empty selection, unless
 // allowEmpty="true": a clamp that holds nothing is otherwise seen only in the result.
 //
@@ -22,14 +27,19 @@
 //   <RegularGridTopology name="grid" n="5 3 3" min="0 0 0" max="4 2 2"/>
 //   <BoxROI name="clamped" box="-0.1 -0.1 -0.1 0.1 2.1 2.1"/>
 //   <SphereROI name="pulled" centers="4 1 1" radii="0.5"/>
+//   <PlaneROI name="face" plane="4 0 0  4 2 0  4 0 2  0.1"/>
+//   <PairBoxROI name="shell" inclusiveBox="-1 -1 -1 5 3 3" includedBox="0.5 0.5 0.5 3.5 1.5 1.5"/>
+//   <MeshROI name="corner" ROIposition="-1 -1 -1  3 -1 -1  -1 3 -1  -1 -1 3" ROItriangles="0 2 1  0 1 3  1 2 3  2 0 3"/>
 // </Node>
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <algorithm>
 #include <cctype>
 #include <cmath>
 
+#include "framework/mechanics/state_positions.h"
 #include "framework/mechanics/state_topology.h"
 #include "framework/mesh/cell_attributes.h"
 #include "framework/mesh/cell_lists.h"
@@ -61,8 +71,10 @@ class RegionOfInterest : public Component {
     Selection<Edge> edges;
     Selection<Triangle> triangles;
     Selection<Quad> quads;
+    Selection<QuadraticTriangle> quadratic_triangles;
     Selection<Tetrahedron> tetrahedra;
     Selection<Hexahedron> hexahedra;
+    Selection<QuadraticTetrahedron> quadratic_tetrahedra;
   };
   void forget();
   void findPositions();
@@ -153,7 +165,7 @@ void RegionOfInterest::findPositions() {
     return;
   }
   for (const bool upwards : {false, true}) {
-    if (const auto* state = find<State>(upwards)) return void(position_ = state->rest_position);
+    if (const auto* state = find<State>(upwards)) return void(position_ = nodePlaces(*state, state->rest_position));
     if (const auto* topology = firstTopology(*this, upwards)) return void(position_ = topology->mesh().position);
   }
   throw ComponentError("there are no nodes to select from", "a state or topology in the node or above, or position");
@@ -216,6 +228,7 @@ class BoxROI : public RegionOfInterest {
     return low_.size() + oriented_.size() == 1 ? "the box"
                                                : fmt::format("the {} boxes", low_.size() + oriented_.size());
   }
+  std::vector<double> box_, oriented_box_;
 
  private:
   /// Corner, and the map of p - corner to (a, b, c): a box is 0 <= a, b <= 1, |c| <= 1/2.
@@ -223,7 +236,6 @@ class BoxROI : public RegionOfInterest {
     Vec3 corner;
     Mat3 to_unit;
   };
-  std::vector<double> box_, oriented_box_;
   std::vector<Vec3> low_, high_;
   std::vector<Oriented> oriented_;
 };
@@ -294,10 +306,94 @@ class SphereROI : public RegionOfInterest {
   std::vector<double> radii_;
 };
 
+/// An oriented box by another corner first.
+class PlaneROI final : public BoxROI {
+ public:
+  void declare(DataTable& table) override {
+    table.add("plane", plane_).unit("m").help("rectangles of ten numbers: three corners, and the depth");
+    RegionOfInterest::declare(table);
+  }
+
+ protected:
+  void prepare() override {
+    oriented_box_ = plane_;
+    for (std::size_t i = 0; i + 10 <= plane_.size(); i += 10)
+      std::swap_ranges(oriented_box_.begin() + long(i), oriented_box_.begin() + long(i) + 3,
+                       oriented_box_.begin() + long(i) + 3);
+    BoxROI::prepare();
+  }
+
+ private:
+  std::vector<double> plane_;
+};
+
+class PairBoxROI : public RegionOfInterest {
+ public:
+  void declare(DataTable& table) override {
+    table.add("inclusiveBox", outer_).unit("m").help("x y z of two corners: nodes must be in it");
+    table.add("includedBox", inner_).unit("m").help("x y z of two corners: and not in this one");
+    RegionOfInterest::declare(table);
+  }
+
+ protected:
+  void prepare() override {
+    if (outer_.size() != 6 || inner_.size() != 6)
+      throw ComponentError("inclusiveBox or includedBox has not six numbers", "x y z of two corners");
+  }
+  bool contains(const Vec3& p) const override { return isIn(outer_, p) && !isIn(inner_, p); }
+  std::string describeRegion() const override { return "the space between the boxes"; }
+
+ private:
+  static bool isIn(const std::vector<double>& box, const Vec3& p) {
+    for (std::size_t c = 0; c < 3; ++c)
+      if (p[Index(c)] < std::min(box[c], box[c + 3]) || p[Index(c)] > std::max(box[c], box[c + 3])) return false;
+    return true;
+  }
+  std::vector<double> outer_, inner_;
+};
+
+class MeshROI : public RegionOfInterest {
+ public:
+  void declare(DataTable& table) override {
+    table.add("ROIposition", surface_).unit("m").help("nodes of the surface");
+    table.add("ROItriangles", triangles_).help("its triangles");
+    for (const char* name : {"ROIedges", "computeMeshROI", "computeTemplateTriangles"}) table.addVisualOnly(name);
+    RegionOfInterest::declare(table);
+  }
+
+ protected:
+  void prepare() override {
+    if (triangles_.empty()) throw ComponentError("the surface has no triangles", "ROIposition and ROItriangles");
+    for (const Triangle& t : triangles_)
+      for (const Index node : t)
+        if (node < 0 || std::size_t(node) >= surface_.size())
+          throw ComponentError(fmt::format("ROItriangles names node {} of {}", node, surface_.size()));
+  }
+  /// Half of the full solid angle or more (van Oosterom and Strackee 1983).
+  bool contains(const Vec3& p) const override {
+    double angle = 0;
+    for (const Triangle& t : triangles_) {
+      const Vec3 a = surface_[t[0]] - p, b = surface_[t[1]] - p, c = surface_[t[2]] - p;
+      const double l = a.norm(), m = b.norm(), n = c.norm();
+      angle += 2 * std::atan2(a.dot(b.cross(c)), l * m * n + a.dot(b) * n + b.dot(c) * l + c.dot(a) * m);
+    }
+    constexpr double half = 6.283185307179586;
+    return std::abs(angle) >= half;
+  }
+  std::string describeRegion() const override { return "the surface"; }
+
+ private:
+  std::vector<Vec3> surface_;
+  std::vector<Triangle> triangles_;
+};
+
 }  // namespace
 }  // namespace stroma
 
 STROMA_COMPONENT(region_of_interest) {
+  factory.add<stroma::PlaneROI>("PlaneROI", "selects the nodes and cells near rectangles");
+  factory.add<stroma::PairBoxROI>("PairBoxROI", "selects the nodes and cells in one box and not in another");
+  factory.add<stroma::MeshROI>("MeshROI", "selects the nodes and cells inside of a surface");
   factory.add<stroma::BoxROI>("BoxROI", "selects the nodes and cells in boxes");
   factory.add<stroma::SphereROI>("SphereROI", "selects the nodes and cells in spheres");
 }

@@ -6,6 +6,7 @@
 
 #include "tools/command/run_request.h"
 #include "tools/command/session.h"
+#include "tools/command/sofa_runs.h"
 
 namespace stroma::command {
 namespace {
@@ -15,7 +16,8 @@ const Manual check_manual{
     "Does what `stroma run` does before its first step, and writes nothing but the cacheFolder of a condensed solver.\n"
     "Reports every problem found in one run, each with its place, what was expected and the nearest right name.\n"
     "Exit code 2 when there are errors: `stroma run SCENE` would stop at the same.",
-    "  stroma check liver.xml\n  stroma check liver.xml --set /liver/fem.method=polar --json\n"};
+    "  stroma check liver.xml\n  stroma check liver.xml --set /liver/fem.method=polar --json\n"
+    "  stroma check --sofa sofa/examples --steps 10 --jobs 2    a line for each of SOFA's scenes there\n"};
 
 using Json = nlohmann::ordered_json;
 
@@ -47,17 +49,20 @@ std::string plural(std::size_t count, const char* noun) {
 
 /// "ok: 402 nodes in 1 state, 1 force field, ..."
 std::string counts(const Simulation& simulation) {
-  std::size_t nodes = 0, states = 0, fields = 0, masses = 0, constraints = 0;
+  std::size_t nodes = 0, states = 0, fields = 0, masses = 0, constraints = 0, integrators = 0;
   for (const auto& system : simulation.systems()) {
     nodes += std::size_t(system->allRows());
     states += system->states().size();
     fields += system->forceFields().size();
     masses += system->masses().size();
     constraints += system->constraints().all().size();
+    integrators += 1 + system->merged().size();
   }
-  return fmt::format("ok: {} in {}, {}, {}, {}, {}, {}", plural(nodes, "node"), plural(states, "state"),
+  const std::size_t systems = simulation.systems().size();
+  const std::string together = systems == integrators ? "" : fmt::format(" for {}", plural(systems, "system"));
+  return fmt::format("ok: {} in {}, {}, {}, {}, {}{}, {}", plural(nodes, "node"), plural(states, "state"),
                      plural(fields, "force field"), masses == 1 ? "1 mass" : fmt::format("{} masses", masses),
-                     plural(constraints, "constraint"), plural(simulation.systems().size(), "integrator"),
+                     plural(constraints, "constraint"), plural(integrators, "integrator"), together,
                      plural(simulation.observers().size(), "observer"));
 }
 
@@ -65,7 +70,12 @@ void print(const Json& json) { fmt::print("{}\n", json.dump(2, ' ', false, Json:
 
 CommandLine checkLine() {
   OptionList options("options");
-  options.add_options()("json", "print the problems as JSON");
+  namespace po = boost::program_options;
+  options.add_options()("json", "print the problems as JSON")(
+      "sofa", "SCENE is a folder of SOFA's scenes, or a list of them: a line for each, and what holds back how many")(
+      "steps", po::value<long>()->value_name("N")->default_value(10), "with --sofa: how many steps a scene must make")(
+      "jobs", po::value<int>()->value_name("N")->default_value(1), "with --sofa: how many scenes at once")(
+      "limit", po::value<double>()->value_name("SECONDS")->default_value(60), "with --sofa: the time of one scene");
   addSceneOptions(options);
   return {check_manual, options, {"SCENE"}};
 }
@@ -75,6 +85,7 @@ int check(const Arguments& arguments) {
   if (!values) return exit_done;
   const std::string scene = required(*values, "SCENE", check_manual);
   const bool json = values->count("json") > 0;
+  if (values->count("sofa")) return surveySofaScenes(scene, *values);
   Session session;
   configure(session, *values);
   std::vector<Problem> problems;

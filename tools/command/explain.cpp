@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "framework/algebra/parallel.h"
+#include "framework/scene/dialect.h"
 #include "tools/command/plan_json.h"
 #include "tools/command/session.h"
 #include "tools/plan/plan.h"
@@ -33,6 +34,8 @@ int explain(const Arguments& arguments) {
   configure(session, *values);
   const Simulation& simulation = session.load(required(*values, "SCENE", explain_manual));
   reportProblems(simulation.scene(), true);
+  for (const Problem& problem : simulation.scene().diagnostics.problems())
+    if (problem.path == dialect_note) fmt::print("{}\n", problem.message);
   if (values->count("json")) return printJson(planJson(session));
   for (const std::string& line : planOf(simulation).lines()) fmt::print("{}\n", line);
   fmt::print("modules opened: {} (instructions: {})\n", names(session.modules().opened()), instructionLevel());

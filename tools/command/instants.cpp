@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "framework/mechanics/frames.h"
 #include "framework/scene/output_file.h"
 
 namespace stroma::command {
@@ -76,9 +77,10 @@ void appendInstant(std::string& bytes, double time, const std::vector<State*>& s
     at += count * sizeof(double);
   };
   append(&time, 1);
-  for (const State* state : states)
-    for (const ConstRows rows : {ConstRows(state->x()), ConstRows(state->v())})
-      for (const double* row = rows.data; row != rows.data + rows.doubles(); row += row_doubles) append(row, 3);
+  for (const State* state : states) {
+    for (Index i = 0; i < state->size(); ++i) append(valueOfRow(state->kindOf(i), state->x(), i).data(), 3);
+    for (Index i = 0; i < state->size(); ++i) append(state->v()[i].data(), 3);
+  }
 }
 
 std::size_t InstantsHead::instantBytes() const {

@@ -150,9 +150,10 @@ void MeasuredQuantity::failName(const Component& component, const std::string& n
 void MeasuredQuantity::ofState(const State& state, const std::string& name) {
   evaluate_ = [this, &state, name] {
     return meanOf(
-        std::size_t(state.size()), 3, chosen_,
-        [&](std::size_t i, std::size_t c) {
+        std::size_t(state.nodes()), 3, chosen_,
+        [&](std::size_t node, std::size_t c) {
           const auto k = Index(c);
+          const std::size_t i = node * std::size_t(state.rows_per_node);  // of a frame the centre
           if (name == "velocity") return state.v()[Index(i)][k];
           return state.x()[Index(i)][k] - (name == "displacement" ? state.rest_position[i][k] : 0.0);
         },
@@ -191,10 +192,12 @@ void MeasuredQuantity::ofCells(const Simulation& simulation, const ForceField& f
   const Mesh* mesh = volumeMeshOf(simulation, field.state());
   std::vector<double> volumes;
   if (mesh) {
-    for (const Tetrahedron& cell : mesh->tetrahedra)
-      volumes.push_back(cell_kinds::tetrahedron.size(cornersOf(cell, field.state().rest_position).data()));
-    for (const Hexahedron& cell : mesh->hexahedra)
-      volumes.push_back(cell_kinds::hexahedron.size(cornersOf(cell, field.state().rest_position).data()));
+    forEachCellList(
+        [&](const CellKind& kind, const auto& cells) {
+          for (const auto& cell : cells)
+            if (kind.dimension == 3) volumes.push_back(kind.size(cornersOf(cell, field.state().rest_position).data()));
+        },
+        *mesh);
   }
   evaluate_ = [this, system, volumes, &field, name] {
     std::vector<double> values;

@@ -239,8 +239,9 @@ int mesh(const Arguments& arguments) {
   checkWritable(request->output, true);
   const Meshed meshed = request->surfaceLoader() ? meshSurface(*request) : meshImage(*request);
   const MeshQuality quality = qualityOf(meshed.mesh);
-  writeWholeFile(request->output,
-                 request->toVtu() ? vtuText(meshed.mesh) : gmshText(meshed.mesh, request->names, request->format_22));
+  writeWholeFile(request->output, request->toVtu()
+                                      ? vtuText(meshed.mesh, request->order)
+                                      : gmshText(meshed.mesh, request->names, request->format_22, request->order));
   warnOfMesh(*request, meshed, quality);
   printMeshReport(*request, meshed, quality);
   return exit_done;

@@ -81,7 +81,10 @@ OptionList optionList() {
       ("scale", number("FACTOR"), "factor on the positions of INPUT, as 0.001 from mm to m")                        //
       ("unit", number("UNIT"), "unit of the positions of INPUT, as mm: they become metres, as with --scale 0.001")  //
       ("name", list("LABEL=NAME"), "name of a label in a .msh file, without '.'; may be repeated")                  //
-      ("msh22", "write .msh format 2.2 instead of 4.1")                                                             //
+      ("order", number("1|2"),
+       "order of the cells: 2 puts a node in the middle of each edge, for QuadraticTetrahedronFEMForceField (default "
+       "1)")                                             //
+      ("msh22", "write .msh format 2.2 instead of 4.1")  //
       ("json", "print the report as JSON");
   return options;
 }
@@ -164,6 +167,11 @@ MeshRequest readRequest(const Values& values) {
   readCriteria(values, request);
   readNames(values, request);
   refuseIdle(values, request);
+  if (values.count("order")) {
+    const std::string order = values["order"].as<std::string>();
+    if (order != "1" && order != "2") throw UsageError(fmt::format("--order {}: expected 1 or 2", order));
+    request.order = order == "2" ? 2 : 1;
+  }
   request.json = values.count("json") > 0, request.format_22 = values.count("msh22") > 0;
   return request;
 }

@@ -18,6 +18,7 @@ struct MeshRequest {
   double most_cells = 5e6;
   double progress = 5;  ///< seconds between two lines
   bool json = false, format_22 = false;
+  int order = 1;  ///< of the cells: 2 puts a node on each edge
   bool toVtu() const { return output.ends_with(".vtu"); }
   /// The loader of the surface's format, or null: an image.
   const char* surfaceLoader() const;

@@ -94,7 +94,7 @@ drawing::Recording recordingIn(const std::string& folder, const Simulation& simu
   drawing::Recording recording;
   for (const State* state : simulation.states()) {
     const std::string file = (fs::path(folder) / stateFileName(state->path())).string();
-    StateRecording one = readRecording(file);
+    StateRecording one = readRecording(file, state);
     if (!one.unfinished.empty()) fmt::print(stderr, "warning: {}\n", one.unfinished);
     if (one.frames.empty()) throw UsageError(file + ": the file holds no instant");
     for (const StateFrame& frame : one.frames) checkFrame(frame, file, *state);

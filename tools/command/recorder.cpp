@@ -54,14 +54,15 @@ void Recorder::goOn() {
   const Simulation& simulation = session_.simulation();
   const bool is_due = simulation.steps() % every_ == 0;
   bool all_have_it = true;
+  std::size_t i = 0;
   for (StateWriter& writer : writers_) {
-    const std::optional<double> last = writer.goOn(simulation.time(), is_due);
+    const std::optional<double> last = writer.goOn(simulation.time(), is_due, states_[i++]);
     is_empty_ = is_empty_ && !last;
     all_have_it = all_have_it && last == simulation.time();
   }
   if (is_due && all_have_it) last_step_ = simulation.steps();
   if (is_due && !all_have_it)
-    for (StateWriter& writer : writers_) writer.goOn(simulation.time(), false);
+    for (i = 0; i < writers_.size(); ++i) writers_[i].goOn(simulation.time(), false, states_[i]);
 }
 
 void Recorder::write() {
@@ -78,8 +79,8 @@ void Recorder::record() {
   forEachWriter([&](StateWriter& writer) {
     const State& state = *states_[i++];
     writer.time(simulation.time());
-    writer.rows("X", state.x());
-    writer.rows("V", state.v());
+    writer.rows("X", state, state.x());
+    writer.rows("V", state, state.v());
     writer.finish();
   });
 }

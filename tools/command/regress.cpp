@@ -15,6 +15,8 @@
 #include "tools/command/junit.h"
 #include "tools/command/regression_list.h"
 #include "tools/command/session.h"
+#include "tools/command/sofa_references.h"
+#include "tools/command/sofa_runs.h"
 #include "tools/session/file_uses.h"
 #include "tools/session/statistics.h"
 
@@ -204,6 +206,10 @@ OptionList regressOptions() {
       ("bits",
        "compare every bit between runs with 1 and 2 threads, after a reset and from a checkpoint, and the stored hash")(
           "json", po::value<std::string>()->value_name("FILE"), "write all figures as JSON")  //
+      ("tolerance", po::value<double>()->value_name("SHARE")->default_value(1e-3),
+       "of SOFA's lists (*.regression-tests): the relative difference that passes")  //
+      ("jobs", po::value<int>()->value_name("N")->default_value(1), "of SOFA's lists: how many scenes at once")  //
+      ("limit", po::value<double>()->value_name("SECONDS")->default_value(600), "of SOFA's lists: the time of one scene")  //
       ("junit", po::value<std::string>()->value_name("FILE"), "write the results as JUnit's XML, for build servers");
   addSceneOptions(options);
   return options;
@@ -243,6 +249,8 @@ CommandLine regressLine() { return {regress_manual, regressOptions(), {"LIST"}};
 int regress(const Arguments& arguments) {
   const auto values = parseOptions(regressLine(), arguments);
   if (!values) return exit_done;
+  if (const std::string file = required(*values, "LIST", regress_manual); isSofaList(file))
+    return regressSofaList(file, *values);
   const RegressionList list = readRegressionList(required(*values, "LIST", regress_manual));
   const bool update = values->count("update") > 0;
   if (update && values->count("set"))

@@ -189,7 +189,7 @@ struct Run {
   std::string checkpoint{};  ///< that it goes on from, or empty
   std::optional<Replay> replay{};
   std::optional<MeasuredQuantity> measured{};
-  std::vector<std::string> warnings{};
+  std::vector<std::string> warnings{}, coarse{};
   long steps = 0;
   double load_seconds = 0;
 
@@ -224,6 +224,7 @@ struct Run {
     for (const FileUse& input : inputsOf(simulation.scene())) json["inputs"].push_back(input.path);
     if (replay) json["replayed"] = {{"actions", replay->made(simulation)}, {"later", replay->later(simulation)}};
     json["warnings"] = warnings;
+    json["coarse_meshes"] = coarse;
     return json;
   }
   void print(const Outcome& outcome, const Recordings& recordings) const {
@@ -253,6 +254,7 @@ int run(const Arguments& arguments) {
       writeMeasuredEnd(run.session.simulation(), run.measured ? &*run.measured : nullptr, request.measure_file);
     });
   const bool doubts = tellWarnings(outcome.statistics, doubtsOf(run.session.simulation()), run.warnings);
+  if (!outcome.failed()) run.coarse = tellMeshErrors(run.session.simulation(), request.quiet);
   outcome.doubted = request.strict && (doubts || !outcome.statistics.unconverged.none());
   if (wants_json) attempt(outcome, [&] { writeJson(run.json(outcome, at_start, recordings), request.json_file); });
   for (const std::string& failure : outcome.failures) fmt::print(stderr, "error: {}\n", failure);

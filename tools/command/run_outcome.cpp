@@ -7,7 +7,9 @@
 #include <cmath>
 
 #include "framework/algebra/parallel.h"
+#include "framework/algebra/solver_choice.h"
 #include "framework/scene/output_file.h"
+#include "tools/checks/mesh_error.h"
 #include "tools/checks/result_doubts.h"
 #include "tools/command/statistics.h"
 #include "tools/units/unit_system.h"
@@ -64,6 +66,13 @@ bool tellWarnings(const RunStatistics& statistics, const std::vector<std::string
   return !doubts.empty();
 }
 
+std::vector<std::string> tellMeshErrors(const Simulation& simulation, bool quiet) {
+  std::vector<std::string> sentences = meshErrors(simulation);
+  for (const std::string& sentence : sentences)
+    if (!quiet) fmt::print(stderr, "note: {}\n", sentence);
+  return sentences;
+}
+
 /// The node of each state that is farthest from where it started.
 nlohmann::ordered_json greatestDisplacements(const Simulation& simulation) {
   auto all = nlohmann::ordered_json::array();
@@ -109,6 +118,31 @@ nlohmann::ordered_json summary(const RunRequest& request, const Simulation& simu
   return json;
 }
 
+/// For statics: a solver that the scene names and that is far from the best, what it took and what to leave out; or empty.
+/// The time of another is an estimate, of one core: the model of AutomaticLinearSolver for a usual mesh.
+std::string slowSolver(const System& system, const RunStatistics& statistics) {
+  constexpr double seconds_a_node = 15e-6, worth_saying = 5;
+  constexpr Index always_factored = 2500;
+  const LinearSolver* solver = system.linearSolver();
+  if (!solver || system.integrator().movesInTime() || dynamic_cast<const SolverChoice*>(solver)) return {};
+  if (system.independentRows() < always_factored || system.times.solve < worth_saying) return {};
+  const double other = seconds_a_node * system.independentRows() * double(std::max(1L, statistics.newton_iterations));
+  if (system.times.solve < 3 * other) return {};
+  return fmt::format(
+      "\n{:.3g} s went into {}, about {:.0f} times what multigrid is estimated to take: without <{}> the run chooses its "
+      "solver",
+      system.times.solve, solver->path(), system.times.solve / other, solver->type());
+}
+
+/// A choice that a solver has changed in the run, or empty.
+std::string changedChoice(const System& system) {
+  const LinearSolver* solver = system.linearSolver();
+  const auto* choosing = dynamic_cast<const SolverChoice*>(solver);
+  const Data* changes = choosing ? solver->data().find("changes") : nullptr;
+  if (!changes || changes->print() == "0") return {};
+  return fmt::format("\n{} changed its choice in the run: {}", solver->path(), choosing->choice());
+}
+
 void printSummary(const RunRequest& request, const Simulation& simulation, const Outcome& outcome) {
   fmt::print("{}: {} after {} steps, t = {:.6g}{}; {:.3g} s of wall time", request.scene, outcome.word(),
              simulation.steps(), simulation.time(), unitsOf(simulation.scene()).behind("s"), outcome.seconds);
@@ -124,6 +158,8 @@ void printSummary(const RunRequest& request, const Simulation& simulation, const
           "\nin {} of the steps {} failed with the approximate tangent of a force field and went on with the exact "
           "one: tangent=\"exact\" there takes it from the start",
           steps->print(), system->integrator().path());
+  for (const auto& system : simulation.systems())
+    fmt::print("{}{}", slowSolver(*system, outcome.statistics), changedChoice(*system));
   fmt::print("\nstate hash {:016x}\n", simulation.stateHash());
 }
 

@@ -25,6 +25,9 @@ void tellFailure(const Outcome& outcome, const Simulation& simulation, const std
 bool tellWarnings(const RunStatistics& statistics, const std::vector<std::string>& doubts,
                   std::vector<std::string>& warnings);
 
+/// Prints, unless `quiet`, and returns what is said of cells that are too large for the shapes that they have got.
+std::vector<std::string> tellMeshErrors(const Simulation& simulation, bool quiet);
+
 nlohmann::ordered_json summary(const RunRequest& request, const Simulation& simulation, const Outcome& outcome);
 void printSummary(const RunRequest& request, const Simulation& simulation, const Outcome& outcome);
 /// "-" is standard output. Throws OutputError.

@@ -17,6 +17,10 @@ void addSceneOptions(OptionList& options) {
   options.add_options()  //
       ("set", po::value<std::vector<std::string>>()->value_name("PATH.ATTR=VALUE"),
        "override an attribute of the scene, as --set /liver/fem.method=polar; may be repeated")  //
+      ("dialect", po::value<std::string>()->value_name("sofa|native"),
+       "read the scene as SOFA does, or as a native one; a file that ends in .scn is SOFA's")  //
+      ("without-quirk", po::value<std::vector<std::string>>()->value_name("NAME"),
+       "of a scene in SOFA's dialect: without this way of SOFA; stroma explain lists them; may be repeated")  //
       ("module", po::value<std::vector<std::string>>()->value_name("FILE.so"),
        "open a module of components by its path; may be repeated")  //
       ("threads", po::value<int>()->value_name("N"), "threads to use, 1 when not given; no result depends on it");
@@ -29,7 +33,13 @@ void configure(Session& session, const Values& values) {
   });
   if (values.count("module"))
     for (const std::string& file : values["module"].as<std::vector<std::string>>()) session.modules().open(file);
-  if (values.count("set")) session.setOverrides(parseOverrides(values["set"].as<std::vector<std::string>>()));
+  std::vector<Override> overrides;
+  if (values.count("set")) overrides = parseOverrides(values["set"].as<std::vector<std::string>>());
+  if (values.count("dialect")) overrides.push_back({"/", "dialect", values["dialect"].as<std::string>()});
+  if (values.count("without-quirk"))
+    overrides.push_back(
+        {"/", "withoutQuirks", fmt::format("{}", fmt::join(values["without-quirk"].as<std::vector<std::string>>(), " "))});
+  session.setOverrides(std::move(overrides));
   if (!values.count("threads")) return;
   const int count = values["threads"].as<int>();
   if (count < 1 || count > 1024) throw UsageError(fmt::format("--threads {}: expected 1 to 1024", count));

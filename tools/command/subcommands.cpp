@@ -4,6 +4,7 @@
 #include <array>
 
 #include "tools/command/command.h"
+#include "tools/command/sofa_runs.h"
 
 namespace stroma::command {
 
@@ -20,6 +21,7 @@ std::span<const Subcommand* const> subcommands() {
       &list_command,
       &doc_command,
       &schema_command,
+      &migrate_command,
       &mesh_command,
       // compare and measure
       &regress_command,

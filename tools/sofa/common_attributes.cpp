@@ -28,9 +28,10 @@ const std::vector<std::string>& nodeAttributes() {
 }
 
 const std::vector<std::string>& templateWords() {
-  static const std::vector<std::string> words = {"Vec3",  "Vec3d",    "Vec3f", "StdVec3Types", "GraphScattered",
-                                                 "Edge",  "Triangle", "Quad",  "Tetrahedron",  "Hexahedron",
-                                                 "Prism", "Pyramid",  "double"};
+  static const std::vector<std::string> words = {
+      "Vec3", "Vec3d",       "Vec3f",      "Rigid3", "Rigid3d",      "Rigid3f",        "Vec1", "Vec1d",
+      "Vec2", "Vec2d",       "Vec6",       "Vec6d",  "StdVec3Types", "GraphScattered", "Edge", "Triangle",
+      "Quad", "Tetrahedron", "Hexahedron", "Prism",  "Pyramid",      "double"};
   return words;
 }
 

@@ -15,6 +15,8 @@ std::string usualComponent(Part part) {
       return "EulerImplicitSolver";
     case Part::solver_in_time:
       return "PCGLinearSolver";
+    case Part::solver_that_chooses:
+      return "AutomaticLinearSolver";
     case Part::solver_of_equilibria:
       break;
   }

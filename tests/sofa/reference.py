@@ -1,0 +1,160 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""The formulas of SOFA's integrators, springs and elements on dense matrices: references that share no code with Stroma."""
+import numpy as np
+
+
+def conjugate_gradients(A, b, iterations, tolerance, threshold, first):
+    x, r = np.zeros_like(b), b.copy()
+    before = 0.0
+    for k in range(1, iterations + 1):
+        rho = r @ r
+        if np.sqrt(rho) <= tolerance * np.linalg.norm(b) and not (first and k == 1):
+            break
+        p = r.copy() if k == 1 else r + rho / before * p
+        q = A @ p
+        if abs(p @ q) <= threshold and not (first and k == 1):
+            break
+        x, r, before = x + rho / (p @ q) * p, r - rho / (p @ q) * q, rho
+    return x
+
+
+def euler(x, mass, forces, steps, h, v=None, held=(), theta=1.0, rayleigh_mass=0.0, rayleigh_stiffness=0.0, cg=None,
+          textbook=False):
+    """forces(x, v) gives f and K = df/dx, shapes (n, 3) and (3n, 3n); mass: (n, n). Returns x after `steps`."""
+    x = np.array(x, float)
+    n = len(x)
+    v = np.zeros_like(x) if v is None else np.array(v, float)
+    M = np.kron(np.asarray(mass, float), np.eye(3))
+    free = np.repeat([i not in held for i in range(n)], 3)
+    for step in range(steps):
+        f, K = forces(x, v)
+        flat = v.ravel()
+        b = h * (f.ravel() + (theta * h + rayleigh_stiffness) * K @ flat - rayleigh_mass * M @ flat)
+        A = (1 + theta * h * rayleigh_mass) * M - theta * h * (theta * h + rayleigh_stiffness) * K
+        b[~free] = 0
+        dv = np.zeros(3 * n)
+        if cg:
+            P = np.diag(free.astype(float))
+            dv = conjugate_gradients(P @ A @ P, b, *cg, first=step == 0)
+        else:
+            dv[free] = np.linalg.solve(A[np.ix_(free, free)], b[free])
+        v = v + dv.reshape(-1, 3)
+        x = x + h * (v - (1 - theta) * dv.reshape(-1, 3) if textbook else v)
+    return x
+
+
+def together(*fields):
+    def all_of(x, v):
+        parts = [field(x, v) for field in fields]
+        return sum(f for f, K in parts), sum(K for f, K in parts)
+    return all_of
+
+
+def gravity(weights, g):
+    def field(x, v):
+        return np.outer(weights, g), np.zeros((x.size, x.size))
+    return field
+
+
+def load(forces):
+    def field(x, v):
+        f = np.zeros_like(x)
+        for node, force in forces.items():
+            f[node] += force
+        return f, np.zeros((x.size, x.size))
+    return field
+
+
+def springs(pairs, rest, k, d=0.0, per_length=True):
+    """Explicit damping, whose tension is in the tangent too; constants over the length at rest."""
+    rest = np.array(rest, float)
+
+    def field(x, v):
+        f, K = np.zeros_like(x), np.zeros((x.size, x.size))
+        for a, b in pairs:
+            length = np.linalg.norm(rest[b] - rest[a])
+            ks, ds = (k / length, d / length) if per_length else (k, d)
+            e = x[b] - x[a]
+            now = np.linalg.norm(e)
+            n = e / now
+            t = (ks * (now - length) + ds * (v[b] - v[a]) @ n) / now
+            f[a] += t * e
+            f[b] -= t * e
+            block = (ks - t) * np.outer(n, n) + t * np.eye(3)
+            for i, j, sign in ((a, a, -1), (b, b, -1), (a, b, 1), (b, a, 1)):
+                K[3 * i:3 * i + 3, 3 * j:3 * j + 3] += sign * block
+        return f, K
+    return field
+
+
+def stiffness(E, nu):
+    lam, mu = E * nu / ((1 + nu) * (1 - 2 * nu)), E / (2 * (1 + nu))
+    D = np.diag([2 * mu] * 3 + [mu] * 3)
+    D[:3, :3] += lam
+    return D
+
+
+def polar(A):
+    U, S, V = np.linalg.svd(A)
+    return U @ V
+
+
+def tetrahedra(cells, rest, E, nu, rotation=lambda now, then: np.eye(3)):
+    """f = R K (X - R^T x), K_e with R held. rotation(edges now, edges then) maps the rest shape's axes to the present."""
+    rest, D = np.array(rest, float), stiffness(E, nu)
+
+    def field(x, v):
+        f, K = np.zeros_like(x), np.zeros((x.size, x.size))
+        for cell in cells:
+            X = rest[list(cell)]
+            then, now = (X[1:] - X[0]).T, (x[list(cell)][1:] - x[cell[0]]).T
+            G = np.vstack([[0, 0, 0], np.linalg.inv(then)])
+            G[0] = -G[1:].sum(axis=0)
+            B = np.zeros((6, 12))
+            for i, (a, b, c) in enumerate(G):
+                B[:, 3 * i:3 * i + 3] = [[a, 0, 0], [0, b, 0], [0, 0, c], [b, a, 0], [0, c, b], [c, 0, a]]
+            R = np.kron(np.eye(4), rotation(now, then))
+            Ke = abs(np.linalg.det(then)) / 6 * B.T @ D @ B
+            where = np.ravel([[3 * n, 3 * n + 1, 3 * n + 2] for n in cell])
+            f.ravel()[where] += R @ Ke @ (X.ravel() - R.T @ x[list(cell)].ravel())
+            K[np.ix_(where, where)] -= R @ Ke @ R.T
+        return f, K
+    return field
+
+
+def edge_polar(now, then):
+    return polar(now) @ polar(then).T
+
+
+def frame(x):
+    """Of the first edge and the plane."""
+    a = (x[1] - x[0]) / np.linalg.norm(x[1] - x[0])
+    n = np.cross(x[1] - x[0], x[2] - x[0])
+    n /= np.linalg.norm(n)
+    return np.column_stack([a, np.cross(n, a), n])
+
+
+def membrane(triangles, rest, E, nu, current):
+    """f = R A0 B^T D B (u0 - R^T x), B of the present shape in R (current) or of the shape at rest."""
+    rest = np.array(rest, float)
+    D = E / (1 - nu * nu) * np.array([[1, nu, 0], [nu, 1, 0], [0, 0, (1 - nu) / 2]])
+
+    def field(x, v):
+        f, K = np.zeros_like(x), np.zeros((x.size, x.size))
+        for t in triangles:
+            R, R0 = frame(x[list(t)]), frame(rest[list(t)])
+            now, then = (x[list(t)] - x[t[0]]) @ R, (rest[list(t)] - rest[t[0]]) @ R0
+            area = (then[1, 0] * then[2, 1] - then[1, 1] * then[2, 0]) / 2
+            shape = now if current else then
+            G = np.vstack([[0, 0], np.linalg.inv((shape[1:, :2]).T)])
+            G[0] = -G[1:].sum(axis=0)
+            B = np.zeros((3, 9))
+            for i, (a, b) in enumerate(G):
+                B[:, 3 * i:3 * i + 3] = [[a, 0, 0], [0, b, 0], [b, a, 0]]
+            Ke = area * B.T @ D @ B
+            where = np.ravel([[3 * n, 3 * n + 1, 3 * n + 2] for n in t])
+            T = np.kron(np.eye(3), R)
+            f.ravel()[where] += T @ Ke @ (then - now).ravel()
+            K[np.ix_(where, where)] -= T @ Ke @ T.T
+        return f, K
+    return field

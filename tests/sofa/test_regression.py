@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""`stroma regress` on lists and references as SOFA has them, and `stroma check --sofa` on folders. Usage: test_regression.py STROMA"""
+import gzip
+import json
+import os
+import subprocess
+import sys
+import tempfile
+
+STROMA = sys.argv[1]
+H, STEPS = 0.01, 11
+SCENE = ('<Node name="root" gravity="0 -10 0" dt="0.01"><EulerImplicitSolver/><SparseLDLSolver/>'
+         '<MechanicalObject name="dofs" position="0 0 0  1 0 0  2 0 0"/><UniformMass totalMass="3"/>'
+         '<FixedConstraint indices="0"/></Node>')
+# a node between two compressed springs: it leaves its place to the side that round-off chooses
+CHAOS = ('<Node name="root" gravity="0 0 0" dt="0.01"><EulerImplicitSolver/><SparseLDLSolver/>'
+         '<MechanicalObject name="dofs" position="0 0 0  1 1e-13 0  2 0 0"/><UniformMass totalMass="3"/>'
+         '<SpringForceField spring="0 1 1000 0 1.5  1 2 1000 0 1.5"/><FixedConstraint indices="0 2"/></Node>')
+
+
+def positions(step):
+    y = -10 * H * H * step * (step + 1) / 2
+    return [[0, 0, 0], [1, y, 0], [2, y, 0]]
+
+
+def frames():
+    return {round(k * H, 10): positions(k) for k in range(STEPS)}
+
+
+def as_text(values):
+    return "".join(f"T= {t}\n  X= " + " ".join(f"{c:.6g}" for p in x for c in p) + "\n" for t, x in values.items())
+
+
+def as_json(values):
+    return json.dumps({str(t): x for t, x in values.items()})
+
+
+def as_csv(values):
+    return "# format 1\n# values per point 3\n" + "".join(
+        f"{t}," + ",".join(str(c) for p in x for c in p) + "\n" for t, x in values.items())
+
+
+def run(reference, name, scene=SCENE, more=()):
+    with tempfile.TemporaryDirectory() as folder:
+        os.makedirs(os.path.join(folder, "examples/Mass"))
+        os.makedirs(os.path.join(folder, "references/Mass"))
+        with open(os.path.join(folder, "examples/Mass/fall.scn"), "w") as out:
+            out.write(scene)
+        if reference is not None:
+            with open(os.path.join(folder, "references/Mass", "fall.scn.reference_" + name), "wb") as out:
+                out.write(gzip.compress(reference.encode()) if name.endswith(".gz") else reference.encode())
+        with open(os.path.join(folder, "examples/all.regression-tests"), "w") as out:
+            out.write(f"# State\n../references\nMass/fall.scn {STEPS} 1e-4 1 0\n")
+        done = subprocess.run([STROMA, "regress", "examples/all.regression-tests", "--json", "out.json", *more], cwd=folder,
+                              capture_output=True, text=True, timeout=100)
+        text = done.stdout + done.stderr
+        path = os.path.join(folder, "out.json")
+        result = json.load(open(path))[0] if os.path.exists(path) else {}
+        return done.returncode, text, result
+
+
+def passes(reference, name):
+    code, text, result = run(reference, name)
+    assert code == 0 and result["verdict"] == "passed", text
+    assert result["relative"] < 1e-4 and result["sofa_passes"], text
+
+
+def fails(reference, name, word):
+    code, text, result = run(reference, name)
+    assert code == 1 and result["verdict"] == "failed" and word in text, text
+
+
+passes(as_text(frames()), "0_dofs_mstate.txt")
+passes(as_text(frames()), "0_dofs_mstate.txt.gz")
+passes(as_json(frames()), "mstate_0_dofs.json.gz")
+passes(as_csv(frames()), "mstate_0_dofs.csv.gz")
+
+# what must not pass
+fails(None, "", "no reference")
+fails(as_json(frames()).replace("-0.001", "NaN", 1), "mstate_0_dofs.json.gz", "JSON")
+fails(as_text(frames()).replace(" -0.001 ", " nan ", 1), "0_dofs_mstate.txt.gz", "finite")
+fails(as_text(frames()).rsplit(" ", 2)[0], "0_dofs_mstate.txt", "numbers")
+fails(as_json({t: x[::-1] for t, x in frames().items()}), "mstate_0_dofs.json.gz", "relative")
+fails(as_json({t: [[c + 0.1 for c in p] for p in x] for t, x in frames().items()}), "mstate_0_dofs.json.gz", "relative")
+fails(as_json({t: positions(int(t / H + 1.5)) if t else positions(0) for t in frames()}), "mstate_0_dofs.json.gz", "relative")
+fails(as_json({t: x[:2] for t, x in frames().items()}), "mstate_0_dofs.json.gz", "numbers")
+fails(as_json(frames()), "mstate_0_other.json.gz", "other")
+
+# nobody can match it: neither passed nor failed
+wrong = as_json({round(k * 0.01, 10): [[0, 0, 0], [1, -1 if k > 40 else 0, 0], [2, 0, 0]] for k in range(60)})
+code, text, result = run(wrong, "mstate_0_dofs.json.gz", CHAOS)
+assert code == 0 and result["verdict"] == "undecided" and result["sensitivity"] > 1e-3, text
+
+# a folder of scenes
+with tempfile.TemporaryDirectory() as folder:
+    for name, scene in {"good.scn": SCENE, "drawn.scn": SCENE.replace("<Euler", "<VisualStyle/><Euler"),
+                        "missing.scn": SCENE.replace("<Euler", "<Strange/><Other/><Euler"),
+                        "lost.scn": SCENE.replace("<Euler", "<Strange/><Euler"), "broken.scn": "<Node"}.items():
+        with open(os.path.join(folder, name), "w") as out:
+            out.write(scene)
+    done = subprocess.run([STROMA, "check", "--sofa", folder, "--jobs", "2"], capture_output=True, text=True, timeout=100)
+    text = done.stdout
+    for line in ("good.scn: runs as it is", "drawn.scn: runs without VisualStyle", "missing.scn: cannot run because",
+                 "broken.scn: cannot run because", "5 scenes: 1 run as they are, 1 run without what has no effect, 3 cannot run"):
+        assert line in text, f"'{line}' is missing:\n{text}"
+    assert "    2     1  Strange" in text and "    1     0  Other" in text, text
+print("passed")

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// stroma migrate: a scene in SOFA's dialect as a native one that gives the same numbers.
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "framework/scene/dialect.h"
+#include "framework/scene/files.h"
+#include "framework/scene/output_file.h"
+#include "framework/scene/text.h"
+#include "tools/command/session.h"
+#include "tools/command/sofa_runs.h"
+
+namespace po = boost::program_options;
+namespace fs = std::filesystem;
+
+namespace stroma::command {
+namespace {
+
+const Manual migrate_manual{
+    "stroma migrate SCENE [-o FILE] [options]",
+    "Writes a scene in SOFA's dialect as a native one: includes and prefabs spliced in, links absolute, SOFA's defaults and "
+    "ways\nwritten out as attributes. It gives the same numbers; comments and what has no effect are not kept. With "
+    "--without-quirk\na way of SOFA is left out, and the result differs by what it did.",
+    "  stroma migrate liver.scn -o liver.xml\n  stroma migrate liver.scn --without-quirk cg-threshold\n"};
+
+std::string escaped(const std::string& value) {
+  std::string text;
+  for (const char c : value) switch (c) {
+      case '&':
+        text += "&amp;";
+        break;
+      case '<':
+        text += "&lt;";
+        break;
+      case '"':
+        text += "&quot;";
+        break;
+      case '\n':
+        text += ' ';
+        break;
+      default:
+        text += c;
+    }
+  return text;
+}
+
+/// The native scene, with file names that start at `folder`.
+class Writer {
+ public:
+  Writer(Session& session, const Scene& scene, fs::path folder)
+      : session_(session), scene_(scene.description), folder_(std::move(folder)) {
+    for (const Problem& problem : scene.diagnostics.problems())
+      if (problem.path == dialect_note) ways_ = problem.message;
+  }
+
+  std::string text() {
+    text_ = fmt::format("<?xml version=\"1.0\"?>\n<!-- Made from {} by stroma migrate.", fs::path(scene_.file).filename().string());
+    for (auto at = ways_.find("--"); at != std::string::npos; at = ways_.find("--")) ways_.replace(at, 2, "- ");
+    text_ += " It is " + ways_ + " -->\n";
+    write(scene_.root, 0);
+    return text_;
+  }
+
+ private:
+  void write(const NodeDescription& node, int depth) {
+    const std::string indent(std::size_t(2 * depth), ' ');
+    text_ += indent + "<Node";
+    for (const AttributeDescription& attribute : node.attributes) write(attribute.name, attribute.value);
+    text_ += ">\n";
+    for (const ComponentDescription& component : node.components) {
+      text_ += indent + "  <" + component.type;
+      for (const AttributeDescription& attribute : component.attributes)
+        write(attribute.name, placed(component, attribute));
+      text_ += "/>\n";
+    }
+    for (const NodeDescription& child : node.children) write(child, depth + 1);
+    text_ += indent + "</Node>\n";
+  }
+  void write(const std::string& name, const std::string& value) { text_ += " " + name + "=\"" + escaped(value) + "\""; }
+
+  /// A file that is read, by its way from the new scene.
+  std::string placed(const ComponentDescription& component, const AttributeDescription& attribute) {
+    if (!session_.modules().provide(component.type)) return attribute.value;
+    const auto probe = session_.factory().make(component.type);
+    const Data* data = probe ? probe->data().find(attribute.name) : nullptr;
+    if (!data || !data->isInputFile() || trimmed(attribute.value).starts_with("@")) return attribute.value;
+    const std::string found =
+        findFileIn(std::string(trimmed(attribute.value)), component.folder, scene_.data_paths, nullptr);
+    std::error_code none;
+    return found.empty() ? attribute.value : fs::relative(found, folder_, none).string();
+  }
+
+  Session& session_;
+  const SceneDescription& scene_;
+  fs::path folder_;
+  std::string ways_, text_;
+};
+
+CommandLine migrateLine() {
+  OptionList options("options");
+  options.add_options()("output,o", po::value<std::string>()->value_name("FILE"), "write there instead of to the terminal");
+  addSceneOptions(options);
+  return {migrate_manual, options, {"SCENE"}};
+}
+
+int migrate(const Arguments& arguments) {
+  const auto values = parseOptions(migrateLine(), arguments);
+  if (!values) return exit_done;
+  const std::string file = required(*values, "SCENE", migrate_manual), output = textOf(*values, "output");
+  if (output.ends_with(".scn"))
+    throw UsageError(output + ": a file of this ending is one of SOFA's scenes: expected another one, as .xml");
+  Session session;
+  configure(session, *values);
+  // whatever is wrong with it is said, and nothing is written
+  const Simulation& simulation = session.load(file, {{"/", "dialect", "sofa"}});
+  reportProblems(simulation.scene(), false);
+  const fs::path folder = output.empty() ? fs::path(".") : fs::absolute(output).parent_path();
+  const std::string text = Writer(session, simulation.scene(), folder).text();
+  if (output.empty())
+    fmt::print("{}", text);
+  else
+    writeWholeFile(output, text);
+  return exit_done;
+}
+
+}  // namespace
+
+const Subcommand migrate_command{"migrate", "write a scene of SOFA as a native one that gives the same numbers",
+                                 Group::scenes, migrate, migrateLine};
+
+}  // namespace stroma::command

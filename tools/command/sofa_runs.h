@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Many scenes of SOFA at once: what runs and what does not, and how far results are from those that SOFA stored.
+#pragma once
+#include <string>
+
+#include "framework/simulation/simulation.h"
+#include "tools/command/options.h"
+
+namespace stroma::command {
+
+extern const Subcommand migrate_command;
+
+/// Nothing observes but what may refuse a step: no file is left behind.
+void dropWriters(Simulation& simulation);
+
+/// `stroma check --sofa FOLDER|LIST`: a line for each scene and a summary. Returns the exit code.
+int surveySofaScenes(const std::string& where, const Values& values);
+/// `stroma regress LIST.regression-tests`. Returns the exit code.
+int regressSofaList(const std::string& list, const Values& values);
+
+}  // namespace stroma::command

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
+
+#include "framework/scene/text.h"
+#include "framework/simulation/step_guard.h"
+#include "tools/command/child_jobs.h"
+#include "tools/command/session.h"
+#include "tools/command/sofa_references.h"
+#include "tools/command/sofa_runs.h"
+
+namespace stroma::command {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+/// Scenes below a folder, those of SOFA's list, or one a line of a text.
+std::vector<std::string> scenesOf(const std::string& where) {
+  std::vector<std::string> scenes;
+  if (fs::is_directory(where)) {
+    for (const auto& entry : fs::recursive_directory_iterator(where)) {
+      const std::string ending = entry.path().extension().string();
+      if (!entry.is_regular_file() || (ending != ".scn" && ending != ".xml")) continue;
+      std::ifstream stream(entry.path());
+      const std::string text{std::istreambuf_iterator<char>(stream), {}};
+      if (text.find("<Node") != std::string::npos) scenes.push_back(entry.path().string());
+    }
+    std::sort(scenes.begin(), scenes.end());
+  } else if (isSofaList(where)) {
+    for (const SofaCase& test : readSofaList(where)) scenes.push_back(test.scene);
+  } else {
+    std::ifstream stream(where);
+    if (!stream) throw UsageError(where + " cannot be opened");
+    for (std::string line; std::getline(stream, line);) {
+      line = std::string(trimmed(std::string_view(line).substr(0, line.find('#'))));
+      if (!line.empty()) scenes.push_back((fs::path(where).parent_path() / line).lexically_normal().string());
+    }
+  }
+  if (scenes.empty()) throw UsageError(where + ": no scene is there");
+  return scenes;
+}
+
+/// In a process of its own: JSON of what became of the scene.
+std::string look(const std::string& scene, long steps) {
+  Json result{{"scene", scene}, {"runs", false}, {"reasons", Json::array()}, {"without", Json::array()}, {"warnings", 0}};
+  try {
+    Session session;
+    Simulation& simulation = session.load(scene, {{"/", "dialect", "sofa"}});
+    dropWriters(simulation);
+    result["without"] = simulation.scene().no_effect;
+    int warnings = 0;
+    for (const Problem& problem : simulation.scene().diagnostics.problems()) warnings += problem.severity == Severity::warning;
+    result["warnings"] = warnings;
+    StepReport report;
+    while (simulation.steps() < steps && !report.failed()) report = simulation.step();
+    result["runs"] = !report.failed();
+    if (report.failed()) result["reasons"].push_back(report.reason);
+  } catch (const SceneError& error) {
+    for (const Problem& problem : error.diagnostics().problems())
+      if (problem.severity == Severity::error)
+        result["reasons"].push_back((problem.path.empty() ? "" : problem.path + ": ") + problem.message);
+  } catch (const std::exception& error) {
+    result["reasons"].push_back(error.what());
+  }
+  return result.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+/// The component that a reason misses, or the reason itself.
+std::string causeOf(const std::string& reason) {
+  const std::string missing = "there is no component '";
+  if (const auto at = reason.find(missing); at != std::string::npos) {
+    const auto begin = at + missing.size();
+    return reason.substr(begin, reason.find('\'', begin) - begin);
+  }
+  const auto colon = reason.find(": ");
+  std::string text = reason.starts_with("/") && colon != std::string::npos ? reason.substr(colon + 2) : reason;
+  return text.size() > 80 ? text.substr(0, 80) + "..." : text;
+}
+
+struct Survey {
+  int as_is = 0, without = 0, cannot = 0;
+  std::map<std::string, int> holding, alone;  ///< scenes by cause, and those that it holds back alone
+
+  void add(const std::string& scene, const Json& result) {
+    std::vector<std::string> reasons = result["reasons"], left_out = result["without"];
+    if (result["runs"].get<bool>()) {
+      const int warnings = result["warnings"];
+      ++(left_out.empty() ? as_is : without);
+      fmt::print("{}: {}{}\n", scene,
+                 left_out.empty() ? std::string("runs as it is")
+                                  : fmt::format("runs without {}", fmt::join(left_out, ", ")),
+                 warnings == 0 ? std::string() : fmt::format("; {} warnings", warnings));
+    } else {
+      ++cannot;
+      fmt::print("{}: cannot run because {}\n", scene, fmt::join(reasons, "; "));
+      std::set<std::string> causes;
+      for (const std::string& reason : reasons) causes.insert(causeOf(reason));
+      for (const std::string& cause : causes) ++holding[cause], alone[cause] += causes.size() == 1;
+    }
+    std::fflush(stdout);
+  }
+  void summarise() const {
+    fmt::print("\n{} scenes: {} run as they are, {} run without what has no effect, {} cannot run\n",
+               as_is + without + cannot, as_is, without, cannot);
+    std::vector<std::pair<int, std::string>> order;
+    for (const auto& [cause, count] : holding) order.emplace_back(-count, cause);
+    std::sort(order.begin(), order.end());
+    if (!order.empty()) fmt::print("what holds them back (scenes; those that nothing else holds back):\n");
+    for (const auto& [count, cause] : order) fmt::print("{:5} {:5}  {}\n", -count, alone.at(cause), cause);
+  }
+};
+
+}  // namespace
+
+void dropWriters(Simulation& simulation) {
+  const std::vector<Observer*> all = simulation.observers();
+  for (Observer* observer : all)
+    if (!dynamic_cast<StepGuard*>(observer)) simulation.removeObserver(*observer);
+}
+
+int surveySofaScenes(const std::string& where, const Values& values) {
+  const std::vector<std::string> scenes = scenesOf(where);
+  JobLimits limits;
+  limits.at_once = values["jobs"].as<int>();
+  limits.seconds = values["limit"].as<double>();
+  const long steps = values["steps"].as<long>();
+  Survey survey;
+  Json all = Json::array();
+  const bool json = values.count("json") > 0;
+  runJobs(
+      int(scenes.size()), limits, [&](int i) { return look(scenes[std::size_t(i)], steps); },
+      [&](int i, const JobEnd& end) {
+        Json result = end.failure.empty() ? Json::parse(end.text)
+                                          : Json{{"scene", scenes[std::size_t(i)]}, {"runs", false},
+                                                 {"reasons", Json::array({end.failure})}, {"without", Json::array()}, {"warnings", 0}};
+        if (json)
+          all.push_back(std::move(result));
+        else
+          survey.add(scenes[std::size_t(i)], result);
+      });
+  if (json)
+    fmt::print("{}\n", all.dump(2, ' ', false, Json::error_handler_t::replace));
+  else
+    survey.summarise();
+  return exit_done;
+}
+
+}  // namespace stroma::command

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tools/sofa/quirks.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace stroma::sofa {
+
+const std::vector<Quirk>& allQuirks() {
+  static const std::vector<Quirk> quirks = {
+      {"child-gravity", "gravity and dt of a child node do not count"},
+      {"cg-threshold", "conjugate gradients stop at an absolute p.Ap, in the units of the scene"},
+      {"spring-length", "the constants of springs of a mesh are divided by their length"},
+      {"explicit-damping", "damping of springs and obstacles is explicit, and its tension stiffens the tangent"},
+      {"edge-mass", "the mass matrix of a mesh has entries at vertices and edges only"},
+      {"edge-polar", "rotations of tetrahedra are polar factors of edges instead of deformation gradients"},
+      {"membrane-shape", "membranes rebuild their strains from the shape of the moment"},
+      {"local-dilatation", "elements near incompressibility lock: no mean dilatation"},
+      {"trapezoidal-positions", "the trapezoidal rule moves positions with the new velocity"},
+      {"grid-origin", "p0 of a grid is its origin, whatever its box"},
+      {"total-mass", "of totalMass and vertexMass the total wins"},
+      {"fixed-inertia", "the inertia of rigid frames stays in fixed axes, without gyroscopic forces"},
+      {"first-node", "constraints without indices hold node 0"},
+  };
+  return quirks;
+}
+
+std::vector<std::string> quirkNames() {
+  std::vector<std::string> names;
+  for (const Quirk& quirk : allQuirks()) names.emplace_back(quirk.name);
+  return names;
+}
+
+bool Quirks::isOn(std::string_view name) const { return std::find(off_.begin(), off_.end(), name) == off_.end(); }
+
+bool Quirks::use(std::string_view name, const std::string& path) {
+  std::vector<std::string>& paths = used_[std::string(name)];
+  if (std::find(paths.begin(), paths.end(), path) == paths.end()) paths.push_back(path);
+  return isOn(name);
+}
+
+std::vector<std::string> Quirks::lines() const {
+  std::vector<std::string> lines;
+  for (const Quirk& quirk : allQuirks()) {
+    const auto used = used_.find(quirk.name);
+    if (used == used_.end()) continue;
+    const std::size_t count = used->second.size();
+    const std::string others = count == 1 ? "" : fmt::format(" and {} more", count - 1);
+    lines.push_back(fmt::format("{}: {} ({}{}){}", quirk.name, quirk.what, used->second.front(), others,
+                                isOn(quirk.name) ? "" : "; switched off"));
+  }
+  return lines;
+}
+
+}  // namespace stroma::sofa

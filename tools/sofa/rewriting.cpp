@@ -1,0 +1,291 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tools/sofa/rewriting.h"
+
+#include <algorithm>
+#include <set>
+
+#include "framework/scene/change_table.h"
+#include "framework/scene/common_attributes.h"
+#include "framework/scene/dialect.h"
+#include "framework/scene/text.h"
+
+namespace stroma {
+
+namespace {
+
+constexpr std::string_view dialect_word = foreign_dialect;
+
+}  // namespace
+
+bool isForeign(const std::string& file, const NodeDescription& root, const std::vector<Override>& overrides) {
+  for (const Override& change : overrides)
+    if (change.attribute == "dialect") return trimmed(change.value) == dialect_word;
+  if (const AttributeDescription* dialect = root.find("dialect")) return trimmed(dialect->value) == dialect_word;
+  return file.ends_with(".scn");
+}
+
+bool isPrefabAbroad(const std::string& type) {
+  if (type == "PlaneConstraint") return true;  // SOFA has no component of this name
+  const auto& removals = typeRemovals();
+  return std::any_of(removals.begin(), removals.end(), [&](const TypeRemoval& each) { return each.type == type; });
+}
+
+void rewriteForeign(SceneDescription& scene, Factory& factory, Modules& modules, Diagnostics& diagnostics,
+                    std::vector<std::string>& no_effect) {
+  sofa::Rewriting(scene, factory, modules, diagnostics, no_effect).run();
+}
+
+namespace sofa {
+
+Rewriting::Rewriting(SceneDescription& scene, Factory& factory, Modules& modules, Diagnostics& diagnostics,
+                     std::vector<std::string>& no_effect)
+    : scene_(scene), factory_(factory), modules_(modules), diagnostics_(diagnostics), no_effect_(no_effect) {}
+
+void Rewriting::run() {
+  readSwitches();
+  if (!is_foreign_) return;
+  tree_ = std::make_unique<SceneTree>(scene_.root, [this](const std::string& type) -> std::unique_ptr<Component> {
+    try {
+      const std::string here(typeHere(type));
+      return modules_.provide(here) ? factory_.make(here) : nullptr;
+    } catch (const std::runtime_error&) {
+      return nullptr;  // a module that cannot be opened is reported when the component is made
+    }
+  });
+  tree_->forEachPlace([this](Place& place) { rewriteNode(place); });
+  acceptTypes();
+  dropVisualMappings();
+  keepOneIntegrator(tree_->root(), false);
+  dropIdle(tree_->root(), false);
+  dropUnusedSolvers();
+  dropUnusedLoaders();
+  dropIdleWatch();
+  tree_->forEach([this](Element& element) { rewriteLinks(element); });
+  tree_->forEach([this](Element& element) { readMeshFiles(element); });
+  tree_->forEach([this](Element& element) { rewriteAttributes(element); });
+  tree_->forEach([this](Element& element) { applyMeaning(element); });
+  tree_->finish();
+  std::string ways;
+  for (const std::string& line : quirks_.lines()) ways += (ways.empty() ? "" : "; ") + line;
+  diagnostics_.note(scene_.root.where, dialect_note,
+                    ways.empty() ? "in SOFA's dialect; none of SOFA's own ways matters here"
+                                 : "in SOFA's dialect, with its ways (--without-quirk NAME leaves one out): " + ways);
+}
+
+/// `dialect` and `withoutQuirks` of the outermost node are for this room alone.
+void Rewriting::readSwitches() {
+  std::vector<AttributeDescription>& attributes = scene_.root.attributes;
+  const AttributeDescription* dialect = scene_.root.find(dialect_attribute);
+  is_foreign_ = dialect && trimmed(dialect->value) == dialect_word;
+  for (const AttributeDescription& attribute : attributes) {
+    if (attribute.name == "dialect" && trimmed(attribute.value) != dialect_word && trimmed(attribute.value) != "native")
+      diagnostics_.error(attribute.where, "/.dialect", inQuotes(attribute.value) + " is no dialect", "sofa or native",
+                         nearest(attribute.value, {"sofa", "native"}));
+    if (attribute.name != "withoutQuirks") continue;
+    Words words(attribute.value);
+    for (std::string name(words.next()); !name.empty(); name = words.next()) {
+      const std::vector<std::string> names = quirkNames();
+      if (std::find(names.begin(), names.end(), name) == names.end()) {
+        std::string expected = "one of:";
+        for (const std::string& each : names) expected += (each == names[0] ? " " : ", ") + each;
+        diagnostics_.error(attribute.where, "/.withoutQuirks", "there is no quirk " + inQuotes(name), expected,
+                           nearest(name, names));
+      }
+      quirks_.switchOff(name);
+    }
+    if (!is_foreign_)
+      diagnostics_.error(attribute.where, "/.withoutQuirks", "only a scene in SOFA's dialect has its quirks",
+                         "dialect=\"sofa\" beside it");
+  }
+  std::erase_if(attributes, [](const AttributeDescription& attribute) {
+    return attribute.name == "dialect" || attribute.name == "withoutQuirks";
+  });
+}
+
+// ---- nodes ----
+
+/// SOFA says nothing of attributes that a node does not have, and gives each child the context of its parent.
+void Rewriting::rewriteNode(Place& place) {
+  std::vector<AttributeDescription>& attributes = place.node->attributes;
+  const std::vector<std::string>& known = nodeAttributes();
+  std::erase_if(attributes, [&](const AttributeDescription& attribute) {
+    const bool is_known = std::find(known.begin(), known.end(), attribute.name) != known.end();
+    if (!is_known) return noEffect("Node." + attribute.name), true;
+    if (!place.parent || (attribute.name != "gravity" && attribute.name != "dt")) return false;
+    const std::string path = place.path() + "." + attribute.name;
+    const bool drops = quirks_.use("child-gravity", path) || attribute.name == "dt";
+    if (drops)
+      diagnostics_.note(attribute.where, path, "does not count: a child has the " + attribute.name + " of its parent");
+    return drops;
+  });
+  for (const auto& element : place.elements) {
+    if (!element->is("Gravity")) continue;
+    std::erase_if(attributes, [](const AttributeDescription& attribute) { return attribute.name == "gravity"; });
+    const std::string value = element->find("gravity") ? element->text("gravity") : "0 0 0";
+    attributes.push_back({"gravity", value, element->written->where});
+    element->dropped = true;
+  }
+  if (const AttributeDescription* activated = place.node->find("activated"))
+    if (const std::string_view value = trimmed(activated->value); value == "0" || value == "false")
+      place.dropped = place.parent != nullptr;
+  if (place.dropped) diagnostics_.note(place.node->where, place.path(), "the node is not activated");
+}
+
+// ---- what takes no part ----
+
+void Rewriting::acceptTypes() {
+  const auto& accepted = acceptedWithoutEffect();
+  tree_->forEach([&](Element& element) {
+    const std::string_view type = element.written->type;
+    const bool is_everywhere = std::find(accepted.begin(), accepted.end(), type) != accepted.end();
+    if (!element.probe && is_everywhere) element.without_effect = true;
+    if (element.probe || is_everywhere || !isAcceptedType(type)) {
+      if (!element.probe) return;
+      if (type == "AsyncSparseLDLSolver")
+        warn(element.written->where, element, {},
+             "SOFA factors in another thread and solves with older factors: this solver has those of the step");
+      element.written->type = std::string(typeHere(type));
+      return;
+    }
+    for (const char* name : {"assembleStiffness", "assembleMass", "assembleDamping", "assembleGeometricStiffness",
+                             "applyProjectiveConstraints", "applyMappedComponents"})
+      if (const std::string value = element.text(name); value == "0" || value == "false")
+        diagnostics_.error(element.find(name)->where, element.path() + "." + name,
+                           "a matrix without a part of it cannot be assembled here", "true");
+    element.without_effect = element.dropped = true;
+    noEffect(std::string(type));
+  });
+}
+
+/// A solver solves everything below its node: SOFA never asks those further down.
+void Rewriting::keepOneIntegrator(Place& place, bool is_moved) {
+  bool found = is_moved;
+  for (const auto& element : place.elements) {
+    if (element->dropped || element->role() != "integrator") continue;
+    if (found) {
+      element->dropped = true;
+      diagnostics_.note(element->written->where, element->path(),
+                        "does not count: an integrator in this node or above solves for what is here");
+    }
+    found = true;
+  }
+  for (const auto& child : place.children)
+    if (!child->dropped) keepOneIntegrator(*child, found);
+}
+
+/// True for what links to states by itself: it may act elsewhere.
+bool Rewriting::movesElsewhere(const Element& element) const {
+  for (const char* link : {"object1", "object2", "mstate", "input", "input1", "input2"})
+    if (element.find(link)) return true;
+  return false;
+}
+
+/// Nothing asks for the forces on bodies that no integrator moves.
+void Rewriting::dropIdle(Place& place, bool is_moved) {
+  const bool moves = is_moved || place.has("integrator");
+  static const std::set<std::string> acting = {"force field", "mass", "projective constraint", "position constraint"};
+  for (const auto& element : place.elements) {
+    if (moves || element->dropped || !acting.count(element->role()) || movesElsewhere(*element)) continue;
+    element->dropped = true;
+    diagnostics_.note(element->written->where, element->path(),
+                      "does not count: no integrator moves anything in this node");
+  }
+  for (const auto& child : place.children)
+    if (!child->dropped) dropIdle(*child, moves);
+}
+
+/// A mapping onto what only draws, in a node that has no state of its own.
+void Rewriting::dropVisualMappings() {
+  tree_->forEach([this](Element& element) {
+    if (element.role() != "mapping") return;
+    bool draws = false;
+    if (const std::string output = element.text("output"); !output.empty()) {
+      const LinkTarget target = tree_->follow(element, output, false);
+      draws = target.element ? target.element->without_effect
+                             : target.place && !target.place->has("mechanical state");
+    } else {
+      const auto& here = element.place->elements;
+      draws = !element.place->has("mechanical state") &&
+              std::any_of(here.begin(), here.end(), [](const auto& each) { return each->without_effect; });
+    }
+    if (!draws) return;
+    element.dropped = true;
+    noEffect(element.written->type + " of what is drawn");
+  });
+}
+
+/// Solvers where no integrator is, which nothing names.
+void Rewriting::dropUnusedSolvers() {
+  std::set<const Element*> named;
+  tree_->forEach([&](Element& element) {
+    for (const AttributeDescription& attribute : element.written->attributes)
+      if (attribute.value.find('@') != std::string::npos)
+        if (const LinkTarget target = tree_->follow(element, trimmed(attribute.value), false); target.element)
+          named.insert(target.element);
+  });
+  tree_->forEach([&](Element& element) {
+    if (element.role() != "linear solver" && element.role() != "Newton solver" && element.role() != "preconditioner")
+      return;
+    if (element.place->has("integrator") || named.count(&element)) return;
+    element.dropped = true;
+    noEffect(element.path());
+  });
+}
+
+/// Loaders of what only draws: their files need not be there.
+void Rewriting::dropUnusedLoaders() {
+  std::set<const Element*> named;
+  tree_->forEach([&](Element& element) {
+    if (element.without_effect) return;
+    for (const AttributeDescription& attribute : element.written->attributes) {
+      Words words(attribute.value);
+      for (std::string_view word = words.next(); !word.empty(); word = words.next())
+        if (word.starts_with("@"))
+          for (const bool names_data : {false, true})
+            if (const LinkTarget target = tree_->follow(element, word, names_data); target.element)
+              named.insert(target.element);
+    }
+  });
+  tree_->forEach([&](Element& element) {
+    if (element.role() != "mesh loader" || named.count(&element)) return;
+    element.dropped = true;
+    noEffect(element.path());
+  });
+}
+
+/// Without an answer to contacts SOFA's pipeline changes nothing, and neither do models without a pipeline.
+void Rewriting::dropIdleWatch() {
+  bool answers = false;
+  tree_->forEachPlace([&](Place& place) {  // those that were accepted, which are no part any more, too
+    for (const auto& element : place.elements) answers = answers || isContactAnswer(element->written->type);
+  });
+  if (answers) return;
+  tree_->forEach([&](Element& element) {
+    if (!element.is("CollisionPipeline")) return;
+    element.dropped = true;
+    noEffect("CollisionPipeline without an answer to contacts");
+  });
+}
+
+// ---- help ----
+
+void Rewriting::setDefault(Element& element, const std::string& attribute, const std::string& value) {
+  const Data* data = element.probe ? element.probe->data().find(attribute) : nullptr;
+  if (!data) return;
+  for (const AttributeDescription& each : element.written->attributes)
+    if (element.probe->data().find(each.name) == data) return;
+  element.set(attribute, value);
+}
+
+void Rewriting::noEffect(const std::string& what) {
+  if (std::find(no_effect_.begin(), no_effect_.end(), what) == no_effect_.end()) no_effect_.push_back(what);
+}
+
+void Rewriting::warn(const SourceLocation& where, const Element& element, const std::string& what, std::string message,
+                     std::string suggestion) {
+  diagnostics_.warning(where, element.path() + (what.empty() ? "" : "." + what), std::move(message),
+                       std::move(suggestion));
+}
+
+}  // namespace sofa
+}  // namespace stroma

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The rewriting of one scene, in passes over its tree: what has no effect leaves, what acts where SOFA looks for nothing
+// leaves, links are followed as SOFA follows them, values and attributes become those that components here have.
+#pragma once
+#include "tools/sofa/quirks.h"
+#include "tools/sofa/scene_tree.h"
+
+namespace stroma::sofa {
+
+class Rewriting {
+ public:
+  Rewriting(SceneDescription& scene, Factory& factory, Modules& modules, Diagnostics& diagnostics,
+            std::vector<std::string>& no_effect);
+  void run();
+
+ private:
+  // ---- rewriting.cpp: the tree ----
+  void readSwitches();
+  void rewriteNode(Place& place);
+  void acceptTypes();
+  void keepOneIntegrator(Place& place, bool is_moved);
+  void dropIdle(Place& place, bool is_moved);
+  void dropVisualMappings();
+  void dropUnusedSolvers();
+  void dropUnusedLoaders();
+  void dropIdleWatch();
+  bool movesElsewhere(const Element& element) const;
+
+  // ---- rewritten_links.cpp ----
+  void rewriteLinks(Element& element);
+  void rewriteLink(Element& element, AttributeDescription& attribute, std::vector<std::string>& broken);
+  std::string componentLink(Element& element, const Data& data, const std::string& text);
+  std::string dataLink(Element& element, const AttributeDescription& attribute);
+  Element* meant(const Element& asker, const LinkTarget& target, const LinkBase& wanted) const;
+
+  // ---- rewritten_attributes.cpp ----
+  void rewriteAttributes(Element& element);
+  bool keepsAttribute(Element& element, AttributeDescription& attribute);
+  bool keepsValue(Element& element, Data& data, AttributeDescription& attribute);
+  bool keepsUnknown(Element& element, const AttributeDescription& attribute);
+  void rewriteTemplate(Element& element);
+
+  // ---- rewritten_components.cpp: what a type means in SOFA ----
+  void applyMeaning(Element& element);
+  /// Sets the attribute that stands for a quirk, unless that is switched off.
+  void setQuirk(Element& element, std::string_view quirk, const std::string& attribute, const std::string& value);
+  void meanSolver(Element& element);
+  void meanSelection(Element& element);
+  void meanField(Element& element);
+  void meanMass(Element& element);
+  void meanMesh(Element& element);
+  void meanState(Element& element);
+  void meanConstraint(Element& element);
+  Element* meshOf(const Element& element) const;
+  void cutHexahedra(Element& field);
+  void readMeshFiles(Element& element);
+  void readMeshFile(Element& element, const std::string& attribute);
+
+  /// Unless the scene writes it.
+  void setDefault(Element& element, const std::string& attribute, const std::string& value);
+  void noEffect(const std::string& what);
+  void warn(const SourceLocation& where, const Element& element, const std::string& what, std::string message,
+            std::string suggestion = {});
+
+  SceneDescription& scene_;
+  Factory& factory_;
+  Modules& modules_;
+  Diagnostics& diagnostics_;
+  std::vector<std::string>& no_effect_;
+  bool is_foreign_ = false;
+  Quirks quirks_;
+  std::unique_ptr<SceneTree> tree_;
+};
+
+// ---- attribute_table.cpp: what SOFA declares ----
+
+/// Types that a scene in the dialect may hold besides those that any scene may: without effect on numbers.
+bool isAcceptedType(std::string_view type);
+/// Components that turn contacts into forces or constraints.
+bool isContactAnswer(std::string_view type);
+/// SOFA's present name of what is called otherwise here, or the type itself.
+std::string_view typeHere(std::string_view type);
+/// Attributes of SOFA without effect on numbers, of all types ("*") or of one.
+bool hasNoEffect(std::string_view type, std::string_view attribute);
+/// Attributes that SOFA's component reads and the one here does not: ignoring them would change the result.
+bool isReadBySofa(std::string_view type, std::string_view attribute);
+
+}  // namespace stroma::sofa

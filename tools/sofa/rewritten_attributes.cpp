@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Attributes as SOFA reads them: words for its bools, brackets, numbers with something behind them; what it declares
+// without effect, what it reads and we do not, and what it does not know either.
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+
+#include "framework/scene/change_table.h"
+#include "framework/scene/common_attributes.h"
+#include "framework/scene/text.h"
+#include "tools/sofa/rewriting.h"
+
+namespace stroma::sofa {
+
+namespace {
+
+template <class List>
+bool contains(const List& list, std::string_view word) {
+  return std::find(list.begin(), list.end(), word) != list.end();
+}
+
+bool isDrawing(std::string_view name) {
+  return contains(visualAttributes(), name) || name.starts_with("show") || name.starts_with("draw");
+}
+
+std::string lowerCase(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+  return text;
+}
+
+/// 0, 1, T, False and the like, or empty.
+std::string asBool(const std::string& text) {
+  const std::string word = lowerCase(text);
+  if (contains(std::vector<std::string>{"1", "true", "t", "yes", "on"}, word)) return "true";
+  if (contains(std::vector<std::string>{"0", "false", "f", "no", "off"}, word)) return "false";
+  return {};
+}
+
+/// A word of the choice: written in other case, as a bool, or as its number.
+std::string asChoice(const ChoiceRef& choice, const std::string& text) {
+  for (const std::string& word : choice.words)
+    if (lowerCase(word) == lowerCase(text)) return word;
+  if (const std::string truth = asBool(text); contains(choice.words, truth)) return truth;
+  std::size_t number = 0;
+  const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), number);
+  return code == std::errc() && end == text.data() + text.size() && number < choice.words.size() ? choice.words[number]
+                                                                                                : std::string();
+}
+
+/// The numbers at the start of each word, up to the first word that is none: what a stream reads. A group that is not
+/// whole is left out; of a single number the first is taken.
+std::string numbersIn(std::string text, bool whole_numbers, std::size_t most, std::size_t group) {
+  for (char& c : text)
+    if (c == '[' || c == ']' || c == ';' || c == '(' || c == ')') c = ' ';
+  std::vector<std::string> numbers;
+  Words words(text);
+  for (std::string_view word = words.next(); !word.empty() && numbers.size() < most; word = words.next()) {
+    double value = 0;
+    const char* first = word.data() + (word[0] == '+' ? 1 : 0);
+    const auto [end, code] = std::from_chars(first, word.data() + word.size(), value);
+    if (code != std::errc()) break;
+    numbers.emplace_back(whole_numbers ? std::to_string(static_cast<long long>(value)) : std::string(first, end));
+    if (end != word.data() + word.size() && *end != 'f' && *end != '.') break;
+  }
+  numbers.resize(numbers.size() / group * group);
+  std::string joined;
+  for (const std::string& number : numbers) joined += (joined.empty() ? "" : " ") + number;
+  return joined;
+}
+
+template <class T>
+constexpr std::size_t groupOf() {
+  if constexpr (std::is_same_v<T, Vec3>) return 3;
+  if constexpr (requires { std::tuple_size<T>::value; }) return std::tuple_size_v<T>;
+  return 1;
+}
+
+/// What SOFA would read from `text` where our parser refuses it, or empty.
+std::string repaired(const Data& data, const std::string& text) {
+  return std::visit(
+      [&](const auto& pointer) -> std::string {
+        using Pointer = std::decay_t<decltype(pointer)>;
+        if constexpr (std::is_same_v<Pointer, ChoiceRef>) {
+          return asChoice(pointer, text);
+        } else if constexpr (std::is_same_v<Pointer, bool*>) {
+          return asBool(text);
+        } else if constexpr (std::is_same_v<Pointer, LinkBase*> || std::is_same_v<Pointer, std::string*> ||
+                             std::is_same_v<Pointer, FileName*> || std::is_same_v<Pointer, std::vector<std::string>*>) {
+          return {};
+        } else if constexpr (std::is_same_v<Pointer, std::vector<bool>*>) {
+          std::string joined;
+          Words words(text);
+          for (std::string word(words.next()); !word.empty(); word = words.next())
+            joined += (joined.empty() ? "" : " ") + asBool(word);
+          return joined;
+        } else {
+          using Value = std::decay_t<decltype(*pointer)>;
+          if constexpr (std::is_same_v<Value, Vec3>) {  // which could be resized, and is no list
+            return numbersIn(text, false, 3, 3);
+          } else if constexpr (std::is_arithmetic_v<Value>) {
+            return numbersIn(text, std::is_same_v<Value, int>, 1, 1);
+          } else if constexpr (requires { pointer->resize(1); }) {
+            using Item = typename Value::value_type;
+            constexpr bool whole = !std::is_same_v<Item, double> && !std::is_same_v<Item, Vec3>;
+            return numbersIn(text, whole, std::size_t(-1), groupOf<Item>());
+          } else {
+            constexpr bool whole = std::is_same_v<Value, std::array<int, 3>>;
+            return numbersIn(text, whole, groupOf<Value>(), groupOf<Value>());
+          }
+        }
+      },
+      data.pointer());
+}
+
+}  // namespace
+
+void Rewriting::rewriteAttributes(Element& element) {
+  if (!element.probe || element.without_effect) return;
+  rewriteTemplate(element);
+  if (const AttributeDescription* choice = element.find("template")) element.probe->chooseTemplate(choice->value);
+  std::vector<std::string> given;
+  std::erase_if(element.written->attributes, [&](AttributeDescription& attribute) {
+    if (!keepsAttribute(element, attribute)) return true;
+    const Data* data = element.probe->data().find(attribute.name);
+    if (!data || data->link()) return false;
+    if (contains(given, data->name())) {
+      warn(attribute.where, element, attribute.name, "is given twice: the first counts");
+      return true;
+    }
+    given.push_back(data->name());
+    return false;
+  });
+}
+
+bool Rewriting::keepsAttribute(Element& element, AttributeDescription& attribute) {
+  if (attribute.name.starts_with("_") || attribute.name.starts_with("NO")) return false;
+  if (attribute.name == "name" || attribute.name == "src" || attribute.name == "template") return true;
+  if (hasNoEffect(element.written->type, attribute.name))
+    return noEffect(element.written->type + "." + attribute.name), false;
+  for (const AttributeChange& change : attributeChanges())
+    if (change.type == element.written->type && change.old_attribute == attribute.name)
+      attribute.name = std::string(change.new_attribute);
+  Data* data = element.probe->data().find(attribute.name);
+  return data ? keepsValue(element, *data, attribute) : keepsUnknown(element, attribute);
+}
+
+bool Rewriting::keepsValue(Element& element, Data& data, AttributeDescription& attribute) {
+  const std::string text(trimmed(attribute.value));
+  if (text.starts_with("@") || data.link()) return !text.empty();
+  if (data.isOutput()) {
+    warn(attribute.where, element, attribute.name, "is computed by the component: what is written does not count");
+    return false;
+  }
+  std::optional<Problem> problem = data.parse(attribute.value, DataOrigin::written);
+  if (!problem) return true;
+  const std::string other = repaired(data, text);
+  if (!other.empty() && other != text) {
+    if (!data.parse(other, DataOrigin::written)) {
+      attribute.value = other;
+      return true;
+    }
+  }
+  if (attribute.name == "poissonRatio") {  // SOFA's answer to a value out of [0, 0.5)
+    warn(attribute.where, element, attribute.name, problem->message + ": SOFA takes 0.45 in its place");
+    attribute.value = "0.45";
+    return true;
+  }
+  std::string range = data.rangeText();
+  if (!range.empty() && problem->message.find("outside the range") != std::string::npos) return true;  // refused later
+  warn(attribute.where, element, attribute.name,
+       problem->message + ": SOFA keeps the default, and so does this scene (" + data.defaultText() + ")");
+  return false;
+}
+
+bool Rewriting::keepsUnknown(Element& element, const AttributeDescription& attribute) {
+  const std::string& type = element.written->type;
+  if (contains(commonAttributes(), attribute.name)) return true;
+  if (isDrawing(attribute.name) || element.probe->data().isVisualOnly(attribute.name))
+    return noEffect(type + "." + attribute.name), false;
+  if (isReadBySofa(type, attribute.name)) {
+    diagnostics_.error(attribute.where, element.path() + "." + attribute.name,
+                       "SOFA's " + type + " reads " + inQuotes(attribute.name) +
+                           ", which is not available here: without it the result would be another");
+    return false;
+  }
+  warn(attribute.where, element, attribute.name,
+       type + " has no attribute " + inQuotes(attribute.name) + ": the scene runs without it",
+       nearest(attribute.name, element.probe->data().names()));
+  return false;
+}
+
+/// Vec3d and Vec3f are Vec3, Rigid3d is Rigid3; a template of what has none is left out.
+void Rewriting::rewriteTemplate(Element& element) {
+  const AttributeDescription* found = element.find("template");
+  if (!found) return;
+  std::string text(trimmed(found->value));
+  for (const auto& [old, present] : std::vector<std::pair<std::string, std::string>>{
+           {"StdVec3Types", "Vec3"}, {"Rigid3d", "Rigid3"}, {"Rigid3f", "Rigid3"}, {"Vec3d", "Vec3"}, {"Vec3f", "Vec3"},
+           {"Vec1d", "Vec1"}, {"Vec1f", "Vec1"}, {"Vec2d", "Vec2"}, {"Vec6d", "Vec6"}})
+    for (auto at = text.find(old); at != std::string::npos; at = text.find(old)) text.replace(at, old.size(), present);
+  if (text == "Rigid") text = "Rigid3";
+  const bool solves = element.role() == "linear solver" || element.role() == "preconditioner";
+  const bool is_form = text == "GraphScattered" || text.starts_with("CompressedRowSparseMatrix");
+  if (text.empty() || !element.probe->data().find("template") || (solves && !is_form))
+    return element.remove("template");
+  element.set("template", text);
+}
+
+}  // namespace stroma::sofa

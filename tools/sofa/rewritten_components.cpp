@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// What a component means in SOFA, written as attributes of the one here. Each that stands for a quirk asks for its flag.
+#include <algorithm>
+#include <array>
+#include <set>
+
+#include "framework/scene/names.h"
+#include "framework/scene/text.h"
+#include "tools/sofa/rewriting.h"
+
+namespace stroma::sofa {
+
+namespace {
+
+bool isOneOf(const std::string& word, std::initializer_list<std::string_view> list) {
+  return std::find(list.begin(), list.end(), word) != list.end();
+}
+
+bool isTrue(const std::string& text) { return text == "1" || text == "true"; }
+
+Vec3 numbersOf(const std::string& text, const Vec3& otherwise) {
+  Vec3 value = otherwise;
+  if (Data("value", &value).parse(text, DataOrigin::written)) return otherwise;
+  return value;
+}
+
+std::string print(const Vec3& v) { return printReal(v[0]) + " " + printReal(v[1]) + " " + printReal(v[2]); }
+
+}  // namespace
+
+void Rewriting::applyMeaning(Element& element) {
+  if (!element.probe || element.without_effect) return;
+  const std::string role = element.role();
+  if (role == "linear solver" || role == "integrator" || role == "Newton solver") meanSolver(element);
+  if (role == "selection") meanSelection(element);
+  if (role == "force field") meanField(element);
+  if (role == "mass") meanMass(element);
+  if (role == "topology") meanMesh(element);
+  if (role == "mechanical state") meanState(element);
+  if (role == "projective constraint") meanConstraint(element);
+}
+
+void Rewriting::setQuirk(Element& element, std::string_view quirk, const std::string& attribute,
+                         const std::string& value) {
+  if (!element.probe->data().find(attribute))
+    return warn(element.written->where, element, {}, "has not SOFA's way '" + std::string(quirk) + "': the result differs");
+  if (quirks_.use(quirk, element.path())) element.set(attribute, value);
+}
+
+void Rewriting::meanSolver(Element& element) {
+  const std::string& type = element.written->type;
+  if (isOneOf(type, {"CGLinearSolver", "PCGLinearSolver", "MinResLinearSolver"})) {
+    setDefault(element, "iterations", "25");
+    setDefault(element, "tolerance", "1e-05");
+  }
+  if (type == "CGLinearSolver") {
+    const std::string threshold = element.find("threshold") ? element.text("threshold") : "1e-05";
+    element.remove("threshold");
+    setDefault(element, "preconditioner", "none");
+    setQuirk(element, "cg-threshold", "absoluteThreshold", threshold);
+  }
+  if (type == "EulerImplicitSolver" && isTrue(element.text("trapezoidalScheme")))
+    setQuirk(element, "trapezoidal-positions", "moveByNewVelocity", "true");
+}
+
+void Rewriting::meanSelection(Element& element) {
+  setDefault(element, "allowEmpty", "true");
+  if (element.is("BoxROI") && !element.find("box") && !element.find("orientedBox")) {
+    warn(element.written->where, element, "box", "is not given: SOFA takes the unit cube");
+    element.set("box", "0 0 0 1 1 1");
+  }
+}
+
+void Rewriting::meanField(Element& element) {
+  const std::string& type = element.written->type;
+  const bool corotational = isOneOf(type, {"TetrahedronFEMForceField", "TetrahedralCorotationalFEMForceField"});
+  const bool elastic = corotational || isOneOf(type, {"HexahedronFEMForceField", "CorotationalFEMForceField",
+                                                      "FastTetrahedralCorotationalForceField",
+                                                      "LinearSmallStrainFEMForceField"});
+  if (elastic && quirks_.use("local-dilatation", element.path())) setDefault(element, "dilatation", "local");
+  const std::string method = element.text("method");
+  if (corotational && isOneOf(method, {"polar", "svd"})) setQuirk(element, "edge-polar", "polarOf", "edges");
+  if (type == "TetrahedronFEMForceField") cutHexahedra(element);
+  if (type == "HexahedronFEMForceField")
+    if (Element* mesh = meshOf(element); mesh && mesh->is("SparseGridTopology"))
+      setDefault(element, "localStiffnessFactor", SceneTree::linkTo(*mesh) + ".cellFactors");
+  if (isOneOf(type, {"MeshSpringForceField", "RegularGridSpringForceField"}))
+    setQuirk(element, "spring-length", "perLength", "true");
+  if (type == "SurfacePressureForceField" && !isTrue(element.text("pulseMode")))
+    for (const char* pulse : {"pressureLowerBound", "pressureSpeed"}) element.remove(pulse);
+  if (type == "MeshSpringForceField") {
+    const auto& written = element.written->attributes;
+    element.dropped = std::none_of(written.begin(), written.end(), [](const AttributeDescription& each) {
+      return each.name.ends_with("tiffness") || each.name.ends_with("amping");
+    });
+    if (element.dropped) return warn(element.written->where, element, {}, "has no stiffness: it does nothing");
+  }
+  if (element.probe->data().find("explicitDamping") && quirks_.use("explicit-damping", element.path()))
+    element.set("explicitDamping", "true");
+  const bool membrane = isOneOf(type, {"TriangularFEMForceField", "TriangleFEMForceField"});
+  if (membrane && method != "small") setQuirk(element, "membrane-shape", "strain", "current");
+  if (membrane || type == "TriangularFEMForceFieldOptim") setDefault(element, "thickness", "1");
+}
+
+/// The mesh that SOFA gives to a component: the one that it links, the last of its node, else the nearest above.
+Element* Rewriting::meshOf(const Element& element) const {
+  if (const std::string link = element.text("topology"); !link.empty())
+    return tree_->follow(element, link, false).element;
+  Element* mesh = nullptr;
+  for (const auto& each : element.place->elements)
+    if (!each->dropped && each->role() == "topology") mesh = each.get();
+  return mesh || !element.place->parent ? mesh : element.place->parent->nearest("topology");
+}
+
+/// On a grid, which has no tetrahedra, SOFA's force field cuts each cell into six, mirrored from cell to cell.
+void Rewriting::cutHexahedra(Element& field) {
+  Element* mesh = meshOf(field);
+  if (!mesh || !isOneOf(mesh->written->type, {"RegularGridTopology", "SparseGridTopology"})) return;
+  const auto component = [&field](std::string type, std::vector<std::pair<std::string, std::string>> attributes) {
+    ComponentDescription made{std::move(type), {}, field.written->where, field.written->folder};
+    for (auto& [name, value] : attributes) made.attributes.push_back({name, value, field.written->where});
+    return made;
+  };
+  NodeDescription cells;
+  cells.where = field.written->where;
+  cells.folder = field.written->folder;
+  const std::string name = field.name + "_cells", input = SceneTree::linkTo(*mesh);
+  cells.attributes.push_back({"name", name, cells.where});
+  cells.components.push_back(component("TetrahedronSetTopologyContainer", {{"name", "tetrahedra"}}));
+  cells.components.push_back(component("Hexa2TetraTopologicalMapping", {{"name", "cut"},
+                                                                        {"input", input},
+                                                                        {"output", "@tetrahedra"},
+                                                                        {"swapping", "true"}}));
+  field.place->added_children.push_back(std::move(cells));
+  SceneTree::linkTo(field);  // nodes above it have names from now on
+  field.set("topology", "@" + joinPath(field.place->path(), name) + "/tetrahedra");
+}
+
+void Rewriting::meanMass(Element& element) {
+  const std::string& type = element.written->type;
+  const bool total = element.find("totalMass"), vertex = element.find("vertexMass");
+  const Element* state = element.place->nearest("mechanical state");
+  const bool of_frames = state && state->text("template").starts_with("Rigid3");
+  if (type == "UniformMass" && of_frames) setQuirk(element, "fixed-inertia", "turns", "false");
+  if (type == "UniformMass" && total && vertex && !of_frames && quirks_.use("total-mass", element.path())) {
+    warn(element.written->where, element, "vertexMass", "totalMass is given too and wins");
+    element.remove("vertexMass");
+  }
+  if (type == "MeshMatrixMass") setQuirk(element, "edge-mass", "matrix", "edges");
+}
+
+void Rewriting::meanMesh(Element& element) {
+  const std::string& type = element.written->type;
+  setDefault(element, "allowEmpty", "true");
+  if (type != "RegularGridTopology") return;
+  setDefault(element, "allowMirrored", "true");
+  const std::array<std::array<const char*, 2>, 3> names = {{{"xmin", "xmax"}, {"ymin", "ymax"}, {"zmin", "zmax"}}};
+  Vec3 low = numbersOf(element.text("min"), Vec3::Zero()), high = numbersOf(element.text("max"), Vec3::Ones());
+  bool given = element.find("min") || element.find("max");
+  for (int axis = 0; axis < 3; ++axis)
+    for (std::size_t end = 0; end < 2; ++end)
+      if (const std::string text = element.text(names[std::size_t(axis)][end]); !text.empty()) {
+        (end == 0 ? low : high)[axis] = float(numbersOf(text + " 0 0", Vec3::Zero())[0]);
+        given = true;
+      }
+  if (!given) return;
+  const bool moves = element.find("p0") && quirks_.use("grid-origin", element.path());
+  if (moves) {
+    const Vec3 origin = numbersOf(element.text("p0"), low), box = high - low;
+    low = origin, high = origin + box;
+  }
+  element.remove("p0");
+  // one layer of nodes lies in the middle of x and y
+  const Vec3 count = element.find("n") ? numbersOf(element.text("n"), Vec3(2, 2, 2)) : Vec3(2, 2, 2);
+  const char* counts[3] = {"nx", "ny", "nz"};
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::string text = element.text(counts[axis]);
+    const double n = text.empty() ? count[axis] : numbersOf(text + " 0 0", Vec3(2, 2, 2))[0];
+    if (n != 1) continue;
+    if (axis < 2 && !moves) low[axis] = (low[axis] + high[axis]) / 2;
+    high[axis] = low[axis];
+  }
+  for (const auto& axis : names)
+    for (const char* name : axis) element.remove(name);
+  element.set("min", print(low));
+  element.set("max", print(high));
+}
+
+/// Every topology of SOFA reads files; here loaders do.
+void Rewriting::readMeshFiles(Element& element) {
+  const std::string& type = element.written->type;
+  for (const char* file : {"filename", "fileTopology"})
+    if (element.probe && element.find(file) &&
+        (isOneOf(type, {"MeshTopology", "SparseGridTopology"}) || type.ends_with("TopologyContainer")))
+      readMeshFile(element, file);
+}
+
+void Rewriting::readMeshFile(Element& element, const std::string& attribute) {
+  const std::string file = element.text(attribute);
+  if (file.empty() || file.starts_with("@")) return;
+  static const std::vector<std::pair<std::string_view, std::string_view>> loaders = {
+      {".msh", "MeshGmshLoader"}, {".obj", "MeshOBJLoader"}, {".stl", "MeshSTLLoader"},
+      {".vtk", "MeshVTKLoader"},  {".vtu", "MeshVTKLoader"}, {".off", "MeshOffLoader"}};
+  for (const auto& [ending, type] : loaders) {
+    if (!file.ends_with(ending)) continue;
+    const std::string name = element.name + "_file";
+    ComponentDescription loader{std::string(type), {}, element.written->where, element.written->folder};
+    loader.attributes.push_back({"name", name, element.find(attribute)->where});
+    loader.attributes.push_back({"filename", file, element.find(attribute)->where});
+    element.place->added_components.push_back(std::move(loader));
+    SceneTree::linkTo(element);
+    element.remove(attribute);
+    element.set("src", "@" + joinPath(element.place->path(), name));
+    return;
+  }
+  diagnostics_.error(element.find(attribute)->where, element.path() + "." + attribute,
+                     "there is no loader for " + inQuotes(file), "a file of Gmsh, OBJ, STL, OFF or VTK");
+}
+
+void Rewriting::meanState(Element& element) {
+  const bool has_positions = element.find("position") || element.find("rest_position") || element.find("src") ||
+                             element.place->has("topology");
+  if (element.find("size") && has_positions) {
+    element.remove("size");
+    noEffect("MechanicalObject.size beside positions");
+  }
+}
+
+void Rewriting::meanConstraint(Element& element) {
+  setDefault(element, "ignoreMissing", "true");
+  const bool all = isTrue(element.text("fixAll"));
+  static const std::set<std::string> first = {"FixedProjectiveConstraint", "PartialFixedProjectiveConstraint",
+                                              "FixedTranslationProjectiveConstraint", "LinearMovementProjectiveConstraint",
+                                              "PartialLinearMovementProjectiveConstraint"};
+  if (!all && !element.find("indices") && first.count(element.written->type) &&
+      quirks_.use("first-node", element.path())) {
+    warn(element.written->where, element, "indices", "is not given: SOFA holds node 0");
+    element.set("indices", "0");
+  }
+}
+
+}  // namespace stroma::sofa

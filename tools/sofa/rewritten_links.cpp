@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Links as SOFA follows them, written as absolute ones.
+#include <algorithm>
+
+#include "framework/scene/text.h"
+#include "tools/sofa/rewriting.h"
+
+namespace stroma::sofa {
+
+void Rewriting::rewriteLinks(Element& element) {
+  std::vector<std::string> broken;
+  for (AttributeDescription& attribute : element.written->attributes)
+    if (trimmed(attribute.value).starts_with("@")) rewriteLink(element, attribute, broken);
+  for (const std::string& name : broken) element.remove(name);
+}
+
+void Rewriting::rewriteLink(Element& element, AttributeDescription& attribute, std::vector<std::string>& broken) {
+  if (!element.probe || element.without_effect || hasNoEffect(element.written->type, attribute.name)) return;
+  const std::string text(trimmed(attribute.value));
+  const auto breaks = [&](const std::string& message) {
+    warn(attribute.where, element, attribute.name,
+         "the link " + inQuotes(text) + " " + message + ": SOFA runs without it, and so does this scene");
+    broken.push_back(attribute.name);
+  };
+  if (attribute.name == "src") {
+    const LinkTarget target = tree_->follow(element, text, false);
+    if (!target.element || target.element->dropped) return breaks("leads nowhere");
+    if (target.element->probe) attribute.value = SceneTree::linkTo(*target.element);
+    return;
+  }
+  const Data* data = element.probe->data().find(attribute.name);
+  if (!data) return;
+  const bool many = text.find('@', 1) != std::string::npos;
+  std::string value;
+  if (data->link() && (!many || !data->link()->takesMany())) {
+    value = componentLink(element, *data, text);
+  } else if (data->link()) {
+    Words words(text);
+    for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
+      const std::string one = componentLink(element, *data, std::string(word));
+      if (!one.empty()) value += (value.empty() ? "" : " ") + one;
+    }
+  } else if (!many) {
+    value = dataLink(element, attribute);
+  } else {  // several components in a list of words
+    Words words(text);
+    for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
+      const LinkTarget target = tree_->follow(element, word, false);
+      Element* found = target.element ? target.element : target.place ? target.place->firstOf("mechanical state") : nullptr;
+      value += (value.empty() ? "" : " ") + (found ? SceneTree::linkTo(*found) : std::string(word));
+    }
+  }
+  if (value.empty()) return breaks("leads nowhere");
+  attribute.value = value;
+}
+
+/// The component meant by a place: the only one that fits, else its state or its topology, else the first that fits.
+Element* Rewriting::meant(const Element& asker, const LinkTarget& target, const LinkBase& wanted) const {
+  if (!target.place) return target.element;
+  std::vector<Element*> fitting;
+  for (const auto& element : target.place->elements)
+    if (!element->dropped && element->probe && element.get() != &asker && wanted.accepts(*element->probe))
+      fitting.push_back(element.get());
+  if (fitting.empty()) return nullptr;
+  for (Element* element : fitting)
+    if (fitting.size() > 1 && element->role() != "topological mapping") return element;
+  return fitting.front();
+}
+
+std::string Rewriting::componentLink(Element& element, const Data& data, const std::string& text) {
+  const LinkBase& link = *data.link();
+  LinkTarget target = tree_->follow(element, text, false);
+  if (!target.element && !target.place) target = tree_->follow(element, text, true);
+  if (target.element && !target.element->probe && !target.element->without_effect) return text;  // reported by itself
+  Element* found = meant(element, target, link);
+  if (!found || found->dropped || !found->probe) return {};
+  if (!link.accepts(*found->probe)) {
+    // a component of another class: SOFA falls back to the node's
+    found = meant(element, {nullptr, found->place, {}}, link);
+    if (!found) return {};
+  }
+  return SceneTree::linkTo(*found);
+}
+
+std::string Rewriting::dataLink(Element& element, const AttributeDescription& attribute) {
+  const std::string text(trimmed(attribute.value));
+  LinkTarget target = tree_->follow(element, text, true);
+  const std::string data = target.data.empty() ? element.probe->data().find(attribute.name)->name() : target.data;
+  if (target.place)
+    for (const auto& each : target.place->elements)
+      if (!target.element && !each->dropped && each->probe && each->probe->data().find(data)) target.element = each.get();
+  if (!target.element) return {};
+  if (!target.element->probe) return target.element->without_effect ? std::string() : text;
+  if (target.element->dropped) return {};
+  return SceneTree::linkTo(*target.element) + "." + data;
+}
+
+}  // namespace stroma::sofa

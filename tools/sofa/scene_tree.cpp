@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tools/sofa/scene_tree.h"
+
+#include <algorithm>
+#include <charconv>
+#include <map>
+#include <set>
+
+#include "framework/scene/change_table.h"
+#include "framework/scene/names.h"
+#include "framework/scene/text.h"
+
+namespace stroma::sofa {
+
+// ---- elements and places ----
+
+std::string Element::text(std::string_view attribute) const {
+  const AttributeDescription* found = written->find(attribute);
+  return found ? std::string(trimmed(found->value)) : std::string();
+}
+
+void Element::set(const std::string& attribute, const std::string& value) {
+  for (AttributeDescription& each : written->attributes)
+    if (each.name == attribute) return void(each.value = value);
+  written->attributes.push_back({attribute, value, written->where});
+}
+
+void Element::remove(std::string_view attribute) {
+  std::erase_if(written->attributes, [&](const AttributeDescription& each) { return each.name == attribute; });
+}
+
+std::string Element::path() const { return joinPath(place->path(), name); }
+
+std::string Place::path() const { return parent ? joinPath(parent->path(), name) : "/"; }
+
+Element* Place::firstOf(std::string_view role) const {
+  for (const auto& element : elements)
+    if (!element->dropped && element->role() == role) return element.get();
+  return nullptr;
+}
+
+Element* Place::nearest(std::string_view role) const {
+  for (const Place* place = this; place; place = place->parent)
+    if (Element* found = place->firstOf(role)) return found;
+  return nullptr;
+}
+
+// ---- the tree ----
+
+SceneTree::SceneTree(NodeDescription& root, const Make& make) { build(root_, root, make); }
+
+/// Names as SOFA gives them: CLASSNAME and a number from 1. Of equal ones the first is found; the others get names of
+/// their own, because a native scene has no two.
+void SceneTree::build(Place& place, NodeDescription& node, const Make& make) {
+  place.node = &node;
+  std::map<std::string, int> counts;
+  std::set<std::string> taken;
+  const auto unique = [&taken](std::string name) {
+    const std::string wanted = name;
+    for (int i = 2; !taken.insert(name).second; ++i) name = wanted + "_" + std::to_string(i);
+    return name;
+  };
+  for (ComponentDescription& component : node.components) {
+    component.type = std::string(presentType(component.type));
+    auto element = std::make_unique<Element>();
+    element->written = &component;
+    element->place = &place;
+    const std::string given = component.name();
+    element->name = unique(given.empty() ? component.type + std::to_string(++counts[component.type]) : given);
+    if (!given.empty() && element->name != given) element->set("name", element->name);
+    element->probe = make(component.type);
+    place.elements.push_back(std::move(element));
+  }
+  std::set<std::string> children;
+  const std::vector<std::string> names = childNames(node);
+  for (std::size_t i = 0; i < node.children.size(); ++i) {
+    auto child = std::make_unique<Place>();
+    child->parent = &place;
+    child->name = names[i];
+    for (int k = 2; !children.insert(child->name).second; ++k) child->name = names[i] + "_" + std::to_string(k);
+    if (child->name != names[i])
+      for (AttributeDescription& attribute : node.children[i].attributes)
+        if (attribute.name == "name") attribute.value = child->name;
+    build(*child, node.children[i], make);
+    place.children.push_back(std::move(child));
+  }
+}
+
+void SceneTree::forEach(const Place& place, const std::function<void(Element&)>& call) {
+  if (place.dropped) return;
+  for (const auto& element : place.elements)
+    if (!element->dropped) call(*element);
+  for (const auto& child : place.children) forEach(*child, call);
+}
+
+void SceneTree::forEachPlace(Place& place, const std::function<void(Place&)>& call) {
+  if (place.dropped) return;
+  call(place);
+  for (const auto& child : place.children) forEachPlace(*child, call);
+}
+
+void SceneTree::finish(Place& place) {
+  NodeDescription& node = *place.node;
+  std::vector<ComponentDescription> kept;
+  for (const auto& element : place.elements)
+    if (!element->dropped) kept.push_back(std::move(*element->written));
+  for (ComponentDescription& added : place.added_components) kept.push_back(std::move(added));
+  std::vector<NodeDescription> children;
+  for (const auto& child : place.children) {
+    if (child->dropped) continue;
+    finish(*child);
+    children.push_back(std::move(*child->node));
+  }
+  for (NodeDescription& added : place.added_children) children.push_back(std::move(added));
+  node.components = std::move(kept);
+  node.children = std::move(children);
+}
+
+// ---- links ----
+
+namespace {
+
+Element* named(const Place& place, std::string_view name) {
+  for (const auto& element : place.elements)
+    if (element->name == name) return element.get();
+  for (const auto& element : place.elements)  // the first of a type without a name, called by the bare type
+    if (element->written->name().empty() && element->written->type == name) return element.get();
+  return nullptr;
+}
+
+Place* childNamed(const Place& place, std::string_view name) {
+  for (const auto& child : place.children)
+    if (child->name == name) return child.get();
+  return nullptr;
+}
+
+/// Where the steps of a path lead from `start`; nowhere: both null.
+LinkTarget walk(Place& start, const std::vector<std::string>& steps, std::size_t first) {
+  LinkTarget target;
+  Place* place = &start;
+  for (std::size_t i = first; i < steps.size(); ++i) {
+    const std::string& step = steps[i];
+    if (step == "." || step.empty()) continue;
+    if (i + 1 == steps.size() && step != ".." && (target.element = named(*place, step))) return target;
+    place = step == ".." ? place->parent : childNamed(*place, step);
+    if (!place) return target;
+  }
+  target.place = place;
+  return target;
+}
+
+Element* counted(const Element& from, std::string_view step) {
+  int offset = 0;
+  const auto [end, code] = std::from_chars(step.data() + 1, step.data() + step.size(), offset);
+  const auto& list = from.place->elements;
+  const auto here = std::find_if(list.begin(), list.end(), [&](const auto& element) { return element.get() == &from; });
+  const long index = (here - list.begin()) + offset;
+  return code == std::errc() && index >= 0 && index < long(list.size()) ? list[std::size_t(index)].get() : nullptr;
+}
+
+}  // namespace
+
+LinkTarget SceneTree::follow(const Element& from, std::string_view link, bool names_data) const {
+  std::string_view rest = link.substr(link.starts_with("@") ? 1 : 0);
+  const bool absolute = rest.starts_with("/");
+  std::vector<std::string> steps;
+  for (std::size_t slash = rest.find('/'); slash != rest.npos; slash = rest.find('/')) {
+    if (slash > 0) steps.emplace_back(rest.substr(0, slash));
+    rest.remove_prefix(slash + 1);
+  }
+  std::string data;
+  if (const auto dot = rest.rfind('.'); names_data && dot != rest.npos && rest != "." && rest != "..") {
+    data = rest.substr(dot + 1);
+    rest = rest.substr(0, dot);
+  }
+  if (!rest.empty()) steps.emplace_back(rest);
+  const auto found = [&data](LinkTarget target) { return target.data = data, target; };
+  Place& root = const_cast<Place&>(root_);
+  if (absolute) {
+    LinkTarget target = walk(root, steps, 0);
+    const bool names_root = !steps.empty() && steps[0] == root.node->name();
+    return found(target.element || target.place || !names_root ? target : walk(root, steps, 1));
+  }
+  if (steps.empty() || steps[0] == "." || steps[0] == "..") return found(walk(*from.place, steps, 0));
+  if (steps[0].starts_with("[")) return found({counted(from, steps[0]), nullptr, {}});
+  for (Place* place = from.place; place; place = place->parent)
+    if (LinkTarget target = walk(*place, steps, 0); target.element || target.place) return found(target);
+  return found({});
+}
+
+std::string SceneTree::linkTo(Element& element) {
+  if (element.written->name().empty()) element.set("name", element.name);
+  for (Place* place = element.place; place->parent; place = place->parent)
+    if (place->node->name().empty()) place->node->attributes.push_back({"name", place->name, place->node->where});
+  return "@" + element.path();
+}
+
+}  // namespace stroma::sofa

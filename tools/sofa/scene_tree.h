@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// A described scene with what its links mean in SOFA. Elements stand for components that are not made yet; each has one
+// beside it, its probe, for the table of its attributes.
+#pragma once
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "framework/scene/load.h"
+
+namespace stroma::sofa {
+
+struct Place;
+
+struct Element {
+  ComponentDescription* written = nullptr;
+  Place* place = nullptr;
+  std::string name;                  ///< by which links find it
+  std::unique_ptr<Component> probe;  ///< null: there is no such component here
+  bool without_effect = false;       ///< accepted: what only draws, schedules or keeps books
+  bool dropped = false;
+
+  std::string role() const { return probe ? probe->roleText() : std::string(); }
+  bool is(std::string_view type) const { return written->type == type; }
+  const AttributeDescription* find(std::string_view attribute) const { return written->find(attribute); }
+  std::string text(std::string_view attribute) const;
+  void set(const std::string& attribute, const std::string& value);
+  void remove(std::string_view attribute);
+  std::string path() const;
+};
+
+struct Place {
+  NodeDescription* node = nullptr;
+  Place* parent = nullptr;
+  std::string name;
+  std::vector<std::unique_ptr<Element>> elements;
+  std::vector<std::unique_ptr<Place>> children;
+  std::vector<ComponentDescription> added_components;
+  std::vector<NodeDescription> added_children;
+  bool dropped = false;
+
+  std::string path() const;
+  /// The first of a role that is not dropped, or null.
+  Element* firstOf(std::string_view role) const;
+  bool has(std::string_view role) const { return firstOf(role) != nullptr; }
+  /// The same in this place or the nearest above.
+  Element* nearest(std::string_view role) const;
+};
+
+/// Where a link leads: an element, or a place; both null: nowhere.
+struct LinkTarget {
+  Element* element = nullptr;
+  Place* place = nullptr;
+  std::string data;  ///< after the dot
+};
+
+class SceneTree {
+ public:
+  using Make = std::function<std::unique_ptr<Component>(const std::string& type)>;
+
+  SceneTree(NodeDescription& root, const Make& make);
+  Place& root() { return root_; }
+  void forEach(const std::function<void(Element&)>& call) const { forEach(root_, call); }
+  void forEachPlace(const std::function<void(Place&)>& call) { forEachPlace(root_, call); }
+  /// "@../mesh.position" as SOFA reads it: by name here, then upwards; by path; "[-1]" by place in the node.
+  LinkTarget follow(const Element& from, std::string_view link, bool names_data) const;
+  /// The absolute link to an element, which has a name of its own from then on.
+  static std::string linkTo(Element& element);
+  /// Takes out what is dropped and puts in what was added.
+  void finish() { finish(root_); }
+
+ private:
+  void build(Place& place, NodeDescription& node, const Make& make);
+  static void forEach(const Place& place, const std::function<void(Element&)>& call);
+  static void forEachPlace(Place& place, const std::function<void(Place&)>& call);
+  static void finish(Place& place);
+
+  Place root_;
+};
+
+}  // namespace stroma::sofa
