@@ -39,11 +39,16 @@ class BDFOdeSolver final : public Integrator {
   void stepTaken(const StepContext& context) override;
   bool toleratesLaggedForces() const override { return order_ == 1; }
   std::string describe() const override { return fmt::format("BDF step of order {}", order_) + implicit_.describe(); }
-  void reset() override { last_step_ = 0; }
+  void reset() override {
+    last_step_ = 0;
+    implicit_.reset();
+  }
   void serialize(Archive& archive) override {
+    implicit_.serialize(archive);
     archive.value("last_step", last_step_);
     archive.rows("way", way_);
     archive.rows("change", change_);
+    archive.list("momentum_changes", momentum_changes_);
   }
 
  private:
@@ -51,9 +56,10 @@ class BDFOdeSolver final : public Integrator {
 
   int order_ = 1;
   ImplicitStep implicit_;
-  Vector way_, change_;   ///< x0 - x_-1 and v0 - v_-1, shape (independentRows())
-  Vector new_way_;        ///< x1 - x0 of the step just made
-  double last_step_ = 0;  ///< their h; 0: there is no step before
+  Vector way_, change_;                 ///< x0 - x_-1 and v0 - v_-1, shape (independentRows())
+  Vector new_way_;                      ///< x1 - x0 of the step just made
+  std::vector<Vec3> momentum_changes_;  ///< L0 - L_-1 of turning bodies, which is stepped instead of w
+  double last_step_ = 0;                ///< their h; 0: there is no step before
 };
 
 void BDFOdeSolver::declare(DataTable& table) {
@@ -68,6 +74,7 @@ void BDFOdeSolver::compile(System& system) {
   implicit_.compile(*this, system);
   if (order_ == 2)
     for (Vector* vector : {&way_, &change_, &new_way_}) vector->resize(system.independentRows());
+  momentum_changes_.assign(implicit_.bodies().count(), Vec3::Zero());
 }
 
 ImplicitScheme BDFOdeSolver::schemeOfOrder2(System& system, double h) {
@@ -86,6 +93,8 @@ ImplicitScheme BDFOdeSolver::schemeOfOrder2(System& system, double h) {
   copy(way_, implicit_.position_predictor);
   scale(rho, implicit_.position_predictor);
   axpy(w - h, system.independent(system.v), implicit_.position_predictor);
+  for (std::size_t b = 0; b < momentum_changes_.size(); ++b)
+    implicit_.momentum_predictor[b] = rho * momentum_changes_[b];
   return scheme;
 }
 
@@ -104,9 +113,12 @@ StepReport BDFOdeSolver::step(System& system, const StepContext& context) {
 }
 
 void BDFOdeSolver::stepTaken(const StepContext& context) {
+  implicit_.stepTaken();
   if (order_ == 1) return;
   std::swap(way_, new_way_);
   copy(implicit_.change(), change_);
+  for (std::size_t b = 0; b < momentum_changes_.size(); ++b)
+    momentum_changes_[b] = implicit_.endMomenta()[b] - implicit_.startMomenta()[b];
   last_step_ = context.dt;
 }
 

@@ -40,7 +40,10 @@ class CentralDifferenceSolver final : public Integrator {
 
  private:
   double rayleigh_mass_ = 0;
+  void turnBodies(System& system, double h);
+
   Acceleration acceleration_;
+  Vector middle_;  ///< x, with the bodies as they are at the middle of a step
   Vector a_;
   std::vector<double> damping_;  ///< rM of each row [1/s], shape (independentRows())
   bool depends_on_time_ = false;
@@ -64,6 +67,7 @@ void CentralDifferenceSolver::compile(System& system) {
   }
   acceleration_.compile(system, name);
   a_.resize(system.independentRows());
+  middle_.resize(acceleration_.bodies().empty() ? 0 : system.allRows());
   damping_.assign(system.independentRows(), rayleigh_mass_);
   for (const Mass* mass : system.masses()) {
     const Index first = mass->state().firstRow();
@@ -76,11 +80,26 @@ void CentralDifferenceSolver::compile(System& system) {
   warnAboveStableStep(*this, system, acceleration_, name, {.largest_angle = 2, .grows = false});
 }
 
+/// Of bodies whose inertia turns, a step changes the momentum, which is J w at the middle of steps:
+///   J(q+) w+ = J(q-) w- + J(q) a,   q- = exp(-h- w- / 2) q,   q+ = exp(h w+ / 2) q
+void CentralDifferenceSolver::turnBodies(System& system, double h) {
+  const TurningBodies& bodies = acceleration_.bodies();
+  if (bodies.empty()) return;
+  copy(system.x, middle_);
+  for (std::size_t b = 0; b < bodies.count(); ++b) {
+    const Index row = bodies.row(b);
+    const Vec3 w = system.v[row];
+    Motion::turnBy(-last_step_ / 2 * w, middle_.rows().data + std::size_t(row) * row_doubles);
+    const Vec3 momentum = bodies.inertia(b, middle_) * w + bodies.inertia(b, system.x) * a_[row];
+    a_[row] = bodies.solve(b, system.x, h / 2 * w, h / 2, w, momentum, system.constraints(), w + a_[row]) - w;
+  }
+}
+
 StepReport CentralDifferenceSolver::step(System& system, const StepContext& context) {
   if (depends_on_time_) system.setTime(context.t);
   StepReport report;
   system.computeForce(system.x, system.v, system.f);
-  if (!acceleration_.solve(system.independent(system.f), a_, context.stop, report)) return report;
+  if (!acceleration_.solveForMomenta(system.x, system.independent(system.f), a_, context.stop, report)) return report;
   if (depends_on_time_) system.setTime(context.t_end);
   const double h = context.dt, between = (last_step_ + h) / 2;
   // a becomes v+ - v-, of which constraints let through what they leave free
@@ -90,6 +109,7 @@ StepReport CentralDifferenceSolver::step(System& system, const StepContext& cont
   }
   system.constraints().projectAcceleration(a_);
   const Rows v = system.independent(system.v);
+  turnBodies(system, h);
   axpy(1, a_, v);
   system.motion().advance(h, v, system.x);
   return report;

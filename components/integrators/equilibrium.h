@@ -2,7 +2,9 @@
 #pragma once
 #include <algorithm>
 
+#include "components/integrators/exact_tangent.h"
 #include "components/integrators/newton.h"
+#include "framework/simulation/step_limits.h"
 #include "framework/simulation/system.h"
 #include "framework/simulation/system_report.h"
 
@@ -14,6 +16,7 @@ class Equilibrium final : public NonlinearProblem {
  public:
   void compile(System& system) {
     system_ = &system;
+    limits_.compile(system);
     for (Vector* vector : {&start_, &start_force_, &error_, &product_}) vector->resize(system.independentRows());
   }
   void begin() {
@@ -35,6 +38,7 @@ class Equilibrium final : public NonlinearProblem {
   void leaveOut(Rows out) const {
     if (share_ < 1) axpy(share_ - 1, start_force_, out);
   }
+  bool useDefiniteTangent(bool definite) override { return useDefiniteTangents(*system_, definite); }
   SystemMatrix& tangent() override { return system_->matrix().withFactors({.stiffness = -1}); }
   /// The gradient of the second part is (1 - s) f0.
   double energy() override {
@@ -46,6 +50,21 @@ class Equilibrium final : public NonlinearProblem {
   }
   double loadScale() const override { return norm(system_->f); }
   Rows unknowns() override { return rows(); }
+  double longestStep(ConstRows d) override { return limits_.longest(d); }
+  bool movesOn() override { return limits_.moveOn(); }
+  /// Whether something is in the way of the prescribed motion d, or of it with what is `carried` along; the report then
+  /// says so.
+  bool isBlocked(ConstRows d, bool carries, ConstRows carried, StepReport& report) {
+    if (limits_.empty()) return false;
+    copy(d, product_);
+    bool is_free = limits_.longest(product_) == 1;
+    if (carries) axpy(1, carried, product_);
+    is_free = is_free && (!carries || limits_.longest(product_) == 1);
+    if (is_free) return false;
+    report.newton_converged = false;
+    report.reason = "the prescribed motion of the step leads bodies through each other at once";
+    return true;
+  }
   void addTo(Rows u, double s, ConstRows d) const override { system_->motion().advance(s, d, u); }
   void unknownsChanged() override {}
   double displacementPerUnknown() const override { return 1; }
@@ -62,6 +81,7 @@ class Equilibrium final : public NonlinearProblem {
  private:
   Rows rows() const { return system_->independent(system_->x); }
   System* system_ = nullptr;
+  StepLimits limits_;
   Vector start_, start_force_, error_, product_;
   double share_ = 1;
 };

@@ -40,20 +40,25 @@
 namespace stroma {
 namespace {
 
-class EulerImplicitSolver final : public Integrator {
+class EulerImplicitSolver final : public Integrator, public HeedsStepLimits {
  public:
+  bool heedsStepLimits() const override { return implicit_.iterates() && !first_order_; }
+  std::string howToHeedStepLimits() const override { return "newtonIterations=\"30\""; }
   void declare(DataTable& table) override;
   void init() override;
   void compile(System& system) override;
   StepReport step(System& system, const StepContext& context) override;
   bool keepsEnergy() const override { return trapezoidal_ && !first_order_; }
   std::string describe() const override;
+  void stepTaken(const StepContext&) override { implicit_.stepTaken(); }
+  void reset() override { implicit_.reset(); }
+  void serialize(Archive& archive) override { implicit_.serialize(archive); }
 
  private:
   StepReport firstOrderStep(System& system, const StepContext& context);
 
   double velocity_damping_ = 0;
-  bool first_order_ = false, trapezoidal_ = false;
+  bool first_order_ = false, trapezoidal_ = false, by_new_velocity_ = false;
   double theta_ = 1;
   ImplicitStep implicit_;
   Vector right_side_;
@@ -68,6 +73,8 @@ void EulerImplicitSolver::declare(DataTable& table) {
   table.add("firstOrder", first_order_).help("overdamped motion: solve for the velocity, not for its change");
   table.add("trapezoidalScheme", trapezoidal_)
       .help("trapezoidal rule (second order, no damping) instead of backward Euler");
+  table.add("moveByNewVelocity", by_new_velocity_)
+      .help("with trapezoidalScheme: positions move by h times the new velocity, as in SOFA, which is of first order");
   implicit_.declareNewton(table);
   declareLinearSolver(table);
   implicit_.declareNewtonSolver(table);
@@ -100,6 +107,8 @@ StepReport EulerImplicitSolver::step(System& system, const StepContext& context)
   scheme.old_time = context.t;
   StepReport report = first_order_ ? firstOrderStep(system, context) : implicit_.solve(scheme, context.stop);
   if (report.failed()) return report;
+  if (by_new_velocity_ && trapezoidal_ && !first_order_)  // the rule moved x by the mean of both
+    system.motion().advance((1 - theta_) * h, implicit_.change(), system.x);
   if (velocity_damping_ != 0 && !first_order_) scale(std::exp(-h * velocity_damping_), system.v);
   return report;
 }

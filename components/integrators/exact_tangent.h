@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Where Newton's method fails with an approximate tangent (rotations held fixed in the derivative), the derivative of
-// the force itself may converge: a solve is then made again with it.
+// the force itself may converge: a solve is then made again with it. Where that helped, later steps of the run begin with
+// it: they would fail in the same way, and pay for that each time.
 #pragma once
 #include "framework/algebra/linear_solver.h"
 #include "framework/mechanics/open_choices.h"
+#include "framework/scene/archive.h"
 #include "framework/simulation/system.h"
 
 namespace stroma {
@@ -31,19 +33,56 @@ class ExactTangent {
   }
   bool isOn() const { return system_ != nullptr; }
 
+  // ---- what a run remembers ----
+  /// The tangent that the step begins with.
+  void beginStep(System& system) {
+    helped_ = kept_;
+    if (kept_)
+      begin(system);
+    else
+      end();
+  }
+  /// How the step ended: with an equilibrium or not. The tangent is then that with which the next step begins. True where
+  /// it was changed: derivatives are those of the last force.
+  bool endStep(bool converged) {
+    helped_ = isOn() && converged;
+    if (!isOn() || helped_) return false;
+    end();
+    return true;
+  }
+  /// The step is taken: Integrator::stepTaken().
+  void stepTaken() { kept_ = helped_; }
+  void reset() {
+    end();
+    kept_ = helped_ = false;
+  }
+  void serialize(Archive& archive) { archive.value("exact_tangent", kept_); }
+
  private:
   static bool switchOf(ForceField* field, bool exact) {
     auto* open = dynamic_cast<OpenChoices*>(field);
     return open && open->useExactTangent(exact);
   }
   System* system_ = nullptr;
+  bool helped_ = false;  ///< in the step that was just made
+  bool kept_ = false;    ///< steps begin with it
 };
 
 inline void declareExactTangentSteps(DataTable& table, int& steps) {
   table.add("exactTangentSteps", steps)
-      .help("how many steps so far failed with an approximate tangent of a force field and went on with the exact one")
+      .help(
+          "how many steps so far failed with an approximate tangent of a force field and went on with the exact one, "
+          "with which the steps after them begin")
       .unit("-")
       .output();
+}
+
+/// Of all fields of a system that have a stiffness without unstable directions.
+inline bool useDefiniteTangents(System& system, bool definite) {
+  bool changed = false;
+  for (ForceField* field : system.forceFields())
+    if (auto* open = dynamic_cast<OpenChoices*>(field); open && open->useDefiniteTangent(definite)) changed = true;
+  return changed;
 }
 
 /// Adds the work of another solve of the same step.
@@ -52,6 +91,15 @@ inline void addCounts(const StepReport& from, StepReport& to) {
   to.linear_iterations += from.linear_iterations;
   to.factorisations += from.factorisations;
   to.solve_seconds += from.solve_seconds;
+}
+
+/// A hint, or nothing: Newton's method converges slowly, or not at all, with a tangent that is an approximation.
+inline std::string exactTangentHint(const System& system) {
+  for (const ForceField* field : system.forceFields())
+    if (field->traits().has_stiffness && !field->traits().exact_tangent && field->data().find("tangent"))
+      return "; the tangent of " + field->path() +
+             " is an approximation: tangent=\"exact\" may converge, with SparseLDLSolver where it is not symmetric";
+  return {};
 }
 
 }  // namespace stroma

@@ -8,6 +8,7 @@
 
 #include "components/integrators/newton.h"
 #include "components/integrators/stable_step.h"
+#include "framework/mechanics/frames.h"
 #include "framework/simulation/system_report.h"
 
 namespace stroma {
@@ -16,6 +17,8 @@ namespace stroma {
 
 void Acceleration::compile(System& system, const std::string& method) {
   system_ = &system;
+  bodies_.compile(system);
+  force_.resize(bodies_.empty() ? 0 : system.independentRows());
   solver_ = nullptr;
   if (system.actors().massIsDiagonal()) {
     inverse_mass_ = &system.constraints().inverseLumpedMass();
@@ -31,7 +34,14 @@ void Acceleration::compile(System& system, const std::string& method) {
   right_side_.resize(system.independentRows());
 }
 
-bool Acceleration::solve(ConstRows f, Rows a, StopToken stop, StepReport& report) {
+bool Acceleration::solve(ConstRows x, ConstRows v, ConstRows f, Rows a, StopToken stop, StepReport& report) {
+  if (bodies_.empty()) return solveForMomenta(x, f, a, stop, report);
+  copy(f, force_);
+  bodies_.addGyroscopic(x, v, -1, force_);
+  return solveForMomenta(x, force_, a, stop, report);
+}
+
+bool Acceleration::solveForMomenta(ConstRows x, ConstRows f, Rows a, StopToken stop, StepReport& report) {
   if (solver_) {
     copy(f, right_side_);
     system_->constraints().project(right_side_);
@@ -43,6 +53,7 @@ bool Acceleration::solve(ConstRows f, Rows a, StopToken stop, StepReport& report
     double* __restrict out = a.data;
     for (Index i = 0; i < a.count; ++i)
       for (int l = 0; l < row_doubles; ++l) out[row_doubles * i + l] = force[row_doubles * i + l] * inverse[i];
+    bodies_.divide(x, f, a);
     system_->constraints().projectAcceleration(a);
     return true;
   }
@@ -127,6 +138,10 @@ void ExplicitStep::compile(Integrator& integrator, System& system) {
   depends_on_time_ = false;  // compiled again after an edit
   for (const ForceField* field : system.forceFields())
     depends_on_time_ = depends_on_time_ || field->traits().time_dependent;
+  rates_.clear();
+  std::size_t turning = 0;
+  for (const Index row : system.motion().turningRows()) turning += row < system.independentRows();
+  if (scheme.stages.size() > 1 && turning > 0) rates_.assign(scheme.stages.size(), std::vector<Vec3>(turning));
   warnAboveStableStep(integrator, system, acceleration_, scheme.name, stabilityLimit(scheme));
 }
 
@@ -137,13 +152,17 @@ StepReport ExplicitStep::step(System& system, const StepContext& context) {
     const ExplicitScheme::Stage& stage = scheme.stages[i];
     if (depends_on_time_) system.setTime(context.t + stage.time * h);
     // beginStep() has given what is moved the mean velocity of the step
-    if (i == 0 && !system.constraints().hasPrescribed()) {
-      system.computeForce(system.x, system.v, system.f);
-    } else {
-      placeStage(system, context, stage);
-      system.computeForce(stage_x_, stage_v_, system.f);
-    }
-    if (!acceleration_.solve(system.independent(system.f), accelerations_[i], context.stop, report)) return report;
+    const bool is_start = i == 0 && !system.constraints().hasPrescribed();
+    if (!is_start) placeStage(system, context, stage);
+    if (is_start && !rates_.empty())
+      for (std::size_t k = 0; k < rates_[0].size(); ++k) rates_[0][k] = system.v[system.motion().turningRows()[k]];
+    const ConstRows x = is_start ? system.x : stage_x_, v = is_start ? system.v : stage_v_;
+    system.computeForce(x, v, system.f);
+    const ConstRows f = system.independent(system.f);
+    const Rows a = accelerations_[i];
+    if (scheme.stages.size() == 1 ? !acceleration_.solveForMomenta(x, f, a, context.stop, report)
+                                  : !acceleration_.solve(x, v, f, a, context.stop, report))
+      return report;
   }
   if (depends_on_time_) system.setTime(context.t_end);
   finish(system, h);
@@ -161,12 +180,31 @@ void ExplicitStep::placeStage(System& system, const StepContext& context, const 
     if (stage.x[j] != 0) axpy(h * h * stage.x[j], accelerations_[j], x);
     if (stage.v[j] != 0) axpy(h * stage.v[j], accelerations_[j], v);
   }
+  if (!rates_.empty()) {
+    setTurns(system, h, stage.v, x);
+    noteRates(system, std::size_t(&stage - scheme.stages.data()));
+  }
   orientations_.turn(x);
   // a motion in pieces changes its velocity at once between two of them: the ends of the step belong to the one within,
   // by more than what makes two times the same (key_times.h)
   const double margin = std::min(1e-10 * h + 1e-11 * std::abs(context.t_end), h / 4);
   const double inside = std::clamp(stage.time * h, margin, h - margin);
   system.constraints().placePrescribed(context, context.t + inside, stage_x_, stage_v_);
+}
+
+void ExplicitStep::setTurns(const System& system, double h, const std::vector<double>& weights, Rows x) const {
+  const std::vector<Index>& rows = system.motion().turningRows();
+  for (std::size_t i = 0; i < rates_[0].size(); ++i) {
+    x[rows[i]].setZero();
+    for (std::size_t j = 0; j < weights.size(); ++j) x[rows[i]] += h * weights[j] * rates_[j][i];
+  }
+}
+
+/// Where stage_x_ still has rotation vectors.
+void ExplicitStep::noteRates(const System& system, std::size_t stage) {
+  const std::vector<Index>& rows = system.motion().turningRows();
+  for (std::size_t i = 0; i < rates_[stage].size(); ++i)
+    rates_[stage][i] = dexpInverse(stage_x_[rows[i]]) * stage_v_[rows[i]];
 }
 
 /// The first acceleration together with h v0 in one pass, because most schemes have no other.
@@ -176,6 +214,11 @@ void ExplicitStep::finish(System& system, double h) {
   const double* __restrict a = accelerations_[0].rows().data;
   double* __restrict velocity = v.data;
   double* __restrict position = x.data;
+  const TurningBodies& bodies = acceleration_.bodies();
+  const bool steps_momenta = scheme.stages.size() == 1 && !bodies.empty();
+  momenta_.resize(steps_momenta ? bodies.count() : 0);
+  for (std::size_t b = 0; b < momenta_.size(); ++b)
+    momenta_[b] = bodies.inertia(b, x) * (v[bodies.row(b)] + for_v * accelerations_[0][bodies.row(b)]);
   orientations_.take(system.motion(), x);
 #pragma omp simd
   for (std::size_t i = 0; i < x.doubles(); ++i) {
@@ -186,7 +229,9 @@ void ExplicitStep::finish(System& system, double h) {
     if (scheme.x[j] != 0) axpy(h * h * scheme.x[j], accelerations_[j], x);
     if (scheme.v[j] != 0) axpy(h * scheme.v[j], accelerations_[j], v);
   }
+  if (!rates_.empty()) setTurns(system, h, scheme.v, x);
   orientations_.turn(x);
+  if (steps_momenta) bodies.setVelocities(x, momenta_, system.constraints(), v);
 }
 
 std::string ExplicitStep::describe() const {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "components/integrators/orientations.h"
+#include "components/integrators/turning_bodies.h"
 #include "framework/algebra/linear_solver.h"
 #include "framework/simulation/integrator.h"
 #include "framework/simulation/system.h"
@@ -18,13 +19,19 @@ class Acceleration {
   /// `method` is the subject of a sentence for the user. Throws ComponentError when a mass or a needed linear solver is
   /// missing.
   void compile(System& system, const std::string& method);
-  /// f [N], a [m/s^2], shape (independentRows()). False when the solve failed: the report says why.
-  bool solve(ConstRows f, Rows a, StopToken stop, StepReport& report);
+  /// f [N] at (x, v), shape (all rows), a [m/s^2], shape (independentRows()). False when the solve failed: the report says
+  /// why. For bodies that turn, J w' = torque - w x J w.
+  bool solve(ConstRows x, ConstRows v, ConstRows f, Rows a, StopToken stop, StepReport& report);
+  /// Without w x J w: for who steps the momentum of bodies().
+  bool solveForMomenta(ConstRows x, ConstRows f, Rows a, StopToken stop, StepReport& report);
+  const TurningBodies& bodies() const { return bodies_; }
   bool isDiagonal() const { return solver_ == nullptr; }
   std::string describe() const;
 
  private:
   System* system_ = nullptr;
+  TurningBodies bodies_;
+  Vector force_;                                       ///< less w x J w, with bodies that turn
   LinearSolver* solver_ = nullptr;                     ///< null with a diagonal mass
   const std::vector<double>* inverse_mass_ = nullptr;  ///< the system's, which follows what is held
   Vector right_side_;                                  ///< of the solve
@@ -68,11 +75,17 @@ class ExplicitStep {
  private:
   void placeStage(System& system, const StepContext& context, const ExplicitScheme::Stage& stage);
   void finish(System& system, double h);
+  void noteRates(const System& system, std::size_t stage);
+  void setTurns(const System& system, double h, const std::vector<double>& weights, Rows x) const;
 
   Acceleration acceleration_;
   std::vector<Vector> accelerations_;  ///< a_j, each of shape (independentRows())
   Vector stage_x_, stage_v_;           ///< shape (allRows())
   Orientations orientations_;
+  /// Orientations are stepped by their rotation vectors r from the start of the step, r' = dexp^-1(r) w (Munthe-Kaas 1998):
+  /// r' at each stage, shape (stages, turning rows); empty for schemes of one stage.
+  std::vector<std::vector<Vec3>> rates_;
+  std::vector<Vec3> momenta_;  ///< of bodies that turn, in schemes of one stage, which step them
   bool depends_on_time_ = false;
 };
 

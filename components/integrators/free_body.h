@@ -14,4 +14,9 @@ namespace stroma {
 /// of more than eight parts all move as one.
 std::string freeBody(System& system, ConstRows force);
 
+/// Grows when constraints turn, begin or end, and when springs and contacts come or go.
+inline long revisionOfHolds(const System& system) {
+  return system.constraints().revision() + system.actors().patternRevision();
+}
+
 }  // namespace stroma

@@ -58,12 +58,17 @@ void ImplicitStep::compile(Integrator& integrator, System& system) {
 
   settings_component_ = findNewtonSolver(integrator, newton_link_);
   newton_.settings = settings_component_ ? settings_component_->settings() : newton_settings;
-  newton_.settings.use_energy = from_energy;
+  // the turn that a velocity makes in a step is no gradient of it
+  newton_.settings.use_energy = from_energy && !system.motion().turns() && !system.hasCurvedInertia();
+  bodies_.compile(system);
+  for (std::vector<Vec3>* list : {&start_momenta_, &end_momenta_, &momentum_predictor})
+    list->assign(bodies_.count(), Vec3::Zero());
   right_side_.resize(system.allRows());
   for (Vector* vector : {&change_, &constant_, &work_, &position_predictor, &velocity_predictor})
     vector->resize(system.independentRows());
   if (!iterates()) return;
   newton_.compile(system.independentRows());
+  limits_.compile(system);
   for (Vector* vector : {&x0_, &v0_}) vector->resize(system.independentRows());
   graph_.reserve(std::size_t(newton_.settings.iterations) + 2);
   if (settings_component_) settings_component_->prepare(graph_.capacity());
@@ -78,7 +83,29 @@ StepReport ImplicitStep::solve(const ImplicitScheme& scheme, StopToken stop) {
     system_->constraints().projectAcceleration(position_predictor);
     system_->constraints().projectAcceleration(velocity_predictor);
   }
-  return iterates() ? solveIterating(stop) : solveLinearised(stop);
+  startBodies();
+  StepReport report = iterates() ? solveIterating(stop) : solveLinearised(stop);
+  bodies_.momenta(x(), v(), end_momenta_);
+  return report;
+}
+
+void ImplicitStep::startBodies() {
+  bodies_.momenta(x(), v(), start_momenta_);
+
+  if (!scheme_.has_history) std::fill(momentum_predictor.begin(), momentum_predictor.end(), Vec3::Zero());
+}
+
+/// The linear solve has found the change of momentum J dv of each body; what change of velocity that is follows from
+/// where the body has turned to.
+void ImplicitStep::turnBodies() {
+  for (std::size_t b = 0; b < bodies_.count(); ++b) {
+    const Index row = bodies_.row(b);
+    const Vec3 w0 = v()[row], momentum = start_momenta_[b] + bodies_.inertia(b, x()) * change_[row];
+    Vec3 turn = scheme_.drift * w0;
+    if (scheme_.has_history) turn += position_predictor[row];
+    change_[row] =
+        bodies_.solve(b, x(), turn, scheme_.displacement, w0, momentum, system_->constraints(), w0 + change_[row]) - w0;
+  }
 }
 
 void ImplicitStep::setTime(double time) {
@@ -131,12 +158,17 @@ StepReport ImplicitStep::solveLinearised(StopToken stop) {
   scale(total, b);
   if (has_rayleigh_mass_) s.addRayleighMassProduct(v(), rayleigh_mass, -total, b);
   if (two_times) axpy(scheme_.old_weight, constant_, b);
-  if (scheme_.has_history) s.addMassProduct(velocity_predictor, 1, b);
+  if (scheme_.has_history) {
+    s.addMassProduct(velocity_predictor, 1, b);
+    for (std::size_t i = 0; i < bodies_.count(); ++i)
+      b[bodies_.row(i)] += momentum_predictor[i] - bodies_.inertia(i, x()) * velocity_predictor[bodies_.row(i)];
+  }
   s.constraints().project(b);
 
   StepReport report;
   if (!solveOrShift(*solver_, tangent(), b, dv, {.stop = stop}, report)) return report;
   s.constraints().project(dv);
+  turnBodies();
   advance();
   return report;
 }
@@ -159,8 +191,16 @@ void ImplicitStep::advance() {
 }
 
 StepReport ImplicitStep::solveIterating(StopToken stop) {
-  startIterating();
-  StepReport report = newton_.solve(*this, *solver_, stop);
+  exact_.beginStep(*system_);
+  StepReport report;
+  if (!startIterating(report)) return report;
+  report = newton_.solve(*this, *solver_, stop);
+  if (exact_.isOn() && !report.stopped && !report.newton_converged) {  // it helped before, and does not here
+    exact_.end();
+    const StepReport before = report;
+    report = newton_.solve(*this, *solver_, stop);
+    addCounts(before, report);
+  }
   // a damping rK K v is a force, which must not change with K
   constexpr int fewest = 5;
   if (!report.stopped && !report.newton_converged && newton_.settings.iterations >= fewest &&
@@ -168,12 +208,10 @@ StepReport ImplicitStep::solveIterating(StopToken stop) {
     const StepReport before = report;
     report = newton_.solve(*this, *solver_, stop);
     addCounts(before, report);
-    ++exact_tangent_steps_;
-    exact_.end();
-    if (!report.stopped)
-      residual(system_->independent(right_side_));  // derivatives are those of the scene's tangent again
+    exact_tangent_steps_ += !report.stopped;
   }
   if (report.stopped) return report;
+  if (exact_.endStep(report.newton_converged && !report.diverged)) residual(system_->independent(right_side_));
   graph_.assign(newton_.history().begin(), newton_.history().end());
   if (settings_component_) settings_component_->noteResult(report, newton_);
   if (!report.newton_converged && !newton_.settings.keep_unconverged) {
@@ -189,8 +227,9 @@ StepReport ImplicitStep::solveIterating(StopToken stop) {
 // ---- the step as equations for Newton's method ----
 
 /// Starts from the positions before the step, where every energy is finite; directions that are held keep their
-/// velocity. The first iteration is then the linearised step.
-void ImplicitStep::startIterating() {
+/// velocity. The first iteration is then the linearised step. False, with the sentence, where what they carry is in the
+/// way of something.
+bool ImplicitStep::startIterating(StepReport& report) {
   copy(x(), x0_);
   copy(v(), v0_);
   if (scheme_.old_weight != 0) {
@@ -204,6 +243,19 @@ void ImplicitStep::startIterating() {
   system_->constraints().project(work_);
   axpy(-1 / scheme_.displacement, work_, v());
   unknownsChanged();
+  if (limits_.empty()) return true;
+  // prescribed motion alone
+  copy(x0_, work_);
+  system_->motion().difference(x(), work_);
+  if (largest(work_) == 0) return true;
+  copy(x0_, x());
+  const bool is_free = limits_.longest(work_) == 1;
+  unknownsChanged();
+  if (is_free) return true;
+  report.diverged = true;
+  report.reason =
+      "nodes with a prescribed motion would pass through something in this step: a smaller dt may let it give way";
+  return false;
 }
 
 void ImplicitStep::unknownsChanged() {
@@ -235,6 +287,13 @@ void ImplicitStep::residual(Rows out) {
   axpy(-1, v0_, work_);
   if (scheme_.has_history) axpy(-1, velocity_predictor, work_);
   s.addMassProduct(work_, -1, out);
+  // of a turning body the change of momentum J(x(u)) u - L0 instead of J(x(u)) (u - v0)
+  for (std::size_t b = 0; b < bodies_.count(); ++b) {
+    const Index row = bodies_.row(b);
+    Vec3 start = v0_[row];
+    if (scheme_.has_history) start += velocity_predictor[row];
+    out[row] += start_momenta_[b] + momentum_predictor[b] - bodies_.inertia(b, x()) * start;
+  }
   s.constraints().project(out);
 }
 

@@ -7,7 +7,9 @@
 #include "components/integrators/exact_tangent.h"
 #include "components/integrators/newton_solver.h"
 #include "components/integrators/orientations.h"
+#include "components/integrators/turning_bodies.h"
 #include "framework/simulation/integrator.h"
+#include "framework/simulation/step_limits.h"
 #include "framework/simulation/system.h"
 
 namespace stroma {
@@ -32,6 +34,14 @@ class ImplicitStep final : public NonlinearProblem {
   Vector position_predictor,
       velocity_predictor;  ///< [m], [m/s], shape (independentRows()); read with has_history; held directions do not count
 
+  /// The momentum predictor of each of bodies(), which for these stands for M velocity_predictor [kg m^2/s]; with
+  /// has_history.
+  std::vector<Vec3> momentum_predictor;
+  const TurningBodies& bodies() const { return bodies_; }
+  /// Of bodies(): J w before the last solve(), and after it.
+  const std::vector<Vec3>& startMomenta() const { return start_momenta_; }
+  const std::vector<Vec3>& endMomenta() const { return end_momenta_; }
+
   ImplicitStep() { newton_settings.iterations = 1; }
   void declareDamping(DataTable& table);       ///< rayleighMass, rayleighStiffness
   void declareNewton(DataTable& table);        ///< newtonIterations, newtonTolerance
@@ -48,13 +58,23 @@ class ImplicitStep final : public NonlinearProblem {
   LinearSolver& linearSolver() const { return *solver_; }
   bool iterates() const { return newton_.settings.iterations > 1; }
   std::string describe() const;
+  // ---- what an integrator passes on ----
+  void stepTaken() { exact_.stepTaken(); }
+  void reset() {
+    exact_.reset();
+    exact_tangent_steps_ = 0;
+  }
+  void serialize(Archive& archive) { exact_.serialize(archive); }
 
   // ---- as equations for Newton's method ----
   void residual(Rows out) override;
   SystemMatrix& tangent() override;
+  bool useDefiniteTangent(bool definite) override { return useDefiniteTangents(*system_, definite); }
   double energy() override;
   Rows unknowns() override { return v(); }
   void unknownsChanged() override;
+  double longestStep(ConstRows d) override { return limits_.longest(d, scheme_.displacement); }
+  bool movesOn() override { return limits_.moveOn(); }
   double displacementPerUnknown() const override { return scheme_.displacement; }
   ConstRows positions() const override { return x(); }
   double travelled() const override;
@@ -67,14 +87,17 @@ class ImplicitStep final : public NonlinearProblem {
   void setTime(double time);
   StepReport solveLinearised(StopToken stop);
   StepReport solveIterating(StopToken stop);
-  void startIterating();
+  bool startIterating(StepReport& report);
   void addDamping(double factor, Rows out);
   void advance();
+  void startBodies();
+  void turnBodies();
 
   System* system_ = nullptr;
   LinearSolver* solver_ = nullptr;
   NewtonSolver* settings_component_ = nullptr;
   Newton newton_;
+  StepLimits limits_;
   ExactTangent exact_;
   int exact_tangent_steps_ = 0;
   ImplicitScheme scheme_;
@@ -86,6 +109,8 @@ class ImplicitStep final : public NonlinearProblem {
   Vector constant_;        ///< old_weight F(x0, v0)
   Vector x0_, v0_, work_;  ///< the state before the step, for Newton
   Orientations orientations_;
+  TurningBodies bodies_;
+  std::vector<Vec3> start_momenta_, end_momenta_;
 
   std::vector<double> graph_;
   Link<NewtonSolver> newton_link_{"Newton solver"};

@@ -42,25 +42,33 @@ class NewmarkImplicitSolver final : public Integrator {
   StepReport step(System& system, const StepContext& context) override;
   void stepTaken(const StepContext&) override {
     std::swap(a_, new_a_);
+    std::swap(rates_, new_rates_);
     started_ = true;
+    implicit_.stepTaken();
   }
   bool keepsEnergy() const override { return gamma_ <= 0.5; }  // above it the rule damps
   std::string describe() const override {
     return fmt::format("Newmark step, beta {:g}, gamma {:g}", beta_, gamma_) + implicit_.describe();
   }
-  void reset() override { started_ = false; }
+  void reset() override {
+    started_ = false;
+    implicit_.reset();
+  }
   void serialize(Archive& archive) override {
+    implicit_.serialize(archive);
     archive.value("started", started_);
     archive.rows("acceleration", a_);
+    archive.list("momentum_rates", rates_);
   }
 
  private:
   double gamma_ = 0.5, beta_ = 0.25, velocity_damping_ = 0;
   ImplicitStep implicit_;
   Acceleration acceleration_;
-  Vector force_;          ///< [N], shape (independentRows())
-  Vector a_, new_a_;      ///< a0 and a1 [m/s^2], shape (independentRows())
-  bool started_ = false;  ///< a_ is that of the state
+  Vector force_;                         ///< [N], shape (independentRows())
+  Vector a_, new_a_;                     ///< a0 and a1 [m/s^2], shape (independentRows())
+  bool started_ = false;                 ///< a_ is that of the state
+  std::vector<Vec3> rates_, new_rates_;  ///< L' of turning bodies, which is stepped instead of w' [N m]
 };
 
 void NewmarkImplicitSolver::declare(DataTable& table) {
@@ -100,13 +108,15 @@ void NewmarkImplicitSolver::compile(System& system) {
   implicit_.compile(*this, system);
   acceleration_.compile(system, "the first step of Newmark's method");
   for (Vector* vector : {&force_, &a_, &new_a_}) vector->resize(system.independentRows());
+  for (std::vector<Vec3>* list : {&rates_, &new_rates_}) list->assign(implicit_.bodies().count(), Vec3::Zero());
 }
 
 StepReport NewmarkImplicitSolver::step(System& system, const StepContext& context) {
   if (!started_) {
     StepReport first;
     implicit_.wholeForce(context.t, force_);
-    if (!acceleration_.solve(force_, a_, context.stop, first)) return first;
+    for (std::size_t b = 0; b < implicit_.bodies().count(); ++b) rates_[b] = force_[implicit_.bodies().row(b)];
+    if (!acceleration_.solve(system.x, system.v, force_, a_, context.stop, first)) return first;
   }
   const double h = context.dt;
   ImplicitScheme scheme;
@@ -119,8 +129,12 @@ StepReport NewmarkImplicitSolver::step(System& system, const StepContext& contex
   scale((1 - gamma_) * h, implicit_.velocity_predictor);
   copy(a_, implicit_.position_predictor);
   scale(h * h * (0.5 - beta_ / gamma_), implicit_.position_predictor);
+  for (std::size_t b = 0; b < rates_.size(); ++b) implicit_.momentum_predictor[b] = (1 - gamma_) * h * rates_[b];
   StepReport report = implicit_.solve(scheme, context.stop);
   if (report.failed()) return report;
+  for (std::size_t b = 0; b < rates_.size(); ++b)
+    new_rates_[b] =
+        (implicit_.endMomenta()[b] - implicit_.startMomenta()[b]) / (gamma_ * h) - (1 - gamma_) / gamma_ * rates_[b];
   copy(a_, new_a_);
   xpay(implicit_.change(), -(1 - gamma_) * h, new_a_);
   scale(1 / (gamma_ * h), new_a_);

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "components/integrators/exact_tangent.h"
 #include "components/integrators/shifted_matrix.h"
 #include "framework/simulation/step_progress.h"
 
@@ -66,7 +67,7 @@ void declareNewton(DataTable& table, NewtonSettings& settings, const NewtonNames
 }
 
 bool solveOrShift(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms,
-                  StepReport& report) {
+                  StepReport& report, const std::function<SystemMatrix*()>& other) {
   clear(x);
   SolveReport solve = solveOnce(solver, matrix, b, x, terms, report);
   report.linear_stop = solve.stop;
@@ -83,6 +84,15 @@ bool solveOrShift(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows 
     if (downhill > 0 && std::isfinite(downhill)) {
       report.reason += "; the direction found before was used";
       return true;
+    }
+    if (SystemMatrix* const definite = other ? other() : nullptr) {
+      clear(x);
+      solve = solveOnce(solver, *definite, b, x, terms, report);
+      if (report.stopped) return false;
+      if (isSolved(solve)) {
+        report.reason += "; a stiffness without its unstable part was used";
+        return true;
+      }
     }
     ShiftedMatrix shifted(matrix);
     double shift = 1e-3;
@@ -200,8 +210,19 @@ void Newton::leaveBest(NonlinearProblem& problem, double now, StepReport& report
 }
 
 StepReport Newton::solve(NonlinearProblem& problem, LinearSolver& solver, StopToken stop) {
-  StepReport report;
   stop_ = stop;
+  StepReport report = solveFixed(problem, solver);
+  while (report.newton_converged && !report.failed() && problem.movesOn()) {
+    const StepReport before = report;
+    report = solveFixed(problem, solver);
+    addCounts(before, report);
+  }
+  return report;
+}
+
+/// What moves on between solves stays where it is.
+StepReport Newton::solveFixed(NonlinearProblem& problem, LinearSolver& solver) {
+  StepReport report;
   history_.clear();
   best_norm_ = std::numeric_limits<double>::infinity();
   problem.residual(residual_);
@@ -221,7 +242,7 @@ StepReport Newton::solve(NonlinearProblem& problem, LinearSolver& solver, StopTo
       report.linear_at_limit = false;  // its solves were means only: what counts is the residual that they led to
       return report;
     }
-    report.stopped = stop.isStopAsked();
+    report.stopped = stop_.isStopAsked();
     if (report.stopped) return report;
     if (report.newton_iterations > 0) keepIfBest(problem, now);
     if (report.newton_iterations == settings.iterations || isPointless()) {
@@ -237,10 +258,26 @@ StepReport Newton::solve(NonlinearProblem& problem, LinearSolver& solver, StopTo
   }
 }
 
+/// Where the tangent has unstable directions: a body that is nearly incompressible is under pressures far above its
+/// stress, of either sign, while iterates are off by a little of their volume. The next force has the scene's tangent.
+bool Newton::findDirection(NonlinearProblem& problem, LinearSolver& solver, double now, StepReport& report) {
+  bool switched = false;
+  const auto definite = [&]() -> SystemMatrix* {
+    switched = problem.useDefiniteTangent(true);
+    if (!switched) return nullptr;
+    problem.residual(trial_);
+    return &problem.tangent();
+  };
+  const bool found = solveOrShift(solver, problem.tangent(), residual_, direction_, {forcingTerm(now), stop_}, report,
+                                  std::ref(definite));
+  if (switched) problem.useDefiniteTangent(false);
+  return found;
+}
+
 /// One iteration. False when it is the last: converged by its correction, or failed as the report says.
 bool Newton::iterate(NonlinearProblem& problem, LinearSolver& solver, double& now, StepReport& report) {
   ++report.newton_iterations;
-  if (!solveOrShift(solver, problem.tangent(), residual_, direction_, {forcingTerm(now), stop_}, report)) return false;
+  if (!findDirection(problem, solver, now, report)) return false;
   const bool shifted = report.linear_stop == SolveStop::not_definite || report.linear_stop == SolveStop::breakdown;
   const double before = now;
   if (search(problem, now) == 0) {
@@ -287,11 +324,11 @@ double Newton::search(NonlinearProblem& problem, double& now) {
   const double slope = dot(residual_, direction_);
   if (!std::isfinite(slope)) return 0;
   copy(problem.unknowns(), base_);
-  double step = 1;
+  double step = problem.longestStep(direction_);
   if (settings.line_search_iterations > 0) {
-    step = settings.use_energy && slope > 0 ? searchEnergy(problem, slope, now) : searchWork(problem, now);
+    step = settings.use_energy && slope > 0 ? searchEnergy(problem, step, slope, now) : searchWork(problem, step, now);
   } else {
-    move(problem, 1);
+    move(problem, step);
     problem.residual(trial_);
     const double candidate = norm(trial_);
     if (std::isfinite(candidate))
@@ -308,9 +345,9 @@ double Newton::search(NonlinearProblem& problem, double& now) {
 }
 
 /// Armijo: E(u + s d) <= E(u) - 1e-4 s R.d. Where the difference drowns in the round-off of E, |R| decides.
-double Newton::searchEnergy(NonlinearProblem& problem, double slope, double& now) {
+double Newton::searchEnergy(NonlinearProblem& problem, double longest, double slope, double& now) {
   const double before = problem.energy();
-  double step = 1, noise_of_positions = 0;
+  double step = longest, noise_of_positions = 0;
   for (int trial = 0; trial < settings.line_search_iterations && !stop_.isStopAsked(); ++trial) {
     move(problem, step);
     const double after = problem.energy();
@@ -339,16 +376,17 @@ double Newton::searchEnergy(NonlinearProblem& problem, double slope, double& now
 /// Without an energy: |R(u + s d).d| <= 0.9 |R(u).d|, the criterion of Matthies and Strang 1979, or a smaller |R|. The
 /// work along d plays the part of the energy's slope; |R| alone would reject good steps of a body that turns, whose
 /// stiff directions are out of balance by the square of the rotation until the next iteration.
-double Newton::searchWork(NonlinearProblem& problem, double& now) {
+double Newton::searchWork(NonlinearProblem& problem, double longest, double& now) {
   const double before = std::abs(dot(residual_, direction_));
-  double step = 1;
+  double step = longest;
   const int trials = std::min(20, settings.line_search_iterations);
   for (int trial = 0; trial < trials && !stop_.isStopAsked(); ++trial, step *= settings.line_search_coefficient) {
     move(problem, step);
     problem.residual(trial_);
     const double candidate = norm(trial_);
     if (!std::isfinite(candidate)) continue;
-    if (candidate <= (1 - 1e-4 * step) * now || std::abs(dot(trial_, direction_)) <= 0.9 * before) {
+    if (candidate <= (1 - 1e-4 * step) * now ||
+        std::abs(dot(trial_, direction_)) <= (longest < 1 ? 1 - 0.1 * step : 0.9) * before) {
       now = candidate;
       return step;
     }

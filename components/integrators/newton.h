@@ -2,6 +2,7 @@
 // Newton's method with line search on the unknowns of a system, for statics and for implicit steps; and the linear
 // solve that does not give up on a matrix that is not definite.
 #pragma once
+#include <functional>
 #include <vector>
 
 #include "framework/algebra/linear_solver.h"
@@ -22,8 +23,15 @@ class NonlinearProblem {
   virtual ~NonlinearProblem() = default;
   virtual void residual(Rows out) = 0;  ///< R(u), projected; shape (rows)
   virtual SystemMatrix& tangent() = 0;  ///< -dR/du at the u of the last residual()
-  virtual double energy() = 0;          ///< E(u); called only when NewtonSettings::use_energy
-  virtual Rows unknowns() = 0;          ///< u, for Newton to write; shape (rows)
+  /// The tangent of the next residual() has no unstable directions, as far as that is known, or is -dR/du again. False,
+  /// and nothing changes, where there is no other.
+  virtual bool useDefiniteTangent(bool) { return false; }
+  virtual double energy() = 0;  ///< E(u); called only when NewtonSettings::use_energy
+  virtual Rows unknowns() = 0;  ///< u, for Newton to write; shape (rows)
+  /// The largest s <= 1 up to which positions may move along d; nothing passes through anything before that.
+  virtual double longestStep(ConstRows /*d*/) { return 1; }
+  /// The equations are solved at u with what was held fixed meanwhile. True: that has moved on, and they are others.
+  virtual bool movesOn() { return false; }
   /// u moves by s d.
   virtual void addTo(Rows u, double s, ConstRows d) const { axpy(s, d, u); }
   virtual void unknownsChanged() = 0;                 ///< called after u was written
@@ -75,10 +83,11 @@ void declareNewton(DataTable& table, NewtonSettings& settings, const NewtonNames
 
 /// Solves A x = b; x enters as zero. When the solver reports a matrix that is not positive definite, the direction it
 /// has reached is kept if it goes downhill, else a growing multiple of the matrix's own diagonal is added (Levenberg)
-/// until the solve is usable. Adds to the counts of `report`; its linear_stop is the first solve's, so a shift stays
+/// until the solve is usable. Before that `other`, where it is given and has one, puts another matrix in its place; x is
+/// then usable too, and a reason says so. Adds to the counts of `report`; its linear_stop is the first solve's, so a shift stays
 /// visible. False when nothing helped, `report` then carries the sentence, or when it was stopped.
 bool solveOrShift(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms,
-                  StepReport& report);
+                  StepReport& report, const std::function<SystemMatrix*()>& other = {});
 
 class Newton {
  public:
@@ -94,6 +103,7 @@ class Newton {
   const std::vector<double>& history() const { return history_; }
 
  private:
+  StepReport solveFixed(NonlinearProblem& problem, LinearSolver& solver);
   bool converged(double norm) const;
   double goal() const;
   double forcingTerm(double norm) const;
@@ -101,13 +111,14 @@ class Newton {
   bool isCorrectionRoundOff(const NonlinearProblem& problem) const;
   bool isPointless() const;
   bool isAtRoundOff(NonlinearProblem& problem, double norm, StepReport& report) const;
+  bool findDirection(NonlinearProblem& problem, LinearSolver& solver, double norm, StepReport& report);
   bool iterate(NonlinearProblem& problem, LinearSolver& solver, double& norm, StepReport& report);
   void keepIfBest(NonlinearProblem& problem, double norm);
   void leaveBest(NonlinearProblem& problem, double norm, StepReport& report);
   void move(NonlinearProblem& problem, double step);
   double search(NonlinearProblem& problem, double& norm);
-  double searchEnergy(NonlinearProblem& problem, double slope, double& norm);
-  double searchWork(NonlinearProblem& problem, double& norm);
+  double searchEnergy(NonlinearProblem& problem, double longest, double slope, double& norm);
+  double searchWork(NonlinearProblem& problem, double longest, double& norm);
 
   Vector residual_, direction_, trial_;
   Vector base_, best_;  ///< the iterate that move() starts from; the one that is left when nothing converges

@@ -61,7 +61,7 @@ HighestFrequency byPowerIteration(System& system, Acceleration& acceleration) {
   for (int iteration = 0; iteration < 100; ++iteration) {
     system.matrix().withFactors({.stiffness = -1}).multiply(p, force);
     const double energy = dot(p, force);
-    if (energy == 0 || !acceleration.solve(force, a, {}, report)) break;
+    if (energy == 0 || !acceleration.solveForMomenta(system.x, force, a, {}, report)) break;
     const double before = square;
     square = std::abs(dot(a, force) / energy);
     if (std::abs(square - before) < 1e-4 * square) break;

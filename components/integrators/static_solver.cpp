@@ -10,7 +10,8 @@
 //
 // With forcing_term above 0 a solver by products solves early iterations loosely, and as well as Newton converges later
 // (Eisenstat and Walker 1996). With PCGLinearSolver preconditioner="warped" one factorisation then serves many
-// iterations: for large bodies the fastest way to an equilibrium. What ends a step does not change.
+// iterations, with preconditioner="multigrid" no factors are needed. What ends a step does not change. A scene that names
+// no linear solver has AutomaticLinearSolver, and with it a forcing term of 0.1 unless all its forces are linear.
 //
 // A step whose loads or whose prescribed motion are too much for one go is divided. With f0 = f(x0) the forces out of
 // balance where the step starts and s the share of the step, a part solves
@@ -23,9 +24,9 @@
 // under how much of its loads the last equilibrium is, and leaves that, or with moved nodes is taken back.
 //
 // Before that, a solve that fails or gets no further with the approximate tangent of a force field (tangent="warped")
-// is tried with the exact one, from the best iterate and then from where it began, and the rest of the step with it. The
-// run tells how many steps needed that. The linear solver must take what the exact tangent is: CGLinearSolver takes
-// symmetric ones only. With fewer than five Newton iterations it is not tried.
+// is tried with the exact one, from the best iterate and then from where it began, and the rest of the step with it.
+// Where that helped, later steps begin with it. The run tells how many steps needed that. The linear solver must take what
+// the exact tangent is: CGLinearSolver takes symmetric ones only. With fewer than five Newton iterations it is not tried.
 //
 // A step ends when |f| <= relative_residual_tolerance_threshold * the |f| where the step starts (reactions of held
 // nodes included), or when one of the other thresholds (off by default: they are absolute, or measure the step instead
@@ -59,6 +60,7 @@
 #include "components/integrators/exact_tangent.h"
 #include "components/integrators/free_body.h"
 #include "components/integrators/newton_solver.h"
+#include "components/integrators/usual_forcing.h"
 #include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
 #include "framework/simulation/integrator.h"
@@ -67,16 +69,23 @@
 namespace stroma {
 namespace {
 
-class StaticSolver final : public Integrator {
+class StaticSolver final : public Integrator, public HeedsStepLimits {
  public:
+  bool heedsStepLimits() const override { return true; }
   void declare(DataTable& table) override;
   void compile(System& system) override;
   StepReport step(System& system, const StepContext& context) override;
   std::string describe() const override;
   bool movesInTime() const override { return false; }
   void sceneChanged() override { is_checked_ = false; }
-  void reset() override { is_checked_ = false; }
+  void stepTaken(const StepContext&) override { exact_.stepTaken(); }
+  void reset() override {
+    is_checked_ = false;
+    exact_.reset();
+    exact_tangent_steps_ = 0;
+  }
   void serialize(Archive& archive) override {
+    exact_.serialize(archive);
     archive.value("is_checked", is_checked_);
     archive.value("held", held_);
   }
@@ -122,7 +131,7 @@ void StaticSolver::declare(DataTable& table) {
   table.add("forcing_term", settings_.forcing)
       .help(
           "largest |K dx + f| / |f| that linear solves by products may leave in early iterations; 0: the linear "
-          "solver's own tolerance")
+          "solver's own tolerance. Not written: 0.1 with AutomaticLinearSolver where forces are not linear, else 0")
       .unit("-")
       .min(0)
       .max(1, false);
@@ -154,6 +163,7 @@ void StaticSolver::compile(System& system) {
     settings_.stop_when_residual_grows = own.stop_when_residual_grows;
     settings_.forcing = own.forcing;
   }
+  if (!data().find("forcing_term")->isSet()) settings_.forcing = usualForcing(system);
   settings_.use_energy = system.isConservative();
   // a limit that the scene writes is the only one
   settings_.patience = settings_component_ || data().find("newton_iterations")->isSet() ? 0 : 10;
@@ -183,23 +193,6 @@ long heldDirections(const ConstraintSet& constraints) {
                          long(constraints.relations().heldDirections()), count);
 }
 
-/// Grows when constraints turn, begin or end, and when springs and contacts come or go.
-long revisionOfHolds(const System& system) {
-  return system.constraints().revision() + system.actors().patternRevision();
-}
-
-/// A hint, or nothing: Newton's method converges slowly, or not at all, with a tangent that is an approximation.
-std::string exactTangentHint(const System& system) {
-  for (const ForceField* field : system.forceFields())
-    if (field->traits().has_stiffness && !field->traits().exact_tangent && field->data().find("tangent"))
-      return fmt::format(
-          "; the tangent of {} is an approximation: tangent=\"exact\" may converge, with SparseLDLSolver where it is "
-          "not "
-          "symmetric",
-          field->path());
-  return {};
-}
-
 /// False, with the sentence, when a body has no equilibrium where the step starts; or when it is asked to stop.
 bool StaticSolver::checkFreeBodies(System& system, StopToken stop, StepReport& report) {
   problem_.giveUp();
@@ -218,20 +211,29 @@ bool StaticSolver::checkFreeBodies(System& system, StopToken stop, StepReport& r
 
 StepReport StaticSolver::step(System& system, const StepContext& context) {
   clear(system.v);
-  exact_.end();  // of a step that was stopped
   problem_.begin();
   StepReport report;
   const long held_before = std::exchange(held_, heldDirections(system.constraints()));
   const bool is_held_otherwise = !is_checked_ || held_ != held_before;
-  if (is_held_otherwise && !checkFreeBodies(system, context.stop, report)) return report;
+  if (is_held_otherwise) {
+    exact_.end();  // rigid motions are seen in the scene's tangent
+    if (!checkFreeBodies(system, context.stop, report)) return report;
+  }
+  exact_.beginStep(system);
+  const bool began_exact = exact_.isOn();
   report = solveInParts(system, context);
-  const bool tried_exact = exact_.isOn();
-  if (tried_exact) {
-    ++exact_tangent_steps_;
+  if (began_exact && !report.stopped && (!report.newton_converged || report.diverged)) {
+    // it helped before, and does not here
     exact_.end();
-    if (!report.stopped) problem_.residual(force_);  // derivatives are those of the scene's tangent again
+    problem_.giveUp();
+    const StepReport before = report;
+    report = solveInParts(system, context);
+    addCounts(before, report);
   }
   if (report.stopped) return report;
+  const bool tried_exact = exact_.isOn();
+  exact_tangent_steps_ += tried_exact && !began_exact;
+  if (exact_.endStep(report.newton_converged && !report.diverged)) problem_.residual(force_);
   // what turns or comes and goes from step to step is looked at only where a solve has failed: it takes memory and time
   if (!report.newton_converged && settings_.iterations > 1 && revisionOfHolds(system) != checked_revision_) {
     const Rows x = system.independent(system.x);
@@ -359,7 +361,7 @@ bool StaticSolver::advancePrescribed(System& system, const StepContext& context,
   system.constraints().project(force_);
   const SolveTerms terms{settings_.forcing, context.stop};
   const bool solved = solveOrShift(*solver_, problem_.tangent(), force_, mode_, terms, report);
-  if (report.stopped) return true;
+  if (report.stopped || problem_.isBlocked(d, solved, mode_, report)) return true;
   motion.advance(1, d, x);
   const double alone = problem_.energy();
   double energy = alone;

@@ -39,6 +39,9 @@ class TrapezoidalRuleSolver final : public Integrator {
     return implicit_.solve(scheme, context.stop);
   }
   bool keepsEnergy() const override { return true; }
+  void stepTaken(const StepContext&) override { implicit_.stepTaken(); }
+  void reset() override { implicit_.reset(); }
+  void serialize(Archive& archive) override { implicit_.serialize(archive); }
   std::string describe() const override { return "trapezoidal step" + implicit_.describe(); }
 
  private:

@@ -47,13 +47,18 @@ class VariationalSymplecticSolver final : public Integrator {
   void stepTaken(const StepContext&) override {
     potential_ = new_potential_;
     started_ = true;
+    implicit_.stepTaken();
   }
   bool keepsEnergy() const override { return true; }
   std::string describe() const override {
     return is_explicit_ ? explicit_.describe() : "implicit midpoint step" + implicit_.describe();
   }
-  void reset() override { started_ = false; }
+  void reset() override {
+    started_ = false;
+    implicit_.reset();
+  }
   void serialize(Archive& archive) override {
+    implicit_.serialize(archive);
     archive.value("started", started_);
     archive.value("potential", potential_);
   }
@@ -67,10 +72,11 @@ class VariationalSymplecticSolver final : public Integrator {
   double hamiltonian_ = 0;
   ImplicitStep implicit_;
   ExplicitStep explicit_;
-  Vector start_;              ///< x before the step, shape (independentRows())
-  double potential_ = 0;      ///< U [J]
-  double new_potential_ = 0;  ///< after the step just made
-  bool started_ = false;      ///< potential_ is that of the state
+  std::vector<Vec3> momenta_;  ///< of turning bodies
+  Vector start_;               ///< x before the step, shape (independentRows())
+  double potential_ = 0;       ///< U [J]
+  double new_potential_ = 0;   ///< after the step just made
+  bool started_ = false;       ///< potential_ is that of the state
 };
 
 void VariationalSymplecticSolver::declare(DataTable& table) {
@@ -104,7 +110,10 @@ void VariationalSymplecticSolver::init() {
 void VariationalSymplecticSolver::compile(System& system) {
   start_.resize(system.independentRows());
   if (computes_hamiltonian_ && incremental_) system.requestForce();
-  if (!is_explicit_) return implicit_.compile(*this, system);
+  if (!is_explicit_) {
+    implicit_.compile(*this, system);
+    return momenta_.assign(implicit_.bodies().count(), Vec3::Zero());
+  }
   explicit_.scheme = fromRungeKutta("symplectic Euler", {{}}, {1});
   explicit_.scheme.x = {1};
   explicit_.compile(*this, system);
@@ -129,6 +138,11 @@ StepReport VariationalSymplecticSolver::implicitStep(System& system, const StepC
   const Rows v = system.independent(system.v);
   system.motion().advance(h / 2, v, system.x);
   axpy(1, implicit_.change(), v);
+  if (!implicit_.bodies().empty()) {  // L1 = 2 L_m - L0
+    for (std::size_t b = 0; b < momenta_.size(); ++b)
+      momenta_[b] = 2 * implicit_.endMomenta()[b] - implicit_.startMomenta()[b];
+    implicit_.bodies().setVelocities(system.x, momenta_, system.constraints(), v);
+  }
   system.setTime(context.t_end);
   return report;
 }

@@ -6,6 +6,9 @@
 // One value in `forces` (or `force`) goes to every node; totalForce is shared equally by the nodes, not by area. A node
 // listed twice is loaded twice. Without `indices` every node is loaded. With indexFromEnd the index 0 is the last node.
 //
+// A force on a rigid frame has six numbers, the force on its centre and the torque in fixed axes; on nodes of other types
+// as many as they have. A torque that keeps its direction has no energy: it is none that a potential would give.
+//
 // Example:
 // <Node name="root" dt="0.01" gravity="0 0 0">
 //   <EulerExplicitSolver/>
@@ -15,7 +18,9 @@
 // </Node>
 #include <fmt/format.h>
 
+#include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "framework/mechanics/force_field.h"
 #include "framework/mechanics/node_indices.h"
@@ -43,35 +48,41 @@ class ConstantForceField final : public ForceField {
       for (std::size_t i = 0; i < indices_.size(); ++i) checkNode(indices_[i], i, state(), "indices");
       nodes_.assign(indices_.begin(), indices_.end());
     } else {
-      inform(fmt::format("no indices: all {} nodes of {} are loaded", state().size(), state().path()));
-      nodes_.resize(state().size());
+      inform(fmt::format("no indices: all {} nodes of {} are loaded", state().nodes(), state().path()));
+      nodes_.resize(state().nodes());
       std::iota(nodes_.begin(), nodes_.end(), 0);
     }
     if (from_end_)
-      for (Index& node : nodes_) node = state().size() - 1 - node;
+      for (Index& node : nodes_) node = state().nodes() - 1 - node;
     distribute();
   }
 
   ForceTraits traits() const override {
     ForceTraits traits;
     traits.linear = traits.constant_stiffness = traits.symmetric = traits.conservative = traits.exact_tangent = true;
+    for (const auto& [row, force] : loads_)
+      if (state().kindOf(row) == RowKind::turn && !force.isZero(0)) traits.conservative = false;
     traits.has_stiffness = false;
     return traits;
   }
 
   double energy(ConstRows x) const override {
     double sum = 0;
-    for (std::size_t i = 0; i < nodes_.size(); ++i) sum -= forces_[i].dot(x[state().firstRow() + nodes_[i]]);
+    for (const auto& [row, force] : loads_)
+      if (state().kindOf(row) != RowKind::turn) sum -= force.dot(x[state().firstRow() + row]);
     return sum;
   }
   void addForce(ConstRows, ConstRows, Rows f) override {
-    for (std::size_t i = 0; i < nodes_.size(); ++i) f[state().firstRow() + nodes_[i]] += forces_[i];
+    for (const auto& [row, force] : loads_) f[state().firstRow() + row] += force;
   }
   // K = 0
   void addStiffnessProduct(ConstRows, double, Rows) const override {}
   void addPattern(BlockPattern&) const override {}
   void addStiffness(double, BlockMatrix&) const override {}
   void addStiffnessDiagonal(double, std::vector<double>&) const override {}
+
+ protected:
+  bool takesAllRows() const override { return true; }
 
  private:
   void distribute() {
@@ -80,23 +91,42 @@ class ConstantForceField final : public ForceField {
     if (given != 1)
       throw ComponentError(given == 0 ? "there is no force" : "more than one of forces, force and totalForce is given",
                            "forces (one per node or one for all) or totalForce");
-    if (data().find("totalForce")->isSet()) forces_ = {total_force_ / double(nodes_.size())};
-    if (data().find("force")->isSet()) forces_ = {force_};
-    if (forces_.size() == 1) forces_.resize(nodes_.size(), Vec3(forces_[0]));
-    if (forces_.size() != nodes_.size())
-      throw ComponentError(fmt::format("forces has {} values for {} nodes", forces_.size(), nodes_.size()),
+    const std::size_t rows = std::size_t(state().rows_per_node);
+    const bool numbers = state().kindOf(0) == RowKind::value;
+    const std::size_t width = numbers ? rows : 3 * rows;
+    const auto check = [width](const std::vector<double>& values, const char* name) {
+      if (values.empty() || values.size() % width != 0)
+        throw ComponentError(fmt::format("{} has {} numbers", name, values.size()),
+                             fmt::format("{} for each node", width));
+    };
+    if (data().find("totalForce")->isSet()) {
+      check(total_force_, "totalForce");
+      forces_ = total_force_;
+      for (double& number : forces_) number /= double(nodes_.size());
+    }
+    if (data().find("force")->isSet()) check(force_, "force"), forces_ = force_;
+    check(forces_, "forces");
+    if (forces_.size() == width)
+      while (forces_.size() < width * nodes_.size()) forces_.push_back(forces_[forces_.size() - width]);
+    if (forces_.size() != width * nodes_.size())
+      throw ComponentError(fmt::format("forces has {} values for {} nodes", forces_.size() / width, nodes_.size()),
                            fmt::format("1 value or {}", nodes_.size()));
-    for (const Vec3& force : forces_)
-      if (!force.allFinite()) throw ComponentError("a force is not finite", "finite numbers");
-    total_force_.setZero();
-    for (const Vec3& force : forces_) total_force_ += force;
+    for (const double number : forces_)
+      if (!std::isfinite(number)) throw ComponentError("a force is not finite", "finite numbers");
+    total_force_.assign(width, 0);
+    for (std::size_t i = 0; i < forces_.size(); ++i) total_force_[i % width] += forces_[i];
+    loads_.clear();
+    const double* at = forces_.data();
+    for (const Index node : nodes_)
+      for (Index k = 0; k < Index(rows); ++k, at += numbers ? 1 : 3)
+        loads_.emplace_back(node * Index(rows) + k, numbers ? Vec3(at[0], 0, 0) : Vec3(at[0], at[1], at[2]));
   }
 
   std::vector<int> indices_;
-  std::vector<Vec3> forces_;
-  Vec3 force_ = Vec3::Zero(), total_force_ = Vec3::Zero();
+  std::vector<double> forces_, force_{0, 0, 0}, total_force_{0, 0, 0};  ///< flat
   bool from_end_ = false;
   std::vector<Index> nodes_;
+  std::vector<std::pair<Index, Vec3>> loads_;  ///< row of the state and what acts on it
 };
 
 }  // namespace

@@ -10,6 +10,7 @@ namespace stroma {
 void PenaltyField::declare(DataTable& table) {
   ForceField::declare(table);
   table.add("damping", damping_constant_).help("force over velocity and depth").unit("N s/m^2").min(0);
+  table.add("explicitDamping", explicit_damping_).help("damping has no part in derivatives, as in SOFA");
   table.add("indices", indices_).help("nodes that feel the surface; every node when not given");
   table.add("localRange", range_).help("first node and the one after the last that feel the surface; -1 -1: all");
   for (const char* name : {"color", "bwdColor", "draw"}) table.addVisualOnly(name);
@@ -34,12 +35,12 @@ void PenaltyField::init() {
 ForceTraits PenaltyField::traits() const {
   ForceTraits traits;
   traits.symmetric = traits.conservative = true;
-  traits.velocity_dependent = damping_constant_ > 0;
+  traits.velocity_dependent = damping_constant_ > 0 && !explicit_damping_;
   traits.exact_tangent = damping_constant_ == 0;
   return traits;
 }
 
-void PenaltyField::compile() { setNodes(nodes_, damping_constant_ > 0); }
+void PenaltyField::compile() { setNodes(nodes_, damping_constant_ > 0 && !explicit_damping_); }
 
 double PenaltyField::energy(ConstRows x) const {
   double sum = 0;
@@ -67,8 +68,8 @@ void PenaltyField::addForce(ConstRows x, ConstRows v, Rows f) {
     f[row] -= force * n;
     stiffness = -force * hessian;
     double along = limited ? 0 : stiffness_constant_;
+    if (damping_constant_ > 0) f[row] -= damping_constant_ * g * v[row];
     if (!damping_.empty()) {
-      f[row] -= damping_constant_ * g * v[row];
       along += damping_constant_ * v[row].dot(n);
       damping_[i].blocks[0] = -damping_constant_ * g * Mat3::Identity();
     }

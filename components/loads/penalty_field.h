@@ -6,7 +6,8 @@
 //   df/dx = -k (grad g grad g^T + g H) - c (v.grad g) grad g grad g^T,   df/dv = -c g I,   H the second derivative of g
 //
 // The damping grows with the depth, so that the force has no jump at the contact. Of its derivative with respect to x
-// only the normal part is kept: the rest is not symmetric. A force that is limited to F has E = F g - F^2/(2k) beyond
+// only the normal part is kept: the rest is not symmetric. With explicitDamping, which is SOFA's, none of it is kept, and
+// df/dv = 0. A force that is limited to F has E = F g - F^2/(2k) beyond
 // the depth F/k.
 #pragma once
 #include <vector>
@@ -39,6 +40,7 @@ class PenaltyField : public NodeGroupField<1> {
   double stiffness_constant_ = 500;  ///< k [N/m]
   double damping_constant_ = 5;      ///< c [N s/m^2]
   double largest_force_ = 0;         ///< F [N]; 0: not limited
+  bool explicit_damping_ = false;
 
  private:
   std::vector<int> indices_, range_{-1, -1};

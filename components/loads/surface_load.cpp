@@ -69,7 +69,7 @@ void SurfaceLoad::addForce(ConstRows x, ConstRows, Rows f) {
   for (std::size_t i = 0; i < faces_.size(); ++i) {
     const int corners = faces_[i].corners;
     area_vectors::Corners at;
-    for (std::size_t a = 0; a < 4; ++a) at[a] = x[rows_[i][a]];
+    for (std::size_t a = 0; a < at.size(); ++a) at[a] = x[rows_[i][a]];
     const area_vectors::Corners areas = area_vectors::of(at, corners);
     const Mat3 weighted = weight(i) * s;
     for (int a = 0; a < corners; ++a) f[rows_[i][a]] += weighted * areas[a];
@@ -87,9 +87,10 @@ void SurfaceLoad::computeTangents() const {
     const area_vectors::Gradients w = area_vectors::gradients(corners_[i], corners);
     for (int a = 0; a < corners; ++a)
       for (int b = 0; b < corners; ++b) {
-        const Mat3 k = weighted * crossMatrix(w[std::size_t(4 * a + b)]);
+        const Mat3 k = weighted * crossMatrix(w[std::size_t(face_nodes * a + b)]);
         // [w]x^T = -[w]x
-        stiffness_[i].block(a, b) = exact ? k : Mat3(k - crossMatrix(w[std::size_t(4 * b + a)]) * weighted) / 2;
+        stiffness_[i].block(a, b) =
+            exact ? k : Mat3(k - crossMatrix(w[std::size_t(face_nodes * b + a)]) * weighted) / 2;
       }
   }
 }

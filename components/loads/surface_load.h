@@ -18,11 +18,12 @@
 namespace stroma {
 
 /// Tangent of a face; that of a triangle has 3 x 3 blocks.
-struct FaceTangent : DenseTangent<4> {
-  int corners = 4;
+constexpr int face_nodes = int(most_face_nodes);
+struct FaceTangent : DenseTangent<face_nodes> {
+  int corners = face_nodes;
   /// Instead of that of DenseTangent, whose caller knows the type.
   // NOLINTNEXTLINE(bugprone-derived-method-shadowing-base-method)
-  void addProduct(const std::array<Index, 4>& rows, ConstRows dx, double factor, Rows df) const {
+  void addProduct(const std::array<Index, most_face_nodes>& rows, ConstRows dx, double factor, Rows df) const {
     for (int i = 0; i < corners; ++i) {
       Vec3 sum = Vec3::Zero();
       for (int j = 0; j < corners; ++j) sum += block(i, j) * dx[rows[j]];
@@ -31,7 +32,7 @@ struct FaceTangent : DenseTangent<4> {
   }
 };
 
-class SurfaceLoad : public NodeGroupField<4, FaceTangent>, public LocalLoad {
+class SurfaceLoad : public NodeGroupField<face_nodes, FaceTangent>, public LocalLoad {
  public:
   void declare(DataTable& table) override;  ///< topology, tangent
   ForceTraits traits() const override;

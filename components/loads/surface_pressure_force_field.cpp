@@ -45,6 +45,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "components/loads/surface_load.h"
 #include "framework/mechanics/key_times.h"
@@ -179,9 +180,9 @@ std::vector<double> SurfacePressureForceField::weightsOf(const std::vector<Face>
   }
   for (const Face& face : faces) {
     area_vectors::Corners at;
-    for (std::size_t a = 0; a < 4; ++a) at[a] = state().rest_position[face.nodes[a]];
+    for (std::size_t a = 0; a < at.size(); ++a) at[a] = state().rest_position[face.nodes[a]];
     const area_vectors::Corners areas = area_vectors::of(at, face.corners);
-    const Vec3 normal = areas[0] + areas[1] + areas[2] + areas[3];
+    const Vec3 normal = std::accumulate(areas.begin(), areas.end(), Vec3(Vec3::Zero()));
     weights.push_back(std::abs(normal.normalized().dot(main_direction_)));
   }
   return weights;

@@ -40,39 +40,38 @@
 namespace stroma {
 namespace {
 
-const CellKind& kindOf(int corners) { return corners == 3 ? cell_kinds::triangle : cell_kinds::quad; }
-
 /// A point of a face: shape functions, their slopes along the tangents, and n dA with its weight.
 struct SurfacePoint {
-  double n[4];
-  LocalPoint slopes[4];
+  double n[most_face_nodes];
+  LocalPoint slopes[most_face_nodes];
   Vec3 first = Vec3::Zero(), second = Vec3::Zero();  ///< g_1, g_2 [m]
   double weight;
-  SurfacePoint(const QuadraturePoint& point, const area_vectors::Corners& x, int corners) : weight(point.weight) {
-    const CellKind& kind = kindOf(corners);
+  SurfacePoint(const CellKind& kind, const QuadraturePoint& point, const area_vectors::Corners& x)
+      : weight(point.weight) {
     kind.shapes(point.xi, n);
     kind.gradients(point.xi, slopes);
-    for (std::size_t a = 0; a < std::size_t(corners); ++a) first += slopes[a][0] * x[a], second += slopes[a][1] * x[a];
+    for (std::size_t a = 0; a < std::size_t(kind.nodes); ++a)
+      first += slopes[a][0] * x[a], second += slopes[a][1] * x[a];
   }
 };
 
 template <class Visit>
-void forEachPoint(const area_vectors::Corners& x, int corners, Visit&& visit) {
-  const int degree = corners == 3 ? 1 : 3;  // of a triangle one point has the integral of N_a
-  for (const QuadraturePoint& point : kindOf(corners).rule(degree).points) visit(SurfacePoint(point, x, corners));
+void forEachPoint(const area_vectors::Corners& x, const CellKind& kind, Visit&& visit) {
+  const int degree = kind.affine ? 1 : 4;  // of a triangle one point has the integral of N_a
+  for (const QuadraturePoint& point : kind.rule(degree).points) visit(SurfacePoint(kind, point, x));
 }
 
 /// Integral of N_a dA [m^2] for each corner.
-std::array<double, 4> shares(const area_vectors::Corners& x, int corners) {
-  std::array<double, 4> out{};
-  forEachPoint(x, corners, [&](const SurfacePoint& p) {
+std::array<double, most_face_nodes> shares(const area_vectors::Corners& x, const CellKind& kind) {
+  std::array<double, most_face_nodes> out{};
+  forEachPoint(x, kind, [&](const SurfacePoint& p) {
     const double area = p.weight * p.first.cross(p.second).norm();
-    for (std::size_t a = 0; a < std::size_t(corners); ++a) out[a] += p.n[a] * area;
+    for (std::size_t a = 0; a < std::size_t(kind.nodes); ++a) out[a] += p.n[a] * area;
   });
   return out;
 }
 
-class SurfaceTractionForceField final : public NodeGroupField<4, FaceTangent>, public LocalLoad {
+class SurfaceTractionForceField final : public NodeGroupField<face_nodes, FaceTangent>, public LocalLoad {
  public:
   void declare(DataTable& table) override {
     ForceField::declare(table);
@@ -115,9 +114,9 @@ class SurfaceTractionForceField final : public NodeGroupField<4, FaceTangent>, p
     for (const Face& face : faces_) {
       rows.push_back(face.nodes);
       area_vectors::Corners at;
-      for (std::size_t a = 0; a < 4; ++a) at[a] = state().rest_position[face.nodes[a]];
+      for (std::size_t a = 0; a < at.size(); ++a) at[a] = state().rest_position[face.nodes[a]];
       for (Index& row : rows.back()) row += state().firstRow();
-      rest_shares_.push_back(shares(at, face.corners));
+      rest_shares_.push_back(shares(at, face.kind()));
     }
     setGroups(std::move(rows), false);
     for (std::size_t i = 0; i < faces_.size(); ++i) stiffness_[i].corners = faces_[i].corners;
@@ -128,14 +127,14 @@ class SurfaceTractionForceField final : public NodeGroupField<4, FaceTangent>, p
     if (area_ != Area::rest) return 0;
     double sum = 0;
     for (std::size_t i = 0; i < faces_.size(); ++i)
-      for (std::size_t a = 0; a < 4; ++a) sum -= rest_shares_[i][a] * now_.dot(x[rows_[i][a]]);
+      for (std::size_t a = 0; a < most_face_nodes; ++a) sum -= rest_shares_[i][a] * now_.dot(x[rows_[i][a]]);
     return sum;
   }
   void addForce(ConstRows x, ConstRows, Rows f) override {
     for (std::size_t i = 0; i < faces_.size(); ++i) {
-      for (std::size_t a = 0; a < 4; ++a) corners_[i][a] = x[rows_[i][a]];
-      const std::array<double, 4> areas =
-          area_ == Area::rest ? rest_shares_[i] : shares(corners_[i], faces_[i].corners);
+      for (std::size_t a = 0; a < most_face_nodes; ++a) corners_[i][a] = x[rows_[i][a]];
+      const std::array<double, most_face_nodes> areas =
+          area_ == Area::rest ? rest_shares_[i] : shares(corners_[i], faces_[i].kind());
       for (std::size_t a = 0; a < std::size_t(faces_[i].corners); ++a) f[rows_[i][a]] += areas[a] * now_;
     }
     if (area_ == Area::current) outdateTangents();
@@ -151,7 +150,7 @@ class SurfaceTractionForceField final : public NodeGroupField<4, FaceTangent>, p
       const std::size_t corners = std::size_t(faces_[i].corners);
       FaceTangent exact;
       exact.setZero();
-      forEachPoint(corners_[i], faces_[i].corners, [&](const SurfacePoint& p) {
+      forEachPoint(corners_[i], faces_[i].kind(), [&](const SurfacePoint& p) {
         const Vec3 area = p.first.cross(p.second);
         if (!(area.norm() > 0)) return;  // a point without an area has no normal
         const Vec3 n = area.normalized(), along_first = p.second.cross(n), along_second = n.cross(p.first);
@@ -198,9 +197,9 @@ class SurfaceTractionForceField final : public NodeGroupField<4, FaceTangent>, p
   TangentWord tangent_ = TangentWord::symmetric;
 
   std::vector<Face> faces_;
-  std::vector<std::array<double, 4>> rest_shares_;  ///< integral of N_a dA at rest [m^2], shape (faces)
-  std::vector<area_vectors::Corners> corners_;      ///< positions of the last force [m], shape (faces)
-  Vec3 now_ = Vec3::Zero();                         ///< t [Pa]
+  std::vector<std::array<double, most_face_nodes>> rest_shares_;  ///< integral of N_a dA at rest [m^2], shape (faces)
+  std::vector<area_vectors::Corners> corners_;                    ///< positions of the last force [m], shape (faces)
+  Vec3 now_ = Vec3::Zero();                                       ///< t [Pa]
 };
 
 }  // namespace

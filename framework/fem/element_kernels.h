@@ -20,6 +20,8 @@ class ElementKernels {
   virtual double energy(ConstRows x) const = 0;
   /// df += factor * K dx
   virtual void addProduct(ConstRows dx, double factor, Rows df) const = 0;
+  /// Takes the constants of the elements anew, and leaves everything else. False: the kernels have to be made anew.
+  virtual bool refill() { return false; }
   /// Marks the blocks that assemble() adds to.
   virtual void addPattern(BlockPattern& pattern) const = 0;
   /// What assemble() wants for a matrix with this pattern.

@@ -19,12 +19,13 @@ struct Fanned {
   };
 };
 
-/// A model of ModelKernels for fans, from one for tetrahedra.
+/// A model of ModelKernels for fans, from one for tetrahedra. `long_force`, where it has it: its force is not short.
 template <class Single>
 struct FanOf {
   static constexpr int nodes = fan_nodes;
   static constexpr bool reads_position = Single::reads_position;
   using Coupling = FanCoupling;
+  static constexpr bool long_force = reads_position || requires { Single::long_force; };
   template <class T>
   using Rest = typename Fanned<Single::template Rest>::template Of<T>;
   template <class T>
@@ -33,7 +34,7 @@ struct FanOf {
   /// f = the forces [N] of all tetrahedra of the fan on its nodes; each keeps its own tangent.
   template <class T>
   static void force(const Rest<T>& rest, Tangent<T>& t, const V3<T> (&x)[nodes], V3<T> (&f)[nodes]) {
-    gatherForces(f, [&](int i, V3<T>(&out)[4]) {
+    gatherForces<long_force>(f, [&](int i, V3<T>(&out)[4]) {
       const Corners<T> c(x, i);
       Single::force(rest.of[i], t.of[i], c.x, out);
     });
@@ -44,7 +45,7 @@ struct FanOf {
     Single::forceAndProduct(rest.of[0], t.of[0], factor, own, own, own);
   }
   {
-    gatherForces(f, [&](int i, V3<T>(&out)[4]) {
+    gatherForces<long_force>(f, [&](int i, V3<T>(&out)[4]) {
       const Corners<T> c(x, i), dc(dx, i);
       Single::forceAndProduct(rest.of[i], t.of[i], factor, c.x, dc.x, out);
     });
@@ -92,18 +93,21 @@ struct FanOf {
     Corners(const V3<T> (&of)[nodes], int i) : x{of[0], of[1], of[2 + i], of[3 + i]} {}
   };
   /// f = the sum over the fan of what force(i, out) gives the four nodes of tetrahedron i. The last node of each
-  /// tetrahedron is new to the fan, so that its force is stored and not added.
-  template <class T, class Force>
+  /// tetrahedron is new to the fan, so that its force is stored and not added. Long mathematics are compiled once, in a
+  /// loop; short ones are written out, so that packs stay in registers.
+  template <bool is_long = Single::reads_position, class T, class Force>
   static void gatherForces(V3<T> (&f)[nodes], Force&& force) {
-    V3<T> first[4];
-    force(0, first);
-    for (int a = 0; a < 4; ++a) f[a] = first[a];
-    for (int i = 1; i < fan_size; ++i) {
-      V3<T> own[4];
-      force(i, own);
-      f[0] = f[0] + own[0], f[1] = f[1] + own[1], f[2 + i] = f[2 + i] + own[2];
-      f[3 + i] = own[3];
+    static_assert(fan_size == 2);
+    V3<T> own[fan_size][4];
+    if constexpr (is_long) {
+      int count = fan_size;
+      asm("" : "+r"(count));  // unknown to the compiler, which would write the loop out
+      for (int i = 0; i < count; ++i) force(i, own[i]);
+    } else {
+      force(0, own[0]), force(1, own[1]);
     }
+    const V3<T>(&a)[4] = own[0], (&b)[4] = own[1];
+    f[0] = a[0] + b[0], f[1] = a[1] + b[1], f[2] = a[2], f[3] = a[3] + b[2], f[4] = b[3];
   }
 };
 

@@ -3,6 +3,7 @@
 // every element and every method.
 #pragma once
 #include <cstring>
+#include <functional>
 #include <memory>
 #include <type_traits>
 
@@ -32,13 +33,20 @@ struct ElementStorage {
   Array<RestPacks> rest;
   Array<TangentPacks> tangent;
 
-  /// set(element, is_padding, rest, tangent) gives the numbers of each element; a padding lane must have no stiffness.
   template <class Set>
   void build(const std::vector<std::array<Index, N>>& cells, const std::vector<Vec3>& position, Index first_row,
              Set&& set) {
+    arrange(cells, position, first_row);
+    fill(set);
+  }
+  void arrange(const std::vector<std::array<Index, N>>& cells, const std::vector<Vec3>& position, Index first_row) {
     loop.build(cells, position, first_row);
     rest.resize(loop.batches());
     tangent.resize(loop.batches());
+  }
+  /// set(element, is_padding, rest, tangent) gives the numbers of each element; a padding lane must have no stiffness.
+  template <class Set>
+  void fill(Set&& set) {
     for (Index b = 0; b < loop.batches(); ++b)
       for (int l = 0; l < pack_lanes; ++l) {
         RestDoubles one_rest{};
@@ -55,13 +63,23 @@ struct ElementStorage {
 template <class StorageType>
 class StoredKernels : public ElementKernels {
  public:
-  explicit StoredKernels(StorageType&& storage) : storage_(std::move(storage)) {}
+  /// Fills rest and tangent of the storage, arranged as it is.
+  using Fill = std::function<void(StorageType&)>;
+  explicit StoredKernels(StorageType&& storage, Fill fill = {})
+      : storage_(std::move(storage)), fill_(std::move(fill)) {}
+  bool refill() override {
+    if (fill_) fill_(storage_);
+    return bool(fill_);
+  }
   void addPattern(BlockPattern& pattern) const override { storage_.loop.addPattern(pattern); }
   std::vector<Index> slots(const BlockMatrix& matrix) const override { return storage_.loop.slots(matrix); }
 
  protected:
   /// Owned; the tangent part changes with every force, the rest of it never.
   StorageType storage_;
+
+ private:
+  Fill fill_;  ///< empty: refill() is not offered
 };
 
 /// A model has
@@ -104,16 +122,17 @@ using StorageOf = ElementStorage<Model::nodes, typename Model::template Rest<Pac
                                  typename Model::template Rest<double>, typename Model::template Tangent<Pack>,
                                  typename Model::template Tangent<double>, typename CouplingOf<Model>::type>;
 
-/// Force and energy loops of a model.
+/// Force and energy loops of a model. Never inlined: models with the same forces then call one copy, also from a source
+/// that declares it extern.
 template <class Model>
 struct ForceLoops {
   using Storage = StorageOf<Model>;
-  static void addForce(Storage& storage, ConstRows x, Rows f) {
+  [[gnu::noinline]] static void addForce(Storage& storage, ConstRows x, Rows f) {
     storage.loop.template run<1, 1>({x}, {f}, [&](Index b, const auto& in, auto& out) {
       Model::force(storage.rest[b], storage.tangent[b], in[0], out[0]);
     });
   }
-  static double energy(const Storage& storage, ConstRows x) {
+  [[gnu::noinline]] static double energy(const Storage& storage, ConstRows x) {
     return storage.loop.sum(
         x, [&](Index b, const auto& in) { return Model::energy(storage.rest[b], storage.tangent[b], in); });
   }
@@ -131,7 +150,10 @@ struct ProductLoops {
     const Pack scale(factor);
     if constexpr (Model::reads_position)
       storage.loop.template run<2, 1>({x.rows(), dx}, {df}, [&](Index b, const auto& in, auto& out) {
-        Model::product(storage.rest[b], storage.tangent[b], scale, in[0], in[1], out[0]);
+        if constexpr (has_matrix)
+          Model::product(storage.rest[b], storage.tangent[b], scale, in[0], in[1], out[0]);
+        else
+          product(storage.rest[b], storage.tangent[b], scale, in[0], in[1], out[0]);
       });
     else
       storage.loop.template run<1, 1>({dx}, {df}, [&](Index b, const auto& in, auto& out) {
@@ -147,6 +169,16 @@ struct ProductLoops {
   }
 
  private:
+  using Rest = typename Model::template Rest<Pack>;
+  using Tangent = typename Model::template Tangent<Pack>;
+  static constexpr bool has_matrix = requires(const Rest& rest, const Tangent& tangent, const Nodes& x, Matrix& k) {
+    Model::matrix(rest, tangent, x, k);
+  };
+  /// Of a model that reads the position and whose matrix is made of products: such products are long, so once for both.
+  [[gnu::noipa, gnu::flatten]] static void product(const Rest& rest, const Tangent& tangent, const Pack& factor,
+                                                   const Nodes& x, const Nodes& dx, Nodes& df) {
+    Model::product(rest, tangent, factor, x, dx, df);
+  }
   /// The model's own matrix, else products with the 3 N unit vectors. Long, so once for assembly and diagonal; noipa:
   /// with noinline GCC 12 takes its output for unchanged.
   [[gnu::noipa, gnu::flatten]] static void matrix(const Storage& storage, const Vector& position, Index b, Matrix& k) {
@@ -154,8 +186,11 @@ struct ProductLoops {
     if constexpr (Model::reads_position) storage.loop.gather(b, position.rows(), x);
     const auto& rest = storage.rest[b];
     const auto& tangent = storage.tangent[b];
-    if constexpr (requires { Model::matrix(rest, tangent, x, k); })
+    if constexpr (has_matrix)
       Model::matrix(rest, tangent, x, k);
+    else if constexpr (Model::reads_position)
+      ElementLoop<N>::matrixFromProducts(
+          [&](const Nodes& dx, Nodes& df) { product(rest, tangent, Pack(1.), x, dx, df); }, k);
     else
       ElementLoop<N>::matrixFromProducts(
           [&](const Nodes& dx, Nodes& df) { Model::product(rest, tangent, Pack(1.), x, dx, df); }, k);

@@ -83,6 +83,9 @@ class ForceField : public Component {
 
  protected:
   Link<State> mstate_{"mechanical state"};
+  /// True where the force has a meaning for other rows than points, or for the centres of frames: init() refuses frames
+  /// and numbers otherwise.
+  virtual bool takesAllRows() const { return false; }
 
  private:
   State* state_ = nullptr;

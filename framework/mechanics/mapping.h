@@ -16,7 +16,8 @@ struct JacobianBlock {
 class Mapping : public Component {
  public:
   std::string roleText() const override { return "mapping"; }
-  virtual State& input() const = 0;
+  virtual State& input() const = 0;  ///< the first, where there are several
+  virtual std::vector<State*> inputs() const { return {&input()}; }
   virtual State& output() const = 0;
   virtual void compile() {}
   virtual void apply(Rows x) const = 0;    ///< writes x of the child from x of the parent

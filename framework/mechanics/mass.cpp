@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "framework/algebra/parallel.h"
+#include "framework/mechanics/frames.h"
 #include "framework/scene/node.h"
 
 namespace stroma {
@@ -26,6 +27,24 @@ void Mass::addProduct(ConstRows p, double factor, Rows out) const {
       for (int c = 0; c < row_doubles; ++c) target[row_doubles * i + c] += m * source[row_doubles * i + c];
     }
   });
+  addTurningProduct(p, factor, out);
+}
+
+void Mass::update(ConstRows x) {
+  excess_.resize(turning_.size());
+  for (std::size_t i = 0; i < turning_.size(); ++i) {
+    const Mat3 turn = turning_[i].turns ? orientationIn(state().segment(x), turning_[i].row).toRotationMatrix()
+                                        : Mat3(Mat3::Identity());
+    const Mat3& inertia = turning_[i].inertia;
+    excess_[i] = turn * (inertia - inertia.trace() / 3 * Mat3::Identity()) * turn.transpose();
+  }
+}
+
+void Mass::addTurningProduct(ConstRows p, double factor, Rows out) const {
+  const ConstRows from = state().segment(p);
+  const Rows to = state().segment(out);
+  for (std::size_t i = 0; i < excess_.size(); ++i)
+    to[turning_[i].row] += factor * (excess_[i] * from[turning_[i].row]);
 }
 
 void Mass::addTo(double factor, BlockMatrix& matrix) const {
@@ -35,6 +54,8 @@ void Mass::addTo(double factor, BlockMatrix& matrix) const {
     double* block = matrix.values().data() + std::size_t(matrix.diagonal()[first + i]) * 9;
     for (int c : {0, 4, 8}) block[c] += factor * mass[i];
   }
+  for (std::size_t i = 0; i < excess_.size(); ++i)
+    matrix.add(matrix.diagonal()[std::size_t(first + turning_[i].row)], factor * excess_[i]);
 }
 
 void Mass::addDiagonal(double factor, std::vector<double>& blocks) const {
@@ -42,11 +63,14 @@ void Mass::addDiagonal(double factor, std::vector<double>& blocks) const {
   const Index first = state().firstRow();
   for (Index i = 0; i < state().size(); ++i)
     for (int c : {0, 4, 8}) blocks[std::size_t(first + i) * 9 + std::size_t(c)] += factor * mass[i];
+  for (std::size_t i = 0; i < excess_.size(); ++i)
+    for (int c = 0; c < 9; ++c)
+      blocks[std::size_t(first + turning_[i].row) * 9 + std::size_t(c)] += factor * excess_[i](c / 3, c % 3);
 }
 
 // M g = (row sums) g for any mass, because g is the same at all places. Only places have a weight.
 void Mass::addGravity(Rows f) const {
-  const std::vector<double>& mass = lumped();
+  const std::vector<double>& mass = rowSums();
   const Vec3 gravity = node().gravity();
   const Rows f_here = state().segment(f);
   for (Index i = 0; i < f_here.count; ++i)
@@ -56,7 +80,7 @@ void Mass::addGravity(Rows f) const {
 double Mass::kineticEnergy(ConstRows v) const {
   double sum = 0;
   const ConstRows v_here = state().segment(v);
-  if (isDiagonal()) {
+  if (isDiagonal() && !turns()) {
     const std::vector<double>& mass = lumped();
     for (Index i = 0; i < v_here.count; ++i) sum += mass[i] * v_here[i].squaredNorm();
     return 0.5 * sum;
@@ -70,7 +94,7 @@ double Mass::kineticEnergy(ConstRows v) const {
 }
 
 double Mass::gravityEnergy(ConstRows x) const {
-  const std::vector<double>& mass = lumped();
+  const std::vector<double>& mass = rowSums();
   const Vec3 gravity = node().gravity();
   const ConstRows x_here = state().segment(x);
   double sum = 0;

@@ -5,7 +5,15 @@
 
 namespace stroma {
 
-/// The mass of the nodes of one state; constant. Vectors are the whole system's.
+/// The inertia tensor of an orientation in the axes of its body, where it is not the same about all axes.
+struct TurningInertia {
+  Index row = 0;  ///< of the state
+  Mat3 inertia = Mat3::Zero();  ///< J0 [kg m^2]
+  bool turns = true;            ///< false: it stays as it is in fixed axes
+};
+
+/// The mass of the nodes of one state; constant, but for inertia tensors, which turn with their bodies: J = R J0 R^T.
+/// Vectors are the whole system's.
 class Mass : public Component {
  public:
   std::string roleText() const override { return "mass"; }
@@ -14,8 +22,12 @@ class Mass : public Component {
   State& state() const { return *state_; }
 
   virtual void compile() {}
-  /// Row sums [kg] ([kg m^2] for orientations), shape (state().size()): the whole mass when isDiagonal().
+  /// Masses of the nodes [kg], shape (state().size()): the whole mass when isDiagonal(), but for turningInertias(), else row
+  /// sums, or positive numbers of the same sum where row sums are none; for an orientation with a turning inertia a third
+  /// of the trace of J [kg m^2].
   virtual const std::vector<double>& lumped() const = 0;
+  /// Row sums of M [kg], by which gravity acts.
+  virtual const std::vector<double>& rowSums() const { return lumped(); }
   virtual bool isDiagonal() const = 0;
   /// out += factor * M p. The default uses lumped().
   virtual void addProduct(ConstRows p, double factor, Rows out) const;
@@ -25,7 +37,11 @@ class Mass : public Component {
   virtual void addTo(double factor, BlockMatrix& matrix) const;
   /// blocks[row] += factor * M[row][row], shape (rows, 9). The default uses lumped().
   virtual void addDiagonal(double factor, std::vector<double>& blocks) const;
-  /// f += M g, with the gravity of the component's node [m/s^2]. The default uses lumped().
+  const std::vector<TurningInertia>& turningInertias() const { return turning_; }
+  bool turns() const { return !turning_.empty(); }
+  /// J are from now on those at the orientations in x.
+  void update(ConstRows x);
+  /// f += M g, with the gravity of the component's node [m/s^2], by rowSums().
   void addGravity(Rows f) const;
   double kineticEnergy(ConstRows v) const;  ///< 1/2 v^T M v [J]
   double gravityEnergy(ConstRows x) const;  ///< -sum m g.x [J]
@@ -35,9 +51,17 @@ class Mass : public Component {
 
  protected:
   Link<State> mstate_{"mechanical state"};
+  /// In init(): lumped() has a third of the traces in these rows.
+  void setTurningInertias(std::vector<TurningInertia> inertias) { turning_ = std::move(inertias), excess_.clear(); }
+  /// out += factor (J - trace J/3) p for these rows; where addProduct() is overridden, for it to call.
+  void addTurningProduct(ConstRows p, double factor, Rows out) const;
+  /// True where the mass has a meaning for other rows than points: init() refuses frames and numbers otherwise.
+  virtual bool takesAllRows() const { return false; }
 
  private:
   State* state_ = nullptr;
+  std::vector<TurningInertia> turning_;
+  std::vector<Mat3> excess_;  ///< J - trace J/3 at the x of the last update(), in fixed axes, shape (turning_) or empty
   bool separate_gravity_ = false;
   mutable Vector work_;  ///< M v of kineticEnergy(), allocated when first asked for a mass that is not diagonal
 };

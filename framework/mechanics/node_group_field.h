@@ -106,6 +106,11 @@ class NodeGroupField : public ForceField {
     tangents_outdated_ = false;
     return stiffness_;
   }
+  /// N, or less where a tangent says so: the rest of its group repeats a row.
+  static int nodesOf(const Tangent& tangent) {
+    if constexpr (requires { tangent.corners; }) return tangent.corners;
+    return N;
+  }
   /// out += factor * sum of the tangents times p, group by group.
   void addProduct(const std::vector<Tangent>& tangents, ConstRows p, double factor, Rows out) const {
     for (std::size_t g = 0; g < tangents.size(); ++g) tangents[g].addProduct(rows_[g], p, factor, out);
@@ -113,13 +118,13 @@ class NodeGroupField : public ForceField {
   /// Blocks of all groups into the matrix that prepareAssembly() looked up.
   void addTo(const std::vector<Tangent>& tangents, double factor, BlockMatrix& matrix) const {
     for (std::size_t g = 0; g < tangents.size(); ++g)
-      for (int i = 0; i < N; ++i)
-        for (int j = 0; j < N; ++j)
+      for (int i = 0; i < nodesOf(tangents[g]); ++i)
+        for (int j = 0; j < nodesOf(tangents[g]); ++j)
           matrix.add(slots_[(g * N + std::size_t(i)) * N + std::size_t(j)], factor * tangents[g].block(i, j));
   }
   void addDiagonal(const std::vector<Tangent>& tangents, double factor, std::vector<double>& blocks) const {
     for (std::size_t g = 0; g < tangents.size(); ++g)
-      for (int i = 0; i < N; ++i) {
+      for (int i = 0; i < nodesOf(tangents[g]); ++i) {
         const Mat3 block = tangents[g].block(i, i);
         double* out = blocks.data() + std::size_t(rows_[g][i]) * 9;
         for (int k = 0; k < 9; ++k) out[k] += factor * block(k / 3, k % 3);

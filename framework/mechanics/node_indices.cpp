@@ -9,10 +9,10 @@
 namespace stroma {
 
 void checkNode(int index, std::size_t position, const State& state, const std::string& attribute) {
-  if (index >= 0 && index < state.size()) return;
+  if (index >= 0 && index < state.nodes()) return;
   throw ComponentError(
-      fmt::format("{}[{}] is {}, and {} has {} nodes", attribute, position, index, state.path(), state.size()),
-      fmt::format("indices in 0 ... {}", state.size() - 1));
+      fmt::format("{}[{}] is {}, and {} has {} nodes", attribute, position, index, state.path(), state.nodes()),
+      fmt::format("indices in 0 ... {}", state.nodes() - 1));
 }
 
 std::vector<Index> checkedNodesInOrder(const std::vector<int>& indices, const State& state,
@@ -21,7 +21,9 @@ std::vector<Index> checkedNodesInOrder(const std::vector<int>& indices, const St
     throw ComponentError(fmt::format("{} lists no node of {}", attribute, state.path()), "at least one node",
                          "when a selection is linked here, check that its box or sphere holds nodes");
   for (std::size_t i = 0; i < indices.size(); ++i) checkNode(indices[i], i, state, attribute);
-  return {indices.begin(), indices.end()};
+  std::vector<Index> nodes(indices.begin(), indices.end());
+  for (Index& node : nodes) node *= state.rows_per_node;
+  return nodes;
 }
 
 std::vector<Index> checkedNodes(const std::vector<int>& indices, const State& state, const std::string& attribute) {
@@ -32,9 +34,17 @@ std::vector<Index> checkedNodes(const std::vector<int>& indices, const State& st
 }
 
 std::vector<Index> allNodes(const State& state) {
-  std::vector<Index> nodes(std::size_t(state.size()));
+  std::vector<Index> nodes(std::size_t(state.nodes()));
   std::iota(nodes.begin(), nodes.end(), 0);
+  for (Index& node : nodes) node *= state.rows_per_node;
   return nodes;
+}
+
+std::vector<Index> rowsOf(const std::vector<Index>& nodes, const State& state) {
+  std::vector<Index> rows;
+  for (const Index node : nodes)
+    for (Index k = 0; k < state.rows_per_node; ++k) rows.push_back(node + k);
+  return rows;
 }
 
 }  // namespace stroma

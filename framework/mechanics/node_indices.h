@@ -7,8 +7,9 @@
 
 namespace stroma {
 
-/// The nodes that an attribute of a component lists, ascending and each once. Throws ComponentError with a sentence
-/// that names `attribute` when the list is empty or an index lies outside [0, state.size()).
+/// The nodes that an attribute of a component lists, ascending and each once, by the first of their rows: of a frame
+/// its centre. Throws ComponentError with a sentence that names `attribute` when the list is empty or an index lies
+/// outside [0, state.nodes()).
 std::vector<Index> checkedNodes(const std::vector<int>& indices, const State& state, const std::string& attribute);
 
 /// The same, in the order of the list.
@@ -18,8 +19,11 @@ std::vector<Index> checkedNodesInOrder(const std::vector<int>& indices, const St
 /// Throws as above for one index; `position` is its place in the list.
 void checkNode(int index, std::size_t position, const State& state, const std::string& attribute);
 
-/// 0, 1, ... state.size() - 1
+/// The first rows of all nodes.
 std::vector<Index> allNodes(const State& state);
+
+/// All rows of the nodes whose first rows these are.
+std::vector<Index> rowsOf(const std::vector<Index>& nodes, const State& state);
 
 /// A list that may give one value for all: `values` becomes `count` values. Throws ComponentError when it has another
 /// number of them; `attribute` and `of_what` ("springs") are for the sentence.

@@ -14,6 +14,9 @@ class OpenChoices {
   /// ForceField::traits().exact_tangent is false; or what the scene asks for again. May make
   /// ForceField::patternRevision() grow. False, and nothing changes, for a field that has no other stiffness.
   virtual bool useExactTangent(bool) { return false; }
+  /// Takes a stiffness without unstable directions from the next addForce() on, or again the one that the scene asks for.
+  /// False, and nothing changes, for a field that has none.
+  virtual bool useDefiniteTangent(bool) { return false; }
 };
 
 }  // namespace stroma

@@ -80,6 +80,7 @@ class ProjectiveConstraint : public Component {
 
  protected:
   Link<State> mstate_{"mechanical state"};
+  virtual bool takesAllRows() const { return false; }  ///< as ForceField's
 
  private:
   State* state_ = nullptr;

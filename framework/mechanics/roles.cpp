@@ -29,6 +29,15 @@ State* findState(const Component& component, const Link<State>& link) {
                        "a " + usualComponent(Part::state) + " in the same node or above, or mstate=\"@path\"");
 }
 
+/// Throws where the state has other rows than points and the component knows only these.
+void refuseOtherRows(const Component& component, const State& state, bool takes_all) {
+  if (takes_all || state.hasPointsOnly()) return;
+  throw ComponentError("this " + component.roleText() + " acts on points, and " + state.path() + " has " +
+                           (state.hasFrames() ? "rigid frames" : "numbers"),
+                       "a state of points (template=\"Vec3\")",
+                       state.hasFrames() ? "points that follow the frames by a mapping" : "");
+}
+
 }  // namespace
 
 void ForceField::declare(DataTable& table) {
@@ -37,7 +46,10 @@ void ForceField::declare(DataTable& table) {
                   "s");
 }
 
-void ForceField::init() { state_ = findState(*this, mstate_); }
+void ForceField::init() {
+  state_ = findState(*this, mstate_);
+  refuseOtherRows(*this, *state_, takesAllRows());
+}
 
 // Reached only by a field whose traits promise a derivative that it does not override.
 void ForceField::addDampingProduct(ConstRows, double, Rows) const {
@@ -54,7 +66,10 @@ void ProjectiveConstraint::declare(DataTable& table) {
   for (const char* name : {"showObject", "drawSize"}) table.addVisualOnly(name);
 }
 
-void ProjectiveConstraint::init() { state_ = findState(*this, mstate_); }
+void ProjectiveConstraint::init() {
+  state_ = findState(*this, mstate_);
+  refuseOtherRows(*this, *state_, takesAllRows());
+}
 
 void PositionConstraint::declare(DataTable& table) { declareState(table, mstate_); }
 
@@ -71,6 +86,7 @@ void Mass::declare(DataTable& table) {
 
 void Mass::init() {
   state_ = findState(*this, mstate_);
+  refuseOtherRows(*this, *state_, takesAllRows());
   if (separate_gravity_) inform("separateGravity has no effect: gravity is a constant force that is computed once");
 }
 

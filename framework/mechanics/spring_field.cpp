@@ -35,10 +35,15 @@ std::vector<State*> SpringField::states() const {
   return second_ ? std::vector<State*>{&state(), second_} : std::vector<State*>{&state()};
 }
 
+void SpringField::declareDamping(DataTable& table) {
+  table.add("explicitDamping", explicit_damping_)
+      .help("damping adds to the tension of a spring and to no df/dv, as in SOFA: it is not stable for large ones");
+}
+
 ForceTraits SpringField::traits() const {
   ForceTraits traits;
   traits.symmetric = traits.conservative = true;
-  traits.velocity_dependent = damped_;
+  traits.velocity_dependent = damped_ && !explicit_damping_;
   traits.exact_tangent = !damped_;
   traits.forces_balance = traits.torques_balance = rests_;
   return traits;
@@ -48,7 +53,7 @@ void SpringField::compile() {
   std::vector<Group> rows(springs_.size());
   for (std::size_t s = 0; s < springs_.size(); ++s)
     rows[s] = {state().firstRow() + springs_[s].a, second().firstRow() + springs_[s].b};
-  setGroups(std::move(rows), damped_);
+  setGroups(std::move(rows), damped_ && !explicit_damping_);
 }
 
 double SpringField::energy(ConstRows x) const {
@@ -68,12 +73,12 @@ void SpringField::addForce(ConstRows x, ConstRows v, Rows f) {
     const double length = d.norm(), stretch = length - spring.length;
     if (stretch < 0 && spring.elongation_only) {
       stiffness_[s].setZero();
-      if (damped_) damping_[s].setZero();
+      if (!damping_.empty()) damping_[s].setZero();
       continue;
     }
     if (length <= 1e-12 * spring.length || length == 0) {
       stiffness_[s].k = -spring.stiffness * Mat3::Identity();
-      if (damped_) damping_[s].setZero();
+      if (!damping_.empty()) damping_[s].setZero();
       continue;
     }
     const Vec3 n = d / length;
@@ -82,8 +87,11 @@ void SpringField::addForce(ConstRows x, ConstRows v, Rows f) {
     stiffness_[s].k = -spring.stiffness * (transverse * Mat3::Identity() + (1 - transverse) * along);
     double tension = spring.stiffness * stretch;
     if (damped_) {
-      damping_[s].k = -spring.damping * along;
       tension += spring.damping * (v[b] - v[a]).dot(n);
+      if (explicit_damping_)
+        stiffness_[s].k = -(spring.stiffness - tension / length) * along - tension / length * Mat3::Identity();
+      else
+        damping_[s].k = -spring.damping * along;
     }
     f[a] += tension * n;
     f[b] -= tension * n;

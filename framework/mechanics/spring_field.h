@@ -23,6 +23,9 @@ struct Spring {
   bool elongation_only = false;
 };
 
+// With `explicitDamping` the damping is that of SOFA: it adds c u to the tension t of f_a = t n, nothing to df/dv, and the
+// tangent is df_a/dx_a = -(k - t/L) n n^T - t/L I with that t.
+
 /// Springs between nodes of one state or of two.
 class SpringField : public NodeGroupField<2, PairTangent>, public DrawnSegments {
  public:
@@ -35,6 +38,7 @@ class SpringField : public NodeGroupField<2, PairTangent>, public DrawnSegments 
   void addSegments(std::vector<Segment>& segments) const override;
 
  protected:
+  void declareDamping(DataTable& table);  ///< explicitDamping
   /// Called in init(), after ForceField::init(): the springs, and the state of their second ends when it is another.
   /// Throws ComponentError for a number that no spring can have.
   void setSprings(std::vector<Spring> springs, State* second = nullptr);
@@ -49,6 +53,7 @@ class SpringField : public NodeGroupField<2, PairTangent>, public DrawnSegments 
   std::vector<Spring> springs_;
   State* second_ = nullptr;
   bool damped_ = false, rests_ = false;  ///< some spring has a damping; all have the length of the rest shape
+  bool explicit_damping_ = false;
 };
 
 }  // namespace stroma

@@ -21,7 +21,11 @@ class State : public Component {
  public:
   std::string roleText() const override { return "mechanical state"; }
 
-  Index size() const { return Index(rest_position.size()); }
+  Index size() const { return Index(rest_position.size()); }  ///< rows
+  /// What a scene counts and its attributes index: points, frames of two rows, pairs or sixes of numbers.
+  Index nodes() const { return size() / rows_per_node; }
+  bool hasPointsOnly() const { return row_kinds.empty(); }
+  bool hasFrames() const { return rows_per_node == 2 && kindOf(1) == RowKind::turn; }
   Index firstRow() const { return first_row_; }
   /// This state's rows of a vector of its system.
   Rows segment(Rows all) const { return all.segment(first_row_, size()); }
@@ -44,9 +48,9 @@ class State : public Component {
   std::vector<Vec3> position;       ///< [m], initial positions, shape (size)
   std::vector<Vec3> velocity;       ///< [m/s], initial velocities, shape (size)
   /// What the rows are made of, shape (size); empty: all are places. To be set in init(). Above, an orientation is given
-  /// by x, y and z of its quaternion, w being sqrt(1 - x^2 - y^2 - z^2): of the two quaternions of an orientation the one
-  /// with w >= 0. Longer than 1 is refused.
+  /// by its rotation vector [rad] (frames.h).
   std::vector<RowKind> row_kinds;
+  Index rows_per_node = 1;
   RowKind kindOf(Index row) const { return row_kinds.empty() ? RowKind::place : row_kinds[std::size_t(row)]; }
 
  private:

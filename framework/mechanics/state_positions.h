@@ -15,6 +15,14 @@ inline std::vector<Vec3> positionsOf(const State& state, ConstRows x) {
   return out;
 }
 
+/// The place of every node, at rest or at the start [m], shape (state.nodes()).
+inline std::vector<Vec3> nodePlaces(const State& state, const std::vector<Vec3>& rows) {
+  if (state.rows_per_node == 1) return rows;
+  std::vector<Vec3> places;
+  for (Index node = 0; node < state.nodes(); ++node) places.push_back(rows[std::size_t(node * state.rows_per_node)]);
+  return places;
+}
+
 /// The diagonal of the box around a state's places [m], position(i) being that of row i; zero without places.
 template <class Position>
 double sizeOfBox(const State& state, Position&& position) {

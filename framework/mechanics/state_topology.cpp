@@ -79,7 +79,7 @@ const Topology* search(const Node& own, Wanted wanted) {
 const Topology* findTopology(const Component& asker, const State& state, const Link<Topology>& link, MeshNodes nodes,
                              std::string_view attribute) {
   const std::string whose = state.path();
-  const Wanted wanted{state.size(), whose, nodes, attribute};
+  const Wanted wanted{state.nodes(), whose, nodes, attribute};
   const Topology* linked = link.get();
   if (linked && !wanted.fits(*linked)) failFit({linked}, wanted);
   return linked ? linked : search(asker.node(), wanted);
@@ -111,7 +111,7 @@ const Topology* topologyOf(const State& state) { return choose(topologiesOf(stat
 
 std::vector<const Topology*> topologiesOf(const State& state) {
   Topologies passed;
-  return nearestThatFit(state.node(), {state.size(), {}, MeshNodes::all, {}}, passed);
+  return nearestThatFit(state.node(), {state.nodes(), {}, MeshNodes::all, {}}, passed);
 }
 
 const Topology* firstTopology(const Component& asker, bool upwards) {

@@ -47,12 +47,14 @@ std::vector<Cell> innerFaces(const std::vector<Cell>& faces, const std::vector<C
 void SurfaceSelection::declare(DataTable& table) {
   table.add("triangleIndices", triangle_indices_).help("loaded triangles of the mesh");
   table.add("quadIndices", quad_indices_).help("loaded quads of the mesh");
+  table.add("quadraticTriangleIndices", quadratic_indices_).help("loaded quadratic triangles of the mesh");
   table.add("min", low_).help("a corner of the box that faces must lie in, when none are listed").unit("m");
   table.add("max", high_).help("the other corner; neither given: everywhere").unit("m");
 }
 
 std::vector<Face> SurfaceSelection::faces(const Component& load, const Mesh& mesh, const State& state) const {
-  const bool lists = isSet(load, "triangleIndices") || isSet(load, "quadIndices");
+  const bool lists =
+      isSet(load, "triangleIndices") || isSet(load, "quadIndices") || isSet(load, "quadraticTriangleIndices");
   std::vector<Face> faces = lists ? listed(load, mesh) : inBox(load, mesh, state);
   if (faces.empty()) throw ComponentError("no face of the mesh is loaded", "a triangle or a quad");
   return faces;
@@ -80,6 +82,7 @@ std::vector<Face> SurfaceSelection::listed(const Component& load, const Mesh& me
   };
   take("triangleIndices", triangle_indices_, mesh.triangles, "triangles");
   take("quadIndices", quad_indices_, mesh.quads, "quads");
+  take("quadraticTriangleIndices", quadratic_indices_, mesh.quadratic_triangles, "quadratic triangles");
   return faces;
 }
 
@@ -89,7 +92,8 @@ std::vector<Face> SurfaceSelection::inBox(const Component& load, const Mesh& mes
     throw ComponentError(
         fmt::format("{} is given without {}", isSet(load, "min") ? "min" : "max", isSet(load, "min") ? "max" : "min"),
         "both corners of the box, or none of them");
-  const bool everywhere = !isSet(load, "min"), given = !mesh.triangles.empty() || !mesh.quads.empty();
+  const bool everywhere = !isSet(load, "min"),
+             given = !mesh.triangles.empty() || !mesh.quads.empty() || !mesh.quadratic_triangles.empty();
   if (!everywhere && low_ == high_)
     throw ComponentError(fmt::format("min and max are the same point {:g} {:g} {:g}", low_.x(), low_.y(), low_.z()),
                          "two corners of a box, or none of them for the whole surface");
@@ -106,12 +110,15 @@ std::vector<Face> SurfaceSelection::inBox(const Component& load, const Mesh& mes
   if (!given) {
     take(mesh.boundaryTriangles(), {});
     take(mesh.boundaryQuads(), {});
+    take(mesh.boundaryQuadraticTriangles(), {});
     return faces;
   }
   take(mesh.triangles, mesh.tetrahedra.empty() ? std::vector<Triangle>()
                                                : innerFaces(mesh.tetrahedronFaces(), mesh.boundaryTriangles()));
   take(mesh.quads, mesh.hexahedra.empty() ? std::vector<Quad>()
                                           : innerFaces(uniqueFaces(mesh.hexahedra, false), mesh.boundaryQuads()));
+  take(mesh.quadratic_triangles,
+       innerFaces(uniqueFaces(mesh.quadratic_tetrahedra, false), mesh.boundaryQuadraticTriangles()));
   return faces;
 }
 

@@ -6,6 +6,7 @@
 
 #include "framework/scene/change_table.h"
 #include "framework/scene/common_attributes.h"
+#include "framework/scene/default_gravity.h"
 #include "framework/scene/files.h"
 #include "framework/scene/gravity.h"
 #include "framework/scene/instantiation.h"
@@ -44,6 +45,21 @@ bool readInto(T& member, const AttributeDescription& attribute, const std::strin
   return false;
 }
 
+/// Of a scene that declares its units: numbers of SI would mean a thousandth of it in mm.
+void setDefaultGravity(const NodeDescription& description, Node& node, Diagnostics& diagnostics) {
+  const AttributeDescription* units = description.find("units");
+  if (!units || description.find("gravity")) return;
+  try {
+    const DefaultGravity gravity = defaultGravity(units->value);
+    if (gravity.unit.empty()) return;
+    node.own_gravity = Vec3(0, -gravity.value, 0);
+    diagnostics.note(
+        node.where(), node.path(),
+        "no gravity is written: the earth's acts along -y, " + printReal(gravity.value) + " " + gravity.unit);
+  } catch (const ComponentError&) {  // that of `units` is an error already
+  }
+}
+
 }  // namespace
 
 bool Instantiation::isSwitchedOffOrVisual(const AttributeDescription& attribute, const std::string& owner,
@@ -68,6 +84,7 @@ void Instantiation::readNodeAttributes(const NodeDescription& description, Node&
                          nearest(attribute.name, nodeAttributes()));
     }
   }
+  if (!node.parent() && !node.own_gravity) setDefaultGravity(description, node, diagnostics_);
 }
 
 void Instantiation::readNodeAttribute(const AttributeDescription& attribute, Node& node) {
@@ -111,6 +128,7 @@ void Instantiation::readNodeAttribute(const AttributeDescription& attribute, Nod
 // ---- components ----
 
 void Instantiation::readAttributes(const ComponentDescription& description, Component& component) {
+  if (const AttributeDescription* choice = description.find("template")) component.chooseTemplate(choice->value);
   std::map<const Data*, const AttributeDescription*> given;
   for (const AttributeDescription& attribute : description.attributes) {
     const Data* data = findAttribute(attribute.name, component);

@@ -37,6 +37,9 @@ class Component {
   /// derived from attributes. Compiled roles (force fields, masses) are compiled again afterwards, and what serialize()
   /// knows is kept. Throws ComponentError. Whatever is thrown, the old value is put back and this is called once more.
   virtual void recompile() { init(); }
+  /// The attribute `template` as it is written, before any other attribute is read: for a component whose attributes
+  /// have other types then (Data::keepIn).
+  virtual void chooseTemplate(const std::string&) {}
   /// False when another component of the node stands for this one: searches by role pass it over. Asked before init().
   virtual bool answersLookup() const { return true; }
   /// The type of a component that this one cannot do without and that its node does not hold: it is then made beside it,
@@ -125,6 +128,26 @@ class Link : public LinkBase {
 
  private:
   std::string role_text_;
+};
+
+/// The same to several components.
+template <class Role>
+class LinkList : public Link<Role> {
+ public:
+  using Link<Role>::Link;
+  bool takesMany() const override { return true; }
+  void add(Component* target) override {
+    if (targets_.empty()) this->set(target);
+    targets_.push_back(target);
+  }
+  std::vector<Role*> all() const {
+    std::vector<Role*> roles;
+    for (Component* target : targets_) target->ensureReady(), roles.push_back(dynamic_cast<Role*>(target));
+    return roles;
+  }
+
+ private:
+  std::vector<Component*> targets_;
 };
 
 }  // namespace stroma

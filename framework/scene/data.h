@@ -36,7 +36,7 @@ using DataPointer =
                  std::vector<bool>*, std::vector<int>*, std::vector<double>*, std::vector<Vec3>*,
                  std::vector<std::string>*, std::vector<Edge>*, std::vector<Triangle>*, std::vector<Quad>*,
                  std::vector<std::array<Index, 6>>*, std::vector<std::array<Index, 5>>*, std::vector<Hexahedron>*,
-                 FileName*, ChoiceRef, LinkBase*>;
+                 std::vector<QuadraticTetrahedron>*, FileName*, ChoiceRef, LinkBase*>;
 
 /// How a value reached an attribute.
 enum class DataOrigin { by_default, written, linked, by_override };
@@ -81,6 +81,7 @@ class Data {
   bool isSet() const { return origin_ != DataOrigin::by_default; }
   DataOrigin origin() const { return origin_; }
   const DataPointer& pointer() const { return pointer_; }
+  void keepIn(DataPointer pointer) { pointer_ = std::move(pointer); }  ///< another member, before values are read
   LinkBase* link() const;        ///< not null for an attribute that names a component
   std::string typeText() const;  ///< "list of 3 reals", "one of: small, large"
   std::string defaultText() const { return default_; }
@@ -149,6 +150,8 @@ class LinkBase {
   virtual bool accepts(Component& target) const = 0;
   virtual std::string roleText() const = 0;  ///< "a mechanical state", for messages
   void set(Component* target) { target_ = target; }
+  virtual bool takesMany() const { return false; }  ///< several paths, separated by spaces
+  virtual void add(Component* target) { target_ = target; }
   Component* target() const { return target_; }
   std::string path;  ///< as written
   /// Words that a scene may write instead of a path, for what needs no component of its own; `path` is then the word.

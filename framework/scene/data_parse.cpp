@@ -122,6 +122,9 @@ template <class T>
 bool readFlat(std::string_view text, std::vector<T>& out, Failure& why) {
   Words words(text);
   for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
+    // SOFA writes matrices as "[1 0 0,0 1 0,0 0 1]"
+    if (std::is_same_v<T, double> && word.size() > 1 && word.front() == '[') word.remove_prefix(1);
+    if (std::is_same_v<T, double> && word.size() > 1 && word.back() == ']') word.remove_suffix(1);
     T value{};
     if (!readNumber(word, value, why)) return why.message += " (item " + std::to_string(out.size() + 1) + ")", false;
     out.push_back(value);
@@ -187,8 +190,7 @@ bool readGroups(std::string_view text, std::vector<Item>& out, Failure& why, Mak
   why.message = std::to_string(count) + " numbers are not a multiple of " + std::to_string(width);
   constexpr std::size_t rigid_width = 7;
   if (std::is_same_v<Item, Vec3> && count % rigid_width == 0)
-    why.suggestion =
-        "a node is a point of three coordinates: rigid frames of seven numbers, SOFA's Rigid3, do not exist";
+    why.suggestion = "rigid frames have seven numbers each: template=\"Rigid3\" where the nodes are frames";
   return false;
 }
 

@@ -190,6 +190,15 @@ bool isUnknown(const Component& component) { return dynamic_cast<const UnknownCo
 
 void Instantiation::resolveComponentLink(const PendingLink& link) {
   LinkBase& role = *link.data->link();
+  if (role.takesMany() && link.text.find(' ') != std::string::npos) {
+    PendingLink one = link;
+    Words words(link.text);
+    for (std::string_view word = words.next(); !word.empty() && !link.component->hasFailed(); word = words.next()) {
+      one.text = word;
+      resolveComponentLink(one);
+    }
+    return;
+  }
   const std::string path = link.component->path() + "." + link.data->name();
   Target target = follow(*link.component, parsePath(link.text, false));
   chooseIn(target, link.component, role.roleText(), [&](Component& component) { return role.accepts(component); });
@@ -208,7 +217,7 @@ void Instantiation::resolveComponentLink(const PendingLink& link) {
                                       target.component->type() + ")",
                                   role.roleText(),
                                   {}});
-  role.set(target.component);
+  role.add(target.component);
 }
 
 void Instantiation::resolveDataLink(const PendingLink& link) {

@@ -6,6 +6,7 @@
 #include <unordered_set>
 
 #include "framework/scene/change_table.h"
+#include "framework/scene/dialect.h"
 #include "framework/scene/files.h"
 #include "framework/scene/instantiation.h"
 #include "framework/scene/prefab.h"
@@ -17,6 +18,7 @@ Scene instantiate(SceneDescription description, Factory& factory, Modules& modul
   scene.description = std::move(description);
   scene.diagnostics = std::move(diagnostics);
   if (scene.description.data_paths.empty()) scene.description.data_paths = environmentDataPaths();
+  rewriteForeign(scene.description, factory, modules, scene.diagnostics, scene.no_effect);
   Instantiation(scene, factory, modules).run();
   if (scene.diagnostics.hasErrors()) throw SceneError(std::move(scene.diagnostics));
   return scene;

@@ -6,6 +6,7 @@
 #include <set>
 #include <sstream>
 
+#include "framework/scene/dialect.h"
 #include "framework/scene/files.h"
 #include "framework/scene/load.h"
 #include "framework/scene/overrides.h"
@@ -20,9 +21,11 @@ namespace {
 
 class Resolver {
  public:
-  Resolver(const ReadLimits& limits, const KnownType& is_known, SceneDescription& scene, Diagnostics& diagnostics)
+  Resolver(const ReadLimits& limits, const KnownType& is_known, const std::vector<Override>& overrides,
+           SceneDescription& scene, Diagnostics& diagnostics)
       : limits_(limits),
         is_known_(is_known),
+        overrides_(overrides),
         scene_(scene),
         diagnostics_(diagnostics),
         bytes_left_(limits.file_bytes) {}
@@ -47,6 +50,10 @@ class Resolver {
     const std::string file = text.file;
     root = readXml(text.text, file, limits_, diagnostics_);
     if (root.where.file.empty()) return false;
+    if (chain_.empty() && isForeign(file, root, overrides_)) {
+      is_foreign_ = true;
+      if (!root.find(dialect_attribute)) root.attributes.push_back({dialect_attribute, foreign_dialect, root.where});
+    }
     scene_.files.push_back(file);
     scene_.texts.push_back(std::move(text));
     chain_.push_back(fs::canonical(file, none).string());
@@ -124,7 +131,8 @@ class Resolver {
 
   /// The file that stands for an element of an unknown type, or empty.
   std::string prefabOf(const ComponentDescription& element) const {
-    if (!is_known_ || is_known_(element.type)) return {};
+    const bool is_known = !is_known_ || is_known_(element.type);
+    if (is_known && !(is_foreign_ && isPrefabAbroad(element.type))) return {};
     return findFileIn("Objects/" + element.type + ".xml", element.folder, scene_.data_paths, nullptr);
   }
 
@@ -155,10 +163,13 @@ class Resolver {
       only = name.substr(0, split), name = name.substr(split + 2);
     std::vector<std::string> known;
     if (replaceIn(root, only, name, attribute, known) > 0) return;
-    diagnostics_.error(attribute.where, {},
-                       "no included element" + (only.empty() ? "" : " named " + inQuotes(only)) + " has an attribute " +
-                           inQuotes(name),
-                       "an attribute that the included file writes", nearest(name, known));
+    diagnostics_.add({is_foreign_ ? Severity::warning : Severity::error,
+                      attribute.where,
+                      {},
+                      "no included element" + (only.empty() ? "" : " named " + inQuotes(only)) + " has an attribute " +
+                          inQuotes(name) + (is_foreign_ ? ": it is dropped" : ""),
+                      "an attribute that the included file writes",
+                      nearest(name, known)});
   }
 
   static int replaceIn(NodeDescription& node, const std::string& only, const std::string& name,
@@ -216,9 +227,11 @@ class Resolver {
 
   const ReadLimits& limits_;
   const KnownType& is_known_;
+  const std::vector<Override>& overrides_;
   SceneDescription& scene_;
   Diagnostics& diagnostics_;
   std::size_t bytes_left_;
+  bool is_foreign_ = false;  ///< the scene is in the dialect of another program
   std::vector<std::string> chain_;  ///< files being read, outermost first
 };
 
@@ -249,7 +262,7 @@ SceneDescription readSceneWithPrefabs(const std::string& file, const std::vector
     diagnostics.error({file, 0, 0}, {}, "the scene file is not found");
     return scene;
   }
-  Resolver resolver(limits, is_known, scene, diagnostics);
+  Resolver resolver(limits, is_known, overrides, scene, diagnostics);
   if (!(text ? resolver.take({file, *text, false}, 1, scene.root) : resolver.read(file, {file, 1, 1}, 1, scene.root))) {
     scene.root = {};
     return scene;

@@ -21,5 +21,8 @@ using Triangle = std::array<Index, 3>;
 using Quad = std::array<Index, 4>;
 using Tetrahedron = std::array<Index, 4>;
 using Hexahedron = std::array<Index, 8>;
+/// Corners, then a node on each edge, in VTK's order.
+using QuadraticTriangle = std::array<Index, 6>;
+using QuadraticTetrahedron = std::array<Index, 10>;
 
 }  // namespace stroma

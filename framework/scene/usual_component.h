@@ -10,8 +10,9 @@ enum class Part {
   mass,           ///< whose sum is given
   diagonal_mass,  ///< of a mesh with a density
   integrator,
-  solver_in_time,       ///< of matrices that a mass keeps well-conditioned
-  solver_of_equilibria  ///< of any matrix, by a factorisation
+  solver_in_time,        ///< of matrices that a mass keeps well-conditioned
+  solver_of_equilibria,  ///< of any matrix, by a factorisation
+  solver_that_chooses    ///< of any matrix, by what costs least
 };
 
 /// The component that usually plays it. tools/sofa answers: no name of a component is known here.

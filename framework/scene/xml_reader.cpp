@@ -59,8 +59,25 @@ class Reader {
     const std::string tag = "<" + std::string(element.Name()) + ">";
     for (const auto* child = element.FirstChild(); child; child = child->NextSibling()) {
       reportText(*child, tag);
-      if (child->ToElement()) refuseInside(*child->ToElement(), tag);
+      const auto* inner = child->ToElement();
+      if (!inner) continue;
+      if (inner->Name() == std::string_view("Attribute"))
+        takeAttribute(*inner, component);
+      else
+        refuseInside(*inner, tag);
     }
+  }
+
+  /// <Attribute type="NAME">VALUE</Attribute> inside a component is NAME="VALUE".
+  void takeAttribute(const tinyxml2::XMLElement& element, ComponentDescription& component) {
+    std::vector<AttributeDescription> own;
+    const SourceLocation where = attributesOf(element, own);
+    std::string name;
+    for (const AttributeDescription& attribute : own)
+      if (attribute.name == "type" || attribute.name == "name") name = trimmed(attribute.value);
+    if (name.empty()) return diagnostics_.error(where, {}, "<Attribute> does not say which it is", "type=\"...\"");
+    component.attributes.push_back({name, element.GetText() ? element.GetText() : "", where});
+    for (const auto* child = element.FirstChildElement(); child; child = child->NextSiblingElement()) skip(*child);
   }
 
   /// <Object type="X" .../> is <X .../>.

@@ -48,8 +48,9 @@ void orderMappings(std::vector<Mapping*>& mappings) {
   mappings.clear();
   while (!waiting.empty()) {
     const auto ready = std::find_if(waiting.begin(), waiting.end(), [&waiting](const Mapping* mapping) {
+      const std::vector<State*> inputs = mapping->inputs();
       return std::none_of(waiting.begin(), waiting.end(),
-                          [mapping](const Mapping* other) { return &other->output() == &mapping->input(); });
+                          [&inputs](const Mapping* other) { return contains(inputs, &other->output()); });
     });
     if (ready == waiting.end())
       throw ComponentError(
@@ -74,7 +75,7 @@ void findPassiveMappings(Actors& actors) {
   for (auto mapping = actors.mappings.rbegin(); mapping != actors.mappings.rend(); ++mapping) {
     const State* child = &(*mapping)->output();
     const bool feeds =
-        std::any_of(acting.begin(), acting.end(), [&](const Mapping* m) { return &m->input() == child; });
+        std::any_of(acting.begin(), acting.end(), [&](const Mapping* m) { return contains(m->inputs(), child); });
     (feeds || somethingActsOn(actors, child) ? acting : passive).push_back(*mapping);
   }
   actors.mappings.assign(acting.rbegin(), acting.rend());
@@ -142,12 +143,18 @@ void sortByTraits(Actors& actors) {
   }
   for (const Mapping* mapping : actors.mappings)
     if (!mapping->isLinear()) actors.derivatives_vary = true;
+  for (const Mass* mass : actors.masses)
+    if (mass->turns()) actors.derivatives_vary = true;
 }
 
 long Actors::patternRevision() const {
   long sum = 0;
   for (const ForceField* field : force_fields) sum += field->patternRevision();
   return sum;
+}
+
+bool Actors::massTurns() const {
+  return std::any_of(masses.begin(), masses.end(), [](const Mass* mass) { return mass->turns(); });
 }
 
 bool Actors::massIsDiagonal() const {
@@ -159,7 +166,8 @@ bool Actors::massIsDiagonal() const {
 std::string Actors::describeRow(Index row) const {
   for (const State* state : states)
     if (row >= state->firstRow() && row < state->firstRow() + state->size())
-      return fmt::format("node {} of {}", row - state->firstRow(), state->path());
+      return fmt::format("{}node {} of {}", state->kindOf(row - state->firstRow()) == RowKind::turn ? "the turn of " : "",
+                         (row - state->firstRow()) / state->rows_per_node, state->path());
   return fmt::format("row {} of no state", row);
 }
 

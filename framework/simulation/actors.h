@@ -30,6 +30,7 @@ struct Actors {
   long patternRevision() const;
   /// No mass couples nodes or lies on a mapped state.
   bool massIsDiagonal() const;
+  bool massTurns() const;  ///< some inertia tensor turns with its body
   /// "node 3 of /beam/dofs"
   std::string describeRow(Index row) const;
 };

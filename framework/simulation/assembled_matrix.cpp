@@ -64,7 +64,7 @@ void AssembledMatrix::addConstantTerms(const MatrixFactors& factors, BlockMatrix
 void AssembledMatrix::addConstantParts(const MatrixFactors& factors, BlockMatrix& matrix) {
   const auto is_constant = [](const ForceField* field) { return field->traits().constant_stiffness; };
   const bool worth_keeping =
-      actors_.derivatives_vary &&
+      actors_.derivatives_vary && !actors_.massTurns() &&
       (!actors_.massIsDiagonal() || std::any_of(actors_.stiff_fields.begin(), actors_.stiff_fields.end(), is_constant));
   if (!worth_keeping) return addConstantTerms(factors, matrix);
   if (constant_part_.empty() || factors != constant_factors_) {

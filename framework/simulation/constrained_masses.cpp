@@ -73,7 +73,10 @@ void ConstraintSet::requireMass() const {
   for (const State* state : actors_.states) {
     if (state->firstRow() >= actors_.independent_rows) continue;
     const bool feeds_mapping = std::any_of(actors_.mappings.begin(), actors_.mappings.end(),
-                                           [state](const Mapping* mapping) { return &mapping->input() == state; });
+                                           [state](const Mapping* mapping) {
+                                             const std::vector<State*> inputs = mapping->inputs();
+                                             return std::find(inputs.begin(), inputs.end(), state) != inputs.end();
+                                           });
     if (!feeds_mapping) requireMassOf(*state, actors_, held, mass);
   }
 }

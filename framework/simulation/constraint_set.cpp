@@ -61,9 +61,18 @@ void ConstraintSet::reserve(double start) {
     constraint->addRelations(gathered_relations_);
     prescribed = prescribed || constraint->prescribesMotion();
   }
+  holdUnusedDirections(every);
   const std::size_t most = every.size() + 2 * gathered_ties_.size();
   for (std::vector<NodeProjector>* list : {&gathered_, &projectors_, &velocity_projectors_}) list->reserve(most);
   if (prescribed) motion_.reserve(most);
+}
+
+// A row that is one number moves along x only.
+void ConstraintSet::holdUnusedDirections(std::vector<NodeProjector>& out) const {
+  for (const State* state : actors_.states)
+    for (Index i = 0; state->firstRow() < actors_.independent_rows && i < Index(state->row_kinds.size()); ++i)
+      if (state->row_kinds[std::size_t(i)] == RowKind::value)
+        out.push_back({state->firstRow() + i, Vec3::UnitX().asDiagonal()});
 }
 
 // A constraint holds in a step that starts at or before its endTime (as in SOFA); its projectors are those of the
@@ -81,6 +90,7 @@ void ConstraintSet::gather(double t_start, double t_end) {
     if (constraint->projectsVelocity()) constraint->addProjectors(t_end, velocity_projectors_);
     if (constraint->prescribesMotion()) motion_.add(i, t_end);
   }
+  holdUnusedDirections(gathered_);
   const bool regrouped = groups_.set(gathered_ties_, actors_.independent_rows);
   if (regrouped) updateInverseMass();
   motion_.finish();
@@ -107,25 +117,22 @@ bool ConstraintSet::gatherRelations(double t_start, double t_end) {
   return !(gathered_relations_ == relations_.relations());
 }
 
-// Means and places are those of points.
+// Means are those of points.
 void ConstraintSet::refuseTurningRows() const {
   if (!actors_.motion.turns()) return;
   const auto refuse = [this](const ProjectiveConstraint& constraint, Index row) {
     if (actors_.motion.kindOf(row) == RowKind::turn)
       throw ComponentError(
-          fmt::format("{} ties or moves {}, which is an orientation", constraint.path(), actors_.describeRow(row)),
-          "ties and prescribed motion of points");
+          fmt::format("{} ties {}, which is an orientation", constraint.path(), actors_.describeRow(row)),
+          "ties of points");
   };
   for (const ProjectiveConstraint* constraint : all()) {
     std::vector<Tie> ties;
     LinearRelations relations;
-    std::vector<NodeProjector> moved;
     constraint->addTies(ties);
     constraint->addRelations(relations);
     for (const LinearRelations::Term& term : relations.terms) refuse(*constraint, term.row);
-    if (constraint->prescribesMotion()) constraint->addProjectors(0, moved);
     for (const Tie& tie : ties) refuse(*constraint, tie.a), refuse(*constraint, tie.b);
-    for (const NodeProjector& node : moved) refuse(*constraint, node.row);
   }
 }
 

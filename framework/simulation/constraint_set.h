@@ -71,6 +71,7 @@ class ConstraintSet {
   const std::vector<double>& inverseLumpedMass();
 
  private:
+  void holdUnusedDirections(std::vector<NodeProjector>& out) const;
   void reserve(double start);
   void gather(double t_start, double t_end);
   bool gatherRelations(double t_start, double t_end);

@@ -8,9 +8,9 @@
 
 namespace stroma {
 
-/// The solver for a scene that names none. An equilibrium is as ill-conditioned as the body is slender or stiff, and a
-/// step of Newton's method is worth a factorisation. The mass keeps the matrix of a step in time well-conditioned, and
-/// its products are cheap.
+/// The solver for a scene that names none. An equilibrium is as ill-conditioned as the body is slender or stiff: what
+/// solves it best depends on its size. The mass keeps the matrix of a step in time well-conditioned, and its products are
+/// cheap.
 std::string Integrator::missingPartner() const {
   if (!needs_linear_solver_ || !linear_solver_.path.empty()) return {};
   const auto& components = node().components();
@@ -18,7 +18,7 @@ std::string Integrator::missingPartner() const {
     return dynamic_cast<const LinearSolver*>(component.get()) && component->answersLookup();
   });
   if (has_one) return {};
-  return usualComponent(movesInTime() ? Part::solver_in_time : Part::solver_of_equilibria);
+  return usualComponent(movesInTime() ? Part::solver_in_time : Part::solver_that_chooses);
 }
 
 }  // namespace stroma

@@ -28,6 +28,20 @@ ConstRows MappingChain::lifted(ConstRows p, Vector& work) const {
   return std::as_const(work).rows();
 }
 
+void MappingChain::curve(ConstRows x, ConstRows v, Rows a) const {
+  const double time = 1e-4 / (1 + largest(v.head(actors_->independent_rows)));
+  clear(a);
+  for (const double sign : {1., -1.}) {
+    copy(x.head(actors_->independent_rows), x_.head(actors_->independent_rows));
+    actors_->motion.advance(sign * time, v.head(actors_->independent_rows), x_);
+    for (const Mapping* mapping : actors_->mappings) mapping->apply(x_);
+    axpy(sign / (2 * time), velocities(v), a);
+  }
+  clear(a.head(actors_->independent_rows));
+  positions(x);
+  velocities(v);
+}
+
 Rows MappingChain::beginSum(Rows out) const {
   if (empty()) return out;
   clear(f_);

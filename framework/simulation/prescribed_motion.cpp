@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "framework/mechanics/frames.h"
+
 namespace stroma {
 
 void PrescribedMotion::reserve(std::size_t count) {
@@ -99,7 +101,10 @@ void PrescribedMotion::aim(const StepContext& context, ConstRows x, Rows v) {
   actors_.motion.advance(context.dt, v, target_x_);
   place(context, context.t_end, target_x_, target_v_);
   for (const NodeProjector& moved : moving_) {
-    const Vec3 speed = (target_x_[moved.row] - x[moved.row]) / context.dt;
+    const Vec3 speed = (actors_.motion.kindOf(moved.row) == RowKind::turn
+                            ? rotationVector(orientationIn(target_x_, moved.row) * orientationIn(x, moved.row).conjugate())
+                            : Vec3(target_x_[moved.row] - x[moved.row])) /
+                       context.dt;
     v[moved.row] += (Mat3::Identity() - moved.projector) * (speed - v[moved.row]);
   }
 }

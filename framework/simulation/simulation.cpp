@@ -7,6 +7,9 @@
 #include <bit>
 #include <cmath>
 
+#include "framework/simulation/step_guard.h"
+#include "framework/simulation/step_limits.h"
+
 namespace stroma {
 namespace {
 
@@ -16,6 +19,7 @@ std::unique_ptr<System> compileSystem(const SystemMembers& members, Diagnostics&
   try {
     auto system = std::make_unique<System>(members);
     integrator.compile(*system);
+    checkStepLimits(*system);
     return system;
   } catch (const ComponentError& error) {
     diagnostics.error(integrator.where(), integrator.path(), error.what(), error.expected, error.suggestion);
@@ -111,6 +115,14 @@ StepReport Simulation::step(StopToken stop) {
   StepContext context = clock_.next(dt());
   context.stop = stop;
   StepReport report;
+  for (Observer* observer : observers_.all())
+    if (auto* guard = dynamic_cast<StepGuard*>(observer))
+      if (std::string why = guard->refusal(context); !why.empty()) {
+        report.diverged = true;
+        report.reason =
+            fmt::format("step {} (from t = {:.6g} s), {}: {}", context.index, context.t, observer->path(), why);
+        return report;
+      }
   for (std::size_t i = 0; i < systems_.size() && !report.failed(); ++i) advance(i, context, report);
   if (report.failed()) return report;
   for (const auto& system : systems_) {
@@ -146,6 +158,10 @@ void Simulation::advance(std::size_t index, const StepContext& context, StepRepo
 
   system.times.solve += part.solve_seconds;
   if (fault.empty()) {
+    if (std::string overlap = overlapIn(system); !overlap.empty()) {
+      part.constraints_converged = false;
+      part.constraint_reason = whereAndWhy(system, context, overlap, "");
+    }
     if (part.unsolved) part.reason = whereAndWhy(system, context, part.reason, "");
     if (!lean && system.integrator().keepsEnergy()) watch_.look(index, system, before, context);
   } else {

@@ -17,7 +17,7 @@
 #include <string_view>
 #include <vector>
 
-#include "framework/algebra/vector.h"
+#include "framework/mechanics/state.h"
 
 namespace stroma {
 
@@ -44,13 +44,16 @@ class StateWriter {
   /// A run that goes on at time `t` [s]: keeps the instants that the file has up to there; `at_t`: that of `t` too. Not
   /// after the first time(). Returns the time of the last one kept. Throws as readRecording(), and when the file has
   /// instants that were written in another way.
-  std::optional<double> goOn(double t, bool at_t);
+  std::optional<double> goOn(double t, bool at_t, const State* state = nullptr);
   void time(double t);  ///< starts the instant at time t [s]
   /// A line of the instant: label is "X", "X0", "V" or "F".
   void rows(std::string_view label, ConstRows rows);
   void rows(std::string_view label, const std::vector<Vec3>& rows);
   /// Only the rows listed in `indices`.
   void rows(std::string_view label, ConstRows rows, const std::vector<int>& indices);
+  /// Those of a state, by what they are: a point has 3 numbers, a number 1, an orientation 4 ("X": x y z w), else 3. Only
+  /// `nodes`, where some are listed.
+  void rows(std::string_view label, const State& state, ConstRows rows, const std::vector<int>& nodes = {});
   void finish();  ///< the instant is whole
   void close();   ///< the recording is whole
 
@@ -68,13 +71,14 @@ struct StateRecording {
   static constexpr std::uint64_t inside_piece = ~std::uint64_t(0);  ///< such an end, in a file compressed by others
 };
 
-/// Reads all whole instants. Throws std::runtime_error naming file and line when the file is missing, damaged, not of
+/// Reads all whole instants; with a state, of rows as it has them, else of points. Values are as in State::position.
+/// Throws std::runtime_error naming file and line when the file is missing, damaged, not of
 /// this format, or without marks and cut short. Numbers that are not finite are read as they are: what they mean is the
 /// caller's to say.
-StateRecording readRecording(const std::string& path);
+StateRecording readRecording(const std::string& path, const State* state = nullptr);
 
 /// The instants of a finished file. Throws as readRecording(), and when the file is not finished.
-std::vector<StateFrame> readStateFile(const std::string& path);
+std::vector<StateFrame> readStateFile(const std::string& path, const State* state = nullptr);
 
 /// The file that holds the recording of a state: the state's path in the tree without the first "/", other "/" turned
 /// into ".", and the ending: "/liver/dofs" gives "liver.dofs.state.gz".

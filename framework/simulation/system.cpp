@@ -7,9 +7,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "framework/mechanics/frames.h"
 #include "framework/scene/node.h"
 #include "framework/scene/usual_component.h"
 #include "framework/simulation/integrator.h"
+#include "framework/simulation/step_limits.h"
 
 namespace stroma {
 
@@ -59,14 +61,8 @@ void System::bindStates() {
                            "as many of each");
     state->bind(first, x, v, f.rows());
     for (std::size_t i = 0; i < size; ++i) {
-      x[first + Index(i)] = state->position[i];
+      placeRow(state->kindOf(Index(i)), state->position[i], x, first + Index(i));
       v[first + Index(i)] = state->velocity[i];
-      if (state->kindOf(Index(i)) != RowKind::turn) continue;
-      if (!(state->position[i].norm() <= 1 + 1e-9))
-        throw ComponentError(fmt::format("row {} of {} is no orientation: x y z of its quaternion are {} long", i,
-                                         state->path(), state->position[i].norm()),
-                             "a quaternion of length one");
-      state->x().data[i * row_doubles + 3] = std::sqrt(std::max(0.0, 1 - state->position[i].squaredNorm()));
     }
     first += state->size();
   }
@@ -94,6 +90,7 @@ Node& System::node() const { return integrator_.node(); }
 
 void System::beginStep(const StepContext& context) {
   setTime(context.t_end);
+  beginLimitedStep(*this, x, context.t, context.t_end);
   constraints_.begin(context, x, v);
   mappings_.place(x, v);
 }

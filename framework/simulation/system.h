@@ -83,6 +83,8 @@ class System final {
   double gravityEnergy(ConstRows x) const;
   bool isConservative() const;  ///< every force field is
   bool hasGravity() const { return has_gravity_; }
+  /// Nodes with a mass follow others along curved ways: M then depends on x, and forces have the inertia of the curve.
+  bool hasCurvedInertia() const { return !curved_masses_.empty(); }
 
   // ---- changes between steps ----
   /// These components have been made anew: compiles again those that act here, and the integrator, and what followed
@@ -117,6 +119,8 @@ class System final {
   void inputsChanged(bool were_empty, bool were_damped);
   void checkLinearSolver() const;
   void computeGravity();
+  void updateMasses(ConstRows x_all) const;
+  void addCurvedInertia(ConstRows x_now, ConstRows v_now, Rows f_now) const;
   void startForce(Rows out) const;  ///< out = gravity
   void noteForceEvaluation(ConstRows f_now);
   template <class Factor>
@@ -132,6 +136,8 @@ class System final {
   MechanicalMatrix matrix_;
   std::unique_ptr<InputForces> inputs_;  ///< null until the first; among the actors while there are some
   Vector gravity_force_;                 ///< constant, computed once
+  std::vector<Mass*> curved_masses_;     ///< on mapped states, with mappings that are not linear
+  mutable Vector curve_, momentum_;      ///< work space, with such masses
   bool has_gravity_ = false;
   long derivatives_revision_ = 0;
 };

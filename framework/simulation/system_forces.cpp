@@ -20,12 +20,36 @@ void System::computeGravity() {
     has_gravity_ = true;
   }
   if (has_gravity_) ++counts.gravity;
+  curved_masses_.clear();
+  for (Mass* mass : masses())
+    if (!mappings_.isLinear() && mass->state().firstRow() >= independentRows()) curved_masses_.push_back(mass);
+  for (Vector* vector : {&curve_, &momentum_}) vector->resize(hasCurvedInertia() ? allRows() : 0);
 }
 
 void System::noteForceEvaluation(ConstRows f_now) {
   ++counts.forces;
   mappings_.noteForce(f_now);
   if (actors_.derivatives_vary) ++derivatives_revision_;
+}
+
+void System::updateMasses(ConstRows x_all) const {
+  for (Mass* mass : actors_.masses)
+    if (mass->turns()) mass->update(x_all);
+}
+
+/// f -= M a, a as MappingChain::curve() has it, and of turning inertia w x J w.
+void System::addCurvedInertia(ConstRows x_now, ConstRows v_now, Rows f_now) const {
+  mappings_.curve(x_now, v_now, curve_);
+  const ConstRows v_all = mappings_.velocities(v_now);
+  for (const Mass* mass : curved_masses_) {
+    mass->addProduct(curve_, -1, f_now);
+    if (!mass->turns()) continue;
+    clear(momentum_);
+    mass->addProduct(v_all, 1, momentum_);
+    for (const TurningInertia& turning : mass->turningInertias())
+      if (const Index row = mass->state().firstRow() + turning.row; turning.turns)
+        f_now[row] -= v_all[row].cross(momentum_[row]);
+  }
 }
 
 void System::startForce(Rows out) const {
@@ -39,8 +63,10 @@ void System::computeForce(ConstRows x_now, ConstRows v_now, Rows f_now) {
   const PhaseTimer timer(times.force);
   assert(f_now.count == allRows());
   const ConstRows x_all = mappings_.positions(x_now), v_all = mappings_.velocities(v_now);
+  updateMasses(x_all);
   startForce(f_now);
   for (ForceField* field : forceFields()) field->addForce(x_all, v_all, f_now);
+  if (hasCurvedInertia()) addCurvedInertia(x_now, v_now, f_now);
   mappings_.pullBack(f_now);
   noteForceEvaluation(f_now);
 }
@@ -61,6 +87,7 @@ void System::computeForceAndProduct(ConstRows x_now, ConstRows v_now, ConstRows 
   assert(out.count == allRows());
   const ConstRows x_all = mappings_.positions(x_now), v_all = mappings_.velocities(v_now);
   const ConstRows p_all = mappings_.direction(p);
+  updateMasses(x_all);
   startForce(out);
   for (ForceField* field : forceFields()) {
     const double factor = k + k_rayleigh * field->rayleigh_stiffness;
@@ -106,6 +133,7 @@ void System::addRayleighMassProduct(ConstRows p, double rayleigh, double factor,
 // ---- energies ----
 
 double System::kineticEnergy(ConstRows v_then) const {
+  updateMasses(x);
   double sum = 0;
   for (const Mass* mass : masses()) sum += mass->kineticEnergy(v_then);
   return sum;

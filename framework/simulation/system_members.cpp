@@ -120,9 +120,10 @@ class SystemSearch {
       found = false;
       for (const Mapping* mapping : mappings) {
         std::size_t& owner = owner_.at(&mapping->output());
-        if (owner != nobody || ownerOf(&mapping->input()) == nobody) continue;
-        owner = ownerOf(&mapping->input());
-        found = true;
+        if (owner != nobody) continue;
+        for (const State* input : mapping->inputs())
+          if (owner == nobody) owner = ownerOf(input);
+        found = found || owner != nobody;
       }
     }
   }
@@ -259,7 +260,11 @@ std::vector<State*> statesActedOn(const Component& component) {
   if (const auto* mass = dynamic_cast<const Mass*>(&component)) return {&mass->state()};
   if (const auto* constraint = dynamic_cast<const ProjectiveConstraint*>(&component)) return constraint->states();
   if (const auto* constraint = dynamic_cast<const PositionConstraint*>(&component)) return {&constraint->state()};
-  if (const auto* mapping = dynamic_cast<const Mapping*>(&component)) return {&mapping->input(), &mapping->output()};
+  if (const auto* mapping = dynamic_cast<const Mapping*>(&component)) {
+    std::vector<State*> states = mapping->inputs();
+    states.push_back(&mapping->output());
+    return states;
+  }
   return {};
 }
 

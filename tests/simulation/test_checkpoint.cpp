@@ -47,6 +47,7 @@ std::vector<Variant> variants() {
       {"EulerExplicitSolver", "CentralDifferenceSolver"},
       {"CGLinearSolver", "CGLinearSolver iterations=\"15\" warmStart=\"true\" preconditioner=\"block_jacobi\""},
       {"CGLinearSolver", "PCGLinearSolver iterations=\"15\" preconditioner=\"incomplete_cholesky\""},
+      {"CGLinearSolver", "PCGLinearSolver iterations=\"15\" preconditioner=\"multigrid\""},
       {"CGLinearSolver", "SparseLDLSolver"}};
   std::vector<Variant> all;
   std::vector<std::string> files;

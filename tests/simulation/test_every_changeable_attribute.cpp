@@ -28,6 +28,9 @@ std::string chosenValue(const std::string& name) {
 /// Why no value of `type.attribute` has an effect in its example; empty: one must have.
 std::string exception(const std::string& name) {
   static const std::map<std::string, std::string> reasons = {
+      {"AutomaticLinearSolver.iterations", "so few nodes are factored"},
+      {"AutomaticLinearSolver.tolerance", "so few nodes are factored"},
+      {"BarrierContact.rayleighStiffness", "nothing touches it so soon"},
       {"BoxROI.box", "no step reads the selection; see LiveAttributes"},
       {"BoxROI.orientedBox", "no step reads the selection"},
       {"CGLinearSolver.threshold", "only a solve that breaks down meets it"},
@@ -39,6 +42,7 @@ std::string exception(const std::string& name) {
       {"FixedPlaneProjectiveConstraint.indices", "the example gives dmin and dmax"},
       {"FormulaForceField.rayleighStiffness", "no stiffness"},
       {"LinearForceField.rayleighStiffness", "no stiffness"},
+      {"RestShapeSpringsForceField.angularStiffness", "its nodes are points"},
       {"SphereForceField.rayleighStiffness", "nothing touches it so soon"},
       {"SurfacePressureForceField.pressure", "the far end of a pulse; see LiveAttributes"},
       {"UniformMass.totalMass", "every mass falls alike"},

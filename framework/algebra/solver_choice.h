@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <string>
+
+#include "framework/algebra/linear_solver.h"
+
+namespace stroma {
+
+/// Implemented by linear solvers that choose how to solve from what a matrix is like.
+class SolverChoice {
+ public:
+  virtual ~SolverChoice() = default;
+  /// Chooses for this matrix, unless that has been done. Makes the pattern of the matrix.
+  virtual void choose(SystemMatrix& matrix) = 0;
+  /// What was chosen last, and why: a clause for the plan. Empty: nothing so far.
+  virtual std::string choice() const = 0;
+};
+
+}  // namespace stroma

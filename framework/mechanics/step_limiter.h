@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <string>
+
+#include "framework/algebra/vector.h"
+
+namespace stroma {
+
+/// A force field besides which positions may not move anyhow: bodies that touch must not pass through each other.
+/// Integrators ask how long a step may be (simulation/step_limits.h). Vectors have all rows of the system.
+class StepLimiter {
+ public:
+  virtual ~StepLimiter() = default;
+  /// A step from t to t_end [s] starts at x: what lasts for the step is taken from there.
+  virtual void stepBegins(ConstRows x, double t, double t_end) = 0;
+  /// The largest s <= 1 up to which the way from x to x + s dx is known to be free.
+  virtual double longestStep(ConstRows x, ConstRows dx) = 0;
+  /// The step's equations are solved at x with what is held fixed meanwhile: the directions of friction, obstacles that
+  /// have not been let all the way. True: that has moved on, and they are to be solved again.
+  virtual bool movesOn(ConstRows x) = 0;
+  /// After a step to x: what lies in one another, as a sentence, or empty. Exact.
+  virtual std::string overlap(ConstRows x) = 0;
+};
+
+/// The role of an integrator that asks.
+class HeedsStepLimits {
+ public:
+  virtual ~HeedsStepLimits() = default;
+  virtual bool heedsStepLimits() const = 0;
+  /// An attribute with which it would: "newtonIterations=\"30\"", or empty.
+  virtual std::string howToHeedStepLimits() const { return {}; }
+};
+
+}  // namespace stroma
