@@ -261,7 +261,7 @@ function(stroma_reader name)
   stroma_part(${name} ${name} ${CMAKE_BINARY_DIR}/lib/stroma/${name} ${package})
 endfunction()
 
-# Where the components of modules that are not built yet would come from: framework/scene/modules.cpp looks there for a
+# Where the components of modules that are not built yet would come from: tools/platform/modules.cpp looks there for a
 # name that no module has.
 function(stroma_write_module_sources)
   get_property(modules GLOBAL PROPERTY STROMA_MODULES)

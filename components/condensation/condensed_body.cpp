@@ -66,10 +66,10 @@ void CondensedBody::refuseOtherKinds(const Integrator& integrator, bool dynamic)
     constraint->addTies(ties);
     if (!ties.empty())
       throw ComponentError(fmt::format("{} makes nodes one, which {} does not do", constraint->path(), name),
-                           "one mesh for bodies that are attached, or twoWay=\"false\"");
+                           "one mesh for bodies that are attached, or an integrator that makes its matrix in steps");
     if (constraint->prescribesMotion() && constraint->states().size() > 1)
       throw ComponentError(fmt::format("{} lets nodes follow others, which {} does not do", constraint->path(), name),
-                           "motions given in time");
+                           "motions given in time, or an integrator that makes its matrix in steps");
   }
   if (!dynamic) return refuseRayleighFactors(system, "statics");
   for (const ForceField* field : system.forceFields()) {

@@ -40,7 +40,7 @@
 #include "framework/mechanics/node_indices.h"
 #include "framework/mechanics/state_topology.h"
 #include "framework/mechanics/surface_selection.h"
-#include "framework/mesh/cell_kind.h"
+#include "framework/mesh/cell_lists.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
@@ -189,16 +189,19 @@ class FormulaForceField final : public ForceField, public LocalLoad {
   }
   void loadFaces() {
     prepareLoads();
-    for (const Face& face : selection_.faces(*this, mesh(), state()))
-      addCell(face.corners == 3 ? cell_kinds::triangle : cell_kinds::quad, face.nodes, 1);
+    for (const Face& face : selection_.faces(*this, mesh(), state())) addCell(face.kind(), face.nodes, 1);
   }
   void loadCells() {
     prepareLoads();
     const Mesh& cells = mesh();
-    if (cells.tetrahedra.empty() && cells.hexahedra.empty())
+    if (highestDimension(cells) < 3)
       throw ComponentError("the mesh has no volume", "tetrahedra or hexahedra, or per=\"area\"");
-    for (const Tetrahedron& cell : cells.tetrahedra) addCell(cell_kinds::tetrahedron, cell, 1 / cells.overlap);
-    for (const Hexahedron& cell : cells.hexahedra) addCell(cell_kinds::hexahedron, cell, 1 / cells.overlap);
+    forEachCellList(
+        [&](const CellKind& kind, const auto& list) {
+          for (const auto& cell : list)
+            if (kind.dimension == 3) addCell(kind, cell, 1 / cells.overlap);
+        },
+        cells);
   }
   /// The Gauss points of a face or a cell.
   void addCell(const CellKind& kind, const auto& nodes, double share) {

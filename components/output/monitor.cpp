@@ -46,9 +46,9 @@ class Monitor final : public Observer {
     if (!state_) throw ComponentError("no state to watch", "a MechanicalObject in this node, or mstate=\"@path\"");
     if (nodes_.empty()) throw ComponentError("indices is empty", "the nodes to watch");
     for (const int node : nodes_)
-      if (node < 0 || node >= state_->size())
+      if (node < 0 || node >= state_->nodes())
         throw ComponentError(fmt::format("indices names node {}", node),
-                             fmt::format("nodes 0 to {} of {}", state_->size() - 1, state_->path()));
+                             fmt::format("nodes 0 to {} of {}", state_->nodes() - 1, state_->path()));
     if (export_f_) state_->requestForce();
     if (!export_x_ && !export_v_ && !export_f_)
       warn("writes nothing", "set ExportPositions, ExportVelocities or ExportForces to true");
@@ -91,7 +91,8 @@ class Monitor final : public Observer {
   }
   bool readsAllNodes(const StepContext&) const override { return false; }
   void addWatchedNodes(const State& state, std::vector<Index>& nodes) const override {
-    if (&state == state_) nodes.insert(nodes.end(), nodes_.begin(), nodes_.end());
+    if (&state == state_)
+      for (const int node : nodes_) nodes.push_back(node * state.rows_per_node);
   }
 
   std::string describe() const override {
@@ -106,22 +107,31 @@ class Monitor final : public Observer {
 
   bool open(TableFile& file, const char* ending, const std::string& quantity) {
     std::string head =
-        fmt::format("# {} of {}\n# column 1: time{}; then x y z of nodes", quantity, state_->path(), time_unit_);
+        fmt::format("# {} of {}\n# column 1: time{}; then {} of nodes", quantity, state_->path(), time_unit_,
+                    state_->hasPointsOnly() ? "x y z"
+                    : !state_->hasFrames()  ? "the numbers"
+                    : ending[0] == 'x'      ? "x y z and the quaternion x y z w"
+                                            : "x y z and the turn about x y z");
     for (const int node : nodes_) head += fmt::format(" {}", node);
     return file.open(fileOf(ending), goes_on_, head + "\n");
   }
 
   void write(double t) {
-    if (export_x_) writeLine(x_file_, t, state_->x());
+    if (export_x_) writeLine(x_file_, t, state_->x(), true);
     if (export_v_) writeLine(v_file_, t, state_->v());
     if (export_f_) writeLine(f_file_, t, state_->f());
   }
 
-  void writeLine(TableFile& file, double t, ConstRows rows) {
+  void writeLine(TableFile& file, double t, ConstRows rows, bool positions = false) {
     line_.clear();
     appendNumber(line_, t);
     for (const int node : nodes_)
-      for (int c = 0; c < 3; ++c) appendNumber(line_ += ' ', rows[node][c]);
+      for (Index k = 0; k < state_->rows_per_node; ++k) {
+        const Index row = node * state_->rows_per_node + k;
+        const RowKind kind = state_->kindOf(row);
+        const int numbers = kind == RowKind::value ? 1 : kind == RowKind::turn && positions ? 4 : 3;
+        for (int c = 0; c < numbers; ++c) appendNumber(line_ += ' ', rows.data[row * row_doubles + c]);
+      }
     file.write(line_ += '\n');
   }
 

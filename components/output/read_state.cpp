@@ -33,6 +33,7 @@
 #include <cmath>
 #include <limits>
 
+#include "framework/mechanics/frames.h"
 #include "framework/mechanics/projective_constraint.h"
 #include "framework/mesh/mesh_loader.h"
 #include "framework/scene/factory.h"
@@ -57,7 +58,7 @@ class ReadState final : public ProjectiveConstraint {
   void init() override {
     ProjectiveConstraint::init();
     try {
-      StateRecording recording = readRecording(file_name_.found);
+      StateRecording recording = readRecording(file_name_.found, &state());
       frames_ = std::move(recording.frames);
       if (!recording.unfinished.empty()) warn(recording.unfinished);
     } catch (const std::runtime_error& error) {
@@ -90,10 +91,13 @@ class ReadState final : public ProjectiveConstraint {
     const StateFrame& frame = frames_[std::size_t(reached % long(frames_.size()))];
     const Index first = state().firstRow();
     for (Index i = 0; i < state().size(); ++i) {
-      x[first + i] = frame.x[i];
+      placeRow(state().kindOf(i), frame.x[std::size_t(i)], x, first + i);
       if (!frame.v.empty()) v[first + i] = frame.v[i];
     }
   }
+
+ protected:
+  bool takesAllRows() const override { return true; }
 
  private:
   void checkFrames() const {
@@ -126,6 +130,9 @@ class ReadState final : public ProjectiveConstraint {
     for (std::size_t i = 1; i < frames_.size(); ++i) gap = std::min(gap, frames_[i].time - frames_[i - 1].time);
     slack_ = 1e-6 * std::min(gap, std::max(1., std::abs(frames_.back().time)));
     if (still) return;
+    if (!state().hasPointsOnly())
+      throw ComponentError(state().path() + " has frames or numbers, which are read as they are",
+                           "no scalePos, rotation or translation");
     for (StateFrame& frame : frames_) {
       for (Vec3& x : frame.x) x = (turn * x + translation_).eval();
       for (Vec3& v : frame.v) v = (turn * v).eval();

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // WriteState: the positions of a state over time, in a text file.
 //
-// For every instant written, the file has a line `T= t` and, indented below it, `X= x0 y0 z0 x1 ...` [m] and on request
+// For every instant written, the file has a line `T= t` and, indented below it, `X= x0 y0 z0 x1 ...` [m] (of a rigid
+// frame seven numbers, its centre and its quaternion x y z w, of a number one) and on request
 // `X0=` (rest positions [m]), `V=` (velocities [m/s]) and `F=` (forces [N]). Numbers have the fewest digits that read
 // back to the same bits. A name that ends in ".gz" gives a compressed file. Each instant is in the file, with a check sum,
 // when its step ends: what a run that is killed has left can be read up to there. A run that goes on from a checkpoint
@@ -26,6 +27,7 @@
 #include <optional>
 #include <utility>
 
+#include "framework/mechanics/frames.h"
 #include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
 #include "framework/simulation/simulation.h"
@@ -74,7 +76,7 @@ class WriteState final : public Observer {
   void begin(const Simulation& simulation) override {
     writer_.emplace(file_name_.found);
     if (simulation.steps() > 0) {
-      if (writer_->goOn(simulation.time(), true) == simulation.time()) return;
+      if (writer_->goOn(simulation.time(), true, state_) == simulation.time()) return;
     } else {
       start_ = simulation.time(), next_time_ = 0, periods_ = 0;
     }
@@ -109,9 +111,9 @@ class WriteState final : public Observer {
  private:
   void checkNodes(const char* attribute, const std::vector<int>& nodes) const {
     for (const int node : nodes)
-      if (node < 0 || node >= state_->size())
+      if (node < 0 || node >= state_->nodes())
         throw ComponentError(fmt::format("{} names node {}", attribute, node),
-                             fmt::format("nodes 0 to {} of {}", state_->size() - 1, state_->path()));
+                             fmt::format("nodes 0 to {} of {}", state_->nodes() - 1, state_->path()));
   }
 
   bool isDue(double t, double dt) {
@@ -130,17 +132,16 @@ class WriteState final : public Observer {
 
   void write(double t) {
     StateWriter& writer = writer_.value();
-    const auto write_rows = [&writer](const char* label, ConstRows rows, const std::vector<int>& nodes) {
-      if (nodes.empty())
-        writer.rows(label, rows);
-      else
-        writer.rows(label, rows, nodes);
-    };
     writer.time(t);
-    if (write_x0_) writer.rows("X0", state_->rest_position);
-    if (write_x_) write_rows("X", state_->x(), nodes_x_);
-    if (write_v_) write_rows("V", state_->v(), nodes_v_);
-    if (write_f_) writer.rows("F", state_->f());
+    if (write_x0_) {
+      Vector rest(state_->size());
+      for (Index i = 0; i < state_->size(); ++i)
+        placeRow(state_->kindOf(i), state_->rest_position[std::size_t(i)], rest, i);
+      writer.rows("X0", *state_, rest);
+    }
+    if (write_x_) writer.rows("X", *state_, state_->x(), nodes_x_);
+    if (write_v_) writer.rows("V", *state_, state_->v(), nodes_v_);
+    if (write_f_) writer.rows("F", *state_, state_->f());
     writer.finish();
   }
 

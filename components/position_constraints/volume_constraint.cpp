@@ -160,6 +160,8 @@ void VolumeConstraint::collectSurface(const Mesh& mesh) {
   const auto& quads = solid ? mesh.boundaryQuads() : mesh.quads;
   faces_.assign(triangles.begin(), triangles.end());
   faces_.insert(faces_.end(), quads.begin(), quads.end());
+  const auto& quadratic = solid ? mesh.boundaryQuadraticTriangles() : mesh.quadratic_triangles;
+  faces_.insert(faces_.end(), quadratic.begin(), quadratic.end());
   checkClosed();
   std::vector<Index> index(std::size_t(state().size()), -1);
   for (const Face& face : faces_)

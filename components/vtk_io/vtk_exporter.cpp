@@ -36,6 +36,7 @@
 #include "components/vtk_io/field_word.h"
 #include "components/vtk_io/vtk_series.h"
 #include "framework/mechanics/force_field.h"
+#include "framework/mechanics/frames.h"
 #include "framework/mechanics/state_topology.h"
 #include "framework/mesh/cell_lists.h"
 #include "framework/scene/archive.h"
@@ -51,7 +52,7 @@ enum class PointField { position, rest_position, displacement, velocity, force }
 const std::vector<std::string> point_field_words{"position", "restPosition", "displacement", "velocity", "force"};
 
 /// SOFA's short words: edges, triangles, quads, tetras, hexas.
-std::string attributeOf(const CellKind& kind) { return std::string(kind.dimension == 3 ? kind.alias : kind.plural); }
+std::string attributeOf(const CellKind& kind) { return std::string(kind.alias.empty() || kind.dimension != 3 ? kind.plural : kind.alias); }
 
 class VTKExporter : public Observer {
  public:
@@ -101,14 +102,14 @@ class VTKExporter : public Observer {
   std::vector<std::string> point_words_, cell_words_;
   int every_ = 1;
   bool at_begin_ = false, at_end_ = false, enable_ = true, xml_ = true, overwrite_ = false;
-  PerCellList<bool> wanted_{.tetrahedra = true, .hexahedra = true};
+  PerCellList<bool> wanted_{.tetrahedra = true, .hexahedra = true, .quadratic_tetrahedra = true};
 
   State* state_ = nullptr;
   const Topology* topology_ = nullptr;
   const System* system_ = nullptr;
   VtkSeries series_;
   vtkSmartPointer<vtkUnstructuredGrid> grid_;
-  vtkSmartPointer<vtkDoubleArray> points_, time_;
+  vtkSmartPointer<vtkDoubleArray> points_, time_, turns_;
   std::vector<PointOutput> point_outputs_;
   std::vector<CellOutput> cell_outputs_;
   long last_step_ = -1;
@@ -138,18 +139,18 @@ void VTKExporter::declare(DataTable& table) {
 
 void VTKExporter::init() {
   state_ = mstate_.target() ? mstate_.get() : find<State>(true);
-  if (!state_)
-    throw ComponentError("there is no state to export", "a MechanicalObject in the node or above, or mstate");
+  if (!state_) throw ComponentError("there is no state to export", "a MechanicalObject here or above, or mstate");
   topology_ = topology_link_.find(*this, *state_);
   if (!topology_) throw ComponentError("there is no mesh to export", "a topology in the node or above, or topology");
-  if (!position_.empty() && Index(position_.size()) != state_->size())
-    throw ComponentError(fmt::format("position has {} values, but the state has {}", position_.size(), state_->size()));
+  if (!position_.empty() && Index(position_.size()) != state_->nodes())
+    throw ComponentError(fmt::format("position has {} values for {} nodes", position_.size(), state_->nodes()));
   if (enable_ && every_ == 0 && !at_begin_ && !at_end_)
     warn("nothing will be written", "exportEveryNumberOfSteps, exportAtBegin or exportAtEnd");
   series_.setUp(filename_.empty() ? name() : filename_.given, {xml_, overwrite_});
   chooseCells();
   makeGrid();
   for (const std::string& word : point_words_) addPointField(word);
+  if (state_->hasFrames()) grid_->GetPointData()->AddArray(turns_ = newArray("orientation", 4));  // x y z w, for glyphs
   for (const std::string& word : cell_words_) addCellField(word);
 }
 
@@ -168,7 +169,7 @@ void VTKExporter::chooseCells() {
 void VTKExporter::makeGrid() {
   const Mesh& mesh = topology_->mesh();
   grid_ = vtkSmartPointer<vtkUnstructuredGrid>::New();
-  grid_->Allocate(vtkIdType(mesh.tetrahedra.size() + mesh.hexahedra.size()));
+  grid_->Allocate(vtkIdType(mesh.tetrahedra.size() + mesh.hexahedra.size() + mesh.quadratic_tetrahedra.size()));
   const auto add = [this](const CellKind& kind, const auto& cells) {
     for (const auto& cell : cells) {
       std::array<vtkIdType, most_cell_nodes> ids{};
@@ -189,7 +190,7 @@ void VTKExporter::makeArrays() {
   if (grid_->GetNumberOfCells() == 0) warn("no cell will be written: the mesh has none of the kinds asked for");
   points_ = vtkSmartPointer<vtkDoubleArray>::New();
   points_->SetNumberOfComponents(3);
-  points_->SetNumberOfTuples(state_->size());
+  points_->SetNumberOfTuples(state_->nodes());
   const auto points = vtkSmartPointer<vtkPoints>::New();
   points->SetData(points_);
   grid_->SetPoints(points);
@@ -203,7 +204,7 @@ vtkSmartPointer<vtkDoubleArray> VTKExporter::newArray(const std::string& label, 
   auto array = vtkSmartPointer<vtkDoubleArray>::New();
   array->SetName(label.c_str());
   array->SetNumberOfComponents(components);
-  array->SetNumberOfTuples(components == 3 ? vtkIdType(state_->size()) : grid_->GetNumberOfCells());
+  array->SetNumberOfTuples(components > 1 ? vtkIdType(state_->nodes()) : grid_->GetNumberOfCells());
   return array;
 }
 
@@ -317,16 +318,21 @@ std::string VTKExporter::describe() const {
 
 void VTKExporter::fill() {
   const bool bound = state_->isBound();
-  for (Index n = 0; n < state_->size(); ++n) {
+  for (Index node = 0; node < state_->nodes(); ++node) {
+    const Index n = node * state_->rows_per_node;  // of a frame the centre
+    if (turns_) {
+      const Quaternion q = bound ? orientationIn(state_->x(), n + 1) : turnedBy(state_->position[n + 1]);
+      std::copy_n(q.coeffs().data(), 4, turns_->GetPointer(4 * vtkIdType(node)));
+    }
     const Vec3 x = bound ? Vec3(state_->x()[n]) : state_->position[n];
-    std::copy(x.data(), x.data() + 3, points_->GetPointer(3 * vtkIdType(n)));
+    std::copy(x.data(), x.data() + 3, points_->GetPointer(3 * vtkIdType(node)));
     for (PointOutput& output : point_outputs_) {
       Vec3 value = x;
       if (output.what == PointField::rest_position) value = state_->rest_position[n];
       if (output.what == PointField::displacement) value = x - state_->rest_position[n];
       if (output.what == PointField::velocity) value = bound ? Vec3(state_->v()[n]) : state_->velocity[n];
       if (output.what == PointField::force) value = bound ? Vec3(state_->f()[n]) : Vec3(Vec3::Zero());
-      std::copy(value.data(), value.data() + 3, output.values->GetPointer(3 * vtkIdType(n)));
+      std::copy(value.data(), value.data() + 3, output.values->GetPointer(3 * vtkIdType(node)));
     }
   }
   // VTK keeps the ranges of arrays that nobody calls changed, and writes them

@@ -14,6 +14,7 @@ FAMILIES = {  # module: title; a module that is not here is called by its name
     "hyperelasticity": "Hyperelastic, viscous and porous tissue",
     "shape_memory": "Shape memory, fibres and actuators",
     "springs": "Springs",
+    "beams": "Beams and joints",
     "condensation": "Condensed bodies",
     "loads": "Loads",
     "formulas": "Loads by formulas",

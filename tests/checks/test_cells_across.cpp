@@ -2,8 +2,8 @@
 // How many cells lie over the thickness of a body, and what is said of too few.
 #include <gtest/gtest.h>
 
-#include "tools/checks/cells_across.h"
 #include "tests/support/meshes.h"
+#include "tools/checks/cells_across.h"
 
 namespace stroma::test {
 namespace {
@@ -37,6 +37,21 @@ TEST(CellsAcross, ABeamOfTetrahedraIsCountedByTheCubesThatTheyFill) {
     EXPECT_NEAR(body.cells, n, 0.25 * n);
     EXPECT_NE(tooCoarseForBending(body, false), "") << n;
   }
+}
+
+/// A box with a channel along it: walls of three cells, which are what bends, among lines of nine.
+TEST(CellsAcross, WallsOfAHollowBodyAreWhatIsCounted) {
+  Mesh mesh = beam(40, 9, 9);
+  std::erase_if(mesh.hexahedra, [&mesh](const Hexahedron& cell) {
+    Vec3 centre = Vec3::Zero();
+    for (const Index n : cell) centre += mesh.position[std::size_t(n)] / 8;
+    return centre.x() > 3 && centre.x() < 37 && (centre - Vec3(centre.x(), 4.5, 4.5)).cwiseAbs().maxCoeff() < 1.5;
+  });
+  const Slenderness body = slenderness(mesh.hexahedra, mesh.position);
+  EXPECT_TRUE(body.isSlender());
+  EXPECT_EQ(body.cells, 3);
+  EXPECT_NEAR(body.thickness, 3, 1e-12);
+  EXPECT_NE(tooCoarseForBending(body, true), "");
 }
 
 TEST(CellsAcross, StoutBodiesAndFineMeshesAreNotBlamed) {

@@ -52,7 +52,7 @@ TEST(UnitsOfAttributes, EachDeclaredTextIsAUnit) {
 
 /// Numbers of several kinds in one list, or of a kind that another attribute decides.
 const std::set<std::string> of_no_one_unit = {"ParameterSet", "c2",     "c4",           "oscillators",   "spring",
-                                              "table",        "values", "defaultValue", "transformation"};
+                                              "table",        "values", "defaultValue", "transformation", "planes"};
 
 TEST(UnitsOfAttributes, EachAttributeOfRealsSaysItsUnit) {
   forEachAttribute([](const std::string& type, const Data& data) {
@@ -492,6 +492,27 @@ TEST_F(UnitsInScenes, ALoaderIsNamedForItsUnit) {
   EXPECT_NE(run.err.find("in no consistent system"), std::string::npos) << run.err;
   write("scene.xml", scene("scale='1000' unit='mm'"));
   EXPECT_EQ(stroma("check scene.xml").err.find("consistent system"), std::string::npos);
+}
+
+/// What acts where no gravity is written is the earth's, in the units that the scene declares.
+TEST_F(UnitsInScenes, GravityThatIsNotWrittenIsTheEarths) {
+  const auto gravityOf = [this](const std::string& attributes, std::string* told = nullptr) {
+    Session session;
+    const Simulation& simulation = session.loadText(
+        "<Node name=\"root\" " + attributes + "><Node name=\"below\"/></Node>", (folder_ / "scene.xml").string());
+    if (told) *told = simulation.scene().diagnostics.text();
+    return Vec3(simulation.root().children()[0]->gravity());
+  };
+  std::string told;
+  EXPECT_EQ(gravityOf("units=\"mm kPa s\"", &told), Vec3(0, -9810, 0));
+  EXPECT_NE(told.find("no gravity is written: the earth's acts along -y, 9810 mm/s^2"), std::string::npos) << told;
+  EXPECT_NEAR(gravityOf("units=\"cm g ms\"").y(), -9.81e-4, 1e-18);
+  EXPECT_EQ(gravityOf("units=\"mm kPa s\" gravity=\"0 0 -10\"", &told), Vec3(0, 0, -10));
+  EXPECT_EQ(told.find("gravity"), std::string::npos) << told;
+  for (const char* si : {"", "units=\"m kg s\""}) {
+    EXPECT_EQ(gravityOf(si, &told), Vec3(0, -9.81, 0)) << si;
+    EXPECT_EQ(told.find("gravity"), std::string::npos) << told;
+  }
 }
 
 TEST_F(UnitsInScenes, NoSceneOfTheProjectIsDoubted) {

@@ -78,7 +78,7 @@ TEST(CondensedRefusals, WhatOneMatrixDoesNotHave) {
   expectRefused(Block{.solver = "<CondensedDynamicSolver/>", .more = "<VolumeConstraint/>"}, {"corrects positions"});
   expectRefused(Block{.solver = "<CondensedStaticSolver/>",
                       .more = "<AttachProjectiveConstraint indices1=\"50\" indices2=\"51\" twoWay=\"true\"/>"},
-                {"makes nodes one"});
+                {"makes nodes one", "an integrator that makes its matrix in steps"});
   expectRefused(Block{.solver = "<CondensedStaticSolver/>",
                       .more = "<LinearRelationProjectiveConstraint indices=\"50 51\" coefficients=\"1 1\"/>"},
                 {"linear relations"});

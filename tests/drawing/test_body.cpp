@@ -65,6 +65,32 @@ TEST(Bodies, ABlockOfHexahedraHasAClosedSurfaceAndItsInsideComesLast) {
     EXPECT_EQ(body.page[std::size_t(body.node[std::size_t(page)])], page);
 }
 
+/// Each face of six nodes is four triangles, and each half of an edge a line.
+TEST(Bodies, QuadraticTetrahedraAreDrawnWithTheirCurves) {
+  const Simulation simulation = simulationFromText(
+      "<Node name=\"root\"><RegularGridTopology name=\"grid\" n=\"3 2 2\" min=\"0 0 0\" max=\"3 2 4\"/>"
+      "<Node name=\"body\"><EulerImplicitSolver/><CGLinearSolver/><Hexa2TetraTopologicalMapping name=\"tets\" "
+      "input=\"@../grid\"/><Linear2QuadraticTopologicalMapping name=\"mesh\" input=\"@tets\"/>"
+      "<MechanicalObject src=\"@mesh\"/><UniformMass totalMass=\"1\"/><QuadraticTetrahedronFEMForceField "
+      "youngModulus=\"1000\" poissonRatio=\"0.3\" topology=\"@mesh\"/></Node></Node>");
+  const Drawing drawing = drawingOf(simulation);
+  ASSERT_EQ(drawing.bodies.size(), 1u);
+  const Body& body = drawing.bodies[0];
+  EXPECT_NEAR(enclosedVolume(body), 24, 1e-12);
+  EXPECT_EQ(body.triangles.size(), 4 * body.mesh->boundaryQuadraticTriangles().size());
+  EXPECT_EQ(body.triangles.size(), 4u * 2 * (2 + 2 + 1) * 2);
+  // three edges a face, shared by two faces, of two halves; and three lines within each face are not drawn
+  EXPECT_EQ(body.edges.size(), 2 * 3 * body.mesh->boundaryQuadraticTriangles().size() / 2);
+  EXPECT_EQ(body.cells(), 12);
+  for (std::size_t i = 0; i < body.triangles.size(); ++i)
+    EXPECT_TRUE(hasFace(body.mesh->quadratic_tetrahedra[std::size_t(body.owner[i])], body, body.triangles[i])) << i;
+  std::vector<double> work;
+  std::vector<float> values;
+  ASSERT_GT(drawing.fields.size(), 1u);
+  EXPECT_TRUE(cellValues(drawing.fields[1], body, work, values));
+  EXPECT_EQ(values.size(), 12u);
+}
+
 TEST(Bodies, TetrahedraCutFromAGridAreWhatIsDrawnOfIt) {
   const Simulation simulation = simulationFromText(block(tetrahedra));
   const Drawing drawing = drawingOf(simulation);

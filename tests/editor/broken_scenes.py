@@ -69,7 +69,7 @@ MISTAKES = [
     ("an include without a file", '<BoxROI name="end" box="-0.01 -1 -1  0.01 1 1"/>', '<include name="end"/>'),
     ("an Object without a type", 'Object type="ConstantForceField"', "Object"),
     ("an Object of a type that is none", 'Object type="ConstantForceField"', 'Object type="ConstantForceFeld"'),
-    ("a template that there is not", 'template="Vec3"', 'template="Rigid3"'),
+    ("a template that there is not", 'template="Vec3"', 'template="Rigid4"'),
     ("an outermost element that is none", '<Node name="root"', '<Scene name="root"', "tags"),
 ]
 

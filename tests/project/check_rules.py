@@ -12,6 +12,7 @@ FRAMEWORK = {
     "scene": {"scene"},
     "mesh": {"scene", "mesh"},
     "algebra": {"scene", "algebra"},
+    "collision": {"scene", "collision"},
     "mechanics": {"scene", "mesh", "algebra", "mechanics"},
     "fem": {"scene", "mesh", "algebra", "mechanics", "fem"},
     "simulation": {"scene", "mesh", "algebra", "mechanics", "fem", "simulation"},
@@ -38,7 +39,8 @@ TOOLS_FOR_TOOLS = {
     "view": {"drawing", "session", "plan", "scene_writer", "checks", "units"},
     "picture": {"drawing", "units"},
     "sweep": {"session"},
-    "session": {"checks"},
+    "session": {"checks", "units"},
+    "plan": {"units"},
     "checks": {"units"},
 }
 SOURCE = re.compile(r"(\.(h|cpp|py|cmake|in|xml|sh)|CMakeLists\.txt)$")

@@ -117,7 +117,7 @@ TEST_F(Load, GravityIsInheritedAndTheTimeStepIsTheRoots) {
 
 TEST_F(Load, Templates) {
   load("<Node><TestState template='Vec3d'/><TestMesh template='CompressedRowSparseMatrixMat3x3d'/></Node>");
-  EXPECT_NE(problemOf("<Node><TestState template='Rigid3d'/></Node>").expected.find("Vec3"), std::string::npos);
+  EXPECT_NE(problemOf("<Node><TestState template='Rigid4'/></Node>").expected.find("Vec3"), std::string::npos);
 }
 
 TEST_F(Load, VisualsHaveNoEffectAndAreSummedUp) {

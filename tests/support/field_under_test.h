@@ -8,6 +8,7 @@
 #include <random>
 #include <sstream>
 
+#include "tests/support/quadratic_block.h"
 #include "tests/support/scene_fixture.h"
 
 namespace stroma::test {
@@ -225,21 +226,24 @@ struct ElasticBody {
   std::string name, type;
   bool tetrahedra;
   std::function<std::string(const std::string& attributes)> scene;
+  bool quadratic = false;
 
-  /// The rotation of a tetrahedron minimises its energy, so that polar and svd exert no torque with any B.
+  /// The rotation of a tetrahedron, or of a point, minimises its energy, so that polar and svd exert no torque with any
+  /// B.
   std::vector<Variant> variants(bool with_exact = true) const {
     std::vector<Variant> variants;
     for (const std::string word : {"small", "large", "polar", "svd", "nodal", "green"}) {
       if (word == "nodal" && !tetrahedra) continue;
       const bool rotated = word == "large" || word == "polar" || word == "svd";
-      for (int update = 0; update < (rotated ? 3 : 1); ++update)
+      for (int update = 0; update < (rotated && !quadratic ? 3 : 1); ++update)
         for (int exact = 0; exact < (with_exact && word != "nodal" ? 2 : 1); ++exact) {
           Variant v;
           v.name = word + (update == 1 ? " B" : update == 2 ? " B and V" : "") + (exact ? " exact" : "");
           v.attributes = "method=\"" + word + "\"" + (update > 0 ? " updateStiffnessMatrix=\"true\"" : "") +
                          (update > 1 ? " updateVolume=\"true\"" : "") + (exact ? " tangent=\"exact\"" : "");
           v.b_current = update > 0;
-          v.torque_free = update > 0 || word == "green" || (tetrahedra && (word == "polar" || word == "svd"));
+          v.torque_free =
+              update > 0 || word == "green" || ((tetrahedra || quadratic) && (word == "polar" || word == "svd"));
           variants.push_back(v);
           if (word == "nodal" || (word == "green" && tetrahedra)) continue;
           v.name += " mean dilatation", v.attributes += " dilatation=\"mean\"";
@@ -254,7 +258,9 @@ inline const std::vector<ElasticBody>& elasticBodies() {
   static const std::vector<ElasticBody> bodies{
       {"tetrahedra", "TetrahedronFEMForceField", true, [](const std::string& a) { return tetrahedraScene(a); }},
       {"boxes", "HexahedronFEMForceField", false, [](const std::string& a) { return hexahedraScene(a, true); }},
-      {"hexahedra", "HexahedronFEMForceField", false, [](const std::string& a) { return hexahedraScene(a, false); }}};
+      {"hexahedra", "HexahedronFEMForceField", false, [](const std::string& a) { return hexahedraScene(a, false); }},
+      {"quadratic tetrahedra", "QuadraticTetrahedronFEMForceField", false,
+       [](const std::string& a) { return quadraticScene(a); }, true}};
   return bodies;
 }
 inline const ElasticBody& bodyOfTetrahedra() { return elasticBodies()[0]; }

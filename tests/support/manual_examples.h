@@ -28,6 +28,8 @@ inline void writeExampleFiles(const std::filesystem::path& folder) {
   std::ofstream(folder / "fall.state") << "T= 0\n  X= 0 0 0 1 0 0\nT= 0.02\n  X= 0 -0.002 0 1 0.038 0\n";
   std::ofstream(folder / "block.stl") << "solid block\nfacet normal 0 0 -1\nouter loop\nvertex 0 0 0\nvertex 0 1 0\n"
                                          "vertex 1 0 0\nendloop\nendfacet\nendsolid block\n";
+  std::ofstream(folder / "block.off") << "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n";
+  std::ofstream(folder / "two.sph") << "sph 1.0\nsphe 0 0 0 0 0.1\nsphe 1 1 0 0 0.2\n";
 }
 
 }  // namespace stroma::test

@@ -367,6 +367,21 @@ TEST_F(Command, CheckAndExplainAGoodScene) {
   EXPECT_TRUE(has(explain.out, "observers: none")) << explain.out;
 }
 
+TEST_F(Command, ARunTellsThatItsMeshIsTooCoarse) {
+  write("beam.xml", R"(<Node name="root" dt="1" gravity="0 -9.81 0"><StaticSolver/><SparseLDLSolver/>
+  <RegularGridTopology name="grid" n="9 3 3" min="0 0 0" max="0.2 0.05 0.05"/><MechanicalObject/><UniformMass totalMass="0.1"/>
+  <HexahedronFEMForceField name="fem" youngModulus="60000" poissonRatio="0.3" method="svd"/>
+  <BoxROI name="end" box="-0.001 -1 -1  0.001 1 1"/><FixedProjectiveConstraint indices="@end.indices"/></Node>)");
+  const std::string sentence = "note: /fem at t = 1 s: by the jumps of the strain between cells";
+  const Finished bent = stroma("run beam.xml -n 1 --no-record --json out.json");
+  EXPECT_EQ(bent.code, 0) << bent.err;
+  EXPECT_TRUE(has(bent.err, sentence)) << bent.err;
+  EXPECT_EQ(nlohmann::json::parse(readText(folder_ / "out.json")).at("coarse_meshes").size(), 1u);
+  EXPECT_EQ(stroma("run beam.xml -n 1 --no-record --strict").code, 0) << "an estimate is no doubt";
+  EXPECT_FALSE(has(stroma("run beam.xml -n 1 --no-record --quiet").err, sentence));
+  EXPECT_FALSE(has(stroma("run beam.xml -n 1 --no-record --set gravity=\"0 0 0\"").err, sentence)) << "at rest";
+}
+
 TEST_F(Command, ListAndDoc) {
   const Finished list = stroma("list WriteSt");
   EXPECT_EQ(list.code, 0) << list.err;

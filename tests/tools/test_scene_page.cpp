@@ -57,7 +57,7 @@ TEST_F(ScenePage, ItsRulesHold) {
        "<Node><Object type='EulerExplicitSolver'/><MechanicalObject position='0 0 0'/><UniformMass "
        "totalMass='1'/></Node>",
        0, ""},
-      {"nodes are points", "<Node><EulerExplicitSolver/><MechanicalObject template='Rigid3'/></Node>", 2, "Rigid3"},
+      {"types of nodes", "<Node><EulerExplicitSolver/><MechanicalObject template='Rigid4'/></Node>", 2, "Rigid4"},
       {"dt of a child", "<Node><Node dt='0.1'/></Node>", 2, "a child node has no time step of its own"},
       {"gravity of a child", "<Node gravity='0 0 0'>" + falling("", " gravity='0 -1 0'") + "</Node>", 0, ""},
       {"a node that is off", falling("<Node activated='false'><Nonsense/></Node>"), 0, "nothing in it takes part"},

@@ -177,7 +177,8 @@ TEST_F(Words, PeopleFindWhatTheySearchFor) {
     EXPECT_EQ(stroma("list \"" + std::string(word) + "\"").code, 0) << word;
   }
   EXPECT_TRUE(has(stroma("doc boundary conditions").out, "FixedProjectiveConstraint"));
-  EXPECT_TRUE(has(stroma("doc contact").out, "contact: not yet\n"));
+  EXPECT_TRUE(has(stroma("doc contact").out, "BarrierContact"));
+  EXPECT_TRUE(has(stroma("doc cutting").out, "cutting: not yet\n"));
   EXPECT_TRUE(has(stroma("list gravity").out, "UniformMass"));
   const Finished misspelt = stroma("doc contatc");
   EXPECT_EQ(misspelt.code, 2);
@@ -223,15 +224,15 @@ TEST_F(Words, ComponentsOfSofaThatAreNotHereAreAnswered) {
       {"DefaultAnimationLoop", "accepted without effect"},
       {"UncoupledConstraintCorrection", "no Lagrangian constraints"},
       {"FixedConstraint", "is now called FixedProjectiveConstraint"},
-      {"SparseGrid", "MeshGmshLoader"},
+      {"SparseGrid", "is now called SparseGridTopology"},
       {"BoxConstraint", "write a BoxROI"},
       {"ShapeMatching", "ShapeMemoryForceField"},
-      {"TransformEngine", "scale3d, rotation and translation"},
+      {"TransformEngine", "\nAttributes"},
       {"TransformPosition", "scale3d, rotation and translation"},
       {"TriangularAnisotropicFEMForceField", "fibres of membranes are not"},
       {"OscillatorConstraint", "OscillatorProjectiveConstraint"},
       {"MeshSTLLoader", "\nAttributes"},
-      {"TriangleCollisionModel", "contact: not yet"}};
+      {"TriangleCollisionModel", "where contact is watched for"}};
   for (const auto& [type, expected] : others) {
     const Finished doc = stroma(std::string("doc ") + type);
     EXPECT_EQ(doc.code, 0) << type << doc.err;
@@ -244,11 +245,11 @@ TEST_F(Words, ComponentsOfSofaThatAreNotHereAreAnswered) {
 /// The sentence of `stroma doc` stands in the error itself, for every component of SOFA that is known as missing.
 TEST_F(Words, AMissingComponentOfSofaIsRefusedWithWhatToDoInstead) {
   write("scene.xml",
-        "<Node name=\"root\">\n  <CollisionPipeline/>\n  <LCPConstraintSolver/>\n  <CollisionPipelin/></Node>");
+        "<Node name=\"root\">\n  <BruteForceBroadPhase/>\n  <LCPConstraintSolver/>\n  <CollisionPipelin/></Node>");
   const Finished run = stroma("check scene.xml");
   EXPECT_EQ(run.code, 2);
   EXPECT_TRUE(has(run.err,
-                  "scene.xml:2:3: error: /CollisionPipeline: there is no component 'CollisionPipeline' (a component of "
+                  "scene.xml:2:3: error: /BruteForceBroadPhase: there is no component 'BruteForceBroadPhase' (a component of "
                   "SOFA that Stroma does not have. Bodies do not collide"))
       << run.err;
   EXPECT_TRUE(has(run.err, "There are no Lagrangian constraints")) << run.err;

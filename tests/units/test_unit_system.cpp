@@ -70,5 +70,17 @@ TEST(UnitSystem, NamesUnitsOfSIInIt) {
   EXPECT_EQ(mm_kg.inBrackets("Pa"), " [kPa]");
 }
 
+TEST(UnitSystem, NamesUnitsOfSentencesInIt) {
+  const UnitSystem mm = readUnitSystem("mm kPa s");
+  EXPECT_EQ(mm.sentence("attached nodes lie up to 0.3 m apart, 2 moved"),
+            "attached nodes lie up to 0.3 mm apart, 2 moved");
+  EXPECT_EQ(mm.sentence("pull with (0 0 -1) N, together 1 N, and a torque of 2e+03 N m: 5 Pa/s"),
+            "pull with (0 0 -1) mN, together 1 mN, and a torque of 2e+03 mN mm: 5 kPa/s");
+  EXPECT_EQ(mm.sentence("3 nodes, 4 Newton iterations, step 5 makes 6 more"),
+            "3 nodes, 4 Newton iterations, step 5 makes 6 more");
+  EXPECT_EQ(readUnitSystem("m kg s").sentence("0.3 m"), "0.3 m");
+  EXPECT_EQ(UnitSystem().sentence("0.3 m"), "0.3 m");
+}
+
 }  // namespace
 }  // namespace stroma

@@ -92,6 +92,6 @@ TEST(FirstScenes, ASolverThatIsMadeIsSaidByThePlan) {
     return lines;
   };
   EXPECT_NE(linesOf(in_time).find("PCGLinearSolver, made"), std::string::npos);
-  EXPECT_NE(linesOf("<StaticSolver/>").find("SparseLDLSolver, made"), std::string::npos);
+  EXPECT_NE(linesOf("<StaticSolver/>").find("AutomaticLinearSolver, made"), std::string::npos);
   EXPECT_EQ(linesOf("<EulerExplicitSolver/>").find("LinearSolver"), std::string::npos);
 }

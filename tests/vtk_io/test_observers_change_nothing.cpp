@@ -14,6 +14,7 @@ namespace fs = std::filesystem;
 
 /// What each observer is asked for: everything, forces too. One that is not here fails the test.
 const std::map<std::string, std::string> asked_for = {
+    {"CollisionPipeline", ""},
     {"EnergyMonitor", "filename='energies.txt'"},
     {"Monitor", "indices='3 7' ExportPositions='1' ExportVelocities='1' ExportForces='1' fileName='watched'"},
     {"VTKExporter",

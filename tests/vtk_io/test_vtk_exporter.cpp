@@ -13,6 +13,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "tests/support/quadratic_block.h"
 #include "tests/vtk_io/vtk_fixture.h"
 #include "tools/session/checkpoint.h"
 
@@ -162,6 +163,22 @@ TEST_F(Exporter, RoundTripThroughTheLoader) {
     for (Index n = 0; n < mesh.nodes(); ++n) EXPECT_EQ(mesh.position[n], Vec3(state.x()[n]));
     const auto& original = dynamic_cast<Topology&>(*findComponent(simulation.root(), "/body/tets/mesh")).mesh();
     EXPECT_EQ(mesh.tetrahedra, original.tetrahedra);
+  }
+}
+
+TEST_F(Exporter, QuadraticTetrahedraComeBack) {
+  for (const bool xml : {true, false}) {
+    Simulation simulation = simulationFromText(quadraticScene(
+        "", "QuadraticTetrahedronFEMForceField name=\"fem\" youngModulus=\"3000\" poissonRatio=\"0.4\"",
+        "<SparseLDLSolver/>", {2, 1, 1}, exporter(xml ? "cellsDataFields=\"vonMises\"" : "XMLformat=\"false\"")));
+    simulation.step();
+    const Mesh mesh = load("MeshVTKLoader", at(xml ? "beam00000.vtu" : "beam00000.vtk"));
+    const State& state = *simulation.states().front();
+    ASSERT_EQ(mesh.nodes(), state.size());
+    for (Index n = 0; n < mesh.nodes(); ++n) EXPECT_EQ(mesh.position[n], Vec3(state.x()[n]));
+    const auto& original = dynamic_cast<Topology&>(*findComponent(simulation.root(), "/body/mesh")).mesh();
+    EXPECT_EQ(original.quadratic_tetrahedra.size(), 12u);
+    EXPECT_EQ(mesh.quadratic_tetrahedra, original.quadratic_tetrahedra);
   }
 }
 

@@ -262,9 +262,9 @@ TEST_F(VtkTest, WrongFilesAreSentencesAndPrintNothing) {
        "CELLS 1 5\n4 0 1 2 9\nCELL_TYPES 1\n10\n");
   expectContains(
       with("MeshVTKLoader", "f.vtk",
-           "# vtk DataFile Version 3.0\nx\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 3 float\n0 0 0 1 0 0 2 0 0\n"
-           "CELLS 1 4\n3 0 1 2\nCELL_TYPES 1\n21\n"),
-      "vtkQuadraticEdge are not supported");
+           "# vtk DataFile Version 3.0\nx\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 8 float\n0 0 0 2 0 0 2 2 0\n"
+           "0 2 0 1 0 0 2 1 0 1 2 0 0 1 0\nCELLS 1 9\n8 0 1 2 3 4 5 6 7\nCELL_TYPES 1\n23\n"),
+      "vtkQuadraticQuad are not supported");
   expectContains(
       with("MeshVTKLoader", "p.vtk",
            "# vtk DataFile Version 3.0\nx\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 3 float\n0 0 0 1 0 0 2 0 0\n"

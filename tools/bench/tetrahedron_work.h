@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What the kernels of corotational tetrahedra cannot do without, an element: bytes by the layout of
-// framework/fem/tetrahedron.h, flops as element_operations.h has them.
+// components/elasticity/tetrahedron_corotational.h, flops as element_operations.h has them.
 #pragma once
 #include <string>
 

@@ -9,11 +9,12 @@ namespace stroma {
 /// Over how many cells a body is thick where it is slender. From faces all over the boundary a line goes inward: through
 /// opposite faces of hexahedra, straight along the normal through tetrahedra.
 struct Slenderness {
-  double thickness = 0;  ///< median length of these lines [m]
+  double typical = 0;    ///< median length of these lines [m]
   double extent = 0;     ///< longest side of the box around the cells [m]
-  double cells = 0;      ///< median number of cells along lines that are short beside the extent
+  double thickness = 0;  ///< length of a thin one among the lines that are short beside the extent [m]: of a wall
+  double cells = 0;      ///< number of cells along it
   /// Long beside its thickness, so that it bends. A cube is not, nor are most organs.
-  bool isSlender() const { return thickness > 0 && thickness < 0.3 * extent; }
+  bool isSlender() const { return typical > 0 && typical < 0.3 * extent; }
 };
 /// Of the hexahedra, or of the tetrahedra. Nothing (not slender) for meshes above 100,000 cells, which are seldom coarse.
 Slenderness slenderness(const std::vector<Hexahedron>& cells, const std::vector<Vec3>& position);

@@ -33,7 +33,7 @@ double solidAngle(std::array<Vec3, 3> edge) {
 
 template <class Cell>
 bool isInsideOut(const CellKind& kind, const Cell& cell, const Positions& rest, const Positions& now) {
-  for (std::size_t corner = 0; corner < cell.size(); ++corner)
+  for (std::size_t corner = 0; corner < kind.corner_edges.size(); ++corner)
     if (orientation(edgesAt(kind, cell, corner, rest)) > 0 && !(orientation(edgesAt(kind, cell, corner, now)) > 0))
       return true;
   return false;
@@ -54,7 +54,7 @@ template <class Cell>
 void addSolidAngles(const CellKind& kind, const std::vector<Cell>& cells, const Positions& now,
                     std::vector<double>& sum) {
   for (const Cell& cell : cells)
-    for (std::size_t corner = 0; corner < cell.size(); ++corner)
+    for (std::size_t corner = 0; corner < kind.corner_edges.size(); ++corner)
       sum[cell[corner]] += solidAngle(edgesAt(kind, cell, corner, now));
 }
 

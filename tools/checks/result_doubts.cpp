@@ -10,6 +10,7 @@
 #include "framework/mechanics/state_positions.h"
 #include "framework/mechanics/state_topology.h"
 #include "tools/checks/folds.h"
+#include "tools/units/unit_system.h"
 
 namespace stroma {
 namespace {
@@ -113,8 +114,9 @@ std::string gainedEnergy(const Simulation& simulation, std::size_t index) {
 std::vector<std::string> doubtsOf(const Simulation& simulation) {
   simulation.complete();
   std::vector<std::string> sentences;
-  const auto say = [&sentences](std::string sentence) {
-    if (!sentence.empty()) sentences.push_back(std::move(sentence));
+  const UnitSystem units = unitsOf(simulation.scene());
+  const auto say = [&](const std::string& sentence) {
+    if (!sentence.empty()) sentences.push_back(units.sentence(sentence));
   };
   const double time = simulation.time();
   for (std::size_t i = 0; i < simulation.systems().size(); ++i) {
@@ -139,11 +141,11 @@ std::vector<std::string> doubtsOf(const Simulation& simulation) {
         if (const std::string folds = foldsOf(topology->mesh(), state->rest_position, now); !folds.empty())
           say(fmt::format("{} at t = {:.6g} s: {}", topology->path(), time, folds));
     }
-    for (std::string& sentence : grownBodies(system)) say(std::move(sentence));
+    for (std::string& sentence : grownBodies(system)) say(sentence);
     if (simulation.steps() > 0 && system.counts.forces > 0)
       for (std::string& sentence :
            unansweredForces(system, simulation.snapshots().good(i).v, simulation.dt(), simulation.time()))
-        say(std::move(sentence));
+        say(sentence);
     say(system.integrator().doubt());
     say(gainedEnergy(simulation, i));
     say(reversals(simulation, i));

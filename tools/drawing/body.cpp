@@ -6,6 +6,7 @@
 #include <map>
 
 #include "framework/mechanics/state_topology.h"
+#include "framework/mesh/cell_lists.h"
 
 namespace stroma::drawing {
 namespace {
@@ -35,6 +36,34 @@ void makeUnique(std::vector<Edge>& edges) {
   edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
 }
 
+/// Four triangles of the six nodes, which follow the curve.
+void addQuadratic(Body& body, const QuadraticTriangle& face, Index owner) {
+  addTriangle(body, face[0], face[3], face[5], owner);
+  addTriangle(body, face[3], face[1], face[4], owner);
+  addTriangle(body, face[5], face[4], face[2], owner);
+  addTriangle(body, face[3], face[4], face[5], owner);
+}
+
+void addEdges(std::vector<Edge>& edges, const std::vector<QuadraticTriangle>& faces) {
+  for (const QuadraticTriangle& face : faces)
+    for (const auto& [i, j] : cell_kinds::quadratic_triangle.edges)
+      edges.push_back(
+          {std::min(face[std::size_t(i)], face[std::size_t(j)]), std::max(face[std::size_t(i)], face[std::size_t(j)])});
+}
+
+/// The quadratic tetrahedron of each face, by the face's three middles: no other face has all of them.
+std::map<std::array<Index, 3>, Index> quadraticOwners(const Mesh& mesh) {
+  std::map<std::array<Index, 3>, Index> owners;
+  for (std::size_t c = 0; c < mesh.quadratic_tetrahedra.size(); ++c)
+    for (const LocalFace& face : cell_kinds::quadratic_tetrahedron.faces) {
+      std::array<Index, 3> middles;
+      for (std::size_t k = 0; k < 3; ++k) middles[k] = mesh.quadratic_tetrahedra[c][std::size_t(face.nodes[3 + k])];
+      std::sort(middles.begin(), middles.end());
+      owners[middles] = Index(c);
+    }
+  return owners;
+}
+
 /// The cell behind each face of the boundary: the one that has all its nodes, found around the face's first node.
 template <class Face, class Cell>
 Index cellBehind(const Face& face, const std::vector<Cell>& cells, const Adjacency& around) {
@@ -55,6 +84,14 @@ void addBoundary(Body& body, const Mesh& mesh) {
     addQuad(body, face, Index(mesh.tetrahedra.size()) + cellBehind(face, mesh.hexahedra, mesh.hexahedraAroundNode()));
   addEdges(body.edges, mesh.boundaryTriangles());
   addEdges(body.edges, mesh.boundaryQuads());
+  if (mesh.quadratic_tetrahedra.empty()) return;
+  const auto owners = quadraticOwners(mesh);
+  for (const QuadraticTriangle& face : mesh.boundaryQuadraticTriangles()) {
+    std::array<Index, 3> middles{face[3], face[4], face[5]};
+    std::sort(middles.begin(), middles.end());
+    addQuadratic(body, face, Index(mesh.tetrahedra.size() + mesh.hexahedra.size()) + owners.at(middles));
+  }
+  addEdges(body.edges, mesh.boundaryQuadraticTriangles());
 }
 
 void addFaces(Body& body, const Mesh& mesh) {
@@ -63,10 +100,18 @@ void addFaces(Body& body, const Mesh& mesh) {
   for (const Quad& face : mesh.quads) addQuad(body, face, number++);
   addEdges(body.edges, mesh.triangles);
   addEdges(body.edges, mesh.quads);
+  for (const QuadraticTriangle& face : mesh.quadratic_triangles) addQuadratic(body, face, number++);
+  addEdges(body.edges, mesh.quadratic_triangles);
 }
 
-bool hasVolume(const Mesh& mesh) { return !mesh.tetrahedra.empty() || !mesh.hexahedra.empty(); }
-bool hasFaces(const Mesh& mesh) { return !mesh.triangles.empty() || !mesh.quads.empty(); }
+std::size_t facesOf(const Mesh& mesh) {
+  return mesh.triangles.size() + mesh.quads.size() + mesh.quadratic_triangles.size();
+}
+std::size_t volumesOf(const Mesh& mesh) {
+  return mesh.tetrahedra.size() + mesh.hexahedra.size() + mesh.quadratic_tetrahedra.size();
+}
+bool hasVolume(const Mesh& mesh) { return highestDimension(mesh) == 3; }
+bool hasFaces(const Mesh& mesh) { return facesOf(mesh) > 0; }
 
 /// The mesh that a force field is computed on: the one that it links, else the one that it finds as other components do.
 const Topology* topologyOfField(const ForceField& field, const State& state) {
@@ -107,6 +152,8 @@ void renumber(Body& body) {
     for (const auto& cell : body.mesh->tetrahedra)
       for (const Index node : cell) in_cells[std::size_t(node)] = true;
     for (const auto& cell : body.mesh->hexahedra)
+      for (const Index node : cell) in_cells[std::size_t(node)] = true;
+    for (const auto& cell : body.mesh->quadratic_tetrahedra)
       for (const Index node : cell) in_cells[std::size_t(node)] = true;
   }
   body.page.assign(std::size_t(size), -1);
@@ -195,8 +242,8 @@ void addFields(Drawing& drawing) {
 
 Index Body::cells() const {
   if (!mesh) return 0;
-  const std::size_t volume = mesh->tetrahedra.size() + mesh->hexahedra.size();
-  return Index(volume > 0 ? volume : mesh->triangles.size() + mesh->quads.size());
+  const std::size_t volume = volumesOf(*mesh);
+  return Index(volume > 0 ? volume : facesOf(*mesh));
 }
 
 std::vector<DrawnSegments::Segment> segmentsOf(const Simulation& simulation) {
@@ -221,6 +268,12 @@ Drawing drawingOf(const Simulation& simulation) {
         body.edges.insert(body.edges.end(), body.mesh->edges.begin(), body.mesh->edges.end());
       }
       makeUnique(body.edges);
+      if (state->rows_per_node != 1) {  // lines between the centres of frames
+        body.mesh = nullptr;
+        body.triangles.clear(), body.owner.clear();
+        for (Edge& edge : body.edges)
+          for (Index& node : edge) node *= state->rows_per_node;
+      }
       drawing.bodies.push_back(std::move(body));
     }
   std::vector<std::array<Place, 2>> ties, springs;
@@ -251,14 +304,19 @@ bool cellValues(const Field& field, const Body& body, std::vector<double>& work,
   field.source->cellField(field.name, body.system->x, work);
   const Mesh& mesh = *body.mesh;
   const bool volume = hasVolume(mesh);
-  const std::size_t first = volume ? mesh.tetrahedra.size() : mesh.triangles.size();
-  const std::size_t second = volume ? mesh.hexahedra.size() : mesh.quads.size();
+  const std::size_t parts[] = {volume ? mesh.tetrahedra.size() : mesh.triangles.size(),
+                               volume ? mesh.hexahedra.size() : mesh.quads.size(),
+                               volume ? mesh.quadratic_tetrahedra.size() : mesh.quadratic_triangles.size()};
+  const std::size_t all = parts[0] + parts[1] + parts[2];
   // numbers per cell: one of a scalar, three of a vector, six or nine of a tensor
   for (const std::size_t width : {1, 3, 6, 9}) {
     const std::size_t count = work.size() / width;
-    if (work.size() % width != 0 || (count != first && count != second && count != first + second)) continue;
-    const std::size_t offset = count == first || count == first + second ? 0 : first;
-    out.assign(first + second, std::numeric_limits<float>::quiet_NaN());
+    if (work.size() % width != 0) continue;
+    std::size_t offset = 0, part = 0;
+    if (count != all)
+      while (part < std::size(parts) && count != parts[part]) offset += parts[part++];
+    if (part == std::size(parts)) continue;
+    out.assign(all, std::numeric_limits<float>::quiet_NaN());
     for (std::size_t i = 0; i < count; ++i) out[offset + i] = float(normOf(work.data() + width * i, width));
     return true;
   }

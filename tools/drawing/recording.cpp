@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tools/drawing/recording.h"
 
+#include "framework/mechanics/frames.h"
 #include "framework/simulation/simulation.h"
 #include "framework/simulation/system.h"
 
@@ -11,7 +12,7 @@ void showInstant(Simulation& simulation, const Recording& recording, std::size_t
   for (State* state : simulation.states()) {
     const StateFrame& frame = recording[i++][instant];
     for (Index row = 0; row < state->size(); ++row) {
-      state->x()[row] = frame.x[std::size_t(row)];
+      placeRow(state->kindOf(row), frame.x[std::size_t(row)], state->x(), row);
       if (!frame.v.empty()) state->v()[row] = frame.v[std::size_t(row)];
     }
   }

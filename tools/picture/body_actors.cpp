@@ -17,6 +17,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "framework/mesh/cell_lists.h"
+
 namespace stroma::picture {
 namespace {
 
@@ -81,7 +83,7 @@ BodyActors::BodyActors(const drawing::Body& body, ValuesAt values_at, Points res
       smooth_(body.triangles, rest_, crease),
       side_(meanSide(body.triangles, rest_)) {
   if (!body.triangles.empty()) buildSurface();
-  if (style.plane && body.mesh && !(body.mesh->tetrahedra.empty() && body.mesh->hexahedra.empty())) buildSection();
+  if (style.plane && body.mesh && highestDimension(*body.mesh) == 3) buildSection();
   buildLines();
   const PictureRequest& request = *style.request;
   if (request.ghost) {
@@ -170,13 +172,14 @@ void BodyActors::buildSection() {
   grid_->SetPoints(nodes_);
   const auto add = [&](const auto& cells, int kind) {
     for (const auto& cell : cells) {
-      std::array<vtkIdType, 8> pages;
+      std::array<vtkIdType, most_cell_nodes> pages;
       for (std::size_t k = 0; k < cell.size(); ++k) pages[k] = body_.page[std::size_t(cell[k])];
       grid_->InsertNextCell(kind, vtkIdType(cell.size()), pages.data());
     }
   };
   grid_->Allocate(body_.cells());
   add(body_.mesh->tetrahedra, VTK_TETRA), add(body_.mesh->hexahedra, VTK_HEXAHEDRON);
+  add(body_.mesh->quadratic_tetrahedra, VTK_QUADRATIC_TETRA);
   vtkNew<vtkCutter> cutter;
   cutter->SetInputData(grid_);
   cutter->SetCutFunction(style_.plane);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 
+#include "framework/mesh/cell_lists.h"
 #include "tools/drawing/held_nodes.h"
 
 namespace stroma::picture {
@@ -25,10 +26,10 @@ void forEachCell(const Body& body, Visit&& visit) {
   const auto all = [&](const auto& cells) {
     for (const auto& cell : cells) visit(number++, cell);
   };
-  if (mesh.tetrahedra.empty() && mesh.hexahedra.empty())
-    all(mesh.triangles), all(mesh.quads);
+  if (highestDimension(mesh) < 3)
+    all(mesh.triangles), all(mesh.quads), all(mesh.quadratic_triangles);
   else
-    all(mesh.tetrahedra), all(mesh.hexahedra);
+    all(mesh.tetrahedra), all(mesh.hexahedra), all(mesh.quadratic_tetrahedra);
 }
 
 /// The part of the values that is left when one in a hundred goes at either end.

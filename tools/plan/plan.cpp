@@ -4,6 +4,7 @@
 
 #include "framework/mesh/topology.h"
 #include "tools/plan/plan.h"
+#include "tools/units/unit_system.h"
 
 namespace stroma {
 namespace {
@@ -20,10 +21,12 @@ std::vector<std::pair<std::string, double>> sizes(const Mesh& mesh) {
     return count > 0;
   };
   const bool tetrahedra = add("tetrahedra", mesh.tetrahedra.size()),
-             hexahedra = add("hexahedra", mesh.hexahedra.size());
-  if (tetrahedra || hexahedra) return all;
-  const bool triangles = add("triangles", mesh.triangles.size()), quads = add("quads", mesh.quads.size());
-  if (!triangles && !quads) add("edges", mesh.edges.size());
+             hexahedra = add("hexahedra", mesh.hexahedra.size()),
+             quadratic = add("quadratic tetrahedra", mesh.quadratic_tetrahedra.size());
+  if (tetrahedra || hexahedra || quadratic) return all;
+  const bool triangles = add("triangles", mesh.triangles.size()), quads = add("quads", mesh.quads.size()),
+             curved = add("quadratic triangles", mesh.quadratic_triangles.size());
+  if (!triangles && !quads && !curved) add("edges", mesh.edges.size());
   return all;
 }
 
@@ -96,7 +99,11 @@ Plan planOf(const Simulation& simulation) {
   plan.dt = simulation.dt();
   plan.start_time = simulation.root().root_time;
   plan.without_effect = simulation.scene().no_effect;
-  for (const auto& system : simulation.systems()) plan.systems.push_back(planOf(*system));
+  const UnitSystem units = unitsOf(simulation.scene());
+  for (const auto& system : simulation.systems()) {
+    plan.systems.push_back(planOf(*system));
+    for (PlanItem& item : plan.systems.back().items) item.says = units.sentence(item.says);
+  }
   std::vector<Topology*> topologies;
   simulation.root().collect(topologies);
   for (const Topology* topology : topologies) plan.meshes.push_back(itemOf(*topology));

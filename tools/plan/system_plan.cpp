@@ -2,6 +2,8 @@
 // The plan of a system: an item for each thing that acts, and for what could and does not.
 #include <fmt/format.h>
 
+#include "framework/algebra/direct_solver.h"
+#include "framework/algebra/solver_choice.h"
 #include "framework/mechanics/open_choices.h"
 #include "framework/simulation/integrator.h"
 #include "tools/plan/plan.h"
@@ -100,6 +102,29 @@ void addMappings(const System& system, std::vector<PlanItem>& items) {
     items.push_back({"mappings", {}, {}, PlanWhen::skipped, "none, skipped", {}, {}});
 }
 
+/// Linear solvers beside the integrators of a system that do not solve for it.
+void addIdleSolvers(const System& system, std::vector<PlanItem>& items) {
+  std::vector<const Integrator*> integrators{&system.integrator()};
+  for (const MergedIntegrator& merged : system.merged()) integrators.push_back(merged.integrator);
+  const auto add = [&](const LinearSolver& solver, const Node& node) {
+    const Component* user = nullptr;
+    for (const auto& other : node.components())
+      if (const auto* taker = dynamic_cast<const FactorUser*>(other.get()); taker && taker->usesFactorOf(solver))
+        user = other.get();
+    const LinearSolver* const used = system.linearSolver();
+    items.push_back(
+        user ? itemFor("linear solver", solver, PlanWhen::each_step, fmt::format("its factors serve {}", user->path()))
+             : itemFor("linear solver", solver, PlanWhen::skipped,
+                       used ? fmt::format("skipped, {} solves for this system", used->path())
+                            : fmt::format("skipped, {} solves no linear systems", system.integrator().path())));
+  };
+  for (const Integrator* integrator : integrators)
+    for (const auto& component : integrator->node().components())
+      if (const auto* solver = dynamic_cast<const LinearSolver*>(component.get());
+          solver && solver != system.linearSolver())
+        add(*solver, integrator->node());
+}
+
 void addSolvers(const System& system, std::vector<PlanItem>& items) {
   const Integrator& integrator = system.integrator();
   items.push_back(itemFor("integrator", integrator, PlanWhen::each_step, integrator.describe()));
@@ -108,14 +133,20 @@ void addSolvers(const System& system, std::vector<PlanItem>& items) {
         "integrator", *merged.integrator, PlanWhen::skipped,
         fmt::format("skipped, its bodies move in this system because {} couples them to others", merged.because)));
   const LinearSolver* solver = system.linearSolver();
-  if (!solver) return items.push_back({"linear solver", {}, {}, PlanWhen::skipped, "none", {}, {}});
+  if (!solver) {
+    items.push_back({"linear solver", {}, {}, PlanWhen::skipped, "none", {}, {}});
+    return addIdleSolvers(system, items);
+  }
   const long blocks = long(system.matrix().keptBlocks());
   items.push_back(itemFor(
       "linear solver", *solver, PlanWhen::each_step,
       blocks >= 0 ? fmt::format("matrix of {} blocks of 3x3", blocks) : std::string("no matrix is kept so far")));
   if (blocks >= 0) items.back().figures = {{"blocks", double(blocks)}};
+  if (const auto* choosing = dynamic_cast<const SolverChoice*>(solver); choosing && !choosing->choice().empty())
+    items.back().says += "; " + choosing->choice();
   if (solver->where().text() == integrator.where().text())
     items.back().note = "made with its defaults because the scene has none";
+  addIdleSolvers(system, items);
 }
 
 }  // namespace

@@ -97,9 +97,9 @@ StateWriter::~StateWriter() = default;
 
 const std::string& StateWriter::path() const { return impl_->file.path(); }
 
-std::optional<double> StateWriter::goOn(double t, bool at_t) {
+std::optional<double> StateWriter::goOn(double t, bool at_t, const State* state) {
   if (!std::filesystem::is_regular_file(path()) || std::filesystem::file_size(path()) == 0) return std::nullopt;
-  const StateRecording recording = readRecording(path());
+  const StateRecording recording = readRecording(path(), state);
   if (recording.ends.size() != recording.frames.size())
     throw std::runtime_error(fmt::format("{}: the run cannot go on in this file, which something else wrote", path()));
   std::size_t kept = 0;
@@ -130,6 +130,19 @@ void StateWriter::rows(std::string_view label, const std::vector<Vec3>& rows) {
 
 void StateWriter::rows(std::string_view label, ConstRows rows, const std::vector<int>& indices) {
   impl_->line(label, indices.size(), [&](std::size_t i) { return rows[Index(indices[i])]; });
+}
+
+void StateWriter::rows(std::string_view label, const State& state, ConstRows rows, const std::vector<int>& nodes) {
+  std::string& text = impl_->text.append("  ").append(label).append("=");
+  const Index count = nodes.empty() ? state.nodes() : Index(nodes.size());
+  for (Index n = 0; n < count; ++n)
+    for (Index k = 0; k < state.rows_per_node; ++k) {
+      const Index row = (nodes.empty() ? n : nodes[std::size_t(n)]) * state.rows_per_node + k;
+      const int numbers = numbersOf(state.kindOf(row), label);
+      for (int c = 0; c < numbers; ++c)
+        appendNumber(text += ' ', rows.data[std::size_t(row) * row_doubles + std::size_t(c)]);
+    }
+  text += '\n';
 }
 
 void StateWriter::finish() {

@@ -7,7 +7,15 @@
 #include <string>
 #include <string_view>
 
+#include "framework/mechanics/state.h"
+
 namespace stroma {
+
+/// Numbers of a row in the line `label`: an orientation is a quaternion among positions, a vector elsewhere.
+inline int numbersOf(RowKind kind, std::string_view label) {
+  if (kind == RowKind::turn && label.starts_with("X")) return 4;
+  return kind == RowKind::value ? 1 : 3;
+}
 
 constexpr std::string_view state_file_head = "# stroma state", state_file_whole = "# whole ", state_file_end = "# end";
 

@@ -13,6 +13,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "framework/mechanics/frames.h"
 #include "framework/simulation/state_file.h"
 #include "tools/recordings/state_file_marks.h"
 
@@ -107,7 +108,7 @@ bool takeNumber(std::string_view& text, double& number) {
 
 class StateReader {
  public:
-  explicit StateReader(const std::string& path) : path_(path), contents_(readAll(path)) {}
+  StateReader(const std::string& path, const State* state) : path_(path), state_(state), contents_(readAll(path)) {}
 
   StateRecording read() {
     std::string_view text = contents_.text;
@@ -182,7 +183,7 @@ class StateReader {
     if (label == "T") return readTime(line);
     if (recording_.frames.empty()) complain("values before the first T= line");
     StateFrame& frame = recording_.frames.back();
-    readPoints(line, label == "X" ? frame.x : label == "X0" ? frame.x0 : label == "V" ? frame.v : frame.f);
+    readRows(line, label, label == "X" ? frame.x : label == "X0" ? frame.x0 : label == "V" ? frame.v : frame.f);
   }
 
   void readTime(std::string_view line) {
@@ -190,17 +191,28 @@ class StateReader {
     if (!takeNumber(line, frame.time) || !trimmed(line).empty()) complain("T= must be followed by one number");
   }
 
-  void readPoints(std::string_view line, std::vector<Vec3>& points) {
-    if (!points.empty()) complain("the same line twice in one frame");
+  void readRows(std::string_view line, std::string_view label, std::vector<Vec3>& rows) {
+    if (!rows.empty()) complain("the same line twice in one frame");
     while (!trimmed(line).empty()) {
-      Vec3& point = points.emplace_back();
-      for (int c = 0; c < 3; ++c)
-        if (!takeNumber(line, point[c]))
-          complain(fmt::format("point {} is not three numbers: the file is cut short or damaged", points.size() - 1));
+      const RowKind kind =
+          state_ && Index(rows.size()) < state_->size() ? state_->kindOf(Index(rows.size())) : RowKind::place;
+      const int numbers = numbersOf(kind, label);
+      Eigen::Vector4d values = Eigen::Vector4d::Zero();
+      for (int c = 0; c < numbers; ++c)
+        if (!takeNumber(line, values[c]))
+          complain(
+              numbers == 3
+                  ? fmt::format("point {} is not three numbers: the file is cut short or damaged", rows.size())
+                  : fmt::format("row {} is not {} numbers: the file is cut short or damaged", rows.size(), numbers));
+      if (numbers == 4 && !(std::abs(values.norm() - 1) < 1e-3))
+        complain(
+            fmt::format("row {} is no orientation: its quaternion has the length {:.4g}", rows.size(), values.norm()));
+      rows.push_back(numbers == 4 ? rotationVector(Quaternion(values.normalized())) : Vec3(values.head<3>()));
     }
   }
 
   const std::string& path_;
+  const State* state_;
   Contents contents_;
   bool is_marked_ = false;
   std::size_t at_ = 0, whole_to_ = 0;  ///< in the text: the line being read; behind the last whole instant
@@ -211,10 +223,10 @@ class StateReader {
 
 }  // namespace
 
-StateRecording readRecording(const std::string& path) { return StateReader(path).read(); }
+StateRecording readRecording(const std::string& path, const State* state) { return StateReader(path, state).read(); }
 
-std::vector<StateFrame> readStateFile(const std::string& path) {
-  StateRecording recording = readRecording(path);
+std::vector<StateFrame> readStateFile(const std::string& path, const State* state) {
+  StateRecording recording = readRecording(path, state);
   if (!recording.unfinished.empty()) throw std::runtime_error(recording.unfinished);
   return std::move(recording.frames);
 }

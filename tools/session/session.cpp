@@ -15,6 +15,7 @@
 #include "tools/checks/unit_doubts.h"
 #include "tools/session/file_uses.h"
 #include "tools/session/replay.h"
+#include "tools/units/unit_system.h"
 
 namespace stroma {
 namespace {
@@ -30,6 +31,17 @@ double stepsTo(double until, const Simulation& simulation) {
 /// A step without a result ends a run: every later one would start from it.
 RunEnd endAfter(const StepReport& step) {
   return step.diverged ? RunEnd::diverged : step.constraints_converged ? RunEnd::done : RunEnd::not_converged;
+}
+
+/// What was found about a scene, with numbers in the units that it is written in.
+Diagnostics inItsUnits(const Scene& scene) {
+  const UnitSystem units = unitsOf(scene);
+  Diagnostics renamed;
+  for (Problem problem : scene.diagnostics.problems()) {
+    problem.message = units.sentence(problem.message);
+    renamed.add(std::move(problem));
+  }
+  return renamed;
 }
 
 const std::string& reasonOf(const StepReport& step) {
@@ -63,6 +75,7 @@ Simulation& Session::take(const std::string& file, Scene scene) {
   warnOfEmptySelections(simulation->root(), diagnostics);
   warnOfIdleParts(*simulation, diagnostics);
   noteCoarseCells(*simulation, diagnostics);
+  diagnostics = inItsUnits(simulation->scene());
   warnOfUnits(simulation->scene(), diagnostics);
   warnOfLaggedForces(*simulation, diagnostics);
   simulation_ = std::move(simulation);
@@ -120,7 +133,8 @@ RunReport Session::run(const RunLimits& limits) {
   }
   if (stop_.take() && report.end == RunEnd::done) report.end = RunEnd::stopped;
   if (report.end == RunEnd::done && report.last.unsolved) report.end = RunEnd::not_converged;
-  if (report.end == RunEnd::diverged || report.end == RunEnd::not_converged) report.reason = reasonOf(report.last);
+  if (report.end == RunEnd::diverged || report.end == RunEnd::not_converged)
+    report.reason = unitsOf(running.scene()).sentence(reasonOf(report.last));
   report.statistics.unconverged = unconverged_;
   report.seconds = secondsSince(start);
   return report;

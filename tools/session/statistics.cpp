@@ -77,7 +77,7 @@ std::vector<std::string> UnconvergedSteps::warnings() const {
     warnings.push_back(
         fmt::format("{} of {} steps have no result; the first time: {}", without_result, steps, without_result_reason));
   if (constraints > 0)
-    warnings.push_back(fmt::format("position constraints did not hold in {} of {} steps; the first time: {}",
+    warnings.push_back(fmt::format("position constraints or contacts did not hold in {} of {} steps; the first time: {}",
                                    constraints, steps, constraint_reason));
   return warnings;
 }

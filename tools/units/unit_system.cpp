@@ -10,6 +10,7 @@
 #include <array>
 #include <cmath>
 
+#include "framework/scene/default_gravity.h"
 #include "framework/scene/text.h"
 #include "tools/units/plausible_units.h"
 #include "tools/units/units.h"
@@ -106,6 +107,31 @@ std::string UnitSystem::inBrackets(std::string_view si_unit) const {
   return text.empty() ? text : " [" + text + "]";
 }
 
+std::string UnitSystem::sentence(const std::string& text) const {
+  if (!isKnown() || isSI()) return text;
+  // longer ones first
+  constexpr std::array<std::string_view, 17> units{"N s/m", "kg/m^3", "m/s^2", "N m", "N s", "N/m",
+                                                   "Pa s",  "Pa/s",   "m^3",   "m^2", "m/s", "Pa",
+                                                   "kg",    "N",      "J",     "m",   "s"};
+  const auto isEnd = [](char c) { return c != '^' && c != '/' && c != '*' && !isLetter(c) && !(c >= '0' && c <= '9'); };
+  std::string out;
+  for (std::size_t i = 0; i < text.size();) {
+    const bool behind =
+        i >= 2 && text[i - 1] == ' ' && (text[i - 2] == ')' || (text[i - 2] >= '0' && text[i - 2] <= '9'));
+    const std::string_view rest = std::string_view(text).substr(i);
+    const auto found = std::ranges::find_if(units, [&](std::string_view each) {
+      return behind && rest.starts_with(each) && (rest.size() == each.size() || isEnd(rest[each.size()]));
+    });
+    if (found == units.end()) {
+      out += text[i++];
+      continue;
+    }
+    out += unit(*found);
+    i += found->size();
+  }
+  return out;
+}
+
 UnitSystem readUnitSystem(std::string_view text) {
   const std::string expected =
       "a length, a mass and a time, as \"mm t s\", or a pressure for the mass, as \"mm kPa s\"";
@@ -148,6 +174,12 @@ std::optional<Problem> problemOfUnits(std::string_view text, const NodeDescripti
   } catch (const ComponentError& error) {
     return refusal(error.what(), error.expected, error.suggestion);
   }
+}
+
+DefaultGravity defaultGravity(std::string_view units) {
+  const UnitSystem system = readUnitSystem(units);
+  if (system.isSI()) return {};
+  return {9.81 / system.length * system.time * system.time, system.unit("m/s^2")};
 }
 
 UnitSystem unitsOf(const Scene& scene) {

@@ -21,6 +21,9 @@ struct UnitSystem {
   /// The same behind a number or a title: " kPa", " [kPa]", or nothing.
   std::string behind(std::string_view si_unit) const;
   std::string inBrackets(std::string_view si_unit) const;
+  /// A sentence of the engine, which knows no other system than SI: units behind numbers become those of this one. That of
+  /// an unknown system stays as it is.
+  std::string sentence(const std::string& text) const;
 };
 
 /// "mm t s", "mm kPa s", "cm, g, s": three units of which one is a length, one a time, and one a mass, a force or a

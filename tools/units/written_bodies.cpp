@@ -63,6 +63,8 @@ double volumeOf(const Mesh& mesh) {
   for (const Tetrahedron& t : mesh.tetrahedra) volume += tetrahedronVolume(p[t[0]], p[t[1]], p[t[2]], p[t[3]]);
   for (const Hexahedron& h : mesh.hexahedra)  // as if it were a parallelepiped
     volume += (p[h[1]] - p[h[0]]).cross(p[h[3]] - p[h[0]]).dot(p[h[4]] - p[h[0]]);
+  for (const QuadraticTetrahedron& t : mesh.quadratic_tetrahedra)  // as if its edges were straight
+    volume += tetrahedronVolume(p[t[0]], p[t[1]], p[t[2]], p[t[3]]);
   return volume / mesh.overlap;
 }
 

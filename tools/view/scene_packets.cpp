@@ -34,7 +34,7 @@ json describe(const Body& body) {
            {"nodes", body.node.size()},
            {"surface", body.surface},
            {"cells",
-            {{"tetrahedra", body.mesh ? body.mesh->tetrahedra.size() : 0},
+            {{"tetrahedra", body.mesh ? body.mesh->tetrahedra.size() + body.mesh->quadratic_tetrahedra.size() : 0},
              {"hexahedra", body.mesh ? body.mesh->hexahedra.size() : 0}}},
            {"interactive", why.empty()},
            {"why", why},
@@ -118,7 +118,11 @@ Packet cellsPacket(const Drawing& drawing, int generation) {
   for (std::size_t b = 0; b < drawing.bodies.size(); ++b) {
     const Body& body = drawing.bodies[b];
     if (!body.mesh) continue;
-    packet.add(std::to_string(b) + ".tetrahedra", renumbered(body.mesh->tetrahedra, body));
+    // the inside of a cut is drawn flat: a quadratic tetrahedron by its corners, numbered like the values of fields
+    std::vector<Tetrahedron> flat = body.mesh->tetrahedra;
+    if (body.mesh->hexahedra.empty())
+      for (const QuadraticTetrahedron& t : body.mesh->quadratic_tetrahedra) flat.push_back({t[0], t[1], t[2], t[3]});
+    packet.add(std::to_string(b) + ".tetrahedra", renumbered(flat, body));
     packet.add(std::to_string(b) + ".hexahedra", renumbered(body.mesh->hexahedra, body));
   }
   return packet;

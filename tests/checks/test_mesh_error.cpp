@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// What the jumps of strains between cells say of the error of a mesh: against errors that are known.
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <functional>
+
+#include "tests/support/meshes.h"
+#include "tools/checks/mesh_error.h"
+
+namespace stroma::test {
+namespace {
+
+/// nx x ny x nz cells over a box that is twice as long as high.
+Mesh beam(int n, bool tetrahedra) {
+  Mesh mesh = tetrahedra ? tetrahedronMesh(2 * n, n, n, HexahedronCut::six, 0) : gridMesh(2 * n, n, n);
+  Vec3 low = mesh.position[0], high = low;
+  for (const Vec3& p : mesh.position) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  for (Vec3& p : mesh.position) p = (p - low).cwiseQuotient(high - low).cwiseProduct(Vec3(2, 1, 1));
+  return mesh;
+}
+
+using Map = std::function<Vec3(const Vec3&)>;
+
+std::vector<Vec3> moved(const Mesh& mesh, const Map& map) {
+  std::vector<Vec3> now;
+  for (const Vec3& p : mesh.position) now.push_back(map(p));
+  return now;
+}
+
+StrainError errorOf(const Mesh& mesh, const Map& map, const std::vector<double>& modulus = {}, double bulk = 0) {
+  return mesh.tetrahedra.empty() ? strainError(mesh.hexahedra, mesh.position, moved(mesh, map), modulus, bulk)
+                                 : strainError(mesh.tetrahedra, mesh.position, moved(mesh, map), modulus, bulk);
+}
+
+TEST(MeshError, StrainsThatAreEqualHaveNone) {
+  const Mat3 turn = Eigen::AngleAxisd(1.2, Vec3(1, 2, -1).normalized()).toRotationMatrix();
+  Mat3 stretch;
+  stretch << 1.1, 0.2, 0, 0, 0.9, 0.1, -0.1, 0, 1.3;
+  for (const bool tetrahedra : {false, true}) {
+    const Mesh mesh = beam(3, tetrahedra);
+    const StrainError turned = errorOf(mesh, [&](const Vec3& p) -> Vec3 { return turn * p + Vec3(1, 2, 3); });
+    EXPECT_LT(turned.largest, 1e-24);
+    const StrainError same = errorOf(mesh, [&](const Vec3& p) -> Vec3 { return turn * (stretch * p); });
+    EXPECT_GT(same.strain, 0.01);
+    EXPECT_LT(same.error, 1e-20 * same.strain);
+  }
+}
+
+/// Pure bending, u = k (x y, -x^2/2, 0): strains of tetrahedra are constant and off by what the plane of each cell misses;
+/// hexahedra bend with a shear that does not belong there. The true error of the strain is that against k y.
+TEST(MeshError, IsThatOfBentCells) {
+  static constexpr double k = 1e-4;
+  const Map bend = [](const Vec3& p) -> Vec3 {
+    const double y = p.y() - 0.5;
+    return p + k * Vec3(p.x() * y, -p.x() * p.x() / 2, 0);
+  };
+  for (const bool tetrahedra : {false, true})
+    for (const int n : {2, 4, 8}) {
+      const Mesh mesh = beam(n, tetrahedra);
+      const StrainError found = errorOf(mesh, bend);
+      // k y on the cells, less the mean shear of each: at Gauss points of a fine grid in each cell
+      const double h = 1. / n, volume = 2;
+      // the deviator of a strain e along one axis has 2/3 e^2; y is off by h^2/12 in a box of one strain
+      const double strain = 2. / 3 * k * k / 12 * volume;
+      const double shear = k * k * h * h / 24 * volume;  // 2 e_xy^2, e_xy = k (x - middle) / 2
+      if (!tetrahedra) {
+        EXPECT_NEAR(found.error, shear, 0.02 * shear) << n;
+        EXPECT_NEAR(found.strain, strain + shear, 0.02 * strain) << n;
+        // k y is the change of volume too
+        const StrainError both = errorOf(mesh, bend, {}, 5);
+        EXPECT_NEAR(both.error, shear, 0.02 * shear) << n;
+        EXPECT_NEAR(both.strain - found.strain, 5 * k * k / 12 * volume, 0.01 * strain) << n;
+      } else {
+        EXPECT_GT(found.error, 0.7 * shear) << n;
+        EXPECT_GT(errorOf(mesh, bend, {}, 5).error, 2 * found.error) << n << ": a volume that jumps between cells";
+        const double finest = errorOf(beam(8, true), bend).error * 64;
+        if (n > 2) EXPECT_NEAR(found.error * n * n, finest, 0.35 * finest) << n;
+      }
+      EXPECT_LT(found.share(), 8. / (n * n)) << n;
+    }
+}
+
+/// Two layers of which one is ten times as stiff: the strain jumps between them, and does in the body.
+TEST(MeshError, StrainsMayJumpBetweenMaterials) {
+  for (const bool tetrahedra : {false, true}) {
+    const Mesh mesh = beam(4, tetrahedra);
+    const Map pressed = [](const Vec3& p) -> Vec3 {
+      return {p.x(), p.y(), p.z() - (p.z() < 0.5 ? 0.1 * p.z() : 0.05 + 0.01 * (p.z() - 0.5))};
+    };
+    std::vector<double> modulus;
+    const auto add = [&](const auto& cells) {
+      for (const auto& cell : cells) {
+        double z = 0;
+        for (const Index n : cell) z += mesh.position[std::size_t(n)].z() / double(cell.size());
+        modulus.push_back(z < 0.5 ? 1 : 10);
+      }
+    };
+    add(mesh.tetrahedra), add(mesh.hexahedra);
+    EXPECT_GT(errorOf(mesh, pressed).share(), 0.05);
+    EXPECT_LT(errorOf(mesh, pressed, modulus).share(), 1e-12);
+  }
+}
+
+}  // namespace
+}  // namespace stroma::test

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// How far linear cells are from the body that they stand for, from the deformed shape alone: strains that jump between
+// cells are not those of a body.
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "framework/simulation/simulation.h"
+
+namespace stroma {
+
+/// e^2 and U^2: of the error of the strain and of the strain, squared and integrated over the cells [m^3].
+struct StrainError {
+  double error = 0, strain = 0;
+  double largest = 0;  ///< |E|^2 of the point that is strained most
+  /// The estimated share of the work of loads that the mesh withholds: so much too stiff is it where loads are given.
+  double share() const { return strain > 0 ? error / (error + strain) : 0; }
+};
+
+/// Of Green's strain, whatever the law: |E|^2 = |dev E|^2 + `bulk` tr(E)^2, with K/(2 mu) for `bulk`, or 0. It is compared
+/// with a continuous one, whose values at nodes are those of a linear fit to the cells around it (Zienkiewicz and Zhu
+/// 1992). `modulus`: a weight per cell, empty: 1. Fits hold cells of one modulus only: between materials strains do jump.
+StrainError strainError(const std::vector<Tetrahedron>& cells, const std::vector<Vec3>& rest,
+                        const std::vector<Vec3>& now, const std::vector<double>& modulus = {}, double bulk = 0);
+StrainError strainError(const std::vector<Hexahedron>& cells, const std::vector<Vec3>& rest,
+                        const std::vector<Vec3>& now, const std::vector<double>& modulus = {}, double bulk = 0);
+
+/// Of the linear cells of a field that stores elastic energy; nothing for other fields, inverted cells and shapes that
+/// are as at rest.
+std::optional<StrainError> meshErrorOf(const ForceField& field, ConstRows x);
+
+/// A sentence for each system whose shapes are more than 3 % too stiff by that, fields weighted by their energy.
+std::vector<std::string> meshErrors(const Simulation& simulation);
+
+}  // namespace stroma

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "framework/mesh/mesh_loader.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "framework/mesh/cell_attributes.h"
+#include "framework/mesh/cell_faces.h"
+#include "framework/scene/written_units.h"
+
+namespace stroma {
+
+namespace {
+
+/// Appends the `candidates` whose set of nodes no cell of `cells` has.
+template <class Cell>
+void appendMissing(std::vector<Cell>& cells, const std::vector<Cell>& candidates) {
+  const auto sorted = [](Cell cell) {
+    std::sort(cell.begin(), cell.end());
+    return cell;
+  };
+  std::vector<Cell> present;
+  present.reserve(cells.size());
+  for (const Cell& cell : cells) present.push_back(sorted(cell));
+  std::sort(present.begin(), present.end());
+  for (const Cell& cell : candidates)
+    if (!std::binary_search(present.begin(), present.end(), sorted(cell))) cells.push_back(cell);
+}
+
+}  // namespace
+
+void MeshLoader::declare(DataTable& table) {
+  table.add("filename", filename_).help("mesh file").required().input();
+  table.add("unit", unit_)
+      .help("unit of the file's positions, as mm: they become metres before all else; empty: metres");
+  table.add("translation", translation_).unit("m").help("moves the mesh, after rotation and scale");
+  table.add("rotation", rotation_).unit("degree").help("Euler angles about x, then y, then z");
+  table.add("scale3d", scale3d_).unit("-").help("factor for each axis, applied first");
+  table.add("scale", scale_).unit("-").help("one factor for the three axes").shorthand();
+  table.add("transformation", transformation_)
+      .help(
+          "4x4 matrix by rows; replaces translation, rotation and scale. Its last column is in metres, whatever unit "
+          "is");
+  table.add("flipNormals", flip_normals_).help("turn triangles and quads over");
+  table.add("triangulate", triangulate_).help("split quads into triangles");
+  table.add("createSubelements", create_subelements_).help("add the faces and edges of the volume cells");
+  table.add("onlyAttachedPoints", only_attached_points_)
+      .help("leave nodes without cells out: later ones get new numbers");
+  table.add("position", mesh_.position).alias("points").unit("m").help("nodes").output();
+  forEachCellList(
+      [&table](const CellKind& kind, auto& cells) {
+        addCellList(table, kind, cells).help(fmt::format("{} of the file", kind.plural)).output();
+      },
+      mesh_);
+}
+
+void MeshLoader::declareDirections(DataTable& table) {
+  table.add("directionArray", directions_.array)
+      .help("cell or point data of 3, 6 or 9 numbers that go to tetrahedraDirections and its like: fibres, sheets");
+  forEachCellList(
+      [&table](const CellKind& kind, auto& directions) {
+        if (kind.dimension < 3) return;
+        table.add(fmt::format("{}Directions", kind.plural), directions)
+            .unit("-")
+            .help(
+                fmt::format("directions of each {}, of cell data; they turn and stretch with the mesh", kind.singular))
+            .output();
+      },
+      directions_.cells);
+  table.add("nodeDirections", directions_.nodes).unit("-").help("the same of each node, of point data").output();
+}
+
+void MeshLoader::declareGroups(DataTable& table, const std::string& word) {
+  forEachCellList(
+      [&](const CellKind& kind, std::vector<int>& groups) {
+        table.add(fmt::format("{}Groups", kind.plural), groups)
+            .help(fmt::format("{} of each {} of the file", word, kind.singular))
+            .output();
+      },
+      groups_);
+}
+
+void MeshLoader::init() {
+  read(filename_.found, mesh_);
+  if (mesh_.position.empty()) throw ComponentError(fmt::format("{} has no nodes", filename_.given), "a mesh");
+  if (highestDimension(mesh_) == 0)
+    throw ComponentError(fmt::format("{} has {} nodes but no cell that can be used", filename_.given, mesh_.nodes()),
+                         "edges, triangles, quads, tetrahedra or hexahedra");
+  if (const std::string error = mesh_.firstError(); !error.empty())
+    throw ComponentError(fmt::format("{}: {}", filename_.given, error));
+  if (only_attached_points_) removeUnusedNodes();
+  makeMetres(mesh_.position, unit_);
+  transform();
+  if (triangulate_) splitQuads();
+  if (flip_normals_) flipFaces();
+  // The complaint is about what the file has: faces added below would use every node of a cell anyway.
+  if (const std::string complaint = meshComplaint(mesh_); !complaint.empty())
+    warn(fmt::format("{}: {}", filename_.given, complaint));
+  if (create_subelements_) addSubelements(mesh_);
+}
+
+void MeshLoader::removeUnusedNodes() {
+  std::vector<Index> number(mesh_.position.size(), 0);
+  const auto forEachNode = [&](auto&& visit) {
+    forEachCellList(
+        [&](const CellKind&, auto& cells) {
+          for (auto& cell : cells)
+            for (Index& node : cell) visit(node);
+        },
+        mesh_);
+  };
+  forEachNode([&](Index node) { number[node] = 1; });
+  const auto keepUsed = [&](std::vector<Vec3>& values, std::size_t each) {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < values.size(); ++i)
+      if (number[i / each]) values[kept++] = values[i];
+    values.resize(kept);
+  };
+  if (!directions_.nodes.empty()) keepUsed(directions_.nodes, directions_.nodes.size() / mesh_.position.size());
+  keepUsed(mesh_.position, 1);
+  Index next = 0;
+  for (Index& n : number) n = n ? next++ : -1;
+  forEachNode([&](Index& node) { node = number[node]; });
+}
+
+void MeshLoader::transform() {
+  const DataTable& table = data();
+  const bool parts = table.find("translation")->isSet() || table.find("rotation")->isSet() ||
+                     table.find("scale3d")->isSet() || table.find("scale")->isSet();
+  if (table.find("scale")->isSet() && table.find("scale3d")->isSet())
+    throw ComponentError("both scale and scale3d are given", "one of them");
+  if (table.find("scale")->isSet()) scale3d_ = Vec3::Constant(scale_);
+  Mat3 linear;
+  Vec3 shift;
+  if (table.find("transformation")->isSet()) {
+    if (parts) warn("transformation is given: translation, rotation and scale are not used");
+    const auto& m = transformation_;
+    if (m[12] != 0 || m[13] != 0 || m[14] != 0 || m[15] != 1)
+      throw ComponentError("the last row of transformation is not that of an affine map", "0 0 0 1");
+    linear << m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10];
+    shift << m[3], m[7], m[11];
+    if (metresOf(unit_) != 1 && shift != Vec3::Zero())
+      warn(fmt::format("the last column of transformation is in metres: unit=\"{}\" is that of the file", unit_),
+           fmt::format("write metres, or leave unit out and scale by {}", metresOf(unit_)));
+  } else {
+    if (!parts) return;
+    linear = rotationFromDegrees(rotation_) * scale3d_.asDiagonal();
+    shift = translation_;
+  }
+  // of columns of length one, so that thin is not flat; a column of zeros makes it no number
+  const bool is_flat = !(std::abs(linear.colwise().normalized().determinant()) > 1e-14);
+  if (is_flat && highestDimension(mesh_) == 3)
+    throw ComponentError(
+        "the mesh is flattened: its volume cells have none left",
+        table.find("transformation")->isSet() ? "a transformation that can be undone" : "scales other than 0");
+  for (Vec3& p : mesh_.position) p = linear * p + shift;
+  const auto turn = [&linear](std::vector<Vec3>& list) {
+    for (Vec3& v : list) v = linear * v;
+  };
+  turn(directions_.nodes);
+  forEachCellList([&](const CellKind&, std::vector<Vec3>& list) { turn(list); }, directions_.cells);
+}
+
+void MeshLoader::flipFaces() {
+  forEachCellList(
+      [](const CellKind& kind, auto& cells) {
+        for (auto& cell : cells)
+          if (kind.dimension == 2) {  // corners and middles apart
+            const auto middles = cell.begin() + std::ptrdiff_t(cell.size()) / kind.order;
+            std::reverse(cell.begin() + 1, middles), std::reverse(middles, cell.end());
+          }
+      },
+      mesh_);
+}
+
+void MeshLoader::splitQuads() {
+  for (const Quad& q : mesh_.quads) {
+    mesh_.triangles.push_back({q[0], q[1], q[2]});
+    mesh_.triangles.push_back({q[0], q[2], q[3]});
+  }
+  mesh_.quads.clear();
+}
+
+Mat3 rotationFromDegrees(const Vec3& angles) {
+  const Vec3 a = angles * (std::numbers::pi / 180);
+  using Turn = Eigen::AngleAxisd;
+  return (Turn(a.z(), Vec3::UnitZ()) * Turn(a.y(), Vec3::UnitY()) * Turn(a.x(), Vec3::UnitX())).toRotationMatrix();
+}
+
+void addSubelements(Mesh& mesh) {
+  appendMissing(mesh.triangles, uniqueFaces(mesh.tetrahedra, false));
+  appendMissing(mesh.quads, uniqueFaces(mesh.hexahedra, false));
+  appendMissing(mesh.quadratic_triangles, uniqueFaces(mesh.quadratic_tetrahedra, false));
+  // A mesh of its own, so that the lists derived from the cells before the new ones are not kept.
+  const Mesh complete{mesh};
+  appendMissing(mesh.edges, complete.allEdges());
+}
+
+}  // namespace stroma
