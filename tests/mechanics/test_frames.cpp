@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <fstream>
 #include <iterator>
 
 #include "framework/mechanics/frames.h"
 #include "framework/simulation/state_file.h"
+#include "tests/support/folder_fixture.h"
 #include "tests/support/scene_text.h"
 
 namespace stroma::test {
@@ -148,10 +148,10 @@ TEST(Numbers, HaveOneDirectionEach) {
   }
 }
 
-TEST(Frames, AreWrittenAndReadAgain) {
-  const std::filesystem::path folder = std::filesystem::temp_directory_path() / "stroma_test_frames";
-  std::filesystem::create_directories(folder);
-  const std::string file = (folder / "frames.state").string();
+class FramesInFiles : public FolderTest {};
+
+TEST_F(FramesInFiles, AreWrittenAndReadAgain) {
+  const std::string file = this->file("frames.state");
   const std::string object =
       "template=\"Rigid3\" position=\"1 0 0  0 0 0 1  0 1 0  0 0 0 1\" velocity=\"1 0 0  1 2 3   0 0 0  0 -9 0\"";
   const std::string mass = "<UniformMass totalMass=\"2\" inertia=\"0.1 0.2 0.25\"/>";
@@ -185,7 +185,6 @@ TEST(Frames, AreWrittenAndReadAgain) {
     turned = std::max(turned, orientationIn(recorded[i], 3).angularDistance(Quaternion::Identity()));
   }
   EXPECT_GT(turned, 3) << "more than any hemisphere";
-  std::filesystem::remove_all(folder);
 }
 
 }  // namespace STROMA_TEST_FILE

@@ -93,6 +93,15 @@ def badly_named_tests(path, text):
                 yield match.start(), f"the name of a test, {name}, is not in CamelCase"
 
 
+def shared_files(text):
+    """Two runs of the tests, of two checkouts or after a crash, must not meet in one file of the machine."""
+    for match in re.finditer(r"TempDir\(\)|temp_directory_path\(\)", text):
+        line = text.count("\n", 0, match.start())
+        statement = "\n".join(text.split("\n")[max(line - 1, 0):line + 3])
+        if "getpid" not in statement and "XXXXXX" not in statement:
+            yield match.start(), "a file that another run finds: take a folder of its own (tests/support/folder_fixture.h)"
+
+
 def known_components(text, names):
     """The engine asks for parts to be played, not for components by name."""
     for match in LITERAL.finditer(text):
@@ -122,6 +131,8 @@ def problems(tree):
             line = text.count("\n", 0, match.start()) + 1
             found.append(f"{path}:{line}: a path of one machine: {text[match.start():match.start() + 30].split()[0]}")
         for start, why in badly_named_tests(path, text) if path.endswith(".cpp") else []:
+            found.append(f"{path}:{text.count(chr(10), 0, start) + 1}: {why}")
+        for start, why in shared_files(text) if path.startswith("tests/") and path.endswith((".h", ".cpp")) else []:
             found.append(f"{path}:{text.count(chr(10), 0, start) + 1}: {why}")
         if path.startswith("components/") and path.endswith(".cpp"):
             components.update(REGISTERED.findall(text))
@@ -173,6 +184,8 @@ PLANTED = {  # path: (text, part of the expected finding, or None where there is
     "tests/scene/test_x.cpp": (LICENCE + "TEST(Suite, case) {}\n", "case, is not in CamelCase"),
     "tests/scene/test_y.cpp": (LICENCE + "TEST_P(Suite_2, Case) {}\n", "Suite_2, is not in CamelCase"),
     "tests/scene/z.cpp": (LICENCE + "TEST(Suite, Case) {}\n", "is not called test_*.cpp"),
+    "tests/scene/test_i.cpp": (LICENCE + 'auto file = testing::TempDir() + "/state";\n', "a file that another run finds"),
+    "tests/scene/test_j.cpp": (LICENCE + 'auto file = temp_directory_path() / ("state" + to_string(getpid()));\n', None),
     "tests/scene/k.cpp": ('#include "anything.h"\n', "no SPDX"),
     "tools/l": ("#!/bin/sh\n\n\n\n# SPDX-License-Identifier: LGPL-2.1-or-later\n", "no SPDX"),
     "docs/m.md": ("see /" + "tmp/x and a/" + "tmp/x\n", "a path of one machine"),

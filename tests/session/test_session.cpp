@@ -7,6 +7,7 @@
 #include <cmath>
 #include <thread>
 
+#include "tests/support/folder_fixture.h"
 #include "tests/support/scene_fixture.h"
 
 namespace stroma::test {
@@ -115,8 +116,10 @@ TEST(Session, ResetAndLoadStartAnew) {
   EXPECT_FALSE(session.isLoaded());
 }
 
-TEST(Session, ACheckpointIsAFileAndTellsWhoWroteIt) {
-  const std::string path = testing::TempDir() + "session/stone.checkpoint";
+class SessionFiles : public FolderTest {};
+
+TEST_F(SessionFiles, ACheckpointIsAFileAndTellsWhoWroteIt) {
+  const std::string path = file("stone.checkpoint");
   Session session;
   Simulation& simulation = session.loadText(stone, "stone.xml");
   session.run({.steps = 4});
@@ -137,13 +140,13 @@ TEST(Session, ACheckpointIsAFileAndTellsWhoWroteIt) {
 }
 
 /// What a run rests on is not forgotten when it goes on in another program.
-TEST(Session, StepsThatDidNotConvergeBeforeACheckpointStayKnown) {
+TEST_F(SessionFiles, StepsThatDidNotConvergeBeforeACheckpointStayKnown) {
   const std::string spring =
       "<Node name=\"root\" dt=\"0.01\" gravity=\"0 -10 0\"><EulerImplicitSolver/><CGLinearSolver name=\"cg\" "
       "iterations=\"1\" tolerance=\"1e-12\"/><MechanicalObject position=\"0 0 0 1 0 0 2 1 0 3 0 2\"/><UniformMass "
       "totalMass=\"2\"/><SpringForceField springsIndices1=\"0 1 2\" springsIndices2=\"1 2 3\" lengths=\"1 1 1\" "
       "stiffness=\"2000\"/><FixedProjectiveConstraint indices=\"0\"/></Node>";
-  const std::string path = testing::TempDir() + "session/spring.checkpoint";
+  const std::string path = file("spring.checkpoint");
   Session first, second;
   first.loadText(spring, "spring.xml");
   const RunReport before = first.run({.steps = 4});

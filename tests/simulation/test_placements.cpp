@@ -8,6 +8,7 @@
 
 #include "framework/mesh/topology.h"
 #include "framework/scene/names.h"
+#include "tests/support/folder_fixture.h"
 #include "tests/support/manual_examples.h"
 #include "tests/support/scene_fixture.h"
 #include "tests/support/xml_writer.h"
@@ -63,7 +64,7 @@ std::vector<AttributeDescription> foundLinks(Component& component) {
 
 enum class Place { root, above, beside, below };
 
-class Placements : public ::testing::Test {
+class Placements : public FolderTest {
  protected:
   /// All placements of each component of `types` in an example.
   void look(const std::string& example, const std::vector<std::string>& types, const std::string& folder) {
@@ -172,10 +173,8 @@ TEST_F(Placements, EverythingActsOrIsRefused) {
     const std::string example = exampleOf(modules().manual(entry.type));
     if (!example.empty()) types_of[example].push_back(entry.type);
   }
-  const std::string folder = ::testing::TempDir() + "/placements";
-  std::filesystem::create_directories(folder);
-  if (!std::filesystem::exists(folder + "/scenes"))
-    std::filesystem::create_directory_symlink(STROMA_SOURCE_DIR "/scenes", folder + "/scenes");
+  const std::string folder = folder_.string();
+  std::filesystem::create_directory_symlink(STROMA_SOURCE_DIR "/scenes", folder_ / "scenes");
   writeExampleFiles(folder + "/meshes");
   const auto before = std::filesystem::current_path();
   std::filesystem::current_path(folder);
