@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "framework/scene/spans.h"
+
 namespace stroma {
 
 void DirectSolver::declare(DataTable& table) {
@@ -31,6 +33,7 @@ bool DirectSolver::analyseIfNew(const SystemMatrix& matrix, const BlockMatrix& v
   kept.analysed = {};
   if (!kept.factors || kept.symmetric != symmetric) kept.factors = makeFactorisation(symmetric);
   kept.symmetric = symmetric;
+  const Span span("analyse", this);
   kept.factors->analyse(values);
   for (Vector* vector : {&kept.residual, &kept.correction}) vector->resize(values.rows());
   kept.analysed = key;
@@ -56,6 +59,7 @@ bool DirectSolver::update(SystemMatrix& matrix, Kept& kept, SolveReport& report,
     report.stop = SolveStop::not_finite;
     return false;
   }
+  const Span span("factor", this);
   kept.factors->load(a);
   const SolveStop end = kept.factors->factor(report.row, stop);
   if (end != SolveStop::stopped) noteFactored(*kept.factors);

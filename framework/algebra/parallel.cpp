@@ -9,6 +9,9 @@
 #include <atomic>
 #include <memory>
 #include <mutex>
+
+#include "framework/scene/spans.h"
+
 #ifdef __SANITIZE_THREAD__
 #include <sanitizer/tsan_interface.h>
 #endif
@@ -95,6 +98,7 @@ void runParallel(int count, void (*body)(void*, int), void* data) {
         0, count,
         [=, &order](int i) STROMA_UNSEEN {
           order.beginPiece();
+          const Span span("share");
           body(data, i);
           order.endPiece();
         },

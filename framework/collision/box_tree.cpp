@@ -26,6 +26,7 @@ Index BoxTree::makeNode(const std::vector<Box>& boxes, std::vector<Index>& order
     middles.add(Vec3((box.low + box.high) / 2));
   }
   nodes_[std::size_t(at)].box = whole;
+  nodes_[std::size_t(at)].items = Index(end - begin);
   if (end - begin == 1) {
     nodes_[std::size_t(at)].item = order[begin];
     return at;

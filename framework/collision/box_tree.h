@@ -2,6 +2,7 @@
 // Boxes around things, in a binary tree: which of them are near a box, in the time of their number's logarithm. A tree
 // with a new place for each box keeps its shape: refit() costs a fraction of build().
 #pragma once
+#include <array>
 #include <limits>
 #include <vector>
 
@@ -18,6 +19,10 @@ struct Box {
   Box grownBy(double margin) const { return {low.array() - margin, high.array() + margin}; }
   bool meets(const Box& other) const {
     return (low.array() <= other.high.array()).all() && (other.low.array() <= high.array()).all();
+  }
+  /// Nearer than `margin` along every axis.
+  bool isNear(const Box& other, double margin) const {
+    return (low.array() - margin <= other.high.array()).all() && (other.low.array() - margin <= high.array()).all();
   }
   /// From a point to the nearest of the box, squared [m^2].
   double squaredDistance(const Vec3& p) const {
@@ -38,16 +43,15 @@ class BoxTree {
   template <class Visit>
   void forEachMeeting(const Box& box, Visit&& visit) const {
     if (empty()) return;
-    std::vector<Index> waiting{0};
-    while (!waiting.empty()) {
-      const Node& node = nodes_[std::size_t(waiting.back())];
-      waiting.pop_back();
+    Stack waiting{0};
+    for (std::size_t count = 1; count > 0;) {
+      const Node& node = nodes_[std::size_t(waiting[--count])];
       if (!node.box.meets(box)) continue;
       if (node.item >= 0) {
         visit(node.item);
       } else {
-        waiting.push_back(node.right);
-        waiting.push_back(node.left);
+        waiting[count++] = node.right;
+        waiting[count++] = node.left;
       }
     }
   }
@@ -56,20 +60,25 @@ class BoxTree {
   template <class Visit>
   void forEachNear(const Vec3& p, double squared, Visit&& visit) const {
     if (empty()) return;
-    std::vector<Index> waiting{0};
-    while (!waiting.empty()) {
-      const Node& node = nodes_[std::size_t(waiting.back())];
-      waiting.pop_back();
+    Stack waiting{0};
+    for (std::size_t count = 1; count > 0;) {
+      const Node& node = nodes_[std::size_t(waiting[--count])];
       if (node.box.squaredDistance(p) > squared) continue;
       if (node.item >= 0) {
         squared = visit(node.item);
       } else {
         const bool left_first =
             nodes_[std::size_t(node.left)].box.squaredDistance(p) < nodes_[std::size_t(node.right)].box.squaredDistance(p);
-        waiting.push_back(left_first ? node.right : node.left);
-        waiting.push_back(left_first ? node.left : node.right);
+        waiting[count++] = left_first ? node.right : node.left;
+        waiting[count++] = left_first ? node.left : node.right;
       }
     }
+  }
+  /// visit(i, j) for each box i of this tree and j of `other` that are nearer than `margin` along every axis; of a tree
+  /// with itself each two once.
+  template <class Visit>
+  void forEachPair(const BoxTree& other, double margin, Visit&& visit) const {
+    if (!empty() && !other.empty()) descend(0, other, 0, margin, visit);
   }
 
  private:
@@ -77,7 +86,29 @@ class BoxTree {
   struct Node {
     Box box;
     Index left = -1, right = -1, item = -1;
+    Index items = 1;  ///< below
   };
+  using Stack = std::array<Index, 66>;  ///< trees are no deeper than the bits of a number of boxes
+  template <class Visit>
+  void descend(Index i, const BoxTree& other, Index j, double margin, Visit& visit) const {
+    const Node &p = nodes_[std::size_t(i)], &q = other.nodes_[std::size_t(j)];
+    if (this == &other && i == j) {
+      if (p.item >= 0) return;
+      descend(p.left, other, p.left, margin, visit);
+      descend(p.right, other, p.right, margin, visit);
+      descend(p.left, other, p.right, margin, visit);
+    } else if (!p.box.isNear(q.box, margin)) {
+      return;
+    } else if (p.item >= 0 && q.item >= 0) {
+      visit(p.item, q.item);
+    } else if (p.items >= q.items) {
+      descend(p.left, other, j, margin, visit);
+      descend(p.right, other, j, margin, visit);
+    } else {
+      descend(i, other, q.left, margin, visit);
+      descend(i, other, q.right, margin, visit);
+    }
+  }
   Index makeNode(const std::vector<Box>& boxes, std::vector<Index>& order, std::size_t begin, std::size_t end);
 
   std::vector<Node> nodes_;

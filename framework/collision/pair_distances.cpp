@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "framework/collision/pair_distances.h"
 
-#include <Eigen/Dense>
-#include <algorithm>
+#include <Eigen/Geometry>
 #include <limits>
 
 namespace stroma {
@@ -101,46 +100,6 @@ ClosestPoints closestPoints(PairKind kind, const FourPoints& x) {
   ClosestPoints found;
   if (!closestOf<double>(kind, x, found)) closestOf<Wide>(kind, x, found);
   return found;
-}
-
-Hessian12 squaredDistanceHessian(PairKind kind, const FourPoints& x, const ClosestPoints& closest, bool project) {
-  const auto& c = closest.weights;
-  // dc/dl of each free parameter: the points of the feature on each side, against the first of them
-  std::array<std::array<double, 4>, 2> slopes{};
-  int parameters = 0;
-  const int first_side = kind == PairKind::point_triangle ? 1 : 2;
-  for (const auto& [begin, end] : {std::pair(0, first_side), std::pair(first_side, 4)}) {
-    int anchor = -1;
-    for (int i = begin; i < end; ++i) {
-      if (c[std::size_t(i)] == 0) continue;
-      if (anchor < 0) {
-        anchor = i;
-        continue;
-      }
-      slopes[std::size_t(parameters)][std::size_t(anchor)] = -1, slopes[std::size_t(parameters)][std::size_t(i)] = 1;
-      ++parameters;
-    }
-  }
-  Hessian12 h;
-  for (int i = 0; i < 4; ++i)
-    for (int j = 0; j < 4; ++j)
-      h.block<3, 3>(3 * i, 3 * j) = 2 * c[std::size_t(i)] * c[std::size_t(j)] * Mat3::Identity();
-  if (parameters > 0) {
-    Eigen::Matrix<double, 12, Eigen::Dynamic, 0, 12, 2> a(12, parameters);
-    Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, 2> moves(3, parameters);
-    moves.setZero();
-    for (int l = 0; l < parameters; ++l)
-      for (std::size_t i = 0; i < 4; ++i) moves.col(l) += slopes[std::size_t(l)][i] * x[i];
-    for (int l = 0; l < parameters; ++l)
-      for (int i = 0; i < 4; ++i)
-        a.block<3, 1>(3 * i, l) =
-            2 * (c[std::size_t(i)] * moves.col(l) + slopes[std::size_t(l)][std::size_t(i)] * closest.difference);
-    const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 2, 2> inner = 2 * moves.transpose() * moves;
-    h -= a * inner.inverse() * a.transpose();
-  }
-  if (!project) return h;
-  const Eigen::SelfAdjointEigenSolver<Hessian12> eigen(h);
-  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).asDiagonal() * eigen.eigenvectors().transpose();
 }
 
 double parallelFactor(const Vec3& ea, const Vec3& eb, double rest_squares) {

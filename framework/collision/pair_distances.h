@@ -13,7 +13,6 @@ namespace stroma {
 
 enum class PairKind : unsigned char { point_triangle, edge_edge };
 using FourPoints = std::array<Vec3, 4>;
-using Hessian12 = Eigen::Matrix<double, 12, 12>;
 
 struct ClosestPoints {
   std::array<double, 4> weights;  ///< c_i
@@ -27,11 +26,6 @@ struct ClosestPoints {
 /// For every input: triangles may be slivers, edges parallel, points may coincide. The error of the distance is below
 /// 1e-12 of the largest distance between two of the points; nearly flat triangles and nearly parallel edges have 113 bits.
 ClosestPoints closestPoints(PairKind kind, const FourPoints& x);
-
-/// Second derivative of d^2 of the present closest feature. With c(l) linear in the free parameters l of the feature,
-///   H = 2 [c_i c_j I] - A (2 D_a.D_b)^-1 A^T,   A_ia = 2 (c_i D_a + dc_i/dl_a D),   D_a = sum dc_i/dl_a x_i
-/// `project`: its negative eigenvalues become zero.
-Hessian12 squaredDistanceHessian(PairKind kind, const FourPoints& x, const ClosestPoints& closest, bool project);
 
 /// Towards 0 where two edges become parallel, and the direction of their distance undefined (Li et al. 2020):
 ///   m = (2 - q/e) q/e for q < e, else 1;   q = |ea x eb|^2, e = 1e-3 |ea at rest|^2 |eb at rest|^2

@@ -18,6 +18,7 @@ class DrawnSegments {
     Index first_node;
     const State* second;
     Index second_node;
+    double radius = 0;  ///< of a round beam between two frames [m], which bends from one to the other; 0: a line
     bool operator==(const Segment&) const = default;
   };
   virtual ~DrawnSegments() = default;

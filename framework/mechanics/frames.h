@@ -19,6 +19,8 @@ inline Quaternion orientationIn(ConstRows x, Index row) { return Quaternion(x.da
 void placeRow(RowKind kind, const Vec3& value, Rows x, Index row);
 /// The reverse.
 Vec3 valueOfRow(RowKind kind, ConstRows x, Index row);
+/// Writes an orientation there: of q and -q the one with w >= 0.
+void putOrientation(const Quaternion& q, Rows x, Index row);
 /// [r]: [r] a = r x a
 inline Mat3 crossMatrix(const Vec3& r) {
   Mat3 m;

@@ -26,6 +26,9 @@ class Mapping : public Component {
   /// Appends the blocks of J at the x of the last apply(): always the same pairs of rows in the same order.
   virtual void addJacobian(std::vector<JacobianBlock>& out) const = 0;
   virtual bool isLinear() const = 0;
+  /// a of the child, which is J a of the parents, becomes its acceleration: += dJ/dt v, at the x of the last apply() and
+  /// the v of parents and child. Asked for only where the mapping is not linear.
+  virtual void addCurvature(ConstRows v, Rows a) const = 0;
   // ---- the geometric stiffness G = dJ^T/dx f_child, asked for only where the mapping is not linear ----
   /// df_parent += factor * G dx_parent
   virtual void addGeometricProduct(ConstRows f, ConstRows dx, double factor, Rows df) const = 0;

@@ -31,19 +31,31 @@ void Mass::addProduct(ConstRows p, double factor, Rows out) const {
 }
 
 void Mass::update(ConstRows x) {
+  turns_.resize(turning_.size() * row_doubles);
+  for (std::size_t i = 0; i < turning_.size(); ++i)
+    std::copy_n(state().segment(x).data + std::size_t(turning_[i].row) * row_doubles, row_doubles,
+                turns_.data() + i * row_doubles);
+  excess_outdated_ = true;
+}
+
+const std::vector<Mat3>& Mass::excess() const {
+  if (!excess_outdated_) return excess_;
+  excess_outdated_ = false;
   excess_.resize(turning_.size());
   for (std::size_t i = 0; i < turning_.size(); ++i) {
-    const Mat3 turn = turning_[i].turns ? orientationIn(state().segment(x), turning_[i].row).toRotationMatrix()
-                                        : Mat3(Mat3::Identity());
     const Mat3& inertia = turning_[i].inertia;
-    excess_[i] = turn * (inertia - inertia.trace() / 3 * Mat3::Identity()) * turn.transpose();
+    excess_[i] = inertia - inertia.trace() / 3 * Mat3::Identity();
+    if (!turning_[i].turns) continue;
+    const Mat3 turn = Quaternion(turns_.data() + i * row_doubles).toRotationMatrix();
+    excess_[i] = turn * excess_[i] * turn.transpose();
   }
+  return excess_;
 }
 
 void Mass::addTurningProduct(ConstRows p, double factor, Rows out) const {
   const ConstRows from = state().segment(p);
   const Rows to = state().segment(out);
-  for (std::size_t i = 0; i < excess_.size(); ++i)
+  for (std::size_t i = 0; i < excess().size(); ++i)
     to[turning_[i].row] += factor * (excess_[i] * from[turning_[i].row]);
 }
 
@@ -54,7 +66,7 @@ void Mass::addTo(double factor, BlockMatrix& matrix) const {
     double* block = matrix.values().data() + std::size_t(matrix.diagonal()[first + i]) * 9;
     for (int c : {0, 4, 8}) block[c] += factor * mass[i];
   }
-  for (std::size_t i = 0; i < excess_.size(); ++i)
+  for (std::size_t i = 0; i < excess().size(); ++i)
     matrix.add(matrix.diagonal()[std::size_t(first + turning_[i].row)], factor * excess_[i]);
 }
 
@@ -63,7 +75,7 @@ void Mass::addDiagonal(double factor, std::vector<double>& blocks) const {
   const Index first = state().firstRow();
   for (Index i = 0; i < state().size(); ++i)
     for (int c : {0, 4, 8}) blocks[std::size_t(first + i) * 9 + std::size_t(c)] += factor * mass[i];
-  for (std::size_t i = 0; i < excess_.size(); ++i)
+  for (std::size_t i = 0; i < excess().size(); ++i)
     for (int c = 0; c < 9; ++c)
       blocks[std::size_t(first + turning_[i].row) * 9 + std::size_t(c)] += factor * excess_[i](c / 3, c % 3);
 }

@@ -52,7 +52,7 @@ class Mass : public Component {
  protected:
   Link<State> mstate_{"mechanical state"};
   /// In init(): lumped() has a third of the traces in these rows.
-  void setTurningInertias(std::vector<TurningInertia> inertias) { turning_ = std::move(inertias), excess_.clear(); }
+  void setTurningInertias(std::vector<TurningInertia> inertias) { turning_ = std::move(inertias), excess_.clear(), turns_.clear(); }
   /// out += factor (J - trace J/3) p for these rows; where addProduct() is overridden, for it to call.
   void addTurningProduct(ConstRows p, double factor, Rows out) const;
   /// True where the mass has a meaning for other rows than points: init() refuses frames and numbers otherwise.
@@ -61,7 +61,10 @@ class Mass : public Component {
  private:
   State* state_ = nullptr;
   std::vector<TurningInertia> turning_;
-  std::vector<Mat3> excess_;  ///< J - trace J/3 at the x of the last update(), in fixed axes, shape (turning_) or empty
+  const std::vector<Mat3>& excess() const;
+  std::vector<double> turns_;         ///< orientations at the x of the last update(), shape (turning_, 4) or empty
+  mutable std::vector<Mat3> excess_;  ///< J - trace J/3 there, in fixed axes, once they are asked for
+  mutable bool excess_outdated_ = false;
   bool separate_gravity_ = false;
   mutable Vector work_;  ///< M v of kineticEnergy(), allocated when first asked for a mass that is not diagonal
 };

@@ -31,10 +31,16 @@ void Motion::turnBy(const Vec3& r, double* row) {
   if (q.w() < 0) q.coeffs() = -q.coeffs();
 }
 
-void Motion::differenceOfRow(ConstRows x1, Rows x0, Index row) {
-  const std::size_t first = std::size_t(row) * row_doubles;
-  x0[row] = rotationVector(Quaternion(x1.data + first) * Quaternion(x0.data + first).conjugate());
-  x0.data[first + 3] = 0;
+Vec3 Motion::increment(ConstRows x0, ConstRows x1, Index row, Index to) const {
+  if (kindOf(row) != RowKind::turn) return x1[to] - x0[row];
+  return rotationVector(orientationIn(x1, to) * orientationIn(x0, row).conjugate());
+}
+
+void Motion::advanceRow(const Vec3& dx, Rows x, Index row) const {
+  if (kindOf(row) == RowKind::turn)
+    turnBy(dx, x.data + std::size_t(row) * row_doubles);
+  else
+    x[row] += dx;
 }
 
 }  // namespace stroma

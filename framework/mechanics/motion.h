@@ -31,8 +31,13 @@ class Motion {
   void difference(ConstRows x1, Rows x0) const {
     walk(
         x0.count, [&](Index begin, Index end) { xpay(part(x1, begin, end), -1, part(x0, begin, end)); },
-        [&](Index row) { differenceOfRow(x1, x0, row); });
+        [&](Index row) { x0[row] = increment(x0, x1, row), x0.data[std::size_t(row) * row_doubles + 3] = 0; });
   }
+  /// The increment that leads from row `row` of x0 to row `row` of x1, or to another of the same kind.
+  Vec3 increment(ConstRows x0, ConstRows x1, Index row) const { return increment(x0, x1, row, row); }
+  Vec3 increment(ConstRows x0, ConstRows x1, Index row, Index to) const;
+  /// One row moves by dx.
+  void advanceRow(const Vec3& dx, Rows x, Index row) const;
   /// The rows that turn, ascending.
   const std::vector<Index>& turningRows() const { return turning_; }
   /// The orientation q, four numbers, becomes exp(r) q.
@@ -55,7 +60,6 @@ class Motion {
   static View part(View x, Index begin, Index end) {
     return {x.data + std::size_t(begin) * row_doubles, end - begin};
   }
-  static void differenceOfRow(ConstRows x1, Rows x0, Index row);
 
   std::vector<Index> turning_;  ///< ascending
   std::vector<RowKind> kinds_;  ///< shape (rows), empty where all rows are places

@@ -71,6 +71,8 @@ class PositionConstraint : public Component {
   virtual std::string violation() const = 0;
   /// One line for `explain`.
   virtual std::string describe() const = 0;
+  /// True where it acts on the centres of frames too.
+  virtual bool takesFrames() const { return false; }
 
  protected:
   /// What positions of these nodes cannot tell apart [m]: 8 eps of the largest coordinate. No tolerance is smaller.

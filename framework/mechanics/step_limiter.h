@@ -6,15 +6,29 @@
 
 namespace stroma {
 
+/// Positions go from x to x + s dx, s from 0 to 1. Where mappings turn they do so on a curve, and a row is besides at most
+/// `bend` [m] away from that line.
+struct Way {
+  ConstRows dx;
+  const double* bend = nullptr;  ///< shape (rows); null: straight
+};
+
+/// A force field that takes something from where a step starts, which then lasts for it: contacts that have been found.
+class HearsSteps {
+ public:
+  virtual ~HearsSteps() = default;
+  /// A step from t to t_end [s] starts at x.
+  virtual void stepBegins(ConstRows x, double t, double t_end) = 0;
+};
+
 /// A force field besides which positions may not move anyhow: bodies that touch must not pass through each other.
 /// Integrators ask how long a step may be (simulation/step_limits.h). Vectors have all rows of the system.
-class StepLimiter {
+class StepLimiter : public HearsSteps {
  public:
-  virtual ~StepLimiter() = default;
-  /// A step from t to t_end [s] starts at x: what lasts for the step is taken from there.
-  virtual void stepBegins(ConstRows x, double t, double t_end) = 0;
-  /// The largest s <= 1 up to which the way from x to x + s dx is known to be free.
-  virtual double longestStep(ConstRows x, ConstRows dx) = 0;
+  /// Where a run starts. Throws ComponentError when things lie in one another there.
+  virtual void checkStart(ConstRows x) = 0;
+  /// The largest s <= 1 up to which the way from x on is known to be free.
+  virtual double longestStep(ConstRows x, const Way& way) = 0;
   /// The step's equations are solved at x with what is held fixed meanwhile: the directions of friction, obstacles that
   /// have not been let all the way. True: that has moved on, and they are to be solved again.
   virtual bool movesOn(ConstRows x) = 0;

@@ -175,7 +175,8 @@ void Instantiation::readAttribute(const AttributeDescription& attribute, Compone
     return;
   }
   const DataOrigin origin = isOverride(attribute.where) ? DataOrigin::by_override : DataOrigin::written;
-  if (std::optional<Problem> problem = data->parse(attribute.value, origin)) {
+  if (std::optional<Problem> problem = attribute.typed && !data->isOutput() ? data->copyFrom(*attribute.typed)
+                                                                            : data->parse(attribute.value, origin)) {
     problem->where = attribute.where;
     problem->path = component.path() + "." + attribute.name;
     return fail(component, std::move(*problem));

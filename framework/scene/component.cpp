@@ -3,7 +3,11 @@
 
 #include <cstdio>
 
+#include "framework/scene/spans.h"
+
 namespace stroma {
+
+SpanListener* span_listener = nullptr;
 
 namespace {
 
@@ -44,6 +48,7 @@ void Component::ensureReady() {
   stage_ = Stage::initialising;
   under_way.push_back({this, nullptr});
   try {
+    const Span span("init", this);
     copyLinkedValues();
     init();
     stage_ = Stage::ready;

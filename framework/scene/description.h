@@ -9,12 +9,16 @@
 
 namespace stroma {
 
+class Data;
+
 struct AttributeDescription {
   std::string name;
   std::string value;
   SourceLocation where;
   /// Where the file writes the value that an override stands for; no line when it writes none.
   SourceLocation overridden{};
+  /// The value itself, where a program gave one that is not printed and read again; the text above is then empty.
+  std::shared_ptr<const Data> typed{};
 };
 
 /// `<Type name="..." attribute="value"/>`.

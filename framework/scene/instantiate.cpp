@@ -62,13 +62,17 @@ std::string adviceOnMissingType(const std::string& type) {
 Instantiation::Instantiation(Scene& scene, Factory& factory, Modules& modules)
     : scene_(scene), factory_(factory), modules_(modules), diagnostics_(scene.diagnostics) {}
 
-void Instantiation::run() {
+void Instantiation::makeTree() {
   const NodeDescription& description = scene_.description.root;
   prepare(description);
   const std::string name = description.name();
   scene_.root = std::make_unique<Node>(name.empty() ? "root" : name, nullptr, description.where);
   build(description, *scene_.root);
   resolveLinks();
+}
+
+void Instantiation::run() {
+  makeTree();
   std::vector<Component*> components;
   scene_.root->collect(components);
   for (Component* component : components) checkGiven(*component);

@@ -15,6 +15,9 @@ class Instantiation {
   Instantiation(Scene& scene, Factory& factory, Modules& modules);
   /// Fills scene.root. Problems are collected in scene.diagnostics, as many as can be found at once.
   void run();
+  /// The first part of it: components with their attributes and links. None is initialised; each is when it is asked for
+  /// (Component::ensureReady()), as long as the scene stays at its place.
+  void makeTree();
 
  private:
   /// An attribute that names something in the tree, kept until the whole tree exists.

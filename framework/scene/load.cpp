@@ -10,10 +10,12 @@
 #include "framework/scene/files.h"
 #include "framework/scene/instantiation.h"
 #include "framework/scene/prefab.h"
+#include "framework/scene/spans.h"
 
 namespace stroma {
 
 Scene instantiate(SceneDescription description, Factory& factory, Modules& modules, Diagnostics diagnostics) {
+  const Span span("make components");
   Scene scene;
   scene.description = std::move(description);
   scene.diagnostics = std::move(diagnostics);
@@ -38,8 +40,10 @@ namespace {
 Scene loadFrom(const std::string& file, const std::string* text, const std::vector<Override>& overrides,
                Factory& factory, Modules& modules, const ReadLimits& limits) {
   Diagnostics diagnostics;
-  SceneDescription description =
-      readSceneWithPrefabs(file, overrides, limits, knownTypes(factory, modules), diagnostics, text);
+  SceneDescription description = [&] {
+    const Span span("read the scene");
+    return readSceneWithPrefabs(file, overrides, limits, knownTypes(factory, modules), diagnostics, text);
+  }();
   // Without a tree there is nothing more to find; with one, an unreadable include does not hide the other problems.
   if (description.root.where.file.empty()) throw SceneError(std::move(diagnostics));
   return instantiate(std::move(description), factory, modules, std::move(diagnostics));

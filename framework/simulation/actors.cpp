@@ -66,17 +66,34 @@ bool somethingActsOn(const Actors& actors, const State* state) {
   const auto acts = [state](const auto* actor) { return contains(statesActedOn(*actor), state); };
   return std::any_of(actors.force_fields.begin(), actors.force_fields.end(), acts) ||
          std::any_of(actors.masses.begin(), actors.masses.end(), acts) ||
-         std::any_of(actors.position_constraints.begin(), actors.position_constraints.end(), acts);
+         std::any_of(actors.position_constraints.begin(), actors.position_constraints.end(), acts) ||
+         std::any_of(actors.lagrangian_constraints.begin(), actors.lagrangian_constraints.end(),
+                     [state](const auto* each) { return contains(each->constrainedStates(), state); });
+}
+
+/// What links of force fields and constraints name: they may read it in a step without acting on it.
+std::vector<const Component*> readInSteps(const Node& root) {
+  std::vector<Component*> components;
+  root.collect(components);
+  std::vector<const Component*> read;
+  for (const Component* component : components)
+    if (dynamic_cast<const ForceField*>(component) || dynamic_cast<const ProjectiveConstraint*>(component))
+      for (const Data& attribute : component->data().all())
+        if (attribute.link() && attribute.link()->target()) read.push_back(attribute.link()->target());
+  return read;
 }
 
 // From the last to the first: a child that only places passive children is passive.
 void findPassiveMappings(Actors& actors) {
+  if (actors.mappings.empty()) return;
   std::vector<Mapping*> acting, passive;
+  const std::vector<const Component*> read = readInSteps(actors.mappings.front()->node().root());
   for (auto mapping = actors.mappings.rbegin(); mapping != actors.mappings.rend(); ++mapping) {
     const State* child = &(*mapping)->output();
     const bool feeds =
         std::any_of(acting.begin(), acting.end(), [&](const Mapping* m) { return contains(m->inputs(), child); });
-    (feeds || somethingActsOn(actors, child) ? acting : passive).push_back(*mapping);
+    const bool is_read = std::find(read.begin(), read.end(), child) != read.end();
+    (feeds || is_read || somethingActsOn(actors, child) ? acting : passive).push_back(*mapping);
   }
   actors.mappings.assign(acting.rbegin(), acting.rend());
   actors.passive_mappings.assign(passive.rbegin(), passive.rend());
@@ -108,7 +125,8 @@ Actors collectActors(const SystemMembers& members) {
       if (auto* role = dynamic_cast<Role*>(component)) out.push_back(role);
   };
   pick(actors.states), pick(actors.force_fields), pick(actors.masses), pick(actors.constraints);
-  pick(actors.position_constraints), pick(actors.mappings);
+  pick(actors.position_constraints), pick(actors.lagrangian_constraints), pick(actors.mappings);
+  std::erase_if(actors.lagrangian_constraints, [](const auto* each) { return each->constrainedStates().empty(); });
   if (actors.states.empty())
     throw ComponentError(fmt::format("there is no mechanical state in {} or below, so there is nothing to move",
                                      members.integrator->node().path()),
@@ -127,6 +145,7 @@ void compileActors(Actors& actors) {
   for (ForceField* field : actors.force_fields) field->compile();
   for (const auto* mappings : {&actors.mappings, &actors.passive_mappings})
     for (Mapping* mapping : *mappings) mapping->compile();
+  for (LagrangianConstraint* constraint : actors.lagrangian_constraints) constraint->compileConstraint();
   sortByTraits(actors);
 }
 

@@ -19,6 +19,7 @@ struct Actors {
   std::vector<Mass*> masses;
   std::vector<ProjectiveConstraint*> constraints;
   std::vector<PositionConstraint*> position_constraints;
+  std::vector<LagrangianConstraint*> lagrangian_constraints;
   /// Parents before children: those whose child something acts on, and those that place children that nothing acts on.
   /// The latter are applied after each step and nowhere else.
   std::vector<Mapping*> mappings, passive_mappings;

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "framework/scene/spans.h"
+
 namespace stroma {
 
 const BlockMatrix& AssembledMatrix::pattern() {
@@ -53,10 +55,10 @@ const BlockMatrix& AssembledMatrix::assemble(const MatrixFactors& factors) {
 void AssembledMatrix::addConstantTerms(const MatrixFactors& factors, BlockMatrix& matrix) const {
   matrix.clear();
   for (const Mass* mass : actors_.masses)
-    if (const double factor = factors.of(*mass); factor != 0) mass->addTo(factor, matrix);
+    if (const double factor = factors.of(*mass); factor != 0) heard("assemble", mass)->addTo(factor, matrix);
   for (const ForceField* field : actors_.stiff_fields)
     if (const double factor = factors.of(*field); factor != 0 && field->traits().constant_stiffness)
-      field->addStiffness(factor, matrix);
+      heard("assemble", field)->addStiffness(factor, matrix);
 }
 
 // Masses and constant stiffnesses are assembled again only when a factor changed. Without a constant stiffness and
@@ -79,7 +81,7 @@ void AssembledMatrix::addConstantParts(const MatrixFactors& factors, BlockMatrix
 void AssembledMatrix::addChangingParts(const MatrixFactors& factors, BlockMatrix& matrix) const {
   for (const ForceField* field : actors_.stiff_fields)
     if (const double factor = factors.of(*field); factor != 0 && !field->traits().constant_stiffness)
-      field->addStiffness(factor, matrix);
+      heard("assemble", field)->addStiffness(factor, matrix);
   if (factors.damping != 0)
     for (const ForceField* field : actors_.damped_fields) field->addDamping(factors.damping, matrix);
   for (const Mapping* mapping : actors_.mappings)

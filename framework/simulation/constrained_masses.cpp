@@ -125,13 +125,23 @@ void ConstraintSet::meetGroups(double start, Rows x, Rows v) const {
     const Index* held = std::find_if(begin, end, [&](Index row) { return is_held[std::size_t(row)]; });
     double whole = 0;
     for (const Index* row = begin; row != end; ++row) whole += mass[std::size_t(*row)];
+    const auto share = [&](Index row) { return whole > 0 ? mass[std::size_t(row)] / whole : 1 / double(groups_.size(g)); };
     for (Rows vector : {x, v}) {
+      if (vector.data == x.data && actors_.motion.kindOf(*begin) == RowKind::turn) continue;
       Vec3 meeting = Vec3::Zero();
-      for (const Index* row = begin; row != end; ++row)
-        meeting += (whole > 0 ? mass[std::size_t(*row)] / whole : 1 / double(groups_.size(g))) * vector[*row];
+      for (const Index* row = begin; row != end; ++row) meeting += share(*row) * vector[*row];
       if (held != end) meeting = vector[*held];
       for (const Index* row = begin; row != end; ++row) vector[*row] = meeting;
     }
+    if (actors_.motion.kindOf(*begin) != RowKind::turn) continue;
+    // the mean turn, seen from one of them
+    const Index first = held != end ? *held : *begin;
+    Vec3 turn = Vec3::Zero();
+    for (const Index* row = begin; held == end && row != end; ++row)
+      turn += share(*row) * actors_.motion.increment(x, x, first, *row);
+    actors_.motion.advanceRow(turn, x, first);
+    for (const Index* row = begin; row != end; ++row)
+      if (*row != first) std::copy_n(x.data + std::size_t(first) * row_doubles, row_doubles, x.data + std::size_t(*row) * row_doubles);
   }
 }
 

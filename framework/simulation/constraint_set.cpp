@@ -117,22 +117,28 @@ bool ConstraintSet::gatherRelations(double t_start, double t_end) {
   return !(gathered_relations_ == relations_.relations());
 }
 
-// Means are those of points.
+/// What ends with its component cannot be told from what an integrator knows of a body (turning inertia), and a sum of
+/// turns is none.
 void ConstraintSet::refuseTurningRows() const {
-  if (!actors_.motion.turns()) return;
-  const auto refuse = [this](const ProjectiveConstraint& constraint, Index row) {
-    if (actors_.motion.kindOf(row) == RowKind::turn)
-      throw ComponentError(
-          fmt::format("{} ties {}, which is an orientation", constraint.path(), actors_.describeRow(row)),
-          "ties of points");
-  };
+  const auto kindOf = [this](Index row) { return actors_.motion.kindOf(row); };
   for (const ProjectiveConstraint* constraint : all()) {
     std::vector<Tie> ties;
     LinearRelations relations;
     constraint->addTies(ties);
     constraint->addRelations(relations);
-    for (const LinearRelations::Term& term : relations.terms) refuse(*constraint, term.row);
-    for (const Tie& tie : ties) refuse(*constraint, tie.a), refuse(*constraint, tie.b);
+    for (const LinearRelations::Term& term : relations.terms)
+      if (kindOf(term.row) == RowKind::turn)
+        throw ComponentError(fmt::format("{} relates displacements, and {} is an orientation", constraint->path(),
+                                         actors_.describeRow(term.row)),
+                             "relations of points, centres of frames or numbers");
+    for (const Tie& tie : ties) {
+      if (kindOf(tie.a) != kindOf(tie.b))
+        throw ComponentError(fmt::format("{} ties {} and {}, which are of different types", constraint->path(),
+                                         actors_.describeRow(tie.a), actors_.describeRow(tie.b)),
+                             "nodes of one type, or points and the centres of frames");
+      if (kindOf(tie.a) == RowKind::turn && constraint->endTime() >= 0)
+        throw ComponentError(fmt::format("{} ties orientations and ends", constraint->path()), "no endTime");
+    }
   }
 }
 
@@ -172,7 +178,7 @@ void ConstraintSet::begin(const StepContext& context, ConstRows x, Rows v) {
 bool ConstraintSet::end(const StepContext& context, Rows x, Rows v) const {
   if (motion_.empty() && groups_.empty() && relations_.empty()) return false;
   // what a direct solve leaves between tied rows is round-off; it must not add up
-  groups_.average(x);
+  groups_.averagePositions(actors_.motion, x);
   groups_.average(v);
   placePrescribed(context, context.t_end, x, v);
   return true;

@@ -18,7 +18,9 @@ struct Ball {
 
 /// What acts on nodes of one state: a force, a pull towards targets, or both,
 ///   f_i = force + stiffness (target_i - x_i) - damping v_i
-/// A node that is pulled by a mouse is one node with a target; a handle is several.
+/// A node that is pulled by a mouse is one node with a target; a handle is several. Nodes are rows of the state: of a frame
+/// its centre, or its orientation, which is turned by a torque in the place of the force, towards the rotation vector that
+/// is its target, by stiffness times the rotation vector that leads there [N m/rad].
 ///
 /// Or a ball, which pushes every place of the state that is inside it, d_i = |x_i - centre| < radius:
 ///   f_i = (stiffness (radius - d_i) - damping v_i . n_i) n_i,   n_i = (x_i - centre) / d_i

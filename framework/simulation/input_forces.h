@@ -74,6 +74,10 @@ class InputForces final : public ForceField {
       for (const Touch& touch : placed.touches) visit(touch.row, placed.input, touch.normal);
   }
 
+  bool takesAllRows() const override { return true; }
+  /// Some input acts on orientations.
+  bool turnsAny() const;
+
   std::map<long, Placed> inputs_;  ///< by number: sums are taken in this order
 };
 

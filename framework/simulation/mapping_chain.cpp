@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "framework/scene/spans.h"
+
 namespace stroma {
 
 void MappingChain::compile(const Actors& actors) {
@@ -17,29 +19,23 @@ void MappingChain::compile(const Actors& actors) {
 ConstRows MappingChain::positions(ConstRows x) const {
   if (empty()) return x;
   copy(x.head(actors_->independent_rows), x_.head(actors_->independent_rows));
-  for (const Mapping* mapping : actors_->mappings) mapping->apply(x_);
+  for (const Mapping* mapping : actors_->mappings) heard("map", mapping)->apply(x_);
   return std::as_const(x_).rows();
 }
 
 ConstRows MappingChain::lifted(ConstRows p, Vector& work) const {
   if (empty()) return p;
   copy(p.head(actors_->independent_rows), work.head(actors_->independent_rows));
-  for (const Mapping* mapping : actors_->mappings) mapping->applyJ(work);
+  for (const Mapping* mapping : actors_->mappings) heard("map", mapping)->applyJ(work);
   return std::as_const(work).rows();
 }
 
-void MappingChain::curve(ConstRows x, ConstRows v, Rows a) const {
-  const double time = 1e-4 / (1 + largest(v.head(actors_->independent_rows)));
+void MappingChain::curve(ConstRows v, Rows a) const {
   clear(a);
-  for (const double sign : {1., -1.}) {
-    copy(x.head(actors_->independent_rows), x_.head(actors_->independent_rows));
-    actors_->motion.advance(sign * time, v.head(actors_->independent_rows), x_);
-    for (const Mapping* mapping : actors_->mappings) mapping->apply(x_);
-    axpy(sign / (2 * time), velocities(v), a);
+  for (const Mapping* mapping : actors_->mappings) {
+    heard("map", mapping)->applyJ(a);
+    if (!mapping->isLinear()) mapping->addCurvature(v, a);
   }
-  clear(a.head(actors_->independent_rows));
-  positions(x);
-  velocities(v);
 }
 
 Rows MappingChain::beginSum(Rows out) const {
@@ -62,13 +58,13 @@ void MappingChain::finishProduct(ConstRows p, double k, Rows all, Rows out) cons
 
 void MappingChain::pullBack(Rows all) const {
   for (auto mapping = actors_->mappings.rbegin(); mapping != actors_->mappings.rend(); ++mapping)
-    (*mapping)->applyJT(all);
+    heard("map", *mapping)->applyJT(all);
 }
 
 void MappingChain::pullBackProduct(ConstRows p, double k, Rows all) const {
   for (auto mapping = actors_->mappings.rbegin(); mapping != actors_->mappings.rend(); ++mapping) {
     if (!(*mapping)->isLinear()) (*mapping)->addGeometricProduct(last_force_, p, k, all);
-    (*mapping)->applyJT(all);
+    heard("map", *mapping)->applyJT(all);
   }
 }
 
@@ -77,13 +73,13 @@ void MappingChain::noteForce(ConstRows f) {
 }
 
 void MappingChain::place(Rows x, Rows v) const {
-  for (const Mapping* mapping : actors_->mappings) mapping->apply(x);
-  for (const Mapping* mapping : actors_->mappings) mapping->applyJ(v);
+  for (const Mapping* mapping : actors_->mappings) heard("map", mapping)->apply(x);
+  for (const Mapping* mapping : actors_->mappings) heard("map", mapping)->applyJ(v);
 }
 
 void MappingChain::placePassive(Rows x, Rows v) const {
-  for (const Mapping* mapping : actors_->passive_mappings) mapping->apply(x);
-  for (const Mapping* mapping : actors_->passive_mappings) mapping->applyJ(v);
+  for (const Mapping* mapping : actors_->passive_mappings) heard("map", mapping)->apply(x);
+  for (const Mapping* mapping : actors_->passive_mappings) heard("map", mapping)->applyJ(v);
 }
 
 }  // namespace stroma

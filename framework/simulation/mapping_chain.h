@@ -20,9 +20,9 @@ class MappingChain {
   ConstRows velocities(ConstRows v) const { return lifted(v, v_); }
   ConstRows direction(ConstRows p) const { return lifted(p, p_); }
 
-  /// The acceleration of mapped rows where that of what they follow is zero, by differences of velocities along the way;
-  /// zero in independent rows. Leaves the mappings as positions(x) does.
-  void curve(ConstRows x, ConstRows v, Rows a) const;
+  /// The acceleration of mapped rows where that of independent ones is zero, at the x of the last positions() and the v of
+  /// all rows; zero in independent rows.
+  void curve(ConstRows v, Rows a) const;
 
   /// Where to add forces on all rows whose sum out += J^T f is wanted: `out` itself without mappings, else work space
   /// that is zero. To be handed to finishSum() or finishProduct().

@@ -7,6 +7,8 @@
 #include <cmath>
 
 #include "framework/scene/archive.h"
+#include "framework/scene/spans.h"
+#include "framework/simulation/integrator.h"
 #include "framework/simulation/system.h"
 
 namespace stroma {
@@ -89,11 +91,13 @@ void MechanicalMatrix::multiplyFree(ConstRows p, Rows out) const {
   clear(out);
   const Rows all = mappings_.beginSum(out);
   for (const Mass* mass : actors_.masses)
-    if (const double factor = factors_.of(*mass); factor != 0) mass->addProduct(p_all, factor, all);
+    if (const double factor = factors_.of(*mass); factor != 0) heard("product", mass)->addProduct(p_all, factor, all);
   for (const ForceField* field : actors_.stiff_fields)
-    if (const double factor = factors_.of(*field); factor != 0) field->addStiffnessProduct(p_all, factor, all);
+    if (const double factor = factors_.of(*field); factor != 0)
+      heard("product", field)->addStiffnessProduct(p_all, factor, all);
   if (factors_.damping != 0)
-    for (const ForceField* field : actors_.damped_fields) field->addDampingProduct(p_all, factors_.damping, all);
+    for (const ForceField* field : actors_.damped_fields)
+      heard("product", field)->addDampingProduct(p_all, factors_.damping, all);
   mappings_.finishProduct(p_all, factors_.stiffness, all, out);
   constraints_.project(out);
 }
@@ -128,6 +132,7 @@ const BlockMatrix& MechanicalMatrix::assemble() {
   assembled_.pattern();
   if (assembled_revision_ == valuesRevision()) return assembled_.matrix();
   const PhaseTimer timer(system_.times.assembly);
+  const Span span("assemble", &system_.integrator());
   ++system_.counts.assemblies;
   assembled_revision_ = valuesRevision();
   return assembled_.assemble(factors_);

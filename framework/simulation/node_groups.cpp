@@ -105,6 +105,18 @@ void NodeGroups::average(Rows vector) const {
   }
 }
 
+void NodeGroups::averagePositions(const Motion& motion, Rows x) const {
+  if (!motion.turns()) return average(x);
+  for (Index g = 0; g < count(); ++g) {
+    const bool turns = motion.kindOf(*begin(g)) == RowKind::turn;
+    const auto at = [x](Index row) { return Eigen::Map<Eigen::Vector4d>(x.data + std::size_t(row) * row_doubles); };
+    Eigen::Vector4d sum = Eigen::Vector4d::Zero();
+    for (const Index* row = begin(g); row != end(g); ++row) sum += (turns && at(*row).dot(sum) < 0 ? -1 : 1) * at(*row);
+    sum = turns ? sum.normalized() : sum / double(size(g));
+    for (const Index* row = begin(g); row != end(g); ++row) at(*row) = turns && sum[3] < 0 ? -sum : sum;
+  }
+}
+
 void NodeGroups::average(std::vector<double>& numbers) const {
   for (Index g = 0; g < count(); ++g) {
     double mean = 0;

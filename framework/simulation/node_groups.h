@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "framework/mechanics/motion.h"
 #include "framework/mechanics/projective_constraint.h"
 
 namespace stroma {
@@ -31,6 +32,8 @@ class NodeGroups {
   void share(std::vector<NodeProjector>& list) const;
   /// Each row becomes the mean of its group.
   void average(Rows vector) const;
+  /// The same of positions. The mean of orientations is that of their quaternions, of length one.
+  void averagePositions(const Motion& motion, Rows x) const;
   /// Each number becomes the mean of its group; shape (rows).
   void average(std::vector<double>& numbers) const;
 

@@ -8,6 +8,7 @@
 #include <limits>
 #include <utility>
 
+#include "framework/scene/spans.h"
 #include "framework/simulation/integrator.h"
 
 namespace stroma {
@@ -47,6 +48,7 @@ Sweeps correctInTurns(const std::vector<PositionConstraint*>& constraints, Const
     if (sweeps.count > 1) copy(rows, before);
     sweeps.worst = 0;
     for (PositionConstraint* constraint : constraints) {
+      const Span span("correct", constraint);
       const double given = correct(*constraint);
       const double violation = std::isnan(given) ? std::numeric_limits<double>::infinity() : given;
       if (violation > sweeps.worst) sweeps.worst = violation, sweeps.culprit = constraint;
@@ -73,9 +75,9 @@ void PositionCorrections::compile(const Actors& actors, const Integrator& integr
                                        constraint->path(), constraint->state().path()),
                            "position constraints on the state that is mapped from");
   for (const PositionConstraint* constraint : actors.position_constraints)
-    if (!constraint->state().row_kinds.empty())
-      throw ComponentError(fmt::format("{} acts on positions, and not all rows of {} are places", constraint->path(),
-                                       constraint->state().path()),
+    if (!constraint->state().hasPointsOnly() && !(constraint->state().hasFrames() && constraint->takesFrames()))
+      throw ComponentError(fmt::format("{} acts on points, and {} has {}", constraint->path(), constraint->state().path(),
+                                       constraint->state().hasFrames() ? "rigid frames" : "numbers"),
                            "position constraints on a state of points");
   if (!constraints.relations().empty())
     throw ComponentError(fmt::format("{} corrects positions after each step, and the corrections would break relations "
@@ -95,19 +97,15 @@ void PositionCorrections::enforce(const StepContext& context, ConstRows x_start,
   copy(x_now, reference_);
   mobility_.reset(constraints_->projectors());
   for (PositionConstraint* constraint : actors_->position_constraints) constraint->begin(step);
-  const auto settle = [&](Rows tied) {
-    constraints_->groups().average(tied);
-    constraints_->placePrescribed(context, x, v);
-  };
+  const auto settle = [&] { constraints_->placePrescribed(context, x, v); };
   const Sweeps moved = correctInTurns(
-      actors_->position_constraints, x_now, before_, [&] { settle(x_now); },
+      actors_->position_constraints, x_now, before_, [&] { constraints_->groups().averagePositions(actors_->motion, x_now), settle(); },
       [&](PositionConstraint& constraint) { return constraint.correctPositions(step, x_now, reference_); });
-  constraints_->groups().average(reference_);
-  const double rate = 1 / context.dt;
-  const double* reference = reference_.rows().data;
-  for (std::size_t i = 0; i < v_now.doubles(); ++i) v_now.data[i] += rate * (x_now.data[i] - reference[i]);
+  constraints_->groups().averagePositions(actors_->motion, reference_);
+  actors_->motion.difference(x_now, reference_);
+  axpy(1 / context.dt, reference_, v_now);
   const Sweeps turned = correctInTurns(
-      actors_->position_constraints, v_now, before_, [&] { settle(v_now); },
+      actors_->position_constraints, v_now, before_, [&] { constraints_->groups().average(v_now), settle(); },
       [&](PositionConstraint& constraint) { return constraint.correctVelocities(step, x_now, v_now); });
   report.constraint_sweeps += moved.count + turned.count;
   report.constraints_converged = !moved.broken() && !turned.broken();

@@ -5,8 +5,6 @@
 
 #include <algorithm>
 
-#include "framework/mechanics/frames.h"
-
 namespace stroma {
 
 void PrescribedMotion::reserve(std::size_t count) {
@@ -38,7 +36,9 @@ void PrescribedMotion::place(const StepContext& context, double t, Rows x, Rows 
   // a constraint may follow a node that another one, later in the list, places: a chain of n needs n passes
   const auto moving = std::count_if(actors_.constraints.begin(), actors_.constraints.end(),
                                     [](const ProjectiveConstraint* c) { return c->prescribesMotion(); });
-  for (std::ptrdiff_t pass = 0; pass < std::max<std::ptrdiff_t>(2, moving); ++pass) placeOnce(context, t, x, v);
+  // turns that several place meet to second order in each pass
+  const std::ptrdiff_t least = shared_.empty() ? 2 : 4;
+  for (std::ptrdiff_t pass = 0; pass < std::max(least, moving); ++pass) placeOnce(context, t, x, v);
   placeGroups(x, v);
 }
 
@@ -49,7 +49,7 @@ void PrescribedMotion::placeOnce(const StepContext& context, double t, Rows x, R
     constraint.prescribe(t, x, v);
     if (!shared_.empty()) shared_.note(int(i), x, v);
   }
-  if (!shared_.empty()) misplaced_ = describeConflict(shared_.meet(x, v));
+  if (!shared_.empty()) misplaced_ = describeConflict(shared_.meet(actors_.motion, x, v));
 }
 
 // A group goes where its placed member is.
@@ -59,7 +59,7 @@ void PrescribedMotion::placeGroups(Rows x, Rows v) const {
     if (group < 0) continue;
     const Mat3 held = Mat3::Identity() - placed.projector;
     for (const Index* row = groups_.begin(group); row != groups_.end(group); ++row) {
-      x[*row] += held * (x[placed.row] - x[*row]);
+      actors_.motion.advanceRow(held * actors_.motion.increment(x, x, *row, placed.row), x, *row);
       v[*row] += held * (v[placed.row] - v[*row]);
     }
   }
@@ -68,9 +68,10 @@ void PrescribedMotion::placeGroups(Rows x, Rows v) const {
 std::string PrescribedMotion::describeConflict(const SharedPlacements::Conflict& conflict) const {
   if (conflict.row < 0) return {};
   return fmt::format(
-      "{} cannot be where {} and {} put it: at the place between it is {:.3g} m from where the first does",
+      "{} cannot be where {} and {} put it: at the place between it is {:.3g} {} from where the first does",
       actors_.describeRow(conflict.row), actors_.constraints[std::size_t(conflict.a)]->path(),
-      actors_.constraints[std::size_t(conflict.b)]->path(), conflict.distance);
+      actors_.constraints[std::size_t(conflict.b)]->path(), conflict.distance,
+      actors_.motion.kindOf(conflict.row) == RowKind::turn ? "rad" : "m");
 }
 
 // What never moves can be judged before the first step.
@@ -101,10 +102,7 @@ void PrescribedMotion::aim(const StepContext& context, ConstRows x, Rows v) {
   actors_.motion.advance(context.dt, v, target_x_);
   place(context, context.t_end, target_x_, target_v_);
   for (const NodeProjector& moved : moving_) {
-    const Vec3 speed = (actors_.motion.kindOf(moved.row) == RowKind::turn
-                            ? rotationVector(orientationIn(target_x_, moved.row) * orientationIn(x, moved.row).conjugate())
-                            : Vec3(target_x_[moved.row] - x[moved.row])) /
-                       context.dt;
+    const Vec3 speed = actors_.motion.increment(x, target_x_, moved.row) / context.dt;
     v[moved.row] += (Mat3::Identity() - moved.projector) * (speed - v[moved.row]);
   }
 }

@@ -22,9 +22,16 @@ struct AttributeEdit {
   std::string path, attribute, text;
 };
 
+/// Simulation::setState() was called. The numbers are not kept, so that no record of events repeats it.
+struct StateChange {
+  std::string state;  ///< its path
+};
+/// Throws ComponentError: such a change cannot be done again.
+[[noreturn]] void refuseAgain(const StateChange& change);
+
 struct RunEvent {
   long step = 0;  ///< how many had been made
-  std::variant<InputChange, AttributeEdit> what;
+  std::variant<InputChange, AttributeEdit, StateChange> what;
 };
 
 /// All that was done to a run from outside.
@@ -35,6 +42,7 @@ class RunLog {
   /// has had no effect.
   void record(long step, InputChange change);
   void record(long step, AttributeEdit edit) { events_.push_back({step, std::move(edit)}); }
+  void record(long step, StateChange change) { events_.push_back({step, std::move(change)}); }
   void clear() { events_.clear(); }
   void replaceBy(std::vector<RunEvent> events) { events_ = std::move(events); }
 

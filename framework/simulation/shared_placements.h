@@ -2,6 +2,7 @@
 #pragma once
 #include <vector>
 
+#include "framework/mechanics/motion.h"
 #include "framework/mechanics/projective_constraint.h"
 
 namespace stroma {
@@ -10,7 +11,8 @@ namespace stroma {
 /// that together they ask for
 ///   (sum H_i) (x' - x) = sum H_i (x_i - x)
 /// with x_i where motion i alone puts the node: x' is the place nearest to x that all agree on, found at once. Going
-/// there in turns would only approach it. Without such a place the equation gives the one between, and meet() says so.
+/// there in turns would only approach it. Of orientations the differences are increments. Without such a place the
+/// equation gives the one between, and meet() says so.
 class SharedPlacements {
  public:
   /// Room for `count` calls' worth of nodes: nothing else allocates.
@@ -31,14 +33,15 @@ class SharedPlacements {
     double distance = 0;  ///< [m], to where a puts it
   };
   /// Puts the nodes where all motions noted agree; returns the worst conflict.
-  Conflict meet(Rows x, Rows v) const;
+  Conflict meet(const Motion& motion, Rows x, Rows v) const;
 
  private:
   struct Entry {
     Index row;
     int constraint;
-    Mat3 held;  ///< H_i
-    Vec3 x, v;  ///< where the motion alone puts the node, and how fast
+    Mat3 held;          ///< H_i
+    Eigen::Vector4d x;  ///< where the motion alone puts the node
+    Vec3 v;             ///< and how fast
   };
   using Iterator = std::vector<Entry>::const_iterator;
   Iterator endOfRow(Iterator first) const;

@@ -6,7 +6,10 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <stdexcept>
 
+#include "framework/scene/spans.h"
+#include "framework/simulation/expectation.h"
 #include "framework/simulation/step_guard.h"
 #include "framework/simulation/step_limits.h"
 
@@ -16,6 +19,7 @@ namespace {
 /// Null when the integrator, or what it found below itself, cannot work as written: the reason is in `diagnostics`.
 std::unique_ptr<System> compileSystem(const SystemMembers& members, Diagnostics& diagnostics) {
   Integrator& integrator = *members.integrator;
+  const Span span("compile", &integrator);
   try {
     auto system = std::make_unique<System>(members);
     integrator.compile(*system);
@@ -110,20 +114,39 @@ std::vector<State*> Simulation::states() const {
 }
 
 StepReport Simulation::step(StopToken stop) {
+  if (stepping_) throw std::logic_error("a step begins in the middle of a step");
   begin();
   if (director_) director_->beforeStep(*this);
+  struct Ended {
+    bool& stepping;
+    ~Ended() { stepping = false; }
+  } const ended{stepping_};
+  stepping_ = true;
+  return makeStep(stop);
+}
+
+StepReport Simulation::makeStep(StopToken stop) {
   StepContext context = clock_.next(dt());
   context.stop = stop;
   StepReport report;
   for (Observer* observer : observers_.all())
-    if (auto* guard = dynamic_cast<StepGuard*>(observer))
+    if (auto* guard = dynamic_cast<StepGuard*>(observer)) {
+      complete();
       if (std::string why = guard->refusal(context); !why.empty()) {
         report.diverged = true;
         report.reason =
             fmt::format("step {} (from t = {:.6g} s), {}: {}", context.index, context.t, observer->path(), why);
         return report;
       }
-  for (std::size_t i = 0; i < systems_.size() && !report.failed(); ++i) advance(i, context, report);
+    }
+  for (std::size_t i = 0; i < systems_.size() && !report.failed(); ++i) {
+    try {
+      advance(i, context, report);
+    } catch (...) {  // of what others have written, a force in another language
+      if (!isLean(i)) takeBack(i);
+      throw;
+    }
+  }
   if (report.failed()) return report;
   for (const auto& system : systems_) {
     const PhaseTimer timer(system->times.total);
@@ -131,6 +154,8 @@ StepReport Simulation::step(StopToken stop) {
   }
   for (History* history : histories_) endHistory(*history, context, report);
   clock_.stepMade(context);
+  for (Observer* observer : observers_.all())
+    if (auto* expectation = dynamic_cast<Expectation*>(observer)) expectation->stepMade(report);
   observers_.afterStep(context);
   return report;
 }
@@ -138,15 +163,15 @@ StepReport Simulation::step(StopToken stop) {
 void Simulation::advance(std::size_t index, const StepContext& context, StepReport& report) {
   System& system = *systems_[index];
   const PhaseTimer timer(system.times.total);
+  const Span span("step", &system.integrator());
   // where several systems move, one may have to go back because another one failed
-  const bool owns_state = system.integrator().stateOwner();
-  const bool lean = owns_state && systems_.size() == 1;
+  const bool owns_state = system.integrator().stateOwner(), lean = isLean(index);
   Snapshot& before = snapshots_.good(index);
   if (!lean) before.take(system);
   system.keepSolver();
 
   if (!owns_state) system.beginStep(context);
-  StepReport part = system.integrator().step(system, context);
+  StepReport part = heard("integrate", &system.integrator())->step(system, context);
   if (part.stopped) {
     if (!lean) takeBack(index);
     report.stopped = true;
@@ -218,32 +243,6 @@ void Simulation::forget() {
   for (Component* component : components) component->reset();
   watch_.reset();
   clock_.start(root().root_time);
-}
-
-void Simulation::check(const RunEvent& event) const {
-  if (const auto* edit = std::get_if<AttributeEdit>(&event.what)) {
-    edits_.check(edit->path, edit->attribute);
-  } else if (const auto& input = std::get<InputChange>(event.what).input) {
-    inputs_.check(*input);
-  }
-}
-
-void Simulation::make(const RunEvent& event) {
-  if (const auto* edit = std::get_if<AttributeEdit>(&event.what)) {
-    setAttribute(edit->path, edit->attribute, edit->text);
-    return;
-  }
-  const auto& [number, input] = std::get<InputChange>(event.what);
-  if (input) {
-    inputs_.set(number, *input);
-  } else if (inputs_.has(number)) {
-    removeInput(number);
-  }
-}
-
-void Simulation::setDirector(std::unique_ptr<RunDirector> director) {
-  director_ = std::move(director);
-  if (director_) inputs_.reserve(director_->firstFreeNumber());
 }
 
 std::uint64_t Simulation::stateHash() const {

@@ -95,6 +95,16 @@ class Simulation {
   void changeInput(long number, const Input& input) { inputs_.change(number, input); }
   void removeInput(long number) { inputs_.remove(number); }
 
+  // ---- positions and velocities from outside, between steps ----
+  /// Rows of x and v of `state`, as many as it has; without data they stay. What constraints hold stays where it is, and
+  /// mapped states follow. Integrators and linear solvers begin anew, as at the start of a run; histories keep what they
+  /// remember, as if the body had been moved in no time. Returns how many rows constraints kept from where they were to be.
+  /// Throws ComponentError, and nothing has changed: in the middle of a step, numbers that are not finite, a state that
+  /// follows another or that is moved by a matrix computed beforehand, bodies that would overlap.
+  Index setState(const State& state, ConstRows x, ConstRows v);
+  /// A step is under way: nothing may be changed.
+  bool isStepping() const { return stepping_; }
+
   // ---- all that was done to the run from outside: inputs and attributes ----
   /// What was done since the start of the run, in order: done again to the same scene, as loaded, it repeats the run bit
   /// for bit. What was refused is not in it; of several targets, forces or balls of one input before the same step it
@@ -121,9 +131,12 @@ class Simulation {
   void take(Archive values);
   /// The initial state, and nothing else.
   void forget();
+  StepReport makeStep(StopToken stop);
   /// One step of system `index`; when it fails, all systems up to it are taken back.
   void advance(std::size_t index, const StepContext& context, StepReport& report);
   void takeBack(std::size_t failed);
+  /// The system puts its own step back, and no other has to.
+  bool isLean(std::size_t index) const { return systems_.size() == 1 && systems_[index]->integrator().stateOwner(); }
   /// The step stands for `history`; its fault makes a step without time unsolved.
   void endHistory(History& history, const StepContext& context, StepReport& report) const;
 
@@ -140,6 +153,7 @@ class Simulation {
   RunInputs inputs_;
   RunEdits edits_;
   std::unique_ptr<RunDirector> director_;
+  bool stepping_ = false;
 };
 
 }  // namespace stroma

@@ -8,10 +8,12 @@ namespace stroma {
 void complete(const Systems& systems) {
   for (const auto& system : systems) {
     StateOwner* const owner = system->integrator().stateOwner();
-    if (!owner) continue;
-    owner->complete(*system);
-    // it left mapped rows behind with all others
-    if (!system->actors().passive_mappings.empty()) system->applyMappings();
+    if (owner) owner->complete(*system);
+    if (system->actors().passive_mappings.empty()) continue;
+    if (owner)  // it left mapped rows behind with all others
+      system->applyMappings();
+    else
+      system->mappingChain().placePassive(system->x, system->v);
   }
 }
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "framework/scene/usual_component.h"
 #include "framework/simulation/integrator.h"
 
 namespace stroma {
@@ -15,16 +16,62 @@ void StepLimits::compile(System& system) {
   for (ForceField* field : system.forceFields())
     if (auto* limiter = dynamic_cast<StepLimiter*>(field)) limiters_.push_back(limiter);
   if (!empty()) scaled_.resize(system.independentRows());
+  if (!bends()) return;
+  for (Vector* vector : {&start_, &middle_, &end_}) vector->resize(system.allRows());
+  bend_.resize(std::size_t(system.allRows()));
+}
+
+double StepLimits::ask(ConstRows x, const Way& way) const {
+  double step = 1;
+  for (StepLimiter* limiter : limiters_) step = std::min(step, limiter->longestStep(x, way));
+  return step;
 }
 
 double StepLimits::longest(ConstRows dx, double factor) {
-  double step = 1;
-  if (empty()) return step;
+  if (empty()) return 1;
+  if (bends()) {
+    const Rows x = system_->independent(system_->x);
+    copy(x, scaled_);
+    return longest(dx, factor, [&](double s) {
+      copy(scaled_, x);
+      system_->motion().advance(s * factor, dx, x);
+    });
+  }
   copy(dx, scaled_);
   scale(factor, scaled_);
   const MappingChain& chain = system_->mappingChain();
-  const ConstRows x = chain.positions(system_->x), all = chain.direction(scaled_);
-  for (StepLimiter* limiter : limiters_) step = std::min(step, limiter->longestStep(x, all));
+  return ask(chain.positions(system_->x), {chain.direction(scaled_)});
+}
+
+double StepLimits::largestTurn(ConstRows dx) const {
+  double turn = 0;
+  for (const Index row : system_->motion().turningRows())
+    if (row < dx.count) turn = std::max(turn, dx[row].norm());
+  return turn;
+}
+
+/// A point that turns by an angle q at a distance r from the axis is at most r q^2/8 away from where it would be on its
+/// chord; in the middle it is r (1 - cos(q/2)), which for q up to 1.5 is no less than 0.95 of that.
+double StepLimits::longest(ConstRows dx, double factor, const std::function<void(double)>& goTo) {
+  constexpr double most_turn = 1.5, margin = 1.1;
+  constexpr int trials = 60;
+  const auto placesAt = [&](double s, Vector& out) { goTo(s), copy(system_->mappingChain().positions(system_->x), out); };
+  placesAt(0, start_);
+  const double turn = factor * largestTurn(dx);
+  double step = turn > most_turn ? most_turn / turn : 1;
+  for (int trial = 0;; ++trial) {
+    placesAt(0.5 * step, middle_), placesAt(step, end_);
+    for (Index row = 0; row < start_.count(); ++row) {
+      const Vec3 chord = Vec3(end_[row]) - Vec3(start_[row]);
+      bend_[std::size_t(row)] = margin * (Vec3(middle_[row]) - Vec3(start_[row]) - 0.5 * chord).norm();
+      end_[row] = chord;
+    }
+    const double free = ask(start_, {end_, bend_.data()});
+    if (free == 1) break;
+    step = trial == trials ? 0 : step * (free > 0 ? std::min(free, 0.9) : 0.5);
+    if (step == 0) break;
+  }
+  placesAt(0, start_);  // mappings are where they were
   return step;
 }
 
@@ -36,10 +83,12 @@ bool StepLimits::moveOn() {
   return again;
 }
 
-void beginLimitedStep(const System& system, ConstRows x, double t, double t_end) {
+void tellStepBegins(const System& system, ConstRows x, double t, double t_end) {
   for (ForceField* field : system.forceFields())
-    if (auto* limiter = dynamic_cast<StepLimiter*>(field))
-      limiter->stepBegins(system.mappingChain().positions(x), t, t_end);
+    if (auto* hears = dynamic_cast<HearsSteps*>(field))
+      hears->stepBegins(system.mappingChain().positions(x), t, t_end);
+  for (LagrangianConstraint* constraint : system.actors().lagrangian_constraints)
+    constraint->constrainedStepBegins(system.mappingChain().positions(x), t_end);
 }
 
 std::string overlapIn(System& system) {
@@ -51,6 +100,11 @@ std::string overlapIn(System& system) {
 }
 
 void checkStepLimits(const System& system) {
+  const auto& lagrangian = system.actors().lagrangian_constraints;
+  if (!lagrangian.empty() && !dynamic_cast<const FindsMultipliers*>(&system.integrator()))
+    throw ComponentError(fmt::format("{} does not find the forces of the constraint {}", system.integrator().type(),
+                                     dynamic_cast<const Component&>(*lagrangian.front()).path()),
+                         "an integrator that does: " + usualComponent(Part::integrator));
   const auto& fields = system.forceFields();
   const auto limiter = std::find_if(fields.begin(), fields.end(),
                                     [](ForceField* f) { return dynamic_cast<StepLimiter*>(f) != nullptr; });
@@ -68,10 +122,8 @@ void checkStepLimits(const System& system) {
                     "through anything",
                     system.actors().position_constraints.front()->path(), path),
         "contact or position constraints, not both");
-  if (!system.mappingChain().isLinear())
-    throw ComponentError(
-        fmt::format("{} needs to know the way that points make in a step, and a mapping here is not linear", path),
-        "mappings that are linear");
+  for (ForceField* field : fields)
+    if (auto* each = dynamic_cast<StepLimiter*>(field)) each->checkStart(system.x);
 }
 
 }  // namespace stroma

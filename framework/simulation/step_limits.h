@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -15,17 +16,26 @@ class StepLimits {
   bool empty() const { return limiters_.empty(); }
   /// The largest s <= 1 up to which the system's positions may move by s * factor * dx; dx has the independent rows.
   double longest(ConstRows dx, double factor = 1);
+  /// Points may move on curves: mappings are not linear.
+  bool bends() const { return !empty() && !system_->mappingChain().isLinear(); }
+  /// The same on a way that goTo(s) puts the system's positions on; it ends with goTo(0).
+  double longest(ConstRows dx, double factor, const std::function<void(double)>& goTo);
   /// Something that was held fixed in the solve that has ended has moved on: it is to be made again.
   bool moveOn();
 
  private:
+  double ask(ConstRows x, const Way& way) const;
+  double largestTurn(ConstRows dx) const;
+
   System* system_ = nullptr;
   std::vector<StepLimiter*> limiters_;
-  Vector scaled_;  ///< shape (independentRows()), only with limiters
+  Vector scaled_;               ///< shape (independentRows()), only with limiters
+  Vector start_, middle_, end_;  ///< shape (allRows()), only where ways bend
+  std::vector<double> bend_;
 };
 
 // ---- told by the system and the simulation ----
-void beginLimitedStep(const System& system, ConstRows x, double t, double t_end);
+void tellStepBegins(const System& system, ConstRows x, double t, double t_end);
 /// What lies in one another after a step, or empty.
 std::string overlapIn(System& system);
 /// Throws ComponentError when an integrator does not ask how far it may step, or something else moves positions too.

@@ -9,6 +9,7 @@
 
 #include "framework/mechanics/frames.h"
 #include "framework/scene/node.h"
+#include "framework/scene/spans.h"
 #include "framework/scene/usual_component.h"
 #include "framework/simulation/integrator.h"
 #include "framework/simulation/step_limits.h"
@@ -89,19 +90,21 @@ LinearSolver* System::linearSolver() const { return integrator_.linearSolver(); 
 Node& System::node() const { return integrator_.node(); }
 
 void System::beginStep(const StepContext& context) {
+  const Span span("begin step", &integrator_);
   setTime(context.t_end);
-  beginLimitedStep(*this, x, context.t, context.t_end);
+  tellStepBegins(*this, x, context.t, context.t_end);
   constraints_.begin(context, x, v);
   mappings_.place(x, v);
 }
 
 void System::endStep(const StepContext& context, ConstRows x_start, StepReport& report) {
+  const Span span("end step", &integrator_);
   const bool moved = constraints_.end(context, x, v);
-  // where rows are left behind, mapped states follow when they are complete
-  if (moved || !integrator_.stateOwner()) applyMappings();
+  // where rows are left behind, mapped states follow when they are complete; those on which nothing acts always do
+  if (moved || !integrator_.stateOwner()) mappings_.place(x, v);
   if (corrections_.empty()) return;
   corrections_.enforce(context, x_start, x, v, report);
-  applyMappings();
+  mappings_.place(x, v);
 }
 
 void System::keepSolver() {

@@ -120,7 +120,7 @@ class System final {
   void checkLinearSolver() const;
   void computeGravity();
   void updateMasses(ConstRows x_all) const;
-  void addCurvedInertia(ConstRows x_now, ConstRows v_now, Rows f_now) const;
+  void addCurvedInertia(ConstRows v_all, Rows f_now) const;
   void startForce(Rows out) const;  ///< out = gravity
   void noteForceEvaluation(ConstRows f_now);
   template <class Factor>

@@ -4,6 +4,7 @@
 #include <cassert>
 
 #include "framework/scene/node.h"
+#include "framework/scene/spans.h"
 #include "framework/simulation/system.h"
 
 namespace stroma {
@@ -38,9 +39,8 @@ void System::updateMasses(ConstRows x_all) const {
 }
 
 /// f -= M a, a as MappingChain::curve() has it, and of turning inertia w x J w.
-void System::addCurvedInertia(ConstRows x_now, ConstRows v_now, Rows f_now) const {
-  mappings_.curve(x_now, v_now, curve_);
-  const ConstRows v_all = mappings_.velocities(v_now);
+void System::addCurvedInertia(ConstRows v_all, Rows f_now) const {
+  mappings_.curve(v_all, curve_);
   for (const Mass* mass : curved_masses_) {
     mass->addProduct(curve_, -1, f_now);
     if (!mass->turns()) continue;
@@ -65,8 +65,8 @@ void System::computeForce(ConstRows x_now, ConstRows v_now, Rows f_now) {
   const ConstRows x_all = mappings_.positions(x_now), v_all = mappings_.velocities(v_now);
   updateMasses(x_all);
   startForce(f_now);
-  for (ForceField* field : forceFields()) field->addForce(x_all, v_all, f_now);
-  if (hasCurvedInertia()) addCurvedInertia(x_now, v_now, f_now);
+  for (ForceField* field : forceFields()) heard("force", field)->addForce(x_all, v_all, f_now);
+  if (hasCurvedInertia()) addCurvedInertia(v_all, f_now);
   mappings_.pullBack(f_now);
   noteForceEvaluation(f_now);
 }
@@ -92,9 +92,9 @@ void System::computeForceAndProduct(ConstRows x_now, ConstRows v_now, ConstRows 
   for (ForceField* field : forceFields()) {
     const double factor = k + k_rayleigh * field->rayleigh_stiffness;
     if (factor == 0 || !field->traits().has_stiffness) {
-      field->addForce(x_all, v_all, out);
+      heard("force", field)->addForce(x_all, v_all, out);
     } else {
-      field->addForceAndProduct(x_all, v_all, p_all, factor, out);
+      heard("force", field)->addForceAndProduct(x_all, v_all, p_all, factor, out);
     }
   }
   mappings_.pullBack(out);
@@ -109,7 +109,7 @@ void System::addStiffnessProduct(ConstRows p, double k, double k_rayleigh, Rows 
   const Rows all = mappings_.beginSum(out);
   for (const ForceField* field : actors_.stiff_fields)
     if (const double factor = k + k_rayleigh * field->rayleigh_stiffness; factor != 0)
-      field->addStiffnessProduct(p_all, factor, all);
+      heard("product", field)->addStiffnessProduct(p_all, factor, all);
   mappings_.finishProduct(p_all, k, all, out);
 }
 
@@ -118,7 +118,7 @@ void System::addMassProducts(ConstRows p, Rows out, Factor factor) const {
   const ConstRows p_all = mappings_.direction(p);
   const Rows all = mappings_.beginSum(out);
   for (const Mass* mass : masses())
-    if (factor(*mass) != 0) mass->addProduct(p_all, factor(*mass), all);
+    if (factor(*mass) != 0) heard("product", mass)->addProduct(p_all, factor(*mass), all);
   mappings_.finishSum(all, out);
 }
 

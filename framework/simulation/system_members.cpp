@@ -265,6 +265,8 @@ std::vector<State*> statesActedOn(const Component& component) {
     states.push_back(&mapping->output());
     return states;
   }
+  if (const auto* constraint = dynamic_cast<const LagrangianConstraint*>(&component))
+    return constraint->constrainedStates();
   return {};
 }
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "framework/mechanics/force_field.h"
+#include "framework/mechanics/lagrangian_constraint.h"
 #include "framework/mechanics/mapping.h"
 #include "framework/mechanics/mass.h"
 #include "framework/mechanics/position_constraint.h"

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "framework/mechanics/frames.h"
+
 namespace stroma {
 namespace {
 
@@ -20,6 +22,12 @@ void addToBlocks(Index row, const Mat3& value, std::vector<double>& blocks) {
 }
 
 Mat3 along(const Vec3& normal, double factor) { return factor * normal * normal.transpose(); }
+
+/// From where row `row` is to a target, as an increment.
+Vec3 wayTo(const Vec3& target, RowKind kind, ConstRows x, Index row) {
+  if (kind != RowKind::turn) return target - x[row];
+  return rotationVector(turnedBy(target) * orientationIn(x, row).conjugate());
+}
 
 /// Nearer to the centre the square of a distance loses its digits, and a place has no direction.
 constexpr double no_distance = 1e-150;
@@ -71,7 +79,7 @@ bool InputForces::hasBall() const {
 ForceTraits InputForces::traits() const {
   ForceTraits traits;
   traits.symmetric = traits.conservative = true;
-  traits.linear = traits.constant_stiffness = traits.exact_tangent = !hasBall();
+  traits.linear = traits.constant_stiffness = traits.exact_tangent = !hasBall() && !turnsAny();
   traits.velocity_dependent = isDamped();
   return traits;
 }
@@ -84,23 +92,39 @@ ForceField::Cost InputForces::cost() const {
   return {2.5 * double(nodes), 2.5 * double(nodes)};
 }
 
+bool InputForces::turnsAny() const {
+  return std::any_of(inputs_.begin(), inputs_.end(), [](const auto& entry) {
+    const std::vector<Index>& nodes = entry.second.input.nodes;
+    return std::any_of(nodes.begin(), nodes.end(),
+                       [&](Index node) { return entry.second.state->kindOf(node) == RowKind::turn; });
+  });
+}
+
 double InputForces::energy(ConstRows x) const {
   double sum = 0;
-  forNodes([&](Index row, const Input& input, std::size_t i) {
-    sum -= input.force.dot(x[row]);
-    if (!input.targets.empty()) sum += input.stiffness / 2 * (x[row] - input.targets[i]).squaredNorm();
-  });
-  for (const auto& [number, placed] : inputs_)
-    forInside(placed, x,
-              [&, k = placed.input.stiffness](Index, double depth, const Vec3&) { sum += k / 2 * depth * depth; });
+  for (const auto& [number, placed] : inputs_) {
+    const Input& input = placed.input;
+    for (std::size_t i = 0; i < input.nodes.size(); ++i) {
+      const Index row = placed.state->firstRow() + input.nodes[i];
+      const RowKind kind = placed.state->kindOf(input.nodes[i]);
+      if (kind != RowKind::turn) sum -= input.force.dot(x[row]);  // a torque in space has no energy
+      if (!input.targets.empty()) sum += input.stiffness / 2 * wayTo(input.targets[i], kind, x, row).squaredNorm();
+    }
+    forInside(placed, x, [&, k = input.stiffness](Index, double depth, const Vec3&) { sum += k / 2 * depth * depth; });
+  }
   return sum;
 }
 
 void InputForces::addForce(ConstRows x, ConstRows v, Rows f) {
-  forNodes([&](Index row, const Input& input, std::size_t i) {
-    f[row] += input.force - input.damping * v[row];
-    if (!input.targets.empty()) f[row] += input.stiffness * (input.targets[i] - x[row]);
-  });
+  for (auto& [number, placed] : inputs_) {
+    const Input& input = placed.input;
+    for (std::size_t i = 0; i < input.nodes.size(); ++i) {
+      const Index row = placed.state->firstRow() + input.nodes[i];
+      f[row] += input.force - input.damping * v[row];
+      if (!input.targets.empty())
+        f[row] += input.stiffness * wayTo(input.targets[i], placed.state->kindOf(input.nodes[i]), x, row);
+    }
+  }
   for (auto& [number, placed] : inputs_) {
     placed.touches.clear();
     forInside(placed, x, [&, &touches = placed.touches, &input = placed.input](Index row, double depth, const Vec3& n) {

@@ -35,7 +35,7 @@ std::string findFileIn(const std::string& given, const std::string& folder, cons
   std::vector<std::string> folders{folder.empty() ? "." : folder};
   folders.insert(folders.end(), data_paths.begin(), data_paths.end());
   for (const std::string& candidate : folders) {
-    if (searched) searched->push_back(candidate);
+    if (searched && std::find(searched->begin(), searched->end(), candidate) == searched->end()) searched->push_back(candidate);
     const fs::path path = fs::path(candidate) / given;
     if (isFile(path)) return fs::absolute(path).lexically_normal().string();
   }

@@ -16,6 +16,7 @@
 #include "framework/scene/abi.h"
 #include "framework/scene/change_table.h"
 #include "framework/scene/services.h"
+#include "framework/scene/spans.h"
 #include "framework/scene/text.h"
 
 namespace stroma {
@@ -180,6 +181,7 @@ bool Modules::provide(const std::string& type) {
 }
 
 void Modules::open(const std::string& path) {
+  const Span span("open a module");
   void* library = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (!library) throw std::runtime_error("the module " + path + " cannot be opened: " + dlerror());
   using Entry = const ModuleInfo* (*)();

@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "framework/mechanics/frames.h"
+#include "framework/scene/text.h"
 #include "framework/simulation/state_file.h"
 #include "tools/recordings/state_file_marks.h"
 
@@ -89,12 +90,6 @@ Contents readAll(const std::string& path) {
   Contents contents;
   contents.text = std::move(bytes);
   return contents;
-}
-
-std::string_view trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(" \t\r");
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
 }
 
 /// Takes the next number off `text`; false when there is none.

@@ -8,6 +8,7 @@
 
 #include "framework/scene/node.h"
 #include "framework/scene/output_file.h"
+#include "framework/scene/spans.h"
 #include "framework/simulation/simulation.h"
 
 namespace stroma {
@@ -55,7 +56,7 @@ void RunObservers::begin() {
   for (const Observer* observer : observers_)
     for (const std::string& file : observer->files()) checkWritable(file, observer->replacesFiles());
   begun_ = true;
-  for (Observer* observer : observers_) observer->begin(simulation_);
+  for (Observer* observer : observers_) heard("observe", observer)->begin(simulation_);
 }
 
 /// An output that fails does not keep the others from what they have to write.
@@ -79,7 +80,7 @@ void RunObservers::afterStep(const StepContext& context) {
   if (!on_demand_ || std::any_of(observers_.begin(), observers_.end(), reads_all)) complete(systems_);
   if (observers_.empty()) return;
   const auto start = Clock::now();
-  tellAll([&](Observer& observer) { observer.afterStep(simulation_, context); });
+  tellAll([&](Observer& observer) { heard("observe", &observer)->afterStep(simulation_, context); });
   if (!systems_.empty())
     systems_.front()->times.observers += std::chrono::duration<double>(Clock::now() - start).count();
 }
@@ -88,7 +89,7 @@ void RunObservers::end() {
   complete(systems_);
   if (!begun_) return;
   begun_ = false;
-  tellAll([&](Observer& observer) { observer.end(simulation_); });
+  tellAll([&](Observer& observer) { heard("observe", &observer)->end(simulation_); });
 }
 
 void RunObservers::add(Observer& observer) {

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <span>
+#include <vector>
+
+#include "framework/mechanics/state.h"
+
+namespace stroma {
+
+/// Scalar conditions g(x) as rows: the value at x and the gradient, on all rows of a system.
+class LagrangianRows {
+ public:
+  enum class Kind : unsigned char {
+    equal,  ///< g = 0
+    push,   ///< g >= 0, force >= 0, one of them zero
+    given,  ///< the force is known
+    rub     ///< Coulomb's friction of the last `push` before it: g, a way of sliding since the start of the step, is
+            ///< zero, or the force of all its `rub` rows has mu times that of the `push`, against the sliding
+  };
+  struct Entry {
+    Index row;
+    Vec3 gradient;
+  };
+  struct Row {
+    Kind kind;
+    double value, factor;    ///< g [m]; mu of what rubs, the force of what is given
+    std::size_t begin, end;  ///< of entries
+  };
+
+  void clear() { rows_.clear(), entries_.clear(); }
+  void begin(Kind kind, double value, double factor = 0) {
+    rows_.push_back({kind, value, factor, entries_.size(), entries_.size()});
+  }
+  void add(Index row, const Vec3& gradient) { entries_.push_back({row, gradient}), ++rows_.back().end; }
+  const std::vector<Row>& rows() const { return rows_; }
+  std::span<const Entry> entriesOf(const Row& row) const { return {entries_.data() + row.begin, row.end - row.begin}; }
+
+ private:
+  std::vector<Row> rows_;
+  std::vector<Entry> entries_;
+};
+
+/// A component besides, whose conditions hold at the end of a step by forces of constraint. An integrator that knows the
+/// matrix A of its step finds them: A c = dt J^T l, J the gradients (components/integrators/multipliers.h).
+class LagrangianConstraint {
+ public:
+  virtual ~LagrangianConstraint() = default;
+  virtual std::vector<State*> constrainedStates() const = 0;
+  /// Once rows of the system are known.
+  virtual void compileConstraint() {}
+  /// A step to t_end [s] starts at x: which conditions there are is settled for it.
+  virtual void constrainedStepBegins(ConstRows /*x*/, double /*t_end*/) {}
+  /// Appends the conditions at x, always as many in a step.
+  virtual void addConditions(ConstRows x, ConstRows x_start, LagrangianRows& rows) const = 0;
+  /// The forces l of its rows in the step that has been made [N].
+  virtual void takeForces(std::span<const double> /*forces*/) {}
+};
+
+/// The role of an integrator that finds them.
+class FindsMultipliers {
+ public:
+  virtual ~FindsMultipliers() = default;
+};
+
+}  // namespace stroma

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// What a profile hears of a run: where a piece of work begins and ends, and whose it is. As a rule nobody listens: a span is
+// then two tests of one pointer.
+#pragma once
+namespace stroma {
+class Component;
+
+class SpanListener {
+ public:
+  virtual ~SpanListener() = default;
+  /// By any thread; those of one thread are nested. `what` is a literal, `whose` may be null.
+  virtual void begin(const char* what, const Component* whose) = 0;
+  virtual void end(long count) = 0;  ///< of the last one of this thread; count: iterations of a solve, else 0
+};
+extern SpanListener* span_listener;  ///< null: nobody. Not changed while a span is open
+
+/// From here to the end of its life.
+class Span {
+ public:
+  explicit Span(const char* what, const Component* whose = nullptr) {
+    if (span_listener) [[unlikely]] span_listener->begin(what, whose);
+  }
+  Span(const Span&) = delete;
+  ~Span() {
+    if (span_listener) [[unlikely]] span_listener->end(count_);
+  }
+  void count(long iterations) { count_ = iterations; }
+
+ private:
+  long count_ = 0;
+};
+
+/// heard("force", field)->addForce(...) is one call in a span.
+template <class Role>
+struct Heard {
+  Role* operator->() const { return role; }
+  Role* role;
+  Span span;
+};
+template <class Role>
+Heard<Role> heard(const char* what, Role* role) {
+  return {role, Span(what, role)};
+}
+}  // namespace stroma

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <string>
+
+#include "framework/simulation/step.h"
+
+namespace stroma {
+
+/// An observer that compares results with what the scene expects of them.
+class Expectation {
+ public:
+  virtual ~Expectation() = default;
+  virtual void stepMade(const StepReport&) {}  ///< before its afterStep()
+  virtual long comparisons() const = 0;  ///< so far
+  /// A sentence with the numbers of the first that was not as expected; empty when all were.
+  virtual std::string failure() const = 0;
+};
+
+}  // namespace stroma
