@@ -40,7 +40,7 @@
 namespace stroma {
 namespace {
 
-class BeamFEMForceField final : public FramePairField {
+class BeamFEMForceField final : public FramePairFieldOf<BeamFEMForceField> {
  public:
   void declare(DataTable& table) override {
     FramePairField::declare(table);
@@ -105,22 +105,17 @@ class BeamFEMForceField final : public FramePairField {
   }
 
  protected:
-  Wrench<double> wrench(std::size_t i, const Triple<double>& p, const Triple<double>& psi) const override {
-    return evaluate(i, p, psi);
-  }
-  Wrench<Jet> wrench(std::size_t i, const Triple<Jet>& p, const Triple<Jet>& psi) const override {
-    return evaluate(i, p, psi);
-  }
+  double drawnRadius() const override { return radius_; }
 
  private:
+  friend FramePairFieldOf;
   /// dE/dp = dexp^-T(psi) s with s = dE/drho, and dE/dpsi has the change of rho with psi,
   ///   s.drho/dpsi = -1/2 p x s + c ((psi.s) p + (psi.p) s - 2 (p.s) psi) + 2 c' ((psi.p)(psi.s) - |psi|^2 (p.s)) psi
   template <class T>
-  Wrench<T> evaluate(std::size_t i, const Triple<T>& p, const Triple<T>& psi) const {
+  Wrench<T> evaluate(std::size_t i, const Triple<T>& p, const Triple<T>& psi, const InverseTerm& term) const {
     const double length = lengths_[i], stretch = axial_ / length, bend = bending_ / length;
     const double twist = twisting_ / length, shear = 12 * bend / (length * length);
     const T square = dot(psi, psi);
-    const InverseTerm term(valueOf(square));
     const T c = chain(square, term.c, term.c1), slope = chain(square, 2 * term.c1, 2 * term.c2);
     const Triple<T> rho = inverseTimes(psi, c, p);
     const Triple<T> s{T(stretch) * (rho.x - T(length)), T(shear) * rho.y, T(shear) * rho.z};

@@ -40,39 +40,42 @@ void FramePairField::compile() {
     rows.push_back({a, a + 1, b, b + 1});
   }
   setGroups(std::move(rows), damped_);
-  motions_.resize(pairs_.size());
+  for (std::vector<Motion>* motions : {&motions_, &work_motions_}) motions->resize(pairs_.size());
+  for (std::vector<Wrench<double>>* wrenches : {&wrenches_, &work_wrenches_}) wrenches->resize(pairs_.size());
 }
 
-FramePairField::Motion FramePairField::motionOf(std::size_t pair, ConstRows x) const {
-  const Group& rows = rows_[pair];
-  const Quaternion a = orientationIn(x, rows[1]) * pairs_[pair].axes_a;
-  const Quaternion b = orientationIn(x, rows[3]) * pairs_[pair].axes_b;
-  Motion motion;
-  motion.axes = a.toRotationMatrix();
-  motion.arm = x[rows[2]] - x[rows[0]];
-  motion.p = motion.axes.transpose() * motion.arm;
-  motion.psi = rotationVector(a.conjugate() * b);
-  return motion;
+void FramePairField::place(ConstRows x, std::vector<Motion>& motions) const {
+  for (std::size_t i = 0; i < pairs_.size(); ++i) {
+    const Group& rows = rows_[i];
+    const Quaternion a = orientationIn(x, rows[1]) * pairs_[i].axes_a;
+    const Quaternion b = orientationIn(x, rows[3]) * pairs_[i].axes_b;
+    Motion& motion = motions[i];
+    motion.axes = a.toRotationMatrix();
+    motion.arm = x[rows[2]] - x[rows[0]];
+    motion.p = tripleOf(motion.axes.transpose() * motion.arm);
+    const Vec3 psi = rotationVector(a.conjugate() * b);
+    motion.psi = tripleOf(psi);
+    motion.term = InverseTerm(psi.squaredNorm());
+  }
 }
 
 double FramePairField::energy(ConstRows x) const {
+  place(x, work_motions_);
+  evaluateAll(work_motions_, work_wrenches_);
   double sum = 0;
-  for (std::size_t i = 0; i < pairs_.size(); ++i) {
-    const Motion motion = motionOf(i, x);
-    sum += wrench(i, tripleOf(motion.p), tripleOf(motion.psi)).energy;
-  }
+  for (const Wrench<double>& wrench : work_wrenches_) sum += wrench.energy;
   return sum;
 }
 
 void FramePairField::addForce(ConstRows x, ConstRows v, Rows f) {
+  place(x, motions_);
+  evaluateAll(motions_, wrenches_);
   for (std::size_t i = 0; i < pairs_.size(); ++i) {
     const Group& rows = rows_[i];
-    const Motion& motion = motions_[i] = motionOf(i, x);
-    const Triple<double> psi = tripleOf(motion.psi);
-    const Wrench<double> local = wrench(i, tripleOf(motion.p), psi);
-    const InverseTerm term(motion.psi.squaredNorm());
+    const Motion& motion = motions_[i];
+    const Wrench<double>& local = wrenches_[i];
     Vec3 force = -motion.axes * vectorOf(local.n),
-         torque = -motion.axes * vectorOf(inverseTimes(psi, term.c, local.k, 1));
+         torque = -motion.axes * vectorOf(inverseTimes(motion.psi, motion.term.c, local.k, 1));
     if (const double damping = pairs_[i].damping; damping > 0) {
       force -= damping * (v[rows[2]] - v[rows[0]] - v[rows[1]].cross(motion.arm));
       torque -= damping * (v[rows[3]] - v[rows[1]]);
@@ -97,13 +100,13 @@ void FramePairField::addForce(ConstRows x, ConstRows v, Rows f) {
 /// With d = c_b - c_a and turns th in space: dp = R_a^T (dd - th_a x d), dpsi = dexp^-1(psi) R_a^T (th_b - th_a); force and
 /// torque turn with th_a besides.
 void FramePairField::computeTangents() const {
+  tangent_wrenches_.resize(pairs_.size());
+  evaluateAll(motions_, tangent_wrenches_);
   for (std::size_t i = 0; i < pairs_.size(); ++i) {
     const Motion& motion = motions_[i];
-    const Triple<Jet> p{{motion.p.x(), 0}, {motion.p.y(), 1}, {motion.p.z(), 2}};
-    const Triple<Jet> psi{{motion.psi.x(), 3}, {motion.psi.y(), 4}, {motion.psi.z(), 5}};
-    const Wrench<Jet> local = wrench(i, p, psi);
-    const InverseTerm term(motion.psi.squaredNorm());
-    const Jet c = chain(dot(psi, psi), term.c, term.c1);
+    const Triple<Jet> psi{{motion.psi.x, 3}, {motion.psi.y, 4}, {motion.psi.z, 5}};
+    const Wrench<Jet>& local = tangent_wrenches_[i];
+    const Jet c = chain(dot(psi, psi), motion.term.c, motion.term.c1);
     const Triple<Jet> m = inverseTimes(psi, c, local.k, 1);
     const Jet* rows[6] = {&local.n.x, &local.n.y, &local.n.z, &m.x, &m.y, &m.z};
     Mat3 block[2][2];  // of (f, m) by (p, psi)
@@ -114,7 +117,7 @@ void FramePairField::computeTangents() const {
     }
     const Mat3& axes = motion.axes;
     force = axes * force, torque = axes * torque;
-    const Mat3 inverse = dexpInverse(motion.psi) * axes.transpose(), to_p = axes.transpose();
+    const Mat3 inverse = dexpInverse(vectorOf(motion.psi)) * axes.transpose(), to_p = axes.transpose();
     const Mat3 arm = crossMatrix(motion.arm);
     // of (force, torque) on b by the rows c_a, th_a, c_b, th_b
     Mat3 of[2][4];
@@ -143,7 +146,7 @@ void FramePairField::computeTangents() const {
 }
 
 void FramePairField::addSegments(std::vector<Segment>& segments) const {
-  for (const Pair& pair : pairs_) segments.push_back({&state(), pair.a, &second(), pair.b});
+  for (const Pair& pair : pairs_) segments.push_back({&state(), pair.a, &second(), pair.b, drawnRadius()});
 }
 
 }  // namespace stroma

@@ -34,6 +34,7 @@ class FramePairField : public NodeGroupField<4>, public DrawnSegments {
   /// In init(), after ForceField::init(). Throws ComponentError unless both states have frames.
   void setPairs(std::vector<Pair> pairs, State* second = nullptr);
   const std::vector<Pair>& pairs() const { return pairs_; }
+  virtual double drawnRadius() const { return 0; }  ///< of beams [m]
   State& second() const { return second_ ? *second_ : state(); }
 
   template <class T>
@@ -41,21 +42,46 @@ class FramePairField : public NodeGroupField<4>, public DrawnSegments {
     Triple<T> n, k;  ///< dE/dp, dE/dpsi
     double energy = 0;
   };
-  virtual Wrench<double> wrench(std::size_t pair, const Triple<double>& p, const Triple<double>& psi) const = 0;
-  virtual Wrench<Jet> wrench(std::size_t pair, const Triple<Jet>& p, const Triple<Jet>& psi) const = 0;
+  /// How frame b lies in the axes of a.
+  struct Motion {
+    Mat3 axes;                ///< R_a in space
+    Vec3 arm;                 ///< c_b - c_a
+    Triple<double> p{}, psi{};
+    InverseTerm term{0};      ///< of |psi|^2
+  };
+  /// n, k and E of each pair, and with their derivatives by p and psi.
+  virtual void evaluateAll(const std::vector<Motion>& motions, std::vector<Wrench<double>>& out) const = 0;
+  virtual void evaluateAll(const std::vector<Motion>& motions, std::vector<Wrench<Jet>>& out) const = 0;
 
  private:
-  struct Motion {
-    Mat3 axes;         ///< R_a in space
-    Vec3 arm, p, psi;  ///< c_b - c_a; p; psi
-  };
-  Motion motionOf(std::size_t pair, ConstRows x) const;
+  void place(ConstRows x, std::vector<Motion>& motions) const;
   void computeTangents() const override;
 
   std::vector<Pair> pairs_;
   State* second_ = nullptr;
   bool damped_ = false;
-  mutable std::vector<Motion> motions_;  ///< of the last addForce()
+  mutable std::vector<Motion> motions_, work_motions_;  ///< of the last addForce(); of energy()
+  mutable std::vector<Wrench<double>> wrenches_, work_wrenches_;
+  mutable std::vector<Wrench<Jet>> tangent_wrenches_;
+};
+
+/// `Energy` has evaluate(pair, p, psi, term), once for all number types.
+template <class Energy>
+class FramePairFieldOf : public FramePairField {
+ private:
+  void evaluateAll(const std::vector<Motion>& motions, std::vector<Wrench<double>>& out) const final {
+    const auto& energy = static_cast<const Energy&>(*this);
+    for (std::size_t i = 0; i < motions.size(); ++i)
+      out[i] = energy.evaluate(i, motions[i].p, motions[i].psi, motions[i].term);
+  }
+  void evaluateAll(const std::vector<Motion>& motions, std::vector<Wrench<Jet>>& out) const final {
+    const auto& energy = static_cast<const Energy&>(*this);
+    for (std::size_t i = 0; i < motions.size(); ++i) {
+      const auto &p = motions[i].p, &psi = motions[i].psi;
+      out[i] = energy.evaluate(i, Triple<Jet>{{p.x, 0}, {p.y, 1}, {p.z, 2}}, Triple<Jet>{{psi.x, 3}, {psi.y, 4}, {psi.z, 5}},
+                               motions[i].term);
+    }
+  }
 };
 
 }  // namespace stroma

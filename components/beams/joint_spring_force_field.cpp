@@ -6,7 +6,9 @@
 //
 // t and q_r say where the second frame rests. Of each axis k and kappa are the soft stiffness where the motion is free and the
 // hard one where it is blocked. A free rotation may have limits. kd damps the relative velocity: force -kd v, torque -kd w.
-// Frame b gets the force and the torque of the energy, frame a what balances them.
+// Frame b gets the force and the torque of the energy, frame a what balances them. psi is the shortest turn: a hinge that
+// passes half a turn from its rest jumps to the other side, and what it blocks with it. ArticulatedSystemMapping has no such
+// limit.
 //
 // `spring` is text in SOFA's words, for each joint
 //
@@ -29,7 +31,9 @@
 // </Node>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <sstream>
 
@@ -77,12 +81,25 @@ class JointReader {
     return value;
   }
 
+  static const Joint& checked(const Joint& joint) {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      if (!(joint.low[axis] <= joint.high[axis]))
+        throw ComponentError(fmt::format("spring: the limits {:g} and {:g} leave no angle", joint.low[axis], joint.high[axis]),
+                             "the lower one first");
+    if (joint.has_turn && !(std::abs(joint.turn.norm() - 1) < 1e-9))
+      throw ComponentError("spring: REST_R is no orientation", "x y z w, not all of them zero");
+    for (const double number : {joint.soft_shift, joint.hard_shift, joint.soft_turn, joint.hard_turn, joint.block, joint.damping})
+      if (!(number >= 0) || !std::isfinite(number))
+        throw ComponentError(fmt::format("spring: {:g} is no stiffness and no damping", number), "numbers >= 0");
+    return joint;
+  }
+
   Joint one() {
     Joint joint;
     joint.a = int(number("BEGIN_SPRING")), joint.b = int(number("BEGIN_SPRING"));
     for (std::string word; words_ >> word;) {
       const auto next = [&] { return number(word); };
-      if (word == "END_SPRING") return joint;
+      if (word == "END_SPRING") return checked(joint);
       if (word == "FREE_AXIS") {
         for (bool& free : joint.free) free = next() != 0;
       } else if (word == "KS_T") {
@@ -113,7 +130,7 @@ class JointReader {
   std::istringstream words_;
 };
 
-class JointSpringForceField final : public FramePairField {
+class JointSpringForceField final : public FramePairFieldOf<JointSpringForceField> {
  public:
   void declare(DataTable& table) override {
     FramePairField::declare(table);
@@ -154,17 +171,10 @@ class JointSpringForceField final : public FramePairField {
     return traits;
   }
 
- protected:
-  Wrench<double> wrench(std::size_t i, const Triple<double>& p, const Triple<double>& psi) const override {
-    return evaluate(i, p, psi);
-  }
-  Wrench<Jet> wrench(std::size_t i, const Triple<Jet>& p, const Triple<Jet>& psi) const override {
-    return evaluate(i, p, psi);
-  }
-
  private:
+  friend FramePairFieldOf;
   template <class T>
-  Wrench<T> evaluate(std::size_t i, const Triple<T>& p, const Triple<T>& psi) const {
+  Wrench<T> evaluate(std::size_t i, const Triple<T>& p, const Triple<T>& psi, const InverseTerm&) const {
     const Joint& joint = joints_[i];
     Wrench<T> wrench;
     const auto shift = [&](int axis, const T& value) {
@@ -177,14 +187,11 @@ class JointSpringForceField final : public FramePairField {
       const bool free = joint.free[3 + axis];
       T torque = T(free ? joint.soft_turn : joint.hard_turn) * angle;
       wrench.energy += 0.5 * valueOf(torque) * valueOf(angle);
-      for (const double limit : {joint.low[axis], joint.high[axis]}) {
-        const bool beyond = limit == joint.low[axis] ? valueOf(angle) < limit : valueOf(angle) > limit;
-        if (!free || !beyond || !std::isfinite(limit)) continue;
-        const T excess = angle - T(limit);
-        torque = torque + T(joint.block) * excess;
-        wrench.energy += 0.5 * joint.block * valueOf(excess) * valueOf(excess);
-      }
-      return torque;
+      const double limit = std::clamp(valueOf(angle), joint.low[axis], joint.high[axis]);
+      if (!free || limit == valueOf(angle)) return torque;
+      const T excess = angle - T(limit);
+      wrench.energy += 0.5 * joint.block * valueOf(excess) * valueOf(excess);
+      return torque + T(joint.block) * excess;
     };
     wrench.n = {shift(0, p.x), shift(1, p.y), shift(2, p.z)};
     wrench.k = {turn(0, psi.x), turn(1, psi.y), turn(2, psi.z)};

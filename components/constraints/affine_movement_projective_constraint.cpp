@@ -8,6 +8,9 @@
 // along between the two times and are free otherwise. A straight path shrinks what turns: half-way through a rotation
 // by the angle a, lengths across its axis are cos(a/2) of what they were.
 //
+// Of a rigid frame the centre goes this way, and its orientation is exp(s r) q, r the rotation vector of A, which must be a
+// rotation then.
+//
 // Source: the attributes are SOFA's.
 //
 // Example:
@@ -26,7 +29,9 @@
 #include <algorithm>
 
 #include "components/constraints/held_nodes.h"
+#include "framework/mechanics/frames.h"
 #include "framework/mechanics/key_times.h"
+#include "framework/mechanics/motion.h"
 #include "framework/mechanics/node_indices.h"
 #include "framework/scene/factory.h"
 
@@ -53,6 +58,7 @@ class AffineMovementProjectiveConstraint final : public HeldNodes {
           fmt::format("endConstraintTime = {:g} is not after beginConstraintTime = {:g}", end_, begin_),
           "a later time");
     const Mat3 matrix = readMatrix();
+    if (!state().hasPointsOnly()) holdFrames(matrix);
     if (data().find("meshIndices")->isSet()) {
       guided_ = checkedNodes(guided_indices_, state(), "meshIndices");
       std::erase_if(guided_, [this](Index node) { return std::binary_search(nodes().begin(), nodes().end(), node); });
@@ -69,7 +75,8 @@ class AffineMovementProjectiveConstraint final : public HeldNodes {
   bool prescribesMotion() const override { return true; }
 
   void addProjectors(double t, std::vector<NodeProjector>& out) const override {
-    for (std::size_t i = 0; i < movedAt(t); ++i) out.push_back({state().firstRow() + path_[i].node, Mat3::Zero()});
+    for (std::size_t i = 0; i < movedAt(t); ++i)
+      for (Index k = 0; k < heldRows(); ++k) out.push_back({state().firstRow() + path_[i].node + k, Mat3::Zero()});
   }
   void prescribe(double t, Rows x, Rows v) const override {
     const bool moving = t > begin_ && (t < end_ || sameTime(t, end_));
@@ -79,14 +86,32 @@ class AffineMovementProjectiveConstraint final : public HeldNodes {
       const Path& path = path_[i];
       x[state().firstRow() + path.node] = (1 - s) * path.from + s * path.to;
       v[state().firstRow() + path.node] = moving ? Vec3((path.to - path.from) / (end_ - begin_)) : Vec3::Zero();
+      if (heldRows() == 1) continue;
+      const Index turn = state().firstRow() + path.node + 1;
+      placeRow(RowKind::turn, state().position[std::size_t(path.node + 1)], x, turn);
+      Motion::turnBy(s * turn_, x.data + std::size_t(turn) * row_doubles);
+      v[turn] = moving ? Vec3(turn_ / (end_ - begin_)) : Vec3::Zero();
     }
   }
+
+ protected:
+  bool takesAllRows() const override { return true; }
 
  private:
   struct Path {
     Index node;
     Vec3 from, to;
   };
+
+  void holdFrames(const Mat3& matrix) {
+    if (!state().hasFrames())
+      throw ComponentError(fmt::format("the nodes of {} are numbers, which have no place", state().path()),
+                           "points or rigid frames");
+    if (!(matrix * matrix.transpose()).isIdentity(1e-6) || matrix.determinant() < 0)
+      throw ComponentError("rotation is none, and frames cannot be stretched", "a rotation matrix");
+    turn_ = rotationVector(Quaternion(matrix).normalized());
+    holdAllRows();
+  }
 
   Mat3 readMatrix() const {
     if (rotation_.size() != 9)
@@ -106,7 +131,7 @@ class AffineMovementProjectiveConstraint final : public HeldNodes {
 
   std::vector<int> guided_indices_;
   std::vector<double> rotation_{1, 0, 0, 0, 1, 0, 0, 0, 1}, quaternion_{0, 0, 0, 1};
-  Vec3 translation_ = Vec3::Zero();
+  Vec3 translation_ = Vec3::Zero(), turn_ = Vec3::Zero();  ///< turn_: r, of frames
   double begin_ = 0, end_ = 20;
   std::vector<Index> guided_;
   std::vector<Path> path_;  ///< shape (nodes + guided nodes)

@@ -10,6 +10,9 @@
 // its start. The weight of a body that hangs or rests on its followers alone is then carried by nobody: a run says how
 // large the force is that the attachment took.
 //
+// Rigid frames that are attached are one body: the sum of their masses and inertias, with one orientation, their mean at the
+// start. A frame and a point share the frame's centre.
+//
 // Node indices1[i] of object1 is joined to node indices2[i] of object2; without the objects both are of the state of
 // this node. Bodies that have an integrator each move in one system, which takes integrators of one kind with the same
 // attributes. A node may be attached to several others.
@@ -35,8 +38,10 @@
 // </Node>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <tuple>
 
+#include "framework/mechanics/frames.h"
 #include "framework/mechanics/node_pairs.h"
 #include "framework/mechanics/projective_constraint.h"
 #include "framework/scene/factory.h"
@@ -63,10 +68,12 @@ class AttachProjectiveConstraint final : public ProjectiveConstraint {
     ProjectiveConstraint::init();
     second_ = object2_.get() ? object2_.get() : &state();
     std::tie(leaders_, followers_) = checkedPairs({"indices1", indices1_, state()}, {"indices2", indices2_, *second_});
+    rows_ = sharedRows();
     double farthest = 0;
     for (std::size_t i = 0; i < leaders_.size(); ++i) {
       if (second_ == &state() && leaders_[i] == followers_[i])
-        throw ComponentError(fmt::format("node {} is attached to itself", leaders_[i]), "two different nodes");
+        throw ComponentError(fmt::format("node {} is attached to itself", leaders_[i] / state().rows_per_node),
+                             "two different nodes");
       farthest = std::max(farthest, (state().position[leaders_[i]] - second_->position[followers_[i]]).norm());
     }
     if (!data().find("twoWay")->isSet())
@@ -77,39 +84,63 @@ class AttachProjectiveConstraint final : public ProjectiveConstraint {
                       state().path(), second_->path()));
     if (farthest > 0)
       inform(fmt::format("attached nodes lie up to {:.3g} m apart: they are brought together", farthest));
+    tellOfTurns();
   }
 
   std::vector<State*> states() const override { return {&state(), second_}; }
   bool prescribesMotion() const override { return !two_way_; }
   void addProjectors(double, std::vector<NodeProjector>& out) const override {
-    if (two_way_) return;
-    for (std::size_t i = 0; i < followers_.size(); ++i) out.push_back({follower(i), Mat3::Zero()});
+    if (!two_way_) forEachRow([&](Index, Index follower) { out.push_back({follower, Mat3::Zero()}); });
   }
   void addTies(std::vector<Tie>& out) const override {
-    if (!two_way_) return;
-    for (std::size_t i = 0; i < followers_.size(); ++i) out.push_back({leader(i), follower(i)});
+    if (two_way_) forEachRow([&](Index leader, Index follower) { out.push_back({leader, follower}); });
   }
   void addUnansweredRows(std::vector<Index>& out) const override {
-    if (two_way_) return;
-    for (std::size_t i = 0; i < followers_.size(); ++i) out.push_back(follower(i));
+    if (!two_way_) forEachRow([&](Index, Index follower) { out.push_back(follower); });
   }
   void prescribe(double, Rows x, Rows v) const override {
     if (two_way_) return;
-    for (std::size_t i = 0; i < followers_.size(); ++i) {
-      x[follower(i)] = Vec3(x[leader(i)]);
-      v[follower(i)] = Vec3(v[leader(i)]);
-    }
+    forEachRow([&](Index leader, Index follower) {
+      std::copy_n(x.data + std::size_t(leader) * row_doubles, row_doubles, x.data + std::size_t(follower) * row_doubles);
+      v[follower] = Vec3(v[leader]);
+    });
   }
 
+ protected:
+  bool takesAllRows() const override { return true; }
+
  private:
-  Index leader(std::size_t i) const { return state().firstRow() + leaders_[i]; }
-  Index follower(std::size_t i) const { return second_->firstRow() + followers_[i]; }
+  /// How many rows the nodes of both states have in common.
+  Index sharedRows() const {
+    const bool numbers = state().kindOf(0) == RowKind::value, others = second_->kindOf(0) == RowKind::value;
+    if (numbers != others || (numbers && state().rows_per_node != second_->rows_per_node))
+      throw ComponentError(fmt::format("the nodes of {} and {} are of different types", state().path(), second_->path()),
+                           "states of one template, or points and frames");
+    return std::min(state().rows_per_node, second_->rows_per_node);
+  }
+  void tellOfTurns() const {
+    if (rows_ != 2 || !state().hasFrames()) return;
+    double most = 0;
+    for (std::size_t i = 0; i < leaders_.size(); ++i)
+      most = std::max(most, turnedBy(state().position[std::size_t(leaders_[i] + 1)])
+                                .angularDistance(turnedBy(second_->position[std::size_t(followers_[i] + 1)])));
+    if (most > 1e-9)
+      inform(fmt::format("attached frames are turned up to {:.3g} rad against each other: they get one orientation", most));
+  }
+  /// Rows of the system that are one.
+  template <class Visit>
+  void forEachRow(Visit&& visit) const {
+    for (std::size_t i = 0; i < leaders_.size(); ++i)
+      for (Index k = 0; k < rows_; ++k)
+        visit(state().firstRow() + leaders_[i] + k, second_->firstRow() + followers_[i] + k);
+  }
 
   Link<State> object1_{"mechanical state"}, object2_{"mechanical state"};
   std::vector<int> indices1_, indices2_;
   bool two_way_ = true;
   State* second_ = nullptr;
-  std::vector<Index> leaders_, followers_;  ///< shape (pairs)
+  std::vector<Index> leaders_, followers_;  ///< first rows of the nodes, shape (pairs)
+  Index rows_ = 1;                          ///< of a node that are shared
 };
 
 }  // namespace

@@ -35,7 +35,7 @@ class FixedPlaneProjectiveConstraint final : public HeldNodes {
   void init() override {
     if (!(direction_.norm() > 0)) throw ComponentError("direction is zero", "a vector that is not zero");
     const Vec3 normal = direction_.normalized();
-    projector_ = Mat3::Identity() - normal * normal.transpose();
+    setProjectors({Mat3::Identity() - normal * normal.transpose()});
     const bool between = data().find("dmin")->isSet() || data().find("dmax")->isSet();
     if (!between) return HeldNodes::init();
     if (data().find("indices")->isSet() || data().find("fixAll")->isSet())

@@ -29,8 +29,7 @@ class FixedProjectiveConstraint final : public HeldNodes {
   }
   void init() override {
     HeldNodes::init();
-    const bool all = !(state().hasFrames() && type() == "FixedTranslationProjectiveConstraint");
-    holdAllRows(std::vector<Mat3>(all ? std::size_t(state().rows_per_node) : 1, Mat3::Zero()));
+    if (!(state().hasFrames() && type() == "FixedTranslationProjectiveConstraint")) holdAllRows();
   }
   bool projectsVelocity() const override { return project_velocity_; }
 

@@ -45,14 +45,9 @@ void HeldNodes::serializeStart(Archive& archive, std::vector<Vec3>& start) const
   if (whose != nodes_) start.clear();
 }
 
-void HeldNodes::holdAllRows(const std::vector<Mat3>& projectors) { of_rows_ = projectors; }
-
 void HeldNodes::addProjectors(double, std::vector<NodeProjector>& out) const {
-  for (Index node : nodes_) {
-    if (of_rows_.empty()) out.push_back({state().firstRow() + node, projector_});
-    for (std::size_t k = 0; k < of_rows_.size(); ++k)
-      out.push_back({state().firstRow() + node + Index(k), of_rows_[k]});
-  }
+  for (const Index node : nodes_)
+    for (Index k = 0; k < heldRows(); ++k) out.push_back({state().firstRow() + node + k, projector(k)});
 }
 
 }  // namespace stroma

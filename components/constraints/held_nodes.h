@@ -6,7 +6,7 @@
 
 namespace stroma {
 
-/// Base of constraints on listed nodes that all have the same projector.
+/// Base of constraints on listed nodes that all have the same projectors.
 class HeldNodes : public ProjectiveConstraint {
  public:
   void declare(DataTable& table) override;  ///< also indices and fixAll
@@ -14,22 +14,25 @@ class HeldNodes : public ProjectiveConstraint {
   void addProjectors(double, std::vector<NodeProjector>& out) const override;
 
  protected:
-  /// After init(): also the orientations of frames and all numbers of a node, with projectors of their own.
-  void holdAllRows(const std::vector<Mat3>& projectors);
+  /// After init(): the rows of a node, from the first on, have these projectors: of frames also the orientations.
+  void setProjectors(std::vector<Mat3> projectors) { projectors_ = std::move(projectors); }
+  /// All rows of a node are held in all directions.
+  void holdAllRows() { projectors_.assign(std::size_t(state().rows_per_node), Mat3::Zero()); }
+  /// Onto the free directions of row k of a node.
+  const Mat3& projector(Index k = 0) const { return projectors_[std::size_t(k)]; }
+  Index heldRows() const { return Index(projectors_.size()); }  ///< of a node
   const std::vector<Index>& nodes() const { return nodes_; }  ///< ascending, each once
   Index row(std::size_t i) const { return state().firstRow() + nodes_[i]; }
-  /// Where a movement of the nodes started, shape (nodes) or empty. Read for other nodes it is empty: theirs begins anew.
+  /// Where a movement of the nodes started, rows of the nodes or empty. Read for other nodes it is empty: theirs begins anew.
   void serializeStart(Archive& archive, std::vector<Vec3>& start) const;
   /// Replaces the nodes that init() found.
   void setNodes(std::vector<Index> nodes) { nodes_ = std::move(nodes); }
-
-  Mat3 projector_ = Mat3::Zero();  ///< onto the free directions
 
  private:
   std::vector<int> indices_;
   bool fix_all_ = false, ignore_missing_ = false;
   std::vector<Index> nodes_;
-  std::vector<Mat3> of_rows_;  ///< projectors of the rows of a node; empty: projector_ of its first one
+  std::vector<Mat3> projectors_{Mat3::Zero()};  ///< of the rows of a node
 };
 
 }  // namespace stroma

@@ -6,6 +6,9 @@
 //   v(t) = m'(t), at a key time the slope before it
 // PartialLinearMovementProjectiveConstraint: the same along the axes of movedDirections; the others are free.
 //
+// Of a rigid frame a movement has six numbers: of its centre, and a rotation vector r [rad] in fixed axes. Its orientation is
+// exp(r(t)) q_0, or exp(r(t)), and its angular velocity dexp(r) r'. Nodes that are numbers have one number each.
+//
 // x_0 is the initial position when the movement is under way from the start of the simulation, else the position where
 // the movement begins. Positions and velocities are exact at the end of every step, whatever the integrator; inside a
 // step the nodes move with constant velocity. A step that reaches past the last key ends at its movement.
@@ -28,8 +31,10 @@
 // </Node>
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "components/constraints/held_nodes.h"
-#include "framework/mechanics/key_times.h"
+#include "components/constraints/row_keys.h"
 #include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
 
@@ -49,11 +54,12 @@ class LinearMovement : public HeldNodes {
 
   void init() override {
     HeldNodes::init();
-    movement_.check();
+    holdAllRows();
+    movement_.compile(state());
     if (outside_ == Outside::free && !data().find("outside")->isSet())
       inform(fmt::format("the nodes are free before t = {:g} s and after t = {:g} s; outside=\"hold\" keeps them",
                          movement_.first(), movement_.last()));
-    start_.reserve(nodes().size());
+    start_.reserve(nodes().size() * std::size_t(heldRows()));
   }
 
   bool activeIn(double t, double t_end) const override {
@@ -68,28 +74,50 @@ class LinearMovement : public HeldNodes {
   void beginMotion(double t, ConstRows x) override {
     if (!start_.empty()) return;
     const bool from_start = outside_ == Outside::hold || movement_.first() <= node().root().root_time;
-    const Vec3 moved = t > movement_.first() ? movement_.at(t) : Vec3::Zero();
-    for (std::size_t i = 0; i < nodes().size(); ++i)
-      start_.push_back(from_start ? state().position[nodes()[i]] : Vec3(x[row(i)] - moved));
+    for (const Index node : nodes()) {
+      const std::size_t own = start_.size();
+      noteRows(state(), node, x, start_);
+      for (Index k = 0; k < heldRows(); ++k) {
+        Vec3& start = start_[own + std::size_t(k)];
+        if (from_start) {
+          start = state().position[std::size_t(node + k)];
+        } else if (t > movement_.first()) {
+          const Vec3 moved = (Mat3::Identity() - projector(k)) * movement_.of(k).at(t);
+          start = turns(k) ? rotationVector(turnedBy(-moved) * turnedBy(start)) : Vec3(start - moved);
+        }
+      }
+    }
   }
 
   void prescribe(double t, Rows x, Rows v) const override {
-    const Mat3 held = Mat3::Identity() - projector_;
-    const Vec3 movement = movement_.at(t), velocity = movement_.slope(t);
-    for (std::size_t i = 0; i < nodes().size(); ++i) {
-      const Vec3 target = relative_ ? Vec3(start_[i] + movement) : movement;
-      x[row(i)] += held * (target - x[row(i)]);
-      v[row(i)] += held * (velocity - v[row(i)]);
+    for (Index k = 0; k < heldRows(); ++k) {
+      const Mat3 held = Mat3::Identity() - projector(k);
+      // along the other axes numbers mean nothing, and a turn would take them along
+      const Vec3 movement = turns(k) ? Vec3(held * movement_.of(k).at(t)) : movement_.of(k).at(t);
+      const Vec3 slope = turns(k) ? Vec3(held * movement_.of(k).slope(t)) : movement_.of(k).slope(t);
+      const Vec3 velocity = turns(k) ? angularVelocity(movement, slope) : slope;
+      for (std::size_t i = 0; i < nodes().size(); ++i) {
+        const Vec3& start = start_[i * std::size_t(heldRows()) + std::size_t(k)];
+        Vec3 target = movement;
+        if (relative_) target = turns(k) ? rotationVector(turnedBy(movement) * turnedBy(start)) : Vec3(start + movement);
+        moveHeld(state().kindOf(k), target, held, x, row(i) + k);
+        v[row(i) + k] += held * (velocity - v[row(i) + k]);
+      }
     }
   }
+
+ protected:
+  bool takesAllRows() const override { return true; }
 
  private:
   enum class Outside : int { free, hold };
 
-  KeyTimes<Vec3> movement_;
+  bool turns(Index k) const { return state().kindOf(k) == RowKind::turn; }
+
+  RowKeys movement_;
   bool relative_ = true;
   Outside outside_ = Outside::free;
-  std::vector<Vec3> start_;  ///< [m], shape (nodes); empty until the movement begins
+  std::vector<Vec3> start_;  ///< rows of the nodes, as State::position has them; empty until the movement begins
 };
 
 class LinearMovementProjectiveConstraint final : public LinearMovement {};
@@ -98,14 +126,13 @@ class PartialLinearMovementProjectiveConstraint final : public LinearMovement {
  public:
   void declare(DataTable& table) override {
     LinearMovement::declare(table);
-    table.add("movedDirections", directions_).help("for x, y and z: 1 moved, 0 free");
+    table.add("movedDirections", directions_)
+        .help("for x, y and z, of frames also for the turns about them, or for each number: 1 moved, 0 free");
   }
   void init() override {
     LinearMovement::init();
-    if (directions_.size() != 3)
-      throw ComponentError(fmt::format("movedDirections has {} values", directions_.size()), "3 values");
-    for (int c = 0; c < 3; ++c) projector_(c, c) = directions_[c] ? 0 : 1;
-    if (projector_.isIdentity())
+    setProjectors(freeDirections(directions_, state(), "movedDirections"));
+    if (std::none_of(directions_.begin(), directions_.end(), [](bool moved) { return moved; }))
       warn("movedDirections moves no direction: the constraint does nothing", "write 1 for each direction to move");
   }
 

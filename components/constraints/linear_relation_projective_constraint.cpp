@@ -14,6 +14,10 @@
 //   a periodic cell under the strain e = U / length  coefficients="-1 1"  indices="left_i right_i ..."  coefficients2="-1"
 //   x of one node is y of another, turned by 90 deg  coefficients="1 -1"  indices="0 1"  directions="1 0 0  0 1 0"
 //
+//   an angle turns twice as fast as another one    coefficients="2 -1"  indices="0 1", of a state of numbers (gears)
+//
+// Nodes that are numbers have a relation for each number; of rigid frames the centres are related.
+//
 // Velocities and increments are projected, P = I - N^T N with N an orthonormal basis of the relations, so the equation
 // of a step is P A P dv = P b: the forces of the constraint do no work, and no stiffness is added that would spoil the
 // condition of A. Positions keep to the relations at the end of every step, to round-off. Relations that follow from
@@ -77,6 +81,7 @@ class LinearRelationProjectiveConstraint final : public ProjectiveConstraint {
     setFirstState(object1_, mstate_);
     ProjectiveConstraint::init();
     second_ = object2_.get() ? object2_.get() : &state();
+    checkTypes();
     nodes_ = checkedNodesInOrder(own_.indices, state(), "indices");
     const std::size_t terms = own_.coefficients.size();
     if (terms == 0) throw ComponentError("coefficients is empty", "one number for each term of a relation");
@@ -89,8 +94,9 @@ class LinearRelationProjectiveConstraint final : public ProjectiveConstraint {
                                        common_.coefficients.size(), common_nodes_.size()),
                            "one for each");
     for (std::size_t first = 0; first < nodes_.size(); first += terms)
-      checkDistinct("indices", nodes_.data() + first, nodes_.data() + first + terms);
-    checkDistinct("indices2", common_nodes_.data(), common_nodes_.data() + common_nodes_.size());
+      checkDistinct("indices", nodes_.data() + first, nodes_.data() + first + terms, state().rows_per_node);
+    checkDistinct("indices2", common_nodes_.data(), common_nodes_.data() + common_nodes_.size(),
+                  second_->rows_per_node);
     checkDirections();
     checkCoefficients("coefficients", own_.coefficients);
     checkCoefficients("coefficients2", common_.coefficients);
@@ -100,11 +106,29 @@ class LinearRelationProjectiveConstraint final : public ProjectiveConstraint {
   std::vector<State*> states() const override { return {&state(), second_}; }
   void addProjectors(double, std::vector<NodeProjector>&) const override {}
   void addRelations(LinearRelations& out) const override {
-    if (!own_.directions.empty()) return addAlong(out, [](const Vec3& direction) { return direction; });
-    for (int axis = 0; axis < 3; ++axis) addAlong(out, [axis](const Vec3&) { return Vec3(Vec3::Unit(axis)); });
+    if (!own_.directions.empty()) return addAlong(out, 0, [](const Vec3& direction) { return direction; });
+    if (relatesNumbers())
+      for (Index k = 0; k < state().rows_per_node; ++k) addAlong(out, k, [](const Vec3&) { return Vec3(Vec3::UnitX()); });
+    else
+      for (int axis = 0; axis < 3; ++axis) addAlong(out, 0, [axis](const Vec3&) { return Vec3(Vec3::Unit(axis)); });
   }
 
+ protected:
+  bool takesAllRows() const override { return true; }
+
  private:
+  bool relatesNumbers() const { return state().kindOf(0) == RowKind::value; }
+
+  void checkTypes() const {
+    const bool others = second_->kindOf(0) == RowKind::value;
+    if (relatesNumbers() != others || (others && state().rows_per_node != second_->rows_per_node))
+      throw ComponentError(fmt::format("the nodes of {} and {} are of different types", state().path(), second_->path()),
+                           "states of one template, or points and frames");
+    if (relatesNumbers() && !(own_.directions.empty() && common_.directions.empty()))
+      throw ComponentError(fmt::format("the nodes of {} are numbers, which have no directions", state().path()),
+                           "no directions and no directions2");
+  }
+
   void checkDirections() {
     if (own_.directions.empty() != common_.directions.empty() && !common_nodes_.empty())
       throw ComponentError("only one of directions and directions2 is given", "both or none");
@@ -119,10 +143,10 @@ class LinearRelationProjectiveConstraint final : public ProjectiveConstraint {
   }
 
   /// A node that stands twice in a relation may take itself out of it.
-  static void checkDistinct(const char* attribute, const Index* begin, const Index* end) {
+  static void checkDistinct(const char* attribute, const Index* begin, const Index* end, Index rows_per_node) {
     for (const Index* node = begin; node != end; ++node)
       if (std::find(begin, node, *node) != node)
-        throw ComponentError(fmt::format("{} has node {} twice in one relation", attribute, *node),
+        throw ComponentError(fmt::format("{} has node {} twice in one relation", attribute, *node / rows_per_node),
                              "each node once, with the sum of its coefficients");
   }
 
@@ -139,12 +163,11 @@ class LinearRelationProjectiveConstraint final : public ProjectiveConstraint {
     const std::size_t terms = own_.coefficients.size();
     double farthest = 0;
     for (Index relation = 0; relation < relations.count(); ++relation) {
-      const std::size_t first = terms * std::size_t(relation) % nodes_.size();
       double off = 0, square = 0;
       std::size_t k = 0;
       for (auto term = relations.begin(relation); term != relations.end(relation); ++term, ++k) {
-        const Vec3& start = k < terms ? state().position[std::size_t(nodes_[first + k])]
-                                      : second_->position[std::size_t(common_nodes_[k - terms])];
+        const State& of = k < terms ? state() : *second_;
+        const Vec3& start = of.position[std::size_t(term->row - of.firstRow())];
         off += term->coefficients.dot(start - term->rest);
         square += term->coefficients.squaredNorm();
       }
@@ -154,13 +177,14 @@ class LinearRelationProjectiveConstraint final : public ProjectiveConstraint {
       inform(fmt::format("nodes start up to {:.3g} m from where the relations hold: they are moved there", farthest));
   }
 
-  /// All relations, with `along` of a term's direction in its place.
+  /// All relations of row `of_node` of the nodes, with `along` of a term's direction in its place.
   template <class Along>
-  void addAlong(LinearRelations& out, const Along& along) const {
+  void addAlong(LinearRelations& out, Index of_node, const Along& along) const {
     const auto add = [&](const Terms& terms, std::size_t k, const State& of, Index node) {
       const Vec3 direction = terms.directions.empty() ? Vec3(Vec3::Zero()) : terms.directions[k];
       out.terms.push_back(
-          {of.firstRow() + node, terms.coefficients[k] * along(direction), of.rest_position[std::size_t(node)]});
+          {of.firstRow() + node + of_node, terms.coefficients[k] * along(direction),
+           of.rest_position[std::size_t(node + of_node)]});
     };
     const std::size_t terms = own_.coefficients.size();
     for (std::size_t first = 0; first < nodes_.size(); first += terms) {

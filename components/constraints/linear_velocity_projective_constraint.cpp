@@ -7,6 +7,9 @@
 // every step. `coordinates` lists the axes that are driven (0, 1, 2; all when not given). Before the first key time the
 // nodes are free, and after the last too, unless continueAfterEnd keeps the last velocity.
 //
+// Of a rigid frame a velocity has six numbers: of its centre, and its angular velocity [rad/s] in fixed axes, which are the
+// coordinates 3, 4 and 5. Nodes that are numbers have one each.
+//
 // Source: the attributes are SOFA's.
 //
 // Example:
@@ -21,7 +24,7 @@
 #include <fmt/format.h>
 
 #include "components/constraints/held_nodes.h"
-#include "framework/mechanics/key_times.h"
+#include "components/constraints/row_keys.h"
 #include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
 
@@ -33,22 +36,16 @@ class LinearVelocityProjectiveConstraint final : public HeldNodes {
   void declare(DataTable& table) override {
     HeldNodes::declare(table);
     velocity_.declare(table, "velocities", "velocity of the nodes at each of keyTimes", "m/s");
-    table.add("coordinates", axes_).help("axes that are driven (0, 1, 2); all when not given");
+    table.add("coordinates", axes_).help("axes that are driven (0, 1, 2, of frames to 5); all when not given");
     table.add("continueAfterEnd", continue_).help("keep the last velocity after the last key time");
   }
 
   void init() override {
     HeldNodes::init();
-    velocity_.check();
-    if (data().find("coordinates")->isSet()) {
-      if (axes_.empty()) throw ComponentError("coordinates lists no axis", "0, 1 or 2");
-      projector_ = Mat3::Identity();
-      for (int axis : axes_) {
-        if (axis < 0 || axis > 2) throw ComponentError(fmt::format("coordinates lists the axis {}", axis), "0, 1 or 2");
-        projector_(axis, axis) = 0;
-      }
-    }
-    start_.reserve(nodes().size());
+    velocity_.compile(state());
+    holdAllRows();
+    if (data().find("coordinates")->isSet()) setProjectors(freeDirections(drivenAxes(), state(), "coordinates"));
+    start_.reserve(nodes().size() * std::size_t(heldRows()));
   }
 
   bool activeIn(double t, double t_end) const override {
@@ -66,25 +63,47 @@ class LinearVelocityProjectiveConstraint final : public HeldNodes {
   void beginMotion(double t, ConstRows x) override {
     if (!start_.empty()) return;
     start_time_ = std::max(t, velocity_.first());
-    for (std::size_t i = 0; i < nodes().size(); ++i) start_.push_back(x[row(i)]);
+    for (const Index node : nodes()) noteRows(state(), node, x, start_);
   }
 
   void prescribe(double t, Rows x, Rows v) const override {
-    const Mat3 held = Mat3::Identity() - projector_;
     const double until = continue_ ? t : std::min(t, velocity_.last());
-    const Vec3 movement = velocity_.integral(start_time_, until), velocity = velocity_.at(t);
-    for (std::size_t i = 0; i < nodes().size(); ++i) {
-      x[row(i)] += held * (start_[i] + movement - x[row(i)]);
-      v[row(i)] += held * (velocity - v[row(i)]);
+    for (Index k = 0; k < heldRows(); ++k) {
+      const Mat3 held = Mat3::Identity() - projector(k);
+      const bool turns = state().kindOf(k) == RowKind::turn;
+      const Quaternion turned = turns ? velocity_.turn(k, held, start_time_, until) : Quaternion::Identity();
+      const Vec3 movement = turns ? Vec3(Vec3::Zero()) : velocity_.of(k).integral(start_time_, until);
+      const Vec3 velocity = velocity_.of(k).at(t);
+      for (std::size_t i = 0; i < nodes().size(); ++i) {
+        const Vec3& start = start_[i * std::size_t(heldRows()) + std::size_t(k)];
+        const Vec3 target = turns ? rotationVector(turned * turnedBy(start)) : Vec3(start + movement);
+        moveHeld(state().kindOf(k), target, held, x, row(i) + k);
+        v[row(i) + k] += held * (velocity - v[row(i) + k]);
+      }
     }
   }
 
+ protected:
+  bool takesAllRows() const override { return true; }
+
  private:
-  KeyTimes<Vec3> velocity_;
+  std::vector<bool> drivenAxes() const {
+    const int count = state().kindOf(0) == RowKind::value ? int(state().rows_per_node) : 3 * int(state().rows_per_node);
+    if (axes_.empty()) throw ComponentError("coordinates lists no axis", fmt::format("0 to {}", count - 1));
+    std::vector<bool> driven(std::size_t(count), false);
+    for (const int axis : axes_) {
+      if (axis < 0 || axis >= count)
+        throw ComponentError(fmt::format("coordinates lists the axis {}", axis), fmt::format("0 to {}", count - 1));
+      driven[std::size_t(axis)] = true;
+    }
+    return driven;
+  }
+
+  RowKeys velocity_;
   std::vector<int> axes_;
   bool continue_ = false;
   double start_time_ = 0;    ///< [s]
-  std::vector<Vec3> start_;  ///< [m], shape (nodes): positions at start_time_; empty until then
+  std::vector<Vec3> start_;  ///< rows of the nodes at start_time_, as State::position has them; empty until then
 };
 
 }  // namespace

@@ -7,7 +7,8 @@
 // pulsation [rad/s] and the phase [rad]. With `indices` instead, the mean is the initial position of each listed node,
 // and the amplitude is `translation` plus, for plates of a rheometer, rotation x (X - centre): a rotation vector
 // [rad], small enough that paths along the tangent are those of a turning body (a radius grows by half the square of
-// the angle); pulsation and phase are then those of the attributes.
+// the angle); pulsation and phase are then those of the attributes. Rigid frames take `indices` only: their orientation is
+// exp(sin(pulsation t + phase) rotation) q.
 //
 // Source: name and `oscillators` are SOFA's.
 //
@@ -26,6 +27,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "framework/mechanics/frames.h"
+#include "framework/mechanics/motion.h"
 #include "framework/mechanics/node_indices.h"
 #include "framework/mechanics/projective_constraint.h"
 #include "framework/scene/factory.h"
@@ -58,34 +61,47 @@ class OscillatorProjectiveConstraint final : public ProjectiveConstraint {
       throw ComponentError(fmt::format("oscillators has {} numbers", given_.size()), "nine for each node");
     const auto vector = [this](std::size_t i) { return Vec3(given_[i], given_[i + 1], given_[i + 2]); };
     std::vector<int> named = indices_;
+    oscillators_.clear();
     for (std::size_t i = 0; i < given_.size(); i += numbers) {
       named.push_back(int(given_[i]));
       if (given_[i] != named.back())
         throw ComponentError(fmt::format("{} is no index of a node", given_[i]), "an integer");
       oscillators_.push_back({named.back(), vector(i + 1), vector(i + 4), given_[i + 7], given_[i + 8]});
     }
-    checkedNodes(named, state(), given_.empty() ? "indices" : "oscillators");
-    for (int node : indices_) {
-      const Vec3& mean = state().position[node];
+    const std::vector<Index> rows = checkedNodesInOrder(named, state(), given_.empty() ? "indices" : "oscillators");
+    if (!state().hasPointsOnly() && !(state().hasFrames() && given_.empty()))
+      throw ComponentError(fmt::format("the nodes of {} are no points", state().path()),
+                           "points; or indices of rigid frames with translation and rotation");
+    for (const Index node : given_.empty() ? rows : std::vector<Index>()) {
+      const Vec3& mean = state().position[std::size_t(node)];
       oscillators_.push_back({node, mean, translation_ + rotation_.cross(mean - centre_), pulsation_, phase_});
     }
   }
 
   bool prescribesMotion() const override { return true; }
   void addProjectors(double, std::vector<NodeProjector>& out) const override {
-    for (const Oscillator& o : oscillators_) out.push_back({state().firstRow() + o.node, Mat3::Zero()});
+    for (const Oscillator& o : oscillators_)
+      for (Index k = 0; k < state().rows_per_node; ++k) out.push_back({state().firstRow() + o.node + k, Mat3::Zero()});
   }
   void prescribe(double t, Rows x, Rows v) const override {
     for (const Oscillator& o : oscillators_) {
       const double angle = o.pulsation * t + o.phase;
       x[state().firstRow() + o.node] = o.mean + std::sin(angle) * o.amplitude;
       v[state().firstRow() + o.node] = o.pulsation * std::cos(angle) * o.amplitude;
+      if (!state().hasFrames()) continue;
+      const Index turn = state().firstRow() + o.node + 1;
+      placeRow(RowKind::turn, state().position[std::size_t(o.node + 1)], x, turn);
+      Motion::turnBy(std::sin(angle) * rotation_, x.data + std::size_t(turn) * row_doubles);
+      v[turn] = o.pulsation * std::cos(angle) * rotation_;
     }
   }
 
+ protected:
+  bool takesAllRows() const override { return true; }
+
  private:
   struct Oscillator {
-    Index node;
+    Index node;               ///< first row
     Vec3 mean, amplitude;     ///< [m]
     double pulsation, phase;  ///< [rad/s], [rad]
   };

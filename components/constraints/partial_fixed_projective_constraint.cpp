@@ -19,6 +19,7 @@
 #include <algorithm>
 
 #include "components/constraints/held_nodes.h"
+#include "components/constraints/row_keys.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
@@ -37,21 +38,9 @@ class PartialFixedProjectiveConstraint final : public HeldNodes {
 
   void init() override {
     HeldNodes::init();
-    const std::size_t rows = std::size_t(state().rows_per_node);
-    const bool numbers = state().kindOf(0) == RowKind::value;
-    if (directions_.size() != (numbers ? rows : 3 * rows))
-      throw ComponentError(fmt::format("fixedDirections has {} values", directions_.size()),
-                           numbers     ? fmt::format("{}, one for each number of a node", rows)
-                           : rows == 1 ? "3 values, one for each of x, y, z"
-                                       : "6 values: for x, y, z and the turns about them");
     if (std::none_of(directions_.begin(), directions_.end(), [](bool held) { return held; }))
       warn("fixedDirections holds no direction: the constraint does nothing", "write 1 for each direction to hold");
-    std::vector<Mat3> projectors(rows, Mat3::Zero());
-    for (std::size_t i = 0; i < directions_.size(); ++i) {
-      const Index c = numbers ? 0 : Index(i % 3);
-      projectors[numbers ? i : i / 3](c, c) = directions_[i] ? 0 : 1;
-    }
-    holdAllRows(projectors);
+    setProjectors(freeDirections(directions_, state(), "fixedDirections"));
   }
   bool projectsVelocity() const override { return project_velocity_; }
 

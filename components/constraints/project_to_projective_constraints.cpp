@@ -33,8 +33,8 @@ class ProjectTo : public HeldNodes {
   bool prescribesMotion() const override { return true; }
   void prescribe(double, Rows x, Rows v) const override {
     for (std::size_t i = 0; i < nodes().size(); ++i) {
-      x[row(i)] = origin_ + projector_ * (x[row(i)] - origin_);
-      v[row(i)] = (projector_ * v[row(i)]).eval();
+      x[row(i)] = origin_ + projector() * (x[row(i)] - origin_);
+      v[row(i)] = (projector() * v[row(i)]).eval();
     }
   }
 
@@ -64,7 +64,7 @@ class ProjectToLine final : public ProjectTo {
   void init() override {
     HeldNodes::init();
     const Vec3 d = direction(direction_, "direction");
-    projector_ = d * d.transpose();
+    setProjectors({d * d.transpose()});
   }
 
  private:
@@ -81,7 +81,7 @@ class ProjectToPlane final : public ProjectTo {
   void init() override {
     HeldNodes::init();
     const Vec3 n = direction(normal_, "normal");
-    projector_ = Mat3::Identity() - n * n.transpose();
+    setProjectors({Mat3::Identity() - n * n.transpose()});
   }
 
  private:

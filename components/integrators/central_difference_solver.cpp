@@ -90,8 +90,8 @@ void CentralDifferenceSolver::turnBodies(System& system, double h) {
     const Index row = bodies.row(b);
     const Vec3 w = system.v[row];
     Motion::turnBy(-last_step_ / 2 * w, middle_.rows().data + std::size_t(row) * row_doubles);
-    const Vec3 momentum = bodies.inertia(b, middle_) * w + bodies.inertia(b, system.x) * a_[row];
-    a_[row] = bodies.solve(b, system.x, h / 2 * w, h / 2, w, momentum, system.constraints(), w + a_[row]) - w;
+    const Vec3 momentum = bodies.times(b, middle_, w) + bodies.times(b, system.x, a_[row]);
+    bodies.put(b, bodies.solve(b, system.x, h / 2 * w, h / 2, w, momentum, w + a_[row]) - w, a_);
   }
 }
 

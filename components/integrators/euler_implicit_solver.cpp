@@ -40,7 +40,7 @@
 namespace stroma {
 namespace {
 
-class EulerImplicitSolver final : public Integrator, public HeedsStepLimits {
+class EulerImplicitSolver final : public Integrator, public HeedsStepLimits, public FindsMultipliers {
  public:
   bool heedsStepLimits() const override { return implicit_.iterates() && !first_order_; }
   std::string howToHeedStepLimits() const override { return "newtonIterations=\"30\""; }
@@ -91,6 +91,8 @@ void EulerImplicitSolver::init() {
 void EulerImplicitSolver::compile(System& system) {
   implicit_.compile(*this, system);
   if (!first_order_) return;
+  if (!system.actors().lagrangian_constraints.empty())
+    throw ComponentError("firstOrder does not find the forces of Lagrangian constraints", "firstOrder=\"false\"");
   if (implicit_.iterates())
     throw ComponentError("firstOrder is solved by one linear solve per step, and Newton's method is asked for",
                          "newtonIterations=\"1\" with firstOrder");

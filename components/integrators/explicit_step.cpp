@@ -218,7 +218,7 @@ void ExplicitStep::finish(System& system, double h) {
   const bool steps_momenta = scheme.stages.size() == 1 && !bodies.empty();
   momenta_.resize(steps_momenta ? bodies.count() : 0);
   for (std::size_t b = 0; b < momenta_.size(); ++b)
-    momenta_[b] = bodies.inertia(b, x) * (v[bodies.row(b)] + for_v * accelerations_[0][bodies.row(b)]);
+    momenta_[b] = bodies.times(b, x, v[bodies.row(b)] + for_v * accelerations_[0][bodies.row(b)]);
   orientations_.take(system.motion(), x);
 #pragma omp simd
   for (std::size_t i = 0; i < x.doubles(); ++i) {
@@ -231,7 +231,7 @@ void ExplicitStep::finish(System& system, double h) {
   }
   if (!rates_.empty()) setTurns(system, h, scheme.v, x);
   orientations_.turn(x);
-  if (steps_momenta) bodies.setVelocities(x, momenta_, system.constraints(), v);
+  if (steps_momenta) bodies.setVelocities(x, momenta_, v);
 }
 
 std::string ExplicitStep::describe() const {

@@ -64,8 +64,9 @@ Connections connectedRows(const System& system) {
     for (Index column : pattern.columns(row)) connections.join(row, column);
   // a mapped state and the one it follows are taken as one part
   for (const Mapping* mapping : system.actors().mappings)
-    for (const State* state : statesActedOn(*mapping))
-      for (Index i = 0; i < state->size(); ++i) connections.join(mapping->input().firstRow(), state->firstRow() + i);
+    for (const State* parent : mapping->inputs())
+      for (const State* state : statesActedOn(*mapping))
+        for (Index i = 0; i < state->size(); ++i) connections.join(parent->firstRow(), state->firstRow() + i);
   return connections;
 }
 

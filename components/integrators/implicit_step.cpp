@@ -8,6 +8,9 @@
 #include <cmath>
 
 namespace stroma {
+namespace {
+constexpr int most_carries = 500;  // solves of one step, of which each lets prescribed motion go as far as it can
+}
 
 // ---- attributes ----
 
@@ -66,10 +69,12 @@ void ImplicitStep::compile(Integrator& integrator, System& system) {
   right_side_.resize(system.allRows());
   for (Vector* vector : {&change_, &constant_, &work_, &position_predictor, &velocity_predictor})
     vector->resize(system.independentRows());
+  multipliers_.compile(system);
   if (!iterates()) return;
   newton_.compile(system.independentRows());
   limits_.compile(system);
   for (Vector* vector : {&x0_, &v0_}) vector->resize(system.independentRows());
+  if (!limits_.empty()) carried_.resize(system.independentRows());
   graph_.reserve(std::size_t(newton_.settings.iterations) + 2);
   if (settings_component_) settings_component_->prepare(graph_.capacity());
 }
@@ -84,14 +89,16 @@ StepReport ImplicitStep::solve(const ImplicitScheme& scheme, StopToken stop) {
     system_->constraints().projectAcceleration(velocity_predictor);
   }
   startBodies();
+  multipliers_.begin();
   StepReport report = iterates() ? solveIterating(stop) : solveLinearised(stop);
+  if (!multipliers_.empty() && !report.failed())
+    multipliers_.correct(*solver_, tangent(), scheme.displacement, scheme.weight, change_, stop, report);
   bodies_.momenta(x(), v(), end_momenta_);
   return report;
 }
 
 void ImplicitStep::startBodies() {
   bodies_.momenta(x(), v(), start_momenta_);
-
   if (!scheme_.has_history) std::fill(momentum_predictor.begin(), momentum_predictor.end(), Vec3::Zero());
 }
 
@@ -100,11 +107,10 @@ void ImplicitStep::startBodies() {
 void ImplicitStep::turnBodies() {
   for (std::size_t b = 0; b < bodies_.count(); ++b) {
     const Index row = bodies_.row(b);
-    const Vec3 w0 = v()[row], momentum = start_momenta_[b] + bodies_.inertia(b, x()) * change_[row];
+    const Vec3 w0 = v()[row], momentum = start_momenta_[b] + bodies_.times(b, x(), change_[row]);
     Vec3 turn = scheme_.drift * w0;
     if (scheme_.has_history) turn += position_predictor[row];
-    change_[row] =
-        bodies_.solve(b, x(), turn, scheme_.displacement, w0, momentum, system_->constraints(), w0 + change_[row]) - w0;
+    bodies_.put(b, bodies_.solve(b, x(), turn, scheme_.displacement, w0, momentum, w0 + change_[row]) - w0, change_);
   }
 }
 
@@ -161,7 +167,7 @@ StepReport ImplicitStep::solveLinearised(StopToken stop) {
   if (scheme_.has_history) {
     s.addMassProduct(velocity_predictor, 1, b);
     for (std::size_t i = 0; i < bodies_.count(); ++i)
-      b[bodies_.row(i)] += momentum_predictor[i] - bodies_.inertia(i, x()) * velocity_predictor[bodies_.row(i)];
+      b[bodies_.row(i)] += momentum_predictor[i] - bodies_.times(i, x(), velocity_predictor[bodies_.row(i)]);
   }
   s.constraints().project(b);
 
@@ -192,9 +198,15 @@ void ImplicitStep::advance() {
 
 StepReport ImplicitStep::solveIterating(StopToken stop) {
   exact_.beginStep(*system_);
-  StepReport report;
-  if (!startIterating(report)) return report;
-  report = newton_.solve(*this, *solver_, stop);
+  startIterating();
+  StepReport report = newton_.solve(*this, *solver_, stop);
+  constexpr int most_unconverged = 25;
+  for (int part = 0; part < most_unconverged && lack_ > 0 && carries_ < most_carries && !report.failed(); ++part) {
+    const StepReport before = report;
+    carryOn();
+    report = newton_.solve(*this, *solver_, stop);
+    addCounts(before, report);
+  }
   if (exact_.isOn() && !report.stopped && !report.newton_converged) {  // it helped before, and does not here
     exact_.end();
     const StepReport before = report;
@@ -211,6 +223,12 @@ StepReport ImplicitStep::solveIterating(StopToken stop) {
     exact_tangent_steps_ += !report.stopped;
   }
   if (report.stopped) return report;
+  if (lack_ > 0) {
+    report.diverged = true;
+    report.reason = fmt::format("nodes with a prescribed motion are stopped by something after {:.2g} of their way{}{}",
+                                1 - lack_, report.reason.empty() ? "" : "; ", report.reason);
+    return report;
+  }
   if (exact_.endStep(report.newton_converged && !report.diverged)) residual(system_->independent(right_side_));
   graph_.assign(newton_.history().begin(), newton_.history().end());
   if (settings_component_) settings_component_->noteResult(report, newton_);
@@ -227,9 +245,8 @@ StepReport ImplicitStep::solveIterating(StopToken stop) {
 // ---- the step as equations for Newton's method ----
 
 /// Starts from the positions before the step, where every energy is finite; directions that are held keep their
-/// velocity. The first iteration is then the linearised step. False, with the sentence, where what they carry is in the
-/// way of something.
-bool ImplicitStep::startIterating(StepReport& report) {
+/// velocity. The first iteration is then the linearised step.
+void ImplicitStep::startIterating() {
   copy(x(), x0_);
   copy(v(), v0_);
   if (scheme_.old_weight != 0) {
@@ -243,19 +260,47 @@ bool ImplicitStep::startIterating(StepReport& report) {
   system_->constraints().project(work_);
   axpy(-1 / scheme_.displacement, work_, v());
   unknownsChanged();
-  if (limits_.empty()) return true;
-  // prescribed motion alone
-  copy(x0_, work_);
-  system_->motion().difference(x(), work_);
-  if (largest(work_) == 0) return true;
-  copy(x0_, x());
-  const bool is_free = limits_.longest(work_) == 1;
+  lack_ = 0, carries_ = 0;
+  if (limits_.empty()) return;
+  // what has a prescribed motion goes as far as nothing is in its way, the rest of it after the next solve
+  copy(x0_, carried_);
+  system_->motion().difference(x(), carried_);
+  if (largest(carried_) == 0) return;
+  axpy(-1 / scheme_.displacement, carried_, v());
   unknownsChanged();
-  if (is_free) return true;
-  report.diverged = true;
-  report.reason =
-      "nodes with a prescribed motion would pass through something in this step: a smaller dt may let it give way";
-  return false;
+  lack_ = 1;
+  carryOn();
+}
+
+/// The velocities of what is held say how far it has come.
+void ImplicitStep::carryOn() {
+  ++carries_;
+  copy(v(), work_);
+  const double speed = lack_ / scheme_.displacement;
+  const auto goTo = [&](double s) {
+    copy(work_, v());
+    axpy(s * speed, carried_, v());
+    unknownsChanged();
+  };
+  const double part = limits_.bends() ? limits_.longest(carried_, lack_, goTo) : limits_.longest(carried_, lack_);
+  goTo(part);
+  lack_ = part == 1 ? 0 : lack_ * (1 - part);
+}
+
+double ImplicitStep::longestStep(ConstRows d) {
+  if (!limits_.bends()) return limits_.longest(d, scheme_.displacement);
+  copy(v(), work_);
+  return limits_.longest(d, scheme_.displacement, [&](double s) {
+    copy(work_, v());
+    axpy(s, d, v());
+    unknownsChanged();
+  });
+}
+
+bool ImplicitStep::movesOn() {
+  if (lack_ == 0 || carries_ == most_carries) return limits_.moveOn();
+  carryOn();
+  return true;
 }
 
 void ImplicitStep::unknownsChanged() {
@@ -292,7 +337,7 @@ void ImplicitStep::residual(Rows out) {
     const Index row = bodies_.row(b);
     Vec3 start = v0_[row];
     if (scheme_.has_history) start += velocity_predictor[row];
-    out[row] += start_momenta_[b] + momentum_predictor[b] - bodies_.inertia(b, x()) * start;
+    out[row] += start_momenta_[b] + momentum_predictor[b] - bodies_.times(b, x(), start);
   }
   s.constraints().project(out);
 }

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "components/integrators/exact_tangent.h"
+#include "components/integrators/multipliers.h"
 #include "components/integrators/newton_solver.h"
 #include "components/integrators/orientations.h"
 #include "components/integrators/turning_bodies.h"
@@ -73,8 +74,8 @@ class ImplicitStep final : public NonlinearProblem {
   double energy() override;
   Rows unknowns() override { return v(); }
   void unknownsChanged() override;
-  double longestStep(ConstRows d) override { return limits_.longest(d, scheme_.displacement); }
-  bool movesOn() override { return limits_.moveOn(); }
+  double longestStep(ConstRows d) override;
+  bool movesOn() override;
   double displacementPerUnknown() const override { return scheme_.displacement; }
   ConstRows positions() const override { return x(); }
   double travelled() const override;
@@ -87,7 +88,8 @@ class ImplicitStep final : public NonlinearProblem {
   void setTime(double time);
   StepReport solveLinearised(StopToken stop);
   StepReport solveIterating(StopToken stop);
-  bool startIterating(StepReport& report);
+  void startIterating();
+  void carryOn();
   void addDamping(double factor, Rows out);
   void advance();
   void startBodies();
@@ -98,6 +100,7 @@ class ImplicitStep final : public NonlinearProblem {
   NewtonSolver* settings_component_ = nullptr;
   Newton newton_;
   StepLimits limits_;
+  Multipliers multipliers_;
   ExactTangent exact_;
   int exact_tangent_steps_ = 0;
   ImplicitScheme scheme_;
@@ -108,6 +111,9 @@ class ImplicitStep final : public NonlinearProblem {
   Vector change_;          ///< u - v0
   Vector constant_;        ///< old_weight F(x0, v0)
   Vector x0_, v0_, work_;  ///< the state before the step, for Newton
+  Vector carried_;         ///< way of what is moved [m], shape (independentRows()); only with limits
+  double lack_ = 0;        ///< the part of it that has not been made yet
+  int carries_ = 0;
   Orientations orientations_;
   TurningBodies bodies_;
   std::vector<Vec3> start_momenta_, end_momenta_;

@@ -115,7 +115,7 @@ StepReport NewmarkImplicitSolver::step(System& system, const StepContext& contex
   if (!started_) {
     StepReport first;
     implicit_.wholeForce(context.t, force_);
-    for (std::size_t b = 0; b < implicit_.bodies().count(); ++b) rates_[b] = force_[implicit_.bodies().row(b)];
+    for (std::size_t b = 0; b < implicit_.bodies().count(); ++b) rates_[b] = implicit_.bodies().sum(b, force_);
     if (!acceleration_.solve(system.x, system.v, force_, a_, context.stop, first)) return first;
   }
   const double h = context.dt;

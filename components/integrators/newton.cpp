@@ -11,6 +11,7 @@
 
 #include "components/integrators/exact_tangent.h"
 #include "components/integrators/shifted_matrix.h"
+#include "framework/scene/spans.h"
 #include "framework/simulation/step_progress.h"
 
 namespace stroma {
@@ -19,9 +20,11 @@ namespace {
 SolveReport solveOnce(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms,
                       StepReport& report) {
   const auto start = std::chrono::steady_clock::now();
+  Span span("solve", &solver);
   const SolveReport solve = solver.solve(matrix, b, x, terms);
   report.stopped = report.stopped || solve.stop == SolveStop::stopped;
   report.solve_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  span.count(solve.iterations);
   report.linear_iterations += solve.iterations;
   report.factorisations += solve.factored;
   report.linear_residual = solve.relative_residual;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
-#include <algorithm>
 #include <vector>
 
 #include "framework/mechanics/motion.h"
@@ -16,20 +15,23 @@ class Orientations {
     turning_ = &motion.turningRows();
     q_.resize(turning_->size() * row_doubles);
     forEachIn(x, [](double* row, double* q) {
-      std::copy_n(row, row_doubles, q);
-      std::fill_n(row, row_doubles, 0.0);
+      Four from(row), to(q);
+      to = from;
+      from.setZero();
     });
   }
   /// Puts them into x, turned by what has come together there; into several vectors, if several are made of the one.
   void turn(Rows x) {
     forEachIn(x, [](double* row, const double* q) {
       const Vec3 r(row[0], row[1], row[2]);
-      std::copy_n(q, row_doubles, row);
+      Four to(row);
+      to = Eigen::Map<const Eigen::Vector4d>(q);
       Motion::turnBy(r, row);
     });
   }
 
  private:
+  using Four = Eigen::Map<Eigen::Vector4d>;
   template <class Visit>
   void forEachIn(Rows x, Visit&& visit) {
     for (std::size_t i = 0; i < turning_->size() && (*turning_)[i] < x.count; ++i)

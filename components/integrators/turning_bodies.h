@@ -18,33 +18,49 @@ namespace stroma {
 
 class TurningBodies {
  public:
-  /// The orientations of independent states.
+  /// The orientations of independent states. Bodies that are tied are one, with the sum of their inertias.
   void compile(const System& system);
   bool empty() const { return bodies_.empty(); }
   std::size_t count() const { return bodies_.size(); }
+  /// Of a body; of tied ones the first.
   Index row(std::size_t body) const { return bodies_[body].row; }
-  /// J of a body in row orientations of x.
-  Mat3 inertia(std::size_t body, ConstRows x) const;
+  /// The rows of a body get this velocity, or acceleration.
+  void put(std::size_t body, const Vec3& value, Rows v) const;
+  /// The sum over the rows of a body: of forces, its torque.
+  Vec3 sum(std::size_t body, ConstRows f) const;
+  /// J w and J^-1 L of a body in row orientations of x.
+  Vec3 times(std::size_t body, ConstRows x, const Vec3& w) const;
+  Vec3 inverse(std::size_t body, ConstRows x, const Vec3& momentum) const;
   /// J w of each body.
   void momenta(ConstRows x, ConstRows v, std::vector<Vec3>& out) const;
-  /// out += factor w x J w in the rows of the bodies.
+  /// out += factor w x J w in the first rows of the bodies.
   void addGyroscopic(ConstRows x, ConstRows v, double factor, Rows out) const;
-  /// a = J^-1 f in the rows of the bodies.
+  /// J a = f in the directions of the bodies' turns that constraints leave free, a = 0 in the others.
   void divide(ConstRows x, ConstRows f, Rows a) const;
-  /// v of the bodies becomes J^-1 L in the directions that `constraints` leave free, the others keep theirs.
-  void setVelocities(ConstRows x, const std::vector<Vec3>& momenta, const ConstraintSet& constraints, Rows v) const;
+  /// v of the bodies becomes J^-1 L in the directions that constraints leave free, the others keep theirs.
+  void setVelocities(ConstRows x, const std::vector<Vec3>& momenta, Rows v) const;
   /// Solves the equations above for the angular velocity u of one body, from a first guess; held directions keep theirs.
   /// `x` has q0.
   Vec3 solve(std::size_t body, ConstRows x, const Vec3& turn, double displacement, const Vec3& w0, const Vec3& momentum,
-             const ConstraintSet& constraints, Vec3 u) const;
+             Vec3 u) const;
 
  private:
   struct Body {
-    Index row = 0;  ///< of the system
+    Index row = 0;  ///< of the system; -1: it has become part of another
     Mat3 inertia = Mat3::Zero();
     bool turns = true;  ///< false: the inertia stays as it is in fixed axes, and w x J w is left out
+    Index group = -1;   ///< of rows that are tied to it
+    Vec3 moments = Vec3::Zero(), inverse = Vec3::Zero();  ///< principal ones, and one over each
+    Quaternion axes = Quaternion::Identity();             ///< their axes in those of the body
     Mat3 inertiaAt(const Quaternion& q) const;
+    /// Times the diagonal matrix `factors` in the principal axes.
+    Vec3 scaled(const Quaternion& q, const Vec3& factors, const Vec3& w) const;
   };
+  const Mat3* projectorOf(Index row) const;
+  /// J^-1 L in the directions that constraints leave free, u in the others.
+  Vec3 velocityOf(std::size_t body, ConstRows x, const Vec3& momentum, const Vec3& u) const;
+  void join(const System& system, Index group, const std::vector<Index>& body_of_row);
+  const ConstraintSet* constraints_ = nullptr;
   std::vector<Body> bodies_;
 };
 

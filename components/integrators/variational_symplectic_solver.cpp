@@ -141,7 +141,7 @@ StepReport VariationalSymplecticSolver::implicitStep(System& system, const StepC
   if (!implicit_.bodies().empty()) {  // L1 = 2 L_m - L0
     for (std::size_t b = 0; b < momenta_.size(); ++b)
       momenta_[b] = 2 * implicit_.endMomenta()[b] - implicit_.startMomenta()[b];
-    implicit_.bodies().setVelocities(system.x, momenta_, system.constraints(), v);
+    implicit_.bodies().setVelocities(system.x, momenta_, v);
   }
   system.setTime(context.t_end);
   return report;

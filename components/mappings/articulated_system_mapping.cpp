@@ -42,73 +42,13 @@
 
 #include <algorithm>
 
+#include "components/mappings/articulated_parts.h"
 #include "components/mappings/linked_mapping.h"
 #include "framework/mechanics/frames.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
 namespace {
-
-class ArticulatedPart : public Component {
- public:
-  void init() override {}
-  std::string roleText() const override { return "part of an articulated system"; }
-};
-
-class ArticulatedHierarchyContainer final : public ArticulatedPart {
- public:
-  void declare(DataTable& table) override {
-    table.add("filename", file_name_).help("not available: the centres are components");
-  }
-  void init() override {
-    if (!file_name_.empty())
-      throw ComponentError("hierarchies are not read from files", "ArticulationCenter components");
-  }
-
- private:
-  std::string file_name_;
-};
-
-class ArticulationCenter final : public ArticulatedPart {
- public:
-  void declare(DataTable& table) override {
-    table.add("parentIndex", parent).help("frame nearer to the root").required().min(0);
-    table.add("childIndex", child).help("frame beyond it").required().min(0);
-    table.add("posOnParent", on_parent).unit("m").help("the joint in the axes of the parent");
-    table.add("posOnChild", on_child).unit("m").help("the joint in the axes of the child");
-    table.add("articulationProcess", process_).help("0: the articulations follow one after the other");
-    table.addVisualOnly("globalPosition");
-  }
-  void init() override {
-    if (process_ != 0) throw ComponentError(fmt::format("articulationProcess is {}", process_), "0");
-  }
-  int parent = 0, child = 0;
-  Vec3 on_parent = Vec3::Zero(), on_child = Vec3::Zero();
-
- private:
-  int process_ = 0;
-};
-
-class Articulation final : public ArticulatedPart {
- public:
-  void declare(DataTable& table) override {
-    table.add("translation", translation).help("a slide");
-    table.add("rotation", rotation).help("a hinge");
-    table.add("rotationAxis", axis).alias("axis").help("of the hinge or the slide, in the axes of the parent").unit("-");
-    table.add("articulationIndex", number).help("number of the state that is followed").min(0);
-  }
-  void init() override {
-    if (translation == rotation)
-      throw ComponentError(
-          rotation ? "an articulation is a hinge and a slide" : "an articulation is neither hinge nor slide",
-          "rotation=\"true\" or translation=\"true\"");
-    if (!(axis.norm() > 0)) throw ComponentError("rotationAxis has no direction", "an axis that is not zero");
-    axis.normalize();
-  }
-  bool translation = false, rotation = false;
-  Vec3 axis = Vec3::UnitX();
-  int number = 0;
-};
 
 class ArticulatedSystemMapping final : public CurvedMapping {
  public:
@@ -131,6 +71,7 @@ class ArticulatedSystemMapping final : public CurvedMapping {
   void applyJ(Rows v) const override;
   void applyJT(Rows f) const override;
   void addJacobian(std::vector<JacobianBlock>& out) const override;
+  void addCurvature(ConstRows v, Rows a) const override;
 
  protected:
   void geometricBlocks(ConstRows f, std::vector<Block>& out) const override;
@@ -165,7 +106,11 @@ class ArticulatedSystemMapping final : public CurvedMapping {
   std::vector<std::vector<std::size_t>> paths_;                ///< of each frame its joints, from the root on
   Vec3 root_centre_ = Vec3::Zero(), root_arm_ = Vec3::Zero();  ///< where it starts; in the axes of input2's frame
   Quaternion root_turn_ = Quaternion::Identity();              ///< the same of its orientation
-  mutable std::vector<Vec3> axes_, places_;                    ///< in space, of each joint
+  mutable std::vector<Vec3> axes_, places_, slides_;           ///< in space, of each joint; y a of slides, else zero
+  struct Twin {
+    Vec3 linear, angular;  ///< force and torque about the centre of a frame, or accelerations
+  };
+  mutable std::vector<Twin> of_frames_;  ///< work space
   mutable std::vector<Vec3> centres_;                          ///< of each frame
   mutable Vec3 pivot_ = Vec3::Zero();                          ///< the centre of input2's frame
 };
@@ -240,21 +185,21 @@ void ArticulatedSystemMapping::order(std::vector<Limb> limbs) {
   if (lost != placed.end())
     throw ComponentError(fmt::format("nothing places frame {}", lost - placed.begin()),
                          "an ArticulationCenter for each frame but 0");
-  axes_.assign(joints_.size(), Vec3::Zero()), places_ = axes_;
+  axes_.assign(joints_.size(), Vec3::Zero()), places_ = slides_ = axes_;
   centres_.assign(std::size_t(output().nodes()), Vec3::Zero());
+  of_frames_.resize(centres_.size());
 }
 
 void ArticulatedSystemMapping::apply(Rows x) const {
-  const auto turn = [x](Index at) { return Eigen::Map<Quaternion>(x.data + std::size_t(at) * row_doubles); };
   if (root_) {
     const Index at = root_->firstRow() + 2 * root_index_;
     const Quaternion q = orientationIn(x, at + 1);
     pivot_ = x[at];
     x[row(0)] = pivot_ + q * root_arm_;
-    turn(row(0) + 1) = q * root_turn_;
+    putOrientation(q * root_turn_, x, row(0) + 1);
   } else {
     x[row(0)] = root_centre_;
-    turn(row(0) + 1) = root_turn_;
+    putOrientation(root_turn_, x, row(0) + 1);
   }
   centres_[0] = x[row(0)];
   for (const Limb& limb : limbs_) {
@@ -267,41 +212,82 @@ void ArticulatedSystemMapping::apply(Rows x) const {
       if (joints_[j].is_hinge)
         q = q * turnedBy(y * joints_[j].axis);
       else
-        place += y * axes_[j];
+        place += slides_[j] = y * axes_[j];
     }
     x[row(limb.child)] = place - q * limb.on_child;
-    turn(row(limb.child) + 1) = q;
+    putOrientation(q, x, row(limb.child) + 1);
     centres_[std::size_t(limb.child)] = x[row(limb.child)];
   }
 }
 
+// A limb moves with its parent, and by its own joints.
 void ArticulatedSystemMapping::applyJ(Rows v) const {
-  for (Index frame = 0; frame < output().nodes(); ++frame) {
-    const Vec3& centre = centres_[std::size_t(frame)];
-    Vec3 linear = Vec3::Zero(), angular = Vec3::Zero();
-    if (root_) {
-      const Index at = root_->firstRow() + 2 * root_index_;
-      angular = v[at + 1], linear = v[at] + angular.cross(centre - pivot_);
-    }
-    for (const std::size_t j : paths_[std::size_t(frame)]) {
+  v[row(0)].setZero(), v[row(0) + 1].setZero();
+  if (root_) {
+    const Index at = root_->firstRow() + 2 * root_index_;
+    v[row(0) + 1] = Vec3(v[at + 1]);
+    v[row(0)] = v[at] + Vec3(v[at + 1]).cross(centres_[0] - pivot_);
+  }
+  for (const Limb& limb : limbs_) {
+    const Vec3 &centre = centres_[std::size_t(limb.child)], arm = centre - centres_[std::size_t(limb.parent)];
+    Vec3 angular = v[row(limb.parent) + 1], linear = v[row(limb.parent)] + angular.cross(arm);
+    for (std::size_t j = limb.first; j < limb.last; ++j) {
       const double rate = v[rowOf(joints_[j])][0];
       linear += rate * way(j, centre);
       if (joints_[j].is_hinge) angular += rate * axes_[j];
     }
-    v[row(frame)] = linear, v[row(frame) + 1] = angular;
+    v[row(limb.child)] = linear, v[row(limb.child) + 1] = angular;
   }
 }
 
+// From the ends to the root: a joint bears what acts on all frames beyond it.
 void ArticulatedSystemMapping::applyJT(Rows f) const {
-  for (Index frame = 0; frame < output().nodes(); ++frame) {
-    const Vec3 centre = centres_[std::size_t(frame)], force = f[row(frame)], torque = f[row(frame) + 1];
-    if (root_) {
-      const Index at = root_->firstRow() + 2 * root_index_;
-      f[at] += force, f[at + 1] += torque + (centre - pivot_).cross(force);
-    }
-    for (const std::size_t j : paths_[std::size_t(frame)])
-      f[rowOf(joints_[j])][0] += way(j, centre).dot(force) + (joints_[j].is_hinge ? axes_[j].dot(torque) : 0);
+  for (Index frame = 0; frame < output().nodes(); ++frame)
+    of_frames_[std::size_t(frame)] = {f[row(frame)], f[row(frame) + 1]};
+  for (auto limb = limbs_.rbegin(); limb != limbs_.rend(); ++limb) {
+    const Vec3& centre = centres_[std::size_t(limb->child)];
+    const Twin& on_child = of_frames_[std::size_t(limb->child)];
+    Twin& on_parent = of_frames_[std::size_t(limb->parent)];
+    for (std::size_t j = limb->first; j < limb->last; ++j)
+      f[rowOf(joints_[j])][0] +=
+          way(j, centre).dot(on_child.linear) + (joints_[j].is_hinge ? axes_[j].dot(on_child.angular) : 0);
+    on_parent.linear += on_child.linear;
+    on_parent.angular += on_child.angular + (centre - centres_[std::size_t(limb->parent)]).cross(on_child.linear);
   }
+  if (!root_) return;
+  const Index at = root_->firstRow() + 2 * root_index_;
+  f[at] += of_frames_[0].linear;
+  f[at + 1] += of_frames_[0].angular + (centres_[0] - pivot_).cross(of_frames_[0].linear);
+}
+
+/// Of each frame the accelerations (of its centre; of its turn) where all y'' are zero: a point that moves with a body of
+/// spin w and angular acceleration b at r from another has b x r + w x (w x r) more than that; a hinge adds y' u to the spin
+/// and w x y' u to b, a slide 2 w x y' u.
+void ArticulatedSystemMapping::addCurvature(ConstRows v, Rows a) const {
+  const auto carry = [](Vec3& linear, const Vec3& angular, const Vec3& spin, const Vec3& r) {
+    linear += angular.cross(r) + spin.cross(spin.cross(r));
+  };
+  for (Twin& zero : of_frames_) zero = {Vec3::Zero(), Vec3::Zero()};
+  if (root_) carry(of_frames_[0].linear, Vec3::Zero(), v[root_->firstRow() + 2 * root_index_ + 1], centres_[0] - pivot_);
+  for (const Limb& limb : limbs_) {
+    Vec3 linear = of_frames_[std::size_t(limb.parent)].linear, angular = of_frames_[std::size_t(limb.parent)].angular;
+    Vec3 spin = v[row(limb.parent) + 1], at = centres_[std::size_t(limb.parent)];
+    const auto carryTo = [&](const Vec3& place) { carry(linear, angular, spin, place - at), at = place; };
+    for (std::size_t j = limb.first; j < limb.last; ++j) {
+      const Vec3 rate = v[rowOf(joints_[j])][0] * axes_[j];
+      carryTo(places_[j]);
+      if (joints_[j].is_hinge) {
+        angular += spin.cross(rate), spin += rate;
+      } else {
+        linear += 2 * spin.cross(rate);
+        carryTo(places_[j] + slides_[j]);
+      }
+    }
+    carryTo(centres_[std::size_t(limb.child)]);
+    of_frames_[std::size_t(limb.child)] = {linear, angular};
+  }
+  for (Index frame = 0; frame < output().nodes(); ++frame)
+    a[row(frame)] += of_frames_[std::size_t(frame)].linear, a[row(frame) + 1] += of_frames_[std::size_t(frame)].angular;
 }
 
 void ArticulatedSystemMapping::addJacobian(std::vector<JacobianBlock>& out) const {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // BarycentricMapping: points embedded in the tetrahedra, hexahedra or quadratic tetrahedra of a body, as a fine surface in
-// a coarse mesh.
+// a coarse mesh; or on the triangles and quads of a body that has no volume, or on its edges.
 //
 //   x_c = sum_a N_a(xi) x_a,   v_c = sum_a N_a v_a,   f_a += N_a f_c
 //
@@ -11,7 +11,10 @@
 // point of the cell. Every map of the body that is affine moves the points exactly. Points far outside swing far: the
 // component says how many there are and how far they lie.
 //
-// Points on which nothing acts are placed after each step and cost nothing else.
+// Points of triangles, quads and edges are moved onto the nearest of these where the scene starts, and stay there: N_a are those of
+// the foot of the point.
+//
+// Points on which nothing acts are placed after steps that something reads, and cost nothing else.
 //
 // Source: the attributes are SOFA's.
 //
@@ -104,7 +107,45 @@ Place placeInCurved(const CellKind& kind, const Vec3* corner, const Vec3& p) {
   return place;
 }
 
+/// The foot of the point on an edge, a triangle or a quad, by the method of Gauss and Newton; it may lie beyond their borders.
+Place placeOn(std::size_t nodes, const Vec3* corner, const Vec3& p) {
+  double u = 0, v = 0;
+  const auto weights = [nodes](double a, double b) {
+    Place place;
+    if (nodes == 2) place.weights = {1 - a, a};
+    if (nodes == 3) place.weights = {1 - a - b, a, b};
+    if (nodes == 4) place.weights = {(1 - a) * (1 - b), a * (1 - b), a * b, (1 - a) * b};
+    return place;
+  };
+  const auto at = [&](const Place& place) {
+    Vec3 x = Vec3::Zero();
+    for (std::size_t a = 0; a < nodes; ++a) x += place.weights[a] * corner[a];
+    return x;
+  };
+  for (int iteration = 0; iteration < (nodes == 4 ? 30 : 1); ++iteration) {
+    const Vec3 miss = p - at(weights(u, v));
+    Vec3 along = corner[1] - corner[0];
+    if (nodes == 4) along = (1 - v) * along + v * (corner[2] - corner[3]);
+    if (nodes == 2) {
+      u += along.dot(miss) / along.squaredNorm();
+      continue;
+    }
+    Vec3 across = corner[nodes - 1] - corner[0];
+    if (nodes == 4) across = (1 - u) * across + u * (corner[2] - corner[1]);
+    const double uu = along.squaredNorm(), uv = along.dot(across), vv = across.squaredNorm(), size = uu * vv - uv * uv;
+    const double du = (vv * along.dot(miss) - uv * across.dot(miss)) / size, dv = (uu * across.dot(miss) - uv * along.dot(miss)) / size;
+    u += du, v += dv;
+    if (std::abs(du) + std::abs(dv) < 1e-14) break;
+  }
+  double a = std::clamp(u, 0., 1.), b = std::clamp(v, 0., 1.);
+  if (nodes == 3 && a + b > 1) a /= a + b, b = 1 - a;
+  Place place = weights(u, v);
+  place.distance = (p - at(weights(a, b))).norm();
+  return place;
+}
+
 Place placeIn(const CellKind& kind, const Vec3* corner, const Vec3& p) {
+  if (kind.dimension < 3) return placeOn(std::size_t(kind.nodes), corner, p);
   return kind.affine ? placeInTetrahedron(corner, p) : placeInCurved(kind, corner, p);
 }
 
@@ -127,48 +168,64 @@ class BarycentricMapping final : public WeightedMapping {
     const Topology* topology = findTopology(input(), input(), input_topology_, MeshNodes::all, "input_topology");
     if (!topology)
       throw ComponentError(fmt::format("{} has no mesh", input().path()), "a topology, or input_topology=\"@path\"");
-    bool embedded = false;
+    const int dimension = highestDimension(topology->mesh());
+    if (dimension < 1)
+      throw ComponentError(fmt::format("{} has no cells", topology->path()), "a mesh of a volume, of a surface or of lines");
+    found_.assign(output().position.size(), {});
+    bg::assign_inverse(around_);
+    bool embedded = false;  // in cells of one kind, on surfaces in those of both
     forEachCellList(
         [&](const CellKind& kind, const auto& cells) {
-          if (kind.dimension < 3 || cells.empty() || embedded) return;
+          if (kind.dimension != dimension || cells.empty() || (embedded && dimension == 3) || (dimension < 3 && kind.nodes > 4)) return;
           embed(kind, cells);
           embedded = true;
         },
         topology->mesh());
-    if (!embedded)
-      throw ComponentError(fmt::format("{} has neither tetrahedra nor hexahedra", topology->path()),
-                           "a mesh of a volume");
+    if (!embedded) throw ComponentError(fmt::format("{} has only cells of curved edges", topology->path()), "triangles, quads or edges");
+    finish();
   }
 
  private:
   using Tree = bg::index::rtree<std::pair<Box, std::size_t>, bg::index::quadratic<16>>;
 
-  /// Gives every point its cell.
+  /// Where a point lies best.
+  struct Found {
+    double distance = std::numeric_limits<double>::infinity();
+    std::vector<Weight> weights;
+  };
+
+  /// Gives every point its cell, where it has none that is nearer.
   template <class Cell>
   void embed(const CellKind& kind, const std::vector<Cell>& cells) {
     const std::vector<Vec3>& body = from_rest_ ? input().rest_position : input().position;
     const std::vector<Vec3>& points = from_rest_ ? output().rest_position : output().position;
-    Box around;
-    const Tree tree = treeOf(cells, body, around);
-    std::size_t outside = 0, farthest = 0;
-    double farthest_distance = 0;
+    const Tree tree = treeOf(cells, body);
     for (std::size_t i = 0; i < points.size(); ++i) {
       std::size_t cell = 0;
       const Place best = nearestPlace(kind, cells, body, tree, points[i], cell);
-      if (!std::isfinite(best.distance))
+      if (!(best.distance < found_[i].distance)) continue;
+      found_[i] = {best.distance, {}};
+      for (std::size_t a = 0; a < cells[cell].size(); ++a) found_[i].weights.push_back({cells[cell][a], best.weights[a]});
+    }
+  }
+
+  void finish() {
+    std::size_t outside = 0, farthest = 0;
+    double farthest_distance = 0;
+    for (std::size_t i = 0; i < found_.size(); ++i) {
+      if (!std::isfinite(found_[i].distance))
         throw ComponentError(fmt::format("no cell can hold point {}: all have no volume where it is looked for", i),
                              "a body whose cells have volumes where it starts", "useRestPosition=\"true\"");
-      std::vector<Weight> weights;
-      for (std::size_t a = 0; a < cells[cell].size(); ++a) weights.push_back({cells[cell][a], best.weights[a]});
-      addNode(weights);
-      outside += best.distance > 0;
-      if (best.distance > farthest_distance) farthest_distance = best.distance, farthest = i;
+      addNode(found_[i].weights);
+      outside += found_[i].distance > 0;
+      if (found_[i].distance > farthest_distance) farthest_distance = found_[i].distance, farthest = i;
     }
     if (outside > 0)
       tellOutside(
           fmt::format("{} of {} points lie outside of the cells, point {} by {:.3g} m: they follow a cell near by",
-                      outside, points.size(), farthest, farthest_distance),
-          farthest_distance / bg::distance(around.min_corner(), around.max_corner()));
+                      outside, found_.size(), farthest, farthest_distance),
+          farthest_distance / bg::distance(around_.min_corner(), around_.max_corner()));
+    found_.clear();
   }
 
   /// `share`: of the size of the body.
@@ -179,11 +236,10 @@ class BarycentricMapping final : public WeightedMapping {
       inform(sentence);
   }
 
-  /// The boxes of the cells; `around` all of them.
+  /// The boxes of the cells; `around_` holds all of them.
   template <class Cell>
-  static Tree treeOf(const std::vector<Cell>& cells, const std::vector<Vec3>& body, Box& around) {
+  Tree treeOf(const std::vector<Cell>& cells, const std::vector<Vec3>& body) {
     std::vector<std::pair<Box, std::size_t>> boxes;
-    bg::assign_inverse(around);
     for (std::size_t c = 0; c < cells.size(); ++c) {
       Vec3 from = Vec3::Constant(std::numeric_limits<double>::infinity()), to = -from;
       const auto corners = cornersOf(cells[c], body);
@@ -196,7 +252,7 @@ class BarycentricMapping final : public WeightedMapping {
           from = from.cwiseMin(p), to = to.cwiseMax(p);
         }
       boxes.emplace_back(Box(toPoint(from), toPoint(to)), c);
-      bg::expand(around, boxes.back().first);
+      bg::expand(around_, boxes.back().first);
     }
     return Tree(boxes);
   }
@@ -220,6 +276,8 @@ class BarycentricMapping final : public WeightedMapping {
 
   Link<Topology> input_topology_{"topology"}, output_topology_{"topology"};
   bool from_rest_ = false;
+  std::vector<Found> found_;  ///< of each point, while they are looked for
+  Box around_;                ///< all cells
 };
 
 }  // namespace

@@ -87,6 +87,19 @@ class PairMapping : public CurvedMapping {
       if (pairs_[e].b >= 0) out.push_back({own, row(pairs_[e].state_b, pairs_[e].b), block});
     }
   }
+  /// y'' = n.a + (|u|^2 - (n.u)^2)/d, u the relative velocity; of squares 2 (x_b - x_a).a + 2 |u|^2
+  void addCurvature(ConstRows v, Rows a) const override {
+    const Index first = output().firstRow();
+    for (std::size_t e = 0; e < pairs_.size(); ++e) {
+      Vec3 relative = -v[row(pairs_[e].state_a, pairs_[e].a)];
+      if (pairs_[e].b >= 0) relative += v[row(pairs_[e].state_b, pairs_[e].b)];
+      const double square = relative.squaredNorm(), distance = ways_[e].norm(), along = slope(e).dot(relative);
+      if (isSquare())
+        a[first + Index(e)][0] += 2 * square;
+      else if (distance > 0)
+        a[first + Index(e)][0] += (square - along * along) / distance;
+    }
+  }
 
  protected:
   struct Pair {

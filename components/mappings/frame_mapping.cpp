@@ -59,7 +59,7 @@ void FrameMapping::apply(Rows x) const {
     const Index row = first + Index(i);
     if (output().kindOf(Index(i)) == RowKind::turn) {
       const auto& [frame, local] = turns_[turn++];
-      Eigen::Map<Quaternion>(x.data + std::size_t(row) * row_doubles) = orientationIn(x, parentRow(frame) + 1) * local;
+      putOrientation(orientationIn(x, parentRow(frame) + 1) * local, x, row);
       continue;
     }
     Vec3 sum = Vec3::Zero();
@@ -114,6 +114,15 @@ void FrameMapping::addJacobian(std::vector<JacobianBlock>& out) const {
       out.push_back({own, row + 1, -w * crossMatrix(arms_[k])});
     }
   }
+}
+
+void FrameMapping::addCurvature(ConstRows v, Rows a) const {
+  const Index first = output().firstRow();
+  for (std::size_t i = 0; i + 1 < start_.size(); ++i)
+    for (std::size_t k = start_[i]; k < start_[i + 1]; ++k) {
+      const Vec3 spin = v[parentRow(carried_[k].frame) + 1];
+      a[first + Index(i)] += carried_[k].weight * spin.cross(spin.cross(arms_[k]));
+    }
 }
 
 void FrameMapping::geometricBlocks(ConstRows f, std::vector<Block>& out) const {

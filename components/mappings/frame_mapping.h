@@ -3,7 +3,7 @@
 // point p that is fixed in each,
 //
 //   x = sum w (c + q p),   v = sum w (c' + omega x r),   r = q p
-//   force on the centre += w f,   torque += w r x f
+//   force on the centre += w f,   torque += w r x f;   x'' has sum w omega x (omega x r) besides J times accelerations
 //
 // and its geometric stiffness, the change of the torque with the turn, is w (1/2 (r f^T + f r^T) - (r.f) I). A frame is
 // carried by one: its centre as such a point, its orientation is q l with l fixed.
@@ -20,6 +20,7 @@ class FrameMapping : public CurvedMapping {
   void applyJ(Rows v) const override;
   void applyJT(Rows f) const override;
   void addJacobian(std::vector<JacobianBlock>& out) const override;
+  void addCurvature(ConstRows v, Rows a) const override;
 
  protected:
   /// Throws ComponentError unless the state that is followed has frames; forgets all points.

@@ -3,7 +3,8 @@
 //
 //   x_c = x_p,   v_c = v_p,   f_p += f_c
 //
-// For what is to act on a body through nodes, force fields and a mesh of their own.
+// For what is to act on a body through nodes, force fields and a mesh of their own. A state without positions gets those of
+// the nodes that it follows.
 //
 // Source: the name and the attributes are SOFA's.
 //
@@ -21,6 +22,7 @@
 // </Node>
 #include <fmt/format.h>
 
+#include "components/mappings/followed_nodes.h"
 #include "components/mappings/weighted_mapping.h"
 #include "framework/scene/factory.h"
 
@@ -31,11 +33,14 @@ class IdentityMapping final : public WeightedMapping {
  public:
   void init() override {
     WeightedMapping::init();
+    std::vector<Index> first_rows;
+    for (Index node = 0; node < input().nodes(); ++node) first_rows.push_back(node * input().rows_per_node);
+    takeNodesOf(input(), first_rows, output());
     if (input().nodes() != output().nodes())
       throw ComponentError(fmt::format("{} has {} nodes and {} has {}", output().path(), output().nodes(),
                                        input().path(), input().nodes()),
                            "as many of each");
-    for (Index node = 0; node < input().nodes(); ++node) addCopy(node * input().rows_per_node);
+    for (const Index row : first_rows) addCopy(row);
   }
 };
 

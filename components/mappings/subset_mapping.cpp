@@ -4,7 +4,8 @@
 //   x_c = x_p(c),   v_c = v_p(c),   f_p(c) += f_c
 //
 // p(c) are the `indices`; or the nodes from `first` to `last`; or, when neither is given, the node nearest to each
-// node's initial position, which must be within `radius` of it.
+// node's initial position, which must be within `radius` of it. With the first two a state may be without positions: it gets
+// those of the nodes that it follows.
 //
 // Source: the attributes are SOFA's. There, a node that is not found is left out or placed at node 0; here it is an
 // error.
@@ -23,6 +24,7 @@
 // </Node>
 #include <fmt/format.h>
 
+#include "components/mappings/followed_nodes.h"
 #include "components/mappings/weighted_mapping.h"
 #include "framework/mechanics/node_indices.h"
 #include "framework/scene/factory.h"
@@ -46,6 +48,7 @@ class SubsetMapping final : public WeightedMapping {
   void init() override {
     WeightedMapping::init();
     const std::vector<Index> nodes = chosen();
+    takeNodesOf(input(), nodes, output());
     if (Index(nodes.size()) != output().nodes())
       throw ComponentError(
           fmt::format("{} has {} nodes, and {} are to be followed", output().path(), output().nodes(), nodes.size()),

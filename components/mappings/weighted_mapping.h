@@ -14,6 +14,7 @@ class WeightedMapping : public LinkedMapping {
   void applyJ(Rows v) const override { apply(v); }
   void applyJT(Rows f) const override;
   void addJacobian(std::vector<JacobianBlock>& out) const override;
+  void addCurvature(ConstRows, Rows) const override {}
   void addGeometricProduct(ConstRows, ConstRows, double, Rows) const override {}
   void addGeometricPattern(BlockPattern&) const override {}
   void addGeometricStiffness(ConstRows, double, BlockMatrix&) const override {}

@@ -67,6 +67,9 @@ std::vector<Point> pointsOf(const CellKind& kind) {
     const double a = std::sqrt(2. / 3), b = 1 / std::sqrt(6.), c = 1 / std::sqrt(2.);
     return {{{a, 0, 0}, 4. / 3}, {{-b, -c, 0}, 4. / 3}, {{-b, c, 0}, 4. / 3}};
   }
+  if (&kind != &cell_kinds::hexahedron)
+    throw ComponentError(fmt::format("there are no quadrature points of {}", kind.plural),
+                         "edges, triangles, quads, tetrahedra or hexahedra", "MeshMatrixMass knows all cells");
   std::vector<Point> points;
   const double g = 1 / std::sqrt(3.);
   for (const double z : {-g, g})
@@ -142,9 +145,12 @@ class FEMMass final : public Mass {
     row_sums_.assign(std::size_t(state().size()), 0.0);
     std::array<double, most_cell_nodes> shape{};
     std::array<Vec3, most_cell_nodes> x;
+    const CellKind* before = nullptr;
+    std::vector<Point> points;
     for (const auto& [kind, nodes] : cells) {
+      if (kind != before) points = pointsOf(*kind), before = kind;
       for (int a = 0; a < kind->nodes; ++a) x[std::size_t(a)] = state().rest_position[std::size_t(nodes[a])];
-      for (const Point& point : pointsOf(*kind)) {
+      for (const Point& point : points) {
         kind->shapes(point.xi, shape.data());
         double rho = density ? 0 : 1;
         for (int a = 0; density && a < kind->nodes; ++a) rho += shape[std::size_t(a)] * density->of(nodes[a]);

@@ -26,10 +26,12 @@
 // </Node>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "framework/mechanics/frames.h"
+#include "framework/mechanics/mapping.h"
 #include "framework/mechanics/state_topology.h"
 #include "framework/scene/factory.h"
 
@@ -276,10 +278,12 @@ class MechanicalObject final : public State {
     } else if (size_ > 0) {
       position.assign(size_, Vec3::Zero());
     } else {
-      warn(
-          "no positions: neither position, rest_position, size nor a mesh in this node or above; one node at the "
-          "origin is made",
-          "position=\"@loader.position\", or a topology in the same node");
+      const auto& here = node().components();  // a mapping may say what it follows
+      if (std::none_of(here.begin(), here.end(), [](const auto& each) { return dynamic_cast<const Mapping*>(each.get()); }))
+        warn(
+            "no positions: neither position, rest_position, size nor a mesh in this node or above; one node at the "
+            "origin is made",
+            "position=\"@loader.position\", or a topology in the same node");
       position.assign(1, Vec3::Zero());
     }
   }

@@ -69,6 +69,8 @@ void MeshMass::declare(DataTable& table) {
   table.add("vertexMass", vertex_mass_).help("mass of each node, one for all or one per node").unit("kg").min(0, false);
   table.add("computeMassOnRest", compute_on_rest_)
       .help("take volumes from the rest positions, not from the initial ones");
+  table.addChoice("cells", which_cells_, {"all", "first"})
+      .help("which carry mass: all of the highest dimension, or the first kind of hexahedra, tetrahedra, quads, triangles, edges");
   topology_.declare(table, "mesh of the cells");
   table.addLink("geometryState", geometry_state_)
       .help("state whose positions give the volumes; the mass's own when not given");
@@ -119,9 +121,12 @@ void MeshMass::findMesh() {
 
 void MeshMass::collectCells(const Mesh& mesh) {
   const int highest = highestDimension(mesh);
+  const CellKind* hidden = nullptr;  // by cells of as many dimensions that have a body of their own already
+  if (which_cells_ == Cells::first && !mesh.hexahedra.empty()) hidden = &cell_kinds::tetrahedron;
+  if (which_cells_ == Cells::first && highest == 2 && !mesh.quads.empty()) hidden = &cell_kinds::triangle;
   forEachCellList(
       [&](const CellKind& kind, const auto& list) {
-        if (kind.dimension == highest)
+        if (kind.dimension == highest && &kind != hidden)
           for (const auto& cell : list) cells_.push_back({&kind, cell.data()});
       },
       mesh);

@@ -33,18 +33,6 @@ class MeshMass : public Mass {
   const std::vector<double>& nodalMasses() const { return vertex_mass_; }  ///< [kg], shape (nodes)
   /// Cells of the highest dimension in the mesh: volumes, else faces, else edges.
   const std::vector<MassCell>& cells() const { return cells_; }
-  /// add(i, j, m) for nodes i and j of each cell, m their entry of its mass matrix [kg].
-  template <class Add>
-  void forEachEntry(Add&& add) const {
-    CellMatrix matrix;
-    for (std::size_t c = 0; c < cells_.size(); ++c) {
-      const auto [kind, nodes] = cells_[c];
-      cellMassMatrix(cells_[c], geometry(), matrix);
-      for (int i = 0; i < kind->nodes; ++i)
-        for (int j = 0; j < kind->nodes; ++j)
-          add(nodes[i], nodes[j], density(c) * matrix[std::size_t(i * kind->nodes + j)]);
-    }
-  }
   /// masses[node] += those of the cells on the diagonal: row sums; of quadratic cells, whose row sums are negative at
   /// corners, the mass in proportion to the diagonal (Hinton, Rock and Zienkiewicz 1976).
   void addLumped(std::vector<double>& masses) const;
@@ -62,6 +50,7 @@ class MeshMass : public Mass {
   }
 
   bool compute_on_rest_ = true;
+  enum class Cells : int { all, first } which_cells_ = Cells::all;
 
  private:
   enum class Source { total, density, nodes };

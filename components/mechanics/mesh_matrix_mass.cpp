@@ -35,7 +35,7 @@
 #include <cmath>
 
 #include "components/mechanics/mesh_mass.h"
-#include "framework/algebra/parallel.h"
+#include "components/mechanics/node_pair_matrix.h"
 #include "framework/mechanics/node_indices.h"
 #include "framework/scene/factory.h"
 
@@ -52,7 +52,9 @@ class MeshMatrixMass final : public MeshMass {
     table.add("edgeMass", edge_mass_)
         .help("with vertexMass: what couples the two nodes of each edge, one for all or one per edge")
         .unit("kg");
-    table.addChoice("matrix", form_, {"consistent", "edges"}).help("the integrals, or SOFA's entries at vertices and edges");
+    table.addChoice("matrix", form_, {"consistent", "edges", "pairs"})
+        .help("the integrals, or SOFA's entries at vertices and edges, or at all pairs of the corners of a hexahedron");
+    table.add("cellFactors", cell_factors_).help("factor of the mass of each cell; 1 when not given").unit("-").min(0);
     table.addVisualOnly("printMass");
   }
 
@@ -72,8 +74,8 @@ class MeshMatrixMass final : public MeshMass {
     if (isQuadratic()) masses_.assign(row_sums_.size(), 0.), addLumped(masses_);
     checkMasses(lumped());
     std::vector<double> diagonal = lumped();
-    for (Index i = 0; !lumping_ && i < state().size(); ++i) diagonal[i] = values_[find(i, i)];
-    if (lumping_) start_ = columns_ = slots_ = {}, values_ = {};
+    for (Index i = 0; !lumping_ && i < state().size(); ++i) diagonal[i] = matrix_.at(i, i);
+    if (lumping_) matrix_ = {};
     finish(std::move(diagonal));
   }
 
@@ -81,56 +83,23 @@ class MeshMatrixMass final : public MeshMass {
   const std::vector<double>& rowSums() const override { return lumping_ ? lumped() : row_sums_; }
   bool isDiagonal() const override { return lumping_; }
 
-  /// Node by node: 12 bytes and 6 flops for each pair of neighbours.
   void addProduct(ConstRows p, double factor, Rows out) const override {
     if (lumping_) return Mass::addProduct(p, factor, out);
-    constexpr Index piece_rows = 4096;
-    const Index size = state().size();
-    const double* __restrict source = p.data + std::size_t(state().firstRow()) * row_doubles;
-    double* __restrict target = out.data + std::size_t(state().firstRow()) * row_doubles;
-    parallelFor(int((size + piece_rows - 1) / piece_rows), [&, source, target](int piece) {
-      const Index end = std::min(size, (piece + 1) * piece_rows);
-      for (Index i = piece * piece_rows; i < end; ++i) {
-        double sum[row_doubles] = {};
-        for (Index s = start_[i]; s < start_[i + 1]; ++s) {
-          const double* row = source + std::size_t(columns_[s]) * row_doubles;
-          for (int c = 0; c < row_doubles; ++c) sum[c] += values_[s] * row[c];
-        }
-        for (int c = 0; c < row_doubles; ++c) target[std::size_t(i) * row_doubles + std::size_t(c)] += factor * sum[c];
-      }
-    });
+    matrix_.addProduct(state().segment(p), factor, state().segment(out));
   }
-
   void addPattern(BlockPattern& pattern) const override {
-    if (lumping_) return;
-    const Index first = state().firstRow();
-    for (Index i = 0; i < state().size(); ++i)
-      for (Index s = start_[i]; s < start_[i + 1]; ++s) pattern.addBlock(first + i, first + columns_[s]);
+    if (!lumping_) matrix_.addPattern(state().firstRow(), pattern);
   }
-
   void prepareAssembly(const BlockMatrix& matrix) override {
-    if (lumping_) return;
-    slots_.resize(columns_.size());
-    const Index first = state().firstRow();
-    for (Index i = 0; i < state().size(); ++i)
-      for (Index s = start_[i]; s < start_[i + 1]; ++s) slots_[s] = matrix.slot(first + i, first + columns_[s]);
+    if (!lumping_) matrix_.prepare(state().firstRow(), matrix);
   }
-
   void addTo(double factor, BlockMatrix& matrix) const override {
     if (lumping_) return Mass::addTo(factor, matrix);
-    for (std::size_t s = 0; s < slots_.size(); ++s) {
-      double* block = matrix.values().data() + std::size_t(slots_[s]) * 9;
-      for (int c : {0, 4, 8}) block[c] += factor * values_[s];
-    }
+    matrix_.addTo(factor, matrix);
   }
-
   void addDiagonal(double factor, std::vector<double>& blocks) const override {
     if (lumping_) return Mass::addDiagonal(factor, blocks);
-    const Index first = state().firstRow();
-    for (Index i = 0; i < state().size(); ++i)
-      for (Index s = start_[i]; s < start_[i + 1]; ++s)
-        if (columns_[s] == i)
-          for (int c : {0, 4, 8}) blocks[std::size_t(first + i) * 9 + std::size_t(c)] += factor * values_[s];
+    matrix_.addDiagonal(state().firstRow(), factor, blocks);
   }
 
  private:
@@ -138,13 +107,47 @@ class MeshMatrixMass final : public MeshMass {
   /// Compressed rows over pairs of nodes that share a cell.
   void build() {
     findPairs();
-    values_.assign(columns_.size(), 0.0);
     row_sums_.assign(state().size(), 0.0);
+    if (!cell_factors_.empty() && cell_factors_.size() != cells().size())
+      throw ComponentError(fmt::format("cellFactors has {} values for {} cells", cell_factors_.size(), cells().size()),
+                           "one for each cell");
     if (form_ == Form::edges) return buildAlongEdges();
-    forEachEntry([this](Index i, Index j, double mass) {
-      values_[find(i, j)] += mass;
-      row_sums_[i] += mass;
-    });
+    if (form_ == Form::pairs) return buildOfPairs();
+    CellMatrix matrix;
+    for (std::size_t c = 0; c < cells().size(); ++c) {
+      const auto [kind, nodes] = cells()[c];
+      cellMassMatrix(cells()[c], geometry(), matrix);
+      for (int i = 0; i < kind->nodes; ++i)
+        for (int j = 0; j < kind->nodes; ++j) {
+          const double mass = densityOf(c) * matrix[std::size_t(i * kind->nodes + j)];
+          matrix_.at(nodes[i], nodes[j]) += mass;
+          row_sums_[nodes[i]] += mass;
+        }
+    }
+  }
+
+  double densityOf(std::size_t cell) const { return density(cell) * (cell_factors_.empty() ? 1 : cell_factors_[cell]); }
+  double massOf(std::size_t cell, CellMatrix& matrix) const {
+    cellMassMatrix(cells()[cell], geometry(), matrix);
+    double mass = 0;
+    const int count = cells()[cell].kind->nodes;
+    for (int k = 0; k < count * count; ++k) mass += densityOf(cell) * matrix[std::size_t(k)];
+    return mass;
+  }
+
+  void buildOfPairs() {
+    CellMatrix matrix;
+    for (std::size_t c = 0; c < cells().size(); ++c) {
+      const auto [kind, nodes] = cells()[c];
+      if (kind != &cell_kinds::hexahedron)
+        throw ComponentError("matrix=\"pairs\" is of hexahedra", "a mesh of hexahedra alone, or another matrix");
+      const double mass = massOf(c, matrix), entry = 8. / 27 * mass;
+      for (int i = 0; i < 8; ++i) {
+        row_sums_[nodes[i]] += mass / 8;
+        for (int j = 0; j < 8; ++j) matrix_.at(nodes[i], nodes[lumping_ ? i : j]) += entry;
+      }
+    }
+    lumping_ = false;  // the diagonal is not what gravity takes
   }
 
   /// Shares of a cell's mass at a vertex and along an edge, and what a vertex weighs over its entry.
@@ -163,17 +166,15 @@ class MeshMatrixMass final : public MeshMass {
     CellMatrix matrix;
     for (std::size_t c = 0; c < cells().size(); ++c) {
       const auto [kind, nodes] = cells()[c];
-      cellMassMatrix(cells()[c], geometry(), matrix);
-      double mass = 0;
-      for (int k = 0; k < kind->nodes * kind->nodes; ++k) mass += density(c) * matrix[std::size_t(k)];
+      const double mass = massOf(c, matrix);
       const Shares shares = sharesOf(*kind);
       for (int i = 0; i < kind->nodes; ++i) {
-        values_[find(nodes[i], nodes[i])] += shares.vertex * mass;
+        matrix_.at(nodes[i], nodes[i]) += shares.vertex * mass;
         row_sums_[nodes[i]] += shares.vertex * shares.weight * mass;
       }
       for (const auto& [i, j] : kind->edges)
         for (const auto& [row, column] : {std::pair(nodes[i], nodes[j]), std::pair(nodes[j], nodes[i])})
-          values_[find(row, column)] += shares.edge * mass;
+          matrix_.at(row, column) += shares.edge * mass;
     }
   }
 
@@ -185,10 +186,9 @@ class MeshMatrixMass final : public MeshMass {
     for (Index i = 0; i < state().size(); ++i) neighbours[i] = {i};
     for (const Edge& edge : edges)
       for (int end = 0; end < 2; ++end) neighbours[edge[end]].push_back(edge[1 - end]);
-    compress(neighbours);
-    values_.assign(columns_.size(), 0.0);
+    matrix_.build(neighbours);
     row_sums_ = nodalMasses();
-    for (Index i = 0; i < state().size(); ++i) values_[find(i, i)] = nodalMasses()[i];
+    for (Index i = 0; i < state().size(); ++i) matrix_.at(i, i) = nodalMasses()[i];
     for (std::size_t e = 0; e < edges.size(); ++e) {
       const auto [a, b] = edges[e];
       const double mass = edge_mass_[e], limit = nodalMasses()[a] * nodalMasses()[b];
@@ -199,7 +199,7 @@ class MeshMatrixMass final : public MeshMass {
                         e, a, b, mass),
             fmt::format("less than the root of the product of its nodes' masses, {:.3g} kg", std::sqrt(limit)));
       for (const auto& [row, column] : {std::pair(a, b), std::pair(b, a)}) {
-        values_[find(row, column)] += mass;
+        matrix_.at(row, column) += mass;
         row_sums_[row] += mass;
       }
     }
@@ -212,32 +212,14 @@ class MeshMatrixMass final : public MeshMass {
         auto& list = neighbours[cell.nodes[i]];
         list.insert(list.end(), cell.nodes, cell.nodes + cell.kind->nodes);
       }
-    compress(neighbours);
+    matrix_.build(neighbours);
   }
 
-  /// `neighbours` of each row, with repetitions and in any order, become start_ and columns_.
-  void compress(std::vector<std::vector<Index>>& neighbours) {
-    start_.assign(1, 0);
-    columns_.clear();
-    for (auto& list : neighbours) {
-      std::sort(list.begin(), list.end());
-      list.erase(std::unique(list.begin(), list.end()), list.end());
-      columns_.insert(columns_.end(), list.begin(), list.end());
-      start_.push_back(Index(columns_.size()));
-    }
-  }
-
-  Index find(Index row, Index column) const {
-    const auto begin = columns_.begin() + start_[row], end = columns_.begin() + start_[row + 1];
-    return Index(std::lower_bound(begin, end, column) - columns_.begin());
-  }
-
-  enum class Form : int { consistent, edges } form_ = Form::consistent;
+  enum class Form : int { consistent, edges, pairs } form_ = Form::consistent;
+  std::vector<double> cell_factors_;
   bool lumping_ = false;
   std::vector<double> edge_mass_;       ///< [kg], as given
-  std::vector<Index> start_, columns_;  ///< compressed rows of M: shapes (nodes + 1), (pairs)
-  std::vector<Index> slots_;            ///< blocks of the system's matrix, shape (pairs)
-  std::vector<double> values_;          ///< M_ij [kg], shape (pairs)
+  NodePairMatrix matrix_;               ///< M [kg]; empty with lumping
   std::vector<double> row_sums_;        ///< [kg], shape (nodes)
   std::vector<double> masses_;          ///< of quadratic cells, whose row sums are negative at corners [kg]
 };

@@ -25,10 +25,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <numeric>
 
 #include "framework/mechanics/node_indices.h"
 #include "framework/mechanics/position_constraint.h"
+#include "framework/mechanics/state_positions.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
@@ -63,6 +63,7 @@ class PlaneConstraint final : public PositionConstraint {
   std::string violation() const override {
     return fmt::format("node {} is {:.3g} m behind plane {} and held there", worst_node_, worst_depth_, worst_plane_);
   }
+  bool takesFrames() const override { return true; }
   std::string describe() const override {
     return fmt::format("{} nodes stay in front of {} plane{}", nodes_.size(), normals_.size(),
                        normals_.size() == 1 ? "" : "s");
@@ -107,12 +108,12 @@ void PlaneConstraint::init() {
   if (data().find("indices")->isSet()) {
     nodes_ = checkedNodes(indices_, state(), "indices");
   } else {
-    nodes_.resize(state().size());
-    std::iota(nodes_.begin(), nodes_.end(), 0);
+    nodes_ = allNodes(state());
   }
   if (tolerance_ > 0) return;
   double size = 0;
-  for (const Vec3& p : state().rest_position) size = std::max(size, (p - state().rest_position[0]).norm());
+  for (const Vec3& p : nodePlaces(state(), state().rest_position))
+    size = std::max(size, (p - state().rest_position[0]).norm());
   tolerance_ = 1e-12 * (size > 0 ? size : 1);
 }
 
@@ -138,7 +139,7 @@ double PlaneConstraint::correctPositions(const PositionStep& step, Rows x, Rows 
       const Index at = row(nodes_[i]);
       const double depth = distances_[p] - normals_[p].dot(x[at]);
       if (!(depth > 0)) continue;
-      if (depth > worst) worst = worst_depth_ = depth, worst_node_ = nodes_[i], worst_plane_ = p;
+      if (depth > worst) worst = worst_depth_ = depth, worst_node_ = nodes_[i] / state().rows_per_node, worst_plane_ = p;
       const Vec3 push = depth * contact(step, i, p).along;
       x[at] += push;
       reference[at] += push;

@@ -5,7 +5,8 @@
 //
 // with D the diagonal matrix of activeDirections. The targets t are the rest positions of the nodes or, with
 // external_rest_shape, the positions of its nodes (external_points, else those with the numbers of `points`) at the
-// start of each step. The springs do not act on that other body.
+// start of each step. The springs do not act on that other body. `targets` gives them as numbers, and may change while the
+// scene runs: a body is led by them.
 //
 // A rigid frame is also turned back, by a torque along the shortest turn th from its target orientation q_t to q:
 //
@@ -55,6 +56,10 @@ class RestShapeSpringsForceField final : public NodeGroupField<1>, public DrawnS
         .help("torque over the turn of frames, one per point or one for all")
         .unit("N m")
         .min(0);
+    table.add("targets", given_targets_)
+        .recompiled()
+        .help("where points are pulled to, in place of their rest positions: 3 numbers each, of frames 7")
+        .unit("m");
     for (const char* name : {"drawSpring", "springColor", "recompute_indices"}) table.addVisualOnly(name);
   }
 
@@ -90,7 +95,7 @@ class RestShapeSpringsForceField final : public NodeGroupField<1>, public DrawnS
   }
 
   void compile() override {
-    std::vector<Index> rows = state().kindOf(0) == RowKind::value ? rowsOf(nodes_, state()) : nodes_;
+    std::vector<Index> rows = isOfNumbers() ? rowsOf(nodes_, state()) : nodes_;
     if (state().hasFrames())
       for (const Index node : nodes_) rows.push_back(node + 1);  // orientations after all centres
     setNodes(rows, false);
@@ -100,7 +105,7 @@ class RestShapeSpringsForceField final : public NodeGroupField<1>, public DrawnS
 
   void setTime(double) override {
     const State& other = *external_.get();
-    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    for (std::size_t i = 0; i < targets_.size(); ++i) {
       const Index node = external_nodes_[i];
       targets_[i] = other.isBound() ? Vec3(other.x()[node]) : other.position[node];
       if (i < turns_.size())
@@ -140,7 +145,13 @@ class RestShapeSpringsForceField final : public NodeGroupField<1>, public DrawnS
   double constantOf(std::size_t target) const {
     return stiffness_constants_[target / (targets_.size() / nodes_.size())];
   }
-  double angularOf(std::size_t i) const { return directions_.back() ? angular_stiffness_[i] : 0; }
+  double angularOf(std::size_t i) const { return directions_.size() == 3 || directions_[3] ? angular_stiffness_[i] : 0; }
+  bool isOfNumbers() const { return state().kindOf(0) == RowKind::value; }
+  std::vector<int> nodeNumbers() const {
+    std::vector<int> numbers(nodes_.begin(), nodes_.end());
+    for (int& number : numbers) number /= state().rows_per_node;
+    return numbers;
+  }
   /// From the target to the orientation.
   Vec3 turnOf(std::size_t i, ConstRows x) const {
     return rotationVector(orientationIn(x, rows_[targets_.size() + i][0]) * turns_[i].conjugate());
@@ -154,7 +165,7 @@ class RestShapeSpringsForceField final : public NodeGroupField<1>, public DrawnS
     if (other) {
       external_nodes_ = data().find("external_points")->isSet()
                             ? checkedNodesInOrder(external_points_, *other, "external_points")
-                            : checkedNodesInOrder({nodes_.begin(), nodes_.end()}, *other, "points");
+                            : checkedNodesInOrder(nodeNumbers(), *other, "points");
       if (external_nodes_.size() != nodes_.size())
         throw ComponentError(
             fmt::format("external_points has {} values for {} points", external_nodes_.size(), nodes_.size()),
@@ -168,15 +179,42 @@ class RestShapeSpringsForceField final : public NodeGroupField<1>, public DrawnS
     if (other && other->hasFrames() != state().hasFrames())
       throw ComponentError(fmt::format("the nodes of {} and {} are of different types", other->path(), state().path()),
                            "frames for frames, points for points");
+    if (other && isOfNumbers()) {
+      if (other->kindOf(0) != RowKind::value || other->rows_per_node != state().rows_per_node)
+        throw ComponentError(fmt::format("the nodes of {} and {} are of different types", other->path(), state().path()),
+                             "states of one template");
+      external_nodes_ = rowsOf(external_nodes_, *other);
+    }
     targets_.clear(), turns_.clear();
+    if (!given_targets_.empty()) return takeTargets();
     const std::vector<Vec3>& from = other ? other->position : state().rest_position;
-    for (const Index row : state().kindOf(0) == RowKind::value ? rowsOf(nodes_, state()) : nodes_)
-      targets_.push_back(from[std::size_t(other ? external_nodes_[targets_.size()] : row)]);
+    for (const Index row : other ? external_nodes_ : isOfNumbers() ? rowsOf(nodes_, state()) : nodes_)
+      targets_.push_back(from[std::size_t(row)]);
     for (std::size_t i = 0; state().hasFrames() && i < nodes_.size(); ++i)
       turns_.push_back(turnedBy(from[std::size_t((other ? external_nodes_[i] : nodes_[i]) + 1)]));
   }
 
+  void takeTargets() {
+    if (external_.target())
+      throw ComponentError("targets and external_rest_shape exclude each other", "one of the two");
+    const bool is_point = state().kindOf(0) != RowKind::value;
+    const std::size_t width = state().hasFrames() ? 7 : is_point ? 3 : std::size_t(state().rows_per_node);
+    if (given_targets_.size() != width * nodes_.size())
+      throw ComponentError(fmt::format("targets has {} numbers for {} points", given_targets_.size(), nodes_.size()),
+                           fmt::format("{} for each point", width));
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+      const double* t = given_targets_.data() + width * i;
+      if (is_point) targets_.emplace_back(t[0], t[1], t[2]);
+      for (std::size_t c = 0; !is_point && c < width; ++c) targets_.emplace_back(t[c], 0., 0.);
+      if (width != 7) continue;
+      const Quaternion turn(t[6], t[3], t[4], t[5]);
+      if (!(turn.norm() > 0)) throw ComponentError("targets has an orientation of length zero", "x y z w of length 1");
+      turns_.push_back(turn.normalized());
+    }
+  }
+
   std::vector<int> points_, external_points_, pivot_points_;
+  std::vector<double> given_targets_;
   std::vector<double> stiffness_constants_{100}, angular_stiffness_{100};
   std::vector<bool> directions_{true, true, true};
   Link<State> external_{"mechanical state"};

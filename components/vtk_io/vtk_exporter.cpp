@@ -9,9 +9,12 @@
 // Unlike SOFA an export is made at every step unless exportEveryNumberOfSteps says otherwise, and the cells of the
 // highest dimension are written unless edges, triangles, quads, tetras or hexas says otherwise.
 //
+// Rigid frames are points with the array "orientation" (x y z w), by which ParaView turns glyphs; without a mesh each is a
+// vertex.
+//
 // Fields are words `what` or `label=what`. pointsDataFields: position, restPosition, displacement, velocity, force (or
-// `state.velocity`). cellsDataFields: a cell field of a force field of the same node, `vonMises`, `fem.vonMises` or
-// `@../body/fem.vonMises`; cells that the force field does not have get NaN.
+// `state.velocity`), of frames also angularVelocity and torque. cellsDataFields: a cell field of a force field of the same
+// node, `vonMises`, `fem.vonMises` or `@../body/fem.vonMises`; cells that the force field does not have get NaN.
 //
 // Source: the attributes are SOFA's; the formats are VTK's.
 //
@@ -34,9 +37,9 @@
 #include <limits>
 
 #include "components/vtk_io/field_word.h"
+#include "components/vtk_io/point_fields.h"
 #include "components/vtk_io/vtk_series.h"
 #include "framework/mechanics/force_field.h"
-#include "framework/mechanics/frames.h"
 #include "framework/mechanics/state_topology.h"
 #include "framework/mesh/cell_lists.h"
 #include "framework/scene/archive.h"
@@ -47,9 +50,6 @@
 
 namespace stroma {
 namespace {
-
-enum class PointField { position, rest_position, displacement, velocity, force };
-const std::vector<std::string> point_field_words{"position", "restPosition", "displacement", "velocity", "force"};
 
 /// SOFA's short words: edges, triangles, quads, tetras, hexas.
 std::string attributeOf(const CellKind& kind) { return std::string(kind.alias.empty() || kind.dimension != 3 ? kind.plural : kind.alias); }
@@ -71,11 +71,6 @@ class VTKExporter : public Observer {
   std::string describe() const override;
 
  private:
-  struct PointOutput {
-    std::string label;
-    PointField what;
-    vtkSmartPointer<vtkDoubleArray> values;
-  };
   struct CellOutput {
     std::string label, field;
     ForceField* source;
@@ -85,7 +80,6 @@ class VTKExporter : public Observer {
   void chooseCells();
   void makeGrid();
   void makeArrays();
-  void addPointField(const std::string& word);
   void addCellField(const std::string& word);
   ForceField& forceFieldWith(const std::string& field) const;
   ForceField& forceFieldAt(const std::string& path) const;
@@ -93,7 +87,7 @@ class VTKExporter : public Observer {
   std::vector<double> fieldOfCells(const CellOutput& output) const;
   void fill();
   void write(const Simulation& simulation);
-  vtkSmartPointer<vtkDoubleArray> newArray(const std::string& label, int components) const;
+  const Mesh& mesh() const { return topology_ ? topology_->mesh() : no_mesh_; }
 
   FileName filename_;
   Link<State> mstate_{"mechanical state"};
@@ -109,8 +103,9 @@ class VTKExporter : public Observer {
   const System* system_ = nullptr;
   VtkSeries series_;
   vtkSmartPointer<vtkUnstructuredGrid> grid_;
-  vtkSmartPointer<vtkDoubleArray> points_, time_, turns_;
-  std::vector<PointOutput> point_outputs_;
+  vtkSmartPointer<vtkDoubleArray> points_, time_;
+  PointFields point_fields_;
+  Mesh no_mesh_;  ///< of frames without one
   std::vector<CellOutput> cell_outputs_;
   long last_step_ = -1;
 };
@@ -141,7 +136,8 @@ void VTKExporter::init() {
   state_ = mstate_.target() ? mstate_.get() : find<State>(true);
   if (!state_) throw ComponentError("there is no state to export", "a MechanicalObject here or above, or mstate");
   topology_ = topology_link_.find(*this, *state_);
-  if (!topology_) throw ComponentError("there is no mesh to export", "a topology in the node or above, or topology");
+  if (!topology_ && !state_->hasFrames())
+    throw ComponentError("there is no mesh to export", "a topology in the node or above, or topology");
   if (!position_.empty() && Index(position_.size()) != state_->nodes())
     throw ComponentError(fmt::format("position has {} values for {} nodes", position_.size(), state_->nodes()));
   if (enable_ && every_ == 0 && !at_begin_ && !at_end_)
@@ -149,8 +145,8 @@ void VTKExporter::init() {
   series_.setUp(filename_.empty() ? name() : filename_.given, {xml_, overwrite_});
   chooseCells();
   makeGrid();
-  for (const std::string& word : point_words_) addPointField(word);
-  if (state_->hasFrames()) grid_->GetPointData()->AddArray(turns_ = newArray("orientation", 4));  // x y z w, for glyphs
+  point_fields_.start(*state_, *grid_->GetPointData());
+  for (const std::string& word : point_words_) point_fields_.add(word, *this, *grid_->GetPointData());
   for (const std::string& word : cell_words_) addCellField(word);
 }
 
@@ -161,13 +157,13 @@ void VTKExporter::chooseCells() {
   };
   forEachCellList(look, wanted_);
   if (any_given) return;
-  const int highest = std::max(1, highestDimension(topology_->mesh()));
+  const int highest = std::max(1, highestDimension(mesh()));
   forEachCellList([&](const CellKind& kind, bool& wanted) { wanted = kind.dimension == highest; }, wanted_);
 }
 
 /// Cells of the highest dimension come first.
 void VTKExporter::makeGrid() {
-  const Mesh& mesh = topology_->mesh();
+  const Mesh& mesh = this->mesh();
   grid_ = vtkSmartPointer<vtkUnstructuredGrid>::New();
   grid_->Allocate(vtkIdType(mesh.tetrahedra.size() + mesh.hexahedra.size() + mesh.quadratic_tetrahedra.size()));
   const auto add = [this](const CellKind& kind, const auto& cells) {
@@ -183,6 +179,7 @@ void VTKExporter::makeGrid() {
           if (wanted && kind.dimension == dimension) add(kind, cells);
         },
         wanted_, mesh);
+  for (vtkIdType frame = 0; !topology_ && frame < state_->nodes(); ++frame) grid_->InsertNextCell(VTK_VERTEX, 1, &frame);
   makeArrays();
 }
 
@@ -200,32 +197,6 @@ void VTKExporter::makeArrays() {
   grid_->GetFieldData()->AddArray(time_);
 }
 
-vtkSmartPointer<vtkDoubleArray> VTKExporter::newArray(const std::string& label, int components) const {
-  auto array = vtkSmartPointer<vtkDoubleArray>::New();
-  array->SetName(label.c_str());
-  array->SetNumberOfComponents(components);
-  array->SetNumberOfTuples(components > 1 ? vtkIdType(state_->nodes()) : grid_->GetNumberOfCells());
-  return array;
-}
-
-void VTKExporter::addPointField(const std::string& word) {
-  FieldWord parts(word);
-  if (!parts.owner.empty() && &componentAt(node(), parts.owner) != state_)
-    throw ComponentError(fmt::format("pointsDataFields: '{}' is not of the state that is exported", word),
-                         fmt::format("a field of {}", state_->path()));
-  if (parts.field == "rest_position") parts.field = "restPosition";  // SOFA's name of the attribute
-  const auto found = std::find(point_field_words.begin(), point_field_words.end(), parts.field);
-  if (found == point_field_words.end())
-    throw ComponentError(fmt::format("pointsDataFields: '{}' is not a field of nodes", parts.field),
-                         "position, restPosition, displacement, velocity or force",
-                         nearest(parts.field, point_field_words));
-  const PointField field = PointField(found - point_field_words.begin());
-  if (field == PointField::force) state_->requestForce();
-  const std::string label = parts.label.empty() ? parts.field : parts.label;
-  point_outputs_.push_back({label, field, newArray(label, 3)});
-  grid_->GetPointData()->AddArray(point_outputs_.back().values);
-}
-
 void VTKExporter::addCellField(const std::string& word) {
   const FieldWord parts(word);
   ForceField& source = parts.owner.empty() ? forceFieldWith(parts.field) : forceFieldAt(parts.owner);
@@ -237,7 +208,10 @@ void VTKExporter::addCellField(const std::string& word) {
         known.empty() ? "a force field with cell fields" : fmt::format("one of {}", fmt::join(known, ", ")),
         nearest(parts.field, known));
   const std::string label = parts.label.empty() ? parts.field : parts.label;
-  cell_outputs_.push_back({label, parts.field, &source, newArray(label, 1)});
+  auto values = vtkSmartPointer<vtkDoubleArray>::New();
+  values->SetName(label.c_str());
+  values->SetNumberOfTuples(grid_->GetNumberOfCells());
+  cell_outputs_.push_back({label, parts.field, &source, values});
   grid_->GetCellData()->AddArray(cell_outputs_.back().values);
 }
 
@@ -317,26 +291,12 @@ std::string VTKExporter::describe() const {
 }
 
 void VTKExporter::fill() {
-  const bool bound = state_->isBound();
   for (Index node = 0; node < state_->nodes(); ++node) {
-    const Index n = node * state_->rows_per_node;  // of a frame the centre
-    if (turns_) {
-      const Quaternion q = bound ? orientationIn(state_->x(), n + 1) : turnedBy(state_->position[n + 1]);
-      std::copy_n(q.coeffs().data(), 4, turns_->GetPointer(4 * vtkIdType(node)));
-    }
-    const Vec3 x = bound ? Vec3(state_->x()[n]) : state_->position[n];
-    std::copy(x.data(), x.data() + 3, points_->GetPointer(3 * vtkIdType(node)));
-    for (PointOutput& output : point_outputs_) {
-      Vec3 value = x;
-      if (output.what == PointField::rest_position) value = state_->rest_position[n];
-      if (output.what == PointField::displacement) value = x - state_->rest_position[n];
-      if (output.what == PointField::velocity) value = bound ? Vec3(state_->v()[n]) : state_->velocity[n];
-      if (output.what == PointField::force) value = bound ? Vec3(state_->f()[n]) : Vec3(Vec3::Zero());
-      std::copy(value.data(), value.data() + 3, output.values->GetPointer(3 * vtkIdType(node)));
-    }
+    const Index row = node * state_->rows_per_node;  // of a frame the centre
+    const Vec3 x = state_->isBound() ? Vec3(state_->x()[row]) : state_->position[std::size_t(row)];
+    std::copy_n(x.data(), 3, points_->GetPointer(3 * vtkIdType(node)));
   }
-  // VTK keeps the ranges of arrays that nobody calls changed, and writes them
-  for (PointOutput& output : point_outputs_) output.values->Modified();
+  point_fields_.fill();
   for (CellOutput& output : cell_outputs_) {
     const std::vector<double> values = fieldOfCells(output);
     std::copy(values.begin(), values.end(), output.values->GetPointer(0));
@@ -356,7 +316,7 @@ const CellKind* VTKExporter::kindOfValues(std::size_t count, const CellOutput& o
     counts += fmt::format("{}{} {}", counts.empty() ? "" : " and ", cells.size(), kind.plural);
     if (!only && count == cells.size()) only = &kind;
   };
-  forEachCellList(measure, topology_->mesh());
+  forEachCellList(measure, mesh());
   if (count == all) return nullptr;
   if (only) return only;
   throw ComponentError(fmt::format("cellsDataFields: {} gives {} values of '{}', but the mesh has {}",
@@ -380,7 +340,7 @@ std::vector<double> VTKExporter::fieldOfCells(const CellOutput& output) const {
     if (has_values) from += count;
     if (wanted) to += count;
   };
-  forEachCellList(place, wanted_, topology_->mesh());
+  forEachCellList(place, wanted_, mesh());
   return out;
 }
 

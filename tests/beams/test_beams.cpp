@@ -189,7 +189,7 @@ TEST(Beams, AForceBendsABeamFar) {
 TEST(Beams, ACantileverSwingsAtItsFrequency) {
   const int beams = 20;
   const double length = 1, mass = 2,
-               omega = 1.87510407 * 1.87510407 * std::sqrt(bending * beams / (mass * std::pow(length, 3)) / beams);
+               omega = 1.87510407 * 1.87510407 * std::sqrt(bending / (mass * std::pow(length, 3)));
   std::string text = cantilever(beams, length, "0 0 0 0 0 0");
   const double each = mass / beams, quarter = std::numbers::pi / 2 / omega;
   std::string masses;
@@ -242,6 +242,22 @@ TEST(Joints, AHingeHoldsWhatItBlocks) {
   EXPECT_LT((orientationIn(system.x, 3) * Vec3::UnitZ() - Vec3::UnitZ()).norm(), 1e-3);
 }
 
+/// A frame at an angle of 0.3 rad about z from its joint, which is free between two limits.
+TEST(Joints, LimitsPushBackFromBothSides) {
+  const auto torque = [](const std::string& limits) {
+    Field t(R"(<Node name="root" gravity="0 0 0"><EulerImplicitSolver/><SparseLDLSolver/>
+      <MechanicalObject template="Rigid3" position="0 0 0  0 0 0 1   0 0 0  0 0 0.14943813 0.98877108"/>
+      <UniformMass totalMass="2" inertia="1 1 1"/>
+      <JointSpringForceField spring="BEGIN_SPRING 0 1 FREE_AXIS 0 0 0 1 1 1 KS_B 50 REST_R 0 0 0 1 )" +
+            limits + R"( END_SPRING"/></Node>)");
+    return t.forceAt(t.system.x)[3][2];
+  };
+  EXPECT_NEAR(torque("R_LIM_Z -1 0.5"), 0, 1e-12);
+  EXPECT_NEAR(torque("R_LIM_Z -1 0.1"), -50 * 0.2, 1e-6);
+  EXPECT_NEAR(torque("R_LIM_Z 0.5 1"), 50 * 0.2, 1e-6);
+  EXPECT_NEAR(torque("R_LIM_Z 0 0"), -50 * 0.3, 1e-6) << "no play at all";
+}
+
 TEST(Joints, SayWhatIsWrong) {
   const auto problems = [](const std::string& spring) {
     return problemsOf(
@@ -254,6 +270,9 @@ TEST(Joints, SayWhatIsWrong) {
   expectContains(problems("BEGIN_SPRING 0 1 KS_T 1"), "KS_T is not followed by its numbers");
   expectContains(problems("BEGIN_SPRING 0 0 END_SPRING"), "joins frame 0 to itself");
   expectContains(problems("BEGIN_SPRING 0 7 END_SPRING"), "2 nodes");
+  expectContains(problems("BEGIN_SPRING 0 1 R_LIM_X 1 -1 END_SPRING"), "leave no angle");
+  expectContains(problems("BEGIN_SPRING 0 1 KS_T 0 -3 END_SPRING"), "no stiffness");
+  expectContains(problems("BEGIN_SPRING 0 1 REST_R 0 0 0 0 END_SPRING"), "no orientation");
 }
 
 }  // namespace STROMA_TEST_FILE

@@ -203,5 +203,38 @@ TEST(Bodies, HeldAndGuidedNodesAreToldApart) {
   EXPECT_EQ(nodes(Holding::guided), (std::vector<Index>{5, 59}));
 }
 
+TEST(Bodies, BeamsBendBetweenFramesAndTakeThePlaceOfTheirEdges) {
+  const Simulation simulation = simulationFromText(
+      "<Node name=\"root\"><EulerImplicitSolver/><CGLinearSolver/><MeshTopology edges=\"0 1  1 2\"/>"
+      "<MechanicalObject template=\"Rigid3\" position=\"0 0 0 0 0 0 1  1 0 0 0 0 0.70710678 0.70710678  2 0 0 0 0 0 1\"/>"
+      "<UniformMass totalMass=\"1\"/><BeamFEMForceField radius=\"0.05\" listSegment=\"0\"/>"
+      "<Node name=\"angles\"><MechanicalObject template=\"Vec1\" position=\"1 2\"/><UniformMass totalMass=\"1\"/></Node></Node>");
+  const Drawing drawing = drawingOf(simulation);
+  ASSERT_EQ(drawing.bodies.size(), 1u) << "numbers are nowhere";
+  const Body& body = drawing.bodies[0];
+  EXPECT_EQ(body.node.size(), 3u);
+  ASSERT_EQ(body.frames.size(), 3u);
+  EXPECT_EQ(body.frames[1], (std::array<Index, 2>{1, 3}));
+  ASSERT_EQ(body.beams.size(), 1u);
+  EXPECT_EQ(body.edges, (std::vector<Edge>{{1, 2}}));
+  EXPECT_TRUE(body.springs.empty());
+  EXPECT_TRUE(body.points.empty());
+  const Beam& beam = body.beams[0];
+  EXPECT_EQ(beam.nodes, (std::array<Index, 2>{0, 1}));
+  EXPECT_EQ(beam.frames, (std::array<Index, 2>{0, 1}));
+  EXPECT_EQ(beam.radius, 0.05);
+  EXPECT_LT((beam.chord[1] - Vec3(0, -1, 0)).norm(), 1e-7) << "in the axes of the turned end";
+  EXPECT_GT(body.axis, 0.1);
+  EXPECT_LT(body.axis, 0.5) << "axes of neighbours stay apart";
+  const Quaternion turned = turnedBy(Vec3(0, 0, M_PI / 2));
+  for (const Vec3& place : beamCurve(beam, Vec3::Zero(), Vec3::UnitX(), Quaternion::Identity(), turned, 8))
+    EXPECT_NEAR(place.y(), 0, 1e-7) << "straight at rest";
+  const std::vector<Vec3> bent =
+      beamCurve(beam, Vec3::Zero(), Vec3(0.6, 0.6, 0), Quaternion::Identity(), turnedBy(Vec3(0, 0, M_PI)), 100);
+  EXPECT_LT((bent[1] - bent[0]).normalized().y(), 0.02) << "it leaves along x";
+  EXPECT_LT((bent[100] - bent[99]).normalized().x(), 0.02) << "and arrives along y";
+  EXPECT_GT((bent[100] - bent[99]).y(), 0);
+}
+
 }  // namespace
 }  // namespace stroma::drawing

@@ -187,5 +187,36 @@ TEST_F(FramesInFiles, AreWrittenAndReadAgain) {
   EXPECT_GT(turned, 3) << "more than any hemisphere";
 }
 
+TEST_F(FramesInFiles, AreTurnedAndMovedAsTheyAreRead) {
+  const std::string file = this->file("frames.state");
+  std::ofstream(file) << "T= 0\n  X= 1 0 0 0 0 0 1\n  V= 1 0 0 2 0 0\nT= 0.01\n  X= 1 2 0 0.6 0 0 0.8\n  V= 1 0 0 2 0 0\n";
+  Simulation replay = simulationFromText(
+      scene("template=\"Rigid3\" position=\"0 0 0 0 0 0 1\"",
+            "<UniformMass totalMass=\"2\" inertia=\"0.1 0.2 0.25\"/><ReadState filename=\"" + file +
+                "\" scalePos=\"2\" rotation=\"0 0 90\" translation=\"0 0 5\"/>"));
+  ASSERT_FALSE(replay.step().diverged);
+  const System& system = systemOf(replay);
+  EXPECT_LT((system.x[0] - Vec3(-4, 2, 5)).norm(), 1e-14);
+  const Quaternion turn(Eigen::AngleAxisd(std::acos(0.) , Vec3::UnitZ()));
+  EXPECT_LT(orientationIn(system.x, 1).angularDistance(turn * Quaternion(0.8, 0.6, 0, 0)), 1e-7);
+  EXPECT_LT((system.v[0] - Vec3(0, 2, 0)).norm(), 1e-14);
+  EXPECT_LT((system.v[1] - Vec3(0, 2, 0)).norm(), 1e-14) << "a turn has no size";
+}
+
+/// Every digit of a quaternion is in a checkpoint, of either sign of its numbers.
+TEST(FramesInCheckpoints, GoOnToTheBit) {
+  Simulation simulation = simulationFromText(
+      scene("template=\"Rigid3\" position=\"0 0 0  0.1 -0.7 0.3 0.4   1 0 0  0 0 0 1\" velocity=\"0 0 0 3 -9 1  1 0 0 0 0 2\"",
+            "<UniformMass totalMass=\"2\" inertia=\"0.1 0.2 0.25\"/><Node name=\"child\"><MechanicalObject "
+            "template=\"Rigid3\" position=\"0.1 0 0  0.5 0 0 0.8\"/><RigidRigidMapping/><RestShapeSpringsForceField/></Node>"));
+  for (int i = 0; i < 60; ++i) ASSERT_FALSE(simulation.step().diverged);
+  const Archive middle = simulation.checkpoint();
+  for (int i = 0; i < 60; ++i) ASSERT_FALSE(simulation.step().diverged);
+  const auto end = simulation.stateHash();
+  simulation.restore(middle.readable());
+  for (int i = 0; i < 60; ++i) ASSERT_FALSE(simulation.step().diverged);
+  EXPECT_EQ(simulation.stateHash(), end);
+}
+
 }  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

@@ -220,11 +220,13 @@ TEST(Motion, HeldRowsKeepTheirOrientation) {
 }
 
 TEST(Motion, FramesAreNotMovedAsPoints) {
-  for (const char* constraint :
-       {"<LinearMovementProjectiveConstraint indices=\"0\" keyTimes=\"0 1\" movements=\"0 0 0  1 0 0\"/>",
-        "<AttachProjectiveConstraint indices1=\"0\" indices2=\"1\"/>"})
-    expectContains(problemsOf(scene("<EulerImplicitSolver/>", constraint, "centres=\"1 2 3  4 5 6\"")),
-                   "has rigid frames");
+  for (const auto& [constraint, what] :
+       {std::pair("<LinearMovementProjectiveConstraint indices=\"0\" keyTimes=\"0 1\" movements=\"0 0 0  1 0 0\"/>",
+                  "movements has 1 values for 2 keyTimes"),
+        std::pair("<LinearMovementProjectiveConstraint indices=\"0\" keyTimes=\"0 1\" movements=\"0 0 0  1 0 0  1\"/>",
+                  "6: for x, y, z and the turns about them"),
+        std::pair("<FixedPlaneProjectiveConstraint indices=\"0\" direction=\"0 0 1\"/>", "has rigid frames")})
+    expectContains(problemsOf(scene("<EulerImplicitSolver/>", constraint, "centres=\"1 2 3  4 5 6\"")), what);
 }
 
 }  // namespace STROMA_TEST_FILE

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Masses of quadratic tetrahedra against closed forms.
 #include <Eigen/Geometry>
+#include <cmath>
 
 #include "framework/mesh/cell_kind.h"
 #include "tests/support/quadratic_block.h"
@@ -86,6 +87,32 @@ TEST(QuadraticMasses, ABlockHasTheEnergyOfARigidBody) {
     EXPECT_LT(system.masses()[0]->rowSums()[0], 0) << "a corner's weight is negative";
     EXPECT_GT(system.masses()[0]->lumped()[0], 0);
   }
+}
+
+TEST(FEMMass, OfBoxesIsTheConsistentMatrixAndKnowsNoQuadraticCells) {
+  const auto box = [](const std::string& mass) {
+    return simulationFromText("<Node name='root' gravity='0 -10 1'><TestIntegrator/><RegularGridTopology n='3 2 2' min='0 0 0' "
+                              "max='2 3 1'/><MechanicalObject/>" +
+                              mass + "</Node>");
+  };
+  Simulation consistent = box("<MeshMatrixMass massDensity='5'/>"),
+             by_points = box("<NodalMassDensity property='5'/><FEMMass/>");
+  System &a = *consistent.systems()[0], &b = *by_points.systems()[0];
+  const BlockMatrix &expected = a.matrix().withFactors({.mass = 1, .stiffness = 0}).assemble(),
+                    &matrix = b.matrix().withFactors({.mass = 1, .stiffness = 0}).assemble();
+  ASSERT_EQ(matrix.values().size(), expected.values().size());
+  for (std::size_t k = 0; k < matrix.values().size(); ++k) EXPECT_NEAR(matrix.values()[k], expected.values()[k], 1e-14);
+  Vector v(12), product(12), by_matrix(12);
+  for (Index i = 0; i < 12; ++i) v[i] = Vec3(std::sin(i), std::cos(3 * i), i);
+  b.addMassProduct(v, 1, product);
+  matrix.multiply(v, by_matrix);
+  for (Index i = 0; i < 12; ++i) EXPECT_LT((product[i] - by_matrix[i]).norm(), 1e-13);
+  double weight = 0;
+  b.computeForce(b.x, b.v, b.f);
+  for (Index i = 0; i < 12; ++i) weight += b.f[i][1];
+  EXPECT_NEAR(weight, -10 * 5 * 6, 1e-12);
+  const QuadraticBlock block = QuadraticBlock::raised({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, one_cell);
+  expectContains(problemsOf(body(block, "FEMMass")), "no quadrature points of quadraticTetrahedra");
 }
 
 }  // namespace STROMA_TEST_FILE

@@ -67,6 +67,10 @@ class Case(unittest.TestCase):
         return run("picture", *arguments, folder=self.folder, code=code)
 
 
+FRAMES = """<Node name="root" gravity="0 0 0"><EulerImplicitSolver/><CGLinearSolver/>%s<MechanicalObject template="Rigid3"
+  position="0 0 0 0 0 0 1  1 0 0 0 0 0.70710678 0.70710678"/><UniformMass totalMass="1"/>%s</Node>"""
+
+
 class EveryExample(Case):
     def test_is_drawn_and_opens_no_display(self):
         for scene in EXAMPLES:
@@ -103,6 +107,34 @@ class EveryExample(Case):
 
 
 class Pixels(Case):
+    def test_frames_are_drawn_whole_with_axes_that_turn(self):
+        self.write("frames.xml", FRAMES % ("", ""))
+        self.picture("frames.xml", "-n", 0, "--view", "front", "--size", "400x300", "--no-legend", "--quiet")
+        image = pixels(self.path("frames.png"))
+        red = (image[:, :, 0] > 150) & (image[:, :, 1] < 130) & (image[:, :, 2] < 130)
+        green = (image[:, :, 1] > 110) & (image[:, :, 0] < 110) & (image[:, :, 2] < 110)
+        for colour in (red, green):
+            self.assertGreater(colour.sum(), 50)
+        seen = body(image[:, :])
+        rows, columns = np.nonzero(seen.any(axis=1))[0], np.nonzero(seen.any(axis=0))[0]
+        self.assertGreater(rows[0], 2, "cut off at the top")
+        self.assertLess(columns[-1], image.shape[1] - 3, "cut off at the right")
+        # x of the first points right, that of the second, which is turned by a quarter, up; y of the second left
+        middle = (columns[0] + columns[-1]) // 2
+        above = red[:220]  # the axes of the picture are in its lower corner
+        right = np.nonzero(above[:, middle:].any(axis=1))[0]
+        left = np.nonzero(above[:, :middle].any(axis=1))[0]
+        self.assertGreater(right[-1] - right[0], 3 * (left[-1] - left[0]))
+
+    def test_beams_are_tubes_that_bend(self):
+        scene = FRAMES % ('<MeshTopology edges="0 1"/>', '<BeamFEMForceField radius="0.1"/><ConstantForceField indices="1" '
+                          'forces="0 0 0  0 0 1"/><FixedProjectiveConstraint indices="0"/>')
+        self.write("beam.xml", scene.replace("0.70710678 0.70710678", "0 1"))
+        self.picture("beam.xml", "-n", 0, "--view", "front", "--size", "400x300", "--bare", "--field", "none", "--quiet")
+        seen = body(pixels(self.path("beam.png")))
+        rows, columns = np.nonzero(seen.any(axis=1))[0], np.nonzero(seen.any(axis=0))[0]
+        self.assertAlmostEqual((rows[-1] - rows[0]) / (columns[-1] - columns[0]), 0.2, delta=0.02)
+
     LOOK = ("--view", "front", "--bare", "--no-shading", "--size", "400x400")
 
     def test_a_cube_covers_what_it_should(self):

@@ -240,6 +240,22 @@ TEST(RestShapeSprings, PullsToTheRestShapeAndToAnotherBody) {
   EXPECT_NEAR(both.v[1].x(), v + 0.01 * 8 * (target - x) / 2, 1e-13) << "the target has moved";
 }
 
+TEST(RestShapeSprings, PullsToTargetsThatMove) {
+  Simulation led = simulationFromText(row("0 0 0 1 0 0", "<RestShapeSpringsForceField name='lead' points='1' stiffness='8'/>",
+                                          0.01, "<EulerExplicitSolver/>"));
+  System& system = *led.systems().at(0);
+  led.step();
+  EXPECT_EQ(system.v[1].norm(), 0) << "it rests";
+  led.setAttribute("/lead", "targets", "1 0 3");
+  led.step();
+  EXPECT_NEAR(system.v[1].z(), 0.01 * 8 * 3 / 2, 1e-14) << "m = 2 kg, 3 m away";
+  EXPECT_THROW(led.setAttribute("/lead", "targets", "1 0"), ComponentError) << "a number is missing";
+  led.setAttribute("/lead", "targets", "");
+  const double v = system.v[1].z(), x = system.x[1].z();
+  led.step();
+  EXPECT_NEAR(system.v[1].z(), v - 0.01 * 8 * x / 2, 1e-14) << "back to the rest shape";
+}
+
 TEST(RestShapeSprings, SaysWhatIsWrong) {
   const auto problems = [](const std::string& attributes) {
     return problemsOf(row("0 0 0 1 0 0", "<RestShapeSpringsForceField " + attributes + "/>"));
@@ -249,6 +265,7 @@ TEST(RestShapeSprings, SaysWhatIsWrong) {
   expectContains(problems("points='0 1' stiffness='1 2 3'"), "3 values for 2 points");
   expectContains(problems("points='0' external_points='0'"), "external_rest_shape is not given");
   expectContains(problems("points='0' pivot_points='0'"), "pivot_points are of rigid bodies");
+  expectContains(problems("points='0' targets='1 2'"), "targets has 2 numbers for 1 points");
 }
 
 /// A strip of two equilateral triangles folded by the angle a: |R| = h sin(a/2) with h their height, so
@@ -339,8 +356,11 @@ TEST(DrawnSegments, OfAMeshAreItsPairs) {
       "linesStiffness='500' quadsStiffness='0' quadsDamping='0' cubesStiffness='0' cubesDamping='0'/></Node>");
   const auto segments = segmentsOf(simulation, "/springs");
   EXPECT_EQ(segments.size(), 20u) << "edges of two cubes that share a face";
-  for (const auto& [first, node, second, other] : segments)
-    EXPECT_NEAR((first->rest_position[node] - second->rest_position[other]).norm(), 1, 1e-12);
+  for (const auto& each : segments) {
+    const Vec3 along = each.first->rest_position[each.first_node] - each.second->rest_position[each.second_node];
+    EXPECT_NEAR(along.norm(), 1, 1e-12);
+    EXPECT_EQ(each.radius, 0) << "a line";
+  }
 }
 
 }  // namespace

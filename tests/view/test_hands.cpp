@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "framework/mechanics/frames.h"
 #include "tests/support/scene_fixture.h"
 #include "tools/view/hands.h"
 #include "tools/view/orders.h"
@@ -145,6 +146,40 @@ TEST(Orders, WhatIsMisspeltIsNamedWithTheNearestRightName) {
   expectContains(refusal({{"do", "attach"}}), "there is nothing to do that is called 'attach'");
   expectContains(refusal(json::object()), "has no 'do'");
   EXPECT_EQ(refusal({{"do", "run"}, {"request", 3}, {"sequence", 4}}), "");
+}
+
+/// A frame is pulled by its centre and turned towards an orientation; a torque of stiffness times the angle to it.
+TEST(Hands, PullAndTurnAFrame) {
+  Simulation simulation = simulationFromText(
+      "<Node name=\"root\" dt=\"0.02\" gravity=\"0 0 0\">" + implicit +
+      "<MechanicalObject name=\"dofs\" template=\"Rigid3\" position=\"0 0 0  0 0 0 1   2 0 0  0 0 0.38268343 0.92387953\"/>"
+      "<UniformMass totalMass=\"2\" inertia=\"0.1 0.2 0.3\"/></Node>");
+  const Drawing drawing = drawingOf(simulation);
+  Hands hands(simulation, drawing);
+  hands.apply(1, pull({0}, "pull", "centre"));
+  const double angle = 2.5;  // beyond the other frame's quarter of pi
+  hands.apply(1, {{"do", "pull"}, {"hand", "turn"}, {"kind", "pull"}, {"body", 0}, {"frames", {1}}, {"stiffness", 4},
+                  {"targets", {{0, 0, angle}}}});
+  json told;
+  for (const json& hand : hands.describe())
+    if (hand["hand"] == "turn") told = hand;
+  EXPECT_TRUE(told["turns"].get<bool>());
+  EXPECT_NEAR(told["force"][2], 4 * (angle - M_PI / 4), 1e-6);
+  EXPECT_EQ(told["node"], 1);
+  EXPECT_EQ(told["at"], json({2, 0, 0}));
+  simulation.step();
+  const System& system = *simulation.systems()[0];
+  EXPECT_GT(system.v[3][2], 0);
+  for (int i = 0; i < 400; ++i) ASSERT_FALSE(simulation.step().diverged);
+  EXPECT_NEAR(rotationVector(orientationIn(system.x, 3)).z(), angle, 1e-3) << "it comes to rest there";
+  EXPECT_LT((system.x[0] - Vec3(0.1, 0.2, 0.3)).norm(), 1e-3);
+  EXPECT_LT(rotationVector(orientationIn(system.x, 1)).norm(), 1e-12) << "pulled by its centre it does not turn";
+  const json both{{"do", "pull"}, {"hand", "x"}, {"body", 0}, {"frames", {0}}, {"nodes", {0}}, {"targets", {{0, 0, 0}}}};
+  EXPECT_THROW(hands.apply(1, both), ComponentError);
+  json beyond = both;
+  beyond.erase("nodes");
+  beyond["frames"] = {2};
+  EXPECT_THROW(hands.apply(1, beyond), ComponentError);
 }
 
 }  // namespace

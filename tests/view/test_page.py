@@ -304,6 +304,31 @@ class Reaching(PageTest):
             browser.click("release-all")
             browser.until("window.stroma.store.newest.header.hands.length === 0", "all to be let go")
 
+    def test_a_frame_is_turned_by_the_end_of_its_axis(self):
+        """x of a free frame, seen from the front, is dragged up: it turns about z and stays where it is."""
+        with tempfile.TemporaryDirectory() as folder:
+            scene = os.path.join(folder, "frame.xml")
+            with open(scene, "w", encoding="utf-8") as file:
+                file.write('<Node name="root" dt="0.02" gravity="0 0 0"><EulerImplicitSolver/><CGLinearSolver/><MechanicalObject '
+                           'template="Rigid3" position="0 0 0 0 0 0 1  4 0 0 0 0 0 1"/><UniformMass totalMass="2" inertia="1 1 1"/></Node>')
+            with Server(STROMA, scene, "--paused") as viewed:
+                browser.open(viewed.address)
+                browser.press("2")
+                tip = "(s => s.stage.toScreen(s.stage.views[0].axesOf(1)[{}]))(window.stroma)"
+                x, up = browser.script(tip.format(0)), browser.script(tip.format(1))
+                browser.pointer("down", round(x["x"]), round(x["y"]))
+                browser.pointer("move", round(up["x"]), round(up["y"]))
+                browser.until("window.stroma.store.newest.header.hands.some(h => h.turns)", "the hand")
+                browser.press(*[Keys.ARROW_RIGHT] * 40)
+                browser.drawn_step(40)
+                torque = browser.script("window.stroma.store.shown.header.hands[0].force")
+                turn = browser.script("Array.from(window.stroma.store.bodies[0].turn)")
+                places = browser.positions()
+                browser.pointer("up", round(up["x"]), round(up["y"]))
+        self.assertGreater(2 * numpy.arctan2(turn[6], turn[7]), 0.5, f"turned about z; torque {torque}")
+        numpy.testing.assert_allclose(turn[:4], [0, 0, 0, 1], atol=1e-7)
+        numpy.testing.assert_allclose(places, [[0, 0, 0], [4, 0, 0]], atol=1e-6)
+
     def type_over(self, field, text):
         """As a person does: new values from the server leave alone what has the focus."""
         browser.script("(e => { e.focus(); e.select(); })(document.querySelector(arguments[0]))", field)

@@ -29,7 +29,7 @@ GOOD = [
     {"do": "pull", "hand": "h", "body": 0, "nodes": [1, 2], "targets": [[0, 0, 0], [0, 0, 0]], "stiffness": 1, "kind": "pull", "sequence": 1},
     {"do": "force", "hand": "f", "body": 0, "nodes": [3], "force": [0, 0, 0], "sequence": 2},
     {"do": "push", "hand": "p", "body": 0, "centre": [0, 0, 0], "radius": 0.01, "stiffness": 1, "sequence": 3},
-    {"do": "release", "hand": "h"}, {"do": "set", "path": "/organ/fem", "attribute": "youngModulus", "value": "10000"},
+    {"do": "release", "hand": "h"}, {"do": "key", "key": "a", "pressed": True}, {"do": "set", "path": "/organ/fem", "attribute": "youngModulus", "value": "10000"},
     {"do": "seek", "index": 0}, {"do": "components"}, {"do": "explain"}, {"do": "xml"}, {"do": "actions"}, {"do": "hash"},
     {"do": "attach"}, {"do": "leave"}, {"do": "show"}, {"do": "doubts"}, {"do": "nothing"}]
 WRONG = [None, True, False, 0, -1, 1, 0.5, 1e300, -1e300, 2**31, 2**53 + 1, 2**63, 2**64, -2**63, 10**40, "", "x", "\u0000", "é" * 50,

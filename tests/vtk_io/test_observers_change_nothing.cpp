@@ -15,7 +15,11 @@ namespace fs = std::filesystem;
 /// What each observer is asked for: everything, forces too. One that is not here fails the test.
 const std::map<std::string, std::string> asked_for = {
     {"CollisionPipeline", ""},
+    {"Expect", "of='/dofs.displacement' axis='norm' below='9' when='always'"},
     {"EnergyMonitor", "filename='energies.txt'"},
+    {"MeshExporter", "filename='mesh' format='vtk' exportEveryNumberOfSteps='1'"},
+    {"OBJExporter", "filename='skin' exportEveryNumberOfSteps='1'"},
+    {"STLExporter", "filename='skin' exportEveryNumberOfSteps='1'"},
     {"Monitor", "indices='3 7' ExportPositions='1' ExportVelocities='1' ExportForces='1' fileName='watched'"},
     {"VTKExporter",
      "filename='body' exportEveryNumberOfSteps='1' pointsDataFields='displacement velocity force' "

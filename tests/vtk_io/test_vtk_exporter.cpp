@@ -2,6 +2,7 @@
 // What the exporter writes, read back by VTK: positions and fields of each time, the list of files, options and errors.
 #include <tinyxml2.h>
 #include <vtkCellData.h>
+#include <vtkCellType.h>
 #include <vtkDataArray.h>
 #include <vtkFieldData.h>
 #include <vtkPointData.h>
@@ -236,6 +237,36 @@ TEST_F(Exporter, AFolderThatCannotBeMadeIsASentence) {
   write("new", "a file where the folder should be");
   Simulation simulation = simulationFromText(beam(exporter("")));
   EXPECT_THROW(simulation.step(), std::exception);
+}
+
+/// Frames without a mesh are vertices that turn.
+TEST_F(Exporter, WritesFramesWithTheirOrientations) {
+  Simulation simulation = simulationFromText(
+      "<Node name=\"root\" dt=\"0.01\" gravity=\"0 -10 0\"><EulerExplicitSolver/><MechanicalObject name=\"state\" "
+      "template=\"Rigid3\" position=\"1 2 3  0 0 0 1   4 5 6  0.6 0 0 0.8\" velocity=\"0 0 0 0 0 3  1 0 0 0 2 0\"/>"
+      "<UniformMass totalMass=\"2\" inertia=\"1 1 1\"/><ConstantForceField indices=\"0\" forces=\"0 1 0  0 0 5\"/>" +
+      exporter("pointsDataFields=\"velocity w=angularVelocity torque\"") + "</Node>");
+  for (int i = 0; i < 2; ++i) simulation.step();
+  const System& system = *simulation.systems()[0];
+  const auto grid = read(at("beam00001.vtu"));
+  ASSERT_EQ(grid->GetNumberOfPoints(), 2);
+  ASSERT_EQ(grid->GetNumberOfCells(), 2);
+  vtkDataArray* turns = grid->GetPointData()->GetArray("orientation");
+  ASSERT_TRUE(turns);
+  ASSERT_EQ(turns->GetNumberOfComponents(), 4);
+  for (vtkIdType node = 0; node < 2; ++node) {
+    EXPECT_EQ(grid->GetCellType(node), VTK_VERTEX);
+    for (int c = 0; c < 4; ++c)
+      EXPECT_EQ(turns->GetComponent(node, c), system.x.rows().data[std::size_t(8 * node + 4 + c)]) << node << c;
+    for (int c = 0; c < 3; ++c) {
+      EXPECT_EQ(grid->GetPoint(node)[c], system.x[Index(2 * node)][c]);
+      EXPECT_EQ(grid->GetPointData()->GetArray("velocity")->GetComponent(node, c), system.v[Index(2 * node)][c]);
+      EXPECT_EQ(grid->GetPointData()->GetArray("w")->GetComponent(node, c), system.v[Index(2 * node + 1)][c]);
+    }
+  }
+  EXPECT_EQ(grid->GetPointData()->GetArray("torque")->GetComponent(0, 2), 5);
+  EXPECT_GT(std::abs(turns->GetComponent(0, 2)), 0.02) << "it has turned";
+  EXPECT_NEAR(turns->GetRange(2)[1], turns->GetComponent(0, 2), 1e-15) << "the range of the last step, not of the first";
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include "framework/mechanics/state_topology.h"
 #include "framework/mesh/cell_lists.h"
+#include "tools/drawing/beams.h"
 
 namespace stroma::drawing {
 namespace {
@@ -146,6 +147,8 @@ void renumber(Body& body) {
       for (const Index node : group) drawn[std::size_t(node)] = true;
   };
   mark(body.triangles), mark(body.edges), mark(body.springs);
+  for (const Beam& beam : body.beams)
+    for (const Index node : beam.nodes) drawn[std::size_t(node)] = true;
   const bool has_cells = body.mesh && hasVolume(*body.mesh);
   std::vector<bool> in_cells(std::size_t(size), false);
   if (has_cells) {
@@ -177,6 +180,13 @@ void renumber(Body& body) {
       for (Index& node : group) node = body.page[std::size_t(node)];
   };
   rename(body.triangles), rename(body.edges), rename(body.springs);
+  for (Beam& beam : body.beams)
+    for (std::size_t end : {0, 1}) {
+      const auto frame = std::lower_bound(body.frames.begin(), body.frames.end(), beam.nodes[end] + 1,
+                                          [](const auto& other, Index row) { return other[1] < row; });
+      beam.frames[end] = Index(frame - body.frames.begin());
+      beam.nodes[end] = body.page[std::size_t(beam.nodes[end])];
+    }
 }
 
 /// Where a row of a system stands.
@@ -205,7 +215,9 @@ void addSprings(const Simulation& simulation, std::vector<Body>& bodies, std::ve
     const Place a{bodyOf(bodies, segment.first), segment.first_node};
     const Place b{bodyOf(bodies, segment.second), segment.second_node};
     if (a.body < 0 || b.body < 0) continue;
-    if (a.body == b.body)
+    if (a.body == b.body && segment.radius > 0)
+      addBeam(bodies[std::size_t(a.body)], a.node, b.node, segment.radius);
+    else if (a.body == b.body)
       bodies[std::size_t(a.body)].springs.push_back({a.node, b.node});
     else
       between.push_back({a, b});
@@ -258,6 +270,7 @@ Drawing drawingOf(const Simulation& simulation) {
   Drawing drawing;
   for (const auto& system : simulation.systems())
     for (const State* state : system->states()) {
+      if (state->kindOf(0) == RowKind::value) continue;  // numbers are nowhere
       Body body;
       body.state = state, body.system = system.get(), body.mesh = meshOf(*state, *system);
       if (body.mesh && hasVolume(*body.mesh)) {
@@ -279,7 +292,8 @@ Drawing drawingOf(const Simulation& simulation) {
   std::vector<std::array<Place, 2>> ties, springs;
   for (const auto& system : simulation.systems()) addTies(*system, ties, drawing.bodies);
   addSprings(simulation, drawing.bodies, springs);
-  for (Body& body : drawing.bodies) renumber(body);
+  for (Body& body : drawing.bodies) dropEdgesOfBeams(body), renumber(body);
+  chooseAxes(drawing.bodies);
   addLinks(drawing, springs, false);
   addLinks(drawing, ties, true);
   std::erase_if(drawing.links, [](const BodyLink& link) { return link.node_a < 0 || link.node_b < 0; });

@@ -5,11 +5,20 @@
 #include <vector>
 
 #include "framework/mechanics/drawn_segments.h"
+#include "framework/mechanics/frames.h"
 #include "framework/mesh/mesh.h"
 #include "framework/simulation/simulation.h"
 #include "framework/simulation/system.h"
 
 namespace stroma::drawing {
+
+/// A round beam between two frames.
+struct Beam {
+  std::array<Index, 2> nodes{};   ///< page numbers of its ends
+  std::array<Index, 2> frames{};  ///< in Body::frames
+  double radius = 0;              ///< [m]
+  std::array<Vec3, 2> chord{};    ///< from end to end at rest, in the axes of each [m]
+};
 
 /// What of a state is drawn. Its nodes are numbered anew for those who draw: those of the surface come first, so that the
 /// positions of the surface are the start of those of all nodes. "Page number" means that number below.
@@ -27,11 +36,18 @@ struct Body {
   std::vector<Edge> edges;  ///< of the faces, without diagonals of quads; or the lines
   std::vector<Index> points;                 ///< nodes that nothing else draws
   std::vector<Edge> springs;                 ///< within the body
+  std::vector<Beam> beams;                   ///< in the place of edges
   std::vector<std::array<Index, 2>> frames;  ///< rigid frames: page number of the place, row of the turn in the state
+  double axis = 0;                           ///< length of the drawn axes of a frame [m]
 
   /// Cells that fields may have a value for: volume cells, else triangles and quads.
   Index cells() const;
 };
+
+/// `pieces` + 1 places along a beam whose ends are at a and b with these orientations: a cubic that leaves each end along the
+/// direction in which the beam is fixed to it.
+std::vector<Vec3> beamCurve(const Beam& beam, const Vec3& a, const Vec3& b, const Quaternion& turn_a, const Quaternion& turn_b,
+                            int pieces);
 
 /// A spring or a tie between two bodies.
 struct BodyLink {

@@ -16,6 +16,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "framework/mesh/cell_lists.h"
 
@@ -67,8 +68,13 @@ void leaveUnlit(vtkActor& actor) {
   actor.GetProperty()->SetDiffuse(1);
 }
 
-/// The turn of a quaternion x y z w.
-Mat3 turnOf(const float* q) { return Eigen::Quaterniond(q[3], q[0], q[1], q[2]).normalized().toRotationMatrix(); }
+constexpr int beam_pieces = 12, beam_sides = 16;
+
+/// The orientation of a frame.
+Quaternion turnOf(const BodyShot& shot, std::size_t frame) {
+  const float* q = shot.turns.data() + 4 * frame;
+  return Quaternion(q[3], q[0], q[1], q[2]).normalized();
+}
 
 }  // namespace
 
@@ -106,7 +112,7 @@ BodyActors::BodyActors(const drawing::Body& body, ValuesAt values_at, Points res
   const auto actor = addActor(*clipped(frames_), false);
   actor->GetMapper()->ScalarVisibilityOn();
   leaveUnlit(*actor);
-  actor->GetProperty()->SetLineWidth(float(3 * style.pixel));
+  actor->GetProperty()->SetLineWidth(float(2.5 * style.pixel));
 }
 
 /// Behind the plane of the cut, if there is one.
@@ -204,6 +210,12 @@ void BodyActors::buildLines() {
     actor->GetProperty()->SetRenderLinesAsTubes(bare);
     actor->GetProperty()->SetLineWidth(float((bare ? 5 : 0.8) * style_.pixel));
   }
+  if (!body_.beams.empty()) {
+    addActor(*clipped(beams_), values_at_ == ValuesAt::nodes);
+    const auto actor = addActor(*clipped(beam_lines_), values_at_ == ValuesAt::nodes);
+    actor->GetProperty()->SetRenderLinesAsTubes(true);
+    actor->GetProperty()->SetLineWidth(float(3 * style_.pixel));
+  }
   if (body_.springs.empty()) return;
   const auto actor = addActor(*clipped(springs_), false);
   setColour(*actor, spring_colour);
@@ -220,9 +232,7 @@ void BodyActors::setScalars(vtkDataSet& data, const std::vector<float>& values, 
 }
 
 void BodyActors::show(const BodyShot& shot) {
-  drawn_ = rest_;
-  for (std::size_t i = 0; i < drawn_.size(); ++i)
-    drawn_[i] += float(style_.request->exaggeration) * (shot.x[i] - rest_[i]);
+  drawn_ = drawnIn(shot);
   nodes_->SetData(arrayOf(drawn_.data(), drawn_.size() / 3, 3, "places"));
   nodes_->Modified();
   if (!body_.triangles.empty()) {
@@ -248,6 +258,7 @@ void BodyActors::show(const BodyShot& shot) {
   for (vtkPolyData* data : {edges_.Get(), springs_.Get(), points_.Get()}) data->Modified();
   grid_->Modified();
   surface_->Modified();
+  showBeams(shot);
   if (style_.request->bare) return;
   held_->SetVerts(pointsOf(shot.held));
   guided_->SetVerts(pointsOf(shot.guided));
@@ -256,21 +267,15 @@ void BodyActors::show(const BodyShot& shot) {
 }
 
 void BodyActors::showFrames(const BodyShot& shot) {
-  double low[3], high[3];
-  std::fill_n(low, 3, 1e300), std::fill_n(high, 3, -1e300);
-  for (std::size_t i = 0; i < rest_.size(); ++i)
-    low[i % 3] = std::min(low[i % 3], double(rest_[i])), high[i % 3] = std::max(high[i % 3], double(rest_[i]));
-  const double size = rest_.empty() ? 0 : std::hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]);
-  const double length = size > 0 ? 0.12 * size : 0.05;
   vtkNew<vtkPoints> points;
   std::vector<Edge> lines;
   vtkNew<vtkUnsignedCharArray> colours;
   colours->SetNumberOfComponents(3);
   for (std::size_t f = 0; f < body_.frames.size(); ++f) {
     const Vec3 centre = drawnAt(body_.frames[f][0]);
-    const Mat3 turn = turnOf(shot.turns.data() + 4 * f);
+    const Mat3 turn = turnOf(shot, f).toRotationMatrix();
     for (int axis = 0; axis < 3; ++axis) {
-      const Vec3 end = centre + length * turn.col(axis);
+      const Vec3 end = centre + body_.axis * turn.col(axis);
       lines.push_back({Index(points->InsertNextPoint(centre.data())), Index(points->InsertNextPoint(end.data()))});
       colours->InsertNextTypedTuple(body_axis_colours[std::size_t(axis)].data());
     }
@@ -279,6 +284,76 @@ void BodyActors::showFrames(const BodyShot& shot) {
   frames_->SetLines(cellsOf(lines));
   frames_->GetCellData()->SetScalars(colours);
   frames_->Modified();
+}
+
+std::vector<Vec3> BodyActors::curveOf(const drawing::Beam& beam, const Points& drawn, const BodyShot& shot) const {
+  const auto place = [&](Index page) { return Vec3(drawn[3 * page], drawn[3 * page + 1], drawn[3 * page + 2]); };
+  return drawing::beamCurve(beam, place(beam.nodes[0]), place(beam.nodes[1]), turnOf(shot, std::size_t(beam.frames[0])),
+                            turnOf(shot, std::size_t(beam.frames[1])), beam_pieces);
+}
+
+/// A tube around the curve of each beam, and the curve itself, which is seen where the tube is thinner than a line.
+void BodyActors::showBeams(const BodyShot& shot) {
+  if (body_.beams.empty()) return;
+  vtkNew<vtkPoints> points, middles;
+  vtkNew<vtkCellArray> quads, lines;
+  vtkNew<vtkFloatArray> normals, values, middle_values;
+  normals->SetNumberOfComponents(3);
+  for (const drawing::Beam& beam : body_.beams) {
+    const std::vector<Vec3> curve = curveOf(beam, drawn_, shot);
+    Vec3 side = Vec3::Zero();  // carried along without a twist
+    const vtkIdType first = points->GetNumberOfPoints();
+    lines->InsertNextCell(int(curve.size()));
+    for (std::size_t i = 0; i < curve.size(); ++i) {
+      const Vec3 tangent = (curve[std::min(i + 1, curve.size() - 1)] - curve[i > 0 ? i - 1 : 0]).normalized();
+      if (i == 0) side = tangent.unitOrthogonal();
+      side = (side - side.dot(tangent) * tangent).normalized();
+      const Vec3 other = tangent.cross(side);
+      const double s = double(i) / beam_pieces;
+      const auto of = [&](std::size_t end) { return double(shot.values[std::size_t(beam.nodes[end])]); };
+      const float value = values_at_ == ValuesAt::nodes ? float((1 - s) * of(0) + s * of(1)) : 0;
+      lines->InsertCellPoint(middles->InsertNextPoint(curve[i].data()));
+      middle_values->InsertNextValue(value);
+      for (int k = 0; k < beam_sides; ++k) {
+        const double angle = 2 * std::numbers::pi * k / beam_sides;
+        const Vec3 normal = std::cos(angle) * side + std::sin(angle) * other, at = curve[i] + beam.radius * normal;
+        points->InsertNextPoint(at.data());
+        normals->InsertNextTuple(normal.data());
+        values->InsertNextValue(value);
+        if (i + 1 == curve.size()) continue;
+        const vtkIdType here = first + vtkIdType(i) * beam_sides, next = (k + 1) % beam_sides;
+        const vtkIdType quad[4] = {here + k, here + next, here + beam_sides + next, here + beam_sides + k};
+        quads->InsertNextCell(4, quad);
+      }
+    }
+  }
+  beams_->SetPoints(points), beams_->SetPolys(quads), beams_->GetPointData()->SetNormals(normals);
+  beam_lines_->SetPoints(middles), beam_lines_->SetLines(lines);
+  if (values_at_ == ValuesAt::nodes)
+    beams_->GetPointData()->SetScalars(values), beam_lines_->GetPointData()->SetScalars(middle_values);
+  beams_->Modified(), beam_lines_->Modified();
+}
+
+/// Where the nodes are drawn.
+Points BodyActors::drawnIn(const BodyShot& shot) const {
+  Points drawn = rest_;
+  for (std::size_t i = 0; i < drawn.size(); ++i)
+    drawn[i] += float(style_.request->exaggeration) * (shot.x[i] - rest_[i]);
+  return drawn;
+}
+
+void BodyActors::forEachPlace(const BodyShot& shot, const std::function<void(const Vec3&, double)>& visit) const {
+  const Points drawn = drawnIn(shot);
+  for (std::size_t i = 0; i < drawn.size(); i += 3) visit(Vec3(drawn[i], drawn[i + 1], drawn[i + 2]), 0);
+  for (const drawing::Beam& beam : body_.beams)
+    for (const Vec3& place : curveOf(beam, drawn, shot)) visit(place, beam.radius);
+  if (style_.request->bare) return;
+  for (std::size_t f = 0; f < body_.frames.size(); ++f) {
+    const std::size_t page = 3 * std::size_t(body_.frames[f][0]);
+    const Mat3 turn = turnOf(shot, f).toRotationMatrix();
+    for (int axis = 0; axis < 3; ++axis)
+      visit(Vec3(drawn[page], drawn[page + 1], drawn[page + 2]) + body_.axis * turn.col(axis), 0);
+  }
 }
 
 void BodyActors::face(const Vec3& back, double pixels_per_metre) {

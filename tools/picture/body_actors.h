@@ -11,6 +11,7 @@
 #include <vtkSmartPointer.h>
 #include <vtkUnstructuredGrid.h>
 
+#include <functional>
 #include <optional>
 
 #include "tools/picture/colours.h"
@@ -35,6 +36,8 @@ class BodyActors {
   void show(const BodyShot& shot);
   /// Of the ghost, and how large nodes are: what depends on where the picture is seen from. `pixels_per_metre`: of those drawn.
   void face(const Vec3& back, double pixels_per_metre);
+  /// Calls visit(place, distance) for all that takes room in a shot: something is drawn so far around the place.
+  void forEachPlace(const BodyShot& shot, const std::function<void(const Vec3&, double)>& visit) const;
   /// Where a node is drawn.
   Vec3 drawnAt(Index page) const;
   const Points& drawn() const { return drawn_; }  ///< where the nodes are drawn, and the rest shape of a ghost
@@ -48,6 +51,9 @@ class BodyActors {
   void buildSection();
   void buildLines();
   void showFrames(const BodyShot& shot);
+  void showBeams(const BodyShot& shot);
+  std::vector<Vec3> curveOf(const drawing::Beam& beam, const Points& drawn, const BodyShot& shot) const;
+  Points drawnIn(const BodyShot& shot) const;
   void setScalars(vtkDataSet& data, const std::vector<float>& values, bool of_cells) const;
 
   const drawing::Body& body_;
@@ -58,7 +64,7 @@ class BodyActors {
   vtkRenderer& renderer_;
   SmoothSurface smooth_;
   vtkNew<vtkPoints> nodes_;  ///< by page number; of lines, points and sections
-  vtkNew<vtkPolyData> surface_, edges_, springs_, points_, held_, guided_, frames_, ghost_;
+  vtkNew<vtkPolyData> surface_, edges_, springs_, points_, held_, guided_, frames_, beams_, beam_lines_, ghost_;
   vtkNew<vtkUnstructuredGrid> grid_;
   vtkSmartPointer<vtkActor> held_actor_, guided_actor_, points_actor_;
   double side_ = 0;  ///< mean length of the triangles' sides [m]

@@ -207,22 +207,20 @@ void Stage::show(const Shot& shot) {
 
 void Stage::include(const Shot& shot, const Eye& eye, Extent& extent) const {
   const PictureRequest& request = *parts_->style.request;
-  const auto add = [&](Vec3 p) {
+  const auto add = [&](Vec3 p, double around) {
     if (request.cut) {  // what is cut away takes no room
       const int axis = request.cut->axis;
       const bool keeps_below = parts_->plane->GetNormal()[axis] > 0;
       p[axis] = keeps_below ? std::min(p[axis], request.cut->at) : std::max(p[axis], request.cut->at);
     }
-    extent.include(eye, p);
+    for (const double side : {-around, around}) extent.include(eye, p + side * (eye.right + eye.up + eye.back));
   };
   for (std::size_t b = 0; b < parts_->bodies.size(); ++b) {
     if (!parts_->bodies[b]) continue;
-    const Points &rest = parts_->bodies[b]->rest(), &x = shot.bodies[b].x;
-    for (std::size_t i = 0; i < rest.size(); i += 3) {
-      const Vec3 at_rest(rest[i], rest[i + 1], rest[i + 2]);
-      add(at_rest + request.exaggeration * (Vec3(x[i], x[i + 1], x[i + 2]) - at_rest));
-      if (request.ghost) extent.include(eye, at_rest);
-    }
+    parts_->bodies[b]->forEachPlace(shot.bodies[b], add);
+    const Points& rest = parts_->bodies[b]->rest();
+    for (std::size_t i = 0; request.ghost && i < rest.size(); i += 3)
+      extent.include(eye, Vec3(rest[i], rest[i + 1], rest[i + 2]));
   }
 }
 

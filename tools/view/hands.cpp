@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tools/view/hands.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "framework/mechanics/frames.h"
 #include "framework/mechanics/state_positions.h"
 #include "tools/view/orders.h"
 
@@ -80,8 +83,12 @@ void Hands::chooseStiffness(const Body& body, const std::vector<Index>& nodes, c
   if (k == 0) {
     double own = ownStiffness(body, nodes);
     const double size = restSize(*body.state);
-    // what nothing holds in shape is lifted as a whole: ten times its weight by its size
-    if (!(own > 0) && size > 0) own = 10 * total_mass * 9.81 / size / double(nodes.size());
+    // a frame that nothing holds swings once in 0.6 s; what else nothing holds in shape is lifted as a whole: ten times its
+    // weight by its size
+    if (!(own > 0) && body.state->hasFrames() && mass > 0)
+      own = 100 * mass / fractionOf(hand.kind);
+    else if (!(own > 0) && size > 0)
+      own = 10 * total_mass * 9.81 / size / double(nodes.size());
     k = fractionOf(hand.kind) * (own > 0 ? own : 100);
     if (isExplicit(system.integrator()) && mass > 0)
       k = std::min(k, least_mass / (4 * simulation_.dt() * simulation_.dt()));
@@ -103,6 +110,22 @@ std::vector<Index> Hands::nodesOf(const json& order, const Body& body) const {
   return out;
 }
 
+/// Rows of orientations.
+std::vector<Index> Hands::turnsOf(const json& order, const Body& body) const {
+  const json& frames = order["frames"];
+  if (!frames.is_array() || frames.empty() || frames.size() > body.frames.size())
+    throw ComponentError(fmt::format("'frames' is not a list of 1 to {} frames of the body", body.frames.size()));
+  if (order.contains("nodes")) throw ComponentError("a hand has 'frames' and 'nodes'", "one of them");
+  std::vector<Index> rows;
+  for (const json& frame : frames)
+    rows.push_back(body.frames[std::size_t(integer(frame, "frames", 0, long(body.frames.size()) - 1))][1]);
+  std::vector<Index> sorted = rows;
+  std::sort(sorted.begin(), sorted.end());
+  if (std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end())
+    throw ComponentError("'frames' has a frame twice");
+  return rows;
+}
+
 Hands::Hand Hands::pulling(const json& order, const Hand* before) const {
   Hand hand;
   const std::string verb = text(member(order, "do"), "do", 10);
@@ -111,14 +134,14 @@ Hands::Hand Hands::pulling(const json& order, const Hand* before) const {
     throw ComponentError("there is no kind of hand '" + hand.kind + "'", "pull or hold");
   const Body& body = bodyOf(order, hand.body);
   hand.what.state = body.state->path();
-  hand.what.nodes = nodesOf(order, body);
+  hand.what.nodes = order.contains("frames") ? turnsOf(order, body) : nodesOf(order, body);
   if (hand.kind == "force") {
     hand.what.force = place(member(order, "force"), "force") / double(hand.what.nodes.size());
     return hand;
   }
   const json& targets = member(order, "targets");
   if (!targets.is_array() || targets.size() != hand.what.nodes.size())
-    throw ComponentError("'targets' is not a list of one place per node");
+    throw ComponentError("'targets' is not a list of one place per node, or one rotation vector per frame");
   for (const json& target : targets) hand.what.targets.push_back(place(target, "targets"));
   chooseStiffness(body, hand.what.nodes, order, before, hand);
   return hand;
@@ -183,7 +206,11 @@ Vec3 Hands::forceOn(const Hand& hand, std::size_t& touched) const {
   for (std::size_t i = 0; i < what.nodes.size(); ++i) {
     const Index node = what.nodes[i];
     sum += what.force - what.damping * v[node];
-    if (!what.targets.empty()) sum += what.stiffness * (what.targets[i] - x[node]);
+    if (what.targets.empty()) continue;
+    if (body.state->kindOf(node) == RowKind::turn)
+      sum += what.stiffness * rotationVector(turnedBy(what.targets[i]) * orientationIn(x, node).conjugate());
+    else
+      sum += what.stiffness * (what.targets[i] - x[node]);
   }
   if (!what.ball) return sum;
   for (const Index node : body.node) {
@@ -214,14 +241,18 @@ json Hands::describe() const {
       out.push_back(std::move(one));
       continue;
     }
+    const bool turns = body.state->kindOf(what.nodes.front()) == RowKind::turn;
+    one["turns"] = turns;  // then `force` is a torque
     Vec3 to = Vec3::Zero(), at = Vec3::Zero(), rest = Vec3::Zero();
     const double share = 1 / double(what.nodes.size());
     for (const Vec3& target : what.targets) to += share * target;
-    for (const Index node : what.nodes)
+    for (const Index row : what.nodes) {
+      const Index node = turns ? row - 1 : row;  // the centre of a frame
       at += share * Vec3(body.state->x()[node]), rest += share * body.state->rest_position[std::size_t(node)];
-    one["node"] = body.page[std::size_t(what.nodes.front())], one["nodes"] = what.nodes.size();
+    }
+    one["node"] = body.page[std::size_t(what.nodes.front() - (turns ? 1 : 0))], one["nodes"] = what.nodes.size();
     one["at"] = list(at), one["rest_at"] = list(rest);
-    if (!what.targets.empty()) one["to"] = list(to);
+    if (!what.targets.empty() && !turns) one["to"] = list(to);
     out.push_back(std::move(one));
   }
   return out;

@@ -3,6 +3,7 @@
 // input_forces.h), which records them.
 //
 //   pull, hold   f_i = k (target_i - x_i) - c v_i on each node of a patch; the targets move with the pointer
+//   of frames    the same of their orientations: a torque k log(q_target q^-1) - c w
 //   force        a total force, shared by the nodes
 //   push         a ball with centre o and radius r: f_i = k (r - d_i) n_i - c (v_i . n_i) n_i on nodes inside,
 //                d_i = |x_i - o|, n_i = (x_i - o) / d_i
@@ -50,6 +51,7 @@ class Hands {
   Hand pulling(const nlohmann::json& order, const Hand* before) const;
   Hand pushing(const nlohmann::json& order, const Hand* before) const;
   std::vector<Index> nodesOf(const nlohmann::json& order, const Body& body) const;
+  std::vector<Index> turnsOf(const nlohmann::json& order, const Body& body) const;
   const Body& bodyOf(const nlohmann::json& order, Index& number) const;
   /// Fills in stiffness and damping that the page leaves to us. While it is held a hand keeps them: only targets move, and
   /// no matrix is made again.

@@ -88,6 +88,9 @@ std::string LiveRun::carryOut(const Order& order) {
     hands_.apply(order.client, message);
     if (!running_) hands_.orderedIsDrawn();
     dirty_ = true;
+  } else if (verb == "key") {
+    session_.key(text(member(message, "key"), "key", 20), message.value("pressed", true));
+    dirty_ = true;
   } else if (verb == "set") {
     setAttribute(message);
   } else if (verb == "show") {
@@ -146,6 +149,7 @@ void LiveRun::sendScene(int client) {
   Packet scene = scenePacket(simulation_, drawing_, generation_, request_.recording.empty() ? "live" : "recording");
   if (client != Audience::everybody) scene.header()["client"] = client;
   scene.header()["build"] = request_.build;
+  scene.header()["keys"] = session_.isProgram();
   audience_.sendPacket(client, scene);
   audience_.sendPacket(client, heldPacket(simulation_, drawing_, generation_, time()));
   if (client == Audience::everybody) held_revision_ = heldRevision(simulation_);

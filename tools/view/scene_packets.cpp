@@ -39,8 +39,15 @@ json describe(const Body& body) {
            {"interactive", why.empty()},
            {"why", why},
            {"frames", json::array()},
+           {"beams", json::array()},
+           {"axis", body.axis},
            {"size", restSize(*body.state)}};
   for (const auto& [place, turn] : body.frames) out["frames"].push_back({place, turn});
+  for (const drawing::Beam& beam : body.beams) {  // nodes, frames, radius, chord in the axes of both ends
+    const auto& [a, b] = beam.chord;
+    out["beams"].push_back({beam.nodes[0], beam.nodes[1], beam.frames[0], beam.frames[1], beam.radius, a[0], a[1], a[2], b[0],
+                            b[1], b[2]});
+  }
   return out;
 }
 
@@ -64,7 +71,7 @@ std::vector<std::int32_t> renumbered(const Cells& cells, const Body& body) {
 /// What units of SI are called in the scene; empty when its units are unknown.
 json namesIn(const UnitSystem& units) {
   json names = json::object();
-  for (const char* si : {"m", "s", "m/s", "N", "J", "N/m"}) names[si] = units.unit(si);
+  for (const char* si : {"m", "s", "m/s", "N", "J", "N/m", "N m"}) names[si] = units.unit(si);
   return names;
 }
 

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What is drawn of one body: surface, wireframe, points, springs, held and guided nodes, loads, rigid frames.
+// What is drawn of one body: surface, wireframe, points, springs, held and guided nodes, loads, rigid frames and beams.
 import * as THREE from 'three';
 import { bodyColour } from './colours.js';
 import { Numbers, material, nodeGeometry, shared, sharedGeometry } from './gpu.js';
-import { Arrows, Growing } from './shapes.js';
+import { beamCurve } from './beams.js';
+import { Arrows, Growing, Rods } from './shapes.js';
 
 const MOST_ARROWS = 3000;
 const MANY_NODES = 600; // held nodes beyond this are drawn smaller
+const MANY_BEAMS = 300; // beyond this each is drawn of fewer pieces
 const AXES = [[0.80, 0.25, 0.22], [0.25, 0.60, 0.28], [0.22, 0.40, 0.85]];
 
 export class BodyView {
@@ -46,7 +48,8 @@ export class BodyView {
       { ...nodes, colour: new THREE.Vector3(0.98, 0.8, 0.25), size: 9, shape: 2, lift: 0.0002 }));
     this.loads = new Arrows([0.85, 0.35, 0.12]);
     this.frames = new Growing('lines', { mode: 2, lift: 0.0001 }, true);
-    this.group.add(this.loads.object, this.frames.object);
+    this.beams = new Rods(bodyColour(body.index));
+    this.group.add(this.loads.object, this.frames.object, this.beams.object);
     /** The longest load so far: arrows keep one scale. */
     this.longestLoad = 0;
   }
@@ -132,6 +135,7 @@ export class BodyView {
     this.guided.visible = view.held && this.body.guided.length > 0;
     this.loads.object.visible = view.loads && this.loads.geometry.instanceCount > 0;
     this.frames.object.visible = view.frames && this.frames.count > 0;
+    this.beams.object.visible = view.surface && this.body.beams.length > 0;
     const { material: made } = this.surface;
     made.uniforms.opacity.value = view.opacity;
     made.transparent = view.opacity < 1;
@@ -164,22 +168,41 @@ export class BodyView {
     this.loads.set(items);
   }
 
-  /** Rigid frames: three axes at the place, turned as the frame says; a frame without turns shows them unturned. */
+  /** The orientation of a frame; unturned before the first one has come. @param {number} frame */
+  turnOf(frame) {
+    const { turn } = this.body;
+    return turn ? new THREE.Quaternion(...turn.subarray(4 * frame, 4 * frame + 4)) : new THREE.Quaternion();
+  }
+
+  /** Where the three axes of a frame end. @param {number} frame @returns {number[][]} */
+  axesOf(frame) {
+    const at = this.drawnAt(this.body.frames[frame][0]);
+    const q = this.turnOf(frame);
+    return [0, 1, 2].map((c) => {
+      const axis = new THREE.Vector3(+(c === 0), +(c === 1), +(c === 2)).applyQuaternion(q).multiplyScalar(this.body.axis);
+      return [at[0] + axis.x, at[1] + axis.y, at[2] + axis.z];
+    });
+  }
+
+  /** Rigid frames: three axes at the place, turned as the frame says. */
   updateFrames() {
-    const { frames, turn, size } = this.body;
+    const { frames, beams } = this.body;
     if (frames.length === 0) return;
     this.frames.clear();
-    const length = 0.12 * (size || 1);
     frames.forEach(([place], i) => {
       const at = this.drawnAt(place);
-      const q = turn ? new THREE.Quaternion(turn[4 * i], turn[4 * i + 1], turn[4 * i + 2], turn[4 * i + 3]) : new THREE.Quaternion();
-      AXES.forEach((tint, c) => {
-        const axis = new THREE.Vector3(+(c === 0), +(c === 1), +(c === 2)).applyQuaternion(q).multiplyScalar(length);
-        this.frames.add(at[0], at[1], at[2], 0, tint);
-        this.frames.add(at[0] + axis.x, at[1] + axis.y, at[2] + axis.z, 0, tint);
+      this.axesOf(i).forEach((end, c) => {
+        this.frames.add(at[0], at[1], at[2], 0, AXES[c]);
+        this.frames.add(end[0], end[1], end[2], 0, AXES[c]);
       });
     });
     this.frames.finish();
+    const pieces = beams.length > MANY_BEAMS ? 3 : 10;
+    this.beams.set(beams.flatMap((beam) => {
+      const curve = beamCurve(beam, this.drawnAt(beam[0]), this.drawnAt(beam[1]), this.turnOf(beam[2]).toArray(), this.turnOf(beam[3]).toArray(), pieces);
+      return curve.slice(1).map((to, k) => ({ at: curve[k], radius: beam[4], along: to.map((c, i) => c - curve[k][i]) }));
+    }));
+    this.choose();
   }
 
   /** Grows `box` by the places of the nodes that are drawn. @param {THREE.Box3} box */
@@ -190,6 +213,8 @@ export class BodyView {
       point.set(...this.drawnAt(n));
       if (Number.isFinite(point.x + point.y + point.z)) box.expandByPoint(point);
     }
+    for (let frame = 0; frame < this.body.frames.length; frame++)
+      for (const end of this.axesOf(frame)) if (end.every(Number.isFinite)) box.expandByPoint(point.set(end[0], end[1], end[2]));
   }
 
   dispose() {
@@ -202,6 +227,7 @@ export class BodyView {
     this.joint.dispose();
     this.loads.dispose();
     this.frames.dispose();
+    this.beams.dispose();
     this.group.removeFromParent();
   }
 }

@@ -206,7 +206,7 @@ const SOLID_VERTEX = `${HEAD}
 in vec3 position;
 in vec3 normal;
 in vec4 origin; // w: radius
-in vec4 along; // w: 1 for arrows, 0 for balls
+in vec4 along; // w: 1 for arrows, 2 for rods, 0 for balls
 out vec3 eyeNormal;
 void main() {
   vec3 place = origin.xyz + position * origin.w;
@@ -216,7 +216,7 @@ void main() {
     vec3 w = along.xyz / total;
     vec3 u = normalize(abs(w.y) < 0.9 ? cross(w, vec3(0.0, 1.0, 0.0)) : cross(w, vec3(1.0, 0.0, 0.0)));
     vec3 v = cross(w, u);
-    float head = min(origin.w * 6.0, 0.5 * total);
+    float head = along.w > 1.5 ? 0.0 : min(origin.w * 6.0, 0.5 * total);
     float height = position.y <= 1.0 ? position.y * (total - head) : total - head + (position.y - 1.0) * head;
     place = origin.xyz + origin.w * (position.x * u + position.z * v) + height * w;
     n = normal.x * u + normal.y * w + normal.z * v;

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Hands: what the pointer does to a body. It pulls a node or a face with a spring, leaves it held, or pushes with a ball.
+// Hands: what the pointer does to a body. It pulls a node or a face with a spring, leaves it held, or pushes with a ball. A rigid
+// frame is pulled by its centre and turned by the end of one of its axes.
 import * as THREE from 'three';
 import { quantity } from './formats.js';
 import { h } from './dom.js';
-import { pick } from './picking.js';
+import { turnTowards } from './beams.js';
+import { pick, pickAxis } from './picking.js';
 import { exaggerated, shiftOfBall, truePlace } from './places.js';
 import { shared } from './gpu.js';
 import { Arrows, Balls } from './shapes.js';
@@ -73,8 +75,9 @@ export class Hands {
   /** @param {PointerEvent} event */
   down(event) {
     if (this.mode === 'look' || this.drag || event.button !== 0 || !this.store.following || !this.commands.connection) return;
-    const picked = pick(this.stage, event.clientX, event.clientY);
-    const again = this.mode === 'push' ? null : this.heldAt(event.clientX, event.clientY);
+    const axis = this.mode === 'push' ? null : pickAxis(this.stage, event.clientX, event.clientY);
+    const picked = axis ?? pick(this.stage, event.clientX, event.clientY);
+    const again = axis || this.mode === 'push' ? null : this.heldAt(event.clientX, event.clientY);
     if (!picked && !again) return; // beside the bodies the pointer turns the view
     event.stopImmediatePropagation();
     event.preventDefault();
@@ -95,7 +98,7 @@ export class Hands {
     if (!body.interactive) this.store.notify(body.why || `${body.name} cannot be pulled.`, 'warning');
     else if (!this.commands.mayCommand()) this.store.emit('control-needed');
     else {
-      this.drag = again ? this.takeAgain(again) : this.mode === 'push' ? this.beginPush(picked, body) : this.beginPull(picked, body);
+      this.drag = again ? this.takeAgain(again) : this.mode === 'push' ? this.beginPush(picked, body) : picked.end ? this.beginTurn(picked, body) : this.beginPull(picked, body);
       // As the pointer moves on the picture; in truth all is smaller by the factor of exaggeration.
       this.drag.keys = false;
       this.drag.byPointer = new THREE.Vector3();
@@ -110,7 +113,7 @@ export class Hands {
     if (this.drag || !picked || !this.store.following || !this.commands.connection) return false;
     if (this.mode === 'look') this.setMode('pull');
     const { body, node } = picked;
-    const held = this.mode === 'push' ? undefined : this.own.find((/** @type {any} */ hand) => hand.kind === 'hold' && hand.body === body && this.kept?.get(hand.hand)?.nodes.includes(node));
+    const held = this.mode === 'push' ? undefined : this.own.find((/** @type {any} */ hand) => hand.kind === 'hold' && hand.body === body && this.kept?.get(hand.hand)?.nodes?.includes(node));
     if (!this.begin({ body, node, nodes: [node], point: this.stage.views[body].drawnAt(node) }, held)) return false;
     this.drag.keys = true;
     this.send(performance.now(), true);
@@ -129,7 +132,7 @@ export class Hands {
    * ball instead would add the body's answer to the order that caused it, which grows without end. @param {number} time of the event */
   update(time) {
     const { drag } = this;
-    drag.moved.addVectors(drag.byPointer, drag.byKeys).divideScalar(shared.exaggeration.value || 1);
+    drag.moved.addVectors(drag.byPointer, drag.byKeys).divideScalar(drag.kind !== 'push' && drag.arm ? 1 : shared.exaggeration.value || 1);
     if (drag.before) drag.moved.add(drag.before);
     this.send(time, false);
   }
@@ -148,6 +151,16 @@ export class Hands {
     const starts = nodes.map((/** @type {number} */ n) => [...body.x.subarray(3 * n, 3 * n + 3)]);
     return {
       hand: this.freeName(), kind: this.mode, body: body.index, nodes, starts, anchor: picked.point, moved: new THREE.Vector3(),
+    };
+  }
+
+  /** @param {{frame: number, end: number[]}} picked @param {any} body */
+  beginTurn({ frame, end }, body) {
+    const view = this.stage.views[body.index];
+    const centre = view.drawnAt(body.frames[frame][0]);
+    return {
+      hand: this.freeName(), kind: this.mode, body: body.index, frame, start: view.turnOf(frame).toArray(), arm: end.map((c, i) => c - centre[i]),
+      anchor: end, moved: new THREE.Vector3(),
     };
   }
 
@@ -186,7 +199,7 @@ export class Hands {
   /** A hold whose end is under the pointer. @param {number} x @param {number} y */
   heldAt(x, y) {
     return this.own.find((/** @type {any} */ hand) => {
-      if (hand.kind !== 'hold' || !this.kept?.has(hand.hand)) return false;
+      if (hand.kind !== 'hold' || hand.turns || !this.kept?.has(hand.hand)) return false;
       const place = this.stage.toScreen(this.places(hand).to);
       return Math.hypot(place.x - x, place.y - y) < 14;
     });
@@ -279,6 +292,7 @@ export class Hands {
     const move = (/** @type {number[]} */ p) => p.map((c, i) => c + moved[i]);
     const message = drag.kind === 'push'
       ? { do: 'push', hand: drag.hand, body: drag.body, centre: move(drag.centre), radius: drag.radius, ...stiffness, sequence }
+      : drag.arm ? { do: 'pull', kind: drag.kind, hand: drag.hand, body: drag.body, frames: [drag.frame], targets: [turnTowards(drag.start, drag.arm, move(drag.arm))], ...stiffness, sequence }
       : { do: 'pull', kind: drag.kind, hand: drag.hand, body: drag.body, nodes: drag.nodes, targets: drag.starts.map(move), ...stiffness, sequence };
     if (first) this.commands.tell(message).then((reply) => !reply.ok && this.drag === drag && this.end(true));
     else this.commands.send(message);
@@ -338,7 +352,7 @@ export class Hands {
       this.labels.set(key, label);
     }
     label.dataset.force = String(force);
-    label.textContent = quantity(force, this.store.unit('N')) + (hand.kind === 'push' && hand.touched === 0 ? ', touches nothing' : '');
+    label.textContent = quantity(force, this.store.unit(hand.turns ? 'N m' : 'N')) + (hand.kind === 'push' && hand.touched === 0 ? ', touches nothing' : '');
     /** @type {any} */ (label).at = at;
   }
 

@@ -8,7 +8,7 @@ const HELP = [['Space', 'Run or pause; play in a recording'], ['→', 'One step;
   ['F', 'Frame the bodies'], ['G', 'The camera follows the bodies, or not'], ['R', 'The first view again'], ['1 2 3 4', 'Look, pull, hold, push'], ['N', 'Pick the node in the middle of the picture'],
   ['Enter', 'Take the picked node; let it go, or leave it held'], ['Arrows, PgUp, PgDn', 'Move what Enter took: in the picture, and along the view'],
   ['PgUp PgDn', 'Move the ball along the view while pushing'], ['W', 'Wireframe'], ['C', 'Cut'], ['[ ]', 'Move the cut'], ['L', 'Legend'],
-  ['Esc', 'Let go'], ['?', 'These keys']];
+  ['Esc', 'Let go'], ['Ctrl + key', 'To the controllers of a scene in Python; so does a key that has no use here'], ['?', 'These keys']];
 
 const TURN = Math.PI / 24; // a press
 const MOVE = 0.05; // of the picture's height
@@ -68,8 +68,21 @@ export function listenToKeys({ store, stage, hands, timeline, bar }) {
     actions[`Shift ${key}`] = () => stage.turn(right * TURN, up * TURN);
     actions[`Alt ${key}`] = () => stage.move(right * MOVE, up * MOVE);
   }
+  /** Keys that a scene in Python has been told. @type {Set<string>} */
+  const down = new Set();
+  /** @param {KeyboardEvent} event */
+  const toScene = (event) => {
+    if (!store.scene?.keys || !live() || ['Control', 'Shift', 'Alt', 'Meta'].includes(event.key)) return;
+    event.preventDefault();
+    down.add(event.code);
+    hands.commands.send({ do: 'key', key: event.key, pressed: true });
+  };
+  window.addEventListener('keyup', (event) => {
+    if (down.delete(event.code)) hands.commands.send({ do: 'key', key: event.key, pressed: false });
+  });
   window.addEventListener('keydown', (event) => {
-    if (event.ctrlKey || event.metaKey || dialog.open) return;
+    if (event.metaKey || dialog.open) return;
+    if (event.ctrlKey) return toScene(event);
     const target = /** @type {HTMLElement} */ (event.target);
     const typing = target.matches('input[type="text"], textarea, select, [contenteditable]');
     if (typing && event.key !== 'Escape') return;
@@ -79,7 +92,8 @@ export function listenToKeys({ store, stage, hands, timeline, bar }) {
     const name = nameOfKey(event);
     const taken = hands.drag?.keys && DIRECTIONS[name];
     const action = taken ? () => hands.moveByKeys(PULL * taken[0], PULL * taken[1], PULL * taken[2]) : actions[name];
-    if (!action || (event.repeat && event.key === 'Enter')) return;
+    if (!action) return toScene(event);
+    if (event.repeat && event.key === 'Enter') return;
     event.preventDefault();
     action();
   });

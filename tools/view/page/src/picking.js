@@ -162,7 +162,7 @@ function nearestLoose(/** @type {any} */ stage, /** @type {number} */ x, /** @ty
   const origin = stage.camera.position.toArray();
   for (const view of stage.views) {
     if (!view.body.visible) continue;
-    const loose = view.body.triangles.length ? view.body.points : [...view.body.points, ...view.body.edges];
+    const loose = view.body.triangles.length ? view.body.points : [...view.body.points, ...view.body.edges, ...view.body.beams.flatMap((/** @type {number[]} */ beam) => beam.slice(0, 2))];
     for (const node of loose) {
       const at = view.drawnAt(node);
       const place = stage.toScreen(at);
@@ -172,6 +172,29 @@ function nearestLoose(/** @type {any} */ stage, /** @type {number} */ x, /** @ty
       closest = away;
       found = { body: view.body.index, node, nodes: [node], distance };
     }
+  }
+  return found;
+}
+
+/**
+ * The end of a rigid frame's axis under the pointer: by it the frame is turned.
+ * @param {import('./stage.js').Stage} stage @param {number} x @param {number} y
+ * @returns {{body: number, frame: number, end: number[]} | null}
+ */
+export function pickAxis(stage, x, y) {
+  let found = null;
+  let closest = NEAR;
+  if (!stage.store.view.frames) return null;
+  for (const view of stage.views) {
+    if (!view.body.visible) continue;
+    for (let frame = 0; frame < view.body.frames.length; frame++)
+      for (const end of view.axesOf(frame)) {
+        const place = stage.toScreen(end);
+        const away = Math.hypot(place.x - x, place.y - y);
+        if (place.depth > 1 || away >= closest) continue;
+        closest = away;
+        found = { body: view.body.index, frame, end };
+      }
   }
   return found;
 }

@@ -75,9 +75,14 @@ function arrowShape() {
   return new THREE.LatheGeometry(shape, 10);
 }
 
-/** Arrows or balls: many drawings of one shape. */
+/** The unit rod: from 0 to 1. */
+function rodShape() {
+  return new THREE.LatheGeometry([new THREE.Vector2(0, 0), new THREE.Vector2(1, 0), new THREE.Vector2(1, 1), new THREE.Vector2(0, 1)], 12);
+}
+
+/** Arrows, rods or balls: many drawings of one shape. */
 class Solids {
-  /** @param {THREE.BufferGeometry} shape @param {number[]} colour @param {number} opacity @param {number} arrow 1 or 0 */
+  /** @param {THREE.BufferGeometry} shape @param {number[]} colour @param {number} opacity @param {number} arrow 1; 2 for rods, 0 for balls */
   constructor(shape, colour, opacity, arrow) {
     this.arrow = arrow;
     this.geometry = new THREE.InstancedBufferGeometry();
@@ -128,5 +133,12 @@ export class Balls extends Solids {
   /** @param {number[]} colour @param {number} opacity */
   constructor(colour, opacity) {
     super(new THREE.SphereGeometry(1, 32, 20), colour, opacity, 0);
+  }
+}
+
+export class Rods extends Solids {
+  /** @param {number[]} colour */
+  constructor(colour) {
+    super(rodShape(), colour, 1, 2);
   }
 }
