@@ -16,6 +16,7 @@ struct Part {
   std::array<Index, 3> node{-1, -1, -1};
   int corners = 0;
   double radius = 0;
+  unsigned owned = 0;  ///< bits: each node belongs to a corner of one part
 };
 
 /// What the surface of a body is for whoever looks whether bodies touch: its parts, and with what they may meet.
@@ -30,14 +31,18 @@ class CollisionModel : public Component {
   const std::vector<Part>& parts() const { return parts_; }
   /// The places of the corners of a part now, in `out`; returns as many as it has.
   std::span<const Vec3> corners(const Part& part, std::array<Vec3, 3>& out) const;
+  double restDistance(const Part& p, const Part& q) const;  ///< [m], radii taken off
   double contactDistance() const { return contact_distance_; }
+  double contactStiffness() const { return stiffness_; }
   bool isActive() const { return active_; }
+  State& state() const { return *state_; }
+  /// Something moves its state.
+  bool isMoved() const;
   /// Whether the two may meet at all, wherever they are.
   static bool mayMeet(const CollisionModel& a, const CollisionModel& b);
 
  protected:
   virtual void makeParts(std::vector<Part>& parts) = 0;
-  const State& state() const { return *state_; }
   /// The mesh of the model, or null.
   const Mesh* mesh() const;
 

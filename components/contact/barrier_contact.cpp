@@ -16,15 +16,19 @@
 // less than slipVelocity. l and directions are those of the solve before; solves are repeated until they no longer
 // change, at most frictionIterations times.
 //
+// Shares of the surface that vertices stand for follow the first six iterates of a solve and then stay; a solve whose
+// forces they would change by more than a hundredth is repeated.
+//
 // Every iterate is shortened where something would pass through something, and round-off is taken into account. After each
 // step an exact test of all edges against all triangles finds what crosses all the same; `crossings` counts such steps.
 // A start with surfaces in one another is refused, and so are integrators that do not ask how far they may step, explicit
 // ones and those with one linear solve: EulerImplicitSolver with newtonIterations, or StaticSolver.
 //
 // Surfaces are the boundary of the volume cells of a mesh, or its triangles and quads when it has none. Places of one
-// piece that are nearer than contactDistance at rest do not push each other, and are kept from crossing. Obstacles are
-// planes (nx ny nz o: bodies are where n.x > o), spheres (x y z r), capsules (x y z  x y z  r) and boxes (two corners).
-// They stand, or move together by `movements` at `keyTimes`, in each solve as far as nothing is in their way; a step is
+// piece that are nearer than contactDistance at rest do not push each other, and are kept from crossing. A state may be
+// mapped: rigid tools are frames that carry the nodes of a surface by a RigidMapping. Obstacles are
+// planes (nx ny nz o: bodies are where n.x > o), spheres (x y z r), capsules and cylinders (x y z  x y z  r) and boxes
+// (two corners). They stand, or move together by `movements` at `keyTimes`, in each solve as far as nothing is in their way; a step is
 // solved again until they have come all the way.
 //
 // Source: Li, Ferguson, Schneider, Langlois, Zorin, Panozzo, Jiang and Kaufman 2020; Li et al. 2023 (physical barrier).
@@ -47,6 +51,7 @@
 #include "components/contact/contact_bodies.h"
 #include "components/contact/contact_friction.h"
 #include "components/contact/contact_obstacles.h"
+#include "components/contact/contact_outputs.h"
 #include "framework/mechanics/force_field.h"
 #include "framework/mechanics/state_topology.h"
 #include "framework/mechanics/step_limiter.h"
@@ -63,9 +68,7 @@ class BarrierContact final : public ForceField, public StepLimiter {
  public:
   void declare(DataTable& table) override;
   void init() override;
-  std::vector<State*> states() const override {
-    return other_state_ ? std::vector<State*>{&state(), other_state_} : std::vector<State*>{&state()};
-  }
+  std::vector<State*> states() const override { return bodies_; }
   ForceTraits traits() const override {
     ForceTraits traits;
     traits.symmetric = true;
@@ -90,22 +93,24 @@ class BarrierContact final : public ForceField, public StepLimiter {
     friction_.terms().addDiagonal(factor, blocks);
   }
   void stepBegins(ConstRows x, double t, double t_end) override;
-  double longestStep(ConstRows x, ConstRows dx) override;
+  void checkStart(ConstRows x) override;
+  double longestStep(ConstRows x, const Way& way) override;
   bool movesOn(ConstRows x) override;
   std::string overlap(ConstRows x) override;
+  std::string doubt(ConstRows) const override { return outputs_.doubt(); }
   void reset() override;
   void serialize(Archive& archive) override;
 
  private:
-  void lookAgain(const std::vector<Vec3>& x) const;
-  Term termOf(const Touch& touch) const;
+  bool lookAgain(const std::vector<Vec3>& x) const;
   void noteSlides();
   void slideTo(const std::vector<Vec3>& x) {
     friction_.compute(law_.surfaces, x, start_, law_.moved - moved_at_start_);
   }
   bool obstaclesArrive();
+  bool frictionChanges();
+  bool sharesChange();
   std::string nameOf(int vertex) const { return nameOfVertex(law_.surfaces, states(), vertex); }
-  void noteOutputs();
 
   // ---- attributes ----
   BarrierLaw law_;
@@ -113,27 +118,27 @@ class BarrierContact final : public ForceField, public StepLimiter {
   double stiffness_ = 0, slip_velocity_ = 1e-4;
   int friction_iterations_ = 10;
   bool self_ = true;
-  Link<State> other_{"mechanical state"};
+  LinkList<State> other_{"mechanical state"};
   TopologyLink topology_;
   Obstacles obstacles_;
-  int crossings_ = 0;
-  double smallest_gap_ = 0;
-  std::vector<Vec3> contact_forces_;
+  Outputs outputs_;
 
-  State* other_state_ = nullptr;
-  double kappa_ = 0;
-  mutable long pattern_revision_ = 0;
-  mutable std::vector<Vec3> x_;  ///< of all vertices; work space
+  std::vector<State*> bodies_;
+  long pattern_revision_ = 0;
+  mutable bool has_new_pairs_ = false;  ///< since the pattern was last said to be another
+  mutable std::vector<Vec3> x_;         ///< of all vertices; work space
+  std::vector<Vec3> way_, forces_, forces_before_;
+  std::vector<double> bend_;
   std::vector<Vec3> start_;      ///< at the start of the step
   Vec3 moved_at_start_ = Vec3::Zero(), goal_ = Vec3::Zero();
   double travel_ = 0;  ///< the longest way of a vertex in the last step [m]
-  int rounds_ = 0;
+  int obstacle_rounds_ = 0, friction_rounds_ = 0, share_rounds_ = 0, weighings_ = 0;
   Terms terms_;  ///< of the last force
 };
 
 void BarrierContact::declare(DataTable& table) {
   ForceField::declare(table);
-  table.addLink("other", other_).help("state of a second body; without it, mstate meets itself and obstacles");
+  table.addLink("other", other_).help("states of other bodies; without any, mstate meets itself and obstacles");
   topology_.declare(table, "mesh whose surface mstate has");
   table.add("contactDistance", law_.range)
       .help("gap below which surfaces push; 0: a tenth of their mean edge")
@@ -152,26 +157,21 @@ void BarrierContact::declare(DataTable& table) {
       .min(1);
   table.add("selfContact", self_).help("a body meets itself; several bodies of one state meet by this too");
   obstacles_.declare(table);
-  table.add("crossings", crossings_).help("steps after which an edge and a triangle had a point in common").output();
-  table.add("smallestGap", smallest_gap_)
-      .help("smallest gap after the last step; 0: nothing is in reach")
-      .unit("m")
-      .output();
-  table.add("contactForces", contact_forces_)
-      .help("normal contact force on each node of mstate after the last step")
-      .unit("N")
-      .output();
+  outputs_.declare(table);
 }
 
 void BarrierContact::init() {
   ForceField::init();
-  other_state_ = other_.target() && other_.get() != &state() ? other_.get() : nullptr;
-  for (const State* body : states())
+  bodies_ = {&state()};
+  for (State* body : other_.all())
+    if (std::find(bodies_.begin(), bodies_.end(), body) == bodies_.end()) bodies_.push_back(body);
+  for (const State* body : bodies_)
     if (!body->row_kinds.empty())
-      throw ComponentError(fmt::format("{} has rows that are no points", body->path()), "a state of points");
+      throw ComponentError(fmt::format("{} has rows that are no points", body->path()), "a state of points",
+                           body->hasFrames() ? "points below it that a RigidMapping carries" : "");
   obstacles_.init();
-  kappa_ = stiffness_ > 0 ? stiffness_ : 0.1 * largestYoungModulus(states());
-  if (!(kappa_ > 0))
+  law_.stiffness = stiffness_ > 0 ? stiffness_ : 0.1 * largestYoungModulus(states());
+  if (!(law_.stiffness > 0))
     throw ComponentError("stiffness is not given, and no body here has a youngModulus from which it would follow",
                          "stiffness=\"...\" in pascal, about a tenth of the bodies' Young's modulus");
 }
@@ -197,60 +197,51 @@ void BarrierContact::compile() {
   terms_.clear(), friction_.clear();
   travel_ = 0;
   ++pattern_revision_;
-  const std::vector<Vec3> x = presentPositions(law_.surfaces, states(), law_.moved);
-  refuseOverlap(law_, x, [this](int vertex) { return nameOf(vertex); });
+  way_.resize(law_.surfaces.rows.size());
+  for (std::vector<Vec3>* forces : {&forces_, &forces_before_}) forces->resize(law_.surfaces.rows.size());
+}
+
+void BarrierContact::checkStart(ConstRows x) {
+  law_.surfaces.gather(x, law_.moved, x_);
+  refuseOverlap(path(), law_, x_, [this](int vertex) { return nameOf(vertex); });
   law_.candidates.forget();  // as after reset()
 }
 
 // ---- forces ----
 
-void BarrierContact::lookAgain(const std::vector<Vec3>& x) const {
-  if (law_.candidates.covers(x)) return;
+/// True: pairs have been looked for.
+bool BarrierContact::lookAgain(const std::vector<Vec3>& x) const {
+  if (law_.candidates.covers(x)) return false;
   const double least = 0.5 * law_.range;
   law_.candidates.find(x, std::max(least, std::min(2 * travel_, law_.surfaces.meanEdge())));
-  law_.weigh(x);
-  ++pattern_revision_;
+  return has_new_pairs_ = true;
 }
 
 double BarrierContact::energy(ConstRows x) const {
   law_.surfaces.gather(x, law_.moved, x_);
-  lookAgain(x_);
-  double sum = 0;
-  for (const Touch& touch : law_.touches(x_)) sum += kappa_ * touch.share * Barrier(touch.gap, touch.range).value;
-  return sum;
-}
-
-Term BarrierContact::termOf(const Touch& touch) const {
-  Term term;
-  for (std::size_t i = 0; i < 4; ++i) term.rows[i] = touch.v[i] >= 0 ? law_.surfaces.rows[std::size_t(touch.v[i])] : -1;
-  term.c = touch.c;
-  const Barrier barrier(touch.gap, touch.range);
-  term.force = -kappa_ * touch.share * barrier.slope * touch.n;
-  term.m = std::max(0.0, kappa_ * touch.share * barrier.curvature) * touch.n * touch.n.transpose();
-  return term;
+  if (lookAgain(x_)) law_.weighNew(x_);
+  return law_.energy(x_);
 }
 
 void BarrierContact::addForce(ConstRows x, ConstRows, Rows f) {
   law_.surfaces.gather(x, law_.moved, x_);
   lookAgain(x_);
-  law_.weigh(x_);
+  pattern_revision_ += has_new_pairs_;
+  has_new_pairs_ = false;
+  // of a solve that goes on for long the shares stay, so that it has one energy
+  constexpr int most_weighings = 6;
+  if (weighings_ < most_weighings)
+    law_.weigh(x_), ++weighings_;
+  else
+    law_.weighNew(x_);
   terms_.clear();
-  for (const Touch& touch : law_.touches(x_)) terms_.push_back(termOf(touch));
+  for (const Touch& touch : law_.touches(x_)) terms_.push_back(law_.termOf(touch));
   terms_.addForce(f);
-  if (friction_.mu == 0) return;
-  slideTo(x_);
-  friction_.terms().addForce(f);
+  if (friction_.mu > 0) slideTo(x_), friction_.terms().addForce(f);
 }
 
 void BarrierContact::addPattern(BlockPattern& pattern) const {
-  for (const Candidate& pair : law_.candidates.pairs()) {
-    if (!pair.pushes) continue;
-    std::array<Index, 4> rows;
-    int count = 0;
-    for (const int v : pair.v)
-      if (const Index row = law_.surfaces.rows[std::size_t(v)]; row >= 0) rows[std::size_t(count++)] = row;
-    pattern.addClique(rows.data(), count);
-  }
+  law_.addPattern(pattern);
   friction_.terms().addPattern(pattern);
   terms_.addPattern(pattern);
 }
@@ -262,7 +253,7 @@ void BarrierContact::noteSlides() {
   friction_.slides.clear();
   if (friction_.mu == 0) return;
   for (const Touch& touch : law_.touches(x_))
-    if (const double l = -kappa_ * touch.share * Barrier(touch.gap, touch.range).slope; l > 0)
+    if (const double l = law_.termOf(touch).force.dot(touch.n); l > 0)
       friction_.slides.push_back({touch.v, touch.c, touch.n, friction_.mu * l, touch.v[1] < 0});
 }
 
@@ -277,7 +268,8 @@ void BarrierContact::stepBegins(ConstRows x, double t, double t_end) {
   start_ = x_;
   moved_at_start_ = law_.moved;
   friction_.slip = slip_velocity_ * (t_end - t);
-  rounds_ = 0;
+  obstacle_rounds_ = friction_rounds_ = share_rounds_ = weighings_ = 0;
+  outputs_.friction_change = 0;
   lookAgain(x_);
   law_.weigh(x_);
   noteSlides();
@@ -289,75 +281,83 @@ void BarrierContact::stepBegins(ConstRows x, double t, double t_end) {
 bool BarrierContact::obstaclesArrive() {
   const Vec3 way = goal_ - law_.moved;
   if (way.isZero(0)) return true;
-  std::vector<Vec3> dx(x_.size(), Vec3::Zero());
-  for (std::size_t v = 0; v < dx.size(); ++v)
-    if (!law_.surfaces.moves(int(v))) dx[v] = way;
-  const double step = law_.longestStep(x_, dx, way);
+  for (std::size_t v = 0; v < way_.size(); ++v) way_[v] = law_.surfaces.moves(int(v)) ? Vec3(Vec3::Zero()) : way;
+  const double step = law_.longestStep(x_, way_, {}, way);
   law_.moved = step < 1 ? Vec3(law_.moved + step * way) : goal_;
-  for (std::size_t v = 0; v < dx.size(); ++v) x_[v] += step * dx[v];
+  for (std::size_t v = 0; v < way_.size(); ++v) x_[v] += step * way_[v];
   return step == 1;
 }
 
-double BarrierContact::longestStep(ConstRows x, ConstRows dx) {
+double BarrierContact::longestStep(ConstRows x, const Way& way) {
   law_.surfaces.gather(x, law_.moved, x_);
-  std::vector<Vec3> way(x_.size(), Vec3::Zero());
-  for (std::size_t v = 0; v < way.size(); ++v)
-    if (const Index row = law_.surfaces.rows[v]; row >= 0) way[v] = dx[row];
-  return law_.longestStep(x_, way, Vec3::Zero());
+  bend_.assign(way.bend ? way_.size() : 0, 0);
+  for (std::size_t v = 0; v < way_.size(); ++v) {
+    const Index row = law_.surfaces.rows[v];
+    way_[v] = row >= 0 ? Vec3(way.dx[row]) : Vec3(Vec3::Zero());
+    if (way.bend && row >= 0) bend_[v] = way.bend[row];
+  }
+  return law_.longestStep(x_, way_, bend_, Vec3::Zero());
 }
 
 bool BarrierContact::movesOn(ConstRows x) {
   constexpr int most_rounds = 1000;
   law_.surfaces.gather(x, law_.moved, x_);
   const bool arrived = (goal_ - law_.moved).isZero(0);
-  if (!arrived && rounds_ < most_rounds) {
-    ++rounds_;
+  if (!arrived && obstacle_rounds_++ < most_rounds) {
     law_.weigh(x_);
+    weighings_ = 0;
     noteSlides();
     obstaclesArrive();
     return true;
   }
-  if (friction_.mu == 0 || ++rounds_ >= friction_iterations_) return false;
+  const bool others = sharesChange();
+  const bool again = friction_.mu > 0 && frictionChanges() && ++friction_rounds_ < friction_iterations_;
+  if (again || others) weighings_ = 0;
+  return again || others;
+}
+
+/// Shares that stayed in the solve, against those of where it has ended.
+bool BarrierContact::sharesChange() {
+  constexpr double settled = 1e-2;
+  constexpr int most_rounds = 10;
+  law_.sumForces(x_, forces_before_);
+  law_.weigh(x_);
+  law_.sumForces(x_, forces_);
+  return relativeChange(forces_before_, forces_) > settled && ++share_rounds_ < most_rounds;
+}
+
+/// Friction with the normal forces that have been found now, against that with those of the solve before.
+bool BarrierContact::frictionChanges() {
+  constexpr double settled = 1e-3;
   slideTo(x_);
-  const std::vector<Vec3> before = friction_.forces(x_.size());
+  friction_.forces(forces_before_);
   law_.weigh(x_);
   noteSlides();
   slideTo(x_);
-  double change = 0, size = 0;
-  const std::vector<Vec3> after = friction_.forces(x_.size());
-  for (std::size_t v = 0; v < before.size(); ++v)
-    change += (after[v] - before[v]).squaredNorm(), size += after[v].squaredNorm();
-  return change > 1e-6 * size;
-}
-
-void BarrierContact::noteOutputs() {
-  smallest_gap_ = 0;
-  contact_forces_.assign(std::size_t(state().size()), Vec3::Zero());
-  for (const Touch& touch : law_.touches(x_)) {
-    if (smallest_gap_ == 0 || touch.gap < smallest_gap_) smallest_gap_ = touch.gap;
-    const Term term = termOf(touch);
-    for (std::size_t i = 0; i < 4; ++i)
-      if (const Index node = term.rows[i] - state().firstRow(); term.rows[i] >= 0 && node >= 0 && node < state().size())
-        contact_forces_[std::size_t(node)] += term.c[i] * term.force;
-  }
+  friction_.forces(forces_);
+  outputs_.friction_change = relativeChange(forces_before_, forces_);
+  return outputs_.friction_change > settled;
 }
 
 std::string BarrierContact::overlap(ConstRows x) {
   law_.surfaces.gather(x, law_.moved, x_);
   const auto crossings = law_.candidates.crossings(x_);
   lookAgain(x_);
-  noteOutputs();
+  law_.weigh(x_);
+  slideTo(x_);
+  outputs_.note(law_, friction_, x_, bodies_);
   std::string found;
   if (!crossings.empty()) {
     found = fmt::format("{} edges and triangles of {} cross; {}", crossings.size(), path(),
                         describe(crossings.front(), law_.surfaces, [this](int vertex) { return nameOf(vertex); }));
-  } else if (smallest_gap_ < 0) {
-    found = fmt::format("a gap of {} is {:.3g} m", path(), smallest_gap_);
+  } else if (outputs_.isTouched() && !(outputs_.smallestGap() > 0)) {
+    found = fmt::format("a gap of {} is {:.3g} m", path(), outputs_.smallestGap());
   } else if (!(goal_ - law_.moved).isZero(0)) {
     return fmt::format("the obstacles of {} have not come all their way: {:.3g} m are left", path(),
                        (goal_ - law_.moved).norm());
   }
-  crossings_ += !found.empty();
+  outputs_.crossings += !found.empty();
+  outputs_.noteFriction();
   return found;
 }
 
@@ -365,7 +365,7 @@ void BarrierContact::reset() {
   law_.candidates.forget();
   goal_ = law_.moved = moved_at_start_ = obstacles_.displacement(state().node().root().root_time);
   start_.clear(), terms_.clear(), friction_.clear();
-  travel_ = 0, crossings_ = 0;
+  travel_ = 0, outputs_.reset();
   ++pattern_revision_;
 }
 
@@ -374,7 +374,7 @@ void BarrierContact::serialize(Archive& archive) {
   archive.value("margin", law_.candidates.margin());
   archive.list("start", start_);
   for (int k = 0; k < 3; ++k) archive.value(std::string("moved_") + char('x' + k), law_.moved[k]);
-  archive.value("crossings", crossings_);
+  outputs_.serialize(archive);
   archive.value("travel", travel_);
   if (!archive.isReading()) return;
   goal_ = law_.moved;
@@ -382,6 +382,8 @@ void BarrierContact::serialize(Archive& archive) {
   if (at.size() == law_.surfaces.rows.size()) {
     law_.candidates.find(at, law_.candidates.margin());
     law_.weigh(at);
+  } else {
+    law_.candidates.forget();
   }
   ++pattern_revision_;
 }

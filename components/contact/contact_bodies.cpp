@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdlib>
+#include <sstream>
 
 #include "framework/mechanics/force_field.h"
 #include "framework/scene/node.h"
@@ -22,28 +22,22 @@ std::pair<const State*, Index> nodeOf(const std::vector<State*>& bodies, Index r
 
 double largestYoungModulus(const std::vector<State*>& bodies) {
   double largest = 0;
-  for (const State* body : bodies) {
-    std::vector<ForceField*> fields;
-    body->node().collect(fields);
-    for (const ForceField* field : fields)
-      if (const Data* modulus = field->data().find("youngModulus"))
-        largest = std::max(largest, std::strtod(modulus->print().c_str(), nullptr));
-  }
+  for (const State* body : bodies)
+    for (const Node* node = &body->node(); node && largest == 0; node = node->parent()) {
+      std::vector<ForceField*> fields;
+      node->collect(fields);
+      for (const ForceField* field : fields)
+        if (const Data* modulus = field->data().find("youngModulus")) {
+          std::istringstream values(modulus->print());  // one, or one for each cell
+          for (double value = 0; values >> value;) largest = std::max(largest, value);
+        }
+    }
   return largest;
 }
 
 std::string nameOfVertex(const Surfaces& surfaces, const std::vector<State*>& bodies, int vertex) {
   const auto [body, node] = nodeOf(bodies, surfaces.rows[std::size_t(vertex)]);
   return body ? fmt::format("node {} of {}", node, body->path()) : "an obstacle";
-}
-
-std::vector<Vec3> presentPositions(const Surfaces& surfaces, const std::vector<State*>& bodies, const Vec3& moved) {
-  std::vector<Vec3> x(surfaces.rows.size());
-  for (std::size_t v = 0; v < x.size(); ++v) {
-    const auto [body, node] = nodeOf(bodies, surfaces.rows[v]);
-    x[v] = body ? Vec3(body->x()[node]) : Vec3(surfaces.rest[v] + moved);
-  }
-  return x;
 }
 
 }  // namespace stroma::contact

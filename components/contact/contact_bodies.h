@@ -7,13 +7,11 @@
 
 namespace stroma::contact {
 
-/// The largest youngModulus of the force fields of these states and below; 0: none has one [Pa].
+/// The largest youngModulus of the force fields below the nodes of these states, or of the nearest nodes above that have
+/// one below; 0: none has [Pa].
 double largestYoungModulus(const std::vector<State*>& bodies);
 
 /// "node 3 of /body/dofs", or "an obstacle".
 std::string nameOfVertex(const Surfaces& surfaces, const std::vector<State*>& bodies, int vertex);
-
-/// Present positions of all vertices, obstacles moved by `moved`.
-std::vector<Vec3> presentPositions(const Surfaces& surfaces, const std::vector<State*>& bodies, const Vec3& moved);
 
 }  // namespace stroma::contact

@@ -16,11 +16,11 @@ bool has(const std::array<int, 3>& face, int vertex) {
 
 void Candidates::compile(const Surfaces& surfaces) {
   surfaces_ = &surfaces;
-  hierarchies_.assign(surfaces.bodies().size(), {});
+  trees_.assign(surfaces.bodies().size(), {});
   boxes_.assign(surfaces.bodies().size(), {});
   for (std::size_t b = 0; b < boxes_.size(); ++b) boxes_[b].resize(std::size_t(surfaces.bodies()[b].faces));
-  fit(surfaces.rest, nullptr);
-  for (std::size_t b = 0; b < boxes_.size(); ++b) hierarchies_[b].build(boxes_[b]);
+  fit(surfaces.rest, nullptr, {});
+  for (std::size_t b = 0; b < boxes_.size(); ++b) trees_[b].build(boxes_[b]);
   forget();
 }
 
@@ -30,20 +30,21 @@ bool Candidates::mayMeet(int a, int b) const {
   return bodies[std::size_t(a)].moves || bodies[std::size_t(b)].moves;
 }
 
-void Candidates::fit(const std::vector<Vec3>& x, const std::vector<Vec3>* dx) {
+void Candidates::fit(const std::vector<Vec3>& x, const std::vector<Vec3>* dx, const std::vector<double>& bend) {
   for (std::size_t b = 0; b < boxes_.size(); ++b) {
     const Surfaces::Body& body = surfaces_->bodies()[b];
     for (int f = 0; f < body.faces; ++f) {
       Box box;
       const std::size_t face = std::size_t(body.first_face + f);
+      double more = 0;
       for (const int v : surfaces_->faces[face]) {
         box.add(x[std::size_t(v)]);
         if (dx) box.add(x[std::size_t(v)] + (*dx)[std::size_t(v)]);
+        if (!bend.empty()) more = std::max(more, bend[std::size_t(v)]);
       }
-      box.low.array() -= surfaces_->radius[face], box.high.array() += surfaces_->radius[face];
-      boxes_[b][std::size_t(f)] = box;
+      boxes_[b][std::size_t(f)] = box.grownBy(surfaces_->radius[face] + more);
     }
-    hierarchies_[b].refit(boxes_[b]);
+    trees_[b].refit(boxes_[b]);
   }
 }
 
@@ -53,7 +54,7 @@ void Candidates::forEachNearPair(double margin, Visit&& visit) const {
   for (int a = 0; a < int(bodies.size()); ++a)
     for (int b = a; b < int(bodies.size()); ++b)
       if (mayMeet(a, b))
-        Hierarchy::pairs(hierarchies_[std::size_t(a)], hierarchies_[std::size_t(b)], margin, [&](int f, int g) {
+        trees_[std::size_t(a)].forEachPair(trees_[std::size_t(b)], margin, [&](Index f, Index g) {
           visit(bodies[std::size_t(a)].first_face + f, bodies[std::size_t(b)].first_face + g);
         });
 }
@@ -63,13 +64,13 @@ Candidate Candidates::vertexAndFace(int vertex, int face) const {
   const auto& f = s.faces[std::size_t(face)];
   const double own =
       s.radius[std::size_t(s.faces_around.values[std::size_t(s.faces_around.start[std::size_t(vertex)])])];
-  return {PairKind::point_triangle, vertex, face, {vertex, f[0], f[1], f[2]}, own + s.radius[std::size_t(face)], true};
+  return {PairKind::point_triangle, vertex, face, {vertex, f[0], f[1], f[2]}, own + s.radius[std::size_t(face)]};
 }
 
 Candidate Candidates::twoEdges(int a, int b, double radius) const {
   if (a > b) std::swap(a, b);
   const auto &p = surfaces_->edges[std::size_t(a)], &q = surfaces_->edges[std::size_t(b)];
-  return {PairKind::edge_edge, a, b, {p[0], p[1], q[0], q[1]}, radius, true};
+  return {PairKind::edge_edge, a, b, {p[0], p[1], q[0], q[1]}, radius};
 }
 
 /// The pairs that two triangles stand for: each vertex and edge belongs to one triangle.
@@ -88,25 +89,37 @@ void Candidates::pairsOf(int f, int g, Visit&& visit) const {
     }
 }
 
+/// Of one piece, which has a shape of its own.
+bool Candidates::isNearAtRest(const Candidate& pair) const {
+  const Surfaces& s = *surfaces_;
+  return s.pieceOf(pair.v[0]) == s.pieceOf(pair.v[3]) &&
+         closestPoints(pair.kind, pointsOf(pair, s.rest)).distance() <= reach;
+}
+
 void Candidates::find(const std::vector<Vec3>& x, double margin) {
   found_at_ = x;
   margin_ = margin;
+  std::swap(pairs_, old_pairs_);
   pairs_.clear();
   face_pairs_.clear();
-  fit(x, nullptr);
+  fit(x, nullptr, {});
   const double near = reach + 2 * margin;
-  const Surfaces& s = *surfaces_;
   forEachNearPair(near, [&](int f, int g) {
     face_pairs_.push_back({f, g});
     pairsOf(f, g, [&](Candidate pair) {
       const double far = near + pair.radius;
       if (closestPoints(pair.kind, pointsOf(pair, x)).difference.squaredNorm() > far * far) return;
-      if (s.pieceOf(pair.v[0]) == s.pieceOf(pair.v[3]))
-        pair.pushes = closestPoints(pair.kind, pointsOf(pair, s.rest)).distance() > reach;
+      pair.pushes = !isNearAtRest(pair);
       pairs_.push_back(pair);
     });
   });
   std::sort(pairs_.begin(), pairs_.end());
+  auto old = old_pairs_.begin();
+  for (Candidate& pair : pairs_) {
+    while (old != old_pairs_.end() && *old < pair) ++old;
+    if (old != old_pairs_.end() && !(pair < *old)) pair.factor = old->factor;
+  }
+  ++revision_;
 }
 
 bool Candidates::covers(const std::vector<Vec3>& x) const {
@@ -116,20 +129,45 @@ bool Candidates::covers(const std::vector<Vec3>& x) const {
   return true;
 }
 
-double Candidates::longestStep(const std::vector<Vec3>& x, const std::vector<Vec3>& dx, double thickness) {
+bool Candidates::coversWay(const std::vector<Vec3>& x, const std::vector<Vec3>& dx,
+                           const std::vector<double>& bend) const {
+  if (found_at_.size() != x.size()) return false;
+  for (std::size_t v = 0; v < x.size(); ++v) {
+    const Vec3 from = x[v] - found_at_[v];
+    const double room = margin_ - (bend.empty() ? 0 : bend[v]);
+    if (!(from.norm() <= room && (from + dx[v]).norm() <= room)) return false;
+  }
+  return true;
+}
+
+double Candidates::longestStep(const std::vector<Vec3>& x, const std::vector<Vec3>& dx, const std::vector<double>& bend,
+                               double thickness) {
   double step = 1;
   const auto shorten = [&](const Candidate& pair) {
+    double apart = pair.pushes ? thickness + pair.radius : 0;
+    if (!bend.empty()) {
+      const std::size_t first_side = pair.kind == PairKind::point_triangle ? 1 : 2;
+      double sides[2] = {0, 0};
+      for (std::size_t i = 0; i < 4; ++i) {
+        double& side = sides[i < first_side ? 0 : 1];
+        side = std::max(side, bend[std::size_t(pair.v[i])]);
+      }
+      apart += sides[0] + sides[1];
+    }
     step = std::min(step, stroma::longestStep(pair.kind, pointsOf(pair, x), pointsOf(pair, dx),
-                                              {.longest = step, .thickness = thickness + pair.radius}));
+                                              {.longest = step, .thickness = apart}));
   };
-  std::vector<Vec3> end(x.size());
-  for (std::size_t v = 0; v < x.size(); ++v) end[v] = x[v] + dx[v];
-  if (covers(x) && covers(end)) {
+  if (coversWay(x, dx, bend)) {
     for (const Candidate& pair : pairs_) shorten(pair);
-  } else {
-    fit(x, &dx);
-    forEachNearPair(thickness, [&](int f, int g) { pairsOf(f, g, shorten); });
+    return step;
   }
+  fit(x, &dx, bend);
+  forEachNearPair(thickness, [&](int f, int g) {
+    pairsOf(f, g, [&](Candidate pair) {
+      pair.pushes = thickness == 0 || !isNearAtRest(pair);
+      shorten(pair);
+    });
+  });
   return step;
 }
 
@@ -145,18 +183,22 @@ std::vector<Candidates::Crossing> Candidates::crossings(const std::vector<Vec3>&
       if (has(face, ends[0]) || has(face, ends[1])) continue;
       const Vec3 &p = x[std::size_t(ends[0])], &q = x[std::size_t(ends[1])];
       if (!segmentMeetsTriangle(p, q, a, b, c)) continue;
-      const Vec3 n = (b - a).cross(c - a).normalized();
-      found.push_back({e, to, std::min(std::abs(n.dot(p - a)), std::abs(n.dot(q - a)))});
+      const Vec3 normal = (b - a).cross(c - a);
+      const double area = normal.norm();
+      const auto heightOf = [&](const Vec3& end) { return area > 0 ? std::abs(normal.dot(end - a)) / area : 0; };
+      found.push_back({e, to, std::min(heightOf(p), heightOf(q))});
     }
   };
   const auto both = [&](int f, int g) { test(f, g), test(g, f); };
   if (covers(x)) {
     for (const auto& [f, g] : face_pairs_) both(f, g);
   } else {
-    fit(x, nullptr);
+    fit(x, nullptr, {});
     forEachNearPair(0, both);
   }
-  std::sort(found.begin(), found.end(), [](const Crossing& a, const Crossing& b) { return a.depth > b.depth; });
+  std::sort(found.begin(), found.end(), [](const Crossing& a, const Crossing& b) {
+    return a.depth != b.depth ? a.depth > b.depth : a.edge != b.edge ? a.edge < b.edge : a.face < b.face;
+  });
   return found;
 }
 

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
+#include <limits>
 #include <string>
 
-#include "components/contact/box_hierarchy.h"
 #include "components/contact/contact_surfaces.h"
-#include "framework/collision/longest_step.h"
+#include "framework/collision/box_tree.h"
+#include "components/contact/longest_step.h"
 
 namespace stroma::contact {
 
@@ -14,13 +15,14 @@ struct Candidate {
   int first, second;     ///< vertex and triangle, or two edges
   std::array<int, 4> v;  ///< vertices
   double radius;         ///< both surfaces' [m]
-  bool pushes;           ///< false: near at rest already, and only kept from crossing
+  bool pushes = true;    ///< false: near at rest already, and only kept from crossing
+  double factor = std::numeric_limits<double>::quiet_NaN();  ///< of two edges, see contact_terms.h; not known yet
   bool operator<(const Candidate& o) const {
     return kind != o.kind ? kind < o.kind : first != o.first ? first < o.first : second < o.second;
   }
 };
 
-/// A vertex that pushes from a half-space n.x >= offset.
+/// A plane that pushes what is below it: bodies are where n.x > offset.
 struct Plane {
   Vec3 normal;
   double offset;
@@ -34,13 +36,19 @@ class Candidates {
   double reach = 0;  ///< distance at which pairs begin to count [m]
 
   void compile(const Surfaces& surfaces);
-  /// All pairs that may come nearer than `reach` while no vertex moves farther than `margin` from x.
+  /// All pairs that may come nearer than `reach` while no vertex moves farther than `margin` from x. What was known of a
+  /// pair stays with it.
   void find(const std::vector<Vec3>& x, double margin);
-  void forget() { found_at_.clear(); }
+  void forget() { found_at_.clear(), pairs_.clear(), ++revision_; }
+  /// Grows with each find().
+  long revision() const { return revision_; }
   bool covers(const std::vector<Vec3>& x) const;
+  std::vector<Candidate>& pairs() { return pairs_; }
   const std::vector<Candidate>& pairs() const { return pairs_; }
-  /// The largest s <= 1 up to which the vertices may move from x to x + s dx.
-  double longestStep(const std::vector<Vec3>& x, const std::vector<Vec3>& dx, double thickness);
+  /// The largest s <= 1 up to which the vertices may move from x to x + s dx. `bend`: how far each may be off that line on
+  /// its way [m]; empty: not at all.
+  double longestStep(const std::vector<Vec3>& x, const std::vector<Vec3>& dx, const std::vector<double>& bend,
+                     double thickness);
   /// An edge that has a point in common with a triangle; of the vertices of both.
   struct Crossing {
     int edge, face;
@@ -56,7 +64,9 @@ class Candidates {
 
  private:
   bool mayMeet(int body_a, int body_b) const;
-  void fit(const std::vector<Vec3>& x, const std::vector<Vec3>* dx);
+  bool isNearAtRest(const Candidate& pair) const;
+  bool coversWay(const std::vector<Vec3>& x, const std::vector<Vec3>& dx, const std::vector<double>& bend) const;
+  void fit(const std::vector<Vec3>& x, const std::vector<Vec3>* dx, const std::vector<double>& bend);
   template <class Visit>
   void forEachNearPair(double margin, Visit&& visit) const;
   template <class Visit>
@@ -65,12 +75,13 @@ class Candidates {
   Candidate twoEdges(int a, int b, double radius) const;
 
   const Surfaces* surfaces_ = nullptr;
-  std::vector<Hierarchy> hierarchies_;  ///< one a body
+  std::vector<BoxTree> trees_;  ///< one per body
   std::vector<std::vector<Box>> boxes_;
-  std::vector<Candidate> pairs_;
+  std::vector<Candidate> pairs_, old_pairs_;
   std::vector<std::array<int, 2>> face_pairs_;
   std::vector<Vec3> found_at_;
   double margin_ = 0;
+  long revision_ = 0;
 };
 
 }  // namespace stroma::contact

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "components/contact/contact_friction.h"
 
+#include <algorithm>
+
 namespace stroma::contact {
 
 void Friction::compute(const Surfaces& surfaces, const std::vector<Vec3>& x, const std::vector<Vec3>& start,
@@ -28,12 +30,11 @@ void Friction::compute(const Surfaces& surfaces, const std::vector<Vec3>& x, con
   }
 }
 
-std::vector<Vec3> Friction::forces(std::size_t vertices) const {
-  std::vector<Vec3> sum(vertices, Vec3::Zero());
+void Friction::forces(std::vector<Vec3>& out) const {
+  std::fill(out.begin(), out.end(), Vec3::Zero());
   for (std::size_t k = 0; k < terms_.size(); ++k)
     for (std::size_t i = 0; i < 4; ++i)
-      if (slides[k].v[i] >= 0) sum[std::size_t(slides[k].v[i])] += terms_[k].c[i] * terms_[k].force;
-  return sum;
+      if (slides[k].v[i] >= 0) out[std::size_t(slides[k].v[i])] += terms_[k].c[i] * terms_[k].force;
 }
 
 }  // namespace stroma::contact

@@ -23,8 +23,8 @@ class Friction {
   /// Forces at x of what began the step at `start` while obstacles have moved by `moved`.
   void compute(const Surfaces& surfaces, const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& moved);
   const Terms& terms() const { return terms_; }
-  /// Of all vertices, of the last compute().
-  std::vector<Vec3> forces(std::size_t vertices) const;
+  /// On all vertices, of the last compute(); `out` has that many.
+  void forces(std::vector<Vec3>& out) const;
   void clear() { slides.clear(), terms_.clear(); }
 
  private:

@@ -3,7 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 
 namespace stroma::contact {
 
@@ -11,6 +13,9 @@ void Obstacles::declare(DataTable& table) {
   table.add("planes", planes_).help("planes as obstacles: normal and offset, four numbers each");
   table.add("spheres", spheres_).help("spheres: centre and radius, four numbers each").unit("m");
   table.add("capsules", capsules_).help("capsules: two centres and a radius, seven numbers each").unit("m");
+  table.add("cylinders", cylinders_)
+      .help("cylinders with flat ends, as prisms of 64 sides: two centres and a radius, seven numbers each")
+      .unit("m");
   table.add("boxes", boxes_).help("boxes along the axes: two corners, six numbers each").unit("m");
   table.add("keyTimes", times_).help("times of movements, ascending").unit("s");
   table.add("movements", movements_).help("displacement of all obstacles at keyTimes, linear between them").unit("m");
@@ -20,6 +25,27 @@ void Obstacles::init() {
   path_.assign(times_, movements_, "keyTimes", "movements");
   if (!times_.empty() || !movements_.empty()) path_.check();
 }
+
+namespace {
+/// A prism whose sides touch the cylinder from within by half of what its corners stand out.
+void addCylinder(BarrierLaw& law, const Vec3& from, const Vec3& to, double radius) {
+  constexpr int sides = 64;
+  const Vec3 axis = to - from;
+  if (!(axis.norm() > 0)) throw ComponentError("a cylinder has two centres at one place", "a length above zero");
+  const Vec3 across = axis.unitOrthogonal(), upwards = axis.normalized().cross(across);
+  const double corner = 2 * radius / (1 + std::cos(M_PI / sides));
+  std::vector<Vec3> points{from, to};
+  std::vector<std::array<int, 3>> faces;
+  for (int k = 0; k < sides; ++k) {
+    const double angle = 2 * M_PI * k / sides;
+    const Vec3 out = corner * (std::cos(angle) * across + std::sin(angle) * upwards);
+    points.push_back(from + out), points.push_back(to + out);
+    const int a = 2 + 2 * k, b = 2 + 2 * ((k + 1) % sides);
+    faces.insert(faces.end(), {{0, b, a}, {1, a + 1, b + 1}, {a, b, a + 1}, {b, b + 1, a + 1}});
+  }
+  law.surfaces.addObstacle(points, faces, 0);
+}
+}  // namespace
 
 void Obstacles::addTo(BarrierLaw& law) const {
   const auto each = [](const std::vector<double>& numbers, std::size_t count, const char* name, auto&& add) {
@@ -44,6 +70,7 @@ void Obstacles::addTo(BarrierLaw& law) const {
   each(capsules_, 7, "capsules", [&](const double* p) {
     law.surfaces.addObstacle({point(p), point(p + 3)}, {{0, 0, 1}}, radius(p[6]));
   });
+  each(cylinders_, 7, "cylinders", [&](const double* p) { addCylinder(law, point(p), point(p + 3), radius(p[6])); });
   each(boxes_, 6, "boxes", [&](const double* p) {
     std::vector<Vec3> corners;
     for (int k = 0; k < 8; ++k) corners.emplace_back(p[k & 1 ? 3 : 0], p[k & 2 ? 4 : 1], p[k & 4 ? 5 : 2]);
@@ -71,13 +98,14 @@ std::string describe(const Candidates::Crossing& crossing, const Surfaces& surfa
                      crossing.depth, name(surfaces.faces[std::size_t(crossing.face)][0]));
 }
 
-void refuseOverlap(const BarrierLaw& law, const std::vector<Vec3>& x, const std::function<std::string(int)>& name) {
+void refuseOverlap(const std::string& path, const BarrierLaw& law, const std::vector<Vec3>& x,
+                   const std::function<std::string(int)>& name) {
   std::string found;
   const auto crossings = law.candidates.crossings(x);
   for (std::size_t i = 0; i < std::min<std::size_t>(3, crossings.size()); ++i)
     found += (found.empty() ? "" : "; ") + describe(crossings[i], law.surfaces, name);
   if (!found.empty())
-    throw ComponentError(fmt::format("bodies start in one another, in {} places: {}", crossings.size(), found),
+    throw ComponentError(fmt::format("bodies of {} start in one another, in {} places: {}", path, crossings.size(), found),
                          "a start in which surfaces do not cross");
   double deepest = 0;
   int pairs = 0;
@@ -96,7 +124,7 @@ void refuseOverlap(const BarrierLaw& law, const std::vector<Vec3>& x, const std:
     for (std::size_t v = 0; v < x.size(); ++v)
       if (law.surfaces.moves(int(v))) look(law.gapToPlane(p, x[v]), int(v), "a plane");
   if (pairs > 0)
-    throw ComponentError(fmt::format("bodies start in one another, in {} pairs; the deepest: {}", pairs, found),
+    throw ComponentError(fmt::format("bodies of {} start in one another, in {} pairs; the deepest: {}", path, pairs, found),
                          "a start with gaps everywhere");
 }
 

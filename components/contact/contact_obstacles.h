@@ -17,14 +17,15 @@ class Obstacles {
   Vec3 displacement(double t) const { return times_.empty() ? Vec3(Vec3::Zero()) : path_.at(t); }  ///< [m]
 
  private:
-  std::vector<double> planes_, spheres_, capsules_, boxes_, times_;
+  std::vector<double> planes_, spheres_, capsules_, cylinders_, boxes_, times_;
   std::vector<Vec3> movements_;
   KeyTimes<Vec3> path_;
 };
 
-/// Throws ComponentError when surfaces lie in one another, or nearer than their thickness, at x, with the worst places.
-/// `name` says what a vertex is.
-void refuseOverlap(const BarrierLaw& law, const std::vector<Vec3>& x, const std::function<std::string(int)>& name);
+/// Throws ComponentError when surfaces of the component at `path` lie in one another, or nearer than their thickness, at x,
+/// with the worst places. `name` says what a vertex is.
+void refuseOverlap(const std::string& path, const BarrierLaw& law, const std::vector<Vec3>& x,
+                   const std::function<std::string(int)>& name);
 
 /// "the edge from A to B goes 0.1 m through the triangle at C"
 std::string describe(const Candidates::Crossing& crossing, const Surfaces& surfaces,

@@ -31,6 +31,7 @@ void Surfaces::addState(const State& state, const Mesh& mesh) {
     faces.push_back({i, j, k});
   };
   const bool hollow = mesh.tetrahedra.empty() && mesh.hexahedra.empty();
+  bodies_.back().solid = !hollow;
   for (const Triangle& t : hollow ? mesh.triangles : mesh.boundaryTriangles()) add(t[0], t[1], t[2]);
   for (const Quad& q : hollow ? mesh.quads : mesh.boundaryQuads()) add(q[0], q[1], q[2]), add(q[0], q[2], q[3]);
   bodies_.back().faces = int(faces.size()) - bodies_.back().first_face;
@@ -53,11 +54,14 @@ void Surfaces::finish() {
     const Vec3 &p = rest[std::size_t(a)], &q = rest[std::size_t(b)], &r = rest[std::size_t(c)];
     area.push_back(0.5 * (q - p).cross(r - p).norm());
   }
+  vertex_area.assign(rows.size(), 0);
   std::vector<std::vector<Index>> around(rows.size());
   for (std::size_t f = 0; f < faces.size(); ++f)
     for (std::size_t k = 0; k < 3; ++k)
-      if (auto& list = around[std::size_t(faces[f][k])]; list.empty() || list.back() != Index(f))
+      if (auto& list = around[std::size_t(faces[f][k])]; list.empty() || list.back() != Index(f)) {
         list.push_back(Index(f));
+        vertex_area[std::size_t(faces[f][k])] += area[f] / 3;
+      }
   faces_around = {};
   for (const auto& list : around) {
     faces_around.values.insert(faces_around.values.end(), list.begin(), list.end());
@@ -66,6 +70,22 @@ void Surfaces::finish() {
   findEdges();
   findOwners();
   findPieces();
+  findSides();
+}
+
+/// Triangles that a person has written may turn any way: where they enclose no positive volume, both sides count.
+void Surfaces::findSides() {
+  one_sided_.assign(rows.size(), true);
+  for (std::size_t e = 0; e < edges.size(); ++e)
+    if (disagree_[e]) one_sided_[std::size_t(pieceOf(edges[e][0]))] = false;
+  std::vector<double> volume(rows.size(), 0);
+  for (const auto& [a, b, c] : faces) {
+    const Vec3& from = rest[std::size_t(pieceOf(a))];
+    volume[std::size_t(pieceOf(a))] +=
+        (rest[std::size_t(a)] - from).cross(rest[std::size_t(b)] - from).dot(rest[std::size_t(c)] - from);
+  }
+  for (std::size_t v = 0; v < rows.size(); ++v)
+    if (!bodies_[std::size_t(body_[v])].solid && !(volume[v] > 0)) one_sided_[v] = false;
 }
 
 void Surfaces::findPieces() {
@@ -82,6 +102,7 @@ void Surfaces::findPieces() {
 
 void Surfaces::findEdges() {
   std::map<std::array<int, 2>, int> edge_of;
+  std::vector<bool> forward;  // the first triangle of an edge has its ends in this order
   face_edges.assign(faces.size(), {-1, -1, -1});
   for (std::size_t f = 0; f < faces.size(); ++f)
     for (std::size_t k = 0; k < 3; ++k) {
@@ -95,10 +116,13 @@ void Surfaces::findEdges() {
         edge_faces.push_back({-1, -1});
         edge_tips.push_back({-1, -1});
         edge_area.push_back(0);
+        disagree_.push_back(true);  // as long as it has one triangle
+        forward.push_back(a < b);
         edge_square.push_back((rest[std::size_t(a)] - rest[std::size_t(b)]).squaredNorm());
       }
       const std::size_t e = std::size_t(at->second);
       if (tip == a || tip == b) continue;  // an edge alone
+      if (!is_new) disagree_[e] = edge_faces[e][1] >= 0 || forward[e] == (a < b);
       const std::size_t side = edge_faces[e][0] < 0 ? 0 : 1;
       edge_faces[e][side] = int(f), edge_tips[e][side] = tip;
       edge_area[e] += area[f] / 3;
@@ -106,13 +130,9 @@ void Surfaces::findEdges() {
   inner.assign(rows.size(), false);
   for (const auto& edge : edges)
     for (const int v : edge) inner[std::size_t(v)] = true;
-  std::vector<bool> open(bodies_.size(), false);
-  for (std::size_t e = 0; e < edges.size(); ++e) {
-    if (edge_faces[e][0] >= 0 && edge_faces[e][1] >= 0) continue;
-    for (const int v : edges[e]) inner[std::size_t(v)] = false;
-    open[std::size_t(bodyOf(edges[e][0]))] = true;
-  }
-  for (std::size_t b = 0; b < bodies_.size(); ++b) bodies_[b].closed = !open[b];
+  for (std::size_t e = 0; e < edges.size(); ++e)
+    if (edge_faces[e][0] < 0 || edge_faces[e][1] < 0)
+      for (const int v : edges[e]) inner[std::size_t(v)] = false;
 }
 
 void Surfaces::findOwners() {

@@ -14,8 +14,8 @@ namespace stroma::contact {
 class Surfaces {
  public:
   struct Body {
-    bool moves = false;   ///< its vertices are rows of a state, else of an obstacle
-    bool closed = false;  ///< every edge has two triangles: only the outer side of these counts
+    bool moves = false;  ///< its vertices are rows of a state, else of an obstacle
+    bool solid = false;  ///< the boundary of volume cells
     int first_vertex = 0, vertices = 0, first_face = 0, faces = 0;
   };
 
@@ -32,6 +32,8 @@ class Surfaces {
   const std::vector<Body>& bodies() const { return bodies_; }
   /// Vertices with one number are joined by triangles.
   int pieceOf(int vertex) const { return piece_[std::size_t(vertex)]; }
+  /// Only the outer side of the triangles of this piece counts: each edge has two, which agree on what is outside.
+  bool isOneSided(int vertex) const { return one_sided_[std::size_t(pieceOf(vertex))]; }
   int bodyOf(int vertex) const { return body_[std::size_t(vertex)]; }
   bool moves(int vertex) const { return rows[std::size_t(vertex)] >= 0; }
   bool sameEdge(int edge, int a, int b) const {
@@ -43,6 +45,7 @@ class Surfaces {
   std::vector<Index> rows;  ///< of the system; -1: of an obstacle
   std::vector<Vec3> rest;   ///< [m]
   std::vector<bool> inner;  ///< surrounded by triangles
+  std::vector<double> vertex_area;  ///< a third of its triangles' [m^2]
   Adjacency faces_around;   ///< triangles of each vertex
   // ---- triangles ----
   std::vector<std::array<int, 3>> faces;
@@ -62,9 +65,12 @@ class Surfaces {
   void findEdges();
   void findOwners();
   void findPieces();
+  void findSides();
 
   std::vector<Body> bodies_;
   std::vector<int> body_, piece_;  ///< of each vertex
+  std::vector<bool> one_sided_;    ///< of the first vertex of each piece
+  std::vector<bool> disagree_;     ///< of each edge: its triangles are one, three, or turn different ways
 };
 
 }  // namespace stroma::contact

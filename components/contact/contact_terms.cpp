@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace stroma::contact {
 
@@ -24,6 +25,7 @@ double smoothStep(double t) {
   return t * t * (3 - 2 * t);
 }
 
+constexpr double not_weighed = std::numeric_limits<double>::quiet_NaN();
 constexpr std::int64_t vertex_keys = 0, edge_keys = std::int64_t(1) << 40, face_keys = std::int64_t(2) << 40;
 
 }  // namespace
@@ -49,28 +51,24 @@ void BarrierLaw::compile() {
   candidates.compile(surfaces);
   plane_vertex_.assign(surfaces.rows.size(), false);
   for (std::size_t v = 0; v < plane_vertex_.size(); ++v) plane_vertex_[v] = surfaces.moves(int(v));
-  vertex_share_.assign(surfaces.rows.size(), 0);
+  vertex_share_.assign(surfaces.rows.size(), not_weighed);
+  plane_share_.assign(planes.size() * surfaces.rows.size(), not_weighed);
+  looked_revision_ = -1;
 }
 
 void BarrierLaw::look(const std::vector<Vec3>& x) const {
+  if (looked_revision_ == candidates.revision() && x == looked_at_) return;
+  looked_revision_ = candidates.revision(), looked_at_ = x;
   const auto& pairs = candidates.pairs();
   closest_.resize(pairs.size());
   for (std::size_t i = 0; i < pairs.size(); ++i)
     if (pairs[i].pushes) closest_[i] = closestPoints(pairs[i].kind, candidates.pointsOf(pairs[i], x));
 }
 
-double BarrierLaw::wholeShareOf(int vertex) const {
-  double sum = 0;
-  const Adjacency& around = surfaces.faces_around;
-  for (Index k = around.start[std::size_t(vertex)]; k < around.start[std::size_t(vertex) + 1]; ++k)
-    sum += surfaces.area[std::size_t(around.values[std::size_t(k)])] / 3;
-  return sum;
-}
-
 double BarrierLaw::shareOf(int vertex, const Vec3& towards, const std::vector<Vec3>& x) const {
   double sum = 0;
   const Adjacency& around = surfaces.faces_around;
-  const bool closed = surfaces.bodies()[std::size_t(surfaces.bodyOf(vertex))].closed;
+  const bool closed = surfaces.isOneSided(vertex);
   for (Index k = around.start[std::size_t(vertex)]; k < around.start[std::size_t(vertex) + 1]; ++k) {
     const std::size_t f = std::size_t(around.values[std::size_t(k)]);
     const auto& [a, b, c] = surfaces.faces[f];
@@ -97,22 +95,31 @@ double BarrierLaw::ridge(int edge, const Vec3& away, const std::vector<Vec3>& x)
   return factor;
 }
 
+double BarrierLaw::factorOf(const Candidate& pair, const ClosestPoints& closest, const std::vector<Vec3>& x) const {
+  const double d = closest.distance();
+  if (!(d > 0)) return 0;
+  const Vec3 u = closest.difference / d;
+  const double ridges = ridge(pair.first, u, x) * ridge(pair.second, -u, x);
+  if (ridges == 0) return 0;
+  const double squares = surfaces.edge_square[std::size_t(pair.first)] * surfaces.edge_square[std::size_t(pair.second)];
+  return ridges * parallelFactor(x[std::size_t(pair.v[1])] - x[std::size_t(pair.v[0])],
+                                 x[std::size_t(pair.v[3])] - x[std::size_t(pair.v[2])], squares);
+}
+
 void BarrierLaw::weigh(const std::vector<Vec3>& x) const {
+  std::fill(plane_share_.begin(), plane_share_.end(), not_weighed);
+  weigh(x, true);
+}
+
+void BarrierLaw::weighNew(const std::vector<Vec3>& x) const { weigh(x, false); }
+
+void BarrierLaw::weigh(const std::vector<Vec3>& x, bool all) const {
   look(x);
-  const auto& pairs = candidates.pairs();
-  edge_factor_.assign(pairs.size(), 0);
+  auto& pairs = candidates.pairs();
+  if (all) std::fill(vertex_share_.begin(), vertex_share_.end(), not_weighed);
   for (std::size_t i = 0; i < pairs.size();) {
     if (pairs[i].kind == PairKind::edge_edge) {
-      const Candidate& pair = pairs[i];
-      if (const double d = pair.pushes ? closest_[i].distance() : 0; d > 0) {
-        const Vec3 u = closest_[i].difference / d;
-        const double squares =
-            surfaces.edge_square[std::size_t(pair.first)] * surfaces.edge_square[std::size_t(pair.second)];
-        edge_factor_[i] = ridge(pair.first, u, x) * ridge(pair.second, -u, x);
-        if (edge_factor_[i] > 0)
-          edge_factor_[i] *= parallelFactor(x[std::size_t(pair.v[1])] - x[std::size_t(pair.v[0])],
-                                            x[std::size_t(pair.v[3])] - x[std::size_t(pair.v[2])], squares);
-      }
+      if (pairs[i].pushes && (all || std::isnan(pairs[i].factor))) pairs[i].factor = factorOf(pairs[i], closest_[i], x);
       ++i;
       continue;
     }
@@ -122,10 +129,9 @@ void BarrierLaw::weigh(const std::vector<Vec3>& x) const {
     for (; i < pairs.size() && pairs[i].kind == PairKind::point_triangle && pairs[i].first == vertex; ++i)
       if (const double d = pairs[i].pushes ? closest_[i].distance() : 0; d > 0 && d < nearest)
         nearest = d, towards = closest_[i].difference / d;
-    vertex_share_[std::size_t(vertex)] =
-        surfaces.moves(vertex) && std::isfinite(nearest) ? shareOf(vertex, towards, x) : 0;
+    double& share = vertex_share_[std::size_t(vertex)];
+    if (std::isfinite(nearest) && std::isnan(share)) share = surfaces.moves(vertex) ? shareOf(vertex, towards, x) : 0;
   }
-  plane_share_.assign(planes.size() * x.size(), std::numeric_limits<double>::quiet_NaN());
 }
 
 void BarrierLaw::addFeature(Feature feature) const {
@@ -183,11 +189,12 @@ void BarrierLaw::addTouch(const Candidate& pair, const std::array<double, 4>& c,
 
 void BarrierLaw::addVertexTouches(int vertex) const {
   const bool own = surfaces.moves(vertex);
-  const double whole = own ? wholeShareOf(vertex) : 0;
+  const double whole = surfaces.vertex_area[std::size_t(vertex)];
+  const double part = std::isnan(vertex_share_[std::size_t(vertex)]) ? whole : vertex_share_[std::size_t(vertex)];
   for (const Feature& feature : features_) {
     if (feature.count == 0) continue;
     const bool two = own && surfaces.moves(feature.pair->v[3]);
-    const double share = own ? (two ? 0.5 : 1) * vertex_share_[std::size_t(vertex)] : 0;
+    const double share = own ? (two ? 0.5 : 1) * part : 0;
     const double least = small_share * (own ? whole : surfaces.area[std::size_t(feature.pair->second)]);
     addTouch(*feature.pair, feature.c, feature.difference, feature.count * share, feature.count > 0 ? least : 0);
   }
@@ -212,7 +219,7 @@ void BarrierLaw::addPlaneTouches(const std::vector<Vec3>& x) const {
       if (share > 0) touches_.push_back(touch);
       if (gap < small_range * range) {
         touches_.push_back(touch);
-        touches_.back().share = small_share * wholeShareOf(int(v)), touches_.back().range = small_range * range;
+        touches_.back().share = small_share * surfaces.vertex_area[v], touches_.back().range = small_range * range;
       }
     }
 }
@@ -220,11 +227,11 @@ void BarrierLaw::addPlaneTouches(const std::vector<Vec3>& x) const {
 const std::vector<Touch>& BarrierLaw::touches(const std::vector<Vec3>& x) const {
   look(x);
   touches_.clear();
-  const auto& pairs = candidates.pairs();
+  const auto& pairs = std::as_const(candidates).pairs();
   const double far = range + thickness;
   for (std::size_t i = 0; i < pairs.size();) {
     if (pairs[i].kind == PairKind::edge_edge) {
-      if (pairs[i].pushes) addEdgeTouches(pairs[i], closest_[i], edge_factor_[i]);
+      if (pairs[i].pushes) addEdgeTouches(pairs[i], closest_[i], pairs[i].factor);
       ++i;
       continue;
     }
@@ -238,13 +245,59 @@ const std::vector<Touch>& BarrierLaw::touches(const std::vector<Vec3>& x) const 
   return touches_;
 }
 
-double BarrierLaw::longestStep(const std::vector<Vec3>& x, const std::vector<Vec3>& dx, const Vec3& way) const {
-  double step = candidates.longestStep(x, dx, thickness);
+Term BarrierLaw::termOf(const Touch& touch) const {
+  Term term;
+  for (std::size_t i = 0; i < 4; ++i) term.rows[i] = touch.v[i] >= 0 ? surfaces.rows[std::size_t(touch.v[i])] : -1;
+  term.c = touch.c;
+  const Barrier barrier(touch.gap, touch.range);
+  term.force = -stiffness * touch.share * barrier.slope * touch.n;
+  term.m = std::max(0.0, stiffness * touch.share * barrier.curvature) * touch.n * touch.n.transpose();
+  return term;
+}
+
+double BarrierLaw::energy(const std::vector<Vec3>& x) const {
+  double sum = 0;
+  for (const Touch& touch : touches(x)) sum += stiffness * touch.share * Barrier(touch.gap, touch.range).value;
+  return sum;
+}
+
+double BarrierLaw::longestStep(const std::vector<Vec3>& x, const std::vector<Vec3>& dx, const std::vector<double>& bend,
+                               const Vec3& way) const {
+  double step = candidates.longestStep(x, dx, bend, thickness);
   for (std::size_t p = 0; p < planes.size(); ++p)
     for (std::size_t v = 0; v < x.size(); ++v)
-      if (plane_vertex_[v])
-        step = std::min(step, longestStepToPlane(gapToPlane(p, x[v]), planes[p].normal.dot(way - dx[v])));
+      if (plane_vertex_[v]) {
+        const double off = bend.empty() ? 0 : bend[v], gap = gapToPlane(p, x[v]) - off;
+        if (off > 0 && gap <= 0) return 0;
+        step = std::min(step, longestStepToPlane(gap, planes[p].normal.dot(way - dx[v])));
+      }
   return step;
+}
+
+void BarrierLaw::sumForces(const std::vector<Vec3>& x, std::vector<Vec3>& out) const {
+  std::fill(out.begin(), out.end(), Vec3::Zero());
+  for (const Touch& touch : touches(x)) {
+    const Vec3 force = termOf(touch).force;
+    for (std::size_t i = 0; i < 4; ++i)
+      if (touch.v[i] >= 0) out[std::size_t(touch.v[i])] += touch.c[i] * force;
+  }
+}
+
+void BarrierLaw::addPattern(BlockPattern& pattern) const {
+  for (const Candidate& pair : std::as_const(candidates).pairs()) {
+    if (!pair.pushes) continue;
+    std::array<Index, 4> rows;
+    int count = 0;
+    for (const int v : pair.v)
+      if (const Index row = surfaces.rows[std::size_t(v)]; row >= 0) rows[std::size_t(count++)] = row;
+    pattern.addClique(rows.data(), count);
+  }
+}
+
+double relativeChange(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
+  double change = 0, size = 0;
+  for (std::size_t i = 0; i < b.size(); ++i) change += (b[i] - a[i]).squaredNorm(), size += b[i].squaredNorm();
+  return change > 0 ? std::sqrt(change / std::max(change, size)) : 0;
 }
 
 // ---- terms ----

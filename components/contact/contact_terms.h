@@ -35,52 +35,6 @@ struct Barrier {
   Barrier(double gap, double range);
 };
 
-class BarrierLaw {
- public:
-  double range = 0, thickness = 0;  ///< dh [m]; distance of surfaces at which the gap is zero [m]
-  std::vector<Plane> planes;
-  Vec3 moved = Vec3::Zero();  ///< of all obstacles [m]
-  Surfaces surfaces;
-  mutable Candidates candidates;
-
-  void compile();
-  /// Shares at x. `touches` then are sums with these until the next call.
-  void weigh(const std::vector<Vec3>& x) const;
-  /// What counts at x; nearer than dh. Not to be called before weigh().
-  const std::vector<Touch>& touches(const std::vector<Vec3>& x) const;
-  /// The largest s <= 1 up to which vertices may move by s dx while planes move by s way.
-  double longestStep(const std::vector<Vec3>& x, const std::vector<Vec3>& dx, const Vec3& way) const;
-  double gapToPlane(std::size_t plane, const Vec3& x) const {
-    return planes[plane].normal.dot(x - moved) - planes[plane].offset - thickness;
-  }
-
- private:
-  struct Feature {
-    std::int64_t key;
-    int count;
-    const Candidate* pair;
-    std::array<double, 4> c;
-    Vec3 difference;
-  };
-  void look(const std::vector<Vec3>& x) const;
-  double shareOf(int vertex, const Vec3& towards, const std::vector<Vec3>& x) const;
-  double wholeShareOf(int vertex) const;
-  double ridge(int edge, const Vec3& towards, const std::vector<Vec3>& x) const;
-  void addFeature(Feature feature) const;
-  void addFeaturesOf(const Candidate& pair, const ClosestPoints& closest, const std::vector<Vec3>& x) const;
-  void addVertexTouches(int vertex) const;
-  void addEdgeTouches(const Candidate& pair, const ClosestPoints& closest, double factor) const;
-  void addPlaneTouches(const std::vector<Vec3>& x) const;
-  void addTouch(const Candidate& pair, const std::array<double, 4>& c, const Vec3& difference, double share,
-                double small) const;
-
-  std::vector<bool> plane_vertex_;              ///< moves and belongs to a triangle
-  mutable std::vector<ClosestPoints> closest_;  ///< of each candidate
-  mutable std::vector<double> vertex_share_, edge_factor_, plane_share_;
-  mutable std::vector<Feature> features_;
-  mutable std::vector<Touch> touches_;
-};
-
 /// A force f c_i on each of up to four rows and its derivative -c_i c_j m, m symmetric and positive.
 struct Term {
   std::array<Index, 4> rows{-1, -1, -1, -1};  ///< -1: of an obstacle
@@ -96,5 +50,67 @@ class Terms : public std::vector<Term> {
   void addTo(double factor, BlockMatrix& matrix) const;
   void addDiagonal(double factor, std::vector<double>& blocks) const;
 };
+
+class BarrierLaw {
+ public:
+  double range = 0, thickness = 0;  ///< dh [m]; distance of surfaces at which the gap is zero [m]
+  double stiffness = 0;             ///< kappa [Pa]
+  std::vector<Plane> planes;
+  Vec3 moved = Vec3::Zero();  ///< of all obstacles [m]
+  Surfaces surfaces;
+  mutable Candidates candidates;
+
+  void compile();
+  /// Shares at x. `touches` then are sums with these until the next call.
+  void weigh(const std::vector<Vec3>& x) const;
+  /// The same for what has none yet, so that energies at several x can be compared.
+  void weighNew(const std::vector<Vec3>& x) const;
+  /// What counts at x; nearer than dh. Not to be called before weigh().
+  const std::vector<Touch>& touches(const std::vector<Vec3>& x) const;
+  Term termOf(const Touch& touch) const;
+  double energy(const std::vector<Vec3>& x) const;  ///< [J], as touches()
+  /// The force on each vertex, as touches(); `out` has that many.
+  void sumForces(const std::vector<Vec3>& x, std::vector<Vec3>& out) const;
+  /// Of all that may come into reach before pairs are looked for again.
+  void addPattern(BlockPattern& pattern) const;
+  /// The largest s <= 1 up to which vertices may move by s dx while planes move by s way. `bend`: see Candidates.
+  double longestStep(const std::vector<Vec3>& x, const std::vector<Vec3>& dx, const std::vector<double>& bend,
+                     const Vec3& way) const;
+  double gapToPlane(std::size_t plane, const Vec3& x) const {
+    return planes[plane].normal.dot(x - moved) - planes[plane].offset - thickness;
+  }
+
+ private:
+  struct Feature {
+    std::int64_t key;
+    int count;
+    const Candidate* pair;
+    std::array<double, 4> c;
+    Vec3 difference;
+  };
+  void look(const std::vector<Vec3>& x) const;
+  void weigh(const std::vector<Vec3>& x, bool all) const;
+  double factorOf(const Candidate& pair, const ClosestPoints& closest, const std::vector<Vec3>& x) const;
+  double shareOf(int vertex, const Vec3& towards, const std::vector<Vec3>& x) const;
+  double ridge(int edge, const Vec3& towards, const std::vector<Vec3>& x) const;
+  void addFeature(Feature feature) const;
+  void addFeaturesOf(const Candidate& pair, const ClosestPoints& closest, const std::vector<Vec3>& x) const;
+  void addVertexTouches(int vertex) const;
+  void addEdgeTouches(const Candidate& pair, const ClosestPoints& closest, double factor) const;
+  void addPlaneTouches(const std::vector<Vec3>& x) const;
+  void addTouch(const Candidate& pair, const std::array<double, 4>& c, const Vec3& difference, double share,
+                double small) const;
+
+  std::vector<bool> plane_vertex_;              ///< moves and belongs to a triangle
+  mutable std::vector<ClosestPoints> closest_;  ///< of each candidate, at looked_at_
+  mutable std::vector<Vec3> looked_at_;
+  mutable long looked_revision_ = -1;
+  mutable std::vector<double> vertex_share_, plane_share_;  ///< not a number: not weighed yet
+  mutable std::vector<Feature> features_;
+  mutable std::vector<Touch> touches_;
+};
+
+/// |b - a| / |b|, at most 1; 0 where nothing has changed.
+double relativeChange(const std::vector<Vec3>& a, const std::vector<Vec3>& b);
 
 }  // namespace stroma::contact

@@ -45,6 +45,32 @@ TEST(BoxTree, FindsWhatMeetsABoxAndNothingElse) {
   }
 }
 
+/// Each pair once, of two trees and of a tree with itself, also after motion.
+TEST(BoxTree, FindsEachPairOnce) {
+  using Found = std::multiset<std::pair<Index, Index>>;
+  std::mt19937 random(4);
+  for (const int count : {0, 1, 2, 5, 300}) {
+    std::vector<Box> a = someBoxes(random, count);
+    const std::vector<Box> b = someBoxes(random, 200);
+    BoxTree first, second;
+    first.build(a), second.build(b);
+    for (const double margin : {0., 0.03}) {
+      Found between, within, all, two;
+      first.forEachPair(second, margin, [&](Index i, Index j) { between.emplace(i, j); });
+      first.forEachPair(first, margin, [&](Index i, Index j) { within.emplace(std::min(i, j), std::max(i, j)); });
+      for (Index i = 0; i < count; ++i) {
+        for (Index j = 0; j < 200; ++j)
+          if (a[std::size_t(i)].grownBy(margin).meets(b[std::size_t(j)])) all.emplace(i, j);
+        for (Index j = i + 1; j < count; ++j)
+          if (a[std::size_t(i)].grownBy(margin).meets(a[std::size_t(j)])) two.emplace(i, j);
+      }
+      EXPECT_EQ(between, all);
+      EXPECT_EQ(within, two);
+      first.refit(a = someBoxes(random, count));
+    }
+  }
+}
+
 TEST(BoxTree, FindsTheNearest) {
   std::mt19937 random(2);
   const std::vector<Box> boxes = someBoxes(random, 200);

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Distances of pairs against a search of their minimum, their derivatives against differences.
+// Distances of pairs against a search of their minimum, their gradients against differences.
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <random>
 
 #include "framework/collision/pair_distances.h"
@@ -89,40 +90,22 @@ TEST(Distances, OfNearlyParallelEdgesThatTouch) {
   }
 }
 
+/// grad_i d = c_i n, which forces are made of.
 TEST(Distances, HaveTheirDerivatives) {
   Source source;
-  int checked = 0;
   for (int i = 0; i < 400; ++i) {
     const FourPoints x = source.four();
     for (const PairKind kind : {PairKind::point_triangle, PairKind::edge_edge}) {
       const ClosestPoints closest = closestPoints(kind, x);
-      const Hessian12 h = squaredDistanceHessian(kind, x, closest, false);
-      const double step = 1e-5;
-      double worst = 0;
-      bool same = true;
+      const double step = 1e-6;
       for (std::size_t k = 0; k < 12; ++k) {
         FourPoints a = x, b = x;
         a[k / 3][Eigen::Index(k % 3)] += step, b[k / 3][Eigen::Index(k % 3)] -= step;
-        const ClosestPoints ca = closestPoints(kind, a), cb = closestPoints(kind, b);
-        same = same && ca.points() == closest.points() && cb.points() == closest.points();
-        const double slope = (ca.distance() - cb.distance()) / (2 * step);
+        const double slope = (closestPoints(kind, a).distance() - closestPoints(kind, b).distance()) / (2 * step);
         EXPECT_NEAR(slope, closest.weights[k / 3] * closest.difference[Eigen::Index(k % 3)] / closest.distance(), 1e-5);
-        for (std::size_t m = 0; m < 12; ++m) {
-          const auto slopeOf = [m](const ClosestPoints& c) {
-            return 2 * c.weights[m / 3] * c.difference[Eigen::Index(m % 3)];
-          };
-          worst =
-              std::max(worst, std::abs((slopeOf(ca) - slopeOf(cb)) / (2 * step) - h(Eigen::Index(k), Eigen::Index(m))));
-        }
       }
-      if (!same || closest.distance() < 0.05) continue;
-      EXPECT_LT(worst, 1e-3 * (1 + h.norm()));
-      ++checked;
-      const Hessian12 projected = squaredDistanceHessian(kind, x, closest, true);
-      EXPECT_GT(Eigen::SelfAdjointEigenSolver<Hessian12>(projected).eigenvalues()[0], -1e-9 * projected.norm());
     }
   }
-  EXPECT_GT(checked, 400);
 }
 
 TEST(Distances, TheFactorOfParallelEdgesIsSmooth) {

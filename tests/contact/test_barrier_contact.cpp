@@ -154,7 +154,7 @@ TEST(BarrierContact, RefusesAStartInOverlap) {
   const std::string text =
       problemsOf(contactScene(bodyNode("a", boxOf(Vec3(0, 0, 0), Vec3(1, 1, 1)), "") +
                               bodyNode("b", boxOf(Vec3(0.2, 0.3, 0.9), Vec3(0.8, 0.7, 1.5)), "") + contact("")));
-  expectContains(text, "bodies start in one another");
+  expectContains(text, "bodies of /contact start in one another");
   expectContains(text, "of /b/dofs");
   expectContains(problemsOf(contactScene(
                      bodyNode("a", boxOf(Vec3(0, 0, -0.1), Vec3(1, 1, 1)), "<BarrierContact planes=\"0 0 1 0\"/>"))),

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <random>
 
-#include "framework/collision/longest_step.h"
+#include "components/contact/longest_step.h"
 
 namespace stroma::test {
 namespace STROMA_TEST_FILE {
@@ -129,25 +129,6 @@ TEST(LongestStep, OfPairsThatTouchOrStandOrAreNoNumbers) {
   EXPECT_NEAR(longestStepToPlane(1, 2), 0.45, 1e-12);
   EXPECT_EQ(longestStepToPlane(1, -2), 1);
   EXPECT_EQ(longestStepToPlane(0, 2), 0);
-}
-
-/// Points that are kept on their sides of the planes do not meet on any way.
-TEST(Truncation, KeepsPairsApart) {
-  Motions motions(4);
-  int shortened = 0;
-  for (int i = 0; i < 20000; ++i)
-    for (const PairKind kind : kinds) {
-      const FourPoints x = motions.four(), wanted = motions.four();
-      FourPoints dx = wanted;
-      truncateAtPlane(x, kind, 0.9, dx);
-      shortened += dx != wanted;
-      const double start = closestPoints(kind, x).distance();
-      // each point by its own part of its motion
-      FourPoints now;
-      for (std::size_t k = 0; k < 4; ++k) now[k] = x[k] + motions.number(0, 1) * dx[k];
-      ASSERT_GE(closestPoints(kind, now).distance(), 0.1 * start * (1 - 1e-9));
-    }
-  EXPECT_GT(shortened, 10000);
 }
 
 }  // namespace STROMA_TEST_FILE

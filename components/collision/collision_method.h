@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include "components/collision/collision_model.h"
+
+namespace stroma::collision {
+
+/// What of two surfaces meets, and from which distance on.
+class Method : public Component {
+ public:
+  enum class Rule { proximity, proximity_and_triangles, discrete };
+  std::string roleText() const override { return "intersection method"; }
+  void declare(DataTable& table) override;
+  /// Whether parts of these kinds meet.
+  bool meet(CollisionModel::Kind a, CollisionModel::Kind b) const;
+  double contactDistance() const { return rule == Rule::discrete ? 0 : contact_distance_; }
+  double alarmDistance() const { return rule == Rule::discrete ? 0 : alarm_distance_; }
+  /// The one of the scene; null when it has none. Throws ComponentError where there are several.
+  static const Method* of(const Node& root);
+
+  Rule rule = Rule::proximity;  ///< set by the registration of a name
+
+ private:
+  double contact_distance_ = 0.5, alarm_distance_ = 1;
+  bool point_point_ = true, line_point_ = true, line_line_ = true, sphere_triangle_ = true, normals_ = false;
+};
+
+/// Two models that may meet; of one with itself where a == b.
+struct ModelPair {
+  const CollisionModel *a, *b;
+};
+/// Of a scene, with models that are ready. Without a method it is that of DiscreteIntersection.
+std::vector<ModelPair> modelPairs(const Node& root, const Method* method);
+
+/// What acts on contacts that are found, and makes a watch unnecessary.
+class ContactAnswer {
+ public:
+  virtual ~ContactAnswer() = default;
+  /// Empty: it acts. Else why it does not, as a sentence.
+  virtual std::string idle() const = 0;
+};
+
+}  // namespace stroma::collision

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "components/collision/collision_model.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "framework/collision/distances.h"
+#include "framework/scene/node.h"
+#include "framework/simulation/integrator.h"
+
+namespace stroma::collision {
+
+void CollisionModel::declare(DataTable& table) {
+  table.addLink("mstate", mstate_).help("state whose nodes move the surface; that of this node or above when not given");
+  topology_.declare(table, "mesh of the surface");
+  table.add("active", active_).help("false: it meets nothing");
+  table.add("moving", moving_).help("SOFA's; whether it moves by itself");
+  table.add("simulated", simulated_).help("false: an obstacle, which meets no other one");
+  table.add("selfCollision", self_collision_).help("it may meet the other models of its node");
+  table.add("contactDistance", contact_distance_).alias("proximity").help("added to that of the method").unit("m").min(0);
+  table.add("group", groups_).help("models with a number in common do not meet");
+  table.add("bothSide", both_sides_).help("SOFA's; surfaces here have two sides");
+  table.add("contactStiffness", stiffness_)
+      .help("the stiffness of a contact is the product of both models' over its contact distance")
+      .min(0);
+  table.add("contactFriction", friction_).help("SOFA's; penalty forces have no friction").unit("-").min(0);
+  table.add("contactRestitution", restitution_).help("SOFA's; without effect there too").unit("-").min(0);
+  for (const char* name : {"color", "filename", "computeNormals", "displayContactNormals", "LineActiverPath",
+                           "PointActiverPath", "minProximity", "fileSphere"})
+    table.addVisualOnly(name);
+}
+
+void CollisionModel::init() {
+  state_ = mstate_.get() ? mstate_.get() : find<State>(true);
+  if (!state_) throw ComponentError("no state moves this surface", "a state in this node or above");
+  parts_.clear();
+  makeParts(parts_);
+  for (const Part& part : parts_)
+    for (int i = 0; i < part.corners; ++i)
+      if (part.node[std::size_t(i)] < 0 || part.node[std::size_t(i)] >= state_->nodes())
+        throw ComponentError(fmt::format("the mesh names node {}, and {} has {}", part.node[std::size_t(i)],
+                                         state_->path(), state_->nodes()),
+                             "a mesh of the nodes of the state");
+  std::vector<bool> has(std::size_t(state_->nodes()), false);
+  for (Part& part : parts_)
+    for (int i = 0; i < part.corners; ++i) {
+      const std::size_t node = std::size_t(part.node[std::size_t(i)]);
+      if (!has[node]) part.owned |= 1u << i;
+      has[node] = true;
+    }
+}
+
+bool CollisionModel::isMoved() const {
+  for (const Node* at = &state_->node(); at; at = at->parent())
+    for (const auto& component : at->components())
+      if (dynamic_cast<const Integrator*>(component.get())) return true;
+  return false;
+}
+
+double CollisionModel::restDistance(const Part& p, const Part& q) const {
+  const auto placesOf = [this](const Part& part, std::array<Vec3, 3>& out) {
+    for (int i = 0; i < part.corners; ++i)
+      out[std::size_t(i)] = state_->rest_position[std::size_t(part.node[std::size_t(i)] * state_->rows_per_node)];
+    return std::span<const Vec3>(out.data(), std::size_t(part.corners));
+  };
+  std::array<Vec3, 3> a, b;
+  return distanceOf(placesOf(p, a), placesOf(q, b)) - p.radius - q.radius;
+}
+
+const Mesh* CollisionModel::mesh() const {
+  const Topology* topology = topology_.find(*this, *state_, MeshNodes::first);
+  return topology ? &topology->mesh() : nullptr;
+}
+
+std::span<const Vec3> CollisionModel::corners(const Part& part, std::array<Vec3, 3>& out) const {
+  for (int i = 0; i < part.corners; ++i) {
+    const Index node = part.node[std::size_t(i)] * state_->rows_per_node;  // of a frame its centre
+    out[std::size_t(i)] = state_->isBound() ? Vec3(state_->x()[node]) : state_->position[std::size_t(node)];
+  }
+  return {out.data(), std::size_t(part.corners)};
+}
+
+bool CollisionModel::mayMeet(const CollisionModel& a, const CollisionModel& b) {
+  if (!a.active_ || !b.active_ || (!a.simulated_ && !b.simulated_)) return false;
+  if (&a.node() == &b.node() && !(a.self_collision_ && b.self_collision_)) return false;
+  return std::none_of(a.groups_.begin(), a.groups_.end(), [&b](int group) {
+    return std::find(b.groups_.begin(), b.groups_.end(), group) != b.groups_.end();
+  });
+}
+
+}  // namespace stroma::collision

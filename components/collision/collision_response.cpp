@@ -1,0 +1,286 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// CollisionResponse: forces between the collision models of a scene: penalties, or contact with friction as a condition.
+//
+// Where a step starts, pairs of parts of two surfaces that are nearer than the alarm distance become contacts, with the
+// points p and q of both that are closest, and the normal n from p to q. Both last for the step. With
+//
+//   d = contactDistance of the method + that of both models + radii,   k = k1 k2 / d,   k1, k2 the contactStiffness of the models
+//
+// a contact of the response PenalityContactForceField pushes while (q - p).n < d, without friction and damping:
+//
+//   force on q = k (d - (q - p).n) n,   on p its opposite,   K = -k n n^T
+//
+// FrictionContactConstraint is the contact of Signorini and Coulomb, with forces of constraint at the end of the step
+// (components/integrators/multipliers.h). s is the way of q - p across n in the step, mu of responseParams="mu=0.6":
+//
+//   (q - p).n >= d,   l_n >= 0,   one of both zero;   s = 0, or |l_t| = mu l_n against s
+//
+// Nothing hinders thin bodies that are fast from passing through each other: n then turns round. BarrierContact does not
+// let them. Bodies of several integrators that may meet move in one system, and penalties between them are implicit; SOFA
+// evaluates them once where the step starts.
+//
+// It needs a CollisionPipeline, which is a watch where a response is asked for that is none of the two.
+//
+// Source: the formulas are SOFA's (PenalityContactForceField, BarycentricPenalityContact, FrictionContact), as are the names.
+//
+// Example:
+// <Node name="root" dt="0.01" gravity="0 -9.81 0">
+//   <CollisionPipeline/>
+//   <CollisionResponse name="response"/>
+//   <MinProximityIntersection alarmDistance="0.3" contactDistance="0.1"/>
+//   <Node name="ball">
+//     <EulerImplicitSolver/>
+//     <CGLinearSolver iterations="50" tolerance="1e-10"/>
+//     <MechanicalObject position="0 0.19 0  0.5 0.3 0.2"/>
+//     <UniformMass totalMass="1"/>
+//     <SphereCollisionModel radius="0.1" contactStiffness="50"/>
+//   </Node>
+//   <Node name="floor">
+//     <MeshTopology position="-9 0 -7  9 0 -9  9 0 9  -9 0 9" triangles="0 1 2  0 2 3"/>
+//     <MechanicalObject/>
+//     <TriangleCollisionModel simulated="false" moving="false"/>
+//   </Node>
+// </Node>
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cstdlib>
+
+#include "components/collision/contact_pairs.h"
+#include "framework/mechanics/force_field.h"
+#include "framework/mechanics/lagrangian_constraint.h"
+#include "framework/mechanics/step_limiter.h"
+#include "framework/scene/factory.h"
+#include "framework/scene/node.h"
+#include "framework/simulation/step_guard.h"
+
+namespace stroma::collision {
+namespace {
+
+/// The way from p to q is fixed + sum c_i x_i over nodes that something moves.
+struct Push {
+  std::array<Index, 6> rows{-1, -1, -1, -1, -1, -1};
+  std::array<double, 6> c{};
+  Vec3 fixed = Vec3::Zero(), n;
+  double d = 0, k = 0;
+  bool acts = false;  ///< at the last force
+};
+
+class CollisionResponse final : public ForceField,
+                                public HearsSteps,
+                                public ContactAnswer,
+                                public LagrangianConstraint {
+ public:
+  void declare(DataTable& table) override {
+    ForceField::declare(table);
+    table.add("response", response_).help("how contacts are answered: PenalityContactForceField or FrictionContactConstraint");
+    table.add("responseParams", parameters_).help("mu=... of friction; 0.8 when not given");
+    table.add("contacts", acting_).help("contacts that push").output();
+  }
+  void init() override;
+  std::vector<State*> states() const override { return states_; }
+  std::string idle() const override {
+    return acts() ? std::string() : fmt::format("there is no response {} here", response_);
+  }
+  ForceTraits traits() const override {
+    ForceTraits traits;
+    traits.symmetric = traits.conservative = traits.exact_tangent = traits.lagged = true;
+    traits.has_stiffness = !rubs();
+    return traits;
+  }
+  std::vector<State*> constrainedStates() const override { return rubs() ? states_ : std::vector<State*>(); }
+  void addConditions(ConstRows x, ConstRows x_start, LagrangianRows& rows) const override;
+  void takeForces(std::span<const double> forces) override;
+  void compile() override {
+    search_.compile(pairs_, *method_);
+    pushes_.clear();
+    found_ = false;
+    ++revision_;
+  }
+  void stepBegins(ConstRows, double, double) override { has_new_ = true, find(); }
+  double energy(ConstRows x) const override;
+  void addForce(ConstRows x, ConstRows v, Rows f) override;
+  void addStiffnessProduct(ConstRows dx, double factor, Rows df) const override;
+  void addPattern(BlockPattern& pattern) const override;
+  long patternRevision() const override { return revision_; }
+  void addStiffness(double factor, BlockMatrix& matrix) const override;
+  void addStiffnessDiagonal(double factor, std::vector<double>& blocks) const override;
+  void reset() override { found_ = false; }
+
+ protected:
+  bool takesAllRows() const override { return true; }
+
+ private:
+  /// Something has to look for contacts.
+  bool hasPipeline() const {
+    std::vector<StepGuard*> pipelines;
+    node().root().collect(pipelines);
+    return !pipelines.empty();
+  }
+  bool rubs() const { return response_ == "FrictionContactConstraint" || response_ == "FrictionContact"; }
+  bool acts() const {
+    return rubs() || response_.empty() || response_ == "PenalityContactForceField" || response_ == "default";
+  }
+  static Vec3 wayOf(const Push& push, ConstRows x);
+  void find();
+  static void addSide(const CollisionModel& model, const PartPoint& point, double sign, Push& push);
+  static double depth(const Push& push, ConstRows x);
+
+  std::string response_ = "PenalityContactForceField", parameters_;
+  int acting_ = 0;
+
+  double mu_ = 0.8;
+  const Method* method_ = nullptr;
+  std::vector<ModelPair> pairs_;
+  std::vector<State*> states_;
+  ContactSearch search_;
+  std::vector<Contact> contacts_;
+  std::vector<Push> pushes_;  ///< of contacts_
+  bool found_ = false, has_new_ = false;
+  long revision_ = 0;
+};
+
+void CollisionResponse::init() {
+  std::vector<State*> all;
+  node().root().collect(all);
+  method_ = Method::of(node().root());
+  pairs_ = acts() && method_ && hasPipeline() ? modelPairs(node().root(), method_) : std::vector<ModelPair>();
+  if (const auto at = parameters_.find("mu="); at != std::string::npos) mu_ = std::strtod(parameters_.c_str() + at + 3, nullptr);
+  if (!(mu_ >= 0)) throw ComponentError(fmt::format("mu is {:g}", mu_), "zero or more");
+  states_.clear();
+  for (const ModelPair& pair : pairs_)
+    for (const CollisionModel* model : {pair.a, pair.b})
+      if (model->isMoved() && std::find(states_.begin(), states_.end(), &model->state()) == states_.end())
+        states_.push_back(&model->state());
+  if (states_.empty()) pairs_.clear();
+  if (!mstate_.target() && !all.empty()) mstate_.set(states_.empty() ? all.front() : states_.front());
+  ForceField::init();
+}
+
+void CollisionResponse::addSide(const CollisionModel& model, const PartPoint& point, double sign, Push& push) {
+  const State& state = model.state();
+  std::array<Vec3, 3> places;
+  model.corners(*point.part, places);
+  std::size_t at = sign < 0 ? 0 : 3;
+  for (std::size_t i = 0; i < std::size_t(point.part->corners); ++i, ++at)
+    if (state.isBound())
+      push.rows[at] = state.firstRow() + point.part->node[i] * state.rows_per_node, push.c[at] = sign * point.weight[i];
+    else
+      push.fixed += sign * point.weight[i] * places[i];
+}
+
+void CollisionResponse::find() {
+  search_.find(contacts_);
+  pushes_.resize(contacts_.size());
+  for (std::size_t i = 0; i < contacts_.size(); ++i) {
+    const Contact& contact = contacts_[i];
+    Push& push = pushes_[i] = {};
+    push.n = contact.normal, push.d = contact.contact;
+    push.k = contact.model_a->contactStiffness() * contact.model_b->contactStiffness() / contact.contact;
+    addSide(*contact.model_a, contact.a, -1, push);
+    addSide(*contact.model_b, contact.b, 1, push);
+  }
+  found_ = true;
+}
+
+Vec3 CollisionResponse::wayOf(const Push& push, ConstRows x) {
+  Vec3 way = push.fixed;
+  for (std::size_t i = 0; i < 6; ++i)
+    if (push.rows[i] >= 0) way += push.c[i] * x[push.rows[i]];
+  return way;
+}
+
+double CollisionResponse::depth(const Push& push, ConstRows x) { return push.d - push.n.dot(wayOf(push, x)); }
+
+void CollisionResponse::addConditions(ConstRows x, ConstRows x_start, LagrangianRows& rows) const {
+  const auto add = [&](const Push& push, const Vec3& along) {
+    for (std::size_t i = 0; i < 6; ++i)
+      if (push.rows[i] >= 0 && push.c[i] != 0) rows.add(push.rows[i], push.c[i] * along);
+  };
+  for (const Push& push : pushes_) {
+    rows.begin(LagrangianRows::Kind::push, -depth(push, x));
+    add(push, push.n);
+    if (mu_ == 0) continue;
+    const Vec3 slid = wayOf(push, x) - wayOf(push, x_start), across = push.n.unitOrthogonal();
+    for (const Vec3& tangent : {across, Vec3(push.n.cross(across))}) {
+      rows.begin(LagrangianRows::Kind::rub, tangent.dot(slid), mu_);
+      add(push, tangent);
+    }
+  }
+}
+
+void CollisionResponse::takeForces(std::span<const double> forces) {
+  acting_ = 0;
+  for (std::size_t i = 0; i < forces.size(); i += mu_ == 0 ? 1 : 3) acting_ += forces[i] > 0;
+}
+
+double CollisionResponse::energy(ConstRows x) const {
+  double sum = 0;
+  if (rubs()) return sum;
+  for (const Push& push : pushes_)
+    if (const double pen = depth(push, x); pen > 0) sum += 0.5 * push.k * pen * pen;
+  return sum;
+}
+
+void CollisionResponse::addForce(ConstRows x, ConstRows, Rows f) {
+  if (rubs()) return;
+  if (!found_) find(), has_new_ = true;
+  revision_ += has_new_, has_new_ = false;  // pairs come and go
+  acting_ = 0;
+  for (Push& push : pushes_) {
+    const double pen = depth(push, x);
+    push.acts = pen > 0;
+    if (!push.acts) continue;
+    ++acting_;
+    for (std::size_t i = 0; i < 6; ++i)
+      if (push.rows[i] >= 0) f[push.rows[i]] += push.c[i] * push.k * pen * push.n;
+  }
+}
+
+void CollisionResponse::addStiffnessProduct(ConstRows dx, double factor, Rows df) const {
+  for (const Push& push : pushes_) {
+    if (!push.acts) continue;
+    double along = 0;
+    for (std::size_t i = 0; i < 6; ++i)
+      if (push.rows[i] >= 0) along += push.c[i] * push.n.dot(dx[push.rows[i]]);
+    for (std::size_t i = 0; i < 6; ++i)
+      if (push.rows[i] >= 0) df[push.rows[i]] -= factor * push.k * along * push.c[i] * push.n;
+  }
+}
+
+void CollisionResponse::addPattern(BlockPattern& pattern) const {
+  for (const Push& push : pushes_) {
+    if (rubs()) break;
+    std::array<Index, 6> rows;
+    int count = 0;
+    for (const Index row : push.rows)
+      if (row >= 0) rows[std::size_t(count++)] = row;
+    pattern.addClique(rows.data(), count);
+  }
+}
+
+void CollisionResponse::addStiffness(double factor, BlockMatrix& matrix) const {
+  for (const Push& push : pushes_)
+    for (std::size_t i = 0; push.acts && i < 6; ++i)
+      for (std::size_t j = 0; j < 6; ++j)
+        if (push.rows[i] >= 0 && push.rows[j] >= 0 && push.c[i] * push.c[j] != 0)
+          matrix.add(push.rows[i], push.rows[j],
+                     -factor * push.k * push.c[i] * push.c[j] * push.n * push.n.transpose());
+}
+
+void CollisionResponse::addStiffnessDiagonal(double factor, std::vector<double>& blocks) const {
+  for (const Push& push : pushes_)
+    for (std::size_t i = 0; push.acts && i < 6; ++i) {
+      if (push.rows[i] < 0) continue;
+      double* block = blocks.data() + std::size_t(push.rows[i]) * 9;
+      for (int k = 0; k < 9; ++k) block[k] -= factor * push.k * push.c[i] * push.c[i] * push.n[k / 3] * push.n[k % 3];
+    }
+}
+
+}  // namespace
+}  // namespace stroma::collision
+
+STROMA_COMPONENT(collision_response) {
+  factory.add<stroma::collision::CollisionResponse>("CollisionResponse", "penalty forces between surfaces that meet");
+}

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "components/collision/contact_pairs.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "framework/collision/distances.h"
+#include "framework/collision/pair_distances.h"
+
+namespace stroma::collision {
+
+namespace {
+
+bool isInside(double weight) { return weight > 1e-6 && weight < 1 - 1e-6; }
+
+bool shareCorner(const Part& p, const Part& q) {
+  for (int i = 0; i < p.corners; ++i)
+    for (int j = 0; j < q.corners; ++j)
+      if (p.node[std::size_t(i)] == q.node[std::size_t(j)]) return true;
+  return false;
+}
+
+/// Closest points of a point (corner k of p) or a line p and a part q of one, two or three corners; false where they do
+/// not lie within.
+bool closest(std::span<const Vec3> x, int k, std::span<const Vec3> y, std::array<double, 3>& of_x,
+             std::array<double, 3>& of_y, Vec3& difference) {
+  of_x = of_y = {0, 0, 0};
+  const bool line = k < 0;
+  const Vec3 &from = x[line ? 0 : std::size_t(k)], &to = x[line ? 1 : std::size_t(k)];
+  if (y.size() == 3) {
+    const ClosestPoints found = closestPoints(PairKind::point_triangle, {from, y[0], y[1], y[2]});
+    difference = -found.difference;
+    of_x[std::size_t(k)] = 1;
+    for (std::size_t i = 0; i < 3; ++i) of_y[i] = -found.weights[i + 1];
+    return isInside(of_y[0]) && isInside(of_y[1]) && isInside(of_y[2]);
+  }
+  const ClosestPoints found = closestPoints(PairKind::edge_edge, {from, to, y[0], y[y.size() - 1]});
+  difference = -found.difference;
+  if (line)
+    of_x[0] = found.weights[0], of_x[1] = found.weights[1];
+  else
+    of_x[std::size_t(k)] = 1;
+  if (y.size() == 1) {
+    of_y[0] = 1;
+    return !line || isInside(of_x[0]);
+  }
+  of_y[0] = -found.weights[2], of_y[1] = -found.weights[3];
+  return isInside(of_y[0]) && (!line || isInside(of_x[0]));
+}
+
+}  // namespace
+
+std::size_t ContactSearch::surfaceOf(const CollisionModel& model) {
+  for (std::size_t i = 0; i < surfaces_.size(); ++i)
+    if (surfaces_[i].model == &model) return i;
+  surfaces_.push_back({&model, std::vector<Box>(model.parts().size()), {}});
+  fit(surfaces_.back());
+  surfaces_.back().tree.build(surfaces_.back().boxes);
+  return surfaces_.size() - 1;
+}
+
+void ContactSearch::compile(const std::vector<ModelPair>& pairs, const Method& method) {
+  method_ = &method;
+  surfaces_.clear(), pairs_.clear();
+  for (const ModelPair& pair : pairs) {
+    const std::size_t a = surfaceOf(*pair.a);
+    pairs_.push_back({a, surfaceOf(*pair.b)});
+  }
+}
+
+void ContactSearch::fit(Surface& surface) const {
+  for (std::size_t i = 0; i < surface.boxes.size(); ++i) {
+    const Part& part = surface.model->parts()[i];
+    std::array<Vec3, 3> places;
+    Box box;
+    for (const Vec3& corner : surface.model->corners(part, places)) box.add(corner);
+    surface.boxes[i] = box.grownBy(part.radius);
+  }
+}
+
+void ContactSearch::meet(const CollisionModel& a, const Part& p, const CollisionModel& b, const Part& q, double alarm,
+                         double contact, std::vector<Contact>& out) const {
+  if (p.corners > q.corners) return meet(b, q, a, p, alarm, contact, out);
+  std::array<Vec3, 3> places, others;
+  const std::span<const Vec3> x = a.corners(p, places), y = b.corners(q, others);
+  const double radii = p.radius + q.radius;
+  const auto add = [&](const CollisionModel& m, const Part& mine, std::span<const Vec3> from, int k,
+                       const CollisionModel& o, const Part& other, std::span<const Vec3> to) {
+    Contact found{&m, &o, {&mine, {}}, {&other, {}}, Vec3::UnitX(), contact + radii};
+    Vec3 difference;
+    if (!closest(from, k, to, found.a.weight, found.b.weight, difference)) return;
+    const double distance = difference.norm();
+    if (!(distance < alarm + radii)) return;
+    if (distance > 1e-10) found.normal = difference / distance;  // else any, as SOFA does
+    out.push_back(found);
+  };
+  if (q.corners < 3 || p.corners == 1) {
+    add(a, p, x, p.corners == 1 ? 0 : -1, b, q, y);
+    return;
+  }
+  for (int k = 0; k < p.corners; ++k)
+    if (p.owned >> k & 1) add(a, p, x, k, b, q, y);
+  if (p.corners < 3) return;
+  for (int k = 0; k < 3; ++k)
+    if (q.owned >> k & 1) add(b, q, y, k, a, p, x);
+}
+
+void ContactSearch::find(std::vector<Contact>& out) {
+  out.clear();
+  for (Surface& surface : surfaces_) {
+    fit(surface);
+    surface.tree.refit(surface.boxes);
+  }
+  for (const Pair& pair : pairs_) {
+    const Surface &s = surfaces_[pair.a], &t = surfaces_[pair.b];
+    const CollisionModel &a = *s.model, &b = *t.model;
+    const double skins = a.contactDistance() + b.contactDistance();
+    const double alarm = method_->alarmDistance() + skins, contact = method_->contactDistance() + skins;
+    s.tree.forEachPair(t.tree, alarm, [&](Index i, Index j) {
+      const Part &p = a.parts()[std::size_t(i)], &q = b.parts()[std::size_t(j)];
+      if (&a.state() == &b.state() && (shareCorner(p, q) || a.restDistance(p, q) < contact)) return;
+      meet(a, p, b, q, alarm, contact, out);
+    });
+  }
+}
+
+}  // namespace stroma::collision

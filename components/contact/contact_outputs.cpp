@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "components/contact/contact_outputs.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "framework/scene/archive.h"
+
+namespace stroma::contact {
+
+void Outputs::declare(DataTable& table) {
+  table.add("crossings", crossings).help("steps after which an edge and a triangle had a point in common").output();
+  table.add("smallestGap", smallest_gap_)
+      .help("smallest gap after the last step; 0: nothing is in reach")
+      .unit("m")
+      .output();
+  table.add("frictionChange", friction_change)
+      .help("what another solve would change of the friction of the last step, as a part of it")
+      .unit("-")
+      .output();
+  table.add("contactForces", contact_forces_)
+      .help("normal contact force on each node of mstate after the last step")
+      .unit("N")
+      .output();
+  table.add("wrenches", wrenches_)
+      .help("on each body, mstate first: the sum of its contact forces with friction [N], and their moment about the "
+            "origin [N m]")
+      .output();
+}
+
+void Outputs::note(const BarrierLaw& law, const Friction& friction, const std::vector<Vec3>& x,
+                   const std::vector<State*>& bodies) {
+  const Surfaces& s = law.surfaces;
+  const State& first = *bodies.front();
+  double smallest = std::numeric_limits<double>::infinity();
+  contact_forces_.assign(std::size_t(first.size()), Vec3::Zero());
+  wrenches_.assign(2 * bodies.size(), Vec3::Zero());
+  forces_.resize(x.size());
+  friction.forces(forces_);
+  for (const Touch& touch : law.touches(x)) {
+    smallest = std::min(smallest, touch.gap);
+    const Term term = law.termOf(touch);
+    for (std::size_t i = 0; i < 4; ++i) {
+      if (term.rows[i] < 0) continue;
+      const Vec3 force = term.c[i] * term.force;
+      forces_[std::size_t(touch.v[i])] += force;
+      if (s.bodyOf(touch.v[i]) == 0) contact_forces_[std::size_t(term.rows[i] - first.firstRow())] += force;
+    }
+  }
+  for (std::size_t v = 0; v < x.size(); ++v) {
+    if (!s.moves(int(v))) continue;
+    const std::size_t body = std::size_t(s.bodyOf(int(v)));
+    wrenches_[2 * body] += forces_[v];
+    wrenches_[2 * body + 1] += x[v].cross(forces_[v]);
+  }
+  touched_ = std::isfinite(smallest);
+  smallest_gap_ = touched_ ? smallest : 0;
+}
+
+void Outputs::noteFriction() {
+  constexpr double much = 0.05;
+  unsettled_ += friction_change > much;
+  worst_change_ = std::max(worst_change_, friction_change);
+}
+
+std::string Outputs::doubt() const {
+  if (unsettled_ == 0) return {};
+  return fmt::format(
+      "the friction of {} steps had not settled when frictionIterations ended: another solve would have changed it by up to "
+      "{:.0f} %. A smaller dt helps",
+      unsettled_, 100 * worst_change_);
+}
+
+void Outputs::serialize(Archive& archive) {
+  archive.value("crossings", crossings);
+  archive.value("unsettled", unsettled_);
+  archive.value("worst_change", worst_change_);
+}
+
+}  // namespace stroma::contact

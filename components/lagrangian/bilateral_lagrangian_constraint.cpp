@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// BilateralLagrangianConstraint: pairs of points, of two bodies or of one, that stay together at the end of each step.
+//
+//   x_second - x_first - rest_vector = 0,   three rows for each pair
+//
+// DistanceLagrangianConstraint: pairs that keep their distance d, that of the start when `distances` does not give it.
+//
+//   |x_second - x_first| - d = 0,   one row for each pair
+//
+// Forces are found with the matrix of the step (components/integrators/multipliers.h), in turns until the conditions hold
+// to round-off, and are equal and opposite: momentum is kept. `forces` has them row by row.
+//
+// Source: the names and attributes of the first are SOFA's.
+//
+// Example:
+// <Node name="root" dt="0.01" gravity="0 -9.81 0">
+//   <EulerImplicitSolver/>
+//   <SparseLDLSolver/>
+//   <MechanicalObject name="dofs" position="0 0 0  1 0 0  1 0 0  2 0 0"/>
+//   <UniformMass totalMass="4"/>
+//   <FixedProjectiveConstraint indices="0"/>
+//   <DistanceLagrangianConstraint first_point="0 2" second_point="1 3"/>
+//   <BilateralLagrangianConstraint first_point="1" second_point="2"/>
+// </Node>
+#include <fmt/format.h>
+
+#include "components/lagrangian/pair_constraint.h"
+#include "framework/scene/factory.h"
+
+namespace stroma::lagrangian {
+namespace {
+
+class Pairs : public PairConstraint {
+ public:
+  void declare(DataTable& table) override {
+    PairConstraint::declare(table);
+    table.add("first_point", first_points_).alias("firstPoint").help("points of object1");
+    table.add("second_point", second_points_).alias("secondPoint").help("points of object2, one for each first_point");
+    table.add("activate", active_).atOnce().help("false: it does not hold");
+  }
+  void init() override {
+    PairConstraint::init();
+    if (first_points_.size() != second_points_.size())
+      throw ComponentError(fmt::format("first_point has {} points and second_point {}", first_points_.size(), second_points_.size()),
+                           "as many of each");
+    for (std::size_t i = 0; i < first_points_.size(); ++i) {
+      checkNode(first(), first_points_[i], "first_point"), checkNode(second(), second_points_[i], "second_point");
+      if (&first() == &second() && first_points_[i] == second_points_[i])
+        throw ComponentError(fmt::format("pair {} is node {} twice", i, first_points_[i]), "two points");
+    }
+  }
+
+ protected:
+  std::size_t count() const { return active_ ? first_points_.size() : 0; }
+  Index a(std::size_t pair) const { return rowOf(first(), first_points_[pair]); }
+  Index b(std::size_t pair) const { return rowOf(second(), second_points_[pair]); }
+  Vec3 startOf(std::size_t pair) const {
+    return second().position[std::size_t(second_points_[pair])] - first().position[std::size_t(first_points_[pair])];
+  }
+  std::size_t pairs() const { return first_points_.size(); }
+
+ private:
+  std::vector<Index> first_points_{0}, second_points_{0};
+  bool active_ = true;
+};
+
+class Bilateral final : public Pairs {
+ public:
+  void declare(DataTable& table) override {
+    Pairs::declare(table);
+    table.add("rest_vector", rest_).help("what the second point has more than the first; one for each pair, or none: zero").unit("m");
+  }
+  void init() override {
+    Pairs::init();
+    if (!rest_.empty() && rest_.size() != pairs())
+      throw ComponentError(fmt::format("rest_vector has {} vectors for {} pairs", rest_.size(), pairs()), "one for each pair");
+  }
+  void addConditions(ConstRows x, ConstRows, LagrangianRows& rows) const override {
+    for (std::size_t i = 0; i < count(); ++i) {
+      const Vec3 off = Vec3(x[b(i)]) - Vec3(x[a(i)]) - (rest_.empty() ? Vec3(Vec3::Zero()) : rest_[i]);
+      for (int k = 0; k < 3; ++k) {
+        rows.begin(Kind::equal, off[k]);
+        rows.add(a(i), -Vec3::Unit(k)), rows.add(b(i), Vec3::Unit(k));
+      }
+    }
+  }
+
+ private:
+  std::vector<Vec3> rest_;
+};
+
+class Distance final : public Pairs {
+ public:
+  void declare(DataTable& table) override {
+    Pairs::declare(table);
+    table.add("distances", distances_).help("distances; those of the start when not given").unit("m").min(0, false);
+  }
+  void init() override {
+    Pairs::init();
+    if (!distances_.empty() && distances_.size() != pairs())
+      throw ComponentError(fmt::format("distances has {} numbers for {} pairs", distances_.size(), pairs()), "one for each pair");
+    kept_ = distances_;
+    for (std::size_t i = kept_.size(); i < pairs(); ++i) {
+      kept_.push_back(startOf(i).norm());
+      if (!(kept_.back() > 0))
+        throw ComponentError(fmt::format("the points of pair {} start at one place", i), "a distance above zero");
+    }
+  }
+  void addConditions(ConstRows x, ConstRows, LagrangianRows& rows) const override {
+    for (std::size_t i = 0; i < count(); ++i) {
+      const Vec3 way = Vec3(x[b(i)]) - Vec3(x[a(i)]);
+      const double length = way.norm();
+      const Vec3 n = length > 0 ? Vec3(way / length) : Vec3(Vec3::UnitX());
+      rows.begin(Kind::equal, length - kept_[i]);
+      rows.add(a(i), -n), rows.add(b(i), n);
+    }
+  }
+
+ private:
+  std::vector<double> distances_, kept_;
+};
+
+}  // namespace
+}  // namespace stroma::lagrangian
+
+STROMA_COMPONENT(bilateral_lagrangian_constraint) {
+  using namespace stroma::lagrangian;
+  factory.add<Bilateral>("BilateralLagrangianConstraint", "points of two bodies that stay together");
+  factory.add<Distance>("DistanceLagrangianConstraint", "points that keep their distance");
+}

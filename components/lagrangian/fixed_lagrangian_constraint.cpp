@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// FixedLagrangianConstraint: points that stay where they start, by forces that can be read. FixedProjectiveConstraint holds
+// nodes more cheaply; this one holds mapped points too, as those of a surface that is embedded or of a rigid frame.
+//
+//   x - x_0 = 0,   three rows for each point
+//
+// Source: the names and attributes are SOFA's.
+//
+// Example:
+// <Node name="root" dt="0.01" gravity="0 -9.81 0">
+//   <EulerImplicitSolver/>
+//   <SparseLDLSolver/>
+//   <MechanicalObject position="0 0 0  1 0 0"/>
+//   <UniformMass totalMass="2"/>
+//   <SpringForceField springsIndices1="0" springsIndices2="1" lengths="1" stiffness="200"/>
+//   <FixedLagrangianConstraint indices="0"/>
+// </Node>
+#include "components/lagrangian/pair_constraint.h"
+#include "framework/scene/archive.h"
+#include "framework/scene/factory.h"
+
+namespace stroma::lagrangian {
+namespace {
+
+class Fixed final : public PairConstraint {
+ public:
+  void declare(DataTable& table) override {
+    PairConstraint::declare(table);
+    table.add("indices", nodes_).help("points");
+    table.add("fixAll", all_).help("all points");
+  }
+  void init() override {
+    PairConstraint::init();
+    held_ = nodes_;
+    if (all_) {
+      held_.clear();
+      for (Index i = 0; i < first().nodes(); ++i) held_.push_back(i);
+    }
+    for (const Index node : held_) checkNode(first(), node, "indices");
+    places_.clear();
+  }
+  void constrainedStepBegins(ConstRows x, double) override {
+    if (!places_.empty()) return;
+    for (const Index node : held_) places_.push_back(x[rowOf(first(), node)]);
+  }
+  void addConditions(ConstRows x, ConstRows, LagrangianRows& rows) const override {
+    for (std::size_t i = 0; i < places_.size(); ++i)
+      for (int k = 0; k < 3; ++k) {
+        const Index row = rowOf(first(), held_[i]);
+        rows.begin(Kind::equal, x[row][k] - places_[i][k]);
+        rows.add(row, Vec3::Unit(k));
+      }
+  }
+  void reset() override {
+    PairConstraint::reset();
+    places_.clear();
+  }
+  void serialize(Archive& archive) override { archive.list("places", places_); }
+
+ private:
+  std::vector<Index> nodes_{0}, held_;
+  bool all_ = false;
+  std::vector<Vec3> places_;  ///< where they started [m]
+};
+
+}  // namespace
+}  // namespace stroma::lagrangian
+
+STROMA_COMPONENT(fixed_lagrangian_constraint) {
+  factory.add<stroma::lagrangian::Fixed>("FixedLagrangianConstraint", "points that stay where they start, mapped ones too");
+}

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// StopperLagrangianConstraint: a number, such as the angle of a joint, that stays between two bounds.
+//
+//   x - min >= 0,   max - x >= 0,   force only where one of them is zero
+//
+// Source: the names and attributes are SOFA's.
+//
+// Example:
+// <Node name="root" dt="0.01">
+//   <EulerImplicitSolver/>
+//   <SparseLDLSolver/>
+//   <MechanicalObject template="Vec1" position="0" velocity="1"/>
+//   <UniformMass totalMass="1"/>
+//   <StopperLagrangianConstraint index="0" min="-0.5" max="0.5"/>
+// </Node>
+#include <fmt/format.h>
+
+#include "components/lagrangian/pair_constraint.h"
+#include "framework/scene/factory.h"
+
+namespace stroma::lagrangian {
+namespace {
+
+class Stopper final : public PairConstraint {
+ public:
+  void declare(DataTable& table) override {
+    PairConstraint::declare(table);
+    table.add("index", node_).help("the number of the state that is bounded");
+    table.add("min", least_).help("least value");
+    table.add("max", most_).help("largest value");
+  }
+  void init() override {
+    PairConstraint::init();
+    checkNode(first(), node_, "index");
+    if (!(least_ < most_)) throw ComponentError(fmt::format("min is {:g} and max {:g}", least_, most_), "min below max");
+  }
+  void addConditions(ConstRows x, ConstRows, LagrangianRows& rows) const override {
+    const Index row = rowOf(first(), node_);
+    rows.begin(Kind::push, x[row].x() - least_);
+    rows.add(row, Vec3::UnitX());
+    rows.begin(Kind::push, most_ - x[row].x());
+    rows.add(row, -Vec3::UnitX());
+  }
+
+ protected:
+  bool takesValues() const override { return true; }
+
+ private:
+  Index node_ = 0;
+  double least_ = -100, most_ = 100;
+};
+
+}  // namespace
+}  // namespace stroma::lagrangian
+
+STROMA_COMPONENT(stopper_lagrangian_constraint) {
+  factory.add<stroma::lagrangian::Stopper>("StopperLagrangianConstraint", "a number that stays between two bounds");
+}

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Penalty forces of collision models: their formula, what has contacts and what has not, momentum, the watch.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "framework/simulation/simulation.h"
+#include "tests/support/field_under_test.h"
+
+namespace stroma::test {
+namespace STROMA_TEST_FILE {
+
+std::string collisionScene(const std::string& bodies, const std::string& method, const std::string& gravity = "0 0 0",
+                           const std::string& response = "<CollisionResponse name=\"response\"/>") {
+  return fmt::format("<Node name=\"root\" dt=\"0.01\" gravity=\"{}\"><CollisionPipeline/>{}{}{}</Node>", gravity, response,
+                     method, bodies);
+}
+const std::string near_half = "<MinProximityIntersection alarmDistance=\"1\" contactDistance=\"0.5\"/>";
+
+/// A body that moves; of one node for each position.
+std::string moved(const std::string& name, const std::string& position, const std::string& more,
+                  const std::string& velocity = "") {
+  return fmt::format(
+      "<Node name=\"{}\"><EulerImplicitSolver/><CGLinearSolver iterations=\"100\" tolerance=\"1e-14\"/><MechanicalObject "
+      "name=\"dofs\" position=\"{}\" {}/><UniformMass totalMass=\"2\"/>{}</Node>",
+      name, position, velocity.empty() ? "" : "velocity=\"" + velocity + "\"", more);
+}
+
+std::string still(const std::string& mesh, const std::string& models) {
+  return "<Node name=\"floor\"><MeshTopology " + mesh + "/><MechanicalObject/>" + models + "</Node>";
+}
+const std::string plate = "position=\"-1 0 -2  2 0 -1  0 0 2\" triangles=\"0 1 2\" edges=\"0 1\"";
+
+/// The force on the first node of what moves, and how many contacts push.
+struct Pushed {
+  Vec3 force;
+  int contacts;
+};
+Pushed pushed(const std::string& scene) {
+  bool acts = false;  // where nothing may meet it acts on nothing
+  const Simulation simulation = simulationFromText(scene);
+  for (const auto& system : simulation.systems())
+    for (const ForceField* field : system->forceFields()) acts = acts || field->type() == "CollisionResponse";
+  if (!acts) return {Vec3::Zero(), 0};
+  FieldUnderTest t(scene, "CollisionResponse");
+  const Vector f = t.force();
+  int contacts = 0;
+  std::istringstream(t.field().data().find("contacts")->print()) >> contacts;
+  return {f[0], contacts};
+}
+
+/// k = k1 k2/d, d with skins and radii; n from one surface to the other.
+TEST(CollisionResponse, HasItsFormula) {
+  const std::string point = "<PointCollisionModel contactStiffness=\"30\" contactDistance=\"0.1\"/>";
+  const std::string top = "<TriangleCollisionModel simulated=\"0\" contactStiffness=\"4\" contactDistance=\"0.05\"/>";
+  const double d = 0.5 + 0.1 + 0.05, k = 30 * 4 / d;
+  for (const double height : {0.2, 0.64, -0.3}) {
+    const Pushed found = pushed(collisionScene(moved("a", fmt::format("0.1 {} 0.2", height), point) + still(plate, top), near_half));
+    EXPECT_EQ(found.contacts, 1);
+    EXPECT_NEAR((found.force - Vec3(0, (height > 0 ? 1 : -1) * k * (d - std::abs(height)), 0)).norm(), 0, 1e-10) << height;
+  }
+  const Pushed out = pushed(collisionScene(moved("a", "0.1 0.66 0.2", point) + still(plate, top), near_half));
+  EXPECT_EQ(out.contacts, 0);
+  const std::string sphere = "<SphereCollisionModel radius=\"0.3\" contactStiffness=\"30\"/>";
+  const double with_radius = 0.5 + 0.3 + 0.05;
+  const Pushed ball = pushed(collisionScene(moved("a", "0.1 0.7 0.2", sphere) + still(plate, top), near_half));
+  EXPECT_NEAR(ball.force.y(), 30 * 4 / with_radius * (with_radius - 0.7), 1e-10);
+}
+
+/// What meets: points lie over triangles, not beside them; lines cross; corners of triangles belong to one of them.
+TEST(CollisionResponse, HasTheContactsOfTheMethod) {
+  const std::string point = "<PointCollisionModel/>", top = "<TriangleCollisionModel simulated=\"0\"/>";
+  const auto contactsOf = [](const std::string& scene) { return pushed(scene).contacts; };
+  EXPECT_EQ(contactsOf(collisionScene(moved("a", "0 0.2 2.1", point) + still(plate, top), near_half)), 0) << "beside";
+  EXPECT_EQ(contactsOf(collisionScene(moved("a", "0.5 0.2 -1.5", point) + still(plate, "<LineCollisionModel simulated=\"0\"/>"),
+                                      near_half)), 1);
+  EXPECT_EQ(contactsOf(collisionScene(moved("a", "-1 0.2 -2.1", point) + still(plate, "<PointCollisionModel simulated=\"0\"/>"),
+                                      near_half)), 1);
+  const std::string line = moved("a", "0.5 0.2 -3  0.5 0.2 0",
+                                 "<EdgeSetTopologyContainer position=\"0.5 0.2 -3  0.5 0.2 0\" edges=\"0 1\"/><LineCollisionModel/>");
+  EXPECT_EQ(contactsOf(collisionScene(line + still(plate, "<LineCollisionModel simulated=\"0\"/>"), near_half)), 1);
+  const std::string no_lines = "<MinProximityIntersection alarmDistance=\"1\" contactDistance=\"0.5\" useLineLine=\"0\"/>";
+  EXPECT_EQ(contactsOf(collisionScene(line + still(plate, "<LineCollisionModel simulated=\"0\"/>"), no_lines)), 0);
+  // two triangles that share an edge, over one: four corners
+  const std::string positions = "0 0.2 0  0.3 0.2 0  0.3 0.2 0.3  0 0.2 0.3";
+  const std::string sheet = moved("a", positions,
+                                  "<MeshTopology position=\"" + positions + "\" triangles=\"0 1 2  0 2 3\"/><TriangleCollisionModel/>");
+  const std::string all = "<NewProximityIntersection alarmDistance=\"1\" contactDistance=\"0.5\"/>";
+  EXPECT_EQ(contactsOf(collisionScene(sheet + still(plate, top), all)), 4);
+  EXPECT_EQ(contactsOf(collisionScene(sheet + still(plate, top), near_half)), 0) << "triangles do not meet triangles there";
+}
+
+/// Two bodies, each with an integrator, at an angle: force, product and matrix belong together.
+TEST(CollisionResponse, ForceProductAndMatrixBelongTogether) {
+  const std::string mesh = "position=\"0 0 0  1 0.1 0  0.2 0 1\" triangles=\"0 1 2\"";
+  FieldUnderTest t(collisionScene(moved("a", "0.4 0.3 0.3", "<SphereCollisionModel radius=\"0.1\"/>") +
+                                      moved("b", "0 0 0  1 0.1 0  0.2 0 1",
+                                            "<MeshTopology " + mesh + "/><TriangleCollisionModel/>"),
+                                  near_half),
+                   "CollisionResponse");
+  const Vector f = t.force();
+  ASSERT_GT(dot(f, f), 1);
+  Vec3 sum = Vec3::Zero();
+  for (Index i = 0; i < f.count(); ++i) sum += f[i];
+  EXPECT_LT(sum.norm(), 1e-12);
+  BlockMatrix k = t.matrix();
+  Vector assembled(t.x.count());
+  k.multiply(t.direction, assembled);
+  EXPECT_LT(relativeDifference(assembled, t.product(t.direction)), 1e-12);
+  EXPECT_LT(relativeDifference(t.differenceOfForces(1e-6), t.product(t.direction)), 1e-6);
+  expectSymmetricProducts(t);
+  const double step = 1e-6;
+  Vector up(t.x.count()), down(t.x.count());
+  copy(t.x, up), copy(t.x, down);
+  axpy(step, t.direction, up), axpy(-step, t.direction, down);
+  EXPECT_NEAR((t.field().energy(up) - t.field().energy(down)) / (2 * step), -dot(f, t.direction), 1e-6);
+}
+
+/// A ball comes to rest where its weight is k times what it has gone in.
+TEST(CollisionResponse, ABallRestsOnAFloor) {
+  const std::string ball = "<SphereCollisionModel radius=\"0.3\" contactStiffness=\"100\"/><UniformVelocityDampingForceField "
+                           "dampingCoefficient=\"20\"/>";
+  Simulation simulation = simulationFromText(collisionScene(
+      moved("a", "0 0.9 0", ball) + still(plate, "<TriangleCollisionModel simulated=\"0\" contactStiffness=\"10\"/>"), near_half,
+      "0 -10 0"));
+  for (int i = 0; i < 500; ++i) ASSERT_FALSE(simulation.step().failed());
+  EXPECT_NEAR(simulation.states()[0]->x()[0].y(), 0.8 - 2 * 10 / (100 * 10 / 0.8), 1e-6);
+}
+
+/// Two bodies of an integrator each fly into each other: what they have together stays.
+TEST(CollisionResponse, MomentumIsKept) {
+  const std::string sphere = "<SphereCollisionModel radius=\"0.5\" contactStiffness=\"100\"/>";
+  Simulation simulation = simulationFromText(collisionScene(
+      moved("a", "0 0 0", sphere, "1 0 0") + moved("b", "2 0.3 0", sphere, "-3 0 0"),
+      "<MinProximityIntersection alarmDistance=\"0.5\" contactDistance=\"0.1\"/>"));
+  ASSERT_EQ(simulation.systems().size(), 1u) << "they may meet";
+  for (int i = 0; i < 100; ++i) ASSERT_FALSE(simulation.step().failed());
+  const Vec3 a = simulation.states()[0]->v()[0], b = simulation.states()[1]->v()[0];
+  EXPECT_NEAR((a + b - Vec3(-2, 0, 0)).norm(), 0, 1e-9);
+  EXPECT_LT(a.x(), -0.5) << "they met";
+}
+
+/// A strip that is folded over meets itself with selfCollision; what is near at rest does not push.
+TEST(CollisionResponse, AModelMeetsItself) {
+  std::string rest, now, edges;
+  for (int i = 0; i < 6; ++i) {
+    rest += fmt::format("{} 0 0  ", i);
+    now += i < 3 ? fmt::format("{} 0 0  ", i) : fmt::format("{} 0.3 0  ", 5.3 - i);
+    if (i > 0) edges += fmt::format("{} {}  ", i - 1, i);
+  }
+  for (const bool folded : {true, false})
+    for (const int self : {0, 1}) {
+      SCOPED_TRACE(fmt::format("folded {}, selfCollision {}", folded, self));
+      const std::string models = fmt::format("<EdgeSetTopologyContainer position=\"{0}\" edges=\"{1}\"/><PointCollisionModel "
+                                             "selfCollision=\"{2}\"/><LineCollisionModel selfCollision=\"{2}\"/>",
+                                             now, edges, self);
+      std::string strip = moved("a", now, models);
+      if (folded) strip.replace(strip.find("position="), 0, "rest_position=\"" + rest + "\" ");
+      Simulation simulation = simulationFromText(collisionScene(strip, near_half));
+      ASSERT_FALSE(simulation.step().failed());
+      double fastest = 0;
+      for (Index i = 0; i < 6; ++i) fastest = std::max(fastest, simulation.states()[0]->v()[i].norm());
+      EXPECT_EQ(fastest > 0, folded && self == 1);
+    }
+}
+
+TEST(CollisionResponse, WithoutAPipelineNothingIsFound) {
+  const std::string scene = "<Node name=\"root\" dt=\"0.01\" gravity=\"0 0 0\"><CollisionResponse/>" + near_half +
+                            moved("a", "0.1 0.2 0.2", "<PointCollisionModel/>") +
+                            still(plate, "<TriangleCollisionModel simulated=\"0\"/>") + "</Node>";
+  Simulation simulation = simulationFromText(scene);
+  ASSERT_FALSE(simulation.step().failed());
+  EXPECT_EQ(simulation.states()[0]->v()[0].norm(), 0);
+}
+
+/// Another response does not act, and the pipeline says so where something would touch.
+TEST(CollisionResponse, OtherResponsesLeaveAWatch) {
+  Simulation simulation = simulationFromText(
+      collisionScene(moved("a", "0.1 0.2 0.2", "<PointCollisionModel/>") + still(plate, "<TriangleCollisionModel simulated=\"0\"/>"),
+                     near_half, "0 0 0", "<CollisionResponse response=\"StickContactForceField\"/>"));
+  const StepReport report = simulation.step();
+  EXPECT_TRUE(report.diverged);
+  expectContains(report.reason, "0.2 m apart");
+  expectContains(report.reason, "no response StickContactForceField");
+}
+
+}  // namespace STROMA_TEST_FILE
+}  // namespace stroma::test
