@@ -50,6 +50,7 @@
 
 #include "components/elasticity/elastic_force_field.h"
 #include "components/elasticity/hexahedron_kernels.h"
+#include "components/elasticity/point_elements.h"
 #include "framework/scene/factory.h"
 
 using namespace stroma;
@@ -57,58 +58,32 @@ using namespace stroma::hexahedron;
 
 namespace {
 
-class Hexahedra final : public ElasticElements {
+class Hexahedra final : public PointElements<Hexahedra> {
  public:
   Index count(const Mesh& mesh) const override { return Index(mesh.hexahedra.size()); }
-  bool has(ElasticMethod method) const override { return method != ElasticMethod::nodal; }
-  bool hasMeanDilatation(ElasticMethod) const override { return true; }
   double meanDilatationFrom() const override { return 0.4; }
   bool rotationHasPotential() const override { return false; }
-
-  void bind(const Mesh& mesh, const std::vector<Vec3>& rest, const ElasticVariant& variant) override {
-    variant_ = variant;
-    shapes_ = std::make_unique<HexahedronShapes>(mesh, rest, variant);
-  }
 
   std::unique_ptr<ElementKernels> make(Index first_row, const std::function<Lame(std::size_t)>& lame) const override {
     return withOwnMatrix(variant_, makeMethod({*shapes_, first_row, lame}));
   }
 
   std::string describe(std::size_t e) const override { return shapes_->describe(e); }
-  double jacobian(std::size_t e, ConstRows x) const override {
-    const PointValues<double> now = atPoints(shapes_->now(e, x)), rest = atPoints(shapes_->atRest(e).modes);
-    double least = std::numeric_limits<double>::infinity();
-    for (int p = 0; p < 8; ++p) {
-      const double j = determinantAt(now, p) / determinantAt(rest, p);
-      if (!(j >= least)) least = j;  // a NaN stays
-      if (least != least) break;
-    }
-    return least;
-  }
-  Mat3 strain(std::size_t e, ConstRows x) const override {
-    Mat3 sum = Mat3::Zero();
-    double volume = 0;
-    forEachStrain(e, x, [&](const Mat3& here, double weight) {
-      sum += weight * here;
-      volume += weight;
-    });
-    return sum / volume;
-  }
-  double strainBeyond(double limit, std::size_t e, ConstRows x) const override {
-    double worst = 0;
-    forEachStrain(e, x, [&](const Mat3& here, double) {
-      worst = std::max(worst, principalBeyond(limit, here, variant_.method == ElasticMethod::green));
-    });
-    return worst;
-  }
   Nanoseconds cost() const override {
     const double lanes = 8. / pack_lanes;
     const bool green = variant_.method == ElasticMethod::green;
     return {(green ? 60 : variant_.exact_tangent ? 150 : shapes_->useBoxes() ? 12 : 25) * lanes, 1200};
   }
 
- private:
-  /// use(strain, volume) at the integration points.
+  // ---- for PointElements ----
+  void bindShapes(const Mesh& mesh, const std::vector<Vec3>& rest) {
+    shapes_ = std::make_unique<HexahedronShapes>(mesh, rest, variant_);
+  }
+  template <class Use>
+  void forEachJacobian(std::size_t e, ConstRows x, Use&& use) const {
+    const PointValues<double> now = atPoints(shapes_->now(e, x)), rest = atPoints(shapes_->atRest(e).modes);
+    for (int p = 0; p < 8; ++p) use(determinantAt(now, p) / determinantAt(rest, p));
+  }
   template <class Use>
   void forEachStrain(std::size_t e, ConstRows x, Use&& use) const {
     const RestShape shape = shapes_->atRest(e);
@@ -126,6 +101,7 @@ class Hexahedra final : public ElasticElements {
     }
   }
 
+ private:
   std::unique_ptr<ElementKernels> makeMethod(const Elements& elements) const {
     const bool boxes = shapes_->useBoxes();
     if (variant_.method == ElasticMethod::green)
@@ -154,7 +130,6 @@ class Hexahedra final : public ElasticElements {
     }
   }
 
-  ElasticVariant variant_;
   std::unique_ptr<HexahedronShapes> shapes_;
 };
 

@@ -51,6 +51,7 @@
 #include <algorithm>
 
 #include "components/elasticity/elastic_force_field.h"
+#include "components/elasticity/point_elements.h"
 #include "components/elasticity/quadratic_tetrahedron_kernels.h"
 #include "framework/scene/factory.h"
 
@@ -59,58 +60,31 @@ using namespace stroma::quadratic_tetrahedron;
 
 namespace {
 
-class QuadraticTetrahedra final : public ElasticElements {
+class QuadraticTetrahedra final : public PointElements<QuadraticTetrahedra> {
  public:
   Index count(const Mesh& mesh) const override { return Index(mesh.quadratic_tetrahedra.size()); }
-  bool has(ElasticMethod method) const override { return method != ElasticMethod::nodal; }
-  bool hasMeanDilatation(ElasticMethod) const override { return true; }
   double meanDilatationFrom() const override { return 0.45; }  // the table of errors is in docs/validation.md
   bool rotationHasPotential() const override { return true; }
   bool updatesStrainDisplacement() const override { return false; }
 
-  void bind(const Mesh& mesh, const std::vector<Vec3>& rest, const ElasticVariant& variant) override {
-    variant_ = variant;
-    shapes_ = std::make_unique<Shapes>(mesh, rest);
-  }
   std::unique_ptr<ElementKernels> make(Index first_row, const std::function<Lame(std::size_t)>& lame) const override {
     return withOwnMatrix(variant_, makeMethod({*shapes_, variant_, first_row, lame}));
   }
 
   std::string describe(std::size_t e) const override { return shapes_->describe(e); }
-  double jacobian(std::size_t e, ConstRows x) const override {
-    const PointValues<double> now = shapes_->now(e, x), rest = shapes_->atRest(e);
-    double least = std::numeric_limits<double>::infinity();
-    for (int p = 0; p < points; ++p) {
-      const double j = Shapes::determinant(now, p) / Shapes::determinant(rest, p);
-      if (!(j >= least)) least = j;  // a NaN stays
-      if (least != least) break;
-    }
-    return least;
-  }
-  Mat3 strain(std::size_t e, ConstRows x) const override {
-    Mat3 sum = Mat3::Zero();
-    double volume = 0;
-    forEachStrain(e, x, [&](const Mat3& here, double weight) {
-      sum += weight * here;
-      volume += weight;
-    });
-    return sum / volume;
-  }
-  double strainBeyond(double limit, std::size_t e, ConstRows x) const override {
-    double worst = 0;
-    forEachStrain(e, x, [&](const Mat3& here, double) {
-      worst = std::max(worst, principalBeyond(limit, here, variant_.method == ElasticMethod::green));
-    });
-    return worst;
-  }
   Nanoseconds cost() const override {
     const double lanes = 8. / pack_lanes;
     const bool green = variant_.method == ElasticMethod::green;
     return {(green ? 50 : variant_.exact_tangent ? 110 : 28) * lanes, 1500};
   }
 
- private:
-  /// use(strain, volume) at the integration points.
+  // ---- for PointElements ----
+  void bindShapes(const Mesh& mesh, const std::vector<Vec3>& rest) { shapes_ = std::make_unique<Shapes>(mesh, rest); }
+  template <class Use>
+  void forEachJacobian(std::size_t e, ConstRows x, Use&& use) const {
+    const PointValues<double> now = shapes_->now(e, x), rest = shapes_->atRest(e);
+    for (int p = 0; p < points; ++p) use(Shapes::determinant(now, p) / Shapes::determinant(rest, p));
+  }
   template <class Use>
   void forEachStrain(std::size_t e, ConstRows x, Use&& use) const {
     const PointValues<double> now = shapes_->now(e, x), rest = shapes_->atRest(e);
@@ -119,6 +93,8 @@ class QuadraticTetrahedra final : public ElasticElements {
       use(strainOf(f), Shapes::weight(rest, p));
     }
   }
+
+ private:
   Mat3 strainOf(const Mat3& f) const {
     const M3<double> local = fromEigen(f);
     switch (variant_.method) {
@@ -140,7 +116,6 @@ class QuadraticTetrahedra final : public ElasticElements {
     return makeRotated(variant_, [&]<class Rotation>() { return rotatedKernels<Rotation>(elements); });
   }
 
-  ElasticVariant variant_;
   std::unique_ptr<Shapes> shapes_;
 };
 

@@ -65,18 +65,9 @@ namespace {
 
 /// method = polar with polarOf = edges, as in SOFA: with the edges D_s now and D_m at rest, R = polar(D_s) polar(D_m)^T.
 /// It depends on which node is the first of a cell.
-struct EdgePolar : Model {
+struct EdgePolar : ByStrain<EdgePolar> {
   template <class T>
   using Rest = RestShape<T>;
-  template <class T>
-  static void force(const Rest<T>& rest, Tangent<T>& t, const V3<T> (&x)[4], V3<T> (&f)[4]) {
-    nodalForces(restoringStress(strain(rest, t, x), t.ratio, T(1.)), t.g, f);
-  }
-  template <class T>
-  static T energy(const Rest<T>& rest, const auto& t, const V3<T> (&x)[4]) {
-    auto unheld = t;
-    return storedEnergy(strain(rest, unheld, x), t.ratio, T(1.));
-  }
   template <class T>
   static S3<T> strain(const Rest<T>& rest, auto& t, const V3<T> (&x)[4]) {
     const Edges<T> edges(x);

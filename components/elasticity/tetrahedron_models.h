@@ -23,14 +23,23 @@ struct Model {
   }
 };
 
+/// Forces and energy of Own::strain(rest, t, x), (mu V_0)^1/2 eps. It may bring the gradients of t to those at x.
+template <class Own>
+struct ByStrain : Model {
+  template <class T>
+  static void force(const auto& rest, tetrahedron::Tangent<T>& t, const V3<T> (&x)[4], V3<T> (&f)[4]) {
+    nodalForces(restoringStress(Own::strain(rest, t, x), t.ratio, T(1.)), t.g, f);
+  }
+  template <class T>
+  static T energy(const auto& rest, auto t, const V3<T> (&x)[4]) {
+    return storedEnergy(Own::strain(rest, t, x), t.ratio, T(1.));
+  }
+};
+
 /// method = small: the strain of sum e_i (x) g_i - I with the rest gradients.
-struct Linear : Model {
+struct Linear : ByStrain<Linear> {
   template <class T>
   using Rest = RestRoot<T>;
-  template <class T>
-  static void force(const Rest<T>& rest, Tangent<T>& t, const V3<T> (&x)[4], V3<T> (&f)[4]) {
-    nodalForces(restoringStress(strain(rest, t, x), t.ratio, T(1.)), t.g, f);
-  }
   template <class T>
   static void forceAndProduct(const Rest<T>& rest, Tangent<T>& t, T factor, const V3<T> (&x)[4], const V3<T> (&dx)[4],
                               V3<T> (&f)[4]) {
@@ -39,11 +48,6 @@ struct Linear : Model {
     for (int i = 0; i < 3; ++i) e.e[i] = fma(factor, de.e[i], e.e[i]);
     nodalForces(restoringStress(minusRoot(rest, strainOf(e.e, t.g)), t.ratio, T(1.)), t.g, f);
   }
-  template <class T>
-  static T energy(const Rest<T>& rest, const auto& t, const V3<T> (&x)[4]) {
-    return storedEnergy(strain(rest, t, x), t.ratio, T(1.));
-  }
-  /// (mu V_0)^1/2 eps
   template <class T>
   static S3<T> strain(const Rest<T>& rest, const auto& t, const V3<T> (&x)[4]) {
     return minusRoot(rest, strainOf(Edges(x).e, t.g));
@@ -59,14 +63,12 @@ struct Linear : Model {
 
 /// method = large, polar, svd with the warped tangent.
 template <class Rotation, Update update>
-struct Corotational : Model {
+struct Corotational : ByStrain<Corotational<Rotation, update>> {
   static constexpr bool long_force = true;
   template <class T>
   using Rest = RestOf<update, T>;
   template <class T>
-  static void force(const Rest<T>& rest, Tangent<T>& t, const V3<T> (&x)[4], V3<T> (&f)[4]) {
-    nodalForces(restoringStress(strain(rest, t, x), t.ratio, T(1.)), t.g, f);
-  }
+  using Tangent = tetrahedron::Tangent<T>;
   template <class T>
   static void forceAndProduct(const Rest<T>& rest, Tangent<T>& t, T factor, const V3<T> (&x)[4], const V3<T> (&dx)[4],
                               V3<T> (&f)[4]) {
@@ -75,12 +77,6 @@ struct Corotational : Model {
     for (int i = 0; i < 3; ++i) k.d[i] = fma(factor, de.e[i], k.d[i]);
     nodalForces(restoringStress(strainOfKinematics<update>(k.d, t.g, rest.root), t.ratio, T(1.)), t.g, f);
   }
-  template <class T>
-  static T energy(const Rest<T>& rest, const auto& t, const V3<T> (&x)[4]) {
-    auto unheld = t;
-    return storedEnergy(strain(rest, unheld, x), t.ratio, T(1.));
-  }
-  /// (mu V_0)^1/2 eps, and the gradients at x for the tangent
   template <class T>
   static S3<T> strain(const Rest<T>& rest, auto& t, const V3<T> (&x)[4]) {
     const auto k = heldKinematics(rest, t, x);

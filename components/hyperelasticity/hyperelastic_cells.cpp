@@ -193,7 +193,12 @@ std::string HyperelasticForceField::worstElement(ConstRows x) const {
   double j = 0;
   const std::size_t cell = worstCell(ownRows(x), j);
   if (std::isnan(j) && !fault_.empty()) return fault_;
-  const std::string text = fmt::format("{}: J = {:.3g}", describe(cell), j);
+  std::string text = fmt::format("{}: J = {:.3g}", describe(cell), j);
+  if (j <= 0 && mean_dilatation_ && !law_.infinite_at_zero)
+    text += fmt::format(
+        "; with dilatation=\"mean\" the bulk stiffness acts on the volume of a whole cell, and {} lets single points turn "
+        "inside out: dilatation=\"local\" resists that, a law with ln J refuses it",
+        law_.name);
   return fault_.empty() ? text : text + "; " + fault_;
 }
 
@@ -217,8 +222,9 @@ void HyperelasticForceField::cellField(const std::string& name, ConstRows x, std
     Mat3 mean = Mat3::Zero();  // of E or of Cauchy's stress P F^T / J
     for (std::size_t p = 0; p < points.size(); ++p) {
       const Mat3 &f = points[p], local = f * axes(cell);
+      const double j = f.determinant();  // a flat cell has no area for its force: that of a cell of a millionth
       mean += name == "strain" ? Mat3((f.transpose() * f - Mat3::Identity()) / 2)
-                               : Mat3(stress(cell, p, local) * local.transpose() / f.determinant());
+                               : Mat3(stress(cell, p, local) * local.transpose() / (std::abs(j) < 1e-6 ? 1e-6 : j));
     }
     mean /= double(points.size());
     if (name == "strain") {

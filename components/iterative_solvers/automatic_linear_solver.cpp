@@ -76,6 +76,10 @@ class AutomaticLinearSolver final : public KrylovSolver, public FactorUser, publ
   };
   Kept& keptFor(SystemMatrix& matrix);
   void chooseFor(SystemMatrix& matrix, Kept& kept);
+  static int patienceOf(const Kept& kept) {
+    const amg::Hierarchy* hierarchy = kept.inverse.hierarchy();
+    return hierarchy && hierarchy->hasPatches() ? kept.now.patience / 2 : kept.now.patience;
+  }
   SolveReport iterate(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms, Kept& kept);
 
   Link<DirectSolver> factors_{"direct solver"};
@@ -144,7 +148,7 @@ SolveReport AutomaticLinearSolver::iterate(SystemMatrix& matrix, ConstRows b, Ro
   const auto multiply = [&](ConstRows p, Rows out) { product(matrix, p, out); };
   const auto precondition = [&](ConstRows r, Rows z) { kept.inverse.apply(r, z); };
   const auto note = [&](double residual) { record(residual / norm_b_); };
-  const int most = std::min(iterations_, kept.now.patience);
+  const int most = std::min(iterations_, patienceOf(kept));
   report = cg::preconditioned(multiply, precondition, note, {most, target(), terms.stop}, b, kept.work, x);
   report.relative_residual /= norm_b_;
   if (report.stop != SolveStop::stopped) kept.inverse.solved(report);
@@ -156,7 +160,7 @@ SolveReport AutomaticLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows
   if (kept.now.way == Way::factors || !matrix.symmetric()) return direct_->solve(matrix, b, x, terms);
   const SolveReport report = iterate(matrix, b, x, terms, kept);
   constexpr double round_off = 1e-6;  // of a slender body: factors would leave as much
-  const bool gave_up = report.stop == SolveStop::iteration_limit && report.iterations == kept.now.patience;
+  const bool gave_up = report.stop == SolveStop::iteration_limit && report.iterations == patienceOf(kept);
   const bool stagnated = report.stop == SolveStop::stagnated && report.relative_residual > round_off;
   if (!gave_up && !stagnated) return report;
   kept.now.way = Way::factors;

@@ -9,7 +9,7 @@
 #include <limits>
 
 #include "components/iterative_solvers/multigrid_aggregates.h"
-#include "components/iterative_solvers/multigrid_blocks.h"
+#include "components/iterative_solvers/multigrid_level.h"
 
 namespace stroma::amg {
 
@@ -132,7 +132,7 @@ Index fillLevel(const BlockView<D>& a, double scale, Level<D>& level) {
   return first == bad.end() ? -1 : Index(first - bad.begin());
 }
 
-/// The largest eigenvalue of D^-1 A from above: what Lanczos' method finds in a few steps, and a tenth.
+/// The largest eigenvalue of the smoother's M^-1 A from above: what Lanczos' method finds in a few steps, and a tenth.
 template <int D>
 double largestEigenvalue(Level<D>& level) {
   constexpr int steps = 10;
@@ -145,11 +145,7 @@ double largestEigenvalue(Level<D>& level) {
       level.b[std::size_t(i) * lanes<D> + std::size_t(l)] = float(bits >> 8) / 16777216.0f - 0.5f;
     }
   const auto divide = [&](const Array<float>& in, Array<float>& out) {
-    forRows(level.a.rows(), [&](Index row) {
-      Column<D> sum;
-      level.divideRow(row, in.data() + std::size_t(row) * lanes<D>, sum);
-      sum.store(out.data() + std::size_t(row) * lanes<D>);
-    });
+    level.precondition(in, [&](Index row, const Column<D>& z) { z.store(out.data() + std::size_t(row) * lanes<D>); });
   };
   const auto product = [numbers](const Array<float>& u, const Array<float>& v) {
     double sum = 0;

@@ -48,9 +48,9 @@ void groupsOfRow(const BlockView<D>& a, const Aggregates& groups, Index row, std
   }
 }
 
-/// level.p = (I - w D^-1 A) basis, w = 4/3 over the largest eigenvalue.
+/// level.p = (I - w D^-1 A) basis, w = 4/3 over `largest`, the largest eigenvalue of D^-1 A.
 template <int D>
-void smoothBasis(const BlockView<D>& a, const Aggregates& groups, const Motions<D>& basis, double scale,
+void smoothBasis(const BlockView<D>& a, const Aggregates& groups, const Motions<D>& basis, double scale, double largest,
                  Level<D>& level) {
   auto& p = level.p;
   p.start.assign(std::size_t(a.rows) + 1, 0);
@@ -65,7 +65,7 @@ void smoothBasis(const BlockView<D>& a, const Aggregates& groups, const Motions<
   for (std::size_t i = 0; i < std::size_t(a.rows); ++i) p.start[i + 1] += p.start[i];
   p.columns.resize(std::size_t(p.start.back()));
   p.allocateValues();
-  const double weight = level.largest > 0 ? 4 / (3 * level.largest) : 0;
+  const double weight = largest > 0 ? 4 / (3 * largest) : 0;
   using Square = Eigen::Matrix<double, D, D>;
   using Tall = Eigen::Matrix<double, D, modes>;
   forPieces(a.rows, pieces, [&](int, Index first, Index last) {

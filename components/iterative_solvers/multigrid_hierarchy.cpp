@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 
 #include "components/iterative_solvers/multigrid_galerkin.h"
+#include "components/iterative_solvers/multigrid_patch_build.h"
 
 namespace stroma::amg {
 namespace {
@@ -92,25 +93,27 @@ class Builder {
     if (stop_.isStopAsked()) return fail(SolveStop::stopped);
     if (const Index bad = fillLevel(a, made_.scale, level); bad >= 0)
       return fail(SolveStop::not_definite, D == 3 ? bad : -1);
-    level.largest = largestEigenvalue(level);
     if (a.rows <= few_nodes) return finish(a);
+    const double largest = level.largest = largestEigenvalue(level);
+    if (has_patches_ || D == 3) has_patches_ = addPatches(a, made_.scale, has_patches_, level);
+    if (level.patches.exist()) level.largest = largestEigenvalue(level);
     const Aggregates groups = aggregate(strongLinks(a, weak));
     if (groups.count() == 0) return true;
     if (groups.count() > least_coarsening * a.rows) return a.rows > 4 * few_nodes || finish(a);
     Motions<modes> coarse_motions;
     CoarseMatrix coarse;
-    makeCoarse(a, groups, motions, level, coarse_motions, coarse);
+    makeCoarse(a, groups, motions, largest, level, coarse_motions, coarse);
     made_.coarse.emplace_back();
     return build(coarse.view(), coarse_motions, made_.coarse.back(), weak / 2);
   }
 
  private:
   template <int D>
-  void makeCoarse(const BlockView<D>& a, const Aggregates& groups, const Motions<D>& motions, Level<D>& level,
-                  Motions<modes>& coarse_motions, CoarseMatrix& coarse) {
+  void makeCoarse(const BlockView<D>& a, const Aggregates& groups, const Motions<D>& motions, double largest,
+                  Level<D>& level, Motions<modes>& coarse_motions, CoarseMatrix& coarse) {
     Motions<D> basis;
     orthonormalise(groups, motions, basis, coarse_motions);
-    smoothBasis(a, groups, basis, made_.scale, level);
+    smoothBasis(a, groups, basis, made_.scale, largest, level);
     transposeProlongation(level, groups.count());
     coarse = galerkin(a, level);
   }
@@ -127,6 +130,7 @@ class Builder {
   Hierarchy& made_;
   SolveReport& report_;
   StopToken stop_;
+  bool has_patches_ = false;  ///< of the level above
 };
 
 /// The largest number of the diagonal; not finite where one of the diagonal is not.
@@ -162,19 +166,32 @@ void serializeBlocks(Archive& archive, const std::string& name, Blocks<R, C>& bl
 }
 
 template <int D>
+void serializePatches(Archive& archive, const std::string& name, Patches<D>& patches) {
+  archive.list(name + "_start", patches.start);
+  archive.list(name + "_members", patches.members);
+  archive.list(name + "_entry_start", patches.entry_start);
+  archive.list(name + "_entries", patches.entries);
+  archive.list(name + "_first", patches.first);
+  archive.list(name + "_place", patches.place);
+  serializeFloats(archive, name + "_inverses", patches.inverses);
+}
+
+template <int D>
 void serializeLevel(Archive& archive, const std::string& name, Level<D>& level) {
   serializeBlocks(archive, name + "a", level.a);
   serializeBlocks(archive, name + "p", level.p);
   serializeBlocks(archive, name + "r", level.r);
   serializeFloats(archive, name + "inverse", level.inverse);
+  serializePatches(archive, name + "patches", level.patches);
   archive.value(name + "largest", level.largest);
   if (archive.isReading()) level.allocateWork();
 }
 
 template <int D>
 std::size_t bytesOf(const Level<D>& level) {
-  const std::size_t floats =
-      level.a.values.size() + level.p.values.size() + level.r.values.size() + level.inverse.size() + 4 * level.x.size();
+  const std::size_t floats = level.a.values.size() + level.p.values.size() + level.r.values.size() +
+                             level.inverse.size() + 4 * level.x.size() + level.patches.inverses.size() +
+                             level.patches.results.size();
   return 4 * (floats + level.a.columns.size() + level.p.columns.size() + level.r.columns.size());
 }
 

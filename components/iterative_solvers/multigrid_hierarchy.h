@@ -3,7 +3,7 @@
 #include <memory>
 #include <vector>
 
-#include "components/iterative_solvers/multigrid_blocks.h"
+#include "components/iterative_solvers/multigrid_level.h"
 #include "framework/algebra/block_matrix.h"
 #include "framework/algebra/linear_solver.h"
 #include "framework/scene/archive.h"
@@ -32,6 +32,8 @@ struct Hierarchy {
   /// Numbers of all levels' matrices over those of the first.
   double complexity() const;
   int levels() const { return 1 + int(coarse.size()); }
+  /// Patches smooth, not diagonal blocks: an iteration then takes twice as long.
+  bool hasPatches() const { return fine.patches.exist(); }
   /// Bytes that it takes.
   std::size_t bytes() const;
   /// What apply() reads, not its work space.

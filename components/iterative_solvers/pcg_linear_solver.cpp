@@ -6,9 +6,13 @@
 //
 // B ~ A^-1 is the preconditioner, a word or a link to a component:
 //
+//   auto                 the default: block_jacobi, and multigrid from the solve on before which that would have cost less by
+//                        what a hierarchy costs. Both are counted in iterations, so that each run does the same; it goes
+//                        back where multigrid does not help. Bodies below 2,500 nodes, and scenes that write `iterations`
+//                        or template GraphScattered, stay with block_jacobi. `choice` says what preconditions, and why
 //   none                 plain conjugate gradients
 //   jacobi               the diagonal
-//   block_jacobi         the 3x3 diagonal blocks of the nodes; costs next to nothing (the default)
+//   block_jacobi         the 3x3 diagonal blocks of the nodes; costs next to nothing
 //   ssor                 a forward and a backward sweep (omega = 1): about half the iterations, each twice the price
 //   incomplete_cholesky  factors without fill, by blocks: about a third of the iterations; where a pivot fails, a
 //                        multiple of the diagonal is added, which the attribute `shift` tells
@@ -29,9 +33,9 @@
 //   <UniformMass totalMass="1"/>
 //   <FixedProjectiveConstraint indices="0 1 2"/>
 // </Node>
+#include "components/iterative_solvers/automatic_inverse.h"
 #include "components/iterative_solvers/incomplete_cholesky.h"
 #include "components/iterative_solvers/krylov_solver.h"
-#include "components/iterative_solvers/multigrid.h"
 #include "components/iterative_solvers/preconditioned_conjugate_gradients.h"
 #include "components/iterative_solvers/warped_factor.h"
 #include "framework/scene/factory.h"
@@ -42,8 +46,8 @@ namespace {
 class PCGLinearSolver final : public KrylovSolver, public FactorUser {
  public:
   PCGLinearSolver() {
-    link_.words = {"none", "jacobi", "block_jacobi", "ssor", "incomplete_cholesky", "warped", "multigrid"};
-    link_.path = "block_jacobi";
+    link_.words = {"auto", "none", "jacobi", "block_jacobi", "ssor", "incomplete_cholesky", "warped", "multigrid"};
+    link_.path = "auto";
   }
   void declare(DataTable& table) override;
   void init() override;
@@ -72,11 +76,15 @@ class PCGLinearSolver final : public KrylovSolver, public FactorUser {
     cg::Directions work;
   };
   std::unique_ptr<ApproximateInverse> makeInverse() const;
+  /// Of preconditioner auto; the text is made when it changes.
+  void tellChoice(const AutomaticInverse& inverse);
   Kept& keptFor(const SystemMatrix& matrix) {
     return kept_.of(matrix, [this] { return std::make_unique<Kept>(Kept{makeInverse(), {}}); });
   }
 
-  bool use_ = true;
+  bool use_ = true, may_change_ = true;
+  std::string choice_;
+  int changes_ = 0;  ///< of the matrix solved last
   Link<Preconditioner> link_{"preconditioner"};
   Link<DirectSolver> factors_{"direct solver"};
   double shift_ = 0;
@@ -92,8 +100,10 @@ void PCGLinearSolver::declare(DataTable& table) {
   table.addLink("preconditioner", link_)
       .alias("preconditioners")
       .help(
-          "none, jacobi, block_jacobi (the default), ssor, incomplete_cholesky, warped, multigrid, or a link to a "
-          "preconditioner");
+          "auto (the default), none, jacobi, block_jacobi, ssor, incomplete_cholesky, warped, multigrid, or a link to "
+          "a preconditioner");
+  table.add("choice", choice_).help("of preconditioner auto: what preconditions, and why").output();
+  table.add("changes", changes_).help("how often preconditioner auto changed its choice").unit("-").output();
   table.add("shift", shift_)
       .help("multiple of the diagonal that incomplete_cholesky had to add in the last solve")
       .unit("-")
@@ -108,6 +118,8 @@ void PCGLinearSolver::init() {
   if (use_ && link_.path == "multigrid") expected_iterations_ = 15;
   KrylovSolver::init();
   if (use_) link_.get();  // ready before the first solve
+  may_change_ = !data().find("iterations")->isSet() && data().find("template")->print() != "GraphScattered";
+  if (use_ && link_.path == "auto") choice_ = AutomaticInverse(may_change_).choice();
   if (use_ && link_.path == "warped") factor_source_ = &factorSource(*this, factors_);
 }
 
@@ -120,6 +132,7 @@ std::unique_ptr<ApproximateInverse> PCGLinearSolver::makeInverse() const {
   if (!use_) return nullptr;
   if (const Preconditioner* linked = link_.get()) return linked->makeInverse();
   const std::string& word = link_.path;
+  if (word == "auto") return std::make_unique<AutomaticInverse>(may_change_);
   if (word == "jacobi") return std::make_unique<Jacobi>();
   if (word == "block_jacobi") return std::make_unique<BlockJacobiInverse>();
   if (word == "ssor") return std::make_unique<Ssor>();
@@ -129,10 +142,18 @@ std::unique_ptr<ApproximateInverse> PCGLinearSolver::makeInverse() const {
   return nullptr;
 }
 
+void PCGLinearSolver::tellChoice(const AutomaticInverse& inverse) {
+  if (inverse.changes() == changes_) return;
+  changes_ = inverse.changes();
+  choice_ = inverse.choice();
+}
+
 SolveReport PCGLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms) {
   SolveReport report;
-  if (!begin(matrix, b, x, terms, report)) return report;
   auto& [inverse, work] = keptFor(matrix);
+  auto* const automatic = dynamic_cast<AutomaticInverse*>(inverse.get());
+  if (automatic && may_change_) expected_iterations_ = automatic->expectedIterations();
+  if (!begin(matrix, b, x, terms, report)) return report;
   work.resize(b.count);
   SolveReport prepared;
   if (inverse && !inverse->follow(matrix, prepared, terms.stop)) {
@@ -141,6 +162,7 @@ SolveReport PCGLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x, co
   }
   shift_ = inverse ? inverse->shift() : 0;
   factorisations_ += prepared.factored;
+  if (automatic) tellChoice(*automatic);
   const auto multiply = [&](ConstRows p, Rows out) { product(matrix, p, out); };
   ApproximateInverse* const preconditioner = inverse.get();
   const auto precondition = [&](ConstRows r, Rows z) { preconditioner ? preconditioner->apply(r, z) : copy(r, z); };

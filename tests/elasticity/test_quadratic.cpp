@@ -8,6 +8,7 @@
 #include <numbers>
 #include <set>
 
+#include "framework/fem/isotropic.h"
 #include "framework/mesh/cell_kind.h"
 #include "tests/support/field_under_test.h"
 

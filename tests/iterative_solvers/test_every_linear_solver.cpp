@@ -25,7 +25,7 @@ std::vector<Kind> kinds() {
   all.push_back({"CG", "<CGLinearSolver" + limits + "/>", true});
   all.push_back({"MinRes", "<MinResLinearSolver" + limits + "/>"});
   all.push_back({"MinResAssembled", "<MinResLinearSolver template=\"CompressedRowSparseMatrix\"" + limits + "/>"});
-  for (const char* word : {"none", "jacobi", "block_jacobi", "ssor", "incomplete_cholesky", "multigrid"})
+  for (const char* word : {"auto", "none", "jacobi", "block_jacobi", "ssor", "incomplete_cholesky", "multigrid"})
     all.push_back({std::string("PCG_") + word,
                    "<PCGLinearSolver preconditioner=\"" + std::string(word) + "\"" + limits + "/>", true});
   all.push_back({"PCG_warped", "<PCGLinearSolver preconditioner=\"warped\"" + limits + "/><SparseLDLSolver/>", true});

@@ -123,6 +123,34 @@ TEST(Doubts, ABodyThatHasSettledIsNotInDoubt) {
   }
 }
 
+/// A block between glued plates, pressed to 30 % of its height. Statics have a result for a law that is finite at J = 0, and
+/// cells at the edges of the plates may be inside out in it: that is said, with the cause where it is the mean dilatation.
+TEST(Doubts, CellsThatAPressTurnsInsideOutAreNamed) {
+  const auto pressed = [](const std::string& material) {
+    Simulation simulation = simulationFromText(fmt::format(
+        R"(<Node name="root" dt="1" gravity="0 0 0"><StaticSolver/><SparseLDLSolver/>
+  <RegularGridTopology name="grid" n="7 7 7" min="0 0 0" max="0.1 0.1 0.1"/><MechanicalObject/>
+  <HexahedronHyperelasticityFEMForceField name="fem" youngModulus="1e5" poissonRatio="0.45" {}/>
+  <BoxROI name="low" box="-1 -1 -0.001 1 1 0.001"/><BoxROI name="high" box="-1 -1 0.099 1 1 1"/>
+  <FixedProjectiveConstraint indices="@low.indices"/>
+  <LinearMovementProjectiveConstraint indices="@high.indices" keyTimes="0 7" movements="0 0 0 0 0 -0.07" outside="hold"/>
+  </Node>)",
+        material));
+    for (int step = 0; step < 7; ++step) EXPECT_TRUE(simulation.step().newton_converged) << step;
+    return doubtsText(simulation);
+  };
+  const std::string mean = pressed(R"(materialName="StableNeoHookean" dilatation="mean")");
+  for (const std::string word : {"/fem at t = 7 s", "of 216 elements are inverted or flat", "J = -",
+                                 "StableNeoHookean lets single points turn inside out", "dilatation=\"local\" resists"})
+    EXPECT_TRUE(says(mean, word)) << word << " in " << mean;
+  const std::string local = pressed(R"(materialName="StableNeoHookean" dilatation="local")");
+  EXPECT_TRUE(says(local, "elements are inverted or flat")) << local;
+  EXPECT_FALSE(says(local, "dilatation")) << local;
+  // ln J keeps the points, not the corners
+  const std::string log = pressed(R"(materialName="NeoHookean" dilatation="mean")");
+  EXPECT_TRUE(says(log, "hexahedra are inside out at a corner")) << log;
+}
+
 /// Springs know lengths alone: the mirrored block is at rest.
 TEST(Doubts, MeshesThatSpringsLetFoldAreNamed) {
   Simulation block = simulationFromText(

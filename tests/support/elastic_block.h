@@ -15,9 +15,11 @@ struct ElasticBlock {
   double size = 1;          ///< edge of a cell [m]
   double young = 1;         ///< [Pa]
   double poisson = 0.3;     ///< [-]
+  bool mean = false;        ///< the volume change is one per cell, its mean: cells do not lock
   double density = 0;       ///< of a consistent mass added to the stiffness [kg/m^3]
   bool hold_floor = true;   ///< the nodes at z = 0 are held in all directions (their rows are those of the identity)
   bool slide_wall = false;  ///< the nodes at x = 0 slide in their plane
+  bool hold_wall = false;   ///< the nodes at x = 0 are held in all directions
   std::function<double(Vec3)> stiffer = {};  ///< factor of E at a point (cells as unit), 1 when not given
 
   Index nodes(int axis) const { return cells[axis] + 1; }
@@ -34,7 +36,9 @@ struct ElasticBlock {
 /// Corner c of a cell: its bits are x, y and z.
 inline ElasticBlock::ElementMatrix ElasticBlock::element(bool mass) const {
   const double lambda = young * poisson / ((1 + poisson) * (1 - 2 * poisson)), mu = young / (2 * (1 + poisson));
+  const double at_points = mean ? -2 * mu / 3 : lambda, volume = size * size * size;
   ElementMatrix result = ElementMatrix::Zero();
+  Eigen::Matrix<double, 24, 1> change = Eigen::Matrix<double, 24, 1>::Zero();  // of the volume, over that at rest
   for (int q = 0; q < 8; ++q) {
     const auto sign = [](int bits, int axis) { return bits >> axis & 1 ? 1. : -1.; };
     std::array<Vec3, 8> gradient;
@@ -51,15 +55,17 @@ inline ElasticBlock::ElementMatrix ElasticBlock::element(bool mass) const {
         gradient[c][axis] = slope;
       }
     }
-    const double weight = size * size * size / 8;
+    const double weight = volume / 8;
+    for (int a = 0; a < 8; ++a) change.segment<3>(3 * a) += gradient[a] / 8;
     for (int a = 0; a < 8; ++a)
       for (int b = 0; b < 8; ++b) {
         const Vec3 &g = gradient[a], &h = gradient[b];
-        Mat3 block = lambda * g * h.transpose() + mu * h * g.transpose() + mu * g.dot(h) * Mat3::Identity();
+        Mat3 block = at_points * g * h.transpose() + mu * h * g.transpose() + mu * g.dot(h) * Mat3::Identity();
         if (mass) block = density * shape[a] * shape[b] * Mat3::Identity();
         result.block<3, 3>(3 * a, 3 * b) += weight * block;
       }
   }
+  if (mean && !mass) result += (lambda + 2 * mu / 3) * volume * change * change.transpose();
   return result;
 }
 
@@ -99,6 +105,9 @@ inline StoredMatrix ElasticBlock::matrix() const {
   });
   if (hold_floor)
     for (Index n = 0; n < nodes(0) * nodes(1); ++n) hold(matrix, n, Mat3::Zero());
+  if (hold_wall)
+    for (Index k = 0; k < nodes(2); ++k)
+      for (Index j = 0; j < nodes(1); ++j) hold(matrix, node(0, j, k), Mat3::Zero());
   if (slide_wall)
     for (Index k = hold_floor ? 1 : 0; k < nodes(2); ++k)
       for (Index j = 0; j < nodes(1); ++j) hold(matrix, node(0, j, k), Vec3(0, 1, 1).asDiagonal());

@@ -331,6 +331,9 @@ class TestMean final : public Mapping {
       out.push_back({c, a + 1, block});
     });
   }
+  void addCurvature(ConstRows v, Rows a) const override {
+    forEach([&](Index, Index, Index c) { a[c].x() += 2 * bend_ * v[c].y() * v[c].y(); });
+  }
   void addGeometricPattern(BlockPattern& pattern) const override {
     forEach([&](Index, Index a, Index) {
       const Index rows[2] = {a, a + 1};

@@ -6,6 +6,7 @@
 #include <type_traits>
 
 #include "framework/mechanics/force_field.h"
+#include "framework/mechanics/lagrangian_constraint.h"
 #include "framework/mechanics/mapping.h"
 #include "framework/mechanics/mass.h"
 #include "framework/mechanics/position_constraint.h"
@@ -46,8 +47,8 @@ void warnOfEmptySelections(const Node& root, Diagnostics& diagnostics) {
   std::vector<Component*> components;
   root.collect(components);
   for (const Component* component : components) {
-    if (!playsOneOf<ForceField, Mass, ProjectiveConstraint, PositionConstraint, Mapping, Integrator, Observer>(
-            *component))
+    if (!playsOneOf<ForceField, Mass, ProjectiveConstraint, PositionConstraint, LagrangianConstraint, Mapping, Integrator,
+                    Observer>(*component))
       continue;
     for (const Data& data : component->data().all())
       if (data.isSet() && !data.isOutput() && isEmptySelection(data))

@@ -249,7 +249,7 @@ Doubt leastDoubt(const std::vector<WrittenBody>& bodies) {
 }
 
 /// What to write, for the reader of a warning; empty when nothing is sure.
-Advice adviceOn(const Scene& scene, const Doubt& doubt, bool all_are_off, const Remedy& in_units) {
+Advice adviceOn(const Doubt& doubt, bool all_are_off, const Remedy& in_units) {
   const WrittenBody& body = *doubt.bodies[0];
   Advice units = in_units.isFound() && (doubt.system == &si() || all_are_off) ? adviceOf(body, in_units) : Advice{};
   if (doubt.system == &si()) {
@@ -267,11 +267,10 @@ Advice adviceOn(const Scene& scene, const Doubt& doubt, bool all_are_off, const 
   return units;
 }
 
-void warn(const Scene& scene, const Doubt& doubt, bool all_are_off, bool has_units, const Remedy& in_units,
-          Diagnostics& diagnostics) {
+void warn(const Doubt& doubt, bool all_are_off, bool has_units, const Remedy& in_units, Diagnostics& diagnostics) {
   const WrittenBody& body = *doubt.bodies[0];
   const Factors factors = factorsOf(*doubt.system);
-  const Advice advice = adviceOn(scene, doubt, all_are_off, in_units);
+  const Advice advice = adviceOn(doubt, all_are_off, in_units);
   const char* what = body.mass                     ? "size, stiffness, density and gravity"
                      : isKnown(body, body_gravity) ? "size, stiffness and gravity"
                                                    : "size and stiffness";
@@ -300,7 +299,7 @@ void warnOfUnits(const Scene& scene, Diagnostics& diagnostics) {
   Remedy in_units = remedyOf(scene, *doubt.bodies[0]);
   // One unit makes the whole scene SI: simpler than another system.
   if (!is_declared && all_are_off && in_units.isFound() && in_units.changes() == 1) doubt = doubtIn(si(), bodies);
-  warn(scene, doubt, all_are_off, has_units, in_units, diagnostics);
+  warn(doubt, all_are_off, has_units, in_units, diagnostics);
 }
 
 }  // namespace stroma

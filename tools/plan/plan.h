@@ -47,6 +47,8 @@ struct Plan {
   std::vector<std::string> lines() const;
 };
 
+/// How a linear solver that chooses says that it solves, and why: its output `choice`. Empty: it does not choose.
+std::string choiceOf(const LinearSolver& solver);
 /// The word for it: "each evaluation".
 std::string wordFor(PlanWhen when);
 SystemPlan planOf(const System& system);

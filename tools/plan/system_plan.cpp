@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "framework/algebra/direct_solver.h"
-#include "framework/algebra/solver_choice.h"
 #include "framework/mechanics/open_choices.h"
 #include "framework/simulation/integrator.h"
 #include "tools/plan/plan.h"
@@ -97,7 +96,7 @@ void addMappings(const System& system, std::vector<PlanItem>& items) {
     items.push_back(itemFor("mapping", *mapping, PlanWhen::each_evaluation, "each evaluation"));
   for (const Mapping* mapping : passive)
     items.push_back(
-        itemFor("mapping", *mapping, PlanWhen::after_each_step, "after each step; nothing acts on its nodes"));
+        itemFor("mapping", *mapping, PlanWhen::after_each_step, "after steps that something reads; nothing acts on its nodes"));
   if (acting.empty() && passive.empty())
     items.push_back({"mappings", {}, {}, PlanWhen::skipped, "none, skipped", {}, {}});
 }
@@ -142,14 +141,19 @@ void addSolvers(const System& system, std::vector<PlanItem>& items) {
       "linear solver", *solver, PlanWhen::each_step,
       blocks >= 0 ? fmt::format("matrix of {} blocks of 3x3", blocks) : std::string("no matrix is kept so far")));
   if (blocks >= 0) items.back().figures = {{"blocks", double(blocks)}};
-  if (const auto* choosing = dynamic_cast<const SolverChoice*>(solver); choosing && !choosing->choice().empty())
-    items.back().says += "; " + choosing->choice();
+  if (const std::string choice = choiceOf(*solver); !choice.empty()) items.back().says += "; " + choice;
   if (solver->where().text() == integrator.where().text())
     items.back().note = "made with its defaults because the scene has none";
   addIdleSolvers(system, items);
 }
 
 }  // namespace
+
+std::string choiceOf(const LinearSolver& solver) {
+  const Data* choice = solver.data().find("choice");
+  const auto* text = choice ? std::get_if<std::string*>(&choice->pointer()) : nullptr;
+  return text ? **text : std::string();
+}
 
 SystemPlan planOf(const System& system) {
   SystemPlan plan{system.integrator().path(), system.allRows(), system.independentRows(), {}};

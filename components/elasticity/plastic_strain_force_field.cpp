@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// PlasticStrainForceField: what a plastic strain takes off the stress of linear tetrahedra, beside a force field that has their
+// elastic forces, as TetrahedronFEMForceField of the same method, moduli and mesh.
+//
+//   eps = sym(R^T F) - I,   sigma = D (eps - eps_p),   f_a = V R D eps_p g_a  (the part of eps_p)
+//   at the end of a step:   d = eps - eps_p;   if |d| > yield: eps_p += creep d;   if |eps_p| > max: eps_p is scaled to it
+//
+// with R the rotation of the cell by `method` (small: I; large: frames of the first edge and the plane; polar and svd: the polar
+// factor of F, or with polarOf="edges" that of the edges), g_a the gradients at rest and |.| the norm of the six engineering
+// strains (xx yy zz xy yz zx). The stiffness of eps_p is left out. initialStrain is eps_p at the start, one for all or one
+// for each cell: also a swelling or a growth.
+//
+// With scaledByVolume="true" the thresholds are compared with 6 V times the strain, as SOFA does: what yields depends on the mesh
+// then. A creep of 1 lets a cell yield at once; it is for a time step, not for a time.
+//
+// Source: M. Mueller, M. Gross, Interactive virtual materials, Graphics Interface 2004, section 5; names of the thresholds are SOFA's.
+//
+// Example:
+// <Node name="root" dt="0.01" gravity="0 -9.81 0">
+//   <EulerImplicitSolver/>
+//   <CGLinearSolver iterations="100" tolerance="1e-9"/>
+//   <MeshTopology position="0 0 0  1 0 0  0 1 0  0 0 1" tetrahedra="0 1 2 3"/>
+//   <MechanicalObject/>
+//   <DiagonalMass massDensity="100"/>
+//   <FixedProjectiveConstraint indices="0 1 2"/>
+//   <TetrahedronFEMForceField method="large" youngModulus="1e4" poissonRatio="0.3"/>
+//   <PlasticStrainForceField method="large" youngModulus="1e4" poissonRatio="0.3" plasticYieldThreshold="0.01" plasticMaxThreshold="0.2"
+//     plasticCreep="0.1" initialStrain="0.01 0 0 0.02 0 0"/>
+// </Node>
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "framework/mechanics/force_field.h"
+#include "framework/mechanics/history.h"
+#include "framework/mechanics/state_topology.h"
+#include "framework/mesh/cell_kind.h"
+#include "framework/scene/archive.h"
+#include "framework/scene/factory.h"
+
+namespace stroma {
+namespace {
+
+using Strain = Eigen::Matrix<double, 6, 1>;
+
+Mat3 polarFactor(const Mat3& m) {
+  const Eigen::JacobiSVD<Mat3> svd(m, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Mat3 u = svd.matrixU();
+  if ((u * svd.matrixV().transpose()).determinant() < 0) u.col(2) *= -1;
+  return u * svd.matrixV().transpose();
+}
+
+/// Of the first edge and the plane of the first three nodes.
+Mat3 frameOf(const Vec3& a, const Vec3& b, const Vec3& c) {
+  Mat3 frame;
+  frame.col(0) = (b - a).normalized();
+  frame.col(2) = (b - a).cross(c - a).normalized();
+  frame.col(1) = frame.col(2).cross(frame.col(0));
+  return frame;
+}
+
+class PlasticStrainForceField final : public ForceField, public History {
+ public:
+  void declare(DataTable& table) override {
+    ForceField::declare(table);
+    topology_.declare(table, "mesh of tetrahedra");
+    table.addChoice("method", method_, {"small", "large", "polar", "svd"}).help("rotation of a cell, as that of its elastic forces");
+    table.addChoice("polarOf", polar_of_, {"gradient", "edges"}).help("of what polar and svd are the factor");
+    table.add("youngModulus", young_modulus_).help("Young's modulus, one for all or one per cell").unit("Pa").min(0, false);
+    table.add("poissonRatio", poisson_ratio_).help("Poisson's ratio, one for all or one per cell").unit("-").min(0).max(0.5, false);
+    table.add("plasticYieldThreshold", yield_).help("elastic strain beyond which a cell creeps").unit("-").min(0);
+    table.add("plasticMaxThreshold", most_).help("largest plastic strain; 0: none, it stays at the start's").unit("-").min(0);
+    table.add("plasticCreep", creep_).help("share of the elastic strain that becomes plastic per step").unit("-").min(0).max(1);
+    table.add("initialStrain", initial_).help("xx yy zz xy yz zx (engineering) at the start, one for all or one per cell").unit("-");
+    table.add("scaledByVolume", scaled_).help("thresholds are of 6 V times the strain, as SOFA's");
+  }
+
+  void init() override {
+    ForceField::init();
+    const Mesh& mesh = topology_.meshWith(cell_kinds::tetrahedron, *this, state());
+    checkCount(young_modulus_.size(), mesh.tetrahedra.size(), "youngModulus");
+    checkCount(poisson_ratio_.size(), mesh.tetrahedra.size(), "poissonRatio");
+    if (!initial_.empty() && initial_.size() != 6 && initial_.size() != 6 * mesh.tetrahedra.size())
+      throw ComponentError(fmt::format("initialStrain has {} numbers", initial_.size()), "6, or 6 for each tetrahedron");
+    cells_.clear();
+    for (std::size_t c = 0; c < mesh.tetrahedra.size(); ++c) addCell(mesh.tetrahedra[c], c);
+    reset();
+  }
+
+  void reset() override {
+    plastic_.assign(6 * cells_.size(), 0);
+    for (std::size_t k = 0; k < plastic_.size() && !initial_.empty(); ++k) plastic_[k] = initial_[k % initial_.size()];
+  }
+  void serialize(Archive& archive) override { archive.list("plastic_strain", plastic_); }
+  const std::vector<double>& history() const override { return plastic_; }
+
+  ForceTraits traits() const override {
+    ForceTraits traits;
+    traits.symmetric = true;
+    traits.has_stiffness = false;
+    return traits;
+  }
+
+  double energy(ConstRows x) const override {
+    double sum = 0;
+    for (std::size_t c = 0; c < cells_.size(); ++c) {
+      const Mat3 now = strain(cells_[c], x), plastic = plasticStrain(c), stress = stressOf(cells_[c], plastic);
+      sum += cells_[c].volume * (stress.cwiseProduct(plastic / 2 - now)).sum();
+    }
+    return sum;
+  }
+  void addForce(ConstRows x, ConstRows, Rows f) override {
+    const Index first = state().firstRow();
+    for (std::size_t c = 0; c < cells_.size(); ++c) {
+      const Cell& cell = cells_[c];
+      const Mat3 force = cell.volume * rotation(cell, x, first) * stressOf(cell, plasticStrain(c));
+      for (std::size_t a = 0; a < 4; ++a) f[first + cell.nodes[a]] += force * cell.gradients[a];
+    }
+  }
+  // K = 0
+  void addStiffnessProduct(ConstRows, double, Rows) const override {}
+  void addPattern(BlockPattern&) const override {}
+  void addStiffness(double, BlockMatrix&) const override {}
+  void addStiffnessDiagonal(double, std::vector<double>&) const override {}
+
+  void stepEnded(double) override {
+    if (most_ == 0) return;
+    for (std::size_t c = 0; c < cells_.size(); ++c) {
+      const double scale = scaled_ ? 6 * cells_[c].volume : 1;
+      const Mat3 now = strain(cells_[c], state().x(), 0);
+      Strain elastic, plastic = Eigen::Map<const Strain>(plastic_.data() + 6 * c);
+      elastic << now(0, 0), now(1, 1), now(2, 2), 2 * now(0, 1), 2 * now(1, 2), 2 * now(2, 0);
+      elastic -= plastic;
+      if (scale * elastic.norm() > yield_) plastic += creep_ * elastic;
+      if (scale * plastic.norm() > most_) plastic *= most_ / (scale * plastic.norm());
+      Eigen::Map<Strain>(plastic_.data() + 6 * c) = plastic;
+    }
+  }
+
+ private:
+  struct Cell {
+    Tetrahedron nodes;
+    std::array<Vec3, 4> gradients;  ///< at rest [1/m]
+    double volume, lambda, mu;
+    Mat3 frame, polar;  ///< at rest
+  };
+
+  static void checkCount(std::size_t given, std::size_t cells, const char* name) {
+    if (given != 1 && given != cells)
+      throw ComponentError(fmt::format("{} has {} values for {} tetrahedra", name, given, cells), "one, or one for each");
+  }
+  void addCell(const Tetrahedron& nodes, std::size_t c) {
+    const auto rest = [&](std::size_t a) -> const Vec3& { return state().rest_position[std::size_t(nodes[a])]; };
+    Mat3 edges;
+    for (int k = 0; k < 3; ++k) edges.col(k) = rest(std::size_t(k) + 1) - rest(0);
+    if (edges.determinant() == 0) throw ComponentError(fmt::format("tetrahedron {} is flat at rest", c), "cells with a volume");
+    Cell cell;
+    cell.nodes = nodes;
+    const Mat3 inverse = edges.inverse();
+    for (int k = 0; k < 3; ++k) cell.gradients[std::size_t(k) + 1] = inverse.row(k).transpose();
+    cell.gradients[0] = -cell.gradients[1] - cell.gradients[2] - cell.gradients[3];
+    cell.volume = std::abs(edges.determinant()) / 6;
+    const double young = young_modulus_[young_modulus_.size() > 1 ? c : 0], nu = poisson_ratio_[poisson_ratio_.size() > 1 ? c : 0];
+    cell.lambda = young * nu / ((1 + nu) * (1 - 2 * nu)), cell.mu = young / (2 * (1 + nu));
+    cell.frame = frameOf(rest(0), rest(1), rest(2));
+    cell.polar = polarFactor(edges);
+    cells_.push_back(cell);
+  }
+
+  /// `first`: the row of the state in x.
+  Mat3 gradient(const Cell& cell, ConstRows x, Index first) const {
+    Mat3 f = Mat3::Zero();
+    for (std::size_t a = 0; a < 4; ++a) f += Vec3(x[first + cell.nodes[a]]) * cell.gradients[a].transpose();
+    return f;
+  }
+  Mat3 rotation(const Cell& cell, ConstRows x, Index first) const {
+    const auto at = [&](std::size_t a) { return Vec3(x[first + cell.nodes[a]]); };
+    if (method_ == Method::small) return Mat3::Identity();
+    if (method_ == Method::large) return frameOf(at(0), at(1), at(2)) * cell.frame.transpose();
+    if (polar_of_ == PolarOf::gradient) return polarFactor(gradient(cell, x, first));
+    Mat3 edges;
+    for (int k = 0; k < 3; ++k) edges.col(k) = at(std::size_t(k) + 1) - at(0);
+    return polarFactor(edges) * cell.polar.transpose();
+  }
+  Mat3 strain(const Cell& cell, ConstRows x, Index first) const {
+    const Mat3 stretch = rotation(cell, x, first).transpose() * gradient(cell, x, first);
+    return (stretch + stretch.transpose()) / 2 - Mat3::Identity();
+  }
+  Mat3 strain(const Cell& cell, ConstRows x) const { return strain(cell, x, state().firstRow()); }
+  Mat3 plasticStrain(std::size_t c) const {
+    const double* p = plastic_.data() + 6 * c;
+    Mat3 m;
+    m << p[0], p[3] / 2, p[5] / 2, p[3] / 2, p[1], p[4] / 2, p[5] / 2, p[4] / 2, p[2];
+    return m;
+  }
+  static Mat3 stressOf(const Cell& cell, const Mat3& strain) {
+    return cell.lambda * strain.trace() * Mat3::Identity() + 2 * cell.mu * strain;
+  }
+
+  TopologyLink topology_;
+  enum class Method : int { small, large, polar, svd } method_ = Method::large;
+  enum class PolarOf : int { gradient, edges } polar_of_ = PolarOf::gradient;
+  std::vector<double> young_modulus_{5000}, poisson_ratio_{0.45}, initial_;
+  double yield_ = 1e-4, most_ = 0, creep_ = 0.9;
+  bool scaled_ = false;
+  std::vector<Cell> cells_;
+  std::vector<double> plastic_;  ///< eps_p, six engineering strains of each cell
+};
+
+}  // namespace
+}  // namespace stroma
+
+STROMA_COMPONENT(plastic_strain_force_field) {
+  factory.add<stroma::PlasticStrainForceField>("PlasticStrainForceField", "what a plastic strain takes off the stress of tetrahedra");
+}
