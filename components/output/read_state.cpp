@@ -51,7 +51,7 @@ class ReadState final : public ProjectiveConstraint {
     table.add("shift", shift_).unit("s").help("time of the file less time of the scene");
     table.add("loop", loop_).help("start again at the end of the file");
     table.add("scalePos", scale_).unit("-").min(0, false).help("factor on positions and velocities");
-    table.add("rotation", rotation_).unit("degree").help("turns positions and velocities about x, then y, then z");
+    table.add("rotation", rotation_).unit("degree").help("turns positions, orientations and velocities about x, then y, then z");
     table.add("translation", translation_).unit("m").help("added to the positions, after scale and rotation");
   }
 
@@ -124,18 +124,23 @@ class ReadState final : public ProjectiveConstraint {
   }
 
   void place() {
-    const Mat3 turn = scale_ * rotationFromDegrees(rotation_);
+    const Mat3 rotation = rotationFromDegrees(rotation_), turn = scale_ * rotation;
     const bool still = turn == Mat3::Identity() && translation_.isZero(0);  // then not a bit changes
     double gap = std::numeric_limits<double>::infinity();
     for (std::size_t i = 1; i < frames_.size(); ++i) gap = std::min(gap, frames_[i].time - frames_[i - 1].time);
     slack_ = 1e-6 * std::min(gap, std::max(1., std::abs(frames_.back().time)));
     if (still) return;
-    if (!state().hasPointsOnly())
-      throw ComponentError(state().path() + " has frames or numbers, which are read as they are",
+    if (!state().hasPointsOnly() && !state().hasFrames())
+      throw ComponentError(state().path() + " has numbers, which are read as they are",
                            "no scalePos, rotation or translation");
     for (StateFrame& frame : frames_) {
-      for (Vec3& x : frame.x) x = (turn * x + translation_).eval();
-      for (Vec3& v : frame.v) v = (turn * v).eval();
+      for (std::size_t i = 0; i < frame.x.size(); ++i)
+        if (state().kindOf(Index(i)) == RowKind::turn)
+          frame.x[i] = rotationVector(Quaternion(rotation) * turnedBy(frame.x[i]));
+        else
+          frame.x[i] = (turn * frame.x[i] + translation_).eval();
+      for (std::size_t i = 0; i < frame.v.size(); ++i)
+        frame.v[i] = ((state().kindOf(Index(i)) == RowKind::turn ? rotation : turn) * frame.v[i]).eval();
     }
   }
 

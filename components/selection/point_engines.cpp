@@ -33,17 +33,13 @@
 #include <map>
 #include <numbers>
 
+#include "components/selection/engine.h"
 #include "framework/mesh/cell_lists.h"
 #include "framework/mesh/mesh_loader.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
 namespace {
-
-class Engine : public Component {
- public:
-  std::string roleText() const override { return "engine"; }
-};
 
 class TransformEngine final : public Engine {
  public:

@@ -7,7 +7,9 @@
 // number of nodes is 1 + (max - min) / w, rounded; the box is kept.
 //
 // Source: the attributes are those of SOFA's RegularGridTopology. Quads and edges of the cells of a solid grid are made
-// only when computeQuadList or computeEdgeList is written in the scene, because nothing uses them otherwise.
+// only when computeQuadList or computeEdgeList is written in the scene, because nothing uses them otherwise. With
+// computeTriangleList the quads are made too, in SOFA's order (those normal to z, y, then x), two triangles of each beside them,
+// (0 1 2)(0 2 3), and edges are those of the triangles: with one diagonal in each quad.
 //
 // Example:
 // <Node name="root">
@@ -38,6 +40,7 @@ class RegularGridTopology : public Topology {
   void checkSize() const;
   void makeNodes();
   void makeCells();
+  void makeFaces();
   template <class Add>
   void forEachCell(Add&& add) const;
   bool isSet(const char* name) const { return data().find(name)->isSet(); }
@@ -70,7 +73,7 @@ void RegularGridTopology::declare(DataTable& table) {
   table.add("allowMirrored", mirrored_).help("max may be below min: the grid then runs the other way, as in SOFA");
   table.add("computeHexaList", hexas_).help("make the hexahedra of a solid grid");
   table.add("computeQuadList", quads_).help("make the quads of a flat grid; of a solid one only when written");
-  table.add("computeTriangleList", triangles_).help("split the quads of a flat grid into triangles beside them");
+  table.add("computeTriangleList", triangles_).help("split the quads into triangles beside them");
   table.add("computeEdgeList", edges_).help("make the edges of a line; of other grids only when written");
   for (const char* name : {"computePointList", "createTexCoords", "drawEdges", "drawTriangles", "drawQuads",
                            "drawTetrahedra", "drawHexahedra", "drawPoints", "computeAllBuffers"})
@@ -200,11 +203,36 @@ void RegularGridTopology::makeCells() {
   });
   const bool want_quads = quads_ && isSet("computeQuadList") && !mesh_.hexahedra.empty();
   const bool want_edges = edges_ && isSet("computeEdgeList") && mesh_.edges.empty();
+  if (triangles_ && !mesh_.hexahedra.empty()) makeFaces();
+  if (triangles_ && want_edges && !mesh_.triangles.empty()) {
+    Mesh surface;
+    surface.position = mesh_.position, surface.triangles = mesh_.triangles;
+    mesh_.edges = surface.allEdges();
+    return;
+  }
   if (!want_quads && !want_edges) return;
   Mesh complete{mesh_};
   addSubelements(complete);
   if (want_quads) mesh_.quads = complete.quads;
   if (want_edges) mesh_.edges = complete.edges;
+}
+
+/// Those of a solid grid, and the triangles of each.
+void RegularGridTopology::makeFaces() {
+  constexpr int first[3] = {0, 0, 1}, second[3] = {1, 2, 2};  // the directions of faces normal to z, y and x
+  const Index strides[3] = {1, n_[0], n_[0] * n_[1]};
+  for (std::size_t f = 0; f < 3; ++f) {
+    std::array<int, 3> count = n_;
+    --count[std::size_t(first[f])], --count[std::size_t(second[f])];
+    for (int k = 0; k < count[2]; ++k)
+      for (int j = 0; j < count[1]; ++j)
+        for (int i = 0; i < count[0]; ++i) {
+          const Index a = i + strides[1] * j + strides[2] * k, u = strides[first[f]], v = strides[second[f]];
+          mesh_.quads.push_back({a, a + u, a + u + v, a + v});
+          mesh_.triangles.push_back({a, a + u, a + u + v});
+          mesh_.triangles.push_back({a, a + u + v, a + v});
+        }
+  }
 }
 
 }  // namespace

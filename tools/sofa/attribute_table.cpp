@@ -2,8 +2,10 @@
 // Facts about SOFA's components that decide what an attribute or a type of its scenes means here.
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <map>
 
+#include "framework/scene/text.h"
 #include "tools/sofa/rewriting.h"
 
 namespace stroma::sofa {
@@ -39,20 +41,42 @@ bool isAcceptedType(std::string_view type) {
       "LightManager", "MeshNormals", "TextureInterpolation", "DrawV*", "FPSCounter", "ImGui*", "CSVExporter",
       "PauseAnimation*", "SofaDefaultPathSetting", "StatsSetting", "EvalSurfaceDistance", "EvalPointsDistance",
       // files that are written
-      "OBJExporter", "STLExporter", "MeshExporter", "BlenderExporter", "BatchExporter", "OffSequenceLoader",
+      "BlenderExporter", "BatchExporter", "OffSequenceLoader",
       "InputEventReader", "RecordedState", "WriteTopology", "ReadTopology", "CompareTopology", "CompareState",
-      // what finds and answers contacts: CollisionPipeline watches for them
+      // what finds and answers contacts: CollisionPipeline and CollisionResponse do
       "BruteForceBroadPhase", "BVHNarrowPhase", "BruteForceDetection", "DirectSAP*", "IncrSAP*", "RayTrace*",
-      "CollisionResponse", "DefaultContactManager", "RuleBasedContactManager", "CollisionGroupManager",
+      "CollisionGroupManager",
       "DefaultCollisionGroupManager", "*ConstraintSolver", "*ConstraintCorrection", "*LocalMinDistanceFilter",
       "ContactListener", "CubeCollisionModel", "RayCollisionModel", "CollisionMonitor", "ConstraintAnimationLoop",
       // companions
       "*SetTopologyModifier", "*SetTopologyAlgorithms", "*SetGeometryAlgorithms", "MultithreadingPlugin",
-      "DefaultPauseAnimationLoop", "NodeToggleController", "Python*", "TopologyChecker", "TopologyBoundingTrasher",
-      "MessageHandlerComponent", "CudaVectorOperations"};
+      "DefaultPauseAnimationLoop", "NodeToggleController", "PythonScript*", "PythonMain*", "TopologyChecker", "TopologyBoundingTrasher",
+      "MessageHandlerComponent", "CudaVectorOperations", "MechanicalStateController", "SlicedVolumetricModel",
+      "NullForceFeedback*", "LCPForceFeedback", "EnslavementForceFeedback", "AttachBodyPerformer*", "TopologicalChangeManager",
+      "TextureInterpolation", "VisualManagerPass", "VisualManagerSecondaryPass", "TransparencyManager*", "Distances",
+      "ExtraMonitor", "TimeProfiler*", "CameraCalibration*", "SceneChecker*", "AssetLoader*"};
   static const List with_effect = {"OglVolumetricModel"};
   return !contains(with_effect, type) &&
          std::any_of(accepted.begin(), accepted.end(), [&](std::string_view each) { return matches(each, type); });
+}
+
+bool isEngineOfSofa(std::string_view type) {
+  static const List engines = {
+      "AverageCoord", "ClusteringEngine", "ComplementaryROI", "DifferenceEngine", "DilateEngine", "DisplacementMatrixEngine",
+      "DisplacementTransformEngine", "ExtrudeSurface", "FixedTopology*", "GroupFilterYoungModulus", "HausdorffDistance",
+      "IndexValueMapper", "Indices2ValuesMapper", "IndicesFromValues", "InvertTransformMatrixEngine", "JoinPoints",
+      "LinearToHigherOrderElements", "MapIndices", "MathOp", "MergeROIs", "MergeSets", "MergeVectors", "MergePoints",
+      "MeshBarycentricMapperEngine", "MeshClosingEngine", "MeshROI", "MeshSampler", "MeshSplittingEngine", "MeshSubsetEngine",
+      "MeshTetraStuffing", "NearestPointROI", "NearestTexcoordsMap", "NormEngine", "NormalsFromPoints",
+      "ProjectiveTransformEngine", "ProximityROI", "QuatToRigidEngine", "RandomPointDistributionInSurface",
+      "RigidToQuatEngine", "ROIValueMapper", "RotateTransformMatrixEngine", "ScaleTransformMatrixEngine",
+      "SelectConnectedLabelsROI", "SelectLabelROI", "ShapeMatching", "SmoothMeshEngine", "Spiral", "SubsetTopology",
+      "SumEngine", "TextureInterpolation", "TransformMatrixEngine", "TransformPosition", "TranslateTransformMatrixEngine",
+      "ValuesFromIndices", "ValuesFromPositions", "Vertex2Frame", "VolumeFromTetrahedrons", "VolumeFromTriangles",
+      "VolumeFromVolumetricElements", "Generate*", "GridMeshCreator", "StringMeshCreator", "ExtrudeEdgesAndGenerateQuads",
+      "ExtrudeQuadsAndGenerateHexas", "VoxelGridLoader", "MeshXspLoader", "MeshTrianLoader", "GIDMeshLoader", "SphereLoader",
+      "ArrayValues*"};
+  return std::any_of(engines.begin(), engines.end(), [&](std::string_view each) { return matches(each, type); });
 }
 
 bool isContactAnswer(std::string_view type) {
@@ -67,41 +91,31 @@ std::string_view typeHere(std::string_view type) {
       {"ProjectToPointConstraint", "ProjectToPointProjectiveConstraint"},
       {"ProjectToLineConstraint", "ProjectToLineProjectiveConstraint"},
       {"ProjectToPlaneConstraint", "ProjectToPlaneProjectiveConstraint"},
-      {"AsyncSparseLDLSolver", "SparseLDLSolver"},
-      {"BTDLinearSolver", "SparseLDLSolver"},
-      {"QuadularBendingSprings", "QuadBendingSprings"},
-      {"BlockGaussSeidelConstraintSolver", "GenericConstraintSolver"},
-      {"ProjectedGaussSeidelConstraintSolver", "GenericConstraintSolver"},
-      {"NNCGConstraintSolver", "GenericConstraintSolver"},
-      {"ParallelTetrahedronFEMForceField", "TetrahedronFEMForceField"},
-      {"ParallelHexahedronFEMForceField", "HexahedronFEMForceField"},
-      {"ParallelCGLinearSolver", "CGLinearSolver"},
-      {"ParallelMeshSpringForceField", "MeshSpringForceField"},
-      {"ParallelSpringForceField", "SpringForceField"},
-      {"ParallelStiffSpringForceField", "SpringForceField"},
-      {"DefaultPipeline", "CollisionPipeline"},
-      {"CollisionLoop", "CollisionPipeline"},
-      {"TriangleModel", "TriangleCollisionModel"},
-      {"TriangleSet", "TriangleCollisionModel"},
-      {"TriangleMesh", "TriangleCollisionModel"},
-      {"TTriangleModel", "TriangleCollisionModel"},
-      {"Triangle", "TriangleCollisionModel"},
-      {"LineModel", "LineCollisionModel"},
-      {"LineSet", "LineCollisionModel"},
-      {"LineMesh", "LineCollisionModel"},
-      {"TLineModel", "LineCollisionModel"},
-      {"Line", "LineCollisionModel"},
-      {"PointModel", "PointCollisionModel"},
-      {"PointSet", "PointCollisionModel"},
-      {"PointMesh", "PointCollisionModel"},
-      {"TPointModel", "PointCollisionModel"},
-      {"Point", "PointCollisionModel"},
-      {"SphereModel", "SphereCollisionModel"},
-      {"TSphereModel", "SphereCollisionModel"},
-      {"Sphere", "SphereCollisionModel"},
-      {"ParallelBVHNarrowPhase", "BVHNarrowPhase"},
-      {"ParallelBruteForceBroadPhase", "BruteForceBroadPhase"},
-  };
+      {"BilateralInteractionConstraint", "BilateralLagrangianConstraint"}, {"SlidingConstraint", "SlidingLagrangianConstraint"},
+      {"StopperConstraint", "StopperLagrangianConstraint"}, {"ProjectDirectionProjectiveConstraint", "DirectionProjectiveConstraint"},
+      {"ProjectDirectionConstraint", "DirectionProjectiveConstraint"},
+      {"PatchTestMovementConstraint", "PatchTestMovementProjectiveConstraint"}, {"FixedWeakConstraint", "RestShapeSpringsForceField"},
+      {"DistanceFromTargetMapping", "DistanceFromTarget"}, {"EulerImplicitIntegrationScheme", "EulerImplicitSolver"},
+      {"EulerExplicitIntegrationScheme", "EulerExplicitSolver"}, {"StaticIntegrationScheme", "StaticSolver"},
+      {"NewmarkImplicitIntegrationScheme", "NewmarkImplicitSolver"}, {"CentralDifferenceIntegrationScheme", "CentralDifferenceSolver"},
+      {"RungeKutta2IntegrationScheme", "RungeKutta2Solver"}, {"RungeKutta4IntegrationScheme", "RungeKutta4Solver"},
+      {"AsyncSparseLDLSolver", "SparseLDLSolver"}, {"BTDLinearSolver", "SparseLDLSolver"}, {"VisualModelOBJExporter", "OBJExporter"},
+      {"QuadularBendingSprings", "QuadBendingSprings"}, {"TetrahedralTensorMassForceField", "TetrahedronFEMForceField"},
+      {"HexahedralFEMForceField", "HexahedronFEMForceField"}, {"HexahedronFEMForceFieldAndMass", "HexahedronFEMForceField"},
+      {"HexahedralFEMForceFieldAndMass", "HexahedronFEMForceField"}, {"BlockGaussSeidelConstraintSolver", "GenericConstraintSolver"},
+      {"ProjectedGaussSeidelConstraintSolver", "GenericConstraintSolver"}, {"NNCGConstraintSolver", "GenericConstraintSolver"},
+      {"ParallelTetrahedronFEMForceField", "TetrahedronFEMForceField"}, {"ParallelHexahedronFEMForceField", "HexahedronFEMForceField"},
+      {"ParallelCGLinearSolver", "CGLinearSolver"}, {"ParallelMeshSpringForceField", "MeshSpringForceField"},
+      {"ParallelSpringForceField", "SpringForceField"}, {"ParallelStiffSpringForceField", "SpringForceField"},
+      {"DefaultPipeline", "CollisionPipeline"}, {"CollisionLoop", "CollisionPipeline"}, {"DefaultContactManager", "CollisionResponse"},
+      {"RuleBasedContactManager", "CollisionResponse"}, {"TriangleModel", "TriangleCollisionModel"},
+      {"TriangleSet", "TriangleCollisionModel"}, {"TriangleMesh", "TriangleCollisionModel"}, {"TTriangleModel", "TriangleCollisionModel"},
+      {"Triangle", "TriangleCollisionModel"}, {"LineModel", "LineCollisionModel"}, {"LineSet", "LineCollisionModel"},
+      {"LineMesh", "LineCollisionModel"}, {"TLineModel", "LineCollisionModel"}, {"Line", "LineCollisionModel"},
+      {"PointModel", "PointCollisionModel"}, {"PointSet", "PointCollisionModel"}, {"PointMesh", "PointCollisionModel"},
+      {"TPointModel", "PointCollisionModel"}, {"Point", "PointCollisionModel"}, {"SphereModel", "SphereCollisionModel"},
+      {"TSphereModel", "SphereCollisionModel"}, {"Sphere", "SphereCollisionModel"}, {"ParallelBVHNarrowPhase", "BVHNarrowPhase"},
+      {"ParallelBruteForceBroadPhase", "BruteForceBroadPhase"}};
   const auto found = types.find(type);
   return found == types.end() ? type : found->second;
 }
@@ -124,7 +138,34 @@ bool hasNoEffect(std::string_view type, std::string_view attribute) {
        {"computeVonMisesStress", "updateStiffness", "assembling", "computeGlobalMatrix", "numMaterials"}},
       {"TetrahedralCorotationalFEMForceField", {"computeVonMisesStress", "assembling", "computeGlobalMatrix"}},
       {"TriangularFEMForceField", {"computePrincipalStress", "triangleInfo", "vertexInfo", "edgeInfo"}},
-      {"BoxROI", {"doUpdate", "isVisible"}},
+      {"SparseLDLSolver", {"applyPermutation", "saveMatrixToFile"}},
+      {"EigenSimplicialLDLT", {"ordering"}},
+      {"EigenSimplicialLLT", {"ordering"}},
+      {"EigenSparseLU", {"ordering"}},
+      {"EigenSparseQR", {"ordering"}},
+      {"SparseLUSolver", {"tolerance"}},
+      {"PrecomputedLinearSolver", {"use_file", "jmjt_twostep"}},
+      {"PCGLinearSolver", {"update_step", "build_precond", "use_precond"}},
+      {"WarpPreconditioner", {"update_step", "solverName"}},
+      {"PrecomputedWarpPreconditioner",
+       {"jmjt_twostep", "use_file", "maxMaxIterations", "use_rotations", "draw_rotations", "init_MaxIter", "init_Tolerance",
+        "init_Threshold", "solverName"}},
+      {"CorotationalFEMForceField", {"elementStiffness"}},
+      {"LinearSmallStrainFEMForceField", {"elementStiffness"}},
+      {"BeamFEMForceField", {"beamsData"}},
+      {"SphereForceField", {"contacts"}},
+      {"EllipsoidForceField", {"contacts"}},
+      {"TriangleCollisionModel", {"contactResponse", "useCurvature", "size"}},
+      {"LineCollisionModel", {"contactResponse", "size"}},
+      {"PointCollisionModel", {"contactResponse", "size"}},
+      {"SphereCollisionModel", {"contactResponse", "showImpostors", "size"}},
+      {"LocalMinDistance", {"filterIntersection"}},
+      {"WriteState", {"stopAt", "keperiod"}},
+      {"PartialLinearMovementProjectiveConstraint", {"mainIndice", "minDepIndice", "maxDepIndice", "X0", "Y0", "Z0"}},
+      {"BarycentricMapping", {"applyRestPosition"}},
+      {"IdentityMapping", {"applyRestPosition"}},
+      {"SubsetMapping", {"applyRestPosition"}},
+      {"BoxROI", {"doUpdate", "isVisible", "computeQuad"}},
       {"SphereROI", {"doUpdate"}},
       {"EulerImplicitSolver", {"solveConstraint", "computeResidual"}},
   };
@@ -143,7 +184,18 @@ bool isReadBySofa(std::string_view type, std::string_view attribute) {
       {"UniformMass", {"filename"}},
       {"DiagonalMass", {"filename", "fileMass"}},
       {"SpringForceField", {"filename", "fileSprings"}},
-      {"ConstantForceField", {"indexFromEnd"}},
+      {"TrianglePressureForceField", {"normal", "dmin", "dmax"}},
+      {"SphereForceField", {"bilateral"}},
+      {"CubeTopology", {"splitNormals"}},
+      {"SphereROI", {"direction", "normal", "edgeAngle", "triAngle"}},
+      {"TriangularFEMForceFieldOptim", {"damping", "restScale"}},
+      {"RigidMapping", {"filename"}},
+      {"RigidRigidMapping", {"filename", "repartition"}},
+      {"SubsetMapping", {"ignoreNotFound", "resizeToModel"}},
+      {"PartialLinearMovementProjectiveConstraint", {"linearMovementBetweenNodesInIndices"}},
+      {"MeshSpringForceField", {"object1", "object2"}},
+      {"RegularGridSpringForceField", {"object1", "object2"}},
+      {"QuadBendingSprings", {"object1", "object2"}},
       {"AttachProjectiveConstraint", {"positionFactor", "velocityFactor", "responseFactor", "constraintFactor", "freeRotations",
                                       "lastFreeRotation", "restRotations", "lastPos", "lastDir", "clamp", "minDistance"}},
       {"LinearForceField", {"force"}},
@@ -153,6 +205,27 @@ bool isReadBySofa(std::string_view type, std::string_view attribute) {
   };
   const auto found = table.find(type);
   return found != table.end() && contains(found->second, attribute);
+}
+
+bool isSofasDefault(std::string_view attribute, std::string_view value) {
+  static const std::map<std::string_view, List> table = {
+      {"damping", {"0"}}, {"restScale", {"1"}}, {"bilateral", {"0", "false"}}, {"ignoreNotFound", {"0", "false"}},
+      {"resizeToModel", {"0", "false"}}, {"linearMovementBetweenNodesInIndices", {"0", "false"}}, {"edgeAngle", {"0"}},
+      {"triAngle", {"0"}}, {"repartition", {""}}, {"filename", {"", "unused"}}, {"positionFactor", {"1"}}, {"velocityFactor", {"1"}},
+      {"responseFactor", {"1"}}, {"constraintFactor", {"1"}}, {"freeRotations", {"0", "false"}}, {"lastFreeRotation", {"0", "false"}},
+      {"restRotations", {"0", "false"}}, {"clamp", {"0", "false"}}, {"minDistance", {"-1"}}, {"splitNormals", {"0", "false"}},
+      {"force", {"1"}}};
+  const auto found = table.find(attribute);
+  if (found == table.end()) return false;
+  if (contains(found->second, value)) return true;
+  Words words(value);  // of lists each: 1 1.0 1
+  bool all = !value.empty();
+  for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
+    double number = 0;
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
+    all = all && error == std::errc() && end == word.data() + word.size() && contains(found->second, printReal(number));
+  }
+  return all;
 }
 
 }  // namespace stroma::sofa

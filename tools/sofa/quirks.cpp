@@ -14,6 +14,7 @@ const std::vector<Quirk>& allQuirks() {
       {"spring-length", "the constants of springs of a mesh are divided by their length"},
       {"explicit-damping", "damping of springs and obstacles is explicit, and its tension stiffens the tangent"},
       {"edge-mass", "the mass matrix of a mesh has entries at vertices and edges only"},
+      {"pair-mass", "hexahedra that are a mass too couple all pairs of their corners alike, with 19 times their mass"},
       {"edge-polar", "rotations of tetrahedra are polar factors of edges instead of deformation gradients"},
       {"membrane-shape", "membranes rebuild their strains from the shape of the moment"},
       {"local-dilatation", "elements near incompressibility lock: no mean dilatation"},
@@ -21,6 +22,7 @@ const std::vector<Quirk>& allQuirks() {
       {"grid-origin", "p0 of a grid is its origin, whatever its box"},
       {"total-mass", "of totalMass and vertexMass the total wins"},
       {"fixed-inertia", "the inertia of rigid frames stays in fixed axes, without gyroscopic forces"},
+      {"late-times", "movements and forces given at times are those of the start of a step"},
       {"first-node", "constraints without indices hold node 0"},
   };
   return quirks;

@@ -2,6 +2,7 @@
 #include "tools/sofa/rewriting.h"
 
 #include <algorithm>
+#include <functional>
 #include <set>
 
 #include "framework/scene/change_table.h"
@@ -44,6 +45,7 @@ Rewriting::Rewriting(SceneDescription& scene, Factory& factory, Modules& modules
 void Rewriting::run() {
   readSwitches();
   if (!is_foreign_) return;
+  moveJoints(scene_.root);
   tree_ = std::make_unique<SceneTree>(scene_.root, [this](const std::string& type) -> std::unique_ptr<Component> {
     try {
       const std::string here(typeHere(type));
@@ -54,14 +56,25 @@ void Rewriting::run() {
   });
   tree_->forEachPlace([this](Place& place) { rewriteNode(place); });
   acceptTypes();
+  divideSteps();
   dropVisualMappings();
+  dropUnheard();
+  dropIdleMappings();
   keepOneIntegrator(tree_->root(), false);
   dropIdle(tree_->root(), false);
+  holdMassless(tree_->root(), false);
+  chooseSolvers();
   dropUnusedSolvers();
+  dropIdleEngines();
   dropUnusedLoaders();
   dropIdleWatch();
   tree_->forEach([this](Element& element) { rewriteLinks(element); });
-  tree_->forEach([this](Element& element) { readMeshFiles(element); });
+  tree_->forEach([this](Element& element) {
+    readMeshFiles(element);
+    if (element.is("SparseGridTopology") || element.is("CubeTopology")) joinCorners(element);
+    if (element.is("MeshSpringForceField") || element.is("RegularGridSpringForceField") || element.is("QuadBendingSprings"))
+      checkOneBody(element);
+  });
   tree_->forEach([this](Element& element) { rewriteAttributes(element); });
   tree_->forEach([this](Element& element) { applyMeaning(element); });
   tree_->finish();
@@ -140,11 +153,7 @@ void Rewriting::acceptTypes() {
     const bool is_everywhere = std::find(accepted.begin(), accepted.end(), type) != accepted.end();
     if (!element.probe && is_everywhere) element.without_effect = true;
     if (element.probe || is_everywhere || !isAcceptedType(type)) {
-      if (!element.probe) return;
-      if (type == "AsyncSparseLDLSolver")
-        warn(element.written->where, element, {},
-             "SOFA factors in another thread and solves with older factors: this solver has those of the step");
-      element.written->type = std::string(typeHere(type));
+      if (element.probe) renameType(element);
       return;
     }
     for (const char* name : {"assembleStiffness", "assembleMass", "assembleDamping", "assembleGeometricStiffness",
@@ -185,13 +194,66 @@ void Rewriting::dropIdle(Place& place, bool is_moved) {
   const bool moves = is_moved || place.has("integrator");
   static const std::set<std::string> acting = {"force field", "mass", "projective constraint", "position constraint"};
   for (const auto& element : place.elements) {
-    if (moves || element->dropped || !acting.count(element->role()) || movesElsewhere(*element)) continue;
+    if (moves || element->dropped || !acting.count(element->role())) continue;
+    if (movesElsewhere(*element) || isContactAnswer(element->written->type)) continue;
     element->dropped = true;
     diagnostics_.note(element->written->where, element->path(),
                       "does not count: no integrator moves anything in this node");
   }
   for (const auto& child : place.children)
     if (!child->dropped) dropIdle(*child, moves);
+}
+
+/// Below an integrator a state without mass, on which nothing acts, stays where it is: a target that a program moves. Here
+/// it gets a mass that nothing pulls.
+void Rewriting::holdMassless(Place& place, bool is_moved) {
+  const bool moves = is_moved || place.has("integrator");
+  static const std::set<std::string> acting = {"force field", "mass", "projective constraint", "position constraint"};
+  const std::function<bool(const Place&)> acts = [&](const Place& here) {
+    return std::any_of(here.elements.begin(), here.elements.end(),
+                       [](const auto& each) { return !each->dropped && acting.count(each->role()); }) ||
+           std::any_of(here.children.begin(), here.children.end(),
+                       [&](const auto& child) { return !child->dropped && acts(*child); });
+  };
+  Element* state = place.firstOf("mechanical state");
+  if (moves && place.parent && state && !isMapped(*state) && !acts(place) && !isPulledFromElsewhere(*state)) {
+    const SourceLocation& where = state->written->where;
+    place.added_components.push_back({"UniformMass", {{"totalMass", "1", where}}, where, state->written->folder});
+    place.node->attributes.push_back({"gravity", "0 0 0", where});
+    diagnostics_.note(where, state->path(), "has no mass, and nothing acts on it: it stays where it is");
+  }
+  for (const auto& child : place.children)
+    if (!child->dropped) holdMassless(*child, moves);
+}
+
+/// A field or a constraint of another node acts on it.
+bool Rewriting::isPulledFromElsewhere(const Element& state) const {
+  bool found = false;
+  tree_->forEach([&](Element& element) {
+    for (const char* name : {"object1", "object2", "mstate"}) {
+      const bool acts = !element.dropped && !element.without_effect && element.role() != "selection" && element.role() != "engine";
+      const std::string link = acts ? element.text(name) : "";
+      if (link.empty()) continue;
+      const LinkTarget target = tree_->follow(element, link, false);
+      found = found || target.element == &state || (!target.element && target.place == state.place);
+    }
+  });
+  return found;
+}
+
+bool Rewriting::isMapped(const Element& state) const {
+  bool found = false;
+  tree_->forEach([&](Element& element) {
+    if (element.dropped || element.role() != "mapping") return;
+    const std::string output = element.text("output");
+    if (output.empty()) {
+      found = found || element.place == state.place;
+      return;
+    }
+    const LinkTarget target = tree_->follow(element, output, false);
+    found = found || target.element == &state || (!target.element && target.place == state.place);
+  });
+  return found;
 }
 
 /// A mapping onto what only draws, in a node that has no state of its own.

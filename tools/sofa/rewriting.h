@@ -2,6 +2,8 @@
 // The rewriting of one scene, in passes over its tree: what has no effect leaves, what acts where SOFA looks for nothing
 // leaves, links are followed as SOFA follows them, values and attributes become those that components here have.
 #pragma once
+#include <map>
+
 #include "tools/sofa/quirks.h"
 #include "tools/sofa/scene_tree.h"
 
@@ -20,11 +22,28 @@ class Rewriting {
   void acceptTypes();
   void keepOneIntegrator(Place& place, bool is_moved);
   void dropIdle(Place& place, bool is_moved);
+  void holdMassless(Place& place, bool is_moved);
+  bool isMapped(const Element& state) const;
+  bool isPulledFromElsewhere(const Element& state) const;
   void dropVisualMappings();
   void dropUnusedSolvers();
   void dropUnusedLoaders();
   void dropIdleWatch();
   bool movesElsewhere(const Element& element) const;
+
+  // ---- rewritten_parts.cpp: what becomes another part, and what nobody asks ----
+  void renameType(Element& element);
+  void splitMass(Element& field);
+  void splitPlasticity(Element& field);
+  void divideSteps();
+  void chooseSolvers();
+  Element* preconditionerOf(Element& solver);
+  void dropIdleEngines();
+  void dropUnheard();
+  void dropIdleMappings();
+  bool hasOnlyFollowers(const Place& place) const;
+  bool isAskedFromOutside(const Place& place) const;
+  static void moveJoints(NodeDescription& node);
 
   // ---- rewritten_links.cpp ----
   void rewriteLinks(Element& element);
@@ -53,8 +72,16 @@ class Rewriting {
   void meanConstraint(Element& element);
   Element* meshOf(const Element& element) const;
   void cutHexahedra(Element& field);
+  void completeGrid(Element& grid);
+  void leaveOtherCells(Element& container);
+  void joinCorners(Element& mesh);
+  void checkOneBody(Element& field);
   void readMeshFiles(Element& element);
   void readMeshFile(Element& element, const std::string& attribute);
+
+  // ---- rewritten_times.cpp ----
+  double timeStep() const;
+  void meanTimes(Element& element);
 
   /// Unless the scene writes it.
   void setDefault(Element& element, const std::string& attribute, const std::string& value);
@@ -69,6 +96,7 @@ class Rewriting {
   std::vector<std::string>& no_effect_;
   bool is_foreign_ = false;
   Quirks quirks_;
+  std::map<const Element*, ComponentDescription> plasticity_;  ///< by the field whose stress it lowers
   std::unique_ptr<SceneTree> tree_;
 };
 
@@ -76,6 +104,8 @@ class Rewriting {
 
 /// Types that a scene in the dialect may hold besides those that any scene may: without effect on numbers.
 bool isAcceptedType(std::string_view type);
+/// Components of SOFA that only make values of others: without effect where nobody reads these.
+bool isEngineOfSofa(std::string_view type);
 /// Components that turn contacts into forces or constraints.
 bool isContactAnswer(std::string_view type);
 /// SOFA's present name of what is called otherwise here, or the type itself.
@@ -84,5 +114,7 @@ std::string_view typeHere(std::string_view type);
 bool hasNoEffect(std::string_view type, std::string_view attribute);
 /// Attributes that SOFA's component reads and the one here does not: ignoring them would change the result.
 bool isReadBySofa(std::string_view type, std::string_view attribute);
+/// Whether the value of such an attribute is that without it.
+bool isSofasDefault(std::string_view attribute, std::string_view value);
 
 }  // namespace stroma::sofa

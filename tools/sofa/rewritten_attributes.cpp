@@ -178,13 +178,14 @@ bool Rewriting::keepsUnknown(Element& element, const AttributeDescription& attri
   if (isDrawing(attribute.name) || element.probe->data().isVisualOnly(attribute.name))
     return noEffect(type + "." + attribute.name), false;
   if (isReadBySofa(type, attribute.name)) {
+    if (isSofasDefault(attribute.name, trimmed(attribute.value))) return noEffect(type + "." + attribute.name), false;
     diagnostics_.error(attribute.where, element.path() + "." + attribute.name,
                        "SOFA's " + type + " reads " + inQuotes(attribute.name) +
                            ", which is not available here: without it the result would be another");
     return false;
   }
   warn(attribute.where, element, attribute.name,
-       type + " has no attribute " + inQuotes(attribute.name) + ": the scene runs without it",
+       type + " has no attribute " + inQuotes(attribute.name) + " here: the scene runs without it",
        nearest(attribute.name, element.probe->data().names()));
   return false;
 }

@@ -38,6 +38,10 @@ void Rewriting::applyMeaning(Element& element) {
   if (role == "topology") meanMesh(element);
   if (role == "mechanical state") meanState(element);
   if (role == "projective constraint") meanConstraint(element);
+  meanTimes(element);
+  // rest positions stay as they are written: in the axes of the frames
+  if (element.written->type == "RigidMapping") setDefault(element, "applyRestPosition", "false");
+  if (element.written->type == "BeamLinearMapping") setDefault(element, "geometricStiffness", "None");
 }
 
 void Rewriting::setQuirk(Element& element, std::string_view quirk, const std::string& attribute,
@@ -81,11 +85,19 @@ void Rewriting::meanField(Element& element) {
   const std::string method = element.text("method");
   if (corotational && isOneOf(method, {"polar", "svd"})) setQuirk(element, "edge-polar", "polarOf", "edges");
   if (type == "TetrahedronFEMForceField") cutHexahedra(element);
+  if (const auto plastic = plasticity_.find(&element); plastic != plasticity_.end()) {
+    if (const AttributeDescription* mesh = element.find("topology")) plastic->second.attributes.push_back(*mesh);
+    element.place->added_components.push_back(plastic->second);
+  }
   if (type == "HexahedronFEMForceField")
     if (Element* mesh = meshOf(element); mesh && mesh->is("SparseGridTopology"))
       setDefault(element, "localStiffnessFactor", SceneTree::linkTo(*mesh) + ".cellFactors");
   if (isOneOf(type, {"MeshSpringForceField", "RegularGridSpringForceField"}))
     setQuirk(element, "spring-length", "perLength", "true");
+  // without another body they count in the same rest shape
+  if (type == "RestShapeSpringsForceField" && !element.find("external_rest_shape") &&
+      element.text("external_points") == element.text("points"))
+    element.remove("external_points");
   if (type == "SurfacePressureForceField" && !isTrue(element.text("pulseMode")))
     for (const char* pulse : {"pressureLowerBound", "pressureSpeed"}) element.remove(pulse);
   if (type == "MeshSpringForceField") {
@@ -112,10 +124,11 @@ Element* Rewriting::meshOf(const Element& element) const {
   return mesh || !element.place->parent ? mesh : element.place->parent->nearest("topology");
 }
 
-/// On a grid, which has no tetrahedra, SOFA's force field cuts each cell into six, mirrored from cell to cell.
+/// On a grid, which has no tetrahedra, SOFA's force field cuts each cell into six, mirrored from cell to cell. (On other meshes
+/// of hexahedra it mirrors as if they were two cells wide, and the tetrahedra do not fit: the field then says what it needs.)
 void Rewriting::cutHexahedra(Element& field) {
   Element* mesh = meshOf(field);
-  if (!mesh || !isOneOf(mesh->written->type, {"RegularGridTopology", "SparseGridTopology"})) return;
+  if (!mesh || !isOneOf(mesh->written->type, {"RegularGridTopology", "CylinderGridTopology", "SphereGridTopology"})) return;
   const auto component = [&field](std::string type, std::vector<std::pair<std::string, std::string>> attributes) {
     ComponentDescription made{std::move(type), {}, field.written->where, field.written->folder};
     for (auto& [name, value] : attributes) made.attributes.push_back({name, value, field.written->where});
@@ -146,14 +159,17 @@ void Rewriting::meanMass(Element& element) {
     warn(element.written->where, element, "vertexMass", "totalMass is given too and wins");
     element.remove("vertexMass");
   }
+  setDefault(element, "cells", "first");
   if (type == "MeshMatrixMass") setQuirk(element, "edge-mass", "matrix", "edges");
 }
 
 void Rewriting::meanMesh(Element& element) {
   const std::string& type = element.written->type;
   setDefault(element, "allowEmpty", "true");
+  if (element.find("src")) leaveOtherCells(element);
   if (type != "RegularGridTopology") return;
   setDefault(element, "allowMirrored", "true");
+  completeGrid(element);
   const std::array<std::array<const char*, 2>, 3> names = {{{"xmin", "xmax"}, {"ymin", "ymax"}, {"zmin", "zmax"}}};
   Vec3 low = numbersOf(element.text("min"), Vec3::Zero()), high = numbersOf(element.text("max"), Vec3::Ones());
   bool given = element.find("min") || element.find("max");
@@ -184,6 +200,64 @@ void Rewriting::meanMesh(Element& element) {
     for (const char* name : axis) element.remove(name);
   element.set("min", print(low));
   element.set("max", print(high));
+}
+
+/// A container of SOFA takes from its `src` the cells that it has a list for.
+void Rewriting::leaveOtherCells(Element& container) {
+  static const std::vector<std::pair<std::string_view, std::vector<const char*>>> others = {
+      {"PointSetTopologyContainer", {"edges", "triangles", "quads", "tetrahedra", "hexahedra"}},
+      {"EdgeSetTopologyContainer", {"triangles", "quads", "tetrahedra", "hexahedra"}},
+      {"TriangleSetTopologyContainer", {"quads", "tetrahedra", "hexahedra"}},
+      {"QuadSetTopologyContainer", {"triangles", "tetrahedra", "hexahedra"}},
+      {"TetrahedronSetTopologyContainer", {"quads", "hexahedra"}},
+      {"HexahedronSetTopologyContainer", {"triangles", "tetrahedra"}}};
+  for (const auto& [type, names] : others)
+    if (container.is(type))
+      for (const char* name : names) setDefault(container, name, "");
+}
+
+/// SOFA's grids list quads, triangles of the quads, and the edges of these. Those of a solid are made where somebody asks for them.
+void Rewriting::completeGrid(Element& grid) {
+  bool asked = false;
+  tree_->forEach([&](Element& element) {
+    const std::string& type = element.written->type;
+    asked = asked || isOneOf(type, {"MeshSpringForceField", "SurfacePressureForceField", "TrianglePressureForceField",
+                                    "QuadPressureForceField", "EdgePressureForceField", "LineCollisionModel"});
+  });
+  const Vec3 count = grid.find("n") ? numbersOf(grid.text("n"), Vec3(2, 2, 2)) : Vec3(2, 2, 2);
+  bool flat = (count.array() == 1).any();
+  for (const char* name : {"nx", "ny", "nz"}) flat = flat || grid.text(name) == "1";
+  if (flat || asked) setDefault(grid, "computeTriangleList", "true");
+  if (!asked) return;
+  setDefault(grid, "computeQuadList", "true");
+  setDefault(grid, "computeEdgeList", "true");
+}
+
+/// xmin, ymin, ... as min and max.
+void Rewriting::joinCorners(Element& element) {
+  const char* names[2][3] = {{"xmin", "ymin", "zmin"}, {"xmax", "ymax", "zmax"}};
+  const char* joined[2] = {"min", "max"};
+  for (std::size_t end = 0; end < 2; ++end) {
+    Vec3 corner = numbersOf(element.text(joined[end]), Vec3::Zero());
+    bool given = false;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      if (const std::string text = element.text(names[end][axis]); !text.empty()) {
+        corner[Index(axis)] = float(numbersOf(text + " 0 0", Vec3::Zero())[0]);
+        element.remove(names[end][axis]);
+        given = true;
+      }
+    if (given) element.set(joined[end], print(corner));
+  }
+}
+
+/// Springs of a mesh lie in one body: what SOFA's base class could link besides is that body.
+void Rewriting::checkOneBody(Element& field) {
+  for (const char* name : {"object1", "object2"}) {
+    if (!field.find(name)) continue;
+    const LinkTarget target = tree_->follow(field, field.text(name), false);
+    const Element* state = target.element ? target.element : target.place ? target.place->firstOf("mechanical state") : nullptr;
+    if (state && state == field.place->nearest("mechanical state")) field.remove(name);
+  }
 }
 
 /// Every topology of SOFA reads files; here loaders do.
@@ -224,10 +298,24 @@ void Rewriting::meanState(Element& element) {
     element.remove("size");
     noEffect("MechanicalObject.size beside positions");
   }
+  // of several meshes of a node the last one that has nodes of its own
+  std::size_t meshes = 0;
+  Element* last = nullptr;
+  for (const auto& each : element.place->elements) {
+    if (each->dropped || each->role() != "topology") continue;
+    ++meshes;
+    const bool has_nodes = each->find("position") || each->find("points") || each->find("src");
+    if (has_nodes || each->written->type.ends_with("GridTopology")) last = each.get();
+  }
+  bool is_given = false;
+  for (const char* name : {"position", "rest_position", "src", "topology"}) is_given = is_given || element.find(name);
+  if (meshes > 1 && last && !is_given)
+    element.set("topology", SceneTree::linkTo(*last));
 }
 
 void Rewriting::meanConstraint(Element& element) {
   setDefault(element, "ignoreMissing", "true");
+  if (element.is("PatchTestMovementProjectiveConstraint")) setDefault(element, "velocity", "zero");
   const bool all = isTrue(element.text("fixAll"));
   static const std::set<std::string> first = {"FixedProjectiveConstraint", "PartialFixedProjectiveConstraint",
                                               "FixedTranslationProjectiveConstraint", "LinearMovementProjectiveConstraint",

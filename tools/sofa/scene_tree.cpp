@@ -96,6 +96,7 @@ void SceneTree::forEach(const Place& place, const std::function<void(Element&)>&
 void SceneTree::forEachPlace(Place& place, const std::function<void(Place&)>& call) {
   if (place.dropped) return;
   call(place);
+  if (place.dropped) return;
   for (const auto& child : place.children) forEachPlace(*child, call);
 }
 

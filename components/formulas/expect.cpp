@@ -1,0 +1,357 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Expect: what a result is to be, by a formula or a stored number. `stroma run` compares, and a result that is none of what was
+// expected ends it with exit code 1 and the numbers.
+//
+// `of` names what is compared:
+//   PATH.displacement, .position, .velocity    of the nodes of a state, at `nodes` or all; `axis` x, y, z, all three, or norm
+//   PATH.volume                                of the cells of a state's mesh, or behind its closed surface [m^3]
+//   PATH.NAME                                  any attribute of numbers of any component; `nodes` are then places in its list
+//   kinetic_energy, elastic_energy, gravity_energy, total_energy    of the scene [J]
+//   energy_drift                               |E - E_0| over the largest |E|, kinetic energy or |E_0| so far, E the total
+//   linear_iterations, newton_iterations       of the step that takes most
+//
+// `is` is a formula of t, and for nodes of x, y and z, their place at rest: "-9.81/2*t^2", "0.1*x". What is compared may differ
+// from it by tolerance times the largest value of the formula, and by `absolute`. `below` and `above` are formulas of
+// bounds. when="end" compares after the last step, when="always" after each, `at` at the first step that reaches each of these times.
+// A time that the run does not reach is a failure too: nothing was compared.
+//
+// The formulas are read by muParser, as those of FormulaForceField.
+//
+// Example:
+// <Node name="root" dt="0.01" gravity="0 -10 0">
+//   <EulerExplicitSolver/>
+//   <MechanicalObject name="dofs" position="0 1 0  1 1 0"/>
+//   <UniformMass totalMass="2"/>
+//   <Expect of="/dofs.displacement" axis="y" is="-5*t*(t+0.01)" at="0.02" tolerance="1e-9"/>
+//   <Expect of="energy_drift" below="0.01" when="always"/>
+// </Node>
+#include <fmt/format.h>
+#include <muParser.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <string>
+
+#include "framework/mechanics/state_topology.h"
+#include "framework/mesh/cell_lists.h"
+#include "framework/scene/archive.h"
+#include "framework/scene/factory.h"
+#include "framework/scene/load.h"
+#include "framework/scene/text.h"
+#include "framework/simulation/expectation.h"
+#include "framework/simulation/simulation.h"
+
+namespace stroma {
+namespace expect {
+
+/// A formula of t, x, y and z.
+class Formula {
+ public:
+  void read(const std::string& text, const char* attribute) {
+    try {
+      parser_.DefineVar("t", &t_);
+      for (int c = 0; c < 3; ++c) parser_.DefineVar(std::string(1, "xyz"[c]), &place_[c]);
+      parser_.DefineConst("pi", M_PI);
+      parser_.SetExpr(text);
+      parser_.Eval();
+    } catch (const mu::Parser::exception_type& problem) {
+      throw ComponentError(fmt::format("the formula '{}' of {} cannot be read: {}", text, attribute, problem.GetMsg()),
+                           "a number, or a formula of t, x, y and z", "stroma doc FormulaForceField lists the functions");
+    }
+  }
+  double at(double t, const Vec3& place) {
+    t_ = t, place_ = place;
+    return parser_.Eval();
+  }
+
+ private:
+  mu::Parser parser_;
+  double t_ = 0;
+  Vec3 place_ = Vec3::Zero();
+};
+
+/// A number, what it is called, and where its node is at rest.
+struct Value {
+  double number;
+  std::string name;
+  Vec3 place = Vec3::Zero();
+};
+
+/// The numbers of an attribute, flat, and how many belong together.
+struct Numbers {
+  std::vector<double> flat;
+  std::size_t width = 1;
+};
+
+template <class T>
+void appendNumbers(const T& value, std::vector<double>& out) {
+  if constexpr (std::is_arithmetic_v<T>) {
+    out.push_back(double(value));
+  } else if constexpr (std::is_same_v<T, Vec3>) {
+    out.insert(out.end(), {value[0], value[1], value[2]});
+  } else {
+    for (const auto& item : value) appendNumbers(item, out);
+  }
+}
+
+/// Empty for what holds no numbers.
+std::optional<Numbers> numbersOf(const Data& data) {
+  return std::visit(
+      [](const auto& pointer) -> std::optional<Numbers> {
+        using Pointer = std::decay_t<decltype(pointer)>;
+        constexpr bool is_text = std::is_same_v<Pointer, std::string*> || std::is_same_v<Pointer, FileName*> ||
+                                 std::is_same_v<Pointer, std::vector<std::string>*>;
+        if constexpr (is_text || std::is_same_v<Pointer, ChoiceRef> || std::is_same_v<Pointer, LinkBase*> ||
+                      std::is_same_v<Pointer, std::vector<bool>*>) {
+          return {};
+        } else {
+          Numbers numbers;
+          appendNumbers(*pointer, numbers.flat);
+          using T = std::decay_t<decltype(*pointer)>;
+          if constexpr (requires(T t) { t.resize(1); } && !std::is_same_v<T, Vec3>)
+            if (!pointer->empty()) numbers.width = numbers.flat.size() / pointer->size();
+          return numbers;
+        }
+      },
+      data.pointer());
+}
+
+class Expect final : public Observer, public Expectation {
+ public:
+  void declare(DataTable& table) override;
+  void compile(const Simulation& simulation) override;
+  void begin(const Simulation& simulation) override;
+  void stepMade(const StepReport& report) override {
+    most_[0] = std::max(most_[0], double(report.linear_iterations));
+    most_[1] = std::max(most_[1], double(report.newton_iterations));
+  }
+  void afterStep(const Simulation& simulation, const StepContext& context) override;
+  void end(const Simulation& simulation) override;
+  void reset() override { comparisons_ = 0, next_ = 0, scale_ = 0, most_ = {}, failure_.clear(); }
+  void serialize(Archive& archive) override {
+    archive.value("start", start_);
+    archive.value("scale", scale_);
+    archive.value("linear", most_[0]);
+    archive.value("newton", most_[1]);
+    archive.value("next", next_);
+    archive.value("comparisons", comparisons_);
+  }
+  std::string describe() const override {
+    if (!at_.empty()) return fmt::format("compares {} at {} times", of_, at_.size());
+    return fmt::format("compares {} {}", of_, always_ == When::end ? "at the end" : "after each step");
+  }
+  long comparisons() const override { return long(comparisons_); }
+  std::string failure() const override { return failure_; }
+
+ private:
+  enum class When : int { end, always } always_ = When::end;
+  enum class Axis : int { all, x, y, z, norm } axis_ = Axis::all;
+  bool isWord(const char* word) const { return of_ == word; }
+  std::vector<Value> values(const Simulation& simulation) const;
+  std::vector<Value> nodeValues() const;
+  std::vector<Value> listValues() const;
+  double volume() const;
+  double sceneValue(const Simulation& simulation) const;
+  void note(const Simulation& simulation);
+  void compare(const Simulation& simulation);
+  void fail(const Simulation& simulation, const Value& value, const std::string& expected);
+
+  std::string of_, is_, below_, above_;
+  std::vector<int> nodes_;
+  std::vector<double> at_;
+  double tolerance_ = 1e-6, absolute_ = 0;
+  Formula exact_, lower_, upper_;
+
+  const State* state_ = nullptr;
+  const Component* owner_ = nullptr;
+  std::string name_;  ///< behind the dot
+  double start_ = 0, scale_ = 0;
+  std::array<double, 2> most_{};  ///< iterations, linear and of Newton's method
+  double next_ = 0, comparisons_ = 0;
+  std::string failure_;
+};
+
+constexpr std::array<const char*, 7> scene_words = {"kinetic_energy", "elastic_energy", "gravity_energy", "total_energy",
+                                                    "energy_drift",   "linear_iterations", "newton_iterations"};
+
+void Expect::declare(DataTable& table) {
+  table.add("of", of_).help("what is compared: PATH.NAME, or an energy or iterations of the scene").required();
+  table.add("is", is_).help("a formula of t, x, y and z that it equals");
+  table.add("below", below_).help("a formula that it stays below");
+  table.add("above", above_).help("a formula that it stays above");
+  table.add("nodes", nodes_).help("nodes, or places in a list; all when not given").min(0);
+  table.addChoice("axis", axis_, {"all", "x", "y", "z", "norm"}).help("of nodes and lists of vectors: what of them is compared");
+  table.addChoice("when", always_, {"end", "always"}).help("after the last step, or after each");
+  table.add("at", at_).help("times, ascending: at the first step that reaches each, instead").unit("s");
+  table.add("tolerance", tolerance_).help("share of the largest value of `is` by which it may differ").unit("-").min(0);
+  table.add("absolute", absolute_).help("by how much it may differ besides, in the unit of what is compared").min(0);
+}
+
+void Expect::compile(const Simulation& simulation) {
+  if (is_.empty() && below_.empty() && above_.empty()) throw ComponentError("nothing is expected", "is, below or above");
+  if (!is_.empty()) exact_.read(is_, "is");
+  if (!below_.empty()) lower_.read(below_, "below");
+  if (!above_.empty()) upper_.read(above_, "above");
+  if (!std::is_sorted(at_.begin(), at_.end())) throw ComponentError("the times of `at` do not ascend", "ascending times");
+  if (std::find(scene_words.begin(), scene_words.end(), of_) != scene_words.end()) return;
+  const auto dot = of_.rfind('.');
+  const std::string path = of_.substr(of_.starts_with("@") ? 1 : 0, dot == std::string::npos ? dot : dot - of_.starts_with("@"));
+  owner_ = dot == std::string::npos ? nullptr : findComponent(simulation.root(), path);
+  if (!owner_) {
+    std::vector<Component*> all;
+    simulation.root().collect(all);
+    std::vector<std::string> names(scene_words.begin(), scene_words.end());
+    for (const Component* each : all) names.push_back(each->path());
+    throw ComponentError(fmt::format("`of` names {}, which the scene does not have", inQuotes(of_)),
+                         "PATH.NAME with the path of a component, or a word such as energy_drift", nearest(path, names));
+  }
+  name_ = of_.substr(dot + 1);
+  const bool of_nodes = name_ == "displacement" || name_ == "position" || name_ == "velocity" || name_ == "volume";
+  state_ = of_nodes ? dynamic_cast<const State*>(owner_) : nullptr;
+  const Data* data = owner_->data().find(name_);
+  if (!state_ && (!data || !numbersOf(*data)))
+    throw ComponentError(fmt::format("{} has no numbers called {}", owner_->path(), inQuotes(name_)), "an attribute of numbers",
+                         nearest(name_, owner_->data().names()));
+  if (state_ && name_ == "volume" && !topologyOf(*state_)) throw ComponentError(state_->path() + " has no mesh, so it has no volume");
+  if (state_ && name_ != "volume")
+    for (const int node : nodes_)
+      if (node >= state_->nodes())
+        throw ComponentError(fmt::format("there is no node {}", node), fmt::format("0 to {}", state_->nodes() - 1));
+}
+
+void Expect::begin(const Simulation& simulation) {
+  if (simulation.steps() == 0) {
+    start_ = 0;
+    for (const auto& system : simulation.systems()) start_ += system->kineticEnergy() + system->potentialEnergy(system->x);
+    scale_ = std::abs(start_);
+    while (std::size_t(next_) < at_.size() && at_[std::size_t(next_)] <= simulation.time()) ++next_, compare(simulation);
+  }
+}
+
+/// What grows over the run.
+void Expect::note(const Simulation& simulation) {
+  if (!isWord("energy_drift")) return;
+  for (const auto& system : simulation.systems()) {
+    scale_ = std::max(scale_, system->kineticEnergy());
+    scale_ = std::max(scale_, std::abs(system->kineticEnergy() + system->potentialEnergy(system->x)));
+  }
+}
+
+void Expect::afterStep(const Simulation& simulation, const StepContext& context) {
+  note(simulation);
+  if (always_ == When::always && at_.empty()) compare(simulation);
+  const double close = 1e-6 * context.dt;
+  while (std::size_t(next_) < at_.size() && context.t_end > at_[std::size_t(next_)] - close) ++next_, compare(simulation);
+}
+
+void Expect::end(const Simulation& simulation) {
+  if (at_.empty() && always_ == When::end) compare(simulation);
+  if (std::size_t(next_) < at_.size() && failure_.empty())
+    failure_ = fmt::format("{} was not compared at t = {:g} s: the run ended at {:g} s", of_, at_[std::size_t(next_)], simulation.time());
+}
+
+std::vector<Value> Expect::values(const Simulation& simulation) const {
+  if (!owner_) return {{sceneValue(simulation), of_}};
+  if (!state_) return listValues();
+  return name_ == "volume" ? std::vector<Value>{{volume(), of_}} : nodeValues();
+}
+
+double Expect::sceneValue(const Simulation& simulation) const {
+  if (isWord("linear_iterations")) return most_[0];
+  if (isWord("newton_iterations")) return most_[1];
+  double kinetic = 0, elastic = 0, gravity = 0, total = 0;
+  for (const auto& system : simulation.systems()) {
+    kinetic += system->kineticEnergy();
+    elastic += system->elasticEnergy(system->x);
+    gravity += system->gravityEnergy(system->x);
+    total += system->kineticEnergy() + system->potentialEnergy(system->x);
+  }
+  if (isWord("kinetic_energy")) return kinetic;
+  if (isWord("elastic_energy")) return elastic;
+  if (isWord("gravity_energy")) return gravity;
+  if (isWord("total_energy")) return total;
+  return scale_ > 0 ? std::abs(total - start_) / scale_ : 0;
+}
+
+/// With the axes that are asked for.
+void appendVector(const Vec3& v, int axis, const std::string& name, const Vec3& place, std::vector<Value>& out) {
+  for (int c = 0; c < 3; ++c)
+    if (axis == 0 || axis == c + 1) out.push_back({v[c], name + " " + "xyz"[c], place});
+  if (axis == 4) out.push_back({v.norm(), name + " norm", place});
+}
+
+std::vector<Value> Expect::nodeValues() const {
+  std::vector<Value> all;
+  const ConstRows rows = name_ == "velocity" ? state_->v() : state_->x();
+  const auto add = [&](Index node) {
+    const Index row = node * state_->rows_per_node;
+    const Vec3& rest = state_->rest_position[std::size_t(row)];
+    const Vec3 value = name_ == "displacement" ? Vec3(rows[row] - rest) : Vec3(rows[row]);
+    appendVector(value, int(axis_), fmt::format("{} node {}", of_, node), rest, all);
+  };
+  for (const int node : nodes_) add(node);
+  for (Index node = 0; nodes_.empty() && node < state_->nodes(); ++node) add(node);
+  return all;
+}
+
+std::vector<Value> Expect::listValues() const {
+  const Numbers numbers = *numbersOf(*owner_->data().find(name_));
+  std::vector<Value> all;
+  const std::size_t count = numbers.flat.size() / numbers.width;
+  const auto add = [&](std::size_t i) {
+    if (i >= count) return;
+    const double* at = numbers.flat.data() + i * numbers.width;
+    const std::string name = count > 1 ? fmt::format("{}[{}]", of_, i) : of_;
+    if (numbers.width == 3 && axis_ != Axis::all) return appendVector({at[0], at[1], at[2]}, int(axis_), name, Vec3::Zero(), all);
+    for (std::size_t c = 0; c < numbers.width; ++c) all.push_back({at[c], name});
+  };
+  for (const int i : nodes_) add(std::size_t(i));
+  for (std::size_t i = 0; nodes_.empty() && i < count; ++i) add(i);
+  return all;
+}
+
+double Expect::volume() const {
+  Mesh mesh = topologyOf(*state_)->mesh();
+  for (std::size_t i = 0; i < mesh.position.size() && Index(i) < state_->nodes(); ++i)
+    mesh.position[i] = state_->x()[Index(i) * state_->rows_per_node];
+  if (highestDimension(mesh) == 3) return mesh.report().volume;
+  double sum = 0;
+  const auto add = [&](Index a, Index b, Index c) { sum += mesh.position[a].dot(mesh.position[b].cross(mesh.position[c])) / 6; };
+  for (const Triangle& t : mesh.triangles) add(t[0], t[1], t[2]);
+  for (const Quad& q : mesh.quads) add(q[0], q[1], q[2]), add(q[0], q[2], q[3]);
+  return sum;
+}
+
+void Expect::fail(const Simulation& simulation, const Value& value, const std::string& expected) {
+  if (!failure_.empty()) return;
+  failure_ = fmt::format("{} is {:.9g} at t = {:g} s, expected {}", value.name, value.number, simulation.time(), expected);
+}
+
+void Expect::compare(const Simulation& simulation) {
+  const std::vector<Value> all = values(simulation);
+  ++comparisons_;
+  const double t = simulation.time();
+  if (all.empty() && failure_.empty()) failure_ = fmt::format("{} holds no numbers at t = {:g} s", of_, t);
+  double size = 0;
+  for (const Value& value : all)
+    if (!is_.empty()) size = std::max(size, std::abs(exact_.at(t, value.place)));
+  const double allowed = tolerance_ * size + absolute_;
+  for (const Value& value : all) {
+    if (!is_.empty()) {
+      const double wanted = exact_.at(t, value.place), off = std::abs(value.number - wanted);
+      if (!(off <= allowed)) fail(simulation, value, fmt::format("{:.9g} (off by {:.3g}, allowed {:.3g})", wanted, off, allowed));
+    }
+    const double most = below_.empty() ? 0 : lower_.at(t, value.place), least = above_.empty() ? 0 : upper_.at(t, value.place);
+    if (!below_.empty() && !(value.number < most)) fail(simulation, value, fmt::format("below {:.9g}", most));
+    if (!above_.empty() && !(value.number > least)) fail(simulation, value, fmt::format("above {:.9g}", least));
+  }
+}
+
+}  // namespace expect
+}  // namespace stroma
+
+STROMA_COMPONENT(expect) {
+  factory.add<stroma::expect::Expect>("Expect", "what a result is to be: compared, and a difference ends with exit code 1");
+}

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// CubeTopology: the surface of a box of nx x ny x nz nodes, of quads that turn outwards.
+//
+// The nodes are those of the lowest layer with x fastest, of the highest, and then of each layer between: the row of the least y,
+// that of the largest, the column of the least x without its ends, that of the largest. With `internalPoints`, or where one of
+// the numbers is 1, they are all nodes of the box in the order of RegularGridTopology. Quads are those normal to z, y, then x,
+// of the lower end before the upper.
+//
+// Source: names, attributes and the order are SOFA's.
+//
+// Example:
+// <Node name="root" dt="0.01">
+//   <EulerImplicitSolver/>
+//   <CGLinearSolver iterations="50" tolerance="1e-9"/>
+//   <CubeTopology nx="3" ny="3" nz="3" min="0 0 0" max="1 1 1"/>
+//   <MechanicalObject/>
+//   <UniformMass totalMass="1"/>
+//   <MeshSpringForceField stiffness="100"/>
+//   <QuadPressureForceField quadList="0 1 2 3" pressure="0 0 1"/>
+// </Node>
+#include <fmt/format.h>
+
+#include "framework/mesh/cell_attributes.h"
+#include "framework/mesh/topology.h"
+#include "framework/scene/factory.h"
+
+namespace stroma {
+namespace {
+
+class CubeTopology final : public Topology {
+ public:
+  void declare(DataTable& table) override {
+    for (std::size_t a = 0; a < 3; ++a)
+      table.add(std::string("n") + "xyz"[a], n_[a]).help("number of nodes along one axis").min(1).required();
+    table.add("min", min_).unit("m").help("lower corner of the box");
+    table.add("max", max_).unit("m").help("upper corner of the box");
+    table.add("internalPoints", is_full_).help("the nodes inside are there too");
+    table.add("position", mesh_.position).alias("points").unit("m").help("nodes").output();
+    addCellList(table, cell_kinds::quad, mesh_.quads).help("the cells").output();
+    addCellList(table, cell_kinds::edge, mesh_.edges).help("their sides").output();
+  }
+  void init() override {
+    constexpr double most = 1e8;
+    if (double(n_[0]) * n_[1] * n_[2] > most) throw ComponentError("the box has too many nodes", fmt::format("at most {:g}", most));
+    if ((n_[0] > 1) + (n_[1] > 1) + (n_[2] > 1) < 2)
+      throw ComponentError(fmt::format("a box of {} x {} x {} nodes has no quads", n_[0], n_[1], n_[2]), "two of them above 1");
+    mesh_ = Mesh();
+    number_.assign(std::size_t(n_[0]) * n_[1] * n_[2], -1);
+    makeNodes();
+    makeEdges();
+    for (const std::size_t axis : {2, 1, 0})
+      for (const bool upper : {false, true})
+        if (!upper || n_[axis] > 1) makeQuads(axis, upper);
+  }
+
+ private:
+  using Place = std::array<int, 3>;
+  Index& number(const Place& at) { return number_[std::size_t(at[0]) + std::size_t(n_[0]) * (at[1] + std::size_t(n_[1]) * at[2])]; }
+  void addNode(const Place& at) {
+    number(at) = Index(mesh_.position.size());
+    Vec3 p = min_;
+    for (std::size_t a = 0; a < 3; ++a)
+      if (n_[a] > 1) p[Eigen::Index(a)] += (max_ - min_)[Eigen::Index(a)] / (n_[a] - 1) * at[a];
+    mesh_.position.push_back(p);
+  }
+  void addLayer(int k) {
+    for (int j = 0; j < n_[1]; ++j)
+      for (int i = 0; i < n_[0]; ++i) addNode({i, j, k});
+  }
+  void makeNodes() {
+    const bool is_hollow = !is_full_ && n_[0] > 1 && n_[1] > 1 && n_[2] > 1;
+    if (is_hollow) addLayer(0), addLayer(n_[2] - 1);
+    for (int k = is_hollow ? 1 : 0; k < (is_hollow ? n_[2] - 1 : n_[2]); ++k) {
+      if (!is_hollow) {
+        addLayer(k);
+        continue;
+      }
+      for (const int j : {0, n_[1] - 1})
+        for (int i = 0; i < n_[0]; ++i) addNode({i, j, k});
+      for (const int i : {0, n_[0] - 1})
+        for (int j = 1; j + 1 < n_[1]; ++j) addNode({i, j, k});
+    }
+  }
+  bool isAtEnd(int i, std::size_t axis) const { return i == 0 || i == n_[axis] - 1; }
+  void makeEdges() {
+    for (int k = 0; k < n_[2]; ++k)
+      for (int j = 0; j < n_[1]; ++j)
+        for (int i = 0; i < n_[0]; ++i)
+          for (std::size_t axis = 0; axis < 3; ++axis) {
+            const Place at{i, j, k};
+            const std::size_t u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
+            if (at[axis] == n_[axis] - 1 || (!isAtEnd(at[u], u) && !isAtEnd(at[v], v))) continue;
+            Place next = at;
+            ++next[axis];
+            mesh_.edges.push_back({number(at), number(next)});
+          }
+  }
+  void makeQuads(std::size_t axis, bool upper) {
+    const std::size_t u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
+    const bool is_u_first = (axis == 1) == !upper;
+    for (int j = 0; j + 1 < n_[v]; ++j)
+      for (int i = 0; i + 1 < n_[u]; ++i) {
+        const auto corner = [&](int di, int dj) {
+          Place at{};
+          at[axis] = upper ? n_[axis] - 1 : 0, at[u] = i + di, at[v] = j + dj;
+          return number(at);
+        };
+        if (is_u_first)
+          mesh_.quads.push_back({corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)});
+        else
+          mesh_.quads.push_back({corner(0, 0), corner(0, 1), corner(1, 1), corner(1, 0)});
+      }
+  }
+
+  Place n_{2, 2, 2};
+  Vec3 min_ = Vec3::Zero(), max_ = Vec3::Ones();
+  bool is_full_ = false;
+  std::vector<Index> number_;  ///< of the nodes of the box; -1: not there
+};
+
+}  // namespace
+}  // namespace stroma
+
+STROMA_COMPONENT(cube_topology) {
+  factory.add<stroma::CubeTopology>("CubeTopology", "the surface of a box, cut into quads");
+}

@@ -1,0 +1,290 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Parts of a scene that become others: types under other names, force fields that are a mass too, steps of a loop that divides
+// them; and of several solvers and engines those that somebody asks.
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <set>
+
+#include "framework/scene/text.h"
+#include "tools/sofa/rewriting.h"
+
+namespace stroma::sofa {
+
+namespace {
+
+bool saysYes(const std::string& text) { return text == "1" || text == "true"; }
+bool saysNo(const std::string& text) { return text == "0" || text == "false"; }
+
+/// The links of an attribute: words that begin with @.
+template <class Visit>
+void forLinks(const AttributeDescription& attribute, Visit&& visit) {
+  Words words(attribute.value);
+  for (std::string_view word = words.next(); !word.empty(); word = words.next())
+    if (word.starts_with("@")) visit(word);
+}
+
+bool hasType(const NodeDescription& node, std::string_view type) {
+  return std::any_of(node.components.begin(), node.components.end(), [type](const auto& each) { return each.type == type; });
+}
+bool holdsType(const NodeDescription& node, std::string_view type) {
+  return hasType(node, type) ||
+         std::any_of(node.children.begin(), node.children.end(), [type](const auto& child) { return holdsType(child, type); });
+}
+bool holdsOnlyJoints(const NodeDescription& node) {
+  const auto is_joint = [](const auto& each) { return each.type == "ArticulationCenter" || each.type == "Articulation"; };
+  return std::all_of(node.components.begin(), node.components.end(), is_joint) &&
+         std::all_of(node.children.begin(), node.children.end(), holdsOnlyJoints);
+}
+/// Copies the joints into the nodes whose mapping has none; false: there is no such node.
+bool giveJoints(NodeDescription& node, const std::vector<NodeDescription>& joints) {
+  bool gave = false;
+  for (NodeDescription& child : node.children) gave = giveJoints(child, joints) || gave;
+  if (!hasType(node, "ArticulatedSystemMapping") || holdsType(node, "ArticulationCenter")) return gave;
+  node.children.insert(node.children.end(), joints.begin(), joints.end());
+  return true;
+}
+
+}  // namespace
+
+/// In SOFA the joints stand below an ArticulatedHierarchyContainer, beside the node of the mapping; here in that node or below.
+void Rewriting::moveJoints(NodeDescription& node) {
+  if (hasType(node, "ArticulatedHierarchyContainer")) {
+    const auto is_joints = [](const NodeDescription& child) { return holdsType(child, "ArticulationCenter") && holdsOnlyJoints(child); };
+    std::vector<NodeDescription> joints;
+    std::copy_if(node.children.begin(), node.children.end(), std::back_inserter(joints), is_joints);
+    if (!joints.empty() && giveJoints(node, joints)) std::erase_if(node.children, is_joints);
+  }
+  for (NodeDescription& child : node.children) moveJoints(child);
+}
+
+/// The type here, and what the name alone said.
+void Rewriting::renameType(Element& element) {
+  const std::string type = element.written->type;
+  if (type == "AsyncSparseLDLSolver")
+    warn(element.written->where, element, {},
+         "SOFA factors in another thread and solves with older factors: this solver has those of the step");
+  if (type == "TetrahedralTensorMassForceField") element.set("method", "small");
+  if (type == "FixedWeakConstraint") {  // springs to where the nodes rest: all of them, those listed, or node 0
+    if (saysYes(element.text("fixAll")))
+      element.remove("indices");
+    else if (!element.find("indices"))
+      element.set("indices", "0");
+    element.remove("fixAll");
+  }
+  if (type == "HexahedronFEMForceFieldAndMass" || type == "HexahedralFEMForceFieldAndMass") splitMass(element);
+  if (type == "TetrahedronFEMForceField") splitPlasticity(element);
+  element.written->type = std::string(typeHere(type));
+}
+
+/// The plastic strain is a field beside the elastic one, which comes when the mesh of that is known.
+void Rewriting::splitPlasticity(Element& field) {
+  const bool yields = std::atof(field.text("plasticMaxThreshold").c_str()) > 0;
+  const SourceLocation& where = field.written->where;
+  ComponentDescription plastic{"PlasticStrainForceField", {}, where, field.written->folder};
+  plastic.attributes.push_back({"name", field.name + "_plastic", where});
+  for (const char* copied : {"method", "youngModulus", "poissonRatio", "plasticMaxThreshold", "plasticYieldThreshold", "plasticCreep"})
+    if (const AttributeDescription* found = field.find(copied)) plastic.attributes.push_back(*found);
+  plastic.attributes.push_back({"scaledByVolume", "true", where});
+  const std::string method = field.text("method");
+  if ((method == "polar" || method == "svd") && quirks_.isOn("edge-polar")) plastic.attributes.push_back({"polarOf", "edges", where});
+  for (const char* moved : {"plasticMaxThreshold", "plasticYieldThreshold", "plasticCreep"}) field.remove(moved);
+  if (yields) plasticity_[&field] = std::move(plastic);
+}
+
+/// A force field of hexahedra that is a mass too. SOFA couples all pairs of corners alike, with 8/27 of the cell's mass each.
+void Rewriting::splitMass(Element& field) {
+  const SourceLocation& where = field.written->where;
+  ComponentDescription mass{"MeshMatrixMass", {}, where, field.written->folder};
+  SceneTree::linkTo(field);  // has a name from now on
+  const std::string density = field.find("density") ? field.text("density") : "1";
+  mass.attributes.push_back({"name", field.name + "_mass", where});
+  mass.attributes.push_back({"massDensity", density, where});
+  mass.attributes.push_back({"computeMassOnRest", "true", where});
+  if (saysYes(field.text("lumpedMass"))) mass.attributes.push_back({"lumping", "true", where});
+  if (quirks_.use("pair-mass", field.path())) mass.attributes.push_back({"matrix", "pairs", where});
+  for (const char* copied : {"topology", "rayleighMass"})
+    if (const AttributeDescription* found = field.find(copied)) mass.attributes.push_back(*found);
+  if (Element* mesh = meshOf(field); mesh && mesh->is("SparseGridTopology"))
+    mass.attributes.push_back({"cellFactors", SceneTree::linkTo(*mesh) + ".cellFactors", where});
+  for (const char* moved : {"density", "lumpedMass", "rayleighMass", "massMatrices"}) field.remove(moved);
+  field.place->added_components.push_back(std::move(mass));
+}
+
+// ---- loops that divide a step ----
+
+/// A loop of several steps of integration in each of the animation: the steps are those of integration.
+void Rewriting::divideSteps() {
+  tree_->forEach([this](Element& element) {
+    if (!element.is("MultiStepAnimationLoop")) return;
+    double parts = 1;
+    for (const char* name : {"collisionSteps", "integrationSteps"})
+      if (const std::string text = element.text(name); !text.empty()) parts *= std::max(1., std::floor(std::atof(text.c_str())));
+    std::vector<AttributeDescription>& attributes = scene_.root.attributes;
+    const auto dt = std::find_if(attributes.begin(), attributes.end(), [](const auto& each) { return each.name == "dt"; });
+    const double step = dt == attributes.end() ? 0.01 : std::atof(dt->value.c_str());
+    if (dt == attributes.end())
+      attributes.push_back({"dt", printReal(step / parts), element.written->where});
+    else
+      dt->value = printReal(step / parts);
+    element.dropped = true;
+    warn(element.written->where, element, {},
+         "divides each step into " + printReal(parts) + ": the scene has as many of them, of dt=\"" + printReal(step / parts) + "\"");
+  });
+}
+
+// ---- mappings that pass nothing on ----
+
+/// What acts on nodes that follow others is heard by nobody where the mapping passes no forces: SOFA leaves it without effect.
+void Rewriting::dropUnheard() {
+  const auto drop = [this](const auto& self, Place& place, const std::string& role, const Element& mapping) -> void {
+    for (const auto& each : place.elements) {
+      if (each->dropped || each->role() != role || movesElsewhere(*each)) continue;
+      each->dropped = true;
+      diagnostics_.note(each->written->where, each->path(), "does not count: " + mapping.path() + " passes nothing of it on");
+    }
+    for (const auto& child : place.children) self(self, *child, role, mapping);
+  };
+  tree_->forEach([&](Element& element) {
+    if (element.role() != "mapping") return;
+    const bool is_silent = saysNo(element.text("isMechanical"));
+    if (is_silent || saysNo(element.text("mapForces"))) drop(drop, *element.place, "force field", element);
+    if (is_silent || saysNo(element.text("mapMasses"))) drop(drop, *element.place, "mass", element);
+    for (const char* name : {"isMechanical", "mapForces", "mapMasses", "mapConstraints"}) {
+      if (!element.find(name)) continue;
+      element.remove(name);
+      noEffect(element.written->type + "." + name);
+    }
+  });
+}
+
+/// Nothing in the place or below acts on bodies: states that follow, meshes, and what only draws or makes values.
+bool Rewriting::hasOnlyFollowers(const Place& place) const {
+  static const std::set<std::string> followers = {"mechanical state", "topology", "topological mapping", "mapping", "mesh loader",
+                                                  "selection", "engine", "mesh engine", "observer"};
+  for (const auto& each : place.elements) {
+    if (each->dropped || each->without_effect) continue;
+    const std::string& type = each->written->type;
+    if (each->probe ? !followers.count(each->role()) : !type.ends_with("Mapping") && !isEngineOfSofa(type)) return false;
+  }
+  return std::all_of(place.children.begin(), place.children.end(), [this](const auto& child) { return hasOnlyFollowers(*child); });
+}
+
+/// A link from elsewhere, of something with an effect, leads into the place.
+bool Rewriting::isAskedFromOutside(const Place& place) const {
+  const auto lies_in = [&place](const Place* where) {
+    while (where && where != &place) where = where->parent;
+    return where != nullptr;
+  };
+  bool asked = false;
+  tree_->forEach([&](Element& element) {
+    if (element.without_effect || lies_in(element.place)) return;
+    for (const AttributeDescription& attribute : element.written->attributes)
+      forLinks(attribute, [&](std::string_view word) {
+        for (const bool names_data : {false, true}) {
+          const LinkTarget target = tree_->follow(element, word, names_data);
+          asked = asked || (target.element && lies_in(target.element->place)) || (target.place && lies_in(target.place));
+        }
+      });
+  });
+  return asked;
+}
+
+/// A mapping that is not available is missed only where something acts on the nodes that follow.
+void Rewriting::dropIdleMappings() {
+  tree_->forEachPlace([this](Place& place) {
+    for (const auto& each : place.elements) {
+      const std::string& type = each->written->type;
+      const bool is_unknown = !each->dropped && !each->probe && !each->without_effect && type.ends_with("Mapping");
+      if (!is_unknown || !place.parent || place.has("integrator") || !hasOnlyFollowers(place) || isAskedFromOutside(place)) continue;
+      place.dropped = true;
+      warn(each->written->where, *each, {},
+           type + " is not available here, and nothing acts on the nodes that follow by it: the scene runs without the node " +
+               place.path());
+      noEffect(type + " of what nothing acts on");
+      return;
+    }
+  });
+}
+
+// ---- several linear solvers ----
+
+/// Of several linear solvers in a node SOFA takes the first, or the one that its integrator links. Conjugate gradients with
+/// factors of the same matrix for a preconditioner give the solution of these factors.
+void Rewriting::chooseSolvers() {
+  tree_->forEachPlace([this](Place& place) {
+    Element* integrator = place.firstOf("integrator");
+    Element* chosen = place.firstOf("linear solver");
+    if (!integrator || !chosen) return;
+    if (const std::string link = integrator->text("linearSolver"); !link.empty())
+      if (const LinkTarget target = tree_->follow(*integrator, link, false); target.element && target.element->role() == "linear solver")
+        chosen = target.element;
+    Element* preconditioner = chosen->is("PCGLinearSolver") ? preconditionerOf(*chosen) : nullptr;
+    if (preconditioner && preconditioner->role() == "linear solver") {
+      chosen->dropped = true;
+      diagnostics_.note(chosen->written->where, chosen->path(),
+                        "does not count: with the factors of " + preconditioner->path() + " its solution is theirs");
+      if (integrator->find("linearSolver")) integrator->set("linearSolver", SceneTree::linkTo(*preconditioner));
+      chosen = preconditioner, preconditioner = nullptr;
+    }
+    Element* factors = nullptr;  // those that the preconditioner turns
+    if (preconditioner)
+      for (const char* name : {"linearSolver", "solverName"})
+        if (const std::string link = preconditioner->text(name); !link.empty() && !factors)
+          factors = tree_->follow(*preconditioner, link, false).element;
+    if (factors && preconditioner->probe->data().find("linearSolver"))
+      preconditioner->set("linearSolver", SceneTree::linkTo(*factors));
+    for (const auto& each : place.elements) {
+      const std::string role = each->role();
+      if (each->dropped || (role != "linear solver" && role != "preconditioner")) continue;
+      const bool turned = role == "linear solver" && preconditioner && preconditioner->role() == "preconditioner" && !factors &&
+                          preconditioner->written->type.ends_with("WarpPreconditioner") && each.get() != chosen;
+      if (each.get() == chosen || each.get() == preconditioner || each.get() == factors || turned) continue;
+      each->dropped = true;
+      diagnostics_.note(each->written->where, each->path(), "does not count: " + chosen->path() + " solves in this node");
+    }
+  });
+}
+
+/// By its link, or by the names that SOFA took before; null: none.
+Element* Rewriting::preconditionerOf(Element& solver) {
+  const std::string names = solver.text("preconditioners");
+  solver.remove("preconditioners");
+  const bool uses = !saysNo(solver.text("use_precond"));
+  std::string link = solver.find("preconditioner") ? solver.text("preconditioner") : names;
+  if (const auto blank = link.find(' '); blank != std::string::npos) link = link.substr(0, blank);
+  Element* found = link.empty() || !uses ? nullptr : tree_->follow(solver, link, false).element;
+  if (found && !found->dropped && found->role() == "linear solver") return found;
+  if (found && !found->dropped && found->role() == "preconditioner")
+    solver.set("preconditioner", SceneTree::linkTo(*found));
+  else
+    solver.set("preconditioner", "none"), found = nullptr;
+  return found;
+}
+
+// ---- engines ----
+
+/// An engine that is not available here is missed only where something with an effect takes what it makes.
+void Rewriting::dropIdleEngines() {
+  const auto is_engine = [](const Element& element) { return !element.probe && isEngineOfSofa(element.written->type); };
+  for (bool changed = true; changed;) {
+    std::set<const Element*> asked;
+    tree_->forEach([&](Element& element) {
+      if (element.without_effect) return;
+      for (const AttributeDescription& attribute : element.written->attributes)
+        forLinks(attribute, [&](std::string_view word) {
+          for (const bool names_data : {false, true})
+            if (const LinkTarget target = tree_->follow(element, word, names_data); target.element && target.element != &element)
+              asked.insert(target.element);
+        });
+    });
+    changed = false;
+    tree_->forEach([&](Element& element) {
+      if (!is_engine(element) || asked.count(&element)) return;
+      element.without_effect = element.dropped = changed = true;
+      noEffect(element.written->type + ", which nothing with an effect reads");
+    });
+  }
+}
+
+}  // namespace stroma::sofa
