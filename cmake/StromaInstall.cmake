@@ -24,7 +24,7 @@ install(FILES cmake/StromaModule.cmake ${CMAKE_BINARY_DIR}/stroma-config.cmake $
   DESTINATION ${package_folder} COMPONENT dev)
 
 # Scenes with their meshes and the stored states that `stroma regress` compares with. The sample module is an example too.
-install(DIRECTORY scenes/examples scenes/benchmarks scenes/meshes scenes/regression
+install(DIRECTORY scenes/examples scenes/python scenes/benchmarks scenes/meshes scenes/regression
   DESTINATION ${data_folder}/scenes COMPONENT runtime)
 install(FILES README.md CHANGELOG.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT runtime)
 install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR}/docs COMPONENT runtime)

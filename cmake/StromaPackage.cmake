@@ -6,6 +6,7 @@
 #   stroma-vtk      VTK's formats: VTKExporter, MeshVTKLoader's reader, the reader of segmented images; `stroma picture`
 #   stroma-mesh     `stroma mesh` (CGAL, GPL)
 #   stroma-solvers  direct solvers and condensed bodies (CHOLMOD and BLAS, GPL)
+#   python3-stroma  the Python module
 #   stroma-dev      headers, stroma-config.cmake and the indexer, for modules outside the tree
 # `cpack -G DEB` packs any whole build. That of `tools/setup package` is for all instruction sets, and in Debian's folders.
 file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/parts.packages CONTENT "${parts_packaged}" @ONLY)
@@ -95,6 +96,11 @@ stroma_package(mesh stroma-mesh DEPENDS "stroma (${same})" RECOMMENDS "stroma-vt
   SUMMARY "simulation of soft tissue - meshes from images and surfaces"
   DESCRIPTION "Fills segmented images and closed surfaces with tetrahedra. Under the GPL,
 because the mesh generator of CGAL is.")
+stroma_package(python python3-stroma DEPENDS "stroma (${same}), python3, python3-numpy" RECOMMENDS "python3-scipy"
+  SUMMARY "simulation of soft tissue - Python module"
+  DESCRIPTION "Loads or builds a scene in Python, steps it, and has its states as arrays of
+NumPy without copies.")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
 stroma_package(dev stroma-dev
   DEPENDS "stroma (${same}), cmake (>= 3.25), g++, libeigen3-dev (>= 3.4), libfmt-dev, libxsimd-dev"
   SUMMARY "simulation of soft tissue - for modules of one's own"

@@ -56,6 +56,7 @@ std::string printed(const RunEvent& event) {
   if (const auto* edit = std::get_if<AttributeEdit>(&event.what))
     return fmt::format("{{\"step\":{},\"set\":{},\"attribute\":{},\"value\":{}}}\n", event.step, quoted(edit->path),
                        quoted(edit->attribute), quoted(edit->text));
+  if (const auto* change = std::get_if<StateChange>(&event.what)) refuseAgain(*change);
   const auto& [which, input] = std::get<InputChange>(event.what);
   if (!input) return fmt::format("{{\"step\":{},\"end\":{}}}\n", event.step, which);
   if (input->ball) return printedBall(event.step, which, *input);

@@ -25,7 +25,7 @@ struct RecordedActions {
 };
 
 /// The text of such a file: numbers read back to the same bits. Throws std::runtime_error with a sentence when a text in
-/// it is not UTF-8, a number not finite, or an input has nodes and a ball.
+/// it is not UTF-8, a number not finite, or an input has nodes and a ball, or a program has set a state.
 std::string printActions(const RecordedActions& actions);
 /// Throws SceneError with every problem (the first told_action_problems), each with `file`, its line and what was expected.
 RecordedActions parseActions(std::istream& text, const std::string& file);

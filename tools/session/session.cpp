@@ -7,7 +7,11 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "framework/scene/dialect.h"
 #include "framework/scene/output_file.h"
+#include "framework/scene/overrides.h"
+#include "framework/scene/prefab.h"
+#include "framework/scene/spans.h"
 #include "tools/checks/cells_across.h"
 #include "tools/checks/empty_selections.h"
 #include "tools/checks/idle_parts.h"
@@ -15,6 +19,7 @@
 #include "tools/checks/unit_doubts.h"
 #include "tools/session/file_uses.h"
 #include "tools/session/replay.h"
+#include "tools/session/scene_program.h"
 #include "tools/units/unit_system.h"
 
 namespace stroma {
@@ -52,23 +57,56 @@ const std::string& reasonOf(const StepReport& step) {
 
 Simulation& Session::load(const std::string& scene_file, const std::vector<Override>& more_overrides) {
   unload();
-  std::vector<Override> overrides = overrides_;
-  overrides.insert(overrides.end(), more_overrides.begin(), more_overrides.end());
-  return take(scene_file, loadScene(scene_file, overrides, factory_, modules_));
+  if (isSceneProgram(scene_file)) {
+    SceneProgram& program = sceneProgram();
+    Simulation& simulation = load(program.describe(scene_file, *this), more_overrides);
+    program_ = &program;
+    program.loaded(*this);
+    return simulation;
+  }
+  return take(scene_file, loadScene(scene_file, with(more_overrides), factory_, modules_));
 }
 
 Simulation& Session::loadText(const std::string& xml, const std::string& name,
                               const std::vector<Override>& more_overrides) {
   unload();
+  return take(name, loadSceneText(xml, name, with(more_overrides), factory_, modules_));
+}
+
+Simulation& Session::load(SceneDescription description, const std::vector<Override>& more_overrides,
+                          Diagnostics diagnostics) {
+  unload();
+  const std::vector<Override> overrides = with(more_overrides);
+  std::vector<AttributeDescription>& attributes = description.root.attributes;
+  if (isForeign(description.file, description.root, overrides) && !description.root.find(dialect_attribute))
+    attributes.push_back({dialect_attribute, foreign_dialect, description.root.where});
+  applyOverrides(overrides, description.root, diagnostics);
+  const std::string file = description.file;
+  return take(file, instantiate(std::move(description), factory_, modules_, std::move(diagnostics)));
+}
+
+SceneDescription Session::read(const std::string& scene_file, const std::vector<Override>& more_overrides,
+                               Diagnostics& diagnostics) {
+  SceneDescription description = readSceneWithPrefabs(scene_file, with(more_overrides), {},
+                                                      knownTypes(factory_, modules_), diagnostics, nullptr);
+  if (description.root.where.file.empty()) throw SceneError(std::move(diagnostics));
+  return description;
+}
+
+std::vector<Override> Session::with(const std::vector<Override>& more_overrides) const {
   std::vector<Override> overrides = overrides_;
   overrides.insert(overrides.end(), more_overrides.begin(), more_overrides.end());
-  return take(name, loadSceneText(xml, name, overrides, factory_, modules_));
+  return overrides;
 }
 
 Simulation& Session::take(const std::string& file, Scene scene) {
   scene_file_ = file;
   unconverged_ = {};
-  auto simulation = std::make_unique<Simulation>(std::move(scene));
+  auto simulation = [&] {
+    const Span span("compile");
+    return std::make_shared<Simulation>(std::move(scene));
+  }();
+  const Span span("check the scene");
   Diagnostics& diagnostics = simulation->diagnostics();
   checkOverwriting(*simulation, diagnostics);
   if (diagnostics.hasErrors()) throw SceneError(std::move(diagnostics));
@@ -85,6 +123,7 @@ Simulation& Session::take(const std::string& file, Scene scene) {
 void Session::unload() {
   if (simulation_) simulation_->end();
   simulation_.reset();
+  program_ = nullptr;
 }
 
 Simulation& Session::simulation() const {
@@ -99,6 +138,19 @@ long Session::stepsUntil(double t) const {
   return long(count);
 }
 
+StepReport Session::step(StopToken stop) {
+  Simulation& running = simulation();
+  if (!program_) return running.step(stop);
+  program_->beforeStep(running);
+  StepReport report = running.step(stop);
+  if (!report.stopped && !report.diverged) program_->afterStep(running);
+  return report;
+}
+
+void Session::key(const std::string& name, bool pressed) {
+  if (program_) program_->key(name, pressed);
+}
+
 RunReport Session::run(const RunLimits& limits) {
   Simulation& running = simulation();
   const auto start = Clock::now();
@@ -110,9 +162,13 @@ RunReport Session::run(const RunLimits& limits) {
       report.end = RunEnd::stopped;
       break;
     }
+    if (limits.before_step) limits.before_step(running);
     try {
       const auto step_start = Clock::now();
-      StepReport step = running.step(StopToken(stop_));
+      StepReport step = [&] {
+        const Span span("whole step");
+        return this->step(StopToken(stop_));
+      }();
       if (step.stopped) break;
       report.last = std::move(step);
       report.end = endAfter(report.last);
@@ -120,9 +176,16 @@ RunReport Session::run(const RunLimits& limits) {
       const double seconds = secondsSince(step_start);
       report.statistics.add(report.last, seconds);
       unconverged_.add(report.last);
-      if (limits.after_step) limits.after_step(report.last, seconds);
+      if (limits.after_step) {
+        const Span span("record and tell");
+        limits.after_step(report.last, seconds);
+      }
     } catch (const ReplayError& error) {
       report.end = RunEnd::not_replayed;
+      report.reason = error.what();
+      break;
+    } catch (const ProgramError& error) {
+      report.end = RunEnd::program_failed;
       report.reason = error.what();
       break;
     } catch (const OutputError& error) {
@@ -140,15 +203,14 @@ RunReport Session::run(const RunLimits& limits) {
   return report;
 }
 
-void Session::writeCheckpoint(const std::string& path) {
+Checkpoint Session::checkpoint() {
   Checkpoint checkpoint{scene_file_, buildIdentity(), simulation().checkpoint()};
   checkpoint.values.enter("run");
   unconverged_.serialize(checkpoint.values);
-  checkpoint.write(path);
+  return checkpoint;
 }
 
-std::vector<std::string> Session::restore(const std::string& path) {
-  Checkpoint checkpoint = Checkpoint::read(path);
+std::vector<std::string> Session::restore(Checkpoint checkpoint, const std::string& path) {
   bool tells_convergence = false;
   try {
     UnconvergedSteps unconverged;

@@ -14,11 +14,15 @@
 
 namespace stroma {
 
+class SceneProgram;
+
 /// When a run ends; whichever comes first.
 struct RunLimits {
   long steps = std::numeric_limits<long>::max();     ///< made by this call
   std::optional<double> until{};                     ///< time of the simulation [s]: the first step that reaches it
   std::function<bool(const Simulation&)> reached{};  ///< asked after each step
+  /// Called before each step, when everything that may be done between steps may be done. What it throws ends the run.
+  std::function<void(Simulation&)> before_step{};
   /// Told after each good step: its report and its wall time [s].
   std::function<void(const StepReport&, double)> after_step{};
 };
@@ -29,6 +33,7 @@ enum class RunEnd {
   diverged,       ///< the state is that before the step that failed
   not_converged,  ///< no equilibrium, or a position constraint that does not hold: the state is no result
   not_replayed,   ///< an event of a replay was refused: the state is that before its step
+  program_failed,  ///< the scene's own program: the state is that of the last whole step
   output_failed,  ///< an observer, or what is told after each step, could not write; all others have seen the step
 };
 
@@ -41,7 +46,8 @@ struct RunReport {
   RunStatistics statistics;  ///< of this call; what is unconverged is that of the session's run
 };
 
-/// Modules, a loaded scene and its simulation. Components are code in modules: nothing of a scene outlives its session.
+/// Modules, a loaded scene and its simulation. Who holds shared() keeps the simulation as it is when the session drops it or
+/// loads another scene; the code of components stays until the process ends.
 ///
 /// Threads: one thread at a time uses a session and what belongs to it (simulation, states, observers), and only between
 /// steps; observers are called by the thread that steps. requestStop() alone may be called by any thread, or a signal
@@ -64,16 +70,31 @@ class Session {
   /// The same from XML text; `name` stands for the file in messages, and relative file names start at its folder.
   Simulation& loadText(const std::string& xml, const std::string& name,
                        const std::vector<Override>& more_overrides = {});
+  /// The same from a description that a program made or keeps. `diagnostics`: what was found when it was read.
+  Simulation& load(SceneDescription description, const std::vector<Override>& more_overrides = {},
+                   Diagnostics diagnostics = {});
+  /// A scene file with its includes and overrides: what load() makes a scene of. Problems go to `diagnostics`; throws
+  /// SceneError when there is no tree.
+  SceneDescription read(const std::string& scene_file, const std::vector<Override>& more_overrides,
+                        Diagnostics& diagnostics);
   /// Ends observers and drops the scene.
   void unload();
   bool isLoaded() const { return simulation_ != nullptr; }
   /// Throws std::logic_error when nothing is loaded.
   Simulation& simulation() const;
+  /// The same, owned together with the session; null when nothing is loaded.
+  std::shared_ptr<Simulation> shared() const { return simulation_; }
   const std::string& sceneFile() const { return scene_file_; }
 
   /// Steps until a limit, a stop, or a step without a result. Observers see the start first; they see the end when
   /// finish() is called. Run again to go on.
   RunReport run(const RunLimits& limits);
+  /// One step of the simulation, in which a scene that is a program takes part. Throws ProgramError.
+  StepReport step(StopToken stop = {});
+  /// Whether the scene is a program, which hears keys.
+  bool isProgram() const { return program_ != nullptr; }
+  /// A key of who shows the run, between steps; without effect on a scene that is no program. Throws ProgramError.
+  void key(const std::string& name, bool pressed);
   /// How many steps it takes to `t` [s] with the present dt. Throws std::invalid_argument when that lies before the
   /// present, or too far.
   long stepsUntil(double t) const;
@@ -85,21 +106,26 @@ class Session {
   void finish() { simulation().end(); }
 
   /// With it goes which steps so far relied on solves that did not converge.
-  void writeCheckpoint(const std::string& path);
+  void writeCheckpoint(const std::string& path) { checkpoint().write(path); }
+  Checkpoint checkpoint();
   /// Restores a checkpoint of this scene. Returns notes: that another build or another file wrote it. Throws
   /// std::runtime_error with a sentence.
-  std::vector<std::string> restore(const std::string& path);
+  std::vector<std::string> restore(const std::string& path) { return restore(Checkpoint::read(path), path); }
+  /// The same; `name` is for messages.
+  std::vector<std::string> restore(Checkpoint checkpoint, const std::string& name);
 
  private:
   Simulation& take(const std::string& file, Scene scene);
+  std::vector<Override> with(const std::vector<Override>& more_overrides) const;
 
   Factory factory_;
   Modules modules_{factory_};
   std::vector<Override> overrides_;
   std::string scene_file_;
-  std::unique_ptr<Simulation> simulation_;
+  std::shared_ptr<Simulation> simulation_;
   UnconvergedSteps unconverged_;  ///< since the scene was loaded, or before the checkpoint
   StopRequest stop_;
+  SceneProgram* program_ = nullptr;  ///< the scene is one, and takes part in its steps
 };
 
 }  // namespace stroma

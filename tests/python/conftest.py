@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""What the tests of the Python module share."""
+import os
+import pathlib
+
+import pytest
+import stroma
+
+SOURCE = pathlib.Path(os.environ.get("STROMA_SOURCE", pathlib.Path(__file__).parents[2]))
+EXAMPLES = SOURCE / "scenes" / "examples"
+
+
+def block(**fem):
+    """A block of 5 x 5 x 4 nodes that hangs from its top: small, and it moves."""
+    root = stroma.Node("root", dt=0.01, gravity=(0, -9.81, 0))
+    root.add("EulerImplicitSolver", name="solver", rayleighStiffness=0.01)
+    root.add("CGLinearSolver", name="linear", iterations=50, tolerance=1e-10)
+    body = root.add_child("body")
+    body.add("RegularGridTopology", name="grid", n=(5, 5, 4), min=(0, 0, 0), max=(0.1, 0.1, 0.08))
+    body.add("MechanicalObject", name="dofs")
+    body.add("UniformMass", name="mass", totalMass=1)
+    body.add("HexahedronFEMForceField", name="fem", **{"youngModulus": 5000, "poissonRatio": 0.3, "method": "large", **fem})
+    body.add("BoxROI", name="top", box=(-1, 0.099, -1, 1, 0.101, 1))
+    body.add("FixedProjectiveConstraint", name="held", indices="@top.indices")
+    return root
+
+
+@pytest.fixture
+def simulation():
+    return stroma.load(block())
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """An empty folder that is the present one: examples write their results there."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path

@@ -1,0 +1,18 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+# Written in Python 2.
+import Sofa
+
+
+def createScene(rootNode):
+    print "a scene of before"
+    rootNode.findData('gravity').value = '0 0 -10'
+    names = {'dofs': 1}
+    if names.has_key('dofs'):
+        body = rootNode.createChild('body')
+    for index in xrange(1):
+        body.createObject('EulerImplicitSolver')
+        body.createObject('CGLinearSolver', iterations=10, tolerance=1e-14, threshold=1e-14)
+        body.createObject('MechanicalObject', name='dofs', position='0 0 %d' % index)
+        body.createObject('UniformMass', totalMass=1)
+    rootNode.createObject('DefaultAnimationLoop')
+    return 0

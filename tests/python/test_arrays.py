@@ -1,0 +1,260 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""States as arrays: views of the engine's memory, which outlive everything."""
+import gc
+
+import numpy
+import pytest
+import stroma
+from conftest import EXAMPLES, block
+
+
+def test_positions_are_a_view(simulation):
+    state = simulation.state("/body")
+    x = state.x
+    assert x.shape == (100, 3) and x.strides == (32, 8) and x.dtype == numpy.float64
+    assert x.ctypes.data == state._state.address and state.x.ctypes.data == x.ctypes.data
+    assert state.v.ctypes.data != x.ctypes.data
+    before = x.copy()
+    simulation.run(3)
+    assert not numpy.array_equal(x, before), "it follows the steps"
+    assert numpy.array_equal(x, simulation.state("/body/dofs").x)
+    assert not x.flags.writeable and not x.flags.owndata
+    with pytest.raises(ValueError):
+        x[0, 0] = 1
+
+
+def test_views_outlive_the_simulation():
+    simulation = stroma.load(block())
+    simulation.run(2)
+    x = simulation.state("/body").x
+    kept = x.copy()
+    part = x[::7, 1]
+    del simulation
+    gc.collect()
+    assert numpy.array_equal(x, kept) and numpy.array_equal(part, kept[::7, 1])
+    del x
+    gc.collect()
+    assert numpy.array_equal(part, kept[::7, 1])
+
+
+def test_views_outlive_a_reset_an_edit_and_a_checkpoint(simulation):
+    x = simulation.state("/body").x
+    start = x.copy()
+    mark = simulation.checkpoint()
+    simulation.run(2)
+    simulation["/body/fem"].youngModulus = 8000
+    simulation.run(1)
+    simulation.reset()
+    assert numpy.array_equal(x, start)
+    simulation.run(1)
+    simulation.restore(mark)
+    assert numpy.array_equal(x, start)
+
+
+def test_forces_exist_where_they_were_asked_for(simulation):
+    state = simulation.state("/body")
+    simulation.step()
+    with pytest.raises(stroma.SceneError, match="not asked for.*request_forces"):
+        state.f
+    simulation.request_forces()
+    simulation.step()
+    assert numpy.abs(state.f).max() > 0
+
+
+def test_asking_for_forces_changes_no_bit():
+    one, other = stroma.load(block()), stroma.load(block())
+    other.request_forces()
+    one.run(3), other.run(3)
+    assert one.hash == other.hash
+
+
+def test_frames_are_copies(folder):
+    simulation = stroma.load(EXAMPLES / "gripper.xml", observers=False)
+    frames = [state for state in simulation.states() if state.kind == "frames"]
+    assert frames
+    simulation.run(2)
+    for state in frames:
+        assert state.x.shape == (state.nodes, 7) and state.v.shape == (state.nodes, 6)
+        assert numpy.allclose(numpy.linalg.norm(state.x[:, 3:], axis=1), 1)
+        assert state.rest.shape == state.x.shape
+
+
+def test_setting_a_state(simulation):
+    state = simulation.state("/body")
+    held = {int(node) for node in simulation["/body/top"].indices}
+    wanted = state.x + (0.01, 0, 0)
+    assert state.set(x=wanted) == len(held)
+    for node in range(state.nodes):
+        expected = state.start[node] if node in held else wanted[node]
+        assert numpy.array_equal(state.x[node], expected)
+    assert state.set(v=numpy.ones((100, 3))) == len(held)
+    assert numpy.array_equal(state.v[sorted(held)], numpy.zeros((len(held), 3)))
+    free = next(node for node in range(100) if node not in held)
+    state.set(x=[[0.5, 0.25, 0.125]], nodes=[free])
+    assert state.x[free].tolist() == [0.5, 0.25, 0.125]
+    simulation.run(2)
+    with pytest.raises(stroma.StromaError, match="set by a program"):
+        simulation.actions()
+
+
+def test_a_state_is_edited_in_place(simulation):
+    state = simulation.state()
+    before = state.x.copy()
+    with state.edit() as edited:
+        edited.x[7, 0] += 0.25
+    assert state.x[7, 0] == before[7, 0] + 0.25 and numpy.array_equal(numpy.delete(state.x, 7, axis=0), numpy.delete(before, 7, axis=0))
+    now = simulation.hash
+    with state.edit():
+        pass
+    with pytest.raises(ZeroDivisionError):
+        with state.edit() as edited:
+            edited.x[:] = 7
+            edited.x[0] /= 1 // 0
+    assert simulation.hash == now
+
+
+def test_a_set_state_is_where_it_came_from(simulation):
+    """The state of another run, to the bit: Euler's method remembers nothing else."""
+    other = stroma.load(block())
+    other.run(5)
+    simulation.state().set(x=other.state().x, v=other.state().v)
+    assert numpy.array_equal(simulation.state().x, other.state().x) and numpy.array_equal(simulation.state().v, other.state().v)
+    other.step(), simulation.step()
+    assert numpy.allclose(simulation.state().x, other.state().x, rtol=0, atol=1e-12)
+
+
+def test_what_a_state_cannot_be(simulation):
+    state = simulation.state()
+    good = state.x.copy()
+    for wrong in (numpy.zeros((99, 3)), numpy.zeros((100, 4)), numpy.zeros(300), 7):
+        with pytest.raises(ValueError, match=r"\(100, 3\)"):
+            state.set(x=wrong)
+    for wrong in (numpy.full((100, 3), numpy.nan), numpy.full((100, 3), numpy.inf)):
+        with pytest.raises(stroma.SceneError, match="finite"):
+            state.set(x=wrong)
+    with pytest.raises((TypeError, ValueError)):
+        state.set(x="here")
+    assert numpy.array_equal(state.x, good)
+
+
+def test_mapped_states_follow_and_cannot_be_set(folder):
+    simulation = stroma.load(EXAMPLES / "organ_embedded.xml", observers=False)
+    states = simulation.states()
+    mapped = next(state for state in states if "mapp" in str([c.role for c in simulation.node(state.path.rpartition("/")[0]).components]))
+    with pytest.raises(stroma.SceneError, match="mapping"):
+        mapped.set(x=mapped.x)
+    leader = next(state for state in states if state is not mapped)
+    before = mapped.x.copy()
+    leader.set(x=leader.x + 0.001)
+    assert numpy.abs(mapped.x - before).max() > 1e-4
+
+
+def test_meshes_are_arrays(simulation):
+    mesh = simulation.state().mesh()
+    assert mesh.cells["hexahedron"].shape == (4 * 4 * 3, 8) and mesh.points.shape == (100, 3)
+    assert sum(len(cells) for cells in mesh.surface.values()) == 2 * (16 + 12 + 12)
+    cells, types = mesh.vtk_cells()
+    assert len(cells) == 48 * 9 and set(types) == {12}
+
+
+def test_matrices_are_those_of_the_forces(simulation):
+    """K is the derivative of the force, M the mass; asking changes no bit."""
+    scipy = pytest.importorskip("scipy.sparse")
+    twin = stroma.load(block(method="small"))
+    twin.run(2)
+    before = twin.hash
+    stiffness, mass = twin.matrix("stiffness"), twin.matrix("mass")
+    assert scipy.issparse(stiffness) and stiffness.shape == (300, 300)
+    assert abs(stiffness - stiffness.T).max() < 1e-9 * abs(stiffness).max()
+    assert mass.sum() == pytest.approx(3 * 1)
+    force = twin.force()
+    assert twin.hash == before
+    state = twin.state()
+    node = next(node for node in range(100) if node not in set(twin["/body/top"].indices))
+    shift = numpy.zeros((100, 3))
+    shift[node, 1] = 1e-4
+    state.set(x=state.x + shift)
+    change = (twin.force() - force).ravel()
+    assert numpy.allclose(change, stiffness @ shift.ravel(), atol=1e-9 * abs(change).max() + 1e-12)
+    held = twin.matrix("stiffness", constrained=True).toarray()
+    for node in twin["/body/top"].indices:
+        assert held[3 * node, 3 * node] == 1
+    with pytest.raises(stroma.SceneError, match="did you mean '?stiffness"):
+        twin.matrix("stifness")
+
+
+INTEGRATORS = {"EulerImplicitSolver": {}, "BDFOdeSolver": {"order": 2}, "NewmarkImplicitSolver": {}, "TrapezoidalRuleSolver": {},
+               "VariationalSymplecticSolver": {}, "CentralDifferenceSolver": {}, "EulerExplicitSolver": {}, "RungeKutta4Solver": {},
+               "StaticSolver": {}}
+
+
+@pytest.mark.parametrize("type", INTEGRATORS)
+def test_integrators_begin_anew_where_a_state_is_set(type):
+    """A run whose state was set goes on with the bits of one that begins there: nothing of the way before is left."""
+    def loaded():
+        root = block()
+        root.remove(root["solver"])
+        root.insert(0, type, name="solver", **INTEGRATORS[type])
+        return stroma.load(root, set={"dt": 1e-3})
+    walked, fresh = loaded(), loaded()
+    walked.run(7)
+    bent = fresh.state().start + 0.01 * numpy.sin(20 * fresh.state().start[:, ::-1])
+    speed = numpy.cos(10 * fresh.state().start)
+    for simulation in (walked, fresh):
+        simulation.state().set(x=bent, v=speed)
+    assert walked.hash == fresh.hash
+    walked.run(4), fresh.run(4)
+    assert walked.hash == fresh.hash
+    free = loaded()
+    free.run(4)
+    assert free.hash != fresh.hash
+
+
+def test_condensed_bodies_refuse(folder):
+    simulation = stroma.load(EXAMPLES / "organ_condensed.xml", observers=False)
+    simulation.step()
+    state = simulation.states()[0]
+    with pytest.raises(stroma.SceneError, match="beforehand"):
+        state.set(x=state.x)
+    with pytest.raises(stroma.SceneError, match="beforehand"):
+        simulation.matrix("stiffness")
+
+
+def test_bodies_that_would_overlap_stay_where_they_are():
+    root = stroma.Node("root", dt=0.01, gravity=(0, 0, -9.81))
+    root.add("EulerImplicitSolver", newtonIterations=30)
+    root.add("SparseLDLSolver")
+    root.add("MeshTopology", position="0 0 0  1 0 0  0 1 0  0.3 0.3 0.8", tetrahedra="0 1 2 3")
+    root.add("MechanicalObject", name="dofs")
+    root.add("UniformMass", totalMass=2)
+    root.add("TetrahedronFEMForceField", youngModulus=1e5, poissonRatio=0.3)
+    root.add("BarrierContact", contactDistance=0.25, planes=[0, 0, 1, -0.35])
+    simulation = stroma.load(root)
+    state = simulation.state()
+    before = simulation.hash
+    with pytest.raises(stroma.SceneError, match="keeps its positions"):
+        state.set(x=state.x - (0, 0, 1))
+    assert simulation.hash == before
+    state.set(x=state.x + (0, 0, 1))
+    simulation.run(60)
+    assert state.x[:, 2].min() > -0.35, "it falls again and is stopped"
+
+
+def test_histories_keep_what_they_remember():
+    """A viscous body that is told to be where it is goes on as it would; without its memory it would be stiffer."""
+    def loaded():
+        root = block()
+        body = root["body"]
+        body.remove(body["fem"])
+        body.add("HexahedronHyperelasticityFEMForceField", name="fem", materialName="NeoHookean", youngModulus=5000, poissonRatio=0.3,
+                 viscous=True, ParameterAlpha=[0.6], ParameterTau=[0.05])
+        return stroma.load(root)
+    kept, told, fresh = loaded(), loaded(), loaded()
+    kept.run(20), told.run(20)
+    told.state().set(x=told.state().x, v=told.state().v)
+    fresh.state().set(x=kept.state().x, v=kept.state().v)
+    for simulation in (kept, told, fresh):
+        simulation.run(5)
+    moved = numpy.abs(kept.state().x - kept.state().start).max()
+    assert numpy.allclose(told.state().x, kept.state().x, rtol=0, atol=1e-7 * moved)
+    assert numpy.abs(fresh.state().x - kept.state().x).max() > 1e-3 * moved, "with no memory it goes another way"

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tools/python/engine.h"
+
+#include <csignal>
+
+namespace stroma::python {
+namespace {
+
+/// The session that Ctrl-C stops, and what the signal did before: the interpreter's handler.
+std::atomic<Session*> interrupted{nullptr};
+struct sigaction handler_before;
+
+void onInterrupt(int signal) {
+  if (Session* session = interrupted.load()) session->requestStop();
+  handler_before.sa_handler(signal);
+}
+
+/// As long as it lives, Ctrl-C ends the run at once; the interpreter is told too, and raises KeyboardInterrupt afterwards.
+class Interrupts {
+ public:
+  Interrupts(Session& session, bool wanted) {
+    if (!wanted || interrupted.load()) return;
+    struct sigaction now {};
+    if (sigaction(SIGINT, nullptr, &handler_before) != 0 || (handler_before.sa_flags & SA_SIGINFO) ||
+        handler_before.sa_handler == SIG_DFL || handler_before.sa_handler == SIG_IGN)
+      return;
+    now = handler_before;
+    now.sa_handler = onInterrupt;
+    interrupted = &session;
+    installed_ = sigaction(SIGINT, &now, nullptr) == 0;
+  }
+  ~Interrupts() {
+    if (installed_) sigaction(SIGINT, &handler_before, nullptr);
+    if (installed_) interrupted = nullptr;
+  }
+  Interrupts(const Interrupts&) = delete;
+
+ private:
+  bool installed_ = false;
+};
+
+/// As long as it lives, this thread does not have the interpreter's lock, but in call(). What is quicker than
+/// gil_scoped_acquire: the thread has a state already.
+class Unlocked {
+ public:
+  ~Unlocked() { PyEval_RestoreThread(state_); }
+  Unlocked() = default;
+  Unlocked(const Unlocked&) = delete;
+
+  /// Calls the functions, in their order and as long as there are some, with the lock. By the same thread.
+  void call(const py::list& functions, const py::object& owner) {
+    PyEval_RestoreThread(state_);
+    struct Again {
+      PyThreadState*& state;
+      ~Again() { state = PyEval_SaveThread(); }
+    } const again{state_};
+    for (Py_ssize_t i = 0; i < PyList_GET_SIZE(functions.ptr()); ++i) {
+      const auto function = py::reinterpret_borrow<py::object>(PyList_GET_ITEM(functions.ptr(), i));
+      const auto result = py::reinterpret_steal<py::object>(PyObject_CallOneArg(function.ptr(), owner.ptr()));
+      if (!result) throw py::error_already_set();
+    }
+  }
+
+ private:
+  PyThreadState* state_ = PyEval_SaveThread();
+};
+
+}  // namespace
+
+std::vector<Override> overridesOf(const py::list& list) {
+  std::vector<Override> out;
+  for (const py::handle item : list) {
+    const auto given = py::reinterpret_borrow<py::tuple>(item);
+    out.push_back({given[0].cast<std::string>(), given[1].cast<std::string>(), textOf(given[2])});
+  }
+  return out;
+}
+
+Engine::~Engine() {
+  try {
+    if (own_) own_->unload();
+  } catch (const std::exception& error) {  // an observer could not write its end
+    py::gil_scoped_acquire lock;
+    PyErr_WarnEx(PyExc_RuntimeWarning, error.what(), 1);
+    PyErr_Clear();
+  }
+}
+
+void Engine::load(Diagnostics diagnostics, bool observed) {
+  py::gil_scoped_release unlocked;
+  session_.load(source_, overrides_, std::move(diagnostics));
+  simulation_ = session_.shared();
+  if (!observed) simulation_->dropObservers();
+}
+
+std::shared_ptr<Engine> Engine::ofFile(const std::string& file, const std::vector<Override>& overrides, bool observed) {
+  auto engine = std::make_shared<Engine>();
+  Diagnostics diagnostics;
+  engine->source_ = engine->session_.read(file, overrides, diagnostics);
+  engine->overrides_ = overrides;
+  engine->load(std::move(diagnostics), observed);
+  return engine;
+}
+
+std::shared_ptr<Engine> Engine::ofTree(const py::tuple& root, const std::string& file,
+                                       const std::vector<Override>& overrides, bool observed) {
+  auto engine = std::make_shared<Engine>();
+  engine->source_ = descriptionOf(root, file);
+  engine->overrides_ = overrides;
+  engine->load({}, observed);
+  return engine;
+}
+
+std::shared_ptr<Engine> Engine::copy() {
+  between();
+  if (!own_) throw std::runtime_error("a scene that the command runs cannot be copied: load it in a program");
+  auto other = std::make_shared<Engine>();
+  other->source_ = source_;
+  other->overrides_ = overrides_;
+  other->load({}, false);
+  other->session_.restore(session_.checkpoint(), "the checkpoint");
+  return other;
+}
+
+Engine& Engine::twin() {
+  between();
+  if (twin_) {
+    twin_->session_.restore(session_.checkpoint(), "the checkpoint");
+  } else {
+    twin_ = copy();
+  }
+  return *twin_;
+}
+
+Simulation& Engine::use() const {
+  const std::thread::id user = user_;
+  if (user != std::thread::id() && user != std::this_thread::get_id())
+    throw std::runtime_error("another thread is stepping this simulation: wait for it, or use a simulation of its own");
+  return *simulation_;
+}
+
+Simulation& Engine::between() const {
+  if (use().isStepping()) throw std::runtime_error("a step is under way: this can be done between two steps");
+  return *simulation_;
+}
+
+Component& Engine::component(const std::string& path) const {
+  if (Component* found = findComponent(simulation_->root(), path)) return *found;
+  std::vector<Component*> all;
+  simulation_->root().collect(all);
+  std::vector<std::string> paths;
+  for (const Component* each : all) paths.push_back(each->path());
+  throw ComponentError("the scene has no component " + path, "a path of the scene", nearest(path, paths));
+}
+
+RunReport Engine::run(std::optional<long> steps, std::optional<double> until, const py::list& begin, const py::list& end,
+                      const py::object& owner, bool heeds_interrupts) {
+  if (use().isStepping() || user_.load() != std::thread::id())
+    throw std::runtime_error("a step is under way: it ends before another one begins");
+  RunLimits limits;
+  if (steps) limits.steps = *steps;
+  limits.until = until;
+  Unlocked* unlocked = nullptr;
+  if (begin.size() > 0) limits.before_step = [&](Simulation&) { unlocked->call(begin, owner); };
+  if (end.size() > 0) limits.after_step = [&](const StepReport&, double) { unlocked->call(end, owner); };
+  limits.reached = [this](const Simulation&) { return is_enough_.exchange(false); };
+  is_enough_ = false;
+  struct Used {
+    std::atomic<std::thread::id>& user;
+    ~Used() { user = std::thread::id(); }
+  } const used{user_};
+  user_ = std::this_thread::get_id();
+  RunReport report;
+  {
+    const Interrupts interrupts(session_, heeds_interrupts);
+    Unlocked without_lock;
+    unlocked = &without_lock;
+    report = session_.run(limits);
+  }
+  if (PyErr_CheckSignals() != 0) {
+    session_.withdrawStop();  // of a signal that came when the run had ended
+    throw py::error_already_set();
+  }
+  return report;
+}
+
+}  // namespace stroma::python

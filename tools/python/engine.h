@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// A simulation as Python holds it.
+#pragma once
+#include <atomic>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "tools/python/python.h"
+#include "tools/session/session.h"
+
+namespace stroma::python {
+
+/// A session with what it was loaded from. One thread at a time uses it: while a step or a run is under way without the
+/// interpreter's lock, use() refuses all others.
+class Engine {
+ public:
+  Engine() : own_(std::make_unique<Session>()), session_(*own_) { registerPlayed(session_.factory()); }
+  /// Around a session that somebody else runs: the command, for a scene in Python.
+  explicit Engine(Session& session) : session_(session), simulation_(session.shared()) {}
+  ~Engine();
+  Engine(const Engine&) = delete;
+
+  static std::shared_ptr<Engine> ofFile(const std::string& file, const std::vector<Override>& overrides, bool observed);
+  static std::shared_ptr<Engine> ofTree(const py::tuple& root, const std::string& file,
+                                        const std::vector<Override>& overrides, bool observed);
+  /// The same scene loaded again, at the present of this one; nothing observes it.
+  std::shared_ptr<Engine> copy();
+  /// A copy kept for questions whose answers would disturb this one; brought to the present by each call.
+  Engine& twin();
+
+  /// For everything but looking on. Throws std::runtime_error when another thread uses it.
+  Simulation& use() const;
+  /// The same for what may be done between two steps only.
+  Simulation& between() const;
+  Simulation& simulation() const { return *simulation_; }
+  const std::shared_ptr<Simulation>& shared() const { return simulation_; }
+  Session& session() { return session_; }
+  Component& component(const std::string& path) const;
+
+  /// Ends at a limit; `begin` and `end` are called with `owner` before and after each step.
+  RunReport run(std::optional<long> steps, std::optional<double> until, const py::list& begin, const py::list& end,
+                const py::object& owner, bool heeds_interrupts);
+  /// A run that is under way ends with its present step.
+  void endAfterStep() { is_enough_ = true; }
+
+ private:
+  void load(Diagnostics diagnostics, bool observed);
+
+  std::unique_ptr<Session> own_;  ///< unless it is somebody else's
+  Session& session_;
+  std::shared_ptr<Simulation> simulation_;
+  SceneDescription source_;
+  std::vector<Override> overrides_;
+  std::shared_ptr<Engine> twin_;
+  std::atomic<std::thread::id> user_{};  ///< the thread that steps it
+  std::atomic<bool> is_enough_{false};
+};
+
+/// Overrides as (path, attribute, text).
+std::vector<Override> overridesOf(const py::list& list);
+
+}  // namespace stroma::python

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Errors of the engine as exceptions of Python: the classes are in stroma/errors.py.
+#include "framework/scene/output_file.h"
+#include "tools/python/python.h"
+
+namespace stroma::python {
+namespace {
+
+const char* wordFor(Severity severity) {
+  return severity == Severity::note ? "note" : severity == Severity::warning ? "warning" : "error";
+}
+
+void raise(const char* type, const py::object& what) {
+  const py::object kind = py::module_::import("stroma.errors").attr(type);
+  PyErr_SetObject(kind.ptr(), kind(what).ptr());
+}
+
+void translate(std::exception_ptr error) {
+  try {
+    if (error) std::rethrow_exception(error);
+  } catch (const SceneError& refused) {
+    raise("SceneError", problemsOf(refused.diagnostics()));
+  } catch (const ComponentError& refused) {
+    Diagnostics one;
+    one.error({}, {}, refused.what(), refused.expected, refused.suggestion);
+    raise("SceneError", problemsOf(one));
+  } catch (const OutputError& failed) {
+    raise("OutputError", py::str(failed.what()));
+  } catch (const std::invalid_argument& wrong) {
+    PyErr_SetString(PyExc_ValueError, wrong.what());
+  } catch (const py::builtin_exception&) {
+    throw;
+  } catch (const std::runtime_error& failed) {
+    raise("StromaError", py::str(failed.what()));
+  } catch (const std::logic_error& misused) {
+    raise("StromaError", py::str(misused.what()));
+  }
+}
+
+}  // namespace
+
+py::list problemsOf(const Diagnostics& diagnostics) {
+  py::list list;
+  for (const Problem& problem : diagnostics.problems())
+    list.append(py::make_tuple(wordFor(problem.severity), problem.where.file, problem.where.line, problem.where.column,
+                               problem.path, problem.message, problem.expected, problem.suggestion, problem.text()));
+  return list;
+}
+
+void bindErrors(py::module_&) { py::register_local_exception_translator(translate); }
+
+}  // namespace stroma::python

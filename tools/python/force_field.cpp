@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// A force field that a Python object plays: slow, and as simple as NumPy. The object is found by the number that the
+// attribute `played` holds (stroma/played.py). Its methods get arrays of their own, (n, 3), of the nodes of the state:
+//
+//   force(x, v, t) -> (n, 3) [N]       energy(x) -> J, where there is one
+//   stiffness(x, v, t) -> dF/dx as (rows, columns, blocks), blocks (m, 3, 3), of the nodes of the state; none: K = 0
+//
+// An exception in a method ends the step, which is not taken, and comes out of Simulation.step() with its traceback.
+#include <fmt/format.h>
+#include <pybind11/numpy.h>
+
+#include <cmath>
+
+#include "framework/mechanics/force_field.h"
+#include "framework/scene/factory.h"
+#include "tools/python/python.h"
+
+namespace stroma::python {
+namespace {
+
+using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
+using Indices = py::array_t<Index, py::array::c_style | py::array::forcecast>;
+
+class PythonForceField final : public ForceField {
+ public:
+  ~PythonForceField() override {
+    if (!Py_IsInitialized()) {  // the interpreter is gone, and its objects with it
+      for (py::object* object : {&object_, &x_, &v_}) object->release();
+      return;
+    }
+    const py::gil_scoped_acquire lock;
+    for (py::object* object : {&object_, &x_, &v_}) *object = py::object();
+  }
+  void declare(DataTable& table) override {
+    ForceField::declare(table);
+    table.add("played", number_).help("number of the Python object that computes the force").unit("-").min(1).required();
+  }
+  void init() override {
+    ForceField::init();
+    const py::gil_scoped_acquire lock;
+    try {
+      object_ = py::module_::import("stroma.played").attr("take")(number_);
+      const auto says = [this](const char* name) { return py::bool_(py::getattr(object_, name, py::bool_(false))).cast<bool>(); };
+      traits_.has_stiffness = says("has_stiffness");
+      traits_.linear = says("linear");
+      traits_.symmetric = says("symmetric") || !traits_.has_stiffness;
+      traits_.conservative = says("has_energy");
+      traits_.exact_tangent = says("exact_tangent");
+      traits_.time_dependent = says("time_dependent");
+      has_energy_ = says("has_energy");
+    } catch (const py::error_already_set& error) {
+      throw ComponentError(error.what());
+    }
+  }
+  ForceTraits traits() const override { return traits_; }
+  void setTime(double t) override { t_ = t; }
+
+  double energy(ConstRows x) const override {
+    if (!has_energy_) return 0;
+    const py::gil_scoped_acquire lock;
+    return object_.attr("energy")(ownRows(x)).cast<double>();
+  }
+  void addForce(ConstRows x, ConstRows v, Rows f) override {
+    const py::gil_scoped_acquire lock;
+    x_ = ownRows(x), v_ = ownRows(v);
+    is_fresh_ = false;
+    const Array force(object_.attr("force")(x_, v_, t_));
+    if (force.ndim() != 2 || force.shape(0) != state().size() || force.shape(1) != 3)
+      throw py::value_error(fmt::format("the force of {} is no array of shape ({}, 3)", path(), state().size()));
+    for (Index i = 0; i < state().size(); ++i)
+      f[state().firstRow() + i] += Vec3(force.data() + 3 * i);
+    if (!rows_.empty()) bringUp();  // its blocks may be others: they may change here only
+  }
+  void addStiffnessProduct(ConstRows dx, double factor, Rows df) const override {
+    if (!traits_.has_stiffness) return;
+    bringUp();
+    for (std::size_t i = 0; i < rows_.size(); ++i) df[rows_[i]] += factor * (blocks_[i] * dx[columns_[i]]);
+  }
+  void addPattern(BlockPattern& pattern) const override {
+    if (!traits_.has_stiffness) return;
+    bringUp();
+    for (std::size_t i = 0; i < rows_.size(); ++i) pattern.addBlock(rows_[i], columns_[i]);
+  }
+  long patternRevision() const override { return revision_; }
+  void prepareAssembly(const BlockMatrix& matrix) override {
+    slots_.clear();
+    for (std::size_t i = 0; i < rows_.size(); ++i) slots_.push_back(matrix.slot(rows_[i], columns_[i]));
+  }
+  void addStiffness(double factor, BlockMatrix& matrix) const override {
+    if (!traits_.has_stiffness) return;
+    bringUp();
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+      const Index slot = i < slots_.size() ? slots_[i] : -1;
+      if (slot < 0) throw std::runtime_error(path() + ": its stiffness couples other nodes than before");
+      matrix.add(slot, factor * blocks_[i]);
+    }
+  }
+  void addStiffnessDiagonal(double factor, std::vector<double>& blocks) const override {
+    if (!traits_.has_stiffness) return;
+    bringUp();
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+      if (rows_[i] != columns_[i]) continue;
+      for (int r = 0; r < 3; ++r)
+        for (int c = 0; c < 3; ++c) blocks[std::size_t(rows_[i]) * 9 + std::size_t(3 * r + c)] += factor * blocks_[i](r, c);
+    }
+  }
+
+ private:
+  /// This state's rows, copied: no array of Python leads into a vector of a solver.
+  Array ownRows(ConstRows all) const {
+    const ConstRows own = state().segment(all);
+    Array out({py::ssize_t(own.count), py::ssize_t(3)});
+    for (Index i = 0; i < own.count; ++i) std::copy_n(own.data + std::size_t(i) * row_doubles, 3, out.mutable_data() + 3 * i);
+    return out;
+  }
+  /// The stiffness at the x of the last force, asked for once.
+  void bringUp() const {
+    if (is_fresh_) return;
+    const py::gil_scoped_acquire lock;
+    if (!x_) {  // before the first force: of the pattern
+      Array rest({py::ssize_t(state().size()), py::ssize_t(3)}), still({py::ssize_t(state().size()), py::ssize_t(3)});
+      for (Index i = 0; i < state().size(); ++i)
+        for (int c = 0; c < 3; ++c) rest.mutable_at(i, c) = state().position[std::size_t(i)][c], still.mutable_at(i, c) = 0;
+      x_ = rest, v_ = still;
+    }
+    const py::tuple given = object_.attr("stiffness")(x_, v_, t_);
+    const Indices rows(given[0]), columns(given[1]);
+    const Array blocks(given[2]);
+    if (blocks.ndim() != 3 || blocks.shape(0) != rows.size() || rows.size() != columns.size() || blocks.shape(1) != 3 ||
+        blocks.shape(2) != 3)
+      throw py::value_error(path() + ": a stiffness is rows (m,), columns (m,) and blocks (m, 3, 3)");
+    std::vector<Index> new_rows, new_columns;
+    blocks_.clear();
+    for (py::ssize_t i = 0; i < rows.size(); ++i) {
+      for (const Index node : {rows.data()[i], columns.data()[i]})
+        if (node < 0 || node >= state().size())
+          throw py::index_error(fmt::format("the stiffness of {} has node {}, and the state has {}", path(), node, state().size()));
+      new_rows.push_back(state().firstRow() + rows.data()[i]);
+      new_columns.push_back(state().firstRow() + columns.data()[i]);
+      blocks_.push_back(Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(blocks.data() + 9 * i));
+    }
+    if (new_rows != rows_ || new_columns != columns_) ++revision_;
+    rows_.swap(new_rows), columns_.swap(new_columns);
+    is_fresh_ = true;
+  }
+
+  int number_ = 0;
+  py::object object_;
+  ForceTraits traits_;
+  bool has_energy_ = false;
+  double t_ = 0;
+  mutable py::object x_, v_;  ///< of the last force
+  mutable bool is_fresh_ = false;
+  mutable std::vector<Index> rows_, columns_;  ///< of the system, of the last stiffness
+  mutable std::vector<Mat3> blocks_;
+  mutable long revision_ = 0;
+  std::vector<Index> slots_;
+};
+
+}  // namespace
+
+void registerPlayed(Factory& factory) {
+  factory.add<PythonForceField>("PythonForceField", "a force that a Python object computes");
+}
+
+}  // namespace stroma::python

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The matrices of a system, as compressed rows of 3x3 blocks. They are computed in a copy of the simulation: asking for one
+// changes no bit of a run.
+#include <pybind11/numpy.h>
+
+#include "framework/simulation/integrator.h"
+#include "tools/python/engine.h"
+
+namespace stroma::python {
+namespace {
+
+System& systemOf(Engine& engine, const std::string& integrator) {
+  const Systems& systems = engine.simulation().systems();
+  std::vector<std::string> paths;
+  for (const auto& system : systems) {
+    paths.push_back(system->integrator().path());
+    if (paths.back() == integrator || (integrator.empty() && systems.size() == 1)) return *system;
+  }
+  if (!integrator.empty())
+    throw ComponentError(integrator + " is no integrator", "the path of an integrator", nearest(integrator, paths));
+  throw ComponentError("the scene has " + std::to_string(paths.size()) + " integrators: a matrix is that of one",
+                       "the path of an integrator", paths.empty() ? std::string() : paths.front());
+}
+
+/// (values (blocks, 3, 3), columns, row starts)
+py::tuple tupleOf(const BlockMatrix& matrix) {
+  const py::ssize_t blocks = matrix.blocks();
+  return py::make_tuple(py::array_t<double>({blocks, py::ssize_t(3), py::ssize_t(3)}, matrix.values().data()),
+                        py::array_t<Index>(blocks, matrix.columns().data()),
+                        py::array_t<Index>(py::ssize_t(matrix.rowStart().size()), matrix.rowStart().data()));
+}
+
+MatrixFactors factorsOf(const std::string& kind) {
+  MatrixFactors factors;
+  if (kind == "stiffness") {
+    factors.stiffness = 1;
+  } else if (kind == "mass") {
+    factors.mass = 1;
+  } else if (kind == "damping") {
+    factors.damping = 1;
+  } else {
+    throw ComponentError("there is no matrix '" + kind + "'", "stiffness, mass or damping",
+                         nearest(kind, {"stiffness", "mass", "damping"}));
+  }
+  return factors;
+}
+
+/// Of all rows, before constraints; K and C of the present x and v.
+BlockMatrix unconstrained(System& system, const MatrixFactors& factors) {
+  if (!system.mappingChain().empty())
+    throw ComponentError("forces act through mappings: the matrix exists only with constraints", "constrained=True");
+  const Actors& actors = system.actors();
+  BlockPattern pattern(system.allRows());
+  for (const Mass* mass : actors.masses) mass->addPattern(pattern);
+  for (const ForceField* field : actors.force_fields) field->addPattern(pattern);
+  BlockMatrix matrix(std::move(pattern));
+  for (Mass* mass : actors.masses) mass->prepareAssembly(matrix);
+  for (ForceField* field : actors.force_fields) field->prepareAssembly(matrix);
+  if (factors.mass != 0)
+    for (const Mass* mass : actors.masses) mass->addTo(factors.mass, matrix);
+  if (factors.stiffness != 0)
+    for (const ForceField* field : actors.stiff_fields) field->addStiffness(factors.stiffness, matrix);
+  if (factors.damping != 0)
+    for (const ForceField* field : actors.damped_fields) field->addDamping(factors.damping, matrix);
+  system.matrix().termsChanged();  // places in its blocks are looked up again
+  return matrix;
+}
+
+py::tuple matrixOf(const std::shared_ptr<Engine>& engine, const std::string& kind, bool constrained, const std::string& integrator) {
+  const MatrixFactors factors = factorsOf(kind);
+  System& system = systemOf(engine->twin(), integrator);
+  if (system.integrator().stateOwner())
+    throw ComponentError(system.integrator().path() + " has computed its matrix beforehand",
+                         "an integrator that makes it in steps");
+  Vector force(system.allRows());
+  system.computeForce(system.x, system.v, force);
+  return tupleOf(constrained ? system.matrix().withFactors(factors).assemble() : unconstrained(system, factors));
+}
+
+py::array forceOf(const std::shared_ptr<Engine>& engine, const std::string& integrator) {
+  System& system = systemOf(engine->twin(), integrator);
+  Vector force(system.allRows());
+  system.computeForce(system.x, system.v, force);
+  py::array_t<double> out({py::ssize_t(system.independentRows()), py::ssize_t(3)});
+  for (Index row = 0; row < system.independentRows(); ++row)
+    std::copy_n(force.rows().data + std::size_t(row) * row_doubles, 3, out.mutable_data() + 3 * row);
+  return out;
+}
+
+}  // namespace
+
+void bindMatrices(py::module_& module) {
+  module.def("matrix_of", &matrixOf);
+  module.def("force_of", &forceOf);
+  module.def("systems_of", [](const std::shared_ptr<Engine>& engine) {
+    py::list out;
+    for (const auto& system : engine->simulation().systems()) {
+      py::list states;
+      for (const State* state : system->states())
+        if (state->firstRow() < system->independentRows())
+          states.append(py::make_tuple(state->path(), state->firstRow(), state->size()));
+      out.append(py::make_tuple(system->integrator().path(), states));
+    }
+    return out;
+  });
+}
+
+}  // namespace stroma::python

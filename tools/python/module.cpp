@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The extension `stroma._stroma`: what the Python files of the package `stroma` are built on.
+#include "tools/python/python.h"
+
+#include "framework/algebra/parallel.h"
+
+PYBIND11_MODULE(_stroma, module) {
+  using namespace stroma::python;
+  module.doc() = "The engine, for the Python files of the package stroma.";
+  bindErrors(module);
+  bindCatalogue(module);
+  bindTree(module);
+  bindEngine(module);
+  bindStates(module);
+  bindMatrices(module);
+  bindView(module);
+  bindRecordings(module);
+  bindCommands(module);
+  module.def("threads", &stroma::threads);
+  module.def("set_threads", [](int count) {
+    if (count < 1 || count > 1024) throw py::value_error("expected 1 to 1024 threads");
+    stroma::setThreads(count);
+  });
+  module.attr("version") = STROMA_VERSION;
+}

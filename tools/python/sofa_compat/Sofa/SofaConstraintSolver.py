@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""SOFA binds classes of SofaConstraintSolver here; scenes import it for what their objects answer, which they do without it."""

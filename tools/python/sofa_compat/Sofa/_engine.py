@@ -1,0 +1,415 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""A scene as it runs: the engine under a tree of nodes, and values before there is one."""
+import numpy as np
+import stroma
+from stroma import _stroma
+
+from . import _catalogue, _events, _messages, _values
+from ._data import Data
+from ._mirror import Mirror
+from ._objects import DataEngine, Object, _unavailable
+
+#: values of a state that steps change
+_STATE = {"position", "velocity", "rest_position", "force", "free_position", "free_velocity", "reset_position", "reset_velocity"}
+
+#: data of force fields that are fields of cells here
+_FIELDS = {"vonMisesPerElement": "vonMises"}
+
+#: force fields that read the rest positions in every step
+_READS_REST = {"BeamHookeLawForceField", "BeamHookeLawForceFieldRigid"}
+
+
+# ---- before there is a simulation ----
+
+def preview(thing, data):
+    """The value that init() of a component computes, on what the tree has now; None when it cannot."""
+    root = thing.getRoot()
+    alone = thing._s_facts.role == "mesh loader"
+    key = _written(thing) if alone else getattr(root, "_s_revision", 0)
+    holder = thing if alone else root
+    kept = holder.__dict__.get("_s_preview")
+    if kept is None or kept[0] != key:
+        def wanted(each):
+            return each is thing if alone else each._s_facts.role in _catalogue.COMPUTED_ROLES
+
+        mirror = Mirror(root, wanted, keep_loaders=True)
+        kept = (key, mirror, mirror.root.preview())
+        object.__setattr__(holder, "_s_preview", kept)
+    path = kept[1].paths.get(id(thing))
+    try:
+        return None if path is None else kept[2].get(path, data._s_name)
+    except RuntimeError as error:  # told when the scene is loaded; but a loader that nothing else reads is not
+        if "is not found" in str(error):
+            _messages.warn(str(error).splitlines()[0].replace(": error: ", ": ", 1))
+        return None
+
+
+def _written(thing):
+    return tuple((name, _values.to_text(data._s_raw)) for name, data in thing._s_data.items()
+                 if data._s_raw is not None and name != "name")
+
+
+# ---- a scene that runs ----
+
+class WrongShape(ValueError, IndexError):
+    """An array of other rows than the state has."""
+
+
+class TreeChanged(RuntimeError):
+    """What takes a new simulation."""
+
+
+class Engine:
+    """The simulation of a tree. `simulation`: given by who loads it (a command), else it is loaded here."""
+
+    def __init__(self, root, simulation=None, mirror=None):
+        self.root, self._s_given = root, simulation is not None
+        self._restart, self._remade, self.steps = False, False, 0
+        self._pushed = {}
+        if simulation is None:
+            mirror = Mirror(root)
+            simulation = load(root, mirror)
+        self._take(simulation, mirror)
+        self._dt = float(simulation.dt)
+
+    def _take(self, simulation, mirror):
+        self.sim, self.mirror = simulation, mirror
+        self._components, self._attributes, self._states, self._rest = {}, {}, {}, {}
+        for key, thing in mirror.things.items():
+            if not isinstance(thing, Object):
+                continue
+            component = _found(simulation.component, mirror.paths[key])
+            if component is None:
+                continue
+            self._components[key] = component
+            if thing._s_facts.role == "mechanical state":
+                state = _found(simulation.state, mirror.paths[key])
+                if state is not None:
+                    self._states[key] = state
+        self._pushed = {id(data): source._s_stamp for data, source in mirror.dependents}
+
+    # ---- values ----
+    def knows(self, thing, data):
+        component = self._components.get(id(thing))
+        if component is None:
+            return False
+        if id(thing) in self._states and data._s_name in _STATE:
+            return True
+        if data._s_name in _FIELDS:
+            return _FIELDS[data._s_name] in component.fields
+        names = self._attributes.get(id(thing))
+        if names is None:  # the dialect may have put another component in its place
+            names = self._attributes[id(thing)] = frozenset(component.attributes)
+        return data._s_name in names
+
+    def read(self, thing, data):
+        state = self._states.get(id(thing))
+        if state is not None and data._s_name in _STATE:
+            return self._of_state(thing, state, data._s_name)
+        if data._s_name in _FIELDS:
+            return np.array(self._components[id(thing)].field(_FIELDS[data._s_name]))
+        value = self._components[id(thing)].get(data._s_name)
+        return value if data._s_sample is None else _values.like(data._s_sample, value)
+
+    def _of_state(self, thing, state, name):
+        if name in ("position", "free_position"):
+            return np.array(state.x)
+        if name in ("velocity", "free_velocity"):
+            return np.array(state.v)
+        if name == "force":
+            return self._force(state)
+        if name == "reset_velocity":
+            return np.zeros_like(np.array(state.v))
+        return np.array(self._rest.get(id(thing), state.rest))
+
+    def _force(self, state):
+        """Asked for the first time it is computed apart; from the next step on each step has it."""
+        try:
+            return np.array(state.f)
+        except RuntimeError:
+            self.sim.request_forces()
+        try:
+            rows = self.sim.rows()[state.path]
+            return self.sim.force()[rows] if state.kind == "points" else np.array(state.f)
+        except (RuntimeError, KeyError):
+            return np.array(state.f)
+
+    def write(self, thing, data, value):
+        if data._s_name in _FIELDS:
+            return _messages.warn(f"{thing._s_place()}.{data._s_name}: is computed: what is written does not count")
+        state = self._states.get(id(thing))
+        if state is not None and data._s_name in _STATE and not isinstance(value, Data) and not _values.is_link_text(value):
+            return self._to_state(thing, state, data, value)
+        before, data._s_raw = data._s_raw, value
+        thing._s_changed()
+        if isinstance(value, Data) or _values.is_link_text(value) or thing._s_facts.find(data._s_name).change == "restart":
+            return self.edited(f"{thing._s_place()}.{data._s_name}")
+        try:
+            self._components[id(thing)].set(data._s_name, _plain(value))
+        except RuntimeError:
+            data._s_raw = before
+            raise
+        return None
+
+    def _to_state(self, thing, state, data, value):
+        name = data._s_name
+        if name in ("position", "velocity"):
+            now = np.array(state.x if name == "position" else state.v)
+            value = np.asarray(_values.numbers_of(value), dtype=float)
+            if value.size != now.size:
+                raise WrongShape(f"{thing._s_place()}.{name}: {value.size} numbers for {now.shape[0]} rows of {now.shape[1]}")
+            return self._put(thing, state, name, value.reshape(now.shape))
+        if name == "rest_position":
+            return self._lead(thing, state, np.asarray(_values.numbers_of(value), dtype=float))
+        _messages.warn(f"{thing._s_place()}.{name}: is computed in every step: what is written does not count")
+        return None
+
+    def _put(self, thing, state, name, value):
+        """Writes positions or velocities; SOFA's constraints let positions be written."""
+        try:
+            if name == "velocity":
+                state.set(v=value)
+                return
+            if state.kind == "frames":
+                value = _with_unit_quaternions(value)
+            if state.set(x=value):
+                _stroma.place_held(self.sim._engine, state.path, value)
+        except stroma.SceneError as error:
+            if "follow from another state" not in str(error):
+                raise
+            _messages.warn(f"{thing._s_place()}.{name}: a mapping places it in every step: what is written does not count")
+
+    def _lead(self, thing, state, rest):
+        """Springs to the rest shape pull to another one; elastic bodies keep theirs, as in SOFA."""
+        now = self._rest.get(id(thing), np.array(state.rest))
+        if rest.size != now.size:
+            raise WrongShape(f"{thing._s_place()}.rest_position: {rest.size} numbers for {now.shape[0]} rows of {now.shape[1]}")
+        self._rest[id(thing)] = rest = rest.reshape(now.shape)
+        readers = 0
+        for key, component in self._components.items():
+            spring = self.mirror.things[key]
+            if component.type != "RestShapeSpringsForceField" or spring._s_node() is not thing._s_node():
+                continue
+            if component.get("external_rest_shape"):
+                continue
+            points = component.get("points")
+            component.set("targets", (rest[np.asarray(points)] if len(points) else rest).ravel())
+            readers += 1
+        if any(each._s_type in _READS_REST for each in thing._s_node()._s_objects):
+            thing.findData("rest_position")._s_raw = rest
+            self.edited(f"{thing._s_place()}.rest_position")
+        elif not readers:
+            _messages.warn(f"{thing._s_place()}.rest_position: nothing in this node reads it while the scene runs")
+
+    def context(self, name):
+        if name == "time":
+            return self.sim.time
+        if name == "dt":
+            return float(self.sim.dt if self._s_given else self._dt)
+        return np.array(self.sim.gravity)
+
+    def set_context(self, name, data):
+        if name == "dt":
+            self._dt = self.sim.dt = float(_values.like(0.0, data._s_raw))
+        else:
+            self.sim.set("/.gravity", _plain(data._s_raw))
+
+    def energies(self):
+        energies = getattr(self.sim, "energies", None)
+        found = energies() if callable(energies) else {}
+        return found.get("kinetic", 0.0), found.get("elastic", 0.0)
+
+    # ---- changes of the tree ----
+    def edited(self, what=""):
+        """What a running simulation cannot take: it is made anew before the next step, and goes on from where it is."""
+        self._restart = True
+        if self._s_given:
+            raise TreeChanged(f"{what or 'the tree'}: changes while the scene runs, and takes a new simulation, which this command "
+                              "cannot do")
+
+    def _make_anew(self, from_start=False):
+        self._restart = False
+        mirror = Mirror(self.root)
+        kept = {key: (np.array(state.x), np.array(state.v)) for key, state in self._states.items()}
+        led = dict(self._rest)
+        simulation = load(self.root, mirror, None if from_start else self.sim.time)
+        self._remade = not from_start
+        simulation.dt = self.sim.dt
+        self._take(simulation, mirror)
+        for key, rest in led.items():
+            if key in self._states:
+                self._lead(mirror.things[key], self._states[key], rest)
+        for key, (x, v) in ({} if from_start else kept).items():
+            state = self._states.get(key)
+            if state is not None and np.shape(state.x) == x.shape:
+                _attempt(lambda state=state, x=x, v=v: state.set(x=x, v=v))
+
+    def reinit(self, thing):
+        """Attributes have been taken when they were set."""
+
+    # ---- steps ----
+    def begin_step(self, dt):
+        _events.send(self.root, "AnimateBeginEvent", {"dt": dt})
+        self._update_engines()
+        self._hand_on()
+        if self._restart:
+            self._make_anew()
+
+    def end_step(self, dt):
+        self.steps += 1
+        _events.send(self.root, "AnimateEndEvent", {"dt": dt})
+
+    def step(self, dt):
+        """Of dt, or of the root's, which stays as it is."""
+        dt = float(dt) if dt and dt > 0 else self._dt
+        if dt != self.sim.dt:
+            self.sim.dt = dt
+        self.begin_step(dt)
+        self.sim.step()
+        self.end_step(dt)
+
+    def _hand_on(self):
+        """Data of components that take values from data of Python."""
+        for data, source in self.mirror.dependents:
+            if self._pushed.get(id(data)) == source._s_stamp:
+                continue
+            self._pushed[id(data)] = source._s_stamp
+            thing = data._s_owner
+            found = thing._s_facts.find(data._s_name)
+            if id(thing) not in self._components or found is None:
+                continue
+            if found.change == "restart":
+                self._restart = True
+            else:
+                self._components[id(thing)].set(data._s_name, _plain(source.value))
+
+    def _update_engines(self):
+        for each in _events.listeners(self.root):
+            if isinstance(each, DataEngine) and each.__dict__.get("_s_seen") != each._s_stamp_of_inputs():
+                object.__setattr__(each, "_s_seen", each._s_stamp_of_inputs())
+                each.update()
+
+    def restarted(self):
+        self.steps = 0
+        _events.call(self.root, "reset")
+
+    def reset(self):
+        if self._remade:  # the scene was made anew on the way: the start is that of the tree
+            self._make_anew(from_start=True)
+        self.sim.reset()
+        self.restarted()
+
+
+def _found(search, path):
+    try:
+        return search(path)
+    except (RuntimeError, KeyError):
+        return None
+
+
+def _with_unit_quaternions(frames):
+    """Scenes write orientations of a few digits."""
+    frames = np.array(frames, dtype=float)
+    length = np.linalg.norm(frames[:, 3:7], axis=1)
+    if not np.all(length > 0):
+        raise ValueError("an orientation of length zero")
+    frames[:, 3:7] /= length[:, None]
+    return frames
+
+
+def _attempt(change):
+    """A state that follows another by a mapping is placed by it."""
+    try:
+        change()
+    except RuntimeError:
+        pass
+
+
+def _plain(value):
+    """As the engine takes it."""
+    if isinstance(value, np.ndarray):
+        return np.asarray(value)
+    return value if isinstance(value, str) else _values.to_text(value)
+
+
+def check(root):
+    """Raises for what a scene writes in Python and the engine has no door for."""
+    from ._scene_file import SceneFileError
+
+    found = [(*each._s_where, f"{type(each).__name__} is {each._s_what}, which Stroma does not have")
+             for each in _unavailable if each._s_parents and each.getRoot() is root]
+    if found:
+        raise SceneFileError(found)
+
+
+def load(root, mirror, time=None):
+    """At a time other than that of the scene. Throws SceneError with every problem of the scene."""
+    check(root)
+    return stroma.load(mirror.root, dialect="sofa", set={} if time is None else {"time": time})
+
+
+# ---- what Sofa.Simulation does ----
+
+def begin(root):
+    """What comes before the engine: Python's objects are initialised, and may still change the scene."""
+    _events.call(root, "init")
+    for each in _events.listeners(root):
+        if isinstance(each, DataEngine):
+            each.update()
+            object.__setattr__(each, "_s_seen", each._s_stamp_of_inputs())
+
+
+def bind(root, engine):
+    object.__setattr__(root, "_s_running", engine)
+    for each in engine.sim.problems if not engine._s_given else ():
+        if each.severity == "warning":
+            _messages.warn(str(each.text))
+    _events.call(root, "bwdInit")
+    _events.send(root, "SimulationInitDoneEvent", {})
+
+
+def initialise(root):
+    root = root.getRoot()
+    if getattr(root, "_s_running", None) is not None:
+        return
+    begin(root)
+    bind(root, Engine(root))
+
+
+def animate(root, dt=0.0):
+    root = root.getRoot()
+    initialise(root)
+    root._s_running.step(float(dt))
+
+
+def reset(root):
+    engine = root.getRoot()._s_engine()
+    if engine is not None:
+        engine.reset()
+
+
+_commanded = []
+
+
+def is_commanded():
+    """Whether this process is a command that runs a scene."""
+    return bool(_commanded)
+
+
+def view(root):
+    """The live view of a tree, until it is closed."""
+    from stroma import _command
+
+    from .Gui import GUIManager
+    from .command import Program
+
+    _commanded.append(True)
+    try:
+        _command.main(["view", GUIManager._file or "scene.py"], Program(root))
+    finally:
+        _commanded.pop()
+        unload(root)  # its simulation ended with the view
+
+
+def unload(root):
+    object.__setattr__(root.getRoot(), "_s_running", None)

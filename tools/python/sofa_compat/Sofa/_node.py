@@ -1,0 +1,510 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Nodes: objects, children, and the time and gravity of what is below."""
+import numpy as np
+
+from . import _messages
+from ._base import Base
+from ._data import Data
+from ._objects import ForceField, Object, take
+
+_CONTEXT = {"gravity": np.array([0.0, -9.81, 0.0]), "dt": 0.01, "time": 0.0, "animate": False, "activated": True, "sleeping": False,
+            "canChangeSleepingState": False, "is_activated": True}
+
+
+class Sequence:
+    """`node.objects`, `node.children`: by number or by name."""
+
+    def __init__(self, node, items, remove):
+        self._s_node, self._items, self._remove = node, items, remove
+
+    def __len__(self):
+        return len(self._items)
+
+    def __iter__(self):
+        return iter(list(self._items))
+
+    def __getitem__(self, key):
+        if isinstance(key, str):
+            for each in self._items:
+                if each._s_name == key:
+                    return each
+            raise KeyError(key)
+        return self._items[key]
+
+    at = __getitem__
+
+    def __contains__(self, key):
+        return any(each._s_name == key or each is key for each in self._items)
+
+    def __getattr__(self, name):
+        if name.startswith("_"):
+            raise AttributeError(name)
+        try:
+            return self[name]
+        except KeyError:
+            raise AttributeError(f"{self._s_node._s_place()}: has no '{name}'") from None
+
+    def remove_at(self, index):
+        self._remove(self._items[index])
+
+    def __repr__(self):
+        return f"<{', '.join(each._s_name for each in self._items)}>"
+
+
+class Node(Base):
+    def __init__(self, name="", *_arguments, **values):
+        object.__setattr__(self, "_s_objects", [])
+        object.__setattr__(self, "_s_children", [])
+        if name:
+            self.setName(name)
+        take(self, values)
+
+    def __new__(cls, *arguments, **keywords):
+        self = super().__new__(cls, *arguments, **keywords)
+        object.__setattr__(self, "_s_objects", [])
+        object.__setattr__(self, "_s_children", [])
+        return self
+
+    # ---- data ----
+    def _s_sample_of(self, name):
+        return (_CONTEXT[name], "") if name in _CONTEXT else super()._s_sample_of(name)
+
+    def _s_data_names(self):
+        return sorted(set(super()._s_data_names()) | set(_CONTEXT))
+
+    def _s_read(self, data):
+        if data._s_name in ("gravity", "dt", "time", "animate"):
+            engine = self._s_engine()
+            if engine is not None and data._s_name in ("dt", "time", "gravity"):
+                return engine.context(data._s_name)
+            if data._s_raw is None and self._s_parents:
+                return self._s_parents[0].findData(data._s_name).value
+        return super()._s_read(data)
+
+    def _s_write(self, data, value):
+        was_active = data._s_name != "activated" or self.isActive()
+        super()._s_write(data, value)
+        engine = self._s_engine()
+        if engine is not None and data._s_name == "activated" and was_active != self.isActive():
+            engine.edited(f"{self._s_place()}.activated")
+        if engine is not None and data._s_name in ("dt", "gravity") and not self._s_parents:
+            engine.set_context(data._s_name, data)
+
+    def getDt(self):
+        return self.findData("dt").value
+
+    def setDt(self, dt):
+        self.findData("dt").value = dt
+
+    def getTime(self):
+        return self.findData("time").value
+
+    def getGravity(self):
+        return self.findData("gravity").value
+
+    def setGravity(self, gravity):
+        self.findData("gravity").value = gravity
+
+    def getAnimate(self):
+        return self.findData("animate").value
+
+    def setAnimate(self, animate):
+        self.findData("animate").value = animate
+
+    def isActive(self):
+        return bool(self.findData("activated").value)
+
+    def setActive(self, active):
+        self.findData("activated").value = active
+
+    def isSleeping(self):
+        return False
+
+    def setSleeping(self, sleeping):
+        self.findData("sleeping").value = sleeping
+
+    # ---- objects ----
+    def addObject(self, what, *arguments, **values):
+        """`what`: the name of a type, an object, or a function that makes one in this node."""
+        if isinstance(what, Base):
+            return self._s_insert(what, values)
+        if callable(what):
+            made = what(self, *arguments, **values)
+            return made if made is None or not isinstance(made, Object) or made._s_parents else self._s_insert(made, {})
+        if not isinstance(what, str):
+            raise TypeError(f"{self._s_place()}: addObject() takes the name of a type or an object, not a {type(what).__name__}")
+        if what in ("PythonScriptController", "PythonController"):
+            from . import _old_python
+
+            return _old_python.controller(self, values)
+        made = _class_of(what)()
+        object.__setattr__(made, "_s_type_word", what)
+        return self._s_insert(made, values)
+
+    createObject = addObject
+
+    def add(self, what, *arguments, **values):
+        """A node, an object, a class or a function of the scene, or a type by name."""
+        if isinstance(what, Node):
+            return self.addChild(what)
+        if isinstance(what, type) and issubclass(what, Node):
+            return self.addChild(what(*arguments, **values))
+        if isinstance(what, type) and issubclass(what, Object):
+            return self._s_insert(what(*arguments, **values), {})
+        if callable(what) and not isinstance(what, (str, Base)):
+            return what(self, *arguments, **values)
+        return self.addObject(what, *arguments, **values)
+
+    def _s_insert(self, thing, values):
+        if isinstance(thing, Node):
+            return self.addChild(thing)
+        before = thing._s_node()
+        if before is not None:
+            before._s_objects.remove(thing)
+        # a name that begins with nothing else is that of the type; the second has a number
+        if "name" in values:
+            name = values.pop("name")
+            thing.setName(name.value if isinstance(name, Data) else " ".join(name) if isinstance(name, (list, tuple)) else name)
+        if not thing._s_name:
+            object.__setattr__(thing, "_s_name", self._s_free_name(thing.getClassName()))
+        object.__setattr__(thing, "_s_parents", [self])
+        self._s_objects.append(thing)
+        for name, value in values.items():
+            self._s_give(thing, name, value)
+        self._s_came_or_went(thing)
+        return thing
+
+    def _s_free_name(self, word):
+        names = {each._s_name for each in self._s_objects}
+        if word not in names:
+            return word
+        number = 1
+        while f"{word}{number}" in names:
+            number += 1
+        return f"{word}{number}"
+
+    @staticmethod
+    def _s_give(thing, name, value):
+        """An argument of addObject(). What no data takes is kept as it is written, to be told when the scene is loaded."""
+        if isinstance(value, dict) or (callable(value) and not isinstance(value, (Data, Base))):
+            raise TypeError(f"{thing._s_place()}: the value of '{name}' is a {type(value).__name__}")
+        data = thing.findData(name)
+        if data is None:
+            data = thing._s_add_data(name, None, None, "", "")
+        data._s_raw = value if isinstance(value, (Data, Base)) or value is None else _frozen(_followed(thing, data, value))
+
+    def removeObject(self, thing):
+        thing = self.getObject(thing) if isinstance(thing, str) else thing
+        if thing not in self._s_objects:
+            raise ValueError(f"{self._s_place()}: has no object {thing!r}")
+        self._s_objects.remove(thing)
+        object.__setattr__(thing, "_s_parents", [])
+        self._s_came_or_went(thing)
+
+    def _s_came_or_went(self, thing):
+        """A controller is no part of the simulation: it only hears events from now on, or no more."""
+        if thing._s_type or isinstance(thing, ForceField):
+            return self._s_edited()
+        if self._s_engine() is not None and thing._s_parents:
+            thing.init()
+        return self._s_changed()
+
+    def moveObject(self, thing):
+        self._s_insert(thing, {})
+
+    def getObject(self, name, *_, **_options):
+        """By its name, or by a path from here; None when there is none."""
+        name = str(name)
+        if "/" in name:
+            found = self._s_walk([step for step in name.split("/") if step])
+            return found if isinstance(found, Object) else None
+        for each in self._s_objects:
+            if each._s_name == name:
+                return each
+        return None
+
+    def hasObject(self, name):
+        return self.getObject(name) is not None
+
+    @property
+    def objects(self):
+        return Sequence(self, self._s_objects, self.removeObject)
+
+    def getObjects(self, *_):
+        return list(self._s_objects)
+
+    # ---- children ----
+    def addChild(self, what, *_arguments, **values):
+        """`what`: a name, or a node."""
+        if isinstance(what, Data):
+            what = str(what.value)
+        if not isinstance(what, (Node, str)) and isinstance(getattr(what, "node", None), Node):
+            what = what.node  # an object of a library that wraps a node
+        child = what if isinstance(what, Node) else Node(str(what) if what is not None else "")
+        if not isinstance(what, (Node, str)) and what is not None:
+            raise TypeError(f"{self._s_place()}: addChild() takes a name or a node, not a {type(what).__name__}")
+        if self._s_is_below(child):
+            raise ValueError(f"{self._s_place()}: {child!r} is this node or above it, and cannot be its child")
+        if not child._s_name:
+            object.__setattr__(child, "_s_name", "unnamed")
+        if self not in child._s_parents:
+            child._s_parents.append(self)
+        if child not in self._s_children:
+            self._s_children.append(child)
+        take(child, values)
+        self._s_edited()
+        return child
+
+    createChild = addChild
+
+    def _s_is_below(self, other):
+        return self is other or any(parent._s_is_below(other) for parent in self._s_parents)
+
+    def addNewChild(self, name="unnamed"):
+        return self.addChild(name)
+
+    def addParent(self, parent):
+        parent.addChild(self)
+
+    def removeChild(self, child):
+        child = self.getChild(child) if isinstance(child, str) else child
+        if child not in self._s_children:
+            raise ValueError(f"{self._s_place()}: has no child {child!r}")
+        self._s_children.remove(child)
+        child._s_parents.remove(self)
+        self._s_edited()
+
+    def moveChild(self, child, *_):
+        for parent in list(child._s_parents):
+            parent.removeChild(child)
+        self.addChild(child)
+
+    def detachFromGraph(self):
+        for parent in list(self._s_parents):
+            parent.removeChild(self)
+
+    detach = detachFromGraph
+
+    def getChild(self, name, *_, **_options):
+        for each in self._s_children:
+            if each._s_name == str(name):
+                return each
+        if "/" in str(name):
+            found = self._s_walk([step for step in str(name).split("/") if step])
+            return found if isinstance(found, Node) else None
+        return None
+
+    def hasChild(self, name):
+        return self.getChild(name) is not None
+
+    @property
+    def children(self):
+        return Sequence(self, self._s_children, self.removeChild)
+
+    def getChildren(self):
+        return list(self._s_children)
+
+    @property
+    def parents(self):
+        return Sequence(self, self._s_parents, lambda parent: parent.removeChild(self))
+
+    def getParents(self):
+        return list(self._s_parents)
+
+    def getAncestors(self):
+        found, ancestors = self, []
+        while found._s_parents:
+            found = found._s_parents[0]
+            ancestors.append(found)
+        return ancestors
+
+    def hasParent(self, other=None):
+        return bool(self._s_parents) if other is None else other in self._s_parents
+
+    def getRootContext(self):
+        return self.getRoot()
+
+    def getContext(self):
+        return self
+
+    def getRootPath(self):
+        return "../" * len(self.getAncestors())
+
+    def getTreeNode(self, *path):
+        return self._s_walk([step for each in path for step in str(each).split("/") if step])
+
+    def _s_walk(self, steps):
+        """Where the steps of a path lead from here: an object, a node, or None."""
+        here = self
+        for index, step in enumerate(steps):
+            if step == ".":
+                continue
+            if step == "..":
+                here = here._s_node()
+            else:
+                last = index + 1 == len(steps)
+                found = here.getObject(step) if last else None
+                here = found if found is not None else here.getChild(step)
+            if here is None or (isinstance(here, Object) and index + 1 < len(steps)):
+                return None if here is None or index + 1 < len(steps) else here
+        return here
+
+    def _s_attribute(self, name):
+        data = self._s_data.get(name) or self.findData(name)
+        if data is not None:
+            return data
+        for found in (self.getChild(name), self.getObject(name)):
+            if found is not None:
+                return found
+        return self._s_by_role(name)
+
+    def _s_no_data(self, name):
+        names = [each._s_name for each in self._s_objects + self._s_children] + self._s_data_names()
+        near = _messages.nearest(name, names)
+        return f"{self._s_place()}: the node has no child, object or data '{name}'" + (f"; did you mean '{near}'?" if near else "")
+
+    def _s_edited(self):
+        """Something came or went: a running scene is made anew before the next step."""
+        self._s_changed()
+        engine = self._s_engine()
+        if engine is not None:
+            engine.edited()
+
+    # ---- by their roles ----
+    def _s_of_role(self, role):
+        return [each for each in self._s_objects if each._s_type and each._s_facts.role == role]
+
+    def _s_first_of(self, role):
+        found = self._s_of_role(role)
+        return found[0] if found else None
+
+    def getMechanicalState(self):
+        return self._s_first_of("mechanical state")
+
+    getState = getMechanicalState
+
+    def getMass(self, *_):
+        return self._s_first_of("mass")
+
+    def getForceField(self, index=0):
+        found = self._s_of_role("force field") + [each for each in self._s_objects if not each._s_type and hasattr(each, "addForce")]
+        return found[index] if 0 <= index < len(found) else None
+
+    def getMechanicalMapping(self, *_):
+        return self._s_first_of("mapping")
+
+    def getODESolver(self, *_):
+        return self._s_first_of("integrator")
+
+    def hasODESolver(self):
+        return self.getODESolver() is not None
+
+    def getLinearSolver(self):
+        return self._s_first_of("linear solver")
+
+    def getMeshTopology(self, *_):
+        return self._s_first_of("topology")
+
+    getTopology = getMeshTopology
+
+    def getMeshTopologyLink(self):
+        return self.getMeshTopology()
+
+    def getProjectiveConstraintSet(self, index=0):
+        found = self._s_of_role("projective constraint")
+        return found[index] if index < len(found) else None
+
+    def _s_by_role(self, name):
+        """`node.mass`, `node.forceField`: when nothing has that name."""
+        if name in ("mass", "state", "mechanicalState", "odeSolver", "linearSolver", "meshTopology", "mechanicalMapping"):
+            return {"mass": self.getMass, "odeSolver": self.getODESolver, "linearSolver": self.getLinearSolver,
+                    "meshTopology": self.getMeshTopology, "mechanicalMapping": self.getMechanicalMapping}.get(
+                        name, self.getMechanicalState)()
+        role = {"forceField": "force field", "projectiveConstraintSet": "projective constraint"}.get(name)
+        return Sequence(self, self._s_of_role(role), self.removeObject) if role else None
+
+    # ---- running ----
+    def init(self):
+        from . import _engine
+
+        if not self._s_parents:
+            _engine.initialise(self)
+
+    def isInitialized(self):
+        return self._s_engine() is not None
+
+    def reinit(self):
+        engine = self._s_engine()
+        if engine is not None:
+            engine.edited()
+
+    def reset(self):
+        from . import _engine
+
+        _engine.reset(self.getRoot())
+
+    def simulationStep(self, dt=0.0):
+        from . import _engine
+
+        _engine.animate(self.getRoot(), dt)
+
+    def propagateEvent(self, *_):
+        pass
+
+    def executeVisitor(self, *_):
+        pass
+
+    def updateSimulationContext(self):
+        pass
+
+    def computeEnergy(self):
+        engine = self._s_engine()
+        energies = engine.sim.energies() if engine is not None else {}
+        return energies.get("kinetic", 0.0), energies.get("elastic", 0.0) + energies.get("gravity", 0.0)
+
+    def getClassName(self):
+        return "DAGNode" if type(self) is Node else type(self).__name__
+
+    def _s_all_objects(self, seen=None):
+        """In SOFA's order: objects of a node, then its children, each once."""
+        seen = set() if seen is None else seen
+        if id(self) in seen:
+            return
+        seen.add(id(self))
+        yield from list(self._s_objects)
+        for child in list(self._s_children):
+            yield from child._s_all_objects(seen)
+
+    def _s_all_nodes(self, seen=None):
+        seen = set() if seen is None else seen
+        if id(self) in seen:
+            return
+        seen.add(id(self))
+        yield self
+        for child in list(self._s_children):
+            yield from child._s_all_nodes(seen)
+
+
+def _followed(thing, data, value):
+    """Links as text: what they lead to now, wherever the tree is put later. What they do not reach yet stays text."""
+    if not isinstance(value, str) or not value.lstrip().startswith("@"):
+        return value
+    found = []
+    for word in value.split():
+        target = thing._s_linked(word, data._s_name) if word.startswith("@") else word
+        found.append(word if target is None or target is data else target)
+    return found[0] if len(found) == 1 else found
+
+
+def _frozen(value):
+    """As it is now: a scene may change its lists and arrays afterwards."""
+    if isinstance(value, np.ndarray):
+        return value.copy()
+    if isinstance(value, (list, tuple)):
+        return [_frozen(each) for each in value]
+    return value
+
+
+def _class_of(word):
+    """The class of Python for a type."""
+    return Object

@@ -1,0 +1,281 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Objects of a scene: components of the engine, and those that a scene writes in Python."""
+import numpy as np
+
+from . import _catalogue, _messages, _values
+from ._base import Base
+from ._data import Data
+
+
+class Object(Base):
+    """A component, by the name of its type. Classes of a scene derive from Controller and the like."""
+
+    def __init__(self, *_arguments, **values):
+        take(self, values)
+
+    # ---- its type ----
+    @property
+    def _s_type(self):
+        return self.__dict__.get("_s_type_word", "")
+
+    @property
+    def _s_facts(self):
+        return _catalogue.facts(self._s_type) if self._s_type else None
+
+    def _s_template(self):
+        data = self._s_data.get("template")
+        return data._s_raw if data is not None and data._s_raw else ""
+
+    def getClassName(self):
+        return self._s_type or type(self).__name__
+
+    def getTemplateName(self):
+        given = _values.plain_template(self._s_template())
+        return given or ("Vec3d" if self._s_type else "")
+
+    def getCategories(self):
+        return [self._s_facts.role] if self._s_facts else []
+
+    def _s_present_name(self, name):
+        facts = self._s_facts
+        found = facts.find(name) if facts else None
+        return found.name if found else name
+
+    def _s_sample_of(self, name):
+        facts = self._s_facts
+        if facts is not None:
+            if name == "template":
+                return "", ""
+            sample = facts.sample(name, self._s_template())
+            if sample is not None:
+                found = facts.find(name)
+                return sample, found.help if found else ""
+            if facts.info is None and name not in ("", None) and (facts.missing or name in ("src",)):
+                return None, ""  # what Stroma lacks may have any data; they can be written, and are linked to
+        found = super()._s_sample_of(name)
+        return found
+
+    def _s_data_names(self):
+        return sorted(set(super()._s_data_names()) | set(self._s_facts.names() if self._s_facts else []))
+
+    def findData(self, name):
+        found = super().findData(name)
+        if found is None and self._s_facts is not None and self._s_facts.accepted and self._s_facts.info is None:
+            name = str(name)
+            if not name.startswith("_") and name not in _NEVER_DATA:
+                found = self._s_data[name] = Data(self, name)
+        return found
+
+    def findLink(self, name):
+        return self.findData(name)
+
+    # ---- values ----
+    def _s_read(self, data):
+        engine = self._s_engine()
+        if engine is not None and engine.knows(self, data):
+            return engine.read(self, data)
+        facts = self._s_facts
+        if facts is None or data._s_name == "name":
+            return super()._s_read(data)
+        if data._s_raw is None and self._s_is_computed(data):
+            from . import _engine
+
+            value = _engine.preview(self, data)
+            if value is not None:
+                return self._s_formed(data, value)
+        if data._s_raw is None and facts.missing:
+            raise MissingType(f"{self._s_place()}: '{self._s_type}' is not in Stroma: its data '{data._s_name}' cannot be read")
+        if data._s_raw is None and engine is not None and data._s_name in _catalogue.NOT_COMPUTED:
+            _messages.warn(f"{self._s_place()}.{data._s_name}: is read, and not computed here: what is read stays as at the start")
+        return super()._s_read(data)
+
+    def _s_is_computed(self, data):
+        info = self._s_facts.info
+        found = self._s_facts.find(data._s_name)
+        if info is None or found is None or found.link:
+            return False
+        empty = isinstance(data._s_sample, (list, np.ndarray)) and len(data._s_sample) == 0
+        return found.output or (empty and info.role in _catalogue.COMPUTED_ROLES)
+
+    def _s_write(self, data, value):
+        engine = self._s_engine()
+        if engine is not None and data._s_name != "name" and engine.knows(self, data):
+            return engine.write(self, data, value)
+        return super()._s_write(data, value)
+
+    def _s_keeps(self, name):
+        if self._s_type and self._s_facts.info is not None:
+            near = _messages.nearest(name, self._s_facts.names())
+            if near:
+                _messages.warn(f"{self._s_place()}: {self._s_type} has no data '{name}': it is kept as an attribute of Python; "
+                               f"did you mean '{near}'?")
+
+    # ---- what SOFA's objects answer ----
+    def init(self):
+        """Called when the scene is initialised."""
+
+    def bwdInit(self):
+        pass
+
+    def reinit(self):
+        engine = self._s_engine()
+        if engine is not None:
+            engine.reinit(self)
+
+    def reset(self):
+        pass
+
+    def cleanup(self):
+        pass
+
+    def storeResetState(self):
+        pass
+
+    def draw(self, *_):
+        pass
+
+    def setSrc(self, text, other=None):
+        self._s_add_data("src", other.getLinkPath() if other is not None else text, "", "", "")
+        self._s_changed()
+
+    def getMaster(self):
+        return None
+
+    def getSlaves(self):
+        return []
+
+    def getTarget(self):
+        return self._s_type
+
+    def getState(self):
+        return self._s_node().getMechanicalState() if self._s_node() else None
+
+    def getMechanicalState(self):
+        return self.getState()
+
+    def getContextData(self, name):
+        return self._s_node().findData(name)
+
+    # ---- of states ----
+    def getSize(self):
+        return len(self.findData("position").value)
+
+    def size(self):
+        return self.getSize()
+
+    # ---- of topologies ----
+    def _s_count(self, name):
+        data = self.findData(name)
+        return 0 if data is None else len(data.value)
+
+    def getNbPoints(self):
+        return self._s_count("position")
+
+    def getNbEdges(self):
+        return self._s_count("edges")
+
+    def getNbLines(self):
+        return self._s_count("edges")
+
+    def getNbTriangles(self):
+        return self._s_count("triangles")
+
+    def getNbQuads(self):
+        return self._s_count("quads")
+
+    def getNbTetrahedra(self):
+        return self._s_count("tetrahedra")
+
+    getNbTetras = getNbTetrahedra
+
+    def getNbHexahedra(self):
+        return self._s_count("hexahedra")
+
+    getNbHexas = getNbHexahedra
+
+
+#: names that programs ask of any object of Python: no data of what takes all data
+_NEVER_DATA = {"value", "shape", "dtype", "size"}
+
+
+class MissingType(RuntimeError):
+    """A scene needs a value of a component that Stroma does not have."""
+
+
+def take(thing, values):
+    """Arguments of a class of the scene: its data are set; of others the class takes care, as in SOFA."""
+    for name, value in values.items():
+        if name == "name":
+            thing.setName(value)
+        elif thing.findData(name) is not None:
+            thing._s_assign(name, value)
+
+
+class Controller(Object):
+    """Told of events: a method onAnimateBeginEvent(self, event) is called when a step begins, and so on."""
+
+    def init(self):
+        pass
+
+    def onEvent(self, event):
+        """Any event for which the class has no method."""
+
+
+class DataEngine(Object):
+    """Computes data from data: `update` is called when the scene is initialised, and before each step when an input changed."""
+
+    def addInput(self, *data):
+        self.__dict__.setdefault("_s_inputs", []).extend(data)
+
+    def addOutput(self, *data):
+        self.__dict__.setdefault("_s_outputs", []).extend(data)
+
+    def update(self):
+        pass
+
+    def _s_stamp_of_inputs(self):
+        return tuple(each._s_stamp for each in self.__dict__.get("_s_inputs", []))
+
+
+class ForceField(Object):
+    """A force field written in Python: addForce(self, m, force, position, velocity), and for implicit steps
+    addDForce(self, m, df, dx) or addKToMatrix(self, m, nodes, numbers)."""
+
+    def addForce(self, m, force, position, velocity):
+        raise NotImplementedError(f"{self._s_place()}: a force field needs addForce()")
+
+    def addDForce(self, *arguments):
+        """Without a stiffness the force is explicit."""
+
+    def addKToMatrix(self, *_):
+        """The same as a matrix."""
+
+    def _s_attribute(self, name):
+        if name == "mstate":
+            return self._s_node().getMechanicalState()
+        return super()._s_attribute(name)
+
+
+class Unavailable(Object):
+    """A class of SOFA that scenes derive from and that the engine has no door for."""
+
+    _s_what = ""
+
+    def __init__(self, *arguments, **values):
+        super().__init__(*arguments, **values)
+        _unavailable.append(self)
+
+
+_unavailable = []
+
+
+class Mass(Unavailable):
+    _s_what = "a mass written in Python"
+
+
+class Mapping(Unavailable):
+    _s_what = "a mapping written in Python"
+
+
+class Constraint(Unavailable):
+    _s_what = "a constraint written in Python"

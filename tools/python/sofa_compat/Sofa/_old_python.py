@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Calls of the older SofaPython, as scenes still have them: scripts as controllers, with their own names of events."""
+import importlib.util
+import os
+
+from ._data import Data
+from ._objects import Controller, DataEngine, take
+
+
+class PythonScriptController(Controller):
+    """onBeginAnimationStep(dt), onEndAnimationStep(dt), onKeyPressed(key), initGraph(node), createGraph(node), ..."""
+
+    def __new__(cls, *arguments, **values):
+        from ._node import Node
+
+        self = super().__new__(cls)
+        if arguments and isinstance(arguments[0], Node):  # it is in the node from then on, whatever its class does
+            self.node = arguments[0]
+            arguments[0]._s_insert(self, {})
+        return self
+
+    def __init__(self, *_arguments, **values):
+        take(self, values)
+
+    def _s_old(self, method, *arguments):
+        found = getattr(self, method, None)
+        if callable(found):
+            found(*arguments)
+
+    def init(self):
+        if self.__dict__.get("_s_by_file"):
+            self._s_old("onLoaded", self._s_node())
+            self._s_old("createGraph", self._s_node())
+        self._s_old("initGraph", self._s_node())
+
+    def bwdInit(self):
+        self._s_old("bwdInitGraph", self._s_node())
+
+    def onAnimateBeginEvent(self, event):
+        self._s_old("onBeginAnimationStep", event["dt"])
+
+    def onAnimateEndEvent(self, event):
+        self._s_old("onEndAnimationStep", event["dt"])
+
+    def onKeypressedEvent(self, event):
+        self._s_old("onKeyPressed", event["key"])
+
+    def onKeyreleasedEvent(self, event):
+        self._s_old("onKeyReleased", event["key"])
+
+    def onPythonScriptEvent(self, event):
+        self._s_old("onScriptEvent", event["sender"], event["event_name"], event["userData"])
+
+
+PythonScriptDataEngine = DataEngine
+
+
+def _text(values, name):
+    value = values.get(name, "")
+    return str(value.value if isinstance(value, Data) else value)
+
+
+def controller(node, values):
+    """createObject("PythonScriptController", filename="x.py", classname="Y")"""
+    file, word = _text(values, "filename"), _text(values, "classname") or _text(values, "controller_name")
+    scene = os.environ.get("STROMA_SCENE_FOLDER", "")
+    path = next((each for each in (file, os.path.join(scene, file)) if os.path.isfile(each)), None)
+    if path is None:
+        raise FileNotFoundError(f"{node._s_place()}: a PythonScriptController needs the file '{file}', which is not found")
+    import sys
+
+    module = next((each for each in list(sys.modules.values())
+                   if getattr(each, "__file__", None) and os.path.abspath(each.__file__) == os.path.abspath(path)), None)
+    if module is None:
+        spec = importlib.util.spec_from_file_location(os.path.splitext(os.path.basename(path))[0], path)
+        module = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(module)
+    made = getattr(module, word)
+    thing = made(node)
+    if isinstance(thing, PythonScriptController):
+        object.__setattr__(thing, "_s_by_file", True)
+        if "name" in values:
+            thing.setName(_text(values, "name"))
+    return thing
+
+
+def loadScene(filename, *_):
+    from . import _scene_file
+
+    return _scene_file.load(filename)
+
+
+def getSofaPythonVersion():
+    return "3"

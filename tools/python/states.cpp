@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// States as arrays. Positions, velocities and forces of points are views of the engine's memory: rows of 32 bytes, of which
+// an array shows the three components. A view holds the simulation, so that it never dangles. Frames have two rows each, and
+// are copied: 7 numbers of a position (centre, quaternion x y z w), 6 of a velocity or a force (linear, angular).
+#include <pybind11/numpy.h>
+#include <pybind11/stl.h>
+
+#include "framework/mechanics/frames.h"
+#include "framework/mechanics/state_topology.h"
+#include "framework/simulation/integrator.h"
+#include "tools/python/engine.h"
+
+namespace stroma::python {
+namespace {
+
+enum class What { position, velocity, force };
+
+struct StateRef {
+  std::shared_ptr<Engine> engine;
+  State* state;
+
+  bool hasPoints() const { return state->hasPointsOnly(); }
+  ConstRows rows(What what) const {
+    if (what == What::force && !state->forceRequested())
+      throw ComponentError("the force on " + state->path() + " was not asked for: an implicit step has it only together with other terms",
+                           "request_forces() before the step that is to compute it");
+    return what == What::position ? ConstRows(state->x()) : what == What::velocity ? ConstRows(state->v()) : state->f();
+  }
+};
+
+py::array readOnly(py::array array) {
+  py::detail::array_proxy(array.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
+  return array;
+}
+
+/// `columns` numbers of each row, in the engine's memory.
+py::array view(const StateRef& self, ConstRows rows, py::ssize_t first_step, std::vector<py::ssize_t> shape) {
+  using Shared = std::shared_ptr<Simulation>;
+  const py::capsule owner(new Shared(self.engine->shared()), [](void* held) { delete static_cast<Shared*>(held); });
+  const std::size_t second_step = (self.hasPoints() ? 1 : row_doubles) * sizeof(double);
+  std::vector<py::ssize_t> strides{first_step, py::ssize_t(second_step)};
+  return readOnly(py::array(py::dtype::of<double>(), std::move(shape), std::move(strides), rows.data, owner));
+}
+
+py::array frames(const StateRef& self, ConstRows rows, What what) {
+  const py::ssize_t width = what == What::position ? 7 : 6;
+  py::array_t<double> out({py::ssize_t(self.state->nodes()), width});
+  for (Index node = 0; node < self.state->nodes(); ++node) {
+    double* to = out.mutable_data() + node * width;
+    const double* from = rows.data + std::size_t(node) * 2 * row_doubles;
+    std::copy_n(from, 3, to);
+    std::copy_n(from + row_doubles, width - 3, to + 3);
+  }
+  return readOnly(std::move(out));
+}
+
+py::array arrayOf(const StateRef& self, What what) {
+  self.engine->simulation().complete();
+  const ConstRows rows = self.rows(what);
+  const py::ssize_t row = row_doubles * sizeof(double), per_node = self.state->rows_per_node;
+  if (self.state->hasFrames()) return frames(self, rows, what);
+  if (self.hasPoints()) return view(self, rows, row, {rows.count, 3});
+  return view(self, rows, row * per_node, {self.state->nodes(), per_node});
+}
+
+/// Initial or rest values as positions() has them.
+py::array listed(const StateRef& self, const std::vector<Vec3>& values) {
+  Vector rows(Index(values.size()));
+  for (std::size_t i = 0; i < values.size(); ++i) placeRow(self.state->kindOf(Index(i)), values[i], rows, Index(i));
+  if (self.state->hasFrames()) return frames(self, rows, What::position);
+  const py::ssize_t width = self.hasPoints() ? 3 : self.state->rows_per_node;
+  py::array_t<double> out({py::ssize_t(self.state->nodes()), width});
+  for (Index i = 0; i < rows.count(); ++i)
+    for (int c = 0; c < (self.hasPoints() ? 3 : 1); ++c)
+      out.mutable_data()[self.hasPoints() ? 3 * i + c : i] = rows.rows().data[std::size_t(i) * row_doubles + std::size_t(c)];
+  return readOnly(std::move(out));
+}
+
+/// Numbers of Python in rows as the engine has them; none: no rows.
+void take(const StateRef& self, const py::object& given, What what, Vector& rows) {
+  if (given.is_none()) return;
+  const py::array_t<double, py::array::c_style | py::array::forcecast> numbers(given);
+  const py::ssize_t nodes = self.state->nodes();
+  const py::ssize_t width = self.state->hasFrames() ? (what == What::position ? 7 : 6) : self.hasPoints() ? 3 : self.state->rows_per_node;
+  if (numbers.ndim() != 2 || numbers.shape(0) != nodes || numbers.shape(1) != width)
+    throw py::value_error("expected an array of shape (" + std::to_string(nodes) + ", " + std::to_string(width) + ")");
+  rows.resize(self.state->size());
+  double* out = rows.rows().data;
+  for (py::ssize_t node = 0; node < nodes; ++node) {
+    const double* from = numbers.data() + node * width;
+    double* to = out + std::size_t(node * self.state->rows_per_node) * row_doubles;
+    if (self.hasPoints()) {
+      std::copy_n(from, 3, to);
+    } else if (self.state->hasFrames()) {
+      std::copy_n(from, 3, to), std::copy_n(from + 3, width - 3, to + row_doubles);
+    } else {
+      for (py::ssize_t i = 0; i < width; ++i) to[std::size_t(i) * row_doubles] = from[i];
+    }
+  }
+}
+
+Index set(const StateRef& self, const py::object& x, const py::object& v) {
+  Simulation& simulation = self.engine->use();
+  Vector new_x, new_v;
+  take(self, x, What::position, new_x);
+  take(self, v, What::velocity, new_v);
+  const auto rows = [](const Vector& vector) { return vector.count() > 0 ? vector.rows() : ConstRows(); };
+  return simulation.setState(*self.state, rows(new_x), rows(new_v));
+}
+
+template <class Cells>
+void addCells(py::dict& out, const char* name, const Cells& cells) {
+  if (cells.empty()) return;
+  constexpr py::ssize_t width = std::tuple_size_v<typename Cells::value_type>;
+  out[name] = py::array_t<Index>({py::ssize_t(cells.size()), width}, cells.front().data());
+}
+
+/// Cells by the names that meshio and VTK know: "tetra", "hexahedron", ...
+py::object meshOf(const StateRef& self) {
+  const Topology* topology = topologyOf(*self.state);
+  if (!topology) return py::none();
+  const Mesh& mesh = topology->mesh();
+  py::dict cells;
+  addCells(cells, "line", mesh.edges);
+  addCells(cells, "triangle", mesh.triangles);
+  addCells(cells, "quad", mesh.quads);
+  addCells(cells, "triangle6", mesh.quadratic_triangles);
+  addCells(cells, "tetra", mesh.tetrahedra);
+  addCells(cells, "hexahedron", mesh.hexahedra);
+  addCells(cells, "tetra10", mesh.quadratic_tetrahedra);
+  py::dict surface;
+  addCells(surface, "triangle", mesh.boundaryTriangles());
+  addCells(surface, "quad", mesh.boundaryQuads());
+  addCells(surface, "triangle6", mesh.boundaryQuadraticTriangles());
+  return py::make_tuple(topology->path(), cells, surface);
+}
+
+std::vector<StateRef> statesOf(const std::shared_ptr<Engine>& engine) {
+  std::vector<StateRef> out;
+  for (State* state : engine->simulation().states()) out.push_back({engine, state});
+  return out;
+}
+
+/// Implicit steps compute the force alone from now on, for these states and all that move with them.
+void requestForces(const std::shared_ptr<Engine>& engine) {
+  for (const auto& system : engine->between().systems())
+    if (system->integrator().stateOwner())
+      throw ComponentError("forces cannot be asked for: " + system->integrator().path() + " has computed its matrix beforehand");
+  for (State* state : engine->simulation().states()) state->requestForce();
+}
+
+}  // namespace
+
+void bindStates(py::module_& module) {
+  py::class_<StateRef>(module, "State")
+      .def_property_readonly("path", [](const StateRef& self) { return self.state->path(); })
+      .def_property_readonly("nodes", [](const StateRef& self) { return self.state->nodes(); })
+      .def_property_readonly("kind",
+                             [](const StateRef& self) {
+                               return self.hasPoints() ? "points" : self.state->hasFrames() ? "frames" : "numbers";
+                             })
+      .def_property_readonly("x", [](const StateRef& self) { return arrayOf(self, What::position); })
+      .def_property_readonly("v", [](const StateRef& self) { return arrayOf(self, What::velocity); })
+      .def_property_readonly("f", [](const StateRef& self) { return arrayOf(self, What::force); })
+      .def_property_readonly("rest", [](const StateRef& self) { return listed(self, self.state->rest_position); })
+      .def_property_readonly("start", [](const StateRef& self) { return listed(self, self.state->position); })
+      .def_property_readonly(
+          "address", [](const StateRef& self) { return reinterpret_cast<std::uintptr_t>(self.state->x().data); })
+      .def("set", &set, py::arg("x") = py::none(), py::arg("v") = py::none())
+      .def("mesh", &meshOf);
+  module.def("states_of", &statesOf);
+  module.def("request_forces", &requestForces);
+}
+
+}  // namespace stroma::python

@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Simulation of soft tissue: scenes loaded or built in Python, stepped, with their states as arrays.
+
+    import stroma
+    sim = stroma.load("organ.xml", set={"/organ/fem.youngModulus": "12 kPa"})
+    sim.run(until=0.5)
+    print(sim.state("/organ").x[:, 1].min())
+"""
+from . import _stroma
+from .errors import OutputError, Problem, SceneError, StepError, StromaError
+from .laws import Law
+from .played import ForceField
+from .simulation import Force, LiveComponent, LiveNode, RunReport, Simulation, State, StepReport, load
+from .studies import Recording, Run, jacobian, read_recording, sweep
+from .tree import Component, Node, Preview, from_xml, from_xml_text, to_xml
+from .types import (Attribute, TypeInfo, advice, has_no_effect, is_known, nearest, present_type, type_info, types)
+
+__version__ = _stroma.version
+
+
+def threads() -> int:
+    """How many threads a step may use."""
+    return _stroma.threads()
+
+
+def set_threads(count: int) -> None:
+    """For the whole process; no result depends on it."""
+    _stroma.set_threads(count)
+
+
+def __getattr__(name: str):
+    """The types of components as classes: stroma.TetrahedronFEMForceField(youngModulus=3000)."""
+    if not name.startswith("_") and name in types():
+        made = _class_of(types()[name])
+        globals()[name] = made
+        return made
+    near = nearest(name, list(types()) + list(globals())) if not name.startswith("_") else ""
+    raise AttributeError(f"stroma has nothing called '{name}'" + (f"; did you mean '{near}'?" if near else ""))
+
+
+def _class_of(info: TypeInfo) -> type:
+    class _Doc(type(Component)):
+        @property
+        def __doc__(cls):
+            return info.text()
+
+    def __init__(self, name=None, where=None, **attributes):
+        Component.__init__(self, info.type, name, where, **attributes)
+        from .tree import _check
+        _check(self)
+
+    return _Doc(info.type, (Component,), {"__init__": __init__, "__module__": "stroma"})
+
+
+def __dir__():
+    return sorted(set(globals()) | set(types()))

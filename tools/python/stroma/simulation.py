@@ -1,0 +1,572 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Simulations: a scene that runs."""
+import contextlib
+import operator
+import os
+import threading
+from typing import Any, Callable, Dict, Iterator, List, Optional, Sequence, Union
+
+import numpy
+
+from . import _stroma
+from .errors import OutputError, Problem, SceneError, StepError, StromaError, refusal
+from .tree import Node, caller
+from .types import Attribute, TypeInfo, nearest, type_info
+
+StepReport = _stroma.StepReport
+RunReport = _stroma.RunReport
+
+
+def load(scene: Union[str, os.PathLike, Node], set: Optional[Dict[str, Any]] = None, dialect: Optional[str] = None,
+         observers: bool = True) -> "Simulation":
+    """Loads a scene: a file (.xml, .scn) or a tree. `set` has attributes that are to be others, {"/liver/fem.youngModulus": "12 kPa",
+    "dt": 0.005}. `dialect`: "sofa" or "native". `observers=False`: nothing writes files.
+    Throws SceneError with every problem found."""
+    overrides = [_override(key, value) for key, value in (set or {}).items()]
+    if dialect is not None:
+        overrides.append(("/", "dialect", dialect))
+    if not isinstance(scene, (str, os.PathLike, Node)):
+        raise TypeError(f"a scene is a file or a stroma.Node, not {type(scene).__name__}")
+    if not isinstance(scene, Node) and os.fspath(scene).endswith(".py"):
+        raise refusal(f"{os.fspath(scene)} is a scene in Python", "a file of XML, or a tree that the program makes",
+                      "`stroma run` plays it where it has createScene(root)", caller())
+    if isinstance(scene, Node):
+        engine = _stroma.Engine.of_tree(scene._tuple(), scene.where[0] or "scene.py", overrides, observers)
+    else:
+        engine = _stroma.Engine.of_file(os.fspath(scene), overrides, observers)
+    return Simulation(engine)
+
+
+def _override(key: str, value: Any) -> tuple:
+    path, dot, attribute = key.rpartition(".")
+    if not dot and "/" in key:
+        raise refusal(f"'{key}' names no attribute", "a path and an attribute, as /liver/fem.youngModulus", where=caller())
+    if not attribute:
+        raise refusal(f"'{key}' names no attribute", "a path and an attribute, as /liver/fem.youngModulus", where=caller())
+    path = path or "/"
+    return (path if path.startswith("/") else "/" + path, attribute, value)
+
+
+class Token:
+    """A function that is called; remove() ends that."""
+
+    def __init__(self, functions: list, function: Callable):
+        self._functions, self._function = functions, function
+
+    def remove(self) -> None:
+        if self._function in self._functions:
+            self._functions.remove(self._function)
+
+
+class Simulation:
+    """A scene that runs. One thread at a time uses it; several simulations run in several threads."""
+
+    def __init__(self, engine: Any):
+        self._engine = engine
+        self._begin: List[Callable] = []
+        self._end: List[Callable] = []
+        self._states: Optional[Dict[str, State]] = None
+        self._parts: Dict[str, Any] = {}
+        self.stop_reason = ""  #: what stop() was given in the last run
+
+    # ---- stepping ----
+    def step(self, dt: Optional[float] = None, check: bool = True) -> StepReport:
+        """One step, of the scene's dt or of another one, which stays. Throws StepError when it has no result: the states are
+        then those before it. `check=False`: the report says so."""
+        if dt is not None and float(dt) != self._engine.dt:
+            self.dt = float(dt)
+        return self._run(1, None, check).last
+
+    def run(self, steps: Optional[int] = None, until: Optional[float] = None, check: bool = True) -> RunReport:
+        """Steps until a number of steps, or a time [s], whichever comes first. Other threads go on meanwhile, and Ctrl-C ends
+        it. Throws StepError as step() does."""
+        if steps is None and until is None:
+            raise ValueError("run() needs steps=..., until=... or both")
+        if steps is not None and operator.index(steps) < 0:
+            raise ValueError(f"run() makes {steps} steps: expected 0 or more")
+        if until is not None and not float(until) >= self.time:
+            raise ValueError(f"run() until {until}: expected a time from {self.time:g} s on")
+        return self._run(steps, until, check)
+
+    def _run(self, steps, until, check):
+        is_main = threading.current_thread() is threading.main_thread()
+        report = self._engine.run(steps, until, self._begin, self._end, self, is_main)
+        if check and report.end not in ("done", "stopped"):
+            if report.end == "output failed":
+                raise OutputError(report.reason)
+            raise StepError(report.reason or report.last.reason, report)
+        return report
+
+    def stop(self, reason: str = "") -> None:
+        """In a function that a run calls: the run ends with its present step. From another thread: request_stop()."""
+        self.stop_reason = reason
+        self._engine.end_after_step()
+
+    def request_stop(self) -> None:
+        """From any thread: the run ends at once; a step under way is given up, and the state is that before it."""
+        self._engine.request_stop()
+
+    def on_step_begin(self, function: Callable[["Simulation"], Any]) -> Token:
+        """`function(simulation)` is called before each step. What it throws ends the run, and comes out of it."""
+        self._begin.append(function)
+        return Token(self._begin, function)
+
+    def on_step_end(self, function: Callable[["Simulation"], Any]) -> Token:
+        """`function(simulation)` is called after each step. What it throws ends the run; the step stands."""
+        self._end.append(function)
+        return Token(self._end, function)
+
+    def reset(self) -> None:
+        """Back to the start, to the bit. Attributes that were set stay."""
+        self._engine.reset()
+
+    def finish(self) -> None:
+        """Observers see the end: their files are whole."""
+        self._engine.finish()
+
+    # ---- time ----
+    @property
+    def time(self) -> float:
+        """[s]"""
+        return self._engine.time
+
+    @property
+    def steps(self) -> int:
+        """How many have been made."""
+        return self._engine.steps
+
+    @property
+    def dt(self) -> float:
+        """[s]"""
+        return self._engine.dt
+
+    @dt.setter
+    def dt(self, value: float) -> None:
+        self._engine.set("/", "dt", value)
+
+    @property
+    def gravity(self) -> numpy.ndarray:
+        """Of the outermost node [m/s^2]."""
+        return self._engine.node_value("/", "gravity")
+
+    @gravity.setter
+    def gravity(self, value: Sequence[float]) -> None:
+        self._engine.set("/", "gravity", value)
+
+    # ---- parts ----
+    def components(self) -> List["LiveComponent"]:
+        """All, in the order of the scene."""
+        return [self._live(facts) for facts in self._engine.components()]
+
+    def _live(self, facts: tuple) -> "LiveComponent":
+        path = facts[0]
+        if path not in self._parts:
+            self._parts[path] = LiveComponent(self, facts)
+        return self._parts[path]
+
+    def component(self, path: str) -> "LiveComponent":
+        wanted = self._absolute(path)
+        if path not in self._parts:
+            for facts in self._engine.components():
+                if facts[0] == wanted:
+                    return self._live(facts)
+            paths = [facts[0] for facts in self._engine.components()]
+            raise refusal(f"the scene has no component {path}", "a path of the scene", nearest(wanted, paths))
+        found = self._parts[path]
+        if not isinstance(found, LiveComponent):
+            raise refusal(f"{path} is a node", "a component")
+        return found
+
+    def node(self, path: str = "/") -> "LiveNode":
+        wanted = self._absolute(path)
+        nodes = self._engine.nodes()
+        for found, name in nodes:
+            if found == wanted or (found == "/" and wanted == "/" + name):
+                return LiveNode(self, found, name)
+        raise refusal(f"the scene has no node {path}", "a path of the scene", nearest(wanted, [one for one, _ in nodes]))
+
+    @staticmethod
+    def _absolute(path: str) -> str:
+        if not isinstance(path, str):
+            raise TypeError(f"a path is a text, as \"/liver/fem\", not {type(path).__name__}")
+        return path if path.startswith("/") else "/" + path
+
+    def __getitem__(self, path: str) -> Union["LiveComponent", "LiveNode"]:
+        if isinstance(path, str) and path in self._parts:
+            return self._parts[path]
+        try:
+            return self.component(path)
+        except SceneError as error:
+            try:
+                return self.node(path)
+            except SceneError as of_node:
+                raise (error if error.nearest else of_node) from None
+
+    def states(self) -> List["State"]:
+        """Those that move, in the order of the scene."""
+        return list(self._all_states().values())
+
+    def _all_states(self) -> Dict[str, "State"]:
+        if self._states is None:
+            self._states = {state.path: State(self, state) for state in _stroma.states_of(self._engine)}
+        return self._states
+
+    def state(self, path: Optional[str] = None) -> "State":
+        """That of a path, or of the node of this path; without one, the only one of the scene."""
+        states = self._all_states()
+        if path is None:
+            if len(states) == 1:
+                return next(iter(states.values()))
+            raise refusal(f"the scene has {len(states)} states", "the path of one", next(iter(states), ""))
+        wanted = self._absolute(path)
+        if wanted in states:
+            return states[wanted]
+        inside = [state for name, state in states.items() if name.rpartition("/")[0] == wanted.rstrip("/")]
+        if len(inside) == 1:
+            return inside[0]
+        raise refusal(f"no state that moves is called {path}", "the path of a state", nearest(wanted, list(states)))
+
+    def set(self, attribute: str, value: Any) -> List[Problem]:
+        """set("/liver/fem.youngModulus", "12 kPa"): as the attribute of a component that runs. Returns warnings and notes."""
+        path, name, value = _override(attribute, value)
+        return [Problem(*problem) for problem in self._engine.set(path, name, value)]
+
+    # ---- what is known of it ----
+    @property
+    def problems(self) -> List[Problem]:
+        """Warnings and notes of the scene."""
+        return [Problem(*problem) for problem in self._engine.problems()]
+
+    @property
+    def no_effect(self) -> List[str]:
+        """What was accepted and has no effect."""
+        return self._engine.no_effect()
+
+    @property
+    def plan(self) -> List[str]:
+        """What runs each step, and what was left out and why: the lines of `stroma explain`."""
+        return self._engine.plan()
+
+    @property
+    def scene_file(self) -> str:
+        return self._engine.scene_file
+
+    @property
+    def hash(self) -> int:
+        """64 bits of all positions and velocities: that of `stroma run --json`."""
+        return self._engine.hash()
+
+    def energies(self) -> Dict[str, float]:
+        """kinetic, elastic and gravity [J]."""
+        return self._engine.energies()
+
+    def request_forces(self) -> None:
+        """From the next step on state.f has the force alone, which costs one more evaluation per step."""
+        _stroma.request_forces(self._engine)
+
+    def actions(self) -> str:
+        """What was done to the run, as `stroma run --replay` reads it."""
+        return self._engine.actions()
+
+    # ---- looking at it ----
+    def view(self, host: str = "127.0.0.1", port: int = 0, fps: float = 60, at_once: bool = False, paused: bool = False,
+             browser: bool = True) -> str:
+        """Shows it live in the browser, as `stroma view`, until Ctrl-C: it runs, is stopped, pulled at and changed there. It begins
+        when a page is there to see it, or `at_once`. Functions of on_step_end() are called. Returns why the run has ended by
+        itself, or nothing."""
+        def opened(address: str) -> None:
+            print(address, flush=True)
+            if browser:
+                import webbrowser
+                webbrowser.open(address)
+        return _stroma.serve(self._engine, host, port, fps, at_once, paused, opened, self._end, self)
+
+    def page(self, file: Union[str, os.PathLike], steps: int = 100, every: int = 1, fields: Sequence[str] = (),
+             inside: bool = False) -> "Page":
+        """Makes steps and writes them as an HTML file that plays them without a server; in Jupyter it is shown."""
+        report = _stroma.write_page(self._engine, os.fspath(file), steps, every, list(fields), inside)
+        if report.end != "done":
+            raise StepError(report.reason, report)
+        return Page(os.fspath(file))
+
+    # ---- memory ----
+    def checkpoint(self) -> bytes:
+        """All that the run remembers. Restored in the same scene, it goes on with the same bits."""
+        return self._engine.checkpoint()
+
+    def restore(self, checkpoint: bytes) -> List[str]:
+        """Returns notes, as of another build that wrote it."""
+        return self._engine.restore(bytes(checkpoint))
+
+    def copy(self) -> "Simulation":
+        """The same scene at the same moment, on its own from then on. Functions are not called by it, and it writes no files."""
+        return Simulation(self._engine.copy())
+
+    __copy__ = copy
+
+    def __deepcopy__(self, memo: dict) -> "Simulation":
+        return self.copy()
+
+    def __reduce__(self):
+        raise TypeError("a simulation cannot be pickled: keep its checkpoint() and load the scene again")
+
+    # ---- forces from outside ----
+    def add_force(self, state: Union["State", str], nodes: Sequence[int], force: Sequence[float] = (0, 0, 0),
+                  targets: Sequence[Sequence[float]] = (), stiffness: float = 0, damping: float = 0) -> "Force":
+        """A force on nodes, or a pull towards targets by springs, from the next step on."""
+        path = state.path if isinstance(state, State) else self.state(state).path
+        return Force(self, path, nodes, force, targets, stiffness, damping)
+
+    # ---- matrices ----
+    def matrix(self, kind: str = "stiffness", constrained: bool = False, integrator: str = ""):
+        """"stiffness" K = dF/dx, "mass" M or "damping" C = dF/dv at the present state, as scipy.sparse.bsr_matrix of 3x3 blocks,
+        three rows for each row of a state. `constrained`: P A P + (I - P), with the projector P of what is held. It is computed
+        in a copy: no bit of the run changes."""
+        from scipy.sparse import bsr_matrix
+        blocks, columns, starts = _stroma.matrix_of(self._engine, kind, constrained, integrator)
+        size = 3 * (len(starts) - 1)
+        return bsr_matrix((blocks, columns, starts), shape=(size, size))
+
+    def force(self, integrator: str = "") -> numpy.ndarray:
+        """The net force at the present state, (rows, 3) [N], gravity included; computed in a copy."""
+        return _stroma.force_of(self._engine, integrator)
+
+    def rows(self, integrator: str = "") -> Dict[str, slice]:
+        """Which rows of force() are of which state; times three, of matrix()."""
+        for path, states in _stroma.systems_of(self._engine):
+            if integrator in ("", path):
+                return {state: slice(first, first + count) for state, first, count in states}
+        raise refusal(f"{integrator} is no integrator", "the path of an integrator")
+
+    def __repr__(self) -> str:
+        return f"<simulation of {self.scene_file} at {self.time:g} s, step {self.steps}>"
+
+
+class Page:
+    """An HTML file that plays a run; Jupyter shows it."""
+
+    def __init__(self, file: str):
+        self.file = file
+
+    def _repr_html_(self) -> str:
+        import html
+        with open(self.file, encoding="utf-8") as text:
+            return f'<iframe srcdoc="{html.escape(text.read())}" width="100%" height="480" frameborder="0"></iframe>'
+
+    def __repr__(self) -> str:
+        return f"<page {self.file}>"
+
+
+class LiveComponent:
+    """A component of a simulation. What its attributes hold can be read; what may change while it runs can be set."""
+
+    _fixed = frozenset(("simulation", "path", "type", "name", "role", "where", "_names"))
+
+    def __init__(self, simulation: Simulation, facts: tuple):
+        for key, value in zip(("simulation", "path", "type", "name", "role", "where", "_names"),
+                              (simulation, *facts[:4], (facts[4], facts[5]), None)):
+            object.__setattr__(self, key, value)
+
+    def get(self, attribute: str, found: bool = False) -> Any:
+        return self.simulation._engine.get(self.path, attribute, found)
+
+    def set(self, attribute: str, value: Any) -> List[Problem]:
+        """From the next step on. Throws SceneError with the reason where it cannot change in a run."""
+        return [Problem(*problem) for problem in self.simulation._engine.set(self.path, attribute, value)]
+
+    @property
+    def attributes(self) -> List[str]:
+        return self.simulation._engine.attributes(self.path)
+
+    def info(self, attribute: str) -> Attribute:
+        return Attribute(self.simulation._engine.info(self.path, attribute))
+
+    @property
+    def type_info(self) -> Optional[TypeInfo]:
+        return type_info(self.type)
+
+    @property
+    def fields(self) -> List[str]:
+        """Names of its fields of cells, as vonMises."""
+        return self.simulation._engine.cell_fields(self.path)
+
+    def field(self, name: str) -> numpy.ndarray:
+        """A number for each cell, at the present positions."""
+        return self.simulation._engine.cell_field(self.path, name)
+
+    def __getattr__(self, attribute: str) -> Any:
+        if attribute.startswith("__"):
+            raise AttributeError(attribute)
+        try:
+            return self.get(attribute)
+        except SceneError as error:
+            from .tree import _missing
+            raise _missing(error, attribute) from None
+
+    def __setattr__(self, attribute: str, value: Any) -> None:
+        if attribute in self._fixed or isinstance(getattr(type(self), attribute, None), property):
+            raise AttributeError(f"{attribute} cannot be set")
+        self.set(attribute, value)
+
+    def __dir__(self) -> List[str]:
+        return sorted(set(super().__dir__()) | set(self.attributes))
+
+    def __repr__(self) -> str:
+        return f"<{self.type} {self.path}>"
+
+
+class LiveNode:
+    """A node of a simulation: gravity may be set, and dt of the outermost one."""
+
+    _fixed = frozenset(("simulation", "path", "name"))
+
+    def __init__(self, simulation: Simulation, path: str, name: str):
+        for key, value in (("simulation", simulation), ("path", path), ("name", name)):
+            object.__setattr__(self, key, value)
+
+    def get(self, attribute: str) -> Any:
+        return self.simulation._engine.node_value(self.path, attribute)
+
+    def set(self, attribute: str, value: Any) -> List[Problem]:
+        return [Problem(*problem) for problem in self.simulation._engine.set(self.path, attribute, value)]
+
+    gravity = property(lambda self: self.get("gravity"), lambda self, value: self.set("gravity", value), doc="[m/s^2]")
+    dt = property(lambda self: self.get("dt"), lambda self, value: self.set("dt", value), doc="[s]")
+
+    @property
+    def components(self) -> List[LiveComponent]:
+        return [one for one in self.simulation.components() if (one.path.rpartition("/")[0] or "/") == self.path]
+
+    @property
+    def children(self) -> List["LiveNode"]:
+        return [LiveNode(self.simulation, path, name) for path, name in self.simulation._engine.nodes()
+                if path != "/" and (path.rpartition("/")[0] or "/") == self.path]
+
+    def __getitem__(self, path: str) -> Union[LiveComponent, "LiveNode"]:
+        return self.simulation["" if path.startswith("/") else ("" if self.path == "/" else self.path) + "/" + path]
+
+    def __setattr__(self, attribute: str, value: Any) -> None:
+        if attribute not in ("gravity", "dt"):
+            raise refusal(f"a node has no attribute '{attribute}' that may change while the scene runs", "gravity or dt",
+                          nearest(attribute, ["gravity", "dt"]))
+        self.set(attribute, value)
+
+    def __repr__(self) -> str:
+        return f"<node {self.path}>"
+
+
+class Edited:
+    """Copies of positions and velocities, to be written: State.edit()."""
+
+    def __init__(self, x: numpy.ndarray, v: numpy.ndarray):
+        self.x, self.v = x, v
+
+
+class State:
+    """The nodes of a body. x, v and f are read-only views of the engine's memory, (nodes, 3), which follow the steps; they keep
+    the simulation alive. Frames are copied, (nodes, 7) and (nodes, 6): centre and quaternion x y z w, linear and angular."""
+
+    def __init__(self, simulation: Simulation, state: Any):
+        self.simulation, self._state = simulation, state
+        self.path: str = state.path
+        self.nodes: int = state.nodes
+        self.kind: str = state.kind  #: "points", "frames" or "numbers"
+
+    @property
+    def size(self) -> int:
+        return self.nodes
+
+    @property
+    def x(self) -> numpy.ndarray:
+        """Positions [m]."""
+        return self._state.x
+
+    @x.setter
+    def x(self, value: Any) -> None:
+        self.set(x=value)
+
+    @property
+    def v(self) -> numpy.ndarray:
+        """Velocities [m/s]."""
+        return self._state.v
+
+    @v.setter
+    def v(self, value: Any) -> None:
+        self.set(v=value)
+
+    @property
+    def f(self) -> numpy.ndarray:
+        """The net force of the last evaluation [N]; simulation.request_forces() comes before."""
+        return self._state.f
+
+    @property
+    def rest(self) -> numpy.ndarray:
+        """The rest shape [m], a copy."""
+        return self._state.rest
+
+    @property
+    def start(self) -> numpy.ndarray:
+        """The positions before the first step [m], a copy."""
+        return self._state.start
+
+    def set(self, x: Any = None, v: Any = None, nodes: Optional[Sequence[int]] = None) -> int:
+        """Writes positions or velocities between two steps, of all nodes or of those named. What constraints hold stays where it
+        is, and mapped states follow; integrators begin anew, histories keep what they remember. Returns how many nodes
+        constraints kept from where they were to be."""
+        def whole(present: numpy.ndarray, given: Any) -> Any:
+            if given is None or nodes is None:
+                return given
+            values = numpy.array(present)
+            values[numpy.asarray(nodes)] = given
+            return values
+        return self._state.set(whole(self.x, x), whole(self.v, v))
+
+    @contextlib.contextmanager
+    def edit(self) -> Iterator["Edited"]:
+        """with state.edit() as edited: edited.x[:, 2] += 0.01 - copies that may be written; what has changed is set at the end."""
+        edited = Edited(numpy.array(self.x), numpy.array(self.v))
+        yield edited
+        changed = [None if numpy.array_equal(new, old) else new for new, old in ((edited.x, self.x), (edited.v, self.v))]
+        if any(values is not None for values in changed):
+            self.set(*changed)
+
+    def mesh(self) -> Optional["Mesh"]:
+        """The mesh of its cells; None where there is none."""
+        from .mesh import Mesh
+        found = self._state.mesh()
+        return None if found is None else Mesh(self, *found)
+
+    def __len__(self) -> int:
+        return self.nodes
+
+    def __repr__(self) -> str:
+        return f"<state {self.path}: {self.nodes} {self.kind}>"
+
+
+class Force:
+    """A force from outside that acts until remove()."""
+
+    def __init__(self, simulation: Simulation, state: str, nodes, force, targets, stiffness, damping):
+        self._simulation, self.state = simulation, state
+        self._given = dict(nodes=list(nodes), force=force, targets=targets, stiffness=stiffness, damping=damping)
+        self.number = simulation._engine.add_input(state, *self._arguments())
+
+    def _arguments(self) -> tuple:
+        given = self._given
+        return ([int(node) for node in given["nodes"]], [float(c) for c in given["force"]],
+                [[float(c) for c in target] for target in given["targets"]], float(given["stiffness"]), float(given["damping"]))
+
+    def change(self, **given: Any) -> None:
+        """nodes, force, targets, stiffness or damping are others from the next step on."""
+        unknown = [name for name in given if name not in self._given]
+        if unknown:
+            raise TypeError(f"a force has no {unknown[0]}: expected nodes, force, targets, stiffness or damping")
+        before, self._given = self._given, {**self._given, **given}
+        try:
+            self._simulation._engine.change_input(self.number, self.state, *self._arguments())
+        except Exception:
+            self._given = before
+            raise
+
+    def remove(self) -> None:
+        self._simulation._engine.remove_input(self.number)

@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Many runs of a scene, and what recorded runs hold."""
+import itertools
+import os
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Sequence, Union
+
+import numpy
+
+from . import _stroma
+from .simulation import Simulation, load
+from .tree import Node
+
+
+class Run(NamedTuple):
+    """One of the runs of a sweep."""
+
+    values: Dict[str, Any]  #: of the attributes
+    result: Any  #: what the function returned
+    error: Optional[Exception]  #: what it threw
+
+
+def sweep(scene: Union[str, os.PathLike, Node], values: Dict[str, Iterable[Any]], run: Callable[[Simulation], Any],
+          threads: Optional[int] = None) -> List[Run]:
+    """Loads the scene with every combination of values, {"/fem.youngModulus": [3e3, 6e3], "dt": [0.01]}, and calls run(simulation)
+    for each, in several threads: a run leaves the interpreter to the others while it steps. Results are in the order of the
+    combinations, whatever the number of threads; what a run throws is in it, and the others go on."""
+    names = list(values)
+    combinations = [dict(zip(names, chosen)) for chosen in itertools.product(*(list(values[name]) for name in names))]
+
+    def one(chosen: Dict[str, Any]) -> Run:
+        try:
+            return Run(chosen, run(load(scene, set=chosen, observers=False)), None)
+        except Exception as error:  # noqa: BLE001 pylint: disable=broad-except
+            return Run(chosen, None, error)
+
+    with ThreadPoolExecutor(threads or os.cpu_count()) as pool:
+        return list(pool.map(one, combinations))
+
+
+def jacobian(function: Callable[[numpy.ndarray], Any], at: Sequence[float], step: float = 1e-4) -> numpy.ndarray:
+    """The derivative of an array by parameters, (values, parameters), by central differences of `step` times each parameter (of
+    `step` where it is zero)."""
+    at = numpy.asarray(at, float)
+    columns = []
+    for index, value in enumerate(at):
+        h = step * (abs(value) or 1.0)
+        ends = []
+        for side in (+h, -h):
+            moved = at.copy()
+            moved[index] += side
+            ends.append(numpy.array(function(moved), float).ravel())
+        columns.append((ends[0] - ends[1]) / (2 * h))
+    return numpy.stack(columns, axis=1)
+
+
+class Recording(NamedTuple):
+    """What a recorded run has of one state."""
+
+    times: numpy.ndarray  #: (instants,) [s]
+    x: Optional[numpy.ndarray]  #: positions, (instants, nodes, 3) [m]
+    v: Optional[numpy.ndarray]  #: velocities [m/s]
+    f: Optional[numpy.ndarray]  #: forces [N]
+    unfinished: str  #: why it has no end, or empty
+
+
+def read_recording(path: Union[str, os.PathLike], state: Optional[str] = None) -> Recording:
+    """A file of WriteState, or that of the state of this path in a folder of `stroma run --record`. Of points."""
+    path = os.fspath(path)
+    if os.path.isdir(path):
+        if state is None:
+            files = [name for name in os.listdir(path) if name.endswith(".state.gz")]
+            if len(files) != 1:
+                raise ValueError(f"{path} has {len(files)} recorded states: name one")
+            path = os.path.join(path, files[0])
+        else:
+            path = os.path.join(path, _stroma.recorded_name(state))
+    return Recording(*_stroma.recording(path))

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The live view of a simulation that Python holds, and its page as a file.
+#include "tools/view/viewer.h"
+
+#include <pybind11/stl.h>
+
+#include <csignal>
+
+#include "framework/scene/services.h"
+#include "tools/python/engine.h"
+
+namespace stroma::python {
+namespace {
+
+/// Puts back what SIGINT and SIGTERM did before: the view listens to them itself.
+class KeptSignals {
+ public:
+  KeptSignals() { sigaction(SIGINT, nullptr, &interrupt_), sigaction(SIGTERM, nullptr, &terminate_); }
+  ~KeptSignals() { sigaction(SIGINT, &interrupt_, nullptr), sigaction(SIGTERM, &terminate_, nullptr); }
+  KeptSignals(const KeptSignals&) = delete;
+
+ private:
+  struct sigaction interrupt_, terminate_;
+};
+
+/// Serves pages until Ctrl-C; `opened` is called with the address. Returns why the run ended by itself, or nothing.
+std::string serve(const std::shared_ptr<Engine>& engine, const std::string& host, int port, double fps, bool at_once,
+                  bool paused, const py::function& opened, const py::list& after, const py::object& owner) {
+  engine->between();
+  const auto viewer = service<view::Viewer>();
+  std::string reason;
+  view::ViewRequest request;
+  request.host = host, request.port = port, request.fps = fps, request.at_once = at_once, request.paused = paused;
+  request.build = buildIdentity();
+  request.opened = [&](const std::string& address) {
+    const py::gil_scoped_acquire lock;
+    opened(address);
+  };
+  if (after.size() > 0)
+    request.after_step = [&] {
+      const py::gil_scoped_acquire lock;
+      try {
+        for (std::size_t i = 0; i < after.size(); ++i) after[i](owner);
+      } catch (const py::error_already_set& error) {  // in a thread of the view: there is nobody to catch it
+        throw std::runtime_error(error.what());
+      }
+    };
+  request.output_failed = request.ended = [&](const std::string& sentence) { reason = sentence; };
+  {
+    const KeptSignals kept;
+    const py::gil_scoped_release unlocked;
+    viewer->view(engine->session(), request);
+  }
+  engine->session().withdrawStop();  // the one that has ended it
+  return reason;
+}
+
+RunReport writePage(const std::shared_ptr<Engine>& engine, const std::string& file, long steps, long every,
+                    const std::vector<std::string>& fields, bool inside) {
+  engine->between();
+  view::ExportRequest request;
+  request.file = file, request.steps = steps, request.every = every, request.fields = fields, request.inside = inside;
+  const auto viewer = service<view::Viewer>();
+  const py::gil_scoped_release unlocked;
+  return viewer->writePage(engine->session(), request);
+}
+
+}  // namespace
+
+void bindView(py::module_& module) {
+  module.def("serve", &serve);
+  module.def("write_page", &writePage);
+}
+
+}  // namespace stroma::python
