@@ -8,8 +8,9 @@
 The blocks of a page are taken in order, in a folder of its own that looks like the source tree. sh: run by bash, which must end
 well; folder and variables carry over to the next block. text after sh: its output, line by line in this order; numbers agree
 within one per cent or one unit of the last digit shown, and "..." stands for anything. xml: a whole scene is written
-under its title="NAME.xml" and checked by `stroma check`; a fragment says what it is part of. cpp with a title: a whole
-file, which must compile. Other blocks are not looked at. `stroma view` and `stroma watch` end only when somebody ends them: Ctrl-C
+under its title="NAME.xml" and checked by `stroma check`; a fragment says what it is part of. python: run with the module of
+the build; what a page has defined carries over, and a text block after it is what it prints. cpp with a title: a whole file,
+which must compile. Other blocks are not looked at. `stroma view` and `stroma watch` end only when somebody ends them: Ctrl-C
 is pressed here when they have begun. What else can be asked for is in page_blocks.py."""
 import glob
 import os
@@ -39,6 +40,13 @@ exec {python} {interrupted} "$sign" {stroma} "$@"
 """
 
 
+RUN_PYTHON = """import contextlib, io
+with contextlib.redirect_stdout(io.StringIO()):
+    exec(compile({before!r}, "the page before", "exec"), globals())
+exec(compile({now!r}, "the page", "exec"), globals())
+"""
+
+
 class Wrong(Exception):
     """A page that says what is not so."""
 
@@ -50,6 +58,7 @@ class Page:
         self.tree, self.build, self.name, self.text = os.path.abspath(tree), os.path.abspath(build), name, text
         self.folder = tempfile.mkdtemp(prefix="stroma_docs_")
         self.work, self.output, self.counts = os.path.join(self.folder, "stroma"), None, {"run": 0, "not run": 0}
+        self.python = ""  # what the page has run so far
         self._lay_out()
 
     def close(self):
@@ -87,7 +96,8 @@ class Page:
             if "not run" in block.asked:
                 self.counts["not run"] += 1
                 continue
-            check = {"sh": self._sh, "bash": self._sh, "text": self._text, "xml": self._xml, "cpp": self._cpp}.get(block.language)
+            check = {"sh": self._sh, "bash": self._sh, "text": self._text, "xml": self._xml, "cpp": self._cpp,
+                     "python": self._python}.get(block.language)
             try:
                 if check:
                     check(block)
@@ -123,6 +133,16 @@ class Page:
         expected = int(block.asked.get("exit code", 0))
         if done.returncode != expected:
             raise Wrong(f"the commands ended with {done.returncode}, not {expected}:\n{block.text}{done.stdout[-3000:]}")
+
+    def _python(self, block):
+        path = self._write("block_of_page.py", RUN_PYTHON.format(before=self.python, now=block.text))
+        module = os.pathsep.join(os.path.join(self.build, folder) for folder in ("python", "python_sofa"))
+        done = self._bash(f"source {shlex.quote(self.state)}\nPYTHONDONTWRITEBYTECODE=1 PYTHONPATH={shlex.quote(module)} "
+                          f"/usr/bin/python3 {shlex.quote(path)}")
+        self.output = done.stdout
+        if done.returncode:
+            raise Wrong(f"the program ended with {done.returncode}:\n{done.stdout[-3000:]}")
+        self.python += block.text
 
     def _text(self, block):
         if "not output" in block.asked or "formula" in block.asked:
@@ -252,6 +272,9 @@ PLANTED = [  # page, what must be said of it (None: nothing is wrong)
     ("```sh\necho tip 0.0312 m after 5 ms\n```\n<!-- times vary -->\n```text\ntip 0.0312 m ... 9 ms\n```\n", None),
     ("```sh\necho 5.1 % off, 9 ms\n```\n<!-- times vary -->\n```text\n5.9 % off, 2 ms\n```\n", "no such line"),
     ("```sh\necho 5.1 % off, 9 ms\n```\n<!-- times vary -->\n```text\n5.1 % off, 2 ms\n```\n", None),
+    ("```python\na = 2\nprint(a)\n```\n```python\nprint(a + 1)\n```\n```text\n3\n```\n", None),
+    ("```python\nprint(1)\n```\n```text\n5\n```\n", "no such line"),
+    ("```python\nraise KeyError('x')\n```\n", "ended with 1"),
     ("```\nw = 3\n```\n", "without a language"),
     ("<!-- formula -->\n```text\nw = 3\n```\n", None),
     ("```sh\necho tip 1 of 2; echo end\n```\n```text\nend\ntip 1 of 2\n```\n", "no such line"),

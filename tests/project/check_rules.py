@@ -35,10 +35,12 @@ READERS_OF_FAMILIES = {
 }
 # Tools whose library another one links.
 TOOLS_FOR_TOOLS = {
-    "command": {"mesh", "view", "picture", "drawing", "sweep", "session", "plan", "units", "checks"},
+    "command": {"mesh", "view", "picture", "drawing", "sweep", "stress", "profile", "session", "plan", "units", "checks"},
     "view": {"drawing", "session", "plan", "scene_writer", "checks", "units"},
     "picture": {"drawing", "units"},
     "sweep": {"session"},
+    "stress": {"sweep", "session", "units", "checks"},
+    "python": {"command", "session", "plan", "sofa", "view"},
     "session": {"checks", "units"},
     "plan": {"units"},
     "checks": {"units"},

@@ -87,6 +87,9 @@ def check_commands(prefix, here):
     assert os.path.getsize(os.path.join(here, "results", "organ", "organ.pvd")), "no ParaView files in the current folder"
     run(stroma, "run", os.path.join(scenes, "examples", "organ_condensed.xml"), "-n", "2", "--quiet", cwd=here)
     run(stroma, "bench", "--help", cwd=here)
+    package = os.path.join(prefix, "lib", "python3", "dist-packages")
+    if os.path.exists(package):
+        run("/usr/bin/env", f"PYTHONPATH={package}", "/usr/bin/python3", os.path.join(scenes, "python", "first_scene.py"), cwd=here)
     image = os.path.join(scenes, "meshes", "leg.nii.gz")
     mesh = ("mesh", image, "-o", "leg.msh", "--scale", "0.001", "--cell-size", "0.03", "--free-volume")
     if os.path.exists(os.path.join(prefix, "lib", "stroma", "meshing.so")):

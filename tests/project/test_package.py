@@ -11,13 +11,14 @@ import sys
 import tempfile
 
 TREE, BUILD = (os.path.abspath(path) for path in sys.argv[1:3])
-PACKAGES = {"stroma", "stroma-vtk", "stroma-mesh", "stroma-solvers", "stroma-dev"}
+PACKAGES = {"stroma", "stroma-vtk", "stroma-mesh", "stroma-solvers", "stroma-dev", "python3-stroma"}
 WHERE = {  # a file, whatever the folder of libraries is called: its package
     "bin/stroma": "stroma", "stroma/view.so": "stroma", "stroma/vtk_io.index": "stroma", "stroma/parts.packages": "stroma",
     "scenes/meshes/leg.nii.gz": "stroma", "scenes/regression/list": "stroma", "doc/stroma/docs/install.md": "stroma",
     "stroma/vtk_io.so": "stroma-vtk", "stroma/picture.so": "stroma-vtk", "stroma/read_label_image": "stroma-vtk", "stroma/read_vtk_mesh": "stroma-vtk",
     "stroma/meshing.so": "stroma-mesh", "stroma/direct_solvers.so": "stroma-solvers",
     "cmake/stroma/stroma-config.cmake": "stroma-dev", "stroma/stroma-index": "stroma-dev", "libstroma.so": "stroma-dev",
+    "python3/dist-packages/stroma/__init__.py": "python3-stroma",
     "framework/scene/component.h": "stroma-dev"}
 HEAVY = re.compile(r"vtk|cholmod|blas|libgmp|libmpfr|libcgal")  # what the command's own package must not want
 
@@ -79,6 +80,9 @@ def check_commands(debs, folder):
     assert "install the package stroma-vtk" in run(*organ, code=2, cwd=folder)
     run("dpkg-deb", "-x", debs["stroma-vtk"], root)
     run(*organ, cwd=folder)
+    run("dpkg-deb", "-x", debs["python3-stroma"], root)
+    run("/usr/bin/python3", "-c", f"import stroma; stroma.load({organ[2]!r}, observers=False).step()", cwd=folder,
+        env={**os.environ, "PYTHONPATH": os.path.join(root, "usr/lib/python3/dist-packages")})
     assert "install the package stroma-mesh" in run(*mesh, code=2, cwd=folder)
     condensed = (stroma, "run", os.path.join(scenes, "examples/organ_condensed.xml"), "-n", "2", "--quiet")
     assert "install the package stroma-solvers" in run(*condensed, code=2, cwd=folder)

@@ -21,6 +21,8 @@ constexpr int steps_before = 4, steps_after = 4;
 std::string chosenValue(const std::string& name) {
   if (name.ends_with(".localStiffnessFactor")) return "0.5";
   if (name.starts_with("SpringForceField.springsIndices")) return "2 0";
+  if (name.ends_with("LagrangianConstraint.activate")) return "false";
+  if (name == "RestShapeSpringsForceField.targets") return "0.1 0 0  1 0 0.2  2 0.3 0";
   if (name == "FormulaForceField.force") return "0; 3 * x; 40 * t";
   return {};
 }
@@ -38,10 +40,13 @@ std::string exception(const std::string& name) {
       {"ConstantForceField.forces", "the example gives totalForce"},
       {"ConstantForceField.rayleighStiffness", "no stiffness"},
       {"DiagonalVelocityDampingForceField.rayleighStiffness", "no stiffness"},
+      {"EdgePressureForceField.rayleighStiffness", "no stiffness"},
       {"EllipsoidForceField.rayleighStiffness", "nothing touches it so soon"},
       {"FixedPlaneProjectiveConstraint.indices", "the example gives dmin and dmax"},
       {"FormulaForceField.rayleighStiffness", "no stiffness"},
       {"LinearForceField.rayleighStiffness", "no stiffness"},
+      {"PlasticStrainForceField.rayleighStiffness", "no stiffness of its own"},
+      {"QuadPressureForceField.rayleighStiffness", "no stiffness"},
       {"RestShapeSpringsForceField.angularStiffness", "its nodes are points"},
       {"SphereForceField.rayleighStiffness", "nothing touches it so soon"},
       {"SurfacePressureForceField.pressure", "the far end of a pulse; see LiveAttributes"},

@@ -107,6 +107,8 @@ def main():
                 print(f"{kind}, {moment:.2f} s: {error}", flush=True)
                 continue
             if code == 0:
+                if processor > 1:
+                    bad.append(f"{kind}, {moment:.2f} s: the signal was lost, and the run went on for {wall:.1f} s")
                 continue  # it was over before
             times[kind].append((wall, processor))
             for problem in problems_of(command, folder, "long.xml", code, number):

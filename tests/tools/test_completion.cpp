@@ -50,12 +50,12 @@ TEST_F(Completion, SubcommandsOptionsAndValues) {
   EXPECT_TRUE(has(stroma("__complete ch").out, "=check\treport every problem"));
   EXPECT_EQ(asked("run --rec"), "=--record\n=--record-every\n");
   EXPECT_TRUE(has(stroma("__complete run --until").out, "=--until\trun to this time"));
-  EXPECT_EQ(asked("run ''"), "f*.xml *.scn\n");
+  EXPECT_EQ(asked("run ''"), "f*.xml *.scn *.py\n");
   EXPECT_EQ(asked("run --module ''"), "f*.so\n");
   EXPECT_EQ(asked("run --record ''"), "d\n");
   EXPECT_EQ(asked("run beam.xml -n ''"), "");
   EXPECT_EQ(asked("run --json=''"), "f*\n");
-  EXPECT_EQ(asked("run --json ''"), "f*.xml *.scn\n") << "its value follows = only";
+  EXPECT_EQ(asked("run --json ''"), "f*.xml *.scn *.py\n") << "its value follows = only";
   EXPECT_EQ(asked("view beam.xml --export ''"), "f*.html\n");
   EXPECT_EQ(asked("completion ''"), "=bash\n=zsh\n=fish\n");
   EXPECT_EQ(asked("help reg"), "=regress\n");

@@ -241,5 +241,57 @@ TEST_F(Regress, AToleranceThatLetsEverythingPassIsRefused) {
   }
 }
 
+TEST_F(Regress, ComparesEnergiesAndAttributesWithTheirOwnTolerance) {
+  write("list", "references\nfall.xml 8 1e-9 data=kinetic_energy:1e-6 data=/stone/UniformMass.totalMass\n");
+  ASSERT_EQ(stroma("regress list").code, 1) << "they have no reference yet";
+  ASSERT_EQ(stroma("regress list --update").code, 0);
+  EXPECT_EQ(stroma("regress list").code, 0);
+  const fs::path file = folder_ / "references/fall/kinetic_energy.data";
+  const std::string good = readText(file);
+  const auto tampered = [&](const std::string& from, const std::string& to, const std::string& sentence) {
+    std::string text = good;
+    ASSERT_NE(text.find(from), std::string::npos) << text;
+    write("references/fall/kinetic_energy.data", text.replace(text.find(from), from.size(), to));
+    const Finished run = stroma("regress list");
+    EXPECT_EQ(run.code, 1) << to;
+    EXPECT_NE(run.out.find("kinetic_energy.data: " + sentence), std::string::npos) << run.out;
+  };
+  const auto line = good.rfind('\n', good.size() - 2) + 1;  // the last time and its energy
+  const std::string last = good.substr(line, good.size() - line - 1), time = last.substr(0, last.find(' '));
+  tampered(last, time + " nan", "number 0 is");
+  tampered(last, time + " 99", "number 0 is");
+  tampered(last, "7" + last.substr(last.find(' ')), "t = ");
+  tampered(last, "", "5 times instead of 4");
+  tampered(last, last + " 1", "1 numbers instead of 2");
+  write("references/fall/kinetic_energy.data", good);
+  EXPECT_EQ(stroma("regress list").code, 0);
+  for (const char* word : {"data=", "data=kinetic", "data=kinetic_energy:2", "data=kinetic_energy:x"}) {
+    write("list", std::string("references\nfall.xml 8 1e-9 ") + word + "\n");
+    EXPECT_EQ(stroma("regress list").code, 2) << word;
+  }
+}
+
+TEST_F(Regress, AnExpectationThatIsNotMetFails) {
+  std::string scene = falling_scene;
+  scene.insert(scene.rfind("</Node>"), R"(<Expect of="/stone/UniformMass.totalMass" is="2"/>)");
+  write("fall.xml", scene);
+  EXPECT_EQ(stroma("regress list").code, 0) << stroma("regress list").out;
+  write("fall.xml", scene.replace(scene.find(R"(is="2")"), 6, R"(is="3")"));
+  expectFailure("expected 3");
+}
+
+TEST_F(Regress, SeveralAtOnceSayTheSame) {
+  write("other.xml", falling_scene);
+  write("list", "references\nfall.xml 8 1e-9\nother.xml 4 1e-9\n");
+  ASSERT_EQ(stroma("regress list --update --jobs 2").code, 0);
+  EXPECT_EQ(stroma("regress list --jobs 2 --json json --junit junit.xml").code, 0);
+  tamper([](auto& frames) { frames.back().x[0][1] += 1; });
+  const Finished run = stroma("regress list --jobs 2");
+  EXPECT_EQ(run.code, 1);
+  EXPECT_NE(run.out.find("FAILED  fall"), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("passed  other"), std::string::npos) << run.out;
+  EXPECT_NE(readText(folder_ / "references/fall/origin").find("stroma regress fall --update: 8 steps"), std::string::npos);
+}
+
 }  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

@@ -222,17 +222,17 @@ TEST_F(Words, ComponentsOfSofaThatAreNotHereAreAnswered) {
   const std::pair<const char*, const char*> others[] = {
       {"OglModel", "accepted without effect"},
       {"DefaultAnimationLoop", "accepted without effect"},
-      {"UncoupledConstraintCorrection", "no Lagrangian constraints"},
+      {"UncoupledConstraintCorrection", "Forces of constraint are found"},
       {"FixedConstraint", "is now called FixedProjectiveConstraint"},
       {"SparseGrid", "is now called SparseGridTopology"},
       {"BoxConstraint", "write a BoxROI"},
       {"ShapeMatching", "ShapeMemoryForceField"},
       {"TransformEngine", "\nAttributes"},
-      {"TransformPosition", "scale3d, rotation and translation"},
+      {"TransformPosition", "\nAttributes"},
       {"TriangularAnisotropicFEMForceField", "fibres of membranes are not"},
       {"OscillatorConstraint", "OscillatorProjectiveConstraint"},
       {"MeshSTLLoader", "\nAttributes"},
-      {"TriangleCollisionModel", "where contact is watched for"}};
+      {"TriangleCollisionModel", "where contacts are looked for"}};
   for (const auto& [type, expected] : others) {
     const Finished doc = stroma(std::string("doc ") + type);
     EXPECT_EQ(doc.code, 0) << type << doc.err;
@@ -250,9 +250,9 @@ TEST_F(Words, AMissingComponentOfSofaIsRefusedWithWhatToDoInstead) {
   EXPECT_EQ(run.code, 2);
   EXPECT_TRUE(has(run.err,
                   "scene.xml:2:3: error: /BruteForceBroadPhase: there is no component 'BruteForceBroadPhase' (a component of "
-                  "SOFA that Stroma does not have. Bodies do not collide"))
+                  "SOFA that Stroma does not have. Leave it out: CollisionPipeline finds contacts"))
       << run.err;
-  EXPECT_TRUE(has(run.err, "There are no Lagrangian constraints")) << run.err;
+  EXPECT_TRUE(has(run.err, "Forces of constraint are found with the matrix of the step")) << run.err;
   EXPECT_TRUE(has(run.err, "there is no component 'CollisionPipelin' (expected a name from 'stroma list'")) << run.err;
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tools/command/bits.h"
+#include "tools/session/scene_program.h"
 
 #include <fmt/format.h>
 
@@ -40,6 +41,7 @@ void requireSame(const std::vector<std::uint64_t>& a, const std::vector<std::uin
 }  // namespace
 
 Bits bitsOfEveryRun(const RegressionCase& test, Session& session) {
+  if (isSceneProgram(test.scene)) throw std::runtime_error("a scene in Python is compared by its states, without --bits");
   const auto load = [&](int thread_count) -> Simulation& {
     setThreads(thread_count);
     Simulation& simulation = session.load(test.scene, parseOverrides(test.overrides));

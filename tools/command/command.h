@@ -45,7 +45,7 @@ class UsageError : public std::runtime_error {
 
 extern const Subcommand run_command, watch_command, view_command, picture_command;
 extern const Subcommand check_command, explain_command, list_command, doc_command, schema_command, mesh_command;
-extern const Subcommand regress_command, sweep_command, bench_command;
+extern const Subcommand regress_command, sweep_command, stress_command, bench_command;
 extern const Subcommand help_command, man_command, completion_command, complete_command;
 
 /// The one table of subcommands (subcommands.cpp): a new one is a line in it and a declaration above. Help, completion and

@@ -148,7 +148,7 @@ std::vector<Candidate> atCursor(const std::vector<std::string>& words) {
 
 std::vector<Candidate> candidatesFor(const std::string& name) {
   static const std::map<std::string, std::string, std::less<>> meanings{
-      {"SCENE", "*.xml *.scn"},
+      {"SCENE", "*.xml *.scn *.py"},
       {"INPUT", "*.nii *.nii.gz *.mhd *.mha *.vti *.obj *.stl *.vtk *.vtp"},
       {"MESH", "*.msh *.vtu"},
       {"SHELL", "bash|zsh|fish"},

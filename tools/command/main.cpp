@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// `stroma`: finds the subcommand, turns what goes wrong into a sentence and an exit code.
+// `stroma`: the start of the command, as a program.
 #include <stdlib.h>
 
 #include <fmt/format.h>
@@ -7,9 +7,9 @@
 #include <csignal>
 #include <cstdio>
 
-#include "framework/scene/diagnostics.h"
 #include "tools/command/help.h"
 #include "tools/command/long_work.h"
+#include "tools/command/python_scene.h"
 
 using namespace stroma::command;
 
@@ -27,20 +27,6 @@ int main(int count, char** values) {
     printOverview(stdout);
     return exit_done;
   }
-  try {
-    if (arguments[0] == "--version") return printVersion(), exit_done;
-    return subcommandNamed(arguments[0]).call({arguments.begin() + 1, arguments.end()});
-  } catch (const stroma::SceneError& error) {
-    const int errors = error.diagnostics().errorCount();
-    fmt::print(stderr, "{}\n{} error{}: nothing was run\n", error.diagnostics().text(), errors, errors == 1 ? "" : "s");
-  } catch (const stroma::ComponentError& error) {
-    fmt::print(stderr, "stroma: {}{}{}\n", error.what(),
-               error.expected.empty() ? "" : " (expected " + error.expected + ")",
-               error.suggestion.empty() ? "" : "; did you mean '" + error.suggestion + "'?");
-  } catch (const std::bad_alloc&) {
-    fmt::print(stderr, "stroma: out of memory\n");
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "stroma: {}\n", error.what());
-  }
-  return exit_bad_input;
+  if (needsPython(arguments)) return goOnInPython(arguments);
+  return runCommand(arguments);
 }

@@ -10,6 +10,7 @@
 #include "framework/scene/text.h"
 #include "tools/command/session.h"
 #include "tools/command/sofa_runs.h"
+#include "tools/command/source_layout.h"
 
 namespace po = boost::program_options;
 namespace fs = std::filesystem;
@@ -20,8 +21,8 @@ namespace {
 const Manual migrate_manual{
     "stroma migrate SCENE [-o FILE] [options]",
     "Writes a scene in SOFA's dialect as a native one: includes and prefabs spliced in, links absolute, SOFA's defaults and "
-    "ways\nwritten out as attributes. It gives the same numbers; comments and what has no effect are not kept. With "
-    "--without-quirk\na way of SOFA is left out, and the result differs by what it did.",
+    "ways\nwritten out as attributes. It gives the same numbers. Comments, blank lines and the order of parts are kept; what "
+    "has no\neffect is not. With --without-quirk a way of SOFA is left out, and the result differs by what it did.",
     "  stroma migrate liver.scn -o liver.xml\n  stroma migrate liver.scn --without-quirk cg-threshold\n"};
 
 std::string escaped(const std::string& value) {
@@ -49,7 +50,7 @@ std::string escaped(const std::string& value) {
 class Writer {
  public:
   Writer(Session& session, const Scene& scene, fs::path folder)
-      : session_(session), scene_(scene.description), folder_(std::move(folder)) {
+      : session_(session), scene_(scene.description), folder_(std::move(folder)), layout_(scene.description) {
     for (const Problem& problem : scene.diagnostics.problems())
       if (problem.path == dialect_note) ways_ = problem.message;
   }
@@ -59,25 +60,52 @@ class Writer {
     for (auto at = ways_.find("--"); at != std::string::npos; at = ways_.find("--")) ways_.replace(at, 2, "- ");
     text_ += " It is " + ways_ + " -->\n";
     write(scene_.root, 0);
+    writeLines(layout_.atEnd({scene_.root.where.file, 0, 0}), "");
     return text_;
   }
 
  private:
   void write(const NodeDescription& node, int depth) {
     const std::string indent(std::size_t(2 * depth), ' ');
-    text_ += indent + "<Node";
+    writeLines(layout_.before(node.where), indent);
+    startTag(indent + "<Node");
     for (const AttributeDescription& attribute : node.attributes) write(attribute.name, attribute.value);
-    text_ += ">\n";
-    for (const ComponentDescription& component : node.components) {
-      text_ += indent + "  <" + component.type;
-      for (const AttributeDescription& attribute : component.attributes)
-        write(attribute.name, placed(component, attribute));
-      text_ += "/>\n";
+    text_ += line_ + ">\n";
+    // components and nodes as they stood, where they are of one file
+    auto component = node.components.begin();
+    for (const NodeDescription& child : node.children) {
+      for (; component != node.components.end() && !SourceLayout::precedes(child.where, component->where); ++component)
+        write(*component, indent + "  ");
+      write(child, depth + 1);
     }
-    for (const NodeDescription& child : node.children) write(child, depth + 1);
+    for (; component != node.components.end(); ++component) write(*component, indent + "  ");
+    writeLines(layout_.atEnd(node.where), indent + "  ");
     text_ += indent + "</Node>\n";
   }
-  void write(const std::string& name, const std::string& value) { text_ += " " + name + "=\"" + escaped(value) + "\""; }
+  void write(const ComponentDescription& component, const std::string& indent) {
+    writeLines(layout_.before(component.where), indent);
+    startTag(indent + "<" + component.type);
+    for (const AttributeDescription& attribute : component.attributes) write(attribute.name, placed(component, attribute));
+    text_ += line_ + "/>\n";
+  }
+  void writeLines(const std::vector<std::string>& lines, const std::string& indent) {
+    for (const std::string& line : lines) text_ += line.empty() ? "\n" : indent + line + "\n";
+  }
+  void startTag(const std::string& text) {
+    line_ = text;
+    continued_ = std::string(text.find('<') + 4, ' ');
+  }
+  /// On a new line where the tag grows too long.
+  void write(const std::string& name, const std::string& value) {
+    constexpr std::size_t widest = 130;
+    const std::string word = name + "=\"" + escaped(value) + "\"";
+    if (line_.size() + word.size() > widest && line_.find_first_not_of(' ') + 1 < line_.size() && line_.find('=') != line_.npos) {
+      text_ += line_ + "\n";
+      line_ = continued_ + word;
+    } else {
+      line_ += " " + word;
+    }
+  }
 
   /// A file that is read, by its way from the new scene.
   std::string placed(const ComponentDescription& component, const AttributeDescription& attribute) {
@@ -94,7 +122,9 @@ class Writer {
   Session& session_;
   const SceneDescription& scene_;
   fs::path folder_;
+  SourceLayout layout_;
   std::string ways_, text_;
+  std::string line_, continued_;  ///< the tag that is written, and how its further lines begin
 };
 
 CommandLine migrateLine() {

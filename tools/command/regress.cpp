@@ -4,13 +4,18 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <ctime>
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "framework/mechanics/frames.h"
 #include "framework/scene/output_file.h"
+#include "framework/simulation/expectation.h"
 #include "tools/command/bits.h"
+#include "tools/command/child_jobs.h"
 #include "tools/command/comparison.h"
 #include "tools/command/junit.h"
 #include "tools/command/regression_list.h"
@@ -34,8 +39,10 @@ const Manual regress_manual{
     "of "
     "the body, when\nthe relative L2 error exceeds the tolerance, at a number that is not finite, a missing reference, "
     "another size, name or time.\nLIST: the folder of the references on the first line, then lines `SCENE STEPS "
-    "TOLERANCE [PATH.ATTR=VALUE ...] [unconverged]`; # starts a\ncomment; paths are relative to the list. A case also "
-    "fails, and nothing of it is stored, when a solve ends before its\ntolerance, unless its line says `unconverged`. "
+    "TOLERANCE [PATH.ATTR=VALUE ...] [data=PATH.NAME[:TOLERANCE] ...]\n[unconverged]`; # starts a comment; paths are "
+    "relative to the list. data: an attribute of numbers, or kinetic_energy and its like,\ncompared too. A case also "
+    "fails, and nothing of it is stored, when a solve ends before its\ntolerance, unless its line says `unconverged`, "
+    "and when an Expect of the scene is not met. "
     "A reference that this "
     "program "
     "wrote proves only that nothing has changed.\nWith --bits nothing is compared with references: each scene runs "
@@ -46,62 +53,101 @@ const Manual regress_manual{
     "  stroma regress scenes/regression/list --bits\n"};
 
 using Json = nlohmann::ordered_json;
-using Recording = std::map<std::string, std::vector<StateFrame>>;  ///< frames by file name of the state
+struct StoredState {
+  const State* state = nullptr;
+  std::vector<StateFrame> frames;  ///< values as in State::position
+};
+/// By file name: states, and what a case compares besides them.
+struct Recording {
+  std::map<std::string, StoredState> states;
+  std::map<std::string, DataOverTime> data;
+};
 
 struct Result {
   std::string name, failure;
   std::string remark;  ///< what --bits has to say of a case that passed
   double seconds = 0;
   std::map<std::string, Comparison> states;
+  std::map<std::string, double> data;  ///< difference as a share of the largest number
 };
 
 std::set<long> storedSteps(long steps) { return {0, steps / 4, steps / 2, 3 * steps / 4, steps}; }
 
-std::vector<Vec3> points(ConstRows rows) {
-  std::vector<Vec3> out;
-  for (Index i = 0; i < rows.count; ++i) out.emplace_back(rows[i]);
-  return out;
+void store(const Simulation& simulation, const RegressionCase& test, Recording& recording) {
+  for (const WatchedData& data : test.data) recording.data[data.fileName()][simulation.time()] = numbersNow(simulation, data.name);
+  for (const State* state : simulation.states()) {
+    StateFrame frame{.time = simulation.time(), .x0 = {}, .x = {}, .v = {}, .f = {}};
+    for (Index i = 0; i < state->size(); ++i) {
+      frame.x.push_back(valueOfRow(state->kindOf(i), state->x(), i));
+      frame.v.emplace_back(state->v()[i]);
+    }
+    StoredState& stored = recording.states[stateFileName(state->path())];
+    stored.state = state;
+    stored.frames.push_back(std::move(frame));
+  }
 }
 
-void store(const Simulation& simulation, Recording& recording) {
-  for (const State* state : simulation.states())
-    recording[stateFileName(state->path())].push_back(
-        {.time = simulation.time(), .x0 = {}, .x = points(state->x()), .v = points(state->v()), .f = {}});
+/// An orientation has many rotation vectors: those of `frames` become the ones nearest to those of the reference.
+std::vector<StateFrame> besideReference(const StoredState& stored, const std::vector<StateFrame>& reference) {
+  std::vector<StateFrame> frames = stored.frames;
+  for (std::size_t f = 0; f < std::min(frames.size(), reference.size()); ++f)
+    for (std::size_t i = 0; i < std::min(frames[f].x.size(), reference[f].x.size()); ++i) {
+      if (stored.state->kindOf(Index(i)) != RowKind::turn) continue;
+      const Vec3& to = reference[f].x[i];
+      frames[f].x[i] = to + rotationVector(turnedBy(frames[f].x[i]) * turnedBy(to).conjugate());
+    }
+  return frames;
 }
 
 /// Runs the scene without its observers: a regression run leaves no files behind.
 Recording runCase(const RegressionCase& test, Session& session) {
   Simulation& simulation = session.load(test.scene, parseOverrides(test.overrides));
-  simulation.dropObservers();
+  dropWriters(simulation);
   const std::set<long> stored = storedSteps(test.steps);
   Recording recording;
-  store(simulation, recording);
+  store(simulation, test, recording);
   RunStatistics statistics;
   while (simulation.steps() < test.steps) {
-    const StepReport report = simulation.step();
+    const StepReport report = session.step();
     if (report.diverged) throw std::runtime_error("diverged: " + report.reason);
     if (!report.constraints_converged) throw std::runtime_error("not converged: " + report.constraint_reason);
     statistics.add(report, 0);
-    if (stored.count(simulation.steps())) store(simulation, recording);
+    if (stored.count(simulation.steps())) store(simulation, test, recording);
   }
+  simulation.end();
+  for (const Observer* observer : simulation.observers())
+    if (const auto* expectation = dynamic_cast<const Expectation*>(observer); expectation && !expectation->failure().empty())
+      throw std::runtime_error(observer->path() + ": " + expectation->failure());
   if (!statistics.unconverged.none() && !test.accepts_unconverged)
     throw std::runtime_error(fmt::format("{}; or write unconverged behind the case: its answer is then taken as it is",
                                          fmt::join(statistics.unconverged.warnings(), "; ")));
-  if (recording.empty()) throw std::runtime_error("the scene has no state that moves: there is nothing to compare");
+  if (recording.states.empty()) throw std::runtime_error("the scene has no state that moves: there is nothing to compare");
   return recording;
 }
 
-void writeReference(const fs::path& folder, const Recording& recording) {
+/// Says of a reference by what and when it was written.
+constexpr const char* origin_file = "origin";
+
+void writeReference(const RegressionCase& test, const fs::path& folder, const Recording& recording) {
   fs::remove_all(folder);
-  for (const auto& [file, frames] : recording) {
+  for (const auto& [file, stored] : recording.states) {
     StateWriter writer((folder / file).string());
-    for (const StateFrame& frame : frames) {
+    Vector x(stored.state->size()), v(stored.state->size());
+    for (const StateFrame& frame : stored.frames) {
+      for (Index i = 0; i < x.count(); ++i)
+        placeRow(stored.state->kindOf(i), frame.x[std::size_t(i)], x, i), v[i] = frame.v[std::size_t(i)];
       writer.time(frame.time);
-      writer.rows("X", frame.x);
-      writer.rows("V", frame.v);
+      writer.rows("X", *stored.state, x);
+      writer.rows("V", *stored.state, v);
     }
     writer.close();
   }
+  for (const auto& [file, values] : recording.data) writeData((folder / file).string(), values);
+  const std::time_t now = std::time(nullptr);
+  char date[32];
+  std::strftime(date, sizeof date, "%Y-%m-%d", std::gmtime(&now));
+  writeWholeFile((folder / origin_file).string(),
+                 fmt::format("stroma {} on {}\nstroma regress {} --update: {} steps\n", STROMA_VERSION, date, test.name, test.steps));
 }
 
 void compareWithReference(const RegressionCase& test, const fs::path& folder, const Recording& recording,
@@ -109,15 +155,22 @@ void compareWithReference(const RegressionCase& test, const fs::path& folder, co
   if (!fs::is_directory(folder))
     throw std::runtime_error(fmt::format("there is no reference {} (--update writes it)", folder.string()));
   for (const auto& entry : fs::directory_iterator(folder))
-    if (!recording.count(entry.path().filename().string()))
+    if (const std::string file = entry.path().filename().string();
+        file != origin_file && !recording.states.count(file) && !recording.data.count(file))
       throw std::runtime_error(fmt::format("the scene has no state for the reference {}", entry.path().string()));
-  for (const auto& [file, frames] : recording) {
-    const fs::path reference = folder / file;
-    if (!fs::exists(reference))
-      throw std::runtime_error(fmt::format("there is no reference {} (--update writes it)", reference.string()));
+  for (const auto& [file, stored] : recording.states) {
+    if (!fs::exists(folder / file))
+      throw std::runtime_error(fmt::format("there is no reference {} (--update writes it)", (folder / file).string()));
+    const std::vector<StateFrame> reference = readStateFile((folder / file).string(), stored.state);
     const Comparison& comparison = result.states[file] =
-        compare(readStateFile(reference.string()), frames, test.tolerance);
+        compare(reference, besideReference(stored, reference), test.tolerance);
     if (!comparison.passed && result.failure.empty()) result.failure = file + ": " + comparison.failure;
+  }
+  for (const WatchedData& data : test.data) {
+    const std::string file = data.fileName(), path = (folder / file).string();
+    if (!fs::exists(path)) throw std::runtime_error(fmt::format("there is no reference {} (--update writes it)", path));
+    const std::string failure = compareData(readData(path), recording.data.at(file), data.tolerance, result.data[file]);
+    if (!failure.empty() && result.failure.empty()) result.failure = file + ": " + failure;
   }
 }
 
@@ -125,7 +178,7 @@ void compareWithReference(const RegressionCase& test, const fs::path& folder, co
 template <class Judge>
 Result timed(const RegressionCase& test, Judge&& judge) {
   const auto start = std::chrono::steady_clock::now();
-  Result result{.name = test.name, .failure = {}, .remark = {}, .seconds = 0, .states = {}};
+  Result result{.name = test.name, .failure = {}, .remark = {}, .seconds = 0, .states = {}, .data = {}};
   try {
     judge(result);
   } catch (const SceneError& error) {
@@ -141,7 +194,7 @@ Result runAndCompare(const RegressionCase& test, const fs::path& folder, Session
   return timed(test, [&](Result& result) {
     const Recording recording = runCase(test, session);
     if (update)
-      writeReference(folder, recording);
+      writeReference(test, folder, recording);
     else
       compareWithReference(test, folder, recording, result);
   });
@@ -159,6 +212,7 @@ double worstError(const Result& result) {
   for (const auto& [file, state] : result.states)
     worst =
         std::max({worst, state.position_error, state.position_l2_error, state.velocity_error, state.velocity_l2_error});
+  for (const auto& [file, error] : result.data) worst = std::max(worst, error);
   return worst;
 }
 
@@ -183,7 +237,23 @@ Json toJson(const Result& result) {
                     {"velocity_error", state.velocity_error},
                     {"velocity_l2_error", state.velocity_l2_error}};
   return {{"name", result.name},     {"passed", result.failure.empty()}, {"failure", result.failure},
-          {"remark", result.remark}, {"seconds", result.seconds},        {"states", states}};
+          {"remark", result.remark}, {"seconds", result.seconds},        {"states", states},
+          {"data", result.data}};
+}
+
+/// What a process of its own has found.
+Result fromJson(const RegressionCase& test, const JobEnd& end) {
+  Result result{.name = test.name, .failure = end.failure, .remark = {}, .seconds = 0, .states = {}, .data = {}};
+  if (!end.failure.empty()) return result;
+  const Json json = Json::parse(end.text);
+  result.failure = json["failure"], result.remark = json["remark"], result.seconds = json["seconds"];
+  const auto number = [](const Json& value) { return value.is_number() ? value.get<double>() : INFINITY; };  // null: none
+  for (const auto& [file, state] : json["states"].items())
+    result.states[file] = {state["passed"].get<bool>(), {}, number(state["position_error"]),
+                           number(state["position_l2_error"]), number(state["velocity_error"]),
+                           number(state["velocity_l2_error"])};
+  for (const auto& [file, error] : json["data"].items()) result.data[file] = number(error);
+  return result;
 }
 
 void writeResults(const std::vector<Result>& results, const std::string& file) {
@@ -208,8 +278,9 @@ OptionList regressOptions() {
           "json", po::value<std::string>()->value_name("FILE"), "write all figures as JSON")  //
       ("tolerance", po::value<double>()->value_name("SHARE")->default_value(1e-3),
        "of SOFA's lists (*.regression-tests): the relative difference that passes")  //
-      ("jobs", po::value<int>()->value_name("N")->default_value(1), "of SOFA's lists: how many scenes at once")  //
-      ("limit", po::value<double>()->value_name("SECONDS")->default_value(600), "of SOFA's lists: the time of one scene")  //
+      ("jobs", po::value<int>()->value_name("N")->default_value(1),
+       "how many scenes at once, each in a process of its own (not with --bits)")  //
+      ("limit", po::value<double>()->value_name("SECONDS")->default_value(600), "the time of one scene in such a process")  //
       ("junit", po::value<std::string>()->value_name("FILE"), "write the results as JUnit's XML, for build servers");
   addSceneOptions(options);
   return options;
@@ -228,15 +299,33 @@ void checkReports(const RegressionList& list, const Values& values) {
 std::vector<Result> runList(const RegressionList& list, const Values& values) {
   const std::string filter = values.count("filter") ? values["filter"].as<std::string>() : "";
   const bool update = values.count("update") > 0, bits = values.count("bits") > 0;
+  std::vector<Result> results;
+  std::vector<RegressionCase> cases = list.cases;
+  std::erase_if(cases, [&](const RegressionCase& test) { return test.name.find(filter) == std::string::npos; });
+  const auto judge = [&](const RegressionCase& test, Session& one) {
+    return runAndCompare(test, fs::path(list.reference_folder) / test.name, one, update);
+  };
+  JobLimits limits;
+  limits.at_once = values["jobs"].as<int>(), limits.seconds = values["limit"].as<double>();
+  if (limits.at_once > 1 && !bits)
+    runJobs(
+        int(cases.size()), limits,
+        [&](int i) {
+          Session one;
+          configure(one, values);
+          return toJson(judge(cases[std::size_t(i)], one)).dump(-1, ' ', false, Json::error_handler_t::replace);
+        },
+        [&](int i, const JobEnd& end) {
+          results.push_back(fromJson(cases[std::size_t(i)], end));
+          print(results.back(), update);
+        });
   Session session;
   configure(session, values);
   std::optional<StoredHashes> stored;
   if (bits) stored.emplace(list.reference_folder + "/hashes");
-  std::vector<Result> results;
-  for (const RegressionCase& test : list.cases) {
-    if (test.name.find(filter) == std::string::npos) continue;
-    results.push_back(bits ? runForBits(test, *stored, session, update)
-                           : runAndCompare(test, fs::path(list.reference_folder) / test.name, session, update));
+  for (const RegressionCase& test : cases) {
+    if (limits.at_once > 1 && !bits) break;
+    results.push_back(bits ? runForBits(test, *stored, session, update) : judge(test, session));
     print(results.back(), update);
   }
   if (results.empty()) throw UsageError(fmt::format("--filter {}: no case of the list has that in its name", filter));

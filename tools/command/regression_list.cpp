@@ -45,6 +45,10 @@ RegressionCase readCase(const std::string& line, const fs::path& folder) {
       result.accepts_unconverged = true;
       continue;
     }
+    if (word.starts_with("data=")) {
+      result.data.push_back(readWatchedData(word, result.tolerance));
+      continue;
+    }
     if (word.find('=') == std::string::npos)
       throw UsageError(fmt::format("'{}' is not PATH.ATTR=VALUE; positions and velocities are always compared", word));
     result.overrides.push_back(word);

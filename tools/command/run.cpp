@@ -6,8 +6,10 @@
 #include <chrono>
 #include <csignal>
 #include <filesystem>
+#include <thread>
 
 #include "framework/scene/output_file.h"
+#include "framework/scene/spans.h"
 #include "tools/checks/result_doubts.h"
 #include "tools/command/closed_pipes.h"
 #include "tools/command/default_recording.h"
@@ -19,6 +21,7 @@
 #include "tools/command/run_outcome.h"
 #include "tools/command/session.h"
 #include "tools/command/statistics.h"
+#include "tools/profile/report.h"
 #include "tools/session/action_file.h"
 #include "tools/session/file_uses.h"
 #include "tools/session/replay.h"
@@ -33,17 +36,42 @@ double secondsSince(Clock::time_point start) { return std::chrono::duration<doub
 std::atomic<Session*> interruptible = nullptr;
 volatile std::sig_atomic_t stopped_by = 0;
 
+/// What the signal does without a handler.
+void endBy(int number) {
+  std::signal(number, SIG_DFL);
+  sigset_t set;
+  sigemptyset(&set);
+  sigaddset(&set, number);
+  pthread_sigmask(SIG_UNBLOCK, &set, nullptr);
+  std::raise(number);
+}
+
+void stop(int number) {
+  if (stopped_by == number) endBy(number);
+  stopped_by = number;
+  interruptible.load()->requestStop();
+}
+
+/// METIS takes SIGTERM for its own error while it orders a matrix, and the run would go on. So no thread is interrupted by
+/// this signal: one thread waits for it. To be called before there are others.
+void waitForTermination() {
+  static sigset_t termination;
+  sigemptyset(&termination);
+  sigaddset(&termination, SIGTERM);
+  pthread_sigmask(SIG_BLOCK, &termination, nullptr);
+  std::thread([] {
+    for (int number = 0; sigwait(&termination, &number) == 0;) {
+      if (interruptible.load())
+        stop(number);
+      else
+        endBy(number);
+    }
+  }).detach();
+}
+
 void stopOnSignals(Session& session) {
   interruptible = &session;
-  const auto stop = [](int number) {
-    if (stopped_by == number) {
-      std::signal(number, SIG_DFL);
-      std::raise(number);
-    }
-    stopped_by = number;
-    interruptible.load()->requestStop();
-  };
-  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, stop);
+  std::signal(SIGINT, stop);
   if (std::signal(SIGHUP, stop) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);  // nohup
 }
 
@@ -193,6 +221,10 @@ struct Run {
   long steps = 0;
   double load_seconds = 0;
 
+  ~Run() {
+    const Span span("put away");
+    session.unload();
+  }
   void load(const Values& values, Progress& progress) {
     const auto start = Clock::now();
     configure(session, values);
@@ -224,6 +256,7 @@ struct Run {
     for (const FileUse& input : inputsOf(simulation.scene())) json["inputs"].push_back(input.path);
     if (replay) json["replayed"] = {{"actions", replay->made(simulation)}, {"later", replay->later(simulation)}};
     json["warnings"] = warnings;
+    if (!outcome.unexpected.empty()) json["not_as_expected"] = outcome.unexpected;
     json["coarse_meshes"] = coarse;
     return json;
   }
@@ -234,33 +267,64 @@ struct Run {
   }
 };
 
-int run(const Arguments& arguments) {
-  const auto values = parseRunOptions(arguments);
-  if (!values) return exit_done;
-  const RunRequest request(*values);
+int runScene(const RunRequest& request, const Values& values) {
+  waitForTermination();
   outliveReaders();
   tellLongWork(!request.quiet);
   Run run{request};
   Progress progress(request.scene, request.quiet, [] { return stopped_by != 0; });
-  run.load(*values, progress);
+  {
+    const Span span("load");
+    run.load(values, progress);
+  }
   const bool wants_json = !request.json_file.empty();
   const Energies at_start = wants_json ? energiesOf(run.session.simulation()) : Energies{};
   Recordings recordings(run.session, request, run.steps);
   stopOnSignals(run.session);
-  Outcome outcome = loop(run.session, run.steps, request, recordings, progress, !run.checkpoint.empty());
+  Outcome outcome = [&] {
+    const Span span("run");
+    return loop(run.session, run.steps, request, recordings, progress, !run.checkpoint.empty());
+  }();
+  const Span span("end");
   finish(run.session, request, recordings, outcome);
   if (!request.measure_file.empty())
     attempt(outcome, [&] {
       writeMeasuredEnd(run.session.simulation(), run.measured ? &*run.measured : nullptr, request.measure_file);
     });
+  if (outcome.end == RunEnd::done) tellExpectations(run.session.simulation(), request.quiet, outcome);
   const bool doubts = tellWarnings(outcome.statistics, doubtsOf(run.session.simulation()), run.warnings);
   if (!outcome.failed()) run.coarse = tellMeshErrors(run.session.simulation(), request.quiet);
   outcome.doubted = request.strict && (doubts || !outcome.statistics.unconverged.none());
   if (wants_json) attempt(outcome, [&] { writeJson(run.json(outcome, at_start, recordings), request.json_file); });
   for (const std::string& failure : outcome.failures) fmt::print(stderr, "error: {}\n", failure);
   if (request.json_file != "-" && !request.quiet) run.print(outcome, recordings);
-  for (const int signal : {SIGHUP, SIGINT, SIGTERM}) std::signal(signal, SIG_DFL);  // the session ends here
+  for (const int signal : {SIGHUP, SIGINT}) std::signal(signal, SIG_DFL);  // the session ends here
+  interruptible = nullptr;
   return outcome.exitCode();
+}
+
+/// The same, heard by a profiler.
+int runProfiled(const RunRequest& request, const Values& values, const Arguments& arguments) {
+  std::vector<std::string> words{"stroma", "run"};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  profile::runAgainCounting(words);
+  profile::Profiler profiler;
+  int code = exit_done;
+  {
+    const Span span("command");
+    code = runScene(request, values);
+  }
+  const profile::Profile profile = profiler.stop();
+  writeWholeFile(request.profile_file, profile::traceOf(profile));
+  if (!request.quiet) fmt::print(stderr, "{}", profile::tableOf(profile, request.profile_file));
+  return code;
+}
+
+int run(const Arguments& arguments) {
+  const auto values = parseRunOptions(arguments);
+  if (!values) return exit_done;
+  const RunRequest request(*values);
+  return request.profile_file.empty() ? runScene(request, *values) : runProfiled(request, *values, arguments);
 }
 
 }  // namespace

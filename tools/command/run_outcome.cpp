@@ -7,11 +7,12 @@
 #include <cmath>
 
 #include "framework/algebra/parallel.h"
-#include "framework/algebra/solver_choice.h"
 #include "framework/scene/output_file.h"
+#include "framework/simulation/expectation.h"
 #include "tools/checks/mesh_error.h"
 #include "tools/checks/result_doubts.h"
 #include "tools/command/statistics.h"
+#include "tools/plan/plan.h"
 #include "tools/units/unit_system.h"
 
 namespace stroma::command {
@@ -26,12 +27,14 @@ const char* Outcome::word() const {
       return "not converged";
     case RunEnd::not_replayed:
       return "not replayed";
+    case RunEnd::program_failed:
+      return "ended by the scene's program";
     case RunEnd::output_failed:
       return "ended by an output";
     case RunEnd::done:
       break;
   }
-  return doubted ? "in doubt" : "done";
+  return doubted ? "in doubt" : unexpected.empty() ? "done" : "not as expected";
 }
 
 int Outcome::exitCode() const {
@@ -39,14 +42,31 @@ int Outcome::exitCode() const {
   if (failed()) return exit_diverged;
   if (!failures.empty()) return exit_output_failed;
   if (end == RunEnd::stopped) return by_signal + signal;
-  return doubted ? exit_diverged : exit_done;
+  if (doubted) return exit_diverged;
+  return unexpected.empty() ? exit_done : exit_comparison_failed;
+}
+
+void tellExpectations(const Simulation& simulation, bool quiet, Outcome& outcome) {
+  long met = 0;
+  for (const Observer* observer : simulation.observers()) {
+    const auto* expectation = dynamic_cast<const Expectation*>(observer);
+    if (!expectation) continue;
+    const std::string failure = expectation->failure();
+    met += failure.empty() && expectation->comparisons() > 0;
+    if (failure.empty() && expectation->comparisons() > 0) continue;
+    outcome.unexpected.push_back(observer->path() + ": " + (failure.empty() ? "nothing was compared" : failure));
+    fmt::print(stderr, "not as expected: {}\n", outcome.unexpected.back());
+  }
+  if (met > 0 && !quiet) fmt::print(stderr, "note: {} as expected\n", met == 1 ? "1 result is" : fmt::format("{} results are", met));
 }
 
 /// A state from which most elements have to unfold first is where the trouble is, not what was there before it.
 void tellFailure(const Outcome& outcome, const Simulation& simulation, const std::string& place) {
   fmt::print(stderr, "{}: {}\n", outcome.word(), outcome.reason);
   const auto [inverted, all] = invertedCells(simulation);
-  const bool is_good = (outcome.last.diverged || outcome.end == RunEnd::not_replayed) && 2 * inverted <= all;
+  const bool stands =
+      outcome.last.diverged || outcome.end == RunEnd::not_replayed || outcome.end == RunEnd::program_failed;
+  const bool is_good = stands && 2 * inverted <= all;
   fmt::print(stderr, "the last {}state (t = {:.6g} s{}{}) {}\n", is_good ? "good " : "", simulation.time(),
              all > 0 ? fmt::format(", {} of {} elements inverted", inverted, all) : "",
              outcome.last.diverged && !is_good ? ": no good one" : "", place);
@@ -118,29 +138,31 @@ nlohmann::ordered_json summary(const RunRequest& request, const Simulation& simu
   return json;
 }
 
-/// For statics: a solver that the scene names and that is far from the best, what it took and what to leave out; or empty.
-/// The time of another is an estimate, of one core: the model of AutomaticLinearSolver for a usual mesh.
+/// A solver that the scene names and that is far from the best, what it took and what to leave out; or empty. The time of
+/// another is an estimate, of one core: the model of AutomaticLinearSolver for a usual mesh.
 std::string slowSolver(const System& system, const RunStatistics& statistics) {
   constexpr double seconds_a_node = 15e-6, worth_saying = 5;
   constexpr Index always_factored = 2500;
   const LinearSolver* solver = system.linearSolver();
-  if (!solver || system.integrator().movesInTime() || dynamic_cast<const SolverChoice*>(solver)) return {};
-  if (system.independentRows() < always_factored || system.times.solve < worth_saying) return {};
-  const double other = seconds_a_node * system.independentRows() * double(std::max(1L, statistics.newton_iterations));
-  if (system.times.solve < 3 * other) return {};
+  if (!solver || !choiceOf(*solver).empty() || system.independentRows() < always_factored) return {};
+  // products that a solver by products asked for are its time too
+  const double spent = system.times.solve + (system.integrator().movesInTime() ? system.times.product : 0);
+  const long solves = std::max({1L, statistics.newton_iterations, long(statistics.step_ms.size())});
+  const double other = seconds_a_node * system.independentRows() * double(solves);
+  if (spent < worth_saying || spent < 3 * other) return {};
   return fmt::format(
       "\n{:.3g} s went into {}, about {:.0f} times what multigrid is estimated to take: without <{}> the run chooses its "
-      "solver",
-      system.times.solve, solver->path(), system.times.solve / other, solver->type());
+      "{}",
+      spent, solver->path(), spent / other, solver->type(),
+      system.integrator().movesInTime() ? "preconditioner" : "solver");
 }
 
 /// A choice that a solver has changed in the run, or empty.
 std::string changedChoice(const System& system) {
   const LinearSolver* solver = system.linearSolver();
-  const auto* choosing = dynamic_cast<const SolverChoice*>(solver);
-  const Data* changes = choosing ? solver->data().find("changes") : nullptr;
-  if (!changes || changes->print() == "0") return {};
-  return fmt::format("\n{} changed its choice in the run: {}", solver->path(), choosing->choice());
+  const Data* changes = solver ? solver->data().find("changes") : nullptr;
+  if (!changes || changes->print() == "0" || choiceOf(*solver).empty()) return {};
+  return fmt::format("\n{} changed its choice in the run: {}", solver->path(), choiceOf(*solver));
 }
 
 void printSummary(const RunRequest& request, const Simulation& simulation, const Outcome& outcome) {

@@ -11,8 +11,12 @@ struct Outcome : RunReport {
   bool doubted = false;               ///< by a strict run
   int signal = 0;                     ///< that ended it
   std::vector<std::string> failures;  ///< a sentence for each output that could not be written
+  std::vector<std::string> unexpected;  ///< a sentence for each expectation of the scene that was not met
 
-  bool failed() const { return end == RunEnd::diverged || end == RunEnd::not_converged || end == RunEnd::not_replayed; }
+  bool failed() const {
+    return end == RunEnd::diverged || end == RunEnd::not_converged || end == RunEnd::not_replayed ||
+           end == RunEnd::program_failed;
+  }
   const char* word() const;
   int exitCode() const;
 };
@@ -24,6 +28,9 @@ void tellFailure(const Outcome& outcome, const Simulation& simulation, const std
 /// already. Whether there are doubts.
 bool tellWarnings(const RunStatistics& statistics, const std::vector<std::string>& doubts,
                   std::vector<std::string>& warnings);
+
+/// Prints, unless `quiet`, what the scene's expectations have found; those that were not met are kept in `outcome`.
+void tellExpectations(const Simulation& simulation, bool quiet, Outcome& outcome);
 
 /// Prints, unless `quiet`, and returns what is said of cells that are too large for the shapes that they have got.
 std::vector<std::string> tellMeshErrors(const Simulation& simulation, bool quiet);

@@ -21,7 +21,8 @@ constexpr long default_steps = 100;
 
 const Manual run_manual{
     "stroma run SCENE [options]",
-    "Simulates a scene: 100 steps unless -n or --until says otherwise. Progress and messages go to standard error,\n"
+    "Simulates a scene, a file of XML or one of Python with createScene(root): 100 steps unless -n or --until says otherwise.\n"
+    "Progress and messages go to standard error,\n"
     "the summary to standard output. Ctrl-C, SIGTERM or SIGHUP ends the run with its last whole step, and a\n"
     "long step is given up; once more ends it at once. A reader of the output who goes early (`| head`) does not end "
     "it.\n\n"
@@ -73,6 +74,8 @@ void addRunOptions(OptionList& options) {
       ("replay", po::value<std::string>()->value_name("FILE"), "do again what the file of actions says")       //
       ("json", po::value<std::string>()->implicit_value("-")->value_name("FILE"),
        "print the summary as JSON; --json=FILE writes it to a file")  //
+      ("profile", po::value<std::string>()->value_name("FILE"),
+       "where the time goes: a table at the end, and a trace for https://ui.perfetto.dev")  //
       ("measure", po::value<std::string>()->value_name("FILE"),
        "as `stroma sweep` does: no exporter writes, and the shapes and cells of the end go to this file")  //
       ("measure-value", po::value<std::string>()->value_name("PATH.NAME[:NODES]"),
@@ -100,6 +103,7 @@ RunRequest::RunRequest(const Values& values)
   if (values.count("until")) until = values["until"].as<double>();
   if (values.count("record")) record_folder = values["record"].as<std::string>();
   if (values.count("json")) json_file = values["json"].as<std::string>();
+  if (values.count("profile")) profile_file = values["profile"].as<std::string>();
   if (values.count("measure")) measure_file = values["measure"].as<std::string>();
   if (values.count("measure-value")) measured_quantity = values["measure-value"].as<std::string>();
   if (!measured_quantity.empty() && measure_file.empty()) throw UsageError("--measure-value needs --measure FILE");
@@ -150,6 +154,7 @@ void checkOutputs(const RunRequest& request, const Simulation& simulation) {
     for (const std::string& file : recordedFiles(simulation, request.record_folder))
       outputs.push_back({file, "--record", file.ends_with(".checkpoint")});
   if (!request.json_file.empty() && request.json_file != "-") outputs.push_back({request.json_file, "--json", true});
+  if (!request.profile_file.empty()) outputs.push_back({request.profile_file, "--profile", true});
   if (!request.measure_file.empty()) outputs.push_back({request.measure_file, "--measure", true});
   std::vector<FileUse> all = outputsOf(simulation);
   all.insert(all.end(), outputs.begin(), outputs.end());

@@ -13,6 +13,7 @@ namespace stroma::command {
 
 struct RunRequest {
   std::string scene, record_folder, restart_file, replay_file, json_file;
+  std::string profile_file;                     ///< of --profile
   std::string measure_file, measured_quantity;  ///< for `stroma sweep`
   std::vector<std::string> overrides, modules;  ///< as --set and --module had them; paths of modules are absolute
   std::optional<long> steps;

@@ -33,17 +33,21 @@ void configure(Session& session, const Values& values) {
   });
   if (values.count("module"))
     for (const std::string& file : values["module"].as<std::vector<std::string>>()) session.modules().open(file);
+  session.setOverrides(overridesOf(values));
+  if (!values.count("threads")) return;
+  const int count = values["threads"].as<int>();
+  if (count < 1 || count > 1024) throw UsageError(fmt::format("--threads {}: expected 1 to 1024", count));
+  setThreads(count);
+}
+
+std::vector<Override> overridesOf(const Values& values) {
   std::vector<Override> overrides;
   if (values.count("set")) overrides = parseOverrides(values["set"].as<std::vector<std::string>>());
   if (values.count("dialect")) overrides.push_back({"/", "dialect", values["dialect"].as<std::string>()});
   if (values.count("without-quirk"))
     overrides.push_back(
         {"/", "withoutQuirks", fmt::format("{}", fmt::join(values["without-quirk"].as<std::vector<std::string>>(), " "))});
-  session.setOverrides(std::move(overrides));
-  if (!values.count("threads")) return;
-  const int count = values["threads"].as<int>();
-  if (count < 1 || count > 1024) throw UsageError(fmt::format("--threads {}: expected 1 to 1024", count));
-  setThreads(count);
+  return overrides;
 }
 
 std::vector<Override> parseOverrides(const std::vector<std::string>& texts) {

@@ -15,6 +15,9 @@ void addSceneOptions(OptionList& options);
 /// Opens the modules named by --module, sets the threads and the overrides of --set.
 void configure(Session& session, const Values& values);
 
+/// What --set, --dialect and --without-quirk override.
+std::vector<Override> overridesOf(const Values& values);
+
 /// Each as `--set` has it.
 std::vector<Override> parseOverrides(const std::vector<std::string>& texts);
 

@@ -10,7 +10,7 @@ namespace stroma::command {
 
 extern const Subcommand migrate_command;
 
-/// Nothing observes but what may refuse a step: no file is left behind.
+/// Nothing observes but what may refuse a step or expects a result: no file is left behind.
 void dropWriters(Simulation& simulation);
 
 /// `stroma check --sofa FOLDER|LIST`: a line for each scene and a summary. Returns the exit code.

@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "framework/scene/text.h"
+#include "framework/simulation/expectation.h"
 #include "framework/simulation/step_guard.h"
 #include "tools/command/child_jobs.h"
 #include "tools/command/session.h"
@@ -123,7 +124,7 @@ struct Survey {
 void dropWriters(Simulation& simulation) {
   const std::vector<Observer*> all = simulation.observers();
   for (Observer* observer : all)
-    if (!dynamic_cast<StepGuard*>(observer)) simulation.removeObserver(*observer);
+    if (!dynamic_cast<StepGuard*>(observer) && !dynamic_cast<Expectation*>(observer)) simulation.removeObserver(*observer);
 }
 
 int surveySofaScenes(const std::string& where, const Values& values) {

@@ -26,6 +26,7 @@ std::span<const Subcommand* const> subcommands() {
       // compare and measure
       &regress_command,
       &sweep_command,
+      &stress_command,
       &bench_command,
       // the command itself
       &help_command,

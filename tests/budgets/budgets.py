@@ -1,0 +1,318 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Holds example scenes to what a start and a step of theirs may cost: calls and allocations of each component, modules that
+are opened, instructions by function. What is stored belongs to a compiler, an instruction set and a vendor of processors: on
+another machine instructions and counts of iterations are not compared, all else is.
+
+Usage: budgets.py STROMA [--update] [--scenes NAME...]      hold scenes to stored.json, or write it anew
+       budgets.py STROMA --self-test MODULE                 waste is planted, and must be found by its name
+       budgets.py STROMA --idle                             what nobody reads costs nothing
+Exit codes: 0 all within, 1 something costs more, 77 nothing could be measured."""
+import argparse
+import json
+import os
+import platform
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+TREE = os.path.dirname(os.path.dirname(HERE))
+STORED = os.path.join(HERE, "stored.json")
+STEPS = 4
+# Scenes whose instructions are counted: small ones, which have one method each.
+COUNTED = ["ten_tetrahedra", "explicit", "partial_fixed", "mesh_matrix_mass", "pressure", "two_bodies"]
+GROWTH = 0.003        # of the instructions of a step
+START_GROWTH = 0.02   # of a start: it reads paths, which have lengths
+OTHER_GROWTH = 0.05   # of calls where iterations may differ in the last digits
+ITERATED = ("product", "assemble", "solve", "force", "share", "map")
+
+
+def command(stroma, scene, arguments, folder, valgrind=()):
+    words = [*valgrind, stroma, "run", scene, "--no-record", "--quiet", *arguments]
+    done = subprocess.run(words, cwd=folder, capture_output=True, text=True, errors="replace")
+    if done.returncode != 0:
+        raise RuntimeError(f"{' '.join(words)}: {done.stderr[-600:]}")
+
+
+def tree_of(events):
+    """The spans of the stepping thread with their depth, the allocations of themselves alone and the step they are in (0: before)."""
+    spans = sorted((e for e in events if e.get("ph") == "X" and e["tid"] == 1), key=lambda e: (e["ts"], -e["dur"]))
+    open_spans, out, step = [], [], 0
+    for span in spans:
+        while open_spans and span["ts"] >= open_spans[-1]["ts"] + open_spans[-1]["dur"] - 5e-4:
+            open_spans.pop()
+        span["own"] = span.get("args", {}).get("allocations", 0)
+        if open_spans:
+            open_spans[-1]["own"] -= span["own"]
+        if span["name"] == "whole step":
+            step += 1
+        inside = span["name"] == "whole step" or any(s["name"] == "whole step" for s in open_spans)
+        span["step"] = step if inside else 0
+        open_spans.append(span)
+        out.append(span)
+    return out
+
+
+def profile(stroma, scene, arguments=()):
+    """Calls and allocations by name, of the steps after the first and of the start; modules."""
+    with tempfile.TemporaryDirectory() as folder:
+        command(stroma, scene, ["-n", str(STEPS), "--profile", "trace.json", "--json=run.json", *arguments], folder)
+        with open(os.path.join(folder, "trace.json"), encoding="utf-8") as file:
+            trace = json.load(file)
+        with open(os.path.join(folder, "run.json"), encoding="utf-8") as file:
+            modules = json.load(file)["modules_opened"]
+    calls, allocations, inits, start = {}, {}, {}, 0
+    for span in tree_of(trace["traceEvents"]):
+        if span["step"] > 1:
+            calls[span["name"]] = calls.get(span["name"], 0) + 1
+            if span["own"]:
+                allocations[span["name"]] = allocations.get(span["name"], 0) + span["own"]
+        elif span["step"] == 0 and span["cat"] in ("init", "open a module"):
+            inits[span["name"]] = inits.get(span["name"], 0) + 1
+        if span["name"] == "load":
+            start = span.get("args", {}).get("allocations", 0)
+    return {"modules": sorted(modules), "calls": calls, "inits": inits, "allocations": allocations, "start_allocations": start}
+
+
+def costs_of(path):
+    """Instructions by function of one dump of callgrind; what is called counts for itself."""
+    costs, names, function = {}, {}, None
+    skip = False
+    with open(path, encoding="utf-8", errors="replace") as file:
+        for line in file:
+            if line.startswith("fn="):
+                match = re.match(r"fn=\((\d+)\)(?: (.*))?", line)
+                if match.group(2):
+                    names[match.group(1)] = match.group(2).strip()
+                function = names[match.group(1)]
+            elif line.startswith("cfn="):
+                match = re.match(r"cfn=\((\d+)\)(?: (.*))?", line)
+                if match.group(2):
+                    names[match.group(1)] = match.group(2).strip()
+            elif line.startswith("calls="):
+                skip = True
+            elif line[0] in "0123456789+-*":
+                if not skip and function:
+                    costs[function] = costs.get(function, 0) + int(line.split()[1])
+                skip = False
+    return costs
+
+
+def instructions(stroma, scene, arguments=(), steps=STEPS):
+    """Of the start, and of the steps after the first by function; None without valgrind or modules that it can run."""
+    if not shutil.which("valgrind"):
+        return None
+    with tempfile.TemporaryDirectory() as folder:
+        valgrind = ["valgrind", "--tool=callgrind", "--dump-before=stroma::Simulation::step(*", "--callgrind-out-file=calls", "--quiet"]
+        try:
+            command(stroma, scene, ["-n", str(steps), *arguments], folder, valgrind)
+        except RuntimeError as error:
+            print(f"note: instructions of {os.path.basename(scene)} cannot be counted here: {str(error)[-200:]}")
+            return None
+        parts = sorted((f for f in os.listdir(folder) if re.match(r"calls\.\d+$", f)), key=lambda f: int(f.split(".")[1]))
+        if len(parts) < steps:
+            return None
+        start = sum(costs_of(os.path.join(folder, parts[0])).values())
+        total = {}
+        for part in parts[2:steps]:
+            for name, cost in costs_of(os.path.join(folder, part)).items():
+                total[name] = total.get(name, 0) + cost
+    counted = max(1, len(parts[2:steps]))
+    functions = {name: cost // counted for name, cost in total.items()}
+    return {"start": start, "step": sum(functions.values()), "functions": functions}
+
+
+def environment(stroma):
+    lines = subprocess.run([stroma, "--version"], capture_output=True, text=True).stdout.splitlines()
+    version = "; ".join(line for line in lines if line.startswith(("compiled", "libraries")))
+    vendor = ""
+    try:
+        with open("/proc/cpuinfo", encoding="utf-8") as file:
+            vendor = next((line.split(":")[1].strip() for line in file if line.startswith("vendor_id")), "")
+    except OSError:
+        pass
+    libc = " ".join(platform.libc_ver())
+    built = sorted(f for f in os.listdir(os.path.join(os.path.dirname(stroma), "..", "lib", "stroma")) if f.startswith("x86-64"))
+    return {"version": version, "vendor": vendor, "libc": libc, "levels": built}
+
+
+def measure(stroma, name):
+    scene = os.path.join(TREE, "scenes", "examples", name + ".xml")
+    found = profile(stroma, scene)
+    if name in COUNTED:
+        counted = instructions(stroma, scene)
+        if counted:
+            largest = sorted(counted["functions"].items(), key=lambda item: -item[1])[:40]
+            found["instructions"] = {"start": counted["start"], "step": counted["step"], "functions": dict(largest)}
+    return found
+
+
+def grown(what, now, before, tolerance):
+    """Sentences on numbers by name that have grown."""
+    for name in sorted(set(now) | set(before)):
+        a, b = before.get(name, 0), now.get(name, 0)
+        if b > a * (1 + tolerance):
+            yield f"{what} of {name}: {b}, the budget is {a}"
+
+
+def compare(now, before, same_machine):
+    """What costs more than it did, each with its name."""
+    found = [f"the module {module} is opened" for module in now["modules"] if module not in before["modules"]]
+    # writers of files format names and numbers: the same wherever the folder is called alike
+    written, own = ({n: c for n, c in now["allocations"].items() if n.startswith("observe") == is_writer} for is_writer in (True, False))
+    found += grown("allocations in steps", own, {n: before["allocations"].get(n, 0) for n in own}, 0)
+    found += grown("allocations in steps", written, {n: before["allocations"].get(n, 0) for n in written}, OTHER_GROWTH)
+    found += grown("calls at the start", now["inits"], before["inits"], 0)
+    for name, count in now["calls"].items():
+        budget = before["calls"].get(name, 0)
+        slack = 0 if same_machine or name.split()[0] not in ITERATED else OTHER_GROWTH
+        if count > budget * (1 + slack) + (1 if slack else 0):
+            found.append(f"calls in steps of {name}: {count}, the budget is {budget}")
+    if same_machine and now["start_allocations"] > before["start_allocations"] * (1 + START_GROWTH):
+        found.append(f"allocations at the start: {now['start_allocations']}, the budget is {before['start_allocations']}")
+    if same_machine and "instructions" in now and "instructions" in before:
+        a, b = before["instructions"], now["instructions"]
+        if b["step"] > a["step"] * (1 + GROWTH):
+            change = {f: c - a["functions"].get(f, 0) for f, c in b["functions"].items()}
+            worst = sorted(change.items(), key=lambda item: -item[1])[:3]
+            names = "; ".join(f"{f[:110]} +{c}" for f, c in worst if c > 0)
+            found.append(f"instructions of a step: {b['step']}, the budget is {a['step']} (+{100 * (b['step'] / a['step'] - 1):.2f} %): {names}")
+        if b["start"] > a["start"] * (1 + START_GROWTH):
+            found.append(f"instructions of the start: {b['start']}, the budget is {a['start']}")
+    return found
+
+
+def examples():
+    return sorted(f[:-4] for f in os.listdir(os.path.join(TREE, "scenes", "examples")) if f.endswith(".xml"))
+
+
+def hold(stroma, update, scenes):
+    stored = {"environment": {}, "scenes": {}}
+    if os.path.exists(STORED):
+        with open(STORED, encoding="utf-8") as file:
+            stored = json.load(file)
+    here = environment(stroma)
+    same = stored["environment"] == here
+    if not same and not update:
+        print(f"note: the budgets belong to {stored['environment']},\nand this is {here}: calls, allocations and modules are compared")
+    failed = 0
+    for name in scenes or examples():
+        try:
+            now = measure(stroma, name)
+        except RuntimeError as error:
+            print(f"{name}: {error}")
+            failed += 1
+            continue
+        if update:
+            stored["scenes"][name] = now
+            continue
+        if name not in stored["scenes"]:
+            print(f"{name}: has no budget: {sys.argv[0]} STROMA --update")
+            failed += 1
+            continue
+        before = stored["scenes"][name]
+        found = compare(now, before, same)
+        for sentence in found:
+            print(f"{name}: {sentence}")
+        failed += bool(found)
+        if "instructions" in now and "instructions" in before and same and not found:
+            print(f"{name}: {now['instructions']['step']} instructions a step, budget {before['instructions']['step']}")
+    if update:
+        stored["environment"] = here
+        with open(STORED, "w", encoding="utf-8") as file:
+            json.dump(stored, file, indent=1, sort_keys=True)
+            file.write("\n")
+    print(f"{failed} scenes cost more than their budget" if failed else "all within their budgets")
+    return 1 if failed else 0
+
+
+BODY = """<Node name="root" dt="0.01" gravity="0 0 -9.81">
+  <Node name="body">
+    <EulerImplicitSolver rayleighStiffness="0" rayleighMass="0"/>
+    <CGLinearSolver iterations="20" tolerance="1e-30"/>
+    <RegularGridTopology name="grid" n="9 5 5" min="0 0 0" max="0.4 0.2 0.2"/>
+    <MechanicalObject name="dofs"/>
+    <UniformMass totalMass="1"/>
+    <FixedProjectiveConstraint indices="0 9 18 27 36 45 54 63 72 81 90 99 108 117 126 135 144 153 162 171 180 189 198 207 216"/>
+    <HexahedronFEMForceField name="fem" youngModulus="1e5" poissonRatio="0.3"/>
+    %s
+  </Node>
+  %s
+</Node>
+"""
+
+
+def written(folder, name, inside="", outside=""):
+    path = os.path.join(folder, name + ".xml")
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(BODY % (inside, outside))
+    return path
+
+
+def self_test(stroma, module):
+    """A component of a module outside the tree wastes: an allocation in each step, a stress that nobody reads."""
+    failed = 0
+    with tempfile.TemporaryDirectory() as folder:
+        arguments = ["--module", module]
+        scene = written(folder, "lean", '<Waste name="waste" what="nothing"/>')
+        lean, lean_cost = profile(stroma, scene, arguments), instructions(stroma, scene, arguments)
+        for what, sign in (("allocation", "observe /body/waste"), ("stress", "[Ss]train|[Ss]tress|vonMises")):
+            scene = written(folder, what, f'<Waste name="waste" what="{what}"/>')
+            wasteful = profile(stroma, scene, arguments)
+            if what == "stress" and lean_cost:
+                counted = instructions(stroma, scene, arguments)
+                wasteful["instructions"], lean["instructions"] = counted, lean_cost
+                print(f"one stress is {100 * (counted['step'] / lean_cost['step'] - 1):.2f} % of a step")
+            found = compare(wasteful, lean, True)
+            print(f"{what}: {found}")
+            if what == "stress" and not lean_cost:
+                continue
+            if not any(re.search(sign, sentence) for sentence in found):
+                print(f"the waste of one {what} is not found by its name")
+                failed += 1
+    return 1 if failed else 0
+
+
+def idle(stroma):
+    """A step costs the same to 0.1 % with parts that nobody reads, with damping of zero and with a topology of no use."""
+    others = {
+        "engines that nobody reads": ('<BoxROI name="unread" box="0 0 0 1 1 1"/><BoxROI name="unread2" box="0 0 0 0.1 0.1 0.1"/>', ""),
+        "a topology of no use": ("", '<Node name="unused"><RegularGridTopology n="9 9 9" min="0 0 0" max="1 1 1"/></Node>'),
+        "an exporter at the end": ('<VTKExporter filename="out" exportAtEnd="true" exportEveryNumberOfSteps="0"/>', ""),
+    }
+    failed = 0
+    with tempfile.TemporaryDirectory() as folder:
+        base = instructions(stroma, written(folder, "base"))
+        if not base:
+            return 77
+        for name, (inside, outside) in others.items():
+            cost = instructions(stroma, written(folder, "other", inside, outside))
+            if not cost:
+                continue
+            share = cost["step"] / base["step"] - 1
+            print(f"{name}: {100 * share:+.3f} % of a step")
+            failed += share > 0.001
+    return 1 if failed else 0
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("stroma")
+    parser.add_argument("--update", action="store_true")
+    parser.add_argument("--scenes", nargs="*")
+    parser.add_argument("--self-test", metavar="MODULE")
+    parser.add_argument("--idle", action="store_true")
+    given = parser.parse_args()
+    stroma = os.path.abspath(given.stroma)
+    if given.self_test:
+        return self_test(stroma, os.path.abspath(given.self_test))
+    if given.idle:
+        return idle(stroma)
+    return hold(stroma, given.update, given.scenes)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// `stroma stress` as a user meets it: faults of force fields outside the tree, crashes, repetition, going on.
+#include <nlohmann/json.hpp>
+
+#include "tests/support/scene_text.h"
+#include "tests/support/shell.h"
+#include "tools/stress/cases.h"
+
+namespace stroma::test {
+namespace {
+
+using nlohmann::json;
+
+std::string cube(const std::string& type) {
+  return R"(<Node name="root" dt="0.01" gravity="0 0 0">
+  <EulerImplicitSolver rayleighMass="5" rayleighStiffness="0.01"/>
+  <SparseLDLSolver/>
+  <MeshTopology name="mesh" position="0 0 0 0.1 0 0 0 0.1 0 0.1 0.1 0 0 0 0.1 0.1 0 0.1 0 0.1 0.1 0.1 0.1 0.1"
+    tetrahedra="0 1 3 7 0 3 2 7 0 2 6 7 0 6 4 7 0 4 5 7 0 5 1 7"/>
+  <MechanicalObject name="dofs"/>
+  <UniformMass totalMass="1"/>
+  <FixedProjectiveConstraint name="held" indices="0 1 2 3"/>
+  <)" + type +
+         R"( name="fem" stiffness="5000"/>
+</Node>)";
+}
+
+class Stress : public CommandTest {
+ protected:
+  static constexpr const char* module = " --module " STROMA_TEST_MODULES "/faulty.so ";
+  json stress(const std::string& type, const std::string& arguments, int code) {
+    write("cube.xml", cube(type));
+    const Finished run = stroma("stress cube.xml -q --json" + std::string(module) + arguments);
+    EXPECT_EQ(run.code, code) << run.err << run.out;
+    return json::parse(run.out, nullptr, false);
+  }
+  /// The sentences of cases that end so.
+  static std::string sentences(const json& result, const std::string& ending) {
+    std::string all;
+    for (const json& one : result["cases"])
+      if (one["ending"] == ending)
+        for (const json& sentence : one.value("sentences", json::array())) all += sentence.get<std::string>() + "\n";
+    return all;
+  }
+};
+
+TEST_F(Stress, ARightForceFieldOutsideTheTreeBreaksNowhere) {
+  const json result = stress("RightTetrahedra", "--cases 40", 0);
+  EXPECT_EQ(result["endings"]["breaks"], 0) << sentences(result, "breaks");
+  EXPECT_GT(result["endings"]["good"].get<int>(), 5);
+  EXPECT_GT(result["endings"]["stops"].get<int>(), 5);
+}
+
+TEST_F(Stress, AWrongSignOfADerivativeIsFound) {
+  const json result = stress("WrongSignTetrahedra", "--cases 4", 1);
+  EXPECT_NE(sentences(result, "breaks")
+                .find("/fem (WrongSignTetrahedra): its stiffness is not the derivative of its force: it is off by"),
+            std::string::npos)
+      << sentences(result, "breaks");
+  EXPECT_NE(sentences(result, "breaks").find("of the other sign"), std::string::npos);
+}
+
+TEST_F(Stress, AFactorOfTwoInAForceIsFound) {
+  const json result = stress("DoubledTetrahedra", "--cases 4", 1);
+  EXPECT_NE(sentences(result, "breaks").find("/fem (DoubledTetrahedra): the force is not the slope of its energy"),
+            std::string::npos)
+      << sentences(result, "breaks");
+}
+
+TEST_F(Stress, ADroppedCheckOfInversionIsFound) {
+  const std::string found = sentences(stress("BlindTetrahedra", "--cases 4", 1), "breaks");
+  EXPECT_NE(found.find("/fem (BlindTetrahedra): "), std::string::npos) << found;
+  EXPECT_NE(found.find("cells are inside out, and its J is positive in all: it does not see inversion"),
+            std::string::npos)
+      << found;
+}
+
+TEST_F(Stress, ACrashIsSeenAndTheOthersGoOn) {
+  const json result = stress("CrashingTetrahedra", "--cases 14", 1);
+  EXPECT_EQ(result["cases"].size(), 14u);
+  EXPECT_NE(sentences(result, "breaks").find("it crashes with SIGSEGV"), std::string::npos)
+      << sentences(result, "breaks");
+  EXPECT_GT(result["endings"]["good"].get<int>(), 1);
+}
+
+TEST_F(Stress, ASeedRepeatsItselfAndOneCaseAlone) {
+  const json one = stress("RightTetrahedra", "--cases 30 --seed 5 -o a --jobs 3", 0);
+  const json other = stress("RightTetrahedra", "--cases 30 --seed 5 -o b --jobs 1", 0);
+  ASSERT_EQ(one["cases"].size(), 30u);
+  EXPECT_EQ(one["cases"], other["cases"]);
+  for (const int number : {5, 9, 20}) {
+    const json alone = stress("RightTetrahedra", "--seed 5 --case " + std::to_string(number), 0);
+    EXPECT_EQ(alone["text"], one["cases"][number - 1]["text"]);
+    EXPECT_EQ(alone["ending"], one["cases"][number - 1]["ending"]);
+    EXPECT_EQ(alone.value("distance", 0.), one["cases"][number - 1].value("distance", 0.));
+  }
+  const json elsewhere = stress("RightTetrahedra", "--cases 30 --seed 6 -o c", 0);
+  EXPECT_NE(one["cases"], elsewhere["cases"]);
+}
+
+TEST_F(Stress, GoesOnWhereItWasStopped) {
+  stress("RightTetrahedra", "--cases 6 -o out", 0);
+  const std::string before = readText(folder_ / "out/cases.jsonl");
+  // a case that was made is not made again: what it says is kept as it is
+  std::string marked = before;
+  const auto at = marked.find("\"steps\":0");
+  ASSERT_NE(at, std::string::npos) << before;
+  marked.replace(at, 9, "\"steps\":77");
+  write("out/cases.jsonl", marked + "{\"case\":7,\"end");  // killed while it wrote
+  const json result = stress("RightTetrahedra", "--cases 12 -o out", 0);
+  EXPECT_EQ(result["cases"].size(), 12u);
+  EXPECT_TRUE(
+      std::any_of(result["cases"].begin(), result["cases"].end(), [](const json& one) { return one["steps"] == 77; }));
+  // another scene is another campaign
+  const json other = stress("BlindTetrahedra", "--cases 3 -o out", 0);
+  EXPECT_EQ(other["cases"].size(), 3u);
+  EXPECT_FALSE(
+      std::any_of(other["cases"].begin(), other["cases"].end(), [](const json& one) { return one["steps"] == 77; }));
+  EXPECT_NE(readText(folder_ / "out/stress.html").find("What cube.xml bears"), std::string::npos);
+}
+
+TEST_F(Stress, ASceneWithoutAResultIsSaidToHaveNone) {
+  write("burst.xml", R"(<Node name="root" dt="1" gravity="0 0 -9.81">
+  <EulerExplicitSolver/><MechanicalObject name="dofs" position="0 0 0  0 0 0.01"/><UniformMass totalMass="1e-9"/>
+  <SpringForceField name="spring" springsIndices1="0" springsIndices2="1" lengths="0.02" stiffness="1e30"/></Node>)");
+  const Finished run = stroma("stress burst.xml -q --cases 3");
+  EXPECT_EQ(run.code, 3) << run.out << run.err;
+  EXPECT_NE(run.err.find("the scene has no result as it is"), std::string::npos) << run.err;
+}
+
+// ---- scenes of other fields ----
+
+class StressOfScene : public Stress, public testing::WithParamInterface<const char*> {};
+
+/// A few cases of each kind; the whole list takes two minutes.
+TEST_P(StressOfScene, BreaksNowhere) {
+  const std::string scene = std::string(STROMA_SOURCE_DIR "/tests/stress/scenes/") + GetParam() + ".xml";
+  const Finished run = stroma("stress " + scene + " -q --json --cases 30 -n 4 -o out");
+  EXPECT_EQ(run.code, 0) << run.err;
+  const json result = json::parse(run.out, nullptr, false);
+  EXPECT_EQ(sentences(result, "breaks"), "");
+  EXPECT_EQ(result["cases"].size(), 30u);
+}
+
+INSTANTIATE_TEST_SUITE_P(Fields, StressOfScene, testing::Values("finger", "tendon", "leaflet", "cartilage", "breast"));
+
+// ---- what is perturbed ----
+
+TEST(StressTargets, AreFoundByUnitAndRange) {
+  Simulation simulation(sceneFromText(R"(<Node name="root" dt="0.02" gravity="0 0 -9.81">
+    <EulerImplicitSolver rayleighStiffness="0.1"/><CGLinearSolver tolerance="1e-9"/>
+    <RegularGridTopology n="2 2 2" min="0 0 0" max="1 1 1"/><MechanicalObject/><UniformMass totalMass="3"/>
+    <HexahedronFEMForceField name="fem" youngModulus="1e4" poissonRatio="0.3"/></Node>)"));
+  std::map<std::string, stress::Target> found;
+  for (const stress::Target& target : stress::targetsOf(simulation)) found[target.name()] = target;
+  EXPECT_EQ(found.at("/.dt").quantity, stress::Quantity::time);
+  EXPECT_EQ(found.at("/fem.youngModulus").quantity, stress::Quantity::stiffness);
+  EXPECT_EQ(found.at("/fem.poissonRatio").quantity, stress::Quantity::ratio);
+  EXPECT_EQ(found.at("/fem.youngModulus").scaled(2), "1000000");
+  EXPECT_EQ(found.at("/fem.youngModulus").scaled(0), "");
+  const stress::Target& ratio = found.at("/fem.poissonRatio");
+  EXPECT_NEAR(std::stod(ratio.nearEnd(4, true)), ratio.high - 1e-4 * (ratio.high - ratio.low), 1e-12);
+  EXPECT_GT(std::stod(ratio.scaled(3)), 0.3);
+  EXPECT_LT(std::stod(ratio.scaled(3)), 0.5);
+  const stress::CaseList cases(simulation, 1);
+  for (long number = 1; number < cases.size() + 50; ++number) {
+    EXPECT_EQ(cases.at(number).number, number);
+    EXPECT_FALSE(cases.at(number).text.empty());
+    EXPECT_EQ(cases.at(number).text, stress::CaseList(simulation, 1).at(number).text);
+  }
+}
+
+}  // namespace
+}  // namespace stroma::test

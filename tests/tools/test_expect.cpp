@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Expectations of a scene: met, not met, never compared; closed forms, bounds, energies, iterations, volumes and attributes.
+#include "tests/support/shell.h"
+
+namespace stroma::test {
+namespace STROMA_TEST_FILE {
+
+class Expectations : public CommandTest {
+ protected:
+  /// Two points that fall freely; symplectic Euler: y = -5 t (t + dt).
+  Finished run(const std::string& expectations, int steps = 20, const std::string& options = "") {
+    write("scene.xml", R"(<Node name="root" dt="0.01" gravity="0 -10 0"><EulerExplicitSolver/>
+      <MechanicalObject name="dofs" position="0 0 0  1 0 0"/><UniformMass name="mass" totalMass="2"/>)" + expectations + "</Node>");
+    return stroma("run scene.xml --no-record -n " + std::to_string(steps) + " " + options);
+  }
+  void meets(const std::string& expectation, int steps = 20) {
+    const Finished done = run(expectation, steps);
+    EXPECT_EQ(done.code, 0) << expectation << "\n" << done.err;
+    EXPECT_NE(done.err.find("1 result is as expected"), std::string::npos) << expectation << "\n" << done.err;
+  }
+  void misses(const std::string& expectation, const std::string& sentence, int steps = 20) {
+    const Finished done = run(expectation, steps);
+    EXPECT_EQ(done.code, 1) << expectation << "\n" << done.err;
+    EXPECT_NE(done.err.find(sentence), std::string::npos) << expectation << "\n" << done.err;
+  }
+  void refuses(const std::string& expectation, const std::string& sentence) {
+    const Finished done = run(expectation);
+    EXPECT_EQ(done.code, 2) << expectation << "\n" << done.err;
+    EXPECT_NE(done.err.find(sentence), std::string::npos) << expectation << "\n" << done.err;
+  }
+};
+
+TEST_F(Expectations, ClosedFormsAreMetAtTimesAndAtTheEnd) {
+  meets(R"xml(<Expect of="/dofs.displacement" axis="y" is="-5*t*(t+0.01)" tolerance="1e-12"/>)xml");
+  meets(R"xml(<Expect of="/dofs.displacement" axis="y" is="-5*t*(t+0.01)" at="0 0.05 0.2" tolerance="1e-12"/>)xml");
+  meets(R"xml(<Expect of="/dofs.velocity" axis="norm" is="10*t" when="always" tolerance="1e-12"/>)xml");
+  meets(R"xml(<Expect of="/dofs.position" axis="x" is="x"/>)xml");
+  meets(R"xml(<Expect of="/dofs.position" nodes="1" axis="x" is="1"/>)xml");
+  meets(R"xml(<Expect of="total_energy" is="-t" when="always" tolerance="1e-9"/>)xml");
+}
+
+TEST_F(Expectations, WhatIsNotMetHasTheNumbers) {
+  misses(R"xml(<Expect name="fall" of="/dofs.displacement" nodes="1" axis="y" is="-5*t^2"/>)xml",
+         "/fall: /dofs.displacement node 1 y is -0.21 at t = 0.2 s, expected -0.2 (off by 0.01");
+  misses(R"xml(<Expect of="/dofs.displacement" axis="y" is="-5*t*(t+0.011)" tolerance="1e-4"/>)xml", "off by 0.001");
+  meets(R"xml(<Expect of="/dofs.displacement" axis="y" is="-5*t*(t+0.011)" tolerance="1e-2"/>)xml");
+  misses(R"xml(<Expect of="/dofs.displacement" axis="y" above="-0.2"/>)xml", "expected above -0.2");
+  misses(R"xml(<Expect of="/dofs.displacement" axis="norm" below="0.1" when="always"/>)xml", "expected below 0.1");
+}
+
+TEST_F(Expectations, ATimeThatIsNotReachedIsAFailure) {
+  misses(R"xml(<Expect of="/dofs.displacement" axis="x" is="0" at="0.1 0.5"/>)xml",
+         "was not compared at t = 0.5 s: the run ended at 0.2 s");
+}
+
+TEST_F(Expectations, EnergiesIterationsAndAttributes) {
+  meets(R"xml(<Expect of="kinetic_energy" is="2*(10*t)^2/2" tolerance="1e-12"/>)xml");
+  meets(R"xml(<Expect of="energy_drift" below="1.01" when="always"/>)xml");
+  misses(R"xml(<Expect of="energy_drift" below="1e-3" when="always"/>)xml", "energy_drift is");
+  meets(R"xml(<Expect of="linear_iterations" is="0"/>)xml");
+  meets(R"xml(<Expect of="/mass.totalMass" is="2"/>)xml");
+  misses(R"xml(<Expect of="/mass.totalMass" is="3"/>)xml", "/mass.totalMass is 2");
+}
+
+TEST_F(Expectations, VolumesAndIterationsOfABody) {
+  write("body.xml", R"(<Node name="root" dt="0.01" gravity="0 -10 0">
+    <EulerImplicitSolver/><CGLinearSolver iterations="50" tolerance="1e-9"/>
+    <RegularGridTopology n="3 3 3" min="0 0 0" max="1 2 3"/><MechanicalObject name="dofs" scale3d="1.1 1 1"/>
+    <DiagonalMass massDensity="1"/>
+    <HexahedronFEMForceField youngModulus="1e5" poissonRatio="0.3"/><FixedProjectiveConstraint indices="0 1 2 3 4 5 6 7 8"/>
+    <Expect of="/dofs.volume" is="6.6" at="0" tolerance="1e-12"/>
+    <Expect of="linear_iterations" above="0.5" below="51"/></Node>)");
+  const Finished done = stroma("run body.xml --no-record -n 3");
+  EXPECT_EQ(done.code, 0) << done.err;
+  EXPECT_NE(done.err.find("2 results are as expected"), std::string::npos) << done.err;
+}
+
+TEST_F(Expectations, AnOpenOrderIsRefused) {
+  refuses(R"xml(<Expect of="/dofs.displacement"/>)xml", "nothing is expected");
+  refuses(R"xml(<Expect of="/dofs.displacment" is="0"/>)xml", "displacment");
+  refuses(R"xml(<Expect of="/dof.displacement" is="0"/>)xml", "/dofs");
+  refuses(R"xml(<Expect of="energy_drfit" below="1"/>)xml", "energy_drift");
+  refuses(R"xml(<Expect of="/dofs.displacement" is="1 +"/>)xml", "cannot be read");
+  refuses(R"xml(<Expect of="/dofs.displacement" nodes="7" is="0"/>)xml", "there is no node 7");
+}
+
+TEST_F(Expectations, TheyAreInTheJson) {
+  const Finished done = run(R"xml(<Expect of="/mass.totalMass" is="3"/>)xml", 1, "--json - --quiet");
+  EXPECT_EQ(done.code, 1);
+  EXPECT_NE(done.out.find("\"not_as_expected\""), std::string::npos) << done.out;
+}
+
+TEST_F(Expectations, ARunThatGoesOnComparesWhatIsLeft) {
+  const std::string expectation =
+      R"xml(<Expect of="/dofs.displacement" axis="y" is="-5*t*(t+0.01)" at="0.1 0.2" tolerance="1e-12"/>)xml";
+  write("scene.xml", R"(<Node name="root" dt="0.01" gravity="0 -10 0"><EulerExplicitSolver/>
+    <MechanicalObject name="dofs" position="0 0 0  1 0 0"/><UniformMass totalMass="2"/>)" + expectation + "</Node>");
+  EXPECT_EQ(stroma("run scene.xml -n 15 --record out").code, 1) << "0.2 s is not reached";
+  EXPECT_EQ(stroma("run scene.xml -n 20 --record out --resume").code, 0);
+}
+
+}  // namespace STROMA_TEST_FILE
+}  // namespace stroma::test

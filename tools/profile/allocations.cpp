@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// A library that is loaded before all others and counts what they take from the heap. Beside it nothing changes: memory comes
+// from where it always does.
+#include <atomic>
+#include <cerrno>
+#include <cstddef>
+
+extern "C" {
+void* __libc_malloc(std::size_t);
+void* __libc_calloc(std::size_t, std::size_t);
+void* __libc_realloc(void*, std::size_t);
+void* __libc_memalign(std::size_t, std::size_t);
+}
+
+namespace {
+
+__attribute__((tls_model("initial-exec"))) thread_local long of_thread = 0;
+std::atomic<long> of_all{0}, bytes_of_all{0};
+
+void note(std::size_t bytes) {
+  ++of_thread;
+  of_all.fetch_add(1, std::memory_order_relaxed);
+  bytes_of_all.fetch_add(long(bytes), std::memory_order_relaxed);
+}
+
+}  // namespace
+
+#define STROMA_SEEN extern "C" __attribute__((visibility("default")))
+
+STROMA_SEEN long stroma_allocations_of_thread() { return of_thread; }
+STROMA_SEEN long stroma_allocations() { return of_all.load(std::memory_order_relaxed); }
+STROMA_SEEN long stroma_allocated_bytes() { return bytes_of_all.load(std::memory_order_relaxed); }
+
+STROMA_SEEN void* malloc(std::size_t size) {
+  note(size);
+  return __libc_malloc(size);
+}
+STROMA_SEEN void* calloc(std::size_t count, std::size_t size) {
+  note(count * size);
+  return __libc_calloc(count, size);
+}
+STROMA_SEEN void* realloc(void* old, std::size_t size) {
+  note(size);
+  return __libc_realloc(old, size);
+}
+STROMA_SEEN void* memalign(std::size_t alignment, std::size_t size) {
+  note(size);
+  return __libc_memalign(alignment, size);
+}
+STROMA_SEEN void* aligned_alloc(std::size_t alignment, std::size_t size) {
+  note(size);
+  return __libc_memalign(alignment, size);
+}
+STROMA_SEEN int posix_memalign(void** out, std::size_t alignment, std::size_t size) {
+  note(size);
+  *out = __libc_memalign(alignment, size);
+  return *out ? 0 : ENOMEM;
+}

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tools/profile/report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+namespace stroma::profile {
+namespace {
+
+constexpr std::size_t most_lines = 24;
+
+std::string nameOf(const Kind& kind) { return kind.whose.empty() ? kind.what : kind.what + " " + kind.whose; }
+
+std::string inQuotes(const std::string& text) {
+  return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+/// "1.23 s", "45.6 ms", "7.8 us"
+std::string timeText(double seconds) {
+  if (seconds >= 1) return fmt::format("{:.2f} s", seconds);
+  if (seconds >= 1e-3) return fmt::format("{:.2f} ms", 1e3 * seconds);
+  return fmt::format("{:.2f} us", 1e6 * seconds);
+}
+
+struct Line {
+  double share, self, total;
+  const Sum* sum;
+  const Kind* kind;
+};
+
+}  // namespace
+
+std::string traceOf(const Profile& profile) {
+  std::string text =
+      "{\"displayTimeUnit\":\"ns\",\"otherData\":{\"wall_seconds\":" + fmt::format("{:.9f}", profile.wall()) +
+      fmt::format(",\"spans_in_the_table_alone\":{}}},\n\"traceEvents\":[\n", profile.left_out);
+  std::vector<std::string> names;
+  for (const Kind& kind : profile.kinds) names.push_back(inQuotes(nameOf(kind)));
+  const auto micro = [&](std::uint64_t at) { return 1e6 * profile.seconds(at - profile.begin); };
+  auto out = std::back_inserter(text);
+  for (std::size_t t = 0; t < profile.threads.size(); ++t)
+    fmt::format_to(out,
+                   "{{\"ph\":\"M\",\"name\":\"thread_name\",\"pid\":1,\"tid\":{},\"args\":{{\"name\":\"{}\"}}}},\n",
+                   t + 1, t == 0 ? "steps" : fmt::format("worker {}", t));
+  for (std::size_t t = 0; t < profile.threads.size(); ++t)
+    for (const Event& event : profile.threads[t].events) {
+      const Kind& kind = profile.kinds[event.kind];
+      fmt::format_to(out, "{{\"ph\":\"X\",\"name\":{},\"cat\":{},\"pid\":1,\"tid\":{},\"ts\":{:.3f},\"dur\":{:.3f}",
+                     names[event.kind], inQuotes(kind.what), t + 1, micro(event.begin),
+                     1e6 * profile.seconds(event.end - event.begin));
+      if (event.count || event.allocations || !kind.whose.empty()) {
+        text += ",\"args\":{";
+        if (!kind.whose.empty()) fmt::format_to(out, "\"of\":{},", inQuotes(kind.whose));
+        if (event.count) fmt::format_to(out, "\"iterations\":{},", event.count);
+        if (event.allocations) fmt::format_to(out, "\"allocations\":{},", event.allocations);
+        text.back() = '}';
+      }
+      text += "},\n";
+      if (event.count)
+        fmt::format_to(
+            out, "{{\"ph\":\"C\",\"name\":\"iterations\",\"pid\":1,\"ts\":{:.3f},\"args\":{{\"of a solve\":{}}}}},\n",
+            micro(event.end), event.count);
+      if (kind.what == "whole step" && profile.has_allocations)
+        fmt::format_to(
+            out, "{{\"ph\":\"C\",\"name\":\"allocations\",\"pid\":1,\"ts\":{:.3f},\"args\":{{\"of a step\":{}}}}},\n",
+            micro(event.end), event.allocations);
+    }
+  fmt::format_to(out, "{{\"ph\":\"M\",\"name\":\"process_name\",\"pid\":1,\"args\":{{\"name\":\"stroma run\"}}}}]}}\n");
+  return text;
+}
+
+std::string tableOf(const Profile& profile, const std::string& file) {
+  const double wall = profile.wall();
+  std::vector<Line> lines;
+  double named = 0;
+  const Profile::Thread& first = profile.threads.front();
+  std::size_t spans = 0;
+  for (const Profile::Thread& thread : profile.threads) spans += thread.events.size();
+  for (std::size_t k = 0; k < profile.kinds.size(); ++k) {
+    const Sum& sum = first.sums[k];
+    if (sum.calls == 0) continue;
+    const double self = profile.seconds(sum.self);
+    if (profile.kinds[k].what != "command") named += self;
+    lines.push_back({self / wall, self, profile.seconds(sum.total), &sum, &profile.kinds[k]});
+  }
+  std::sort(lines.begin(), lines.end(), [](const Line& a, const Line& b) { return a.self > b.self; });
+  std::string text = fmt::format("\n{:>7} {:>10} {:>10} {:>9} {:>10}{}  what\n", "share", "itself", "with all", "calls",
+                                 "iterations", profile.has_allocations ? fmt::format(" {:>11}", "allocations") : "");
+  for (std::size_t k = 0; k < std::min(lines.size(), most_lines); ++k) {
+    const Line& line = lines[k];
+    text += fmt::format("{:>6.1f}% {:>10} {:>10} {:>9} {:>10}", 100 * line.share, timeText(line.self),
+                        timeText(line.total), line.sum->calls, line.sum->count ? std::to_string(line.sum->count) : "");
+    if (profile.has_allocations) text += fmt::format(" {:>11}", line.sum->allocations);
+    text += "  " + (line.kind->what == "command" ? std::string("what has no name") : nameOf(*line.kind)) + "\n";
+  }
+  double rest = 0;
+  for (std::size_t k = most_lines; k < lines.size(); ++k) rest += lines[k].share;
+  if (lines.size() > most_lines) text += fmt::format("{:>6.1f}% {} others\n", 100 * rest, lines.size() - most_lines);
+  for (std::size_t t = 1; t < profile.threads.size(); ++t) {
+    std::uint64_t busy = 0;
+    for (const Sum& sum : profile.threads[t].sums) busy += sum.self;
+    text += fmt::format("{:>6.1f}% of worker {}\n", 100 * profile.seconds(busy) / wall, t);
+  }
+  text +=
+      fmt::format("{} of wall time, {:.1f} % with a name. Trace of {} spans: {} (open it at https://ui.perfetto.dev)\n",
+                  timeText(wall), 100 * named / wall, spans, file);
+  if (profile.left_out > 0) text += fmt::format("{} spans more are in the table alone\n", profile.left_out);
+  return text;
+}
+
+}  // namespace stroma::profile

@@ -1,0 +1,289 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tools/stress/case_run.h"
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <fstream>
+#include <limits>
+#include <new>
+#include <stdexcept>
+
+#include "framework/algebra/parallel.h"
+#include "tools/checks/result_doubts.h"
+#include "tools/session/session.h"
+#include "tools/stress/disturbance.h"
+#include "tools/stress/force_checks.h"
+
+namespace stroma::stress {
+namespace {
+
+/// A share of the size of the body that counts as back in its place, or as at rest in a step.
+constexpr double near = 0.01, at_rest = 1e-5;
+constexpr long steps_before = 2;  ///< of a case that changes something between two steps
+
+double processorSeconds() { return double(std::clock()) / CLOCKS_PER_SEC; }
+
+/// The first number of x or v that is not finite, in words, or empty.
+std::string notFinite(const Simulation& simulation) {
+  for (const State* state : simulation.states())
+    for (Index i = 0; i < state->size(); ++i)
+      if (!state->x()[i].allFinite() || !state->v()[i].allFinite())
+        return fmt::format("row {} of {} is not finite after step {}", i, state->path(), simulation.steps());
+  return {};
+}
+
+std::vector<double> positionsOf(const Simulation& simulation) {
+  std::vector<double> all;
+  for (const auto& system : simulation.systems())
+    for (Index row = 0; row < system->allRows(); ++row)
+      for (int c = 0; c < 3; ++c) all.push_back(system->x[row][c]);
+  return all;
+}
+
+/// Of the worst place from where it is in the undisturbed run [sizes]; -1 where rows are not the same.
+double distanceFrom(const std::vector<double>& places, const Simulation& simulation) {
+  std::size_t at = 0;
+  double worst = 0;
+  for (const auto& system : simulation.systems()) {
+    const double size = sizeOf(*system);
+    for (Index row = 0; row < system->allRows(); ++row, at += 3) {
+      if (at + 3 > places.size()) return -1;
+      if (system->motion().kindOf(row) != RowKind::place) continue;
+      worst = std::max(worst, (Vec3(system->x[row]) - Vec3(places[at], places[at + 1], places[at + 2])).norm() / size);
+    }
+  }
+  return at == places.size() ? worst : -1;
+}
+
+/// What a doubt is about: "/liver/fem" of "/liver/fem at t = 2 s: 3 of 80 elements ...".
+std::string subjectOf(const std::string& sentence) {
+  return sentence.substr(0, std::min(sentence.find(" at t = "), sentence.find(" in ")));
+}
+
+bool isAtRest(const Simulation& simulation) {
+  for (const auto& system : simulation.systems()) {
+    if (!system->integrator().movesInTime()) continue;
+    if (!(largest(system->v) * simulation.dt() < at_rest * sizeOf(*system))) return false;
+  }
+  return true;
+}
+
+/// What files would hold besides positions: cell fields and energies.
+std::string notFiniteElsewhere(const Simulation& simulation) {
+  for (const auto& system : simulation.systems())
+    for (const ForceField* field : system->forceFields())
+      for (const std::string& name : field->cellFields()) {
+        std::vector<double> values;
+        field->cellField(name, system->x, values);
+        const auto bad = std::find_if(values.begin(), values.end(), [](double value) { return !std::isfinite(value); });
+        if (bad != values.end())
+          return fmt::format("{} of {} is not finite at number {} of {}", name, field->path(), bad - values.begin(),
+                             values.size());
+      }
+  const Energies energies = energiesOf(simulation);
+  return std::isfinite(energies.kinetic + energies.elastic + energies.gravity) ? "" : "an energy is not finite";
+}
+
+/// One case under way.
+class CaseRun {
+ public:
+  CaseRun(const Scenery& scenery, const Case& what, const Undisturbed& undisturbed)
+      : scenery_(scenery), what_(what), undisturbed_(undisturbed) {}
+
+  Outcome operator()() {
+    prepareProcess();
+    try {
+      load();
+      run();
+    } catch (const SceneError& error) {
+      stop(error.diagnostics().text());
+    } catch (const ComponentError& error) {
+      stop(error.what());
+    } catch (const std::bad_alloc&) {
+      stop("out of memory");
+    } catch (const std::logic_error& error) {
+      // of the standard library: no sentence for anybody
+      broken(fmt::format("an error that says nothing to a user: {}", error.what()));
+    } catch (const std::exception& error) {
+      stop(error.what());
+    }
+    return outcome_;
+  }
+
+ private:
+  void prepareProcess() {
+    if (what_.kind == Kind::threads) setThreads(int(what_.amount));
+    if (what_.kind != Kind::memory) return;
+    std::ifstream file("/proc/self/statm");
+    std::size_t pages = 0;
+    file >> pages;
+    rlimit limit{};
+    limit.rlim_cur = limit.rlim_max = rlim_t(pages) * rlim_t(sysconf(_SC_PAGESIZE)) + rlim_t(what_.amount * 1048576);
+    setrlimit(RLIMIT_AS, &limit);
+  }
+
+  void load() {
+    for (const std::string& module : scenery_.modules) session_.modules().open(module);
+    std::vector<Override> overrides = scenery_.overrides;
+    if (what_.override) overrides.push_back(*what_.override);
+    session_.setOverrides(std::move(overrides));
+    session_.load(scenery_.scene).dropObservers();
+  }
+  Simulation& simulation() { return session_.simulation(); }
+
+  void run() {
+    switch (what_.kind) {
+      case Kind::forces:
+        if (what_.shape == Shape::mirrored || what_.shape == Shape::cell || what_.shape == Shape::pulled ||
+            what_.shape == Shape::small)
+          disturb(simulation(), what_.shape, what_.amount, what_.seed);
+        outcome_.sentences = brokenPromises(simulation(), what_.shape == Shape::small, what_.seed);
+        outcome_.ending = outcome_.sentences.empty() ? Ending::good : Ending::breaks;
+        return;
+      case Kind::shape:
+        disturb(simulation(), what_.shape, what_.amount, what_.seed);
+        break;
+      case Kind::move:
+        return runMove();
+      case Kind::not_finite:
+        return runNotFinite();
+      default:
+        break;
+    }
+    if (make(scenery_.steps)) end();
+  }
+
+  void runMove() {
+    if (!make(std::min(steps_before, scenery_.steps))) return;
+    moveHeld(simulation(), what_.amount, what_.seed);
+    if (!make(scenery_.steps / 4)) return;
+    moveHeld(simulation(), -what_.amount, what_.seed);
+    if (make(scenery_.steps - simulation().steps())) end();
+  }
+
+  void runNotFinite() {
+    if (what_.entry == Entry::attribute || what_.entry == Entry::infinite_attribute)
+      return broken(fmt::format("{} is taken for a number", what_.text));
+    if (!make(std::min(steps_before, scenery_.steps))) return;
+    constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+    if (what_.entry == Entry::edit) {
+      simulation().setAttribute("/", "dt", "nan");
+      return broken("NaN is taken for a dt");
+    }
+    if (what_.entry == Entry::force) {
+      Input input{simulation().states().front()->path(), {0}};
+      input.force = Vec3(0, nan, 0);
+      simulation().addInput(input);
+      return broken("NaN is taken for a force");
+    }
+    const FreeRow free = freeRow(simulation(), what_.seed);
+    if (!free.system) {
+      outcome_.ending = Ending::good;
+      return;
+    }
+    (what_.entry == Entry::position ? free.system->x : free.system->v)[free.row][1] = nan;
+    const RunReport report = session_.run({.steps = 2});
+    outcome_.steps = simulation().steps();
+    // an integrator with rows of its own does not read what was written there
+    if (report.end == RunEnd::diverged) return stop(report.reason);
+    if (const std::string bad = notFinite(simulation()); !bad.empty()) return broken(bad + ", and the run goes on");
+    outcome_.ending = Ending::good;
+  }
+
+  /// Steps; false when the case has ended with one.
+  bool make(long steps) {
+    std::string bad;
+    RunLimits limits;
+    limits.steps = steps;
+    limits.reached = [&](const Simulation& running) { return !(bad = notFinite(running)).empty(); };
+    const RunReport report = session_.run(limits);
+    outcome_.steps = simulation().steps();
+    if (!bad.empty()) return broken(bad + ", and the run goes on"), false;
+    statistics_ = report.statistics.unconverged;
+    if (report.end == RunEnd::done) return true;
+    stop(report.reason);
+    if (const std::string left = notFinite(simulation()); !left.empty()) broken("after the stop, " + left);
+    return false;
+  }
+
+  void end() {
+    simulation().complete();
+    if (what_.kind == Kind::threads) {
+      const bool same = simulation().stateHash() == undisturbed_.hash;
+      outcome_.ending = same ? Ending::good : Ending::breaks;
+      if (!same) outcome_.sentences = {fmt::format("other bits than with one thread")};
+      return;
+    }
+    outcome_.distance = distanceFrom(undisturbed_.positions, simulation());
+    outcome_.sentences = doubtsOf(simulation());
+    for (std::string& warning : statistics_.warnings()) outcome_.sentences.push_back(std::move(warning));
+    if (const std::string bad = notFiniteElsewhere(simulation()); !bad.empty()) return broken(bad);
+    const bool is_back = outcome_.distance >= 0 && outcome_.distance < near;
+    const bool is_disturbed = what_.kind == Kind::shape || what_.kind == Kind::move;
+    // a doubt that the undisturbed run has too is none of this case
+    std::erase_if(outcome_.sentences, [&](const std::string& one) {
+      return std::any_of(undisturbed_.doubts.begin(), undisturbed_.doubts.end(),
+                         [&](const std::string& other) { return subjectOf(other) == subjectOf(one); });
+    });
+    if (!outcome_.sentences.empty())
+      outcome_.ending = Ending::doubt;
+    else if (is_disturbed && !is_back && outcome_.distance >= 0 && isAtRest(simulation()))
+      outcome_.ending = Ending::elsewhere;
+    else
+      outcome_.ending = is_back && (is_disturbed || what_.kind == Kind::memory) ? Ending::good : Ending::runs;
+  }
+
+  /// A sentence tells a person something: it has words, and names what it is about.
+  void stop(const std::string& reason) {
+    outcome_.ending = Ending::stops;
+    outcome_.sentences = {reason};
+    if (reason.empty()) broken("it stops without a sentence");
+    const bool names =
+        reason.find('/') != std::string::npos || what_.kind == Kind::memory || what_.kind == Kind::not_finite;
+    if (!reason.empty() && !names) broken("it stops with a sentence that names no component: " + reason);
+  }
+  void broken(const std::string& what) {
+    outcome_.ending = Ending::breaks;
+    outcome_.sentences = {what};
+  }
+
+  const Scenery& scenery_;
+  const Case& what_;
+  const Undisturbed& undisturbed_;
+  Session session_;
+  UnconvergedSteps statistics_;
+  Outcome outcome_;
+};
+
+}  // namespace
+
+Undisturbed runUndisturbed(const Scenery& scenery) {
+  Undisturbed undisturbed;
+  const double start = processorSeconds();
+  Session session;
+  for (const std::string& module : scenery.modules) session.modules().open(module);
+  session.setOverrides(scenery.overrides);
+  Simulation& simulation = session.load(scenery.scene);
+  simulation.dropObservers();
+  const RunReport report = session.run({.steps = scenery.steps});
+  if (report.end != RunEnd::done) undisturbed.failure = report.reason;
+  if (undisturbed.failure.empty()) undisturbed.failure = notFinite(simulation);
+  undisturbed.doubts = doubtsOf(simulation);
+  for (std::string& warning : report.statistics.unconverged.warnings())
+    undisturbed.doubts.push_back(std::move(warning));
+  undisturbed.hash = simulation.stateHash();
+  undisturbed.positions = positionsOf(simulation);
+  undisturbed.seconds = processorSeconds() - start;
+  return undisturbed;
+}
+
+Outcome runCase(const Scenery& scenery, const Case& what, const Undisturbed& undisturbed) {
+  return CaseRun(scenery, what, undisturbed)();
+}
+
+}  // namespace stroma::stress

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tools/stress/cases.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "framework/mechanics/state_topology.h"
+#include "framework/mesh/cell_lists.h"
+
+namespace stroma::stress {
+namespace {
+
+/// The decades of the rounds; nothing is likelier to be met than a factor of ten or a thousand.
+constexpr double rounds[] = {3, -3, 1, -1, 6, -6};
+constexpr double ratio_rounds[] = {2, 1, 4, 3, 6, 7};
+constexpr int thread_counts[] = {2, 5, 16, 64};
+constexpr double memory_rounds[] = {0.25, 1, 4, 32};  // MB beyond what the process has
+
+bool movesNodes(const System& system) { return system.integrator().stateOwner() == nullptr; }
+
+bool hasVolumeCells(const Simulation& simulation) {
+  for (const State* state : simulation.states())
+    for (const Topology* topology : topologiesOf(*state))
+      if (highestDimension(topology->mesh()) == 3) return true;
+  return false;
+}
+
+Case shapeCase(Shape shape, double amount, const char* group, const std::string& text) {
+  Case one;
+  one.kind = Kind::shape, one.shape = shape, one.amount = amount, one.group = group, one.text = text;
+  return one;
+}
+
+/// The value of a target in a round, and what that is in words. Empty when it is the present one.
+std::pair<std::string, std::string> valueIn(const Target& target, double decades, double ratio_decades, bool above) {
+  if (target.quantity == Quantity::ratio) {
+    const std::string value = target.nearEnd(ratio_decades, above);
+    return {value, fmt::format("{} = {}", target.name(), value)};
+  }
+  const std::string value = target.scaled(decades);
+  return {value, fmt::format("{} x 1e{:+.3g} = {}", target.name(), decades, value)};
+}
+
+}  // namespace
+
+CaseList::CaseList(const Simulation& simulation, unsigned seed) : seed_(seed), targets_(targetsOf(simulation)) {
+  addForces();
+  addShapes(simulation);
+  addEntries(simulation);
+  for (std::size_t round = 0; round < std::size(rounds); ++round) {
+    addAttributes(round);
+    if (round < std::size(thread_counts)) {
+      Case one;
+      one.kind = Kind::threads, one.group = "threads", one.amount = thread_counts[round];
+      one.text = fmt::format("{} threads", thread_counts[round]);
+      add(one);
+    }
+    if (round < std::size(memory_rounds)) {
+      Case one;
+      one.kind = Kind::memory, one.group = "memory", one.amount = memory_rounds[round];
+      one.text = fmt::format("{} MB more than the command alone", memory_rounds[round]);
+      add(one);
+    }
+  }
+}
+
+void CaseList::add(Case one) {
+  one.number = long(cases_.size()) + 1;
+  one.seed = seed_ + unsigned(one.number) * 7919u;
+  cases_.push_back(std::move(one));
+}
+
+void CaseList::addForces() {
+  const std::pair<Shape, const char*> shapes[] = {{Shape::small, "near the start"},
+                                                  {Shape::pulled, "of a pulled body"},
+                                                  {Shape::cell, "with a cell inside out"},
+                                                  {Shape::mirrored, "of a mirrored body"}};
+  for (const auto& [shape, words] : shapes) {
+    Case one;
+    one.kind = Kind::forces, one.shape = shape, one.group = "forces and derivatives";
+    one.amount = shape == Shape::small ? 1e-4 : 0.05;
+    one.text = fmt::format("forces, energies and derivatives {}", words);
+    add(one);
+  }
+}
+
+void CaseList::addShapes(const Simulation& simulation) {
+  const auto& systems = simulation.systems();
+  if (std::none_of(systems.begin(), systems.end(), [](const auto& system) { return movesNodes(*system); })) return;
+  const bool has_cells = hasVolumeCells(simulation);
+  for (const double amount : {0.01, 0.05})
+    add(shapeCase(Shape::pulled, amount, "pulled", fmt::format("nodes pulled by {} of the size", amount)));
+  if (has_cells)
+    for (int k = 0; k < 3; ++k) add(shapeCase(Shape::cell, 1, "inverted", "one corner of a cell through its others"));
+  add(shapeCase(Shape::mirrored, 1, "inverted", "free nodes mirrored"));
+  add(shapeCase(Shape::flat, 1, "flat", "free nodes in a plane"));
+  add(shapeCase(Shape::line, 1, "flat", "free nodes on a line"));
+  add(shapeCase(Shape::point, 0.1, "crushed", "free nodes at a tenth of their distance from the centre"));
+  add(shapeCase(Shape::point, 0, "crushed", "free nodes in one point"));
+  add(shapeCase(Shape::random, 1, "at random", "free nodes at random places of the body's box"));
+  add(shapeCase(Shape::stretched, 3, "stretched", "free nodes three times as far apart"));
+  add(shapeCase(Shape::kicked, 0.1, "kicked", "velocities of a tenth of the size in a step"));
+  bool is_held = false;
+  for (const auto& system : systems) is_held = is_held || !system->constraints().projectors().empty();
+  if (!is_held) return;
+  for (const double amount : {0.1, 1.}) {
+    Case one;
+    one.kind = Kind::move, one.amount = amount, one.group = "sudden moves";
+    one.text = fmt::format("what is held jumps by {} of the size, and back", amount);
+    add(one);
+  }
+}
+
+void CaseList::addEntries(const Simulation& simulation) {
+  const auto entry = [&](Entry kind, const std::string& text) {
+    Case one;
+    one.kind = Kind::not_finite, one.entry = kind, one.group = "NaN", one.text = text;
+    return one;
+  };
+  if (!simulation.states().empty()) {
+    add(entry(Entry::position, "a position becomes NaN between two steps"));
+    add(entry(Entry::velocity, "a velocity becomes NaN between two steps"));
+    add(entry(Entry::force, "a force from outside is NaN"));
+  }
+  add(entry(Entry::edit, "dt becomes NaN while the scene runs"));
+  bool infinite = false;  // in turn
+  for (const Target& target : targets_) {
+    Case one = entry(infinite ? Entry::infinite_attribute : Entry::attribute,
+                     fmt::format("{} = {}", target.name(), infinite ? "1e999" : "nan"));
+    one.override = Override{target.path, target.attribute, infinite ? "1e999" : "nan"};
+    add(one);
+    infinite = !infinite;
+  }
+}
+
+void CaseList::addAttributes(std::size_t round) {
+  for (const Target& target : targets_) {
+    const auto [value, text] = valueIn(target, rounds[round], ratio_rounds[round], round % 2 == 0);
+    const Override override{target.path, target.attribute, value};
+    const bool is_known = std::any_of(cases_.begin(), cases_.end(), [&](const Case& other) {
+      return other.override && other.override->path == override.path &&
+             other.override->attribute == override.attribute && other.override->value == value;
+    });
+    if (value.empty() || is_known) continue;
+    Case one;
+    one.kind = Kind::attribute, one.text = text, one.override = override;
+    one.group = target.path == "/" && target.attribute == "dt" ? "dt" : wordOf(target.quantity);
+    add(one);
+  }
+}
+
+Case CaseList::at(long number) const {
+  if (number <= size()) return cases_[std::size_t(number - 1)];
+  std::mt19937 random(seed_ + unsigned(number) * 104729u);
+  const auto uniform = [&](double low, double high) { return low + (high - low) * double(random()) / 4294967295.; };
+  if (random() % 3 == 0 || targets_.empty()) {
+    // a shape of the list, elsewhere and more or less of it
+    std::vector<const Case*> shapes;
+    for (const Case& one : cases_)
+      if (one.kind == Kind::shape || one.kind == Kind::move || one.kind == Kind::forces) shapes.push_back(&one);
+    Case one = *shapes[random() % shapes.size()];
+    one.number = number, one.seed = seed_ + unsigned(number) * 7919u;
+    one.amount *= std::pow(10, uniform(-1, 0.5));
+    one.text += fmt::format(" (amount {:.4g})", one.amount);
+    return one;
+  }
+  const Target& target = targets_[random() % targets_.size()];
+  const auto [value, text] = valueIn(target, uniform(-9, 9), uniform(0.5, 9), random() % 2 == 0);
+  Case one;
+  one.number = number, one.seed = seed_ + unsigned(number) * 7919u;
+  one.kind = Kind::attribute, one.text = text, one.group = wordOf(target.quantity);
+  one.override = Override{target.path, target.attribute, value.empty() ? fmt::format("{}", target.values[0]) : value};
+  return one;
+}
+
+}  // namespace stroma::stress

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Work in processes of its own: what crashes, hangs or fills the memory costs a sentence.
+#pragma once
+#include <sys/types.h>
+
+#include <chrono>
+#include <functional>
+#include <map>
+#include <string>
+
+namespace stroma::stress {
+
+struct ChildEnd {
+  long number = 0;
+  std::string text;     ///< what the work returned
+  std::string failure;  ///< a sentence where it did not: "it crashes with SIGSEGV"
+  bool is_late = false;
+};
+
+/// Those that run at present. They end with this process.
+class Children {
+ public:
+  Children() = default;
+  Children(const Children&) = delete;
+  ~Children();
+  /// Calls work() in a child, which has `seconds` of wall time. Before any thread is made. Throws std::runtime_error.
+  void start(long number, double seconds, const std::function<std::string()>& work);
+  std::size_t running() const { return children_.size(); }
+  /// Waits a while for one to end. False when none has.
+  bool wait(ChildEnd& end);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  struct Child {
+    pid_t process = -1;
+    int pipe = -1;
+    Clock::time_point latest;
+    double seconds = 0;
+    std::string text;
+    bool is_late = false;
+  };
+  static ChildEnd endOf(long number, Child& child);
+
+  std::map<long, Child> children_;
+};
+
+}  // namespace stroma::stress
