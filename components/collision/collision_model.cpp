@@ -51,6 +51,12 @@ void CollisionModel::init() {
     }
 }
 
+void CollisionModel::addSolids(std::vector<const State*>& bodies, std::vector<Sphere>& spheres) const {
+  bodies.push_back(state_);
+  if (kind() != Kind::sphere) return;
+  for (const Part& part : parts_) spheres.push_back({state_, part.node[0], part.radius});
+}
+
 bool CollisionModel::isMoved() const {
   for (const Node* at = &state_->node(); at; at = at->parent())
     for (const auto& component : at->components())

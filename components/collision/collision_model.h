@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "framework/collision/box_tree.h"
+#include "framework/mechanics/drawn_segments.h"
 #include "framework/mechanics/state.h"
 #include "framework/mechanics/state_topology.h"
 
@@ -20,11 +21,12 @@ struct Part {
 };
 
 /// What the surface of a body is for whoever looks whether bodies touch: its parts, and with what they may meet.
-class CollisionModel : public Component {
+class CollisionModel : public Component, public DrawnSolids {
  public:
   std::string roleText() const override { return "collision model"; }
   void declare(DataTable& table) override;
   void init() override;
+  void addSolids(std::vector<const State*>& bodies, std::vector<Sphere>& spheres) const override;
 
   enum class Kind { point, line, triangle, sphere };
   virtual Kind kind() const = 0;

@@ -27,4 +27,16 @@ class DrawnSegments {
   virtual void addSegments(std::vector<Segment>& segments) const = 0;
 };
 
+/// Implemented by what makes a body solid to others: who draws a scene shows it even where nothing moves it.
+class DrawnSolids {
+ public:
+  struct Sphere {
+    const State* state;
+    Index node;
+    double radius;  ///< [m]
+  };
+  virtual ~DrawnSolids() = default;
+  virtual void addSolids(std::vector<const State*>& bodies, std::vector<Sphere>& spheres) const = 0;
+};
+
 }  // namespace stroma

@@ -236,5 +236,38 @@ TEST(Bodies, BeamsBendBetweenFramesAndTakeThePlaceOfTheirEdges) {
   EXPECT_GT((bent[100] - bent[99]).y(), 0);
 }
 
+/// What others touch is seen where it stands, and points with a sphere around them are as large as it.
+TEST(Bodies, WhatOthersTouchIsDrawnWhereNothingMovesIt) {
+  const Simulation simulation = simulationFromText(
+      "<Node name=\"root\"><CollisionPipeline/><MinProximityIntersection/>"
+      "<Node name=\"balls\"><EulerImplicitSolver/><CGLinearSolver/><MechanicalObject position=\"0 1 0  0 3 0\"/>"
+      "<UniformMass totalMass=\"1\"/><SphereCollisionModel radius=\"0.5\" listRadius=\"0.25\"/></Node>"
+      "<Node name=\"floor\"><MeshTopology position=\"-1 0 -1  1 0 -1  0 0 1\" triangles=\"0 2 1\"/><MechanicalObject/>"
+      "<TriangleCollisionModel simulated=\"false\" moving=\"false\"/></Node>"
+      "<Node name=\"unseen\"><MechanicalObject position=\"9 9 9\"/></Node></Node>");
+  const Drawing drawing = drawingOf(simulation);
+  ASSERT_EQ(drawing.bodies.size(), 2u) << "a state that nothing moves and nothing touches is not drawn";
+  const Body &balls = drawing.bodies[0], &floor = drawing.bodies[1];
+  ASSERT_EQ(balls.balls.size(), 2u);
+  EXPECT_EQ(balls.balls[0].radius, 0.25);
+  EXPECT_EQ(balls.balls[1].radius, 0.5);
+  EXPECT_EQ(balls.node[std::size_t(balls.balls[1].node)], 1);
+  EXPECT_TRUE(balls.points.empty()) << "a ball takes the place of its point";
+  EXPECT_EQ(floor.system, nullptr);
+  EXPECT_EQ(floor.triangles.size(), 1u);
+  EXPECT_EQ(Vec3(floor.x()[1]), Vec3(1, 0, -1));
+  EXPECT_EQ(Vec3(floor.v()[1]), Vec3(0, 0, 0));
+  EXPECT_NEAR(floor.size, std::sqrt(8), 1e-12);
+  for (const Field& field : drawing.fields) EXPECT_EQ(field.body, 0) << field.name;
+}
+
+TEST(Bodies, ASinglePointHasTheSizeOfTheScene) {
+  const Simulation simulation = simulationFromText(
+      "<Node name=\"root\"><EulerImplicitSolver/><CGLinearSolver/>"
+      "<Node name=\"one\"><MechanicalObject position=\"0 0 0\"/><UniformMass totalMass=\"1\"/></Node>"
+      "<Node name=\"other\"><MechanicalObject position=\"0 3 4\"/><UniformMass totalMass=\"1\"/></Node></Node>");
+  for (const Body& body : drawingOf(simulation).bodies) EXPECT_EQ(body.size, 5);
+}
+
 }  // namespace
 }  // namespace stroma::drawing

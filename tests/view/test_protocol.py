@@ -113,7 +113,8 @@ def check_scene(test, packet):
         for name in ("triangles", "edges", "points"):
             used = of(name)
             test.assertTrue(((used >= 0) & (used < surface)).all() if len(used) else True, f"{name} of {body['path']}")
-        drawn = numpy.concatenate([of(name) for name in ("triangles", "edges", "points")])
+        solid = [node for beam in body["beams"] for node in beam[:2]] + [ball[0] for ball in body["balls"]]
+        drawn = numpy.concatenate([of(name) for name in ("triangles", "edges", "points")] + [solid])
         test.assertEqual(len(numpy.unique(drawn)), surface, f"the surface of {body['path']} is what is drawn")
         test.assertEqual(len(of("owner")) * 3, len(of("triangles")))
         test.assertGreater(body["size"], 0)

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "framework/mechanics/state_positions.h"
+
 namespace stroma::drawing {
 
 void addBeam(Body& body, Index a, Index b, double radius) {
@@ -25,7 +27,7 @@ void dropEdgesOfBeams(Body& body) {
   });
 }
 
-void chooseAxes(std::vector<Body>& bodies) {
+void chooseSizes(std::vector<Body>& bodies) {
   Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
   for (const Body& body : bodies)
     for (const Index row : body.node) {
@@ -35,6 +37,9 @@ void chooseAxes(std::vector<Body>& bodies) {
   const double size = low[0] <= high[0] ? (high - low).norm() : 0;
   for (Body& body : bodies) {
     body.axis = size > 0 ? 0.08 * size : 1;
+    body.size = restSize(*body.state);
+    for (const Ball& ball : body.balls) body.size = std::max(body.size, 2 * ball.radius);
+    if (!(body.size > 0)) body.size = size > 0 ? size : 1;
     std::vector<double> ways;
     for (std::size_t i = 1; i < body.frames.size(); ++i) {
       const auto place = [&](std::size_t frame) { return body.state->rest_position[std::size_t(body.frames[frame][1] - 1)]; };

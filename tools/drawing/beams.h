@@ -9,8 +9,8 @@ namespace stroma::drawing {
 /// numbers.
 void addBeam(Body& body, Index a, Index b, double radius);
 void dropEdgesOfBeams(Body& body);
-/// The length of the axes of frames: a part of the scene, and less than half of the way from frame to frame, so that they stay
-/// apart.
-void chooseAxes(std::vector<Body>& bodies);
+/// The size of each body, and the length of the axes of frames: a part of the scene, and less than half of the way from frame to
+/// frame, so that they stay apart.
+void chooseSizes(std::vector<Body>& bodies);
 
 }  // namespace stroma::drawing

@@ -122,8 +122,9 @@ const Topology* topologyOfField(const ForceField& field, const State& state) {
 }
 
 /// Of the meshes of a state the one that the values of its fields belong to, else the one that components find.
-const Mesh* meshOf(const State& state, const System& system) {
-  for (const ForceField* field : system.forceFields()) {
+const Mesh* meshOf(const State& state, const System* system) {
+  const std::vector<ForceField*> none;
+  for (const ForceField* field : system ? system->forceFields() : none) {
     if (&field->state() != &state || field->cellFields().empty()) continue;
     const Topology* topology = topologyOfField(*field, state);
     if (topology && (hasVolume(topology->mesh()) || hasFaces(topology->mesh()))) return &topology->mesh();
@@ -149,6 +150,7 @@ void renumber(Body& body) {
   mark(body.triangles), mark(body.edges), mark(body.springs);
   for (const Beam& beam : body.beams)
     for (const Index node : beam.nodes) drawn[std::size_t(node)] = true;
+  for (const Ball& ball : body.balls) drawn[std::size_t(ball.node)] = true;
   const bool has_cells = body.mesh && hasVolume(*body.mesh);
   std::vector<bool> in_cells(std::size_t(size), false);
   if (has_cells) {
@@ -180,6 +182,7 @@ void renumber(Body& body) {
       for (Index& node : group) node = body.page[std::size_t(node)];
   };
   rename(body.triangles), rename(body.edges), rename(body.springs);
+  for (Ball& ball : body.balls) ball.node = body.page[std::size_t(ball.node)];
   for (Beam& beam : body.beams)
     for (std::size_t end : {0, 1}) {
       const auto frame = std::lower_bound(body.frames.begin(), body.frames.end(), beam.nodes[end] + 1,
@@ -242,6 +245,7 @@ void addFields(Drawing& drawing) {
     drawing.fields.push_back({int(drawing.fields.size()) + 1, Index(body), std::move(name), source});
   };
   for (std::size_t b = 0; b < drawing.bodies.size(); ++b) {
+    if (!drawing.bodies[b].system) continue;  // it has no force fields, and its velocity is zero
     add(b, "velocity", nullptr);
     if (drawing.bodies[b].cells() == 0) continue;
     for (const ForceField* field : drawing.bodies[b].system->forceFields())
@@ -266,34 +270,69 @@ std::vector<DrawnSegments::Segment> segmentsOf(const Simulation& simulation) {
   return segments;
 }
 
+namespace {
+
+void addBody(Drawing& drawing, const State& state, const System* system) {
+  if (state.size() == 0 || state.kindOf(0) == RowKind::value) return;  // numbers are nowhere
+  Body body;
+  body.state = &state, body.system = system, body.mesh = meshOf(state, system);
+  if (body.mesh && hasVolume(*body.mesh)) {
+    addBoundary(body, *body.mesh);
+  } else if (body.mesh && hasFaces(*body.mesh)) {
+    addFaces(body, *body.mesh);
+  } else if (body.mesh) {
+    body.edges.insert(body.edges.end(), body.mesh->edges.begin(), body.mesh->edges.end());
+  }
+  makeUnique(body.edges);
+  if (state.rows_per_node != 1) {  // lines between the centres of frames
+    body.mesh = nullptr;
+    body.triangles.clear(), body.owner.clear();
+    for (Edge& edge : body.edges)
+      for (Index& node : edge) node *= state.rows_per_node;
+  }
+  drawing.bodies.push_back(std::move(body));
+}
+
+std::shared_ptr<const Vector> standingRows(const State& state) {
+  auto rows = std::make_shared<Vector>(2 * state.size());
+  for (Index row = 0; row < state.size(); ++row)
+    placeRow(state.kindOf(row), state.position[std::size_t(row)], rows->rows(), row);
+  return rows;
+}
+
+/// Bodies that others touch though nothing moves them, and the balls of those that are points.
+void addSolids(Drawing& drawing, const Simulation& simulation) {
+  std::vector<DrawnSolids*> solids;
+  simulation.root().collect(solids);
+  std::vector<const State*> states;
+  std::vector<DrawnSolids::Sphere> spheres;
+  for (const DrawnSolids* solid : solids) solid->addSolids(states, spheres);
+  for (const State* state : states)
+    if (!state->isBound() && bodyOf(drawing.bodies, state) < 0) {
+      const std::size_t before = drawing.bodies.size();
+      addBody(drawing, *state, nullptr);
+      if (drawing.bodies.size() > before) drawing.bodies.back().standing = standingRows(*state);
+    }
+  for (const DrawnSolids::Sphere& sphere : spheres) {
+    const Index body = bodyOf(drawing.bodies, sphere.state);
+    if (body < 0 || !(sphere.radius > 0)) continue;
+    Body& of = drawing.bodies[std::size_t(body)];
+    if (of.triangles.empty() && of.edges.empty()) of.balls.push_back({sphere.node * of.state->rows_per_node, sphere.radius});
+  }
+}
+
+}  // namespace
+
 Drawing drawingOf(const Simulation& simulation) {
   Drawing drawing;
   for (const auto& system : simulation.systems())
-    for (const State* state : system->states()) {
-      if (state->kindOf(0) == RowKind::value) continue;  // numbers are nowhere
-      Body body;
-      body.state = state, body.system = system.get(), body.mesh = meshOf(*state, *system);
-      if (body.mesh && hasVolume(*body.mesh)) {
-        addBoundary(body, *body.mesh);
-      } else if (body.mesh && hasFaces(*body.mesh)) {
-        addFaces(body, *body.mesh);
-      } else if (body.mesh) {
-        body.edges.insert(body.edges.end(), body.mesh->edges.begin(), body.mesh->edges.end());
-      }
-      makeUnique(body.edges);
-      if (state->rows_per_node != 1) {  // lines between the centres of frames
-        body.mesh = nullptr;
-        body.triangles.clear(), body.owner.clear();
-        for (Edge& edge : body.edges)
-          for (Index& node : edge) node *= state->rows_per_node;
-      }
-      drawing.bodies.push_back(std::move(body));
-    }
+    for (const State* state : system->states()) addBody(drawing, *state, system.get());
+  addSolids(drawing, simulation);
   std::vector<std::array<Place, 2>> ties, springs;
   for (const auto& system : simulation.systems()) addTies(*system, ties, drawing.bodies);
   addSprings(simulation, drawing.bodies, springs);
   for (Body& body : drawing.bodies) dropEdgesOfBeams(body), renumber(body);
-  chooseAxes(drawing.bodies);
+  chooseSizes(drawing.bodies);
   addLinks(drawing, springs, false);
   addLinks(drawing, ties, true);
   std::erase_if(drawing.links, [](const BodyLink& link) { return link.node_a < 0 || link.node_b < 0; });

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 #include <array>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -20,11 +21,16 @@ struct Beam {
   std::array<Vec3, 2> chord{};    ///< from end to end at rest, in the axes of each [m]
 };
 
+struct Ball {
+  Index node = 0;     ///< page number of its centre
+  double radius = 0;  ///< [m]
+};
+
 /// What of a state is drawn. Its nodes are numbered anew for those who draw: those of the surface come first, so that the
 /// positions of the surface are the start of those of all nodes. "Page number" means that number below.
 struct Body {
   const State* state = nullptr;
-  const System* system = nullptr;
+  const System* system = nullptr;  ///< null: nothing moves the state
   const Mesh* mesh = nullptr;  ///< that of its cells; null for a state without one
   std::vector<Index> node;     ///< number in the state of each page number; rows that are places only
   std::vector<Index> page;     ///< the other way; -1 for a row that is not a place
@@ -37,11 +43,19 @@ struct Body {
   std::vector<Index> points;                 ///< nodes that nothing else draws
   std::vector<Edge> springs;                 ///< within the body
   std::vector<Beam> beams;                   ///< in the place of edges
+  std::vector<Ball> balls;                   ///< in the place of points; a body with faces or beams has none
   std::vector<std::array<Index, 2>> frames;  ///< rigid frames: page number of the place, row of the turn in the state
   double axis = 0;                           ///< length of the drawn axes of a frame [m]
+  double size = 0;  ///< diagonal of the box around it at rest, of the scene's for what is one point; never zero [m]
+  std::shared_ptr<const Vector> standing;  ///< without a system: where its rows stand, then as many zeros
 
   /// Cells that fields may have a value for: volume cells, else triangles and quads.
   Index cells() const;
+  /// The rows of the state now.
+  ConstRows x() const { return system ? ConstRows(state->x()) : ConstRows(*standing).head(state->size()); }
+  ConstRows v() const {
+    return system ? ConstRows(state->v()) : ConstRows(*standing).segment(state->size(), state->size());
+  }
 };
 
 /// `pieces` + 1 places along a beam whose ends are at a and b with these orientations: a cubic that leaves each end along the

@@ -11,12 +11,10 @@
 #include <vtkPolyDataMapper.h>
 #include <vtkProperty.h>
 #include <vtkTrivialProducer.h>
-#include <vtkUnsignedCharArray.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "framework/mesh/cell_lists.h"
 
@@ -27,7 +25,6 @@ constexpr double crease = 1.15,
                  ghost_crease = 1.4;  // [rad]: coarse meshes of smooth organs have edges of up to 60 degrees
 constexpr Colour spring_colour{0.45, 0.4, 0.7}, line_colour{0.5, 0.52, 0.54}, ghost_colour{0.55, 0.57, 0.6},
     held_colour{0.2, 0.21, 0.23}, guided_colour{0.93, 0.66, 0.1};
-constexpr std::array<std::array<unsigned char, 3>, 3> body_axis_colours{{{204, 64, 56}, {64, 153, 72}, {56, 102, 217}}};
 
 vtkSmartPointer<vtkFloatArray> arrayOf(const float* values, std::size_t count, int components, const char* name) {
   auto array = vtkSmartPointer<vtkFloatArray>::New();
@@ -68,13 +65,6 @@ void leaveUnlit(vtkActor& actor) {
   actor.GetProperty()->SetDiffuse(1);
 }
 
-constexpr int beam_pieces = 12, beam_sides = 16;
-
-/// The orientation of a frame.
-Quaternion turnOf(const BodyShot& shot, std::size_t frame) {
-  const float* q = shot.turns.data() + 4 * frame;
-  return Quaternion(q[3], q[0], q[1], q[2]).normalized();
-}
 
 }  // namespace
 
@@ -216,6 +206,7 @@ void BodyActors::buildLines() {
     actor->GetProperty()->SetRenderLinesAsTubes(true);
     actor->GetProperty()->SetLineWidth(float(3 * style_.pixel));
   }
+  if (!body_.balls.empty()) addActor(*clipped(balls_), values_at_ == ValuesAt::nodes);
   if (body_.springs.empty()) return;
   const auto actor = addActor(*clipped(springs_), false);
   setColour(*actor, spring_colour);
@@ -258,80 +249,12 @@ void BodyActors::show(const BodyShot& shot) {
   for (vtkPolyData* data : {edges_.Get(), springs_.Get(), points_.Get()}) data->Modified();
   grid_->Modified();
   surface_->Modified();
-  showBeams(shot);
+  showBeams(shot), showBalls(shot);
   if (style_.request->bare) return;
   held_->SetVerts(pointsOf(shot.held));
   guided_->SetVerts(pointsOf(shot.guided));
   held_->Modified(), guided_->Modified();
   showFrames(shot);
-}
-
-void BodyActors::showFrames(const BodyShot& shot) {
-  vtkNew<vtkPoints> points;
-  std::vector<Edge> lines;
-  vtkNew<vtkUnsignedCharArray> colours;
-  colours->SetNumberOfComponents(3);
-  for (std::size_t f = 0; f < body_.frames.size(); ++f) {
-    const Vec3 centre = drawnAt(body_.frames[f][0]);
-    const Mat3 turn = turnOf(shot, f).toRotationMatrix();
-    for (int axis = 0; axis < 3; ++axis) {
-      const Vec3 end = centre + body_.axis * turn.col(axis);
-      lines.push_back({Index(points->InsertNextPoint(centre.data())), Index(points->InsertNextPoint(end.data()))});
-      colours->InsertNextTypedTuple(body_axis_colours[std::size_t(axis)].data());
-    }
-  }
-  frames_->SetPoints(points);
-  frames_->SetLines(cellsOf(lines));
-  frames_->GetCellData()->SetScalars(colours);
-  frames_->Modified();
-}
-
-std::vector<Vec3> BodyActors::curveOf(const drawing::Beam& beam, const Points& drawn, const BodyShot& shot) const {
-  const auto place = [&](Index page) { return Vec3(drawn[3 * page], drawn[3 * page + 1], drawn[3 * page + 2]); };
-  return drawing::beamCurve(beam, place(beam.nodes[0]), place(beam.nodes[1]), turnOf(shot, std::size_t(beam.frames[0])),
-                            turnOf(shot, std::size_t(beam.frames[1])), beam_pieces);
-}
-
-/// A tube around the curve of each beam, and the curve itself, which is seen where the tube is thinner than a line.
-void BodyActors::showBeams(const BodyShot& shot) {
-  if (body_.beams.empty()) return;
-  vtkNew<vtkPoints> points, middles;
-  vtkNew<vtkCellArray> quads, lines;
-  vtkNew<vtkFloatArray> normals, values, middle_values;
-  normals->SetNumberOfComponents(3);
-  for (const drawing::Beam& beam : body_.beams) {
-    const std::vector<Vec3> curve = curveOf(beam, drawn_, shot);
-    Vec3 side = Vec3::Zero();  // carried along without a twist
-    const vtkIdType first = points->GetNumberOfPoints();
-    lines->InsertNextCell(int(curve.size()));
-    for (std::size_t i = 0; i < curve.size(); ++i) {
-      const Vec3 tangent = (curve[std::min(i + 1, curve.size() - 1)] - curve[i > 0 ? i - 1 : 0]).normalized();
-      if (i == 0) side = tangent.unitOrthogonal();
-      side = (side - side.dot(tangent) * tangent).normalized();
-      const Vec3 other = tangent.cross(side);
-      const double s = double(i) / beam_pieces;
-      const auto of = [&](std::size_t end) { return double(shot.values[std::size_t(beam.nodes[end])]); };
-      const float value = values_at_ == ValuesAt::nodes ? float((1 - s) * of(0) + s * of(1)) : 0;
-      lines->InsertCellPoint(middles->InsertNextPoint(curve[i].data()));
-      middle_values->InsertNextValue(value);
-      for (int k = 0; k < beam_sides; ++k) {
-        const double angle = 2 * std::numbers::pi * k / beam_sides;
-        const Vec3 normal = std::cos(angle) * side + std::sin(angle) * other, at = curve[i] + beam.radius * normal;
-        points->InsertNextPoint(at.data());
-        normals->InsertNextTuple(normal.data());
-        values->InsertNextValue(value);
-        if (i + 1 == curve.size()) continue;
-        const vtkIdType here = first + vtkIdType(i) * beam_sides, next = (k + 1) % beam_sides;
-        const vtkIdType quad[4] = {here + k, here + next, here + beam_sides + next, here + beam_sides + k};
-        quads->InsertNextCell(4, quad);
-      }
-    }
-  }
-  beams_->SetPoints(points), beams_->SetPolys(quads), beams_->GetPointData()->SetNormals(normals);
-  beam_lines_->SetPoints(middles), beam_lines_->SetLines(lines);
-  if (values_at_ == ValuesAt::nodes)
-    beams_->GetPointData()->SetScalars(values), beam_lines_->GetPointData()->SetScalars(middle_values);
-  beams_->Modified(), beam_lines_->Modified();
 }
 
 /// Where the nodes are drawn.
@@ -347,6 +270,10 @@ void BodyActors::forEachPlace(const BodyShot& shot, const std::function<void(con
   for (std::size_t i = 0; i < drawn.size(); i += 3) visit(Vec3(drawn[i], drawn[i + 1], drawn[i + 2]), 0);
   for (const drawing::Beam& beam : body_.beams)
     for (const Vec3& place : curveOf(beam, drawn, shot)) visit(place, beam.radius);
+  for (const drawing::Ball& ball : body_.balls) {
+    const float* p = drawn.data() + 3 * std::size_t(ball.node);
+    visit(Vec3(p[0], p[1], p[2]), ball.radius);
+  }
   if (style_.request->bare) return;
   for (std::size_t f = 0; f < body_.frames.size(); ++f) {
     const std::size_t page = 3 * std::size_t(body_.frames[f][0]);

@@ -52,7 +52,10 @@ class BodyActors {
   void buildLines();
   void showFrames(const BodyShot& shot);
   void showBeams(const BodyShot& shot);
+  void showBalls(const BodyShot& shot);
   std::vector<Vec3> curveOf(const drawing::Beam& beam, const Points& drawn, const BodyShot& shot) const;
+  /// The orientation of a frame.
+  static Quaternion turnOf(const BodyShot& shot, std::size_t frame);
   Points drawnIn(const BodyShot& shot) const;
   void setScalars(vtkDataSet& data, const std::vector<float>& values, bool of_cells) const;
 
@@ -64,7 +67,7 @@ class BodyActors {
   vtkRenderer& renderer_;
   SmoothSurface smooth_;
   vtkNew<vtkPoints> nodes_;  ///< by page number; of lines, points and sections
-  vtkNew<vtkPolyData> surface_, edges_, springs_, points_, held_, guided_, frames_, beams_, beam_lines_, ghost_;
+  vtkNew<vtkPolyData> surface_, edges_, springs_, points_, held_, guided_, frames_, beams_, beam_lines_, balls_, ghost_;
   vtkNew<vtkUnstructuredGrid> grid_;
   vtkSmartPointer<vtkActor> held_actor_, guided_actor_, points_actor_;
   double side_ = 0;  ///< mean length of the triangles' sides [m]

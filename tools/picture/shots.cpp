@@ -190,7 +190,7 @@ Shot ShotTaker::take(double time) {
     BodyShot& of_body = shot.bodies.emplace_back();
     if (!drawn_[b]) continue;
     const Body& body = drawing_.bodies[b];
-    const ConstRows x = body.state->x();
+    const ConstRows x = body.x();
     const Index count = nodesOf(body);
     of_body.x.reserve(3 * std::size_t(count));
     for (Index i = 0; i < count; ++i) {
@@ -213,7 +213,7 @@ void ShotTaker::addValues(std::size_t b, BodyShot& shot) {
   if (valuesAt(b) == ValuesAt::none) return;
   if (!isOnNodes(field_)) return addCellValues(b, shot);
   const Body& body = drawing_.bodies[b];
-  const ConstRows x = body.state->x(), v = body.state->v();
+  const ConstRows x = body.x(), v = body.v();
   for (Index i = 0; i < nodesOf(body); ++i) {
     const Index row = body.node[std::size_t(i)];
     shot.values.push_back(

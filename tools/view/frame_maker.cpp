@@ -32,7 +32,7 @@ std::vector<float> rowsOf(const Body& body, ConstRows rows, bool all) {
 
 void FrameMaker::addPositions(Packet& packet, std::size_t body, bool all) const {
   const Body& drawn = drawing_.bodies[body];
-  const ConstRows x = drawn.state->x();
+  const ConstRows x = drawn.x();
   packet.add(std::to_string(body) + ".x", rowsOf(drawn, x, all));
   if (drawn.frames.empty()) return;
   std::vector<float> turns;
@@ -43,7 +43,7 @@ void FrameMaker::addPositions(Packet& packet, std::size_t body, bool all) const 
 
 void FrameMaker::addVelocities(Packet& packet, const Field& field, bool all) const {
   const Body& body = drawing_.bodies[std::size_t(field.body)];
-  const ConstRows v = body.state->v();
+  const ConstRows v = body.v();
   std::vector<float> speed(all ? body.node.size() : std::size_t(body.surface));
   for (std::size_t i = 0; i < speed.size(); ++i) speed[i] = float(v[body.node[i]].norm());
   packet.add("f" + std::to_string(field.id), std::move(speed));
@@ -64,6 +64,7 @@ void FrameMaker::addCellField(Packet& packet, const Field& field, bool all) {
 void FrameMaker::addLoads(Packet& packet, bool all) {
   for (std::size_t b = 0; b < drawing_.bodies.size(); ++b) {
     const Body& body = drawing_.bodies[b];
+    if (!body.system) continue;
     loads_.resize(body.system->allRows());
     bool any = false;
     for (ForceField* field : body.system->forceFields()) {

@@ -8,7 +8,6 @@
 #include <limits>
 
 #include "framework/mechanics/frames.h"
-#include "framework/mechanics/state_positions.h"
 #include "tools/view/orders.h"
 
 namespace stroma::view {
@@ -40,7 +39,9 @@ bool isExplicit(const Integrator& integrator) {
 
 const Body& Hands::bodyOf(const json& order, Index& number) const {
   number = Index(integer(member(order, "body"), "body", 0, long(drawing_.bodies.size()) - 1));
-  return drawing_.bodies[std::size_t(number)];
+  const Body& body = drawing_.bodies[std::size_t(number)];
+  if (!body.system) throw ComponentError(body.state->path() + " does not move: no integrator is above it");
+  return body;
 }
 
 double Hands::ownStiffness(const Body& body, const std::vector<Index>& nodes) const {
@@ -82,13 +83,12 @@ void Hands::chooseStiffness(const Body& body, const std::vector<Index>& nodes, c
     }
   if (k == 0) {
     double own = ownStiffness(body, nodes);
-    const double size = restSize(*body.state);
     // a frame that nothing holds swings once in 0.6 s; what else nothing holds in shape is lifted as a whole: ten times its
     // weight by its size
     if (!(own > 0) && body.state->hasFrames() && mass > 0)
       own = 100 * mass / fractionOf(hand.kind);
-    else if (!(own > 0) && size > 0)
-      own = 10 * total_mass * 9.81 / size / double(nodes.size());
+    else if (!(own > 0))
+      own = 10 * total_mass * 9.81 / body.size / double(nodes.size());
     k = fractionOf(hand.kind) * (own > 0 ? own : 100);
     if (isExplicit(system.integrator()) && mass > 0)
       k = std::min(k, least_mass / (4 * simulation_.dt() * simulation_.dt()));
@@ -199,7 +199,7 @@ void Hands::releaseAll(int client) {
 
 Vec3 Hands::forceOn(const Hand& hand, std::size_t& touched) const {
   const Body& body = drawing_.bodies[std::size_t(hand.body)];
-  const ConstRows x = body.state->x(), v = body.state->v();
+  const ConstRows x = body.x(), v = body.v();
   const Input& what = hand.what;
   Vec3 sum = Vec3::Zero();
   touched = what.nodes.size();
@@ -248,7 +248,7 @@ json Hands::describe() const {
     for (const Vec3& target : what.targets) to += share * target;
     for (const Index row : what.nodes) {
       const Index node = turns ? row - 1 : row;  // the centre of a frame
-      at += share * Vec3(body.state->x()[node]), rest += share * body.state->rest_position[std::size_t(node)];
+      at += share * Vec3(body.x()[node]), rest += share * body.state->rest_position[std::size_t(node)];
     }
     one["node"] = body.page[std::size_t(what.nodes.front() - (turns ? 1 : 0))], one["nodes"] = what.nodes.size();
     one["at"] = list(at), one["rest_at"] = list(rest);

@@ -3,7 +3,6 @@
 
 #include <filesystem>
 
-#include "framework/mechanics/state_positions.h"
 #include "tools/drawing/held_nodes.h"
 #include "tools/units/unit_system.h"
 
@@ -21,6 +20,7 @@ std::vector<std::int32_t> flat(const Groups& groups) {
 
 /// A sentence when no hand reaches the body, or empty.
 std::string whyNoHand(const Body& body) {
+  if (!body.system) return "nothing moves it: no integrator is above it";
   if (body.state->firstRow() >= body.system->independentRows())
     return "its positions follow from another state by a mapping: pull that one";
   return {};
@@ -40,8 +40,10 @@ json describe(const Body& body) {
            {"why", why},
            {"frames", json::array()},
            {"beams", json::array()},
+           {"balls", json::array()},
            {"axis", body.axis},
-           {"size", restSize(*body.state)}};
+           {"size", body.size}};
+  for (const drawing::Ball& ball : body.balls) out["balls"].push_back({ball.node, ball.radius});
   for (const auto& [place, turn] : body.frames) out["frames"].push_back({place, turn});
   for (const drawing::Beam& beam : body.beams) {  // nodes, frames, radius, chord in the axes of both ends
     const auto& [a, b] = beam.chord;

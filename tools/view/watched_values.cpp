@@ -43,21 +43,23 @@ WatchedValues::NodeWord WatchedValues::nodeOf(const std::string& word) const {
   const Body& found = drawing_.bodies[std::size_t(body)];
   if (node < 0 || node >= found.state->size() || found.page[std::size_t(node)] < 0) unknown(word);
   if (parts[3] != "position" && parts[3] != "velocity" && parts[3] != "reaction") unknown(word);
-  return {&found, found.state->firstRow() + Index(node), parts[3]};
+  return {&found, Index(node), parts[3]};
 }
 
 void WatchedValues::check(const std::string& word) const {
   if (word != "energy" && word != "solver") nodeOf(word);
 }
 
-Vec3 WatchedValues::reaction(const System& system, Index row) {
+Vec3 WatchedValues::reaction(const Body& body, Index row) {
+  if (!body.system) return Vec3::Zero();
+  const System& system = *body.system;
   if (forces_of_ != &system) {
     forces_.resize(system.allRows());
     for (ForceField* field : system.forceFields()) field->addForce(system.x, system.v, forces_);
     for (const Mass* mass : system.masses()) mass->addGravity(forces_);
     forces_of_ = &system;
   }
-  return -Vec3(ConstRows(forces_)[row]);
+  return -Vec3(ConstRows(forces_)[body.state->firstRow() + row]);
 }
 
 json WatchedValues::read(const std::set<std::string>& words, const StepReport& last, double step_ms, bool still) {
@@ -81,9 +83,9 @@ json WatchedValues::read(const std::set<std::string>& words, const StepReport& l
     } else {
       const NodeWord node = nodeOf(word);
       if (node.what == "reaction" && !with_costly) continue;
-      const Vec3 value = node.what == "position"   ? Vec3(ConstRows(node.body->system->x)[node.row])
-                         : node.what == "velocity" ? Vec3(ConstRows(node.body->system->v)[node.row])
-                                                   : reaction(*node.body->system, node.row);
+      const Vec3 value = node.what == "position"   ? node.body->x()[node.row]
+                         : node.what == "velocity" ? node.body->v()[node.row]
+                                                   : reaction(*node.body, node.row);
       for (int k = 0; k < 3; ++k) values[word + "." + "xyz"[k]] = value[k];
     }
   }

@@ -25,13 +25,13 @@ class WatchedValues {
  private:
   struct NodeWord {
     const Body* body;
-    Index row;  ///< in the system
+    Index row;  ///< in the state
     std::string what;
   };
   NodeWord nodeOf(const std::string& word) const;
   /// Minus the sum of all forces on the row [N]: what a constraint adds to hold it, in statics and where it stands still.
-  /// Of all rows of a system; computed once for all words of a read().
-  Vec3 reaction(const System& system, Index row);
+  /// The forces of all rows of a system are computed once for all words of a read().
+  Vec3 reaction(const Body& body, Index row);
 
   const Simulation& simulation_;
   const Drawing& drawing_;

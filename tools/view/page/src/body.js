@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What is drawn of one body: surface, wireframe, points, springs, held and guided nodes, loads, rigid frames and beams.
+// What is drawn of one body: surface, wireframe, points, springs, held and guided nodes, loads, rigid frames, beams and balls.
 import * as THREE from 'three';
 import { bodyColour } from './colours.js';
 import { Numbers, material, nodeGeometry, shared, sharedGeometry } from './gpu.js';
 import { beamCurve } from './beams.js';
-import { Arrows, Growing, Rods } from './shapes.js';
+import { Arrows, Balls, Growing, Rods } from './shapes.js';
 
 const MOST_ARROWS = 3000;
 const MANY_NODES = 600; // held nodes beyond this are drawn smaller
@@ -49,7 +49,8 @@ export class BodyView {
     this.loads = new Arrows([0.85, 0.35, 0.12]);
     this.frames = new Growing('lines', { mode: 2, lift: 0.0001 }, true);
     this.beams = new Rods(bodyColour(body.index));
-    this.group.add(this.loads.object, this.frames.object, this.beams.object);
+    this.balls = new Balls(bodyColour(body.index), 1, body.balls.length);
+    this.group.add(this.loads.object, this.frames.object, this.beams.object, this.balls.object);
     /** The longest load so far: arrows keep one scale. */
     this.longestLoad = 0;
   }
@@ -78,6 +79,7 @@ export class BodyView {
     this.positions.set(body.x.subarray(0, 3 * used));
     this.updateLoads();
     this.updateFrames();
+    this.updateBalls();
   }
 
   /** @param {number} used number of nodes whose positions come with each frame from now on */
@@ -136,6 +138,7 @@ export class BodyView {
     this.loads.object.visible = view.loads && this.loads.geometry.instanceCount > 0;
     this.frames.object.visible = view.frames && this.frames.count > 0;
     this.beams.object.visible = view.surface && this.body.beams.length > 0;
+    this.balls.object.visible = view.surface && this.body.balls.length > 0;
     const { material: made } = this.surface;
     made.uniforms.opacity.value = view.opacity;
     made.transparent = view.opacity < 1;
@@ -205,6 +208,12 @@ export class BodyView {
     this.choose();
   }
 
+  updateBalls() {
+    if (this.body.balls.length === 0) return;
+    this.balls.set(this.body.balls.map(([node, radius]) => ({ at: this.drawnAt(node), radius })));
+    this.choose();
+  }
+
   /** Grows `box` by the places of the nodes that are drawn. @param {THREE.Box3} box */
   extend(box) {
     const point = new THREE.Vector3();
@@ -215,6 +224,10 @@ export class BodyView {
     }
     for (let frame = 0; frame < this.body.frames.length; frame++)
       for (const end of this.axesOf(frame)) if (end.every(Number.isFinite)) box.expandByPoint(point.set(end[0], end[1], end[2]));
+    for (const [node, radius] of this.body.balls) {
+      point.set(...this.drawnAt(node));
+      if (Number.isFinite(point.x + point.y + point.z)) box.union(new THREE.Box3().setFromCenterAndSize(point, new THREE.Vector3(2 * radius, 2 * radius, 2 * radius)));
+    }
   }
 
   dispose() {
@@ -228,6 +241,7 @@ export class BodyView {
     this.loads.dispose();
     this.frames.dispose();
     this.beams.dispose();
+    this.balls.dispose();
     this.group.removeFromParent();
   }
 }

@@ -162,7 +162,8 @@ function nearestLoose(/** @type {any} */ stage, /** @type {number} */ x, /** @ty
   const origin = stage.camera.position.toArray();
   for (const view of stage.views) {
     if (!view.body.visible) continue;
-    const loose = view.body.triangles.length ? view.body.points : [...view.body.points, ...view.body.edges, ...view.body.beams.flatMap((/** @type {number[]} */ beam) => beam.slice(0, 2))];
+    const loose = view.body.triangles.length ? view.body.points : [...view.body.points, ...view.body.edges, ...view.body.beams.flatMap((/** @type {number[]} */ beam) => beam.slice(0, 2)),
+      ...view.body.balls.map((/** @type {number[]} */ ball) => ball[0])];
     for (const node of loose) {
       const at = view.drawnAt(node);
       const place = stage.toScreen(at);

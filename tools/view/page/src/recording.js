@@ -34,7 +34,7 @@ export function openingPackets(store, view) {
     if (inside && body.hexahedra) cells[`${b}.hexahedra`] = body.hexahedra;
     return {
       path: body.path, node: body.node, name: body.name, nodes: count, surface: body.surface, cells: inside ? body.cells : { tetrahedra: 0, hexahedra: 0 },
-      interactive: false, why: 'This page replays a recording.', frames: body.frames.map(([place]) => [place]), beams: body.beams, axis: body.axis, size: body.size,
+      interactive: false, why: 'This page replays a recording.', frames: body.frames.map(([place]) => [place]), beams: body.beams, balls: body.balls, axis: body.axis, size: body.size,
     };
   });
   const links = [];

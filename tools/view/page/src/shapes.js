@@ -3,6 +3,8 @@
 import * as THREE from 'three';
 import { material } from './gpu.js';
 
+const MANY_BALLS = 300;
+
 /** Triangles or lines with a value or a tint at each corner, rewritten as a whole when they change. */
 export class Growing {
   /** @param {'triangles' | 'lines'} kind @param {Record<string, any>} uniforms @param {boolean} tinted */
@@ -130,9 +132,9 @@ export class Arrows extends Solids {
 }
 
 export class Balls extends Solids {
-  /** @param {number[]} colour @param {number} opacity */
-  constructor(colour, opacity) {
-    super(new THREE.SphereGeometry(1, 32, 20), colour, opacity, 0);
+  /** @param {number[]} colour @param {number} opacity @param {number} [count] many are drawn of fewer faces */
+  constructor(colour, opacity, count = 1) {
+    super(count > MANY_BALLS ? new THREE.SphereGeometry(1, 12, 8) : new THREE.SphereGeometry(1, 32, 20), colour, opacity, 0);
   }
 }
 

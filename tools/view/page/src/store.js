@@ -19,6 +19,7 @@ const MOST_MESSAGES = 2000;
  * @property {string} why
  * @property {number[][]} frames rigid frames: the first number is the node of the place
  * @property {number[][]} beams round beams: nodes and frames of both ends, radius, chord at rest in the axes of both ends
+ * @property {number[][]} balls nodes at their centres, radius
  * @property {number} axis length of the axes of frames [m]
  * @property {number} size diagonal of the rest box [m]
  * @property {Int32Array} sceneNode number in the scene of each node
@@ -199,7 +200,7 @@ export class Store {
       const count = info.nodes ?? arrays[`${b}.rest`].length / 3;
       const ints = (/** @type {string} */ name) => arrays[`${b}.${name}`] ?? new Int32Array(0);
       return {
-        ...info, index: b, count, frames: info.frames ?? [], beams: info.beams ?? [], axis: info.axis ?? 0.12 * (info.size || 1), cells: info.cells ?? { tetrahedra: 0, hexahedra: 0 },
+        ...info, index: b, count, frames: info.frames ?? [], beams: info.beams ?? [], balls: info.balls ?? [], axis: info.axis ?? 0.12 * (info.size || 1), cells: info.cells ?? { tetrahedra: 0, hexahedra: 0 },
         sceneNode: ints('node'), rest: arrays[`${b}.rest`], triangles: ints('triangles'), owner: ints('owner'),
         edges: ints('edges'), points: ints('points'), springs: ints('springs'), held: new Int32Array(0),
         guided: new Int32Array(0), tetrahedra: null, hexahedra: null, x: arrays[`${b}.rest`].slice(), inside: false,
