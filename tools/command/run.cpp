@@ -6,7 +6,6 @@
 #include <chrono>
 #include <csignal>
 #include <filesystem>
-#include <thread>
 
 #include "framework/scene/output_file.h"
 #include "framework/scene/spans.h"
@@ -21,6 +20,7 @@
 #include "tools/command/run_outcome.h"
 #include "tools/command/session.h"
 #include "tools/command/statistics.h"
+#include "tools/command/termination.h"
 #include "tools/profile/report.h"
 #include "tools/session/action_file.h"
 #include "tools/session/file_uses.h"
@@ -36,41 +36,15 @@ double secondsSince(Clock::time_point start) { return std::chrono::duration<doub
 std::atomic<Session*> interruptible = nullptr;
 volatile std::sig_atomic_t stopped_by = 0;
 
-/// What the signal does without a handler.
-void endBy(int number) {
-  std::signal(number, SIG_DFL);
-  sigset_t set;
-  sigemptyset(&set);
-  sigaddset(&set, number);
-  pthread_sigmask(SIG_UNBLOCK, &set, nullptr);
-  std::raise(number);
-}
-
 void stop(int number) {
   if (stopped_by == number) endBy(number);
   stopped_by = number;
   interruptible.load()->requestStop();
 }
 
-/// METIS takes SIGTERM for its own error while it orders a matrix, and the run would go on. So no thread is interrupted by
-/// this signal: one thread waits for it. To be called before there are others.
-void waitForTermination() {
-  static sigset_t termination;
-  sigemptyset(&termination);
-  sigaddset(&termination, SIGTERM);
-  pthread_sigmask(SIG_BLOCK, &termination, nullptr);
-  std::thread([] {
-    for (int number = 0; sigwait(&termination, &number) == 0;) {
-      if (interruptible.load())
-        stop(number);
-      else
-        endBy(number);
-    }
-  }).detach();
-}
-
 void stopOnSignals(Session& session) {
   interruptible = &session;
+  onTermination([] { stop(SIGTERM); });
   std::signal(SIGINT, stop);
   if (std::signal(SIGHUP, stop) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);  // nohup
 }
@@ -268,7 +242,7 @@ struct Run {
 };
 
 int runScene(const RunRequest& request, const Values& values) {
-  waitForTermination();
+  hearTermination();
   outliveReaders();
   tellLongWork(!request.quiet);
   Run run{request};
@@ -299,7 +273,7 @@ int runScene(const RunRequest& request, const Values& values) {
   for (const std::string& failure : outcome.failures) fmt::print(stderr, "error: {}\n", failure);
   if (request.json_file != "-" && !request.quiet) run.print(outcome, recordings);
   for (const int signal : {SIGHUP, SIGINT}) std::signal(signal, SIG_DFL);  // the session ends here
-  interruptible = nullptr;
+  onTermination({});
   return outcome.exitCode();
 }
 

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <csignal>
 #include <filesystem>
 #include <memory>
 
@@ -14,6 +15,7 @@
 #include "tools/command/recorder.h"
 #include "tools/command/session.h"
 #include "tools/command/shown_scene.h"
+#include "tools/command/termination.h"
 #include "tools/command/view_request.h"
 #include "tools/session/action_file.h"
 #include "tools/session/replay.h"
@@ -30,9 +32,16 @@ bool isLoopback(const std::string& host) { return host.starts_with("127.") || ho
 void openBrowser(const std::string& address) {
   std::string program = "xdg-open", text = address;
   char* arguments[] = {program.data(), text.data(), nullptr};
+  posix_spawnattr_t with_signals;  // a browser hears SIGTERM, unlike the threads here
+  sigset_t none;
+  sigemptyset(&none);
+  posix_spawnattr_init(&with_signals);
+  posix_spawnattr_setsigmask(&with_signals, &none);
+  posix_spawnattr_setflags(&with_signals, POSIX_SPAWN_SETSIGMASK);
   pid_t child = 0;
-  if (posix_spawnp(&child, "xdg-open", nullptr, nullptr, arguments, environ) != 0)
+  if (posix_spawnp(&child, "xdg-open", nullptr, &with_signals, arguments, environ) != 0)
     fmt::print(stderr, "note: there is no xdg-open: open the address by hand\n");
+  posix_spawnattr_destroy(&with_signals);
 }
 
 void tellAddress(const ViewCommand& command, const std::string& address) {
@@ -160,7 +169,9 @@ int serve(const ViewCommand& command, Session& session, const view::Viewer& view
     if (ending.failed.empty() && !(recording && recording->hasFailed())) ending.no_result = sentence;
     fmt::print(stderr, "the run has ended: {}\n", sentence);
   };
+  onTermination([] { ::kill(::getpid(), SIGINT); });  // as Ctrl-C does
   viewer.view(session, request);
+  onTermination({});
   if (recording) ending.attempt([&] { recording->finish(); });
   ending.attempt([&] { session.finish(); });
   const Simulation& simulation = session.simulation();
@@ -181,6 +192,7 @@ void beginReplay(const ViewCommand& command, Simulation& simulation) {
 int view(const Arguments& arguments) {
   const auto values = parseViewOptions(arguments);
   if (!values) return exit_done;
+  hearTermination();
   ViewCommand command(*values);
   command.live.build = buildIdentity();
   const auto viewer = service<view::Viewer>();
