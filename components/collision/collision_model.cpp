@@ -76,6 +76,7 @@ double CollisionModel::restDistance(const Part& p, const Part& q) const {
 
 const Mesh* CollisionModel::mesh() const {
   const Topology* topology = topology_.find(*this, *state_, MeshNodes::first);
+  if (!topology && active_) throw ComponentError("no mesh says what this surface is made of", "a topology in this node or above");
   return topology ? &topology->mesh() : nullptr;
 }
 

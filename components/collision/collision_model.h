@@ -45,7 +45,7 @@ class CollisionModel : public Component, public DrawnSolids {
 
  protected:
   virtual void makeParts(std::vector<Part>& parts) = 0;
-  /// The mesh of the model, or null.
+  /// The mesh of the model; null: it has none, and is not active. Throws ComponentError when it is.
   const Mesh* mesh() const;
 
  private:

@@ -5,6 +5,7 @@
 // points p and q of both that are closest, and the normal n from p to q. Both last for the step. With
 //
 //   d = contactDistance of the method + that of both models + radii,   k = k1 k2 / d,   k1, k2 the contactStiffness of the models
+//   (k = k1 k2 where d is zero)
 //
 // a contact of the response PenalityContactForceField pushes while (q - p).n < d, without friction and damping:
 //
@@ -46,6 +47,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cstdlib>
+#include <sstream>
 
 #include "components/collision/contact_pairs.h"
 #include "framework/mechanics/force_field.h"
@@ -94,11 +96,11 @@ class CollisionResponse final : public ForceField,
   void takeForces(std::span<const double> forces) override;
   void compile() override {
     search_.compile(pairs_, *method_);
-    pushes_.clear();
+    pushes_.clear(), pattern_.clear();
     found_ = false;
     ++revision_;
   }
-  void stepBegins(ConstRows, double, double) override { has_new_ = true, find(); }
+  void stepBegins(ConstRows, double, double) override { find(); }
   double energy(ConstRows x) const override;
   void addForce(ConstRows x, ConstRows v, Rows f) override;
   void addStiffnessProduct(ConstRows dx, double factor, Rows df) const override;
@@ -122,6 +124,7 @@ class CollisionResponse final : public ForceField,
   bool acts() const {
     return rubs() || response_.empty() || response_ == "PenalityContactForceField" || response_ == "default";
   }
+  void readParameters();
   static Vec3 wayOf(const Push& push, ConstRows x);
   void find();
   static void addSide(const CollisionModel& model, const PartPoint& point, double sign, Push& push);
@@ -137,17 +140,39 @@ class CollisionResponse final : public ForceField,
   ContactSearch search_;
   std::vector<Contact> contacts_;
   std::vector<Push> pushes_;  ///< of contacts_
-  bool found_ = false, has_new_ = false;
+  std::vector<std::array<Index, 6>> pattern_;  ///< their rows
+  bool found_ = false, has_new_ = false;  ///< new: rows are others than those of the last force
   long revision_ = 0;
 };
+
+/// "mu=0.6&tol=1e-3": each a name and a number; tol is SOFA's, a tolerance of its solvers.
+void CollisionResponse::readParameters() {
+  constexpr const char* expected = "mu=NUMBER, zero or more; several are joined by &";
+  std::istringstream parts(parameters_);
+  for (std::string part; std::getline(parts, part, '&');) {
+    const auto at = part.find('=');
+    const std::string name = part.substr(0, at), text = at == std::string::npos ? "" : part.substr(at + 1);
+    char* end = nullptr;
+    const double number = std::strtod(text.c_str(), &end);
+    if (text.empty() || *end != 0) throw ComponentError(fmt::format("responseParams has \"{}\"", part), expected);
+    if (name == "mu") {
+      if (!(number >= 0)) throw ComponentError(fmt::format("mu is {:g}", number), expected);
+      mu_ = number;
+    } else if (name != "tol") {
+      throw ComponentError(fmt::format("responseParams has \"{}\", which nothing reads", part), expected);
+    }
+  }
+}
 
 void CollisionResponse::init() {
   std::vector<State*> all;
   node().root().collect(all);
   method_ = Method::of(node().root());
   pairs_ = acts() && method_ && hasPipeline() ? modelPairs(node().root(), method_) : std::vector<ModelPair>();
-  if (const auto at = parameters_.find("mu="); at != std::string::npos) mu_ = std::strtod(parameters_.c_str() + at + 3, nullptr);
-  if (!(mu_ >= 0)) throw ComponentError(fmt::format("mu is {:g}", mu_), "zero or more");
+  if (rubs()) readParameters();
+  std::vector<CollisionResponse*> responses;
+  node().root().collect(responses);
+  if (responses.size() > 1) throw ComponentError(fmt::format("the scene has {} of these", responses.size()), "one");
   states_.clear();
   for (const ModelPair& pair : pairs_)
     for (const CollisionModel* model : {pair.a, pair.b})
@@ -173,13 +198,17 @@ void CollisionResponse::addSide(const CollisionModel& model, const PartPoint& po
 void CollisionResponse::find() {
   search_.find(contacts_);
   pushes_.resize(contacts_.size());
+  has_new_ = has_new_ || pattern_.size() != pushes_.size();
+  pattern_.resize(pushes_.size());
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
     const Contact& contact = contacts_[i];
     Push& push = pushes_[i] = {};
     push.n = contact.normal, push.d = contact.contact;
-    push.k = contact.model_a->contactStiffness() * contact.model_b->contactStiffness() / contact.contact;
+    push.k = contact.model_a->contactStiffness() * contact.model_b->contactStiffness() / (push.d > 0 ? push.d : 1);
     addSide(*contact.model_a, contact.a, -1, push);
     addSide(*contact.model_b, contact.b, 1, push);
+    has_new_ = has_new_ || pattern_[i] != push.rows;
+    pattern_[i] = push.rows;
   }
   found_ = true;
 }
@@ -225,8 +254,8 @@ double CollisionResponse::energy(ConstRows x) const {
 
 void CollisionResponse::addForce(ConstRows x, ConstRows, Rows f) {
   if (rubs()) return;
-  if (!found_) find(), has_new_ = true;
-  revision_ += has_new_, has_new_ = false;  // pairs come and go
+  if (!found_) find();
+  revision_ += has_new_, has_new_ = false;
   acting_ = 0;
   for (Push& push : pushes_) {
     const double pen = depth(push, x);

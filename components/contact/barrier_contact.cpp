@@ -8,8 +8,8 @@
 //
 // Its energy per area, -kappa contactDistance (r - 1)^2 ln r, has no bound as the gap closes. Under kappa/10 surfaces rest
 // at 0.83 contactDistance, under kappa/1000 at 0.98. Vertices carry their share of the surface (contact_terms.h), so that
-// forces hardly depend on the mesh. The tangent is that of p along the normals alone. The gap is the distance less
-// `thickness`.
+// forces hardly depend on the mesh. The tangent has all but the change of shares; where it is unstable, that of p along the
+// normals alone. The gap is the distance less `thickness`.
 //
 // Friction: with l the normal force of a contact and u the way along the surfaces since the start of the step, the force
 // is mu l f against u, f = 2 y - y^2 with y = |u| / (slipVelocity dt) below 1, else 1. What sticks therefore creeps, at
@@ -24,12 +24,12 @@
 // A start with surfaces in one another is refused, and so are integrators that do not ask how far they may step, explicit
 // ones and those with one linear solve: EulerImplicitSolver with newtonIterations, or StaticSolver.
 //
-// Surfaces are the boundary of the volume cells of a mesh, or its triangles and quads when it has none. Places of one
-// piece that are nearer than contactDistance at rest do not push each other, and are kept from crossing. A state may be
-// mapped: rigid tools are frames that carry the nodes of a surface by a RigidMapping. Obstacles are
-// planes (nx ny nz o: bodies are where n.x > o), spheres (x y z r), capsules and cylinders (x y z  x y z  r) and boxes
-// (two corners). They stand, or move together by `movements` at `keyTimes`, in each solve as far as nothing is in their way; a step is
-// solved again until they have come all the way.
+// Surfaces are the boundary of the volume cells of a mesh, or its triangles and quads when it has none; quadratic triangles
+// count as four. Places of one piece that are nearer than contactDistance at rest do not push each other, and are kept from
+// crossing. A state may be mapped: rigid tools are frames that carry the nodes of a surface by a RigidMapping. Obstacles are planes
+// (nx ny nz o: bodies are where n.x > o), spheres (x y z r), capsules and cylinders (x y z  x y z  r) and boxes (two corners). They
+// stand, or move together by `movements` at `keyTimes`, in each solve as far as nothing is in their way; a step is solved again
+// until they have come all the way.
 //
 // Source: Li, Ferguson, Schneider, Langlois, Zorin, Panozzo, Jiang and Kaufman 2020; Li et al. 2023 (physical barrier).
 //
@@ -46,13 +46,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
+#include <utility>
 
 #include "components/contact/contact_bodies.h"
 #include "components/contact/contact_friction.h"
 #include "components/contact/contact_obstacles.h"
 #include "components/contact/contact_outputs.h"
 #include "framework/mechanics/force_field.h"
+#include "framework/mechanics/open_choices.h"
 #include "framework/mechanics/state_topology.h"
 #include "framework/mechanics/step_limiter.h"
 #include "framework/scene/archive.h"
@@ -64,7 +65,7 @@ namespace {
 
 using namespace contact;
 
-class BarrierContact final : public ForceField, public StepLimiter {
+class BarrierContact final : public ForceField, public StepLimiter, public OpenChoices {
  public:
   void declare(DataTable& table) override;
   void init() override;
@@ -82,7 +83,9 @@ class BarrierContact final : public ForceField, public StepLimiter {
     terms_.addProduct(dx, factor, df);
     friction_.terms().addProduct(dx, factor, df);
   }
-  void addPattern(BlockPattern& pattern) const override;
+  void addPattern(BlockPattern& pattern) const override {
+    law_.addPattern(pattern), friction_.terms().addPattern(pattern), terms_.addPattern(pattern);
+  }
   long patternRevision() const override { return pattern_revision_; }
   void addStiffness(double factor, BlockMatrix& matrix) const override {
     terms_.addTo(factor, matrix);
@@ -98,16 +101,18 @@ class BarrierContact final : public ForceField, public StepLimiter {
   bool movesOn(ConstRows x) override;
   std::string overlap(ConstRows x) override;
   std::string doubt(ConstRows) const override { return outputs_.doubt(); }
+  bool useDefiniteTangent(bool definite) override { return definite_ = definite, true; }
   void reset() override;
   void serialize(Archive& archive) override;
 
  private:
+  void follow(ConstRows x);
+  void beginRounds();
   bool lookAgain(const std::vector<Vec3>& x) const;
   void noteSlides();
   void slideTo(const std::vector<Vec3>& x) {
     friction_.compute(law_.surfaces, x, start_, law_.moved - moved_at_start_);
   }
-  bool obstaclesArrive();
   bool frictionChanges();
   bool sharesChange();
   std::string nameOf(int vertex) const { return nameOfVertex(law_.surfaces, states(), vertex); }
@@ -125,15 +130,17 @@ class BarrierContact final : public ForceField, public StepLimiter {
 
   std::vector<State*> bodies_;
   long pattern_revision_ = 0;
-  mutable bool has_new_pairs_ = false;  ///< since the pattern was last said to be another
+  mutable bool has_new_pairs_ = false;  ///< others push since the pattern was last said to be another
   mutable std::vector<Vec3> x_;         ///< of all vertices; work space
   std::vector<Vec3> way_, forces_, forces_before_;
   std::vector<double> bend_;
-  std::vector<Vec3> start_;      ///< at the start of the step
+  std::vector<Vec3> start_;  ///< at the start of the step
   Vec3 moved_at_start_ = Vec3::Zero(), goal_ = Vec3::Zero();
-  double travel_ = 0;  ///< the longest way of a vertex in the last step [m]
+  double travel_ = 0;        ///< the longest way of a vertex in the last step [m]
+  bool left_start_ = false;  ///< bodies have been elsewhere than at start_
   int obstacle_rounds_ = 0, friction_rounds_ = 0, share_rounds_ = 0, weighings_ = 0;
-  Terms terms_;  ///< of the last force
+  Terms terms_;            ///< of the last force
+  bool definite_ = false;  ///< their derivative, see contact_terms.h
 };
 
 void BarrierContact::declare(DataTable& table) {
@@ -169,7 +176,7 @@ void BarrierContact::init() {
     if (!body->row_kinds.empty())
       throw ComponentError(fmt::format("{} has rows that are no points", body->path()), "a state of points",
                            body->hasFrames() ? "points below it that a RigidMapping carries" : "");
-  obstacles_.init();
+  obstacles_.init(self_ || bodies_.size() > 1);
   law_.stiffness = stiffness_ > 0 ? stiffness_ : 0.1 * largestYoungModulus(states());
   if (!(law_.stiffness > 0))
     throw ComponentError("stiffness is not given, and no body here has a youngModulus from which it would follow",
@@ -194,7 +201,7 @@ void BarrierContact::compile() {
   law_.candidates.self_contact = self_;
   law_.compile();
   goal_ = law_.moved = moved_at_start_ = obstacles_.displacement(state().node().root().root_time);
-  terms_.clear(), friction_.clear();
+  start_.clear(), terms_.clear(), friction_.clear();
   travel_ = 0;
   ++pattern_revision_;
   way_.resize(law_.surfaces.rows.size());
@@ -205,6 +212,7 @@ void BarrierContact::checkStart(ConstRows x) {
   law_.surfaces.gather(x, law_.moved, x_);
   refuseOverlap(path(), law_, x_, [this](int vertex) { return nameOf(vertex); });
   law_.candidates.forget();  // as after reset()
+  has_new_pairs_ = true;
 }
 
 // ---- forces ----
@@ -213,8 +221,8 @@ void BarrierContact::checkStart(ConstRows x) {
 bool BarrierContact::lookAgain(const std::vector<Vec3>& x) const {
   if (law_.candidates.covers(x)) return false;
   const double least = 0.5 * law_.range;
-  law_.candidates.find(x, std::max(least, std::min(2 * travel_, law_.surfaces.meanEdge())));
-  return has_new_pairs_ = true;
+  if (law_.candidates.find(x, std::max(least, std::min(2 * travel_, law_.surfaces.meanEdge())))) has_new_pairs_ = true;
+  return true;
 }
 
 double BarrierContact::energy(ConstRows x) const {
@@ -224,26 +232,16 @@ double BarrierContact::energy(ConstRows x) const {
 }
 
 void BarrierContact::addForce(ConstRows x, ConstRows, Rows f) {
-  law_.surfaces.gather(x, law_.moved, x_);
+  follow(x);
   lookAgain(x_);
-  pattern_revision_ += has_new_pairs_;
-  has_new_pairs_ = false;
+  pattern_revision_ += std::exchange(has_new_pairs_, false);
   // of a solve that goes on for long the shares stay, so that it has one energy
   constexpr int most_weighings = 6;
-  if (weighings_ < most_weighings)
-    law_.weigh(x_), ++weighings_;
-  else
-    law_.weighNew(x_);
+  ++weighings_ <= most_weighings ? law_.weigh(x_) : law_.weighNew(x_);
   terms_.clear();
-  for (const Touch& touch : law_.touches(x_)) terms_.push_back(law_.termOf(touch));
+  for (const Touch& touch : law_.touches(x_)) terms_.push_back(law_.termOf(touch, x_, definite_));
   terms_.addForce(f);
   if (friction_.mu > 0) slideTo(x_), friction_.terms().addForce(f);
-}
-
-void BarrierContact::addPattern(BlockPattern& pattern) const {
-  law_.addPattern(pattern);
-  friction_.terms().addPattern(pattern);
-  terms_.addPattern(pattern);
 }
 
 // ---- friction ----
@@ -253,14 +251,14 @@ void BarrierContact::noteSlides() {
   friction_.slides.clear();
   if (friction_.mu == 0) return;
   for (const Touch& touch : law_.touches(x_))
-    if (const double l = law_.termOf(touch).force.dot(touch.n); l > 0)
+    if (const double l = law_.forceOf(touch).dot(touch.n); l != 0)
       friction_.slides.push_back({touch.v, touch.c, touch.n, friction_.mu * l, touch.v[1] < 0});
 }
 
 // ---- steps ----
 
 void BarrierContact::stepBegins(ConstRows x, double t, double t_end) {
-  law_.surfaces.gather(x, law_.moved, x_);
+  follow(x);
   if (start_.size() == x_.size()) {
     travel_ = 0;
     for (std::size_t v = 0; v < x_.size(); ++v) travel_ = std::max(travel_, (x_[v] - start_[v]).norm());
@@ -268,24 +266,30 @@ void BarrierContact::stepBegins(ConstRows x, double t, double t_end) {
   start_ = x_;
   moved_at_start_ = law_.moved;
   friction_.slip = slip_velocity_ * (t_end - t);
-  obstacle_rounds_ = friction_rounds_ = share_rounds_ = weighings_ = 0;
   outputs_.friction_change = 0;
+  goal_ = obstacles_.displacement(t_end);
+  beginRounds();
+}
+
+void BarrierContact::beginRounds() {
+  obstacle_rounds_ = friction_rounds_ = share_rounds_ = weighings_ = 0;
+  left_start_ = false;
   lookAgain(x_);
   law_.weigh(x_);
   noteSlides();
-  goal_ = obstacles_.displacement(t_end);
-  obstaclesArrive();
+  moveObstacles(law_, goal_, x_, way_);
 }
 
-/// Moves obstacles towards their goal as far as bodies let them; true when they are there.
-bool BarrierContact::obstaclesArrive() {
-  const Vec3 way = goal_ - law_.moved;
-  if (way.isZero(0)) return true;
-  for (std::size_t v = 0; v < way_.size(); ++v) way_[v] = law_.surfaces.moves(int(v)) ? Vec3(Vec3::Zero()) : way;
-  const double step = law_.longestStep(x_, way_, {}, way);
-  law_.moved = step < 1 ? Vec3(law_.moved + step * way) : goal_;
-  for (std::size_t v = 0; v < way_.size(); ++v) x_[v] += step * way_[v];
-  return step == 1;
+/// x_ become positions at x. Where an integrator takes bodies back to the start of a step, obstacles begin theirs again.
+void BarrierContact::follow(ConstRows x) {
+  law_.surfaces.gather(x, law_.moved, x_);
+  const bool is_back = law_.surfaces.areBodiesAt(x_, start_);
+  if (is_back && left_start_) {
+    law_.moved = moved_at_start_;
+    law_.surfaces.gather(x, law_.moved, x_);
+    beginRounds();
+  }
+  left_start_ = !is_back;
 }
 
 double BarrierContact::longestStep(ConstRows x, const Way& way) {
@@ -307,11 +311,10 @@ bool BarrierContact::movesOn(ConstRows x) {
     law_.weigh(x_);
     weighings_ = 0;
     noteSlides();
-    obstaclesArrive();
+    moveObstacles(law_, goal_, x_, way_);
     return true;
   }
-  const bool others = sharesChange();
-  const bool again = friction_.mu > 0 && frictionChanges() && ++friction_rounds_ < friction_iterations_;
+  const bool others = sharesChange(), again = friction_.mu > 0 && frictionChanges() && ++friction_rounds_ < friction_iterations_;
   if (again || others) weighings_ = 0;
   return again || others;
 }
@@ -340,7 +343,7 @@ bool BarrierContact::frictionChanges() {
 }
 
 std::string BarrierContact::overlap(ConstRows x) {
-  law_.surfaces.gather(x, law_.moved, x_);
+  follow(x);
   const auto crossings = law_.candidates.crossings(x_);
   lookAgain(x_);
   law_.weigh(x_);
@@ -365,7 +368,7 @@ void BarrierContact::reset() {
   law_.candidates.forget();
   goal_ = law_.moved = moved_at_start_ = obstacles_.displacement(state().node().root().root_time);
   start_.clear(), terms_.clear(), friction_.clear();
-  travel_ = 0, outputs_.reset();
+  travel_ = 0, left_start_ = false, outputs_.reset();
   ++pattern_revision_;
 }
 
@@ -377,7 +380,7 @@ void BarrierContact::serialize(Archive& archive) {
   outputs_.serialize(archive);
   archive.value("travel", travel_);
   if (!archive.isReading()) return;
-  goal_ = law_.moved;
+  goal_ = law_.moved, left_start_ = false;
   const std::vector<Vec3> at = law_.candidates.foundAt();
   if (at.size() == law_.surfaces.rows.size()) {
     law_.candidates.find(at, law_.candidates.margin());

@@ -22,16 +22,19 @@ std::pair<const State*, Index> nodeOf(const std::vector<State*>& bodies, Index r
 
 double largestYoungModulus(const std::vector<State*>& bodies) {
   double largest = 0;
-  for (const State* body : bodies)
-    for (const Node* node = &body->node(); node && largest == 0; node = node->parent()) {
+  for (const State* body : bodies) {
+    double here = 0;
+    for (const Node* node = &body->node(); node && here == 0; node = node->parent()) {
       std::vector<ForceField*> fields;
       node->collect(fields);
       for (const ForceField* field : fields)
         if (const Data* modulus = field->data().find("youngModulus")) {
           std::istringstream values(modulus->print());  // one, or one for each cell
-          for (double value = 0; values >> value;) largest = std::max(largest, value);
+          for (double value = 0; values >> value;) here = std::max(here, value);
         }
     }
+    largest = std::max(largest, here);
+  }
   return largest;
 }
 

@@ -12,6 +12,18 @@ namespace {
 bool has(const std::array<int, 3>& face, int vertex) {
   return face[0] == vertex || face[1] == vertex || face[2] == vertex;
 }
+
+/// Boxes around both sides of a pair on their way are farther apart than `distance`: a bound that costs little.
+bool areFar(PairKind kind, const FourPoints& x, const FourPoints* dx, double distance) {
+  Box sides[2];
+  for (std::size_t i = 0; i < 4; ++i) {
+    Box& side = sides[i < (kind == PairKind::point_triangle ? 1 : 2) ? 0 : 1];
+    side.add(x[i]);
+    if (dx) side.add(Vec3(x[i] + (*dx)[i]));
+  }
+  const Vec3 apart = (sides[1].low - sides[0].high).cwiseMax(sides[0].low - sides[1].high).cwiseMax(Vec3::Zero());
+  return apart.squaredNorm() > distance * distance;
+}
 }  // namespace
 
 void Candidates::compile(const Surfaces& surfaces) {
@@ -96,7 +108,7 @@ bool Candidates::isNearAtRest(const Candidate& pair) const {
          closestPoints(pair.kind, pointsOf(pair, s.rest)).distance() <= reach;
 }
 
-void Candidates::find(const std::vector<Vec3>& x, double margin) {
+bool Candidates::find(const std::vector<Vec3>& x, double margin) {
   found_at_ = x;
   margin_ = margin;
   std::swap(pairs_, old_pairs_);
@@ -108,7 +120,9 @@ void Candidates::find(const std::vector<Vec3>& x, double margin) {
     face_pairs_.push_back({f, g});
     pairsOf(f, g, [&](Candidate pair) {
       const double far = near + pair.radius;
-      if (closestPoints(pair.kind, pointsOf(pair, x)).difference.squaredNorm() > far * far) return;
+      const FourPoints points = pointsOf(pair, x);
+      if (areFar(pair.kind, points, nullptr, far)) return;
+      if (closestPoints(pair.kind, points).difference.squaredNorm() > far * far) return;
       pair.pushes = !isNearAtRest(pair);
       pairs_.push_back(pair);
     });
@@ -120,6 +134,18 @@ void Candidates::find(const std::vector<Vec3>& x, double margin) {
     if (old != old_pairs_.end() && !(pair < *old)) pair.factor = old->factor;
   }
   ++revision_;
+  return doOthersPush();
+}
+
+/// Than before the last find().
+bool Candidates::doOthersPush() const {
+  const auto next = [](auto at, const std::vector<Candidate>& in) {
+    return std::find_if(at, in.end(), [](const Candidate& pair) { return pair.pushes; });
+  };
+  auto now = next(pairs_.begin(), pairs_), before = next(old_pairs_.begin(), old_pairs_);
+  for (; now != pairs_.end() && before != old_pairs_.end(); now = next(now + 1, pairs_), before = next(before + 1, old_pairs_))
+    if (*now < *before || *before < *now) return true;
+  return now != pairs_.end() || before != old_pairs_.end();
 }
 
 bool Candidates::covers(const std::vector<Vec3>& x) const {
@@ -143,6 +169,7 @@ bool Candidates::coversWay(const std::vector<Vec3>& x, const std::vector<Vec3>& 
 double Candidates::longestStep(const std::vector<Vec3>& x, const std::vector<Vec3>& dx, const std::vector<double>& bend,
                                double thickness) {
   double step = 1;
+  const StepOptions options;
   const auto shorten = [&](const Candidate& pair) {
     double apart = pair.pushes ? thickness + pair.radius : 0;
     if (!bend.empty()) {
@@ -154,15 +181,17 @@ double Candidates::longestStep(const std::vector<Vec3>& x, const std::vector<Vec
       }
       apart += sides[0] + sides[1];
     }
-    step = std::min(step, stroma::longestStep(pair.kind, pointsOf(pair, x), pointsOf(pair, dx),
-                                              {.longest = step, .thickness = apart}));
+    const FourPoints start = pointsOf(pair, x), way = pointsOf(pair, dx);
+    // at least a tenth of the distance remains then
+    if (areFar(pair.kind, start, &way, apart + options.left * (start[3] - start[0]).norm())) return;
+    step = std::min(step, stroma::longestStep(pair.kind, start, way, {.longest = step, .thickness = apart}));
   };
   if (coversWay(x, dx, bend)) {
     for (const Candidate& pair : pairs_) shorten(pair);
     return step;
   }
   fit(x, &dx, bend);
-  forEachNearPair(thickness, [&](int f, int g) {
+  forEachNearPair(thickness + options.left * reach, [&](int f, int g) {  // farther apart there is no force yet
     pairsOf(f, g, [&](Candidate pair) {
       pair.pushes = thickness == 0 || !isNearAtRest(pair);
       shorten(pair);

@@ -4,8 +4,8 @@
 #include <string>
 
 #include "components/contact/contact_surfaces.h"
-#include "framework/collision/box_tree.h"
 #include "components/contact/longest_step.h"
+#include "framework/collision/box_tree.h"
 
 namespace stroma::contact {
 
@@ -37,8 +37,8 @@ class Candidates {
 
   void compile(const Surfaces& surfaces);
   /// All pairs that may come nearer than `reach` while no vertex moves farther than `margin` from x. What was known of a
-  /// pair stays with it.
-  void find(const std::vector<Vec3>& x, double margin);
+  /// pair stays with it. False: those that push are the same as before.
+  bool find(const std::vector<Vec3>& x, double margin);
   void forget() { found_at_.clear(), pairs_.clear(), ++revision_; }
   /// Grows with each find().
   long revision() const { return revision_; }
@@ -64,6 +64,7 @@ class Candidates {
 
  private:
   bool mayMeet(int body_a, int body_b) const;
+  bool doOthersPush() const;
   bool isNearAtRest(const Candidate& pair) const;
   bool coversWay(const std::vector<Vec3>& x, const std::vector<Vec3>& dx, const std::vector<double>& bend) const;
   void fit(const std::vector<Vec3>& x, const std::vector<Vec3>* dx, const std::vector<double>& bend);

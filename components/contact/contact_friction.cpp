@@ -25,7 +25,7 @@ void Friction::compute(const Surfaces& surfaces, const std::vector<Vec3>& x, con
     term.force = -slide.force * over_length * u;
     // without slip every tangent is alike
     const Mat3 tangents = Mat3::Identity() - slide.n * slide.n.transpose();
-    term.m = slide.force * (over_length * (tangents - turned) + along * turned);
+    term.m = std::max(0.0, slide.force) * (over_length * (tangents - turned) + along * turned);
     terms_.push_back(term);
   }
 }

@@ -15,7 +15,7 @@ class Friction {
     std::array<int, 4> v;
     std::array<double, 4> c;
     Vec3 n;
-    double force;   ///< mu l [N]
+    double force;   ///< mu l [N]; negative: takes away what was counted twice
     bool on_plane;  ///< its other point moves with the obstacles
   };
   /// What slides from now on.

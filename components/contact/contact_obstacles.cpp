@@ -21,7 +21,13 @@ void Obstacles::declare(DataTable& table) {
   table.add("movements", movements_).help("displacement of all obstacles at keyTimes, linear between them").unit("m");
 }
 
-void Obstacles::init() {
+void Obstacles::init(bool bodies_meet) {
+  const bool none = planes_.empty() && spheres_.empty() && capsules_.empty() && cylinders_.empty() && boxes_.empty();
+  if (none && !bodies_meet)
+    throw ComponentError("nothing meets: there is no other body and no obstacle, and selfContact is off",
+                         "other, planes, spheres, capsules, cylinders, boxes or selfContact");
+  if (none && !movements_.empty())
+    throw ComponentError("movements move obstacles, and there is none", "planes, spheres, capsules, cylinders or boxes");
   path_.assign(times_, movements_, "keyTimes", "movements");
   if (!times_.empty() || !movements_.empty()) path_.check();
 }
@@ -89,6 +95,15 @@ void Obstacles::addTo(BarrierLaw& law) const {
                               {3, 7, 5}},
                              0);
   });
+}
+
+void moveObstacles(BarrierLaw& law, const Vec3& goal, std::vector<Vec3>& x, std::vector<Vec3>& way) {
+  const Vec3 left = goal - law.moved;
+  if (left.isZero(0)) return;
+  for (std::size_t v = 0; v < way.size(); ++v) way[v] = law.surfaces.moves(int(v)) ? Vec3(Vec3::Zero()) : left;
+  const double step = law.longestStep(x, way, {}, left);
+  law.moved = step < 1 ? Vec3(law.moved + step * left) : goal;
+  for (std::size_t v = 0; v < way.size(); ++v) x[v] += step * way[v];
 }
 
 std::string describe(const Candidates::Crossing& crossing, const Surfaces& surfaces,

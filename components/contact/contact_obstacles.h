@@ -12,7 +12,8 @@ namespace stroma::contact {
 class Obstacles {
  public:
   void declare(DataTable& table);
-  void init();  ///< throws ComponentError
+  /// Throws ComponentError. `bodies_meet`: so that something does without obstacles.
+  void init(bool bodies_meet);
   void addTo(BarrierLaw& law) const;
   Vec3 displacement(double t) const { return times_.empty() ? Vec3(Vec3::Zero()) : path_.at(t); }  ///< [m]
 
@@ -21,6 +22,9 @@ class Obstacles {
   std::vector<Vec3> movements_;
   KeyTimes<Vec3> path_;
 };
+
+/// Moves obstacles towards `goal` as far as bodies at x let them, with their vertices in x. `way`: of all vertices, work space.
+void moveObstacles(BarrierLaw& law, const Vec3& goal, std::vector<Vec3>& x, std::vector<Vec3>& way);
 
 /// Throws ComponentError when surfaces of the component at `path` lie in one another, or nearer than their thickness, at x,
 /// with the worst places. `name` says what a vertex is.

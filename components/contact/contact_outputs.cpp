@@ -43,12 +43,13 @@ void Outputs::note(const BarrierLaw& law, const Friction& friction, const std::v
   friction.forces(forces_);
   for (const Touch& touch : law.touches(x)) {
     smallest = std::min(smallest, touch.gap);
-    const Term term = law.termOf(touch);
+    const Vec3 whole = law.forceOf(touch);
     for (std::size_t i = 0; i < 4; ++i) {
-      if (term.rows[i] < 0) continue;
-      const Vec3 force = term.c[i] * term.force;
-      forces_[std::size_t(touch.v[i])] += force;
-      if (s.bodyOf(touch.v[i]) == 0) contact_forces_[std::size_t(term.rows[i] - first.firstRow())] += force;
+      if (touch.v[i] < 0 || !s.moves(touch.v[i])) continue;
+      const std::size_t v = std::size_t(touch.v[i]);
+      const Vec3 force = touch.c[i] * whole;
+      forces_[v] += force;
+      if (s.bodyOf(touch.v[i]) == 0) contact_forces_[std::size_t(s.rows[v] - first.firstRow())] += force;
     }
   }
   for (std::size_t v = 0; v < x.size(); ++v) {

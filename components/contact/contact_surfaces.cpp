@@ -30,10 +30,12 @@ void Surfaces::addState(const State& state, const Mesh& mesh) {
     const int i = vertex(a), j = vertex(b), k = vertex(c);
     faces.push_back({i, j, k});
   };
-  const bool hollow = mesh.tetrahedra.empty() && mesh.hexahedra.empty();
+  const bool hollow = mesh.tetrahedra.empty() && mesh.hexahedra.empty() && mesh.quadratic_tetrahedra.empty();
   bodies_.back().solid = !hollow;
   for (const Triangle& t : hollow ? mesh.triangles : mesh.boundaryTriangles()) add(t[0], t[1], t[2]);
   for (const Quad& q : hollow ? mesh.quads : mesh.boundaryQuads()) add(q[0], q[1], q[2]), add(q[0], q[2], q[3]);
+  for (const auto& [a, b, c, ab, bc, ca] : hollow ? mesh.quadratic_triangles : mesh.boundaryQuadraticTriangles())
+    add(a, ab, ca), add(ab, b, bc), add(ca, bc, c), add(ab, bc, ca);
   bodies_.back().faces = int(faces.size()) - bodies_.back().first_face;
   radius.resize(faces.size(), 0);
 }
@@ -77,7 +79,8 @@ void Surfaces::finish() {
 void Surfaces::findSides() {
   one_sided_.assign(rows.size(), true);
   for (std::size_t e = 0; e < edges.size(); ++e)
-    if (disagree_[e]) one_sided_[std::size_t(pieceOf(edges[e][0]))] = false;
+    if (disagree_[e] && !bodies_[std::size_t(bodyOf(edges[e][0]))].solid)
+      one_sided_[std::size_t(pieceOf(edges[e][0]))] = false;
   std::vector<double> volume(rows.size(), 0);
   for (const auto& [a, b, c] : faces) {
     const Vec3& from = rest[std::size_t(pieceOf(a))];
@@ -103,6 +106,7 @@ void Surfaces::findPieces() {
 void Surfaces::findEdges() {
   std::map<std::array<int, 2>, int> edge_of;
   std::vector<bool> forward;  // the first triangle of an edge has its ends in this order
+  std::vector<int> triangles;  // of an edge
   face_edges.assign(faces.size(), {-1, -1, -1});
   for (std::size_t f = 0; f < faces.size(); ++f)
     for (std::size_t k = 0; k < 3; ++k) {
@@ -113,7 +117,7 @@ void Surfaces::findEdges() {
       face_edges[f][k] = at->second;
       if (is_new) {
         edges.push_back(key);
-        edge_faces.push_back({-1, -1});
+        triangles.push_back(0);
         edge_tips.push_back({-1, -1});
         edge_area.push_back(0);
         disagree_.push_back(true);  // as long as it has one triangle
@@ -122,17 +126,17 @@ void Surfaces::findEdges() {
       }
       const std::size_t e = std::size_t(at->second);
       if (tip == a || tip == b) continue;  // an edge alone
-      if (!is_new) disagree_[e] = edge_faces[e][1] >= 0 || forward[e] == (a < b);
-      const std::size_t side = edge_faces[e][0] < 0 ? 0 : 1;
-      edge_faces[e][side] = int(f), edge_tips[e][side] = tip;
+      if (!is_new) disagree_[e] = triangles[e] > 1 || forward[e] == (a < b);
+      edge_tips[e][triangles[e] == 0 ? 0 : 1] = tip;
+      ++triangles[e];
       edge_area[e] += area[f] / 3;
     }
-  inner.assign(rows.size(), false);
-  for (const auto& edge : edges)
-    for (const int v : edge) inner[std::size_t(v)] = true;
-  for (std::size_t e = 0; e < edges.size(); ++e)
-    if (edge_faces[e][0] < 0 || edge_faces[e][1] < 0)
-      for (const int v : edges[e]) inner[std::size_t(v)] = false;
+  vertex_count.resize(rows.size());
+  for (std::size_t v = 0; v < rows.size(); ++v) vertex_count[v] = 1 - int(faces_around.start[v + 1] - faces_around.start[v]);
+  for (std::size_t e = 0; e < edges.size(); ++e) {
+    edge_surplus.push_back(std::max(0, triangles[e] - 1));
+    for (const int v : edges[e]) vertex_count[std::size_t(v)] += edge_surplus[e];
+  }
 }
 
 void Surfaces::findOwners() {
@@ -154,6 +158,13 @@ void Surfaces::findOwners() {
 void Surfaces::gather(ConstRows x, const Vec3& moved, std::vector<Vec3>& out) const {
   out.resize(rows.size());
   for (std::size_t v = 0; v < rows.size(); ++v) out[v] = rows[v] >= 0 ? Vec3(x[rows[v]]) : Vec3(rest[v] + moved);
+}
+
+bool Surfaces::areBodiesAt(const std::vector<Vec3>& x, const std::vector<Vec3>& other) const {
+  if (x.size() != other.size()) return false;
+  for (std::size_t v = 0; v < rows.size(); ++v)
+    if (rows[v] >= 0 && x[v] != other[v]) return false;
+  return true;
 }
 
 double Surfaces::meanEdge() const {

@@ -20,7 +20,8 @@ class Surfaces {
   };
 
   void clear() { *this = {}; }
-  /// The boundary of the mesh's volume cells, or its faces when it has none. `first_row`: of the state's nodes.
+  /// The boundary of the mesh's volume cells, or its faces when it has none. Quads are two triangles, quadratic triangles
+  /// four.
   void addState(const State& state, const Mesh& mesh);
   /// An obstacle; `radius`: of its rounded points and edges.
   void addObstacle(const std::vector<Vec3>& points, const std::vector<std::array<int, 3>>& faces, double radius);
@@ -28,6 +29,9 @@ class Surfaces {
   void finish();
   /// Positions of all vertices: rows of x, and obstacles moved by `moved`.
   void gather(ConstRows x, const Vec3& moved, std::vector<Vec3>& out) const;
+
+  /// Vertices that are no obstacles' are where they are in `other`; false for another number of them.
+  bool areBodiesAt(const std::vector<Vec3>& x, const std::vector<Vec3>& other) const;
 
   const std::vector<Body>& bodies() const { return bodies_; }
   /// Vertices with one number are joined by triangles.
@@ -44,7 +48,7 @@ class Surfaces {
   // ---- vertices ----
   std::vector<Index> rows;  ///< of the system; -1: of an obstacle
   std::vector<Vec3> rest;   ///< [m]
-  std::vector<bool> inner;  ///< surrounded by triangles
+  std::vector<int> vertex_count;  ///< how often its own barrier counts, see contact_terms.h: 1 inside of a surface
   std::vector<double> vertex_area;  ///< a third of its triangles' [m^2]
   Adjacency faces_around;   ///< triangles of each vertex
   // ---- triangles ----
@@ -55,8 +59,8 @@ class Surfaces {
   std::vector<std::array<int, 3>> owned_vertices, owned_edges;  ///< each vertex and edge belongs to one triangle; -1
   // ---- edges ----
   std::vector<std::array<int, 2>> edges;       ///< smaller vertex first
-  std::vector<std::array<int, 2>> edge_faces;  ///< -1: none
-  std::vector<std::array<int, 2>> edge_tips;   ///< the third vertex of these triangles
+  std::vector<int> edge_surplus;               ///< triangles beyond the first; 0: has one or none
+  std::vector<std::array<int, 2>> edge_tips;   ///< the third vertex of its first and of its last triangle; -1: none
   std::vector<double> edge_area;               ///< a third of these triangles [m^2]
   std::vector<double> edge_square;             ///< squared length at rest [m^2]
 

@@ -37,7 +37,8 @@ Barrier::Barrier(double gap, double range) {
     return;
   }
   if (!(r > 0)) {
-    value = slope = curvature = std::numeric_limits<double>::infinity();
+    value = curvature = std::numeric_limits<double>::infinity();
+    slope = -value;
     return;
   }
   const double from = r - 1, log = std::log(r);
@@ -49,8 +50,6 @@ Barrier::Barrier(double gap, double range) {
 void BarrierLaw::compile() {
   candidates.reach = range + thickness;
   candidates.compile(surfaces);
-  plane_vertex_.assign(surfaces.rows.size(), false);
-  for (std::size_t v = 0; v < plane_vertex_.size(); ++v) plane_vertex_[v] = surfaces.moves(int(v));
   vertex_share_.assign(surfaces.rows.size(), not_weighed);
   plane_share_.assign(planes.size() * surfaces.rows.size(), not_weighed);
   looked_revision_ = -1;
@@ -161,19 +160,19 @@ void BarrierLaw::addFeaturesOf(const Candidate& pair, const ClosestPoints& close
               closest.difference});
   const Vec3& p = x[std::size_t(pair.v[0])];
   for (std::size_t k = 0; k < 3; ++k) {
-    if (const int e = surfaces.owned_edges[f][k]; e >= 0 && surfaces.edge_faces[std::size_t(e)][1] >= 0) {
+    if (const int e = surfaces.owned_edges[f][k]; e >= 0 && surfaces.edge_surplus[std::size_t(e)] > 0) {
       const std::size_t j = k + 1, l = (k + 1) % 3 + 1;
       std::array<double, 4> c{1, 0, 0, 0};
       double of_l = 0;
       const Vec3 difference = toEdge(p, x[std::size_t(pair.v[j])], x[std::size_t(pair.v[l])], of_l);
       c[j] = of_l - 1, c[l] = -of_l;
       const std::int64_t key = of_l == 0 ? keyOf(pair.v[j], -1) : of_l == 1 ? keyOf(pair.v[l], -1) : edge_keys + e;
-      addFeature({key, -1, &pair, c, difference});
+      addFeature({key, -surfaces.edge_surplus[std::size_t(e)], &pair, c, difference});
     }
-    if (const int v = surfaces.owned_vertices[f][k]; v >= 0 && surfaces.inner[std::size_t(v)]) {
+    if (const int v = surfaces.owned_vertices[f][k]; v >= 0 && surfaces.vertex_count[std::size_t(v)] != 0) {
       std::array<double, 4> c{1, 0, 0, 0};
       c[k + 1] = -1;
-      addFeature({vertex_keys + v, 1, &pair, c, p - x[std::size_t(v)]});
+      addFeature({vertex_keys + v, surfaces.vertex_count[std::size_t(v)], &pair, c, p - x[std::size_t(v)]});
     }
   }
 }
@@ -210,7 +209,7 @@ void BarrierLaw::addEdgeTouches(const Candidate& pair, const ClosestPoints& clos
 void BarrierLaw::addPlaneTouches(const std::vector<Vec3>& x) const {
   for (std::size_t p = 0; p < planes.size(); ++p)
     for (std::size_t v = 0; v < x.size(); ++v) {
-      if (!plane_vertex_[v]) continue;
+      if (!surfaces.moves(int(v))) continue;
       const double gap = gapToPlane(p, x[v]);
       if (!(gap < range)) continue;
       double& share = plane_share_[p * x.size() + v];
@@ -245,16 +244,6 @@ const std::vector<Touch>& BarrierLaw::touches(const std::vector<Vec3>& x) const 
   return touches_;
 }
 
-Term BarrierLaw::termOf(const Touch& touch) const {
-  Term term;
-  for (std::size_t i = 0; i < 4; ++i) term.rows[i] = touch.v[i] >= 0 ? surfaces.rows[std::size_t(touch.v[i])] : -1;
-  term.c = touch.c;
-  const Barrier barrier(touch.gap, touch.range);
-  term.force = -stiffness * touch.share * barrier.slope * touch.n;
-  term.m = std::max(0.0, stiffness * touch.share * barrier.curvature) * touch.n * touch.n.transpose();
-  return term;
-}
-
 double BarrierLaw::energy(const std::vector<Vec3>& x) const {
   double sum = 0;
   for (const Touch& touch : touches(x)) sum += stiffness * touch.share * Barrier(touch.gap, touch.range).value;
@@ -266,7 +255,7 @@ double BarrierLaw::longestStep(const std::vector<Vec3>& x, const std::vector<Vec
   double step = candidates.longestStep(x, dx, bend, thickness);
   for (std::size_t p = 0; p < planes.size(); ++p)
     for (std::size_t v = 0; v < x.size(); ++v)
-      if (plane_vertex_[v]) {
+      if (surfaces.moves(int(v))) {
         const double off = bend.empty() ? 0 : bend[v], gap = gapToPlane(p, x[v]) - off;
         if (off > 0 && gap <= 0) return 0;
         step = std::min(step, longestStepToPlane(gap, planes[p].normal.dot(way - dx[v])));
@@ -277,7 +266,7 @@ double BarrierLaw::longestStep(const std::vector<Vec3>& x, const std::vector<Vec
 void BarrierLaw::sumForces(const std::vector<Vec3>& x, std::vector<Vec3>& out) const {
   std::fill(out.begin(), out.end(), Vec3::Zero());
   for (const Touch& touch : touches(x)) {
-    const Vec3 force = termOf(touch).force;
+    const Vec3 force = forceOf(touch);
     for (std::size_t i = 0; i < 4; ++i)
       if (touch.v[i] >= 0) out[std::size_t(touch.v[i])] += touch.c[i] * force;
   }
@@ -298,52 +287,6 @@ double relativeChange(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
   double change = 0, size = 0;
   for (std::size_t i = 0; i < b.size(); ++i) change += (b[i] - a[i]).squaredNorm(), size += b[i].squaredNorm();
   return change > 0 ? std::sqrt(change / std::max(change, size)) : 0;
-}
-
-// ---- terms ----
-
-void Terms::addForce(Rows f) const {
-  for (const Term& t : *this)
-    for (std::size_t i = 0; i < 4; ++i)
-      if (t.rows[i] >= 0) f[t.rows[i]] += t.c[i] * t.force;
-}
-
-void Terms::addProduct(ConstRows dx, double factor, Rows df) const {
-  for (const Term& t : *this) {
-    Vec3 sum = Vec3::Zero();
-    for (std::size_t i = 0; i < 4; ++i)
-      if (t.rows[i] >= 0) sum += t.c[i] * dx[t.rows[i]];
-    const Vec3 product = -factor * (t.m * sum);
-    for (std::size_t i = 0; i < 4; ++i)
-      if (t.rows[i] >= 0) df[t.rows[i]] += t.c[i] * product;
-  }
-}
-
-void Terms::addPattern(BlockPattern& pattern) const {
-  for (const Term& t : *this) {
-    std::array<Index, 4> rows;
-    int count = 0;
-    for (const Index row : t.rows)
-      if (row >= 0) rows[std::size_t(count++)] = row;
-    pattern.addClique(rows.data(), count);
-  }
-}
-
-void Terms::addTo(double factor, BlockMatrix& matrix) const {
-  for (const Term& t : *this)
-    for (std::size_t i = 0; i < 4; ++i)
-      for (std::size_t j = 0; j < 4; ++j)
-        if (t.rows[i] >= 0 && t.rows[j] >= 0 && t.c[i] * t.c[j] != 0)
-          matrix.add(t.rows[i], t.rows[j], -factor * t.c[i] * t.c[j] * t.m);
-}
-
-void Terms::addDiagonal(double factor, std::vector<double>& blocks) const {
-  for (const Term& t : *this)
-    for (std::size_t i = 0; i < 4; ++i) {
-      if (t.rows[i] < 0) continue;
-      double* block = blocks.data() + std::size_t(t.rows[i]) * 9;
-      for (int k = 0; k < 9; ++k) block[k] -= factor * t.c[i] * t.c[i] * t.m(k / 3, k % 3);
-    }
 }
 
 }  // namespace stroma::contact

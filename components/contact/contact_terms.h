@@ -4,9 +4,10 @@
 //   b = -dh (r - 1)^2 ln r
 //   b' = -(2 (r - 1) ln r + (r - 1)^2 / r),   b'' = -(2 ln r + 4 (r - 1)/r - (r - 1)^2/r^2) / dh
 // The energy is kappa times the integral of b over the surfaces, each vertex standing for its share A of the surface:
-//   E = kappa sum_vertices A/2 [sum_triangles b - sum_inner-edges b + sum_inner-vertices b]
+//   E = kappa sum_vertices A/2 [sum_triangles b - sum_edges (t_e - 1) b + sum_vertices (1 - t_v + sum_e (t_e - 1)) b]
 //     + kappa sum_edge-pairs A_e m b
-// What edges and vertices take away is what neighbouring triangles with one closest point would count twice. Against
+// with t_e and t_v the triangles of an edge and of a vertex: 2 and 1 in the inside of a surface, 1 and 0 at its rim. What
+// edges and vertices take away is what neighbouring triangles with one closest point would count twice. Against
 // obstacles, which have no vertices of their own in this sum, A/2 is A. A is the part of the triangles around a vertex
 // that faces the other surface, A = sum a/3 max(0, -n.u), u towards the vertex. Two edges count where both are ridges
 // towards each other, so that flat surfaces are pressed by their vertices alone. A, ridges and the factor m of parallel
@@ -35,12 +36,20 @@ struct Barrier {
   Barrier(double gap, double range);
 };
 
-/// A force f c_i on each of up to four rows and its derivative -c_i c_j m, m symmetric and positive.
+/// A force f c_i on each of up to four rows. Its derivative is, with e' the slope of an energy e(d) of the distance d,
+///   K_ij = -c_i c_j m + e' (d (w_i.w_j) n n^T + c_j n w_i^T + c_i w_j n^T),   m = e'' n n^T + e'/d Q
+/// Where the closest points may slide along directions D_a, by which the weights c_i change by c_i,a, w_i = sum_a c_i,a u_a with
+/// u_a . D_b = 1 for a = b, else 0, and Q is the projection across n and all D_a: the second derivative of a distance that is
+/// the smallest for all weights. A definite one is m = e'' n n^T alone, where that is positive.
 struct Term {
   std::array<Index, 4> rows{-1, -1, -1, -1};  ///< -1: of an obstacle
   std::array<double, 4> c{};
   Vec3 force;
   Mat3 m;
+  double slope = 0, distance = 0;  ///< e' [N], d [m]; a slope of 0: without the other parts
+  Vec3 n = Vec3::Zero();
+  std::array<Vec3, 4> w{Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};  ///< [1/m]
+  Mat3 derivative(std::size_t i, std::size_t j) const;  ///< K_ij
 };
 class Terms : public std::vector<Term> {
  public:
@@ -67,7 +76,9 @@ class BarrierLaw {
   void weighNew(const std::vector<Vec3>& x) const;
   /// What counts at x; nearer than dh. Not to be called before weigh().
   const std::vector<Touch>& touches(const std::vector<Vec3>& x) const;
-  Term termOf(const Touch& touch) const;
+  Vec3 forceOf(const Touch& touch) const;  ///< on the first side [N]
+  /// At the x of touches(). `definite`: with a derivative that has no unstable direction.
+  Term termOf(const Touch& touch, const std::vector<Vec3>& x, bool definite) const;
   double energy(const std::vector<Vec3>& x) const;  ///< [J], as touches()
   /// The force on each vertex, as touches(); `out` has that many.
   void sumForces(const std::vector<Vec3>& x, std::vector<Vec3>& out) const;
@@ -89,6 +100,7 @@ class BarrierLaw {
     Vec3 difference;
   };
   void look(const std::vector<Vec3>& x) const;
+  void addTurning(const Touch& touch, const std::vector<Vec3>& x, double slope, Term& term) const;
   void weigh(const std::vector<Vec3>& x, bool all) const;
   double factorOf(const Candidate& pair, const ClosestPoints& closest, const std::vector<Vec3>& x) const;
   double shareOf(int vertex, const Vec3& towards, const std::vector<Vec3>& x) const;
@@ -101,7 +113,6 @@ class BarrierLaw {
   void addTouch(const Candidate& pair, const std::array<double, 4>& c, const Vec3& difference, double share,
                 double small) const;
 
-  std::vector<bool> plane_vertex_;              ///< moves and belongs to a triangle
   mutable std::vector<ClosestPoints> closest_;  ///< of each candidate, at looked_at_
   mutable std::vector<Vec3> looked_at_;
   mutable long looked_revision_ = -1;

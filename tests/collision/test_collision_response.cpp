@@ -167,6 +167,72 @@ TEST(CollisionResponse, AModelMeetsItself) {
     }
 }
 
+/// Where the distance of a contact is zero the stiffness is k1 k2, as SOFA's: a point that has gone through is led back.
+TEST(CollisionResponse, HasAStiffnessAlsoWithoutADistance) {
+  std::string point = moved("a", "0.1 0.1 0.2", "<PointCollisionModel contactStiffness=\"30\"/>", "0 -40 0");
+  point.replace(point.find("<EulerImplicitSolver/>"), 22, "<EulerImplicitSolver newtonIterations=\"20\"/>");
+  Simulation simulation = simulationFromText(
+      collisionScene(point + still(plate, "<TriangleCollisionModel simulated=\"0\" contactStiffness=\"4\"/>"),
+                     "<MinProximityIntersection alarmDistance=\"1\" contactDistance=\"0\"/>"));
+  ASSERT_FALSE(simulation.step().failed());
+  // m v' = m v + h k (depth at the end of the step): 0.1 + h v'
+  const double h = 0.01, k = 120, m = 2, after = simulation.states()[0]->v()[0].y();
+  EXPECT_NEAR(m * (after + 40), -h * k * (0.1 + h * after), 1e-9);
+  EXPECT_GT(after, -40);
+}
+
+/// A matrix keeps its pattern as long as the same nodes meet.
+TEST(CollisionResponse, ThePatternChangesWithTheContacts) {
+  Simulation simulation = simulationFromText(collisionScene(
+      moved("a", "0.1 1.95 0.2", "<PointCollisionModel contactStiffness=\"30\"/>", "0 -1 0") +
+          still(plate, "<TriangleCollisionModel simulated=\"0\" contactStiffness=\"4\"/>"),
+      near_half));
+  const ForceField* field = nullptr;
+  for (const ForceField* each : simulation.systems()[0]->forceFields())
+    if (each->type() == "CollisionResponse") field = each;
+  ASSERT_TRUE(field);
+  const auto run = [&](int steps) {
+    for (int i = 0; i < steps; ++i) ASSERT_FALSE(simulation.step().failed());
+  };
+  run(1);
+  const long before = field->patternRevision();
+  run(80);
+  EXPECT_EQ(field->patternRevision(), before) << "nothing is near";
+  run(20);
+  const long near = field->patternRevision();
+  EXPECT_GT(near, before);
+  run(20);
+  EXPECT_EQ(field->patternRevision(), near) << "the same point meets the same triangle";
+}
+
+TEST(CollisionResponse, ParametersThatNothingReadsAreSaid) {
+  const auto with = [](const std::string& parameters) {
+    return problemsOf(collisionScene(moved("a", "0.1 2 0.2", "<PointCollisionModel/>") +
+                                         still(plate, "<TriangleCollisionModel simulated=\"0\"/>"),
+                                     near_half, "0 0 0",
+                                     "<CollisionResponse response=\"FrictionContactConstraint\" responseParams=\"" + parameters +
+                                         "\"/>"));
+  };
+  EXPECT_EQ(with("mu=0.3"), "");
+  EXPECT_EQ(with("mu=0.3&amp;tol=1e-3"), "");
+  expectContains(with("mu=much"), "responseParams has \"mu=much\"");
+  expectContains(with("0.3"), "responseParams has \"0.3\"");
+  expectContains(with("friction=0.3"), "which nothing reads");
+  expectContains(with("mu=-1"), "mu is -1");
+}
+
+TEST(CollisionResponse, ASurfaceWithoutAMeshIsRefused) {
+  for (const char* model : {"<TriangleCollisionModel/>", "<LineCollisionModel/>"})
+    expectContains(problemsOf(collisionScene(moved("a", "0.1 2 0.2", model), near_half)), "no mesh says what this surface is made of");
+  EXPECT_EQ(problemsOf(collisionScene(moved("a", "0.1 2 0.2", "<TriangleCollisionModel active=\"0\"/>"), near_half)), "");
+}
+
+TEST(CollisionResponse, OneAnswers) {
+  expectContains(problemsOf(collisionScene(moved("a", "0.1 2 0.2", "<PointCollisionModel/>"), near_half, "0 0 0",
+                                           "<CollisionResponse/><CollisionResponse/>")),
+                 "the scene has 2 of these");
+}
+
 TEST(CollisionResponse, WithoutAPipelineNothingIsFound) {
   const std::string scene = "<Node name=\"root\" dt=\"0.01\" gravity=\"0 0 0\"><CollisionResponse/>" + near_half +
                             moved("a", "0.1 0.2 0.2", "<PointCollisionModel/>") +

@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <random>
+#include <sstream>
 
 #include "framework/mesh/topology.h"
 #include "tests/support/scene_fixture.h"
@@ -105,11 +107,17 @@ inline void expectCleanStep(Simulation& simulation, int step, bool must_converge
     ASSERT_TRUE(std::isfinite(dot(system->x, system->x))) << "step " << step;
 }
 
-inline double outputOf(Simulation& simulation, const char* name) {
+/// Of an output of all BarrierContacts.
+inline std::vector<double> numbersOf(Simulation& simulation, const char* name) {
+  std::vector<double> values;
   for (const auto& system : simulation.systems())
     for (ForceField* field : system->forceFields())
-      if (field->type() == "BarrierContact") return std::stod(field->data().find(name)->print());
-  return -1;
+      if (field->type() == "BarrierContact") {
+        std::istringstream text(field->data().find(name)->print());
+        for (double value = 0; text >> value;) values.push_back(value);
+      }
+  return values;
 }
+inline double outputOf(Simulation& simulation, const char* name) { return numbersOf(simulation, name).at(0); }
 
 }  // namespace stroma::test

@@ -1,24 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Contact against closed forms: Hertz's sphere on a layer, the way in which friction stops a block.
+// Contact against closed forms: Hertz's sphere and a flat punch on a layer, the way in which friction stops a block.
 #include <cmath>
-#include <sstream>
 
 #include "framework/simulation/simulation.h"
 #include "tests/contact/contact_scenes.h"
 
 namespace stroma::test {
 namespace STROMA_TEST_FILE {
-
-std::vector<double> numbersOf(Simulation& simulation, const char* name) {
-  std::vector<double> values;
-  for (const auto& system : simulation.systems())
-    for (ForceField* field : system->forceFields())
-      if (field->type() == "BarrierContact") {
-        std::istringstream text(field->data().find(name)->print());
-        for (double value = 0; text >> value;) values.push_back(value);
-      }
-  return values;
-}
 
 /// From 0 in `even` cells of size h, then each larger than the one before, up to about `end`.
 std::vector<double> graded(double h, int even, double growth, double end) {
@@ -32,11 +20,15 @@ std::vector<double> graded(double h, int even, double growth, double end) {
   return x;
 }
 
-/// A rigid sphere of radius R pressed into a layer by D, a quarter of both; the force on it.
-double forceOfSphere(double h, double growth) {
-  constexpr double radius = 0.01, depth = 2e-4, height = 0.01414, range = 3e-5;
-  const std::vector<double> x = graded(h, int(std::lround(0.0021 / h)), growth, 0.016),
-                            z = graded(h, int(std::lround(0.0015 / h)), growth, height);
+/// A quarter of a layer on a rigid ground, with cells of size h near the middle of its upper side, which is at z = 0. SI units.
+struct Layer {
+  double h, even_across, even_down, growth, extent, height;
+};
+
+/// The force on a frictionless rigid obstacle that is moved down by `way`.
+double forceOn(const std::string& obstacle, double way, double range, double stiffness, const Layer& layer) {
+  const std::vector<double> x = graded(layer.h, int(std::lround(layer.even_across / layer.h)), layer.growth, layer.extent),
+                            z = graded(layer.h, int(std::lround(layer.even_down / layer.h)), layer.growth, layer.height);
   const int n = int(x.size()), m = int(z.size());
   std::string positions, cells, left, front, bottom;
   const auto node = [&](int i, int j, int k) { return i + n * (j + n * k); };
@@ -52,16 +44,15 @@ double forceOfSphere(double h, double growth) {
                                node(i, j + 1, k), node(i, j, k + 1), node(i + 1, j, k + 1), node(i + 1, j + 1, k + 1),
                                node(i, j + 1, k + 1));
       }
-  const double start = radius + 1.01 * range, end = radius - depth + 0.95 * range;
   Simulation simulation = simulationFromText(contactScene(
       fmt::format("<MeshTopology name=\"mesh\" position=\"{}\" hexahedra=\"{}\"/><MechanicalObject name=\"dofs\"/>"
                   "<UniformMass totalMass=\"1\"/><HexahedronFEMForceField youngModulus=\"1e4\" poissonRatio=\"0.3\"/>"
                   "<PartialFixedProjectiveConstraint indices=\"{}\" fixedDirections=\"1 0 0\"/>"
                   "<PartialFixedProjectiveConstraint indices=\"{}\" fixedDirections=\"0 1 0\"/>"
                   "<FixedProjectiveConstraint indices=\"{}\"/>"
-                  "<BarrierContact contactDistance=\"{}\" stiffness=\"1e5\" selfContact=\"0\" spheres=\"0 0 {} {}\" "
-                  "keyTimes=\"0 1\" movements=\"0 0 0  0 0 {}\"/>",
-                  positions, cells, left, front, bottom, range, start, radius, end - start),
+                  "<BarrierContact contactDistance=\"{}\" stiffness=\"{}\" selfContact=\"0\" {} keyTimes=\"0 1\" "
+                  "movements=\"0 0 0  0 0 {}\"/>",
+                  positions, cells, left, front, bottom, range, stiffness, obstacle, -way),
       1, Vec3::Zero(), "<StaticSolver relative_residual_tolerance_threshold=\"1e-6\"/>"));
   const StepReport report = simulation.step();
   EXPECT_TRUE(report.newton_converged) << report.reason;
@@ -69,17 +60,51 @@ double forceOfSphere(double h, double growth) {
   return -4 * numbersOf(simulation, "wrenches")[2];
 }
 
-/// Hertz, with the factor of a bonded layer (Dimitriadis, Horkay, Maresca, Kachar and Chadwick 2002), sqrt(R D)/H = 0.1.
+/// alpha_0 of a layer that is bonded to its ground (Dimitriadis, Horkay, Maresca, Kachar and Chadwick 2002).
+double layerFactor(double nu) { return -(1.2876 - 1.4678 * nu + 1.3442 * nu * nu) / (1 - nu); }
+
+/// A rigid sphere of radius R pressed into a layer by D.
+double forceOfSphere(double h, double growth) {
+  constexpr double radius = 0.01, depth = 2e-4, range = 3e-5;
+  // it starts 1.01 and ends 0.95 contact distances above
+  return forceOn(fmt::format("spheres=\"0 0 {} {}\"", radius + 1.01 * range, radius), depth + 0.06 * range, range, 1e5,
+                 {h, 0.0021, 0.0015, growth, 0.016, 0.01414});
+}
+
+/// Hertz, with the factor of a bonded layer, sqrt(R D)/H = 0.1.
 TEST(ClosedForms, HertzsSphereOnALayer) {
   constexpr double young = 1e4, nu = 0.3, radius = 0.01, depth = 2e-4, height = 0.01414;
   const double hertz = 4. / 3 * young / (1 - nu * nu) * std::sqrt(radius) * std::pow(depth, 1.5);
-  const double a = -(1.2876 - 1.4678 * nu + 1.3442 * nu * nu) / (1 - nu), chi = std::sqrt(radius * depth) / height;
+  const double a = layerFactor(nu), chi = std::sqrt(radius * depth) / height;
   const double expected = hertz * (1 - 2 * a / M_PI * chi + 4 * a * a / (M_PI * M_PI) * chi * chi);
   const double coarse = forceOfSphere(6e-4, 1.8) / expected - 1, fine = forceOfSphere(3e-4, 1.6) / expected - 1;
   RecordProperty("error of the force, coarse", std::to_string(coarse));
   RecordProperty("error of the force, fine", std::to_string(fine));
   EXPECT_LT(std::abs(coarse), 0.01);
   EXPECT_LT(std::abs(fine), 0.01);
+}
+
+/// A flat punch of radius a, F = 2 E* a D on a half-space. The layer of height H shows a half-space pressed by
+/// |alpha_0| F/(pi E* H) less than D, so F is larger by 1/(1 - 2 |alpha_0| a/(pi H)), a/H = 0.1. What is in contact are the
+/// nodes below the punch: a is such that as many squares of h^2 are its area, and the circle passes between nodes. The
+/// error then falls with h.
+TEST(ClosedForms, FlatPunch) {
+  constexpr double young = 1e4, nu = 0.3, radius = 2e-3, depth = 2e-5, height = 0.02, range = 2e-5;
+  const double half_space = 2 * young / (1 - nu * nu) * radius * depth;
+  const double expected = half_space / (1 - 2 * std::abs(layerFactor(nu)) * radius / (M_PI * height));
+  const auto error = [&](double nodes) {  // in a full circle
+    const double h = radius / std::sqrt(nodes / M_PI);
+    const std::string punch = fmt::format("cylinders=\"0 0 {} 0 0 {} {}\"", 1.01 * range, radius, radius);
+    // pressures are 1e-5 to 1e-4 of the stiffness, which rest at 0.998 to 0.994 contact distances
+    return forceOn(punch, depth + 0.014 * range, range, 1e7, {h, 1.15 * radius, 0.6 * radius, 1.9, 0.02, height}) / expected - 1;
+  };
+  const double coarse = error(69), fine = error(137);
+  RecordProperty("error of the force, coarse", std::to_string(coarse));
+  RecordProperty("error of the force, fine", std::to_string(fine));
+  EXPECT_LT(std::abs(fine), 0.02);
+  EXPECT_LT(std::abs(coarse), 0.03);
+  const double h = std::sqrt(1 / 69.), smaller = std::sqrt(1 / 137.);  // of the cells, over the radius
+  EXPECT_LT(std::abs((h * fine - smaller * coarse) / (h - smaller)), 0.015) << "what is left for cells without size";
 }
 
 /// v^2 / (2 mu g) in v / (mu g), of a rigid block that is let go at the gap of its weight.

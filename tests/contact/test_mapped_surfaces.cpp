@@ -4,7 +4,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <map>
-#include <sstream>
 
 #include "framework/simulation/simulation.h"
 #include "tests/contact/contact_scenes.h"
@@ -49,17 +48,6 @@ std::string rigid(const std::string& name, const Body& body, const std::string& 
       "<Node name=\"{}\"><MechanicalObject name=\"frame\" template=\"Rigid3\" {}/><UniformMass totalMass=\"{}\" "
       "inertia=\"{} {} {}\"/>{}<Node name=\"skin\">{}<MechanicalObject name=\"dofs\"/><RigidMapping/></Node></Node>",
       name, frame, mass, inertia, inertia, inertia, more, meshOf(body, shape));
-}
-
-std::vector<double> numbersOf(Simulation& simulation, const char* name) {
-  std::vector<double> values;
-  for (const auto& system : simulation.systems())
-    for (ForceField* field : system->forceFields())
-      if (field->type() == "BarrierContact") {
-        std::istringstream text(field->data().find(name)->print());
-        for (double value = 0; text >> value;) values.push_back(value);
-      }
-  return values;
 }
 
 const State& stateAt(const Simulation& simulation, const std::string& path) {

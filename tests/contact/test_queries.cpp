@@ -145,6 +145,25 @@ TEST(Queries, LittleIsLostOfAStraightApproach) {
   EXPECT_LE(worst, 0.1 + 1e-6) << "a tenth of the distance is left, no more";
 }
 
+/// Coordinates of -2 to 2: half of these pairs are degenerate, flat, parallel, in one plane, in one line, or touch.
+TEST(Queries, DistancesOfLatticePointsAgreeWithRationalNumbers) {
+  Numbers numbers(15);
+  int touching = 0;
+  for (int i = 0; i < 15000; ++i)
+    for (const PairKind kind : {PairKind::point_triangle, PairKind::edge_edge}) {
+      FourPoints x;
+      for (Vec3& p : x) p = Vec3(numbers.whole(-2, 2), numbers.whole(-2, 2), numbers.whole(-2, 2));
+      const Rational square = squaredDistance(kind, exact(x));
+      const double found = closestPoints(kind, x).distance();
+      ASSERT_NEAR(found, std::sqrt(double(square)), 1e-15 * 16) << i;
+      if (square != 0) continue;
+      ++touching;
+      FourPoints way{Vec3(1, 0, 0), Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
+      ASSERT_EQ(longestStep(kind, x, way), 0) << "what touches does not move on, " << i;
+    }
+  EXPECT_GT(touching, 500);
+}
+
 TEST(Queries, DistancesAgreeWithRationalNumbers) {
   Numbers numbers(14);
   for (unsigned i = 0; i < 3000; ++i)

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <Eigen/Geometry>
+#include <algorithm>
+
+#include "components/contact/contact_terms.h"
+
+namespace stroma::contact {
+
+Vec3 BarrierLaw::forceOf(const Touch& touch) const {
+  return -stiffness * touch.share * Barrier(touch.gap, touch.range).slope * touch.n;
+}
+
+Term BarrierLaw::termOf(const Touch& touch, const std::vector<Vec3>& x, bool definite) const {
+  Term term;
+  for (std::size_t i = 0; i < 4; ++i) term.rows[i] = touch.v[i] >= 0 ? surfaces.rows[std::size_t(touch.v[i])] : -1;
+  term.c = touch.c;
+  const Barrier barrier(touch.gap, touch.range);
+  const double scale = stiffness * touch.share;
+  term.force = -scale * barrier.slope * touch.n;
+  term.m = scale * barrier.curvature * touch.n * touch.n.transpose();
+  if (!definite)
+    addTurning(touch, x, scale * barrier.slope, term);
+  else if (scale * barrier.curvature < 0)
+    term.m.setZero();
+  return term;
+}
+
+/// `slope`: of the energy by the distance. Nothing is added where two sides are nearly parallel.
+void BarrierLaw::addTurning(const Touch& touch, const std::vector<Vec3>& x, double slope, Term& term) const {
+  if (touch.v[1] < 0) return;  // planes do not turn
+  const auto place = [&](std::size_t i) -> const Vec3& { return x[std::size_t(touch.v[i])]; };
+  std::array<std::array<double, 4>, 2> slides{};  // by how much each weight changes
+  std::array<Vec3, 2> along, dual;
+  int count = 0;
+  for (const double side : {1.0, -1.0}) {
+    std::size_t base = 4;
+    for (std::size_t i = 0; i < 4; ++i) {
+      if (!(side * touch.c[i] > 0)) continue;
+      if (base == 4) {
+        base = i;
+      } else if (touch.v[i] != touch.v[base] && count < 2) {
+        auto& slide = slides[std::size_t(count)];
+        slide[base] = -1, slide[i] = 1;
+        along[std::size_t(count++)] = place(i) - place(base);
+      }
+    }
+  }
+  constexpr double least = 1e-6;
+  const double aa = count > 0 ? along[0].squaredNorm() : 0, bb = count > 1 ? along[1].squaredNorm() : 0,
+               ab = count > 1 ? along[0].dot(along[1]) : 0, determinant = aa * bb - ab * ab;
+  if ((count > 0 && !(aa > 0)) || (count > 1 && !(determinant > least * aa * bb))) return;
+  Mat3 across = Mat3::Zero();
+  if (count < 2) {
+    across = Mat3::Identity() - touch.n * touch.n.transpose();
+    if (count == 1) dual[0] = along[0] / aa, across -= dual[0] * along[0].transpose();
+  } else {
+    dual = {Vec3((bb * along[0] - ab * along[1]) / determinant), Vec3((aa * along[1] - ab * along[0]) / determinant)};
+  }
+  Vec3 difference = Vec3::Zero();
+  for (std::size_t i = 0; i < 4; ++i) difference += touch.c[i] * place(i);
+  term.distance = difference.norm();
+  term.n = touch.n, term.slope = slope;
+  term.m += slope / term.distance * across;
+  for (std::size_t i = 0; i < 4; ++i)
+    for (int k = 0; k < count; ++k) term.w[i] += slides[std::size_t(k)][i] * dual[std::size_t(k)];
+}
+
+Mat3 Term::derivative(std::size_t i, std::size_t j) const {
+  Mat3 k = -c[i] * c[j] * m;
+  if (slope != 0)
+    k += slope * (n * (distance * w[i].dot(w[j]) * n + c[j] * w[i]).transpose() + c[i] * w[j] * n.transpose());
+  return k;
+}
+
+void Terms::addForce(Rows f) const {
+  for (const Term& t : *this)
+    for (std::size_t i = 0; i < 4; ++i)
+      if (t.rows[i] >= 0) f[t.rows[i]] += t.c[i] * t.force;
+}
+
+void Terms::addProduct(ConstRows dx, double factor, Rows df) const {
+  for (const Term& t : *this) {
+    Vec3 sum = Vec3::Zero(), turned = Vec3::Zero();
+    for (std::size_t i = 0; i < 4; ++i)
+      if (t.rows[i] >= 0) sum += t.c[i] * dx[t.rows[i]], turned += t.n.dot(dx[t.rows[i]]) * t.w[i];
+    const Vec3 product = factor * (t.slope * turned - t.m * sum), far = factor * t.slope * (sum + t.distance * turned);
+    for (std::size_t i = 0; i < 4; ++i)
+      if (t.rows[i] >= 0) df[t.rows[i]] += t.c[i] * product + t.w[i].dot(far) * t.n;
+  }
+}
+
+void Terms::addPattern(BlockPattern& pattern) const {
+  for (const Term& t : *this) {
+    std::array<Index, 4> rows;
+    int count = 0;
+    for (const Index row : t.rows)
+      if (row >= 0) rows[std::size_t(count++)] = row;
+    pattern.addClique(rows.data(), count);
+  }
+}
+
+void Terms::addTo(double factor, BlockMatrix& matrix) const {
+  for (const Term& t : *this)
+    for (std::size_t i = 0; i < 4; ++i)
+      for (std::size_t j = 0; j < 4; ++j)
+        if (t.rows[i] >= 0 && t.rows[j] >= 0 && t.c[i] * t.c[j] != 0)
+          matrix.add(t.rows[i], t.rows[j], factor * t.derivative(i, j));
+}
+
+void Terms::addDiagonal(double factor, std::vector<double>& blocks) const {
+  for (const Term& t : *this)
+    for (std::size_t i = 0; i < 4; ++i) {
+      if (t.rows[i] < 0) continue;
+      const Mat3 k = t.derivative(i, i);
+      double* block = blocks.data() + std::size_t(t.rows[i]) * 9;
+      for (int l = 0; l < 9; ++l) block[l] += factor * k(l / 3, l % 3);
+    }
+}
+
+}  // namespace stroma::contact
