@@ -6,7 +6,9 @@
 #include <omp.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <mutex>
 #include <numeric>
@@ -15,6 +17,7 @@
 #include "components/direct_solvers/supernodal_numbers.h"
 #include "framework/algebra/memory.h"
 #include "framework/algebra/ordering_lock.h"
+#include "framework/algebra/parallel.h"
 
 // of OpenBLAS; absent from other libraries
 extern "C" __attribute__((weak)) void openblas_set_num_threads(int);
@@ -48,6 +51,18 @@ void* allocateForCholmod(std::size_t bytes) {
   } catch (const std::bad_alloc&) {
     return nullptr;
   }
+}
+
+/// OpenBLAS takes 128 MB of address space for each thread at its first call. Where there is none left (ulimit -v) it tries
+/// again for ever, so that somebody has to look before.
+bool hasRoomForBlas() {
+  static std::atomic<int> known = 0;  // threads that had it
+  const int wanted = threads();
+  if (known.load() >= wanted) return true;
+  void* volatile room = std::malloc((std::size_t(wanted) * 128 + 32) << 20);
+  std::free(room);
+  if (room) known = wanted;
+  return room != nullptr;
 }
 
 /// Keeps CHOLMOD's short loops on one thread.
@@ -231,6 +246,7 @@ void SupernodalFactor::load(const BlockMatrix& matrix) {
 SolveStop SupernodalFactor::factor(Index& row, StopToken stop) {
   const NoRegions no_regions;
   if (openblas_set_num_threads && openblas_get_num_threads() != 1) openblas_set_num_threads(1);
+  check(hasRoomForBlas(), "take the buffers that the BLAS works in, 128 MB for each thread: out of memory");
   if (factor_->xtype == CHOLMOD_PATTERN) {  // makes room for the numbers
     cholmod_change_factor(CHOLMOD_REAL, 1, 1, 1, 1, factor_, &common_);
     check(factor_->xtype == CHOLMOD_REAL, "allocate the factor");

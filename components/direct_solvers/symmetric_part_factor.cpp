@@ -2,6 +2,7 @@
 #include "components/direct_solvers/symmetric_part_factor.h"
 
 #include <cmath>
+#include <utility>
 
 namespace stroma {
 namespace {
@@ -38,6 +39,7 @@ void SymmetricPartFactor::load(const BlockMatrix& matrix) {
 }
 
 SolveStop SymmetricPartFactor::factor(Index& row, StopToken stop) {
+  stop_ = stop, is_given_up_ = false;
   const SolveStop end = symmetric_->factor(row, stop);
   return end == SolveStop::converged || end == SolveStop::stopped ? end : factorUnsymmetric(row, stop);
 }
@@ -53,12 +55,14 @@ SolveStop SymmetricPartFactor::factorUnsymmetric(Index& row, StopToken stop) {
 }
 
 void SymmetricPartFactor::apply(ConstRows b, Rows x) {
-  if (!lu_ && solveByProducts(b, x)) return;
+  const StopToken stop = std::exchange(stop_, {});  // later, its owner may have gone
+  if (!lu_ && !is_given_up_ && solveByProducts(b, x)) return;
   Index row = -1;
-  if (lu_ || factorUnsymmetric(row, {}) == SolveStop::converged)
+  is_given_up_ = is_given_up_ || stop.isStopAsked();
+  if (lu_ || (!is_given_up_ && factorUnsymmetric(row, stop) == SolveStop::converged))
     lu_->apply(b, x);
   else
-    clear(x);
+    is_given_up_ = true, clear(x);
 }
 
 /// GMRES on A S^-1 y = b, x = S^-1 y, without a restart. False when it stops short of what counts as solved.

@@ -15,8 +15,8 @@ class SymmetricPartFactor final : public Factorisation {
   void analyse(const BlockMatrix& matrix) override;
   void load(const BlockMatrix& matrix) override;
   SolveStop factor(Index& row, StopToken stop) override;
-  /// To a residual of 1e-12 |b|, or as far as it goes; goes on with L U for these values where that is not enough, which no
-  /// stop ends.
+  /// To a residual of 1e-12 |b|, or as far as it goes; goes on with L U for these values where that is not enough. x is zero
+  /// when the stop that factor() was given ends that, or there are no factors.
   void apply(ConstRows b, Rows x) override;
   Cost cost() const override;
 
@@ -35,6 +35,8 @@ class SymmetricPartFactor final : public Factorisation {
   std::unique_ptr<InterruptibleFactor<LUFactor>> lu_;  ///< null: not needed for these values
   std::vector<Vector> basis_;                          ///< of the Krylov space, orthonormal; grows as needed
   Vector work_;
+  StopToken stop_;  ///< of the last factor(), until the first apply() after it
+  bool is_given_up_ = false;  ///< there is no solution with these values, or nobody waits for it
 };
 
 }  // namespace stroma

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 #include <algorithm>
+#include <numeric>
 
 #include "components/integrators/exact_tangent.h"
 #include "components/integrators/newton.h"
@@ -9,6 +10,13 @@
 #include "framework/simulation/system_report.h"
 
 namespace stroma {
+
+/// How many directions of nodes are held.
+inline long heldDirections(const ConstraintSet& constraints) {
+  const auto count = [](long sum, const NodeProjector& held) { return sum + 3 - std::lround(held.projector.trace()); };
+  return std::accumulate(constraints.projectors().begin(), constraints.projectors().end(),
+                         long(constraints.relations().heldDirections()), count);
+}
 
 /// Equilibrium of a part s of a step, f(x) - (1 - s) f0 = 0 in the free directions, with the iterate in System::x; f0 is
 /// what was out of balance where the step started.

@@ -3,6 +3,8 @@
 // the force itself may converge: a solve is then made again with it. Where that helped, later steps of the run begin with
 // it: they would fail in the same way, and pay for that each time.
 #pragma once
+#include <algorithm>
+
 #include "framework/algebra/linear_solver.h"
 #include "framework/mechanics/open_choices.h"
 #include "framework/scene/archive.h"
@@ -26,6 +28,21 @@ class ExactTangent {
     end();
     return false;
   }
+  /// The same for a solve that converges, but slowly: where the exact tangent is symmetric, so that what solves is what
+  /// solved before.
+  bool beginForSpeed(System& system) {
+    if (begin(system) && system.matrix().symmetric()) return true;
+    end();
+    is_slow_too_ = true;
+    return false;
+  }
+  bool mayBeFaster(const System& system) const {
+    const auto& fields = system.forceFields();
+    return !isOn() && !is_slow_too_ &&
+           std::any_of(fields.begin(), fields.end(), [](const ForceField* field) { return !field->traits().exact_tangent; });
+  }
+  /// It was not.
+  void noteSlow() { is_slow_too_ = true; }
   void end() {
     if (!system_) return;
     for (ForceField* field : system_->forceFields()) switchOf(field, false);
@@ -54,9 +71,12 @@ class ExactTangent {
   void stepTaken() { kept_ = helped_; }
   void reset() {
     end();
-    kept_ = helped_ = false;
+    kept_ = helped_ = is_slow_too_ = false;
   }
-  void serialize(Archive& archive) { archive.value("exact_tangent", kept_); }
+  void serialize(Archive& archive) {
+    archive.value("exact_tangent", kept_);
+    archive.value("exact_tangent_no_faster", is_slow_too_);
+  }
 
  private:
   static bool switchOf(ForceField* field, bool exact) {
@@ -66,13 +86,14 @@ class ExactTangent {
   System* system_ = nullptr;
   bool helped_ = false;  ///< in the step that was just made
   bool kept_ = false;    ///< steps begin with it
+  bool is_slow_too_ = false;  ///< it is not symmetric, or did not help where the approximate one was slow
 };
 
 inline void declareExactTangentSteps(DataTable& table, int& steps) {
   table.add("exactTangentSteps", steps)
       .help(
-          "how many steps so far failed with an approximate tangent of a force field and went on with the exact one, "
-          "with which the steps after them begin")
+          "how many steps so far failed, or got on slowly, with an approximate tangent of a force field and went on with the "
+          "exact one, with which the steps after them begin")
       .unit("-")
       .output();
 }

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <utility>
 
 #include "components/integrators/exact_tangent.h"
 #include "components/integrators/shifted_matrix.h"
@@ -40,8 +41,7 @@ constexpr double most_of_loads = 1e-3;
 
 std::string tooSmallLoads(double attainable) {
   return fmt::format(
-      "; the round-off of positions alone makes {:.2g}: the loads are too small for this stiffness at this distance "
-      "from "
+      "; the round-off of positions alone makes {:.2g}: the loads are too small for this stiffness at this distance from "
       "the origin",
       attainable);
 }
@@ -50,24 +50,6 @@ std::string tooSmallLoads(double attainable) {
 bool isSolved(const SolveReport& solve) { return solve.usable() && solve.stop != SolveStop::breakdown; }
 
 }  // namespace
-
-void declareNewton(DataTable& table, NewtonSettings& settings, const NewtonNames& names) {
-  const auto threshold = [&table](const char* name, double& member, const char* unit, const std::string& help) {
-    table.add(name, member).help("converged when " + help + "; 0: not used").unit(unit).min(0);
-  };
-  const std::string residual = names.residual;
-  table.add(names.iterations, settings.iterations)
-      .help("largest number of iterations of one solve: a step, or a part of a divided one")
-      .unit("-")
-      .min(1);
-  threshold(names.relative_residual, settings.relative_residual, "-",
-            residual + " is below this times the larger of " + residual +
-                " and the forces with reactions, both where the step starts");
-  threshold(names.absolute_residual, settings.absolute_residual, names.unit, residual + " is below this");
-  threshold(names.relative_correction, settings.relative_correction, "-",
-            "the correction is below this times the displacement of the step");
-  threshold(names.absolute_correction, settings.absolute_correction, "m", "the correction is below this");
-}
 
 bool solveOrShift(LinearSolver& solver, SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms,
                   StepReport& report, const std::function<SystemMatrix*()>& other) {
@@ -175,6 +157,19 @@ bool Newton::isPointless() const {
   return history_.back() > 0.5 * history_[history_.size() - 1 - std::size_t(settings.patience)];
 }
 
+/// True when |R| falls by much the same small factor in every iteration, as with a tangent that is an approximation, and
+/// would need many more. The way to where that begins and the last iterations are left alone.
+bool Newton::isSlow() const {
+  constexpr double smallest_factor = 0.1, largest_factor = 0.95;
+  constexpr int few_iterations = 6;
+  const std::size_t last = history_.size() - 1;
+  if (!settings.leaves_slow || last < 4) return false;
+  for (std::size_t i = last - 2; i <= last; ++i)
+    if (const double factor = history_[i] / history_[i - 1]; !(factor > smallest_factor && factor < largest_factor)) return false;
+  const double each = std::log(history_[last] / history_[last - 3]) / 3;
+  return std::log(goal() * scale_ / history_[last]) / each > few_iterations;
+}
+
 /// True when round-off explains the whole residual, and that is little beside the loads: nothing better exists. Where
 /// round-off is not little, `report.reason` becomes the clause that says so.
 bool Newton::isAtRoundOff(NonlinearProblem& problem, double now, StepReport& report) const {
@@ -226,35 +221,40 @@ StepReport Newton::solve(NonlinearProblem& problem, LinearSolver& solver, StopTo
 /// What moves on between solves stays where it is.
 StepReport Newton::solveFixed(NonlinearProblem& problem, LinearSolver& solver) {
   StepReport report;
-  history_.clear();
-  best_norm_ = std::numeric_limits<double>::infinity();
   problem.residual(residual_);
   double now = norm(residual_);
-  scale_ = std::isfinite(now) ? std::max(now, problem.loadScale()) : 0;
+  if (std::exchange(was_slow_, false)) {  // goes on from there
+    history_.pop_back();
+  } else {
+    history_.clear();
+    best_norm_ = std::numeric_limits<double>::infinity();
+    scale_ = std::isfinite(now) ? std::max(now, problem.loadScale()) : 0;
+  }
   for (;;) {
+    const int done = int(history_.size());
     history_.push_back(now);
     report.newton_residual = scale_ > 0 ? now / scale_ : now;
-    tellNewtonIterate(report.newton_iterations, report.newton_residual, goal());
+    tellNewtonIterate(done, report.newton_residual, goal());
     if (!std::isfinite(now)) {
       report.diverged = true;
       report.reason = "the force is not finite where the step starts";
       return report;
     }
     if (converged(now)) {
-      report.linear_converged = true,
-      report.linear_at_limit = false;  // its solves were means only: what counts is the residual that they led to
+      report.linear_converged = true, report.linear_at_limit = false;  // its solves were means only, to this residual
       return report;
     }
     report.stopped = stop_.isStopAsked();
     if (report.stopped) return report;
     if (report.newton_iterations > 0) keepIfBest(problem, now);
-    if (report.newton_iterations == settings.iterations || isPointless()) {
+    was_slow_ = isSlow();
+    if (done == settings.iterations || isPointless() || was_slow_) {
       if (isAtRoundOff(problem, now, report)) return report;
       leaveBest(problem, now, report);
       report.reason = fmt::format(
           "Newton's method stopped {} {} iterations with a relative residual of {:.2g} (tolerance {:.2g}){}",
-          report.newton_iterations == settings.iterations ? "at its limit of" : "without progress after",
-          report.newton_iterations, report.newton_residual, settings.relative_residual, report.reason);
+          done == settings.iterations ? "at its limit of" : "without progress after", done, report.newton_residual,
+          settings.relative_residual, report.reason);
       return report;
     }
     if (!iterate(problem, solver, now, report)) return report;

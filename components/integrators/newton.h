@@ -54,6 +54,7 @@ struct NewtonSettings {
   int iterations = 25;
   int patience =
       0;  ///< the solve is given up when |R| has not halved in so many iterations, the first 25 aside; 0: never
+  bool leaves_slow = false;  ///< for callers with another tangent: a solve that converges by small factors is given up
   double relative_residual = 1e-8;  ///< |R| <= this * the larger of |R| and loadScale() where the solve starts
   double absolute_residual = 0;     ///< |R| <= this; 0: not used
   double successive_residual = 0;   ///< |R| <= this * |R| one iteration before; 0: not used
@@ -68,18 +69,6 @@ struct NewtonSettings {
   bool stop_when_residual_grows = false;
   bool keep_unconverged = true;  ///< for callers: an iterate that has not converged becomes the state
 };
-
-/// What a component calls the parameters of Newton's method, and its residual.
-struct NewtonNames {
-  const char* iterations;
-  const char* relative_residual;
-  const char* absolute_residual;
-  const char* relative_correction;
-  const char* absolute_correction;
-  const char* residual;  ///< the symbol of R in the help
-  const char* unit;      ///< of R
-};
-void declareNewton(DataTable& table, NewtonSettings& settings, const NewtonNames& names);
 
 /// Solves A x = b; x enters as zero. When the solver reports a matrix that is not positive definite, the direction it
 /// has reached is kept if it goes downhill, else a growing multiple of the matrix's own diagonal is added (Levenberg)
@@ -101,6 +90,9 @@ class Newton {
   StepReport solve(NonlinearProblem& problem, LinearSolver& solver, StopToken stop);
   /// |R| before each iteration and after the last one, of the last solve().
   const std::vector<double>& history() const { return history_; }
+  /// Whether the last solve() was given up because it was slow. The next one then goes on from there.
+  bool wasSlow() const { return was_slow_; }
+  std::vector<double>& history() { return history_; }  ///< for a caller that makes the iterations itself
 
  private:
   StepReport solveFixed(NonlinearProblem& problem, LinearSolver& solver);
@@ -110,6 +102,7 @@ class Newton {
   bool isCorrectionSmall(const NonlinearProblem& problem) const;
   bool isCorrectionRoundOff(const NonlinearProblem& problem) const;
   bool isPointless() const;
+  bool isSlow() const;
   bool isAtRoundOff(NonlinearProblem& problem, double norm, StepReport& report) const;
   bool findDirection(NonlinearProblem& problem, LinearSolver& solver, double norm, StepReport& report);
   bool iterate(NonlinearProblem& problem, LinearSolver& solver, double& norm, StepReport& report);
@@ -126,6 +119,7 @@ class Newton {
   StopToken stop_;        ///< of the last solve()
   double scale_ = 0;      ///< the larger of |R| and loadScale() where the solve starts
   double best_norm_ = 0;  ///< |R| of best_
+  bool was_slow_ = false;
 };
 
 }  // namespace stroma

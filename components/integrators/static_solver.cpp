@@ -24,9 +24,11 @@
 // under how much of its loads the last equilibrium is, and leaves that, or with moved nodes is taken back.
 //
 // Before that, a solve that fails or gets no further with the approximate tangent of a force field (tangent="warped")
-// is tried with the exact one, from the best iterate and then from where it began, and the rest of the step with it.
-// Where that helped, later steps begin with it. The run tells how many steps needed that. The linear solver must take what
-// the exact tangent is: CGLinearSolver takes symmetric ones only. With fewer than five Newton iterations it is not tried.
+// is tried with the exact one, from the best iterate and then from where it began, and the rest of the step with it. One that
+// only gets on by small factors, each above 0.1, with more than six still to go, takes the exact one too, where that is
+// symmetric (method svd). Where that helped, later steps begin with it. The run tells how many steps needed that. The linear
+// solver must take what the exact tangent is: CGLinearSolver takes symmetric ones only. With fewer than five Newton
+// iterations it is not tried.
 //
 // A step ends when |f| <= relative_residual_tolerance_threshold * the |f| where the step starts (reactions of held
 // nodes included), or when one of the other thresholds (off by default: they are absolute, or measure the step instead
@@ -53,7 +55,6 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 #include "components/integrators/equilibrium.h"
@@ -92,9 +93,9 @@ class StaticSolver final : public Integrator, public HeedsStepLimits {
 
  private:
   void checkSettings() const;
-  bool mayDivide() const {
-    return smallest_part_ < 1 && settings_.iterations >= 5 && !settings_.stop_when_residual_grows;
-  }
+  bool mayDivide() const { return smallest_part_ < 1 && triesMore(); }
+  /// With less the scene does not ask for an equilibrium.
+  bool triesMore() const { return settings_.iterations >= 5 && !settings_.stop_when_residual_grows; }
   bool checkFreeBodies(System& system, StopToken stop, StepReport& report);
   StepReport solvePart(System& system, const StepContext& context);
   StepReport solveWithFallback(System& system, const StepContext& context);
@@ -129,16 +130,14 @@ void StaticSolver::declare(DataTable& table) {
                  .residual = "|f|",
                  .unit = "N"});
   table.add("forcing_term", settings_.forcing)
-      .help(
-          "largest |K dx + f| / |f| that linear solves by products may leave in early iterations; 0: the linear "
-          "solver's own tolerance. Not written: 0.1 with AutomaticLinearSolver where forces are not linear, else 0")
+      .help("largest |K dx + f| / |f| that linear solves by products may leave in early iterations; 0: the linear solver's "
+            "own tolerance. Not written: 0.1 with AutomaticLinearSolver where forces are not linear, else 0")
       .unit("-")
       .min(0)
       .max(1, false);
   table.add("smallest_part", smallest_part_)
-      .help(
-          "the smallest share of a step's loads and motion that a step which fails is divided into; 1: steps are not "
-          "divided. Neither are they with fewer than five Newton iterations or should_diverge_when_residual_is_growing")
+      .help("the smallest share of a step's loads and motion that a step which fails is divided into; 1: steps are not "
+            "divided. Neither are they with fewer than five Newton iterations or should_diverge_when_residual_is_growing")
       .unit("-")
       .min(1e-6)
       .max(1);
@@ -186,13 +185,6 @@ void StaticSolver::checkSettings() const {
                              "the settings in one of the two");
 }
 
-/// How many directions of nodes are held.
-long heldDirections(const ConstraintSet& constraints) {
-  const auto count = [](long sum, const NodeProjector& held) { return sum + 3 - std::lround(held.projector.trace()); };
-  return std::accumulate(constraints.projectors().begin(), constraints.projectors().end(),
-                         long(constraints.relations().heldDirections()), count);
-}
-
 /// False, with the sentence, when a body has no equilibrium where the step starts; or when it is asked to stop.
 bool StaticSolver::checkFreeBodies(System& system, StopToken stop, StepReport& report) {
   problem_.giveUp();
@@ -232,8 +224,8 @@ StepReport StaticSolver::step(System& system, const StepContext& context) {
   }
   if (report.stopped) return report;
   const bool tried_exact = exact_.isOn();
-  exact_tangent_steps_ += tried_exact && !began_exact;
   if (exact_.endStep(report.newton_converged && !report.diverged)) problem_.residual(force_);
+  exact_tangent_steps_ += exact_.isOn() && !began_exact;
   // what turns or comes and goes from step to step is looked at only where a solve has failed: it takes memory and time
   if (!report.newton_converged && settings_.iterations > 1 && revisionOfHolds(system) != checked_revision_) {
     const Rows x = system.independent(system.x);
@@ -277,19 +269,31 @@ StepReport StaticSolver::solvePart(System& system, const StepContext& context) {
 }
 
 /// A part that fails with approximate tangents is tried again with the exact ones, which then serve the rest of the
-/// step: from the best iterate, then from where the part began.
+/// step: from the best iterate, then from where the part began. One that is slow goes on with them, where they are symmetric.
 StepReport StaticSolver::solveWithFallback(System& system, const StepContext& context) {
+  newton_.settings.leaves_slow = triesMore() && exact_.mayBeFaster(system);
   StepReport report = solvePart(system, context);
-  const auto good = [&report] { return report.newton_converged && !report.diverged; };
-  constexpr int fewest = 5;  // with less the scene does not ask for an equilibrium
-  if (good() || report.stopped || settings_.iterations < fewest || settings_.stop_when_residual_grows) return report;
-  if (!exact_.begin(system)) return report;
-  for (const bool from_start : {false, true}) {
-    if (good() || report.stopped) break;
-    if (from_start) copy(good_, system.independent(system.x));
+  newton_.settings.leaves_slow = false;
+  const auto isOver = [&report] { return report.stopped || (report.newton_converged && !report.diverged); };
+  const auto goOn = [&] {
     const StepReport before = report;
     report = solvePart(system, context);
     addCounts(before, report);
+  };
+  if (!isOver() && newton_.wasSlow()) {
+    const bool is_exact = exact_.beginForSpeed(system);
+    goOn();
+    if (is_exact && !isOver()) {
+      exact_.end(), exact_.noteSlow();
+      copy(good_, system.independent(system.x));
+      goOn();
+    }
+  }
+  if (isOver() || !triesMore() || !exact_.begin(system)) return report;
+  for (const bool from_start : {false, true}) {
+    if (isOver()) break;
+    if (from_start) copy(good_, system.independent(system.x));
+    goOn();
   }
   return report;
 }
@@ -382,8 +386,7 @@ bool StaticSolver::advancePrescribed(System& system, const StepContext& context,
 }
 
 std::string StaticSolver::describe() const {
-  return fmt::format(
-      "static equilibrium: up to {} Newton iterations to a relative residual of {:g}, line search on {}{}",
+  return fmt::format("static equilibrium: up to {} Newton iterations to a relative residual of {:g}, line search on {}{}",
       settings_.iterations, settings_.relative_residual,
       settings_.use_energy ? "the potential energy" : "the work of the residual",
       mayDivide() ? fmt::format("; a step that fails is divided into parts of {:.2g} or more", smallest_part_) : "");

@@ -67,15 +67,20 @@ class AutomaticLinearSolver final : public KrylovSolver, public FactorUser, publ
   struct Memory {
     Way way = Way::open;
     int patience = 0;
+    int lost_iterations = 0;  ///< by multigrid, when it was given up
+    double left = 0;          ///< the relative residual then
   };
   /// For each matrix.
   struct Kept {
     Memory now, before_step;
+    std::string first_choice;  ///< in words
     Multigrid inverse;
     cg::Directions work;
   };
   Kept& keptFor(SystemMatrix& matrix);
   void chooseFor(SystemMatrix& matrix, Kept& kept);
+  /// Of the matrix solved last, and of all.
+  void tellChoice(const Kept& kept);
   static int patienceOf(const Kept& kept) {
     const amg::Hierarchy* hierarchy = kept.inverse.hierarchy();
     return hierarchy && hierarchy->hasPatches() ? kept.now.patience / 2 : kept.now.patience;
@@ -118,21 +123,32 @@ AutomaticLinearSolver::Kept& AutomaticLinearSolver::keptFor(SystemMatrix& matrix
 
 void AutomaticLinearSolver::chooseFor(SystemMatrix& matrix, Kept& kept) {
   const Index rows = matrix.rows();
-  kept.now = {Way::factors, 0};
-  choice_ = fmt::format("{} factors: {} nodes are few", direct_->type(), rows);
-  if (rows < always_factored || rows > direct_->mostRows()) return;
-  const Extents extents = extentsOf(rows, matrix.positions());
-  const SolverCosts costs = solverCosts(matrix.pattern(), extents);
-  const std::string shape =
-      fmt::format("{} nodes, {:.0f} x {:.0f} x {:.0f}", rows, extents.length, extents.width, extents.height);
-  const std::string estimates = fmt::format("estimated {:.2g} s with factors of {:.2g} GB, {:.2g} s with multigrid",
-                                            costs.direct, 8e-9 * costs.factor_entries, costs.multigrid());
-  if (costs.multigrid() >= costs.direct) {
-    choice_ = fmt::format("{} factors: {}, {}", direct_->type(), shape, estimates);
-    return;
+  kept.now = {.way = Way::factors};
+  std::string& words = kept.first_choice;
+  words = fmt::format("{} factors: {} nodes are few", direct_->type(), rows);
+  if (rows >= always_factored && rows <= direct_->mostRows()) {
+    const Extents extents = extentsOf(rows, matrix.positions());
+    const SolverCosts costs = solverCosts(matrix.pattern(), extents);
+    const std::string why =
+        fmt::format("{} nodes, {:.0f} x {:.0f} x {:.0f}, estimated {:.2g} s with factors of {:.2g} GB, {:.2g} s with multigrid",
+                    rows, extents.length, extents.width, extents.height, costs.direct, 8e-9 * costs.factor_entries,
+                    costs.multigrid());
+    words = fmt::format("{} factors: {}", direct_->type(), why);
+    if (costs.multigrid() < costs.direct) {
+      kept.now = {.way = Way::multigrid, .patience = costs.patience()};
+      words = "conjugate gradients with multigrid: " + why;
+    }
   }
-  kept.now = {Way::multigrid, costs.patience()};
-  choice_ = fmt::format("conjugate gradients with multigrid: {}, {}", shape, estimates);
+  tellChoice(kept);
+}
+
+void AutomaticLinearSolver::tellChoice(const Kept& kept) {
+  choice_ = kept.now.lost_iterations == 0
+                ? kept.first_choice
+                : fmt::format("{} factors, after {} iterations with multigrid left a residual of {:.2g}", direct_->type(),
+                              kept.now.lost_iterations, kept.now.left);
+  changes_ = 0;
+  kept_.forEach([this](const Kept& each) { changes_ += each.now.lost_iterations > 0; });
 }
 
 SolveReport AutomaticLinearSolver::iterate(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms,
@@ -163,11 +179,9 @@ SolveReport AutomaticLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows
   const bool gave_up = report.stop == SolveStop::iteration_limit && report.iterations == patienceOf(kept);
   const bool stagnated = report.stop == SolveStop::stagnated && report.relative_residual > round_off;
   if (!gave_up && !stagnated) return report;
-  kept.now.way = Way::factors;
+  kept.now = {Way::factors, 0, report.iterations, report.relative_residual};
   kept.inverse.reset();
-  ++changes_;
-  choice_ = fmt::format("{} factors, after {} iterations with multigrid left a residual of {:.2g}", direct_->type(),
-                        report.iterations, report.relative_residual);
+  tellChoice(kept);
   clear(x);
   SolveReport again = direct_->solve(matrix, b, x, terms);
   again.iterations += report.iterations;
@@ -178,7 +192,10 @@ void AutomaticLinearSolver::serializeFor(SystemMatrix& matrix, Archive& archive)
   Kept& kept = keptFor(matrix);
   archive.value("way", kept.now.way);
   archive.value("patience", kept.now.patience);
+  archive.value("lost_iterations", kept.now.lost_iterations);
+  archive.value("left", kept.now.left);
   kept.inverse.serialize(matrix, archive);
+  if (archive.isReading()) tellChoice(kept);
 }
 
 void AutomaticLinearSolver::keepFor(SystemMatrix& matrix) {
@@ -191,6 +208,7 @@ void AutomaticLinearSolver::takeBackFor(SystemMatrix& matrix) {
   Kept& kept = keptFor(matrix);
   kept.now = kept.before_step;
   kept.inverse.takeBack(matrix);
+  tellChoice(kept);
 }
 
 }  // namespace

@@ -49,14 +49,14 @@ class CGLinearSolver final : public KrylovSolver {
     if (absolute_threshold_ > 0) archive.value("has_solved", keptFor(matrix, matrix.rows()).has_solved);
   }
   void keepFor(SystemMatrix& matrix) override {
-    if (!warm_start_) return;
     Kept& kept = keptFor(matrix, matrix.rows());
-    copy(kept.previous, kept.before_step);
+    kept.had_solved = kept.has_solved;
+    if (warm_start_) copy(kept.previous, kept.before_step);
   }
   void takeBackFor(SystemMatrix& matrix) override {
-    if (!warm_start_) return;
     Kept& kept = keptFor(matrix, matrix.rows());
-    copy(kept.before_step, kept.previous);
+    kept.has_solved = kept.had_solved;
+    if (warm_start_) copy(kept.before_step, kept.previous);
   }
   void reset() override {
     kept_.forEach([](Kept& kept) { kept.previous.resize(kept.previous.count()), kept.has_solved = false; });
@@ -72,6 +72,7 @@ class CGLinearSolver final : public KrylovSolver {
     MatrixKey jacobi_key;
     Index bad_block = -1;
     bool has_solved = false;  ///< since the start of the run
+    bool had_solved = false;  ///< before the step
   };
   Kept& keptFor(const SystemMatrix& matrix, Index rows);
   void prepare(const SystemMatrix& matrix, Kept& kept) const;

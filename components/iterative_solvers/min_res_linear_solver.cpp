@@ -92,10 +92,10 @@ SolveStop MinResLinearSolver::iterate(const SystemMatrix& matrix, Lanczos& work,
     delta_bar = -cosine * beta_next;
     const double gamma = std::hypot(gamma_bar, beta_next);
     // |A r| = phi |(gamma_bar, delta_bar)|: zero means that no direction lowers |r|. Lanczos' vectors lose their
-    // orthogonality, so it falls to some 1e-9 of |A| and rises again after that, with x running away.
+    // orthogonality, so it falls to some 1e-9 of |A| and rises again after that, with x running away. No number: A = 0.
     const double slope = std::hypot(gamma_bar, delta_bar) / size;
     lowest = std::min(lowest, slope);
-    if (slope <= 1e-9 || (lowest <= 1e-8 && slope > 10 * lowest)) return SolveStop::breakdown;
+    if (!(slope > 1e-9) || (lowest <= 1e-8 && slope > 10 * lowest)) return SolveStop::breakdown;
     cosine = gamma_bar / gamma, sine = beta_next / gamma;
     advance(v, delta, w, epsilon, w_before, gamma, cosine * phi, w_next, x);
     phi *= sine;

@@ -9,8 +9,13 @@
 namespace stroma::amg {
 namespace {
 
-/// Nodes of a level that is small enough to be inverted.
+/// Nodes of a level that is small enough to be factored, whatever that takes.
 constexpr Index few_nodes = 100;
+/// Operations for each block of the first level that factors of a level may take: less than a fifth of what a hierarchy
+/// costs. With patches, which cost more and leave more iterations, three times as many.
+constexpr double few_operations = 1000;
+/// More are not looked at.
+constexpr Index most_nodes = 20000;
 /// A level with more nodes than this share of the one before is not worth having.
 constexpr double least_coarsening = 0.6;
 /// See strongLinks(); half of it from level to level.
@@ -57,31 +62,6 @@ void rigidMotions(const BlockView<3>& a, ConstRows x, Motions<3>& motions) {
   });
 }
 
-/// False when the matrix is not positive definite, also with what round-off may have taken.
-template <int D>
-bool invert(const BlockView<D>& a, double scale, DenseInverse& out) {
-  const Eigen::Index count = Eigen::Index(a.rows) * D;
-  Eigen::MatrixXd full = Eigen::MatrixXd::Zero(count, count);
-  for (Index i = 0; i < a.rows; ++i)
-    for (Index s = a.start[i]; s < a.start[i + 1]; ++s)
-      full.block<D, D>(Eigen::Index(i) * D, Eigen::Index(a.columns[s]) * D) = scale * a.block(s);
-  full = (0.5 * (full + full.transpose())).eval();
-  const double largest = full.diagonal().maxCoeff();
-  for (const double shift : {0.0, 1e-9}) {
-    full.diagonal().array() += shift * largest;
-    const Eigen::LLT<Eigen::MatrixXd> factor(full);
-    if (factor.info() != Eigen::Success) continue;
-    const Eigen::MatrixXd inverse = factor.solve(Eigen::MatrixXd::Identity(count, count));
-    if (!inverse.allFinite()) continue;
-    out.unknowns = int(count);
-    out.values.resize(std::size_t(count * count));
-    Eigen::Map<Eigen::MatrixXf>(out.values.data(), count, count) =
-        (0.5 * (inverse + inverse.transpose())).cast<float>();
-    return true;
-  }
-  return false;
-}
-
 /// Makes the levels one after the other.
 class Builder {
  public:
@@ -93,10 +73,12 @@ class Builder {
     if (stop_.isStopAsked()) return fail(SolveStop::stopped);
     if (const Index bad = fillLevel(a, made_.scale, level); bad >= 0)
       return fail(SolveStop::not_definite, D == 3 ? bad : -1);
-    if (a.rows <= few_nodes) return finish(a);
+    if (isLast(a)) return finish(a);
     const double largest = level.largest = largestEigenvalue(level);
+    if (!(largest > 0)) return fail(SolveStop::not_definite);
     if (has_patches_ || D == 3) has_patches_ = addPatches(a, made_.scale, has_patches_, level);
     if (level.patches.exist()) level.largest = largestEigenvalue(level);
+    if (!(level.largest > 0)) return fail(SolveStop::not_definite);
     const Aggregates groups = aggregate(strongLinks(a, weak));
     if (groups.count() == 0) return true;
     if (groups.count() > least_coarsening * a.rows) return a.rows > 4 * few_nodes || finish(a);
@@ -117,9 +99,18 @@ class Builder {
     transposeProlongation(level, groups.count());
     coarse = galerkin(a, level);
   }
+  /// Whether factors of the level cost little. The step from a level of some hundred nodes to the next is the worst of a
+  /// slender body with stiff parts, where groups that move like rigid bodies hardly bend.
+  template <int D>
+  bool isLast(const BlockView<D>& a) {
+    if (a.rows <= few_nodes) return true;
+    const double enough = (has_patches_ ? 3 : 1) * few_operations * double(made_.fine.a.blocks());
+    return D == modes && a.rows <= most_nodes && LastLevel().layOut(a) <= enough;
+  }
   template <int D>
   bool finish(const BlockView<D>& a) {
-    return invert(a, made_.scale, made_.last) || fail(SolveStop::not_definite);
+    made_.last.layOut(a);
+    return made_.last.factor(a, made_.scale) || fail(SolveStop::not_definite);
   }
   bool fail(SolveStop stop, Index row = -1) {
     report_.stop = stop;
@@ -197,23 +188,10 @@ std::size_t bytesOf(const Level<D>& level) {
 
 }  // namespace
 
-void DenseInverse::apply(const float* b, float* x, int used, int wide) const {
-  const int rows = unknowns / used;
-  for (int i = 0; i < rows * wide; ++i) x[i] = 0;
-  // a column of the inverse is a row of it
-  for (int i = 0; i < unknowns; ++i) {
-    const float* __restrict column = values.data() + std::size_t(i) * std::size_t(unknowns);
-    float sum[8] = {};
-    for (int k = 0; k < rows; ++k)
-      for (int l = 0; l < used; ++l) sum[l] += column[k * used + l] * b[k * wide + l];
-    x[i / used * wide + i % used] = sum[0] + sum[1] + sum[2] + sum[3] + sum[4] + sum[5];
-  }
-}
-
 template <int D>
 void Hierarchy::cycle(Level<D>& level, std::size_t below) {
   if (below == coarse.size()) {
-    if (last.unknowns > 0) return last.apply(level.b.data(), level.x.data(), D, lanes<D>);
+    if (last.exists()) return last.solve<D>(level.b.data(), level.x.data());
     level.smoothFromZero(4 * smoother_steps);
     return;
   }
@@ -252,7 +230,7 @@ double Hierarchy::complexity() const {
 }
 
 std::size_t Hierarchy::bytes() const {
-  std::size_t sum = bytesOf(fine) + 4 * last.values.size();
+  std::size_t sum = bytesOf(fine) + 8 * last.values.size();
   for (const Level<modes>& level : coarse) sum += bytesOf(level);
   return sum;
 }
@@ -262,7 +240,11 @@ void Hierarchy::serialize(Archive& archive) {
   archive.value("levels", count);
   archive.value("scale", scale);
   archive.value("last_unknowns", last.unknowns);
-  serializeFloats(archive, "last", last.values);
+  archive.list("last_order", last.order);
+  archive.list("last_first", last.first);
+  archive.list("last_start", last.start);
+  archive.list("last_values", last.values);
+  if (archive.isReading()) last.work.assign(last.order.size() * std::size_t(last.unknowns), 0.0);
   coarse.resize(std::size_t(count));
   serializeLevel(archive, "level0_", fine);
   for (std::size_t k = 0; k < coarse.size(); ++k)

@@ -3,28 +3,19 @@
 #include <memory>
 #include <vector>
 
-#include "components/iterative_solvers/multigrid_level.h"
+#include "components/iterative_solvers/multigrid_last_level.h"
 #include "framework/algebra/block_matrix.h"
 #include "framework/algebra/linear_solver.h"
 #include "framework/scene/archive.h"
 
 namespace stroma::amg {
 
-/// The inverse of the last level's matrix, in full.
-struct DenseInverse {
-  int unknowns = 0;     ///< 0: there is none, the smoother stands for it
-  Array<float> values;  ///< shape (unknowns, unknowns)
-
-  /// x = A^-1 b, both with `wide` numbers for each `used` unknowns.
-  void apply(const float* b, float* x, int used, int wide) const;
-};
-
 /// Levels of a smoothed aggregation (Vanek, Mandel, Brezina 1996), the first for the nodes of a system and the others for
 /// groups of them, which move like rigid bodies.
 struct Hierarchy {
   Level<3> fine;
   std::vector<Level<modes>> coarse;
-  DenseInverse last;
+  LastLevel last;
   double scale = 1;  ///< levels hold A times this
 
   /// z = B r, one V-cycle: symmetric.

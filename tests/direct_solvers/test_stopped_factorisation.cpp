@@ -3,6 +3,7 @@
 // nobody stopped.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 #include <thread>
 
@@ -72,6 +73,48 @@ TEST(StoppedFactorisation, AtAnyMomentItLeavesNothingBehind) {
     }
     RecordProperty(std::string(type) + "_stopped", stopped);
   }
+}
+
+/// Asks for the end of the work when it is assembled for the second time, which is when its factors are there.
+class AskingMatrix final : public SystemMatrix {
+ public:
+  AskingMatrix(StoredMatrix& inner, StopRequest& request) : inner_(inner), request_(request) {}
+  Index rows() const override { return inner_.rows(); }
+  void multiply(ConstRows p, Rows out) const override { inner_.multiply(p, out); }
+  const BlockMatrix& assemble() override {
+    if (++assemblies_ == 2) request_.make();
+    return inner_.assemble();
+  }
+  void diagonalBlocks(std::vector<double>& blocks) const override { inner_.diagonalBlocks(blocks); }
+  MatrixKey key() const override { return inner_.key(); }
+  bool symmetric() const override { return false; }
+  bool prefersAssembled(int) const override { return true; }
+  std::string describeRow(Index row) const override { return inner_.describeRow(row); }
+
+ private:
+  StoredMatrix& inner_;
+  StopRequest& request_;
+  int assemblies_ = 0;
+};
+
+/// Products with factors of the symmetric part get no further, and L U would take its time.
+TEST(StoppedFactorisation, AStopIsHeededBeforeTheSecondFactorisationOfAnUnsymmetricMatrix) {
+  StoredMatrix stored = randomMatrix(520, 2, 0.5, 1);
+  for (Index i = 0; i < stored.rows(); ++i) {
+    const double size = std::pow(10, 1 + double(i) / 130);  // eigenvalues all along a line
+    stored.values.add(i, i, size * (Mat3() << 0, 1, 2, -1, 0, 3, -2, -3, 0).finished());
+  }
+  stored.is_symmetric = false;
+  const Vector b = randomVector(520, 1);
+  StopRequest request;
+  AskingMatrix matrix(stored, request);
+  SolverInScene solver("<SparseLDLSolver/>"), patient("<SparseLDLSolver/>");
+  Vector x(520);
+  const SolveReport report = solver.solver->solve(matrix, b, x, {.stop = StopToken(request)});
+  EXPECT_FALSE(report.usable()) << describe(report.stop);
+  EXPECT_EQ(norm(x), 0);
+  EXPECT_EQ(patient.solve(stored, b, x).stop, SolveStop::converged);
+  EXPECT_GT(norm(x), 0);
 }
 
 }  // namespace STROMA_TEST_FILE

@@ -2,6 +2,7 @@
 // Newton's method near incompressibility: a bar that bends under its weight, with one volume change a node or a cell.
 #include <algorithm>
 
+#include "framework/algebra/parallel.h"
 #include "tests/support/field_under_test.h"
 #include "tests/support/newton_history.h"
 
@@ -106,6 +107,71 @@ TEST(ElasticNewton, AStaticSolveThatFailsGoesOnWithTheExactTangent) {
     EXPECT_FALSE(open.systems()[0]->forceFields()[0]->traits().exact_tangent);
     EXPECT_EQ(open.step().newton_iterations, report.newton_iterations) << "a run that starts again is the same";
   }
+}
+
+/// Where the approximate tangent gets on by small factors only, the exact one finds the same equilibrium in fewer iterations,
+/// if the scene leaves it open and it is symmetric, as that of svd. Where it is not, nothing is lost: the bits are those of
+/// the approximate one.
+TEST(ElasticNewton, ASlowSolveGoesOnWithTheExactTangentWhereItIsSymmetric) {
+  const auto countOf = [](const Simulation& simulation) {
+    return findComponent(simulation.root(), "/StaticSolver")->data().find("exactTangentSteps")->print();
+  };
+  Simulation open = simulationFromText(bar(true, "method='svd'", 0.3, 0.6)),
+             warped = simulationFromText(bar(true, "method='svd' tangent='warped'", 0.3, 0.6));
+  const StepReport found = open.step(), slow = warped.step();
+  ASSERT_TRUE(found.newton_converged && slow.newton_converged) << found.reason << slow.reason;
+  EXPECT_GT(slow.newton_iterations, 14) << "the approximate tangent is good enough: nothing was tested";
+  EXPECT_LE(found.newton_iterations, slow.newton_iterations * 2 / 3);
+  EXPECT_NEAR(lowest(open), lowest(warped), 1e-6);
+  EXPECT_LT(lowest(open), -0.03);
+  EXPECT_EQ(countOf(open), "1");
+  EXPECT_EQ(countOf(warped), "0");
+  EXPECT_EQ(residuals(open).size(), std::size_t(found.newton_iterations) + 1);
+
+  Simulation large = simulationFromText(bar(true, "method='large'", 0.3, 0.6)),
+             named = simulationFromText(bar(true, "method='large' tangent='warped'", 0.3, 0.6));
+  const StepReport same = large.step(), expected = named.step();
+  ASSERT_TRUE(same.newton_converged && expected.newton_converged);
+  EXPECT_GT(expected.newton_iterations, 14);
+  EXPECT_EQ(same.newton_iterations, expected.newton_iterations);
+  EXPECT_EQ(large.stateHash(), named.stateHash());
+  EXPECT_EQ(countOf(large), "0");
+}
+
+/// A step that fails with both is not told as one that the exact tangent has helped.
+TEST(ElasticNewton, AStepThatFailsWithBothTangentsIsNotCounted) {
+  std::string text = bar(false, "method='svd'", 0.49999, 0.1);
+  text.replace(text.find("\"60\""), 4, "\"5\" smallest_part=\"1\"");
+  Simulation simulation = simulationFromText(text);
+  const StepReport report = simulation.step();
+  EXPECT_FALSE(report.newton_converged);
+  EXPECT_NE(report.reason.find("with the exact tangent too"), std::string::npos) << report.reason;
+  EXPECT_EQ(findComponent(simulation.root(), "/StaticSolver")->data().find("exactTangentSteps")->print(), "0");
+  EXPECT_FALSE(simulation.systems()[0]->forceFields()[0]->traits().exact_tangent);
+}
+
+/// The same in time: what helped in one step is where the next one begins, whatever the number of threads.
+TEST(ElasticNewton, AnImplicitStepThatFailsGoesOnWithTheExactTangent) {
+  std::string text = bar(false, "method='svd'", 0.49999, 0.05);
+  const std::string statics = text.substr(text.find("<StaticSolver"), text.find("<SparseLDLSolver") - text.find("<StaticSolver"));
+  text.replace(text.find(statics), statics.size(), "<EulerImplicitSolver newtonIterations='60' newtonTolerance='1e-7'/>");
+  std::vector<std::uint64_t> hashes;
+  for (const int count : {1, 2}) {
+    setThreads(count);
+    Simulation simulation = simulationFromText(text);
+    const Data& steps = *findComponent(simulation.root(), "/EulerImplicitSolver")->data().find("exactTangentSteps");
+    const StepReport first = simulation.step();
+    ASSERT_TRUE(first.newton_converged) << first.reason;
+    ASSERT_EQ(steps.print(), "1") << "the approximate tangent arrives: nothing was tested";
+    EXPECT_TRUE(simulation.systems()[0]->forceFields()[0]->traits().exact_tangent);
+    const StepReport second = simulation.step();
+    ASSERT_TRUE(second.newton_converged) << second.reason;
+    EXPECT_LT(second.newton_iterations, first.newton_iterations / 2);
+    EXPECT_EQ(steps.print(), "1") << "it is told once";
+    hashes.push_back(simulation.stateHash());
+  }
+  setThreads(1);
+  EXPECT_EQ(hashes[0], hashes[1]);
 }
 
 /// A run that goes on from a checkpoint has the bits of one that never stopped: what tangent helped is in it.

@@ -105,6 +105,23 @@ TEST(CGLinearSolver, DoesNotDependOnTheUnits) {
   EXPECT_GT(iterations, 10);
 }
 
+/// The first solve of a run makes an iteration whatever SOFA's threshold says. A step that was taken back is no solve.
+TEST(CGLinearSolver, TheFirstSolveIsTheFirstAgainAfterItsStepWasTakenBack) {
+  StoredMatrix matrix = randomMatrix(40, 3, 0.2, 6);
+  const Vector b = randomVector(40, 7);
+  SolverInScene cg("<CGLinearSolver iterations='50' tolerance='1e-8' absoluteThreshold='1e30'/>");
+  cg.solver->keepFor(matrix);
+  for (int again = 0; again < 2; ++again) {
+    Vector x;
+    cg.solve(matrix, b, x);
+    EXPECT_GT(norm(x), 0) << again;
+    if (again == 0) cg.solver->takeBackFor(matrix);
+  }
+  Vector x;
+  cg.solve(matrix, b, x);
+  EXPECT_EQ(norm(x), 0);
+}
+
 TEST(CGLinearSolver, APreconditionerHelpsABadlyScaledMatrix) {
   StoredMatrix matrix = randomMatrix(50, 3, 1, 9);
   for (Index i = 0; i < 50; ++i) matrix.values.add(i, i, std::pow(10, i % 6) * Mat3::Identity());

@@ -227,6 +227,18 @@ TEST(MinRes, TheResidualNeverGrowsAndEndsAtTheLeastSquares) {
   EXPECT_NEAR(residual.norm(), least.norm(), 1e-9 * least.norm());
 }
 
+TEST(LinearSolvers, ProductsWithAMatrixOfZerosAreABreakdown) {
+  StoredMatrix matrix = block(2).matrix();
+  std::fill(matrix.values.values().begin(), matrix.values.values().end(), 0.0);
+  for (const char* element : {"<MinResLinearSolver/>", "<CGLinearSolver preconditioner='none'/>",
+                              "<PCGLinearSolver preconditioner='none'/>"}) {
+    SolverInScene solver(element);
+    Vector x;
+    EXPECT_EQ(solver.solve(matrix, randomVector(matrix.rows(), 3), x).stop, SolveStop::breakdown) << element;
+    EXPECT_EQ(norm(x), 0) << element;
+  }
+}
+
 TEST(MinRes, EachIterateMinimisesTheResidualOverItsKrylovSpace) {
   StoredMatrix matrix = indefinite();
   const Vector b = randomVector(matrix.rows(), 3);

@@ -39,7 +39,7 @@ Vector weight(const ElasticBlock& block) {
   return b;
 }
 
-int iterations(const ElasticBlock& block, const char* solver, bool hides_nodes = false) {
+int iterations(const ElasticBlock& block, const char* solver, bool hides_nodes = false, double tolerance = 1e-8) {
   StoredMatrix matrix = matrixOf(block, hides_nodes);
   const Vector b = weight(block);
   SolverInScene in_scene(solver);
@@ -48,7 +48,7 @@ int iterations(const ElasticBlock& block, const char* solver, bool hides_nodes =
   EXPECT_EQ(report.stop, SolveStop::converged) << describe(report.stop);
   Vector r(b.count());
   matrix.values.multiply(x, r);
-  EXPECT_LE(distance(r, b), 1.2e-8 * norm(b));
+  EXPECT_LE(distance(r, b), 1.2 * tolerance * norm(b));
   return report.iterations;
 }
 
@@ -72,6 +72,42 @@ TEST(Multigrid, SlenderBodiesAndStiffPartsTakeLittleMore) {
   EXPECT_LE(beam, 2 * cube);
   EXPECT_LE(mixed, 1.5 * cube);
   EXPECT_GE(plain_beam, 20 * beam);
+}
+
+/// Bone in muscle: groups of its nodes that move like rigid bodies hardly bend, so that the last steps from level to level
+/// are the worst. With a last level of 17 nodes it took 31 iterations. Round-off leaves 1e-7 in such a body.
+TEST(Multigrid, ASlenderBodyWithAStiffCoreTakesLittleMore) {
+  ElasticBlock cube = box(12, 12, 12), limb = box(10, 10, 200);
+  cube.poisson = limb.poisson = 0.45, cube.mean = limb.mean = true;
+  limb.stiffer = [](Vec3 at) {
+    const bool joint = std::abs(at.z() - 100) < 6;
+    return std::hypot(at.x() - 5, at.y() - 5) < 2 && !joint ? 1e4 : 1.;
+  };
+  constexpr const char* solver = "<PCGLinearSolver preconditioner='multigrid' tolerance='1e-6'/>";
+  const int compact = iterations(cube, solver, false, 1e-6), slender = iterations(limb, solver, false, 1e-6);
+  fmt::print("nu 0.45: cube {} iterations; two bones 10,000:1 in a limb 20:1 {}\n", compact, slender);
+  EXPECT_LE(slender, 2 * compact);
+}
+
+/// Blocks on the diagonal are definite, and nothing else is.
+TEST(Multigrid, AMatrixThatIsIndefiniteFromTheFirstProductOnIsNamed) {
+  for (const double sign : {1., -1.}) {
+    constexpr Index count = 400;
+    BlockPattern pattern(count);
+    for (Index i = 0; i + 1 < count; ++i) {
+      const Index pair[] = {i, i + 1};
+      pattern.addClique(pair, 2);
+    }
+    BlockMatrix values(std::move(pattern));
+    for (Index i = 0; i < count; ++i) values.add(i, i, Mat3::Identity());
+    for (Index i = 0; i + 1 < count; ++i)
+      for (const Index k : {0, 1}) values.add(i + k, i + 1 - k, sign * 100 * Mat3::Ones());
+    StoredMatrix matrix(std::move(values));
+    SolverInScene solver(multigrid);
+    Vector x;
+    const SolveReport report = solver.solve(matrix, randomVector(count, 3), x);
+    EXPECT_EQ(report.stop, SolveStop::not_definite) << describe(report.stop);
+  }
 }
 
 /// Where diagonal blocks hardly smooth, patches do.
@@ -230,6 +266,32 @@ TEST(AutomaticLinearSolver, ChangesAChoiceThatProvesWrong) {
   };
   EXPECT_NE(solve(0.3).find("multigrid: 4913 nodes"), std::string::npos) << solve(0.3);
   EXPECT_NE(solve(0.499999).find("factors, after"), std::string::npos) << solve(0.499999);
+}
+
+/// What was given up and why is known to a run that is taken up again, and to a step that is taken back.
+TEST(AutomaticLinearSolver, TellsAChoiceOfTheRunBefore) {
+  ElasticBlock block = box(16, 16, 16);
+  block.poisson = 0.499999;
+  StoredMatrix matrix = matrixOf(block);
+  SolverInScene first("<AutomaticLinearSolver/>"), second("<AutomaticLinearSolver/>");
+  const auto told = [](const SolverInScene& solver, const char* name) { return solver.solver->data().find(name)->print(); };
+  Vector x;
+  first.solver->keepFor(matrix);
+  const std::string before = told(first, "choice");
+  EXPECT_NE(before.find("with multigrid"), std::string::npos) << before;
+  first.solve(matrix, weight(block), x);
+  Archive written;
+  written.enter("solver");
+  first.solver->serializeFor(matrix, written);
+  Archive reading = written.readable();
+  reading.enter("solver");
+  second.solver->serializeFor(matrix, reading);
+  EXPECT_NE(told(second, "choice").find("factors, after"), std::string::npos) << told(second, "choice");
+  EXPECT_EQ(told(second, "choice"), told(first, "choice"));
+  EXPECT_EQ(told(second, "changes"), "1");
+  first.solver->takeBackFor(matrix);
+  EXPECT_EQ(told(first, "choice"), before);
+  EXPECT_EQ(told(first, "changes"), "0");
 }
 
 }  // namespace

@@ -125,9 +125,14 @@ class FieldUnderTest {
     return k;
   }
   double typicalEdge() const {
-    Vec3 low = Vec3::Constant(1e300), high = -low;
-    for (const Vec3& p : field_->state().rest_position) low = low.cwiseMin(p), high = high.cwiseMax(p);
-    return (high - low).norm() / std::cbrt(double(field_->state().size()));
+    const State& state = field_->state();
+    const auto size = [](const std::vector<Vec3>& places) {
+      Vec3 low = Vec3::Constant(1e300), high = -low;
+      for (const Vec3& p : places) low = low.cwiseMin(p), high = high.cwiseMax(p);
+      return (high - low).norm();
+    };
+    const double rest = size(state.rest_position);  // zero where the rows are curvatures of a straight rod
+    return (rest > 0 ? rest : size(state.position)) / std::cbrt(double(state.size()));
   }
 
   ForceField& field() { return *field_; }

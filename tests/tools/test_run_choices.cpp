@@ -2,6 +2,8 @@
 // What the plan and the summary of a run say of the ways in which linear systems are solved where a scene is silent.
 #include <gtest/gtest.h>
 
+#include <utility>
+
 #include "tests/support/shell.h"
 
 namespace stroma::test {
@@ -34,6 +36,30 @@ TEST_F(RunChoices, WhatASceneNamesStays) {
   const Finished run = stroma("run scene.xml -n 3 --no-record");
   EXPECT_EQ(run.code, 0) << run.err;
   EXPECT_FALSE(says(run.out, "changed its choice")) << run.out;
+}
+
+/// Nodes that springs hold, and a solver that a scene names, to which a test gives its time.
+std::string heldNodes(const std::string& integrator, double seconds) {
+  return "<Node name=\"root\" dt=\"0.1\" gravity=\"0 -9.81 0\"><" + integrator +
+         "/><SluggishSolver name=\"slow\" seconds=\"" + std::to_string(seconds) +
+         R"("/><RegularGridTopology name="grid" n="14 14 14" min="0 0 0" max="1 1 1"/>
+  <MechanicalObject/><UniformMass totalMass="1"/><RestShapeSpringsForceField stiffness="100"/></Node>)";
+}
+
+/// Multigrid is estimated to solve 2,744 nodes in 0.04 s.
+TEST_F(RunChoices, ANamedSolverThatIsFarFromTheBestIsInTheSummary) {
+  const std::string command = "run scene.xml -n 1 --no-record --module '" STROMA_TEST_MODULES "/fickle.so'";
+  const std::string sentence = "s went into /slow, about ", rest = " times what multigrid is estimated to take: without "
+                                                                  "<SluggishSolver> the run chooses its ";
+  for (const auto& [integrator, chosen] : {std::pair("StaticSolver", "solver"), std::pair("EulerImplicitSolver", "preconditioner")}) {
+    write("scene.xml", heldNodes(integrator, 5.2));
+    const Finished slow = stroma(command);
+    EXPECT_EQ(slow.code, 0) << slow.err;
+    EXPECT_TRUE(says(slow.out, sentence)) << slow.out;
+    EXPECT_TRUE(says(slow.out, rest + chosen + "\n")) << slow.out;
+    write("scene.xml", heldNodes(integrator, 0.5));
+    EXPECT_FALSE(says(stroma(command).out, sentence)) << "half a second is not worth a word";
+  }
 }
 
 }  // namespace STROMA_TEST_FILE

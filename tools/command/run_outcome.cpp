@@ -177,8 +177,8 @@ void printSummary(const RunRequest& request, const Simulation& simulation, const
   for (const auto& system : simulation.systems())
     if (const Data* steps = system->integrator().data().find("exactTangentSteps"); steps && steps->print() != "0")
       fmt::print(
-          "\nin {} of the steps {} failed with the approximate tangent of a force field and went on with the exact "
-          "one: tangent=\"exact\" there takes it from the start",
+          "\nin {} of the steps {} failed, or got on slowly, with the approximate tangent of a force field and went on with "
+          "the exact one: tangent=\"exact\" there takes it from the start",
           steps->print(), system->integrator().path());
   for (const auto& system : simulation.systems())
     fmt::print("{}{}", slowSolver(*system, outcome.statistics), changedChoice(*system));
