@@ -31,7 +31,7 @@
 namespace stroma {
 namespace {
 
-class BDFOdeSolver final : public Integrator {
+class BDFOdeSolver final : public Integrator, public FindsMultipliers {
  public:
   void declare(DataTable& table) override;
   void compile(System& system) override;

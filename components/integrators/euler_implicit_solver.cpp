@@ -90,8 +90,13 @@ void EulerImplicitSolver::init() {
 
 void EulerImplicitSolver::compile(System& system) {
   implicit_.compile(*this, system);
+  const bool has_conditions = !system.actors().lagrangian_constraints.empty();
+  if (has_conditions && by_new_velocity_ && trapezoidal_ && implicit_.iterates())
+    throw ComponentError("moveByNewVelocity is for one linear solve per step where there are Lagrangian constraints, and Newton's "
+                         "method is asked for",
+                         "newtonIterations=\"1\" or moveByNewVelocity=\"false\"");
   if (!first_order_) return;
-  if (!system.actors().lagrangian_constraints.empty())
+  if (has_conditions)
     throw ComponentError("firstOrder does not find the forces of Lagrangian constraints", "firstOrder=\"false\"");
   if (implicit_.iterates())
     throw ComponentError("firstOrder is solved by one linear solve per step, and Newton's method is asked for",
@@ -107,10 +112,10 @@ StepReport EulerImplicitSolver::step(System& system, const StepContext& context)
   scheme.drift = h;
   scheme.time = context.t_end;
   scheme.old_time = context.t;
+  // the rule moves x by the mean of both velocities
+  if (by_new_velocity_ && trapezoidal_) scheme.moved_after = (1 - theta_) * h;
   StepReport report = first_order_ ? firstOrderStep(system, context) : implicit_.solve(scheme, context.stop);
   if (report.failed()) return report;
-  if (by_new_velocity_ && trapezoidal_ && !first_order_)  // the rule moved x by the mean of both
-    system.motion().advance((1 - theta_) * h, implicit_.change(), system.x);
   if (velocity_damping_ != 0 && !first_order_) scale(std::exp(-h * velocity_damping_), system.v);
   return report;
 }

@@ -4,79 +4,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 
 namespace stroma {
 namespace {
 constexpr int most_carries = 500;  // solves of one step, of which each lets prescribed motion go as far as it can
-}
-
-// ---- attributes ----
-
-void ImplicitStep::declareDamping(DataTable& table) {
-  table.add("rayleighStiffness", rayleigh_stiffness)
-      .recompiled()
-      .help("damping proportional to the stiffness")
-      .unit("s")
-      .min(0);
-  table.add("rayleighMass", rayleigh_mass).recompiled().help("damping proportional to the mass").unit("1/s").min(0);
-}
-
-void ImplicitStep::declareNewton(DataTable& table) {
-  table.add("newtonIterations", newton_settings.iterations)
-      .recompiled()
-      .help("1: one linear solve per step, as SOFA; more: the step's equations are solved by Newton's method")
-      .unit("-")
-      .min(1);
-  table.add("newtonTolerance", newton_settings.relative_residual)
-      .recompiled()
-      .help("residual at which Newton's method ends, relative to the forces where the step starts")
-      .unit("-")
-      .min(0, false);
-}
-
-void ImplicitStep::declareNewtonSolver(DataTable& table) {
-  declareExactTangentSteps(table, exact_tangent_steps_);
-  table.add("residualGraph", graph_).help("residuals of the last step's Newton iterations").unit("N s").output();
-  table.addLink("newtonSolver", newton_link_)
-      .help("a NewtonRaphsonSolver, whose settings stand for this component's; without it, the one of the same node");
-}
-
-void ImplicitStep::compile(Integrator& integrator, System& system) {
-  system_ = &system;
-  solver_ = system.linearSolver();
-  assert(solver_ && "Integrator::missingPartner() sees to it");
-  system.constraints().requireMass();
-  has_rayleigh_mass_ = rayleigh_mass != 0;
-  for (const Mass* mass : system.masses()) has_rayleigh_mass_ = has_rayleigh_mass_ || mass->rayleigh_mass != 0;
-  has_own_stiffness_damping_ = depends_on_time_ = false;
-  bool from_energy = system.isConservative();
-  for (const ForceField* field : system.forceFields()) {
-    has_own_stiffness_damping_ = has_own_stiffness_damping_ || field->rayleigh_stiffness != 0;
-    depends_on_time_ = depends_on_time_ || field->traits().time_dependent;
-    from_energy = from_energy && !field->traits().velocity_dependent;
-  }
-  has_rayleigh_stiffness_ = rayleigh_stiffness != 0 || has_own_stiffness_damping_;
-
-  settings_component_ = findNewtonSolver(integrator, newton_link_);
-  newton_.settings = settings_component_ ? settings_component_->settings() : newton_settings;
-  // the turn that a velocity makes in a step is no gradient of it
-  newton_.settings.use_energy = from_energy && !system.motion().turns() && !system.hasCurvedInertia();
-  bodies_.compile(system);
-  for (std::vector<Vec3>* list : {&start_momenta_, &end_momenta_, &momentum_predictor})
-    list->assign(bodies_.count(), Vec3::Zero());
-  right_side_.resize(system.allRows());
-  for (Vector* vector : {&change_, &constant_, &work_, &position_predictor, &velocity_predictor})
-    vector->resize(system.independentRows());
-  multipliers_.compile(system);
-  if (!iterates()) return;
-  newton_.compile(system.independentRows());
-  limits_.compile(system);
-  for (Vector* vector : {&x0_, &v0_}) vector->resize(system.independentRows());
-  if (!limits_.empty()) carried_.resize(system.independentRows());
-  graph_.reserve(std::size_t(newton_.settings.iterations) + 2);
-  if (settings_component_) settings_component_->prepare(graph_.capacity());
 }
 
 // ---- the step ----
@@ -89,10 +21,16 @@ StepReport ImplicitStep::solve(const ImplicitScheme& scheme, StopToken stop) {
     system_->constraints().projectAcceleration(velocity_predictor);
   }
   startBodies();
-  multipliers_.begin();
-  StepReport report = iterates() ? solveIterating(stop) : solveLinearised(stop);
-  if (!multipliers_.empty() && !report.failed())
-    multipliers_.correct(*solver_, tangent(), scheme.displacement, scheme.weight, change_, stop, report);
+  const double whole = scheme.weight + scheme.old_weight;
+  multipliers_.begin({scheme.displacement + scheme.moved_after, whole, scheme.old_weight / whole}, iterates());
+  if (iterates()) {
+    StepReport report = multipliers_.empty() ? solveIterating(stop) : solveConditions(stop);
+    bodies_.momenta(x(), v(), end_momenta_);
+    return report;
+  }
+  StepReport report = solveLinearised(stop);
+  if (scheme.moved_after != 0 && !report.failed()) system_->motion().advance(scheme.moved_after, change_, x());
+  if (!multipliers_.empty() && !report.failed()) multipliers_.correct(*solver_, tangent(), change_, stop, report);
   bodies_.momenta(x(), v(), end_momenta_);
   return report;
 }
@@ -198,6 +136,7 @@ void ImplicitStep::advance() {
 
 StepReport ImplicitStep::solveIterating(StopToken stop) {
   exact_.beginStep(*system_);
+  const bool began_exact = exact_.isOn();
   startIterating();
   StepReport report = newton_.solve(*this, *solver_, stop);
   constexpr int most_unconverged = 25;
@@ -220,7 +159,6 @@ StepReport ImplicitStep::solveIterating(StopToken stop) {
     const StepReport before = report;
     report = newton_.solve(*this, *solver_, stop);
     addCounts(before, report);
-    exact_tangent_steps_ += !report.stopped;
   }
   if (report.stopped) return report;
   if (lack_ > 0) {
@@ -229,16 +167,14 @@ StepReport ImplicitStep::solveIterating(StopToken stop) {
                                 1 - lack_, report.reason.empty() ? "" : "; ", report.reason);
     return report;
   }
+  const bool tried_exact = exact_.isOn();
   if (exact_.endStep(report.newton_converged && !report.diverged)) residual(system_->independent(right_side_));
+  exact_tangent_steps_ += exact_.isOn() && !began_exact;
+  if (tried_exact && !exact_.isOn() && !report.diverged) report.reason += "; with the exact tangent too";
   graph_.assign(newton_.history().begin(), newton_.history().end());
   if (settings_component_) settings_component_->noteResult(report, newton_);
-  if (!report.newton_converged && !newton_.settings.keep_unconverged) {
-    copy(x0_, x());
-    copy(v0_, v());
-    report.reason += "; the state before the step was kept";
-  }
-  copy(v(), change_);
-  axpy(-1, v0_, change_);
+  takeBack(report);
+  takeChange();
   return report;
 }
 
@@ -249,10 +185,13 @@ StepReport ImplicitStep::solveIterating(StopToken stop) {
 void ImplicitStep::startIterating() {
   copy(x(), x0_);
   copy(v(), v0_);
+  has_constant_ = scheme_.old_weight != 0 || !multipliers_.empty();
+  clear(constant_);
   if (scheme_.old_weight != 0) {
     wholeForce(scheme_.old_time, constant_);
     scale(scheme_.old_weight, constant_);
   }
+  if (!multipliers_.empty()) multipliers_.addCarried(constant_);
   setTime(scheme_.time);
   copy(v0_, work_);
   scale(scheme_.drift, work_);
@@ -327,7 +266,7 @@ void ImplicitStep::residual(Rows out) {
   copy(s.independent(s.f), out);
   addDamping(1, out);
   scale(scheme_.weight, out);
-  if (scheme_.old_weight != 0) axpy(1, constant_, out);
+  if (has_constant_) axpy(1, constant_, out);
   copy(v(), work_);
   axpy(-1, v0_, work_);
   if (scheme_.has_history) axpy(-1, velocity_predictor, work_);
@@ -349,7 +288,7 @@ void ImplicitStep::residual(Rows out) {
 double ImplicitStep::energy() {
   System& s = *system_;
   double sum = scheme_.weight / scheme_.displacement * s.potentialEnergy(s.x);
-  if (scheme_.old_weight != 0) sum -= dot(constant_, v());
+  if (has_constant_) sum -= dot(constant_, v());
   if (has_rayleigh_mass_ || has_rayleigh_stiffness_) {
     clear(work_);
     addDamping(1, work_);

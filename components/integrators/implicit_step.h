@@ -23,6 +23,7 @@ struct ImplicitScheme {
   double drift = 0;                   ///< [s]
   double displacement = 0;            ///< dx/du [s]
   double time = 0, old_time = 0;      ///< of F(x(u), u) and of F(x0, v0), for forces that depend on time [s]
+  double moved_after = 0;             ///< x moves by this times (u - v0) besides, once u is found [s]
   bool has_history = false;           ///< ImplicitStep::position_predictor and velocity_predictor are not zero
 };
 
@@ -60,12 +61,12 @@ class ImplicitStep final : public NonlinearProblem {
   bool iterates() const { return newton_.settings.iterations > 1; }
   std::string describe() const;
   // ---- what an integrator passes on ----
-  void stepTaken() { exact_.stepTaken(); }
+  void stepTaken() { exact_.stepTaken(), multipliers_.stepTaken(); }
   void reset() {
-    exact_.reset();
+    exact_.reset(), multipliers_.reset();
     exact_tangent_steps_ = 0;
   }
-  void serialize(Archive& archive) { exact_.serialize(archive); }
+  void serialize(Archive& archive) { exact_.serialize(archive), multipliers_.serialize(archive); }
 
   // ---- as equations for Newton's method ----
   void residual(Rows out) override;
@@ -88,6 +89,13 @@ class ImplicitStep final : public NonlinearProblem {
   void setTime(double time);
   StepReport solveLinearised(StopToken stop);
   StepReport solveIterating(StopToken stop);
+  StepReport solveConditions(StopToken stop);
+  bool iterateConditions(double& now, StopToken stop, StepReport& report);
+  void goShare(double share);
+  bool isLittle(double residual) const;
+  bool isBalanced(double residual, StepReport& report);
+  void takeBack(StepReport& report);
+  void takeChange();
   void startIterating();
   void carryOn();
   void addDamping(double factor, Rows out);
@@ -106,11 +114,20 @@ class ImplicitStep final : public NonlinearProblem {
   ImplicitScheme scheme_;
   bool has_rayleigh_mass_ = false, has_rayleigh_stiffness_ = false, has_own_stiffness_damping_ = false;
   bool depends_on_time_ = false;
+  bool has_constant_ = false;  ///< with Newton's method: constant_ is not zero
 
   Vector right_side_;      ///< shape (allRows())
   Vector change_;          ///< u - v0
-  Vector constant_;        ///< old_weight F(x0, v0)
+  Vector constant_;        ///< old_weight F(x0, v0), with Newton's method and forces of constraint those carried too
   Vector x0_, v0_, work_;  ///< the state before the step, for Newton
+  // with Newton's method and forces of constraint
+  Vector direction_, last_v_;  ///< a correction and the iterate before it [m/s], shape (independentRows())
+  double residual_scale_ = 0;  ///< the largest of |R| and loadScale() where the step starts and of |q| so far
+  double longest_ = 0;         ///< way of the first iteration [m]; 0: there was none
+  double moved_ = 0;           ///< way of the last iteration [m]
+  bool holds_ = false;         ///< the conditions do, with the forces that are carried
+  int iterations_ = 0;
+  Mixing mixing_;
   Vector carried_;         ///< way of what is moved [m], shape (independentRows()); only with limits
   double lack_ = 0;        ///< the part of it that has not been made yet
   int carries_ = 0;

@@ -6,6 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "framework/scene/archive.h"
+#include "framework/simulation/integrator.h"
+
 namespace stroma {
 
 using Kind = LagrangianRows::Kind;
@@ -14,21 +17,43 @@ void Multipliers::compile(System& system) {
   system_ = &system;
   if (empty()) return;
   for (Vector* vector : {&start_, &work_}) vector->resize(system.allRows());
-  for (Vector* vector : {&right_side_, &whole_, &before_, &free_}) vector->resize(system.independentRows());
+  for (Vector* vector : {&right_side_, &whole_, &before_, &free_, &carried_, &added_, &base_, &last_})
+    vector->resize(system.independentRows());
 }
 
-void Multipliers::begin() {
-  if (!empty()) copy(system_->mappingChain().positions(system_->x), start_);
+void Multipliers::begin(const Rule& rule, bool carries) {
+  if (empty()) return;
+  rule_ = rule;
+  carries_ = carries;
+  copy(last_, carried_);
+  scale(rule.weight, carried_);
+  copy(system_->mappingChain().positions(system_->x), start_);
+  if (rule.old_share == 0) return;
+  findConditions();
+  start_directions_.resize(std::max(start_directions_.size(), rows_.rows().size()));
+  for (std::size_t i = 0; i < rows_.rows().size(); ++i) {
+    Vector& direction = start_directions_[i];
+    if (direction.count() != system_->independentRows()) direction.resize(system_->independentRows());
+    pullBack(i, direction);
+  }
 }
 
 void Multipliers::findConditions() {
   std::swap(rows_, old_rows_);
-  rows_.clear();
+  rows_.clear(), ends_.clear();
   const ConstRows x = system_->mappingChain().positions(system_->x);
-  for (const LagrangianConstraint* constraint : system_->actors().lagrangian_constraints)
+  for (const LagrangianConstraint* constraint : system_->actors().lagrangian_constraints) {
     constraint->addConditions(x, start_, rows_);
-  g_.resize(Eigen::Index(rows_.rows().size()));
-  for (std::size_t i = 0; i < rows_.rows().size(); ++i) g_[Eigen::Index(i)] = rows_.rows()[i].value;
+    ends_.push_back(rows_.rows().size());
+  }
+  solve_.g.resize(Eigen::Index(rows_.rows().size()));
+  solve_.sizes.resize(rows_.rows().size());
+  for (std::size_t i = 0; i < rows_.rows().size(); ++i) {
+    solve_.g[Eigen::Index(i)] = rows_.rows()[i].value;
+    double sum = 0;
+    for (const auto& entry : rows_.entriesOf(rows_.rows()[i])) sum += entry.gradient.squaredNorm();
+    solve_.sizes[i] = std::sqrt(sum);
+  }
 }
 
 bool Multipliers::haveGradientsChanged() const {
@@ -44,209 +69,261 @@ bool Multipliers::haveGradientsChanged() const {
   return false;
 }
 
-/// A^-1 J^T and W.
-bool Multipliers::respond(LinearSolver& solver, SystemMatrix& matrix, double displacement, StopToken stop,
-                          StepReport& report) {
-  const auto& rows = rows_.rows();
-  const MappingChain& chain = system_->mappingChain();
-  const auto count = Eigen::Index(rows.size());
-  responses_.resize(std::max(responses_.size(), rows.size()));
-  w_.resize(count, count);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    Vector& response = responses_[std::size_t(i)];
+/// 1 or -1 when the gradient is that of the row before, or its opposite; else 0.
+double Multipliers::likeRowBefore(std::size_t row) const {
+  if (row == 0 || rule_.old_share != 0) return 0;
+  const auto a = rows_.entriesOf(rows_.rows()[row - 1]), b = rows_.entriesOf(rows_.rows()[row]);
+  for (const double sign : {1.0, -1.0})
+    if (std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                   [sign](const auto& p, const auto& q) { return p.row == q.row && p.gradient == sign * q.gradient; }))
+      return sign;
+  return 0;
+}
+
+/// J^T of one row on what may move.
+void Multipliers::pullBack(std::size_t row, Rows out) {
+  clear(work_);
+  for (const auto& [at, gradient] : rows_.entriesOf(rows_.rows()[row])) work_[at] += gradient;
+  system_->mappingChain().pullBack(work_);
+  copy(system_->independent(work_), out);
+  system_->constraints().project(out);
+}
+
+/// A^-1 of right_side_.
+bool Multipliers::answer(LinearSolver& solver, SystemMatrix& matrix, Vector& response, StopToken stop, StepReport& report) {
+  if (response.count() != system_->independentRows()) response.resize(system_->independentRows());
+  clear(response);
+  const SolveReport solve = solver.solve(matrix, right_side_, response, {.stop = stop});
+  report.linear_iterations += solve.iterations;
+  report.factorisations += solve.factored;
+  report.stopped = report.stopped || solve.stop == SolveStop::stopped;
+  if (report.stopped) return false;
+  if (!solve.usable() || solve.stop == SolveStop::breakdown) {
+    report.diverged = true;
+    report.reason = fmt::format("the linear solver {} {} for a force of constraint", solver.path(), describe(solve.stop));
+    return false;
+  }
+  report.linear_at_limit =
+      report.linear_at_limit || solve.stop == SolveStop::iteration_limit || solve.stop == SolveStop::stagnated;
+  report.linear_converged =
+      report.linear_converged && (solve.stop == SolveStop::converged || solve.stop == SolveStop::zero_right_side);
+  system_->constraints().project(response);
+  return true;
+}
+
+/// J^T of all rows where they were found.
+void Multipliers::takeDirections() {
+  const std::size_t count = rows_.rows().size();
+  directions_.resize(std::max(directions_.size(), count));
+  like_.assign(count, 0);
+  for (std::size_t i = 0; i < count; ++i) {
+    Vector& direction = directions_[i];
+    if (direction.count() != system_->independentRows()) direction.resize(system_->independentRows());
+    like_[i] = likeRowBefore(i);
+    if (like_[i] != 0) {
+      copy(directions_[i - 1], direction);
+      scale(like_[i], direction);
+      continue;
+    }
+    pullBack(i, direction);
+    if (rule_.old_share == 0) continue;
+    scale(1 - rule_.old_share, direction);
+    axpy(rule_.old_share, start_directions_[i], direction);
+  }
+}
+
+void Multipliers::aim() {
+  findConditions();
+  takeDirections();
+}
+
+/// A^-1 J^T
+bool Multipliers::respond(LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report) {
+  const std::size_t count = rows_.rows().size();
+  responses_.resize(std::max(responses_.size(), count));
+  for (std::size_t i = 0; i < count; ++i) {
+    Vector& response = responses_[i];
+    if (like_[i] == 0) {
+      copy(directions_[i], right_side_);
+      if (!answer(solver, matrix, response, stop, report)) return false;
+      continue;
+    }
     if (response.count() != system_->independentRows()) response.resize(system_->independentRows());
-    clear(work_);
-    for (const auto& [row, gradient] : rows_.entriesOf(rows[std::size_t(i)])) work_[row] += gradient;
-    chain.pullBack(work_);
-    copy(system_->independent(work_), right_side_);
-    system_->constraints().project(right_side_);
-    clear(response);
-    const SolveReport solve = solver.solve(matrix, right_side_, response, {.stop = stop});
-    report.linear_iterations += solve.iterations;
-    report.factorisations += solve.factored;
-    report.stopped = report.stopped || solve.stop == SolveStop::stopped;
-    if (report.stopped) return false;
-    if (!solve.usable() || solve.stop == SolveStop::breakdown) {
-      report.diverged = true;
-      report.reason = fmt::format("the linear solver {} {} for a force of constraint", solver.path(), describe(solve.stop));
-      return false;
-    }
-    system_->constraints().project(response);
-    const ConstRows along = chain.direction(response);
-    for (Eigen::Index j = 0; j < count; ++j) {
-      double sum = 0;
-      for (const auto& [row, gradient] : rows_.entriesOf(rows[std::size_t(j)])) sum += gradient.dot(along[row]);
-      w_(j, i) = displacement * sum;
-    }
+    copy(responses_[i - 1], response);
+    scale(like_[i], response);
   }
   return true;
 }
 
-/// The impulse_ with which g_ + W (impulse_ - reference_) holds.
-void Multipliers::solveImpulses(double weight) {
-  std::vector<int> equal, other;
-  for (int i = 0; i < int(rows_.rows().size()); ++i) {
-    const auto& row = rows_.rows()[std::size_t(i)];
-    if (row.kind == Kind::given) {
-      impulse_[i] = weight * row.factor;
-      g_ += (impulse_[i] - reference_[i]) * w_.col(i);
-    } else {
-      (row.kind == Kind::equal ? equal : other).push_back(i);
+/// W
+void Multipliers::couple() {
+  const auto& rows = rows_.rows();
+  const auto count = Eigen::Index(rows.size());
+  solve_.w.resize(count, count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const ConstRows along = system_->mappingChain().direction(responses_[std::size_t(i)]);
+    for (Eigen::Index j = 0; j < count; ++j) {
+      double sum = 0;
+      for (const auto& [at, gradient] : rows_.entriesOf(rows[std::size_t(j)])) sum += gradient.dot(along[at]);
+      solve_.w(j, i) = rule_.displacement * sum;
     }
   }
-  Eigen::MatrixXd w = w_(other, other);
-  Eigen::VectorXd g = g_(other);
-  Eigen::MatrixXd eliminated;
-  Eigen::VectorXd offset;
-  if (!equal.empty()) {
-    // rows that say the same twice leave a matrix without an inverse: the shortest solution then
-    const Eigen::MatrixXd inner = w_(equal, equal);
-    const Eigen::LDLT<Eigen::MatrixXd> factors(inner);
-    const Eigen::VectorXd pivots = factors.vectorD().cwiseAbs();
-    const bool regular = factors.info() == Eigen::Success && pivots.minCoeff() > 1e-12 * pivots.maxCoeff();
-    const Eigen::MatrixXd coupling = w_(equal, other);
-    const Eigen::VectorXd values = g_(equal);
-    if (regular) {
-      eliminated = factors.solve(coupling), offset = factors.solve(values);
-    } else {
-      Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> general;
-      general.setThreshold(1e-12);
-      general.compute(inner);
-      eliminated = general.solve(coupling), offset = general.solve(values);
-    }
-    const Eigen::MatrixXd back = w_(other, equal);
-    w -= back * eliminated;
-    g -= back * offset;
-  }
-  sweep(w, g, other);
-  if (equal.empty()) return;
-  const Eigen::VectorXd moved = impulse_ - reference_;
-  const Eigen::VectorXd change = -offset - eliminated * Eigen::VectorXd(moved(other));
-  for (std::size_t i = 0; i < equal.size(); ++i) impulse_[equal[i]] = reference_[equal[i]] + change[Eigen::Index(i)];
 }
 
-/// Projected Gauss and Seidel for `rows` of impulse_, of which none is equal. The step along the tangents is one over the
-/// largest eigenvalue of their block, so that where nothing changes any more Coulomb's law holds.
-void Multipliers::sweep(const Eigen::MatrixXd& w, const Eigen::VectorXd& g, const std::vector<int>& rows) {
-  const int count = int(rows.size());
-  if (count == 0) return;
-  const Eigen::VectorXd start = impulse_ - reference_;
-  Eigen::VectorXd residual = g + w * Eigen::VectorXd(start(rows));
-  const double least = 1e-14 * w.diagonal().cwiseAbs().maxCoeff();
-  const auto change = [&](int i, double by) {
-    impulse_[rows[std::size_t(i)]] += by;
-    residual += by * w.col(i);
-    return std::abs(by) * w(i, i);
-  };
-  for (; sweeps_left_ > 0; --sweeps_left_) {
-    double moved = 0, largest = g.cwiseAbs().maxCoeff();
-    for (int i = 0; i < count;) {
-      const int push = i++;
-      if (w(push, push) > least) {
-        const double old = impulse_[rows[std::size_t(push)]];
-        moved = std::max(moved, change(push, std::max(0.0, old - residual[push] / w(push, push)) - old));
-      }
-      const int first = i;
-      while (i < count && rows_.rows()[std::size_t(rows[std::size_t(i)])].kind == Kind::rub) ++i;
-      const int tangents = i - first;
-      if (tangents == 0) continue;
-      const double bound = rows_.rows()[std::size_t(rows[std::size_t(first)])].factor * impulse_[rows[std::size_t(push)]];
-      const Eigen::MatrixXd block = w.block(first, first, tangents, tangents);
-      const double rate = block.cwiseAbs().rowwise().sum().maxCoeff();
-      if (!(rate > least)) continue;
-      Eigen::VectorXd wanted(tangents);
-      for (int k = 0; k < tangents; ++k) wanted[k] = impulse_[rows[std::size_t(first + k)]] - residual[first + k] / rate;
-      if (const double length = wanted.norm(); length > bound) wanted *= bound / length;
-      for (int k = 0; k < tangents; ++k)
-        moved = std::max(moved, change(first + k, wanted[k] - impulse_[rows[std::size_t(first + k)]]));
-    }
-    unsettled_ = largest > 0 ? moved / largest : moved;
-    // numbers that are not finite have no place to go to
-    if (moved <= 1e-13 * largest || !std::isfinite(moved)) return;
-  }
+void Multipliers::give() {
+  forces_.assign(solve_.p.data(), solve_.p.data() + solve_.p.size());
+  for (double& force : forces_) force /= rule_.weight;
+  std::size_t begin = 0;
+  const auto& constraints = system_->actors().lagrangian_constraints;
+  for (std::size_t i = 0; i < constraints.size(); begin = ends_[i++])
+    constraints[i]->takeForces({forces_.data() + begin, ends_[i] - begin});
 }
 
-/// How far conditions are from holding [m].
-double Multipliers::violation() const {
-  double worst = 0;
-  for (std::size_t i = 0; i < rows_.rows().size(); ++i) {
-    const double g = g_[Eigen::Index(i)];
-    if (const Kind kind = rows_.rows()[i].kind; kind == Kind::equal || kind == Kind::push)
-      worst = std::max(worst, kind == Kind::equal ? std::abs(g) : -g);
-  }
-  return worst;
-}
-
-void Multipliers::give(double weight) {
-  forces_.assign(impulse_.data(), impulse_.data() + impulse_.size());
-  for (double& force : forces_) force /= weight;
-  std::size_t from = 0;
-  LagrangianRows own;
-  for (LagrangianConstraint* constraint : system_->actors().lagrangian_constraints) {
-    own.clear();
-    constraint->addConditions(system_->mappingChain().positions(system_->x), start_, own);
-    constraint->takeForces({forces_.data() + from, own.rows().size()});
-    from += own.rows().size();
-  }
-}
-
-/// With the impulses as they are: x and v from those without forces of constraint.
-void Multipliers::apply(double displacement, Rows change) {
-  System& s = *system_;
+/// What the impulses change u by.
+void Multipliers::sumResponses() {
   copy(whole_, before_);
-  if (!keeps_direction_) clear(whole_);
-  for (Eigen::Index i = 0; i < impulse_.size(); ++i)
-    if (const double p = impulse_[i] - reference_[i]; p != 0) axpy(p, responses_[std::size_t(i)], whole_);
+  clear(whole_);
+  if (carries_) axpy(-1, base_, whole_);
+  for (Eigen::Index i = 0; i < solve_.p.size(); ++i)
+    if (const double p = solve_.p[i]; p != 0) axpy(p, responses_[std::size_t(i)], whole_);
+}
+
+/// x and v from those without forces of constraint, with whole_ in the place of before_.
+void Multipliers::apply(Rows change) {
+  System& s = *system_;
   for (const Rows velocity : {s.independent(s.v), change}) axpy(1, whole_, velocity), axpy(-1, before_, velocity);
   copy(free_, s.independent(s.x));
-  s.motion().advance(displacement, whole_, s.independent(s.x));
+  s.motion().advance(rule_.displacement, whole_, s.independent(s.x));
 }
 
-void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, double displacement, double weight, Rows change,
-                          StopToken stop, StepReport& report) {
-  constexpr int most_rounds = 100, most_sweeps = 20000;
+void Multipliers::correct(LinearSolver& solver, SystemMatrix& matrix, Rows change, StopToken stop, StepReport& report) {
+  constexpr int most_rounds = 100;
   constexpr double close = 1e-13;  // of the place
   System& s = *system_;
   copy(s.independent(s.x), free_);
   clear(whole_);
-  impulse_.resize(0);
-  keeps_direction_ = false;
-  sweeps_left_ = most_sweeps, unsettled_ = 0;
-  double step = 0;
+  bool is_mixed = false;
+  mixing_.restart();
+  solve_.startSweeps();
+  if (carries_) {
+    copy(carried_, right_side_);
+    s.constraints().project(right_side_);
+    if (!answer(solver, matrix, base_, stop, report)) return;
+  }
+  double step = 0, size = largest(s.independent(s.x)) + rule_.displacement * largest(change);
   for (int round = 0; round < most_rounds; ++round) {
     findConditions();
-    if (rows_.rows().empty()) return give(weight);
-    if (round == 0) impulse_ = Eigen::VectorXd::Zero(g_.size());
-    if ((round == 0 || haveGradientsChanged()) && !respond(solver, matrix, displacement, stop, report)) return;
-    reference_ = keeps_direction_ ? impulse_ : Eigen::VectorXd(Eigen::VectorXd::Zero(g_.size()));
-    if (!keeps_direction_) {
-      const ConstRows along = s.mappingChain().direction(whole_);
-      for (Eigen::Index i = 0; i < g_.size(); ++i)
-        for (const auto& [row, gradient] : rows_.entriesOf(rows_.rows()[std::size_t(i)]))
-          g_[i] -= displacement * gradient.dot(along[row]);
+    if (rows_.rows().empty() && !carries_) break;
+    if (round == 0) solve_.p = Eigen::VectorXd::Zero(solve_.g.size());
+    if (round == 0 || haveGradientsChanged()) {
+      if (!carries_) takeDirections();
+      if ((round == 0 || !carries_) && !respond(solver, matrix, stop, report)) return;
+      couple();
     }
-    solveImpulses(weight);
-    apply(displacement, change);
+    copy(whole_, before_);
+    if (carries_) axpy(1, base_, before_);
+    const ConstRows along = s.mappingChain().direction(before_);
+    for (Eigen::Index i = 0; i < solve_.g.size(); ++i)
+      for (const auto& [row, gradient] : rows_.entriesOf(rows_.rows()[std::size_t(i)]))
+        solve_.g[i] -= rule_.displacement * gradient.dot(along[row]);
+    solve_.solve(rows_.rows(), rule_.weight);
+    sumResponses();
     const double last = step;
-    step = displacement * distance(whole_, before_);
-    if (step <= close * (largest(s.independent(s.x)) + displacement * largest(change))) break;
-    if (!std::isfinite(step)) break;
-    // forces that turn much in a step would swing: what has been found keeps its direction then
-    keeps_direction_ = keeps_direction_ || (round > 3 && step > 0.7 * last);
+    step = rule_.displacement * distance(whole_, before_);
+    const bool goes_on = std::isfinite(step) && step > close * size;
+    // forces that turn much in a step swing
+    is_mixed = is_mixed || (round > 3 && step > 0.5 * last);
+    if (goes_on && is_mixed && round + 1 < most_rounds) mixing_.next(before_, whole_);
+    apply(change);
+    size = largest(s.independent(s.x)) + rule_.displacement * largest(change);
+    if (!goes_on) break;
   }
   findConditions();
-  give(weight);
-  const double size = largest(s.independent(s.x)), allowed = 1e-9 * size + 1e-300;
-  constexpr double settled = 1e-6;  // of the largest condition
-  if (!(unsettled_ <= settled)) {
+  solve_.p.conservativeResizeLike(Eigen::VectorXd::Zero(solve_.g.size()));
+  give();
+  judge(step, size, report);
+}
+
+/// The constraint that a row is of.
+std::string Multipliers::nameOf(std::size_t row) const {
+  const auto end = std::upper_bound(ends_.begin(), ends_.end(), row);
+  const auto* constraint = system_->actors().lagrangian_constraints[std::size_t(end - ends_.begin())];
+  return dynamic_cast<const Component&>(*constraint).path();
+}
+
+/// What has not come to rest and what does not hold.
+void Multipliers::judge(double step, double size, StepReport& report) {
+  const auto refuse = [&report](std::string reason) {
     report.constraints_converged = false;
-    report.constraint_reason = fmt::format("forces of contact still change by {:.3g} of the conditions after {} sweeps",
-                                           unsettled_, most_sweeps - sweeps_left_);
+    report.constraint_reason = std::move(reason);
+  };
+  if (!std::isfinite(step)) {
+    report.diverged = true;
+    report.reason = "the forces of Lagrangian constraints are not finite";
     return;
   }
-  if (violation() <= allowed) return;
-  report.constraints_converged = false;
-  report.constraint_reason = fmt::format("a condition of the Lagrangian constraints is off by {:.3g}", violation());
+  constexpr double settled = 1e-6, exact = 1e-9, still = 1e-6;  // of the largest condition; of the place
+  if (!(solve_.unsettled() <= settled))
+    return refuse(fmt::format("the forces that {} finds at contacts still change by {:.3g} of the conditions when sweeps end",
+                              system_->integrator().path(), solve_.unsettled()));
+  double worst = 0;
+  std::size_t where = 0;
+  for (std::size_t i = 0; i < rows_.rows().size(); ++i) {
+    const auto& row = rows_.rows()[i];
+    const double g = solve_.g[Eigen::Index(i)], p = solve_.p[Eigen::Index(i)];
+    const bool is_at_limit = row.kind == Kind::push && row.factor > 0 && p >= (1 - 1e-12) * rule_.weight * row.factor;
+    if (is_at_limit || row.kind == Kind::given || row.kind == Kind::rub) continue;
+    const double off = (row.kind == Kind::equal ? std::abs(g) : -g) / (solve_.sizes[i] > 0 ? solve_.sizes[i] : 1);
+    if (!(off <= worst)) worst = off, where = i;
+  }
+  const double allowed = exact * size + 1e-300;
+  if (!(worst <= allowed)) {
+    const double g = std::abs(solve_.g[Eigen::Index(where)]);
+    return refuse(fmt::format("the Lagrangian constraint {} does not hold: a condition is off by {:.3g}", nameOf(where), g));
+  }
+  if (!(step <= still * size + 1e-300))
+    refuse(fmt::format("the forces of Lagrangian constraints that {} finds still move bodies by {:.3g} m when their rounds end",
+                       system_->integrator().path(), step));
+}
+
+// ---- for Newton's method ----
+
+void Multipliers::addCarried(Rows out) const { axpy(1, carried_, out); }
+
+void Multipliers::carry(Rows out) {
+  takeDirections();
+  clear(added_);
+  share_ = 1;
+  for (std::size_t i = 0; i < rows_.rows().size(); ++i) axpy(solve_.p[Eigen::Index(i)], directions_[i], added_);
+  axpy(-1, carried_, added_);
+  axpy(1, added_, carried_);
+  axpy(1, added_, out);
+}
+
+void Multipliers::carryMixed(Mixing& mixing, ConstRows from, Rows to, Rows out) {
+  axpy(-1, carried_, out);
+  mixing.next(from, to, carried_);
+  axpy(1, carried_, out);
+}
+
+void Multipliers::carryShare(double share, Rows out) {
+  axpy(share - share_, added_, carried_);
+  axpy(share - share_, added_, out);
+  share_ = share;
+}
+
+void Multipliers::stepTaken() {
+  if (empty() || !carries_) return;
+  copy(carried_, last_);
+  scale(1 / rule_.weight, last_);
+}
+
+void Multipliers::reset() {
+  if (!empty()) clear(last_);
+}
+
+void Multipliers::serialize(Archive& archive) {
+  if (!empty()) archive.rows("forces_of_constraint", last_);
 }
 
 }  // namespace stroma

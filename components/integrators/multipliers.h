@@ -2,51 +2,96 @@
 // Forces of Lagrangian constraints in an implicit step. The step without them has found u, with its matrix A of A du = b.
 // Impulses p = weight l along the gradients J then change
 //   u by c = A^-1 J^T p,   x by displacement c,   conditions g(x) by W (p - p_before),   W = displacement J A^-1 J^T
-// W is dense, of as many solves with A as there are rows. What is equal is eliminated, the rest is swept by projected
-// Gauss and Seidel until nothing changes: p >= 0 for what pushes, and the force of what rubs is cut at mu times that. Then
-// g and J are computed anew where x has come to, and it is repeated until x = x_free + displacement A^-1 J(x)^T p and g holds:
-// forces have the directions of the end of the step. Where that would swing, those found so far are kept as they are.
+// W is dense, of as many solves with A as there are rows (impulses.h). Then g and J are computed anew where x has come to, and
+// it is repeated until x = x_free + displacement A^-1 J(x)^T p and g holds: forces have the directions of the end of the step.
+// Where that swings, iterates are mixed (mixing.h).
+//
+// A rule that weighs forces where the step starts with the share s (the trapezoidal one: 1/2) has J = (1 - s) J(x) + s J(x0)
+// in J^T p, with one l for the step: a force that is given acts with its whole weight.
+//
+// Newton's method needs more than one such correction, because A is the matrix of one place (implicit_conditions.cpp). It
+// carries the impulses J^T p found so far as a load, and each correction starts from there. Forces then keep the directions
+// of the iterate that A is of, until the next: what they turn by is taken late, as is what stresses turn by in most matrices A;
+// of a body that a cable presses together the one balances the other.
 #pragma once
-#include <Eigen/Dense>
+#include <string>
 #include <vector>
 
+#include "components/integrators/impulses.h"
+#include "components/integrators/mixing.h"
 #include "framework/simulation/system.h"
 
 namespace stroma {
 
+class Archive;
+
 class Multipliers {
  public:
+  /// What a step makes of impulses.
+  struct Rule {
+    double displacement = 0;  ///< dx/du [s]
+    double weight = 0;        ///< p = weight l [s]
+    double old_share = 0;     ///< of p along the gradients where the step starts
+  };
+
   void compile(System& system);
   bool empty() const { return !system_ || system_->actors().lagrangian_constraints.empty(); }
-  /// Where the step starts.
-  void begin();
+  /// Where the step starts. `carries`: x without forces of constraint has been found under those of addCarried().
+  void begin(const Rule& rule, bool carries);
+  /// With Newton's method: forces act along the gradients at the present x from now on.
+  void aim();
   /// Moves x and v of the system until the conditions hold; `change`: what v has changed by in the step, follows.
   /// A report that did not converge says by how much they do not.
-  void correct(LinearSolver& solver, SystemMatrix& matrix, double displacement, double weight, Rows change,
-               StopToken stop, StepReport& report);
+  void correct(LinearSolver& solver, SystemMatrix& matrix, Rows change, StopToken stop, StepReport& report);
+  /// out += J^T p, of the step before and then of the last carry() [N s].
+  void addCarried(Rows out) const;
+  double carriedSize() const { return norm(carried_); }
+  /// From now on J^T p of the last correct() is carried; out += by how much that is another.
+  void carry(Rows out);
+  /// Only this share of what the last carry() added; out += by how much that is another.
+  void carryShare(double share, Rows out);
+  /// The iterate `to` that came of `from` is mixed with those before, and what is carried with it.
+  void carryMixed(Mixing& mixing, ConstRows from, Rows to, Rows out);
+
+  // ---- what an integrator that carries passes on ----
+  void stepTaken();
+  void reset();
+  void serialize(Archive& archive);
 
  private:
   void findConditions();
   bool haveGradientsChanged() const;
-  bool respond(LinearSolver& solver, SystemMatrix& matrix, double displacement, StopToken stop, StepReport& report);
-  void solveImpulses(double weight);
-  void sweep(const Eigen::MatrixXd& w, const Eigen::VectorXd& g, const std::vector<int>& rows);
-  void apply(double displacement, Rows change);
-  double violation() const;
-  void give(double weight);
+  double likeRowBefore(std::size_t row) const;
+  void pullBack(std::size_t row, Rows out);
+  void takeDirections();
+  bool respond(LinearSolver& solver, SystemMatrix& matrix, StopToken stop, StepReport& report);
+  void couple();
+  bool answer(LinearSolver& solver, SystemMatrix& matrix, Vector& response, StopToken stop, StepReport& report);
+  void sumResponses();
+  void apply(Rows change);
+  void give();
+  std::string nameOf(std::size_t row) const;
+  void judge(double step, double size, StepReport& report);
 
   System* system_ = nullptr;
+  Rule rule_;
+  bool carries_ = false;
   LagrangianRows rows_, old_rows_;
-  Eigen::MatrixXd w_;            ///< W
-  Eigen::VectorXd impulse_, reference_, g_;
-  std::vector<Vector> responses_;  ///< A^-1 J^T of each row, shape (independent rows)
+  std::vector<std::size_t> ends_;          ///< of the rows of each constraint
+  Impulses solve_;                         ///< W, g and p
+  std::vector<Vector> directions_;         ///< J^T of each row, shape (independent rows)
+  std::vector<double> like_;               ///< 1 or -1: that of the row before, or its opposite
+  std::vector<Vector> responses_;          ///< A^-1 of them
+  std::vector<Vector> start_directions_;   ///< J(x0)^T of each row, with an old share
   Vector start_, work_, right_side_;
-  Vector free_;             ///< x without forces of constraint
-  Vector whole_, before_;   ///< what they change u by, now and a round ago
-  bool keeps_direction_ = false;
-  // of the projected Gauss and Seidel, in the step under way
-  int sweeps_left_ = 0;
-  double unsettled_ = 0;  ///< by how much the last sweep changed the conditions, of the largest one
+  Vector free_;            ///< x without forces of constraint but those carried
+  Vector whole_, before_;  ///< what they change u by, now and a round ago
+  Vector carried_;         ///< J^T p that x has been found under [N s]
+  Vector added_;           ///< by the last carry(), with share_ of it
+  Vector base_;            ///< A^-1 of it
+  Vector last_;            ///< J^T l of the step before [N]
+  double share_ = 1;
+  Mixing mixing_;
   std::vector<double> forces_;
 };
 

@@ -21,7 +21,7 @@
 namespace stroma {
 namespace {
 
-class TrapezoidalRuleSolver final : public Integrator {
+class TrapezoidalRuleSolver final : public Integrator, public FindsMultipliers {
  public:
   void declare(DataTable& table) override {
     implicit_.declareDamping(table);

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// BilateralLagrangianConstraint: pairs of points, of two bodies or of one, that stay together at the end of each step.
+// BilateralLagrangianConstraint: pairs of points, of two bodies or of one, that stay together at the end of each step; or pairs
+// of rigid frames, whose orientations stay together too.
 //
 //   x_second - x_first - rest_vector = 0,   three rows for each pair
+//   log(q_second (q_first r)^-1) = 0,       three more for frames: r = 1, or what q_second is more than q_first at the start
+//                                           with keepOrientationDifference
 //
 // DistanceLagrangianConstraint: pairs that keep their distance d, that of the start when `distances` does not give it.
 //
@@ -25,6 +28,8 @@
 #include <fmt/format.h>
 
 #include "components/lagrangian/pair_constraint.h"
+#include "framework/mechanics/frames.h"
+#include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
 
 namespace stroma::lagrangian {
@@ -41,8 +46,9 @@ class Pairs : public PairConstraint {
   void init() override {
     PairConstraint::init();
     if (first_points_.size() != second_points_.size())
-      throw ComponentError(fmt::format("first_point has {} points and second_point {}", first_points_.size(), second_points_.size()),
-                           "as many of each");
+      throw ComponentError(
+          fmt::format("first_point has {} points and second_point {}", first_points_.size(), second_points_.size()),
+          "as many of each");
     for (std::size_t i = 0; i < first_points_.size(); ++i) {
       checkNode(first(), first_points_[i], "first_point"), checkNode(second(), second_points_[i], "second_point");
       if (&first() == &second() && first_points_[i] == second_points_[i])
@@ -54,8 +60,8 @@ class Pairs : public PairConstraint {
   std::size_t count() const { return active_ ? first_points_.size() : 0; }
   Index a(std::size_t pair) const { return rowOf(first(), first_points_[pair]); }
   Index b(std::size_t pair) const { return rowOf(second(), second_points_[pair]); }
-  Vec3 startOf(std::size_t pair) const {
-    return second().position[std::size_t(second_points_[pair])] - first().position[std::size_t(first_points_[pair])];
+  bool startsAtOnePlace(std::size_t pair) const {
+    return first().position[std::size_t(first_points_[pair])] == second().position[std::size_t(second_points_[pair])];
   }
   std::size_t pairs() const { return first_points_.size(); }
 
@@ -68,25 +74,55 @@ class Bilateral final : public Pairs {
  public:
   void declare(DataTable& table) override {
     Pairs::declare(table);
-    table.add("rest_vector", rest_).help("what the second point has more than the first; one for each pair, or none: zero").unit("m");
+    table.add("rest_vector", rest_)
+        .help("what the second point has more than the first; one for each pair, or none: zero")
+        .unit("m");
+    table.add("keepOrientationDifference", keeps_turn_)
+        .help("of frames: they keep the orientation that they start with to each other");
   }
   void init() override {
     Pairs::init();
     if (!rest_.empty() && rest_.size() != pairs())
       throw ComponentError(fmt::format("rest_vector has {} vectors for {} pairs", rest_.size(), pairs()), "one for each pair");
+    turns_.clear();
+  }
+  void constrainedStepBegins(ConstRows x, double) override {
+    if (!turns_.empty() || !first().hasFrames()) return;
+    for (std::size_t i = 0; i < pairs(); ++i)
+      turns_.push_back(keeps_turn_ ? orientationIn(x, a(i) + 1).conjugate() * orientationIn(x, b(i) + 1)
+                                   : Quaternion::Identity());
   }
   void addConditions(ConstRows x, ConstRows, LagrangianRows& rows) const override {
     for (std::size_t i = 0; i < count(); ++i) {
-      const Vec3 off = Vec3(x[b(i)]) - Vec3(x[a(i)]) - (rest_.empty() ? Vec3(Vec3::Zero()) : rest_[i]);
-      for (int k = 0; k < 3; ++k) {
-        rows.begin(Kind::equal, off[k]);
-        rows.add(a(i), -Vec3::Unit(k)), rows.add(b(i), Vec3::Unit(k));
-      }
+      add(i, 0, Vec3(x[b(i)]) - Vec3(x[a(i)]) - (rest_.empty() ? Vec3(Vec3::Zero()) : rest_[i]), rows);
+      if (!first().hasFrames()) continue;
+      const Quaternion wanted = orientationIn(x, a(i) + 1) * turns_[i];
+      add(i, 1, rotationVector(orientationIn(x, b(i) + 1) * wanted.conjugate()), rows);
+    }
+  }
+  void reset() override {
+    Pairs::reset();
+    turns_.clear();
+  }
+  void serialize(Archive& archive) override {
+    Pairs::serialize(archive);
+    archive.list("turns", turns_);
+  }
+
+ protected:
+  Nodes nodes() const override { return Nodes::points_or_frames; }
+
+ private:
+  void add(std::size_t pair, Index row, const Vec3& off, LagrangianRows& rows) const {
+    for (int k = 0; k < 3; ++k) {
+      rows.begin(Kind::equal, off[k]);
+      rows.add(a(pair) + row, -Vec3::Unit(k)), rows.add(b(pair) + row, Vec3::Unit(k));
     }
   }
 
- private:
   std::vector<Vec3> rest_;
+  bool keeps_turn_ = false;
+  std::vector<Quaternion> turns_;  ///< r of each pair
 };
 
 class Distance final : public Pairs {
@@ -98,13 +134,16 @@ class Distance final : public Pairs {
   void init() override {
     Pairs::init();
     if (!distances_.empty() && distances_.size() != pairs())
-      throw ComponentError(fmt::format("distances has {} numbers for {} pairs", distances_.size(), pairs()), "one for each pair");
+      throw ComponentError(fmt::format("distances has {} numbers for {} pairs", distances_.size(), pairs()),
+                           "one for each pair");
     kept_ = distances_;
-    for (std::size_t i = kept_.size(); i < pairs(); ++i) {
-      kept_.push_back(startOf(i).norm());
-      if (!(kept_.back() > 0))
+    // where mapped points are is known when the first step begins
+    for (std::size_t i = 0; distances_.empty() && &first() == &second() && i < pairs(); ++i)
+      if (startsAtOnePlace(i))
         throw ComponentError(fmt::format("the points of pair {} start at one place", i), "a distance above zero");
-    }
+  }
+  void constrainedStepBegins(ConstRows x, double) override {
+    for (std::size_t i = kept_.size(); i < pairs(); ++i) kept_.push_back((Vec3(x[b(i)]) - Vec3(x[a(i)])).norm());
   }
   void addConditions(ConstRows x, ConstRows, LagrangianRows& rows) const override {
     for (std::size_t i = 0; i < count(); ++i) {
@@ -114,6 +153,14 @@ class Distance final : public Pairs {
       rows.begin(Kind::equal, length - kept_[i]);
       rows.add(a(i), -n), rows.add(b(i), n);
     }
+  }
+  void reset() override {
+    Pairs::reset();
+    kept_ = distances_;
+  }
+  void serialize(Archive& archive) override {
+    Pairs::serialize(archive);
+    archive.list("kept", kept_);
   }
 
  private:

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// FixedLagrangianConstraint: points that stay where they start, by forces that can be read. FixedProjectiveConstraint holds
-// nodes more cheaply; this one holds mapped points too, as those of a surface that is embedded or of a rigid frame.
+// FixedLagrangianConstraint: points or rigid frames that stay where they start, by forces that can be read.
+// FixedProjectiveConstraint holds nodes more cheaply; this one holds mapped ones too, as those of a surface that is embedded or
+// of a rigid frame.
 //
-//   x - x_0 = 0,   three rows for each point
+//   x - x_0 = 0,           three rows for each point
+//   log(q q_0^-1) = 0,     three more for a frame
 //
 // Source: the names and attributes are SOFA's.
 //
@@ -16,6 +18,7 @@
 //   <FixedLagrangianConstraint indices="0"/>
 // </Node>
 #include "components/lagrangian/pair_constraint.h"
+#include "framework/mechanics/frames.h"
 #include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
 
@@ -25,7 +28,7 @@ namespace {
 class Fixed final : public PairConstraint {
  public:
   void declare(DataTable& table) override {
-    PairConstraint::declare(table);
+    declareOneState(table);
     table.add("indices", nodes_).help("points");
     table.add("fixAll", all_).help("all points");
   }
@@ -37,30 +40,48 @@ class Fixed final : public PairConstraint {
       for (Index i = 0; i < first().nodes(); ++i) held_.push_back(i);
     }
     for (const Index node : held_) checkNode(first(), node, "indices");
-    places_.clear();
+    places_.clear(), turns_.clear();
   }
   void constrainedStepBegins(ConstRows x, double) override {
     if (!places_.empty()) return;
-    for (const Index node : held_) places_.push_back(x[rowOf(first(), node)]);
+    for (const Index node : held_) {
+      const Index row = rowOf(first(), node);
+      places_.push_back(x[row]);
+      if (first().hasFrames()) turns_.push_back(orientationIn(x, row + 1));
+    }
   }
   void addConditions(ConstRows x, ConstRows, LagrangianRows& rows) const override {
-    for (std::size_t i = 0; i < places_.size(); ++i)
-      for (int k = 0; k < 3; ++k) {
-        const Index row = rowOf(first(), held_[i]);
-        rows.begin(Kind::equal, x[row][k] - places_[i][k]);
-        rows.add(row, Vec3::Unit(k));
-      }
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+      const Index row = rowOf(first(), held_[i]);
+      add(row, Vec3(x[row]) - places_[i], rows);
+      if (first().hasFrames()) add(row + 1, rotationVector(orientationIn(x, row + 1) * turns_[i].conjugate()), rows);
+    }
   }
   void reset() override {
     PairConstraint::reset();
-    places_.clear();
+    places_.clear(), turns_.clear();
   }
-  void serialize(Archive& archive) override { archive.list("places", places_); }
+  void serialize(Archive& archive) override {
+    PairConstraint::serialize(archive);
+    archive.list("places", places_);
+    archive.list("turns", turns_);
+  }
+
+ protected:
+  Nodes nodes() const override { return Nodes::points_or_frames; }
 
  private:
+  static void add(Index row, const Vec3& off, LagrangianRows& rows) {
+    for (int k = 0; k < 3; ++k) {
+      rows.begin(Kind::equal, off[k]);
+      rows.add(row, Vec3::Unit(k));
+    }
+  }
+
   std::vector<Index> nodes_{0}, held_;
   bool all_ = false;
-  std::vector<Vec3> places_;  ///< where they started [m]
+  std::vector<Vec3> places_;       ///< where they started [m]
+  std::vector<Quaternion> turns_;  ///< and how, of frames
 };
 
 }  // namespace

@@ -3,13 +3,23 @@
 
 #include <fmt/format.h>
 
+#include "framework/scene/archive.h"
 #include "framework/scene/usual_component.h"
 
 namespace stroma::lagrangian {
 
 void PairConstraint::declare(DataTable& table) {
-  table.addLink("object1", object1_).alias("mstate").help("state of the first points; of this node or the nearest above when not given");
-  table.addLink("object2", object2_).help("state of the second points; object1 when not given");
+  table.addLink("object1", object1_)
+      .alias("mstate")
+      .help("state of the first nodes; of this node or the nearest above when not given");
+  table.addLink("object2", object2_).help("state of the second nodes; object1 when not given");
+  table.add("forces", forces_).help("forces of constraint of the last step").unit("N").output();
+}
+
+void PairConstraint::declareOneState(DataTable& table) {
+  table.addLink("mstate", object1_)
+      .alias("object1")
+      .help("state that it acts on; of this node or the nearest above when not given");
   table.add("forces", forces_).help("forces of constraint of the last step").unit("N").output();
 }
 
@@ -19,13 +29,26 @@ void PairConstraint::init() {
     throw ComponentError("this constraint has no mechanical state to act on",
                          "a " + usualComponent(Part::state) + " in the same node or above, or object1=\"@path\"");
   second_ = object2_.get() ? object2_.get() : first_;
-  for (const State* state : {first_, second_}) {
-    if (takesValues() ? state->rows_per_node == 1 && state->kindOf(0) == RowKind::value : state->hasPointsOnly()) continue;
-    throw ComponentError(fmt::format("this constraint acts on {}, and {} has {}", takesValues() ? "numbers" : "points",
-                                     state->path(), state->hasFrames() ? "rigid frames" : takesValues() ? "points" : "numbers"),
-                         takesValues() ? "a state of numbers (template=\"Vec1\")" : "a state of points (template=\"Vec3\")",
-                         state->hasFrames() ? "points that follow the frames by a RigidMapping" : "");
+  checkState(*first_), checkState(*second_);
+  if (first_->hasFrames() != second_->hasFrames())
+    throw ComponentError(fmt::format("of {} and {} one has rigid frames and the other points", first_->path(), second_->path()),
+                         "two of a kind", "points that follow the frames by a RigidMapping");
+}
+
+void PairConstraint::checkState(const State& state) const {
+  if (nodes() == Nodes::values) {
+    if (state.rows_per_node == 1 && state.kindOf(0) == RowKind::value) return;
+    throw ComponentError(fmt::format("this constraint acts on numbers, and {} has {}", state.path(),
+                                     state.hasFrames() ? "rigid frames" : "others"),
+                         "a state of numbers (template=\"Vec1\")");
   }
+  if (state.hasPointsOnly() || (nodes() == Nodes::points_or_frames && state.hasFrames())) return;
+  const bool frames = nodes() == Nodes::points_or_frames;
+  throw ComponentError(
+      fmt::format("this constraint acts on points{}, and {} has {}", frames ? " or rigid frames" : "", state.path(),
+                  state.hasFrames() ? "rigid frames" : "numbers"),
+      frames ? "a state of points or of frames (template=\"Vec3\" or \"Rigid3\")" : "a state of points (template=\"Vec3\")",
+      state.hasFrames() ? "points that follow the frames by a RigidMapping" : "");
 }
 
 void PairConstraint::checkNode(const State& state, Index node, const char* attribute) const {
@@ -33,5 +56,7 @@ void PairConstraint::checkNode(const State& state, Index node, const char* attri
     throw ComponentError(fmt::format("{} names node {}, and {} has {}", attribute, node, state.path(), state.nodes()),
                          fmt::format("a node from 0 to {}", state.nodes() - 1));
 }
+
+void PairConstraint::serialize(Archive& archive) { archive.list("forces", forces_); }
 
 }  // namespace stroma::lagrangian

@@ -8,7 +8,7 @@ namespace stroma::lagrangian {
 
 using Kind = LagrangianRows::Kind;
 
-/// Conditions between points of one or two states.
+/// Conditions between nodes of one or two states.
 class PairConstraint : public Component, public LagrangianConstraint {
  public:
   std::string roleText() const override { return "Lagrangian constraint"; }
@@ -19,17 +19,23 @@ class PairConstraint : public Component, public LagrangianConstraint {
   }
   void takeForces(std::span<const double> forces) override { forces_.assign(forces.begin(), forces.end()); }
   void reset() override { forces_.clear(); }
+  void serialize(Archive& archive) override;
 
  protected:
+  /// What states may hold.
+  enum class Nodes { points, points_or_frames, values };
+  virtual Nodes nodes() const { return Nodes::points; }
+  void declareOneState(DataTable& table);  ///< instead of declare(): mstate, forces
   State& first() const { return *first_; }
   State& second() const { return *second_; }
   /// Throws ComponentError for a node that the state does not have.
   void checkNode(const State& state, Index node, const char* attribute) const;
-  /// The system's row of a node.
-  static Index rowOf(const State& state, Index node) { return state.firstRow() + node; }
-  virtual bool takesValues() const { return false; }  ///< states of numbers instead of points
+  /// The system's row of a node; of a frame that of its centre, its orientation is in the next.
+  static Index rowOf(const State& state, Index node) { return state.firstRow() + node * state.rows_per_node; }
 
  private:
+  void checkState(const State& state) const;
+
   Link<State> object1_{"mechanical state"}, object2_{"mechanical state"};
   State *first_ = nullptr, *second_ = nullptr;
   std::vector<double> forces_;

@@ -19,11 +19,12 @@
 //   <FixedProjectiveConstraint indices="0 1"/>
 //   <SlidingLagrangianConstraint sliding_point="2" axis_1="0" axis_2="1"/>
 // </Node>
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 
 #include "components/lagrangian/pair_constraint.h"
-#include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
 
 namespace stroma::lagrangian {
@@ -44,6 +45,8 @@ class Sliding final : public PairConstraint {
     if (nodes_.size() < 2) throw ComponentError("curve has one point", "two or more");
     checkNode(first(), point_, "sliding_point");
     for (const Index node : nodes_) checkNode(second(), node, curve_.empty() ? "axis_1 or axis_2" : "curve");
+    if (&first() == &second() && std::find(nodes_.begin(), nodes_.end(), point_) != nodes_.end())
+      throw ComponentError(fmt::format("sliding_point {} is a point of its own line", point_), "another point");
     for (std::size_t i = 1; i < nodes_.size(); ++i)
       if (nodes_[i] == nodes_[i - 1]) throw ComponentError("a piece of the curve has one point twice", "two points");
   }

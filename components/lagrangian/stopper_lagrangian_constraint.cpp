@@ -24,7 +24,7 @@ namespace {
 class Stopper final : public PairConstraint {
  public:
   void declare(DataTable& table) override {
-    PairConstraint::declare(table);
+    declareOneState(table);
     table.add("index", node_).help("the number of the state that is bounded");
     table.add("min", least_).help("least value");
     table.add("max", most_).help("largest value");
@@ -43,7 +43,7 @@ class Stopper final : public PairConstraint {
   }
 
  protected:
-  bool takesValues() const override { return true; }
+  Nodes nodes() const override { return Nodes::values; }
 
  private:
   Index node_ = 0;

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SurfacePressureConstraint: a closed surface, such as the cavity of an actuator, under a pressure or with a given volume.
 //
-//   V(x) = 1/6 sum over triangles (a, b, c) of a . (b x c)
-//   valueType volumeGrowth: V = V_0 + value, and p is what that takes
-//   valueType pressure:     p = value
+//   V(x) = 1/6 sum over triangles (a, b, c) of (a - o) . ((b - o) x (c - o)),   o any point
+//   valueType volumeGrowth: V = V_0 + value, and p is what that takes, between minPressure and maxPressure where they are given
+//   valueType pressure:     p = value, while minVolumeGrowth <= V - V_0 <= maxVolumeGrowth where they are given
 //
-// The force is p dV/dx, on each triangle p times its area along its normal. Normals point out of the cavity that is
-// inflated; flipNormal turns them. `pressure` and `volumeGrowth` have both after a step. They do not depend on the time step.
+// The force is p dV/dx: each triangle bears p times its area along its normal, a third on each corner. Normals point out of
+// the cavity that is inflated; flipNormal turns them. `pressure` and `volumeGrowth` have both after a step. They do not
+// depend on the time step. A surface that is not closed has no volume: it takes a pressure alone.
 //
-// Source: the names and attributes are those of SOFA's plugin SoftRobots.
+// Source: the names and attributes are those of SOFA's plugin SoftRobots, where pressures are p times the time step.
 //
 // Example:
 // <Node name="root" dt="0.01">
@@ -23,8 +24,10 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <map>
+#include <optional>
 
-#include "components/lagrangian/pair_constraint.h"
+#include "components/lagrangian/actuator.h"
 #include "framework/mechanics/state_topology.h"
 #include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
@@ -32,93 +35,125 @@
 namespace stroma::lagrangian {
 namespace {
 
-class SurfacePressure final : public PairConstraint {
+class SurfacePressure final : public Actuator {
  public:
   void declare(DataTable& table) override {
-    PairConstraint::declare(table);
+    declareOneState(table);
+    useWord("pressure");
     topology_.declare(table, "mesh with the triangles and quads of the surface");
-    table.add("triangles", triangles_).help("of the surface; those of the mesh when not given");
-    table.add("value", values_).atOnce().help("pressure [Pa] or growth of the volume [m^3]; of several the one of valueIndex");
-    table.add("valueIndex", index_).help("which of value").min(0);
-    table.add("valueType", type_).help("pressure, or volumeGrowth: the growth of the volume since the start");
+    table.add("triangles", triangles_).help("of the surface; with quads those of the mesh when neither is given");
+    table.add("quads", quads_).help("of the surface, each as two triangles");
+    declareValue(table, "volumeGrowth", "pressure", "pressure [Pa] or growth of the volume since the start [m^3]");
     table.add("flipNormal", flip_).help("normals point the other way");
-    table.add("pressure", pressure_).help("of the last step").unit("Pa").output();
-    table.add("initialCavityVolume", start_volume_).help("volume at the start").unit("m^3").output();
+    table.add("minPressure", least_pressure_).help("least pressure; without it, none").unit("Pa");
+    table.add("maxPressure", most_pressure_).help("largest pressure; without it, none").unit("Pa");
+    table.add("minVolumeGrowth", least_growth_).help("least growth; without it, none").unit("m^3");
+    table.add("maxVolumeGrowth", most_growth_).help("largest growth; without it, none").unit("m^3");
+    table.add("maxPressureVariation", pressure_change_)
+        .help("largest change of the imposed pressure in a step; without it, none")
+        .unit("Pa")
+        .min(0);
+    table.add("maxVolumeGrowthVariation", growth_change_)
+        .help("largest change of the imposed growth in a step; without it, none")
+        .unit("m^3")
+        .min(0);
+    table.add("pressure", force_).help("of the last step").unit("Pa").output();
+    table.add("initialCavityVolume", start_).help("volume at the start").unit("m^3").output();
     table.add("cavityVolume", volume_).help("volume after the last step").unit("m^3").output();
-    table.add("volumeGrowth", growth_).help("growth of the volume since the start").unit("m^3").output();
-    for (const char* name : {"drawPressure", "drawScale"}) table.addVisualOnly(name);
+    table.add("volumeGrowth", way_).help("growth of the volume since the start").unit("m^3").output();
+    for (const char* name : {"drawPressure", "drawScale", "visualization", "showVisuScale"}) table.addVisualOnly(name);
   }
   void init() override {
-    PairConstraint::init();
-    if (type_ != "pressure" && type_ != "volumeGrowth")
-      throw ComponentError(fmt::format("valueType is {}", type_), "pressure or volumeGrowth");
+    Actuator::init();
     faces_ = triangles_;
+    const auto addQuads = [this](const std::vector<Quad>& quads) {
+      for (const Quad& q : quads) faces_.push_back({q[0], q[1], q[2]}), faces_.push_back({q[0], q[2], q[3]});
+    };
+    addQuads(quads_);
     if (faces_.empty())
       if (const Topology* topology = topology_.find(*this, first())) {
         faces_ = topology->mesh().triangles;
-        for (const Quad& q : topology->mesh().quads)
-          faces_.push_back({q[0], q[1], q[2]}), faces_.push_back({q[0], q[2], q[3]});
+        addQuads(topology->mesh().quads);
       }
-    if (faces_.empty()) throw ComponentError("the surface has no triangle", "triangles, or a mesh that has some");
+    if (faces_.empty()) throw ComponentError("the surface has no triangle", "triangles or quads, or a mesh that has some");
     for (const Triangle& t : faces_)
-      for (const Index node : t) checkNode(first(), node, "triangles");
-    is_measured_ = false;
-  }
-  void constrainedStepBegins(ConstRows x, double) override {
-    if (is_measured_) return;
-    start_volume_ = volume_ = volumeAt(x);
-    is_measured_ = true;
-  }
-  void addConditions(ConstRows x, ConstRows, LagrangianRows& rows) const override {
-    const double value = index_ < int(values_.size()) ? values_[std::size_t(index_)] : 0;
-    volume_ = volumeAt(x);
-    if (type_ == "pressure")
-      rows.begin(Kind::given, 0, value);
-    else
-      rows.begin(Kind::equal, volume_ - start_volume_ - value);
-    for (const Triangle& t : faces_) {
-      const Vec3 a = placeOf(x, t[0]), b = placeOf(x, t[1]), c = placeOf(x, t[2]);
-      rows.add(rowOf(first(), t[0]), sign() / 6 * b.cross(c));
-      rows.add(rowOf(first(), t[1]), sign() / 6 * c.cross(a));
-      rows.add(rowOf(first(), t[2]), sign() / 6 * a.cross(b));
-    }
+      for (const Index node : t) checkNode(first(), node, "the surface");
+    bound({written("minVolumeGrowth", least_growth_, -infinity), written("maxVolumeGrowth", most_growth_, infinity),
+           written("maxVolumeGrowthVariation", growth_change_, infinity)},
+          {written("minPressure", least_pressure_, -infinity), written("maxPressure", most_pressure_, infinity),
+           written("maxPressureVariation", pressure_change_, infinity)});
+    const bool needs_volume =
+        !imposesForce() || data().find("minVolumeGrowth")->isSet() || data().find("maxVolumeGrowth")->isSet();
+    if (needs_volume) checkClosed();
   }
   void takeForces(std::span<const double> forces) override {
-    PairConstraint::takeForces(forces);
-    pressure_ = forces.empty() ? 0 : forces[0];
-    growth_ = volume_ - start_volume_;
-  }
-  void reset() override {
-    PairConstraint::reset();
-    is_measured_ = false;
+    Actuator::takeForces(forces);
+    volume_ = start_ + way_;
   }
   void serialize(Archive& archive) override {
-    archive.value("start_volume", start_volume_);
-    archive.value("is_measured", is_measured_);
+    Actuator::serialize(archive);
+    archive.value("volume", volume_);
+  }
+
+ protected:
+  double measure(ConstRows x) const override {
+    const Vec3 o = placeOf(x, faces_.front()[0]);
+    double sum = 0;
+    for (const Triangle& t : faces_) sum += (placeOf(x, t[0]) - o).dot((placeOf(x, t[1]) - o).cross(placeOf(x, t[2]) - o));
+    return (flip_ ? -1 : 1) * sum / 6;
+  }
+  void addGradient(ConstRows x, double sign, LagrangianRows& rows) const override {
+    const double share = sign * (flip_ ? -1 : 1) / 6;
+    for (const Triangle& t : faces_) {
+      const Vec3 a = placeOf(x, t[0]);
+      const Vec3 third = share * (placeOf(x, t[1]) - a).cross(placeOf(x, t[2]) - a);
+      for (const Index node : t) rows.add(rowOf(first(), node), third);
+    }
   }
 
  private:
-  double sign() const { return flip_ ? -1 : 1; }
   Vec3 placeOf(ConstRows x, Index node) const { return x[rowOf(first(), node)]; }
-  double volumeAt(ConstRows x) const {
-    double sum = 0;
-    for (const Triangle& t : faces_) sum += placeOf(x, t[0]).dot(placeOf(x, t[1]).cross(placeOf(x, t[2])));
-    return sign() * sum / 6;
+
+  /// Throws ComponentError unless each edge is passed as often in the one direction as in the other. Where it is not, nodes at
+  /// one place count as one: the surface may have been read triangle by triangle.
+  void checkClosed() const {
+    if (!openEdge([](Index node) { return node; })) return;
+    std::map<std::array<double, 3>, Index> nodes;
+    const auto edge = openEdge([&](Index node) {
+      const Vec3& p = first().position[std::size_t(node)];
+      return nodes.emplace(std::array{p.x(), p.y(), p.z()}, node).first->second;
+    });
+    if (edge)
+      throw ComponentError(fmt::format("the surface has no volume: at the edge of nodes {} and {} a triangle has no "
+                                       "neighbour, or one that is turned the other way",
+                                       (*edge)[0], (*edge)[1]),
+                           "a closed surface, whose triangles all turn the same way");
+  }
+  template <class NodeAt>
+  std::optional<std::array<Index, 2>> openEdge(NodeAt&& node_at) const {
+    std::map<std::array<Index, 2>, int> passes;
+    for (const Triangle& t : faces_)
+      for (std::size_t i = 0; i < 3; ++i) {
+        const Index a = node_at(t[i]), b = node_at(t[(i + 1) % 3]);
+        if (a != b) passes[{std::min(a, b), std::max(a, b)}] += a < b ? 1 : -1;
+      }
+    for (const auto& [edge, sum] : passes)
+      if (sum != 0) return edge;
+    return {};
   }
 
   TopologyLink topology_;
   std::vector<Triangle> triangles_, faces_;
-  std::vector<double> values_{0};
-  int index_ = 0;
-  std::string type_ = "pressure";
-  bool flip_ = false, is_measured_ = false;
-  double pressure_ = 0, start_volume_ = 0, growth_ = 0;
-  mutable double volume_ = 0;
+  std::vector<Quad> quads_;
+  bool flip_ = false;
+  double least_pressure_ = 0, most_pressure_ = 0, least_growth_ = 0, most_growth_ = 0, pressure_change_ = 0, growth_change_ = 0;
+  double volume_ = 0;
 };
 
 }  // namespace
 }  // namespace stroma::lagrangian
 
 STROMA_COMPONENT(surface_pressure_constraint) {
-  factory.add<stroma::lagrangian::SurfacePressure>("SurfacePressureConstraint", "a cavity under pressure, or of a given volume");
+  factory.add<stroma::lagrangian::SurfacePressure>("SurfacePressureConstraint",
+                                                   "a cavity under pressure, or of a given volume");
 }

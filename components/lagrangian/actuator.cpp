@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "components/lagrangian/actuator.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "framework/scene/archive.h"
+
+namespace stroma::lagrangian {
+
+void Actuator::declareValue(DataTable& table, const char* way, const char* force, const std::string& help) {
+  way_word_ = way, force_word_ = force;
+  table.add("value", values_).atOnce().help(help + "; of several the one of valueIndex");
+  table.add("valueIndex", index_).help("which of value").min(0);
+  table.add("impulses", impulses_).help(fmt::format("a written {} and its bounds are those of a whole step: divided by dt", force));
+  table.add("valueType", type_).help(fmt::format("what value is: {} or {}", way, force));
+}
+
+double Actuator::written(const char* attribute, double value, double otherwise) const {
+  return data().find(attribute)->isSet() ? value : otherwise;
+}
+
+double Actuator::Bounds::within(double value, double before) const {
+  return std::clamp(std::clamp(value, before - change, before + change), least, most);
+}
+
+void Actuator::init() {
+  PairConstraint::init();
+  if (type_ != way_word_ && type_ != force_word_)
+    throw ComponentError(fmt::format("valueType is {}", type_), way_word_ + " or " + force_word_);
+  if (index_ > 0 && index_ >= int(values_.size()))
+    throw ComponentError(fmt::format("valueIndex is {}, and value has {} numbers", index_, values_.size()),
+                         fmt::format("0 to {}", std::max<int>(0, int(values_.size()) - 1)));
+}
+
+void Actuator::bound(const Bounds& way, const Bounds& force) {
+  for (const auto& [bounds, word] : {std::pair(way, way_word_), std::pair(force, force_word_)})
+    if (!(bounds.least <= bounds.most))
+      throw ComponentError(fmt::format("the least {} is {:g} and the largest {:g}", word, bounds.least, bounds.most),
+                           "the least below the largest");
+  way_bounds_ = way, force_bounds_ = force;
+}
+
+double Actuator::value() const {
+  if (values_.empty()) return 0;
+  return values_[std::min(std::size_t(index_), values_.size() - 1)];
+}
+
+void Actuator::constrainedStepBegins(ConstRows x, double) {
+  if (!is_measured_) startAt(measure(x));
+  plan();
+}
+
+/// Rows of the conditions above. A force between two bounds is the one bound, given, and a push that has the way between
+/// them at most.
+void Actuator::plan() {
+  plan_.clear();
+  const double by = impulses_ ? 1 / node().root().dt() : 1;
+  const Bounds force_bounds = force_bounds_.times(by);
+  if (imposesForce()) {
+    plan_.push_back({Kind::given, 1, 0, force_bounds.within(by * value(), force_)});
+    if (way_bounds_.most < infinity) plan_.push_back({Kind::push, -1, way_bounds_.most, 0});
+    if (way_bounds_.least > -infinity) plan_.push_back({Kind::push, 1, way_bounds_.least, 0});
+    return;
+  }
+  const double at = way_bounds_.within(value(), way_), least = force_bounds.least, most = force_bounds.most;
+  const bool has_least = least > -infinity, has_most = most < infinity;
+  if (!has_least && !has_most) return plan_.push_back({Kind::equal, 1, at, 0});
+  const double given = has_least ? least : most;
+  if (given != 0 || least == most) plan_.push_back({Kind::given, 1, at, given});
+  if (least == most) return;
+  if (has_least)
+    plan_.push_back({Kind::push, 1, at, has_most ? most - least : 0});
+  else
+    plan_.push_back({Kind::push, -1, at, 0});
+}
+
+void Actuator::addConditions(ConstRows x, ConstRows, LagrangianRows& rows) const {
+  now_ = measure(x);
+  for (const Plan& row : plan_) {
+    rows.begin(row.kind, row.sign * (now_ - start_ - row.at), row.factor);
+    addGradient(x, row.sign, rows);
+  }
+}
+
+void Actuator::takeForces(std::span<const double> forces) {
+  force_ = 0;
+  for (std::size_t i = 0; i < std::min(forces.size(), plan_.size()); ++i) force_ += plan_[i].sign * forces[i];
+  way_ = now_ - start_;
+  PairConstraint::takeForces({&force_, 1});
+}
+
+void Actuator::reset() {
+  PairConstraint::reset();
+  is_measured_ = false;
+  way_ = force_ = 0;
+}
+
+void Actuator::serialize(Archive& archive) {
+  PairConstraint::serialize(archive);
+  archive.value("start", start_);
+  archive.value("is_measured", is_measured_);
+  archive.value("way", way_);
+  archive.value("force", force_);
+}
+
+}  // namespace stroma::lagrangian

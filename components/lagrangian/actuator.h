@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// What pulls or pumps: a way s(x) from where the scene starts, and a force f along ds/dx with the work f ds. A cable has its
+// shortening and its tension, a cavity the growth of its volume and its pressure. Either is imposed, the other follows within
+// its bounds:
+//
+//   the way:    s = value,  f_least <= f <= f_most;   at f_least s >= value, at f_most s <= value
+//   the force:  f = value,  s_least <= s <= s_most;   at s_least f >= value, at s_most f <= value
+//
+// The imposed value is first kept within its own bounds, and within a largest change from what was there a step ago. In SOFA's
+// plug-in SoftRobots what is written for a force is an impulse, f dt: with `impulses` it is divided by dt.
+#pragma once
+#include <limits>
+
+#include "components/lagrangian/pair_constraint.h"
+
+namespace stroma::lagrangian {
+
+class Actuator : public PairConstraint {
+ public:
+  void init() override;
+  void constrainedStepBegins(ConstRows x, double t_end) override;
+  void addConditions(ConstRows x, ConstRows x_start, LagrangianRows& rows) const override;
+  void takeForces(std::span<const double> forces) override;
+  void reset() override;
+  void serialize(Archive& archive) override;
+
+ protected:
+  static constexpr double infinity = std::numeric_limits<double>::infinity();
+  /// Bounds of a way or of a force, and by how much it may change in a step as an imposed one.
+  struct Bounds {
+    double least = -infinity, most = infinity, change = infinity;
+    double within(double value, double before) const;
+    Bounds times(double factor) const { return {factor * least, factor * most, factor * change}; }
+  };
+  virtual double measure(ConstRows x) const = 0;  ///< s and a constant
+  /// Adds sign * ds/dx to the last row.
+  virtual void addGradient(ConstRows x, double sign, LagrangianRows& rows) const = 0;
+  /// value, valueIndex, valueType: `way` or `force`, the words of a scene.
+  void declareValue(DataTable& table, const char* way, const char* force, const std::string& help);
+  void useWord(const char* word) { type_ = word; }  ///< of valueType when not given
+  /// What a scene has written in an attribute, else what stands for nothing.
+  double written(const char* attribute, double value, double otherwise) const;
+  /// In init(): throws ComponentError where least is above most.
+  void bound(const Bounds& way, const Bounds& force);
+  bool imposesForce() const { return type_ == force_word_; }
+  void startAt(double measured) { start_ = measured, is_measured_ = true; }
+
+  double way_ = 0, force_ = 0, start_ = 0;  ///< s and f after the last step; measure() where the scene starts
+
+ private:
+  /// One condition sign * (s - at).
+  struct Plan {
+    Kind kind;
+    double sign, at, factor;
+  };
+  double value() const;
+  void plan();
+
+  std::vector<double> values_{0};
+  int index_ = 0;
+  bool impulses_ = false;
+  std::string type_, way_word_, force_word_;
+  Bounds way_bounds_, force_bounds_;
+  bool is_measured_ = false;
+  std::vector<Plan> plan_;  ///< of the step under way
+  mutable double now_ = 0;  ///< measure() at the x of the last conditions
+};
+
+}  // namespace stroma::lagrangian
