@@ -8,7 +8,9 @@
 // damped. There is no energy and no stiffness; implicit integrators take C into their matrix, so any c is stable there,
 // and an explicit step is stable while dt c is below twice the mass of a node.
 //
-// Source: the names and attributes are SOFA's; its `implicit` has no effect, since C is always used.
+// With explicitDamping the uniform one has no C: the force is that of the velocity where a step starts.
+//
+// Source: the names and attributes are SOFA's; its `implicit` has no effect, since C is used unless explicitDamping is written.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">
@@ -42,7 +44,7 @@ class VelocityDamping : public NodeGroupField<1> {
     ForceTraits traits;
     traits.linear = traits.symmetric = traits.exact_tangent = traits.conservative = true;
     traits.has_stiffness = false;
-    traits.velocity_dependent = true;
+    traits.velocity_dependent = !isExplicit();
     return traits;
   }
   void compile() override {
@@ -55,6 +57,7 @@ class VelocityDamping : public NodeGroupField<1> {
 
  protected:
   virtual Vec3 coefficientsOf(std::size_t node) const = 0;  ///< [N s/m], of the node at that place in the list
+  virtual bool isExplicit() const { return false; }
   std::size_t count() const { return nodes_.size(); }
 
  private:
@@ -67,14 +70,17 @@ class UniformVelocityDampingForceField final : public VelocityDamping {
   void declare(DataTable& table) override {
     VelocityDamping::declare(table);
     table.add("dampingCoefficient", coefficient_).recompiled().help("force over velocity").unit("N s/m").min(0);
+    table.add("explicitDamping", explicit_).help("damping has no part in derivatives, as in SOFA without implicit");
     table.addVisualOnly("implicit");
   }
 
  protected:
   Vec3 coefficientsOf(std::size_t) const override { return Vec3::Constant(coefficient_); }
+  bool isExplicit() const override { return explicit_; }
 
  private:
   double coefficient_ = 0.1;
+  bool explicit_ = false;
 };
 
 class DiagonalVelocityDampingForceField final : public VelocityDamping {

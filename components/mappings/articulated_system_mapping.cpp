@@ -133,6 +133,14 @@ void ArticulatedSystemMapping::init() {
   }
 }
 
+/// That of its own node, or of the nearest above that has one.
+const ArticulationCenter* centerOf(const Articulation& one, const std::vector<ArticulationCenter*>& centers) {
+  for (const Node* at = &one.node(); at; at = at->parent())
+    for (const ArticulationCenter* center : centers)
+      if (&center->node() == at) return center;
+  throw ComponentError(one.path() + " is in no ArticulationCenter's node", "one in its node or above it");
+}
+
 void ArticulatedSystemMapping::collect() {
   std::vector<ArticulationCenter*> centers;
   std::vector<Articulation*> articulations;
@@ -149,7 +157,7 @@ void ArticulatedSystemMapping::collect() {
                              fmt::format("0 to {}", output().nodes() - 1));
     Limb limb{Index(center->parent), Index(center->child), center->on_parent, center->on_child, joints_.size(), 0};
     for (Articulation* one : articulations) {
-      if (&one->node() != &center->node() && one->node().parent() != &center->node()) continue;
+      if (centerOf(*one, centers) != center) continue;
       one->ensureReady();
       if (one->number >= input().nodes())
         throw ComponentError(fmt::format("{} names number {} of {}", one->path(), one->number, input().nodes()),

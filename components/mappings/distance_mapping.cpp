@@ -38,6 +38,7 @@
 #include <cmath>
 
 #include "components/mappings/linked_mapping.h"
+#include "components/mappings/numbers_of_cells.h"
 #include "framework/mechanics/node_indices.h"
 #include "framework/mechanics/state_topology.h"
 #include "framework/scene/factory.h"
@@ -118,14 +119,7 @@ class PairMapping : public CurvedMapping {
       throw ComponentError(fmt::format("restLengths has {} values for {} pairs", lengths.size(), pairs_.size()),
                            "one for each");
     State& child = output();
-    if (child.rows_per_node != 1 || child.kindOf(0) != RowKind::value)
-      throw ComponentError(child.path() + " cannot hold lengths", "a state of numbers (template=\"Vec1\")");
-    if (child.nodes() != Index(pairs_.size()) && child.data().find("position")->isSet())
-      throw ComponentError(fmt::format("{} has {} numbers for {} pairs", child.path(), child.nodes(), pairs_.size()),
-                           "as many, or no position");
-    child.row_kinds.assign(pairs_.size(), RowKind::value);
-    for (std::vector<Vec3>* rows : {&child.position, &child.rest_position, &child.velocity})
-      rows->assign(pairs_.size(), Vec3::Zero());
+    makeNumbers(child, pairs_.size(), "pairs");
     for (std::size_t e = 0; e < pairs_.size(); ++e) {
       const double start = wayOf(e, false).norm();
       pairs_[e].length = !lengths.empty() ? lengths[e] : whole_distance || isSquare() ? 0 : start;
@@ -189,23 +183,7 @@ class EdgeMapping : public PairMapping {
   }
 
  protected:
-  const std::vector<Edge>& edges(Index nodes) const {
-    const Topology* mesh = topology_.get();
-    for (const Node* at = &node(); at && !mesh; at = at->parent())
-      for (const auto& component : at->components())
-        if (auto* one = dynamic_cast<Topology*>(component.get()); one && !mesh) {
-          one->ensureReady();
-          if (!one->mesh().edges.empty()) mesh = one;
-        }
-    if (!mesh || mesh->mesh().edges.empty())
-      throw ComponentError("there are no edges", "a topology with edges in this node, or topology=\"@path\"");
-    for (const Edge& edge : mesh->mesh().edges)
-      for (const Index node : edge)
-        if (node < 0 || node >= nodes)
-          throw ComponentError(fmt::format("an edge of {} names point {} of {}", mesh->path(), node, nodes),
-                               fmt::format("0 to {}", nodes - 1));
-    return mesh->mesh().edges;
-  }
+  const std::vector<Edge>& edges(Index nodes) const { return cellsOfMesh(*this, topology_, &Mesh::edges, "edges", nodes); }
   Link<Topology> topology_{"topology"};
 };
 

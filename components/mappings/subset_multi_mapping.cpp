@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// SubsetMultiMapping: the nodes of a state are nodes of several others.
+// Nodes of several states as those of one, and the middle of a state.
 //
-//   x_i = x of node indexPairs[2 i + 1] of state indexPairs[2 i] of `input`
+//   SubsetMultiMapping    x_i = x of node indexPairs[2 i + 1] of state indexPairs[2 i] of `input`
+//   IdentityMultiMapping  all nodes of the states of `input`, one state after the other
+//   CenterOfMassMapping   x = sum m_i x_i / sum m_i, with the masses m_i of the state that is followed; one node
 //
 // A soft body whose nodes are partly free and partly fixed in rigid bodies is such a state: its free nodes are those of one
-// parent, the others those of points that a RigidMapping carries. Forces of its elements then act on both.
+// parent, the others those of points that a RigidMapping carries. Forces of its elements then act on both. A force on the
+// centre of mass is shared by the masses. Of frames points follow the centres.
 //
-// Source: the name and the attributes are SOFA's.
+// A state that follows and has no positions of its own gets as many nodes as follow.
+//
+// Source: the names and the attributes are SOFA's.
 //
 // Example:
 // <Node name="root" dt="0.01">
@@ -19,37 +24,91 @@
 //   <Node name="b">
 //     <MechanicalObject name="dofs" position="2 0 0  1 0 0"/>
 //     <UniformMass totalMass="2"/>
+//     <Node name="middle">
+//       <MechanicalObject name="centre"/>
+//       <CenterOfMassMapping/>
+//       <ConstantForceField forces="0 0 0.1"/>
+//     </Node>
 //   </Node>
 //   <Node name="both">
 //     <MechanicalObject name="ends" position="0 0 0  1 0 0"/>
 //     <SubsetMultiMapping input="@../a/dofs @../b/dofs" indexPairs="0 0  1 1"/>
 //     <SpringForceField springsIndices1="0" springsIndices2="1" lengths="1.2" stiffness="100" damping="0"/>
 //   </Node>
+//   <Node name="all">
+//     <MechanicalObject name="three"/>
+//     <IdentityMultiMapping input="@../a/dofs @../b/dofs"/>
+//     <SpringForceField springsIndices1="0" springsIndices2="1" lengths="2" stiffness="10" damping="0"/>
+//   </Node>
 // </Node>
 #include <fmt/format.h>
 
 #include "components/mappings/weighted_mapping.h"
+#include "framework/mechanics/mass.h"
 #include "framework/mechanics/node_indices.h"
+#include "framework/mechanics/state_topology.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
 namespace {
 
-class SubsetMultiMapping final : public WeightedMapping {
+/// A node of one of the inputs.
+struct FollowedNode {
+  int state = 0;
+  Index first_row = 0;
+};
+
+/// What follows nodes of several states.
+class MultiMapping : public WeightedMapping {
+ protected:
+  bool takesManyInputs() const override { return true; }
+
+  /// At the end of init(): one node of the output for each.
+  void follow(const std::vector<FollowedNode>& nodes) {
+    if (!hasPlaces(output())) givePlaces(nodes);
+    if (output().nodes() != Index(nodes.size()))
+      throw ComponentError(
+          fmt::format("{} has {} nodes, and {} are to be followed", output().path(), output().nodes(), nodes.size()),
+          "as many of each, or no positions");
+    for (const FollowedNode& node : nodes) addCopy(node.first_row, node.state);
+  }
+  static bool hasPlaces(const State& child) {
+    bool is_given = firstTopology(child, false) != nullptr;
+    for (const char* name : {"position", "rest_position", "size"})
+      if (const Data* data = child.data().find(name)) is_given = is_given || data->isSet();
+    return is_given;
+  }
+
+ private:
+  void givePlaces(const std::vector<FollowedNode>& nodes) {
+    State& child = output();
+    const std::vector<RowKind> kinds = child.row_kinds;
+    child.row_kinds.clear();
+    for (std::vector<Vec3>* rows : {&child.position, &child.rest_position, &child.velocity}) rows->clear();
+    for (const FollowedNode& node : nodes) {
+      const State& from = *inputs()[std::size_t(node.state)];
+      for (Index k = 0; k < child.rows_per_node; ++k) {
+        const auto row = std::size_t(node.first_row + std::min(k, from.rows_per_node - 1));
+        child.position.push_back(from.position[row]);
+        child.rest_position.push_back(from.rest_position[row]);
+        child.velocity.push_back(from.velocity[row]);
+        if (!kinds.empty()) child.row_kinds.push_back(kinds[std::size_t(k)]);
+      }
+    }
+  }
+};
+
+class SubsetMultiMapping final : public MultiMapping {
  public:
   void declare(DataTable& table) override {
-    WeightedMapping::declare(table);
-    table.add("indexPairs", pairs_)
-        .help("for each node the number of its state in input, and its node there")
-        .required();
+    MultiMapping::declare(table);
+    table.add("indexPairs", pairs_).help("for each node the number of its state in input, and its node there").required();
   }
 
   void init() override {
-    WeightedMapping::init();
-    if (pairs_.size() != 2 * std::size_t(output().nodes()))
-      throw ComponentError(fmt::format("indexPairs has {} numbers for the {} nodes of {}", pairs_.size(),
-                                       output().nodes(), output().path()),
-                           "two for each node");
+    MultiMapping::init();
+    if (pairs_.size() % 2 != 0) throw ComponentError(fmt::format("indexPairs has {} numbers", pairs_.size()), "two for each node");
+    std::vector<FollowedNode> nodes;
     for (std::size_t i = 0; i < pairs_.size(); i += 2) {
       const int state = pairs_[i];
       if (state < 0 || std::size_t(state) >= inputs().size())
@@ -57,15 +116,61 @@ class SubsetMultiMapping final : public WeightedMapping {
                              fmt::format("0 to {}", inputs().size() - 1));
       const State& from = *inputs()[std::size_t(state)];
       checkNode(pairs_[i + 1], i + 1, from, "indexPairs");
-      addCopy(pairs_[i + 1] * from.rows_per_node, state);
+      nodes.push_back({state, pairs_[i + 1] * from.rows_per_node});
     }
+    if (nodes.empty()) throw ComponentError("indexPairs names no node", "two numbers for each node");
+    follow(nodes);
   }
-
- protected:
-  bool takesManyInputs() const override { return true; }
 
  private:
   std::vector<int> pairs_;
+};
+
+class IdentityMultiMapping final : public MultiMapping {
+ public:
+  void init() override {
+    MultiMapping::init();
+    std::vector<FollowedNode> nodes;
+    for (std::size_t state = 0; state < inputs().size(); ++state)
+      for (const Index first : allNodes(*inputs()[state])) nodes.push_back({int(state), first});
+    follow(nodes);
+  }
+};
+
+class CenterOfMassMapping final : public WeightedMapping {
+ public:
+  void init() override {
+    WeightedMapping::init();
+    const std::vector<double> masses = massesOfNodes();
+    double total = 0;
+    for (const double mass : masses) total += mass;
+    if (output().nodes() != 1 || output().kindOf(0) != RowKind::place || output().rows_per_node != 1 ||
+        input().kindOf(0) != RowKind::place)
+      throw ComponentError(fmt::format("{} has {} nodes", output().path(), output().nodes()),
+                           "one point, the middle of points or frames");
+    std::vector<Weight> weights;
+    const std::vector<Index> nodes = allNodes(input());
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+      if (masses[i] > 0) weights.push_back({nodes[i], masses[i] / total});
+    addNode(weights);
+  }
+
+ private:
+  std::vector<double> massesOfNodes() const {
+    std::vector<Mass*> masses;
+    input().node().root().collect(masses);
+    std::vector<double> values(std::size_t(input().nodes()), 0.0);
+    bool found = false;
+    for (Mass* mass : masses) {
+      if (&mass->node() != &input().node()) continue;
+      mass->ensureReady();
+      if (&mass->state() != &input()) continue;
+      found = true;
+      for (std::size_t i = 0; i < values.size(); ++i) values[i] += mass->lumped().at(i * std::size_t(input().rows_per_node));
+    }
+    if (!found) throw ComponentError(fmt::format("{} has no mass", input().path()), "a mass beside it, as UniformMass");
+    return values;
+  }
 };
 
 }  // namespace
@@ -73,4 +178,6 @@ class SubsetMultiMapping final : public WeightedMapping {
 
 STROMA_COMPONENT(subset_multi_mapping) {
   factory.add<stroma::SubsetMultiMapping>("SubsetMultiMapping", "the nodes of a state are nodes of several others");
+  factory.add<stroma::IdentityMultiMapping>("IdentityMultiMapping", "the nodes of a state are all of several others");
+  factory.add<stroma::CenterOfMassMapping>("CenterOfMassMapping", "a point at the centre of mass of another state");
 }

@@ -82,12 +82,12 @@ class PointsFromIndices final : public Engine {
   void init() override {
     if (indices_.empty()) warn("indices names no point", "check that the selection linked here holds nodes");
     chosen_.clear();
-    std::vector<int> taken;
+    std::vector<char> taken(position_.size());
     for (const int index : indices_) {
       if (index < 0 || std::size_t(index) >= position_.size())
         throw ComponentError(fmt::format("indices names {}, and there are {} positions", index, position_.size()));
-      if (std::find(taken.begin(), taken.end(), index) != taken.end()) continue;
-      taken.push_back(index);
+      if (taken[std::size_t(index)]) continue;
+      taken[std::size_t(index)] = 1;
       chosen_.push_back(position_[std::size_t(index)]);
     }
   }

@@ -64,7 +64,7 @@ class RegionOfInterest : public Component {
   struct Selection {
     std::vector<Cell> cells;  ///< tested
     std::vector<int> indices, outside;
-    std::vector<Cell> inside_cells;
+    std::vector<Cell> inside_cells, outside_cells;
     bool wanted = true;
   };
   struct Selections {
@@ -113,6 +113,7 @@ void RegionOfInterest::declare(DataTable& table) {
         table.add(one + "Indices", selection.indices).help(many + " inside, by index").output();
         table.add(one + "OutIndices", selection.outside).help(many + " outside, by index").output();
         table.add(many + "InROI", selection.inside_cells).help(many + " inside, by nodes").output();
+        table.add(many + "OutROI", selection.outside_cells).help(many + " outside, by nodes").output();
       },
       cells_);
   table.add("indices", indices_).help("nodes inside, ascending").output();
@@ -154,7 +155,7 @@ void RegionOfInterest::forget() {
   for (std::vector<Vec3>* list : {&points_inside_, &points_outside_}) list->clear();
   forEachCellList(
       [](const CellKind&, auto& selection) {
-        selection.indices.clear(), selection.outside.clear(), selection.inside_cells.clear();
+        selection.indices.clear(), selection.outside.clear(), selection.inside_cells.clear(), selection.outside_cells.clear();
       },
       cells_);
 }
@@ -196,7 +197,7 @@ void RegionOfInterest::select(Selection<Cell>& selection) const {
     }
     const bool is_inside = strict_ ? all : contains(centre);
     (is_inside ? selection.indices : selection.outside).push_back(int(c));
-    if (is_inside) selection.inside_cells.push_back(cell);
+    (is_inside ? selection.inside_cells : selection.outside_cells).push_back(cell);
   }
 }
 

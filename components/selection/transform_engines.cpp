@@ -43,9 +43,9 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numeric>
 
 #include "components/selection/engine.h"
@@ -64,8 +64,9 @@ class TransformPosition final : public Engine {
     table.add("output_position", output_).alias("outputPosition").help("the moved ones").unit("m").output();
     table
         .addChoice("method", method_,
-                   {"projectOnPlane", "translation", "rotation", "scale", "scaleTranslation", "scaleRotationTranslation", "affine"})
-        .help("what is done");
+                   {"projectOnPlane", "translation", "rotation", "random", "scale", "scaleTranslation", "scaleRotationTranslation",
+                    "affine", "fromFile"})
+        .help("what is done; random and fromFile are refused");
     table.add("origin", origin_).help("a point of the plane, or the centre of the scale").unit("m");
     table.add("normal", normal_).help("of the plane").unit("-");
     table.add("translation", translation_).help("the way").unit("m");
@@ -73,9 +74,14 @@ class TransformPosition final : public Engine {
     table.add("scale", scale_).help("factors along the axes").unit("-");
     table.add("matrix", matrix_).help("an affine matrix, by rows").unit("-");
     table.add("fixedIndices", fixed_).help("points that stay");
-    for (const char* name : {"drawInput", "drawOutput", "pointSize", "seedValue", "maxRandomDisplacement"}) table.addVisualOnly(name);
+    for (const char* name : {"drawInput", "drawOutput", "pointSize", "seedValue", "maxRandomDisplacement", "filename"})
+      table.addVisualOnly(name);
   }
   void init() override {
+    if (method_ == Method::random || method_ == Method::file)
+      throw ComponentError(
+          method_ == Method::random ? "random displacements are not available" : "a matrix is not read from a file",
+          "another method", "method=\"affine\" and matrix, or positions that are written");
     if (method_ == Method::plane && !(normal_.norm() > 0)) throw ComponentError("normal is zero", "a vector that is not");
     const Mat3 turn = rotationFromDegrees(rotation_);
     Eigen::Matrix4d affine;
@@ -102,6 +108,8 @@ class TransformPosition final : public Engine {
         return p.cwiseProduct(scale_) + translation_;
       case Method::scale_rotation_translation:
         return turn * p.cwiseProduct(scale_) + translation_;
+      case Method::random:
+      case Method::file:
       case Method::affine:
         break;
     }
@@ -110,7 +118,17 @@ class TransformPosition final : public Engine {
     if (!(std::abs(q[3]) > vanishing)) throw ComponentError("the matrix sends a point to infinity", "a last row 0 0 0 1");
     return q.hnormalized();
   }
-  enum class Method : int { plane, translation, rotation, scale, scale_translation, scale_rotation_translation, affine };
+  enum class Method : int {
+    plane,
+    translation,
+    rotation,
+    random,
+    scale,
+    scale_translation,
+    scale_rotation_translation,
+    affine,
+    file
+  };
   Method method_ = Method::plane;
   std::vector<Vec3> input_, output_;
   Vec3 origin_ = Vec3::Zero(), normal_ = Vec3::Zero(), translation_ = Vec3::Zero(), rotation_ = Vec3::Zero(), scale_ = Vec3::Ones();
@@ -173,16 +191,28 @@ class NearestPointROI final : public Engine {
   void init() override {
     if (!one_.get() || !other_.get()) throw ComponentError("two states are needed", "object1=\"@...\" and object2=\"@...\"");
     const std::vector<Vec3>&a = rest_ ? one_.get()->rest_position : one_.get()->position,
-                      &b = rest_ ? other_.get()->rest_position : other_.get()->position;
-    const std::vector<int> these = nodes(indices_one_, a.size(), "inputIndices1"), those = nodes(indices_other_, b.size(), "inputIndices2");
+          &b = rest_ ? other_.get()->rest_position : other_.get()->position;
+    const std::vector<int> these = nodes(indices_one_, a.size(), "inputIndices1"),
+                           those = nodes(indices_other_, b.size(), "inputIndices2");
     found_one_.clear(), found_other_.clear(), distances_.clear();
+    std::vector<std::size_t> along(these.size());  // places in `these`, by x
+    std::iota(along.begin(), along.end(), std::size_t(0));
+    const auto at = [&](std::size_t k) -> const Vec3& { return a[std::size_t(these[k])]; };
+    std::stable_sort(along.begin(), along.end(), [&](std::size_t i, std::size_t k) { return at(i).x() < at(k).x(); });
     for (const int j : those) {
-      int nearest = -1;
-      double least = std::numeric_limits<double>::infinity();
-      for (const int i : these)
-        if (const double d = (a[std::size_t(i)] - b[std::size_t(j)]).norm(); d < least) least = d, nearest = i;
-      if (least >= radius_) continue;
-      found_one_.push_back(nearest), found_other_.push_back(j), distances_.push_back(least);
+      const Vec3& p = b[std::size_t(j)];
+      const auto middle =
+          std::lower_bound(along.begin(), along.end(), p.x(), [&](std::size_t k, double x) { return at(k).x() < x; });
+      std::size_t nearest = these.size();
+      double least = radius_;
+      const auto look = [&](std::size_t k) {  // of equally near ones the first in the list
+        const double d = (at(k) - p).norm();
+        if (d < least || (d == least && nearest < these.size() && k < nearest)) least = d, nearest = k;
+      };
+      for (auto next = middle; next != along.end() && at(*next).x() - p.x() <= least; ++next) look(*next);
+      for (auto next = middle; next != along.begin() && p.x() - at(*(next - 1)).x() <= least; --next) look(*(next - 1));
+      if (nearest == these.size()) continue;
+      found_one_.push_back(these[nearest]), found_other_.push_back(j), distances_.push_back(least);
     }
     if (found_one_.empty()) warn("no node is that near to another", "a larger radius");
   }

@@ -33,8 +33,10 @@
 // </Node>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <iterator>
+#include <map>
 
 #include "components/selection/engine.h"
 #include "framework/scene/factory.h"
@@ -85,24 +87,30 @@ class IndicesFromValues final : public TypedEngine {
     checkWhole(values_, "values"), checkWhole(global_, "global");
     indices_.clear(), others_.clear();
     std::vector<char> taken(count(global_));
-    withNumbers(
-        [&](const auto& values, const auto& global) {
-          for (std::size_t v = 0; v < count(values_); ++v)
-            for (std::size_t g = 0; g < count(global_); ++g) {
-              const auto begin = values.begin() + long(v * width_);
-              if (!std::equal(begin, begin + long(width_), global.begin() + long(g * width_))) continue;
-              indices_.push_back(int(g));
-              taken[g] = 1;
-              if (!all_) break;
-            }
-        },
-        values_, global_);
+    withNumbers([&](const auto& values, const auto& global) { find(values, global, taken); }, values_, global_);
     for (std::size_t g = 0; g < taken.size(); ++g)
       if (!taken[g]) others_.push_back(int(g));
     if (indices_.empty()) warn("none of the values stands in global");
   }
 
  private:
+  template <class List>
+  void find(const List& values, const List& global, std::vector<char>& taken) {
+    const auto valueAt = [this](const List& list, std::size_t i) {
+      return List(list.begin() + long(i * width_), list.begin() + long((i + 1) * width_));
+    };
+    std::map<List, std::vector<std::size_t>> places;
+    for (std::size_t g = 0; g < count(global_); ++g) places[valueAt(global, g)].push_back(g);
+    for (std::size_t v = 0; v < count(values_); ++v) {
+      const auto found = places.find(valueAt(values, v));
+      if (found == places.end()) continue;
+      for (const std::size_t g : found->second) {
+        indices_.push_back(int(g));
+        taken[g] = 1;
+        if (!all_) break;
+      }
+    }
+  }
   ValueList values_, global_;
   bool all_ = false;
   std::vector<int> indices_, others_;
@@ -126,8 +134,9 @@ class IndexValueMapper final : public TypedEngine {
         [this](const auto& value, auto& otherwise, auto& out) {
           if (otherwise.empty()) otherwise.assign(width_, 0);
           for (const int index : indices_) {
-            constexpr int most = 100'000'000;
-            if (index < 0 || index > most) throw ComponentError(fmt::format("indices names {}", index), "numbers from 0 on");
+            constexpr int most = 10'000'000;
+            if (index < 0 || index > most)
+              throw ComponentError(fmt::format("indices names {}", index), fmt::format("numbers from 0 to {}", most));
             while (out.size() <= std::size_t(index) * width_) copyValue(otherwise, 0, out);
             std::copy(value.begin(), value.begin() + long(width_), out.begin() + long(std::size_t(index) * width_));
           }

@@ -7,7 +7,8 @@
 //   resRadial rings of resCircumferential nodes, from the inside out.
 // GridMeshCreator: the unit square in z = 0 with resolution nx ny nodes, x fastest. trianglePattern: 0 quads; 1 triangles with
 //   alternating diagonals, 2 from corner to the opposite one, 3 along the other diagonal. The edges of the cells, too.
-// StringMeshCreator: `resolution` points on the x axis from 0 to 1, and the edges between neighbours.
+// StringMeshCreator: `resolution` points on the x axis from 0 to 1, and the edges between neighbours. Both are scaled, turned,
+//   moved, split and turned round as by the mesh loaders.
 // ExtrudeQuadsAndGenerateHexas: layers of hexahedra on surfaceQuads, along the mean normals of the nodes from -thicknessIn to
 //   thicknessOut; node k of the surface becomes numberOfSlices + 1 nodes, one after another.
 // ExtrudeEdgesAndGenerateQuads: strips of quads on curveEdges along extrudeDirection; the nodes come layer by layer.
@@ -35,6 +36,7 @@
 
 #include "framework/mesh/cell_attributes.h"
 #include "framework/mesh/mesh.h"
+#include "framework/mesh/mesh_loader.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
@@ -159,17 +161,51 @@ class GenerateCylinder final : public MeshMaker {
   Mesh mesh_;
 };
 
-class GridMeshCreator final : public MeshMaker {
+/// What SOFA's loaders do with every mesh: scale, turn and move it, split its quads and turn its cells round.
+class PlacedMaker : public MeshMaker {
  public:
   void declare(DataTable& table) override {
+    table.add("scale3d", scale3d_).help("factors along the axes, first").unit("-");
+    table.add("scale", scale_).help("one factor for all").unit("-").shorthand();
+    table.add("rotation", rotation_).help("about x, then y, then z").unit("degree");
+    table.add("translation", translation_).help("last").unit("m");
+    table.add("triangulate", triangulate_).help("split quads into triangles");
+    table.add("flipNormals", flip_).help("turn triangles and quads round");
+    table.addVisualOnly("filename");
+  }
+
+ protected:
+  void place() {
+    if (data().find("scale")->isSet()) scale3d_.setConstant(scale_);
+    const Mat3 turn = rotationFromDegrees(rotation_);
+    for (Vec3& p : mesh_.position) p = turn * p.cwiseProduct(scale3d_) + translation_;
+    if (triangulate_) {
+      for (const Quad& q : mesh_.quads)
+        mesh_.triangles.push_back({q[0], q[1], q[2]}), mesh_.triangles.push_back({q[0], q[2], q[3]});
+      mesh_.quads.clear();
+    }
+    if (!flip_) return;
+    for (Triangle& cell : mesh_.triangles) std::swap(cell[1], cell[2]);
+    for (Quad& cell : mesh_.quads) std::swap(cell[1], cell[3]);
+  }
+  Mesh mesh_;
+
+ private:
+  Vec3 scale3d_ = Vec3::Ones(), rotation_ = Vec3::Zero(), translation_ = Vec3::Zero();
+  double scale_ = 1;
+  bool triangulate_ = false, flip_ = false;
+};
+
+class GridMeshCreator final : public PlacedMaker {
+ public:
+  void declare(DataTable& table) override {
+    PlacedMaker::declare(table);
     table.add("resolution", nodes_).help("number of nodes along x and y").unit("-").min(2);
     table.add("trianglePattern", pattern_).help("0 quads; triangles with 1 alternating diagonals, 2 one, 3 the other").min(0).max(3);
-    table.add("scale", scale_).help("factor of the square").unit("-");
     table.add("position", mesh_.position).help("nodes").unit("m").output();
     addCellList(table, cell_kinds::edge, mesh_.edges).help("of the cells").output();
     addCellList(table, cell_kinds::quad, mesh_.quads).help("the cells").output();
     addCellList(table, cell_kinds::triangle, mesh_.triangles).help("two of each cell").output();
-    for (const char* name : {"filename", "flipNormals", "triangulate"}) table.addVisualOnly(name);
   }
   void init() override {
     if (nodes_.size() != 2) throw ComponentError(fmt::format("resolution has {} numbers", nodes_.size()), "nx ny");
@@ -177,7 +213,7 @@ class GridMeshCreator final : public MeshMaker {
     checkSize(double(nx) * ny);
     mesh_ = Mesh();
     for (int y = 0; y < ny; ++y)
-      for (int x = 0; x < nx; ++x) mesh_.position.push_back(scale_ * Vec3(double(x) / (nx - 1), double(y) / (ny - 1), 0));
+      for (int x = 0; x < nx; ++x) mesh_.position.emplace_back(double(x) / (nx - 1), double(y) / (ny - 1), 0);
     const auto node = [nx](int x, int y) { return Index(x + nx * y); };
     for (int y = 0; y + 1 < ny; ++y)
       for (int x = 0; x + 1 < nx; ++x) {
@@ -192,22 +228,21 @@ class GridMeshCreator final : public MeshMaker {
         }
       }
     mesh_.edges = Mesh(mesh_).allEdges();
+    place();
   }
 
  private:
   std::vector<int> nodes_{2, 2};
   int pattern_ = 2;
-  double scale_ = 1;
-  Mesh mesh_;
 };
 
-class StringMeshCreator final : public MeshMaker {
+class StringMeshCreator final : public PlacedMaker {
  public:
   void declare(DataTable& table) override {
+    PlacedMaker::declare(table);
     table.add("resolution", nodes_).help("number of points").min(2);
     table.add("position", mesh_.position).help("points").unit("m").output();
     addCellList(table, cell_kinds::edge, mesh_.edges).help("between neighbours").output();
-    table.addVisualOnly("filename");
   }
   void init() override {
     mesh_ = Mesh();
@@ -216,11 +251,11 @@ class StringMeshCreator final : public MeshMaker {
       mesh_.position.emplace_back(double(i) / (nodes_ - 1), 0, 0);
       if (i > 0) mesh_.edges.push_back({i - 1, i});
     }
+    place();
   }
 
  private:
   int nodes_ = 2;
-  Mesh mesh_;
 };
 
 class ExtrudeQuads final : public MeshMaker {

@@ -19,6 +19,7 @@
 
 #include <cmath>
 
+#include "components/topology/grid_faces.h"
 #include "framework/mesh/cell_attributes.h"
 #include "framework/mesh/mesh_loader.h"
 #include "framework/mesh/topology.h"
@@ -40,7 +41,6 @@ class RegularGridTopology : public Topology {
   void checkSize() const;
   void makeNodes();
   void makeCells();
-  void makeFaces();
   template <class Add>
   void forEachCell(Add&& add) const;
   bool isSet(const char* name) const { return data().find(name)->isSet(); }
@@ -203,7 +203,7 @@ void RegularGridTopology::makeCells() {
   });
   const bool want_quads = quads_ && isSet("computeQuadList") && !mesh_.hexahedra.empty();
   const bool want_edges = edges_ && isSet("computeEdgeList") && mesh_.edges.empty();
-  if (triangles_ && !mesh_.hexahedra.empty()) makeFaces();
+  if (triangles_ && !mesh_.hexahedra.empty()) addGridFaces(n_, mesh_);
   if (triangles_ && want_edges && !mesh_.triangles.empty()) {
     Mesh surface;
     surface.position = mesh_.position, surface.triangles = mesh_.triangles;
@@ -215,24 +215,6 @@ void RegularGridTopology::makeCells() {
   addSubelements(complete);
   if (want_quads) mesh_.quads = complete.quads;
   if (want_edges) mesh_.edges = complete.edges;
-}
-
-/// Those of a solid grid, and the triangles of each.
-void RegularGridTopology::makeFaces() {
-  constexpr int first[3] = {0, 0, 1}, second[3] = {1, 2, 2};  // the directions of faces normal to z, y and x
-  const Index strides[3] = {1, n_[0], n_[0] * n_[1]};
-  for (std::size_t f = 0; f < 3; ++f) {
-    std::array<int, 3> count = n_;
-    --count[std::size_t(first[f])], --count[std::size_t(second[f])];
-    for (int k = 0; k < count[2]; ++k)
-      for (int j = 0; j < count[1]; ++j)
-        for (int i = 0; i < count[0]; ++i) {
-          const Index a = i + strides[1] * j + strides[2] * k, u = strides[first[f]], v = strides[second[f]];
-          mesh_.quads.push_back({a, a + u, a + u + v, a + v});
-          mesh_.triangles.push_back({a, a + u, a + u + v});
-          mesh_.triangles.push_back({a, a + u + v, a + v});
-        }
-  }
 }
 
 }  // namespace

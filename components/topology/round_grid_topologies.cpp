@@ -7,7 +7,8 @@
 // `axis` is z of the grid and `center` its origin: the middle of the first layer of a cylinder, the middle of a sphere. x of the
 // grid is that of the scene as far as it is normal to the axis, and y follows; where the axis is x, x of the grid is y.
 // Nodes and cells are in the order of RegularGridTopology. The corners of the square lie on the circle too, so that the cells
-// there are flat at one edge; nz = 1 is a disc of quads.
+// there are flat at one edge; nz = 1 is a disc of quads. Faces and edges of the grid are made where computeTriangleList and
+// computeEdgeList are written: quads in the order of RegularGridTopology, two triangles of each, and the edges of these.
 //
 // Source: names, attributes and places are SOFA's.
 //
@@ -30,6 +31,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "components/topology/grid_faces.h"
 #include "framework/mesh/cell_attributes.h"
 #include "framework/mesh/topology.h"
 #include "framework/scene/factory.h"
@@ -48,14 +50,22 @@ class RoundGrid : public Topology {
     table.add("radius", radius_).help("of the outermost nodes").unit("m").min(0, false);
     table.add("position", mesh_.position).alias("points").unit("m").help("nodes").output();
     addCellList(table, cell_kinds::hexahedron, mesh_.hexahedra).help("the cells").output();
-    addCellList(table, cell_kinds::quad, mesh_.quads).help("those of a disc").output();
-    for (const char* name : {"computeHexaList", "computeQuadList", "computeEdgeList", "computePointList", "createTexCoords", "drawEdges",
+    addCellList(table, cell_kinds::quad, mesh_.quads).help("those of a disc, or of a solid grid where they are asked for").output();
+    addCellList(table, cell_kinds::triangle, mesh_.triangles).help("two of each quad").output();
+    addCellList(table, cell_kinds::edge, mesh_.edges).help("those of the triangles").output();
+    table.add("computeTriangleList", triangles_).help("quads also of a solid grid, and two triangles beside each");
+    table.add("computeEdgeList", edges_).help("the edges of these triangles");
+    for (const char* name : {"computeHexaList", "computeQuadList", "computePointList", "createTexCoords", "drawEdges",
                              "drawTriangles", "drawQuads", "drawHexahedra"})
       table.addVisualOnly(name);
   }
   void init() override {
-    for (std::size_t a = 0; a < 3; ++a)
-      if (data().find(std::string("n") + "xyz"[a])->isSet()) n_[a] = counts_[a];
+    for (std::size_t a = 0; a < 3; ++a) {
+      const std::string name = std::string("n") + "xyz"[a];
+      if (!data().find(name)->isSet()) continue;
+      if (data().find("n")->isSet()) throw ComponentError(fmt::format("both n and {} are given", name), "one of them");
+      n_[a] = counts_[a];
+    }
     constexpr double most = 1e8;
     if (double(n_[0]) * n_[1] * n_[2] > most) throw ComponentError("the grid has too many nodes", fmt::format("at most {:g}", most));
     if (n_[0] < 2 || n_[1] < 2 || n_[2] < fewestLayers())
@@ -64,6 +74,7 @@ class RoundGrid : public Topology {
     mesh_ = Mesh();
     makeNodes();
     makeCells();
+    makeFaces();
   }
 
  protected:
@@ -96,7 +107,19 @@ class RoundGrid : public Topology {
             mesh_.hexahedra.push_back({a, a + 1, a + row + 1, a + row, b, b + 1, b + row + 1, b + row});
         }
   }
+  void makeFaces() {
+    if (!triangles_ && !edges_) return;
+    Mesh faces;
+    faces.position = mesh_.position;
+    if (n_[2] > 1) addGridFaces(n_, faces);
+    for (const Quad& q : mesh_.quads) faces.triangles.push_back({q[0], q[1], q[2]}), faces.triangles.push_back({q[0], q[2], q[3]});
+    if (edges_) mesh_.edges = faces.allEdges();
+    if (!triangles_) return;
+    if (n_[2] > 1) mesh_.quads = faces.quads;
+    mesh_.triangles = faces.triangles;
+  }
   std::array<int, 3> n_{2, 2, 2}, counts_{2, 2, 2};
+  bool triangles_ = false, edges_ = false;
   Vec3 center_ = Vec3::Zero(), axis_ = Vec3::UnitZ();
 };
 

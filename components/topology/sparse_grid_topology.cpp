@@ -69,9 +69,9 @@ class Cells {
     for (int a = 0; a < 3; ++a) {
       const double least = std::min({corners[0][a], corners[1][a], corners[2][a]});
       const double most = std::max({corners[0][a], corners[1][a], corners[2][a]});
-      const int end = count_[std::size_t(a)] - 1;
-      first[std::size_t(a)] = std::clamp(int(std::floor((least - low_[a]) / size_[a])), 0, end);
-      last[std::size_t(a)] = std::clamp(int(std::floor((most - low_[a]) / size_[a])), 0, end);
+      const double end = count_[std::size_t(a)] - 1;
+      first[std::size_t(a)] = int(std::clamp(std::floor((least - low_[a]) / size_[a]), 0., end));
+      last[std::size_t(a)] = int(std::clamp(std::floor((most - low_[a]) / size_[a]), 0., end));
     }
     for (int k = first[2]; k <= last[2]; ++k)
       for (int j = first[1]; j <= last[1]; ++j)
@@ -153,12 +153,14 @@ class SparseGridTopology final : public Topology {
       min_ -= more, max_ += more;
     }
     if (!((max_ - min_).array() > 0).all()) throw ComponentError("the box has no volume", "min below max");
+    double nodes = 1;
     for (std::size_t a = 0; a < 3; ++a) {
       if (data().find(std::string("n") + "xyz"[a])->isSet()) n_[a] = counts_[a];
-      if (width_ > 0) n_[a] = std::max(2, int(std::ceil((max_ - min_)[Index(a)] / width_)) + 1);
+      const double by_width = width_ > 0 ? std::max(2., std::ceil((max_ - min_)[Index(a)] / width_) + 1) : n_[a];
+      nodes *= by_width;
+      n_[a] = int(std::min(by_width, 1e9));
     }
     constexpr double most = 1e7, most_with_finer = 2e8;
-    const double nodes = double(n_[0]) * n_[1] * n_[2];
     if (nodes > most || nodes * std::pow(8., finer_) > most_with_finer)
       throw ComponentError("the grid has too many cells",
                            fmt::format("at most {:g}, and {:g} with those of finer levels", most, most_with_finer));

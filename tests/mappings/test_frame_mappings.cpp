@@ -81,14 +81,40 @@ std::vector<Case> cases() {
              "<Node name=\"c\"><ArticulationCenter parentIndex=\"1\" childIndex=\"3\" posOnParent=\"0 0.5 0\" "
              "posOnChild=\"0 -0.5 0\"/>"
              "<Articulation rotation=\"true\" rotationAxis=\"1 0 0\" articulationIndex=\"3\"/></Node></Node></Node>"});
-  all.push_back({"DistanceMulti",
-                 "<Node name=\"root\" gravity=\"0 0 0\"><EulerImplicitSolver/><SparseLDLSolver/><Node name=\"a\">" + frames +
-                     "</Node><Node name=\"b\"><MechanicalObject name=\"dofs\" position=\"0 1 0.2  1 1 1\"/><UniformMass "
-                     "totalMass=\"1\"/></Node><Node name=\"child\"><MeshTopology edges=\"0 1  1 2\"/><MechanicalObject "
-                     "name=\"lengths\" template=\"Vec1\"/><DistanceMultiMapping geometricStiffness=\"Exact\" "
-                     "input=\"@../a/frames @../b/dofs\" indexPairs=\"0 1  1 0  1 1\"/></Node></Node>"});
+  all.push_back(
+      {"DistanceMulti", "<Node name=\"root\" gravity=\"0 0 0\"><EulerImplicitSolver/><SparseLDLSolver/><Node name=\"a\">" + frames +
+                            "</Node><Node name=\"b\"><MechanicalObject name=\"dofs\" position=\"0 1 0.2  1 1 1\"/><UniformMass "
+                            "totalMass=\"1\"/></Node><Node name=\"child\"><MeshTopology edges=\"0 1  1 2\"/><MechanicalObject "
+                            "name=\"lengths\" template=\"Vec1\"/><DistanceMultiMapping geometricStiffness=\"Exact\" "
+                            "input=\"@../a/frames @../b/dofs\" indexPairs=\"0 1  1 0  1 1\"/></Node></Node>"});
+  all.push_back({"DistanceToPlane", underFrames("<MechanicalObject name=\"dofs\" template=\"Vec1\"/><DistanceToPlaneMapping "
+                                                "planeNormal=\"1 2 -2\" planePoint=\"0 1 0\"/>")});
+  all.push_back({"CenterOfMass", underFrames("<MechanicalObject name=\"dofs\"/><CenterOfMassMapping/>")});
+  all.push_back(
+      {"IdentityMulti", "<Node name=\"root\" gravity=\"0 0 0\"><EulerImplicitSolver/><SparseLDLSolver/><Node name=\"a\">" + frames +
+                            "</Node><Node name=\"b\"><MechanicalObject name=\"dofs\" position=\"0 1 0.2  1 1 1\"/><UniformMass "
+                            "totalMass=\"1\"/></Node><Node name=\"child\"><MechanicalObject name=\"all\"/><IdentityMultiMapping "
+                            "input=\"@../a/frames @../b/dofs\"/></Node></Node>"});
+  all.push_back(
+      {"CosseratNone",
+       "<Node name=\"root\" gravity=\"0 0 0\"><EulerImplicitSolver/><SparseLDLSolver/><Node name=\"base\">" + frames +
+           "</Node><Node name=\"strains\"><MechanicalObject name=\"k\" position=\"0.3 1 -2  0 0 0  -4 3 5\"/><UniformMass "
+           "totalMass=\"1\"/><Node name=\"child\"><MechanicalObject name=\"rod\" template=\"Rigid3\" position=\"0 0 0 0 0 0 1  "
+           "0 0 0 0 0 0 1  0 0 0 0 0 0 1  0 0 0 0 0 0 1\"/><DiscreteCosseratMapping input1=\"@../k\" "
+           "input2=\"@../../base/frames\" baseIndex=\"1\" curv_abs_input=\"0 0.4 0.5 0.9\" "
+           "curv_abs_output=\"0 0.15 0.4 0.8\"/></Node></Node></Node>"});
   for (const std::string word : {"Exact", "None", "Stabilized"}) {
     const std::string geometric = " geometricStiffness=\"" + word + "\"";
+    const std::string cells =
+        "<MeshTopology triangles=\"0 1 2  1 3 2\" tetrahedra=\"0 1 2 3\"/><MechanicalObject name=\"dofs\" "
+        "template=\"Vec1\"/>";
+    all.push_back({"Area" + word, underPoints(cells + "<AreaMapping" + geometric + "/>")});
+    all.push_back({"Volume" + word, underPoints(cells + "<VolumeMapping" + geometric + "/>")});
+    all.push_back({"Square" + word,
+                   "<Node name=\"root\" gravity=\"0 0 0\"><EulerImplicitSolver/><SparseLDLSolver/><MechanicalObject "
+                   "name=\"x\" template=\"Vec1\" position=\"1 -2 0.5\"/><UniformMass totalMass=\"1\"/><Node "
+                   "name=\"child\"><MechanicalObject name=\"dofs\" template=\"Vec1\"/><SquareMapping" +
+                       geometric + "/></Node></Node>"});
     all.push_back({"Distance" + word, underPoints(numbers + "<DistanceMapping" + geometric + "/>")});
     all.push_back({"SquareDistance" + word, underPoints(numbers + "<SquareDistanceMapping" + geometric + "/>")});
     all.push_back(

@@ -23,6 +23,7 @@ std::string chosenValue(const std::string& name) {
   if (name.starts_with("SpringForceField.springsIndices")) return "2 0";
   if (name.ends_with("LagrangianConstraint.activate")) return "false";
   if (name == "RestShapeSpringsForceField.targets") return "0.1 0 0  1 0 0.2  2 0.3 0";
+  if (name == "BeamHookeLawForceField.innerRadius") return "0.005";
   if (name == "FormulaForceField.force") return "0; 3 * x; 40 * t";
   return {};
 }

@@ -319,6 +319,17 @@ def quirk_explicit_damping_of_obstacles():
 
 
 @case
+def quirk_explicit_damping_of_velocities():
+    """Of what is damped against the ground C is asked for with implicit="1" alone."""
+    scene = node(EXACT + '<MechanicalObject name="dofs" position="0 0 0" velocity="1 2 3"/><UniformMass totalMass="2"/>'
+                 '<UniformVelocityDampingForceField dampingCoefficient="40"/>')
+    for text, args, factor in ((scene, [], 1 - 0.01 * 40 / 2), (scene.replace('"40"', '"40" implicit="1"'), [], 1 / (1 + 0.01 * 40 / 2)),
+                               (scene, ["--without-quirk", "explicit-damping"], 1 / (1 + 0.01 * 40 / 2))):
+        x = np.cumsum(factor ** np.arange(1, 11))[-1] * 0.01
+        agree(Run(text, 10, args=args).x(), [[x, 2 * x, 3 * x]])
+
+
+@case
 def quirk_edge_mass():
     x = np.array([[i, j, k] for k in range(2) for j in range(2) for i in range(2)], float)
     edges = [(a, b) for a, b in itertools.combinations(range(8), 2) if np.abs(x[a] - x[b]).sum() == 1]
@@ -395,6 +406,33 @@ def quirk_trapezoidal_positions():
 
 
 @case
+def quirk_one_iteration():
+    """x += -K^-1 f once in each step, from the shape that the step before left."""
+    x = np.array([[0, 0, 0], [1, 0, 0], [2, 0, 0.0]])
+    rest = x * 0.5
+    fields = together(springs([(0, 1), (1, 2)], rest, 20, per_length=False), load({1: np.array([0, 12, 4.0])}))
+    now = x.copy()
+    for _ in range(2):
+        f, K = fields(now, 0 * now)
+        now[1] += np.linalg.solve(-K[3:6, 3:6], f[1])
+    body = ('<MechanicalObject name="dofs" position="0 0 0  1 0 0  2 0 0"/><UniformMass totalMass="3"/><SpringForceField '
+            'spring="0 1 20 0 0.5  1 2 20 0 0.5"/><ConstantForceField indices="1" forces="0 12 4"/><FixedConstraint indices="0 2"/>')
+    solver = '<StaticSolver {}/><SparseLDLSolver/>'
+    newton = '<NewtonRaphsonSolver name="n" {}/>'
+    for text in (solver.format(""), solver.format('newton_iterations="1"'), newton.format("") + solver.format('newtonSolver="@n"')):
+        agree(Run(node(text + body), 2).x(), now, 1e-9)
+    settled = x.copy()
+    for _ in range(60):
+        f, K = fields(settled, 0 * settled)
+        settled[1] += np.linalg.solve(-K[3:6, 3:6], f[1])
+    differ(now, settled, 1e-4)
+    more = 'newton_iterations="40" absolute_residual_tolerance_threshold="-1" relative_residual_tolerance_threshold="1e-12"'
+    for text, args in ((solver.format(more), []), (solver.format(""), ["--without-quirk", "one-iteration"]),
+                       (newton.format('maxNbIterationsNewton="50"') + solver.format('newtonSolver="@n"'), [])):
+        agree(Run(node(text + body), 4, args=args).x(), settled, 1e-5)
+
+
+@case
 def quirk_grid_origin():
     grid = '<RegularGridTopology nx="3" ny="2" nz="1" xmin="0" xmax="4" ymin="1" ymax="3" zmin="0" zmax="5" p0="10 20 30"/>'
     scene = node(EXACT + grid + '<MechanicalObject name="dofs"/><UniformMass totalMass="1"/>')
@@ -446,6 +484,16 @@ def quirk_first_node():
     scene = root(EXACT + BODY + '<FixedProjectiveConstraint/>')
     agree(Run(scene, 10).x()[:, 1], [0, fallen(10)])
     Run(scene, 10, args=["--without-quirk", "first-node"]).fails(2, "no indices")
+
+
+@case
+def quirk_impulse_values():
+    """A cable pulls a free point of 2 kg with the force that is written over dt: x = -(F / m) h^2 n (n + 1) / 2 from 1."""
+    scene = node(EXACT + '<MechanicalObject name="dofs" position="1 0 0"/><UniformMass vertexMass="2"/>'
+                 '<CableConstraint indices="0" pullPoint="0 0 0" valueType="force" value="0.003"/>')
+    moved = 0.003 / 2 * 0.01**2 * 10 * 11 / 2
+    agree(Run(scene, 10).x()[0, 0], 1 - moved / 0.01)
+    agree(Run(scene, 10, args=["--without-quirk", "impulse-values"]).x()[0, 0], 1 - moved)
 
 
 CUBE = np.array([[i, j, k] for k in range(2) for j in range(2) for i in range(2)], float)
@@ -1085,8 +1133,10 @@ def joints_below_their_container():
             '<UniformMass vertexMass="2 1 1 0 0 0 1 0 0 0 1"/><ArticulatedSystemMapping input1="@../y" output="@dofs"/></Node>')
     scene = root(f'<Node name="arm">{EXACT}<MechanicalObject name="y" template="Vec1" position="0"/><ArticulatedHierarchyContainer/>'
                  f'{joints}{body}</Node>')
-    run = Run(scene, 1)
-    agree(run.x("arm.y", 1), [[-0.01**2 * 2 * 10 / (2 + 2)]], 1e-3)
+    deeper = scene.replace('<Node name="a">', '<Node name="articulations"><Node name="a">').replace(
+        'articulationIndex="0"/></Node>', 'articulationIndex="0"/></Node></Node>')
+    for each in (scene, deeper):
+        agree(Run(each, 1).x("arm.y", 1), [[-0.01**2 * 2 * 10 / (2 + 2)]], 1e-3)
 
 
 @case
@@ -1148,6 +1198,389 @@ def external_points_of_the_own_rest_shape():
 @case
 def names_of_integrators_to_come():
     falls(Run(root(EXACT.replace("EulerImplicitSolver", "EulerImplicitIntegrationScheme") + BODY), 10))
+
+
+# ---- measures of cells, middles and rods ----
+
+def gradient_of(measure, x, h=1e-5):
+    """By central differences: (gradient, Hessian)."""
+    x = np.asarray(x, float)
+    n = x.size
+    unit = np.eye(n).reshape(n, *x.shape) * h
+    g = np.array([(measure(x + u) - measure(x - u)) / (2 * h) for u in unit])
+    H = np.array([[(measure(x + u + w) - measure(x + u - w) - measure(x - u + w) + measure(x - u - w)) / (4 * h * h) for w in unit]
+                  for u in unit])
+    return g, H
+
+
+def measured(measure, k, rest, always=False):
+    """A spring on a measure; of its tangent the geometric part where the force pulls."""
+    def fields(x, v):
+        g, H = gradient_of(measure, x)
+        force = -k * (measure(x) - rest)
+        return (force * g).reshape(-1, 3), -k * np.outer(g, g) + (force * H if force < 0 or always else 0)
+    return fields
+
+
+def area(x):
+    return np.linalg.norm(np.cross(x[1] - x[0], x[2] - x[0])) / 2
+
+
+def volume(x):
+    return np.dot(x[1] - x[0], np.cross(x[2] - x[0], x[3] - x[0])) / 6
+
+
+@case
+def springs_on_areas_volumes_and_heights():
+    cells = f'<MeshTopology name="net" position="{X4_TEXT}" triangles="0 1 2" tetrahedra="0 1 2 3"/>'
+    body = cells + '<MechanicalObject name="dofs" velocity="{}"/><UniformMass totalMass="4"/><Node name="c"><MechanicalObject template='
+    body += '"Vec1d" name="y"/>{}<RestShapeSpringsForceField stiffness="{}"/></Node>'
+    for out in (1, -1):  # it grows and shrinks: with the geometric stiffness and without
+        v = out * X4 * 2.0
+        text = " ".join(str(value) for value in v.ravel())
+        for kind, measure, k in (("Area", area, 30), ("Volume", volume, 80)):
+            mapping = f'<{kind}Mapping topology="@../net" applyRestPosition="1"/>'
+            expected = euler(X4, np.eye(4), measured(measure, k, measure(X4)), 10, 0.01, v=v)
+            agree(Run(node(EXACT + body.format(text, mapping, k)), 10).x(), expected, 1e-6)
+            other = euler(X4, np.eye(4), measured(measure, k, measure(X4), True), 10, 0.01, v=v)
+            exact = mapping.replace("/>", ' geometricStiffness="Exact"/>')
+            agree(Run(node(EXACT + body.format(text, exact, k)), 10).x(), other, 1e-6)
+            if out < 0:
+                differ(expected, other, 1e-5)
+    heights = '<DistanceToPlaneMapping planeNormal="0 0 2" planePoint="0 0 1"/>'
+    n = np.array([0, 0, 1.0])
+
+    def held(x, v):
+        return -5 * np.outer(x @ n - 1, n), -5 * np.kron(np.eye(4), np.outer(n, n))
+    agree(Run(node(EXACT + body.format("0 0 0", heights, 5)), 10).x(), euler(X4, np.eye(4), held, 10, 0.01), 1e-9)
+    Run(node(EXACT + body.format("0 0 0", heights.replace("0 0 2", "0 0 0"), 5)), 1).fails(2, "planeNormal is zero")
+    Run(node(EXACT + body.format("0 0 0", '<AreaMapping topology="@../net"/>', 5).replace('triangles="0 1 2"', "")), 1).fails(
+        2, "there are no triangles")
+
+
+@case
+def springs_on_squares():
+    """y = x^2, E = k/2 y^2: a force 2 k x^3, and the tangent of it."""
+    scene = node(EXACT + '<MechanicalObject name="dofs" template="Vec1d" position="1"/><UniformMass totalMass="1"/><Node name="c">'
+                 '<MechanicalObject template="Vec1d"/><SquareMapping/><RestShapeSpringsForceField stiffness="50"/></Node>')
+    x, v, h, k = 1.0, 0.0, 0.01, 50
+    for _ in range(20):
+        f, K = -2 * k * x**3, -k * 4 * x * x - 2 * k * x * x
+        v += (h * f + h * h * K * v) / (1 - h * h * K)
+        x += h * v
+    agree(Run(scene, 20).x("dofs", 1), [[x]])
+
+
+@case
+def the_middle_of_frames_and_points_of_several_states():
+    """A force on the centre of mass moves all frames alike; a spring between states that are one."""
+    frames = ('<MechanicalObject name="dofs" template="Rigid3d" position="0 0 0 0 0 0 1  4 0 0 0 0 0 1"/>'
+              '<UniformMass vertexMass="2"/><Node name="c"><MechanicalObject name="middle" position="0 0 0"/>'
+              '<CenterOfMassMapping template="Rigid3d,Vec3d"/><ConstantForceField forces="0 0 8"/></Node>')
+    run = Run(node(EXACT + frames), 5)
+    push = euler(np.zeros((1, 3)), [[1]], load({0: np.array([0, 0, 2.0])}), 5, 0.01)[0, 2]
+    agree(run.x("dofs", 7)[:, :3], [[0, 0, push], [4, 0, push]])
+    agree(run.x("c.middle"), [[2, 0, push]])
+    body = '<Node name="{}"><MechanicalObject name="dofs" position="{}"/><UniformMass vertexMass="1"/></Node>'
+    both = ('<Node name="both"><MechanicalObject name="all"/><IdentityMultiMapping template="Vec3d,Vec3d" input="@../a/dofs @../b/dofs" '
+            'output="@all"/><SpringForceField spring="1 2 30 0 1"/></Node>')
+    x = np.array([[0, 0, 0], [1, 0, 0], [3, 1, 0.0]])
+    expected = euler(x, np.eye(3), springs([(1, 2)], [[0, 0, 0], [0, 0, 0], [1, 0, 0]], 30, per_length=False), 10, 0.01)
+    scene = node(EXACT + body.format("a", "0 0 0  1 0 0") + body.format("b", "3 1 0") + both)
+    run = Run(scene, 10)
+    agree(run.x("both.all"), expected, 1e-8)
+    agree(run.x("b.dofs"), expected[2:], 1e-8)
+    pairs = scene.replace('<IdentityMultiMapping template="Vec3d,Vec3d"', '<SubsetMultiMapping indexPairs="0 1  1 0"').replace(
+        "1 2 30", "0 1 30")
+    agree(Run(pairs, 10).x("both.all"), expected[1:], 1e-8)
+
+
+def rod_of(curvatures, lengths, places, steps=400):
+    """Places of a rod by 400 steps a section: p' = R x, R' = R [k]."""
+    out, p, R, s = [], np.zeros(3), np.eye(3), 0.0
+    ends = np.cumsum(lengths)
+    for place in places:
+        while s < place - 1e-12:
+            section = int(np.searchsorted(ends, s + 1e-9))
+            ds = min(lengths[section] / steps, place - s)
+            k = np.asarray(curvatures[section], float)
+            angle = np.linalg.norm(k) * ds
+
+            def turned(fraction):
+                if angle == 0:
+                    return np.eye(3)
+                a = k / np.linalg.norm(k)
+                A = np.array([[0, -a[2], a[1]], [a[2], 0, -a[0]], [-a[1], a[0], 0]])
+                return np.eye(3) + np.sin(angle * fraction) * A + (1 - np.cos(angle * fraction)) * A @ A
+            x = np.array([1.0, 0, 0])
+            p = p + ds * R @ (x + 4 * turned(0.5) @ x + turned(1) @ x) / 6
+            R = R @ turned(1)
+            s += ds
+        out.append(p)
+    return np.array(out)
+
+
+ROD = ('<Node name="base"><MechanicalObject name="base" template="Rigid3d" position="0 0 0 0 0 0 1"/><UniformMass totalMass="1"/>'
+       '<FixedConstraint indices="0"/></Node><Node name="strain"><MechanicalObject name="k" position="0 0 0  0 0 0"/>'
+       '<UniformMass totalMass="1e-3"/><BeamHookeLawForceField length="0.5 0.3" {}/>'
+       '<Node name="rod"><MechanicalObject name="frames" template="Rigid3d" position="0 0 0 0 0 0 1  0.2 0 0 0 0 0 1  0.5 0 0 0 0 0 1  '
+       '0.8 0 0 0 0 0 1"/><DiscreteCosseratMapping input1="@../k" input2="@../../base/base" '
+       'output="@frames" curv_abs_input="0 0.5 0.8" curv_abs_output="0 0.2 0.5 0.8"/>{}</Node></Node>')
+STILL = ('<StaticSolver newtonSolver="@n"/><NewtonRaphsonSolver name="n" maxNbIterationsNewton="{}" '
+         'relativeInitialStoppingThreshold="1e-11" relativeSuccessiveStoppingThreshold="0" absoluteResidualStoppingThreshold="1e-13"/>'
+         '<SparseLDLSolver/>')
+
+
+@case
+def a_rod_under_a_moment_is_an_arc():
+    """E Iz k = M everywhere; a torque about x twists it by M / (G J)."""
+    young, nu, r = 2e5, 0.3, 0.02
+    Iz = np.pi * r**4 / 4
+    law = f'radius="{r}" youngModulus="{young}" poissonRatio="{nu}"'
+    pull = '<ConstantForceField indices="3" forces="0 0 0 {}"/>'
+    moment = 0.03
+    run = Run(node(STILL.format(5) + ROD.format(law, pull.format(f"0 0 {moment}"))), 1)
+    k = moment / (young * Iz)
+    agree(run.x("strain.k"), [[0, 0, k], [0, 0, k]], 1e-9)
+    s = np.array([0, 0.2, 0.5, 0.8])
+    agree(run.x("strain.rod.frames", 7)[:, :3], np.transpose([np.sin(k * s) / k, (1 - np.cos(k * s)) / k, 0 * s]), 1e-9)
+    run = Run(node(STILL.format(5) + ROD.format(law, pull.format("0.01 0 0"))), 1)
+    twist = 0.01 / (young / (2 * (1 + nu)) * 2 * Iz)
+    agree(run.x("strain.k"), [[twist, 0, 0], [twist, 0, 0]], 1e-9)
+    agree(2 * np.arcsin(run.x("strain.rod.frames", 7)[3, 3]), 0.8 * twist, 1e-9)
+    tube = Run(node(STILL.format(5) + ROD.format(law + ' innerRadius="0.01"', pull.format(f"0 0 {moment}"))), 1)
+    agree(tube.x("strain.k")[0, 2], moment / (young * np.pi * (r**4 - 0.01**4) / 4), 1e-9)
+    flat = Run(node(STILL.format(5) + ROD.format('crossSectionShape="rectangular" lengthY="0.03" lengthZ="0.01" youngModulus="2e6" '
+                                                 'poissonRatio="0.3"', pull.format(f"0 0 {moment}"))), 1)
+    agree(flat.x("strain.k")[0, 2], moment / (2e6 * 0.01 * 0.03**3 / 12), 1e-9)
+    own = Run(node(STILL.format(5) + ROD.format('useInertiaParams="1" GI="0.02" EI="0.05"', pull.format(f"0.001 0 0"))), 1)
+    agree(own.x("strain.k")[0, 0], 0.001 / 0.02, 1e-9)
+
+
+@case
+def a_rod_under_a_force_is_where_its_energy_is_least():
+    """The derivative of L k D k / 2 - F.p is zero there, with the places of an integrator of its own."""
+    law, force = 'useInertiaParams="1" GI="0.02" EI="0.05"', np.array([0.05, 0.11, -0.07])
+    pull = f'<ConstantForceField indices="3" forces="{force[0]} {force[1]} {force[2]} 0 0 0"/>'
+    k = Run(node(STILL.format(100) + ROD.format(law, pull)), 1).x("strain.k")
+    lengths, D = [0.5, 0.3], np.array([0.02, 0.05, 0.05])
+
+    def energy(k):
+        return sum(L * (D * one) @ one / 2 for L, one in zip(lengths, k)) - rod_of(k, lengths, [0.8])[0] @ force
+    steps = 1e-4 * np.eye(6).reshape(6, 2, 3)
+    slope = np.array([(energy(k + u) - energy(k - u)) / 2e-4 for u in steps])
+    straight = np.array([(energy(u) - energy(-u)) / 2e-4 for u in steps])
+    assert np.abs(k).max() > 0.5 and np.abs(slope).max() < 1e-5 * np.abs(straight).max(), (k, slope, straight)
+    frames = Run(node(STILL.format(100) + ROD.format(law, pull)), 1).x("strain.rod.frames", 7)
+    agree(frames[:, :3], rod_of(k, lengths, [0, 0.2, 0.5, 0.8]), 1e-8)
+
+
+@case
+def rods_say_what_does_not_fit():
+    good = node(EXACT + ROD.format('radius="0.01"', ""))
+    for old, new, words in (('curv_abs_input="0 0.5 0.8"', 'curv_abs_input="0 0.5"', "2 lengths for the 2 sections"),
+                            ('curv_abs_input="0 0.5 0.8"', 'curv_abs_input="0 0.9 0.8"', "goes from 0.9 to 0.8"),
+                            ('curv_abs_output="0 0.2 0.5 0.8"', 'curv_abs_output="0 0.2 0.5 1.8"', "a frame at 1.8 is not on the rod"),
+                            ('curv_abs_output="0 0.2 0.5 0.8"', 'curv_abs_output="0 0.2"', "2 lengths for the 4 frames"),
+                            ('input2="@../../base/base"', "", "input2 is not given"),
+                            ('length="0.5 0.3"', 'length="0.5 0.3 0.1"', "length has 3 values for 2 sections")):
+        Run(good.replace(old, new), 1).fails(2, words)
+
+
+# ---- engines, and what they accept ----
+
+@case
+def engines_of_meshes():
+    net = ('<MeshTopology name="n" position="0 0 0  1 0 0  1 1 0  0 1 0  2 0 0" triangles="0 1 2  0 2 3  1 4 2" edges="0 1  1 4"/>')
+    part = net + ('<MeshSubsetEngine name="e" inputPosition="@n.position" inputTriangles="@n.triangles" inputEdges="@n.edges" '
+                  'indices="2 0 1 4"/>')
+    agree(placed(part, "e.position"), [[1, 1, 0], [0, 0, 0], [1, 0, 0], [2, 0, 0]])
+    # cells with the new numbers: areas of a surface are masses of its nodes
+    body = ('<Node name="b"><TriangleSetTopologyContainer position="@../e.position" triangles="@../e.triangles"/><MechanicalObject/>'
+            '<DiagonalMass name="mass" massDensity="6"/></Node><Expect of="/b/mass.totalMass" is="{}"/>')
+    assert Run(node(EXACT + part + body.format(6)), 1).code == 0
+    # a tetrahedron that lacks a face: with the lid it holds a sixth
+    lidless = ('<MeshTopology name="n" position="0 0 0  3 0 0  0 3 0  0 0 3" triangles="0 2 1  0 1 3  0 3 2"/>'
+               '<MeshClosingEngine name="e" inputPosition="@n.position" inputTriangles="@n.triangles"/>')
+    agree(placed(lidless, "e.position"), [[0, 0, 0], [3, 0, 0], [0, 3, 0], [0, 0, 3], [1, 1, 1]])
+    agree(placed(lidless, "e.closingPosition")[3], [1, 1, 1])
+    closed = lidless + ('<GenerateRigidMass name="m" position="@e.position" triangles="@e.triangles" density="1"/>'
+                        '<Expect of="/m.volume" is="4.5"/>')
+    run = Run(node(EXACT + closed + BODY), 1)
+    assert run.code == 0, run.text
+    Run(node(EXACT + closed.replace("0 3 2", "0 2 3")), 1).fails(2, "/e: two holes meet")
+    Run(node(EXACT + part.replace("2 0 1 4", "2 7")), 1).fails(2, "indices names 7")
+
+
+@case
+def the_nearest_nodes():
+    line = '<MechanicalObject name="dofs" position="0 0 0  1 0 0  2 0 0  3 0 0  4 0 0"/><UniformMass totalMass="5"/>'
+    for words, held in (('centers="1.2 0 0" radii="2" N="2"', [1, 2]), ('centers="0 0 0  4 0 0" radii="1.5" N="9"', [0, 1, 3, 4]),
+                        ('centers="0 0 0  4 0 0" radii="0.5 1.5" N="2"', [0, 4])):
+        run = Run(root(EXACT + line + f'<ProximityROI name="r" {words}/><FixedConstraint indices="@r.indices"/>'), 10)
+        agree(run.x()[:, 1], [0 if i in held else fallen(10) for i in range(5)])
+    Run(root(EXACT + line + '<ProximityROI name="r" centers="0 0 0" radii="1 2" N="1"/>'), 1).fails(2, "2 radii for 1 centers")
+
+
+@case
+def cells_outside_of_a_region():
+    """What is not in the box weighs: two of three triangles, by their centres."""
+    scene = node(EXACT + '<MeshTopology name="n" position="0 0 0  1 0 0  0 1 0  1 1 0  2 1 0" triangles="0 1 2  1 3 2  1 4 3"/>'
+                 '<MechanicalObject/><UniformMass totalMass="1"/><BoxROI name="r" box="-1 -1 -1 0.4 2 1" strict="0"/>'
+                 '<Node name="b"><TriangleSetTopologyContainer position="@../n.position" triangles="@../r.trianglesOutROI"/>'
+                 '<MechanicalObject/><DiagonalMass name="mass" massDensity="2"/><FixedConstraint indices="0"/></Node>'
+                 '<Expect of="/b/mass.totalMass" is="{}"/>')
+    assert Run(scene.format(2), 1).code == 0
+    assert Run(scene.format(3), 1).code == 1
+
+
+@case
+def many_points_that_look_for_the_nearest():
+    """As a search through all pairs finds them, ties to the first."""
+    rng = np.random.default_rng(3)
+    a, b = np.round(rng.uniform(-1, 1, (60, 3)), 1), np.round(rng.uniform(-1, 1, (40, 3)), 1)
+    distance = np.linalg.norm(a[None] - b[:, None], axis=2)
+    nearest = [(i.argmin(), j) for j, i in enumerate(distance) if i.min() < 0.35]
+    assert 10 < len(nearest) < 40
+
+    def text(points):
+        return " ".join(str(value) for value in np.ravel(points))
+    bodies = (f'<Node name="one"><MechanicalObject name="dofs" position="{text(a)}"/><UniformMass/></Node><Node name="two">'
+              f'<MechanicalObject name="dofs" position="{text(b)}"/><UniformMass/></Node>'
+              '<NearestPointROI name="e" object1="@one/dofs" object2="@two/dofs" radius="0.35"/>')
+    for k, points in ((1, a), (2, b)):
+        values = f'<ValuesFromIndices name="v" template="Vec3" in="{text(points)}" indices="@e.indices{k}"/>'
+        agree(placed(bodies + values, "v.out"), points[[pair[k - 1] for pair in nearest]])
+
+
+@case
+def made_meshes_are_placed_as_loaded_ones():
+    place = 'scale3d="2 4 1" rotation="0 0 90" translation="0 0 5"'
+    agree(placed(f'<GridMeshCreator name="e" resolution="2 2" {place}/>', "e.position"), [[0, 0, 5], [0, 2, 5], [-4, 0, 5], [-4, 2, 5]])
+    agree(placed(f'<StringMeshCreator name="e" resolution="3" {place}/>', "e.position"), [[0, 0, 5], [0, 1, 5], [0, 2, 5]])
+    # triangles of split quads, and turned round: a pressure along the normals
+    load = ('<MechanicalObject name="dofs" src="@e"/><TriangleSetTopologyContainer src="@e"/><UniformMass totalMass="4"/>'
+            '<SurfacePressureForceField pressure="4"/>')
+    up = Run(node(EXACT + '<GridMeshCreator name="e" trianglePattern="0" triangulate="1"/>' + load), 1).x()
+    agree(up[:, 2].sum(), 4 * 0.01**2, 1e-3)
+    down = Run(node(EXACT + '<GridMeshCreator name="e" trianglePattern="0" triangulate="1" flipNormals="1"/>' + load), 1).x()
+    agree(down[:, 2], -up[:, 2], 1e-3)
+
+
+@case
+def lines_of_round_grids():
+    """SOFA's grids list the edges of the triangles of all quads; a disc has two triangles for each of its quads."""
+    rod = '<CylinderGridTopology name="e" nx="2" ny="2" nz="2" axis="0 0 1" radius="1" length="1"/>'
+    x = placed(rod, "e.position")
+    faces = [(0, 1, 3, 2), (4, 5, 7, 6), (0, 1, 5, 4), (2, 3, 7, 6), (0, 2, 6, 4), (1, 3, 7, 5)]
+    pairs = {tuple(sorted(pair)) for a, b, c, d in faces for pair in ((a, b), (b, c), (c, d), (d, a), (a, c))}
+    fields = together(gravity(np.ones(8), [0, -10, 0]), springs(sorted(pairs), x, 500))
+    scene = root(EXACT + rod + '<MechanicalObject name="dofs"/><UniformMass totalMass="8"/><MeshSpringForceField linesStiffness="500"/>'
+                 '<FixedConstraint indices="0 1 2"/>')
+    agree(Run(scene, 10).x(), euler(x, np.eye(8), fields, 10, 0.01, held=[0, 1, 2]), 1e-7)
+    disc = '<CylinderGridTopology name="e" nx="2" ny="2" nz="1" axis="0 0 1" radius="1"/>'
+    flat = placed(disc, "e.position")
+    fields = together(gravity(np.ones(4), [0, -10, 0]), springs([(0, 1), (0, 2), (0, 3), (1, 3), (2, 3)], flat, 500))
+    agree(Run(scene.replace(rod, disc).replace('totalMass="8"', 'totalMass="4"'), 10).x(),
+          euler(flat, np.eye(4), fields, 10, 0.01, held=[0, 1, 2]), 1e-7)
+
+
+@case
+def numbers_of_nodes_of_a_grid():
+    """nx, ny and nz together win over n; one of them alone does not count."""
+    for words, count in (('n="2 2 2" nx="3" ny="2" nz="2"', 12), ('n="2 2 2" nx="3"', 8)):
+        for grid in ("RegularGridTopology", "CylinderGridTopology"):
+            box = 'min="0 0 0" max="1 1 1"' if grid.startswith("Reg") else ""
+            run = Run(node(EXACT + f'<{grid} {words} {box}/><MechanicalObject name="dofs"/><UniformMass totalMass="1"/>'), 1)
+            assert len(run.x()) == count, run.text
+
+
+@case
+def words_and_numbers_that_cannot_be():
+    net = '<MeshTopology name="n" position="0 0 0  1 0 0"/>'
+    for method in ("random", "fromFile"):
+        Run(node(net + f'<TransformPosition name="e" input_position="@n.position" method="{method}"/>' + EXACT + BODY), 1).fails(
+            2, "/e: ", "random" if method == "random" else "file")
+    for number in ("1e300", "-1e300", "9999999999999", "2.5e9"):
+        run = Run(root(EXACT + BODY + f'<FixedConstraint indices="0 {number}"/>'), 1)
+        assert run.code in (0, 2), run.text
+    Run(node(EXACT + '<IndexValueMapper name="e" indices="99999999" value="1"/>' + BODY), 1).fails(2, "indices names 99999999")
+
+
+@case
+def cells_too_small_to_count():
+    """A width that gives more cells than there are numbers is no grid of two nodes."""
+    shell = 'position="0 0 0  1 0 0  0 1 0  0 0 1" triangles="0 2 1  0 1 3  1 2 3  2 0 3"'
+    for width in ("1e-300", "1e-9", "1e-3"):
+        Run(node(EXACT + f'<SparseGridTopology {shell} cellWidth="{width}"/><MechanicalObject/><UniformMass/>'), 1).fails(2, "too many cells")
+    far = Run(node(EXACT + '<SparseGridTopology n="3 3 3" min="0 0 0" max="1e-6 1e-6 1e-6" position="0 0 0  1e9 0 0  0 1e9 0  0 0 1e9" '
+                   'triangles="0 2 1  0 1 3  1 2 3  2 0 3"/><MechanicalObject name="dofs"/><UniformMass/>'), 1)
+    assert len(far.x()) == 26, far.text  # of eight cells those that three planes meet
+
+
+@case
+def regions_that_would_follow_a_body():
+    run = Run(root(EXACT + BODY + '<BoxROI name="r" box="-1 -1 -1 0.5 1 1" position="@dofs.position"/><FixedConstraint '
+                   'indices="@r.indices"/>'), 2)
+    run.says("is read once", "in SOFA BoxROI follows /dofs")
+    for more in ('position="@dofs.rest_position"', 'position="@dofs.position" doUpdate="0"'):
+        run = Run(root(EXACT + BODY + f'<BoxROI name="r" box="-1 -1 -1 0.5 1 1" {more}/><FixedConstraint indices="@r.indices"/>'), 2)
+        assert "is read once" not in run.text, run.text
+
+
+@case
+def templates_of_old_scenes():
+    frames = '<MechanicalObject template="Rigid" name="dofs" position="0 0 0 0 0 0 1"/><UniformMass/>'
+    child = '<Node name="c"><MechanicalObject template="Vec3d" name="p" position="0 1 0"/><RigidMapping template="Rigid,Vec3d"/></Node>'
+    run = Run(root(EXACT + frames + child), 10)
+    agree(run.x("c.p"), [[0, 1 + fallen(10), 0]])
+
+
+@case
+def cells_that_take_the_nodes_of_the_state():
+    """A mesh of edges alone beside a state that takes its points from a loader, or from a grid before it."""
+    line = '<StringMeshCreator name="l" resolution="4"/>'
+    x = np.array([[i / 3, 0, 0] for i in range(4)])
+    fields = together(gravity(np.ones(4), [0, -10, 0]), springs([(0, 1), (1, 2), (2, 3)], x, 500))
+    expected = euler(x, np.eye(4), fields, 10, 0.01, held=[0])
+    springs_on = '<UniformMass totalMass="4"/><MeshSpringForceField linesStiffness="500"/><FixedConstraint indices="0"/>'
+    for state in ('<MechanicalObject name="dofs" src="@l"/>', '<MechanicalObject name="dofs" position="@l.position"/>'):
+        agree(Run(root(EXACT + line + '<MeshTopology edges="@l.edges"/>' + state + springs_on), 10).x(), expected, 1e-7)
+    grid = '<RegularGridTopology n="4 1 1" min="0 0 0" max="1 0 0" computeEdgeList="0"/><MechanicalObject name="dofs"/>'
+    agree(Run(root(EXACT + grid + '<EdgeSetTopologyContainer edges="0 1  1 2  2 3"/>' + springs_on), 10).x(), expected, 1e-7)
+
+
+@case
+def a_preconditioner_with_an_inverse_of_its_own():
+    x = np.array([[i, 0, 0] for i in range(3)], float)
+    fields = together(gravity(np.ones(3), [0, -10, 0]), springs([(0, 1), (1, 2)], x, 500))
+    run = Run(root('<EulerImplicitSolver/><PCGLinearSolver iterations="100" tolerance="1e-12" preconditioner="@p"/>'
+                   '<PrecomputedWarpPreconditioner name="p"/>' + SPRINGS), 20)
+    agree(run.x(), euler(x, np.eye(3), fields, 20, 0.01, held=[0]), 1e-7)
+
+
+@case
+def bools_in_other_cases():
+    """As programs print them: what asks for a bool before the component exists reads the same words."""
+    spring = '<RestShapeSpringsForceField stiffness="100" points="0 1"/>'
+    half = '<EulerImplicitSolver trapezoidalScheme="{}"/><SparseLDLSolver/>' + BODY + spring
+    agree(Run(root(half.format("True")), 10).x(), Run(root(half.format("1")), 10).x(), 1e-15)
+    differ(Run(root(half.format("True")), 10).x(), Run(root(half.format("False")), 10).x(), 1e-6)
+    falls(Run(root(EXACT + BODY + '<Node name="seen"><MechanicalObject name="dofs" position="0 0 0  1 0 0"/>'
+                   '<IdentityMapping isMechanical="False"/><ConstantForceField indices="0" forces="0 99 0"/></Node>'), 10))
+    falls(Run(root(EXACT + BODY + '<Node name="off" activated="False"><Nonsense/></Node>'), 10))
+    weak = Run(root(EXACT + BODY + '<FixedWeakConstraint fixAll="True" stiffness="100"/>'), 10).x()
+    agree(weak, Run(root(EXACT + BODY + '<FixedWeakConstraint fixAll="1" stiffness="100"/>'), 10).x(), 1e-15)
+
+
+@case
+def a_follower_pulls_nobody():
+    """SOFA attaches one way unless twoWay is given: the push on the second node reaches nobody, or half of it the first."""
+    pair = ('<MechanicalObject name="dofs" position="0 0 0  1 0 0"/><UniformMass totalMass="4"/>'
+            '<ConstantForceField indices="1" forces="0 8 0"/><AttachProjectiveConstraint indices1="0" indices2="1" {}/>')
+    for given in ("", 'twoWay="0"'):
+        agree(Run(root(EXACT + pair.format(given)), 10).x()[0, 1], fallen(10))
+    agree(Run(root(EXACT + pair.format('twoWay="1"')), 10).x()[:, 1], [fallen(10, g=8.0)] * 2)
 
 
 @case

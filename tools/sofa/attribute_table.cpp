@@ -33,7 +33,7 @@ bool isAcceptedType(std::string_view type) {
       "NaturalOrderingMethod", "AMDOrderingMethod", "COLAMDOrderingMethod", "MatrixLinearSystem", "MatrixFreeSystem",
       "ConstantSparsityPatternSystem", "ConstantSparsityProjectionMethod", "PreconditionedMatrixFreeSystem",
       "RotationMatrixSystem", "CompositeLinearSystem", "GlobalSystemMatrixImage", "GlobalSystemMatrixExporter",
-      "LinearSystemImage", "*MatrixExporter",
+      "LinearSystemImage", "*MatrixExporter", "MechanicalMatrixMapper*",
       // windows, mice and pictures
       "*ButtonSetting", "TaskSchedulerSettings", "ViewerSetting", "Ogl*", "*Camera", "Compositing*", "CylinderVisualModel",
       "VisualManager*", "VisualTetrahedralModel", "VisualMesh", "Visual3DText", "*ColorMap", "PointSplatModel",
@@ -137,7 +137,7 @@ bool hasNoEffect(std::string_view type, std::string_view attribute) {
       {"TetrahedronFEMForceField",
        {"computeVonMisesStress", "updateStiffness", "assembling", "computeGlobalMatrix", "numMaterials"}},
       {"TetrahedralCorotationalFEMForceField", {"computeVonMisesStress", "assembling", "computeGlobalMatrix"}},
-      {"TriangularFEMForceField", {"computePrincipalStress", "triangleInfo", "vertexInfo", "edgeInfo"}},
+      {"TriangularFEMForceField", {"computePrincipalStress", "triangleInfo", "vertexInfo", "edgeInfo", "hosfordExponant", "criteriaValue"}},
       {"SparseLDLSolver", {"applyPermutation", "saveMatrixToFile"}},
       {"EigenSimplicialLDLT", {"ordering"}},
       {"EigenSimplicialLLT", {"ordering"}},
@@ -150,9 +150,12 @@ bool hasNoEffect(std::string_view type, std::string_view attribute) {
       {"PrecomputedWarpPreconditioner",
        {"jmjt_twostep", "use_file", "maxMaxIterations", "use_rotations", "draw_rotations", "init_MaxIter", "init_Tolerance",
         "init_Threshold", "solverName"}},
-      {"CorotationalFEMForceField", {"elementStiffness"}},
-      {"LinearSmallStrainFEMForceField", {"elementStiffness"}},
-      {"BeamFEMForceField", {"beamsData"}},
+      {"CorotationalFEMForceField", {"elementStiffness", "computeForceStrategy", "computeForceDerivStrategy", "elementSpace"}},
+      {"LinearSmallStrainFEMForceField", {"elementStiffness", "computeForceStrategy", "computeForceDerivStrategy", "elementSpace"}},
+      {"BeamFEMForceField", {"beamsData", "useSymmetricAssembly"}},
+      {"MeshMatrixMass", {"printMass"}},
+      {"HexahedronFEMForceField", {"stiffnessMatrices"}},
+      {"MeshOBJLoader", {"loadMaterial", "defaultMaterial", "materials", "computeMaterialFaces"}},
       {"SphereForceField", {"contacts"}},
       {"EllipsoidForceField", {"contacts"}},
       {"TriangleCollisionModel", {"contactResponse", "useCurvature", "size"}},
@@ -201,7 +204,13 @@ bool isReadBySofa(std::string_view type, std::string_view attribute) {
       {"LinearForceField", {"force"}},
       {"EulerExplicitSolver", {"optimizedForDiagonalMatrix"}},
       {"BarycentricMapping", {"mapper", "baseTriangulation"}},
-      {"MeshOBJLoader", {"transformation"}},
+      {"MeshOBJLoader", {"transformation", "handleSeams"}},
+      {"TaitSurfacePressureForceField", {"maxInjectionRate", "initialVolume"}},
+      {"TriangleFEMForceField", {"initialPoints"}},
+      {"TriangularFEMForceField", {"initialTransformation"}},
+      {"JointSpringForceField", {"infile", "period", "reinit"}},
+      {"LineCollisionModel", {"LineActiverPath"}},
+      {"PointCollisionModel", {"PointActiverPath"}},
   };
   const auto found = table.find(type);
   return found != table.end() && contains(found->second, attribute);
@@ -214,7 +223,9 @@ bool isSofasDefault(std::string_view attribute, std::string_view value) {
       {"triAngle", {"0"}}, {"repartition", {""}}, {"filename", {"", "unused"}}, {"positionFactor", {"1"}}, {"velocityFactor", {"1"}},
       {"responseFactor", {"1"}}, {"constraintFactor", {"1"}}, {"freeRotations", {"0", "false"}}, {"lastFreeRotation", {"0", "false"}},
       {"restRotations", {"0", "false"}}, {"clamp", {"0", "false"}}, {"minDistance", {"-1"}}, {"splitNormals", {"0", "false"}},
-      {"force", {"1"}}};
+      {"force", {"1"}}, {"handleSeams", {"0", "false"}}, {"maxInjectionRate", {"1000"}}, {"initialVolume", {"0"}},
+      {"infile", {""}}, {"period", {"0"}}, {"reinit", {"0", "false"}}, {"LineActiverPath", {""}}, {"PointActiverPath", {""}},
+      {"initialPoints", {""}}, {"initialTransformation", {""}}};
   const auto found = table.find(attribute);
   if (found == table.end()) return false;
   if (contains(found->second, value)) return true;

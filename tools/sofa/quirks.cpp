@@ -18,11 +18,13 @@ const std::vector<Quirk>& allQuirks() {
       {"edge-polar", "rotations of tetrahedra are polar factors of edges instead of deformation gradients"},
       {"membrane-shape", "membranes rebuild their strains from the shape of the moment"},
       {"local-dilatation", "elements near incompressibility lock: no mean dilatation"},
+      {"one-iteration", "statics make one iteration of Newton a step unless told more, and go on from there"},
       {"trapezoidal-positions", "the trapezoidal rule moves positions with the new velocity"},
       {"grid-origin", "p0 of a grid is its origin, whatever its box"},
       {"total-mass", "of totalMass and vertexMass the total wins"},
       {"fixed-inertia", "the inertia of rigid frames stays in fixed axes, without gyroscopic forces"},
       {"late-times", "movements and forces given at times are those of the start of a step"},
+      {"impulse-values", "forces and pressures that cables and cavities are given are those of a whole step, divided by dt"},
       {"first-node", "constraints without indices hold node 0"},
   };
   return quirks;

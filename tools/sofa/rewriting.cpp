@@ -138,9 +138,8 @@ void Rewriting::rewriteNode(Place& place) {
     attributes.push_back({"gravity", value, element->written->where});
     element->dropped = true;
   }
-  if (const AttributeDescription* activated = place.node->find("activated"))
-    if (const std::string_view value = trimmed(activated->value); value == "0" || value == "false")
-      place.dropped = place.parent != nullptr;
+  if (const AttributeDescription* activated = place.node->find("activated"); activated && saysNo(activated->value))
+    place.dropped = place.parent != nullptr;
   if (place.dropped) diagnostics_.note(place.node->where, place.path(), "the node is not activated");
 }
 
@@ -158,7 +157,7 @@ void Rewriting::acceptTypes() {
     }
     for (const char* name : {"assembleStiffness", "assembleMass", "assembleDamping", "assembleGeometricStiffness",
                              "applyProjectiveConstraints", "applyMappedComponents"})
-      if (const std::string value = element.text(name); value == "0" || value == "false")
+      if (saysNo(element.text(name)))
         diagnostics_.error(element.find(name)->where, element.path() + "." + name,
                            "a matrix without a part of it cannot be assembled here", "true");
     element.without_effect = element.dropped = true;
@@ -299,14 +298,11 @@ void Rewriting::dropUnusedLoaders() {
   std::set<const Element*> named;
   tree_->forEach([&](Element& element) {
     if (element.without_effect) return;
-    for (const AttributeDescription& attribute : element.written->attributes) {
-      Words words(attribute.value);
-      for (std::string_view word = words.next(); !word.empty(); word = words.next())
-        if (word.starts_with("@"))
-          for (const bool names_data : {false, true})
-            if (const LinkTarget target = tree_->follow(element, word, names_data); target.element)
-              named.insert(target.element);
-    }
+    for (const AttributeDescription& attribute : element.written->attributes)
+      forLinks(attribute, [&](std::string_view word) {
+        for (const bool names_data : {false, true})
+          if (const LinkTarget target = tree_->follow(element, word, names_data); target.element) named.insert(target.element);
+      });
   });
   tree_->forEach([&](Element& element) {
     if (element.role() != "mesh loader" || named.count(&element)) return;

@@ -38,6 +38,7 @@ class Rewriting {
   void divideSteps();
   void chooseSolvers();
   Element* preconditionerOf(Element& solver);
+  void addFactors(Element& preconditioner, const Element& solver);
   void dropIdleEngines();
   void dropUnheard();
   void dropIdleMappings();
@@ -50,6 +51,7 @@ class Rewriting {
   void rewriteLink(Element& element, AttributeDescription& attribute, std::vector<std::string>& broken);
   std::string componentLink(Element& element, const Data& data, const std::string& text);
   std::string dataLink(Element& element, const AttributeDescription& attribute);
+  void warnOfMoving(const Element& element, const AttributeDescription& attribute, const Element& source, const std::string& data);
   Element* meant(const Element& asker, const LinkTarget& target, const LinkBase& wanted) const;
 
   // ---- rewritten_attributes.cpp ----
@@ -63,8 +65,8 @@ class Rewriting {
   void applyMeaning(Element& element);
   /// Sets the attribute that stands for a quirk, unless that is switched off.
   void setQuirk(Element& element, std::string_view quirk, const std::string& attribute, const std::string& value);
-  void meanSolver(Element& element);
   void meanSelection(Element& element);
+  void meanActuator(Element& element);
   void meanField(Element& element);
   void meanMass(Element& element);
   void meanMesh(Element& element);
@@ -74,10 +76,17 @@ class Rewriting {
   void cutHexahedra(Element& field);
   void completeGrid(Element& grid);
   void leaveOtherCells(Element& container);
+  bool hasOwnNodes(const Element& mesh) const;
+  void takeNodesOfNeighbour(Element& container);
   void joinCorners(Element& mesh);
   void checkOneBody(Element& field);
   void readMeshFiles(Element& element);
   void readMeshFile(Element& element, const std::string& attribute);
+
+  // ---- rewritten_solvers.cpp ----
+  void meanSolver(Element& element);
+  void meanStatics(Element& solver);
+  void meanNewton(Element& newton);
 
   // ---- rewritten_times.cpp ----
   double timeStep() const;

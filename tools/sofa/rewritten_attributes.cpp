@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
+#include <cmath>
 
 #include "framework/scene/change_table.h"
 #include "framework/scene/common_attributes.h"
@@ -29,12 +30,7 @@ std::string lowerCase(std::string text) {
 }
 
 /// 0, 1, T, False and the like, or empty.
-std::string asBool(const std::string& text) {
-  const std::string word = lowerCase(text);
-  if (contains(std::vector<std::string>{"1", "true", "t", "yes", "on"}, word)) return "true";
-  if (contains(std::vector<std::string>{"0", "false", "f", "no", "off"}, word)) return "false";
-  return {};
-}
+std::string asBool(const std::string& text) { return saysYes(text) ? "true" : saysNo(text) ? "false" : ""; }
 
 /// A word of the choice: written in other case, as a bool, or as its number.
 std::string asChoice(const ChoiceRef& choice, const std::string& text) {
@@ -58,7 +54,8 @@ std::string numbersIn(std::string text, bool whole_numbers, std::size_t most, st
     double value = 0;
     const char* first = word.data() + (word[0] == '+' ? 1 : 0);
     const auto [end, code] = std::from_chars(first, word.data() + word.size(), value);
-    if (code != std::errc()) break;
+    constexpr double largest_whole = 9e18;
+    if (code != std::errc() || (whole_numbers && !(std::abs(value) < largest_whole))) break;
     numbers.emplace_back(whole_numbers ? std::to_string(static_cast<long long>(value)) : std::string(first, end));
     if (end != word.data() + word.size() && *end != 'f' && *end != '.') break;
   }
@@ -199,7 +196,8 @@ void Rewriting::rewriteTemplate(Element& element) {
            {"StdVec3Types", "Vec3"}, {"Rigid3d", "Rigid3"}, {"Rigid3f", "Rigid3"}, {"Vec3d", "Vec3"}, {"Vec3f", "Vec3"},
            {"Vec1d", "Vec1"}, {"Vec1f", "Vec1"}, {"Vec2d", "Vec2"}, {"Vec6d", "Vec6"}})
     for (auto at = text.find(old); at != std::string::npos; at = text.find(old)) text.replace(at, old.size(), present);
-  if (text == "Rigid") text = "Rigid3";
+  for (std::size_t at = text.find("Rigid"); at != std::string::npos; at = text.find("Rigid", at + 1))
+    if (const std::size_t end = at + 5; end == text.size() || text[end] == ',') text.insert(end, "3");  // "Rigid,Vec3"
   const bool solves = element.role() == "linear solver" || element.role() == "preconditioner";
   const bool is_form = text == "GraphScattered" || text.starts_with("CompressedRowSparseMatrix");
   if (text.empty() || !element.probe->data().find("template") || (solves && !is_form))

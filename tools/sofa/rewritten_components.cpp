@@ -16,8 +16,6 @@ bool isOneOf(const std::string& word, std::initializer_list<std::string_view> li
   return std::find(list.begin(), list.end(), word) != list.end();
 }
 
-bool isTrue(const std::string& text) { return text == "1" || text == "true"; }
-
 Vec3 numbersOf(const std::string& text, const Vec3& otherwise) {
   Vec3 value = otherwise;
   if (Data("value", &value).parse(text, DataOrigin::written)) return otherwise;
@@ -39,6 +37,7 @@ void Rewriting::applyMeaning(Element& element) {
   if (role == "mechanical state") meanState(element);
   if (role == "projective constraint") meanConstraint(element);
   meanTimes(element);
+  if (element.written->type == "CableConstraint" || element.written->type == "SurfacePressureConstraint") meanActuator(element);
   // rest positions stay as they are written: in the axes of the frames
   if (element.written->type == "RigidMapping") setDefault(element, "applyRestPosition", "false");
   if (element.written->type == "BeamLinearMapping") setDefault(element, "geometricStiffness", "None");
@@ -51,20 +50,13 @@ void Rewriting::setQuirk(Element& element, std::string_view quirk, const std::st
   if (quirks_.use(quirk, element.path())) element.set(attribute, value);
 }
 
-void Rewriting::meanSolver(Element& element) {
-  const std::string& type = element.written->type;
-  if (isOneOf(type, {"CGLinearSolver", "PCGLinearSolver", "MinResLinearSolver"})) {
-    setDefault(element, "iterations", "25");
-    setDefault(element, "tolerance", "1e-05");
-  }
-  if (type == "CGLinearSolver") {
-    const std::string threshold = element.find("threshold") ? element.text("threshold") : "1e-05";
-    element.remove("threshold");
-    setDefault(element, "preconditioner", "none");
-    setQuirk(element, "cg-threshold", "absoluteThreshold", threshold);
-  }
-  if (type == "EulerImplicitSolver" && isTrue(element.text("trapezoidalScheme")))
-    setQuirk(element, "trapezoidal-positions", "moveByNewVelocity", "true");
+/// Where a force or a pressure is written; what is asked for as a way is the same in both.
+void Rewriting::meanActuator(Element& element) {
+  const std::string usual = element.written->type == "CableConstraint" ? "displacement" : "pressure";
+  const std::string imposed = element.find("valueType") ? element.text("valueType") : usual;
+  bool is_written = (imposed == "force" || imposed == "pressure") && element.find("value");
+  for (const char* bound : {"minForce", "maxForce", "minPressure", "maxPressure"}) is_written = is_written || element.find(bound);
+  if (is_written) setQuirk(element, "impulse-values", "impulses", "true");
 }
 
 void Rewriting::meanSelection(Element& element) {
@@ -98,7 +90,7 @@ void Rewriting::meanField(Element& element) {
   if (type == "RestShapeSpringsForceField" && !element.find("external_rest_shape") &&
       element.text("external_points") == element.text("points"))
     element.remove("external_points");
-  if (type == "SurfacePressureForceField" && !isTrue(element.text("pulseMode")))
+  if (type == "SurfacePressureForceField" && !saysYes(element.text("pulseMode")))
     for (const char* pulse : {"pressureLowerBound", "pressureSpeed"}) element.remove(pulse);
   if (type == "MeshSpringForceField") {
     const auto& written = element.written->attributes;
@@ -107,8 +99,13 @@ void Rewriting::meanField(Element& element) {
     });
     if (element.dropped) return warn(element.written->where, element, {}, "has no stiffness: it does nothing");
   }
-  if (element.probe->data().find("explicitDamping") && quirks_.use("explicit-damping", element.path()))
+  if (element.probe->data().find("explicitDamping") && !element.find("explicitDamping") &&
+      quirks_.use("explicit-damping", element.path()))
     element.set("explicitDamping", "true");
+  if (type == "FastTriangularBendingSprings") {
+    setDefault(element, "bendingStiffness", "1");
+    setDefault(element, "minDistValidity", "1e-06");
+  }
   const bool membrane = isOneOf(type, {"TriangularFEMForceField", "TriangleFEMForceField"});
   if (membrane && method != "small") setQuirk(element, "membrane-shape", "strain", "current");
   if (membrane || type == "TriangularFEMForceFieldOptim") setDefault(element, "thickness", "1");
@@ -167,9 +164,10 @@ void Rewriting::meanMesh(Element& element) {
   const std::string& type = element.written->type;
   setDefault(element, "allowEmpty", "true");
   if (element.find("src")) leaveOtherCells(element);
+  takeNodesOfNeighbour(element);
+  if (isOneOf(type, {"RegularGridTopology", "CylinderGridTopology", "SphereGridTopology"})) completeGrid(element);
   if (type != "RegularGridTopology") return;
   setDefault(element, "allowMirrored", "true");
-  completeGrid(element);
   const std::array<std::array<const char*, 2>, 3> names = {{{"xmin", "xmax"}, {"ymin", "ymax"}, {"zmin", "zmax"}}};
   Vec3 low = numbersOf(element.text("min"), Vec3::Zero()), high = numbersOf(element.text("max"), Vec3::Ones());
   bool given = element.find("min") || element.find("max");
@@ -202,6 +200,45 @@ void Rewriting::meanMesh(Element& element) {
   element.set("max", print(high));
 }
 
+/// Whether a mesh brings its nodes along.
+bool Rewriting::hasOwnNodes(const Element& mesh) const {
+  if (mesh.written->type.ends_with("GridTopology") || mesh.is("CubeTopology")) return true;
+  for (const char* name : {"position", "points", "src", "filename", "fileTopology"})
+    if (mesh.find(name)) return true;
+  bool is_filled = false;
+  tree_->forEach([&](Element& element) {
+    if (element.role() != "topological mapping") return;
+    const std::string output = element.text("output");
+    const LinkTarget target = output.empty() ? LinkTarget{nullptr, element.place, {}} : tree_->follow(element, output, false);
+    is_filled = is_filled || target.element == &mesh || (!target.element && target.place == mesh.place);
+  });
+  return is_filled;
+}
+
+/// Cells whose nodes are those of the state, which has them from a loader or from another mesh: a container of SOFA needs no
+/// positions.
+void Rewriting::takeNodesOfNeighbour(Element& container) {
+  const std::string& type = container.written->type;
+  if ((type != "MeshTopology" && !type.ends_with("SetTopologyContainer")) || hasOwnNodes(container)) return;
+  bool has_cells = false;
+  for (const char* name : {"edges", "lines", "triangles", "quads", "tetrahedra", "tetras", "hexahedra", "hexas"})
+    has_cells = has_cells || container.find(name);
+  const Element* state = container.place->firstOf("mechanical state");
+  const bool is_of_points = state && (!state->find("template") || state->text("template").starts_with("Vec3"));
+  if (!has_cells || !is_of_points) return;
+  for (const char* name : {"position", "rest_position", "src"}) {
+    if (!state->find(name)) continue;
+    const std::string link = state->text(name);
+    const Element* source = tree_->follow(*state, link, std::string_view(name) != "src").element;
+    if (!link.starts_with("@") || !source || source == &container || !source->probe || !source->probe->data().find("position")) return;
+    return container.set("position", std::string_view(name) == "src" ? link + ".position" : link);
+  }
+  Element* mesh = state->find("topology") ? tree_->follow(*state, state->text("topology"), false).element : nullptr;
+  for (const auto& each : container.place->elements)
+    if (!mesh && !each->dropped && each->role() == "topology" && each.get() != &container && hasOwnNodes(*each)) mesh = each.get();
+  if (mesh && mesh != &container) container.set("position", SceneTree::linkTo(*mesh) + ".position");
+}
+
 /// A container of SOFA takes from its `src` the cells that it has a list for.
 void Rewriting::leaveOtherCells(Element& container) {
   static const std::vector<std::pair<std::string_view, std::vector<const char*>>> others = {
@@ -218,6 +255,10 @@ void Rewriting::leaveOtherCells(Element& container) {
 
 /// SOFA's grids list quads, triangles of the quads, and the edges of these. Those of a solid are made where somebody asks for them.
 void Rewriting::completeGrid(Element& grid) {
+  const bool all_three = grid.find("nx") && grid.find("ny") && grid.find("nz");
+  if (grid.find("n") && all_three) grid.remove("n");  // nx, ny and nz together win, and one of them alone does not count
+  if (grid.find("n") && !all_three)
+    for (const char* name : {"nx", "ny", "nz"}) grid.remove(name);
   bool asked = false;
   tree_->forEach([&](Element& element) {
     const std::string& type = element.written->type;
@@ -316,7 +357,8 @@ void Rewriting::meanState(Element& element) {
 void Rewriting::meanConstraint(Element& element) {
   setDefault(element, "ignoreMissing", "true");
   if (element.is("PatchTestMovementProjectiveConstraint")) setDefault(element, "velocity", "zero");
-  const bool all = isTrue(element.text("fixAll"));
+  if (element.is("AttachProjectiveConstraint")) setDefault(element, "twoWay", "false");
+  const bool all = saysYes(element.text("fixAll"));
   static const std::set<std::string> first = {"FixedProjectiveConstraint", "PartialFixedProjectiveConstraint",
                                               "FixedTranslationProjectiveConstraint", "LinearMovementProjectiveConstraint",
                                               "PartialLinearMovementProjectiveConstraint"};

@@ -92,7 +92,20 @@ std::string Rewriting::dataLink(Element& element, const AttributeDescription& at
   if (!target.element) return {};
   if (!target.element->probe) return target.element->without_effect ? std::string() : text;
   if (target.element->dropped) return {};
+  warnOfMoving(element, attribute, *target.element, data);
   return SceneTree::linkTo(*target.element) + "." + data;
+}
+
+/// SOFA's engines follow what they read; here they run once, before the first step.
+void Rewriting::warnOfMoving(const Element& element, const AttributeDescription& attribute, const Element& source,
+                             const std::string& data) {
+  const std::string role = element.role();
+  const bool runs_once = role == "engine" || role == "selection" || role == "mesh engine";
+  if (!runs_once || source.role() != "mechanical state" || (data != "position" && data != "velocity")) return;
+  if (saysNo(element.text("doUpdate"))) return;
+  warn(attribute.where, element, attribute.name,
+       "is read once, where the scene starts: in SOFA " + element.written->type + " follows " + source.path() + " as it moves",
+       data == "position" ? "@" + source.path() + ".rest_position, if that is meant" : "");
 }
 
 }  // namespace stroma::sofa

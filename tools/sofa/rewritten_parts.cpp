@@ -6,23 +6,13 @@
 #include <iterator>
 #include <set>
 
+#include "framework/scene/names.h"
 #include "framework/scene/text.h"
 #include "tools/sofa/rewriting.h"
 
 namespace stroma::sofa {
 
 namespace {
-
-bool saysYes(const std::string& text) { return text == "1" || text == "true"; }
-bool saysNo(const std::string& text) { return text == "0" || text == "false"; }
-
-/// The links of an attribute: words that begin with @.
-template <class Visit>
-void forLinks(const AttributeDescription& attribute, Visit&& visit) {
-  Words words(attribute.value);
-  for (std::string_view word = words.next(); !word.empty(); word = words.next())
-    if (word.starts_with("@")) visit(word);
-}
 
 bool hasType(const NodeDescription& node, std::string_view type) {
   return std::any_of(node.components.begin(), node.components.end(), [type](const auto& each) { return each.type == type; });
@@ -65,6 +55,10 @@ void Rewriting::renameType(Element& element) {
     warn(element.written->where, element, {},
          "SOFA factors in another thread and solves with older factors: this solver has those of the step");
   if (type == "TetrahedralTensorMassForceField") element.set("method", "small");
+  if (type == "UniformVelocityDampingForceField" && saysYes(element.text("implicit"))) {
+    element.remove("implicit");
+    element.set("explicitDamping", "false");
+  }
   if (type == "FixedWeakConstraint") {  // springs to where the nodes rest: all of them, those listed, or node 0
     if (saysYes(element.text("fixAll")))
       element.remove("indices");
@@ -234,6 +228,7 @@ void Rewriting::chooseSolvers() {
           factors = tree_->follow(*preconditioner, link, false).element;
     if (factors && preconditioner->probe->data().find("linearSolver"))
       preconditioner->set("linearSolver", SceneTree::linkTo(*factors));
+    if (preconditioner && preconditioner->is("PrecomputedWarpPreconditioner") && !factors) addFactors(*preconditioner, *chosen);
     for (const auto& each : place.elements) {
       const std::string role = each->role();
       if (each->dropped || (role != "linear solver" && role != "preconditioner")) continue;
@@ -244,6 +239,17 @@ void Rewriting::chooseSolvers() {
       diagnostics_.note(each->written->where, each->path(), "does not count: " + chosen->path() + " solves in this node");
     }
   });
+}
+
+/// SOFA's has an inverse of its own, where here it turns the factors of a solver.
+void Rewriting::addFactors(Element& preconditioner, const Element& solver) {
+  for (const auto& each : preconditioner.place->elements)
+    if (!each->dropped && each->role() == "linear solver" && each.get() != &solver) return;
+  const SourceLocation& where = preconditioner.written->where;
+  const std::string name = preconditioner.name + "_factors";
+  preconditioner.place->added_components.push_back({"SparseLDLSolver", {{"name", name, where}}, where, preconditioner.written->folder});
+  SceneTree::linkTo(preconditioner);  // nodes above it have names from now on
+  preconditioner.set("linearSolver", "@" + joinPath(preconditioner.place->path(), name));
 }
 
 /// By its link, or by the names that SOFA took before; null: none.

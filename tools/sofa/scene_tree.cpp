@@ -2,6 +2,7 @@
 #include "tools/sofa/scene_tree.h"
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <map>
 #include <set>
@@ -11,6 +12,21 @@
 #include "framework/scene/text.h"
 
 namespace stroma::sofa {
+
+namespace {
+
+bool isOneOf(std::string_view text, std::initializer_list<std::string_view> words) {
+  const std::string_view given = trimmed(text);
+  return std::any_of(words.begin(), words.end(), [given](std::string_view word) {
+    return std::equal(given.begin(), given.end(), word.begin(), word.end(),
+                      [](unsigned char a, char b) { return std::tolower(a) == b; });
+  });
+}
+
+}  // namespace
+
+bool saysYes(std::string_view text) { return isOneOf(text, {"1", "true", "t", "yes", "on"}); }
+bool saysNo(std::string_view text) { return isOneOf(text, {"0", "false", "f", "no", "off"}); }
 
 // ---- elements and places ----
 

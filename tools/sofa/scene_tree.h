@@ -9,10 +9,24 @@
 #include <vector>
 
 #include "framework/scene/load.h"
+#include "framework/scene/text.h"
 
 namespace stroma::sofa {
 
 struct Place;
+
+/// A bool as SOFA reads it: 1, true, T, yes, on and their opposites, in any case.
+bool saysYes(std::string_view text);
+bool saysNo(std::string_view text);
+
+/// visit(word) for each link of an attribute: words that begin with @.
+template <class Visit>
+void forLinks(const AttributeDescription& attribute, Visit&& visit) {
+  if (attribute.value.find('@') == std::string::npos) return;  // lists can be long
+  Words words(attribute.value);
+  for (std::string_view word = words.next(); !word.empty(); word = words.next())
+    if (word.starts_with("@")) visit(word);
+}
 
 struct Element {
   ComponentDescription* written = nullptr;

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// BeamHookeLawForceField: the elasticity of a rod whose shape is given by curvatures, one node of a Vec3 state for each section.
+//
+//   E = sum L_i/2 (k_i - k0_i)^T D (k_i - k0_i),   f_i = -L_i D (k_i - k0_i),   D = diag(G J, E Iy, E Iz),   G = E/(2 (1 + nu))
+//   circular:     Iy = Iz = pi (r^4 - r_i^4)/4, J = Iy + Iz
+//   rectangular:  Iy = ly lz^3/12, Iz = lz ly^3/12, J = Iy + Iz
+//
+// k [rad/m] are torsion and the two bendings, in the axes of the section, k0 those at rest. The force on a curvature is a moment
+// [N m] times the length. With useInertiaParams D is diag(GI, EI, EI). With variantSections each section has its own modulus.
+// DiscreteCosseratMapping makes frames of the curvatures.
+//
+// Source: names, attributes, defaults and law are those of the plug-in Cosserat for SOFA; J of a rectangle is there the polar
+// moment too, larger than its torsion constant.
+//
+// Example:
+// <Node name="root" dt="0.01" gravity="0 0 0">
+//   <EulerImplicitSolver/>
+//   <CGLinearSolver iterations="20" tolerance="1e-10"/>
+//   <MechanicalObject name="curvature" position="1 0 1  0 1 2  0 0 0" rest_position="0 0 0  0 0 0  0 0 0"/>
+//   <UniformMass totalMass="0.3"/>
+//   <BeamHookeLawForceField length="0.1 0.1 0.2" radius="0.01" youngModulus="1e6" poissonRatio="0.4"/>
+// </Node>
+#include <fmt/format.h>
+
+#include <numbers>
+
+#include "framework/mechanics/node_group_field.h"
+#include "framework/mechanics/node_indices.h"
+#include "framework/scene/factory.h"
+
+namespace stroma {
+namespace {
+
+class BeamHookeLawForceField final : public NodeGroupField<1> {
+ public:
+  void declare(DataTable& table) override {
+    ForceField::declare(table);
+    table.addChoice("crossSectionShape", shape_, {"circular", "rectangular"}).help("of the rod");
+    table.add("youngModulus", young_).recompiled().help("Young's modulus").unit("Pa").min(0).physical();
+    table.add("poissonRatio", poisson_).recompiled().help("Poisson's ratio").unit("-").min(-1, false).max(0.5);
+    table.add("length", lengths_).recompiled().help("length of each section, or one for all").unit("m").min(0, false).required();
+    table.add("radius", radius_).recompiled().help("of a circular section").unit("m").min(0, false);
+    table.add("innerRadius", inner_).recompiled().help("of its bore").unit("m").min(0);
+    table.add("lengthY", side_y_).help("side of a rectangular section along y").unit("m").min(0, false);
+    table.add("lengthZ", side_z_).help("side of a rectangular section along z").unit("m").min(0, false);
+    table.add("variantSections", varies_).help("each section has its own modulus and ratio");
+    table.add("youngModulusList", young_of_).help("with variantSections, one for each").unit("Pa").min(0);
+    table.add("poissonRatioList", poisson_of_)
+        .help("with variantSections, one for each")
+        .unit("-")
+        .min(-1, false)
+        .max(0.5);
+    table.add("useInertiaParams", by_stiffness_).help("take GI and EI, not the moduli and the section");
+    table.add("GI", torsion_).help("torsion stiffness").unit("N m^2").min(0);
+    table.add("EI", bending_).help("bending stiffness").unit("N m^2").min(0);
+    for (const char* name : {"GA", "EA"}) table.addVisualOnly(name);  // of rods that stretch
+  }
+
+  void init() override {
+    ForceField::init();
+    nodes_ = allNodes(state());
+    spread(lengths_, nodes_.size(), "length", "sections");
+    if (inner_ >= radius_)
+      throw ComponentError(fmt::format("innerRadius is {} m, and radius {} m", inner_, radius_), "innerRadius < radius");
+    if (by_stiffness_ && !(data().find("GI")->isSet() && data().find("EI")->isSet()))
+      throw ComponentError("useInertiaParams is given without GI and EI", "GI=\"...\" EI=\"...\"");
+    if (varies_ && by_stiffness_) throw ComponentError("variantSections and useInertiaParams are both given", "one of them");
+    if (varies_) spread(young_of_, nodes_.size(), "youngModulusList", "sections");
+    if (varies_) spread(poisson_of_, nodes_.size(), "poissonRatioList", "sections");
+    constants_.clear();
+    for (std::size_t i = 0; i < nodes_.size(); ++i) constants_.push_back(lengths_[i] * stiffnessOf(i));
+  }
+
+  ForceTraits traits() const override {
+    ForceTraits traits;
+    traits.linear = traits.constant_stiffness = traits.symmetric = traits.conservative = traits.exact_tangent = true;
+    return traits;
+  }
+
+  void compile() override {
+    setNodes(nodes_, false);
+    for (std::size_t i = 0; i < nodes_.size(); ++i) stiffness_[i].blocks[0] = (-constants_[i]).asDiagonal();
+  }
+
+  double energy(ConstRows x) const override {
+    double sum = 0;
+    for (std::size_t i = 0; i < nodes_.size(); ++i) sum += changeOf(i, x).dot(constants_[i].cwiseProduct(changeOf(i, x))) / 2;
+    return sum;
+  }
+  void addForce(ConstRows x, ConstRows, Rows f) override {
+    for (std::size_t i = 0; i < nodes_.size(); ++i) f[rows_[i][0]] -= constants_[i].cwiseProduct(changeOf(i, x));
+  }
+
+ private:
+  Vec3 changeOf(std::size_t i, ConstRows x) const { return x[rows_[i][0]] - state().rest_position[std::size_t(nodes_[i])]; }
+  /// The diagonal of D.
+  Vec3 stiffnessOf(std::size_t i) const {
+    if (by_stiffness_) return {torsion_, bending_, bending_};
+    const double tube = std::numbers::pi * (radius_ * radius_ * radius_ * radius_ - inner_ * inner_ * inner_ * inner_) / 4;
+    const double y = shape_ == Shape::circular ? tube : side_y_ * side_z_ * side_z_ * side_z_ / 12;
+    const double z = shape_ == Shape::circular ? tube : side_z_ * side_y_ * side_y_ * side_y_ / 12;
+    const double young = varies_ ? young_of_[i] : young_, poisson = varies_ ? poisson_of_[i] : poisson_;
+    return {young / (2 * (1 + poisson)) * (y + z), young * y, young * z};
+  }
+
+  enum class Shape : int { circular, rectangular } shape_ = Shape::circular;
+  double young_ = 1e9, poisson_ = 0.45, radius_ = 1, inner_ = 0, side_y_ = 1, side_z_ = 1, torsion_ = 0, bending_ = 0;
+  bool varies_ = false, by_stiffness_ = false;
+  std::vector<double> lengths_, young_of_, poisson_of_;
+  std::vector<Index> nodes_;
+  std::vector<Vec3> constants_;  ///< L D, shape (sections)
+};
+
+}  // namespace
+}  // namespace stroma
+
+STROMA_COMPONENT(beam_hooke_law_force_field) {
+  factory.add<stroma::BeamHookeLawForceField>("BeamHookeLawForceField", "the elasticity of a rod given by its curvatures");
+}

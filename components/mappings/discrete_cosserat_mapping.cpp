@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// DiscreteCosseratMapping: frames on an inextensible rod of sections with constant curvature, as a catheter, a tendon or an arm.
+//
+// The rod starts in the frame baseIndex of input2, along its x axis. Section i lies between the lengths curv_abs_input[i] and
+// curv_abs_input[i + 1] of the rod. Node i of input1 (Vec3) is its curvature in its own axes: torsion k_x, bending k_y and k_z
+// [rad/m]. The output has a frame at each length curv_abs_output. From the start (p, R) of a section, at l into it,
+//
+//   R(l) = R exp [l k],   p(l) = p + R integral of exp [s k] x ds from 0 to l
+//
+// A change k' turns what lies beyond the section with R V l k' and moves its end by R d' (bent_piece.h): these are the columns of
+// J. The derivative of J by the shape, the geometric stiffness, is left out, as in the plug-in.
+//
+// Source: name, attributes and law are those of the plug-in Cosserat for SOFA (Adagolodjo, Renda, Duriez: Coupling numerical
+// deformable models in global and reduced coordinates for the simulation of the direct and the inverse kinematics of soft robots,
+// IEEE Robotics and Automation Letters 6, 2021).
+//
+// Example:
+// <Node name="root" dt="0.01" gravity="0 -9.81 0">
+//   <EulerImplicitSolver rayleighStiffness="0.1"/>
+//   <SparseLDLSolver/>
+//   <Node name="base">
+//     <MechanicalObject name="frame" template="Rigid3" position="0 0 0 0 0 0 1"/>
+//     <UniformMass totalMass="0.01"/>
+//     <FixedProjectiveConstraint indices="0"/>
+//   </Node>
+//   <Node name="strains">
+//     <MechanicalObject name="curvature" position="0 0 0  0 0 0"/>
+//     <UniformMass totalMass="1e-6"/>
+//     <BeamHookeLawForceField length="0.1 0.1" radius="0.005" youngModulus="1e6" poissonRatio="0.4"/>
+//     <Node name="rod">
+//       <MechanicalObject name="frames" template="Rigid3" position="0 0 0 0 0 0 1  0.1 0 0 0 0 0 1  0.2 0 0 0 0 0 1"/>
+//       <UniformMass totalMass="0.02" inertia="1e-6 1e-6 1e-6"/>
+//       <DiscreteCosseratMapping input1="@../curvature" input2="@../../base/frame" output="@frames" curv_abs_input="0 0.1 0.2"
+//         curv_abs_output="0 0.1 0.2"/>
+//     </Node>
+//   </Node>
+// </Node>
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "components/mappings/bent_piece.h"
+#include "components/mappings/linked_mapping.h"
+#include "framework/scene/factory.h"
+
+namespace stroma {
+namespace {
+
+class DiscreteCosseratMapping final : public LinkedMapping {
+ public:
+  void declare(DataTable& table) override {
+    LinkedMapping::declare(table);
+    table.find("input")->alias("input1");
+    table.addLink("input2", base_link_).help("state of the frame in which the rod starts");
+    table.add("baseIndex", base_index_).help("that frame").min(0);
+    table.add("curv_abs_input", section_ends_)
+        .unit("m")
+        .help("lengths of the rod where sections begin and end, from its start on")
+        .required();
+    table.add("curv_abs_output", frame_places_).unit("m").help("lengths of the rod where its frames are").required();
+    for (const char* name : {"debug", "deformationAxis", "max", "min", "radius", "drawMapBeam", "color", "index"})
+      table.addVisualOnly(name);
+  }
+  void init() override;
+  std::vector<State*> inputs() const override { return {&input(), base_}; }
+  bool isLinear() const override { return false; }
+  void apply(Rows x) const override;
+  void applyJ(Rows v) const override;
+  void applyJT(Rows f) const override;
+  void addJacobian(std::vector<JacobianBlock>& out) const override;
+  void addCurvature(ConstRows v, Rows a) const override;
+  void addGeometricProduct(ConstRows, ConstRows, double, Rows) const override {}
+  void addGeometricPattern(BlockPattern&) const override {}
+  void addGeometricStiffness(ConstRows, double, BlockMatrix&) const override {}
+
+ private:
+  /// A section from its start to its end, or to a frame in it; at the last apply().
+  struct Span {
+    std::size_t section = 0;
+    double length = 0;
+    BentPiece piece;
+    Mat3 axes = Mat3::Identity();                        ///< at its start
+    Vec3 end = Vec3::Zero();                             ///< where its end is
+    Mat3 turning = Mat3::Zero(), moving = Mat3::Zero();  ///< turn and way of its end for a change of the curvature
+  };
+  /// A motion of a place of the rod, or its acceleration.
+  struct Twin {
+    Vec3 linear = Vec3::Zero(), angular = Vec3::Zero();
+  };
+  void checkStates();
+  void findFrames();
+  void bend(Span& span, const Vec3& start, const Mat3& axes, const Vec3& curvature) const;
+  /// visit(span) for the whole sections before a frame, and for its own up to it.
+  template <class Visit>
+  void alongTo(const Span& frame, Visit&& visit) const {
+    for (std::size_t i = 0; i < frame.section; ++i) visit(sections_[i]);
+    visit(frame);
+  }
+  Index rowOf(std::size_t section) const { return input().firstRow() + Index(section); }
+  Index baseRow() const { return base_->firstRow() + 2 * base_index_; }
+  Index row(std::size_t frame) const { return output().firstRow() + 2 * Index(frame); }
+  /// The motion at the end of a span from that at its start, for a change of the curvature.
+  static Twin carried(const Twin& start, const Span& span, const Vec3& change) {
+    const Vec3 arm = span.axes * span.piece.way();
+    return {start.linear + start.angular.cross(arm) + span.moving * change, start.angular + span.turning * change};
+  }
+
+  Link<State> base_link_{"mechanical state"};
+  State* base_ = nullptr;
+  int base_index_ = 0;
+  std::vector<double> section_ends_, frame_places_;
+  mutable std::vector<Span> sections_, frames_;
+  mutable Vec3 pivot_ = Vec3::Zero();  ///< where the rod starts
+};
+
+void DiscreteCosseratMapping::init() {
+  LinkedMapping::init();
+  base_ = base_link_.get();
+  checkStates();
+  for (std::size_t i = 0; i < section_ends_.size(); ++i)
+    if (!(i == 0 || section_ends_[i] > section_ends_[i - 1]))
+      throw ComponentError(fmt::format("curv_abs_input goes from {} to {}", section_ends_[i - 1], section_ends_[i]),
+                           "ascending lengths");
+  sections_.assign(section_ends_.size() - 1, {});
+  for (std::size_t i = 0; i < sections_.size(); ++i)
+    sections_[i].section = i, sections_[i].length = section_ends_[i + 1] - section_ends_[i];
+  findFrames();
+}
+
+void DiscreteCosseratMapping::checkStates() {
+  if (!base_) throw ComponentError("input2 is not given", "the state of the frame in which the rod starts");
+  if (input().rows_per_node != 1 || input().kindOf(0) != RowKind::place)
+    throw ComponentError(fmt::format("{} has no curvatures", input().path()), "a state of template Vec3, a node for each section");
+  if (!base_->hasFrames() || base_index_ >= base_->nodes())
+    throw ComponentError(fmt::format("{} has no frame {}", base_->path(), base_index_), "a frame of a state of template Rigid3");
+  if (!output().hasFrames()) throw ComponentError(fmt::format("{} has no frames", output().path()), "a state of template Rigid3");
+  if (base_ == &output() || base_ == &input()) throw ComponentError("input2 is one of the other two states", "three states");
+  if (Index(section_ends_.size()) != input().nodes() + 1)
+    throw ComponentError(fmt::format("curv_abs_input has {} lengths for the {} sections of {}", section_ends_.size(),
+                                     input().nodes(), input().path()),
+                         "one more than sections: from the start of the rod to its end");
+  if (Index(frame_places_.size()) != output().nodes())
+    throw ComponentError(fmt::format("curv_abs_output has {} lengths for the {} frames of {}", frame_places_.size(),
+                                     output().nodes(), output().path()),
+                         "one for each frame");
+}
+
+void DiscreteCosseratMapping::findFrames() {
+  const double whole = section_ends_.back() - section_ends_.front(), slack = 1e-9 * whole;
+  frames_.assign(frame_places_.size(), {});
+  for (std::size_t f = 0; f < frames_.size(); ++f) {
+    const double place = frame_places_[f];
+    if (!(place >= section_ends_.front() - slack && place <= section_ends_.back() + slack))
+      throw ComponentError(fmt::format("a frame at {} is not on the rod", place),
+                           fmt::format("{} to {}", section_ends_.front(), section_ends_.back()));
+    std::size_t section = 0;
+    while (section + 1 < sections_.size() && place > section_ends_[section + 1]) ++section;
+    frames_[f].section = section;
+    frames_[f].length = std::clamp(place - section_ends_[section], 0., sections_[section].length);
+  }
+}
+
+void DiscreteCosseratMapping::bend(Span& span, const Vec3& start, const Mat3& axes, const Vec3& curvature) const {
+  span.piece = BentPiece(span.length, curvature);
+  span.axes = axes;
+  span.end = start + axes * span.piece.way();
+  span.turning = span.length * axes * span.piece.spin();
+  for (int c = 0; c < 3; ++c) span.moving.col(c) = axes * span.piece.wayBy(span.length * Vec3::Unit(c));
+}
+
+void DiscreteCosseratMapping::apply(Rows x) const {
+  pivot_ = x[baseRow()];
+  Quaternion turn = orientationIn(x, baseRow() + 1);
+  Vec3 start = pivot_;
+  std::vector<Quaternion> turns;
+  for (Span& section : sections_) {
+    turns.push_back(turn);
+    bend(section, start, turn.toRotationMatrix(), x[rowOf(section.section)]);
+    start = section.end, turn = turn * turnedBy(section.piece.turn);
+  }
+  for (std::size_t f = 0; f < frames_.size(); ++f) {
+    Span& frame = frames_[f];
+    const Vec3 from = frame.section == 0 ? pivot_ : sections_[frame.section - 1].end;
+    bend(frame, from, sections_[frame.section].axes, x[rowOf(frame.section)]);
+    x[row(f)] = frame.end;
+    putOrientation(turns[frame.section] * turnedBy(frame.piece.turn), x, row(f) + 1);
+  }
+}
+
+void DiscreteCosseratMapping::applyJ(Rows v) const {
+  for (std::size_t f = 0; f < frames_.size(); ++f) {
+    Twin motion{v[baseRow()], v[baseRow() + 1]};
+    alongTo(frames_[f], [&](const Span& span) { motion = carried(motion, span, v[rowOf(span.section)]); });
+    v[row(f)] = motion.linear, v[row(f) + 1] = motion.angular;
+  }
+}
+
+void DiscreteCosseratMapping::applyJT(Rows f) const {
+  for (std::size_t k = 0; k < frames_.size(); ++k) {
+    const Vec3 force = f[row(k)], torque = f[row(k) + 1], place = frames_[k].end;
+    alongTo(frames_[k], [&](const Span& span) {
+      f[rowOf(span.section)] +=
+          span.moving.transpose() * force + span.turning.transpose() * (torque + (place - span.end).cross(force));
+    });
+    f[baseRow()] += force;
+    f[baseRow() + 1] += torque + (place - pivot_).cross(force);
+  }
+}
+
+void DiscreteCosseratMapping::addJacobian(std::vector<JacobianBlock>& out) const {
+  for (std::size_t k = 0; k < frames_.size(); ++k) {
+    const Vec3 place = frames_[k].end;
+    out.push_back({row(k), baseRow(), Mat3::Identity()});
+    out.push_back({row(k), baseRow() + 1, -crossMatrix(place - pivot_)});
+    out.push_back({row(k) + 1, baseRow() + 1, Mat3::Identity()});
+    alongTo(frames_[k], [&](const Span& span) {
+      out.push_back({row(k), rowOf(span.section), span.moving - crossMatrix(place - span.end) * span.turning});
+      out.push_back({row(k) + 1, rowOf(span.section), span.turning});
+    });
+  }
+}
+
+/// The accelerations of frames where those of the base and of the curvatures are zero, from span to span.
+void DiscreteCosseratMapping::addCurvature(ConstRows v, Rows a) const {
+  for (std::size_t k = 0; k < frames_.size(); ++k) {
+    Vec3 spin = v[baseRow() + 1];
+    Twin gained;
+    alongTo(frames_[k], [&](const Span& span) {
+      const Vec3 rate = v[rowOf(span.section)], turn_rate = span.length * rate, arm = span.axes * span.piece.way();
+      gained.linear += gained.angular.cross(arm) + spin.cross(spin.cross(arm)) + 2 * spin.cross(span.moving * rate) +
+                       span.axes * span.piece.wayTwiceBy(turn_rate);
+      const Vec3 own = span.turning * rate;
+      gained.angular += spin.cross(own) + span.axes * span.piece.spinTwiceBy(turn_rate);
+      spin += own;
+    });
+    a[row(k)] += gained.linear, a[row(k) + 1] += gained.angular;
+  }
+}
+
+}  // namespace
+}  // namespace stroma
+
+STROMA_COMPONENT(discrete_cosserat_mapping) {
+  factory.add<stroma::DiscreteCosseratMapping>("DiscreteCosseratMapping", "frames on a rod of sections with constant curvature");
+}
