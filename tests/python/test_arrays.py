@@ -181,6 +181,13 @@ def test_matrices_are_those_of_the_forces(simulation):
         assert held[3 * node, 3 * node] == 1
     with pytest.raises(stroma.SceneError, match="did you mean '?stiffness"):
         twin.matrix("stifness")
+    assert abs(twin.matrix_of("/body/fem") - stiffness).max() == 0 == abs(twin.matrix_of(twin["/body/mass"]) - mass).max()
+    assert twin.hash != before, "the state was set"
+    before = twin.hash
+    twin.matrix_of("/body/fem")
+    assert twin.hash == before
+    with pytest.raises(stroma.SceneError, match="no force field and no mass"):
+        twin.matrix_of("/body/grid")
 
 
 INTEGRATORS = {"EulerImplicitSolver": {}, "BDFOdeSolver": {"order": 2}, "NewmarkImplicitSolver": {}, "TrapezoidalRuleSolver": {},

@@ -28,6 +28,7 @@ const char* wordFor(RunEnd end) {
 }
 
 Data& dataOf(const Engine& engine, const std::string& path, const std::string& attribute) {
+  engine.use();  // which no other thread may do while it steps
   Component& component = engine.component(path);
   if (Data* data = component.data().find(attribute)) return *data;
   throw ComponentError(component.type() + " has no attribute '" + attribute + "'",
@@ -51,7 +52,7 @@ py::list setAttribute(Ref engine, const std::string& path, const std::string& at
 }
 
 py::object nodeValue(Ref engine, const std::string& path, const std::string& attribute) {
-  Node* node = &engine->simulation().root();
+  Node* node = &engine->use().root();
   std::string_view rest = path;
   for (rest.remove_prefix(rest.starts_with("/")); node && !rest.empty();) {
     const auto slash = std::min(rest.size(), rest.find('/'));
@@ -214,7 +215,7 @@ static void bindParts(EngineClass& engine) {
       .def("edits",
            [](Ref self) {
              py::list out;
-             for (const Override& edit : self->simulation().edits())
+             for (const Override& edit : self->use().edits())
                out.append(py::make_tuple(edit.path, edit.attribute, edit.value));
              return out;
            })

@@ -1,43 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tools/python/engine.h"
 
-#include <csignal>
+#include "tools/python/termination.h"
 
 namespace stroma::python {
 namespace {
-
-/// The session that Ctrl-C stops, and what the signal did before: the interpreter's handler.
-std::atomic<Session*> interrupted{nullptr};
-struct sigaction handler_before;
-
-void onInterrupt(int signal) {
-  if (Session* session = interrupted.load()) session->requestStop();
-  handler_before.sa_handler(signal);
-}
-
-/// As long as it lives, Ctrl-C ends the run at once; the interpreter is told too, and raises KeyboardInterrupt afterwards.
-class Interrupts {
- public:
-  Interrupts(Session& session, bool wanted) {
-    if (!wanted || interrupted.load()) return;
-    struct sigaction now {};
-    if (sigaction(SIGINT, nullptr, &handler_before) != 0 || (handler_before.sa_flags & SA_SIGINFO) ||
-        handler_before.sa_handler == SIG_DFL || handler_before.sa_handler == SIG_IGN)
-      return;
-    now = handler_before;
-    now.sa_handler = onInterrupt;
-    interrupted = &session;
-    installed_ = sigaction(SIGINT, &now, nullptr) == 0;
-  }
-  ~Interrupts() {
-    if (installed_) sigaction(SIGINT, &handler_before, nullptr);
-    if (installed_) interrupted = nullptr;
-  }
-  Interrupts(const Interrupts&) = delete;
-
- private:
-  bool installed_ = false;
-};
 
 /// As long as it lives, this thread does not have the interpreter's lock, but in call(). What is quicker than
 /// gil_scoped_acquire: the thread has a state already.
@@ -87,6 +54,7 @@ Engine::~Engine() {
 }
 
 void Engine::load(Diagnostics diagnostics, bool observed) {
+  const EndingSignals signals;
   py::gil_scoped_release unlocked;
   session_.load(source_, overrides_, std::move(diagnostics));
   simulation_ = session_.shared();
@@ -165,14 +133,10 @@ RunReport Engine::run(std::optional<long> steps, std::optional<double> until, co
   if (end.size() > 0) limits.after_step = [&](const StepReport&, double) { unlocked->call(end, owner); };
   limits.reached = [this](const Simulation&) { return is_enough_.exchange(false); };
   is_enough_ = false;
-  struct Used {
-    std::atomic<std::thread::id>& user;
-    ~Used() { user = std::thread::id(); }
-  } const used{user_};
-  user_ = std::this_thread::get_id();
+  const InUse used(*this);
   RunReport report;
   {
-    const Interrupts interrupts(session_, heeds_interrupts);
+    const EndingSignals signals(&session_, heeds_interrupts);
     Unlocked without_lock;
     unlocked = &without_lock;
     report = session_.run(limits);

@@ -38,6 +38,8 @@ class Engine {
   Simulation& simulation() const { return *simulation_; }
   const std::shared_ptr<Simulation>& shared() const { return simulation_; }
   Session& session() { return session_; }
+  /// Whether the session is its own, and can be copied.
+  bool isOwn() const { return own_ != nullptr; }
   Component& component(const std::string& path) const;
 
   /// Ends at a limit; `begin` and `end` are called with `owner` before and after each step.
@@ -55,8 +57,21 @@ class Engine {
   SceneDescription source_;
   std::vector<Override> overrides_;
   std::shared_ptr<Engine> twin_;
+  friend class InUse;
   std::atomic<std::thread::id> user_{};  ///< the thread that steps it
   std::atomic<bool> is_enough_{false};
+};
+
+/// As long as it lives, this thread alone uses the engine; afterwards whoever did before.
+class InUse {
+ public:
+  explicit InUse(Engine& engine) : user_(engine.user_), before_(user_.exchange(std::this_thread::get_id())) {}
+  ~InUse() { user_ = before_; }
+  InUse(const InUse&) = delete;
+
+ private:
+  std::atomic<std::thread::id>& user_;
+  const std::thread::id before_;
 };
 
 /// Overrides as (path, attribute, text).

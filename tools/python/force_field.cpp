@@ -7,30 +7,17 @@
 //
 // An exception in a method ends the step, which is not taken, and comes out of Simulation.step() with its traceback.
 #include <fmt/format.h>
-#include <pybind11/numpy.h>
-
-#include <cmath>
 
 #include "framework/mechanics/force_field.h"
 #include "framework/scene/factory.h"
-#include "tools/python/python.h"
+#include "tools/python/played.h"
 
 namespace stroma::python {
 namespace {
 
-using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
-using Indices = py::array_t<Index, py::array::c_style | py::array::forcecast>;
-
 class PythonForceField final : public ForceField {
  public:
-  ~PythonForceField() override {
-    if (!Py_IsInitialized()) {  // the interpreter is gone, and its objects with it
-      for (py::object* object : {&object_, &x_, &v_}) object->release();
-      return;
-    }
-    const py::gil_scoped_acquire lock;
-    for (py::object* object : {&object_, &x_, &v_}) *object = py::object();
-  }
+  ~PythonForceField() override { letGo(object_, x_, v_); }
   void declare(DataTable& table) override {
     ForceField::declare(table);
     table.add("played", number_).help("number of the Python object that computes the force").unit("-").min(1).required();
@@ -38,19 +25,14 @@ class PythonForceField final : public ForceField {
   void init() override {
     ForceField::init();
     const py::gil_scoped_acquire lock;
-    try {
-      object_ = py::module_::import("stroma.played").attr("take")(number_);
-      const auto says = [this](const char* name) { return py::bool_(py::getattr(object_, name, py::bool_(false))).cast<bool>(); };
-      traits_.has_stiffness = says("has_stiffness");
-      traits_.linear = says("linear");
-      traits_.symmetric = says("symmetric") || !traits_.has_stiffness;
-      traits_.conservative = says("has_energy");
-      traits_.exact_tangent = says("exact_tangent");
-      traits_.time_dependent = says("time_dependent");
-      has_energy_ = says("has_energy");
-    } catch (const py::error_already_set& error) {
-      throw ComponentError(error.what());
-    }
+    object_ = playedObject(number_);
+    traits_.has_stiffness = says(object_, "has_stiffness");
+    traits_.linear = says(object_, "linear");
+    traits_.symmetric = says(object_, "symmetric") || !traits_.has_stiffness;
+    traits_.conservative = says(object_, "has_energy");
+    traits_.exact_tangent = says(object_, "exact_tangent");
+    traits_.time_dependent = says(object_, "time_dependent");
+    has_energy_ = says(object_, "has_energy");
   }
   ForceTraits traits() const override { return traits_; }
   void setTime(double t) override { t_ = t; }
@@ -161,6 +143,7 @@ class PythonForceField final : public ForceField {
 
 void registerPlayed(Factory& factory) {
   factory.add<PythonForceField>("PythonForceField", "a force that a Python object computes");
+  registerPlayedConstraint(factory);
 }
 
 }  // namespace stroma::python

@@ -29,8 +29,9 @@ Integer = Union[int, str]
 Array = Union[numpy.ndarray, Sequence[Any], str]
 Link = Union[Component, Node, str]
 '''
-EXPORTED = {"errors": "OutputError Problem SceneError StepError StromaError", "laws": "Law", "played": "ForceField",
-            "simulation": "Force LiveComponent LiveNode RunReport Simulation State StepReport load",
+EXPORTED = {"errors": "OutputError Problem SceneError StepError StromaError", "formula": "FormulaLaw", "laws": "Law",
+            "played": "Constraint ForceField",
+            "simulation": "Force LiveComponent LiveNode Observer RunReport Simulation State StepReport load",
             "studies": "Recording Run jacobian read_recording sweep",
             "tree": "Component Node Preview from_xml from_xml_text to_xml", "types": "Attribute TypeInfo type_info types"}
 #: What a value may be given as, by the kind of the attribute.

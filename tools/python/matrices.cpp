@@ -3,6 +3,8 @@
 // changes no bit of a run.
 #include <pybind11/numpy.h>
 
+#include <algorithm>
+
 #include "framework/simulation/integrator.h"
 #include "tools/python/engine.h"
 
@@ -77,6 +79,37 @@ py::tuple matrixOf(const std::shared_ptr<Engine>& engine, const std::string& kin
   return tupleOf(constrained ? system.matrix().withFactors(factors).assemble() : unconstrained(system, factors));
 }
 
+/// K of a force field or M of a mass alone, of all rows: (matrix, first row of its state, how many).
+py::tuple partOf(const std::shared_ptr<Engine>& engine, const std::string& path) {
+  Engine& used = engine->isOwn() ? engine->twin() : *engine;
+  used.between();
+  Component& component = used.component(path);
+  for (const auto& system : used.simulation().systems()) {
+    const Actors& actors = system->actors();
+    BlockPattern pattern(system->allRows());
+    const auto made = [&](auto* part, const auto& fill) {
+      part->addPattern(pattern);
+      BlockMatrix matrix(std::move(pattern));
+      part->prepareAssembly(matrix);
+      fill(matrix);
+      system->matrix().termsChanged();  // places in its blocks are looked up again
+      return py::make_tuple(tupleOf(matrix), part->state().firstRow(), part->state().size());
+    };
+    for (Mass* mass : actors.masses)
+      if (mass == &component) return made(mass, [&](BlockMatrix& matrix) { mass->addTo(1, matrix); });
+    for (ForceField* field : actors.force_fields) {
+      if (field != &component) continue;
+      Vector force(system->allRows());
+      system->computeForce(system->x, system->v, force);
+      const bool is_stiff = std::find(actors.stiff_fields.begin(), actors.stiff_fields.end(), field) != actors.stiff_fields.end();
+      return made(field, [&](BlockMatrix& matrix) {
+        if (is_stiff) field->addStiffness(1, matrix);
+      });
+    }
+  }
+  throw ComponentError(path + " is no force field and no mass that acts on what moves: it has no matrix");
+}
+
 py::array forceOf(const std::shared_ptr<Engine>& engine, const std::string& integrator) {
   System& system = systemOf(engine->twin(), integrator);
   Vector force(system.allRows());
@@ -91,6 +124,7 @@ py::array forceOf(const std::shared_ptr<Engine>& engine, const std::string& inte
 
 void bindMatrices(py::module_& module) {
   module.def("matrix_of", &matrixOf);
+  module.def("matrix_of_part", &partOf);
   module.def("force_of", &forceOf);
   module.def("systems_of", [](const std::shared_ptr<Engine>& engine) {
     py::list out;

@@ -3,10 +3,12 @@
 #include "tools/python/python.h"
 
 #include "framework/algebra/parallel.h"
+#include "tools/python/termination.h"
 
 PYBIND11_MODULE(_stroma, module) {
   using namespace stroma::python;
   module.doc() = "The engine, for the Python files of the package stroma.";
+  standBeforeMetis();
   bindErrors(module);
   bindCatalogue(module);
   bindTree(module);

@@ -48,6 +48,9 @@ py::dict infoOf(const Data& data);
 /// The components that Python plays: every factory of the module knows them.
 void registerPlayed(Factory& factory);
 
+// ---- constraint.cpp ----
+void registerPlayedConstraint(Factory& factory);
+
 void bindErrors(py::module_& module);
 void bindCatalogue(py::module_& module);
 void bindTree(py::module_& module);

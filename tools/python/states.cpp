@@ -55,7 +55,7 @@ py::array frames(const StateRef& self, ConstRows rows, What what) {
 }
 
 py::array arrayOf(const StateRef& self, What what) {
-  self.engine->simulation().complete();
+  self.engine->use().complete();
   const ConstRows rows = self.rows(what);
   const py::ssize_t row = row_doubles * sizeof(double), per_node = self.state->rows_per_node;
   if (self.state->hasFrames()) return frames(self, rows, what);
@@ -117,6 +117,7 @@ void addCells(py::dict& out, const char* name, const Cells& cells) {
 
 /// Cells by the names that meshio and VTK know: "tetra", "hexahedron", ...
 py::object meshOf(const StateRef& self) {
+  self.engine->use();
   const Topology* topology = topologyOf(*self.state);
   if (!topology) return py::none();
   const Mesh& mesh = topology->mesh();

@@ -39,6 +39,7 @@ std::string serve(const std::shared_ptr<Engine>& engine, const std::string& host
   if (after.size() > 0)
     request.after_step = [&] {
       const py::gil_scoped_acquire lock;
+      const InUse used(*engine);  // the thread of the view, until its functions have returned
       try {
         for (std::size_t i = 0; i < after.size(); ++i) after[i](owner);
       } catch (const py::error_already_set& error) {  // in a thread of the view: there is nobody to catch it
@@ -48,6 +49,7 @@ std::string serve(const std::shared_ptr<Engine>& engine, const std::string& host
   request.output_failed = request.ended = [&](const std::string& sentence) { reason = sentence; };
   {
     const KeptSignals kept;
+    const InUse used(*engine);
     const py::gil_scoped_release unlocked;
     viewer->view(engine->session(), request);
   }
@@ -61,6 +63,7 @@ RunReport writePage(const std::shared_ptr<Engine>& engine, const std::string& fi
   view::ExportRequest request;
   request.file = file, request.steps = steps, request.every = every, request.fields = fields, request.inside = inside;
   const auto viewer = service<view::Viewer>();
+  const InUse used(*engine);
   const py::gil_scoped_release unlocked;
   return viewer->writePage(engine->session(), request);
 }

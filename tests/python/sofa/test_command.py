@@ -3,6 +3,8 @@
 import gzip
 import json
 import re
+import signal
+import subprocess
 import sys
 
 import pytest
@@ -146,6 +148,26 @@ def test_files_and_threads_of_a_scene(folder):
     done = run("run", "writes.py", "-n", 1, "--no-record", folder=folder)
     assert done.returncode == 0, done.stderr
     assert (folder / "out.txt").read_text() == "written", "though nobody closes it"
+
+
+def test_processes_of_a_scene_do_not_keep_the_command(folder):
+    (folder / "starts.py").write_text("import multiprocessing\nimport time\n\n\ndef createScene(root):\n"
+                                      "    multiprocessing.Process(target=time.sleep, args=(100,)).start()\n")
+    done = run("run", "starts.py", "-n", 1, "--no-record", folder=folder)
+    assert done.returncode == 0, done.stderr
+
+
+def test_a_scene_that_is_run_again_hears_sigterm(folder):
+    """The command waits for the signal in a thread, which is not there any more."""
+    text = (SCENES / "released.py").read_text()
+    (folder / "long.py").write_text(text)
+    process = subprocess.Popen([COMMAND, "run", "long.py", "-n", "1000000000", "--no-record"], stderr=subprocess.PIPE, cwd=folder, text=True)
+    assert any("run again" in line for line in process.stderr)
+    process.send_signal(signal.SIGTERM)
+    try:
+        assert process.wait(20) in (-signal.SIGTERM, 128 + signal.SIGTERM)
+    finally:
+        process.kill()
 
 
 def test_a_controller_may_end_the_run(folder):

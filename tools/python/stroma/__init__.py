@@ -8,9 +8,10 @@
 """
 from . import _stroma
 from .errors import OutputError, Problem, SceneError, StepError, StromaError
+from .formula import FormulaLaw
 from .laws import Law
-from .played import ForceField
-from .simulation import Force, LiveComponent, LiveNode, RunReport, Simulation, State, StepReport, load
+from .played import Constraint, ForceField
+from .simulation import Force, LiveComponent, LiveNode, Observer, RunReport, Simulation, State, StepReport, load
 from .studies import Recording, Run, jacobian, read_recording, sweep
 from .tree import Component, Node, Preview, from_xml, from_xml_text, to_xml
 from .types import (Attribute, TypeInfo, advice, has_no_effect, is_known, nearest, present_type, type_info, types)

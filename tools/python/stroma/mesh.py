@@ -1,11 +1,24 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Meshes as arrays, and for other programs."""
-from typing import Any, Dict, Iterable
+import importlib
+from typing import Any, Dict, Iterable, List, Tuple, Union
 
 import numpy
 
+from .errors import StromaError, refusal
+from .types import nearest
+
 #: Names of cells as meshio has them, and their numbers in VTK.
 VTK_TYPES = {"line": 3, "triangle": 5, "quad": 9, "triangle6": 22, "tetra": 10, "hexahedron": 12, "tetra10": 24}
+_VOLUMES = ("tetra", "hexahedron", "tetra10")
+
+
+def _package(name: str) -> Any:
+    try:
+        return importlib.import_module(name)
+    except ImportError:
+        raise StromaError(f"the Python package {name} is not installed: the arrays are mesh.points, mesh.blocks(), mesh.point_data() "
+                          "and mesh.cell_data()") from None
 
 
 class Mesh:
@@ -21,44 +34,87 @@ class Mesh:
         return numpy.ascontiguousarray(self.state.x[:, :3])
 
     def volume_cells(self) -> Dict[str, numpy.ndarray]:
-        return {kind: cells for kind, cells in self.cells.items() if kind in ("tetra", "hexahedron", "tetra10")}
+        return {kind: cells for kind, cells in self.cells.items() if kind in _VOLUMES}
 
-    def _fields(self, fields: Iterable[str]) -> Dict[str, numpy.ndarray]:
-        count = sum(len(cells) for cells in self.volume_cells().values())
-        found = {}
+    def blocks(self, surface: bool = False) -> List[Tuple[str, numpy.ndarray]]:
+        """[(kind, nodes of each cell)]: the cells of the volume, of a mesh without a volume all; or its boundary."""
+        return list((self.surface if surface else self.volume_cells() or self.cells).items())
+
+    # ---- data ----
+    def field_names(self) -> List[str]:
+        """Fields of cells that its force fields have, as "vonMises"."""
+        return list(self._fields())
+
+    def _fields(self) -> Dict[str, Any]:
+        folder = self.state.path.rpartition("/")[0]
+        found: Dict[str, Any] = {}
         for component in self.state.simulation.components():
-            for name in component.fields if component.role == "force field" else ():
-                if name in fields and component.path.rpartition("/")[0] == self.state.path.rpartition("/")[0]:
-                    values = component.field(name)
-                    if len(values) == count:
-                        found[name] = values
+            if component.role == "force field" and component.path.rpartition("/")[0] == folder:
+                for name in component.fields:
+                    found.setdefault(name, component)
         return found
 
-    def to_meshio(self, fields: Iterable[str] = ()) -> Any:
-        """A meshio.Mesh of the volume cells, else of all; `fields` of cells by name, as ("vonMises",)."""
-        import meshio
-        cells = self.volume_cells() or self.cells
-        at, data = 0, {name: [] for name in self._fields(fields)}
-        for kind in cells:
-            for name, values in self._fields(fields).items():
-                data[name].append(values[at:at + len(cells[kind])])
-            at += len(cells[kind])
-        return meshio.Mesh(self.points, list(cells.items()), point_data={"velocity": numpy.array(self.state.v[:, :3])}, cell_data=data)
+    def point_data(self) -> Dict[str, numpy.ndarray]:
+        """displacement [m] since the start, and velocity [m/s], (n, 3) each."""
+        points = self.points
+        return {"displacement": points - self.state.start[:, :3], "velocity": numpy.array(self.state.v[:, :3])}
 
-    def to_pyvista(self, fields: Iterable[str] = ()) -> Any:
-        """A pyvista.UnstructuredGrid."""
-        import pyvista
-        connectivity, types = self.vtk_cells()
-        grid = pyvista.UnstructuredGrid(connectivity, types, self.points)
-        for name, values in self._fields(fields).items():
+    def cell_data(self, fields: Union[str, Iterable[str]] = "all") -> Dict[str, numpy.ndarray]:
+        """Numbers of the volume's cells in the order of blocks(); `fields`: their names, or "all"."""
+        known, count = self._fields(), sum(len(nodes) for nodes in self.volume_cells().values())
+        wanted = list(known) if fields == "all" else [fields] if isinstance(fields, str) else list(fields)
+        data = {}
+        for name in wanted:
+            if name not in known:
+                raise refusal(f"no force field beside {self.state.path} has a field '{name}' of cells",
+                              ", ".join(known) or "none has one", nearest(name, known))
+            values = known[name].field(name)
+            if len(values) == count:
+                data[name] = values
+            elif fields != "all":
+                raise refusal(f"'{name}' has {len(values)} values, and the mesh {count} cells")
+        return data
+
+    # ---- for other programs ----
+    def to_meshio(self, fields: Union[str, Iterable[str]] = "all") -> Any:
+        """A meshio.Mesh of blocks(), with displacement, velocity and `fields` of cells."""
+        meshio = _package("meshio")
+        blocks, data = self.blocks(), self.cell_data(fields)
+        ends = numpy.cumsum([len(nodes) for _, nodes in blocks])[:-1]
+        return meshio.Mesh(self.points, blocks, point_data=self.point_data(),
+                           cell_data={name: numpy.split(values, ends) for name, values in data.items()})
+
+    def to_pyvista(self, fields: Union[str, Iterable[str]] = "all") -> Any:
+        """The same as a pyvista.UnstructuredGrid."""
+        pyvista = _package("pyvista")
+        grid = pyvista.UnstructuredGrid(*self.vtk_cells(), self.points)
+        for name, values in self.point_data().items():
+            grid.point_data[name] = values
+        for name, values in self.cell_data(fields).items():
             grid.cell_data[name] = values
+        return grid
+
+    def to_vtk(self, fields: Union[str, Iterable[str]] = "all") -> Any:
+        """The same as a vtkUnstructuredGrid of VTK's own Python package."""
+        vtk, support = _package("vtk"), _package("vtk.util.numpy_support")
+        cells, types = self.vtk_cells()
+        points, polygons, grid = vtk.vtkPoints(), vtk.vtkCellArray(), vtk.vtkUnstructuredGrid()
+        points.SetData(support.numpy_to_vtk(self.points, deep=True))
+        polygons.SetCells(len(types), support.numpy_to_vtkIdTypeArray(cells.astype(numpy.int64), deep=True))
+        grid.SetPoints(points)
+        grid.SetCells(support.numpy_to_vtk(types, deep=True, array_type=vtk.VTK_UNSIGNED_CHAR), polygons)
+        for target, data in ((grid.GetPointData(), self.point_data()), (grid.GetCellData(), self.cell_data(fields))):
+            for name, values in data.items():
+                array = support.numpy_to_vtk(numpy.ascontiguousarray(values), deep=True)
+                array.SetName(name)
+                target.AddArray(array)
         return grid
 
     def vtk_cells(self) -> tuple:
         """(cells, types) as vtkUnstructuredGrid takes them: each cell as its number of nodes, then the nodes."""
-        cells = self.volume_cells() or self.cells
-        flat = [numpy.hstack([numpy.full((len(nodes), 1), nodes.shape[1]), nodes]).ravel() for nodes in cells.values()]
-        types = [numpy.full(len(nodes), VTK_TYPES[kind], numpy.uint8) for kind, nodes in cells.items()]
+        blocks = self.blocks()
+        flat = [numpy.hstack([numpy.full((len(nodes), 1), nodes.shape[1]), nodes]).ravel() for _, nodes in blocks]
+        types = [numpy.full(len(nodes), VTK_TYPES[kind], numpy.uint8) for kind, nodes in blocks]
         empty = numpy.zeros(0, int)
         return (numpy.concatenate(flat) if flat else empty), (numpy.concatenate(types) if types else empty.astype(numpy.uint8))
 

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Force fields written in Python: slow, and as simple as NumPy."""
+"""Force fields and constraints written in Python: slow, and as simple as NumPy."""
 import itertools
 import threading
 import weakref
-from typing import Any, Dict
+from typing import Any, Dict, Optional, Sequence, Tuple
 
 import numpy
 
@@ -22,7 +22,28 @@ def take(number: int) -> Any:
     return found
 
 
-class ForceField:
+class Played:
+    """What a component of the engine calls; a node adds it as it adds components."""
+
+    component = ""  #: its type
+    _kind: Any = None
+
+    def __init__(self, **values: Any):
+        for name, value in values.items():
+            setattr(self, name, value)
+
+    @property
+    def number(self) -> int:
+        """By which the component finds it."""
+        with _lock:
+            if "_seen" not in self.__dict__:
+                self._seen = self._kind(self)
+                self._seen.number = next(_numbers)
+                _played[self._seen.number] = self._seen
+        return self._seen.number
+
+
+class ForceField(Played):
     """A force on the nodes of a state. Derive from it, override force(), and add it to a node:
 
         class Pull(stroma.ForceField):
@@ -34,14 +55,11 @@ class ForceField:
     Override stiffness() for implicit steps that see its derivative, and energy() where there is one. Without a stiffness the
     force is taken as it is at the start of a step: explicit, and stable only as long as that is small."""
 
+    component = "PythonForceField"
     linear = False  #: the force is affine in x
     symmetric = True  #: the stiffness is
     exact_tangent = True  #: the stiffness is the derivative of the force
     time_dependent = False
-
-    def __init__(self, **values: Any):
-        for name, value in values.items():
-            setattr(self, name, value)
 
     def force(self, x: numpy.ndarray, v: numpy.ndarray, t: float) -> numpy.ndarray:
         """The force on each node, (n, 3) [N], at positions x [m] and velocities v [m/s], (n, 3)."""
@@ -80,16 +98,6 @@ class ForceField:
             off["stiffness"] = float(numpy.abs(whole - numpy.stack(columns, axis=1)).max() / max(numpy.abs(whole).max(), 1e-300))
         return off
 
-    # ---- what the engine asks ----
-    @property
-    def number(self) -> int:
-        with _lock:
-            if "_seen" not in self.__dict__:
-                self._seen = _Seen(self)
-                self._seen.number = next(_numbers)
-                _played[self._seen.number] = self._seen
-        return self._seen.number
-
 
 class _Seen:
     """A force field as the engine sees it."""
@@ -116,6 +124,73 @@ class _Seen:
             if not _is_symmetric(rows, columns, blocks, len(x)):
                 raise ValueError(f"the stiffness of {type(self.field).__name__} is not symmetric: say so, symmetric = False")
         return rows, columns, blocks
+
+
+ForceField._kind = _Seen
+
+
+class Constraint(Played):
+    """Holds nodes of a state, or moves them. Derive from it, override what differs, and add it to a node:
+
+        class Push(stroma.Constraint):
+            def motion(self, t):
+                return self.start + (0, 0, 0.01 * t), numpy.tile((0, 0, 0.01), (len(self.nodes), 1))
+
+        node.add(Push(nodes=[3, 4], start=points[[3, 4]]), name="push")
+
+    Without motion() the nodes stay where they are. `along`: directions that are held, one vector for all nodes or one for each;
+    none: all three."""
+
+    component = "PythonConstraint"
+    constant = True  #: the same nodes and directions at all times
+    nodes: Sequence[int] = ()
+    along: Any = None
+
+    def held(self, t: float) -> Tuple[Any, Any]:
+        """(nodes (m,), directions): what is held in the step that ends at time t [s]; directions None: all, or vectors (m, 3), or
+        projectors (m, 3, 3) of what is left free."""
+        return self.nodes, self.along
+
+    def motion(self, t: float) -> Tuple[Any, Any]:
+        """Where the held nodes are at time t, and how fast: positions (m, 3) [m], velocities (m, 3) [m/s]. Only what is held
+        counts."""
+        raise NotImplementedError
+
+
+class _SeenConstraint:
+    """A constraint as the engine sees it."""
+
+    def __init__(self, constraint: Constraint):
+        self.constraint = constraint
+        self.constant = bool(constraint.constant)
+        self.has_motion = type(constraint).motion is not Constraint.motion
+
+    def held(self, t):
+        nodes, directions = self.constraint.held(t)
+        nodes = numpy.asarray(nodes)
+        if nodes.ndim != 1 or (nodes.size and nodes.dtype.kind not in "iu"):
+            raise ValueError(f"the nodes of {type(self.constraint).__name__} are no list of whole numbers")
+        return nodes.astype(numpy.int32), projectors_of(directions, len(nodes))
+
+    def motion(self, t):
+        return tuple(self.constraint.motion(t))
+
+
+Constraint._kind = _SeenConstraint
+
+
+def projectors_of(directions: Optional[Any], nodes: int) -> numpy.ndarray:
+    """(nodes, 3, 3) of held directions: I - n n^T / n.n of vectors n, zero of all."""
+    if directions is None:
+        return numpy.zeros((nodes, 3, 3))
+    directions = numpy.asarray(directions, float)
+    if directions.shape == (nodes, 3, 3) and directions.ndim == 3:
+        return directions
+    vectors = numpy.broadcast_to(directions, (nodes, 3))
+    size = numpy.einsum("mi,mi->m", vectors, vectors)
+    if not (size > 0).all():
+        raise ValueError("a direction that is held has no length")
+    return numpy.eye(3) - numpy.einsum("mi,mj,m->mij", vectors, vectors, 1 / size)
 
 
 def _is_symmetric(rows: Any, columns: Any, blocks: Any, nodes: int) -> bool:

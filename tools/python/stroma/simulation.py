@@ -4,6 +4,7 @@ import contextlib
 import operator
 import os
 import threading
+import weakref
 from typing import Any, Callable, Dict, Iterator, List, Optional, Sequence, Union
 
 import numpy
@@ -58,6 +59,37 @@ class Token:
             self._functions.remove(self._function)
 
 
+class Watching(Token):
+    """An observer that looks on; remove() ends that, and it sees its end."""
+
+    def __init__(self, simulation: "Simulation", step: Callable, end: Callable):
+        super().__init__(simulation._end, step)
+        self._simulation, self._last = weakref.ref(simulation), end
+
+    def remove(self) -> None:
+        super().remove()
+        simulation = self._simulation()
+        if simulation is not None and self._last in simulation._finish:
+            simulation._finish.remove(self._last)
+            self._last(simulation)
+
+
+class Observer:
+    """Looks at a run: begin(simulation) when it is added, step(simulation) after steps, end(simulation) when the run is finished.
+    It reads, and changes nothing. Derive from it, override what is of use, and call simulation.add_observer()."""
+
+    every = 1  #: steps from one call to the next
+
+    def begin(self, simulation: "Simulation") -> None:
+        """The start, or the instant at which it was added."""
+
+    def step(self, simulation: "Simulation") -> None:
+        """After a step."""
+
+    def end(self, simulation: "Simulation") -> None:
+        """finish() was called."""
+
+
 class Simulation:
     """A scene that runs. One thread at a time uses it; several simulations run in several threads."""
 
@@ -65,8 +97,12 @@ class Simulation:
         self._engine = engine
         self._begin: List[Callable] = []
         self._end: List[Callable] = []
-        self._states: Optional[Dict[str, State]] = None
-        self._parts: Dict[str, Any] = {}
+        self._finish: List[Callable] = []
+        # states and components hold the simulation, so it does not hold them: it ends with the last name that leads to it
+        self._found_states: Optional[Dict[str, Any]] = None
+        self._facts: Optional[Dict[str, tuple]] = None
+        self._states: "weakref.WeakValueDictionary[str, State]" = weakref.WeakValueDictionary()
+        self._parts: "weakref.WeakValueDictionary[str, LiveComponent]" = weakref.WeakValueDictionary()
         self.stop_reason = ""  #: what stop() was given in the last run
 
     # ---- stepping ----
@@ -120,9 +156,26 @@ class Simulation:
         """Back to the start, to the bit. Attributes that were set stay."""
         self._engine.reset()
 
+    def add_observer(self, observer: Observer) -> Token:
+        """From now on it looks on; remove() of what is returned lets it see its end."""
+        if not isinstance(observer, Observer):
+            raise TypeError(f"an observer is a stroma.Observer, not {type(observer).__name__}")
+        if operator.index(observer.every) < 1:
+            raise ValueError(f"an observer looks every {observer.every} steps: expected 1 or more")
+
+        def step(simulation: "Simulation") -> None:
+            if simulation.steps % observer.every == 0:
+                observer.step(simulation)
+        observer.begin(self)
+        self._end.append(step)
+        self._finish.append(observer.end)
+        return Watching(self, step, observer.end)
+
     def finish(self) -> None:
         """Observers see the end: their files are whole."""
         self._engine.finish()
+        for function in list(self._finish):
+            function(self)
 
     # ---- time ----
     @property
@@ -156,26 +209,24 @@ class Simulation:
     # ---- parts ----
     def components(self) -> List["LiveComponent"]:
         """All, in the order of the scene."""
-        return [self._live(facts) for facts in self._engine.components()]
+        return [self._live(path) for path in self._all_facts()]
 
-    def _live(self, facts: tuple) -> "LiveComponent":
-        path = facts[0]
-        if path not in self._parts:
-            self._parts[path] = LiveComponent(self, facts)
-        return self._parts[path]
+    def _all_facts(self) -> Dict[str, tuple]:
+        if self._facts is None:
+            self._facts = {facts[0]: facts for facts in self._engine.components()}
+        return self._facts
+
+    def _live(self, path: str) -> "LiveComponent":
+        found = self._parts.get(path)
+        if found is None:
+            found = self._parts[path] = LiveComponent(self, self._all_facts()[path])
+        return found
 
     def component(self, path: str) -> "LiveComponent":
         wanted = self._absolute(path)
-        if path not in self._parts:
-            for facts in self._engine.components():
-                if facts[0] == wanted:
-                    return self._live(facts)
-            paths = [facts[0] for facts in self._engine.components()]
-            raise refusal(f"the scene has no component {path}", "a path of the scene", nearest(wanted, paths))
-        found = self._parts[path]
-        if not isinstance(found, LiveComponent):
-            raise refusal(f"{path} is a node", "a component")
-        return found
+        if wanted not in self._all_facts():
+            raise refusal(f"the scene has no component {path}", "a path of the scene", nearest(wanted, list(self._all_facts())))
+        return self._live(wanted)
 
     def node(self, path: str = "/") -> "LiveNode":
         wanted = self._absolute(path)
@@ -192,8 +243,8 @@ class Simulation:
         return path if path.startswith("/") else "/" + path
 
     def __getitem__(self, path: str) -> Union["LiveComponent", "LiveNode"]:
-        if isinstance(path, str) and path in self._parts:
-            return self._parts[path]
+        if isinstance(path, str) and path in self._all_facts():
+            return self._live(path)
         try:
             return self.component(path)
         except SceneError as error:
@@ -204,26 +255,32 @@ class Simulation:
 
     def states(self) -> List["State"]:
         """Those that move, in the order of the scene."""
-        return list(self._all_states().values())
+        return [self._state_at(path) for path in self._all_states()]
 
-    def _all_states(self) -> Dict[str, "State"]:
-        if self._states is None:
-            self._states = {state.path: State(self, state) for state in _stroma.states_of(self._engine)}
-        return self._states
+    def _all_states(self) -> Dict[str, Any]:
+        if self._found_states is None:
+            self._found_states = {state.path: state for state in _stroma.states_of(self._engine)}
+        return self._found_states
+
+    def _state_at(self, path: str) -> "State":
+        found = self._states.get(path)
+        if found is None:
+            found = self._states[path] = State(self, self._all_states()[path])
+        return found
 
     def state(self, path: Optional[str] = None) -> "State":
         """That of a path, or of the node of this path; without one, the only one of the scene."""
         states = self._all_states()
         if path is None:
             if len(states) == 1:
-                return next(iter(states.values()))
+                return self._state_at(next(iter(states)))
             raise refusal(f"the scene has {len(states)} states", "the path of one", next(iter(states), ""))
         wanted = self._absolute(path)
         if wanted in states:
-            return states[wanted]
-        inside = [state for name, state in states.items() if name.rpartition("/")[0] == wanted.rstrip("/")]
+            return self._state_at(wanted)
+        inside = [name for name in states if name.rpartition("/")[0] == wanted.rstrip("/")]
         if len(inside) == 1:
-            return inside[0]
+            return self._state_at(inside[0])
         raise refusal(f"no state that moves is called {path}", "the path of a state", nearest(wanted, list(states)))
 
     def set(self, attribute: str, value: Any) -> List[Problem]:
@@ -326,6 +383,17 @@ class Simulation:
         blocks, columns, starts = _stroma.matrix_of(self._engine, kind, constrained, integrator)
         size = 3 * (len(starts) - 1)
         return bsr_matrix((blocks, columns, starts), shape=(size, size))
+
+    def matrix_of(self, component: Union["LiveComponent", str], whole: bool = False):
+        """K = dF/dx of a force field or M of a mass alone, at the present state, as scipy.sparse.bsr_matrix of the rows of its
+        state; `whole`: of all rows of its integrator. Computed in a copy."""
+        from scipy.sparse import bsr_matrix
+        path = component.path if isinstance(component, LiveComponent) else self.component(component).path
+        (blocks, columns, starts), first, count = _stroma.matrix_of_part(self._engine, path)
+        size = 3 * (len(starts) - 1)
+        found = bsr_matrix((blocks, columns, starts), shape=(size, size))
+        own = slice(3 * first, 3 * (first + count))
+        return found if whole else found.tocsr()[own, own].tobsr((3, 3))
 
     def force(self, integrator: str = "") -> numpy.ndarray:
         """The net force at the present state, (rows, 3) [N], gravity included; computed in a copy."""
@@ -553,7 +621,7 @@ class Force:
 
     def _arguments(self) -> tuple:
         given = self._given
-        return ([int(node) for node in given["nodes"]], [float(c) for c in given["force"]],
+        return ([operator.index(node) for node in given["nodes"]], [float(c) for c in given["force"]],
                 [[float(c) for c in target] for target in given["targets"]], float(given["stiffness"]), float(given["damping"]))
 
     def change(self, **given: Any) -> None:

@@ -42,6 +42,8 @@ def jacobian(function: Callable[[numpy.ndarray], Any], at: Sequence[float], step
     """The derivative of an array by parameters, (values, parameters), by central differences of `step` times each parameter (of
     `step` where it is zero)."""
     at = numpy.asarray(at, float)
+    if at.ndim != 1 or not numpy.isfinite(at).all():
+        raise ValueError(f"parameters {at} are no list of numbers")
     columns = []
     for index, value in enumerate(at):
         h = step * (abs(value) or 1.0)

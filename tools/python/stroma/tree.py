@@ -6,7 +6,7 @@ from typing import Any, Dict, Iterator, List, Optional, Tuple, Union
 
 from . import _stroma
 from .errors import Problem, SceneError, refusal
-from .played import ForceField
+from .played import Played
 from .types import TypeInfo, nearest, present_type, type_info, types
 
 Where = Tuple[str, int]
@@ -265,15 +265,15 @@ class Node(_Written):
         self.children.append(child)
         return child
 
-    def add(self, type: Union[str, Component, ForceField], /, name: Optional[str] = None, where: Optional[Where] = None,
+    def add(self, type: Union[str, Component, Played], /, name: Optional[str] = None, where: Optional[Where] = None,
             **attributes: Any) -> Component:
-        """A new component in this node; or one that was made before, or a force field in Python."""
+        """A new component in this node; or one that was made before, or a force field or a constraint in Python."""
         return self.insert(len(self.components), type, name, where, **attributes)
 
-    def insert(self, index: int, type: Union[str, Component, ForceField], /, name: Optional[str] = None, where: Optional[Where] = None,
+    def insert(self, index: int, type: Union[str, Component, Played], /, name: Optional[str] = None, where: Optional[Where] = None,
                **attributes: Any) -> Component:
-        if isinstance(type, ForceField):
-            component = Component("PythonForceField", name, where, played=type.number, **attributes)
+        if isinstance(type, Played):
+            component = Component(type.component, name, where, played=type.number, **attributes)
             object.__setattr__(component, "_played", type)
         elif isinstance(type, Component):
             component = type
@@ -421,7 +421,7 @@ def _check(component: Component) -> None:
     """Tells at once what is wrong with the names in a component."""
     info = component.info
     if info is None:
-        if _stroma.has_no_effect(component.type) or component.type in ("PythonForceField",):
+        if _stroma.has_no_effect(component.type) or component.type in ("PythonForceField", "PythonConstraint"):
             return
         raise refusal(f"there is no component '{component.type}'", "a name from stroma.types()",
                       nearest(component.type, types()) or _stroma.advice(component.type), component.where)

@@ -9,6 +9,21 @@ from ._data import Data, DataDict, made
 _PACKAGE = os.path.dirname(os.path.abspath(__file__))
 
 
+class NoData(AttributeError):
+    """There is nothing of that name. Its sentence is made when somebody reads it: libraries ask for much that is not there."""
+
+    def __init__(self, thing, name):
+        super().__init__(name)
+        self._s_asked = thing, name
+
+    def __str__(self):
+        thing, name = self._s_asked
+        return thing._s_no_data(name)
+
+
+NoData.__name__ = NoData.__qualname__ = AttributeError.__name__  # as which it is told
+
+
 def caller():
     """(file, line) of the code outside of this package that is running."""
     frame = sys._getframe(1)
@@ -116,7 +131,7 @@ class Base:
         return self.findData(name)
 
     def _s_no_data(self, name):
-        if name in ("assembleKMatrix", "assembleMMatrix", "getKineticEnergy", "getPotentialEnergy"):
+        if name in ("A", "b", "W", "getKineticEnergy", "getPotentialEnergy"):
             return f"{self._s_place()}: {name}() of SOFA is not offered here"
         near = _messages.nearest(name, self._s_data_names() + [each for each in dir(type(self)) if each[0] != "_"])
         return f"{self._s_place()}: has no data '{name}'" + (f"; did you mean '{near}'?" if near else "")
@@ -166,7 +181,7 @@ class Base:
         """As an argument: data and objects are links."""
         data = self.findData(name)
         if data is None:
-            raise AttributeError(self._s_no_data(name))
+            raise NoData(self, name)
         if isinstance(value, Data):
             data.setParent(value)
         else:
@@ -240,9 +255,9 @@ class Base:
     def __getattr__(self, name):
         if name.startswith("__") or name in ("_s_running", "_s_revision", "_s_data"):
             raise AttributeError(name)
-        found = self._s_attribute(name)
+        found = self.getLinkPath() if name == "linkpath" else self._s_attribute(name)
         if found is None:
-            raise AttributeError(self._s_no_data(name))
+            raise NoData(self, name)
         return found
 
     def _s_attribute(self, name):

@@ -10,17 +10,18 @@ class ValueArray(np.ndarray):
 
     def __new__(cls, array, data):
         self = np.array(array).view(cls)
-        self._s_data, self._whole = data, self
+        self._s_data = data
         return self
 
     def __array_finalize__(self, other):
         self._s_data = getattr(other, "_s_data", None)
-        self._whole = getattr(other, "_whole", None)
+        # that of which it is a part; none: it is the whole, which does not hold itself, so that it ends with its last name
+        self._whole = None if self._s_data is None else other if other._whole is None else other._whole
 
     def __setitem__(self, key, value):
         super().__setitem__(key, value)
-        whole = self._whole
-        if self._s_data is not None and whole is not None and (self is whole or np.may_share_memory(self, whole)):
+        whole = self if self._whole is None else self._whole
+        if self._s_data is not None and (whole is self or np.may_share_memory(self, whole)):
             self._s_data.value = np.array(whole)
 
     def __array_wrap__(self, array, context=None, return_scalar=False):
@@ -143,6 +144,18 @@ class Data:
         self._s_owner._s_write(self, other if isinstance(other, Data) or other is None else _as_link(other))
 
     setLinkPath = setParent
+
+    def getLinkedPath(self, *_):
+        parent = self.getParent()
+        return parent.getLinkPath() if parent is not None else str(_values.to_text(self._s_raw))
+
+    def getLinkedBase(self, *_):
+        """The object or the node that it leads to; None: it is no link."""
+        raw = self._s_raw
+        if isinstance(raw, Data):
+            return raw.getOwner()
+        target = self._s_owner._s_linked(raw, self._s_name) if _values.is_link_text(raw) else raw
+        return target.getOwner() if isinstance(target, Data) else target if hasattr(target, "getLinkPath") else None
 
     def getParent(self):
         raw = self._s_raw
@@ -276,9 +289,14 @@ class Data:
         return f"<Sofa.Core.Data {self.getPathName()}>"
 
     def __eq__(self, other):
-        if isinstance(other, Data):
+        if other is None or isinstance(other, Data):
             return self is other
         return self.value == other
+
+    def __ne__(self, other):
+        if other is None or isinstance(other, Data):
+            return self is not other
+        return self.value != other
 
     def __hash__(self):
         return id(self)
@@ -322,6 +340,8 @@ class Data:
         return _operand(self) >= _operand(other)
 
     def __call__(self, *_, **__):
+        if self._s_name == "size":
+            return self._s_owner.getSize()
         raise AttributeError(f"{self._s_owner._s_place()}: {self._s_owner.getClassName()} has no '{self._s_name}()' here")
 
     def __getattr__(self, name):

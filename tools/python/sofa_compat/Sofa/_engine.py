@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """A scene as it runs: the engine under a tree of nodes, and values before there is one."""
+import gc
+import weakref
+
 import numpy as np
 import stroma
 from stroma import _stroma
@@ -7,7 +10,7 @@ from stroma import _stroma
 from . import _catalogue, _events, _messages, _values
 from ._data import Data
 from ._mirror import Mirror
-from ._objects import DataEngine, Object, _unavailable
+from ._objects import DataEngine, Object, Unavailable
 
 #: values of a state that steps change
 _STATE = {"position", "velocity", "rest_position", "force", "free_position", "free_velocity", "reset_position", "reset_velocity"}
@@ -59,10 +62,16 @@ class TreeChanged(RuntimeError):
     """What takes a new simulation."""
 
 
+_alive = weakref.WeakSet()
+
+
 class Engine:
     """The simulation of a tree. `simulation`: given by who loads it (a command), else it is loaded here."""
 
     def __init__(self, root, simulation=None, mirror=None):
+        if len(_alive) >= 4:  # of trees that nobody has any more: they are rings, and hold large simulations
+            gc.collect()
+        _alive.add(self)
         self.root, self._s_given = root, simulation is not None
         self._restart, self._remade, self.steps = False, False, 0
         self._pushed = {}
@@ -214,10 +223,11 @@ class Engine:
         else:
             self.sim.set("/.gravity", _plain(data._s_raw))
 
-    def energies(self):
-        energies = getattr(self.sim, "energies", None)
-        found = energies() if callable(energies) else {}
-        return found.get("kinetic", 0.0), found.get("elastic", 0.0)
+    def matrix_of(self, thing):
+        component = self._components.get(id(thing))
+        if component is None:
+            raise RuntimeError(f"{thing._s_place()}: is no part of the simulation, and has no matrix")
+        return self.sim.matrix_of(component).tocsr()
 
     # ---- changes of the tree ----
     def edited(self, what=""):
@@ -249,7 +259,7 @@ class Engine:
 
     # ---- steps ----
     def begin_step(self, dt):
-        _events.send(self.root, "AnimateBeginEvent", {"dt": dt})
+        _events.begin_step(self.root, dt)
         self._update_engines()
         self._hand_on()
         if self._restart:
@@ -257,7 +267,7 @@ class Engine:
 
     def end_step(self, dt):
         self.steps += 1
-        _events.send(self.root, "AnimateEndEvent", {"dt": dt})
+        _events.end_step(self.root, dt)
 
     def step(self, dt):
         """Of dt, or of the root's, which stays as it is."""
@@ -285,9 +295,8 @@ class Engine:
 
     def _update_engines(self):
         for each in _events.listeners(self.root):
-            if isinstance(each, DataEngine) and each.__dict__.get("_s_seen") != each._s_stamp_of_inputs():
-                object.__setattr__(each, "_s_seen", each._s_stamp_of_inputs())
-                each.update()
+            if isinstance(each, DataEngine):
+                each._s_bring_up()
 
     def restarted(self):
         self.steps = 0
@@ -337,7 +346,7 @@ def check(root):
     from ._scene_file import SceneFileError
 
     found = [(*each._s_where, f"{type(each).__name__} is {each._s_what}, which Stroma does not have")
-             for each in _unavailable if each._s_parents and each.getRoot() is root]
+             for each in root._s_all_objects() if isinstance(each, Unavailable)]
     if found:
         raise SceneFileError(found)
 
@@ -355,12 +364,12 @@ def begin(root):
     _events.call(root, "init")
     for each in _events.listeners(root):
         if isinstance(each, DataEngine):
-            each.update()
-            object.__setattr__(each, "_s_seen", each._s_stamp_of_inputs())
+            each._s_bring_up()
 
 
 def bind(root, engine):
     object.__setattr__(root, "_s_running", engine)
+    _events.warn_of_unsent(root)
     for each in engine.sim.problems if not engine._s_given else ():
         if each.severity == "warning":
             _messages.warn(str(each.text))

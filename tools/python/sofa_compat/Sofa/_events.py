@@ -1,18 +1,21 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Events to what a scene writes in Python: a method on...Event(self, event), else onEvent(self, event)."""
-from . import _values
+from . import _messages, _values
 from ._objects import Object
 
 
-def listeners(root):
-    """Objects of Python in active nodes, in the order of the tree."""
-    for node in root._s_all_nodes():
-        active = node._s_data.get("activated")
-        if active is not None and active._s_raw is not None and not active.value:
-            continue
-        for each in list(node._s_objects):
-            if not each._s_type:
-                yield each
+def listeners(node, seen=None):
+    """Objects of Python in active nodes, in the order of the tree. Nothing below a node that is switched off hears."""
+    seen = set() if seen is None else seen
+    active = node._s_data.get("activated")
+    if id(node) in seen or (active is not None and active._s_raw is not None and not active.value):
+        return
+    seen.add(id(node))
+    for each in list(node._s_objects):
+        if not each._s_type:
+            yield each
+    for child in list(node._s_children):
+        yield from listeners(child, seen)
 
 
 def _hears(thing):
@@ -29,19 +32,43 @@ def _handler(thing, method):
     return own if callable(own) else None
 
 
-def send(root, name, values):
-    """`name`: "AnimateBeginEvent"."""
-    for each in list(listeners(root)):
-        if not _hears(each):
-            continue
-        event = {"type": name, "isHandled": False, **values}
+def send(root, name, values, to_all=True):
+    """`name`: "AnimateBeginEvent". `to_all`: also to those that have onEvent() alone."""
+    for each in [each for each in listeners(root) if _hears(each)]:
         handler = _handler(each, "on" + name)
+        if handler is None and to_all and getattr(type(each), "onEvent", None) is not None:
+            handler = each.onEvent
         if handler is not None:
-            handler(event)
-            continue
-        handler = getattr(each, "onEvent", None)
-        if handler is not None:
-            handler(event)
+            handler({"type": name, "isHandled": False, **values})
+
+
+#: what SOFA tells at the beginning and at the end of a step besides: here nothing happens between these moments
+AT_BEGIN = ("CollisionBeginEvent", "CollisionEndEvent", "IntegrateBeginEvent")
+AT_END = ("IntegrateEndEvent", "UpdateMappingEndEvent")
+
+
+def begin_step(root, dt):
+    send(root, "AnimateBeginEvent", {"dt": dt})
+    for name in AT_BEGIN:
+        send(root, name, {"dt": dt}, to_all=False)
+
+
+def end_step(root, dt):
+    for name in AT_END:
+        send(root, name, {"dt": dt}, to_all=False)
+    send(root, "AnimateEndEvent", {"dt": dt})
+
+
+_SENT = {"Event", "AnimateBeginEvent", "AnimateEndEvent", "KeypressedEvent", "KeyreleasedEvent", "PythonScriptEvent",
+         "SimulationInitDoneEvent", *AT_BEGIN, *AT_END}
+
+
+def warn_of_unsent(root):
+    """Methods that nothing will ever call are told, each once."""
+    for each in listeners(root):
+        for name in dir(type(each)):
+            if name.startswith("on") and name.endswith("Event") and name[2:] not in _SENT and callable(getattr(type(each), name)):
+                _messages.warn(f"{each._s_place()}: {name}() is not called: the engine has no {name[2:]}")
 
 
 def user_event(sender, name, value):

@@ -3,6 +3,8 @@
 import numpy as np
 import stroma
 
+from . import _messages
+
 _PROBED = 300  # columns of a stiffness that are found one by one
 tells = []  # what a command that steps by itself says of an error in a force: it ends the step, whose forces have no value then
 
@@ -119,4 +121,7 @@ def played(field, nodes):
     has_product = kind.addDForce is not base.addDForce
     if has_matrix or (has_product and 3 * nodes <= _PROBED):
         return _Implicit(field)
+    if has_product:
+        _messages.warn(f"{field._s_place()}: addDForce() is not used for {nodes} nodes, and the force is that at the start of each "
+                       "step: addKToMatrix() gives the derivative as a matrix")
     return _Explicit(field)

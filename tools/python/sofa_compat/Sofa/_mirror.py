@@ -4,10 +4,11 @@ links as absolute paths. Data of Python have no place there: their values are wr
 import numpy as np
 import stroma
 
-from . import _values
+from . import _messages, _values
 from ._base import Base
 from ._data import Data
 from ._objects import ForceField, Object
+from ._still import Still
 
 _LONG = 64  # numbers that are handed on as an array
 
@@ -27,6 +28,7 @@ class Mirror:
         self._keep_loaders = keep_loaders
         self._has_python = not keep_loaders and any(not each._s_type for each in root._s_all_objects())
         self._reachable = {id(node) for node in root._s_all_nodes()}
+        self._still = None if keep_loaders else Still(root, _is_moved, lambda child, node: self._place_of(child) is node)
         self._name_all(root, "")
         self.root = stroma.Node(_clean(root._s_name or "root"), strict=False, dialect="sofa", where=root._s_where)
         self._fill(root, self.root, set())
@@ -83,18 +85,42 @@ class Mirror:
 
     def _add(self, thing, copy):
         path = self.paths[id(thing)]
+        instead = self._still.instead.get(id(thing), thing) if self._still else thing
+        if instead is not thing:
+            if instead is not None:
+                copy.add(instead[0], name=path.rsplit("/", 1)[-1], where=thing._s_where, **instead[1])
+            return
         component = copy.add(thing._s_type, name=path.rsplit("/", 1)[-1], where=thing._s_where)
         if thing._s_facts.role == "mesh loader":
             self._loaders.append(path)
         for name, data in thing._s_data.items():
-            if name in ("name",) or data._s_raw is None:
+            if name in ("name",) or data._s_raw is None or (name == "src" and self._gives_nothing(thing, data)):
                 continue
             value = self._value(thing, data)
             if value is not None:
                 component.set(name, value, where=thing._s_where)
+        for name, value in (self._still.more.get(id(thing), {}) if self._still else {}).items():
+            component.set(name, value, where=thing._s_where)
+
+    @staticmethod
+    def _gives_nothing(thing, data):
+        """A source that has no attribute of this component: in SOFA nothing is taken from it."""
+        raw = data._s_raw
+        source = raw if isinstance(raw, Object) else thing._s_linked(raw, "src") if _values.is_link_text(raw) else None
+        if not isinstance(source, Object) or source._s_facts is None or source._s_facts.info is None or thing._s_facts.info is None:
+            return False
+        taken = {"name", "src"}
+        if (set(source._s_facts.names()) & set(thing._s_facts.names())) - taken:
+            return False
+        _messages.warn(f"{thing._s_place()}.src: {source.getPathName()} has no attribute of it: nothing is taken from there")
+        return True
 
     def _add_mover(self, node, copy):
         """A state that nothing moves, in a scene with controllers: they may put it elsewhere, and springs follow it."""
+        for type, attributes in self._still.held.get(id(node), ()) if self._still else ():
+            copy.add(type, name=f"held_by_the_scene_{type}", where=node._s_where, **attributes)
+        if self._still and id(node) in self._still.held:
+            return
         if not self._has_python or _is_moved(node):
             return
         states = [each for each in node._s_objects if each._s_type and each._s_facts.role == "mechanical state"]

@@ -169,7 +169,7 @@ class Node(Base):
             object.__setattr__(thing, "_s_name", self._s_free_name(thing.getClassName()))
         object.__setattr__(thing, "_s_parents", [self])
         self._s_objects.append(thing)
-        for name, value in values.items():
+        for name, value in sorted(values.items(), key=lambda item: item[0] != "template"):  # which says of what kind the others are
             self._s_give(thing, name, value)
         self._s_came_or_went(thing)
         return thing
@@ -499,9 +499,9 @@ def _followed(thing, data, value):
 def _frozen(value):
     """As it is now: a scene may change its lists and arrays afterwards."""
     if isinstance(value, np.ndarray):
-        return value.copy()
-    if isinstance(value, (list, tuple)):
-        return [_frozen(each) for each in value]
+        return np.array(value)
+    if isinstance(value, (list, tuple)) or (hasattr(value, "__iter__") and not isinstance(value, (str, bytes, Base, Data))):
+        return [_frozen(each) for each in value]  # a range, or what can be read once only
     return value
 
 

@@ -77,6 +77,8 @@ class Object(Base):
         facts = self._s_facts
         if facts is None or data._s_name == "name":
             return super()._s_read(data)
+        if data._s_name == "size" and facts.role == "mechanical state":
+            return self.getSize()
         if data._s_raw is None and self._s_is_computed(data):
             from . import _engine
 
@@ -156,12 +158,22 @@ class Object(Base):
     def getContextData(self, name):
         return self._s_node().findData(name)
 
+    def assembleKMatrix(self):
+        """dF/dx of a force field, as a sparse matrix of SciPy."""
+        return self._s_matrix()
+
+    def assembleMMatrix(self):
+        return self._s_matrix()
+
+    def _s_matrix(self):
+        engine = self._s_engine()
+        if engine is None:
+            raise RuntimeError(f"{self._s_place()}: there is no matrix before the scene is initialised")
+        return engine.matrix_of(self)
+
     # ---- of states ----
     def getSize(self):
         return len(self.findData("position").value)
-
-    def size(self):
-        return self.getSize()
 
     # ---- of topologies ----
     def _s_count(self, name):
@@ -233,8 +245,17 @@ class DataEngine(Object):
     def update(self):
         pass
 
-    def _s_stamp_of_inputs(self):
-        return tuple(each._s_stamp for each in self.__dict__.get("_s_inputs", []))
+    def _s_read(self, data):
+        if any(data is each for each in self.__dict__.get("_s_outputs", ())):
+            self._s_bring_up()
+        return super()._s_read(data)
+
+    def _s_bring_up(self):
+        """update(), where an input has been written since."""
+        stamp = tuple(each._s_stamp for each in self.__dict__.get("_s_inputs", []))
+        if self.__dict__.get("_s_seen") != stamp:
+            object.__setattr__(self, "_s_seen", stamp)
+            self.update()
 
 
 class ForceField(Object):
@@ -260,13 +281,6 @@ class Unavailable(Object):
     """A class of SOFA that scenes derive from and that the engine has no door for."""
 
     _s_what = ""
-
-    def __init__(self, *arguments, **values):
-        super().__init__(*arguments, **values)
-        _unavailable.append(self)
-
-
-_unavailable = []
 
 
 class Mass(Unavailable):

@@ -75,6 +75,13 @@ def numbers_of(value):
         return value.ravel()
     if isinstance(value, (bool, np.bool_, numbers.Number)):
         return np.array([float(value)])
+    if isinstance(value, (list, tuple)):
+        try:
+            array = np.array(value)
+        except ValueError:  # rows of several lengths
+            array = np.array("")
+        if array.dtype.kind in "biuf":
+            return array.ravel().astype(float)
     found = []
     for word in _words(to_text(value)):
         truth = word.lower()
@@ -133,5 +140,7 @@ def by_itself(value):
 def copied(value):
     """A value that nobody else holds."""
     if isinstance(value, np.ndarray):
-        return value.copy()
-    return list(value) if isinstance(value, (list, tuple)) else value
+        return np.array(value)
+    if isinstance(value, (list, tuple, range)) or hasattr(value, "__next__"):
+        return [copied(each) for each in value]
+    return value

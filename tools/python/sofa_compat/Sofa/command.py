@@ -5,6 +5,7 @@ import functools
 import gc
 import io
 import os
+import signal
 import socket
 import sys
 
@@ -154,6 +155,7 @@ def run_again(words):
     """In the place of this process."""
     sys.stdout.flush()
     sys.stderr.flush()
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGTERM})  # the command waits for it in a thread, which ends here
     os.execv(sys.executable, [sys.executable, "-m", "Sofa.command", "own-loop", *words[1:]])
 
 
@@ -190,7 +192,11 @@ def main(words):
 
 
 def end(code):
-    """The end of the process: files of the scene are whole, and threads that it has left running do not keep the command."""
+    """The end of the process: files of the scene are whole, and threads and processes that it has left running do not keep the
+    command."""
+    if "multiprocessing" in sys.modules:  # whose exit function would wait for them
+        for child in sys.modules["multiprocessing"].active_children():
+            child.kill()
     atexit._run_exitfuncs()
     for each in gc.get_objects():
         if isinstance(each, io.IOBase) and not each.closed:

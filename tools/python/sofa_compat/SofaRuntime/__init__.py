@@ -79,6 +79,22 @@ class Timer:
         return False
 
 
+class Input:
+    """The state of keys and of the mouse: none is pressed. The view tells controllers of keys."""
+
+    @staticmethod
+    def isKeyPressed(*_):
+        return False
+
+    isMouseButtonPressed = isGamepadPresent = isGamepadButtonPressed = isKeyPressed
+
+    @staticmethod
+    def getMouseAxis(*_):
+        return 0.0
+
+    getGamepadAxis = getMouseAxis
+
+
 def getCategories(name):
     from Sofa import _catalogue
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""animate(onUpdate, params, duration): called in each step."""
+"""animate(onUpdate, params, duration): called in each step with a factor that grows from 0 to 1."""
 import Sofa
 
 _manager = []
@@ -14,11 +14,16 @@ class AnimationManagerController(Sofa.Core.Controller):
 
     def onAnimateBeginEvent(self, event):
         self.totalTime += event["dt"]
-        for update, params, duration in list(self.animations):
-            factor = min(self.totalTime / duration, 1.0)
+        for each in list(self.animations):
+            update, params, duration, mode, onDone, start = each
+            factor = min((self.totalTime - start) / duration, 1.0)
             update(factor=factor, **params)
-            if factor >= 1.0:
-                self.animations.remove((update, params, duration))
+            if factor >= 1.0 and mode == "loop":
+                each[-1] = self.totalTime
+            elif factor >= 1.0:
+                self.animations.remove(each)
+                if onDone is not None:
+                    onDone(factor=factor, **params)
 
 
 def AnimationManager(root):
@@ -27,5 +32,5 @@ def AnimationManager(root):
     return _manager[0]
 
 
-def animate(onUpdate, params, duration):
-    _manager[0].animations.append((onUpdate, params, duration))
+def animate(onUpdate, params, duration, mode="once", onDone=None):
+    _manager[0].animations.append([onUpdate, params, duration, mode, onDone, 0.0])

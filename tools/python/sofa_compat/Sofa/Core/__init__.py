@@ -9,6 +9,7 @@ from .._prefab import Prefab, RawPrefab  # noqa: F401
 
 BaseObject = ObjectDeprecated = BaseData = Object
 BaseNode = BaseContext = Node
+BasePrefab = RawPrefab
 BaseData = Data
 DataLink = Data
 ForceFieldVec1d = ForceFieldVec2d = ForceFieldVec3d = ForceFieldVec6d = ForceFieldRigid2d = ForceFieldRigid3d = ForceField

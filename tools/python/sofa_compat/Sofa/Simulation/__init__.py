@@ -43,6 +43,8 @@ def loadFromFile(filename, *_):
 
 def unload(root, *_):
     _engine.unload(root)
+    if _current[0] is root:
+        _current[0] = None
 
 
 def setRoot(root):
@@ -92,7 +94,7 @@ def initTextures(*_):
     """What draws has no effect."""
 
 
-initVisual = updateVisual = draw = drawing = exportOBJ = exportGraph = initTextures
+initVisual = updateVisual = draw = drawing = exportOBJ = exportGraph = glewInit = initTextures
 
 
 def updateContext(*_):
