@@ -42,6 +42,7 @@
 #include "framework/mesh/cell_kind.h"
 #include "framework/scene/archive.h"
 #include "framework/scene/factory.h"
+#include "framework/scene/spans.h"
 
 namespace stroma {
 namespace {
@@ -130,6 +131,7 @@ class PlasticStrainForceField final : public ForceField, public History {
 
   void stepEnded(double) override {
     if (most_ == 0) return;
+    const Span span("remember", this);
     for (std::size_t c = 0; c < cells_.size(); ++c) {
       const double scale = scaled_ ? 6 * cells_[c].volume : 1;
       const Mat3 now = strain(cells_[c], state().x(), 0);

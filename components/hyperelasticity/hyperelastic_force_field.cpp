@@ -16,6 +16,7 @@
 #include "framework/mechanics/state_topology.h"
 #include "framework/mesh/cell_lists.h"
 #include "framework/scene/names.h"
+#include "framework/scene/spans.h"
 
 namespace stroma {
 
@@ -268,7 +269,9 @@ void HyperelasticForceField::setTime(double t) {
   if (viscous_) viscous_->setTime(t, systemRows());
 }
 void HyperelasticForceField::stepEnded(double t) {
-  if (viscous_) viscous_->stepEnded(t, systemRows());
+  if (!viscous_) return;
+  const Span span("remember", this);
+  viscous_->stepEnded(t, systemRows());
 }
 void HyperelasticForceField::reset() {
   fault_.clear();

@@ -9,6 +9,7 @@
 
 #include "framework/mechanics/node_indices.h"
 #include "framework/scene/archive.h"
+#include "framework/scene/spans.h"
 
 namespace stroma {
 namespace {
@@ -210,6 +211,7 @@ void PorousForceField::follow(Rows out) const {
 
 void PorousForceField::stepEnded(double t) {
   if (!porous_) return;
+  const Span span("remember", this);
   setTime(t);
   clear(change_);
   elements_->addVolumes(systemRows(), change_);

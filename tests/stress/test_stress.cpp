@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // `stroma stress` as a user meets it: faults of force fields outside the tree, crashes, repetition, going on.
+#include <algorithm>
+#include <limits>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "tests/support/scene_text.h"
 #include "tests/support/shell.h"
-#include "tools/stress/cases.h"
+#include "tools/stress/outcome.h"
 
 namespace stroma::test {
 namespace {
@@ -73,6 +76,68 @@ TEST_F(Stress, ADroppedCheckOfInversionIsFound) {
   EXPECT_NE(found.find("cells are inside out, and its J is positive in all: it does not see inversion"),
             std::string::npos)
       << found;
+}
+
+TEST_F(Stress, AWrongSignOfTheAssembledMatrixAloneIsFound) {
+  const std::string found = sentences(stress("WrongMatrixTetrahedra", "--cases 4", 1), "breaks");
+  EXPECT_NE(found.find("/fem (WrongMatrixTetrahedra): its matrix is not that of its product: off by 2"),
+            std::string::npos)
+      << found;
+}
+
+TEST_F(Stress, ADerivativeThatIsNoNumberIsFound) {
+  const std::string found = sentences(stress("HollowTetrahedra", "--cases 4", 1), "breaks");
+  EXPECT_NE(found.find("/fem (HollowTetrahedra): its stiffness is no number where its force is one"),
+            std::string::npos)
+      << found;
+}
+
+TEST_F(Stress, AWrongSignOfADampingIsFound) {
+  const std::string found = sentences(stress("ViscousTetrahedra", "--cases 4", 1), "breaks");
+  EXPECT_NE(found.find("/fem (ViscousTetrahedra): its damping is not the derivative of its force"), std::string::npos)
+      << found;
+}
+
+TEST_F(Stress, ACellIsInsideOutWhereTheCaseSaysSo) {
+  const json result = stress("CrashingTetrahedra", "--cases 4", 1);
+  for (const json& one : result["cases"])
+    if (one["text"] == "forces, energies and derivatives with a cell inside out") {
+      EXPECT_EQ(one["ending"], "breaks") << one;
+      return;
+    }
+  FAIL() << result;
+}
+
+TEST_F(Stress, AStopThatNamesNobodyBreaks) {
+  const std::string found = sentences(stress("NamelessTetrahedra", "--cases 14", 1), "breaks");
+  EXPECT_NE(found.find("it stops with a sentence that names no component: more than 3 N/m cannot be borne"),
+            std::string::npos)
+      << found;
+}
+
+TEST_F(Stress, WhatIsHeldMovesInShortRunsToo) {
+  const json result = stress("RightTetrahedra", "--cases 24 -n 1", 0);
+  int moves = 0;
+  for (const json& one : result["cases"])
+    if (one["group"] == "sudden moves" && one["ending"] != "stops") {
+      EXPECT_GE(one["steps"], 3) << one;
+      ++moves;
+    }
+  EXPECT_GT(moves, 0);
+}
+
+TEST_F(Stress, OneCaseAloneIsWrittenWhereItIsAskedFor) {
+  write("cube.xml", cube("RightTetrahedra"));
+  const Finished run = stroma("stress cube.xml" + std::string(module) + "--set fem.stiffness=4000 --case 25 --json=one.json");
+  EXPECT_EQ(run.code, 0) << run.err;
+  const json one = json::parse(readText(folder_ / "one.json"), nullptr, false);
+  EXPECT_EQ(one["case"], 25);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "results"));
+  // what does it by hand is the same scene
+  const auto at = run.out.find("by hand: stroma ");
+  ASSERT_NE(at, std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("--set /fem.stiffness=4000", at), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("--module ", at), std::string::npos) << run.out;
 }
 
 TEST_F(Stress, ACrashIsSeenAndTheOthersGoOn) {
@@ -162,11 +227,65 @@ TEST(StressTargets, AreFoundByUnitAndRange) {
   EXPECT_NEAR(std::stod(ratio.nearEnd(4, true)), ratio.high - 1e-4 * (ratio.high - ratio.low), 1e-12);
   EXPECT_GT(std::stod(ratio.scaled(3)), 0.3);
   EXPECT_LT(std::stod(ratio.scaled(3)), 0.5);
+  const stress::CaseList cases(simulation, 1), again(simulation, 1);
+  for (long number = 1; number < cases.size() + 300; ++number) {
+    const stress::Case one = cases.at(number);
+    EXPECT_EQ(one.number, number);
+    EXPECT_FALSE(one.text.empty());
+    EXPECT_EQ(one.text, again.at(number).text);
+    if (one.kind != stress::Kind::attribute) continue;
+    // another value, all of it: gravity has three numbers
+    ASSERT_TRUE(one.override);
+    EXPECT_NE(one.override->value, "") << one.text;
+    const auto& target = found.at(one.override->path + "." + one.override->attribute);
+    EXPECT_EQ(std::size_t(std::count(one.override->value.begin(), one.override->value.end(), ' ')) + 1,
+              target.values.size())
+        << one.text;
+    EXPECT_EQ(one.text.substr(one.text.size() - one.override->value.size()), one.override->value);
+  }
+}
+
+TEST(StressTargets, AreThoseThatWereWrittenAndNotWhatFollowsFromThem) {
+  Simulation simulation(sceneFromText(R"(<Node name="root" dt="0.02" gravity="0 0 0">
+    <EulerImplicitSolver/><CGLinearSolver/>
+    <RegularGridTopology n="2 2 2" min="0 0 0" max="1 1 1"/><MechanicalObject/><UniformMass totalMass="3"/>
+    <ConstantForceField name="all" totalForce="0 0 8"/><ConstantForceField name="each" force="0 0 1"/></Node>)"));
+  std::set<std::string> found;
+  for (const stress::Target& target : stress::targetsOf(simulation)) found.insert(target.name());
+  EXPECT_TRUE(found.contains("/all.totalForce") && found.contains("/each.force"));
+  EXPECT_FALSE(found.contains("/all.forces") || found.contains("/each.forces")) << "both at once are refused";
+}
+
+TEST(StressTargets, NothingIsMovedThatCannotMove) {
+  Simulation simulation(sceneFromText(R"(<Node name="root" dt="0.02" gravity="0 0 -9.81">
+    <EulerImplicitSolver/><CGLinearSolver/>
+    <RegularGridTopology n="2 2 2" min="0 0 0" max="1 1 1"/><MechanicalObject/><UniformMass totalMass="3"/>
+    <FixedProjectiveConstraint fixAll="true"/>
+    <HexahedronFEMForceField name="fem" youngModulus="1e4" poissonRatio="0.3"/></Node>)"));
   const stress::CaseList cases(simulation, 1);
-  for (long number = 1; number < cases.size() + 50; ++number) {
-    EXPECT_EQ(cases.at(number).number, number);
-    EXPECT_FALSE(cases.at(number).text.empty());
-    EXPECT_EQ(cases.at(number).text, stress::CaseList(simulation, 1).at(number).text);
+  int moves = 0;
+  for (long number = 1; number <= cases.size(); ++number) {
+    const stress::Case one = cases.at(number);
+    EXPECT_NE(one.kind, stress::Kind::shape) << one.text;
+    EXPECT_FALSE(one.kind == stress::Kind::forces && one.shape != stress::Shape::small) << one.text;
+    EXPECT_FALSE(one.kind == stress::Kind::not_finite &&
+                 (one.entry == stress::Entry::position || one.entry == stress::Entry::velocity))
+        << one.text;
+    moves += one.kind == stress::Kind::move;
+  }
+  EXPECT_EQ(moves, 2);
+}
+
+TEST(StressOutcome, IsTheSameAfterItWasWritten) {
+  stress::Outcome outcome;
+  outcome.ending = stress::Ending::doubt, outcome.steps = 3, outcome.sentences = {"a \"doubt\"", "two\nlines"};
+  for (const double distance : {-1., 0., 0.25, std::numeric_limits<double>::infinity()}) {
+    outcome.distance = distance;
+    const stress::Outcome back = stress::outcomeFrom(nlohmann::ordered_json::parse(stress::toJson(outcome).dump()));
+    EXPECT_EQ(back.ending, outcome.ending);
+    EXPECT_EQ(back.steps, 3);
+    EXPECT_EQ(back.sentences, outcome.sentences);
+    EXPECT_EQ(back.distance, std::min(distance, std::numeric_limits<double>::max()));
   }
 }
 

@@ -1,60 +1,46 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Error against run time. A cantilever is bent to a third of its length by a force at its end and brought to rest by
-// Newton's method with a sparse factorisation. The reference is the deflection of method polar extrapolated from meshes
-// of spacing 2h and h with the second order of linear elements,  w = w(h) + (w(h) - w(2h)) / 3;  its uncertainty is
-// taken as the difference to the same extrapolation from coarser meshes. The elastica (P L^2 / EI = 1: w = 0.30172 L,
-// no shear, no thickness) is printed beside it as an independent number.
+// Error against run time: each problem by each way on each mesh, on one thread, then what that says. Times are the least
+// processor time of some solutions from the rest shape.
 #include "tools/bench/accuracy.h"
 
 #include <fmt/format.h>
 #include <time.h>
 
+#include <algorithm>
 #include <cmath>
-#include <vector>
+#include <stdexcept>
 
 #include "framework/algebra/parallel.h"
 #include "framework/scene/output_file.h"
+#include "tools/bench/accuracy_change.h"
+#include "tools/bench/accuracy_problems.h"
 #include "tools/bench/body.h"
+#include "tools/bench/vibration.h"
 
 namespace stroma::bench {
 namespace {
 
 constexpr int repetitions = 3;
-
-struct Method {
-  std::string name;
-  std::vector<std::string> overrides;
-};
+constexpr double long_enough = 500;  ///< ms: noise matters no more
+constexpr double wanted[] = {0.03, 0.01};
 
 struct Outcome {
-  double deflection = 0;    ///< mean of the end's nodes, downwards [m]
-  double milliseconds = 0;  ///< least processor time of a solution from the rest shape
+  const Way* way = nullptr;
+  int cells = 0;
+  double value = 0, error = 0;  ///< a share of the reference
+  double milliseconds = 0;      ///< least processor time of a solution from the rest shape
   int newton_iterations = 0;
   Index nodes = 0;
-  std::string trouble;  ///< why it did not converge
+  std::string trouble{};  ///< why it did not converge
+
+  bool isWithin(double share) const { return trouble.empty() && std::abs(error) <= share; }
 };
 
-double threadMilliseconds() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return 1e3 * double(now.tv_sec) + 1e-6 * double(now.tv_nsec);
-}
-
-double endDeflection(const State& state) {
-  double end = 0, sum = 0;
-  int count = 0;
-  for (const Vec3& p : state.rest_position) end = std::max(end, p.x());
-  for (Index i = 0; i < state.size(); ++i)
-    if (state.rest_position[i].x() > end * (1 - 1e-6)) sum += state.rest_position[i].y() - state.x()[i].y(), ++count;
-  return sum / count;
-}
-
-/// `cells`: elements across the height.
-Outcome solve(const Method& method, int cells) {
-  std::vector<std::string> overrides = method.overrides;
-  overrides.push_back(fmt::format("/beam/grid.n={} {} {}", 10 * cells + 1, cells + 1, cells + 1));
-  const auto simulation = loadSimulation("benchmarks/cantilever.xml", overrides);
-  Outcome outcome;
+Outcome solve(const Problem& problem, const Way& way, int cells) {
+  std::vector<std::string> overrides = way.settings;
+  for (std::string& setting : problem.mesh(cells)) overrides.push_back(std::move(setting));
+  const auto simulation = loadSimulation(way.scene, overrides);
+  Outcome outcome{&way, cells};
   outcome.milliseconds = INFINITY;
   for (int r = 0; r < repetitions; ++r) {
     simulation->reset();
@@ -63,57 +49,103 @@ Outcome solve(const Method& method, int cells) {
     outcome.milliseconds = std::min(outcome.milliseconds, threadMilliseconds() - start);
     outcome.newton_iterations = report.newton_iterations;
     if (report.diverged || !report.newton_converged) outcome.trouble = report.reason;
-    if (!outcome.trouble.empty() || outcome.milliseconds > 2000) break;
+    if (!outcome.trouble.empty() || outcome.milliseconds > long_enough) break;
   }
-  const State& state = *simulation->states().at(0);
-  outcome.deflection = endDeflection(state);
-  outcome.nodes = state.size();
+  outcome.value = problem.measure(*simulation);
+  outcome.error = outcome.value / problem.reference - 1;
+  outcome.nodes = simulation->states().at(0)->size();
   return outcome;
 }
 
-double extrapolated(double coarse, double fine) { return fine + (fine - coarse) / 3; }
+/// What the errors of a way on its two finest meshes tell beside their size, or nothing.
+std::string trendOf(const Problem& problem, const std::vector<Outcome>& all, const Way& way) {
+  const Outcome *coarse = nullptr, *fine = nullptr;
+  for (const Outcome& outcome : all)
+    if (outcome.way == &way && outcome.trouble.empty()) coarse = fine, fine = &outcome;
+  if (!coarse || coarse->error == 0 || fine->error == 0) return {};
+  if (std::abs(fine->error) < 2 * problem.uncertainty)
+    return fmt::format("with {} cells it is as near to the reference as that is known", fine->cells);
+  if (coarse->error * fine->error < 0)
+    return fmt::format("its error changes its sign between {} and {} cells, and is small there by cancellation",
+                       coarse->cells, fine->cells);
+  const double order = std::log(coarse->error / fine->error) / std::log(double(fine->cells) / coarse->cells);
+  if (order < 0.5)
+    return fmt::format("its error hardly falls: {:.2g} % with {} cells, {:.2g} % with {}", 100 * std::abs(coarse->error),
+                       coarse->cells, 100 * std::abs(fine->error), fine->cells);
+  return fmt::format("its error falls by the power {:.1f} of the spacing, to {:.2g} % with {} cells", order,
+                     100 * std::abs(fine->error), fine->cells);
+}
+
+/// What a person would conclude from the table; each sentence follows from its numbers.
+void conclude(const Problem& problem, const std::vector<Outcome>& all) {
+  for (const double share : wanted) {
+    std::vector<const Outcome*> good;
+    for (const Way& way : problem.ways) {
+      // the quickest mesh from which on the way stays within: a lucky coarse one does not count
+      const Outcome* first = nullptr;
+      for (const Outcome& outcome : all)
+        if (outcome.way == &way) first = !outcome.isWithin(share) ? nullptr : first ? first : &outcome;
+      if (first) good.push_back(first);
+    }
+    std::sort(good.begin(), good.end(), [](const Outcome* a, const Outcome* b) { return a->milliseconds < b->milliseconds; });
+    if (good.empty()) {
+      fmt::print("- No way stays within {:.0f} % on these meshes.\n", 100 * share);
+      continue;
+    }
+    std::string next;
+    if (good.size() > 1) next = fmt::format("; next {} ({:.3g} ms)", good[1]->way->name, good[1]->milliseconds);
+    fmt::print("- Within {:.0f} %: {} with {} cells across takes {:.3g} ms{}.\n", 100 * share, good[0]->way->name,
+               good[0]->cells, good[0]->milliseconds, next);
+  }
+  for (const Way& way : problem.ways)
+    if (const std::string sentence = trendOf(problem, all, way); !sentence.empty())
+      fmt::print("- {}: {}.\n", way.name, sentence);
+}
+
+void compare(const Problem& problem, std::string& csv) {
+  fmt::print("\n{}, {}\nreference {:.6g} by {}{}\n\n", problem.name, problem.quantity, problem.reference, problem.source,
+             problem.uncertainty > 0 ? fmt::format(", known to {:.2g} %", 100 * problem.uncertainty) : "");
+  fmt::print("{:<30} {:>6} {:>8} {:>12} {:>10} {:>8} {:>8}\n", "way", "cells", "nodes", "value", "error %", "ms", "Newton");
+  std::vector<Outcome> all;
+  for (const Way& way : problem.ways)
+    for (const int cells : way.sizes) {
+      all.push_back(solve(problem, way, cells));
+      const Outcome& outcome = all.back();
+      fmt::print("{:<30} {:>6} {:>8} {:>12.5g} {:>10.2f} {:>8.3g} {:>8} {}\n", way.name, cells, outcome.nodes,
+                 outcome.value, 100 * outcome.error, outcome.milliseconds, outcome.newton_iterations, outcome.trouble);
+      std::fflush(stdout);
+      csv += fmt::format("{},\"{}\",{},{},{:.8g},{:.8g},{:.6g},{:.5g},{},{}\n", problem.name, way.name, cells,
+                         outcome.nodes, outcome.value, problem.reference, outcome.error, outcome.milliseconds,
+                         outcome.newton_iterations, outcome.trouble.empty() ? 1 : 0);
+    }
+  fmt::print("\n");
+  conclude(problem, all);
+}
 
 }  // namespace
 
-void compareAccuracy(const std::string& csv_file) {
+double threadMilliseconds() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return 1e3 * double(now.tv_sec) + 1e-6 * double(now.tv_nsec);
+}
+
+void compareAccuracy(const std::string& only, const std::string& csv_file, const std::string& stored_file) {
   setThreads(1);
-  const std::string field = "/beam/cells/fem.";
-  const auto method = [&](const char* name, std::vector<std::string> settings, const char* cutting) {
-    for (std::string& setting : settings) setting = field + setting;
-    settings.push_back(std::string("/beam/cells/cut.cutting=") + cutting);
-    return Method{name, settings};
-  };
-  const std::vector<Method> methods{
-      method("small", {"method=small", "tangent=warped"}, "five"),
-      method("large", {"method=large", "tangent=warped"}, "five"),
-      method("large, exact tangent (L U)", {"method=large"}, "five"),
-      method("large, B", {"method=large", "tangent=warped", "updateStiffnessMatrix=true"}, "five"),
-      method("svd", {"method=svd"}, "five"),
-      method("svd, warped tangent", {"method=svd", "tangent=warped"}, "five"),
-      method("polar", {"method=polar", "tangent=warped"}, "five"),
-      method("polar, B", {"method=polar", "tangent=warped", "updateStiffnessMatrix=true"}, "five"),
-      method("svd, ten tetrahedra per cell", {"method=svd"}, "ten"),
-      method("svd, six tetrahedra per cell", {"method=svd"}, "six"),
-  };
-  const auto deflection = [&](int cells) { return solve(methods[4], cells).deflection; };
-  const double earlier = extrapolated(deflection(4), deflection(8));
-  const double reference = extrapolated(deflection(5), deflection(10));
-  fmt::print("reference deflection {:.5g} m ({:.2g} % from that of coarser meshes); elastica {:.5g} m\n\n", reference,
-             100 * std::abs(reference - earlier) / reference, 0.30172 * 0.2);
-  fmt::print("{:<30} {:>6} {:>8} {:>12} {:>10} {:>8} {:>8}\n", "method", "cells", "nodes", "deflection", "error %",
-             "ms", "Newton");
-  std::string csv = "method,cells_across,nodes,deflection_m,relative_error,milliseconds,newton_iterations,converged\n";
-  for (const Method& m : methods)
-    for (int cells : {1, 2, 3, 4, 6}) {
-      const Outcome outcome = solve(m, cells);
-      const double error = outcome.deflection / reference - 1;
-      fmt::print("{:<30} {:>6} {:>8} {:>12.5g} {:>10.2f} {:>8.3g} {:>8} {}\n", m.name, cells, outcome.nodes,
-                 outcome.deflection, 100 * error, outcome.milliseconds, outcome.newton_iterations, outcome.trouble);
-      std::fflush(stdout);
-      csv += fmt::format("\"{}\",{},{},{:.8g},{:.6g},{:.5g},{},{}\n", m.name, cells, outcome.nodes, outcome.deflection,
-                         error, outcome.milliseconds, outcome.newton_iterations, outcome.trouble.empty() ? 1 : 0);
-    }
+  std::vector<Problem> problems = staticProblems();
+  std::string names;
+  for (const Problem& problem : problems) names += problem.name + ", ";
+  const auto isLeftOut = [&](const std::string& name) { return !only.empty() && name != only; };
+  std::erase_if(problems, [&](const Problem& problem) { return isLeftOut(problem.name); });
+  if (problems.empty() && isLeftOut(vibration))
+    throw std::invalid_argument(fmt::format("--accuracy={}: expected {}{}, or nothing for all", only, names, vibration));
+  std::string csv =
+      "problem,way,cells_or_steps,nodes,value,reference,relative_error,milliseconds,newton_iterations,converged\n";
+  for (const Problem& problem : problems) compare(problem, csv);
+  if (!isLeftOut(vibration)) compareVibration(csv);
+  const std::string changes = stored_file.empty() ? "" : changesSince(stored_file, csv);
   if (!csv_file.empty()) writeWholeFile(csv_file, csv);
+  if (!changes.empty()) fmt::print("\nsince {}, {}", stored_file, changes);
 }
 
 }  // namespace stroma::bench

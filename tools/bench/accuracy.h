@@ -4,8 +4,13 @@
 
 namespace stroma::bench {
 
-/// Bends a cantilever to rest with every method on finer and finer meshes; prints the error of the tip against the time
-/// of the solution, and writes it to `csv_file` unless that is empty. Throws std::runtime_error.
-void compareAccuracy(const std::string& csv_file);
+/// The standing set: problems with independent references, by all ways that apply, each with its error and its time, and what
+/// they say in sentences. `problem`: one of them; empty: all. Prints tables; writes them to `csv_file` unless it is empty, and
+/// says what has changed since `stored_file` was written, unless that is empty. Throws std::invalid_argument for a name that is
+/// none.
+void compareAccuracy(const std::string& problem, const std::string& csv_file, const std::string& stored_file);
+
+/// Processor time of this thread so far.
+double threadMilliseconds();
 
 }  // namespace stroma::bench

@@ -6,7 +6,10 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <random>
+#include <stdexcept>
 
 namespace stroma::bench {
 namespace {
@@ -26,6 +29,17 @@ struct Library {
 Library& library() {
   static Library instance;
   return instance;
+}
+
+std::string replaced(const std::string& file, const std::vector<Replacement>& replacements) {
+  std::ifstream stream(file);
+  std::string text{std::istreambuf_iterator<char>(stream), {}};
+  for (const auto& [piece, other] : replacements) {
+    const auto at = text.find(piece);
+    if (at == std::string::npos) throw std::runtime_error(fmt::format("{}: it has no {}", file, piece));
+    text.replace(at, piece.size(), other);
+  }
+  return text;
 }
 
 void deform(ConstRows rest, Shape shape, Rows out) {
@@ -55,12 +69,16 @@ std::string sceneFolder() {
       .string();  // a build folder has a link
 }
 
-std::unique_ptr<Simulation> loadSimulation(const std::string& scene, const std::vector<std::string>& overrides) {
+std::unique_ptr<Simulation> loadSimulation(const std::string& scene, const std::vector<std::string>& overrides,
+                                           const std::vector<Replacement>& replacements) {
   std::vector<Override> parsed;
   parsed.reserve(overrides.size());
   for (const std::string& text : overrides) parsed.push_back(Override::parse(text));
+  const std::string file = sceneFolder() + "/" + scene;
+  auto& [factory, modules] = library();
   auto simulation = std::make_unique<Simulation>(
-      loadScene(sceneFolder() + "/" + scene, parsed, library().factory, library().modules));
+      replacements.empty() ? loadScene(file, parsed, factory, modules)
+                           : loadSceneText(replaced(file, replacements), file, parsed, factory, modules));
   simulation->dropObservers();
   return simulation;
 }

@@ -2,6 +2,7 @@
 #pragma once
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "framework/simulation/simulation.h"
@@ -17,8 +18,13 @@ void setSceneFolder(const std::string& folder);
 /// The folder of this program; `stroma` lies beside it.
 std::string programFolder();
 
-/// A scene ready to run; no observer writes anything. `scene` is relative to sceneFolder(). Throws SceneError.
-std::unique_ptr<Simulation> loadSimulation(const std::string& scene, const std::vector<std::string>& overrides);
+/// A piece of a scene's text that stands there once, and what takes its place.
+using Replacement = std::pair<std::string, std::string>;
+
+/// A scene ready to run; no observer writes anything. `scene` is relative to sceneFolder(). Throws SceneError, and
+/// std::runtime_error for a piece that is not there.
+std::unique_ptr<Simulation> loadSimulation(const std::string& scene, const std::vector<std::string>& overrides,
+                                           const std::vector<Replacement>& replacements = {});
 
 /// Of the direct solvers of a simulation that has made a step: a factorisation each, its factors written once, and read
 /// by one solve from front to back and from back to front.

@@ -24,7 +24,7 @@ class UsageError : public std::runtime_error {
 
 struct Request {
   bool help = false, accuracy = false, list = false;
-  std::string json_file, csv_file;
+  std::string json_file, csv_file, problem, stored_file;
   std::vector<std::string> passed_on{"stroma-bench", "--benchmark_repetitions=9", "--benchmark_min_time=0.05"};
 
   Request(int count, char** values) {
@@ -42,11 +42,13 @@ struct Request {
       if (word == "--help" || word == "-h")
         help = true;
       else if (word == "--accuracy")
-        accuracy = true;
+        accuracy = true, problem = value;
       else if (word == "--json")
         json_file = argument();
       else if (word == "--csv")
         csv_file = argument();
+      else if (word == "--against")
+        stored_file = argument();
       else if (word == "--scenes")
         setSceneFolder(argument());
       else if (own)
@@ -56,6 +58,7 @@ struct Request {
       list = list || word.rfind("--benchmark_list_tests", 0) == 0;
     }
     if (!csv_file.empty() && !accuracy) throw UsageError("--csv goes with --accuracy");
+    if (!stored_file.empty() && !accuracy) throw UsageError("--against goes with --accuracy");
   }
 };
 
@@ -97,7 +100,7 @@ int main(int count, char** values) {
     if (request.help) {
       fmt::print("{}", help);
     } else if (request.accuracy) {
-      compareAccuracy(request.csv_file);
+      compareAccuracy(request.problem, request.csv_file, request.stored_file);
     } else {
       measure(request);
     }

@@ -24,7 +24,7 @@ const Manual bench_manual{
     "passed on, as\n--benchmark_list_tests and --benchmark_repetitions=N.",
     "  stroma bench\n"
     "  stroma bench --benchmark_filter='product|force' --json figures.json\n"
-    "  stroma bench --accuracy --csv cantilever.csv\n"};
+    "  stroma bench --accuracy --csv figures.csv\n"};
 
 CommandLine benchLine() {
   const auto text = [](const char* word) { return po::value<std::string>()->value_name(word); };
@@ -32,8 +32,9 @@ CommandLine benchLine() {
   options.add_options()                                                                                  //
       ("json", text("FILE"), "write everything, each repetition too")                                    //
       ("scenes", text("DIR"), "the folder that holds benchmarks/, examples/ and meshes/")                //
-      ("accuracy", "error against run time of a cantilever instead")                                     //
-      ("csv", text("FILE"), "with --accuracy: write the figures to a file")                              //
+      ("accuracy", po::value<std::string>()->implicit_value("")->value_name("PROBLEM"),
+       "error against run time of the standing set instead, or of one: beam, cube, cook, twist, vibration")  //
+      ("csv", text("FILE"), "with --accuracy: write the figures to a file")                                  //
       ("benchmark_filter", text("EXPR"), "only the figures that match, as in --benchmark_filter=step");  //
   return {bench_manual, options, {}};
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // A library that is loaded before all others and counts what they take from the heap. Beside it nothing changes: memory comes
 // from where it always does.
-#include <atomic>
 #include <cerrno>
 #include <cstddef>
 
@@ -14,22 +13,19 @@ void* __libc_memalign(std::size_t, std::size_t);
 
 namespace {
 
-__attribute__((tls_model("initial-exec"))) thread_local long of_thread = 0;
-std::atomic<long> of_all{0}, bytes_of_all{0};
+struct Taken {
+  long count, bytes;
+};
+__attribute__((tls_model("initial-exec"))) thread_local Taken of_thread{};
 
-void note(std::size_t bytes) {
-  ++of_thread;
-  of_all.fetch_add(1, std::memory_order_relaxed);
-  bytes_of_all.fetch_add(long(bytes), std::memory_order_relaxed);
-}
+void note(std::size_t bytes) { ++of_thread.count, of_thread.bytes += long(bytes); }
 
 }  // namespace
 
 #define STROMA_SEEN extern "C" __attribute__((visibility("default")))
 
-STROMA_SEEN long stroma_allocations_of_thread() { return of_thread; }
-STROMA_SEEN long stroma_allocations() { return of_all.load(std::memory_order_relaxed); }
-STROMA_SEEN long stroma_allocated_bytes() { return bytes_of_all.load(std::memory_order_relaxed); }
+/// Where this thread's count is, as long as it lives.
+STROMA_SEEN const volatile void* stroma_allocations_of_thread() { return &of_thread; }
 
 STROMA_SEEN void* malloc(std::size_t size) {
   note(size);

@@ -46,10 +46,16 @@ std::uint64_t ticks() {
   return std::uint64_t(std::chrono::steady_clock::now().time_since_epoch().count());
 }
 
-using AllocationCount = long (*)();
-/// Of this thread so far; null where nobody counts.
-AllocationCount allocationCount() {
-  static const auto found = reinterpret_cast<AllocationCount>(dlsym(RTLD_DEFAULT, "stroma_allocations_of_thread"));
+/// What a thread has taken from the heap.
+struct Taken {
+  long count = 0, bytes = 0;
+};
+Taken operator-(const Taken& a, const Taken& b) { return {a.count - b.count, a.bytes - b.bytes}; }
+
+using CountOfThread = const volatile Taken* (*)();
+/// Null where nobody counts.
+CountOfThread countOfThread() {
+  static const auto found = reinterpret_cast<CountOfThread>(dlsym(RTLD_DEFAULT, "stroma_allocations_of_thread"));
   return found;
 }
 
@@ -61,7 +67,8 @@ struct Profiler::ThreadLog {
   struct Open {
     std::uint32_t kind;
     std::uint64_t begin, inside;  ///< ticks; of the spans within
-    long allocations;
+    Taken taken;
+    long inner = 0;  ///< allocations of the spans within
   };
   struct Slot {
     const char* what = nullptr;
@@ -74,6 +81,16 @@ struct Profiler::ThreadLog {
   std::vector<Slot> slots{1024};  ///< open addressing, at most half full
   std::size_t used = 0;
   long left_out = 0;
+  const volatile Taken* counted = nullptr;  ///< null: nobody counts
+  Taken ours;                               ///< of it, what listening takes: nobody's spans have that
+
+  Taken all() const { return counted ? Taken{counted->count, counted->bytes} : Taken{}; }
+  Taken taken() const { return all() - ours; }
+  /// What was taken since then is ours.
+  void hideSince(const Taken& before) {
+    const Taken more = all() - before;
+    ours.count += more.count, ours.bytes += more.bytes;
+  }
 };
 
 Profiler::Profiler() : generation_(++generations) {
@@ -95,6 +112,8 @@ Profiler::ThreadLog& Profiler::log() {
     const std::lock_guard lock(access_);
     known = logs_.emplace_back(std::make_unique<ThreadLog>()).get();
     known->open.reserve(64);
+    known->counted = countOfThread() ? countOfThread()() : nullptr;
+    known->ours = known->all();
     known_generation = generation_;
   }
   return *known;
@@ -137,9 +156,11 @@ std::uint32_t Profiler::kindOf(ThreadLog& log, const char* what, const Component
 
 void Profiler::begin(const char* what, const Component* whose) {
   ThreadLog& here = log();
-  const AllocationCount count = allocationCount();
+  const Taken before = here.all();
   const std::uint32_t kind = kindOf(here, what, whose);
-  here.open.push_back({kind, ticks(), 0, count ? count() : 0});
+  if (here.open.size() == here.open.capacity()) here.open.reserve(2 * here.open.size());
+  here.hideSince(before);
+  here.open.push_back({kind, ticks(), 0, here.taken(), 0});
 }
 
 void Profiler::end(long iterations) {
@@ -148,18 +169,18 @@ void Profiler::end(long iterations) {
   if (here.open.empty()) return;  // it began before we listened
   const ThreadLog::Open span = here.open.back();
   here.open.pop_back();
-  const AllocationCount count = allocationCount();
-  const long allocations = count ? count() - span.allocations : 0;
+  const Taken before = here.all(), taken = here.taken() - span.taken;
   const std::uint64_t took = now - span.begin;
   Sum& sum = here.sums[span.kind];
-  ++sum.calls, sum.count += iterations, sum.allocations += allocations;
+  ++sum.calls, sum.count += iterations, sum.allocations += taken.count - span.inner;
   sum.total += took, sum.self += took - span.inside;
-  if (!here.open.empty()) here.open.back().inside += took;
+  if (!here.open.empty()) here.open.back().inside += took, here.open.back().inner += taken.count;
   // where there is no room for all, those that hold others go on being told
   if (here.events.size() < most_events || (here.open.size() < 3 && here.events.size() < 2 * most_events))
-    here.events.push_back({span.kind, span.begin, now, iterations, allocations});
+    here.events.push_back({span.kind, span.begin, now, iterations, taken.count, taken.bytes});
   else
     ++here.left_out;
+  here.hideSince(before);
 }
 
 Profile Profiler::stop() {
@@ -178,7 +199,7 @@ Profile Profiler::stop() {
   return profile;
 }
 
-bool countsAllocations() { return allocationCount() != nullptr; }
+bool countsAllocations() { return countOfThread() != nullptr; }
 
 void runAgainCounting(const std::vector<std::string>& words) {
   if (const char* before = std::getenv(mark)) {  // we are the second one: what we start is as it would be

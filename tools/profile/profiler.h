@@ -15,13 +15,13 @@ namespace stroma::profile {
 struct Event {
   std::uint32_t kind = 0;            ///< index in Profile::kinds
   std::uint64_t begin = 0, end = 0;  ///< ticks
-  long count = 0, allocations = 0;
+  long count = 0, allocations = 0, bytes = 0;
 };
 
 /// All spans of one name and owner, of one thread.
 struct Sum {
-  long calls = 0, count = 0, allocations = 0;
-  std::uint64_t total = 0, self = 0;  ///< ticks; self: without the spans within
+  long calls = 0, count = 0, allocations = 0;  ///< allocations without those of the spans within
+  std::uint64_t total = 0, self = 0;           ///< ticks; self: without the spans within
 };
 
 struct Kind {

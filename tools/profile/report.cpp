@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 namespace stroma::profile {
@@ -24,6 +25,28 @@ std::string timeText(double seconds) {
   return fmt::format("{:.2f} us", 1e6 * seconds);
 }
 
+/// Nanoseconds since the beginning as Chrome's microseconds. Rounding keeps the order, so that spans stay nested.
+struct Micro {
+  long nanoseconds;
+};
+std::string textOf(Micro time) { return fmt::format("{}.{:03}", time.nanoseconds / 1000, time.nanoseconds % 1000); }
+
+/// In the order in which they begin; those that hold others come first. As heard, they are in the order of their ends.
+std::vector<const Event*> byBeginning(const std::vector<Event>& events) {
+  std::vector<const Event*> sorted;
+  for (const Event& event : events) sorted.push_back(&event);
+  std::sort(sorted.begin(), sorted.end(), [](const Event* a, const Event* b) {
+    if (a->begin != b->begin) return a->begin < b->begin;
+    return a->end != b->end ? a->end > b->end : a > b;
+  });
+  return sorted;
+}
+
+/// Its own time is that of nobody: it holds what has a name.
+bool isHolder(const std::string& what) {
+  return what == "command" || what == "run" || what == "load" || what == "whole step";
+}
+
 struct Line {
   double share, self, total;
   const Sum* sum;
@@ -38,34 +61,37 @@ std::string traceOf(const Profile& profile) {
       fmt::format(",\"spans_in_the_table_alone\":{}}},\n\"traceEvents\":[\n", profile.left_out);
   std::vector<std::string> names;
   for (const Kind& kind : profile.kinds) names.push_back(inQuotes(nameOf(kind)));
-  const auto micro = [&](std::uint64_t at) { return 1e6 * profile.seconds(at - profile.begin); };
+  const auto at = [&](std::uint64_t tick) { return std::lround(1e9 * profile.seconds(tick - profile.begin)); };
   auto out = std::back_inserter(text);
   for (std::size_t t = 0; t < profile.threads.size(); ++t)
     fmt::format_to(out,
                    "{{\"ph\":\"M\",\"name\":\"thread_name\",\"pid\":1,\"tid\":{},\"args\":{{\"name\":\"{}\"}}}},\n",
                    t + 1, t == 0 ? "steps" : fmt::format("worker {}", t));
   for (std::size_t t = 0; t < profile.threads.size(); ++t)
-    for (const Event& event : profile.threads[t].events) {
+    for (const Event* heard : byBeginning(profile.threads[t].events)) {
+      const Event& event = *heard;
       const Kind& kind = profile.kinds[event.kind];
-      fmt::format_to(out, "{{\"ph\":\"X\",\"name\":{},\"cat\":{},\"pid\":1,\"tid\":{},\"ts\":{:.3f},\"dur\":{:.3f}",
-                     names[event.kind], inQuotes(kind.what), t + 1, micro(event.begin),
-                     1e6 * profile.seconds(event.end - event.begin));
+      const std::string end = textOf({at(event.end)});
+      fmt::format_to(out, "{{\"ph\":\"X\",\"name\":{},\"cat\":{},\"pid\":1,\"tid\":{},\"ts\":{},\"dur\":{}",
+                     names[event.kind], inQuotes(kind.what), t + 1, textOf({at(event.begin)}),
+                     textOf({at(event.end) - at(event.begin)}));
       if (event.count || event.allocations || !kind.whose.empty()) {
         text += ",\"args\":{";
         if (!kind.whose.empty()) fmt::format_to(out, "\"of\":{},", inQuotes(kind.whose));
         if (event.count) fmt::format_to(out, "\"iterations\":{},", event.count);
-        if (event.allocations) fmt::format_to(out, "\"allocations\":{},", event.allocations);
+        if (event.allocations)
+          fmt::format_to(out, "\"allocations\":{},\"bytes\":{},", event.allocations, event.bytes);
         text.back() = '}';
       }
       text += "},\n";
       if (event.count)
         fmt::format_to(
-            out, "{{\"ph\":\"C\",\"name\":\"iterations\",\"pid\":1,\"ts\":{:.3f},\"args\":{{\"of a solve\":{}}}}},\n",
-            micro(event.end), event.count);
+            out, "{{\"ph\":\"C\",\"name\":\"iterations\",\"pid\":1,\"ts\":{},\"args\":{{\"of a solve\":{}}}}},\n", end,
+            event.count);
       if (kind.what == "whole step" && profile.has_allocations)
         fmt::format_to(
-            out, "{{\"ph\":\"C\",\"name\":\"allocations\",\"pid\":1,\"ts\":{:.3f},\"args\":{{\"of a step\":{}}}}},\n",
-            micro(event.end), event.allocations);
+            out, "{{\"ph\":\"C\",\"name\":\"allocations\",\"pid\":1,\"ts\":{},\"args\":{{\"of a step\":{}}}}},\n", end,
+            event.allocations);
     }
   fmt::format_to(out, "{{\"ph\":\"M\",\"name\":\"process_name\",\"pid\":1,\"args\":{{\"name\":\"stroma run\"}}}}]}}\n");
   return text;
@@ -82,7 +108,7 @@ std::string tableOf(const Profile& profile, const std::string& file) {
     const Sum& sum = first.sums[k];
     if (sum.calls == 0) continue;
     const double self = profile.seconds(sum.self);
-    if (profile.kinds[k].what != "command") named += self;
+    if (!isHolder(profile.kinds[k].what)) named += self;
     lines.push_back({self / wall, self, profile.seconds(sum.total), &sum, &profile.kinds[k]});
   }
   std::sort(lines.begin(), lines.end(), [](const Line& a, const Line& b) { return a.self > b.self; });
@@ -93,7 +119,7 @@ std::string tableOf(const Profile& profile, const std::string& file) {
     text += fmt::format("{:>6.1f}% {:>10} {:>10} {:>9} {:>10}", 100 * line.share, timeText(line.self),
                         timeText(line.total), line.sum->calls, line.sum->count ? std::to_string(line.sum->count) : "");
     if (profile.has_allocations) text += fmt::format(" {:>11}", line.sum->allocations);
-    text += "  " + (line.kind->what == "command" ? std::string("what has no name") : nameOf(*line.kind)) + "\n";
+    text += "  " + nameOf(*line.kind) + (isHolder(line.kind->what) ? ", what has no name in it" : "") + "\n";
   }
   double rest = 0;
   for (std::size_t k = most_lines; k < lines.size(); ++k) rest += lines[k].share;

@@ -6,8 +6,10 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <ctime>
+#include <filesystem>
 #include <fstream>
 #include <limits>
 #include <new>
@@ -18,6 +20,7 @@
 #include "tools/session/session.h"
 #include "tools/stress/disturbance.h"
 #include "tools/stress/force_checks.h"
+#include "tools/stress/table.h"
 
 namespace stroma::stress {
 namespace {
@@ -25,6 +28,7 @@ namespace {
 /// A share of the size of the body that counts as back in its place, or as at rest in a step.
 constexpr double near = 0.01, at_rest = 1e-5;
 constexpr long steps_before = 2;  ///< of a case that changes something between two steps
+constexpr const char* not_made = "there is nothing that this case could move: the list of cases is wrong";
 
 double processorSeconds() { return double(std::clock()) / CLOCKS_PER_SEC; }
 
@@ -60,17 +64,39 @@ double distanceFrom(const std::vector<double>& places, const Simulation& simulat
   return at == places.size() ? worst : -1;
 }
 
-/// What a doubt is about: "/liver/fem" of "/liver/fem at t = 2 s: 3 of 80 elements ...".
-std::string subjectOf(const std::string& sentence) {
-  return sentence.substr(0, std::min(sentence.find(" at t = "), sentence.find(" in ")));
+/// What a doubt is about and of which kind it is: "/liver/fem at t = # s: # of # elements are inverted or flat" of one on
+/// "3 of 80 elements ...; the worst is ...".
+std::string kindOfDoubt(const std::string& sentence) {
+  return withoutNumbers(sentence.substr(0, sentence.find(';')));
 }
 
-bool isAtRest(const Simulation& simulation) {
+/// Whether a sentence names a component by its path, or a line of the scene's file. "3 J/m" and "1/s" name nothing.
+bool namesSomething(const std::string& sentence, const std::string& scene) {
+  for (std::size_t at = sentence.find('/'); at != std::string::npos; at = sentence.find('/', at + 1)) {
+    const unsigned char before = at == 0 ? ' ' : static_cast<unsigned char>(sentence[at - 1]);
+    const unsigned char after = at + 1 == sentence.size() ? ' ' : static_cast<unsigned char>(sentence[at + 1]);
+    // "/.dt" is an attribute of the root
+    if (!std::isalnum(before) && before != ')' && (std::isalpha(after) || after == '_' || after == '.')) return true;
+  }
+  return sentence.find(std::filesystem::path(scene).filename().string() + ":") != std::string::npos;
+}
+
+/// `before`: positions before the last step. Statics have no velocities, and may creep all the same: a fluid moves within.
+bool isAtRest(const Simulation& simulation, const std::vector<double>& before) {
   for (const auto& system : simulation.systems()) {
     if (!system->integrator().movesInTime()) continue;
     if (!(largest(system->v) * simulation.dt() < at_rest * sizeOf(*system))) return false;
   }
-  return true;
+  const double moved = distanceFrom(before, simulation);
+  return moved >= 0 && moved < at_rest;
+}
+
+/// Whether a body has a shape of its own to come back to. Rigid and free ones may rest in many places.
+bool hasShape(const Simulation& simulation) {
+  for (const auto& system : simulation.systems())
+    for (const ForceField* field : system->forceFields())
+      if (const ForceTraits traits = field->traits(); traits.forces_balance || traits.has_rest_shape) return true;
+  return false;
 }
 
 /// What files would hold besides positions: cell fields and energies.
@@ -105,6 +131,7 @@ class CaseRun {
     } catch (const ComponentError& error) {
       stop(error.what());
     } catch (const std::bad_alloc&) {
+      setMemory(RLIM_INFINITY);  // sentences need some
       stop("out of memory");
     } catch (const std::logic_error& error) {
       // of the standard library: no sentence for anybody
@@ -122,8 +149,12 @@ class CaseRun {
     std::ifstream file("/proc/self/statm");
     std::size_t pages = 0;
     file >> pages;
+    setMemory(rlim_t(pages) * rlim_t(sysconf(_SC_PAGESIZE)) + rlim_t(what_.amount * 1048576));
+  }
+  static void setMemory(rlim_t bytes) {
     rlimit limit{};
-    limit.rlim_cur = limit.rlim_max = rlim_t(pages) * rlim_t(sysconf(_SC_PAGESIZE)) + rlim_t(what_.amount * 1048576);
+    getrlimit(RLIMIT_AS, &limit);
+    limit.rlim_cur = std::min(bytes, limit.rlim_max);
     setrlimit(RLIMIT_AS, &limit);
   }
 
@@ -139,14 +170,14 @@ class CaseRun {
   void run() {
     switch (what_.kind) {
       case Kind::forces:
-        if (what_.shape == Shape::mirrored || what_.shape == Shape::cell || what_.shape == Shape::pulled ||
-            what_.shape == Shape::small)
-          disturb(simulation(), what_.shape, what_.amount, what_.seed);
+        // what has no node that is free to move is looked at where it is
+        if (!disturb(simulation(), what_.shape, what_.amount, what_.seed) && what_.shape != Shape::small)
+          return broken(not_made);
         outcome_.sentences = brokenPromises(simulation(), what_.shape == Shape::small, what_.seed);
         outcome_.ending = outcome_.sentences.empty() ? Ending::good : Ending::breaks;
         return;
       case Kind::shape:
-        disturb(simulation(), what_.shape, what_.amount, what_.seed);
+        if (!disturb(simulation(), what_.shape, what_.amount, what_.seed)) return broken(not_made);
         break;
       case Kind::move:
         return runMove();
@@ -160,10 +191,10 @@ class CaseRun {
 
   void runMove() {
     if (!make(std::min(steps_before, scenery_.steps))) return;
-    moveHeld(simulation(), what_.amount, what_.seed);
-    if (!make(scenery_.steps / 4)) return;
+    if (!moveHeld(simulation(), what_.amount, what_.seed)) return broken(not_made);
+    if (!make(std::max(1L, scenery_.steps / 4))) return;
     moveHeld(simulation(), -what_.amount, what_.seed);
-    if (make(scenery_.steps - simulation().steps())) end();
+    if (make(std::max(1L, scenery_.steps - simulation().steps()))) end();
   }
 
   void runNotFinite() {
@@ -182,15 +213,12 @@ class CaseRun {
       return broken("NaN is taken for a force");
     }
     const FreeRow free = freeRow(simulation(), what_.seed);
-    if (!free.system) {
-      outcome_.ending = Ending::good;
-      return;
-    }
+    if (!free.system) return broken(not_made);
     (what_.entry == Entry::position ? free.system->x : free.system->v)[free.row][1] = nan;
     const RunReport report = session_.run({.steps = 2});
     outcome_.steps = simulation().steps();
-    // an integrator with rows of its own does not read what was written there
-    if (report.end == RunEnd::diverged) return stop(report.reason);
+    if (report.end != RunEnd::done) return stop(report.reason);
+    // an integrator of statics does not read velocities
     if (const std::string bad = notFinite(simulation()); !bad.empty()) return broken(bad + ", and the run goes on");
     outcome_.ending = Ending::good;
   }
@@ -200,6 +228,10 @@ class CaseRun {
     std::string bad;
     RunLimits limits;
     limits.steps = steps;
+    const long last = simulation().steps() + steps - 1;
+    limits.before_step = [&](Simulation& running) {
+      if (running.steps() == last) before_ = positionsOf(running);
+    };
     limits.reached = [&](const Simulation& running) { return !(bad = notFinite(running)).empty(); };
     const RunReport report = session_.run(limits);
     outcome_.steps = simulation().steps();
@@ -225,26 +257,32 @@ class CaseRun {
     if (const std::string bad = notFiniteElsewhere(simulation()); !bad.empty()) return broken(bad);
     const bool is_back = outcome_.distance >= 0 && outcome_.distance < near;
     const bool is_disturbed = what_.kind == Kind::shape || what_.kind == Kind::move;
-    // a doubt that the undisturbed run has too is none of this case
-    std::erase_if(outcome_.sentences, [&](const std::string& one) {
-      return std::any_of(undisturbed_.doubts.begin(), undisturbed_.doubts.end(),
-                         [&](const std::string& other) { return subjectOf(other) == subjectOf(one); });
-    });
+    // a doubt that the undisturbed run has too is none of this case, but where it is all that tells another shape from it
+    const bool is_elsewhere = is_disturbed && !is_back && outcome_.distance >= 0 && hasShape(simulation()) &&
+                              isAtRest(simulation(), before_);
+    if (!is_elsewhere) std::erase_if(outcome_.sentences, [&](const std::string& one) { return isUndisturbed(one); });
     if (!outcome_.sentences.empty())
       outcome_.ending = Ending::doubt;
-    else if (is_disturbed && !is_back && outcome_.distance >= 0 && isAtRest(simulation()))
+    else if (is_elsewhere)
       outcome_.ending = Ending::elsewhere;
     else
       outcome_.ending = is_back && (is_disturbed || what_.kind == Kind::memory) ? Ending::good : Ending::runs;
+  }
+
+  bool isUndisturbed(const std::string& doubt) const {
+    return std::any_of(undisturbed_.doubts.begin(), undisturbed_.doubts.end(),
+                       [&](const std::string& other) { return kindOfDoubt(other) == kindOfDoubt(doubt); });
   }
 
   /// A sentence tells a person something: it has words, and names what it is about.
   void stop(const std::string& reason) {
     outcome_.ending = Ending::stops;
     outcome_.sentences = {reason};
+    // memory belongs to no component, and the command says so by itself
+    const bool names = namesSomething(reason, scenery_.scene) || what_.kind == Kind::memory ||
+                       what_.entry == Entry::edit || what_.entry == Entry::force;
     if (reason.empty()) broken("it stops without a sentence");
-    const bool names =
-        reason.find('/') != std::string::npos || what_.kind == Kind::memory || what_.kind == Kind::not_finite;
+    if (reason.find("std::") != std::string::npos) return broken("it stops with words of the program's own: " + reason);
     if (!reason.empty() && !names) broken("it stops with a sentence that names no component: " + reason);
   }
   void broken(const std::string& what) {
@@ -257,6 +295,7 @@ class CaseRun {
   const Undisturbed& undisturbed_;
   Session session_;
   UnconvergedSteps statistics_;
+  std::vector<double> before_;  ///< positions before the last step
   Outcome outcome_;
 };
 

@@ -7,8 +7,7 @@
 #include <cmath>
 #include <random>
 
-#include "framework/mechanics/state_topology.h"
-#include "framework/mesh/cell_lists.h"
+#include "tools/stress/disturbance.h"
 
 namespace stroma::stress {
 namespace {
@@ -19,13 +18,9 @@ constexpr double ratio_rounds[] = {2, 1, 4, 3, 6, 7};
 constexpr int thread_counts[] = {2, 5, 16, 64};
 constexpr double memory_rounds[] = {0.25, 1, 4, 32};  // MB beyond what the process has
 
-bool movesNodes(const System& system) { return system.integrator().stateOwner() == nullptr; }
-
-bool hasVolumeCells(const Simulation& simulation) {
-  for (const State* state : simulation.states())
-    for (const Topology* topology : topologiesOf(*state))
-      if (highestDimension(topology->mesh()) == 3) return true;
-  return false;
+/// Whether there is more and less of it.
+bool hasAmount(const Case& one) {
+  return one.shape != Shape::mirrored && one.shape != Shape::flat && one.shape != Shape::line && one.amount != 0;
 }
 
 Case shapeCase(Shape shape, double amount, const char* group, const std::string& text) {
@@ -44,12 +39,25 @@ std::pair<std::string, std::string> valueIn(const Target& target, double decades
   return {value, fmt::format("{} x 1e{:+.3g} = {}", target.name(), decades, value)};
 }
 
+/// The same, elsewhere and more or less of it.
+Case atRandom(Case one, double decades) {
+  one.text += hasAmount(one) ? fmt::format(" (times {:.4g})", std::pow(10, decades)) : " (by another seed)";
+  if (hasAmount(one)) one.amount *= std::pow(10, decades);
+  return one;
+}
+
+std::string groupOf(const Target& target) {
+  return target.path == "/" && target.attribute == "dt" ? "dt" : wordOf(target.quantity);
+}
+
 }  // namespace
 
 CaseList::CaseList(const Simulation& simulation, unsigned seed) : seed_(seed), targets_(targetsOf(simulation)) {
-  addForces();
-  addShapes(simulation);
-  addEntries(simulation);
+  const Reach reach = reachOf(simulation);
+  addForces(reach);
+  if (reach.places) addShapes(reach);
+  if (reach.held) addMoves();
+  addEntries(simulation, reach);
   for (std::size_t round = 0; round < std::size(rounds); ++round) {
     addAttributes(round);
     if (round < std::size(thread_counts)) {
@@ -73,27 +81,24 @@ void CaseList::add(Case one) {
   cases_.push_back(std::move(one));
 }
 
-void CaseList::addForces() {
+void CaseList::addForces(const Reach& reach) {
   const std::pair<Shape, const char*> shapes[] = {{Shape::small, "near the start"},
                                                   {Shape::pulled, "of a pulled body"},
                                                   {Shape::cell, "with a cell inside out"},
                                                   {Shape::mirrored, "of a mirrored body"}};
   for (const auto& [shape, words] : shapes) {
+    if (shape == Shape::cell ? !reach.corners : shape != Shape::small && !reach.places) continue;
     Case one;
     one.kind = Kind::forces, one.shape = shape, one.group = "forces and derivatives";
-    one.amount = shape == Shape::small ? 1e-4 : 0.05;
+    one.amount = shape == Shape::small ? 1e-4 : shape == Shape::pulled ? 0.05 : 1;
     one.text = fmt::format("forces, energies and derivatives {}", words);
     add(one);
   }
 }
-
-void CaseList::addShapes(const Simulation& simulation) {
-  const auto& systems = simulation.systems();
-  if (std::none_of(systems.begin(), systems.end(), [](const auto& system) { return movesNodes(*system); })) return;
-  const bool has_cells = hasVolumeCells(simulation);
+void CaseList::addShapes(const Reach& reach) {
   for (const double amount : {0.01, 0.05})
     add(shapeCase(Shape::pulled, amount, "pulled", fmt::format("nodes pulled by {} of the size", amount)));
-  if (has_cells)
+  if (reach.corners)
     for (int k = 0; k < 3; ++k) add(shapeCase(Shape::cell, 1, "inverted", "one corner of a cell through its others"));
   add(shapeCase(Shape::mirrored, 1, "inverted", "free nodes mirrored"));
   add(shapeCase(Shape::flat, 1, "flat", "free nodes in a plane"));
@@ -103,9 +108,9 @@ void CaseList::addShapes(const Simulation& simulation) {
   add(shapeCase(Shape::random, 1, "at random", "free nodes at random places of the body's box"));
   add(shapeCase(Shape::stretched, 3, "stretched", "free nodes three times as far apart"));
   add(shapeCase(Shape::kicked, 0.1, "kicked", "velocities of a tenth of the size in a step"));
-  bool is_held = false;
-  for (const auto& system : systems) is_held = is_held || !system->constraints().projectors().empty();
-  if (!is_held) return;
+}
+
+void CaseList::addMoves() {
   for (const double amount : {0.1, 1.}) {
     Case one;
     one.kind = Kind::move, one.amount = amount, one.group = "sudden moves";
@@ -114,17 +119,17 @@ void CaseList::addShapes(const Simulation& simulation) {
   }
 }
 
-void CaseList::addEntries(const Simulation& simulation) {
+void CaseList::addEntries(const Simulation& simulation, const Reach& reach) {
   const auto entry = [&](Entry kind, const std::string& text) {
     Case one;
     one.kind = Kind::not_finite, one.entry = kind, one.group = "NaN", one.text = text;
     return one;
   };
-  if (!simulation.states().empty()) {
+  if (reach.places) {
     add(entry(Entry::position, "a position becomes NaN between two steps"));
     add(entry(Entry::velocity, "a velocity becomes NaN between two steps"));
-    add(entry(Entry::force, "a force from outside is NaN"));
   }
+  if (!simulation.states().empty()) add(entry(Entry::force, "a force from outside is NaN"));
   add(entry(Entry::edit, "dt becomes NaN while the scene runs"));
   bool infinite = false;  // in turn
   for (const Target& target : targets_) {
@@ -147,7 +152,7 @@ void CaseList::addAttributes(std::size_t round) {
     if (value.empty() || is_known) continue;
     Case one;
     one.kind = Kind::attribute, one.text = text, one.override = override;
-    one.group = target.path == "/" && target.attribute == "dt" ? "dt" : wordOf(target.quantity);
+    one.group = groupOf(target);
     add(one);
   }
 }
@@ -156,23 +161,24 @@ Case CaseList::at(long number) const {
   if (number <= size()) return cases_[std::size_t(number - 1)];
   std::mt19937 random(seed_ + unsigned(number) * 104729u);
   const auto uniform = [&](double low, double high) { return low + (high - low) * double(random()) / 4294967295.; };
-  if (random() % 3 == 0 || targets_.empty()) {
-    // a shape of the list, elsewhere and more or less of it
-    std::vector<const Case*> shapes;
-    for (const Case& one : cases_)
-      if (one.kind == Kind::shape || one.kind == Kind::move || one.kind == Kind::forces) shapes.push_back(&one);
-    Case one = *shapes[random() % shapes.size()];
-    one.number = number, one.seed = seed_ + unsigned(number) * 7919u;
-    one.amount *= std::pow(10, uniform(-1, 0.5));
-    one.text += fmt::format(" (amount {:.4g})", one.amount);
-    return one;
-  }
-  const Target& target = targets_[random() % targets_.size()];
-  const auto [value, text] = valueIn(target, uniform(-9, 9), uniform(0.5, 9), random() % 2 == 0);
   Case one;
+  std::string value;
+  for (int tries = 0; tries < 20 && value.empty() && random() % 3 != 0; ++tries) {
+    const Target& target = targets_[random() % targets_.size()];
+    const double decades = uniform(-9, 9), ratio_decades = uniform(0.5, 9);
+    const auto [changed, text] = valueIn(target, decades, ratio_decades, random() % 2 == 0);
+    value = changed;  // empty where the number is at the end of its range, or zero
+    one.kind = Kind::attribute, one.text = text, one.group = groupOf(target);
+    one.override = Override{target.path, target.attribute, value};
+  }
+  if (value.empty()) {
+    std::vector<const Case*> shapes;
+    for (const Case& other : cases_)
+      if (other.kind == Kind::shape || other.kind == Kind::move || other.kind == Kind::forces) shapes.push_back(&other);
+    const Case& other = *shapes[random() % shapes.size()];
+    one = atRandom(other, uniform(-1, 0.5));
+  }
   one.number = number, one.seed = seed_ + unsigned(number) * 7919u;
-  one.kind = Kind::attribute, one.text = text, one.group = wordOf(target.quantity);
-  one.override = Override{target.path, target.attribute, value.empty() ? fmt::format("{}", target.values[0]) : value};
   return one;
 }
 

@@ -9,6 +9,8 @@
 
 namespace stroma::stress {
 
+struct Reach;
+
 enum class Kind {
   forces,      ///< forces against energies, derivatives and mappings, at a shape
   shape,       ///< the nodes are put elsewhere, or get velocities
@@ -45,9 +47,10 @@ class CaseList {
   Case at(long number) const;
 
  private:
-  void addForces();
-  void addShapes(const Simulation& simulation);
-  void addEntries(const Simulation& simulation);
+  void addForces(const Reach& reach);
+  void addShapes(const Reach& reach);
+  void addMoves();
+  void addEntries(const Simulation& simulation, const Reach& reach);
   void addAttributes(std::size_t round);
   void add(Case one);
 

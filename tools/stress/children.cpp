@@ -13,7 +13,7 @@
 #include <csignal>
 #include <cstdio>
 #include <cstring>
-#include <new>
+#include <ctime>
 #include <stdexcept>
 #include <vector>
 
@@ -31,8 +31,9 @@ void writeAll(int pipe, const std::string& text) {
 }
 
 /// What it prints goes nowhere.
-[[noreturn]] void work(int pipe, const std::function<std::string()>& call) {
+[[noreturn]] void work(int pipe, pid_t parent, const std::function<std::string()>& call) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (getppid() != parent) _exit(1);  // it has ended already
   rlimit none{};
   setrlimit(RLIMIT_CORE, &none);
   if (const int nowhere = open("/dev/null", O_WRONLY); nowhere >= 0) dup2(nowhere, 1), dup2(nowhere, 2);
@@ -43,6 +44,14 @@ void writeAll(int pipe, const std::string& text) {
   } catch (...) {  // not a word of it: the parent says that it ended
   }
   _exit(0);
+}
+
+/// Of a child so far [s]; 0 where it cannot be known.
+double processorSeconds(pid_t process) {
+  clockid_t clock{};
+  timespec time{};
+  if (clock_getcpuclockid(process, &clock) != 0 || clock_gettime(clock, &time) != 0) return 0;
+  return double(time.tv_sec) + 1e-9 * double(time.tv_nsec);
 }
 
 }  // namespace
@@ -61,19 +70,24 @@ void Children::start(long number, double seconds, const std::function<std::strin
     throw std::runtime_error(fmt::format("no pipe can be made: {}", std::strerror(errno)));
   std::fflush(nullptr);
   Child child;
+  const pid_t parent = getpid();
   child.process = fork();
-  if (child.process < 0) throw std::runtime_error(fmt::format("no process can be made: {}", std::strerror(errno)));
+  if (child.process < 0) {
+    const int reason = errno;
+    close(ends[0]), close(ends[1]);
+    throw std::runtime_error(fmt::format("no process can be made: {}", std::strerror(reason)));
+  }
   if (child.process == 0) {
     close(ends[0]);
-    work(ends[1], call);
+    work(ends[1], parent, call);
   }
   close(ends[1]);
   child.pipe = ends[0], child.seconds = seconds;
-  child.latest = Clock::now() + std::chrono::milliseconds(long(seconds * 1000));
+  child.last_work = Clock::now();
   children_.emplace(number, std::move(child));
 }
 
-ChildEnd Children::endOf(long number, Child& child) {
+ChildEnd Children::endOf(long number, Child& child) const {
   close(child.pipe);
   int status = 0;
   waitpid(child.process, &status, 0);
@@ -83,7 +97,9 @@ ChildEnd Children::endOf(long number, Child& child) {
     end.text = std::move(child.text);
     end.is_late = false;
   } else if (child.is_late) {
-    end.failure = fmt::format("given up after {:.3g} s", child.seconds);
+    end.failure = fmt::format("given up after {:.3g} s of processor time", child.seconds);
+  } else if (child.is_stuck) {
+    end.failure = fmt::format("it stands still: no processor time in {:.3g} s", patience_);
   } else if (WIFSIGNALED(status)) {
     end.failure = fmt::format("it crashes with SIG{}", sigabbrev_np(WTERMSIG(status)));
   } else {
@@ -92,14 +108,27 @@ ChildEnd Children::endOf(long number, Child& child) {
   return end;
 }
 
+/// Ends those that are late, and those that stand still.
+void Children::watch() {
+  using Seconds = std::chrono::duration<double>;
+  const auto now = Clock::now();
+  const bool was_away = Seconds(now - last_watch_).count() > 0.5 * patience_;  // stopped itself, as by Ctrl-Z
+  last_watch_ = now;
+  for (auto& [number, child] : children_) {
+    if (child.is_late || child.is_stuck) continue;
+    const double used = processorSeconds(child.process);
+    if (used > child.used + 1e-3 || was_away) child.used = used, child.last_work = now;
+    child.is_late = used > child.seconds;
+    child.is_stuck = !child.is_late && Seconds(now - child.last_work).count() > patience_;
+    if (child.is_late || child.is_stuck) kill(child.process, SIGKILL);
+  }
+}
+
 bool Children::wait(ChildEnd& end) {
+  watch();
   std::vector<pollfd> pipes;
   std::vector<long> numbers;
   for (auto& [number, child] : children_) {
-    if (!child.is_late && Clock::now() > child.latest) {
-      child.is_late = true;
-      kill(child.process, SIGKILL);
-    }
     pipes.push_back({child.pipe, POLLIN, 0});
     numbers.push_back(number);
   }
@@ -112,7 +141,7 @@ bool Children::wait(ChildEnd& end) {
     Child& child = children_.at(numbers[k]);
     if (count > 0) {
       child.text.append(piece, std::size_t(count));
-    } else {
+    } else if (count == 0 || errno != EINTR) {
       end = endOf(numbers[k], child);
       children_.erase(numbers[k]);
       return true;

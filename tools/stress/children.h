@@ -17,13 +17,15 @@ struct ChildEnd {
   bool is_late = false;
 };
 
-/// Those that run at present. They end with this process.
+/// Those that run at present. They end with this process. Their time is that of the processor, which does not depend on
+/// what else the machine does; one that takes none of it for `patience` seconds stands still for ever.
 class Children {
  public:
-  Children() = default;
+  explicit Children(double patience = 60) : patience_(patience) {}
   Children(const Children&) = delete;
   ~Children();
-  /// Calls work() in a child, which has `seconds` of wall time. Before any thread is made. Throws std::runtime_error.
+  /// Calls work() in a child, which has `seconds` of processor time. Before any thread is made. Throws
+  /// std::runtime_error.
   void start(long number, double seconds, const std::function<std::string()>& work);
   std::size_t running() const { return children_.size(); }
   /// Waits a while for one to end. False when none has.
@@ -34,13 +36,16 @@ class Children {
   struct Child {
     pid_t process = -1;
     int pipe = -1;
-    Clock::time_point latest;
-    double seconds = 0;
+    double seconds = 0, used = 0;  ///< of processor time
+    Clock::time_point last_work;   ///< when it was seen to have taken some
     std::string text;
-    bool is_late = false;
+    bool is_late = false, is_stuck = false;
   };
-  static ChildEnd endOf(long number, Child& child);
+  void watch();
+  ChildEnd endOf(long number, Child& child) const;
 
+  double patience_;
+  Clock::time_point last_watch_ = Clock::now();
   std::map<long, Child> children_;
 };
 

@@ -144,7 +144,33 @@ bool disturbState(System& system, const State& state, Shape shape, double amount
   return moved;
 }
 
+bool isHeldPlace(const System& system, const NodeProjector& held) {
+  return held.row < system.independentRows() && system.motion().kindOf(held.row) == RowKind::place;
+}
+
+bool hasFreePlace(const System& system, const State& state) {
+  for (Index i = 0; i < state.size(); ++i)
+    if (state.kindOf(i) == RowKind::place && isFree(system, state.firstRow() + i)) return true;
+  return false;
+}
+
 }  // namespace
+
+Reach reachOf(const Simulation& simulation) {
+  Reach reach;
+  Chance any(1);
+  for (const auto& system : simulation.systems()) {
+    if (system->integrator().stateOwner()) continue;
+    for (const State* state : system->states()) {
+      if (state->firstRow() >= system->independentRows()) continue;
+      reach.places = reach.places || hasFreePlace(*system, *state);
+      reach.corners = reach.corners || chooseCell(*system, *state, any).row >= 0;
+    }
+    for (const NodeProjector& held : system->constraints().projectors())
+      reach.held = reach.held || isHeldPlace(*system, held);
+  }
+  return reach;
+}
 
 double sizeOf(const System& system) {
   double size = 0;
@@ -180,7 +206,7 @@ bool moveHeld(const Simulation& simulation, double amount, unsigned seed) {
     if (system->integrator().stateOwner()) continue;
     const double size = sizeOf(*system);
     for (const NodeProjector& held : system->constraints().projectors()) {
-      if (held.row >= system->independentRows() || system->motion().kindOf(held.row) != RowKind::place) continue;
+      if (!isHeldPlace(*system, held)) continue;
       system->x[held.row] += Vec3(amount * size * (way - held.projector * way));
       moved = true;
     }
@@ -194,7 +220,7 @@ FreeRow freeRow(const Simulation& simulation, unsigned seed) {
   std::vector<FreeRow> free;
   for (const auto& system : simulation.systems())
     for (Index row = 0; row < system->independentRows() && !system->integrator().stateOwner(); ++row)
-      if (isFree(*system, row)) free.push_back({system.get(), row});
+      if (system->motion().kindOf(row) == RowKind::place && isFree(*system, row)) free.push_back({system.get(), row});
   return free.empty() ? FreeRow{} : free[chance.below(free.size())];
 }
 

@@ -20,6 +20,7 @@ namespace {
 constexpr int directions = 3;
 /// Relative differences that are more than those of the difference quotients and of round-off.
 constexpr double exact = 0.01, rough = 0.25;
+constexpr double same = 1e-8;  ///< of two ways to one result
 
 /// One force field on the rows of its system.
 class FieldCheck {
@@ -51,8 +52,10 @@ class FieldCheck {
       choose(k == 0);
       checkEnergy();
       checkDerivative(near_start);
+      checkDamping(near_start);
     }
-    field_.addForce(x_, v_, other_);  // what is prepared belongs to these positions again
+    checkMatrix();
+    forceAt(0, other_);  // what is prepared belongs to these positions again
     return found_;
   }
 
@@ -133,13 +136,21 @@ class FieldCheck {
     if (!field_.traits().conservative) return;
     const double power = dot(force_, direction_), h = 1e-5 * size_;
     const double energy = field_.energy(x_);
-    const auto slope = [&](double step) { return -(energyAt(step) - energyAt(-step)) / (2 * step); };
-    const double wide = slope(h), narrow = slope(h / 4);
+    if (!std::isfinite(energy)) return say("its energy is no number where its force is one");
+    double bend[2] = {};  // twice the difference of the slopes on the two sides
+    const auto slope = [&](double step, double& bend_of) {
+      const double ahead = energyAt(step), behind = energyAt(-step);
+      bend_of = std::abs(ahead - 2 * energy + behind) / step;
+      return -(ahead - behind) / (2 * step);
+    };
+    const double wide = slope(h, bend[0]), narrow = slope(h / 4, bend[1]);
     if (!std::isfinite(wide) || !std::isfinite(narrow)) return;
     const double scale_of = std::max(std::abs(power), std::abs(narrow));
     const double round_off = 1e-15 * std::abs(energy) / h * 16;
     if (scale_of == 0 || round_off > 0.1 * exact * scale_of) return;
     if (std::abs(wide - narrow) > exact * scale_of) return;  // a kink
+    // one right here: the slopes of a smooth energy differ by a quarter of it at a quarter of the step
+    if (bend[1] > exact * scale_of && bend[1] > 0.5 * bend[0]) return;
     if (std::abs(power - narrow) > 3 * exact * scale_of)
       say(fmt::format("the force is not the slope of its energy: {:.6g} N where the energy falls by {:.6g} J/m", power,
                       narrow));
@@ -155,6 +166,44 @@ class FieldCheck {
     forceAt(0, other_);
     clear(product_);
     field_.addStiffnessProduct(direction_, 1, product_);
+    compareProduct("stiffness", wide, narrow, h);
+  }
+  void difference(double h, Vector& out) {
+    forceAt(h, out);
+    forceAt(-h, other_);
+    axpy(-1, other_, out);
+    scale(1 / (2 * h), out);
+  }
+
+  /// The same for velocities, at rest.
+  void checkDamping(bool near_start) {
+    const ForceTraits traits = field_.traits();
+    if (!traits.velocity_dependent || (!traits.exact_tangent && !near_start)) return;
+    Vector wide(system_.allRows()), narrow(system_.allRows());
+    const double h = 1e-4 * size_;  // a second is as good as any time
+    for (const double step : {h, h / 4}) {
+      Vector& out = step == h ? wide : narrow;
+      forceMoving(step, out);
+      forceMoving(-step, other_);
+      axpy(-1, other_, out);
+      scale(1 / (2 * step), out);
+    }
+    forceAt(0, other_);
+    clear(product_);
+    field_.addDampingProduct(direction_, 1, product_);
+    compareProduct("damping", wide, narrow, h);
+  }
+  void forceMoving(double speed, Vector& out) {
+    Vector v(system_.allRows());
+    axpy(speed, direction_, v);
+    clear(out);
+    field_.addForce(x_, v, out);
+  }
+
+  /// product_ against two central differences, the narrow one of a quarter of h.
+  void compareProduct(const char* what, ConstRows wide, ConstRows narrow, double h) {
+    const ForceTraits traits = field_.traits();
+    if (!isFinite(product_)) return say(fmt::format("its {} is no number where its force is one", what));
     if (!isFinite(wide) || !isFinite(narrow)) return;
     const double scale_of = std::max(norm(narrow), norm(product_));
     const double round_off = 1e-15 * norm(force_) / h * 16;
@@ -165,14 +214,42 @@ class FieldCheck {
     // a load may leave half of its derivative out, so that the matrix is symmetric; inside a body more is known
     const bool is_rough = traits.forces_balance ? error > rough : cosine < -0.5;
     if (traits.exact_tangent ? !(error > 3 * exact) : !is_rough) return;
-    say(fmt::format("its stiffness is not the derivative of its force: it is off by {:.2g}{}", error,
+    say(fmt::format("its {} is not the derivative of its force: it is off by {:.2g}{}", what, error,
                     cosine < -0.5 ? ", and of the other sign" : ""));
   }
-  void difference(double h, Vector& out) {
-    forceAt(h, out);
-    forceAt(-h, other_);
-    axpy(-1, other_, out);
-    scale(1 / (2 * h), out);
+
+  /// There are three more ways to the same stiffness. Solvers that assemble see none of the product.
+  void checkMatrix() {
+    if (!field_.traits().has_stiffness) return;
+    const Index rows = system_.allRows();
+    forceAt(0, other_);
+    clear(product_);
+    field_.addStiffnessProduct(direction_, 1, product_);
+    BlockPattern pattern(rows);
+    field_.addPattern(pattern);
+    BlockMatrix matrix(std::move(pattern));
+    field_.prepareAssembly(matrix);
+    field_.addStiffness(1, matrix);
+    matrix.multiply(direction_, other_);
+    if (!(distance(other_, product_) <= same * norm(product_)))
+      say(fmt::format("its matrix is not that of its product: off by {:.2g}",
+                      distance(other_, product_) / norm(product_)));
+    std::vector<double> diagonal(std::size_t(rows) * 9, 0.);
+    field_.addStiffnessDiagonal(1, diagonal);
+    double worst = 0, sizes = 0;
+    for (std::size_t i = 0; i < diagonal.size(); ++i) {
+      const double value = matrix.values()[std::size_t(matrix.diagonal()[i / 9]) * 9 + i % 9];
+      worst += std::abs(value - diagonal[i]), sizes += std::abs(value);
+    }
+    if (!(worst <= same * sizes))
+      say(fmt::format("its diagonal is not that of its matrix: off by {:.2g}", worst / sizes));
+    clear(other_);
+    field_.addForceAndProduct(x_, v_, direction_, 0.5, other_);
+    axpy(-1, force_, other_);
+    axpy(-0.5, product_, other_);
+    const double both = norm(force_) + norm(product_);
+    if (!(norm(other_) <= same * both))
+      say(fmt::format("force and product in one pass are not the two alone: off by {:.2g}", norm(other_) / both));
   }
 
   /// A field that has volumes knows those that are inside out. The mesh says which are.
@@ -234,7 +311,7 @@ std::vector<std::string> brokenMappings(System& system, unsigned seed) {
       const Vec3 slope = (Vec3(ahead[row]) - Vec3(behind[row])) / (2 * h);
       error += (slope - Vec3(d[row])).squaredNorm(), size += slope.squaredNorm();
     }
-    if (std::isfinite(size) && std::sqrt(error) > 1e-3 * std::sqrt(size) + 1e-6)
+    if (std::isfinite(size) && !(std::sqrt(error) <= 1e-3 * std::sqrt(size) + 1e-6))
       found.push_back(fmt::format("{}: {} ({}): its velocities are not the derivative of its positions: off by {:.2g}",
                                   mapping->where().text(), mapping->path(), mapping->type(), std::sqrt(error / size)));
   }
@@ -243,7 +320,7 @@ std::vector<std::string> brokenMappings(System& system, unsigned seed) {
   for (auto mapping = mappings.rbegin(); mapping != mappings.rend(); ++mapping) (*mapping)->applyJT(f);
   double pulled = 0;
   for (Index row = 0; row < independent; ++row) pulled += f[row].dot(d[row]);
-  if (std::abs(work - pulled) > 1e-7 * (std::abs(work) + norm(f) * norm(d)))
+  if (!(std::abs(work - pulled) <= 1e-7 * (std::abs(work) + norm(f) * norm(d))))
     found.push_back(fmt::format("{}: the mappings below give forces back that do other work: {:.9g} for {:.9g}",
                                 system.integrator().path(), pulled, work));
   return found;

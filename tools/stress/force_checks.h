@@ -2,7 +2,8 @@
 // What forces, energies, their derivatives and mappings owe each other, whatever they compute:
 //   f = -dE/dx     where a field says that it has an energy
 //   K dx = df      to some digits where its derivative is said to be exact; else near the start, to a quarter inside a body,
-//                  and of the right sign elsewhere
+//                  and of the right sign elsewhere; the same for C dv = df of forces that depend on velocities
+//   matrix, diagonal and the pass that makes force and product together are those of the product
 //   sums of forces and torques are zero where it says so, and equal positions give equal forces
 //   where cells are inside out, J is not positive, and a force that is no number has an element to blame
 //   J dx = dphi, f . J dx = J^T f . dx     of mappings

@@ -2,6 +2,7 @@
 #include "tools/stress/outcome.h"
 
 #include <algorithm>
+#include <limits>
 #include <stdexcept>
 
 namespace stroma::stress {
@@ -15,7 +16,8 @@ const char* wordOf(Ending ending) { return words[int(ending)]; }
 
 nlohmann::ordered_json toJson(const Outcome& outcome) {
   nlohmann::ordered_json json{{"ending", wordOf(outcome.ending)}, {"steps", outcome.steps}};
-  if (outcome.distance >= 0) json["distance"] = outcome.distance;
+  // JSON knows no infinity: of a node so far away that the square of its distance is none any more
+  if (outcome.distance >= 0) json["distance"] = std::min(outcome.distance, std::numeric_limits<double>::max());
   if (!outcome.sentences.empty()) json["sentences"] = outcome.sentences;
   return json;
 }

@@ -23,9 +23,9 @@ constexpr std::array<const char*, endings> meanings = {
     "finite to the last step and without a doubt; not, or not yet, at the undisturbed shape",
     "at rest in another shape, and nothing tells it from a right one",
     "finite to the last step, with a sentence why it may be no result",
-    "refused or stopped, with a sentence",
+    "refused or stopped, with a sentence that names a component or a line of the scene",
     "took longer than a case may",
-    "a crash, a number that is not finite, a stop without a sentence, or a promise that is broken"};
+    "a crash, a standstill, a number that is not finite, a stop without a sentence, or a promise that is broken"};
 
 std::string escaped(const std::string& text) {
   std::string out;
@@ -62,8 +62,9 @@ std::string tableRows(const Findings& findings) {
 std::string details(const Findings& findings, Ending ending) {
   std::string text;
   for (const Like& like : alike(findings, ending)) {
-    text += fmt::format("<details{}><summary>{} case{}: {}</summary><ul>\n", ending == Ending::breaks ? " open" : "",
-                        like.cases.size(), like.cases.size() == 1 ? "" : "s", escaped(like.sentence));
+    text += fmt::format("<details{}><summary>{} case{}{}{}</summary><ul>\n", ending == Ending::breaks ? " open" : "",
+                        like.cases.size(), like.cases.size() == 1 ? "" : "s", like.sentence.empty() ? "" : ": ",
+                        escaped(like.sentence));
     for (const Result* one : like.cases) {
       text += fmt::format("<li>case {}: {}<br><code>{}</code>", one->what.number, escaped(one->what.text),
                           escaped(commandOf(findings.request, findings.steps, one->what.number)));

@@ -15,8 +15,11 @@ Record::Record(const std::string& file, const std::string& key) {
     if (std::getline(lines, line) && line + "\n" == kept)
       while (std::getline(lines, line)) {
         const Json json = Json::parse(line, nullptr, false);
-        if (json.is_discarded() || !json.contains("case")) break;  // of a command that was killed while it wrote
-        made_[json["case"]] = outcomeFrom(json);
+        try {
+          made_[json.at("case").get<long>()] = outcomeFrom(json);
+        } catch (const std::exception&) {
+          break;  // of a command that was killed while it wrote
+        }
         kept += line + "\n";
       }
   }

@@ -60,11 +60,13 @@ std::string outcomeText(const Outcome& outcome) {
   return toJson(outcome).dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-Outcome outcomeOf(const ChildEnd& end) {
+Outcome outcomeOf(const ChildEnd& end, Kind kind) {
   if (end.failure.empty()) return outcomeFrom(Json::parse(end.text));
   Outcome outcome;
-  outcome.ending = end.is_late ? Ending::unfinished : Ending::breaks;
-  outcome.sentences = {end.failure};
+  // neither makes a scene slow that was quick: it does not end
+  const bool hangs = end.is_late && (kind == Kind::memory || kind == Kind::threads);
+  outcome.ending = end.is_late && !hangs ? Ending::unfinished : Ending::breaks;
+  outcome.sentences = {(hangs ? "it does not end: " : "") + end.failure};
   return outcome;
 }
 
@@ -149,7 +151,7 @@ class Campaign {
       if (const int signal = signals.wait(0)) return signal;
       ChildEnd end;
       if (!children.wait(end)) continue;
-      record.add(end.number, outcomeOf(end));
+      record.add(end.number, outcomeOf(end, list_->at(end.number).kind));
       told();
     }
     if (!request_.quiet && isatty(STDERR_FILENO)) fmt::print(stderr, "\n");
@@ -159,25 +161,29 @@ class Campaign {
   int tellOne(const sweep::SignalGuard& signals) {
     const Case what = list_->at(*request_.only);
     Children children;
-    children.start(what.number, longest_first, workOf(what));
+    children.start(what.number, limit_, workOf(what));
     ChildEnd end;
     while (!children.wait(end))
       if (const int signal = signals.wait(0)) return by_signal + signal;
-    const Outcome outcome = outcomeOf(end);
+    const Outcome outcome = outcomeOf(end, what.kind);
+    Json json{{"case", what.number}, {"group", what.group}, {"text", what.text}};
+    json.update(toJson(outcome));
+    const std::string text = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
     if (request_.json_file == "-") {
-      Json json{{"case", what.number}, {"group", what.group}, {"text", what.text}};
-      json.update(toJson(outcome));
-      fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));
+      fmt::print("{}", text);
     } else {
+      if (!request_.json_file.empty()) writeWholeFile(request_.json_file, text);
       fmt::print("case {}: {}\n{} after {} of {} steps", what.number, what.text, wordOf(outcome.ending), outcome.steps,
                  scenery_.steps);
       if (outcome.distance >= 0) fmt::print(", {:.3g} sizes from the undisturbed run", outcome.distance);
       fmt::print("\n");
       for (const std::string& sentence : outcome.sentences) fmt::print("{}\n", sentence);
       if (what.override)
-        fmt::print("by hand: stroma run {} -n {} --set '{}={}'\n", request_.scene, scenery_.steps,
-                   (what.override->path == "/" ? "" : what.override->path + ".") + what.override->attribute,
-                   what.override->value);
+        fmt::print("by hand: stroma run {} -n {}{}\n", quoted(request_.scene), scenery_.steps,
+                   optionsOf(request_, {*what.override}));
+      else if (what.kind == Kind::threads)
+        fmt::print("by hand: stroma run {} -n {} --threads {}{}\n", quoted(request_.scene), scenery_.steps, what.amount,
+                   optionsOf(request_, {}));
     }
     return outcome.ending == Ending::breaks ? 1 : 0;
   }

@@ -12,7 +12,24 @@ namespace {
 
 constexpr std::size_t most_kinds = 12;  ///< of sentences on the terminal; the page has all
 
-/// A sentence without what differs from case to case.
+std::string firstLine(const std::string& text) { return text.substr(0, text.find('\n')); }
+
+void appendLikes(std::string& text, const Findings& findings, Ending ending, const char* title) {
+  const std::vector<Like> all = alike(findings, ending);
+  if (all.empty()) return;
+  text += fmt::format("\n{}\n", title);
+  for (std::size_t k = 0; k < std::min(all.size(), most_kinds); ++k) {
+    const Result& first = *all[k].cases.front();
+    const std::string more = all[k].cases.size() > 1 ? fmt::format(" and {} more", all[k].cases.size() - 1) : "";
+    text +=
+        fmt::format("  case {}{}: {}\n    {}\n", first.what.number, more, first.what.text, firstLine(all[k].sentence));
+  }
+  if (all.size() > most_kinds)
+    text += fmt::format("  and {} other sentences: the page has all\n", all.size() - most_kinds);
+}
+
+}  // namespace
+
 std::string withoutNumbers(const std::string& text) {
   std::string out;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -37,34 +54,6 @@ std::string withoutNumbers(const std::string& text) {
   return out;
 }
 
-std::string firstLine(const std::string& text) { return text.substr(0, text.find('\n')); }
-
-std::string quoted(const std::string& word) {
-  if (!word.empty() &&
-      word.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./=:,+-@") ==
-          std::string::npos)
-    return word;
-  std::string text = "'";
-  for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return text + "'";
-}
-
-void appendLikes(std::string& text, const Findings& findings, Ending ending, const char* title) {
-  const std::vector<Like> all = alike(findings, ending);
-  if (all.empty()) return;
-  text += fmt::format("\n{}\n", title);
-  for (std::size_t k = 0; k < std::min(all.size(), most_kinds); ++k) {
-    const Result& first = *all[k].cases.front();
-    const std::string more = all[k].cases.size() > 1 ? fmt::format(" and {} more", all[k].cases.size() - 1) : "";
-    text +=
-        fmt::format("  case {}{}: {}\n    {}\n", first.what.number, more, first.what.text, firstLine(all[k].sentence));
-  }
-  if (all.size() > most_kinds)
-    text += fmt::format("  and {} other sentences: the page has all\n", all.size() - most_kinds);
-}
-
-}  // namespace
-
 long Findings::count(Ending ending) const {
   return std::count_if(results.begin(), results.end(), [&](const Result& one) { return one.outcome.ending == ending; });
 }
@@ -84,16 +73,33 @@ std::vector<Like> alike(const Findings& findings, Ending ending) {
   return all;
 }
 
-std::string commandOf(const StressRequest& request, long steps, long number) {
-  std::string text =
-      "stroma stress " +
-      quoted(std::filesystem::path(request.scene).lexically_proximate(std::filesystem::current_path()).string());
-  for (const Override& one : request.overrides)
+std::string quoted(const std::string& word) {
+  if (!word.empty() &&
+      word.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./=:,+-@") ==
+          std::string::npos)
+    return word;
+  std::string text = "'";
+  for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return text + "'";
+}
+
+std::string optionsOf(const StressRequest& request, const std::vector<Override>& more) {
+  std::vector<Override> all = request.overrides;
+  all.insert(all.end(), more.begin(), more.end());
+  std::string text;
+  for (const Override& one : all)
     text += one.path == "/" && one.attribute == "dialect"
                 ? " --dialect " + one.value
                 : " --set " + quoted((one.path == "/" ? "" : one.path + ".") + one.attribute + "=" + one.value);
   for (const std::string& module : request.modules) text += " --module " + quoted(module);
-  return text + fmt::format(" -n {} --seed {} --case {}", steps, request.seed, number);
+  return text;
+}
+
+std::string commandOf(const StressRequest& request, long steps, long number) {
+  const std::string scene =
+      std::filesystem::path(request.scene).lexically_proximate(std::filesystem::current_path()).string();
+  return fmt::format("stroma stress {}{} -n {} --seed {} --case {}", quoted(scene), optionsOf(request, {}), steps,
+                     request.seed, number);
 }
 
 std::string tableOf(const Findings& findings) {
@@ -123,6 +129,7 @@ std::string tableOf(const Findings& findings) {
   appendLikes(text, findings, Ending::elsewhere, "at rest elsewhere, without a word:");
   appendLikes(text, findings, Ending::doubt, "in doubt, with these sentences:");
   appendLikes(text, findings, Ending::stops, "stops, with these sentences:");
+  appendLikes(text, findings, Ending::unfinished, "unfinished:");
   return text;
 }
 

@@ -30,6 +30,14 @@ struct Like {
 };
 std::vector<Like> alike(const Findings& findings, Ending ending);
 
+/// A sentence without what differs from case to case.
+std::string withoutNumbers(const std::string& text);
+
+/// A word as a shell takes it.
+std::string quoted(const std::string& word);
+/// The options of a request that say which scene it is, and more overrides.
+std::string optionsOf(const StressRequest& request, const std::vector<Override>& more);
+
 /// What repeats one case alone.
 std::string commandOf(const StressRequest& request, long steps, long number);
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <sstream>
 
 #include "tools/units/units.h"
 
@@ -53,9 +54,19 @@ std::vector<double> numbersOf(const Data& data) {
   return {};
 }
 
+/// Whether these are the numbers of the default. Others come from an attribute that the person wrote instead of this one, or
+/// from a mesh: to give this one too would be refused.
+bool isDefault(const Data& data, const std::vector<double>& values) {
+  std::istringstream words(data.defaultText());
+  std::vector<double> numbers;
+  for (double number = 0; words >> number;) numbers.push_back(number);
+  return words.eof() && numbers == values;
+}
+
 /// Whether another value would say something: one that a person wrote, or a default with a unit or a range.
 bool isOfInterest(const Data& data, const std::vector<double>& values) {
-  if (values.empty() || values.size() > most_values || data.isOutput() || data.isShorthand()) return false;
+  if (values.empty() || values.size() > most_values || data.isOutput()) return false;
+  if (!data.isSet() && (data.isShorthand() || !isDefault(data, values))) return false;
   if (data.unitText().empty() || data.origin() == DataOrigin::linked) return false;
   if (!std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); })) return false;
   if (data.isSet()) return true;
