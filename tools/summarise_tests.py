@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Reads JUnit files of ctest and prints the tests that were skipped, then what those said that failed; the last line is
-"N passed, N failed" (with ", N skipped" when some were). Usage: summarise_tests.py FILE.xml... CTEST_EXIT_CODE.
+"""Reads JUnit files of ctest and prints the tests that were skipped, then what those said that failed; before
+the last line, which is "N passed, N failed", stands how many were skipped. Usage: summarise_tests.py FILE.xml... CTEST_EXIT_CODE.
 Exit code 0 when nothing failed and ctest itself said so."""
 import re
 import sys
@@ -39,7 +39,9 @@ def main():
     elif int(sys.argv[-1]) != 0:
         print(f"ctest ended with {sys.argv[-1]} although no test is marked as failed")
         failed.append("ctest")
-    print(f"{len(passed)} passed, {len(failed)} failed" + (f", {len(skipped)} skipped" if skipped else ""))
+    if skipped:
+        print(f"{len(skipped)} skipped")
+    print(f"{len(passed)} passed, {len(failed)} failed")
     sys.exit(1 if failed or not passed else 0)
 
 

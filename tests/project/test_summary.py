@@ -12,14 +12,14 @@ SKIP = '<testcase name="c" status="notrun"><skipped message="SKIP_REGULAR_EXPRES
 CODE = '<testcase name="d" status="notrun"><skipped message="SKIP_RETURN_CODE=77"/></testcase>'
 GONE = '<testcase name="e" status="notrun"><skipped message="Unable to find executable"/></testcase>'
 OFF = '<testcase name="f" status="disabled"/>'
-CASES = [  # cases, exit code of ctest, last line, exit code
+CASES = [  # cases, exit code of ctest, the end of what is said, exit code
     ([PASS, PASS], 0, "2 passed, 0 failed", 0),
     ([PASS, FAIL], 8, "1 passed, 1 failed", 1),
-    ([PASS, SKIP, CODE, OFF], 0, "1 passed, 0 failed, 3 skipped", 0),
+    ([PASS, SKIP, CODE, OFF], 0, "3 skipped\n1 passed, 0 failed", 0),
     ([PASS, GONE], 8, "1 passed, 1 failed", 1),
     ([PASS, GONE], 0, "1 passed, 1 failed", 1),
     ([PASS], 8, "1 passed, 1 failed", 1),  # ctest says that something went wrong
-    ([SKIP], 0, "0 passed, 0 failed, 1 skipped", 1),
+    ([SKIP], 0, "1 skipped\n0 passed, 0 failed", 1),
     ([], 0, "0 passed, 0 failed", 1),
 ]
 
@@ -27,21 +27,23 @@ CASES = [  # cases, exit code of ctest, last line, exit code
 def main():
     script = os.path.join(sys.argv[1], "tools", "summarise_tests.py")
     with tempfile.TemporaryDirectory() as folder:
-        for cases, ctest_code, last_line, code in CASES:
+        for cases, ctest_code, end, code in CASES:
             path = os.path.join(folder, "tests.xml")
             with open(path, "w", encoding="utf-8") as file:
                 file.write('<?xml version="1.0" encoding="UTF-8"?><testsuite>' + "".join(cases) + "</testsuite>")
             result = subprocess.run([sys.executable, script, path, str(ctest_code)], capture_output=True, text=True)
             if FAIL in cases:
                 assert "failed: b\nbad ?\n" in result.stdout, result.stdout
-            got = result.stdout.strip().split("\n")[-1]
-            assert (got, result.returncode) == (last_line, code), (cases, got, result.returncode, result.stderr)
+            lines = result.stdout.strip().split("\n")
+            got = "\n".join(lines[-len(end.split("\n")):])
+            assert (got, result.returncode) == (end, code), (cases, got, result.returncode, result.stderr)
+            assert ("skipped" in "\n".join(lines[-2:])) == ("skipped" in end), lines
         both = [os.path.join(folder, name) for name in ("first.xml", "second.xml")]
         for path, cases in zip(both, ([PASS, SKIP], [FAIL, PASS])):
             with open(path, "w", encoding="utf-8") as file:
                 file.write("<testsuite>" + "".join(cases) + "</testsuite>")
         result = subprocess.run([sys.executable, script, *both, "8"], capture_output=True, text=True)
-        assert result.stdout.endswith("\nfailed: b\nbad ?\n\nfailed: b\n2 passed, 1 failed, 1 skipped\n"), result
+        assert result.stdout.endswith("\nfailed: b\nbad ?\n\nfailed: b\n1 skipped\n2 passed, 1 failed\n"), result
     print(f"{len(CASES)} summaries as expected")
 
 
