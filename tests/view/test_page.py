@@ -8,7 +8,6 @@ import os
 import signal
 import sys
 import tempfile
-import time
 import unittest
 
 from browser import Browser, Image, Keys, Proxy, skip_without_browser
@@ -634,14 +633,13 @@ class Exports(PageTest):
             self.assertEqual(video[:4], b"\x1a\x45\xdf\xa3")
             self.assertGreater(len(video), 5000)
             browser.click("pause")
-            browser.until(f"!{WATCHED}.running", "the pause")
-            still = "[window.stroma.history.frames.length, window.stroma.frameDrawn]"
-            seen = None
-            while seen != browser.script(still):  # the last picture comes after the word on the pause
-                seen = browser.script(still)
-                time.sleep(0.3)
-            frames, last = seen[0], browser.positions()
-            path, html = browser.download(lambda: browser.click("export-html"), ".html")
+            # the last picture comes after the word on the pause
+            browser.until(f"!{WATCHED}.running && window.stroma.store.newest.header.step === {WATCHED}.step && "
+                          "window.stroma.frameDrawn === window.stroma.store.newest.header.frame", "the picture of the pause")
+            frames, count = None, "window.stroma.history.frames.length"
+            while frames != browser.script(count):  # of a picture that came meanwhile nobody knows whether the file has it
+                frames, last = browser.script(count), browser.positions()
+                path, html = browser.download(lambda: browser.click("export-html"), ".html")
         self.assertNotIn(viewed.token.encode(), html)
         browser.open("file://" + path)
         self.shows_bodies()

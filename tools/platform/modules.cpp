@@ -50,7 +50,10 @@ std::vector<std::string> defaultFolders() {
 
 }  // namespace
 
-std::string instructionLevel() {
+namespace {
+
+/// The best that modules may be opened for: the machine's, or a lower one that STROMA_LEVEL names.
+std::string highestLevel() {
   const std::size_t machine = machineLevel();
   const char* wanted = std::getenv("STROMA_LEVEL");
   if (!wanted || !*wanted) return levels[machine];
@@ -61,6 +64,15 @@ std::string instructionLevel() {
     throw std::runtime_error(std::string("STROMA_LEVEL asks for ") + *found + " but this machine runs at most " +
                              levels[machine]);
   return *found;
+}
+
+}  // namespace
+
+std::string instructionLevel() {
+  const std::string highest = highestLevel();
+  for (auto level = std::find(levels.begin(), levels.end(), highest); level != levels.end(); ++level)
+    if (fs::exists(fs::path(moduleFolder()) / *level)) return *level;
+  return highest;
 }
 
 struct Modules::Impl {
@@ -114,7 +126,7 @@ void Modules::Impl::readManual(const std::string& file) {
 /// The best build of a module that this machine runs.
 std::string Modules::Impl::libraryOf(const std::string& module) const {
   const fs::path folder = modules.at(module).folder;
-  const std::string best = instructionLevel();
+  const std::string best = highestLevel();
   const std::string file = module + ".so";
   for (auto level = std::find(levels.begin(), levels.end(), best); level != levels.end(); ++level)
     if (fs::exists(folder / *level / file)) return (folder / *level / file).string();
