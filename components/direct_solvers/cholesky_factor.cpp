@@ -59,10 +59,15 @@ bool hasRoomForBlas() {
   static std::atomic<int> known = 0;  // threads that had it
   const int wanted = threads();
   if (known.load() >= wanted) return true;
-  void* volatile room = std::malloc((std::size_t(wanted) * 128 + 32) << 20);
-  std::free(room);
-  if (room) known = wanted;
-  return room != nullptr;
+  std::vector<void*> rooms;  // one by one, as OpenBLAS asks: a kernel refuses what is larger than the machine at once
+  while (int(rooms.size()) < wanted) {
+    rooms.push_back(std::malloc(std::size_t(130) << 20));
+    if (!rooms.back()) break;
+  }
+  const bool has_room = rooms.back() != nullptr;
+  for (void* room : rooms) std::free(room);
+  if (has_room) known = wanted;
+  return has_room;
 }
 
 /// Keeps CHOLMOD's short loops on one thread.
