@@ -28,14 +28,14 @@ class Mixing {
     for (int i = 0; i < known; ++i)
       for (int j = 0; j <= i; ++j)
         products_(i, j) = products_(j, i) = dot(stored_[std::size_t(i)].way, stored_[std::size_t(j)].way);
-    const Eigen::VectorXd lengths = products_.diagonal().head(known).cwiseSqrt();
+    const Few lengths = products_.diagonal().head(known).cwiseSqrt();
     if (!(lengths.minCoeff() > 0)) return;
     // scaled by their lengths b_i = a_i |way_i|, with as much on the diagonal as round-off takes
-    const Eigen::VectorXd inverse = lengths.cwiseInverse();
-    Eigen::MatrixXd scaled = inverse.asDiagonal() * products_.topLeftCorner(known, known) * inverse.asDiagonal();
+    const Few inverse = lengths.cwiseInverse();
+    FewByFew scaled = inverse.asDiagonal() * products_.topLeftCorner(known, known) * inverse.asDiagonal();
     scaled.diagonal().array() += 1e-13;
-    const Eigen::VectorXd solved = scaled.ldlt().solve(inverse);
-    Eigen::VectorXd weights = inverse.cwiseProduct(solved);
+    const Few solved = scaled.ldlt().solve(inverse);
+    Few weights = inverse.cwiseProduct(solved);
     weights /= weights.sum();
     // large ones that cancel lead anywhere
     constexpr double largest_sum = 10;
@@ -47,6 +47,8 @@ class Mixing {
 
  private:
   static constexpr int depth = 8;
+  using Few = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, depth, 1>;  // in place, as many as are known
+  using FewByFew = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, depth, depth>;
   struct Stored {
     Vector way, image, beside;  ///< F(z) - z, F(z)
   };

@@ -79,11 +79,12 @@ class DiscreteCosseratMapping final : public LinkedMapping {
     std::size_t section = 0;
     double length = 0;
     BentPiece piece;
-    Mat3 axes = Mat3::Identity();                        ///< at its start
+    Quaternion turn = Quaternion::Identity();            ///< at its start
+    Mat3 axes = Mat3::Identity();                        ///< the same as a matrix
     Vec3 end = Vec3::Zero();                             ///< where its end is
     Mat3 turning = Mat3::Zero(), moving = Mat3::Zero();  ///< turn and way of its end for a change of the curvature
   };
-  /// A motion of a place of the rod, or its acceleration.
+  /// A motion of a place of the rod, its acceleration, or a load there.
   struct Twin {
     Vec3 linear = Vec3::Zero(), angular = Vec3::Zero();
   };
@@ -110,6 +111,7 @@ class DiscreteCosseratMapping final : public LinkedMapping {
   int base_index_ = 0;
   std::vector<double> section_ends_, frame_places_;
   mutable std::vector<Span> sections_, frames_;
+  mutable std::vector<Twin> starts_;  ///< motions or loads where sections begin
   mutable Vec3 pivot_ = Vec3::Zero();  ///< where the rod starts
 };
 
@@ -122,6 +124,7 @@ void DiscreteCosseratMapping::init() {
       throw ComponentError(fmt::format("curv_abs_input goes from {} to {}", section_ends_[i - 1], section_ends_[i]),
                            "ascending lengths");
   sections_.assign(section_ends_.size() - 1, {});
+  starts_.assign(sections_.size(), {});
   for (std::size_t i = 0; i < sections_.size(); ++i)
     sections_[i].section = i, sections_[i].length = section_ends_[i + 1] - section_ends_[i];
   findFrames();
@@ -172,9 +175,8 @@ void DiscreteCosseratMapping::apply(Rows x) const {
   pivot_ = x[baseRow()];
   Quaternion turn = orientationIn(x, baseRow() + 1);
   Vec3 start = pivot_;
-  std::vector<Quaternion> turns;
   for (Span& section : sections_) {
-    turns.push_back(turn);
+    section.turn = turn;
     bend(section, start, turn.toRotationMatrix(), x[rowOf(section.section)]);
     start = section.end, turn = turn * turnedBy(section.piece.turn);
   }
@@ -183,28 +185,35 @@ void DiscreteCosseratMapping::apply(Rows x) const {
     const Vec3 from = frame.section == 0 ? pivot_ : sections_[frame.section - 1].end;
     bend(frame, from, sections_[frame.section].axes, x[rowOf(frame.section)]);
     x[row(f)] = frame.end;
-    putOrientation(turns[frame.section] * turnedBy(frame.piece.turn), x, row(f) + 1);
+    putOrientation(sections_[frame.section].turn * turnedBy(frame.piece.turn), x, row(f) + 1);
   }
 }
 
 void DiscreteCosseratMapping::applyJ(Rows v) const {
+  Twin motion{v[baseRow()], v[baseRow() + 1]};
+  for (const Span& section : sections_) {
+    starts_[section.section] = motion;
+    motion = carried(motion, section, v[rowOf(section.section)]);
+  }
   for (std::size_t f = 0; f < frames_.size(); ++f) {
-    Twin motion{v[baseRow()], v[baseRow() + 1]};
-    alongTo(frames_[f], [&](const Span& span) { motion = carried(motion, span, v[rowOf(span.section)]); });
-    v[row(f)] = motion.linear, v[row(f) + 1] = motion.angular;
+    const Span& frame = frames_[f];
+    const Twin own = carried(starts_[frame.section], frame, v[rowOf(frame.section)]);
+    v[row(f)] = own.linear, v[row(f) + 1] = own.angular;
   }
 }
 
+/// Of each frame to the start of its section, then from section to section back to the base.
 void DiscreteCosseratMapping::applyJT(Rows f) const {
-  for (std::size_t k = 0; k < frames_.size(); ++k) {
-    const Vec3 force = f[row(k)], torque = f[row(k) + 1], place = frames_[k].end;
-    alongTo(frames_[k], [&](const Span& span) {
-      f[rowOf(span.section)] +=
-          span.moving.transpose() * force + span.turning.transpose() * (torque + (place - span.end).cross(force));
-    });
-    f[baseRow()] += force;
-    f[baseRow() + 1] += torque + (place - pivot_).cross(force);
-  }
+  std::fill(starts_.begin(), starts_.end(), Twin{});
+  const auto bringBack = [&](const Twin& load, const Span& span, Twin& start) {
+    f[rowOf(span.section)] += span.moving.transpose() * load.linear + span.turning.transpose() * load.angular;
+    start.linear += load.linear;
+    start.angular += load.angular + (span.axes * span.piece.way()).cross(load.linear);
+  };
+  for (std::size_t k = 0; k < frames_.size(); ++k) bringBack({f[row(k)], f[row(k) + 1]}, frames_[k], starts_[frames_[k].section]);
+  for (std::size_t i = sections_.size(); i-- > 1;) bringBack(starts_[i], sections_[i - 1], starts_[i - 1]);
+  f[baseRow()] += starts_.front().linear;
+  f[baseRow() + 1] += starts_.front().angular;
 }
 
 void DiscreteCosseratMapping::addJacobian(std::vector<JacobianBlock>& out) const {

@@ -58,10 +58,12 @@
 namespace stroma {
 namespace {
 
-/// A number of each of several groups of n rows.
-template <std::size_t n>
+/// A number of each of several groups of rows. `Measure` has how many rows a group has, the number, its slope dy/dx_i and its
+/// second derivative d2y/dx_i dx_j.
+template <class Measure>
 class MeasureMapping : public CurvedMapping {
  public:
+  static constexpr std::size_t n = Measure::corners;
   using Corners = std::array<Vec3, n>;
   void declare(DataTable& table) override {
     CurvedMapping::declare(table);
@@ -74,40 +76,36 @@ class MeasureMapping : public CurvedMapping {
     places_.resize(groups_.size());
     for (std::size_t g = 0; g < groups_.size(); ++g) {
       for (std::size_t i = 0; i < n; ++i) places_[g][i] = x[row(g, i)];
-      x[first + Index(g)] = Vec3(measure(places_[g]), 0, 0);
+      x[first + Index(g)] = Vec3(Measure::value(places_[g]), 0, 0);
     }
   }
   void applyJ(Rows v) const override {
     const Index first = output().firstRow();
     for (std::size_t g = 0; g < groups_.size(); ++g) {
       double sum = 0;
-      for (std::size_t i = 0; i < n; ++i) sum += slope(places_[g], i).dot(Vec3(v[row(g, i)]));
+      for (std::size_t i = 0; i < n; ++i) sum += Measure::slope(places_[g], i).dot(Vec3(v[row(g, i)]));
       v[first + Index(g)] = Vec3(sum, 0, 0);
     }
   }
   void applyJT(Rows f) const override {
     const Index first = output().firstRow();
     for (std::size_t g = 0; g < groups_.size(); ++g)
-      for (std::size_t i = 0; i < n; ++i) f[row(g, i)] += f[first + Index(g)][0] * slope(places_[g], i);
+      for (std::size_t i = 0; i < n; ++i) f[row(g, i)] += f[first + Index(g)][0] * Measure::slope(places_[g], i);
   }
   void addJacobian(std::vector<JacobianBlock>& out) const override {
     for (std::size_t g = 0; g < groups_.size(); ++g)
       for (std::size_t i = 0; i < n; ++i)
-        out.push_back({output().firstRow() + Index(g), row(g, i), Vec3::UnitX() * slope(places_[g], i).transpose()});
+        out.push_back({output().firstRow() + Index(g), row(g, i), Vec3::UnitX() * Measure::slope(places_[g], i).transpose()});
   }
   void addCurvature(ConstRows v, Rows a) const override {
     for (std::size_t g = 0; g < groups_.size(); ++g)
       for (std::size_t i = 0; i < n; ++i)
         for (std::size_t j = 0; j < n; ++j)
-          a[output().firstRow() + Index(g)][0] += Vec3(v[row(g, i)]).dot(bend(places_[g], i, j) * Vec3(v[row(g, j)]));
+          a[output().firstRow() + Index(g)][0] += Vec3(v[row(g, i)]).dot(Measure::bend(places_[g], i, j) * Vec3(v[row(g, j)]));
   }
 
  protected:
   using Group = std::array<Index, n>;  ///< rows of input()
-  virtual double measure(const Corners& p) const = 0;
-  virtual Vec3 slope(const Corners& p, std::size_t i) const = 0;                ///< dy/dx_i
-  virtual Mat3 bend(const Corners& p, std::size_t i, std::size_t j) const = 0;  ///< d2y/dx_i dx_j
-  virtual bool isNeverStabilized() const { return false; }
 
   /// At the end of init().
   void setGroups(std::vector<Group> groups, const char* of_what) {
@@ -120,20 +118,20 @@ class MeasureMapping : public CurvedMapping {
         now[i] = input().position[std::size_t(groups_[g][i])];
         rest[i] = input().rest_position[std::size_t(groups_[g][i])];
       }
-      child.position[g][0] = measure(now);
-      if (at_rest_) child.rest_position[g][0] = measure(rest);
+      child.position[g][0] = Measure::value(now);
+      if (at_rest_) child.rest_position[g][0] = Measure::value(rest);
     }
   }
 
   void geometricBlocks(ConstRows f, std::vector<Block>& out) const override {
     if (geometric_ == GeometricStiffness::none) return;
-    const bool only_pulls = geometric_ == GeometricStiffness::stabilized && !isNeverStabilized();
+    const bool only_pulls = geometric_ == GeometricStiffness::stabilized && !Measure::is_never_stabilized;
     for (std::size_t g = 0; g < groups_.size(); ++g) {
       const double force = f.count > 0 ? f[output().firstRow() + Index(g)][0] : 0;
       const bool counts = force != 0 && !(only_pulls && force > 0);
       for (std::size_t i = 0; i < n; ++i)
         for (std::size_t j = 0; j < n; ++j)
-          out.push_back({row(g, i), row(g, j), counts ? Mat3(force * bend(places_[g], i, j)) : Mat3(Mat3::Zero())});
+          out.push_back({row(g, i), row(g, j), counts ? Mat3(force * Measure::bend(places_[g], i, j)) : Mat3(Mat3::Zero())});
     }
   }
 
@@ -147,41 +145,40 @@ class MeasureMapping : public CurvedMapping {
 };
 
 /// Of the cells of a mesh.
-template <std::size_t n>
-class CellMapping : public MeasureMapping<n> {
+template <class Measure>
+class CellMapping final : public MeasureMapping<Measure> {
  public:
   void declare(DataTable& table) override {
-    MeasureMapping<n>::declare(table);
+    MeasureMapping<Measure>::declare(table);
     table.addLink("topology", topology_).help("mesh of the cells; that of this node or the nearest above when not given");
   }
-
- protected:
-  void takeCells(std::vector<std::array<Index, n>> Mesh::*list, const char* what) {
+  void init() override {
+    MeasureMapping<Measure>::init();
     const Index rows = this->input().rows_per_node;
-    std::vector<std::array<Index, n>> groups = cellsOfMesh(*this, topology_, list, what, this->input().nodes());
+    auto groups = cellsOfMesh(*this, topology_, Measure::cells, Measure::what, this->input().nodes());
     for (auto& group : groups)
       for (Index& node : group) node *= rows;
-    this->setGroups(std::move(groups), what);
+    this->setGroups(std::move(groups), Measure::what);
   }
 
  private:
   Link<Topology> topology_{"topology"};
 };
 
-class AreaMapping final : public CellMapping<3> {
- public:
-  void init() override {
-    CellMapping::init();
-    takeCells(&Mesh::triangles, "triangles");
-  }
-
- protected:
-  double measure(const Corners& p) const override { return normal(p).norm() / 2; }
-  Vec3 slope(const Corners& p, std::size_t i) const override {
+struct Area {
+  static constexpr std::size_t corners = 3;
+  static constexpr auto cells = &Mesh::triangles;
+  static constexpr const char* what = "triangles";
+  static constexpr bool is_never_stabilized = false;
+  using Corners = std::array<Vec3, corners>;
+  static Vec3 normal(const Corners& p) { return (p[1] - p[0]).cross(p[2] - p[0]); }
+  static Vec3 side(const Corners& p, std::size_t i) { return p[(i + 2) % 3] - p[(i + 1) % 3]; }
+  static double value(const Corners& p) { return normal(p).norm() / 2; }
+  static Vec3 slope(const Corners& p, std::size_t i) {
     const Vec3 N = normal(p);
     return N.norm() > 0 ? Vec3(N.normalized().cross(side(p, i)) / 2) : Vec3(Vec3::Zero());
   }
-  Mat3 bend(const Corners& p, std::size_t i, std::size_t j) const override {
+  static Mat3 bend(const Corners& p, std::size_t i, std::size_t j) {
     const Vec3 N = normal(p);
     const double size = N.norm();
     if (!(size > 0)) return Mat3::Zero();
@@ -190,27 +187,21 @@ class AreaMapping final : public CellMapping<3> {
     const Mat3 across = Mat3::Identity() - unit * unit.transpose();
     return (crossMatrix(side(p, i)).transpose() * across * crossMatrix(side(p, j)) / size + sign * crossMatrix(unit)) / 2;
   }
-
- private:
-  static Vec3 normal(const Corners& p) { return (p[1] - p[0]).cross(p[2] - p[0]); }
-  static Vec3 side(const Corners& p, std::size_t i) { return p[(i + 2) % 3] - p[(i + 1) % 3]; }
 };
 
-class VolumeMapping final : public CellMapping<4> {
- public:
-  void init() override {
-    CellMapping::init();
-    takeCells(&Mesh::tetrahedra, "tetrahedra");
-  }
-
- protected:
-  double measure(const Corners& p) const override { return tetrahedronVolume(p[0], p[1], p[2], p[3]); }
-  Vec3 slope(const Corners& p, std::size_t i) const override {
+struct Volume {
+  static constexpr std::size_t corners = 4;
+  static constexpr auto cells = &Mesh::tetrahedra;
+  static constexpr const char* what = "tetrahedra";
+  static constexpr bool is_never_stabilized = false;
+  using Corners = std::array<Vec3, corners>;
+  static double value(const Corners& p) { return tetrahedronVolume(p[0], p[1], p[2], p[3]); }
+  static Vec3 slope(const Corners& p, std::size_t i) {
     if (i == 0) return -(slope(p, 1) + slope(p, 2) + slope(p, 3));
     const std::size_t j = i % 3 + 1, k = j % 3 + 1;
     return (p[j] - p[0]).cross(p[k] - p[0]) / 6;
   }
-  Mat3 bend(const Corners& p, std::size_t i, std::size_t j) const override {
+  static Mat3 bend(const Corners& p, std::size_t i, std::size_t j) {
     if (i == j) return Mat3::Zero();
     if (i == 0) return -(bend(p, 1, j) + bend(p, 2, j) + bend(p, 3, j));
     if (j == 0) return bend(p, 0, i).transpose();
@@ -219,7 +210,16 @@ class VolumeMapping final : public CellMapping<4> {
   }
 };
 
-class SquareMapping final : public MeasureMapping<1> {
+struct Square {
+  static constexpr std::size_t corners = 1;
+  static constexpr bool is_never_stabilized = true;
+  using Corners = std::array<Vec3, corners>;
+  static double value(const Corners& p) { return p[0][0] * p[0][0]; }
+  static Vec3 slope(const Corners& p, std::size_t) { return Vec3(2 * p[0][0], 0, 0); }
+  static Mat3 bend(const Corners&, std::size_t, std::size_t) { return 2 * Vec3::UnitX() * Vec3::UnitX().transpose(); }
+};
+
+class SquareMapping final : public MeasureMapping<Square> {
  public:
   void init() override {
     MeasureMapping::init();
@@ -229,12 +229,6 @@ class SquareMapping final : public MeasureMapping<1> {
     for (Index i = 0; i < input().size(); ++i) groups.push_back({i});
     setGroups(std::move(groups), "numbers");
   }
-
- protected:
-  bool isNeverStabilized() const override { return true; }
-  double measure(const Corners& p) const override { return p[0][0] * p[0][0]; }
-  Vec3 slope(const Corners& p, std::size_t) const override { return Vec3(2 * p[0][0], 0, 0); }
-  Mat3 bend(const Corners&, std::size_t, std::size_t) const override { return 2 * Vec3::UnitX() * Vec3::UnitX().transpose(); }
 };
 
 class DistanceToPlaneMapping final : public LinkedMapping {
@@ -290,8 +284,8 @@ class DistanceToPlaneMapping final : public LinkedMapping {
 }  // namespace stroma
 
 STROMA_COMPONENT(measure_mappings) {
-  factory.add<stroma::AreaMapping>("AreaMapping", "numbers that are the areas of triangles");
-  factory.add<stroma::VolumeMapping>("VolumeMapping", "numbers that are the volumes of tetrahedra");
+  factory.add<stroma::CellMapping<stroma::Area>>("AreaMapping", "numbers that are the areas of triangles");
+  factory.add<stroma::CellMapping<stroma::Volume>>("VolumeMapping", "numbers that are the volumes of tetrahedra");
   factory.add<stroma::SquareMapping>("SquareMapping", "numbers that are the squares of others");
   factory.add<stroma::DistanceToPlaneMapping>("DistanceToPlaneMapping", "numbers that are distances of nodes from a plane");
 }
