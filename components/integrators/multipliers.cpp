@@ -262,7 +262,8 @@ void Multipliers::judge(double step, double size, StepReport& report) {
     report.reason = "the forces of Lagrangian constraints are not finite";
     return;
   }
-  constexpr double settled = 1e-6, exact = 1e-9, still = 1e-6;  // of the largest condition; of the place
+  // of the largest condition; of the place, conditions and, less, what directions of forces still turn bodies by
+  constexpr double settled = 1e-6, exact = 1e-9, still = 1e-6;
   if (!(solve_.unsettled() <= settled))
     return refuse(fmt::format("the forces that {} finds at contacts still change by {:.3g} of the conditions when sweeps end",
                               system_->integrator().path(), solve_.unsettled()));
@@ -282,8 +283,9 @@ void Multipliers::judge(double step, double size, StepReport& report) {
     return refuse(fmt::format("the Lagrangian constraint {} does not hold: a condition is off by {:.3g}", nameOf(where), g));
   }
   if (!(step <= still * size + 1e-300))
-    refuse(fmt::format("the forces of Lagrangian constraints that {} finds still move bodies by {:.3g} m when their rounds end",
-                       system_->integrator().path(), step));
+    refuse(fmt::format("the forces of Lagrangian constraints that {} finds still move bodies by {:.2g} of their largest coordinate "
+                       "when their rounds end",
+                       system_->integrator().path(), step / size));
 }
 
 // ---- for Newton's method ----

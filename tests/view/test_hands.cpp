@@ -90,6 +90,22 @@ TEST(Hands, AHandKeepsItsStiffnessWhileItMoves) {
   ASSERT_EQ(hands.describe().size(), 1u);
 }
 
+TEST(Hands, WhatNothingMovesIsNotPulled) {
+  Simulation simulation = simulationFromText(
+      "<Node name=\"root\"><CollisionPipeline/><MinProximityIntersection/><Node name=\"floor\"><MeshTopology "
+      "position=\"-1 0 -1  1 0 -1  0 0 1\" triangles=\"0 2 1\"/><MechanicalObject name=\"dofs\"/><TriangleCollisionModel "
+      "simulated=\"false\" moving=\"false\"/></Node><Node name=\"ball\"><EulerImplicitSolver/><CGLinearSolver/>"
+      "<MechanicalObject position=\"0 1 0\"/><UniformMass totalMass=\"1\"/><SphereCollisionModel radius=\"0.1\"/></Node></Node>");
+  const Drawing drawing = drawingOf(simulation);
+  ASSERT_EQ(drawing.bodies.size(), 2u);
+  ASSERT_EQ(drawing.bodies[1].state->path(), "/floor/dofs");
+  Hands hands(simulation, drawing);
+  json order = pull({0});
+  order["body"] = 1;
+  EXPECT_THROW(hands.apply(1, order), ComponentError);
+  EXPECT_TRUE(hands.describe().empty());
+}
+
 TEST(Hands, TheForceOfABallIsThatOfItsLaw) {
   Simulation simulation = simulationFromText(block(implicit));
   const Drawing drawing = drawingOf(simulation);

@@ -10,6 +10,7 @@ import os
 import re
 import resource
 import shutil
+import signal
 import struct
 import subprocess
 import sys
@@ -19,7 +20,7 @@ import unittest
 
 import numpy
 
-from server import Page, Server
+from server import PATIENCE, Page, Server
 from websocket import Packet
 
 TREE, STROMA = (os.path.abspath(path) for path in sys.argv[1:3])
@@ -846,6 +847,12 @@ class Command(unittest.TestCase):
                                 ((TREE,), "last.checkpoint")):
             _, errors = command("view", *arguments, "--no-open", expected=2)
             self.assertIn(part, errors)
+
+    def test_sigterm_ends_it_as_ctrl_c_does(self):
+        with Server(STROMA, example("organ.xml"), "--paused") as server:
+            server.process.send_signal(signal.SIGTERM)
+            server.process.wait(PATIENCE)
+            self.assertIn("0 steps, t = 0 s", server.end())
 
     def test_options_without_their_partner_are_mistakes(self):
         scene = example("organ.xml")
