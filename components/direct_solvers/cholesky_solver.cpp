@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // CholeskySolver: a direct solver, A = L L^T of the dense matrix, symmetric and positive definite; for small systems.
 //
-// The numbers are factored again only when the matrix may have changed. The residual of each solve is measured, and one
-// step of iterative refinement made when it is above 1e-10 |b|.
+// The numbers are factored again only when the matrix may have changed. The residual of each solve is measured, and the
+// solve refined where it is above 1e-10 |b|.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">

@@ -13,9 +13,10 @@ class DenseFactor : public Factorisation {
   /// More unknowns than this need more memory than a desk has.
   static constexpr Index most_rows = 4000;
 
-  void analyse(const BlockMatrix& matrix) override {
+  bool analyse(const BlockMatrix& matrix, StopToken) override {
     assert(matrix.rows() <= most_rows);  // LinearSolver::mostRows() of its solvers
     dense_.setZero(3 * matrix.rows(), 3 * matrix.rows());
+    return true;
   }
   void load(const BlockMatrix& matrix) override {
     dense_.setZero();  // a decomposition may leave its own numbers there

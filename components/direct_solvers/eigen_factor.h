@@ -10,9 +10,10 @@ namespace stroma {
 template <class Solver, SolveStop failure, class Base = Factorisation>
 class EigenFactor : public Base {
  public:
-  void analyse(const BlockMatrix& matrix) override {
+  bool analyse(const BlockMatrix& matrix, StopToken) override {
     copy_.layOut(matrix);
     solver_.analyzePattern(copy_.matrix);
+    return true;
   }
   void load(const BlockMatrix& matrix) override { copy_.fill(matrix); }
   SolveStop factor(Index&, StopToken) override {

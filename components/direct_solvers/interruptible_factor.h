@@ -16,12 +16,12 @@ class InterruptibleFactor final : public Factorisation {
   using Make = std::function<std::unique_ptr<Factor>()>;
   explicit InterruptibleFactor(Make make) : make_(std::move(make)) {}
 
-  void analyse(const BlockMatrix& matrix) override {
+  bool analyse(const BlockMatrix& matrix, StopToken stop) override {
     inner_ = make_();
-    inner_->analyse(matrix);
+    return inner_->analyse(matrix, stop);
   }
   void load(const BlockMatrix& matrix) override {
-    if (!inner_) analyse(matrix);
+    if (!inner_) analyse(matrix, {});
     rows_ = matrix.rows();
     inner_->load(matrix);
   }

@@ -5,7 +5,7 @@
 // Hager, Rajamanickam 2008) on 3x3 blocks. The pattern is ordered and analysed once (nested dissection by METIS and
 // minimum degree by AMD; the one with fewer flops is kept); the numbers are factored again only when the matrix may
 // have changed, so a scene of constant stiffness, mass and time step is factored once. The residual of each solve is
-// measured, and one step of iterative refinement made when it is above 1e-10 |b|.
+// measured, and the solve refined where it is above 1e-10 |b|. What refinement leaves above 1e-5 |b| is told.
 //
 // SOFA's solver of this name computes L D L^T without pivoting and gives some x for an indefinite matrix too. Here a
 // matrix that is not positive definite is reported with the node at which it shows, and the integrator decides what to

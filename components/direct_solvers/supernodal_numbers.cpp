@@ -101,7 +101,7 @@ SupernodalEnd SupernodalNumbers::factorInPieces(const LowerTriangle& matrix, int
     std::unique_ptr<Work> own = works_.take(0);
     const int first = k * piece_columns, last = std::min(columns, first + piece_columns);
     for (const auto* u = plan_.begin(s); u != plan_.end(s); ++u)
-      if (!updateColumns(*u, s, first, last, work.place, *own)) break;
+      if (stop_.isStopAsked() || !updateColumns(*u, s, first, last, work.place, *own)) break;
     works_.giveBack(std::move(own));
   });
   if (stop_.isStopAsked()) return {true, -1};

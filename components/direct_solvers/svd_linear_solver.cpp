@@ -3,8 +3,8 @@
 // values below minSingularValue times the largest are left out, which gives the shortest least-squares solution of a
 // singular system.
 //
-// The numbers are factored again only when the matrix may have changed. The residual of each solve is measured, and one
-// step of iterative refinement made when it is above 1e-10 |b|.
+// The numbers are factored again only when the matrix may have changed. The residual of each solve is measured, and the
+// solve refined where it is above 1e-10 |b|.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">

@@ -12,17 +12,17 @@ constexpr double wanted = 1e-12, good_enough = 1e-8;
 
 }  // namespace
 
-void SymmetricPartFactor::analyse(const BlockMatrix& matrix) {
+bool SymmetricPartFactor::analyse(const BlockMatrix& matrix, StopToken stop) {
   matrix_ = part_ = matrix;
   transposed_.resize(std::size_t(matrix.blocks()));
   for (Index row = 0; row < matrix.rows(); ++row)
     for (Index s = matrix.rowStart()[row]; s < matrix.rowStart()[row + 1]; ++s)
       transposed_[s] = matrix.slot(matrix.columns()[s], row);
   if (!symmetric_) symmetric_ = CholeskyFactor::make();
-  symmetric_->analyse(part_);
   lu_.reset();
   basis_.clear();
   work_.resize(matrix.rows());
+  return symmetric_->analyse(part_, stop);
 }
 
 void SymmetricPartFactor::load(const BlockMatrix& matrix) {
@@ -47,16 +47,18 @@ SolveStop SymmetricPartFactor::factor(Index& row, StopToken stop) {
 SolveStop SymmetricPartFactor::factorUnsymmetric(Index& row, StopToken stop) {
   row = -1;
   lu_ = std::make_unique<InterruptibleFactor<LUFactor>>(LUFactor::make);
-  lu_->analyse(matrix_);
-  lu_->load(matrix_);
-  const SolveStop end = lu_->factor(row, stop);
+  SolveStop end = SolveStop::stopped;
+  if (lu_->analyse(matrix_, stop)) {
+    lu_->load(matrix_);
+    end = lu_->factor(row, stop);
+  }
   if (end != SolveStop::converged) lu_.reset();
   return end;
 }
 
 void SymmetricPartFactor::apply(ConstRows b, Rows x) {
   const StopToken stop = std::exchange(stop_, {});  // later, its owner may have gone
-  if (!lu_ && !is_given_up_ && solveByProducts(b, x)) return;
+  if (!lu_ && !is_given_up_ && solveByProducts(b, x, stop)) return;
   Index row = -1;
   is_given_up_ = is_given_up_ || stop.isStopAsked();
   if (lu_ || (!is_given_up_ && factorUnsymmetric(row, stop) == SolveStop::converged))
@@ -66,7 +68,7 @@ void SymmetricPartFactor::apply(ConstRows b, Rows x) {
 }
 
 /// GMRES on A S^-1 y = b, x = S^-1 y, without a restart. False when it stops short of what counts as solved.
-bool SymmetricPartFactor::solveByProducts(ConstRows b, Rows x) {
+bool SymmetricPartFactor::solveByProducts(ConstRows b, Rows x, StopToken stop) {
   const double size = norm(b);
   if (size == 0) {
     clear(x);
@@ -82,6 +84,7 @@ bool SymmetricPartFactor::solveByProducts(ConstRows b, Rows x) {
   std::vector<std::vector<double>> r;
   std::vector<double> cosine, sine, g{size};
   while (r.size() < most_products) {
+    if (stop.isStopAsked()) return false;
     const std::size_t j = r.size();
     symmetric_->apply(basis_[j], work_);
     Vector& next = vector(j + 1);

@@ -12,7 +12,7 @@ namespace stroma {
 
 class SymmetricPartFactor final : public Factorisation {
  public:
-  void analyse(const BlockMatrix& matrix) override;
+  bool analyse(const BlockMatrix& matrix, StopToken stop) override;
   void load(const BlockMatrix& matrix) override;
   SolveStop factor(Index& row, StopToken stop) override;
   /// To a residual of 1e-12 |b|, or as far as it goes; goes on with L U for these values where that is not enough. x is zero
@@ -25,7 +25,7 @@ class SymmetricPartFactor final : public Factorisation {
   double entries() const { return lu_ ? lu_->inner().entries() : symmetric_->entries(); }
 
  private:
-  bool solveByProducts(ConstRows b, Rows x);
+  bool solveByProducts(ConstRows b, Rows x, StopToken stop);
   SolveStop factorUnsymmetric(Index& row, StopToken stop);
 
   BlockMatrix matrix_;             ///< A

@@ -25,16 +25,16 @@ bool DirectSolver::answersLookup() const {
   });
 }
 
-/// True when there was something new to analyse.
-bool DirectSolver::analyseIfNew(const SystemMatrix& matrix, const BlockMatrix& values, Kept& kept) const {
+bool DirectSolver::analyseIfNew(const SystemMatrix& matrix, const BlockMatrix& values, Kept& kept, StopToken stop) const {
   const MatrixKey key = matrix.key();
   const bool symmetric = matrix.symmetric();
-  if (kept.analysed.matrix && kept.analysed.pattern == key.pattern && kept.symmetric == symmetric) return false;
+  if (kept.analysed.matrix && kept.analysed.pattern == key.pattern && kept.symmetric == symmetric) return true;
   kept.analysed = {};
+  kept.factored = false;
   if (!kept.factors || kept.symmetric != symmetric) kept.factors = makeFactorisation(symmetric);
   kept.symmetric = symmetric;
   const Span span("analyse", this);
-  kept.factors->analyse(values);
+  if (!kept.factors->analyse(values, stop)) return false;
   for (Vector* vector : {&kept.residual, &kept.correction}) vector->resize(values.rows());
   kept.analysed = key;
   return true;
@@ -46,8 +46,11 @@ bool DirectSolver::update(SystemMatrix& matrix, Kept& kept, SolveReport& report,
     report.stop = SolveStop::stopped;
     return false;
   }
-  const bool is_new = analyseIfNew(matrix, a, kept);
-  if (!is_new && kept.factored && kept.key == matrix.key()) return true;
+  if (!analyseIfNew(matrix, a, kept, stop)) {
+    report.stop = SolveStop::stopped;
+    return false;
+  }
+  if (kept.factored && kept.key == matrix.key()) return true;
   kept.factored = false;
   report.factored = true;
   ++factorisations_;
@@ -79,7 +82,7 @@ Factorisation* DirectSolver::factorValues(SystemMatrix& matrix, const std::vecto
   if (former.values().size() != values.size()) return nullptr;
   former.values() = values;
   Kept& kept = kept_.of(matrix);
-  analyseIfNew(matrix, former, kept);
+  if (!analyseIfNew(matrix, former, kept, stop)) return nullptr;
   kept.factored = false;
   kept.factors->load(former);
   Index row = -1;
@@ -96,7 +99,31 @@ double residual(const BlockMatrix& a, ConstRows b, ConstRows x, Rows r) {
   return norm(r);
 }
 
+/// What a solve may leave of its right side |b| [-]. A single refinement brings nearly every matrix to round-off; more
+/// are worth their products only where a loss would be seen, and what is left then is told.
+constexpr double worth_one = 1e-10, worth_more = 1e-8, most_of_right_side = 1e-5;
+constexpr int most_refinements = 8;
+
 }  // namespace
+
+/// x of `factors` is corrected by its residual while that halves it; returns |b - A x|.
+double DirectSolver::refine(const BlockMatrix& a, ConstRows b, Rows x, Kept& kept) const {
+  const double norm_b = norm(b);
+  double error = residual(a, b, x, kept.residual);
+  for (int k = 0; k < most_refinements && error > (k == 0 ? worth_one : worth_more) * norm_b; ++k) {
+    kept.factors->apply(kept.residual, kept.correction);
+    axpy(1, kept.correction, x);
+    const double now = residual(a, b, x, kept.residual);
+    if (!(now < error)) {
+      axpy(-1, kept.correction, x);
+      break;
+    }
+    const bool halves = now < 0.5 * error;
+    error = now;
+    if (!halves) break;
+  }
+  return error;
+}
 
 SolveReport DirectSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms) {
   SolveReport report;
@@ -117,13 +144,9 @@ SolveReport DirectSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x, const
   const BlockMatrix& a = matrix.assemble();
   Factorisation& factors = *kept.factors;
   factors.apply(b, x);
-  double error = residual(a, b, x, kept.residual);
-  if (error > 1e-10 * norm_b) {
-    factors.apply(kept.residual, kept.correction);
-    axpy(1, kept.correction, x);
-    error = residual(a, b, x, kept.residual);
-  }
+  const double error = refine(a, b, x, kept);
   report.relative_residual = error / norm_b;
+  if (error > most_of_right_side * norm_b && !givesLeastSquares()) report.stop = SolveStop::stagnated;
   // a factor without one right digit: the matrix is singular to round-off
   if (!(error < 0.1 * norm_b)) {
     report.stop = uselessFactor();

@@ -17,8 +17,8 @@ class FactorUser {
 class Factorisation {
  public:
   virtual ~Factorisation() = default;
-  /// Orders the pattern and lays out the factors.
-  virtual void analyse(const BlockMatrix& matrix) = 0;
+  /// Orders the pattern and lays out the factors. False when it was stopped: then there are none.
+  virtual bool analyse(const BlockMatrix& matrix, StopToken stop) = 0;
   /// Takes the values of a matrix of the analysed pattern: the matrix is not read again.
   virtual void load(const BlockMatrix& matrix) = 0;
   /// Factors the loaded values. Returns the reason it could not (`row`: where, when that is known), else converged.
@@ -36,9 +36,9 @@ class Factorisation {
 };
 
 /// A linear solver that factors the assembled matrix. Each matrix has a Factorisation of its own: analysed once for each
-/// of its patterns, factored again when its values may have changed. The residual of each solve is computed, and refined
-/// once when it is above 1e-10 |b|. Outputs that describe a factorisation are those of the last one, whatever matrix it
-/// was of.
+/// of its patterns, factored again when its values may have changed. The residual of each solve is computed; a solve is
+/// refined when it is above 1e-10 |b|, and again while it is above 1e-8 |b| and halves. What stays above 1e-5 |b| is
+/// reported as stagnated. Outputs that describe a factorisation are those of the last one, whatever matrix it was of.
 class DirectSolver : public LinearSolver {
  public:
   void declare(DataTable& table) override;  ///< template, factorisations
@@ -69,7 +69,9 @@ class DirectSolver : public LinearSolver {
     Vector residual, correction;
   };
   bool update(SystemMatrix& matrix, Kept& kept, SolveReport& report, StopToken stop);
-  bool analyseIfNew(const SystemMatrix& matrix, const BlockMatrix& values, Kept& kept) const;
+  /// False when it was stopped.
+  bool analyseIfNew(const SystemMatrix& matrix, const BlockMatrix& values, Kept& kept, StopToken stop) const;
+  double refine(const BlockMatrix& a, ConstRows b, Rows x, Kept& kept) const;
 
   std::string template_ = "CompressedRowSparseMatrixMat3x3";
   int factorisations_ = 0;

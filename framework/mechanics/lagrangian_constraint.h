@@ -12,7 +12,7 @@ class LagrangianRows {
  public:
   enum class Kind : unsigned char {
     equal,  ///< g = 0
-    push,   ///< g >= 0, force >= 0, one of them zero
+    push,   ///< g >= 0, force >= 0, one of them zero; with a bound on the force, g < 0 where the force has reached it
     given,  ///< the force is known
     rub     ///< Coulomb's friction of the last `push` before it: g, a way of sliding since the start of the step, is
             ///< zero, or the force of all its `rub` rows has mu times that of the `push`, against the sliding
@@ -23,7 +23,7 @@ class LagrangianRows {
   };
   struct Row {
     Kind kind;
-    double value, factor;    ///< g [m]; mu of what rubs, the force of what is given
+    double value, factor;    ///< g [m]; mu of what rubs, the force of what is given, the most that pushes (0: no bound)
     std::size_t begin, end;  ///< of entries
   };
 

@@ -14,7 +14,7 @@ namespace {
 class WrongInverse final : public Factorisation {
  public:
   WrongInverse(double error, int& applications) : error_(error), applications_(applications) {}
-  void analyse(const BlockMatrix&) override {}
+  bool analyse(const BlockMatrix&, StopToken) override { return true; }
   void load(const BlockMatrix& matrix) override { factors_.compute(StoredMatrix(matrix).dense()); }
   SolveStop factor(Index&, StopToken) override { return SolveStop::converged; }
   void apply(ConstRows b, Rows x) override {
@@ -62,11 +62,15 @@ Solved solveWith(double error) {
 
 }  // namespace
 
-TEST(DirectSolver, RefinesASolveOnce) {
-  for (const double error : {1e-2, 1e-4, 1.1e-10}) {
-    const Solved solved = solveWith(error);
-    EXPECT_EQ(solved.applications, 2) << error;
-    EXPECT_NEAR(solved.residual, error * error, 1e-13) << error;
+TEST(DirectSolver, RefinesASolveUntilItIsGood) {
+  const struct {
+    double error, left;  ///< of the factor, and the power of it that the last refinement leaves
+    int applications;
+  } cases[] = {{1.1e-10, 2, 2}, {9e-5, 2, 2}, {5e-3, 4, 4}, {0.05, 7, 7}};
+  for (const auto& one : cases) {
+    const Solved solved = solveWith(one.error);
+    EXPECT_EQ(solved.applications, one.applications) << one.error;
+    EXPECT_NEAR(solved.residual, std::pow(one.error, one.left), 1e-13 + 1e-6 * solved.residual) << one.error;
     EXPECT_NEAR(solved.report.relative_residual, solved.residual, 1e-13) << "of what it returns";
     EXPECT_EQ(solved.report.stop, SolveStop::converged);
   }
@@ -79,8 +83,15 @@ TEST(DirectSolver, LeavesAGoodSolveAsItIs) {
   EXPECT_NEAR(solved.report.relative_residual, solved.residual, 1e-13);
 }
 
-/// Refined, a factor that is wrong by 0.3 leaves 0.09, and one wrong by 0.33 more than the tenth that is asked for.
-TEST(DirectSolver, AFactorWithoutARightDigitSaysSo) {
-  EXPECT_EQ(solveWith(0.3).report.stop, SolveStop::converged);
-  EXPECT_EQ(solveWith(0.33).report.stop, SolveStop::breakdown);
+/// A factor that is wrong by 0.2 leaves 0.2^9 = 5e-7 after eight refinements, and one wrong by 0.4 leaves 0.4^9 = 2.6e-4,
+/// more than the 1e-5 that a person is told of. One that is wrong by 0.6 does not halve the residual: 0.36 is left.
+TEST(DirectSolver, AFactorThatLosesDigitsSaysSo) {
+  EXPECT_EQ(solveWith(0.2).report.stop, SolveStop::converged);
+  EXPECT_EQ(solveWith(0.2).applications, 9);
+  EXPECT_EQ(solveWith(0.4).report.stop, SolveStop::stagnated);
+  EXPECT_NEAR(solveWith(0.4).residual, std::pow(0.4, 9), 1e-10);
+  EXPECT_EQ(solveWith(0.6).report.stop, SolveStop::breakdown);
 }
+
+/// A refinement that makes it worse is taken back.
+TEST(DirectSolver, KeepsTheBetterOfTwoSolves) { EXPECT_NEAR(solveWith(1.5).report.relative_residual, 1.5, 1e-13); }

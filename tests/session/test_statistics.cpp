@@ -27,6 +27,15 @@ TEST(UnconvergedSteps, AdviseMoreIterationsWhereThereWereTooFew) {
   EXPECT_TRUE(has(warnings[0], "in 1 of 2 steps (worst relative residual 1e-05): raise its iterations")) << warnings[0];
 }
 
+TEST(UnconvergedSteps, AdviseNoIterationsWhereRoundOffIsToBlame) {
+  UnconvergedSteps steps;
+  steps.add(step(SolveStop::stagnated, 2e-4));
+  const auto warnings = steps.warnings();
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_FALSE(has(warnings[0], "iterations")) << warnings[0];
+  EXPECT_TRUE(has(warnings[0], "in 1 of 1 steps (worst relative residual 0.0002): round-off allows no more")) << warnings[0];
+}
+
 /// A factorisation has no iterations, and its residual of round-off is none to warn of.
 TEST(UnconvergedSteps, AdviseNoIterationsWhereTheMatrixIsToBlame) {
   for (const SolveStop stop : {SolveStop::not_definite, SolveStop::breakdown}) {

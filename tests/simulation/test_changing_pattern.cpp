@@ -62,7 +62,7 @@ int analyses = 0;  ///< of all factorisations below
 
 class CountingFactorisation final : public Factorisation {
  public:
-  void analyse(const BlockMatrix&) override { ++analyses; }
+  bool analyse(const BlockMatrix&, StopToken) override { return ++analyses > 0; }
   void load(const BlockMatrix& matrix) override {
     Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(3 * matrix.rows(), 3 * matrix.rows());
     for (Index i = 0; i < matrix.rows(); ++i)

@@ -36,6 +36,7 @@ void UnconvergedSteps::add(const StepReport& report) {
   const bool is_at_limit = !report.linear_converged && report.linear_at_limit;
   linear += report.linear_converged ? 0 : 1;
   linear_at_limit += is_at_limit;
+  linear_at_round_off += is_at_limit && report.linear_stop == SolveStop::stagnated;
   newton += report.newton_converged ? 0 : 1;
   constraints += report.constraints_converged ? 0 : 1;
   if (!report.constraints_converged && constraint_reason.empty()) constraint_reason = report.constraint_reason;
@@ -48,6 +49,7 @@ void UnconvergedSteps::serialize(Archive& archive) {
   archive.value("steps", steps);
   archive.value("linear", linear);
   archive.value("linear_at_limit", linear_at_limit);
+  archive.value("linear_at_round_off", linear_at_round_off);
   archive.value("newton", newton);
   archive.value("constraints", constraints);
   archive.value("without_result", without_result);
@@ -61,9 +63,10 @@ std::vector<std::string> UnconvergedSteps::warnings() const {
   std::vector<std::string> warnings;
   if (linear_at_limit > 0)
     warnings.push_back(fmt::format(
-        "the linear solver stopped before its tolerance in {} of {} steps (worst relative residual {:.2g}): raise its "
-        "iterations or its tolerance",
-        linear_at_limit, steps, worst_residual));
+        "the linear solver stopped before its tolerance in {} of {} steps (worst relative residual {:.2g}): {}",
+        linear_at_limit, steps, worst_residual,
+        linear_at_round_off > 0 ? "round-off allows no more where stiffnesses are far apart or a body is hardly held"
+                                : "raise its iterations or its tolerance"));
   if (linear > linear_at_limit)
     warnings.push_back(fmt::format(
         "the matrix of the linear solves was singular or not positive definite in {} of {} steps: they went on along a "

@@ -20,7 +20,8 @@ Energies energiesOf(const Simulation& simulation);
 struct UnconvergedSteps {
   long steps = 0;                                ///< of the run, good or not
   long linear = 0, newton = 0, constraints = 0;  ///< steps
-  long linear_at_limit = 0;                      ///< of `linear`, those with a solve that more iterations would help
+  long linear_at_limit = 0;                      ///< of `linear`, those with a solve that ended before its tolerance
+  long linear_at_round_off = 0;                  ///< of `linear_at_limit`, those that more iterations do not help
   long without_result = 0;                       ///< steps whose solves converged, to what is no result
   std::string without_result_reason;             ///< of the first of them
   std::string constraint_reason;                 ///< of the first step in which position constraints did not hold

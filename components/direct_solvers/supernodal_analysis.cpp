@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "components/direct_solvers/supernodal_analysis.h"
+
+#include <SuiteSparse_config.h>
+#include <omp.h>
+
+#include <algorithm>
+#include <new>
+#include <stdexcept>
+#include <utility>
+
+#include "components/direct_solvers/left_work.h"
+#include "framework/algebra/memory.h"
+#include "framework/algebra/ordering_lock.h"
+
+namespace stroma {
+namespace {
+
+/// Patterns of fewer nodes are analysed in a tenth of a second.
+constexpr Index few_rows = 4000;
+
+/// Memory for CHOLMOD: a factor is written once and read a few times, so that small pages, each a fault, cost as much
+/// as the factorisation (16^3 hexahedra: 140 MB, a third of the run).
+void* allocateForCholmod(std::size_t bytes) {
+  try {
+    return allocateArray(bytes);
+  } catch (const std::bad_alloc&) {
+    return nullptr;
+  }
+}
+
+}  // namespace
+
+NoRegions::NoRegions() : before_(omp_get_max_active_levels()) { omp_set_max_active_levels(0); }
+
+NoRegions::~NoRegions() { omp_set_max_active_levels(before_); }
+
+SupernodalAnalysis::SupernodalAnalysis() {
+  [[maybe_unused]] static const bool once = [] {
+    SuiteSparse_config.malloc_func = allocateForCholmod;
+    return true;
+  }();
+  cholmod_start(&common);
+  common.supernodal = CHOLMOD_SUPERNODAL;
+  common.nmethods = 1;
+  common.print = 0;
+  common.quick_return_if_not_posdef = 1;
+}
+
+SupernodalAnalysis::~SupernodalAnalysis() {
+  cholmod_free_sparse(&lower, &common);
+  cholmod_free_factor(&factor, &common);
+  cholmod_finish(&common);
+}
+
+void SupernodalAnalysis::check(bool good, const char* what) const {
+  if (good && common.status >= 0) return;
+  const char* cause = common.status == CHOLMOD_OUT_OF_MEMORY ? ": out of memory"
+                      : common.status == CHOLMOD_TOO_LARGE ? ": the factor has more entries than a 32-bit index counts"
+                                                           : "";
+  throw std::runtime_error(std::string("SparseLDLSolver could not ") + what + cause);
+}
+
+std::shared_ptr<SupernodalAnalysis> SupernodalAnalysis::of(const BlockMatrix& matrix, StopToken stop) {
+  const auto analysis = std::make_shared<SupernodalAnalysis>();
+  const auto graph = std::make_shared<Graph>(Graph{matrix.rowStart(), matrix.columns(), matrix.diagonal()});
+  if (matrix.rows() < few_rows || !stop.isWatched())
+    analysis->run(*graph);
+  else if (!runOrLeave([analysis, graph] { analysis->run(*graph); }, reinterpret_cast<const void*>(&allocateForCholmod), stop))
+    return nullptr;
+  return analysis;
+}
+
+void SupernodalAnalysis::run(const Graph& graph) {
+  const NoRegions no_regions;
+  unknown = orderUnknowns(graph);
+  buildLower(graph);
+  common.method[0].ordering = CHOLMOD_NATURAL;
+  common.postorder = 0;
+  factor = cholmod_analyze(lower, &common);
+  check(factor, "analyse the matrix");
+  flops = common.fl, entries = common.lnz;
+}
+
+Index SupernodalAnalysis::Graph::slot(Index row, Index column) const {
+  const auto begin = columns.begin() + row_start[row], end = columns.begin() + row_start[row + 1];
+  return Index(std::lower_bound(begin, end, column) - columns.begin());
+}
+
+/// The permuted lower triangle: its column k holds unknown[k], and the source of each value is noted.
+void SupernodalAnalysis::buildLower(const Graph& graph) {
+  const int count = 3 * graph.rows();
+  std::vector<int> place_of(unknown.size()), start(unknown.size() + 1, 0), rows;
+  for (int k = 0; k < count; ++k) place_of[unknown[k]] = k;
+  std::vector<std::pair<int, int>> column;  // row, source
+  for (int k = 0; k < count; ++k) {
+    const int block_row = unknown[k] / 3, component = unknown[k] % 3;
+    column.clear();
+    for (Index s = graph.row_start[block_row]; s < graph.row_start[block_row + 1]; ++s)
+      for (int c = 0; c < 3; ++c) {
+        const int row = place_of[std::size_t(3 * graph.columns[s] + c)];
+        if (row < k) continue;
+        // an entry is read from the upper triangle, whichever side of the permuted diagonal it lies on
+        const int i = 3 * block_row + component, j = 3 * graph.columns[s] + c;
+        const Index slot = i <= j ? s : graph.slot(j / 3, i / 3);
+        column.emplace_back(row, i <= j ? 9 * slot + 3 * component + c : 9 * slot + 3 * c + component);
+      }
+    std::sort(column.begin(), column.end());
+    for (const auto& [row, from] : column) rows.push_back(row), source.push_back(from);
+    start[k + 1] = int(rows.size());
+  }
+  lower = cholmod_allocate_sparse(unknown.size(), unknown.size(), rows.size(), 1, 1, -1, CHOLMOD_REAL, &common);
+  check(lower, "allocate the matrix");
+  std::copy(start.begin(), start.end(), static_cast<int*>(lower->p));
+  std::copy(rows.begin(), rows.end(), static_cast<int*>(lower->i));
+}
+
+/// The upper triangle of the nodes' graph.
+cholmod_sparse* SupernodalAnalysis::upper(const Graph& graph) {
+  const std::size_t nodes = std::size_t(graph.rows());
+  cholmod_sparse* triangle =
+      cholmod_allocate_sparse(nodes, nodes, graph.columns.size(), 1, 1, -1, CHOLMOD_PATTERN, &common);
+  check(triangle, "allocate the graph");
+  int count = 0;
+  int* start = static_cast<int*>(triangle->p);
+  for (std::size_t i = 0; i < nodes; ++i) {
+    start[i] = count;
+    for (Index s = graph.diagonal[i]; s < graph.row_start[i + 1]; ++s)
+      static_cast<int*>(triangle->i)[count++] = graph.columns[s];
+  }
+  start[nodes] = count;
+  return triangle;
+}
+
+/// The order of the unknowns that costs the fewest flops, postordered. Orders are compared on the graph of the nodes:
+/// a node's three unknowns have one pattern.
+std::vector<int> SupernodalAnalysis::orderUnknowns(const Graph& nodes) {
+  std::vector<int> node_order(std::size_t(nodes.rows())), best;
+  const std::lock_guard lock(orderingLock());
+  cholmod_sparse* graph = upper(nodes);
+  common.method[0].ordering = CHOLMOD_GIVEN;
+  common.supernodal = CHOLMOD_SIMPLICIAL;
+  common.postorder = 1;
+  double fewest = 0;
+  for (const char* method : {"METIS", "AMD"}) {
+    const bool good = *method == 'M' ? cholmod_metis(graph, nullptr, 0, 1, node_order.data(), &common)
+                                     : cholmod_amd(graph, nullptr, 0, node_order.data(), &common);
+    if (!good) continue;
+    cholmod_factor* trial = cholmod_analyze_p(graph, node_order.data(), nullptr, 0, &common);
+    if (trial && (best.empty() || common.fl < fewest)) {
+      const int* permutation = static_cast<int*>(trial->Perm);
+      best.assign(permutation, permutation + node_order.size());
+      fewest = common.fl;
+      ordering = method;
+    }
+    cholmod_free_factor(&trial, &common);
+  }
+  common.supernodal = CHOLMOD_SUPERNODAL;
+  cholmod_free_sparse(&graph, &common);
+  check(!best.empty(), "order the matrix");
+  std::vector<int> order(best.size() * 3);
+  for (std::size_t k = 0; k < order.size(); ++k) order[k] = 3 * best[k / 3] + int(k % 3);
+  return order;
+}
+
+}  // namespace stroma
