@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "framework/collision/distances.h"
+#include "components/collision/distances.h"
 #include "framework/scene/node.h"
 #include "framework/simulation/integrator.h"
 

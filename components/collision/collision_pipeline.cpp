@@ -36,7 +36,7 @@
 #include <algorithm>
 
 #include "components/collision/collision_method.h"
-#include "framework/collision/distances.h"
+#include "components/collision/distances.h"
 #include "framework/scene/factory.h"
 #include "framework/scene/node.h"
 #include "framework/simulation/observer.h"

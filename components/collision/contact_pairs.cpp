@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "framework/collision/distances.h"
+#include "components/collision/distances.h"
 #include "framework/collision/pair_distances.h"
 
 namespace stroma::collision {

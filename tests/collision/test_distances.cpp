@@ -6,8 +6,8 @@
 #include <random>
 #include <set>
 
+#include "components/collision/distances.h"
 #include "framework/collision/box_tree.h"
-#include "framework/collision/distances.h"
 
 namespace stroma {
 namespace STROMA_TEST_FILE {

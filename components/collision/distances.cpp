@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "framework/collision/distances.h"
+#include "components/collision/distances.h"
 
 #include <algorithm>
 #include <limits>
