@@ -14,7 +14,7 @@
 // Friction: with l the normal force of a contact and u the way along the surfaces since the start of the step, the force
 // is mu l f against u, f = 2 y - y^2 with y = |u| / (slipVelocity dt) below 1, else 1. What sticks therefore creeps, at
 // less than slipVelocity. l and directions are those of the solve before; solves are repeated until they no longer
-// change, at most frictionIterations times.
+// change, at most frictionIterations times. What a tool may carry along sticks in the first of them.
 //
 // Shares of the surface that vertices stand for follow the first six iterates of a solve and then stay; a solve whose
 // forces they would change by more than a hundredth is repeated.
@@ -109,7 +109,6 @@ class BarrierContact final : public ForceField, public StepLimiter, public OpenC
   void follow(ConstRows x);
   void beginRounds();
   bool lookAgain(const std::vector<Vec3>& x) const;
-  void noteSlides();
   void slideTo(const std::vector<Vec3>& x) {
     friction_.compute(law_.surfaces, x, start_, law_.moved - moved_at_start_);
   }
@@ -148,9 +147,7 @@ void BarrierContact::declare(DataTable& table) {
   table.addLink("other", other_).help("states of other bodies; without any, mstate meets itself and obstacles");
   topology_.declare(table, "mesh whose surface mstate has");
   table.add("contactDistance", law_.range)
-      .help("gap below which surfaces push; 0: a tenth of their mean edge")
-      .unit("m")
-      .min(0);
+      .help("gap below which surfaces push; 0: a tenth of their mean edge").unit("m").min(0);
   table.add("stiffness", stiffness_)
       .help("kappa; 0: a tenth of the largest youngModulus of the bodies")
       .unit("Pa")
@@ -159,9 +156,7 @@ void BarrierContact::declare(DataTable& table) {
   table.add("friction", friction_.mu).help("Coulomb's coefficient mu").unit("-").min(0);
   table.add("slipVelocity", slip_velocity_).help("what sticks may creep as fast").unit("m/s").min(0, false);
   table.add("frictionIterations", friction_iterations_)
-      .help("most solves of a step for directions of friction")
-      .unit("-")
-      .min(1);
+      .help("most solves of a step for directions of friction").unit("-").min(1);
   table.add("selfContact", self_).help("a body meets itself; several bodies of one state meet by this too");
   obstacles_.declare(table);
   outputs_.declare(table);
@@ -198,6 +193,7 @@ void BarrierContact::compile() {
   obstacles_.addTo(law_);
   law_.surfaces.finish();
   if (law_.range == 0) law_.range = 0.1 * law_.surfaces.meanEdge();
+  friction_.farthest = std::max(law_.range, 0.25 * law_.surfaces.meanEdge());
   law_.candidates.self_contact = self_;
   law_.compile();
   goal_ = law_.moved = moved_at_start_ = obstacles_.displacement(state().node().root().root_time);
@@ -241,18 +237,9 @@ void BarrierContact::addForce(ConstRows x, ConstRows, Rows f) {
   terms_.clear();
   for (const Touch& touch : law_.touches(x_)) terms_.push_back(law_.termOf(touch, x_, definite_));
   terms_.addForce(f);
-  if (friction_.mu > 0) slideTo(x_), friction_.terms().addForce(f);
-}
-
-// ---- friction ----
-
-/// Of the touches at the positions of x_.
-void BarrierContact::noteSlides() {
-  friction_.slides.clear();
   if (friction_.mu == 0) return;
-  for (const Touch& touch : law_.touches(x_))
-    if (const double l = law_.forceOf(touch).dot(touch.n); l != 0)
-      friction_.slides.push_back({touch.v, touch.c, touch.n, friction_.mu * l, touch.v[1] < 0});
+  if (friction_rounds_ + 1 < friction_iterations_) friction_.hold(x_, start_, law_.moved - moved_at_start_);
+  slideTo(x_), friction_.terms().addForce(f);
 }
 
 // ---- steps ----
@@ -263,9 +250,15 @@ void BarrierContact::stepBegins(ConstRows x, double t, double t_end) {
     travel_ = 0;
     for (std::size_t v = 0; v < x_.size(); ++v) travel_ = std::max(travel_, (x_[v] - start_[v]).norm());
   }
+  friction_.slip = slip_velocity_ * (t_end - t);
+  friction_.begin(x_.size());
+  if (friction_.mu > 0 && start_.size() == x_.size()) {
+    lookAgain(x_), law_.weigh(x_);
+    friction_.note(law_, x_);
+    friction_.remember(x_, start_, law_.moved - moved_at_start_);
+  }
   start_ = x_;
   moved_at_start_ = law_.moved;
-  friction_.slip = slip_velocity_ * (t_end - t);
   outputs_.friction_change = 0;
   goal_ = obstacles_.displacement(t_end);
   beginRounds();
@@ -274,9 +267,10 @@ void BarrierContact::stepBegins(ConstRows x, double t, double t_end) {
 void BarrierContact::beginRounds() {
   obstacle_rounds_ = friction_rounds_ = share_rounds_ = weighings_ = 0;
   left_start_ = false;
+  friction_.beginAgain();
   lookAgain(x_);
   law_.weigh(x_);
-  noteSlides();
+  friction_.note(law_, x_);
   moveObstacles(law_, goal_, x_, way_);
 }
 
@@ -310,13 +304,15 @@ bool BarrierContact::movesOn(ConstRows x) {
   if (!arrived && obstacle_rounds_++ < most_rounds) {
     law_.weigh(x_);
     weighings_ = 0;
-    noteSlides();
+    friction_.note(law_, x_);
     moveObstacles(law_, goal_, x_, way_);
     return true;
   }
-  const bool others = sharesChange(), again = friction_.mu > 0 && frictionChanges() && ++friction_rounds_ < friction_iterations_;
-  if (again || others) weighings_ = 0;
-  return again || others;
+  const bool others = sharesChange(), held = friction_.release(), rubs = friction_.mu > 0 && frictionChanges();
+  const bool again = (held || rubs) && ++friction_rounds_ < friction_iterations_;
+  if (!again && !others) return friction_.settle(), false;
+  weighings_ = 0;
+  return true;
 }
 
 /// Shares that stayed in the solve, against those of where it has ended.
@@ -335,7 +331,7 @@ bool BarrierContact::frictionChanges() {
   slideTo(x_);
   friction_.forces(forces_before_);
   law_.weigh(x_);
-  noteSlides();
+  friction_.note(law_, x_);
   slideTo(x_);
   friction_.forces(forces_);
   outputs_.friction_change = relativeChange(forces_before_, forces_);
@@ -347,6 +343,7 @@ std::string BarrierContact::overlap(ConstRows x) {
   const auto crossings = law_.candidates.crossings(x_);
   lookAgain(x_);
   law_.weigh(x_);
+  friction_.release();
   slideTo(x_);
   outputs_.note(law_, friction_, x_, bodies_);
   std::string found;
@@ -376,7 +373,10 @@ void BarrierContact::serialize(Archive& archive) {
   archive.list("found_at", law_.candidates.foundAt());
   archive.value("margin", law_.candidates.margin());
   archive.list("start", start_);
-  for (int k = 0; k < 3; ++k) archive.value(std::string("moved_") + char('x' + k), law_.moved[k]);
+  for (int k = 0; k < 3; ++k) {
+    archive.value(std::string("moved_") + char('x' + k), law_.moved[k]);
+    archive.value(std::string("began_") + char('x' + k), moved_at_start_[k]);
+  }
   outputs_.serialize(archive);
   archive.value("travel", travel_);
   if (!archive.isReading()) return;

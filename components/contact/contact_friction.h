@@ -2,6 +2,10 @@
 // Friction with normal forces l and directions that are held fixed in a solve (Li et al. 2020). With u the way along the
 // tangents since the start of the step and y = |u| / e, its force has the potential mu l f0(|u|),
 //   f0' = 2 y - y^2 for y < 1, else 1
+// A body on a tool that has moved begins a solve with |u| far above e. Where its contacts then all slip, the tangent along u
+// is zero, the next iterate has them slip the other way, and Newton's method finds hardly ever which of them stick. From the
+// other side it takes a few iterations. Contacts are therefore held first, by the stiffness 2 mu l / e of u = 0, and solved
+// again with their friction.
 #pragma once
 #include "components/contact/contact_terms.h"
 
@@ -10,16 +14,31 @@ namespace stroma::contact {
 class Friction {
  public:
   double mu = 0;
-  double slip = 1e-6;  ///< e [m]
+  double slip = 1e-6;   ///< e [m]
+  double farthest = 0;  ///< what is off by more is not held [m]
   struct Slide {
     std::array<int, 4> v;
     std::array<double, 4> c;
     Vec3 n;
-    double force;   ///< mu l [N]; negative: takes away what was counted twice
-    bool on_plane;  ///< its other point moves with the obstacles
+    double force;       ///< mu l [N]; negative: takes away what was counted twice
+    bool on_plane;      ///< its other point moves with the obstacles
+    bool held = false;  ///< by the tangent of u = 0
   };
   /// What slides from now on.
   std::vector<Slide> slides;
+  /// Slides become the touches at x.
+  void note(const BarrierLaw& law, const std::vector<Vec3>& x);
+  /// A step begins, with so many vertices.
+  void begin(std::size_t vertices) { slid_.assign(vertices, Vec3::Zero()), met_.assign(vertices, false); }
+  void beginAgain() { met_.assign(met_.size(), false); }
+  /// Of the step before, at its end x: what slips then is likely to go on.
+  void remember(const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& moved);
+  /// At the first x of a solve: holds what is off by more than e, has not been held in this step, and does not go on as before.
+  void hold(const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& moved);
+  /// Nothing is held any more. True: something was.
+  bool release();
+  /// Nor will anything be before note() is called again.
+  void settle() { looks_ = false; }
   /// Forces at x of what began the step at `start` while obstacles have moved by `moved`.
   void compute(const Surfaces& surfaces, const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& moved);
   const Terms& terms() const { return terms_; }
@@ -29,6 +48,9 @@ class Friction {
 
  private:
   Terms terms_;
+  std::vector<bool> met_;   ///< of each vertex: it has been held in this step
+  std::vector<Vec3> slid_;  ///< of each vertex: u in the step before; zero where it has stuck [m]
+  bool looks_ = false;      ///< slides have been noted since hold()
 };
 
 }  // namespace stroma::contact

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// An arch of blocks that nothing but friction and thrust holds. A semicircular one stands where it is thicker than 0.1075 of its
+// radius (Milankovitch 1907), thinner ones fall by hinges at the rims of blocks.
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "framework/simulation/simulation.h"
+#include "tests/contact/contact_scenes.h"
+
+namespace stroma::test {
+namespace STROMA_TEST_FILE {
+
+constexpr int blocks = 25;
+constexpr double depth = 0.3, range = 2e-3;  // across the arch, contact distance [m]
+
+/// A block of the arch of radius 1 m, seen from its middle; faces of neighbours are `gap` apart.
+Body blockAt(int number, double thickness, double gap, Vec3& middle) {
+  const double from = M_PI * number / blocks, to = M_PI * (number + 1) / blocks;
+  Body block = boxOf(Vec3(0, 0, 0), Vec3(1, 1, 1));
+  const auto out = [](double angle) { return Vec3(-std::cos(angle), 0, std::sin(angle)); };
+  const auto along = [](double angle) { return Vec3(std::sin(angle), 0, std::cos(angle)); };
+  middle = out(0.5 * (from + to));
+  for (Vec3& p : block.points) {
+    const double angle = p.x() < 0.5 ? from : to;
+    p = (1 + (p.z() - 0.5) * thickness) * out(angle) + (p.x() < 0.5 ? 0.5 : -0.5) * gap * along(angle) +
+        Vec3(0, (p.y() - 0.5) * depth, 0) - middle;
+  }
+  return block;
+}
+
+/// How far the keystone has come down in 0.6 s [m], and how fast it still is [m/s].
+std::pair<double, double> fallOf(double thickness) {
+  const double length = M_PI / blocks, mass = 1000 * thickness * length * depth;
+  const double inertia = mass / 12 * (thickness * thickness + depth * depth);
+  std::string content, others;
+  for (int b = 0; b < blocks; ++b) {
+    Vec3 middle;
+    const Body block = blockAt(b, thickness, 0.98 * range, middle);
+    const bool held = b == 0 || b == blocks - 1;
+    content += fmt::format(
+        "<Node name=\"b{}\"><MechanicalObject name=\"frame\" template=\"Rigid3\" position=\"{} {} {}  0 0 0 1\"/><UniformMass "
+        "totalMass=\"{}\" inertia=\"{} {} {}\"/>{}<Node name=\"skin\">{}<MechanicalObject name=\"dofs\"/><RigidMapping/></Node>"
+        "</Node>",
+        b, middle.x(), middle.y(), middle.z(), mass, inertia, inertia, inertia,
+        held ? "<FixedProjectiveConstraint indices=\"0\"/>" : "", block.mesh());
+    if (b > 0) others += fmt::format("@b{}/skin/dofs ", b);
+  }
+  content += fmt::format(
+      "<BarrierContact mstate=\"@b0/skin/dofs\" other=\"{}\" contactDistance=\"{}\" stiffness=\"5e6\" friction=\"0.6\" "
+      "slipVelocity=\"1e-3\" selfContact=\"0\"/>",
+      others, range);
+  Simulation simulation = simulationFromText(contactScene(
+      content, 0.01, Vec3(0, 0, -9.81), "<EulerImplicitSolver newtonIterations=\"60\" newtonTolerance=\"1e-6\"/>"));
+  const State* keystone = nullptr;
+  for (const State* state : simulation.states())
+    if (state->path() == fmt::format("/b{}/frame", blocks / 2)) keystone = state;
+  const double start = keystone->x()[0].z();
+  for (int step = 0; step < 60; ++step) {
+    expectCleanStep(simulation, step, false);
+    if (::testing::Test::HasFatalFailure()) break;
+  }
+  return {start - keystone->x()[0].z(), keystone->v()[0].norm()};
+}
+
+TEST(Arch, StandsWhereItIsThickEnough) {
+  const auto [sinks, moves] = fallOf(0.15);
+  RecordProperty("the keystone of the thick arch [m], [m/s]", fmt::format("{} {}", sinks, moves));
+  EXPECT_LT(sinks, 5 * range) << "the joints give way, nothing else does";
+  EXPECT_LT(moves, 0.01);
+  const auto [falls, goes_on] = fallOf(0.08);
+  RecordProperty("the keystone of the thin arch [m], [m/s]", fmt::format("{} {}", falls, goes_on));
+  EXPECT_GT(falls, 20 * range);
+  EXPECT_GT(goes_on, 0.1);
+}
+
+}  // namespace STROMA_TEST_FILE
+}  // namespace stroma::test
