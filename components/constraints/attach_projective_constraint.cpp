@@ -13,6 +13,10 @@
 // Rigid frames that are attached are one body: the sum of their masses and inertias, with one orientation, their mean at the
 // start. A frame and a point share the frame's centre.
 //
+// Where one body is meshed finer, pairs of nodes join its surface at single nodes and leave the rest of it free: it is then too
+// soft, and a warning says so. Stiff springs between all nodes of the finer surface and points that a BarycentricMapping places in
+// the other body hold it whole.
+//
 // Node indices1[i] of object1 is joined to node indices2[i] of object2; without the objects both are of the state of
 // this node. Bodies that have an integrator each move in one system, which takes integrators of one kind with the same
 // attributes. A node may be attached to several others.
@@ -44,10 +48,38 @@
 #include "framework/mechanics/frames.h"
 #include "framework/mechanics/node_pairs.h"
 #include "framework/mechanics/projective_constraint.h"
+#include "framework/mechanics/state_topology.h"
+#include "framework/mesh/cell_lists.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
 namespace {
+
+/// What some nodes of a body are of the faces of its volume cells.
+struct FacesOf {
+  bool cells = false;  ///< it has such cells
+  bool whole = false;  ///< a face has all its corners among the nodes
+
+  FacesOf(const State& state, const std::vector<Index>& rows) {
+    if (state.rows_per_node != 1) return;
+    std::vector<char> among(state.rest_position.size(), 0);
+    for (const Index row : rows) among[std::size_t(row)] = 1;
+    for (const Topology* topology : topologiesOf(state))
+      if (std::size_t(topology->mesh().nodes()) <= among.size())
+        forEachCellList([&](const CellKind& kind, const auto& list) { look(kind, list, among); }, topology->mesh());
+  }
+
+ private:
+  template <class Cell>
+  void look(const CellKind& kind, const std::vector<Cell>& list, const std::vector<char>& among) {
+    cells = cells || (kind.dimension == 3 && !list.empty());
+    for (std::size_t c = 0; c < list.size() && !whole; ++c)
+      whole = std::any_of(kind.faces.begin(), kind.faces.end(), [&](const LocalFace& face) {
+        return std::all_of(face.nodes.begin(), face.nodes.end(),
+                           [&](int node) { return among[std::size_t(list[c][std::size_t(node)])] != 0; });
+      });
+  }
+};
 
 class AttachProjectiveConstraint final : public ProjectiveConstraint {
  public:
@@ -85,6 +117,7 @@ class AttachProjectiveConstraint final : public ProjectiveConstraint {
     if (farthest > 0)
       inform(fmt::format("attached nodes lie up to {:.3g} m apart: they are brought together", farthest));
     tellOfTurns();
+    tellOfFreeSurface();
   }
 
   std::vector<State*> states() const override { return {&state(), second_}; }
@@ -117,6 +150,16 @@ class AttachProjectiveConstraint final : public ProjectiveConstraint {
       throw ComponentError(fmt::format("the nodes of {} and {} are of different types", state().path(), second_->path()),
                            "states of one template, or points and frames");
     return std::min(state().rows_per_node, second_->rows_per_node);
+  }
+  /// One surface is joined as a whole, the other at single nodes.
+  void tellOfFreeSurface() const {
+    const FacesOf first(state(), leaders_), second(*second_, followers_);
+    if (second_ == &state() || !first.cells || !second.cells || first.whole == second.whole) return;
+    const State &fine = first.whole ? *second_ : state(), &coarse = first.whole ? state() : *second_;
+    warn(fmt::format("{} is attached by single nodes, and no face of its cells has all its corners among them: the surface between "
+                     "them is free, and gives way more than that of one body would",
+                     fine.path()),
+         fmt::format("springs from all nodes there to points that a BarycentricMapping places in {}", coarse.path()));
   }
   void tellOfTurns() const {
     if (rows_ != 2 || !state().hasFrames()) return;

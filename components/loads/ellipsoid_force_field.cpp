@@ -27,28 +27,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "components/loads/ellipsoid_level.h"
 #include "components/loads/penalty_field.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
 namespace {
-
-/// s, its gradient and second derivative: with a = y/r^2, b = y/r^4, grad q = 2 a, grad w = 2 b.
-Depth levelOf(const Vec3& y, const Vec3& radii) {
-  const Vec3 inverse = radii.array().square().inverse();
-  const Vec3 a = y.cwiseProduct(inverse), b = a.cwiseProduct(inverse);
-  const double q = y.dot(a), w = a.squaredNorm();
-  const double root_q = std::sqrt(q), root_w = std::sqrt(w), slope = 2 - 1 / root_q;
-  Depth level;
-  level.g = (q - root_q) / root_w;
-  level.gradient = (slope * a - (q - root_q) / w * b) / root_w;
-  const Mat3 ab = a * b.transpose();
-  const Mat3 inverse4 = inverse.array().square().matrix().asDiagonal();
-  level.hessian = (slope * inverse.asDiagonal().toDenseMatrix() + a * a.transpose() / (q * root_q)) / root_w -
-                  slope * (ab + ab.transpose()) / (w * root_w) -
-                  (q - root_q) / (w * root_w) * (inverse4 - 3 / w * b * b.transpose());
-  return level;
-}
 
 class Ellipsoid : public PenaltyField {
  public:

@@ -278,14 +278,24 @@ class MechanicalObject final : public State {
     } else if (size_ > 0) {
       position.assign(size_, Vec3::Zero());
     } else {
-      const auto& here = node().components();  // a mapping may say what it follows
-      if (std::none_of(here.begin(), here.end(), [](const auto& each) { return dynamic_cast<const Mapping*>(each.get()); }))
+      if (!isMapped())
         warn(
             "no positions: neither position, rest_position, size nor a mesh in this node or above; one node at the "
             "origin is made",
             "position=\"@loader.position\", or a topology in the same node");
       position.assign(1, Vec3::Zero());
     }
+  }
+
+  /// A mapping may say where its nodes are: one that names this state, wherever it stands, or one beside it that names none.
+  bool isMapped() const {
+    std::vector<Mapping*> mappings;
+    node().root().collect(mappings);
+    return std::any_of(mappings.begin(), mappings.end(), [this](const Mapping* mapping) {
+      const Data* output = mapping->data().find("output");
+      const Component* named = output && output->link() ? output->link()->target() : nullptr;
+      return named ? named == this : &mapping->node() == &node();
+    });
   }
 
   /// A mesh above that no other state has between it and this node, or beside it.

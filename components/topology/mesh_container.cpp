@@ -100,16 +100,32 @@ void MeshContainer::takeNodesOf(Component& state, bool is_given) {
   mesh_.position.assign(std::size_t(last + 1), Vec3::Zero());
 }
 
+/// Links of the state are followed then. A state that asks for this topology has followed them, and is left alone.
+void MeshContainer::makeReady(Component& state) {
+  asks_state_ = true;
+  try {
+    state.ensureReady();
+  } catch (const DependencyFailed&) {
+    asks_state_ = false;
+    throw;
+  } catch (const ComponentError&) {  // it is being initialised
+  }
+  asks_state_ = false;
+}
+
 void MeshContainer::takePositionsFromState() {
   // SOFA's scenes may give the positions to the state only. A state that takes its positions from here has none.
   for (const auto& component : node().components()) {
     if (component->roleText() != "mechanical state") continue;
-    const Data* position = component->data().find("position");
-    if (!position || !position->isSet()) position = component->data().find("rest_position");
+    const auto is_given = [&component](const char* name) {
+      const Data* data = component->data().find(name);
+      return data && data->isSet();
+    };
+    if (!is_given("position") && !is_given("rest_position") && !allow_empty_) makeReady(*component);
+    const Data* position = component->data().find(is_given("position") ? "position" : "rest_position");
     auto* const* values = position ? std::get_if<std::vector<Vec3>*>(&position->pointer()) : nullptr;
     if (position && !values) return takeNodesOf(*component, position->isSet());
     if (!position || !position->isSet()) continue;
-    // A link is followed when the state is made ready, unless it is the state that asked for this topology.
     if ((*values)->empty()) component->ensureReady();
     mesh_.position = **values;
     return;

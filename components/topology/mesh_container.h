@@ -9,6 +9,8 @@ class MeshContainer : public Topology {
  public:
   /// Declares positions and all kinds of cells.
   void declare(DataTable& table) override;
+  /// Not while it asks the state beside it for positions: the state must not ask back.
+  bool answersLookup() const override { return !asks_state_; }
 
  protected:
   /// Takes the mesh of the topological mapping that names this container as its output, or lies beside it. Throws
@@ -26,9 +28,11 @@ class MeshContainer : public Topology {
 
  private:
   void takePositionsFromState();
+  void makeReady(Component& state);
   void takeNodesOf(Component& state, bool is_given);
   std::vector<std::array<Index, 6>> prisms_;
   std::vector<std::array<Index, 5>> pyramids_;
+  bool asks_state_ = false;
 };
 
 }  // namespace stroma

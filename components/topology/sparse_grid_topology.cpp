@@ -142,6 +142,7 @@ class SparseGridTopology final : public Topology {
           throw ComponentError(fmt::format("a triangle names node {} of {}", node, surface.size()));
     findBox(surface);
     fill(surface);
+    tellVolume(surface);
   }
 
  private:
@@ -217,6 +218,28 @@ class SparseGridTopology final : public Topology {
         hexahedron[c] = Index(std::lower_bound(nodes.begin(), nodes.end(), nodeOf(cell, corner[c])) - nodes.begin());
       mesh_.hexahedra.push_back(hexahedron);
     }
+  }
+
+  /// Cells that have another volume than the closed surface are stiffer, or softer, by as much at least.
+  void tellVolume(const std::vector<Vec3>& surface) const {
+    constexpr double much = 0.03, closed = 1e-6;
+    double enclosed = 0, area = 0, factors = 0;
+    Vec3 outward = Vec3::Zero();
+    for (const Triangle& t : triangles_) {
+      const Vec3 &a = surface[t[0]], &b = surface[t[1]], &c = surface[t[2]], normal = (b - a).cross(c - a);
+      enclosed += (a - min_).dot((b - min_).cross(c - min_)) / 6, area += normal.norm(), outward += normal;
+    }
+    enclosed = std::abs(enclosed);
+    if (outward.norm() > closed * area || !(enclosed > 0)) return;
+    for (const double factor : factors_) factors += factor;
+    const double cell = (max_ - min_).cwiseQuotient(Vec3(n_[0] - 1, n_[1] - 1, n_[2] - 1)).prod();
+    const double all = cell * double(factors_.size()) / enclosed, weighted = cell * factors / enclosed;
+    if (std::abs(all - 1) <= much && std::abs(weighted - 1) <= much) return;
+    inform(fmt::format(
+        "its cells have {:.0f} % of the volume of the surface, and with cellFactors {:.0f} %: a body of them is stiffer or softer "
+        "than the one in the surface, most where it bends{}",
+        100 * all, 100 * weighted,
+        weighted_ && finer_ < 3 ? ". nbVirtualFinerLevels=\"3\" counts better what cells on the border hold" : ""));
   }
 
   std::array<int, 3> n_{2, 2, 2}, counts_{2, 2, 2};

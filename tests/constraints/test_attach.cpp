@@ -166,6 +166,34 @@ TEST(Attach, OneWayFollowsWithoutBeingFelt) {
   EXPECT_LT(std::sqrt(dot(f, f)), 1e-7 * loads);
 }
 
+/// Every second node of the finer surface: what lies between them is free, and the whole too soft.
+TEST(Attach, ASurfaceThatIsHeldAtSingleNodesIsSaid) {
+  const auto said = [](int fine, int coarse, int most) {
+    const auto body = [](const std::string& name, int n, double from) {
+      return fmt::format(
+          R"(<Node name="{0}"><RegularGridTopology n="{1} {1} {1}" min="{2} 0 0" max="{3} 1 1"/><MechanicalObject name="dofs"/>
+          <UniformMass totalMass="1"/><HexahedronFEMForceField youngModulus="1000" poissonRatio="0.3"/></Node>)",
+          name, n, from, from + 1);
+    };
+    std::string first, second;
+    const int step = (fine - 1) / (coarse - 1);
+    for (int k = 0; k < most; ++k)
+      for (int j = 0; j < most; ++j) {
+        first += fmt::format("{} ", fine - 1 + fine * step * (j + fine * k));
+        second += fmt::format("{} ", coarse * (j + coarse * k));
+      }
+    return sceneFromText(root("<EulerImplicitSolver/>", "<CGLinearSolver/>",
+                              body("a", fine, 0) + body("b", coarse, 1) +
+                                  "<AttachProjectiveConstraint object1='@a/dofs' object2='@b/dofs' indices1='" + first +
+                                  "' indices2='" + second + "'/>"))
+        .diagnostics.text();
+  };
+  expectContains(said(5, 3, 3), "/a/dofs is attached by single nodes");
+  expectContains(said(5, 3, 3), "a BarycentricMapping places in /b/dofs");
+  EXPECT_EQ(said(3, 3, 3).find("single nodes"), std::string::npos) << "matching surfaces";
+  EXPECT_EQ(said(5, 3, 1).find("single nodes"), std::string::npos) << "a hinge";
+}
+
 TEST(Attach, SaysWhatIsWrong) {
   const auto problems = [](const std::string& attributes) {
     return problemsOf(points("0 0 0 1 0 0", "0 0 0 0 0 0", "1 1", "<AttachProjectiveConstraint " + attributes + "/>"));

@@ -87,6 +87,30 @@ TEST_P(CoupledBodies, MoveAsTheMergedBody) {
   }
 }
 
+/// A spring between two bodies against the same between two nodes of one.
+TEST_P(CoupledBodies, ASpringBetweenThemIsThatOfOneBody) {
+  const std::string& integrator = GetParam();
+  const std::string anchor = "<RestShapeSpringsForceField points='0' stiffness='400'/>";
+  const auto spring = [](const std::string& ends, int second) {
+    return fmt::format("<SpringForceField {} springsIndices1='0' springsIndices2='{}' lengths='1' stiffness='300' damping='0'/>",
+                       ends, second);
+  };
+  Simulation apart = simulationFromText(scene(pointBody("a", integrator, "0 0 0", "1", anchor) +
+                                              pointBody("b", integrator, "0.1 -1.2 0", "3") +
+                                              spring("object1='@a/dofs' object2='@b/dofs'", 0)));
+  Simulation whole =
+      simulationFromText(scene(pointBody("a", integrator, "0 0 0 0.1 -1.2 0", "1 3", anchor + spring("", 1))));
+  ASSERT_EQ(apart.systems().size(), 1u);
+  for (int step = 0; step < (typeOf(integrator) == "StaticSolver" ? 1 : 30); ++step) {
+    const StepReport report = apart.step();
+    ASSERT_FALSE(report.diverged || report.unsolved) << report.reason;
+    ASSERT_FALSE(whole.step().diverged);
+  }
+  const System &coupled = *apart.systems().at(0), &merged = *whole.systems().at(0);
+  for (const Index i : {0, 1}) EXPECT_LT((coupled.x[i] - merged.x[i]).norm(), 1e-9);
+  EXPECT_GT((coupled.x[1] - Vec3(0.1, -1.2, 0)).norm(), 0.01) << "something happened";
+}
+
 INSTANTIATE_TEST_SUITE_P(Integrators, CoupledBodies, ::testing::ValuesIn(integrators),
                          [](const auto& tested) { return fmt::format("{}{}", typeOf(tested.param), tested.index); });
 
@@ -232,16 +256,27 @@ TEST(Couplings, LinearRelationsBetweenBodies) {
 
 /// A skin that follows a body, with or without an integrator of its own: what acts on it acts on the body.
 TEST(Couplings, MappingsBetweenBodies) {
-  const double h = 0.1;
+  const double h = 0.1, stiffness = 50;
+  const auto pulledSkin = [](const std::string& integrator) {
+    return fmt::format(R"(<Node name="skin">{}<MechanicalObject name="dofs" position="1 0 0"/>
+        <SubsetMapping input="@/a/dofs" output="@dofs" indices="1"/>
+        <ConstantForceField indices="0" forces="8 0 0"/></Node>)",
+                       integrator);
+  };
+  for (const std::string own : {"", "<StaticSolver/><SparseLDLSolver/>"}) {
+    Simulation still = simulationFromText(
+        scene(pointBody("a", "<StaticSolver/><SparseLDLSolver/>", "0 0 0 1 0 0", "2 4",
+                        fmt::format("<RestShapeSpringsForceField points='0 1' stiffness='{}'/>", stiffness)) +
+                  pulledSkin(own),
+              "0 0 0", h));
+    ASSERT_FALSE(still.step().unsolved);
+    const System& system = *still.systems().at(0);
+    for (const Index i : {1, 2}) EXPECT_NEAR(system.x[i].x(), 1 + 8 / stiffness, 1e-10);
+  }
   for (const char* integrator : {"<EulerImplicitSolver/><SparseLDLSolver/>", "<EulerExplicitSolver/>"})
     for (const bool own : {false, true}) {
       Simulation simulation = simulationFromText(
-          scene(pointBody("a", integrator, "0 0 0 1 0 0", "2 4") +
-                    fmt::format(R"(<Node name="skin">{}<MechanicalObject name="dofs" position="1 0 0"/>
-        <SubsetMapping input="@/a/dofs" output="@dofs" indices="1"/>
-        <ConstantForceField indices="0" forces="8 0 0"/></Node>)",
-                                own ? integrator : ""),
-                "0 0 0", h));
+          scene(pointBody("a", integrator, "0 0 0 1 0 0", "2 4") + pulledSkin(own ? integrator : ""), "0 0 0", h));
       ASSERT_EQ(simulation.systems().size(), 1u);
       simulation.step();
       const System& system = *simulation.systems().at(0);

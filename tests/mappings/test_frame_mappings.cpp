@@ -89,6 +89,13 @@ std::vector<Case> cases() {
                             "input=\"@../a/frames @../b/dofs\" indexPairs=\"0 1  1 0  1 1\"/></Node></Node>"});
   all.push_back({"DistanceToPlane", underFrames("<MechanicalObject name=\"dofs\" template=\"Vec1\"/><DistanceToPlaneMapping "
                                                 "planeNormal=\"1 2 -2\" planePoint=\"0 1 0\"/>")});
+  all.push_back({"Tubular", underFrames("<MechanicalObject name=\"dofs\"/><TubularMapping nbPointsOnEachCircle=\"3\" "
+                                        "radius=\"0.2\" peak=\"-1\"/>")});
+  all.push_back(
+      {"Mesh2Point",
+       underPoints("<Node name=\"mesh\"><MeshTopology name=\"net\" position=\"0 0 0  1 0.2 0  1.5 1 0.3  0 1 1\" "
+                   "tetrahedra=\"0 1 2 3\"/></Node><Mesh2PointTopologicalMapping input=\"@mesh/net\" pointBaryCoords=\"0.1 0.2 0.3\" "
+                   "tetraBaryCoords=\"0.1 0.3 0.2\"/><MechanicalObject name=\"dofs\"/><Mesh2PointMechanicalMapping/>")});
   all.push_back({"CenterOfMass", underFrames("<MechanicalObject name=\"dofs\"/><CenterOfMassMapping/>")});
   all.push_back(
       {"IdentityMulti", "<Node name=\"root\" gravity=\"0 0 0\"><EulerImplicitSolver/><SparseLDLSolver/><Node name=\"a\">" + frames +

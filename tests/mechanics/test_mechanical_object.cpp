@@ -94,6 +94,19 @@ TEST(MechanicalObject, TakesTheMeshAboveThatNoOtherStateHas) {
   expectNear(dynamic_cast<State&>(*findComponent(*loaded.root, "/body/dofs")).position[11], Vec3(2, 1, 6));
 }
 
+TEST(MechanicalObject, TakesTheNodesOfAMappingThatNamesItFromElsewhere) {
+  const auto told = [](const std::string& output) {
+    Scene loaded = sceneFromText("<Node name='root'><Node name='a'><MechanicalObject name='dofs' position='0 0 0  1 0 0'/>" +
+                                 output + "</Node><Node name='b'><MechanicalObject name='dofs'/></Node></Node>");
+    const auto& follower = dynamic_cast<const State&>(*findComponent(*loaded.root, "/b/dofs"));
+    return std::pair(follower.size(), loaded.diagnostics.text());
+  };
+  const auto [nodes, text] = told("<IdentityMapping input='@dofs' output='@../b/dofs'/>");
+  EXPECT_EQ(nodes, 2);
+  EXPECT_EQ(text, "");
+  expectContains(told("").second, "one node at the origin");
+}
+
 TEST(MechanicalObject, SaysWhatSevenNumbersMayBe) {
   const std::string told = problemsOf(scene("position='0 0 0 0 0 0 1'"));
   expectContains(told, "7 numbers are not a multiple of 3");

@@ -141,7 +141,7 @@ SCENES = {
         '<AttachProjectiveConstraint object1="@one" object2="@two" indices1="3" indices2="0" constraintFactor="1" twoWay="0"/></Node>'),
     "Constraint/Projective/BilinearMovementProjectiveConstraint": sheet(
         '<BilinearMovementProjectiveConstraint meshIndices="0 3 12 15" indices="0 3 12 15" beginConstraintTime="0" endConstraintTime="1" '
-        'constrainedPoints="0 0 0" cornerMovements="0 0 0"/>'),
+        'cornerPoints="0 0 0  3 0 0  3 3 0  0 3 0" cornerMovements="0 0 0  0.1 0 0  0.1 0.1 0  0 0 0"/>'),
     "Constraint/Projective/DirectionProjectiveConstraint": block('<DirectionProjectiveConstraint indices="3" direction="1 0 0"/>'),
     "Constraint/Projective/BoxConstraint": body(GRID + '<UniformMass totalMass="36"/>' + HEXA +
                                                 '<BoxConstraint box="-0.1 -1 -1 0.1 2 2" drawSize="3"/>'),
@@ -182,7 +182,7 @@ SCENES = {
                                           '<RestShapeSpringsForceField points="0" stiffness="1" external_points="0"/>'),
     "Engine/Analyze/ClusteringEngine": block('<ClusteringEngine name="clusters" position="@dofs.rest_position" radius="1"/>'),
     "Engine/Generate/ExtrudeSurface": engine(
-        NET + '<ExtrudeSurface name="e" surfaceVertices="@net.position" surfaceTriangles="@net.triangles" heightFactor="0.5"/>',
+        NET + '<ExtrudeSurface name="e" surfaceVertices="@net.position" triangles="@net.triangles" surfaceTriangles="0 1" heightFactor="0.5"/>',
         "e.extrusionVertices"),
     "Engine/Generate/ExtrudeQuadsAndGenerateHexas": engine(
         NET + '<ExtrudeQuadsAndGenerateHexas name="e" surfaceVertices="@net.position" surfaceQuads="@net.quads" thicknessOut="0.5"/>',
@@ -601,24 +601,15 @@ MISSING = {
         ("AnimationLoop/", ["MultiTagAnimationLoop"]),
         ("Collision/Geometry/", ["CylinderCollisionModel", "TetrahedronCollisionModel"]),
         ("Constraint/Lagrangian/", ["UniformLagrangianConstraint"]),
-        ("Constraint/Projective/", ["BilinearMovementProjectiveConstraint", "FixedRotationProjectiveConstraint",
-                                    "HermiteSplineProjectiveConstraint", "ParabolicProjectiveConstraint"]),
         ("Diffusion/", ["TetrahedronDiffusionFEMForceField"]),
-        ("Engine/Generate/", ["ExtrudeSurface", "Spiral"]),
         ("Mapping/Linear/", ["DeformableOnRigidFrameMapping"]),
-        ("MechanicalLoad/", ["ConicalForceField", "InteractionEllipsoidForceField", "OscillatingTorsionPressureForceField",
-                             "TorsionForceField"]),
         ("ODESolver/Forward/", ["DampVelocitySolver"]),
         ("SolidMechanics/FEM/", ["QuadBendingFEMForceField", "TriangularAnisotropicFEMForceField"]),
-        ("SolidMechanics/Spring/", ["TriangularQuadraticSpringsForceField", "TriangularBiquadraticSpringsForceField",
-                                    "GearSpringForceField", "AngularSpringForceField", "PolynomialRestShapeSpringsForceField"]),
-        ("SolidMechanics/TensorMass/", ["TriangularTensorMassForceField"]),
+        ("SolidMechanics/Spring/", ["GearSpringForceField"]),
         ("Topology/Container/Dynamic/", ["TopologicalChangeProcessor"]),
         ("Topology/Container/Grid/", ["SparseGridMultipleTopology", "SparseGridRamificationTopology"])) for name in names},
     "Engine/Transform/TransformPosition_random": ["random displacements are not available"],
-    "Mapping/Linear/TubularMapping": ["Edge2QuadTopologicalMapping", "TubularMapping"],
     "Mapping/NonLinear/RigidMapping2d": ["Rigid2d"],
     "SolidMechanics/FEM/HexahedronCompositeFEMForceFieldAndMass_large": ["HexahedronCompositeFEMForceFieldAndMass"],
     "SolidMechanics/FEM/NonUniformHexahedronFEMForceFieldAndMass_large": ["NonUniformHexahedronFEMForceFieldAndMass"],
-    "Topology/Mapping/Mesh2PointTopologicalMapping": ["Mesh2PointTopologicalMapping", "Mesh2PointMechanicalMapping"],
 }

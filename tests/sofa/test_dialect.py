@@ -46,7 +46,7 @@ class Run:
             record = {"run": ["-n", str(steps), "--record", "out"], "migrate": ["-o", "native.xml"]}.get(command, [])
             environment = {**os.environ, "STROMA_DATA_PATH": os.path.join(folder, "data")}
             done = subprocess.run([STROMA, command, name, *record, *args], cwd=folder, capture_output=True, text=True,
-                                  timeout=120, env=environment)
+                                  timeout=600, env=environment)
             self.code, self.text = done.returncode, done.stdout + done.stderr
             self.states = states_in(os.path.join(folder, "out"))
             if command == "run" and self.code == 0:
@@ -55,7 +55,7 @@ class Run:
             self.native = {}
             if command == "migrate" and self.code == 0:
                 done = subprocess.run([STROMA, "run", "native.xml", "-n", str(steps), "--record", "out"], cwd=folder,
-                                      capture_output=True, text=True, timeout=120, env=environment)
+                                      capture_output=True, text=True, timeout=600, env=environment)
                 assert done.returncode == 0, done.stderr
                 self.native = states_in(os.path.join(folder, "out"))
 
@@ -639,7 +639,7 @@ OTHER = WATCH.replace("PenalityContactForceField", "StickContactForceField")
 @case
 def the_step_that_would_touch_without_a_response_is_refused():
     steps = next(n for n in range(1000) if 1 + fallen(n) < 0.2)
-    Run(falling_point(1, OTHER), 100).fails(3, "/ball/point", "/floor/top", "0.2 m", f"step {steps + 1} ")
+    Run(falling_point(1, OTHER), 100).fails(3, "/ball/point", "/floor/top", "distance of 0.2:", f"step {steps + 1} ")
     agree(Run(falling_point(1, OTHER), steps).x("ball.dofs"), [[0, 1 + fallen(steps), 0]])
 
 
@@ -661,6 +661,69 @@ def what_may_not_meet_falls_through():
     for scene in (falling_point(1, more='active="0"'), falling_point(1, more='group="3 4"').replace('simulated="0"', 'group="4"'),
                   falling_point(1, WATCH.replace('<CollisionResponse response="PenalityContactForceField"/>', ""))):
         agree(Run(scene, 60).x("ball.dofs"), [[0, 1 + fallen(60), 0]])
+
+
+@case
+def what_looks_for_contacts_has_nothing_to_look_at():
+    run = Run(root(WATCH + EXACT + BODY), 10)
+    falls(run)
+    run.says("CollisionPipeline where nothing can touch", "CollisionResponse where nothing can touch")
+
+
+# ---- what SOFA leaves to each body ----
+
+def pulled_together(masses, damping, z, k, rest, steps, h=0.01):
+    """Two masses on a line and the spring between them by SOFA's implicit Euler, the Rayleigh damping of each mass its own."""
+    masses, damping, z, v = np.array(masses), np.array(damping), np.array(z, float), np.zeros(2)
+    K = -k * np.array([[1, -1], [-1, 1]])
+    for _ in range(steps):
+        f = k * (z[1] - z[0] - rest) * np.array([1, -1])
+        v += np.linalg.solve(np.diag(masses * (1 + h * damping)) - h * h * K, h * (f + h * K @ v - damping * masses * v))
+        z += h * v
+    return z
+
+
+@case
+def bodies_of_different_solvers_that_a_spring_ties():
+    """The factors solve for both, and the damping of an integrator is that of its own mass."""
+    scene = node('<Node name="a"><EulerImplicitSolver rayleighMass="2"/><SparseLDLSolver/><MechanicalObject name="dofs" '
+                 'position="0 0 0"/><UniformMass totalMass="2"/></Node>'
+                 '<Node name="b"><EulerImplicitSolver/><CGLinearSolver iterations="1" tolerance="1e-1"/><MechanicalObject '
+                 'name="dofs" position="0 0 1.5"/><UniformMass totalMass="1"/></Node>'
+                 '<SpringForceField object1="@a/dofs" object2="@b/dofs" spring="0 0 100 0 1"/>')
+    run = Run(scene, 20)
+    expected = pulled_together([2, 1], [2, 0], [0, 1.5], 100, 1, 20)
+    agree(np.concatenate([run.x("a.dofs")[:, 2], run.x("b.dofs")[:, 2]]), expected)
+    run.says("/b/CGLinearSolver1: bodies that touch or are tied are one system here")
+    differ(expected, pulled_together([2, 1], [2, 2], [0, 1.5], 100, 1, 20), 1e-3)
+    agree(Run(scene, 20, command="migrate").native["b.dofs"][2], expected[1])
+
+
+@case
+def bodies_that_nothing_ties_keep_their_solvers():
+    scene = root(f'<Node name="a">{EXACT}{BODY}</Node><Node name="b"><EulerImplicitSolver rayleighMass="1"/><CGLinearSolver/>'
+                 f'{BODY}<SpringForceField object1="@dofs" object2="@dofs" spring="0 1 100 0 1"/></Node>')
+    run = Run(scene, 10)
+    falls(run, "a.dofs")
+    assert "one system here" not in run.text
+
+
+@case
+def a_frame_that_no_solver_moves_leads_what_is_mapped_from_it():
+    s = 0.5 ** 0.5
+    scene = node('<Node name="frame"><MechanicalObject name="dofs" template="Rigid3d" position="0 1 0 0 0 '
+                 f'{s!r} {s!r}"/><Node name="points"><MechanicalObject name="dofs" position="1 0 0"/><RigidMapping/></Node></Node>'
+                 f'<Node name="body">{EXACT}<MechanicalObject name="dofs" position="0 2 3"/><UniformMass totalMass="1"/></Node>'
+                 '<SpringForceField object1="@frame/points/dofs" object2="@body/dofs" spring="0 0 100 0 1"/>')
+    run = Run(scene, 20)
+    run.says("/frame: no integrator moves it")
+    z, v, h, k = 3.0, 0.0, 0.01, 100
+    for _ in range(20):
+        v += h * (-k * (z - 1) - h * k * v) / (1 + h * h * k)
+        z += h * v
+    agree(run.x("body.dofs"), [[0, 2, z]])
+    agree(run.x("frame.dofs", 7), [[0, 1, 0, 0, 0, s, s]])
+    agree(run.x("frame.points.dofs"), [[0, 2, 0]])
 
 
 
@@ -1086,7 +1149,7 @@ def migration_keeps_comments_blank_lines_and_order():
     with tempfile.TemporaryDirectory() as folder:
         with open(os.path.join(folder, "a.scn"), "w", encoding="utf-8") as out:
             out.write(COMMENTED)
-        done = subprocess.run([STROMA, "migrate", "a.scn"], cwd=folder, capture_output=True, text=True, timeout=60)
+        done = subprocess.run([STROMA, "migrate", "a.scn"], cwd=folder, capture_output=True, text=True, timeout=600)
     assert done.returncode == 0, done.stderr
     text = done.stdout
     order = ["of M\u00fcller's scene", "<Node name=\"root\"", "of what has no effect", "<!-- first -->",
@@ -1581,6 +1644,83 @@ def a_follower_pulls_nobody():
     for given in ("", 'twoWay="0"'):
         agree(Run(root(EXACT + pair.format(given)), 10).x()[0, 1], fallen(10))
     agree(Run(root(EXACT + pair.format('twoWay="1"')), 10).x()[:, 1], [fallen(10, g=8.0)] * 2)
+
+
+@case
+def quirk_one_sided_turns():
+    """The second frame turns back, and the first feels nothing of it."""
+    th, w, h, k, inertia = 0.3, 0.0, 0.01, 50, 0.2
+    scene = node(EXACT + f'<MechanicalObject name="dofs" template="Rigid3d" position="0 0 0 0 0 0 1  1 0 0 0 0 {np.sin(th / 2):.17g} '
+                 f'{np.cos(th / 2):.17g}"/><UniformMass vertexMass="1 1 [0.2 0 0,0 0.2 0,0 0 0.2]"/>'
+                 '<AngularSpringForceField indices="0 1" angularStiffness="50 50"/>')
+    for _ in range(20):
+        w += h * (-k * th - h * k * w) / (inertia + h * h * k)
+        th += h * w
+    agree(Run(scene, 20).x("dofs", 7), [[0, 0, 0, 0, 0, 0, 1], [1, 0, 0, 0, 0, np.sin(th / 2), np.cos(th / 2)]])
+    both = Run(scene, 20, args=["--without-quirk", "one-sided-turns"]).x("dofs", 7)
+    assert both[0, 5] > 0.01, both
+
+
+@case
+def quirk_torsion_tangent():
+    x = np.array([[1.0, 0, 0], [0, 2, 1]])
+
+    def torsion(x, v):
+        return 5 * np.cross([0, 0, 1], x), 5 * np.kron(np.eye(2), np.diag([1.0, 1, 0]))
+    scene = node(EXACT + '<MechanicalObject name="dofs" position="1 0 0  0 2 1"/><UniformMass totalMass="4"/>'
+                 '<TorsionForceField indices="0 1" torque="5" axis="0 0 2" origin="0 0 0"/>')
+    expected = euler(x, 2 * np.eye(2), torsion, 20, 0.01)
+    agree(Run(scene, 20).x(), expected)
+    plain = euler(x, 2 * np.eye(2), lambda x, v: (torsion(x, v)[0], np.zeros((6, 6))), 20, 0.01)
+    agree(Run(scene, 20, args=["--without-quirk", "torsion-tangent"]).x(), plain)
+    differ(expected, plain, 1e-5)
+
+
+@case
+def curves_are_those_of_the_start_of_a_step():
+    one = '<MechanicalObject name="dofs" position="1 2 3"/><UniformMass totalMass="2"/>'
+    curve = '<ParabolicConstraint indices="0" P1="0 0 0" P2="1 1 0" P3="2 0 0" BeginTime="0.02" EndTime="0.06"/>'
+    for steps, place in ((2, [1, 2, 3]), (3, [0, 0, 0]), (5, [1, 1, 0]), (7, [2, 0, 0])):
+        agree(Run(node(EXACT + one + curve), steps).x(), [place])
+    agree(Run(node(EXACT + one + curve), 5, args=["--without-quirk", "late-times"]).x(), [[1.5, 0.75, 0]])
+    spline = '<HermiteSplineConstraint indices="0" X0="0 0 0" dX0="4 0 0" X1="0 2 0" dX1="0 0 8" BeginTime="0" EndTime="0.04"/>'
+    agree(Run(node(EXACT + one + spline), 3).x(), [[0.5, 1, -1]])  # half the way: H10 = -H11 = 1/8
+
+
+@case
+def a_bilinear_movement_is_one_of_its_corners():
+    points = '<MechanicalObject name="dofs" position="0 0 0  2 0 0  2 4 0  0 4 0  1 4 0"/><UniformMass totalMass="1"/>'
+    moved = ('<{} indices="0 1 2 3 4" cornerPoints="0 0 0  2 0 0  2 4 0  0 4 0" beginConstraintTime="0" '
+             'endConstraintTime="0.2" cornerMovements="0 0 0  1 0 0  1 2 0  0 4 0"/>')
+    for name in ("BilinearMovementConstraint", "BilinearMovementProjectiveConstraint"):
+        agree(Run(node(EXACT + points + moved.format(name)), 30).x(), [[0, 0, 0], [3, 0, 0], [3, 6, 0], [0, 8, 0], [1.5, 7, 0]])
+
+
+@case
+def a_moment_that_oscillates_is_that_of_the_start_of_a_step():
+    """A triangle around its first corner, held by nothing else: each step adds dt M cos(2 pi f t) to its moment of momentum."""
+    scene = node('<EulerExplicitSolver/><MeshTopology position="0 0 0  2 0 0  0 2 0" triangles="0 1 2"/><MechanicalObject name="dofs"/>'
+                 '<UniformMass totalMass="3"/><FixedConstraint indices="0"/>'
+                 '<OscillatingTorsionPressureForceField moment="0.8" frequency="5" axis="0 0 1" penalty="0"/>')
+    x = np.array([[2.0, 0, 0], [0, 2, 0]])
+    v = np.zeros_like(x)
+    for step in range(20):
+        moment = 0.8 * np.cos(2 * np.pi * 5 * step * 0.01)
+        for i in range(2):  # both have half of it, along the tangent
+            v[i] += 0.01 * moment / 2 * np.cross([0, 0, 1], x[i]) / (x[i] @ x[i])
+        x = x + 0.01 * v
+    agree(Run(scene, 20).x()[1:], x)
+    agree(Run(scene.replace("<EulerExplicitSolver/>", EXACT), 20).x()[1:], x)  # the force has no derivative
+
+
+@case
+def a_subset_of_a_topology_is_a_region():
+    grid = '<RegularGridTopology name="grid" n="3 1 1" min="0 0 0" max="2 0 0"/><MechanicalObject name="dofs"/><UniformMass totalMass="3"/>'
+    for region in ('box="-0.1 -1 -1 1.1 1 1"', 'centers="0.5 0 0" radii="0.6"'):
+        run = Run(root(EXACT + grid + f'<SubsetTopology name="e" {region}/><FixedConstraint indices="@e.indices"/>'), 10)
+        agree(run.x()[:, 1], [0, 0, fallen(10)])
+    Run(root(EXACT + grid + '<SubsetTopology name="e" box="0 0 0 1 1 1" localIndices="true"/>'
+             '<FixedConstraint indices="@e.indices"/>'), 1).fails(2, "localIndices")
 
 
 @case

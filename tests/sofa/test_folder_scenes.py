@@ -16,7 +16,7 @@ STEPS = 10
 
 
 def stroma(folder, *words):
-    done = subprocess.run([STROMA, *words], cwd=folder, capture_output=True, text=True, timeout=60, stdin=subprocess.DEVNULL)
+    done = subprocess.run([STROMA, *words], cwd=folder, capture_output=True, text=True, timeout=600, stdin=subprocess.DEVNULL)
     return done.returncode, done.stdout + done.stderr
 
 

@@ -7,7 +7,7 @@ import subprocess
 import sys
 import tempfile
 
-STROMA = sys.argv[1]
+STROMA = os.path.abspath(sys.argv[1])
 H, STEPS = 0.01, 11
 SCENE = ('<Node name="root" gravity="0 -10 0" dt="0.01"><EulerImplicitSolver/><SparseLDLSolver/>'
          '<MechanicalObject name="dofs" position="0 0 0  1 0 0  2 0 0"/><UniformMass totalMass="3"/>'
@@ -52,7 +52,7 @@ def run(reference, name, scene=SCENE, more=()):
         with open(os.path.join(folder, "examples/all.regression-tests"), "w") as out:
             out.write(f"# State\n../references\nMass/fall.scn {STEPS} 1e-4 1 0\n")
         done = subprocess.run([STROMA, "regress", "examples/all.regression-tests", "--json", "out.json", *more], cwd=folder,
-                              capture_output=True, text=True, timeout=100)
+                              capture_output=True, text=True, timeout=600)
         text = done.stdout + done.stderr
         path = os.path.join(folder, "out.json")
         result = json.load(open(path))[0] if os.path.exists(path) else {}
@@ -98,7 +98,7 @@ with tempfile.TemporaryDirectory() as folder:
                         "lost.scn": SCENE.replace("<Euler", "<Strange/><Euler"), "broken.scn": "<Node"}.items():
         with open(os.path.join(folder, name), "w") as out:
             out.write(scene)
-    done = subprocess.run([STROMA, "check", "--sofa", folder, "--jobs", "2"], capture_output=True, text=True, timeout=100)
+    done = subprocess.run([STROMA, "check", "--sofa", folder, "--jobs", "2", "--limit", "600"], capture_output=True, text=True, timeout=1800)
     text = done.stdout
     for line in ("good.scn: runs as it is", "drawn.scn: runs without VisualStyle", "missing.scn: cannot run because",
                  "broken.scn: cannot run because", "5 scenes: 1 run as they are, 1 run without what has no effect, 3 cannot run"):

@@ -68,6 +68,27 @@ TEST(Container, TakesPositionsFromTheState) {
   }
 }
 
+TEST(Container, TakesPositionsThatTheStateLinks) {
+  for (const char* name : {"position", "rest_position"})
+    for (const char* order : {"state first", "container first"}) {
+      const std::string source = R"(<MeshTopology name="source" position="0 0 0 1 0 0 2 0 0"/><Node name="body">)";
+      const std::string state = std::string("<MechanicalObject name='s' ") + name + "='@../source.position'/>";
+      const std::string container = R"(<MeshTopology name="t" edges="0 1 1 2"/>)";
+      const Scene scene = sceneFromText("<Node name=\"root\">" + source +
+                                        (order[0] == 's' ? state + container : container + state) + "</Node></Node>");
+      EXPECT_EQ(meshAt(scene, "/body/t").nodes(), 3) << name << ", " << order;
+      EXPECT_EQ(scene.diagnostics.text(), "") << name << ", " << order;
+    }
+  // neither has any: said of the container, whichever comes first
+  for (const char* text : {"<MeshTopology name='t' edges='0 1'/><MechanicalObject name='s'/>",
+                           "<MechanicalObject name='s'/><MeshTopology name='t' edges='0 1'/>"}) {
+    const std::string told = problemsOf(std::string("<Node name='root'>") + text + "</Node>");
+    expectContains(told, "/t");
+    expectContains(told, "there are no nodes");
+    EXPECT_EQ(told.find("circle"), std::string::npos) << told;
+  }
+}
+
 TEST(Container, MakesFacesWhenAsked) {
   const Scene scene =
       sceneFromText("<Node name=\"root\"><TetrahedronSetTopologyContainer name=\"a\" " + one_tetrahedron +

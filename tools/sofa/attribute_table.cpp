@@ -25,6 +25,23 @@ bool matches(std::string_view pattern, std::string_view word) {
   return pattern == word;
 }
 
+/// What SOFA's component computes and keeps in an attribute: saved with the scene, and computed again from the rest.
+bool isKeptBySofa(std::string_view type, std::string_view attribute) {
+  static const std::map<std::string_view, List> table = {
+      {"HexahedronFEMForceField", {"stiffnessMatrices"}},
+      {"SphereForceField", {"contacts"}},
+      {"ConicalForceField", {"contacts"}},
+      {"OscillatingTorsionPressureForceField", {"trianglePressureMap"}},
+      {"InteractionEllipsoidForceField", {"contacts"}},
+      {"TriangularQuadraticSpringsForceField", {"triangleInfo", "edgeInfo"}},
+      {"TriangularBiquadraticSpringsForceField", {"triangleInfo", "edgeInfo"}},
+      {"TriangularTensorMassForceField", {"edgeInfo"}},
+      {"EllipsoidForceField", {"contacts"}},
+  };
+  const auto found = table.find(type);
+  return found != table.end() && contains(found->second, attribute);
+}
+
 }  // namespace
 
 bool isAcceptedType(std::string_view type) {
@@ -94,7 +111,10 @@ std::string_view typeHere(std::string_view type) {
       {"BilateralInteractionConstraint", "BilateralLagrangianConstraint"}, {"SlidingConstraint", "SlidingLagrangianConstraint"},
       {"StopperConstraint", "StopperLagrangianConstraint"}, {"ProjectDirectionProjectiveConstraint", "DirectionProjectiveConstraint"},
       {"ProjectDirectionConstraint", "DirectionProjectiveConstraint"},
-      {"PatchTestMovementConstraint", "PatchTestMovementProjectiveConstraint"}, {"FixedWeakConstraint", "RestShapeSpringsForceField"},
+      {"PatchTestMovementConstraint", "PatchTestMovementProjectiveConstraint"},
+      {"BilinearMovementConstraint", "PatchTestMovementProjectiveConstraint"},
+      {"BilinearMovementProjectiveConstraint", "PatchTestMovementProjectiveConstraint"},
+      {"FixedWeakConstraint", "RestShapeSpringsForceField"},
       {"DistanceFromTargetMapping", "DistanceFromTarget"}, {"EulerImplicitIntegrationScheme", "EulerImplicitSolver"},
       {"EulerExplicitIntegrationScheme", "EulerExplicitSolver"}, {"StaticIntegrationScheme", "StaticSolver"},
       {"NewmarkImplicitIntegrationScheme", "NewmarkImplicitSolver"}, {"CentralDifferenceIntegrationScheme", "CentralDifferenceSolver"},
@@ -107,6 +127,7 @@ std::string_view typeHere(std::string_view type) {
       {"ParallelTetrahedronFEMForceField", "TetrahedronFEMForceField"}, {"ParallelHexahedronFEMForceField", "HexahedronFEMForceField"},
       {"ParallelCGLinearSolver", "CGLinearSolver"}, {"ParallelMeshSpringForceField", "MeshSpringForceField"},
       {"ParallelSpringForceField", "SpringForceField"}, {"ParallelStiffSpringForceField", "SpringForceField"},
+      {"SubsetTopology", "BoxROI"},
       {"DefaultPipeline", "CollisionPipeline"}, {"CollisionLoop", "CollisionPipeline"}, {"DefaultContactManager", "CollisionResponse"},
       {"RuleBasedContactManager", "CollisionResponse"}, {"TriangleModel", "TriangleCollisionModel"},
       {"TriangleSet", "TriangleCollisionModel"}, {"TriangleMesh", "TriangleCollisionModel"}, {"TTriangleModel", "TriangleCollisionModel"},
@@ -154,10 +175,9 @@ bool hasNoEffect(std::string_view type, std::string_view attribute) {
       {"LinearSmallStrainFEMForceField", {"elementStiffness", "computeForceStrategy", "computeForceDerivStrategy", "elementSpace"}},
       {"BeamFEMForceField", {"beamsData", "useSymmetricAssembly"}},
       {"MeshMatrixMass", {"printMass"}},
-      {"HexahedronFEMForceField", {"stiffnessMatrices"}},
       {"MeshOBJLoader", {"loadMaterial", "defaultMaterial", "materials", "computeMaterialFaces"}},
-      {"SphereForceField", {"contacts"}},
-      {"EllipsoidForceField", {"contacts"}},
+      {"Edge2QuadTopologicalMapping", {"toQuadContainer", "toQuadModifier"}},
+      {"AngularSpringForceField", {"limit"}},
       {"TriangleCollisionModel", {"contactResponse", "useCurvature", "size"}},
       {"LineCollisionModel", {"contactResponse", "size"}},
       {"PointCollisionModel", {"contactResponse", "size"}},
@@ -175,7 +195,7 @@ bool hasNoEffect(std::string_view type, std::string_view attribute) {
   for (const std::string_view key : {std::string_view("*"), type})
     if (const auto found = table.find(key); found != table.end() && contains(found->second, attribute))
       return true;
-  return false;
+  return isKeptBySofa(type, attribute);
 }
 
 bool isReadBySofa(std::string_view type, std::string_view attribute) {
@@ -207,6 +227,9 @@ bool isReadBySofa(std::string_view type, std::string_view attribute) {
       {"MeshOBJLoader", {"transformation", "handleSeams"}},
       {"TaitSurfacePressureForceField", {"maxInjectionRate", "initialVolume"}},
       {"TriangleFEMForceField", {"initialPoints"}},
+      {"TriangularQuadraticSpringsForceField", {"initialPoints"}},
+      {"TriangularBiquadraticSpringsForceField", {"initialPoints", "matrixRegularization"}},
+      {"InteractionEllipsoidForceField", {"object2_invert"}},
       {"TriangularFEMForceField", {"initialTransformation"}},
       {"JointSpringForceField", {"infile", "period", "reinit"}},
       {"LineCollisionModel", {"LineActiverPath"}},
@@ -225,7 +248,7 @@ bool isSofasDefault(std::string_view attribute, std::string_view value) {
       {"restRotations", {"0", "false"}}, {"clamp", {"0", "false"}}, {"minDistance", {"-1"}}, {"splitNormals", {"0", "false"}},
       {"force", {"1"}}, {"handleSeams", {"0", "false"}}, {"maxInjectionRate", {"1000"}}, {"initialVolume", {"0"}},
       {"infile", {""}}, {"period", {"0"}}, {"reinit", {"0", "false"}}, {"LineActiverPath", {""}}, {"PointActiverPath", {""}},
-      {"initialPoints", {""}}, {"initialTransformation", {""}}};
+      {"matrixRegularization", {"0.4"}}, {"object2_invert", {"0", "false"}}, {"initialPoints", {""}}, {"initialTransformation", {""}}};
   const auto found = table.find(attribute);
   if (found == table.end()) return false;
   if (contains(found->second, value)) return true;

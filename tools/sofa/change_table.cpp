@@ -16,6 +16,8 @@ const std::vector<TypeChange>& typeChanges() {
       {"AttachConstraint", "AttachProjectiveConstraint", "24.06"},
       {"FixedTranslationConstraint", "FixedTranslationProjectiveConstraint", "24.06"},
       {"FixedRotationConstraint", "FixedRotationProjectiveConstraint", "24.06"},
+      {"HermiteSplineConstraint", "HermiteSplineProjectiveConstraint", "24.06"},
+      {"ParabolicConstraint", "ParabolicProjectiveConstraint", "24.06"},
       {"LinearVelocityConstraint", "LinearVelocityProjectiveConstraint", "24.06"},
       {"StiffSpringForceField", "SpringForceField", "24.06"},
       {"ShewchukPCGLinearSolver", "PCGLinearSolver", "24.12"},

@@ -61,6 +61,7 @@ void Rewriting::run() {
   dropUnheard();
   dropIdleMappings();
   keepOneIntegrator(tree_->root(), false);
+  joinBodies();
   dropIdle(tree_->root(), false);
   holdMassless(tree_->root(), false);
   chooseSolvers();
@@ -311,9 +312,16 @@ void Rewriting::dropUnusedLoaders() {
   });
 }
 
-/// Without an answer to contacts SOFA's pipeline changes nothing, and neither do models without a pipeline.
+/// Without an answer to contacts SOFA's pipeline changes nothing, and neither do models without a pipeline. Without models it
+/// has nothing to look at.
 void Rewriting::dropIdleWatch() {
-  bool answers = false;
+  bool answers = false, can_touch = false;
+  tree_->forEach([&can_touch](Element& element) { can_touch = can_touch || element.role() == "collision model"; });
+  tree_->forEach([&](Element& element) {
+    if (can_touch || (!element.is("CollisionPipeline") && !element.is("CollisionResponse"))) return;
+    element.dropped = true;
+    noEffect(element.written->type + " where nothing can touch");
+  });
   tree_->forEachPlace([&](Place& place) {  // those that were accepted, which are no part any more, too
     for (const auto& element : place.elements) answers = answers || isContactAnswer(element->written->type);
   });

@@ -46,6 +46,9 @@ class Rewriting {
   bool isAskedFromOutside(const Place& place) const;
   static void moveJoints(NodeDescription& node);
 
+  // ---- rewritten_bodies.cpp: what SOFA leaves to each body ----
+  void joinBodies();
+
   // ---- rewritten_links.cpp ----
   void rewriteLinks(Element& element);
   void rewriteLink(Element& element, AttributeDescription& attribute, std::vector<std::string>& broken);

@@ -106,6 +106,8 @@ void Rewriting::meanField(Element& element) {
     setDefault(element, "bendingStiffness", "1");
     setDefault(element, "minDistValidity", "1e-06");
   }
+  if (type == "AngularSpringForceField") setQuirk(element, "one-sided-turns", "oneSided", "true");
+  if (type == "TorsionForceField") setQuirk(element, "torsion-tangent", "tangent", "transverse");
   const bool membrane = isOneOf(type, {"TriangularFEMForceField", "TriangleFEMForceField"});
   if (membrane && method != "small") setQuirk(element, "membrane-shape", "strain", "current");
   if (membrane || type == "TriangularFEMForceFieldOptim") setDefault(element, "thickness", "1");

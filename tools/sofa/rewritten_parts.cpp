@@ -66,9 +66,14 @@ void Rewriting::renameType(Element& element) {
       element.set("indices", "0");
     element.remove("fixAll");
   }
+  if (type == "SubsetTopology" && saysYes(element.text("localIndices")))
+    diagnostics_.error(element.find("localIndices")->where, element.path() + ".localIndices",
+                       "the parts keep the numbers of the whole here", "false", "MeshSubsetEngine numbers a part anew");
+  if (type == "SubsetTopology") element.remove("localIndices");
   if (type == "HexahedronFEMForceFieldAndMass" || type == "HexahedralFEMForceFieldAndMass") splitMass(element);
   if (type == "TetrahedronFEMForceField") splitPlasticity(element);
   element.written->type = std::string(typeHere(type));
+  if (type == "SubsetTopology" && element.find("centers")) tree_->retype(element, "SphereROI");
 }
 
 /// The plastic strain is a field beside the elastic one, which comes when the mesh of that is known.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <numbers>
 
 #include "framework/scene/text.h"
 #include "tools/sofa/rewriting.h"
@@ -110,13 +111,27 @@ void Rewriting::meanTimes(Element& element) {
   const std::string& type = element.written->type;
   const bool moves = type == "LinearMovementProjectiveConstraint" || type == "PartialLinearMovementProjectiveConstraint";
   const bool spans = type == "AffineMovementProjectiveConstraint" || type == "PatchTestMovementProjectiveConstraint";
+  const bool bends = type == "ParabolicProjectiveConstraint" || type == "HermiteSplineProjectiveConstraint";
   const bool swings = type == "OscillatorProjectiveConstraint", loads = type == "LinearForceField";
   const bool flows = type == "LinearVelocityProjectiveConstraint" && !element.find("continueAfterEnd");
-  if ((!moves && !spans && !swings && !loads && !flows) || !quirks_.use("late-times", element.path())) return;
+  const bool turns = type == "OscillatingTorsionPressureForceField";
+  if ((!moves && !spans && !bends && !turns && !swings && !loads && !flows) || !quirks_.use("late-times", element.path())) return;
   const double h = timeStep();
   if (spans) {
     for (const auto& [name, otherwise] : {std::pair("beginConstraintTime", 0.), std::pair("endConstraintTime", 20.)})
       element.set(name, printReal((element.find(name) ? std::atof(element.text(name).c_str()) : otherwise) + h));
+    return;
+  }
+  const Element* integrator = element.place->nearest("integrator");
+  const bool is_explicit = integrator && (integrator->is("EulerExplicitSolver") || integrator->is("CentralDifferenceSolver") ||
+                                          integrator->written->type.starts_with("RungeKutta"));
+  if (turns) {
+    if (is_explicit) return;
+    const double frequency = element.find("frequency") ? std::atof(element.text("frequency").c_str()) : 1;
+    return element.set("phase", printReal(-2 * std::numbers::pi * frequency * h));
+  }
+  if (bends) {
+    for (const char* name : {"BeginTime", "EndTime"}) element.set(name, printReal(std::atof(element.text(name).c_str()) + h));
     return;
   }
   if (swings) {
@@ -134,9 +149,6 @@ void Rewriting::meanTimes(Element& element) {
   } else if (flows) {
     delayVelocity(table, h);
   } else {
-    const Element* integrator = element.place->nearest("integrator");
-    const bool is_explicit = integrator && (integrator->is("EulerExplicitSolver") || integrator->is("CentralDifferenceSolver") ||
-                                            integrator->written->type.starts_with("RungeKutta"));
     const double first = table.times.front();
     if (!is_explicit) table.delay(h);
     if (first > 0) table.putFirst(table.times.front() - 1e-6 * h, std::vector<double>(table.width, 0.));  // nothing before it

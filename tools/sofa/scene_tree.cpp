@@ -63,11 +63,27 @@ Element* Place::nearest(std::string_view role) const {
 
 // ---- the tree ----
 
-SceneTree::SceneTree(NodeDescription& root, const Make& make) { build(root_, root, make); }
+SceneTree::SceneTree(NodeDescription& root, Make make) : make_(std::move(make)) { build(root_, root); }
+
+Element& SceneTree::add(Place& place, ComponentDescription component) {
+  auto element = std::make_unique<Element>();
+  element->made = std::make_unique<ComponentDescription>(std::move(component));
+  element->written = element->made.get();
+  element->place = &place;
+  element->name = element->written->name();
+  element->probe = make_(element->written->type);
+  place.elements.push_back(std::move(element));
+  return *place.elements.back();
+}
+
+void SceneTree::retype(Element& element, const std::string& type) const {
+  element.written->type = type;
+  element.probe = make_(type);
+}
 
 /// Names as SOFA gives them: CLASSNAME and a number from 1. Of equal ones the first is found; the others get names of
 /// their own, because a native scene has no two.
-void SceneTree::build(Place& place, NodeDescription& node, const Make& make) {
+void SceneTree::build(Place& place, NodeDescription& node) {
   place.node = &node;
   std::map<std::string, int> counts;
   std::set<std::string> taken;
@@ -84,7 +100,7 @@ void SceneTree::build(Place& place, NodeDescription& node, const Make& make) {
     const std::string given = component.name();
     element->name = unique(given.empty() ? component.type + std::to_string(++counts[component.type]) : given);
     if (!given.empty() && element->name != given) element->set("name", element->name);
-    element->probe = make(component.type);
+    element->probe = make_(component.type);
     place.elements.push_back(std::move(element));
   }
   std::set<std::string> children;
@@ -97,7 +113,7 @@ void SceneTree::build(Place& place, NodeDescription& node, const Make& make) {
     if (child->name != names[i])
       for (AttributeDescription& attribute : node.children[i].attributes)
         if (attribute.name == "name") attribute.value = child->name;
-    build(*child, node.children[i], make);
+    build(*child, node.children[i]);
     place.children.push_back(std::move(child));
   }
 }

@@ -30,6 +30,7 @@ void forLinks(const AttributeDescription& attribute, Visit&& visit) {
 
 struct Element {
   ComponentDescription* written = nullptr;
+  std::unique_ptr<ComponentDescription> made;  ///< what `written` is, where no scene wrote it
   Place* place = nullptr;
   std::string name;                  ///< by which links find it
   std::unique_ptr<Component> probe;  ///< null: there is no such component here
@@ -74,7 +75,7 @@ class SceneTree {
  public:
   using Make = std::function<std::unique_ptr<Component>(const std::string& type)>;
 
-  SceneTree(NodeDescription& root, const Make& make);
+  SceneTree(NodeDescription& root, Make make);
   Place& root() { return root_; }
   void forEach(const std::function<void(Element&)>& call) const { forEach(root_, call); }
   void forEachPlace(const std::function<void(Place&)>& call) { forEachPlace(root_, call); }
@@ -82,15 +83,21 @@ class SceneTree {
   LinkTarget follow(const Element& from, std::string_view link, bool names_data) const;
   /// The absolute link to an element, which has a name of its own from then on.
   static std::string linkTo(Element& element);
+  /// A component that no scene wrote, with a name that is free in the place; the passes see it from then on. Not to be called
+  /// while they go over the place.
+  Element& add(Place& place, ComponentDescription component);
+  /// The element becomes one of another type.
+  void retype(Element& element, const std::string& type) const;
   /// Takes out what is dropped and puts in what was added.
   void finish() { finish(root_); }
 
  private:
-  void build(Place& place, NodeDescription& node, const Make& make);
+  void build(Place& place, NodeDescription& node);
   static void forEach(const Place& place, const std::function<void(Element&)>& call);
   static void forEachPlace(Place& place, const std::function<void(Place&)>& call);
   static void finish(Place& place);
 
+  Make make_;
   Place root_;
 };
 

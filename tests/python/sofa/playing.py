@@ -7,6 +7,7 @@ import sys
 
 HERE = pathlib.Path(__file__).parent
 SCENES = HERE / "scenes"
+PATIENCE = float(os.environ.get("STROMA_TEST_PATIENCE", 600))  # seconds: only what hangs takes so long, whatever else a machine does
 COMMAND = os.environ.get("STROMA_COMMAND", "stroma")
 sys.path.insert(0, str(HERE / "library"))  # libraries that scenes import
 
@@ -36,5 +37,5 @@ def animate(root, steps):
 def run(*words, folder=None, **environment):
     """The command, in a folder of its own: what it returns and says."""
     path = os.pathsep.join([str(HERE / "library"), os.environ.get("PYTHONPATH", "")])
-    return subprocess.run([COMMAND, *map(str, words)], capture_output=True, text=True, timeout=120, cwd=folder,
+    return subprocess.run([COMMAND, *map(str, words)], capture_output=True, text=True, timeout=PATIENCE, cwd=folder,
                           env={**os.environ, "PYTHONPATH": path, **environment})

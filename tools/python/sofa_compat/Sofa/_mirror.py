@@ -8,7 +8,6 @@ from . import _messages, _values
 from ._base import Base
 from ._data import Data
 from ._objects import ForceField, Object
-from ._still import Still
 
 _LONG = 64  # numbers that are handed on as an array
 
@@ -28,7 +27,7 @@ class Mirror:
         self._keep_loaders = keep_loaders
         self._has_python = not keep_loaders and any(not each._s_type for each in root._s_all_objects())
         self._reachable = {id(node) for node in root._s_all_nodes()}
-        self._still = None if keep_loaders else Still(root, _is_moved, lambda child, node: self._place_of(child) is node)
+        self._has_integrator = any(_is_moved(node) for node in root._s_all_nodes())
         self._name_all(root, "")
         self.root = stroma.Node(_clean(root._s_name or "root"), strict=False, dialect="sofa", where=root._s_where)
         self._fill(root, self.root, set())
@@ -85,11 +84,6 @@ class Mirror:
 
     def _add(self, thing, copy):
         path = self.paths[id(thing)]
-        instead = self._still.instead.get(id(thing), thing) if self._still else thing
-        if instead is not thing:
-            if instead is not None:
-                copy.add(instead[0], name=path.rsplit("/", 1)[-1], where=thing._s_where, **instead[1])
-            return
         component = copy.add(thing._s_type, name=path.rsplit("/", 1)[-1], where=thing._s_where)
         if thing._s_facts.role == "mesh loader":
             self._loaders.append(path)
@@ -99,8 +93,6 @@ class Mirror:
             value = self._value(thing, data)
             if value is not None:
                 component.set(name, value, where=thing._s_where)
-        for name, value in (self._still.more.get(id(thing), {}) if self._still else {}).items():
-            component.set(name, value, where=thing._s_where)
 
     @staticmethod
     def _gives_nothing(thing, data):
@@ -117,15 +109,16 @@ class Mirror:
 
     def _add_mover(self, node, copy):
         """A state that nothing moves, in a scene with controllers: they may put it elsewhere, and springs follow it."""
-        for type, attributes in self._still.held.get(id(node), ()) if self._still else ():
-            copy.add(type, name=f"held_by_the_scene_{type}", where=node._s_where, **attributes)
-        if self._still and id(node) in self._still.held:
-            return
         if not self._has_python or _is_moved(node):
             return
-        states = [each for each in node._s_objects if each._s_type and each._s_facts.role == "mechanical state"]
-        if len(states) == 1 and not _acts(node):
+        states = _of_role(node, "mechanical state")
+        if len(states) == 1 and not _acts(node) and not self._is_held(node):
             copy.add("EulerExplicitSolver", name="moved_by_the_scene", where=states[0]._s_where)
+
+    def _is_held(self, node):
+        """Another state is mapped from the one here: the dialect holds it (tools/sofa/rewritten_bodies.cpp)."""
+        below = [child for child in node._s_children if self._place_of(child) is node]
+        return self._has_integrator and any(_of_role(child, "mapping") and _of_role(child, "mechanical state") for child in below)
 
     def _add_force_field(self, field, copy):
         """One that the scene writes in Python."""
@@ -197,6 +190,10 @@ def _acts(node):
     """Whether a state here has forces, masses, constraints or surfaces that touch others, on it or below, or follows another."""
     return any(each._s_type and each._s_facts.role == "mapping" for each in node._s_objects) or any(
         each._s_type and each._s_facts.role in _ACTING for each in node._s_all_objects())
+
+
+def _of_role(node, role):
+    return [each for each in node._s_objects if each._s_type and each._s_facts.role == role]
 
 
 def _is_moved(node):

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// ConicalForceField: a cone that keeps nodes inside, closed by the part of a sphere around its tip.
+//
+// With y = x - coneCenter, n the direction of coneHeight, H its length, alpha = coneAngle between the axis and the side, and
+// r, a the lengths of y across and along n, a node is inside where r cos(alpha) <= a sin(alpha) and |y| <= H. The depth g of
+// one that is not is its distance from there: from the side, from the cap, from the tip, or from the rim where these meet.
+//
+//   E = k/2 g^2,   f = -k g grad g - c g v,   df/dx = -k (grad g grad g^T + g H_g),   df/dv = -c g I
+//
+// Source: the name and the attributes are SOFA's. There the force beyond the cap points to the tip whatever the angle, the
+// damping acts along the force only and drives beyond the cap, and the tangent is -k grad g grad g^T.
+//
+// Example:
+// <Node name="root" dt="0.01" gravity="0 -9.81 0">
+//   <EulerImplicitSolver/>
+//   <CGLinearSolver iterations="50" tolerance="1e-10"/>
+//   <MechanicalObject position="0.6 0.5 0  0 1.1 0.1  0.1 -0.1 0  0.7 1 0"/>
+//   <UniformMass totalMass="0.4"/>
+//   <ConicalForceField coneCenter="0 0 0" coneHeight="0 1 0" coneAngle="30" stiffness="1000"/>
+// </Node>
+#include <cmath>
+#include <numbers>
+
+#include "components/loads/penalty_field.h"
+#include "framework/scene/factory.h"
+
+namespace stroma {
+namespace {
+
+class ConicalForceField final : public PenaltyField {
+ public:
+  void declare(DataTable& table) override {
+    PenaltyField::declare(table);
+    table.add("coneCenter", tip_).atOnce().help("the tip").unit("m");
+    table.add("coneHeight", height_).help("from the tip along the axis to the cap").unit("m").required();
+    table.add("coneAngle", angle_).help("between the axis and the side").unit("degree").min(0, false).max(90);
+    table.add("stiffness", stiffness_constant_).atOnce().help("force over depth").unit("N/m").min(0);
+  }
+  void init() override {
+    PenaltyField::init();
+    if (!(height_.norm() > 0)) throw ComponentError("coneHeight has no direction", "a vector that is not zero");
+    axis_ = height_.normalized();
+    const double angle = angle_ * std::numbers::pi / 180;
+    cosine_ = std::cos(angle), sine_ = std::sin(angle);
+  }
+
+ protected:
+  Depth depth(const Vec3& x) const override {
+    const Vec3 y = x - tip_;
+    const double a = y.dot(axis_), size = height_.norm();
+    const Vec3 across = y - a * axis_;
+    const double r = across.norm();
+    const Vec3 e = r > 0 ? Vec3(across / r) : Vec3(Vec3::Zero());
+    const double along_side = a * cosine_ + r * sine_, from_side = r * cosine_ - a * sine_;
+    if (from_side <= 0) return fromCentre(y, size);
+    if (along_side <= 0) return fromCentre(y, 0);
+    const Mat3 around = Mat3::Identity() - axis_ * axis_.transpose() - e * e.transpose();
+    if (along_side <= size) return {from_side, cosine_ * e - sine_ * axis_, cosine_ / r * around};
+    const double a_rim = a - size * cosine_, r_rim = r - size * sine_, g = std::hypot(a_rim, r_rim);
+    const double u = a_rim / g, w = r_rim / g;
+    const Vec3 tangent = u * e - w * axis_;
+    return {g, u * axis_ + w * e, tangent * tangent.transpose() / g + w / r * around};
+  }
+
+ private:
+  static Depth fromCentre(const Vec3& y, double radius) {
+    const double length = y.norm();
+    if (!(length > 0)) return {};
+    const Vec3 n = y / length;
+    return {length - radius, n, (Mat3::Identity() - n * n.transpose()) / length};
+  }
+
+  Vec3 tip_ = Vec3::Zero(), height_ = Vec3::Zero(), axis_ = Vec3::UnitY();
+  double angle_ = 10, cosine_ = 1, sine_ = 0;
+};
+
+}  // namespace
+}  // namespace stroma
+
+STROMA_COMPONENT(conical_force_field) {
+  factory.add<stroma::ConicalForceField>("ConicalForceField", "a cone that keeps nodes inside");
+}

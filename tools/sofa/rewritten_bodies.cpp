@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// What SOFA's scenes leave to each body, and the engine wants of all that move together. In SOFA every body has a solver of its
+// own and contacts tie them; here bodies that touch are one system, with one kind of solver. And in SOFA what no solver moves
+// stays where it is, with all that is mapped from it; here something has to hold it.
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <iterator>
+#include <map>
+#include <optional>
+
+#include "framework/scene/text.h"
+#include "tools/sofa/rewriting.h"
+
+namespace stroma::sofa {
+
+namespace {
+
+constexpr std::array<const char*, 2> damping_names = {"rayleighStiffness", "rayleighMass"};
+constexpr std::array<const char*, 2> damped_roles = {"force field", "mass"};
+using Damping = std::array<double, 2>;
+
+/// A component as far as a step depends on it.
+struct Kind {
+  std::string type;
+  std::map<std::string, std::string> attributes;
+  bool operator==(const Kind&) const = default;
+};
+/// What moves a body.
+struct Solvers {
+  Kind integrator, solver;
+};
+
+/// A number is one however it is written.
+std::string plain(const std::string& text) {
+  char* end = nullptr;
+  const double number = std::strtod(text.c_str(), &end);
+  return text.empty() || *end ? text : printReal(number);
+}
+
+Kind kindOf(const Element& element, bool with_damping) {
+  static const std::vector<std::string_view> besides = {"name", "printLog", "listening", "tags", "verbose"};
+  const auto has = [](const auto& list, std::string_view name) { return std::find(list.begin(), list.end(), name) != list.end(); };
+  Kind kind{element.written->type, {}};
+  for (const AttributeDescription& attribute : element.written->attributes) {
+    const Data* data = element.probe->data().find(attribute.name);
+    if (!data || data->link() || has(besides, attribute.name)) continue;
+    if (with_damping || !has(damping_names, std::string_view(data->name())))
+      kind.attributes[data->name()] = plain(std::string(trimmed(attribute.value)));
+  }
+  return kind;
+}
+
+Damping dampingOf(const Element& integrator) {
+  Damping damping{};
+  for (std::size_t i = 0; i < damping.size(); ++i) {
+    const Data* data = integrator.probe->data().find(damping_names[i]);
+    const std::string text = integrator.text(damping_names[i]);
+    damping[i] = !text.empty() ? std::atof(text.c_str()) : data ? std::atof(data->print().c_str()) : 0;
+  }
+  return damping;
+}
+
+std::vector<Element*> allOf(const Place& place, std::string_view role) {
+  std::vector<Element*> found;
+  for (const auto& element : place.elements)
+    if (!element->dropped && element->role() == role) found.push_back(element.get());
+  return found;
+}
+
+bool isIn(const std::vector<Place*>& list, const Place* place) { return std::find(list.begin(), list.end(), place) != list.end(); }
+
+bool isMoved(const Place& place) {
+  for (const Place* above = &place; above; above = above->parent)
+    if (above->has("integrator")) return true;
+  return false;
+}
+bool moves(const Place& place) {
+  return place.has("integrator") || std::any_of(place.children.begin(), place.children.end(),
+                                                [](const auto& child) { return !child->dropped && moves(*child); });
+}
+/// It has a state of its own, from which another one is mapped.
+bool leads(const Place& place) {
+  if (allOf(place, "mechanical state").size() != 1 || place.has("mapping")) return false;
+  return std::any_of(place.children.begin(), place.children.end(),
+                     [](const auto& child) { return !child->dropped && child->has("mapping") && child->has("mechanical state"); });
+}
+
+class Bodies {
+ public:
+  Bodies(SceneTree& tree, Diagnostics& diagnostics) : tree_(tree), diagnostics_(diagnostics) {}
+
+  void join() {
+    bool any_moves = false;
+    tree_.forEachPlace([&](Place& place) { any_moves = any_moves || place.has("integrator"); });
+    if (!any_moves) return;
+    tree_.forEachPlace([this](Place& place) {
+      if (!isMoved(place) && !moves(place) && leads(place)) still_.push_back(&place);
+    });
+    const std::vector<Place*> meeting = bodiesThatMeet();
+    const std::optional<Solvers> common = meeting.size() > 1 ? makeAlike(meeting) : std::nullopt;
+    const Solvers usual{{"EulerImplicitSolver", {}}, {"SparseLDLSolver", {}}};
+    for (Place* place : still_) hold(*place, common && isIn(meeting, bodyAt(place)) ? *common : usual);
+  }
+
+ private:
+  /// The outermost node that moves, or holds, what is in a place; null: nothing does.
+  Place* bodyAt(Place* place) const {
+    Place* body = nullptr;
+    for (; place; place = place->parent)
+      if (place->has("integrator") || isIn(still_, place)) body = place;
+    return body;
+  }
+  /// The bodies that something between two objects, or a mapping of several states, has to do with.
+  std::vector<Place*> bodiesAt(const Element& element) const {
+    std::vector<Place*> bodies;
+    const auto add = [&bodies](Place* body) {
+      if (body && !isIn(bodies, body)) bodies.push_back(body);
+    };
+    const std::string role = element.role();
+    if (role.empty() || role == "engine" || role == "mesh engine" || role == "selection") return bodies;
+    if (!element.find("object1") != !element.find("object2")) add(bodyAt(element.place));
+    for (const char* name : {"object1", "object2", "input", "input1", "input2"})
+      if (const AttributeDescription* given = element.find(name))
+        forLinks(*given, [&](std::string_view link) {
+          const LinkTarget target = tree_.follow(element, link, false);
+          add(bodyAt(target.element ? target.element->place : target.place));
+        });
+    return bodies;
+  }
+
+  /// Those that may touch others, and those that something between two objects ties.
+  std::vector<Place*> bodiesThatMeet() const {
+    std::vector<Place*> meeting;
+    const auto add = [&meeting](Place* body) {
+      if (body && !isIn(meeting, body)) meeting.push_back(body);
+    };
+    bool answers = false;
+    tree_.forEach([&answers](Element& element) { answers = answers || element.is("CollisionResponse"); });
+    tree_.forEach([&](Element& element) {
+      if (answers && element.role() == "collision model") add(bodyAt(element.place));
+      if (const std::vector<Place*> tied = bodiesAt(element); tied.size() > 1) std::for_each(tied.begin(), tied.end(), add);
+    });
+    return meeting;
+  }
+
+  /// The integrator and the linear solver that all of them have from now on; none: they are left.
+  std::optional<Solvers> makeAlike(const std::vector<Place*>& meeting) {
+    std::vector<Place*> moved;
+    std::copy_if(meeting.begin(), meeting.end(), std::back_inserter(moved),
+                 [](const Place* body) { return body->has("integrator"); });
+    if (moved.empty()) return std::nullopt;
+    Kind integrator = kindOf(*moved[0]->firstOf("integrator"), false);
+    const std::vector<Element*> first = allOf(*moved[0], "linear solver");
+    Damping shared = dampingOf(*moved[0]->firstOf("integrator"));
+    bool same_damping = true, same_solver = true;
+    for (const Place* body : moved) {
+      const Element& own = *body->firstOf("integrator");
+      const std::vector<Element*> solvers = allOf(*body, "linear solver");
+      if (!(kindOf(own, false) == integrator) || solvers.empty()) return std::nullopt;
+      same_damping = same_damping && dampingOf(own) == shared;
+      same_solver = same_solver && solvers.size() == 1 && kindOf(*solvers[0], true) == kindOf(*first[0], true);
+    }
+    if (!same_damping) shared = {};
+    for (std::size_t i = 0; i < shared.size(); ++i)
+      if (moved[0]->firstOf("integrator")->probe->data().find(damping_names[i]))
+        integrator.attributes[damping_names[i]] = printReal(shared[i]);
+    if (same_damping && same_solver) return Solvers{integrator, kindOf(*first[0], true)};
+    for (Place* body : moved) {
+      if (!same_damping) handDown(*body);
+      giveDirectSolver(*body);
+    }
+    return Solvers{integrator, {"SparseLDLSolver", {}}};
+  }
+
+  /// Of all bodies together: the iterations that were enough for one may not be.
+  void giveDirectSolver(Place& body) {
+    const std::vector<Element*> solvers = allOf(body, "linear solver");
+    Element& kept = *solvers[0];
+    for (Element* other : solvers) other->dropped = other != &kept;
+    Element& integrator = *body.firstOf("integrator");
+    if (integrator.find("linearSolver")) integrator.set("linearSolver", SceneTree::linkTo(kept));
+    if (solvers.size() == 1 && kindOf(kept, true) == Kind{"SparseLDLSolver", {}}) return;
+    diagnostics_.note(kept.written->where, kept.path(),
+                      "bodies that touch or are tied are one system here: their solvers are made alike, direct ones");
+    std::erase_if(kept.written->attributes, [](const AttributeDescription& attribute) { return attribute.name != "name"; });
+    tree_.retype(kept, "SparseLDLSolver");
+  }
+
+  /// The damping of an integrator becomes that of the force fields and masses that it moves.
+  void handDown(Place& body) {
+    Element& integrator = *body.firstOf("integrator");
+    const Damping damping = dampingOf(integrator);
+    for (std::size_t i = 0; i < damping.size(); ++i) {
+      if (integrator.probe->data().find(damping_names[i])) integrator.set(damping_names[i], "0");
+      if (damping[i] != 0) addDamping(body, i, damping[i]);
+    }
+  }
+  static void addDamping(Place& place, std::size_t which, double damping) {
+    for (const auto& element : place.elements) {
+      if (element->dropped || element->role() != damped_roles[which] || !element->probe->data().find(damping_names[which]))
+        continue;
+      element->set(damping_names[which], printReal(dampingOf(*element)[which] + damping));
+    }
+    for (const auto& child : place.children)
+      if (!child->dropped) addDamping(*child, which, damping);
+  }
+
+  void hold(Place& place, const Solvers& solvers) {
+    diagnostics_.note(place.node->where, place.path(),
+                      "no integrator moves it: it is held where it is, or where the scene puts it");
+    if (bodyAt(&place) == &place) add(place, solvers.integrator), add(place, solvers.solver);
+    add(place, {"FixedProjectiveConstraint", {{"fixAll", "true"}}});
+  }
+  void add(Place& place, const Kind& kind) {
+    const SourceLocation& where = place.node->where;
+    ComponentDescription component{kind.type, {{"name", "held_by_the_scene_" + kind.type, where}}, where, place.node->folder};
+    for (const auto& [name, value] : kind.attributes) component.attributes.push_back({name, value, where});
+    tree_.add(place, std::move(component));
+  }
+
+  SceneTree& tree_;
+  Diagnostics& diagnostics_;
+  std::vector<Place*> still_;  ///< that no integrator moves, and others follow
+};
+
+}  // namespace
+
+void Rewriting::joinBodies() { Bodies(*tree_, diagnostics_).join(); }
+
+}  // namespace stroma::sofa
