@@ -16,6 +16,7 @@ from PIL import Image
 
 TREE, STROMA = (os.path.abspath(path) for path in sys.argv[1:3])
 MARGIN = 1.12  # around what is drawn
+LONGEST = 900  # seconds of a command, after which it hangs
 EXAMPLES = sorted(glob.glob(os.path.join(TREE, "scenes", "examples", "*.xml")))
 WITHOUT_DISPLAY = {name: value for name, value in os.environ.items() if name not in ("DISPLAY", "WAYLAND_DISPLAY")}
 
@@ -35,7 +36,7 @@ EXPLODING = ('<Node name="root" dt="0.1"><EulerExplicitSolver/><Node name="cube"
 
 def run(*arguments, folder, code=0):
     result = subprocess.run([STROMA, *map(str, arguments)], capture_output=True, text=True, cwd=folder, env=WITHOUT_DISPLAY,
-                            timeout=200)
+                            timeout=LONGEST)
     assert result.returncode == code, f"{arguments} ended with {result.returncode}\n{result.stdout}{result.stderr}"
     return result.stdout + result.stderr
 
@@ -317,6 +318,109 @@ class Pixels(Case):
             self.assertEqual(image.text["Title"], "Würfel")
 
 
+BODY = """<Node name="%s"><EulerImplicitSolver/><CGLinearSolver/><RegularGridTopology name="grid" n="3 2 2" min="%g %g %g" max="%g %g %g"/>
+  <MechanicalObject name="dofs"/><UniformMass totalMass="1"/></Node>"""
+
+
+def bodies(*boxes):
+    """A scene with blocks: name, corner, sides."""
+    return '<Node name="root" gravity="0 0 0" units="m kg s" dt="0.01">' + "".join(
+        BODY % (name, *low, *(a + b for a, b in zip(low, sides))) for name, low, sides in boxes) + "</Node>"
+
+
+class Distant(Case):
+    """Bodies that are too far apart for one picture have a panel each; one can be framed."""
+
+    LOOK = ("-n", 0, "--view", "front", "--bare", "--field", "none", "--no-shading")
+    BEAM = (1, 0.25, 0.25)
+
+    def panels(self, count, side=400):
+        """Width and height of what each panel shows, and which part of that box is covered."""
+        image, found = pixels(self.path("two.png")), []
+        self.assertEqual(image.shape[:2], (side, count * side))
+        for i in range(count):
+            seen = body(image[:, side * i:side * (i + 1)])
+            rows, columns = np.flatnonzero(seen.any(axis=1)), np.flatnonzero(seen.any(axis=0))
+            self.assertTrue(len(rows), f"panel {i} is empty")
+            found.append((np.ptp(columns) + 1, np.ptp(rows) + 1, seen.sum() / ((np.ptp(columns) + 1) * (np.ptp(rows) + 1))))
+        return found
+
+    def test_each_has_a_panel_at_its_own_scale(self):
+        full = 400 / MARGIN
+        for low, sides in (((1000, 0, 0), self.BEAM), ((0, 0, 50), self.BEAM), ((0, 0, -1000), self.BEAM), ((3, 10, -2), (0.01, 0.0025, 0.0025))):
+            with self.subTest(low):
+                scene = self.write("two.xml", bodies(("left", (0, 0, 0), self.BEAM), ("right", low, sides)))
+                said = self.picture(scene, *self.LOOK, "--size", "800x400")
+                self.assertRegex(said, r"left and right are [0-9.]+ m apart")
+                for width, height, covered in self.panels(2):
+                    self.assertAlmostEqual(width, full, delta=3)
+                    self.assertAlmostEqual(height, full / 4, delta=3)
+                    self.assertGreater(covered, 0.97)
+        self.assertIn("left and right are 10.2 m apart", said)  # the square root of 2 * 2, 9.75 * 9.75 and 1.9975 * 1.9975
+
+    def test_those_that_are_near_share_one(self):
+        scene = self.write("two.xml", bodies(("left", (0, 0, 0), self.BEAM), ("right", (4, 0, 0), self.BEAM)))
+        said = self.picture(scene, *self.LOOK, "--size", "400x400")
+        self.assertNotIn("apart", said)
+        (width, height, covered), = self.panels(1)
+        self.assertAlmostEqual(width, 400 / MARGIN, delta=3)
+        self.assertAlmostEqual(height, 400 / MARGIN / 5 / 4, delta=2)
+        self.assertAlmostEqual(covered, 2 / 5, delta=0.03)
+
+    def test_a_body_that_is_named_is_framed(self):
+        scene = self.write("two.xml", bodies(("left", (0, 0, 0), self.BEAM), ("right", (1.25, 0, 0), self.BEAM), ("far", (1000, 0, 0), self.BEAM)))
+        full, shown = 400 / MARGIN, (MARGIN - 1) / 2
+        for frames, sizes in ((["/far"], [1]), (["/right", "/far"], [1, 1]), (["/left", "/left/"], [1, 1])):
+            self.picture(scene, *self.LOOK, "--size", f"{400 * len(frames)}x400", *(word for path in frames for word in ("--frame", path)))
+            for (width, height, covered), size in zip(self.panels(len(frames)), sizes):
+                self.assertAlmostEqual(width, size * full, delta=3)
+                self.assertAlmostEqual(height, full / 4, delta=3)
+                self.assertGreater(covered, 0.97)
+        # what is beside the framed body is drawn as far as it is in sight
+        scene = self.write("two.xml", bodies(("left", (0, 0, 0), self.BEAM), ("right", (1.02, 0, 0), self.BEAM)))
+        self.picture(scene, *self.LOOK, "--size", "400x400", "--frame", "/left")
+        (width, _, _), = self.panels(1)
+        self.assertAlmostEqual(width, full * (1 + shown), delta=3)
+        # and all of it, however small that is
+        scene = self.write("two.xml", bodies(("left", (0, 0, 0), self.BEAM), ("far", (1000, 0, 0), self.BEAM)))
+        said = self.picture(scene, *self.LOOK, "--size", "400x400", "--frame", "/")
+        self.assertNotIn("apart", said)
+        self.assertLess(body(pixels(self.path("two.png"))).sum(), 20)
+
+    def test_panels_say_how_far_and_how_large(self):
+        """The words stand above, a bar with its length in each panel; the caption names the body."""
+        scene = self.write("two.xml", bodies(("left", (0, 0, 0), self.BEAM), ("right", (1000, 0, 0), self.BEAM)))
+        look = ("-n", 0, "--view", "front", "--field", "none")
+        self.picture(scene, *look, "--size", "800x400")
+        image = pixels(self.path("two.png"))[:, :, :3].max(axis=2) < 120
+        self.assertGreater(image[:25].sum(), 100, "no words above")
+        with Image.open(self.path("two.png")) as picture:
+            self.assertIn("left and right are 999 m apart", picture.text["Description"])
+        lengths = []
+        for i in range(2):  # the longest dark run in the lower part of the panel is the bar
+            rows = image[300:382, 400 * i + 200:400 * (i + 1)]
+            lengths.append(max(len(run) for row in rows for run in "".join("x" if dark else " " for dark in row).split()))
+        metre = 400 / MARGIN
+        for length in lengths:
+            self.assertAlmostEqual(length / metre, 0.25, delta=0.02)
+
+    def test_films_have_the_panels_too(self):
+        scene = self.write("two.xml", bodies(("left", (0, 0, 0), self.BEAM), ("right", (1000, 0, 0), self.BEAM)))
+        self.assertIn("3 frames", self.picture(scene, "-n", 2, "--animate", "--size", "400x200", "-o", "film.png"))
+        with Image.open(self.path("film.png")) as film:
+            film.seek(2)
+            image = np.asarray(film.convert("RGBA")).astype(int)
+        for half in (image[60:150, :200], image[60:150, 200:]):
+            self.assertGreater(body(half).sum(), 500)
+
+    def test_a_small_body_near_a_large_one_is_named(self):
+        scene = self.write("two.xml", bodies(("left", (0, 0, 0), self.BEAM), ("dust", (1.1, 0, 0), (0.001, 0.001, 0.001))))
+        said = self.picture(scene, "-n", 0, "--size", "400x300")
+        self.assertIn("note: /dust is less than 6 pixels large in the picture; --frame /dust draws it large", said)
+        self.assertNotIn("is less than", self.picture(scene, "-n", 0, "--size", "400x300", "--frame", "/dust"))
+        self.assertNotIn("is less than", self.picture(scene, "-n", 0, "--size", "400x300", "--quiet"))
+
+
 class Films(Case):
     def test_frames_are_counted_and_differ(self):
         scene = self.write("cube.xml", CUBE % FALLING)
@@ -420,8 +524,8 @@ class Refusals(Case):
                                  (("--view", "frnt"), "front"), (("--range", "3,1"), "LOW below HIGH"),
                                  (("--size", "10x10"), "64 to 7680"), (("--cut", "w=3"), "x=VALUE"), (("--every", 2), "--animate"),
                                  (("--at", "soon"), "start or end"), (("-o", "cube.jpg"), ".png"), (("-n", 1, "--until", 1), "exclude"),
-                                 (("--hide", "/cub"), "/cube"), (("-n", 1, "--at", 5), "larger -n"), (("--until", 1, "--at", "0.5,1.5"), "--at 1.5: the run ends at 1 s"),
-                                 (("--at=-1",), "from 0 s on"), (("--fps", 0.01, "--animate"), "0.1 or more"),
+                                 (("--hide", "/cub"), "/cube"), (("--frame", "/cub"), "/cube"), (("--frame", "/cube", "--hide", "/cube"), "nothing of /cube is drawn"), (("-n", 1, "--at", 5), "larger -n"), (("--until", 1, "--at", "0.5,1.5"), "--at 1.5: the run ends at 1"),
+                                 (("--at=-1",), "a time from 0 on"), (("--fps", 0.01, "--animate"), "0.1 or more"),
                                  (("--fps", 1e6, "--animate"), "1000 or less"),
                                  (("--range", "1,1.0000000000000002"), "tells its ends apart"),
                                  (("--range", "0,1e-40"), "tells its ends apart"), (("--range=-1e308,1e308",), "tells its ends")):
@@ -463,7 +567,7 @@ class Refusals(Case):
             resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
         environment = {**WITHOUT_DISPLAY, "MESA_SHADER_CACHE_DISABLE": "true"}
         result = subprocess.run([STROMA, "picture", scene, "-n", "300", "--anyway"], capture_output=True, text=True,
-                                cwd=self.folder, env=environment, timeout=100, preexec_fn=limit, restore_signals=False)
+                                cwd=self.folder, env=environment, timeout=LONGEST, preexec_fn=limit, restore_signals=False)
         self.assertEqual(result.returncode, 4, result.stderr)
         self.assertIn("cube.png", result.stderr)
 
@@ -480,7 +584,7 @@ class Refusals(Case):
         self.write("none", "")
         environment = {**WITHOUT_DISPLAY, "__EGL_VENDOR_LIBRARY_FILENAMES": self.path("none")}
         result = subprocess.run([STROMA, "picture", scene, "-n", "0"], capture_output=True, text=True, cwd=self.folder,
-                                env=environment, timeout=60)
+                                env=environment, timeout=LONGEST)
         self.assertEqual(result.returncode, 2, result.stderr)
         self.assertIn("libgl1-mesa-dri", result.stderr)
         self.assertFalse(os.path.exists(self.path("cube.png")))

@@ -13,7 +13,7 @@ try:
     import numpy
     from PIL import Image
     from selenium import webdriver
-    from selenium.common.exceptions import StaleElementReferenceException
+    from selenium.common.exceptions import JavascriptException, StaleElementReferenceException, WebDriverException
     from selenium.webdriver.common.action_chains import ActionChains
     from selenium.webdriver.common.by import By
     from selenium.webdriver.common.keys import Keys
@@ -22,7 +22,9 @@ except ImportError as missing:
     print(f"skipped: {missing} (packages python3-selenium, python3-numpy and python3-matplotlib)")
     sys.exit(77)
 
-PATIENCE = float(os.environ.get("STROMA_TEST_PATIENCE", 60))
+from websocket import PATIENCE  # pylint: disable=wrong-import-position
+
+ATTEMPTS = 3  # to start the browser: its port may be taken meanwhile, and it gives up by itself where it is not given time
 
 
 def skip_without_browser():
@@ -33,6 +35,11 @@ def skip_without_browser():
             sys.exit(77)
 
 
+def difference(one, other):
+    """The part of the numbers of two pictures that differ: all, where their sizes do."""
+    return (one != other).mean() if one.shape == other.shape else 1
+
+
 class Browser:
     """One browser for all cases; a context."""
 
@@ -40,21 +47,41 @@ class Browser:
         self.folder = tempfile.mkdtemp(prefix="stroma_browser_")
         self.downloads = os.path.join(self.folder, "downloads")
         os.mkdir(self.downloads)
+        self.driver = self.started()
+        self.driver.set_page_load_timeout(PATIENCE)
+        self.driver.set_script_timeout(PATIENCE)
+        self.size(1280, 800)
+
+    def started(self):
+        """A driver."""
+        for attempt in range(1, ATTEMPTS + 1):
+            service = Service(shutil.which("chromedriver"))
+            try:
+                return webdriver.Chrome(options=self.options(f"profile{attempt}"), service=service)
+            except WebDriverException as error:
+                if getattr(service, "process", None):
+                    service.stop()
+                if attempt == ATTEMPTS:
+                    raise
+                print(f"the browser did not start, and is started again: {error}", flush=True)
+
+    def options(self, profile):
+        """How it is started."""
         options = webdriver.ChromeOptions()
         options.binary_location = shutil.which("chromium")
         for argument in ("--headless=new", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-sandbox",
                          "--disable-gpu-compositing", "--disable-gpu-rasterization",  # by software too, and not by way of another imitated card
+                         # however slow the machine is, nothing is given up and nothing waits for a page that nobody looks at
+                         "--disable-gpu-watchdog", "--disable-hang-monitor", "--disable-renderer-backgrounding",
+                         "--disable-backgrounding-occluded-windows", "--disable-background-timer-throttling",
                          "--disable-dev-shm-usage", "--disable-extensions", "--no-first-run", "--disable-background-networking",
                          "--disable-component-update", "--disable-sync", "--mute-audio", "--window-size=1280,800", "--force-device-scale-factor=1",
-                         f"--user-data-dir={os.path.join(self.folder, 'profile')}"):
+                         f"--user-data-dir={os.path.join(self.folder, profile)}"):
             options.add_argument(argument)
         options.add_experimental_option("prefs", {"download.default_directory": self.downloads, "download.prompt_for_download": False,
                                                   "profile.default_content_setting_values.automatic_downloads": 1})
         options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-        self.driver = webdriver.Chrome(options=options, service=Service(shutil.which("chromedriver")))
-        self.driver.set_page_load_timeout(PATIENCE)
-        self.driver.set_script_timeout(PATIENCE)
-        self.size(1280, 800)
+        return options
 
     def close(self):
         """Ends the browser."""
@@ -93,17 +120,17 @@ class Browser:
         self.until("location.href === 'about:blank' && !window.stroma", "the page to be left")
 
     def until(self, condition, what, seconds=PATIENCE):
-        """Waits for some JavaScript, or a function, to be true."""
-        end = time.monotonic() + seconds
+        """Waits for some JavaScript, or a function, to be true. What it asks of may not be there yet, or be made anew meanwhile."""
+        end, problem = time.monotonic() + seconds, ""
         while True:
             try:
                 value = condition() if callable(condition) else self.script(condition)
                 if value:
                     return value
-            except StaleElementReferenceException:
-                pass  # the page has made the element anew meanwhile
+            except (JavascriptException, StaleElementReferenceException) as error:
+                problem = str(error)
             if time.monotonic() > end:
-                raise AssertionError(f"waited {seconds} s for {what}\n" + "\n".join(self.complaints()))
+                raise AssertionError(f"waited {seconds} s for {what}\n{problem}\n" + "\n".join(self.complaints()))
             time.sleep(0.03)
 
     def complaints(self):
@@ -155,6 +182,17 @@ class Browser:
         left, top, width, height = (int(round(value)) for value in box)
         return whole[max(0, top):top + height, max(0, left):left + width]
 
+    def still(self, element="canvas"):
+        """The picture of a run that is paused, when nothing is left to draw: two in a row are alike."""
+        seen = []
+
+        def alike():
+            self.until("!window.stroma.stage.asked && window.stroma.frameDrawn === (window.stroma.store.shown?.header.frame ?? -1)", "the drawing to end")
+            seen.append(self.picture(element))
+            return len(seen) > 1 and difference(*seen[-2:]) == 0
+        self.until(alike, "a still picture")
+        return seen[-1]
+
     def drawn(self):
         """Part of the picture that is not its most frequent colour, and how many colours that part has."""
         pixels = self.picture().reshape(-1, 3)
@@ -198,15 +236,12 @@ class Browser:
         click()
         end = time.monotonic() + seconds
         while time.monotonic() < end:
-            new = [name for name in set(os.listdir(self.downloads)) - before if name.endswith(ending)]
-            if new:
-                path = os.path.join(self.downloads, new[0])
-                size = -1
-                while size != os.path.getsize(path):  # a browser names the file before it is whole
-                    size = os.path.getsize(path)
-                    time.sleep(0.1)
-                with open(path, "rb") as file:
-                    return path, file.read()
+            names = os.listdir(self.downloads)
+            new = [os.path.join(self.downloads, name) for name in set(names) - before if name.endswith(ending)]
+            # The name is taken by an empty file first; what comes is written under another one, which is the file at the end.
+            if new and os.path.getsize(new[0]) > 0 and not any(name.endswith(".crdownload") for name in names):
+                with open(new[0], "rb") as file:
+                    return new[0], file.read()
             time.sleep(0.05)
         raise AssertionError(f"no file *{ending} was written; the console: {self.complaints()}")
 
@@ -215,7 +250,7 @@ class Proxy:
     """Stands between the page and the server; can cut what goes through it."""
 
     def __init__(self, port):
-        self.target, self.is_cut, self.pairs = port, False, []
+        self.target, self.is_cut, self.pairs, self.lock = port, False, [], threading.Lock()
         self.listener = socket.create_server(("127.0.0.1", 0))
         self.port = self.listener.getsockname()[1]
         threading.Thread(target=self._accept, daemon=True).start()
@@ -226,11 +261,12 @@ class Proxy:
                 near, _ = self.listener.accept()
             except OSError:
                 return
-            if self.is_cut:
-                near.close()
-                continue
-            far = socket.create_connection(("127.0.0.1", self.target))
-            self.pairs += [near, far]
+            with self.lock:  # no connection is made while all are cut
+                if self.is_cut:
+                    near.close()
+                    continue
+                far = socket.create_connection(("127.0.0.1", self.target))
+                self.pairs += [near, far]
             for one, other in ((near, far), (far, near)):
                 threading.Thread(target=self._pump, args=(one, other), daemon=True).start()
 
@@ -250,14 +286,14 @@ class Proxy:
 
     def cut(self):
         """From now on nothing goes through."""
-        self.is_cut = True
-        for one in self.pairs:
+        with self.lock:
+            self.is_cut, pairs, self.pairs = True, self.pairs, []
+        for one in pairs:
             try:
                 one.shutdown(socket.SHUT_RDWR)
-                one.close()
             except OSError:
-                pass
-        self.pairs = []
+                pass  # the other end was first
+            one.close()
 
     def mend(self):
         """New connections go through."""
@@ -269,4 +305,4 @@ class Proxy:
         self.cut()
 
 
-__all__ = ["Browser", "Image", "Keys", "Proxy", "skip_without_browser"]
+__all__ = ["Browser", "Image", "Keys", "Proxy", "difference", "skip_without_browser"]

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Starts `stroma view`, speaks HTTP with it, and pages that need no browser."""
+import ctypes
 import json
 import os
 import re
@@ -13,9 +14,15 @@ import time
 
 import numpy
 
-from websocket import TEXT, Closed, Packet, WebSocket, read_head
+from websocket import PATIENCE, TEXT, Closed, Packet, WebSocket, read_head
 
-PATIENCE = float(os.environ.get("STROMA_TEST_PATIENCE", 60))  # seconds that any answer may take where a machine has much else to do
+LIBC = ctypes.CDLL(None)
+PR_SET_PDEATHSIG = 1
+
+
+def end_with_the_test():
+    """In a new process: it does not outlive a test that is killed."""
+    LIBC.prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
 
 
 class Server:
@@ -26,7 +33,8 @@ class Server:
         self.errors = open(os.path.join(self.folder, "errors"), "w+", encoding="utf-8")
         self.expected, self.pages = expected, []
         self.process = subprocess.Popen([stroma, "view", scene, "--no-open", "--port", "0", *options], text=True,
-                                        stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=self.errors, cwd=self.folder)
+                                        stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=self.errors, cwd=self.folder,
+                                        preexec_fn=end_with_the_test)
         ready, _, _ = select.select([self.process.stdout], [], [], PATIENCE)
         self.address = self.process.stdout.readline().strip() if ready else ""
         match = re.fullmatch(r"http://127\.0\.0\.1:(\d+)/\?token=([0-9a-zA-Z_-]{20,})", self.address)
@@ -79,6 +87,12 @@ class Server:
         """Resident, in bytes."""
         with open(f"/proc/{self.process.pid}/statm", encoding="ascii") as file:
             return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+    def spent(self):
+        """Seconds of processor time so far."""
+        with open(f"/proc/{self.process.pid}/stat", encoding="ascii") as file:
+            fields = file.read().rpartition(")")[2].split()
+        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
     def end(self):
         """Ctrl-C; checks the exit code. What it printed last; a second call does nothing."""
@@ -187,11 +201,10 @@ class Page:
             assert left > 0, f"waited {seconds} s for {what}; the run is {self.status}"
             self.take(min(left, 0.2))
 
-    def during(self, seconds):
-        """Takes whatever comes."""
-        end = time.monotonic() + seconds
-        while time.monotonic() < end:
-            self.take(max(0.001, end - time.monotonic()))
+    def pictures(self, count):
+        """Waits for so many more: the run goes on meanwhile."""
+        before = self.frames
+        self.until(lambda: self.frames >= before + count, f"{count} pictures")
 
     # ---- what is asked ----
 

@@ -5,12 +5,13 @@ the loss of its server. Usage: test_page.py TREE STROMA [names of tests]"""
 import glob
 import io
 import os
+import re
 import signal
 import sys
 import tempfile
 import unittest
 
-from browser import Browser, Image, Keys, Proxy, skip_without_browser
+from browser import Browser, Image, Keys, Proxy, difference, skip_without_browser
 
 skip_without_browser()
 
@@ -64,15 +65,16 @@ class PageTest(unittest.TestCase):
         PageTest.complaints += browser.complaints()
         browser.leave()
         browser.size(1280, 800)
+        browser.scheme("light")
         if self.quiet:
             self.assertEqual(PageTest.complaints, [], "the console")
 
     def shows_bodies(self):
-        """Something is drawn that has shades."""
-        part, colours = browser.drawn()
-        self.assertGreater(part, 0.01, "hardly anything is drawn")
-        self.assertLess(part, 0.98)
-        self.assertGreater(colours, 8)
+        """Something is drawn that has shades: more than a few pixels, less than all."""
+        def is_drawn():
+            part, colours = browser.drawn()
+            return 0.01 < part < 0.98 and colours > 8
+        browser.until(is_drawn, "bodies that are drawn and shaded")
 
 
 class EveryExample(PageTest):
@@ -108,13 +110,13 @@ class Drawing(PageTest):
     def test_a_run_changes_the_picture(self):
         with Server(STROMA, example("organ.xml"), "--paused") as viewed:
             browser.open(viewed.address)
-            before = browser.picture()
-            browser.script("window.stroma.stage.requestDraw && window.stroma.stage.requestDraw()")
-            self.assertEqual(abs(browser.picture().astype(int) - before).max(), 0, "a still scene gives another picture")
+            before = browser.still()
+            browser.script("window.stroma.stage.requestDraw()")
+            self.assertEqual(difference(browser.still(), before), 0, "a still scene gives another picture")
             for _ in range(10):
                 browser.press(Keys.ARROW_RIGHT)
             browser.until("window.stroma.store.shown.header.step >= 10 && window.stroma.frameDrawn === window.stroma.store.shown.header.frame", "ten steps")
-            changed = (abs(browser.picture().astype(int) - before).max(axis=2) > 8).mean()
+            changed = (abs(browser.still().astype(int) - before).max(axis=2) > 8).mean()
             self.assertGreater(changed, 0.002)
 
     def test_fields_colour_the_bodies(self):
@@ -122,15 +124,17 @@ class Drawing(PageTest):
             browser.open(viewed.address)
             browser.click("step")
             browser.until("window.stroma.store.shown.header.step === 1", "a step")
+            before, legends = browser.still(), ""
             plain = browser.drawn()[1]
             options = browser.script("Array.from(document.querySelector('[data-test=field]').options, o => o.value)")
             self.assertGreater(len(options), 3)
-            before, legends = browser.picture(), ""
             for value in options[1:]:
                 browser.choose("field", value)
-                browser.until("!document.querySelector('[data-test=legend]').hidden", f"the legend of {value}")
-                browser.until(lambda before=before: (browser.picture() != before).any(), f"another picture with {value}")
-                before = browser.picture()
+                title = re.sub("([a-z])([A-Z])", r"\1 \2", value.split("|")[0])
+                browser.until(f"(e => !e.hidden && e.textContent.startsWith('{title[0].upper() + title[1:]}'))(document.querySelector('[data-test=legend]'))",
+                              f"the legend of {value}")
+                browser.until(lambda before=before: difference(browser.picture(), before) > 0, f"another picture with {value}")
+                before = browser.still()
                 legends += browser.find("legend").text + "\n"
             self.assertGreater(browser.drawn()[1], plain / 2)
             for unit in ("Pa", "m/s"):
@@ -139,12 +143,16 @@ class Drawing(PageTest):
     def test_a_cut_shows_the_inside(self):
         with Server(STROMA, example("organ.xml"), "--paused") as viewed:
             browser.open(viewed.address)
-            before = browser.picture()
             browser.click("tab-cut")
+            before = browser.still()
             browser.click("cut")
             browser.until("window.stroma.store.view.cut.on && window.stroma.store.bodies[0].tetrahedra", "cells")
-            browser.until(lambda: (browser.picture() != before).mean() > 0.01, "the cut")
+            browser.until(lambda: difference(browser.picture(), before) > 0.01, "the cut")
             self.shows_bodies()
+            lines = "Math.max(...window.stroma.stage.cut.outlines.material.uniforms.colour.value.toArray())"
+            self.assertLess(browser.script(lines), 0.2)
+            browser.choose("field", "displacement")
+            browser.until(f"{lines} > 0.7", "lines of cells that the dark end of the colours does not swallow")
 
     def test_the_canvas_says_which_hand_acts_and_how_the_cut_moves(self):
         with Server(STROMA, example("organ.xml"), "--paused") as viewed:
@@ -190,6 +198,31 @@ class Drawing(PageTest):
             self.assertGreater(far[0], 1, "it is not behind the last plane that is drawn")
             self.assertLess(far[1], 1, "the camera has followed")
 
+    def test_one_of_two_distant_bodies_is_framed(self):
+        """Bars of 1 m, a kilometre apart: both are dots in one picture, and each fills it alone."""
+        bar = ('<Node name="%s"><EulerImplicitSolver/><CGLinearSolver/><RegularGridTopology n="5 2 2" min="%g 0 0" max="%g 0.2 0.2"/>'
+               '<MechanicalObject name="dofs"/><UniformMass totalMass="1"/></Node>')
+        with tempfile.TemporaryDirectory() as folder:
+            scene = os.path.join(folder, "two.xml")
+            with open(scene, "w", encoding="utf-8") as file:
+                file.write('<Node name="root" gravity="0 0 0">' + bar % ("left", 0, 1) + bar % ("right", 1000, 1001) + "</Node>")
+            with Server(STROMA, scene, "--paused") as viewed:
+                browser.open(viewed.address)
+                seen = """(s => s.store.bodies.map((b, i) => { const x = Array.from(b.sceneNode, (_, n) => s.screenOf(i, n).x), eye = s.stage.camera.position.toArray();
+                    return [Math.max(...x) - Math.min(...x), Math.hypot(...s.stage.views[i].drawnAt(0).map((p, c) => p - eye[c]))]; }))(window.stroma)"""
+                self.assertLess(max(width for width, _ in browser.script(seen)), 5)
+                self.assertLess(browser.script("window.stroma.stage.controls.minDistance"), 0.1, "the wheel comes near enough")
+                for frame, body in ((lambda: browser.css('[data-test="frame-/right"]').click(), 1), (lambda: browser.press_with(Keys.SHIFT, "F"), 0),
+                                    (lambda: browser.press_with(Keys.SHIFT, "F"), 1)):
+                    frame()
+                    widths, distances = zip(*browser.script(seen))
+                    self.assertGreater(widths[body], 200)
+                    self.assertLess(max(distances), browser.script("window.stroma.stage.camera.far"), "the other one is behind the last plane that is drawn")
+                    browser.still()
+                    self.shows_bodies()
+                browser.press("f")
+                self.assertLess(max(width for width, _ in browser.script(seen)), 5)
+
     def test_light_and_dark(self):
         with Server(STROMA, example("organ.xml"), "--paused") as viewed:
             shades = {}
@@ -197,12 +230,11 @@ class Drawing(PageTest):
                 browser.scheme(scheme)
                 browser.open(viewed.address)
                 self.shows_bodies()
-                shades[scheme] = numpy.median(browser.picture("body"))
+                shades[scheme] = numpy.median(browser.still("body"))
             self.assertGreater(shades["light"], shades["dark"] + 60)
             browser.click("theme")
             browser.until(lambda: numpy.median(browser.picture("body")) > shades["dark"] + 60, "the light page")
             browser.script("localStorage.clear()")
-            browser.scheme("light")
 
     def test_a_small_window_and_a_touch(self):
         with Server(STROMA, example("organ.xml"), "--paused") as viewed:
@@ -215,12 +247,12 @@ class Drawing(PageTest):
                 box = browser.find(name).rect
                 self.assertTrue(0 <= box["x"] and box["x"] + box["width"] <= 400 and 0 <= box["y"] and box["y"] + box["height"] <= 700, (name, box))
             # a finger turns the view
-            before = browser.picture()
+            before = browser.still()
             browser.pointer("down", 200, 350, touch=True)
             for x in range(200, 290, 15):
                 browser.pointer("move", x, 360, touch=True)
             browser.pointer("up", 290, 360, touch=True)
-            browser.until(lambda: (browser.picture() != before).mean() > 0.01, "the view to turn")
+            browser.until(lambda: difference(browser.picture(), before) > 0.01, "the view to turn")
             # and pulls
             browser.script("window.stroma.hands.setMode('pull')")
             self.pull(touch=True)
@@ -258,9 +290,9 @@ class Reaching(PageTest):
                 browser.until("window.stroma.store.newest.header.hands.length === 1", "the hand")
                 browser.press(Keys.ARROW_RIGHT)
                 browser.until("window.stroma.store.shown.header.step === 1 && window.stroma.frameDrawn === window.stroma.store.shown.header.frame", "the step")
-                hand = browser.script("window.stroma.store.shown.header.hands[0]")
-                label = float(browser.css(f'.force[data-hand="{hand["hand"]}"]').get_attribute("data-force"))
-                pulled = browser.positions()
+                hand, label, pulled = browser.script("(s => { const hand = s.store.shown.header.hands[0]; return [hand,"
+                                                     " document.querySelector(`.force[data-hand=\"${hand.hand}\"]`).dataset.force, Array.from(s.positions(0))]; })(window.stroma)")
+                label, pulled = float(label), numpy.array(pulled).reshape(-1, 3)
                 in_scene = browser.script(f"window.stroma.store.bodies[0].sceneNode[{hand['node']}]")
                 browser.pointer("up", x + 40, y - 60)
                 self.assertEqual(hand["node"], node)
@@ -531,13 +563,13 @@ class Connections(PageTest):
             browser.until(lambda: not browser.find("banner").is_displayed(), "the connection to come back")
             browser.until(f"{WATCHED}.step > {step} && window.stroma.store.shown.header.step > {step}", "the run, which went on")
             browser.click("pause")
-            browser.until(f"!{WATCHED}.running", "the pause")
+            browser.until(f"!{WATCHED}.running && window.stroma.store.shown.header.step === {WATCHED}.step", "the pause")
             # a server that is stopped says nothing; what it missed comes when it goes on
+            step = browser.script(f"{WATCHED}.step")
             viewed.process.send_signal(signal.SIGSTOP)
             browser.click("step")
             viewed.process.send_signal(signal.SIGCONT)
-            step = browser.script(f"{WATCHED}.step")
-            browser.until(f"window.stroma.store.shown.header.step >= {step}", "the step")
+            browser.until(f"window.stroma.store.shown.header.step === {step + 1}", "the step")
             browser.leave()
             proxy.close()
 
@@ -564,14 +596,14 @@ class Connections(PageTest):
             with Server(STROMA, recorded) as viewed:
                 browser.open(viewed.address)
                 self.assertFalse(browser.find("run").is_displayed())
-                seen = []
-                for index in (5, 2, 0):
+                before = browser.still()
+                for index in (5, 2, 0):  # it opens with the first instant
                     browser.script("(e => { e.value = arguments[1]; e.dispatchEvent(new Event('input', {bubbles: true})); })(arguments[0])",
                                    browser.find("timeline"), str(index))
                     browser.until(f"window.stroma.store.shown.header.index === {index} && window.stroma.frameDrawn === window.stroma.store.shown.header.frame",
                                   f"instant {index}")
-                    seen.append(browser.picture())
-                self.assertTrue((seen[0] != seen[1]).any() and (seen[1] != seen[2]).any())
+                    browser.until(lambda before=before: difference(browser.picture(), before) > 0, f"another picture of instant {index}")
+                    before = browser.still()
                 browser.click("play")
                 browser.until("window.stroma.store.shown.header.index >= 3", "the recording to play")
 
@@ -579,8 +611,9 @@ class Connections(PageTest):
         """As when springs are set in a run. Until the server tells of it, its frames are of another generation: each is answered."""
         with Server(STROMA, example("organ.xml")) as viewed:
             browser.open(viewed.address)
+            browser.until(f"{WATCHED}.running", "the run")
             browser.press(" ")
-            browser.until(f"!{WATCHED}.running", "the pause")
+            browser.until(f"!{WATCHED}.running && window.stroma.store.shown.header.step === {WATCHED}.step", "the pause")
             browser.press("3", "n", Keys.ENTER, Keys.ARROW_UP, Keys.ENTER)
             browser.until("window.stroma.store.newest.header.hands.length === 1 && window.stroma.store.newest === window.stroma.store.shown", "what is held")
             browser.script("window.stroma.store.setView({exaggeration: 2, wireframe: true})")
@@ -607,8 +640,8 @@ class Connections(PageTest):
             browser.until("window.stroma.history.frames.length > 20", "frames")
             browser.script("(e => { e.value = 3; e.dispatchEvent(new Event('input', {bubbles: true})); })(arguments[0])", browser.find("timeline"))
             step = browser.script("window.stroma.store.shown.header.step")
+            browser.until(f"{WATCHED}.step > {step}", "a step that is not shown")
             now = browser.script(f"{WATCHED}.step")
-            self.assertLess(step, now)
             browser.until(f"{WATCHED}.step > {now + 5}", "the run to go on")
             self.assertEqual(browser.script("window.stroma.store.shown.header.step"), step)
             browser.click("live")
@@ -627,8 +660,9 @@ class Exports(PageTest):
             image = numpy.asarray(Image.open(io.BytesIO(png)).convert("RGB"))
             self.assertGreater(len(numpy.unique(image.reshape(-1, 3), axis=0)), 8)
             browser.click("export-video")
-            frame = browser.script("window.stroma.frameDrawn")
-            browser.until(f"window.stroma.frameDrawn > {frame} + 20", "some pictures")
+            browser.script("(r => { window.recorded = 0; r.addEventListener('dataavailable', e => { window.recorded += e.data.size; }); })"
+                           "(window.stroma.panels.tabs.get('export').panel.recorder)")
+            browser.until("window.recorded > 5000", "some pictures to be coded")
             _, video = browser.download(lambda: browser.click("export-video"), ".webm")
             self.assertEqual(video[:4], b"\x1a\x45\xdf\xa3")
             self.assertGreater(len(video), 5000)
@@ -657,9 +691,9 @@ class Exports(PageTest):
             browser.open("file://" + file)
             self.shows_bodies()
             self.assertEqual(browser.script("window.stroma.timeline.count"), 6)
-            before = browser.picture()
+            before = browser.still()
             browser.script("window.stroma.timeline.seek(5)")
-            browser.until(lambda: (browser.picture() != before).any(), "another instant")
+            browser.until(lambda: difference(browser.picture(), before) > 0, "another instant")
             self.assertEqual(browser.script("performance.getEntriesByType('resource').filter(e => !e.name.startsWith('data:') && !e.name.startsWith('blob:')).length"), 0)
 
 

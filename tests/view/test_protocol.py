@@ -21,10 +21,11 @@ import unittest
 import numpy
 
 from server import PATIENCE, Page, Server
-from websocket import Packet
+from websocket import Packet, frame_bytes
 
 TREE, STROMA = (os.path.abspath(path) for path in sys.argv[1:3])
 EXAMPLES = sorted(glob.glob(os.path.join(TREE, "scenes", "examples", "*.xml")))
+LONGEST = 2 * PATIENCE  # of a command that a test waits for
 
 
 def example(name):
@@ -36,12 +37,14 @@ GRID = """<Node gravity="0 -9.81 0" dt="0.01"><EulerImplicitSolver/><CGLinearSol
   <RegularGridTopology n="{n} {n} {n}" min="0 0 0" max="0.1 0.1 0.1"/><MechanicalObject name="dofs"/><UniformMass totalMass="1"/>
   <HexahedronFEMForceField name="fem" youngModulus="2e4" poissonRatio="0.3" method="large"/><FixedProjectiveConstraint indices="0 1 2"/></Node>
 """
+FINE = GRID.replace('<EulerImplicitSolver/><CGLinearSolver iterations="100" tolerance="1e-9" threshold="1e-9"/>', "<EulerExplicitSolver/>").replace(
+    'dt="0.01"', 'dt="1e-4"')  # many nodes, quick steps
 
 
 def command(*arguments, expected=0, cwd=None, **options):
     """Output and messages of the command, which runs in a folder that is gone afterwards, or in the one named."""
     with tempfile.TemporaryDirectory() as folder:
-        result = subprocess.run([STROMA, *arguments], capture_output=True, text=True, cwd=cwd or folder, timeout=120, **options)
+        result = subprocess.run([STROMA, *arguments], capture_output=True, text=True, cwd=cwd or folder, timeout=LONGEST, **options)
     assert result.returncode == expected, (arguments, result)
     return result.stdout, result.stderr
 
@@ -206,6 +209,7 @@ class Run(unittest.TestCase):
             self.assertGreater(error, 0)
 
     def test_real_time_is_kept_and_the_factor_slows_it(self):
+        """The run is never before the clock by more than two steps. How far it stays behind is up to the machine: that is not judged."""
         with Server(STROMA, example("organ.xml"), "--paused") as server:
             page = server.page()
             for factor in (1, 0.25):
@@ -216,7 +220,6 @@ class Run(unittest.TestCase):
                 page.pause()
                 passed = time.monotonic() - began
                 simulated = page.status["time"] - before
-                # never ahead by more than two steps; behind as far as the machine is busy
                 self.assertLess(simulated, factor * passed + 0.041)
 
     def test_energies_are_those_of_the_run(self):
@@ -409,21 +412,17 @@ class Hands(unittest.TestCase):
             self.assertEqual(state, replayed_hash(page, scene, 20))
 
     def test_an_order_is_in_the_second_picture_after_it_at_the_latest(self):
-        """No more than one picture that was made before is under way: this page draws each one at once."""
+        """No more than one picture that was made before it comes after the word that the order is carried out."""
         with Server(STROMA, example("organ.xml")) as server:
             page = server.page()
             page.do("pace", pace="fast")
             page.picture()
             place = [float(value) for value in page.scene.arrays["0.rest"].reshape(-1, 3)[0]]
-            own, stale = str(page.scene["client"]), []
-            for k in range(1, 60):
-                before = page.frames
-                page.socket.send({"do": "pull", "hand": "a", "body": 0, "nodes": [0],
-                                  "targets": [[place[0] + 1e-4 * k, place[1], place[2]]], "sequence": k})
-                page.until(lambda: page.frame.get("applied", {}).get(own) == k, "the order to take effect")
-                stale.append(page.frames - before)
-            self.assertLessEqual(sorted(stale)[len(stale) // 2], 2, stale)  # a machine that is busy elsewhere may be late once
-            self.assertLessEqual(max(stale), 4, stale)
+            own = str(page.scene["client"])
+            for k in range(1, 40):
+                page.do("pull", hand="a", body=0, nodes=[0], targets=[[place[0] + 1e-4 * k, place[1], place[2]]], sequence=k)
+                page.pictures(2)
+                self.assertEqual(page.frame["applied"].get(own), k)
 
     def test_a_run_that_never_paused_is_replayed_to_the_bit(self):
         scene = example("organ.xml")
@@ -433,11 +432,11 @@ class Hands(unittest.TestCase):
             place = [float(value) for value in page.scene.arrays["0.rest"][:3]]
             for k in range(30):
                 page.do("pull", hand="a", body=0, nodes=[0], targets=[[place[0] + 0.001 * k, place[1], place[2]]], sequence=k)
-                page.during(0.01)
+                page.pictures(k % 3)
             page.until(lambda: page.frame["applied"].get(str(page.scene["client"])) == 29, "the last place of the hand")
             page.do("release", hand="a")
             page.do("set", path="/organ/solver", attribute="rayleighMass", value="0.3")
-            page.during(0.1)
+            page.pictures(5)
             page.pause()
             step, state = page.hash()
             self.assertEqual(state, replayed_hash(page, scene, step))
@@ -486,6 +485,7 @@ class Audience(unittest.TestCase):
             place = [float(value) for value in first.scene.arrays["0.rest"].reshape(-1, 3)[0]]
             first.socket.send({"do": "step", "count": 1500})
             first.socket.send({"do": "pull", "hand": "h", "body": 0, "nodes": [0], "targets": [place]})
+            second.until(lambda: second.status["step"] > 0, "the steps to begin")  # what is not read yet may be lost with the page
             first.socket.close()
             second.until(lambda: second.status.get("control") is None, "the page to be gone")
             step, _ = second.hash()
@@ -526,11 +526,12 @@ class Audience(unittest.TestCase):
             place = [float(value) for value in page.scene.arrays["0.rest"][:3]]
             page.do("pull", hand="a", body=0, nodes=[0], targets=[[place[0] + 0.01, place[1], place[2]]])
             page.until(lambda: page.frame and page.frame["hands"], "the hand")
-            step = page.status["step"]
             page.socket.cut()
             again = server.page(hello=False)
             again.hello(build)
-            again.until(lambda: again.frame is not None and again.frame["step"] > step + 3, "a picture of what comes after")
+            again.until(lambda: again.status["clients"] == 1, "the other one to be gone")
+            step = again.frame["step"]
+            again.until(lambda: again.frame["step"] > step + 3, "a picture of what comes after")
             self.assertEqual(again.frame["hands"], [])
             again.pause()
             actions = again.tell("actions")["text"]
@@ -543,16 +544,19 @@ class Audience(unittest.TestCase):
             page.until(lambda: "reload" in page.last, "the word to load again")
 
     def test_a_page_that_draws_nothing_slows_nobody_and_nothing_queues(self):
-        with Server(STROMA, example("organ.xml")) as server:
+        """Pictures of 100 kB: if they waited for the page that draws none, they would be seen in the memory."""
+        with tempfile.TemporaryDirectory() as folder, Server(STROMA, write(folder, "still.xml", FINE.format(n=20).replace("-9.81", "0"))) as server:
             idle, page = server.page(draws=False), server.page()
             idle.do("pace", pace="fast", factor=1)
             idle.do("want", nodes="all", fps=240)
             page.do("want", nodes="all", fps=240)
-            page.during(0.5)
-            before, frames = server.memory(), page.frames
-            page.until(lambda: page.frames > frames + 100, "a hundred pictures")
-            self.assertLess(server.memory() - before, 4 << 20)
-            idle.during(0.1)
+            page.pictures(60)
+            before = server.memory()
+            page.pictures(200)
+            self.assertGreater(page.frame.bytes, 90000)
+            self.assertLess(server.memory() - before, 8 << 20)
+            for _ in range(3):  # what is under way to the page comes before the answer, or after the next one
+                idle.tell("hash")
             self.assertLessEqual(idle.frames, 2, "more pictures came than may be under way")
             shown = idle.frame["frame"]
             idle.drawn()
@@ -572,17 +576,23 @@ class Audience(unittest.TestCase):
             self.assertLess(server.memory() - before, 600 << 20)
             self.assertEqual(server.page().ready, True)
 
-    def test_pictures_come_between_many_answers(self):
-        """Each step waits for a few answers alone, however many are asked for."""
+    def test_steps_go_on_between_many_answers(self):
+        """Each step waits for a few answers alone, however many are asked for at once; pictures come again with the last one."""
         with Server(STROMA, example("organ.xml")) as server:
             page = server.page()
             page.do("pace", pace="fast", factor=1)
-            for number in range(1001, 1401):
-                page.socket.send({"do": "components", "request": number})
-            page.until(lambda: 1001 in page.replies, "the first answer")
-            frames = page.frames
-            page.until(lambda: 1400 in page.replies, "the last answer")
-            self.assertGreater(page.frames - frames, 2)
+            steps, take = [], page.take_text
+
+            def note(message):
+                if message["is"] == "hash":
+                    steps.append(message["step"])
+                take(message)
+            page.take_text = note
+            asked = [{"do": "hash"}, *({"do": "components", "request": number} for number in range(1001, 1601)), {"do": "hash", "request": 2000}]
+            page.socket.send_bytes(b"".join(frame_bytes(json.dumps(message)) for message in asked))
+            page.until(lambda: 2000 in page.replies, "the last answer")
+            self.assertGreater(steps[-1], steps[0])
+            page.pictures(3)
 
     def test_nobody_connected_costs_no_pictures(self):
         with Server(STROMA, example("organ.xml")) as server:
@@ -591,7 +601,9 @@ class Audience(unittest.TestCase):
             page.picture()
             number, step = page.frame["frame"], page.frame["step"]
             page.socket.close()
-            time.sleep(1)
+            spent = server.spent()
+            while server.spent() < spent + 0.5:  # it steps, however long a busy machine takes for that
+                time.sleep(0.05)
             again = server.page()
             again.picture()
             self.assertLess(again.frame["frame"] - number, 20)
@@ -688,16 +700,13 @@ class Exports(unittest.TestCase):
         self.assertEqual(contents(recorded), before)
 
     def test_what_is_too_large_stops_early_and_names_a_stride_that_fits(self):
-        """A page of 50 MB takes some 460 pictures of this grid; 100,000 steps would take a quarter of an hour."""
-        scene = write(self.folder, "fine.xml", GRID.format(n=24).replace("<EulerImplicitSolver/><CGLinearSolver iterations=\"100\" tolerance=\"1e-9\" "
-                      "threshold=\"1e-9\"/>", "<EulerExplicitSolver/>").replace('dt="0.01"', 'dt="1e-4"'))
-        began = time.monotonic()
-        _, errors = command("view", scene, "--export", self.page, "-n", "100000", "--inside", "--field", "vonMises", expected=2)
-        print(f"refused after {time.monotonic() - began:.1f} s: {errors.strip()}")
+        """A page of 50 MB takes some 460 pictures of this grid; ten million steps would take a day."""
+        scene = write(self.folder, "fine.xml", FINE.format(n=24))
+        _, errors = command("view", scene, "--export", self.page, "-n", "10000000", "--inside", "--field", "vonMises", expected=2)
         stride = re.search(r"expected --every (\d+)", errors)
         self.assertTrue(stride, errors)
         self.assertFalse(os.path.exists(self.page))
-        self.assertGreater(int(stride.group(1)), 20)
+        self.assertGreater(int(stride.group(1)), 2000)
 
     def test_a_run_without_a_result_is_no_page(self):
         scene = write(self.folder, "burst.xml", GRID.format(n=3).replace("EulerImplicitSolver", "EulerExplicitSolver").replace('dt="0.01"', 'dt="1"'))
@@ -831,8 +840,8 @@ class Files(unittest.TestCase):
             page.until(lambda: page.status["ended"], "the end of the run")
             self.assertIn("dofs.state.gz", page.status["ended"])
             self.assertIn("ended", page.refused("run"))
-            server.process.send_signal(2)
-            server.process.wait(60)
+            server.process.send_signal(signal.SIGINT)
+            server.process.wait(PATIENCE)
             self.assertIn("error: ", server.error_text())
             self.assertEqual(contents(self.recorded), before)
             server.end()
@@ -852,7 +861,7 @@ class Command(unittest.TestCase):
         with Server(STROMA, example("organ.xml"), "--paused") as server:
             server.process.send_signal(signal.SIGTERM)
             server.process.wait(PATIENCE)
-            self.assertIn("0 steps, t = 0 s", server.end())
+            self.assertIn("0 steps, t = 0", server.end())
 
     def test_options_without_their_partner_are_mistakes(self):
         scene = example("organ.xml")
@@ -882,7 +891,7 @@ class Command(unittest.TestCase):
         with Server(STROMA, example("organ.xml"), "--paused") as server:
             with tempfile.TemporaryDirectory() as folder:
                 result = subprocess.run([STROMA, "view", example("organ.xml"), "--no-open", "--port", str(server.port)],
-                                        capture_output=True, text=True, cwd=folder, timeout=60)
+                                        capture_output=True, text=True, cwd=folder, timeout=LONGEST)
             self.assertEqual(result.returncode, 2, result)
             self.assertIn(str(server.port), result.stderr)
 

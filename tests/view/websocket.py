@@ -12,6 +12,8 @@ import numpy
 
 TEXT, BINARY, CLOSE, PING, PONG = 1, 2, 8, 9, 10
 KEY_SUFFIX = "258EAFA5-E914-47DA-95CA-C5AB0DC85B11"
+# Seconds after which something hangs. Nothing is ever expected to take a time: a machine may be slow, and busy with other work.
+PATIENCE = float(os.environ.get("STROMA_TEST_PATIENCE", 300))
 TYPES = {"f32": "<f4", "u16": "<u2", "i32": "<i4", "u8": "u1"}
 
 
@@ -60,7 +62,7 @@ def read_head(stream):
 class WebSocket:
     """`headers`: {name: value} beside those of the upgrade; a value of None leaves the header out."""
 
-    def __init__(self, port, path="/live", headers=None, timeout=20):
+    def __init__(self, port, path="/live", headers=None, timeout=PATIENCE):
         self.socket = socket.create_connection(("127.0.0.1", port), timeout=timeout)
         self.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         self.stream = self.socket.makefile("rb", buffering=1 << 18)
@@ -125,7 +127,7 @@ class WebSocket:
             raise Closed(str(error)) from error
         if not head:
             raise Closed("the connection has ended")
-        self.socket.settimeout(30)
+        self.socket.settimeout(PATIENCE)
         try:
             first, second = self._read(2)
             assert second & 0x80 == 0, "a server's frame is masked"

@@ -36,6 +36,7 @@ const Manual picture_manual{
     "  stroma picture organ.xml --field help                                  lists the fields\n"
     "  stroma picture organ.xml --views front,side,iso --edges --ghost\n"
     "  stroma picture organ.xml --cut x=0.02 --range 0,3000 --size 1600x1200\n"
+    "  stroma picture two.xml --frame /left --frame /right                    two bodies, each at its own scale\n"
     "  stroma picture results/organ/last --animate --fps 25 -o organ_film.png a film of a recording\n"};
 
 void addLook(OptionList& options) {
@@ -58,10 +59,12 @@ void addLook(OptionList& options) {
        "kept")                                                                                     //
       ("exaggerate", po::value<double>()->value_name("K"), "draw displacements K times as large")  //
       ("hide", po::value<std::vector<std::string>>()->value_name("PATH"),
-       "do not draw the bodies of this node; may be repeated")                      //
-      ("title", po::value<std::string>()->value_name("TEXT"), "above the picture")  //
-      ("transparent", "no background")                                              //
-      ("no-legend", "no legend of the colours")                                     //
+       "do not draw the bodies of this node; may be repeated")  //
+      ("frame", po::value<std::vector<std::string>>()->value_name("PATH"),
+       "as large as the bodies of this node; may be repeated: side by side, each at its own scale")  //
+      ("title", po::value<std::string>()->value_name("TEXT"), "above the picture")                   //
+      ("transparent", "no background")                                                               //
+      ("no-legend", "no legend of the colours")                                                      //
       ("bare", "nothing but the bodies: no legend, axes, captions or held nodes");
 }
 
@@ -188,15 +191,17 @@ void checkPicturePartners(const Values& values, bool is_recording) {
 /// Views and times stand side by side.
 void checkPanels(const PictureCommand& command) {
   const std::size_t views = std::max<std::size_t>(1, command.look.views.size()),
-                    times = std::max<std::size_t>(1, command.at.size());
+                    times = std::max<std::size_t>(1, command.at.size()),
+                    frames = std::max<std::size_t>(1, command.look.framed.size());
   const int width = command.look.width > 0 ? command.look.width : picture::most_width;
   const auto most = std::size_t(width / picture::least_panel_width);
-  if (views * times > most)
+  if (views * times * frames > most)
     throw UsageError(
-        fmt::format("{} views of {} times side by side: on {} pixels there is room for {} panels of {} pixels "
+        fmt::format("{} views of {} times{} side by side: on {} pixels there is room for {} panels of {} pixels "
                     "(expected fewer views or "
                     "times, or a wider --size)",
-                    views, times, width, most, picture::least_panel_width));
+                    views, times, frames > 1 ? fmt::format(" and {} frames", frames) : "", width, most,
+                    picture::least_panel_width));
 }
 
 /// organ.xml, results/organ/last and results/organ/ give organ.png.
@@ -224,6 +229,7 @@ void readLook(const Values& values, picture::PictureRequest& look) {
   if (values.count("size")) readSize(textOf(values, "size"), look);
   if (values.count("cut")) look.cut = cutIn(textOf(values, "cut"));
   if (values.count("hide")) look.hidden = values["hide"].as<std::vector<std::string>>();
+  if (values.count("frame")) look.framed = values["frame"].as<std::vector<std::string>>();
   look.exaggeration = positive<double>(values, "exaggerate", 0).value_or(1);
   look.title = textOf(values, "title");
   look.edges = values.count("edges") > 0;

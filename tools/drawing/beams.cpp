@@ -35,10 +35,16 @@ void chooseSizes(std::vector<Body>& bodies) {
       high = high.cwiseMax(body.state->rest_position[std::size_t(row)]);
     }
   const double size = low[0] <= high[0] ? (high - low).norm() : 0;
+  double largest = 0;
   for (Body& body : bodies) {
-    body.axis = size > 0 ? 0.08 * size : 1;
     body.size = restSize(*body.state);
     for (const Ball& ball : body.balls) body.size = std::max(body.size, 2 * ball.radius);
+    largest = std::max(largest, body.size);
+  }
+  // bodies that are far apart have axes as long as they need, not as their distance
+  const double scene = largest > 0 ? std::min(size, 5 * largest) : size;
+  for (Body& body : bodies) {
+    body.axis = scene > 0 ? 0.08 * scene : 1;
     if (!(body.size > 0)) body.size = size > 0 ? size : 1;
     std::vector<double> ways;
     for (std::size_t i = 1; i < body.frames.size(); ++i) {

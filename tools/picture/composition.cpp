@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tools/picture/frames.h"
+
 namespace stroma::picture {
 namespace {
 
@@ -36,13 +38,13 @@ Letters fitted(const std::string& text, Letters letters, double width) {
 
 }  // namespace
 
-Composition::Composition(const PictureRequest& request, std::string warning, const std::vector<Extent>& extents,
+Composition::Composition(const PictureRequest& request, Remarks remarks, const std::vector<Extent>& extents,
                          const Legend* legend, std::size_t columns)
-    : request_(request), warning_(std::move(warning)), legend_(request.legend && !request.bare ? legend : nullptr) {
+    : request_(request), remarks_(std::move(remarks)), legend_(request.legend && !request.bare ? legend : nullptr) {
   double shown_width = 0, shown_height = 0;
   for (const Extent& extent : extents) {
-    shown_width = std::max(shown_width, margin * extent.width());
-    shown_height = std::max(shown_height, margin * extent.height());
+    shown_width = std::max(shown_width, margin * extent.width() / extent.unit);
+    shown_height = std::max(shown_height, margin * extent.height() / extent.unit);
   }
   if (!(shown_width > 0) && !(shown_height > 0)) shown_width = shown_height = 1;  // a point
   const double n = double(columns);
@@ -53,18 +55,21 @@ Composition::Composition(const PictureRequest& request, std::string warning, con
   }
   letters_ = std::clamp(20 * std::min(width / usual_width, height / usual_height) * (columns > 1 ? 1.15 : 1), 9., 64.);
   const double line = 1.7 * letters_;
-  top_ = int((request.title.empty() ? 0 : 1.25 * line) + (warning_.empty() ? 0 : line));
   has_letters_ = !request.bare && width / n >= least_lettered_width && height >= least_lettered_height;
-  const double bottom = has_letters_ ? line : 0;
+  if (!has_letters_) remarks_.note.clear();
+  top_ = int((request.title.empty() ? 0 : 1.25 * line) + (remarks_.warning.empty() ? 0 : line) +
+             (remarks_.note.empty() ? 0 : line));
+  strip_ = has_letters_ && remarks_.has_scales ? 1.6 * letters_ : 0;
+  const double bottom = has_letters_ ? line + strip_ : 0;
   legend_width_ = legend_ ? legend_->width(letters_) : 0;
   if (!has_letters_ || legend_width_ > most_legend * width || (width - legend_width_) / n < least_panel_width)
     legend_ = nullptr, legend_width_ = 0;
-  // one metre of the bodies has the same length in all panels
-  metres_per_pixel_ = std::max(shown_width / ((width - legend_width_) / n), shown_height / (height - top_ - bottom));
+  // one metre of the bodies has the same length in all panels of one unit
+  units_per_pixel_ = std::max(shown_width / ((width - legend_width_) / n), shown_height / (height - top_ - bottom));
   if (request.width == 0) {
-    width = std::clamp(n * shown_width / metres_per_pixel_ + legend_width_,
+    width = std::clamp(n * shown_width / units_per_pixel_ + legend_width_,
                        std::min(std::max(least_width, n * least_panel_width + legend_width_), width), width);
-    height = std::clamp(shown_height / metres_per_pixel_ + top_ + bottom, std::min(least_height, height), height);
+    height = std::clamp(shown_height / units_per_pixel_ + top_ + bottom, std::min(least_height, height), height);
   }
   width_ = int(width), height_ = int(height);
   panel_width_ = std::max(1, int((width_ - legend_width_) / n));
@@ -81,7 +86,9 @@ Canvas Composition::begin() const {
   if (!request_.title.empty()) y += 2.125 * letters_;
   Letters warning{letters_, {0.75, 0.1, 0.08}};
   warning.bold = true;
-  canvas.text(warning_, middle, y, {0.5, 0}, fitted(warning_, warning, 2 * middle));
+  canvas.text(remarks_.warning, middle, y, {0.5, 0}, fitted(remarks_.warning, warning, 2 * middle));
+  if (!remarks_.warning.empty()) y += 1.7 * letters_;
+  canvas.text(remarks_.note, middle, y, {0.5, 0}, fitted(remarks_.note, {letters_}, 1.96 * middle));
   if (legend_) {
     const int height = int(std::min(0.72 * height_, 28 * letters_));
     legend_->draw(canvas, int(width_ - legend_width_), (height_ - height) / 2, height, letters_);
@@ -89,7 +96,7 @@ Canvas Composition::begin() const {
   return canvas;
 }
 
-void Composition::addPanel(Canvas& canvas, std::size_t column, const Image& image, const Eye& eye,
+void Composition::addPanel(Canvas& canvas, std::size_t column, const Image& image, const Panel& panel,
                            const std::string& caption) const {
   const int left = int(column) * panel_width_;
   if (request_.transparent) {
@@ -105,9 +112,24 @@ void Composition::addPanel(Canvas& canvas, std::size_t column, const Image& imag
     canvas.paste(opaque, left, top_);
   }
   if (!has_letters_) return;
-  addAxes(canvas, left, top_ + panel_height_, eye);
-  canvas.text(caption, left + 0.5 * panel_width_, top_ + panel_height_ + 0.3 * letters_, {0.5, 0},
+  addAxes(canvas, left, top_ + panel_height_, *panel.eye);
+  if (remarks_.has_scales)
+    addScale(canvas, left + panel_width_ - 0.9 * letters_, top_ + panel_height_ + strip_ - 0.2 * letters_,
+             metresPerPixel(*panel.extent));
+  canvas.text(caption, left + 0.5 * panel_width_, top_ + panel_height_ + strip_ + 0.3 * letters_, {0.5, 0},
               fitted(caption, {letters_}, 0.96 * panel_width_));
+}
+
+/// A bar of a round length, a fifth of the panel or more, in the strip below it, with its corner at the lower right.
+void Composition::addScale(Canvas& canvas, double right, double bottom, double metres_per_pixel) const {
+  const double length = roundStep(0.2 * panel_width_ * metres_per_pixel, 1);
+  const int long_side = std::max(1, int(std::lround(length / metres_per_pixel)));
+  const int thick = std::max(2, int(letters_ / 7)), x = int(right) - long_side, y = int(bottom) - thick;
+  const Colour colour = Letters().colour;
+  canvas.fill(x, y, long_side, thick, colour);
+  for (const int end : {x, x + long_side - thick}) canvas.fill(end, y - 2 * thick, thick, 2 * thick, colour);
+  canvas.text(lengthText(length, remarks_.length_unit), x + 0.5 * long_side, y - 2.6 * thick, {0.5, 1},
+              {0.9 * letters_});
 }
 
 /// In the lower left corner at x, y.

@@ -26,6 +26,7 @@ Eye eyeOf(const std::string& view, bool third_axis_up);
 /// What of space a picture shows, in the directions of an eye.
 struct Extent {
   double low[3] = {1e300, 1e300, 1e300}, high[3] = {-1e300, -1e300, -1e300};  ///< right, up, back [m]
+  double unit = 1;  ///< panels whose extents have the same one are drawn at the same scale [m]
   void include(const Eye& eye, const Vec3& p);
   bool isEmpty() const { return low[0] > high[0]; }
   double width() const { return isEmpty() ? 0 : high[0] - low[0]; }

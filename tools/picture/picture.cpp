@@ -10,6 +10,7 @@
 #include "framework/scene/diagnostics.h"
 #include "framework/scene/services.h"
 #include "tools/picture/composition.h"
+#include "tools/picture/frames.h"
 
 namespace stroma::picture {
 namespace {
@@ -59,6 +60,7 @@ class VtkPictureMaker final : public PictureMaker {
     map_ = std::make_unique<ColourMap>(request.colours);
     taker_ = std::make_unique<ShotTaker>(simulation, request_);
     const bool third_axis_up = isThirdAxisUp(simulation, taker_->restSize());
+    frames_ = framesAsked(*taker_, request.framed);
     for (const std::string& view : request.views) eyes_.push_back(eyeOf(view, third_axis_up));
     if (eyes_.empty()) eyes_.push_back(eyeOf("oblique", third_axis_up));
     scene_ = std::filesystem::path(simulation.scene().description.file).filename().string();
@@ -77,38 +79,33 @@ class VtkPictureMaker final : public PictureMaker {
   void warn(const std::string& words) override { warning_ = words; }
 
   std::string summary() const override {
-    return (legend_ ? legend_->summary() : "no field") + exaggerationNote(request_);
+    return (legend_ ? legend_->summary() : "no field") + exaggerationNote(request_) +
+           (distance_.empty() ? "" : ", " + distance_);
   }
+  std::vector<std::string> notes() const override { return notes_; }
 
   std::string still() override {
-    build();
     if (order_.empty())
       for (std::size_t s = 0; s < shots_.size(); ++s) order_.push_back(s);
-    const std::size_t columns = order_.size() * eyes_.size();
-    const Composition composition(request_, warning_, extents_, legend_.get(), columns);
+    build(order_.size());
+    const Composition composition(request_, remarks(), extents_, legend_.get(), order_.size() * extents_.size());
     std::vector<Panel> panels;
     std::vector<std::string> captions;
     const std::vector<std::string> times = timesOf(shots_, taker_->units(), request_);
-    for (const std::size_t s : order_)
-      for (const Eye& eye : eyes_) {
-        panels.push_back({&shots_.at(s), &eye});
-        captions.push_back(eyes_.size() > 1 ? eye.name + ", " + times[s] : times[s]);
-      }
+    for (const std::size_t s : order_) addPanels(shots_.at(s), times[s], panels, captions);
+    noteSmall(composition);
     return png(compose(composition, panels, captions), words());
   }
 
   std::string film(double fps) override {
-    build();
-    const Composition composition(request_, warning_, extents_, legend_.get(), eyes_.size());
+    build(1);
+    const Composition composition(request_, remarks(), extents_, legend_.get(), extents_.size());
     const std::vector<std::string> times = timesOf(shots_, taker_->units(), request_);
     AnimatedPng film(fps, request_.transparent, words());
     for (std::size_t s = 0; s < shots_.size(); ++s) {
       std::vector<Panel> panels;
       std::vector<std::string> captions;
-      for (const Eye& eye : eyes_) {
-        panels.push_back({&shots_[s], &eye});
-        captions.push_back(eyes_.size() > 1 ? eye.name + ", " + times[s] : times[s]);
-      }
+      addPanels(shots_[s], times[s], panels, captions);
       film.add(compose(composition, panels, captions));
     }
     return film.finish();
@@ -130,8 +127,73 @@ class VtkPictureMaker final : public PictureMaker {
                          "a coordinate between them");
   }
 
+  /// A panel for each frame and each eye.
+  void addPanels(const Shot& shot, const std::string& time, std::vector<Panel>& panels,
+                 std::vector<std::string>& captions) const {
+    for (std::size_t i = 0; i < extents_.size(); ++i) {
+      const Frame& frame = frames_[i / eyes_.size()];
+      const Eye& eye = eyes_[i % eyes_.size()];
+      panels.push_back({&shot, &eye, &extents_[i]});
+      captions.push_back((frame.name.empty() ? "" : frame.name + ", ") + (eyes_.size() > 1 ? eye.name + ", " : "") +
+                         time);
+    }
+  }
+
+  Remarks remarks() const {
+    const bool many = frames_.size() > 1;
+    const std::string scales = "each panel has its own scale",
+                      note = distance_.empty() ? scales : distance_ + "; " + scales;
+    return {warning_, many ? note : "", many, taker_->units().unit("m")};
+  }
+
+  /// Of the bodies that are hardly seen where all are in one panel.
+  void noteSmall(const Composition& composition) {
+    constexpr double hardly = 6;  // [pixels]
+    if (frames_.size() > 1 || !frames_.front().name.empty()) return;
+    const std::vector<Box> boxes = boxesOf(*taker_, shots_);
+    for (const std::size_t b : frames_.front().bodies) {
+      const double pixels = boxes[b].size() / composition.metresPerPixel(extents_.front());
+      if (!(pixels > 0 && pixels < hardly)) continue;
+      const std::string path = taker_->drawing().bodies[b].state->node().path();
+      notes_ = {
+          fmt::format("{0} is less than {1:g} pixels large in the picture; --frame {0} draws it large", path, hardly)};
+      return;
+    }
+  }
+
+  /// What the panels show. `times`: how often they all stand side by side.
+  void framePanels(std::size_t times) {
+    const bool is_asked = !frames_.empty();
+    if (!is_asked) {
+      constexpr int least = 160;  // [pixels] of a panel that is worth it
+      const std::vector<Box> boxes = boxesOf(*taker_, shots_);
+      const auto room = std::size_t((request_.width > 0 ? request_.width : most_width) / least);
+      // a cut through one group would leave another one whole, or nothing of it
+      frames_ = framesFound(*taker_, boxes, request_.cut ? 1 : room / (times * eyes_.size()));
+      if (frames_.size() > 1) distance_ = distanceBetween(frames_, boxes, taker_->units());
+    }
+    std::vector<std::size_t> all;
+    for (std::size_t b = 0; b < taker_->drawing().bodies.size(); ++b) all.push_back(b);
+    for (const Frame& frame : frames_) {
+      const std::size_t first = extents_.size();
+      double largest = 0;
+      for (const Eye& eye : eyes_) {
+        Extent& extent = extents_.emplace_back();
+        Extent whole;
+        for (const Shot& shot : shots_) stage_->include(shot, frame.bodies, eye, extent);
+        largest = std::max({largest, extent.width(), extent.height()});
+        if (!is_asked) continue;
+        // what stands before or behind is drawn too, as far as it is in sight
+        for (const Shot& shot : shots_) stage_->include(shot, all, eye, whole);
+        extent.low[2] = whole.low[2], extent.high[2] = whole.high[2];
+      }
+      if (frames_.size() > 1 && largest > 0)
+        for (std::size_t i = first; i < extents_.size(); ++i) extents_[i].unit = largest;
+    }
+  }
+
   /// What depends on all shots: range, legend, and what the panels show.
-  void build() {
+  void build(std::size_t times) {
     checkCut();
     Range range = request_.range.value_or(taker_->bulk());
     if (!request_.range) {
@@ -153,10 +215,7 @@ class VtkPictureMaker final : public PictureMaker {
       legend_ = std::make_unique<Legend>(*map_, range, taker_->extremes(), word, is_mean ? "mean at the nodes" : "");
     }
     stage_->build(*taker_, request_, *map_, range, eyes_.front());
-    for (const Eye& eye : eyes_) {
-      Extent& extent = extents_.emplace_back();
-      for (const Shot& shot : shots_) stage_->include(shot, eye, extent);
-    }
+    framePanels(times);
   }
 
   Image compose(const Composition& composition, const std::vector<Panel>& panels,
@@ -165,8 +224,7 @@ class VtkPictureMaker final : public PictureMaker {
     return composition.compose(panels, captions, [&](std::size_t i, int width, int height, double metres_per_pixel) {
       if (panels[i].shot != shown) stage_->show(*panels[i].shot);
       shown = panels[i].shot;
-      return stage_->draw(*panels[i].eye, extents_[std::size_t(panels[i].eye - eyes_.data())], metres_per_pixel, width,
-                          height);
+      return stage_->draw(*panels[i].eye, *panels[i].extent, metres_per_pixel, width, height);
     });
   }
 
@@ -184,7 +242,10 @@ class VtkPictureMaker final : public PictureMaker {
   std::vector<Shot> shots_;
   std::vector<std::size_t> order_;  ///< of a still
   std::size_t bytes_ = 0;
-  std::vector<Extent> extents_;  ///< by eye
+  std::vector<Frame> frames_;    ///< empty until they are found where none were asked for
+  std::vector<Extent> extents_;  ///< of each frame, by eye
+  std::string distance_;         ///< between bodies that have a panel each, in words
+  std::vector<std::string> notes_;
   std::unique_ptr<Legend> legend_;
   std::unique_ptr<Stage> stage_;
 };

@@ -35,6 +35,8 @@ struct PictureRequest {
   std::optional<Cut> cut{};
   double exaggeration = 1;            ///< of displacements, in the shape; colours and numbers stay true
   std::vector<std::string> hidden{};  ///< paths of nodes: what is below is not drawn
+  std::vector<std::string>
+      framed{};  ///< paths of nodes: a panel for each, as large as the bodies below; empty: of all, or of groups that are far apart
   std::string title{};
   bool edges = false;  ///< of the cells, on the surface
   bool flat = false;   ///< the values of cells as they are, not their mean at the nodes
@@ -73,6 +75,8 @@ class PictureMaker {
   virtual void warn(const std::string& words) = 0;
   /// A line: what the colours mean, and their range.
   virtual std::string summary() const = 0;
+  /// What one should know of a still that has been made, and does not see: a body that is too small.
+  virtual std::vector<std::string> notes() const = 0;
   /// A PNG file with the states side by side, each in all views.
   virtual std::string still() = 0;
   /// An animated PNG file, a frame for each state, `fps` a second.

@@ -9,6 +9,7 @@
 
 #include "framework/mesh/cell_lists.h"
 #include "tools/drawing/held_nodes.h"
+#include "tools/picture/frames.h"
 
 namespace stroma::picture {
 namespace {
@@ -75,42 +76,40 @@ ShotTaker::ShotTaker(const Simulation& simulation, const PictureRequest& request
 }
 
 void ShotTaker::hide(const std::vector<std::string>& paths) {
-  for (std::string path : paths) {
-    while (path.size() > 1 && path.ends_with('/')) path.pop_back();
-    bool found = false;
-    std::vector<std::string> known;
-    for (std::size_t b = 0; b < drawing_.bodies.size(); ++b) {
-      const std::string& state = drawing_.bodies[b].state->path();
-      known.push_back(drawing_.bodies[b].state->node().path());
-      const bool is_below = state == path || state.starts_with(path + "/");
-      if (is_below) drawn_[b] = false, found = true;
-    }
-    if (!found)
-      throw ComponentError(fmt::format("no body is at {}, which is to be hidden", path),
-                           fmt::format("{}", fmt::join(known, ", ")), nearest(path, known));
+  for (const std::string& path : paths)
+    for (const std::size_t b : bodiesAt(path, "hidden")) drawn_[b] = false;
+}
+
+std::vector<std::size_t> ShotTaker::bodiesAt(std::string path, const char* to_be) const {
+  while (path.ends_with('/')) path.pop_back();
+  std::vector<std::size_t> found;
+  std::vector<std::string> known;
+  for (std::size_t b = 0; b < drawing_.bodies.size(); ++b) {
+    const std::string& state = drawing_.bodies[b].state->path();
+    known.push_back(drawing_.bodies[b].state->node().path());
+    if (state == path || state.starts_with(path + "/")) found.push_back(b);
   }
+  if (found.empty())
+    throw ComponentError(fmt::format("no body is at {}, which is to be {}", path, to_be),
+                         fmt::format("{}", fmt::join(known, ", ")), nearest(path, known));
+  return found;
 }
 
 namespace {
 
-struct Box {
-  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
-  void add(const Body& body) {
-    for (const Index row : body.node) {
-      const Vec3& p = body.state->rest_position[std::size_t(row)];
-      low = low.cwiseMin(p), high = high.cwiseMax(p);
-    }
-  }
-  Vec3 size() const { return low[0] <= high[0] ? Vec3(high - low) : Vec3(Vec3::Zero()); }
-};
+Box restBox(const Body& body) {
+  Box box;
+  for (const Index row : body.node) box.add(body.state->rest_position[std::size_t(row)]);
+  return box;
+}
 
 }  // namespace
 
 Vec3 ShotTaker::restSize() const {
   Box box;
   for (std::size_t b = 0; b < drawing_.bodies.size(); ++b)
-    if (drawn_[b]) box.add(drawing_.bodies[b]);
-  return box.size();
+    if (drawn_[b]) box.add(restBox(drawing_.bodies[b]));
+  return box.sides();
 }
 
 /// Two surfaces of the same body, one embedded in the other, would show through each other: that is drawn which has the
@@ -131,9 +130,8 @@ void ShotTaker::hideOneOfTwo(const State& parent, const State& child) {
   const std::size_t p = bodyOf(parent), c = bodyOf(child);
   if (p == drawing_.bodies.size() || c == drawing_.bodies.size() || !drawn_[p] || !drawn_[c]) return;
   if (drawing_.bodies[p].triangles.empty() || drawing_.bodies[c].triangles.empty()) return;
-  Box of_parent, of_child;
-  of_parent.add(drawing_.bodies[p]), of_child.add(drawing_.bodies[c]);
-  if ((of_child.size().array() < most * of_parent.size().array()).any()) return;
+  const Vec3 of_parent = restBox(drawing_.bodies[p]).sides(), of_child = restBox(drawing_.bodies[c]).sides();
+  if ((of_child.array() < most * of_parent.array()).any()) return;
   drawn_[valuesAt(c) == ValuesAt::none && valuesAt(p) != ValuesAt::none ? c : p] = false;
 }
 

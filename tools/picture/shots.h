@@ -39,6 +39,9 @@ class ShotTaker {
   const drawing::Drawing& drawing() const { return drawing_; }
   bool isDrawn(std::size_t body) const { return drawn_[body]; }
   const std::string& field() const { return field_; }  ///< its name; "none"
+  /// Those below a node, by their numbers. Throws ComponentError with the nearest path when there are none, which are `to_be`
+  /// hidden or framed.
+  std::vector<std::size_t> bodiesAt(std::string path, const char* to_be) const;
   ValuesAt valuesAt(std::size_t body) const;
   Points rest(std::size_t body) const;  ///< of as many nodes as the shots have [m]
   Vec3 restSize() const;                ///< of the box around what is drawn, at rest [m]

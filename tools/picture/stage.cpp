@@ -205,7 +205,7 @@ void Stage::show(const Shot& shot) {
   parts_->showLinks();
 }
 
-void Stage::include(const Shot& shot, const Eye& eye, Extent& extent) const {
+void Stage::include(const Shot& shot, const std::vector<std::size_t>& bodies, const Eye& eye, Extent& extent) const {
   const PictureRequest& request = *parts_->style.request;
   const auto add = [&](Vec3 p, double around) {
     if (request.cut) {  // what is cut away takes no room
@@ -215,7 +215,7 @@ void Stage::include(const Shot& shot, const Eye& eye, Extent& extent) const {
     }
     for (const double side : {-around, around}) extent.include(eye, p + side * (eye.right + eye.up + eye.back));
   };
-  for (std::size_t b = 0; b < parts_->bodies.size(); ++b) {
+  for (const std::size_t b : bodies) {
     if (!parts_->bodies[b]) continue;
     parts_->bodies[b]->forEachPlace(shot.bodies[b], add);
     const Points& rest = parts_->bodies[b]->rest();

@@ -22,8 +22,8 @@ class Stage {
   void show(const Shot& shot);
   /// The shot as it is seen by an eye, at the middle of `extent`. The background is clear.
   Image draw(const Eye& eye, const Extent& extent, double metres_per_pixel, int width, int height);
-  /// Grows an extent by what is drawn of a shot.
-  void include(const Shot& shot, const Eye& eye, Extent& extent) const;
+  /// Grows an extent by what is drawn of some bodies of a shot.
+  void include(const Shot& shot, const std::vector<std::size_t>& bodies, const Eye& eye, Extent& extent) const;
   const std::string& renderer() const;
 
  private:

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What is drawn of one body: surface, wireframe, points, springs, held and guided nodes, loads, rigid frames, beams and balls.
 import * as THREE from 'three';
-import { bodyColour } from './colours.js';
+import { bodyColour, lineColour } from './colours.js';
 import { Numbers, material, nodeGeometry, shared, sharedGeometry } from './gpu.js';
 import { beamCurve } from './beams.js';
 import { Arrows, Balls, Growing, Rods } from './shapes.js';
@@ -126,10 +126,7 @@ export class BodyView {
     // Alone, lines have the colour of the body: black ones are not seen on dark ground.
     const alone = bare || !view.surface;
     const { colour, opacity } = this.wireframe.material.uniforms;
-    if (alone) colour.value.set(...bodyColour(this.body.index));
-    // The dark ends of the maps swallow dark lines.
-    else if (view.colour) colour.value.set(0.78, 0.8, 0.82);
-    else colour.value.set(0.08, 0.09, 0.1);
+    colour.value.set(...(alone ? bodyColour(this.body.index) : lineColour(view.colour)));
     opacity.value = alone ? 1 : 0.55;
     this.points.visible = view.points && this.body.points.length > 0;
     this.springs.visible = view.springs && this.body.springs.length > 0;

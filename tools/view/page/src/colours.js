@@ -98,3 +98,6 @@ const BODIES = ['c98276', 'd9cfb4', '7f96b8', '9db48f', 'b99ac0', 'd3a865', '76a
 
 /** @param {number} number @returns {Colour} */
 export const bodyColour = (number) => BODIES[number % BODIES.length];
+
+/** Of the lines of cells: the dark ends of the maps swallow dark ones. @param {string} field that colours the bodies @returns {Colour} */
+export const lineColour = (field) => (field ? [0.78, 0.8, 0.82] : [0.08, 0.09, 0.1]);

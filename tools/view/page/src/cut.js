@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The cut: hides what is in front of a plane and fills the section of the cells, coloured as the surface is.
-import { bodyColour } from './colours.js';
+import { bodyColour, lineColour } from './colours.js';
 import { shared } from './gpu.js';
 import { HEXAHEDRON_EDGES, TETRAHEDRON_EDGES, cutCells, distances } from './section.js';
 import { Growing } from './shapes.js';
@@ -59,6 +59,7 @@ export class Cut {
         if (body.visible && body.inside && body.tetrahedra) this.cutBody(body, normal, offset, colouring(body));
     }
     // Outlines that would cover the colours fade.
+    this.outlines.material.uniforms.colour.value.set(...lineColour(this.store.view.colour));
     this.outlines.material.uniforms.opacity.value = 0.65 * Math.min(1, Math.max(0.12, 24000 / this.outlines.count));
     this.fill.finish();
     this.outlines.finish();

@@ -5,7 +5,7 @@ import { pickMiddle } from './picking.js';
 
 const HELP = [['Space', 'Run or pause; play in a recording'], ['→', 'One step; the next frame when looking back'], ['←', 'The frame before'],
   ['Shift R', 'Back to the start of the run'], ['Shift + arrows', 'Turn the view'], ['Alt + arrows', 'Move the view'], ['+ −', 'Come nearer, go away'],
-  ['F', 'Frame the bodies'], ['G', 'The camera follows the bodies, or not'], ['R', 'The first view again'], ['1 2 3 4', 'Look, pull, hold, push'], ['N', 'Pick the node in the middle of the picture'],
+  ['F', 'Frame the bodies'], ['Shift F', 'Frame one body after the other'], ['G', 'The camera follows the bodies, or not'], ['R', 'The first view again'], ['1 2 3 4', 'Look, pull, hold, push'], ['N', 'Pick the node in the middle of the picture'],
   ['Enter', 'Take the picked node; let it go, or leave it held'], ['Arrows, PgUp, PgDn', 'Move what Enter took: in the picture, and along the view'],
   ['PgUp PgDn', 'Move the ball along the view while pushing'], ['W', 'Wireframe'], ['C', 'Cut'], ['[ ]', 'Move the cut'], ['L', 'Legend'],
   ['Esc', 'Let go'], ['Ctrl + key', 'To the controllers of a scene in Python; so does a key that has no use here'], ['?', 'These keys']];
@@ -43,7 +43,7 @@ export function listenToKeys({ store, stage, hands, timeline, bar }) {
     ' ': () => (live() ? bar.toggle() : timeline.toggle()),
     ArrowRight: () => (live() && store.following ? bar.tell({ do: 'step', count: 1 }) : timeline.move(1)),
     ArrowLeft: () => timeline.move(-1),
-    r: () => stage.view(), 'Shift r': () => live() && bar.tell({ do: 'reset' }), f: () => stage.fit(), g: () => stage.follow(!stage.follows),
+    r: () => stage.view(), 'Shift r': () => live() && bar.tell({ do: 'reset' }), f: () => stage.fit(), 'Shift f': () => stage.fitNext(), g: () => stage.follow(!stage.follows),
     1: () => hands.setMode('look'), 2: () => hands.setMode('pull'), 3: () => hands.setMode('hold'), 4: () => hands.setMode('push'),
     w: () => store.setView({ wireframe: !store.view.wireframe }), c: () => store.setCut({ on: !store.view.cut.on }), '[': () => store.setCut({ on: true, place: Math.max(0, store.view.cut.place - CUT) }), ']': () => store.setCut({ on: true, place: Math.min(1, store.view.cut.place + CUT) }),
     l: () => store.setView({ legend: !store.view.legend }),

@@ -217,7 +217,8 @@ export class Plots {
         const value = this.series.column(name)[i];
         return h('td', {}, value === null ? '' : number(value, 5));
       })));
-    this.table.replaceChildren(h('table', { class: 'values' }, h('thead', {}, h('tr', {}, h('th', {}, 't [s]'), ...names.map((name) => h('th', {}, name)))), h('tbody', {}, ...rows)));
+    const unit = this.store.unit('s');
+    this.table.replaceChildren(h('table', { class: 'values' }, h('thead', {}, h('tr', {}, h('th', {}, unit ? `t [${unit}]` : 't'), ...names.map((name) => h('th', {}, name)))), h('tbody', {}, ...rows)));
   }
 
   clear() {

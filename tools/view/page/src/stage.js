@@ -39,6 +39,10 @@ export class Stage {
     /** @type {((arrived: number[]) => void)[]} */
     this.afterDraw = [];
     this.fitPending = true;
+    /** The plane before which nothing is drawn, where the eye is no nearer to what it looks at [m]. */
+    this.near = 0.01;
+    /** Of the bodies that are seen, the one that was framed alone. */
+    this.framed = -1;
     this.follows = false;
     /** @type {THREE.Vector3 | null} where the bodies were when the camera went with them last */
     this.followed = null;
@@ -98,10 +102,10 @@ export class Stage {
     this.requestDraw();
   }
 
-  /** The box of what is drawn now. */
-  box() {
+  /** The box of what is drawn now. @param {(body: import('./store.js').Body) => boolean} [isMeant] some of the bodies that are seen */
+  box(isMeant = () => true) {
     const box = new THREE.Box3();
-    for (const view of this.views) if (view.body.visible) view.extend(box);
+    for (const view of this.views) if (view.body.visible && isMeant(view.body)) view.extend(box);
     if (box.isEmpty()) box.set(new THREE.Vector3(-0.5, -0.5, -0.5), new THREE.Vector3(0.5, 0.5, 0.5));
     return box;
   }
@@ -140,16 +144,31 @@ export class Stage {
       this.controls.target.add(step);
       this.followed = centre;
     }
-    const reach = this.camera.position.distanceTo(centre) + box.getSize(new THREE.Vector3()).length();
+    const reach = this.reachOf(box);
     if (!(reach > this.camera.far / 2)) return;
     this.camera.far = 4 * reach;
     this.controls.maxDistance = Math.max(this.controls.maxDistance, 2 * reach);
     this.camera.updateProjectionMatrix();
   }
 
-  /** Frames the bodies without turning the camera. */
-  fit() {
-    const box = this.box();
+  /** How far from the eye a box may end. @param {THREE.Box3} box [m] */
+  reachOf(box) {
+    return this.camera.position.distanceTo(box.getCenter(new THREE.Vector3())) + box.getSize(new THREE.Vector3()).length();
+  }
+
+  /** Frames one body after the other. */
+  fitNext() {
+    const seen = this.views.filter((view) => view.body.visible);
+    if (seen.length === 0) return;
+    const next = (this.framed + 1) % seen.length;
+    this.fit((body) => body === seen[next].body);
+    this.framed = next;
+  }
+
+  /** Frames the bodies, or some of them, without turning the camera. @param {(body: import('./store.js').Body) => boolean} [isMeant] */
+  fit(isMeant) {
+    this.framed = -1;
+    const box = this.box(isMeant);
     const centre = box.getCenter(new THREE.Vector3());
     const back = this.camera.position.clone().sub(this.controls.target).normalize();
     const right = new THREE.Vector3().crossVectors(this.camera.up, back).normalize();
@@ -163,10 +182,14 @@ export class Stage {
     }
     this.controls.target.copy(centre);
     this.camera.position.copy(centre).addScaledVector(back, distance);
-    this.camera.near = distance / 200;
-    this.camera.far = distance * 20;
-    this.controls.minDistance = distance / 100;
-    this.controls.maxDistance = distance * 8;
+    // Bodies may be far apart: from each of them all others are in reach.
+    const all = this.roughBox();
+    const reach = all.isEmpty() ? 0 : this.reachOf(all);
+    const seen = this.views.filter((view) => view.body.visible);
+    this.near = this.camera.near = distance / 200;
+    this.camera.far = Math.max(distance * 20, 2 * reach);
+    this.controls.minDistance = Math.min(distance, ...seen.map((view) => 2 * (view.body.size || distance))) / 100;
+    this.controls.maxDistance = Math.max(distance * 8, 2 * reach);
     this.camera.updateProjectionMatrix();
     this.controls.update();
     this.requestDraw();
@@ -253,6 +276,11 @@ export class Stage {
   draw() {
     const begin = performance.now();
     if (this.frameChanged) this.update();
+    const near = Math.min(this.near, this.camera.position.distanceTo(this.controls.target) / 4);
+    if (near > 0 && near !== this.camera.near) {
+      this.camera.near = near;
+      this.camera.updateProjectionMatrix();
+    }
     const dark = document.documentElement.dataset.theme === 'dark';
     this.renderer.setClearColor(dark ? 0x23282e : 0xf7f7f4, 1);
     this.renderer.render(this.world, this.camera);

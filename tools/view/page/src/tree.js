@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The scene as a tree: nodes, their bodies to show and hide, their components.
 import { bodyColour, css } from './colours.js';
-import { h } from './dom.js';
+import { h, signButton } from './dom.js';
+
+const FRAME = 'M2 2h4v1.6H3.6V6H2zM10 2h4v4h-1.6V3.6H10zM2 10h1.6v2.4H6V14H2zM12.4 10H14v4h-4v-1.6h2.4z';
 
 export class Tree {
   /** @param {HTMLElement} element @param {import('./store.js').Store} store @param {import('./stage.js').Stage} stage */
@@ -80,8 +82,10 @@ export class Tree {
       dot.style.background = css(bodyColour(body.index));
       return dot;
     });
+    const frame = bodies.length && this.store.bodies.length > 1 ? signButton(`frame-${node.path}`, `Frame ${node.name || '/'}`, FRAME,
+      () => bodies.some((body) => body.visible) && this.stage.fit((body) => bodies.includes(body))) : null;
     return h('li', {}, h('div', { class: `item${this.store.selected === node.path ? ' chosen' : ''}` }, fold, shown, ...dots,
-      h('button', { class: 'link', type: 'button', title: node.path, onclick: () => this.store.select(node.path) }, node.name || '/')),
+      h('button', { class: 'link', type: 'button', title: node.path, onclick: () => this.store.select(node.path) }, node.name || '/'), frame),
     folded ? null : h('ul', { class: 'tree' },
       ...(node.components ?? []).map((/** @type {any} */ component) => this.component(component)),
       ...(node.children ?? []).map((/** @type {any} */ child) => this.node(child))));
