@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <charconv>
 #include <cmath>
 #include <filesystem>
 
@@ -37,6 +38,9 @@ const Manual sweep_manual{
     "  extrapolated  its extrapolation to size zero, by the order that the runs show\n"
     "  FILE          a recording (.state.gz), a table (.csv with x y z ux uy uz), or what run --measure has written\n"
     "  FORMULA       \"ux; uy; uz\" in x, y, z (at rest) and t; of a quantity one formula or three\n\n"
+    "--shard 2/8 makes the second of eight shares of the runs, beside processes that make the others: on one machine, by\n"
+    "GNU parallel, or as an array of Slurm. All work in one folder; the command without it gathers and makes what is\n"
+    "missing.\n\n"
     "Exit codes:\n"
     "  0    done; runs without a result are in the table with their sentence\n"
     "  1    no configuration reaches the --goal\n"
@@ -49,7 +53,8 @@ const Manual sweep_manual{
     "1 \\\n"
     "      --reference extrapolated -o results/beam\n"
     "  stroma sweep liver.xml --vary dt=0.04,0.02,0.01,0.005 --until 1 --goal \"error<1%\" -o results/dt\n"
-    "  stroma sweep liver.xml --zip \"dt=0.02,0.01; /liver/linear.iterations=50,100\" --until 1 -o results/both\n"};
+    "  stroma sweep liver.xml --zip \"dt=0.02,0.01; /liver/linear.iterations=50,100\" --until 1 -o results/both\n"
+    "  stroma sweep liver.xml --vary dt=0.02,0.01 --until 1 --shard 1/2 -o results/shared\n"};
 
 using Texts = std::vector<std::string>;
 
@@ -74,6 +79,8 @@ OptionList sweepOptions() {
       ("jobs", po::value<int>()->value_name("N"), "cores that timed runs may use at once (half of the machine)")  //
       ("no-times", "only the errors: runs use the whole machine, each once")                                      //
       ("seed", po::value<unsigned>()->value_name("N"), "of the order of the runs (1)")                            //
+      ("shard", po::value<std::string>()->value_name("I/N"),
+       "make only share I of N of the runs, beside the others; the command without it gathers them")  //
       ("quiet,q", "no progress");
   addSceneOptions(options);
   return options;
@@ -82,6 +89,18 @@ OptionList sweepOptions() {
 template <class T>
 void take(const Values& values, const char* name, T& member) {
   if (values.count(name)) member = values[name].as<T>();
+}
+
+/// "2/8": the second of eight.
+void takeShare(const std::string& text, sweep::SweepRequest& request) {
+  const char* const end = text.data() + text.size();
+  const auto [slash, first] = std::from_chars(text.data(), end, request.share);
+  bool is_good = first == std::errc() && slash != end && *slash == '/';
+  if (is_good) {
+    const auto [rest, second] = std::from_chars(slash + 1, end, request.shares);
+    is_good = second == std::errc() && rest == end && request.share >= 1 && request.share <= request.shares;
+  }
+  if (!is_good) throw UsageError(fmt::format("--shard {}: expected I/N, I from 1 to N, as 2/8", text));
 }
 
 void checkNumbers(const sweep::SweepRequest& request) {
@@ -111,6 +130,7 @@ sweep::SweepRequest requestOf(const Values& values) {
   take(values, "threads", request.threads);
   if (values.count("steps")) request.steps = values["steps"].as<long>();
   if (values.count("until")) request.until = values["until"].as<double>();
+  if (values.count("shard")) takeShare(values["shard"].as<std::string>(), request);
   request.timed = !values.count("no-times"), request.quiet = values.count("quiet") > 0;
   if (values.count("module"))
     for (const std::string& module : values["module"].as<Texts>())

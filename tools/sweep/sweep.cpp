@@ -8,6 +8,8 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <list>
+#include <set>
 
 #include "framework/scene/abi.h"
 #include "framework/scene/output_file.h"
@@ -23,34 +25,58 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Two sweeps in one folder would make the same runs twice.
-class FolderLock {
+/// A file of a folder that a sweep has for itself (LOCK_EX), or with others (LOCK_SH); `kind` as for flock().
+class FileLock {
  public:
-  explicit FolderLock(const std::string& folder) {
-    const std::string file = folder + "/.lock";
+  FileLock(const std::string& folder, const std::string& name, int kind) {
+    const std::string file = folder + "/" + name;
     makeFolderOf(file);
     descriptor_ = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
     if (descriptor_ < 0) throw OutputError(file, "cannot open", errno);
     struct stat status {};
-    const bool has_lock = flock(descriptor_, LOCK_EX | LOCK_NB) == 0;
+    const bool has_lock = flock(descriptor_, kind) == 0;
     // a sweep that was refused may have removed the file between open() and flock()
     if (!has_lock || fstat(descriptor_, &status) != 0 || status.st_nlink == 0) {
       close(descriptor_);
       throw std::invalid_argument(fmt::format("another sweep works in {}: wait for it, or give another -o", folder));
     }
   }
-  FolderLock(const FolderLock&) = delete;
-  ~FolderLock() { close(descriptor_); }
+  FileLock(const FileLock&) = delete;
+  ~FileLock() { close(descriptor_); }
 
  private:
   int descriptor_;
 };
 
-/// Whether the folder has nothing but its lock.
+/// Two sweeps in one folder would make the same runs twice. Shares of one sweep work beside each other, but not beside those
+/// of another number of shares.
+class FolderLock {
+ public:
+  explicit FolderLock(const SweepRequest& request) {
+    const std::string& folder = request.folder;
+    if (request.shares == 0) {
+      locks_.emplace_back(folder, ".lock", LOCK_EX | LOCK_NB);
+      return;
+    }
+    const FileLock door(folder, ".lock.door", LOCK_EX);  // one after the other
+    const std::string all = ".lock.of_", ours = all + std::to_string(request.shares);
+    locks_.emplace_back(folder, ".lock", LOCK_SH | LOCK_NB);
+    locks_.emplace_back(folder, ours, LOCK_SH | LOCK_NB);
+    locks_.emplace_back(folder, fmt::format(".lock.{}_of_{}", request.share, request.shares), LOCK_EX | LOCK_NB);
+    for (const auto& file : fs::directory_iterator(folder))
+      if (const std::string name = file.path().filename().string(); name.starts_with(all) && name != ours)
+        FileLock(folder, name, LOCK_EX | LOCK_NB);  // nobody has it
+  }
+
+ private:
+  std::list<FileLock> locks_;
+};
+
+/// Whether the folder has nothing but locks.
 bool isEmpty(const std::string& folder) {
   const fs::directory_iterator files(folder);
   return std::all_of(fs::begin(files), fs::end(files),
-                     [](const auto& file) { return file.path().filename() == ".lock"; });
+                     [](const auto& file) { return file.path().filename().string().starts_with(".lock"); });
 }
 
 constexpr int by_signal = 128;  // of an exit code
@@ -62,6 +88,8 @@ class Sweep {
         axes_(parseAxes(request.vary, request.zip)),
         bound_(request.goal.empty() ? 0 : parseGoal(request.goal)) {
     if (bound_ > 0 && !request.timed) throw std::invalid_argument("--goal looks for the cheapest: it needs the times");
+    if (bound_ > 0 && request.shares > 0)
+      throw std::invalid_argument("--goal chooses each run by the errors of those before it: it has no shares, leave --shard out");
     const ErrorMeasure measure = ErrorMeasure::parse(request.error);
     allConfigurations(request, axes_);  // what it refuses comes before anything is loaded
     probed_ = probe(request, axes_, measure);
@@ -71,10 +99,12 @@ class Sweep {
   }
 
   int make() {
+    if (request_.shares > 0) return makeShare();
     if (!request_.quiet) fmt::print(stderr, "{} configurations in {}\n", entries_.size(), request_.folder);
     const int signal = bound_ > 0 ? search() : makeAll();
     if (!request_.quiet && signal == 0) fmt::print(stderr, "{} runs made, the others were there\n", runs_->made());
     if (bound_ <= 0 || signal) assessment_ = assessor_->assess(entries_);
+    noteMachines();
     return tell(signal);
   }
 
@@ -98,6 +128,35 @@ class Sweep {
                                                 nameOf(axes_, same->configuration), nameOf(axes_, configuration)));
       entries_.emplace_back().configuration = std::move(configuration);
     }
+  }
+
+  /// In the order of their keys, which has no pattern: every share has cheap runs and dear ones.
+  int makeShare() {
+    std::vector<Entry*> sorted, share;
+    for (Entry& entry : entries_) sorted.push_back(&entry);
+    std::ranges::sort(sorted, {}, [](const Entry* entry) { return entry->configuration.key; });
+    for (std::size_t i = std::size_t(request_.share) - 1; i < sorted.size(); i += std::size_t(request_.shares))
+      share.push_back(sorted[i]);
+    const int signal = runs_->make(share);
+    const auto open = std::ranges::count_if(share, [](const Entry* entry) { return entry->runs.outcome == "not run"; });
+    for (const Entry* entry : share)
+      if (!entry->runs.failure.empty())
+        fmt::print("without a result: {}: {}\n", nameOf(axes_, entry->configuration), entry->runs.failure);
+    fmt::print("share {} of {}: {} of {} configurations, {} runs made; the command without --shard gathers all\n",
+               request_.share, request_.shares, share.size(), entries_.size(), runs_->made());
+    if (signal) fmt::print(stderr, "stopped: {} configurations are open; the same command goes on with them\n", open);
+    return signal ? by_signal + signal : 0;
+  }
+
+  /// Shares may have run on machines of several kinds.
+  void noteMachines() {
+    std::set<std::string> kinds;
+    for (const Entry& entry : entries_)
+      for (const Repetition& run : entry.runs.repetitions)
+        if (run.timed && run.exit_code == 0) kinds.insert(run.machine.substr(std::min(run.machine.size(), run.host.size() + 2)));
+    if (kinds.size() > 1)
+      assessment_.notes.push_back(fmt::format("runs were timed on {} kinds of machines, whose times do not compare: {}",
+                                              kinds.size(), fmt::join(kinds, "; ")));
   }
 
   int makeAll() {
@@ -240,25 +299,25 @@ class LocalSweeper final : public Sweeper {
     parseAxes(request.vary, request.zip);  // what is misspelt leaves no folder behind
     ErrorMeasure::parse(request.error);
     const bool was_there = fs::exists(request.folder);
-    const FolderLock lock(request.folder);
+    const FolderLock lock(request);
     // what another sweep has made meanwhile is not this one's to remove
     const bool is_new = !was_there && isEmpty(request.folder);
     try {
       return Sweep(request).make();
     } catch (const std::invalid_argument&) {
-      if (is_new) remove(request.folder);
+      if (is_new) remove(request);
       throw;
     } catch (const Stopped& stopped) {
-      if (is_new) remove(request.folder);
+      if (is_new) remove(request);
       fmt::print(stderr, "stopped before the first run\n");
       return by_signal + stopped.signal;
     }
   }
 
  private:
-  static void remove(const std::string& folder) {
+  static void remove(const SweepRequest& request) {
     std::error_code none;
-    fs::remove_all(folder, none);
+    if (request.shares == 0 || isEmpty(request.folder)) fs::remove_all(request.folder, none);
   }
 };
 
