@@ -26,7 +26,8 @@ void ImplicitStep::declareNewton(DataTable& table) {
       .recompiled()
       .help("residual at which Newton's method ends, relative to the forces where the step starts")
       .unit("-")
-      .min(0, false);
+      .min(0, false)
+      .max(1, false);
 }
 
 void ImplicitStep::declareNewtonSolver(DataTable& table) {

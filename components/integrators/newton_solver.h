@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <string>
 
 #include "components/integrators/newton.h"
@@ -19,8 +22,8 @@ struct NewtonNames {
 };
 
 inline void declareNewton(DataTable& table, NewtonSettings& settings, const NewtonNames& names) {
-  const auto threshold = [&table](const char* name, double& member, const char* unit, const std::string& help) {
-    table.add(name, member).help("converged when " + help + "; 0: not used").unit(unit).min(0);
+  const auto threshold = [&table](const char* name, double& member, const char* unit, const std::string& help) -> Data& {
+    return table.add(name, member).help("converged when " + help + "; 0: not used").unit(unit).min(0);
   };
   const std::string residual = names.residual;
   table.add(names.iterations, settings.iterations)
@@ -29,12 +32,35 @@ inline void declareNewton(DataTable& table, NewtonSettings& settings, const Newt
       .min(1);
   threshold(names.relative_residual, settings.relative_residual, "-",
             residual + " is below this times the larger of " + residual +
-                " and the forces with reactions, both where the step starts");
+                " and the forces with reactions, both where the step starts")
+      .max(1, false);
   threshold(names.absolute_residual, settings.absolute_residual, names.unit, residual + " is below this");
   threshold(names.relative_correction, settings.relative_correction, "-",
-            "the correction is below this times the displacement of the step");
+            "the correction is below this times the displacement of the step")
+      .max(1, false);
   threshold(names.absolute_correction, settings.absolute_correction, "m", "the correction is below this");
 }
+
+/// Steps that ended where they began with forces out of balance: an absolute threshold above the forces is met there.
+class UnmovedSteps {
+ public:
+  void note(const StepReport& report, const NewtonSettings& settings) {
+    if (!report.failed() && report.newton_iterations == 0 && settings.absolute_residual + settings.absolute_correction > 0)
+      largest_ = std::max(largest_, report.newton_residual);
+  }
+  /// A sentence, or empty.
+  std::string doubt(const std::string& path) const {
+    constexpr double much = 0.03;
+    if (!(largest_ > much)) return {};
+    return fmt::format(
+        "{}: a step counts as solved where it began, with {:.0f} % of the forces out of balance, because a threshold of Newton's "
+        "method is above them",
+        path, 100 * largest_);
+  }
+
+ private:
+  double largest_ = 0;  ///< relative residual
+};
 
 /// The role of a component that holds the settings of Newton's method for an integrator, and shows how it ended.
 class NewtonSolver : public Component {

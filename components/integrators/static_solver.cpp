@@ -78,12 +78,12 @@ class StaticSolver final : public Integrator, public HeedsStepLimits {
   StepReport step(System& system, const StepContext& context) override;
   std::string describe() const override;
   bool movesInTime() const override { return false; }
+  std::string doubt() const override { return unmoved_.doubt(path()); }
   void sceneChanged() override { is_checked_ = false; }
   void stepTaken(const StepContext&) override { exact_.stepTaken(); }
   void reset() override {
-    is_checked_ = false;
-    exact_.reset();
-    exact_tangent_steps_ = 0;
+    is_checked_ = false, exact_tangent_steps_ = 0;
+    exact_.reset(), unmoved_ = {};
   }
   void serialize(Archive& archive) override {
     exact_.serialize(archive);
@@ -117,6 +117,7 @@ class StaticSolver final : public Integrator, public HeedsStepLimits {
   bool is_checked_ = false;                ///< no body was free when something last changed
   long checked_revision_ = -1;             ///< of what held bodies then
   long held_ = 0;                          ///< directions of nodes, in the last step
+  UnmovedSteps unmoved_;
 };
 
 void StaticSolver::declare(DataTable& table) {
@@ -196,8 +197,7 @@ bool StaticSolver::checkFreeBodies(System& system, StopToken stop, StepReport& r
   checked_revision_ = revisionOfHolds(system);
   is_checked_ = sentence.empty();
   if (is_checked_) return true;
-  report.reason = sentence;
-  report.diverged = true;
+  report.reason = sentence, report.diverged = true;
   return false;
 }
 
@@ -206,8 +206,7 @@ StepReport StaticSolver::step(System& system, const StepContext& context) {
   problem_.begin();
   StepReport report;
   const long held_before = std::exchange(held_, heldDirections(system.constraints()));
-  const bool is_held_otherwise = !is_checked_ || held_ != held_before;
-  if (is_held_otherwise) {
+  if (!is_checked_ || held_ != held_before) {
     exact_.end();  // rigid motions are seen in the scene's tangent
     if (!checkFreeBodies(system, context.stop, report)) return report;
   }
@@ -235,6 +234,7 @@ StepReport StaticSolver::step(System& system, const StepContext& context) {
     problem_.residual(force_);
   }
   report.unsolved = !report.newton_converged;
+  unmoved_.note(report, settings_);
   if (report.unsolved && !report.diverged)
     report.reason += tried_exact ? "; with the exact tangent too" : exactTangentHint(system);
   graph_.assign(newton_.history().begin(), newton_.history().end());

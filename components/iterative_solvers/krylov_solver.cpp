@@ -17,7 +17,8 @@ void KrylovSolver::declare(DataTable& table) {
       .atOnce()
       .help("stop when |b - A x| <= tolerance |b|; 1e-5 where the scene writes iterations and no tolerance")
       .unit("-")
-      .min(0);
+      .min(0)
+      .max(1, false);
   table.add("template", template_)
       .help(
           "auto, GraphScattered (matrix-free) or CompressedRowSparseMatrix, CompressedRowSparseMatrixMat3x3 "

@@ -54,6 +54,16 @@ TEST(CellsAcross, WallsOfAHollowBodyAreWhatIsCounted) {
   EXPECT_NE(tooCoarseForBending(body, true), "");
 }
 
+/// A slice in plane strain has one cell across, along which nothing moves; a beam in it bends in its plane.
+TEST(CellsAcross, WhatIsHeldAcrossDoesNotBendThere) {
+  const Mesh plate = beam(40, 20, 1), strip = beam(80, 8, 1);
+  EXPECT_NE(tooCoarseForBending(slenderness(plate.hexahedra, plate.position), true), "");
+  EXPECT_EQ(tooCoarseForBending(slenderness(plate.hexahedra, plate.position, Vec3::UnitZ()), true), "");
+  const Slenderness body = slenderness(strip.hexahedra, strip.position, Vec3::UnitZ());
+  EXPECT_TRUE(body.isSlender());
+  EXPECT_EQ(body.cells, 8);
+}
+
 TEST(CellsAcross, StoutBodiesAndFineMeshesAreNotBlamed) {
   const Mesh cube = beam(3, 3, 3), fine = beam(40, 8, 8);
   EXPECT_FALSE(slenderness(cube.hexahedra, cube.position).isSlender());

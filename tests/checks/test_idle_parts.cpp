@@ -31,6 +31,35 @@ TEST(IdleParts, ABodyOfWhichEveryNodeIsHeldIsSaid) {
     EXPECT_EQ(told(heldAt(free)).find(sentence), std::string::npos) << free;
 }
 
+TEST(IdleParts, WhatContradictsOrDoublesIsSaid) {
+  const std::string fixed = "<FixedProjectiveConstraint name='fixed' indices='0-3'/>";
+  const std::string moved =
+      "<LinearMovementProjectiveConstraint name='moved' indices='2 3 4' keyTimes='0 1' movements='0 0 0 1 0 0'/>";
+  expectContains(told(heldAt(fixed + moved)), "/moved: 2 of its nodes are held by /fixed too: they move");
+  EXPECT_EQ(told(heldAt("<FixedProjectiveConstraint indices='0 1'/>" + moved)).find("too: they move"), std::string::npos);
+  expectContains(told(heldAt(fixed + "<ConstantForceField name='load' indices='0 3' forces='1 0 0'/>")),
+                 "/load: every node that it acts on is held");
+  EXPECT_EQ(told(heldAt(fixed + "<ConstantForceField indices='3 4' forces='1 0 0'/>")).find("is held or moved"),
+            std::string::npos);
+  expectContains(told(heldAt("<HexahedronFEMForceField name='again' youngModulus='1000' poissonRatio='0.3'/>")),
+                 "/again: it ties the same nodes as /HexahedronFEMForceField: the stiffness of the two adds up");
+  EXPECT_EQ(told(heldAt("")).find("adds up"), std::string::npos);
+}
+
+TEST(IdleParts, AGravityThatFindsNoMassInStaticsIsSaid) {
+  const auto scene = [](const std::string& gravity, const std::string& mass) {
+    return "<Node name='root' " + gravity + R"(><StaticSolver/><SparseLDLSolver/>
+      <RegularGridTopology n="2 2 2" min="0 0 0" max="1 1 1"/><MechanicalObject name="dofs"/>)" +
+           mass + R"(<HexahedronFEMForceField youngModulus="1000" poissonRatio="0.3"/>
+      <FixedProjectiveConstraint indices="0 1 2"/></Node>)";
+  };
+  const std::string sentence = "/dofs: it has no mass: the gravity (0 -9.81 0) of / acts on nothing";
+  expectContains(told(scene("gravity='0 -9.81 0'", "")), sentence);
+  EXPECT_EQ(told(scene("gravity='0 -9.81 0'", "<UniformMass totalMass='1'/>")).find("acts on nothing"), std::string::npos);
+  EXPECT_EQ(told(scene("gravity='0 0 0'", "")).find("acts on nothing"), std::string::npos);
+  EXPECT_EQ(told(scene("", "")).find("acts on nothing"), std::string::npos) << "nobody asked for it";
+}
+
 /// A hexahedron, and a pyramid of two tetrahedra on its upper face.
 std::string mixed(const std::string& fields) {
   return R"(<Node name="root" gravity="0 0 0"><EulerImplicitSolver/><CGLinearSolver/>

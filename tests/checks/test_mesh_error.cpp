@@ -81,6 +81,34 @@ TEST(MeshError, IsThatOfBentCells) {
     }
 }
 
+/// The same bending of a strip of triangles with legs h: in each k y is that of one of its corners, and the shear k h / 4.
+TEST(MeshError, IsThatOfBentTriangles) {
+  static constexpr double k = 1e-4, area = 2;
+  for (const int n : {4, 8, 16}) {
+    Mesh mesh;
+    for (int j = 0; j <= n; ++j)
+      for (int i = 0; i <= 2 * n; ++i) mesh.position.push_back(Vec3(double(i) / n, double(j) / n, 0));
+    for (int j = 0; j < n; ++j)
+      for (int i = 0; i < 2 * n; ++i) {
+        const Index a = i + (2 * n + 1) * j, up = 2 * n + 1;
+        mesh.triangles.push_back({a, a + 1, a + 1 + up});
+        mesh.triangles.push_back({a, a + 1 + up, a + up});
+      }
+    const Map bend = [](const Vec3& p) -> Vec3 {
+      const double y = p.y() - 0.5;
+      return p + k * Vec3(p.x() * y, -p.x() * p.x() / 2, 0);
+    };
+    const Mat3 turn = Eigen::AngleAxisd(0.8, Vec3(1, 2, 3).normalized()).toRotationMatrix();
+    std::vector<Vec3> rest, now = moved(mesh, bend);
+    for (std::size_t i = 0; i < now.size(); ++i) rest.push_back(turn * mesh.position[i]);  // wherever the strip lies
+    const StrainError found = strainError(mesh.triangles, rest, now, {}, 1. / 3);
+    const double h = 1. / n, error = k * k * h * h * (1. / 6 + 1. / 8) * area;
+    EXPECT_NEAR(found.error, error, 0.35 * error) << n;
+    EXPECT_NEAR(found.share(), 3.5 * h * h, 0.4 * 3.5 * h * h) << n;
+    EXPECT_LT(strainError(mesh.triangles, rest, mesh.position, {}, 1. / 3).largest, 1e-24) << "turned only";
+  }
+}
+
 /// Two layers of which one is ten times as stiff: the strain jumps between them, and does in the body.
 TEST(MeshError, StrainsMayJumpBetweenMaterials) {
   for (const bool tetrahedra : {false, true}) {

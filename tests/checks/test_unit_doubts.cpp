@@ -34,6 +34,12 @@ std::string bodyScene(const Body& body) {
       body.max, body.mass, body.young);
 }
 
+/// Without what is said of a gravity that finds no mass.
+std::vector<Problem> doubtsOfUnits(std::vector<Problem> warnings) {
+  std::erase_if(warnings, [](const Problem& each) { return each.message.find("acts on nothing") != std::string::npos; });
+  return warnings;
+}
+
 TEST_F(UnitDoubts, ConsistentOnesRaiseNoDoubt) {
   const char* const g = "gravity='0 -9.81 0'";
   const Body bodies[] = {
@@ -44,6 +50,7 @@ TEST_F(UnitDoubts, ConsistentOnesRaiseNoDoubt) {
       {g, "2e-4 1e-4 1e-4", "<DiagonalMass massDensity='1000'/>", "100"},    // cells
       {"gravity='0 -0.0981 0'", "0.1 0.08 0.06", "<DiagonalMass massDensity='1060'/>",
        "10000"},                                                                            // a hundredth: a small load
+      {"gravity='0 0 -50'", "100 80 60", "<DiagonalMass massDensity='1.06e-6'/>", "10"},    // and in mm kg s
       {"gravity='0 0 -9810'", "100 80 60", "<DiagonalMass massDensity='1.06e-6'/>", "10"},  // mm kg s, kPa
       {"gravity='0 0 -9810'", "100 80 60", "<DiagonalMass massDensity='1.06e-9'/>", "0.01"},     // mm t s, MPa
       {"gravity='0 0 -9810'", "100 80 60", "<UniformMass totalMass='5e-4'/>", "0.01"},           // the same by its mass
@@ -62,7 +69,7 @@ TEST_F(UnitDoubts, ConsistentOnesRaiseNoDoubt) {
       {"gravity='0 -9.81 0 m/s^2'", "100 80 60 mm", "<DiagonalMass massDensity='1.06 g/cm^3'/>", "10 kPa"},
   };
   for (const Body& body : bodies) {
-    const auto warnings = problemsOf(bodyScene(body));
+    const auto warnings = doubtsOfUnits(problemsOf(bodyScene(body)));
     EXPECT_TRUE(warnings.empty()) << bodyScene(body) << warnings[0].text();
   }
 }
@@ -100,6 +107,8 @@ TEST_F(UnitDoubts, NumbersThatFitNoSystemAreDoubted) {
        {"read in mm, t, s:", "youngModulus 10 MPa", "gravity is outside", "write gravity=\"0 -9810 0\" on / (",
         "if mm, t, s are meant, else with units", "\"mm\" after the lengths of /grid", "youngModulus=\"10 kPa\"",
         "massDensity=\"1.06e-09 t/mm^3\""}},
+      // the digits of metres
+      {{g, "100 80 60", "<DiagonalMass name='mass' massDensity='1.06e-6'/>", "10"}, 3, {"gravity is outside"}},
       // gravity in millimetres
       {{"gravity='0 0 -9810'", "0.1 0.08 0.06", tissue, "10000"}, 1, {"gravity=\"0 0 -9810 mm/s^2\""}},
       // units here and none there: what has none is SI
@@ -121,7 +130,7 @@ TEST_F(UnitDoubts, NumbersThatFitNoSystemAreDoubted) {
        {"density is outside", "massDensity=\"1 g/cm^3\" on /mass"}},
   };
   for (const Case& each : cases) {
-    const auto warnings = problemsOf(bodyScene(each.body));
+    const auto warnings = doubtsOfUnits(problemsOf(bodyScene(each.body)));
     ASSERT_EQ(warnings.size(), 1u) << bodyScene(each.body);
     EXPECT_EQ(warnings[0].where.line, each.line) << warnings[0].text();
     for (const std::string& part : each.parts)

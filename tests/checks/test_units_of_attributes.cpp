@@ -46,6 +46,8 @@ TEST(UnitsOfAttributes, EachDeclaredTextIsAUnit) {
 
 /// Numbers of several kinds in one list, or of a kind that another attribute decides.
 const std::set<std::string> of_no_one_unit = {"ParameterSet", "c2",     "c4",           "oscillators",   "spring",
+                                              "PolynomialRestShapeSpringsForceField.smoothShift",
+                                              "PolynomialRestShapeSpringsForceField.smoothScale",
                                               "table",        "values", "defaultValue", "transformation", "planes",
                                               // lists of engines have the unit of what is linked to them
                                               "in", "out", "global", "inputValues", "value", "outputValues", "input", "output",

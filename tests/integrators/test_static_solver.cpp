@@ -43,6 +43,23 @@ TEST(StaticSolver, ALinearSpringUnderGravityTakesOneIterationAndOneFactorisation
   }
 }
 
+/// 5 N on each node, and a threshold of 1 kN: the step is over before anything has moved.
+TEST(StaticSolver, AThresholdAboveTheForcesIsADoubt) {
+  Simulation loose = statics("absolute_residual_tolerance_threshold='1000'", "stiffness='20'", "");
+  EXPECT_TRUE(loose.step().newton_converged);
+  const std::string doubt = loose.systems()[0]->integrator().doubt();
+  EXPECT_NE(doubt.find("a step counts as solved where it began, with 100 % of the forces out of balance"), std::string::npos)
+      << doubt;
+  Simulation usual = statics("absolute_residual_tolerance_threshold='1e-9'", "stiffness='20'", "");
+  for (int step = 0; step < 2; ++step) usual.step();
+  EXPECT_EQ(usual.systems()[0]->integrator().doubt(), "") << "the second step has nothing to do";
+  const auto problem = [](const std::string& attributes) {
+    return problemsOf("<Node><StaticSolver " + attributes + "/><CGLinearSolver tolerance='2'/></Node>");
+  };
+  expectContains(problem("relative_residual_tolerance_threshold='1'"), "1 is outside the range");
+  expectContains(problem(""), "2 is outside the range of tolerance (expected a value in [0, 1))");
+}
+
 TEST(StaticSolver, AHardeningSpringConvergesQuadratically) {
   Simulation simulation = statics("", "stiffness='1' cubic='100'", "");
   const StepReport report = simulation.step();

@@ -50,6 +50,8 @@ std::string exception(const std::string& name) {
       {"QuadPressureForceField.rayleighStiffness", "no stiffness"},
       {"RestShapeSpringsForceField.angularStiffness", "its nodes are points"},
       {"SphereForceField.rayleighStiffness", "nothing touches it so soon"},
+      {"TorsionForceField.rayleighStiffness", "no stiffness"},
+      {"OscillatingTorsionPressureForceField.rayleighStiffness", "no stiffness"},
       {"SurfacePressureForceField.pressure", "the far end of a pulse; see LiveAttributes"},
       {"UniformMass.totalMass", "every mass falls alike"},
       {"UniformMass.vertexMass", "every mass falls alike"},

@@ -308,6 +308,9 @@ std::vector<Row> makeRows() {
     const std::string& type = entry->type;
     if (type == "BeamFEMForceField" || type == "JointSpringForceField") continue;  // of frames: tests/beams
     if (type == "BeamHookeLawForceField") continue;  // linear, of curvatures: tests/sofa
+    if (type == "AngularSpringForceField" || type == "InteractionEllipsoidForceField") continue;  // of frames: tests/springs, tests/loads
+    if (type == "TorsionForceField") continue;  // follows the nodes and drives them without end
+    if (type == "OscillatingTorsionPressureForceField") continue;  // swings without end
     if (type == "BarrierContact") continue;  // refuses integrators that do not ask it how far they may move: tests/contact
     if (type == "CollisionResponse") continue;  // its contacts are found where a step starts: tests/collision
     const Component& made = *component;
@@ -330,6 +333,8 @@ std::vector<Row> makeRows() {
       for (const char* variant : {"method=\"large\" tangent=\"warped\"", "method=\"large\" tangent=\"exact\"",
                                   "method=\"small\" tangent=\"warped\""})
         addExample(out, type, variant);
+    } else if (component->data().find("dampingRatio") || type == "TriangularTensorMassForceField") {  // of triangles
+      addExample(out, type);
     } else if (type == "PlasticStrainForceField") {  // what has flowed rests elsewhere: here nothing flows
       addExample(out, type, "plasticYieldThreshold=\"1e9\"");
     } else if (component->data().find("youngModulus")) {

@@ -41,7 +41,7 @@ TEST_F(Expectations, ClosedFormsAreMetAtTimesAndAtTheEnd) {
 
 TEST_F(Expectations, WhatIsNotMetHasTheNumbers) {
   misses(R"xml(<Expect name="fall" of="/dofs.displacement" nodes="1" axis="y" is="-5*t^2"/>)xml",
-         "/fall: /dofs.displacement node 1 y is -0.21 at t = 0.2 s, expected -0.2 (off by 0.01");
+         "/fall: /dofs.displacement node 1 y is -0.21 at t = 0.2, expected -0.2 (off by 0.01");
   misses(R"xml(<Expect of="/dofs.displacement" axis="y" is="-5*t*(t+0.011)" tolerance="1e-4"/>)xml", "off by 0.001");
   meets(R"xml(<Expect of="/dofs.displacement" axis="y" is="-5*t*(t+0.011)" tolerance="1e-2"/>)xml");
   misses(R"xml(<Expect of="/dofs.displacement" axis="y" above="-0.2"/>)xml", "expected above -0.2");
@@ -50,7 +50,7 @@ TEST_F(Expectations, WhatIsNotMetHasTheNumbers) {
 
 TEST_F(Expectations, ATimeThatIsNotReachedIsAFailure) {
   misses(R"xml(<Expect of="/dofs.displacement" axis="x" is="0" at="0.1 0.5"/>)xml",
-         "was not compared at t = 0.5 s: the run ended at 0.2 s");
+         "was not compared at t = 0.5: the run ended at 0.2");
 }
 
 TEST_F(Expectations, EnergiesIterationsAndAttributes) {

@@ -33,6 +33,18 @@ TEST(UnitSystem, IsFoundWhereTheNumbersAreThoseOfThings) {
   EXPECT_EQ(unitsIn(bar("", 1, 1e12, 1e-6, 1)).name, "") << "harder than anything: no system fits";
 }
 
+/// Without a mass size and stiffness alone speak: 8 mm and 500 kPa could be 8 m and 500 Pa, if nothing had weight.
+TEST(UnitSystem, ABodyWithoutAMassIsNotTakenForOneThatItsWeightWouldCrush) {
+  const auto sample = [](const char* size, const char* modulus) {
+    return fmt::format(
+        R"(<Node name="root" gravity="0 0 0"><StaticSolver/><RegularGridTopology n="3 3 3" min="0 0 0" max="{}"/>
+  <MechanicalObject/><HexahedronFEMForceField youngModulus="{}" poissonRatio="0.3"/></Node>)",
+        size, modulus);
+  };
+  EXPECT_EQ(unitsIn(sample("8 8 8", "500")).name, "") << "kPa, MPa or Pa: nobody knows";
+  EXPECT_EQ(unitsIn(sample("0.08 0.08 0.08", "5000")).name, "m, kg, s");
+}
+
 TEST(UnitSystem, IsWhatTheSceneDeclares) {
   EXPECT_EQ(unitsIn(bar("units=\"mm t s\"", 1, 1e-3, 1e-9, 1)).name, "mm, t, s");
   EXPECT_EQ(unitsIn(bar("units=\"mm kPa s\"", 1, 1, 1e-6, 1)).name, "mm, kg, s");
@@ -79,7 +91,10 @@ TEST(UnitSystem, NamesUnitsOfSentencesInIt) {
   EXPECT_EQ(mm.sentence("3 nodes, 4 Newton iterations, step 5 makes 6 more"),
             "3 nodes, 4 Newton iterations, step 5 makes 6 more");
   EXPECT_EQ(readUnitSystem("m kg s").sentence("0.3 m"), "0.3 m");
-  EXPECT_EQ(UnitSystem().sentence("0.3 m"), "0.3 m");
+  // numbers of a scene whose units nobody knows have none
+  EXPECT_EQ(UnitSystem().sentence("pull with (0 0 -1) N, together 1 N m: dt = 0.3 s is 4 kg/m^3 off"),
+            "pull with (0 0 -1), together 1: dt = 0.3 is 4 off");
+  EXPECT_EQ(UnitSystem().sentence("3 nodes, step 5 makes 6 more"), "3 nodes, step 5 makes 6 more");
 }
 
 }  // namespace

@@ -147,8 +147,15 @@ Line thinnest(std::vector<Line>& lines, bool hexahedra) {
   return *at;
 }
 
+/// Whether a side faces along an axis.
+bool facesAlong(const Side& side, const std::vector<Vec3>& position, const Vec3& axis) {
+  const Vec3 a = position[side.sorted[1]], b = position[side.sorted[2]], c = position[side.sorted[3]];
+  const Vec3 normal = (b - a).cross(c - a);
+  return std::abs(normal.dot(axis)) > 0.9 * normal.norm();
+}
+
 template <class Cell>
-Slenderness measure(const std::vector<Cell>& cells, const std::vector<Vec3>& position) {
+Slenderness measure(const std::vector<Cell>& cells, const std::vector<Vec3>& position, const Vec3& held) {
   Slenderness out;
   if (cells.empty() || cells.size() > most_cells) return out;
   Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
@@ -158,7 +165,8 @@ Slenderness measure(const std::vector<Cell>& cells, const std::vector<Vec3>& pos
   const std::vector<Side> sides = sidesOf(cells, int(volumeKindOf(cells[0]).faces.size()));
   std::vector<const Side*> boundary;
   for (const Side& side : sides)
-    if (side.across.cell < 0) boundary.push_back(&side);
+    if (side.across.cell < 0 && !facesAlong(side, position, held)) boundary.push_back(&side);
+  if (boundary.empty()) return out;
   const std::size_t stride = std::max<std::size_t>(1, boundary.size() / most_lines);
   std::vector<double> lengths;
   std::vector<Line> short_lines;
@@ -175,11 +183,11 @@ Slenderness measure(const std::vector<Cell>& cells, const std::vector<Vec3>& pos
 
 }  // namespace
 
-Slenderness slenderness(const std::vector<Hexahedron>& cells, const std::vector<Vec3>& position) {
-  return measure(cells, position);
+Slenderness slenderness(const std::vector<Hexahedron>& cells, const std::vector<Vec3>& position, const Vec3& held) {
+  return measure(cells, position, held);
 }
-Slenderness slenderness(const std::vector<Tetrahedron>& cells, const std::vector<Vec3>& position) {
-  return measure(cells, position);
+Slenderness slenderness(const std::vector<Tetrahedron>& cells, const std::vector<Vec3>& position, const Vec3& held) {
+  return measure(cells, position, held);
 }
 
 std::string tooCoarseForBending(const Slenderness& body, bool hexahedra) {
@@ -197,8 +205,23 @@ std::string tooCoarseForBending(const Slenderness& body, bool hexahedra) {
       std::ceil(std::sqrt(share / limit)), hexahedra ? "" : "; so are fewer hexahedra, which bend better");
 }
 
+/// An axis along which every node of a state is held, or zero.
+static Vec3 heldAxis(const System& system, const State& state) {
+  const ConstraintSet& constraints = system.constraints();
+  if (constraints.change() || state.rows_per_node != 1 || state.firstRow() >= system.independentRows()) return Vec3::Zero();
+  for (int axis = 0; axis < 3; ++axis) {
+    Index held = 0;
+    for (Index row = state.firstRow(); held < state.size(); ++row, ++held) {
+      const Index at = constraints.projectorOf(row);
+      if (at < 0 || !constraints.projectors()[std::size_t(at)].projector.col(axis).isZero(0)) break;
+    }
+    if (held == state.size()) return Vec3::Unit(axis);
+  }
+  return Vec3::Zero();
+}
+
 /// Its cells: of the kind that its name has, in a mesh of its state.
-static std::string coarsenessOf(const ForceField& field) {
+static std::string coarsenessOf(const ForceField& field, const Vec3& held) {
   const std::string type = field.type();
   const bool not_tetrahedra = type.find("Hexahedron") != std::string::npos;
   const bool not_hexahedra = type.find("Tetrahedr") != std::string::npos;
@@ -207,8 +230,9 @@ static std::string coarsenessOf(const ForceField& field) {
     const Mesh& mesh = topology->mesh();
     if (mesh.overlap != 1 || std::size_t(mesh.nodes()) > rest.size()) continue;
     if (!not_tetrahedra && !mesh.tetrahedra.empty())
-      return tooCoarseForBending(slenderness(mesh.tetrahedra, rest), false);
-    if (!not_hexahedra && !mesh.hexahedra.empty()) return tooCoarseForBending(slenderness(mesh.hexahedra, rest), true);
+      return tooCoarseForBending(slenderness(mesh.tetrahedra, rest, held), false);
+    if (!not_hexahedra && !mesh.hexahedra.empty())
+      return tooCoarseForBending(slenderness(mesh.hexahedra, rest, held), true);
   }
   return {};
 }
@@ -218,7 +242,7 @@ void noteCoarseCells(const Simulation& simulation, Diagnostics& diagnostics) {
     for (const ForceField* field : system->forceFields()) {
       const std::vector<std::string> known = field->cellFields();
       if (std::find(known.begin(), known.end(), "vonMises") == known.end()) continue;
-      if (const std::string coarse = coarsenessOf(*field); !coarse.empty())
+      if (const std::string coarse = coarsenessOf(*field, heldAxis(*system, field->state())); !coarse.empty())
         diagnostics.note(field->where(), field->path(), coarse);
     }
 }

@@ -17,8 +17,11 @@ struct Slenderness {
   bool isSlender() const { return typical > 0 && typical < 0.3 * extent; }
 };
 /// Of the hexahedra, or of the tetrahedra. Nothing (not slender) for meshes above 100,000 cells, which are seldom coarse.
-Slenderness slenderness(const std::vector<Hexahedron>& cells, const std::vector<Vec3>& position);
-Slenderness slenderness(const std::vector<Tetrahedron>& cells, const std::vector<Vec3>& position);
+/// `held`: an axis along which no node can move, as in plane strain: nothing bends there, and lines along it do not count.
+Slenderness slenderness(const std::vector<Hexahedron>& cells, const std::vector<Vec3>& position,
+                        const Vec3& held = Vec3::Zero());
+Slenderness slenderness(const std::vector<Tetrahedron>& cells, const std::vector<Vec3>& position,
+                        const Vec3& held = Vec3::Zero());
 
 /// A sentence where linear cells over the thickness of a slender body are so few that it is more than 3 % too stiff in
 /// bending, or empty. Straight edges add a shear to bending: the error is about share / n^2 with n cells.

@@ -4,10 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 
 #include "framework/mechanics/state_topology.h"
 #include "framework/mesh/cell_lists.h"
 #include "framework/mesh/mesh_loader.h"
+#include "framework/simulation/integrator.h"
 
 namespace stroma {
 namespace {
@@ -79,6 +81,96 @@ void warnOfHeldBodies(const System& system, Diagnostics& diagnostics) {
   }
 }
 
+/// Rows that a constraint holds, or moves, wholly.
+std::set<Index> wholeRows(const ProjectiveConstraint& constraint, double t) {
+  std::vector<NodeProjector> projectors;
+  constraint.addProjectors(t, projectors);
+  std::set<Index> rows;
+  for (const NodeProjector& each : projectors)
+    if (each.projector.isZero(0)) rows.insert(each.row);
+  return rows;
+}
+
+/// Of a node that is held by one and moved by another, one has no effect.
+void warnOfContradictions(const System& system, double t, Diagnostics& diagnostics) {
+  const auto moves = [](const ProjectiveConstraint* constraint) { return constraint->prescribesMotion(); };
+  if (std::ranges::none_of(system.constraints().all(), moves)) return;
+  std::vector<std::pair<const ProjectiveConstraint*, std::set<Index>>> held;
+  for (const ProjectiveConstraint* constraint : system.constraints().all())
+    if (!constraint->prescribesMotion()) held.emplace_back(constraint, wholeRows(*constraint, t));
+  for (const ProjectiveConstraint* moving : system.constraints().all()) {
+    if (!moving->prescribesMotion()) continue;
+    const std::set<Index> moved = wholeRows(*moving, t);
+    for (const auto& [constraint, rows] : held) {
+      const auto both = std::ranges::count_if(rows, [&](Index row) { return moved.contains(row); });
+      if (both > 0)
+        diagnostics.warning(moving->where(), moving->path(),
+                            fmt::format("{} of its nodes are held by {} too: they move, and what holds them has no effect", both,
+                                        constraint->path()),
+                            "one of the two");
+    }
+  }
+}
+
+/// Loads whose nodes are all held. Springs and laws have ends that are not.
+void warnOfLoadsOnHeldNodes(const System& system, Diagnostics& diagnostics) {
+  const ConstraintSet& constraints = system.constraints();
+  if (constraints.change()) return;
+  for (const ForceField* field : system.forceFields()) {
+    const Data* data = field->data().find("indices");
+    const auto* indices = data ? std::get_if<std::vector<int>*>(&data->pointer()) : nullptr;
+    if (field->traits().forces_balance || field->traits().has_stiffness || !indices || (*indices)->empty()) continue;
+    const State& state = field->state();
+    if (state.rows_per_node != 1 || state.firstRow() >= system.independentRows()) continue;
+    const bool all = std::ranges::all_of(**indices, [&](int node) {
+      const Index at = constraints.projectorOf(state.firstRow() + node);
+      return at >= 0 && constraints.projectors()[std::size_t(at)].projector.isZero(0);
+    });
+    if (all)
+      diagnostics.warning(field->where(), field->path(),
+                          "every node that it acts on is held or moved by a constraint: it does nothing");
+  }
+}
+
+/// A gravity that somebody wrote, and statics without a mass: what moves in time is refused without one.
+void warnOfGravityWithoutMass(const System& system, Diagnostics& diagnostics) {
+  if (!system.masses().empty() || system.integrator().movesInTime() || system.states().empty()) return;
+  const Node* writer = &system.states().front()->node();
+  while (writer && !writer->own_gravity) writer = writer->parent();
+  if (!writer || writer->own_gravity->isZero(0)) return;
+  const Vec3& g = *writer->own_gravity;
+  diagnostics.warning(system.states().front()->where(), system.states().front()->path(),
+                      fmt::format("it has no mass: the gravity ({:g} {:g} {:g}) of {} acts on nothing", g.x(), g.y(), g.z(),
+                                  writer->path()),
+                      "a mass, as MeshMatrixMass massDensity, or gravity=\"0 0 0\"");
+}
+
+/// Fields with a law of their own for the same cells.
+void noteLawsThatAddUp(const System& system, Diagnostics& diagnostics) {
+  const auto hasLaw = [](const ForceField& field) {
+    const std::vector<std::string> known = field.cellFields();
+    return std::ranges::find(known, "vonMises") != known.end();
+  };
+  constexpr Index most_rows = 100000;  // the patterns of larger bodies take time
+  if (system.forceFields().size() < 2 || system.allRows() > most_rows) return;
+  std::vector<const ForceField*> before;
+  for (const ForceField* field : system.forceFields()) {
+    if (!hasLaw(*field)) continue;
+    const auto same = std::ranges::find_if(before, [&](const ForceField* other) {
+      if (&other->state() != &field->state()) return false;
+      BlockPattern one(system.allRows()), two(system.allRows());
+      other->addPattern(one), field->addPattern(two);
+      for (Index row = 0; row < system.allRows(); ++row)
+        if (one.columns(row) != two.columns(row)) return false;
+      return true;
+    });
+    if (same != before.end())
+      diagnostics.note(field->where(), field->path(),
+                       fmt::format("it ties the same nodes as {}: the stiffness of the two adds up", (*same)->path()));
+    before.push_back(field);
+  }
+}
+
 void warnOfCellsWithoutLaw(const System& system, const Node& root, Diagnostics& diagnostics) {
   std::unique_ptr<TiedRows> tied;
   for (const State* state : system.states())
@@ -105,6 +197,10 @@ void warnOfCellsWithoutLaw(const System& system, const Node& root, Diagnostics& 
 void warnOfIdleParts(const Simulation& simulation, Diagnostics& diagnostics) {
   for (const auto& system : simulation.systems()) {
     warnOfHeldBodies(*system, diagnostics);
+    warnOfContradictions(*system, simulation.time(), diagnostics);
+    warnOfLoadsOnHeldNodes(*system, diagnostics);
+    warnOfGravityWithoutMass(*system, diagnostics);
+    noteLawsThatAddUp(*system, diagnostics);
     warnOfCellsWithoutLaw(*system, simulation.root(), diagnostics);
   }
 }

@@ -5,8 +5,9 @@
 namespace stroma {
 
 /// Warns of what takes no part in the motion though whoever wrote the scene may think so: bodies of which every node is held
-/// for good, and cells that no force field acts on, in meshes of more than one kind of volume cells (a law for one kind
-/// leaves the others out, and the nodes that both have hide it).
+/// for good, constraints on nodes that others move, loads on held nodes, a gravity without a mass in statics, and cells that
+/// no force field acts on, in meshes of more than one kind of volume cells (a law for one kind leaves the others out, and the
+/// nodes that both have hide it). Notes two laws for the same cells, which add up.
 void warnOfIdleParts(const Simulation& simulation, Diagnostics& diagnostics);
 
 }  // namespace stroma

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
@@ -14,6 +15,7 @@
 #include "framework/mechanics/state_positions.h"
 #include "framework/mechanics/state_topology.h"
 #include "framework/mesh/cell_kind.h"
+#include "tools/units/unit_system.h"
 
 namespace stroma {
 namespace {
@@ -35,12 +37,16 @@ Strain strainOf(const Mat3& f, double bulk) {
 
 const CellKind& kindOf(const Tetrahedron&) { return cell_kinds::tetrahedron; }
 const CellKind& kindOf(const Hexahedron&) { return cell_kinds::hexahedron; }
+const CellKind& kindOf(const Triangle&) { return cell_kinds::triangle; }
+
+/// The third of a surface's axes, across which it keeps its thickness.
+void addNormal(Mat3& tangents) { tangents.col(2) = tangents.col(0).cross(tangents.col(1)).normalized(); }
 
 /// F at xi, and det dX/dxi.
 template <class Cell>
 std::pair<Mat3, double> deformationAt(const Cell& cell, const LocalPoint& xi, const std::vector<Vec3>& rest,
                                       const std::vector<Vec3>& now) {
-  std::array<LocalPoint, std::tuple_size_v<Cell>> slopes;
+  std::array<LocalPoint, std::tuple_size_v<Cell>> slopes{};
   kindOf(cell).gradients(xi, slopes.data());
   Mat3 before = Mat3::Zero(), after = Mat3::Zero();
   for (std::size_t a = 0; a < cell.size(); ++a) {
@@ -48,6 +54,7 @@ std::pair<Mat3, double> deformationAt(const Cell& cell, const LocalPoint& xi, co
     before += rest[std::size_t(cell[a])] * slope.transpose();
     after += now[std::size_t(cell[a])] * slope.transpose();
   }
+  if constexpr (std::tuple_size_v<Cell> == 3) addNormal(before), addNormal(after);
   return {after * before.inverse(), std::abs(before.determinant())};
 }
 
@@ -59,7 +66,9 @@ class Recovery {
            const std::vector<Vec3>& now)
       : cells_(std::move(cells)), modulus_(std::move(modulus)), bulk_(bulk) {
     takeNodes(rest, now);
-    const LocalPoint middle = std::tuple_size_v<Cell> == 4 ? LocalPoint{0.25, 0.25, 0.25} : LocalPoint{0, 0, 0};
+    const LocalPoint middle = is_flat                          ? LocalPoint{1. / 3, 1. / 3, 0}
+                              : std::tuple_size_v<Cell> == 4 ? LocalPoint{0.25, 0.25, 0.25}
+                                                             : LocalPoint{0, 0, 0};
     for (const Cell& cell : cells_) {
       Vec3 centre = Vec3::Zero();
       for (const Index n : cell) centre += rest_[std::size_t(n)] / double(cell.size());
@@ -77,18 +86,21 @@ class Recovery {
   }
 
  private:
-  /// Exact for the square of a linear difference in a tetrahedron; those of a hexahedron's own quadrature.
+  static constexpr bool is_flat = std::tuple_size_v<Cell> == 3;
+
+  /// Exact for the square of a linear difference in a tetrahedron or triangle; those of a hexahedron's own quadrature.
   static const std::vector<LocalPoint>& points() {
     constexpr double a = 0.5854101966249685, b = 0.1381966011250105, g = 0.5773502691896258;
+    static const std::vector<LocalPoint> triangle{{1. / 6, 1. / 6, 0}, {2. / 3, 1. / 6, 0}, {1. / 6, 2. / 3, 0}};
     static const std::vector<LocalPoint> tetrahedron{{b, b, b}, {a, b, b}, {b, a, b}, {b, b, a}};
     static const std::vector<LocalPoint> hexahedron = [] {
       std::vector<LocalPoint> all;
       for (int i = 0; i < 8; ++i) all.push_back({i & 1 ? g : -g, i & 2 ? g : -g, i & 4 ? g : -g});
       return all;
     }();
-    return std::tuple_size_v<Cell> == 4 ? tetrahedron : hexahedron;
+    return is_flat ? triangle : std::tuple_size_v<Cell> == 4 ? tetrahedron : hexahedron;
   }
-  static constexpr double weight = std::tuple_size_v<Cell> == 4 ? 1. / 24 : 1;
+  static constexpr double weight = is_flat ? 1. / 6 : std::tuple_size_v<Cell> == 4 ? 1. / 24 : 1;
 
   void addAt(std::size_t c, const LocalPoint& xi, StrainError& sum) const {
     const Cell& cell = cells_[c];
@@ -119,7 +131,7 @@ class Recovery {
 
   /// The linear fit to the cells around a node, in coordinates from it; nothing where they do not determine one.
   std::optional<Fit> fitAt(std::size_t node) const {
-    constexpr std::size_t fewest = 8;
+    constexpr std::size_t fewest = is_flat ? 5 : 8;
     const std::vector<std::size_t>& cells = around_[node];
     if (cells.size() < fewest) return {};
     double size = 0;
@@ -133,6 +145,10 @@ class Recovery {
       right += strain_[c] * p.transpose();
     }
     squares /= double(cells.size()), right /= double(cells.size());
+    if constexpr (is_flat) {  // no slope across the surface
+      const Vec3 normal = Eigen::SelfAdjointEigenSolver<Mat3>(squares.bottomRightCorner<3, 3>()).eigenvectors().col(0);
+      squares.bottomRightCorner<3, 3>() += normal * normal.transpose();
+    }
     const Eigen::LDLT<Eigen::Matrix4d> factors(squares);
     if (!(factors.vectorD().minCoeff() > 0.01)) return {};
     Fit fit = factors.solve(right.transpose()).transpose();
@@ -208,11 +224,22 @@ std::vector<double> modulusOf(const ForceField& field, std::size_t cells) {
   return modulus;
 }
 
-/// K/(2 mu) of a field whose volume change is that of each point; zero where it is a mean, or not known.
+/// Of triangles with stiffness in their plane; they have no stress for exporters.
+bool isMembrane(const ForceField& field) {
+  return field.type().find("Triang") != std::string::npos && field.type().find("FEM") != std::string::npos;
+}
+
+/// K/(2 mu) of a field whose volume change is that of each point, or what stands for it in plane stress; zero where it is a
+/// mean, or not known.
 double bulkOf(const ForceField& field) {
   const Data *data = field.data().find("poissonRatio"), *dilatation = field.data().find("dilatation");
-  const auto* list = data && dilatation ? std::get_if<std::vector<double>*>(&data->pointer()) : nullptr;
+  const bool is_membrane = isMembrane(field);
+  const auto* list = data && (dilatation || is_membrane) ? std::get_if<std::vector<double>*>(&data->pointer()) : nullptr;
   if (!list || (*list)->empty()) return 0;
+  if (is_membrane) {
+    const double nu = *std::max_element((*list)->begin(), (*list)->end());
+    return (1 + 2 * nu) / (3 * (1 - nu));
+  }
   const auto* open = dynamic_cast<const OpenChoices*>(&field);
   if (dilatation->print() == "mean" || (open && open->choice().find("mean") != std::string::npos)) return 0;
   const double nu = *std::max_element((*list)->begin(), (*list)->end());
@@ -224,10 +251,12 @@ template <class Visit>
 void visitCells(const ForceField& field, Visit&& visit) {
   const std::string type = field.type();
   const bool not_tetrahedra = type.find("Hexahedron") != std::string::npos;
-  const bool not_hexahedra = type.find("Tetrahedr") != std::string::npos;
+  const bool not_hexahedra = type.find("Tetrahedr") != std::string::npos, is_membrane = isMembrane(field);
   for (const Topology* topology : topologiesOf(field.state())) {
     const Mesh& mesh = topology->mesh();
     if (mesh.overlap != 1 || std::size_t(mesh.nodes()) > field.state().rest_position.size()) continue;
+    if (is_membrane && !mesh.triangles.empty()) return visit(mesh.triangles);
+    if (is_membrane) continue;
     if (!not_tetrahedra && !mesh.tetrahedra.empty()) return visit(mesh.tetrahedra);
     if (!not_hexahedra && !mesh.hexahedra.empty()) return visit(mesh.hexahedra);
   }
@@ -244,9 +273,14 @@ StrainError strainError(const std::vector<Hexahedron>& cells, const std::vector<
   return estimate(cells, rest, now, modulus, bulk);
 }
 
+StrainError strainError(const std::vector<Triangle>& cells, const std::vector<Vec3>& rest,
+                        const std::vector<Vec3>& now, const std::vector<double>& modulus, double bulk) {
+  return estimate(cells, rest, now, modulus, bulk);
+}
+
 std::optional<StrainError> meshErrorOf(const ForceField& field, ConstRows x) {
   const std::vector<std::string> known = field.cellFields();
-  if (std::find(known.begin(), known.end(), "vonMises") == known.end()) return {};
+  if (!isMembrane(field) && std::find(known.begin(), known.end(), "vonMises") == known.end()) return {};
   const std::vector<Vec3>& rest = field.state().rest_position;
   const std::vector<Vec3> now = positionsOf(field.state(), x);
   if (now == rest) return {};
@@ -262,6 +296,7 @@ std::optional<StrainError> meshErrorOf(const ForceField& field, ConstRows x) {
 std::vector<std::string> meshErrors(const Simulation& simulation) {
   constexpr double limit = 0.03;
   simulation.complete();
+  const UnitSystem units = unitsOf(simulation.scene());
   std::vector<std::string> sentences;
   for (const auto& system : simulation.systems()) {
     double error = 0, all = 0, greatest = 0;
@@ -277,10 +312,11 @@ std::vector<std::string> meshErrors(const Simulation& simulation) {
     bool tetrahedra = false;
     visitCells(*worst, [&tetrahedra](const auto& cells) { tetrahedra = cells.front().size() == 4; });
     sentences.push_back(fmt::format(
-        "{} at t = {:.6g} s: by the jumps of the strain between cells the mesh is too coarse for this "
+        "{} at t = {:.6g}{}: by the jumps of the strain between cells the mesh is too coarse for this "
         "deformation: some "
         "{:.0f} % too stiff. Finer cells{} are closer",
-        worst->path(), simulation.time(), 100 * error / all, tetrahedra ? ", quadratic tetrahedra or hexahedra" : ""));
+        worst->path(), simulation.time(), units.behind("s"), 100 * error / all,
+        tetrahedra ? ", quadratic tetrahedra or hexahedra" : ""));
   }
   return sentences;
 }

@@ -25,6 +25,8 @@ StrainError strainError(const std::vector<Tetrahedron>& cells, const std::vector
                         const std::vector<Vec3>& now, const std::vector<double>& modulus = {}, double bulk = 0);
 StrainError strainError(const std::vector<Hexahedron>& cells, const std::vector<Vec3>& rest,
                         const std::vector<Vec3>& now, const std::vector<double>& modulus = {}, double bulk = 0);
+StrainError strainError(const std::vector<Triangle>& cells, const std::vector<Vec3>& rest,
+                        const std::vector<Vec3>& now, const std::vector<double>& modulus = {}, double bulk = 0);
 
 /// Of the linear cells of a field that stores elastic energy; nothing for other fields, inverted cells and shapes that
 /// are as at rest.

@@ -9,6 +9,7 @@
 
 #include "framework/mechanics/state_positions.h"
 #include "framework/mechanics/state_topology.h"
+#include "framework/simulation/step_guard.h"
 #include "tools/checks/folds.h"
 #include "tools/units/unit_system.h"
 
@@ -151,6 +152,21 @@ std::vector<std::string> doubtsOf(const Simulation& simulation) {
     say(gainedEnergy(simulation, i));
     say(reversals(simulation, i));
   }
+  return sentences;
+}
+
+std::vector<std::string> refusedFromHere(const Simulation& simulation) {
+  std::vector<std::string> sentences;
+  if (simulation.steps() == 0) return sentences;
+  simulation.complete();
+  const UnitSystem units = unitsOf(simulation.scene());
+  const double time = simulation.time(), dt = simulation.dt();
+  const StepContext next{.index = simulation.steps() + 1, .t = time, .dt = dt, .t_end = time + dt};
+  for (Observer* observer : simulation.observers())
+    if (auto* guard = dynamic_cast<StepGuard*>(observer))
+      if (const std::string why = guard->refusal(next); !why.empty())
+        sentences.push_back(
+            units.sentence(fmt::format("{} at t = {:.6g} s: a next step would be refused. {}", observer->path(), time, why)));
   return sentences;
 }
 

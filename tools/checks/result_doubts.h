@@ -15,6 +15,10 @@ namespace stroma {
 /// without being felt, and for what an integrator reports.
 std::vector<std::string> doubtsOf(const Simulation& simulation);
 
+/// Why the next step would be refused, of a run that ends before it: bodies that have come to touch in the last one, where
+/// nothing answers, are as wrong as those that would have ended it.
+std::vector<std::string> refusedFromHere(const Simulation& simulation);
+
 /// How many volume elements of the states that move have no volume left, and of how many.
 struct CellCount {
   std::size_t inverted = 0, all = 0;

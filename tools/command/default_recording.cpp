@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "framework/scene/output_file.h"
+#include "tools/units/unit_system.h"
 
 namespace stroma::command {
 namespace {
@@ -145,7 +146,9 @@ void DefaultRecording::writeMeanwhile() {
 }
 
 std::string DefaultRecording::rest() const {
-  if (written_time_) return fmt::format("; {} has the run up to t = {:.6g} s", folder_, *written_time_);
+  if (written_time_)
+    return fmt::format("; {} has the run up to t = {:.6g}{}", folder_, *written_time_,
+                       unitsOf(simulation_.scene()).behind("s"));
   const bool is_runs = reasonToKeep(folder_).empty() && isInstantsFile(instantsFile(folder_));
   return is_runs ? fmt::format("; {} is that of a run before", folder_) : "";
 }

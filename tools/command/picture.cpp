@@ -13,6 +13,7 @@
 #include "tools/command/run_outcome.h"
 #include "tools/command/session.h"
 #include "tools/command/shown_scene.h"
+#include "tools/units/unit_system.h"
 
 namespace stroma::command {
 namespace {
@@ -83,7 +84,7 @@ RunLimits limitsOf(const PictureCommand& command, const Session& session) {
   limits.steps = command.until ? stepsUntil(session, *command.until, "until")
                                : command.steps.value_or(needs_end ? usual_steps : last);
   if (last > limits.steps)
-    throw UsageError(fmt::format("--at {}: the run ends at {:g} s (expected a larger -n or --until)",
+    throw UsageError(fmt::format("--at {}: the run ends at {:g} (expected a larger -n or --until)",
                                  Wanted(command.at).last().value_or(0),
                                  session.simulation().time() + double(limits.steps) * session.simulation().dt()));
   return limits;
@@ -127,10 +128,12 @@ std::string run(const PictureCommand& command, Session& session, PictureMaker& m
   maker.arrange(order);
   if (!is_whole) return report.reason;
   std::vector<std::string> warnings;
-  tellWarnings(report.statistics, doubtsOf(simulation), warnings);
+  std::vector<std::string> doubts = doubtsOf(simulation);
+  std::ranges::move(refusedFromHere(simulation), std::back_inserter(doubts));
+  tellWarnings(report.statistics, doubts, warnings);
   if (const auto time = wanted.last(); time && !command.animates)
     throw UsageError(
-        fmt::format("--at {}: the run ended at {:g} s (expected a larger -n or --until)", *time, simulation.time()));
+        fmt::format("--at {}: the run ended at {:g} (expected a larger -n or --until)", *time, simulation.time()));
   return {};
 }
 
@@ -140,7 +143,7 @@ std::size_t instantAt(const AskedTime& asked, const std::vector<StateFrame>& fra
   if (asked.kind == AskedTime::Kind::end) return frames.size() - 1;
   const double slack = frames.size() > 1 ? frames[1].time - frames[0].time : 0;
   if (asked.time < frames.front().time - slack || asked.time > frames.back().time + slack)
-    throw UsageError(fmt::format("--at {}: the recording goes from {:g} to {:g} s", asked.time, frames.front().time,
+    throw UsageError(fmt::format("--at {}: the recording goes from {:g} to {:g}", asked.time, frames.front().time,
                                  frames.back().time));
   const auto nearest = std::min_element(frames.begin(), frames.end(), [&](const StateFrame& a, const StateFrame& b) {
     return std::abs(a.time - asked.time) < std::abs(b.time - asked.time);
@@ -185,6 +188,8 @@ int write(const PictureCommand& command, PictureMaker& maker) {
   }
   const std::string frames = command.animates ? fmt::format("{} frames, ", maker.taken()) : "";
   fmt::print("{}: {}, {}{:.0f} kB\n", command.file, maker.summary(), frames, std::ceil(double(bytes.size()) / 1e3));
+  if (!command.quiet)
+    for (const std::string& note : maker.notes()) fmt::print(stderr, "note: {}\n", note);
   return exit_done;
 }
 
@@ -211,7 +216,8 @@ int picture(const Arguments& arguments) {
         stderr, "the run has no result to draw: {}{}\n", no_result,
         command.anyway ? "" : fmt::format("; {} was not written (--anyway draws the last good state)", command.file));
     if (!command.anyway) return exit_diverged;
-    maker->warn(fmt::format("no result: the run ended at t = {:.4g} s", simulation.time()));
+    maker->warn(fmt::format("no result: the run ended at t = {:.4g}{}", simulation.time(),
+                            unitsOf(simulation.scene()).behind("s")));
   }
   const int code = write(command, *maker);
   return code != exit_done || no_result.empty() ? code : exit_diverged;

@@ -32,6 +32,7 @@ Json planJson(Session& session) {
                        {"independent_nodes", system.independent_nodes},
                        {"items", toJson(system.items)}});
   return {{"scene", session.sceneFile()},
+          {"units", plan.units.isKnown() ? Json(plan.units.name) : Json()},
           {"dt", plan.dt},
           {"start_time", plan.start_time},
           {"systems", std::move(systems)},

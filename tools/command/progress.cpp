@@ -9,6 +9,7 @@
 #include <cstring>
 
 #include "tools/command/long_work.h"
+#include "tools/units/unit_system.h"
 
 namespace stroma::command {
 namespace {
@@ -65,6 +66,7 @@ void Progress::begin(const Simulation& simulation, long last) {
   began_ = std::chrono::duration<double>(Clock::now() - start_).count();
   made_ = first_;
   time_ = simulation.time();
+  time_unit_ = unitsOf(simulation.scene()).behind("s");
   stage_ = runs;
 }
 
@@ -144,7 +146,7 @@ std::string Progress::text(double now, std::size_t width) {
     if (const double to_go = newton_pace_.secondsToGo(); to_go >= 0)
       pieces.add(4, fmt::format("about {} to go in this step", durationText(to_go)));
   }
-  pieces.add(5, fmt::format("t = {:.6g} s", time_.load(std::memory_order_relaxed)));
+  pieces.add(5, fmt::format("t = {:.6g}{}", time_.load(std::memory_order_relaxed), time_unit_));
   if (pace_.isKnown()) {
     const int newton = newton_.load(std::memory_order_relaxed), linear = linear_.load(std::memory_order_relaxed);
     pieces.add(6, fmt::format("{:.3g} ms/step", 1e3 * pace_.secondsPerStep()));

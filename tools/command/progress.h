@@ -60,6 +60,7 @@ class Progress {
   std::condition_variable wake_;
   enum { loads, waits, runs, ends } stage_ = loads;
   long first_ = 0, last_ = 0;
+  std::string time_unit_;  ///< " s", in a scene in seconds
   double began_ = 0;  ///< when the steps did, since start_ [s]
   double told_ = 0;   ///< when the last line was printed, since start_ [s]
   int tenths_ = 0;    ///< of the run that lines have told of

@@ -2,10 +2,12 @@
 // stroma run: load, step, record, report.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <csignal>
 #include <filesystem>
+#include <iterator>
 
 #include "framework/scene/output_file.h"
 #include "framework/scene/spans.h"
@@ -191,7 +193,7 @@ struct Run {
   std::string checkpoint{};  ///< that it goes on from, or empty
   std::optional<Replay> replay{};
   std::optional<MeasuredQuantity> measured{};
-  std::vector<std::string> warnings{}, coarse{};
+  std::vector<std::string> warnings{}, coarse{}, damped{};
   long steps = 0;
   double load_seconds = 0;
 
@@ -232,6 +234,7 @@ struct Run {
     json["warnings"] = warnings;
     if (!outcome.unexpected.empty()) json["not_as_expected"] = outcome.unexpected;
     json["coarse_meshes"] = coarse;
+    json["damped_swings"] = damped;
     return json;
   }
   void print(const Outcome& outcome, const Recordings& recordings) const {
@@ -266,8 +269,13 @@ int runScene(const RunRequest& request, const Values& values) {
       writeMeasuredEnd(run.session.simulation(), run.measured ? &*run.measured : nullptr, request.measure_file);
     });
   if (outcome.end == RunEnd::done) tellExpectations(run.session.simulation(), request.quiet, outcome);
-  const bool doubts = tellWarnings(outcome.statistics, doubtsOf(run.session.simulation()), run.warnings);
-  if (!outcome.failed()) run.coarse = tellMeshErrors(run.session.simulation(), request.quiet);
+  std::vector<std::string> found = doubtsOf(run.session.simulation());
+  if (!outcome.failed()) std::ranges::move(refusedFromHere(run.session.simulation()), std::back_inserter(found));
+  const bool doubts = tellWarnings(outcome.statistics, found, run.warnings);
+  if (!outcome.failed()) {
+    run.coarse = tellMeshErrors(run.session.simulation(), request.quiet);
+    run.damped = tellDampedSwings(run.session.simulation(), request.quiet);
+  }
   outcome.doubted = request.strict && (doubts || !outcome.statistics.unconverged.none());
   if (wants_json) attempt(outcome, [&] { writeJson(run.json(outcome, at_start, recordings), request.json_file); });
   for (const std::string& failure : outcome.failures) fmt::print(stderr, "error: {}\n", failure);

@@ -11,6 +11,7 @@
 #include "framework/simulation/expectation.h"
 #include "tools/checks/mesh_error.h"
 #include "tools/checks/result_doubts.h"
+#include "tools/checks/rule_damping.h"
 #include "tools/command/statistics.h"
 #include "tools/plan/plan.h"
 #include "tools/units/unit_system.h"
@@ -48,13 +49,15 @@ int Outcome::exitCode() const {
 
 void tellExpectations(const Simulation& simulation, bool quiet, Outcome& outcome) {
   long met = 0;
+  const UnitSystem units = unitsOf(simulation.scene());
   for (const Observer* observer : simulation.observers()) {
     const auto* expectation = dynamic_cast<const Expectation*>(observer);
     if (!expectation) continue;
     const std::string failure = expectation->failure();
     met += failure.empty() && expectation->comparisons() > 0;
     if (failure.empty() && expectation->comparisons() > 0) continue;
-    outcome.unexpected.push_back(observer->path() + ": " + (failure.empty() ? "nothing was compared" : failure));
+    const std::string why = failure.empty() ? "nothing was compared" : units.sentence(failure);
+    outcome.unexpected.push_back(observer->path() + ": " + why);
     fmt::print(stderr, "not as expected: {}\n", outcome.unexpected.back());
   }
   if (met > 0 && !quiet) fmt::print(stderr, "note: {} as expected\n", met == 1 ? "1 result is" : fmt::format("{} results are", met));
@@ -67,8 +70,8 @@ void tellFailure(const Outcome& outcome, const Simulation& simulation, const std
   const bool stands =
       outcome.last.diverged || outcome.end == RunEnd::not_replayed || outcome.end == RunEnd::program_failed;
   const bool is_good = stands && 2 * inverted <= all;
-  fmt::print(stderr, "the last {}state (t = {:.6g} s{}{}) {}\n", is_good ? "good " : "", simulation.time(),
-             all > 0 ? fmt::format(", {} of {} elements inverted", inverted, all) : "",
+  fmt::print(stderr, "the last {}state (t = {:.6g}{}{}{}) {}\n", is_good ? "good " : "", simulation.time(),
+             unitsOf(simulation.scene()).behind("s"), all > 0 ? fmt::format(", {} of {} elements inverted", inverted, all) : "",
              outcome.last.diverged && !is_good ? ": no good one" : "", place);
 }
 
@@ -86,11 +89,22 @@ bool tellWarnings(const RunStatistics& statistics, const std::vector<std::string
   return !doubts.empty();
 }
 
-std::vector<std::string> tellMeshErrors(const Simulation& simulation, bool quiet) {
-  std::vector<std::string> sentences = meshErrors(simulation);
+namespace {
+
+std::vector<std::string> told(std::vector<std::string> sentences, bool quiet) {
   for (const std::string& sentence : sentences)
     if (!quiet) fmt::print(stderr, "note: {}\n", sentence);
   return sentences;
+}
+
+}  // namespace
+
+std::vector<std::string> tellMeshErrors(const Simulation& simulation, bool quiet) {
+  return told(meshErrors(simulation), quiet);
+}
+
+std::vector<std::string> tellDampedSwings(const Simulation& simulation, bool quiet) {
+  return told(dampedSwings(simulation), quiet);
 }
 
 /// The node of each state that is farthest from where it started.

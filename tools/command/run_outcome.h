@@ -34,6 +34,8 @@ void tellExpectations(const Simulation& simulation, bool quiet, Outcome& outcome
 
 /// Prints, unless `quiet`, and returns what is said of cells that are too large for the shapes that they have got.
 std::vector<std::string> tellMeshErrors(const Simulation& simulation, bool quiet);
+/// The same of swings that the rule of an integrator damps.
+std::vector<std::string> tellDampedSwings(const Simulation& simulation, bool quiet);
 
 nlohmann::ordered_json summary(const RunRequest& request, const Simulation& simulation, const Outcome& outcome);
 void printSummary(const RunRequest& request, const Simulation& simulation, const Outcome& outcome);

@@ -19,6 +19,7 @@
 #include "tools/command/view_request.h"
 #include "tools/session/action_file.h"
 #include "tools/session/replay.h"
+#include "tools/units/unit_system.h"
 
 namespace fs = std::filesystem;
 
@@ -176,8 +177,8 @@ int serve(const ViewCommand& command, Session& session, const view::Viewer& view
   ending.attempt([&] { session.finish(); });
   const Simulation& simulation = session.simulation();
   if (!command.isRecording())
-    fmt::print("{} steps, t = {:.6g} s, state {:016x}\n", simulation.steps(), simulation.time(),
-               simulation.stateHash());
+    fmt::print("{} steps, t = {:.6g}{}, state {:016x}\n", simulation.steps(), simulation.time(),
+               unitsOf(simulation.scene()).behind("s"), simulation.stateHash());
   return ending.exitCode();
 }
 

@@ -4,7 +4,6 @@
 
 #include "framework/mesh/topology.h"
 #include "tools/plan/plan.h"
-#include "tools/units/unit_system.h"
 
 namespace stroma {
 namespace {
@@ -78,7 +77,8 @@ std::vector<std::string> SystemPlan::lines() const {
 }
 
 std::vector<std::string> Plan::lines() const {
-  std::vector<std::string> lines{fmt::format("time step {:.6g} s from t = {:.6g} s", dt, start_time)};
+  const std::string second = units.behind("s");
+  std::vector<std::string> lines{fmt::format("time step {:.6g}{} from t = {:.6g}{}", dt, second, start_time, second)};
   if (systems.empty()) lines.push_back("no integrator: nothing moves");
   for (const SystemPlan& system : systems)
     for (std::string& line : system.lines()) lines.push_back(std::move(line));
@@ -99,15 +99,18 @@ Plan planOf(const Simulation& simulation) {
   plan.dt = simulation.dt();
   plan.start_time = simulation.root().root_time;
   plan.without_effect = simulation.scene().no_effect;
-  const UnitSystem units = unitsOf(simulation.scene());
+  plan.units = unitsOf(simulation.scene());
   for (const auto& system : simulation.systems()) {
     plan.systems.push_back(planOf(*system));
-    for (PlanItem& item : plan.systems.back().items) item.says = units.sentence(item.says);
+    for (PlanItem& item : plan.systems.back().items) item.says = plan.units.sentence(item.says);
   }
   std::vector<Topology*> topologies;
   simulation.root().collect(topologies);
   for (const Topology* topology : topologies) plan.meshes.push_back(itemOf(*topology));
-  for (const Observer* observer : simulation.observers()) plan.observers.push_back(itemOf(*observer));
+  for (const Observer* observer : simulation.observers()) {
+    plan.observers.push_back(itemOf(*observer));
+    plan.observers.back().says = plan.units.sentence(plan.observers.back().says);
+  }
   return plan;
 }
 

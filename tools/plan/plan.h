@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "framework/simulation/simulation.h"
+#include "tools/units/unit_system.h"
 
 namespace stroma {
 
@@ -25,7 +26,7 @@ struct PlanItem {
   std::string path, type;  ///< of the component; empty for what belongs to none
   PlanWhen when = PlanWhen::held;
   std::string says;                                     ///< the rest of the line, with the reason of what is skipped
-  std::vector<std::pair<std::string, double>> figures;  ///< "nodes", 402; "kg", 0.08
+  std::vector<std::pair<std::string, double>> figures;  ///< "nodes", 402; "mass", 0.08
   std::string note;  ///< of a component that the scene does not write: why it is there
 
   std::string line() const;  ///< "force /organ/fem: each evaluation; linear"
@@ -40,7 +41,8 @@ struct SystemPlan {
 };
 
 struct Plan {
-  double dt = 0, start_time = 0;  ///< [s]
+  double dt = 0, start_time = 0;  ///< in its unit of time
+  UnitSystem units;               ///< that the numbers of the scene are in
   std::vector<SystemPlan> systems;
   std::vector<PlanItem> meshes, observers;
   std::vector<std::string> without_effect;  ///< accepted and left out: drawing, plug-ins, scheduling

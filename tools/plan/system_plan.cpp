@@ -42,7 +42,7 @@ void addBodies(const System& system, std::vector<PlanItem>& items) {
     items.push_back(
         itemFor("mass", *mass, PlanWhen::held,
                 fmt::format("{:.6g} kg, {}", mass->totalMass(), mass->isDiagonal() ? "diagonal" : "sparse matrix")));
-    items.back().figures = {{"kg", mass->totalMass()}};
+    items.back().figures = {{"mass", mass->totalMass()}};
   }
   if (system.hasGravity())
     items.push_back({"gravity", {}, {}, PlanWhen::once, "a constant force, computed once", {}, {}});

@@ -12,6 +12,7 @@
 #include "framework/scene/overrides.h"
 #include "framework/scene/prefab.h"
 #include "framework/scene/spans.h"
+#include "framework/scene/written_units.h"
 #include "tools/checks/cells_across.h"
 #include "tools/checks/empty_selections.h"
 #include "tools/checks/idle_parts.h"
@@ -39,14 +40,30 @@ RunEnd endAfter(const StepReport& step) {
 }
 
 /// What was found about a scene, with numbers in the units that it is written in.
-Diagnostics inItsUnits(const Scene& scene) {
-  const UnitSystem units = unitsOf(scene);
+Diagnostics inUnits(const Diagnostics& diagnostics, const UnitSystem& units) {
   Diagnostics renamed;
-  for (Problem problem : scene.diagnostics.problems()) {
-    problem.message = units.sentence(problem.message);
+  for (Problem problem : diagnostics.problems()) {
+    for (std::string* text : {&problem.message, &problem.expected, &problem.suggestion}) *text = units.sentence(*text);
     renamed.add(std::move(problem));
   }
   return renamed;
+}
+
+/// What the outermost node declares; else SI, as which every sentence is made.
+UnitSystem declaredUnits(const NodeDescription& root) {
+  const AttributeDescription* declared = root.find("units");
+  const bool is_one = declared && !problemOfUnits(declared->value, root, true);
+  return is_one ? readUnitSystem(declared->value) : readUnitSystem("m kg s");
+}
+
+/// Loads a scene; what is wrong with it is told in the units that it declares, which `root` of it says.
+template <class Load, class Root>
+Simulation& toldInItsUnits(Load&& load, Root&& root) {
+  try {
+    return load();
+  } catch (const SceneError& error) {
+    throw SceneError(inUnits(error.diagnostics(), declaredUnits(root())));
+  }
 }
 
 const std::string& reasonOf(const StepReport& step) {
@@ -64,13 +81,19 @@ Simulation& Session::load(const std::string& scene_file, const std::vector<Overr
     program.loaded(*this);
     return simulation;
   }
-  return take(scene_file, loadScene(scene_file, with(more_overrides), factory_, modules_));
+  const std::vector<Override> overrides = with(more_overrides);
+  Diagnostics ignored;
+  return toldInItsUnits([&]() -> Simulation& { return take(scene_file, loadScene(scene_file, overrides, factory_, modules_)); },
+                        [&] { return readScene(scene_file, overrides, {}, ignored).root; });
 }
 
 Simulation& Session::loadText(const std::string& xml, const std::string& name,
                               const std::vector<Override>& more_overrides) {
   unload();
-  return take(name, loadSceneText(xml, name, with(more_overrides), factory_, modules_));
+  Diagnostics ignored;
+  return toldInItsUnits(
+      [&]() -> Simulation& { return take(name, loadSceneText(xml, name, with(more_overrides), factory_, modules_)); },
+      [&] { return readXml(xml, name, {}, ignored); });
 }
 
 Simulation& Session::load(SceneDescription description, const std::vector<Override>& more_overrides,
@@ -82,7 +105,12 @@ Simulation& Session::load(SceneDescription description, const std::vector<Overri
     attributes.push_back({dialect_attribute, foreign_dialect, description.root.where});
   applyOverrides(overrides, description.root, diagnostics);
   const std::string file = description.file;
-  return take(file, instantiate(std::move(description), factory_, modules_, std::move(diagnostics)));
+  NodeDescription declaring;
+  declaring.attributes = attributes;
+  const auto make = [&]() -> Simulation& {
+    return take(file, instantiate(std::move(description), factory_, modules_, std::move(diagnostics)));
+  };
+  return toldInItsUnits(make, [&] { return declaring; });
 }
 
 SceneDescription Session::read(const std::string& scene_file, const std::vector<Override>& more_overrides,
@@ -113,7 +141,7 @@ Simulation& Session::take(const std::string& file, Scene scene) {
   warnOfEmptySelections(simulation->root(), diagnostics);
   warnOfIdleParts(*simulation, diagnostics);
   noteCoarseCells(*simulation, diagnostics);
-  diagnostics = inItsUnits(simulation->scene());
+  diagnostics = inUnits(diagnostics, unitsOf(simulation->scene()));
   warnOfUnits(simulation->scene(), diagnostics);
   warnOfLaggedForces(*simulation, diagnostics);
   simulation_ = std::move(simulation);
@@ -134,7 +162,7 @@ Simulation& Session::simulation() const {
 long Session::stepsUntil(double t) const {
   const double count = stepsTo(t, simulation());
   if (!(count >= 0 && count < 1e15))
-    throw std::invalid_argument(fmt::format("expected a time from {} s on", simulation().time()));
+    throw std::invalid_argument(fmt::format("expected a time from {} on", simulation().time()));
   return long(count);
 }
 
@@ -196,8 +224,9 @@ RunReport Session::run(const RunLimits& limits) {
   }
   if (stop_.take() && report.end == RunEnd::done) report.end = RunEnd::stopped;
   if (report.end == RunEnd::done && report.last.unsolved) report.end = RunEnd::not_converged;
-  if (report.end == RunEnd::diverged || report.end == RunEnd::not_converged)
-    report.reason = unitsOf(running.scene()).sentence(reasonOf(report.last));
+  if (report.end == RunEnd::diverged || report.end == RunEnd::not_converged) report.reason = reasonOf(report.last);
+  if (!report.reason.empty() && report.end != RunEnd::program_failed)
+    report.reason = unitsOf(running.scene()).sentence(report.reason);
   report.statistics.unconverged = unconverged_;
   report.seconds = secondsSince(start);
   return report;

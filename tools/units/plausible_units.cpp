@@ -7,23 +7,22 @@
 namespace stroma {
 namespace {
 
-/// Of density * gravity * size / modulus, about the strain by a body's own weight. A brain out of its liquid has 3; at
-/// 30 a body is a puddle.
-constexpr double heaviest = 30;
 /// No organ is larger than this [m], and what is built so large bears its weight: it has far less than this strain.
 constexpr double large_size = 10, heaviest_large = 1;
 /// Only loose gels and cells are softer [Pa], and they are small: a body that is too heavy too has a wrong modulus.
 constexpr double soft_modulus = 100;
 
-/// Written in m/s^2 a hundredth of the earth's gravity is a small load; in a smaller unit of length it is that of the
-/// earth, whose digits were taken for those of the unit.
+/// A thousandth of the earth's gravity is a small load; but its own digits in a smaller unit of length were taken for those
+/// of the unit.
 constexpr double smallest_load = 0.01;
+constexpr PlausibleRange digits_of_earths{9.5, 10.5, 9.81};
 
 bool isPlausible(const WrittenBody& body, Quantity q, double factor) {
   const double value = body.value[q] * factor;
   if (q == body_modulus) return value >= plausible[q].low && body.softest * factor <= plausible[q].high;
   return plausible[q].has(value) ||
-         (q == body_gravity && factor == 1 && value >= smallest_load && value < plausible[q].low);
+         (q == body_gravity && value >= smallest_load && value < plausible[q].low &&
+          (factor == 1 || !digits_of_earths.has(body.value[q])));
 }
 
 /// What is not known is as usual.

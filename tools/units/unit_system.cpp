@@ -108,7 +108,7 @@ std::string UnitSystem::inBrackets(std::string_view si_unit) const {
 }
 
 std::string UnitSystem::sentence(const std::string& text) const {
-  if (!isKnown() || isSI()) return text;
+  if (isSI()) return text;
   // longer ones first
   constexpr std::array<std::string_view, 17> units{"N s/m", "kg/m^3", "m/s^2", "N m", "N s", "N/m",
                                                    "Pa s",  "Pa/s",   "m^3",   "m^2", "m/s", "Pa",
@@ -126,7 +126,10 @@ std::string UnitSystem::sentence(const std::string& text) const {
       out += text[i++];
       continue;
     }
-    out += unit(*found);
+    if (isKnown())
+      out += unit(*found);
+    else
+      out.pop_back();  // the blank before it
     i += found->size();
   }
   return out;
@@ -193,11 +196,13 @@ UnitSystem unitsOf(const Scene& scene) {
     return std::ranges::all_of(bodies,
                                [&](const WrittenBody& body) { return faultsOf(body, factorsOf(system)).count() == 0; });
   };
-  if (isPlausible(si)) return si;
+  // whose usual weight would crush it may be one in millimetres and kilopascals, without a mass
+  const auto bearsItsUsualWeight = [&](const WrittenBody& body) { return weightOf(body, factorsOf(si)) <= heaviest; };
+  if (isPlausible(si) && std::ranges::all_of(bodies, bearsItsUsualWeight)) return si;
   const UnitSystem* found = nullptr;
   for (const UnitSystem& system : unitSystems()) {
     if (!isPlausible(system)) continue;
-    if (found) return {};
+    if (found || system.isSI()) return {};
     found = &system;
   }
   return found ? *found : UnitSystem{};

@@ -21,8 +21,8 @@ struct UnitSystem {
   /// The same behind a number or a title: " kPa", " [kPa]", or nothing.
   std::string behind(std::string_view si_unit) const;
   std::string inBrackets(std::string_view si_unit) const;
-  /// A sentence of the engine, which knows no other system than SI: units behind numbers become those of this one. That of
-  /// an unknown system stays as it is.
+  /// A sentence of the engine, which knows no other system than SI: units behind numbers become those of this one. Where
+  /// the system is unknown they are left out.
   std::string sentence(const std::string& text) const;
 };
 

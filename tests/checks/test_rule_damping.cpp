@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// What backward Euler takes from a swing is said, as much as it takes; and nothing where it takes little, or nobody swings.
+#include <fmt/format.h>
+
+#include <numbers>
+
+#include "tests/support/scene_fixture.h"
+#include "tools/checks/rule_damping.h"
+
+namespace stroma::test {
+namespace STROMA_TEST_FILE {
+
+/// 1 kg on a spring with a period of 1 s, let go 0.1 m from its rest.
+std::string oscillator(const std::string& integrator, double dt, const std::string& start = "0.1 0 0") {
+  return fmt::format(R"(<Node name="root" dt="{}" gravity="0 0 0">{}<SparseLDLSolver/>
+    <MechanicalObject name="dofs" rest_position="0 0 0" position="{}"/><UniformMass totalMass="1"/>
+    <RestShapeSpringsForceField points="0" stiffness="{}"/></Node>)",
+                     dt, integrator, start, 4 * std::numbers::pi * std::numbers::pi);
+}
+
+struct Swung {
+  std::string said;
+  double lost;  ///< between the heights of two swings a period apart
+};
+
+Swung swing(const std::string& text, int steps) {
+  Simulation simulation = simulationFromText(text);
+  double first = 0, second = 0;
+  for (int step = 0; step < steps; ++step) {
+    simulation.step();
+    const double x = simulation.systems()[0]->x[0].x();
+    double& height = simulation.time() < 1.3 ? first : second;
+    if (simulation.time() > 0.7) height = std::max(height, x);
+  }
+  const std::vector<std::string> sentences = dampedSwings(simulation);
+  return {sentences.empty() ? "" : sentences[0], 1 - second / first};
+}
+
+TEST(RuleDamping, IsSaidAsMuchAsItTakes) {
+  for (const auto& [dt, percent] : {std::pair(0.01, 18), std::pair(0.004, 8), std::pair(0.03, 44)}) {
+    const Swung found = swing(oscillator("<EulerImplicitSolver/>", dt), int(2.1 / dt));
+    EXPECT_NEAR(100 * found.lost, percent, 1) << "what the steps show";
+    expectContains(found.said, fmt::format("loses {} % of its height", percent));
+    expectContains(found.said, "/EulerImplicitSolver at t = ");
+  }
+}
+
+TEST(RuleDamping, IsNotSaidWhereThereIsNone) {
+  for (const auto& [integrator, dt] :
+       {std::pair("<EulerImplicitSolver trapezoidalScheme='true'/>", 0.01), std::pair("<NewmarkImplicitSolver/>", 0.01),
+        std::pair("<EulerImplicitSolver/>", 0.001), std::pair("<EulerImplicitSolver rayleighStiffness='0.2'/>", 0.01)})
+    EXPECT_EQ(swing(oscillator(integrator, dt), int(0.6 / dt)).said, "") << integrator;
+  EXPECT_EQ(swing(oscillator("<EulerImplicitSolver/>", 0.01, "0 0 0"), 60).said, "") << "at rest";
+  EXPECT_EQ(swing(oscillator("<EulerImplicitSolver/>", 0.01), 20).said, "") << "no swing yet";
+  Simulation falling = simulationFromText(
+      R"(<Node dt="0.01" gravity="0 -9.81 0"><EulerImplicitSolver/><CGLinearSolver/><MechanicalObject position="0 0 0"/>
+      <UniformMass totalMass="1"/></Node>)");
+  for (int step = 0; step < 10; ++step) falling.step();
+  EXPECT_TRUE(dampedSwings(falling).empty()) << "a fall is no swing";
+}
+
+}  // namespace STROMA_TEST_FILE
+}  // namespace stroma::test

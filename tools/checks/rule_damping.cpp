@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Backward Euler multiplies a swing of frequency w by (1 + w^2 h^2)^(-1/2) in each step and turns its phase by
+// atan(w h). Rayleigh's quotient of the velocities is the w of the present motion: w^2 = -v K v / v M v.
+#include "tools/checks/rule_damping.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "framework/simulation/integrator.h"
+#include "tools/units/unit_system.h"
+
+namespace stroma {
+namespace {
+
+double valueOf(const Component& component, const char* attribute) {
+  const Data* data = component.data().find(attribute);
+  const auto* value = data ? std::get_if<double*>(&data->pointer()) : nullptr;
+  return value ? **value : 0;
+}
+
+bool isBackwardEuler(const Integrator& integrator) {
+  const Data* first_order = integrator.data().find("firstOrder");
+  return integrator.type() == "EulerImplicitSolver" && !integrator.keepsEnergy() && first_order && first_order->print() == "false";
+}
+
+/// 0 where nothing moves, or what moves meets no stiffness.
+double frequency(const System& system) {
+  Vector product(system.independentRows());
+  clear(product);
+  system.addStiffnessProduct(system.independent(system.v), -1, 0, product);
+  const double stored = dot(system.independent(system.v), product), kinetic = system.kineticEnergy();
+  return stored > 0 && kinetic > 0 ? std::sqrt(stored / (2 * kinetic)) : 0;
+}
+
+/// The sentence, or empty.
+std::string dampedSwing(const System& system, double dt, double time, long steps) {
+  constexpr double worth_saying = 0.03, largest_turn = 1;  // with fewer than six steps in it there is no swing to be seen
+  constexpr double small_share = 0.1;
+  const Integrator& integrator = system.integrator();
+  if (!isBackwardEuler(integrator) || system.counts.forces == 0 || !movesVisibly(system, dt)) return {};
+  const double w = frequency(system), turn = w * dt;
+  const bool has_swung = turn * double(steps) > std::numbers::pi;
+  if (!(turn > 0 && turn < largest_turn && has_swung)) return {};
+  const double loss = 1 - std::pow(1 + turn * turn, -std::numbers::pi / std::atan(turn));
+  const double asked_for = valueOf(integrator, "rayleighStiffness") + valueOf(integrator, "rayleighMass") / (w * w);
+  if (loss < worth_saying || dt < small_share * asked_for) return {};
+  return fmt::format(
+      "{} at t = {:.6g} s: the rule itself damps. A swing as the present one, of {:.3g} s, loses {:.0f} % of its height in "
+      "each period with dt = {:.4g} s. Less with a smaller dt; NewmarkImplicitSolver or trapezoidalScheme=\"true\" keep it",
+      integrator.path(), time, 2 * std::numbers::pi / w, 100 * loss, dt);
+}
+
+}  // namespace
+
+std::vector<std::string> dampedSwings(const Simulation& simulation) {
+  std::vector<std::string> sentences;
+  if (simulation.steps() == 0) return sentences;
+  simulation.complete();
+  const UnitSystem units = unitsOf(simulation.scene());
+  for (const auto& system : simulation.systems())
+    if (const std::string sentence = dampedSwing(*system, simulation.dt(), simulation.time(), simulation.steps());
+        !sentence.empty())
+      sentences.push_back(units.sentence(sentence));
+  return sentences;
+}
+
+}  // namespace stroma
