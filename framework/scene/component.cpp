@@ -1,7 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "framework/scene/component.h"
 
+#include <fmt/format.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
 #include <cstdio>
+#include <fstream>
+#include <new>
 
 #include "framework/scene/spans.h"
 
@@ -31,6 +38,15 @@ std::string chainTo(const Component& component) {
   return chain + component.path();
 }
 
+/// Memory that this process may still take [MB]; at most what the machine has.
+double memoryLeft() {
+  double pages = 0, page = double(sysconf(_SC_PAGESIZE));
+  std::ifstream("/proc/self/statm") >> pages;
+  rlimit most{};
+  getrlimit(RLIMIT_AS, &most);
+  return std::min(double(most.rlim_cur) - pages * page, double(sysconf(_SC_PHYS_PAGES)) * page) / 1048576;
+}
+
 }  // namespace
 
 std::string Component::path() const {
@@ -53,21 +69,22 @@ void Component::ensureReady() {
     init();
     stage_ = Stage::ready;
     under_way.pop_back();
-  } catch (const DependencyFailed&) {
-    under_way.pop_back();
-    stage_ = Stage::failed;
-    throw;
-  } catch (const ComponentError& error) {
+  } catch (...) {
     under_way.pop_back();
     stage_ = Stage::failed;
     if (!diagnostics_) throw;
-    reportFailure(error.what(), error.expected, error.suggestion);
-    throw DependencyFailed(path() + " could not be initialised");
-  } catch (const std::exception& error) {
-    under_way.pop_back();
-    stage_ = Stage::failed;
-    if (!diagnostics_) throw;
-    reportFailure(error.what(), {}, {});
+    try {
+      throw;
+    } catch (const DependencyFailed&) {
+      throw;
+    } catch (const ComponentError& error) {
+      reportFailure(error.what(), error.expected, error.suggestion);
+    } catch (const std::bad_alloc&) {
+      reportFailure(fmt::format("it asks for more than {:.0f} MB of memory, and no more are left", memoryLeft()),
+                    "a smaller mesh, or more memory", {});
+    } catch (const std::exception& error) {
+      reportFailure(error.what(), {}, {});
+    }
     throw DependencyFailed(path() + " could not be initialised");
   }
 }

@@ -139,7 +139,12 @@ RunReport Engine::run(std::optional<long> steps, std::optional<double> until, co
     const EndingSignals signals(&session_, heeds_interrupts);
     Unlocked without_lock;
     unlocked = &without_lock;
-    report = session_.run(limits);
+    try {
+      report = session_.run(limits);
+    } catch (...) {
+      session_.withdrawStop();  // the signal has become an exception of a function of the program
+      throw;
+    }
   }
   if (PyErr_CheckSignals() != 0) {
     session_.withdrawStop();  // of a signal that came when the run had ended
