@@ -25,9 +25,9 @@ install(FILES cmake/StromaModule.cmake ${CMAKE_BINARY_DIR}/stroma-config.cmake $
 
 # Scenes with their meshes and the stored states that `stroma regress` compares with. The sample module is an example too.
 install(DIRECTORY scenes/examples scenes/python scenes/benchmarks scenes/meshes scenes/regression
-  DESTINATION ${data_folder}/scenes COMPONENT runtime)
+  DESTINATION ${data_folder}/scenes COMPONENT runtime PATTERN "__pycache__" EXCLUDE)
 install(FILES README.md CHANGELOG.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT runtime)
-install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR}/docs COMPONENT runtime)
+install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR}/docs COMPONENT runtime PATTERN "__pycache__" EXCLUDE)
 # Programs of a build folder find the scenes where those of an installed tree do.
 file(MAKE_DIRECTORY ${CMAKE_BINARY_DIR}/share/stroma)
 file(CREATE_LINK ${CMAKE_SOURCE_DIR}/scenes ${CMAKE_BINARY_DIR}/share/stroma/scenes SYMBOLIC)

@@ -44,6 +44,8 @@ if(NOT TARGET stroma::stroma_flags)
   target_compile_options(stroma_flags INTERFACE -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual
     -fopenmp-simd -fno-math-errno -fno-trapping-math -fvisibility-inlines-hidden
   -fpch-preprocess  # for ccache
+  # GCC tidies up its memory when it has 0.8 GB, not at each 0.25 GB: less time, and the same code
+  $<BUILD_INTERFACE:$<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=400000>>
   # false alarms of GCC 12 in ordinary string and variant code
   -Wno-restrict -Wno-maybe-uninitialized -Wno-array-bounds -Wno-stringop-overflow
   # in units of several files, names of the other files are no surroundings
@@ -79,7 +81,8 @@ endfunction()
 
 # stroma_precompiled(NAME OPTIONS option... [HEADERS header...] [HIDDEN] [PROGRAMS])
 #   Precompiled headers for all targets with these compiler options: a target takes them with
-#   target_precompile_headers(TARGET REUSE_FROM NAME). With PROGRAMS for the code of programs, else for that of libraries.
+#   target_precompile_headers(TARGET REUSE_FROM NAME). GCC takes -O from the headers too, whatever the target says: give it
+#   those of the same -O. With PROGRAMS for the code of programs, else for that of libraries.
 function(stroma_precompiled name)
   cmake_parse_arguments(arg "HIDDEN;PROGRAMS" "" "OPTIONS;HEADERS" ${ARGN})
   set(source ${CMAKE_BINARY_DIR}/generated/${name}.cpp)

@@ -199,7 +199,7 @@ TEST(SparseLDLSolverDeathTest, WithoutRoomForTheBlasItSaysSo) {
     const rlim_t most = rlim_t(pages) * rlim_t(sysconf(_SC_PAGESIZE)) + (60u << 20);
     const rlimit limit{most, most};
     setrlimit(RLIMIT_AS, &limit);
-    alarm(60);  // of waiting for ever
+    alarm(600);  // of waiting for ever
     try {
       ldl.solve(matrix, b, x);
     } catch (const std::exception& error) {

@@ -7,7 +7,7 @@ import subprocess
 import sys
 import threading
 
-PATIENCE = 60
+PATIENCE = 900  # seconds, after which it hangs
 
 
 def main():

@@ -22,7 +22,7 @@ XSI = 'xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance" xsi:noNamespaceSche
 
 
 def run(*command, **options):
-    return subprocess.run(command, capture_output=True, text=True, timeout=280, **options)
+    return subprocess.run(command, capture_output=True, text=True, timeout=1500, **options)
 
 
 def scenes():

@@ -28,7 +28,7 @@ def main():
             problems.append(f"{name}: is not in scenes/regression/list")
         with tempfile.TemporaryDirectory() as folder:
             for arguments in (["check", scene], ["run", scene, "-n", "2", "--quiet"]):
-                result = subprocess.run([STROMA, *arguments], capture_output=True, text=True, cwd=folder, timeout=120)
+                result = subprocess.run([STROMA, *arguments], capture_output=True, text=True, cwd=folder, timeout=600)
                 if result.returncode != 0 or "warning" in result.stderr + result.stdout:
                     problems.append(f"{name}: stroma {arguments[0]} ended with {result.returncode}\n"
                                     f"{result.stdout}{result.stderr}")

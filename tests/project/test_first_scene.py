@@ -12,7 +12,7 @@ def main():
     with open(os.path.join(TREE, "tools", "setup"), encoding="utf-8") as file:
         assert "scenes/examples/organ.xml" in file.read(), "another scene is the first one now"
     scene = os.path.join(TREE, "scenes", "examples", "organ.xml")
-    said = subprocess.run([STROMA, "explain", scene], capture_output=True, text=True, check=True, timeout=60).stdout
+    said = subprocess.run([STROMA, "explain", scene], capture_output=True, text=True, check=True, timeout=600).stdout
     line = next(line for line in said.split("\n") if line.startswith("modules opened: "))
     opened = set(line.split(": ", 1)[1].split(" (")[0].split(", "))
     assert opened == BUILT, f"opened {sorted(opened)}, built first {sorted(BUILT)}"

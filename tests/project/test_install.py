@@ -3,7 +3,6 @@
 """Installs a build into a folder, moves that elsewhere and works with it from an empty folder; no installed file may know a path of
 the sources or of the build. A build that is not complete is refused before anything is installed. A part that is missing is named
 with what brings it. Usage: test_install.py TREE BUILD"""
-import contextlib
 import gzip
 import os
 import re
@@ -13,12 +12,16 @@ import sys
 import tempfile
 
 TREE, BUILD = (os.path.abspath(path) for path in sys.argv[1:3])
-sys.path.insert(0, os.path.join(TREE, "scenes", "meshes"))
+sys.dont_write_bytecode = True  # what stood beside make_leg.py would be installed with it
+sys.path[:0] = [os.path.join(TREE, "tests", "support"), os.path.join(TREE, "scenes", "meshes")]
+from kept import kept  # noqa: E402
+
 ENVIRONMENT = {name: value for name, value in os.environ.items() if not name.startswith("STROMA_")}
+ENVIRONMENT.update(LC_ALL="C", PYTHONDONTWRITEBYTECODE="1")
 
 
 def run(*command, code=0, **options):
-    result = subprocess.run(command, capture_output=True, text=True, timeout=120, env=ENVIRONMENT, **options)
+    result = subprocess.run(command, capture_output=True, text=True, timeout=1800, env=ENVIRONMENT, **options)
     assert result.returncode == code, f"{' '.join(command)} ended with {result.returncode}\n{result.stdout}{result.stderr}"
     return result.stdout + result.stderr
 
@@ -123,23 +126,6 @@ def check_image():
         make_leg.write_nifti(made, *make_leg.leg(2.0), 2.0)
         with open(made, "rb") as file, gzip.open(os.path.join(TREE, "scenes", "meshes", "leg.nii.gz")) as kept:
             assert file.read() == kept.read(), "scenes/meshes/leg.nii.gz is not what make_leg.py makes"
-
-
-@contextlib.contextmanager
-def kept(path):
-    """The file as it was, whatever happens meanwhile."""
-    before = None
-    if os.path.exists(path):
-        with open(path, "rb") as file:
-            before = file.read()
-    try:
-        yield
-    finally:
-        if before is not None:
-            with open(path, "wb") as file:
-                file.write(before)
-        elif os.path.exists(path):
-            os.remove(path)
 
 
 def main():

@@ -11,10 +11,13 @@ import sys
 import tempfile
 
 TREE, BUILD = (os.path.abspath(path) for path in sys.argv[1:3])
+sys.dont_write_bytecode = True
+sys.path.insert(0, os.path.join(TREE, "tests", "support"))
+from kept import kept  # noqa: E402
 
 
 def run(*command, code=0, **options):
-    result = subprocess.run(command, capture_output=True, text=True, timeout=280, **options)
+    result = subprocess.run(command, capture_output=True, text=True, timeout=1800, **options)
     assert result.returncode == code, f"{' '.join(command)} ended with {result.returncode}\n{result.stdout}{result.stderr}"
     return result.stdout + result.stderr
 
@@ -38,7 +41,8 @@ def check_motion(folder):
 def main():
     with tempfile.TemporaryDirectory() as folder:
         prefix, module = os.path.join(folder, "stroma"), os.path.join(folder, "module")
-        run("cmake", "--install", BUILD, "--prefix", prefix)
+        with kept(os.path.join(BUILD, "install_manifest.txt")):  # of a person's own installation
+            run("cmake", "--install", BUILD, "--prefix", prefix)
         stroma = os.path.join(prefix, "bin", "stroma")
         used = run("ldd", stroma)
         assert prefix + os.sep in used and BUILD + os.sep not in used, f"the installed command does not use the installed library:\n{used}"

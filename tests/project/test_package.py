@@ -24,7 +24,7 @@ HEAVY = re.compile(r"vtk|cholmod|blas|libgmp|libmpfr|libcgal")  # what the comma
 
 
 def run(*command, code=0, **options):
-    result = subprocess.run(command, capture_output=True, text=True, timeout=280, **options)
+    result = subprocess.run(command, capture_output=True, text=True, timeout=1800, **options)
     assert result.returncode == code, f"{' '.join(command)} ended with {result.returncode}\n{result.stdout}{result.stderr}"
     return result.stdout + result.stderr
 

@@ -76,7 +76,7 @@ def check_stages(setup):
             with open(log, "w", encoding="ascii"):
                 pass
             result = subprocess.run(["bash", os.path.join(tree, "tools", "setup"), *arguments], capture_output=True, text=True,
-                                    env=dict(environment, **more), stdin=subprocess.DEVNULL, timeout=60)
+                                    env=dict(environment, **more), stdin=subprocess.DEVNULL, timeout=600)
             assert result.returncode == code, result
             with open(log, encoding="ascii") as file:
                 lines = file.read().splitlines()
@@ -117,7 +117,7 @@ def main():
                 os.chmod(path, 0o755)
             environment = dict(os.environ, PATH=folder + ":" + os.environ["PATH"])
             return subprocess.run(["bash", setup, *arguments], capture_output=True, text=True, env=environment,
-                                  stdin=subprocess.DEVNULL, timeout=60)
+                                  stdin=subprocess.DEVNULL, timeout=600)
 
     result = run("--help")
     assert result.returncode == 0 and "tools/setup run" in result.stdout, result

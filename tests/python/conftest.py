@@ -8,6 +8,7 @@ import stroma
 
 SOURCE = pathlib.Path(os.environ.get("STROMA_SOURCE", pathlib.Path(__file__).parents[2]))
 EXAMPLES = SOURCE / "scenes" / "examples"
+PATIENCE = float(os.environ.get("STROMA_TEST_PATIENCE", 600))  # seconds: only what hangs takes so long, whatever else a machine does
 
 
 def block(**fem):

@@ -6,7 +6,7 @@ import subprocess
 
 import pytest
 import stroma
-from conftest import EXAMPLES, SOURCE
+from conftest import EXAMPLES, PATIENCE, SOURCE
 
 STEPS = 3
 SCENES = sorted(path.name for path in EXAMPLES.glob("*.xml"))
@@ -15,7 +15,7 @@ SCENES = sorted(path.name for path in EXAMPLES.glob("*.xml"))
 def of_the_command(scene, *more):
     """The hash of what the command has computed, read from its checkpoint."""
     run = subprocess.run([os.environ["STROMA_COMMAND"], "run", str(scene), "-n", str(STEPS), "--quiet", "--record", "recorded", *more],
-                         capture_output=True, text=True, timeout=250)
+                         capture_output=True, text=True, timeout=PATIENCE)
     assert run.returncode == 0, run.stderr
     settings = dict(word.split("=") for word in more if "=" in word)
     simulation = stroma.load(scene, set=settings, observers=False)

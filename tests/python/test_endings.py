@@ -13,7 +13,7 @@ import weakref
 import numpy
 import pytest
 import stroma
-from conftest import block
+from conftest import PATIENCE, block
 
 
 def used(simulation):
@@ -93,23 +93,24 @@ def program(handler="", ending="simulation.step()"):
 def test_sigterm_ends_a_program_while_metis_orders_a_matrix():
     """METIS has a handler of its own then, and takes the signal for an error: the program must end all the same."""
     process = program()
-    end = time.monotonic() + 60
+    end = time.monotonic() + PATIENCE
     while not caught_by(process):
         assert time.monotonic() < end and process.poll() is None, "METIS was never at work"
     process.send_signal(signal.SIGTERM)
     try:
-        assert process.wait(20) == -signal.SIGTERM
+        assert process.wait(PATIENCE) == -signal.SIGTERM
     finally:
         process.kill()
 
 
 def test_sigterm_is_heard_by_a_handler_of_the_program():
     """It stops the run as Ctrl-C does, then the handler is called: here it ends the program."""
-    process = program("signal.signal(signal.SIGTERM, lambda *_: sys.exit(7))", "simulation.run(10**9)")
-    time.sleep(1)
-    process.send_signal(signal.SIGTERM)
+    tell = "simulation.on_step_end(lambda sim: print('steps', flush=True) if sim.steps == 1 else None)"
+    process = program("signal.signal(signal.SIGTERM, lambda *_: sys.exit(7))", tell + "; simulation.run(10**9)")
     try:
-        assert process.wait(20) == 7
+        assert process.stdout.readline() == "steps\n", "it is in the middle of its run"
+        process.send_signal(signal.SIGTERM)
+        assert process.wait(PATIENCE) == 7
     finally:
         process.kill()
 
@@ -150,10 +151,10 @@ def test_nobody_looks_into_a_step_of_another_thread(simulation, what):
     import threading
 
     inside, go_on = threading.Event(), threading.Event()
-    simulation.on_step_begin(lambda _: (inside.set(), go_on.wait(20)))
+    simulation.on_step_begin(lambda _: (inside.set(), go_on.wait(PATIENCE)))
     thread = threading.Thread(target=simulation.step)
     thread.start()
-    assert inside.wait(20)
+    assert inside.wait(PATIENCE)
     with pytest.raises(stroma.StromaError, match="another thread"):
         what(simulation)
     go_on.set()

@@ -7,6 +7,7 @@ import sys
 
 import pytest
 import stroma
+from conftest import PATIENCE
 
 FOLDER = pathlib.Path(stroma.__file__).parent
 
@@ -50,5 +51,5 @@ simulation.run(3)
 x, again = simulation.state().x, simulation.copy()
 preview = root.preview()
 """
-    ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60)
+    ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=PATIENCE)
     assert (ended.returncode, ended.stdout, ended.stderr) == (0, "", ""), ended.stderr

@@ -30,10 +30,12 @@ std::string cube(const std::string& type) {
 
 class Stress : public CommandTest {
  protected:
+  /// However long those before it take: else none begins after two minutes.
+  static constexpr const char* all_cases = " --seconds 1000000";
   static constexpr const char* module = " --module " STROMA_TEST_MODULES "/faulty.so ";
   json stress(const std::string& type, const std::string& arguments, int code) {
     write("cube.xml", cube(type));
-    const Finished run = stroma("stress cube.xml -q --json" + std::string(module) + arguments);
+    const Finished run = stroma("stress cube.xml -q --json" + std::string(all_cases) + module + arguments);
     EXPECT_EQ(run.code, code) << run.err << run.out;
     return json::parse(run.out, nullptr, false);
   }
@@ -200,7 +202,7 @@ class StressOfScene : public Stress, public testing::WithParamInterface<const ch
 /// A few cases of each kind; the whole list takes two minutes.
 TEST_P(StressOfScene, BreaksNowhere) {
   const std::string scene = std::string(STROMA_SOURCE_DIR "/tests/stress/scenes/") + GetParam() + ".xml";
-  const Finished run = stroma("stress " + scene + " -q --json --cases 30 -n 4 -o out");
+  const Finished run = stroma("stress " + scene + " -q --json --cases 30 -n 4 -o out" + all_cases);
   EXPECT_EQ(run.code, 0) << run.err;
   const json result = json::parse(run.out, nullptr, false);
   EXPECT_EQ(sentences(result, "breaks"), "");

@@ -100,11 +100,11 @@ TEST_F(Completion, OnlyPlainNamesOfASceneAreOffered) {
 TEST_F(Completion, APipeIsNotWaitedFor) {
   ASSERT_EQ(shell("mkfifo pipe.xml").code, 0);
   write("waits.xml", "<Node><include href='pipe.xml'/></Node>");
-  const Finished asked = shell("timeout 20 ./stroma __complete run waits.xml --set /");
+  const Finished asked = shell("timeout 600 ./stroma __complete run waits.xml --set /");
   EXPECT_EQ(asked.code, 0);
   EXPECT_EQ(asked.out, "");
-  EXPECT_EQ(shell("timeout 20 ./stroma __complete run pipe.xml --set /").code, 0);
-  const Finished check = shell("timeout 20 ./stroma check waits.xml");
+  EXPECT_EQ(shell("timeout 600 ./stroma __complete run pipe.xml --set /").code, 0);
+  const Finished check = shell("timeout 600 ./stroma check waits.xml");
   EXPECT_EQ(check.code, 2);
   EXPECT_TRUE(has(check.out + check.err, "pipe.xml cannot be read")) << check.out << check.err;
 }
@@ -173,7 +173,7 @@ zpty -w shell 'PS1=; autoload -Uz compinit; compinit -u -D; source script.zsh; s
 zpty -r shell said '*READY*'
 rm -f line.txt
 zpty -w -n shell "$LINE_TO_COMPLETE"$'\t\x0f'
-for try in {1..200}; do [[ -s line.txt ]] && break; sleep 0.05; done
+for try in {1..12000}; do [[ -s line.txt ]] && break; sleep 0.05; done
 cat line.txt
 zpty -d shell
 )";

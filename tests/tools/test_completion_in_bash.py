@@ -11,6 +11,10 @@ import tempfile
 import time
 import unittest
 
+sys.dont_write_bytecode = True
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
+from processes import PATIENCE  # noqa: E402
+
 STROMA = os.path.abspath(sys.argv[1])
 SCENE = """<Node name="root" dt="0.01"><Node name="my"><MechanicalObject name="dofs"/>
 <HexahedronFEMForceField name="fem" method="polar"/></Node></Node>
@@ -26,7 +30,7 @@ class Bash:
         self.pid, self.terminal = pty.fork()
         if self.pid == 0:
             os.chdir(folder)
-            os.environ.update(HOME=folder, PATH=folder + ":" + os.environ["PATH"], TERM="dumb", HISTFILE="", FOLDER=folder)
+            os.environ.update(HOME=folder, PATH=folder + ":" + os.environ["PATH"], TERM="dumb", HISTFILE="", INPUTRC="/dev/null", FOLDER=folder)
             os.execlp("bash", "bash", "--norc", "--noprofile", "-i")
         self.folder = folder
         self.type("source script.bash; bind 'set bell-style none'; bind -x '\"\\C-o\": printf \"%s\\n\" \"$READLINE_LINE\""
@@ -37,7 +41,7 @@ class Bash:
         os.write(self.terminal, text.encode())
 
     def wait(self, name):
-        path, until = os.path.join(self.folder, name), time.monotonic() + 60
+        path, until = os.path.join(self.folder, name), time.monotonic() + PATIENCE
         while time.monotonic() < until:
             if os.path.exists(path) and os.path.getsize(path) > 0:
                 with open(path, encoding="utf-8") as text:

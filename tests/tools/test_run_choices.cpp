@@ -2,6 +2,7 @@
 // What the plan and the summary of a run say of the ways in which linear systems are solved where a scene is silent.
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "tests/support/shell.h"
@@ -58,7 +59,13 @@ TEST_F(RunChoices, ANamedSolverThatIsFarFromTheBestIsInTheSummary) {
     EXPECT_TRUE(says(slow.out, sentence)) << slow.out;
     EXPECT_TRUE(says(slow.out, rest + chosen + "\n")) << slow.out;
     write("scene.xml", heldNodes(integrator, 0.5));
-    EXPECT_FALSE(says(stroma(command).out, sentence)) << "half a second is not worth a word";
+    const Finished quick = stroma(command + " --json=run.json");
+    const auto phases = nlohmann::json::parse(readText(folder_ / "run.json")).at("phase_seconds");
+    const double at_most = phases.at("solve").get<double>() + 2 * phases.at("product").get<double>() +
+                           phases.at("assembly").get<double>();
+    if (at_most < 4.9) {  // a machine may have had so much else to do
+      EXPECT_FALSE(says(quick.out, sentence)) << at_most << " s are not worth a word: " << quick.out;
+    }
   }
 }
 

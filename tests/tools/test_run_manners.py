@@ -18,22 +18,27 @@ import termios
 import time
 import unittest
 
+sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
-from processes import PATIENCE, until, until_computed  # noqa: E402
+from processes import PATIENCE, held_still, until  # noqa: E402
 
 TREE, STROMA = (os.path.abspath(path) for path in sys.argv[1:3])
+MODULE = os.path.join(os.path.dirname(STROMA), "..", "lib", "test_modules", "fickle.so")
 HAS_VIEW = os.path.exists(os.path.join(os.path.dirname(STROMA), "..", "lib", "stroma", "view.so"))
 LAST = os.path.join("results", "fall", "last")  # what a run of fall.xml leaves
 FALLING = """<Node name="root" dt="0.01" gravity="0 -10 0"><EulerExplicitSolver/>
 <MechanicalObject name="dofs" position="0 0 0  1 0 0"/><UniformMass totalMass="2"/></Node>
 """
+# The same, which writes a file of its own after each ten thousand steps.
+TELLING = FALLING.replace("</Node>", '<WriteState filename="steps.state" period="100"/></Node>')
 # A step of statics that takes seconds: a block that is bent far.
 BENT = """<Node name="root" dt="1" gravity="0 -30 0"><StaticSolver/><CGLinearSolver iterations="20000" tolerance="1e-9" threshold="1e-30"/>
 <RegularGridTopology n="{n} {n} {n}" min="0 0 0" max="0.1 0.1 0.3"/><MechanicalObject name="dofs"/><UniformMass totalMass="0.3"/>
 <HexahedronHyperelasticityFEMForceField name="fem" materialName="StableNeoHookean" youngModulus="30000" poissonRatio="0.45"/>
 <BoxROI name="end" box="-1 -1 -0.001 1 1 0.001"/><FixedProjectiveConstraint indices="@end.indices"/></Node>
 """
-LINE = re.compile(r"step (\d+)/(\d+)  (\d+) %  t = \S+ s  \S+ ms/step  .*elapsed  (.*) to go$")
+PROGRESS = re.compile(r"step \d+/\d+( |$)|loading .* so far$")
+LINE = re.compile(r"step (\d+)/(\d+)  (\d+) %  t = \S+(?: s)?  \S+ ms/step  .*elapsed  (.*) to go$")
 
 
 def seconds(text):
@@ -66,10 +71,22 @@ class Folder(unittest.TestCase):
         self.assertEqual(result.returncode, code, result.stdout + result.stderr)
         return result
 
+    @staticmethod
+    def notes(result):
+        """What is said on standard error, but for how far the run is: a machine may have so much else to do that a short run tells it."""
+        return "".join(line for line in result.stderr.splitlines(True) if not PROGRESS.match(line))
+
+    def until_it_steps(self, process):
+        """Waits until a run of TELLING is in the middle of its steps: some ten thousand of them are behind it."""
+        def is_stepping():
+            self.assertIsNone(process.poll(), "the run ends by itself")
+            return os.path.exists(self.path("steps.state")) and self.read("steps.state").count(b"T=") > 3
+        until(is_stepping, "a run that steps")
+
     def steps_of(self, scene, wanted):
-        """How many steps take `wanted` seconds."""
+        """How many steps take about `wanted` seconds, as fast as the machine is now. Later it may be slower, or faster."""
         summary = json.loads(self.stroma("run", scene, "-n", "20000", "-q", "--json", "--no-record").stdout)
-        return int(20000 * wanted / summary["wall_seconds"])
+        return max(1000, int(20000 * wanted / max(summary["wall_seconds"], 1e-3)))
 
     def instants(self, folder):
         """Head and numbers of what a run has left."""
@@ -84,25 +101,34 @@ class Folder(unittest.TestCase):
 class Progress(Folder):
     def test_a_pipe_gets_few_lines_with_the_time_to_go(self):
         self.write("fall.xml", FALLING)
-        steps, told = self.steps_of("fall.xml", 3), []
-        while not told:  # a machine that was busy a moment ago may be fast now
+        steps, whole = self.steps_of("fall.xml", 3), []
+        for _ in range(20):  # a machine that was busy a moment ago may be fast now, and one that stands still tells other lines
             began = time.monotonic()
             told = self.stroma("run", "fall.xml", "-n", str(steps), "--no-record").stderr.splitlines()
+            self.assertLessEqual(len(told), 10 + (time.monotonic() - began) / 30)
+            for line in told:
+                self.assertTrue(PROGRESS.match(line), line)
+            whole = [LINE.match(line) for line in told if LINE.match(line)]
+            if whole:
+                break
             steps *= 2
-        self.assertLessEqual(len(told), 10 + (time.monotonic() - began) / 30)
+        self.assertTrue(whole, "no line tells the time to go")
         before = -1
-        for line in told:
-            match = LINE.match(line)
-            self.assertTrue(match, line)
+        for match in whole:
             share = int(match.group(1)) / int(match.group(2))
             self.assertEqual(int(match.group(3)), int(100 * share))
-            self.assertGreater(share, before)
+            self.assertGreaterEqual(share, before)
             before = share
             self.assertGreaterEqual(seconds(match.group(4)), 0)  # how good it is: test_pace.cpp
 
     def test_a_run_of_a_moment_tells_nothing(self):
         self.write("fall.xml", FALLING)
-        self.assertEqual(self.stroma("run", "fall.xml", "-n", "50").stderr, "")
+        for _ in range(100):
+            began = time.monotonic()
+            told, took = self.stroma("run", "fall.xml", "-n", "50").stderr, time.monotonic() - began
+            if took < 1:
+                return self.assertEqual(told, "")
+        self.skipTest("fifty steps are no moment here")
 
     def test_quiet_is_silent(self):
         self.write("fall.xml", FALLING)
@@ -133,39 +159,47 @@ class Progress(Folder):
 
     def test_a_terminal_has_one_line_that_fits(self):
         self.write("fall.xml", FALLING)
-        steps = str(self.steps_of("fall.xml", 2))
+        steps = self.steps_of("fall.xml", 2)
         for width in (200, 60, 40, 12):
-            text = self.on_terminal(width, "run", "fall.xml", "-n", steps, "--no-record")
-            drawn, summary = text.rsplit("\r\x1b[K", 1)
-            lines = [line for line in drawn.split("\r\x1b[K") if line]
-            self.assertGreaterEqual(len(lines), 2)
-            for line in lines:
-                self.assertLess(len(line), width)
-                self.assertNotIn("\n", line)
-                self.assertTrue(line.startswith("step "), line)
-            if width == 200:
-                self.assertTrue(LINE.match(lines[-1]), lines[-1])
-            if width >= 40:
-                self.assertTrue(lines[-1].endswith(" to go"), lines[-1])
-            self.assertTrue(summary.startswith("fall.xml: done"), repr(summary))  # the line is gone
+            for _ in range(20):  # longer where the machine has become faster, or stood still when the time to go was to be told
+                text = self.on_terminal(width, "run", "fall.xml", "-n", str(steps), "--no-record")
+                *lines, summary = text.split("\r\x1b[K")
+                lines = [line for line in lines if line]
+                for line in lines:
+                    self.assertLess(len(line), width)
+                    self.assertNotIn("\n", line)
+                told = [line for line in lines if line.startswith("step ")]
+                self.assertEqual(lines[len(lines) - len(told):], told)  # those before are of the load
+                self.assertTrue(summary.startswith("fall.xml: done"), repr(summary))  # the line is gone
+                is_right = (len(told) > 1 and (width < 200 or any(LINE.match(line) for line in told))
+                            and (width < 40 or any(line.endswith(" to go") for line in told)))
+                if is_right:
+                    break
+                steps *= 2
+            self.assertTrue(is_right, text)
 
-    def drawn_by_load(self, scene, width):
+    def drawn_by_load(self, scene, width, *options):
         """The lines that a load draws in place; the name of the scene's file, and of the node, is longer than a line."""
         name = "a scene whose name is longer than a line of the terminal " + "\u00e9" * 20
         self.write(name + ".xml", scene.replace("root", name))
-        text = self.on_terminal(width, "run", name + ".xml", "-n", "0", "--no-record")
+        text = self.on_terminal(width, "run", name + ".xml", "-n", "0", "--no-record", *options)
         lines = [piece.split("\r\n")[0] for piece in text.split("\r\x1b[K")[1:]]
-        lines = [line for line in lines if line and "done after" not in line]
+        lines = [line for line in lines if line and "done after" not in line and not line.startswith("step ")
+                 and not re.search(r":\d+:\d+: (note|warning): ", line)]  # sentences on the scene, which follow the load
         for line in lines:
             self.assertLess(len(line.encode()), width, line)
         return lines
 
     def test_the_line_of_a_load_fits(self):
-        large = """<Node name="root" dt="0.01" gravity="0 0 0"><EulerImplicitSolver/><CGLinearSolver/>
-<RegularGridTopology n="90 90 90" min="0 0 0" max="1 1 1"/><MechanicalObject/><UniformMass totalMass="1"/>
-<HexahedronFEMForceField method="small" youngModulus="5000" poissonRatio="0.3"/></Node>
+        if not os.path.exists(MODULE):
+            self.skipTest("the module with a solver that takes its time was not built")
+        slow = """<Node name="root" dt="0.01" gravity="0 0 0"><EulerImplicitSolver/><SluggishSolver loading="{}"/>
+<MechanicalObject position="0 0 0"/><UniformMass totalMass="1"/></Node>
 """
-        lines = self.drawn_by_load(large, 40)
+        for taken in (2, 8, 32):  # the longer ones where nothing could be drawn meanwhile
+            lines = self.drawn_by_load(slow.format(taken), 40, "--module", MODULE)
+            if lines:
+                break
         self.assertTrue(lines and all(re.match("loading a sc.* s so far$", line) for line in lines), lines)
 
     def test_the_line_of_long_work_fits(self):
@@ -179,13 +213,15 @@ class Progress(Folder):
             self.assertEqual(lines[-1][-5:], "100 %")
 
     def test_a_long_step_shows_life(self):
-        self.write("bent.xml", BENT.format(n=16))
-        text = self.on_terminal(200, "run", "bent.xml", "-n", "1", "--no-record")
-        lines = [line for line in text.split("\r\x1b[K") if "so far" in line]
-        self.assertGreater(len(lines), 10)
-        iterations = [int(match.group(1)) for match in re.finditer(r"Newton iteration (\d+), residual \S+", text)]
-        self.assertGreater(len(set(iterations)), 1, text)
-        self.assertRegex(lines[-1], r"^step 0/1  0 %  step 1: \S+ s so far  Newton iteration \d+")
+        for n in (16, 24, 32, 40):  # on a machine that is so fast
+            self.write("bent.xml", BENT.format(n=n))
+            text = self.on_terminal(200, "run", "bent.xml", "-n", "1", "--no-record")
+            lines = [line for line in text.split("\r\x1b[K") if line.startswith("step ") and "so far" in line]
+            iterations = {match.group(1) for match in re.finditer(r"Newton iteration (\d+), residual \S+", text)}
+            whole = [line for line in lines if re.match(r"step 0/1  0 %  step 1: .* so far  Newton iteration \d+", line)]
+            if len(lines) > 10 and len(iterations) > 1 and whole:
+                return
+        self.fail(text)
 
 
 class DefaultRecording(Folder):
@@ -243,7 +279,7 @@ class DefaultRecording(Folder):
     def test_what_is_not_ours_stays(self):
         scene = self.write("fall.xml", FALLING)
         self.write(LAST, "a file of the user")
-        note = self.stroma("run", scene, "-n", "5").stderr
+        note = self.notes(self.stroma("run", scene, "-n", "5"))
         self.assertEqual(note.count("\n"), 1)
         self.assertTrue(note.startswith("note: ") and LAST in note, note)
         self.assertEqual(self.read(LAST), b"a file of the user")
@@ -252,7 +288,7 @@ class DefaultRecording(Folder):
             os.mkdir(self.path(LAST))
             for name in contents:
                 self.write(os.path.join(LAST, name), "kept")
-            self.assertIn(LAST, self.stroma("run", scene, "-n", "5").stderr)
+            self.assertIn(LAST, self.notes(self.stroma("run", scene, "-n", "5")))
             self.assertEqual(tuple(os.listdir(self.path(LAST))), contents)
             for name in contents:
                 self.assertEqual(self.read(LAST, name), b"kept")
@@ -260,7 +296,7 @@ class DefaultRecording(Folder):
         # beside what a run left, files of others stay too
         self.stroma("run", scene, "-n", "5")
         self.write(os.path.join(LAST, "picture.png"), "kept")
-        self.assertEqual(self.stroma("run", scene, "-n", "7").stderr, "")
+        self.assertEqual(self.notes(self.stroma("run", scene, "-n", "7")), "")
         self.assertEqual(self.read(LAST, "picture.png"), b"kept")
         self.assertEqual(len(self.instants(LAST)[1]), 8)
 
@@ -270,14 +306,14 @@ class DefaultRecording(Folder):
         self.stroma("run", "fall.xml", "-n", "3", "--record", LAST)
         before = {name: self.read(LAST, name) for name in os.listdir(self.path(LAST))}
         self.assertEqual(sorted(before), ["dofs.state.gz", "last.checkpoint"])
-        self.assertIn("note: ", self.stroma("run", "fall.xml", "-n", "5").stderr)
+        self.assertIn("note: ", self.notes(self.stroma("run", "fall.xml", "-n", "5")))
         self.assertEqual({name: self.read(LAST, name) for name in os.listdir(self.path(LAST))}, before)
 
     def test_a_place_that_cannot_be_written_is_a_note(self):
         scene = self.write("fall.xml", FALLING)
         result = self.stroma("run", scene, "-n", "5", cwd="/proc")
-        self.assertEqual(result.stderr.count("\n"), 1, result.stderr)
-        self.assertTrue(result.stderr.startswith("note: "), result.stderr)
+        self.assertEqual(self.notes(result).count("\n"), 1, result.stderr)
+        self.assertTrue(self.notes(result).startswith("note: "), result.stderr)
         self.assertNotIn("recorded in", result.stdout)
         self.assertEqual(self.stroma("run", scene, "-n", "5", "--quiet", cwd="/proc").stderr, "")
 
@@ -288,8 +324,8 @@ class DefaultRecording(Folder):
         try:
             scene = self.write("many.xml", FALLING.replace("0 0 0  1 0 0", " ".join(f"{i} 0 0" for i in range(500))))
             result = self.stroma("run", scene, "-n", "50", cwd=self.path("disk"))
-            self.assertIn("No space left on device", result.stderr)
-            self.assertEqual(result.stderr.count("\n"), 1, result.stderr)
+            self.assertIn("No space left on device", self.notes(result))
+            self.assertEqual(self.notes(result).count("\n"), 1, result.stderr)
         finally:
             subprocess.run(["umount", self.path("disk")], check=True)
 
@@ -300,7 +336,7 @@ class DefaultRecording(Folder):
         os.symlink(os.path.join("..", "..", "elsewhere"), self.path(LAST))
         before = {name: self.read("elsewhere", name) for name in ("run.instants", "last.checkpoint")}
         for link in ((LAST,), (LAST, "run.instants"), (LAST, "last.checkpoint")):
-            note = self.stroma("run", scene, "-n", "7").stderr
+            note = self.notes(self.stroma("run", scene, "-n", "7"))
             self.assertTrue(note.startswith("note: nothing is left") and note.count("\n") == 1, note)
             self.assertIn("/".join(link), note)
             self.assertTrue(os.path.islink(self.path(*link)))
@@ -316,7 +352,7 @@ class DefaultRecording(Folder):
                 file = "run.instants" if link == (LAST,) else "last.checkpoint"
                 os.remove(self.path(LAST, file))
                 os.symlink(os.path.join("..", "..", "..", "elsewhere", file), self.path(LAST, file))
-        self.assertEqual(self.stroma("run", scene, "-n", "7").stderr, "")
+        self.assertEqual(self.notes(self.stroma("run", scene, "-n", "7")), "")
 
     def state_of_checkpoint(self, folder):
         """The hash of the state in the checkpoint of a folder, and the steps it has behind it."""
@@ -346,7 +382,7 @@ class DefaultRecording(Folder):
             self.stroma("run", scene, "-n", "1", cwd=self.path("disk"))
             before = {name: self.read("disk", "results/many/last", name) for name in ("run.instants", "last.checkpoint")}
             result = self.stroma("run", scene, "-n", "50", cwd=self.path("disk"))
-            self.assertRegex(result.stderr, r"^note: nothing is left .*No space left on device.*; results/many/last is that of a run before\n$")
+            self.assertRegex(self.notes(result), r"^note: nothing is left .*No space left on device.*; results/many/last is that of a run before\n$")
             self.assertEqual({name: self.read("disk", "results/many/last", name) for name in os.listdir(self.path("disk", "results/many/last"))}, before)
         finally:
             subprocess.run(["umount", self.path("disk")], check=True)
@@ -366,34 +402,46 @@ class DefaultRecording(Folder):
         self.write("fall.xml", FALLING)
         self.stroma("run", "fall.xml", "-n", "5")
         process = subprocess.Popen([STROMA, "run", "fall.xml", "-n", "1000000000", "-q", "--checkpoint-seconds", "0.2"], cwd=self.folder)
+        self.addCleanup(process.kill)
 
         def is_written():
-            instants, checkpoint = (os.stat(self.path(LAST, name)).st_mtime_ns for name in ("run.instants", "last.checkpoint"))
-            # the checkpoint is that of the instants: written after them
-            return checkpoint >= instants and self.instants(LAST)[1][-1][0] > 1
+            """Looks while the run stands still, and leaves it so when it has written: else it lets it go on."""
+            self.assertIsNone(process.poll(), "the run ends by itself")
+            held_still(process)
+            try:
+                instants, checkpoint = (os.stat(self.path(LAST, name)).st_mtime_ns for name in ("run.instants", "last.checkpoint"))
+                # the checkpoint is that of the instants: written after them
+                if checkpoint >= instants and len(self.instants(LAST)[1]) > 6 and self.instants(LAST)[1][-1][0] > 1:
+                    return True
+            except FileNotFoundError:  # it stands between the two
+                pass
+            process.send_signal(signal.SIGCONT)
+            return False
         until(is_written, "what is written now and then")
         process.kill()
         process.wait()
         instants = self.instants(LAST)[1]
-        self.assertGreater(len(instants), 6)
-        self.assertGreater(instants[-1][0], 1)
         self.assertEqual(self.state_of_checkpoint(LAST), round(instants[-1][0] / 0.01))
 
     def test_closing_the_terminal_keeps_the_recording(self):
-        self.write("fall.xml", FALLING)
+        self.write("fall.xml", TELLING)
         arguments = [STROMA, "run", "fall.xml", "-n", "1000000000"]
         process = subprocess.Popen(arguments, cwd=self.folder, stdout=subprocess.PIPE, text=True)
-        until_computed(process.pid)
+        self.addCleanup(process.kill)
+        self.until_it_steps(process)
         process.send_signal(signal.SIGHUP)
         out, _ = process.communicate()
         self.assertEqual(process.returncode, 129)
         self.assertIn(f"recorded in {LAST}", out)
         self.assertGreater(len(self.instants(LAST)[1]), 11)
+        os.remove(self.path("steps.state"))
         process = subprocess.Popen(arguments, cwd=self.folder, stdout=subprocess.DEVNULL,
                                    preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN))  # nohup
-        until_computed(process.pid)
+        self.addCleanup(process.kill)
+        self.until_it_steps(process)
         process.send_signal(signal.SIGHUP)
-        until_computed(process.pid)
+        before = os.path.getsize(self.path("steps.state"))
+        until(lambda: os.path.getsize(self.path("steps.state")) > before + 1000 or process.poll() is not None, "a run that goes on")
         self.assertIsNone(process.poll())
         process.terminate()
         self.assertEqual(process.wait(), 143)
@@ -419,20 +467,22 @@ class DefaultRecording(Folder):
             self.assertTrue(all(texts), closed)
 
     def test_a_run_that_is_killed_leaves_what_was_there(self):
-        self.write("fall.xml", FALLING)
+        self.write("fall.xml", TELLING)
         self.stroma("run", "fall.xml", "-n", "5")
         before = self.read(LAST, "run.instants")
-        process = subprocess.Popen([STROMA, "run", "fall.xml", "-n", "1000000000", "-q"], cwd=self.folder)
-        until_computed(process.pid)
+        process = subprocess.Popen([STROMA, "run", "fall.xml", "-n", "1000000000", "-q", "--checkpoint-seconds", "0"], cwd=self.folder)
+        self.addCleanup(process.kill)
+        self.until_it_steps(process)
         process.kill()
         process.wait()
         self.assertEqual(sorted(os.listdir(self.path(LAST))), ["last.checkpoint", "run.instants"])
         self.assertEqual(self.read(LAST, "run.instants"), before)
 
     def test_an_interrupted_run_goes_on_from_it(self):
-        self.write("fall.xml", FALLING)
+        self.write("fall.xml", TELLING)
         process = subprocess.Popen([STROMA, "run", "fall.xml", "-n", "1000000000"], cwd=self.folder, stdout=subprocess.PIPE, text=True)
-        until_computed(process.pid)
+        self.addCleanup(process.kill)
+        self.until_it_steps(process)
         process.terminate()
         out, _ = process.communicate()
         self.assertEqual(process.returncode, 143)

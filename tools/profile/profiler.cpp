@@ -4,6 +4,7 @@
 #include <dlfcn.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstdlib>
@@ -81,11 +82,14 @@ struct Profiler::ThreadLog {
   std::vector<Slot> slots{1024};  ///< open addressing, at most half full
   std::size_t used = 0;
   long left_out = 0;
+  std::uint64_t last = 0;  ///< ticks
   const volatile Taken* counted = nullptr;  ///< null: nobody counts
   Taken ours;                               ///< of it, what listening takes: nobody's spans have that
 
   Taken all() const { return counted ? Taken{counted->count, counted->bytes} : Taken{}; }
   Taken taken() const { return all() - ours; }
+  /// Where the counters of two processors differ, a thread that changes between them does not go back in time.
+  std::uint64_t notBeforeLast(std::uint64_t now) { return last = std::max(last, now); }
   /// What was taken since then is ours.
   void hideSince(const Taken& before) {
     const Taken more = all() - before;
@@ -114,6 +118,7 @@ Profiler::ThreadLog& Profiler::log() {
     known->open.reserve(64);
     known->counted = countOfThread() ? countOfThread()() : nullptr;
     known->ours = known->all();
+    known->last = begin_;
     known_generation = generation_;
   }
   return *known;
@@ -160,15 +165,16 @@ void Profiler::begin(const char* what, const Component* whose) {
   const std::uint32_t kind = kindOf(here, what, whose);
   if (here.open.size() == here.open.capacity()) here.open.reserve(2 * here.open.size());
   here.hideSince(before);
-  here.open.push_back({kind, ticks(), 0, here.taken(), 0});
+  here.open.push_back({kind, here.notBeforeLast(ticks()), 0, here.taken(), 0});
 }
 
 void Profiler::end(long iterations) {
-  const std::uint64_t now = ticks();
+  const std::uint64_t read = ticks();
   ThreadLog& here = log();
   if (here.open.empty()) return;  // it began before we listened
   const ThreadLog::Open span = here.open.back();
   here.open.pop_back();
+  const std::uint64_t now = here.notBeforeLast(read);
   const Taken before = here.all(), taken = here.taken() - span.taken;
   const std::uint64_t took = now - span.begin;
   Sum& sum = here.sums[span.kind];
@@ -186,10 +192,11 @@ void Profiler::end(long iterations) {
 Profile Profiler::stop() {
   span_listener = nullptr;
   Profile profile;
-  profile.begin = begin_, profile.end = ticks();
+  const std::lock_guard lock(access_);
+  profile.begin = begin_, profile.end = std::max(begin_ + 1, ticks());
+  for (const auto& log : logs_) profile.end = std::max(profile.end, log->last);
   profile.seconds_per_tick = (steadySeconds() - begin_seconds_) / double(profile.end - profile.begin);
   profile.has_allocations = countsAllocations();
-  const std::lock_guard lock(access_);
   profile.kinds = kinds_;
   for (const auto& log : logs_) {
     log->sums.resize(kinds_.size());
