@@ -167,8 +167,8 @@ TEST(SubsetTopology, FindsNodesByPlaceAndCellsByNodes) {
   EXPECT_EQ(listOf(scene, "/m", "pointS2D"), (std::vector<int>{1, 2, 0, -1, -1, -1, -1, -1}));
   EXPECT_EQ(listOf(scene, "/m", "triangleD2S"), (std::vector<int>{0}));
   EXPECT_EQ(listOf(scene, "/m", "triangleS2D"), (std::vector<int>{0}));
-  expectContains(problemsOf("<Node name='root'>" + cells +
-                            "<MeshTopology name='part' position='2 2 0.1'/><SubsetTopologicalMapping input='@cells' output='@part'/></Node>"),
+  expectContains(problemsOf("<Node name='root'>" + cells + "<MeshTopology name='part' position='2 2 0.1'/>" +
+                            "<SubsetTopologicalMapping input='@cells' output='@part'/></Node>"),
                  "node 0 of /part is no node of /cells");
 }
 
