@@ -99,6 +99,7 @@ class BarrierContact final : public ForceField, public StepLimiter, public OpenC
   void checkStart(ConstRows x) override;
   double longestStep(ConstRows x, const Way& way) override;
   bool movesOn(ConstRows x) override;
+  void wantStartForces(bool wanted) override { holds_nothing_ = wanted; }
   std::string overlap(ConstRows x) override;
   std::string doubt(ConstRows) const override { return outputs_.doubt(); }
   bool useDefiniteTangent(bool definite) override { return definite_ = definite, true; }
@@ -131,12 +132,11 @@ class BarrierContact final : public ForceField, public StepLimiter, public OpenC
   long pattern_revision_ = 0;
   mutable bool has_new_pairs_ = false;  ///< others push since the pattern was last said to be another
   mutable std::vector<Vec3> x_;         ///< of all vertices; work space
-  std::vector<Vec3> way_, forces_, forces_before_;
+  std::vector<Vec3> way_, forces_, forces_before_, start_;  ///< start_: at the start of the step
   std::vector<double> bend_;
-  std::vector<Vec3> start_;  ///< at the start of the step
   Vec3 moved_at_start_ = Vec3::Zero(), goal_ = Vec3::Zero();
   double travel_ = 0;        ///< the longest way of a vertex in the last step [m]
-  bool left_start_ = false;  ///< bodies have been elsewhere than at start_
+  bool left_start_ = false, holds_nothing_ = false;  ///< bodies have been elsewhere than at start_; see wantStartForces()
   int obstacle_rounds_ = 0, friction_rounds_ = 0, share_rounds_ = 0, weighings_ = 0;
   Terms terms_;            ///< of the last force
   bool definite_ = false;  ///< their derivative, see contact_terms.h
@@ -238,7 +238,7 @@ void BarrierContact::addForce(ConstRows x, ConstRows, Rows f) {
   for (const Touch& touch : law_.touches(x_)) terms_.push_back(law_.termOf(touch, x_, definite_));
   terms_.addForce(f);
   if (friction_.mu == 0) return;
-  if (friction_rounds_ + 1 < friction_iterations_) friction_.hold(x_, start_, law_.moved - moved_at_start_);
+  if (!holds_nothing_ && friction_rounds_ + 1 < friction_iterations_) friction_.hold(x_, start_, law_.moved - moved_at_start_);
   slideTo(x_), friction_.terms().addForce(f);
 }
 

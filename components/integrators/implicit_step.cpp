@@ -188,7 +188,9 @@ void ImplicitStep::startIterating() {
   has_constant_ = scheme_.old_weight != 0 || !multipliers_.empty();
   clear(constant_);
   if (scheme_.old_weight != 0) {
+    limits_.wantStartForces(true);
     wholeForce(scheme_.old_time, constant_);
+    limits_.wantStartForces(false);
     scale(scheme_.old_weight, constant_);
   }
   if (!multipliers_.empty()) multipliers_.addCarried(constant_);

@@ -44,8 +44,11 @@ inline void declareNewton(DataTable& table, NewtonSettings& settings, const Newt
 /// Steps that ended where they began with forces out of balance: an absolute threshold above the forces is met there.
 class UnmovedSteps {
  public:
-  void note(const StepReport& report, const NewtonSettings& settings) {
-    if (!report.failed() && report.newton_iterations == 0 && settings.absolute_residual + settings.absolute_correction > 0)
+  /// Forces that are round-off, as `hasForces` tells, need no balance.
+  template <class HasForces>
+  void note(const StepReport& report, const NewtonSettings& settings, const HasForces& hasForces) {
+    const bool is_unmoved = !report.failed() && report.newton_iterations == 0;
+    if (is_unmoved && settings.absolute_residual + settings.absolute_correction > 0 && hasForces())
       largest_ = std::max(largest_, report.newton_residual);
   }
   /// A sentence, or empty.

@@ -234,7 +234,7 @@ StepReport StaticSolver::step(System& system, const StepContext& context) {
     problem_.residual(force_);
   }
   report.unsolved = !report.newton_converged;
-  unmoved_.note(report, settings_);
+  unmoved_.note(report, settings_, [&] { return norm(system.independent(system.f)) > 3 * problem_.roundOff().residual; });
   if (report.unsolved && !report.diverged)
     report.reason += tried_exact ? "; with the exact tangent too" : exactTangentHint(system);
   graph_.assign(newton_.history().begin(), newton_.history().end());

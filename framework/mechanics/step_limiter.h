@@ -32,6 +32,8 @@ class StepLimiter : public HearsSteps {
   /// The step's equations are solved at x with what is held fixed meanwhile: the directions of friction, obstacles that
   /// have not been let all the way. True: that has moved on, and they are to be solved again.
   virtual bool movesOn(ConstRows x) = 0;
+  /// While `wanted`, forces are asked for that stay in the equations of a step: nothing is held to help its solves.
+  virtual void wantStartForces(bool /*wanted*/) {}
   /// After a step to x: what lies in one another, as a sentence, or empty. Exact.
   virtual std::string overlap(ConstRows x) = 0;
 };

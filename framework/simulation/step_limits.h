@@ -22,6 +22,10 @@ class StepLimits {
   double longest(ConstRows dx, double factor, const std::function<void(double)>& goTo);
   /// Something that was held fixed in the solve that has ended has moved on: it is to be made again.
   bool moveOn();
+  /// See StepLimiter.
+  void wantStartForces(bool wanted) {
+    for (StepLimiter* limiter : limiters_) limiter->wantStartForces(wanted);
+  }
 
  private:
   double ask(ConstRows x, const Way& way) const;

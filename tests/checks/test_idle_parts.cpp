@@ -37,6 +37,9 @@ TEST(IdleParts, WhatContradictsOrDoublesIsSaid) {
       "<LinearMovementProjectiveConstraint name='moved' indices='2 3 4' keyTimes='0 1' movements='0 0 0 1 0 0'/>";
   expectContains(told(heldAt(fixed + moved)), "/moved: 2 of its nodes are held by /fixed too: they move");
   EXPECT_EQ(told(heldAt("<FixedProjectiveConstraint indices='0 1'/>" + moved)).find("too: they move"), std::string::npos);
+  const std::string later = "<ParabolicProjectiveConstraint indices='2 3' P1='0 0 0' P2='0.4 0.3 0' P3='1 0 0' BeginTime='1' EndTime='2'/>";
+  EXPECT_EQ(told(heldAt("<FixedProjectiveConstraint indices='0-3' endTime='1'/>" + later)).find("too: they move"), std::string::npos)
+      << "held until then";
   expectContains(told(heldAt(fixed + "<ConstantForceField name='load' indices='0 3' forces='1 0 0'/>")),
                  "/load: every node that it acts on is held");
   EXPECT_EQ(told(heldAt(fixed + "<ConstantForceField indices='3 4' forces='1 0 0'/>")).find("is held or moved"),

@@ -52,6 +52,10 @@ TEST(RuleDamping, IsNotSaidWhereThereIsNone) {
     EXPECT_EQ(swing(oscillator(integrator, dt), int(0.6 / dt)).said, "") << integrator;
   EXPECT_EQ(swing(oscillator("<EulerImplicitSolver/>", 0.01, "0 0 0"), 60).said, "") << "at rest";
   EXPECT_EQ(swing(oscillator("<EulerImplicitSolver/>", 0.01), 20).said, "") << "no swing yet";
+  const std::string driven = "<LinearMovementProjectiveConstraint indices='0' keyTimes='0 10' movements='0 0 0 1 0 0'/></Node>";
+  std::string moved = oscillator("<EulerImplicitSolver/>", 0.01);
+  moved.replace(moved.rfind("</Node>"), 7, driven);
+  EXPECT_EQ(swing(moved, 60).said, "") << "what is driven at constant speed";
   Simulation falling = simulationFromText(
       R"(<Node dt="0.01" gravity="0 -9.81 0"><EulerImplicitSolver/><CGLinearSolver/><MechanicalObject position="0 0 0"/>
       <UniformMass totalMass="1"/></Node>)");

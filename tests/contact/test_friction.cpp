@@ -67,5 +67,31 @@ TEST(Friction, OfConstraintsHoldsABlockOrLetsItSlide) {
   }
 }
 
+/// Coulomb's force is at most mu times the normal one, also in the rule that takes the forces of both ends of a step.
+TEST(Friction, ATableThatMovesAcceleratesByNoMoreThanMuG) {
+  constexpr double mu = 0.5, g = 9.81, dt = 0.01;
+  Simulation simulation = simulationFromText(fmt::format(
+      R"(<Node name="root" dt="{}" gravity="0 0 -{}">
+    <EulerImplicitSolver trapezoidalScheme="true" newtonIterations="50"/><SparseLDLSolver/>
+    <RegularGridTopology n="3 3 3" min="0 0 0.0095" max="0.1 0.1 0.1095"/><MechanicalObject/><UniformMass totalMass="1"/>
+    <HexahedronFEMForceField youngModulus="1e6" poissonRatio="0.3" method="svd"/>
+    <BarrierContact contactDistance="0.01" friction="{}" planes="0 0 1 0" keyTimes="0 10" movements="0 0 0  0.1 0 0"/></Node>)",
+      dt, g, mu));
+  const auto speed = [&] {
+    const System& system = *simulation.systems()[0];
+    Vec3 mean = Vec3::Zero();
+    for (Index i = 0; i < 27; ++i) mean += system.v[i] / 27;
+    return mean.x();
+  };
+  double before = 0, largest = 0;
+  for (int step = 0; step < 30; ++step) {
+    simulation.step();
+    largest = std::max(largest, std::abs(speed() - before));
+    before = speed();
+  }
+  EXPECT_GT(largest, 0.002) << "it is carried along";
+  EXPECT_LT(largest, 2 * mu * g * dt) << "twice: it bounces a little";
+}
+
 }  // namespace STROMA_TEST_FILE
 }  // namespace stroma::test

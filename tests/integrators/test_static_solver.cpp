@@ -53,6 +53,12 @@ TEST(StaticSolver, AThresholdAboveTheForcesIsADoubt) {
   Simulation usual = statics("absolute_residual_tolerance_threshold='1e-9'", "stiffness='20'", "");
   for (int step = 0; step < 2; ++step) usual.step();
   EXPECT_EQ(usual.systems()[0]->integrator().doubt(), "") << "the second step has nothing to do";
+  Simulation unloaded = simulationFromText(R"(<Node><StaticSolver absolute_residual_tolerance_threshold="1e-5"/><SparseLDLSolver/>
+    <RegularGridTopology n="3 3 3" min="0.1 0.2 0.3" max="0.4 0.7 0.9"/><MechanicalObject/>
+    <HexahedronFEMForceField youngModulus="1e6" poissonRatio="0.3" method="svd"/>
+    <FixedProjectiveConstraint indices="0 1 2 3"/></Node>)");
+  EXPECT_EQ(unloaded.step().newton_iterations, 0);
+  EXPECT_EQ(unloaded.systems()[0]->integrator().doubt(), "") << "forces of round-off need no balance";
   const auto problem = [](const std::string& attributes) {
     return problemsOf("<Node><StaticSolver " + attributes + "/><CGLinearSolver tolerance='2'/></Node>");
   };

@@ -96,6 +96,7 @@ def test_sigterm_ends_a_program_while_metis_orders_a_matrix():
     end = time.monotonic() + PATIENCE
     while not caught_by(process):
         assert time.monotonic() < end and process.poll() is None, "METIS was never at work"
+        time.sleep(0.001)
     process.send_signal(signal.SIGTERM)
     try:
         assert process.wait(PATIENCE) == -signal.SIGTERM

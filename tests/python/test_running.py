@@ -78,11 +78,10 @@ def test_functions_may_do_what_may_be_done_between_steps(simulation):
         sim.checkpoint()
     simulation.on_step_begin(act)
     simulation.run(3)
-    assert "youngModulus" in simulation.plan[0] or simulation.steps == 3
+    assert simulation.steps == 3
+    simulation.on_step_end(lambda sim: sim.step())
     with pytest.raises(stroma.StromaError, match="under way"):
-        token = simulation.on_step_end(lambda sim: sim.step())
         simulation.step()
-    token.remove() if "token" in dir() else None
 
 
 def test_what_a_function_throws_comes_out(simulation):

@@ -84,11 +84,13 @@ pid_t numberFrom(int pipe) {
 
 TEST(StressChildren, EndWithTheirParentHoweverItEnds) {
   for (const bool is_killed : {false, true}) {
-    int pipe[2];
+    int pipe[2], heard[2];
     ASSERT_EQ(::pipe(pipe), 0);
+    ASSERT_EQ(::pipe(heard), 0);
     const pid_t parent = fork();
     if (parent == 0) {
       close(pipe[0]);
+      close(heard[1]);
       {
         Children children;
         children.start(1, 1000, [&] {
@@ -97,13 +99,16 @@ TEST(StressChildren, EndWithTheirParentHoweverItEnds) {
           return sleepFor(1000), std::string();  // holds the pipe as long as it lives
         });
         close(pipe[1]);
-        sleepFor(is_killed ? 1000 : 0.5);
+        if (is_killed) sleepFor(1000);
+        numberFrom(heard[0]);  // its end: somebody has heard the child
       }
       _exit(0);
     }
     close(pipe[1]);
+    close(heard[0]);
     EXPECT_GT(numberFrom(pipe[0]), 0);
     if (is_killed) kill(parent, SIGKILL);
+    close(heard[1]);
     waitpid(parent, nullptr, 0);
     EXPECT_EQ(numberFrom(pipe[0]), 0) << "its child lives on";
     close(pipe[0]);

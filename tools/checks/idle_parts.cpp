@@ -92,20 +92,21 @@ std::set<Index> wholeRows(const ProjectiveConstraint& constraint, double t) {
 }
 
 /// Of a node that is held by one and moved by another, one has no effect.
-void warnOfContradictions(const System& system, double t, Diagnostics& diagnostics) {
+void warnOfContradictions(const System& system, double t, double dt, Diagnostics& diagnostics) {
   const auto moves = [](const ProjectiveConstraint* constraint) { return constraint->prescribesMotion(); };
   if (std::ranges::none_of(system.constraints().all(), moves)) return;
   std::vector<std::pair<const ProjectiveConstraint*, std::set<Index>>> held;
   for (const ProjectiveConstraint* constraint : system.constraints().all())
-    if (!constraint->prescribesMotion()) held.emplace_back(constraint, wholeRows(*constraint, t));
+    if (!constraint->prescribesMotion() && constraint->activeIn(t, t + dt))
+      held.emplace_back(constraint, wholeRows(*constraint, t));
   for (const ProjectiveConstraint* moving : system.constraints().all()) {
-    if (!moving->prescribesMotion()) continue;
+    if (!moving->prescribesMotion() || !moving->activeIn(t, t + dt)) continue;
     const std::set<Index> moved = wholeRows(*moving, t);
     for (const auto& [constraint, rows] : held) {
       const auto both = std::ranges::count_if(rows, [&](Index row) { return moved.contains(row); });
       if (both > 0)
         diagnostics.warning(moving->where(), moving->path(),
-                            fmt::format("{} of its nodes are held by {} too: they move, and what holds them has no effect", both,
+                            fmt::format("{} of its nodes are held by {} too: they move, and meanwhile what holds them has no effect", both,
                                         constraint->path()),
                             "one of the two");
     }
@@ -197,7 +198,7 @@ void warnOfCellsWithoutLaw(const System& system, const Node& root, Diagnostics& 
 void warnOfIdleParts(const Simulation& simulation, Diagnostics& diagnostics) {
   for (const auto& system : simulation.systems()) {
     warnOfHeldBodies(*system, diagnostics);
-    warnOfContradictions(*system, simulation.time(), diagnostics);
+    warnOfContradictions(*system, simulation.time(), simulation.dt(), diagnostics);
     warnOfLoadsOnHeldNodes(*system, diagnostics);
     warnOfGravityWithoutMass(*system, diagnostics);
     noteLawsThatAddUp(*system, diagnostics);

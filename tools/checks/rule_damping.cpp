@@ -40,6 +40,7 @@ std::string dampedSwing(const System& system, double dt, double time, long steps
   constexpr double small_share = 0.1;
   const Integrator& integrator = system.integrator();
   if (!isBackwardEuler(integrator) || system.counts.forces == 0 || !movesVisibly(system, dt)) return {};
+  if (system.constraints().hasPrescribed()) return {};  // what is driven moves without a swing
   const double w = frequency(system), turn = w * dt;
   const bool has_swung = turn * double(steps) > std::numbers::pi;
   if (!(turn > 0 && turn < largest_turn && has_swung)) return {};

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // stroma run: load, step, record, report.
+#include <cstdio>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -280,6 +281,7 @@ int runScene(const RunRequest& request, const Values& values) {
   if (wants_json) attempt(outcome, [&] { writeJson(run.json(outcome, at_start, recordings), request.json_file); });
   for (const std::string& failure : outcome.failures) fmt::print(stderr, "error: {}\n", failure);
   if (request.json_file != "-" && !request.quiet) run.print(outcome, recordings);
+  std::fflush(stdout);  // a signal from here on ends the process at once
   for (const int signal : {SIGHUP, SIGINT}) std::signal(signal, SIG_DFL);  // the session ends here
   onTermination({});
   return outcome.exitCode();

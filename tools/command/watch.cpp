@@ -20,6 +20,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <thread>
+#include <utility>
 
 #include "tools/command/default_recording.h"
 #include "tools/command/run_request.h"
@@ -179,9 +180,10 @@ class Watch {
     std::error_code error;
     fs::remove(scratch_.report(), error);
     RunningProcess process(arguments_);
+    bool is_told = false;  // a second signal would end it at once
     while (!process.code()) {
       std::this_thread::sleep_for(look_every);
-      if (ended && !was_stopped_) process.stop();
+      if (ended && !was_stopped_ && !std::exchange(is_told, true)) process.stop();
       if (was_stopped_ || ended || inputs.changed().empty()) continue;
       was_stopped_ = true;
       change_ = settled(inputs);

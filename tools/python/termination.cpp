@@ -32,7 +32,9 @@ void onTermination(int number) {
 
 /// Puts `handler` in the place of what `signal` does now, which is kept. False: the program has no handler, and nothing is done.
 bool replace(int number, void (*handler)(int), struct sigaction& before) {
-  if (sigaction(number, nullptr, &before) != 0 || !hasHandler(before)) return false;
+  struct sigaction present {};
+  if (sigaction(number, nullptr, &present) != 0 || !hasHandler(present)) return false;
+  if (present.sa_handler != handler) before = present;  // else METIS, left by a run that was stopped, has put ours back
   struct sigaction now = before;
   now.sa_handler = handler;
   return sigaction(number, &now, nullptr) == 0;
@@ -66,7 +68,8 @@ void standBeforeMetis() {
 
 EndingSignals::EndingSignals(Session* session, bool heeds_interrupts) {
   is_first_ = at_work.fetch_add(1) == 0, has_session_ = session != nullptr;
-  if (is_first_) sigaction(SIGTERM, nullptr, &termination_before);
+  if (struct sigaction present {}; is_first_ && sigaction(SIGTERM, nullptr, &present) == 0 && present.sa_handler != onTermination)
+    termination_before = present;
   if (!session) findMetis();
   Session* none = nullptr;
   if (!session || !stopped.compare_exchange_strong(none, session)) return;

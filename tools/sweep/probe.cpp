@@ -172,7 +172,9 @@ void checkMeasure(const ErrorMeasure& measure, const std::vector<Trial>& trials)
 }  // namespace
 
 Probed probe(const SweepRequest& request, std::vector<Axis>& axes, const ErrorMeasure& measure) {
-  const TemporaryFolder folder(fs::path(request.folder) / "loading");
+  // shares work beside each other
+  const std::string name = request.shares > 0 ? fmt::format("loading.{}_of_{}", request.share, request.shares) : "loading";
+  const TemporaryFolder folder(fs::path(request.folder) / name);
   std::vector<Trial> trials = trialsOf(request, axes);
   runAll(request, measure, folder.path, trials);
   for (const Trial& trial : trials)
