@@ -53,8 +53,10 @@ class CollisionPipeline final : public Observer, public StepGuard {
   }
   void init() override {
     method_ = Method::of(node().root());
-    for (const ModelPair& pair : modelPairs(node().root(), method_))
+    const std::vector<ModelPair> found = modelPairs(node().root(), method_);
+    for (const ModelPair& pair : found)
       if (pair.a != pair.b) pairs_.push_back({pair, boxesOf(*pair.b), {}});
+    if (found.empty()) tellOfStrangers();
     for (Watched& each : pairs_) each.tree.build(each.boxes);
     std::vector<ContactAnswer*> answers;
     node().root().collect(answers);
@@ -78,6 +80,18 @@ class CollisionPipeline final : public Observer, public StepGuard {
   }
 
  private:
+  /// Bodies whose models could meet, of kinds that do not.
+  void tellOfStrangers() const {
+    std::vector<CollisionModel*> models;
+    node().root().collect(models);
+    for (std::size_t i = 0; i < models.size(); ++i)
+      for (std::size_t j = 0; j < i; ++j)
+        if (CollisionModel::mayMeet(*models[j], *models[i]))
+          return warn(fmt::format("{} and {} do not meet by {}, nor do any others: bodies pass through each other",
+                                  models[j]->path(), models[i]->path(),
+                                  method_ ? method_->path() : "DiscreteIntersection, which there is without another"),
+                      "MinProximityIntersection, and points, lines and triangles on both");
+  }
   struct Watched {
     ModelPair models;
     std::vector<Box> boxes;  ///< of the second

@@ -28,8 +28,7 @@ namespace stroma {
 namespace {
 
 // Three things make a factorisation several times as fast as a plain call:
-// - the nodes are ordered, not the unknowns (a ninth of the pattern), and the matrix is handed over already permuted,
-// so
+// - the nodes are ordered, not the unknowns (a ninth of the pattern), and the matrix is handed over already permuted, so
 //   that CHOLMOD neither permutes nor copies it again at each factorisation;
 // - CHOLMOD's OpenMP regions, too short for their threads, are switched off around the call;
 // - each call of the BLAS runs on one thread: OpenBLAS sums in another order on two, and no result may depend on their

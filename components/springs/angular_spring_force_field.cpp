@@ -80,7 +80,8 @@ class AngularSpringForceField final : public NodeGroupField<2>, public DrawnSegm
   ForceTraits traits() const override {
     ForceTraits traits;
     traits.symmetric = true;
-    traits.conservative = traits.exact_tangent = !one_sided_;
+    // where a limit lets go, the energy jumps
+    traits.conservative = traits.exact_tangent = !one_sided_ && limits_.empty();
     return traits;
   }
 

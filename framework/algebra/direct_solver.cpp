@@ -107,8 +107,7 @@ constexpr int most_refinements = 8;
 }  // namespace
 
 /// x of `factors` is corrected by its residual while that halves it; returns |b - A x|.
-double DirectSolver::refine(const BlockMatrix& a, ConstRows b, Rows x, Kept& kept) const {
-  const double norm_b = norm(b);
+double DirectSolver::refine(const BlockMatrix& a, ConstRows b, double norm_b, Rows x, Kept& kept) const {
   double error = residual(a, b, x, kept.residual);
   for (int k = 0; k < most_refinements && error > (k == 0 ? worth_one : worth_more) * norm_b; ++k) {
     kept.factors->apply(kept.residual, kept.correction);
@@ -144,7 +143,7 @@ SolveReport DirectSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x, const
   const BlockMatrix& a = matrix.assemble();
   Factorisation& factors = *kept.factors;
   factors.apply(b, x);
-  const double error = refine(a, b, x, kept);
+  const double error = refine(a, b, norm_b, x, kept);
   report.relative_residual = error / norm_b;
   if (error > most_of_right_side * norm_b && !givesLeastSquares()) report.stop = SolveStop::stagnated;
   // a factor without one right digit: the matrix is singular to round-off

@@ -71,7 +71,7 @@ class DirectSolver : public LinearSolver {
   bool update(SystemMatrix& matrix, Kept& kept, SolveReport& report, StopToken stop);
   /// False when it was stopped.
   bool analyseIfNew(const SystemMatrix& matrix, const BlockMatrix& values, Kept& kept, StopToken stop) const;
-  double refine(const BlockMatrix& a, ConstRows b, Rows x, Kept& kept) const;
+  double refine(const BlockMatrix& a, ConstRows b, double norm_b, Rows x, Kept& kept) const;
 
   std::string template_ = "CompressedRowSparseMatrixMat3x3";
   int factorisations_ = 0;

@@ -227,6 +227,19 @@ TEST(CollisionResponse, ASurfaceWithoutAMeshIsRefused) {
   EXPECT_EQ(problemsOf(collisionScene(moved("a", "0.1 2 0.2", "<TriangleCollisionModel active=\"0\"/>"), near_half)), "");
 }
 
+TEST(CollisionPipeline, ModelsThatMeetNobodyAreTold) {
+  const auto told = [](const std::string& method, const std::string& model) {
+    return simulationFromText(collisionScene(moved("a", "0.1 2 0.2", "<PointCollisionModel/>") + still(plate, model), method))
+        .scene()
+        .diagnostics.text();
+  };
+  const std::string top = "<TriangleCollisionModel name=\"top\" simulated=\"0\"/>", sentence = "bodies pass through each other";
+  expectContains(told("<DiscreteIntersection name=\"method\"/>", top), "do not meet by /method, nor do any others: " + sentence);
+  expectContains(told("", top), "do not meet by DiscreteIntersection, which there is without another");
+  EXPECT_EQ(told(near_half, top).find(sentence), std::string::npos);
+  EXPECT_EQ(told("<DiscreteIntersection/>", "").find(sentence), std::string::npos) << "one model, which nobody could meet";
+}
+
 TEST(CollisionResponse, OneAnswers) {
   expectContains(problemsOf(collisionScene(moved("a", "0.1 2 0.2", "<PointCollisionModel/>"), near_half, "0 0 0",
                                            "<CollisionResponse/><CollisionResponse/>")),

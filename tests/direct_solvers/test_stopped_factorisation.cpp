@@ -75,6 +75,35 @@ TEST(StoppedFactorisation, AtAnyMomentItLeavesNothingBehind) {
   }
 }
 
+/// A body whose analysis is made in a thread of its own, and left there.
+TEST(StoppedFactorisation, WithinTheAnalysisOfALargeBodyItLeavesNothingBehind) {
+  constexpr Index rows = 4100;
+  StoredMatrix matrix = randomMatrix(rows, 1, 0.5, 1);
+  const Vector b = randomVector(rows, 1);
+  Vector expected;
+  SolverInScene("<SparseLDLSolver/>").solve(matrix, b, expected);
+  SolverInScene solver("<SparseLDLSolver/>");
+  for (const int pause : {0, 5, 20, 60}) {
+    SCOPED_TRACE(pause);
+    ++matrix.pattern_number, ++matrix.revision_number;  // analysed anew
+    StopRequest request;
+    std::thread stopper([&] {
+      std::this_thread::sleep_for(std::chrono::milliseconds(pause));
+      request.make();
+    });
+    Vector x(rows);
+    const SolveReport report = solver.solver->solve(matrix, b, x, {.stop = StopToken(request)});
+    stopper.join();
+    if (report.stop == SolveStop::stopped)
+      EXPECT_EQ(norm(x), 0);
+    else
+      EXPECT_TRUE(sameBits(x, expected)) << describe(report.stop);
+    Vector again;
+    EXPECT_EQ(solver.solve(matrix, b, again).stop, SolveStop::converged);
+    EXPECT_TRUE(sameBits(again, expected));
+  }
+}
+
 /// Asks for the end of the work when it is assembled for the second time, which is when its factors are there.
 class AskingMatrix final : public SystemMatrix {
  public:

@@ -8,22 +8,11 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/support/shell.h"
+#include "tests/sweep/hanging_bar.h"
 
 namespace stroma::test {
 namespace STROMA_TEST_FILE {
 
-/// A bar that hangs from its top.
-constexpr const char* scene = R"(<Node name="root" gravity="0 -10 0" dt="1">
-  <Node name="bar">
-    <StaticSolver/><SparseLDLSolver/>
-    <RegularGridTopology name="grid" n="2 3 2" min="0 0 0" max="0.01 1 0.01"/>
-    <MechanicalObject name="dofs"/>
-    <DiagonalMass massDensity="1000"/>
-    <HexahedronFEMForceField name="fem" method="small" youngModulus="1e6" poissonRatio="0"/>
-    <BoxROI name="top" box="-1 0.999 -1  1 1.001 1"/>
-    <FixedProjectiveConstraint indices="@top.indices"/>
-  </Node>
-</Node>)";
 /// Six configurations.
 const std::string grid = "sweep bar.xml --vary '/bar/grid.n=2 3 2,2 5 2,2 9 2' --vary /bar/fem.method=small,large -n 1 ";
 
@@ -46,7 +35,7 @@ class Shards : public CommandTest {
 
   void SetUp() override {
     CommandTest::SetUp();
-    write("bar.xml", scene);
+    write("bar.xml", bar);
   }
   Finished share(const std::string& which, const std::string& more = "--no-times") const {
     return stroma(grid + more + " -o parts --shard " + which);

@@ -5,25 +5,13 @@
 #include <map>
 
 #include "tests/support/shell.h"
+#include "tests/sweep/hanging_bar.h"
 
 namespace stroma::test {
 namespace {
 
 bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
-/// A bar of 1 m, 1000 kg/m^3 and 1 MPa that hangs from its top under 10 m/s^2, without lateral contraction:
-/// u_y = -0.01 (s - s^2 / 2), s the distance from the top; elastic energy 1/2 E A 0.01^2 / 3.
-constexpr const char* bar = R"(<Node name="root" gravity="0 -10 0" dt="1">
-  <Node name="bar">
-    <StaticSolver/><SparseLDLSolver/>
-    <RegularGridTopology name="grid" n="2 3 2" min="0 0 0" max="0.01 1 0.01"/>
-    <MechanicalObject name="dofs"/>
-    <DiagonalMass massDensity="1000"/>
-    <HexahedronFEMForceField name="fem" method="small" youngModulus="1e6" poissonRatio="0"/>
-    <BoxROI name="top" box="-1 0.999 -1  1 1.001 1"/>
-    <FixedProjectiveConstraint indices="@top.indices"/>
-  </Node>
-</Node>)";
 constexpr const char* bar_meshes = " --vary '/bar/grid.n=2 3 2,2 5 2,2 9 2,2 17 2' -n 1 --repeat 1 -q ";
 constexpr const char* bar_formula = " --reference '0; -0.01*(1-y-(1-y)^2/2); 0' ";
 

@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 #include <set>
+#include <utility>
 
 #include "framework/mechanics/state_topology.h"
 #include "framework/mesh/cell_lists.h"
@@ -154,21 +156,29 @@ void noteLawsThatAddUp(const System& system, Diagnostics& diagnostics) {
   };
   constexpr Index most_rows = 100000;  // the patterns of larger bodies take time
   if (system.forceFields().size() < 2 || system.allRows() > most_rows) return;
-  std::vector<const ForceField*> before;
+  struct Law {
+    const ForceField* field;
+    std::optional<BlockPattern> ties{};  ///< made when another law of the same state comes
+  };
+  const auto tiesOf = [&](Law& law) -> const BlockPattern& {
+    if (!law.ties) law.field->addPattern(law.ties.emplace(system.allRows()));
+    return *law.ties;
+  };
+  std::vector<Law> before;
   for (const ForceField* field : system.forceFields()) {
     if (!hasLaw(*field)) continue;
-    const auto same = std::ranges::find_if(before, [&](const ForceField* other) {
-      if (&other->state() != &field->state()) return false;
-      BlockPattern one(system.allRows()), two(system.allRows());
-      other->addPattern(one), field->addPattern(two);
+    Law law{field};
+    const auto same = std::ranges::find_if(before, [&](Law& other) {
+      if (&other.field->state() != &field->state()) return false;
+      const BlockPattern &one = tiesOf(other), &two = tiesOf(law);
       for (Index row = 0; row < system.allRows(); ++row)
         if (one.columns(row) != two.columns(row)) return false;
       return true;
     });
     if (same != before.end())
       diagnostics.note(field->where(), field->path(),
-                       fmt::format("it ties the same nodes as {}: the stiffness of the two adds up", (*same)->path()));
-    before.push_back(field);
+                       fmt::format("it ties the same nodes as {}: the stiffness of the two adds up", same->field->path()));
+    before.push_back(std::move(law));
   }
 }
 
