@@ -61,7 +61,27 @@ struct Side {
   Mat3 hessian = Mat3::Zero();
 };
 
-class TriangularSprings : public NodeGroupField<3> {
+/// s_i = l_i - L_i. A side whose ends meet has no direction.
+struct QuadraticSides {
+  static constexpr bool holds_area = false;
+  static Vec3 weights(const Vec3& length) { return length; }
+  static Side sideOf(const Vec3& d, double rest) {
+    const double length = d.norm();
+    if (!(length > 1e-12 * rest)) return {length - rest, Vec3::Zero(), Mat3::Zero()};
+    const Vec3 n = d / length;
+    return {length - rest, n, (Mat3::Identity() - n * n.transpose()) / length};
+  }
+};
+
+/// s_i = (l_i^2 - L_i^2)/2
+struct BiquadraticSides {
+  static constexpr bool holds_area = true;
+  static Vec3 weights(const Vec3&) { return Vec3::Ones(); }
+  static Side sideOf(const Vec3& d, double rest) { return {(d.squaredNorm() - rest * rest) / 2, d, Mat3::Identity()}; }
+};
+
+template <class Sides>
+class TriangularSprings final : public NodeGroupField<3> {
  public:
   void declare(DataTable& table) override {
     ForceField::declare(table);
@@ -72,6 +92,8 @@ class TriangularSprings : public NodeGroupField<3> {
     table.add("dampingRatio", damping_ratio_).recompiled().help("damping over stiffness").unit("s").min(0);
     table.add("useAngularSprings", angular_).help("false: the sides resist by themselves alone");
     table.add("explicitDamping", explicit_).help("damping adds to the tension and to no df/dv, as in SOFA");
+    if constexpr (Sides::holds_area)
+      table.add("compressible", resists_).help("a triangle that loses area is held open by more");
   }
 
   void init() override {
@@ -102,8 +124,9 @@ class TriangularSprings : public NodeGroupField<3> {
     double sum = 0;
     for (std::size_t e = 0; e < sheets_.size(); ++e) {
       Vec3 s;
-      for (int i = 0; i < 3; ++i) s[i] = sideOf(vectorOf(e, i, x), sheets_[e].length[i]).s;
-      sum += s.dot(sheets_[e].h * s) / 2 + moreEnergy(e, x);
+      for (int i = 0; i < 3; ++i) s[i] = Sides::sideOf(vectorOf(e, i, x), sheets_[e].length[i]).s;
+      sum += s.dot(sheets_[e].h * s) / 2;
+      if constexpr (Sides::holds_area) sum += energyOfArea(e, x);
     }
     return sum;
   }
@@ -114,7 +137,7 @@ class TriangularSprings : public NodeGroupField<3> {
       std::array<Side, 3> sides;
       Vec3 s, rate;
       for (int i = 0; i < 3; ++i) {
-        sides[std::size_t(i)] = sideOf(vectorOf(e, i, x), sheets_[e].length[i]);
+        sides[std::size_t(i)] = Sides::sideOf(vectorOf(e, i, x), sheets_[e].length[i]);
         s[i] = sides[std::size_t(i)].s;
         rate[i] = damping_ratio_ > 0 ? damping_ratio_ * sides[std::size_t(i)].gradient.dot(vectorOf(e, i, v)) : 0;
       }
@@ -132,7 +155,7 @@ class TriangularSprings : public NodeGroupField<3> {
           if (!damping_.empty()) addBlocks(damping_[e], i, j, damping_ratio_ * block);
         }
       }
-      addMore(e, x, f);
+      if constexpr (Sides::holds_area) addForceOfArea(e, x, f);
     }
   }
 
@@ -149,7 +172,7 @@ class TriangularSprings : public NodeGroupField<3> {
                        nodes[2], largest);
   }
 
- protected:
+ private:
   struct Sheet {
     std::array<Index, 3> nodes;
     Vec3 length;  ///< of the side opposite each corner [m]
@@ -161,15 +184,8 @@ class TriangularSprings : public NodeGroupField<3> {
   /// Of the side opposite corner i: positions of its ends, or their velocities.
   Vec3 vectorOf(std::size_t e, int i, ConstRows x) const { return x[rows_[e][far(i)]] - x[rows_[e][near(i)]]; }
 
-  virtual Side sideOf(const Vec3& d, double rest) const = 0;
-  virtual Vec3 weights(const Vec3& length) const = 0;
-  virtual double moreEnergy(std::size_t, ConstRows) const { return 0; }
-  virtual void addMore(std::size_t, ConstRows, Rows) {}
-
   double waveModulus() const { return young_ * thickness_ / (1 - poisson_ * poisson_); }  ///< lambda + 2 mu [N/m]
-  const Sheet& sheet(std::size_t e) const { return sheets_[e]; }
 
- private:
   void addSheet(std::size_t e, const Triangle& triangle) {
     Sheet sheet{{triangle[0], triangle[1], triangle[2]}, {}, {}, 0};
     std::array<Vec3, 3> d;
@@ -183,7 +199,7 @@ class TriangularSprings : public NodeGroupField<3> {
           fmt::format("triangle {} (nodes {} {} {}) has no area at rest", e, triangle[0], triangle[1], triangle[2]),
           "triangles with three corners apart");
     const double whole = waveModulus(), mu = young_ * thickness_ / (2 * (1 + poisson_));
-    const Vec3 w = weights(sheet.length);
+    const Vec3 w = Sides::weights(sheet.length);
     Vec3 cotangent;
     for (int i = 0; i < 3; ++i) cotangent[i] = -d[near(i)].dot(d[far(i)]) / (2 * sheet.area);
     for (int i = 0; i < 3; ++i)
@@ -200,46 +216,17 @@ class TriangularSprings : public NodeGroupField<3> {
         tangent.block(int(row), int(column)) += row_sign * sign * block;
   }
 
-  TopologyLink topology_;
-  double young_ = 1000, poisson_ = 0.3, thickness_ = 1, damping_ratio_ = 0;
-  bool angular_ = true, explicit_ = false;
-  std::vector<Sheet> sheets_;
-};
-
-class TriangularQuadraticSprings final : public TriangularSprings {
- protected:
-  Vec3 weights(const Vec3& length) const override { return length; }
-  /// A side whose ends meet has no direction.
-  Side sideOf(const Vec3& d, double rest) const override {
-    const double length = d.norm();
-    if (!(length > 1e-12 * rest)) return {length - rest, Vec3::Zero(), Mat3::Zero()};
-    const Vec3 n = d / length;
-    return {length - rest, n, (Mat3::Identity() - n * n.transpose()) / length};
-  }
-};
-
-class TriangularBiquadraticSprings final : public TriangularSprings {
- public:
-  void declare(DataTable& table) override {
-    TriangularSprings::declare(table);
-    table.add("compressible", resists_).help("a triangle that loses area is held open by more");
-  }
-
- protected:
-  Vec3 weights(const Vec3&) const override { return Vec3::Ones(); }
-  Side sideOf(const Vec3& d, double rest) const override { return {(d.squaredNorm() - rest * rest) / 2, d, Mat3::Identity()}; }
-
-  double moreEnergy(std::size_t e, ConstRows x) const override {
+  double energyOfArea(std::size_t e, ConstRows x) const {
     const double lost = lossOf(e, normalOf(e, x));
-    return 3. / 4 * waveModulus() * sheet(e).area * lost * lost * lost * lost;
+    return 3. / 4 * waveModulus() * sheets_[e].area * lost * lost * lost * lost;
   }
   /// With N = 2 A J n: da/dx_i = n x d_i / 2, and the second derivatives of the area a.
-  void addMore(std::size_t e, ConstRows x, Rows f) override {
+  void addForceOfArea(std::size_t e, ConstRows x, Rows f) {
     const Vec3 normal = normalOf(e, x);
     const double lost = lossOf(e, normal), twice = normal.norm();
-    if (lost == 0 || !(twice > 1e-12 * sheet(e).area)) return;
+    if (lost == 0 || !(twice > 1e-12 * sheets_[e].area)) return;
     const Vec3 n = normal / twice;
-    const double slope = 3 * waveModulus() * lost * lost * lost, curve = 9 * waveModulus() * lost * lost / sheet(e).area;
+    const double slope = 3 * waveModulus() * lost * lost * lost, curve = 9 * waveModulus() * lost * lost / sheets_[e].area;
     const Mat3 across = (Mat3::Identity() - n * n.transpose()) / twice;
     for (int i = 0; i < 3; ++i) {
       const Vec3 gradient = n.cross(vectorOf(e, i, x)) / 2;
@@ -251,22 +238,25 @@ class TriangularBiquadraticSprings final : public TriangularSprings {
       }
     }
   }
-
- private:
   Vec3 normalOf(std::size_t e, ConstRows x) const { return vectorOf(e, 2, x).cross(-vectorOf(e, 1, x)); }
   /// J - 1 where it is negative.
   double lossOf(std::size_t e, const Vec3& normal) const {
-    return resists_ ? std::min(0., normal.norm() / (2 * sheet(e).area) - 1) : 0;
+    return resists_ ? std::min(0., normal.norm() / (2 * sheets_[e].area) - 1) : 0;
   }
-  bool resists_ = true;
+
+  TopologyLink topology_;
+  double young_ = 1000, poisson_ = 0.3, thickness_ = 1, damping_ratio_ = 0;
+  bool angular_ = true, explicit_ = false, resists_ = true;
+  std::vector<Sheet> sheets_;
 };
 
 }  // namespace
 }  // namespace stroma
 
 STROMA_COMPONENT(triangular_quadratic_springs_force_field) {
-  factory.add<stroma::TriangularQuadraticSprings>("TriangularQuadraticSpringsForceField",
-                                                  "springs along the sides of triangles that make a membrane");
-  factory.add<stroma::TriangularBiquadraticSprings>("TriangularBiquadraticSpringsForceField",
+  using namespace stroma;
+  factory.add<TriangularSprings<QuadraticSides>>("TriangularQuadraticSpringsForceField",
+                                                   "springs along the sides of triangles that make a membrane");
+  factory.add<TriangularSprings<BiquadraticSides>>("TriangularBiquadraticSpringsForceField",
                                                     "a membrane of springs over the squares of lengths");
 }
