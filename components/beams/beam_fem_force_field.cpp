@@ -112,7 +112,7 @@ class BeamFEMForceField final : public FramePairFieldOf<BeamFEMForceField> {
   /// dE/dp = dexp^-T(psi) s with s = dE/drho, and dE/dpsi has the change of rho with psi,
   ///   s.drho/dpsi = -1/2 p x s + c ((psi.s) p + (psi.p) s - 2 (p.s) psi) + 2 c' ((psi.p)(psi.s) - |psi|^2 (p.s)) psi
   template <class T>
-  Wrench<T> evaluate(std::size_t i, const Triple<T>& p, const Triple<T>& psi, const InverseTerm& term) const {
+  Wrench<T> evaluate(std::size_t i, const Triple<T>& p, const Triple<T>& psi, const InverseTerm<double>& term) const {
     const double length = lengths_[i], stretch = axial_ / length, bend = bending_ / length;
     const double twist = twisting_ / length, shear = 12 * bend / (length * length);
     const T square = dot(psi, psi);

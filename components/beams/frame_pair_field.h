@@ -8,6 +8,8 @@
 // balance to round-off. The stiffness is the derivative of these, less its skew part: 1/2 [torque] of each frame, which adds
 // up to zero over all that acts on a frame in equilibrium.
 #pragma once
+#include <array>
+
 #include "components/beams/relative_motion.h"
 #include "framework/mechanics/drawn_segments.h"
 #include "framework/mechanics/frames.h"
@@ -42,26 +44,45 @@ class FramePairField : public NodeGroupField<4>, public DrawnSegments {
     Triple<T> n, k;  ///< dE/dp, dE/dpsi
     double energy = 0;
   };
-  /// How frame b lies in the axes of a.
-  struct Motion {
-    Mat3 axes;                ///< R_a in space
-    Vec3 arm;                 ///< c_b - c_a
-    Triple<double> p{}, psi{};
-    InverseTerm term{0};      ///< of |psi|^2
+  /// A number of each pair of a batch.
+  using Lanes = std::array<double, std::size_t(pack_lanes)>;
+  template <std::size_t N>
+  struct alignas(64) LanesOf : std::array<Lanes, N> {
+    Triple<double> of(std::size_t lane) const requires(N == 3) { return {(*this)[0][lane], (*this)[1][lane], (*this)[2][lane]}; }
   };
-  /// n, k and E of each pair, and with their derivatives by p and psi.
-  virtual void evaluateAll(const std::vector<Motion>& motions, std::vector<Wrench<double>>& out) const = 0;
-  virtual void evaluateAll(const std::vector<Motion>& motions, std::vector<Wrench<Jet>>& out) const = 0;
+  /// How the frames b of a batch of pairs lie in the axes of the frames a, and what the energy says of them.
+  struct Batch {
+    LanesOf<9> axes;        ///< R_a in space, column by column
+    LanesOf<3> arm, p, psi; ///< arm = c_b - c_a
+    LanesOf<3> term;        ///< c, c', c'' of |psi|^2
+    LanesOf<3> n, k;        ///< dE/dp, dE/dpsi
+    InverseTerm<double> termOf(std::size_t lane) const {
+      InverseTerm<double> of_lane;
+      of_lane.c = term[0][lane], of_lane.c1 = term[1][lane], of_lane.c2 = term[2][lane];
+      return of_lane;
+    }
+  };
+  /// Writes n and k of each pair. Returns the energy.
+  virtual double evaluateAll(std::vector<Batch>& batches) const = 0;
+  /// n and k with their derivatives by p and psi.
+  virtual void evaluateAll(const std::vector<Batch>& batches, std::vector<Wrench<Jet>>& out) const = 0;
 
  private:
-  void place(ConstRows x, std::vector<Motion>& motions) const;
+  void place(ConstRows x, std::vector<Batch>& batches) const;
+  void damp(std::size_t pair, ConstRows v, const Vec3& arm, Rows f);
   void computeTangents() const override;
+
+  /// What of a batch stays: the last one repeats its last pair in lanes that are left over.
+  struct alignas(64) Fixed {
+    LanesOf<4> axes_a, axes_b;                                      ///< x y z w
+    std::array<std::array<Index, std::size_t(pack_lanes)>, 4> rows; ///< of c_a, a, c_b, b, times row_doubles
+  };
 
   std::vector<Pair> pairs_;
   State* second_ = nullptr;
   bool damped_ = false;
-  mutable std::vector<Motion> motions_, work_motions_;  ///< of the last addForce(); of energy()
-  mutable std::vector<Wrench<double>> wrenches_, work_wrenches_;
+  std::vector<Fixed> fixed_;
+  mutable std::vector<Batch> batches_, work_batches_;  ///< of the last addForce(); of energy()
   mutable std::vector<Wrench<Jet>> tangent_wrenches_;
 };
 
@@ -69,18 +90,31 @@ class FramePairField : public NodeGroupField<4>, public DrawnSegments {
 template <class Energy>
 class FramePairFieldOf : public FramePairField {
  private:
-  void evaluateAll(const std::vector<Motion>& motions, std::vector<Wrench<double>>& out) const final {
-    const auto& energy = static_cast<const Energy&>(*this);
-    for (std::size_t i = 0; i < motions.size(); ++i)
-      out[i] = energy.evaluate(i, motions[i].p, motions[i].psi, motions[i].term);
+  /// visit(pair, batch, lane) for each pair.
+  template <class Batches, class Visit>
+  void forEach(Batches& batches, Visit&& visit) const {
+    std::size_t i = 0;
+    for (auto& batch : batches)
+      for (std::size_t lane = 0; lane < std::size_t(pack_lanes) && i < pairs().size(); ++lane) visit(i++, batch, lane);
   }
-  void evaluateAll(const std::vector<Motion>& motions, std::vector<Wrench<Jet>>& out) const final {
-    const auto& energy = static_cast<const Energy&>(*this);
-    for (std::size_t i = 0; i < motions.size(); ++i) {
-      const auto &p = motions[i].p, &psi = motions[i].psi;
+  double evaluateAll(std::vector<Batch>& batches) const final {
+    double sum = 0;
+    forEach(batches, [&](std::size_t i, Batch& batch, std::size_t lane) {
+      const auto& energy = static_cast<const Energy&>(*this);
+      const Wrench<double> wrench = energy.evaluate(i, batch.p.of(lane), batch.psi.of(lane), batch.termOf(lane));
+      sum += wrench.energy;
+      batch.n[0][lane] = wrench.n.x, batch.n[1][lane] = wrench.n.y, batch.n[2][lane] = wrench.n.z;
+      batch.k[0][lane] = wrench.k.x, batch.k[1][lane] = wrench.k.y, batch.k[2][lane] = wrench.k.z;
+    });
+    return sum;
+  }
+  void evaluateAll(const std::vector<Batch>& batches, std::vector<Wrench<Jet>>& out) const final {
+    forEach(batches, [&](std::size_t i, const Batch& batch, std::size_t lane) {
+      const auto& energy = static_cast<const Energy&>(*this);
+      const Triple<double> p = batch.p.of(lane), psi = batch.psi.of(lane);
       out[i] = energy.evaluate(i, Triple<Jet>{{p.x, 0}, {p.y, 1}, {p.z, 2}}, Triple<Jet>{{psi.x, 3}, {psi.y, 4}, {psi.z, 5}},
-                               motions[i].term);
-    }
+                               batch.termOf(lane));
+    });
   }
 };
 

@@ -174,7 +174,7 @@ class JointSpringForceField final : public FramePairFieldOf<JointSpringForceFiel
  private:
   friend FramePairFieldOf;
   template <class T>
-  Wrench<T> evaluate(std::size_t i, const Triple<T>& p, const Triple<T>& psi, const InverseTerm&) const {
+  Wrench<T> evaluate(std::size_t i, const Triple<T>& p, const Triple<T>& psi, const InverseTerm<double>&) const {
     const Joint& joint = joints_[i];
     Wrench<T> wrench;
     const auto shift = [&](int axis, const T& value) {

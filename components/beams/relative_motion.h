@@ -4,6 +4,8 @@
 #include <Eigen/Core>
 #include <cmath>
 
+#include "framework/fem/pack.h"
+
 namespace stroma {
 
 /// A number and its derivatives with respect to the six numbers of a relative motion.
@@ -57,19 +59,51 @@ Triple<T> cross(const Triple<T>& a, const Triple<T>& b) {
 }
 
 /// c(s) of dexp^-1(r) = I - [r]/2 + c [r]^2 as a function of s = |r|^2, and its first two derivatives.
+template <class T>
 struct InverseTerm {
-  double c, c1, c2;
-  explicit InverseTerm(double s) {
-    if (s < 0.05) {
-      c = 1. / 12 + s * (1. / 720 + s * (1. / 30240 + s * (1. / 1209600 + s * (1. / 47900160 + s * 5.2841901e-10))));
-      c1 = 1. / 720 + s * (2. / 30240 + s * (3. / 1209600 + s * (4. / 47900160 + s * 2.6420950e-9)));
-      c2 = 2. / 30240 + s * (6. / 1209600 + s * (12. / 47900160 + s * 1.0568380e-8));
-      return;
-    }
+  T c{}, c1{}, c2{};
+  InverseTerm() = default;
+  explicit InverseTerm(T s) {
+    const auto is_large = s >= T(0.05);
+    c = 1. / 12 + s * (1. / 720 + s * (1. / 30240 + s * (1. / 1209600 + s * (1. / 47900160 + s * 5.2841901e-10))));
+    c1 = 1. / 720 + s * (2. / 30240 + s * (3. / 1209600 + s * (4. / 47900160 + s * 2.6420950e-9)));
+    c2 = 2. / 30240 + s * (6. / 1209600 + s * (12. / 47900160 + s * 1.0568380e-8));
+    if (!any(is_large)) return;
     // a = x cot x with x = |r|/2, so that a' = (a - a^2 - s/4) / 2s
-    const double x = std::sqrt(s) / 2, a = x / std::tan(x), a1 = (a - a * a - s / 4) / (2 * s);
-    const double a2 = (a1 * (1 - 2 * a) - 0.25) / (2 * s) - a1 / s;
-    c = (1 - a) / s, c1 = (-a1 - c) / s, c2 = (-a2 - 2 * c1) / s;
+    using std::tan;
+    const T x = sqrt(s) * 0.5, a = x / tan(x), a1 = (a - a * a - s * 0.25) / (2. * s);
+    const T a2 = (a1 * (1. - 2. * a) - 0.25) / (2. * s) - a1 / s;
+    const T far = (1. - a) / s, far1 = (-a1 - far) / s;
+    c = select(is_large, far, c), c1 = select(is_large, far1, c1), c2 = select(is_large, (-a2 - 2. * far1) / s, c2);
+  }
+};
+
+/// An orientation as a unit quaternion.
+template <class T>
+struct Orientation {
+  V3<T> v;
+  T w;
+  Orientation operator*(const Orientation& b) const { return {fma(w, b.v, fma(b.w, v, cross(v, b.v))), w * b.w - dot(v, b.v)}; }
+  Orientation conjugate() const { return {-v, w}; }
+  M3<T> axes() const {
+    const V3<T> twice = v + v;
+    const T xx = twice.x * v.x, yy = twice.y * v.y, zz = twice.z * v.z, xy = twice.x * v.y, yz = twice.y * v.z,
+            zx = twice.z * v.x, wx = twice.x * w, wy = twice.y * w, wz = twice.z * w;
+    return {{1. - yy - zz, xy + wz, zx - wy}, {xy - wz, 1. - xx - zz, yz + wx}, {zx + wy, yz - wx, 1. - xx - yy}};
+  }
+  /// The shortest of its rotation vectors.
+  V3<T> logarithm() const {
+    const T square = dot(v, v);
+    const auto is_large = square >= T(0.01);
+    T sum(0.);  // asin(s)/s, of which the first term that is left out is below 1e-17
+    for (const double term : {143. / 10240, 231. / 13312, 63. / 2816, 35. / 1152, 5. / 112, 3. / 40, 1. / 6, 1.})
+      sum = fma(sum, square, T(term));
+    using std::atan2;
+    if (any(is_large)) {
+      const T sine = sqrt(square);
+      sum = select(is_large, atan2(sine, abs(w)) / sine, sum);
+    }
+    return v * (sum * select(w < T(0.), T(-2.), T(2.)));
   }
 };
 
