@@ -16,8 +16,8 @@
 // less than slipVelocity. l and directions are those of the solve before; solves are repeated until they no longer
 // change, at most frictionIterations times. What a tool may carry along sticks in the first of them.
 //
-// Shares of the surface that vertices stand for follow the first six iterates of a solve and then stay; a solve whose
-// forces they would change by more than a hundredth is repeated.
+// Shares of the surface that vertices stand for follow the first six iterates of a solve and then stay; with friction, whose
+// solves compare forces, they stay from its start. A solve whose forces they would change by more than a hundredth is repeated.
 //
 // Every iterate is shortened where something would pass through something, and round-off is taken into account. After each
 // step an exact test of all edges against all triangles finds what crosses all the same; `crossings` counts such steps.
@@ -80,7 +80,7 @@ class BarrierContact final : public ForceField, public StepLimiter, public OpenC
   double energy(ConstRows x) const override;
   void addForce(ConstRows x, ConstRows v, Rows f) override;
   void addStiffnessProduct(ConstRows dx, double factor, Rows df) const override {
-    terms_.addProduct(dx, factor, df);
+    is_assembled_ = true, terms_.addProduct(dx, factor, df);
     friction_.terms().addProduct(dx, factor, df);
   }
   void addPattern(BlockPattern& pattern) const override {
@@ -88,11 +88,11 @@ class BarrierContact final : public ForceField, public StepLimiter, public OpenC
   }
   long patternRevision() const override { return pattern_revision_; }
   void addStiffness(double factor, BlockMatrix& matrix) const override {
-    terms_.addTo(factor, matrix);
+    is_assembled_ = true, terms_.addTo(factor, matrix);
     friction_.terms().addTo(factor, matrix);
   }
   void addStiffnessDiagonal(double factor, std::vector<double>& blocks) const override {
-    terms_.addDiagonal(factor, blocks);
+    is_assembled_ = true, terms_.addDiagonal(factor, blocks);
     friction_.terms().addDiagonal(factor, blocks);
   }
   void stepBegins(ConstRows x, double t, double t_end) override;
@@ -102,7 +102,7 @@ class BarrierContact final : public ForceField, public StepLimiter, public OpenC
   void wantStartForces(bool wanted) override { holds_nothing_ = wanted; }
   std::string overlap(ConstRows x) override;
   std::string doubt(ConstRows) const override { return outputs_.doubt(); }
-  bool useDefiniteTangent(bool definite) override { return definite_ = definite, true; }
+  bool useDefiniteTangent(bool definite) override { return definite_ = friction_.definite = definite, true; }
   void reset() override;
   void serialize(Archive& archive) override;
 
@@ -136,6 +136,7 @@ class BarrierContact final : public ForceField, public StepLimiter, public OpenC
   std::vector<double> bend_;
   Vec3 moved_at_start_ = Vec3::Zero(), goal_ = Vec3::Zero();
   double travel_ = 0;        ///< the longest way of a vertex in the last step [m]
+  mutable bool is_assembled_ = false, is_carried_ = false;  ///< since the last force; what is moved has gone on since
   bool left_start_ = false, holds_nothing_ = false;  ///< bodies have been elsewhere than at start_; see wantStartForces()
   int obstacle_rounds_ = 0, friction_rounds_ = 0, share_rounds_ = 0, weighings_ = 0;
   Terms terms_;            ///< of the last force
@@ -146,17 +147,13 @@ void BarrierContact::declare(DataTable& table) {
   ForceField::declare(table);
   table.addLink("other", other_).help("states of other bodies; without any, mstate meets itself and obstacles");
   topology_.declare(table, "mesh whose surface mstate has");
-  table.add("contactDistance", law_.range)
-      .help("gap below which surfaces push; 0: a tenth of their mean edge").unit("m").min(0);
+  table.add("contactDistance", law_.range).help("gap below which surfaces push; 0: a tenth of their mean edge").unit("m").min(0);
   table.add("stiffness", stiffness_)
-      .help("kappa; 0: a tenth of the largest youngModulus of the bodies")
-      .unit("Pa")
-      .min(0);
+      .help("kappa; 0: a tenth of the largest youngModulus of the bodies").unit("Pa").min(0);
   table.add("thickness", law_.thickness).help("distance of two surfaces at which their gap is zero").unit("m").min(0);
   table.add("friction", friction_.mu).help("Coulomb's coefficient mu").unit("-").min(0);
   table.add("slipVelocity", slip_velocity_).help("what sticks may creep as fast").unit("m/s").min(0, false);
-  table.add("frictionIterations", friction_iterations_)
-      .help("most solves of a step for directions of friction").unit("-").min(1);
+  table.add("frictionIterations", friction_iterations_).help("most solves of a step for directions of friction").unit("-").min(1);
   table.add("selfContact", self_).help("a body meets itself; several bodies of one state meet by this too");
   obstacles_.declare(table);
   outputs_.declare(table);
@@ -231,9 +228,11 @@ void BarrierContact::addForce(ConstRows x, ConstRows, Rows f) {
   follow(x);
   lookAgain(x_);
   pattern_revision_ += std::exchange(has_new_pairs_, false);
-  // of a solve that goes on for long the shares stay, so that it has one energy
+  // energies along a line have the shares of its start, so that these may follow at first; forces along a line have not
   constexpr int most_weighings = 6;
-  ++weighings_ <= most_weighings ? law_.weigh(x_) : law_.weighNew(x_);
+  is_assembled_ = false;
+  const bool begins = std::exchange(is_carried_, false);
+  (friction_.mu > 0 ? begins : ++weighings_ <= most_weighings) ? law_.weigh(x_) : law_.weighNew(x_);
   terms_.clear();
   for (const Touch& touch : law_.touches(x_)) terms_.push_back(law_.termOf(touch, x_, definite_));
   terms_.addForce(f);
@@ -266,7 +265,7 @@ void BarrierContact::stepBegins(ConstRows x, double t, double t_end) {
 
 void BarrierContact::beginRounds() {
   obstacle_rounds_ = friction_rounds_ = share_rounds_ = weighings_ = 0;
-  left_start_ = false;
+  left_start_ = is_assembled_ = is_carried_ = false;
   friction_.beginAgain();
   lookAgain(x_);
   law_.weigh(x_);
@@ -287,6 +286,8 @@ void BarrierContact::follow(ConstRows x) {
 }
 
 double BarrierContact::longestStep(ConstRows x, const Way& way) {
+  // a way that no matrix has been made for is that of what is moved: another solve begins where it ends
+  is_assembled_ ? friction_.lineStarts() : void(is_carried_ = true);
   law_.surfaces.gather(x, law_.moved, x_);
   bend_.assign(way.bend ? way_.size() : 0, 0);
   for (std::size_t v = 0; v < way_.size(); ++v) {
@@ -320,17 +321,16 @@ bool BarrierContact::sharesChange() {
   constexpr double settled = 1e-2;
   constexpr int most_rounds = 10;
   law_.sumForces(x_, forces_before_);
-  law_.weigh(x_);
+  friction_.mu > 0 ? law_.weighAgain(x_) : law_.weigh(x_);
   law_.sumForces(x_, forces_);
   return relativeChange(forces_before_, forces_) > settled && ++share_rounds_ < most_rounds;
 }
 
-/// Friction with the normal forces that have been found now, against that with those of the solve before.
+/// Friction with the normal forces that have been found now and the shares of sharesChange(), against that of the solve before.
 bool BarrierContact::frictionChanges() {
   constexpr double settled = 1e-3;
   slideTo(x_);
   friction_.forces(forces_before_);
-  law_.weigh(x_);
   friction_.note(law_, x_);
   slideTo(x_);
   friction_.forces(forces_);
@@ -365,7 +365,7 @@ void BarrierContact::reset() {
   law_.candidates.forget();
   goal_ = law_.moved = moved_at_start_ = obstacles_.displacement(state().node().root().root_time);
   start_.clear(), terms_.clear(), friction_.clear();
-  travel_ = 0, left_start_ = false, outputs_.reset();
+  travel_ = 0, left_start_ = is_assembled_ = is_carried_ = false, outputs_.reset();
   ++pattern_revision_;
 }
 

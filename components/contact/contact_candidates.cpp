@@ -131,7 +131,7 @@ bool Candidates::find(const std::vector<Vec3>& x, double margin) {
   auto old = old_pairs_.begin();
   for (Candidate& pair : pairs_) {
     while (old != old_pairs_.end() && *old < pair) ++old;
-    if (old != old_pairs_.end() && !(pair < *old)) pair.factor = old->factor;
+    if (old != old_pairs_.end() && !(pair < *old)) pair.factor = old->factor, pair.tried = old->tried, pair.found = old->found;
   }
   ++revision_;
   return doOthersPush();

@@ -17,6 +17,7 @@ struct Candidate {
   double radius;         ///< both surfaces' [m]
   bool pushes = true;    ///< false: near at rest already, and only kept from crossing
   double factor = std::numeric_limits<double>::quiet_NaN();  ///< of two edges, see contact_terms.h; not known yet
+  double tried = factor, found = factor;                     ///< the factor of the solve before, and the one that followed from it
   bool operator<(const Candidate& o) const {
     return kind != o.kind ? kind < o.kind : first != o.first ? first < o.first : second < o.second;
   }

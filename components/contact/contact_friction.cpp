@@ -14,15 +14,30 @@ Vec3 wayOf(const Friction::Slide& slide, const std::vector<Vec3>& x, const std::
     if (const int v = slide.v[i]; v >= 0) u += slide.c[i] * (x[std::size_t(v)] - start[std::size_t(v)]);
   return u - slide.n.dot(u) * slide.n;
 }
+
+/// Of a slide at a u: 1/rho, and the derivative of rho by |u|.
+struct Law {
+  double one_over, slope;
+  Law(const Vec3& u, double e) {
+    const double y = u.norm() / e;
+    one_over = y < 1 ? (2 - y) / e : 1 / u.norm();
+    slope = y < 1 ? 1 / ((2 - y) * (2 - y)) : 1;
+  }
+};
+
+Vec3 directionOf(const Vec3& u) {
+  const double length = u.norm();
+  return length > 0 ? Vec3(u / length) : Vec3(Vec3::Zero());
+}
 }  // namespace
 
 void Friction::note(const BarrierLaw& law, const std::vector<Vec3>& x) {
   slides.clear();
-  looks_ = true;
+  looks_ = true, is_computed_ = is_on_line_ = false;
   if (mu == 0) return;
   for (const Touch& touch : law.touches(x))
     if (const double l = law.forceOf(touch).dot(touch.n); l != 0)
-      slides.push_back({touch.v, touch.c, touch.n, mu * l, touch.v[1] < 0});
+      slides.push_back({.v = touch.v, .c = touch.c, .n = touch.n, .force = mu * l, .on_plane = touch.v[1] < 0});
 }
 
 void Friction::remember(const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& moved) {
@@ -56,25 +71,43 @@ bool Friction::release() {
   return held;
 }
 
+void Friction::lineStarts() {
+  if (!is_computed_) return;
+  is_on_line_ = true;
+  for (Slide& slide : slides) slide.start_u = slide.u, slide.start_t = slide.t;
+}
+
 void Friction::compute(const Surfaces& surfaces, const std::vector<Vec3>& x, const std::vector<Vec3>& start,
                        const Vec3& moved) {
   terms_.clear();
-  for (const Slide& slide : slides) {
+  is_computed_ = true;
+  for (Slide& slide : slides) {
     Term term;
     for (std::size_t i = 0; i < 4; ++i)
       if (const int v = slide.v[i]; v >= 0) term.rows[i] = surfaces.rows[std::size_t(v)];
-    const Vec3 u = wayOf(slide, x, start, moved);
-    const double length = u.norm(), y = slide.held ? 0 : length / slip;
-    const double over_length = y < 1 ? (2 - y) / slip : 1 / length, along = y < 1 ? 2 * (1 - y) / slip : 0;
-    const Vec3 direction = length > 0 ? Vec3(u / length) : Vec3(Vec3::Zero());
-    const Mat3 turned = direction * direction.transpose();
+    slide.u = wayOf(slide, x, start, moved);
+    const Law law(slide.held ? Vec3(Vec3::Zero()) : slide.u, slip);
+    slide.t = law.one_over * slide.u;
     term.c = slide.c;
-    term.force = -slide.force * over_length * u;
+    term.force = -slide.force * slide.t;
     // without slip every tangent is alike
-    const Mat3 tangents = Mat3::Identity() - slide.n * slide.n.transpose();
-    term.m = std::max(0.0, slide.force) * (over_length * (tangents - turned) + along * turned);
+    term.m = Mat3::Identity() - slide.n * slide.n.transpose();
+    if (!slide.held) {
+      if (is_on_line_) followLine(slide);
+      const Mat3 turned = slide.t * directionOf(slide.u).transpose();
+      term.m -= 0.5 * law.slope * (turned + turned.transpose());
+    }
+    term.m *= law.one_over * (definite ? std::max(0.0, slide.force) : slide.force);
     terms_.push_back(term);
   }
+}
+
+/// t at u, by the equation linearised where the line starts.
+void Friction::followLine(Slide& slide) const {
+  const Law law(slide.start_u, slip);
+  const Vec3 way = slide.u - slide.start_u;
+  slide.t = law.one_over * (slide.u - law.slope * directionOf(slide.start_u).dot(way) * slide.start_t);
+  if (const double size = slide.t.norm(); size > 1) slide.t /= size;
 }
 
 void Friction::forces(std::vector<Vec3>& out) const {

@@ -6,6 +6,13 @@
 // is zero, the next iterate has them slip the other way, and Newton's method finds hardly ever which of them stick. From the
 // other side it takes a few iterations. Contacts are therefore held first, by the stiffness 2 mu l / e of u = 0, and solved
 // again with their friction.
+//
+// With rho = |u|/f0' the force is -mu l u/rho. Its derivative knows the direction of u only as it is now, and Newton's method again
+// hardly finds what sticks where slipping begins or ends. The tangent is therefore that of the equation rho t = u, with a t that
+// has a life of its own: along a correction it follows
+//   rho dt = du - t rho' (u/|u|).du,   |t| <= 1,   K = mu l / rho (1 - rho' sym(t (u/|u|)^T))
+// with rho and u of where the line starts (Chan, Golub and Mulet 1999, for the denoising of images). t = u/rho is the derivative
+// itself. The force is not touched by it.
 #pragma once
 #include "components/contact/contact_terms.h"
 
@@ -15,6 +22,7 @@ class Friction {
  public:
   double mu = 0;
   double slip = 1e-6;   ///< e [m]
+  bool definite = false;  ///< the derivative is to have no unstable direction
   double farthest = 0;  ///< what is off by more is not held [m]
   struct Slide {
     std::array<int, 4> v;
@@ -23,6 +31,8 @@ class Friction {
     double force;       ///< mu l [N]; negative: takes away what was counted twice
     bool on_plane;      ///< its other point moves with the obstacles
     bool held = false;  ///< by the tangent of u = 0
+    Vec3 u = Vec3::Zero(), t = Vec3::Zero();              ///< at the x of the last compute()
+    Vec3 start_u = Vec3::Zero(), start_t = Vec3::Zero();  ///< where the line starts
   };
   /// What slides from now on.
   std::vector<Slide> slides;
@@ -39,6 +49,8 @@ class Friction {
   bool release();
   /// Nor will anything be before note() is called again.
   void settle() { looks_ = false; }
+  /// A line starts at the x of the last compute().
+  void lineStarts();
   /// Forces at x of what began the step at `start` while obstacles have moved by `moved`.
   void compute(const Surfaces& surfaces, const std::vector<Vec3>& x, const std::vector<Vec3>& start, const Vec3& moved);
   const Terms& terms() const { return terms_; }
@@ -47,10 +59,13 @@ class Friction {
   void clear() { slides.clear(), terms_.clear(); }
 
  private:
+  void followLine(Slide& slide) const;
+
   Terms terms_;
   std::vector<bool> met_;   ///< of each vertex: it has been held in this step
   std::vector<Vec3> slid_;  ///< of each vertex: u in the step before; zero where it has stuck [m]
   bool looks_ = false;      ///< slides have been noted since hold()
+  bool is_computed_ = false, is_on_line_ = false;  ///< slides have their u and t; those of the start of a line
 };
 
 }  // namespace stroma::contact

@@ -25,6 +25,13 @@ double smoothStep(double t) {
   return t * t * (3 - 2 * t);
 }
 
+/// Edges that push each other bend their surfaces until they are ridges no more: a factor a leads to a smaller one b, with a slope
+/// far below -1 where it is about to vanish. The next one is that for which the line through the last two (a, b) has a = b.
+double nextFactor(const Candidate& pair, double found) {
+  const double slope = (found - pair.found) / (pair.factor - pair.tried);
+  return pair.factor + (slope < 0 ? 1 / (1 - slope) : 1) * (found - pair.factor);
+}
+
 constexpr double not_weighed = std::numeric_limits<double>::quiet_NaN();
 constexpr std::int64_t vertex_keys = 0, edge_keys = std::int64_t(1) << 40, face_keys = std::int64_t(2) << 40;
 
@@ -107,18 +114,32 @@ double BarrierLaw::factorOf(const Candidate& pair, const ClosestPoints& closest,
 
 void BarrierLaw::weigh(const std::vector<Vec3>& x) const {
   std::fill(plane_share_.begin(), plane_share_.end(), not_weighed);
-  weigh(x, true);
+  weigh(x, Which::all);
 }
 
-void BarrierLaw::weighNew(const std::vector<Vec3>& x) const { weigh(x, false); }
+void BarrierLaw::weighAgain(const std::vector<Vec3>& x) const {
+  std::fill(plane_share_.begin(), plane_share_.end(), not_weighed);
+  weigh(x, Which::all_again);
+}
 
-void BarrierLaw::weigh(const std::vector<Vec3>& x, bool all) const {
+void BarrierLaw::weighNew(const std::vector<Vec3>& x) const { weigh(x, Which::missing); }
+
+void BarrierLaw::weigh(const std::vector<Vec3>& x, Which which) const {
+  const bool all = which != Which::missing;
   look(x);
   auto& pairs = candidates.pairs();
   if (all) std::fill(vertex_share_.begin(), vertex_share_.end(), not_weighed);
   for (std::size_t i = 0; i < pairs.size();) {
     if (pairs[i].kind == PairKind::edge_edge) {
-      if (pairs[i].pushes && (all || std::isnan(pairs[i].factor))) pairs[i].factor = factorOf(pairs[i], closest_[i], x);
+      Candidate& pair = pairs[i];
+      const bool is_known = !std::isnan(pair.factor);
+      if (pair.pushes && (all || !is_known)) {
+        const double found = factorOf(pair, closest_[i], x);
+        const bool again = is_known && which == Which::all_again;
+        const double next = again ? nextFactor(pair, found) : found;
+        pair.tried = again ? pair.factor : not_weighed, pair.found = again ? found : not_weighed;
+        pair.factor = next;
+      }
       ++i;
       continue;
     }

@@ -72,6 +72,8 @@ class BarrierLaw {
   void compile();
   /// Shares at x. `touches` then are sums with these until the next call.
   void weigh(const std::vector<Vec3>& x) const;
+  /// The same at the end x of a solve with the shares there were, for the next one.
+  void weighAgain(const std::vector<Vec3>& x) const;
   /// The same for what has none yet, so that energies at several x can be compared.
   void weighNew(const std::vector<Vec3>& x) const;
   /// What counts at x; nearer than dh. Not to be called before weigh().
@@ -101,7 +103,8 @@ class BarrierLaw {
   };
   void look(const std::vector<Vec3>& x) const;
   void addTurning(const Touch& touch, const std::vector<Vec3>& x, double slope, Term& term) const;
-  void weigh(const std::vector<Vec3>& x, bool all) const;
+  enum class Which { all, all_again, missing };
+  void weigh(const std::vector<Vec3>& x, Which which) const;
   double factorOf(const Candidate& pair, const ClosestPoints& closest, const std::vector<Vec3>& x) const;
   double shareOf(int vertex, const Vec3& towards, const std::vector<Vec3>& x) const;
   double ridge(int edge, const Vec3& towards, const std::vector<Vec3>& x) const;

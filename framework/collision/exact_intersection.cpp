@@ -82,13 +82,21 @@ int exactOrientation(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d)
   return signOf(sum);
 }
 
+/// Of a determinant as rounded, with terms of these sizes. Shewchuk's bound is 7.8e-16 where all numbers are normal ones.
+bool hasItsSign(double determinant, double sizes) {
+  return sizes > 1e-250 && std::abs(determinant) > 1e-15 * sizes && std::isfinite(sizes);
+}
+
 /// The sign of (b - a) x (c - a) seen along the axis `drop`.
 int orientation2(const Vec3& a, const Vec3& b, const Vec3& c, int drop) {
-  const auto x = scaled({a, b, c, a});
   const int l = (drop + 1) % 3, n = (drop + 2) % 3;
-  const Expansion first = difference(x[1][l], x[0][l]) * difference(x[2][n], x[0][n]);
-  const Expansion second = difference(x[1][n], x[0][n]) * difference(x[2][l], x[0][l]);
-  return signOf(first + -second);
+  const Vec3 u = b - a, v = c - a;
+  const double first = u[l] * v[n], second = u[n] * v[l];
+  if (hasItsSign(first - second, std::abs(first) + std::abs(second))) return first > second ? 1 : -1;
+  if ((u[l] == 0 && v[l] == 0) || (u[n] == 0 && v[n] == 0)) return 0;
+  const auto x = scaled({a, b, c, a});
+  return signOf(difference(x[1][l], x[0][l]) * difference(x[2][n], x[0][n]) +
+                -(difference(x[1][n], x[0][n]) * difference(x[2][l], x[0][l])));
 }
 
 bool inBox(const Vec3& p, const Vec3& a, const Vec3& b) {
@@ -114,18 +122,14 @@ int planeAxis(const std::vector<Vec3>& x) {
   return -1;
 }
 
-/// All points are known to lie in one plane.
+/// All points are known to lie in one plane, and the boxes of both to meet.
 bool meetInPlane(const Vec3& p, const Vec3& q, const std::array<Vec3, 3>& t) {
   const int drop = planeAxis({p, q, t[0], t[1], t[2]});
-  if (drop < 0) {  // one line: boxes tell
-    const Vec3 low = t[0].cwiseMin(t[1]).cwiseMin(t[2]), high = t[0].cwiseMax(t[1]).cwiseMax(t[2]);
-    return (p.cwiseMax(q).array() >= low.array()).all() && (p.cwiseMin(q).array() <= high.array()).all();
-  }
+  if (drop < 0) return true;  // of one line, whose boxes meet
   for (std::size_t i = 0; i < 3; ++i)
     if (segmentsMeet(p, q, t[i], t[(i + 1) % 3], drop)) return true;
-  int sides[3];
-  for (std::size_t i = 0; i < 3; ++i) sides[i] = orientation2(t[i], t[(i + 1) % 3], p, drop);
-  return sides[0] != 0 && sides[0] == sides[1] && sides[1] == sides[2];
+  const auto side = [&](std::size_t i) { return orientation2(t[i], t[(i + 1) % 3], p, drop); };
+  return side(0) != 0 && side(0) == side(1) && side(1) == side(2);
 }
 
 }  // namespace
@@ -135,11 +139,10 @@ int orientation(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   const double xy = x.x() * y.y(), yx = x.y() * y.x(), yz = x.y() * y.z(), zy = x.z() * y.y(), zx = x.z() * y.x(),
                xz = x.x() * y.z();
   const double determinant = z.z() * (xy - yx) + z.x() * (yz - zy) + z.y() * (zx - xz);
-  const double sizes = std::abs(z.z()) * (std::abs(xy) + std::abs(yx)) +
-                       std::abs(z.x()) * (std::abs(yz) + std::abs(zy)) +
+  const double sizes = std::abs(z.z()) * (std::abs(xy) + std::abs(yx)) + std::abs(z.x()) * (std::abs(yz) + std::abs(zy)) +
                        std::abs(z.y()) * (std::abs(zx) + std::abs(xz));
-  // Shewchuk's bound is 7.8e-16, where nothing is too small or too large to be a normal number
-  if (sizes > 1e-250 && std::abs(determinant) > 1e-15 * sizes && std::isfinite(sizes)) return determinant > 0 ? 1 : -1;
+  if (hasItsSign(determinant, sizes)) return determinant > 0 ? 1 : -1;
+  if ((x.array() == 0 && y.array() == 0 && z.array() == 0).any()) return 0;  // a plane along two axes, as of many sheets
   return exactOrientation(a, b, c, d);
 }
 
@@ -149,9 +152,8 @@ bool segmentMeetsTriangle(const Vec3& p, const Vec3& q, const Vec3& a, const Vec
   const int at_p = orientation(a, b, c, p), at_q = orientation(a, b, c, q);
   if (at_p * at_q > 0) return false;
   const std::array<int, 3> sides{orientation(p, q, a, b), orientation(p, q, b, c), orientation(p, q, c, a)};
-  const bool flat = at_p == 0 && at_q == 0;
   // a triangle without area lies in many planes
-  if (flat) return sides[0] == 0 && sides[1] == 0 && sides[2] == 0 && meetInPlane(p, q, {a, b, c});
+  if (at_p == 0 && at_q == 0) return sides[0] == 0 && sides[1] == 0 && sides[2] == 0 && meetInPlane(p, q, {a, b, c});
   const auto [least, most] = std::minmax_element(sides.begin(), sides.end());
   return *least >= 0 || *most <= 0;
 }

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Friction where several triangles are near a vertex, and Coulomb's law of a block of tetrahedra by forces of constraint.
+// Friction where several triangles are near a vertex, what stays in a solve, and Coulomb's law of a block of tetrahedra by
+// forces of constraint.
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "framework/mechanics/step_limiter.h"
 #include "framework/simulation/simulation.h"
 #include "tests/contact/contact_scenes.h"
+#include "tests/support/field_under_test.h"
 
 namespace stroma::test {
 namespace STROMA_TEST_FILE {
@@ -32,6 +35,89 @@ TEST(Friction, InAValleyIsNotCountedTwice) {
   const std::vector<double> wrench = numbersOf(simulation, "wrenches");
   EXPECT_NEAR(wrench[2], mass * 9.81, 0.01 * mass * 9.81);
   EXPECT_NEAR(-wrench[0] / wrench[2], mu, 0.01 * mu);
+}
+
+/// A block on a plane, with e = 0.01 m in a step of 1 s.
+FieldUnderTest blockThatRubs() {
+  return {contactScene(bodyNode("a", boxOf(Vec3(0, 0, 0.01), Vec3(1, 1, 1.01)),
+                                "<BarrierContact contactDistance=\"0.02\" planes=\"0 0 1 0\" friction=\"0.3\" "
+                                "slipVelocity=\"0.01\"/>")),
+          "BarrierContact"};
+}
+Vector shearedBy(double angle, const Vector& x) {
+  Vector sheared(x.count());
+  copy(x, sheared);
+  for (Index i = 0; i < x.count(); ++i) sheared[i] += Vec3(angle * x[i].z(), 0.2 * angle, 0);
+  return sheared;
+}
+
+/// What a solve compares has the same shares of the surface, normal forces and directions, however often it is asked for and
+/// wherever it has been meanwhile. The next solve takes them anew.
+TEST(Friction, ASolveHasOneFunction) {
+  FieldUnderTest t = blockThatRubs();
+  auto& limiter = dynamic_cast<StepLimiter&>(t.field());
+  limiter.stepBegins(t.x, 0, 1);
+  const Vector base = shearedBy(0.01, t.x), end = shearedBy(0.2, t.x);
+  const Vector before = t.forceAt(base);
+  for (int trial = 2; trial < 12; ++trial) t.forceAt(shearedBy(0.02 * trial, t.x));
+  const Vector after = t.forceAt(base), old = t.forceAt(end);
+  EXPECT_GT(dot(before, before), 0);
+  EXPECT_EQ(relativeDifference(before, after), 0);
+  ASSERT_TRUE(limiter.movesOn(end));
+  EXPECT_GT(relativeDifference(old, t.forceAt(end)), 0.01) << "sides that lean over bear a part";
+}
+
+/// The tangent of friction is the derivative of its force, of what sticks and of what slips. On a line it is another one, and the
+/// force is the same.
+TEST(Friction, TheTangentRemembersTheLineAndTheForceDoesNot) {
+  for (const double slip : {0.4, 3.0}) {
+    FieldUnderTest t = blockThatRubs();
+    auto& limiter = dynamic_cast<StepLimiter&>(t.field());
+    limiter.stepBegins(t.x, 0, 1);
+    limiter.wantStartForces(true);  // nothing is held
+    for (Index i = 0; i < t.x.count(); ++i) t.x[i] += slip * 0.01 * Vec3(0.8, 0.6, 0);
+    const Vector force = t.force(), product = t.product(t.direction);
+    EXPECT_LT(relativeDifference(t.differenceOfForces(1e-8), product), 1e-5) << "slip " << slip;
+    const Vector start = shearedBy(-0.2, t.x);
+    t.forceAt(start);
+    Vector on_line(t.x.count());
+    t.field().addStiffnessProduct(t.direction, 1, on_line);
+    limiter.longestStep(start, {t.direction});
+    on_line = t.product(t.direction);
+    EXPECT_GT(relativeDifference(on_line, product), 1e-3) << "slip " << slip;
+    EXPECT_EQ(relativeDifference(t.force(), force), 0) << "slip " << slip;
+    expectSymmetricProducts(t);
+  }
+}
+
+/// Two jaws close on a soft cube that bulges and so slips on them, and rubs on the rim of its pedestal: every step converges and
+/// friction settles.
+TEST(Friction, JawsOnASoftCubeConverge) {
+  const auto jaw = [](int side) {
+    return fmt::format(
+        "<Node name=\"{}\"><MechanicalObject template=\"Rigid3\" position=\"{} 0 0.0208  0 0 0 1\"/><UniformMass "
+        "totalMass=\"0.05\" inertia=\"1e-5 1e-5 1e-5\"/><LinearMovementProjectiveConstraint indices=\"0\" "
+        "keyTimes=\"0 0.15 0.2 1.2\" outside=\"hold\" movements=\"0 0 0  0 0 0   {} 0 0  0 0 0   {} 0 0  0 0 0   {} 0 0.05  "
+        "0 0 0\"/><Node name=\"pad\"><MeshTopology position=\"-0.003 -0.026 -0.026  0.003 -0.026 -0.026  -0.003 0.026 -0.026  "
+        "0.003 0.026 -0.026  -0.003 -0.026 0.026  0.003 -0.026 0.026  -0.003 0.026 0.026  0.003 0.026 0.026\" triangles=\"0 2 1  "
+        "1 2 3  4 5 6  5 7 6  0 1 4  1 5 4  2 6 3  3 6 7  0 4 2  2 4 6  1 3 5  3 7 5\"/><MechanicalObject name=\"dofs\"/>"
+        "<RigidMapping/></Node></Node>",
+        side < 0 ? "left" : "right", 0.025 * side, -0.0045 * side, -0.0045 * side, -0.0045 * side);
+  };
+  Simulation simulation = simulationFromText(contactScene(
+      "<Node name=\"cube\"><RegularGridTopology name=\"mesh\" n=\"5 5 5\" min=\"-0.02 -0.02 0.0012\" "
+      "max=\"0.02 0.02 0.0412\"/><MechanicalObject name=\"dofs\"/>"
+      "<UniformMass totalMass=\"0.06\"/><HexahedronFEMForceField youngModulus=\"2e4\" "
+      "poissonRatio=\"0.4\" method=\"green\"/></Node>" +
+          jaw(-1) + jaw(1) +
+          "<BarrierContact mstate=\"@cube/dofs\" topology=\"@cube/mesh\" other=\"@left/pad/dofs @right/pad/dofs\" "
+          "boxes=\"-0.015 -0.015 -0.02  0.015 0.015 0\" contactDistance=\"1.5e-3\" stiffness=\"2e4\" friction=\"0.6\" "
+          "slipVelocity=\"1e-3\" selfContact=\"0\"/>",
+      0.01, Vec3(0, 0, -9.81), "<EulerImplicitSolver newtonIterations=\"60\" newtonTolerance=\"1e-4\" rayleighMass=\"1\"/>"));
+  for (int step = 0; step < 25; ++step) {
+    expectCleanStep(simulation, step);
+    EXPECT_LT(outputOf(simulation, "frictionChange"), 0.05) << "step " << step;
+  }
 }
 
 /// tan 0.5, a block of tetrahedra on the corners of its lower side: it stays with mu 0.5, and goes
