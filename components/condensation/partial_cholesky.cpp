@@ -209,7 +209,7 @@ void CholmodPartialCholesky::invert(const Sink& sink, const std::function<void(d
     dtrsm_("L", "L", "T", "N", &height, &count, &one, trailing, &stride, x.data(), &height);
     sink(j, count, x.data(), height);
     const std::lock_guard lock(telling);
-    done = done + 3 * double(count) * height / n * height / n / n;
+    done = done + std::pow(double(height) / n, 3) - std::pow(double(height - count) / n, 3);
     progress(done);
   });
 }

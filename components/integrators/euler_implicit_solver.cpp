@@ -19,10 +19,15 @@
 //   1/2 (v - v0) M (v - v0) + U(x(v)) + theta h/2 v (rM M - rK K) v - (1 - theta) h F(x0, v0) v
 //
 // whenever all forces come from an energy, else on the work of the residual along the step. newtonTolerance is relative
-// to the residual where the step starts, or to the forces with the reactions of held nodes where these are larger.
+// to the residual where the step starts, or to the forces with the reactions of held nodes where these are larger. With
+// newtonForcing above 0 linear solves by products are loose in early iterations (Eisenstat and Walker 1996); what ends a step
+// does not change. An iteration that gets on by small factors with the approximate tangent of a force field goes on with the
+// exact one, where that is symmetric, rK is 0 and the costs of products say so.
 //
 // firstOrder moves an overdamped body: (M - theta h K) v = f, x1 = x0 + h v; Rayleigh factors do not enter.
 // vdamping multiplies v by exp(-h vdamping) after the positions have moved.
+//
+// With sleepDistance a body at rest is not computed, exactly until something changes; sleep.h has the rule.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">
@@ -35,6 +40,7 @@
 #include <cmath>
 
 #include "components/integrators/implicit_step.h"
+#include "components/integrators/sleep.h"
 #include "framework/scene/factory.h"
 
 namespace stroma {
@@ -50,9 +56,12 @@ class EulerImplicitSolver final : public Integrator, public HeedsStepLimits, pub
   StepReport step(System& system, const StepContext& context) override;
   bool keepsEnergy() const override { return trapezoidal_ && !first_order_; }
   std::string describe() const override;
-  void stepTaken(const StepContext&) override { implicit_.stepTaken(); }
-  void reset() override { implicit_.reset(); }
-  void serialize(Archive& archive) override { implicit_.serialize(archive); }
+  void stepTaken(const StepContext& context) override {
+    if (!sleep_.stepTaken(*system_, context.dt)) implicit_.stepTaken();
+  }
+  void sceneChanged() override { sleep_.wake(); }
+  void reset() override { implicit_.reset(), sleep_.reset(); }
+  void serialize(Archive& archive) override { implicit_.serialize(archive), sleep_.serialize(archive); }
 
  private:
   StepReport firstOrderStep(System& system, const StepContext& context);
@@ -61,6 +70,8 @@ class EulerImplicitSolver final : public Integrator, public HeedsStepLimits, pub
   bool first_order_ = false, trapezoidal_ = false, by_new_velocity_ = false;
   double theta_ = 1;
   ImplicitStep implicit_;
+  Sleep sleep_;
+  System* system_ = nullptr;
   Vector right_side_;
 };
 
@@ -78,6 +89,7 @@ void EulerImplicitSolver::declare(DataTable& table) {
   implicit_.declareNewton(table);
   declareLinearSolver(table);
   implicit_.declareNewtonSolver(table);
+  sleep_.declare(table);
   for (const char* name : {"solveConstraint", "threadSafeVisitor", "computeResidual"}) table.addVisualOnly(name);
 }
 
@@ -89,7 +101,9 @@ void EulerImplicitSolver::init() {
 }
 
 void EulerImplicitSolver::compile(System& system) {
+  system_ = &system;
   implicit_.compile(*this, system);
+  sleep_.compile(system);
   const bool has_conditions = !system.actors().lagrangian_constraints.empty();
   if (has_conditions && by_new_velocity_ && trapezoidal_ && implicit_.iterates())
     throw ComponentError("moveByNewVelocity is for one linear solve per step where there are Lagrangian constraints, and Newton's "
@@ -105,6 +119,7 @@ void EulerImplicitSolver::compile(System& system) {
 }
 
 StepReport EulerImplicitSolver::step(System& system, const StepContext& context) {
+  if (sleep_.passesOver(system, context)) return {};
   const double h = context.dt;
   ImplicitScheme scheme;
   scheme.weight = scheme.displacement = theta_ * h;
@@ -136,8 +151,9 @@ StepReport EulerImplicitSolver::firstOrderStep(System& system, const StepContext
 }
 
 std::string EulerImplicitSolver::describe() const {
-  if (first_order_) return "first-order implicit step, linearised once: 1 force evaluation, 1 linear solve";
-  return (trapezoidal_ ? "trapezoidal step" : "backward Euler step") + implicit_.describe();
+  const std::string sleep = sleep_.describe();
+  if (first_order_) return "first-order implicit step, linearised once: 1 force evaluation, 1 linear solve" + sleep;
+  return (trapezoidal_ ? "trapezoidal step" : "backward Euler step") + implicit_.describe() + sleep;
 }
 
 }  // namespace

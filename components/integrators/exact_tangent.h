@@ -43,10 +43,22 @@ class ExactTangent {
   }
   /// It was not.
   void noteSlow() { is_slow_too_ = true; }
+  /// It has begun for speed, and is worth no more than so many iterations of a step.
+  void limitIterations(double most) { most_iterations_ = most; }
+  /// The step, which began with it, took so many. Where they cost more than those with the approximate one would have, the next
+  /// step begins with that; the second time that is so, it stays.
+  bool isTooDear(int iterations) const { return isOn() && most_iterations_ > 0 && iterations > most_iterations_; }
+  void letGo() {
+    helped_ = false;
+    is_slow_too_ = is_slow_too_ || was_let_go_;
+    was_let_go_ = true;
+    end();
+  }
   void end() {
     if (!system_) return;
     for (ForceField* field : system_->forceFields()) switchOf(field, false);
     system_ = nullptr;
+    most_iterations_ = 0;
   }
   bool isOn() const { return system_ != nullptr; }
 
@@ -55,7 +67,7 @@ class ExactTangent {
   void beginStep(System& system) {
     helped_ = kept_;
     if (kept_)
-      begin(system);
+      begin(system), most_iterations_ = kept_most_;
     else
       end();
   }
@@ -68,14 +80,17 @@ class ExactTangent {
     return true;
   }
   /// The step is taken: Integrator::stepTaken().
-  void stepTaken() { kept_ = helped_; }
+  void stepTaken() { kept_ = helped_, kept_most_ = most_iterations_; }
   void reset() {
     end();
-    kept_ = helped_ = is_slow_too_ = false;
+    kept_ = helped_ = is_slow_too_ = was_let_go_ = false;
+    kept_most_ = 0;
   }
   void serialize(Archive& archive) {
     archive.value("exact_tangent", kept_);
     archive.value("exact_tangent_no_faster", is_slow_too_);
+    archive.value("exact_tangent_let_go", was_let_go_);
+    archive.value("exact_tangent_iterations", kept_most_);
   }
 
  private:
@@ -87,7 +102,22 @@ class ExactTangent {
   bool helped_ = false;  ///< in the step that was just made
   bool kept_ = false;    ///< steps begin with it
   bool is_slow_too_ = false;  ///< it is not symmetric, or did not help where the approximate one was slow
+  bool was_let_go_ = false;   ///< it was too dear once
+  double most_iterations_ = 0, kept_most_ = 0;  ///< see limitIterations(); 0: it is on because the other one failed
 };
+
+/// What an iteration of Newton's method costs with the present tangents, in nanoseconds for each iteration of a linear solve;
+/// products are of the elements or of an assembled matrix, whichever cost less. For ratios.
+inline double costOfIteration(const System& system) {
+  constexpr double vectors = 32, assembled = 41, usual_products = 50;  // for each row
+  double product = 0, assembly = 0;
+  for (const ForceField* field : system.forceFields()) {
+    const ForceField::Cost cost = field->cost();
+    product += cost.product, assembly += cost.assembly;
+  }
+  const double rows = double(system.independentRows());
+  return std::min(product, assembled * rows + assembly / usual_products) + vectors * rows;
+}
 
 inline void declareExactTangentSteps(DataTable& table, int& steps) {
   table.add("exactTangentSteps", steps)

@@ -134,17 +134,62 @@ void ImplicitStep::advance() {
   orientations_.turn(x());
 }
 
+/// A damping rK K v is a force, which must not change with K. With few iterations the scene asks for no more.
+bool ImplicitStep::mayTryExact() const {
+  constexpr int fewest = 5;
+  return newton_.settings.iterations >= fewest && !has_rayleigh_stiffness_;
+}
+
+/// The exact tangent begins where a solve is slow, and where the iterations that are left are estimated to cost more than a few
+/// with it.
+bool ImplicitStep::beginFaster() {
+  constexpr double usual_iterations = 4;
+  const double before = costOfIteration(*system_), left = newton_.iterationsLeft();
+  if (!exact_.beginForSpeed(*system_)) return false;
+  const double most = left * before / costOfIteration(*system_);
+  if (most < usual_iterations) {
+    exact_.end();
+    return false;
+  }
+  exact_.limitIterations(most);
+  return true;
+}
+
+/// Newton's method; a solve that gets on by small factors goes on with the exact tangent where that costs less.
+StepReport ImplicitStep::solveFromHere(StopToken stop) {
+  newton_.settings.leaves_slow = mayTryExact() && exact_.mayBeFaster(*system_);
+  StepReport report = newton_.solve(*this, *solver_, stop);
+  newton_.settings.leaves_slow = false;
+  if (report.failed() || report.newton_converged || !newton_.wasSlow()) return report;
+  const auto goOn = [&] {
+    const StepReport before = report;
+    report = newton_.solve(*this, *solver_, stop);
+    addCounts(before, report);
+  };
+  const bool is_exact = beginFaster();
+  goOn();
+  if (is_exact && !report.stopped && (report.diverged || !report.newton_converged)) {
+    exact_.end(), exact_.noteSlow(), newton_.keepScale();
+    goOn();
+  }
+  return report;
+}
+
 StepReport ImplicitStep::solveIterating(StopToken stop) {
   exact_.beginStep(*system_);
   const bool began_exact = exact_.isOn();
   startIterating();
-  StepReport report = newton_.solve(*this, *solver_, stop);
+  StepReport report = solveFromHere(stop);
   constexpr int most_unconverged = 25;
   for (int part = 0; part < most_unconverged && lack_ > 0 && carries_ < most_carries && !report.failed(); ++part) {
     const StepReport before = report;
     carryOn();
-    report = newton_.solve(*this, *solver_, stop);
+    report = solveFromHere(stop);
     addCounts(before, report);
+  }
+  if (began_exact && exact_.isTooDear(report.newton_iterations) && report.newton_converged && !report.failed()) {
+    exact_.letGo();
+    residual(system_->independent(right_side_));
   }
   if (exact_.isOn() && !report.stopped && !report.newton_converged) {  // it helped before, and does not here
     exact_.end();
@@ -152,10 +197,7 @@ StepReport ImplicitStep::solveIterating(StopToken stop) {
     report = newton_.solve(*this, *solver_, stop);
     addCounts(before, report);
   }
-  // a damping rK K v is a force, which must not change with K
-  constexpr int fewest = 5;
-  if (!report.stopped && !report.newton_converged && newton_.settings.iterations >= fewest &&
-      !has_rayleigh_stiffness_ && exact_.begin(*system_)) {
+  if (!report.stopped && !report.newton_converged && mayTryExact() && exact_.begin(*system_)) {
     const StepReport before = report;
     report = newton_.solve(*this, *solver_, stop);
     addCounts(before, report);
@@ -317,9 +359,11 @@ double ImplicitStep::travelled() const { return distance(x(), x0_); }
 
 std::string ImplicitStep::describe() const {
   if (!iterates()) return ", linearised once: 1 force evaluation with its product, 1 linear solve";
-  return fmt::format(", up to {} Newton iterations to a relative residual of {:g}, line search on {}",
+  const double forcing = newton_.settings.forcing;
+  return fmt::format(", up to {} Newton iterations to a relative residual of {:g}, line search on {}{}",
                      newton_.settings.iterations, newton_.settings.relative_residual,
-                     newton_.settings.use_energy ? "the incremental potential" : "the work of the residual");
+                     newton_.settings.use_energy ? "the incremental potential" : "the work of the residual",
+                     forcing > 0 ? fmt::format("; early linear solves to {:g}", forcing) : "");
 }
 
 }  // namespace stroma

@@ -46,7 +46,7 @@ class ImplicitStep final : public NonlinearProblem {
 
   ImplicitStep() { newton_settings.iterations = 1; }
   void declareDamping(DataTable& table);       ///< rayleighMass, rayleighStiffness
-  void declareNewton(DataTable& table);        ///< newtonIterations, newtonTolerance
+  void declareNewton(DataTable& table);        ///< newtonIterations, newtonTolerance, newtonForcing
   void declareNewtonSolver(DataTable& table);  ///< newtonSolver, residualGraph
 
   /// Allocates; throws ComponentError when a linear solver or a mass is missing.
@@ -89,6 +89,9 @@ class ImplicitStep final : public NonlinearProblem {
   void setTime(double time);
   StepReport solveLinearised(StopToken stop);
   StepReport solveIterating(StopToken stop);
+  StepReport solveFromHere(StopToken stop);
+  bool mayTryExact() const;
+  bool beginFaster();
   StepReport solveConditions(StopToken stop);
   bool iterateConditions(double& now, StopToken stop, StepReport& report);
   void goShare(double share);

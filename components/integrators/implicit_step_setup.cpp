@@ -4,6 +4,7 @@
 #include <cassert>
 
 #include "components/integrators/implicit_step.h"
+#include "components/integrators/usual_forcing.h"
 
 namespace stroma {
 
@@ -27,6 +28,12 @@ void ImplicitStep::declareNewton(DataTable& table) {
       .help("residual at which Newton's method ends, relative to the forces where the step starts")
       .unit("-")
       .min(0, false)
+      .max(1, false);
+  table.add("newtonForcing", newton_settings.forcing)
+      .help("largest relative residual that linear solves by products may leave in early Newton iterations; 0: the linear "
+            "solver's own tolerance. Not written: 0.1 where the scene names no linear solver and forces are not linear, else 0")
+      .unit("-")
+      .min(0)
       .max(1, false);
 }
 
@@ -55,6 +62,10 @@ void ImplicitStep::compile(Integrator& integrator, System& system) {
 
   settings_component_ = findNewtonSolver(integrator, newton_link_);
   newton_.settings = settings_component_ ? settings_component_->settings() : newton_settings;
+  const Data* const forcing = integrator.data().find("newtonForcing");
+  newton_.settings.forcing = forcing && forcing->isSet() ? newton_settings.forcing : usualForcingOfSteps(system);
+  // an iteration costs as much as a digit of a solve; errors of steps add up
+  newton_.settings.forcing_reach = 10, newton_.settings.forcing_margin = 0.05;
   // the turn that a velocity makes in a step is no gradient of it
   newton_.settings.use_energy = from_energy && !system.motion().turns() && !system.hasCurvedInertia();
   bodies_.compile(system);

@@ -98,8 +98,12 @@ void Impulses::sweep(const std::vector<Row>& rows, double weight) {
   for (; sweeps_left_ > 0; --sweeps_left_) {
     const double moved = sweepOnce(rows, least);
     unsettled_ = largest > 0 ? moved / largest : moved;
-    // numbers that are not finite have no place to go to
-    if (moved <= 1e-13 * largest || !std::isfinite(moved)) return;
+    if (moved <= 1e-13 * largest) return;
+    // numbers that are not finite have no place to go to; the largest of a NaN and another number may be the other one
+    if (!std::isfinite(moved) || !residual_.allFinite()) {
+      unsettled_ = std::numeric_limits<double>::infinity();
+      return;
+    }
   }
 }
 

@@ -157,17 +157,16 @@ bool Newton::isPointless() const {
   return history_.back() > 0.5 * history_[history_.size() - 1 - std::size_t(settings.patience)];
 }
 
-/// True when |R| falls by much the same small factor in every iteration, as with a tangent that is an approximation, and
-/// would need many more. The way to where that begins and the last iterations are left alone.
-bool Newton::isSlow() const {
+/// Where |R| falls by much the same small factor in every iteration, as with a tangent that is an approximation: how many more
+/// are needed; else 0. The way to where that begins and the last iterations are left alone.
+double Newton::iterationsLeft() const {
   constexpr double smallest_factor = 0.1, largest_factor = 0.95;
-  constexpr int few_iterations = 6;
   const std::size_t last = history_.size() - 1;
-  if (!settings.leaves_slow || last < 4) return false;
+  if (history_.size() < 5) return 0;
   for (std::size_t i = last - 2; i <= last; ++i)
-    if (const double factor = history_[i] / history_[i - 1]; !(factor > smallest_factor && factor < largest_factor)) return false;
+    if (const double factor = history_[i] / history_[i - 1]; !(factor > smallest_factor && factor < largest_factor)) return 0;
   const double each = std::log(history_[last] / history_[last - 3]) / 3;
-  return std::log(goal() * scale_ / history_[last]) / each > few_iterations;
+  return std::max(0.0, std::log(goal() * scale_ / history_[last]) / each);
 }
 
 /// True when round-off explains the whole residual, and that is little beside the loads: nothing better exists. Where
@@ -187,8 +186,8 @@ double Newton::forcingTerm(double now) const {
   if (settings.forcing <= 0) return 0;
   double term = settings.forcing;
   if (history_.size() > 1) term = 0.9 * std::pow(now / history_[history_.size() - 2], 2);
-  // more than what ends the iteration is wasted
-  term = std::max(term, 0.5 * std::max(settings.relative_residual * scale_, settings.absolute_residual) / now);
+  const double end = std::max(settings.relative_residual * scale_, settings.absolute_residual) / now;
+  if (term < settings.forcing_reach * end) term = settings.forcing_margin * end;
   return std::min(term, settings.forcing);
 }
 
@@ -228,7 +227,7 @@ StepReport Newton::solveFixed(NonlinearProblem& problem, LinearSolver& solver) {
   } else {
     history_.clear();
     best_norm_ = std::numeric_limits<double>::infinity();
-    scale_ = std::isfinite(now) ? std::max(now, problem.loadScale()) : 0;
+    if (!std::exchange(keeps_scale_, false)) scale_ = std::isfinite(now) ? std::max(now, problem.loadScale()) : 0;
   }
   for (;;) {
     const int done = int(history_.size());
@@ -247,9 +246,10 @@ StepReport Newton::solveFixed(NonlinearProblem& problem, LinearSolver& solver) {
     report.stopped = stop_.isStopAsked();
     if (report.stopped) return report;
     if (report.newton_iterations > 0) keepIfBest(problem, now);
-    was_slow_ = isSlow();
+    constexpr double few_iterations = 6;
+    was_slow_ = settings.leaves_slow && iterationsLeft() > few_iterations;
     if (done == settings.iterations || isPointless() || was_slow_) {
-      if (isAtRoundOff(problem, now, report)) return report;
+      if (isAtRoundOff(problem, now, report)) return was_slow_ = false, report;
       leaveBest(problem, now, report);
       report.reason = fmt::format(
           "Newton's method stopped {} {} iterations with a relative residual of {:.2g} (tolerance {:.2g}){}",

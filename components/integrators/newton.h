@@ -66,6 +66,9 @@ struct NewtonSettings {
   /// Largest relative residual that a linear solve by products may leave, and leaves in the first iteration; then 0.9
   /// times the square of the last reduction of |R| (Eisenstat and Walker 1996, choice 2). 0: the solver's tolerance.
   double forcing = 0;
+  /// A solve that would leave less than `forcing_reach` times the residual that ends the iteration leaves `forcing_margin` times
+  /// that: less is wasted, and a little more would cost an iteration.
+  double forcing_reach = 0.5, forcing_margin = 0.5;
   bool stop_when_residual_grows = false;
   bool keep_unconverged = true;  ///< for callers: an iterate that has not converged becomes the state
 };
@@ -92,6 +95,9 @@ class Newton {
   const std::vector<double>& history() const { return history_; }
   /// Whether the last solve() was given up because it was slow. The next one then goes on from there.
   bool wasSlow() const { return was_slow_; }
+  /// The next solve begins where the last one has left the unknowns, and its tolerance is of where that one began.
+  void keepScale() { keeps_scale_ = true; }
+  double iterationsLeft() const;  ///< of a solve that was given up so
   std::vector<double>& history() { return history_; }  ///< for a caller that makes the iterations itself
 
  private:
@@ -102,7 +108,6 @@ class Newton {
   bool isCorrectionSmall(const NonlinearProblem& problem) const;
   bool isCorrectionRoundOff(const NonlinearProblem& problem) const;
   bool isPointless() const;
-  bool isSlow() const;
   bool isAtRoundOff(NonlinearProblem& problem, double norm, StepReport& report) const;
   bool findDirection(NonlinearProblem& problem, LinearSolver& solver, double norm, StepReport& report);
   bool iterate(NonlinearProblem& problem, LinearSolver& solver, double& norm, StepReport& report);
@@ -120,6 +125,7 @@ class Newton {
   double scale_ = 0;      ///< the larger of |R| and loadScale() where the solve starts
   double best_norm_ = 0;  ///< |R| of best_
   bool was_slow_ = false;
+  bool keeps_scale_ = false;  ///< see keepScale()
 };
 
 }  // namespace stroma

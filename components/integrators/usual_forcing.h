@@ -3,20 +3,34 @@
 #include <algorithm>
 
 #include "framework/algebra/solver_choice.h"
+#include "framework/simulation/integrator.h"
 #include "framework/simulation/system.h"
 
 namespace stroma {
 
+/// One solve is then the solution, which nothing loose may take the place of.
+inline bool hasLinearForces(const System& system) {
+  const auto& fields = system.forceFields();
+  return std::all_of(fields.begin(), fields.end(), [](const ForceField* field) { return field->traits().linear; });
+}
+
 /// The forcing term of statics whose scene writes none: with a linear solver that chooses its method, which does so here,
-/// early solves are loose, unless forces are affine in x and one solve is the solution. 0 with solvers that a scene names:
-/// their tolerance is theirs.
+/// early solves are loose, unless forces are affine in x. 0 with solvers that a scene names: their tolerance is theirs.
 inline double usualForcing(System& system) {
   auto* choosing = dynamic_cast<SolverChoice*>(system.linearSolver());
   if (!choosing) return 0;
   choosing->choose(system.matrix());
-  const auto& fields = system.forceFields();
-  const auto is_linear = [](const ForceField* field) { return field->traits().linear; };
-  return std::all_of(fields.begin(), fields.end(), is_linear) ? 0 : 0.1;
+  return hasLinearForces(system) ? 0 : 0.1;
+}
+
+/// That of steps in time by Newton's method: likewise, where the linear solver was made because the scene has none. It then has the
+/// place of the integrator, and no attribute.
+inline double usualForcingOfSteps(const System& system) {
+  const std::string made_for = system.integrator().where().text();
+  const auto& given = system.linearSolver()->data().all();
+  const bool is_made = !made_for.empty() && system.linearSolver()->where().text() == made_for &&
+                       std::none_of(given.begin(), given.end(), [](const Data& data) { return data.isSet(); });
+  return is_made && !hasLinearForces(system) ? 0.1 : 0;
 }
 
 }  // namespace stroma

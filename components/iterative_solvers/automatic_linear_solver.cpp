@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // AutomaticLinearSolver: A x = b by factors or by conjugate gradients with multigrid, whichever costs less. It is what an
-// integrator of statics gets when its scene names no linear solver.
+// integrator of statics gets when its scene names no linear solver. A matrix that is not symmetric gets GMRES (Saad, Schultz
+// 1986) instead of conjugate gradients, with multigrid of its symmetric part: what is not symmetric in a tangent is small where
+// strains are.
 //
 // With w h nodes in a cross-section and l / w the slenderness of a body of n nodes, its factors take
 //
@@ -13,8 +15,8 @@
 //
 // A solve by multigrid that goes on for longer than factors would have taken (a Poisson's ratio near 1/2 with cells that
 // lock, badly shaped cells) is ended, and the matrix is factored from then on, if factors fit into half of the memory.
-// `choice` says what was chosen and why. A matrix that is not symmetric is factored. See SparseLDLSolver,
-// MultigridPreconditioner and PCGLinearSolver for what the methods do.
+// `choice` says what was chosen and why. See SparseLDLSolver, MultigridPreconditioner and PCGLinearSolver for what the methods
+// do.
 //
 // Example:
 // <Node name="root" dt="0.01" gravity="0 -9.81 0">
@@ -31,6 +33,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "components/iterative_solvers/gmres.h"
 #include "components/iterative_solvers/krylov_solver.h"
 #include "components/iterative_solvers/multigrid.h"
 #include "components/iterative_solvers/preconditioned_conjugate_gradients.h"
@@ -73,9 +76,11 @@ class AutomaticLinearSolver final : public KrylovSolver, public FactorUser, publ
   /// For each matrix.
   struct Kept {
     Memory now, before_step;
-    std::string first_choice;  ///< in words
+    std::string reason;      ///< of the first choice, in words
+    bool symmetric = true;   ///< the matrix solved last
     Multigrid inverse;
     cg::Directions work;
+    gmres::Space space;  ///< of matrices that are not symmetric
   };
   Kept& keptFor(SystemMatrix& matrix);
   void chooseFor(SystemMatrix& matrix, Kept& kept);
@@ -124,29 +129,28 @@ AutomaticLinearSolver::Kept& AutomaticLinearSolver::keptFor(SystemMatrix& matrix
 void AutomaticLinearSolver::chooseFor(SystemMatrix& matrix, Kept& kept) {
   const Index rows = matrix.rows();
   kept.now = {.way = Way::factors};
-  std::string& words = kept.first_choice;
-  words = fmt::format("{} factors: {} nodes are few", direct_->type(), rows);
+  kept.symmetric = matrix.symmetric();
+  kept.reason = fmt::format("{} nodes are few", rows);
   if (rows >= always_factored && rows <= direct_->mostRows()) {
     const Extents extents = extentsOf(rows, matrix.positions());
     const SolverCosts costs = solverCosts(matrix.pattern(), extents);
-    const std::string why =
+    kept.reason =
         fmt::format("{} nodes, {:.0f} x {:.0f} x {:.0f}, estimated {:.2g} s with factors of {:.2g} GB, {:.2g} s with multigrid",
                     rows, extents.length, extents.width, extents.height, costs.direct, 8e-9 * costs.factor_entries,
                     costs.multigrid());
-    words = fmt::format("{} factors: {}", direct_->type(), why);
-    if (costs.multigrid() < costs.direct) {
-      kept.now = {.way = Way::multigrid, .patience = costs.patience()};
-      words = "conjugate gradients with multigrid: " + why;
-    }
+    if (costs.multigrid() < costs.direct) kept.now = {.way = Way::multigrid, .patience = costs.patience()};
   }
   tellChoice(kept);
 }
 
 void AutomaticLinearSolver::tellChoice(const Kept& kept) {
-  choice_ = kept.now.lost_iterations == 0
-                ? kept.first_choice
-                : fmt::format("{} factors, after {} iterations with multigrid left a residual of {:.2g}", direct_->type(),
-                              kept.now.lost_iterations, kept.now.left);
+  if (kept.now.lost_iterations > 0)
+    choice_ = fmt::format("{} factors, after {} iterations with multigrid left a residual of {:.2g}", direct_->type(),
+                          kept.now.lost_iterations, kept.now.left);
+  else if (kept.now.way == Way::factors)
+    choice_ = fmt::format("{} factors: {}", direct_->type(), kept.reason);
+  else
+    choice_ = fmt::format("{} with multigrid: {}", kept.symmetric ? "conjugate gradients" : "GMRES", kept.reason);
   changes_ = 0;
   kept_.forEach([this](const Kept& each) { changes_ += each.now.lost_iterations > 0; });
 }
@@ -155,7 +159,6 @@ SolveReport AutomaticLinearSolver::iterate(SystemMatrix& matrix, ConstRows b, Ro
                                            Kept& kept) {
   SolveReport report;
   if (!begin(matrix, b, x, terms, report)) return report;
-  kept.work.resize(b.count);
   SolveReport prepared;
   if (!kept.inverse.follow(matrix, prepared, terms.stop)) {
     prepared.relative_residual = 1;
@@ -164,8 +167,14 @@ SolveReport AutomaticLinearSolver::iterate(SystemMatrix& matrix, ConstRows b, Ro
   const auto multiply = [&](ConstRows p, Rows out) { product(matrix, p, out); };
   const auto precondition = [&](ConstRows r, Rows z) { kept.inverse.apply(r, z); };
   const auto note = [&](double residual) { record(residual / norm_b_); };
-  const int most = std::min(iterations_, patienceOf(kept));
-  report = cg::preconditioned(multiply, precondition, note, {most, target(), terms.stop}, b, kept.work, x);
+  const cg::Limits limits{std::min(iterations_, patienceOf(kept)), target(), terms.stop};
+  if (kept.symmetric) {
+    kept.work.resize(b.count);
+    report = cg::preconditioned(multiply, precondition, note, limits, b, kept.work, x);
+  } else {
+    kept.space.resize(b.count);
+    report = gmres::solve(multiply, precondition, note, limits, b, kept.space, x);
+  }
   report.relative_residual /= norm_b_;
   if (report.stop != SolveStop::stopped) kept.inverse.solved(report);
   return report;
@@ -173,7 +182,11 @@ SolveReport AutomaticLinearSolver::iterate(SystemMatrix& matrix, ConstRows b, Ro
 
 SolveReport AutomaticLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms) {
   Kept& kept = keptFor(matrix);
-  if (kept.now.way == Way::factors || !matrix.symmetric()) return direct_->solve(matrix, b, x, terms);
+  if (kept.now.way == Way::factors) return direct_->solve(matrix, b, x, terms);
+  if (const bool now = matrix.symmetric(); now != kept.symmetric) {
+    kept.symmetric = now;
+    tellChoice(kept);
+  }
   const SolveReport report = iterate(matrix, b, x, terms, kept);
   constexpr double round_off = 1e-6;  // of a slender body: factors would leave as much
   const bool gave_up = report.stop == SolveStop::iteration_limit && report.iterations == patienceOf(kept);

@@ -9,8 +9,9 @@ namespace stroma {
 
 /// A V-cycle of smoothed aggregation over the assembled matrix, kept while the matrix changes. Each solve is compared
 /// with the first one after the hierarchy was made, by iterations for a decade of the residual: what it took more is
-/// lost, and once more is lost than a new hierarchy costs, the next matrix gets one. Costs are counted in iterations, so
-/// that each run does the same.
+/// lost, and once more is lost than a new hierarchy costs, the next matrix gets one. Pairs that come and go in the pattern
+/// count as other values do: what solves is the matrix as it is. Costs are counted in iterations, so that each run does the
+/// same. Of a matrix that is not symmetric the symmetric part gets the hierarchy.
 class Multigrid final : public ApproximateInverse {
  public:
   bool follow(SystemMatrix& matrix, SolveReport& report, StopToken stop) override;
@@ -36,6 +37,9 @@ class Multigrid final : public ApproximateInverse {
     double rate = 0;                            ///< iterations for a decade with the fresh one; 0: not known yet
     double lost = 0;                            ///< iterations more than with a fresh one, since it was made
   };
+  bool fits(const SystemMatrix& matrix) const {
+    return now_.hierarchy && now_.hierarchy->fine.a.rows() == matrix.rows();
+  }
   bool isCurrent(const SystemMatrix& matrix) const { return now_.key == matrix.key() || taken_back_ == matrix.key(); }
   bool make(SystemMatrix& matrix, SolveReport& report, StopToken stop);
 

@@ -17,7 +17,8 @@
 //   incomplete_cholesky  factors without fill, by blocks: about a third of the iterations; where a pivot fails, a
 //                        multiple of the diagonal is added, which the attribute `shift` tells
 //   warped               the factors that a direct solver of the same node made of a former matrix, turned with the
-//                        body (see WarpPreconditioner): few iterations whatever the mesh or Poisson's ratio
+//                        body (see WarpPreconditioner): few iterations whatever the mesh or Poisson's ratio. They outlive
+//                        pairs in contact that come and go
 //   multigrid            a V-cycle over groups of nodes (see MultigridPreconditioner): few iterations whatever the size,
 //                        without factors, which take memory and time beyond some 20,000 nodes
 //
@@ -66,6 +67,7 @@ class PCGLinearSolver final : public KrylovSolver, public FactorUser {
     if (ApproximateInverse* inverse = keptFor(matrix).inverse.get()) inverse->takeBack(matrix);
   }
   SolveReport solve(SystemMatrix& matrix, ConstRows b, Rows x, const SolveTerms& terms) override;
+  SolveReport iterate(SystemMatrix& matrix, ConstRows b, Rows x, ApproximateInverse* inverse, cg::Directions& work, int most);
   Index mostRows() const override;
   bool usesFactorOf(const Component&) const override { return use_ && link_.path == "warped"; }
 
@@ -160,16 +162,36 @@ SolveReport PCGLinearSolver::solve(SystemMatrix& matrix, ConstRows b, Rows x, co
     prepared.relative_residual = 1;
     return prepared;
   }
-  shift_ = inverse ? inverse->shift() : 0;
   factorisations_ += prepared.factored;
+  report = iterate(matrix, b, x, inverse.get(), work, iterations_);
+  if (inverse && report.stop == SolveStop::iteration_limit && report.iterations < iterations_) {
+    const int before = report.iterations;
+    inverse->giveUp();
+    SolveReport renewed;
+    if (!inverse->follow(matrix, renewed, terms.stop)) {
+      renewed.relative_residual = report.relative_residual, renewed.iterations = before;
+      return renewed;
+    }
+    factorisations_ += renewed.factored;
+    prepared.factored = prepared.factored || renewed.factored;
+    report = iterate(matrix, b, x, inverse.get(), work, iterations_ - before);
+    report.iterations += before;
+  }
+  shift_ = inverse ? inverse->shift() : 0;
   if (automatic) tellChoice(*automatic);
-  const auto multiply = [&](ConstRows p, Rows out) { product(matrix, p, out); };
-  ApproximateInverse* const preconditioner = inverse.get();
-  const auto precondition = [&](ConstRows r, Rows z) { preconditioner ? preconditioner->apply(r, z) : copy(r, z); };
-  const auto note = [&](double residual) { record(residual / norm_b_); };
-  report = cg::preconditioned(multiply, precondition, note, {iterations_, target(), terms.stop}, b, work, x);
-  report.relative_residual /= norm_b_;
   report.factored = prepared.factored;
+  return report;
+}
+
+/// From x on, with at most so many products, or as many as the inverse has patience for.
+SolveReport PCGLinearSolver::iterate(SystemMatrix& matrix, ConstRows b, Rows x, ApproximateInverse* inverse,
+                                     cg::Directions& work, int most) {
+  const auto multiply = [&](ConstRows p, Rows out) { product(matrix, p, out); };
+  const auto precondition = [&](ConstRows r, Rows z) { inverse ? inverse->apply(r, z) : copy(r, z); };
+  const auto note = [&](double residual) { record(residual / norm_b_); };
+  if (inverse) most = std::min(most, inverse->patience());
+  SolveReport report = cg::preconditioned(multiply, precondition, note, {most, target(), terms_.stop}, b, work, x);
+  report.relative_residual /= norm_b_;
   if (inverse && report.stop != SolveStop::stopped) inverse->solved(report);
   return report;
 }

@@ -20,6 +20,10 @@ class ApproximateInverse {
   virtual void apply(ConstRows r, Rows z) = 0;
   /// Told after each solve how many iterations it took: what is kept over several matrices is renewed by it.
   virtual void solved(const SolveReport&) {}
+  /// Iterations of one solve after which a new B would be the better choice: the solve then goes on with that, see giveUp().
+  virtual int patience() const { return std::numeric_limits<int>::max(); }
+  /// The next follow() makes B anew.
+  virtual void giveUp() {}
   /// Forgets the values seen so far.
   virtual void reset() = 0;
   /// See LinearSolver::serializeFor().

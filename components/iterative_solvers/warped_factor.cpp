@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "components/iterative_solvers/warped_factor.h"
 
+#include <algorithm>
+#include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "framework/scene/node.h"
 
@@ -25,9 +28,27 @@ void followRotation(const Mat3& a, Eigen::Quaterniond& q) {
   }
 }
 
+[[noreturn]] void refuseStored() { throw std::runtime_error("the checkpoint holds a factored matrix that is none"); }
+
+/// Shapes (rows + 1) and (blocks).
+BlockPattern patternOf(const std::vector<Index>& start, const std::vector<Index>& columns) {
+  if (start.empty() || start.front() != 0 || std::size_t(start.back()) != columns.size() ||
+      !std::is_sorted(start.begin(), start.end()))
+    refuseStored();
+  BlockPattern pattern(Index(start.size()) - 1);
+  for (Index row = 0; row < pattern.rows(); ++row)
+    for (Index s = start[std::size_t(row)]; s < start[std::size_t(row) + 1]; ++s) {
+      const Index column = columns[std::size_t(s)];
+      if (column < 0 || column >= pattern.rows()) refuseStored();
+      pattern.addBlock(row, column);
+    }
+  return pattern;
+}
+
 }  // namespace
 
-void WarpedFactor::turn(const BlockMatrix& matrix, ConstRows x) {
+void WarpedFactor::turn(ConstRows x) {
+  const BlockMatrix& matrix = origins_[now_.origin].matrix;
   const Vector& origin = origins_[now_.origin].positions;
   for (Index i = 0; i < matrix.rows(); ++i) {
     Mat3 a = Mat3::Zero();
@@ -45,10 +66,10 @@ bool WarpedFactor::follow(SystemMatrix& matrix, SolveReport& report, StopToken s
   start_ = std::chrono::steady_clock::now();
   taken_back_ = {};
   if (now_.renew || !fits(matrix)) return renew(matrix, report, stop);
-  if (factored_ != now_.origin && !makeAgain(matrix, report, stop)) return false;
+  if (factored_ != now_.origin && !makeAgain(report, stop)) return false;
   if (now_.key == matrix.key()) return true;
   now_.fresh = false;
-  if (const ConstRows positions = matrix.positions(); positions.count > 0) turn(matrix.pattern(), positions);
+  if (const ConstRows positions = matrix.positions(); positions.count > 0) turn(positions);
   now_.key = matrix.key();
   return true;
 }
@@ -56,14 +77,18 @@ bool WarpedFactor::follow(SystemMatrix& matrix, SolveReport& report, StopToken s
 /// The factors of the matrix as it is.
 bool WarpedFactor::renew(SystemMatrix& matrix, SolveReport& report, StopToken stop) {
   const ConstRows positions = matrix.positions();
+  const std::size_t next = 1 - kept_.origin;
+  Origin& origin = origins_[next];
   now_.fresh = true;
   now_.rows = -1;
   factored_ = none;
-  factors_ = solver_.factor(matrix, report, stop);
+  origin.matrix = matrix.assemble();
+  origin.symmetric = matrix.symmetric();
+  former_.show(origin.matrix, origin.symmetric);
+  factors_ = solver_.factor(former_, report, stop);
   if (!factors_) return false;
   if (work_.count() != matrix.rows()) work_.resize(matrix.rows());
-  now_.origin = factored_ = 1 - kept_.origin;
-  Origin& origin = origins_[now_.origin];
+  now_.origin = factored_ = next;
   if (positions.count > 0) {
     if (origin.positions.count() != positions.count) origin.positions.resize(positions.count);
     copy(positions, origin.positions);
@@ -71,20 +96,23 @@ bool WarpedFactor::renew(SystemMatrix& matrix, SolveReport& report, StopToken st
     matrices_.resize(positions.count);
   }
   now_.rows = matrix.rows(), now_.key = matrix.key();
-  origin.values = matrix.assemble().values();
   now_.renew = now_.turned = false;
-  now_.iteration_seconds = factors_->cost().apply + block_product_seconds * matrix.assemble().blocks();
+  now_.iteration_seconds = factors_->cost().apply + block_product_seconds * origin.matrix.blocks();
+  now_.factor_seconds = factors_->cost().factor;
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start_;
-  now_.spent = renewal_ == Renewal::clock ? took.count() : factors_->cost().factor;
+  now_.spent = renewal_ == Renewal::clock ? took.count() : now_.factor_seconds;
   now_.solves = 0;
   start_ = std::chrono::steady_clock::now();
   return true;
 }
 
-/// Those of the values that the memory has.
-bool WarpedFactor::makeAgain(SystemMatrix& matrix, SolveReport& report, StopToken stop) {
+/// Those of the matrix that the memory has.
+bool WarpedFactor::makeAgain(SolveReport& report, StopToken stop) {
+  const Origin& origin = origins_[now_.origin];
   factored_ = none;
-  factors_ = solver_.factorValues(matrix, origins_[now_.origin].values, stop);
+  SolveReport again;
+  former_.show(origin.matrix, origin.symmetric);
+  factors_ = solver_.factor(former_, again, stop);
   if (!factors_) {
     report.stop = stop.isStopAsked() ? SolveStop::stopped : SolveStop::breakdown;
     return false;
@@ -92,6 +120,13 @@ bool WarpedFactor::makeAgain(SystemMatrix& matrix, SolveReport& report, StopToke
   factored_ = now_.origin;
   if (work_.count() != now_.rows) work_.resize(now_.rows);
   return true;
+}
+
+/// Of a solve by former factors; one by fresh factors has nothing to give up for.
+int WarpedFactor::patience() const {
+  constexpr double least = 10;
+  if (now_.fresh || renewal_ == Renewal::never || !(now_.iteration_seconds > 0)) return std::numeric_limits<int>::max();
+  return int(std::clamp(now_.factor_seconds / now_.iteration_seconds, least, 1e6));
 }
 
 void WarpedFactor::noteRotations() {
@@ -105,10 +140,19 @@ void WarpedFactor::takeBack(const SystemMatrix& matrix) {
   noteRotations();
 }
 
+void WarpedFactor::Origin::serialize(Archive& archive) {
+  std::vector<Index> start = matrix.rowStart(), columns = matrix.columns();
+  archive.rows("positions", positions);
+  archive.value("factored_symmetric", symmetric);
+  archive.list("factored_start", start);
+  archive.list("factored_columns", columns);
+  if (archive.isReading()) matrix = BlockMatrix(patternOf(start, columns));
+  archive.list("factored_values", matrix.values());
+  if (matrix.values().size() != 9 * std::size_t(matrix.blocks())) refuseStored();
+}
+
 void WarpedFactor::serialize(SystemMatrix& matrix, Archive& archive) {
   Origin& origin = origins_[now_.origin];
-  // factors of a pattern that has gone are made anew by the next follow(): their values are not worth keeping
-  if (!archive.isReading() && !fits(matrix)) now_.rows = -1, origin.values.clear();
   bool is_current = now_.rows >= 0 && isCurrent(matrix);
   archive.value("rows", now_.rows);
   archive.value("current", is_current);
@@ -117,18 +161,18 @@ void WarpedFactor::serialize(SystemMatrix& matrix, Archive& archive) {
   archive.value("turned", now_.turned);
   archive.value("rough", now_.rough);
   archive.value("iteration_seconds", now_.iteration_seconds);
+  archive.value("factor_seconds", now_.factor_seconds);
   archive.value("spent", now_.spent);
   archive.value("solves", now_.solves);
-  archive.rows("positions", origin.positions);
   archive.list("rotations", now_.rotations);
-  archive.list("factored_values", origin.values);
+  origin.serialize(archive);
   if (!archive.isReading()) return;
   factored_ = none;
   taken_back_ = {};
   if (now_.rows < 0) return;
-  if (now_.rows != matrix.rows() || origin.values.size() != matrix.pattern().values().size())
+  if (now_.rows != matrix.rows() || origin.matrix.rows() != matrix.rows())
     throw std::runtime_error(
-        "the checkpoint holds a factored matrix of another pattern: it was written by another scene");
+        "the checkpoint holds a factored matrix of another number of nodes: it was written by another scene");
   now_.key = matrix.key();
   if (!is_current) now_.key.values = -1;
   noteRotations();

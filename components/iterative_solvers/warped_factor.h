@@ -4,6 +4,7 @@
 #include <array>
 #include <chrono>
 
+#include "components/iterative_solvers/former_matrix.h"
 #include "components/iterative_solvers/preconditioner.h"
 #include "framework/algebra/direct_solver.h"
 
@@ -11,12 +12,12 @@ namespace stroma {
 
 /// The factors of a former matrix A_0, turned by how much each node's surroundings have turned since:
 ///   B = R A_0^-1 R^T,   R block-diagonal (Courtecuisse, Allard, Duriez, Cotin 2010).
-/// R_i is the rotation nearest to sum_j (x_j - x_i)(X_j - X_i)^T over the neighbours j of node i in the matrix's graph,
+/// R_i is the rotation nearest to sum_j (x_j - x_i)(X_j - X_i)^T over the neighbours j of node i in the graph of A_0,
 /// X the positions when A_0 was factored. Without positions R = I.
 ///
 /// The factors are renewed when a solve cost more than the solves since the last factorisation on average, the
-/// factorisation included: to go on would raise that average. They are also renewed when the pattern of the matrix has
-/// changed: the neighbours of a node are then others.
+/// factorisation included: to go on would raise that average. A solve that takes longer than a factorisation is given up for
+/// one. Blocks that come and go in the pattern, as pairs in contact do, count as other values.
 class WarpedFactor final : public ApproximateInverse {
  public:
   enum class Renewal {
@@ -30,6 +31,8 @@ class WarpedFactor final : public ApproximateInverse {
   bool follow(SystemMatrix& matrix, SolveReport& report, StopToken stop) override;
   void apply(ConstRows r, Rows z) override;
   void solved(const SolveReport& report) override;
+  int patience() const override;
+  void giveUp() override { now_.renew = true; }
   void keep(const SystemMatrix& matrix) override { kept_ = now_, kept_current_ = isCurrent(matrix); }
   /// Factors that were renewed meanwhile are made again from the values before when they are needed.
   void takeBack(const SystemMatrix& matrix) override;
@@ -42,21 +45,24 @@ class WarpedFactor final : public ApproximateInverse {
   }
 
  private:
-  /// Factors are kept, and of the matrix's present pattern.
+  /// Factors are kept, and of as many nodes. What is never renewed for its costs is renewed for another pattern, and where an
+  /// edit has changed what the matrix is made of.
   bool fits(const SystemMatrix& matrix) const {
-    return now_.rows == matrix.rows() && now_.key.pattern == matrix.key().pattern;
+    return now_.rows == matrix.rows() && (renewal_ != Renewal::never || now_.key.pattern == matrix.key().pattern);
   }
   /// Is the matrix that of the last follow(), as far as the steps that were taken go?
   bool isCurrent(const SystemMatrix& matrix) const { return now_.key == matrix.key() || taken_back_ == matrix.key(); }
-  void turn(const BlockMatrix& matrix, ConstRows positions);
+  void turn(ConstRows positions);
   bool renew(SystemMatrix& matrix, SolveReport& report, StopToken stop);
-  bool makeAgain(SystemMatrix& matrix, SolveReport& report, StopToken stop);
+  bool makeAgain(SolveReport& report, StopToken stop);
   void noteRotations();
 
   /// Where the factors were made.
   struct Origin {
-    Vector positions;            ///< X
-    std::vector<double> values;  ///< of A_0, shape (blocks, 9)
+    Vector positions;  ///< X
+    BlockMatrix matrix;  ///< A_0
+    bool symmetric = true;
+    void serialize(Archive& archive);
   };
   /// What later solves depend on.
   struct Memory {
@@ -67,6 +73,7 @@ class WarpedFactor final : public ApproximateInverse {
     bool turned = false;
     bool rough = true;             ///< factors are applied in single precision
     double iteration_seconds = 0;  ///< estimate of one product and one application
+    double factor_seconds = 0;     ///< of a factorisation
     double spent = 0;              ///< seconds since the last factorisation, with it
     int solves = 0;                ///< since then
     std::size_t origin = 0;        ///< which of origins_
@@ -75,7 +82,8 @@ class WarpedFactor final : public ApproximateInverse {
 
   DirectSolver& solver_;
   Renewal renewal_;
-  Factorisation* factors_ = nullptr;  ///< the solver's for this matrix, kept from one renewal to the next
+  FormerMatrix former_;
+  Factorisation* factors_ = nullptr;  ///< the solver's for former_, kept from one renewal to the next
   std::size_t factored_ = none;       ///< of which origin they are
   static constexpr std::size_t none = 2;
   std::array<Origin, 2> origins_;  ///< that of the step before stays until the step is taken

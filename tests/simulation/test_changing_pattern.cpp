@@ -79,7 +79,7 @@ class CountingFactorisation final : public Factorisation {
     all = factors_.solve(all);
     for (Index i = 0; i < x.count; ++i) x[i] = all.segment<3>(3 * i);
   }
-  Cost cost() const override { return {}; }
+  Cost cost() const override { return {.factor = 6e-6}; }  // some hundred products of six nodes
 
  private:
   Eigen::LDLT<Eigen::MatrixXd> factors_;
@@ -163,7 +163,9 @@ TEST(ChangingPattern, IsThatOfASceneCompiledWithTheSameSprings) {
   EXPECT_LT(a.matrix().assemble().blocks(), b.matrix().assemble().blocks()) << "a spring has gone with its blocks";
 }
 
-TEST(ChangingPattern, AWarpedFactorIsUsedForItsOwnPatternOnlyAlsoAfterARestore) {
+/// Former factors precondition a matrix that has lost or won springs, until that takes too many iterations: the trajectory is that
+/// of the matrix itself, also of a run that is taken up again while the factors are of another pattern.
+TEST(ChangingPattern, AWarpedFactorOutlivesItsPatternAlsoInARestore) {
   const std::string warped =
       "<PCGLinearSolver iterations=\"200\" tolerance=\"1e-12\" preconditioner=\"warped\"/><TestCountingSolver/>";
   analyses = 0;
@@ -175,7 +177,10 @@ TEST(ChangingPattern, AWarpedFactorIsUsedForItsOwnPatternOnlyAlsoAfterARestore) 
     ASSERT_FALSE(whole.step().diverged);
     hashes.push_back(whole.stateHash());
   }
-  EXPECT_EQ(analyses, 6) << "one per pattern";
+  EXPECT_LT(analyses, 6) << "one per pattern: nothing outlived it";
+  Simulation plain = simulationFromText(scene(products, coming));
+  for (int step = 1; step <= 30; ++step) plain.step();
+  EXPECT_LT(largestDifference(whole, plain), 1e-9);
   Simulation restored = simulationFromText(scene(warped, coming));
   for (std::size_t from = 0; from < stored.size(); ++from) {
     restored.restore(stored[from]);

@@ -170,7 +170,7 @@ TEST_F(Placements, EverythingActsOrIsRefused) {
   modules().openAll();
   std::map<std::string, std::vector<std::string>> types_of;
   for (const auto& entry : modules().index()) {
-    const std::string example = exampleOf(modules().manual(entry.type));
+    const std::string example = exampleIn(modules().manual(entry.type));
     if (!example.empty()) types_of[example].push_back(entry.type);
   }
   const std::string folder = folder_.string();

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Implicit steps by Newton's method whose scene names no linear solver: early solves are loose, and what a step finds is not.
+#include <fmt/format.h>
+
+#include "framework/simulation/integrator.h"
+#include "framework/simulation/system.h"
+#include "tests/support/scene_text.h"
+
+namespace stroma::test {
+namespace STROMA_TEST_FILE {
+
+/// A bar of tetrahedra that swings far under its weight.
+std::string bar(const std::string& integrator, const std::string& solver, const std::string& method = "svd") {
+  return fmt::format(R"(<Node name="root" dt="0.02" gravity="0 -9.81 0">
+    <EulerImplicitSolver newtonIterations="30" {}/>
+    {}
+    <RegularGridTopology name="grid" n="9 3 3" min="0 0 0" max="0.4 0.1 0.1"/>
+    <MechanicalObject name="dofs"/><UniformMass totalMass="4"/>
+    <BoxROI name="wall" box="-0.001 -1 -1  0.001 1 1"/><FixedProjectiveConstraint indices="@wall.indices"/>
+    <Node name="cells"><TetrahedronSetTopologyContainer name="tetrahedra"/>
+      <Hexa2TetraTopologicalMapping input="@../grid" output="@tetrahedra" cutting="five"/>
+      <TetrahedronFEMForceField mstate="@../dofs" topology="@tetrahedra" youngModulus="30000" poissonRatio="0.4"
+          method="{}"/></Node></Node>)",
+                     integrator, solver, method);
+}
+
+struct Effort {
+  int newton = 0, linear = 0;
+};
+Effort run(Simulation& simulation, int steps) {
+  Effort sum;
+  for (int step = 0; step < steps; ++step) {
+    const StepReport report = simulation.step();
+    EXPECT_TRUE(report.newton_converged && report.linear_converged) << report.reason;
+    sum.newton += report.newton_iterations, sum.linear += report.linear_iterations;
+  }
+  return sum;
+}
+
+TEST(NewtonForcing, LooseSolvesFindWhatExactOnesDoWithFewerProducts) {
+  const std::string tolerance = "newtonTolerance='1e-7'", exact_solver = "<PCGLinearSolver tolerance='1e-12'/>";
+  Simulation open = simulationFromText(bar(tolerance, "")), exact = simulationFromText(bar(tolerance, exact_solver));
+  constexpr int steps = 15;
+  const Effort loose = run(open, steps), tight = run(exact, steps);
+  const Vector &x = open.systems()[0]->x, &y = exact.systems()[0]->x;
+  double moved = 0;
+  for (const State* state : open.states())
+    for (Index i = 0; i < state->size(); ++i) moved = std::max(moved, (x[i] - state->rest_position[std::size_t(i)]).norm());
+  EXPECT_GT(moved, 0.05) << "it hardly moves";
+  for (Index i = 0; i < x.count(); ++i) EXPECT_LT((x[i] - y[i]).norm(), 1e-5 * moved) << "node " << i;
+  EXPECT_LT(loose.linear, tight.linear / 2);
+  EXPECT_LE(loose.newton, tight.newton * 2);
+  expectContains(open.systems()[0]->integrator().describe(), "early linear solves to 0.1");
+}
+
+/// A solver that the scene names keeps its tolerance, and so do forces for which one solve is the solution.
+TEST(NewtonForcing, IsOfScenesThatLeaveTheSolverOpenAndAreNotLinear) {
+  const auto hashOf = [](const std::string& text) {
+    Simulation simulation = simulationFromText(text);
+    run(simulation, 3);
+    return simulation.stateHash();
+  };
+  const std::uint64_t named = hashOf(bar("", "<PCGLinearSolver/>"));
+  EXPECT_EQ(hashOf(bar("newtonForcing='0'", "")), named);
+  EXPECT_NE(hashOf(bar("", "")), named);
+  EXPECT_EQ(hashOf(bar("newtonForcing='0.1'", "<PCGLinearSolver/>")), hashOf(bar("", "")));
+  EXPECT_EQ(hashOf(bar("", "", "small")), hashOf(bar("newtonForcing='0'", "", "small")));
+}
+
+}  // namespace STROMA_TEST_FILE
+}  // namespace stroma::test
