@@ -18,8 +18,8 @@
 // the other body hold it whole.
 //
 // Node indices1[i] of object1 is joined to node indices2[i] of object2; without the objects both are of the state of
-// this node. Bodies that have an integrator each move in one system, which takes integrators of one kind with the same
-// attributes. A node may be attached to several others.
+// this node. Bodies that have an integrator each move in one system, by the first of them, and a warning says where the
+// integrators differ. A node may be attached to several others.
 //
 // Source: the attributes are SOFA's; there a two-way pair shares positions but not its inertia.
 //

@@ -42,10 +42,11 @@ void PairConstraint::checkState(const State& state) const {
                                      state.hasFrames() ? "rigid frames" : "others"),
                          "a state of numbers (template=\"Vec1\")");
   }
-  if (state.hasPointsOnly() || (nodes() == Nodes::points_or_frames && state.hasFrames())) return;
-  const bool frames = nodes() == Nodes::points_or_frames;
+  const bool frames = nodes() == Nodes::points_or_frames, values = nodes() == Nodes::points_or_values;
+  if (state.hasPointsOnly() || (frames && state.hasFrames()) || (values && !state.hasFrames())) return;
   throw ComponentError(
-      fmt::format("this constraint acts on points{}, and {} has {}", frames ? " or rigid frames" : "", state.path(),
+      fmt::format("this constraint acts on points{}, and {} has {}", frames ? " or rigid frames" : values ? " or numbers" : "",
+                  state.path(),
                   state.hasFrames() ? "rigid frames" : "numbers"),
       frames ? "a state of points or of frames (template=\"Vec3\" or \"Rigid3\")" : "a state of points (template=\"Vec3\")",
       state.hasFrames() ? "points that follow the frames by a RigidMapping" : "");

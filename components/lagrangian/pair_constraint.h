@@ -23,7 +23,7 @@ class PairConstraint : public Component, public LagrangianConstraint {
 
  protected:
   /// What states may hold.
-  enum class Nodes { points, points_or_frames, values };
+  enum class Nodes { points, points_or_frames, points_or_values, values };
   virtual Nodes nodes() const { return Nodes::points; }
   void declareOneState(DataTable& table);  ///< instead of declare(): mstate, forces
   State& first() const { return *first_; }

@@ -26,9 +26,9 @@ void PenaltyField::init() {
   }
   nodes_ = allNodes(state());
   if (!ranged || (range_.size() == 2 && (range_[0] < 0 || range_[1] < 0))) return;
-  if (range_.size() != 2 || range_[0] >= range_[1] || range_[1] > state().size())
-    throw ComponentError(fmt::format("localRange is no range of the {} nodes of {}", state().size(), state().path()),
-                         fmt::format("two numbers: first < last <= {}", state().size()));
+  if (range_.size() != 2 || range_[0] >= range_[1] || range_[1] > state().nodes())
+    throw ComponentError(fmt::format("localRange is no range of the {} nodes of {}", state().nodes(), state().path()),
+                         fmt::format("two numbers: first < last <= {}", state().nodes()));
   nodes_ = {nodes_.begin() + range_[0], nodes_.begin() + range_[1]};
 }
 

@@ -6,7 +6,7 @@
 //   E = k/2 g^2,   f = k g n - c g v,   df/dx = -k n n^T (and the normal part of the damping),   df/dv = -c g I
 //
 // A body of mass m rests at the depth m g_0 / k per node that carries it. maxForce limits k g. bilateral pulls nodes in
-// front of the plane back to it as well (the damping then goes with |g|).
+// front of the plane back to it as well (the damping then goes with |g|). Of frames the centres feel it.
 //
 // Source: the attributes are SOFA's.
 //
@@ -37,11 +37,14 @@ class PlaneForceField final : public PenaltyField {
   }
   void init() override {
     PenaltyField::init();
+    if (!state().hasPointsOnly() && !state().hasFrames())
+      throw ComponentError("this force field acts on points, and " + state().path() + " has numbers", "a state of points or of frames");
     if (!(normal_.norm() > 0)) throw ComponentError("normal has no direction", "a vector that is not zero");
     unit_normal_ = normal_.normalized();
   }
 
  protected:
+  bool takesAllRows() const override { return true; }  // the centres of frames
   Depth depth(const Vec3& x) const override {
     const double g = offset_ - unit_normal_.dot(x);
     if (bilateral_ && g < 0) return {-g, unit_normal_, Mat3::Zero()};

@@ -8,7 +8,8 @@
 // damped. There is no energy and no stiffness; implicit integrators take C into their matrix, so any c is stable there,
 // and an explicit step is stable while dt c is below twice the mass of a node.
 //
-// With explicitDamping the uniform one has no C: the force is that of the velocity where a step starts.
+// With explicitDamping the uniform one has no C: the force is that of the velocity where a step starts. It damps numbers and frames,
+// too: of these the velocity by -c v and the turning by the torque -c w, c in N m s.
 //
 // Source: the names and attributes are SOFA's; its `implicit` has no effect, since C is used unless explicitDamping is written.
 //
@@ -48,9 +49,9 @@ class VelocityDamping : public NodeGroupField<1> {
     return traits;
   }
   void compile() override {
-    setNodes(nodes_, true);
-    for (std::size_t i = 0; i < nodes_.size(); ++i)
-      damping_[i].blocks[0] = -coefficientsOf(i).asDiagonal().toDenseMatrix();
+    setNodes(rowsOf(nodes_, state()), true);
+    for (std::size_t i = 0; i < damping_.size(); ++i)
+      damping_[i].blocks[0] = -coefficientsOf(i / std::size_t(state().rows_per_node)).asDiagonal().toDenseMatrix();
   }
   double energy(ConstRows) const override { return 0; }
   void addForce(ConstRows, ConstRows v, Rows f) override { addDampingProduct(v, 1, f); }
@@ -76,6 +77,7 @@ class UniformVelocityDampingForceField final : public VelocityDamping {
 
  protected:
   Vec3 coefficientsOf(std::size_t) const override { return Vec3::Constant(coefficient_); }
+  bool takesAllRows() const override { return true; }  // velocities of frames turn, too
   bool isExplicit() const override { return explicit_; }
 
  private:

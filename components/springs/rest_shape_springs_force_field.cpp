@@ -77,6 +77,7 @@ class RestShapeSpringsForceField final : public NodeGroupField<1>, public DrawnS
           "points, or external_points of another state");
     spread(stiffness_constants_, nodes_.size(), "stiffness", "points");
     spread(angular_stiffness_, nodes_.size(), "angularStiffness", "points");
+    if (directions_.size() == 7 && state().hasFrames()) directions_.pop_back();  // SOFA's have one for each number of a frame
     const std::size_t count = directions_.size();
     if (count != 3 && !(count == 6 && state().hasFrames()))
       throw ComponentError(fmt::format("activeDirections has {} values", count), "3 values");

@@ -13,6 +13,10 @@
 // each: i j k c L0. Node i belongs to `object1`, node j to `object2`; without them both are of the state of this node.
 // `stiffness`, `damping`, `lengths`, `elongationOnly` and `enabled` have a value for each spring or one for all.
 //
+// With `explicitForce` the springs are no part of the matrix of a step. A step that makes one linear system then has the forces of
+// its start, equal and opposite on both bodies: momentum is kept, and stiff springs need small steps. SOFA does so where it
+// solves for each body alone.
+//
 // Source: the attributes are SOFA's (StiffSpringForceField is an older name).
 //
 // Example:
@@ -55,6 +59,7 @@ class SpringForceField final : public SpringField {
         .min(0);
     table.add("elongationOnly", elongation_only_).help("no force while the spring is shorter than at rest");
     table.add("enabled", enabled_).help("false: the spring is left out");
+    table.add("explicitForce", explicit_force_).help("the springs are no part of the matrix: not stable for stiff ones");
   }
 
   void init() override {
@@ -64,6 +69,12 @@ class SpringForceField final : public SpringField {
     ForceField::init();
     State* second = object2_.get() ? object2_.get() : &state();
     setSprings(data().find("spring")->isSet() ? fromOneList(*second) : fromLists(*second), second);
+  }
+
+  ForceTraits traits() const override {
+    ForceTraits traits = SpringField::traits();
+    if (explicit_force_) traits.has_stiffness = traits.velocity_dependent = traits.exact_tangent = false;
+    return traits;
   }
 
  protected:
@@ -126,6 +137,7 @@ class SpringForceField final : public SpringField {
   std::vector<double> all_in_one_, lengths_{0}, stiffness_{100}, damping_{5};
   std::vector<int> indices1_, indices2_;
   std::vector<bool> elongation_only_{false}, enabled_{true};
+  bool explicit_force_ = false;
 };
 
 }  // namespace

@@ -6,6 +6,8 @@
 // the numbers is 1, they are all nodes of the box in the order of RegularGridTopology. Quads are those normal to z, y, then x,
 // of the lower end before the upper.
 //
+// SphereQuadTopology: the same quads on a sphere, each node p of the cube from -1 to 1 at  center + radius (max |p_i| / |p|) p.
+//
 // Source: names, attributes and the order are SOFA's.
 //
 // Example:
@@ -17,6 +19,12 @@
 //   <UniformMass totalMass="1"/>
 //   <MeshSpringForceField stiffness="100"/>
 //   <QuadPressureForceField quadList="0 1 2 3" pressure="0 0 1"/>
+//   <Node name="ball">
+//     <SphereQuadTopology nx="4" ny="4" nz="4" center="0 0 3" radius="0.5"/>
+//     <MechanicalObject/>
+//     <UniformMass totalMass="1"/>
+//     <MeshSpringForceField stiffness="100"/>
+//   </Node>
 // </Node>
 #include <fmt/format.h>
 
@@ -27,13 +35,12 @@
 namespace stroma {
 namespace {
 
-class CubeTopology final : public Topology {
+class CubeTopology : public Topology {
  public:
   void declare(DataTable& table) override {
     for (std::size_t a = 0; a < 3; ++a)
       table.add(std::string("n") + "xyz"[a], n_[a]).help("number of nodes along one axis").min(1).required();
-    table.add("min", min_).unit("m").help("lower corner of the box");
-    table.add("max", max_).unit("m").help("upper corner of the box");
+    declareShape(table);
     table.add("internalPoints", is_full_).help("the nodes inside are there too");
     table.add("position", mesh_.position).alias("points").unit("m").help("nodes").output();
     addCellList(table, cell_kinds::quad, mesh_.quads).help("the cells").output();
@@ -53,15 +60,25 @@ class CubeTopology final : public Topology {
         if (!upper || n_[axis] > 1) makeQuads(axis, upper);
   }
 
- private:
+ protected:
   using Place = std::array<int, 3>;
+  virtual void declareShape(DataTable& table) {
+    table.add("min", min_).unit("m").help("lower corner of the box");
+    table.add("max", max_).unit("m").help("upper corner of the box");
+  }
+  virtual Vec3 placeOf(const Place& at) const { return between(min_, max_, at); }
+  Vec3 between(const Vec3& low, const Vec3& high, const Place& at) const {
+    Vec3 p = low;
+    for (std::size_t a = 0; a < 3; ++a)
+      if (n_[a] > 1) p[Eigen::Index(a)] += (high - low)[Eigen::Index(a)] / (n_[a] - 1) * at[a];
+    return p;
+  }
+
+ private:
   Index& number(const Place& at) { return number_[std::size_t(at[0]) + std::size_t(n_[0]) * (at[1] + std::size_t(n_[1]) * at[2])]; }
   void addNode(const Place& at) {
     number(at) = Index(mesh_.position.size());
-    Vec3 p = min_;
-    for (std::size_t a = 0; a < 3; ++a)
-      if (n_[a] > 1) p[Eigen::Index(a)] += (max_ - min_)[Eigen::Index(a)] / (n_[a] - 1) * at[a];
-    mesh_.position.push_back(p);
+    mesh_.position.push_back(placeOf(at));
   }
   void addLayer(int k) {
     for (int j = 0; j < n_[1]; ++j)
@@ -118,9 +135,27 @@ class CubeTopology final : public Topology {
   std::vector<Index> number_;  ///< of the nodes of the box; -1: not there
 };
 
+class SphereQuadTopology final : public CubeTopology {
+ protected:
+  void declareShape(DataTable& table) override {
+    table.add("center", center_).unit("m").help("middle of the sphere");
+    table.add("radius", radius_).unit("m").help("its radius").min(0, false);
+    for (const char* name : {"min", "max"}) table.addVisualOnly(name);
+  }
+  Vec3 placeOf(const Place& at) const override {
+    const Vec3 p = between(-Vec3::Ones(), Vec3::Ones(), at);
+    return p.isZero(0) ? center_ : Vec3(center_ + radius_ * p.cwiseAbs().maxCoeff() / p.norm() * p);
+  }
+
+ private:
+  Vec3 center_ = Vec3::Zero();
+  double radius_ = 1;
+};
+
 }  // namespace
 }  // namespace stroma
 
 STROMA_COMPONENT(cube_topology) {
   factory.add<stroma::CubeTopology>("CubeTopology", "the surface of a box, cut into quads");
+  factory.add<stroma::SphereQuadTopology>("SphereQuadTopology", "the surface of a sphere, cut into quads");
 }

@@ -11,6 +11,11 @@
 // is looked at on a grid that is 2^k times as fine: a cell lies inside when all of its fine cells do, is on the border when some
 // do or are cut, and its factor is the mean of theirs.
 //
+// SparseGridRamificationTopology does not join what lies side by side in one cell, as two fingers. Fine cells are neighbours when
+// they have a side in common and, with finestConnectivity, one of them lies inside or a triangle meets both. A cell has a copy for
+// each group of its fine cells that are neighbours, with nodes of its own, and copies share nodes where fine cells of both are
+// neighbours. Nodes of equal places follow each other.
+//
 // Source: M. Nesme, Y. Payan, F. Faure: Animating shapes at arbitrary resolution with non-uniform stiffness (2006); names,
 // attributes and the order of cells and nodes are SOFA's. Boxes and triangles: T. Akenine-Moller 2001.
 //
@@ -23,12 +28,21 @@
 //   <UniformMass totalMass="1"/>
 //   <HexahedronFEMForceField youngModulus="1e4" poissonRatio="0.3" localStiffnessFactor="@grid.cellFactors"/>
 //   <FixedProjectiveConstraint indices="0 1"/>
+//   <Node name="fingers">
+//     <SparseGridRamificationTopology n="3 2 2" nbVirtualFinerLevels="3" finestConnectivity="true"
+//       position="0 0 3  1 0 3  0 0.4 3  0 0 4   0 0.6 3  1 0.6 3  0 1 3  0 0.6 4"
+//       triangles="0 2 1  0 1 3  1 2 3  2 0 3   4 6 5  4 5 7  5 6 7  6 4 7"/>
+//     <MechanicalObject/>
+//     <UniformMass totalMass="1"/>
+//     <HexahedronFEMForceField youngModulus="1e4" poissonRatio="0.3"/>
+//   </Node>
 // </Node>
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "framework/mesh/cell_attributes.h"
 #include "framework/mesh/topology.h"
@@ -63,8 +77,23 @@ class Cells {
         size_((high - low).cwiseQuotient(Vec3(count[0], count[1], count[2]))),
         places_(std::size_t(count[0]) * std::size_t(count[1]) * std::size_t(count[2]), Place::unknown) {}
   Place& at(int i, int j, int k) { return places_[index(i, j, k)]; }
+  Place placeOf(std::size_t cell) const { return places_[cell]; }
+  std::size_t index(int i, int j, int k) const {
+    return std::size_t(i) + std::size_t(count_[0]) * (std::size_t(j) + std::size_t(count_[1]) * std::size_t(k));
+  }
+  std::size_t size() const { return places_.size(); }
 
-  void markBorder(const std::array<Vec3, 3>& corners) {
+  /// The triangles that meet cells on the border are kept for areNeighbours().
+  void keepTriangles() { triangles_.resize(places_.size()); }
+  /// Of two cells with a side in common.
+  bool areNeighbours(std::size_t a, std::size_t b) const {
+    if (places_[a] == Place::outside || places_[b] == Place::outside) return false;
+    if (triangles_.empty() || places_[a] != Place::border || places_[b] != Place::border) return true;
+    return std::find_first_of(triangles_[a].begin(), triangles_[a].end(), triangles_[b].begin(), triangles_[b].end()) !=
+           triangles_[a].end();
+  }
+
+  void markBorder(const std::array<Vec3, 3>& corners, int triangle) {
     std::array<int, 3> first{}, last{};
     for (int a = 0; a < 3; ++a) {
       const double least = std::min({corners[0][a], corners[1][a], corners[2][a]});
@@ -77,8 +106,9 @@ class Cells {
       for (int j = first[1]; j <= last[1]; ++j)
         for (int i = first[0]; i <= last[0]; ++i) {
           const Vec3 middle = low_ + size_.cwiseProduct(Vec3(i + 0.5, j + 0.5, k + 0.5));
-          if (meetsBox({corners[0] - middle, corners[1] - middle, corners[2] - middle}, size_ / 2))
-            at(i, j, k) = Place::border;
+          if (!meetsBox({corners[0] - middle, corners[1] - middle, corners[2] - middle}, size_ / 2)) continue;
+          at(i, j, k) = Place::border;
+          if (!triangles_.empty()) triangles_[index(i, j, k)].push_back(triangle);
         }
   }
   /// Spreads from the sides of the box.
@@ -102,15 +132,31 @@ class Cells {
   }
 
  private:
-  std::size_t index(int i, int j, int k) const {
-    return std::size_t(i) + std::size_t(count_[0]) * (std::size_t(j) + std::size_t(count_[1]) * std::size_t(k));
-  }
   std::array<int, 3> count_;
   Vec3 low_, size_;
   std::vector<Place> places_;
+  std::vector<std::vector<int>> triangles_;  ///< of each cell, or empty
 };
 
-class SparseGridTopology final : public Topology {
+/// Sets that are joined.
+class Sets {
+ public:
+  explicit Sets(std::size_t count) : of_(count) { std::iota(of_.begin(), of_.end(), std::size_t(0)); }
+  std::size_t find(std::size_t i) {
+    while (of_[i] != i) i = of_[i] = of_[of_[i]];
+    return i;
+  }
+  void join(std::size_t a, std::size_t b) { of_[std::max(find(a), find(b))] = find(std::min(find(a), find(b))); }
+
+ private:
+  std::vector<std::size_t> of_;
+};
+
+using GridPlace = std::array<int, 3>;
+constexpr int cube_corners[8][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
+GridPlace operator+(const GridPlace& cell, const int* by) { return {cell[0] + by[0], cell[1] + by[1], cell[2] + by[2]}; }
+
+class SparseGridTopology : public Topology {
  public:
   void declare(DataTable& table) override {
     table.add("n", n_).help("number of nodes in x, y, z").unit("-").min(2);
@@ -145,6 +191,10 @@ class SparseGridTopology final : public Topology {
     tellVolume(surface);
   }
 
+ protected:
+  virtual bool splitsCells() const { return false; }
+  virtual bool looksAtTriangles() const { return false; }
+
  private:
   void findBox(const std::vector<Vec3>& surface) {
     if (min_.isZero(0) && max_.isZero(0)) {
@@ -167,55 +217,124 @@ class SparseGridTopology final : public Topology {
                            fmt::format("at most {:g}, and {:g} with those of finer levels", most, most_with_finer));
   }
 
+  /// A cell of the grid, or a copy of it.
+  struct Cell {
+    GridPlace at;
+    double factor;
+    bool is_border;
+    std::vector<std::size_t> fine;  ///< cells of the finest level, of copies alone
+  };
+
   void fill(const std::vector<Vec3>& surface) {
     const int parts = 1 << finer_;
-    const std::array<int, 3> coarse{n_[0] - 1, n_[1] - 1, n_[2] - 1};
+    const GridPlace coarse{n_[0] - 1, n_[1] - 1, n_[2] - 1};
     Cells fine({coarse[0] * parts, coarse[1] * parts, coarse[2] * parts}, min_, max_);
-    for (const Triangle& t : triangles_) fine.markBorder({surface[t[0]], surface[t[1]], surface[t[2]]});
+    if (splitsCells() && looksAtTriangles()) fine.keepTriangles();
+    for (std::size_t t = 0; t < triangles_.size(); ++t) {
+      const Triangle& corners = triangles_[t];
+      fine.markBorder({surface[corners[0]], surface[corners[1]], surface[corners[2]]}, int(t));
+    }
     fine.markOutside();
-    std::vector<std::array<int, 3>> border, inside;
-    std::vector<double> border_factors;
+    std::vector<Cell> cells;
     for (int k = 0; k < coarse[2]; ++k)
       for (int j = 0; j < coarse[1]; ++j)
-        for (int i = 0; i < coarse[0]; ++i) {
-          int cut = 0, out = 0;
-          for (int c = 0; c < parts * parts * parts; ++c) {
-            const Place place = fine.at(i * parts + c % parts, j * parts + c / parts % parts, k * parts + c / parts / parts);
-            cut += place == Place::border, out += place == Place::outside;
-          }
-          const int all = parts * parts * parts;
-          if (out == all) continue;
-          if (cut + out == 0) {
-            inside.push_back({i, j, k});
-          } else if (!only_inside_) {
-            border.push_back({i, j, k});
-            border_factors.push_back(weighted_ ? (all - out - 0.5 * cut) / all : 1);
-          }
-        }
-    factors_ = border_factors;
-    factors_.resize(border.size() + inside.size(), 1.0);
-    border.insert(border.end(), inside.begin(), inside.end());
-    if (border.empty()) throw ComponentError("no cell lies in the surface", "more nodes, or a closed surface");
-    makeMesh(border);
+        for (int i = 0; i < coarse[0]; ++i) addCell({i, j, k}, parts, fine, cells);
+    std::stable_partition(cells.begin(), cells.end(), [](const Cell& cell) { return cell.is_border; });
+    if (cells.empty()) throw ComponentError("no cell lies in the surface", "more nodes, or a closed surface");
+    factors_.clear();
+    for (const Cell& cell : cells) factors_.push_back(cell.factor);
+    if (splitsCells())
+      makeSplitMesh(cells, parts, fine);
+    else
+      makeMesh(cells);
   }
 
-  void makeMesh(const std::vector<std::array<int, 3>>& cells) {
-    constexpr int corner[8][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
-    std::vector<std::array<int, 3>> nodes;
-    const auto nodeOf = [&](const std::array<int, 3>& cell, const int* c) {
-      return std::array<int, 3>{cell[0] + c[0], cell[1] + c[1], cell[2] + c[2]};
+  void addCell(const GridPlace& at, int parts, Cells& fine, std::vector<Cell>& cells) const {
+    const int all = parts * parts * parts;
+    const auto fineAt = [&](int c) {
+      return fine.index(at[0] * parts + c % parts, at[1] * parts + c / parts % parts, at[2] * parts + c / parts / parts);
     };
-    for (const auto& cell : cells)
-      for (const auto& c : corner) nodes.push_back(nodeOf(cell, c));
+    const bool splits = splitsCells();
+    Sets groups(splits ? std::size_t(all) : 0);
+    for (int c = 0; splits && c < all; ++c)
+      for (const auto& [is_inner, step] : {std::pair(c % parts + 1 < parts, 1), std::pair(c / parts % parts + 1 < parts, parts),
+                                           std::pair(c / parts / parts + 1 < parts, parts * parts)})
+        if (is_inner && fine.areNeighbours(fineAt(c), fineAt(c + step))) groups.join(std::size_t(c), std::size_t(c + step));
+    const auto groupOf = [&](int c) { return splits ? int(groups.find(std::size_t(c))) : 0; };
+    for (int first = 0; first < (splits ? all : 1); ++first) {
+      if (groupOf(first) != first || (splits && fine.placeOf(fineAt(first)) == Place::outside)) continue;
+      Cell cell{at, 0, false, {}};
+      int cut = 0, inside = 0;
+      for (int c = first; c < all; ++c) {
+        const std::size_t index = fineAt(c);
+        if (fine.placeOf(index) == Place::outside || groupOf(c) != first) continue;
+        ++(fine.placeOf(index) == Place::border ? cut : inside);
+        if (splits) cell.fine.push_back(index);
+      }
+      if (cut + inside == 0) continue;
+      cell.is_border = inside < all;
+      if (cell.is_border && only_inside_) continue;
+      cell.factor = cell.is_border && weighted_ ? (inside + 0.5 * cut) / all : 1;
+      cells.push_back(std::move(cell));
+    }
+  }
+
+  Vec3 placeOf(const GridPlace& node) const {
+    return min_ + (max_ - min_).cwiseQuotient(Vec3(n_[0] - 1, n_[1] - 1, n_[2] - 1)).cwiseProduct(Vec3(node[0], node[1], node[2]));
+  }
+
+  void makeMesh(const std::vector<Cell>& cells) {
+    std::vector<GridPlace> nodes;
+    for (const Cell& cell : cells)
+      for (const auto& corner : cube_corners) nodes.push_back(cell.at + corner);
     std::sort(nodes.begin(), nodes.end());  // by x, then y, then z
     nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-    const Vec3 size = (max_ - min_).cwiseQuotient(Vec3(n_[0] - 1, n_[1] - 1, n_[2] - 1));
     mesh_ = Mesh();
-    for (const auto& node : nodes) mesh_.position.push_back(min_ + size.cwiseProduct(Vec3(node[0], node[1], node[2])));
-    for (const auto& cell : cells) {
+    for (const GridPlace& node : nodes) mesh_.position.push_back(placeOf(node));
+    for (const Cell& cell : cells) {
       Hexahedron hexahedron;
       for (std::size_t c = 0; c < 8; ++c)
-        hexahedron[c] = Index(std::lower_bound(nodes.begin(), nodes.end(), nodeOf(cell, corner[c])) - nodes.begin());
+        hexahedron[c] = Index(std::lower_bound(nodes.begin(), nodes.end(), cell.at + cube_corners[c]) - nodes.begin());
+      mesh_.hexahedra.push_back(hexahedron);
+    }
+  }
+
+  /// Corners of copies are one node where fine cells of both are neighbours.
+  void makeSplitMesh(const std::vector<Cell>& cells, int parts, const Cells& fine) {
+    constexpr std::size_t none = std::size_t(-1);
+    std::vector<std::size_t> copy_of(fine.size(), none);
+    for (std::size_t copy = 0; copy < cells.size(); ++copy)
+      for (const std::size_t index : cells[copy].fine) copy_of[index] = copy;
+    Sets corners(8 * cells.size());
+    const std::size_t nx = std::size_t((n_[0] - 1) * parts), ny = std::size_t((n_[1] - 1) * parts);
+    const std::size_t steps[3] = {1, nx, nx * ny};
+    const auto coordinate = [&](std::size_t index, std::size_t axis) {
+      return axis == 0 ? index % nx : axis == 1 ? index / nx % ny : index / (nx * ny);
+    };
+    for (std::size_t copy = 0; copy < cells.size(); ++copy)
+      for (const std::size_t index : cells[copy].fine)
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          if (coordinate(index, axis) + 1 == std::size_t((n_[axis] - 1) * parts)) continue;
+          const std::size_t next = copy_of[index + steps[axis]];
+          if (next == none || next == copy || !fine.areNeighbours(index, index + steps[axis])) continue;
+          if (cells[next].at == cells[copy].at) continue;
+          for (std::size_t a = 0; a < 8; ++a)
+            for (std::size_t b = 0; b < 8; ++b)
+              if (cells[copy].at + cube_corners[a] == cells[next].at + cube_corners[b]) corners.join(8 * copy + a, 8 * next + b);
+        }
+    std::vector<std::pair<GridPlace, std::size_t>> nodes;
+    for (std::size_t c = 0; c < 8 * cells.size(); ++c)
+      if (corners.find(c) == c) nodes.emplace_back(cells[c / 8].at + cube_corners[c % 8], c);
+    std::sort(nodes.begin(), nodes.end());
+    std::vector<Index> number(8 * cells.size());
+    mesh_ = Mesh();
+    for (const auto& [place, corner] : nodes) {
+      number[corner] = Index(mesh_.position.size());
+      mesh_.position.push_back(placeOf(place));
+    }
+    for (std::size_t copy = 0; copy < cells.size(); ++copy) {
+      Hexahedron hexahedron;
+      for (std::size_t c = 0; c < 8; ++c) hexahedron[c] = number[corners.find(8 * copy + c)];
       mesh_.hexahedra.push_back(hexahedron);
     }
   }
@@ -252,9 +371,26 @@ class SparseGridTopology final : public Topology {
   std::vector<double> factors_;
 };
 
+class SparseGridRamificationTopology final : public SparseGridTopology {
+ public:
+  void declare(DataTable& table) override {
+    SparseGridTopology::declare(table);
+    table.add("finestConnectivity", by_triangles_).help("cells on the border are neighbours only where a triangle meets both");
+  }
+
+ protected:
+  bool splitsCells() const override { return true; }
+  bool looksAtTriangles() const override { return by_triangles_; }
+
+ private:
+  bool by_triangles_ = true;
+};
+
 }  // namespace
 }  // namespace stroma
 
 STROMA_COMPONENT(sparse_grid_topology) {
   factory.add<stroma::SparseGridTopology>("SparseGridTopology", "the cells of a box that lie in a surface");
+  factory.add<stroma::SparseGridRamificationTopology>("SparseGridRamificationTopology",
+                                                      "the same, with a copy of a cell for each part of the body in it");
 }

@@ -59,6 +59,16 @@ std::string differenceOf(const Component& a, const Component& b, int depth = 0) 
   return {};
 }
 
+/// Why one of them cannot move the bodies of both, to be added to a sentence; empty: it can.
+std::string whyApart(const Integrator& a, const Integrator& b) {
+  if (a.movesInTime() != b.movesInTime() || a.stateOwner() || b.stateOwner()) return ". They have no step in common";
+  const auto text = [](const Data* data) { return !data || data->print() == "false" ? std::string("0") : data->print(); };
+  for (const char* damping : {"rayleighStiffness", "rayleighMass", "vdamping", "firstOrder"})
+    if (text(a.data().find(damping)) != text(b.data().find(damping)))
+      return fmt::format(". {} makes two motions of it: damping of one body belongs to its fields and masses", damping);
+  return {};
+}
+
 /// "/lower/solver (scene.xml:5)"
 std::string placed(const Component& component) {
   return fmt::format("{} ({})", component.path(), component.where().text());
@@ -169,20 +179,22 @@ class SystemSearch {
         "an integrator in the node of each state it acts on, or above");
   }
 
-  /// One system for both; the integrator that comes first in the scene moves it.
+  /// One system for both, which the first integrator moves: another rule of time is told, another damping is another motion.
   void couple(const Component& actor, const State& a, const State& b) {
     const std::size_t first = ownerOf(&a), second = ownerOf(&b);
     if (leaderOf(first) == leaderOf(second)) return;
-    const Integrator &mine = *integrators_[first], &other = *integrators_[second];
-    if (const std::string difference = differenceOf(mine, other); !difference.empty())
-      diagnostics_.error(
-          actor.where(), actor.path(),
-          fmt::format("the {} {} couples {} and {}, which then move in one system, but their integrators "
-                      "{} and {} are not alike: {}",
-                      actor.roleText(), actor.path(), a.path(), b.path(), placed(mine), placed(other), difference),
-          "integrators of one kind with the same attributes and the same linear solvers",
-          "one integrator in a node above both bodies");
     const auto [low, high] = std::minmax({leaderOf(first), leaderOf(second)});
+    const Integrator &mine = *integrators_[low], &other = *integrators_[high];
+    if (const std::string difference = differenceOf(mine, other); !difference.empty()) {
+      const std::string problem = fmt::format(
+          "the {} {} couples {} and {}, which then move in one system, but their integrators {} and {} are not alike: {}",
+          actor.roleText(), actor.path(), a.path(), b.path(), placed(mine), placed(other), difference);
+      if (const std::string why = whyApart(mine, other); !why.empty())
+        diagnostics_.error(actor.where(), actor.path(), problem + why, "integrators of one kind with the same attributes",
+                           "one integrator in a node above both bodies");
+      else
+        diagnostics_.warning(actor.where(), actor.path(), problem + ". " + integrators_[low]->path() + " moves all of them");
+    }
     leader_[high] = low;
     because_[high] = actor.path();
   }

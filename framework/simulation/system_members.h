@@ -5,7 +5,7 @@
 // the state it follows. What acts on states of one integrator is in its system, wherever the scene writes it. What acts
 // on states of several couples them: forces, ties and relations between bodies have derivatives with respect to both, so
 // both are solved in one system, and the first integrator in the scene moves them all. That is the same as one integrator
-// above all bodies, and it means the same only where the integrators are alike: others are refused.
+// above all bodies. A warning says where the integrators differ; other damping and statics beside motion are refused.
 #pragma once
 #include <string>
 #include <vector>
@@ -35,7 +35,7 @@ struct SystemMembers {
 };
 
 /// Everything in the scene that acts is in exactly one system, or is reported: what acts on states that nothing moves,
-/// couples integrators that are not alike, or solves for no integrator. Systems come in the order of their integrators.
+/// couples integrators that cannot be one, or solves for no integrator. Systems come in the order of their integrators.
 std::vector<SystemMembers> findSystems(const Node& root, Diagnostics& diagnostics);
 
 /// The states that a force field, a mass, a constraint or a mapping has to do with; of any other component none.

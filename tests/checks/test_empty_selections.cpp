@@ -54,7 +54,7 @@ TEST_F(EmptySelections, AreSaidOfEveryComponentThatHasThem) {
   writeExampleFiles(folder_ / "meshes");
   int tried = 0;
   for (const auto& entry : modules().index()) {
-    const std::string example = exampleOf(modules().manual(entry.type));
+    const std::string example = exampleIn(modules().manual(entry.type));
     const Simulation whole(loadSceneText(example, file("example.xml"), {}, factory(), modules()));
     std::vector<Component*> components;
     whole.root().collect(components);
@@ -73,12 +73,12 @@ TEST_F(EmptySelections, AreSaidOfEveryComponentThatHasThem) {
 
 TEST_F(EmptySelections, ThatAreNotGivenAreNone) {
   writeExampleFiles(folder_ / "meshes");
-  const std::string example = exampleOf(modules().manual("ContractileForceField"));
+  const std::string example = exampleIn(modules().manual("ContractileForceField"));
   const std::string whole = saidOf(example, "/ContractileForceField", "edges");
   EXPECT_NE(whole.find("edges is given and empty"), std::string::npos) << whole;
   for (const char* type : {"ConstantForceField", "WriteState", "UniformMass"}) {
     const Simulation simulation(
-        loadSceneText(exampleOf(modules().manual(type)), file("example.xml"), {}, factory(), modules()));
+        loadSceneText(exampleIn(modules().manual(type)), file("example.xml"), {}, factory(), modules()));
     EXPECT_EQ(simulation.scene().diagnostics.text().find("given and empty"), std::string::npos) << type;
   }
 }

@@ -52,17 +52,19 @@ const std::set<std::string> of_no_one_unit = {"ParameterSet", "c2",     "c4",   
                                               // lists of engines have the unit of what is linked to them
                                               "in", "out", "global", "inputValues", "value", "outputValues", "input", "output",
                                               "substractor", "indices", "input1", "input2", "input3", "input4", "input5", "input6",
-                                              "input7", "input8", "rigidMass", "absolute",
+                                              "input7", "input8", "value1", "value2", "value3", "value4", "value5", "value6",
+                                              "value7", "value8", "rigidMass", "absolute",
                                               // a force and a torque, a product of two that a response may scale, a length or a number
                                               "wrenches", "contactStiffness", "StopperLagrangianConstraint.min",
                                               "StopperLagrangianConstraint.max"};
 
 TEST(UnitsOfAttributes, EachAttributeOfRealsSaysItsUnit) {
   forEachAttribute([](const std::string& type, const Data& data) {
-    if (holdsReals(data))
+    if (holdsReals(data)) {
       EXPECT_EQ(data.unitText().empty(),
                 of_no_one_unit.count(data.name()) + of_no_one_unit.count(type + "." + data.name()) == 1)
           << type << "." << data.name();
+    }
   });
 }
 

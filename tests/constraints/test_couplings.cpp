@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Bodies with an integrator each that something couples: they move in one system, as the merged body or as closed forms
-// say, in time and in statics; integrators that are not alike are refused.
+// say, in time and in statics. Of integrators that are not alike the first moves all; statics beside motions are refused.
 #include <fmt/format.h>
 
 #include "tests/constraints/attached_bodies.h"
@@ -114,31 +114,66 @@ TEST_P(CoupledBodies, ASpringBetweenThemIsThatOfOneBody) {
 INSTANTIATE_TEST_SUITE_P(Integrators, CoupledBodies, ::testing::ValuesIn(integrators),
                          [](const auto& tested) { return fmt::format("{}{}", typeOf(tested.param), tested.index); });
 
-TEST(Couplings, IntegratorsThatAreNotAlikeAreRefused) {
-  const auto problem = [](const std::string& first, const std::string& second) {
-    return problemsOf(scene("\n" + pointBody("a", first, "0 0 0", "1") + "\n" + pointBody("b", second, "1 0 0", "2") +
-                            "\n<SpringForceField name='spring' object1='@a/dofs' object2='@b/dofs' springsIndices1='0' "
-                            "springsIndices2='0' lengths='1' damping='0'/>"));
-  };
+/// Two bodies of a node each on a spring.
+std::string onASpring(const std::string& first, const std::string& second) {
+  return scene("\n" + pointBody("a", first, "0 0 0", "1") + "\n" + pointBody("b", second, "1 0 0", "2") +
+               "\n<SpringForceField name='spring' object1='@a/dofs' object2='@b/dofs' springsIndices1='0' "
+               "springsIndices2='0' lengths='1' damping='0'/>");
+}
+
+TEST(Couplings, OfIntegratorsThatAreNotAlikeTheFirstMovesAllAndThatIsTold) {
   for (const std::string& first : integrators)
     for (const std::string& second : integrators) {
-      const std::string text = problem(first, second);
-      if (first == second) {
-        EXPECT_EQ(text, "") << first;
+      if ((typeOf(first) == "StaticSolver") != (typeOf(second) == "StaticSolver")) {
+        const std::string text = problemsOf(onASpring(first, second));
+        expectContains(text, "the force field /spring couples /a/dofs and /b/dofs");
+        expectContains(text, "have no step in common");
         continue;
       }
-      expectContains(text, "the force field /spring couples /a/dofs and /b/dofs");
-      expectContains(text, "/a/" + typeOf(first) + " (test.xml:2");
-      expectContains(text, "/b/" + typeOf(second) + " (test.xml:3");
+      Simulation simulation = simulationFromText(onASpring(first, second));
+      ASSERT_EQ(simulation.systems().size(), 1u);
+      EXPECT_EQ(simulation.systems()[0]->integrator().path(), "/a/" + typeOf(first));
+      const std::string told = simulation.diagnostics().text();
+      if (first == second) {
+        EXPECT_EQ(told.find("not alike"), std::string::npos) << told;
+        continue;
+      }
+      expectContains(told, "/a/" + typeOf(first) + " (test.xml:2");
+      expectContains(told, "/b/" + typeOf(second) + " (test.xml:3");
+      expectContains(told, "/a/" + typeOf(first) + " moves all of them");
     }
+}
+
+TEST(Couplings, WhomTheFirstIntegratorMovesIsToldOfEachInAChain) {
+  const std::string plain = "<EulerImplicitSolver/><SparseLDLSolver/>";
+  const auto spring = [](const std::string& a, const std::string& b) {
+    return "\n<SpringForceField name='" + a + b + "' object1='@" + a + "/dofs' object2='@" + b +
+           "/dofs' springsIndices1='0' springsIndices2='0' lengths='1' damping='0'/>";
+  };
+  Simulation simulation = simulationFromText(
+      scene(pointBody("a", "<EulerImplicitSolver trapezoidalScheme='1'/><SparseLDLSolver/>", "0 0 0", "1") +
+            pointBody("b", plain, "1 0 0", "2") + pointBody("c", plain, "2 0 0", "2") + spring("a", "b") + spring("b", "c")));
+  ASSERT_EQ(simulation.systems().size(), 1u);
+  const std::string told = simulation.diagnostics().text();
+  expectContains(told, "/b/EulerImplicitSolver");
+  expectContains(told, "/c/EulerImplicitSolver");
+}
+
+TEST(Couplings, BodiesThatAreDampedOtherwiseAreRefused) {
   const std::string solver = "<SparseLDLSolver/>";
-  expectContains(problem("<EulerImplicitSolver rayleighMass='0.1'/>" + solver, "<EulerImplicitSolver/>" + solver),
-                 R"(/a/EulerImplicitSolver has rayleighMass="0.1" and /b/EulerImplicitSolver "0")");
-  expectContains(problem("<EulerImplicitSolver/><CGLinearSolver iterations='50'/>",
-                         "<EulerImplicitSolver/><CGLinearSolver iterations='60'/>"),
-                 R"(/a/CGLinearSolver has iterations="50" and /b/CGLinearSolver "60")");
+  const auto problem = [](const std::string& a, const std::string& b) { return problemsOf(onASpring(a, b)); };
+  for (const std::string damping : {"rayleighMass", "rayleighStiffness", "vdamping"}) {
+    const std::string text = problem("<EulerImplicitSolver " + damping + "='0.1'/>" + solver, "<EulerImplicitSolver/>" + solver);
+    expectContains(text, "/a/EulerImplicitSolver has " + damping + R"(="0.1" and /b/EulerImplicitSolver "0")");
+    expectContains(text, damping + " makes two motions of it");
+  }
+  const std::string damped = "ImplicitSolver rayleighMass='0.1'/>" + solver;
+  EXPECT_EQ(problem("<Euler" + damped, "<Newmark" + damped), "");
   EXPECT_EQ(problem("<EulerImplicitSolver rayleighMass='0'/>" + solver, "<EulerImplicitSolver/>" + solver), "")
       << "a default that is written is the default";
+  Simulation simulation = simulationFromText(onASpring("<EulerImplicitSolver/><CGLinearSolver iterations='50'/>",
+                                                       "<EulerImplicitSolver/><CGLinearSolver iterations='60'/>"));
+  expectContains(simulation.diagnostics().text(), R"(/a/CGLinearSolver has iterations="50" and /b/CGLinearSolver "60")");
 }
 
 TEST(Couplings, ExplainTellsWhatMovesTogetherAndWhy) {
@@ -183,21 +218,24 @@ TEST(Couplings, TheFirstIntegratorMovesAllBodies) {
 
 // ---- closed forms ----
 
-/// Two masses on a spring: the trapezoidal rule turns the phase by 2 atan(w h / 2) per step and damps nothing.
+/// Two masses on a spring: the trapezoidal rule turns the phase by 2 atan(w h / 2) per step and damps nothing, whatever the second
+/// body has of its own.
 TEST(Couplings, TwoMassesOnASpring) {
   const std::string integrator = "<EulerImplicitSolver trapezoidalScheme='1'/><SparseLDLSolver/>";
   const double h = 0.02, k = 300, m1 = 1, m2 = 3, length = 1, start = 1.2;
-  Simulation simulation = simulationFromText(
-      scene(pointBody("a", integrator, "0 0 0", "1") + pointBody("b", integrator, "1.2 0 0", "3") +
-                "<SpringForceField object1='@a/dofs' object2='@b/dofs' springsIndices1='0' springsIndices2='0' "
-                "lengths='1' stiffness='300' damping='0'/>",
-            "0 0 0", h));
-  const System& system = *simulation.systems().at(0);
-  const double turn = 2 * std::atan(std::sqrt(k * (1 / m1 + 1 / m2)) * h / 2);
-  for (int step = 1; step <= 200; ++step) {
-    simulation.step();
-    EXPECT_NEAR(system.x[1].x() - system.x[0].x(), length + (start - length) * std::cos(step * turn), 1e-10);
-    EXPECT_NEAR(m1 * system.x[0].x() + m2 * system.x[1].x(), m2 * start, 1e-12) << "the centre of mass";
+  for (const std::string& second : {integrator, std::string("<RungeKutta4Solver/>")}) {
+    Simulation simulation = simulationFromText(
+        scene(pointBody("a", integrator, "0 0 0", "1") + pointBody("b", second, "1.2 0 0", "3") +
+                  "<SpringForceField object1='@a/dofs' object2='@b/dofs' springsIndices1='0' springsIndices2='0' "
+                  "lengths='1' stiffness='300' damping='0'/>",
+              "0 0 0", h));
+    const System& system = *simulation.systems().at(0);
+    const double turn = 2 * std::atan(std::sqrt(k * (1 / m1 + 1 / m2)) * h / 2);
+    for (int step = 1; step <= 200; ++step) {
+      simulation.step();
+      EXPECT_NEAR(system.x[1].x() - system.x[0].x(), length + (start - length) * std::cos(step * turn), 1e-10);
+      EXPECT_NEAR(m1 * system.x[0].x() + m2 * system.x[1].x(), m2 * start, 1e-12) << "the centre of mass";
+    }
   }
 }
 

@@ -26,6 +26,45 @@ TEST(LagrangianConstraints, AChainOfPendulumsKeepsItsLengths) {
   EXPECT_LT(at(simulation, 6).y(), -1) << "it swings";
 }
 
+/// Edges whose mapped change of length stays zero are rods, and the forces are the tensions of those that hang at rest.
+TEST(LagrangianConstraints, MappedDistancesThatStayZeroAreRods) {
+  const std::string rods = "<Node name='rods'><MeshTopology position='{0}' edges='{1}'/><MechanicalObject template='Vec1'/>"
+                           "<DistanceMapping/><UniformLagrangianConstraint/></Node>";
+  const std::string chain = "0 0 0  1 0 0  2 0 0  3 0 0", held = "<FixedProjectiveConstraint indices='0'/>";
+  Simulation swinging =
+      simulationFromText(sceneOf("<MechanicalObject position='" + chain + "'/><UniformMass totalMass='4'/>" + held +
+                                 fmt::format(fmt::runtime(rods), chain, "0 1  1 2  2 3")));
+  double lowest = 0;
+  for (int i = 0; i < 200; ++i) {
+    run(swinging, 1);
+    if (HasFatalFailure()) return;
+    for (Index k = 0; k < 3; ++k) ASSERT_NEAR((at(swinging, k + 1) - at(swinging, k)).norm(), 1, 1e-9) << "step " << i;
+    lowest = std::min(lowest, at(swinging, 3).y());
+  }
+  EXPECT_LT(lowest, -2) << "it swings";
+  const std::string plumb = "0 0 0  0 -1 0  0 -2 0";
+  Simulation hanging =
+      simulationFromText(sceneOf("<MechanicalObject position='" + plumb + "'/><UniformMass totalMass='6'/>" + held +
+                                 fmt::format(fmt::runtime(rods), plumb, "0 1  1 2")));
+  run(hanging, 3);
+  const std::vector<double> tension = numbersOf(hanging, "UniformLagrangianConstraint", "forces");
+  ASSERT_EQ(tension.size(), 2u);
+  EXPECT_NEAR(std::abs(tension[0]), 2 * 2 * g, 1e-9);
+  EXPECT_NEAR(std::abs(tension[1]), 2 * g, 1e-9);
+}
+
+TEST(LagrangianConstraints, APointThatStaysZeroStandsAtTheOrigin) {
+  Simulation simulation = simulationFromText(
+      sceneOf("<MechanicalObject position='0 0 0  3 0 0'/><UniformMass totalMass='4'/><Node name='held'><MechanicalObject "
+              "position='0 0 0'/><SubsetMapping indices='0'/><UniformLagrangianConstraint/></Node>"));
+  run(simulation, 10);
+  EXPECT_LT(at(simulation, 0).norm(), 1e-14);
+  EXPECT_NEAR(numbersOf(simulation, "UniformLagrangianConstraint", "forces").at(1), 2 * g, 1e-11);
+  expectContains(problemsOf(sceneOf("<MechanicalObject template='Rigid3' position='0 0 0 0 0 0 1'/><UniformMass/>"
+                                    "<UniformLagrangianConstraint/>")),
+                 "acts on points or numbers");
+}
+
 /// Without gravity a chain that turns and flies keeps its momentum.
 TEST(LagrangianConstraints, AFreeChainKeepsItsMomentum) {
   Simulation simulation =

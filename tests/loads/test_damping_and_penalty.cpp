@@ -102,6 +102,10 @@ TEST(PlaneForceField, SaysWhatIsWrong) {
   expectContains(problems("normal='0 0 0'"), "no direction");
   expectContains(problems("indices='4'"), "indices in 0 ... 0");
   expectContains(problems("localRange='0 4'"), "no range");
+  expectContains(problemsOf("<Node name='root'><EulerExplicitSolver/><MechanicalObject template='Rigid3' "
+                            "position='0 0 0 0 0 0 1  1 0 0 0 0 0 1'/><UniformMass totalMass='1'/>"
+                            "<PlaneForceField localRange='0 4'/></Node>"),
+                 "no range of the 2 nodes");
 }
 
 /// For a sphere the depth is the distance: a node held inside one by its weight hangs m g / k outside of it.

@@ -346,9 +346,9 @@ TEST(FrameMappings, SayWhatTheyNeed) {
                  "has no frames that could carry");
   expectContains(problemsOf(underFrames("<MechanicalObject position=\"0 0 0\"/><RigidMapping index=\"7\"/>")),
                  "there is no frame 7");
-  expectContains(
-      problemsOf("<Node name=\"root\"><EulerImplicitSolver/><CGLinearSolver/>" + frames + "<PlaneForceField/></Node>"),
-      "has rigid frames");
+  expectContains(problemsOf("<Node name=\"root\"><EulerImplicitSolver/><CGLinearSolver/>" + frames +
+                            "<SphereForceField center=\"0 0 0\" radius=\"1\"/></Node>"),
+                 "has rigid frames");
 }
 
 }  // namespace STROMA_TEST_FILE

@@ -458,7 +458,9 @@ SCENES = {
         ("QuadularBendingSprings", 'stiffness="10" damping="0"'), ("FastTriangularBendingSprings", 'bendingStiffness="10"'),
         ("TriangularQuadraticSpringsForceField", 'youngModulus="100" poissonRatio="0.3"'),
         ("TriangularBiquadraticSpringsForceField", 'youngModulus="100" poissonRatio="0.3"'))},
-    "SolidMechanics/Spring/GearSpringForceField": body(FRAMES + '<UniformMass/><GearSpringForceField spring="BEGIN_SPRING 0 1 END_SPRING"/>'),
+    "SolidMechanics/Spring/GearSpringForceField": body(FRAMES + '<UniformMass/><GearSpringForceField spring="BEGIN_SPRING 0 1 0 2 END_SPRING"/>'),
+    "SolidMechanics/Spring/VectorSpringForceField": block(
+        '<VectorSpringForceField template="Vec3d" useTopology="1" stiffness="300" viscosity="1"/>', field=""),
     "SolidMechanics/Spring/AngularSpringForceField": body(FRAMES + '<UniformMass/><AngularSpringForceField indices="0 1" '
                                                           'angularStiffness="10"/>'),
     "SolidMechanics/Spring/PolynomialRestShapeSpringsForceField": body(
@@ -493,6 +495,9 @@ SCENES = {
     "Topology/Container/Grid/SparseGridRamificationTopology": body(
         '<SparseGridRamificationTopology n="4 4 4" fileTopology="mesh/ball.obj" nbVirtualFinerLevels="1" finestConnectivity="0"/>'
         '<MechanicalObject/><UniformMass totalMass="1"/>' + HEXA),
+    "Topology/Container/Constant/SphereQuadTopology": body(
+        '<SphereQuadTopology nx="4" ny="4" nz="4" radius="2" center="0 1 0"/><MechanicalObject/><UniformMass totalMass="1"/>'
+        '<MeshSpringForceField stiffness="100"/><FixedConstraint indices="0"/>'),
     "Topology/Mapping/Hexa2TetraTopologicalMapping": body(
         GRID + '<TetrahedronSetTopologyContainer name="cells"/><TetrahedronSetTopologyModifier/><Hexa2TetraTopologicalMapping '
         'input="@grid" output="@cells" swapping="1"/><DiagonalMass massDensity="1"/><TetrahedronFEMForceField youngModulus="1000" '
@@ -600,14 +605,12 @@ MISSING = {
     **{folder + name: [name] for folder, names in (
         ("AnimationLoop/", ["MultiTagAnimationLoop"]),
         ("Collision/Geometry/", ["CylinderCollisionModel", "TetrahedronCollisionModel"]),
-        ("Constraint/Lagrangian/", ["UniformLagrangianConstraint"]),
         ("Diffusion/", ["TetrahedronDiffusionFEMForceField"]),
         ("Mapping/Linear/", ["DeformableOnRigidFrameMapping"]),
         ("ODESolver/Forward/", ["DampVelocitySolver"]),
         ("SolidMechanics/FEM/", ["QuadBendingFEMForceField", "TriangularAnisotropicFEMForceField"]),
-        ("SolidMechanics/Spring/", ["GearSpringForceField"]),
         ("Topology/Container/Dynamic/", ["TopologicalChangeProcessor"]),
-        ("Topology/Container/Grid/", ["SparseGridMultipleTopology", "SparseGridRamificationTopology"])) for name in names},
+        ("Topology/Container/Grid/", ["SparseGridMultipleTopology"])) for name in names},
     "Engine/Transform/TransformPosition_random": ["random displacements are not available"],
     "Mapping/NonLinear/RigidMapping2d": ["Rigid2d"],
     "SolidMechanics/FEM/HexahedronCompositeFEMForceFieldAndMass_large": ["HexahedronCompositeFEMForceFieldAndMass"],

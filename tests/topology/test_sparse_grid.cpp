@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What a sparse grid says of its cells: their volume is not that of the surface.
+// What a sparse grid says of its cells: their volume is not that of the surface; cells with copies; quads of a sphere.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <sstream>
+
+#include "framework/mesh/topology.h"
 #include "tests/support/scene_fixture.h"
 
 namespace stroma::test {
@@ -27,6 +31,78 @@ TEST(SparseGrid, SaysThatItsCellsHaveAnotherVolume) {
       << "cells that are the box";
   EXPECT_EQ(told("n='9 2 2' min='0 0 0' max='8 1 1'", box.substr(0, box.size() - 12)).find("of the volume"), std::string::npos)
       << "an open surface has none";
+}
+
+// ---- cells with copies ----
+
+/// Two boxes of 4 x 0.4 x 1 side by side in y, with 0.2 between them, as triangles.
+std::string twoFingers(const std::string& attributes, const std::string& type = "SparseGridRamificationTopology") {
+  const std::string box = "0 2 1 0 3 2 4 5 6 4 6 7 0 1 5 0 5 4 1 2 6 1 6 5 2 3 7 2 7 6 3 0 4 3 4 7";
+  std::string positions, triangles = box;
+  for (const double low : {0., 0.6})
+    positions += fmt::format("0 {0} 0 4 {0} 0 4 {1} 0 0 {1} 0 0 {0} 1 4 {0} 1 4 {1} 1 0 {1} 1 ", low, low + 0.4);
+  std::istringstream words(box);
+  for (int node = 0; words >> node;) triangles += fmt::format(" {}", node + 8);
+  return fmt::format(R"(<Node name="root"><{} name="grid" n="5 2 2" min="0 0 0" max="4 1 1" position="{}" triangles="{}" {}/>
+      </Node>)",
+                     type, positions, triangles, attributes);
+}
+
+/// Of four cells in a row each has a copy for each finger: two rows that share nothing.
+TEST(SparseGridRamification, FingersInOneCellAreApart) {
+  const Scene scene = sceneFromText(twoFingers("nbVirtualFinerLevels='4'"));
+  const auto& mesh = dynamic_cast<const Topology&>(*scene.root->components().front()).mesh();
+  ASSERT_EQ(mesh.hexahedra.size(), 8u);
+  ASSERT_EQ(mesh.position.size(), 40u) << "twice 5 x 2 x 2";
+  std::vector<int> part(mesh.position.size(), -1);  // of the nodes: the finger
+  for (std::size_t cell = 0; cell < 8; ++cell)
+    for (const Index node : mesh.hexahedra[cell]) part[std::size_t(node)] = -2;
+  EXPECT_EQ(std::count(part.begin(), part.end(), -2), 40) << "all nodes are in use";
+  // flooding from the first cell reaches four of them
+  std::vector<bool> reached(8, false);
+  reached[0] = true;
+  for (int round = 0; round < 8; ++round)
+    for (std::size_t a = 0; a < 8; ++a)
+      for (std::size_t b = 0; b < 8; ++b)
+        for (const Index i : mesh.hexahedra[a])
+          for (const Index j : mesh.hexahedra[b])
+            if (reached[a] && i == j) reached[b] = true;
+  EXPECT_EQ(std::count(reached.begin(), reached.end(), true), 4);
+  // neighbours in a row share a side of four nodes
+  for (std::size_t a = 0; a < 8; ++a) {
+    int shared = 0;
+    for (std::size_t b = 0; b < 8; ++b)
+      for (const Index i : mesh.hexahedra[a])
+        for (const Index j : mesh.hexahedra[b]) shared += a != b && i == j;
+    EXPECT_TRUE(shared == 4 || shared == 8) << shared;
+  }
+}
+
+TEST(SparseGridRamification, WithoutFinerLevelsItIsTheSparseGrid) {
+  const Scene split = sceneFromText(twoFingers("")), whole = sceneFromText(twoFingers("", "SparseGridTopology"));
+  const auto& one = dynamic_cast<const Topology&>(*split.root->components().front()).mesh();
+  const auto& other = dynamic_cast<const Topology&>(*whole.root->components().front()).mesh();
+  EXPECT_EQ(one.hexahedra, other.hexahedra);
+  EXPECT_EQ(one.position, other.position);
+}
+
+// ---- spheres ----
+
+TEST(SphereQuad, ItsNodesLieOnTheSphere) {
+  const Scene scene = sceneFromText(
+      R"(<Node name="root"><SphereQuadTopology nx="5" ny="4" nz="6" center="1 2 3" radius="0.7"/></Node>)");
+  const auto& mesh = dynamic_cast<const Topology&>(*scene.root->components().front()).mesh();
+  ASSERT_EQ(mesh.position.size(), 5u * 4 * 6 - 3 * 2 * 4);
+  double volume = 0;
+  for (const Vec3& p : mesh.position) ASSERT_NEAR((p - Vec3(1, 2, 3)).norm(), 0.7, 1e-14);
+  for (const Quad& q : mesh.quads)
+    for (const auto& [b, c] : {std::pair(1, 2), std::pair(2, 3)})
+      volume += (mesh.position[std::size_t(q[0])] - Vec3(1, 2, 3))
+                    .dot((mesh.position[std::size_t(q[std::size_t(b)])] - Vec3(1, 2, 3))
+                             .cross(mesh.position[std::size_t(q[std::size_t(c)])] - Vec3(1, 2, 3))) / 6;
+  const double ball = 4 * 3.14159265358979 / 3 * 0.343;
+  EXPECT_LT(volume, ball);
+  EXPECT_GT(volume, 0.7 * ball) << "outwards, and closed";
 }
 
 }  // namespace STROMA_TEST_FILE

@@ -47,7 +47,7 @@ bool isKeptBySofa(std::string_view type, std::string_view attribute) {
 bool isAcceptedType(std::string_view type) {
   static const List accepted = {
       // where matrices and their orderings live
-      "NaturalOrderingMethod", "AMDOrderingMethod", "COLAMDOrderingMethod", "MatrixLinearSystem", "MatrixFreeSystem",
+      "*OrderingMethod", "MatrixLinearSystem", "TypedMatrixLinearSystem", "MatrixFreeSystem", "MatrixProjectionMethod*",
       "ConstantSparsityPatternSystem", "ConstantSparsityProjectionMethod", "PreconditionedMatrixFreeSystem",
       "RotationMatrixSystem", "CompositeLinearSystem", "GlobalSystemMatrixImage", "GlobalSystemMatrixExporter",
       "LinearSystemImage", "*MatrixExporter", "MechanicalMatrixMapper*",
@@ -59,12 +59,13 @@ bool isAcceptedType(std::string_view type) {
       "PauseAnimation*", "SofaDefaultPathSetting", "StatsSetting", "EvalSurfaceDistance", "EvalPointsDistance",
       // files that are written
       "BlenderExporter", "BatchExporter", "OffSequenceLoader",
+      "NotificationCenter", "SceneDAGExporter", "DevAngleCollisionMonitor", "DevTensionMonitor", "MappedMassMatrixObserver",
       "InputEventReader", "RecordedState", "WriteTopology", "ReadTopology", "CompareTopology", "CompareState",
       // what finds and answers contacts: CollisionPipeline and CollisionResponse do
       "BruteForceBroadPhase", "BVHNarrowPhase", "BruteForceDetection", "DirectSAP*", "IncrSAP*", "RayTrace*",
       "CollisionGroupManager",
       "DefaultCollisionGroupManager", "*ConstraintSolver", "*ConstraintCorrection", "*LocalMinDistanceFilter",
-      "ContactListener", "CubeCollisionModel", "RayCollisionModel", "CollisionMonitor", "ConstraintAnimationLoop",
+      "ContactListener", "CubeCollisionModel", "CubeModel", "RayCollisionModel", "RayModel", "CollisionMonitor", "ConstraintAnimationLoop",
       // companions
       "*SetTopologyModifier", "*SetTopologyAlgorithms", "*SetGeometryAlgorithms", "MultithreadingPlugin",
       "DefaultPauseAnimationLoop", "NodeToggleController", "PythonScript*", "PythonMain*", "TopologyChecker", "TopologyBoundingTrasher",
@@ -114,7 +115,11 @@ std::string_view typeHere(std::string_view type) {
       {"PatchTestMovementConstraint", "PatchTestMovementProjectiveConstraint"},
       {"BilinearMovementConstraint", "PatchTestMovementProjectiveConstraint"},
       {"BilinearMovementProjectiveConstraint", "PatchTestMovementProjectiveConstraint"},
-      {"FixedWeakConstraint", "RestShapeSpringsForceField"},
+      {"FixedWeakConstraint", "RestShapeSpringsForceField"}, {"UniformConstraint", "UniformLagrangianConstraint"},
+      {"MappedObject", "MechanicalObject"}, {"TriangleBendingSprings", "TriangularBendingSprings"},
+      {"LULinearSolver", "SparseLUSolver"},
+      {"CenterPointTopologicalMapping", "Mesh2PointTopologicalMapping"},
+      {"CenterPointMechanicalMapping", "Mesh2PointMechanicalMapping"},
       {"DistanceFromTargetMapping", "DistanceFromTarget"}, {"EulerImplicitIntegrationScheme", "EulerImplicitSolver"},
       {"EulerExplicitIntegrationScheme", "EulerExplicitSolver"}, {"StaticIntegrationScheme", "StaticSolver"},
       {"NewmarkImplicitIntegrationScheme", "NewmarkImplicitSolver"}, {"CentralDifferenceIntegrationScheme", "CentralDifferenceSolver"},
@@ -131,6 +136,7 @@ std::string_view typeHere(std::string_view type) {
       {"DefaultPipeline", "CollisionPipeline"}, {"CollisionLoop", "CollisionPipeline"}, {"DefaultContactManager", "CollisionResponse"},
       {"RuleBasedContactManager", "CollisionResponse"}, {"TriangleModel", "TriangleCollisionModel"},
       {"TriangleSet", "TriangleCollisionModel"}, {"TriangleMesh", "TriangleCollisionModel"}, {"TTriangleModel", "TriangleCollisionModel"},
+      {"TriangleOctreeModel", "TriangleCollisionModel"}, {"TriangleModelInRegularGrid", "TriangleCollisionModel"},
       {"Triangle", "TriangleCollisionModel"}, {"LineModel", "LineCollisionModel"}, {"LineSet", "LineCollisionModel"},
       {"LineMesh", "LineCollisionModel"}, {"TLineModel", "LineCollisionModel"}, {"Line", "LineCollisionModel"},
       {"PointModel", "PointCollisionModel"}, {"PointSet", "PointCollisionModel"}, {"PointMesh", "PointCollisionModel"},
@@ -149,6 +155,7 @@ bool hasNoEffect(std::string_view type, std::string_view attribute) {
         "parallelODESolving", "threadSafeVisitor", "savingMatrixToFile", "savingMatrix", "verbose", "displayFlags",
         "numberOfThreads", "multithreading", "depend", "gatherPt", "gatherBsize",
         "isVisible", "reserve", "checkTopology", "checkConnexity", "computeAllBuffers", "debug", "applyTranslation",
+        "L_nnz", "savingPrecision", "subpartSolve", "isCompliance", "arrowSizeCoef",
         "highlightSurface", "drawing", "color", "schedulerThreads", "parallelizeBuildMatrix"}},
       {"MechanicalObject",
        {"force", "derivX", "free_position", "free_velocity", "constraint", "mappingJacobian", "reset_velocity",
@@ -160,16 +167,15 @@ bool hasNoEffect(std::string_view type, std::string_view attribute) {
       {"TetrahedralCorotationalFEMForceField", {"computeVonMisesStress", "assembling", "computeGlobalMatrix"}},
       {"TriangularFEMForceField", {"computePrincipalStress", "triangleInfo", "vertexInfo", "edgeInfo", "hosfordExponant", "criteriaValue"}},
       {"SparseLDLSolver", {"applyPermutation", "saveMatrixToFile"}},
-      {"EigenSimplicialLDLT", {"ordering"}},
-      {"EigenSimplicialLLT", {"ordering"}},
-      {"EigenSparseLU", {"ordering"}},
-      {"EigenSparseQR", {"ordering"}},
+      {"EigenSimplicialLDLT", {"ordering"}}, {"EigenSimplicialLLT", {"ordering"}},
+      {"EigenSparseLU", {"ordering"}}, {"EigenSparseQR", {"ordering"}},
       {"SparseLUSolver", {"tolerance"}},
       {"PrecomputedLinearSolver", {"use_file", "jmjt_twostep"}},
       {"PCGLinearSolver", {"update_step", "build_precond", "use_precond"}},
-      {"WarpPreconditioner", {"update_step", "solverName"}},
+      {"WarpPreconditioner", {"update_step", "updateStep", "solverName"}},
       {"PrecomputedWarpPreconditioner",
-       {"jmjt_twostep", "use_file", "maxMaxIterations", "use_rotations", "draw_rotations", "init_MaxIter", "init_Tolerance",
+       {"jmjt_twostep", "use_file", "updateStep", "share_matrix",
+        "maxMaxIterations", "use_rotations", "draw_rotations", "init_MaxIter", "init_Tolerance",
         "init_Threshold", "solverName"}},
       {"CorotationalFEMForceField", {"elementStiffness", "computeForceStrategy", "computeForceDerivStrategy", "elementSpace"}},
       {"LinearSmallStrainFEMForceField", {"elementStiffness", "computeForceStrategy", "computeForceDerivStrategy", "elementSpace"}},
@@ -185,12 +191,16 @@ bool hasNoEffect(std::string_view type, std::string_view attribute) {
       {"LocalMinDistance", {"filterIntersection"}},
       {"WriteState", {"stopAt", "keperiod"}},
       {"PartialLinearMovementProjectiveConstraint", {"mainIndice", "minDepIndice", "maxDepIndice", "X0", "Y0", "Z0"}},
-      {"BarycentricMapping", {"applyRestPosition"}},
-      {"IdentityMapping", {"applyRestPosition"}},
+      {"SkinningMapping", {"applyRestPosition"}}, {"BeamLinearMapping", {"applyRestPosition"}},
+      {"RigidRigidMapping", {"axisLength"}},
+      {"RestShapeSpringsForceField", {"topology"}}, {"SpringForceField", {"topology"}},
+      {"BilateralLagrangianConstraint", {"activateAtIteration", "numericalTolerance"}},
+      {"BarycentricMapping", {"applyRestPosition"}}, {"IdentityMapping", {"applyRestPosition"}},
       {"SubsetMapping", {"applyRestPosition"}},
       {"BoxROI", {"doUpdate", "isVisible", "computeQuad"}},
       {"SphereROI", {"doUpdate"}},
       {"EulerImplicitSolver", {"solveConstraint", "computeResidual"}},
+      {"EulerExplicitSolver", {"optimizedForDiagonalMatrix"}},
   };
   for (const std::string_view key : {std::string_view("*"), type})
     if (const auto found = table.find(key); found != table.end() && contains(found->second, attribute))
@@ -206,6 +216,7 @@ bool isReadBySofa(std::string_view type, std::string_view attribute) {
       {"HexahedronFEMForceField", {"initialPoints"}},
       {"UniformMass", {"filename"}},
       {"DiagonalMass", {"filename", "fileMass"}},
+      {"VectorSpringForceField", {"filename"}},
       {"SpringForceField", {"filename", "fileSprings"}},
       {"TrianglePressureForceField", {"normal", "dmin", "dmax"}},
       {"SphereForceField", {"bilateral"}},
@@ -222,7 +233,6 @@ bool isReadBySofa(std::string_view type, std::string_view attribute) {
       {"AttachProjectiveConstraint", {"positionFactor", "velocityFactor", "responseFactor", "constraintFactor", "freeRotations",
                                       "lastFreeRotation", "restRotations", "lastPos", "lastDir", "clamp", "minDistance"}},
       {"LinearForceField", {"force"}},
-      {"EulerExplicitSolver", {"optimizedForDiagonalMatrix"}},
       {"BarycentricMapping", {"mapper", "baseTriangulation"}},
       {"MeshOBJLoader", {"transformation", "handleSeams"}},
       {"TaitSurfacePressureForceField", {"maxInjectionRate", "initialVolume"}},
@@ -230,6 +240,7 @@ bool isReadBySofa(std::string_view type, std::string_view attribute) {
       {"TriangularQuadraticSpringsForceField", {"initialPoints"}},
       {"TriangularBiquadraticSpringsForceField", {"initialPoints", "matrixRegularization"}},
       {"InteractionEllipsoidForceField", {"object2_invert"}},
+      {"FastTriangularBendingSprings", {"quadraticBendingModel"}},
       {"TriangularFEMForceField", {"initialTransformation"}},
       {"JointSpringForceField", {"infile", "period", "reinit"}},
       {"LineCollisionModel", {"LineActiverPath"}},
@@ -248,7 +259,9 @@ bool isSofasDefault(std::string_view attribute, std::string_view value) {
       {"restRotations", {"0", "false"}}, {"clamp", {"0", "false"}}, {"minDistance", {"-1"}}, {"splitNormals", {"0", "false"}},
       {"force", {"1"}}, {"handleSeams", {"0", "false"}}, {"maxInjectionRate", {"1000"}}, {"initialVolume", {"0"}},
       {"infile", {""}}, {"period", {"0"}}, {"reinit", {"0", "false"}}, {"LineActiverPath", {""}}, {"PointActiverPath", {""}},
-      {"matrixRegularization", {"0.4"}}, {"object2_invert", {"0", "false"}}, {"initialPoints", {""}}, {"initialTransformation", {""}}};
+      {"matrixRegularization", {"0.4"}}, {"object2_invert", {"0", "false"}}, {"lastPos", {"0"}}, {"lastDir", {"0"}},
+      {"quadraticBendingModel", {"0", "false"}},
+      {"direction", {"0"}}, {"normal", {"0"}}, {"dmin", {"0"}}, {"dmax", {"0"}}};
   const auto found = table.find(attribute);
   if (found == table.end()) return false;
   if (contains(found->second, value)) return true;

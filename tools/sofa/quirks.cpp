@@ -25,7 +25,8 @@ const std::vector<Quirk>& allQuirks() {
       {"fixed-inertia", "the inertia of rigid frames stays in fixed axes, without gyroscopic forces"},
       {"late-times", "movements and forces given at times are those of the start of a step"},
       {"impulse-values", "forces and pressures that cables and cavities are given are those of a whole step, divided by dt"},
-      {"one-sided-turns", "a spring between the orientations of two frames turns the second one alone"},
+      {"isolated-springs", "springs between bodies that no solver has in common pull with the force of a step's start"},
+      {"one-sided-turns", "a spring between the orientations of two frames, or the teeth of wheels, turn one side alone"},
       {"torsion-tangent", "forces that turn nodes about an axis have a tangent that grows across it"},
       {"first-node", "constraints without indices hold node 0"},
   };

@@ -2,12 +2,14 @@
 #include "tools/sofa/rewriting.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <functional>
 #include <set>
 
 #include "framework/scene/change_table.h"
 #include "framework/scene/common_attributes.h"
 #include "framework/scene/dialect.h"
+#include "framework/scene/files.h"
 #include "framework/scene/text.h"
 
 namespace stroma {
@@ -45,7 +47,9 @@ Rewriting::Rewriting(SceneDescription& scene, Factory& factory, Modules& modules
 void Rewriting::run() {
   readSwitches();
   if (!is_foreign_) return;
+  addFoldersOfTree();
   moveJoints(scene_.root);
+  resolveAliases();
   tree_ = std::make_unique<SceneTree>(scene_.root, [this](const std::string& type) -> std::unique_ptr<Component> {
     try {
       const std::string here(typeHere(type));
@@ -58,8 +62,10 @@ void Rewriting::run() {
   acceptTypes();
   divideSteps();
   dropVisualMappings();
+  dropVoids();
   dropUnheard();
   dropIdleMappings();
+  dampVelocities();
   keepOneIntegrator(tree_->root(), false);
   joinBodies();
   dropIdle(tree_->root(), false);
@@ -72,7 +78,7 @@ void Rewriting::run() {
   tree_->forEach([this](Element& element) { rewriteLinks(element); });
   tree_->forEach([this](Element& element) {
     readMeshFiles(element);
-    if (element.is("SparseGridTopology") || element.is("CubeTopology")) joinCorners(element);
+    if (element.written->type.starts_with("SparseGrid") || element.is("CubeTopology")) joinCorners(element);
     if (element.is("MeshSpringForceField") || element.is("RegularGridSpringForceField") || element.is("QuadBendingSprings"))
       checkOneBody(element);
   });
@@ -114,6 +120,21 @@ void Rewriting::readSwitches() {
   std::erase_if(attributes, [](const AttributeDescription& attribute) {
     return attribute.name == "dialect" || attribute.name == "withoutQuirks";
   });
+}
+
+/// SOFA finds files in `share` and `examples` of its tree: those of the tree that the scene lies in, after all others.
+void Rewriting::addFoldersOfTree() {
+  namespace fs = std::filesystem;
+  std::error_code none;
+  if (scene_.data_paths.empty()) scene_.data_paths = environmentDataPaths();
+  fs::path at = fs::absolute(scene_.file, none).lexically_normal().parent_path();
+  for (; at.has_relative_path(); at = at.parent_path()) {
+    if (!fs::is_directory(at / "examples", none)) continue;
+    const bool has_share = fs::is_directory(at / "share", none);  // a tree of sources; where it is installed, meshes lie beside
+    if (!has_share && !fs::is_directory(at / "mesh", none)) continue;
+    scene_.data_paths.push_back((has_share ? at / "share" : at).string());
+    scene_.data_paths.push_back((at / "examples").string());
+  }
 }
 
 // ---- nodes ----
@@ -166,15 +187,23 @@ void Rewriting::acceptTypes() {
   });
 }
 
+/// A state that somebody may move lies in the place or below.
+static bool holdsState(const Place& place) {
+  return place.has("mechanical state") || std::any_of(place.children.begin(), place.children.end(),
+                                                      [](const auto& child) { return !child->dropped && holdsState(*child); });
+}
+
 /// A solver solves everything below its node: SOFA never asks those further down.
 void Rewriting::keepOneIntegrator(Place& place, bool is_moved) {
   bool found = is_moved;
   for (const auto& element : place.elements) {
     if (element->dropped || element->role() != "integrator") continue;
-    if (found) {
+    if (found || !holdsState(place)) {
       element->dropped = true;
       diagnostics_.note(element->written->where, element->path(),
-                        "does not count: an integrator in this node or above solves for what is here");
+                        found ? "does not count: an integrator in this node or above solves for what is here"
+                              : "does not count: there is no state in this node or below");
+      continue;
     }
     found = true;
   }

@@ -18,6 +18,7 @@ class Rewriting {
  private:
   // ---- rewriting.cpp: the tree ----
   void readSwitches();
+  void addFoldersOfTree();
   void rewriteNode(Place& place);
   void acceptTypes();
   void keepOneIntegrator(Place& place, bool is_moved);
@@ -40,6 +41,9 @@ class Rewriting {
   Element* preconditionerOf(Element& solver);
   void addFactors(Element& preconditioner, const Element& solver);
   void dropIdleEngines();
+  void dropVoids();
+  void dampVelocities();
+  void resolveAliases();
   void dropUnheard();
   void dropIdleMappings();
   bool hasOnlyFollowers(const Place& place) const;
@@ -71,6 +75,13 @@ class Rewriting {
   void meanSelection(Element& element);
   void meanActuator(Element& element);
   void meanField(Element& element);
+  // ---- rewritten_fields.cpp ----
+  void meanOfNames(Element& element);
+  void meanSprings(Element& element);
+  void meanLoads(Element& element);
+  bool actsOnNothing(Element& element);
+  bool holdsNothing(Element& element);
+  // ---- rewritten_components.cpp again ----
   void meanMass(Element& element);
   void meanMesh(Element& element);
   void meanState(Element& element);
@@ -109,6 +120,7 @@ class Rewriting {
   bool is_foreign_ = false;
   Quirks quirks_;
   std::map<const Element*, ComponentDescription> plasticity_;  ///< by the field whose stress it lowers
+  std::map<const Element*, std::string> layers_;               ///< by the load whose triangles lie in a box
   std::unique_ptr<SceneTree> tree_;
 };
 

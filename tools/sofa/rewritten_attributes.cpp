@@ -144,6 +144,7 @@ bool Rewriting::keepsAttribute(Element& element, AttributeDescription& attribute
 bool Rewriting::keepsValue(Element& element, Data& data, AttributeDescription& attribute) {
   const std::string text(trimmed(attribute.value));
   if (text.starts_with("@") || data.link()) return !text.empty();
+  if (text.empty() && !attribute.typed && data.defaultText().empty()) return false;  // as scenes that a program saved have it
   if (data.isOutput()) {
     warn(attribute.where, element, attribute.name, "is computed by the component: what is written does not count");
     return false;
@@ -174,6 +175,7 @@ bool Rewriting::keepsUnknown(Element& element, const AttributeDescription& attri
   if (contains(commonAttributes(), attribute.name)) return true;
   if (isDrawing(attribute.name) || element.probe->data().isVisualOnly(attribute.name))
     return noEffect(type + "." + attribute.name), false;
+  if (trimmed(attribute.value).empty() && !attribute.typed) return noEffect(type + "." + attribute.name), false;
   if (isReadBySofa(type, attribute.name)) {
     if (isSofasDefault(attribute.name, trimmed(attribute.value))) return noEffect(type + "." + attribute.name), false;
     diagnostics_.error(attribute.where, element.path() + "." + attribute.name,
@@ -187,19 +189,23 @@ bool Rewriting::keepsUnknown(Element& element, const AttributeDescription& attri
   return false;
 }
 
-/// Vec3d and Vec3f are Vec3, Rigid3d is Rigid3; a template of what has none is left out.
+/// Vec3d, Vec3f and CudaVec3f are Vec3, Rigid3d is Rigid3; a template of what has none is left out.
 void Rewriting::rewriteTemplate(Element& element) {
   const AttributeDescription* found = element.find("template");
   if (!found) return;
   std::string text(trimmed(found->value));
+  if (text.find("Cuda") != std::string::npos) noEffect("Cuda in the template of " + element.written->type);
   for (const auto& [old, present] : std::vector<std::pair<std::string, std::string>>{
-           {"StdVec3Types", "Vec3"}, {"Rigid3d", "Rigid3"}, {"Rigid3f", "Rigid3"}, {"Vec3d", "Vec3"}, {"Vec3f", "Vec3"},
-           {"Vec1d", "Vec1"}, {"Vec1f", "Vec1"}, {"Vec2d", "Vec2"}, {"Vec6d", "Vec6"}})
+           {" ", ""}, {"Cuda", ""}, {"Ext", ""}, {"f1", "f"}, {"StdVec3Types", "Vec3"}, {"StdRigidTypes", "Rigid3"},
+           {"Rigid3Types", "Rigid3"}, {"Vec3Types", "Vec3"}, {"Rigid3d", "Rigid3"}, {"Rigid3f", "Rigid3"}, {"Vec3d", "Vec3"},
+           {"Vec3f", "Vec3"}, {"Vec1d", "Vec1"}, {"Vec1f", "Vec1"}, {"Vec2d", "Vec2"}, {"Vec2f", "Vec2"}, {"Vec6d", "Vec6"},
+           {"Vec6f", "Vec6"}})
     for (auto at = text.find(old); at != std::string::npos; at = text.find(old)) text.replace(at, old.size(), present);
   for (std::size_t at = text.find("Rigid"); at != std::string::npos; at = text.find("Rigid", at + 1))
     if (const std::size_t end = at + 5; end == text.size() || text[end] == ',') text.insert(end, "3");  // "Rigid,Vec3"
   const bool solves = element.role() == "linear solver" || element.role() == "preconditioner";
   const bool is_form = text == "GraphScattered" || text.starts_with("CompressedRowSparseMatrix");
+  if (solves && is_form && text.ends_with("f")) text.pop_back();  // of single precision
   if (text.empty() || !element.probe->data().find("template") || (solves && !is_form))
     return element.remove("template");
   element.set("template", text);

@@ -153,13 +153,18 @@ class Bodies {
     Kind integrator = kindOf(*moved[0]->firstOf("integrator"), false);
     const std::vector<Element*> first = allOf(*moved[0], "linear solver");
     Damping shared = dampingOf(*moved[0]->firstOf("integrator"));
-    bool same_damping = true, same_solver = true;
+    bool same_kind = true, same_damping = true, same_solver = true;
     for (const Place* body : moved) {
       const Element& own = *body->firstOf("integrator");
       const std::vector<Element*> solvers = allOf(*body, "linear solver");
-      if (!(kindOf(own, false) == integrator) || solvers.empty()) return std::nullopt;
+      same_kind = same_kind && kindOf(own, false) == integrator && !solvers.empty();
       same_damping = same_damping && dampingOf(own) == shared;
-      same_solver = same_solver && solvers.size() == 1 && kindOf(*solvers[0], true) == kindOf(*first[0], true);
+      same_solver = same_solver && same_kind && solvers.size() == 1 && kindOf(*solvers[0], true) == kindOf(*first[0], true);
+    }
+    if (!same_kind) {  // the first one moves all of them, which the engine tells
+      for (Place* body : moved)
+        if (!same_damping) handDown(*body);
+      return std::nullopt;
     }
     if (!same_damping) shared = {};
     for (std::size_t i = 0; i < shared.size(); ++i)

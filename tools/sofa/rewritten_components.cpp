@@ -27,7 +27,7 @@ std::string print(const Vec3& v) { return printReal(v[0]) + " " + printReal(v[1]
 }  // namespace
 
 void Rewriting::applyMeaning(Element& element) {
-  if (!element.probe || element.without_effect) return;
+  if (!element.probe || element.without_effect || actsOnNothing(element)) return;
   const std::string role = element.role();
   if (role == "linear solver" || role == "integrator" || role == "Newton solver") meanSolver(element);
   if (role == "selection") meanSelection(element);
@@ -41,6 +41,12 @@ void Rewriting::applyMeaning(Element& element) {
   // rest positions stay as they are written: in the axes of the frames
   if (element.written->type == "RigidMapping") setDefault(element, "applyRestPosition", "false");
   if (element.written->type == "BeamLinearMapping") setDefault(element, "geometricStiffness", "None");
+  for (const char* name : {"first", "last"})  // -1: not given
+    if (element.is("SubsetMapping") && element.text(name).starts_with("-")) element.remove(name);
+  if (role == "mesh loader" && element.writes("scale") && element.writes("scale3d")) {  // both count
+    const Vec3 scale = std::atof(element.text("scale").c_str()) * numbersOf(element.text("scale3d"), Vec3::Ones());
+    element.set("scale3d", print(scale)), element.remove("scale");
+  }
 }
 
 void Rewriting::setQuirk(Element& element, std::string_view quirk, const std::string& attribute,
@@ -69,6 +75,9 @@ void Rewriting::meanSelection(Element& element) {
 
 void Rewriting::meanField(Element& element) {
   const std::string& type = element.written->type;
+  meanSprings(element);
+  meanLoads(element);
+  if (element.dropped) return;
   const bool corotational = isOneOf(type, {"TetrahedronFEMForceField", "TetrahedralCorotationalFEMForceField"});
   const bool elastic = corotational || isOneOf(type, {"HexahedronFEMForceField", "CorotationalFEMForceField",
                                                       "FastTetrahedralCorotationalForceField",
@@ -82,7 +91,7 @@ void Rewriting::meanField(Element& element) {
     element.place->added_components.push_back(plastic->second);
   }
   if (type == "HexahedronFEMForceField")
-    if (Element* mesh = meshOf(element); mesh && mesh->is("SparseGridTopology"))
+    if (Element* mesh = meshOf(element); mesh && mesh->written->type.starts_with("SparseGrid"))
       setDefault(element, "localStiffnessFactor", SceneTree::linkTo(*mesh) + ".cellFactors");
   if (isOneOf(type, {"MeshSpringForceField", "RegularGridSpringForceField"}))
     setQuirk(element, "spring-length", "perLength", "true");
@@ -106,7 +115,9 @@ void Rewriting::meanField(Element& element) {
     setDefault(element, "bendingStiffness", "1");
     setDefault(element, "minDistValidity", "1e-06");
   }
-  if (type == "AngularSpringForceField") setQuirk(element, "one-sided-turns", "oneSided", "true");
+  if (isOneOf(type, {"AngularSpringForceField", "GearSpringForceField"})) setQuirk(element, "one-sided-turns", "oneSided", "true");
+  const bool is_pair = element.find("object1") || element.find("object2");
+  if (is_pair && !element.place->nearest("integrator")) setQuirk(element, "isolated-springs", "explicitForce", "true");
   if (type == "TorsionForceField") setQuirk(element, "torsion-tangent", "tangent", "transverse");
   const bool membrane = isOneOf(type, {"TriangularFEMForceField", "TriangleFEMForceField"});
   if (membrane && method != "small") setQuirk(element, "membrane-shape", "strain", "current");
@@ -150,6 +161,7 @@ void Rewriting::cutHexahedra(Element& field) {
 
 void Rewriting::meanMass(Element& element) {
   const std::string& type = element.written->type;
+  if (element.text("filename") == "unused") element.remove("filename");
   const bool total = element.find("totalMass"), vertex = element.find("vertexMass");
   const Element* state = element.place->nearest("mechanical state");
   const bool of_frames = state && state->text("template").starts_with("Rigid3");
@@ -264,7 +276,8 @@ void Rewriting::completeGrid(Element& grid) {
   bool asked = false;
   tree_->forEach([&](Element& element) {
     const std::string& type = element.written->type;
-    asked = asked || isOneOf(type, {"MeshSpringForceField", "SurfacePressureForceField", "TrianglePressureForceField",
+    asked = asked || isOneOf(type, {"MeshSpringForceField", "VectorSpringForceField", "SurfacePressureForceField",
+                                    "TrianglePressureForceField",
                                     "QuadPressureForceField", "EdgePressureForceField", "LineCollisionModel"});
   });
   const Vec3 count = grid.find("n") ? numbersOf(grid.text("n"), Vec3(2, 2, 2)) : Vec3(2, 2, 2);
@@ -308,7 +321,7 @@ void Rewriting::readMeshFiles(Element& element) {
   const std::string& type = element.written->type;
   for (const char* file : {"filename", "fileTopology"})
     if (element.probe && element.find(file) &&
-        (isOneOf(type, {"MeshTopology", "SparseGridTopology"}) || type.ends_with("TopologyContainer")))
+        (type == "MeshTopology" || type.starts_with("SparseGrid") || type.ends_with("TopologyContainer")))
       readMeshFile(element, file);
 }
 
@@ -335,6 +348,8 @@ void Rewriting::readMeshFile(Element& element, const std::string& attribute) {
 }
 
 void Rewriting::meanState(Element& element) {
+  if (element.find("restScale") && std::atof(element.text("restScale").c_str()) == 1) element.remove("restScale");
+  if (element.find("scale")) element.remove("scale3d");
   const bool has_positions = element.find("position") || element.find("rest_position") || element.find("src") ||
                              element.place->has("topology");
   if (element.find("size") && has_positions) {
@@ -360,6 +375,10 @@ void Rewriting::meanConstraint(Element& element) {
   setDefault(element, "ignoreMissing", "true");
   if (element.is("PatchTestMovementProjectiveConstraint")) setDefault(element, "velocity", "zero");
   if (element.is("AttachProjectiveConstraint")) setDefault(element, "twoWay", "false");
+  if (holdsNothing(element)) return;
+  if (element.is("FixedPlaneProjectiveConstraint") && element.find("indices") && element.writes("dmin") &&
+      element.text("dmin") == element.text("dmax"))
+    element.remove("dmin"), element.remove("dmax");
   const bool all = saysYes(element.text("fixAll"));
   static const std::set<std::string> first = {"FixedProjectiveConstraint", "PartialFixedProjectiveConstraint",
                                               "FixedTranslationProjectiveConstraint", "LinearMovementProjectiveConstraint",

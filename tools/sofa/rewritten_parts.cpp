@@ -51,10 +51,12 @@ void Rewriting::moveJoints(NodeDescription& node) {
 /// The type here, and what the name alone said.
 void Rewriting::renameType(Element& element) {
   const std::string type = element.written->type;
+  meanOfNames(element);
   if (type == "AsyncSparseLDLSolver")
     warn(element.written->where, element, {},
          "SOFA factors in another thread and solves with older factors: this solver has those of the step");
   if (type == "TetrahedralTensorMassForceField") element.set("method", "small");
+  if (type == "CenterPointTopologicalMapping") element.set("hexaBaryCoords", "0.5 0.5 0.5");
   if (type == "UniformVelocityDampingForceField" && saysYes(element.text("implicit"))) {
     element.remove("implicit");
     element.set("explicitDamping", "false");
@@ -104,10 +106,53 @@ void Rewriting::splitMass(Element& field) {
   if (quirks_.use("pair-mass", field.path())) mass.attributes.push_back({"matrix", "pairs", where});
   for (const char* copied : {"topology", "rayleighMass"})
     if (const AttributeDescription* found = field.find(copied)) mass.attributes.push_back(*found);
-  if (Element* mesh = meshOf(field); mesh && mesh->is("SparseGridTopology"))
+  if (Element* mesh = meshOf(field); mesh && mesh->written->type.starts_with("SparseGrid"))
     mass.attributes.push_back({"cellFactors", SceneTree::linkTo(*mesh) + ".cellFactors", where});
   for (const char* moved : {"density", "lumpedMass", "rayleighMass", "massMatrices"}) field.remove(moved);
   field.place->added_components.push_back(std::move(mass));
+}
+
+// ---- names that a scene gives ----
+
+/// MakeAliasComponent gives a type another name, MakeDataAliasComponent an attribute of it, for what comes after.
+void Rewriting::resolveAliases() {
+  std::map<std::string, std::string> types;
+  std::map<std::pair<std::string, std::string>, std::string> attributes;
+  const auto resolve = [&](const auto& self, NodeDescription& node) -> void {
+    std::erase_if(node.components, [&](ComponentDescription& component) {
+      const auto text = [&component](const char* name) {
+        const AttributeDescription* found = component.find(name);
+        return found ? std::string(trimmed(found->value)) : std::string();
+      };
+      if (component.type == "MakeAliasComponent") return types[text("alias")] = text("targetcomponent"), true;
+      if (component.type == "MakeDataAliasComponent")
+        return attributes[{text("componentname"), text("alias")}] = text("dataname"), true;
+      if (const auto other = types.find(component.type); other != types.end()) component.type = other->second;
+      for (AttributeDescription& attribute : component.attributes)
+        if (const auto other = attributes.find({component.type, attribute.name}); other != attributes.end())
+          attribute.name = other->second;
+      return false;
+    });
+    for (NodeDescription& child : node.children) self(self, child);
+  };
+  resolve(resolve, scene_.root);
+}
+
+// ---- solvers that damp ----
+
+/// DampVelocitySolver, which SOFA runs after the integrator of its node: v *= exp(-rate dt), as vdamping.
+void Rewriting::dampVelocities() {
+  tree_->forEach([this](Element& element) {
+    if (!element.is("DampVelocitySolver")) return;
+    Element* integrator = element.place->firstOf("integrator");
+    const bool stops = std::atof(element.text("threshold").c_str()) != 0;
+    if (element.find("rate") && !element.writes("rate")) return;
+    if (!integrator || stops || !integrator->probe->data().find("vdamping")) return;  // reported as what is not there
+    const double rate = element.find("rate") ? std::atof(element.text("rate").c_str()) : 0.99;
+    integrator->set("vdamping", printReal(rate + std::atof(integrator->text("vdamping").c_str())));
+    element.dropped = true;
+    diagnostics_.note(element.written->where, element.path(), "is vdamping of " + integrator->path() + " here");
+  });
 }
 
 // ---- loops that divide a step ----
@@ -133,6 +178,18 @@ void Rewriting::divideSteps() {
 }
 
 // ---- mappings that pass nothing on ----
+
+/// A VoidMapping maps nothing: its state stays where it is, and what acts there moves nothing.
+void Rewriting::dropVoids() {
+  static const std::set<std::string> acting = {"force field", "mass", "projective constraint", "position constraint"};
+  tree_->forEach([this](Element& element) {
+    if (!element.is("VoidMapping")) return;
+    element.dropped = true;
+    for (const auto& each : element.place->elements)
+      if (acting.count(each->role())) each->dropped = true;
+    diagnostics_.note(element.written->where, element.path(), "maps nothing: the nodes of " + element.place->path() + " stay");
+  });
+}
 
 /// What acts on nodes that follow others is heard by nobody where the mapping passes no forces: SOFA leaves it without effect.
 void Rewriting::dropUnheard() {
@@ -277,7 +334,11 @@ Element* Rewriting::preconditionerOf(Element& solver) {
 
 /// An engine that is not available here is missed only where something with an effect takes what it makes.
 void Rewriting::dropIdleEngines() {
-  const auto is_engine = [](const Element& element) { return !element.probe && isEngineOfSofa(element.written->type); };
+  static const std::set<std::string_view> known = {"AverageCoord",      "DilateEngine",   "NormEngine",       "NormalsFromPoints",
+                                                   "QuatToRigidEngine", "ROIValueMapper", "RigidToQuatEngine", "SumEngine"};
+  const auto is_engine = [](const Element& element) {
+    return !element.dropped && (!element.probe || known.count(element.written->type)) && isEngineOfSofa(element.written->type);
+  };
   for (bool changed = true; changed;) {
     std::set<const Element*> asked;
     tree_->forEach([&](Element& element) {

@@ -41,6 +41,11 @@ struct Element {
   bool is(std::string_view type) const { return written->type == type; }
   const AttributeDescription* find(std::string_view attribute) const { return written->find(attribute); }
   std::string text(std::string_view attribute) const;
+  /// Given as text, and not as the value of a program, whose text is empty.
+  bool writes(std::string_view attribute) const {
+    const AttributeDescription* found = find(attribute);
+    return found && !found->typed;
+  }
   void set(const std::string& attribute, const std::string& value);
   void remove(std::string_view attribute);
   std::string path() const;

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// UniformLagrangianConstraint: everything that a state holds stays zero, by forces that can be read.
+//
+//   x = 0,   with one row for each number of the state, three for each point
+//
+// Of a state that follows by a mapping it makes a constraint of what the mapping computes: distances that follow by DistanceMapping
+// stay what they were at rest, so that its edges are rods. The force of a row is then the tension of a rod.
+//
+// Source: the name is SOFA's.
+//
+// Example:
+// <Node name="root" dt="0.01" gravity="0 -9.81 0">
+//   <EulerImplicitSolver/>
+//   <SparseLDLSolver/>
+//   <MechanicalObject position="0 0 0  1 0 0  2 0 0"/>
+//   <UniformMass totalMass="3"/>
+//   <FixedProjectiveConstraint indices="0"/>
+//   <Node name="rods">
+//     <MeshTopology position="0 0 0  1 0 0  2 0 0" edges="0 1  1 2"/>
+//     <MechanicalObject template="Vec1"/>
+//     <DistanceMapping/>
+//     <UniformLagrangianConstraint/>
+//   </Node>
+// </Node>
+#include <fmt/format.h>
+
+#include "components/lagrangian/pair_constraint.h"
+#include "framework/scene/factory.h"
+
+namespace stroma::lagrangian {
+namespace {
+
+class Uniform final : public PairConstraint {
+ public:
+  void declare(DataTable& table) override {
+    declareOneState(table);
+    table.addVisualOnly("iterative");
+  }
+  void addConditions(ConstRows x, ConstRows, LagrangianRows& rows) const override {
+    const Index start = first().firstRow();
+    for (Index i = 0; i < first().size(); ++i)
+      for (int k = 0; k < (first().kindOf(i) == RowKind::place ? 3 : 1); ++k) {
+        rows.begin(Kind::equal, x[start + i][k]);
+        rows.add(start + i, Vec3::Unit(k));
+      }
+  }
+
+ protected:
+  Nodes nodes() const override { return Nodes::points_or_values; }
+};
+
+}  // namespace
+}  // namespace stroma::lagrangian
+
+STROMA_COMPONENT(uniform_lagrangian_constraint) {
+  factory.add<stroma::lagrangian::Uniform>("UniformLagrangianConstraint", "numbers and points that stay zero, as mapped distances");
+}

@@ -1,0 +1,349 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// GearSpringForceField: pairs of wheels that turn each other. Each wheel m is a rigid frame on a pivot, the frame p, or on the
+// place where it starts when p is m itself. a_m, a_p: the axis of the wheel, as it lies in both frames.
+//
+//   E = sum over both wheels of [k_t/2 |c_m - c_p|^2 + k_r/2 beta^2] + k_s/(2 R) (R phi_1 + phi_2)^2
+//
+// beta is the angle between a_m and a_p, and phi the angle by which the wheel is turned about its axis against the pivot, counted
+// over whole turns. With the ratio R = 1 the wheels turn against each other by the same angle, with R the second one turns R times
+// as far. Forces and torques are those of the energy, on wheels and pivots; at the teeth the torques on both wheels are
+//
+//   T_1 = -k_s (R phi_1 + phi_2),   T_2 = T_1 / R
+//
+// KD damps what a wheel moves and turns against its pivot, its turning about the axis too: force -kd v, torque -kd w.
+//
+// phi is the twist of q = q_p^-1 q_m about e, 2 atan2(v.e, w) of q = (v, w); its derivative by a turn of the wheel is, in the axes
+// of the pivot, (w^2 e + w v x e + (v.e) v) / (w^2 + (v.e)^2). The stiffness is the derivative less its skew part.
+//
+// `spring` is text in SOFA's words, for each pair
+//
+//   BEGIN_SPRING p1 m1 p2 m2 AXIS i j KS_T k_t KS_R k_s k_r KD kd RATIO R END_SPRING
+//
+// where i and j are 0, 1, 2 for the axes x, y, z of both. What is not said is AXIS 0 0, 10000 for each stiffness and KD, RATIO 1.
+//
+// Source: the name and the words are SOFA's. There the teeth turn the wheels and not the pivots (oneSided), and KD is no part of
+// the matrix (explicitDamping).
+//
+// Example:
+// <Node name="root" dt="0.01" gravity="0 0 0">
+//   <EulerImplicitSolver/>
+//   <SparseLDLSolver/>
+//   <MechanicalObject template="Rigid3" position="0 0 0  0 0 0 1   2 0 0  0 0 0 1"/>
+//   <UniformMass totalMass="2" inertia="0.1 0.1 0.1"/>
+//   <ConstantForceField indices="0" forces="0 0 0 0 0 1"/>
+//   <GearSpringForceField spring="BEGIN_SPRING 0 0 1 1 AXIS 2 2 KS_R 1e4 1e4 KD 0.1 RATIO 2 END_SPRING"/>
+// </Node>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <sstream>
+#include <stdexcept>
+
+#include "framework/mechanics/drawn_segments.h"
+#include "framework/mechanics/frames.h"
+#include "framework/mechanics/history.h"
+#include "framework/mechanics/node_group_field.h"
+#include "framework/mechanics/node_indices.h"
+#include "framework/mechanics/node_pairs.h"
+#include "framework/scene/archive.h"
+#include "framework/scene/factory.h"
+
+namespace stroma {
+namespace {
+
+/// Two wheels as they are written; of each what belongs to the first and to the second.
+struct Gear {
+  std::array<int, 2> pivot{}, wheel{}, axis{};
+  double shift = 1e4, teeth = 1e4, turn = 1e4, damping = 1e4, ratio = 1;
+};
+
+std::vector<Gear> readGears(const std::string& text) {
+  std::istringstream words(text);
+  std::vector<Gear> gears;
+  const auto complain = [](const std::string& what, const std::string& expected) {
+    throw ComponentError("spring: " + what, expected);
+  };
+  for (std::string word; words >> word;) {
+    const auto read = [&](auto& value) {
+      if (!(words >> value)) complain(word + " is not followed by its numbers", "numbers");
+    };
+    if (word != "BEGIN_SPRING") complain("'" + word + "' does not begin a pair of wheels", "BEGIN_SPRING");
+    Gear gear;
+    read(gear.pivot[0]), read(gear.wheel[0]), read(gear.pivot[1]), read(gear.wheel[1]);
+    while (words >> word && word != "END_SPRING") {
+      if (word == "AXIS")
+        read(gear.axis[0]), read(gear.axis[1]);
+      else if (word == "KS_T")
+        read(gear.shift);
+      else if (word == "KS_R")
+        read(gear.teeth), read(gear.turn);
+      else if (word == "KD")
+        read(gear.damping);
+      else if (word == "RATIO")
+        read(gear.ratio);
+      else
+        complain("'" + word + "' is not a word for it", "AXIS, KS_T, KS_R, KD, RATIO or END_SPRING");
+    }
+    if (word != "END_SPRING") complain("a pair of wheels has no end", "END_SPRING");
+    for (const int axis : gear.axis)
+      if (axis < 0 || axis > 2) complain(fmt::format("AXIS {} is no axis", axis), "0, 1 or 2");
+    for (const double number : {gear.shift, gear.teeth, gear.turn, gear.damping})
+      if (!(number >= 0) || !std::isfinite(number))
+        complain(fmt::format("{:g} is no stiffness and no damping", number), "numbers >= 0");
+    if (!(gear.ratio > 0) || !std::isfinite(gear.ratio))
+      complain(fmt::format("RATIO {:g} turns nothing", gear.ratio), "a number > 0");
+    gears.push_back(gear);
+  }
+  if (gears.empty()) complain("there are no wheels", "spring=\"BEGIN_SPRING 0 0 1 1 END_SPRING\"");
+  return gears;
+}
+
+/// The twist of q about the unit vector e, and its derivative by a turn in the axes that q turns from.
+struct Twist {
+  double angle;
+  Vec3 by_turn;
+  Mat3 curve;  ///< derivative of by_turn
+  Twist(const Quaternion& q, const Vec3& e) {
+    const double w = q.w(), s = q.vec().dot(e), d = w * w + s * s;
+    const Vec3 v = q.vec(), above = w * w * e + w * v.cross(e) + s * v;
+    angle = 2 * std::atan2(s, w);
+    by_turn = above / d;
+    for (int k = 0; k < 3; ++k) {
+      const Vec3 turn = Vec3::Unit(k), dv = 0.5 * (w * turn + turn.cross(v));
+      const double dw = -0.5 * turn.dot(v), ds = dv.dot(e);
+      const Vec3 change = 2 * w * dw * e + dw * v.cross(e) + w * dv.cross(e) + ds * v + s * dv;
+      curve.col(k) = change / d - above * (2 * s * ds + 2 * w * dw) / (d * d);
+    }
+  }
+};
+
+class GearSpringForceField final : public NodeGroupField<8>, public History, public DrawnSegments {
+ public:
+  void declare(DataTable& table) override {
+    ForceField::declare(table);
+    table.addLink("object1", object1_).help("state of the first wheels; the one of this node when not given");
+    table.addLink("object2", object2_).help("state of the second wheels; the one of the first when not given");
+    table.add("spring", text_).help("the pairs of wheels, in the words above").required();
+    table.add("oneSided", one_sided_).help("pivots feel no torque of the teeth, as in SOFA");
+    table.add("explicitDamping", explicit_damping_).help("KD is no part of the matrix, as in SOFA: not stable for large ones");
+    for (const char* name : {"filename", "period", "reinit", "showFactorSize"}) table.addVisualOnly(name);
+  }
+
+  void init() override {
+    setFirstState(object1_, mstate_);
+    ForceField::init();
+    second_ = object2_.get() ? object2_.get() : &state();
+    for (const State* each : {&state(), second_})
+      if (!each->hasFrames()) throw ComponentError(fmt::format("{} has no frames", each->path()), "a state of template Rigid3");
+    gears_ = readGears(text_);
+    for (const Gear& gear : gears_)
+      for (const std::size_t i : {0, 1})
+        checkNode(gear.pivot[i], i, stateOf(i), "spring"), checkNode(gear.wheel[i], i, stateOf(i), "spring");
+    starts_.clear(), angles_.clear();
+    for (const Gear& gear : gears_)
+      for (const std::size_t i : {0, 1}) {
+        const auto at = [&](int node) { return std::size_t(2 * node); };
+        const std::vector<Vec3>& x = stateOf(i).position;
+        starts_.push_back({x[at(gear.wheel[i])], turnedBy(x[at(gear.wheel[i]) + 1])});
+        const Quaternion pivot = turnedBy(x[at(gear.pivot[i]) + 1]);
+        angles_.push_back(toHalfTurn(Twist(pivot.conjugate() * starts_.back().turn, Vec3::Unit(gear.axis[i])).angle));
+      }
+    first_angles_ = angles_;
+  }
+
+  std::vector<State*> states() const override {
+    return second_ == &state() ? std::vector<State*>{second_} : std::vector<State*>{&state(), second_};
+  }
+
+  ForceTraits traits() const override {
+    bool damped = false;
+    for (const Gear& gear : gears_) damped = damped || gear.damping > 0;
+    ForceTraits traits;
+    traits.symmetric = true;
+    traits.conservative = !one_sided_;
+    traits.exact_tangent = !one_sided_ && !damped;
+    traits.velocity_dependent = damped && !explicit_damping_;
+    return traits;
+  }
+
+  void compile() override {
+    std::vector<Group> rows;
+    for (const Gear& gear : gears_) {
+      Group group{};
+      for (const std::size_t i : {0, 1}) {
+        const Index pivot = stateOf(i).firstRow() + 2 * gear.pivot[i], wheel = stateOf(i).firstRow() + 2 * gear.wheel[i];
+        group[4 * i] = pivot, group[4 * i + 1] = pivot + 1, group[4 * i + 2] = wheel, group[4 * i + 3] = wheel + 1;
+      }
+      rows.push_back(group);
+    }
+    setGroups(std::move(rows), traits().velocity_dependent);
+  }
+
+  double energy(ConstRows x) const override {
+    double sum = 0;
+    for (std::size_t g = 0; g < gears_.size(); ++g) {
+      const Gear& gear = gears_[g];
+      for (const std::size_t i : {0, 1}) {
+        const Wheel wheel = place(g, i, x);
+        const double beta = std::atan2(wheel.axis.cross(wheel.pivot_axis).norm(), wheel.axis.dot(wheel.pivot_axis));
+        sum += gear.shift / 2 * wheel.off.squaredNorm() + gear.turn / 2 * beta * beta;
+      }
+      const double slip = gear.ratio * place(g, 0, x).angle + place(g, 1, x).angle;
+      sum += gear.teeth / (2 * gear.ratio) * slip * slip;
+    }
+    return sum;
+  }
+
+  void addForce(ConstRows x, ConstRows v, Rows f) override {
+    for (std::size_t g = 0; g < gears_.size(); ++g) {
+      stiffness_[g].setZero();
+      if (!damping_.empty()) damping_[g].setZero();
+      const std::array<Wheel, 2> wheels{place(g, 0, x), place(g, 1, x)};
+      for (const std::size_t i : {0, 1}) addPivot(g, i, wheels[i], v, f);
+      addTeeth(g, wheels, f);
+      makeSymmetric(stiffness_[g]);
+    }
+  }
+
+  // ---- whole turns ----
+  /// Both states are rows of one system's vector.
+  void stepEnded(double) override {
+    const Index end = std::max(state().firstRow() + state().size(), second_->firstRow() + second_->size());
+    const double* rows = state().x().data - std::ptrdiff_t(state().firstRow()) * row_doubles;
+    for (std::size_t g = 0; g < gears_.size(); ++g)
+      for (const std::size_t i : {0, 1}) angles_[2 * g + i] = place(g, i, ConstRows{rows, end}).angle;
+  }
+  const std::vector<double>& history() const override { return angles_; }
+  void reset() override { angles_ = first_angles_; }
+  void serialize(Archive& archive) override {
+    archive.list("angles", angles_);
+    if (angles_.size() != 2 * gears_.size()) throw std::runtime_error("the checkpoint has the angles of other gears");
+  }
+
+  void addSegments(std::vector<Segment>& segments) const override {
+    for (const Gear& gear : gears_) segments.push_back({&state(), 2 * gear.wheel[0], second_, 2 * gear.wheel[1]});
+  }
+
+ protected:
+  bool takesAllRows() const override { return true; }
+
+ private:
+  struct Start {
+    Vec3 place;
+    Quaternion turn;
+  };
+  struct Wheel {
+    bool is_free;  ///< from its start: without a pivot that moves
+    Vec3 off, axis, pivot_axis, twist;
+    Mat3 curve;    ///< derivative of twist by a turn of the wheel [in space]
+    double angle;
+  };
+  State& stateOf(std::size_t i) const { return i == 0 ? state() : *second_; }
+  static double toHalfTurn(double angle) { return std::remainder(angle, 2 * std::numbers::pi); }
+
+  Wheel place(std::size_t g, std::size_t i, ConstRows x) const {
+    const Group& rows = rows_[g];
+    const Start& start = starts_[2 * g + i];
+    const Vec3 e = Vec3::Unit(gears_[g].axis[i]);
+    const bool is_free = rows[4 * i] == rows[4 * i + 2];
+    const Quaternion pivot = is_free ? start.turn : orientationIn(x, rows[4 * i + 1]), wheel = orientationIn(x, rows[4 * i + 3]);
+    const Vec3 centre = is_free ? start.place : Vec3(x[rows[4 * i]]);
+    const Twist twist(pivot.conjugate() * wheel, e);
+    const Mat3 axes = pivot.toRotationMatrix();
+    const double before = angles_[2 * g + i];
+    return {is_free,
+            Vec3(x[rows[4 * i + 2]]) - centre,
+            wheel * e,
+            pivot * e,
+            axes * twist.by_turn,
+            axes * twist.curve * axes.transpose(),
+            before + toHalfTurn(twist.angle - before)};
+  }
+
+  /// The spring that holds the centre, the one that holds the axis, and the damping of both.
+  void addPivot(std::size_t g, std::size_t i, const Wheel& wheel, ConstRows v, Rows f) {
+    const Gear& gear = gears_[g];
+    const Group& rows = rows_[g];
+    const int p = int(4 * i), m = p + 2;
+    const Vec3 n = wheel.axis.cross(wheel.pivot_axis);
+    const double c = wheel.axis.dot(wheel.pivot_axis), s2 = n.squaredNorm(), s = std::sqrt(s2);
+    const double h = s > 1e-4 ? std::atan2(s, c) / s : 1 + s2 / 6, slope = s > 1e-4 ? (c * h - 1) / s2 : -1. / 3;  // dh/dc
+    Vec3 force = -gear.shift * wheel.off, torque = gear.turn * h * n;
+    const Mat3 one = Mat3::Identity();
+    const Mat3 by_wheel = gear.turn * (h * (wheel.axis * wheel.pivot_axis.transpose() - c * one) + slope * n * n.transpose());
+    const Mat3 by_pivot = gear.turn * (h * (c * one - wheel.pivot_axis * wheel.axis.transpose()) - slope * n * n.transpose());
+    DenseTangent<8>& k = stiffness_[g];
+    k.block(m, m) -= gear.shift * one, k.block(m + 1, m + 1) += by_wheel;
+    if (!wheel.is_free) {
+      k.block(p, p) -= gear.shift * one, k.block(m, p) += gear.shift * one, k.block(p, m) += gear.shift * one;
+      k.block(m + 1, p + 1) += by_pivot, k.block(p + 1, m + 1) -= by_wheel, k.block(p + 1, p + 1) -= by_pivot;
+    }
+    if (gear.damping > 0)
+      for (const int row : {0, 1}) {
+        const Vec3 pivot_speed = wheel.is_free ? Vec3(Vec3::Zero()) : Vec3(v[rows[std::size_t(p + row)]]);
+        (row == 0 ? force : torque) -= gear.damping * (Vec3(v[rows[std::size_t(m + row)]]) - pivot_speed);
+        if (damping_.empty()) continue;
+        damping_[g].block(m + row, m + row) -= gear.damping * one;
+        if (wheel.is_free) continue;
+        damping_[g].block(p + row, p + row) -= gear.damping * one;
+        damping_[g].block(m + row, p + row) += gear.damping * one, damping_[g].block(p + row, m + row) += gear.damping * one;
+      }
+    f[rows[std::size_t(m)]] += force, f[rows[std::size_t(m + 1)]] += torque;
+    if (!wheel.is_free) f[rows[std::size_t(p)]] -= force, f[rows[std::size_t(p + 1)]] -= torque;
+  }
+
+  void addTeeth(std::size_t g, const std::array<Wheel, 2>& wheels, Rows f) {
+    const Gear& gear = gears_[g];
+    const double torque = -gear.teeth * (gear.ratio * wheels[0].angle + wheels[1].angle);
+    const std::array<double, 2> share{1, 1 / gear.ratio}, slope{gear.ratio, 1};  // of the torque, and of the slip by the angles
+    DenseTangent<8>& k = stiffness_[g];
+    for (const std::size_t i : {0, 1}) {
+      const int p = int(4 * i) + 1, m = p + 2;
+      const Vec3 own = share[i] * wheels[i].twist;
+      const bool reacts = !wheels[i].is_free && !one_sided_;
+      f[rows_[g][std::size_t(m)]] += torque * own;
+      if (reacts) f[rows_[g][std::size_t(p)]] -= torque * own;
+      for (const std::size_t j : {0, 1}) {
+        const int pivot = int(4 * j) + 1, other = pivot + 2;
+        const bool moves = !wheels[j].is_free && !one_sided_;
+        const Mat3 block = -gear.teeth * slope[j] * own * wheels[j].twist.transpose();
+        k.block(m, other) += block;
+        if (moves) k.block(m, pivot) -= block;
+        if (reacts) k.block(p, other) -= block;
+        if (reacts && moves) k.block(p, pivot) += block;
+      }
+      if (one_sided_) continue;
+      const Mat3 curve = torque * share[i] * wheels[i].curve;  // by a turn of the wheel against the pivot, which carries it along
+      const Mat3 carried = -crossMatrix(torque * own);
+      k.block(m, m) += curve;
+      if (!reacts) continue;
+      k.block(m, p) += carried - curve, k.block(p, m) -= curve, k.block(p, p) -= carried - curve;
+    }
+  }
+
+  static void makeSymmetric(DenseTangent<8>& k) {
+    for (int r = 0; r < 8; ++r)
+      for (int c = 0; c <= r; ++c) {
+        const Mat3 mean = 0.5 * (k.block(r, c) + k.block(c, r).transpose());
+        k.block(r, c) = mean, k.block(c, r) = mean.transpose();
+      }
+  }
+
+  Link<State> object1_{"mechanical state"}, object2_{"mechanical state"};
+  std::string text_;
+  bool one_sided_ = false, explicit_damping_ = false;
+  State* second_ = nullptr;
+  std::vector<Gear> gears_;
+  std::vector<Start> starts_;                   ///< of the wheels, two a gear
+  std::vector<double> angles_, first_angles_;  ///< by which they have turned where the step starts [rad]
+};
+
+}  // namespace
+}  // namespace stroma
+
+STROMA_COMPONENT(gear_spring_force_field) {
+  factory.add<stroma::GearSpringForceField>("GearSpringForceField", "wheels that turn each other, rigid frames on pivots");
+}

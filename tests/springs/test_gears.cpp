@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Wheels that turn each other, springs that remember a vector, and springs outside of the matrix, against closed forms.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "framework/mechanics/frames.h"
+#include "tests/support/scene_fixture.h"
+
+namespace stroma::test {
+namespace STROMA_TEST_FILE {
+
+std::string framesOf(const std::string& positions, const std::string& field, const std::string& velocity = "", double h = 0.01) {
+  return fmt::format(R"(<Node name="root" dt="{}" gravity="0 0 0"><EulerImplicitSolver trapezoidalScheme="true"/><SparseLDLSolver/>
+    <MechanicalObject template="Rigid3" position="{}" {}/><UniformMass totalMass="2" inertia="0.1 0.1 0.1"/>{}</Node>)",
+                     h, positions, velocity, field);
+}
+
+std::string gear(const std::string& words, const std::string& more = "") {
+  return "<GearSpringForceField spring='BEGIN_SPRING " + words + " END_SPRING' " + more + "/>";
+}
+
+/// The slip s = R phi_1 + phi_2 swings with w^2 = k (R + 1/R) / I, turned by 2 atan(w h / 2) in a step of the trapezoidal rule,
+/// while the wheels turn more than ten times.
+TEST(Gears, TheSlipSwingsWhileTheWheelsTurn) {
+  const double h = 0.01, k = 50, ratio = 2, inertia = 0.1, w = std::sqrt(k * (ratio + 1 / ratio) / inertia), first = 40, slip = 0.7;
+  Simulation simulation = simulationFromText(
+      framesOf("0 0 0  0 0 0 1   2 0 0  0 0 0 1", gear("0 0 1 1 AXIS 2 2 KS_R 50 1e4 KD 0 RATIO 2"),
+               fmt::format("velocity='0 0 0 0 0 {}  0 0 0 0 0 {}'", first, slip - ratio * first), h));
+  const State& state = *simulation.states().at(0);
+  const double turn = 2 * std::atan(w * h / 2);
+  for (int step = 1; step <= 200; ++step) {
+    ASSERT_FALSE(simulation.step().failed());
+    const double one = state.v()[1].z(), other = state.v()[3].z();
+    ASSERT_NEAR(ratio * one + other, slip * std::cos(step * turn), 1e-9) << step;
+    ASSERT_NEAR(one - ratio * other, first - ratio * (slip - ratio * first), 1e-9) << "torques are 1 : 1/R";
+  }
+  EXPECT_LT(Vec3(state.x()[0]).norm(), 1e-12);
+}
+
+TEST(Gears, CountWholeTurnsAgainAfterAReset) {
+  Simulation simulation = simulationFromText(framesOf("0 0 0  0 0 0 1   2 0 0  0 0 0 1", gear("0 0 1 1 KS_R 50 1e4 KD 0"),
+                                                      "velocity='0 0 0 40 0 0  0 0 0 -39 0 0'"));
+  for (int step = 0; step < 60; ++step) simulation.step();
+  const std::uint64_t hash = simulation.stateHash();
+  simulation.reset();
+  for (int step = 0; step < 60; ++step) simulation.step();
+  EXPECT_EQ(simulation.stateHash(), hash);
+}
+
+const std::string four_frames =
+    "0 0 0  0.1 0.2 0.3 0.9273618495495704   0.1 0 0.2  0.2 0.1 0.5 0.8366600265340756   2 0 0  0 0 0 1   2 0.1 0  0.3 0.1 0 "
+    "0.9486832980505138";
+
+/// Energy, force and tangent against each other: the tangent is the symmetric part, without half of the torque's own turn.
+TEST(Gears, ForceAndTangentAreThoseOfTheEnergy) {
+  for (const std::string words : {"0 1 2 3 AXIS 2 0", "1 1 2 3 AXIS 1 0", "0 1 3 3 AXIS 2 1", "0 1 0 2 AXIS 0 1"}) {
+    SCOPED_TRACE(words);
+    Simulation simulation = simulationFromText(framesOf(four_frames, gear(words + " KS_T 30 KS_R 7 20 KD 0 RATIO 1.5")));
+    System& system = *simulation.systems().at(0);
+    ForceField& field = *system.forceFields().at(0);
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> uniform(-1, 1);
+    Vector d(8), v(8);
+    for (Index i = 0; i < 8; ++i) d[i] = Vec3(uniform(random), uniform(random), uniform(random));
+    const double h = 1e-5;
+    const auto moved = [&](double s) {
+      Vector x(8);
+      copy(system.x, x);
+      system.motion().advance(s, d, x);
+      return x;
+    };
+    const auto forceAt = [&](const Vector& x) {
+      Vector f(8);
+      field.addForce(x, v, f);
+      return f;
+    };
+    const Vector plus = forceAt(moved(h)), minus = forceAt(moved(-h)), f = forceAt(moved(0));
+    EXPECT_GT(norm(f), 1);
+    EXPECT_NEAR((field.energy(moved(h)) - field.energy(moved(-h))) / (2 * h), -dot(f, d), 1e-7 * norm(f));
+    Vector product(8);
+    field.addStiffnessProduct(d, 1, product);
+    for (Index i = 0; i < 8; ++i) {
+      Vec3 exact = (plus[i] - minus[i]) / (2 * h);
+      if (i % 2 == 1) exact -= 0.5 * Vec3(d[i]).cross(Vec3(f[i]));
+      EXPECT_LT((exact - product[i]).norm(), 1e-7 * norm(product)) << i;
+    }
+  }
+}
+
+TEST(Gears, OneSidedTeethLeaveThePivots) {
+  const std::string start = "0 0 0  0 0 0 1   0 0 0  0 0 0.1 0.99498743710662   2 0 0  0 0 0 1   2 0 0  0 0 0 1";
+  const double angle = 2 * std::asin(0.1);
+  for (const bool one_sided : {false, true}) {
+    Simulation simulation = simulationFromText(framesOf(
+        start, gear("0 1 2 3 AXIS 2 2 KS_R 30 1e4 KD 0 RATIO 2", one_sided ? "oneSided='true'" : "")));
+    System& system = *simulation.systems().at(0);
+    Vector f(8), v(8);
+    system.forceFields().at(0)->addForce(system.x, v, f);
+    EXPECT_NEAR(f[3].z(), -30 * 2 * angle, 1e-10);
+    EXPECT_NEAR(f[7].z(), -30 * angle, 1e-10);
+    EXPECT_NEAR(f[1].z(), one_sided ? 0 : 60 * angle, 1e-10);
+    EXPECT_NEAR(f[5].z(), one_sided ? 0 : 30 * angle, 1e-10);
+  }
+}
+
+TEST(Gears, SayWhatIsWrong) {
+  const auto told = [](const std::string& words) { return problemsOf(framesOf(four_frames, gear(words))); };
+  expectContains(told("0 1 2 9"), "expected indices in 0 ... 3");
+  expectContains(told("0 1 2 3 AXIS 0 3"), "AXIS 3 is no axis");
+  expectContains(told("0 1 2 3 RATIO 0"), "RATIO 0 turns nothing");
+  expectContains(told("0 1 2 3 KD -1"), "is no stiffness and no damping");
+  expectContains(told("0 1 2 3 TEETH 7"), "'TEETH' is not a word for it");
+  expectContains(told("0 1 2"), "is not followed by its numbers");
+}
+
+// ---- vectors ----
+
+/// A mass on such a spring swings in all directions alike, across the spring too, and is damped by its viscosity.
+TEST(VectorSprings, AMassSwingsAcrossThem) {
+  const double h = 0.01, k = 80, m = 2, w = std::sqrt(k / m);
+  Simulation simulation = simulationFromText(fmt::format(
+      R"(<Node name="root" dt="{}" gravity="0 0 0"><EulerImplicitSolver trapezoidalScheme="true"/><SparseLDLSolver/>
+      <MechanicalObject position="0 0 0  1 0 0" velocity="0 0 0  0 0.3 0"/><UniformMass vertexMass="2"/>
+      <MeshTopology position="0 0 0  1 0 0" edges="0 1"/><FixedProjectiveConstraint indices="0"/>
+      <VectorSpringForceField useTopology="true" stiffness="80" viscosity="0"/></Node>)",
+      h));
+  const State& state = *simulation.states().at(0);
+  for (int step = 1; step <= 100; ++step) {
+    simulation.step();
+    ASSERT_NEAR(state.v()[1].y(), 0.3 * std::cos(2 * step * std::atan(w * h / 2)), 1e-11);
+    ASSERT_NEAR(state.x()[1].x(), 1, 1e-13);
+  }
+}
+
+TEST(VectorSprings, DrawNodesOfTwoBodiesTogether) {
+  const std::string body = "<Node name='{0}'><MechanicalObject name='dofs' position='{1}' velocity='{2}'/><UniformMass "
+                           "vertexMass='1'/></Node>";
+  Simulation simulation = simulationFromText(
+      "<Node name='root' dt='0.01' gravity='0 0 0'><EulerImplicitSolver/><SparseLDLSolver/>" +
+      fmt::format(fmt::runtime(body), "a", "0 0 0  1 0 0", "1 0 0  0 0 0") +
+      fmt::format(fmt::runtime(body), "b", "0 0 2  1 3 0", "0 0 0  0 0 0") +
+      "<VectorSpringForceField object1='@a/dofs' object2='@b/dofs' stiffness='10' viscosity='3'/></Node>");
+  System& system = *simulation.systems().at(0);
+  Vector f(4);
+  system.forceFields().at(0)->addForce(system.x, system.v, f);
+  EXPECT_LT((Vec3(f[0]) - Vec3(-3, 0, 20)).norm(), 1e-13);
+  EXPECT_LT((Vec3(f[3]) - Vec3(0, -30, 0)).norm(), 1e-13);
+  EXPECT_LT((Vec3(f[0]) + Vec3(f[2])).norm(), 1e-15);
+  const std::string alone = "<Node name='root'><EulerImplicitSolver/><SparseLDLSolver/><MechanicalObject position='0 0 0'/>"
+                            "<UniformMass/><VectorSpringForceField/></Node>";
+  expectContains(problemsOf(alone), "joins each node to itself");
+}
+
+// ---- outside of the matrix ----
+
+/// Explicit forces of a linear step, velocities first: symplectic Euler's phase, 2 asin(w h / 2) per step; momentum is kept.
+TEST(ExplicitSprings, TheStepIsThatOfSymplecticEuler) {
+  const double h = 0.01, w = std::sqrt(100 * (1 / 1. + 1 / 3.));
+  const std::string body = "<Node name='{0}'><MechanicalObject name='dofs' position='{1}'/><UniformMass vertexMass='{2}'/></Node>";
+  Simulation simulation = simulationFromText(
+      fmt::format("<Node name='root' dt='{}' gravity='0 0 0'><EulerImplicitSolver/><SparseLDLSolver/>", h) +
+      fmt::format(fmt::runtime(body), "a", "0 0 0", 1) + fmt::format(fmt::runtime(body), "b", "1.1 0 0", 3) +
+      "<SpringForceField object1='@a/dofs' object2='@b/dofs' springsIndices1='0' springsIndices2='0' lengths='1' stiffness='100' "
+      "damping='0' explicitForce='true'/></Node>");
+  const System& system = *simulation.systems().at(0);
+  const double step_w = 2 * std::asin(w * h / 2);
+  for (int step = 1; step <= 300; ++step) {
+    simulation.step();
+    const double exact = 0.1 * (std::cos(step * step_w) - std::tan(step_w / 2) * std::sin(step * step_w));
+    ASSERT_NEAR(system.x[1].x() - system.x[0].x() - 1, exact, 1e-11) << step;
+    ASSERT_NEAR(system.v[0].x() + 3 * system.v[1].x(), 0, 1e-13);
+  }
+}
+
+}  // namespace STROMA_TEST_FILE
+}  // namespace stroma::test

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Springs, loads and constraints that a scene gives twice, in part or not at all: what SOFA takes of them.
+#include <algorithm>
+#include <cstdlib>
+
+#include "framework/scene/names.h"
+#include "framework/scene/text.h"
+#include "tools/sofa/rewriting.h"
+
+namespace stroma::sofa {
+
+namespace {
+
+/// The numbers of a list that is written out; of a link none.
+std::vector<double> writtenNumbers(const std::string& text) {
+  std::vector<double> numbers;
+  Words words(text);
+  for (std::string word(words.next()); !word.empty(); word = words.next()) {
+    char* end = nullptr;
+    numbers.push_back(std::strtod(word.c_str(), &end));
+    if (*end != '\0') return {};
+  }
+  return numbers;
+}
+
+std::string printed(const std::vector<double>& numbers) {
+  std::string text;
+  for (const double number : numbers) text += (text.empty() ? "" : " ") + printReal(number);
+  return text;
+}
+
+}  // namespace
+
+/// What SOFA reads and the component here does not, as long as it can be said otherwise.
+void Rewriting::meanOfNames(Element& element) {
+  if (element.is("LinearForceField") && element.writes("force")) {  // a factor of all forces
+    std::vector<double> forces = writtenNumbers(element.text("forces"));
+    const double factor = std::atof(element.text("force").c_str());
+    if (forces.empty()) return;
+    for (double& force : forces) force *= factor;
+    element.set("forces", printed(forces));
+    element.remove("force");
+  }
+  if (element.is("TrianglePressureForceField") && element.writes("normal") && element.writes("dmin") && element.writes("dmax")) {
+    const std::vector<double> normal = writtenNumbers(element.text("normal"));
+    const auto given = [](double n) { return n != 0; };
+    if (normal.size() != 3 || std::count_if(normal.begin(), normal.end(), given) != 1) return;
+    const auto axis = std::size_t(std::find_if(normal.begin(), normal.end(), given) - normal.begin());
+    double low = std::atof(element.text("dmin").c_str()) / normal[axis], high = std::atof(element.text("dmax").c_str()) / normal[axis];
+    if (low > high) std::swap(low, high);
+    constexpr double far = 1e30;
+    std::vector<double> box(6, -far);
+    std::fill(box.begin() + 3, box.end(), far);
+    box[axis] = low, box[3 + axis] = high;
+    if (!element.find("triangleList")) layers_[&element] = printed(box);
+    for (const char* name : {"normal", "dmin", "dmax"}) element.remove(name);
+  }
+}
+
+void Rewriting::meanSprings(Element& element) {
+  if (!element.is("SpringForceField")) return;
+  const bool has_pairs = element.find("springsIndices1") || element.find("indices1");
+  if (!element.find("spring") && !has_pairs) {
+    element.dropped = true;
+    return warn(element.written->where, element, {}, "has no spring: it does nothing");
+  }
+  if (element.find("spring")) {  // with their constants
+    for (const char* name : {"stiffness", "damping", "lengths", "length", "springsIndices1", "springsIndices2", "indices1", "indices2"})
+      if (element.find(name)) element.remove(name), noEffect("SpringForceField." + std::string(name) + " beside spring");
+    std::vector<double> springs = writtenNumbers(element.text("spring"));
+    if (springs.size() % 5 == 0) return;
+    warn(element.find("spring")->where, element, "spring", "has no whole spring at its end: it is left out");
+    springs.resize(springs.size() / 5 * 5);
+    return element.set("spring", printed(springs));
+  }
+  const std::string pairs = element.text(element.find("springsIndices1") ? "springsIndices1" : "indices1");
+  const std::size_t count = writtenNumbers(pairs).size();
+  for (const char* name : {"stiffness", "damping", "lengths", "length"}) {
+    std::vector<double> values = writtenNumbers(element.text(name));
+    if (count == 0 || values.size() < 2 || values.size() == count) continue;
+    warn(element.find(name)->where, element, name,
+         "has " + std::to_string(values.size()) + " values for " + std::to_string(count) + " springs: SOFA goes on with the last");
+    values.resize(count, values.back());
+    element.set(name, printed(values));
+  }
+}
+
+void Rewriting::meanLoads(Element& element) {
+  const std::string& type = element.written->type;
+  for (const char* name : {"activeDirections", "initialLength", "zeroLength"})
+    if (element.writes(name) && element.text(name).empty()) element.remove(name);
+  if (type == "SphereForceField") setDefault(element, "radius", "1"), setDefault(element, "center", "0 0 0");
+  if (type == "SurfacePressureForceField" && element.writes("min") && element.writes("max") &&
+      writtenNumbers(element.text("min")) == writtenNumbers(element.text("max")))
+    element.remove("min"), element.remove("max");
+  if (element.text("materialName").starts_with("StVenant")) element.remove("matrixRegularization");
+  const auto layer = layers_.find(&element);
+  if (layer == layers_.end()) return;
+  const SourceLocation& where = element.written->where;
+  const std::string name = element.name + "_layer";
+  ComponentDescription box{"BoxROI", {}, where, element.written->folder};
+  for (const auto& [attribute, value] : std::vector<std::pair<std::string, std::string>>{
+           {"name", name}, {"box", layer->second}, {"strict", "true"}, {"allowEmpty", "true"}})
+    box.attributes.push_back({attribute, value, where});
+  element.place->added_components.push_back(std::move(box));
+  SceneTree::linkTo(element);  // nodes above it have names from now on
+  element.set("triangleList", "@" + joinPath(element.place->path(), name) + ".triangleIndices");
+}
+
+/// SOFA does not create what acts where no state is.
+bool Rewriting::actsOnNothing(Element& element) {
+  const std::string role = element.role();
+  if (role != "force field" && role != "mass" && role != "projective constraint") return false;
+  if (movesElsewhere(element) || element.place->nearest("mechanical state") || isContactAnswer(element.written->type)) return false;
+  element.dropped = true;
+  warn(element.written->where, element, {}, "has no state to act on: SOFA does not create it, and the scene runs without it");
+  return true;
+}
+
+/// Attachments without nodes, and movements without two times: SOFA creates them, and they hold nobody.
+bool Rewriting::holdsNothing(Element& element) {
+  const bool attaches_none = element.is("AttachProjectiveConstraint") && !element.find("indices1") && !element.find("indices2");
+  const std::string times = element.text("keyTimes");
+  const bool never_moves = element.is("LinearMovementProjectiveConstraint") && !times.starts_with("@") &&
+                           (!element.find("keyTimes") || element.writes("keyTimes")) &&
+                           times.find_first_of(" \t\n") == std::string::npos;
+  if (!attaches_none && !never_moves) return false;
+  element.dropped = true;
+  warn(element.written->where, element, {},
+       std::string(attaches_none ? "names no nodes" : "has no two times") + ": it does nothing");
+  return true;
+}
+
+}  // namespace stroma::sofa
