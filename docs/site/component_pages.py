@@ -40,11 +40,12 @@ def folder_of(module):
 
 
 class ComponentPages:
-    """`components` as `stroma doc --all --json` prints them; `scenes`: path of a scene -> its text."""
+    """`components` as `stroma doc --all --json` prints them; `scenes`: path of a scene -> its text;
+    `tabs`: puts Python beside examples."""
 
-    def __init__(self, components, scenes, repository):
+    def __init__(self, components, scenes, repository, tabs):
         self.components = sorted(components, key=lambda component: component["name"].lower())
-        self.repository = repository
+        self.repository, self.tabs = repository, tabs
         repository.components.update({c["name"]: f"{folder_of(c['module'])}/{c['name']}.md" for c in self.components})
         self.users = {c["name"]: [path for path, text in scenes.items() if re.search(rf"<{c['name']}[\s/>]", text)]
                       for c in self.components}
@@ -90,7 +91,7 @@ class ComponentPages:
         prose, example = split_manual(component.get("manual") or "")
         lines += self.manual(prose, component, site)
         if example:
-            lines += ["## Example", "", "```xml", example, "```", ""]
+            lines += ["## Example", "", *self.tabs.of(example), ""]
         lines += attribute_table("Attributes", component.get("attributes") or [])
         if component.get("shorthands"):
             lines += ["SOFA's shorthands are taken too: " + ", ".join(f"`{name}`" for name in component["shorthands"]) + ".", ""]

@@ -42,8 +42,9 @@ def examples(root):
 class Gallery:
     """Fills the gallery of the site whose source is in `folder`, with the command `stroma`."""
 
-    def __init__(self, root, stroma, folder, say, draft=False):
-        self.root, self.stroma, self.folder, self.say, self.draft = root, os.path.abspath(stroma), folder, say, draft
+    def __init__(self, root, stroma, folder, say, tabs, draft=False):
+        self.root, self.stroma, self.folder, self.say = root, os.path.abspath(stroma), folder, say
+        self.tabs, self.draft = tabs, draft
 
     def filled(self, text):
         """The page with what belongs behind every comment."""
@@ -69,7 +70,8 @@ class Gallery:
             plan = self._json(["explain", os.path.join(self.root, scene), "--json"], scratch)
             run = self._json(["run", os.path.join(self.root, scene), "-n", steps, "--quiet", "--json", "--no-record"], scratch)
             picture = os.path.join(self.folder, "gallery", name + ".png")
-            self._call(["picture", os.path.join(self.root, scene), "-n", steps, "-o", picture,
+            small = ("--size", "320x240") if self.draft and "--size" not in options.get("picture", "") else ()
+            self._call(["picture", os.path.join(self.root, scene), "-n", steps, "-o", picture, *small,
                         *shlex.split(options.get("picture", ""))], scratch)
             link = ""
             if "page" in options:
@@ -83,7 +85,7 @@ class Gallery:
         size = "{ width=640 }"
         shown = f"![{name} after {steps} steps](gallery/{name}.png){size}"
         lines = [shown, "", self._numbers(plan, run) + link, "",
-                 f'??? note "{scene}"', "", "    ```xml", *("    " + line for line in source.split("\n")), "    ```", ""]
+                 f'??? note "{scene}"', "", *("    " + line if line else "" for line in self.tabs.of(source)), ""]
         return "\n".join(lines)
 
     @staticmethod

@@ -36,17 +36,20 @@ class Reader(html.parser.HTMLParser):
             self.loads.append(given["href"])
 
 
+def page_files(site):
+    """Paths of the pages that mkdocs made, sorted."""
+    found = [os.path.relpath(os.path.join(folder, name), site) for folder, _, names in os.walk(site) for name in names if name.endswith(".html")]
+    return sorted(path for path in found if not path.startswith("gallery" + os.sep))  # those play by themselves
+
+
 def read_pages(site):
-    """Path -> Reader of every page that mkdocs made."""
+    """Path -> Reader of every page."""
     pages = {}
-    for folder, _, names in os.walk(site):
-        for name in names:
-            path = os.path.relpath(os.path.join(folder, name), site)
-            if name.endswith(".html") and not path.startswith("gallery" + os.sep):  # those play by themselves
-                reader = Reader()
-                with open(os.path.join(site, path), encoding="utf-8") as file:
-                    reader.feed(file.read())
-                pages[path] = reader
+    for path in page_files(site):
+        reader = Reader()
+        with open(os.path.join(site, path), encoding="utf-8") as file:
+            reader.feed(file.read())
+        pages[path] = reader
     return pages
 
 
@@ -90,6 +93,12 @@ def missing_pages(tree, build, site):
     components = json.loads(subprocess.run([stroma, "list", "--json"], capture_output=True, text=True, check=True).stdout)
     found = [f"no page of {c['name']}" for c in components
              if not os.path.exists(os.path.join(site, "components", c["module"], c["name"] + ".html"))]
+    if os.path.isdir(os.path.join(build, "python", "stroma")):
+        for c in components:
+            with open(os.path.join(site, "components", c["module"], c["name"] + ".html"), encoding="utf-8") as file:
+                page = file.read()
+            if 'id="example"' in page and ">Python</label>" not in page:
+                found.append(f"no Python beside the example of {c['name']}")
     with open(os.path.join(site, "gallery.html"), encoding="utf-8") as file:
         gallery = file.read()
     for name in sorted(os.listdir(os.path.join(tree, "scenes", "examples"))):
@@ -108,14 +117,12 @@ FEW = ["index.html", "first_scene.html", "gallery.html", "words.html", "validati
        "components/elasticity/TetrahedronFEMForceField.html", "command.html"]
 
 
-def pages_to_look_at(site, every):
-    """A few pages; or every page but sources, with one component per family."""
-    if not every:
-        return FEW
-    found, families = set(FEW), set()
-    for path in sorted(read_pages(site)):
+def other_pages(site):
+    """All but these and sources, with one component per family."""
+    found, families = set(), {path.split("/")[1] for path in FEW if path.count("/") == 2}
+    for path in page_files(site):
         parts = path.split("/")
-        if parts[0] in ("sources", "404.html"):
+        if parts[0] in ("sources", "404.html") or path in FEW:
             continue
         if parts[0] == "components" and len(parts) == 3 and parts[2] != "index.html":
             if parts[1] in families:
@@ -150,17 +157,27 @@ def browse(tree, site):
     from browser import Browser, skip_without_browser  # pylint: disable=import-outside-toplevel
     skip_without_browser()
     found = []
+
+    def look(pages):
+        for page in pages:
+            browser.driver.get("file://" + os.path.join(site, page))
+            wide, window = browser.script("[document.documentElement.scrollWidth, window.innerWidth]")
+            if wide > window:
+                found.append(f"{page} is {wide} pixels wide in a window of {window}")
+            if browser.script("[...document.images].some(i => i.complete && !i.naturalWidth)"):
+                found.append(f"{page} has a picture that does not show")
+
+    def run_scripts(wanted):
+        browser.driver.execute_cdp_cmd("Emulation.setScriptExecutionDisabled", {"value": not wanted})
+
     with Browser() as browser:
         with almost_nothing_to_search(site):
             for width in WIDTHS:
                 browser.size(width, 900, touch=width < 600)
-                for page in pages_to_look_at(site, every=width == WIDTHS[-1]):
-                    browser.driver.get("file://" + os.path.join(site, page))
-                    wide, window = browser.script("[document.documentElement.scrollWidth, window.innerWidth]")
-                    if wide > window:
-                        found.append(f"{page} is {wide} pixels wide in a window of {window}")
-                    if browser.script("[...document.images].some(i => i.complete && !i.naturalWidth)"):
-                        found.append(f"{page} has a picture that does not show")
+                look(FEW)
+            run_scripts(False)  # they are the same on all pages, and take longer than the page
+            look(other_pages(site))
+            run_scripts(True)
         browser.size(1280, 900)
         browser.driver.get("file://" + os.path.join(site, "index.html") + "?q=BoxROI")
         browser.until(lambda: "BoxROI.html" in browser.script("document.querySelector('.md-search-result').innerHTML"),

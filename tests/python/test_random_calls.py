@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Random calls with right and wrong arguments: each returns or raises an exception of Python, and the scene still runs."""
+"""Random calls with right and wrong arguments: each returns or raises an exception of Python, and the scene still runs. Arrays,
+components and states are used when their simulation has gone, was reset or has another mesh. STROMA_RANDOM_CALLS=25000 makes a
+hundred thousand calls."""
 import gc
+import os
 import random
 
 import numpy
@@ -15,6 +18,7 @@ EXPECTED = (stroma.StromaError, TypeError, ValueError, AttributeError, ZeroDivis
 PATHS = ["/", "", "/body", "/body/fem", "body/fem", "/body/dofs", "/body/held", "/linear", "/solver", "/nothing", "//", "@", 3, None]
 NAMES = ["youngModulus", "poissonRatio", "iterations", "position", "indices", "gravity", "dt", "name", "mstate", "method", "x", "",
          "__doc__", 7]
+CALLS = int(os.environ.get("STROMA_RANDOM_CALLS", 2500))  # of each seed
 
 
 class Caller:
@@ -22,11 +26,22 @@ class Caller:
         self.random = random.Random(seed)
         self.simulation = stroma.load(block())
         self.tree = block()
-        self.kept = []
+        self.kept, self.parts = [], []
         self.marks = [b"", b"stroma checkpoint 1\n", self.simulation.checkpoint()]
 
     def any(self, *lists):
         return self.random.choice(self.random.choice([VALUES, *lists, *lists, *lists]))
+
+    def replace(self):
+        """By one of another mesh, or of the same; what was taken from the one before stays."""
+        self.parts += [self.simulation["/body/fem"], self.simulation["/body"], self.simulation.state(), self.simulation.state().mesh()]
+        self.parts = self.parts[-20:]
+        self.simulation = stroma.load(block(), set=self.random.choice([{}, {}, {"/body/grid.n": "3 3 3"}]))
+
+    def use_what_is_left(self):
+        part = self.random.choice(self.parts)
+        return (part.youngModulus if hasattr(part, "youngModulus") else 0, getattr(part, self.random.choice(["x", "v", "gravity", "points"]), None),
+                self.random.choice(self.kept).sum(), repr(part))
 
     def once(self):
         simulation, tree = self.simulation, self.tree
@@ -60,7 +75,10 @@ class Caller:
             lambda: stroma.to_xml(tree) if self.random.random() < 0.1 else None,
             lambda: stroma.type_info(self.any(list(stroma.types()))),
             lambda: stroma.load(tree) if self.random.random() < 0.05 else None,
-            lambda: self.kept.clear(),
+            lambda: self.kept.clear() if len(self.kept) > 50 else None,
+            lambda: self.replace() if self.random.random() < 0.05 else None,
+            self.use_what_is_left,
+            lambda: setattr(self.random.choice(self.parts), self.any(NAMES), self.any()),
         ])
         pick()
 
@@ -69,7 +87,7 @@ class Caller:
 def test_random_calls(seed):
     caller = Caller(seed)
     raised = 0
-    for _ in range(2500):
+    for _ in range(CALLS):
         try:
             caller.once()
         except EXPECTED:
@@ -77,9 +95,11 @@ def test_random_calls(seed):
     assert raised > 100
     for array in caller.kept:
         float(numpy.asarray(array).sum())
+    fresh = stroma.load(block())
+    if len(caller.simulation.state().x) != len(fresh.state().x):
+        caller.simulation = stroma.load(block())
     caller.simulation.restore(caller.marks[2])
     caller.simulation.run(2)
-    fresh = stroma.load(block())
     fresh.run(2)
     assert caller.simulation.hash == fresh.hash, "what was refused, and what was taken back, has left nothing"
     gc.collect()

@@ -61,7 +61,7 @@ class PythonForceField final : public ForceField {
   void addPattern(BlockPattern& pattern) const override {
     if (!traits_.has_stiffness) return;
     bringUp();
-    for (std::size_t i = 0; i < rows_.size(); ++i) pattern.addBlock(rows_[i], columns_[i]);
+    for (std::size_t i = 0; i < rows_.size(); ++i) pattern.addBlock(rows_[i], columns_[i]), pattern.addBlock(columns_[i], rows_[i]);
   }
   long patternRevision() const override { return revision_; }
   void prepareAssembly(const BlockMatrix& matrix) override {

@@ -29,7 +29,7 @@ Integer = Union[int, str]
 Array = Union[numpy.ndarray, Sequence[Any], str]
 Link = Union[Component, Node, str]
 '''
-EXPORTED = {"errors": "OutputError Problem SceneError StepError StromaError", "formula": "FormulaLaw", "laws": "Law",
+EXPORTED = {"code": "to_python", "errors": "OutputError Problem SceneError StepError StromaError", "formula": "FormulaLaw", "laws": "Law",
             "played": "Constraint ForceField",
             "simulation": "Force LiveComponent LiveNode Observer RunReport Simulation State StepReport load",
             "studies": "Recording Run jacobian read_recording sweep",

@@ -7,6 +7,7 @@
     print(sim.state("/organ").x[:, 1].min())
 """
 from . import _stroma
+from .code import to_python
 from .errors import OutputError, Problem, SceneError, StepError, StromaError
 from .formula import FormulaLaw
 from .laws import Law

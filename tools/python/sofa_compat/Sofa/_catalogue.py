@@ -34,20 +34,24 @@ for _each in ("TetrahedronFEMForceField", "HexahedronFEMForceField", "Tetrahedra
     _BESIDES[_each] = {"vonMisesPerElement": np.zeros(0)}
 for _each in ("VisualModel", "OglCylinderModel", "VisualModelImpl"):
     _BESIDES[_each] = _BESIDES["OglModel"]
+DRAWN = _BESIDES["OglModel"]
 for _each in ("InteractiveCamera", "RecordedCamera", "BaseCamera"):
     _BESIDES[_each] = _BESIDES["Camera"]
-_CONSTRAINTS = {"computeConstraintForces": False, "constraintForces": np.zeros(0), "maxIterations": 1000, "tolerance": 0.001,
+CONSTRAINTS = {"computeConstraintForces": False, "constraintForces": np.zeros(0), "maxIterations": 1000, "tolerance": 0.001,
                 "currentNumConstraints": 0, "currentIterations": 0, "currentError": 0.0, "reverseAccumulateOrder": False}
+#: of those, what a step leaves there
+OF_CONSTRAINTS = {"constraintForces", "currentNumConstraints"}
 for _each in ("GenericConstraintSolver", "LCPConstraintSolver", "BlockGaussSeidelConstraintSolver",
               "ProjectedGaussSeidelConstraintSolver", "NNCGConstraintSolver", "UnbuiltGaussSeidelConstraintSolver"):
-    _BESIDES[_each] = _CONSTRAINTS
+    _BESIDES[_each] = CONSTRAINTS
 
 #: of those, what SOFA computes in each step
-NOT_COMPUTED = {"constraintForces", "currentNumConstraints", "currentIterations", "currentError", "vonMisesPerElement"}
+NOT_COMPUTED = {"currentIterations", "currentError", "vonMisesPerElement", "constraint", "derivX", "externalForce"}
 
-#: lists of numbers that SOFA keeps in rows; of a name in place of a number: as many as velocities of the template have
+#: lists of numbers that SOFA keeps in rows; of a name in place of a number: as many as velocities or positions of the template have
 _ROWS = {("ConstantForceField", "forces"): "velocity", ("BoxROI", "box"): 6, ("BoxROI", "orientedBox"): 10, ("PlaneROI", "plane"): 10,
-         ("LinearForceField", "forces"): "velocity"}
+         ("LinearForceField", "forces"): "velocity", ("LinearVelocityProjectiveConstraint", "velocities"): "velocity",
+         **{("MergePoints", name): "position" for name in ("position1", "position2", "points")}}
 
 
 class Facts:
@@ -57,7 +61,8 @@ class Facts:
         self.word = word
         present = _sofa_type(stroma.present_type(word))
         self.info = _quietly(stroma.type_info, present)
-        self.accepted = self.info is None and (stroma.has_no_effect(word) or _sofa_accepts(word))
+        self.accepted = self.info is None and (stroma.has_no_effect(word) or _sofa_accepts(word) or _sofa_accepts(present))
+        self.written = present if self.accepted and _sofa_accepts(present) else word  # ParallelBVHNarrowPhase: BVHNarrowPhase
         self.besides = _BESIDES.get(word) or _BESIDES.get(present) or {}
         self._attributes = {}
         for each in self.info.attributes if self.info else []:
@@ -95,7 +100,8 @@ class Facts:
             return np.zeros((0, table.get(_values.plain_template(template), 3)))
         rows = _ROWS.get((self.info.type, found.name))
         if rows is not None and isinstance(found.value, np.ndarray) and found.value.ndim == 1 and not found.value.size:
-            columns = _values.VELOCITIES.get(_values.plain_template(template), 3) if rows == "velocity" else rows
+            tables = {"velocity": _values.VELOCITIES, "position": _values.COORDINATES}
+            columns = tables[rows].get(_values.plain_template(template), 3) if rows in tables else rows
             return np.zeros((0, columns))
         return found.value
 

@@ -18,6 +18,9 @@ _STATE = {"position", "velocity", "rest_position", "force", "free_position", "fr
 #: data of force fields that are fields of cells here
 _FIELDS = {"vonMisesPerElement": "vonMises"}
 
+#: attributes that say the same in several ways
+_ONE_OF = {"ConstantForceField": ("forces", "force", "totalForce")}
+
 #: force fields that read the rest positions in every step
 _READS_REST = {"BeamHookeLawForceField", "BeamHookeLawForceFieldRigid"}
 
@@ -74,7 +77,7 @@ class Engine:
         _alive.add(self)
         self.root, self._s_given = root, simulation is not None
         self._restart, self._remade, self.steps = False, False, 0
-        self._pushed = {}
+        self._pushed, self._last_dt = {}, 0.0
         if simulation is None:
             mirror = Mirror(root)
             simulation = load(root, mirror)
@@ -151,7 +154,8 @@ class Engine:
             return self._to_state(thing, state, data, value)
         before, data._s_raw = data._s_raw, value
         thing._s_changed()
-        if isinstance(value, Data) or _values.is_link_text(value) or thing._s_facts.find(data._s_name).change == "restart":
+        takes_another = self._has_put_aside(thing, data) or thing._s_facts.find(data._s_name).change == "restart"
+        if takes_another or isinstance(value, Data) or _values.is_link_text(value):
             return self.edited(f"{thing._s_place()}.{data._s_name}")
         try:
             self._components[id(thing)].set(data._s_name, _plain(value))
@@ -159,6 +163,16 @@ class Engine:
             data._s_raw = before
             raise
         return None
+
+    @staticmethod
+    def _has_put_aside(thing, data):
+        """Of attributes of which one is given the last that was written counts."""
+        group = _ONE_OF.get(thing._s_facts.info.type, ())
+        others = [thing._s_data[name] for name in group if name in thing._s_data and thing._s_data[name] is not data
+                  and thing._s_data[name]._s_raw is not None] if data._s_name in group else []
+        for other in others:
+            other._s_raw = None
+        return bool(others)
 
     def _to_state(self, thing, state, data, value):
         name = data._s_name
@@ -229,6 +243,17 @@ class Engine:
             raise RuntimeError(f"{thing._s_place()}: is no part of the simulation, and has no matrix")
         return self.sim.matrix_of(component).tocsr()
 
+    def constraint_forces(self, solver):
+        """Of the last step, row by row, of constraint after constraint in the order of the scene. SOFA keeps impulses, f dt."""
+        found = [np.zeros(0)]
+        for component in self._components.values():
+            is_contact = component.type == "CollisionResponse" and component.get("response").startswith("FrictionContact")
+            if is_contact and "forces" not in component.attributes:
+                _messages.warn(f"{solver._s_place()}.constraintForces: has none of contacts: `contacts` of {component.path} is how many push")
+            elif is_contact or component.role == "Lagrangian constraint":
+                found.append(self._last_dt * np.ravel(component.get("forces")))
+        return np.concatenate(found)
+
     # ---- changes of the tree ----
     def edited(self, what=""):
         """What a running simulation cannot take: it is made anew before the next step, and goes on from where it is."""
@@ -259,6 +284,7 @@ class Engine:
 
     # ---- steps ----
     def begin_step(self, dt):
+        self._last_dt = dt
         _events.begin_step(self.root, dt)
         self._update_engines()
         self._hand_on()

@@ -82,10 +82,11 @@ class _Implicit(_Explicit):
 
     def _stiffness(self, x, v, t):
         field, size = self.field, x.size
-        if type(field).addKToMatrix is not _base().addKToMatrix:
-            given = np.asarray(field.addKToMatrix(self._parameters(t), len(x), size), float)
-            if given.shape == (size, size):
-                return given
+        given = field.addKToMatrix(self._parameters(t), len(x), size)
+        if given is not None:
+            given = np.asarray(given, float)
+            if given.shape == (size, size) and (size > 3 or np.allclose(given, given.T)):
+                return given  # else, of one node, three rows of (row, column, value)
             if given.size % 3:
                 raise ValueError(f"addKToMatrix() gives neither a matrix of {size} rows nor rows of (row, column, value)")
             matrix = np.zeros((size, size))
@@ -93,7 +94,7 @@ class _Implicit(_Explicit):
                 matrix[int(row), int(column)] += value
             return matrix
         matrix = np.zeros((size, size))
-        for column in range(size):
+        for column in range(size if type(field).addDForce is not _base().addDForce else 0):
             unit, out = np.zeros(size), np.zeros_like(x)
             unit[column] = 1
             field.addDForce(Rows(out), Rows(unit.reshape(x.shape)), self._parameters(t), 0.0) if _takes_four(field) else \

@@ -84,7 +84,7 @@ class Mirror:
 
     def _add(self, thing, copy):
         path = self.paths[id(thing)]
-        component = copy.add(thing._s_type, name=path.rsplit("/", 1)[-1], where=thing._s_where)
+        component = copy.add(thing._s_facts.written, name=path.rsplit("/", 1)[-1], where=thing._s_where)
         if thing._s_facts.role == "mesh loader":
             self._loaders.append(path)
         for name, data in thing._s_data.items():

@@ -77,6 +77,9 @@ class Object(Base):
         facts = self._s_facts
         if facts is None or data._s_name == "name":
             return super()._s_read(data)
+        if engine is not None and facts.besides is _catalogue.CONSTRAINTS and data._s_name in _catalogue.OF_CONSTRAINTS:
+            found = engine.constraint_forces(self)
+            return found if data._s_name == "constraintForces" else len(found)
         if data._s_name == "size" and facts.role == "mechanical state":
             return self.getSize()
         if data._s_raw is None and self._s_is_computed(data):
@@ -87,7 +90,8 @@ class Object(Base):
                 return self._s_formed(data, value)
         if data._s_raw is None and facts.missing:
             raise MissingType(f"{self._s_place()}: '{self._s_type}' is not in Stroma: its data '{data._s_name}' cannot be read")
-        if data._s_raw is None and engine is not None and data._s_name in _catalogue.NOT_COMPUTED:
+        is_drawn = facts.besides is _catalogue.DRAWN and data._s_name in ("position", "vertices", "normal")
+        if data._s_raw is None and engine is not None and (is_drawn or data._s_name in _catalogue.NOT_COMPUTED):
             _messages.warn(f"{self._s_place()}.{data._s_name}: is read, and not computed here: what is read stays as at the start")
         return super()._s_read(data)
 

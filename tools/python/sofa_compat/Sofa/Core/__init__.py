@@ -1,34 +1,75 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Sofa.Core: nodes, objects, data and what scenes derive from."""
+from types import SimpleNamespace
+
+from .. import _objects
 from .._base import Base  # noqa: F401
 from .._data import Data, DataContainer, DataDict, DataString, DataVectorString  # noqa: F401
 from .._node import Node  # noqa: F401
-from .._objects import (  # noqa: F401
-    Constraint, Controller, DataEngine, ForceField, Mapping, Mass, MissingType, Object)
+from .._objects import Controller, DataEngine, MissingType, Object  # noqa: F401
 from .._prefab import Prefab, RawPrefab  # noqa: F401
 
-BaseObject = ObjectDeprecated = BaseData = Object
+BaseObject = ObjectDeprecated = Object
 BaseNode = BaseContext = Node
 BasePrefab = RawPrefab
-BaseData = Data
-DataLink = Data
-ForceFieldVec1d = ForceFieldVec2d = ForceFieldVec3d = ForceFieldVec6d = ForceFieldRigid2d = ForceFieldRigid3d = ForceField
-BaseForceField = ForceField
-MassVec1d = MassVec3d = MassRigid3d = Mass
-BaseMass = Mass
+BaseData = DataLink = Data
+
+
+class _OfRole(type):
+    """isinstance(component, Sofa.Core.BaseMass): all components are of one class here, and their types have roles."""
+
+    def __instancecheck__(cls, thing):
+        if super().__instancecheck__(thing):
+            return True
+        facts = thing._s_facts if isinstance(thing, Object) and "_s_role" in cls.__dict__ else None
+        return facts is not None and facts.role == cls._s_role
+
+
+def _class(name, role, base=Object):
+    return _OfRole(name, (base,), {"_s_role": role, "__doc__": base.__doc__, "__module__": __name__})
+
+
+_PLAYED = {"ForceField": "force field", "Mass": "mass", "Mapping": "mapping", "Constraint": "Lagrangian constraint"}
+_ROLES = {"MechanicalState": "mechanical state", "State": "mechanical state", "Topology": "topology", "MeshTopology": "topology",
+          "TopologyContainer": "topology", "LinearSolver": "linear solver", "OdeSolver": "integrator", "MeshLoader": "mesh loader",
+          "Loader": "mesh loader", "ProjectiveConstraintSet": "projective constraint", "CollisionModel": "collision model"}
+ForceField, Mass, Mapping, Constraint = (_class(name, role, getattr(_objects, name)) for name, role in _PLAYED.items())
+BaseForceField, BaseMass, BaseMapping, BaseConstraint = ForceField, Mass, Mapping, Constraint
 
 
 def CreateNode(name):
     return Node(name)
 
 
+class _Types(type):
+    @property
+    def components(cls):
+        """An entry for each type."""
+        import stroma
+
+        return [SimpleNamespace(className=name, description=info.help, aliases=[], templates=[]) for name, info in stroma.types().items()]
+
+
+class ObjectFactory(metaclass=_Types):
+    """The types that a scene can name."""
+
+    @staticmethod
+    def getComponent(name):
+        """None: there is none of that name."""
+        return next((each for each in ObjectFactory.components if each.className == str(name)), None)
+
+
 def __getattr__(name):
-    """Classes that scenes name in annotations and ask for by isinstance(): all components are of one class here."""
-    if name.startswith("Base") or name in ("MechanicalState", "Topology", "TopologyContainer", "LinearSolver", "OdeSolver"):
-        return Object
-    for word, kind in (("Mass", Mass), ("Mapping", Mapping), ("Constraint", Constraint), ("ForceField", ForceField)):
+    """Classes that scenes name in annotations, ask for by isinstance() and derive from: ForceFieldVec3d, BaseMechanicalState."""
+    for word in _PLAYED:
         if name.startswith(word):
-            return kind
+            return globals()[word]
+    role = _ROLES.get(name[4:] if name.startswith("Base") else name)
+    if role is not None:
+        made = globals()[name] = _class(name, role)
+        return made
+    if name.startswith("Base"):
+        return Object
     from .. import _messages
 
     near = _messages.nearest(name, globals())
