@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Holds `stroma bench --accuracy` to what is known without it: integrators of a vibrating bar to their closed forms, linear cells
-to their order, and sentences to the numbers above them. Usage: standing_set.py STROMA"""
+to their order, bodies to closed forms and to CalculiX, and sentences to the numbers above them. Usage: standing_set.py STROMA"""
 import csv
 import math
 import os
@@ -49,11 +49,11 @@ def changes(stroma):
         expect(refused.returncode == 2 and "old.csv:2: expected a row of a table" in refused.stderr, refused.stderr)
 
 
-def bench(stroma, problem):
+def bench(stroma, problem, *options):
     """Rows by way and size; what was printed."""
     with tempfile.TemporaryDirectory() as folder:
-        done = subprocess.run([stroma, "bench", f"--accuracy={problem}", "--csv", "out.csv"], cwd=folder, capture_output=True,
-                              text=True, timeout=1800)
+        done = subprocess.run([stroma, "bench", f"--accuracy={problem}", "--csv", "out.csv", *options], cwd=folder,
+                              capture_output=True, text=True, timeout=1800)
         if done.returncode:
             raise SystemExit(f"--accuracy={problem}: {done.stderr[-600:]}")
         with open(os.path.join(folder, "out.csv"), encoding="utf-8") as file:
@@ -90,15 +90,74 @@ def cook(stroma):
     expect("hexahedra, dilatation mean with" in text, text[-800:])
 
 
+def block(stroma):
+    """A homogeneous stretch is exact on every mesh. A linear law stretches by P/E, whatever it does about rotations."""
+    rows, text = bench(stroma, "block")
+    for (way, cells), row in rows.items():
+        expected = 40 * 5.27172273858 / 14.99 if way in ("small", "large", "svd") else 20
+        found = float(row["value"])
+        expect(row["converged"] == "1" and abs(found - expected) < 1e-6, f"{way}, {cells} cells: {found} mm, not {expected}")
+    expect("hexahedra, dilatation mean: it is exact on every mesh." in text, text[-600:])
+
+
+def chamber(stroma):
+    rows, _ = bench(stroma, "chamber")
+    error = {key: abs(float(row["relative_error"])) for key, row in rows.items()}
+    mean, local = "hexahedra, dilatation mean", "hexahedra, dilatation local"
+    expect(error[mean, 6] < 0.01, f"mean dilatation, 6 cells: {error[mean, 6]}")
+    order = math.log(error[mean, 2] / error[mean, 6]) / math.log(3)
+    expect(1.8 < order < 2.2, f"the order of linear cells in the chamber is {order}")
+    expect(error[local, 6] > 0.5, "cells that lock are told from those that do not")
+
+
+def column(stroma):
+    rows, _ = bench(stroma, "column")
+    for cells in ("hexahedra", "tetrahedra"):
+        by_steps = [float(rows[f"{cells}, {steps} steps", 40]["relative_error"]) for steps in (10, 40, 160)]
+        expect(abs(by_steps[2]) < 0.001, f"{cells}, 160 steps: {by_steps[2]}")
+        orders = [math.log(a / b, 4) for a, b in zip(by_steps, by_steps[1:])]
+        expect(all(0.9 < order < 1.2 for order in orders), f"{cells}: orders {orders} in the time step, errors {by_steps}")
+
+
+def other_programs(stroma):
+    """The same mesh in another program: what is left is round-off and the digits that it writes."""
+    for problem, ways in (("organ", ["St. Venant-Kirchhoff"]), ("leg", None)):
+        rows, _ = bench(stroma, problem)
+        for (way, _), row in rows.items():
+            if ways is None or way in ways:
+                error = float(row["relative_error"])
+                expect(row["converged"] == "1" and abs(error) < 1e-5, f"{problem}, {way}: {error} from CalculiX")
+    rows, _ = bench(stroma, "organ")
+    expect(float(rows["small", 0]["relative_error"]) > 0.5, "linear elasticity does not turn")
+
+
+def beads(stroma):
+    """Two beads in the glued faces, of which one is measured 1 mm from where its plate takes it."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, "beads.csv")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write("words\n" * 7 + "1,1,1,5,-7,-40,0,0,0,0,0,0,5,-7,-25.4\n1,1,2,-5,7,40,0,0,0,0,0,0,-4,7,40\n")
+        rows, _ = bench(stroma, "beads", "--beads", path)
+        for key, row in rows.items():
+            expect(abs(float(row["value"]) - 0.5) < 1e-9, f"{key}: beads are {row['value']} mm away, not 0.5")
+        with open(path, "a", encoding="utf-8") as file:
+            file.write("1,1,3,4\n")
+        wrong = subprocess.run([stroma, "bench", "--accuracy=beads", "--beads", path], capture_output=True, text=True)
+        expect(wrong.returncode == 2 and f"{path}:10: expected 15 numbers of a bead" in wrong.stderr, wrong.stderr)
+    without = subprocess.run([stroma, "bench", "--accuracy=beads"], capture_output=True, text=True)
+    expect(without.returncode == 0 and "left out, its measured beads are not here: --beads FILE" in without.stdout, without.stdout)
+
+
 def main():
     stroma = os.path.abspath(sys.argv[1])
     if not os.path.exists(os.path.join(os.path.dirname(stroma), "stroma-bench")):
         return 77
     vibration(stroma)
-    cook(stroma)
-    changes(stroma)
+    for problem in (cook, block, chamber, column, other_programs, beads, changes):
+        problem(stroma)
     done = subprocess.run([stroma, "bench", "--accuracy=book"], capture_output=True, text=True)
-    expect(done.returncode == 2 and "expected beam, cube, cook, twist, vibration" in done.stderr, done.stderr)
+    names = "expected beam, cube, beads, block, cook, twist, chamber, column, organ, leg, vibration"
+    expect(done.returncode == 2 and names in done.stderr, done.stderr)
     for failure in failures:
         print(failure)
     return 1 if failures else 0

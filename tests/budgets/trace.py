@@ -24,6 +24,7 @@ TREE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)
 EXAMPLES = os.path.join(TREE, "scenes", "examples")
 # They hold others, and say nothing of what is done.
 HOLDERS = ("command", "run", "load", "whole step")
+ALL_HEARD = 1000  # steps, however short they are
 # What stands in the trace of any run, each the only one of its kind under the one before it.
 ONCE = (("command",), ("command", "load"), ("command", "load", "read the scene"), ("command", "load", "make components"),
         ("command", "load", "compile"), ("command", "load", "check the scene"), ("command", "run"), ("command", "end"),
@@ -267,14 +268,35 @@ def wrong_bits(stroma, scene, steps, summary):
 
 def wrong_memory(stroma):
     """Steps that take no memory take none when somebody listens: its lists grow by themselves, and are not counted."""
-    trace, _, _ = profile(stroma, os.path.join(EXAMPLES, "explicit.xml"), 2000)
+    trace, _, _ = profile(stroma, os.path.join(EXAMPLES, "explicit.xml"), ALL_HEARD)
     if not any(event["name"] == "allocations" for event in trace["traceEvents"]):
         print("note: nobody counts allocations in this build")
         return
     steps = [event for event in trace["traceEvents"] if event["ph"] == "X" and event["cat"] == "step"]
     taken = [(k, e["args"]) for k, e in enumerate(steps) if k > 0 and e.get("args", {}).get("allocations")]
-    if taken or len(steps) != 2000:
+    if taken or len(steps) != ALL_HEARD:
         yield f"{len(taken)} of {len(steps)} steps of explicit.xml take memory, as {taken[:1]}"
+
+
+def wrong_estimates(stroma):
+    """Of short steps some are heard; how short they are is the machine's. What is counted in them is the same in each step of
+    this scene, so that estimates are exact, however many were heard. Times add up to the whole: each has a place."""
+    steps = 20 * ALL_HEARD
+    trace, summary, table = profile(stroma, os.path.join(EXAMPLES, "explicit.xml"), steps)
+    yield from wrong_times(trace)
+    thread, other = threads_of(trace)[1], trace["otherData"]
+    heard = thread.count("command", "run", "whole step")
+    if other["steps"] != steps or other["steps_heard"] != heard or not ALL_HEARD <= heard <= steps or summary["steps"] != steps:
+        yield f"{heard} of {steps} steps have spans, and the trace says {other}"
+    if ("The steps are short" in table) != (heard < steps):
+        yield f"{heard} of {steps} steps were heard, and the table is {table}"
+    rows = re.findall(r"^ *[0-9.]+% +\S+ \w+ +\S+ \w+ +(\d+) [ \d]*([a-z][a-z ]*)", table, re.M)
+    calls = {name: int(number) for number, name in rows}
+    if calls.get("whole step") != steps or calls.get("record and tell") != steps:
+        yield f"{steps} steps, of which the table knows {rows}"
+    shares = [float(number) for number in re.findall(r"^ *([0-9.]+)% ", table, re.M)]
+    if sum(shares) > 100 + 0.05 * len(shares):  # rounded; less by what lies before the first span and after the last
+        yield f"the shares of the table are {sum(shares)} % together:\n{table}"
 
 
 def wrong(trace, summary, table, steps):
@@ -336,7 +358,7 @@ def main():
         failures += [] if failures else unnoticed(trace, summary, table, steps)
         liver = os.path.join(EXAMPLES, "liver.xml")
         failures += [f"liver.xml: {failure}" for failure in wrong(*profile(stroma, liver, 20), 20)]
-        failures += [*wrong_threads(stroma), *wrong_memory(stroma)]
+        failures += [*wrong_threads(stroma), *wrong_memory(stroma), *wrong_estimates(stroma)]
     for failure in failures:
         print(failure)
     print(f"{len(failures)} failures")

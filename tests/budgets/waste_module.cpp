@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// An observer that wastes: what budgets must find by its name.
+// An observer that wastes: what budgets must find by its name. Its module counts instructions too.
 //
 // Example:
 // <Node name="root">
@@ -13,6 +13,7 @@
 #include "framework/scene/modules.h"
 #include "framework/simulation/observer.h"
 #include "framework/simulation/simulation.h"
+#include "tests/budgets/instruction_counter.h"
 
 namespace {
 
@@ -48,5 +49,6 @@ STROMA_COMPONENT(waste_module) { factory.add<Waste>("Waste", "wastes something i
 
 extern "C" __attribute__((visibility("default"))) const stroma::ModuleInfo* stroma_module() {
   static const stroma::ModuleInfo info{STROMA_ABI, "waste", stroma_register_waste_module};
+  countInstructionsOfAStep();
   return &info;
 }

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Shares of a sweep: together they are the whole one, whoever makes them.
+// Shares of a sweep: together they are the whole one, whoever makes them. What starts them elsewhere is GNU parallel with
+// an ssh of the test's, and a Slurm of the test's: machines that are this one. tests/sweep/slurm.py has Slurm's own daemons.
 #include <fcntl.h>
 #include <sys/file.h>
 #include <unistd.h>
 
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
 
 #include "tests/support/shell.h"
 #include "tests/sweep/hanging_bar.h"
@@ -157,6 +160,181 @@ TEST_F(Shards, TimesOfOtherMachinesAreNoted) {
   const std::string notes = table("parts")["notes"].dump();
   EXPECT_NE(notes.find("2 kinds of machines"), std::string::npos) << notes;
   EXPECT_NE(notes.find("Another processor, 64 cores"), std::string::npos) << notes;
+}
+
+// ---- engines ----
+
+/// Eight configurations; longer ones on a machine that is done before anything can happen to the work.
+std::string manySteps(int times) {
+  return "sweep oscillator.xml --vary dt=4e-6,2.5e-6,2e-6,1e-6 --vary /spring.stiffness=90,100 --no-times --until " +
+         std::to_string(0.5 * times) + " ";
+}
+
+/// Functions of the shell. `killed COMMAND`: ends it and all that it has started when a run is whole, and notes the files that
+/// say so. It waits for that run ten minutes at most: nothing takes so long but a hang.
+const std::string kill_in_the_middle = R"(
+tree() { echo $1; for child in $(pgrep -P $1); do tree $child; done; }
+whole() { stat -c '%n %y' "$here"/parts/runs/*/*.outcome.json; }
+killed() {
+  "$@" & share=$!
+  for try in $(seq 60000); do
+    whole >"$here/listed" 2>&1 && break
+    sleep 0.01
+  done
+  kill -KILL $(tree $share)
+  wait $share
+  whole >"$here/at_the_kill"
+}
+)";
+
+class Engines : public Shards {
+ protected:
+  void SetUp() override {
+    Shards::SetUp();
+    write("oscillator.xml", R"(<Node name="root" gravity="0 0 0" dt="0.01">
+  <EulerImplicitSolver rayleighMass="0" rayleighStiffness="0"/><CGLinearSolver iterations="100" tolerance="1e-14"/>
+  <MechanicalObject name="dofs" position="0 0 0" velocity="1 0 0"/><UniformMass totalMass="1"/>
+  <RestShapeSpringsForceField name="spring" stiffness="100"/>
+</Node>)");
+    const std::string head = "#!/bin/sh\nhere='" + folder_.string() + "'\n" + kill_in_the_middle;
+    // ssh HOST -- COMMAND
+    script("ssh", head + R"(
+host=$1
+shift 2
+echo $host >>"$here/hosts"
+case $host in
+  off) echo "ssh: connect to host off port 22: No route to host" >&2; exit 255 ;;
+  dies) [ -e "$here/at_the_kill" ] || { killed sh -c "$*"; exit 137; } ;;
+esac
+cd / && exec sh -c "$*"
+)");
+    // the tasks of the array one after the other; the last word is the script
+    script("sbatch", head + R"(
+echo "$*" >>"$here/submitted"
+for word; do
+  case $word in --array=*) tasks=$(echo ${word#--array=} | tr , ' ') ;; esac
+  script=$word
+done
+for task in $tasks; do
+  export SLURM_ARRAY_TASK_ID=$task
+  if [ -e "$here/dies" ] && [ ! -e "$here/at_the_kill" ]; then killed sh "$script"; code=137; else sh "$script" || code=$?; fi
+done
+exit ${code:-0}
+)");
+  }
+  void script(const std::string& name, const std::string& text) const {
+    write(name, text);
+    std::filesystem::permissions(file(name), std::filesystem::perms::owner_all);
+  }
+  /// With the programs above.
+  Finished by(const std::string& engine, const std::string& arguments) const {
+    return shell("env -u PARALLEL PARALLEL_HOME=\"$PWD/.parallel\" "
+                 "PATH=\"$PWD:$PATH\" PARALLEL_SSH=\"$PWD/ssh\" '" STROMA_COMMAND "' " + arguments +
+                 " -o parts --engine " + engine);
+  }
+  std::set<std::string> linesOf(const std::string& name) const {
+    std::ifstream stream(folder_ / name);
+    std::set<std::string> lines;
+    for (std::string line; std::getline(stream, line);) lines.insert(line);
+    return lines;
+  }
+  /// What `kill_in_the_middle` has noted is as it was, and the rest is there too.
+  void expectNothingTwiceAndNothingLost(const std::string& arguments) const {
+    const std::set<std::string> before = linesOf("at_the_kill");
+    std::istringstream listed(shell("stat -c '%n %y' \"$PWD\"/parts/runs/*/*.outcome.json").out);
+    std::set<std::string> after;
+    for (std::string line; std::getline(listed, line);) after.insert(line);
+    EXPECT_EQ(after.size(), 8u);
+    for (const std::string& line : before) EXPECT_TRUE(after.contains(line)) << line << " was made twice";
+    ASSERT_EQ(stroma(arguments + "-o whole").code, 0);
+    EXPECT_EQ(results("parts"), results("whole"));
+  }
+};
+
+TEST_F(Engines, ParallelMakesTheSharesOnAllMachinesAndGathers) {
+  if (!isInstalled("parallel")) GTEST_SKIP() << "GNU parallel is not installed";
+  const std::string engine = "parallel --sshlogin node1,node2 --shares 3";
+  const Finished run = by(engine, grid + "--no-times");
+  ASSERT_EQ(run.code, 0) << run.err << readText(folder_ / "parts/engine.log");
+  EXPECT_NE(run.err.find("6 of 6 configurations are open: 3 shares by parallel"), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find("\n0 runs made, the others were there"), std::string::npos) << run.err;
+  EXPECT_EQ(linesOf("hosts"), (std::set<std::string>{"node1", "node2"}));
+  const Outcomes made = outcomes();
+  EXPECT_EQ(made.size(), 6u);
+  ASSERT_EQ(stroma(grid + "--no-times -o whole").code, 0);
+  EXPECT_EQ(results("parts"), results("whole"));
+  EXPECT_EQ(table("parts")["build"], table("whole")["build"]);
+  EXPECT_EQ(table("parts")["seed"], table("whole")["seed"]);
+  std::filesystem::remove(folder_ / "hosts");
+  EXPECT_EQ(by(engine, grid + "--no-times").code, 0);
+  EXPECT_FALSE(exists("hosts")) << "nothing is open, so nobody is asked";
+  EXPECT_EQ(outcomes(), made);
+}
+
+TEST_F(Engines, AShareThatIsKilledInTheMiddleIsGoneOnWith) {
+  if (!isInstalled("parallel")) GTEST_SKIP() << "GNU parallel is not installed";
+  for (const int times : {1, 8, 64}) {
+    for (const char* old : {"parts", "whole", "at_the_kill"}) std::filesystem::remove_all(folder_ / old);
+    const Finished run = by("parallel --sshlogin dies --shares 2", manySteps(times));
+    ASSERT_EQ(run.code, 0) << run.err << readText(folder_ / "parts/engine.log");
+    if (linesOf("at_the_kill").size() == 4) continue;  // the share was done
+    ASSERT_LT(linesOf("at_the_kill").size(), 4u);
+    ASSERT_GT(linesOf("at_the_kill").size(), 0u);
+    expectNothingTwiceAndNothingLost(manySteps(times));
+    return;
+  }
+  ADD_FAILURE() << "the kill came too late to show anything";
+}
+
+TEST_F(Engines, AMachineThatIsOffLeavesItsSharesToOthers) {
+  if (!isInstalled("parallel")) GTEST_SKIP() << "GNU parallel is not installed";
+  const Finished lost = by("parallel --sshlogin off", grid + "--no-times");
+  EXPECT_EQ(lost.code, 4) << lost.err;
+  EXPECT_NE(lost.err.find("6 configurations are open after parallel"), std::string::npos) << lost.err;
+  EXPECT_NE(lost.err.find("No route to host"), std::string::npos) << lost.err;
+  EXPECT_FALSE(exists("parts/table.json"));
+  const Finished run = by("parallel --sshlogin off,node1", grid + "--no-times");
+  EXPECT_EQ(run.code, 0) << run.err << readText(folder_ / "parts/engine.log");
+  EXPECT_EQ(outcomes().size(), 6u);
+}
+
+TEST_F(Engines, SlurmMakesOnlyTheSharesThatAreOpen) {
+  for (const int times : {1, 8, 64}) {
+    for (const char* old : {"parts", "whole", "at_the_kill", "submitted"}) std::filesystem::remove_all(folder_ / old);
+    write("dies", "");
+    const Finished run = by("slurm --shares 2 --engine-options=\"--partition=long --mem=2G\"", manySteps(times));
+    ASSERT_EQ(run.code, 0) << run.err << readText(folder_ / "parts/engine.log");
+    if (linesOf("at_the_kill").size() == 4) continue;  // the share was done
+    ASSERT_GT(linesOf("at_the_kill").size(), 0u);
+    const std::string submitted = readText(folder_ / "submitted");
+    EXPECT_NE(submitted.find("--array=1,2 --partition=long --mem=2G "), std::string::npos) << submitted;
+    EXPECT_NE(submitted.find("--array=1 --partition=long --mem=2G "), std::string::npos) << submitted;
+    expectNothingTwiceAndNothingLost(manySteps(times));
+    return;
+  }
+  ADD_FAILURE() << "the kill came too late to show anything";
+}
+
+TEST_F(Engines, WhatTheyCannotDoIsRefused) {
+  const auto isRefused = [this](const std::string& arguments, const std::string& sentence) {
+    const Finished run = stroma(grid + "--no-times -o parts " + arguments);
+    EXPECT_EQ(run.code, 2) << arguments;
+    EXPECT_NE(run.err.find(sentence), std::string::npos) << arguments << ": " << run.err;
+    EXPECT_FALSE(exists("parts")) << arguments;
+  };
+  isRefused("--engine condor", "--engine condor: expected parallel or slurm");
+  isRefused("--sshlogin node1", "--sshlogin is for --engine, which is missing");
+  isRefused("--shares 3", "--shares is for --engine, which is missing");
+  isRefused("--engine slurm --sshlogin node1", "Slurm knows its machines");
+  isRefused("--engine slurm --shares 0", "--shares 0: expected 1 or more");
+  const Finished none = shell("env PATH=/ '" STROMA_COMMAND "' " + grid + "--no-times -o parts --engine slurm");
+  EXPECT_EQ(none.code, 2);
+  EXPECT_NE(none.err.find("there is no program sbatch on the path"), std::string::npos) << none.err;
+  EXPECT_FALSE(exists("parts"));
+  const Finished goal = by("slurm", grid + "--goal 'error<1%'");
+  EXPECT_EQ(goal.code, 2);
+  EXPECT_NE(goal.err.find("leave --engine out"), std::string::npos) << goal.err;
+  EXPECT_FALSE(exists("submitted"));
 }
 
 }  // namespace STROMA_TEST_FILE

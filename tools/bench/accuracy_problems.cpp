@@ -3,78 +3,28 @@
 //
 //   torsion of a cylinder, incompressible Mooney-Rivlin:  M = pi tau a^4 (c1 + c2),  tau the angle per length
 //   (Rivlin 1949, Phil. Trans. R. Soc. A 242, 173-195); of the bar here tau = 1/40 mm, a = 10 mm, c1 + c2 = 5 kPa
+//
+//   a thick ball of incompressible neo-Hookean rubber, radii a and b, whose inside is stretched by l:
+//   p = mu/2 (g(m) - g(l)),  g(s) = 4/s + 1/s^4,  m^3 - 1 = (a/b)^3 (l^3 - 1)   (Green and Zerna 1968, section 3.10)
+//
+//   a block drawn to l times its height by a nominal stress P, its sides free and s times as wide, J = l s^2:
+//   dW/ds = 0, P = dW/dl of W = c1 (J^-2/3 (l^2 + 2 s^2) - 3) + k0/2 (ln J)^2
+//
+//   a column at the time T_v:  U = 1 - sum 2/k^2 exp(-k^2 T_v),  k = pi/2, 3 pi/2, 5 pi/2, ...   (Terzaghi 1923)
 #include "tools/bench/accuracy_problems.h"
 
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
 #include <cmath>
 #include <numbers>
+
+#include "tools/bench/accuracy_meshes.h"
+#include "tools/bench/accuracy_quantities.h"
 
 namespace stroma::bench {
 namespace {
 
-/// Mean displacement along an axis of the nodes that `where` chooses at rest.
-template <class Where>
-double meanDisplacement(const Simulation& simulation, int axis, Where&& where) {
-  const State& state = *simulation.states().at(0);
-  double sum = 0;
-  int count = 0;
-  for (Index i = 0; i < state.size(); ++i)
-    if (const Vec3& rest = state.rest_position[std::size_t(i)]; where(rest))
-      sum += state.x()[i][axis] - rest[axis], ++count;
-  return sum / count;
-}
-
-double beamEnd(const Simulation& simulation) {
-  return meanDisplacement(simulation, 1, [](const Vec3& p) { return p.x() > 0.2 - 1e-9; });
-}
-double cookCorner(const Simulation& simulation) {
-  return meanDisplacement(simulation, 1, [](const Vec3& p) { return p.x() > 48 - 1e-6 && p.y() > 60 - 1e-6; });
-}
-double cubeBulge(const Simulation& simulation) {
-  return meanDisplacement(simulation, 0, [](const Vec3& p) {
-    return p.x() > 80 - 1e-6 && std::abs(p.y() - 40) < 1e-6 && std::abs(p.z() - 40) < 1e-6;
-  });
-}
-
-/// Of the forces that hold the lower end, about the axis.
-double barTorque(const Simulation& simulation) {
-  const System& system = *simulation.systems().at(0);
-  const State& state = *simulation.states().at(0);
-  Vector v(system.allRows()), force(system.allRows());
-  for (ForceField* field : system.forceFields()) field->addForce(system.x, v, force);
-  double torque = 0;
-  for (Index i = 0; i < state.size(); ++i)
-    if (state.rest_position[std::size_t(i)].z() < 1e-6)
-      torque += Vec3(system.x[i]).cross(Vec3(force[state.firstRow() + i])).z();
-  return std::abs(torque);
-}
-
-std::vector<std::string> beamMesh(int cells) {
-  return {fmt::format("/beam/grid.n={} {} {}", 10 * cells + 1, cells + 1, cells + 1)};
-}
-std::vector<std::string> cubeMesh(int cells) {
-  return {fmt::format("/grid.n={0} {0} {0}", cells + 1)};
-}
-std::vector<std::string> barMesh(int cells) {
-  return {fmt::format("/grid.n={0} {0} {1}", cells + 1, 2 * cells + 1)};
-}
-/// n x n cells of a plate, one across its thickness.
-std::vector<std::string> cookMesh(int n) {
-  std::string position, cells;
-  const auto node = [n](int i, int j, int k) { return (k * (n + 1) + j) * (n + 1) + i; };
-  for (int k = 0; k < 2; ++k)
-    for (int j = 0; j <= n; ++j)
-      for (int i = 0; i <= n; ++i) {
-        const double s = double(i) / n, low = 44 * s, high = 44 + 16 * s;
-        position += fmt::format("{} {} {} ", 48 * s, low + (high - low) * j / n, k);
-        if (k > 0 || i == n || j == n) continue;
-        for (int a : {0, 1})
-          cells += fmt::format("{} {} {} {} ", node(i, j, a), node(i + 1, j, a), node(i + 1, j + 1, a), node(i, j + 1, a));
-      }
-  return {"/mesh.position=" + position, "/mesh.hexahedra=" + cells};
-}
+constexpr double organ_reference = -0.1028129625, leg_reference = -0.0005855339;  // of CalculiX, on the scenes' own meshes
 
 Problem beam() {
   Problem problem{"beam", "deflection of a cantilever bent to 30 % of its length [m]", "CalculiX 2.20, 1620 C3D20R"};
@@ -135,8 +85,143 @@ Problem twistedBar() {
   return problem;
 }
 
+/// What a scene has for its cells, and what may stand there instead.
+std::string rubber(const char* c1, const char* k0) {
+  return fmt::format(R"(<HexahedronHyperelasticityFEMForceField name="fem" materialName="MooneyRivlin" c1="{}" c2="0" k0="{}"/>)",
+                     c1, k0);
+}
+const std::string rubber_of_cube = rubber("2.484989993", "2483.333333"), rubber_of_block = rubber("2.5", "2498.3333333");
+
+std::string hooke(const char* method, const char* young, const char* poisson) {
+  return fmt::format(R"(<HexahedronFEMForceField name="fem" method="{}" youngModulus="{}" poissonRatio="{}"/>)", method, young,
+                     poisson);
+}
+/// Six tetrahedra to a cell of the grid, with this force field.
+std::string tetrahedra(const std::string& field) {
+  return R"(<Node name="cells"><TetrahedronSetTopologyContainer name="tetrahedra"/>)"
+         R"(<Hexa2TetraTopologicalMapping name="cut" input="@../grid" output="@tetrahedra" cutting="six"/>)"
+         "<" + field + R"( name="fem" mstate="@../dofs" topology="@tetrahedra"/></Node>)";
+}
+
+Problem block() {
+  Problem problem{"block", "way of the top of a block of rubber drawn to 1.5 of its height, nu = 0.499 [mm]", "closed form"};
+  problem.reference = 20;
+  problem.mesh = blockMesh, problem.measure = blockTop;
+  const std::string load = "<SurfaceTractionForceField ";
+  const auto add = [&](const char* name, const std::string& field, const std::string& loaded = "") {
+    problem.ways.push_back({name, "benchmarks/block.xml", {}, {1, 2, 4}, 1, {{rubber_of_block, field}, {load, load + loaded}}});
+  };
+  add("hexahedra, dilatation mean", rubber_of_block);
+  problem.ways.push_back({"hexahedra, dilatation local", "benchmarks/block.xml", {"/fem.dilatation=local"}, {1, 2, 4}});
+  add("tetrahedra", tetrahedra(R"(TetrahedronHyperelasticityFEMForceField materialName="MooneyRivlin" )"
+                               R"(c1="2.5" c2="0" k0="2498.3333333")"), R"(topology="@cells/tetrahedra" )");
+  for (const char* method : {"small", "large", "svd"}) add(method, hooke(method, "14.99", "0.499"));
+  return problem;
+}
+
+Problem chamber() {
+  Problem problem{"chamber", "growth of the inner radius of a thick ball, blown up as a ventricle [mm]",
+                  "closed form (Green and Zerna 1968)"};
+  problem.reference = 3, problem.uncertainty = 0.0005;  // the bulk modulus is 5000 times that of shear, not infinite
+  problem.mesh = chamberMesh, problem.measure = chamberGrowth;
+  for (const char* dilatation : {"mean", "local"})
+    problem.ways.push_back({std::string("hexahedra, dilatation ") + dilatation, "benchmarks/chamber.xml",
+                            {std::string("/fem.dilatation=") + dilatation}, {1, 2, 4, 6}});
+  return problem;
+}
+
+double consolidation(double time) {
+  double degree = 1;
+  for (int m = 0; m < 200; ++m) {
+    const double k = std::numbers::pi * (m + 0.5);
+    degree -= 2 / (k * k) * std::exp(-k * k * time);
+  }
+  return degree;
+}
+
+Problem column() {
+  constexpr double time = 0.1;
+  Problem problem{"column", "degree of consolidation of a wet column at T_v = 0.1", "closed form (Terzaghi 1923)"};
+  problem.reference = consolidation(time);
+  problem.mesh = columnMesh, problem.measure = columnDegree;
+  for (const bool is_tetrahedra : {false, true}) {
+    const std::string cells = is_tetrahedra ? "tetrahedra" : "hexahedra";
+    const std::string scene = is_tetrahedra ? "benchmarks/column_tetrahedra.xml" : "benchmarks/column.xml";
+    const std::string fluid = is_tetrahedra ? "/column/cells/fluid." : "/column/fluid.";
+    for (const int steps : {10, 40, 160})
+      problem.ways.push_back({fmt::format("{}, {} steps", cells, steps), scene, {fmt::format("dt={}", time / steps)},
+                              {5, 10, 20, 40}, steps});
+    // a fluid that is less stiff than its tissue: this coupling bears no other
+    problem.ways.push_back({fmt::format("{}, semi-implicit, 40", cells), scene,
+                            {fmt::format("dt={}", time / 40), fluid + "coupling=semi_implicit", fluid + "limitModulus=900",
+                             fluid + "biotModulus=700", fluid + "permeability=0.00214285714286"},
+                            {5, 10, 20, 40}, 40});
+  }
+  return problem;
+}
+
+Problem leg() {
+  Problem problem{"leg", "dent under the strap of a leg of bone and soft tissue, linear [m]", "CalculiX 2.20, C3D4 of the same mesh"};
+  problem.reference = leg_reference, problem.uncertainty = 1e-5;
+  problem.mesh = ownMesh, problem.measure = legDent;
+  const std::string condensed = R"(<CondensedStaticSolver name="solver"/>)";
+  const std::string statics = R"(<StaticSolver name="solver"/>)";
+  const auto add = [&](const char* name, const std::string& solvers) {
+    problem.ways.push_back({name, "benchmarks/condensed_leg.xml", {}, {0}, 1, {{condensed, solvers}}});
+  };
+  add("condensed", condensed);
+  add("whole, SparseLDLSolver", statics + "<SparseLDLSolver/>");
+  add("whole, CGLinearSolver", statics + R"(<CGLinearSolver iterations="5000" tolerance="1e-10"/>)");
+  add("whole, solver chosen", statics);
+  return problem;
+}
+
+Problem organ() {
+  Problem problem{"organ", "way of the end of an organ that is pulled aside [m]",
+                  "CalculiX 2.20, St. Venant-Kirchhoff, C3D4 of the same mesh"};
+  problem.reference = organ_reference, problem.uncertainty = 1e-5;
+  problem.mesh = ownMesh, problem.measure = organTip;
+  const std::string law = R"(<TetrahedronHyperelasticityFEMForceField name="fem" materialName="StVenantKirchhoff" )"
+                          R"(youngModulus="10000" poissonRatio="0.45"/>)";
+  const auto add = [&](const std::string& name, const std::string& field) {
+    problem.ways.push_back({name, "benchmarks/pulled_organ.xml", {}, {0}, 1, {{law, field}}});
+  };
+  add("St. Venant-Kirchhoff", law);
+  problem.ways.push_back({"neo-Hookean", "benchmarks/pulled_organ.xml", {"/organ/fem.materialName=NeoHookean"}, {0}});
+  for (const char* method : {"small", "large", "polar", "svd"})
+    add(method, fmt::format(R"(<TetrahedronFEMForceField name="fem" method="{}" youngModulus="10000" poissonRatio="0.45"/>)",
+                            method));
+  return problem;
+}
+
+/// The cube of Kerdok et al. 2003 that Nesme et al. 2005 compare with, pressed by 18.25 %.
+Problem truthCube(const std::string& file) {
+  Problem problem{"beads", "mean distance of the truth cube's beads under 18.25 %, of its edge of 80 mm [mm]",
+                  "what was measured (Kerdok et al. 2003)"};
+  problem.size = 80;
+  problem.mesh = cubeMesh;
+  if (file.empty()) {
+    problem.left_out = "its measured beads are not here: --beads FILE";
+    return problem;
+  }
+  problem.measure = [beads = readBeads(file)](const Simulation& simulation) { return beadDistance(simulation, beads); };
+  const auto add = [&](const char* name, const std::string& field, std::vector<std::string> settings = {}) {
+    settings.push_back("/plate.movements=0 0 0  0 0 -14.6");
+    problem.ways.push_back({name, "benchmarks/pressed_cube.xml", std::move(settings), {2, 4, 8, 12}, 1,
+                            {{rubber_of_cube, field}}});
+  };
+  add("hexahedra, dilatation mean", rubber_of_cube);
+  add("hexahedra, dilatation local", rubber_of_cube, {"/fem.dilatation=local"});
+  add("hexahedra, svd", hooke("svd", "14.9", "0.499"));
+  add("hexahedra, small", hooke("small", "14.9", "0.499"));
+  add("tetrahedra, svd", tetrahedra(R"(TetrahedronFEMForceField method="svd" youngModulus="14.9" poissonRatio="0.499")"));
+  return problem;
+}
+
 }  // namespace
 
-std::vector<Problem> staticProblems() { return {beam(), pressedCube(), cook(), twistedBar()}; }
+std::vector<Problem> staticProblems(const std::string& beads) {
+  return {beam(), pressedCube(), truthCube(beads), block(), cook(), twistedBar(), chamber(), column(), organ(), leg()};
+}
 
 }  // namespace stroma::bench

@@ -24,7 +24,7 @@ class UsageError : public std::runtime_error {
 
 struct Request {
   bool help = false, accuracy = false, list = false;
-  std::string json_file, csv_file, problem, stored_file;
+  std::string json_file, csv_file, problem, stored_file, beads;
   std::vector<std::string> passed_on{"stroma-bench", "--benchmark_repetitions=9", "--benchmark_min_time=0.05"};
 
   Request(int count, char** values) {
@@ -49,6 +49,8 @@ struct Request {
         csv_file = argument();
       else if (word == "--against")
         stored_file = argument();
+      else if (word == "--beads")
+        beads = argument();
       else if (word == "--scenes")
         setSceneFolder(argument());
       else if (own)
@@ -59,6 +61,7 @@ struct Request {
     }
     if (!csv_file.empty() && !accuracy) throw UsageError("--csv goes with --accuracy");
     if (!stored_file.empty() && !accuracy) throw UsageError("--against goes with --accuracy");
+    if (!beads.empty() && !accuracy) throw UsageError("--beads goes with --accuracy");
   }
 };
 
@@ -100,7 +103,7 @@ int main(int count, char** values) {
     if (request.help) {
       fmt::print("{}", help);
     } else if (request.accuracy) {
-      compareAccuracy(request.problem, request.csv_file, request.stored_file);
+      compareAccuracy(request.problem, request.csv_file, request.stored_file, request.beads);
     } else {
       measure(request);
     }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "framework/algebra/parallel.h"
 #include "framework/scene/output_file.h"
@@ -107,6 +108,15 @@ std::vector<std::string> tellDampedSwings(const Simulation& simulation, bool qui
   return told(dampedSwings(simulation), quiet);
 }
 
+/// Of each integrator whose body has slept, as text.
+std::map<std::string, std::string> stepsAsleep(const Simulation& simulation) {
+  std::map<std::string, std::string> all;
+  for (const auto& system : simulation.systems())
+    if (const Data* steps = system->integrator().data().find("stepsAsleep"); steps && steps->print() != "0")
+      all[system->integrator().path()] = steps->print();
+  return all;
+}
+
 /// The node of each state that is farthest from where it started.
 nlohmann::ordered_json greatestDisplacements(const Simulation& simulation) {
   auto all = nlohmann::ordered_json::array();
@@ -137,6 +147,7 @@ nlohmann::ordered_json summary(const RunRequest& request, const Simulation& simu
   json["ms_per_step"] = timing(outcome.statistics);
   json["phase_seconds"] = phaseSeconds(simulation);
   json.update(solvers(outcome.statistics));
+  for (const auto& [path, steps] : stepsAsleep(simulation)) json["steps_asleep"][path] = std::stol(steps);
   json["threads"] = threads();
   json["state_hash"] = fmt::format("{:016x}", simulation.stateHash());
   const UnitSystem units = unitsOf(simulation.scene());
@@ -194,6 +205,8 @@ void printSummary(const RunRequest& request, const Simulation& simulation, const
           "\nin {} of the steps {} failed, or got on slowly, with the approximate tangent of a force field and went on with "
           "the exact one: tangent=\"exact\" there takes it from the start",
           steps->print(), system->integrator().path());
+  for (const auto& [path, steps] : stepsAsleep(simulation))
+    fmt::print("\n{} of the steps {} did not compute: its body slept", steps, path);
   for (const auto& system : simulation.systems())
     fmt::print("{}{}", slowSolver(*system, outcome.statistics), changedChoice(*system));
   fmt::print("\nstate hash {:016x}\n", simulation.stateHash());

@@ -40,13 +40,14 @@ const Manual sweep_manual{
     "  FORMULA       \"ux; uy; uz\" in x, y, z (at rest) and t; of a quantity one formula or three\n\n"
     "--shard 2/8 makes the second of eight shares of the runs, beside processes that make the others: on one machine, by\n"
     "GNU parallel, or as an array of Slurm. All work in one folder; the command without it gathers and makes what is\n"
-    "missing.\n\n"
+    "missing. --engine parallel or slurm does both: it starts the shares, waits for them and gathers. The machines see\n"
+    "the folder, the scene and Stroma under the same paths.\n\n"
     "Exit codes:\n"
     "  0    done; runs without a result are in the table with their sentence\n"
     "  1    no configuration reaches the --goal\n"
     "  2    the scene or the options are wrong; nothing was run\n"
     "  3    no run has a result\n"
-    "  4    an output could not be written\n"
+    "  4    an output could not be written, or --engine has left runs open\n"
     "  130  interrupted with Ctrl-C, 143 ended by SIGTERM; the same command goes on",
     "  stroma sweep liver.xml --vary /liver/linear.iterations=10,25,50,100 --until 1 -o results/iterations\n"
     "  stroma sweep beam.xml --vary \"/beam/grid.n=11 2 2,21 3 3,41 5 5\" --vary /beam/cells/fem.method=large,polar -n "
@@ -54,7 +55,8 @@ const Manual sweep_manual{
     "      --reference extrapolated -o results/beam\n"
     "  stroma sweep liver.xml --vary dt=0.04,0.02,0.01,0.005 --until 1 --goal \"error<1%\" -o results/dt\n"
     "  stroma sweep liver.xml --zip \"dt=0.02,0.01; /liver/linear.iterations=50,100\" --until 1 -o results/both\n"
-    "  stroma sweep liver.xml --vary dt=0.02,0.01 --until 1 --shard 1/2 -o results/shared\n"};
+    "  stroma sweep liver.xml --vary dt=0.02,0.01 --until 1 --shard 1/2 -o results/shared\n"
+    "  stroma sweep liver.xml --vary dt=0.02,0.01 --until 1 --engine parallel --sshlogin node1,node2 -o results/shared\n"};
 
 using Texts = std::vector<std::string>;
 
@@ -81,6 +83,14 @@ OptionList sweepOptions() {
       ("seed", po::value<unsigned>()->value_name("N"), "of the order of the runs (1)")                            //
       ("shard", po::value<std::string>()->value_name("I/N"),
        "make only share I of N of the runs, beside the others; the command without it gathers them")  //
+      ("engine", po::value<std::string>()->value_name("parallel|slurm"),
+       "have the runs made by shares: GNU parallel starts them, or Slurm as an array; then gather them")  //
+      ("sshlogin", po::value<std::string>()->value_name("HOST,HOST"),
+       "with --engine parallel: machines to use, as ssh names them; a colon is this one (this one)")  //
+      ("shares", po::value<int>()->value_name("N"),
+       "with --engine: into how many shares (4 for each machine; 8 with Slurm)")  //
+      ("engine-options", po::value<std::string>()->value_name("TEXT"),
+       "with --engine: more options for parallel or sbatch, as --engine-options=\"--partition=long\"")  //
       ("quiet,q", "no progress");
   addSceneOptions(options);
   return options;
@@ -101,6 +111,21 @@ void takeShare(const std::string& text, sweep::SweepRequest& request) {
     is_good = second == std::errc() && rest == end && request.share >= 1 && request.share <= request.shares;
   }
   if (!is_good) throw UsageError(fmt::format("--shard {}: expected I/N, I from 1 to N, as 2/8", text));
+}
+
+void takeEngine(const Values& values, sweep::SweepRequest& request) {
+  take(values, "engine", request.engine), take(values, "sshlogin", request.logins);
+  take(values, "engine-options", request.engine_options), take(values, "shares", request.engine_shares);
+  if (values.count("engine") && request.engine != "parallel" && request.engine != "slurm")
+    throw UsageError(fmt::format("--engine {}: expected parallel or slurm", request.engine));
+  for (const char* option : {"sshlogin", "shares", "engine-options"})
+    if (values.count(option) && request.engine.empty())
+      throw UsageError(fmt::format("--{} is for --engine, which is missing: expected --engine parallel{}", option,
+                                   std::string_view(option) == "sshlogin" ? "" : " or slurm"));
+  if (!request.logins.empty() && request.engine != "parallel")
+    throw UsageError("--sshlogin is for --engine parallel: Slurm knows its machines, leave it out");
+  if (values.count("shares") && request.engine_shares < 1)
+    throw UsageError(fmt::format("--shares {}: expected 1 or more", request.engine_shares));
 }
 
 void checkNumbers(const sweep::SweepRequest& request) {
@@ -131,6 +156,7 @@ sweep::SweepRequest requestOf(const Values& values) {
   if (values.count("steps")) request.steps = values["steps"].as<long>();
   if (values.count("until")) request.until = values["until"].as<double>();
   if (values.count("shard")) takeShare(values["shard"].as<std::string>(), request);
+  takeEngine(values, request);
   request.timed = !values.count("no-times"), request.quiet = values.count("quiet") > 0;
   if (values.count("module"))
     for (const std::string& module : values["module"].as<Texts>())

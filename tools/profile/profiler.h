@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Where the time of a run goes: hears the spans of the engine, of all threads.
+// Where the time of a run goes: hears the spans of the engine, of all threads. Of short steps it hears some, so that listening
+// takes less than a fiftieth of their time: the first thousand, and then one at random of each so many in a row. Figures of what
+// is in steps are then estimates from these. How many steps there are, and how long all of them take, is always exact.
 #pragma once
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -39,6 +42,7 @@ struct Profile {
   double seconds_per_tick = 1e-9;
   std::uint64_t begin = 0, end = 0;  ///< ticks
   long left_out = 0;                 ///< spans that are in the sums alone
+  long steps = 0, heard = 0;         ///< of the run; those whose spans were heard
   bool has_allocations = false;
 
   double seconds(std::uint64_t ticks) const { return double(ticks) * seconds_per_tick; }
@@ -58,7 +62,13 @@ class Profiler final : public SpanListener {
 
  private:
   struct ThreadLog;
+  /// From the beginning of a step to that of the next one.
+  enum class Step : int { all_heard, chosen, passed_over };
   ThreadLog& log();
+  void stepBegins(ThreadLog& first);
+  void chooseSteps(const ThreadLog& first);
+  void enter(Step step, ThreadLog& first);
+  void addEstimates(std::vector<Sum>& sums, const std::vector<Sum>& chosen) const;
   std::uint32_t kindOf(ThreadLog& log, const char* what, const Component* whose);
 
   std::mutex access_;  ///< of the following two
@@ -67,6 +77,21 @@ class Profiler final : public SpanListener {
   long generation_;
   std::uint64_t begin_ = 0;
   double begin_seconds_ = 0;
+
+  // ---- which steps are heard; of the first thread, others read step_ alone ----
+  std::atomic<Step> step_{Step::all_heard};
+  const char* step_name_ = nullptr;  ///< the literal of a whole step, once it was met
+  std::size_t depth_ = 0;            ///< open spans around a step
+  std::uint32_t holder_ = 0;         ///< kind of the innermost of them
+  long steps_ = 0, heard_ = 0;
+  long every_ = 1, place_ = 0, chosen_place_ = 0;  ///< in each `every_` steps in a row
+  std::uint32_t random_ = 1;
+  long told_before_ = 0;                          ///< spans, before the first step
+  std::vector<std::uint64_t> first_steps_;        ///< ticks that each took
+  std::uint64_t entered_ = 0;                     ///< ticks: the last of the first steps, and then when step_ has changed
+  long entered_allocations_ = 0;                  ///< then, of the first thread
+  std::uint64_t chosen_ticks_ = 0, passed_ = 0;   ///< in steps of these two kinds
+  std::uint64_t chosen_inside_ = 0;               ///< in spans right below the holder, in chosen steps
 };
 
 /// Whether the allocations of this process are counted: the library that counts them is loaded before all others.

@@ -31,6 +31,16 @@ struct Micro {
 };
 std::string textOf(Micro time) { return fmt::format("{}.{:03}", time.nanoseconds / 1000, time.nanoseconds % 1000); }
 
+/// The parts of an event's line that all of a kind have.
+struct Words {
+  std::string name, begin, of;
+
+  explicit Words(const Kind& kind) : name(inQuotes(nameOf(kind))) {
+    begin = "{\"ph\":\"X\",\"name\":" + name + ",\"cat\":" + inQuotes(kind.what) + ",\"pid\":1,\"tid\":";
+    if (!kind.whose.empty()) of = "\"of\":" + inQuotes(kind.whose) + ",";
+  }
+};
+
 /// In the order in which they begin; those that hold others come first. As heard, they are in the order of their ends.
 std::vector<const Event*> byBeginning(const std::vector<Event>& events) {
   std::vector<const Event*> sorted;
@@ -58,9 +68,10 @@ struct Line {
 std::string traceOf(const Profile& profile) {
   std::string text =
       "{\"displayTimeUnit\":\"ns\",\"otherData\":{\"wall_seconds\":" + fmt::format("{:.9f}", profile.wall()) +
-      fmt::format(",\"spans_in_the_table_alone\":{}}},\n\"traceEvents\":[\n", profile.left_out);
-  std::vector<std::string> names;
-  for (const Kind& kind : profile.kinds) names.push_back(inQuotes(nameOf(kind)));
+      fmt::format(",\"spans_in_the_table_alone\":{},\"steps\":{},\"steps_heard\":{}}},\n\"traceEvents\":[\n", profile.left_out,
+                  profile.steps, profile.heard);
+  std::vector<Words> all_words;
+  for (const Kind& kind : profile.kinds) all_words.emplace_back(kind);
   const auto at = [&](std::uint64_t tick) { return std::lround(1e9 * profile.seconds(tick - profile.begin)); };
   auto out = std::back_inserter(text);
   for (std::size_t t = 0; t < profile.threads.size(); ++t)
@@ -71,19 +82,20 @@ std::string traceOf(const Profile& profile) {
     for (const Event* heard : byBeginning(profile.threads[t].events)) {
       const Event& event = *heard;
       const Kind& kind = profile.kinds[event.kind];
-      const std::string end = textOf({at(event.end)});
-      fmt::format_to(out, "{{\"ph\":\"X\",\"name\":{},\"cat\":{},\"pid\":1,\"tid\":{},\"ts\":{},\"dur\":{}",
-                     names[event.kind], inQuotes(kind.what), t + 1, textOf({at(event.begin)}),
-                     textOf({at(event.end) - at(event.begin)}));
-      if (event.count || event.allocations || !kind.whose.empty()) {
-        text += ",\"args\":{";
-        if (!kind.whose.empty()) fmt::format_to(out, "\"of\":{},", inQuotes(kind.whose));
+      const Words& words = all_words[event.kind];
+      const long begins = at(event.begin), takes = at(event.end) - begins;
+      text += words.begin;
+      fmt::format_to(out, "{},\"ts\":{}.{:03},\"dur\":{}.{:03}", t + 1, begins / 1000, begins % 1000, takes / 1000, takes % 1000);
+      if (event.count || event.allocations || !words.of.empty()) {
+        text += ",\"args\":{" + words.of;
         if (event.count) fmt::format_to(out, "\"iterations\":{},", event.count);
         if (event.allocations)
           fmt::format_to(out, "\"allocations\":{},\"bytes\":{},", event.allocations, event.bytes);
         text.back() = '}';
       }
       text += "},\n";
+      if (!event.count && !event.allocations && kind.what != "whole step") continue;
+      const std::string end = textOf({at(event.end)});
       if (event.count)
         fmt::format_to(
             out, "{{\"ph\":\"C\",\"name\":\"iterations\",\"pid\":1,\"ts\":{},\"args\":{{\"of a solve\":{}}}}},\n", end,
@@ -132,6 +144,10 @@ std::string tableOf(const Profile& profile, const std::string& file) {
   text +=
       fmt::format("{} of wall time, {:.1f} % with a name. Trace of {} spans: {} (open it at https://ui.perfetto.dev)\n",
                   timeText(wall), 100 * named / wall, spans, file);
+  if (profile.heard < profile.steps)
+    text += fmt::format("The steps are short: {} of {} were heard, the first ones and then some at random, and what is in steps is "
+                        "estimated from these\n",
+                        profile.heard, profile.steps);
   if (profile.left_out > 0) text += fmt::format("{} spans more are in the table alone\n", profile.left_out);
   return text;
 }

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 
+#include "tools/session/xml_text.h"
 #include "tools/sweep/chart_scale.h"
 #include "tools/sweep/report_files.h"
 
@@ -42,7 +43,7 @@ class Drawing {
     out_ = fmt::format(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"chart\" id=\"{}\"{} viewBox=\"0 0 {} {}\" role=\"group\" "
         "aria-label=\"{}\">\n",
-        chart_.id, sizes, width, height, escaped(chart_.title));
+        chart_.id, sizes, width, height, xmlText(chart_.title));
     if (standalone_) out_ += "<style>" + chartStyle(dark_) + "</style>\n";
     out_ += fmt::format("<rect class=\"paper\" width=\"{}\" height=\"{}\"/>\n", width, height);
     axes();
@@ -75,7 +76,7 @@ class Drawing {
   void put(const char* style, double x, double y, const std::string& text, const char* anchor = "middle",
            const std::string& more = "") {
     out_ += fmt::format("<text class=\"{}\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\"{}>{}</text>\n", style, x, y,
-                        anchor, more, escaped(text));
+                        anchor, more, xmlText(text));
   }
 
   void axes() {
@@ -188,21 +189,6 @@ class Drawing {
 std::string digits(double value) { return fmt::format("{:.3g}", value); }
 
 }  // namespace
-
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '<')
-      out += "&lt;";
-    else if (c == '&')
-      out += "&amp;";
-    else if (c == '"')
-      out += "&quot;";
-    else
-      out += c;
-  }
-  return out;
-}
 
 std::string numberText(double value, Numbers numbers) {
   struct Unit {

@@ -40,6 +40,4 @@ std::string svgOf(const Chart& chart, bool standalone, bool dark);
 /// "12 ms", "3.1 %"
 std::string numberText(double value, Numbers numbers);
 
-std::string escaped(const std::string& text);
-
 }  // namespace stroma::sweep

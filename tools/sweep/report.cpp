@@ -9,6 +9,7 @@
 #include <filesystem>
 
 #include "framework/scene/output_file.h"
+#include "tools/session/xml_text.h"
 #include "tools/sweep/cores.h"
 #include "tools/sweep/report_files.h"
 
@@ -37,9 +38,9 @@ std::string frontList(const Findings& findings) {
     rows += fmt::format(
         "<tr data-entry=\"{}\"><td class=\"number\">{}</td><td class=\"number\">{}</td><td>{}</td><td>{}</td></tr>\n",
         entry - findings.entries.data(), timeText(entry->runs.medianOf(&Repetition::seconds)),
-        errorText(findings, *entry), escaped(nameOf(findings.axes, entry->configuration)),
+        errorText(findings, *entry), xmlText(nameOf(findings.axes, entry->configuration)),
         fmt::format("<button class=\"copy\" data-text=\"{}\">copy the command</button>",
-                    escaped(commandLine(findings.request, entry->configuration))));
+                    xmlText(commandLine(findings.request, entry->configuration))));
   return "<section><h2>The front: nothing is both faster and more accurate</h2><div class=\"scroll\"><table "
          "class=\"front-table\"><thead><tr>"
          "<th>time to the end</th><th>error</th><th>settings</th><th></th></tr></thead><tbody>" +
@@ -51,8 +52,8 @@ std::string failures(const Findings& findings) {
   for (const Entry& entry : findings.entries)
     if (!entry.runs.failure.empty())
       rows += fmt::format("<tr data-entry=\"{}\"><td>{}</td><td>{}</td><td>{}</td></tr>\n",
-                          &entry - findings.entries.data(), escaped(nameOf(findings.axes, entry.configuration)),
-                          escaped(entry.runs.outcome), escaped(entry.runs.failure));
+                          &entry - findings.entries.data(), xmlText(nameOf(findings.axes, entry.configuration)),
+                          xmlText(entry.runs.outcome), xmlText(entry.runs.failure));
   if (rows.empty()) return "";
   return "<section><h2>Without a "
          "result</h2><div class=\"scroll\"><table><thead><tr><th>settings</th><th>outcome</th><th>why</th></tr></thead>"
@@ -64,21 +65,21 @@ std::string paragraphs(const Findings& findings) {
   const Assessment& assessment = findings.assessment;
   const auto good = std::ranges::count_if(findings.entries, [](const Entry& entry) { return entry.error.has_value(); });
   std::string text = fmt::format("<p><strong>{} configurations, {} with a result.</strong> The reference is {}",
-                                 findings.entries.size(), good, escaped(assessment.reference));
+                                 findings.entries.size(), good, xmlText(assessment.reference));
   if (assessment.isUncertain())
     text += fmt::format("; <strong>{}</strong>, and so is every error",
                         knownTo(assessment, numberText(assessment.uncertainty,
                                                        assessment.is_relative ? Numbers::share : Numbers::plain)));
   text += assessment.is_relative ? ". Errors are shares of the reference.</p>\n"
                                  : ". Errors have the reference's unit.</p>\n";
-  if (!findings.goal.empty()) text += fmt::format("<p class=\"goal\">{}</p>\n", escaped(findings.goal));
+  if (!findings.goal.empty()) text += fmt::format("<p class=\"goal\">{}</p>\n", xmlText(findings.goal));
   std::string items;
   for (const AxisEstimate& axis : assessment.axes)
     items +=
-        fmt::format("<li>{}: {}{} ({})</li>\n", escaped(findings.axes[axis.axis].label()),
+        fmt::format("<li>{}: {}{} ({})</li>\n", xmlText(findings.axes[axis.axis].label()),
                     axis.order ? fmt::format("order {:.2f}, ", *axis.order) : "",
                     numberText(axis.uncertainty, assessment.is_relative ? Numbers::share : Numbers::plain), axis.how);
-  for (const std::string& note : assessment.notes) items += fmt::format("<li>{}</li>\n", escaped(note));
+  for (const std::string& note : assessment.notes) items += fmt::format("<li>{}</li>\n", xmlText(note));
   if (findings.not_run > 0)
     items += fmt::format("<li>{} configurations of the grid were not needed and not run</li>\n", findings.not_run);
   const auto disturbed =
@@ -96,8 +97,8 @@ std::string foot(const Findings& findings) {
       "<footer><p>{}</p><p>Build {} · runs in an order by seed {} · {} of each, the median counts · timed runs alone "
       "on "
       "their cores</p><pre>{}</pre></footer>\n",
-      escaped(machineText()), findings.build, findings.request.seed,
-      findings.request.timed ? findings.request.repeat : 1, escaped(commandLine(findings.request)));
+      xmlText(machineText()), findings.build, findings.request.seed,
+      findings.request.timed ? findings.request.repeat : 1, xmlText(commandLine(findings.request)));
 }
 
 /// Inside of a script element.
@@ -129,11 +130,11 @@ std::string pageOf(const Findings& findings, const std::vector<Chart>& charts) {
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" "
       "content=\"width=device-width, initial-scale=1\">\n<title>Sweep of "
       "{}</title>\n<style>\n{}</style>\n</head>\n<body>\n",
-      escaped(name), reportStyle());
+      xmlText(name), reportStyle());
   page += fmt::format(
       "<header><h1>Sweep of {}</h1><button id=\"theme\" title=\"light or dark (t)\">light / dark</button>"
       "</header>\n<main>\n<section>{}</section>\n",
-      escaped(name), paragraphs(findings));
+      xmlText(name), paragraphs(findings));
   page +=
       "<p class=\"help\">Click a point for its command line. Tab reaches the charts, the arrow keys go from point to "
       "point, Enter copies the command, Esc closes.</p>\n<div class=\"charts\">\n";

@@ -80,6 +80,11 @@ void RunMaker::take(Entry& entry, const Job& job, const ProcessEnd& end, const C
   progress_.finished(entry.configuration, outcome, circumstances.seconds);
 }
 
+bool RunMaker::isOpen(Entry& entry) const {
+  entry.runs = readRuns(entry.configuration.folder);
+  return !entry.runs.areComplete(wanted(entry));
+}
+
 int RunMaker::make(const std::vector<Entry*>& entries) {
   std::vector<std::size_t> order(entries.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;

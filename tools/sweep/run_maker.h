@@ -16,6 +16,8 @@ class RunMaker {
   /// Brings every entry to its number of runs: all first runs, then all second ones, in an order that the seed gives, so
   /// that what slows the machine for a while slows no single configuration. Returns the signal that stopped it, or 0.
   int make(const std::vector<Entry*>& entries);
+  /// Whether its folder lacks runs; reads the folder.
+  bool isOpen(Entry& entry) const;
   /// Runs made by this object.
   int made() const { return made_; }
 

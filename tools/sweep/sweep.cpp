@@ -15,6 +15,7 @@
 #include "framework/scene/output_file.h"
 #include "framework/scene/services.h"
 #include "tools/sweep/digest.h"
+#include "tools/sweep/engine.h"
 #include "tools/sweep/goal.h"
 #include "tools/sweep/probe.h"
 #include "tools/sweep/report.h"
@@ -79,7 +80,7 @@ bool isEmpty(const std::string& folder) {
                      [](const auto& file) { return file.path().filename().string().starts_with(".lock"); });
 }
 
-constexpr int by_signal = 128;  // of an exit code
+constexpr int by_signal = 128, left_open = 4;  // of an exit code
 
 class Sweep {
  public:
@@ -88,8 +89,10 @@ class Sweep {
         axes_(parseAxes(request.vary, request.zip)),
         bound_(request.goal.empty() ? 0 : parseGoal(request.goal)) {
     if (bound_ > 0 && !request.timed) throw std::invalid_argument("--goal looks for the cheapest: it needs the times");
-    if (bound_ > 0 && request.shares > 0)
-      throw std::invalid_argument("--goal chooses each run by the errors of those before it: it has no shares, leave --shard out");
+    if (bound_ > 0 && (request.shares > 0 || !request.engine.empty()))
+      throw std::invalid_argument(
+          fmt::format("--goal chooses each run by the errors of those before it: it has no shares, leave --{} out",
+                      request.shares > 0 ? "shard" : "engine"));
     const ErrorMeasure measure = ErrorMeasure::parse(request.error);
     allConfigurations(request, axes_);  // what it refuses comes before anything is loaded
     probed_ = probe(request, axes_, measure);
@@ -106,6 +109,35 @@ class Sweep {
     if (bound_ <= 0 || signal) assessment_ = assessor_->assess(entries_);
     noteMachines();
     return tell(signal);
+  }
+
+  /// Has the runs made by shares elsewhere, until none is open. Returns an exit code of the command when some are, else 0.
+  int makeBy(const Engine& engine) {
+    constexpr int most_rounds = 3;
+    const int shares = engine.sharesOf(entries_.size());
+    Engine::End end;
+    std::vector<int> open = openShares(shares);
+    long count = open_, before = count + 1;  // a round that has made nothing is the last
+    for (int round = 0; round < most_rounds && count > 0 && count < before && end.signal == 0; ++round) {
+      if (!request_.quiet)
+        fmt::print(stderr, "{} of {} configurations are open: {} shares by {}\n", count, entries_.size(), open.size(),
+                   request_.engine);
+      end = engine.run(open, shares);
+      before = count;
+      open = openShares(shares);
+      count = open_;
+    }
+    if (count == 0) return 0;
+    if (end.signal) {
+      fmt::print(stderr, "stopped: {} configurations are open; the same command goes on with them\n", count);
+      return by_signal + end.signal;
+    }
+    const std::string sentence = engine.sentence(open.front());
+    fmt::print(stderr,
+               "{} configurations are open after {} (exit code {}; engine.log and share_*.log in {}){}\n"
+               "The same command goes on with them; without --engine they are made here.\n",
+               count, request_.engine, end.exit_code, request_.folder, sentence.empty() ? "" : ": " + sentence);
+    return left_open;
   }
 
  private:
@@ -131,10 +163,29 @@ class Sweep {
   }
 
   /// In the order of their keys, which has no pattern: every share has cheap runs and dear ones.
-  int makeShare() {
-    std::vector<Entry*> sorted, share;
+  std::vector<Entry*> inOrderOfKeys() {
+    std::vector<Entry*> sorted;
     for (Entry& entry : entries_) sorted.push_back(&entry);
     std::ranges::sort(sorted, {}, [](const Entry* entry) { return entry->configuration.key; });
+    return sorted;
+  }
+
+  /// The numbers of those with open configurations, which are counted.
+  std::vector<int> openShares(int shares) {
+    std::set<int> open;
+    open_ = 0;
+    const std::vector<Entry*> sorted = inOrderOfKeys();
+    for (std::size_t i = 0; i < sorted.size(); ++i) {
+      if (!runs_->isOpen(*sorted[i])) continue;
+      open.insert(int(i % std::size_t(shares)) + 1);
+      ++open_;
+    }
+    return {open.begin(), open.end()};
+  }
+
+  int makeShare() {
+    std::vector<Entry*> share;
+    const std::vector<Entry*> sorted = inOrderOfKeys();
     for (std::size_t i = std::size_t(request_.share) - 1; i < sorted.size(); i += std::size_t(request_.shares))
       share.push_back(sorted[i]);
     const int signal = runs_->make(share);
@@ -290,6 +341,7 @@ class Sweep {
   Assessment assessment_;
   const Entry* cheapest_ = nullptr;
   std::string build_, scene_;
+  long open_ = 0;  ///< of the last openShares()
 };
 
 class LocalSweeper final : public Sweeper {
@@ -298,12 +350,22 @@ class LocalSweeper final : public Sweeper {
     const SignalGuard signals;             // from here on: one that comes between two runs is taken at the next
     parseAxes(request.vary, request.zip);  // what is misspelt leaves no folder behind
     ErrorMeasure::parse(request.error);
+    std::optional<Engine> engine;
+    if (!request.engine.empty() && request.shares == 0) engine.emplace(request);
     const bool was_there = fs::exists(request.folder);
-    const FolderLock lock(request);
+    std::optional<FolderLock> lock(std::in_place, request);
     // what another sweep has made meanwhile is not this one's to remove
-    const bool is_new = !was_there && isEmpty(request.folder);
+    bool is_new = !was_there && isEmpty(request.folder);
     try {
-      return Sweep(request).make();
+      Sweep sweep(request);
+      if (engine) {
+        is_new = false;
+        const FileLock one_engine(request.folder, ".lock.engine", LOCK_EX | LOCK_NB);
+        lock.reset();  // shares have their own
+        if (const int code = sweep.makeBy(*engine)) return code;
+        lock.emplace(request);
+      }
+      return sweep.make();
     } catch (const std::invalid_argument&) {
       if (is_new) remove(request);
       throw;

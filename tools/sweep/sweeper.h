@@ -26,6 +26,10 @@ struct SweepRequest {
   bool timed = true;
   unsigned seed = 1;  ///< of the order of the runs
   int share = 0, shares = 0;  ///< the runs of this share, from 1, of so many, and no report; 0: all
+  std::string engine;         ///< "parallel" or "slurm" makes the runs by shares elsewhere; empty: this process does
+  std::string logins;         ///< of parallel, with commas between them; empty: this machine
+  std::string engine_options; ///< more words for it
+  int engine_shares = 0;      ///< 0: it chooses
   bool quiet = false;
   std::vector<std::string> words;  ///< the command's arguments as they were given, for the report
 };
@@ -35,7 +39,8 @@ class Sweeper {
   static constexpr const char *role = "sweeper", *library = "sweep", *missing = "build it with `ninja sweep`";
   virtual ~Sweeper() = default;
   /// Makes the runs that are not there yet, writes the tables and the report; of a share the runs only. Returns an exit code
-  /// of the command: 0, 1 (no configuration reaches the goal), 3 (no run has a result), 130 or 143 (stopped). Throws
+  /// of the command: 0, 1 (no configuration reaches the goal), 3 (no run has a result), 4 (an engine has left runs open), 130 or
+  /// 143 (stopped). Throws
   /// std::invalid_argument with a sentence for bad input, before anything is run, and OutputError.
   virtual int sweep(const SweepRequest& request) const = 0;
 };
