@@ -117,9 +117,10 @@ endfunction()
 if(NOT TARGET stroma::stroma_flags)
   foreach(level baseline ${STROMA_LEVELS})
     stroma_level_options(${level} options)
-    set(headers "")
+    # with what nearly all components include
+    set(headers ${CMAKE_SOURCE_DIR}/framework/scene/factory.h ${CMAKE_SOURCE_DIR}/framework/mechanics/state_topology.h)
     if(NOT level STREQUAL baseline)
-      set(headers <xsimd/xsimd.hpp>)
+      list(APPEND headers <xsimd/xsimd.hpp>)
     endif()
     stroma_precompiled(stroma_precompiled_${level} OPTIONS ${options} HEADERS ${headers} HIDDEN)
   endforeach()
@@ -215,7 +216,7 @@ extern \"C\" __attribute__((visibility(\"default\"))) const stroma::ModuleInfo* 
   add_custom_command(
     OUTPUT ${folder}/${name}.index BYPRODUCTS ${folder}/${name}.manual
     COMMAND stroma-index ${folder} ${name} $<TARGET_FILE:${first}> ${manual_sources}
-    DEPENDS stroma-index ${built} ${manual_sources}
+    DEPENDS stroma-index stroma ${built} ${manual_sources}
     COMMENT "Indexing ${name}" VERBATIM)
   add_custom_target(stroma_${name} DEPENDS ${folder}/${name}.index)
   add_dependencies(stroma_modules_index stroma_${name})

@@ -26,8 +26,11 @@
 // </Node>
 #include <fmt/format.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "framework/fem/local_frame.h"
@@ -68,6 +71,17 @@ Vec3 solveInertia(const Mat3& m, const Vec3& b) {
   Vec3 x = rough(b);
   for (int step = 0; step < 2; ++step) x += rough(b - inertia * x);
   return x;
+}
+
+/// The shortest turn from one direction to another. (Quaternion::FromTwoVectors has a singular value decomposition for
+/// opposite ones, which takes a compiler ten seconds.)
+Mat3 turnBetween(const Vec3& from, const Vec3& to) {
+  const Vec3 a = from.normalized(), b = to.normalized();
+  const double cosine = b.dot(a);
+  if (cosine < -1 + 1e-12) return Eigen::AngleAxisd(M_PI, a.unitOrthogonal()).toRotationMatrix();
+  const double s = std::sqrt((1 + cosine) * 2);
+  const Vec3 axis = a.cross(b) * (1 / s);
+  return Eigen::Quaterniond(s * 0.5, axis.x(), axis.y(), axis.z()).toRotationMatrix();
 }
 
 /// The turn d with A d = missing, A = tr(M) I - M, along `line` only where that is not zero. Least squares with a
@@ -231,7 +245,7 @@ Mat3 RigidConstraint::fit(ConstRows x, const Vec3& centre) const {
   Mat3 q = bestRotation(a);
   if (!hasAxis()) return q;
   const Vec3 turned = q * (arm_[leaders_.back()] - arm_[leaders_[0]]);
-  return Eigen::Quaterniond::FromTwoVectors(turned, axis(x)).toRotationMatrix() * q;
+  return turnBetween(turned, axis(x)) * q;
 }
 
 /// From near, the rotation with sum m s x (Q a) = sum m s x b, b = x - centre; about the axis only when there is one.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // A fuzz target is one function of bytes: whatever they are, it comes back, or it says what it found and aborts. libFuzzer
-// calls it with bytes that reach new code (STROMA_FUZZ), replay.cpp with the kept files.
+// calls it with bytes that reach new code (STROMA_FUZZ), replay.cpp with the kept files:
+//   STROMA_FUZZ_TARGET(name) { ... data, size ...; return 0; }
 #pragma once
 #include <unistd.h>
 
@@ -8,14 +9,20 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <map>
 #include <string>
 #include <string_view>
 
 #include "framework/mesh/mesh.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
-
 namespace stroma::fuzz {
+
+using Target = int(const std::uint8_t* data, std::size_t size);
+/// Those of this program, by name.
+inline std::map<std::string, Target*>& targets() {
+  static std::map<std::string, Target*> all;
+  return all;
+}
 
 /// What must hold whatever the bytes are.
 inline void require(bool holds, const std::string& what) {
@@ -52,3 +59,15 @@ void loadMesh(const std::string& loader, const std::string& ending, std::string_
               const std::string& attributes);
 
 }  // namespace stroma::fuzz
+
+#ifdef STROMA_LIBFUZZER  // a program for each
+#define STROMA_FUZZ_TARGET(name)                          \
+  extern "C" stroma::fuzz::Target LLVMFuzzerTestOneInput; \
+  int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+#else
+#define STROMA_FUZZ_TARGET(name)                                                              \
+  static stroma::fuzz::Target fuzz_##name;                                                    \
+  [[maybe_unused]] static const bool has_fuzz_##name =                                        \
+      stroma::fuzz::targets().emplace(#name, fuzz_##name).second;                             \
+  static int fuzz_##name(const std::uint8_t* data, std::size_t size)
+#endif

@@ -31,7 +31,7 @@ void requireOrder(const std::vector<RunEvent>& events) {
 
 }  // namespace
 
-int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+STROMA_FUZZ_TARGET(actions) {
   RecordedActions actions;
   try {
     actions = parsed({reinterpret_cast<const char*>(data), size});

@@ -31,7 +31,7 @@ void parseAndPrint(Data& attribute, std::string_view text) {
 
 }  // namespace
 
-int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+STROMA_FUZZ_TARGET(attributes) {
   static Factory factory = [] {
     Factory made;
     made.add<fuzz::EveryAttribute>("Every", "has an attribute of each type");

@@ -11,7 +11,7 @@ using namespace stroma;
 constexpr std::size_t sections = 3;
 
 /// The file with the sums that its header and its blocks should have, where they lie in it.
-std::string sealed(std::string bytes) {
+std::string sealedSections(std::string bytes) {
   Header header;
   if (bytes.size() < sizeof header) return bytes;
   std::memcpy(&header, bytes.data(), sizeof header);
@@ -38,8 +38,8 @@ std::string sealed(std::string bytes) {
 
 }  // namespace
 
-int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const std::string bytes = sealed({reinterpret_cast<const char*>(data), size});
+STROMA_FUZZ_TARGET(cached_inverse) {
+  const std::string bytes = sealedSections({reinterpret_cast<const char*>(data), size});
   SectionFile file;
   std::string reason;
   if (!file.open(fuzz::fileWith(bytes), ContentKey(), sections, reason)) {

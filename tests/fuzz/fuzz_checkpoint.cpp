@@ -15,7 +15,7 @@ std::string sum(std::string_view bytes) {
 }
 
 /// The head with the sum that its last line should have.
-std::string sealed(std::string_view bytes) {
+std::string sealedCheckpoint(std::string_view bytes) {
   const std::size_t mark = bytes.find("\nend ");
   if (mark == std::string_view::npos) return std::string(bytes);
   const std::size_t data = std::min(bytes.find('\n', mark + 1), bytes.size() - 1) + 1;
@@ -25,9 +25,9 @@ std::string sealed(std::string_view bytes) {
 
 }  // namespace
 
-int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+STROMA_FUZZ_TARGET(checkpoint) {
   try {
-    const std::string bytes = sealed({reinterpret_cast<const char*>(data), size});
+    const std::string bytes = sealedCheckpoint({reinterpret_cast<const char*>(data), size});
     Checkpoint checkpoint = Checkpoint::fromBytes(bytes, "fuzz.checkpoint");
     fuzz::require(Checkpoint::fromBytes(checkpoint.bytes(), "again").bytes() == checkpoint.bytes(),
                   "what was written reads back as something else");

@@ -2,7 +2,7 @@
 // MeshGmshLoader on any bytes: formats 1 to 4.1, text and binary.
 #include "tests/fuzz/fuzz.h"
 
-int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+STROMA_FUZZ_TARGET(gmsh) {
   stroma::fuzz::loadMesh("MeshGmshLoader", ".msh", {reinterpret_cast<const char*>(data), size}, "triangulate=\"true\"");
   return 0;
 }

@@ -2,7 +2,7 @@
 // MeshOBJLoader on any bytes.
 #include "tests/fuzz/fuzz.h"
 
-int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+STROMA_FUZZ_TARGET(obj) {
   stroma::fuzz::loadMesh("MeshOBJLoader", ".obj", {reinterpret_cast<const char*>(data), size},
                          "onlyAttachedPoints=\"true\"");
   return 0;

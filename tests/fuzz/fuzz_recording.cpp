@@ -10,7 +10,7 @@ namespace {
 using namespace stroma;
 
 /// The text with the sum that each `whole` should have.
-std::string sealed(std::string_view text) {
+std::string sealedRecording(std::string_view text) {
   std::string out;
   std::size_t instant = 0;
   while (!text.empty()) {
@@ -29,11 +29,11 @@ std::string sealed(std::string_view text) {
 
 }  // namespace
 
-int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+STROMA_FUZZ_TARGET(recording) {
   const std::string_view bytes(reinterpret_cast<const char*>(data), size);
   const bool is_marked = bytes.starts_with(state_file_head);
   try {
-    const StateRecording recording = readRecording(fuzz::fileWith(is_marked ? sealed(bytes) : bytes));
+    const StateRecording recording = readRecording(fuzz::fileWith(is_marked ? sealedRecording(bytes) : bytes));
     std::uint64_t last = 0;
     for (const std::uint64_t end : recording.ends)
       if (end != StateRecording::inside_piece)

@@ -29,7 +29,7 @@ void readsBack(const NodeDescription& root) {
 
 }  // namespace
 
-int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+STROMA_FUZZ_TARGET(scene) {
   static Modules modules(factory(), {});
   const std::string text(reinterpret_cast<const char*>(data), size);
   Diagnostics diagnostics;

@@ -5,7 +5,7 @@
 #include "framework/mesh/mesh_loader.h"
 #include "tests/fuzz/fuzz.h"
 
-int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+STROMA_FUZZ_TARGET(vtk) {
   using namespace stroma;
   try {
     const ValueLists lists = ValueLists::fromBytes({reinterpret_cast<const char*>(data), size});

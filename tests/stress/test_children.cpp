@@ -10,13 +10,10 @@
 #include <csignal>
 #include <thread>
 
-#include "tools/stress/children.h"
+#include "tools/session/children.h"
 
 namespace stroma::test {
 namespace {
-
-using stress::ChildEnd;
-using stress::Children;
 
 void spin(double seconds) {
   volatile double sum = 0;

@@ -75,7 +75,7 @@ CommandLine checkLine() {
       "sofa", "SCENE is a folder of SOFA's scenes, or a list of them: a line for each, and what holds back how many")(
       "steps", po::value<long>()->value_name("N")->default_value(10), "with --sofa: how many steps a scene must make")(
       "jobs", po::value<int>()->value_name("N")->default_value(1), "with --sofa: how many scenes at once")(
-      "limit", po::value<double>()->value_name("SECONDS")->default_value(60), "with --sofa: the time of one scene");
+      "limit", po::value<double>()->value_name("SECONDS")->default_value(60), "with --sofa: the processor time of one scene");
   addSceneOptions(options);
   return {check_manual, options, {"SCENE"}};
 }

@@ -7,28 +7,10 @@
 #include <sstream>
 
 #include "framework/scene/output_file.h"
+#include "tools/session/xml_text.h"
 
 namespace stroma::command {
 namespace {
-
-/// As the text of an attribute or an element.
-std::string asXmlText(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    const bool is_control = static_cast<unsigned char>(c) < 0x20 && c != '\n' && c != '\t';
-    if (c == '&')
-      out += "&amp;";
-    else if (c == '<')
-      out += "&lt;";
-    else if (c == '>')
-      out += "&gt;";
-    else if (c == '"')
-      out += "&quot;";
-    else
-      out += is_control ? '?' : c;
-  }
-  return out;
-}
 
 std::string firstLine(const std::string& text) { return text.substr(0, text.find('\n')); }
 
@@ -42,15 +24,15 @@ void writeJunit(const std::string& suite, const std::vector<JunitCase>& cases, c
   stream << "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
          << fmt::format(
                 "<testsuite name=\"{}\" tests=\"{}\" failures=\"{}\" errors=\"0\" skipped=\"0\" time=\"{:.3f}\">\n",
-                asXmlText(suite), cases.size(), failures, seconds);
+                xmlText(suite), cases.size(), failures, seconds);
   for (const JunitCase& test : cases) {
-    stream << fmt::format("  <testcase classname=\"{}\" name=\"{}\" time=\"{:.3f}\"", asXmlText(suite),
-                          asXmlText(test.name), test.seconds);
+    stream << fmt::format("  <testcase classname=\"{}\" name=\"{}\" time=\"{:.3f}\"", xmlText(suite),
+                          xmlText(test.name), test.seconds);
     if (test.failure.empty())
       stream << "/>\n";
     else
       stream << fmt::format(">\n    <failure message=\"{}\">{}</failure>\n  </testcase>\n",
-                            asXmlText(firstLine(test.failure)), asXmlText(test.failure));
+                            xmlText(firstLine(test.failure)), xmlText(test.failure));
   }
   stream << "</testsuite>\n";
   writeWholeFile(file, stream.str());

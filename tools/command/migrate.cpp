@@ -2,6 +2,7 @@
 // stroma migrate: a scene in SOFA's dialect as a native one that gives the same numbers.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "framework/scene/dialect.h"
@@ -11,6 +12,7 @@
 #include "tools/command/session.h"
 #include "tools/command/sofa_runs.h"
 #include "tools/command/source_layout.h"
+#include "tools/session/xml_text.h"
 
 namespace po = boost::program_options;
 namespace fs = std::filesystem;
@@ -24,27 +26,6 @@ const Manual migrate_manual{
     "ways\nwritten out as attributes. It gives the same numbers. Comments, blank lines and the order of parts are kept; what "
     "has no\neffect is not. With --without-quirk a way of SOFA is left out, and the result differs by what it did.",
     "  stroma migrate liver.scn -o liver.xml\n  stroma migrate liver.scn --without-quirk cg-threshold\n"};
-
-std::string escaped(const std::string& value) {
-  std::string text;
-  for (const char c : value) switch (c) {
-      case '&':
-        text += "&amp;";
-        break;
-      case '<':
-        text += "&lt;";
-        break;
-      case '"':
-        text += "&quot;";
-        break;
-      case '\n':
-        text += ' ';
-        break;
-      default:
-        text += c;
-    }
-  return text;
-}
 
 /// The native scene, with file names that start at `folder`.
 class Writer {
@@ -98,7 +79,9 @@ class Writer {
   /// On a new line where the tag grows too long.
   void write(const std::string& name, const std::string& value) {
     constexpr std::size_t widest = 130;
-    const std::string word = name + "=\"" + escaped(value) + "\"";
+    std::string one_line = value;
+    std::ranges::replace(one_line, '\n', ' ');
+    const std::string word = name + "=\"" + xmlText(one_line) + "\"";
     if (line_.size() + word.size() > widest && line_.find_first_not_of(' ') + 1 < line_.size() && line_.find('=') != line_.npos) {
       text_ += line_ + "\n";
       line_ = continued_ + word;

@@ -15,13 +15,13 @@
 #include "framework/scene/output_file.h"
 #include "framework/simulation/expectation.h"
 #include "tools/command/bits.h"
-#include "tools/command/child_jobs.h"
 #include "tools/command/comparison.h"
 #include "tools/command/junit.h"
 #include "tools/command/regression_list.h"
 #include "tools/command/session.h"
 #include "tools/command/sofa_references.h"
 #include "tools/command/sofa_runs.h"
+#include "tools/session/children.h"
 #include "tools/session/file_uses.h"
 #include "tools/session/statistics.h"
 
@@ -242,7 +242,7 @@ Json toJson(const Result& result) {
 }
 
 /// What a process of its own has found.
-Result fromJson(const RegressionCase& test, const JobEnd& end) {
+Result fromJson(const RegressionCase& test, const ChildEnd& end) {
   Result result{.name = test.name, .failure = end.failure, .remark = {}, .seconds = 0, .states = {}, .data = {}};
   if (!end.failure.empty()) return result;
   const Json json = Json::parse(end.text);
@@ -280,7 +280,8 @@ OptionList regressOptions() {
        "of SOFA's lists (*.regression-tests): the relative difference that passes")  //
       ("jobs", po::value<int>()->value_name("N")->default_value(1),
        "how many scenes at once, each in a process of its own (not with --bits)")  //
-      ("limit", po::value<double>()->value_name("SECONDS")->default_value(600), "the time of one scene in such a process")  //
+      ("limit", po::value<double>()->value_name("SECONDS")->default_value(600),
+       "the processor time of one scene in such a process")  //
       ("junit", po::value<std::string>()->value_name("FILE"), "write the results as JUnit's XML, for build servers");
   addSceneOptions(options);
   return options;
@@ -315,7 +316,7 @@ std::vector<Result> runList(const RegressionList& list, const Values& values) {
           configure(one, values);
           return toJson(judge(cases[std::size_t(i)], one)).dump(-1, ' ', false, Json::error_handler_t::replace);
         },
-        [&](int i, const JobEnd& end) {
+        [&](int i, const ChildEnd& end) {
           results.push_back(fromJson(cases[std::size_t(i)], end));
           print(results.back(), update);
         });

@@ -6,29 +6,12 @@
 #include <map>
 
 #include "tools/command/schema_text.h"
+#include "tools/session/xml_text.h"
 
 namespace stroma::command {
 namespace {
 
 using Kind = SchemaAlternative::Kind;
-
-std::string escapedXml(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '&') {
-      out += "&amp;";
-    } else if (c == '<') {
-      out += "&lt;";
-    } else if (c == '>') {
-      out += "&gt;";
-    } else if (c == '"') {
-      out += "&quot;";
-    } else {
-      out += c;
-    }
-  }
-  return out;
-}
 
 class XsdWriter {
  public:
@@ -61,7 +44,7 @@ class XsdWriter {
   }
 
   void help(int depth, const std::string& text) {
-    line(depth, "<xs:annotation><xs:documentation>{}</xs:documentation></xs:annotation>", escapedXml(text));
+    line(depth, "<xs:annotation><xs:documentation>{}</xs:documentation></xs:annotation>", xmlText(text));
   }
 
   /// Names of types have a prefix: an element may be called as a value is.
@@ -127,8 +110,8 @@ class XsdWriter {
                                                       {Kind::integer, "int"}, {Kind::real, "double"},
                                                       {Kind::words, "token"}, {Kind::pattern, "token"}};
     line(depth, "<xs:restriction base=\"xs:{}\">", bases.at(each.kind));
-    for (const std::string& word : each.words) line(depth + 1, "<xs:enumeration value=\"{}\"/>", escapedXml(word));
-    if (!each.pattern.empty()) line(depth + 1, "<xs:pattern value=\"{}\"/>", escapedXml(each.pattern));
+    for (const std::string& word : each.words) line(depth + 1, "<xs:enumeration value=\"{}\"/>", xmlText(word));
+    if (!each.pattern.empty()) line(depth + 1, "<xs:pattern value=\"{}\"/>", xmlText(each.pattern));
     if (each.min) bound(depth + 1, "min", *each.min);
     if (each.max) bound(depth + 1, "max", *each.max);
     line(depth, "</xs:restriction>");

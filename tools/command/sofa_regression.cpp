@@ -12,11 +12,11 @@
 
 #include "framework/mechanics/mapping.h"
 #include "framework/scene/output_file.h"
-#include "tools/command/child_jobs.h"
 #include "tools/command/junit.h"
 #include "tools/command/session.h"
 #include "tools/command/sofa_references.h"
 #include "tools/command/sofa_runs.h"
+#include "tools/session/children.h"
 
 namespace stroma::command {
 namespace {
@@ -211,7 +211,7 @@ int regressSofaList(const std::string& list, const Values& values) {
   std::vector<JunitCase> junit;
   runJobs(
       int(cases.size()), limits, [&](int i) { return judge(cases[std::size_t(i)], tolerance); },
-      [&](int i, const JobEnd& end) {
+      [&](int i, const ChildEnd& end) {
         const SofaCase& test = cases[std::size_t(i)];
         Json result = end.failure.empty() ? Json::parse(end.text)
                                           : Json{{"name", test.name}, {"verdict", "failed"}, {"reason", end.failure}};

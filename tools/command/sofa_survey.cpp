@@ -12,10 +12,10 @@
 #include "framework/scene/text.h"
 #include "framework/simulation/expectation.h"
 #include "framework/simulation/step_guard.h"
-#include "tools/command/child_jobs.h"
 #include "tools/command/session.h"
 #include "tools/command/sofa_references.h"
 #include "tools/command/sofa_runs.h"
+#include "tools/session/children.h"
 
 namespace stroma::command {
 namespace {
@@ -138,7 +138,7 @@ int surveySofaScenes(const std::string& where, const Values& values) {
   const bool json = values.count("json") > 0;
   runJobs(
       int(scenes.size()), limits, [&](int i) { return look(scenes[std::size_t(i)], steps); },
-      [&](int i, const JobEnd& end) {
+      [&](int i, const ChildEnd& end) {
         Json result = end.failure.empty() ? Json::parse(end.text)
                                           : Json{{"scene", scenes[std::size_t(i)]}, {"runs", false},
                                                  {"reasons", Json::array({end.failure})}, {"without", Json::array()}, {"warnings", 0}};

@@ -4,6 +4,7 @@
 #include <array>
 #include <filesystem>
 
+#include "tools/session/xml_text.h"
 #include "tools/stress/table.h"
 
 namespace stroma::stress {
@@ -27,19 +28,6 @@ constexpr std::array<const char*, endings> meanings = {
     "took longer than a case may",
     "a crash, a standstill, a number that is not finite, a stop without a sentence, or a promise that is broken"};
 
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '<')
-      out += "&lt;";
-    else if (c == '&')
-      out += "&amp;";
-    else
-      out += c;
-  }
-  return out;
-}
-
 std::string tableRows(const Findings& findings) {
   std::vector<std::string> groups;
   std::map<std::string, std::array<long, endings>> counts;
@@ -49,7 +37,7 @@ std::string tableRows(const Findings& findings) {
   }
   std::string text;
   for (const std::string& group : groups) {
-    text += "<tr><td>" + escaped(group) + "</td>";
+    text += "<tr><td>" + xmlText(group) + "</td>";
     for (std::size_t e = 0; e < endings; ++e) {
       const long count = counts[group][e];
       text += fmt::format("<td class=\"{}\">{}</td>", count ? wordOf(Ending(e)) : "none", count);
@@ -64,12 +52,12 @@ std::string details(const Findings& findings, Ending ending) {
   for (const Like& like : alike(findings, ending)) {
     text += fmt::format("<details{}><summary>{} case{}{}{}</summary><ul>\n", ending == Ending::breaks ? " open" : "",
                         like.cases.size(), like.cases.size() == 1 ? "" : "s", like.sentence.empty() ? "" : ": ",
-                        escaped(like.sentence));
+                        xmlText(like.sentence));
     for (const Result* one : like.cases) {
-      text += fmt::format("<li>case {}: {}<br><code>{}</code>", one->what.number, escaped(one->what.text),
-                          escaped(commandOf(findings.request, findings.steps, one->what.number)));
+      text += fmt::format("<li>case {}: {}<br><code>{}</code>", one->what.number, xmlText(one->what.text),
+                          xmlText(commandOf(findings.request, findings.steps, one->what.number)));
       for (std::size_t k = 1; k < one->outcome.sentences.size(); ++k)
-        text += "<br><span class=\"weak\">" + escaped(one->outcome.sentences[k]) + "</span>";
+        text += "<br><span class=\"weak\">" + xmlText(one->outcome.sentences[k]) + "</span>";
       text += "</li>\n";
     }
     text += "</ul></details>\n";
@@ -85,7 +73,7 @@ std::string pageOf(const Findings& findings) {
       "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>stress of "
       "{0}</title>\n<style>{1}</style>"
       "</head><body>\n<h1>What {0} bears</h1>\n<p>{2} cases of {3} steps, seed {4}.{5}</p>\n",
-      escaped(name), style, findings.results.size(), findings.steps, findings.request.seed,
+      xmlText(name), style, findings.results.size(), findings.steps, findings.request.seed,
       findings.open ? fmt::format(" {} more are open: the same command goes on.", findings.open) : "");
   text += "<table><tr><th></th>";
   for (int e = 0; e < endings; ++e)
@@ -95,7 +83,7 @@ std::string pageOf(const Findings& findings) {
     text += fmt::format("<dt>{}</dt><dd>{}</dd>", wordOf(Ending(e)), meanings[std::size_t(e)]);
   text += "</dl>\n";
   for (const std::string& doubt : findings.doubts)
-    text += "<p>The undisturbed run is in doubt: " + escaped(doubt) + "</p>\n";
+    text += "<p>The undisturbed run is in doubt: " + xmlText(doubt) + "</p>\n";
   for (const Ending ending : {Ending::breaks, Ending::elsewhere, Ending::doubt, Ending::stops, Ending::unfinished,
                               Ending::runs, Ending::good}) {
     const std::string part = details(findings, ending);

@@ -57,7 +57,7 @@ class Client : public std::enable_shared_from_this<Client> {
   void gone();
 
   Server& server_;
-  boost::beast::websocket::stream<boost::beast::tcp_stream> stream_;
+  boost::beast::websocket::stream<boost::beast::tcp_stream, false> stream_;  // that does not compress
   boost::beast::flat_buffer buffer_;
   int number_ = 0;
   bool has_greeted_ = false, is_ready_ = false, writing_ = false, gone_ = false, short_positions_ = false;

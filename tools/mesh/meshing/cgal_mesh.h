@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What the two domains share: from a domain, criteria and first points to a mesh whose slivers have been worked on. Each
-// stage of Mesh_3 takes a compiler 10 to 20 s for a domain, so each is instantiated in a source of its own.
+// What the two domains share: from a domain, criteria and first points to a mesh whose slivers have been worked on.
 #pragma once
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Mesh_3/Mesher_3.h>
 #include <CGAL/Mesh_complex_3_in_triangulation_3.h>
 #include <CGAL/Mesh_criteria_3.h>
 #include <CGAL/Mesh_triangulation_3.h>
 #include <CGAL/Random.h>
+#include <CGAL/exude_mesh_3.h>
+#include <CGAL/perturb_mesh_3.h>
 
 #include "tools/mesh/mesh_generator.h"
 #include "tools/mesh/meshing/domains.h"
@@ -38,29 +40,28 @@ LabelledMesh toLabelledMesh(const Complex& complex, LabelOf&& label_of) {
   return mesh;
 }
 
-/// Delaunay refinement from the first points that the complex has until all cells and triangles meet the criteria; see
-/// mesh_stages.h.
+/// Delaunay refinement from the first points that the complex has until all cells and triangles meet the criteria: CGAL's
+/// refine_mesh_3() without its optimisers, which are instantiated there even where none is asked for. Mesher_3 is not
+/// documented; this is what refine_mesh_3() of CGAL 5.5 does with it.
 template <class Complex, class Domain, class Criteria>
-void refine(Complex& complex, const Domain& domain, const Criteria& criteria);
-/// Moves vertices until no dihedral angle is below `bound` [degrees] or nothing helps any more.
-template <class Complex, class Domain>
-void perturb(Complex& complex, const Domain& domain, double bound);
-/// The same by the weights of the vertices. It must come last.
-template <class Complex>
-void exude(Complex& complex, double bound);
+void refine(Complex& complex, const Domain& domain, const Criteria& criteria) {
+  CGAL::Mesh_3::Mesher_3<Complex, Criteria, Domain>(complex, domain, criteria).refine_mesh();
+  complex.clear_manifold_info();
+}
 
 /// Perturbs, then exudes, until no dihedral angle is below `aim` [degrees] or nothing helps any more. Both aim higher when
 /// angles are left that are poor, at most twice; the best mesh is the result.
 template <class Complex, class Domain, class LabelOf>
 LabelledMesh withoutSlivers(Complex& complex, const Domain& domain, double aim, LabelOf&& label_of) {
+  namespace par = CGAL::parameters;
   const double poor = least_share * aim;
   LabelledMesh best;
   double best_angle = -1;
   for (int attempt = 0; attempt < 3 && best_angle < poor; ++attempt) {
     const double bound = aim + 2 * attempt;
-    perturb(complex, domain, bound);
+    CGAL::perturb_mesh_3(complex, domain, par::sliver_bound = bound, par::time_limit = 0);
     Complex weighted = complex;
-    exude(weighted, bound);
+    CGAL::exude_mesh_3(weighted, par::sliver_bound = bound, par::time_limit = 0);  // weighs the vertices: it must come last
     LabelledMesh mesh = toLabelledMesh(weighted, label_of);
     if (mesh.tetrahedra.empty()) return mesh;
     if (const double angle = qualityOf(mesh).smallest_angle; angle > best_angle)

@@ -1,15 +1,20 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // A segmented image as a domain of CGAL's Mesh_3: every region meshed by Delaunay refinement (Oudot, Rineau and Yvinec
 // 2005; Boltcheva, Yvinec and Boissonnat 2009 for several regions), neighbours sharing the triangles between them.
+#include <CGAL/Labeled_mesh_domain_3.h>
 #include <fmt/format.h>
 
 #include "framework/scene/diagnostics.h"
-#include "tools/mesh/meshing/domains.h"
-#include "tools/mesh/meshing/image_mesh.h"
+#include "tools/mesh/meshing/cgal_mesh.h"
 #include "tools/mesh/meshing/label_field.h"
 
 namespace stroma::meshing {
 namespace {
+
+using ImageDomain = CGAL::Labeled_mesh_domain_3<Kernel>;
+using ImageTriangulation = CGAL::Mesh_triangulation_3<ImageDomain, CGAL::Default, CGAL::Sequential_tag>::type;
+using ImageComplex = CGAL::Mesh_complex_3_in_triangulation_3<ImageTriangulation>;
+using ImageCriteria = CGAL::Mesh_criteria_3<ImageTriangulation>;
 
 /// Sizes by region for cells, by pair of regions for boundary triangles.
 struct Size {

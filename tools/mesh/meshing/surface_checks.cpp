@@ -13,6 +13,7 @@ namespace stroma::meshing {
 namespace {
 
 namespace pmp = CGAL::Polygon_mesh_processing;
+using Point = CGAL::Exact_predicates_inexact_constructions_kernel::Point_3;
 
 struct Soup {
   std::vector<Point> points;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "tools/stress/children.h"
+#include "tools/session/children.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -9,6 +9,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
@@ -17,10 +18,11 @@
 #include <stdexcept>
 #include <vector>
 
-namespace stroma::stress {
+namespace stroma {
 namespace {
 
-constexpr char whole = '\x01';  ///< the last byte: the text before it is all
+// the last byte: the text before it is all, of what was returned or thrown
+constexpr char returned = '\x01', thrown = '\x02';
 
 void writeAll(int pipe, const std::string& text) {
   for (std::size_t at = 0; at < text.size();) {
@@ -31,16 +33,20 @@ void writeAll(int pipe, const std::string& text) {
 }
 
 /// What it prints goes nowhere.
-[[noreturn]] void work(int pipe, pid_t parent, const std::function<std::string()>& call) {
+[[noreturn]] void work(int pipe, pid_t parent, const std::function<std::string()>& call, double gigabytes) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(1);  // it has ended already
+  rlimit memory{};
+  getrlimit(RLIMIT_AS, &memory);
+  memory.rlim_cur = std::min(memory.rlim_cur, rlim_t(std::min(gigabytes, 1e9) * double(1 << 30)));
+  setrlimit(RLIMIT_AS, &memory);
   rlimit none{};
   setrlimit(RLIMIT_CORE, &none);
   if (const int nowhere = open("/dev/null", O_WRONLY); nowhere >= 0) dup2(nowhere, 1), dup2(nowhere, 2);
-  const char end = whole;
   try {
-    writeAll(pipe, call());
-    if (write(pipe, &end, 1) != 1) _exit(1);
+    writeAll(pipe, call() + returned);
+  } catch (const std::exception& error) {
+    writeAll(pipe, std::string(error.what()) + thrown);
   } catch (...) {  // not a word of it: the parent says that it ended
   }
   _exit(0);
@@ -64,7 +70,7 @@ Children::~Children() {
   }
 }
 
-void Children::start(long number, double seconds, const std::function<std::string()>& call) {
+void Children::start(long number, double seconds, const std::function<std::string()>& call, double gigabytes) {
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0)
     throw std::runtime_error(fmt::format("no pipe can be made: {}", std::strerror(errno)));
@@ -79,7 +85,7 @@ void Children::start(long number, double seconds, const std::function<std::strin
   }
   if (child.process == 0) {
     close(ends[0]);
-    work(ends[1], parent, call);
+    work(ends[1], parent, call, gigabytes);
   }
   close(ends[1]);
   child.pipe = ends[0], child.seconds = seconds;
@@ -92,9 +98,10 @@ ChildEnd Children::endOf(long number, Child& child) const {
   int status = 0;
   waitpid(child.process, &status, 0);
   ChildEnd end{number, {}, {}, child.is_late};
-  if (!child.text.empty() && child.text.back() == whole) {
+  const char last = child.text.empty() ? '\0' : child.text.back();
+  if (last == returned || last == thrown) {
     child.text.pop_back();
-    end.text = std::move(child.text);
+    (last == returned ? end.text : end.failure) = std::move(child.text);
     end.is_late = false;
   } else if (child.is_late) {
     end.failure = fmt::format("given up after {:.3g} s of processor time", child.seconds);
@@ -150,4 +157,20 @@ bool Children::wait(ChildEnd& end) {
   return false;
 }
 
-}  // namespace stroma::stress
+void runJobs(int count, const JobLimits& limits, const std::function<std::string(int)>& work,
+             const std::function<void(int, const ChildEnd&)>& done) {
+  Children children(limits.seconds);
+  std::map<long, ChildEnd> waiting;
+  for (int next = 0, told = 0; told < count;) {
+    for (; next < count && int(children.running()) < limits.at_once; ++next)
+      children.start(next, limits.seconds, [&, next] { return work(next); }, limits.gigabytes);
+    ChildEnd end;
+    if (children.wait(end)) waiting.emplace(end.number, end);
+    for (auto first = waiting.find(told); first != waiting.end(); first = waiting.find(++told)) {
+      done(told, first->second);
+      waiting.erase(first);
+    }
+  }
+}
+
+}  // namespace stroma

@@ -8,12 +8,12 @@
 #include <map>
 #include <string>
 
-namespace stroma::stress {
+namespace stroma {
 
 struct ChildEnd {
   long number = 0;
   std::string text;     ///< what the work returned
-  std::string failure;  ///< a sentence where it did not: "it crashes with SIGSEGV"
+  std::string failure;  ///< a sentence where it did not: "it crashes with SIGSEGV", or what was thrown
   bool is_late = false;
 };
 
@@ -24,9 +24,9 @@ class Children {
   explicit Children(double patience = 60) : patience_(patience) {}
   Children(const Children&) = delete;
   ~Children();
-  /// Calls work() in a child, which has `seconds` of processor time. Before any thread is made. Throws
-  /// std::runtime_error.
-  void start(long number, double seconds, const std::function<std::string()>& work);
+  /// Calls work() in a child, which has `seconds` of processor time and `gigabytes` of memory. Before any thread is made.
+  /// Throws std::runtime_error.
+  void start(long number, double seconds, const std::function<std::string()>& work, double gigabytes = 1e9);
   std::size_t running() const { return children_.size(); }
   /// Waits a while for one to end. False when none has.
   bool wait(ChildEnd& end);
@@ -49,4 +49,13 @@ class Children {
   std::map<long, Child> children_;
 };
 
-}  // namespace stroma::stress
+struct JobLimits {
+  int at_once = 1;
+  double seconds = 600, gigabytes = 8;  ///< of one: of processor time, and of memory
+};
+
+/// Calls work(i) for i in [0, count) in children, and done(i, end) here in the order of i. Before any thread is made.
+void runJobs(int count, const JobLimits& limits, const std::function<std::string(int)>& work,
+             const std::function<void(int, const ChildEnd&)>& done);
+
+}  // namespace stroma
