@@ -80,14 +80,12 @@ def lattice_cells(n):
     return cells
 
 
-def surface_point(inside, outside):
-    """Where the surface crosses the segment, by bisection."""
+def surface_points(inside, outside):
+    """Where the surface crosses each segment, by bisection."""
     for _ in range(40):
         middle = (inside + outside) / 2
-        if organ(middle) < 0:
-            inside = middle
-        else:
-            outside = middle
+        is_inside = (organ(middle) < 0)[:, None]
+        inside, outside = np.where(is_inside, middle, inside), np.where(is_inside, outside, middle)
     return (inside + outside) / 2
 
 
@@ -113,15 +111,16 @@ class Stuffing:
 
     def cut_edges(self):
         """Cut points of all lattice edges that the surface crosses: (a, b) with a inside -> (point, share from a)."""
-        edges = {}
+        crossed = {}
         for cell in self.cells:
             for a, b in itertools.combinations(cell, 2):
                 if self.sign[a] * self.sign[b] < 0:
-                    a, b = (a, b) if self.sign[a] < 0 else (b, a)
-                    if (a, b) not in edges:
-                        point = surface_point(self.position[a], self.position[b])
-                        length = np.linalg.norm(self.position[b] - self.position[a])
-                        edges[a, b] = point, np.linalg.norm(point - self.position[a]) / length
+                    crossed[(a, b) if self.sign[a] < 0 else (b, a)] = None
+        ends = np.array([[self.position[a], self.position[b]] for a, b in crossed])
+        edges = {}
+        for (a, b), point in zip(crossed, surface_points(ends[:, 0], ends[:, 1])):
+            length = np.linalg.norm(self.position[b] - self.position[a])
+            edges[a, b] = point, np.linalg.norm(point - self.position[a]) / length
         return edges
 
     def warp(self):

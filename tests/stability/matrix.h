@@ -37,6 +37,7 @@ struct Row {
   bool has_poisson = false;
   bool is_alias = false;  ///< another name of a component that has its rows already
   double relaxation = 0;  ///< [s], of the slowest stress or pressure that relaxes, at a scale of 1
+  bool is_large = false;  ///< its body has four times as many nodes as others
 };
 const std::vector<Row>& rows();
 

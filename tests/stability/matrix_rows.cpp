@@ -96,6 +96,7 @@ void addBlock(std::vector<Row>& out, Cells cells, const std::string& type, const
   out.push_back({fmt::format("{} {}", variant.empty() ? type : names[int(cells)], variant), type,
                  [=](const std::string& integrator, const Condition& c) { return block(cells, field, integrator, c); },
                  slowestOfBlock, true, variant.empty()});
+  out.back().is_large = cells == Cells::quadratic;
 }
 
 void addElasticVariants(std::vector<Row>& out, Cells cells) {
@@ -308,7 +309,8 @@ std::vector<Row> makeRows() {
     const std::string& type = entry->type;
     if (type == "BeamFEMForceField" || type == "JointSpringForceField") continue;  // of frames: tests/beams
     if (type == "BeamHookeLawForceField") continue;  // linear, of curvatures: tests/sofa
-    if (type == "AngularSpringForceField" || type == "InteractionEllipsoidForceField") continue;  // of frames: tests/springs, tests/loads
+    if (type == "AngularSpringForceField" || type == "GearSpringForceField") continue;  // of frames: tests/springs
+    if (type == "InteractionEllipsoidForceField") continue;                             // of frames: tests/loads
     if (type == "TorsionForceField") continue;  // follows the nodes and drives them without end
     if (type == "OscillatingTorsionPressureForceField") continue;  // swings without end
     if (type == "BarrierContact") continue;  // refuses integrators that do not ask it how far they may move: tests/contact

@@ -4,16 +4,13 @@
 #include <string>
 
 #include "framework/mechanics/force_field.h"
+#include "tests/support/manual_examples.h"
 #include "tests/support/scene_fixture.h"
 
 namespace stroma::test {
 
 /// The scene below the line `Example:` of a component's manual page.
-inline std::string exampleOf(const std::string& type) {
-  const std::string page = modules().manual(type), mark = "\nExample:\n";
-  const auto at = page.find(mark);
-  return at == std::string::npos ? "" : page.substr(at + mark.size());
-}
+inline std::string exampleOf(const std::string& type) { return exampleIn(modules().manual(type)); }
 
 /// The force field of an example: `type` itself, or the other name of the component under which the example has it.
 inline std::string fieldOf(const std::string& example, const std::string& type) {

@@ -8,7 +8,7 @@
 namespace stroma::test {
 
 /// The scene below the line `Example:`, or empty.
-inline std::string exampleOf(const std::string& page) {
+inline std::string exampleIn(const std::string& page) {
   const std::string mark = "\nExample:\n";
   const auto at = page.find(mark);
   if (at == std::string::npos) return {};

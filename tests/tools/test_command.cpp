@@ -136,36 +136,27 @@ TEST_F(Command, AConstraintThatDoesNotHoldEndsTheRun) {
   EXPECT_TRUE(has(report["reason"].get<std::string>(), "node 0 is 0.5 behind plane 0"));
 }
 
-TEST_F(Command, QuietRunsTellNothingOfLongWork) {
-  // 1,678 free nodes, all on the surface: as much work as is told of, and little more
-  write("plate.xml",
-        "<Node name=\"root\" dt=\"0.01\" gravity=\"0 0 0\"><CondensedStaticSolver/><RegularGridTopology n=\"29 29 2\" "
-        "min=\"0 0 0\" max=\"0.6 0.6 0.02\"/><MechanicalObject/><HexahedronFEMForceField method=\"small\" "
-        "youngModulus=\"5000\" poissonRatio=\"0.3\"/><FixedProjectiveConstraint indices=\"0 1 29 800\"/></Node>");
-  const Finished told = stroma("run plate.xml -n 1"), quiet = stroma("run plate.xml -n 1 --quiet");
-  EXPECT_EQ(told.code, 0) << told.err;
-  for (const char* share : {": 0 %\n", ": 100 %\n"}) EXPECT_TRUE(has(told.err, share)) << told.err;
-  EXPECT_EQ(quiet.code, 0) << quiet.err;
-  EXPECT_EQ(quiet.out + quiet.err, "");
-}
-
-TEST_F(Command, LongFactorisationsTellHowFarTheyAre) {
-  std::string held;
-  for (int i = 0; i < 900; ++i) held += std::to_string(i) + " ";
-  write("block.xml",
-        "<Node name=\"root\" dt=\"0.01\" gravity=\"0 0 0\"><CondensedDynamicSolver condensed=\"false\" "
-        "solve=\"factor\"/><RegularGridTopology n=\"30 30 30\" min=\"0 0 0\" max=\"1 1 1\"/><MechanicalObject/>"
-        "<UniformMass totalMass=\"1\"/><HexahedronFEMForceField method=\"small\" youngModulus=\"5000\" "
-        "poissonRatio=\"0.3\"/><FixedProjectiveConstraint indices=\"" +
-            held + "\"/></Node>");
-  const Finished run = stroma("run block.xml -n 0");
-  EXPECT_EQ(run.code, 0) << run.err;
+/// Of the precomputations that tell of it: tests/condensation.
+TEST_F(Command, LongWorkTellsHowFarItIsAndQuietRunsTellNothing) {
+  const std::string with_module = " -n 0 --no-record --module '" STROMA_TEST_MODULES "/fickle.so'";
+  const auto run = [&](const char* operations, const std::string& options) {
+    write("slow.xml", fmt::format("<Node name=\"root\" gravity=\"0 0 0\"><EulerImplicitSolver/><SluggishSolver name=\"slow\" "
+                                  "operations=\"{}\"/><MechanicalObject position=\"0 0 0\"/><UniformMass totalMass=\"1\"/></Node>",
+                                  operations));
+    const Finished finished = stroma("run slow.xml" + with_module + options);
+    EXPECT_EQ(finished.code, 0) << finished.err;
+    return finished;
+  };
+  const std::string told = run("1.01e11", "").err;
   int lines = 0, estimates = 0;
-  for (std::size_t at = 0; (at = run.err.find(" %", at)) != std::string::npos; ++at) ++lines;
-  for (std::size_t at = 0; (at = run.err.find(" to go\n", at)) != std::string::npos; ++at) ++estimates;
-  EXPECT_EQ(lines, 5) << run.err;      // each quarter
-  EXPECT_EQ(estimates, 3) << run.err;  // but for the first and the last
-  EXPECT_TRUE(has(run.err, "the factor of 26100 nodes: 100 %\n")) << run.err;
+  for (std::size_t at = 0; (at = told.find(" %", at)) != std::string::npos; ++at) ++lines;
+  for (std::size_t at = 0; (at = told.find(" to go\n", at)) != std::string::npos; ++at) ++estimates;
+  EXPECT_EQ(lines, 5) << told;      // each quarter
+  EXPECT_EQ(estimates, 3) << told;  // but for the first and the last
+  EXPECT_TRUE(has(told, "/slow: sluggish work: 0 %\n") && has(told, "/slow: sluggish work: 100 %\n")) << told;
+  EXPECT_FALSE(has(run("0.99e11", "").err, "sluggish work")) << "work of a moment";
+  const Finished quiet = run("1.01e11", " --quiet");
+  EXPECT_EQ(quiet.out + quiet.err, "");
 }
 
 TEST_F(Command, RunRecordsFirstEveryKthAndLast) {
