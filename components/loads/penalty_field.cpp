@@ -34,8 +34,9 @@ void PenaltyField::init() {
 
 ForceTraits PenaltyField::traits() const {
   ForceTraits traits;
-  traits.symmetric = traits.conservative = true;
+  traits.symmetric = true;
   traits.velocity_dependent = damping_constant_ > 0 && !explicit_damping_;
+  traits.conservative = damping_constant_ == 0 || !explicit_damping_;  // damping that no C says is in no energy
   traits.exact_tangent = damping_constant_ == 0;
   return traits;
 }

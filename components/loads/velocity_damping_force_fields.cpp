@@ -43,9 +43,9 @@ class VelocityDamping : public NodeGroupField<1> {
   }
   ForceTraits traits() const override {
     ForceTraits traits;
-    traits.linear = traits.symmetric = traits.exact_tangent = traits.conservative = true;
+    traits.linear = traits.symmetric = traits.exact_tangent = true;
     traits.has_stiffness = false;
-    traits.velocity_dependent = !isExplicit();
+    traits.velocity_dependent = traits.conservative = !isExplicit();  // damping that no C says is in no energy
     return traits;
   }
   void compile() override {

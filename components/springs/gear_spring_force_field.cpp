@@ -163,7 +163,7 @@ class GearSpringForceField final : public NodeGroupField<8>, public History, pub
     for (const Gear& gear : gears_) damped = damped || gear.damping > 0;
     ForceTraits traits;
     traits.symmetric = true;
-    traits.conservative = !one_sided_;
+    traits.conservative = !one_sided_ && !(damped && explicit_damping_);  // what no C says is in no energy and no work of damping
     traits.exact_tangent = !one_sided_ && !damped;
     traits.velocity_dependent = damped && !explicit_damping_;
     return traits;
@@ -270,7 +270,10 @@ class GearSpringForceField final : public NodeGroupField<8>, public History, pub
     const int p = int(4 * i), m = p + 2;
     const Vec3 n = wheel.axis.cross(wheel.pivot_axis);
     const double c = wheel.axis.dot(wheel.pivot_axis), s2 = n.squaredNorm(), s = std::sqrt(s2);
-    const double h = s > 1e-4 ? std::atan2(s, c) / s : 1 + s2 / 6, slope = s > 1e-4 ? (c * h - 1) / s2 : -1. / 3;  // dh/dc
+    // h = beta / sin beta and dh/dc; axes that are opposite have no direction to turn to
+    const bool is_near = c > 0 && s < 1e-4;
+    const double h = is_near ? 1 + s2 / 6 : s > 0 ? std::atan2(s, c) / s : 0;
+    const double slope = is_near ? -1. / 3 : s > 0 ? (c * h - 1) / s2 : 0;
     Vec3 force = -gear.shift * wheel.off, torque = gear.turn * h * n;
     const Mat3 one = Mat3::Identity();
     const Mat3 by_wheel = gear.turn * (h * (wheel.axis * wheel.pivot_axis.transpose() - c * one) + slope * n * n.transpose());

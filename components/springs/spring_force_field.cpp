@@ -73,7 +73,9 @@ class SpringForceField final : public SpringField {
 
   ForceTraits traits() const override {
     ForceTraits traits = SpringField::traits();
-    if (explicit_force_) traits.has_stiffness = traits.velocity_dependent = traits.exact_tangent = false;
+    if (!explicit_force_) return traits;
+    traits.conservative = !traits.velocity_dependent;  // damping that no C says is in no energy
+    traits.has_stiffness = traits.velocity_dependent = traits.exact_tangent = false;
     return traits;
   }
 

@@ -72,9 +72,9 @@ class VectorSpringForceField final : public NodeGroupField<2, PairTangent>, publ
 
   ForceTraits traits() const override {
     ForceTraits traits;
-    traits.linear = traits.constant_stiffness = traits.symmetric = traits.conservative = traits.exact_tangent = true;
+    traits.linear = traits.constant_stiffness = traits.symmetric = true;
     traits.velocity_dependent = viscosity_ > 0 && !explicit_damping_;
-    traits.exact_tangent = viscosity_ == 0 || !explicit_damping_;
+    traits.conservative = traits.exact_tangent = viscosity_ == 0 || !explicit_damping_;
     traits.forces_balance = on_edges_ && second_ == &state();
     return traits;
   }

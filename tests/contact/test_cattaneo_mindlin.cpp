@@ -6,20 +6,10 @@
 
 #include "framework/simulation/simulation.h"
 #include "tests/contact/contact_scenes.h"
+#include "tests/contact/published_meshes.h"
 
 namespace stroma::test {
 namespace STROMA_TEST_FILE {
-
-/// From 0 in cells of size h up to `even`, then each `growth` times larger than the one before, up to `end`.
-std::vector<double> gradedFromZero(double h, double even, double growth, double end) {
-  std::vector<double> x{0};
-  while (x.back() < end) {
-    if (x.back() > even - 0.5 * h) h *= growth;
-    const double next = x.back() + h;
-    x.push_back(next > end - 0.5 * h ? end : next);
-  }
-  return x;
-}
 
 // SI units. The closed form is of a flat contact, a/R small, in which shear moves nothing across the surface: nu near 1/2.
 constexpr double young = 1e4, nu = 0.49, radius = 0.04, depth = 6.4e-5, way = 1.9e-5, mu = 0.3, range = 4e-6, a_about = 1e-3;
@@ -34,8 +24,8 @@ struct Slab {
 
   explicit Slab(double h) : width(h) {
     constexpr double growth = 1.6;
-    const std::vector<double> right = gradedFromZero(h, 1.3 * a_about, growth, 120 * a_about),
-                              down = gradedFromZero(h, a_about, growth, 100 * a_about);
+    const std::vector<double> right = gradedUpTo(h, 1.3 * a_about, growth, 120 * a_about),
+                              down = gradedUpTo(h, a_about, growth, 100 * a_about);
     for (std::size_t i = right.size() - 1; i > 0; --i) x.push_back(-right[i]);
     x.insert(x.end(), right.begin(), right.end());
     const int n = int(x.size()), m = int(down.size());

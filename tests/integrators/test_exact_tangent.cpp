@@ -3,23 +3,15 @@
 #include <fmt/format.h>
 
 #include "components/integrators/exact_tangent.h"
+#include "tests/integrators/bent_bar.h"
 #include "tests/support/scene_text.h"
 
 namespace stroma::test {
 namespace STROMA_TEST_FILE {
 
-/// A bar of tetrahedra that bends far in one long step.
 std::string bar(const std::string& elasticity, const std::string& integrator = "") {
-  return fmt::format(R"(<Node name="root" dt="0.5" gravity="0 -9.81 0">
-    <EulerImplicitSolver newtonIterations="60" newtonTolerance="1e-9" {}/><SparseLDLSolver/>
-    <RegularGridTopology name="grid" n="9 3 3" min="0 0 0" max="0.4 0.1 0.1"/>
-    <MechanicalObject name="dofs"/><UniformMass totalMass="1"/>
-    <BoxROI name="wall" box="-0.001 -1 -1  0.001 1 1"/><FixedProjectiveConstraint indices="@wall.indices"/>
-    <Node name="cells"><TetrahedronSetTopologyContainer name="tetrahedra"/>
-      <Hexa2TetraTopologicalMapping input="@../grid" output="@tetrahedra" cutting="five"/>
-      <TetrahedronFEMForceField mstate="@../dofs" topology="@tetrahedra" youngModulus="30000" poissonRatio="0.3"
-          {}/></Node></Node>)",
-                     integrator, elasticity);
+  return bentBar(0.5, 1, R"(newtonIterations="60" newtonTolerance="1e-9" )" + integrator, "<SparseLDLSolver/>",
+                 R"(poissonRatio="0.3" )" + elasticity);
 }
 
 std::string countOf(const Simulation& simulation) {

@@ -4,24 +4,14 @@
 
 #include "framework/simulation/integrator.h"
 #include "framework/simulation/system.h"
+#include "tests/integrators/bent_bar.h"
 #include "tests/support/scene_text.h"
 
 namespace stroma::test {
 namespace STROMA_TEST_FILE {
 
-/// A bar of tetrahedra that swings far under its weight.
 std::string bar(const std::string& integrator, const std::string& solver, const std::string& method = "svd") {
-  return fmt::format(R"(<Node name="root" dt="0.02" gravity="0 -9.81 0">
-    <EulerImplicitSolver newtonIterations="30" {}/>
-    {}
-    <RegularGridTopology name="grid" n="9 3 3" min="0 0 0" max="0.4 0.1 0.1"/>
-    <MechanicalObject name="dofs"/><UniformMass totalMass="4"/>
-    <BoxROI name="wall" box="-0.001 -1 -1  0.001 1 1"/><FixedProjectiveConstraint indices="@wall.indices"/>
-    <Node name="cells"><TetrahedronSetTopologyContainer name="tetrahedra"/>
-      <Hexa2TetraTopologicalMapping input="@../grid" output="@tetrahedra" cutting="five"/>
-      <TetrahedronFEMForceField mstate="@../dofs" topology="@tetrahedra" youngModulus="30000" poissonRatio="0.4"
-          method="{}"/></Node></Node>)",
-                     integrator, solver, method);
+  return bentBar(0.02, 4, R"(newtonIterations="30" )" + integrator, solver, R"(poissonRatio="0.4" method=")" + method + "\"");
 }
 
 struct Effort {

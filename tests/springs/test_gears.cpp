@@ -8,6 +8,7 @@
 #include <random>
 
 #include "framework/mechanics/frames.h"
+#include "framework/simulation/system.h"
 #include "tests/support/scene_fixture.h"
 
 namespace stroma::test {
@@ -91,6 +92,22 @@ TEST(Gears, ForceAndTangentAreThoseOfTheEnergy) {
   }
 }
 
+/// Near half a turn the torque k_r beta has its full size, and opposite axes have none.
+TEST(Gears, TheAxisIsHeldUpToHalfATurn) {
+  for (const double beta : {1e-6, 0.5, std::numbers::pi - 1e-3, std::numbers::pi - 5e-5}) {
+    SCOPED_TRACE(beta);
+    const std::string wheel = fmt::format("{} 0 0 {}", std::sin(beta / 2), std::cos(beta / 2));  // turned about x
+    Simulation simulation = simulationFromText(framesOf("0 0 0  0 0 0 1   0 0 0  " + wheel + "   2 0 0  0 0 0 1   2 0 0  0 0 0 1",
+                                                        gear("0 1 2 3 AXIS 2 2 KS_R 0 20 KD 0")));
+    const System& system = *simulation.systems().at(0);
+    Vector f(8), v(8);
+    system.forceFields().at(0)->addForce(system.x, v, f);
+    EXPECT_NEAR(f[3].x(), -20 * beta, 1e-8);
+    EXPECT_NEAR(f[1].x(), 20 * beta, 1e-8);
+    EXPECT_LT(std::hypot(f[3].y(), f[3].z()), 1e-8);
+  }
+}
+
 TEST(Gears, OneSidedTeethLeaveThePivots) {
   const std::string start = "0 0 0  0 0 0 1   0 0 0  0 0 0.1 0.99498743710662   2 0 0  0 0 0 1   2 0 0  0 0 0 1";
   const double angle = 2 * std::asin(0.1);
@@ -156,6 +173,24 @@ TEST(VectorSprings, DrawNodesOfTwoBodiesTogether) {
 }
 
 // ---- outside of the matrix ----
+
+/// Newton's method may then not search along an energy, in which their work is missing.
+TEST(ExplicitDamping, IsInNoEnergy) {
+  const std::string points = "<Node name='root'><EulerImplicitSolver/><SparseLDLSolver/><MechanicalObject position='0 0 0  1 0 0'/>"
+                             "<MeshTopology position='0 0 0  1 0 0' edges='0 1'/><UniformMass totalMass='2'/>";
+  const auto isConservative = [](const std::string& scene) {
+    return simulationFromText(scene).systems().at(0)->forceFields().at(0)->traits().conservative;
+  };
+  for (const char* field : {"<VectorSpringForceField useTopology='true' viscosity='2' explicitDamping='{}'/>",
+                            "<SpringForceField springsIndices1='0' springsIndices2='1' lengths='1' damping='2' explicitForce='{}'/>",
+                            "<PlaneForceField stiffness='10' damping='2' explicitDamping='{}'/>",
+                            "<UniformVelocityDampingForceField dampingCoefficient='2' explicitDamping='{}'/>"})
+    for (const bool is_explicit : {false, true})
+      EXPECT_EQ(isConservative(points + fmt::format(fmt::runtime(field), is_explicit) + "</Node>"), !is_explicit) << field;
+  for (const bool is_explicit : {false, true})
+    EXPECT_EQ(isConservative(framesOf(four_frames, gear("0 1 2 3 KD 2", is_explicit ? "explicitDamping='true'" : ""))),
+              !is_explicit);
+}
 
 /// Explicit forces of a linear step, velocities first: symplectic Euler's phase, 2 asin(w h / 2) per step; momentum is kept.
 TEST(ExplicitSprings, TheStepIsThatOfSymplecticEuler) {

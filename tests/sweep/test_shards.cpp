@@ -251,6 +251,8 @@ exit ${code:-0}
   }
 };
 
+// `tools/setup test` installs GNU parallel; without it, in a tree that was built by hand, there is nothing that could be tested.
+
 TEST_F(Engines, ParallelMakesTheSharesOnAllMachinesAndGathers) {
   if (!isInstalled("parallel")) GTEST_SKIP() << "GNU parallel is not installed";
   const std::string engine = "parallel --sshlogin node1,node2 --shares 3";

@@ -27,7 +27,7 @@ const std::vector<UnitSystem>& unitSystems();
 bool isKnown(const WrittenBody& body, Quantity q);
 /// density * gravity * size / modulus, what is not known as usual: about the strain by the body's own weight.
 double weightOf(const WrittenBody& body, const Factors& factors);
-/// The largest such strain of a body that keeps its shape. A brain out of its liquid has 3; at 30 a body is a puddle.
+/// The largest such strain of a body that keeps its shape. A brain out of its liquid has 3, a puddle 30 and more.
 constexpr double heaviest = 30;
 
 /// What is wrong with a body.
